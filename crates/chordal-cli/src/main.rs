@@ -1,0 +1,2 @@
+//! The `chordal` command: translates arguments into verbs.
+fn main() {}

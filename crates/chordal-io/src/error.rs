@@ -1,0 +1,111 @@
+//! What is wrong with a file, and where.
+use std::fmt;
+
+/// The place in a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// The file as a whole.
+    File,
+    /// An offset in bytes from its start.
+    Byte(u64),
+    /// A line, counted from 1.
+    Line(u64),
+    /// A row of a named list, counted from 0, at a byte or line where that is known.
+    Row {
+        /// The list, as in "vertex".
+        list: &'static str,
+        /// The row.
+        row: u64,
+    },
+    /// A JSON pointer (RFC 6901).
+    Pointer(String),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File => f.write_str("file"),
+            Self::Byte(offset) => write!(f, "byte {offset}"),
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Row { list, row } => write!(f, "{list} {row}"),
+            Self::Pointer(pointer) => write!(f, "{pointer}"),
+        }
+    }
+}
+
+/// A stable name for what is wrong, a place, and one sentence that gives the value and the limit.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ReadError {
+    /// Stable, for programs, as in "index-out-of-range".
+    pub code: &'static str,
+    /// Where.
+    pub place: Place,
+    /// What, with the value and the limit.
+    pub message: String,
+}
+
+impl ReadError {
+    /// An error at a place.
+    pub fn new(code: &'static str, place: Place, message: impl Into<String>) -> Self {
+        Self { code, place, message: message.into() }
+    }
+}
+
+impl fmt::Display for ReadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.place {
+            Place::File => f.write_str(&self.message),
+            place => write!(f, "{place}: {}", self.message),
+        }
+    }
+}
+
+impl std::error::Error for ReadError {}
+
+/// Something in a file that was repaired, skipped or odd: counted, with its first place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// Stable, for programs, as in "unused-vertices".
+    pub code: &'static str,
+    /// How often.
+    pub count: u64,
+    /// Where it was seen first.
+    pub place: Place,
+    /// One sentence.
+    pub message: String,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.place {
+            Place::File => write!(f, "{} ({}x)", self.message, self.count),
+            place => write!(f, "{} ({}x, first at {place})", self.message, self.count),
+        }
+    }
+}
+
+/// Why a shape cannot be written.
+#[derive(Debug)]
+pub enum WriteError {
+    /// The sink failed.
+    Io(std::io::Error),
+    /// The format cannot hold the shape.
+    Unsupported(String),
+}
+
+impl fmt::Display for WriteError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Io(error) => error.fmt(f),
+            Self::Unsupported(message) => f.write_str(message),
+        }
+    }
+}
+
+impl std::error::Error for WriteError {}
+
+impl From<std::io::Error> for WriteError {
+    fn from(error: std::io::Error) -> Self {
+        Self::Io(error)
+    }
+}

@@ -1,0 +1,11 @@
+//! Bytes to nouns and back: every reader takes [`Limits`] and ends in a shape, a shape with listed warnings, or one
+//! [`ReadError`] that names the place. No paths, no network, no panic.
+mod error;
+mod format;
+mod limits;
+mod scene;
+
+pub use error::{Place, ReadError, Warning, WriteError};
+pub use format::Format;
+pub use limits::Limits;
+pub use scene::{Axis, Content, Frame, Loaded, Node, Part, Scene};

@@ -1,0 +1,31 @@
+//! `Limits`: how much a file may make a reader do.
+
+/// Caps on what one file may ask for; a file past a cap is refused before the memory is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Bytes of the file, and of anything decoded from it.
+    pub bytes: u64,
+    /// Vertices, faces, nodes: rows of any one list.
+    pub rows: u64,
+    /// Bytes in one line of a text format's header.
+    pub header_line: usize,
+    /// Nesting of JSON.
+    pub depth: usize,
+    /// What gltf-validator calls an error and does not touch geometry becomes a warning.
+    pub lenient: bool,
+    /// Vertices that are NaN or infinite are dropped with their faces and counted, instead of refused.
+    pub drop_nonfinite: bool,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            bytes: 4 << 30,
+            rows: 500_000_000,
+            header_line: 64 << 10,
+            depth: 128,
+            lenient: false,
+            drop_nonfinite: false,
+        }
+    }
+}

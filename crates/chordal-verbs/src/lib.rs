@@ -1,0 +1,1 @@
+//! What every shell calls: any input, a verb, a report.

@@ -1,0 +1,1 @@
+//! Chordal as a plain WASM module.

@@ -1,0 +1,109 @@
+//! `Bounded`: a shape with the bound on what was lost, and the ways in which there is none.
+use super::Bound;
+use std::fmt;
+
+/// What every lossy arrow returns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bounded<T> {
+    /// The shape that was made.
+    pub shape: T,
+    /// How far it is from the true shape.
+    pub bound: Bound,
+}
+
+impl<T> Bounded<T> {
+    /// The same bound on another view of the same points (no loss in `f`).
+    pub fn map<U>(self, f: impl FnOnce(T) -> U) -> Bounded<U> {
+        Bounded { shape: f(self.shape), bound: self.bound }
+    }
+}
+
+/// Why there is no result that meets the budget.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Failure<T> {
+    /// The budget was not met; here is the best that was reached.
+    Unmet(Box<Bounded<T>>),
+    /// The work was not started, or not finished, for this reason.
+    Refused(Refusal),
+    /// The job was asked to stop.
+    Cancelled,
+}
+
+/// A reason with a stable code.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refusal {
+    /// Stable, for programs.
+    pub code: Code,
+    /// One sentence, for people.
+    pub message: String,
+}
+
+/// Stable names of the reasons for a [`Refusal`]. A code, once released, keeps its meaning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Code {
+    /// The budget has no limit, or one that this arrow cannot honour.
+    Budget,
+    /// The budget needs more triangles than the job allows.
+    TooManyTriangles,
+    /// The budget needs more memory than the job allows.
+    TooMuchMemory,
+    /// A number of the input is NaN or infinite, or grows so on the way.
+    NotFinite,
+    /// There is nothing to convert.
+    Empty,
+    /// The budget asks for less than what the input's own rounding loses.
+    BelowPrecision,
+    /// The floating-point environment flushes subnormals, so nothing can be proved.
+    FlushesSubnormals,
+    /// The shape comes so close to the eye that no pixel bound exists.
+    TooClose,
+    /// An operation that the shape's kind does not have.
+    Unsupported,
+}
+
+impl Code {
+    /// The stable text.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Budget => "budget",
+            Self::TooManyTriangles => "too-many-triangles",
+            Self::TooMuchMemory => "too-much-memory",
+            Self::NotFinite => "not-finite",
+            Self::Empty => "empty",
+            Self::BelowPrecision => "below-precision",
+            Self::FlushesSubnormals => "flushes-subnormals",
+            Self::TooClose => "too-close",
+            Self::Unsupported => "unsupported",
+        }
+    }
+}
+
+impl<T> Failure<T> {
+    /// A refusal, said in one sentence.
+    pub fn refused(code: Code, message: impl Into<String>) -> Self {
+        Self::Refused(Refusal { code, message: message.into() })
+    }
+
+    /// The stable code: that of the refusal, `unmet` or `cancelled`.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Unmet(_) => "unmet",
+            Self::Refused(refusal) => refusal.code.as_str(),
+            Self::Cancelled => "cancelled",
+        }
+    }
+}
+
+impl<T> fmt::Display for Failure<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unmet(best) => write!(f, "the budget was not met; the best reached is {}", best.bound),
+            Self::Refused(refusal) => f.write_str(&refusal.message),
+            Self::Cancelled => f.write_str("cancelled"),
+        }
+    }
+}
+
+impl<T: fmt::Debug> std::error::Error for Failure<T> {}

@@ -1,0 +1,184 @@
+//! `Length`: how a person writes a length: `0.1`, `0.1mm`, `0.05%`.
+use super::Tolerance;
+use std::fmt;
+use std::str::FromStr;
+
+/// A unit of length that a file or a user can name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// 1e-6 m
+    Micrometre,
+    /// 1e-3 m
+    Millimetre,
+    /// 1e-2 m
+    Centimetre,
+    /// The metre itself.
+    Metre,
+    /// 1e3 m
+    Kilometre,
+    /// 0.0254 m, exactly (international yard and pound agreement, 1959)
+    Inch,
+    /// 0.3048 m, exactly (the same)
+    Foot,
+}
+
+const UNITS: [(Unit, &str, f64); 7] = [
+    (Unit::Micrometre, "um", 1e-6),
+    (Unit::Millimetre, "mm", 1e-3),
+    (Unit::Centimetre, "cm", 1e-2),
+    (Unit::Metre, "m", 1.0),
+    (Unit::Kilometre, "km", 1e3),
+    (Unit::Inch, "in", 0.0254),
+    (Unit::Foot, "ft", 0.3048),
+];
+
+impl Unit {
+    fn row(self) -> (Unit, &'static str, f64) {
+        UNITS[self as usize]
+    }
+
+    /// Metres in one such unit.
+    #[must_use]
+    pub fn metres(self) -> f64 {
+        self.row().2
+    }
+}
+
+impl fmt::Display for Unit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.row().1)
+    }
+}
+
+impl FromStr for Unit {
+    type Err = InvalidLength;
+    fn from_str(text: &str) -> Result<Self, InvalidLength> {
+        let found = UNITS.iter().find(|row| row.1 == text);
+        found.map(|row| row.0).ok_or_else(|| InvalidLength {
+            text: text.to_owned(),
+            why: "units are um, mm, cm, m, km, in and ft",
+        })
+    }
+}
+
+/// A length as written: in the shape's units, in a named unit, or as a share of the shape's diagonal.
+///
+/// ```
+/// use chordal::budget::{Length, Unit};
+/// assert_eq!("0.05%".parse::<Length>()?.to_string(), "0.05%");
+/// assert_eq!("0.1mm".parse::<Length>()?, Length::In(0.1, Unit::Millimetre));
+/// // 0.05 % of a diagonal of 20 is 0.01:
+/// assert_eq!("0.05%".parse::<Length>()?.resolve(20.0, None)?.get(), 0.01);
+/// # Ok::<(), chordal::budget::InvalidLength>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Length {
+    /// In the units of the shape.
+    Plain(f64),
+    /// In a named unit; needs a shape whose unit is known.
+    In(f64, Unit),
+    /// In percent of the diagonal of the shape's box.
+    Percent(f64),
+}
+
+impl Length {
+    /// The length in the units of a shape whose box has the diagonal `diagonal` and whose unit, if known, is
+    /// `metres_per_unit` metres.
+    ///
+    /// # Errors
+    /// A named unit needs `metres_per_unit`; a percentage needs a diagonal greater than zero.
+    pub fn resolve(self, diagonal: f64, metres_per_unit: Option<f64>) -> Result<Tolerance, InvalidLength> {
+        let invalid = |why| InvalidLength { text: self.to_string(), why };
+        let length = match self {
+            Self::Plain(length) => length,
+            Self::In(length, unit) => {
+                let per_unit = metres_per_unit.ok_or_else(|| {
+                    invalid("the input's unit is not known: give --unit, or a length without a unit")
+                })?;
+                length * unit.metres() / per_unit
+            }
+            Self::Percent(percent) => percent / 100.0 * diagonal,
+        };
+        Tolerance::new(length).map_err(|_| invalid("it is not a finite length greater than 0 for this shape"))
+    }
+}
+
+impl fmt::Display for Length {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Plain(length) => write!(f, "{length}"),
+            Self::In(length, unit) => write!(f, "{length}{unit}"),
+            Self::Percent(percent) => write!(f, "{percent}%"),
+        }
+    }
+}
+
+impl FromStr for Length {
+    type Err = InvalidLength;
+    fn from_str(text: &str) -> Result<Self, InvalidLength> {
+        let text = text.trim();
+        let invalid = |why| InvalidLength { text: text.to_owned(), why };
+        let split = text
+            .find(|c: char| c.is_ascii_alphabetic() && c != 'e' && c != 'E' || c == '%')
+            .unwrap_or(text.len());
+        let (number, unit) = text.split_at(split);
+        // `nan` and `inf` start with letters, so they land in `unit` and the number is empty.
+        let number: f64 = number
+            .trim()
+            .parse()
+            .map_err(|_| invalid("a length is a number greater than 0, as in 0.1, 0.1mm or 0.05%"))?;
+        if !(number.is_finite() && number > 0.0) {
+            return Err(invalid("a length must be finite and greater than 0"));
+        }
+        match unit.trim() {
+            "" => Ok(Self::Plain(number)),
+            "%" => Ok(Self::Percent(number)),
+            unit => Ok(Self::In(number, unit.parse().map_err(|e: InvalidLength| invalid(e.why))?)),
+        }
+    }
+}
+
+/// A text that is no length, and why.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InvalidLength {
+    text: String,
+    why: &'static str,
+}
+
+impl fmt::Display for InvalidLength {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "'{}': {}", self.text, self.why)
+    }
+}
+
+impl std::error::Error for InvalidLength {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_back_what_it_shows() {
+        for text in ["0.1", "0.1mm", "0.05%", "3ft", "1e-6", "2.5e3km", "12in"] {
+            let length: Length = text.parse().unwrap();
+            assert_eq!(length.to_string().parse::<Length>().unwrap(), length, "{text}");
+        }
+    }
+
+    #[test]
+    fn refuses_what_is_no_length() {
+        for text in
+            ["", "0", "-1", "nan", "inf", "1e400", "0.1parsec", "mm", "%", "1,5", "0x1", "1mm2", "-0.0%"]
+        {
+            assert!(text.parse::<Length>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_unit_needs_a_shape_with_a_unit() {
+        let length: Length = "1mm".parse().unwrap();
+        assert!(length.resolve(1.0, None).is_err());
+        assert_eq!(length.resolve(1.0, Some(1e-3)).unwrap().get(), 1.0);
+        assert!("5%".parse::<Length>().unwrap().resolve(0.0, None).is_err());
+    }
+}

@@ -1,0 +1,68 @@
+//! `Budget`: how much may be lost, in units, in pixels at a view, in degrees, or as a number of triangles.
+use super::{Pixels, Tolerance, View};
+
+/// What kind of evidence the result must carry.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Require {
+    /// A bound from above that mathematics covers, rounding included.
+    #[default]
+    Proved,
+    /// A measurement is enough.
+    Measured,
+}
+
+/// An error on the screen, at a view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelBudget {
+    /// The largest distance on the screen, in device pixels.
+    pub pixels: Pixels,
+    /// From where.
+    pub view: View,
+}
+
+/// Optional limits, of which at least one of `length`, `pixels` and `triangles` is set; all that are set hold.
+///
+/// ```
+/// use chordal::{Budget, Tolerance};
+/// let budget = Budget { triangles: Some(5000), ..Budget::length(Tolerance::new(0.01).unwrap()) };
+/// assert!(budget.has_limit());
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Budget {
+    /// The largest distance to the true shape, in the shape's units.
+    pub length: Option<Tolerance>,
+    /// The largest distance on the screen.
+    pub pixels: Option<PixelBudget>,
+    /// The largest angle between the triangles' normals and the true ones, in degrees.
+    pub angle_deg: Option<f64>,
+    /// The most triangles.
+    pub triangles: Option<u64>,
+    /// The evidence that is asked for.
+    pub require: Require,
+}
+
+impl Budget {
+    /// A budget of a length alone.
+    #[must_use]
+    pub fn length(length: Tolerance) -> Self {
+        Self { length: Some(length), ..Self::default() }
+    }
+
+    /// A budget of pixels at a view.
+    #[must_use]
+    pub fn pixels(pixels: Pixels, view: View) -> Self {
+        Self { pixels: Some(PixelBudget { pixels, view }), ..Self::default() }
+    }
+
+    /// A budget of triangles alone.
+    #[must_use]
+    pub fn triangles(most: u64) -> Self {
+        Self { triangles: Some(most), ..Self::default() }
+    }
+
+    /// Whether it limits anything that a mesh can be built for.
+    #[must_use]
+    pub fn has_limit(&self) -> bool {
+        self.length.is_some() || self.pixels.is_some() || self.triangles.is_some()
+    }
+}

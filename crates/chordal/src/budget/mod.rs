@@ -1,0 +1,16 @@
+//! The toll: what may be lost ([`Budget`]), what was lost ([`Bound`]), and under which conditions work runs ([`Job`]).
+mod bound;
+mod bounded;
+mod job;
+mod length;
+mod limits;
+mod tolerance;
+mod view;
+
+pub use bound::{Bound, Evidence, Metric, Reference};
+pub use bounded::{Bounded, Code, Failure, Refusal};
+pub use job::{Job, Progress};
+pub use length::{InvalidLength, Length, Unit};
+pub use limits::{Budget, PixelBudget, Require};
+pub use tolerance::{InvalidTolerance, Tolerance};
+pub use view::{Camera, Closest, InvalidView, Pixels, Projection, Screen, View};

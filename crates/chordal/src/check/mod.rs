@@ -1,0 +1,1 @@
+//! The judge: measures and proves, builds nothing.

@@ -1,0 +1,279 @@
+//! `Mesh`: triangles over an indexed list of positions, with attribute streams.
+use crate::math::Box3;
+use std::fmt;
+
+/// What an attribute means.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Semantic {
+    /// Unit normals, 3 wide.
+    Normal,
+    /// Tangents with the sign of the bitangent, 4 wide.
+    Tangent,
+    /// Texture coordinates of a set, 2 wide.
+    TexCoord(u32),
+    /// Colours of a set, 3 or 4 wide, 0 to 1.
+    Color(u32),
+    /// The index of a material or smoothing group, 1 wide.
+    Group(String),
+    /// Anything else, by the name that the file gave it.
+    Custom(String),
+}
+
+/// To what the rows of an attribute belong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Domain {
+    /// One row a vertex.
+    Vertex,
+    /// Three rows a face, in the order of its corners.
+    Corner,
+    /// One row a face.
+    Face,
+}
+
+/// One stream of values: `width` numbers a row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attribute {
+    /// What it means.
+    pub semantic: Semantic,
+    /// To what its rows belong.
+    pub domain: Domain,
+    /// Numbers a row, 1 to 16.
+    pub width: usize,
+    /// All rows, one after the other.
+    pub values: Vec<f64>,
+}
+
+impl Attribute {
+    /// Vertex normals from `n × 3` values.
+    #[must_use]
+    pub fn vertex_normals(normals: &[[f64; 3]]) -> Self {
+        Self {
+            semantic: Semantic::Normal,
+            domain: Domain::Vertex,
+            width: 3,
+            values: normals.as_flattened().to_vec(),
+        }
+    }
+
+    /// The row of one vertex, corner or face.
+    #[must_use]
+    pub fn row(&self, index: usize) -> &[f64] {
+        &self.values[index * self.width..][..self.width]
+    }
+}
+
+/// Triangles: `faces` is m × 3, indices into `positions`, n × 3, all finite. Counter-clockwise is the front.
+///
+/// Vertices that differ only in their attributes (the two sides of a hard edge) are separate rows tied together by
+/// [`Mesh::position_id`], so that a cube with 24 vertices is still closed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    positions: Vec<[f64; 3]>,
+    faces: Vec<[u32; 3]>,
+    position_id: Option<Vec<u32>>,
+    attributes: Vec<Attribute>,
+}
+
+impl Mesh {
+    /// A mesh without attributes.
+    ///
+    /// # Errors
+    /// [`InvalidMesh`] when a coordinate is not finite, an index is out of range, or there are more than 2³² − 2 positions.
+    pub fn new(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Result<Self, InvalidMesh> {
+        if let Some(row) = positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+            return Err(InvalidMesh::NotFinite { row, value: positions[row] });
+        }
+        if positions.len() >= u32::MAX as usize {
+            return Err(InvalidMesh::TooManyPositions(positions.len()));
+        }
+        let limit = positions.len() as u32;
+        if let Some(face) = faces.iter().position(|f| f.iter().any(|i| *i >= limit)) {
+            let index = faces[face].into_iter().find(|i| *i >= limit).unwrap_or(limit);
+            return Err(InvalidMesh::IndexOutOfRange { face, index, limit });
+        }
+        Ok(Self { positions, faces, position_id: None, attributes: Vec::new() })
+    }
+
+    /// The same mesh with vertices tied by position: row i belongs to position `id[i]`, and rows of one id have
+    /// bit-identical positions.
+    ///
+    /// # Errors
+    /// [`InvalidMesh`] when the length differs from the number of positions, an id is not below that number, or two
+    /// rows of one id differ.
+    pub fn with_position_id(mut self, id: Vec<u32>) -> Result<Self, InvalidMesh> {
+        if id.len() != self.positions.len() {
+            return Err(InvalidMesh::Length {
+                what: "position_id",
+                rows: id.len(),
+                expected: self.positions.len(),
+            });
+        }
+        let mut seen: Vec<Option<[u64; 3]>> = vec![None; id.len()];
+        for (row, &i) in id.iter().enumerate() {
+            let bits = self.positions[row].map(f64::to_bits);
+            let known = seen.get_mut(i as usize).ok_or(InvalidMesh::PositionId { row })?;
+            if *known.get_or_insert(bits) != bits {
+                return Err(InvalidMesh::PositionId { row });
+            }
+        }
+        self.position_id = Some(id);
+        Ok(self)
+    }
+
+    /// The same mesh with one more attribute.
+    ///
+    /// # Errors
+    /// [`InvalidMesh::Length`] when the number of values does not fit the domain.
+    pub fn with_attribute(mut self, attribute: Attribute) -> Result<Self, InvalidMesh> {
+        let rows = match attribute.domain {
+            Domain::Vertex => self.positions.len(),
+            Domain::Corner => 3 * self.faces.len(),
+            Domain::Face => self.faces.len(),
+        };
+        if attribute.values.len() != rows * attribute.width {
+            return Err(InvalidMesh::Length {
+                what: "attribute",
+                rows: attribute.values.len(),
+                expected: rows * attribute.width,
+            });
+        }
+        self.attributes.push(attribute);
+        Ok(self)
+    }
+
+    /// n × 3 coordinates.
+    #[must_use]
+    pub fn positions(&self) -> &[[f64; 3]] {
+        &self.positions
+    }
+
+    /// m × 3 indices into the positions.
+    #[must_use]
+    pub fn faces(&self) -> &[[u32; 3]] {
+        &self.faces
+    }
+
+    /// Which vertices share a position; `None` when each vertex has its own.
+    #[must_use]
+    pub fn position_id(&self) -> Option<&[u32]> {
+        self.position_id.as_deref()
+    }
+
+    /// The position that vertex `index` belongs to.
+    #[inline]
+    #[must_use]
+    pub fn position_of(&self, index: u32) -> u32 {
+        self.position_id.as_ref().map_or(index, |id| id[index as usize])
+    }
+
+    /// The number of distinct positions.
+    #[must_use]
+    pub fn n_positions(&self) -> usize {
+        let Some(id) = &self.position_id else { return self.positions.len() };
+        let mut used = vec![false; id.len()];
+        id.iter().for_each(|i| used[*i as usize] = true);
+        used.iter().filter(|u| **u).count()
+    }
+
+    /// All attribute streams.
+    #[must_use]
+    pub fn attributes(&self) -> &[Attribute] {
+        &self.attributes
+    }
+
+    /// The first attribute of that meaning.
+    #[must_use]
+    pub fn attribute(&self, semantic: &Semantic) -> Option<&Attribute> {
+        self.attributes.iter().find(|a| a.semantic == *semantic)
+    }
+
+    /// The three corners of a face.
+    #[inline]
+    #[must_use]
+    pub fn corners(&self, face: usize) -> [[f64; 3]; 3] {
+        self.faces[face].map(|i| self.positions[i as usize])
+    }
+
+    /// The box of the positions.
+    #[must_use]
+    pub fn bounds(&self) -> Box3 {
+        Box3::around(&self.positions)
+    }
+
+    /// The same topology and attributes with other positions, as after rounding to the written precision.
+    ///
+    /// # Errors
+    /// [`InvalidMesh`] when their number differs, one is not finite, or vertices of one position id part.
+    pub fn with_positions(&self, positions: Vec<[f64; 3]>) -> Result<Self, InvalidMesh> {
+        if positions.len() != self.positions.len() {
+            return Err(InvalidMesh::Length {
+                what: "positions",
+                rows: positions.len(),
+                expected: self.positions.len(),
+            });
+        }
+        let mut mesh = Self::new(positions, self.faces.clone())?;
+        if let Some(id) = &self.position_id {
+            mesh = mesh.with_position_id(id.clone())?;
+        }
+        mesh.attributes.clone_from(&self.attributes);
+        Ok(mesh)
+    }
+}
+
+/// Why arrays make no mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub enum InvalidMesh {
+    /// A coordinate is NaN or infinite.
+    NotFinite {
+        /// The row of `positions`.
+        row: usize,
+        /// What stands there.
+        value: [f64; 3],
+    },
+    /// A face names a position that is not there.
+    IndexOutOfRange {
+        /// The row of `faces`.
+        face: usize,
+        /// The index.
+        index: u32,
+        /// The number of positions.
+        limit: u32,
+    },
+    /// More positions than u32 indices can name.
+    TooManyPositions(usize),
+    /// An array has the wrong length.
+    Length {
+        /// Which array.
+        what: &'static str,
+        /// Its length.
+        rows: usize,
+        /// The length that fits.
+        expected: usize,
+    },
+    /// A row of `position_id` is out of range or ties two different positions.
+    PositionId {
+        /// The row.
+        row: usize,
+    },
+}
+
+impl fmt::Display for InvalidMesh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotFinite { row, value } => write!(f, "position {row} is not finite: {value:?}"),
+            Self::IndexOutOfRange { face, index, limit } => {
+                write!(f, "face {face} names position {index}, but there are only {limit}")
+            }
+            Self::TooManyPositions(n) => write!(f, "{n} positions are more than 32-bit indices can name"),
+            Self::Length { what, rows, expected } => {
+                write!(f, "{what} has {rows} values where {expected} are needed")
+            }
+            Self::PositionId { row } => {
+                write!(f, "position_id row {row} is out of range or ties different positions")
+            }
+        }
+    }
+}
+
+impl std::error::Error for InvalidMesh {}

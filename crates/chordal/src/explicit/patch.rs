@@ -1,0 +1,198 @@
+//! `Patch`: one bicubic Bézier patch.
+use super::Bezier;
+use super::bezier::{bernstein, mix};
+use crate::math::Box3;
+
+/// A bicubic Bézier patch: `S(u, v) = Σ B_i(v)·B_j(u)·control[i][j]`, `u` along a row, `v` from row to row.
+///
+/// Its front is where `S_u × S_v` points.
+///
+/// ```
+/// use chordal::Patch;
+/// let patch = Patch::flat([0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+/// assert_eq!(patch.at(0.5, 0.5), [1.0, 0.5, 0.0]);
+/// assert_eq!(patch.normal(0.5, 0.5), Some([0.0, 0.0, 1.0]));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patch {
+    /// Four rows of four control points.
+    pub control: [[[f64; 3]; 4]; 4],
+}
+
+/// One of the four boundary curves of a patch, in the order in which they run around its front.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Side {
+    /// `v = 0`, from `u = 0` to 1.
+    Bottom,
+    /// `u = 1`, from `v = 0` to 1.
+    Right,
+    /// `v = 1`, from `u = 1` to 0.
+    Top,
+    /// `u = 0`, from `v = 1` to 0.
+    Left,
+}
+
+impl Side {
+    /// All four, counter-clockwise.
+    pub const ALL: [Self; 4] = [Self::Bottom, Self::Right, Self::Top, Self::Left];
+}
+
+impl Patch {
+    /// The flat patch with corner `origin` and sides `along_u` and `along_v`, evenly parametrized.
+    #[must_use]
+    pub fn flat(origin: [f64; 3], along_u: [f64; 3], along_v: [f64; 3]) -> Self {
+        let point = |i: usize, j: usize, k: usize| {
+            origin[k] + along_u[k] * (j as f64 / 3.0) + along_v[k] * (i as f64 / 3.0)
+        };
+        Self {
+            control: std::array::from_fn(|i| {
+                std::array::from_fn(|j| std::array::from_fn(|k| point(i, j, k)))
+            }),
+        }
+    }
+
+    /// The point at `(u, v)` by the Bernstein form.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, u: f64, v: f64) -> [f64; 3] {
+        self.combine(&bernstein(u), &bernstein(v))
+    }
+
+    /// The point at `(u, v)` by repeated linear interpolation: the oracle of [`Patch::at`].
+    #[must_use]
+    pub fn at_de_casteljau(&self, u: f64, v: f64) -> [f64; 3] {
+        Bezier { control: self.control.map(|row| Bezier { control: row }.de_casteljau(u).point) }
+            .de_casteljau(v)
+            .point
+    }
+
+    fn combine(&self, along_u: &[f64; 4], along_v: &[f64; 4]) -> [f64; 3] {
+        std::array::from_fn(|k| {
+            let row = |r: &[[f64; 3]; 4]| {
+                (along_u[0] * r[0][k] + along_u[1] * r[1][k]) + (along_u[2] * r[2][k] + along_u[3] * r[3][k])
+            };
+            let c = &self.control;
+            (along_v[0] * row(&c[0]) + along_v[1] * row(&c[1]))
+                + (along_v[2] * row(&c[2]) + along_v[3] * row(&c[3]))
+        })
+    }
+
+    /// The derivatives by `u` and by `v` at `(u, v)`.
+    #[must_use]
+    pub fn tangents(&self, u: f64, v: f64) -> [[f64; 3]; 2] {
+        let across = |t: f64, line: [[f64; 3]; 4]| Bezier { control: line }.at(t);
+        let columns: [[[f64; 3]; 4]; 4] =
+            std::array::from_fn(|j| std::array::from_fn(|i| self.control[i][j]));
+        let by_u = Bezier { control: columns.map(|column| across(v, column)) }.tangent(u);
+        let by_v = Bezier { control: self.control.map(|row| across(u, row)) }.tangent(v);
+        [by_u, by_v]
+    }
+
+    /// The second derivatives `S_uu`, `S_uv`, `S_vv` at `(u, v)`.
+    #[must_use]
+    pub fn second_derivatives(&self, u: f64, v: f64) -> [[f64; 3]; 3] {
+        let rows = |f: &dyn Fn(Bezier<3>) -> [f64; 3]| Bezier {
+            control: self.control.map(|row| f(Bezier { control: row })),
+        };
+        [
+            rows(&|row| row.second_derivative(u)).at(v),
+            rows(&|row| row.tangent(u)).tangent(v),
+            rows(&|row| row.at(u)).second_derivative(v),
+        ]
+    }
+
+    /// The unit normal of the front at `(u, v)`; at a pole, where one tangent vanishes, its limit from inside the
+    /// patch. `None` where there is none: both tangents vanish or are parallel.
+    #[must_use]
+    pub fn normal(&self, u: f64, v: f64) -> Option<[f64; 3]> {
+        let [by_u, by_v] = self.tangents(u, v).map(glam::DVec3::from);
+        let size = self.size();
+        // A tangent shorter than its own rounding error has no direction: 16 products and sums of size `size`.
+        let vanishes = |d: glam::DVec3| d.abs().max_element() <= 64.0 * f64::EPSILON * size;
+        let mixed = || glam::DVec3::from(self.second_derivatives(u, v)[1]);
+        // Into the patch, S_u grows like ±(v − v0)·S_uv (and S_v like ±(u − u0)·S_uv).
+        let inward = |t: f64| if t > 0.5 { -1.0 } else { 1.0 };
+        let normal = match (vanishes(by_u), vanishes(by_v)) {
+            (false, false) => by_u.cross(by_v),
+            (true, false) => inward(v) * mixed().cross(by_v),
+            (false, true) => inward(u) * by_u.cross(mixed()),
+            (true, true) => return None,
+        };
+        // Scaled first, so that tiny patches do not underflow in the cross product's square.
+        let scale = normal.abs().max_element();
+        (scale > 0.0 && scale.is_finite()).then(|| (normal / scale).normalize().into())
+    }
+
+    /// The value of the tensor blossom: `u` and `v` each with three arguments.
+    #[must_use]
+    pub fn blossom(&self, u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
+        let column = self.control.map(|row| Bezier { control: row }.blossom(u[0], u[1], u[2]));
+        Bezier { control: column }.blossom(v[0], v[1], v[2])
+    }
+
+    /// The part over `[u0, u1] × [v0, v1]`, over its own unit square.
+    #[must_use]
+    pub fn part(&self, [u0, u1]: [f64; 2], [v0, v1]: [f64; 2]) -> Self {
+        let rows = self.control.map(|row| Bezier { control: row }.part(u0, u1).control);
+        let columns: [[[f64; 3]; 4]; 4] = std::array::from_fn(|j| {
+            Bezier { control: std::array::from_fn(|i| rows[i][j]) }.part(v0, v1).control
+        });
+        Self { control: std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i])) }
+    }
+
+    /// The halves left and right of the middle: split in `u`.
+    #[must_use]
+    pub fn halves_u(&self) -> [Self; 2] {
+        let split = self.control.map(|row| Bezier { control: row }.split(0.5));
+        [0, 1].map(|half| Self { control: split.map(|row| row[half].control) })
+    }
+
+    /// The halves below and above the middle: split in `v`.
+    #[must_use]
+    pub fn halves_v(&self) -> [Self; 2] {
+        let c = &self.control;
+        let middle = |a: &[[f64; 3]; 4], b: &[[f64; 3]; 4]| std::array::from_fn(|j| mix(a[j], b[j], 0.5));
+        let first: [[[f64; 3]; 4]; 3] = [middle(&c[0], &c[1]), middle(&c[1], &c[2]), middle(&c[2], &c[3])];
+        let second = [middle(&first[0], &first[1]), middle(&first[1], &first[2])];
+        let point = middle(&second[0], &second[1]);
+        [
+            Self { control: [c[0], first[0], second[0], point] },
+            Self { control: [point, second[1], first[2], c[3]] },
+        ]
+    }
+
+    /// The boundary curve of a side, in the side's own direction.
+    #[must_use]
+    pub fn side(&self, side: Side) -> Bezier<3> {
+        let c = &self.control;
+        let control = match side {
+            Side::Bottom => c[0],
+            Side::Right => [c[0][3], c[1][3], c[2][3], c[3][3]],
+            Side::Top => [c[3][3], c[3][2], c[3][1], c[3][0]],
+            Side::Left => [c[3][0], c[2][0], c[1][0], c[0][0]],
+        };
+        Bezier { control }
+    }
+
+    /// The box of the control points; the patch lies inside it.
+    #[must_use]
+    pub fn hull(&self) -> Box3 {
+        Box3::around(self.control.iter().flatten())
+    }
+
+    /// The largest absolute coordinate of the control points.
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        self.control
+            .iter()
+            .flatten()
+            .flatten()
+            .fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most })
+    }
+
+    /// Whether every coordinate is finite.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        self.control.iter().flatten().flatten().all(|x| x.is_finite())
+    }
+}

@@ -1,0 +1,31 @@
+//! Chordal: shapes into triangles under one budget, the error that may be seen.
+//!
+//! Every lossy step takes a [`Budget`] and returns a [`Bounded`] shape: the triangles and a [`Bound`] on
+//! how far they are from the true shape, together with how that is known ([`Evidence`]).
+//!
+//! ```
+//! use chordal::{Budget, Job, Tolerance, convert, explicit::Patch};
+//!
+//! // A bicubic Bézier patch over the unit square, lifted in the middle.
+//! let mut patch = Patch::flat([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+//! for (i, j) in [(1, 1), (1, 2), (2, 1), (2, 2)] {
+//!     patch.control[i][j][2] = 0.5;
+//! }
+//! let budget = Budget::length(Tolerance::new(1e-3)?);
+//! let bounded = convert::patches_to_mesh(&[patch], &budget, &Job::default()).expect("reachable");
+//! assert!(bounded.bound.at_most().unwrap() <= 1e-3);
+//! # Ok::<(), chordal::budget::InvalidTolerance>(())
+//! ```
+//!
+//! The rooms, lowest first; imports only go down: [`math`], [`budget`], [`explicit`], [`check`],
+//! [`convert`], [`render`]. ARCHITECTURE.md has the picture.
+
+pub mod budget;
+pub mod check;
+pub mod convert;
+pub mod explicit;
+pub mod math;
+pub mod render;
+
+pub use budget::{Bound, Bounded, Budget, Evidence, Failure, Job, Tolerance, View};
+pub use explicit::{Bezier, Mesh, Patch};

@@ -1,0 +1,68 @@
+//! `Box3`: an axis-aligned box.
+use super::{add_up, div_up, mul_up, sqrt_up, sub_up};
+
+/// An axis-aligned box; empty when a low end is above the high end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Box3 {
+    /// The lowest coordinates.
+    pub min: [f64; 3],
+    /// The highest coordinates.
+    pub max: [f64; 3],
+}
+
+impl Box3 {
+    /// The box of no points.
+    pub const EMPTY: Self = Self { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
+
+    /// The smallest box around `points`.
+    #[must_use]
+    pub fn around<'a>(points: impl IntoIterator<Item = &'a [f64; 3]>) -> Self {
+        points.into_iter().fold(Self::EMPTY, |b, p| b.with(*p))
+    }
+
+    /// The smallest box around this one and `point`.
+    #[must_use]
+    pub fn with(self, point: [f64; 3]) -> Self {
+        self.union(Self { min: point, max: point })
+    }
+
+    /// The smallest box around both.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        let pick = |a: [f64; 3], b: [f64; 3], f: fn(f64, f64) -> bool| {
+            std::array::from_fn(|k| if f(a[k], b[k]) { a[k] } else { b[k] })
+        };
+        Self { min: pick(self.min, other.min, |a, b| a < b), max: pick(self.max, other.max, |a, b| a > b) }
+    }
+
+    /// Whether it holds no point.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        (0..3).any(|k| self.min[k] > self.max[k])
+    }
+
+    /// Whether `point` lies in it, the faces included.
+    #[must_use]
+    pub fn contains(&self, point: [f64; 3]) -> bool {
+        (0..3).all(|k| self.min[k] <= point[k] && point[k] <= self.max[k])
+    }
+
+    /// The middle, rounded.
+    #[must_use]
+    pub fn centre(&self) -> [f64; 3] {
+        std::array::from_fn(|k| 0.5 * self.min[k] + 0.5 * self.max[k])
+    }
+
+    /// The length of the diagonal, bounded from above; 0 for the empty box.
+    #[must_use]
+    pub fn diagonal(&self) -> f64 {
+        if self.is_empty() {
+            return 0.0;
+        }
+        let [x, y, z] = std::array::from_fn(|k| sub_up(self.max[k], self.min[k]));
+        // Scaled by the longest side, so that squares neither overflow nor vanish.
+        let longest = x.max(y).max(z);
+        let scaled = |side: f64| mul_up(div_up(side, longest), div_up(side, longest));
+        mul_up(longest, sqrt_up(add_up(add_up(scaled(x), scaled(y)), scaled(z))))
+    }
+}

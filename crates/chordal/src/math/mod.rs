@@ -1,0 +1,8 @@
+//! Numbers that know no shape: outward rounding, [`Interval`], [`Box3`], exact predicates, SIMD dispatch.
+mod box3;
+mod rounding;
+
+pub use box3::Box3;
+pub use rounding::{
+    add_down, add_up, div_down, div_up, mul_down, mul_up, sqrt_down, sqrt_up, sub_down, sub_up,
+};

@@ -1,0 +1,1 @@
+//! Pictures of shapes, ray-traced and the same on every machine.
