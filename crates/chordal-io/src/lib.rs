@@ -4,8 +4,10 @@ mod error;
 mod format;
 mod limits;
 mod scene;
+mod snap;
 
 pub use error::{Place, ReadError, Warning, WriteError};
 pub use format::Format;
 pub use limits::Limits;
 pub use scene::{Axis, Content, Frame, Loaded, Node, Part, Scene};
+pub use snap::{Snapped, TooWide, snap, worst_snap};
