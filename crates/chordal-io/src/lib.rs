@@ -2,6 +2,7 @@
 //! [`ReadError`] that names the place. No paths, no network, no panic.
 mod error;
 mod format;
+pub mod glb;
 mod limits;
 mod scene;
 mod snap;
