@@ -6,9 +6,11 @@ pub mod glb;
 mod limits;
 mod scene;
 mod snap;
+mod world;
 
 pub use error::{Place, ReadError, Warning, WriteError};
 pub use format::Format;
 pub use limits::Limits;
 pub use scene::{Axis, Content, Frame, Loaded, Node, Part, Scene};
 pub use snap::{Snapped, TooWide, snap, worst_snap};
+pub use world::Unplaced;
