@@ -1,1 +1,100 @@
+//! Verdicts of gltf-validator 2.0.0-dev.3.10 over changes of a document with every kind of object.
+use crate::build::{every_object, glb_of, read};
+use chordal_io::{Limits, Place, glb};
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
 
+/// Changes of the document, and the errors that the validator then finds, each a code and a pointer.
+struct Verdict {
+    changes: Vec<(String, Value)>,
+    errors: Vec<(String, String)>,
+}
+
+fn verdicts() -> Vec<Verdict> {
+    let rows: Vec<Value> =
+        serde_json::from_str(include_str!("../data/validator_verdicts.json")).expect("JSON");
+    let text = |value: &Value| value.as_str().expect("a text").to_owned();
+    let pairs = |value: &Value| value.as_array().expect("a list").clone();
+    rows.iter()
+        .map(|row| Verdict {
+            changes: pairs(&row[0]).iter().map(|change| (text(&change[0]), change[1].clone())).collect(),
+            errors: pairs(&row[1]).iter().map(|error| (text(&error[0]), text(&error[1]))).collect(),
+        })
+        .collect()
+}
+
+/// Puts values at pointers; the text `DELETE` takes out what is there.
+fn changed(changes: &[(String, Value)]) -> (Value, Vec<u8>) {
+    let (mut json, bin) = every_object();
+    for (at, value) in changes {
+        let (parent, key) = at.rsplit_once('/').expect("a pointer");
+        let delete = *value == json!("DELETE");
+        match json.pointer_mut(parent).expect("there") {
+            Value::Object(map) if delete => {
+                map.shift_remove(key);
+            }
+            Value::Object(map) => {
+                map.insert(key.to_owned(), value.clone());
+            }
+            Value::Array(list) => {
+                let i: usize = key.parse().expect("an index");
+                if delete {
+                    list.remove(i);
+                } else if i < list.len() {
+                    list[i] = value.clone();
+                } else {
+                    list.push(value.clone());
+                }
+            }
+            other => panic!("{parent} is {other}"),
+        }
+    }
+    (json, bin)
+}
+
+#[test]
+fn changes_are_judged_as_the_validator_judges_them() {
+    let mut codes = BTreeSet::new();
+    for Verdict { changes, errors } in verdicts() {
+        let (json, bin) = changed(&changes);
+        match read(&json, &bin) {
+            Ok(_) => assert!(errors.is_empty(), "{changes:?} was accepted, not refused for {:?}", errors[0]),
+            Err(error) => {
+                let is_it = |(code, at): &(String, String)| {
+                    *code == error.code && error.place == Place::Pointer(at.clone())
+                };
+                let found = (error.code, &error.place);
+                assert!(errors.iter().any(is_it), "{changes:?}: {found:?} is none of {errors:?}");
+                codes.insert(error.code);
+            }
+        }
+    }
+    assert!(codes.len() >= 85, "only {} codes: {codes:?}", codes.len());
+}
+
+#[test]
+fn leniency_makes_warnings_of_errors_that_do_not_touch_triangles() {
+    let limits = Limits { lenient: true, ..Limits::default() };
+    let elsewhere =
+        ["/animations", "/skins", "/cameras", "/images", "/textures", "/materials", "/extensions/"];
+    let mut n_forgiven = 0;
+    for Verdict { changes, errors } in verdicts() {
+        let is_elsewhere = |at: &str| elsewhere.iter().any(|list| at.starts_with(list));
+        if errors.is_empty()
+            || !errors.iter().all(|(_, at)| is_elsewhere(at))
+            || !changes.iter().all(|(at, _)| is_elsewhere(at))
+        {
+            continue;
+        }
+        let (json, bin) = changed(&changes);
+        match glb::read(&glb_of(&json.to_string(), &bin), &limits) {
+            Ok(loaded) => {
+                n_forgiven += 1;
+                let is_warned = |code: &str| loaded.warnings.iter().any(|warning| warning.code == code);
+                assert!(errors.iter().all(|(code, _)| is_warned(code)), "{changes:?}: {:?}", loaded.warnings);
+            }
+            Err(error) => panic!("{changes:?}: {error}"),
+        }
+    }
+    assert!(n_forgiven >= 70, "only {n_forgiven}");
+}

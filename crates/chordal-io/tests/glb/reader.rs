@@ -3,6 +3,7 @@ use crate::build::{every_object, loaded, put, triangle, triangle_with};
 use chordal::explicit::{Domain, Semantic};
 use chordal_io::{Axis, Frame, Limits};
 use serde_json::json;
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// The corner positions of all triangles.
 fn corners(mesh: &chordal::Mesh) -> Vec<[[f64; 3]; 3]> {
@@ -60,7 +61,7 @@ fn transforms_apply_from_the_root_down() {
     let (json, bin) = triangle_with(&[(
         "/nodes",
         json!([
-            { "children": [1], "translation": [10, 0, 0], "rotation": [0, 0, 0.7071067811865476, 0.7071067811865476] },
+            { "children": [1], "translation": [10, 0, 0], "rotation": [0, 0, FRAC_1_SQRT_2, FRAC_1_SQRT_2] },
             { "mesh": 0, "matrix": [2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 5, 1] }
         ]),
     )]);

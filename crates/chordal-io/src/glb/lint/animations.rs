@@ -85,17 +85,21 @@ impl<'a> Lint<'a> {
                     });
                 }
                 let mut last = BTreeMap::new();
+                let mut twins = Vec::new();
                 for (c, channel) in channels.iter().enumerate() {
                     lint.below(&["channels".into(), c.into()], |lint| {
                         if let Some(target) = &channel.target {
                             lint.within("target", |lint| lint.link_target(model, target));
                             let key = target.node.map(|node| (node, target.path));
-                            if let Some(other) = key.and_then(|key| last.insert(key, c)) {
-                                let what = format!("channel {other} has the same target");
-                                lint.issue("ANIMATION_DUPLICATE_TARGETS", Some("target".into()), || what);
-                            }
+                            twins.extend(key.and_then(|key| last.insert(key, c)).map(|other| (other, c)));
                         }
                         lint.link_channel(model, (samplers, channel), uses);
+                    });
+                }
+                for (first, second) in twins {
+                    lint.below(&["channels".into(), first.into()], |lint| {
+                        let what = format!("channel {second} has the same target");
+                        lint.issue("ANIMATION_DUPLICATE_TARGETS", Some("target".into()), || what);
                     });
                 }
             });

@@ -249,11 +249,11 @@ impl<'a> Lint<'a> {
         let mut used = Vec::with_capacity(4 * sets.len());
         let (mut sum, mut tolerance) = (0.0, 0.0);
         for k in 0..4 {
-            for (joints, weights) in sets {
+            for (set, (joints, weights)) in sets.iter().enumerate() {
                 let (joint, weight) = (joints.number(vertex, k), weights.normalized(vertex, k));
                 if joint >= limit as f64 {
                     let what = format!("vertex {vertex} names joint {joint} of {limit}");
-                    self.issue("ACCESSOR_JOINTS_INDEX_OOB", None, || what);
+                    self.at_set("ACCESSOR_JOINTS_INDEX_OOB", ("JOINTS", set), what);
                     continue;
                 }
                 if weight == 0.0 {
@@ -262,13 +262,12 @@ impl<'a> Lint<'a> {
                 let is_new = !used.contains(&joint);
                 if !is_new {
                     let what = format!("vertex {vertex} names joint {joint} twice");
-                    self.issue("ACCESSOR_JOINTS_INDEX_DUPLICATE", None, || what);
+                    self.at_set("ACCESSOR_JOINTS_INDEX_DUPLICATE", ("JOINTS", set), what);
                 }
                 used.push(joint);
                 if weight < 0.0 {
-                    self.issue("ACCESSOR_WEIGHTS_NEGATIVE", None, || {
-                        format!("vertex {vertex} has weight {weight}")
-                    });
+                    let what = format!("vertex {vertex} has weight {weight}");
+                    self.at_set("ACCESSOR_WEIGHTS_NEGATIVE", ("WEIGHTS", set), what);
                 } else if is_new {
                     sum = single(sum + weight);
                     tolerance += WEIGHT_STEP;
@@ -276,9 +275,13 @@ impl<'a> Lint<'a> {
             }
         }
         if (sum - 1.0).abs() > tolerance {
-            self.issue("ACCESSOR_WEIGHTS_NON_NORMALIZED", None, || {
-                format!("vertex {vertex} has weights of sum {sum}")
-            });
+            let what = format!("vertex {vertex} has weights of sum {sum}");
+            self.at_set("ACCESSOR_WEIGHTS_NON_NORMALIZED", ("WEIGHTS", 0), what);
         }
+    }
+
+    /// Notes an issue with a set of joints or weights.
+    fn at_set(&mut self, code: &'static str, (family, set): (&str, usize), what: String) {
+        self.issue(code, Some(format!("{family}_{set}").as_str().into()), || what);
     }
 }

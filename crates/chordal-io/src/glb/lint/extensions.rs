@@ -1,5 +1,5 @@
 //! Extensions that the validator knows, and where they may stand.
-use super::{Lint, Real, Whole};
+use super::{Lint, Real, Step, Whole};
 use crate::glb::json::Json;
 
 /// An object that may carry extensions.
@@ -154,7 +154,7 @@ impl<'a> Lint<'a> {
     }
 
     /// An index into a list of a root extension.
-    pub(super) fn extension_reference(&mut self, path: [&'a str; 2], index: Option<usize>, below: &'a str) {
+    pub(super) fn extension_reference(&mut self, path: [&'a str; 2], index: Option<usize>, below: Step<'a>) {
         let [name, list] = path;
         let extension =
             self.root.get("extensions").and_then(|all| all.get(name)).filter(|_| self.declares(name));
@@ -165,9 +165,7 @@ impl<'a> Lint<'a> {
         let Some(index) = index else { return };
         let items = extension.get(list).and_then(Json::items);
         if !matches!(items.and_then(|items| items.get(index)), Some(Json::Object(_))) {
-            self.issue("UNRESOLVED_REFERENCE", Some(below.into()), || {
-                format!("{list} has no object {index}")
-            });
+            self.issue("UNRESOLVED_REFERENCE", Some(below), || format!("{list} has no object {index}"));
         }
     }
 

@@ -7,6 +7,7 @@ use crate::glb::json::Json;
 use crate::glb::model::{Accessor, Attributes, Mesh, Model, Primitive, item};
 use Component::{F32, I8, I16, U8, U16, U32};
 use Kind::{Scalar, Vec2, Vec3, Vec4};
+use std::collections::BTreeSet;
 
 const FLOAT3: Format = Format::plain(Vec3, F32);
 
@@ -147,34 +148,30 @@ impl<'a> Lint<'a> {
     }
 
     fn variants(&mut self, map: &'a Json, out: &mut Vec<(usize, String)>) {
-        let mut seen = Vec::new();
+        let mut seen = BTreeSet::new();
         for (i, mapping) in self.objects(map, "mappings").unwrap_or_default().iter().enumerate() {
-            self.within("mappings", |lint| {
-                lint.within(i, |lint| {
-                    lint.extensions(mapping, At::Other);
-                    lint.name(mapping);
-                    let variants = lint.indices(mapping, "variants", true).unwrap_or_default();
-                    for index in variants.iter().flatten() {
-                        lint.extension_reference(
-                            ["KHR_materials_variants", "variants"],
-                            Some(*index),
-                            "variants",
-                        );
-                    }
-                    seen.extend(variants.into_iter().flatten());
-                    if let Some(index) = lint.index(mapping, "material", true)
-                        && lint.resolved("materials", index, "material".into())
-                    {
-                        out.push((index, lint.pointer(Some("material".into()))));
+            self.below(&["mappings".into(), i.into()], |lint| {
+                lint.extensions(mapping, At::Other);
+                lint.name(mapping);
+                let variants = lint.indices(mapping, "variants", true).unwrap_or_default();
+                lint.within("variants", |lint| {
+                    for (k, index) in variants.into_iter().enumerate().filter(|(_, index)| index.is_some()) {
+                        lint.extension_reference(["KHR_materials_variants", "variants"], index, k.into());
+                        if !seen.insert(index) {
+                            lint.at(
+                                "KHR_MATERIALS_VARIANTS_NON_UNIQUE_VARIANT",
+                                k,
+                                "the variant is used twice",
+                            );
+                        }
                     }
                 });
+                if let Some(index) = lint.index(mapping, "material", true)
+                    && lint.resolved("materials", index, "material".into())
+                {
+                    out.push((index, lint.pointer(Some("material".into()))));
+                }
             });
-        }
-        let n = seen.len();
-        seen.sort_unstable();
-        seen.dedup();
-        if seen.len() < n {
-            self.here("KHR_MATERIALS_VARIANTS_NON_UNIQUE_VARIANT", "a variant is used twice");
         }
     }
 

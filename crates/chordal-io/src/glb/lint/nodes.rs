@@ -47,7 +47,7 @@ impl<'a> Lint<'a> {
         let found = self.extensions(map, At::Node);
         self.each_extension(found, |lint, _, value| {
             let light = lint.index(value, "light", true);
-            lint.extension_reference(["KHR_lights_punctual", "lights"], light, "light");
+            lint.extension_reference(["KHR_lights_punctual", "lights"], light, "light".into());
         });
         Node { name, children, mesh, skin, matrix, translation, rotation, scale, weights }
     }

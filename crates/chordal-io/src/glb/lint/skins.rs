@@ -99,21 +99,20 @@ impl<'a> Lint<'a> {
     /// The common root of the joints.
     fn link_joints(&mut self, skin: &Skin, forest: Option<&Forest>) -> Option<usize> {
         let mut common = None;
-        let mut is_split = false;
+        let mut n_found = 0;
         for (k, joint) in skin.joints.iter().flatten().enumerate() {
             let Some(joint) = *joint else { continue };
             let found = self.within("joints", |lint| lint.resolved("nodes", joint, k.into()));
             let (Some(forest), true) = (forest, found) else { continue };
-            match common {
-                None if !is_split => common = Some(joint),
-                None => {}
-                Some(above) => {
-                    common = forest.common(above, joint);
-                    is_split |= common.is_none();
-                }
-            }
+            n_found += 1;
+            // A joint of another tree takes the common root away, and the next one begins anew. That is how the
+            // validator has it, so that the last joints decide.
+            common = match common {
+                None => Some(joint),
+                Some(above) => forest.common(above, joint),
+            };
         }
-        if is_split {
+        if n_found > 0 && common.is_none() {
             self.at("SKIN_NO_COMMON_ROOT", "joints", "the joints have no common root");
         }
         if let Some(skeleton) = skin.skeleton

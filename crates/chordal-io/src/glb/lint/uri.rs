@@ -60,12 +60,13 @@ fn percent_decoded(text: &str) -> Result<Vec<u8>, &'static str> {
     Ok(out)
 }
 
-/// Both alphabets; padding has to be there, and nothing else.
+/// Both alphabets; padding may be left out as a whole, and nothing else.
 fn base64(text: &[u8]) -> Result<Vec<u8>, &'static str> {
-    if !text.len().is_multiple_of(4) {
-        return Err("base64 whose length is no multiple of 4");
-    }
     let padding = text.iter().rev().take(2).take_while(|b| **b == b'=').count();
+    let remainder = text.len() % 4;
+    if remainder == 1 || (padding > 0 && remainder > 0) {
+        return Err("base64 that ends inside a byte");
+    }
     let mut out = Vec::with_capacity(text.len() / 4 * 3);
     let (mut bits, mut n_bits) = (0_u32, 0);
     for byte in &text[..text.len() - padding] {
@@ -111,10 +112,12 @@ mod tests {
     fn decodes_base64_and_percent_escapes() {
         let bytes = |text| data_uri(text).expect("a data URI").map(|data| (data.mime, data.bytes));
         assert_eq!(bytes("data:A/b;base64,AAEC/w=="), Ok(("a/b".to_owned(), vec![0, 1, 2, 255])));
+        assert_eq!(bytes("data:A/b;base64,AAE"), Ok(("a/b".to_owned(), vec![0, 1])));
         assert_eq!(bytes("data:,a%20b"), Ok(("text/plain".to_owned(), b"a b".to_vec())));
         assert_eq!(bytes("DATA:a/b;base64,-_-_").map(|b| b.1), Ok(vec![0xFB, 0xFF, 0xBF]));
         for broken in [
-            "data:a/b;base64,AAE",
+            "data:a/b;base64,AAEAA",
+            "data:a/b;base64,AA=",
             "data:a/b;base64,A A=",
             "data:a/b;base64,A===",
             "data:a/b;base64,AA==AA==",
