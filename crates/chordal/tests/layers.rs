@@ -122,11 +122,7 @@ impl Walk<'_> {
         self.refuse_side_doors(tokens, at);
         match token.kind {
             Kind::Open => self.enter(tokens, at),
-            Kind::Close => {
-                if self.open.pop().is_some_and(|bracket| bracket.0) {
-                    self.module.pop();
-                }
-            }
+            Kind::Close => self.leave(),
             Kind::Literal => self.read_literal(tokens, at),
             // `use<'a>` in a type captures lifetimes and names no path.
             Kind::Word if token.is("use") && !is(at + 1, "<") => {
@@ -162,6 +158,12 @@ impl Walk<'_> {
             self.module.push(name);
         }
         self.open.push((module, word(2, "!") && word(3, "macro_rules")));
+    }
+
+    fn leave(&mut self) {
+        if self.open.pop().is_some_and(|bracket| bracket.0) {
+            self.module.pop();
+        }
     }
 
     fn check(&mut self, leaves: &[Leaf], line: usize) {

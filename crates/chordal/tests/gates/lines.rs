@@ -42,13 +42,15 @@ impl<'a> Lines<'a> {
     }
 
     /// The comments that speak of a token: behind it on its line, alone on the lines right above it, or in the same
-    /// places of the line on which its statement starts. Empty when there is none.
+    /// places of the line on which its statement starts. Those on the file as a whole (`//!`) do not. Empty when
+    /// there is none.
     pub fn comment_on(&self, token: usize) -> String {
         let line = self.source.tokens[token].line;
+        let own = |line: &usize| self.comments.get(line).filter(|comment| !comment.text.starts_with("//!"));
         let mut found = String::new();
         for line in [line, self.starts[token]] {
-            found += self.comments.get(&line).map_or("", |comment| &comment.text);
-            let above = (1..line).rev().map_while(|line| self.comments.get(&line).filter(|c| c.alone));
+            found += own(&line).map_or("", |comment| &comment.text);
+            let above = (1..line).rev().map_while(|line| own(&line).filter(|comment| comment.alone));
             above.for_each(|comment| found += &comment.text);
         }
         found
@@ -92,14 +94,19 @@ fn statement_starts(tokens: &[Token]) -> Vec<usize> {
     // For every open bracket: whether it holds statements, and where the current one starts.
     let mut open: Vec<(bool, Option<usize>)> = vec![(true, None)];
     let mut starts = Vec::with_capacity(tokens.len());
-    for token in tokens {
+    // Where an inner attribute ends, as a doc comment on the file is one; it belongs to no statement.
+    let mut title_end = None;
+    for (at, token) in tokens.iter().enumerate() {
+        if reads(tokens, at, &["#", "!", "["]) {
+            title_end = tokens[at..].iter().position(|token| token.is("]")).map(|n| at + n);
+        }
         if token.kind == Kind::Close && open.len() > 1 {
             open.pop();
         }
         let frame = open.last_mut().expect("the file itself stays open");
         let start = *frame.1.get_or_insert(token.line);
         starts.push(start);
-        let ends = token.is(";") || token.is(",") || token.is("}");
+        let ends = token.is(";") || token.is(",") || token.is("}") || Some(at) == title_end;
         if frame.0 && ends {
             frame.1 = None;
         }
@@ -111,14 +118,16 @@ fn statement_starts(tokens: &[Token]) -> Vec<usize> {
     starts
 }
 
+/// Whether `words` stand at `tokens[at]`.
+fn reads(tokens: &[Token], at: usize, words: &[&str]) -> bool {
+    words.iter().enumerate().all(|(n, word)| tokens.get(at + n).is_some_and(|token| token.is(word)))
+}
+
 fn test_code(tokens: &[Token]) -> Vec<bool> {
-    let reads = |at: usize, words: &[&str]| {
-        words.iter().enumerate().all(|(n, word)| tokens.get(at + n).is_some_and(|token| token.is(word)))
-    };
     let mut tests = vec![false; tokens.len()];
     for at in 0..tokens.len() {
-        let marked =
-            reads(at, &["#", "[", "test", "]"]) || reads(at, &["#", "[", "cfg", "(", "test", ")", "]"]);
+        let marked = reads(tokens, at, &["#", "[", "test", "]"])
+            || reads(tokens, at, &["#", "[", "cfg", "(", "test", ")", "]"]);
         if marked {
             let end = item_end(tokens, at);
             tests[at..end].fill(true);

@@ -6,6 +6,7 @@ pub mod paths;
 use proc_macro2::{Delimiter, Span, TokenStream, TokenTree};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// What a token is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,7 +115,10 @@ pub fn files(folder: &str, wanted: fn(&str) -> bool) -> Vec<PathBuf> {
             let entry = entry.unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
             let name = entry.file_name().to_string_lossy().into_owned();
             let kind = entry.file_type().unwrap_or_else(|error| panic!("{name}: {error}"));
-            if kind.is_dir() && !IGNORED.contains(&name.as_str()) {
+            if IGNORED.contains(&name.as_str()) {
+                continue;
+            }
+            if kind.is_dir() {
                 open.push(entry.path());
             } else if kind.is_file() && wanted(&name) {
                 found.push(entry.path());
@@ -123,6 +127,14 @@ pub fn files(folder: &str, wanted: fn(&str) -> bool) -> Vec<PathBuf> {
     }
     found.sort();
     found
+}
+
+/// Every file that git tracks and that is there; every file where there is no git, as in a downloaded archive.
+pub fn tracked() -> Vec<PathBuf> {
+    let git = Command::new("git").args(["ls-files", "-z"]).current_dir(root()).output();
+    let Some(listed) = git.ok().filter(|output| output.status.success()) else { return files("", |_| true) };
+    let names = String::from_utf8_lossy(&listed.stdout).into_owned();
+    names.split_terminator('\0').map(|name| root().join(name)).filter(|file| file.is_file()).collect()
 }
 
 /// `file` relative to the root, with `/`.
