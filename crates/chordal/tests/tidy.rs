@@ -10,6 +10,8 @@ use std::path::Path;
 const LONG_LINES: usize = 600;
 /// A file of more lines is refused.
 const MOST_LINES: usize = 1000;
+/// Words that say where a number comes from, for a comment that is not right beside it.
+const ORIGINS: [&str; 7] = ["round", "Round", "last place", "half step", "derived", "measured", "exact"];
 /// A number in code that is this small or smaller is taken for a tolerance.
 const SMALL: f64 = 1e-4;
 
@@ -134,17 +136,22 @@ fn is_code(text: &str) -> bool {
     }
 }
 
-/// Small numbers and `EPSILON` without a word on where they come from. Tests are free to choose theirs.
+/// Small numbers and `EPSILON` without a word on where they come from: a comment right beside them, or one in the
+/// same function that speaks of rounding, measuring or deriving. Tests are free to choose theirs.
 fn bare_epsilons(source: &Source, lines: &Lines) -> Vec<String> {
     let small = |text: &str| {
         let digits = text.replace('_', "");
         let number = digits.trim_end_matches("f64").trim_end_matches("f32");
         number.parse::<f64>().is_ok_and(|value| value > 0.0 && value <= SMALL)
     };
+    let explained = |at: usize| {
+        let function = lines.comments_of_function(at);
+        !lines.comment_on(at).is_empty() || ORIGINS.iter().any(|word| function.contains(word))
+    };
     let tokens = source.tokens.iter().enumerate();
     tokens
         .filter(|(_, token)| (token.kind == Kind::Literal && small(&token.text)) || token.is("EPSILON"))
-        .filter(|(at, _)| !lines.is_test(*at) && lines.comment_on(*at).is_empty())
+        .filter(|(at, _)| !lines.is_test(*at) && !explained(*at))
         .map(|(_, token)| {
             let text = &token.text;
             source.complain(token.line, &format!("`{text}`: say beside it where the number comes from"))
@@ -301,6 +308,8 @@ fn every_kind_of_untidiness_is_found() {
         "const X: f32 = 1.5E-7_f32;",
         "fn f() { g(1.0,\n\n 1e-4) }",
         "fn f(x: f64) -> bool { x < f64::EPSILON }",
+        "/// Whether it is small.\nfn f(x: f64) -> bool {\n    let y = x;\n    y < f64::EPSILON\n}",
+        "/// Rounded.\nfn g() {}\nfn f(x: f64) -> bool {\n    let y = x;\n    y < 1e-12\n}",
         "const A: f64 = 1e-9; // Measured on a million curves.\nconst B: f64 = 1e-8;",
         "fn f() { unsafe { g() } }",
         "unsafe fn f() {}",
@@ -338,6 +347,7 @@ fn tidy_code_is_left_alone() {
         "const URL: &str = \"http://example.org\"; const S: &str = \"// let x = 1;\";",
         "// Derived: half a unit in the last place.\nconst X: f64 = 1e-16;",
         "const X: f64 = 1e-9; // Measured.",
+        "/// Three roundings of half a step.\nfn f(x: f64) -> f64 {\n    let y = 2.0;\n    x * y * f64::EPSILON\n}",
         "// Exact by definition of the units.\nconst UNITS: [f64; 2] = [\n    1e-6,\n    1e-9,\n];",
         "fn f(x: f64) -> f64 { x * 1e-3 + 1e9 + 0.0 }",
         "fn f() { std::io::Error::other(\"x\"); }\nuse std::{fmt, io::{self, Write}};",

@@ -57,6 +57,18 @@ impl<'a> Lines<'a> {
     }
 }
 
+impl Lines<'_> {
+    /// The comments of the function around a token, from its documentation down to the token.
+    pub fn comments_of_function(&self, token: usize) -> String {
+        let tokens = &self.source.tokens;
+        let named =
+            |at: &usize| tokens[*at].is("fn") && tokens.get(at + 1).is_some_and(|t| t.kind == Kind::Word);
+        let Some(function) = (0..token).rev().find(named) else { return String::new() };
+        let lines = self.starts[function]..=tokens[token].line;
+        self.comments.range(lines).map(|(_, comment)| comment.text.as_str()).collect()
+    }
+}
+
 /// Between two tokens stand only blanks and comments, so what is not blank there is a comment.
 fn comments(source: &Source) -> BTreeMap<usize, Comment> {
     let text = &source.text;
