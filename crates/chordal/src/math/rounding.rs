@@ -72,6 +72,6 @@ pub fn sqrt_up(a: f64) -> f64 {
 #[inline]
 #[must_use]
 pub fn sqrt_down(a: f64) -> f64 {
-    let root = a.sqrt();
-    if root == 0.0 { 0.0 } else { root.next_down() }
+    let root = a.sqrt().next_down();
+    if root < 0.0 { 0.0 } else { root }
 }
