@@ -3,6 +3,7 @@ mod bezier;
 mod mesh;
 mod normals;
 mod patch;
+pub mod triangulate;
 
 pub use bezier::{Bezier, Levels, bernstein};
 pub use mesh::{Attribute, Domain, InvalidMesh, Mesh, Semantic};
