@@ -6,10 +6,13 @@ mod flat;
 mod measure;
 mod parallel;
 mod pieces;
+mod point_tree;
 mod surface;
+mod t_junctions;
 mod validity;
 
 pub use finding::{Finding, MAX_WITNESSES, Place, Witness};
 pub use flat::{has_zero_area, is_collinear};
 pub use measure::{Measure, measure};
+pub use t_junctions::t_junctions;
 pub use validity::{Validity, validity};
