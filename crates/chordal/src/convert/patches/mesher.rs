@@ -38,7 +38,7 @@ pub(crate) struct Proved {
 const MOST_ROUNDS: usize = 64;
 
 /// Tiles, and places on each, at which the distance is measured from below.
-const SAMPLED_TILES: usize = 4;
+const SAMPLED_TILES: usize = 2;
 
 impl<'a> Mesher<'a> {
     pub(crate) fn new(patches: &'a [Patch], job: &'a Job) -> Self {
