@@ -1,5 +1,5 @@
 //! The command line: names, values and their help.
-use chordal::budget::{Length, Pixels, Unit, View};
+use chordal::budget::{InvalidLength, Length, Pixels, Unit, View};
 use chordal_io::{Axis, Format};
 use chordal_verbs::formats;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
@@ -128,7 +128,7 @@ pub struct MeshArgs {
     pub to: Option<Format>,
 
     /// The largest distance to the true shape: 0.1, 0.1mm, or 0.05% of the diagonal of its box
-    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     pub tol: Option<Length>,
 
     /// The largest distance on the screen of --view, in device pixels
@@ -199,7 +199,7 @@ pub struct RenderArgs {
     pub view: Option<View>,
 
     /// For smooth shapes: the largest distance to the true shape
-    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     pub tol: Option<Length>,
 
     /// For smooth shapes: the largest distance in the picture, in pixels; half a pixel if nothing is said
@@ -226,6 +226,14 @@ pub enum Show {
 fn format(text: &str) -> Result<Format, String> {
     formats::by_name(text)
         .ok_or_else(|| format!("formats are {}", formats::names().collect::<Vec<_>>().join(", ")))
+}
+
+/// The reason alone: the message that it becomes part of names the text already.
+fn length(text: &str) -> Result<Length, String> {
+    text.parse().map_err(|error: InvalidLength| {
+        let said = error.to_string();
+        said.strip_prefix(&format!("'{}': ", text.trim())).unwrap_or(&said).to_owned()
+    })
 }
 
 fn axis(text: &str) -> Result<Axis, String> {

@@ -61,7 +61,7 @@ fn fail(fault: &Fault, json: bool) -> ExitCode {
     ExitCode::from(fault.exit as u8)
 }
 
-/// Help goes to stdout with 0; anything else is one sentence and 2, with where to read on.
+/// Help goes to stdout with 0; anything else is one sentence and 2.
 fn refuse_arguments(error: &clap::Error) -> ExitCode {
     if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
         // A reader that has seen enough of the help closes the pipe, which is no failure.
@@ -79,7 +79,7 @@ fn refuse_arguments(error: &clap::Error) -> ExitCode {
         .take_while(|line| !line.trim().is_empty())
         .map(str::trim)
         .collect();
-    let _ = write!(std::io::stderr(), "{}", Fault::usage(sentence.join(" ")));
-    let _ = writeln!(std::io::stderr(), "chordal: --help lists what there is");
+    let sentence = sentence.join(" ") + " (see --help)";
+    let _ = write!(std::io::stderr(), "{}", Fault::usage(sentence));
     ExitCode::from(Exit::Usage as u8)
 }

@@ -21,8 +21,8 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let to = output_format(&args.output.output, args.to)?;
     let stdout = stdout(args)?;
     let source = Source::from_arg(&args.input.input);
-    let target = Target::prepare(&args.output.output, common::existing(&args.output), &source)?;
     let job = common::job(&args.input, Some(&args.output), &talk);
+    let target = Target::prepare(&args.output.output, common::existing(&args.output), &source)?;
     let input = common::read(&args.input, &talk)?;
 
     let name = source.name();
