@@ -50,7 +50,7 @@ pub fn patches_to_mesh(patches: &[Patch], budget: &Budget, job: &Job) -> Result<
         let mesher = Mesher::new(&patches, job);
         let allowance = Allowance {
             length: budget.length.map(Tolerance::get),
-            pixels: budget.pixels.map(|p| (p.pixels, p.view)),
+            pixels: budget.pixels.map(|p| (p.pixels, p.view.lens())),
         };
         if allowance.length.is_none() && allowance.pixels.is_none() {
             return by_count(&mesher, &allowance, budget.triangles.unwrap_or(u64::MAX), job);

@@ -1,11 +1,13 @@
 //! `Mesher`: plans tiles for an allowance, proves them, and asks for more cells until all hold.
 use super::assemble;
 use super::bend::ROUNDING;
-use super::plan::{self, Allowance, Obstacle, Probe, Tile};
+use super::plan::{self, Allowance, Obstacle, Tile};
+use super::probe::Probe;
 use super::quilt::{Quilt, Seam};
 use super::seams::{Line, Seams};
 use super::tile::{self, Done};
 use crate::budget::{Bound, Bounded, Code, Failure, Job, Progress, Reference, par_map};
+use crate::check;
 use crate::explicit::{Mesh, Patch, Side};
 use crate::math::{Box3, sub_down};
 
@@ -58,7 +60,7 @@ impl<'a> Mesher<'a> {
     pub(crate) fn estimate(&self, allowance: &Allowance, enough: f64) -> Result<f64, Failed> {
         let rough = par_map(self.job, self.patches, |_, patch| {
             let tolerance = allowance.at(&patch.hull()).ok_or(Obstacle::TooClose(patch.hull()))?;
-            Ok(2.0 * Probe::new(patch).rates(tolerance).cells)
+            Ok(2.0 * Probe::new(patch).need(tolerance).cells)
         });
         let rough = total(rough)?;
         if rough < enough {
@@ -119,6 +121,9 @@ impl<'a> Mesher<'a> {
         for (i, built) in open.iter().zip(built) {
             done[*i] = Some(built.ok_or(Failure::Cancelled)?);
         }
+        if std::env::var("DBG").is_ok() {
+            eprintln!("tiles {} open {}", tiles.len(), open.len());
+        }
         self.job.report(Progress {
             stage: "tessellate",
             done: tiles.len() as u64,
@@ -140,7 +145,9 @@ impl<'a> Mesher<'a> {
             missed = true;
             *slot = None;
             tile.strain *= bound / tile.tolerance * if round < 3 { 1.01 } else { 1.1 };
-            let rates = Probe::new(&patch.part(tile.u, tile.v)).rates(tile.tolerance / tile.strain);
+            let probe = Probe::new(&patch.part(tile.u, tile.v));
+            let wanted = tile.tolerance / tile.strain;
+            let rates = probe.rates(&probe.need(wanted), wanted);
             let before = (tile.n, tile.m);
             (tile.n, tile.m, tile.rising) = (rates.n.max(tile.n), rates.m.max(tile.m), rates.rising);
             if (tile.n, tile.m) == before {
@@ -224,10 +231,10 @@ impl<'a> Mesher<'a> {
         let least = if least < most { least } else { most };
         let mut bound = Bound::proved(least, most, Reference::BezierPatches);
         bound.at = at;
-        bound.pixels = allowance.pixels.and_then(|(_, view)| {
+        bound.pixels = allowance.pixels.and_then(|(_, lens)| {
             tiles.iter().try_fold(0.0, |worst, (tile, done)| {
                 let place = self.patch_of(tile).part(tile.u, tile.v).hull();
-                let pixels = view.pixels_of(done.bound, &place)?;
+                let pixels = lens.sight(&place).pixels_of(done.bound)?;
                 Some(if pixels > worst { pixels } else { worst })
             })
         });
@@ -252,7 +259,7 @@ impl<'a> Mesher<'a> {
                 samples.push(patch.at(mix(0), mix(1)));
             }
         }
-        match surface_at_least(&samples, mesh) {
+        match check::surface_at_least(&samples, mesh) {
             Some((least, at)) => {
                 let least = sub_down(least, rounding);
                 (if least > 0.0 { least } else { 0.0 }, Some(samples[at]))
@@ -312,8 +319,4 @@ fn refuse(obstacle: Obstacle) -> Failed {
             Failure::refused(Code::BelowPrecision, message)
         }
     }
-}
-
-fn surface_at_least(_: &[[f64; 3]], _: &Mesh) -> Option<(f64, usize)> {
-    None
 }
