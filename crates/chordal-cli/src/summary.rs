@@ -1,6 +1,6 @@
 //! Reports for people: a few aligned lines.
 use crate::numbers::{Toward, grouped, point, short, size};
-use chordal_verbs::report::{BoundFacts, Counts, Found, Inspection, OutputFacts, Report, Valid};
+use chordal_verbs::report::{BoundFacts, Found, Inspection, OutputFacts, Report, Valid};
 use std::fmt::Write;
 
 /// Lines of a name and a value, the values below each other.
@@ -111,36 +111,53 @@ fn triangles(lines: &mut Lines, output: &OutputFacts) {
 }
 
 fn soundness(lines: &mut Lines, valid: &Valid) {
-    let Counts { closed, manifold, oriented, .. } = valid.counts;
-    let loops = valid.counts.boundary_loops;
-    let holes = if loops == 1 { "no, 1 boundary loop".to_owned() } else { format!("no, {loops} boundary loops") };
-    lines.add("closed", if closed { "yes" } else { &holes });
-    let word = |is: bool, not: &str| if is { String::new() } else { format!(", {not}") };
-    if !manifold || !oriented {
-        let flaws = word(manifold, "not manifold") + &word(oriented, "not oriented");
-        lines.add("flaws", flaws.trim_start_matches(", "));
+    let counts = &valid.counts;
+    lines.add("closed", if counts.closed { "yes".into() } else { no(&[(counts.boundary_loops, "boundary loop")]) });
+    if !counts.manifold {
+        let [edges, vertices] = [counts.non_manifold_edges, counts.non_manifold_vertices];
+        lines.add("manifold", no(&[(edges, "edge of three triangles or more"), (vertices, "vertex of several fans")]));
+    }
+    if !counts.oriented {
+        lines.add("oriented", no(&[(counts.inconsistent_edges, "edge of opposite winding")]));
     }
 }
 
-/// Every count that should be zero and is not.
+/// `no: 2 edges of this, 1 vertex of that`.
+fn no(why: &[(u64, &str)]) -> String {
+    let counted = why.iter().filter(|(count, _)| *count > 0).map(|(count, what)| plural(*count, what));
+    let counted: Vec<_> = counted.collect();
+    if counted.is_empty() { "no".to_owned() } else { format!("no: {}", counted.join(", ")) }
+}
+
+/// `1 edge of this`, `2 edges of this`, `2 vertices of that`.
+fn plural(count: u64, what: &str) -> String {
+    let (noun, rest) = what.split_once(" of ").map_or((what, String::new()), |(n, rest)| (n, format!(" of {rest}")));
+    let noun = match (count, noun.strip_suffix("ex")) {
+        (1, _) => noun.to_owned(),
+        (_, Some(stem)) => format!("{stem}ices"),
+        (_, None) => format!("{noun}s"),
+    };
+    format!("{} {noun}{rest}", grouped(count))
+}
+
+/// Every other count that should be zero and is not.
 fn oddities(lines: &mut Lines, valid: &Valid) {
     let counts = &valid.counts;
     let named = [
-        ("boundary edges", counts.boundary_edges),
-        ("edges with three triangles or more", counts.non_manifold_edges),
-        ("vertices with several fans", counts.non_manifold_vertices),
-        ("edges wound against each other", counts.inconsistent_edges),
-        ("repeated triangles", counts.duplicate_faces),
-        ("collapsed triangles", counts.collapsed_faces),
-        ("triangles without area", counts.zero_area_faces),
-        ("vertices without triangles", counts.unused_vertices),
+        (counts.boundary_edges, "boundary edge"),
+        (counts.t_junctions, "T-junction"),
+        (counts.duplicate_faces, "repeated triangle"),
+        (counts.collapsed_faces, "collapsed triangle"),
+        (counts.zero_area_faces, "triangle of no area"),
+        (counts.unused_vertices, "unused vertex"),
     ];
-    for (what, count) in named.into_iter().filter(|(_, count)| *count > 0) {
-        lines.add("", format!("{} {what}", grouped(count)));
+    for (count, what) in named.into_iter().filter(|(count, _)| *count > 0) {
+        lines.add("", plural(count, what));
     }
-    if counts.boundary_edges != valid.other.counts.boundary_edges {
-        let other = grouped(valid.other.counts.boundary_edges);
-        lines.add("", format!("{other} boundary edges when vertices meet by {}", valid.other.topology));
+    let other = &valid.other;
+    if counts.boundary_edges != other.counts.boundary_edges {
+        let edges = plural(other.counts.boundary_edges, "boundary edge");
+        lines.add("", format!("{edges} where vertices meet by {}", other.topology));
     }
     lines.add("components", grouped(counts.components));
 }
@@ -162,5 +179,18 @@ fn bound(facts: &BoundFacts) -> String {
     match facts.at_most {
         Some(most) => format!("between {least} and {} ({})", short(most, Toward::Up), facts.evidence),
         None => format!("at least {least} ({})", facts.evidence),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_in_words() {
+        assert_eq!(plural(1, "edge of three triangles or more"), "1 edge of three triangles or more");
+        assert_eq!(plural(2_000, "vertex of several fans"), "2,000 vertices of several fans");
+        assert_eq!(no(&[(6, "boundary loop")]), "no: 6 boundary loops");
+        assert_eq!(no(&[(0, "boundary loop")]), "no");
     }
 }

@@ -1,5 +1,5 @@
 //! Whether triangles are sound, as a report says it: counts by one meaning of "the same position", and by the other.
-use chordal::check::{Finding, Place, Validity, validity};
+use chordal::check::{Finding, Place, Validity, t_junctions, validity};
 use chordal::explicit::Topology;
 use chordal_io::Scene;
 use serde::Serialize;
@@ -69,6 +69,8 @@ pub struct Counts {
     pub non_manifold_edges: u64,
     /// Positions with two fans or more.
     pub non_manifold_vertices: u64,
+    /// Boundary vertices that lie exactly inside a boundary edge of others.
+    pub t_junctions: u64,
     /// Edges whose two triangles are wound against each other.
     pub inconsistent_edges: u64,
     /// Triangles that have the positions of an earlier one.
@@ -118,7 +120,7 @@ impl Valid {
         let (main, other) = both_ways(scene, topology);
         let mut valid = Self::summed(&main, &other, topology);
         if scene.parts.len() > 1 {
-            let part = |(i, found): (usize, &Validity)| PartValid {
+            let part = |(i, found): (usize, &Checked)| PartValid {
                 part: i as u64,
                 name: scene.parts[i].name.clone(),
                 counts: Counts::of(found),
@@ -129,7 +131,7 @@ impl Valid {
         valid
     }
 
-    fn summed(main: &[Validity], other: &[Validity], topology: Topology) -> Self {
+    fn summed(main: &[Checked], other: &[Checked], topology: Topology) -> Self {
         Self {
             topology: topology.as_str(),
             counts: Counts::summed(main),
@@ -147,15 +149,23 @@ fn opposite(topology: Topology) -> Topology {
     }
 }
 
-fn both_ways(scene: &Scene, topology: Topology) -> (Vec<Validity>, Vec<Validity>) {
-    let all = |topology| scene.parts.iter().map(|part| validity(&part.mesh, topology)).collect();
+/// All that was found of one part.
+struct Checked {
+    found: Validity,
+    t_junctions: Finding,
+}
+
+fn both_ways(scene: &Scene, topology: Topology) -> (Vec<Checked>, Vec<Checked>) {
+    let all = |topology| {
+        let meshes = scene.parts.iter().map(|part| &part.mesh);
+        let checked = |mesh| Checked { found: validity(mesh, topology), t_junctions: t_junctions(mesh, topology, None) };
+        meshes.map(checked).collect()
+    };
     (all(topology), all(opposite(topology)))
 }
 
 impl Counts {
-    /// The counts of one part.
-    #[must_use]
-    pub fn of(found: &Validity) -> Self {
+    fn of(Checked { found, t_junctions }: &Checked) -> Self {
         Self {
             closed: found.closed,
             manifold: found.manifold(),
@@ -166,6 +176,7 @@ impl Counts {
             boundary_chains: found.boundary_chains,
             non_manifold_edges: found.non_manifold_edges.count,
             non_manifold_vertices: found.non_manifold_vertices.count,
+            t_junctions: t_junctions.count,
             inconsistent_edges: found.inconsistent_edges.count,
             duplicate_faces: found.duplicate_faces.count,
             opposite_faces: found.opposite_faces.count,
@@ -178,37 +189,68 @@ impl Counts {
         }
     }
 
-    fn summed(parts: &[Validity]) -> Self {
-        let sum = |f: fn(&Validity) -> u64| parts.iter().map(f).sum();
-        let filled = || parts.iter().filter(|part| part.triangles > 0);
+    fn summed(parts: &[Checked]) -> Self {
+        let filled = || parts.iter().filter(|part| part.found.triangles > 0);
+        let mut sum = parts.iter().map(Self::of).reduce(Self::plus).unwrap_or(Self::NONE);
+        // Of parts without triangles, none is closed, and none keeps the others from being so.
+        sum.closed = filled().next().is_some() && filled().all(|part| part.found.closed);
+        sum
+    }
+
+    /// The counts of no part at all.
+    const NONE: Self = Self {
+        closed: false,
+        manifold: true,
+        oriented: true,
+        orientable: true,
+        boundary_edges: 0,
+        boundary_loops: 0,
+        boundary_chains: 0,
+        non_manifold_edges: 0,
+        non_manifold_vertices: 0,
+        t_junctions: 0,
+        inconsistent_edges: 0,
+        duplicate_faces: 0,
+        opposite_faces: 0,
+        collapsed_faces: 0,
+        zero_area_faces: 0,
+        unused_vertices: 0,
+        components: 0,
+        edges: 0,
+        genus: Some(0),
+    };
+
+    fn plus(self, other: Self) -> Self {
         Self {
-            closed: filled().next().is_some() && filled().all(|part| part.closed),
-            manifold: parts.iter().all(Validity::manifold),
-            oriented: parts.iter().all(|part| part.oriented),
-            orientable: parts.iter().all(|part| part.orientable),
-            boundary_edges: sum(|part| part.boundary_edges.count),
-            boundary_loops: sum(|part| part.boundary_loops),
-            boundary_chains: sum(|part| part.boundary_chains),
-            non_manifold_edges: sum(|part| part.non_manifold_edges.count),
-            non_manifold_vertices: sum(|part| part.non_manifold_vertices.count),
-            inconsistent_edges: sum(|part| part.inconsistent_edges.count),
-            duplicate_faces: sum(|part| part.duplicate_faces.count),
-            opposite_faces: sum(|part| part.opposite_faces.count),
-            collapsed_faces: sum(|part| part.collapsed_faces.count),
-            zero_area_faces: sum(|part| part.zero_area_faces.count),
-            unused_vertices: sum(|part| part.unused_vertices.count),
-            components: sum(|part| part.components),
-            edges: sum(|part| part.edges),
-            genus: parts.iter().map(|part| part.genus).sum(),
+            closed: self.closed && other.closed,
+            manifold: self.manifold && other.manifold,
+            oriented: self.oriented && other.oriented,
+            orientable: self.orientable && other.orientable,
+            boundary_edges: self.boundary_edges + other.boundary_edges,
+            boundary_loops: self.boundary_loops + other.boundary_loops,
+            boundary_chains: self.boundary_chains + other.boundary_chains,
+            non_manifold_edges: self.non_manifold_edges + other.non_manifold_edges,
+            non_manifold_vertices: self.non_manifold_vertices + other.non_manifold_vertices,
+            t_junctions: self.t_junctions + other.t_junctions,
+            inconsistent_edges: self.inconsistent_edges + other.inconsistent_edges,
+            duplicate_faces: self.duplicate_faces + other.duplicate_faces,
+            opposite_faces: self.opposite_faces + other.opposite_faces,
+            collapsed_faces: self.collapsed_faces + other.collapsed_faces,
+            zero_area_faces: self.zero_area_faces + other.zero_area_faces,
+            unused_vertices: self.unused_vertices + other.unused_vertices,
+            components: self.components + other.components,
+            edges: self.edges + other.edges,
+            genus: self.genus.zip(other.genus).map(|(a, b)| a + b),
         }
     }
 }
 
-fn witnesses(part: usize, found: &Validity) -> Vec<WitnessFacts> {
-    let findings: [(&'static str, &Finding); 9] = [
+fn witnesses(part: usize, Checked { found, t_junctions }: &Checked) -> Vec<WitnessFacts> {
+    let findings: [(&'static str, &Finding); 10] = [
         ("boundary_edges", &found.boundary_edges),
         ("non_manifold_edges", &found.non_manifold_edges),
         ("non_manifold_vertices", &found.non_manifold_vertices),
+        ("t_junctions", t_junctions),
         ("inconsistent_edges", &found.inconsistent_edges),
         ("duplicate_faces", &found.duplicate_faces),
         ("opposite_faces", &found.opposite_faces),
