@@ -38,7 +38,7 @@ pub(crate) struct Proved {
 const MOST_ROUNDS: usize = 64;
 
 /// Tiles, and places on each, at which the distance is measured from below.
-const SAMPLED_TILES: usize = 8;
+const SAMPLED_TILES: usize = 2;
 
 impl<'a> Mesher<'a> {
     pub(crate) fn new(patches: &'a [Patch], job: &'a Job) -> Self {
@@ -120,9 +120,6 @@ impl<'a> Mesher<'a> {
         });
         for (i, built) in open.iter().zip(built) {
             done[*i] = Some(built.ok_or(Failure::Cancelled)?);
-        }
-        if std::env::var("DBG").is_ok() {
-            eprintln!("tiles {} open {}", tiles.len(), open.len());
         }
         self.job.report(Progress {
             stage: "tessellate",
