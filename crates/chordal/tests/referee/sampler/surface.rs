@@ -20,8 +20,8 @@ pub struct Foot {
     pub uv: [f64; 2],
 }
 
-/// Cells a side into which each patch is cut for the search.
-const CELLS: usize = 12;
+/// Cells a side into which each patch is cut for the search; a power of two.
+const CELLS: usize = 16;
 
 fn weights(t: f64) -> [f64; 4] {
     let s = 1.0 - t;
@@ -80,41 +80,44 @@ pub fn quarters(c: &Control) -> [(Control, [f64; 2]); 4] {
     [(a, [0.0, 0.0]), (b, [0.0, 0.5]), (d, [0.5, 0.0]), (e, [0.5, 0.5])]
 }
 
-/// A box around the part of a patch over one cell: the samples of a 3 × 3 grid, widened by how far the part can
-/// be from their bilinear interpolation (second differences bound second derivatives; `h²·M/8` for each step).
-fn cell_bounds(control: &Control, cell: [usize; 2]) -> Bounds {
-    let step = 1.0 / CELLS as f64;
-    let at = |i: usize, j: usize| {
-        evaluate(
-            control,
-            [(cell[0] as f64 + i as f64 / 2.0) * step, (cell[1] as f64 + j as f64 / 2.0) * step],
-        )
-    };
-    let [low, high] = around((0..9).map(|n| at(n % 3, n / 3)));
-    let slack = (step / 2.0).powi(2) * flatness(control) + 1e-14 * size(control);
-    [low.map(|x| x - slack), high.map(|x| x + slack)]
+/// The parts of a patch over `CELLS × CELLS` cells, row by row.
+fn cells(control: &Control) -> Vec<Control> {
+    let mut parts = vec![(*control, [0.0, 0.0], 1.0)];
+    for _ in 0..CELLS.ilog2() {
+        let cut = |(part, [u, v], side): (Control, [f64; 2], f64)| {
+            quarters(&part).map(|(q, at)| (q, [u + side * at[0], v + side * at[1]], side / 2.0))
+        };
+        parts = parts.into_iter().flat_map(cut).collect();
+    }
+    parts.sort_by(|a, b| (a.1[1], a.1[0]).partial_cmp(&(b.1[1], b.1[0])).expect("finite"));
+    parts.into_iter().map(|(part, ..)| part).collect()
 }
 
 fn size(control: &Control) -> f64 {
     control.iter().flatten().map(|p| length(*p)).fold(0.0, f64::max)
 }
 
-/// `sup |S − bilinear| ≤ (Muu + Mvv)/8` over a unit square: with `Muu ≤ 6·max|second difference|`.
-fn flatness(control: &Control) -> f64 {
-    let bend = |c: &Control| {
-        let second = |l: &[Point; 4], j: usize| length(add(sub(l[j], l[j + 1]), sub(l[j + 2], l[j + 1])));
-        c.iter().flat_map(|l| [second(l, 0), second(l, 1)]).fold(0.0, f64::max)
+/// How far a part is at most from the two triangles over its corners `[a, b, c]` and `[a, c, d]`: a control point
+/// minus its place on the bilinear surface is a control point of the difference, which stays in their hull; and
+/// a bilinear surface leaves the triangles by a quarter of its twist.
+fn unevenness(part: &Control) -> f64 {
+    let [a, b, c, d] = [part[0][0], part[0][3], part[3][3], part[3][0]];
+    let bilinear = |i: usize, j: usize| {
+        let (u, v) = (j as f64 / 3.0, i as f64 / 3.0);
+        let lower = add(scale(a, 1.0 - u), scale(b, u));
+        add(scale(lower, 1.0 - v), scale(add(scale(d, 1.0 - u), scale(c, u)), v))
     };
-    6.0 / 8.0 * (bend(control) + bend(&transposed(control)))
+    let off = |n: usize| distance(part[n / 4][n % 4], bilinear(n / 4, n % 4));
+    (0..16).map(off).fold(0.0, f64::max) + 0.25 * length(sub(add(a, c), add(b, d)))
 }
 
 impl Surface {
     pub fn new(patches: Vec<Control>) -> Self {
-        let cells = |patch: &Control| {
-            let patch = *patch;
-            (0..CELLS * CELLS).map(move |n| cell_bounds(&patch, [n % CELLS, n / CELLS]))
-        };
-        let boxes: Vec<Bounds> = patches.iter().flat_map(cells).collect();
+        // Halving rounds by some units in the last place, which the boxes take in.
+        let slack = 1e-14 * patches.iter().map(size).fold(0.0, f64::max);
+        let wide = |[low, high]: Bounds| [low.map(|x| x - slack), high.map(|x| x + slack)];
+        let parts = patches.iter().flat_map(cells);
+        let boxes: Vec<Bounds> = parts.map(|part| wide(around(part.into_iter().flatten()))).collect();
         Self { tree: Tree::new(&boxes), patches }
     }
 
@@ -134,7 +137,7 @@ impl Surface {
             // The best foot lies in or next to this cell: the same valley.
             let same = found.patch == patch
                 && found.distance.is_finite()
-                && (0..2).all(|k| (found.uv[k] - middle[k]).abs() < 1.25 / CELLS as f64);
+                && (0..2).all(|k| (found.uv[k] - middle[k]).abs() < 0.5 / CELLS as f64);
             if !same {
                 let next = self.slide(p, patch, middle);
                 if next.distance < found.distance {
@@ -173,37 +176,52 @@ impl Surface {
         foot
     }
 
-    /// A bound from below on the distance of `p`, by branch and bound over quarters of the patches, stopped when
-    /// nothing can be nearer than `goal`: so either a proof that all of the surface is at least `goal` away
-    /// (true), or a point that is nearer (false), or no decision within the effort (false).
-    pub fn is_beyond(&self, p: Point, goal: f64) -> bool {
-        let mut stack: Vec<(Control, u32)> = self.patches.iter().map(|c| (*c, 0)).collect();
-        let mut effort = 200_000;
-        while let Some((part, depth)) = stack.pop() {
-            let [a, b, c, d] = [part[0][0], part[0][3], part[3][3], part[3][0]];
-            let nearest = |t| distance(p, closest_on_triangle(p, t));
-            let chord = nearest([a, b, c]).min(nearest([a, c, d]));
-            // The part is within `slack` of the two triangles: bilinear plus the mixed term of Filip's bound.
-            let twist = twist(&part);
-            let slack = flatness(&part) + 9.0 / 4.0 * twist;
-            if chord - slack >= goal {
+    /// Looks for a point of the surface nearer to `p` than `goal`, by branch and bound over quarters of the patches.
+    pub fn search(&self, p: Point, goal: f64) -> Search {
+        let root = |(patch, c): (usize, &Control)| (*c, patch, [0.0; 2], 1.0);
+        let mut stack: Vec<(Control, usize, [f64; 2], f64)> =
+            self.patches.iter().enumerate().map(root).collect();
+        for _ in 0..100_000 {
+            let Some((part, patch, [u, v], side)) = stack.pop() else { return Search::Beyond };
+            let corners = [part[0][0], part[0][3], part[3][3], part[3][0]];
+            let [a, b, c, d] = corners;
+            let to = |t| distance(p, closest_on_triangle(p, t));
+            if to([a, b, c]).min(to([a, c, d])) - unevenness(&part) >= goal {
                 continue;
             }
-            effort -= 1;
-            if [a, b, c, d].iter().any(|q| distance(*q, p) < goal) || depth > 40 || effort == 0 {
-                return false;
+            if corners.iter().any(|q| distance(*q, p) < goal) {
+                return Search::Nearer(self.slide(p, patch, [u + side / 2.0, v + side / 2.0]));
             }
-            stack.extend(quarters(&part).map(|(q, _)| (q, depth + 1)));
+            let cut =
+                |(q, at): (Control, [f64; 2])| (q, patch, [u + side * at[0], v + side * at[1]], side / 2.0);
+            stack.extend(quarters(&part).map(cut));
         }
-        true
+        Search::Undecided
+    }
+
+    /// The distance of `p` from below, at most the part `gap` of it too low; 0 where that cannot be decided.
+    pub fn distance_below(&self, p: Point, gap: f64) -> f64 {
+        let mut goal = self.nearest(p, None).distance;
+        for _ in 0..64 {
+            let wanted = goal * (1.0 - gap);
+            match self.search(p, wanted) {
+                Search::Beyond => return wanted,
+                Search::Nearer(foot) => goal = foot.distance.min(wanted),
+                Search::Undecided => break,
+            }
+        }
+        0.0
     }
 }
 
-/// The largest mixed first difference of the control points.
-fn twist(c: &Control) -> f64 {
-    let mixed =
-        |i: usize, j: usize| length(sub(sub(c[i + 1][j + 1], c[i + 1][j]), sub(c[i][j + 1], c[i][j])));
-    (0..9).map(|n| mixed(n / 3, n % 3)).fold(0.0, f64::max)
+/// What a search for a nearer point came to.
+pub enum Search {
+    /// Proved: there is none.
+    Beyond,
+    /// One is there; the foot is near it.
+    Nearer(Foot),
+    /// The effort did not suffice.
+    Undecided,
 }
 
 fn newton_step(control: &Control, p: Point, [u, v]: [f64; 2], damping: f64) -> Option<[f64; 2]> {
