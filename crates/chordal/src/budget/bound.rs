@@ -202,7 +202,10 @@ impl Bound {
             (Some(a), Some(b)) if evidence.bounds_above() => Some(add_up(a, b)),
             _ => None,
         };
-        let left = |least: f64, most: Option<f64>| most.map_or(0.0, |most| sub_down(least, most).max(0.0));
+        let left = |least: f64, most: Option<f64>| {
+            let rest = most.map_or(0.0, |most| sub_down(least, most));
+            if rest > 0.0 { rest } else { 0.0 }
+        };
         let at_least = left(self.at_least, next.at_most).max(left(next.at_least, self.at_most));
         let at = if self.at_most >= next.at_most { self.at } else { next.at.or(self.at) };
         Self {

@@ -134,10 +134,11 @@ impl Projection {
     }
 
     /// `tan(fov/2)` from below and above. `libm::tan` is off by less than one unit in the last place and the
-    /// conversion to radians by two more, which `tan` magnifies by `x/(sin x·cos x) ≤ 1/cos x` at most.
+    /// conversion to radians by two more, which `tan` magnifies by `x/(sin x·cos x) ≤ (π/2)/cos x`.
     fn half_tan(fov_y_deg: f64) -> (f64, f64) {
         let half = fov_y_deg * (std::f64::consts::PI / 360.0);
         let tan = libm::tan(half);
+        // (π/2)·2/cos x of the conversion, 1 of `tan`, 2 of the products below: together less than these 8.
         let slack = 8.0 * f64::EPSILON * (1.0 + 1.0 / libm::cos(half));
         (tan * (1.0 - slack), tan * (1.0 + slack))
     }

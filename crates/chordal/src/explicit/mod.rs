@@ -3,8 +3,14 @@ mod bezier;
 mod mesh;
 mod normals;
 mod patch;
+mod patch_grid;
+mod topology;
+mod twins;
 
 pub use bezier::{Bezier, Levels, bernstein};
 pub use mesh::{Attribute, Domain, InvalidMesh, Mesh, Semantic};
 pub use normals::{face_normal, vertex_normals};
 pub use patch::{Patch, Side};
+pub use patch_grid::PatchGrid;
+pub use topology::{Topology, position_id_by_bits};
+pub use twins::{Twin, Twins, next_in_face, previous_in_face};
