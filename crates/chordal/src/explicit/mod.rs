@@ -6,6 +6,7 @@ mod normals;
 mod patch;
 mod patch_grid;
 mod topology;
+pub mod triangulate;
 mod twins;
 
 pub use bezier::{Bezier, Levels, bernstein};

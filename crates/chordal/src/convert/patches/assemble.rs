@@ -207,10 +207,8 @@ fn drop_unused(
         return finish(positions, faces, normals, ids);
     }
     let mut number = vec![u32::MAX; positions.len()];
-    let mut next = 0;
-    for (slot, _) in number.iter_mut().zip(&used).filter(|(_, used)| **used) {
-        *slot = next;
-        next += 1;
+    for (next, (slot, _)) in number.iter_mut().zip(&used).filter(|(_, used)| **used).enumerate() {
+        *slot = next as u32;
     }
     faces.as_flattened_mut().iter_mut().for_each(|i| *i = number[*i as usize]);
     let kept = |list: Vec<[f64; 3]>| {

@@ -59,7 +59,7 @@ impl Hessian {
 #[inline]
 pub(crate) fn across(bend: DVec3, chord: DVec3) -> f64 {
     let chord_sq = chord.length_squared();
-    if !(chord_sq > 0.0) {
+    if chord_sq == 0.0 {
         return bend.length();
     }
     let slide = bend.dot(chord) / chord_sq;

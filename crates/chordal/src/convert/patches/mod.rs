@@ -4,6 +4,7 @@
 //! [`assemble`] numbers the vertices and computes normals.
 pub(super) mod assemble;
 pub(super) mod bend;
+pub(super) mod mesher;
 pub(super) mod plan;
 pub(super) mod quilt;
 pub(super) mod seams;

@@ -26,11 +26,6 @@ impl Allowance {
         let by_length = self.length.unwrap_or(f64::MAX);
         Some(if by_length < by_view { by_length } else { by_view })
     }
-
-    /// Whether every place may lose the same.
-    pub(crate) fn is_uniform(&self) -> bool {
-        !matches!(self.pixels, Some((_, View::Camera(_))))
-    }
 }
 
 /// A rectangle of one patch with its cells.
@@ -181,26 +176,36 @@ const WORTH_HALVING: f64 = 0.93;
 /// The tiles of one patch, in the order of a depth-first walk. `Err` is a box where no tolerance exists.
 pub(crate) fn cut(patch_idx: u32, patch: &Patch, allowance: &Allowance) -> Result<Vec<Tile>, Box3> {
     let mut tiles = Vec::new();
-    let rounding = ROUNDING * patch.size();
-    let mut open = vec![Open::new(*patch, [0.0, 1.0], [0.0, 1.0], (allowance, rounding))?];
+    let context = (allowance, ROUNDING * patch.size());
+    let mut open = vec![Open::new(*patch, [0.0, 1.0], [0.0, 1.0], context)?];
     while let Some(rectangle) = open.pop() {
-        let cells = rectangle.rates.cells;
-        if cells > FEWEST_CELLS_TO_HALVE {
-            let by_u = rectangle.halved(true, (allowance, rounding))?;
-            let by_v = rectangle.halved(false, (allowance, rounding))?;
-            let needs = |halves: &[Open; 2]| halves[0].rates.cells + halves[1].rates.cells;
-            let (need_u, need_v) = (needs(&by_u), needs(&by_v));
-            let (need, halves) = if need_u < need_v { (need_u, by_u) } else { (need_v, by_v) };
-            if need < WORTH_HALVING * cells || cells > MOST_CELLS {
-                let [first, second] = halves;
-                open.extend([second, first]);
-                continue;
-            }
+        match rectangle.cheaper_halves(context)? {
+            Some(halves) => open.extend(halves),
+            None if rectangle.rates.cells > MOST_CELLS => open
+                .extend(rectangle.halved(rectangle.rates.n >= rectangle.rates.m, context)?.into_iter().rev()),
+            None => tiles.push(rectangle.tile(patch_idx)),
         }
-        tiles.push(rectangle.tile(patch_idx));
     }
     Ok(tiles)
 }
+
+/// About how many triangles a patch needs, without laying them: rectangles are halved only while that pays.
+pub(crate) fn estimate(patch: &Patch, allowance: &Allowance) -> Result<f64, Box3> {
+    let context = (allowance, ROUNDING * patch.size());
+    let mut open = vec![Open::new(*patch, [0.0, 1.0], [0.0, 1.0], context)?];
+    let (mut cells, mut looked_at) = (0.0, 0);
+    while let Some(rectangle) = open.pop() {
+        looked_at += 1;
+        match rectangle.cheaper_halves(context)? {
+            Some(halves) if looked_at < MOST_LOOKS => open.extend(halves),
+            _ => cells += rectangle.rates.cells,
+        }
+    }
+    Ok(2.0 * cells)
+}
+
+/// Rectangles of one patch that an estimate looks at before it takes the sum as it stands.
+const MOST_LOOKS: usize = 4096;
 
 /// A rectangle that may still be halved.
 struct Open {
@@ -220,11 +225,23 @@ impl Open {
     ) -> Result<Self, Box3> {
         let place = part.hull();
         let tolerance = allowance.at(&place).ok_or(place)? - rounding;
-        if !(tolerance > 0.0) {
+        if tolerance <= 0.0 {
             return Err(place);
         }
         let rates = Probe::new(&part).rates(tolerance);
         Ok(Self { part, u, v, tolerance, rates })
+    }
+
+    /// The halves, second first, where they need clearly fewer cells together.
+    fn cheaper_halves(&self, context: (&Allowance, f64)) -> Result<Option<[Self; 2]>, Box3> {
+        if self.rates.cells <= FEWEST_CELLS_TO_HALVE {
+            return Ok(None);
+        }
+        let (by_u, by_v) = (self.halved(true, context)?, self.halved(false, context)?);
+        let needs = |halves: &[Self; 2]| halves[0].rates.cells + halves[1].rates.cells;
+        let (need_u, need_v) = (needs(&by_u), needs(&by_v));
+        let (need, [first, second]) = if need_u < need_v { (need_u, by_u) } else { (need_v, by_v) };
+        Ok((need < WORTH_HALVING * self.rates.cells).then_some([second, first]))
     }
 
     fn halved(&self, along_u: bool, context: (&Allowance, f64)) -> Result<[Self; 2], Box3> {

@@ -23,8 +23,8 @@ pub(crate) struct Done {
     pub(crate) inner_normals: Vec<[f64; 3]>,
     /// The largest distance, rounding included.
     pub(crate) bound: f64,
-    /// Where in the patch the bound is reached: parameters.
-    pub(crate) worst: [f64; 2],
+    /// The triangle with the largest bound: the patch's parameters at its corners.
+    pub(crate) worst: [[f64; 2]; 3],
     /// Whether a triangle has the same vertex twice although no pole explains it: the cells are too few.
     pub(crate) collides: bool,
 }
@@ -55,7 +55,7 @@ struct Work<'a> {
     triangles: Vec<[u32; 3]>,
     collides: bool,
     bound: f64,
-    worst: [f64; 2],
+    worst: [[f64; 2]; 3],
 }
 
 /// Triangulates and proves the tile with the given index.
@@ -74,7 +74,7 @@ pub(crate) fn build(index: usize, tile: &Tile, patch: &Patch, seams: &Seams) -> 
         triangles: Vec::new(),
         collides: false,
         bound: 0.0,
-        worst: [0.0; 2],
+        worst: [[0.0; 2]; 3],
     };
     work.walk_border(index, seams);
     let counts = Side::ALL.map(|side| (work.sides[side as usize + 1] - work.sides[side as usize]) as u32);
@@ -389,11 +389,9 @@ impl Work<'_> {
     fn emit(&mut self, triangle: [u32; 3], bound: f64) {
         if bound > self.bound {
             self.bound = bound;
-            let [a, b, c] = triangle.map(|id| self.knot(id));
             let place = |x: f64, [from, to]: [f64; 2]| from + (to - from) * x;
-            // The middle is close enough to the worst point to be a witness; the bound does not rest on it.
-            let (u, v) = ((a.u + b.u + c.u) / 3.0, (a.v + b.v + c.v) / 3.0);
-            self.worst = [place(u, self.tile.u), place(v, self.tile.v)];
+            let (u, v) = (self.tile.u, self.tile.v);
+            self.worst = triangle.map(|id| self.knot(id)).map(|knot| [place(knot.u, u), place(knot.v, v)]);
         }
         let [a, b, c] = triangle;
         let twins = [self.meet(a, b), self.meet(b, c), self.meet(c, a)];
