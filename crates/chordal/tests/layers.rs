@@ -185,7 +185,9 @@ impl Walk<'_> {
             self.complain(line, "`extern crate self` gives the root another name");
         }
         let opens_attribute = is(at, "[") && at > 0 && (is(at - 1, "#") || (at > 1 && is(at - 1, "!")));
-        if opens_attribute && (is(at + 1, "path") || is(at + 1, "macro_use")) {
+        let end = tokens[at..].iter().position(|token| token.is("]")).map_or(at, |n| at + n);
+        let side_door = |n| (is(n, "path") && is(n + 1, "=")) || is(n, "macro_use");
+        if opens_attribute && (at..end).any(side_door) {
             self.complain(line, "`#[path]` and `#[macro_use]` bring in names unseen");
         }
     }
@@ -322,6 +324,7 @@ fn every_form_of_going_up_or_across_is_found() {
         "crate::lifted!();",
         "extern crate self as other;",
         "#[path = \"../convert/x.rs\"] mod x;",
+        "#[cfg_attr(unix, path = \"../convert/x.rs\")] mod x;",
         "include!(\"../convert/x.rs\");",
         "#[macro_use] mod inner {}",
         "pub(in crate::convert) struct X;",

@@ -31,9 +31,11 @@ impl Job {
     pub fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         #[cfg(feature = "threads")]
         {
-            // Without a number of threads the host's own pool is right; inside a pool of this size there is one.
-            let inside = rayon::current_thread_index().is_some();
-            if self.threads != 0 && !(inside && rayon::current_num_threads() == self.threads) {
+            // Without a number of threads the host's own pool is right; inside a pool of this size there is one. No
+            // result depends on it: `par_map` keeps the order.
+            let fits =
+                rayon::current_thread_index().is_some() && rayon::current_num_threads() == self.threads;
+            if self.threads != 0 && !fits {
                 // A machine that grants no more threads leaves the work to those that there are.
                 if let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build() {
                     return pool.install(work);

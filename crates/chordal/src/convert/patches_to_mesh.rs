@@ -26,7 +26,7 @@ use crate::math::flushes_subnormals;
 /// # Errors
 /// [`Failure::Refused`]: no limit in the budget or an angle ([`Code::Budget`], [`Code::Unsupported`]), no patches,
 /// control points that are not finite or beyond 1e150, more triangles or bytes than the job allows (said before the
-/// work), a budget below rounding or an eye too close ([`Code::TooClose`]), an environment that flushes subnormals.
+/// work), a budget below rounding ([`Code::BelowPrecision`]), an eye too close ([`Code::TooClose`]), an environment that flushes subnormals.
 /// [`Failure::Unmet`] with the best mesh: the length or pixels need more triangles than the budget has.
 /// [`Failure::Cancelled`].
 ///
@@ -154,20 +154,20 @@ fn by_count(mesher: &Mesher<'_>, asked: &Allowance, most: u64, job: &Job) -> Res
         let step = libm::exp2(-f64::from(k % 16) / RUNGS);
         Allowance { length: Some(4.0 * size * step * libm::exp2(-f64::from(k / 16))), pixels: None }
     };
-    let fits = |k: u32| -> Result<bool, Failed> {
+    let count = |k: u32| -> Result<u64, Failed> {
         match mesher.plan(&rung(k)) {
-            Ok(planned) => Ok(planned.count(mesher) <= most),
-            Err(Failure::Refused(refusal)) if refusal.code == Code::TooClose => Ok(false),
+            Ok(planned) => Ok(planned.count(mesher)),
+            Err(Failure::Refused(refusal)) if refusal.code == Code::BelowPrecision => Ok(u64::MAX),
             Err(other) => Err(other),
         }
     };
     // Finer by octaves until even a noisy count cannot fit, then down rung by rung.
     let mut fine = 0;
-    while fine < MOST_RUNGS && mesher.estimate(&rung(fine), f64::INFINITY)? <= (COUNT_NOISE * most) as f64 {
+    while fine < MOST_RUNGS && count(fine)? <= COUNT_NOISE.saturating_mul(most) {
         fine += 4;
     }
     let mut k = fine;
-    while k > 0 && !fits(k)? {
+    while k > 0 && count(k)? > most {
         k -= 1;
     }
     let mut best: Option<Proved> = None;

@@ -1,7 +1,7 @@
 //! `Mesher`: plans tiles for an allowance, proves them, and asks for more cells until all hold.
 use super::assemble;
 use super::bend::ROUNDING;
-use super::plan::{self, Allowance, Probe, Tile};
+use super::plan::{self, Allowance, Obstacle, Probe, Tile};
 use super::quilt::{Quilt, Seam};
 use super::seams::{Line, Seams};
 use super::tile::{self, Done};
@@ -57,7 +57,7 @@ impl<'a> Mesher<'a> {
     /// About how many triangles an allowance needs; cheap where that is fewer than `enough`.
     pub(crate) fn estimate(&self, allowance: &Allowance, enough: f64) -> Result<f64, Failed> {
         let rough = par_map(self.job, self.patches, |_, patch| {
-            let tolerance = allowance.at(&patch.hull()).ok_or(patch.hull())?;
+            let tolerance = allowance.at(&patch.hull()).ok_or(Obstacle::TooClose(patch.hull()))?;
             Ok(2.0 * Probe::new(patch).rates(tolerance).cells)
         });
         let rough = total(rough)?;
@@ -77,7 +77,7 @@ impl<'a> Mesher<'a> {
         }
         let mut tiles = Vec::new();
         for list in cut {
-            tiles.extend(list.map_err(|place| too_close(&place))?);
+            tiles.extend(list.map_err(refuse)?);
         }
         let mut seams = Seams::new(&self.quilt, &tiles);
         seams.set_rates(&tiles, self.patches, &self.quilt);
@@ -290,16 +290,28 @@ impl Proved {
     }
 }
 
-fn total(parts: Vec<Result<f64, Box3>>) -> Result<f64, Failed> {
-    parts.into_iter().try_fold(0.0, |sum, part| Ok(sum + part.map_err(|place| too_close(&place))?))
+fn total(parts: Vec<Result<f64, Obstacle>>) -> Result<f64, Failed> {
+    parts.into_iter().try_fold(0.0, |sum, part| Ok(sum + part.map_err(refuse)?))
 }
 
-fn too_close(place: &Box3) -> Failed {
-    let [x, y, z] = place.centre();
-    let message = format!(
-        "no mesh can meet the budget near ({x}, {y}, {z}): the eye is too close to the shape, or the budget is below the rounding of its coordinates"
-    );
-    Failure::refused(Code::TooClose, message)
+fn refuse(obstacle: Obstacle) -> Failed {
+    let centre = |place: Box3| place.centre().map(|x| format!("{x:.4}")).join(", ");
+    match obstacle {
+        Obstacle::TooClose(place) => {
+            let place = centre(place);
+            let message = format!(
+                "the eye is too close to the shape near ({place}) for any bound in pixels; a camera can be given near=LENGTH"
+            );
+            Failure::refused(Code::TooClose, message)
+        }
+        Obstacle::BelowRounding(place, rounding) => {
+            let place = centre(place);
+            let message = format!(
+                "rounding near ({place}) alone can lose {rounding:.1e}, so no mesh in double precision can be proved to meet the budget"
+            );
+            Failure::refused(Code::BelowPrecision, message)
+        }
+    }
 }
 
 fn surface_at_least(_: &[[f64; 3]], _: &Mesh) -> Option<(f64, usize)> {

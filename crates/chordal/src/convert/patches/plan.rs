@@ -28,6 +28,15 @@ impl Allowance {
     }
 }
 
+/// Why no mesh can meet an allowance, and near where.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Obstacle {
+    /// The eye is so near that no length is small enough.
+    TooClose(Box3),
+    /// Rounding alone loses this length.
+    BelowRounding(Box3, f64),
+}
+
 /// A rectangle of one patch with its cells.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tile {
@@ -173,8 +182,8 @@ const MOST_CELLS: f64 = 4096.0;
 /// Halving has to save this share of the cells, since tiles of unlike rates cost triangles where they meet.
 const WORTH_HALVING: f64 = 0.93;
 
-/// The tiles of one patch, in the order of a depth-first walk. `Err` is a box where no tolerance exists.
-pub(crate) fn cut(patch_idx: u32, patch: &Patch, allowance: &Allowance) -> Result<Vec<Tile>, Box3> {
+/// The tiles of one patch, in the order of a depth-first walk.
+pub(crate) fn cut(patch_idx: u32, patch: &Patch, allowance: &Allowance) -> Result<Vec<Tile>, Obstacle> {
     let mut tiles = Vec::new();
     let context = (allowance, ROUNDING * patch.size());
     let mut open = vec![Open::new(*patch, [0.0, 1.0], [0.0, 1.0], context)?];
@@ -190,7 +199,7 @@ pub(crate) fn cut(patch_idx: u32, patch: &Patch, allowance: &Allowance) -> Resul
 }
 
 /// About how many triangles a patch needs, without laying them: rectangles are halved only while that pays.
-pub(crate) fn estimate(patch: &Patch, allowance: &Allowance) -> Result<f64, Box3> {
+pub(crate) fn estimate(patch: &Patch, allowance: &Allowance) -> Result<f64, Obstacle> {
     let context = (allowance, ROUNDING * patch.size());
     let mut open = vec![Open::new(*patch, [0.0, 1.0], [0.0, 1.0], context)?];
     let (mut cells, mut looked_at) = (0.0, 0);
@@ -205,7 +214,7 @@ pub(crate) fn estimate(patch: &Patch, allowance: &Allowance) -> Result<f64, Box3
 }
 
 /// Rectangles of one patch that an estimate looks at before it takes the sum as it stands.
-const MOST_LOOKS: usize = 4096;
+const MOST_LOOKS: usize = 256;
 
 /// A rectangle that may still be halved.
 struct Open {
@@ -222,18 +231,18 @@ impl Open {
         u: [f64; 2],
         v: [f64; 2],
         (allowance, rounding): (&Allowance, f64),
-    ) -> Result<Self, Box3> {
+    ) -> Result<Self, Obstacle> {
         let place = part.hull();
-        let tolerance = allowance.at(&place).ok_or(place)? - rounding;
+        let tolerance = allowance.at(&place).ok_or(Obstacle::TooClose(place))? - rounding;
         if tolerance <= 0.0 {
-            return Err(place);
+            return Err(Obstacle::BelowRounding(place, rounding));
         }
         let rates = Probe::new(&part).rates(tolerance);
         Ok(Self { part, u, v, tolerance, rates })
     }
 
     /// The halves, second first, where they need clearly fewer cells together.
-    fn cheaper_halves(&self, context: (&Allowance, f64)) -> Result<Option<[Self; 2]>, Box3> {
+    fn cheaper_halves(&self, context: (&Allowance, f64)) -> Result<Option<[Self; 2]>, Obstacle> {
         if self.rates.cells <= FEWEST_CELLS_TO_HALVE {
             return Ok(None);
         }
@@ -244,7 +253,7 @@ impl Open {
         Ok((need < WORTH_HALVING * self.rates.cells).then_some([second, first]))
     }
 
-    fn halved(&self, along_u: bool, context: (&Allowance, f64)) -> Result<[Self; 2], Box3> {
+    fn halved(&self, along_u: bool, context: (&Allowance, f64)) -> Result<[Self; 2], Obstacle> {
         let middle = |[a, b]: [f64; 2]| 0.5 * (a + b);
         let (u, v) = (self.u, self.v);
         if along_u {
