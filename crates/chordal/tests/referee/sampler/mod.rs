@@ -9,7 +9,7 @@ mod tree;
 mod triangles;
 mod vector;
 
-pub use measure::{Distance, Effort, measure, mesh_to_surface, surface_to_mesh};
-pub use surface::{Control, Foot, Surface, evaluate};
-pub use triangles::{Triangles, closest_on_triangle};
+pub use measure::{Distance, measure};
+pub use surface::{Control, Surface, evaluate, quarters, unevenness};
+pub use triangles::Triangles;
 pub use vector::{Point, add, cross, distance, dot, length, scale, sub};

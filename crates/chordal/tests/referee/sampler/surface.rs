@@ -100,7 +100,7 @@ fn size(control: &Control) -> f64 {
 /// How far a part is at most from the two triangles over its corners `[a, b, c]` and `[a, c, d]`: a control point
 /// minus its place on the bilinear surface is a control point of the difference, which stays in their hull; and
 /// a bilinear surface leaves the triangles by a quarter of its twist.
-fn unevenness(part: &Control) -> f64 {
+pub fn unevenness(part: &Control) -> f64 {
     let [a, b, c, d] = [part[0][0], part[0][3], part[3][3], part[3][0]];
     let bilinear = |i: usize, j: usize| {
         let (u, v) = (j as f64 / 3.0, i as f64 / 3.0);
