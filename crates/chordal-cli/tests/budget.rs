@@ -97,11 +97,13 @@ fn the_certified_bound_keeps_within_what_was_asked_in_every_format() {
     let input = folder.file("a.bpt", PATCH);
     for (budget, limit) in [("0.01", 0.01), ("2e-5", 2e-5), ("0.1%", 0.001 * 4.6)] {
         for output in ["a.obj", "a.ply", "a.stl", "a.glb"] {
-            let made = run(&["mesh", &input, "-o", &folder.text(output), "--tol", budget, "--json", "--force"]);
+            let made =
+                run(&["mesh", &input, "-o", &folder.text(output), "--tol", budget, "--json", "--force"]);
             made.succeeds();
             let certificate = &made.report()["certificate"];
             let asked = certificate["budget"]["length"].as_f64().unwrap();
-            let [least, most] = ["at_least", "at_most"].map(|end| certificate["bound"][end].as_f64().unwrap());
+            let [least, most] =
+                ["at_least", "at_most"].map(|end| certificate["bound"][end].as_f64().unwrap());
             assert!(asked <= limit, "{certificate}");
             assert!(0.0 <= least && least <= most && most <= asked, "{certificate}");
         }

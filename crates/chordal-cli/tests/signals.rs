@@ -69,7 +69,8 @@ fn h80_a_kill_at_any_moment_leaves_the_old_file_or_the_whole_new_one() {
         let found = fs::read(&output).unwrap();
         assert!(found == b"old" || found == new, "after {step} steps: half a file");
         // What a kill leaves behind says by its name what it is.
-        let left: Vec<_> = folder.names().into_iter().filter(|n| n != "a.ply" && n != "undisturbed.ply").collect();
+        let left: Vec<_> =
+            folder.names().into_iter().filter(|n| n != "a.ply" && n != "undisturbed.ply").collect();
         assert!(left.iter().all(|name| name.starts_with(".chordal-") && name.ends_with(".tmp")), "{left:?}");
     }
     // The job is done again as if nothing had been.

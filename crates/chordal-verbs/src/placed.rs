@@ -125,8 +125,7 @@ const IDENTITY: Matrix = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0,
 /// All places of parts, by walking the scene from its roots with a stack of its own. Readers make sure that nodes
 /// are a forest.
 fn places(scene: &Scene) -> Vec<Place> {
-    let outside =
-        Place { part: 0, is_identity: true, depth: 0, magnitude: IDENTITY, stretch: 1.0 };
+    let outside = Place { part: 0, is_identity: true, depth: 0, magnitude: IDENTITY, stretch: 1.0 };
     let mut found = Vec::new();
     let mut open: Vec<(usize, std::rc::Rc<Place>)> = Vec::new();
     let outside = std::rc::Rc::new(outside);
@@ -148,6 +147,7 @@ fn product(a: &Matrix, b: &Matrix) -> Matrix {
 
 /// The root of the sum of the squares of the linear part: never less than the largest factor by which it lengthens.
 fn frobenius(m: &Matrix) -> f64 {
-    let squares = [0, 1, 2, 4, 5, 6, 8, 9, 10].into_iter().fold(0.0, |sum, i| add_up(sum, mul_up(m[i], m[i])));
+    let squares =
+        [0, 1, 2, 4, 5, 6, 8, 9, 10].into_iter().fold(0.0, |sum, i| add_up(sum, mul_up(m[i], m[i])));
     sqrt_up(squares)
 }

@@ -40,9 +40,9 @@ impl BudgetSpec {
         let note = match length {
             Length::Plain(_) => None,
             Length::In(..) => Some(format!("{length} is {tolerance} in the units of the input")),
-            Length::Percent(_) => {
-                Some(format!("{length} of the diagonal, which is {diagonal} or a little more, is {tolerance}"))
-            }
+            Length::Percent(_) => Some(format!(
+                "{length} of the diagonal, which is {diagonal} or a little more, is {tolerance}"
+            )),
         };
         Ok((budget, note))
     }

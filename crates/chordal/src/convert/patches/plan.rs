@@ -117,7 +117,8 @@ impl Open {
     ) -> Result<Self, Obstacle> {
         let place = part.hull();
         let tolerance = allowance.at(&place).ok_or(Obstacle::TooClose(place))? - rounding;
-        if tolerance <= 0.0 {
+        // Where the allowance for rounding is most of the budget, noise would decide how many cells are enough.
+        if tolerance < rounding {
             return Err(Obstacle::BelowRounding(place, rounding));
         }
         let probe = Probe::new(&part);
