@@ -100,6 +100,14 @@ impl<'a> Mesher<'a> {
             if planned.tiles.iter().any(|tile| tile.strain > MOST_STRAIN) {
                 break;
             }
+            let cells: f64 = planned.tiles.iter().map(|tile| f64::from(tile.n) * f64::from(tile.m)).sum();
+            if cells > self.job.triangle_limit as f64 {
+                let message = format!(
+                    "the budget needs more than {:.1e} triangles, the limit",
+                    self.job.triangle_limit
+                );
+                return Err(Failure::refused(Code::TooManyTriangles, message));
+            }
             if !missed && !self.part_edges(&mut planned, &mut done) {
                 let tiles = planned
                     .tiles
