@@ -4,6 +4,7 @@ mod bounded;
 mod job;
 mod length;
 mod limits;
+mod parallel;
 mod tolerance;
 mod view;
 
@@ -12,5 +13,6 @@ pub use bounded::{Bounded, Code, Failure, Refusal};
 pub use job::{Job, Progress};
 pub use length::{InvalidLength, Length, Unit};
 pub use limits::{Budget, PixelBudget, Require};
+pub use parallel::par_map;
 pub use tolerance::{InvalidTolerance, Tolerance};
 pub use view::{Camera, Closest, InvalidView, Pixels, Projection, Screen, View};
