@@ -5,6 +5,7 @@ mod job;
 mod length;
 mod limits;
 mod parallel;
+mod stopped;
 mod tolerance;
 mod view;
 
@@ -14,5 +15,7 @@ pub use job::{Job, Progress};
 pub use length::{InvalidLength, Length, Unit};
 pub use limits::{Budget, PixelBudget, Require};
 pub use parallel::par_map;
+pub(crate) use parallel::par_map_owned;
+pub use stopped::Stopped;
 pub use tolerance::{InvalidTolerance, Tolerance};
 pub use view::{Camera, Closest, InvalidView, Pixels, Projection, Screen, View};

@@ -25,15 +25,27 @@ pub fn par_map<T: Sync, R: Send>(job: &Job, items: &[T], f: impl Fn(usize, &T) -
     items.iter().enumerate().map(|(i, item)| f(i, item)).collect()
 }
 
+/// [`par_map`] over items that `f` consumes: for the few large parts into which a recursion cuts its input.
+pub(crate) fn par_map_owned<T: Send, R: Send>(job: &Job, items: Vec<T>, f: impl Fn(T) -> R + Sync) -> Vec<R> {
+    #[cfg(feature = "threads")]
+    if job.threads != 1 && items.len() > 1 {
+        use rayon::prelude::*;
+        return job.run(|| items.into_par_iter().with_max_len(1).map(&f).collect());
+    }
+    let _ = job;
+    items.into_iter().map(f).collect()
+}
+
 impl Job {
     /// Runs `work` where every [`par_map`] of the same number of threads shares one set of threads: start them once
     /// around many small steps.
     pub fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         #[cfg(feature = "threads")]
         {
-            // Without a number of threads the host's own pool is right; inside a pool of this size there is one.
+            // Without a number of threads the host's own pool is right, and one thread needs none; inside a pool of
+            // this size there is one.
             let inside = rayon::current_thread_index().is_some();
-            if self.threads != 0 && !(inside && rayon::current_num_threads() == self.threads) {
+            if self.threads > 1 && !(inside && rayon::current_num_threads() == self.threads) {
                 // A machine that grants no more threads leaves the work to those that there are.
                 if let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build() {
                     return pool.install(work);
