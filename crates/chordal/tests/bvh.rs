@@ -258,12 +258,47 @@ fn integer_sphere(n: usize, radius: f64) -> Mesh {
                         row(cube)
                     };
                     let [a, b, c, d] = [at(i, j), at(i + 2, j), at(i + 2, j + 2), at(i, j + 2)];
-                    faces.extend(if side > 0 { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] });
+                    let two = if side > 0 { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] };
+                    faces.extend(two);
                 }
             }
         }
     }
-    Mesh::new(positions, faces).expect("finite")
+    // Each face starts at another corner, so that edges meet in every combination of their places.
+    let turned = faces.iter().enumerate().map(|(i, f): (usize, &[u32; 3])| {
+        let turn = i * 7 % 11 % 3;
+        std::array::from_fn(|k| f[(k + turn) % 3])
+    });
+    Mesh::new(positions, turned.collect()).expect("finite")
+}
+
+/// Twice the signed area of the origin and two points of the plane, exactly.
+fn area(p: [f64; 3], q: [f64; 3]) -> Big {
+    big(p[0]) * big(q[1]) - big(p[1]) * big(q[0])
+}
+
+#[test]
+fn rays_hit_triangles_thinner_than_rounding() {
+    let seed = 0x5eed_0008;
+    println!("seed {seed:#x}");
+    let mut random = Random(seed);
+    let zero = big(0.0);
+    let mut inside = 0;
+    for _ in 0..20_000 {
+        // Three points of a line through the origin, each rounded off it.
+        let slope = random.signed();
+        let on_line = |x: f64| [x, x * slope, 1.0];
+        let corners = [on_line(random.signed()), on_line(random.signed()), on_line(random.signed())];
+        let [a, b, c] = corners;
+        let areas = [area(b, c), area(c, a), area(a, b)];
+        let within = areas.iter().all(|x| *x > zero) || areas.iter().all(|x| *x < zero);
+        let outside = areas.iter().any(|x| *x > zero) && areas.iter().any(|x| *x < zero);
+        let hit = tree(&mesh_of(&[corners])).first_hit(&Ray::new([0.0; 3], [0.0, 0.0, 1.0]));
+        assert!(!within || hit.is_some_and(|h| (h.t - 1.0).abs() < 1e-12), "missed {corners:?}");
+        assert!(!outside || hit.is_none(), "met {corners:?}, which is elsewhere");
+        inside += u32::from(within);
+    }
+    assert!(inside > 100, "only {inside} triangles around the ray");
 }
 
 #[test]

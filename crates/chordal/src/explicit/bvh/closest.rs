@@ -267,14 +267,14 @@ impl Bvh {
             let node = &self.nodes[child as usize];
             let offs = sight.squares(node);
             let bottom = height;
-            for lane in 0..WIDTH {
-                if offs[lane] <= limit {
+            for (off, child) in offs.into_iter().zip(node.child) {
+                if off <= limit {
                     let mut at = height;
-                    while at > bottom && stack[at - 1].0 < offs[lane] {
+                    while at > bottom && stack[at - 1].0 < off {
                         stack[at] = stack[at - 1];
                         at -= 1;
                     }
-                    stack[at] = (offs[lane], node.child[lane]);
+                    stack[at] = (off, child);
                     height += 1;
                 }
             }

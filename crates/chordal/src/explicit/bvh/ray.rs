@@ -232,7 +232,8 @@ impl Bvh {
     fn cast(&self, ray: &Ray) -> Option<Cast> {
         let largest = |v: [f64; 3]| v.iter().fold(0.0, |m, x| if x.abs() > m { x.abs() } else { m });
         let size = largest(ray.direction);
-        if self.nodes.is_empty() || !(size > 0.0) || !ray.direction.iter().all(|x| x.is_finite()) {
+        let usable = size > 0.0 && ray.direction.iter().all(|x| x.is_finite());
+        if self.nodes.is_empty() || !usable {
             return None;
         }
         // Powers of two bring the direction to a size between 1 and 2; two steps, since one may overflow. A zero
@@ -295,14 +296,14 @@ impl Bvh {
             let node = &self.nodes[child as usize];
             let enters = cast.slabs.enter(node, limit);
             let bottom = height;
-            for lane in 0..WIDTH {
-                if enters[lane] < f32::INFINITY {
+            for (enter, child) in enters.into_iter().zip(node.child) {
+                if enter < f32::INFINITY {
                     let mut at = height;
-                    while at > bottom && stack[at - 1].0 < enters[lane] {
+                    while at > bottom && stack[at - 1].0 < enter {
                         stack[at] = stack[at - 1];
                         at -= 1;
                     }
-                    stack[at] = (enters[lane], node.child[lane]);
+                    stack[at] = (enter, child);
                     height += 1;
                 }
             }

@@ -39,40 +39,43 @@ pub(super) fn nearest(q: [f64; 3], corners: [[f64; 3]; 3]) -> Nearest {
     if d6 >= 0.0 && d5 <= d6 {
         return Nearest { barycentric: [0.0, 0.0, 1.0], distance_sq: cq.length_squared() };
     }
-    let combine = |barycentric: [f64; 3]| {
-        let [u, v, w] = barycentric;
-        Nearest { barycentric, distance_sq: (aq * u + bq * v + cq * w).length_squared() }
-    };
     let (e, f, g) = (ab.length_squared(), ac.length_squared(), (c - b).length_squared());
     let ef = if e > f { e } else { f };
     let longest = if ef > g { ef } else { g };
-    // Not above, so that NaN, from edges that overflow, is thin.
-    if !(ab.cross(ac).length_squared() > THIN * longest * longest) {
-        return combine(Thin::new([a, b, c]).nearest(q));
-    }
+    let closed = if ab.cross(ac).length_squared() > THIN * longest * longest {
+        by_areas([[d1, d2], [d3, d4], [d5, d6]])
+    } else {
+        None
+    };
+    let barycentric = closed.unwrap_or_else(|| Thin::new([a, b, c]).nearest(q));
+    let [u, v, w] = barycentric;
+    Nearest { barycentric, distance_sq: (aq * u + bq * v + cq * w).length_squared() }
+}
+
+/// The weights of the nearest point from the dot products of `ab` and `ac` with the offsets of `q` from the three
+/// corners, none of which is nearest; `None` where the areas contradict each other.
+#[inline]
+fn by_areas([[d1, d2], [d3, d4], [d5, d6]]: [[f64; 2]; 3]) -> Option<[f64; 3]> {
     let vc = d1 * d4 - d3 * d2;
     if vc <= 0.0 && d1 > 0.0 && d3 < 0.0 {
         let t = d1 / (d1 - d3);
-        return combine([1.0 - t, t, 0.0]);
+        return Some([1.0 - t, t, 0.0]);
     }
     let vb = d5 * d2 - d1 * d6;
     if vb <= 0.0 && d2 > 0.0 && d6 < 0.0 {
         let t = d2 / (d2 - d6);
-        return combine([1.0 - t, 0.0, t]);
+        return Some([1.0 - t, 0.0, t]);
     }
     let va = d3 * d6 - d5 * d4;
     let (e4, e5) = (d4 - d3, d5 - d6);
     if va <= 0.0 && e4 > 0.0 && e5 > 0.0 {
         let t = e4 / (e4 + e5);
-        return combine([0.0, 1.0 - t, t]);
+        return Some([0.0, 1.0 - t, t]);
     }
     let whole = va + vb + vc;
     let (v, w) = (vb / whole, vc / whole);
     let u = 1.0 - v - w;
-    if u >= 0.0 && v >= 0.0 && w >= 0.0 {
-        return combine([u, v, w]);
-    }
-    combine(Thin::new([a, b, c]).nearest(q))
+    (u >= 0.0 && v >= 0.0 && w >= 0.0).then_some([u, v, w])
 }
 
 /// A triangle in a frame of its own: the longest edge along x. However thin it is, the triangle with corners
