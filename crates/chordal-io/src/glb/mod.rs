@@ -1,0 +1,27 @@
+//! Binary glTF 2.0: one file with a JSON chunk that describes and a BIN chunk that holds.
+mod container;
+mod document;
+mod format;
+mod json;
+mod lint;
+mod model;
+mod parts;
+mod place;
+mod read;
+mod report;
+mod rows;
+mod split;
+mod streams;
+mod transform;
+mod triangles;
+mod write;
+
+pub use read::read;
+pub use write::write;
+
+/// The first four bytes of a GLB file, `glTF`.
+pub(crate) const MAGIC: u32 = 0x4654_6C67;
+/// The type of the chunk that holds JSON, `JSON`.
+pub(crate) const JSON_CHUNK: u32 = 0x4E4F_534A;
+/// The type of the chunk that holds buffers, `BIN\0`.
+pub(crate) const BIN_CHUNK: u32 = 0x004E_4942;

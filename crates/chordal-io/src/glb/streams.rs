@@ -1,0 +1,214 @@
+//! `Stream`: one accessor to be written: what it holds and how its numbers become bytes.
+use crate::WriteError;
+use crate::snap::store;
+use chordal::Mesh;
+use chordal::explicit::{Attribute, Semantic};
+use std::io::Write;
+
+/// Bytes that are gathered before they go to the sink.
+const BATCH: usize = 1 << 16;
+
+/// The rows of one accessor.
+pub(super) enum Rows<'a> {
+    /// Corner indices, two bytes each.
+    Short(&'a Mesh),
+    /// Corner indices, four bytes each.
+    Long(&'a Mesh),
+    /// Positions about an origin.
+    Positions(&'a Mesh, [f64; 3]),
+    /// Unit vectors, the first three numbers of a row; a row without direction becomes the axis given.
+    Unit(&'a Attribute, usize),
+    /// Numbers as they are.
+    Plain(&'a Attribute),
+}
+
+/// One accessor with a buffer view of its own.
+pub(super) struct Stream<'a> {
+    /// The name of the attribute, or `None` for indices.
+    pub name: Option<String>,
+    /// Its rows.
+    pub rows: Rows<'a>,
+}
+
+impl<'a> Stream<'a> {
+    /// The indices of a mesh: two bytes while the largest is below 65535, which would mean "restart".
+    pub fn indices(mesh: &'a Mesh) -> Self {
+        let short = mesh.positions().len() <= usize::from(u16::MAX);
+        Self { name: None, rows: if short { Rows::Short(mesh) } else { Rows::Long(mesh) } }
+    }
+
+    /// The positions of a mesh about an origin.
+    pub fn positions(mesh: &'a Mesh, origin: [f64; 3]) -> Self {
+        Self { name: Some("POSITION".to_owned()), rows: Rows::Positions(mesh, origin) }
+    }
+
+    /// An attribute under the name that glTF has for it; texture and colour sets are numbered by the caller.
+    pub fn attribute(attribute: &'a Attribute, set: usize) -> Result<Self, WriteError> {
+        let (name, widths, rows): (_, &[usize], _) = match &attribute.semantic {
+            Semantic::Normal => ("NORMAL".to_owned(), &[3], Rows::Unit(attribute, 2)),
+            Semantic::Tangent => ("TANGENT".to_owned(), &[4], Rows::Unit(attribute, 0)),
+            Semantic::TexCoord(_) => (format!("TEXCOORD_{set}"), &[2], Rows::Plain(attribute)),
+            Semantic::Color(_) => (format!("COLOR_{set}"), &[3, 4], Rows::Plain(attribute)),
+            Semantic::Group(name) | Semantic::Custom(name) => {
+                // Names of one's own start with an underscore.
+                let mark = if name.starts_with('_') { "" } else { "_" };
+                (format!("{mark}{name}"), &[1, 2, 3, 4, 9, 16], Rows::Plain(attribute))
+            }
+        };
+        if !widths.contains(&attribute.width) {
+            return Err(WriteError::Unsupported(format!(
+                "glTF has no attribute {name} of {} numbers a vertex",
+                attribute.width
+            )));
+        }
+        if let Rows::Plain(attribute) = rows {
+            check_values(&name, attribute)?;
+        }
+        Ok(Self { name: Some(name), rows })
+    }
+
+    /// `ELEMENT_ARRAY_BUFFER` or `ARRAY_BUFFER`.
+    pub fn target(&self) -> u32 {
+        if self.name.is_none() { 34963 } else { 34962 }
+    }
+
+    /// `UNSIGNED_SHORT`, `UNSIGNED_INT` or `FLOAT`.
+    pub fn component_type(&self) -> u32 {
+        match self.rows {
+            Rows::Short(_) => 5123,
+            Rows::Long(_) => 5125,
+            _ => 5126,
+        }
+    }
+
+    fn width(&self) -> usize {
+        match &self.rows {
+            Rows::Short(_) | Rows::Long(_) => 1,
+            Rows::Positions(..) => 3,
+            Rows::Unit(attribute, _) | Rows::Plain(attribute) => attribute.width,
+        }
+    }
+
+    /// The accessor's type.
+    pub fn kind(&self) -> &'static str {
+        match self.width() {
+            1 => "SCALAR",
+            2 => "VEC2",
+            3 => "VEC3",
+            4 => "VEC4",
+            9 => "MAT3",
+            _ => "MAT4",
+        }
+    }
+
+    /// The number of elements.
+    pub fn count(&self) -> usize {
+        match &self.rows {
+            Rows::Short(mesh) | Rows::Long(mesh) => 3 * mesh.faces().len(),
+            Rows::Positions(mesh, _) => mesh.positions().len(),
+            Rows::Unit(attribute, _) | Rows::Plain(attribute) => attribute.values.len() / attribute.width,
+        }
+    }
+
+    /// The number of bytes without padding.
+    pub fn n_bytes(&self) -> u64 {
+        let size = if matches!(self.rows, Rows::Short(_)) { 2 } else { 4 };
+        (self.count() * self.width()) as u64 * size
+    }
+
+    /// The number of bytes with padding to the next multiple of four.
+    pub fn n_padded(&self) -> u64 {
+        self.n_bytes().div_ceil(4) * 4
+    }
+
+    /// Writes the bytes, padded with zeros to a multiple of four.
+    pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
+        let mut sink = Sink { out, bytes: Vec::with_capacity(BATCH + 16) };
+        match &self.rows {
+            Rows::Short(mesh) => {
+                mesh.faces().as_flattened().iter().try_for_each(|i| sink.put((*i as u16).to_le_bytes()))?;
+            }
+            Rows::Long(mesh) => {
+                mesh.faces().as_flattened().iter().try_for_each(|i| sink.put(i.to_le_bytes()))?;
+            }
+            Rows::Positions(mesh, origin) => {
+                for position in mesh.positions() {
+                    stored(*position, *origin).into_iter().try_for_each(|x| sink.put(x.to_le_bytes()))?;
+                }
+            }
+            Rows::Unit(attribute, axis) => {
+                for row in attribute.values.chunks_exact(attribute.width) {
+                    unit(row, *axis).into_iter().try_for_each(|x| sink.put((x as f32).to_le_bytes()))?;
+                    row.get(3).map_or(Ok(()), |w| {
+                        sink.put((if *w < 0.0 { -1.0_f32 } else { 1.0 }).to_le_bytes())
+                    })?;
+                }
+            }
+            Rows::Plain(attribute) => {
+                attribute.values.iter().try_for_each(|x| sink.put((*x as f32).to_le_bytes()))?;
+            }
+        }
+        (self.n_bytes()..self.n_padded()).try_for_each(|_| sink.put([0]))?;
+        sink.out.write_all(&sink.bytes)?;
+        Ok(())
+    }
+}
+
+/// A position as it is stored.
+pub(super) fn stored(position: [f64; 3], origin: [f64; 3]) -> [f32; 3] {
+    std::array::from_fn(|k| store(origin[k], position[k]))
+}
+
+/// The lowest and highest stored coordinates. Zero has no sign here.
+pub(super) fn stored_bounds(mesh: &Mesh, origin: [f64; 3]) -> [[f64; 3]; 2] {
+    let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    for position in mesh.positions() {
+        let stored = stored(*position, origin);
+        for k in 0..3 {
+            let x = f64::from(stored[k]) + 0.0;
+            bounds[0][k] = if x < bounds[0][k] { x } else { bounds[0][k] };
+            bounds[1][k] = if x > bounds[1][k] { x } else { bounds[1][k] };
+        }
+    }
+    bounds
+}
+
+/// The direction of the first three numbers, or an axis where there is none.
+fn unit(row: &[f64], axis: usize) -> [f64; 3] {
+    let longest = row[..3].iter().fold(0.0_f64, |m, x| if x.abs() > m { x.abs() } else { m });
+    let scaled: [f64; 3] = std::array::from_fn(|k| row[k] / longest);
+    let length = (scaled[0] * scaled[0] + scaled[1] * scaled[1] + scaled[2] * scaled[2]).sqrt();
+    if longest.is_finite() && length >= 1.0 {
+        return scaled.map(|x| x / length);
+    }
+    // Zero, infinite or NaN: the vertex has no direction, and a unit vector is all that the format allows.
+    std::array::from_fn(|k| if k == axis { 1.0 } else { 0.0 })
+}
+
+/// Whether single precision can hold the values as the meaning wants them.
+fn check_values(name: &str, attribute: &Attribute) -> Result<(), WriteError> {
+    let fits = |x: f64| match attribute.semantic {
+        Semantic::Color(_) => (0.0..=1.0).contains(&x),
+        Semantic::Group(_) => f64::from(x as f32) == x,
+        _ => (x as f32).is_finite(),
+    };
+    let Some(at) = attribute.values.iter().position(|x| !fits(*x)) else { return Ok(()) };
+    let (row, value) = (at / attribute.width, attribute.values[at]);
+    Err(WriteError::Unsupported(format!("glTF cannot hold {value} at vertex {row} of attribute {name}")))
+}
+
+struct Sink<'a> {
+    out: &'a mut dyn Write,
+    bytes: Vec<u8>,
+}
+
+impl Sink<'_> {
+    fn put<const N: usize>(&mut self, bytes: [u8; N]) -> Result<(), WriteError> {
+        self.bytes.extend_from_slice(&bytes);
+        if self.bytes.len() >= BATCH {
+            self.out.write_all(&self.bytes)?;
+            self.bytes.clear();
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,192 @@
+//! Transforms of nodes: column-major matrices, and what glTF lets a node say.
+use crate::scene::IDENTITY;
+use serde_json::{Map, Value, json};
+
+/// (x, y, z) → (x, z, −y): the third axis up becomes the second axis up, without rounding.
+pub(super) const Z_UP_TO_Y_UP: [f64; 16] =
+    [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+
+/// The difference of column sums by which gltf-validator tells matrices with shear.
+const SHEAR_LIMIT: f64 = 0.00005;
+
+/// What nodes say for a matrix, outermost first and at least one; `None` when it has shear, no inverse or a
+/// perspective row.
+///
+/// One node is enough unless the validator, whose limit is an absolute one, would take the rounding of a large
+/// matrix for shear. Then a first node holds translation and a power of two, by which the second is scaled down.
+pub(super) fn properties(matrix: &[f64; 16]) -> Option<Vec<Map<String, Value>>> {
+    // Adding zero takes the sign from −0, which JSON would show.
+    let m = matrix.map(|x| x + 0.0);
+    if m.iter().any(|x| !x.is_finite()) {
+        return None;
+    }
+    let linear = [&m[0..3], &m[4..7], &m[8..11]];
+    let diagonal = (0..3).all(|i| (0..3).all(|j| i == j || linear[i][j] == 0.0));
+    if diagonal && [m[3], m[7], m[11], m[15]] == [0.0, 0.0, 0.0, 1.0] {
+        let scale = [m[0], m[5], m[10]];
+        return scale.iter().all(|s| *s != 0.0).then(|| vec![place([m[12], m[13], m[14]], scale)]);
+    }
+    if is_trs(&m) {
+        return Some(vec![object("matrix", json!(m))]);
+    }
+    let largest = linear.concat().into_iter().fold(0.0, |a, x| if x.abs() > a { x.abs() } else { a });
+    // The exponent without the fraction: a power of two, so that scaling is exact.
+    let power = f64::from_bits(largest.to_bits() & 0x7FF0_0000_0000_0000);
+    if power == 0.0 {
+        return None;
+    }
+    let mut inner = m;
+    inner[12..15].fill(0.0);
+    inner[..12].iter_mut().for_each(|x| *x /= power);
+    is_trs(&inner).then(|| vec![place([m[12], m[13], m[14]], [power; 3]), object("matrix", json!(inner))])
+}
+
+/// Translation and scale, each left out where it does nothing.
+fn place(translation: [f64; 3], scale: [f64; 3]) -> Map<String, Value> {
+    let mut map = Map::new();
+    if translation != [0.0; 3] {
+        map.insert("translation".to_owned(), json!(translation));
+    }
+    if scale != [1.0; 3] {
+        map.insert("scale".to_owned(), json!(scale));
+    }
+    map
+}
+
+fn object(key: &str, value: Value) -> Map<String, Value> {
+    std::iter::once((key.to_owned(), value)).collect()
+}
+
+/// Whether a matrix changes nothing in single precision.
+#[allow(clippy::cast_possible_truncation)]
+pub(super) fn is_identity(matrix: &[f64; 16]) -> bool {
+    matrix.map(|x| f64::from(x as f32)) == IDENTITY
+}
+
+/// Whether a matrix is a translation, a rotation and a scale, as gltf-validator sees it: it decomposes the matrix
+/// in single precision and compares the largest column sum of what it composes again.
+///
+/// Source: glTF-Validator, NODE_MATRIX_NON_TRS.
+#[allow(clippy::cast_possible_truncation)]
+pub(super) fn is_trs(matrix: &[f64; 16]) -> bool {
+    let m = matrix.map(|x| f64::from(x as f32));
+    let determinant = determinant(&m);
+    if [m[3], m[7], m[11], m[15]] != [0.0, 0.0, 0.0, 1.0] || determinant == 0.0 {
+        return false;
+    }
+    let single = |x: f64| f64::from(x as f32);
+    let length = |c: usize| (m[c] * m[c] + m[c + 1] * m[c + 1] + m[c + 2] * m[c + 2]).sqrt();
+    let mut scale = [length(0), length(4), length(8)];
+    if determinant < 0.0 {
+        scale[0] = -scale[0];
+    }
+    let rotation: [f64; 9] = std::array::from_fn(|k| single(m[k / 3 * 4 + k % 3] * (1.0 / scale[k / 3])));
+    let quaternion = quaternion(&rotation).map(single);
+    let mut again = rotation_matrix(quaternion);
+    for (c, column) in again.chunks_exact_mut(3).enumerate() {
+        column.iter_mut().for_each(|x| *x = single(single(*x) * single(scale[c])));
+    }
+    let largest_sum = |columns: &[f64], width: usize, last: f64| {
+        let sums = columns.chunks_exact(width).map(|c| c.iter().map(|x| x.abs()).sum::<f64>());
+        sums.fold(last, |a, sum| if sum > a { sum } else { a })
+    };
+    let last = m[12].abs() + m[13].abs() + m[14].abs() + 1.0;
+    (largest_sum(&again, 3, last) - largest_sum(&m[..12], 4, last)).abs() < SHEAR_LIMIT
+}
+
+fn determinant(m: &[f64; 16]) -> f64 {
+    let minor = |a: usize, b: usize| m[4 + a] * m[8 + b] - m[4 + b] * m[8 + a];
+    m[0] * minor(1, 2) - m[1] * minor(0, 2) + m[2] * minor(0, 1)
+}
+
+/// The quaternion (x, y, z, w) of a rotation matrix, column-major.
+fn quaternion(r: &[f64; 9]) -> [f64; 4] {
+    let trace = r[0] + r[4] + r[8];
+    if trace > 0.0 {
+        let root = (trace + 1.0).sqrt();
+        let half = 0.5 / root;
+        return [(r[5] - r[7]) * half, (r[6] - r[2]) * half, (r[1] - r[3]) * half, 0.5 * root];
+    }
+    let i = if r[0] < r[4] {
+        if r[4] < r[8] { 2 } else { 1 }
+    } else if r[0] < r[8] {
+        2
+    } else {
+        0
+    };
+    let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+    let root = (r[4 * i] - r[4 * j] - r[4 * k] + 1.0).sqrt();
+    let half = 0.5 / root;
+    let mut q = [0.0; 4];
+    q[i] = 0.5 * root;
+    q[3] = (r[3 * j + k] - r[3 * k + j]) * half;
+    q[j] = (r[3 * i + j] + r[3 * j + i]) * half;
+    q[k] = (r[3 * i + k] + r[3 * k + i]) * half;
+    q
+}
+
+/// The rotation of a unit quaternion (x, y, z, w), three columns.
+fn rotation_matrix([x, y, z, w]: [f64; 4]) -> [f64; 9] {
+    [
+        1.0 - 2.0 * (y * y + z * z),
+        2.0 * (x * y + z * w),
+        2.0 * (x * z - y * w),
+        2.0 * (x * y - z * w),
+        1.0 - 2.0 * (x * x + z * z),
+        2.0 * (y * z + x * w),
+        2.0 * (x * z + y * w),
+        2.0 * (y * z - x * w),
+        1.0 - 2.0 * (x * x + y * y),
+    ]
+}
+
+/// The matrix of a translation after a rotation after a scale.
+pub(super) fn compose(translation: [f64; 3], rotation: [f64; 4], scale: [f64; 3]) -> [f64; 16] {
+    let r = rotation_matrix(rotation);
+    let mut m = IDENTITY;
+    for column in 0..3 {
+        for row in 0..3 {
+            m[4 * column + row] = r[3 * column + row] * scale[column];
+        }
+    }
+    m[12..15].copy_from_slice(&translation);
+    m
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_large_rotation_becomes_two_exact_nodes() {
+        let matrix = compose([5.0, 6.0, 7.0], [0.18, 0.36, 0.54, 0.739_188_744_5], [2500.0, 2500.0, 2500.0]);
+        let nodes = properties(&matrix).expect("no shear");
+        assert_eq!(nodes.len(), 2);
+        assert_eq!(nodes[0]["scale"], json!([2048.0, 2048.0, 2048.0]));
+        for k in 0..12 {
+            assert_eq!(nodes[1]["matrix"][k].as_f64().map(|x| x * 2048.0), Some(matrix[k]));
+        }
+    }
+
+    #[test]
+    fn shear_and_flat_matrices_have_no_properties() {
+        let mut shear = IDENTITY;
+        shear[4] = 0.5;
+        assert_eq!(properties(&shear), None);
+        let mut flat = IDENTITY;
+        flat[10] = 0.0;
+        assert_eq!(properties(&flat), None);
+        let mut perspective = IDENTITY;
+        perspective[3] = 0.1;
+        assert_eq!(properties(&perspective), None);
+    }
+
+    #[test]
+    fn the_identity_says_nothing_and_a_mirror_is_a_scale() {
+        assert_eq!(properties(&IDENTITY), Some(vec![Map::new()]));
+        let mut mirror = IDENTITY;
+        mirror[0] = -1.0;
+        assert_eq!(properties(&mirror).expect("a scale")[0]["scale"], json!([-1.0, 1.0, 1.0]));
+        assert!(is_trs(&Z_UP_TO_Y_UP));
+    }
+}

@@ -1,0 +1,291 @@
+//! `snap`: positions as they will read back from a format. Snap first, then validate and bound what is written.
+use crate::Format;
+use chordal::Mesh;
+use chordal::math::{Box3, add_up, mul_up};
+use std::fmt;
+
+/// A mesh at the precision of a format.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Snapped {
+    /// The mesh that a reader gets, in the coordinates of the mesh that went in.
+    pub mesh: Mesh,
+    /// The point about which the format stores positions: `[0, 0, 0]` for all but GLB, and for GLB too unless
+    /// the part is far away from zero for its size. Every coordinate of it is a single-precision number.
+    pub origin: [f64; 3],
+    /// No vertex moved by more than this, in the mesh's units; 0 when all positions are kept to the last bit.
+    pub moved_at_most: f64,
+}
+
+/// A coordinate lies outside what single precision can hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TooWide {
+    /// The coordinate.
+    pub value: f64,
+}
+
+impl fmt::Display for TooWide {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "coordinate {:e} is outside single precision, whose limit is {:e}", self.value, f32::MAX)
+    }
+}
+
+impl std::error::Error for TooWide {}
+
+/// The mesh with every position as it reads back from `format`.
+///
+/// OBJ and PLY hold f64 exactly, STL rounds to f32, GLB rounds to f32 about an origin that it chooses. Snapping
+/// twice moves nothing the second time. `moved_at_most` covers all rounding, that of the reader's sum included.
+///
+/// Linear in the number of vertices.
+///
+/// # Errors
+/// [`TooWide`] when a coordinate overflows single precision.
+///
+/// ```
+/// use chordal::Mesh;
+/// use chordal_io::{Format, snap};
+///
+/// let mesh = Mesh::new(vec![[0.1, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// let snapped = snap(&mesh, Format::Glb)?;
+/// assert_eq!(snapped.mesh.positions()[0][0], f64::from(0.1_f32));
+/// assert!(snapped.moved_at_most < 2e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn snap(mesh: &Mesh, format: Format) -> Result<Snapped, TooWide> {
+    let origin = match format {
+        Format::Bpt | Format::Teaset | Format::PatchJson | Format::Obj | Format::Ply => {
+            return Ok(Snapped { mesh: mesh.clone(), origin: [0.0; 3], moved_at_most: 0.0 });
+        }
+        Format::Stl => [0.0; 3],
+        Format::Glb => origin_of(mesh),
+    };
+    let mut moved_at_most = 0.0_f64;
+    let mut positions = Vec::with_capacity(mesh.positions().len());
+    for &position in mesh.positions() {
+        let snapped: [f64; 3] = std::array::from_fn(|k| restore(origin[k], store(origin[k], position[k])));
+        if let Some(k) = (0..3).find(|k| !snapped[*k].is_finite()) {
+            return Err(TooWide { value: position[k] });
+        }
+        moved_at_most = moved_at_most.max(distance_up(position, snapped));
+        positions.push(snapped);
+    }
+    // The positions are finite and equal where they were equal, so that the mesh cannot refuse them.
+    let mesh = mesh.with_positions(positions).map_err(|_| TooWide { value: f64::INFINITY })?;
+    Ok(Snapped { mesh, origin, moved_at_most })
+}
+
+/// The most that [`snap`] can move a vertex of any mesh inside `bounds`, known before the mesh is built.
+///
+/// Infinite where `snap` may refuse. Zero for the empty box and for formats that keep every bit.
+///
+/// ```
+/// use chordal::math::Box3;
+/// use chordal_io::{Format, worst_snap};
+///
+/// let bounds = Box3 { min: [-1.0; 3], max: [1.0; 3] };
+/// assert_eq!(worst_snap(&bounds, Format::Obj), 0.0);
+/// assert!(worst_snap(&bounds, Format::Glb) < 2.1e-7);
+/// ```
+#[must_use]
+pub fn worst_snap(bounds: &Box3, format: Format) -> f64 {
+    if bounds.is_empty() || !matches!(format, Format::Stl | Format::Glb) {
+        return 0.0;
+    }
+    let axis = |k: usize| {
+        let reach = bounds.min[k].abs().max(bounds.max[k].abs());
+        if reach > f64::from(f32::MAX) {
+            return f64::INFINITY;
+        }
+        // The largest number stored: STL stores the coordinates. GLB either stores them too, which it does
+        // where reach ≤ 2·half, or the distances to an origin that is off the centre by at most half / 16 or,
+        // far out, half a single-precision step of the centre, 2⁻²⁴·reach. 2·half + 2⁻²³·reach covers all.
+        let half = add_up(0.5 * bounds.max[k], -0.5 * bounds.min[k]);
+        let about_centre = add_up(mul_up(2.0, half), mul_up(F32_STEP, reach));
+        let stored = if format == Format::Stl || reach < about_centre { reach } else { about_centre };
+        // Rounding to f32 costs half a step, relative or at the bottom of the range; taking the origin off and
+        // adding it back cost half a step of f64 each, of numbers below 2·reach.
+        let single = add_up(mul_up(stored, 0.5 * F32_STEP), F32_BOTTOM);
+        add_up(single, mul_up(2.0 * f64::EPSILON, reach))
+    };
+    let side = [axis(0), axis(1), axis(2)];
+    if side.iter().any(|s| s.is_infinite()) { f64::INFINITY } else { distance_up([0.0; 3], side) }
+}
+
+/// One step of single precision relative to a power of two, 2⁻²³.
+const F32_STEP: f64 = f32::EPSILON as f64;
+
+/// Half the smallest single-precision number above zero, 2⁻¹⁵⁰.
+const F32_BOTTOM: f64 = 0.5 * f32::from_bits(1) as f64;
+
+/// What is stored for a coordinate: its distance to the origin in single precision.
+#[allow(clippy::cast_possible_truncation)]
+pub(crate) fn store(origin: f64, x: f64) -> f32 {
+    // Without an origin nothing is subtracted, so that −0 keeps its sign.
+    if origin == 0.0 { x as f32 } else { (x - origin) as f32 }
+}
+
+/// What a reader makes of what is stored.
+pub(crate) fn restore(origin: f64, stored: f32) -> f64 {
+    if origin == 0.0 { f64::from(stored) } else { origin + f64::from(stored) }
+}
+
+/// The point about which GLB stores a mesh.
+///
+/// Each axis takes zero unless that costs more than one bit of the extent. It first tries the few origins that
+/// an earlier snap could have chosen, zero before all, and takes one that keeps every coordinate: that makes
+/// snapping idempotent although the bounds change a little by it.
+pub(crate) fn origin_of(mesh: &Mesh) -> [f64; 3] {
+    let bounds = mesh.bounds();
+    if bounds.is_empty() {
+        return [0.0; 3];
+    }
+    std::array::from_fn(|k| {
+        let exact = |origin: &f64| {
+            mesh.positions()
+                .iter()
+                .all(|p| restore(*origin, store(*origin, p[k])).to_bits() == p[k].to_bits())
+        };
+        let (best, likely) = candidates(bounds.min[k], bounds.max[k]);
+        std::iter::once(0.0).chain(likely).find(exact).unwrap_or(best)
+    })
+}
+
+/// The origin for an axis range, and those that a range changed by rounding could have got.
+#[allow(clippy::cast_possible_truncation)]
+fn candidates(low: f64, high: f64) -> (f64, Vec<f64>) {
+    let half = 0.5 * high - 0.5 * low;
+    let centre = 0.5 * high + 0.5 * low;
+    // A coarse grid leaves the origin few bits, so that coordinates on a grid of their own stay exact about it.
+    let coarse = power_of_two_below(half / 8.0);
+    let finest = power_of_two_below(centre.abs()) * F32_STEP;
+    let step = if coarse > finest { coarse } else { finest };
+    let on_grid = |rounded: f64, step: f64| f64::from((rounded * step) as f32);
+    let reach = low.abs().max(high.abs());
+    if step == 0.0 {
+        return (0.0, Vec::new());
+    }
+    // Snapping moves the range by less than a step, and at most doubles or halves the step itself.
+    let likely = [step, 0.5 * step, 2.0 * step]
+        .into_iter()
+        .flat_map(|s| [on_grid((centre / s).floor(), s), on_grid((centre / s).ceil(), s)])
+        .filter(|origin| *origin != 0.0 && origin.is_finite())
+        .collect();
+    let best = if reach <= 2.0 * half { 0.0 } else { on_grid((centre / step).round(), step) };
+    (best, likely)
+}
+
+/// The largest power of two that is not above a positive normal number; 0 for numbers below those.
+fn power_of_two_below(x: f64) -> f64 {
+    // The exponent without the fraction.
+    f64::from_bits(x.to_bits() & 0x7FF0_0000_0000_0000)
+}
+
+/// The distance of two points, bounded from above; 0 for equal points.
+fn distance_up(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let apart: [f64; 3] = std::array::from_fn(|k| (a[k] - b[k]).abs());
+    if apart == [0.0; 3] {
+        return 0.0;
+    }
+    let side = apart.map(|d| if d == 0.0 { 0.0 } else { d.next_up() });
+    Box3 { min: [0.0; 3], max: side }.diagonal()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn cloud(centre: [f64; 3], size: f64, unit: &[[f64; 3]]) -> Mesh {
+        let positions =
+            unit.iter().map(|u| std::array::from_fn(|k| centre[k] + size * u[k])).collect::<Vec<_>>();
+        Mesh::new(positions, Vec::new()).expect("finite")
+    }
+
+    /// Unit points, a centre and a size over twelve orders of magnitude each.
+    fn any_cloud() -> impl Strategy<Value = Mesh> {
+        let point = prop::array::uniform3(-1.0..1.0_f64);
+        let exponent = prop::array::uniform4(-6.0..6.0_f64);
+        (prop::collection::vec(point.clone(), 1..20), point, exponent).prop_map(|(unit, direction, e)| {
+            let centre = std::array::from_fn(|k| direction[k] * libm::pow(10.0, e[k]));
+            cloud(centre, libm::pow(10.0, e[3]), &unit)
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn snapping_twice_moves_nothing(mesh in any_cloud()) {
+            for format in [Format::Glb, Format::Stl, Format::Obj, Format::Ply] {
+                let once = snap(&mesh, format).unwrap();
+                let twice = snap(&once.mesh, format).unwrap();
+                prop_assert_eq!(twice.moved_at_most, 0.0);
+                prop_assert_eq!(&twice.mesh, &once.mesh);
+            }
+        }
+
+        #[test]
+        fn the_bound_before_covers_the_bound_after_covers_what_moved(mesh in any_cloud()) {
+            for format in [Format::Glb, Format::Stl] {
+                let snapped = snap(&mesh, format).unwrap();
+                prop_assert!(snapped.moved_at_most <= worst_snap(&mesh.bounds(), format));
+                let wider = mesh.bounds().with([0.0; 3]);
+                prop_assert!(worst_snap(&mesh.bounds(), format) <= worst_snap(&wider, format));
+                for (a, b) in mesh.positions().iter().zip(snapped.mesh.positions()) {
+                    // Differences of neighbours are exact, and the root of their squares has no more than
+                    // three roundings: 2⁻⁵⁰ leaves room for eight.
+                    let d = (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum::<f64>().sqrt();
+                    prop_assert!(d * (1.0 - 4.0 * f64::EPSILON) <= snapped.moved_at_most);
+                }
+            }
+        }
+
+        #[test]
+        fn what_is_stored_about_the_origin_is_what_reads_back(mesh in any_cloud()) {
+            let snapped = snap(&mesh, Format::Glb).unwrap();
+            for p in snapped.mesh.positions() {
+                for (&o, &x) in snapped.origin.iter().zip(p) {
+                    prop_assert_eq!(o, f64::from(o as f32));
+                    prop_assert_eq!(restore(o, store(o, x)), x);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_part_far_from_zero_keeps_its_detail() {
+        // A cube of 10 mm at UTM coordinates: about zero, single precision would move it by half a metre.
+        let corners: Vec<_> =
+            (0..8).map(|i| std::array::from_fn(|k| if i >> k & 1 == 0 { 0.0 } else { 0.01 })).collect();
+        let mesh = cloud([5e6, 4.5e6, 100.0], 1.0, &corners);
+        let glb = snap(&mesh, Format::Glb).unwrap();
+        let stl = snap(&mesh, Format::Stl).unwrap();
+        assert!(glb.moved_at_most < 2e-9, "moved by {:e}", glb.moved_at_most);
+        assert!(stl.moved_at_most > 1e-3);
+    }
+
+    #[test]
+    fn numbers_that_fit_stay_where_they_are() {
+        let single = [[-0.0, 1e-40, 0.1], [3e38, 1.0, -1.0_f32]];
+        let mesh = Mesh::new(single.map(|p| p.map(f64::from)).to_vec(), Vec::new()).unwrap();
+        let snapped = snap(&mesh, Format::Glb).unwrap();
+        assert_eq!((snapped.origin, snapped.moved_at_most), ([0.0; 3], 0.0));
+        assert_eq!(snapped.mesh.positions()[0][0].to_bits(), mesh.positions()[0][0].to_bits());
+    }
+
+    #[test]
+    fn what_overflows_is_refused_and_announced() {
+        let mesh = cloud([0.0; 3], 1.0, &[[1e39, 0.0, 0.0]]);
+        for format in [Format::Glb, Format::Stl] {
+            assert_eq!(snap(&mesh, format), Err(TooWide { value: 1e39 }));
+            assert_eq!(worst_snap(&mesh.bounds(), format), f64::INFINITY);
+        }
+        assert_eq!(snap(&mesh, Format::Ply).unwrap().moved_at_most, 0.0);
+    }
+
+    #[test]
+    fn the_empty_mesh_snaps_to_itself() {
+        for format in [Format::Glb, Format::Stl, Format::Obj] {
+            assert_eq!(snap(&Mesh::default(), format).unwrap().moved_at_most, 0.0);
+            assert_eq!(worst_snap(&Mesh::default().bounds(), format), 0.0);
+        }
+    }
+}
