@@ -20,7 +20,15 @@ pub(super) fn build(mesh: &Mesh, job: &Job) -> Option<Bvh> {
     let bounds = used_bounds(mesh);
     if bounds.is_empty() {
         let frame = Frame { scale: 1.0, middle: [0.0; 3] };
-        return Some(Bvh { frame, bounds, nodes: Vec::new(), triangles: Vec::new(), corners: Vec::new() });
+        let local = bounds;
+        return Some(Bvh {
+            frame,
+            bounds,
+            local,
+            nodes: Vec::new(),
+            triangles: Vec::new(),
+            corners: Vec::new(),
+        });
     }
     let frame = Frame::of(&bounds);
     let chunks: Vec<usize> = (0..mesh.faces().len()).step_by(TASK).collect();
@@ -32,7 +40,8 @@ pub(super) fn build(mesh: &Mesh, job: &Job) -> Option<Bvh> {
         return None;
     }
     let (triangles, corners) = in_leaf_order(mesh, &frame, &prims, &nodes);
-    Some(Bvh { frame, bounds, nodes, triangles, corners })
+    let [min, max] = [frame.local(frame.scaled(bounds.min))[0], frame.local(frame.scaled(bounds.max))[1]];
+    Some(Bvh { frame, bounds, local: Box3 { min, max }, nodes, triangles, corners })
 }
 
 fn used_bounds(mesh: &Mesh) -> Box3 {

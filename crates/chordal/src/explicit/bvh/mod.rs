@@ -70,6 +70,8 @@ struct Triangle {
 pub struct Bvh {
     frame: Frame,
     bounds: Box3,
+    /// `bounds` in local coordinates, rounded outward.
+    local: Box3,
     /// The root is the first; empty for a mesh without faces.
     nodes: Vec<Node>,
     /// In the order of the leaves.

@@ -130,8 +130,10 @@ struct Slabs {
 const SLACK: f32 = 1.0 + 1.0 / (1 << 20) as f32;
 
 impl Slabs {
-    /// `origin` is local and exact to `error`; the largest component of `direction` is between 1 and 2.
-    fn new(origin: [f64; 3], direction: [f64; 3], error: f64) -> Self {
+    /// `origin` is local and exact to `error`; `inverse` is that of a direction whose largest component is between 1
+    /// and 2, without negative zeros.
+    #[inline]
+    fn new(origin: [f64; 3], inverse: [f64; 3], error: f64) -> Self {
         let mut slabs = Self {
             enter: [0; 3],
             ahead: [0.0; 3],
@@ -141,14 +143,15 @@ impl Slabs {
         };
         for k in 0..3 {
             let (low, high) = (down(origin[k] - error), up(origin[k] + error));
-            let forward = direction[k] >= 0.0;
+            let forward = inverse[k] > 0.0;
             slabs.enter[k] = usize::from(!forward);
             (slabs.behind[k], slabs.ahead[k]) = if forward { (low, high) } else { (high, low) };
-            let size = direction[k].abs();
-            let (least, most) = (down(1.0 / size).next_down(), up(1.0 / size).next_up());
-            let sign = if forward { 1.0 } else { -1.0 };
-            slabs.inverse_down[k] = sign * if least < f32::MAX { least } else { f32::MAX };
-            slabs.inverse_up[k] = sign * most;
+            // Two steps of f32 each way: for the conversion and for this product.
+            const STEPS: f32 = 2.0 * f32::EPSILON;
+            let near = inverse[k] as f32;
+            let least = near * (1.0 - STEPS);
+            slabs.inverse_down[k] = least.clamp(-f32::MAX, f32::MAX);
+            slabs.inverse_up[k] = near * (1.0 + STEPS);
         }
         slabs
     }
@@ -229,6 +232,7 @@ impl Bvh {
         met
     }
 
+    #[inline]
     fn cast(&self, ray: &Ray) -> Option<Cast> {
         let largest = |v: [f64; 3]| v.iter().fold(0.0, |m, x| if x.abs() > m { x.abs() } else { m });
         let size = largest(ray.direction);
@@ -247,13 +251,15 @@ impl Bvh {
         if !local.iter().all(|x| x.is_finite()) {
             return None;
         }
-        let start = start(local, direction)?;
-        let nearer: [f64; 3] = std::array::from_fn(|k| local[k] + start * direction[k]);
-        // The projected corners of triangles and the origin are off by a few units of 2⁻⁵³ of the way between them.
+        let inverse = direction.map(|x| 1.0 / x);
+        // The projected corners of triangles, the origin and where it comes near are off by a few units of 2⁻⁵³ of the
+        // way between them.
         let error = (largest(local) + 4.0) * (1.0 / (1_u64 << 46) as f64);
+        let start = start(&self.local, error, local, inverse)?;
+        let nearer: [f64; 3] = std::array::from_fn(|k| local[k] + start * direction[k]);
         Some(Cast {
             sheared: Sheared::new(origin, direction),
-            slabs: Slabs::new(nearer, direction, error),
+            slabs: Slabs::new(nearer, inverse, error),
             start,
             unit,
             least: ray.t_min / unit,
@@ -311,17 +317,15 @@ impl Bvh {
     }
 }
 
-/// The `t ≥ 0` at which a ray comes within two units of the mesh's box, `[−1, 1]³` in local coordinates; 0 from
-/// within; `None` when it never does.
-fn start(origin: [f64; 3], direction: [f64; 3]) -> Option<f64> {
-    const REACH: f64 = 3.0;
-    let near = Box3 { min: [-REACH; 3], max: [REACH; 3] };
+/// The `t ≥ 0` at which a ray comes into a box widened by `error`, 0 from within; `None` when it never does.
+#[inline]
+fn start(bounds: &Box3, error: f64, origin: [f64; 3], inverse: [f64; 3]) -> Option<f64> {
     let (mut enter, mut leave) = (0.0, f64::INFINITY);
     for k in 0..3 {
-        let (low, high) =
-            ((near.min[k] - origin[k]) / direction[k], (near.max[k] - origin[k]) / direction[k]);
-        let (first, second) = if direction[k] < 0.0 { (high, low) } else { (low, high) };
-        // NaN, from 0/0 in the plane of a slab, keeps what was there.
+        let low = (bounds.min[k] - error - origin[k]) * inverse[k];
+        let high = (bounds.max[k] + error - origin[k]) * inverse[k];
+        let (first, second) = if inverse[k] < 0.0 { (high, low) } else { (low, high) };
+        // NaN, from 0·∞ in the plane of a slab, keeps what was there.
         enter = if first > enter { first } else { enter };
         leave = if second < leave { second } else { leave };
     }
