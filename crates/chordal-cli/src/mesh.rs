@@ -68,14 +68,14 @@ fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {
 fn output_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
     let name = path.display().to_string();
     let by_name = || extension(&name).and_then(Format::from_extension);
-    let known = || formats::mesh_names().collect::<Vec<_>>().join(", ");
+    let known = formats::mesh_names;
     let format = to.or_else(by_name).ok_or_else(|| {
         Fault::usage(format!("{name}: the name does not say the format; --to does, with {}", known()))
     })?;
     if formats::holds_triangles(format) {
         return Ok(format);
     }
-    Err(Fault::usage(format!("{} holds no triangles; those that do are {}", formats::name(format), known())))
+    Err(Fault::usage(format!("{format} holds no triangles; those that do are {}", known())))
 }
 
 /// Whether a summary can go to stdout.

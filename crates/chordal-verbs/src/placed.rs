@@ -1,6 +1,7 @@
 //! What the places of parts do to lengths: how far transforms stretch them, and what rounding in them costs.
 use chordal::math::{add_up, mul_up, sqrt_up};
-use chordal_io::{Part, Scene};
+use chordal::Mesh;
+use chordal_io::{Node, Part, Scene, WriteError};
 
 /// A scene whose parts stand where their coordinates say, with what rounding moved its vertices.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,26 +25,47 @@ impl Placed {
 /// The scene for formats without nodes: one part for each place of a part, in the scene's coordinates.
 ///
 /// A scene without transforms, in which every part stands in one place, is left as it is.
-pub(crate) fn flattened(scene: Scene) -> Placed {
+///
+/// # Errors
+/// When the nodes are no tree, or take coordinates out of range.
+pub(crate) fn flattened(scene: Scene) -> Result<Placed, WriteError> {
     let places = places(&scene);
     let once = |part| places.iter().filter(|place| place.part == part).count() == 1;
     if places.iter().all(|place| place.is_identity) && (0..scene.parts.len()).all(once) {
-        return Placed::as_it_is(scene);
+        return Ok(Placed::as_it_is(scene));
     }
     let moved_at_most = places.iter().filter(|place| !place.is_identity).fold(0.0, |most, place| {
         let moved = place.rounding(&scene.parts[place.part]);
         if moved > most { moved } else { most }
     });
     let indexed = scene.parts.iter().all(|part| part.indexed);
-    let mut flat = Scene { frame: scene.frame, certificate: None, ..Scene::default() };
-    for (name, mesh) in scene.world_meshes() {
-        let one = Scene::of(&name, mesh, indexed, scene.frame);
+    let mut flat = Scene { frame: scene.frame, groups: scene.groups.clone(), ..Scene::default() };
+    for (name, mesh) in scene.world_meshes()? {
+        let one = Scene::of(name, mesh.into_owned(), indexed, scene.frame);
         let at = flat.parts.len();
         flat.parts.extend(one.parts);
-        flat.nodes.extend(one.nodes.into_iter().map(|node| chordal_io::Node { part: Some(at), ..node }));
+        flat.nodes.extend(one.nodes.into_iter().map(|node| Node { part: Some(at), ..node }));
         flat.roots.push(at);
     }
-    Placed { scene: flat, moved_at_most }
+    Ok(Placed { scene: flat, moved_at_most })
+}
+
+/// The scene as one part, for formats that know no others. Attributes stay behind: such formats have none either.
+///
+/// # Errors
+/// When there are more triangles than one mesh can hold.
+pub(crate) fn joined(scene: Scene) -> Result<Scene, WriteError> {
+    if scene.parts.len() == 1 {
+        return Ok(scene);
+    }
+    let (mut positions, mut faces) = (Vec::new(), Vec::new());
+    for part in &scene.parts {
+        let first = u32::try_from(positions.len()).unwrap_or(u32::MAX);
+        positions.extend_from_slice(part.mesh.positions());
+        faces.extend(part.mesh.faces().iter().map(|face| face.map(|i| first.saturating_add(i))));
+    }
+    let mesh = Mesh::new(positions, faces).map_err(|error| WriteError::Unsupported(error.to_string()))?;
+    Ok(Scene::of("", mesh, false, scene.frame))
 }
 
 /// By how much a length in each part's coordinates can grow in the scene's, over all places of the part; 0 for a

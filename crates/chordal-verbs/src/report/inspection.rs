@@ -61,7 +61,8 @@ impl Inspection {
     /// What `input` is. `valid` is what was counted of its triangles, as a certificate says it.
     #[must_use]
     pub fn of(input: &Input, valid: Option<&super::Valid>) -> Self {
-        let bounds = input.shape.hull();
+        // A scene that cannot be put in one space has no box.
+        let bounds = input.shape.hull().unwrap_or(Box3::EMPTY);
         let scene = match &input.shape {
             Shape::Patches { .. } => None,
             Shape::Scene(scene) => Some(scene),

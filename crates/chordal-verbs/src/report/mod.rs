@@ -12,7 +12,7 @@ pub use budget::{BudgetFacts, ViewFacts};
 pub use inspection::{Found, Inspection, PartFacts, Sizes};
 pub use valid::{Counts, PartValid, Valid, WitnessFacts};
 
-use crate::{Input, formats};
+use crate::Input;
 use chordal_io::{Axis, Frame, Warning};
 use serde::Serialize;
 use serde_json::Value;
@@ -104,7 +104,7 @@ pub struct InputFacts {
     /// The kind of shape, as in "patches".
     pub kind: &'static str,
     /// The format of the bytes.
-    pub format: &'static str,
+    pub format: String,
     /// The SHA-256 of the bytes, in hexadecimal.
     pub sha256: String,
     /// What was odd about the bytes.
@@ -115,7 +115,7 @@ impl InputFacts {
     fn of(input: &Input) -> Self {
         Self {
             kind: input.shape.kind(),
-            format: formats::name(input.format),
+            format: input.format.to_string(),
             sha256: input.sha256.clone(),
             warnings: input.warnings.iter().map(WarningFacts::of).collect(),
         }
