@@ -18,8 +18,8 @@ pub fn read(args: &InputArgs, talk: &Talk) -> Result<Input, Fault> {
     limits.bytes = args.max_memory.map_or(limits.bytes, |most| most.min(limits.bytes));
     let bytes = source.read(limits.bytes)?;
     let hint = Hint { name: matches!(source, Source::File(_)).then_some(name.as_str()), format: args.from };
-    let mut input = load(&bytes, hint, &limits)
-        .map_err(|error| Fault::input(error.code, format!("{name}: {error}")))?;
+    let mut input =
+        load(&bytes, hint, &limits).map_err(|error| Fault::input(error.code, format!("{name}: {error}")))?;
     talk.warn(&name, &input.warnings);
     let frame = input.shape.frame_mut();
     frame.metres_per_unit = args.unit.map(|unit| unit.metres()).or(frame.metres_per_unit);

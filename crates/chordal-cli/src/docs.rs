@@ -17,7 +17,5 @@ pub fn completions(shell: Shell) -> Result<(), Fault> {
 pub fn man(folder: &Path) -> Result<(), Fault> {
     let written = std::fs::create_dir_all(folder)
         .and_then(|()| clap_mangen::generate_to(Cli::command().disable_help_subcommand(true), folder));
-    written.map_err(|error| {
-        Fault::output("unwritable", format!("{}: {}", folder.display(), plainly(&error)))
-    })
+    written.map_err(|error| Fault::output("unwritable", format!("{}: {}", folder.display(), plainly(&error))))
 }

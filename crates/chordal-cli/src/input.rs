@@ -44,7 +44,10 @@ impl Source {
                 let bytes = read_up_to(&mut file, limit, &name)?;
                 let after = metadata(&file, &name)?;
                 if before.len() != after.len() || before.modified().ok() != after.modified().ok() {
-                    return Err(Fault::input("changed", format!("{name}: the file changed while it was read")));
+                    return Err(Fault::input(
+                        "changed",
+                        format!("{name}: the file changed while it was read"),
+                    ));
                 }
                 Ok(bytes)
             }
@@ -84,7 +87,10 @@ fn refuse_irregular(metadata: &Metadata, name: &str) -> Result<(), Fault> {
 }
 
 fn too_large(name: &str, bytes: u64, limit: u64) -> Fault {
-    Fault::input("too-large", format!("{name}: the file has {bytes} bytes; the limit is {limit} (--max-memory)"))
+    Fault::input(
+        "too-large",
+        format!("{name}: the file has {bytes} bytes; the limit is {limit} (--max-memory)"),
+    )
 }
 
 /// Grows with what arrives, never with what was announced.

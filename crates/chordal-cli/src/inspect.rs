@@ -37,7 +37,9 @@ fn check(name: &str, valid: Option<&Valid>, required: &[Requirement]) -> Result<
     };
     let lines: Vec<_> = required
         .iter()
-        .filter_map(|requirement| complaint(valid, *requirement).map(|complaint| format!("{name}: {complaint}")))
+        .filter_map(|requirement| {
+            complaint(valid, *requirement).map(|complaint| format!("{name}: {complaint}"))
+        })
         .collect();
     if lines.is_empty() {
         return Ok(());
@@ -57,17 +59,17 @@ fn complaint(valid: &Valid, required: Requirement) -> Option<String> {
         Requirement::Closed if !counts.closed && counts.boundary_edges == 0 => {
             Some("not closed: there are no triangles".to_owned())
         }
-        Requirement::Closed if !counts.closed => Some(format!(
-            "not closed: {} boundary edges{}",
-            counts.boundary_edges,
-            place("boundary_edges")
+        Requirement::Closed if !counts.closed => {
+            Some(format!("not closed: {} boundary edges{}", counts.boundary_edges, place("boundary_edges")))
+        }
+        Requirement::Manifold if edges > 0 => Some(format!(
+            "not manifold: {edges} edges with three triangles or more{}",
+            place("non_manifold_edges")
         )),
-        Requirement::Manifold if edges > 0 => {
-            Some(format!("not manifold: {edges} edges with three triangles or more{}", place("non_manifold_edges")))
-        }
-        Requirement::Manifold if vertices > 0 => {
-            Some(format!("not manifold: {vertices} vertices with several fans{}", place("non_manifold_vertices")))
-        }
+        Requirement::Manifold if vertices > 0 => Some(format!(
+            "not manifold: {vertices} vertices with several fans{}",
+            place("non_manifold_vertices")
+        )),
         Requirement::Oriented if !counts.oriented => Some(format!(
             "not oriented: {} edges whose triangles are wound against each other{}",
             counts.inconsistent_edges,

@@ -59,7 +59,9 @@ fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {
         (Some(_), None) => {
             return Err(Fault::usage("--px needs to know from where: --view \"1920x1080 fov=45 dist=4\""));
         }
-        (None, Some(_)) => return Err(Fault::usage("--view is for a budget in pixels: add --px, as in --px 1")),
+        (None, Some(_)) => {
+            return Err(Fault::usage("--view is for a budget in pixels: add --px, as in --px 1"));
+        }
     };
     Ok(BudgetSpec { length: args.tol, pixels, triangles: args.triangles })
 }

@@ -36,7 +36,10 @@ pub fn mesh(report: &Report) -> String {
         let view = certificate.budget.as_ref().and_then(|budget| budget.view.as_ref());
         lines.add_if(
             "pixels",
-            facts.pixels.zip(view).map(|(pixels, view)| format!("at most {} at {}", short(pixels, Toward::Up), view.text)),
+            facts
+                .pixels
+                .zip(view)
+                .map(|(pixels, view)| format!("at most {} at {}", short(pixels, Toward::Up), view.text)),
         );
     }
     if let Some(valid) = &certificate.valid {
@@ -112,10 +115,16 @@ fn triangles(lines: &mut Lines, output: &OutputFacts) {
 
 fn soundness(lines: &mut Lines, valid: &Valid) {
     let counts = &valid.counts;
-    lines.add("closed", if counts.closed { "yes".into() } else { no(&[(counts.boundary_loops, "boundary loop")]) });
+    lines.add(
+        "closed",
+        if counts.closed { "yes".into() } else { no(&[(counts.boundary_loops, "boundary loop")]) },
+    );
     if !counts.manifold {
         let [edges, vertices] = [counts.non_manifold_edges, counts.non_manifold_vertices];
-        lines.add("manifold", no(&[(edges, "edge of three triangles or more"), (vertices, "vertex of several fans")]));
+        lines.add(
+            "manifold",
+            no(&[(edges, "edge of three triangles or more"), (vertices, "vertex of several fans")]),
+        );
     }
     if !counts.oriented {
         lines.add("oriented", no(&[(counts.inconsistent_edges, "edge of opposite winding")]));
@@ -131,7 +140,8 @@ fn no(why: &[(u64, &str)]) -> String {
 
 /// `1 edge of this`, `2 edges of this`, `2 vertices of that`.
 fn plural(count: u64, what: &str) -> String {
-    let (noun, rest) = what.split_once(" of ").map_or((what, String::new()), |(n, rest)| (n, format!(" of {rest}")));
+    let (noun, rest) =
+        what.split_once(" of ").map_or((what, String::new()), |(n, rest)| (n, format!(" of {rest}")));
     let noun = match (count, noun.strip_suffix("ex")) {
         (1, _) => noun.to_owned(),
         (_, Some(stem)) => format!("{stem}ices"),
@@ -171,7 +181,11 @@ fn certified(found: &Found) -> String {
         }
         _ => "says no bound".to_owned(),
     };
-    if found.differs.is_empty() { bound } else { format!("{bound}, but of other triangles: {}", found.differs.join(", ")) }
+    if found.differs.is_empty() {
+        bound
+    } else {
+        format!("{bound}, but of other triangles: {}", found.differs.join(", "))
+    }
 }
 
 fn bound(facts: &BoundFacts) -> String {

@@ -42,7 +42,10 @@ impl Talk {
             self.message(Level::Usual, &format!("{name}: warning: {}", warning.to_string()));
         }
         if warnings.len() > shown {
-            self.message(Level::Usual, &format!("{name}: warning: and {} more; -v lists them", warnings.len() - shown));
+            self.message(
+                Level::Usual,
+                &format!("{name}: warning: and {} more; -v lists them", warnings.len() - shown),
+            );
         }
     }
 

@@ -47,9 +47,8 @@ fn h71_patches_that_are_odd_are_meshed_or_refused_with_their_place() {
         let rows: Vec<_> = points.iter().map(|p| format!("{} {} {}", p[0], p[1], p[2])).collect();
         format!("1\n3 3\n{}\n", rows.join("\n"))
     };
-    let grid = |f: &dyn Fn(f64, f64) -> [f64; 3]| {
-        one(std::array::from_fn(|i| f((i % 4) as f64, (i / 4) as f64)))
-    };
+    let grid =
+        |f: &dyn Fn(f64, f64) -> [f64; 3]| one(std::array::from_fn(|i| f((i % 4) as f64, (i / 4) as f64)));
 
     for (name, value) in [("nan.bpt", "nan"), ("inf.bpt", "inf"), ("big.bpt", "1e999")] {
         let refused = mesh(name, PATCH.replacen("1 1 2", &format!("1 {value} 2"), 1));
@@ -83,7 +82,8 @@ fn reads_stdin_and_writes_stdout() {
     run(&["mesh", &input, "-o", &output, "--tol", "0.01", "-q"]).succeeds();
 
     let mut command = chordal(&["mesh", "-", "-o", "-", "--to", "ply", "--tol", "0.01", "-q"]);
-    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut child =
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     child.stdin.take().unwrap().write_all(PATCH.as_bytes()).unwrap();
     let piped = child.wait_with_output().unwrap();
     assert_eq!(String::from_utf8_lossy(&piped.stderr), "");
@@ -98,7 +98,8 @@ fn a_summary_never_mixes_with_data() {
     assert_eq!(made.code, 0);
     assert!(made.stdout.contains("\nf ") && !made.stdout.contains("triangles "), "{made:?}");
     assert!(made.stderr.contains("triangles "), "{made:?}");
-    run(&["mesh", &input, "-o", "-", "--to", "obj", "--tol", "0.1", "--json"]).fails_with(2, &["--json", "stdout"]);
+    run(&["mesh", &input, "-o", "-", "--to", "obj", "--tol", "0.1", "--json"])
+        .fails_with(2, &["--json", "stdout"]);
     run(&["mesh", &input, "-o", "-", "--tol", "0.1"]).fails_with(2, &["--to"]);
 }
 
@@ -108,7 +109,8 @@ fn a_file_above_the_memory_limit_is_refused() {
     let input = folder.file("a.bpt", PATCH);
     run(&["inspect", &input, "--max-memory", "10"]).fails_with(3, &["a.bpt: ", "limit"]);
     let mut command = chordal(&["inspect", "-", "--max-memory", "10"]);
-    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut child =
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     // It may stop reading before all is written.
     let _ = child.stdin.take().unwrap().write_all(PATCH.as_bytes());
     Run::of(child.wait_with_output().unwrap()).fails_with(3, &["stdin: ", "10 bytes"]);

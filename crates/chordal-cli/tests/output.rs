@@ -22,13 +22,15 @@ fn h79_the_output_is_never_the_input() {
     let input = folder.file("a.obj", CLOSED_OBJ);
     let around = folder.text(&format!("../{}/a.obj", folder.name()));
     for output in [&input, &around] {
-        run(&["mesh", &input, "-o", output, "--tol", "0.1", "--force"]).fails_with(4, &["the output is the input"]);
+        run(&["mesh", &input, "-o", output, "--tol", "0.1", "--force"])
+            .fails_with(4, &["the output is the input"]);
     }
     #[cfg(unix)]
     {
         let link = folder.text("link.obj");
         fs::hard_link(&input, &link).unwrap();
-        run(&["mesh", &input, "-o", &link, "--tol", "0.1", "--force"]).fails_with(4, &["the output is the input"]);
+        run(&["mesh", &input, "-o", &link, "--tol", "0.1", "--force"])
+            .fails_with(4, &["the output is the input"]);
     }
     assert_eq!(fs::read_to_string(&input).unwrap(), CLOSED_OBJ);
 }
@@ -60,7 +62,8 @@ fn h79_a_folder_that_cannot_be_written_is_known_before_the_work() {
     let input = folder.file("a.bpt", PATCH);
     let missing = folder.text("no/such/folder/a.obj");
     // The tolerance would need more triangles than there may be: the folder is asked first.
-    run(&["mesh", &input, "-o", &missing, "--tol", "1e-12"]).fails_with(4, &["a.obj: ", "no such file or directory"]);
+    run(&["mesh", &input, "-o", &missing, "--tol", "1e-12"])
+        .fails_with(4, &["a.obj: ", "no such file or directory"]);
     let under_a_file = folder.text("a.bpt/a.obj");
     run(&["mesh", &input, "-o", &under_a_file, "--tol", "0.1"]).fails_with(4, &["a.obj: "]);
     #[cfg(target_os = "linux")]
@@ -108,7 +111,8 @@ fn an_output_needs_a_format_that_holds_triangles() {
     let folder = Folder::new("format");
     let input = folder.file("a.bpt", PATCH);
     for output in ["a.docx", "a", "b.bpt"] {
-        run(&["mesh", &input, "-o", &folder.text(output), "--tol", "0.1"]).fails_with(2, &["obj, ply, stl, glb"]);
+        run(&["mesh", &input, "-o", &folder.text(output), "--tol", "0.1"])
+            .fails_with(2, &["obj, ply, stl, glb"]);
     }
     assert_eq!(folder.names(), ["a.bpt"]);
 }

@@ -120,7 +120,10 @@ fn what_is_certified_is_what_reads_back() {
             let output = folder.text(&format!("{name}.{extension}"));
             let made = run(&["mesh", &input, "-o", &output, "--tol", "0.02", "--json"]).report();
             let read = run(&["inspect", &output, "--json"]).report();
-            assert_eq!(made["certificate"]["output"]["triangles"], read["certificate"]["output"]["triangles"]);
+            assert_eq!(
+                made["certificate"]["output"]["triangles"],
+                read["certificate"]["output"]["triangles"]
+            );
             let (certified, counted) = (&made["certificate"]["valid"], &read["certificate"]["valid"]);
             for (key, value) in certified.as_object().unwrap().iter().filter(|(key, _)| *key != "other") {
                 assert_eq!(value, &counted[key], "{output}: {key}");

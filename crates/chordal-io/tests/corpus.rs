@@ -20,11 +20,17 @@ fn every_real_file_ends_well() {
                     let shape = match &loaded.content {
                         Content::Scene(scene) => {
                             let mesh = &scene.parts[0].mesh;
-                            format!("{:>7} v {:>7} p {:>7} f", mesh.positions().len(), mesh.n_positions(), mesh.faces().len())
+                            format!(
+                                "{:>7} v {:>7} p {:>7} f",
+                                mesh.positions().len(),
+                                mesh.n_positions(),
+                                mesh.faces().len()
+                            )
                         }
                         Content::Patches(patches, _) => format!("{:>7} patches", patches.len()),
                     };
-                    let warned: Vec<String> = loaded.warnings.iter().map(|w| format!("{} {}", w.code, w.count)).collect();
+                    let warned: Vec<String> =
+                        loaded.warnings.iter().map(|w| format!("{} {}", w.code, w.count)).collect();
                     counts[usize::from(!warned.is_empty())] += 1;
                     println!("{name}: {shape}  {}", warned.join(", "));
                 }

@@ -14,9 +14,6 @@ pub fn sha256(bytes: &[u8]) -> String {
 mod tests {
     #[test]
     fn digests_as_the_standard_says() {
-        assert_eq!(
-            super::sha256(b"abc"),
-            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
-        );
+        assert_eq!(super::sha256(b"abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
     }
 }

@@ -58,7 +58,11 @@ impl fmt::Display for MeshFailure {
             Self::Length(why) => why.fmt(f),
             Self::Unmet(best) => {
                 let triangles = best.certificate.output.map_or(0, |output| output.triangles);
-                write!(f, "the budget was not met; the best reached is {} with {triangles} triangles", best.bound)
+                write!(
+                    f,
+                    "the budget was not met; the best reached is {} with {triangles} triangles",
+                    best.bound
+                )
             }
             Self::Refused(refusal) => f.write_str(&refusal.message),
             Self::TooWide(why) => why.fmt(f),

@@ -17,7 +17,8 @@ pub fn holds_triangles(format: Format) -> bool {
 /// The names of the formats that triangles can be written in, as in "obj, ply, stl, glb".
 #[must_use]
 pub fn mesh_names() -> String {
-    let names: Vec<_> = Format::all().filter(|format| holds_triangles(*format)).map(|f| f.to_string()).collect();
+    let names: Vec<_> =
+        Format::all().filter(|format| holds_triangles(*format)).map(|f| f.to_string()).collect();
     names.join(", ")
 }
 

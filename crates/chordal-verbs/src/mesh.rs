@@ -100,7 +100,12 @@ struct Source {
     place: Box3,
 }
 
-fn tessellate(source: &Source, budget: &Budget, to: Format, job: &Job) -> Result<(Scene, Bound), MeshFailure> {
+fn tessellate(
+    source: &Source,
+    budget: &Budget,
+    to: Format,
+    job: &Job,
+) -> Result<(Scene, Bound), MeshFailure> {
     let lost = worst_snap(&widened(&source.place), to);
     let inner = set_aside(budget, lost, &source.place, to)?;
     let made = match convert::patches_to_mesh(&source.patches, &inner, job) {
@@ -161,7 +166,8 @@ fn set_aside(budget: &Budget, lost: f64, place: &Box3, to: Format) -> Result<Bud
 /// The box with room for the rounding of evaluated points, which may leave the hull of their control points: an
 /// evaluation has less than 32 roundings of half a step each.
 fn widened(place: &Box3) -> Box3 {
-    let reach = place.min.iter().chain(&place.max).fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
+    let reach =
+        place.min.iter().chain(&place.max).fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
     let room = 16.0 * f64::EPSILON * reach;
     Box3 { min: place.min.map(|x| x - room), max: place.max.map(|x| x + room) }
 }
@@ -183,7 +189,10 @@ fn pass_through(scene: Scene, to: Format) -> Result<(Scene, Bound), MeshFailure>
     }
     let all = if moved == 0.0 || placed == 0.0 { moved + placed } else { add_up(moved, placed) };
     if !all.is_finite() {
-        return Err(refused(Code::NotFinite, "the transforms of the scene take its coordinates out of range"));
+        return Err(refused(
+            Code::NotFinite,
+            "the transforms of the scene take its coordinates out of range",
+        ));
     }
     Ok((scene, Bound::proved(0.0, all, Reference::InputTriangles)))
 }

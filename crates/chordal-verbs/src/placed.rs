@@ -1,6 +1,6 @@
 //! What the places of parts do to lengths: how far transforms stretch them, and what rounding in them costs.
-use chordal::math::{add_up, mul_up, sqrt_up};
 use chordal::Mesh;
+use chordal::math::{add_up, mul_up, sqrt_up};
 use chordal_io::{Node, Part, Scene, WriteError};
 
 /// A scene whose parts stand where their coordinates say, with what rounding moved its vertices.
@@ -147,8 +147,7 @@ const IDENTITY: Matrix = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0,
 /// All places of parts, by walking the scene from its roots with a stack of its own. Readers make sure that nodes
 /// are a forest.
 fn places(scene: &Scene) -> Vec<Place> {
-    let outside =
-        Place { part: 0, is_identity: true, depth: 0, magnitude: IDENTITY, stretch: 1.0 };
+    let outside = Place { part: 0, is_identity: true, depth: 0, magnitude: IDENTITY, stretch: 1.0 };
     let mut found = Vec::new();
     let mut open: Vec<(usize, std::rc::Rc<Place>)> = Vec::new();
     let outside = std::rc::Rc::new(outside);
@@ -170,6 +169,7 @@ fn product(a: &Matrix, b: &Matrix) -> Matrix {
 
 /// The root of the sum of the squares of the linear part: never less than the largest factor by which it lengthens.
 fn frobenius(m: &Matrix) -> f64 {
-    let squares = [0, 1, 2, 4, 5, 6, 8, 9, 10].into_iter().fold(0.0, |sum, i| add_up(sum, mul_up(m[i], m[i])));
+    let squares =
+        [0, 1, 2, 4, 5, 6, 8, 9, 10].into_iter().fold(0.0, |sum, i| add_up(sum, mul_up(m[i], m[i])));
     sqrt_up(squares)
 }

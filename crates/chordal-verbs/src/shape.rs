@@ -104,9 +104,8 @@ fn sampled_box(patches: &[Patch]) -> Box3 {
             return known;
         }
         let at = |i: u32| f64::from(i) / f64::from(SAMPLES);
-        (0..=SAMPLES).fold(known, |known, i| {
-            (0..=SAMPLES).fold(known, |known, j| known.with(patch.at(at(i), at(j))))
-        })
+        (0..=SAMPLES)
+            .fold(known, |known, i| (0..=SAMPLES).fold(known, |known, j| known.with(patch.at(at(i), at(j)))))
     })
 }
 
@@ -139,9 +138,11 @@ mod tests {
     #[test]
     fn the_diagonal_of_a_box_comes_from_below_and_close() {
         let bounds = |x, y, z| Box3 { min: [0.0; 3], max: [x, y, z] };
-        for (b, true_length) in
-            [(bounds(3.0, 4.0, 12.0), 13.0), (bounds(1e-200, 0.0, 0.0), 1e-200), (bounds(2e200, 1e200, 2e200), 3e200)]
-        {
+        for (b, true_length) in [
+            (bounds(3.0, 4.0, 12.0), 13.0),
+            (bounds(1e-200, 0.0, 0.0), 1e-200),
+            (bounds(2e200, 1e200, 2e200), 3e200),
+        ] {
             let diagonal = diagonal_below(&b, 0.0);
             assert!(diagonal <= true_length && diagonal > true_length * (1.0 - 1e-14), "{diagonal}");
         }

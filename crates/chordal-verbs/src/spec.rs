@@ -35,14 +35,15 @@ impl BudgetSpec {
         let mut budget = Budget { pixels: self.pixels, triangles: self.triangles, ..Budget::default() };
         let Some(length) = self.length else { return Ok((budget, None)) };
         let diagonal = if matches!(length, Length::Percent(_)) { shape.diagonal()? } else { 0.0 };
-        let tolerance = length.resolve(diagonal, shape.frame().metres_per_unit).map_err(MeshFailure::Length)?;
+        let tolerance =
+            length.resolve(diagonal, shape.frame().metres_per_unit).map_err(MeshFailure::Length)?;
         budget.length = Some(tolerance);
         let note = match length {
             Length::Plain(_) => None,
             Length::In(..) => Some(format!("{length} is {tolerance} in the units of the input")),
-            Length::Percent(_) => {
-                Some(format!("{length} of the diagonal, which is {diagonal} or a little more, is {tolerance}"))
-            }
+            Length::Percent(_) => Some(format!(
+                "{length} of the diagonal, which is {diagonal} or a little more, is {tolerance}"
+            )),
         };
         Ok((budget, note))
     }

@@ -34,7 +34,8 @@ impl Options {
             (None, None) => None,
             _ => return Err("px and view belong together".to_owned()),
         };
-        let spec = BudgetSpec { length: all.parsed::<Length>("tol")?, pixels, triangles: all.count("triangles")? };
+        let spec =
+            BudgetSpec { length: all.parsed::<Length>("tol")?, pixels, triangles: all.count("triangles")? };
         if !spec.has_limit() {
             return Err("a budget is needed: tol, px with view, or triangles".to_owned());
         }
@@ -74,7 +75,8 @@ impl Reader<'_> {
 
     fn parsed<T: FromStr<Err: ToString>>(&self, key: &str) -> Result<Option<T>, String> {
         let text = self.text(key)?;
-        text.map(|text| text.parse().map_err(|error: T::Err| format!("{key}: {}", error.to_string()))).transpose()
+        text.map(|text| text.parse().map_err(|error: T::Err| format!("{key}: {}", error.to_string())))
+            .transpose()
     }
 
     fn axis(&self, key: &str) -> Result<Option<Axis>, String> {
@@ -92,6 +94,7 @@ impl Reader<'_> {
     }
 
     fn flag(&self, key: &str) -> Result<bool, String> {
-        self.get(key).map_or(Ok(false), |value| value.as_bool().ok_or_else(|| format!("{key} is true or false")))
+        self.get(key)
+            .map_or(Ok(false), |value| value.as_bool().ok_or_else(|| format!("{key} is true or false")))
     }
 }

@@ -25,7 +25,11 @@ impl Outcome {
     fn made(made: &MeshOutcome) -> Self {
         let mut bytes = Vec::new();
         match made.write(&mut bytes) {
-            Ok(()) => Self { bytes, report: made.certificate.to_value().to_string().into_bytes(), ..Self::default() },
+            Ok(()) => Self {
+                bytes,
+                report: made.certificate.to_value().to_string().into_bytes(),
+                ..Self::default()
+            },
             Err(error) => Self::failed(4, error),
         }
     }
@@ -50,11 +54,9 @@ pub(crate) fn mesh(input: &[u8], options: &[u8]) -> Outcome {
         Err(failure) => {
             let error = Outcome::failed(failure.exit_code(), &failure);
             match failure {
-                MeshFailure::Unmet(best) if options.keep_best => Outcome {
-                    exit: error.exit,
-                    error: error.error,
-                    ..Outcome::made(&best)
-                },
+                MeshFailure::Unmet(best) if options.keep_best => {
+                    Outcome { exit: error.exit, error: error.error, ..Outcome::made(&best) }
+                }
                 _ => error,
             }
         }

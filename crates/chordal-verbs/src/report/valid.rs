@@ -158,7 +158,10 @@ struct Checked {
 fn both_ways(scene: &Scene, topology: Topology) -> (Vec<Checked>, Vec<Checked>) {
     let all = |topology| {
         let meshes = scene.parts.iter().map(|part| &part.mesh);
-        let checked = |mesh| Checked { found: validity(mesh, topology), t_junctions: t_junctions(mesh, topology, None) };
+        let checked = |mesh| Checked {
+            found: validity(mesh, topology),
+            t_junctions: t_junctions(mesh, topology, None),
+        };
         meshes.map(checked).collect()
     };
     (all(topology), all(opposite(topology)))
