@@ -1,5 +1,6 @@
 //! The explicit shore: shapes as points that can be listed and drawn. What happens here is exact.
 mod bezier;
+pub mod laws;
 mod mesh;
 mod normals;
 mod patch;
