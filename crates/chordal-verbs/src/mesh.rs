@@ -1,6 +1,6 @@
 //! `mesh`: any shape into triangles within a budget, as they will read back from a format.
 use crate::placed::{self, Placed};
-use crate::report::{BoundFacts, BudgetFacts, Certificate, OutputFacts, Valid};
+use crate::report::{BoundFacts, BudgetFacts, Certificate, Counted};
 use crate::{BudgetSpec, Input, MeshFailure, Shape, formats, write};
 use chordal::budget::{Bound, Budget, Code, Failure, PixelBudget, Pixels, Reference, Refusal, Tolerance};
 use chordal::math::{Box3, add_up, sub_down};
@@ -74,8 +74,9 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
     };
     bound.pixels = on_screen(&budget, &bound, &place);
     certificate.bound = Some(BoundFacts::of(&bound));
-    certificate.output = Some(OutputFacts::of(&scene));
-    certificate.valid = Some(Valid::of(&scene, formats::topology(to)));
+    let counted = Counted::of(&scene, formats::topology(to));
+    certificate.output = Some(counted.output);
+    certificate.valid = Some(counted.valid);
     let met = is_met(&budget, &certificate);
     if !met {
         certificate.notes.push(NOT_MET.to_owned());

@@ -1,7 +1,9 @@
 //! What the places of parts do to lengths: how far transforms stretch them, and what rounding in them costs.
 use chordal::Mesh;
+use chordal::explicit::{Attribute, Domain, InvalidMesh, Semantic};
 use chordal::math::{add_up, mul_up, sqrt_up};
 use chordal_io::{Node, Part, Scene, WriteError};
+use std::borrow::Cow;
 
 /// A scene whose parts stand where their coordinates say, with what rounding moved its vertices.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,14 +60,58 @@ pub(crate) fn joined(scene: Scene) -> Result<Scene, WriteError> {
     if scene.parts.len() == 1 {
         return Ok(scene);
     }
-    let (mut positions, mut faces) = (Vec::new(), Vec::new());
-    for part in &scene.parts {
-        let first = u32::try_from(positions.len()).unwrap_or(u32::MAX);
-        positions.extend_from_slice(part.mesh.positions());
-        faces.extend(part.mesh.faces().iter().map(|face| face.map(|i| first.saturating_add(i))));
-    }
-    let mesh = Mesh::new(positions, faces).map_err(|error| WriteError::Unsupported(error.to_string()))?;
+    let meshes: Vec<&Mesh> = scene.parts.iter().map(|part| &part.mesh).collect();
+    let mesh = concatenated(&meshes)?;
     Ok(Scene::of("", mesh, false, scene.frame))
+}
+
+/// Everything that a scene shows as one mesh in its coordinates, for a picture: with normals of its own where every
+/// part has some, and without any other attribute.
+///
+/// # Errors
+/// When the nodes are no tree, take coordinates out of range, or show more than one mesh can hold.
+pub(crate) fn one_mesh(scene: &Scene) -> Result<Cow<'_, Mesh>, WriteError> {
+    let mut all = scene.world_meshes()?;
+    if all.len() == 1 {
+        return Ok(all.remove(0).1);
+    }
+    let meshes: Vec<&Mesh> = all.iter().map(|(_, mesh)| mesh.as_ref()).collect();
+    let mesh = concatenated(&meshes)?;
+    let normals: Option<Vec<_>> = meshes.iter().map(|mesh| corner_normals(mesh)).collect();
+    let Some(normals) = normals else { return Ok(Cow::Owned(mesh)) };
+    let attribute =
+        Attribute { semantic: Semantic::Normal, domain: Domain::Corner, width: 3, values: normals.concat() };
+    mesh.with_attribute(attribute).map(Cow::Owned).map_err(unsupported)
+}
+
+/// The normals at the corners of every face, if the mesh has any.
+fn corner_normals(mesh: &Mesh) -> Option<Vec<f64>> {
+    let own = mesh.attribute(&Semantic::Normal).filter(|own| own.width == 3)?;
+    let row = |face: usize, k: usize| match own.domain {
+        Domain::Vertex => mesh.faces()[face][k] as usize,
+        Domain::Corner => 3 * face + k,
+        Domain::Face => face,
+    };
+    let corners = (0..mesh.faces().len()).flat_map(|face| [0, 1, 2].map(|k| row(face, k)));
+    Some(corners.flat_map(|row| own.row(row).iter().copied()).collect())
+}
+
+/// The positions and faces of all meshes, one after the other, tied as they are in each.
+fn concatenated(meshes: &[&Mesh]) -> Result<Mesh, WriteError> {
+    let (mut positions, mut faces, mut ids) = (Vec::new(), Vec::new(), Vec::new());
+    for mesh in meshes {
+        // Saturated numbers belong to more positions than a mesh may have, which it then refuses.
+        let first = u32::try_from(positions.len()).unwrap_or(u32::MAX);
+        faces.extend(mesh.faces().iter().map(|face| face.map(|i| first.saturating_add(i))));
+        let n = mesh.positions().len() as u32;
+        ids.extend((0..n).map(|i| first.saturating_add(mesh.position_of(i))));
+        positions.extend_from_slice(mesh.positions());
+    }
+    Mesh::new(positions, faces).and_then(|mesh| mesh.with_position_id(ids)).map_err(unsupported)
+}
+
+fn unsupported(error: InvalidMesh) -> WriteError {
+    WriteError::Unsupported(error.to_string())
 }
 
 /// By how much a length in each part's coordinates can grow in the scene's, over all places of the part; 0 for a

@@ -10,9 +10,12 @@ mod valid;
 pub use bound::BoundFacts;
 pub use budget::{BudgetFacts, ViewFacts};
 pub use inspection::{Found, Inspection, PartFacts, Sizes};
-pub use valid::{Counts, PartValid, Valid, WitnessFacts};
+pub(crate) use valid::Counted;
+pub use valid::{Counts, OtherCounts, PartValid, Valid, WitnessFacts};
 
 use crate::Input;
+use chordal::Mesh;
+use chordal::explicit::Topology;
 use chordal_io::{Axis, Frame, Warning};
 use serde::Serialize;
 use serde_json::Value;
@@ -170,10 +173,28 @@ impl FrameFacts {
 pub struct OutputFacts {
     /// Rows of positions; vertices that differ only in attributes count apart.
     pub vertices: u64,
-    /// Distinct positions.
+    /// Distinct positions, by the meaning of that word that `valid` has too.
     pub positions: u64,
     /// Triangles.
     pub triangles: u64,
+}
+
+impl OutputFacts {
+    /// The counts of one mesh.
+    #[must_use]
+    pub fn of(mesh: &Mesh, topology: Topology) -> Self {
+        let n_vertices = mesh.positions().len();
+        let positions = topology.ids(mesh).map_or(n_vertices, |ids| {
+            let mut used = vec![false; n_vertices];
+            ids.iter().for_each(|id| used[*id as usize] = true);
+            used.iter().filter(|used| **used).count()
+        });
+        Self {
+            vertices: n_vertices as u64,
+            positions: positions as u64,
+            triangles: mesh.faces().len() as u64,
+        }
+    }
 }
 
 /// This run of a verb. Shells fill in what only they know.
