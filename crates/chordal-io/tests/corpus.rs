@@ -17,6 +17,9 @@ fn every_real_file_ends_well() {
             let name = path.strip_prefix(&data).expect("below").display();
             match read(&bytes, format, &Limits::default()) {
                 Ok(loaded) => {
+                    // A binary STL with bytes after its end is known by its extension alone.
+                    let is_odd = count(&loaded.warnings, "trailing-bytes") > 0;
+                    assert!(is_odd || Format::sniff(&bytes) == Some(format), "{name} by its content");
                     let shape = match &loaded.content {
                         Content::Scene(scene) => {
                             let mesh = &scene.parts[0].mesh;

@@ -249,7 +249,7 @@ fn h20_positions_that_are_not_finite_are_dropped_only_when_asked() {
 }
 
 #[test]
-fn h26_an_off_file_is_no_ply_and_its_counts_reserve_nothing() {
+fn h26_h27_an_off_file_is_no_ply_and_its_counts_reserve_nothing() {
     for off in [
         "OFF\n2000000000 1 0\n",
         "OFF\n-1 -1 0\n",
