@@ -1,7 +1,7 @@
 //! What the reader makes of legal files.
 use crate::build::{every_object, loaded, put, triangle, triangle_with};
 use chordal::explicit::{Domain, Semantic};
-use chordal_io::{Axis, Frame, Limits};
+use chordal_io::{Axis, Frame};
 use serde_json::json;
 
 /// The corner positions of all triangles.
@@ -60,7 +60,7 @@ fn transforms_apply_from_the_root_down() {
     let (json, bin) = triangle_with(&[(
         "/nodes",
         json!([
-            { "children": [1], "translation": [10, 0, 0], "rotation": [0, 0, 0.7071067811865476, 0.7071067811865476] },
+            { "children": [1], "translation": [10, 0, 0], "rotation": [0, 0, std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2] },
             { "mesh": 0, "matrix": [2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 5, 1] }
         ]),
     )]);

@@ -218,13 +218,13 @@ fn nodes_names_and_instances_come_back() {
     // The first cube keeps its place, the one far away gets a node for its origin.
     let before = scene.world_meshes().expect("placed");
     let after = back.world_meshes().expect("placed");
-    let sorted = |parts: Vec<Part>| {
+    let sorted = |parts: &[(&str, std::borrow::Cow<'_, Mesh>)]| {
         let mut all: Vec<_> =
-            parts.iter().map(|part| (part.name.clone(), bits(part.mesh.positions()))).collect();
+            parts.iter().map(|(name, mesh)| ((*name).to_owned(), bits(mesh.positions()))).collect();
         all.sort();
         all
     };
-    assert_eq!(sorted(before), sorted(after));
+    assert_eq!(sorted(&before), sorted(&after));
 }
 
 #[test]
