@@ -206,7 +206,7 @@ fn h42_the_network_is_never_asked() {
 
 #[test]
 fn h43_shell_text_is_a_name() {
-    for uri in ["a`touch /tmp/x`", "$(reboot).bin", "a;b|c", "a\nb"] {
+    for uri in ["a`touch x`", "$(reboot).bin", "a;b|c", "a\nb"] {
         let error = external(uri);
         assert_eq!(error.code, "external-buffer");
         assert!(error.message.contains("another file"), "{error}");
