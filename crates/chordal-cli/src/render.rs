@@ -6,7 +6,7 @@ use crate::fault::Fault;
 use crate::input::Source;
 use crate::output::Target;
 use crate::summary;
-use crate::talk::{Stdout, Talk};
+use crate::talk::Talk;
 use chordal::budget::{Screen, View};
 use chordal::render::{Options, Show as Shown, Viewpoint};
 use chordal_verbs::report::{Report, Run};
@@ -25,7 +25,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
 
     let name = source.name();
     let options = Options { show: shown(args.show), viewpoint, ..Options::default() };
-    let outcome = render(&input, &options, fineness(args), &job).map_err(|failure| common::fault(&name, &failure, ""))?;
+    let outcome = render(&input, &options, fineness(args), &job)
+        .map_err(|failure| common::fault(&name, &failure, ""))?;
     let bytes = target.write(&mut |out| outcome.write(out))?;
 
     let run = Run {
@@ -48,10 +49,9 @@ fn viewpoint(args: &RenderArgs) -> Result<Viewpoint, Fault> {
         Some(View::Closest(_)) => Err(Fault::usage(
             "a picture is taken from one place: --view \"1280x960 fov=30 eye=4,-6,3 target=0,0,1\"",
         )),
-        None => Ok(Viewpoint::Automatic(args.size.map_or(USUAL_SCREEN, |[width_px, height_px]| Screen {
-            width_px,
-            height_px,
-        }))),
+        None => Ok(Viewpoint::Automatic(
+            args.size.map_or(USUAL_SCREEN, |[width_px, height_px]| Screen { width_px, height_px }),
+        )),
     }
 }
 
