@@ -16,6 +16,7 @@ pub mod obj;
 pub mod patch_json;
 mod placed;
 pub mod ply;
+pub mod png;
 mod read;
 mod scene;
 mod snap;

@@ -24,6 +24,17 @@ pub fn par_map<T: Sync, R: Send>(job: &Job, items: &[T], f: impl Fn(usize, &T) -
     items.iter().enumerate().map(|(i, item)| f(i, item)).collect()
 }
 
+/// [`par_map`] over items that `f` consumes: for the few large parts into which a recursion cuts its input.
+pub(crate) fn par_map_owned<T: Send, R: Send>(job: &Job, items: Vec<T>, f: impl Fn(T) -> R + Sync) -> Vec<R> {
+    #[cfg(feature = "threads")]
+    if job.threads != 1 && items.len() > 1 {
+        use rayon::prelude::*;
+        return job.run(|| items.into_par_iter().map(&f).collect());
+    }
+    let _ = job;
+    items.into_iter().map(f).collect()
+}
+
 impl Job {
     /// Runs `work` where every [`par_map`] of the same number of threads shares one set of threads: start them once
     /// around many small steps.

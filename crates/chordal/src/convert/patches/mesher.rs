@@ -37,6 +37,9 @@ pub(crate) struct Proved {
 /// Rounds of asking for more cells; three are usual, and every round adds cells where they lack.
 const MOST_ROUNDS: usize = 64;
 
+/// A proof that came out this much worse than its probe will not come out.
+const MOST_STRAIN: f64 = 1e6;
+
 /// Tiles, and places on each, at which the distance is measured from below.
 const SAMPLED_TILES: usize = 2;
 
@@ -94,6 +97,17 @@ impl<'a> Mesher<'a> {
         for round in 0..MOST_ROUNDS {
             self.build_open(&planned, &mut done)?;
             let missed = self.ask_for_more(&mut planned.tiles, &mut done, round);
+            if planned.tiles.iter().any(|tile| tile.strain > MOST_STRAIN) {
+                break;
+            }
+            let cells: f64 = planned.tiles.iter().map(|tile| f64::from(tile.n) * f64::from(tile.m)).sum();
+            if cells > self.job.triangle_limit as f64 {
+                let message = format!(
+                    "the budget needs more than {:.1e} triangles, the limit",
+                    self.job.triangle_limit
+                );
+                return Err(Failure::refused(Code::TooManyTriangles, message));
+            }
             if !missed && !self.part_edges(&mut planned, &mut done) {
                 let tiles = planned
                     .tiles
