@@ -190,7 +190,7 @@ pub struct RenderArgs {
     pub show: Show,
 
     /// The size of the picture
-    #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "view")]
+    #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "view", allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
 
     /// The camera, with the size of the picture: "1280x960 fov=30 eye=4,-6,3 target=0,0,1"
