@@ -40,8 +40,8 @@ const MOST_ROUNDS: usize = 64;
 /// A proof that came out this much worse than its probe will not come out.
 const MOST_STRAIN: f64 = 1e6;
 
-/// Tiles, and places on each, at which the distance is measured from below.
-const SAMPLED_TILES: usize = 2;
+/// Tiles at which the distance is measured from below, at two places each: 20 ns a triangle.
+const SAMPLED_TILES: usize = 12;
 
 impl<'a> Mesher<'a> {
     pub(crate) fn new(patches: &'a [Patch], job: &'a Job) -> Self {
@@ -264,11 +264,16 @@ impl<'a> Mesher<'a> {
             let slack = ROUNDING * patch.size();
             rounding = if slack > rounding { slack } else { rounding };
             let [a, b, c] = done.worst;
-            for weights in [[1.0, 1.0, 1.0], [1.0, 1.0, 0.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0]] {
-                let sum: f64 = weights.iter().sum();
-                let mix = |k: usize| (weights[0] * a[k] + weights[1] * b[k] + weights[2] * c[k]) / sum;
-                samples.push(patch.at(mix(0), mix(1)));
-            }
+            // The bound is reached in the middle of a triangle or of the side that is longest in parameters.
+            let length_sq =
+                |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]);
+            let sides = [(a, b), (b, c), (c, a)];
+            let longest = sides
+                .into_iter()
+                .reduce(|s, t| if length_sq(s.0, s.1) < length_sq(t.0, t.1) { t } else { s });
+            let (p, q) = longest.unwrap_or((a, b));
+            samples.push(patch.at(0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])));
+            samples.push(patch.at((a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0));
         }
         match check::surface_at_least(&samples, mesh) {
             Some((least, at)) => {
