@@ -1,8 +1,8 @@
 //! `render`: a picture of any shape; smooth shapes are meshed first, finely enough for it.
 use crate::report::{BoundFacts, BudgetFacts, Certificate, OutputFacts};
 use crate::{BudgetSpec, Input, MeshFailure, Shape, placed};
-use chordal::explicit::Topology;
 use chordal::budget::{Camera, Code, Failure, Length, Pixels, Refusal, Screen, Stopped, View};
+use chordal::explicit::Topology;
 use chordal::render::{Options, Picture, Up, Viewpoint, frame, render as trace};
 use chordal::{Bounded, Budget, Job, Mesh, Patch, Tolerance, convert};
 use chordal_io::{Axis, Frame, WriteError, png};
@@ -73,7 +73,8 @@ pub fn render(
         }
         Shape::Patches { patches, .. } => {
             let camera = camera_for(patches, &input.shape, &options, job)?;
-            let Meshed { made, budget, note } = mesh_for(&input.shape, patches, fineness, &Shot { camera, job })?;
+            let Meshed { made, budget, note } =
+                mesh_for(&input.shape, patches, fineness, &Shot { camera, job })?;
             certificate.notes.extend(note);
             certificate.budget = Some(BudgetFacts::of(&budget));
             certificate.bound = Some(BoundFacts::of(&made.bound));
@@ -120,12 +121,7 @@ fn tessellate(patches: &[Patch], budget: &Budget, job: &Job) -> Result<Bounded<M
 }
 
 /// The camera of the options, or one that frames a coarse mesh of the patches.
-fn camera_for(
-    patches: &[Patch],
-    shape: &Shape,
-    options: &Options,
-    job: &Job,
-) -> Result<Camera, MeshFailure> {
+fn camera_for(patches: &[Patch], shape: &Shape, options: &Options, job: &Job) -> Result<Camera, MeshFailure> {
     let screen = match options.viewpoint {
         Viewpoint::Camera(camera) => return Ok(camera),
         Viewpoint::Automatic(screen) => screen,
