@@ -4,6 +4,7 @@ use crate::clock::Clock;
 use crate::common;
 use crate::fault::Fault;
 use crate::input::Source;
+use crate::numbers::point;
 use crate::output::Target;
 use crate::summary;
 use crate::talk::Talk;
@@ -38,7 +39,9 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     };
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| talk.detail(note));
-    let picture = View::Camera(outcome.camera).to_string();
+    let Screen { width_px, height_px } = outcome.camera.screen;
+    let picture = format!("{width_px}x{height_px} from {}", point(outcome.camera.eye));
+    talk.detail(&format!("the picture again: --view \"{}\"", View::Camera(outcome.camera)));
     talk.result(&report.to_value(), &summary::render(&report, &picture), stdout)
 }
 

@@ -90,6 +90,6 @@ fn pictures_that_make_no_sense_are_usage() {
         .fails_with(2, &["eye=", "target="]);
     run(&["render", &input, "-o", &output, "--show", "smell"]).fails_with(2, &["smell"]);
     run(&["render", &input, "-o", &output, "--size", "4000000000x4000000000"])
-        .fails_with(5, &["a.obj: ", "memory"]);
+        .fails_with(5, &["a.obj: ", "bytes", "the limit is"]);
     assert_eq!(folder.names(), ["a.obj"]);
 }
