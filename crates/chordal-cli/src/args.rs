@@ -73,6 +73,14 @@ pub struct InputArgs {
     /// The most memory that a file may take and a job may build, as in 512M or 8G
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub max_memory: Option<u64>,
+
+    /// Only warn of what is wrong in a glTF file without touching its geometry
+    #[arg(long)]
+    pub lenient: bool,
+
+    /// Drop vertices that are not finite numbers, with their faces, and count them, instead of refusing the file
+    #[arg(long)]
+    pub drop_nonfinite: bool,
 }
 
 /// Arguments about what is said while working and afterwards.
