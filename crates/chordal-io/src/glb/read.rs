@@ -37,7 +37,7 @@ const HARMLESS: [&str; 13] = [
 /// [`Limits::lenient`] turns into warnings what does not keep the triangles from being read. One part stands for
 /// one mesh of the file, with the triangles of all its primitives; vertices at bit-identical positions are tied.
 /// Positions are the stored numbers exactly, in the mesh's own space; nodes carry the transforms and
-/// [`Scene::world_meshes`] applies them. The frame is y-up and in metres. The certificate comes from
+/// [`crate::Scene::world_meshes`] applies them. The frame is y-up and in metres. The certificate comes from
 /// `asset.extras.chordal`.
 ///
 /// Lists, strips and fans are read with any accessor that the format knows, sparse and quantized ones too. Points,

@@ -147,8 +147,8 @@ fn h39_a_deep_chain_loads() {
     let (json, bin) = nodes(Value::Array(chain));
     let (scene, warnings) = loaded(&json, &bin);
     assert_eq!((scene.nodes.len(), scene.roots.len(), warnings.len()), (n, 1, 0));
-    let placed = scene.world_meshes(&Limits::default()).expect("placed");
-    assert_eq!(placed[0].mesh.positions()[1], [1.0, 0.0, (n - 1) as f64]);
+    let placed = scene.world_meshes().expect("placed");
+    assert_eq!(placed[0].1.positions()[1], [1.0, 0.0, (n - 1) as f64]);
     let mut bytes = Vec::new();
     glb::write(&scene, None, &mut bytes).expect("written");
 }
@@ -206,7 +206,7 @@ fn h42_the_network_is_never_asked() {
 
 #[test]
 fn h43_shell_text_is_a_name() {
-    for uri in ["a`touch /tmp/x`", "$(reboot).bin", "a;b|c", "a\nb"] {
+    for uri in ["a`touch x`", "$(reboot).bin", "a;b|c", "a\nb"] {
         let error = external(uri);
         assert_eq!(error.code, "external-buffer");
         assert!(error.message.contains("another file"), "{error}");

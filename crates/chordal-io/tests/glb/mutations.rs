@@ -23,7 +23,7 @@ fn survive(bytes: &[u8]) -> usize {
             Ok(loaded) => {
                 n_accepted += 1;
                 let Content::Scene(scene) = loaded.content else { panic!("no scene") };
-                let _ = scene.world_meshes(&limits);
+                let _ = scene.world_meshes();
                 let mut out = Vec::new();
                 if glb::write(&scene, None, &mut out).is_ok() {
                     assert!(

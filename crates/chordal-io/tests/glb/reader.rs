@@ -1,7 +1,7 @@
 //! What the reader makes of legal files.
 use crate::build::{every_object, loaded, put, triangle, triangle_with};
 use chordal::explicit::{Domain, Semantic};
-use chordal_io::{Axis, Frame, Limits};
+use chordal_io::{Axis, Frame};
 use serde_json::json;
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -66,9 +66,9 @@ fn transforms_apply_from_the_root_down() {
         ]),
     )]);
     let scene = loaded(&json, &bin).0;
-    let placed = scene.world_meshes(&Limits::default()).expect("placed");
+    let placed = scene.world_meshes().expect("placed");
     let expected = [[10.0, 0.0, 5.0], [10.0, 2.0, 5.0], [6.0, 0.0, 5.0]];
-    for (found, expected) in placed[0].mesh.positions().iter().zip(expected) {
+    for (found, expected) in placed[0].1.positions().iter().zip(expected) {
         for k in 0..3 {
             // A quarter turn by a rounded quaternion.
             assert!((found[k] - expected[k]).abs() < 16.0 * f64::EPSILON, "{found:?}");

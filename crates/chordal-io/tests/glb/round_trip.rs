@@ -20,9 +20,10 @@ fn again(scene: &Scene) -> (Scene, Vec<&'static str>) {
 
 /// What comes back, placed by its nodes.
 fn placed(scene: &Scene) -> Mesh {
-    let mut parts = again(scene).0.world_meshes(&Limits::default()).expect("placed");
+    let (scene, _) = again(scene);
+    let mut parts = scene.world_meshes().expect("placed");
     assert_eq!(parts.len(), 1);
-    parts.remove(0).mesh
+    parts.remove(0).1.into_owned()
 }
 
 fn bits(positions: &[[f64; 3]]) -> Vec<[u64; 3]> {
@@ -205,6 +206,7 @@ fn nodes_names_and_instances_come_back() {
         roots: vec![0],
         frame: Frame { up: Some(Axis::Y), metres_per_unit: Some(1.0) },
         certificate: None,
+        ..Scene::default()
     };
     let (back, warnings) = again(&scene);
     assert!(warnings.is_empty(), "{warnings:?}");
@@ -214,15 +216,15 @@ fn nodes_names_and_instances_come_back() {
     );
     assert_eq!(back.nodes[0].matrix, turned);
     // The first cube keeps its place, the one far away gets a node for its origin.
-    let before = scene.world_meshes(&Limits::default()).expect("placed");
-    let after = back.world_meshes(&Limits::default()).expect("placed");
-    let sorted = |parts: Vec<Part>| {
+    let before = scene.world_meshes().expect("placed");
+    let after = back.world_meshes().expect("placed");
+    let sorted = |parts: &[(&str, std::borrow::Cow<'_, Mesh>)]| {
         let mut all: Vec<_> =
-            parts.iter().map(|part| (part.name.clone(), bits(part.mesh.positions()))).collect();
+            parts.iter().map(|(name, mesh)| ((*name).to_owned(), bits(mesh.positions()))).collect();
         all.sort();
         all
     };
-    assert_eq!(sorted(before), sorted(after));
+    assert_eq!(sorted(&before), sorted(&after));
 }
 
 #[test]

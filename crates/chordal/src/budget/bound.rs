@@ -192,27 +192,41 @@ impl Bound {
 
     /// The bound for true shape → A → B from those for true shape → A (`self`) and A → B (`next`).
     ///
-    /// Upper ends add, rounded up, and the weaker evidence wins. The lower end is what the triangle inequality
-    /// leaves: `at_least` of one step minus `at_most` of the other. Pixels do not add here: they belong to a view
-    /// and the caller converts the length again.
+    /// Upper ends add, rounded up, and the weaker evidence wins; where the sum overflows nothing is bounded and the
+    /// evidence is [`Evidence::Estimated`]. The lower end is what the triangle inequality leaves: `at_least` of one
+    /// step minus `at_most` of the other. That step must speak the metric of the result (a parametric distance of at
+    /// least 1 does not keep the shapes 1 apart), and the other must bound both directions. Pixels do not add here:
+    /// they belong to a view and the caller converts the length again.
     #[must_use]
     pub fn then(&self, next: &Self) -> Self {
+        let metric = self.metric.weaker(next.metric);
         let evidence = self.evidence.weaker(&next.evidence);
-        let at_most = match (self.at_most, next.at_most) {
-            (Some(a), Some(b)) if evidence.bounds_above() => Some(add_up(a, b)),
-            _ => None,
+        let sum = self.at_most.zip(next.at_most).map(|(a, b)| add_up(a, b));
+        let (at_most, evidence) = match sum {
+            Some(infinite) if !infinite.is_finite() => (None, Evidence::Estimated),
+            sum => (sum, evidence),
         };
-        let left = |least: f64, most: Option<f64>| most.map_or(0.0, |most| sub_down(least, most).max(0.0));
-        let at_least = left(self.at_least, next.at_most).max(left(next.at_least, self.at_most));
-        let at = if self.at_most >= next.at_most { self.at } else { next.at.or(self.at) };
+        let (first, second) = (self.left_by(next, metric), next.left_by(self, metric));
+        let at = if self.at_most >= next.at_most { self.at.or(next.at) } else { next.at.or(self.at) };
         Self {
-            at_least,
+            at_least: if first > second { first } else { second },
             at_most,
             evidence,
             reference: self.reference.clone(),
-            metric: self.metric.weaker(next.metric),
+            metric,
             at,
             pixels: None,
+        }
+    }
+
+    /// What the step `other` cannot take back of this one's lower end, in `metric`.
+    fn left_by(&self, other: &Self, metric: Metric) -> f64 {
+        match other.at_most {
+            Some(most) if self.metric == metric && other.metric != Metric::OneSided => {
+                let left = sub_down(self.at_least, most);
+                if left > 0.0 { left } else { 0.0 }
+            }
+            _ => 0.0,
         }
     }
 }

@@ -22,6 +22,7 @@ pub enum Unit {
     Foot,
 }
 
+// Exact by definition of the units.
 const UNITS: [(Unit, &str, f64); 7] = [
     (Unit::Micrometre, "um", 1e-6),
     (Unit::Millimetre, "mm", 1e-3),

@@ -1,14 +1,4 @@
-//! `View`: from where a shape is seen, and what a length becomes on that screen.
-//!
-//! A true point at depth `z` and angle `θ` off the axis, moved by at most `ε` in any direction, moves on the
-//! screen by at most `F·ε·√(1+tan²θ)/(z − ε)` pixels, where `F = H/(2·tan(fov/2))`. (Write the two points as
-//! `(X, z)` and `(X+a, z+b)`: `|X/z − (X+a)/(z+b)| = |a·z − b·X|/(z(z+b)) ≤ ε·√(z²+|X|²)/(z(z−ε))`.) A bound on
-//! the screen has to hold whichever of the two points is the visible one, so the code uses the depth and the
-//! angle of the *made* point, which are up to `ε` nearer and wider: `z − 2ε` below.
-//!
-//! The shorter formula `ε·F/z` that viewers use is its first order on the axis and is low by `1/cos²θ` at the
-//! corner of the screen: 1.71 at a vertical field of view of 45° and 16:9.
-use crate::math::{Box3, add_up, div_down, div_up, mul_down, mul_up, sqrt_up, sub_down};
+//! `View`: from where a shape is seen. What a length becomes on that screen is the business of [`super::Lens`].
 use std::fmt;
 use std::str::FromStr;
 
@@ -45,7 +35,8 @@ impl fmt::Display for Pixels {
 impl FromStr for Pixels {
     type Err = InvalidView;
     fn from_str(text: &str) -> Result<Self, InvalidView> {
-        let number = text.trim().trim_end_matches("px").trim();
+        let number = text.trim();
+        let number = number.strip_suffix("px").unwrap_or(number).trim_end();
         let wrong = || InvalidView(format!("a pixel budget is a finite number greater than 0, not '{text}'"));
         Self::new(number.parse().map_err(|_| wrong())?).map_err(|_| wrong())
     }
@@ -132,38 +123,6 @@ impl Projection {
             good => Ok(good),
         }
     }
-
-    /// `tan(fov/2)` from below and above. `libm::tan` is off by less than one unit in the last place and the
-    /// conversion to radians by two more, which `tan` magnifies by `x/(sin x·cos x) ≤ 1/cos x` at most.
-    fn half_tan(fov_y_deg: f64) -> (f64, f64) {
-        let half = fov_y_deg * (std::f64::consts::PI / 360.0);
-        let tan = libm::tan(half);
-        let slack = 8.0 * f64::EPSILON * (1.0 + 1.0 / libm::cos(half));
-        (tan * (1.0 - slack), tan * (1.0 + slack))
-    }
-}
-
-/// The numbers of a screen that every conversion needs, rounded outward.
-struct Lens {
-    /// Pixels per unit of `X/z`, from above (perspective), or per unit of length (orthographic).
-    focal: f64,
-    /// `tan²` of the angle at the corner of the screen, from above; `None` for parallel rays.
-    corner_tan_sq: Option<f64>,
-}
-
-impl Lens {
-    fn new(projection: Projection, screen: Screen) -> Self {
-        let (w, h) = (f64::from(screen.width_px), f64::from(screen.height_px));
-        match projection {
-            Projection::Perspective { fov_y_deg } => {
-                let (low, high) = Projection::half_tan(fov_y_deg);
-                let wide = mul_up(high, div_up(w, h));
-                let corner = add_up(mul_up(high, high), mul_up(wide, wide));
-                Self { focal: div_up(h, mul_down(2.0, low)), corner_tan_sq: Some(corner) }
-            }
-            Projection::Orthographic { height } => Self { focal: div_up(h, height), corner_tan_sq: None },
-        }
-    }
 }
 
 impl View {
@@ -187,124 +146,35 @@ impl View {
             Self::Camera(c) if !(c.near >= 0.0 && c.near.is_finite()) => {
                 Err(InvalidView(format!("near is a finite length, 0 or more, not '{}'", c.near)))
             }
-            Self::Camera(c) if Axes::new(c).is_none() => Err(InvalidView(
+            Self::Camera(c) if c.axes().is_none() => Err(InvalidView(
                 "eye, target and up must be finite, apart from each other, and not in one line".into(),
             )),
             _ => Ok(self),
         }
     }
-
-    /// The distance on the screen, in pixels and bounded from above, that a point of `place` can move when the
-    /// shape is off by at most `error` (≥ 0). `None` when there is no bound: the eye is too close.
-    #[must_use]
-    pub fn pixels_of(&self, error: f64, place: &Box3) -> Option<f64> {
-        let found = match self {
-            Self::Closest(closest) => {
-                let lens = Lens::new(closest.projection, closest.screen);
-                let Some(corner) = lens.corner_tan_sq else { return Some(mul_up(lens.focal, error)) };
-                // z = d·cosθ with d ≥ distance − error for the made point, and 1/cosθ = √(1+tan²θ).
-                let secant = sqrt_up(add_up(1.0, corner));
-                let depth = div_down(sub_down(closest.distance, error), secant);
-                spread(lens.focal, error, secant, sub_down(depth, error))
-            }
-            Self::Camera(camera) => {
-                let lens = Lens::new(camera.projection, camera.screen);
-                let sight = Axes::new(camera)?.sight(place, error);
-                if sight.far < camera.near {
-                    return Some(0.0);
-                }
-                let Some(corner) = lens.corner_tan_sq else { return Some(mul_up(lens.focal, error)) };
-                let depth = if sight.near > camera.near { sight.near } else { camera.near };
-                let tan_sq = sight.tan_sq.map_or(corner, |t| if t < corner { t } else { corner });
-                spread(lens.focal, error, sqrt_up(add_up(1.0, tan_sq)), sub_down(depth, error))
-            }
-        }?;
-        found.is_finite().then_some(found)
-    }
-
-    /// The largest length (up to rounding) of which [`View::pixels_of`] at `place` is at most `pixels`. `None` when there is no such length.
-    #[must_use]
-    pub fn length_of(&self, pixels: Pixels, place: &Box3) -> Option<f64> {
-        let wanted = pixels.get();
-        let fits = |length: f64| length > 0.0 && self.pixels_of(length, place).is_some_and(|p| p <= wanted);
-        // `pixels_of` grows with the length, so a bisection over its exponent and mantissa is safe and exact:
-        // positive floats are ordered as their bits are.
-        let (mut low, mut high) = (0_u64, f64::MAX.to_bits());
-        if fits(f64::from_bits(high)) {
-            return Some(f64::MAX);
-        }
-        while high - low > 1 << 24 {
-            let middle = low + (high - low) / 2;
-            if fits(f64::from_bits(middle)) { low = middle } else { high = middle }
-        }
-        let length = f64::from_bits(low);
-        fits(length).then_some(length)
-    }
 }
 
-/// `focal·error·secant/room`, from above; `None` when there is no room before the eye.
-fn spread(focal: f64, error: f64, secant: f64, room: f64) -> Option<f64> {
-    if error == 0.0 {
-        return Some(0.0);
-    }
-    (room > 0.0).then(|| div_up(mul_up(mul_up(focal, error), secant), room))
-}
-
-/// The camera's axes.
-struct Axes {
-    eye: glam::DVec3,
-    right: glam::DVec3,
-    up: glam::DVec3,
-    forward: glam::DVec3,
-}
-
-/// What a camera sees of a box whose points may move by some error.
-struct Sight {
-    /// Smallest depth, from below.
-    near: f64,
-    /// Largest depth, from above.
-    far: f64,
-    /// Largest `tan²` of the angle off the axis, from above; `None` when the box reaches the plane of the eye.
-    tan_sq: Option<f64>,
-}
-
-impl Axes {
-    fn new(camera: &Camera) -> Option<Self> {
-        let eye = glam::DVec3::from(camera.eye);
-        let forward = (glam::DVec3::from(camera.target) - eye).try_normalize()?;
-        let up_hint = glam::DVec3::from(camera.up).try_normalize()?;
-        let right = forward.cross(up_hint);
+impl Camera {
+    /// The unit vectors to the right, up and forward; `None` when eye, target and up give none. Forward is right to 4
+    /// units in the last place of each coordinate; right and up are as uncertain as `up` is close to forward.
+    pub(crate) fn axes(&self) -> Option<[[f64; 3]; 3]> {
+        let forward = unit(glam::DVec3::from(self.target) - glam::DVec3::from(self.eye))?;
+        let right = forward.cross(unit(glam::DVec3::from(self.up))?);
         // Closer to one line than this, rounding alone would decide where up is.
         if right.length() <= 64.0 * f64::EPSILON {
             return None;
         }
-        let right = right.try_normalize()?;
-        Some(Self { eye, right, up: right.cross(forward), forward })
-            .filter(|a| a.forward.is_finite() && a.up.is_finite())
+        let right = unit(right)?;
+        Some([right, right.cross(forward), forward].map(Into::into))
     }
+}
 
-    fn sight(&self, place: &Box3, error: f64) -> Sight {
-        let mut sight = Sight { near: f64::INFINITY, far: f64::NEG_INFINITY, tan_sq: Some(0.0) };
-        for corner in 0..8 {
-            let pick = |k: usize| if corner >> k & 1 == 0 { place.min[k] } else { place.max[k] };
-            let to = glam::DVec3::new(pick(0), pick(1), pick(2)) - self.eye;
-            // Three roundings per product and sum, two for the difference, and the axes' own four each.
-            let slack = add_up(error, 16.0 * f64::EPSILON * (to.abs().element_sum()));
-            let depth = to.dot(self.forward);
-            let (low, high) = (sub_down(depth, slack), add_up(depth, slack));
-            sight.near = if low < sight.near { low } else { sight.near };
-            sight.far = if high > sight.far { high } else { sight.far };
-            let (x, y) = (add_up(to.dot(self.right).abs(), slack), add_up(to.dot(self.up).abs(), slack));
-            sight.tan_sq = match sight.tan_sq {
-                Some(most) if low > 0.0 => {
-                    let tan_sq = div_up(add_up(mul_up(x, x), mul_up(y, y)), mul_down(low, low));
-                    Some(if tan_sq > most { tan_sq } else { most })
-                }
-                _ => None,
-            };
-        }
-        sight
-    }
+/// `v` scaled to length 1; `None` when it is 0 or not finite.
+fn unit(v: glam::DVec3) -> Option<glam::DVec3> {
+    // Scaled first, so that no square overflows or vanishes.
+    let scale = v.abs().max_element();
+    let scaled = v / scale;
+    (v.is_finite() && scale > 0.0).then(|| scaled / scaled.length())
 }
 
 impl fmt::Display for View {

@@ -1,1 +1,20 @@
 //! The judge: measures and proves, builds nothing.
+mod distance;
+mod duplicates;
+mod fans;
+mod finding;
+mod flat;
+mod measure;
+mod parallel;
+mod pieces;
+mod point_tree;
+mod surface;
+mod t_junctions;
+mod validity;
+
+pub use distance::surface_at_least;
+pub use finding::{Finding, MAX_WITNESSES, Place, Witness};
+pub use flat::{has_zero_area, is_collinear};
+pub use measure::{Measure, measure};
+pub use t_junctions::t_junctions;
+pub use validity::{Validity, validity};

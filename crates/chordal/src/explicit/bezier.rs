@@ -30,7 +30,7 @@ pub struct Levels<const D: usize> {
 }
 
 /// The four cubic Bernstein weights at `t`: each ≥ 0 and together 1 for `0 ≤ t ≤ 1`.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn bernstein(t: f64) -> [f64; 4] {
     let s = 1.0 - t;

@@ -1,4 +1,5 @@
 //! `Mesh`: triangles over an indexed list of positions, with attribute streams.
+use super::twins::MAX_HALF_EDGES;
 use crate::math::Box3;
 use std::fmt;
 
@@ -78,13 +79,17 @@ impl Mesh {
     /// A mesh without attributes.
     ///
     /// # Errors
-    /// [`InvalidMesh`] when a coordinate is not finite, an index is out of range, or there are more than 2³² − 2 positions.
+    /// [`InvalidMesh`] when a coordinate is not finite, an index is out of range, or there are more than 2³² − 2
+    /// positions or 715,827,881 faces: half-edges are counted in 31 bits.
     pub fn new(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Result<Self, InvalidMesh> {
         if let Some(row) = positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
             return Err(InvalidMesh::NotFinite { row, value: positions[row] });
         }
         if positions.len() >= u32::MAX as usize {
             return Err(InvalidMesh::TooManyPositions(positions.len()));
+        }
+        if faces.len() > MAX_HALF_EDGES / 3 {
+            return Err(InvalidMesh::TooManyFaces(faces.len()));
         }
         let limit = positions.len() as u32;
         if let Some(face) = faces.iter().position(|f| f.iter().any(|i| *i >= limit)) {
@@ -242,6 +247,8 @@ pub enum InvalidMesh {
     },
     /// More positions than u32 indices can name.
     TooManyPositions(usize),
+    /// More faces than 31 bits can name the half-edges of.
+    TooManyFaces(usize),
     /// An array has the wrong length.
     Length {
         /// Which array.
@@ -266,6 +273,7 @@ impl fmt::Display for InvalidMesh {
                 write!(f, "face {face} names position {index}, but there are only {limit}")
             }
             Self::TooManyPositions(n) => write!(f, "{n} positions are more than 32-bit indices can name"),
+            Self::TooManyFaces(n) => write!(f, "{n} faces are more than 31 bits can name the edges of"),
             Self::Length { what, rows, expected } => {
                 write!(f, "{what} has {rows} values where {expected} are needed")
             }

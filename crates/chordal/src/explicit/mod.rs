@@ -1,10 +1,20 @@
 //! The explicit shore: shapes as points that can be listed and drawn. What happens here is exact.
 mod bezier;
+mod bvh;
+pub mod laws;
 mod mesh;
 mod normals;
 mod patch;
+mod patch_grid;
+mod topology;
+pub mod triangulate;
+mod twins;
 
 pub use bezier::{Bezier, Levels, bernstein};
+pub use bvh::{Bvh, Closest, Hit, Ray};
 pub use mesh::{Attribute, Domain, InvalidMesh, Mesh, Semantic};
 pub use normals::{face_normal, vertex_normals};
 pub use patch::{Patch, Side};
+pub use patch_grid::PatchGrid;
+pub use topology::{Topology, position_id_by_bits};
+pub use twins::{Twin, Twins, next_in_face, previous_in_face};

@@ -105,22 +105,25 @@ impl Patch {
     /// patch. `None` where there is none: both tangents vanish or are parallel.
     #[must_use]
     pub fn normal(&self, u: f64, v: f64) -> Option<[f64; 3]> {
-        let [by_u, by_v] = self.tangents(u, v).map(glam::DVec3::from);
-        let size = self.size();
-        // A tangent shorter than its own rounding error has no direction: 16 products and sums of size `size`.
-        let vanishes = |d: glam::DVec3| d.abs().max_element() <= 64.0 * f64::EPSILON * size;
-        let mixed = || glam::DVec3::from(self.second_derivatives(u, v)[1]);
+        let [by_u, by_v] = self.tangents(u, v);
+        let least = self.least_tangent();
+        let vanishes = |tangent| largest(tangent) <= least;
+        let mixed = || self.second_derivatives(u, v)[1];
         // Into the patch, S_u grows like ±(v − v0)·S_uv (and S_v like ±(u − u0)·S_uv).
         let inward = |t: f64| if t > 0.5 { -1.0 } else { 1.0 };
-        let normal = match (vanishes(by_u), vanishes(by_v)) {
-            (false, false) => by_u.cross(by_v),
-            (true, false) => inward(v) * mixed().cross(by_v),
-            (false, true) => inward(u) * by_u.cross(mixed()),
+        let (unit, scale) = match (vanishes(by_u), vanishes(by_v)) {
+            (false, false) => front(by_u, by_v),
+            (true, false) => front(mixed().map(|x| inward(v) * x), by_v),
+            (false, true) => front(by_u, mixed().map(|x| inward(u) * x)),
             (true, true) => return None,
         };
-        // Scaled first, so that tiny patches do not underflow in the cross product's square.
-        let scale = normal.abs().max_element();
-        (scale > 0.0 && scale.is_finite()).then(|| (normal / scale).normalize().into())
+        (scale > 0.0 && scale.is_finite()).then_some(unit)
+    }
+
+    /// A tangent no longer than this is its own rounding error and has no direction: 16 products and sums of the
+    /// patch's size.
+    pub(super) fn least_tangent(&self) -> f64 {
+        64.0 * f64::EPSILON * self.size()
     }
 
     /// The value of the tensor blossom: `u` and `v` each with three arguments.
@@ -195,4 +198,23 @@ impl Patch {
     pub fn is_finite(&self) -> bool {
         self.control.iter().flatten().flatten().all(|x| x.is_finite())
     }
+}
+
+/// The unit vector along `a × b`, and the largest coordinate of the product; only when that is > 0 and finite, the
+/// vector means anything.
+#[inline(always)]
+pub(super) fn front(a: [f64; 3], b: [f64; 3]) -> ([f64; 3], f64) {
+    let cross = [a[1] * b[2] - b[1] * a[2], a[2] * b[0] - b[2] * a[0], a[0] * b[1] - b[0] * a[1]];
+    // Scaled first, so that the squares of tiny patches do not underflow.
+    let scale = largest(cross);
+    let [x, y, z] = [cross[0] / scale, cross[1] / scale, cross[2] / scale];
+    let inverse = 1.0 / (x * x + y * y + z * z).sqrt();
+    ([x * inverse, y * inverse, z * inverse], scale)
+}
+
+/// The largest absolute value.
+#[inline(always)]
+pub(super) fn largest([x, y, z]: [f64; 3]) -> f64 {
+    let more = |a: f64, b: f64| if a > b { a } else { b };
+    more(x.abs(), more(y.abs(), z.abs()))
 }

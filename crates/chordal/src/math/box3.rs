@@ -53,15 +53,19 @@ impl Box3 {
         std::array::from_fn(|k| 0.5 * self.min[k] + 0.5 * self.max[k])
     }
 
-    /// The length of the diagonal, bounded from above; 0 for the empty box.
+    /// The length of the diagonal, bounded from above; 0 for the empty box, ∞ when a side is longer than the largest
+    /// number.
     #[must_use]
     pub fn diagonal(&self) -> f64 {
         if self.is_empty() {
             return 0.0;
         }
-        let [x, y, z] = std::array::from_fn(|k| sub_up(self.max[k], self.min[k]));
+        let [x, y, z]: [f64; 3] = std::array::from_fn(|k| sub_up(self.max[k], self.min[k]));
+        let longest = [y, z].into_iter().fold(x, |most, side| if side > most { side } else { most });
+        if longest == f64::INFINITY {
+            return longest;
+        }
         // Scaled by the longest side, so that squares neither overflow nor vanish.
-        let longest = x.max(y).max(z);
         let scaled = |side: f64| mul_up(div_up(side, longest), div_up(side, longest));
         mul_up(longest, sqrt_up(add_up(add_up(scaled(x), scaled(y)), scaled(z))))
     }

@@ -1,8 +1,16 @@
 //! Numbers that know no shape: outward rounding, [`Interval`], [`Box3`], exact predicates, SIMD dispatch.
 mod box3;
+mod interval;
+mod predicates;
+mod probe;
 mod rounding;
+pub mod simd;
+mod wide;
 
 pub use box3::Box3;
+pub use interval::{Interval, InvalidInterval};
+pub use predicates::{Orientation, Position, orient2d, orient3d, triangle_contains};
+pub use probe::flushes_subnormals;
 pub use rounding::{
     add_down, add_up, div_down, div_up, mul_down, mul_up, sqrt_down, sqrt_up, sub_down, sub_up,
 };

@@ -72,5 +72,6 @@ pub fn sqrt_up(a: f64) -> f64 {
 #[inline]
 #[must_use]
 pub fn sqrt_down(a: f64) -> f64 {
-    a.sqrt().next_down().max(0.0)
+    let root = a.sqrt().next_down();
+    if root < 0.0 { 0.0 } else { root }
 }

@@ -1,0 +1,101 @@
+# All that a person or a machine does with this tree. `make help` lists it.
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+.DEFAULT_GOAL := help
+.NOTPARALLEL:
+.PHONY: help demo test test-long bench install clean fmt-check lint test-rust test-web test-python
+.PHONY: need-rust need-wasm need-node need-python
+
+CARGO ?= cargo
+TARGET := $(or $(CARGO_TARGET_DIR),target)
+CHORDAL := $(TARGET)/release/chordal
+WASM := $(TARGET)/wasm32-unknown-unknown/release/chordal_wasm.wasm
+VIEW := 1920x1080 fov=45 dist=4
+
+help: ## this list
+	@echo "make demo and make test are all there is to set up; each says what is missing."
+	@echo
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+demo: need-rust ## build chordal and run the main job on the teapot; results in out/
+	$(CARGO) build --release --locked -p chordal-cli
+	mkdir -p out
+	$(CHORDAL) mesh examples/teapot.bpt --px 1 --view "$(VIEW)" -o out/teapot.glb --force --json > out/teapot.json
+	$(CHORDAL) mesh examples/teapot.bpt --tol 0.001 -o out/teapot-tol.obj --force --json > out/teapot-tol.json
+	$(CHORDAL) inspect out/teapot.glb
+	$(CHORDAL) render out/teapot.glb -o out/teapot.png --force
+	@echo
+	@echo "out/teapot.glb       the teapot, off by at most 1 pixel from any side at $(VIEW)"
+	@echo "out/teapot.json      its report: the bound, and how it is known"
+	@echo "out/teapot.png       a picture of it"
+	@echo "out/teapot-tol.obj   the teapot, off by at most 0.001; its report is out/teapot-tol.json"
+	@echo
+	@echo "Run chordal as $(CHORDAL), or 'make install' and then as chordal. Try: $(CHORDAL) --help"
+
+test: fmt-check lint test-rust test-web ## everything that CI runs
+	@echo "All tests passed."
+
+fmt-check: need-rust
+	$(CARGO) fmt --all --check
+
+lint: need-rust
+	$(CARGO) clippy --workspace --all-targets --locked -- -D warnings
+
+# The tests of the workspace, doctests included; then the library as it is built for the web, without threads.
+test-rust: need-rust
+	$(CARGO) test --workspace --locked --no-fail-fast
+	$(CARGO) check -p chordal --no-default-features --locked
+	@[ -d "$${CHORDAL_DATA:-../shared/data}" ] \
+		|| echo "SKIPPED: the tests on foreign files, because there is no folder $${CHORDAL_DATA:-../shared/data}."
+
+# The same bytes in WASM as natively, and no complaint of Khronos' validator about any GLB that we write.
+test-web: need-rust need-wasm need-node
+	$(CARGO) build --release --locked -p chordal-cli
+	$(CARGO) build --release --locked -p chordal-wasm --target wasm32-unknown-unknown
+	cd tests/web && npm ci --no-audit --no-fund --loglevel=error
+	mkdir -p $(TARGET)/web
+	$(CHORDAL) mesh examples/teapot.bpt --tol 0.001 -o $(TARGET)/web/tol.glb --force -q
+	$(CHORDAL) mesh examples/teapot.bpt --px 1 --view "$(VIEW)" -o $(TARGET)/web/px.glb --force -q
+	$(CHORDAL) mesh examples/teapot.bpt --triangles 1000 -o $(TARGET)/web/triangles.glb --force -q
+	node tests/web/wasm.mjs $(WASM) $(TARGET)/web/tol.glb examples/teapot.bpt
+	node tests/web/validate.mjs $(TARGET)/web/*.glb
+
+test-long: need-rust ## the tests with many more random cases; minutes to hours
+	PROPTEST_CASES=100000 $(CARGO) test --workspace --locked --release
+
+bench: need-rust need-python ## side by side with other programs; writes bench/RESULTS.md
+	$(MAKE) -C bench
+
+install: need-rust ## put chordal where cargo puts programs
+	$(CARGO) install --path crates/chordal-cli --locked
+
+clean: ## remove what was built
+	rm -rf out $(TARGET) tests/web/node_modules
+
+# at-least FOUND WANTED: whether version FOUND is WANTED or newer.
+at-least = [ "$$(printf '%s\n' $(2) "$(1)" | sort -V | head -n 1)" = $(2) ]
+
+need-rust:
+	@command -v $(CARGO) > /dev/null \
+		|| { echo "Chordal needs Rust 1.95 or newer: install rustup from https://rustup.rs and open a new shell." >&2; exit 1; }
+	@version=$$($(CARGO) --version | cut -d ' ' -f 2); $(call at-least,$$version,1.95) \
+		|| { echo "Chordal needs Rust 1.95 or newer, not $$version: install rustup from https://rustup.rs, which fetches it." >&2; exit 1; }
+	@command -v cc > /dev/null \
+		|| { echo "Rust needs a C linker: install gcc (on Debian: apt install gcc libc6-dev)." >&2; exit 1; }
+
+need-wasm: need-rust
+	@[ -d "$$(rustc --print sysroot)/lib/rustlib/wasm32-unknown-unknown" ] \
+		|| { command -v rustup > /dev/null && rustup target add wasm32-unknown-unknown; } \
+		|| { echo "The web tests need Rust's WASM target: install rustup and run 'rustup target add wasm32-unknown-unknown'." >&2; exit 1; }
+
+need-node:
+	@{ command -v node && command -v npm; } > /dev/null \
+		|| { echo "The web tests need Node 18 or newer with npm: install them from https://nodejs.org (on Debian: apt install nodejs npm)." >&2; exit 1; }
+	@version=$$(node --version | tr -d v); $(call at-least,$$version,18) \
+		|| { echo "The web tests need Node 18 or newer, not $$version: install it from https://nodejs.org." >&2; exit 1; }
+
+need-python:
+	@command -v python3 > /dev/null \
+		|| { echo "The benches need Python 3.10 or newer: install it (on Debian: apt install python3 python3-venv)." >&2; exit 1; }
+	@version=$$(python3 -c 'import platform; print(platform.python_version())'); $(call at-least,$$version,3.10) \
+		|| { echo "The benches need Python 3.10 or newer, not $$version: install it from https://www.python.org." >&2; exit 1; }

@@ -1,0 +1,250 @@
+//! `Lens`: a view made ready to turn lengths into pixels and back, at many places.
+//!
+//! A true point `(X, z)`, `z` its depth and `X` its offset from the axis, and a made point `(X+a, z+b)` with
+//! `a² + b² ≤ ε²` lie on the screen at a distance, in units of `F = H/(2·tan(fov/2))`, of
+//!
+//! `|X/z − (X+a)/(z+b)| = |a·z − b·X| / (z·(z+b)) ≤ ε·√(z²+|X|²) / (z·(z+b)) = ε·sec θ / (z+b)`,
+//!
+//! where `θ` is the angle off the axis of the first point and `z+b` the depth of the second. The two points may
+//! change roles. So for the point that is seen, at an angle of at most `C`, that of the corner of the screen, and
+//! the other one, at least `z − ε` deep: `ε·sec C/(z − ε)`.
+//!
+//! *Camera.* Let the place have depths from `z₀` and angles up to `θ₀`, and let `n` be the near plane. Claim: with
+//! `D = max(z₀, n)`, the distance is at most `ε·sec(min(θ₀, C))/(D − ε)`. When `θ₀ ≤ C`, put the true point first: its
+//! angle is at most `θ₀`; the made point is `D − ε` deep at least, because it is seen (`≥ n`) and near the place
+//! (`≥ z₀ − ε`), or its partner is seen and of the place (`≥ D`). When `C < θ₀`, put the seen point first: its angle is
+//! at most `C`; the other one is at least `D − ε` deep, because it is made and its partner is `≥ D` deep, or because it
+//! is true, so `≥ z₀`, and its seen partner is `≥ n`.
+//!
+//! *Closest.* The true point is at least `d` from the eye, which looks anywhere. If the true point is seen, at `θ`, it
+//! is `d·cos θ` deep, and `ε·sec θ/(d·cos θ − ε)` is largest at `θ = C`. If the made point is seen, the true one lies
+//! outside the cone of angle `C` by at most `ε`, so by an angle of at most `asin(ε/d)`, and its depth is at least
+//! `cos C·√(d²−ε²) − ε·sin C`, which is `≥ d·cos C − ε` as long as `ε < d·cos C`. So with `D = d·cos C` the bound is the
+//! same: `ε·sec C/(D − ε)`.
+//!
+//! All of these are `s·ε/(D − ε)`, which grows with `ε` and is turned around as `ε = D/(1 + s/p)`. Parallel rays move
+//! on the screen by at most `ε·H/height`.
+//!
+//! The shorter formula `ε·F/z` that viewers use is its first order on the axis and is low by `1/cos²θ` at the
+//! corner of the screen: 1.71 at a vertical field of view of 45° and 16:9.
+use super::view::{Closest, Pixels, Projection, Screen, View};
+use crate::math::{Box3, add_up, div_down, div_up, mul_down, mul_up, sqrt_up, sub_down};
+
+/// A view, prepared: build it once with [`View::lens`] and look at many places through it.
+///
+/// ```
+/// use chordal::{View, math::Box3};
+/// let view: View = "1000x1000 fov=90 eye=0,0,-10 target=0,0,0".parse()?;
+/// let sight = view.lens().sight(&Box3 { min: [0.0; 3], max: [0.0; 3] });
+/// // 500 pixels a unit at depth 1, so 50 at depth 10.
+/// let length = sight.length_of("1px".parse()?).unwrap();
+/// assert!(length < 0.02 && length > 0.0199);
+/// assert!(sight.pixels_of(length).unwrap() <= 1.0);
+/// # Ok::<(), chordal::budget::InvalidView>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    /// Pixels per unit of `X/z`, or per unit of length for parallel rays, from above; ∞ when no bound exists.
+    focal: f64,
+    /// `sec C` from above; `None` for parallel rays.
+    corner_secant: Option<f64>,
+    seat: Seat,
+}
+
+/// Where the eye is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Seat {
+    Anywhere { distance: f64 },
+    At { eye: [f64; 3], forward: [f64; 3], near: f64 },
+}
+
+/// A lens turned to one place: what a length there becomes on the screen, and what a pixel becomes there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight {
+    /// `F·sec(min(θ₀, C))` from above.
+    scale: f64,
+    /// `D` from below; `None` for parallel rays.
+    depth: Option<f64>,
+    /// Errors below this leave everything in front of the near plane, unseen.
+    hidden: f64,
+}
+
+impl View {
+    /// The view made ready for many places. One that [`View::checked`] refuses gives no bound anywhere.
+    #[must_use]
+    pub fn lens(&self) -> Lens {
+        self.prepared().unwrap_or(Lens {
+            focal: f64::INFINITY,
+            corner_secant: None,
+            seat: Seat::Anywhere { distance: 0.0 },
+        })
+    }
+
+    fn prepared(&self) -> Option<Lens> {
+        Some(match self.checked().ok()? {
+            Self::Closest(Closest { distance, projection, screen }) => {
+                Lens::new(projection, screen, Seat::Anywhere { distance })
+            }
+            Self::Camera(camera) => {
+                let [_, _, forward] = camera.axes()?;
+                let seat = Seat::At { eye: camera.eye, forward, near: camera.near };
+                Lens::new(camera.projection, camera.screen, seat)
+            }
+        })
+    }
+
+    /// The distance on the screen, in pixels and bounded from above, between a point of `place` and one that is at
+    /// most `error` (≥ 0) away from it, when one of the two is on the screen and not in front of the near plane.
+    /// `None` when there is no bound: the eye is too close.
+    #[must_use]
+    pub fn pixels_of(&self, error: f64, place: &Box3) -> Option<f64> {
+        self.lens().sight(place).pixels_of(error)
+    }
+
+    /// The largest length (up to rounding) of which [`View::pixels_of`] at `place` is at most `pixels`. `None` when
+    /// there is no such length.
+    #[must_use]
+    pub fn length_of(&self, pixels: Pixels, place: &Box3) -> Option<f64> {
+        self.lens().sight(place).length_of(pixels)
+    }
+}
+
+impl Lens {
+    fn new(projection: Projection, screen: Screen, seat: Seat) -> Self {
+        let (w, h) = (f64::from(screen.width_px), f64::from(screen.height_px));
+        match projection {
+            Projection::Perspective { fov_y_deg } => {
+                let (low, high) = half_tan(fov_y_deg);
+                let wide = mul_up(high, div_up(w, h));
+                let corner_sq = add_up(mul_up(high, high), mul_up(wide, wide));
+                // So near to 180° that rounding hides how far: no bound.
+                let focal = if low > 0.0 { div_up(h, mul_down(2.0, low)) } else { f64::INFINITY };
+                Self { focal, corner_secant: Some(sqrt_up(add_up(1.0, corner_sq))), seat }
+            }
+            Projection::Orthographic { height } => {
+                Self { focal: div_up(h, height), corner_secant: None, seat }
+            }
+        }
+    }
+
+    /// The lens turned to the points of `place`. For a view [`View::Closest`] all places are alike.
+    #[must_use]
+    pub fn sight(&self, place: &Box3) -> Sight {
+        if place.is_empty() {
+            return Sight { scale: 0.0, depth: None, hidden: f64::INFINITY };
+        }
+        match (self.seat, self.corner_secant) {
+            (Seat::Anywhere { .. }, None) => Sight { scale: self.focal, depth: None, hidden: 0.0 },
+            (Seat::Anywhere { distance }, Some(secant)) => Sight {
+                scale: mul_up(self.focal, secant),
+                depth: Some(div_down(distance, secant)),
+                hidden: 0.0,
+            },
+            (Seat::At { eye, forward, near }, corner) => {
+                let extent = Extent::of(place, eye, forward);
+                let hidden = if extent.far < near { sub_down(near, extent.far) } else { 0.0 };
+                let Some(corner) = corner else { return Sight { scale: self.focal, depth: None, hidden } };
+                let depth = if extent.near > near { extent.near } else { near };
+                let secant = sqrt_up(add_up(1.0, mul_up(extent.tan, extent.tan)));
+                let secant = if secant < corner { secant } else { corner };
+                Sight { scale: mul_up(self.focal, secant), depth: Some(depth), hidden }
+            }
+        }
+    }
+}
+
+impl Sight {
+    /// As [`View::pixels_of`], at this place.
+    #[must_use]
+    pub fn pixels_of(&self, error: f64) -> Option<f64> {
+        if error == 0.0 || (0.0 < error && error < self.hidden) {
+            return Some(0.0);
+        }
+        let moved = mul_up(self.scale, error);
+        let pixels = match self.depth {
+            None => moved,
+            Some(depth) => {
+                let room = sub_down(depth, error);
+                if room > 0.0 { div_up(moved, room) } else { f64::INFINITY }
+            }
+        };
+        (error > 0.0 && pixels.is_finite()).then_some(pixels)
+    }
+
+    /// As [`View::length_of`], at this place.
+    #[must_use]
+    pub fn length_of(&self, pixels: Pixels) -> Option<f64> {
+        let wanted = pixels.get();
+        let guess = match self.depth {
+            None => wanted / self.scale,
+            Some(depth) => depth / (1.0 + self.scale / wanted),
+        };
+        let guess = if guess < f64::MAX { guess } else { f64::MAX };
+        let fits = |length: &f64| *length > 0.0 && self.pixels_of(*length).is_some_and(|p| p <= wanted);
+        // `pixels_of` rounds up, so the guess may be a few units in the last place too long, and many where the room
+        // before the eye cancels: shorten it by 0, 1, 2, 4, … such units until it fits.
+        let shortened = |k: i32| guess - guess * (f64::EPSILON * (1_u64 << k) as f64);
+        let seen = std::iter::once(guess).chain((0..52).map(shortened)).find(fits).unwrap_or(0.0);
+        let unseen = if self.hidden > 0.0 { self.hidden.next_down() } else { 0.0 };
+        let length = if seen > unseen { seen } else { unseen };
+        (length > 0.0).then_some(length)
+    }
+}
+
+/// `tan(fov/2)` from below and above. `libm::tan` is off by less than one unit in the last place and the
+/// conversion to radians by two more, which `tan` magnifies by `x/(sin x·cos x) ≤ (π/2)/cos x` at most. The low
+/// one is not positive when nothing is left of it.
+fn half_tan(fov_y_deg: f64) -> (f64, f64) {
+    let half = fov_y_deg * (std::f64::consts::PI / 360.0);
+    let tan = libm::tan(half);
+    let slack = 8.0 * f64::EPSILON * (1.0 + 1.0 / libm::cos(half));
+    (tan * (1.0 - slack), tan * (1.0 + slack))
+}
+
+/// How deep and how far off the axis a place lies.
+struct Extent {
+    /// Smallest depth, from below.
+    near: f64,
+    /// Largest depth, from above.
+    far: f64,
+    /// Largest tangent of the angle off the axis, from above; ∞ when the place reaches the plane of the eye.
+    tan: f64,
+}
+
+impl Extent {
+    /// Nothing is known.
+    const UNBOUNDED: Self = Self { near: f64::NEG_INFINITY, far: f64::INFINITY, tan: f64::INFINITY };
+
+    /// Depth is linear and, before the eye, the cone of an angle is convex: the corners have the extremes.
+    fn of(place: &Box3, eye: [f64; 3], forward: [f64; 3]) -> Self {
+        let mut extent = Self { near: f64::INFINITY, far: f64::NEG_INFINITY, tan: 0.0 };
+        let forward = glam::DVec3::from(forward);
+        for corner in 0..8 {
+            let pick = |k: usize| (if corner >> k & 1 == 0 { place.min[k] } else { place.max[k] }) - eye[k];
+            let to = glam::DVec3::new(pick(0), pick(1), pick(2));
+            // Relative to |to|, in halves of EPSILON: 1 for the difference, 8 for the axis, 3 for the depth's
+            // products and sums, or 2 for each coordinate of the cross product, √3 · 11 together. Below the normal
+            // numbers, roundings are absolute and far less than the smallest of these.
+            let slack = add_up(16.0 * f64::EPSILON * to.abs().element_sum(), f64::MIN_POSITIVE);
+            if !slack.is_finite() {
+                return Self::UNBOUNDED;
+            }
+            let depth = to.dot(forward);
+            let (low, high) = (sub_down(depth, slack), add_up(depth, slack));
+            extent.near = if low < extent.near { low } else { extent.near };
+            extent.far = if high > extent.far { high } else { extent.far };
+            let tan = if low > 0.0 {
+                div_up(add_up(norm_up(to.cross(forward)), slack), low)
+            } else {
+                f64::INFINITY
+            };
+            extent.tan = if tan > extent.tan { tan } else { extent.tan };
+        }
+        extent
+    }
+}
+
+/// `|v|` from above.
+fn norm_up(v: glam::DVec3) -> f64 {
+    sqrt_up(add_up(add_up(mul_up(v.x, v.x), mul_up(v.y, v.y)), mul_up(v.z, v.z)))
+}

@@ -1,0 +1,75 @@
+//! Faces that have the same three positions as an earlier one.
+use super::finding::{Finding, Witness};
+use super::surface::Surface;
+use crate::explicit::{Twin, next_in_face};
+
+/// A face that repeats an earlier one. The order is that of the faces.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Repeat {
+    face: u32,
+    of: u32,
+    opposite: bool,
+}
+
+/// The faces that repeat the positions of an earlier one: all, and those of them that are wound the other way.
+pub(super) fn find_duplicates(surface: &Surface) -> (Finding, Finding) {
+    let mut repeats = Vec::new();
+    for face in 0..surface.n_faces() {
+        for h in surface.half_edges(face).into_iter().flatten() {
+            let (t, opposite) = match surface.twins.get(h) {
+                Twin::Pair(t) => (t, true),
+                Twin::Flipped(t) => (t, false),
+                _ => continue,
+            };
+            let twice = t < h && may_share(surface.twins.get(next_in_face(h)), t / 3);
+            if twice && surface.apex(h) == surface.apex(t) && is_lowest_edge(surface, h) {
+                repeats.push(Repeat { face, of: t / 3, opposite });
+            }
+        }
+    }
+    for edge in surface.twins.crowded_edges() {
+        repeats_along(surface, edge, &mut repeats);
+    }
+    repeats.sort_unstable();
+    let (mut all, mut opposite) = (Finding::default(), Finding::default());
+    for repeat in repeats {
+        let witness = || Witness::repeated(surface.mesh, repeat.face, repeat.of);
+        all.add(witness);
+        if repeat.opposite {
+            opposite.add(witness);
+        }
+    }
+    (all, opposite)
+}
+
+/// Whether `face` may stand across an edge: looked at first, since two faces that share one edge rarely share another.
+#[inline]
+fn may_share(across: Twin, face: u32) -> bool {
+    match across {
+        Twin::Pair(t) | Twin::Flipped(t) => t / 3 == face,
+        Twin::Crowded => true,
+        Twin::Boundary | Twin::Collapsed => false,
+    }
+}
+
+/// Whether a half-edge joins the two lower positions of its face: two faces with the same positions share all three
+/// edges, and are to be found at one of them only.
+fn is_lowest_edge(surface: &Surface, h: u32) -> bool {
+    let apex = surface.apex(h);
+    surface.origin(h) < apex && surface.origin(next_in_face(h)) < apex
+}
+
+/// The faces along one edge whose apex is that of an earlier face there.
+fn repeats_along(surface: &Surface, edge: &[u32], repeats: &mut Vec<Repeat>) {
+    let mut by_apex: Vec<(u32, u32)> =
+        edge.iter().filter(|&&h| is_lowest_edge(surface, h)).map(|&h| (surface.apex(h), h)).collect();
+    by_apex.sort_unstable();
+    for same in by_apex.chunk_by(|a, b| a.0 == b.0) {
+        let (_, first) = same[0];
+        repeats.extend(same[1..].iter().map(|&(_, h)| Repeat {
+            face: h / 3,
+            of: first / 3,
+            opposite: surface.origin(h) != surface.origin(first),
+        }));
+    }
+}

@@ -1,0 +1,138 @@
+//! Fans: the triangles around a position, each sharing an edge with the next, and the boundary loops that they close.
+use crate::explicit::{Twin, Twins, next_in_face, previous_in_face};
+
+/// A way across an edge around one of its ends: the half-edge, and whether the position is its origin or its end.
+#[derive(Clone, Copy)]
+enum Way {
+    /// Around the origin of the half-edge.
+    Out(u32),
+    /// Around the end of the half-edge.
+    In(u32),
+}
+
+impl Way {
+    fn edge(self) -> u32 {
+        match self {
+            Self::Out(edge) | Self::In(edge) => edge,
+        }
+    }
+
+    /// The corner, named by its outgoing half-edge, that is left by this way.
+    #[inline]
+    fn corner(self) -> u32 {
+        match self {
+            Self::Out(edge) => edge,
+            Self::In(edge) => next_in_face(edge),
+        }
+    }
+
+    /// Into the next triangle of the fan and to the edge on its far side; what stands there instead if there is none.
+    /// A pair of ways over an edge belongs together both ways round, so a walk never runs into its own middle.
+    #[inline]
+    fn across(self, twins: &Twins) -> Result<Self, Twin> {
+        match (self, twins.get(self.edge())) {
+            (Self::Out(_), Twin::Pair(t)) | (Self::In(_), Twin::Flipped(t)) => Ok(Self::Out(next_in_face(t))),
+            (Self::In(_), Twin::Pair(t)) | (Self::Out(_), Twin::Flipped(t)) => {
+                Ok(Self::In(previous_in_face(t)))
+            }
+            (_, nothing) => Err(nothing),
+        }
+    }
+
+    /// Around the same position up to the edge where its fan ends.
+    fn to_end_of_fan(mut self, twins: &Twins) -> Self {
+        while let Ok(next) = self.across(twins) {
+            self = next;
+        }
+        self
+    }
+
+    /// Having come to a boundary edge at one end: along it to its other end, and on into the triangle there.
+    fn along(self) -> Self {
+        match self {
+            Self::Out(edge) => Self::Out(next_in_face(edge)),
+            Self::In(edge) => Self::In(previous_in_face(edge)),
+        }
+    }
+}
+
+/// How many fans meet at each position: 0 where no triangle is, 1 where the surface is manifold, 2 for two or more.
+/// Calls `second` with a half-edge from each position where a second fan is met, in the order of the half-edges.
+pub(super) fn count_fans(
+    twins: &Twins,
+    origin: impl Fn(u32) -> u32,
+    n_rows: usize,
+    mut second: impl FnMut(u32),
+) -> Vec<u8> {
+    let mut fans = vec![0_u8; n_rows];
+    let mut seen = vec![false; twins.len()];
+    for corner in 0..twins.len() as u32 {
+        if seen[corner as usize] || twins.get(corner) == Twin::Collapsed {
+            continue;
+        }
+        if !mark(Way::Out(corner), twins, &mut seen) {
+            mark(Way::In(previous_in_face(corner)), twins, &mut seen);
+        }
+        let count = &mut fans[origin(corner) as usize];
+        if *count == 1 {
+            second(corner);
+        }
+        *count = if *count == 0 { 1 } else { 2 };
+    }
+    fans
+}
+
+/// Marks the corners of a fan in one direction. True when that leads back to the first.
+fn mark(start: Way, twins: &Twins, seen: &mut [bool]) -> bool {
+    let first = start.corner();
+    let mut way = start;
+    loop {
+        seen[way.corner() as usize] = true;
+        match way.across(twins) {
+            Ok(next) if next.corner() == first => return true,
+            Ok(next) => way = next,
+            Err(_) => return false,
+        }
+    }
+}
+
+/// The boundary edges strung together: `loops` that close, and `chains` that end at edges with three or more faces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Boundary {
+    pub loops: u64,
+    pub chains: u64,
+}
+
+/// Strings the boundary edges together through the fan at each end, so that two loops that touch at a position, one
+/// fan each, stay two.
+pub(super) fn walk_boundary(twins: &Twins) -> Boundary {
+    let mut seen = vec![false; twins.len()];
+    let mut boundary = Boundary::default();
+    for start in 0..twins.len() as u32 {
+        if seen[start as usize] || twins.get(start) != Twin::Boundary {
+            continue;
+        }
+        if string(start, Way::Out(start), twins, &mut seen) {
+            boundary.loops += 1;
+        } else {
+            string(start, Way::In(start), twins, &mut seen);
+            boundary.chains += 1;
+        }
+    }
+    boundary
+}
+
+/// Follows the boundary from `start`, entering that edge by `way`. True when it comes back.
+fn string(start: u32, way: Way, twins: &Twins, seen: &mut [bool]) -> bool {
+    let mut way = way;
+    loop {
+        seen[way.edge() as usize] = true;
+        way = way.along().to_end_of_fan(twins);
+        if twins.get(way.edge()) != Twin::Boundary {
+            return false;
+        }
+        if way.edge() == start {
+            return true;
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! What the edges tell: how many there are of each kind, the connected pieces, and whether they have two sides.
+use super::finding::{Finding, Witness};
+use super::surface::Surface;
+use crate::explicit::Twin;
+
+/// The counts over all edges and faces.
+#[derive(Default)]
+pub(super) struct Pieces {
+    /// Faces with three different positions.
+    pub faces: u64,
+    pub edges: u64,
+    /// Sets of faces that hang together by edges.
+    pub components: u64,
+    pub boundary_edges: Finding,
+    pub non_manifold_edges: Finding,
+    pub inconsistent_edges: Finding,
+    pub collapsed_faces: Finding,
+    pub orientable: bool,
+}
+
+impl Pieces {
+    pub fn count(surface: &Surface) -> Self {
+        let Surface { mesh, twins, .. } = surface;
+        let mut pieces = Self::default();
+        let mut sets = Sets::new(surface.n_faces());
+        for face in 0..surface.n_faces() {
+            let Some(half_edges) = surface.half_edges(face) else {
+                pieces.collapsed_faces.add(|| Witness::face(mesh, face));
+                continue;
+            };
+            pieces.faces += 1;
+            for h in half_edges {
+                match twins.get(h) {
+                    Twin::Pair(t) | Twin::Flipped(t) if t < h => {}
+                    Twin::Pair(t) => {
+                        pieces.edges += 1;
+                        sets.join(face, t / 3);
+                    }
+                    Twin::Flipped(t) => {
+                        pieces.edges += 1;
+                        sets.join(face, t / 3);
+                        pieces.inconsistent_edges.add(|| Witness::edge(mesh, &[h, t]));
+                    }
+                    Twin::Boundary => {
+                        pieces.edges += 1;
+                        pieces.boundary_edges.add(|| Witness::edge(mesh, &[h]));
+                    }
+                    Twin::Crowded | Twin::Collapsed => {}
+                }
+            }
+        }
+        for edge in twins.crowded_edges() {
+            pieces.edges += 1;
+            edge.windows(2).for_each(|pair| sets.join(pair[0] / 3, pair[1] / 3));
+            pieces.non_manifold_edges.add(|| Witness::edge(mesh, edge));
+        }
+        pieces.components = pieces.faces - sets.joined;
+        pieces.orientable = pieces.inconsistent_edges.is_none() || has_two_sides(surface);
+        pieces
+    }
+}
+
+/// Disjoint sets of faces: each face points to an earlier one of its set or, the earliest, to itself.
+struct Sets {
+    parent: Vec<u32>,
+    /// How often two sets became one.
+    joined: u64,
+}
+
+impl Sets {
+    fn new(n: u32) -> Self {
+        Self { parent: (0..n).collect(), joined: 0 }
+    }
+
+    #[inline]
+    fn root(&mut self, mut face: u32) -> u32 {
+        while self.parent[face as usize] != face {
+            let up = self.parent[self.parent[face as usize] as usize];
+            self.parent[face as usize] = up;
+            face = up;
+        }
+        face
+    }
+
+    #[inline]
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        if a != b {
+            let (first, later) = if a < b { (a, b) } else { (b, a) };
+            self.parent[later as usize] = first;
+            self.joined += 1;
+        }
+    }
+}
+
+/// Whether all faces could be wound so that every edge with two faces is run through both ways.
+fn has_two_sides(surface: &Surface) -> bool {
+    #[derive(Clone, Copy, PartialEq)]
+    enum Side {
+        Unknown,
+        Kept,
+        Turned,
+    }
+    let turn = |side: Side| if side == Side::Kept { Side::Turned } else { Side::Kept };
+    let mut sides = vec![Side::Unknown; surface.n_faces() as usize];
+    let mut stack = Vec::new();
+    for start in 0..surface.n_faces() {
+        if sides[start as usize] != Side::Unknown {
+            continue;
+        }
+        sides[start as usize] = Side::Kept;
+        stack.push(start);
+        while let Some(face) = stack.pop() {
+            let side = sides[face as usize];
+            for h in 3 * face..3 * face + 3 {
+                let (neighbour, wanted) = match surface.twins.get(h) {
+                    Twin::Pair(t) => (t / 3, side),
+                    Twin::Flipped(t) => (t / 3, turn(side)),
+                    _ => continue,
+                };
+                let known = &mut sides[neighbour as usize];
+                if *known == Side::Unknown {
+                    *known = wanted;
+                    stack.push(neighbour);
+                } else if *known != wanted {
+                    return false;
+                }
+            }
+        }
+    }
+    true
+}

@@ -1,0 +1,93 @@
+//! T-junctions: vertices of the boundary in the middle of an edge of the boundary.
+use super::finding::{Finding, Place, Witness, ends};
+use super::flat::is_collinear;
+use super::point_tree::PointTree;
+use super::surface::Surface;
+use crate::budget::Tolerance;
+use crate::explicit::{Mesh, Topology, Twin, next_in_face};
+use glam::DVec3;
+
+/// The positions of boundary vertices that lie in the interior of a boundary edge of which they are no end: where the
+/// triangles of one side were cut and those of the other were not. Counted once each, with the first such edge.
+///
+/// With `within` none, *lie in the interior* is exact: on the line through the two ends, strictly between them. That
+/// finds what was made by halving in place, and misses a vertex that rounding moved off the line by its last bit. With
+/// a tolerance it means: the foot of the perpendicular is farther than the tolerance from both ends, and no longer than
+/// the tolerance; lengths are rounded here, so a vertex at the tolerance to the last bits may fall to either side.
+///
+/// n log n for n boundary edges, that do not all pass through one small place.
+///
+/// ```
+/// use chordal::{Mesh, check::t_junctions, explicit::Topology};
+/// let points = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [1.0, -1.0, 0.0]];
+/// let mesh = Mesh::new(points, vec![[0, 1, 2], [0, 4, 3], [3, 4, 1]])?;
+/// let found = t_junctions(&mesh, Topology::Indices, None);
+/// assert_eq!((found.count, found.witnesses[0].at), (1, [1.0, 0.0, 0.0]));
+/// # Ok::<(), chordal::explicit::InvalidMesh>(())
+/// ```
+#[must_use]
+pub fn t_junctions(mesh: &Mesh, topology: Topology, within: Option<Tolerance>) -> Finding {
+    let surface = Surface::new(mesh, topology);
+    let boundary: Vec<u32> =
+        (0..surface.twins.len() as u32).filter(|&h| surface.twins.get(h) == Twin::Boundary).collect();
+    let rows = boundary_rows(&surface, &boundary);
+    let points: Vec<[f64; 3]> = rows.iter().map(|&row| mesh.positions()[row as usize]).collect();
+    let tree = PointTree::new(&points);
+    let mut edge_of: Vec<Option<u32>> = vec![None; rows.len()];
+    for &h in &boundary {
+        let edge = ends(mesh, h);
+        let [a, b] = edge.map(|row| mesh.positions()[row as usize]);
+        let ids = edge.map(|row| surface.id(row));
+        tree.near_segment([a, b], within.map_or(0.0, Tolerance::get), |i| {
+            let vertex = i as usize;
+            if edge_of[vertex].is_none()
+                && !ids.contains(&surface.id(rows[vertex]))
+                && is_inside(points[vertex], [a, b], within)
+            {
+                edge_of[vertex] = Some(h);
+            }
+        });
+    }
+    let mut found = Finding::default();
+    for (vertex, h) in edge_of.into_iter().enumerate().filter_map(|(vertex, h)| Some((vertex, h?))) {
+        found.add(|| Witness {
+            place: Place::OnEdge { vertex: rows[vertex], edge: ends(mesh, h), face: h / 3 },
+            at: points[vertex],
+        });
+    }
+    found
+}
+
+/// One row for each position on the boundary, in the order of the positions.
+fn boundary_rows(surface: &Surface, boundary: &[u32]) -> Vec<u32> {
+    let both_ends = boundary.iter().flat_map(|&h| [h, next_in_face(h)]);
+    let mut rows: Vec<(u32, u32)> = both_ends.map(|h| (surface.origin(h), surface.origin_row(h))).collect();
+    rows.sort_unstable();
+    rows.dedup_by_key(|(id, _)| *id);
+    rows.into_iter().map(|(_, row)| row).collect()
+}
+
+fn is_inside(p: [f64; 3], [a, b]: [[f64; 3]; 2], within: Option<Tolerance>) -> bool {
+    match within {
+        None => is_between(p, [a, b]) && is_collinear(p, a, b),
+        Some(tolerance) => is_near_middle(p, [a, b], tolerance.get()),
+    }
+}
+
+/// Whether a point, if it is on the line through `a` and `b`, lies strictly between them.
+fn is_between(p: [f64; 3], [a, b]: [[f64; 3]; 2]) -> bool {
+    let strictly = |k: usize| (a[k] < p[k] && p[k] < b[k]) || (b[k] < p[k] && p[k] < a[k]);
+    (0..3).all(|k| strictly(k) || (a[k] == p[k] && p[k] == b[k])) && (0..3).any(strictly)
+}
+
+fn is_near_middle(p: [f64; 3], [a, b]: [[f64; 3]; 2], tolerance: f64) -> bool {
+    let [p, a, b] = [p, a, b].map(DVec3::from);
+    // In units of the tolerance, which is positive: no square of a length near it leaves the range of f64.
+    let (from_a, from_b, edge) = ((p - a) / tolerance, (p - b) / tolerance, (b - a) / tolerance);
+    let along = edge / edge.abs().max_element();
+    let along = along / along.length();
+    // From the nearer end, so that a far one does not cost digits.
+    let (foot, rest) = (from_a.dot(along), -from_b.dot(along));
+    let off = if foot < rest { from_a - along * foot } else { from_b + along * rest };
+    foot > 1.0 && rest > 1.0 && off.length() <= 1.0
+}

@@ -1,0 +1,245 @@
+//! From finished tiles to one mesh: vertex numbers, and normals that are shared where the surface is smooth.
+use super::plan::Tile;
+use super::quilt::{Quilt, Seam};
+use super::seams::{Line, Seams};
+use super::tile::{self, Done};
+use crate::explicit::{Attribute, Mesh, Patch, Side, face_normal};
+use glam::DVec3;
+
+/// Normals of two patches at one vertex that differ by less than this are one: 1°, far above the rounding of a
+/// smooth joint (1e-8°) and below what shading shows as an edge. cos 1° = 0.99984769….
+const COS_SAME_NORMAL: f64 = 0.999_847_695_156_391;
+
+/// A vertex on the border of a patch as one of its sides sees it.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+struct Seen {
+    vertex: u32,
+    patch: u32,
+    side: Side,
+    normal: [f64; 3],
+}
+
+/// The mesh of all tiles. Vertices on shared curves are one vertex, except where the patches' normals part: there
+/// each smooth group gets its own, tied by `position_id`.
+pub(crate) fn assemble(patches: &[Patch], quilt: &Quilt, seams: &Seams, tiles: &[(Tile, Done)]) -> Mesh {
+    let mut positions = seams.positions.clone();
+    let mut normals = vec![[0.0; 3]; positions.len()];
+    normals_inside(patches, seams, &mut normals);
+    let mut splits = Splits::default();
+    let mut ids: Vec<u32> = Vec::new();
+    splits.find(seen_from_borders(patches, quilt, seams), &mut positions, &mut normals, &mut ids);
+    let n_border = positions.len();
+    let n_inner: usize = tiles.iter().map(|t| t.1.inner.len()).sum();
+    positions.reserve(n_inner);
+    normals.reserve(n_inner);
+    let mut faces = Vec::with_capacity(tiles.iter().map(|t| t.1.triangles.len()).sum());
+    for (index, (place, tile)) in tiles.iter().enumerate() {
+        let border = tile::border(index, place, seams);
+        let border: Vec<u32> = border.iter().map(|b| splits.vertex(b.id, place.patch, b.side)).collect();
+        let first = positions.len() as u32;
+        let n = border.len() as u32;
+        let global = |local: u32| if local < n { border[local as usize] } else { first + (local - n) };
+        faces.extend(tile.triangles.iter().map(|t| t.map(global)));
+        positions.extend_from_slice(&tile.inner);
+        normals.extend_from_slice(&tile.inner_normals);
+    }
+    fill_missing(&positions, &faces, &mut normals);
+    let split_ids = (!ids.is_empty()).then(|| {
+        let base = (n_border - ids.len()) as u32;
+        (0..base).chain(ids).chain(n_border as u32..positions.len() as u32).collect::<Vec<u32>>()
+    });
+    drop_unused(positions, faces, normals, split_ids)
+}
+
+/// Normals of the vertices on lines inside patches.
+fn normals_inside(patches: &[Patch], seams: &Seams, normals: &mut [[f64; 3]]) {
+    for piece in &seams.pieces {
+        let (patch, place): (u32, &dyn Fn(f64) -> (f64, f64)) = match piece.line {
+            Line::AlongU(patch, v) => (patch, &move |at| (at, f64::from_bits(v))),
+            Line::AlongV(patch, u) => (patch, &move |at| (f64::from_bits(u), at)),
+            Line::Edge(_) | Line::Point(..) => continue,
+        };
+        for k in 0..=piece.n {
+            let (u, v) = place(piece.at(k));
+            // Ends on the patch's border get theirs with the border.
+            if u > 0.0 && u < 1.0 && v > 0.0 && v < 1.0 {
+                normals[piece.vertex(k) as usize] = patches[patch as usize].normal(u, v).unwrap_or([0.0; 3]);
+            }
+        }
+    }
+}
+
+/// Every vertex on a patch's border with the normal that each patch has there.
+fn seen_from_borders(patches: &[Patch], quilt: &Quilt, seams: &Seams) -> Vec<Seen> {
+    let mut seen = Vec::new();
+    for (patch, shape) in patches.iter().enumerate() {
+        for side in Side::ALL {
+            let corner = side as usize;
+            let before = Side::ALL[(corner + 3) % 4];
+            let is_point = |side: Side| matches!(quilt.seams[patch][side as usize], Seam::Point);
+            // At a pole every direction meets; the middle of the collapsed side stands for all.
+            let (u, v) = match (is_point(side), is_point(before)) {
+                (true, _) => place_on(side, 0.5),
+                (_, true) => place_on(before, 0.5),
+                _ => place_on(side, 0.0),
+            };
+            let normal = shape.normal(u, v).unwrap_or([0.0; 3]);
+            seen.push(Seen { vertex: quilt.corners[patch][corner], patch: patch as u32, side, normal });
+        }
+    }
+    let n_corners = quilt.corner_positions.len() as u32;
+    for piece in &seams.pieces {
+        let Line::Edge(edge) = piece.line else { continue };
+        for used in &quilt.edges[edge as usize].uses {
+            // The end of a piece is the start of the next, or a corner.
+            for k in 0..piece.n {
+                let vertex = piece.vertex(k);
+                if vertex >= n_corners {
+                    let along = if used.reversed { 1.0 - piece.at(k) } else { piece.at(k) };
+                    let (u, v) = place_on(used.side, along);
+                    let normal = patches[used.patch as usize].normal(u, v).unwrap_or([0.0; 3]);
+                    seen.push(Seen { vertex, patch: used.patch, side: used.side, normal });
+                }
+            }
+        }
+    }
+    // Stable, so that the order of patches and uses is kept within a vertex.
+    seen.sort_by_key(|s| s.vertex);
+    seen
+}
+
+/// The parameters at `along` of a side, in its counter-clockwise direction.
+fn place_on(side: Side, along: f64) -> (f64, f64) {
+    match side {
+        Side::Bottom => (along, 0.0),
+        Side::Right => (1.0, along),
+        Side::Top => (1.0 - along, 1.0),
+        Side::Left => (0.0, 1.0 - along),
+    }
+}
+
+/// Vertices that were split because the normals around them part.
+#[derive(Default)]
+struct Splits {
+    /// Sorted by (vertex, patch, side).
+    moved: Vec<((u32, u32, Side), u32)>,
+    is_split: Vec<bool>,
+}
+
+impl Splits {
+    /// Groups the normals at every vertex; the first group keeps the vertex, every other gets a new one, whose
+    /// original goes to `ids`.
+    fn find(
+        &mut self,
+        seen: Vec<Seen>,
+        positions: &mut Vec<[f64; 3]>,
+        normals: &mut Vec<[f64; 3]>,
+        ids: &mut Vec<u32>,
+    ) {
+        self.is_split = vec![false; positions.len()];
+        for run in seen.chunk_by(|a, b| a.vertex == b.vertex) {
+            let vertex = run[0].vertex;
+            let mut groups: Vec<(DVec3, DVec3, u32)> = Vec::new();
+            for seen in run {
+                let normal = DVec3::from(seen.normal);
+                if normal == DVec3::ZERO {
+                    continue;
+                }
+                let known = groups.iter_mut().find(|group| group.0.dot(normal) >= COS_SAME_NORMAL);
+                let target = if let Some(group) = known {
+                    group.1 += normal;
+                    group.2
+                } else {
+                    let target = if groups.is_empty() { vertex } else { positions.len() as u32 };
+                    if target != vertex {
+                        positions.push(positions[vertex as usize]);
+                        normals.push([0.0; 3]);
+                        ids.push(vertex);
+                        self.is_split[vertex as usize] = true;
+                    }
+                    groups.push((normal, normal, target));
+                    target
+                };
+                if target != vertex {
+                    self.moved.push(((vertex, seen.patch, seen.side), target));
+                }
+            }
+            for (_, sum, target) in groups {
+                normals[target as usize] = sum.normalize_or_zero().into();
+            }
+        }
+        self.moved.sort_by_key(|m| m.0);
+    }
+
+    fn vertex(&self, id: u32, patch: u32, side: Option<Side>) -> u32 {
+        let Some(side) = side.filter(|_| self.is_split[id as usize]) else { return id };
+        let key = (id, patch, side);
+        self.moved.binary_search_by_key(&key, |m| m.0).map_or(id, |found| self.moved[found].1)
+    }
+}
+
+/// Gives vertices where the patch has no normal the sum of their faces' normals, or up where that vanishes too.
+fn fill_missing(positions: &[[f64; 3]], faces: &[[u32; 3]], normals: &mut [[f64; 3]]) {
+    if normals.iter().all(|n| *n != [0.0; 3]) {
+        return;
+    }
+    let mut sums = vec![DVec3::ZERO; positions.len()];
+    for face in faces {
+        if let Some(normal) = face_normal(face.map(|i| positions[i as usize])) {
+            face.iter().for_each(|i| sums[*i as usize] += DVec3::from(normal));
+        }
+    }
+    for (normal, sum) in normals.iter_mut().zip(sums).filter(|(normal, _)| **normal == [0.0; 3]) {
+        *normal = sum.try_normalize().unwrap_or(DVec3::Z).into();
+    }
+}
+
+/// The mesh without the vertices that no triangle names (a pole's own side leaves some).
+fn drop_unused(
+    positions: Vec<[f64; 3]>,
+    mut faces: Vec<[u32; 3]>,
+    normals: Vec<[f64; 3]>,
+    ids: Option<Vec<u32>>,
+) -> Mesh {
+    let mut used = vec![false; positions.len()];
+    faces.as_flattened().iter().for_each(|i| used[*i as usize] = true);
+    if used.iter().all(|u| *u) {
+        return finish(positions, faces, normals, ids);
+    }
+    let mut number = vec![u32::MAX; positions.len()];
+    for (next, (slot, _)) in number.iter_mut().zip(&used).filter(|(_, used)| **used).enumerate() {
+        *slot = next as u32;
+    }
+    faces.as_flattened_mut().iter_mut().for_each(|i| *i = number[*i as usize]);
+    let kept = |list: Vec<[f64; 3]>| {
+        list.into_iter().zip(&used).filter(|(_, used)| **used).map(|(x, _)| x).collect()
+    };
+    // An id stays one of the kept vertices: the first kept one of its group.
+    let ids = ids.map(|ids| {
+        let mut leader = vec![u32::MAX; ids.len()];
+        let pairs = ids.iter().enumerate().filter(|(i, _)| used[*i]);
+        pairs
+            .map(|(i, id)| {
+                let leader = &mut leader[*id as usize];
+                *leader = (*leader).min(number[i]);
+                *leader
+            })
+            .collect()
+    });
+    finish(kept(positions), faces, kept(normals), ids)
+}
+
+fn finish(
+    positions: Vec<[f64; 3]>,
+    faces: Vec<[u32; 3]>,
+    normals: Vec<[f64; 3]>,
+    ids: Option<Vec<u32>>,
+) -> Mesh {
+    let normals = Attribute::vertex_normals(&normals);
+    let mesh = Mesh::new(positions, faces).and_then(|mesh| mesh.with_attribute(normals));
+    let mesh = match ids {
+        Some(ids) => mesh.and_then(|mesh| mesh.with_position_id(ids)),
+        None => mesh,
+    };
+    mesh.expect("indices and lengths are right by construction, and positions were checked to be finite")
+}

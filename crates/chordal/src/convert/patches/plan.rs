@@ -1,0 +1,157 @@
+//! `Plan`: how patches are cut into tiles, and into how many cells each tile, so that the fewest triangles meet the budget.
+//!
+//! A tile is a rectangle of one patch's parameter plane with `n × m` equal cells. The number of cells that a
+//! rectangle needs is about `bound/tolerance`, so a rectangle is halved where its halves together need fewer. None
+//! of this has to be right: [`super::tile`] proves each tile afterwards and asks for more cells where they lack.
+use super::bend::ROUNDING;
+use super::probe::{Need, Probe, Rates};
+use crate::budget::{Lens, Pixels};
+use crate::explicit::Patch;
+use crate::math::Box3;
+
+/// What a place of the shape may lose.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Allowance {
+    pub(crate) length: Option<f64>,
+    pub(crate) pixels: Option<(Pixels, Lens)>,
+}
+
+impl Allowance {
+    /// The length that may be lost in `place`; `None` where the eye is too close for any.
+    pub(crate) fn at(&self, place: &Box3) -> Option<f64> {
+        let by_view = match &self.pixels {
+            Some((pixels, lens)) => lens.sight(place).length_of(*pixels)?,
+            None => f64::MAX,
+        };
+        let by_length = self.length.unwrap_or(f64::MAX);
+        Some(if by_length < by_view { by_length } else { by_view })
+    }
+}
+
+/// Why no mesh can meet an allowance, and near where.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Obstacle {
+    /// The eye is so near that no length is small enough.
+    TooClose(Box3),
+    /// Rounding alone loses this length.
+    BelowRounding(Box3, f64),
+}
+
+/// A rectangle of one patch with its cells.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tile {
+    pub(crate) patch: u32,
+    /// Start and end, dyadic numbers.
+    pub(crate) u: [f64; 2],
+    pub(crate) v: [f64; 2],
+    /// Cells along u and along v.
+    pub(crate) n: u32,
+    pub(crate) m: u32,
+    /// Whether cells are cut from their first corner to the opposite one (or between the other two).
+    pub(crate) rising: bool,
+    /// The length that this place may lose, rounding taken off.
+    pub(crate) tolerance: f64,
+    /// By how much its proof came out worse than its probe, 1 at first.
+    pub(crate) strain: f64,
+}
+
+/// A rectangle with fewer cells is never halved: the stitching would cost what it wins.
+const FEWEST_CELLS_TO_HALVE: f64 = 6.0;
+/// A rectangle with more cells is always halved, so that threads can share the work.
+const MOST_CELLS: f64 = 4096.0;
+/// Halving has to save this share of the cells, since tiles of unlike rates cost triangles where they meet.
+const WORTH_HALVING: f64 = 0.93;
+
+/// The tiles of one patch, in the order of a depth-first walk.
+pub(crate) fn cut(patch_idx: u32, patch: &Patch, allowance: &Allowance) -> Result<Vec<Tile>, Obstacle> {
+    let mut tiles = Vec::new();
+    let context = (allowance, ROUNDING * patch.size());
+    let mut open = vec![Open::new(*patch, [0.0, 1.0], [0.0, 1.0], context)?];
+    while let Some(rectangle) = open.pop() {
+        let [wide, tall] = rectangle.need.after_halving;
+        if rectangle.is_worth_halving() || rectangle.need.cells > MOST_CELLS {
+            let halves = rectangle.halved(wide <= tall, context)?;
+            // Guesses on noise need not fall; then halving would never end.
+            if halves[0].need.cells + halves[1].need.cells < 1.2 * rectangle.need.cells {
+                open.extend(halves);
+                continue;
+            }
+        }
+        tiles.push(rectangle.tile(patch_idx));
+    }
+    Ok(tiles)
+}
+
+/// About how many triangles a patch needs, without laying them: rectangles are halved only while that pays.
+pub(crate) fn estimate(patch: &Patch, allowance: &Allowance) -> Result<f64, Obstacle> {
+    let context = (allowance, ROUNDING * patch.size());
+    let mut open = vec![Open::new(*patch, [0.0, 1.0], [0.0, 1.0], context)?];
+    let (mut cells, mut looked_at) = (0.0, 0);
+    while let Some(rectangle) = open.pop() {
+        looked_at += 1;
+        if looked_at < MOST_LOOKS && rectangle.is_worth_halving() {
+            let [wide, tall] = rectangle.need.after_halving;
+            open.extend(rectangle.halved(wide <= tall, context)?);
+        } else {
+            cells += rectangle.need.cells;
+        }
+    }
+    Ok(2.0 * cells)
+}
+
+/// Rectangles of one patch that an estimate looks at before it takes the sum as it stands.
+const MOST_LOOKS: usize = 256;
+
+/// A rectangle that may still be halved.
+struct Open {
+    part: Patch,
+    u: [f64; 2],
+    v: [f64; 2],
+    tolerance: f64,
+    probe: Probe,
+    need: Need,
+}
+
+impl Open {
+    fn new(
+        part: Patch,
+        u: [f64; 2],
+        v: [f64; 2],
+        (allowance, rounding): (&Allowance, f64),
+    ) -> Result<Self, Obstacle> {
+        let place = part.hull();
+        let tolerance = allowance.at(&place).ok_or(Obstacle::TooClose(place))? - rounding;
+        // Where the allowance for rounding is most of the budget, noise would decide how many cells are enough.
+        if tolerance < rounding {
+            return Err(Obstacle::BelowRounding(place, rounding));
+        }
+        let probe = Probe::new(&part);
+        let need = probe.need(tolerance);
+        Ok(Self { part, u, v, tolerance, probe, need })
+    }
+
+    fn is_worth_halving(&self) -> bool {
+        let [wide, tall] = self.need.after_halving;
+        self.need.cells > FEWEST_CELLS_TO_HALVE && (wide < WORTH_HALVING || tall < WORTH_HALVING)
+    }
+
+    /// The second half, then the first, which is looked at next.
+    fn halved(&self, along_u: bool, context: (&Allowance, f64)) -> Result<[Self; 2], Obstacle> {
+        let middle = |[a, b]: [f64; 2]| 0.5 * (a + b);
+        let (u, v) = (self.u, self.v);
+        if along_u {
+            let [left, right] = self.part.halves_u();
+            let cut = middle(u);
+            Ok([Self::new(right, [cut, u[1]], v, context)?, Self::new(left, [u[0], cut], v, context)?])
+        } else {
+            let [low, high] = self.part.halves_v();
+            let cut = middle(v);
+            Ok([Self::new(high, u, [cut, v[1]], context)?, Self::new(low, u, [v[0], cut], context)?])
+        }
+    }
+
+    fn tile(&self, patch: u32) -> Tile {
+        let Rates { n, m, rising } = self.probe.rates(&self.need, self.tolerance);
+        Tile { patch, u: self.u, v: self.v, n, m, rising, tolerance: self.tolerance, strain: 1.0 }
+    }
+}

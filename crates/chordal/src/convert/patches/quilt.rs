@@ -1,0 +1,181 @@
+//! `Quilt`: which sides of which patches are the same curve, and which corners are therefore the same vertex.
+//!
+//! Two sides are the same curve when their four control points are equal, run forwards or backwards. Corners are
+//! joined only along shared curves (and along sides that are one point): patches that merely touch in a point stay
+//! apart, so that no vertex becomes non-manifold.
+use crate::explicit::{Bezier, Patch, Side};
+use std::cmp::Ordering;
+
+/// One boundary curve, in the direction that sorts first.
+pub(crate) struct Edge {
+    pub(crate) curve: Bezier<3>,
+    /// Corner vertices at its start and end.
+    pub(crate) ends: [u32; 2],
+    /// Patch sides that are this curve.
+    pub(crate) uses: Vec<Use>,
+    /// Fewest segments that keep its vertices apart from those of other curves.
+    pub(crate) least: u32,
+}
+
+/// A patch side that is a shared curve.
+#[derive(Clone, Copy)]
+pub(crate) struct Use {
+    pub(crate) patch: u32,
+    pub(crate) side: Side,
+    /// Whether the side runs against the curve.
+    pub(crate) reversed: bool,
+}
+
+/// What a patch finds on one of its sides.
+#[derive(Clone, Copy)]
+pub(crate) enum Seam {
+    /// All control points are equal: the side is its corner vertex.
+    Point,
+    /// An edge of the quilt.
+    Edge { edge: u32, reversed: bool },
+}
+
+/// The patches' sides and corners, identified.
+pub(crate) struct Quilt {
+    pub(crate) edges: Vec<Edge>,
+    /// By patch and side.
+    pub(crate) seams: Vec<[Seam; 4]>,
+    /// By patch and corner (0,0), (1,0), (1,1), (0,1): the corner vertex.
+    pub(crate) corners: Vec<[u32; 4]>,
+    /// The positions of the corner vertices.
+    pub(crate) corner_positions: Vec<[f64; 3]>,
+}
+
+impl Quilt {
+    /// Finds shared curves by sorting: O(n log n) for n patches.
+    pub(crate) fn new(patches: &[Patch]) -> Self {
+        let mut edges = collect_edges(patches);
+        let mut seams = vec![[Seam::Point; 4]; patches.len()];
+        let mut classes = Classes::new(4 * patches.len());
+        for (index, edge) in edges.iter().enumerate() {
+            let first = ends_of(edge.uses[0]);
+            for &used in &edge.uses {
+                seams[used.patch as usize][used.side as usize] =
+                    Seam::Edge { edge: index as u32, reversed: used.reversed };
+                let ends = ends_of(used);
+                classes.join(first[0], ends[0]);
+                classes.join(first[1], ends[1]);
+            }
+        }
+        for (patch, seam) in seams.iter().enumerate() {
+            for side in Side::ALL {
+                if matches!(seam[side as usize], Seam::Point) {
+                    let [a, b] = corners_of(patch as u32, side);
+                    classes.join(a, b);
+                }
+            }
+        }
+        let (number, count) = classes.numbered();
+        let mut corner_positions = vec![[0.0; 3]; count];
+        let corners: Vec<[u32; 4]> =
+            (0..patches.len()).map(|p| std::array::from_fn(|k| number[4 * p + k])).collect();
+        for (patch, ids) in patches.iter().zip(&corners) {
+            for (side, id) in Side::ALL.into_iter().zip(ids) {
+                corner_positions[*id as usize] = patch.side(side).control[0];
+            }
+        }
+        for edge in &mut edges {
+            edge.ends = ends_of(edge.uses[0]).map(|corner| number[corner]);
+        }
+        let mut quilt = Self { edges, seams, corners, corner_positions };
+        quilt.set_least_segments();
+        quilt
+    }
+
+    /// A curve that returns to its start needs three segments to be a loop; two curves between the same two
+    /// vertices need two each, or their chords would be one.
+    fn set_least_segments(&mut self) {
+        let pair = |[a, b]: [u32; 2]| if a < b { [a, b] } else { [b, a] };
+        let mut order: Vec<([u32; 2], usize)> = self.edges.iter().map(|e| pair(e.ends)).zip(0..).collect();
+        order.sort_unstable();
+        for run in order.chunk_by(|a, b| a.0 == b.0) {
+            for &([start, end], i) in run {
+                self.edges[i].least = if start == end { 3 } else { 1 + u32::from(run.len() > 1) };
+            }
+        }
+    }
+}
+
+fn collect_edges(patches: &[Patch]) -> Vec<Edge> {
+    let mut found: Vec<(Bezier<3>, Use)> = Vec::with_capacity(4 * patches.len());
+    for (patch, shape) in patches.iter().enumerate() {
+        for side in Side::ALL {
+            let curve = shape.side(side);
+            if curve.is_point() {
+                continue;
+            }
+            let back = curve.reversed();
+            let reversed = compare(&back, &curve) == Ordering::Less;
+            let used = Use { patch: patch as u32, side, reversed };
+            found.push((if reversed { back } else { curve }, used));
+        }
+    }
+    found.sort_by(|a, b| compare(&a.0, &b.0).then((a.1.patch, a.1.side).cmp(&(b.1.patch, b.1.side))));
+    let runs = found.chunk_by(|a, b| compare(&a.0, &b.0) == Ordering::Equal);
+    let mut edges: Vec<Edge> = runs
+        .map(|run| Edge { curve: run[0].0, ends: [0; 2], uses: run.iter().map(|f| f.1).collect(), least: 1 })
+        .collect();
+    // In the order of the input, so that vertices are numbered as the file goes.
+    edges.sort_by_key(|edge| (edge.uses[0].patch, edge.uses[0].side));
+    edges
+}
+
+fn compare(a: &Bezier<3>, b: &Bezier<3>) -> Ordering {
+    let (a, b) = (a.control.as_flattened(), b.control.as_flattened());
+    a.iter().zip(b).map(|(x, y)| x.total_cmp(y)).find(|o| o.is_ne()).unwrap_or(Ordering::Equal)
+}
+
+/// The flat corner indices at the start and end of a side.
+fn corners_of(patch: u32, side: Side) -> [usize; 2] {
+    let start = side as usize;
+    [4 * patch as usize + start, 4 * patch as usize + (start + 1) % 4]
+}
+
+/// The flat corner indices at the start and end of the curve that a side uses.
+fn ends_of(used: Use) -> [usize; 2] {
+    let [a, b] = corners_of(used.patch, used.side);
+    if used.reversed { [b, a] } else { [a, b] }
+}
+
+/// Disjoint sets with path halving.
+struct Classes(Vec<u32>);
+
+impl Classes {
+    fn new(count: usize) -> Self {
+        Self((0..count as u32).collect())
+    }
+
+    fn find(&mut self, mut i: usize) -> usize {
+        while self.0[i] as usize != i {
+            self.0[i] = self.0[self.0[i] as usize];
+            i = self.0[i] as usize;
+        }
+        i
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.find(a), self.find(b));
+        let (low, high) = if a < b { (a, b) } else { (b, a) };
+        self.0[high] = low as u32;
+    }
+
+    /// A number for every element's set, in the order of first members, and how many sets there are.
+    fn numbered(mut self) -> (Vec<u32>, usize) {
+        let mut number = vec![u32::MAX; self.0.len()];
+        let mut next = 0;
+        for i in 0..self.0.len() {
+            let root = self.find(i);
+            if number[root] == u32::MAX {
+                number[root] = next;
+                next += 1;
+            }
+            number[i] = number[root];
+        }
+        (number, next as usize)
+    }
+}

@@ -1,0 +1,333 @@
+//! `Seams`: the lines between tiles, cut where any tile has a corner, each piece with one rate for both its sides.
+//!
+//! Because both neighbours take their boundary points from the same piece, there is nothing to crack: no T-junction
+//! can arise, whatever the rates.
+use super::plan::Tile;
+use super::quilt::{Quilt, Seam};
+use crate::explicit::{Patch, Side};
+use std::ops::Range;
+
+/// On what a piece lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Line {
+    /// A curve of the quilt, by its own parameter.
+    Edge(u32),
+    /// Inside a patch at the `v` with these bits, by `u`.
+    AlongU(u32, u64),
+    /// Inside a patch at the `u` with these bits, by `v`.
+    AlongV(u32, u64),
+    /// A side of a patch that is one point: patch, side, vertex.
+    Point(u32, Side, u32),
+}
+
+/// A stretch of a line with equally spaced points.
+#[derive(Clone, Debug)]
+pub(crate) struct Piece {
+    pub(crate) line: Line,
+    /// Where it starts and ends on the line.
+    pub(crate) span: [f64; 2],
+    /// The vertices at its start and end.
+    pub(crate) nodes: [u32; 2],
+    /// Segments.
+    pub(crate) n: u32,
+    /// The first of the `n − 1` vertices between.
+    pub(crate) first: u32,
+}
+
+/// One side of a tile, in its counter-clockwise direction, as pieces; `true` where a piece is run backwards.
+type Chain = Range<usize>;
+
+/// All pieces, and which make up the sides of each tile.
+pub(crate) struct Seams {
+    pub(crate) pieces: Vec<Piece>,
+    chains: Vec<[Chain; 4]>,
+    links: Vec<(u32, bool)>,
+    /// Positions of nodes (first) and of the points between (after them).
+    pub(crate) positions: Vec<[f64; 3]>,
+    n_nodes: usize,
+    /// Tiles on either side of each piece with the share of the tile's side that it covers.
+    demands: Vec<(u32, u32, f64)>,
+    least: Vec<(Range<usize>, u32)>,
+}
+
+/// One tile side on its line.
+struct Entry {
+    line: Line,
+    span: [f64; 2],
+    tile: u32,
+    side: Side,
+    backwards: bool,
+}
+
+impl Seams {
+    /// Lays the pieces for `tiles`, which lie patch by patch; rates and positions come with [`Seams::set_rates`].
+    pub(crate) fn new(quilt: &Quilt, tiles: &[Tile]) -> Self {
+        let mut entries: Vec<Entry> = Vec::with_capacity(4 * tiles.len());
+        for (index, tile) in tiles.iter().enumerate() {
+            entries.extend(Side::ALL.map(|side| Entry::new(quilt, tile, (index as u32, side))));
+        }
+        entries.sort_by(|a, b| a.line.cmp(&b.line).then(a.span[0].total_cmp(&b.span[0])));
+        let mut seams = Self {
+            pieces: Vec::with_capacity(entries.len()),
+            chains: vec![[0..0, 0..0, 0..0, 0..0]; tiles.len()],
+            links: Vec::with_capacity(2 * entries.len()),
+            positions: Vec::new(),
+            n_nodes: 0,
+            demands: Vec::with_capacity(2 * entries.len()),
+            least: Vec::new(),
+        };
+        let mut nodes = Nodes::new(quilt, &entries, tiles);
+        for run in entries.chunk_by(|a, b| a.line == b.line) {
+            seams.lay(run, &mut nodes);
+        }
+        seams.n_nodes = nodes.count as usize;
+        seams
+    }
+
+    /// Cuts one line at all its entries' ends and links the pieces to the entries.
+    fn lay(&mut self, run: &[Entry], nodes: &mut Nodes<'_>) {
+        let line = run[0].line;
+        let breaks = breaks_of(run);
+        let index = |at: f64| breaks.partition_point(|b| *b < at);
+        let mut covered = vec![false; breaks.len()];
+        for entry in run {
+            covered[index(entry.span[0])..index(entry.span[1])].fill(true);
+        }
+        let start = self.pieces.len();
+        let mut number = vec![u32::MAX; breaks.len()];
+        for (k, _) in covered.iter().enumerate().filter(|c| *c.1) {
+            number[k] = self.pieces.len() as u32;
+            let span = [breaks[k], breaks[k + 1]];
+            let ends = span.map(|at| nodes.on(line, at));
+            self.pieces.push(Piece { line, span, nodes: ends, n: 0, first: 0 });
+        }
+        if let Line::Edge(edge) = line {
+            self.least.push((start..self.pieces.len(), nodes.quilt.edges[edge as usize].least));
+        }
+        for entry in run {
+            let length = entry.span[1] - entry.span[0];
+            let first = self.links.len();
+            let mine = &number[index(entry.span[0])..index(entry.span[1])];
+            self.links.extend(mine.iter().map(|piece| (*piece, entry.backwards)));
+            if entry.backwards {
+                self.links[first..].reverse();
+            }
+            self.chains[entry.tile as usize][entry.side as usize] = first..self.links.len();
+            for &piece in mine {
+                let [a, b] = self.pieces[piece as usize].span;
+                self.demands.push((
+                    piece,
+                    2 * entry.tile + u32::from(is_along_v(entry.side)),
+                    (b - a) / length,
+                ));
+            }
+        }
+    }
+
+    /// Gives every piece the larger rate that its two sides ask for, numbers the points and computes their positions.
+    /// Returns for every tile whether a piece of its border changed.
+    pub(crate) fn set_rates(&mut self, tiles: &[Tile], patches: &[Patch], quilt: &Quilt) -> Vec<bool> {
+        let before: Vec<u32> =
+            self.pieces.iter_mut().map(|piece| std::mem::replace(&mut piece.n, 1)).collect();
+        for &(piece, demand, share) in &self.demands {
+            let tile = &tiles[(demand / 2) as usize];
+            let rate = (f64::from(if demand % 2 == 1 { tile.m } else { tile.n }) * share).ceil() as u32;
+            let n = &mut self.pieces[piece as usize].n;
+            *n = (*n).max(rate);
+        }
+        for (range, least) in &self.least {
+            let pieces = &mut self.pieces[range.clone()];
+            let each = least.div_ceil(pieces.len() as u32);
+            pieces.iter_mut().for_each(|piece| piece.n = piece.n.max(each));
+        }
+        let mut next = self.n_nodes as u32;
+        for piece in &mut self.pieces {
+            piece.first = next;
+            if !matches!(piece.line, Line::Point(..)) {
+                next += piece.n - 1;
+            }
+        }
+        self.positions.clear();
+        self.positions.resize(next as usize, [0.0; 3]);
+        self.place(patches, quilt);
+        let mut changed = vec![false; tiles.len()];
+        for &(piece, demand, _) in &self.demands {
+            changed[(demand / 2) as usize] |= self.pieces[piece as usize].n != before[piece as usize];
+        }
+        changed
+    }
+
+    fn place(&mut self, patches: &[Patch], quilt: &Quilt) {
+        self.positions[..quilt.corner_positions.len()].copy_from_slice(&quilt.corner_positions);
+        let n_corners = quilt.corner_positions.len() as u32;
+        for piece in &self.pieces {
+            let at = |k: u32| match piece.line {
+                Line::Edge(edge) => quilt.edges[edge as usize].curve.at(piece.at(k)),
+                Line::AlongU(patch, v) => patches[patch as usize].at(piece.at(k), f64::from_bits(v)),
+                Line::AlongV(patch, u) => patches[patch as usize].at(f64::from_bits(u), piece.at(k)),
+                Line::Point(_, _, vertex) => quilt.corner_positions[vertex as usize],
+            };
+            if matches!(piece.line, Line::Point(..)) {
+                continue;
+            }
+            for (node, k) in [(piece.nodes[0], 0), (piece.nodes[1], piece.n)] {
+                if node >= n_corners {
+                    self.positions[node as usize] = at(k);
+                }
+            }
+            for k in 1..piece.n {
+                self.positions[(piece.first + k - 1) as usize] = at(k);
+            }
+        }
+    }
+
+    /// The pieces of one side of a tile, in its counter-clockwise direction.
+    pub(crate) fn chain(&self, tile: usize, side: Side) -> impl Iterator<Item = (&Piece, bool)> {
+        self.links[self.chains[tile][side as usize].clone()]
+            .iter()
+            .map(|(p, back)| (&self.pieces[*p as usize], *back))
+    }
+
+    /// The segments on the side of a tile.
+    pub(crate) fn count(&self, tile: usize, side: Side) -> u32 {
+        self.chain(tile, side).map(|(piece, _)| piece.n).sum()
+    }
+}
+
+impl Piece {
+    /// The line's parameter at the `k`-th point.
+    pub(crate) fn at(&self, k: u32) -> f64 {
+        let [a, b] = self.span;
+        if k == self.n { b } else { a + (b - a) * (f64::from(k) / f64::from(self.n)) }
+    }
+
+    /// The vertex at the `k`-th point.
+    pub(crate) fn vertex(&self, k: u32) -> u32 {
+        if k == 0 || matches!(self.line, Line::Point(..)) {
+            self.nodes[0]
+        } else if k == self.n {
+            self.nodes[1]
+        } else {
+            self.first + k - 1
+        }
+    }
+}
+
+fn is_along_v(side: Side) -> bool {
+    matches!(side, Side::Left | Side::Right)
+}
+
+fn breaks_of(run: &[Entry]) -> Vec<f64> {
+    let mut breaks: Vec<f64> = run.iter().flat_map(|entry| entry.span).collect();
+    breaks.sort_by(f64::total_cmp);
+    breaks.dedup();
+    breaks
+}
+
+impl Entry {
+    fn new(quilt: &Quilt, tile: &Tile, (index, side): (u32, Side)) -> Self {
+        let (at, span) = match side {
+            Side::Bottom => (tile.v[0], tile.u),
+            Side::Top => (tile.v[1], tile.u),
+            Side::Left => (tile.u[0], tile.v),
+            Side::Right => (tile.u[1], tile.v),
+        };
+        let against = matches!(side, Side::Top | Side::Left);
+        let is_border = at == 0.0 || at == 1.0;
+        let (line, span, backwards) = match quilt.seams[tile.patch as usize][side as usize] {
+            _ if !is_border && is_along_v(side) => (Line::AlongV(tile.patch, at.to_bits()), span, against),
+            _ if !is_border => (Line::AlongU(tile.patch, at.to_bits()), span, against),
+            Seam::Point => (
+                Line::Point(tile.patch, side, quilt.corners[tile.patch as usize][side as usize]),
+                span,
+                against,
+            ),
+            Seam::Edge { edge, reversed } => {
+                // The side's own direction is `against` the rising parameter for top and left; dyadic, so exact.
+                let span = if against != reversed { [1.0 - span[1], 1.0 - span[0]] } else { span };
+                (Line::Edge(edge), span, reversed)
+            }
+        };
+        Self { line, span, tile: index, side, backwards }
+    }
+}
+
+/// The vertices where pieces meet.
+struct Nodes<'a> {
+    quilt: &'a Quilt,
+    /// By edge: the places strictly between its ends where tiles have corners, with their vertices.
+    on_edges: Vec<Vec<(f64, u32)>>,
+    /// Corners of tiles inside patches, sorted, with their vertices.
+    inside: Vec<((u32, u64, u64), u32)>,
+    count: u32,
+}
+
+impl<'a> Nodes<'a> {
+    fn new(quilt: &'a Quilt, entries: &[Entry], tiles: &[Tile]) -> Self {
+        let mut count = quilt.corner_positions.len() as u32;
+        let mut on_edges = vec![Vec::new(); quilt.edges.len()];
+        for run in entries.chunk_by(|a, b| a.line == b.line) {
+            let Line::Edge(edge) = run[0].line else { continue };
+            for at in breaks_of(run).into_iter().filter(|at| *at > 0.0 && *at < 1.0) {
+                on_edges[edge as usize].push((at, count));
+                count += 1;
+            }
+        }
+        let is_inside = |x: f64| x > 0.0 && x < 1.0;
+        let corners = tiles.iter().flat_map(|t| {
+            [(t.u[0], t.v[0]), (t.u[1], t.v[0]), (t.u[0], t.v[1]), (t.u[1], t.v[1])]
+                .map(|(u, v)| (t.patch, u, v))
+        });
+        let mut keys: Vec<(u32, u64, u64)> = corners
+            .filter(|(_, u, v)| is_inside(*u) && is_inside(*v))
+            .map(|(p, u, v)| (p, u.to_bits(), v.to_bits()))
+            .collect();
+        keys.sort_unstable();
+        keys.dedup();
+        let inside: Vec<_> = keys.into_iter().zip(count..).collect();
+        count += inside.len() as u32;
+        Self { quilt, on_edges, inside, count }
+    }
+
+    /// The vertex at a break of a line.
+    fn on(&self, line: Line, at: f64) -> u32 {
+        match line {
+            Line::Edge(edge) => self.on_edge(edge, at),
+            Line::AlongU(patch, v) => self.in_patch(patch, at, f64::from_bits(v)),
+            Line::AlongV(patch, u) => self.in_patch(patch, f64::from_bits(u), at),
+            Line::Point(_, _, vertex) => vertex,
+        }
+    }
+
+    fn on_edge(&self, edge: u32, at: f64) -> u32 {
+        let ends = self.quilt.edges[edge as usize].ends;
+        if at == 0.0 {
+            return ends[0];
+        }
+        if at == 1.0 {
+            return ends[1];
+        }
+        let list = &self.on_edges[edge as usize];
+        list[list.partition_point(|(t, _)| *t < at)].1
+    }
+
+    fn in_patch(&self, patch: u32, u: f64, v: f64) -> u32 {
+        // A line inside a patch never runs along its border, so at most one of the two is an end.
+        let (side, along) = if v == 0.0 {
+            (Side::Bottom, u)
+        } else if u == 1.0 {
+            (Side::Right, v)
+        } else if v == 1.0 {
+            (Side::Top, 1.0 - u)
+        } else if u == 0.0 {
+            (Side::Left, 1.0 - v)
+        } else {
+            let key = (patch, u.to_bits(), v.to_bits());
+            return self.inside[self.inside.partition_point(|(k, _)| *k < key)].1;
+        };
+        match self.quilt.seams[patch as usize][side as usize] {
+            Seam::Point => self.quilt.corners[patch as usize][side as usize],
+            Seam::Edge { edge, reversed } => self.on_edge(edge, if reversed { 1.0 - along } else { along }),
+        }
+    }
+}

@@ -1,0 +1,438 @@
+//! One tile: its triangles, and the proof of their distance.
+use super::bend::{Bend, Hessian, ROUNDING, across, worst_mix};
+use super::plan::Tile;
+use super::seams::{Line, Seams};
+use crate::explicit::{Patch, Side, bernstein};
+use glam::DVec3;
+
+/// A vertex of a tile: where it is in the tile's unit square and in space.
+#[derive(Clone, Copy)]
+struct Knot {
+    u: f64,
+    v: f64,
+    at: DVec3,
+}
+
+/// A finished tile. Local vertices: those on the border first, counter-clockwise from the corner (0, 0), then the inner ones row by row.
+#[derive(Clone)]
+pub(crate) struct Done {
+    /// Triangles by local vertices; those that a pole makes degenerate are left out.
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// Positions and unit normals of the inner vertices; a zero normal where the patch has none.
+    pub(crate) inner: Vec<[f64; 3]>,
+    pub(crate) inner_normals: Vec<[f64; 3]>,
+    /// The largest distance, rounding included.
+    pub(crate) bound: f64,
+    /// The triangle with the largest bound: the patch's parameters at its corners.
+    pub(crate) worst: [[f64; 2]; 3],
+    /// Whether a triangle has the same vertex twice although no pole explains it: the cells are too few.
+    pub(crate) collides: bool,
+}
+
+/// A vertex that a tile shares with others.
+#[derive(Clone, Copy)]
+pub(crate) struct BorderVertex {
+    pub(crate) id: u32,
+    /// The side of the *patch* that it lies on, or the one that starts at it where it is a corner; `None` inside.
+    pub(crate) side: Option<Side>,
+    /// On a side of no length.
+    pole: bool,
+}
+
+struct Work<'a> {
+    bend: Bend,
+    border: Vec<Knot>,
+    /// Start of each side in `border`, and its end.
+    sides: [usize; 5],
+    /// The vertex of each knot on the border.
+    shared: Vec<BorderVertex>,
+    inner: Vec<Knot>,
+    normals: Vec<[f64; 3]>,
+    tile: &'a Tile,
+    /// Cells each way; inner knots are `(n−1) × (m−1)`.
+    n: usize,
+    m: usize,
+    triangles: Vec<[u32; 3]>,
+    collides: bool,
+    bound: f64,
+    worst: [[f64; 2]; 3],
+}
+
+/// Triangulates and proves the tile with the given index.
+pub(crate) fn build(index: usize, tile: &Tile, patch: &Patch, seams: &Seams) -> Done {
+    let part = patch.part(tile.u, tile.v);
+    let mut work = Work {
+        bend: Bend::new(&part),
+        border: Vec::new(),
+        sides: [0; 5],
+        shared: Vec::new(),
+        inner: Vec::new(),
+        normals: Vec::new(),
+        tile,
+        n: tile.n as usize,
+        m: tile.m as usize,
+        triangles: Vec::new(),
+        collides: false,
+        bound: 0.0,
+        worst: [[0.0; 2]; 3],
+    };
+    work.walk_border(index, seams);
+    let counts = Side::ALL.map(|side| (work.sides[side as usize + 1] - work.sides[side as usize]) as u32);
+    work.triangulate(counts, &part);
+    Done {
+        triangles: work.triangles,
+        inner: work.inner.iter().map(|knot| knot.at.into()).collect(),
+        inner_normals: work.normals,
+        bound: (work.bound + ROUNDING * patch.size()).next_up(),
+        worst: work.worst,
+        collides: work.collides,
+    }
+}
+
+/// The number of triangles of a tile with `counts` segments on its sides, of which `poles` have no length:
+/// by Euler, 2·inner + border − 2, less the degenerate ones.
+pub(crate) fn count_triangles(tile: &Tile, counts: [u32; 4], poles: [bool; 4]) -> u64 {
+    let [n, m] = cells(tile, counts).map(u64::from);
+    let border: u64 = counts.iter().map(|c| u64::from(*c)).sum();
+    let flat: u64 = counts.iter().zip(poles).filter(|c| c.1).map(|c| u64::from(*c.0)).sum();
+    (2 * (n - 1) * (m - 1) + border - 2).saturating_sub(flat)
+}
+
+/// Cells each way, given the segments on the sides: a tile without inner vertices can only join two opposite sides.
+fn cells(tile: &Tile, [bottom, right, top, left]: [u32; 4]) -> [u32; 2] {
+    if tile.m == 1 && left == 1 && right == 1 {
+        [tile.n, 1]
+    } else if tile.n == 1 && bottom == 1 && top == 1 {
+        [1, tile.m.max(2)]
+    } else {
+        [tile.n.max(2), tile.m.max(2)]
+    }
+}
+
+/// The vertices on the border of a tile, counter-clockwise from its corner (0, 0).
+pub(crate) fn border(index: usize, tile: &Tile, seams: &Seams) -> Vec<BorderVertex> {
+    let mut list = Vec::new();
+    for side in Side::ALL {
+        walk_side(index, tile, (side, seams), |_, _, vertex| list.push(vertex));
+    }
+    list
+}
+
+/// Tells `visit` the place in the tile and the vertex of every point on one side but the last.
+fn walk_side(
+    index: usize,
+    tile: &Tile,
+    (side, seams): (Side, &Seams),
+    mut visit: impl FnMut(f64, f64, BorderVertex),
+) {
+    for (piece, backwards) in seams.chain(index, side) {
+        for step in 0..piece.n {
+            let k = if backwards { piece.n - step } else { step };
+            let at = piece.at(k);
+            // The parameter of the side in the patch: see `Entry::new` in seams for the direction of edges.
+            let along = match (piece.line, side) {
+                (Line::Edge(_), Side::Bottom | Side::Right) if backwards => 1.0 - at,
+                (Line::Edge(_), Side::Top | Side::Left) if !backwards => 1.0 - at,
+                _ => at,
+            };
+            let local = |[a, b]: [f64; 2]| (along - a) / (b - a);
+            let (u, v) = match side {
+                Side::Bottom => (local(tile.u), 0.0),
+                Side::Right => (1.0, local(tile.v)),
+                Side::Top => (local(tile.u), 1.0),
+                Side::Left => (0.0, local(tile.v)),
+            };
+            let pole = matches!(piece.line, Line::Point(..));
+            visit(u, v, BorderVertex { id: piece.vertex(k), side: side_of_patch(tile, u, v), pole });
+        }
+    }
+}
+
+/// The side of the patch on which a place on the tile's border lies; a corner counts to the side that starts there.
+fn side_of_patch(tile: &Tile, u: f64, v: f64) -> Option<Side> {
+    let ends = |x: f64, [a, b]: [f64; 2]| (x == 0.0 && a == 0.0, x == 1.0 && b == 1.0);
+    let ((left, right), (bottom, top)) = (ends(u, tile.u), ends(v, tile.v));
+    if bottom && !right {
+        Some(Side::Bottom)
+    } else if right && !top {
+        Some(Side::Right)
+    } else if top && !left {
+        Some(Side::Top)
+    } else {
+        left.then_some(Side::Left)
+    }
+}
+
+impl Work<'_> {
+    fn walk_border(&mut self, index: usize, seams: &Seams) {
+        for side in Side::ALL {
+            walk_side(index, self.tile, (side, seams), |u, v, vertex| {
+                self.border.push(Knot { u, v, at: DVec3::from(seams.positions[vertex.id as usize]) });
+                self.shared.push(vertex);
+            });
+            self.sides[side as usize + 1] = self.border.len();
+        }
+    }
+
+    fn triangulate(&mut self, counts: [u32; 4], part: &Patch) {
+        let [n, m] = cells(self.tile, counts).map(|c| c as usize);
+        (self.n, self.m) = (n, m);
+        self.triangles.reserve(2 * (n - 1) * (m - 1) + self.border.len());
+        self.lay_inner(part);
+        let open = |side: Side| counts[side as usize] as usize != if is_row(side) { n } else { m };
+        if m == 1 && open(Side::Bottom) && open(Side::Top) {
+            self.strip(&self.side(Side::Bottom), &turned(self.side(Side::Top)));
+        } else if n == 1 && open(Side::Left) && open(Side::Right) {
+            self.strip(&self.side(Side::Left), &turned(self.side(Side::Right)));
+        } else {
+            let ends = |low: Side, high: Side, count: usize| {
+                [usize::from(open(low)), count - usize::from(open(high))]
+            };
+            self.grid(ends(Side::Left, Side::Right, n), ends(Side::Bottom, Side::Top, m));
+        }
+    }
+
+    /// The inner knots with their normals, row by row.
+    fn lay_inner(&mut self, part: &Patch) {
+        let (n, m) = (self.n, self.m);
+        let q = part.control.map(|row| row.map(DVec3::from));
+        let size = part.size();
+        for j in 1..m {
+            let v = j as f64 / m as f64;
+            let b = bernstein(v);
+            let s = 1.0 - v;
+            let d = [3.0 * s * s, 6.0 * s * v, 3.0 * v * v];
+            let line: [DVec3; 4] = std::array::from_fn(|k| {
+                (q[0][k] * b[0] + q[1][k] * b[1]) + (q[2][k] * b[2] + q[3][k] * b[3])
+            });
+            let slope: [DVec3; 4] = std::array::from_fn(|k| {
+                (q[1][k] - q[0][k]) * d[0] + (q[2][k] - q[1][k]) * d[1] + (q[3][k] - q[2][k]) * d[2]
+            });
+            let rise = [line[1] - line[0], line[2] - line[1], line[3] - line[2]];
+            for i in 1..n {
+                let u = i as f64 / n as f64;
+                let w = bernstein(u);
+                let s = 1.0 - u;
+                let at = (line[0] * w[0] + line[1] * w[1]) + (line[2] * w[2] + line[3] * w[3]);
+                let by_v = (slope[0] * w[0] + slope[1] * w[1]) + (slope[2] * w[2] + slope[3] * w[3]);
+                let by_u = rise[0] * (3.0 * s * s) + rise[1] * (6.0 * s * u) + rise[2] * (3.0 * u * u);
+                let normal = by_u.cross(by_v);
+                let length_sq = normal.length_squared();
+                // Far from underflow and from vanishing tangents the plain quotient is right; else ask the patch.
+                let floor = 64.0 * f64::EPSILON * size;
+                let sound = length_sq > f64::MIN_POSITIVE * 1e60
+                    && by_u.length_squared() > floor * floor
+                    && by_v.length_squared() > floor * floor
+                    && length_sq.is_finite();
+                let normal = if sound {
+                    (normal / length_sq.sqrt()).into()
+                } else {
+                    part.normal(u, v).unwrap_or([0.0; 3])
+                };
+                self.inner.push(Knot { u, v, at });
+                self.normals.push(normal);
+            }
+        }
+    }
+
+    /// The local vertices of a side including both corners, counter-clockwise.
+    fn side(&self, side: Side) -> Vec<u32> {
+        let (start, end) = (self.sides[side as usize], self.sides[side as usize + 1]);
+        let mut list: Vec<u32> = (start as u32..end as u32).collect();
+        list.push((end % self.border.len()) as u32);
+        list
+    }
+
+    fn inner_id(&self, i: usize, j: usize) -> u32 {
+        (self.border.len() + (j - 1) * (self.n - 1) + (i - 1)) as u32
+    }
+
+    fn knot(&self, id: u32) -> Knot {
+        let id = id as usize;
+        if id < self.border.len() { self.border[id] } else { self.inner[id - self.border.len()] }
+    }
+
+    /// The local vertex at grid place `(i, j)`; on the border only where that side has as many segments as the tile
+    /// has cells, or at a corner.
+    fn grid_id(&self, i: usize, j: usize) -> u32 {
+        let (n, m) = (self.n, self.m);
+        let border = if j == 0 && i < n {
+            self.sides[0] + i
+        } else if i == n && j < m {
+            self.sides[1] + j
+        } else if j == m && i > 0 {
+            self.sides[2] + (n - i)
+        } else if i == 0 {
+            self.sides[3] + (m - j)
+        } else {
+            return self.inner_id(i, j);
+        };
+        border as u32
+    }
+
+    /// Equal cells, each cut along the tile's diagonal, over columns `i` and rows `j`; where that leaves out the
+    /// outermost ones, strips out to whatever points the side has.
+    fn grid(&mut self, i: [usize; 2], j: [usize; 2]) {
+        let (n, m) = (self.n, self.m);
+        let (du, dv) = (1.0 / n as f64, 1.0 / m as f64);
+        // A parameter is off by at most an ulp of 1; the box of a cell is that much larger.
+        let remainder = self.bend.remainder(du + 4.0 * f64::EPSILON, dv + 4.0 * f64::EPSILON);
+        let mut low: Vec<u32> = (i[0]..=i[1]).map(|i| self.grid_id(i, j[0])).collect();
+        for row in j[0]..j[1] {
+            let high: Vec<u32> = (i[0]..=i[1]).map(|i| self.grid_id(i, row + 1)).collect();
+            let bend = self.bend.row((row as f64 + 0.5) * dv);
+            for k in 0..i[1] - i[0] {
+                let hessian = bend.at(((i[0] + k) as f64 + 0.5) * du);
+                self.cell([low[k], low[k + 1], high[k + 1], high[k]], &hessian, remainder);
+            }
+            low = high;
+        }
+        let row = |at: usize| -> Vec<u32> { (i[0]..=i[1]).map(|i| self.grid_id(i, at)).collect() };
+        let column = |at: usize| -> Vec<u32> { (j[0]..=j[1]).map(|j| self.grid_id(at, j)).collect() };
+        let inner = [row(j[0]), column(i[1]), turned(row(j[1])), turned(column(i[0]))];
+        let open = [j[0] > 0, i[1] < n, j[1] < m, i[0] > 0];
+        let mut outer = Side::ALL.map(|side| self.side(side));
+        for side in 0..4 {
+            let next = (side + 1) % 4;
+            if open[side] && open[next] {
+                self.cut_corner(&mut outer, side, inner[next][0]);
+            }
+        }
+        for side in (0..4).filter(|side| open[*side]) {
+            self.strip(&outer[side], &inner[side]);
+        }
+    }
+
+    /// Where two stitched sides meet, the corner is joined to the inner corner `inner`, or cut off, whichever bends
+    /// less.
+    fn cut_corner(&mut self, outer: &mut [Vec<u32>; 4], side: usize, inner: u32) {
+        let next = (side + 1) % 4;
+        let (count, count_next) = (outer[side].len(), outer[next].len());
+        if count < 3 || count_next < 3 {
+            return;
+        }
+        let (before, corner, after) = (outer[side][count - 2], outer[next][0], outer[next][1]);
+        if self.cross_edge(before, after) < self.cross_edge(corner, inner) {
+            let triangle = [before, corner, after];
+            let bound = self.prove(triangle);
+            self.emit(triangle, bound);
+            outer[side][count - 1] = after;
+            outer[next].remove(0);
+        }
+    }
+
+    /// The two triangles of one cell, corners counter-clockwise.
+    fn cell(&mut self, corners: [u32; 4], hessian: &Hessian, remainder: f64) {
+        let [a, b, c, d] = corners.map(|id| self.knot(id));
+        let (du, dv) = (b.u - a.u, d.v - a.v);
+        let along_u = hessian.half_along(du, 0.0);
+        let along_v = hessian.half_along(0.0, dv);
+        let sign = if self.tile.rising { 1.0 } else { -1.0 };
+        let bend = hessian.half_along(du, sign * dv);
+        let (bottom, top) = (across(along_u, b.at - a.at), across(along_u, c.at - d.at));
+        let (left, right) = (across(along_v, d.at - a.at), across(along_v, c.at - b.at));
+        let [ia, ib, ic, id] = corners;
+        let (first, second, bounds) = if self.tile.rising {
+            let diagonal = across(bend, c.at - a.at);
+            ([ia, ib, ic], [ia, ic, id], [worst_mix(bottom, right, diagonal), worst_mix(top, left, diagonal)])
+        } else {
+            let diagonal = across(bend, d.at - b.at);
+            ([ia, ib, id], [ib, ic, id], [worst_mix(bottom, left, diagonal), worst_mix(top, right, diagonal)])
+        };
+        self.emit(first, bounds[0] + remainder);
+        self.emit(second, bounds[1] + remainder);
+    }
+
+    /// Triangles between two chains that run the same way, the second on the left of the first: at every step the
+    /// cross edge that bends less.
+    fn strip(&mut self, outer: &[u32], inner: &[u32]) {
+        let (mut i, mut j) = (0, 0);
+        while i + 1 < outer.len() || j + 1 < inner.len() {
+            let forward = if i + 1 == outer.len() {
+                false
+            } else if j + 1 == inner.len() {
+                true
+            } else {
+                let by_outer = self.cross_edge(outer[i + 1], inner[j]);
+                let by_inner = self.cross_edge(outer[i], inner[j + 1]);
+                by_outer <= by_inner
+            };
+            let triangle =
+                if forward { [outer[i], outer[i + 1], inner[j]] } else { [outer[i], inner[j + 1], inner[j]] };
+            if forward {
+                i += 1
+            } else {
+                j += 1
+            }
+            let bound = self.prove(triangle);
+            self.emit(triangle, bound);
+        }
+    }
+
+    /// How much an edge between two knots bends; where nothing bends, how long it is: only its order counts.
+    fn cross_edge(&self, a: u32, b: u32) -> (f64, f64) {
+        let (a, b) = (self.knot(a), self.knot(b));
+        let (du, dv) = (b.u - a.u, b.v - a.v);
+        let hessian = self.bend.at(0.5 * (a.u + b.u), 0.5 * (a.v + b.v));
+        (
+            across(hessian.half_along(du, dv), b.at - a.at) + self.bend.remainder(du.abs(), dv.abs()),
+            du * du + dv * dv,
+        )
+    }
+
+    /// The bound of one triangle by the second derivatives at the middle of its box.
+    fn prove(&self, triangle: [u32; 3]) -> f64 {
+        let [a, b, c] = triangle.map(|id| self.knot(id));
+        let range = |x: f64, y: f64, z: f64| {
+            let (low, high) = if x < y { (x, y) } else { (y, x) };
+            (if z < low { z } else { low }, if z > high { z } else { high })
+        };
+        let (u, v) = (range(a.u, b.u, c.u), range(a.v, b.v, c.v));
+        let hessian = self.bend.at(0.5 * (u.0 + u.1), 0.5 * (v.0 + v.1));
+        let side = |p: Knot, q: Knot| across(hessian.half_along(q.u - p.u, q.v - p.v), q.at - p.at);
+        let slack = 4.0 * f64::EPSILON; // a parameter is off by at most an ulp of 1 at each end
+        worst_mix(side(a, b), side(b, c), side(c, a))
+            + self.bend.remainder(u.1 - u.0 + slack, v.1 - v.0 + slack)
+    }
+
+    fn emit(&mut self, triangle: [u32; 3], bound: f64) {
+        if bound > self.bound {
+            self.bound = bound;
+            let place = |x: f64, [from, to]: [f64; 2]| from + (to - from) * x;
+            let (u, v) = (self.tile.u, self.tile.v);
+            self.worst = triangle.map(|id| self.knot(id)).map(|knot| [place(knot.u, u), place(knot.v, v)]);
+        }
+        let [a, b, c] = triangle;
+        let twins = [self.meet(a, b), self.meet(b, c), self.meet(c, a)];
+        if twins.contains(&Meeting::Collision) {
+            self.collides = true;
+        } else if !twins.contains(&Meeting::Pole) {
+            self.triangles.push(triangle);
+        }
+    }
+
+    fn meet(&self, a: u32, b: u32) -> Meeting {
+        match (self.shared.get(a as usize), self.shared.get(b as usize)) {
+            (Some(a), Some(b)) if a.id == b.id && (a.pole || b.pole) => Meeting::Pole,
+            (Some(a), Some(b)) if a.id == b.id => Meeting::Collision,
+            _ => Meeting::Apart,
+        }
+    }
+}
+
+/// How two local vertices relate in space.
+#[derive(PartialEq)]
+enum Meeting {
+    Apart,
+    Pole,
+    Collision,
+}
+
+fn turned(mut chain: Vec<u32>) -> Vec<u32> {
+    chain.reverse();
+    chain
+}
+
+fn is_row(side: Side) -> bool {
+    matches!(side, Side::Bottom | Side::Top)
+}

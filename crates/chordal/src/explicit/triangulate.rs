@@ -1,0 +1,212 @@
+//! Polygons into triangles: every corner is kept, every decision is exact, the work is bounded.
+//!
+//! A polygon of n corners always gives n − 2 triangles that form a disc with exactly the polygon's edges as its
+//! border. So neighbours that share an edge still share it afterwards, also where corners lie on a straight line
+//! or repeat. That is why the crate `earcut` is only the oracle of the tests: it leaves such corners out (which
+//! opens T-junctions), decides in rounded arithmetic, and takes cubic time on polygons that cross themselves.
+mod blockers;
+mod ears;
+
+use ears::Ears;
+use robust::{Coord, orient2d};
+
+/// The triangles of one polygon.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Triangulation {
+    /// Indices into the polygon's corners; n − 2 rows, none for fewer than 3 corners.
+    pub triangles: Vec<[u32; 3]>,
+    /// How many triangles lie face down. 0 proves that their areas add up to the polygon's area; a polygon that
+    /// crosses itself has no triangulation without such folds.
+    pub folded: usize,
+}
+
+impl Triangulation {
+    /// Whether the areas of the triangles add up to the area of the polygon.
+    #[must_use]
+    pub fn is_exact(&self) -> bool {
+        self.folded == 0
+    }
+}
+
+/// The triangles of one polygon in space.
+///
+/// The polygon is seen along the largest axis of its Newell normal, which changes no coordinate, so that all
+/// decisions are exact for polygons within 1e-75 … 1e75 (beyond, coordinates are scaled by a power of two).
+/// All triangles together have the polygon's signed area, because they form a disc with its border; so they have
+/// its area when none is face down. For a polygon that is not flat this holds in that view, or, where something folds
+/// in it and less does along the normal itself, in that one (rounded).
+///
+/// `points`: finite corners in order, the last one joined to the first, fewer than 2³¹. Time O(n log n) as long as
+/// corners block few ears, and never more than 1,024 steps a corner; memory O(n).
+///
+/// ```
+/// use chordal::explicit::triangulate::polygon;
+///
+/// // An arrowhead: the corner at the origin is concave, so the cut must start there.
+/// let arrow = [[0.0, 0.0, 0.0], [-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [-1.0, 1.0, 0.0]];
+/// let cut = polygon(&arrow);
+/// assert_eq!(cut.triangles, [[0, 1, 2], [0, 2, 3]]);
+/// assert!(cut.is_exact());
+/// ```
+///
+/// Source: G. H. Meisters, *Polygons have ears*, 1975; M. Held, *FIST: fast industrial-strength triangulation of
+/// polygons*, 2001, for what to do when there are none.
+#[must_use]
+pub fn polygon(points: &[[f64; 3]]) -> Triangulation {
+    let mut triangles = Vec::new();
+    let folded = Triangulator::default().polygon(points, &mut triangles);
+    Triangulation { triangles, folded }
+}
+
+/// [`polygon`] with buffers that are used again: for meshes of many polygons.
+#[derive(Clone, Debug, Default)]
+pub struct Triangulator {
+    flat: Vec<[f64; 2]>,
+    second: Vec<[u32; 3]>,
+    ears: Ears,
+}
+
+impl Triangulator {
+    /// Appends the triangles of one polygon to `out` and returns how many of them lie face down.
+    pub fn polygon(&mut self, points: &[[f64; 3]], out: &mut Vec<[u32; 3]>) -> usize {
+        match points.len() {
+            0..=2 => return 0,
+            3 => {
+                out.push([0, 1, 2]);
+                return 0;
+            }
+            _ => {}
+        }
+        let scale = scale_of(points);
+        let normal = newell(points, scale);
+        let start = out.len();
+        along_axis(points, scale, normal, &mut self.flat);
+        let folded = cut(&self.flat, &mut self.ears, out);
+        if folded == 0 || !along_normal(points, scale, normal, &mut self.flat) {
+            return folded;
+        }
+        // A bent polygon may cross itself in one view and not in the other.
+        self.second.clear();
+        let folded_second = cut(&self.flat, &mut self.ears, &mut self.second);
+        if folded_second >= folded {
+            return folded;
+        }
+        out.truncate(start);
+        out.extend_from_slice(&self.second);
+        folded_second
+    }
+}
+
+fn cut(flat: &[[f64; 2]], ears: &mut Ears, out: &mut Vec<[u32; 3]>) -> usize {
+    match *flat {
+        [a, b, c, d] => quad([a, b, c, d], out),
+        _ => ears.cut(flat, out),
+    }
+}
+
+/// Positive where `a`, `b`, `c` turn left; the sign is exact.
+fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
+    let coord = |[x, y]: [f64; 2]| Coord { x, y };
+    orient2d(coord(a), coord(b), coord(c))
+}
+
+/// The two triangles of a quadrilateral: cut from its first corner where that is right, else from its second.
+fn quad(p: [[f64; 2]; 4], out: &mut Vec<[u32; 3]>) -> usize {
+    const CUTS: [[[u32; 3]; 2]; 2] = [[[0, 1, 2], [0, 2, 3]], [[1, 2, 3], [1, 3, 0]]];
+    let turns = CUTS.map(|cut| cut.map(|t| turn(p[t[0] as usize], p[t[1] as usize], p[t[2] as usize])));
+    let all = |test: fn(f64) -> bool| (0..2).find(|k| turns[*k].iter().all(|t| test(*t)));
+    // Two triangles with area if possible, else two that are not face down, else the first cut.
+    let pick = all(|t| t > 0.0).or_else(|| all(|t| t >= 0.0)).unwrap_or(0);
+    out.extend(CUTS[pick]);
+    turns[pick].iter().filter(|t| **t < 0.0).count()
+}
+
+/// The polygon seen along the largest axis of its normal, counter-clockwise. Exact but for the power of two.
+fn along_axis(points: &[[f64; 3]], scale: f64, normal: [f64; 3], flat: &mut Vec<[f64; 2]>) {
+    let mut drop = largest_axis(normal);
+    if normal[drop].is_nan() || normal[drop] == 0.0 {
+        drop = thinnest(points);
+    }
+    let (mut u, mut v) = ((drop + 1) % 3, (drop + 2) % 3);
+    if normal[drop] < 0.0 {
+        (u, v) = (v, u);
+    }
+    flat.clear();
+    flat.extend(points.iter().map(|p| [p[u] * scale, p[v] * scale]));
+}
+
+/// The polygon seen along its normal, counter-clockwise, rounded; false where it has no normal.
+fn along_normal(points: &[[f64; 3]], scale: f64, normal: [f64; 3], flat: &mut Vec<[f64; 2]>) -> bool {
+    let largest = normal[largest_axis(normal)].abs();
+    if !(largest > 0.0 && largest.is_finite()) {
+        return false;
+    }
+    let n = normal.map(|x| x / largest);
+    // The axis that is furthest from the normal, made perpendicular to it, and a third one to both.
+    let mut k = 0;
+    for other in 1..3 {
+        if n[other].abs() < n[k].abs() {
+            k = other;
+        }
+    }
+    let mut axis = [0.0; 3];
+    axis[k] = 1.0;
+    let u = cross(axis, n);
+    let v = cross(n, u);
+    let dot = |a: [f64; 3], b: [f64; 3]| (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
+    flat.clear();
+    flat.extend(points.iter().map(|p| from_first(points, p, scale)).map(|p| [dot(p, u), dot(p, v)]));
+    true
+}
+
+fn largest_axis(normal: [f64; 3]) -> usize {
+    let size = normal.map(f64::abs);
+    let largest = usize::from(size[1] > size[0]);
+    if size[2] > size[largest] { 2 } else { largest }
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn from_first(points: &[[f64; 3]], p: &[f64; 3], scale: f64) -> [f64; 3] {
+    std::array::from_fn(|k| p[k] * scale - points[0][k] * scale)
+}
+
+/// A power of two that brings the largest coordinate near 1; 1 itself for all but extreme polygons.
+fn scale_of(points: &[[f64; 3]]) -> f64 {
+    let largest =
+        points.iter().flatten().fold(0.0_f64, |most, x| if x.abs() > most { x.abs() } else { most });
+    let exponent = ((largest.to_bits() >> 52) & 0x7ff) as i64 - 1023;
+    // 2^±250 ≈ 1e±75: squares of sums, and their rounding errors, stay inside the range of f64 (2^±1022).
+    if largest == 0.0 || exponent.abs() <= 250 {
+        return 1.0;
+    }
+    // Both ends of the range have a reciprocal that is a normal number: 2^-1022 and 2^1023.
+    f64::from_bits(((1023 - exponent).clamp(1, 2046) as u64) << 52)
+}
+
+/// Twice the polygon's vector area, after scaling.
+fn newell(points: &[[f64; 3]], scale: f64) -> [f64; 3] {
+    points.windows(2).skip(1).fold([0.0; 3], |sum, pair| {
+        let term = cross(from_first(points, &pair[0], scale), from_first(points, &pair[1], scale));
+        std::array::from_fn(|k| sum[k] + term[k])
+    })
+}
+
+/// The axis along which the points differ least.
+fn thinnest(points: &[[f64; 3]]) -> usize {
+    let extent = |k: usize| {
+        let low = points.iter().fold(f64::INFINITY, |m, p| if p[k] < m { p[k] } else { m });
+        let high = points.iter().fold(f64::NEG_INFINITY, |m, p| if p[k] > m { p[k] } else { m });
+        0.5 * high - 0.5 * low
+    };
+    let extents = [extent(0), extent(1), extent(2)];
+    let mut least = 0;
+    for k in 1..3 {
+        if extents[k] < extents[least] {
+            least = k;
+        }
+    }
+    least
+}

@@ -1,0 +1,411 @@
+//! `Interval`: a range of real numbers that is sure to hold every value, with the claim *defined and continuous*.
+//!
+//! Each operation returns a range that holds the exact result for all real numbers of its operands: the ends are
+//! rounded outward by one step (see [`super::add_up`]), so an exactly representable end may be widened by one unit
+//! in the last place. What keeps its exact end: 0 where a factor, a dividend or a root is exactly 0 or where a sum
+//! cancels to 0, and everything that only picks or flips ends (`neg`, `abs`, `min`, `max`, `hull`, `intersection`).
+//! A product or quotient that underflows keeps its sign: `[1e-200, 1] · [1e-200, 1]` starts at 0, not below.
+//!
+//! Ends are never NaN. An infinite end means that nothing bounds the values there, not that ∞ is one of them, hence
+//! `[0, 0] · [−∞, ∞]` is `[0, 0]`.
+//!
+//! Operations are isotone: from smaller operands comes a range inside the one from larger operands, and the claim
+//! [`Interval::is_defined`] is lost only when growing.
+//!
+//! Source: IEEE Std 1788-2015, set-based flavour; the flag is its decoration `dac`.
+use super::{sqrt_down, sqrt_up, sub_up};
+use std::fmt;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// All real numbers from `lo` to `hi`, or none, and whether the expression that made it is defined and continuous
+/// for all points of the box that it was evaluated over.
+///
+/// ```
+/// use chordal::math::Interval;
+/// let x = Interval::new(-1.0, 2.0)?;
+/// let y = x.square() + Interval::point(1.0);
+/// assert!(y.lo() <= 1.0 && y.contains(5.0) && y.hi() < 5.0 + 1e-14 && y.is_defined());
+/// let z = y / x; // x holds 0
+/// assert!(z.is_entire() && !z.is_defined());
+/// # Ok::<(), chordal::math::InvalidInterval>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    lo: f64,
+    hi: f64,
+    defined: bool,
+}
+
+impl Interval {
+    /// No number.
+    pub const EMPTY: Self = Self { lo: f64::INFINITY, hi: f64::NEG_INFINITY, defined: false };
+
+    /// Every real number, as a variable without limits.
+    pub const ENTIRE: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY, defined: true };
+
+    /// Any number, or none: the result of what is not defined everywhere and has no useful range.
+    pub const UNKNOWN: Self = Self { defined: false, ..Self::ENTIRE };
+
+    /// The numbers from `lo` to `hi`; an infinite end leaves that side open.
+    ///
+    /// # Errors
+    /// [`InvalidInterval`] when an end is NaN, `lo > hi`, or no real number lies between (`lo = ∞` or `hi = −∞`).
+    pub fn new(lo: f64, hi: f64) -> Result<Self, InvalidInterval> {
+        if lo <= hi && lo < f64::INFINITY && hi > f64::NEG_INFINITY {
+            Ok(Self { lo, hi, defined: true })
+        } else {
+            Err(InvalidInterval { lo, hi })
+        }
+    }
+
+    /// The number `x` alone; [`Interval::UNKNOWN`] when `x` is NaN or infinite.
+    #[inline]
+    #[must_use]
+    pub fn point(x: f64) -> Self {
+        if x.is_finite() { Self { lo: x, hi: x, defined: true } } else { Self::UNKNOWN }
+    }
+
+    /// The low end; +∞ when empty.
+    #[inline]
+    #[must_use]
+    pub fn lo(self) -> f64 {
+        self.lo
+    }
+
+    /// The high end; −∞ when empty.
+    #[inline]
+    #[must_use]
+    pub fn hi(self) -> f64 {
+        self.hi
+    }
+
+    /// Whether the expression is defined and continuous for every point of the box: only then does a change of sign
+    /// between two points prove a zero between them.
+    #[inline]
+    #[must_use]
+    pub fn is_defined(self) -> bool {
+        self.defined
+    }
+
+    /// The same numbers without the claim: for an operation that jumps or has no value somewhere.
+    #[inline]
+    #[must_use]
+    pub fn undefined(self) -> Self {
+        Self { defined: false, ..self }
+    }
+
+    /// Whether it holds no number.
+    #[inline]
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        self.lo > self.hi
+    }
+
+    /// Whether it holds every real number.
+    #[must_use]
+    pub fn is_entire(self) -> bool {
+        self.lo == f64::NEG_INFINITY && self.hi == f64::INFINITY
+    }
+
+    /// Whether the real number `x` is in it; never for NaN or an infinity.
+    #[inline]
+    #[must_use]
+    pub fn contains(self, x: f64) -> bool {
+        x.is_finite() && self.lo <= x && x <= self.hi
+    }
+
+    /// Whether each of its numbers is in `other`.
+    #[must_use]
+    pub fn is_subset_of(self, other: Self) -> bool {
+        self.is_empty() || (other.lo <= self.lo && self.hi <= other.hi)
+    }
+
+    /// The smallest interval around both; defined where both are.
+    #[must_use]
+    pub fn hull(self, other: Self) -> Self {
+        let (lo, hi) = (lower(self.lo, other.lo), upper(self.hi, other.hi));
+        Self { lo, hi, defined: self.defined && other.defined }
+    }
+
+    /// The numbers that are in both; defined where both are, [`Interval::EMPTY`] when there are none.
+    #[must_use]
+    pub fn intersection(self, other: Self) -> Self {
+        let (lo, hi) = (upper(self.lo, other.lo), lower(self.hi, other.hi));
+        if lo <= hi { Self { lo, hi, defined: self.defined && other.defined } } else { Self::EMPTY }
+    }
+
+    /// `hi − lo`, bounded from above: 0 for a point and for the empty interval, ∞ for an open end.
+    #[must_use]
+    pub fn width(self) -> f64 {
+        if self.lo < self.hi { sub_up(self.hi, self.lo) } else { 0.0 }
+    }
+
+    /// A finite number in it, the middle up to rounding; 0 for [`Interval::ENTIRE`], the largest (smallest) number
+    /// when only the high (low) end is open. `None` when empty.
+    #[must_use]
+    pub fn midpoint(self) -> Option<f64> {
+        if self.is_empty() {
+            return None;
+        }
+        let middle = match (self.lo == f64::NEG_INFINITY, self.hi == f64::INFINITY) {
+            (true, true) => 0.0,
+            (true, false) => f64::MIN,
+            (false, true) => f64::MAX,
+            (false, false) => 0.5 * self.lo + 0.5 * self.hi,
+        };
+        // Half of the smallest subnormal rounds to 0, which may be outside.
+        Some(upper(self.lo, lower(self.hi, middle)))
+    }
+
+    /// The largest absolute value; 0 when empty.
+    #[must_use]
+    pub fn magnitude(self) -> f64 {
+        if self.is_empty() { 0.0 } else { upper(self.lo.abs(), self.hi.abs()) }
+    }
+
+    /// `|x|`, exactly.
+    #[must_use]
+    pub fn abs(self) -> Self {
+        if self.is_empty() || self.lo >= 0.0 {
+            self
+        } else if self.hi <= 0.0 {
+            -self
+        } else {
+            Self { lo: 0.0, hi: upper(-self.lo, self.hi), defined: self.defined }
+        }
+    }
+
+    /// The smaller of a number of each, exactly.
+    #[inline]
+    #[must_use]
+    pub fn min(self, other: Self) -> Self {
+        if self.is_empty() || other.is_empty() {
+            return Self::EMPTY;
+        }
+        let (lo, hi) = (lower(self.lo, other.lo), lower(self.hi, other.hi));
+        Self { lo, hi, defined: self.defined && other.defined }
+    }
+
+    /// The larger of a number of each, exactly.
+    #[inline]
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
+        if self.is_empty() || other.is_empty() {
+            return Self::EMPTY;
+        }
+        let (lo, hi) = (upper(self.lo, other.lo), upper(self.hi, other.hi));
+        Self { lo, hi, defined: self.defined && other.defined }
+    }
+
+    /// `x²`, never below 0.
+    #[must_use]
+    pub fn square(self) -> Self {
+        if self.is_empty() {
+            return Self::EMPTY;
+        }
+        let Self { lo, hi, defined } = self.abs();
+        Self { lo: product_down(lo, lo), hi: product_up(hi, hi), defined }
+    }
+
+    /// `√x` over the part that is not negative: defined only where there is no other part, empty when there is
+    /// nothing else.
+    #[must_use]
+    pub fn sqrt(self) -> Self {
+        // This holds for the empty interval too.
+        if self.hi < 0.0 {
+            return Self::EMPTY;
+        }
+        let lo = if self.lo > 0.0 { sqrt_down(self.lo) } else { 0.0 };
+        let hi = if self.hi > 0.0 { sqrt_up(self.hi) } else { 0.0 };
+        Self { lo, hi, defined: self.defined && self.lo >= 0.0 }
+    }
+
+    /// `xⁿ`; `x⁰` is 1 for every `x`. A negative power of an interval with 0 is [`Interval::UNKNOWN`].
+    #[must_use]
+    pub fn powi(self, n: i32) -> Self {
+        if self.is_empty() {
+            return Self::EMPTY;
+        }
+        let count = n.unsigned_abs();
+        let raised = if count == 0 {
+            Self { lo: 1.0, hi: 1.0, defined: self.defined }
+        } else if count.is_multiple_of(2) {
+            let Self { lo, hi, defined } = self.abs();
+            Self { lo: power(lo, count, product_down), hi: power(hi, count, product_up), defined }
+        } else {
+            self.odd_power(count)
+        };
+        if n < 0 { Self::point(1.0) / raised } else { raised }
+    }
+
+    /// An odd power grows with its base, so each end belongs to one end.
+    fn odd_power(self, count: u32) -> Self {
+        let low = |x: f64| {
+            if x < 0.0 { -power(-x, count, product_up) } else { power(x, count, product_down) }
+        };
+        let high = |x: f64| {
+            if x < 0.0 { -power(-x, count, product_down) } else { power(x, count, product_up) }
+        };
+        Self { lo: low(self.lo), hi: high(self.hi), defined: self.defined }
+    }
+}
+
+impl Neg for Interval {
+    type Output = Self;
+
+    #[inline]
+    fn neg(self) -> Self {
+        Self { lo: -self.hi, hi: -self.lo, defined: self.defined }
+    }
+}
+
+impl Add for Interval {
+    type Output = Self;
+
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        if self.is_empty() || other.is_empty() {
+            return Self::EMPTY;
+        }
+        // Low ends are never +∞ and high ends never −∞, so no ∞ − ∞ arises.
+        let (lo, hi) = (self.lo + other.lo, self.hi + other.hi);
+        // A sum that rounds to 0 is 0: addition does not underflow.
+        let (lo, hi) =
+            (if lo == 0.0 { 0.0 } else { lo.next_down() }, if hi == 0.0 { 0.0 } else { hi.next_up() });
+        Self { lo, hi, defined: self.defined && other.defined }
+    }
+}
+
+impl Sub for Interval {
+    type Output = Self;
+
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl Mul for Interval {
+    type Output = Self;
+
+    fn mul(self, other: Self) -> Self {
+        if self.is_empty() || other.is_empty() {
+            return Self::EMPTY;
+        }
+        let ends = [(self.lo, other.lo), (self.lo, other.hi), (self.hi, other.lo), (self.hi, other.hi)];
+        let downs = ends.map(|(a, b)| product_down(a, b));
+        let ups = ends.map(|(a, b)| product_up(a, b));
+        Self {
+            lo: lower(lower(downs[0], downs[1]), lower(downs[2], downs[3])),
+            hi: upper(upper(ups[0], ups[1]), upper(ups[2], ups[3])),
+            defined: self.defined && other.defined,
+        }
+    }
+}
+
+impl Div for Interval {
+    type Output = Self;
+
+    /// `x / y`; [`Interval::UNKNOWN`] when `other` holds 0.
+    fn div(self, other: Self) -> Self {
+        if self.is_empty() || other.is_empty() {
+            return Self::EMPTY;
+        }
+        if other.lo <= 0.0 && other.hi >= 0.0 {
+            return Self::UNKNOWN;
+        }
+        let (over, under) = if other.hi < 0.0 { (-self, -other) } else { (self, other) };
+        // With a positive divisor the smaller one of its ends makes the larger quotient. No ∞/∞ arises: the
+        // dividends below that may be infinite go with the divisor's low end, which is finite.
+        let lo = quotient_down(over.lo, if over.lo >= 0.0 { under.hi } else { under.lo });
+        let hi = quotient_up(over.hi, if over.hi >= 0.0 { under.lo } else { under.hi });
+        Self { lo, hi, defined: self.defined && other.defined }
+    }
+}
+
+impl fmt::Display for Interval {
+    /// `[1, 2]`, with a `?` behind it where it is not defined everywhere, or `empty`. Reading the numbers back gives
+    /// the same f64 ends.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.is_empty() {
+            return f.write_str("empty");
+        }
+        write!(f, "[{}, {}]{}", self.lo, self.hi, if self.defined { "" } else { "?" })
+    }
+}
+
+/// Two numbers that are not the ends of an interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InvalidInterval {
+    lo: f64,
+    hi: f64,
+}
+
+impl fmt::Display for InvalidInterval {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "there is no real number from {} to {}", self.lo, self.hi)
+    }
+}
+
+impl std::error::Error for InvalidInterval {}
+
+#[inline]
+fn lower(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+#[inline]
+fn upper(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// A bound from below on a product or quotient from its rounded value. The sign of a result is always right, also
+/// where it underflows to ±0, so +0 is such a bound already.
+#[inline]
+fn below(rounded: f64) -> f64 {
+    if rounded == 0.0 && rounded.is_sign_positive() { 0.0 } else { rounded.next_down() }
+}
+
+/// A bound from above, as [`below`].
+#[inline]
+fn above(rounded: f64) -> f64 {
+    if rounded == 0.0 && rounded.is_sign_negative() { 0.0 } else { rounded.next_up() }
+}
+
+#[inline]
+fn product_down(a: f64, b: f64) -> f64 {
+    if a == 0.0 || b == 0.0 { 0.0 } else { below(a * b) }
+}
+
+#[inline]
+fn product_up(a: f64, b: f64) -> f64 {
+    if a == 0.0 || b == 0.0 { 0.0 } else { above(a * b) }
+}
+
+#[inline]
+fn quotient_down(a: f64, b: f64) -> f64 {
+    if a == 0.0 { 0.0 } else { below(a / b) }
+}
+
+#[inline]
+fn quotient_up(a: f64, b: f64) -> f64 {
+    if a == 0.0 { 0.0 } else { above(a / b) }
+}
+
+/// `x^count` for `x ≥ 0` and `count ≥ 1` by squaring; a bound in the direction of `times`.
+fn power(x: f64, count: u32, times: fn(f64, f64) -> f64) -> f64 {
+    let (mut square, mut rest) = (x, count);
+    while rest.is_multiple_of(2) {
+        square = times(square, square);
+        rest /= 2;
+    }
+    let mut product = square;
+    while rest > 1 {
+        square = times(square, square);
+        rest /= 2;
+        if rest % 2 == 1 {
+            product = times(product, square);
+        }
+    }
+    product
+}

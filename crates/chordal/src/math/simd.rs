@@ -1,0 +1,178 @@
+//! One kernel in plain Rust, compiled once for each instruction set, and the choice between them at run time.
+//!
+//! A kernel is written once, as loops over plain `f64` slices; the compiler vectorises it for each set. Only
+//! additions, subtractions, multiplications, divisions, square roots and comparisons in the order as written are
+//! used, and never a fused multiply-add: Rust contracts nothing by itself. So the results are bit-identical on every
+//! set, and [`Isa::Plain`] is the oracle of the others.
+//!
+//! The environment variable `CHORDAL_ISA` = `plain`, `avx2` or `avx512` asks for a set, for tests and comparisons. A
+//! value that is unknown, or that this processor does not have, means `plain`: always there, and the same results.
+//! (A shell that wants to complain parses the value as [`Isa`] and asks [`Isa::is_available`].)
+use std::fmt;
+use std::str::FromStr;
+use std::sync::OnceLock;
+
+/// A set of instructions that kernels are compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Isa {
+    /// What the whole program was compiled for; this includes SSE2 on x86-64, NEON on 64-bit ARM and, when it was
+    /// switched on at compile time, simd128 on WebAssembly, which has no choice at run time.
+    Plain,
+    /// AVX2: four f64 at once.
+    Avx2,
+    /// AVX-512 (F, VL, DQ): eight f64 at once.
+    Avx512,
+}
+
+impl Isa {
+    /// All sets, the widest last.
+    pub const ALL: [Self; 3] = [Self::Plain, Self::Avx2, Self::Avx512];
+
+    /// Whether this processor has it.
+    #[must_use]
+    pub fn is_available(self) -> bool {
+        match self {
+            Self::Plain => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => is_x86_feature_detected!("avx2"),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => {
+                is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512vl")
+                    && is_x86_feature_detected!("avx512dq")
+            }
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => false,
+        }
+    }
+
+    /// The set that is used where `request` is the value of `CHORDAL_ISA`.
+    fn chosen(request: Option<&str>) -> Self {
+        let available = |isa: &Self| isa.is_available();
+        match request {
+            None | Some("") => Self::ALL.into_iter().rfind(available).unwrap_or(Self::Plain),
+            Some(name) => name.parse().ok().filter(available).unwrap_or(Self::Plain),
+        }
+    }
+
+    /// The name, as in `CHORDAL_ISA`.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Plain => "plain",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+        }
+    }
+}
+
+/// The set that kernels run on unless told otherwise: chosen at the first call, the same ever after.
+#[must_use]
+pub fn isa() -> Isa {
+    static CHOSEN: OnceLock<Isa> = OnceLock::new();
+    *CHOSEN.get_or_init(|| Isa::chosen(std::env::var("CHORDAL_ISA").ok().as_deref()))
+}
+
+/// Work that is compiled for every instruction set.
+///
+/// `run` and everything that it calls in its inner loops must be `#[inline(always)]`: only code that is inlined is
+/// compiled for the set.
+///
+/// ```
+/// use chordal::math::simd::{self, Isa, Kernel};
+/// struct Halve<'a>(&'a mut [f64]);
+/// impl Kernel for Halve<'_> {
+///     type Output = ();
+///     #[inline(always)]
+///     fn run(self) {
+///         self.0.iter_mut().for_each(|x| *x *= 0.5);
+///     }
+/// }
+/// let mut numbers = [1.0, 2.0, 3.0];
+/// simd::dispatch(simd::isa(), Halve(&mut numbers));
+/// simd::dispatch(Isa::Plain, Halve(&mut numbers));
+/// assert_eq!(numbers, [0.25, 0.5, 0.75]);
+/// ```
+pub trait Kernel {
+    /// What it returns.
+    type Output;
+
+    /// Does the work.
+    fn run(self) -> Self::Output;
+}
+
+/// Runs `kernel` as compiled for `isa`, or for [`Isa::Plain`] when this processor does not have that set.
+#[inline]
+pub fn dispatch<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
+    match isa {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: the features that `on_avx2` is compiled for were found in this processor.
+        Isa::Avx2 if isa.is_available() => unsafe { on_avx2(kernel) },
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: the features that `on_avx512` is compiled for were found in this processor.
+        Isa::Avx512 if isa.is_available() => unsafe { on_avx512(kernel) },
+        _ => kernel.run(),
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn on_avx2<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512vl,avx512dq")]
+fn on_avx512<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run()
+}
+
+impl fmt::Display for Isa {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+impl FromStr for Isa {
+    type Err = UnknownIsa;
+
+    fn from_str(text: &str) -> Result<Self, UnknownIsa> {
+        Self::ALL.into_iter().find(|isa| isa.as_str() == text).ok_or_else(|| UnknownIsa(text.to_owned()))
+    }
+}
+
+/// A text that names no instruction set.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnknownIsa(String);
+
+impl fmt::Display for UnknownIsa {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "an instruction set is plain, avx2 or avx512, not '{}'", self.0)
+    }
+}
+
+impl std::error::Error for UnknownIsa {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn takes_the_widest_set_unless_asked() {
+        let widest = Isa::chosen(None);
+        assert!(widest.is_available());
+        assert!(Isa::ALL.into_iter().skip_while(|isa| *isa != widest).skip(1).all(|isa| !isa.is_available()));
+        assert_eq!(Isa::chosen(Some("")), widest);
+    }
+
+    #[test]
+    fn takes_what_is_asked_for_and_there_and_else_plain() {
+        for isa in Isa::ALL {
+            let expected = if isa.is_available() { isa } else { Isa::Plain };
+            assert_eq!(Isa::chosen(Some(isa.as_str())), expected);
+        }
+        assert_eq!(Isa::chosen(Some("mmx")), Isa::Plain);
+        assert_eq!(Isa::chosen(Some("AVX2")), Isa::Plain);
+    }
+}

@@ -1,0 +1,144 @@
+//! The two-sided distance between a mesh and a surface, by dense samples from which it climbs to the maxima.
+use super::climb::climb;
+use super::surface::{Surface, evaluate};
+use super::triangles::Triangles;
+use super::vector::{Point, add, scale};
+
+/// How densely to sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Effort {
+    /// Samples a side of each patch.
+    pub grid: usize,
+    /// How many of the highest samples are climbed from, a patch or a mesh.
+    pub climbs: usize,
+    /// Halvings of a climb's step.
+    pub halvings: u32,
+}
+
+impl Effort {
+    /// Three samples a side of an average triangle.
+    pub fn for_triangles(a_patch: usize) -> Self {
+        let grid = (3.0 * (a_patch as f64 / 2.0).sqrt()) as usize;
+        Self { grid: grid.clamp(32, 600), climbs: 24, halvings: 10 }
+    }
+}
+
+/// The relative gap that is left between a distance from the surface and its proof.
+const PROOF: f64 = 1e-3;
+/// Samples a mesh that may turn out wrong before the search for the largest distance gives up.
+const MOST_WRONG: usize = 200;
+
+/// What was measured, both from below: every value belongs to a sample, and is exact up to rounding or proved.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Distance {
+    /// Surface to mesh.
+    pub to_mesh: f64,
+    /// Where on the surface.
+    pub surface_at: Point,
+    /// Mesh to surface. Proved from below by branch and bound, up to `PROOF`.
+    pub to_surface: f64,
+    /// Where on the mesh.
+    pub mesh_at: Point,
+}
+
+impl Distance {
+    pub fn both(&self) -> f64 {
+        self.to_mesh.max(self.to_surface)
+    }
+}
+
+pub fn measure(surface: &Surface, mesh: &Triangles) -> Distance {
+    let effort = Effort::for_triangles(mesh.corners.len() / surface.patches.len().max(1));
+    let (to_mesh, surface_at) = surface_to_mesh(surface, mesh, effort);
+    let (to_surface, mesh_at) = mesh_to_surface(surface, mesh, effort);
+    Distance { to_mesh, surface_at, to_surface, mesh_at }
+}
+
+/// The largest distance from a point of the surface to the mesh, and that point.
+pub fn surface_to_mesh(surface: &Surface, mesh: &Triangles, effort: Effort) -> (f64, Point) {
+    let first = surface.patches.first().map_or([0.0; 3], |control| control[0][0]);
+    let mut worst = (0.0, first);
+    for control in &surface.patches {
+        let (n, mut guess) = (effort.grid, 0);
+        let mut of = |uv: [f64; 2]| {
+            let (away, triangle) = mesh.nearest(evaluate(control, uv), guess);
+            guess = triangle;
+            away
+        };
+        let mut values = Vec::with_capacity((n + 1) * (n + 1));
+        for i in 0..=n {
+            for j in 0..=n {
+                // There and back, so that the next sample is always a neighbour of the last.
+                let j = if i % 2 == 0 { j } else { n - j };
+                let uv = [j as f64 / n as f64, i as f64 / n as f64];
+                values.push((of(uv), uv));
+            }
+        }
+        highest_first(&mut values, effort.climbs);
+        for &(value, uv) in values.iter().take(effort.climbs) {
+            let (value, uv) = climb(uv, value, (0.5 / n as f64, effort.halvings), &mut of);
+            if value > worst.0 {
+                worst = (value, evaluate(control, uv));
+            }
+        }
+    }
+    worst
+}
+
+/// Brings the `n` highest to the front, in order.
+fn highest_first<T: Copy>(values: &mut [(f64, T)], n: usize) {
+    if n < values.len() {
+        values.select_nth_unstable_by(n, |a, b| b.0.total_cmp(&a.0));
+    }
+    let n = n.min(values.len());
+    values[..n].sort_by(|a, b| b.0.total_cmp(&a.0));
+}
+
+/// The point of a triangle at `(a, b)` of the unit square, folded along its diagonal.
+fn on_triangle([p, q, r]: [Point; 3], [a, b]: [f64; 2]) -> Point {
+    let (a, b) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };
+    add(scale(p, 1.0 - a - b), add(scale(q, a), scale(r, b)))
+}
+
+/// The largest distance from a point of the mesh to the surface, and that point.
+pub fn mesh_to_surface(surface: &Surface, mesh: &Triangles, effort: Effort) -> (f64, Point) {
+    const SAMPLES: [[f64; 2]; 5] = [[0.0, 0.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5], [1.0 / 3.0, 1.0 / 3.0]];
+    let mut values = Vec::with_capacity(SAMPLES.len() * mesh.corners.len());
+    let mut foot = None;
+    for (i, corners) in mesh.corners.iter().enumerate() {
+        for ab in SAMPLES {
+            let next = surface.nearest(on_triangle(*corners, ab), foot);
+            values.push((next.distance, (i, ab, next)));
+            foot = Some(next);
+        }
+    }
+    // Samples whose foot turns out not to be the nearest say nothing; others take their place.
+    let wanted = effort.climbs + MOST_WRONG;
+    highest_first(&mut values, wanted);
+    let mut climbed = Vec::new();
+    for &(value, (i, ab, foot)) in values.iter().take(wanted) {
+        let corners = mesh.corners[i];
+        let proved = surface.proved_nearest(on_triangle(corners, ab), Some(foot), PROOF);
+        let Some(foot) = proved.filter(|foot| foot.distance >= 0.99 * value) else { continue };
+        let of = |ab| surface.nearest(on_triangle(corners, ab), Some(foot)).distance;
+        let (value, ab) = climb(ab, value, (0.25, effort.halvings), of);
+        climbed.push((value, on_triangle(corners, ab)));
+        if climbed.len() == effort.climbs {
+            break;
+        }
+    }
+    climbed.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // A foot that is not the nearest claims too much, so what counts is proved, the highest claim first.
+    let mut worst = (0.0, climbed.first().map_or([0.0; 3], |(_, p)| *p));
+    for (claim, p) in climbed {
+        if claim <= worst.0 {
+            break;
+        }
+        let foot = surface.proved_nearest(p, None, PROOF);
+        let proved = foot.map_or(0.0, |foot| foot.distance * (1.0 - PROOF));
+        if proved > worst.0 {
+            worst = (proved, p);
+        }
+    }
+    worst
+}
