@@ -2,18 +2,20 @@
 //!
 //! A dump with one mesh is measured against the whole corpus, one with a mesh for each patch one by one. Prints CSV:
 //! corpus, tolerance, engine, shapes, shapes over, worst and median of error/tolerance.
-use chordal_bench::sampler::{Distance, Surface, Triangles, measure};
+use chordal_bench::sampler::{Surface, Triangles, measure};
 use chordal_bench::{Dumped, labels, out, patches, read};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-fn measured(surface: Surface, (positions, faces): &Dumped) -> Distance {
+/// From the surface to the mesh, and back.
+fn measured(surface: Surface, (positions, faces): &Dumped) -> [f64; 2] {
     if faces.is_empty() {
-        return Distance { to_mesh: f64::INFINITY, ..Distance::default() };
+        return [f64::INFINITY, 0.0];
     }
-    measure(&surface, &Triangles::new(positions, faces))
+    let found = measure(&surface, &Triangles::new(positions, faces));
+    [found.to_mesh, found.to_surface]
 }
 
-fn all(corpus: &str, meshes: &[Dumped]) -> Vec<Distance> {
+fn all(corpus: &str, meshes: &[Dumped]) -> Vec<[f64; 2]> {
     let patches = patches(corpus);
     if meshes.len() == 1 {
         return vec![measured(Surface::new(patches), &meshes[0])];
@@ -47,7 +49,7 @@ fn main() {
         let path = out().join(format!("{corpus}.{tolerance}.{engine}.mesh"));
         let meshes = read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         let found = all(corpus, &meshes);
-        let mut ratios: Vec<f64> = found.iter().map(|d| d.both() / limit).collect();
+        let mut ratios: Vec<f64> = found.iter().map(|[to, back]| to.max(*back) / limit).collect();
         let mut families = std::collections::BTreeMap::<&str, (usize, f64)>::new();
         for (i, ratio) in ratios.iter().enumerate() {
             let family = families.entry(&names[i]).or_default();
@@ -57,7 +59,7 @@ fn main() {
         ratios.sort_by(f64::total_cmp);
         let over = ratios.iter().filter(|r| **r > 1.0).count();
         let (worst, median) = (ratios[ratios.len() - 1], ratios[ratios.len() / 2]);
-        let one_sided = found.iter().filter(|d| d.to_mesh > limit).count();
+        let one_sided = found.iter().filter(|[to, _]| *to > limit).count();
         println!("{corpus},{tolerance},{engine},{},{over},{one_sided},{worst:.3},{median:.3}", ratios.len());
     }
 }

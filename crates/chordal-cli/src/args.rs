@@ -1,7 +1,6 @@
 //! The command line: names, values and their help.
 use chordal::budget::{InvalidLength, Length, Pixels, Unit, View};
 use chordal_io::{Axis, Format};
-use chordal_verbs::formats;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use std::path::PathBuf;
@@ -60,7 +59,7 @@ pub struct InputArgs {
     pub input: PathBuf,
 
     /// The format of the input, instead of what its name or content says
-    #[arg(long, value_name = "FORMAT", value_parser = format)]
+    #[arg(long, value_name = "FORMAT")]
     pub from: Option<Format>,
 
     /// The unit of the input's coordinates: um, mm, cm, m, km, in or ft
@@ -124,7 +123,7 @@ pub struct MeshArgs {
     pub output: OutputArgs,
 
     /// The format of the output, instead of what its name says
-    #[arg(long, value_name = "FORMAT", value_parser = format)]
+    #[arg(long, value_name = "FORMAT")]
     pub to: Option<Format>,
 
     /// The largest distance to the true shape: 0.1, 0.1mm, or 0.05% of the diagonal of its box
@@ -191,7 +190,7 @@ pub struct RenderArgs {
     pub show: Show,
 
     /// The size of the picture
-    #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "view")]
+    #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "view", allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
 
     /// The camera, with the size of the picture: "1280x960 fov=30 eye=4,-6,3 target=0,0,1"
@@ -221,11 +220,6 @@ pub enum Show {
     Wire,
     /// The direction of the normal as a colour
     Normals,
-}
-
-fn format(text: &str) -> Result<Format, String> {
-    formats::by_name(text)
-        .ok_or_else(|| format!("formats are {}", formats::names().collect::<Vec<_>>().join(", ")))
 }
 
 /// The reason alone: the message that it becomes part of names the text already.

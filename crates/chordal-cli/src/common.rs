@@ -1,14 +1,13 @@
 //! The steps that verbs share: read the input, make the job, say what went wrong.
-use crate::args::{InputArgs, OutputArgs};
+use crate::args::{InputArgs, OutputArgs, TalkArgs};
 use crate::fault::{Exit, Fault};
 use crate::input::Source;
 use crate::output::Existing;
 use crate::signal;
-use crate::talk::Talk;
+use crate::talk::{Stdout, Talk};
 use chordal::Job;
-use chordal::budget::{Code, Refusal};
 use chordal_io::Limits;
-use chordal_verbs::{Hint, Input, load};
+use chordal_verbs::{Hint, Input, MeshFailure, load};
 
 /// Reads what `args` name, tells its warnings, and adds what the user knows of its space.
 pub fn read(args: &InputArgs, talk: &Talk) -> Result<Input, Fault> {
@@ -40,11 +39,24 @@ pub fn existing(args: &OutputArgs) -> Existing {
     if args.force { Existing::Replace } else { Existing::Keep }
 }
 
-/// The fault of work that was refused.
-pub fn refused(name: &str, refusal: &Refusal) -> Fault {
-    let exit = match refusal.code {
-        Code::NotFinite | Code::Empty | Code::Unsupported => Exit::Input,
+/// Whether a summary can go to stdout.
+pub fn stdout(output: &OutputArgs, talk: &TalkArgs) -> Result<Stdout, Fault> {
+    match (output.output.as_os_str() == "-", talk.json) {
+        (true, true) => Err(Fault::usage("--json and '-o -' both write to stdout: choose one")),
+        (true, false) => Ok(Stdout::HoldsData),
+        (false, _) => Ok(Stdout::Free),
+    }
+}
+
+/// The fault of a verb that failed on the input of that name. `best` is said where a best result is at hand.
+pub fn fault(name: &str, failure: &MeshFailure, best: &str) -> Fault {
+    let exit = match failure.exit_code() {
+        2 => Exit::Usage,
+        3 => Exit::Input,
+        4 => Exit::Output,
+        130 => return Fault::interrupted(),
         _ => Exit::Budget,
     };
-    Fault::new(exit, refusal.code.as_str(), format!("{name}: {}", refusal.message))
+    let hint = if matches!(failure, MeshFailure::Unmet(_)) { best } else { "" };
+    Fault::new(exit, failure.code(), format!("{name}: {failure}{hint}"))
 }

@@ -2,11 +2,11 @@
 use crate::args::MeshArgs;
 use crate::clock::Clock;
 use crate::common;
-use crate::fault::{Exit, Fault};
+use crate::fault::Fault;
 use crate::input::Source;
 use crate::output::Target;
 use crate::summary;
-use crate::talk::{Stdout, Talk};
+use crate::talk::Talk;
 use chordal::budget::PixelBudget;
 use chordal_io::Format;
 use chordal_verbs::report::{Report, Run};
@@ -19,7 +19,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let talk = Talk::new(&args.talk);
     let spec = spec(args)?;
     let to = output_format(&args.output.output, args.to)?;
-    let stdout = stdout(args)?;
+    let stdout = common::stdout(&args.output, &args.talk)?;
     let source = Source::from_arg(&args.input.input);
     let job = common::job(&args.input, Some(&args.output), &talk);
     let target = Target::prepare(&args.output.output, common::existing(&args.output), &source)?;
@@ -29,7 +29,8 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let (outcome, unmet) = match mesh(input, &spec, to, &job) {
         Ok(outcome) => (outcome, None),
         Err(failure) => {
-            let fault = fault(&name, &failure, args.keep_best);
+            let hint = if args.keep_best { "" } else { "; --keep-best writes it" };
+            let fault = common::fault(&name, &failure, hint);
             match failure {
                 MeshFailure::Unmet(best) if args.keep_best => (*best, Some(fault)),
                 _ => return Err(fault),
@@ -70,36 +71,12 @@ fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {
 fn output_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
     let name = path.display().to_string();
     let by_name = || extension(&name).and_then(Format::from_extension);
-    let known = || formats::mesh_names().collect::<Vec<_>>().join(", ");
+    let known = formats::mesh_names;
     let format = to.or_else(by_name).ok_or_else(|| {
         Fault::usage(format!("{name}: the name does not say the format; --to does, with {}", known()))
     })?;
     if formats::holds_triangles(format) {
         return Ok(format);
     }
-    Err(Fault::usage(format!("{} holds no triangles; those that do are {}", formats::name(format), known())))
-}
-
-/// Whether a summary can go to stdout.
-fn stdout(args: &MeshArgs) -> Result<Stdout, Fault> {
-    match (args.output.output.as_os_str() == "-", args.talk.json) {
-        (true, true) => Err(Fault::usage("--json and '-o -' both write to stdout: choose one")),
-        (true, false) => Ok(Stdout::HoldsData),
-        (false, _) => Ok(Stdout::Free),
-    }
-}
-
-fn fault(name: &str, failure: &MeshFailure, keep_best: bool) -> Fault {
-    let exit = match failure.exit_code() {
-        2 => Exit::Usage,
-        3 => Exit::Input,
-        4 => Exit::Output,
-        130 => return Fault::interrupted(),
-        _ => Exit::Budget,
-    };
-    let hint = match failure {
-        MeshFailure::Unmet(_) if !keep_best => "; --keep-best writes it",
-        _ => "",
-    };
-    Fault::new(exit, failure.code(), format!("{name}: {failure}{hint}"))
+    Err(Fault::usage(format!("{format} holds no triangles; those that do are {}", known())))
 }

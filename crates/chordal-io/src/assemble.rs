@@ -147,10 +147,26 @@ fn count_oddities(mesh: &Mesh, warnings: &mut Warnings) -> Result<(), ReadError>
     mesh.faces().iter().flatten().for_each(|i| used[mesh.position_of(*i) as usize] = true);
     let isolated = (0..n_vertices as u32).filter(|i| !used[mesh.position_of(*i) as usize]).count();
     warnings.count_all("isolated-vertices", isolated as u64, "vertices belong to no face");
-    let flat = (0..n_faces).filter(|f| face_normal(mesh.corners(*f)).is_none()).count();
+    let flat = (0..n_faces).filter(|f| is_flat(mesh.corners(*f))).count();
     warnings.count_all("zero-area-faces", flat as u64, "faces have no area");
     count_duplicate_vertices(mesh, warnings)?;
     count_duplicate_faces(mesh, warnings)
+}
+
+/// Whether a triangle has no normal.
+fn is_flat(corners: [[f64; 3]; 3]) -> bool {
+    let [a, b, c] = corners;
+    let (ab, ac): ([f64; 3], [f64; 3]) =
+        (std::array::from_fn(|k| b[k] - a[k]), std::array::from_fn(|k| c[k] - a[k]));
+    // Far above what a product loses when it underflows (2⁻¹⁰⁷⁴), so that a cross product above it needs no scaling to
+    // be told from zero.
+    const CLEAR: f64 = f64::from_bits((1023 - 900) << 52);
+    let clear = (0..3).any(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        let component = (ab[i] * ac[j] - ab[j] * ac[i]).abs();
+        component > CLEAR && component.is_finite()
+    });
+    !clear && face_normal(corners).is_none()
 }
 
 /// Vertices at bit-identical positions that the file does not tie. Hashes are compared instead of positions: a

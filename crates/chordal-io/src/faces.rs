@@ -4,6 +4,13 @@ use crate::warnings::Warnings;
 use crate::{Place, ReadError};
 use chordal::explicit::triangulate::Triangulator;
 
+/// What is said of faces that cannot cover anything.
+pub(crate) const SHORT_FACES: &str = "faces of fewer than 3 corners were skipped";
+
+/// Corners from which on a polygon with far fewer vertices than corners is not looked at: it goes round and round, and
+/// to find out how would take memory out of all proportion to its bytes.
+const LONG: usize = 1 << 16;
+
 /// A face with more than three corners: its triangles have their places, and wait for all positions to be known.
 #[derive(Debug)]
 struct Polygon {
@@ -61,6 +68,22 @@ impl Faces {
         let (mut points, mut cut) = (Vec::new(), Vec::new());
         for polygon in &self.polygons {
             let corners = &self.corners[polygon.first_corner..][..polygon.corners as usize];
+            if corners.len() > LONG && corners.len() > positions.len() + positions.len() / 2 {
+                warnings.count("polygon-overlaps", || {
+                    let message = format!(
+                        "a polygon of {} corners over {} vertices was cut as a fan from its first corner",
+                        corners.len(),
+                        positions.len()
+                    );
+                    (place(polygon.at), message)
+                });
+                for (triangle, pair) in
+                    self.triangles[polygon.first_triangle..].iter_mut().zip(corners[1..].windows(2))
+                {
+                    *triangle = [corners[0], pair[0], pair[1]];
+                }
+                continue;
+            }
             points.clear();
             points.extend(corners.iter().map(|i| positions[*i as usize]));
             // Faces with a corner that is not finite are dropped later on: no need to look at them.

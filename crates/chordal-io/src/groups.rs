@@ -9,6 +9,7 @@ use std::collections::HashMap;
 #[derive(Debug, Default)]
 pub(crate) struct Groups {
     names: Vec<String>,
+    /// Only looked up; numbers are given in the order of the file.
     index: HashMap<String, u32>,
     current: u32,
     /// From which triangle on, which number.

@@ -149,6 +149,7 @@ impl<'a> Json<'a> {
         if self.take(b'}') {
             return Ok(());
         }
+        // Only asked whether a key was there before: no order depends on it.
         let mut seen = HashSet::new();
         loop {
             self.skip_space();

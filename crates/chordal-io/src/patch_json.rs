@@ -1,6 +1,6 @@
 //! Patches in JSON, after `docs/schema/patches.schema.json`.
 use crate::assemble::{check_patches, too_many_rows};
-use crate::grow::push;
+use crate::grow::{push, with_room};
 use crate::json::{Json, Kind};
 use crate::text::{grouped, show, text_of};
 use crate::warnings::Warnings;
@@ -111,14 +111,14 @@ impl Found {
             if json.peek()? == Kind::Number {
                 is_indices = true;
                 let index = index(json)?;
-                indices.get_mut(i as usize).map(|slot| *slot = index);
+                set(&mut indices, i, index);
                 return Ok(());
             }
             if is_indices {
                 return Err(json.error("wrong-type", "an index should stand here"));
             }
             let row = row(json)?;
-            control.get_mut(i as usize).map(|slot| *slot = row);
+            set(&mut control, i, row);
             Ok(())
         })?;
         match (is_indices, n) {
@@ -149,7 +149,7 @@ impl Found {
             return Err(ReadError::new("no-points", Place::File, message));
         };
         let mut used = vec![false; points.len()];
-        let mut patches = Vec::new();
+        let mut patches = with_room(self.by_index.len())?;
         for (row, indices) in self.by_index.iter().enumerate() {
             let mut control = [[[0.0; 3]; 4]; 4];
             for (i, slot) in control.as_flattened_mut().iter_mut().enumerate() {
@@ -165,11 +165,18 @@ impl Found {
                 })?;
                 used[indices[i] as usize] = true;
             }
-            push(&mut patches, Patch { control })?;
+            patches.push(Patch { control });
         }
         let unused = used.iter().filter(|u| !**u).count() as u64;
         self.warnings.count_all("isolated-points", unused, UNUSED);
         Ok(patches)
+    }
+}
+
+/// Sets an item if the list is that long; that it is longer is said when all of it has been counted.
+fn set<T>(list: &mut [T], i: u64, item: T) {
+    if let Some(slot) = list.get_mut(i as usize) {
+        *slot = item;
     }
 }
 
@@ -194,7 +201,7 @@ fn point(json: &mut Json) -> Result<[f64; 3], ReadError> {
     let mut point = [0.0; 3];
     let n = json.array(|json, i| {
         let value = json.number()?;
-        point.get_mut(i as usize).map(|slot| *slot = value);
+        set(&mut point, i, value);
         Ok(())
     })?;
     if n == 3 { Ok(point) } else { Err(width(json, n, "numbers", 3)) }
@@ -204,7 +211,7 @@ fn row(json: &mut Json) -> Result<[[f64; 3]; 4], ReadError> {
     let mut row = [[0.0; 3]; 4];
     let n = json.array(|json, i| {
         let point = point(json)?;
-        row.get_mut(i as usize).map(|slot| *slot = point);
+        set(&mut row, i, point);
         Ok(())
     })?;
     if n == 4 { Ok(row) } else { Err(width(json, n, "points", 4)) }

@@ -5,7 +5,8 @@ use crate::{Format, Limits, Loaded, Place, ReadError, bpt, glb, obj, patch_json,
 /// The shape that a file of `format` holds, with its oddities counted.
 ///
 /// Time and memory grow with the bytes that are there, never with a count that they declare: at most
-/// 64 MiB + 16 times the bytes.
+/// 64 MiB + 16 times the bytes, or 16 times the 12 bytes of each triangle where a file packs triangles tighter than that
+/// (long polygons, strips of one-byte indices).
 ///
 /// # Errors
 /// One [`ReadError`] with its place. Where the content looks like another format, the message says which.

@@ -1,5 +1,5 @@
 //! Newell's teaset text: patches as sixteen indices from 1, then the points, all with commas.
-use crate::grow::push;
+use crate::grow::{push, with_room};
 use crate::text::{Lines, NoInteger, finite, grouped, integer, show, text_of, trim};
 use crate::warnings::Warnings;
 use crate::{Axis, Content, Frame, Limits, Loaded, Place, ReadError};
@@ -22,10 +22,10 @@ use chordal::Patch;
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
     let mut rows = Rows { lines: Lines::new(text_of(bytes)?), line: 1, limit: limits.rows };
     let mut warnings = Warnings::default();
-    let mut patches: Vec<(u64, [i64; 16])> = Vec::new();
+    let mut rows_of_patches: Vec<(u64, [u32; 16])> = Vec::new();
     for row in 0..rows.count("patches")? {
-        let indices = rows.row(|| format!("patch {row}"), |token, place| index(token, &place))?;
-        push(&mut patches, (rows.line, indices))?;
+        let indices = rows.row(|| format!("patch {row}"), index)?;
+        push(&mut rows_of_patches, (rows.line, indices))?;
     }
     let n_points = rows.count("points")?;
     let mut points: Vec<[f64; 3]> = Vec::new();
@@ -38,38 +38,37 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
         let sentence = format!("lines after the last point, {} first", show(text));
         warnings.count("trailing-text", || (Place::Line(rows.line), sentence));
     }
-    let patches = patches
-        .iter()
-        .map(|(line, indices)| patch(*line, indices, &points))
-        .collect::<Result<Vec<_>, _>>()?;
+    let mut patches = with_room(rows_of_patches.len())?;
+    for (line, indices) in &rows_of_patches {
+        patches.push(patch(*line, indices, &points)?);
+    }
     crate::assemble::check_patches(&patches, &mut warnings)?;
     let frame = Frame { up: Some(Axis::Z), metres_per_unit: None };
     Ok(Loaded { content: Content::Patches(patches, frame), warnings: warnings.into_list() })
 }
 
-fn patch(line: u64, indices: &[i64; 16], points: &[[f64; 3]]) -> Result<Patch, ReadError> {
+fn patch(line: u64, indices: &[u32; 16], points: &[[f64; 3]]) -> Result<Patch, ReadError> {
     let mut control = [[[0.0; 3]; 4]; 4];
     for (corner, &index) in control.as_flattened_mut().iter_mut().zip(indices) {
-        let row = usize::try_from(index).ok().and_then(|i| i.checked_sub(1));
-        *corner = *row.and_then(|row| points.get(row)).ok_or_else(|| {
-            let message = match index {
-                0 => "index 0: indices start at 1".to_owned(),
-                _ => format!(
-                    "index {index} is out of range: there are {} points",
-                    grouped(points.len() as u64)
-                ),
-            };
+        *corner = *points.get(index as usize - 1).ok_or_else(|| {
+            let n = grouped(points.len() as u64);
+            let message = format!("index {index} is out of range: there are {n} points");
             ReadError::new("index-out-of-range", Place::Line(line), message)
         })?;
     }
     Ok(Patch { control })
 }
 
-fn index(token: &[u8], place: &Place) -> Result<i64, ReadError> {
-    integer(token).map_err(|why| {
-        let why = if why == NoInteger::TooLarge { "is over any limit" } else { "is not an index" };
-        ReadError::new("not-an-index", place.clone(), format!("{} {why}", show(token)))
-    })
+/// An index from 1.
+fn index(token: &[u8], place: Place) -> Result<u32, ReadError> {
+    let shown = show(token);
+    let (code, message) = match integer(token).map(u32::try_from) {
+        Ok(Ok(0)) => ("index-out-of-range", "index 0: indices start at 1".to_owned()),
+        Ok(Ok(index)) => return Ok(index),
+        Err(NoInteger::Spelling) => ("not-an-index", format!("{shown} is not an index")),
+        _ => ("index-out-of-range", format!("index {shown} is out of range: from 1 to 4,294,967,295")),
+    };
+    Err(ReadError::new(code, place, message))
 }
 
 /// Lines that are not blank.

@@ -1,5 +1,4 @@
 //! `write`: a scene in any format that holds triangles.
-use crate::formats;
 use chordal_io::{Format, Scene, WriteError, glb, obj, ply, stl};
 use serde_json::Value;
 use std::io::Write;
@@ -20,7 +19,7 @@ pub fn write(
         Format::Stl => stl::write(scene, certificate, out),
         Format::Glb => glb::write(scene, certificate, out),
         Format::Bpt | Format::Teaset | Format::PatchJson => {
-            Err(WriteError::Unsupported(format!("{} holds no triangles", formats::name(format))))
+            Err(WriteError::Unsupported(format!("{format} holds no triangles")))
         }
     }
 }

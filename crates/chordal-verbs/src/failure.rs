@@ -1,7 +1,7 @@
 //! `MeshFailure`: why there are no triangles within the budget.
 use crate::MeshOutcome;
 use chordal::budget::{Code, InvalidLength, Refusal};
-use chordal_io::TooWide;
+use chordal_io::{TooWide, WriteError};
 use std::fmt;
 
 /// Why there are no triangles within the budget.
@@ -42,6 +42,13 @@ impl MeshFailure {
             Self::Unmet(_) | Self::Refused(_) => 5,
             Self::Cancelled => 130,
         }
+    }
+}
+
+/// A scene that cannot be put in one space.
+impl From<WriteError> for MeshFailure {
+    fn from(error: WriteError) -> Self {
+        Self::Refused(Refusal { code: Code::Unsupported, message: error.to_string() })
     }
 }
 

@@ -1,5 +1,5 @@
 //! `inspect`: what a file holds and whether it is sound.
-use crate::report::{Certificate, Inspection, OutputFacts, Report, Run, Valid};
+use crate::report::{Certificate, Counted, Inspection, Report, Run};
 use crate::{Input, Shape, formats};
 
 /// What the input is, with its validity in full and the certificate that it carries, if it carries one.
@@ -20,10 +20,11 @@ use crate::{Input, Shape, formats};
 pub fn inspect(input: &Input) -> Report {
     let mut certificate = Certificate::of(input);
     if let Shape::Scene(scene) = &input.shape {
-        certificate.output = Some(OutputFacts::of(scene));
-        certificate.valid = Some(Valid::in_full(scene, formats::topology(input.format)));
+        let counted = Counted::in_full(scene, formats::topology(input.format));
+        certificate.output = Some(counted.output);
+        certificate.valid = Some(counted.valid);
     }
-    let inspection = Inspection::of(input, certificate.valid.as_ref());
+    let inspection = Inspection::of(input, &certificate);
     if inspection.found.as_ref().is_some_and(|found| !found.differs.is_empty()) {
         certificate.notes.push(DIFFERS.to_owned());
     }

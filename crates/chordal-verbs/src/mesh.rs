@@ -1,11 +1,11 @@
 //! `mesh`: any shape into triangles within a budget, as they will read back from a format.
 use crate::placed::{self, Placed};
-use crate::report::{BoundFacts, BudgetFacts, Certificate, OutputFacts, Valid};
+use crate::report::{BoundFacts, BudgetFacts, Certificate, Counted};
 use crate::{BudgetSpec, Input, MeshFailure, Shape, formats, write};
 use chordal::budget::{Bound, Budget, Code, Failure, PixelBudget, Pixels, Reference, Refusal, Tolerance};
 use chordal::math::{Box3, add_up, sub_down};
 use chordal::{Bounded, Job, Mesh, Patch, convert};
-use chordal_io::{Format, Frame, Scene, WriteError, snap, worst_snap};
+use chordal_io::{Format, Frame, Scene, WriteError, losses, snap, worst_snap};
 use std::io::Write;
 
 /// Triangles at the precision of their format, with everything that is known of them.
@@ -53,27 +53,30 @@ impl MeshOutcome {
 /// ```
 pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<MeshOutcome, MeshFailure> {
     if !formats::holds_triangles(to) {
-        return Err(refused(Code::Unsupported, format!("{} holds no triangles", formats::name(to))));
+        return Err(refused(Code::Unsupported, format!("{} holds no triangles", to)));
     }
     if !spec.has_limit() {
         return Err(refused(Code::Budget, "the budget has no limit: no length, no pixels, no triangles"));
     }
     let mut certificate = Certificate::of(&input);
-    let (budget, note) = spec.resolve(&input.shape).map_err(MeshFailure::Length)?;
+    let (budget, note) = spec.resolve(&input.shape)?;
     certificate.budget = Some(BudgetFacts::of(&budget));
     certificate.notes.extend(note);
-    let place = input.shape.hull();
+    let place = input.shape.hull()?;
     let (scene, mut bound) = match input.shape {
         Shape::Patches { patches, frame } => tessellate(&Source { patches, frame, place }, &budget, to, job)?,
         Shape::Scene(scene) => {
             certificate.notes.push(PASSED_THROUGH.to_owned());
+            let lost = losses(&scene, to)?;
+            certificate.notes.extend(lost.iter().map(ToString::to_string));
             pass_through(scene, to)?
         }
     };
     bound.pixels = on_screen(&budget, &bound, &place);
     certificate.bound = Some(BoundFacts::of(&bound));
-    certificate.output = Some(OutputFacts::of(&scene));
-    certificate.valid = Some(Valid::of(&scene, formats::topology(to)));
+    let counted = Counted::of(&scene, formats::topology(to));
+    certificate.output = Some(counted.output);
+    certificate.valid = Some(counted.valid);
     let met = is_met(&budget, &certificate);
     if !met {
         certificate.notes.push(NOT_MET.to_owned());
@@ -137,7 +140,7 @@ fn set_aside(budget: &Budget, lost: f64, place: &Box3, to: Format) -> Result<Bud
     if lost == 0.0 || budget.length.is_none() && budget.pixels.is_none() {
         return Ok(*budget);
     }
-    let name = formats::name(to);
+    let name = to;
     let too_small = |asked: String, lost: String| {
         let message = format!(
             "{asked} is less than what rounding to the single precision of {name} may cost here, {lost}; \
@@ -173,7 +176,7 @@ fn widened(place: &Box3) -> Box3 {
 /// Triangles as they are, at the precision of the format.
 fn pass_through(scene: Scene, to: Format) -> Result<(Scene, Bound), MeshFailure> {
     let Placed { mut scene, moved_at_most: placed } =
-        if to == Format::Glb { Placed::as_it_is(scene) } else { placed::flattened(scene) };
+        if to == Format::Glb { Placed::as_it_is(scene) } else { placed::flattened(scene)? };
     let stretch = placed::stretch_of_parts(&scene);
     let mut moved = 0.0;
     for (part, stretch) in scene.parts.iter_mut().zip(stretch) {
@@ -181,6 +184,9 @@ fn pass_through(scene: Scene, to: Format) -> Result<(Scene, Bound), MeshFailure>
         let part_moved = placed::scaled_up(snapped.moved_at_most, stretch);
         moved = if part_moved > moved { part_moved } else { moved };
         part.mesh = snapped.mesh;
+    }
+    if to == Format::Stl {
+        scene = placed::joined(scene)?;
     }
     let all = if moved == 0.0 || placed == 0.0 { moved + placed } else { add_up(moved, placed) };
     if !all.is_finite() {

@@ -1,6 +1,9 @@
 //! What the places of parts do to lengths: how far transforms stretch them, and what rounding in them costs.
+use chordal::Mesh;
+use chordal::explicit::{Attribute, Domain, InvalidMesh, Semantic};
 use chordal::math::{add_up, mul_up, sqrt_up};
-use chordal_io::{Part, Scene};
+use chordal_io::{Node, Part, Scene, WriteError};
+use std::borrow::Cow;
 
 /// A scene whose parts stand where their coordinates say, with what rounding moved its vertices.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,26 +27,91 @@ impl Placed {
 /// The scene for formats without nodes: one part for each place of a part, in the scene's coordinates.
 ///
 /// A scene without transforms, in which every part stands in one place, is left as it is.
-pub(crate) fn flattened(scene: Scene) -> Placed {
+///
+/// # Errors
+/// When the nodes are no tree, or take coordinates out of range.
+pub(crate) fn flattened(scene: Scene) -> Result<Placed, WriteError> {
     let places = places(&scene);
     let once = |part| places.iter().filter(|place| place.part == part).count() == 1;
     if places.iter().all(|place| place.is_identity) && (0..scene.parts.len()).all(once) {
-        return Placed::as_it_is(scene);
+        return Ok(Placed::as_it_is(scene));
     }
     let moved_at_most = places.iter().filter(|place| !place.is_identity).fold(0.0, |most, place| {
         let moved = place.rounding(&scene.parts[place.part]);
         if moved > most { moved } else { most }
     });
     let indexed = scene.parts.iter().all(|part| part.indexed);
-    let mut flat = Scene { frame: scene.frame, certificate: None, ..Scene::default() };
-    for (name, mesh) in scene.world_meshes() {
-        let one = Scene::of(&name, mesh, indexed, scene.frame);
+    let mut flat = Scene { frame: scene.frame, groups: scene.groups.clone(), ..Scene::default() };
+    for (name, mesh) in scene.world_meshes()? {
+        let one = Scene::of(name, mesh.into_owned(), indexed, scene.frame);
         let at = flat.parts.len();
         flat.parts.extend(one.parts);
-        flat.nodes.extend(one.nodes.into_iter().map(|node| chordal_io::Node { part: Some(at), ..node }));
+        flat.nodes.extend(one.nodes.into_iter().map(|node| Node { part: Some(at), ..node }));
         flat.roots.push(at);
     }
-    Placed { scene: flat, moved_at_most }
+    Ok(Placed { scene: flat, moved_at_most })
+}
+
+/// The scene as one part, for formats that know no others. Attributes stay behind: such formats have none either.
+///
+/// # Errors
+/// When there are more triangles than one mesh can hold.
+pub(crate) fn joined(scene: Scene) -> Result<Scene, WriteError> {
+    if scene.parts.len() == 1 {
+        return Ok(scene);
+    }
+    let meshes: Vec<&Mesh> = scene.parts.iter().map(|part| &part.mesh).collect();
+    let mesh = concatenated(&meshes)?;
+    Ok(Scene::of("", mesh, false, scene.frame))
+}
+
+/// Everything that a scene shows as one mesh in its coordinates, for a picture: with normals of its own where every
+/// part has some, and without any other attribute.
+///
+/// # Errors
+/// When the nodes are no tree, take coordinates out of range, or show more than one mesh can hold.
+pub(crate) fn one_mesh(scene: &Scene) -> Result<Cow<'_, Mesh>, WriteError> {
+    let mut all = scene.world_meshes()?;
+    if all.len() == 1 {
+        return Ok(all.remove(0).1);
+    }
+    let meshes: Vec<&Mesh> = all.iter().map(|(_, mesh)| mesh.as_ref()).collect();
+    let mesh = concatenated(&meshes)?;
+    let normals: Option<Vec<_>> = meshes.iter().map(|mesh| corner_normals(mesh)).collect();
+    let Some(normals) = normals else { return Ok(Cow::Owned(mesh)) };
+    let attribute =
+        Attribute { semantic: Semantic::Normal, domain: Domain::Corner, width: 3, values: normals.concat() };
+    mesh.with_attribute(attribute).map(Cow::Owned).map_err(unsupported)
+}
+
+/// The normals at the corners of every face, if the mesh has any.
+fn corner_normals(mesh: &Mesh) -> Option<Vec<f64>> {
+    let own = mesh.attribute(&Semantic::Normal).filter(|own| own.width == 3)?;
+    let row = |face: usize, k: usize| match own.domain {
+        Domain::Vertex => mesh.faces()[face][k] as usize,
+        Domain::Corner => 3 * face + k,
+        Domain::Face => face,
+    };
+    let corners = (0..mesh.faces().len()).flat_map(|face| [0, 1, 2].map(|k| row(face, k)));
+    Some(corners.flat_map(|row| own.row(row).iter().copied()).collect())
+}
+
+/// The positions and faces of all meshes, one after the other, tied as they are in each.
+fn concatenated(meshes: &[&Mesh]) -> Result<Mesh, WriteError> {
+    let (mut positions, mut faces, mut ids) = (Vec::new(), Vec::new(), Vec::new());
+    for mesh in meshes {
+        // Saturated numbers belong to more positions than a mesh may have, which it then refuses.
+        let first = u32::try_from(positions.len()).unwrap_or(u32::MAX);
+        faces.extend(mesh.faces().iter().map(|face| face.map(|i| first.saturating_add(i))));
+        let n = mesh.positions().len() as u32;
+        ids.extend((0..n).map(|i| first.saturating_add(mesh.position_of(i))));
+        positions.extend_from_slice(mesh.positions());
+    }
+    Mesh::new(positions, faces).and_then(|mesh| mesh.with_position_id(ids)).map_err(unsupported)
+}
+
+fn unsupported(error: InvalidMesh) -> WriteError {
+    WriteError::Unsupported(error.to_string())
 }
 
 /// By how much a length in each part's coordinates can grow in the scene's, over all places of the part; 0 for a

@@ -1,7 +1,7 @@
 //! `Shape`: anything that a verb can be applied to, in its frame.
 use chordal::Patch;
 use chordal::math::{Box3, add_up, mul_down, mul_up, sqrt_down, sub_down};
-use chordal_io::{Content, Frame, Scene};
+use chordal_io::{Content, Frame, Scene, WriteError};
 
 /// Any shape that a file can hold.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,14 +55,17 @@ impl Shape {
     }
 
     /// A box around the shape, in the scene's coordinates: the hull of control points, or the box of the vertices.
-    #[must_use]
-    pub fn hull(&self) -> Box3 {
+    ///
+    /// # Errors
+    /// When the nodes of a scene are no tree, or take its coordinates out of range.
+    pub fn hull(&self) -> Result<Box3, WriteError> {
         match self {
             Self::Patches { patches, .. } => {
-                patches.iter().fold(Box3::EMPTY, |hull, patch| hull.union(patch.hull()))
+                Ok(patches.iter().fold(Box3::EMPTY, |hull, patch| hull.union(patch.hull())))
             }
             Self::Scene(scene) => {
-                scene.world_meshes().iter().fold(Box3::EMPTY, |hull, (_, mesh)| hull.union(mesh.bounds()))
+                let meshes = scene.world_meshes()?;
+                Ok(meshes.iter().fold(Box3::EMPTY, |hull, (_, mesh)| hull.union(mesh.bounds())))
             }
         }
     }
@@ -72,16 +75,18 @@ impl Shape {
     ///
     /// For triangles the box is exact. A patch is sampled, since its box can be much smaller than that of its
     /// control points; what a sample misses makes the result smaller, never larger.
-    #[must_use]
-    pub fn diagonal(&self) -> f64 {
+    ///
+    /// # Errors
+    /// As for [`Shape::hull`].
+    pub fn diagonal(&self) -> Result<f64, WriteError> {
         match self {
             Self::Patches { patches, .. } => {
                 let reach = patches.iter().fold(0.0, |most, p| if p.size() > most { p.size() } else { most });
                 // An evaluated coordinate is a sum of 16 terms with four roundings each and four sums on the way:
                 // it is off by less than 12 half steps of the largest control coordinate. 16 whole ones cover it.
-                diagonal_below(&sampled_box(patches), mul_up(16.0 * f64::EPSILON, reach))
+                Ok(diagonal_below(&sampled_box(patches), mul_up(16.0 * f64::EPSILON, reach)))
             }
-            Self::Scene(_) => diagonal_below(&self.hull(), 0.0),
+            Self::Scene(_) => Ok(diagonal_below(&self.hull()?, 0.0)),
         }
     }
 }
@@ -155,8 +160,8 @@ mod tests {
         let true_height = 0.5625_f64;
         let true_diagonal = (2.0 + true_height * true_height).sqrt();
         let shape = Shape::Patches { patches: vec![patch], frame: Frame::default() };
-        assert!(shape.diagonal() <= true_diagonal);
-        assert!(shape.diagonal() > true_diagonal * (1.0 - 1e-12));
-        assert_eq!(shape.hull().max[2], 1.0);
+        assert!(shape.diagonal().unwrap() <= true_diagonal);
+        assert!(shape.diagonal().unwrap() > true_diagonal * (1.0 - 1e-12));
+        assert_eq!(shape.hull().unwrap().max[2], 1.0);
     }
 }

@@ -1,6 +1,6 @@
 //! `BudgetSpec`: a budget as a person asks for it, before the shape is known.
-use crate::Shape;
-use chordal::budget::{Budget, InvalidLength, Length, PixelBudget};
+use crate::{MeshFailure, Shape};
+use chordal::budget::{Budget, Length, PixelBudget};
 
 /// What may be lost, with a length that can be a percentage or have a unit.
 ///
@@ -30,12 +30,13 @@ impl BudgetSpec {
     /// The budget for one shape, and what was made of the length, in a sentence where it had to be converted.
     ///
     /// # Errors
-    /// When the length has a unit and the shape has none, or is a percentage and the shape is a point.
-    pub fn resolve(&self, shape: &Shape) -> Result<(Budget, Option<String>), InvalidLength> {
+    /// When the length has a unit and the shape has none, or is a percentage and the shape is a point or has no size.
+    pub fn resolve(&self, shape: &Shape) -> Result<(Budget, Option<String>), MeshFailure> {
         let mut budget = Budget { pixels: self.pixels, triangles: self.triangles, ..Budget::default() };
         let Some(length) = self.length else { return Ok((budget, None)) };
-        let diagonal = if matches!(length, Length::Percent(_)) { shape.diagonal() } else { 0.0 };
-        let tolerance = length.resolve(diagonal, shape.frame().metres_per_unit)?;
+        let diagonal = if matches!(length, Length::Percent(_)) { shape.diagonal()? } else { 0.0 };
+        let tolerance =
+            length.resolve(diagonal, shape.frame().metres_per_unit).map_err(MeshFailure::Length)?;
         budget.length = Some(tolerance);
         let note = match length {
             Length::Plain(_) => None,

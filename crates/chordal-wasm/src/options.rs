@@ -39,13 +39,13 @@ impl Options {
         if !spec.has_limit() {
             return Err("a budget is needed: tol, px with view, or triangles".to_owned());
         }
-        let to = all.format("to")?.ok_or("the option 'to' names the format to make, as in \"glb\"")?;
+        let to = all.parsed("to")?.ok_or("the option 'to' names the format to make, as in \"glb\"")?;
         if !formats::holds_triangles(to) {
-            return Err(format!("{} holds no triangles", formats::name(to)));
+            return Err(format!("{to} holds no triangles; those that do are {}", formats::mesh_names()));
         }
         Ok(Self {
             name: all.text("name")?,
-            from: all.format("from")?,
+            from: all.parsed("from")?,
             to,
             unit: all.parsed::<Unit>("unit")?,
             up: all.axis("up")?,
@@ -77,13 +77,6 @@ impl Reader<'_> {
         let text = self.text(key)?;
         text.map(|text| text.parse().map_err(|error: T::Err| format!("{key}: {}", error.to_string())))
             .transpose()
-    }
-
-    fn format(&self, key: &str) -> Result<Option<Format>, String> {
-        let known = || formats::names().collect::<Vec<_>>().join(", ");
-        let find =
-            |text: String| formats::by_name(&text).ok_or_else(|| format!("{key}: formats are {}", known()));
-        self.text(key)?.map(find).transpose()
     }
 
     fn axis(&self, key: &str) -> Result<Option<Axis>, String> {

@@ -65,7 +65,10 @@ impl Component {
         match self {
             Self::F32 => x,
             // Two of the integers stand for −1.
-            _ => (x / self.range().1).max(-1.0),
+            _ => {
+                let share = x / self.range().1;
+                if share < -1.0 { -1.0 } else { share }
+            }
         }
     }
 }

@@ -37,7 +37,7 @@ const HARMLESS: [&str; 13] = [
 /// [`Limits::lenient`] turns into warnings what does not keep the triangles from being read. One part stands for
 /// one mesh of the file, with the triangles of all its primitives; vertices at bit-identical positions are tied.
 /// Positions are the stored numbers exactly, in the mesh's own space; nodes carry the transforms and
-/// [`Scene::world_meshes`] applies them. The frame is y-up and in metres. The certificate comes from
+/// [`crate::Scene::world_meshes`] applies them. The frame is y-up and in metres. The certificate comes from
 /// `asset.extras.chordal`.
 ///
 /// Lists, strips and fans are read with any accessor that the format knows, sparse and quantized ones too. Points,
@@ -77,6 +77,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
         return Err(ReadError::new(issue.code, issue.place, issue.message));
     };
     check_extensions(&model, &mut report)?;
+    check_zeros(&model, limits)?;
     lint::link(&mut lint, &mut model);
     judge(lint, limits, &mut report)?;
     let mut parts = Parts::new(&model, limits);
@@ -114,6 +115,34 @@ fn check_rows(json: &Json, limits: &Limits) -> Result<(), ReadError> {
             let what = format!("{n} objects pass the limit of {most}");
             return Err(ReadError::new("too-many-rows", Place::Pointer(format!("/{key}")), what));
         }
+    }
+    Ok(())
+}
+
+/// Rows that lie in no view are zeros that take no bytes of the file, so that only limits keep them from growing.
+fn check_zeros(model: &Model<'_>, limits: &Limits) -> Result<(), ReadError> {
+    let mut left = limits.bytes;
+    for (i, accessor) in model.accessors.iter().enumerate() {
+        let Some((accessor, count)) = accessor.as_ref().and_then(|a| Some((a, a.count?))) else { continue };
+        if accessor.view.is_some() {
+            continue;
+        }
+        let row = accessor.format().map_or(1, |format| format.row_length());
+        let bytes = left.checked_sub(count.saturating_mul(row));
+        left = match bytes {
+            Some(left) if count <= limits.rows => left,
+            _ => {
+                let what = format!(
+                    "{count} rows of zeros pass the limits of {} rows and {} bytes",
+                    limits.rows, limits.bytes
+                );
+                return Err(ReadError::new(
+                    "too-many-rows",
+                    Place::Pointer(format!("/accessors/{i}/count")),
+                    what,
+                ));
+            }
+        };
     }
     Ok(())
 }

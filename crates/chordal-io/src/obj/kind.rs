@@ -83,9 +83,17 @@ fn object_code(bytes: &[u8]) -> Option<&'static str> {
     if bytes.starts_with(b"!<arch>") {
         return Some("an archive of compiled object code");
     }
-    if COFF.iter().any(|machine| bytes.starts_with(machine)) && head.iter().any(|b| *b == 0) {
+    if COFF.iter().any(|machine| bytes.starts_with(machine)) && head.contains(&0) {
         return Some("compiled object code (COFF)");
     }
     // The first record of Intel's OMF, a module header.
-    (bytes.first() == Some(&0x80) && head.iter().any(|b| *b == 0)).then_some("compiled object code (OMF)")
+    (bytes.first() == Some(&0x80) && head.contains(&0)).then_some("compiled object code (OMF)")
+}
+
+/// Whether a path leads out of the folder of the file: absolute, with a drive, on a network share, or upwards.
+pub(super) fn leaves_the_folder(path: &[u8]) -> bool {
+    let is_separator = |b: &u8| matches!(b, b'/' | b'\\');
+    path.first().is_some_and(is_separator)
+        || path.contains(&b':')
+        || path.split(is_separator).any(|part| part == b"..")
 }

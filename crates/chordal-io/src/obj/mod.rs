@@ -1,7 +1,9 @@
 //! Wavefront OBJ: polygons with their corners' texture coordinates and normals.
+mod index;
 mod kind;
 mod read;
 mod rows;
+mod statements;
 mod write;
 
 pub(crate) use kind::looks_like;

@@ -1,14 +1,14 @@
 //! Reads Wavefront OBJ.
 use super::CERTIFICATE;
-use super::kind::{SKIPPED, refuse_others};
+use super::index::{index, optional};
+use super::kind::{SKIPPED, leaves_the_folder, refuse_others};
 use super::rows::{Corner, Rows};
+use super::statements::{Counts, Statements};
 use crate::assemble::{self, Raw, too_many_rows};
-use crate::faces::Faces;
+use crate::faces::{Faces, SHORT_FACES};
 use crate::groups::Groups;
 use crate::grow::{push, push_many, with_room};
-use crate::text::{
-    Lines, NoInteger, Tokens, grouped, integer, not_finite, number, show, text_of, why_no_number,
-};
+use crate::text::{Tokens, integer, not_finite, number, show, text_of, why_no_number};
 use crate::warnings::Warnings;
 use crate::{Content, Frame, Limits, Loaded, Place, ReadError, Scene};
 use chordal::explicit::{Attribute, Domain, Semantic};
@@ -41,76 +41,6 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
         reader.statement(line, statement)?;
     }
     reader.finish()
-}
-
-/// Statements: lines, joined with the next one where a backslash ends them.
-struct Statements<'a> {
-    lines: Lines<'a>,
-    joined: Vec<u8>,
-}
-
-impl<'a> Statements<'a> {
-    fn new(text: &'a [u8]) -> Self {
-        Self { lines: Lines::new(text), joined: Vec::new() }
-    }
-
-    /// The next statement, with the number of its first line.
-    #[inline]
-    fn next(&mut self) -> Option<(u64, &[u8])> {
-        let (number, mut line) = self.lines.next()?;
-        if line.last() != Some(&b'\\') || line.first() == Some(&b'#') {
-            return Some((number, line));
-        }
-        self.joined.clear();
-        while let [part @ .., b'\\'] = line {
-            self.joined.extend_from_slice(part);
-            self.joined.push(b' ');
-            line = self.lines.next().map_or(&[], |(_, next)| next);
-        }
-        self.joined.extend_from_slice(line);
-        Some((number, &self.joined))
-    }
-}
-
-/// How many rows the file has, by its own lines: so that lists are as long as they must be, and an index is known
-/// to be out of range where it stands.
-#[derive(Clone, Copy, Default)]
-struct Counts {
-    positions: usize,
-    texcoords: usize,
-    normals: usize,
-    faces: usize,
-}
-
-impl Counts {
-    fn of(text: &[u8]) -> Self {
-        let mut counts = Self::default();
-        let mut statements = Statements::new(text);
-        while let Some((_, statement)) = statements.next() {
-            match Tokens::new(statement).next() {
-                Some(b"v") => counts.positions += 1,
-                Some(b"vt") => counts.texcoords += 1,
-                Some(b"vn") => counts.normals += 1,
-                Some(b"f" | b"fo") => counts.faces += 1,
-                _ => {}
-            }
-        }
-        counts
-    }
-
-    fn check(self, limits: &Limits) -> Result<(), ReadError> {
-        let most = limits.rows.min(u64::from(u32::MAX) - 1);
-        let lists = [
-            ("vertices", self.positions),
-            ("texture coordinates", self.texcoords),
-            ("normals", self.normals),
-            ("faces", self.faces),
-        ];
-        match lists.iter().find(|(_, rows)| *rows as u64 > most) {
-            Some((what, rows)) => Err(too_many_rows(Place::File, what, *rows as u64, most)),
-            None => Ok(()),
-        }
-    }
 }
 
 /// The kinds of groups, in the order of `Reader::groups`.
@@ -271,11 +201,11 @@ impl<'a> Reader<'a> {
             let corner = self.corner(line, token)?;
             push(&mut corners, self.rows.row(corner)?)?;
         }
-        if corners.len() < 3 {
-            let message = format!("a face has {} corners where at least 3 are needed", corners.len());
-            return Err(ReadError::new("too-few-corners", Place::Line(line), message));
+        match corners.len() {
+            0 => return Err(ReadError::new("too-few-corners", Place::Line(line), "a face has no corners")),
+            1 | 2 => self.warnings.count("short-faces", || (Place::Line(line), SHORT_FACES.to_owned())),
+            _ => self.faces.push(&corners, line)?,
         }
-        self.faces.push(&corners, line)?;
         self.corners = corners;
         let n = self.faces.n_triangles() as u64;
         if n > self.limits.rows {
@@ -393,6 +323,7 @@ impl<'a> Reader<'a> {
             }
         }
         raw.positions = self.positions;
+        drop((self.corners, self.rows));
         raw.faces = self.faces.cut(&raw.positions, Place::Line, &mut self.warnings);
         let mut names = Vec::new();
         for (kind, groups) in GROUPS.into_iter().zip(self.groups) {
@@ -463,55 +394,4 @@ impl<'a> Reader<'a> {
         );
         Ok(Some(values))
     }
-}
-
-/// 0 for what is left empty, else the row from 1.
-#[inline]
-fn optional(token: &[u8], index: impl FnOnce() -> Result<u32, ReadError>) -> Result<u32, ReadError> {
-    if token.is_empty() { Ok(0) } else { Ok(index()? + 1) }
-}
-
-/// The row from 0 that an index names: from 1 over all `total` rows of the file, or backwards from -1 over the `before`
-/// rows that stand before this line.
-#[inline]
-fn index(
-    line: u64,
-    token: &[u8],
-    [one, many]: [&str; 2],
-    before: usize,
-    total: usize,
-) -> Result<u32, ReadError> {
-    let row = match integer(token) {
-        Ok(index) if index > 0 => Some(index.unsigned_abs() - 1).filter(|row| *row < total as u64),
-        Ok(index) if index < 0 => (before as u64).checked_sub(index.unsigned_abs()),
-        _ => None,
-    };
-    // The counts are below 2^32, see `Counts::check`.
-    row.and_then(|row| u32::try_from(row).ok()).ok_or_else(|| {
-        let shown = show(token);
-        let (code, message) = match integer(token) {
-            Err(NoInteger::Spelling) => ("not-an-index", format!("{shown} is not an index of a {one}")),
-            Ok(0) => ("index-out-of-range", format!("index 0 of a {one}: indices start at 1")),
-            Ok(..0) => {
-                let n = grouped(before as u64);
-                (
-                    "index-out-of-range",
-                    format!("index {shown} is out of range: {n} {many} stand before this line"),
-                )
-            }
-            _ => {
-                let n = grouped(total as u64);
-                ("index-out-of-range", format!("index {shown} is out of range: the file has {n} {many}"))
-            }
-        };
-        ReadError::new(code, Place::Line(line), message)
-    })
-}
-
-/// Whether a path leads out of the folder of the file: absolute, with a drive, on a network share, or upwards.
-fn leaves_the_folder(path: &[u8]) -> bool {
-    let is_separator = |b: &u8| matches!(b, b'/' | b'\\');
-    path.first().is_some_and(is_separator)
-        || path.contains(&b':')
-        || path.split(is_separator).any(|part| part == b"..")
 }

@@ -20,6 +20,7 @@ pub(super) struct Corner {
 pub(super) struct Rows {
     first: Vec<[u32; 2]>,
     more: Vec<Corner>,
+    /// Only looked up; rows are numbered in the order of the file.
     index: HashMap<Corner, u32>,
 }
 

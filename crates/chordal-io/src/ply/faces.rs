@@ -2,7 +2,7 @@
 use super::body::Body;
 use super::header::{Element, Shape};
 use crate::assemble::too_many_rows;
-use crate::faces::Faces;
+use crate::faces::{Faces, SHORT_FACES};
 use crate::grow::push;
 use crate::text::grouped;
 use crate::warnings::Warnings;
@@ -41,8 +41,8 @@ impl FaceReader<'_> {
                 return Err(self.out_of_range(body, element, *index));
             }
             if corners.len() < 3 {
-                let message = format!("a face has {} corners where at least 3 are needed", corners.len());
-                return Err(body.error(element, "too-few-corners", &message));
+                warnings.count("short-faces", || (Place::Row { list: "face", row }, SHORT_FACES.to_owned()));
+                continue;
             }
             self.corners.clear();
             for index in &corners {

@@ -147,8 +147,13 @@ impl Vertices {
         warnings: &mut Warnings,
     ) -> Result<Self, ReadError> {
         let Plan { targets, mut streams, has_id } = Plan::of(element, warnings)?;
-        let mut positions: Vec<[f64; 3]> = Vec::new();
-        let mut ids: Vec<i64> = Vec::new();
+        // `Body::check_size` has seen that many rows' bytes, so that room for all of them is in proportion.
+        let n_rows = element.rows as usize;
+        let mut positions: Vec<[f64; 3]> = with_room(n_rows)?;
+        let mut ids: Vec<i64> = with_room(if has_id { n_rows } else { 0 })?;
+        for stream in &mut streams {
+            stream.values = with_room(n_rows * stream.width)?;
+        }
         for row in 0..element.rows {
             body.start_row(element, row)?;
             for stream in &mut streams {

@@ -122,9 +122,9 @@ impl Plan {
         let normals = part.vertex_attribute(&Semantic::Normal, 3);
         let texcoords = part.vertex_attribute(&Semantic::TexCoord(0), 2);
         let colors = part.vertex_attribute(&Semantic::Color(0), 3);
-        let first_rows = if self.has_ids { part.first_rows() } else { Vec::new() };
+        let first_rows = part.first_rows();
         let mut row = Vec::new();
-        for vertex in 0..part.part.mesh.positions().len() {
+        for (vertex, first_row) in first_rows.iter().enumerate() {
             row.clear();
             part.position(vertex)?.iter().for_each(|x| row.extend(x.to_le_bytes()));
             if self.has_normals {
@@ -144,7 +144,7 @@ impl Plan {
                 }
             }
             if self.has_ids {
-                row.extend((first_vertex + first_rows[vertex]).to_le_bytes());
+                row.extend((first_vertex + first_row).to_le_bytes());
             }
             out.write_all(&row)?;
         }

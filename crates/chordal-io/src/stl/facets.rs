@@ -74,6 +74,7 @@ impl Facets {
         let n = self.positions.len() as u32;
         let mut faces = with_room(self.len())?;
         faces.extend((0..n / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]));
+        // Only looked up; a position is tied to the first row that has it, in the order of the file.
         let mut first: HashMap<[u64; 3], u32> = HashMap::new();
         let mut id = with_room(self.positions.len())?;
         for (row, position) in (0..n).zip(&self.positions) {

@@ -1,7 +1,7 @@
 //! What an input is: only `inspect` says it.
-use super::{OutputFacts, to_value};
-use crate::{Input, Shape};
-use chordal::Mesh;
+use super::{Certificate, OutputFacts, to_value};
+use crate::{Input, Shape, formats};
+use chordal::explicit::Topology;
 use chordal::math::Box3;
 use chordal_io::Scene;
 use serde::Serialize;
@@ -58,10 +58,11 @@ pub struct Found {
 }
 
 impl Inspection {
-    /// What `input` is. `valid` is what was counted of its triangles, as a certificate says it.
+    /// What `input` is. The certificate holds what was counted of its triangles.
     #[must_use]
-    pub fn of(input: &Input, valid: Option<&super::Valid>) -> Self {
-        let bounds = input.shape.hull();
+    pub fn of(input: &Input, counted: &Certificate) -> Self {
+        // A scene that cannot be put in one space has no box.
+        let bounds = input.shape.hull().unwrap_or(Box3::EMPTY);
         let scene = match &input.shape {
             Shape::Patches { .. } => None,
             Shape::Scene(scene) => Some(scene),
@@ -74,43 +75,23 @@ impl Inspection {
             bytes: input.n_bytes,
             bounds: (bounds != Box3::EMPTY).then_some([bounds.min, bounds.max]),
             patches,
-            parts: scene.map(PartFacts::of_all),
+            parts: scene.map(|scene| PartFacts::of_all(scene, formats::topology(input.format))),
             sizes: scene.map(Sizes::of),
-            found: scene.and_then(|scene| Found::of(scene, valid)),
+            found: scene.and_then(|scene| Some(Found::of(scene.certificate.clone()?, counted))),
         }
     }
 }
 
 impl PartFacts {
-    fn of_all(scene: &Scene) -> Vec<Self> {
+    fn of_all(scene: &Scene, topology: Topology) -> Vec<Self> {
         let mut instances = vec![0; scene.parts.len()];
         scene.nodes.iter().filter_map(|node| node.part).for_each(|part| instances[part] += 1);
         let facts = |(part, instances): (&chordal_io::Part, u64)| Self {
             name: part.name.clone(),
-            counts: OutputFacts::of_mesh(&part.mesh),
+            counts: OutputFacts::of(&part.mesh, topology),
             instances,
         };
         scene.parts.iter().zip(instances).map(facts).collect()
-    }
-}
-
-impl OutputFacts {
-    /// The counts of all parts together, each once.
-    #[must_use]
-    pub fn of(scene: &Scene) -> Self {
-        scene.parts.iter().map(|part| Self::of_mesh(&part.mesh)).fold(Self::default(), |sum, part| Self {
-            vertices: sum.vertices + part.vertices,
-            positions: sum.positions + part.positions,
-            triangles: sum.triangles + part.triangles,
-        })
-    }
-
-    fn of_mesh(mesh: &Mesh) -> Self {
-        Self {
-            vertices: mesh.positions().len() as u64,
-            positions: mesh.n_positions() as u64,
-            triangles: mesh.faces().len() as u64,
-        }
     }
 }
 
@@ -129,12 +110,10 @@ impl Sizes {
 }
 
 impl Found {
-    fn of(scene: &Scene, valid: Option<&super::Valid>) -> Option<Self> {
-        let certificate = scene.certificate.clone()?;
-        let counted = [("/output", to_value(&OutputFacts::of(scene))), ("/valid", to_value(&valid))];
+    fn of(certificate: Value, counted: &Certificate) -> Self {
+        let counted = [("/output", to_value(&counted.output)), ("/valid", to_value(&counted.valid))];
         let mut differs = Vec::new();
         for (at, counted) in counted {
-            let Some(counted) = counted.as_object() else { continue };
             let said = certificate.pointer(at).and_then(Value::as_object);
             for (key, value) in said.into_iter().flatten() {
                 let plain = !(value.is_object() || value.is_array());
@@ -143,6 +122,6 @@ impl Found {
                 }
             }
         }
-        Some(Self { certificate, differs })
+        Self { certificate, differs }
     }
 }

@@ -10,9 +10,12 @@ mod valid;
 pub use bound::BoundFacts;
 pub use budget::{BudgetFacts, ViewFacts};
 pub use inspection::{Found, Inspection, PartFacts, Sizes};
-pub use valid::{Counts, PartValid, Valid, WitnessFacts};
+pub(crate) use valid::Counted;
+pub use valid::{Counts, OtherCounts, PartValid, Valid, WitnessFacts};
 
-use crate::{Input, formats};
+use crate::Input;
+use chordal::Mesh;
+use chordal::explicit::Topology;
 use chordal_io::{Axis, Frame, Warning};
 use serde::Serialize;
 use serde_json::Value;
@@ -104,7 +107,7 @@ pub struct InputFacts {
     /// The kind of shape, as in "patches".
     pub kind: &'static str,
     /// The format of the bytes.
-    pub format: &'static str,
+    pub format: String,
     /// The SHA-256 of the bytes, in hexadecimal.
     pub sha256: String,
     /// What was odd about the bytes.
@@ -115,7 +118,7 @@ impl InputFacts {
     fn of(input: &Input) -> Self {
         Self {
             kind: input.shape.kind(),
-            format: formats::name(input.format),
+            format: input.format.to_string(),
             sha256: input.sha256.clone(),
             warnings: input.warnings.iter().map(WarningFacts::of).collect(),
         }
@@ -170,10 +173,28 @@ impl FrameFacts {
 pub struct OutputFacts {
     /// Rows of positions; vertices that differ only in attributes count apart.
     pub vertices: u64,
-    /// Distinct positions.
+    /// Distinct positions, by the meaning of that word that `valid` has too.
     pub positions: u64,
     /// Triangles.
     pub triangles: u64,
+}
+
+impl OutputFacts {
+    /// The counts of one mesh.
+    #[must_use]
+    pub fn of(mesh: &Mesh, topology: Topology) -> Self {
+        let n_vertices = mesh.positions().len();
+        let positions = topology.ids(mesh).map_or(n_vertices, |ids| {
+            let mut used = vec![false; n_vertices];
+            ids.iter().for_each(|id| used[*id as usize] = true);
+            used.iter().filter(|used| **used).count()
+        });
+        Self {
+            vertices: n_vertices as u64,
+            positions: positions as u64,
+            triangles: mesh.faces().len() as u64,
+        }
+    }
 }
 
 /// This run of a verb. Shells fill in what only they know.

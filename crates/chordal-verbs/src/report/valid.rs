@@ -1,4 +1,5 @@
 //! Whether triangles are sound, as a report says it: counts by one meaning of "the same position", and by the other.
+use super::OutputFacts;
 use chordal::check::{Finding, Place, Validity, t_junctions, validity};
 use chordal::explicit::Topology;
 use chordal_io::Scene;
@@ -106,39 +107,52 @@ pub struct WitnessFacts {
     pub at: [f64; 3],
 }
 
-impl Valid {
-    /// What holds of a scene, without witnesses.
-    #[must_use]
+/// How much there is of the triangles of a scene, and whether they are sound.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Counted {
+    pub output: OutputFacts,
+    pub valid: Valid,
+}
+
+impl Counted {
+    /// What is counted of a scene, without witnesses.
     pub fn of(scene: &Scene, topology: Topology) -> Self {
         let (main, other) = both_ways(scene, topology);
         Self::summed(&main, &other, topology)
     }
 
     /// The same in full.
-    #[must_use]
     pub fn in_full(scene: &Scene, topology: Topology) -> Self {
         let (main, other) = both_ways(scene, topology);
-        let mut valid = Self::summed(&main, &other, topology);
+        let mut counted = Self::summed(&main, &other, topology);
         if scene.parts.len() > 1 {
             let part = |(i, found): (usize, &Checked)| PartValid {
                 part: i as u64,
                 name: scene.parts[i].name.clone(),
                 counts: Counts::of(found),
             };
-            valid.parts = main.iter().enumerate().map(part).collect();
+            counted.valid.parts = main.iter().enumerate().map(part).collect();
         }
-        valid.witnesses = Some(main.iter().enumerate().flat_map(|(i, found)| witnesses(i, found)).collect());
-        valid
+        let witnesses = main.iter().enumerate().flat_map(|(i, found)| witnesses(i, found));
+        counted.valid.witnesses = Some(witnesses.collect());
+        counted
     }
 
     fn summed(main: &[Checked], other: &[Checked], topology: Topology) -> Self {
-        Self {
+        let sum = |f: fn(&Validity) -> u64| main.iter().map(|part| f(&part.found)).sum();
+        let output = OutputFacts {
+            vertices: sum(|part| part.vertices),
+            positions: sum(|part| part.positions),
+            triangles: sum(|part| part.triangles),
+        };
+        let valid = Valid {
             topology: topology.as_str(),
             counts: Counts::summed(main),
             other: OtherCounts { topology: opposite(topology).as_str(), counts: Counts::summed(other) },
             parts: Vec::new(),
             witnesses: None,
-        }
+        };
+        Self { output, valid }
     }
 }
 

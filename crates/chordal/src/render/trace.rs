@@ -57,7 +57,7 @@ pub fn render(mesh: &Mesh, options: &Options, job: &Job) -> Result<Picture, Stop
     }
     let Screen { width_px: width, height_px: height } = camera.screen;
     // Each row once by itself and once in the picture.
-    let bytes = 8 * u64::from(width) * u64::from(height);
+    let bytes = (8 * u64::from(width)).saturating_mul(u64::from(height));
     if bytes > job.memory_limit {
         let message =
             format!("{width}x{height} pixels need {bytes} bytes; the limit is {}", job.memory_limit);

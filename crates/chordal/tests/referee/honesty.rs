@@ -53,7 +53,7 @@ fn finds_the_nearest_of_several_valleys() {
         let mut random = crate::random::Random::new(seed);
         let corner = shape.control[random.below(4)][random.below(4)];
         let p: Point = std::array::from_fn(|k| corner[k] + shape.size * random.between(-0.2, 0.2));
-        let found = surface.distance_below(p, 1e-3);
+        let found = surface.proved_nearest(p, None, 1e-3).expect("decided").distance * 0.999;
         let n = 200;
         let dense =
             (0..=n * n + 2 * n).map(|i| [(i % (n + 1)) as f64 / n as f64, (i / (n + 1)) as f64 / n as f64]);

@@ -2,6 +2,7 @@
 use crate::sampler::{Control, Surface, Triangles, measure};
 use crate::shapes::shape;
 use crate::{for_all, is_long, mesh_within, quantile};
+use std::fmt;
 
 /// One mesh, measured.
 #[derive(Clone, Debug)]
@@ -27,6 +28,16 @@ impl Case {
     /// Whether there was something to lose that rounding does not hide.
     pub fn is_lossy(&self) -> bool {
         self.measured > 1e3 * self.slack
+    }
+}
+
+impl fmt::Display for Case {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, budget, at_least, at_most, measured, slack, .. } = self;
+        write!(
+            f,
+            "{name}: measured {measured:e} ± {slack:e}, bound [{at_least:e}, {at_most:e}], budget {budget:e}"
+        )
     }
 }
 
@@ -100,15 +111,16 @@ fn no_mesh_is_further_from_its_patch_than_its_bound() {
         );
     }
     for case in &cases {
-        assert!(!case.is_over(1.0), "over its bound: {case:?}");
-        assert!(case.at_most <= case.budget, "over its budget: {case:?}");
+        assert!(!case.is_over(1.0), "over its bound: {case}");
+        assert!(case.at_most <= case.budget, "over its budget: {case}");
         // The distance that the library says it found, the sampler finds too (to its own precision of 1e-3).
-        assert!(case.at_least <= case.measured * 1.002 + case.slack, "at_least is too high: {case:?}");
+        assert!(case.at_least <= case.measured * 1.002 + case.slack, "at_least is too high: {case}");
     }
     let ratios = tightness(cases.iter());
     assert!(quantile(&ratios, 0.5) <= 2.0, "half of the bounds are more than twice the distance");
     // The referee sees a bound that is 30 % too small.
     let caught = cases.iter().filter(|c| c.is_over(0.7)).count();
+    eprintln!("all: median {:.3}", quantile(&ratios, 0.5));
     eprintln!("bounds cut by 30 %: {caught} of {} meshes are over", ratios.len());
     assert!(4 * caught >= ratios.len(), "only {caught} of {} cut bounds were caught", ratios.len());
 }

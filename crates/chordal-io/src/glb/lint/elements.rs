@@ -105,7 +105,11 @@ impl<'a> Lint<'a> {
                 continue;
             }
             seen.push(demand);
-            rows.each(|i, row| self.look_at_row(demand, (i, row), pointer));
+            let mut meaning = [0.0; 16];
+            rows.each(|i, row| {
+                meaning.iter_mut().zip(row).for_each(|(x, raw)| *x = rows.meaning(*raw));
+                self.look_at_row(demand, (i, &meaning[..row.len()]), pointer);
+            });
             if *demand == Demand::Times {
                 self.look_at_times(rows, pointer);
             }

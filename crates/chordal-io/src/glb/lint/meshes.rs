@@ -152,6 +152,7 @@ impl<'a> Lint<'a> {
             self.within("mappings", |lint| {
                 lint.within(i, |lint| {
                     lint.extensions(mapping, At::Other);
+                    lint.name(mapping);
                     let variants = lint.indices(mapping, "variants", true).unwrap_or_default();
                     for index in variants.iter().flatten() {
                         lint.extension_reference(

@@ -70,10 +70,14 @@ pub(crate) fn cut(patch_idx: u32, patch: &Patch, allowance: &Allowance) -> Resul
     while let Some(rectangle) = open.pop() {
         let [wide, tall] = rectangle.need.after_halving;
         if rectangle.is_worth_halving() || rectangle.need.cells > MOST_CELLS {
-            open.extend(rectangle.halved(wide <= tall, context)?);
-        } else {
-            tiles.push(rectangle.tile(patch_idx));
+            let halves = rectangle.halved(wide <= tall, context)?;
+            // Guesses on noise need not fall; then halving would never end.
+            if halves[0].need.cells + halves[1].need.cells < 1.2 * rectangle.need.cells {
+                open.extend(halves);
+                continue;
+            }
         }
+        tiles.push(rectangle.tile(patch_idx));
     }
     Ok(tiles)
 }
@@ -117,7 +121,8 @@ impl Open {
     ) -> Result<Self, Obstacle> {
         let place = part.hull();
         let tolerance = allowance.at(&place).ok_or(Obstacle::TooClose(place))? - rounding;
-        if tolerance <= 0.0 {
+        // Where the allowance for rounding is most of the budget, noise would decide how many cells are enough.
+        if tolerance < rounding {
             return Err(Obstacle::BelowRounding(place, rounding));
         }
         let probe = Probe::new(&part);

@@ -175,21 +175,41 @@ impl Probe {
                 1.0
             }
         };
-        let across = clamp(need.cells.sqrt() / need.ratio);
-        let candidate = |n: f64| {
-            let fits = |m: f64| self.bound(1.0 / n, 1.0 / m, need.rising) <= tolerance;
-            let mut m = clamp((need.cells / n).ceil());
-            while m < MOST_RATE && !fits(m) {
-                m = clamp((m * 1.07).ceil());
+        let mut n = clamp((need.cells.sqrt() / need.ratio).floor());
+        let mut best: Option<(f64, f64)> = None;
+        // A column too few can need any number of rows, or have no number at all; so columns are added until rows
+        // near the expected number do, and once more.
+        for _ in 0..64 {
+            let settled = best.is_some();
+            if let Some(m) = self.rows(n, need, tolerance)
+                && best.is_none_or(|best| n * m < best.0 * best.1)
+            {
+                best = Some((n, m));
             }
-            while m > 1.0 && fits(m - 1.0) {
-                m -= 1.0;
+            if settled || n >= MOST_RATE {
+                break;
             }
-            (n, m)
-        };
-        let (low, high) = (candidate(across.floor()), candidate(across.ceil()));
-        let (n, m) = if low.0 * low.1 < high.0 * high.1 { low } else { high };
+            n = clamp((n * 1.03).floor() + 1.0);
+        }
+        let (n, m) = best.unwrap_or((n, clamp((need.cells / n).ceil())));
         Rates { n: n as u32, m: m as u32, rising: need.rising }
+    }
+
+    /// The fewest rows that do with `n` columns, if that is at most about twice as many as expected.
+    fn rows(&self, n: f64, need: &Need, tolerance: f64) -> Option<f64> {
+        let fits = |m: f64| self.bound(1.0 / n, 1.0 / m, need.rising) <= tolerance;
+        let expected = (need.cells / n).ceil();
+        let mut m = if expected > 1.0 { expected } else { 1.0 };
+        while !fits(m) {
+            m = (m * 1.07).ceil();
+            if m > 2.0 * expected + 2.0 || m > MOST_RATE {
+                return None;
+            }
+        }
+        while m > 1.0 && fits(m - 1.0) {
+            m -= 1.0;
+        }
+        Some(m)
     }
 }
 
@@ -244,8 +264,10 @@ fn third(places: &[Place; PLACES]) -> [f64; 4] {
 /// `√(width/height)` of the cell whose two sides bend equally where they bend most.
 fn balanced(places: &[Place; PLACES]) -> f64 {
     let across_sq = |bend: DVec3, chord: DVec3| {
-        let (along, chord_sq) = (bend.dot(chord), chord.length_squared());
-        bend.length_squared() - if chord_sq > 0.0 { along * along / chord_sq } else { 0.0 }
+        let (along, chord_sq, bend_sq) = (bend.dot(chord), chord.length_squared(), bend.length_squared());
+        let across_sq = bend_sq - if chord_sq > 0.0 { along * along / chord_sq } else { 0.0 };
+        // Not below a hundredth of the whole, where the difference is noise: a shape of cells is all that hangs on it.
+        if across_sq > 1e-4 * bend_sq { across_sq } else { 1e-4 * bend_sq }
     };
     let (u, v) = places.iter().fold((0.0, 0.0), |(u, v): (f64, f64), (by_u, by_v, hessian)| {
         let (bend_u, bend_v) = (across_sq(hessian.uu, *by_u), across_sq(hessian.vv, *by_v));

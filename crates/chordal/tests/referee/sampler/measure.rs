@@ -1,6 +1,6 @@
 //! The two-sided distance between a mesh and a surface, by dense samples from which it climbs to the maxima.
 use super::climb::climb;
-use super::surface::{Foot, Surface, evaluate};
+use super::surface::{Surface, evaluate};
 use super::triangles::Triangles;
 use super::vector::{Point, add, scale};
 
@@ -25,6 +25,8 @@ impl Effort {
 
 /// The relative gap that is left between a distance from the surface and its proof.
 const PROOF: f64 = 1e-3;
+/// Samples a mesh that may turn out wrong before the search for the largest distance gives up.
+const MOST_WRONG: usize = 200;
 
 /// What was measured, both from below: every value belongs to a sample, and is exact up to rounding or proved.
 #[derive(Clone, Copy, Debug, Default)]
@@ -54,7 +56,8 @@ pub fn measure(surface: &Surface, mesh: &Triangles) -> Distance {
 
 /// The largest distance from a point of the surface to the mesh, and that point.
 pub fn surface_to_mesh(surface: &Surface, mesh: &Triangles, effort: Effort) -> (f64, Point) {
-    let mut worst = (0.0, [0.0; 3]);
+    let first = surface.patches.first().map_or([0.0; 3], |control| control[0][0]);
+    let mut worst = (0.0, first);
     for control in &surface.patches {
         let (n, mut guess) = (effort.grid, 0);
         let mut of = |uv: [f64; 2]| {
@@ -109,23 +112,30 @@ pub fn mesh_to_surface(surface: &Surface, mesh: &Triangles, effort: Effort) -> (
             foot = Some(next);
         }
     }
-    highest_first(&mut values, effort.climbs);
-    values.truncate(effort.climbs);
-    let climbed = values.into_iter().map(|(value, (i, ab, foot))| {
+    // Samples whose foot turns out not to be the nearest say nothing; others take their place.
+    let wanted = effort.climbs + MOST_WRONG;
+    highest_first(&mut values, wanted);
+    let mut climbed = Vec::new();
+    for &(value, (i, ab, foot)) in values.iter().take(wanted) {
         let corners = mesh.corners[i];
-        let of = |ab| surface.nearest(on_triangle(corners, ab), Some::<Foot>(foot)).distance;
+        let proved = surface.proved_nearest(on_triangle(corners, ab), Some(foot), PROOF);
+        let Some(foot) = proved.filter(|foot| foot.distance >= 0.99 * value) else { continue };
+        let of = |ab| surface.nearest(on_triangle(corners, ab), Some(foot)).distance;
         let (value, ab) = climb(ab, value, (0.25, effort.halvings), of);
-        (value, on_triangle(corners, ab))
-    });
-    let mut climbed: Vec<_> = climbed.collect();
+        climbed.push((value, on_triangle(corners, ab)));
+        if climbed.len() == effort.climbs {
+            break;
+        }
+    }
     climbed.sort_by(|a, b| b.0.total_cmp(&a.0));
     // A foot that is not the nearest claims too much, so what counts is proved, the highest claim first.
-    let mut worst = (0.0, [0.0; 3]);
+    let mut worst = (0.0, climbed.first().map_or([0.0; 3], |(_, p)| *p));
     for (claim, p) in climbed {
         if claim <= worst.0 {
             break;
         }
-        let proved = surface.distance_below(p, PROOF);
+        let foot = surface.proved_nearest(p, None, PROOF);
+        let proved = foot.map_or(0.0, |foot| foot.distance * (1.0 - PROOF));
         if proved > worst.0 {
             worst = (proved, p);
         }

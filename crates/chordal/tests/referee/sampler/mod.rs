@@ -9,7 +9,8 @@ mod tree;
 mod triangles;
 mod vector;
 
-pub use measure::{Distance, measure};
-pub use surface::{Control, Surface, evaluate, quarters, unevenness};
+pub use measure::measure;
+pub use surface::{Control, Foot, Surface, evaluate, quarters};
+pub use tree::{Bounds, around, distance_to_bounds};
 pub use triangles::Triangles;
 pub use vector::{Point, add, cross, distance, dot, length, scale, sub};

@@ -100,7 +100,7 @@ fn size(control: &Control) -> f64 {
 /// How far a part is at most from the two triangles over its corners `[a, b, c]` and `[a, c, d]`: a control point
 /// minus its place on the bilinear surface is a control point of the difference, which stays in their hull; and
 /// a bilinear surface leaves the triangles by a quarter of its twist.
-pub fn unevenness(part: &Control) -> f64 {
+fn unevenness(part: &Control) -> f64 {
     let [a, b, c, d] = [part[0][0], part[0][3], part[3][3], part[3][0]];
     let bilinear = |i: usize, j: usize| {
         let (u, v) = (j as f64 / 3.0, i as f64 / 3.0);
@@ -121,11 +121,6 @@ impl Surface {
         Self { tree: Tree::new(&boxes), patches }
     }
 
-    /// The largest distance of a control point from the origin: what rounding errors are relative to.
-    pub fn size(&self) -> f64 {
-        self.patches.iter().map(size).fold(0.0, f64::max)
-    }
-
     /// A foot near the best one. Its distance is an upper bound of the true one: parts of the surface that could
     /// be nearer are searched from their middle by Newton's method, which finds a local minimum.
     pub fn nearest(&self, p: Point, guess: Option<Foot>) -> Foot {
@@ -134,15 +129,9 @@ impl Surface {
         self.tree.visit(p, found.distance, |item, _| {
             let (patch, cell) = (item / (CELLS * CELLS), item % (CELLS * CELLS));
             let middle = [cell % CELLS, cell / CELLS].map(|c| (c as f64 + 0.5) / CELLS as f64);
-            // The best foot lies in or next to this cell: the same valley.
-            let same = found.patch == patch
-                && found.distance.is_finite()
-                && (0..2).all(|k| (found.uv[k] - middle[k]).abs() < 0.5 / CELLS as f64);
-            if !same {
-                let next = self.slide(p, patch, middle);
-                if next.distance < found.distance {
-                    found = next;
-                }
+            let next = self.slide(p, patch, middle);
+            if next.distance < found.distance {
+                found = next;
             }
             found.distance
         });
@@ -189,8 +178,9 @@ impl Surface {
             if to([a, b, c]).min(to([a, c, d])) - unevenness(&part) >= goal {
                 continue;
             }
-            if corners.iter().any(|q| distance(*q, p) < goal) {
-                return Search::Nearer(self.slide(p, patch, [u + side / 2.0, v + side / 2.0]));
+            if let Some(n) = (0..4).find(|&n| distance(corners[n], p) < goal) {
+                let [du, dv] = [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]][n];
+                return Search::Nearer(self.slide(p, patch, [u + du, v + dv]));
             }
             let cut =
                 |(q, at): (Control, [f64; 2])| (q, patch, [u + side * at[0], v + side * at[1]], side / 2.0);
@@ -199,18 +189,18 @@ impl Surface {
         Search::Undecided
     }
 
-    /// The distance of `p` from below, at most the part `gap` of it too low; 0 where that cannot be decided.
-    pub fn distance_below(&self, p: Point, gap: f64) -> f64 {
-        let mut goal = self.nearest(p, None).distance;
+    /// A foot whose distance is at most the part `gap` above the true one, which branch and bound proves; `None`
+    /// where its effort does not suffice.
+    pub fn proved_nearest(&self, p: Point, guess: Option<Foot>, gap: f64) -> Option<Foot> {
+        let mut found = self.nearest(p, guess);
         for _ in 0..64 {
-            let wanted = goal * (1.0 - gap);
-            match self.search(p, wanted) {
-                Search::Beyond => return wanted,
-                Search::Nearer(foot) => goal = foot.distance.min(wanted),
+            match self.search(p, found.distance * (1.0 - gap)) {
+                Search::Beyond => return Some(found),
+                Search::Nearer(foot) => found = foot,
                 Search::Undecided => break,
             }
         }
-        0.0
+        None
     }
 }
 

@@ -17,16 +17,21 @@ fn closest_on_segment(p: Point, a: Point, b: Point) -> Point {
 
 /// The point of a triangle, degenerate or not, that is closest to `p`.
 pub fn closest_on_triangle(p: Point, [a, b, c]: [Point; 3]) -> Point {
-    let sides = [[a, b], [b, c], [c, a]].map(|[s, e]| closest_on_segment(p, s, e));
     let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(p, a));
     let normal = cross(ab, ac);
     let square = dot(normal, normal);
     let (v, w) = (dot(cross(ap, ac), normal) / square, dot(cross(ab, ap), normal) / square);
     // Not so (NaN) for triangles without area: then only the sides count.
     let inside = v >= 0.0 && w >= 0.0 && v + w <= 1.0;
-    let plane = if inside { add(a, add(scale(ab, v), scale(ac, w))) } else { sides[0] };
-    let nearer = |x: Point, y: Point| if distance(p, y) < distance(p, x) { y } else { x };
-    sides.into_iter().fold(plane, nearer)
+    let plane = add(a, add(scale(ab, v), scale(ac, w)));
+    // A thin triangle's normal is too inexact to trust it alone: sine below 1e-3.
+    if inside && square > 1e-6 * dot(ab, ab) * dot(ac, ac) {
+        return plane;
+    }
+    let sides = [[a, b], [b, c], [c, a]].map(|[s, e]| closest_on_segment(p, s, e));
+    let away = |q: Point| dot(sub(p, q), sub(p, q));
+    let nearer = |x: Point, y: Point| if away(y) < away(x) { y } else { x };
+    sides.into_iter().fold(if inside { plane } else { sides[0] }, nearer)
 }
 
 impl Triangles {
@@ -49,5 +54,10 @@ impl Triangles {
             found.0
         });
         found
+    }
+
+    /// The point of one triangle that is closest to `p`.
+    pub fn closest_point(&self, p: Point, triangle: usize) -> Point {
+        closest_on_triangle(p, self.corners[triangle])
     }
 }

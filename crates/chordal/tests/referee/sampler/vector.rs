@@ -24,9 +24,7 @@ pub fn cross(a: Point, b: Point) -> Point {
 }
 
 pub fn length(a: Point) -> f64 {
-    // Scaled, so that squares of tiny or huge lengths stay in range.
-    let most = a[0].abs().max(a[1].abs()).max(a[2].abs());
-    if most == 0.0 { 0.0 } else { most * dot(scale(a, 1.0 / most), scale(a, 1.0 / most)).sqrt() }
+    dot(a, a).sqrt()
 }
 
 pub fn distance(a: Point, b: Point) -> f64 {

@@ -1,0 +1,104 @@
+"""The patch bench: both sides on each corpus at each tolerance, one after the other, measured by one sampler.
+
+Prints a table, and writes it with what it was measured on to out/patches.csv and to RESULTS.md.
+"""
+
+import csv
+import os
+import platform
+import subprocess
+from datetime import date
+from importlib.metadata import version
+from pathlib import Path
+
+import occt
+
+BENCH = Path(__file__).resolve().parent.parent
+CORPORA = {
+    "teapot": "Newell's teapot, 32 patches in one call, scaled to diagonal 1",
+    "hard": "520 single patches of 10 random families, each scaled to diagonal 1 and meshed by itself",
+}
+TOLERANCES = ["1e-2", "1e-3", "1e-4"]
+NAMES = {
+    "chordal": "Chordal, proved",
+    "occt": "OpenCASCADE, linear deflection only",
+    "occt-sewn": "OpenCASCADE, faces sewn",
+    "occt-default-angle": "OpenCASCADE, angular 0.5 rad as by default",
+    "occt-default-angle-sewn": "OpenCASCADE, sewn, angular 0.5 rad",
+}
+COLUMNS = ["corpus", "tolerance", "engine", "triangles", "seconds", "failed", "shapes", "over", "worst", "median"]
+
+
+def program(name, *arguments):
+    """The CSV rows that a program of the bench prints."""
+    path = BENCH / "target" / "release" / name
+    done = subprocess.run([path, *arguments], check=True, stdout=subprocess.PIPE, text=True)
+    return [line.split(",") for line in done.stdout.split()]
+
+
+def rows(corpus, tolerance):
+    """All engines on one corpus at one tolerance."""
+    made = {}
+    for angle in occt.ANGLES:
+        for name, triangles, seconds, missing in occt.run(corpus, tolerance, angle):
+            made[name] = [triangles, seconds, missing]
+    for _, _, name, triangles, seconds, failed, _ in program("patches", corpus, tolerance):
+        made[name] = [int(triangles), float(seconds), int(failed)]
+    for _, _, name, shapes, over, _, worst, median in program("measure", corpus, tolerance, *made):
+        yield [corpus, tolerance, name, *made[name], int(shapes), int(over), float(worst), float(median)]
+
+
+def table(corpus, found):
+    """The Markdown table of one corpus."""
+    lines = [
+        "| tolerance | engine | triangles | × OCCT | seconds | OCCT / it | µs/triangle | over | worst error/tolerance | median |",
+        "|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    for tolerance in TOLERANCES:
+        here = [row for row in found if row[0] == corpus and row[1] == tolerance]
+        peer = next(row for row in here if row[2] == "occt")
+        here.sort(key=lambda row: list(NAMES).index(row[2]))
+        for _, _, name, triangles, seconds, _, shapes, over, worst, median in here:
+            lines.append(
+                f"| {tolerance} | {NAMES[name]} | {triangles} | {triangles / peer[3]:.2f} | {seconds:.4f} "
+                f"| {peer[4] / seconds:.1f} | {1e6 * seconds / triangles:.2f} "
+                f"| {over} of {shapes} ({100 * over / shapes:.1f} %) | {worst:.3f} | {median:.3f} |"
+            )
+    return "\n".join(lines)
+
+
+def machine():
+    """What the times were measured on."""
+    cpu = platform.processor() or platform.machine()
+    info = Path("/proc/cpuinfo")
+    if info.exists():
+        models = [line.split(":")[1].strip() for line in info.read_text().split("\n") if line.startswith("model name")]
+        cpu = models[0] if models else cpu
+    load = ", ".join(f"{x:.1f}" for x in os.getloadavg())
+    return f"{cpu}, {os.cpu_count()} cores, load {load} at the end of the run"
+
+
+def main():
+    """Runs everything."""
+    found = []
+    for corpus in CORPORA:
+        for tolerance in TOLERANCES:
+            for row in rows(corpus, tolerance):
+                found.append(row)
+                print(*row, flush=True)
+    with open(BENCH / "out" / "patches.csv", "w", newline="") as out:
+        csv.writer(out).writerows([COLUMNS, *found])
+    parts = [(BENCH / "patches" / "ABOUT.md").read_text().strip()]
+    parts.append(
+        f"Measured on {date.today()}: {machine()}; one thread on both sides; medians of 5 (Chordal) and 3 runs; "
+        f"cadquery-ocp {version('cadquery-ocp')}."
+    )
+    for corpus, about in CORPORA.items():
+        parts.append(f"### {corpus}: {about}\n\n{table(corpus, found)}")
+    (BENCH / "RESULTS.md").write_text("\n\n".join(parts) + "\n")
+    for corpus in CORPORA:
+        print(f"\n{corpus}\n{table(corpus, found)}")
+
+
+if __name__ == "__main__":
+    main()
