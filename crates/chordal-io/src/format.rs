@@ -1,6 +1,18 @@
 //! `Format`: what a file is, by its extension or by its content.
+use crate::text::{Lines, Tokens, integer, is_space, number, trim};
+use crate::{obj, patch_json, stl};
+use std::fmt;
+use std::str::FromStr;
 
 /// A file format.
+///
+/// ```
+/// use chordal_io::Format;
+/// assert_eq!(Format::from_extension("STL"), Some(Format::Stl));
+/// assert_eq!(Format::sniff(b"1\n1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16\n"), Some(Format::Teaset));
+/// assert_eq!("ply".parse(), Ok(Format::Ply));
+/// assert_eq!(Format::PatchJson.to_string(), "json");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// Bicubic Bézier patches, one block of 4 × 4 points each.
@@ -17,4 +29,133 @@ pub enum Format {
     Stl,
     /// Binary glTF 2.0.
     Glb,
+}
+
+/// Every format with the name that stands for it in `--from` and `--to`, and as an extension.
+const NAMES: [(Format, &str); 7] = [
+    (Format::Bpt, "bpt"),
+    (Format::Teaset, "teaset"),
+    (Format::PatchJson, "json"),
+    (Format::Obj, "obj"),
+    (Format::Ply, "ply"),
+    (Format::Stl, "stl"),
+    (Format::Glb, "glb"),
+];
+
+impl Format {
+    /// All formats.
+    pub fn all() -> impl Iterator<Item = Self> {
+        NAMES.iter().map(|row| row.0)
+    }
+
+    /// The format that an extension stands for, with its dot or without, in any case.
+    #[must_use]
+    pub fn from_extension(extension: &str) -> Option<Self> {
+        let name = extension.strip_prefix('.').unwrap_or(extension);
+        NAMES.iter().find(|row| row.1.eq_ignore_ascii_case(name)).map(|row| row.0)
+    }
+
+    /// The format that the content looks like; its extension plays no part. Looks at no more than it must, and
+    /// promises nothing: a reader may still refuse the file.
+    #[must_use]
+    pub fn sniff(bytes: &[u8]) -> Option<Self> {
+        if bytes.starts_with(b"glTF") {
+            return Some(Self::Glb);
+        }
+        let text = trim_start(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes));
+        if text.starts_with(b"ply") && text.get(3).is_some_and(|b| is_space(*b)) {
+            return Some(Self::Ply);
+        }
+        if stl::looks_like(bytes) {
+            return Some(Self::Stl);
+        }
+        if text.first() == Some(&b'{') {
+            return patch_json::looks_like(text).then_some(Self::PatchJson);
+        }
+        sniff_patches(text).or_else(|| obj::looks_like(bytes).then_some(Self::Obj))
+    }
+}
+
+fn trim_start(bytes: &[u8]) -> &[u8] {
+    let start = bytes.iter().position(|b| !is_space(*b)).unwrap_or(bytes.len());
+    &bytes[start..]
+}
+
+/// Both patch texts start with a line that holds the number of patches alone; then come two degrees, or sixteen
+/// indices with commas.
+fn sniff_patches(text: &[u8]) -> Option<Format> {
+    let mut lines = Lines::new(text).map(|(_, line)| trim(line)).filter(|line| !line.is_empty());
+    integer(lines.next()?).ok()?;
+    let second = lines.next()?;
+    if second.contains(&b',') {
+        let all = second.split(|b| *b == b',').all(|token| integer(trim(token)).is_ok());
+        return all.then_some(Format::Teaset);
+    }
+    let degrees: Vec<_> = Tokens::new(second).take(3).collect();
+    let all = degrees.len() == 2 && degrees.iter().all(|token| number(token).is_some());
+    all.then_some(Format::Bpt)
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(NAMES[*self as usize].1)
+    }
+}
+
+/// A name that stands for no format.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnknownFormat(String);
+
+impl fmt::Display for UnknownFormat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "'{}' is no format; they are", self.0.escape_default())?;
+        let last = NAMES.len() - 1;
+        for (i, (_, name)) in NAMES.iter().enumerate() {
+            write!(
+                f,
+                "{} {name}",
+                if i == 0 {
+                    ""
+                } else if i == last {
+                    " and"
+                } else {
+                    ","
+                }
+            )?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for UnknownFormat {}
+
+impl FromStr for Format {
+    type Err = UnknownFormat;
+    fn from_str(name: &str) -> Result<Self, UnknownFormat> {
+        Self::from_extension(name).ok_or_else(|| UnknownFormat(name.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_format_is_found_by_its_own_name() {
+        for (i, format) in Format::all().enumerate() {
+            assert_eq!(format as usize, i, "NAMES is in the order of the enum");
+            assert_eq!(format.to_string().parse(), Ok(format));
+            assert_eq!(
+                Format::from_extension(&format!(".{}", format.to_string().to_uppercase())),
+                Some(format)
+            );
+        }
+    }
+
+    #[test]
+    fn an_unknown_name_is_answered_with_those_that_are_known() {
+        let message = "dwg".parse::<Format>().unwrap_err().to_string();
+        assert_eq!(message, "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl and glb");
+        assert_eq!(Format::from_extension(""), None);
+    }
 }

@@ -1,14 +1,35 @@
 //! Bytes to nouns and back: every reader takes [`Limits`] and ends in a shape, a shape with listed warnings, or one
 //! [`ReadError`] that names the place. No paths, no network, no panic.
+mod assemble;
+pub mod bpt;
+mod certificate;
 mod error;
+mod faces;
 mod format;
 pub mod glb;
+mod groups;
+mod grow;
+mod json;
 mod limits;
+mod losses;
+pub mod obj;
+pub mod patch_json;
+mod placed;
+pub mod ply;
+pub mod png;
+mod read;
 mod scene;
 mod snap;
+pub mod stl;
+pub mod teaset;
+mod text;
+mod warnings;
+mod words;
 
 pub use error::{Place, ReadError, Warning, WriteError};
-pub use format::Format;
+pub use format::{Format, UnknownFormat};
 pub use limits::Limits;
+pub use losses::losses;
+pub use read::read;
 pub use scene::{Axis, Content, Frame, Loaded, Node, Part, Scene};
 pub use snap::{Snapped, TooWide, snap, worst_snap};

@@ -2,6 +2,7 @@
 use crate::Warning;
 use chordal::{Mesh, Patch};
 use serde_json::Value;
+use std::collections::BTreeMap;
 
 /// An axis of space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,6 +60,9 @@ pub struct Scene {
     pub frame: Frame,
     /// The certificate that travels in the file, if it carries one.
     pub certificate: Option<Value>,
+    /// What the values of a face attribute `Semantic::Group(kind)` stand for: `groups[kind][value]` is a name, for the
+    /// kinds that have names ("usemtl", "g", "o" of OBJ, "solid" of STL). Value 0 is a face without such a group.
+    pub groups: BTreeMap<String, Vec<String>>,
 }
 
 /// What a reader found.
@@ -89,6 +93,6 @@ impl Scene {
     pub fn of(name: &str, mesh: Mesh, indexed: bool, frame: Frame) -> Self {
         let part = Part { name: name.to_owned(), mesh, indexed };
         let node = Node { name: name.to_owned(), matrix: IDENTITY, children: Vec::new(), part: Some(0) };
-        Self { parts: vec![part], nodes: vec![node], roots: vec![0], frame, certificate: None }
+        Self { parts: vec![part], nodes: vec![node], roots: vec![0], frame, ..Self::default() }
     }
 }

@@ -1,1 +1,42 @@
-//! What every shell calls: any input, a verb, a report.
+//! What every shell calls: bytes in, a verb, a report out. Shells translate; nothing here reads a path or prints.
+//!
+//! ```
+//! use chordal_io::Format;
+//! use chordal_verbs::{BudgetSpec, Hint, load, mesh};
+//!
+//! // One flat patch in Newell's text: the 16 points of a patch as indices, then the points.
+//! let patch = "1\n1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16\n16\n\
+//!     0,0,0\n1,0,0\n2,0,0\n3,0,0\n0,1,0\n1,1,1\n2,1,1\n3,1,0\n\
+//!     0,2,0\n1,2,1\n2,2,1\n3,2,0\n0,3,0\n1,3,0\n2,3,0\n3,3,0\n";
+//! let input = load(patch.as_bytes(), Hint::default(), &Default::default())?;
+//! let spec = BudgetSpec { length: Some("0.1%".parse()?), ..BudgetSpec::default() };
+//! let outcome = mesh(input, &spec, Format::Glb, &Default::default())?;
+//! let budget = outcome.certificate.budget.as_ref().unwrap().length.unwrap();
+//! assert!(outcome.bound.at_most().unwrap() <= budget);
+//! let mut glb = Vec::new();
+//! outcome.write(&mut glb)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+mod digest;
+mod export;
+mod failure;
+pub mod formats;
+mod inspect;
+mod load;
+mod mesh;
+mod placed;
+mod render;
+pub mod report;
+mod shape;
+mod spec;
+
+pub use chordal_io::{Axis, Frame, Scene};
+pub use digest::sha256;
+pub use export::write;
+pub use failure::MeshFailure;
+pub use inspect::inspect;
+pub use load::{Hint, Input, extension, load};
+pub use mesh::{MeshOutcome, mesh};
+pub use render::{Fineness, RenderOutcome, USUAL_SCREEN, render};
+pub use shape::Shape;
+pub use spec::BudgetSpec;

@@ -1,1 +1,185 @@
-//! Chordal as a plain WASM module.
+//! Chordal as a plain WASM module: numbers and bytes in, numbers and bytes out, no glue to generate.
+//!
+//! Whoever calls puts bytes into the module's memory and gets a handle to an outcome back:
+//!
+//! ```text
+//! input   = chordal_alloc(n)            n bytes to fill; likewise for options, a JSON text
+//! outcome = chordal_mesh(input, n, options, m)
+//! chordal_exit(outcome)                 0, or the exit code that the command would have ended with
+//! chordal_bytes / chordal_bytes_len     the file; empty when there is none
+//! chordal_report / chordal_report_len   the certificate as JSON; empty when there is none
+//! chordal_error / chordal_error_len     one sentence; empty when all went well
+//! chordal_release(outcome)
+//! chordal_free(input, n); chordal_free(options, m)
+//! ```
+//!
+//! Options: `{"name": "teapot.bpt", "to": "glb", "tol": "0.1%", "px": "1", "view": "1920x1080 fov=45 dist=4",
+//! "triangles": 5000, "from": …, "unit": …, "up": "y", "keep_best": true}`. At least one of tol, px with view, and
+//! triangles. Same input, same options, same version: the same bytes as from the command.
+//!
+//! Growing memory detaches views that JavaScript holds: make a new `Uint8Array` after every call.
+mod options;
+mod outcome;
+
+use outcome::Outcome;
+
+/// Room for `len` bytes, zeroed. Never null: a module without memory left traps.
+#[unsafe(no_mangle)]
+pub extern "C" fn chordal_alloc(len: usize) -> *mut u8 {
+    Box::into_raw(vec![0_u8; len].into_boxed_slice()).cast()
+}
+
+/// Gives room back.
+///
+/// # Safety
+/// `at` and `len` are from one call of [`chordal_alloc`], and it is the first time.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn chordal_free(at: *mut u8, len: usize) {
+    // SAFETY: by the contract this is the slice that `chordal_alloc` made and leaked, and nobody else frees it.
+    drop(unsafe { Box::from_raw(std::ptr::slice_from_raw_parts_mut(at, len)) });
+}
+
+/// Turns the shape in `input` into triangles, as `options` say.
+///
+/// # Safety
+/// Each pair of `at` and `len` is from one call of [`chordal_alloc`] and was not given back.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn chordal_mesh(
+    input: *const u8,
+    input_len: usize,
+    options: *const u8,
+    options_len: usize,
+) -> *mut Outcome {
+    // SAFETY: by the contract both are initialised, live, of that length, and nobody writes during the call, for
+    // WASM modules like this one have one thread.
+    let (input, options) = unsafe {
+        (std::slice::from_raw_parts(input, input_len), std::slice::from_raw_parts(options, options_len))
+    };
+    Box::into_raw(Box::new(outcome::mesh(input, options)))
+}
+
+/// 0, or the exit code that the command would have ended with.
+///
+/// # Safety
+/// `outcome` is from [`chordal_mesh`] and was not released; likewise below.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn chordal_exit(outcome: *const Outcome) -> u32 {
+    // SAFETY: by the contract it is a live box that nobody writes to.
+    u32::from(unsafe { &*outcome }.exit)
+}
+
+/// Exports the start and the length of one of an outcome's byte strings.
+macro_rules! bytes {
+    ($(#[$doc:meta] $field:ident: $start:ident, $len:ident;)*) => {$(
+        #[$doc]
+        ///
+        /// # Safety
+        /// As for [`chordal_exit`]; the bytes live until the release.
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $start(outcome: *const Outcome) -> *const u8 {
+            // SAFETY: by the contract it is a live box that nobody writes to.
+            unsafe { &*outcome }.$field.as_ptr()
+        }
+
+        /// Their number.
+        ///
+        /// # Safety
+        /// As for [`chordal_exit`].
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $len(outcome: *const Outcome) -> usize {
+            // SAFETY: by the contract it is a live box that nobody writes to.
+            unsafe { &*outcome }.$field.len()
+        }
+    )*};
+}
+
+bytes! {
+    /// The bytes of the file that was made.
+    bytes: chordal_bytes, chordal_bytes_len;
+    /// The certificate as JSON.
+    report: chordal_report, chordal_report_len;
+    /// What went wrong, in one sentence.
+    error: chordal_error, chordal_error_len;
+}
+
+/// Gives an outcome back.
+///
+/// # Safety
+/// `outcome` is from [`chordal_mesh`], and it is the first time.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn chordal_release(outcome: *mut Outcome) {
+    // SAFETY: by the contract this is the box that `chordal_mesh` leaked, and nobody else drops it.
+    drop(unsafe { Box::from_raw(outcome) });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TRIANGLE: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+    fn give(bytes: &[u8]) -> (*mut u8, usize) {
+        let at = chordal_alloc(bytes.len());
+        // SAFETY: room for as many bytes was just made.
+        unsafe { std::ptr::copy_nonoverlapping(bytes.as_ptr(), at, bytes.len()) };
+        (at, bytes.len())
+    }
+
+    /// Exit code, file, certificate, error.
+    fn call(input: &[u8], options: &str) -> (u32, Vec<u8>, String, String) {
+        let (input, options) = (give(input), give(options.as_bytes()));
+        // SAFETY: everything is from `chordal_alloc` and `chordal_mesh`, and given back once, at the end.
+        unsafe {
+            let outcome = chordal_mesh(input.0, input.1, options.0, options.1);
+            let copy = |at: *const u8, len: usize| std::slice::from_raw_parts(at, len).to_vec();
+            let text = |at, len| String::from_utf8(copy(at, len)).unwrap();
+            let all = (
+                chordal_exit(outcome),
+                copy(chordal_bytes(outcome), chordal_bytes_len(outcome)),
+                text(chordal_report(outcome), chordal_report_len(outcome)),
+                text(chordal_error(outcome), chordal_error_len(outcome)),
+            );
+            chordal_release(outcome);
+            chordal_free(input.0, input.1);
+            chordal_free(options.0, options.1);
+            all
+        }
+    }
+
+    #[test]
+    fn meshes_through_the_raw_interface() {
+        let options = r#"{"name": "t.obj", "to": "glb", "tol": "1%"}"#;
+        let (exit, bytes, report, error) = call(TRIANGLE, options);
+        assert_eq!((exit, error.as_str()), (0, ""));
+        assert_eq!(&bytes[..4], b"glTF");
+        assert!(report.contains("\"proved\""), "{report}");
+        assert_eq!(call(TRIANGLE, options).1, bytes);
+    }
+
+    #[test]
+    fn says_what_is_wrong_in_one_sentence_and_with_the_command_s_exit_code() {
+        for (input, options, exit, part) in [
+            (TRIANGLE, "", 2, "options"),
+            (TRIANGLE, r#"{"to": "glb", "tol": 1e-3, "colour": "red"}"#, 2, "colour"),
+            (TRIANGLE, r#"{"name": "t.obj", "to": "glb"}"#, 2, "tol"),
+            (TRIANGLE, r#"{"name": "t.obj", "to": "glb", "tol": "-1"}"#, 2, "greater than 0"),
+            (TRIANGLE, r#"{"name": "t.obj", "to": "glb", "px": "1"}"#, 2, "view"),
+            (TRIANGLE, r#"{"name": "t.obj", "to": "bpt", "tol": "1"}"#, 2, "triangles"),
+            (b"v 0 0", r#"{"name": "t.obj", "to": "glb", "tol": "1"}"#, 3, "line 1"),
+            (b"", r#"{"to": "glb", "tol": "1"}"#, 3, "empty"),
+        ] {
+            let (found, bytes, _, error) = call(input, options);
+            assert_eq!(found, exit, "{options}: {error}");
+            assert!(error.contains(part) && bytes.is_empty(), "{options}: {error}");
+        }
+    }
+
+    #[test]
+    fn keeps_the_best_only_when_told_to() {
+        let square = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+        let kept = call(square, r#"{"name": "s.obj", "to": "ply", "triangles": 1, "keep_best": true}"#);
+        let lost = call(square, r#"{"name": "s.obj", "to": "ply", "triangles": 1}"#);
+        assert_eq!((kept.0, lost.0), (5, 5));
+        assert!(!kept.1.is_empty() && lost.1.is_empty());
+    }
+}

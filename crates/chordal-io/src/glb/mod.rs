@@ -1,11 +1,22 @@
 //! Binary glTF 2.0: one file with a JSON chunk that describes and a BIN chunk that holds.
+mod container;
 mod document;
+mod format;
+mod json;
+mod lint;
+mod model;
+mod parts;
 mod place;
+mod read;
+mod report;
+mod rows;
 mod split;
 mod streams;
 mod transform;
+mod triangles;
 mod write;
 
+pub use read::read;
 pub use write::write;
 
 /// The first four bytes of a GLB file, `glTF`.

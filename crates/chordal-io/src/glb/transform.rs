@@ -1,5 +1,4 @@
 //! Transforms of nodes: column-major matrices, and what glTF lets a node say.
-#[cfg(test)]
 use crate::scene::IDENTITY;
 use serde_json::{Map, Value, json};
 
@@ -56,6 +55,12 @@ fn place(translation: [f64; 3], scale: [f64; 3]) -> Map<String, Value> {
 
 fn object(key: &str, value: Value) -> Map<String, Value> {
     std::iter::once((key.to_owned(), value)).collect()
+}
+
+/// Whether a matrix changes nothing in single precision.
+#[allow(clippy::cast_possible_truncation)]
+pub(super) fn is_identity(matrix: &[f64; 16]) -> bool {
+    matrix.map(|x| f64::from(x as f32)) == IDENTITY
 }
 
 /// Whether a matrix is a translation, a rotation and a scale, as gltf-validator sees it: it decomposes the matrix
@@ -136,7 +141,6 @@ fn rotation_matrix([x, y, z, w]: [f64; 4]) -> [f64; 9] {
 }
 
 /// The matrix of a translation after a rotation after a scale.
-#[cfg(test)]
 pub(super) fn compose(translation: [f64; 3], rotation: [f64; 4], scale: [f64; 3]) -> [f64; 16] {
     let r = rotation_matrix(rotation);
     let mut m = IDENTITY;

@@ -6,6 +6,7 @@ mod length;
 mod lens;
 mod limits;
 mod parallel;
+mod stopped;
 mod tolerance;
 mod view;
 
@@ -16,5 +17,7 @@ pub use length::{InvalidLength, Length, Unit};
 pub use lens::{Lens, Sight};
 pub use limits::{Budget, PixelBudget, Require};
 pub use parallel::par_map;
+pub(crate) use parallel::par_map_owned;
+pub use stopped::Stopped;
 pub use tolerance::{InvalidTolerance, Tolerance};
 pub use view::{Camera, Closest, InvalidView, Pixels, Projection, Screen, View};

@@ -7,8 +7,7 @@ use super::Job;
 /// feature `threads`, or when the machine grants no thread, the caller's own thread does all of it. A job that is
 /// cancelled still runs `f` for every item: an `f` that takes long asks [`Job::is_cancelled`] and returns early.
 ///
-/// Cost: one task a few items; threads are started once a call when `job.threads` is neither 0 nor 1 (tens of
-/// microseconds each) unless the call comes from inside [`Job::run`].
+/// Cost: one task a few items; threads are started once a process for each number of threads.
 ///
 /// ```
 /// use chordal::budget::{Job, par_map};
@@ -25,6 +24,17 @@ pub fn par_map<T: Sync, R: Send>(job: &Job, items: &[T], f: impl Fn(usize, &T) -
     items.iter().enumerate().map(|(i, item)| f(i, item)).collect()
 }
 
+/// [`par_map`] over items that `f` consumes: for the few large parts into which a recursion cuts its input.
+pub(crate) fn par_map_owned<T: Send, R: Send>(job: &Job, items: Vec<T>, f: impl Fn(T) -> R + Sync) -> Vec<R> {
+    #[cfg(feature = "threads")]
+    if job.threads != 1 && items.len() > 1 {
+        use rayon::prelude::*;
+        return job.run(|| items.into_par_iter().map(&f).collect());
+    }
+    let _ = job;
+    items.into_iter().map(f).collect()
+}
+
 impl Job {
     /// Runs `work` where every [`par_map`] of the same number of threads shares one set of threads: start them once
     /// around many small steps.
@@ -37,13 +47,29 @@ impl Job {
                 rayon::current_thread_index().is_some() && rayon::current_num_threads() == self.threads;
             if self.threads != 0 && !fits {
                 // A machine that grants no more threads leaves the work to those that there are.
-                if let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build() {
+                if let Some(pool) = pool_of(self.threads) {
                     return pool.install(work);
                 }
             }
         }
         work()
     }
+}
+
+/// The pool with that many threads, started once a process: starting one takes 40 µs, which is as long as a small
+/// mesh takes.
+#[cfg(feature = "threads")]
+fn pool_of(threads: usize) -> Option<std::sync::Arc<rayon::ThreadPool>> {
+    use std::collections::BTreeMap;
+    use std::sync::{Arc, Mutex, PoisonError};
+    static POOLS: Mutex<BTreeMap<usize, Arc<rayon::ThreadPool>>> = Mutex::new(BTreeMap::new());
+    let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(pool) = pools.get(&threads) {
+        return Some(Arc::clone(pool));
+    }
+    let pool = Arc::new(rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()?);
+    pools.insert(threads, Arc::clone(&pool));
+    Some(pool)
 }
 
 #[cfg(test)]

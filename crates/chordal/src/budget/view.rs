@@ -157,7 +157,7 @@ impl View {
 impl Camera {
     /// The unit vectors to the right, up and forward; `None` when eye, target and up give none. Forward is right to 4
     /// units in the last place of each coordinate; right and up are as uncertain as `up` is close to forward.
-    pub(super) fn axes(&self) -> Option<[[f64; 3]; 3]> {
+    pub(crate) fn axes(&self) -> Option<[[f64; 3]; 3]> {
         let forward = unit(glam::DVec3::from(self.target) - glam::DVec3::from(self.eye))?;
         let right = forward.cross(unit(glam::DVec3::from(self.up))?);
         // Closer to one line than this, rounding alone would decide where up is.

@@ -34,10 +34,11 @@ pub fn measure(mesh: &Mesh) -> Measure {
     }
     let centre = DVec3::from(bounds.centre());
     let (down, up) = scale(DVec3::from(bounds.max).max(DVec3::from(bounds.min).abs()).max_element());
+    let at = |row: u32| DVec3::from(mesh.positions()[row as usize]) * down - centre * down;
     let sums = over_chunks(mesh.faces(), CHUNK, |_, faces| {
         let mut sum = (0.0, 0.0);
-        for face in faces {
-            let [a, b, c] = face.map(|i| DVec3::from(mesh.positions()[i as usize]) * down - centre * down);
+        for &[a, b, c] in faces {
+            let (a, b, c) = (at(a), at(b), at(c));
             let twice_area = (b - a).cross(c - a);
             sum.0 += twice_area.length();
             sum.1 += a.dot(twice_area);

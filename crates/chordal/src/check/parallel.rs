@@ -1,4 +1,5 @@
-//! Two things at once where the host has threads, one after the other where not: the results are the same.
+//! Two things at once, and all chunks of a slice at once, where the host has threads: the results are the same.
+use crate::budget::{Job, par_map};
 
 /// Runs both, in parallel with the feature `threads`.
 #[cfg(feature = "threads")]
@@ -12,19 +13,13 @@ pub(super) fn both<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B)
     (a(), b())
 }
 
-/// `f` of every chunk of `size` items with the number of its first item, in the order of the chunks.
-#[cfg(feature = "threads")]
+/// `f` of every chunk of `size` items with the number of its first item, in the order of the chunks. The threads are
+/// those of the job that the caller runs in, or the host's.
 pub(super) fn over_chunks<T: Sync, R: Send>(
     items: &[T],
     size: usize,
     f: impl Fn(usize, &[T]) -> R + Sync,
 ) -> Vec<R> {
-    use rayon::prelude::*;
-    items.par_chunks(size).enumerate().map(|(i, chunk)| f(i * size, chunk)).collect()
-}
-
-/// `f` of every chunk of `size` items with the number of its first item, in the order of the chunks.
-#[cfg(not(feature = "threads"))]
-pub(super) fn over_chunks<T, R>(items: &[T], size: usize, f: impl Fn(usize, &[T]) -> R) -> Vec<R> {
-    items.chunks(size).enumerate().map(|(i, chunk)| f(i * size, chunk)).collect()
+    let chunks: Vec<&[T]> = items.chunks(size).collect();
+    par_map(&Job::default(), &chunks, |number, chunk| f(number * size, chunk))
 }

@@ -95,6 +95,7 @@ impl Random {
 
     /// Loose, far from the origin, and pulled together, from 1e-6 to 1e6.
     fn control<const D: usize>(&mut self, case: usize) -> [[f64; D]; 4] {
+        // The scales that the laws are tried at, six orders of magnitude each way.
         let size = [1e-6, 1e-3, 1.0, 1e3, 1e6][case % 5];
         let centre = [0.0, 100.0 * size][case / 5 % 2];
         let mut control = std::array::from_fn(|_| self.point(centre, size));
@@ -116,6 +117,7 @@ fn for_curves<C: Cubic<D>, const D: usize>(law: impl Fn(&C, f64, f64) -> Result<
         let control = random.control(case);
         let curve = C::from_control(control);
         let size = control.as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        // Both ends, the middle, and the parameters next to the ends.
         let fixed = [0.0, 1.0, 0.5, f64::MIN_POSITIVE, 1.0 - f64::EPSILON];
         let parameters: Vec<f64> = fixed.into_iter().chain((0..15).map(|_| random.unit())).collect();
         for t in parameters {
@@ -153,6 +155,7 @@ pub fn weights_are_at_least_0_and_sum_to_1<C: Cubic<D>, const D: usize>() {
         if weights.iter().any(|w| *w < 0.0) {
             return Err(format!("a weight is negative: {weights:?}"));
         }
+        // In steps of 1, which is what the sum is near to.
         near("the sum of the weights", [[sum], [1.0]], SAME * f64::EPSILON)
     });
 }
@@ -195,7 +198,11 @@ pub fn stays_inside_its_hull<C: Cubic<D>, const D: usize>() {
         let point = curve.at(t);
         let out = |p: [f64; D], d: &[f64; D]| (0..D).map(|k| p[k] * d[k]).sum::<f64>();
         let outside = |d: &&[f64; D]| {
-            let most = curve.control().iter().map(|p| out(*p, d)).fold(f64::NEG_INFINITY, f64::max);
+            let most = curve
+                .control()
+                .iter()
+                .map(|p| out(*p, d))
+                .fold(f64::NEG_INFINITY, |most, x| if x > most { x } else { most });
             out(point, d) > most + SAME * ulp
         };
         directions

@@ -1,5 +1,6 @@
 //! The explicit shore: shapes as points that can be listed and drawn. What happens here is exact.
 mod bezier;
+mod bvh;
 pub mod laws;
 mod mesh;
 mod normals;
@@ -10,6 +11,7 @@ pub mod triangulate;
 mod twins;
 
 pub use bezier::{Bezier, Levels, bernstein};
+pub use bvh::{Bvh, Closest, Hit, Ray};
 pub use mesh::{Attribute, Domain, InvalidMesh, Mesh, Semantic};
 pub use normals::{face_normal, vertex_normals};
 pub use patch::{Patch, Side};

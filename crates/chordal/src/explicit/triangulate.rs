@@ -33,7 +33,8 @@ impl Triangulation {
 /// The polygon is seen along the largest axis of its Newell normal, which changes no coordinate, so that all
 /// decisions are exact for polygons within 1e-75 … 1e75 (beyond, coordinates are scaled by a power of two).
 /// All triangles together have the polygon's signed area, because they form a disc with its border; so they have
-/// its area when none is face down. For a polygon that is not flat this holds in that view.
+/// its area when none is face down. For a polygon that is not flat this holds in that view, or, where something folds
+/// in it and less does along the normal itself, in that one (rounded).
 ///
 /// `points`: finite corners in order, the last one joined to the first, fewer than 2³¹. Time O(n log n) as long as
 /// corners block few ears, and never more than 1,024 steps a corner; memory O(n).
@@ -61,6 +62,7 @@ pub fn polygon(points: &[[f64; 3]]) -> Triangulation {
 #[derive(Clone, Debug, Default)]
 pub struct Triangulator {
     flat: Vec<[f64; 2]>,
+    second: Vec<[u32; 3]>,
     ears: Ears,
 }
 
@@ -68,19 +70,37 @@ impl Triangulator {
     /// Appends the triangles of one polygon to `out` and returns how many of them lie face down.
     pub fn polygon(&mut self, points: &[[f64; 3]], out: &mut Vec<[u32; 3]>) -> usize {
         match points.len() {
-            0..=2 => 0,
+            0..=2 => return 0,
             3 => {
                 out.push([0, 1, 2]);
-                0
+                return 0;
             }
-            n => {
-                flatten(points, &mut self.flat);
-                if n == 4 {
-                    return quad([self.flat[0], self.flat[1], self.flat[2], self.flat[3]], out);
-                }
-                self.ears.cut(&self.flat, out)
-            }
+            _ => {}
         }
+        let scale = scale_of(points);
+        let normal = newell(points, scale);
+        let start = out.len();
+        along_axis(points, scale, normal, &mut self.flat);
+        let folded = cut(&self.flat, &mut self.ears, out);
+        if folded == 0 || !along_normal(points, scale, normal, &mut self.flat) {
+            return folded;
+        }
+        // A bent polygon may cross itself in one view and not in the other.
+        self.second.clear();
+        let folded_second = cut(&self.flat, &mut self.ears, &mut self.second);
+        if folded_second >= folded {
+            return folded;
+        }
+        out.truncate(start);
+        out.extend_from_slice(&self.second);
+        folded_second
+    }
+}
+
+fn cut(flat: &[[f64; 2]], ears: &mut Ears, out: &mut Vec<[u32; 3]>) -> usize {
+    match *flat {
+        [a, b, c, d] => quad([a, b, c, d], out),
+        _ => ears.cut(flat, out),
     }
 }
 
@@ -101,16 +121,10 @@ fn quad(p: [[f64; 2]; 4], out: &mut Vec<[u32; 3]>) -> usize {
     turns[pick].iter().filter(|t| **t < 0.0).count()
 }
 
-/// The polygon seen along the largest axis of its normal, counter-clockwise.
-fn flatten(points: &[[f64; 3]], flat: &mut Vec<[f64; 2]>) {
-    let scale = scale_of(points);
-    let normal = newell(points, scale);
-    let size = normal.map(f64::abs);
-    let mut drop = usize::from(size[1] > size[0]);
-    if size[2] > size[drop] {
-        drop = 2;
-    }
-    if size[drop].is_nan() || size[drop] == 0.0 {
+/// The polygon seen along the largest axis of its normal, counter-clockwise. Exact but for the power of two.
+fn along_axis(points: &[[f64; 3]], scale: f64, normal: [f64; 3], flat: &mut Vec<[f64; 2]>) {
+    let mut drop = largest_axis(normal);
+    if normal[drop].is_nan() || normal[drop] == 0.0 {
         drop = thinnest(points);
     }
     let (mut u, mut v) = ((drop + 1) % 3, (drop + 2) % 3);
@@ -119,6 +133,44 @@ fn flatten(points: &[[f64; 3]], flat: &mut Vec<[f64; 2]>) {
     }
     flat.clear();
     flat.extend(points.iter().map(|p| [p[u] * scale, p[v] * scale]));
+}
+
+/// The polygon seen along its normal, counter-clockwise, rounded; false where it has no normal.
+fn along_normal(points: &[[f64; 3]], scale: f64, normal: [f64; 3], flat: &mut Vec<[f64; 2]>) -> bool {
+    let largest = normal[largest_axis(normal)].abs();
+    if !(largest > 0.0 && largest.is_finite()) {
+        return false;
+    }
+    let n = normal.map(|x| x / largest);
+    // The axis that is furthest from the normal, made perpendicular to it, and a third one to both.
+    let mut k = 0;
+    for other in 1..3 {
+        if n[other].abs() < n[k].abs() {
+            k = other;
+        }
+    }
+    let mut axis = [0.0; 3];
+    axis[k] = 1.0;
+    let u = cross(axis, n);
+    let v = cross(n, u);
+    let dot = |a: [f64; 3], b: [f64; 3]| (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
+    flat.clear();
+    flat.extend(points.iter().map(|p| from_first(points, p, scale)).map(|p| [dot(p, u), dot(p, v)]));
+    true
+}
+
+fn largest_axis(normal: [f64; 3]) -> usize {
+    let size = normal.map(f64::abs);
+    let largest = usize::from(size[1] > size[0]);
+    if size[2] > size[largest] { 2 } else { largest }
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn from_first(points: &[[f64; 3]], p: &[f64; 3], scale: f64) -> [f64; 3] {
+    std::array::from_fn(|k| p[k] * scale - points[0][k] * scale)
 }
 
 /// A power of two that brings the largest coordinate near 1; 1 itself for all but extreme polygons.
@@ -136,17 +188,10 @@ fn scale_of(points: &[[f64; 3]]) -> f64 {
 
 /// Twice the polygon's vector area, after scaling.
 fn newell(points: &[[f64; 3]], scale: f64) -> [f64; 3] {
-    let from_first =
-        |p: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|k| p[k] * scale - points[0][k] * scale) };
-    let mut sum = [0.0; 3];
-    for pair in points.windows(2).skip(1) {
-        let (a, b) = (from_first(&pair[0]), from_first(&pair[1]));
-        for (k, sum) in sum.iter_mut().enumerate() {
-            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            *sum += a[i] * b[j] - a[j] * b[i];
-        }
-    }
-    sum
+    points.windows(2).skip(1).fold([0.0; 3], |sum, pair| {
+        let term = cross(from_first(points, &pair[0], scale), from_first(points, &pair[1], scale));
+        std::array::from_fn(|k| sum[k] + term[k])
+    })
 }
 
 /// The axis along which the points differ least.

@@ -1,1 +1,15 @@
 //! Pictures of shapes, ray-traced and the same on every machine.
+mod color;
+mod eye;
+mod light;
+mod normals;
+mod options;
+mod pattern;
+mod picture;
+mod surface;
+mod trace;
+
+pub use eye::frame;
+pub use options::{Background, Options, Show, Up, Viewpoint};
+pub use picture::Picture;
+pub use trace::render;

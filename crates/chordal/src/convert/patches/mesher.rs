@@ -1,11 +1,13 @@
 //! `Mesher`: plans tiles for an allowance, proves them, and asks for more cells until all hold.
 use super::assemble;
 use super::bend::ROUNDING;
-use super::plan::{self, Allowance, Obstacle, Probe, Tile};
+use super::plan::{self, Allowance, Obstacle, Tile};
+use super::probe::Probe;
 use super::quilt::{Quilt, Seam};
 use super::seams::{Line, Seams};
 use super::tile::{self, Done};
 use crate::budget::{Bound, Bounded, Code, Failure, Job, Progress, Reference, par_map};
+use crate::check;
 use crate::explicit::{Mesh, Patch, Side};
 use crate::math::{Box3, sub_down};
 
@@ -35,8 +37,11 @@ pub(crate) struct Proved {
 /// Rounds of asking for more cells; three are usual, and every round adds cells where they lack.
 const MOST_ROUNDS: usize = 64;
 
-/// Tiles, and places on each, at which the distance is measured from below.
-const SAMPLED_TILES: usize = 8;
+/// A proof that came out this much worse than its probe will not come out.
+const MOST_STRAIN: f64 = 1e6;
+
+/// Tiles at which the distance is measured from below, at two places each: 20 ns a triangle.
+const SAMPLED_TILES: usize = 12;
 
 impl<'a> Mesher<'a> {
     pub(crate) fn new(patches: &'a [Patch], job: &'a Job) -> Self {
@@ -58,7 +63,7 @@ impl<'a> Mesher<'a> {
     pub(crate) fn estimate(&self, allowance: &Allowance, enough: f64) -> Result<f64, Failed> {
         let rough = par_map(self.job, self.patches, |_, patch| {
             let tolerance = allowance.at(&patch.hull()).ok_or(Obstacle::TooClose(patch.hull()))?;
-            Ok(2.0 * Probe::new(patch).rates(tolerance).cells)
+            Ok(2.0 * Probe::new(patch).need(tolerance).cells)
         });
         let rough = total(rough)?;
         if rough < enough {
@@ -92,6 +97,17 @@ impl<'a> Mesher<'a> {
         for round in 0..MOST_ROUNDS {
             self.build_open(&planned, &mut done)?;
             let missed = self.ask_for_more(&mut planned.tiles, &mut done, round);
+            if planned.tiles.iter().any(|tile| tile.strain > MOST_STRAIN) {
+                break;
+            }
+            let cells: f64 = planned.tiles.iter().map(|tile| f64::from(tile.n) * f64::from(tile.m)).sum();
+            if cells > self.job.triangle_limit as f64 {
+                let message = format!(
+                    "the budget needs more than {:.1e} triangles, the limit",
+                    self.job.triangle_limit
+                );
+                return Err(Failure::refused(Code::TooManyTriangles, message));
+            }
             if !missed && !self.part_edges(&mut planned, &mut done) {
                 let tiles = planned
                     .tiles
@@ -140,7 +156,9 @@ impl<'a> Mesher<'a> {
             missed = true;
             *slot = None;
             tile.strain *= bound / tile.tolerance * if round < 3 { 1.01 } else { 1.1 };
-            let rates = Probe::new(&patch.part(tile.u, tile.v)).rates(tile.tolerance / tile.strain);
+            let probe = Probe::new(&patch.part(tile.u, tile.v));
+            let wanted = tile.tolerance / tile.strain;
+            let rates = probe.rates(&probe.need(wanted), wanted);
             let before = (tile.n, tile.m);
             (tile.n, tile.m, tile.rising) = (rates.n.max(tile.n), rates.m.max(tile.m), rates.rising);
             if (tile.n, tile.m) == before {
@@ -224,10 +242,10 @@ impl<'a> Mesher<'a> {
         let least = if least < most { least } else { most };
         let mut bound = Bound::proved(least, most, Reference::BezierPatches);
         bound.at = at;
-        bound.pixels = allowance.pixels.and_then(|(_, view)| {
+        bound.pixels = allowance.pixels.and_then(|(_, lens)| {
             tiles.iter().try_fold(0.0, |worst, (tile, done)| {
                 let place = self.patch_of(tile).part(tile.u, tile.v).hull();
-                let pixels = view.pixels_of(done.bound, &place)?;
+                let pixels = lens.sight(&place).pixels_of(done.bound)?;
                 Some(if pixels > worst { pixels } else { worst })
             })
         });
@@ -246,13 +264,18 @@ impl<'a> Mesher<'a> {
             let slack = ROUNDING * patch.size();
             rounding = if slack > rounding { slack } else { rounding };
             let [a, b, c] = done.worst;
-            for weights in [[1.0, 1.0, 1.0], [1.0, 1.0, 0.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0]] {
-                let sum: f64 = weights.iter().sum();
-                let mix = |k: usize| (weights[0] * a[k] + weights[1] * b[k] + weights[2] * c[k]) / sum;
-                samples.push(patch.at(mix(0), mix(1)));
-            }
+            // The bound is reached in the middle of a triangle or of the side that is longest in parameters.
+            let length_sq =
+                |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]);
+            let sides = [(a, b), (b, c), (c, a)];
+            let longest = sides
+                .into_iter()
+                .reduce(|s, t| if length_sq(s.0, s.1) < length_sq(t.0, t.1) { t } else { s });
+            let (p, q) = longest.unwrap_or((a, b));
+            samples.push(patch.at(0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])));
+            samples.push(patch.at((a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0));
         }
-        match surface_at_least(&samples, mesh) {
+        match check::surface_at_least(&samples, mesh) {
             Some((least, at)) => {
                 let least = sub_down(least, rounding);
                 (if least > 0.0 { least } else { 0.0 }, Some(samples[at]))
@@ -312,8 +335,4 @@ fn refuse(obstacle: Obstacle) -> Failed {
             Failure::refused(Code::BelowPrecision, message)
         }
     }
-}
-
-fn surface_at_least(_: &[[f64; 3]], _: &Mesh) -> Option<(f64, usize)> {
-    None
 }

@@ -6,6 +6,7 @@ pub(super) mod assemble;
 pub(super) mod bend;
 pub(super) mod mesher;
 pub(super) mod plan;
+pub(super) mod probe;
 pub(super) mod quilt;
 pub(super) mod seams;
 pub(super) mod tile;

@@ -179,15 +179,16 @@ impl Work<'_> {
         (self.n, self.m) = (n, m);
         self.triangles.reserve(2 * (n - 1) * (m - 1) + self.border.len());
         self.lay_inner(part);
-        let (rates, has) = ([n, m, n, m], counts.map(|c| c as usize));
-        if rates == has {
-            self.grid();
-        } else if m == 1 {
-            self.strip(&self.side(Side::Bottom, false), &self.side(Side::Top, true));
-        } else if n == 1 {
-            self.strip(&self.side(Side::Left, false), &self.side(Side::Right, true));
+        let open = |side: Side| counts[side as usize] as usize != if is_row(side) { n } else { m };
+        if m == 1 && open(Side::Bottom) && open(Side::Top) {
+            self.strip(&self.side(Side::Bottom), &turned(self.side(Side::Top)));
+        } else if n == 1 && open(Side::Left) && open(Side::Right) {
+            self.strip(&self.side(Side::Left), &turned(self.side(Side::Right)));
         } else {
-            self.rings();
+            let ends = |low: Side, high: Side, count: usize| {
+                [usize::from(open(low)), count - usize::from(open(high))]
+            };
+            self.grid(ends(Side::Left, Side::Right, n), ends(Side::Bottom, Side::Top, m));
         }
     }
 
@@ -234,14 +235,11 @@ impl Work<'_> {
         }
     }
 
-    /// The local vertices of a side including both corners, counter-clockwise or turned around.
-    fn side(&self, side: Side, turned: bool) -> Vec<u32> {
+    /// The local vertices of a side including both corners, counter-clockwise.
+    fn side(&self, side: Side) -> Vec<u32> {
         let (start, end) = (self.sides[side as usize], self.sides[side as usize + 1]);
         let mut list: Vec<u32> = (start as u32..end as u32).collect();
         list.push((end % self.border.len()) as u32);
-        if turned {
-            list.reverse();
-        }
         list
     }
 
@@ -254,38 +252,72 @@ impl Work<'_> {
         if id < self.border.len() { self.border[id] } else { self.inner[id - self.border.len()] }
     }
 
-    /// The local vertex at grid place `(i, j)`, when the sides have as many segments as the tile has cells.
+    /// The local vertex at grid place `(i, j)`; on the border only where that side has as many segments as the tile
+    /// has cells, or at a corner.
     fn grid_id(&self, i: usize, j: usize) -> u32 {
         let (n, m) = (self.n, self.m);
-        let border = if j == 0 {
-            i
-        } else if i == n {
-            n + j
-        } else if j == m {
-            n + m + (n - i)
+        let border = if j == 0 && i < n {
+            self.sides[0] + i
+        } else if i == n && j < m {
+            self.sides[1] + j
+        } else if j == m && i > 0 {
+            self.sides[2] + (n - i)
         } else if i == 0 {
-            2 * n + m + (m - j)
+            self.sides[3] + (m - j)
         } else {
             return self.inner_id(i, j);
         };
         border as u32
     }
 
-    /// Equal cells, each cut along the tile's diagonal.
-    fn grid(&mut self) {
+    /// Equal cells, each cut along the tile's diagonal, over columns `i` and rows `j`; where that leaves out the
+    /// outermost ones, strips out to whatever points the side has.
+    fn grid(&mut self, i: [usize; 2], j: [usize; 2]) {
         let (n, m) = (self.n, self.m);
         let (du, dv) = (1.0 / n as f64, 1.0 / m as f64);
         // A parameter is off by at most an ulp of 1; the box of a cell is that much larger.
         let remainder = self.bend.remainder(du + 4.0 * f64::EPSILON, dv + 4.0 * f64::EPSILON);
-        let mut low: Vec<u32> = (0..=n).map(|i| self.grid_id(i, 0)).collect();
-        for j in 0..m {
-            let high: Vec<u32> = (0..=n).map(|i| self.grid_id(i, j + 1)).collect();
-            let row = self.bend.row((j as f64 + 0.5) * dv);
-            for i in 0..n {
-                let hessian = row.at((i as f64 + 0.5) * du);
-                self.cell([low[i], low[i + 1], high[i + 1], high[i]], &hessian, remainder);
+        let mut low: Vec<u32> = (i[0]..=i[1]).map(|i| self.grid_id(i, j[0])).collect();
+        for row in j[0]..j[1] {
+            let high: Vec<u32> = (i[0]..=i[1]).map(|i| self.grid_id(i, row + 1)).collect();
+            let bend = self.bend.row((row as f64 + 0.5) * dv);
+            for k in 0..i[1] - i[0] {
+                let hessian = bend.at(((i[0] + k) as f64 + 0.5) * du);
+                self.cell([low[k], low[k + 1], high[k + 1], high[k]], &hessian, remainder);
             }
             low = high;
+        }
+        let row = |at: usize| -> Vec<u32> { (i[0]..=i[1]).map(|i| self.grid_id(i, at)).collect() };
+        let column = |at: usize| -> Vec<u32> { (j[0]..=j[1]).map(|j| self.grid_id(at, j)).collect() };
+        let inner = [row(j[0]), column(i[1]), turned(row(j[1])), turned(column(i[0]))];
+        let open = [j[0] > 0, i[1] < n, j[1] < m, i[0] > 0];
+        let mut outer = Side::ALL.map(|side| self.side(side));
+        for side in 0..4 {
+            let next = (side + 1) % 4;
+            if open[side] && open[next] {
+                self.cut_corner(&mut outer, side, inner[next][0]);
+            }
+        }
+        for side in (0..4).filter(|side| open[*side]) {
+            self.strip(&outer[side], &inner[side]);
+        }
+    }
+
+    /// Where two stitched sides meet, the corner is joined to the inner corner `inner`, or cut off, whichever bends
+    /// less.
+    fn cut_corner(&mut self, outer: &mut [Vec<u32>; 4], side: usize, inner: u32) {
+        let next = (side + 1) % 4;
+        let (count, count_next) = (outer[side].len(), outer[next].len());
+        if count < 3 || count_next < 3 {
+            return;
+        }
+        let (before, corner, after) = (outer[side][count - 2], outer[next][0], outer[next][1]);
+        if self.cross_edge(before, after) < self.cross_edge(corner, inner) {
+            let triangle = [before, corner, after];
+            let bound = self.prove(triangle);
+            self.emit(triangle, bound);
+            outer[side][count - 1] = after;
+            outer[next].remove(0);
         }
     }
 
@@ -309,29 +341,6 @@ impl Work<'_> {
         };
         self.emit(first, bounds[0] + remainder);
         self.emit(second, bounds[1] + remainder);
-    }
-
-    /// Equal cells inside, and a ring of strips out to whatever points the sides have.
-    fn rings(&mut self) {
-        let (n, m) = (self.n, self.m);
-        let (du, dv) = (1.0 / n as f64, 1.0 / m as f64);
-        let remainder = self.bend.remainder(du + 4.0 * f64::EPSILON, dv + 4.0 * f64::EPSILON);
-        for j in 1..m - 1 {
-            let row = self.bend.row((j as f64 + 0.5) * dv);
-            for i in 1..n - 1 {
-                let hessian = row.at((i as f64 + 0.5) * du);
-                let corners =
-                    [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| self.inner_id(i, j));
-                self.cell(corners, &hessian, remainder);
-            }
-        }
-        let bottom: Vec<u32> = (1..n).map(|i| self.inner_id(i, 1)).collect();
-        let right: Vec<u32> = (1..m).map(|j| self.inner_id(n - 1, j)).collect();
-        let top: Vec<u32> = (1..n).rev().map(|i| self.inner_id(i, m - 1)).collect();
-        let left: Vec<u32> = (1..m).rev().map(|j| self.inner_id(1, j)).collect();
-        for (side, inner) in Side::ALL.into_iter().zip([bottom, right, top, left]) {
-            self.strip(&self.side(side, false), &inner);
-        }
     }
 
     /// Triangles between two chains that run the same way, the second on the left of the first: at every step the
@@ -417,4 +426,13 @@ enum Meeting {
     Apart,
     Pole,
     Collision,
+}
+
+fn turned(mut chain: Vec<u32>) -> Vec<u32> {
+    chain.reverse();
+    chain
+}
+
+fn is_row(side: Side) -> bool {
+    matches!(side, Side::Bottom | Side::Top)
 }

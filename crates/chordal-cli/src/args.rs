@@ -1,0 +1,299 @@
+//! The command line: names, values and their help.
+use chordal::budget::{InvalidLength, Length, Pixels, Unit, View};
+use chordal_io::{Axis, Format};
+use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
+use std::path::PathBuf;
+
+/// You bring a budget, you leave with a bound.
+///
+/// Turns shapes into triangles under one budget, the error that may be seen, in units or in pixels, and says how
+/// large the error is and how that is known.
+#[derive(Debug, Parser)]
+#[command(name = "chordal", version, max_term_width = 100, after_long_help = EXIT_CODES)]
+pub struct Cli {
+    /// What to do
+    #[command(subcommand)]
+    pub verb: Verb,
+}
+
+const EXIT_CODES: &str = "\
+Exit codes:
+    0  done
+    1  a check failed
+    2  the command line makes no sense
+    3  the input cannot be read or is not supported
+    4  the output cannot be written
+    5  the budget was not reached, or cannot be
+  130  interrupted
+
+Messages go to stderr, data to stdout. '-' is stdin or stdout. Colours obey NO_COLOR.";
+
+/// One word for each thing that can be done.
+#[derive(Debug, Subcommand)]
+pub enum Verb {
+    /// Turn any shape into triangles within a budget
+    Mesh(MeshArgs),
+    /// Say what a file holds and whether it is sound
+    Inspect(InspectArgs),
+    /// Take a picture
+    Render(RenderArgs),
+    /// Print the completions of a shell
+    Completions {
+        /// Which shell
+        shell: Shell,
+    },
+    /// Write the manual pages
+    Man {
+        /// The folder for them; it is made if it is missing
+        #[arg(short, long, value_name = "DIR")]
+        output: PathBuf,
+    },
+}
+
+/// Arguments that every verb with an input takes.
+#[derive(Args, Debug)]
+pub struct InputArgs {
+    /// The file to read; '-' reads stdin
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+
+    /// The format of the input, instead of what its name or content says
+    #[arg(long, value_name = "FORMAT")]
+    pub from: Option<Format>,
+
+    /// The unit of the input's coordinates: um, mm, cm, m, km, in or ft
+    #[arg(long, value_name = "UNIT")]
+    pub unit: Option<Unit>,
+
+    /// The axis of the input that is up
+    #[arg(long, value_name = "AXIS", value_parser = axis)]
+    pub up: Option<Axis>,
+
+    /// The most memory that a file may take and a job may build, as in 512M or 8G
+    #[arg(long, value_name = "BYTES", value_parser = bytes)]
+    pub max_memory: Option<u64>,
+
+    /// Only warn of what is wrong in a glTF file without touching its geometry
+    #[arg(long)]
+    pub lenient: bool,
+
+    /// Drop vertices that are not finite numbers, with their faces, and count them, instead of refusing the file
+    #[arg(long)]
+    pub drop_nonfinite: bool,
+}
+
+/// Arguments about what is said while working and afterwards.
+#[derive(Args, Debug)]
+pub struct TalkArgs {
+    /// Print one report object on stdout
+    #[arg(long)]
+    pub json: bool,
+
+    /// Say nothing but errors
+    #[arg(short, long, conflicts_with = "verbose")]
+    pub quiet: bool,
+
+    /// Say more
+    #[arg(short, long)]
+    pub verbose: bool,
+}
+
+/// Arguments of verbs that write a file.
+#[derive(Args, Debug)]
+pub struct OutputArgs {
+    /// The file to write; '-' writes to stdout
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+
+    /// Replace the output if it exists
+    #[arg(long)]
+    pub force: bool,
+
+    /// Threads to use; 0 means all. The result does not depend on it
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+}
+
+/// `chordal mesh`
+#[derive(Args, Debug)]
+#[command(group = ArgGroup::new("budget").args(["tol", "px", "triangles"]).required(true).multiple(true))]
+#[command(after_help = "\
+Examples:
+  chordal mesh teapot.bpt --tol 0.001 -o teapot.obj
+  chordal mesh teapot.bpt --px 1 --view \"1920x1080 fov=45 dist=4\" -o teapot.glb
+  chordal mesh teapot.bpt --triangles 5000 -o teapot.stl")]
+pub struct MeshArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+
+    #[command(flatten)]
+    pub output: OutputArgs,
+
+    /// The format of the output, instead of what its name says
+    #[arg(long, value_name = "FORMAT")]
+    pub to: Option<Format>,
+
+    /// The largest distance to the true shape: 0.1, 0.1mm, or 0.05% of the diagonal of its box
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    pub tol: Option<Length>,
+
+    /// The largest distance on the screen of --view, in device pixels
+    #[arg(long, value_name = "PIXELS", allow_hyphen_values = true)]
+    pub px: Option<Pixels>,
+
+    /// From where the shape is seen: "1920x1080 fov=45 dist=4" for every direction at that distance from its box or
+    /// more, "1920x1080 fov=45 eye=1,2,3 target=0,0,0" for one eye; height=LENGTH instead of fov for parallel rays
+    #[arg(long, value_name = "VIEW")]
+    pub view: Option<View>,
+
+    /// The most triangles: the best mesh with no more than these
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_hyphen_values = true)]
+    pub triangles: Option<u64>,
+
+    /// Write the best result even where the budget was not reached; the exit code is 5 all the same
+    #[arg(long)]
+    pub keep_best: bool,
+
+    #[command(flatten)]
+    pub talk: TalkArgs,
+}
+
+/// `chordal inspect`
+#[derive(Args, Debug)]
+pub struct InspectArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+
+    /// Fail with exit code 1 unless the mesh is all of these
+    #[arg(long, value_name = "WHAT", value_delimiter = ',')]
+    pub require: Vec<Requirement>,
+
+    #[command(flatten)]
+    pub talk: TalkArgs,
+}
+
+/// What a mesh can be required to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Requirement {
+    /// No edge has triangles on one side only
+    Closed,
+    /// No edge has more than two triangles, and no vertex more than one fan of them
+    Manifold,
+    /// Neighbours agree on which side is out
+    Oriented,
+}
+
+/// `chordal render`
+#[derive(Args, Debug)]
+pub struct RenderArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+
+    #[command(flatten)]
+    pub output: OutputArgs,
+
+    /// What the picture shows
+    #[arg(long, value_name = "WHAT", default_value = "shaded")]
+    pub show: Show,
+
+    /// The size of the picture
+    #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "view", allow_hyphen_values = true)]
+    pub size: Option<[u32; 2]>,
+
+    /// The camera, with the size of the picture: "1280x960 fov=30 eye=4,-6,3 target=0,0,1"
+    #[arg(long, value_name = "VIEW")]
+    pub view: Option<View>,
+
+    /// For smooth shapes: the largest distance to the true shape
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    pub tol: Option<Length>,
+
+    /// For smooth shapes: the largest distance in the picture, in pixels; half a pixel if nothing is said
+    #[arg(long, value_name = "PIXELS", allow_hyphen_values = true, conflicts_with = "tol")]
+    pub px: Option<Pixels>,
+
+    #[command(flatten)]
+    pub talk: TalkArgs,
+}
+
+/// What a picture can show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Show {
+    /// Light on the surface, with the file's normals where it has some
+    Shaded,
+    /// Light on the triangles
+    Flat,
+    /// The triangles' edges
+    Wire,
+    /// The direction of the normal as a colour
+    Normals,
+}
+
+/// The reason alone: the message that it becomes part of names the text already.
+fn length(text: &str) -> Result<Length, String> {
+    text.parse().map_err(|error: InvalidLength| {
+        let said = error.to_string();
+        said.strip_prefix(&format!("'{}': ", text.trim())).unwrap_or(&said).to_owned()
+    })
+}
+
+fn axis(text: &str) -> Result<Axis, String> {
+    match text {
+        "y" | "Y" => Ok(Axis::Y),
+        "z" | "Z" => Ok(Axis::Z),
+        _ => Err("the axis that is up is y or z".into()),
+    }
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let wrong = || "a size reads like 1280x960".to_owned();
+    let (width, height) = text.split_once('x').ok_or_else(wrong)?;
+    let size = [width.parse().map_err(|_| wrong())?, height.parse().map_err(|_| wrong())?];
+    if size.contains(&0) { Err("a picture is at least 1x1 pixels".into()) } else { Ok(size) }
+}
+
+/// `512M`, `8G`, `1000000`: powers of 1024, as memory comes.
+fn bytes(text: &str) -> Result<u64, String> {
+    let wrong = || format!("a number of bytes reads like 512M or 8G, not '{text}'");
+    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let power = match &text[digits.len()..].to_ascii_uppercase()[..] {
+        "" | "B" => 0,
+        "K" | "KB" | "KIB" => 1,
+        "M" | "MB" | "MIB" => 2,
+        "G" | "GB" | "GIB" => 3,
+        "T" | "TB" | "TIB" => 4,
+        _ => return Err(wrong()),
+    };
+    let number: u64 = digits.parse().map_err(|_| wrong())?;
+    number.checked_mul(1 << (10 * power)).filter(|bytes| *bytes > 0).ok_or_else(wrong)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_holds_together() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn reads_a_number_of_bytes() {
+        assert_eq!(bytes("12"), Ok(12));
+        assert_eq!(bytes("3k"), Ok(3072));
+        assert_eq!(bytes("8GiB"), Ok(8 << 30));
+        for text in ["", "G", "1X", "-1", "1.5G", "0", "99999999999T", "1é"] {
+            assert!(bytes(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn reads_the_size_of_a_picture() {
+        assert_eq!(size("640x480"), Ok([640, 480]));
+        for text in ["", "640", "640x", "0x1", "1x1x1", "-1x5"] {
+            assert!(size(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! What only this run knows: how long it took and how much memory it held. None of it goes into a certificate.
+use chordal::Job;
+use chordal_verbs::report::Run;
+use std::time::Instant;
+
+/// Started with the verb.
+#[derive(Clone, Copy, Debug)]
+pub struct Clock(Instant);
+
+impl Clock {
+    /// Starts.
+    pub fn start() -> Self {
+        Self(Instant::now())
+    }
+
+    /// Fills in time, memory and threads.
+    pub fn fill(self, run: Run, job: &Job) -> Run {
+        let available = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        let threads = if job.threads == 0 { available() } else { job.threads };
+        Run {
+            seconds: Some(self.0.elapsed().as_secs_f64()),
+            peak_bytes: peak_bytes(),
+            threads: Some(threads as u64),
+            ..run
+        }
+    }
+}
+
+/// The largest resident size so far; only where the system tells it in a file.
+fn peak_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.split_whitespace().next()?.parse().ok()?;
+    Some(kibibytes * 1024)
+}

@@ -1,0 +1,21 @@
+//! Completions and manual pages, made from the command line's own description.
+use crate::args::Cli;
+use crate::fault::{Fault, plainly};
+use crate::talk::print;
+use clap::CommandFactory;
+use clap_complete::Shell;
+use std::path::Path;
+
+/// Prints the completions of a shell.
+pub fn completions(shell: Shell) -> Result<(), Fault> {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "chordal", &mut script);
+    print(&String::from_utf8_lossy(&script))
+}
+
+/// Writes `chordal.1` and one page a verb into `folder`.
+pub fn man(folder: &Path) -> Result<(), Fault> {
+    let written = std::fs::create_dir_all(folder)
+        .and_then(|()| clap_mangen::generate_to(Cli::command().disable_help_subcommand(true), folder));
+    written.map_err(|error| Fault::output("unwritable", format!("{}: {}", folder.display(), plainly(&error))))
+}

@@ -1,0 +1,82 @@
+//! `chordal mesh`
+use crate::args::MeshArgs;
+use crate::clock::Clock;
+use crate::common;
+use crate::fault::Fault;
+use crate::input::Source;
+use crate::output::Target;
+use crate::summary;
+use crate::talk::Talk;
+use chordal::budget::PixelBudget;
+use chordal_io::Format;
+use chordal_verbs::report::{Report, Run};
+use chordal_verbs::{BudgetSpec, MeshFailure, extension, formats, mesh};
+use std::path::Path;
+
+/// Reads, meshes, writes, reports.
+pub fn run(args: &MeshArgs) -> Result<(), Fault> {
+    let clock = Clock::start();
+    let talk = Talk::new(&args.talk);
+    let spec = spec(args)?;
+    let to = output_format(&args.output.output, args.to)?;
+    let stdout = common::stdout(&args.output, &args.talk)?;
+    let source = Source::from_arg(&args.input.input);
+    let job = common::job(&args.input, Some(&args.output), &talk);
+    let target = Target::prepare(&args.output.output, common::existing(&args.output), &source)?;
+    let input = common::read(&args.input, &talk)?;
+
+    let name = source.name();
+    let (outcome, unmet) = match mesh(input, &spec, to, &job) {
+        Ok(outcome) => (outcome, None),
+        Err(failure) => {
+            let hint = if args.keep_best { "" } else { "; --keep-best writes it" };
+            let fault = common::fault(&name, &failure, hint);
+            match failure {
+                MeshFailure::Unmet(best) if args.keep_best => (*best, Some(fault)),
+                _ => return Err(fault),
+            }
+        }
+    };
+    let bytes = target.write(&mut |out| outcome.write(out))?;
+
+    let run = Run {
+        verb: "mesh",
+        input: Some(name),
+        output: Some(target.name()),
+        bytes: Some(bytes),
+        ..Run::default()
+    };
+    let report = Report::new(outcome.certificate, clock.fill(run, &job));
+    report.certificate.notes.iter().for_each(|note| talk.detail(note));
+    talk.result(&report.to_value(), &summary::mesh(&report), stdout)?;
+    unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
+}
+
+/// The budget, as far as it makes sense before the shape is known.
+fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {
+    let pixels = match (args.px, args.view) {
+        (Some(pixels), Some(view)) => Some(PixelBudget { pixels, view }),
+        (None, None) => None,
+        (Some(_), None) => {
+            return Err(Fault::usage("--px needs to know from where: --view \"1920x1080 fov=45 dist=4\""));
+        }
+        (None, Some(_)) => {
+            return Err(Fault::usage("--view is for a budget in pixels: add --px, as in --px 1"));
+        }
+    };
+    Ok(BudgetSpec { length: args.tol, pixels, triangles: args.triangles })
+}
+
+/// The format to write: `--to`, else what the name says.
+fn output_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
+    let name = path.display().to_string();
+    let by_name = || extension(&name).and_then(Format::from_extension);
+    let known = formats::mesh_names;
+    let format = to.or_else(by_name).ok_or_else(|| {
+        Fault::usage(format!("{name}: the name does not say the format; --to does, with {}", known()))
+    })?;
+    if formats::holds_triangles(format) {
+        return Ok(format);
+    }
+    Err(Fault::usage(format!("{format} holds no triangles; those that do are {}", known())))
+}

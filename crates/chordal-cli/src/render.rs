@@ -1,0 +1,72 @@
+//! `chordal render`
+use crate::args::{RenderArgs, Show};
+use crate::clock::Clock;
+use crate::common;
+use crate::fault::Fault;
+use crate::input::Source;
+use crate::numbers::point;
+use crate::output::Target;
+use crate::summary;
+use crate::talk::Talk;
+use chordal::budget::{Screen, View};
+use chordal::render::{Options, Show as Shown, Viewpoint};
+use chordal_verbs::report::{Report, Run};
+use chordal_verbs::{Fineness, USUAL_SCREEN, render};
+
+/// Reads, renders, writes, reports.
+pub fn run(args: &RenderArgs) -> Result<(), Fault> {
+    let clock = Clock::start();
+    let talk = Talk::new(&args.talk);
+    let viewpoint = viewpoint(args)?;
+    let stdout = common::stdout(&args.output, &args.talk)?;
+    let source = Source::from_arg(&args.input.input);
+    let job = common::job(&args.input, Some(&args.output), &talk);
+    let target = Target::prepare(&args.output.output, common::existing(&args.output), &source)?;
+    let input = common::read(&args.input, &talk)?;
+
+    let name = source.name();
+    let options = Options { show: shown(args.show), viewpoint, ..Options::default() };
+    let outcome = render(&input, &options, fineness(args), &job)
+        .map_err(|failure| common::fault(&name, &failure, ""))?;
+    let bytes = target.write(&mut |out| outcome.write(out))?;
+
+    let run = Run {
+        verb: "render",
+        input: Some(name),
+        output: Some(target.name()),
+        bytes: Some(bytes),
+        ..Run::default()
+    };
+    let report = Report::new(outcome.certificate, clock.fill(run, &job));
+    report.certificate.notes.iter().for_each(|note| talk.detail(note));
+    let Screen { width_px, height_px } = outcome.camera.screen;
+    let picture = format!("{width_px}x{height_px} from {}", point(outcome.camera.eye));
+    talk.detail(&format!("the picture again: --view \"{}\"", View::Camera(outcome.camera)));
+    talk.result(&report.to_value(), &summary::render(&report, &picture), stdout)
+}
+
+/// The camera of `--view`, or one that frames the shape in a picture of `--size`.
+fn viewpoint(args: &RenderArgs) -> Result<Viewpoint, Fault> {
+    match args.view {
+        Some(View::Camera(camera)) => Ok(Viewpoint::Camera(camera)),
+        Some(View::Closest(_)) => Err(Fault::usage(
+            "a picture is taken from one place: --view \"1280x960 fov=30 eye=4,-6,3 target=0,0,1\"",
+        )),
+        None => Ok(Viewpoint::Automatic(
+            args.size.map_or(USUAL_SCREEN, |[width_px, height_px]| Screen { width_px, height_px }),
+        )),
+    }
+}
+
+fn fineness(args: &RenderArgs) -> Option<Fineness> {
+    args.px.map(Fineness::Pixels).or(args.tol.map(Fineness::Length))
+}
+
+fn shown(show: Show) -> Shown {
+    match show {
+        Show::Shaded => Shown::Shaded,
+        Show::Flat => Shown::Flat,
+        Show::Wire => Shown::Wire,
+        Show::Normals => Shown::Normals,
+    }
+}

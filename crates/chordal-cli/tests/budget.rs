@@ -1,0 +1,128 @@
+//! Budgets that make no sense, that cannot be had, and that are not reached.
+mod common;
+
+use common::{CLOSED_OBJ, Folder, PATCH, run};
+
+#[test]
+fn h73_a_budget_that_makes_no_sense_is_usage() {
+    let folder = Folder::new("h73-usage");
+    let (input, output) = (folder.file("a.bpt", PATCH), folder.text("a.glb"));
+    for tol in ["0", "-1", "nan", "NaN", "inf", "-inf", "1e400", "", "0%", "-0.5mm", "1parsec", "one"] {
+        run(&["mesh", &input, "-o", &output, "--tol", tol]).fails_with(2, &["--tol"]);
+    }
+    for px in ["0", "-1", "nan", "0px"] {
+        let view = "1920x1080 fov=45 dist=4";
+        run(&["mesh", &input, "-o", &output, "--px", px, "--view", view]).fails_with(2, &["--px"]);
+    }
+    for view in [
+        "1920x1080 fov=180 dist=4",
+        "1920x1080 fov=0 dist=4",
+        "1920x1080 fov=nan dist=4",
+        "1920x1080 fov=45 dist=0",
+        "0x1080 fov=45 dist=4",
+        "1920x1080 fov=45",
+        "1920x1080 fov=45 dist=4 zoom=2",
+        "fov=45",
+        "",
+    ] {
+        run(&["mesh", &input, "-o", &output, "--px", "1", "--view", view]).fails_with(2, &["--view"]);
+    }
+    for triangles in ["0", "-5", "1.5", "many"] {
+        run(&["mesh", &input, "-o", &output, "--triangles", triangles]).fails_with(2, &["--triangles"]);
+    }
+    run(&["mesh", &input, "-o", &output, "--px", "1"]).fails_with(2, &["--px", "--view"]);
+    run(&["mesh", &input, "-o", &output]).fails_with(2, &["--tol"]);
+    run(&["mesh", &input, "-o", &output, "--tol", "1mm"]).fails_with(2, &["a.bpt", "--unit"]);
+    assert_eq!(folder.names(), ["a.bpt"]);
+}
+
+#[test]
+fn h73_a_tolerance_that_needs_too_many_triangles_is_refused_before_the_work() {
+    let folder = Folder::new("h73-many");
+    let (input, output) = (folder.file("a.bpt", PATCH), folder.text("a.obj"));
+    for tol in ["1e-11", "1e-12", "1e-30", "1e-300"] {
+        let refused = run(&["mesh", &input, "-o", &output, "--tol", tol]);
+        refused.fails_with(5, &["a.bpt: "]);
+    }
+    run(&["mesh", &input, "-o", &output, "--tol", "1e-11"]).fails_with(5, &["triangles", "the limit is"]);
+    assert_eq!(folder.names(), ["a.bpt"]);
+}
+
+#[test]
+fn h73_a_budget_below_the_precision_of_the_format_names_a_format_that_will_do() {
+    let folder = Folder::new("h73-precision");
+    let (input, output) = (folder.file("a.bpt", PATCH), folder.text("a.glb"));
+    run(&["mesh", &input, "-o", &output, "--tol", "1e-8"]).fails_with(5, &["glb", "obj and ply"]);
+    assert_eq!(folder.names(), ["a.bpt"]);
+}
+
+#[test]
+fn a_budget_that_is_not_reached_writes_nothing_unless_told_to_keep_the_best() {
+    let folder = Folder::new("unmet");
+    let (input, output) = (folder.file("a.bpt", PATCH), folder.text("a.obj"));
+    let args = ["mesh", &input, "-o", &output, "--tol", "1e-3", "--triangles", "10"];
+    run(&args).fails_with(5, &["a.bpt: ", "--keep-best"]);
+    assert_eq!(folder.names(), ["a.bpt"]);
+
+    let kept = run(&[&args[..], &["--keep-best", "--json"]].concat());
+    kept.fails_with(5, &["a.bpt: "]);
+    assert_eq!(folder.names(), ["a.bpt", "a.obj"]);
+    let certificate = &kept.report()["certificate"];
+    assert!(certificate["output"]["triangles"].as_u64().unwrap() <= 10);
+    assert!(certificate["bound"]["at_most"].as_f64().unwrap() > 1e-3);
+    assert!(certificate["notes"].to_string().contains("not met"), "{certificate}");
+}
+
+#[test]
+fn triangles_pass_through_or_are_too_many() {
+    let folder = Folder::new("through");
+    let (input, output) = (folder.file("a.obj", CLOSED_OBJ), folder.text("b.ply"));
+    let through = run(&["mesh", &input, "-o", &output, "--tol", "1%", "--json"]);
+    through.succeeds();
+    let certificate = &through.report()["certificate"];
+    assert_eq!(certificate["bound"]["at_most"], 0.0);
+    assert_eq!(certificate["bound"]["evidence"], "proved");
+    assert_eq!(certificate["output"]["triangles"], 4);
+    assert_eq!(certificate["valid"]["closed"], true);
+    assert!(certificate["notes"].to_string().contains("simplification"), "{certificate}");
+
+    let few = folder.text("c.ply");
+    run(&["mesh", &input, "-o", &few, "--triangles", "3"]).fails_with(5, &["a.obj: ", "4 triangles"]);
+    assert_eq!(folder.names(), ["a.obj", "b.ply"]);
+}
+
+#[test]
+fn the_certified_bound_keeps_within_what_was_asked_in_every_format() {
+    let folder = Folder::new("within");
+    let input = folder.file("a.bpt", PATCH);
+    for (budget, limit) in [("0.01", 0.01), ("2e-5", 2e-5), ("0.1%", 0.001 * 4.6)] {
+        for output in ["a.obj", "a.ply", "a.stl", "a.glb"] {
+            let made =
+                run(&["mesh", &input, "-o", &folder.text(output), "--tol", budget, "--json", "--force"]);
+            made.succeeds();
+            let certificate = &made.report()["certificate"];
+            let asked = certificate["budget"]["length"].as_f64().unwrap();
+            let [least, most] =
+                ["at_least", "at_most"].map(|end| certificate["bound"][end].as_f64().unwrap());
+            assert!(asked <= limit, "{certificate}");
+            assert!(0.0 <= least && least <= most && most <= asked, "{certificate}");
+        }
+    }
+}
+
+#[test]
+fn the_bound_in_pixels_keeps_within_what_was_asked() {
+    let folder = Folder::new("pixels");
+    let input = folder.file("a.bpt", PATCH);
+    for view in ["1920x1080 fov=45 dist=4", "640x480 fov=60 eye=9,8,7 target=1,1,0", "800x800 height=5"] {
+        for output in ["a.obj", "a.glb"] {
+            let args = ["mesh", &input, "-o", &folder.text(output), "--px", "0.5", "--view", view];
+            let made = run(&[&args[..], &["--json", "--force"]].concat());
+            made.succeeds();
+            let certificate = &made.report()["certificate"];
+            let pixels = certificate["bound"]["pixels"].as_f64().unwrap();
+            assert!(pixels > 0.0 && pixels <= 0.5, "{certificate}");
+            assert_eq!(certificate["budget"]["pixels"], 0.5);
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! What the tests of the command share: folders of their own, small inputs, and running the binary.
+#![allow(dead_code, reason = "each test file uses its own part of this")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+/// The shipped teapot.
+pub const TEAPOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/teapot.bpt");
+
+/// A file with one bent patch.
+pub const PATCH: &str = "1\n3 3\n\
+    0 0 0\n1 0 0\n2 0 0\n3 0 0\n0 1 0\n1 1 2\n2 1 2\n3 1 0\n\
+    0 2 0\n1 2 2\n2 2 2\n3 2 0\n0 3 0\n1 3 0\n2 3 0\n3 3 0\n";
+
+/// A tetrahedron without its floor: three triangles, one loop of three boundary edges.
+pub const OPEN_OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
+/// A tetrahedron.
+pub const CLOSED_OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
+/// An empty folder of one test's own, removed when the test is over.
+pub struct Folder(PathBuf);
+
+impl Folder {
+    pub fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("chordal-{}-{name}", std::process::id()));
+        let _ = fs::remove_dir_all(&path);
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    /// Its own name.
+    pub fn name(&self) -> &str {
+        self.0.file_name().unwrap().to_str().unwrap()
+    }
+
+    /// A name inside.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    /// The same as text.
+    pub fn text(&self, name: &str) -> String {
+        self.path(name).to_str().unwrap().to_owned()
+    }
+
+    /// A file inside, written.
+    pub fn file(&self, name: &str, content: impl AsRef<[u8]>) -> String {
+        fs::write(self.path(name), content).unwrap();
+        self.text(name)
+    }
+
+    /// All names inside, in order.
+    pub fn names(&self) -> Vec<String> {
+        names(&self.0)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// All names in a folder, in order.
+pub fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+/// The command, not yet run.
+pub fn chordal(args: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_chordal"));
+    command.args(args).stdin(Stdio::null());
+    command
+}
+
+/// The command, run.
+pub fn run(args: &[&str]) -> Run {
+    Run::of(chordal(args).output().unwrap())
+}
+
+/// What a run came to.
+#[derive(Debug)]
+pub struct Run {
+    pub code: i32,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+impl Run {
+    pub fn of(output: Output) -> Self {
+        Self {
+            code: output.status.code().unwrap_or(-1),
+            stdout: String::from_utf8_lossy(&output.stdout).into_owned(),
+            stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
+        }
+    }
+
+    /// Ended with `code` and one sentence that holds every one of `parts`, and nothing that only programmers know.
+    pub fn fails_with(&self, code: i32, parts: &[&str]) {
+        assert_eq!(self.code, code, "{self:?}");
+        assert_eq!(self.stderr.lines().count(), 1, "one sentence: {self:?}");
+        assert!(self.stderr.starts_with("chordal: "), "{self:?}");
+        for part in parts {
+            assert!(self.stderr.contains(part), "no '{part}' in {self:?}");
+        }
+        for part in ["panicked", "unwrap", "index out of bounds", "RUST_BACKTRACE", "os error"] {
+            assert!(!self.stderr.contains(part), "'{part}' in {self:?}");
+        }
+    }
+
+    /// Ended well, and quietly.
+    pub fn succeeds(&self) {
+        assert_eq!((self.code, self.stderr.as_str()), (0, ""), "{self:?}");
+    }
+
+    /// The report on stdout.
+    pub fn report(&self) -> serde_json::Value {
+        serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error}: {self:?}"))
+    }
+}

@@ -1,0 +1,95 @@
+//! Pictures from the command line.
+mod common;
+
+use common::{CLOSED_OBJ, Folder, PATCH, run};
+use std::fs;
+
+/// Columns and rows, from the header of a PNG.
+fn size(png: &[u8]) -> [u32; 2] {
+    assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
+    [16, 20].map(|at| u32::from_be_bytes(png[at..at + 4].try_into().unwrap()))
+}
+
+#[test]
+fn draws_any_shape_in_any_way() {
+    let folder = Folder::new("draws");
+    let [patch, solid] = [folder.file("a.bpt", PATCH), folder.file("a.obj", CLOSED_OBJ)];
+    let mut pictures = Vec::new();
+    // All edges of the solid are sharp, so that it looks the same shaded and flat.
+    let shows: [(&str, &[&str]); 2] =
+        [(&patch, &["shaded", "flat", "wire", "normals"]), (&solid, &["shaded", "wire", "normals"])];
+    for (input, shows) in shows {
+        for show in shows {
+            let output = folder.text("a.png");
+            run(&["render", input, "-o", &output, "--show", show, "--size", "60x40", "--force", "-q"])
+                .succeeds();
+            let png = fs::read(&output).unwrap();
+            assert_eq!(size(&png), [60, 40]);
+            assert!(!pictures.contains(&png), "{input} {show} looks like another picture");
+            pictures.push(png);
+        }
+    }
+}
+
+#[test]
+fn the_camera_is_as_told_and_the_picture_the_same_on_any_number_of_threads() {
+    let folder = Folder::new("camera");
+    let input = folder.file("a.bpt", PATCH);
+    let view = "50x30 fov=40 eye=6,-8,7 target=1.5,1.5,0";
+    let pictures = ["1", "2"].map(|threads| {
+        let output = folder.text(&format!("{threads}.png"));
+        let args = ["render", &input, "-o", &output, "--view", view, "--threads", threads, "--json"];
+        let made = run(&args);
+        made.succeeds();
+        let certificate = made.report()["certificate"].clone();
+        assert_eq!(certificate["budget"]["pixels"], 0.5);
+        assert!(certificate["bound"]["pixels"].as_f64().unwrap() <= 0.5, "{certificate}");
+        (fs::read(&output).unwrap(), certificate)
+    });
+    assert_eq!(size(&pictures[0].0), [50, 30]);
+    assert!(pictures[0] == pictures[1]);
+}
+
+#[test]
+fn smooth_shapes_are_as_fine_as_told() {
+    let folder = Folder::new("fine");
+    let input = folder.file("a.bpt", PATCH);
+    let triangles = |budget: &[&str]| {
+        let output = folder.text("a.png");
+        let args =
+            [&["render", &input, "-o", &output, "--size", "40x30", "--force", "--json"], budget].concat();
+        let made = run(&args);
+        made.succeeds();
+        made.report()["certificate"]["output"]["triangles"].as_u64().unwrap()
+    };
+    let usual = triangles(&[]);
+    assert_eq!(triangles(&["--px", "0.5"]), usual);
+    assert!(triangles(&["--px", "0.1"]) > usual);
+    assert!(triangles(&["--tol", "1"]) < triangles(&["--tol", "0.001"]));
+}
+
+#[test]
+fn an_eye_inside_the_shape_still_gets_a_picture() {
+    let folder = Folder::new("inside");
+    let input = folder.file("a.bpt", PATCH);
+    let view = "40x30 fov=60 eye=1.5,1.5,0.9 target=0,0,0";
+    let made = run(&["render", &input, "-o", &folder.text("a.png"), "--view", view, "--json"]);
+    made.succeeds();
+    let certificate = &made.report()["certificate"];
+    assert!(certificate["notes"].to_string().contains("too close"), "{certificate}");
+}
+
+#[test]
+fn pictures_that_make_no_sense_are_usage() {
+    let folder = Folder::new("no-sense");
+    let (input, output) = (folder.file("a.obj", CLOSED_OBJ), folder.text("a.png"));
+    for size in ["0x10", "10", "axb", "-1x5"] {
+        run(&["render", &input, "-o", &output, "--size", size]).fails_with(2, &["--size"]);
+    }
+    run(&["render", &input, "-o", &output, "--view", "10x10 fov=45 dist=4"])
+        .fails_with(2, &["eye=", "target="]);
+    run(&["render", &input, "-o", &output, "--show", "smell"]).fails_with(2, &["smell"]);
+    run(&["render", &input, "-o", &output, "--size", "4000000000x4000000000"])
+        .fails_with(5, &["a.obj: ", "bytes", "the limit is"]);
+    assert_eq!(folder.names(), ["a.obj"]);
+}

@@ -1,0 +1,95 @@
+//! Signals at any moment: the output is the old file or the whole new one.
+#![cfg(unix)]
+mod common;
+
+use common::{Folder, TEAPOT, chordal, run};
+use std::fs;
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// A job that takes a while and writes some megabytes.
+fn start(output: &str) -> Child {
+    let args = ["mesh", TEAPOT, "-o", output, "--tol", "2e-4", "--force", "-q"];
+    chordal(&args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn send(signal: &str, child: &Child) {
+    // The process may be over by now, which is one of the moments to try.
+    let _ = Command::new("kill").args([signal, &child.id().to_string()]).stderr(Stdio::null()).status();
+}
+
+/// The bytes that the job writes when nobody disturbs it, and moments spread over the time that it takes here and a
+/// little more. None of them is expected to hit anything: whatever it hits, the output must be whole.
+fn undisturbed(folder: &Folder) -> (Vec<u8>, Vec<Duration>) {
+    const MOMENTS: u32 = 10;
+    let output = folder.text("undisturbed.ply");
+    let started = Instant::now();
+    assert!(start(&output).wait().unwrap().success());
+    let took = started.elapsed();
+    (fs::read(output).unwrap(), (0..MOMENTS).map(|step| took * step / (MOMENTS - 2)).collect())
+}
+
+#[test]
+fn h80_a_signal_at_any_moment_leaves_the_old_file_or_the_whole_new_one() {
+    let folder = Folder::new("h80-polite");
+    let (new, moments) = undisturbed(&folder);
+    let output = folder.file("a.ply", "old");
+    let mut interrupted = 0;
+    for (step, moment) in moments.into_iter().enumerate() {
+        let signal = if step % 2 == 0 { "-INT" } else { "-TERM" };
+        fs::write(&output, "old").unwrap();
+        let mut child = start(&output);
+        sleep(moment);
+        send(signal, &child);
+        let code = child.wait().unwrap().code();
+        let found = fs::read(&output).unwrap();
+        match code {
+            Some(0) => assert!(found == new, "{signal} after {step} steps: done, but another file"),
+            // Before the handler stands, the system's own handling ends the process, and nothing was begun.
+            Some(130) | None => {
+                interrupted += 1;
+                assert!(found == b"old" || found == new, "{signal} after {step} steps: half a file");
+            }
+            other => panic!("{signal} after {step} steps: exit {other:?}"),
+        }
+        assert_eq!(folder.names(), ["a.ply", "undisturbed.ply"], "{signal} after {step} steps");
+    }
+    assert!(interrupted > 0, "no signal came before the end of any job");
+}
+
+#[test]
+fn h80_a_kill_at_any_moment_leaves_the_old_file_or_the_whole_new_one() {
+    let folder = Folder::new("h80-kill");
+    let (new, moments) = undisturbed(&folder);
+    let output = folder.file("a.ply", "old");
+    for (step, moment) in moments.into_iter().enumerate() {
+        fs::write(&output, "old").unwrap();
+        let mut child = start(&output);
+        sleep(moment);
+        send("-KILL", &child);
+        child.wait().unwrap();
+        let found = fs::read(&output).unwrap();
+        assert!(found == b"old" || found == new, "after {step} steps: half a file");
+        // What a kill leaves behind says by its name what it is.
+        let left: Vec<_> =
+            folder.names().into_iter().filter(|n| n != "a.ply" && n != "undisturbed.ply").collect();
+        assert!(left.iter().all(|name| name.starts_with(".chordal-") && name.ends_with(".tmp")), "{left:?}");
+    }
+    // The job is done again as if nothing had been.
+    run(&["mesh", TEAPOT, "-o", &output, "--tol", "2e-4", "--force", "-q"]).succeeds();
+    assert!(fs::read(&output).unwrap() == new);
+}
+
+#[test]
+fn h80_two_jobs_on_one_output_leave_one_whole_file() {
+    let folder = Folder::new("h80-two");
+    let (new, _) = undisturbed(&folder);
+    let output = folder.text("a.ply");
+    let mut children: Vec<_> = (0..3).map(|_| start(&output)).collect();
+    for child in &mut children {
+        assert!(child.wait().unwrap().success());
+    }
+    assert!(fs::read(&output).unwrap() == new);
+    assert_eq!(folder.names(), ["a.ply", "undisturbed.ply"]);
+}

@@ -1,0 +1,236 @@
+//! `assemble`: from the lists that a reader filled to a mesh, with its oddities counted.
+use crate::grow::with_room;
+use crate::text::grouped;
+use crate::warnings::Warnings;
+use crate::{Place, ReadError};
+use chordal::explicit::{Attribute, Domain, Semantic, face_normal};
+use chordal::math::Box3;
+use chordal::{Mesh, Patch};
+
+/// What a reader found, before it is known to make a mesh.
+#[derive(Debug, Default)]
+pub(crate) struct Raw {
+    pub(crate) positions: Vec<[f64; 3]>,
+    pub(crate) position_id: Option<Vec<u32>>,
+    pub(crate) faces: Vec<[u32; 3]>,
+    pub(crate) attributes: Vec<Attribute>,
+}
+
+/// The mesh. Vertices that are not finite are dropped with their faces; the caller has refused them before unless
+/// the limits ask for that.
+///
+/// # Errors
+/// `extent-overflow` when the box of the positions has no finite size.
+pub(crate) fn mesh(mut raw: Raw, warnings: &mut Warnings) -> Result<Mesh, ReadError> {
+    drop_nonfinite(&mut raw, warnings)?;
+    check_extent(&raw.positions)?;
+    let invalid = |error| ReadError::new("invalid-mesh", Place::File, format!("{error}"));
+    let mut mesh = Mesh::new(raw.positions, raw.faces).map_err(invalid)?;
+    if let Some(id) = raw.position_id {
+        mesh = mesh.with_position_id(id).map_err(invalid)?;
+    }
+    for mut attribute in raw.attributes {
+        clean(&mut attribute, warnings);
+        mesh = mesh.with_attribute(attribute).map_err(invalid)?;
+    }
+    count_oddities(&mesh, warnings)?;
+    Ok(mesh)
+}
+
+/// The index of a row that is gone.
+const GONE: u32 = u32::MAX;
+
+fn drop_nonfinite(raw: &mut Raw, warnings: &mut Warnings) -> Result<(), ReadError> {
+    let is_bad = |p: &[f64; 3]| p.iter().any(|x| !x.is_finite());
+    if !raw.positions.iter().any(is_bad) {
+        return Ok(());
+    }
+    let mut new_index = with_room(raw.positions.len())?;
+    let mut kept = 0;
+    for position in &raw.positions {
+        new_index.push(if is_bad(position) { GONE } else { kept });
+        kept += u32::from(!is_bad(position));
+    }
+    let keep_vertex: Vec<bool> = new_index.iter().map(|i| *i != GONE).collect();
+    let keep_face: Vec<bool> = raw.faces.iter().map(|f| f.iter().all(|i| keep_vertex[*i as usize])).collect();
+    for attribute in &mut raw.attributes {
+        let keep = |row: usize| match attribute.domain {
+            Domain::Vertex => keep_vertex[row],
+            Domain::Corner => keep_face[row / 3],
+            Domain::Face => keep_face[row],
+        };
+        let (width, mut at) = (attribute.width, 0);
+        attribute.values.retain(|_| {
+            at += 1;
+            keep((at - 1) / width)
+        });
+    }
+    // Rows of one position id are equal, so that they are all kept or all gone.
+    if let Some(id) = &mut raw.position_id {
+        *id = id.iter().map(|i| new_index[*i as usize]).filter(|i| *i != GONE).collect();
+    }
+    let dropped = |keep: &[bool]| keep.iter().filter(|k| !**k).count() as u64;
+    warnings.count_all(
+        "vertices-dropped",
+        dropped(&keep_vertex),
+        "vertices that are not finite were dropped",
+    );
+    warnings.count_all(
+        "faces-dropped",
+        dropped(&keep_face),
+        "faces at vertices that are not finite were dropped",
+    );
+    raw.positions.retain(|p| !is_bad(p));
+    let mut face = keep_face.iter();
+    raw.faces.retain(|_| *face.next().unwrap_or(&true));
+    raw.faces.iter_mut().flatten().for_each(|i| *i = new_index[*i as usize]);
+    Ok(())
+}
+
+fn check_extent<'a>(positions: impl IntoIterator<Item = &'a [f64; 3]>) -> Result<(), ReadError> {
+    let Box3 { min, max } = Box3::around(positions);
+    let Some(k) = (0..3).find(|k| max[*k] - min[*k] == f64::INFINITY) else { return Ok(()) };
+    let message = format!(
+        "the {} coordinates reach from {:e} to {:e}: the distance is over the limit of 1.8e308",
+        ["x", "y", "z"][k],
+        min[k],
+        max[k]
+    );
+    Err(ReadError::new("extent-overflow", Place::File, message))
+}
+
+/// How far the length of a normal may be from 1 before it is scaled: two decimals a coordinate, the least that
+/// writers print, cost 0.005·√3 ≈ 0.0087.
+const UNIT_SLACK: f64 = 0.01;
+
+fn clean(attribute: &mut Attribute, warnings: &mut Warnings) {
+    let mut bad = 0;
+    for value in attribute.values.iter_mut().filter(|v| !v.is_finite()) {
+        *value = 0.0;
+        bad += 1;
+    }
+    let sentence = "attribute values that are not finite were set to 0";
+    warnings.count_all("attribute-not-finite", bad, sentence);
+    if attribute.semantic != Semantic::Normal || attribute.width != 3 {
+        return;
+    }
+    let (mut scaled, mut missing) = (0, 0);
+    for normal in attribute.values.chunks_exact_mut(3) {
+        let largest = normal.iter().fold(0.0_f64, |m, x| if x.abs() > m { x.abs() } else { m });
+        if largest == 0.0 {
+            missing += 1;
+            continue;
+        }
+        // Divided first, so that the squares neither overflow nor vanish.
+        let length = largest * normal.iter().map(|x| (x / largest) * (x / largest)).sum::<f64>().sqrt();
+        if (length - 1.0).abs() > UNIT_SLACK {
+            let relative = length / largest;
+            normal.iter_mut().for_each(|x| *x = *x / largest / relative);
+            scaled += 1;
+        }
+    }
+    warnings.count_all("normals-scaled", scaled, "normals were scaled to length 1");
+    warnings.count_all("normals-zero", missing, "vertices have a normal of length 0, which is none");
+}
+
+/// Counts what is legal but seldom meant. Nothing is changed.
+fn count_oddities(mesh: &Mesh, warnings: &mut Warnings) -> Result<(), ReadError> {
+    let (n_vertices, n_faces) = (mesh.positions().len(), mesh.faces().len());
+    if n_vertices == 0 {
+        warnings.count_all("no-vertices", 1, "the file has no vertices");
+    }
+    if n_faces == 0 {
+        warnings.count_all("no-faces", 1, "the file has no faces");
+        return Ok(());
+    }
+    let mut used = vec![false; n_vertices];
+    mesh.faces().iter().flatten().for_each(|i| used[mesh.position_of(*i) as usize] = true);
+    let isolated = (0..n_vertices as u32).filter(|i| !used[mesh.position_of(*i) as usize]).count();
+    warnings.count_all("isolated-vertices", isolated as u64, "vertices belong to no face");
+    let flat = (0..n_faces).filter(|f| is_flat(mesh.corners(*f))).count();
+    warnings.count_all("zero-area-faces", flat as u64, "faces have no area");
+    count_duplicate_vertices(mesh, warnings)?;
+    count_duplicate_faces(mesh, warnings)
+}
+
+/// Whether a triangle has no normal.
+fn is_flat(corners: [[f64; 3]; 3]) -> bool {
+    let [a, b, c] = corners;
+    let (ab, ac): ([f64; 3], [f64; 3]) =
+        (std::array::from_fn(|k| b[k] - a[k]), std::array::from_fn(|k| c[k] - a[k]));
+    // Far above what a product loses when it underflows (2⁻¹⁰⁷⁴), so that a cross product above it needs no scaling to
+    // be told from zero.
+    const CLEAR: f64 = f64::from_bits((1023 - 900) << 52);
+    let clear = (0..3).any(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        let component = (ab[i] * ac[j] - ab[j] * ac[i]).abs();
+        component > CLEAR && component.is_finite()
+    });
+    !clear && face_normal(corners).is_none()
+}
+
+/// Vertices at bit-identical positions that the file does not tie. Hashes are compared instead of positions: a
+/// collision, one in 10¹⁹, would count one too many.
+fn count_duplicate_vertices(mesh: &Mesh, warnings: &mut Warnings) -> Result<(), ReadError> {
+    let mut hashes = with_room(mesh.positions().len())?;
+    for (i, position) in mesh.positions().iter().enumerate() {
+        if mesh.position_of(i as u32) as usize == i {
+            hashes.push(position.iter().fold(0x9E37_79B9_7F4A_7C15, |hash: u64, x| {
+                // The finaliser of SplitMix64 (G. Steele, D. Lea, C. Flood, 2014).
+                let mut mixed = hash.rotate_left(23) ^ x.to_bits();
+                mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+                mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+                mixed ^ (mixed >> 31)
+            }));
+        }
+    }
+    hashes.sort_unstable();
+    let repeats = hashes.windows(2).filter(|w| w[0] == w[1]).count();
+    let sentence = "vertices repeat the position of another one; they were not merged";
+    warnings.count_all("duplicate-vertices", repeats as u64, sentence);
+    Ok(())
+}
+
+/// Faces over the same three positions: the same way round, or opposite.
+fn count_duplicate_faces(mesh: &Mesh, warnings: &mut Warnings) -> Result<(), ReadError> {
+    let mut keys: Vec<u128> = with_room(mesh.faces().len())?;
+    for face in mesh.faces() {
+        let [a, b, c] = face.map(|i| mesh.position_of(i));
+        if a == b || b == c || c == a {
+            continue;
+        }
+        let mut sorted = [a, b, c];
+        sorted.sort_unstable();
+        // A rotation of the sorted triple is even; the other three orders are odd.
+        let odd = (a < b) as u8 + (b < c) as u8 + (c < a) as u8 == 1;
+        let [a, b, c] = sorted.map(u128::from);
+        keys.push((a << 65) | (b << 33) | (c << 1) | u128::from(odd));
+    }
+    keys.sort_unstable();
+    let pairs = |same: fn(u128, u128) -> bool| keys.windows(2).filter(|w| same(w[0], w[1])).count() as u64;
+    let same = pairs(|a, b| a == b);
+    let opposite = pairs(|a, b| a != b && a >> 1 == b >> 1);
+    warnings.count_all("duplicate-faces", same, "faces repeat another one; they were not merged");
+    warnings.count_all(
+        "opposite-faces",
+        opposite,
+        "faces cover another one the other way round; both were kept",
+    );
+    Ok(())
+}
+
+/// The error of a list with more rows than the limits allow, or than 32-bit indices can name.
+pub(crate) fn too_many_rows(place: Place, what: &str, rows: u64, limit: u64) -> ReadError {
+    let message = format!("{} {what} are over the limit of {}", grouped(rows), grouped(limit));
+    ReadError::new("too-many-rows", place, message)
+}
+
+/// Counts what is odd about patches, and refuses those whose box has no finite size.
+pub(crate) fn check_patches(patches: &[Patch], warnings: &mut Warnings) -> Result<(), ReadError> {
+    check_extent(patches.iter().flat_map(|p| p.control.as_flattened()))?;
+    warnings.count_all("no-patches", u64::from(patches.is_empty()), "the file has no patches");
+    let is_point = |p: &&Patch| p.control.as_flattened().iter().all(|c| *c == p.control[0][0]);
+    let points = patches.iter().filter(is_point).count();
+    warnings.count_all("point-patches", points as u64, "patches have all their control points in one place");
+    Ok(())
+}

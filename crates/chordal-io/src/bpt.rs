@@ -1,0 +1,76 @@
+//! `.bpt`: a count, then for every patch a line `3 3` and sixteen points.
+use crate::grow::push;
+use crate::text::{NoInteger, finite, grouped, integer, show, text_of};
+use crate::warnings::Warnings;
+use crate::words::Words;
+use crate::{Axis, Content, Frame, Limits, Loaded, ReadError};
+use chordal::Patch;
+
+/// The patches of a `.bpt` file. Its first line is their number; each patch is a line with its two degrees, which
+/// must be `3 3`, and then its points row by row, `x y z`. Up is z, as this format has it by tradition.
+///
+/// Lower degrees are refused as well: to raise them to 3 divides by 3, which is not exact.
+///
+/// # Errors
+/// [`ReadError`] at the line: another degree, too few numbers, a coordinate that is not finite.
+///
+/// ```
+/// use chordal_io::{Content, Limits, bpt};
+/// let file = format!("1\n3 3\n{}", "0 0 0\n".repeat(16));
+/// let Content::Patches(patches, _) = bpt::read(file.as_bytes(), &Limits::default())?.content else { unreachable!() };
+/// assert_eq!(patches.len(), 1);
+/// # Ok::<(), chordal_io::ReadError>(())
+/// ```
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
+    let mut words = Words::new(text_of(bytes)?);
+    let mut warnings = Warnings::default();
+    let declared = count(&mut words, || "the number of patches".to_owned())?;
+    if declared > limits.rows {
+        return Err(crate::assemble::too_many_rows(words.place(), "patches", declared, limits.rows));
+    }
+    let mut patches = Vec::new();
+    for patch in 0..declared {
+        let what = || format!("the degrees of patch {patch} of {}", grouped(declared));
+        let degrees = [count(&mut words, what)?, count(&mut words, what)?];
+        if degrees != [3, 3] {
+            let message = format!(
+                "patch {patch} has the degrees {} {}; only bicubic patches, 3 3, are supported",
+                degrees[0], degrees[1]
+            );
+            return Err(ReadError::new("degree-unsupported", words.place(), message));
+        }
+        let mut control = [[[0.0; 3]; 4]; 4];
+        for (i, value) in control.as_flattened_mut().as_flattened_mut().iter_mut().enumerate() {
+            let what =
+                || format!("coordinate {} of point {} of patch {patch}", ["x", "y", "z"][i % 3], i / 3);
+            *value = coordinate(&mut words, what)?;
+        }
+        push(&mut patches, Patch { control })?;
+    }
+    while let Some(token) = words.next() {
+        let message = || format!("words after the last patch, {} first", show(token));
+        warnings.count("trailing-text", || (words.place(), message()));
+    }
+    crate::assemble::check_patches(&patches, &mut warnings)?;
+    let frame = Frame { up: Some(Axis::Z), metres_per_unit: None };
+    Ok(Loaded { content: Content::Patches(patches, frame), warnings: warnings.into_list() })
+}
+
+fn count(words: &mut Words, what: impl Fn() -> String) -> Result<u64, ReadError> {
+    let token = words.expect(&what)?;
+    let wrong =
+        |why| ReadError::new("not-a-count", words.place(), format!("{}: {} {why}", what(), show(token)));
+    match integer(token) {
+        Ok(count) => u64::try_from(count).map_err(|_| wrong("is below 0")),
+        Err(NoInteger::TooLarge) => Err(wrong("is over any limit")),
+        Err(NoInteger::Spelling) => Err(wrong("is not a whole number")),
+    }
+}
+
+fn coordinate(words: &mut Words, what: impl Fn() -> String) -> Result<f64, ReadError> {
+    let token = words.expect(&what)?;
+    finite(token, || words.place()).map_err(|mut error| {
+        error.message = format!("{}: {}", what(), error.message);
+        error
+    })
+}

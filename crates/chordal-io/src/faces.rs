@@ -1,0 +1,113 @@
+//! `Faces`: polygons in the order of the file, and the triangles that they become.
+use crate::grow::{push, push_many};
+use crate::warnings::Warnings;
+use crate::{Place, ReadError};
+use chordal::explicit::triangulate::Triangulator;
+
+/// What is said of faces that cannot cover anything.
+pub(crate) const SHORT_FACES: &str = "faces of fewer than 3 corners were skipped";
+
+/// Corners from which on a polygon with far fewer vertices than corners is not looked at: it goes round and round, and
+/// to find out how would take memory out of all proportion to its bytes.
+const LONG: usize = 1 << 16;
+
+/// A face with more than three corners: its triangles have their places, and wait for all positions to be known.
+#[derive(Debug)]
+struct Polygon {
+    first_triangle: usize,
+    first_corner: usize,
+    corners: u32,
+    at: u64,
+}
+
+/// Faces of three or more corners, which name vertex rows.
+#[derive(Debug, Default)]
+pub(crate) struct Faces {
+    triangles: Vec<[u32; 3]>,
+    polygons: Vec<Polygon>,
+    corners: Vec<u32>,
+}
+
+impl Faces {
+    /// Room for as many faces as were counted in the bytes of the file.
+    pub(crate) fn with_room(rows: usize) -> Result<Self, ReadError> {
+        Ok(Self { triangles: crate::grow::with_room(rows)?, ..Self::default() })
+    }
+
+    /// The number of triangles so far.
+    pub(crate) fn n_triangles(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Appends a face of at least three corners that stands at line or row `at`.
+    #[inline]
+    pub(crate) fn push(&mut self, corners: &[u32], at: u64) -> Result<(), ReadError> {
+        if let &[a, b, c] = corners {
+            return push(&mut self.triangles, [a, b, c]);
+        }
+        let polygon = Polygon {
+            first_triangle: self.triangles.len(),
+            first_corner: self.corners.len(),
+            corners: u32::try_from(corners.len()).map_err(|_| crate::grow::out_of_memory(corners.len()))?,
+            at,
+        };
+        push_many(&mut self.triangles, [0; 3], corners.len().saturating_sub(2))?;
+        push_many(&mut self.corners, 0, corners.len())?;
+        self.corners[polygon.first_corner..].copy_from_slice(corners);
+        push(&mut self.polygons, polygon)
+    }
+
+    /// All faces as triangles, in order; how many were cut and how many overlap themselves is counted.
+    pub(crate) fn cut(
+        mut self,
+        positions: &[[f64; 3]],
+        place: fn(u64) -> Place,
+        warnings: &mut Warnings,
+    ) -> Vec<[u32; 3]> {
+        let mut triangulator = Triangulator::default();
+        let (mut points, mut cut) = (Vec::new(), Vec::new());
+        for polygon in &self.polygons {
+            let corners = &self.corners[polygon.first_corner..][..polygon.corners as usize];
+            if corners.len() > LONG && corners.len() > positions.len() + positions.len() / 2 {
+                warnings.count("polygon-overlaps", || {
+                    let message = format!(
+                        "a polygon of {} corners over {} vertices was cut as a fan from its first corner",
+                        corners.len(),
+                        positions.len()
+                    );
+                    (place(polygon.at), message)
+                });
+                for (triangle, pair) in
+                    self.triangles[polygon.first_triangle..].iter_mut().zip(corners[1..].windows(2))
+                {
+                    *triangle = [corners[0], pair[0], pair[1]];
+                }
+                continue;
+            }
+            points.clear();
+            points.extend(corners.iter().map(|i| positions[*i as usize]));
+            // Faces with a corner that is not finite are dropped later on: no need to look at them.
+            points.iter_mut().flatten().for_each(|x| *x = if x.is_finite() { *x } else { 0.0 });
+            cut.clear();
+            let folded = triangulator.polygon(&points, &mut cut);
+            for (triangle, local) in self.triangles[polygon.first_triangle..].iter_mut().zip(&cut) {
+                *triangle = local.map(|i| corners[i as usize]);
+            }
+            if folded > 0 {
+                warnings.count("polygon-overlaps", || {
+                    let message = format!(
+                        "a polygon of {} corners crosses or overlaps itself: its {} triangles cover more than its area",
+                        polygon.corners,
+                        cut.len()
+                    );
+                    (place(polygon.at), message)
+                });
+            }
+        }
+        warnings.count_many("polygons-cut", self.polygons.len() as u64, || {
+            let first = self.polygons.first().map_or(0, |p| p.at);
+            (place(first), "faces of more than 3 corners were cut into triangles".to_owned())
+        });
+        self.triangles
+    }
+}

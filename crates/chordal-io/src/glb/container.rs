@@ -1,0 +1,117 @@
+//! The container: a header, a JSON chunk, and maybe a BIN chunk.
+use super::{BIN_CHUNK, JSON_CHUNK, MAGIC};
+use crate::{Place, ReadError, Warning};
+
+/// The two chunks that matter.
+pub(super) struct Chunks<'a> {
+    /// The JSON, and where it begins in the file.
+    pub json: &'a [u8],
+    /// Its first byte.
+    pub json_at: u64,
+    /// The buffer, if there is one.
+    pub bin: Option<&'a [u8]>,
+}
+
+/// Takes a GLB file apart; what gltf-validator calls an error is one, what it calls a warning is listed.
+///
+/// # Errors
+/// With the byte at which the container breaks.
+pub(super) fn chunks<'a>(bytes: &'a [u8], warnings: &mut Vec<Warning>) -> Result<Chunks<'a>, ReadError> {
+    let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    let error = |code, at: usize, what: String| Err(ReadError::new(code, Place::Byte(at as u64), what));
+    let (Some(magic), Some(version), Some(length)) = (word(0), word(4), word(8)) else {
+        let what = format!("{} bytes are too few for the GLB header of 12", bytes.len());
+        return error("GLB_UNEXPECTED_END_OF_HEADER", bytes.len(), what);
+    };
+    if magic != MAGIC {
+        return error(
+            "GLB_INVALID_MAGIC",
+            0,
+            format!("the file begins with {magic:#010x} and not with \"glTF\""),
+        );
+    }
+    if version != 2 {
+        return error("GLB_INVALID_VERSION", 4, format!("GLB version {version} is not read, only 2"));
+    }
+    let length = length as usize;
+    if length <= 12 {
+        return error(
+            "GLB_LENGTH_TOO_SMALL",
+            8,
+            format!("the header says {length} bytes, it takes 12 itself"),
+        );
+    }
+    let (mut json, mut bin, mut n_chunks) = (None, None, 0);
+    let mut at = 12;
+    while at < bytes.len() && at != length {
+        let (Some(n), Some(kind)) = (word(at), word(at + 4)) else {
+            return error(
+                "GLB_UNEXPECTED_END_OF_CHUNK_HEADER",
+                bytes.len(),
+                "a chunk's header is cut off".to_owned(),
+            );
+        };
+        let n = n as usize;
+        if !n.is_multiple_of(4) {
+            return error("GLB_CHUNK_LENGTH_UNALIGNED", at, format!("chunk length {n} is no multiple of 4"));
+        }
+        let start = at + 8;
+        if n > length.saturating_sub(start) {
+            return error(
+                "GLB_CHUNK_TOO_BIG",
+                at,
+                format!("a chunk of {n} bytes passes the file's {length}"),
+            );
+        }
+        if n_chunks == 0 && kind != JSON_CHUNK {
+            return error(
+                "GLB_UNEXPECTED_FIRST_CHUNK",
+                at,
+                format!("the first chunk is {kind:#010x} and not JSON"),
+            );
+        }
+        let Some(data) = bytes.get(start..).and_then(|rest| rest.get(..n)) else {
+            let what = format!("the file ends inside a chunk of {n} bytes");
+            return error("GLB_UNEXPECTED_END_OF_CHUNK_DATA", bytes.len(), what);
+        };
+        match kind {
+            JSON_CHUNK if json.is_some() => {
+                return error("GLB_DUPLICATE_CHUNK", at, "a second JSON chunk".to_owned());
+            }
+            JSON_CHUNK if n == 0 => {
+                return error("GLB_EMPTY_CHUNK", at, "the JSON chunk is empty".to_owned());
+            }
+            JSON_CHUNK => json = Some((data, start as u64)),
+            BIN_CHUNK if bin.is_some() => {
+                return error("GLB_DUPLICATE_CHUNK", at, "a second BIN chunk".to_owned());
+            }
+            BIN_CHUNK if n_chunks > 1 => {
+                return error("GLB_UNEXPECTED_BIN_CHUNK", at, "the BIN chunk is not the second".to_owned());
+            }
+            BIN_CHUNK => bin = Some(data),
+            _ => warnings.push(Warning {
+                code: "GLB_UNKNOWN_CHUNK_TYPE",
+                count: 1,
+                place: Place::Byte(at as u64),
+                message: format!("a chunk of unknown type {kind:#010x} was skipped"),
+            }),
+        }
+        n_chunks += 1;
+        at = start + n;
+    }
+    if at < bytes.len() {
+        warnings.push(Warning {
+            code: "GLB_EXTRA_DATA",
+            count: 1,
+            place: Place::Byte(at as u64),
+            message: format!("{} extra bytes follow the end that the header names", bytes.len() - at),
+        });
+    } else if at != length {
+        let what = format!("the header says {length} bytes, the file has {}", bytes.len());
+        return error("GLB_LENGTH_MISMATCH", bytes.len(), what);
+    }
+    let Some((json, json_at)) = json else {
+        return error("GLB_UNEXPECTED_END_OF_CHUNK_HEADER", bytes.len(), "there is no JSON chunk".to_owned());
+    };
+    Ok(Chunks { json, json_at, bin })
+}

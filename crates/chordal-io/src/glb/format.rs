@@ -1,0 +1,212 @@
+//! Formats of accessors: how a row of numbers lies in bytes.
+use std::fmt;
+
+/// The type of one number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Component {
+    I8,
+    U8,
+    I16,
+    U16,
+    U32,
+    F32,
+}
+
+impl Component {
+    /// From the code that OpenGL gave it.
+    pub fn from_code(code: u64) -> Option<Self> {
+        Some(match code {
+            5120 => Self::I8,
+            5121 => Self::U8,
+            5122 => Self::I16,
+            5123 => Self::U16,
+            5125 => Self::U32,
+            5126 => Self::F32,
+            _ => return None,
+        })
+    }
+
+    /// Bytes a number.
+    pub fn size(self) -> u64 {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::U32 | Self::F32 => 4,
+        }
+    }
+
+    /// The lowest and highest number; infinite for floats.
+    pub fn range(self) -> (f64, f64) {
+        match self {
+            Self::I8 => (-128.0, 127.0),
+            Self::U8 => (0.0, 255.0),
+            Self::I16 => (-32768.0, 32767.0),
+            Self::U16 => (0.0, 65535.0),
+            Self::U32 => (0.0, 4_294_967_295.0),
+            Self::F32 => (f64::NEG_INFINITY, f64::INFINITY),
+        }
+    }
+
+    /// The number that begins with the first byte given; 0 when bytes are missing.
+    pub fn read(self, bytes: &[u8]) -> f64 {
+        match (self, bytes) {
+            (Self::I8, [a, ..]) => f64::from(i8::from_le_bytes([*a])),
+            (Self::U8, [a, ..]) => f64::from(*a),
+            (Self::I16, [a, b, ..]) => f64::from(i16::from_le_bytes([*a, *b])),
+            (Self::U16, [a, b, ..]) => f64::from(u16::from_le_bytes([*a, *b])),
+            (Self::U32, [a, b, c, d, ..]) => f64::from(u32::from_le_bytes([*a, *b, *c, *d])),
+            (Self::F32, [a, b, c, d, ..]) => f64::from(f32::from_le_bytes([*a, *b, *c, *d])),
+            _ => 0.0,
+        }
+    }
+
+    /// The number that an integer stands for when it is normalized: 0 to 1, or −1 to 1.
+    pub fn normalize(self, x: f64) -> f64 {
+        match self {
+            Self::F32 => x,
+            // Two of the integers stand for −1.
+            _ => {
+                let share = x / self.range().1;
+                if share < -1.0 { -1.0 } else { share }
+            }
+        }
+    }
+}
+
+/// The shape of a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Scalar,
+    Vec2,
+    Vec3,
+    Vec4,
+    Mat2,
+    Mat3,
+    Mat4,
+}
+
+impl Kind {
+    /// From its name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Some(match name {
+            "SCALAR" => Self::Scalar,
+            "VEC2" => Self::Vec2,
+            "VEC3" => Self::Vec3,
+            "VEC4" => Self::Vec4,
+            "MAT2" => Self::Mat2,
+            "MAT3" => Self::Mat3,
+            "MAT4" => Self::Mat4,
+            _ => return None,
+        })
+    }
+
+    /// Numbers a row.
+    pub fn n_components(self) -> usize {
+        match self {
+            Self::Scalar => 1,
+            Self::Vec2 => 2,
+            Self::Vec3 => 3,
+            Self::Vec4 | Self::Mat2 => 4,
+            Self::Mat3 => 9,
+            Self::Mat4 => 16,
+        }
+    }
+
+    fn n_rows(self) -> u64 {
+        match self {
+            Self::Mat2 => 2,
+            Self::Mat3 => 3,
+            Self::Mat4 => 4,
+            _ => self.n_components() as u64,
+        }
+    }
+
+    /// Whether it is a matrix.
+    pub fn is_matrix(self) -> bool {
+        matches!(self, Self::Mat2 | Self::Mat3 | Self::Mat4)
+    }
+}
+
+/// A row of an accessor: its shape, the type of its numbers, and whether integers stand for fractions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Format {
+    pub kind: Kind,
+    pub component: Component,
+    pub normalized: bool,
+}
+
+impl Format {
+    /// One that is not normalized.
+    pub const fn plain(kind: Kind, component: Component) -> Self {
+        Self { kind, component, normalized: false }
+    }
+
+    /// One that is normalized.
+    pub const fn normalized(kind: Kind, component: Component) -> Self {
+        Self { kind, component, normalized: true }
+    }
+
+    /// Where a number lies in its row; columns of matrices begin at multiples of four bytes.
+    pub fn place_of(self, component_idx: usize) -> u64 {
+        let (size, i) = (self.component.size(), component_idx as u64);
+        if !self.kind.is_matrix() {
+            return i * size;
+        }
+        let rows = self.kind.n_rows();
+        i / rows * self.column() + i % rows * size
+    }
+
+    fn column(self) -> u64 {
+        (self.kind.n_rows() * self.component.size()).div_ceil(4) * 4
+    }
+
+    /// Bytes a row, without padding after its last number.
+    pub fn row_length(self) -> u64 {
+        self.place_of(self.kind.n_components() - 1) + self.component.size()
+    }
+
+    /// Bytes from row to row where nothing else is said.
+    pub fn natural_stride(self) -> u64 {
+        if self.kind.is_matrix() {
+            let rows = self.kind.n_rows();
+            self.kind.n_components() as u64 / rows * self.column()
+        } else {
+            self.row_length()
+        }
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let normalized = if self.normalized { " normalized" } else { "" };
+        write!(f, "{:?} of {:?}{normalized}", self.kind, self.component)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn matrices_are_padded_to_columns_of_four_bytes() {
+        let layout = |kind, component| {
+            let format = Format::plain(kind, component);
+            let places: Vec<_> = (0..kind.n_components()).map(|i| format.place_of(i)).collect();
+            (places, format.row_length(), format.natural_stride())
+        };
+        assert_eq!(layout(Kind::Mat2, Component::U8), (vec![0, 1, 4, 5], 6, 8));
+        assert_eq!(layout(Kind::Mat3, Component::I8), (vec![0, 1, 2, 4, 5, 6, 8, 9, 10], 11, 12));
+        assert_eq!(layout(Kind::Mat3, Component::U16), (vec![0, 2, 4, 8, 10, 12, 16, 18, 20], 22, 24));
+        assert_eq!(layout(Kind::Mat2, Component::I16), (vec![0, 2, 4, 6], 8, 8));
+        assert_eq!(layout(Kind::Vec3, Component::U8), (vec![0, 1, 2], 3, 3));
+        assert_eq!(layout(Kind::Mat4, Component::F32).1, 64);
+    }
+
+    #[test]
+    fn normalized_integers_span_the_unit_range() {
+        assert_eq!(Component::U8.normalize(255.0), 1.0);
+        assert_eq!(Component::I8.normalize(-128.0), -1.0);
+        assert_eq!(Component::I8.normalize(-127.0), -1.0);
+        assert_eq!(Component::I16.normalize(32767.0), 1.0);
+    }
+}

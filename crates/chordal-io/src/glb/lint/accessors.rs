@@ -1,0 +1,216 @@
+//! Accessors: what they say of themselves, and whether they fit their views.
+use super::buffers::{Use, Uses};
+use super::extensions::At;
+use super::{ANY, Lint, Whole};
+use crate::glb::format::{Component, Kind};
+use crate::glb::json::Json;
+use crate::glb::model::{Accessor, Model, Sparse, View, item};
+
+/// The codes of component types.
+const COMPONENTS: &[u64] = &[5120, 5121, 5122, 5123, 5125, 5126];
+
+/// A run of rows that has to lie inside a view.
+struct Run {
+    view: usize,
+    offset: u64,
+    /// Bytes a component, to which offsets are aligned.
+    align: u64,
+    length: u64,
+}
+
+impl<'a> Lint<'a> {
+    pub(super) fn accessor(&mut self, map: &'a Json) -> Accessor {
+        let view = self.index(map, "bufferView", false);
+        let offset = if view.is_none() {
+            if map.get("byteOffset").is_some() {
+                self.at("UNSATISFIED_DEPENDENCY", "byteOffset", "bufferView is missing");
+            }
+            Some(0)
+        } else {
+            self.whole(map, "byteOffset", Whole::default()).or(0)
+        };
+        let component =
+            self.whole(map, "componentType", Whole { list: COMPONENTS, required: true, ..Whole::default() });
+        let component = component.value().and_then(Component::from_code);
+        let count = self.whole(map, "count", Whole { min: 1, required: true, ..Whole::default() }).value();
+        let kind = self.text(map, "type", true).and_then(Kind::from_name);
+        let normalized = self.flag(map, "normalized");
+        let (mut min, mut max) = (None, None);
+        if let (Some(kind), Some(component)) = (kind, component) {
+            min = self.bounds(map, "min", (kind, component));
+            max = self.bounds(map, "max", (kind, component));
+        }
+        let sparse = self.object(map, "sparse", false);
+        let sparse = sparse.and_then(|sparse| self.within("sparse", |lint| lint.sparse(sparse)));
+        if normalized && matches!(component, Some(Component::F32 | Component::U32)) {
+            self.at("ACCESSOR_NORMALIZED_INVALID", "normalized", "only bytes and shorts can be normalized");
+        }
+        if kind.is_some_and(Kind::is_matrix) && offset.is_some_and(|offset| offset % 4 != 0) {
+            self.at("ACCESSOR_MATRIX_ALIGNMENT", "byteOffset", "matrices begin at multiples of 4 bytes");
+        }
+        self.name(map);
+        self.extensions(map, At::Other);
+        Accessor { view, offset, count, component, kind, normalized, min, max, sparse }
+    }
+
+    /// The least or greatest values: single-precision numbers, or integers that the type can hold.
+    #[allow(clippy::cast_possible_truncation)]
+    fn bounds(
+        &mut self,
+        map: &'a Json,
+        key: &'a str,
+        (kind, component): (Kind, Component),
+    ) -> Option<Vec<f64>> {
+        let length = kind.n_components();
+        if component == Component::F32 {
+            let bounds = self.reals(map, key, length, ANY)?;
+            return Some(bounds.into_iter().map(|x| f64::from(x as f32)).collect());
+        }
+        let value = self.value(map, key, "array")?;
+        let Some(items) = value.items() else {
+            self.mismatch(key, "array");
+            return None;
+        };
+        if items.len() != length {
+            let what = format!("{key} has {} numbers where {length} are needed", items.len());
+            self.issue("ARRAY_LENGTH_NOT_IN_LIST", Some(key.into()), || what);
+            return None;
+        }
+        let (low, high) = component.range();
+        let mut out = Vec::with_capacity(length);
+        for x in items {
+            match (x.integer(), x.number()) {
+                (Some(_), Some(x)) if (low..=high).contains(&x) => out.push(x),
+                (Some(_), x) => {
+                    let x = x.unwrap_or_default();
+                    self.issue("INVALID_GL_VALUE", Some(key.into()), || {
+                        format!("{component:?} cannot hold {x}")
+                    });
+                }
+                (None, _) => self.at("ARRAY_TYPE_MISMATCH", key, "an item is no integer"),
+            }
+        }
+        (out.len() == length).then_some(out)
+    }
+
+    fn sparse(&mut self, map: &'a Json) -> Option<Sparse> {
+        let count = self.whole(map, "count", Whole { min: 1, required: true, ..Whole::default() }).value();
+        let indices = self.object(map, "indices", true);
+        let indices = indices.map(|indices| self.within("indices", |lint| lint.sparse_indices(indices)));
+        let values = self.object(map, "values", true);
+        let values = values.map(|values| {
+            self.within("values", |lint| {
+                lint.extensions(values, At::Other);
+                let view = lint.index(values, "bufferView", true);
+                (view, lint.whole(values, "byteOffset", Whole::default()).or(0))
+            })
+        });
+        self.extensions(map, At::Other);
+        let (index_view, index_offset, index_component) = indices?;
+        let (value_view, value_offset) = values?;
+        Some(Sparse { count: count?, index_view, index_offset, index_component, value_view, value_offset })
+    }
+
+    fn sparse_indices(&mut self, map: &'a Json) -> (Option<usize>, Option<u64>, Option<Component>) {
+        self.extensions(map, At::Other);
+        let view = self.index(map, "bufferView", true);
+        let offset = self.whole(map, "byteOffset", Whole::default()).or(0);
+        let rule = Whole { list: &[5121, 5123, 5125], required: true, ..Whole::default() };
+        (view, offset, self.whole(map, "componentType", rule).value().and_then(Component::from_code))
+    }
+
+    pub(super) fn link_accessors(&mut self, model: &Model<'_>, uses: &mut Uses) {
+        for (i, accessor) in model.accessors.iter().enumerate() {
+            let Some(accessor) = accessor else { continue };
+            self.within("accessors", |lint| {
+                lint.within(i, |lint| {
+                    lint.link_rows(model, accessor);
+                    if let Some(sparse) = &accessor.sparse {
+                        lint.within("sparse", |lint| lint.link_sparse(model, accessor, (sparse, &mut *uses)));
+                    }
+                });
+            });
+        }
+    }
+
+    fn link_rows(&mut self, model: &Model<'_>, accessor: &Accessor) {
+        let (Some(view), Some(count), Some(format)) = (accessor.view, accessor.count, accessor.format())
+        else {
+            return;
+        };
+        if !self.resolved("bufferViews", view, "bufferView".into()) {
+            return;
+        }
+        let declared = item(&model.views, Some(view)).and_then(|view| view.stride);
+        if let Some(stride) = declared.filter(|stride| *stride < format.row_length()) {
+            let length = format.row_length();
+            self.issue("ACCESSOR_SMALL_BYTESTRIDE", None, || {
+                format!("byteStride {stride} is below {length}")
+            });
+        }
+        let stride = declared.unwrap_or(format.natural_stride());
+        let length = stride.saturating_mul(count - 1).saturating_add(format.row_length());
+        let Some(offset) = accessor.offset else { return };
+        self.fits(model, &Run { view, offset, align: format.component.size(), length });
+    }
+
+    fn link_sparse(&mut self, model: &Model<'_>, accessor: &Accessor, (sparse, uses): (&Sparse, &mut Uses)) {
+        let (Some(count), Some(format)) = (accessor.count, accessor.format()) else { return };
+        if sparse.count > count {
+            let what = format!("{} rows are replaced of {count}", sparse.count);
+            self.issue("ACCESSOR_SPARSE_COUNT_OUT_OF_RANGE", Some("count".into()), || what);
+        }
+        let size = format.component.size();
+        let row = size * format.kind.n_components() as u64;
+        let index = sparse.index_component.map(|component| (component.size(), component.size()));
+        let runs = [
+            ("indices", sparse.index_view, sparse.index_offset, index),
+            ("values", sparse.value_view, sparse.value_offset, Some((size, row))),
+        ];
+        for (key, view, offset, sizes) in runs {
+            let Some(view) = view else { continue };
+            self.within(key, |lint| {
+                if !lint.resolved("bufferViews", view, "bufferView".into()) {
+                    return;
+                }
+                lint.use_view(uses, Some(view), Use::Other, "bufferView");
+                if item(&model.views, Some(view)).is_some_and(|view| view.stride.is_some()) {
+                    lint.at(
+                        "BUFFER_VIEW_INVALID_BYTE_STRIDE",
+                        "bufferView",
+                        "sparse data have no byteStride",
+                    );
+                }
+                if let (Some((align, row)), Some(offset)) = (sizes, offset) {
+                    lint.fits(model, &Run { view, offset, align, length: row.saturating_mul(sparse.count) });
+                }
+            });
+        }
+    }
+
+    /// Whether a run is aligned and lies inside its view.
+    fn fits(&mut self, model: &Model<'_>, run: &Run) {
+        let Some(View { offset: start, length, .. }) = item(&model.views, Some(run.view)) else { return };
+        let Run { view, offset, align, .. } = *run;
+        if offset % align != 0 {
+            self.issue("ACCESSOR_OFFSET_ALIGNMENT", Some("byteOffset".into()), || {
+                format!("byteOffset {offset} is no multiple of {align}")
+            });
+        }
+        let Some(start) = *start else { return };
+        let total = start.saturating_add(offset);
+        if total % align != 0 {
+            self.issue("ACCESSOR_TOTAL_OFFSET_ALIGNMENT", None, || {
+                format!("the offset {total} in the buffer is no multiple of {align}")
+            });
+        }
+        let length = length.unwrap_or(0);
+        let end = offset.saturating_add(run.length);
+        if end > length {
+            let below = if offset > length { Some("byteOffset".into()) } else { None };
+            self.issue("ACCESSOR_TOO_LONG", below, || {
+                format!("the rows end at byte {end} of bufferView {view}, which has {length}")
+            });
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! Buffers and their views.
+use super::extensions::At;
+use super::{Lint, Whole, uri};
+use crate::glb::json::Json;
+use crate::glb::model::{Buffer, Model, View, item};
+use std::borrow::Cow;
+
+/// What a view is used for; a view has one use only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Use {
+    Vertices,
+    Indices,
+    Image,
+    InverseBindMatrices,
+    Other,
+}
+
+/// What an accessor is used for; an accessor has one use only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    Attribute,
+    Indices,
+    Input,
+    Output,
+    InverseBindMatrices,
+}
+
+/// What the values of an accessor have to be, because of a use.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Demand {
+    UnitVectors,
+    UnitVectorsWithSign,
+    Clamped,
+    /// Below the number of vertices.
+    IndicesBelow(u64),
+    Times,
+    /// Unit quaternions; every third of them only when the splines are cubic.
+    Quaternions {
+        cubic: bool,
+    },
+    BindMatrices,
+}
+
+/// The uses of views and accessors so far.
+pub(super) struct Uses {
+    views: Vec<Option<Use>>,
+    accessors: Vec<Option<Role>>,
+    /// For a view without stride the vertex attribute that reads it.
+    sole_reader: Vec<Option<usize>>,
+    /// Demands on accessors, each with its pointer.
+    pub demands: Vec<(usize, Demand, String)>,
+}
+
+impl Uses {
+    pub fn of(model: &Model<'_>) -> Self {
+        let by_target = |view: &Option<View>| match view.as_ref()?.target? {
+            34962 => Some(Use::Vertices),
+            _ => Some(Use::Indices),
+        };
+        Self {
+            views: model.views.iter().map(by_target).collect(),
+            accessors: vec![None; model.accessors.len()],
+            sole_reader: vec![None; model.views.len()],
+            demands: Vec::new(),
+        }
+    }
+
+    /// Notes a demand on an accessor, once.
+    pub fn demand(&mut self, accessor: usize, demand: Demand, pointer: String) {
+        self.demands.push((accessor, demand, pointer));
+    }
+}
+
+impl<'a> Lint<'a> {
+    pub(super) fn buffer(&mut self, map: &'a Json) -> Buffer<'a> {
+        let byte_length =
+            self.whole(map, "byteLength", Whole { min: 1, required: true, ..Whole::default() }).value();
+        let uri = self.text(map, "uri", false);
+        let mut data = None;
+        match uri.and_then(uri::data_uri) {
+            Some(Ok(found))
+                if matches!(found.mime.as_str(), "application/gltf-buffer" | "application/octet-stream") =>
+            {
+                data = Some(Cow::Owned(found.bytes));
+            }
+            Some(Ok(found)) => {
+                self.issue("BUFFER_DATA_URI_MIME_TYPE_INVALID", Some("uri".into()), || {
+                    format!("data of type {} make no buffer", found.mime)
+                });
+            }
+            Some(Err(what)) => self.at("INVALID_URI", "uri", what),
+            None if uri.is_some_and(uri::is_invalid) => self.at("INVALID_URI", "uri", "the URI is invalid"),
+            None => {}
+        }
+        self.name(map);
+        self.extensions(map, At::Other);
+        // A uri of another type than string still means that the BIN chunk is not meant.
+        let uri = uri.or_else(|| map.get("uri").map(|_| ""));
+        Buffer { byte_length, uri, data }
+    }
+
+    /// The first buffer of a GLB file is its BIN chunk, unless it has a URI.
+    pub(super) fn glb_buffer(&mut self, buffer: &mut Buffer<'a>, bin: Option<&'a [u8]>) {
+        if buffer.uri.is_some() || buffer.byte_length.is_none() {
+            return;
+        }
+        match bin {
+            Some(bin) => buffer.data = Some(Cow::Borrowed(bin)),
+            None => self.here("BUFFER_MISSING_GLB_DATA", "the buffer means a BIN chunk, and there is none"),
+        }
+    }
+
+    /// Whether the bytes of buffers are as many as said.
+    pub(super) fn look_at_buffers(&mut self, model: &Model<'_>) {
+        for (i, buffer) in model.buffers.iter().enumerate() {
+            let Some(Buffer { byte_length: Some(length), data: Some(data), .. }) = buffer else { continue };
+            if (data.len() as u64) < *length {
+                self.within("buffers", |lint| {
+                    lint.within(i, |lint| {
+                        lint.issue("BUFFER_BYTE_LENGTH_MISMATCH", None, || {
+                            format!("byteLength is {length}, the data have {} bytes", data.len())
+                        });
+                    });
+                });
+            }
+        }
+    }
+
+    pub(super) fn view(&mut self, map: &'a Json) -> View {
+        let length =
+            self.whole(map, "byteLength", Whole { min: 1, required: true, ..Whole::default() }).value();
+        let stride =
+            self.whole(map, "byteStride", Whole { min: 4, max: Some(252), ..Whole::default() }).value();
+        let target = self.whole(map, "target", Whole { list: &[34962, 34963], ..Whole::default() }).value();
+        if let Some(stride) = stride {
+            if length.is_some_and(|length| stride > length) {
+                self.at("BUFFER_VIEW_TOO_BIG_BYTE_STRIDE", "byteStride", "byteStride passes byteLength");
+            }
+            if stride % 4 != 0 {
+                self.at("VALUE_MULTIPLE_OF", "byteStride", "byteStride is no multiple of 4");
+            }
+            if target == Some(34963) {
+                self.at("BUFFER_VIEW_INVALID_BYTE_STRIDE", "byteStride", "indices have no byteStride");
+            }
+        }
+        let buffer = self.index(map, "buffer", true);
+        let offset = self.whole(map, "byteOffset", Whole::default()).or(0);
+        self.name(map);
+        self.extensions(map, At::Other);
+        let extensions = map.get("extensions");
+        let compressed = extensions.and_then(|all| all.get("EXT_meshopt_compression")).is_some();
+        View { buffer, offset, length, stride, target, compressed }
+    }
+
+    pub(super) fn link_views(&mut self, model: &Model<'_>) {
+        for (i, view) in model.views.iter().enumerate() {
+            let Some(View { buffer: Some(index), offset, length, .. }) = view else { continue };
+            self.within("bufferViews", |lint| {
+                lint.within(i, |lint| {
+                    if !lint.resolved("buffers", *index, "buffer".into()) {
+                        return;
+                    }
+                    let Some(total) = item(&model.buffers, Some(*index)).and_then(|b| b.byte_length) else {
+                        return;
+                    };
+                    let Some(offset) = *offset else { return };
+                    let key = if offset >= total { "byteOffset" } else { "byteLength" };
+                    let end = offset.saturating_add(length.unwrap_or(0));
+                    if offset >= total || end > total {
+                        lint.issue("BUFFER_VIEW_TOO_LONG", Some(key.into()), || {
+                            format!("the view ends at byte {end} of buffer {index}, which has {total}")
+                        });
+                    }
+                });
+            });
+        }
+    }
+
+    /// Notes that a view is used, and complains when it was used for something else.
+    pub(super) fn use_view(&mut self, uses: &mut Uses, view: Option<usize>, kind: Use, below: &'a str) {
+        let Some(slot) = view.and_then(|v| uses.views.get_mut(v)) else { return };
+        let known = *slot.get_or_insert(kind);
+        if known != kind {
+            self.issue("BUFFER_VIEW_TARGET_OVERRIDE", Some(below.into()), || {
+                format!("bufferView {} is for {known:?} and cannot be for {kind:?}", view.unwrap_or_default())
+            });
+        }
+    }
+
+    /// Notes that an accessor is used, and complains when it was used for something else.
+    pub(super) fn use_accessor(&mut self, uses: &mut Uses, accessor: usize, role: Role, below: &'a str) {
+        let Some(slot) = uses.accessors.get_mut(accessor) else { return };
+        let known = *slot.get_or_insert(role);
+        if known != role {
+            self.issue("ACCESSOR_USAGE_OVERRIDE", Some(below.into()), || {
+                format!("accessor {accessor} is for {known:?} and cannot be for {role:?}")
+            });
+        }
+    }
+
+    /// Two accessors may read vertices from one view only when it says how far apart they are.
+    pub(super) fn read_vertices(&mut self, uses: &mut Uses, view: usize, accessor: usize, below: &'a str) {
+        let Some(slot) = uses.sole_reader.get_mut(view) else { return };
+        if *slot.get_or_insert(accessor) != accessor {
+            self.at(
+                "MESH_PRIMITIVE_ACCESSOR_WITHOUT_BYTESTRIDE",
+                below,
+                "the view is read twice without byteStride",
+            );
+        }
+    }
+}

@@ -1,0 +1,284 @@
+//! What accessors hold: bounds, unit vectors, indices, times.
+use super::Lint;
+use super::buffers::{Demand, Uses};
+use super::nodes::{is_unit, single};
+use crate::glb::format::Component;
+use crate::glb::model::{Accessor, Model, Primitive, item};
+use crate::glb::rows::Rows;
+use std::collections::BTreeSet;
+
+/// How far from one the length of a vector may be: the validator's figure, for vectors of bytes.
+const UNIT_VECTOR: f64 = 0.00674;
+/// The same for quaternions.
+const UNIT_QUATERNION: f64 = 0.00769;
+/// How far from one the sum of weights may be, for each of them: the validator's figure.
+const WEIGHT_STEP: f64 = 2e-7;
+
+impl<'a> Lint<'a> {
+    /// Decodes each accessor once and holds it against what was said of it.
+    pub(super) fn look_at_elements(&mut self, model: &Model<'a>, uses: &Uses) {
+        let mut demands: Vec<&(usize, Demand, String)> = uses.demands.iter().collect();
+        demands.sort_by_key(|(accessor, ..)| *accessor);
+        for (i, accessor) in model.accessors.iter().enumerate() {
+            let Some(accessor) = accessor else { continue };
+            let first = demands.partition_point(|(a, ..)| *a < i);
+            let own = &demands[first..demands.partition_point(|(a, ..)| *a <= i)];
+            // Rows without data are zeros; the validator does not look at them.
+            if accessor.view.is_none() && accessor.sparse.is_none() {
+                continue;
+            }
+            let asks = accessor.min.is_some() || accessor.max.is_some() || !own.is_empty();
+            if !asks && accessor.component != Some(Component::F32) && accessor.sparse.is_none() {
+                continue;
+            }
+            let Ok(rows) = Rows::of(model, i) else { continue };
+            self.below(&["accessors".into(), i.into()], |lint| {
+                lint.look_at_sparse(&rows);
+                lint.look_at_numbers(accessor, &rows);
+            });
+            self.look_at_demands(own, &rows);
+        }
+    }
+
+    fn look_at_sparse(&mut self, rows: &Rows<'_>) {
+        let mut last = None;
+        for (i, index) in rows.sparse_indices().enumerate() {
+            if last.is_some_and(|last| index <= last) {
+                let what = format!("index {i} is {index}, not above the one before");
+                self.issue("ACCESSOR_SPARSE_INDICES_NON_INCREASING", Some("sparse".into()), || what);
+            }
+            if index >= rows.count {
+                let what = format!("index {i} is {index}, there are {} rows", rows.count);
+                self.issue("ACCESSOR_SPARSE_INDEX_OOB", Some("sparse".into()), || what);
+            }
+            last = Some(index);
+        }
+    }
+
+    fn look_at_numbers(&mut self, accessor: &Accessor, rows: &Rows<'_>) {
+        let n = rows.format.kind.n_components();
+        let mut least = vec![f64::INFINITY; n];
+        let mut greatest = vec![f64::NEG_INFINITY; n];
+        let mut not_finite = None;
+        rows.each(|i, row| {
+            for (k, x) in row.iter().enumerate() {
+                least[k] = if *x < least[k] { *x } else { least[k] };
+                greatest[k] = if *x > greatest[k] { *x } else { greatest[k] };
+                if !x.is_finite() && not_finite.is_none() {
+                    not_finite = Some((i, *x));
+                }
+            }
+        });
+        if let Some((i, x)) = not_finite {
+            self.issue("ACCESSOR_INVALID_FLOAT", None, || format!("row {i} holds {x}"));
+            return;
+        }
+        let sides = [
+            ("min", &accessor.min, &least, "ACCESSOR_MIN_MISMATCH"),
+            ("max", &accessor.max, &greatest, "ACCESSOR_MAX_MISMATCH"),
+        ];
+        for (key, declared, actual, code) in sides {
+            for (k, (said, found)) in declared.iter().flatten().zip(actual).enumerate() {
+                if said != found {
+                    let what = format!("{key} is said to be {said} and is {found}");
+                    self.within(key, |lint| lint.issue(code, Some(k.into()), || what));
+                }
+            }
+        }
+    }
+
+    fn look_at_demands(&mut self, demands: &[&(usize, Demand, String)], rows: &Rows<'_>) {
+        let mut seen: Vec<&Demand> = Vec::new();
+        // Of many limits on indices the lowest decides.
+        let lowest = demands
+            .iter()
+            .filter_map(|(_, demand, pointer)| match demand {
+                Demand::IndicesBelow(limit) => Some((*limit, pointer)),
+                _ => None,
+            })
+            .min_by_key(|(limit, _)| *limit);
+        if let Some((limit, pointer)) = lowest {
+            self.look_at_indices(rows, limit, pointer);
+        }
+        for (_, demand, pointer) in demands {
+            if matches!(demand, Demand::IndicesBelow(_)) || seen.contains(&demand) {
+                continue;
+            }
+            seen.push(demand);
+            let mut meaning = [0.0; 16];
+            rows.each(|i, row| {
+                meaning.iter_mut().zip(row).for_each(|(x, raw)| *x = rows.meaning(*raw));
+                self.look_at_row(demand, (i, &meaning[..row.len()]), pointer);
+            });
+            if *demand == Demand::Times {
+                self.look_at_times(rows, pointer);
+            }
+        }
+    }
+
+    fn look_at_row(&mut self, demand: &Demand, (i, row): (u64, &[f64]), pointer: &str) {
+        match demand {
+            Demand::UnitVectors | Demand::UnitVectorsWithSign => {
+                let (vector, sign) = row.split_at(row.len().min(3));
+                if !is_unit(vector, UNIT_VECTOR) {
+                    self.issue_at("ACCESSOR_VECTOR3_NON_UNIT", pointer, || {
+                        format!("row {i} is not of unit length")
+                    });
+                }
+                if *demand == Demand::UnitVectorsWithSign && sign.iter().any(|w| w.abs() != 1.0) {
+                    self.issue_at("ACCESSOR_INVALID_SIGN", pointer, || {
+                        format!("the sign of row {i} is not 1 or -1")
+                    });
+                }
+            }
+            Demand::Clamped => {
+                if row.iter().any(|x| *x < 0.0 || *x > 1.0) {
+                    self.issue_at("ACCESSOR_NON_CLAMPED", pointer, || format!("row {i} is outside 0 to 1"));
+                }
+            }
+            Demand::Quaternions { cubic } => {
+                // Of a cubic spline only the second of three rows is a value.
+                if (!cubic || i % 3 == 1) && !is_unit(row, UNIT_QUATERNION) {
+                    let code = "ACCESSOR_ANIMATION_SAMPLER_OUTPUT_NON_NORMALIZED_QUATERNION";
+                    self.issue_at(code, pointer, || format!("row {i} is no unit quaternion"));
+                }
+            }
+            Demand::BindMatrices => {
+                if [row[3], row[7], row[11], row[15]] != [0.0, 0.0, 0.0, 1.0] {
+                    self.issue_at("ACCESSOR_INVALID_IBM", pointer, || {
+                        format!("matrix {i} has a perspective row")
+                    });
+                }
+            }
+            Demand::IndicesBelow(_) | Demand::Times => {}
+        }
+    }
+
+    fn look_at_times(&mut self, rows: &Rows<'_>, pointer: &str) {
+        let mut last = 0.0;
+        rows.each(|i, row| {
+            if row[0] < 0.0 {
+                self.issue_at("ACCESSOR_ANIMATION_INPUT_NEGATIVE", pointer, || {
+                    format!("time {i} is {}", row[0])
+                });
+                return;
+            }
+            if i != 0 && row[0] <= last {
+                let code = "ACCESSOR_ANIMATION_INPUT_NON_INCREASING";
+                self.issue_at(code, pointer, || format!("time {i} is {}, not above {last}", row[0]));
+            }
+            last = row[0];
+        });
+    }
+
+    fn look_at_indices(&mut self, rows: &Rows<'_>, limit: u64, pointer: &str) {
+        let restart = rows.format.component.range().1;
+        let highest = limit as f64;
+        rows.each(|i, row| {
+            if row[0] >= highest {
+                let code = "ACCESSOR_INDEX_OOB";
+                self.issue_at(code, pointer, || {
+                    format!("index {i} is {}, there are {limit} vertices", row[0])
+                });
+            }
+            if row[0] == restart {
+                let code = "ACCESSOR_INDEX_PRIMITIVE_RESTART";
+                self.issue_at(code, pointer, || format!("index {i} is {restart}, which means \"restart\""));
+            }
+        });
+    }
+
+    /// Joints and weights of skinned meshes.
+    pub(super) fn look_at_influences(&mut self, model: &Model<'a>) {
+        let mut n_joints = vec![None::<u64>; model.meshes.len()];
+        let mut seen = BTreeSet::new();
+        for node in model.nodes.iter().flatten() {
+            let joints = item(&model.skins, node.skin).and_then(|skin| skin.joints.as_ref());
+            let (Some(joints), Some(slot)) = (joints, node.mesh.and_then(|mesh| n_joints.get_mut(mesh)))
+            else {
+                continue;
+            };
+            let n = joints.len() as u64;
+            *slot = Some(slot.map_or(n, |least| least.min(n)));
+        }
+        for (m, mesh) in model.meshes.iter().enumerate() {
+            let (Some(mesh), Some(limit)) = (mesh, n_joints[m].filter(|n| *n > 0)) else { continue };
+            for (p, primitive) in mesh.primitives.iter().enumerate() {
+                // Many primitives may share their vertices.
+                let is_influence = |name: &str| name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_");
+                let key: Vec<_> =
+                    primitive.attributes.iter().filter(|(name, _)| is_influence(name)).collect();
+                if !seen.insert((limit, key)) {
+                    continue;
+                }
+                let path = ["meshes".into(), m.into(), "primitives".into(), p.into(), "attributes".into()];
+                self.below(&path, |lint| lint.look_at_joints((model, primitive), limit));
+            }
+        }
+    }
+
+    fn look_at_joints(&mut self, (model, primitive): (&Model<'a>, &Primitive<'a>), limit: u64) {
+        let accessor =
+            |name: &str| primitive.attributes.iter().find(|(n, _)| *n == name).and_then(|(_, a)| *a);
+        let count =
+            primitive.attributes.iter().find_map(|(_, a)| item(&model.accessors, *a)).and_then(|a| a.count);
+        let mut sets = Vec::new();
+        for set in 0..primitive.n_joints {
+            let rows = |name: String| accessor(&name).and_then(|a| Rows::of(model, a).ok());
+            let (Some(joints), Some(weights)) =
+                (rows(format!("JOINTS_{set}")), rows(format!("WEIGHTS_{set}")))
+            else {
+                return;
+            };
+            if Some(joints.count) != count
+                || Some(weights.count) != count
+                || !joints.has_data()
+                || !weights.has_data()
+            {
+                return;
+            }
+            sets.push((joints, weights));
+        }
+        let Some(count) = count.filter(|_| !sets.is_empty()) else { return };
+        for vertex in 0..count {
+            self.look_at_vertex(&sets, vertex, limit);
+        }
+    }
+
+    fn look_at_vertex(&mut self, sets: &[(Rows<'_>, Rows<'_>)], vertex: u64, limit: u64) {
+        let mut used = Vec::with_capacity(4 * sets.len());
+        let (mut sum, mut tolerance) = (0.0, 0.0);
+        for k in 0..4 {
+            for (joints, weights) in sets {
+                let (joint, weight) = (joints.number(vertex, k), weights.normalized(vertex, k));
+                if joint >= limit as f64 {
+                    let what = format!("vertex {vertex} names joint {joint} of {limit}");
+                    self.issue("ACCESSOR_JOINTS_INDEX_OOB", None, || what);
+                    continue;
+                }
+                if weight == 0.0 {
+                    continue;
+                }
+                let is_new = !used.contains(&joint);
+                if !is_new {
+                    let what = format!("vertex {vertex} names joint {joint} twice");
+                    self.issue("ACCESSOR_JOINTS_INDEX_DUPLICATE", None, || what);
+                }
+                used.push(joint);
+                if weight < 0.0 {
+                    self.issue("ACCESSOR_WEIGHTS_NEGATIVE", None, || {
+                        format!("vertex {vertex} has weight {weight}")
+                    });
+                } else if is_new {
+                    sum = single(sum + weight);
+                    tolerance += WEIGHT_STEP;
+                }
+            }
+        }
+        if (sum - 1.0).abs() > tolerance {
+            self.issue("ACCESSOR_WEIGHTS_NON_NORMALIZED", None, || {
+                format!("vertex {vertex} has weights of sum {sum}")
+            });
+        }
+    }
+}

@@ -1,0 +1,441 @@
+//! Meshes and their primitives.
+use super::buffers::{Demand, Role, Use, Uses};
+use super::extensions::At;
+use super::{ANY, Lint, Step, Whole};
+use crate::glb::format::{Component, Format, Kind};
+use crate::glb::json::Json;
+use crate::glb::model::{Accessor, Attributes, Mesh, Model, Primitive, item};
+use Component::{F32, I8, I16, U8, U16, U32};
+use Kind::{Scalar, Vec2, Vec3, Vec4};
+
+const FLOAT3: Format = Format::plain(Vec3, F32);
+
+/// Formats of the indices of a primitive.
+const INDICES: [Format; 3] =
+    [Format::plain(Scalar, U8), Format::plain(Scalar, U16), Format::plain(Scalar, U32)];
+
+/// The numbered attributes of a primitive: how many there are, and the highest number.
+#[derive(Default)]
+struct Numbered {
+    count: u64,
+    highest: Option<u64>,
+}
+
+impl<'a> Lint<'a> {
+    pub(super) fn mesh(&mut self, map: &'a Json) -> Mesh<'a> {
+        let weights = self.reals(map, "weights", 0, ANY);
+        let items = self.objects(map, "primitives").unwrap_or_default();
+        let mut primitives = Vec::with_capacity(items.len());
+        let mut n_targets = None;
+        for (i, item) in items.iter().enumerate() {
+            self.within("primitives", |lint| {
+                lint.within(i, |lint| {
+                    let primitive = lint.primitive(item);
+                    let n = primitive.targets.as_ref().map_or(0, Vec::len);
+                    if *n_targets.get_or_insert(n) != n {
+                        let what = "primitives have different numbers of morph targets";
+                        lint.here("MESH_PRIMITIVES_UNEQUAL_TARGETS_COUNT", what);
+                    }
+                    primitives.push(primitive);
+                });
+            });
+        }
+        if let (Some(weights), Some(n)) = (&weights, n_targets)
+            && weights.len() != n
+        {
+            let what = format!("{} weights for {n} morph targets", weights.len());
+            self.issue("MESH_INVALID_WEIGHTS_COUNT", Some("weights".into()), || what);
+        }
+        let name = self.name(map);
+        self.extensions(map, At::Other);
+        Mesh { name, primitives }
+    }
+
+    fn primitive(&mut self, map: &'a Json) -> Primitive<'a> {
+        let mode = self.whole(map, "mode", Whole { max: Some(6), ..Whole::default() }).or(4);
+        let indices = self.index(map, "indices", false);
+        let material = self.index(map, "material", false);
+        let attributes = self.attributes(map);
+        let counts = self.within("attributes", |lint| lint.attribute_names(&attributes));
+        let targets = self.targets(map);
+        let found = self.extensions(map, At::Primitive);
+        let mut variants = Vec::new();
+        self.each_extension(found, |lint, _, value| lint.variants(value, &mut variants));
+        let draco = map.get("extensions").and_then(|all| all.get("KHR_draco_mesh_compression")).is_some();
+        let [n_joints, n_texcoords] = counts;
+        Primitive { attributes, indices, material, mode, targets, variants, n_joints, n_texcoords, draco }
+    }
+
+    fn attributes(&mut self, map: &'a Json) -> Attributes<'a> {
+        let Some(all) = self.object(map, "attributes", true) else { return Vec::new() };
+        if all.entries().is_empty() {
+            self.at("EMPTY_ENTITY", "attributes", "no attribute");
+        }
+        self.within("attributes", |lint| lint.named_accessors(all))
+    }
+
+    fn named_accessors(&mut self, all: &'a Json) -> Attributes<'a> {
+        let mut out = Vec::with_capacity(all.entries().len());
+        for (name, value) in all.entries() {
+            let index = value.integer().and_then(|i| usize::try_from(i).ok());
+            if index.is_none() {
+                self.at("INVALID_INDEX", &**name, "the value is no index");
+            }
+            out.push((&**name, index));
+        }
+        out
+    }
+
+    /// Checks names, and returns the numbers of joint sets and of texture coordinate sets.
+    fn attribute_names(&mut self, attributes: &Attributes<'a>) -> [u64; 2] {
+        const FAMILIES: [&str; 4] = ["COLOR", "JOINTS", "TEXCOORD", "WEIGHTS"];
+        let mut sets: [Numbered; 4] = Default::default();
+        for (name, _) in attributes {
+            if name.starts_with('_') || ["POSITION", "NORMAL", "TANGENT"].contains(name) {
+                continue;
+            }
+            let numbered = name.split_once('_').and_then(|(family, number)| {
+                Some((FAMILIES.iter().position(|f| *f == family)?, set_number(number)?))
+            });
+            match numbered {
+                Some((family, number)) => {
+                    sets[family].count += 1;
+                    sets[family].highest = sets[family].highest.max(Some(number));
+                }
+                None => self.at("MESH_PRIMITIVE_INVALID_ATTRIBUTE", *name, "the name is unknown"),
+            }
+        }
+        let counts = [0, 1, 2, 3].map(|i| {
+            let expected = sets[i].highest.map_or(0, |n| n.saturating_add(1));
+            if expected != sets[i].count {
+                self.issue("MESH_PRIMITIVE_INDEXED_SEMANTIC_CONTINUITY", None, || {
+                    format!("the numbers after {} have gaps", FAMILIES[i])
+                });
+                return 0;
+            }
+            expected
+        });
+        if counts[1] != counts[3] {
+            let what = format!("{} joint sets and {} weight sets", counts[1], counts[3]);
+            self.issue("MESH_PRIMITIVE_JOINTS_WEIGHTS_MISMATCH", None, || what);
+            return [0, counts[2]];
+        }
+        [counts[1], counts[2]]
+    }
+
+    fn targets(&mut self, map: &'a Json) -> Option<Vec<Attributes<'a>>> {
+        let items = self.list(map, "targets")?;
+        self.within("targets", |lint| {
+            let mut out = Vec::with_capacity(items.len());
+            for (i, item) in items.iter().enumerate() {
+                match item {
+                    Json::Object(entries) if entries.is_empty() => lint.at("EMPTY_ENTITY", i, "no attribute"),
+                    Json::Object(_) => out.push(lint.within(i, |lint| {
+                        let target = lint.named_accessors(item);
+                        for (name, _) in &target {
+                            if !is_target_name(name) {
+                                lint.at("MESH_PRIMITIVE_INVALID_ATTRIBUTE", *name, "the name is unknown");
+                            }
+                        }
+                        target
+                    })),
+                    _ => lint.here("ARRAY_TYPE_MISMATCH", "an item is no object"),
+                }
+            }
+            (out.len() == items.len()).then_some(out)
+        })
+    }
+
+    fn variants(&mut self, map: &'a Json, out: &mut Vec<(usize, String)>) {
+        let mut seen = Vec::new();
+        for (i, mapping) in self.objects(map, "mappings").unwrap_or_default().iter().enumerate() {
+            self.within("mappings", |lint| {
+                lint.within(i, |lint| {
+                    lint.extensions(mapping, At::Other);
+                    lint.name(mapping);
+                    let variants = lint.indices(mapping, "variants", true).unwrap_or_default();
+                    for index in variants.iter().flatten() {
+                        lint.extension_reference(
+                            ["KHR_materials_variants", "variants"],
+                            Some(*index),
+                            "variants",
+                        );
+                    }
+                    seen.extend(variants.into_iter().flatten());
+                    if let Some(index) = lint.index(mapping, "material", true)
+                        && lint.resolved("materials", index, "material".into())
+                    {
+                        out.push((index, lint.pointer(Some("material".into()))));
+                    }
+                });
+            });
+        }
+        let n = seen.len();
+        seen.sort_unstable();
+        seen.dedup();
+        if seen.len() < n {
+            self.here("KHR_MATERIALS_VARIANTS_NON_UNIQUE_VARIANT", "a variant is used twice");
+        }
+    }
+
+    pub(super) fn link_meshes(&mut self, model: &Model<'a>, uses: &mut Uses) {
+        for (m, mesh) in model.meshes.iter().enumerate() {
+            for (p, primitive) in mesh.iter().flat_map(|mesh| mesh.primitives.iter().enumerate()) {
+                let path = ["meshes".into(), m.into(), "primitives".into(), p.into()];
+                self.below(&path, |lint| lint.link_primitive((model, primitive), uses));
+            }
+        }
+    }
+
+    pub(super) fn below(&mut self, path: &[Step<'a>], look: impl FnOnce(&mut Self)) {
+        let n = self.path.len();
+        self.path.extend_from_slice(path);
+        look(self);
+        self.path.truncate(n);
+    }
+
+    fn link_primitive(&mut self, (model, primitive): (&Model<'a>, &Primitive<'a>), uses: &mut Uses) {
+        let mut n_vertices = None;
+        for (name, index) in &primitive.attributes {
+            let Some(index) = *index else { continue };
+            self.within("attributes", |lint| {
+                let Some(accessor) = lint.link_attribute(model, (name, index), (uses, Allowed::Base)) else {
+                    return;
+                };
+                if *n_vertices.get_or_insert(accessor.count) != accessor.count {
+                    lint.at(
+                        "MESH_PRIMITIVE_UNEQUAL_ACCESSOR_COUNT",
+                        *name,
+                        "attributes have different counts",
+                    );
+                }
+            });
+        }
+        self.link_indices((model, primitive), (n_vertices.flatten(), &mut *uses));
+        if let Some(index) = primitive.material
+            && self.resolved("materials", index, "material".into())
+        {
+            self.link_material((model, primitive), index, "/material");
+        }
+        for (index, place) in &primitive.variants {
+            self.link_material((model, primitive), *index, place);
+        }
+        for (t, target) in primitive.targets.iter().flatten().enumerate() {
+            for (name, index) in target {
+                let Some(index) = *index else { continue };
+                let base = primitive.attributes.iter().find(|(base, _)| base == name);
+                self.below(&["targets".into(), t.into()], |lint| {
+                    let Some(accessor) =
+                        lint.link_attribute(model, (name, index), (&mut *uses, Allowed::Target))
+                    else {
+                        return;
+                    };
+                    match base.and_then(|(_, base)| item(&model.accessors, *base)) {
+                        None => {
+                            let code = "MESH_PRIMITIVE_MORPH_TARGET_NO_BASE_ACCESSOR";
+                            lint.at(code, *name, "the primitive has no such attribute");
+                        }
+                        Some(base) if base.count != accessor.count => {
+                            let code = "MESH_PRIMITIVE_MORPH_TARGET_INVALID_ATTRIBUTE_COUNT";
+                            lint.at(code, *name, "the primitive's attribute has another count");
+                        }
+                        Some(_) => {}
+                    }
+                });
+            }
+        }
+    }
+
+    fn link_attribute<'m>(
+        &mut self,
+        model: &'m Model<'a>,
+        (name, index): (&'a str, usize),
+        (uses, allowed): (&mut Uses, Allowed),
+    ) -> Option<&'m Accessor> {
+        if !self.resolved("accessors", index, name.into()) {
+            return None;
+        }
+        let accessor = item(&model.accessors, Some(index))?;
+        self.use_accessor(uses, index, Role::Attribute, name);
+        self.use_view(uses, accessor.view, Use::Vertices, name);
+        if name == "POSITION" && (accessor.min.is_none() || accessor.max.is_none()) {
+            let code = "MESH_PRIMITIVE_POSITION_ACCESSOR_WITHOUT_BOUNDS";
+            self.at(code, "POSITION", "positions need min and max");
+        }
+        let quantized = self.declares(super::extensions::QUANTIZATION);
+        let family = name.split('_').next().unwrap_or_default();
+        match (formats(family, allowed, quantized), accessor.format()) {
+            (Some(formats), Some(format)) if !formats.contains(&format) => {
+                self.issue("MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_INVALID_FORMAT", Some(name.into()), || {
+                    format!("{name} cannot be {format}")
+                });
+            }
+            // An unknown type is in no list.
+            (Some(_), None) => {
+                self.at("MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_INVALID_FORMAT", name, "the format is unknown");
+            }
+            (Some(_), Some(format)) if allowed == Allowed::Base => {
+                let demand = match name {
+                    "NORMAL" => Some(Demand::UnitVectors),
+                    "TANGENT" => Some(Demand::UnitVectorsWithSign),
+                    "COLOR_0" if format.component == F32 => Some(Demand::Clamped),
+                    _ => None,
+                };
+                if let Some(demand) = demand {
+                    uses.demand(index, demand, self.pointer(Some(name.into())));
+                }
+            }
+            (None, Some(format)) if format.component == U32 && allowed == Allowed::Base => {
+                self.at(
+                    "MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_UNSIGNED_INT",
+                    name,
+                    "attributes are not UNSIGNED_INT",
+                );
+            }
+            _ => {}
+        }
+        let view = item(&model.views, accessor.view);
+        let loose = view.is_some_and(|view| view.stride.is_none());
+        let ragged = accessor.format().is_some_and(|format| format.row_length() % 4 != 0);
+        if accessor.offset.is_some_and(|offset| offset % 4 != 0) || (ragged && loose) {
+            self.at("MESH_PRIMITIVE_ACCESSOR_UNALIGNED", name, "vertices begin at multiples of 4 bytes");
+        }
+        if let (true, Some(view)) = (loose, accessor.view) {
+            self.read_vertices(uses, view, index, name);
+        }
+        Some(accessor)
+    }
+
+    fn link_indices(
+        &mut self,
+        (model, primitive): (&Model<'a>, &Primitive<'a>),
+        (n_vertices, uses): (Option<u64>, &mut Uses),
+    ) {
+        let Some(index) = primitive.indices else { return };
+        if !self.resolved("accessors", index, "indices".into()) {
+            return;
+        }
+        let Some(accessor) = item(&model.accessors, Some(index)) else { return };
+        self.use_accessor(uses, index, Role::Indices, "indices");
+        self.use_view(uses, accessor.view, Use::Indices, "indices");
+        self.within("indices", |lint| {
+            if item(&model.views, accessor.view).is_some_and(|view| view.stride.is_some()) {
+                lint.here("MESH_PRIMITIVE_INDICES_ACCESSOR_WITH_BYTESTRIDE", "indices have no byteStride");
+            }
+            match accessor.format() {
+                Some(format) if INDICES.contains(&format) => {
+                    if primitive.mode.is_some() {
+                        uses.demand(index, Demand::IndicesBelow(n_vertices.unwrap_or(0)), lint.pointer(None));
+                    }
+                }
+                format => {
+                    lint.issue("MESH_PRIMITIVE_INDICES_ACCESSOR_INVALID_FORMAT", None, || match format {
+                        Some(format) => format!("indices cannot be {format}"),
+                        None => "the format is unknown".to_owned(),
+                    })
+                }
+            }
+        });
+    }
+
+    fn link_material(&mut self, (model, primitive): (&Model<'a>, &Primitive<'a>), index: usize, place: &str) {
+        let Some(material) = item(&model.materials, Some(index)) else { return };
+        let has = |name: &str| primitive.attributes.iter().any(|(n, _)| *n == name);
+        let is_main = place == "/material";
+        if is_main
+            && material.needs_tangents
+            && !material.has_normal_texture
+            && !(has("NORMAL") && has("TANGENT"))
+        {
+            let what = "the material needs tangents, and there are none";
+            self.at("MESH_PRIMITIVE_NO_TANGENT_SPACE", "material", what);
+        }
+        if let Some((set, texture)) = &material.texcoord
+            && *set >= primitive.n_texcoords
+        {
+            self.issue("MESH_PRIMITIVE_TOO_FEW_TEXCOORDS", Some("material".into()), || {
+                format!("texture {texture} needs TEXCOORD_{set}")
+            });
+        }
+    }
+}
+
+/// Whose formats are asked for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Allowed {
+    Base,
+    Target,
+}
+
+/// The formats of an attribute; `None` when it may be anything.
+fn formats(family: &str, allowed: Allowed, quantized: bool) -> Option<Vec<Format>> {
+    let both = |kind, components: &[Component], out: &mut Vec<Format>| {
+        for component in components {
+            out.extend([Format::plain(kind, *component), Format::normalized(kind, *component)]);
+        }
+    };
+    let normalized = |kind, components: &[Component], out: &mut Vec<Format>| {
+        out.extend(components.iter().map(|component| Format::normalized(kind, *component)));
+    };
+    let base = allowed == Allowed::Base;
+    let mut out = Vec::new();
+    match family {
+        "POSITION" => {
+            out.push(FLOAT3);
+            if quantized {
+                both(Vec3, if base { &[I8, U8, I16, U16] } else { &[I8, I16] }, &mut out);
+            }
+        }
+        "NORMAL" => {
+            out.push(FLOAT3);
+            if quantized {
+                normalized(Vec3, &[I8, I16], &mut out);
+            }
+        }
+        "TANGENT" => {
+            let kind = if base { Vec4 } else { Vec3 };
+            out.push(Format::plain(kind, F32));
+            if quantized {
+                normalized(kind, &[I8, I16], &mut out);
+            }
+        }
+        "TEXCOORD" => {
+            out.push(Format::plain(Vec2, F32));
+            normalized(Vec2, if base { &[U8, U16] } else { &[I8, U8, I16, U16] }, &mut out);
+            if quantized {
+                let plain: &[Component] = if base { &[I8, U8, I16, U16] } else { &[I8, I16] };
+                out.extend(plain.iter().map(|component| Format::plain(Vec2, *component)));
+                if base {
+                    normalized(Vec2, &[I8, I16], &mut out);
+                }
+            }
+        }
+        "COLOR" => {
+            for kind in [Vec3, Vec4] {
+                out.push(Format::plain(kind, F32));
+                normalized(kind, if base { &[U8, U16] } else { &[I8, U8, I16, U16] }, &mut out);
+            }
+        }
+        "JOINTS" if base => out.extend([Format::plain(Vec4, U8), Format::plain(Vec4, U16)]),
+        "WEIGHTS" if base => {
+            out.push(Format::plain(Vec4, F32));
+            normalized(Vec4, &[U8, U16], &mut out);
+        }
+        _ => return None,
+    }
+    Some(out)
+}
+
+/// A set's number, without leading zeros.
+fn set_number(text: &str) -> Option<u64> {
+    let plain = !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    if plain && (text == "0" || !text.starts_with('0')) { text.parse().ok() } else { None }
+}
+
+fn is_target_name(name: &str) -> bool {
+    let set =
+        |family: &str| name.strip_prefix(family).and_then(|rest| rest.strip_prefix('_')).and_then(set_number);
+    name.starts_with('_')
+        || ["POSITION", "NORMAL", "TANGENT"].contains(&name)
+        || ["COLOR", "TEXCOORD"].iter().any(|family| set(family).is_some())
+}

@@ -1,0 +1,432 @@
+//! `Lint`: what the Khronos validator calls an error, found here with the same code and JSON pointer.
+//!
+//! The rules are those of gltf-validator 2.0.0-dev.3.10, one file for each kind of object. Parsing fills the
+//! [`Model`](super::model::Model), with `None` where a field errs, then links and data are looked at.
+use super::json::Json;
+use crate::{Place, Warning};
+use std::fmt::Write;
+
+mod accessors;
+mod animations;
+mod buffers;
+mod cameras;
+mod elements;
+mod extensions;
+mod images;
+mod materials;
+mod meshes;
+mod nodes;
+mod root;
+mod skins;
+mod uri;
+
+pub(super) use root::{link, parse};
+
+/// One step of a JSON pointer.
+#[derive(Clone, Copy)]
+pub(super) enum Step<'a> {
+    Key(&'a str),
+    Index(usize),
+}
+
+impl<'a> From<&'a str> for Step<'a> {
+    fn from(key: &'a str) -> Self {
+        Self::Key(key)
+    }
+}
+
+impl From<usize> for Step<'_> {
+    fn from(index: usize) -> Self {
+        Self::Index(index)
+    }
+}
+
+/// The issues of a file, counted by their code, and the place that is looked at.
+pub(super) struct Lint<'a> {
+    path: Vec<Step<'a>>,
+    /// Each code once, in the order of their first place.
+    pub issues: Vec<Warning>,
+    declared: Vec<&'a str>,
+    /// The whole document, for references.
+    root: &'a Json,
+}
+
+/// A whole number.
+#[derive(Clone, Copy, Default)]
+struct Whole {
+    min: u64,
+    max: Option<u64>,
+    /// The only values that are not just warned about; all when empty.
+    list: &'static [u64],
+    required: bool,
+}
+
+/// A real number: `min ≤ x ≤ max`, `above < x`, or `x` is the exception.
+#[derive(Clone, Copy)]
+struct Real {
+    min: f64,
+    above: f64,
+    max: f64,
+    except: Option<f64>,
+    required: bool,
+}
+
+impl Real {
+    const ANY: Self = Self {
+        min: f64::NEG_INFINITY,
+        above: f64::NEG_INFINITY,
+        max: f64::INFINITY,
+        except: None,
+        required: false,
+    };
+    const AT_LEAST_0: Self = Self { min: 0.0, ..Self::ANY };
+    const ABOVE_0: Self = Self { above: 0.0, ..Self::ANY };
+    const UNIT: Self = Self { min: 0.0, max: 1.0, ..Self::ANY };
+
+    const fn required(self) -> Self {
+        Self { required: true, ..self }
+    }
+}
+
+/// A field that may be left out.
+#[derive(Clone, Copy, PartialEq)]
+enum Field<T> {
+    Absent,
+    /// There, and not what it has to be.
+    Bad,
+    Is(T),
+}
+
+impl<T> Field<T> {
+    fn or(self, default: T) -> Option<T> {
+        match self {
+            Self::Absent => Some(default),
+            Self::Bad => None,
+            Self::Is(x) => Some(x),
+        }
+    }
+
+    fn value(self) -> Option<T> {
+        if let Self::Is(x) = self { Some(x) } else { None }
+    }
+}
+
+impl<'a> Lint<'a> {
+    /// For a document.
+    pub fn new(root: &'a Json) -> Self {
+        Self { path: Vec::new(), issues: Vec::new(), declared: Vec::new(), root }
+    }
+
+    /// Notes an issue at the place that is looked at, or below it.
+    fn issue(&mut self, code: &'static str, below: Option<Step<'_>>, message: impl FnOnce() -> String) {
+        if !self.counted(code) {
+            let place = Place::Pointer(self.pointer(below));
+            self.issues.push(Warning { code, count: 1, place, message: message() });
+        }
+    }
+
+    /// Notes an issue at a pointer that was kept.
+    fn issue_at(&mut self, code: &'static str, pointer: &str, message: impl FnOnce() -> String) {
+        if !self.counted(code) {
+            let place = Place::Pointer(pointer.to_owned());
+            self.issues.push(Warning { code, count: 1, place, message: message() });
+        }
+    }
+
+    /// Counts an issue of a kind that was there before.
+    fn counted(&mut self, code: &'static str) -> bool {
+        let known = self.issues.iter_mut().find(|issue| issue.code == code);
+        known.map(|issue| issue.count += 1).is_some()
+    }
+
+    fn at(&mut self, code: &'static str, below: impl Into<Step<'a>>, message: &str) {
+        self.issue(code, Some(below.into()), || message.to_owned());
+    }
+
+    fn here(&mut self, code: &'static str, message: &str) {
+        self.issue(code, None, || message.to_owned());
+    }
+
+    /// Looks one step down.
+    fn within<R>(&mut self, step: impl Into<Step<'a>>, look: impl FnOnce(&mut Self) -> R) -> R {
+        self.path.push(step.into());
+        let result = look(self);
+        self.path.pop();
+        result
+    }
+
+    fn pointer(&self, below: Option<Step<'_>>) -> String {
+        let mut out = String::new();
+        for step in self.path.iter().copied().chain(below) {
+            // Writing to a string cannot fail.
+            let _ = match step {
+                Step::Key(key) => write!(out, "/{}", key.replace('~', "~0").replace('/', "~1")),
+                Step::Index(index) => write!(out, "/{index}"),
+            };
+        }
+        if out.is_empty() { "/".to_owned() } else { out }
+    }
+
+    /// Whether a list of the document has an object there.
+    fn exists(&self, list: &str, index: usize) -> bool {
+        let item = self.root.get(list).and_then(Json::items).and_then(|items| items.get(index));
+        matches!(item, Some(Json::Object(_)))
+    }
+
+    /// A reference into a list; `None` when it is absent or no index.
+    fn reference(&mut self, map: &'a Json, key: &'a str, list: &str) -> Option<usize> {
+        let index = self.index(map, key, false)?;
+        self.resolved(list, index, key.into());
+        Some(index)
+    }
+
+    /// Notes a reference to something that is not there.
+    fn resolved(&mut self, list: &str, index: usize, below: Step<'a>) -> bool {
+        let found = self.exists(list, index);
+        if !found {
+            self.issue("UNRESOLVED_REFERENCE", Some(below), || format!("{list} has no object {index}"));
+        }
+        found
+    }
+
+    fn value(&mut self, map: &'a Json, key: &'a str, expected: &str) -> Option<&'a Json> {
+        match map.get(key)? {
+            Json::Null => {
+                self.mismatch(key, expected);
+                None
+            }
+            value => Some(value),
+        }
+    }
+
+    fn mismatch(&mut self, key: &'a str, expected: &str) {
+        self.issue("TYPE_MISMATCH", Some(key.into()), || format!("{key} is no {expected}"));
+    }
+
+    fn missing(&mut self, key: &str) {
+        self.issue("UNDEFINED_PROPERTY", None, || format!("property {key} is missing"));
+    }
+
+    fn index(&mut self, map: &'a Json, key: &'a str, required: bool) -> Option<usize> {
+        let Some(value) = self.value(map, key, "integer") else {
+            if required {
+                self.missing(key);
+            }
+            return None;
+        };
+        match value.integer() {
+            Some(i) if i >= 0 => usize::try_from(i).ok(),
+            Some(i) => {
+                self.issue("INVALID_INDEX", Some(key.into()), || format!("{i} is no index"));
+                None
+            }
+            None => {
+                self.mismatch(key, "integer");
+                None
+            }
+        }
+    }
+
+    fn whole(&mut self, map: &'a Json, key: &'a str, rule: Whole) -> Field<u64> {
+        let Some(value) = self.value(map, key, "integer") else {
+            if rule.required {
+                self.missing(key);
+                return Field::Bad;
+            }
+            return Field::Absent;
+        };
+        let Some(i) = value.integer() else {
+            self.mismatch(key, "integer");
+            return Field::Bad;
+        };
+        let found = u64::try_from(i).ok();
+        if !rule.list.is_empty() {
+            // The validator only warns of values outside a list, and goes on without them.
+            return found.filter(|x| rule.list.contains(x)).map_or(Field::Bad, Field::Is);
+        }
+        match found.filter(|x| *x >= rule.min && rule.max.is_none_or(|max| *x <= max)) {
+            Some(x) => Field::Is(x),
+            None => {
+                self.issue("VALUE_NOT_IN_RANGE", Some(key.into()), || format!("{key} {i} is out of range"));
+                Field::Bad
+            }
+        }
+    }
+
+    fn real(&mut self, map: &'a Json, key: &'a str, rule: Real) -> Field<f64> {
+        let Some(value) = self.value(map, key, "number") else {
+            if rule.required {
+                self.missing(key);
+                return Field::Bad;
+            }
+            return Field::Absent;
+        };
+        let Some(x) = value.number() else {
+            self.mismatch(key, "number");
+            return Field::Bad;
+        };
+        if rule.except == Some(x) || (x >= rule.min && x > rule.above && x <= rule.max) {
+            return Field::Is(x);
+        }
+        self.issue("VALUE_NOT_IN_RANGE", Some(key.into()), || format!("{key} {x} is out of range"));
+        Field::Bad
+    }
+
+    fn flag(&mut self, map: &'a Json, key: &'a str) -> bool {
+        match self.value(map, key, "boolean") {
+            Some(Json::Bool(flag)) => *flag,
+            Some(_) => {
+                self.mismatch(key, "boolean");
+                false
+            }
+            None => false,
+        }
+    }
+
+    fn text(&mut self, map: &'a Json, key: &'a str, required: bool) -> Option<&'a str> {
+        let Some(value) = self.value(map, key, "string") else {
+            if required {
+                self.missing(key);
+            }
+            return None;
+        };
+        if value.text().is_none() {
+            self.mismatch(key, "string");
+        }
+        value.text()
+    }
+
+    fn name(&mut self, map: &'a Json) -> &'a str {
+        self.text(map, "name", false).unwrap_or_default()
+    }
+
+    /// An object; absent, or no object, is `None`.
+    fn object(&mut self, map: &'a Json, key: &'a str, required: bool) -> Option<&'a Json> {
+        let Some(value) = self.value(map, key, "object") else {
+            if required {
+                self.missing(key);
+            }
+            return None;
+        };
+        if !matches!(value, Json::Object(_)) {
+            self.mismatch(key, "object");
+            return None;
+        }
+        Some(value)
+    }
+
+    /// A list that is there, is a list and is not empty.
+    fn list(&mut self, map: &'a Json, key: &'a str) -> Option<&'a [Json]> {
+        let value = self.value(map, key, "array")?;
+        match value.items() {
+            Some([]) => {
+                self.at("EMPTY_ENTITY", key, "an empty list");
+                None
+            }
+            Some(items) => Some(items),
+            None => {
+                self.mismatch(key, "array");
+                None
+            }
+        }
+    }
+
+    /// A list of objects that has to be there.
+    fn objects(&mut self, map: &'a Json, key: &'a str) -> Option<&'a [Json]> {
+        if matches!(map.get(key), None | Some(Json::Null)) {
+            self.value(map, key, "array");
+            self.missing(key);
+            return None;
+        }
+        let items = self.list(map, key)?;
+        let wrong = items.iter().filter(|item| !matches!(item, Json::Object(_))).count();
+        for _ in 0..wrong {
+            self.at("ARRAY_TYPE_MISMATCH", key, "an item is no object");
+        }
+        (wrong == 0).then_some(items)
+    }
+
+    /// A list of different indices; an item that is none is `None`.
+    fn indices(&mut self, map: &'a Json, key: &'a str, required: bool) -> Option<Vec<Option<usize>>> {
+        if required && matches!(map.get(key), None | Some(Json::Null)) {
+            self.missing(key);
+        }
+        let items = self.list(map, key)?;
+        self.within(key, |lint| {
+            let mut out = Vec::with_capacity(items.len());
+            for (i, item) in items.iter().enumerate() {
+                let index = item.integer().and_then(|x| usize::try_from(x).ok());
+                if index.is_none() {
+                    lint.at("INVALID_INDEX", i, "the item is no index");
+                }
+                out.push(index);
+            }
+            let mut sorted: Vec<_> = out.iter().copied().enumerate().filter(|(_, x)| x.is_some()).collect();
+            sorted.sort_unstable_by_key(|(i, x)| (*x, *i));
+            for pair in sorted.windows(2).filter(|pair| pair[0].1 == pair[1].1) {
+                lint.at("DUPLICATE_ELEMENTS", pair[1].0, "the item is there twice");
+                out[pair[1].0] = None;
+            }
+            Some(out)
+        })
+    }
+
+    /// A list of numbers within a range, of a length if that is not 0.
+    fn reals(&mut self, map: &'a Json, key: &'a str, length: usize, range: (f64, f64)) -> Option<Vec<f64>> {
+        let items = self.list(map, key)?;
+        if length != 0 && items.len() != length {
+            self.issue("ARRAY_LENGTH_NOT_IN_LIST", Some(key.into()), || {
+                format!("{key} has {} numbers where {length} are needed", items.len())
+            });
+            return None;
+        }
+        let mut all_good = true;
+        let mut out = Vec::with_capacity(items.len());
+        for (i, item) in items.iter().enumerate() {
+            match item.number() {
+                Some(x) if x >= range.0 && x <= range.1 => out.push(x),
+                Some(x) => {
+                    all_good = false;
+                    self.within(key, |lint| {
+                        lint.issue("VALUE_NOT_IN_RANGE", Some(i.into()), || format!("{x} is out of range"));
+                    });
+                }
+                None => {
+                    all_good = false;
+                    self.at("ARRAY_TYPE_MISMATCH", key, "an item is no number");
+                }
+            }
+        }
+        all_good.then_some(out)
+    }
+
+    /// A list of numbers of any size.
+    fn any_reals<const N: usize>(&mut self, map: &'a Json, key: &'a str) -> Option<[f64; N]> {
+        self.reals(map, key, N, ANY)?.try_into().ok()
+    }
+
+    /// A list of different strings.
+    fn texts(&mut self, map: &'a Json, key: &'a str) -> Vec<&'a str> {
+        let Some(items) = self.list(map, key) else { return Vec::new() };
+        self.within(key, |lint| {
+            let mut out: Vec<&str> = Vec::with_capacity(items.len());
+            for (i, item) in items.iter().enumerate() {
+                match item.text() {
+                    Some(text) => out.push(text),
+                    None => lint.at("ARRAY_TYPE_MISMATCH", i, "the item is no string"),
+                }
+            }
+            let n = out.len();
+            let mut sorted = out.clone();
+            sorted.sort_unstable();
+            if let Some(twice) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+                let second = items.iter().rposition(|item| item.text() == Some(twice[0]));
+                lint.at("DUPLICATE_ELEMENTS", second.unwrap_or_default(), "the item is there twice");
+            }
+            if n < items.len() { Vec::new() } else { out }
+        })
+    }
+}
+
+/// Any number.
+const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);

@@ -1,0 +1,176 @@
+//! Skins.
+use super::Lint;
+use super::buffers::{Demand, Role, Use, Uses};
+use super::extensions::At;
+use crate::glb::format::{Component, Format, Kind};
+use crate::glb::json::Json;
+use crate::glb::model::{Model, Skin, item};
+use std::collections::BTreeSet;
+
+/// The forest of nodes, numbered so that ancestors are told in one comparison.
+struct Forest {
+    parent: Vec<Option<usize>>,
+    root: Vec<usize>,
+    /// The numbers of a node's first and last descendant, itself included.
+    span: Vec<(usize, usize)>,
+}
+
+impl Forest {
+    /// `None` when nodes form loops.
+    fn of(model: &Model<'_>) -> Option<Self> {
+        let n = model.nodes.len();
+        let mut parent = vec![None; n];
+        let children = |i: usize| model.nodes[i].iter().flat_map(|node| node.children.iter().flatten());
+        for i in 0..n {
+            for &child in children(i).filter(|child| **child < n) {
+                parent[child] = Some(i);
+            }
+        }
+        let mut forest = Self { root: (0..n).collect(), span: vec![(0, 0); n], parent };
+        let mut number = 0;
+        // A node is entered at its first visit and left at its second.
+        let mut open: Vec<(usize, bool)> =
+            (0..n).filter(|i| forest.parent[*i].is_none()).map(|i| (i, false)).collect();
+        while let Some((i, left)) = open.pop() {
+            if left {
+                forest.span[i].1 = number;
+                continue;
+            }
+            number += 1;
+            forest.span[i].0 = number;
+            open.push((i, true));
+            for &child in children(i).filter(|child| **child < n) {
+                // With two parents only the last one counts, as it does for the validator.
+                if forest.parent[child] == Some(i) && forest.span[child].0 == 0 {
+                    forest.root[child] = forest.root[i];
+                    open.push((child, false));
+                }
+            }
+        }
+        (number == n).then_some(forest)
+    }
+
+    fn is_ancestor(&self, above: usize, below: usize) -> bool {
+        let (first, last) = self.span[above];
+        (first..=last).contains(&self.span[below].0)
+    }
+
+    /// The lowest node that is an ancestor of both, or one of them.
+    fn common(&self, a: usize, b: usize) -> Option<usize> {
+        if self.root[a] != self.root[b] {
+            return None;
+        }
+        let mut above = a;
+        while !self.is_ancestor(above, b) {
+            above = self.parent[above]?;
+        }
+        Some(above)
+    }
+}
+
+impl<'a> Lint<'a> {
+    pub(super) fn skin(&mut self, map: &'a Json) -> Skin {
+        let matrices = self.index(map, "inverseBindMatrices", false);
+        let skeleton = self.index(map, "skeleton", false);
+        let joints = self.indices(map, "joints", true);
+        self.name(map);
+        self.extensions(map, At::Other);
+        Skin { matrices, skeleton, joints }
+    }
+
+    pub(super) fn link_skins(&mut self, model: &Model<'a>, uses: &mut Uses) {
+        if model.skins.is_empty() {
+            return;
+        }
+        let forest = Forest::of(model);
+        let mut common = vec![None; model.skins.len()];
+        for (i, skin) in model.skins.iter().enumerate() {
+            let Some(skin) = skin else { continue };
+            self.below(&["skins".into(), i.into()], |lint| {
+                lint.link_matrices(model, skin, uses);
+                common[i] = lint.link_joints(skin, forest.as_ref());
+            });
+        }
+        if let Some(forest) = &forest {
+            self.scenes_of_skins(model, forest, &common);
+        }
+    }
+
+    /// The common root of the joints.
+    fn link_joints(&mut self, skin: &Skin, forest: Option<&Forest>) -> Option<usize> {
+        let mut common = None;
+        let mut is_split = false;
+        for (k, joint) in skin.joints.iter().flatten().enumerate() {
+            let Some(joint) = *joint else { continue };
+            let found = self.within("joints", |lint| lint.resolved("nodes", joint, k.into()));
+            let (Some(forest), true) = (forest, found) else { continue };
+            match common {
+                None if !is_split => common = Some(joint),
+                None => {}
+                Some(above) => {
+                    common = forest.common(above, joint);
+                    is_split |= common.is_none();
+                }
+            }
+        }
+        if is_split {
+            self.at("SKIN_NO_COMMON_ROOT", "joints", "the joints have no common root");
+        }
+        if let Some(skeleton) = skin.skeleton
+            && self.resolved("nodes", skeleton, "skeleton".into())
+            && let (Some(forest), Some(common)) = (forest, common)
+            && !forest.is_ancestor(skeleton, common)
+        {
+            self.at("SKIN_SKELETON_INVALID", "skeleton", "the skeleton is no common root of the joints");
+        }
+        common
+    }
+
+    fn link_matrices(&mut self, model: &Model<'a>, skin: &Skin, uses: &mut Uses) {
+        let Some(index) = skin.matrices else { return };
+        if !self.resolved("accessors", index, "inverseBindMatrices".into()) {
+            return;
+        }
+        let Some(accessor) = item(&model.accessors, Some(index)) else { return };
+        self.use_accessor(uses, index, Role::InverseBindMatrices, "inverseBindMatrices");
+        self.use_view(uses, accessor.view, Use::InverseBindMatrices, "inverseBindMatrices");
+        self.within("inverseBindMatrices", |lint| {
+            if item(&model.views, accessor.view).is_some_and(|view| view.stride.is_some()) {
+                lint.here("SKIN_IBM_ACCESSOR_WITH_BYTESTRIDE", "bind matrices have no byteStride");
+            }
+            if accessor.format() == Some(Format::plain(Kind::Mat4, Component::F32)) {
+                uses.demand(index, Demand::BindMatrices, lint.pointer(None));
+            } else {
+                lint.here("SKIN_IBM_INVALID_FORMAT", "bind matrices are 4 x 4 floats");
+            }
+            let n_joints = skin.joints.as_ref().map_or(0, Vec::len) as u64;
+            if let Some(count) = accessor.count.filter(|count| *count < n_joints) {
+                let what = format!("{count} bind matrices for {n_joints} joints");
+                lint.issue("INVALID_IBM_ACCESSOR_COUNT", None, || what);
+            }
+        });
+    }
+
+    /// Whether the joints of a node's skin are in each scene that shows the node.
+    fn scenes_of_skins(&mut self, model: &Model<'a>, forest: &Forest, common: &[Option<usize>]) {
+        let mut shown = vec![BTreeSet::new(); model.nodes.len()];
+        for (s, scene) in model.scenes.iter().enumerate() {
+            for node in scene.iter().flat_map(|scene| scene.nodes.iter().flatten()).flatten() {
+                if let Some(scenes) = shown.get_mut(*node) {
+                    scenes.insert(s);
+                }
+            }
+        }
+        // Pairs of roots that were compared, so that many nodes cost no more than one.
+        let mut known = std::collections::BTreeMap::new();
+        for (i, node) in model.nodes.iter().enumerate() {
+            let skin = node.as_ref().and_then(|node| node.skin);
+            let Some(joint) = skin.and_then(|s| common.get(s).copied().flatten()) else { continue };
+            let (own, joints) = (forest.root[i], forest.root[joint]);
+            if !*known.entry((own, joints)).or_insert_with(|| shown[own].is_subset(&shown[joints])) {
+                let what = "a scene shows the node and not its joints";
+                self.within("nodes", |lint| lint.at("NODE_SKIN_NO_SCENE", i, what));
+            }
+        }
+    }
+}

@@ -1,0 +1,438 @@
+//! Meshes of the file into parts: vertices, triangles, attributes.
+use super::model::{Attributes, Model, Primitive, item};
+use super::report::Report;
+use super::rows::{Rows, Unreadable};
+use super::triangles::{Corners, triangles};
+use crate::{Limits, Part, Place, ReadError};
+use chordal::Mesh;
+use chordal::explicit::{Attribute, Domain, Semantic};
+
+/// Turns meshes into parts, within limits.
+pub(super) struct Parts<'m> {
+    model: &'m Model<'m>,
+    limits: &'m Limits,
+    /// Bytes that may still be decoded.
+    left: u64,
+    pub report: Report,
+}
+
+/// A part in the making.
+#[derive(Default)]
+struct Draft<'m> {
+    positions: Vec<[f64; 3]>,
+    faces: Vec<[u32; 3]>,
+    streams: Vec<Stream>,
+    /// Vertices that are there: primitives with the same attributes share them.
+    blocks: Vec<Block<'m>>,
+    /// The material of each face, −1 for none.
+    materials: Vec<f64>,
+}
+
+struct Block<'m> {
+    attributes: &'m Attributes<'m>,
+    first: usize,
+    count: usize,
+}
+
+/// An attribute in the making.
+struct Stream {
+    semantic: Semantic,
+    width: usize,
+    values: Vec<f64>,
+}
+
+impl Stream {
+    /// What a vertex has that says nothing: white, or zeros.
+    fn blank(&self) -> f64 {
+        if matches!(self.semantic, Semantic::Color(_)) { 1.0 } else { 0.0 }
+    }
+}
+
+impl<'m> Parts<'m> {
+    pub fn new(model: &'m Model<'m>, limits: &'m Limits) -> Self {
+        Self { model, limits, left: limits.bytes, report: Report::default() }
+    }
+
+    /// The part of a mesh; an empty one when the file's mesh is no object.
+    pub fn part(&mut self, mesh_idx: usize) -> Result<Part, ReadError> {
+        let Some(mesh) = item(&self.model.meshes, Some(mesh_idx)) else {
+            return Ok(Part { name: String::new(), mesh: Mesh::default(), indexed: false });
+        };
+        let mut draft = Draft::default();
+        for (p, primitive) in mesh.primitives.iter().enumerate() {
+            let pointer = format!("/meshes/{mesh_idx}/primitives/{p}");
+            self.primitive(&mut draft, (mesh_idx, primitive), &pointer)?;
+        }
+        let mesh = self.finish(draft, mesh_idx)?;
+        let name = item(&self.model.meshes, Some(mesh_idx)).map_or("", |mesh| mesh.name);
+        Ok(Part { name: name.to_owned(), mesh, indexed: false })
+    }
+
+    fn primitive(
+        &mut self,
+        draft: &mut Draft<'m>,
+        (mesh_idx, primitive): (usize, &'m Primitive<'m>),
+        pointer: &str,
+    ) -> Result<(), ReadError> {
+        let position =
+            primitive.attributes.iter().find(|(name, _)| *name == "POSITION").and_then(|(_, a)| *a);
+        let place = || Place::Pointer(pointer.to_owned());
+        let Some(mode) = primitive.mode else {
+            return Err(ReadError::new("VALUE_NOT_IN_RANGE", place(), "mode is none of 0 to 6"));
+        };
+        if mode < 4 {
+            self.report.add("points-and-lines-skipped", place(), "points and lines were skipped");
+            return Ok(());
+        }
+        let Some(position) = position else {
+            self.report.add(
+                "MESH_PRIMITIVE_NO_POSITION",
+                place(),
+                "primitives without positions were skipped",
+            );
+            return Ok(());
+        };
+        if primitive.draco {
+            if item(&self.model.accessors, Some(position)).is_none_or(|accessor| accessor.view.is_none()) {
+                let what = "the primitive is compressed by KHR_draco_mesh_compression, which is not read";
+                return Err(ReadError::new("unsupported-extension", place(), what));
+            }
+            self.report.add("draco-copy-ignored", place(), "Draco copies of plain primitives were ignored");
+        }
+        if primitive.targets.is_some() {
+            self.report.add("morph-targets-ignored", place(), "morph targets were not applied");
+        }
+        let (first, count) = match draft.blocks.iter().find(|block| *block.attributes == primitive.attributes)
+        {
+            Some(block) => (block.first, block.count),
+            None => self.block(draft, (mesh_idx, primitive, position), pointer)?,
+        };
+        let corners = self.corners(primitive, (first, count), pointer)?;
+        let n = draft.faces.len();
+        self.take(corners.n_triangles() * 12, pointer)?;
+        let leftover = triangles(&corners, mode, &mut draft.faces);
+        self.report.add_many(
+            "MESH_PRIMITIVE_INCOMPATIBLE_MODE",
+            leftover.unused,
+            (place(), "indices that make no whole triangle were skipped"),
+        );
+        self.report.add_many(
+            "strip-connectors",
+            leftover.degenerate,
+            (place(), "triangles of strips and fans with a repeated index were skipped"),
+        );
+        let material = primitive.material.map_or(-1.0, |m| m as f64);
+        draft.materials.resize(draft.materials.len() + draft.faces.len() - n, material);
+        Ok(())
+    }
+
+    /// Reads the vertices of a primitive.
+    fn block(
+        &mut self,
+        draft: &mut Draft<'m>,
+        (mesh_idx, primitive, position): (usize, &'m Primitive<'m>, usize),
+        pointer: &str,
+    ) -> Result<(usize, usize), ReadError> {
+        let pointer = format!("{pointer}/attributes");
+        let rows = Rows::of(self.model, position).map_err(|error| at(error, &pointer, "POSITION"))?;
+        if rows.format.kind.n_components() != 3 {
+            let unreadable = Unreadable {
+                code: "MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_INVALID_FORMAT",
+                what: format!("positions cannot be {}", rows.format),
+            };
+            return Err(at(unreadable, &pointer, "POSITION"));
+        }
+        check_sparse(&rows).map_err(|error| at(error, &pointer, "POSITION"))?;
+        let first = draft.positions.len();
+        // Of 2³² − 1 positions indices can name all.
+        if rows.count > self.limits.rows || first as u64 + rows.count >= u64::from(u32::MAX) {
+            let what = format!(
+                "{} vertices pass the limit of {}",
+                rows.count,
+                self.limits.rows.min(u64::from(u32::MAX) - 1)
+            );
+            return Err(at(Unreadable { code: "too-many-rows", what }, &pointer, "POSITION"));
+        }
+        self.take(rows.count * 24, &pointer)?;
+        let count = rows.count as usize;
+        reserve(&mut draft.positions, count, &pointer)?;
+        // Zero has one sign here, so that −0 and 0 tie vertices.
+        rows.each(|_, row| draft.positions.push([0, 1, 2].map(|k| rows.meaning(row[k]) + 0.0)));
+        for (name, accessor) in &primitive.attributes {
+            if *name != "POSITION" {
+                self.attribute(draft, (mesh_idx, name, *accessor), (first, count, &pointer))?;
+            }
+        }
+        let n = draft.positions.len();
+        for stream in &mut draft.streams {
+            let blank = stream.blank();
+            let missing = n - stream.values.len() / stream.width;
+            let place = Place::Pointer(pointer.clone());
+            let what = "vertices lack an attribute that others of their mesh have";
+            self.report.add_many("attribute-missing", missing as u64, (place, what));
+            stream.values.resize(n * stream.width, blank);
+        }
+        draft.blocks.push(Block { attributes: &primitive.attributes, first, count });
+        Ok((first, count))
+    }
+
+    /// Reads one attribute of new vertices.
+    fn attribute(
+        &mut self,
+        draft: &mut Draft<'m>,
+        (mesh_idx, name, accessor): (usize, &str, Option<usize>),
+        (first, count, pointer): (usize, usize, &str),
+    ) -> Result<(), ReadError> {
+        let place = || Place::Pointer(format!("{pointer}/{name}"));
+        let Some(semantic) = semantic_of(name) else {
+            self.report.add("skins-ignored", place(), "skins were not applied");
+            return Ok(());
+        };
+        let Some(accessor) = accessor else { return Ok(()) };
+        let rows = match Rows::of(self.model, accessor) {
+            Ok(rows) if rows.count == count as u64 && check_sparse(&rows).is_ok() => rows,
+            // A file that got here strictly has no such attribute.
+            _ => {
+                self.report.add("attribute-skipped", place(), "attributes that cannot be read were skipped");
+                return Ok(());
+            }
+        };
+        let n_file = rows.format.kind.n_components();
+        let width = match semantic {
+            Semantic::Color(set) => self.colour_width(mesh_idx, set),
+            _ => n_file,
+        };
+        let fits = match semantic {
+            Semantic::Normal => n_file == 3,
+            Semantic::Tangent => n_file == 4,
+            Semantic::TexCoord(_) => n_file == 2,
+            Semantic::Color(_) => n_file == 3 || n_file == 4,
+            _ => true,
+        };
+        let known = draft.streams.iter().position(|stream| stream.semantic == semantic);
+        let stream_idx = known.unwrap_or(draft.streams.len());
+        if !fits || known.is_some_and(|i| draft.streams[i].width != width) {
+            self.report.add("attribute-skipped", place(), "attributes that cannot be read were skipped");
+            return Ok(());
+        }
+        self.take((first + count) as u64 * width as u64 * 8, pointer)?;
+        if known.is_none() {
+            let mut stream = Stream { semantic, width, values: Vec::new() };
+            reserve(&mut stream.values, first * width, pointer)?;
+            stream.values.resize(first * width, stream.blank());
+            let what = "vertices lack an attribute that others of their mesh have";
+            self.report.add_many("attribute-missing", first as u64, (place(), what));
+            draft.streams.push(stream);
+        }
+        let values = &mut draft.streams[stream_idx].values;
+        reserve(values, count * width, pointer)?;
+        let mut n_broken = 0;
+        rows.each(|_, row| {
+            for k in 0..width {
+                // The alpha that a colour without alpha has.
+                let x = row.get(k).map_or(1.0, |x| rows.meaning(*x));
+                n_broken += u64::from(!x.is_finite());
+                values.push(if x.is_finite() { x } else { 0.0 });
+            }
+        });
+        let what = "attribute values that are not finite became zero";
+        self.report.add_many("attribute-not-finite", n_broken, (place(), what));
+        Ok(())
+    }
+
+    /// Four numbers when any primitive of the mesh has alpha.
+    fn colour_width(&self, mesh_idx: usize, set: u32) -> usize {
+        let name = format!("COLOR_{set}");
+        let primitives = item(&self.model.meshes, Some(mesh_idx)).map_or(&[][..], |mesh| &mesh.primitives);
+        let attributes = primitives.iter().flat_map(|primitive| &primitive.attributes);
+        let widths = attributes.filter(|(n, _)| *n == name).filter_map(|(_, accessor)| {
+            item(&self.model.accessors, *accessor)?.kind.map(super::format::Kind::n_components)
+        });
+        if widths.max() == Some(4) { 4 } else { 3 }
+    }
+
+    /// The corner indices of a primitive, counted from the first vertex of the part.
+    fn corners(
+        &mut self,
+        primitive: &Primitive<'_>,
+        (first, count): (usize, usize),
+        pointer: &str,
+    ) -> Result<Corners, ReadError> {
+        // Positions were counted to be fewer than 2³².
+        let first_idx = first as u32;
+        let Some(accessor) = primitive.indices else {
+            return Ok(Corners::Range(first_idx, count as u32));
+        };
+        let rows = Rows::of(self.model, accessor).map_err(|error| at(error, pointer, "indices"))?;
+        check_sparse(&rows).map_err(|error| at(error, pointer, "indices"))?;
+        let format = rows.format;
+        if format.kind.n_components() != 1 || format.component.range().0 != 0.0 || format.normalized {
+            let code = "MESH_PRIMITIVE_INDICES_ACCESSOR_INVALID_FORMAT";
+            return Err(at(
+                Unreadable { code, what: format!("indices cannot be {format}") },
+                pointer,
+                "indices",
+            ));
+        }
+        if rows.count > self.limits.rows.saturating_mul(3) {
+            let what = format!("{} indices pass the limit of {} triangles", rows.count, self.limits.rows);
+            return Err(at(Unreadable { code: "too-many-rows", what }, pointer, "indices"));
+        }
+        self.take(rows.count * 4, pointer)?;
+        let mut list = Vec::new();
+        reserve(&mut list, rows.count as usize, pointer)?;
+        let (restart, limit) = (format.component.range().1, count as f64);
+        let mut wrong = None;
+        rows.each(|i, row| {
+            if wrong.is_none() && (row[0] >= limit || row[0] == restart) {
+                wrong = Some((i, row[0]));
+            }
+            // In range, or the list is thrown away below.
+            list.push(first_idx.saturating_add(row[0] as u32));
+        });
+        if let Some((i, index)) = wrong {
+            let (code, what) = if index == restart {
+                ("ACCESSOR_INDEX_PRIMITIVE_RESTART", format!("index {i} is {index}, which means \"restart\""))
+            } else {
+                ("ACCESSOR_INDEX_OOB", format!("index {i} is {index}, there are {count} vertices"))
+            };
+            return Err(at(Unreadable { code, what }, pointer, "indices"));
+        }
+        Ok(Corners::List(list))
+    }
+
+    /// Counts bytes that are about to be decoded.
+    fn take(&mut self, n: u64, pointer: &str) -> Result<(), ReadError> {
+        match self.left.checked_sub(n) {
+            Some(left) => {
+                self.left = left;
+                Ok(())
+            }
+            None => {
+                let what = format!("what is decoded passes the limit of {} bytes", self.limits.bytes);
+                Err(ReadError::new("too-large", Place::Pointer(pointer.to_owned()), what))
+            }
+        }
+    }
+
+    fn finish(&mut self, mut draft: Draft<'m>, mesh_idx: usize) -> Result<Mesh, ReadError> {
+        let place = || Place::Pointer(format!("/meshes/{mesh_idx}"));
+        let broken = draft.positions.iter().position(|p| p.iter().any(|x| !x.is_finite()));
+        if let Some(vertex) = broken {
+            if !self.limits.drop_nonfinite {
+                let what = format!("vertex {vertex} is {:?}", draft.positions[vertex]);
+                return Err(ReadError::new("ACCESSOR_INVALID_FLOAT", place(), what));
+            }
+            let dropped = draft.drop_nonfinite();
+            let what = "vertices that are not finite were dropped with their faces";
+            self.report.add_many("not-finite", dropped, (place(), what));
+        }
+        let mut materials = draft.materials;
+        let is_mixed = materials.iter().any(|m| *m != materials[0]);
+        let ids = ties(&draft.positions);
+        let refused = |error: chordal::explicit::InvalidMesh| {
+            ReadError::new("invalid-mesh", Place::Pointer(format!("/meshes/{mesh_idx}")), error.to_string())
+        };
+        let mut mesh = Mesh::new(draft.positions, draft.faces).map_err(refused)?;
+        if let Some(ids) = ids {
+            mesh = mesh.with_position_id(ids).map_err(refused)?;
+        }
+        for Stream { semantic, width, values } in draft.streams {
+            let attribute = Attribute { semantic, domain: Domain::Vertex, width, values };
+            mesh = mesh.with_attribute(attribute).map_err(refused)?;
+        }
+        if is_mixed {
+            let semantic = Semantic::Group("material".to_owned());
+            let values = std::mem::take(&mut materials);
+            let attribute = Attribute { semantic, domain: Domain::Face, width: 1, values };
+            mesh = mesh.with_attribute(attribute).map_err(refused)?;
+        }
+        Ok(mesh)
+    }
+}
+
+impl Draft<'_> {
+    /// Takes out vertices that are not finite, with their faces. Returns how many vertices.
+    fn drop_nonfinite(&mut self) -> u64 {
+        let keep: Vec<bool> = self.positions.iter().map(|p| p.iter().all(|x| x.is_finite())).collect();
+        let mut renumbered = Vec::with_capacity(keep.len());
+        let mut n_kept = 0_u32;
+        for kept in &keep {
+            renumbered.push(n_kept);
+            n_kept += u32::from(*kept);
+        }
+        let is_whole: Vec<bool> = self.faces.iter().map(|f| f.iter().all(|i| keep[*i as usize])).collect();
+        let mut whole = is_whole.iter();
+        self.faces.retain(|_| whole.next() == Some(&true));
+        let mut whole = is_whole.iter();
+        self.materials.retain(|_| whole.next() == Some(&true));
+        self.faces.iter_mut().for_each(|face| *face = face.map(|i| renumbered[i as usize]));
+        for stream in &mut self.streams {
+            let width = stream.width;
+            let mut place = 0..;
+            stream.values.retain(|_| place.next().is_some_and(|i: usize| keep[i / width]));
+        }
+        let n = self.positions.len();
+        let mut kept = keep.iter();
+        self.positions.retain(|_| kept.next() == Some(&true));
+        (n - self.positions.len()) as u64
+    }
+}
+
+/// What an attribute means; `None` for what only skins need.
+fn semantic_of(name: &str) -> Option<Semantic> {
+    let set = |family: &str| name.strip_prefix(family)?.parse::<u32>().ok();
+    match name {
+        "NORMAL" => Some(Semantic::Normal),
+        "TANGENT" => Some(Semantic::Tangent),
+        _ if name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_") => None,
+        _ => Some(
+            set("TEXCOORD_")
+                .map(Semantic::TexCoord)
+                .or_else(|| set("COLOR_").map(Semantic::Color))
+                .unwrap_or_else(|| Semantic::Custom(name.to_owned())),
+        ),
+    }
+}
+
+/// For each vertex the first at the same position to the last bit; `None` when no two share one.
+fn ties(positions: &[[f64; 3]]) -> Option<Vec<u32>> {
+    let bits = |i: u32| positions[i as usize].map(f64::to_bits);
+    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
+    order.sort_unstable_by(|a, b| bits(*a).cmp(&bits(*b)).then(a.cmp(b)));
+    let mut ids = vec![0; positions.len()];
+    let mut is_tied = false;
+    for same in order.chunk_by(|a, b| bits(*a) == bits(*b)) {
+        is_tied |= same.len() > 1;
+        same.iter().for_each(|i| ids[*i as usize] = same[0]);
+    }
+    is_tied.then_some(ids)
+}
+
+/// Sparse rows have to be in range and in order, or it is not clear what they replace.
+fn check_sparse(rows: &Rows<'_>) -> Result<(), Unreadable> {
+    let mut next = 0;
+    for (i, index) in rows.sparse_indices().enumerate() {
+        if index < next {
+            let what = format!("sparse index {i} is {index}, not above the one before");
+            return Err(Unreadable { code: "ACCESSOR_SPARSE_INDICES_NON_INCREASING", what });
+        }
+        if index >= rows.count {
+            let what = format!("sparse index {i} is {index}, there are {} rows", rows.count);
+            return Err(Unreadable { code: "ACCESSOR_SPARSE_INDEX_OOB", what });
+        }
+        next = index + 1;
+    }
+    Ok(())
+}
+
+fn at(error: Unreadable, pointer: &str, key: &str) -> ReadError {
+    ReadError::new(error.code, Place::Pointer(format!("{pointer}/{key}")), error.what)
+}
+
+fn reserve<T>(list: &mut Vec<T>, n: usize, pointer: &str) -> Result<(), ReadError> {
+    list.try_reserve_exact(n).map_err(|_| {
+        let what = format!("{n} rows take more memory than there is");
+        ReadError::new("out-of-memory", Place::Pointer(pointer.to_owned()), what)
+    })
+}

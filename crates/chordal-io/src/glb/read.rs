@@ -1,0 +1,258 @@
+//! The GLB reader.
+use super::json::{self, Json};
+use super::lint::{self, Lint};
+use super::model::{Model, item};
+use super::parts::Parts;
+use super::report::Report;
+use super::{container, transform};
+use crate::scene::IDENTITY;
+use crate::{Axis, Content, Frame, Limits, Loaded, Node, Place, ReadError, Scene};
+
+/// Bytes that one object of the JSON may take once it is read: a node with its transform takes the most.
+const OBJECT_BYTES: u64 = 512;
+
+/// Issues that stay errors when the reader is lenient: the nodes would be no forest.
+const FOREST: [&str; 3] = ["NODE_LOOP", "NODE_PARENT_OVERRIDE", "SCENE_NON_ROOT_NODE"];
+
+/// Extensions that do not change the triangles; `*` stands for any ending.
+const HARMLESS: [&str; 13] = [
+    "KHR_mesh_quantization",
+    "KHR_materials_*",
+    "KHR_texture_*",
+    "KHR_lights_*",
+    "KHR_animation_pointer",
+    "KHR_xmp*",
+    "EXT_texture_*",
+    "EXT_lights_*",
+    "EXT_materials_*",
+    "EXT_mesh_manifold",
+    "MSFT_texture_dds",
+    "ADOBE_materials_*",
+    "AGI_*",
+];
+
+/// Reads GLB 2.0.
+///
+/// Whatever gltf-validator calls an error, anywhere in the file, is refused with its code and JSON pointer;
+/// [`Limits::lenient`] turns into warnings what does not keep the triangles from being read. One part stands for
+/// one mesh of the file, with the triangles of all its primitives; vertices at bit-identical positions are tied.
+/// Positions are the stored numbers exactly, in the mesh's own space; nodes carry the transforms and
+/// [`crate::Scene::world_meshes`] applies them. The frame is y-up and in metres. The certificate comes from
+/// `asset.extras.chordal`.
+///
+/// Lists, strips and fans are read with any accessor that the format knows, sparse and quantized ones too. Points,
+/// lines, morph targets, skins, animations, cameras, materials and pictures are counted as warnings. Other files and
+/// the network are never looked at.
+///
+/// Linear in the size of the file and of what is decoded from it; the latter stays below [`Limits::bytes`].
+///
+/// # Errors
+/// [`ReadError`] with the byte or the JSON pointer: the container or the JSON is broken, a limit is passed, an
+/// extension is required that is not known (Draco, meshopt), the triangles need another file, or what is said above.
+///
+/// ```
+/// use chordal::Mesh;
+/// use chordal_io::{Content, Frame, Limits, Scene, glb};
+///
+/// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// let mut bytes = Vec::new();
+/// glb::write(&Scene::of("triangle", mesh.clone(), true, Frame::default()), None, &mut bytes)?;
+/// let loaded = glb::read(&bytes, &Limits::default())?;
+/// let Content::Scene(scene) = loaded.content else { unreachable!() };
+/// assert_eq!(scene.parts[0].mesh, mesh);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
+    let mut report = Report::default();
+    if bytes.len() as u64 > limits.bytes {
+        let what = format!("the file has {} bytes, the limit is {}", bytes.len(), limits.bytes);
+        return Err(ReadError::new("too-large", Place::File, what));
+    }
+    let chunks = container::chunks(bytes, &mut report.warnings)?;
+    let json = parse_json(&chunks, limits)?;
+    check_rows(&json, limits)?;
+    let mut lint = Lint::new(&json);
+    let Some(mut model) = lint::parse(&mut lint, &json, chunks.bin) else {
+        let issue = lint.issues.swap_remove(0);
+        return Err(ReadError::new(issue.code, issue.place, issue.message));
+    };
+    check_extensions(&model, &mut report)?;
+    check_zeros(&model, limits)?;
+    lint::link(&mut lint, &mut model);
+    judge(lint, limits, &mut report)?;
+    let mut parts = Parts::new(&model, limits);
+    let meshes = (0..model.meshes.len()).map(|m| parts.part(m)).collect::<Result<Vec<_>, _>>()?;
+    report.append(parts.report);
+    let mut scene = Scene { parts: meshes, ..places(&model, &mut report) };
+    scene.frame = Frame { up: Some(Axis::Y), metres_per_unit: Some(1.0) };
+    let extras = json.get("asset").and_then(|asset| asset.get("extras"));
+    scene.certificate = extras.and_then(|extras| extras.get("chordal")).map(Json::to_value);
+    count_dropped(&json, &mut report);
+    Ok(Loaded { content: Content::Scene(scene), warnings: report.warnings })
+}
+
+fn parse_json(chunks: &container::Chunks<'_>, limits: &Limits) -> Result<Json, ReadError> {
+    // A value takes sixteen times the bytes of its text at most, so that this keeps below the limit.
+    let most = json::MAX_BYTES.min(limits.bytes / 16);
+    if chunks.json.len() as u64 > most {
+        let what = format!("the JSON has {} bytes, the limit is {most}", chunks.json.len());
+        return Err(ReadError::new("too-large", Place::Byte(chunks.json_at), what));
+    }
+    let json = Json::parse(chunks.json, chunks.json_at, limits)?;
+    if !matches!(json, Json::Object(_)) {
+        let place = Place::Pointer("/".to_owned());
+        return Err(ReadError::new("TYPE_MISMATCH", place, "the document is no object"));
+    }
+    Ok(json)
+}
+
+/// Whether the lists are short enough to be held.
+fn check_rows(json: &Json, limits: &Limits) -> Result<(), ReadError> {
+    let most = limits.rows.min(limits.bytes / OBJECT_BYTES);
+    for (key, value) in json.entries() {
+        let n = value.items().map_or(0, <[_]>::len) as u64;
+        if n > most {
+            let what = format!("{n} objects pass the limit of {most}");
+            return Err(ReadError::new("too-many-rows", Place::Pointer(format!("/{key}")), what));
+        }
+    }
+    Ok(())
+}
+
+/// Rows that lie in no view are zeros that take no bytes of the file, so that only limits keep them from growing.
+fn check_zeros(model: &Model<'_>, limits: &Limits) -> Result<(), ReadError> {
+    let mut left = limits.bytes;
+    for (i, accessor) in model.accessors.iter().enumerate() {
+        let Some((accessor, count)) = accessor.as_ref().and_then(|a| Some((a, a.count?))) else { continue };
+        if accessor.view.is_some() {
+            continue;
+        }
+        let row = accessor.format().map_or(1, |format| format.row_length());
+        let bytes = left.checked_sub(count.saturating_mul(row));
+        left = match bytes {
+            Some(left) if count <= limits.rows => left,
+            _ => {
+                let what = format!(
+                    "{count} rows of zeros pass the limits of {} rows and {} bytes",
+                    limits.rows, limits.bytes
+                );
+                return Err(ReadError::new(
+                    "too-many-rows",
+                    Place::Pointer(format!("/accessors/{i}/count")),
+                    what,
+                ));
+            }
+        };
+    }
+    Ok(())
+}
+
+fn is_harmless(name: &str) -> bool {
+    HARMLESS
+        .iter()
+        .any(|known| known.strip_suffix('*').map_or(name == *known, |start| name.starts_with(start)))
+}
+
+/// Refuses extensions without which the triangles cannot be understood; counts others that are ignored.
+fn check_extensions(model: &Model<'_>, report: &mut Report) -> Result<(), ReadError> {
+    if let Some(i) = model.extensions_required.iter().position(|name| !is_harmless(name)) {
+        let place = Place::Pointer(format!("/extensionsRequired/{i}"));
+        let what = format!("extension {} is required and not read", model.extensions_required[i]);
+        return Err(ReadError::new("unsupported-extension", place, what));
+    }
+    for (i, name) in model.extensions_used.iter().enumerate().filter(|(_, name)| !is_harmless(name)) {
+        let place = Place::Pointer(format!("/extensionsUsed/{i}"));
+        report.add("extension-ignored", place, format!("extension {name} was ignored"));
+    }
+    Ok(())
+}
+
+/// Decides over the issues: the first is the error, or all become warnings.
+fn judge(lint: Lint<'_>, limits: &Limits, report: &mut Report) -> Result<(), ReadError> {
+    let is_forgiven = |code: &str| {
+        (limits.lenient && !FOREST.contains(&code))
+            || (limits.drop_nonfinite && code == "ACCESSOR_INVALID_FLOAT")
+    };
+    for issue in lint.issues {
+        if !is_forgiven(issue.code) {
+            return Err(ReadError::new(issue.code, issue.place, issue.message));
+        }
+        report.warnings.push(issue);
+    }
+    Ok(())
+}
+
+/// The nodes and the roots of the scene that is shown: the default one, else the first, else all nodes without
+/// parents.
+fn places(model: &Model<'_>, report: &mut Report) -> Scene {
+    let n = model.nodes.len();
+    let mut nodes = Vec::with_capacity(n);
+    let mut has_parent = vec![false; n];
+    for (i, node) in model.nodes.iter().enumerate() {
+        let Some(node) = node else {
+            nodes.push(Node { name: String::new(), matrix: IDENTITY, children: Vec::new(), part: None });
+            continue;
+        };
+        let children: Vec<usize> =
+            node.children.iter().flatten().copied().filter(|child| *child < n).collect();
+        children.iter().for_each(|child| has_parent[*child] = true);
+        let rotation = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+        let trs = || {
+            transform::compose(node.translation.unwrap_or_default(), rotation, node.scale.unwrap_or([1.0; 3]))
+        };
+        let part = node.mesh.filter(|mesh| *mesh < model.meshes.len());
+        if node.skin.is_some() {
+            let place = Place::Pointer(format!("/nodes/{i}/skin"));
+            report.add("skins-ignored", place, "skins were not applied");
+        }
+        nodes.push(Node {
+            name: node.name.to_owned(),
+            matrix: node.matrix.unwrap_or_else(trs),
+            children,
+            part,
+        });
+    }
+    let shown = model.scene.or(if model.scenes.is_empty() { None } else { Some(0) });
+    let roots = match item(&model.scenes, shown) {
+        Some(scene) => scene.nodes.iter().flatten().flatten().copied().filter(|node| *node < n).collect(),
+        None => (0..n).filter(|i| !has_parent[*i]).collect::<Vec<_>>(),
+    };
+    count_unseen(&nodes, &roots, (model, report));
+    Scene { nodes, roots, ..Scene::default() }
+}
+
+/// Counts meshes that no node of the scene shows.
+fn count_unseen(nodes: &[Node], roots: &[usize], (model, report): (&Model<'_>, &mut Report)) {
+    let mut is_shown = vec![false; model.meshes.len()];
+    let mut open = roots.to_vec();
+    while let Some(i) = open.pop() {
+        if let Some(part) = nodes[i].part {
+            is_shown[part] = true;
+        }
+        open.extend(&nodes[i].children);
+    }
+    for mesh in (0..is_shown.len()).filter(|mesh| !is_shown[*mesh]) {
+        let place = Place::Pointer(format!("/meshes/{mesh}"));
+        report.add("meshes-not-shown", place, "the scene does not show all meshes");
+    }
+}
+
+/// Counts what a scene cannot hold.
+fn count_dropped(json: &Json, report: &mut Report) {
+    for (list, code, what) in [
+        ("animations", "animations-dropped", "animations were not kept"),
+        ("cameras", "cameras-dropped", "cameras were not kept"),
+        ("images", "images-dropped", "pictures were not kept"),
+    ] {
+        let n = json.get(list).and_then(Json::items).map_or(0, <[_]>::len);
+        (0..n).for_each(|_| report.add(code, Place::Pointer(format!("/{list}/0")), what));
+    }
+    for (i, material) in json.get("materials").and_then(Json::items).unwrap_or_default().iter().enumerate() {
+        let plain = ["name", "doubleSided", "pbrMetallicRoughness", "metallicFactor", "roughnessFactor"];
+        let pbr = material.get("pbrMetallicRoughness").map_or(&[][..], Json::entries);
+        if material.entries().iter().chain(pbr).any(|(key, _)| !plain.contains(&&**key)) {
+            let place = Place::Pointer(format!("/materials/{i}"));
+            report.add("materials-dropped", place, "materials were not kept");
+        }
+    }
+}

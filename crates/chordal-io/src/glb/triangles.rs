@@ -1,0 +1,91 @@
+//! Lists, strips and fans of corners into triangles.
+
+/// The corners of a primitive.
+pub(super) enum Corners {
+    /// So many vertices from this one on.
+    Range(u32, u32),
+    /// Vertices by their index.
+    List(Vec<u32>),
+}
+
+impl Corners {
+    fn len(&self) -> usize {
+        match self {
+            Self::Range(_, n) => *n as usize,
+            Self::List(list) => list.len(),
+        }
+    }
+
+    fn get(&self, i: usize) -> u32 {
+        match self {
+            Self::Range(first, _) => first + i as u32,
+            Self::List(list) => list[i],
+        }
+    }
+
+    /// The most triangles that can come of them.
+    pub fn n_triangles(&self) -> u64 {
+        self.len() as u64
+    }
+}
+
+/// What made no triangle.
+#[derive(Default)]
+pub(super) struct Leftover {
+    /// Corners at the end that are too few for one more triangle.
+    pub unused: u64,
+    /// Triangles of strips and fans with a repeated index, which only join two runs.
+    pub degenerate: u64,
+}
+
+/// Appends the triangles of a list (mode 4), a strip (5) or a fan (6). Lists keep degenerate triangles.
+pub(super) fn triangles(corners: &Corners, mode: u64, out: &mut Vec<[u32; 3]>) -> Leftover {
+    let n = corners.len();
+    let mut left = Leftover::default();
+    if mode == 4 {
+        out.extend((0..n / 3).map(|t| [0, 1, 2].map(|k| corners.get(3 * t + k))));
+        left.unused = (n % 3) as u64;
+        return left;
+    }
+    if n < 3 {
+        left.unused = n as u64;
+        return left;
+    }
+    for i in 0..n - 2 {
+        let [a, b, c] = match mode {
+            // Every second triangle of a strip is turned, so that all face the same way.
+            5 => [i, i + 1 + i % 2, i + 2 - i % 2],
+            _ => [i + 1, i + 2, 0],
+        }
+        .map(|k| corners.get(k));
+        if a == b || b == c || c == a {
+            left.degenerate += 1;
+        } else {
+            out.push([a, b, c]);
+        }
+    }
+    left
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(mode: u64, list: &[u32]) -> (Vec<[u32; 3]>, u64, u64) {
+        let mut out = Vec::new();
+        let left = triangles(&Corners::List(list.to_vec()), mode, &mut out);
+        (out, left.unused, left.degenerate)
+    }
+
+    #[test]
+    fn strips_and_fans_face_one_way() {
+        assert_eq!(of(5, &[0, 1, 2, 3, 4]), (vec![[0, 1, 2], [1, 3, 2], [2, 3, 4]], 0, 0));
+        assert_eq!(of(6, &[0, 1, 2, 3]), (vec![[1, 2, 0], [2, 3, 0]], 0, 0));
+        assert_eq!(of(4, &[0, 1, 2, 3, 4]), (vec![[0, 1, 2]], 2, 0));
+        assert_eq!(of(5, &[0, 1]), (vec![], 2, 0));
+        assert_eq!(of(5, &[0, 1, 2, 2, 3, 3, 4, 5]).0, vec![[0, 1, 2], [3, 4, 5]]);
+        let mut out = Vec::new();
+        triangles(&Corners::Range(10, 3), 4, &mut out);
+        assert_eq!(out, vec![[10, 11, 12]]);
+    }
+}

@@ -1,0 +1,77 @@
+//! `Groups`: the names that statements give to the faces after them.
+use crate::ReadError;
+use crate::grow::{push, with_room};
+use chordal::explicit::{Attribute, Domain, Semantic};
+use std::collections::HashMap;
+
+/// The groups of one kind ("usemtl", "g", …): names in the order in which they appear, and where each begins.
+/// Number 0 means that there was no such statement, or that it took the group back.
+#[derive(Debug, Default)]
+pub(crate) struct Groups {
+    names: Vec<String>,
+    /// Only looked up; numbers are given in the order of the file.
+    index: HashMap<String, u32>,
+    current: u32,
+    /// From which triangle on, which number.
+    runs: Vec<(usize, u32)>,
+}
+
+impl Groups {
+    /// The faces after triangle `triangle` belong to the group of that name; none for the empty name.
+    pub(crate) fn name(&mut self, name: &str, triangle: usize) -> Result<(), ReadError> {
+        if name.is_empty() {
+            return self.number(0, triangle);
+        }
+        if let Some(number) = self.index.get(name) {
+            return self.number(*number, triangle);
+        }
+        self.begin(name, triangle)?;
+        self.index.insert(name.to_owned(), self.current);
+        Ok(())
+    }
+
+    /// The faces after triangle `triangle` belong to a group of their own, also when its name was there before.
+    pub(crate) fn begin(&mut self, name: &str, triangle: usize) -> Result<(), ReadError> {
+        push(&mut self.names, name.to_owned())?;
+        // Names are fewer than bytes of the file, and more than 2^32 of them would have met the memory limit.
+        self.number(u32::try_from(self.names.len()).unwrap_or(u32::MAX), triangle)
+    }
+
+    /// The faces after triangle `triangle` belong to group `number`, which needs no name.
+    pub(crate) fn number(&mut self, number: u32, triangle: usize) -> Result<(), ReadError> {
+        if number == self.current {
+            return Ok(());
+        }
+        self.current = number;
+        match self.runs.last_mut() {
+            // Nothing stood under the last statement.
+            Some(last) if last.0 == triangle => last.1 = number,
+            _ => push(&mut self.runs, (triangle, number))?,
+        }
+        Ok(())
+    }
+
+    /// One number for each of `n_triangles` triangles, or `None` if no triangle belongs to a group.
+    pub(crate) fn attribute(&self, kind: &str, n_triangles: usize) -> Result<Option<Attribute>, ReadError> {
+        if !self.runs.iter().any(|(from, number)| *number > 0 && *from < n_triangles) {
+            return Ok(None);
+        }
+        let mut values = with_room(n_triangles)?;
+        let ends = self.runs.iter().skip(1).map(|(from, _)| *from).chain([n_triangles]);
+        values.resize(self.runs.first().map_or(0, |(from, _)| *from), 0.0);
+        for ((_, number), end) in self.runs.iter().zip(ends) {
+            values.resize(end, f64::from(*number));
+        }
+        Ok(Some(Attribute {
+            semantic: Semantic::Group(kind.to_owned()),
+            domain: Domain::Face,
+            width: 1,
+            values,
+        }))
+    }
+
+    /// The names by number; the first, of number 0, is empty.
+    pub(crate) fn into_names(self) -> Vec<String> {
+        std::iter::once(String::new()).chain(self.names).collect()
+    }
+}

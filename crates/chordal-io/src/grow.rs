@@ -1,0 +1,42 @@
+//! `grow`: lists whose length a file decides: they grow with what was read, in small steps, and never abort.
+use crate::{Place, ReadError};
+
+/// The items that a list starts with.
+const FIRST: usize = 64;
+
+/// The error of a list that does not fit into memory.
+pub(crate) fn out_of_memory(rows: usize) -> ReadError {
+    ReadError::new("out-of-memory", Place::File, format!("no memory for more than {rows} rows"))
+}
+
+/// Appends to a list. It grows by half, so that it holds at most 1.5 times what was read.
+#[inline]
+pub(crate) fn push<T>(list: &mut Vec<T>, item: T) -> Result<(), ReadError> {
+    if list.len() == list.capacity() {
+        grow(list, 1)?;
+    }
+    list.push(item);
+    Ok(())
+}
+
+/// Appends `more` copies of `item` to a list.
+pub(crate) fn push_many<T: Clone>(list: &mut Vec<T>, item: T, more: usize) -> Result<(), ReadError> {
+    if list.capacity() - list.len() < more {
+        grow(list, more)?;
+    }
+    list.resize(list.len() + more, item);
+    Ok(())
+}
+
+#[cold]
+fn grow<T>(list: &mut Vec<T>, more: usize) -> Result<(), ReadError> {
+    let step = more.max(list.len() / 2).max(FIRST);
+    list.try_reserve_exact(step).map_err(|_| out_of_memory(list.len()))
+}
+
+/// An empty list with room for `rows` rows that were counted in the bytes of the file, never declared by it.
+pub(crate) fn with_room<T>(rows: usize) -> Result<Vec<T>, ReadError> {
+    let mut list = Vec::new();
+    list.try_reserve_exact(rows).map_err(|_| out_of_memory(rows))?;
+    Ok(list)
+}

@@ -1,0 +1,84 @@
+//! `losses`: what a format cannot hold of a scene.
+use crate::obj::colors_agree;
+use crate::placed::placed;
+use crate::{Format, Place, Scene, Warning, WriteError};
+use chordal::explicit::{Attribute, Domain, Semantic};
+
+/// What writing a scene in a format leaves out, counted in parts: so that nothing is lost silently. Rounding is not
+/// counted here. GLB writes what it can and tells by itself.
+///
+/// # Errors
+/// [`WriteError::Unsupported`] where the writer would say the same.
+///
+/// ```
+/// use chordal::{Mesh, explicit::Attribute};
+/// use chordal_io::{Format, Frame, Scene, losses};
+/// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?
+///     .with_attribute(Attribute::vertex_normals(&[[0.0, 0.0, 1.0]; 3]))?;
+/// let scene = Scene::of("", mesh, true, Frame::default());
+/// assert!(losses(&scene, Format::Obj)?.is_empty());
+/// assert_eq!(losses(&scene, Format::Stl)?[0].message, "STL holds no normals of vertices");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError> {
+    let mut lost: Vec<Warning> = Vec::new();
+    if !matches!(format, Format::Obj | Format::Ply | Format::Stl) {
+        return Ok(lost);
+    }
+    let title = format.to_string().to_uppercase();
+    let mut count = |message: String| match lost.iter_mut().find(|w| w.message == message) {
+        Some(known) => known.count += 1,
+        None => lost.push(Warning { code: "not-written", count: 1, place: Place::File, message }),
+    };
+    if scene.certificate.is_some() && format == Format::Stl {
+        count(format!("{title} holds no certificate"));
+    }
+    let parts = placed(scene)?;
+    for part in &parts {
+        if parts.len() > 1 && format != Format::Obj {
+            count(format!("{title} holds one part: all were joined"));
+        }
+        let first_rows = part.first_rows();
+        for attribute in part.part.mesh.attributes() {
+            if !holds(format, attribute, &first_rows) {
+                count(format!("{title} holds no {}", describe(attribute)));
+            }
+        }
+    }
+    Ok(lost)
+}
+
+fn holds(format: Format, attribute: &Attribute, first_rows: &[u32]) -> bool {
+    let Attribute { semantic, domain, width, .. } = attribute;
+    match (format, semantic, domain) {
+        (Format::Obj, Semantic::Normal, _) => *width == 3,
+        (Format::Obj, Semantic::TexCoord(0), _) => *width == 2,
+        (Format::Obj, Semantic::Color(0), Domain::Vertex) => {
+            *width >= 3 && colors_agree(attribute, first_rows)
+        }
+        (Format::Obj, Semantic::Group(kind), Domain::Face) => {
+            *width == 1 && ["usemtl", "g", "o", "s", "solid"].contains(&kind.as_str())
+        }
+        (Format::Ply, Semantic::Normal, Domain::Vertex) => *width == 3,
+        (Format::Ply, Semantic::TexCoord(0), Domain::Vertex) => *width == 2,
+        (Format::Ply, Semantic::Color(0), Domain::Vertex) => *width >= 3,
+        _ => false,
+    }
+}
+
+fn describe(attribute: &Attribute) -> String {
+    let what = match &attribute.semantic {
+        Semantic::Normal => "normals".to_owned(),
+        Semantic::Tangent => "tangents".to_owned(),
+        Semantic::TexCoord(set) => format!("texture coordinates of set {set}"),
+        Semantic::Color(set) => format!("colours of set {set}"),
+        Semantic::Group(kind) => format!("groups '{}'", kind.escape_default()),
+        Semantic::Custom(name) => format!("values '{}'", name.escape_default()),
+    };
+    let domain = match attribute.domain {
+        Domain::Vertex => "vertices",
+        Domain::Corner => "corners",
+        Domain::Face => "faces",
+    };
+    format!("{what} of {domain}")
+}

@@ -1,0 +1,49 @@
+//! Indices of OBJ: from 1, or backwards from -1, never wrapped.
+use crate::text::{NoInteger, grouped, integer, show};
+use crate::{Place, ReadError};
+
+/// 0 for what is left empty, else the row from 1.
+#[inline]
+pub(super) fn optional(
+    token: &[u8],
+    index: impl FnOnce() -> Result<u32, ReadError>,
+) -> Result<u32, ReadError> {
+    if token.is_empty() { Ok(0) } else { Ok(index()? + 1) }
+}
+
+/// The row from 0 that an index names: from 1 over all `total` rows of the file, or backwards from -1 over the `before`
+/// rows that stand before this line.
+#[inline]
+pub(super) fn index(
+    line: u64,
+    token: &[u8],
+    [one, many]: [&str; 2],
+    before: usize,
+    total: usize,
+) -> Result<u32, ReadError> {
+    let row = match integer(token) {
+        Ok(index) if index > 0 => Some(index.unsigned_abs() - 1).filter(|row| *row < total as u64),
+        Ok(index) if index < 0 => (before as u64).checked_sub(index.unsigned_abs()),
+        _ => None,
+    };
+    // The counts are below 2^32, see `Counts::check`.
+    row.and_then(|row| u32::try_from(row).ok()).ok_or_else(|| {
+        let shown = show(token);
+        let (code, message) = match integer(token) {
+            Err(NoInteger::Spelling) => ("not-an-index", format!("{shown} is not an index of a {one}")),
+            Ok(0) => ("index-out-of-range", format!("index 0 of a {one}: indices start at 1")),
+            Ok(..0) => {
+                let n = grouped(before as u64);
+                (
+                    "index-out-of-range",
+                    format!("index {shown} is out of range: {n} {many} stand before this line"),
+                )
+            }
+            _ => {
+                let n = grouped(total as u64);
+                ("index-out-of-range", format!("index {shown} is out of range: the file has {n} {many}"))
+            }
+        };
+        ReadError::new(code, Place::Line(line), message)
+    })
+}

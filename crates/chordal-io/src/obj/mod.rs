@@ -1,0 +1,15 @@
+//! Wavefront OBJ: polygons with their corners' texture coordinates and normals.
+mod index;
+mod kind;
+mod read;
+mod rows;
+mod statements;
+mod write;
+
+pub(crate) use kind::looks_like;
+pub use read::read;
+pub(crate) use write::colors_agree;
+pub use write::write;
+
+/// How a comment begins that carries a certificate as JSON.
+const CERTIFICATE: &[u8] = b"# chordal: ";

@@ -1,0 +1,397 @@
+//! Reads Wavefront OBJ.
+use super::CERTIFICATE;
+use super::index::{index, optional};
+use super::kind::{SKIPPED, leaves_the_folder, refuse_others};
+use super::rows::{Corner, Rows};
+use super::statements::{Counts, Statements};
+use crate::assemble::{self, Raw, too_many_rows};
+use crate::faces::{Faces, SHORT_FACES};
+use crate::groups::Groups;
+use crate::grow::{push, push_many, with_room};
+use crate::text::{Tokens, integer, not_finite, number, show, text_of, why_no_number};
+use crate::warnings::Warnings;
+use crate::{Content, Frame, Limits, Loaded, Place, ReadError, Scene};
+use chordal::explicit::{Attribute, Domain, Semantic};
+use serde_json::Value;
+
+/// The mesh of an OBJ file, as one part.
+///
+/// The first rows of the mesh are the `v` lines in order. A position whose faces use several normals or texture
+/// coordinates gets further rows after them, tied to it by `position_id`. Polygons are cut into triangles. `usemtl`,
+/// `g`, `o` and `s` become face attributes [`Semantic::Group`], with their names in [`Scene::groups`]. Colours after
+/// a position become [`Semantic::Color`]. Material libraries are never opened.
+///
+/// # Errors
+/// [`ReadError`] at the line.
+///
+/// ```
+/// use chordal_io::{Content, Limits, obj};
+/// let file = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl red\nf -4 -3 -2 -1\n";
+/// let Content::Scene(scene) = obj::read(file, &Limits::default())?.content else { unreachable!() };
+/// assert_eq!(scene.parts[0].mesh.faces(), [[0, 1, 2], [0, 2, 3]]);
+/// assert_eq!(scene.groups["usemtl"], ["", "red"]);
+/// # Ok::<(), chordal_io::ReadError>(())
+/// ```
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
+    refuse_others(bytes)?;
+    let text = text_of(bytes)?;
+    let mut reader = Reader::new(Counts::of(text), limits)?;
+    let mut statements = Statements::new(text);
+    while let Some((line, statement)) = statements.next() {
+        reader.statement(line, statement)?;
+    }
+    reader.finish()
+}
+
+/// The kinds of groups, in the order of `Reader::groups`.
+const GROUPS: [&str; 4] = ["usemtl", "g", "o", "s"];
+
+struct Reader<'a> {
+    limits: &'a Limits,
+    counts: Counts,
+    warnings: Warnings,
+    positions: Vec<[f64; 3]>,
+    /// As many as positions once one of them has a colour, and none before.
+    colors: Vec<[f64; 4]>,
+    n_colored: usize,
+    has_alpha: bool,
+    texcoords: Vec<[f64; 2]>,
+    normals: Vec<[f64; 3]>,
+    rows: Rows,
+    faces: Faces,
+    groups: [Groups; 4],
+    corners: Vec<u32>,
+    certificate: Option<Value>,
+    n_known: u64,
+}
+
+impl<'a> Reader<'a> {
+    fn new(counts: Counts, limits: &'a Limits) -> Result<Self, ReadError> {
+        counts.check(limits)?;
+        Ok(Self {
+            limits,
+            counts,
+            warnings: Warnings::default(),
+            positions: with_room(counts.positions)?,
+            colors: Vec::new(),
+            n_colored: 0,
+            has_alpha: false,
+            texcoords: with_room(counts.texcoords)?,
+            normals: with_room(counts.normals)?,
+            rows: Rows::new(counts.positions)?,
+            faces: Faces::with_room(counts.faces)?,
+            groups: Default::default(),
+            corners: Vec::new(),
+            certificate: None,
+            n_known: 0,
+        })
+    }
+
+    #[inline]
+    fn statement(&mut self, line: u64, statement: &[u8]) -> Result<(), ReadError> {
+        let mut tokens = Tokens::new(statement);
+        let Some(word) = tokens.next() else { return Ok(()) };
+        if word.starts_with(b"#") {
+            if let Some(text) = statement.strip_prefix(CERTIFICATE) {
+                self.certificate =
+                    crate::certificate::read(text, self.limits, Place::Line(line), &mut self.warnings);
+            }
+            return Ok(());
+        }
+        self.n_known += 1;
+        match word {
+            b"v" => self.position(line, tokens),
+            b"vt" => self.texcoord(line, tokens),
+            b"vn" => self.normal(line, tokens),
+            b"f" | b"fo" => self.face(line, tokens),
+            b"usemtl" => self.group(0, line, tokens.rest()),
+            b"g" => self.group(1, line, tokens.rest()),
+            b"o" => self.group(2, line, tokens.rest()),
+            b"s" => self.smoothing(line, tokens.rest()),
+            _ => {
+                self.other(line, word, tokens.rest());
+                Ok(())
+            }
+        }
+    }
+
+    /// Up to `N` numbers, and how many there are.
+    #[inline]
+    fn numbers<const N: usize>(
+        line: u64,
+        what: &str,
+        tokens: Tokens,
+    ) -> Result<([f64; N], usize), ReadError> {
+        let (mut values, mut n) = ([0.0; N], 0);
+        for token in tokens {
+            if n == N {
+                let message = format!("{what} has more than {N} numbers");
+                return Err(ReadError::new("wrong-width", Place::Line(line), message));
+            }
+            values[n] = number(token)
+                .ok_or_else(|| ReadError::new("not-a-number", Place::Line(line), why_no_number(token)))?;
+            n += 1;
+        }
+        Ok((values, n))
+    }
+
+    #[inline]
+    fn position(&mut self, line: u64, tokens: Tokens) -> Result<(), ReadError> {
+        let (values, n) = Self::numbers::<7>(line, "v", tokens.clone())?;
+        if !matches!(n, 3 | 4 | 6 | 7) {
+            let message = format!("v has {n} numbers; 3 are needed, 4 with a weight, 6 or 7 with a colour");
+            return Err(ReadError::new("wrong-width", Place::Line(line), message));
+        }
+        let [x, y, z, r, g, b, a] = values;
+        if let Some(k) = values[..3].iter().position(|x| !x.is_finite())
+            && !self.limits.drop_nonfinite
+        {
+            return Err(not_finite(tokens.clone().nth(k).unwrap_or_default(), Place::Line(line)));
+        }
+        if n == 4 && values[3] != 1.0 {
+            self.warnings.count("weights-skipped", || {
+                (
+                    Place::Line(line),
+                    "weights of vertices were skipped; they matter to free-form shapes only".into(),
+                )
+            });
+        }
+        if n >= 6 || !self.colors.is_empty() {
+            // Positions without a colour are white.
+            let n_missing = self.positions.len() - self.colors.len();
+            push_many(&mut self.colors, [1.0; 4], n_missing)?;
+            let color = if n < 6 { [1.0; 4] } else { [r, g, b, if n == 7 { a } else { 1.0 }] };
+            push(&mut self.colors, color)?;
+            self.n_colored += usize::from(n >= 6);
+            self.has_alpha |= n == 7;
+        }
+        push(&mut self.positions, [x, y, z])
+    }
+
+    fn texcoord(&mut self, line: u64, tokens: Tokens) -> Result<(), ReadError> {
+        let ([u, v, w], n) = Self::numbers::<3>(line, "vt", tokens)?;
+        if n == 0 {
+            return Err(ReadError::new(
+                "wrong-width",
+                Place::Line(line),
+                "vt has no numbers; 1 to 3 are needed",
+            ));
+        }
+        if w != 0.0 {
+            let message = "third texture coordinates were skipped";
+            self.warnings.count("texcoord-w-skipped", || (Place::Line(line), message.to_owned()));
+        }
+        push(&mut self.texcoords, [u, v])
+    }
+
+    fn normal(&mut self, line: u64, tokens: Tokens) -> Result<(), ReadError> {
+        let (normal, n) = Self::numbers::<3>(line, "vn", tokens)?;
+        if n != 3 {
+            let message = format!("vn has {n} numbers where 3 are needed");
+            return Err(ReadError::new("wrong-width", Place::Line(line), message));
+        }
+        push(&mut self.normals, normal)
+    }
+
+    #[inline]
+    fn face(&mut self, line: u64, tokens: Tokens) -> Result<(), ReadError> {
+        let mut corners = std::mem::take(&mut self.corners);
+        corners.clear();
+        for token in tokens {
+            let corner = self.corner(line, token)?;
+            push(&mut corners, self.rows.row(corner)?)?;
+        }
+        match corners.len() {
+            0 => return Err(ReadError::new("too-few-corners", Place::Line(line), "a face has no corners")),
+            1 | 2 => self.warnings.count("short-faces", || (Place::Line(line), SHORT_FACES.to_owned())),
+            _ => self.faces.push(&corners, line)?,
+        }
+        self.corners = corners;
+        let n = self.faces.n_triangles() as u64;
+        if n > self.limits.rows {
+            return Err(too_many_rows(Place::Line(line), "triangles", n, self.limits.rows));
+        }
+        Ok(())
+    }
+
+    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`; what is left empty is none.
+    #[inline]
+    fn corner(&self, line: u64, token: &[u8]) -> Result<Corner, ReadError> {
+        let mut parts = token.split(|b| *b == b'/');
+        let position = parts.next().unwrap_or_default();
+        let texcoord = parts.next().unwrap_or_default();
+        let normal = parts.next().unwrap_or_default();
+        if parts.next().is_some() {
+            let message = format!("{} has more than three indices", show(token));
+            return Err(ReadError::new("not-an-index", Place::Line(line), message));
+        }
+        let Counts { positions, texcoords, normals, .. } = self.counts;
+        let position = index(line, position, ["vertex", "vertices"], self.positions.len(), positions)?;
+        let texcoord = optional(texcoord, || {
+            index(
+                line,
+                texcoord,
+                ["texture coordinate", "texture coordinates"],
+                self.texcoords.len(),
+                texcoords,
+            )
+        })?;
+        let normal =
+            optional(normal, || index(line, normal, ["normal", "normals"], self.normals.len(), normals))?;
+        Ok(Corner { position, texcoord, normal })
+    }
+
+    fn group(&mut self, kind: usize, line: u64, name: &[u8]) -> Result<(), ReadError> {
+        let text = String::from_utf8_lossy(name);
+        if matches!(text, std::borrow::Cow::Owned(_)) {
+            self.warnings.count("name-not-utf8", || {
+                (Place::Line(line), format!("names that are not UTF-8 were changed, {} first", show(name)))
+            });
+        }
+        self.groups[kind].name(&text, self.faces.n_triangles())
+    }
+
+    fn smoothing(&mut self, line: u64, text: &[u8]) -> Result<(), ReadError> {
+        let number = match integer(text) {
+            _ if text == b"off" => 0,
+            Ok(number) if u32::try_from(number).is_ok() => number as u32,
+            _ => {
+                self.warnings.count("smoothing-group", || {
+                    (
+                        Place::Line(line),
+                        format!(
+                            "smoothing groups that are no number were taken as off, {} first",
+                            show(text)
+                        ),
+                    )
+                });
+                0
+            }
+        };
+        self.groups[3].number(number, self.faces.n_triangles())
+    }
+
+    /// Statements that are counted and skipped.
+    fn other(&mut self, line: u64, word: &[u8], rest: &[u8]) {
+        let place = Place::Line(line);
+        let count = |code, message: &str| self.warnings.count(code, || (place, message.to_owned()));
+        match word {
+            b"l" => count("lines-skipped", "lines (l) were skipped"),
+            b"p" => count("points-skipped", "points (p) were skipped"),
+            b"t" => count("tags-skipped", "subdivision tags (t) were skipped: the faces are taken as flat"),
+            b"mtllib" if leaves_the_folder(rest) => {
+                count("mtllib-outside", "material libraries outside the folder were skipped");
+            }
+            b"mtllib" => {
+                count("mtllib-skipped", "material libraries were not opened; materials keep their names")
+            }
+            _ => {
+                let known = |list: &[&str]| list.iter().any(|name| name.as_bytes() == word);
+                match SKIPPED.iter().position(|(_, list)| known(list)) {
+                    Some(i) => {
+                        count(["free-form-skipped", "display-skipped", "scripts-skipped"][i], SKIPPED[i].0)
+                    }
+                    None => {
+                        self.n_known -= 1;
+                        let message = format!(
+                            "lines that start with no known statement were skipped, {} first",
+                            show(word)
+                        );
+                        count("unknown-statement", &message);
+                    }
+                }
+            }
+        }
+    }
+
+    fn finish(mut self) -> Result<Loaded, ReadError> {
+        if self.n_known == 0 {
+            let message = "not Wavefront OBJ: there is no v, f or any other of its statements";
+            return Err(ReadError::new("not-wavefront", Place::File, message));
+        }
+        let mut raw = Raw { attributes: self.vertex_attributes()?, ..Raw::default() };
+        if self.rows.has_splits() {
+            let mut id = with_room(self.rows.len())?;
+            id.extend(self.rows.corners().map(|corner| corner.position));
+            raw.position_id = Some(id);
+            self.positions
+                .try_reserve_exact(self.rows.len() - self.positions.len())
+                .map_err(|_| crate::grow::out_of_memory(self.rows.len()))?;
+            for corner in self.rows.corners().skip(self.positions.len()) {
+                let position = self.positions[corner.position as usize];
+                self.positions.push(position);
+            }
+        }
+        raw.positions = self.positions;
+        drop((self.corners, self.rows));
+        raw.faces = self.faces.cut(&raw.positions, Place::Line, &mut self.warnings);
+        let mut names = Vec::new();
+        for (kind, groups) in GROUPS.into_iter().zip(self.groups) {
+            if let Some(attribute) = groups.attribute(kind, raw.faces.len())? {
+                raw.attributes.push(attribute);
+                if kind != "s" {
+                    names.push((kind.to_owned(), groups.into_names()));
+                }
+            }
+        }
+        let mesh = assemble::mesh(raw, &mut self.warnings)?;
+        let mut scene = Scene::of("", mesh, true, Frame::default());
+        scene.certificate = self.certificate;
+        scene.groups = names.into_iter().collect();
+        Ok(Loaded { content: Content::Scene(scene), warnings: self.warnings.into_list() })
+    }
+
+    fn vertex_attributes(&mut self) -> Result<Vec<Attribute>, ReadError> {
+        let mut attributes = Vec::new();
+        let texcoords = std::mem::take(&mut self.texcoords);
+        let normals = std::mem::take(&mut self.normals);
+        let texcoord = self.stream(&texcoords, "texcoords", |corner| corner.texcoord)?;
+        let normal = self.stream(&normals, "normals", |corner| corner.normal)?;
+        let vertex = |semantic, width, values| Attribute { semantic, domain: Domain::Vertex, width, values };
+        attributes.extend(normal.map(|values| vertex(Semantic::Normal, 3, values)));
+        attributes.extend(texcoord.map(|values| vertex(Semantic::TexCoord(0), 2, values)));
+        if self.n_colored > 0 {
+            let white = (self.positions.len() - self.n_colored) as u64;
+            self.warnings.count_all("colors-missing", white, "vertices without a colour are white");
+            let width = if self.has_alpha { 4 } else { 3 };
+            let mut values = with_room(self.rows.len() * width)?;
+            for corner in self.rows.corners() {
+                values.extend_from_slice(&self.colors[corner.position as usize][..width]);
+            }
+            attributes.push(vertex(Semantic::Color(0), width, values));
+        }
+        Ok(attributes)
+    }
+
+    /// One value a row, zeros where a corner names none; `None` when no corner names one.
+    fn stream<const N: usize>(
+        &mut self,
+        list: &[[f64; N]],
+        what: &'static str,
+        pick: fn(Corner) -> u32,
+    ) -> Result<Option<Vec<f64>>, ReadError> {
+        let mut used = vec![false; list.len()];
+        self.rows.corners().filter_map(|c| pick(c).checked_sub(1)).for_each(|i| used[i as usize] = true);
+        let n_unused = used.iter().filter(|u| !**u).count() as u64;
+        let [unused, missing] = match what {
+            "normals" => ["normals-unused", "normals-missing"],
+            _ => ["texcoords-unused", "texcoords-missing"],
+        };
+        self.warnings.count_all(unused, n_unused, &format!("{what} that no face names were dropped"));
+        if n_unused == list.len() as u64 {
+            return Ok(None);
+        }
+        let (mut values, mut n_missing) = (with_room(self.rows.len() * N)?, 0);
+        for (row, corner) in self.rows.corners().enumerate() {
+            let value = pick(corner).checked_sub(1).map(|i| list[i as usize]);
+            n_missing += u64::from(value.is_none() && self.rows.is_used(row));
+            values.extend_from_slice(&value.unwrap_or([0.0; N]));
+        }
+        self.warnings.count_all(
+            missing,
+            n_missing,
+            &format!("vertices of faces have no {what}: theirs are 0"),
+        );
+        Ok(Some(values))
+    }
+}

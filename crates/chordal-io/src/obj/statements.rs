@@ -1,0 +1,74 @@
+//! `Statements`: the lines of an OBJ as statements, and how many there are of each kind.
+use crate::assemble::too_many_rows;
+use crate::text::{Lines, Tokens};
+use crate::{Limits, Place, ReadError};
+
+/// Statements: lines, joined with the next one where a backslash ends them.
+pub(super) struct Statements<'a> {
+    lines: Lines<'a>,
+    joined: Vec<u8>,
+}
+
+impl<'a> Statements<'a> {
+    pub(super) fn new(text: &'a [u8]) -> Self {
+        Self { lines: Lines::new(text), joined: Vec::new() }
+    }
+
+    /// The next statement, with the number of its first line.
+    #[inline]
+    pub(super) fn next(&mut self) -> Option<(u64, &[u8])> {
+        let (number, mut line) = self.lines.next()?;
+        if line.last() != Some(&b'\\') || line.first() == Some(&b'#') {
+            return Some((number, line));
+        }
+        self.joined.clear();
+        while let [part @ .., b'\\'] = line {
+            self.joined.extend_from_slice(part);
+            self.joined.push(b' ');
+            line = self.lines.next().map_or(&[], |(_, next)| next);
+        }
+        self.joined.extend_from_slice(line);
+        Some((number, &self.joined))
+    }
+}
+
+/// How many rows the file has, by its own lines: so that lists are as long as they must be, and an index is known
+/// to be out of range where it stands.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Counts {
+    pub(super) positions: usize,
+    pub(super) texcoords: usize,
+    pub(super) normals: usize,
+    pub(super) faces: usize,
+}
+
+impl Counts {
+    pub(super) fn of(text: &[u8]) -> Self {
+        let mut counts = Self::default();
+        let mut statements = Statements::new(text);
+        while let Some((_, statement)) = statements.next() {
+            match Tokens::new(statement).next() {
+                Some(b"v") => counts.positions += 1,
+                Some(b"vt") => counts.texcoords += 1,
+                Some(b"vn") => counts.normals += 1,
+                Some(b"f" | b"fo") => counts.faces += 1,
+                _ => {}
+            }
+        }
+        counts
+    }
+
+    pub(super) fn check(self, limits: &Limits) -> Result<(), ReadError> {
+        let most = limits.rows.min(u64::from(u32::MAX) - 1);
+        let lists = [
+            ("vertices", self.positions),
+            ("texture coordinates", self.texcoords),
+            ("normals", self.normals),
+            ("faces", self.faces),
+        ];
+        match lists.iter().find(|(_, rows)| *rows as u64 > most) {
+            Some((what, rows)) => Err(too_many_rows(Place::File, what, *rows as u64, most)),
+            None => Ok(()),
+        }
+    }
+}

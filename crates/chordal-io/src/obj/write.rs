@@ -1,0 +1,219 @@
+//! Writes Wavefront OBJ.
+use super::CERTIFICATE;
+use crate::placed::{Placed, placed};
+use crate::{Scene, WriteError};
+use chordal::explicit::{Attribute, Domain, Semantic};
+use serde_json::Value;
+use std::io::{BufWriter, Write};
+
+/// Writes a scene as OBJ.
+///
+/// Each position is written once: vertices that [`chordal::Mesh::position_id`] ties share their `v` line and differ in their
+/// `vn` and `vt`. Positions and texture coordinates are the shortest decimals that read back to the same f64, normals
+/// to the same f32. Nodes are applied; each becomes an `o`. Group attributes become `usemtl`, `g`, `o` and `s`. The
+/// certificate stands in a comment. What OBJ cannot hold is told by [`crate::losses`].
+///
+/// # Errors
+/// [`WriteError`] when the sink fails, a node is wrong, or the certificate is too long for a line.
+///
+/// ```
+/// use chordal::Mesh;
+/// use chordal_io::{Frame, Scene, obj};
+/// let mesh = Mesh::new(vec![[0.0; 3], [0.1, 0.0, 0.0], [0.0, 1e300, 0.0]], vec![[0, 1, 2]])?;
+/// let mut file = Vec::new();
+/// obj::write(&Scene::of("", mesh, true, Frame::default()), None, &mut file)?;
+/// assert_eq!(file, b"v 0 0 0\nv 0.1 0 0\nv 0 1e300 0\nf 1 2 3\n");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) -> Result<(), WriteError> {
+    let certificate = certificate.map(crate::certificate::line).transpose()?;
+    let parts = placed(scene)?;
+    let mut writer = Writer { out: BufWriter::new(out), line: Vec::new(), written: [0; 3] };
+    if let Some(line) = certificate {
+        writer.out.write_all(CERTIFICATE)?;
+        writeln!(writer.out, "{line}")?;
+    }
+    for part in &parts {
+        if parts.len() > 1 || !part.name.is_empty() {
+            writer.statement("o", part.name)?;
+        }
+        writer.part(part, scene)?;
+    }
+    writer.out.flush()?;
+    Ok(())
+}
+
+/// The kinds of groups that have a statement, and the statement.
+const GROUPS: [(&str, &str); 5] = [("usemtl", "usemtl"), ("g", "g"), ("solid", "g"), ("o", "o"), ("s", "s")];
+
+struct Writer<'a> {
+    out: BufWriter<&'a mut dyn Write>,
+    line: Vec<u8>,
+    /// `v`, `vt` and `vn` lines so far.
+    written: [u64; 3],
+}
+
+/// A stream of `vt` or `vn` lines, one a row: which line a corner names.
+struct Stream {
+    first: u64,
+    domain: Domain,
+}
+
+impl Stream {
+    fn line(&self, face: usize, corner: usize, vertex: u32) -> u64 {
+        self.first
+            + match self.domain {
+                Domain::Vertex => u64::from(vertex),
+                Domain::Corner => 3 * face as u64 + corner as u64,
+                Domain::Face => face as u64,
+            }
+    }
+}
+
+impl Writer<'_> {
+    fn statement(&mut self, keyword: &str, name: &str) -> Result<(), WriteError> {
+        // A name is one line, and a backslash at its end would join it with the next.
+        let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        let name = name.trim().trim_end_matches('\\');
+        Ok(if name.is_empty() {
+            writeln!(self.out, "{keyword}")
+        } else {
+            writeln!(self.out, "{keyword} {name}")
+        }?)
+    }
+
+    /// A line of a keyword and numbers.
+    fn numbers(&mut self, keyword: &str, numbers: impl IntoIterator<Item = f64>) -> Result<(), WriteError> {
+        self.line.clear();
+        self.line.extend_from_slice(keyword.as_bytes());
+        for number in numbers {
+            self.line.push(b' ');
+            put(&mut self.line, number)?;
+        }
+        self.line.push(b'\n');
+        Ok(self.out.write_all(&self.line)?)
+    }
+
+    fn part(&mut self, part: &Placed, scene: &Scene) -> Result<(), WriteError> {
+        let positions = self.positions(part)?;
+        let texcoords = self.stream(part, &Semantic::TexCoord(0))?;
+        let normals = self.stream(part, &Semantic::Normal)?;
+        let mut groups: Vec<(&Attribute, &str, &str, f64)> = Vec::new();
+        for (kind, keyword) in GROUPS {
+            let attribute = part.part.mesh.attribute(&Semantic::Group(kind.to_owned()));
+            let Some(attribute) = attribute.filter(|a| a.domain == Domain::Face && a.width == 1) else {
+                continue;
+            };
+            if !groups.iter().any(|(_, _, other, _)| *other == keyword) {
+                groups.push((attribute, kind, keyword, 0.0));
+            }
+        }
+        let order = part.order();
+        for (face_idx, face) in part.part.mesh.faces().iter().enumerate() {
+            for (attribute, kind, keyword, current) in &mut groups {
+                let value = attribute.row(face_idx)[0];
+                if value != *current {
+                    *current = value;
+                    self.statement(keyword, &group_name(scene, kind, value))?;
+                }
+            }
+            self.line.clear();
+            self.line.push(b'f');
+            for corner in order {
+                let vertex = face[corner];
+                write!(self.line, " {}", positions[vertex as usize])?;
+                let line = |stream: &Stream| stream.line(face_idx, corner, vertex);
+                match (texcoords.as_ref().map(line), normals.as_ref().map(line)) {
+                    (None, None) => {}
+                    (Some(t), None) => write!(self.line, "/{t}")?,
+                    (None, Some(n)) => write!(self.line, "//{n}")?,
+                    (Some(t), Some(n)) => write!(self.line, "/{t}/{n}")?,
+                }
+            }
+            self.line.push(b'\n');
+            self.out.write_all(&self.line)?;
+        }
+        Ok(())
+    }
+
+    /// Writes every position once, with its colour, and returns the line for each vertex.
+    fn positions(&mut self, part: &Placed) -> Result<Vec<u64>, WriteError> {
+        let first_rows = part.first_rows();
+        let color = part.vertex_attribute(&Semantic::Color(0), 3).filter(|c| colors_agree(c, &first_rows));
+        let width = color.map_or(0, |c| if c.width > 3 && has_alpha(c) { 4 } else { 3 });
+        let mut lines = vec![0; first_rows.len()];
+        for (vertex, &first) in first_rows.iter().enumerate() {
+            if first as usize != vertex {
+                lines[vertex] = lines[first as usize];
+                continue;
+            }
+            let color = color.map_or(&[][..], |c| &c.row(vertex)[..width]);
+            self.numbers("v", part.position(vertex)?.into_iter().chain(color.iter().copied()))?;
+            self.written[0] += 1;
+            lines[vertex] = self.written[0];
+        }
+        Ok(lines)
+    }
+
+    fn stream(&mut self, part: &Placed, semantic: &Semantic) -> Result<Option<Stream>, WriteError> {
+        let is_normal = *semantic == Semantic::Normal;
+        let (keyword, width, count) = if is_normal { ("vn", 3, 2) } else { ("vt", 2, 1) };
+        let Some(attribute) = part.part.mesh.attribute(semantic).filter(|a| a.width == width) else {
+            return Ok(None);
+        };
+        let first = self.written[count] + 1;
+        for row in attribute.values.chunks_exact(width) {
+            if is_normal {
+                self.normal(part.normal(row))?;
+            } else {
+                self.numbers(keyword, row.iter().copied())?;
+            }
+            self.written[count] += 1;
+        }
+        Ok(Some(Stream { first, domain: attribute.domain }))
+    }
+
+    /// A normal needs no more than single precision.
+    fn normal(&mut self, normal: [f64; 3]) -> Result<(), WriteError> {
+        self.line.clear();
+        self.line.extend_from_slice(b"vn");
+        for x in normal {
+            self.line.push(b' ');
+            put(&mut self.line, x as f32)?;
+        }
+        self.line.push(b'\n');
+        Ok(self.out.write_all(&self.line)?)
+    }
+}
+
+/// The shortest decimal that reads back to the same number; whole numbers without a point, very large and very small
+/// ones with an exponent.
+fn put(line: &mut Vec<u8>, number: impl std::fmt::Debug) -> std::io::Result<()> {
+    write!(line, "{number:?}")?;
+    if line.ends_with(b".0") {
+        line.truncate(line.len() - 2);
+    }
+    Ok(())
+}
+
+fn group_name(scene: &Scene, kind: &str, value: f64) -> String {
+    if kind == "s" {
+        return if value == 0.0 { "off".to_owned() } else { value.to_string() };
+    }
+    // A value that is no index, or has no name, is named by itself.
+    let known = scene.groups.get(kind).and_then(|names| names.get(value as usize));
+    match known {
+        Some(name) => name.clone(),
+        None if value == 0.0 => String::new(),
+        None => format!("{kind}_{value}"),
+    }
+}
+
+/// Whether vertices of one position have one colour, so that it can stand on their common line.
+pub(crate) fn colors_agree(color: &Attribute, first_rows: &[u32]) -> bool {
+    first_rows.iter().enumerate().all(|(vertex, first)| color.row(vertex) == color.row(*first as usize))
+}
+
+fn has_alpha(color: &Attribute) -> bool {
+    color.values.chunks_exact(color.width).any(|row| row[3] != 1.0)
+}

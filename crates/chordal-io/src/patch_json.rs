@@ -1,0 +1,218 @@
+//! Patches in JSON, after `docs/schema/patches.schema.json`.
+use crate::assemble::{check_patches, too_many_rows};
+use crate::grow::{push, with_room};
+use crate::json::{Json, Kind};
+use crate::text::{grouped, show, text_of};
+use crate::warnings::Warnings;
+use crate::{Axis, Content, Frame, Limits, Loaded, Place, ReadError};
+use chordal::Patch;
+
+/// The patches of a JSON file, in one of two forms: `{"patches": [[[[x, y, z], …4], …4], …]}`, or
+/// `{"points": [[x, y, z], …], "patches": [[i, …16], …]}` with indices from 0. `"up": "y" | "z"` and
+/// `"metres_per_unit"` are optional and default to unknown.
+///
+/// # Errors
+/// [`ReadError`] with the JSON pointer of what is wrong, or the byte where the text is no JSON.
+///
+/// ```
+/// use chordal_io::{Content, Limits, patch_json};
+/// let file = br#"{"up": "z", "points": [[0,0,0], [1,0,0]], "patches": [[0,0,0,0, 0,0,0,0, 1,1,1,1, 1,1,1,1]]}"#;
+/// let Content::Patches(patches, frame) = patch_json::read(file, &Limits::default())?.content else { unreachable!() };
+/// assert_eq!(patches[0].control[2][0], [1.0, 0.0, 0.0]);
+/// assert_eq!(frame.up, Some(chordal_io::Axis::Z));
+///
+/// let error = patch_json::read(br#"{"patches": [[[[0, 0]]]]}"#, &Limits::default()).unwrap_err();
+/// assert_eq!(error.to_string(), "/patches/0/0/0: 2 numbers where 3 are needed");
+/// # Ok::<(), chordal_io::ReadError>(())
+/// ```
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
+    let mut json = Json::new(text_of(bytes)?, limits)?;
+    let mut found = Found::default();
+    json.object(|json, key| found.member(json, key, limits))?;
+    json.end()?;
+    let patches = found.patches()?;
+    check_patches(&patches, &mut found.warnings)?;
+    Ok(Loaded { content: Content::Patches(patches, found.frame), warnings: found.warnings.into_list() })
+}
+
+/// Whether the text is a JSON object with patches.
+pub(crate) fn looks_like(text: &[u8]) -> bool {
+    let Ok(mut json) = Json::new(text, &Limits::default()) else { return false };
+    let mut found = false;
+    // Stops with an error at the key that decides, so that the patches themselves are not read.
+    let _ = json.object(|json, key| {
+        found |= key == "patches";
+        if found { Err(json.error("found", "")) } else { json.skip() }
+    });
+    found
+}
+
+const UNUSED: &str = "points that no patch names were dropped";
+
+/// What the members said so far; indices may come before the points that they name.
+#[derive(Default)]
+struct Found {
+    points: Option<Vec<[f64; 3]>>,
+    by_index: Vec<[u32; 16]>,
+    by_value: Vec<Patch>,
+    has_patches: bool,
+    frame: Frame,
+    warnings: Warnings,
+}
+
+impl Found {
+    fn member(&mut self, json: &mut Json, key: &str, limits: &Limits) -> Result<(), ReadError> {
+        match key {
+            "patches" => {
+                self.has_patches = true;
+                json.array(|json, row| {
+                    check_rows(json, "patches", row, limits)?;
+                    self.patch(json)
+                })?;
+            }
+            "points" => {
+                let mut points = Vec::new();
+                json.array(|json, row| {
+                    check_rows(json, "points", row, limits)?;
+                    push(&mut points, point(json)?)
+                })?;
+                self.points = Some(points);
+            }
+            "up" => {
+                let name = if json.peek()? == Kind::String { json.string()? } else { String::new() };
+                self.frame.up = Some(match name.as_str() {
+                    "y" => Axis::Y,
+                    "z" => Axis::Z,
+                    _ => return Err(json.error("wrong-value", "up is \"y\" or \"z\"")),
+                });
+            }
+            "metres_per_unit" => {
+                let value = json.number()?;
+                if value <= 0.0 {
+                    return Err(json.error("wrong-value", format!("{value} is not greater than 0")));
+                }
+                self.frame.metres_per_unit = Some(value);
+            }
+            _ => {
+                let message =
+                    format!("members that are not known were skipped, {} first", show(key.as_bytes()));
+                self.warnings.count("unknown-member", || (json.place(), message));
+                json.skip()?;
+            }
+        }
+        Ok(())
+    }
+
+    fn patch(&mut self, json: &mut Json) -> Result<(), ReadError> {
+        let mut indices = [0; 16];
+        let mut control = [[[0.0; 3]; 4]; 4];
+        let mut is_indices = false;
+        let n = json.array(|json, i| {
+            if json.peek()? == Kind::Number {
+                is_indices = true;
+                let index = index(json)?;
+                set(&mut indices, i, index);
+                return Ok(());
+            }
+            if is_indices {
+                return Err(json.error("wrong-type", "an index should stand here"));
+            }
+            let row = row(json)?;
+            set(&mut control, i, row);
+            Ok(())
+        })?;
+        match (is_indices, n) {
+            (true, 16) => push(&mut self.by_index, indices)?,
+            (false, 4) => push(&mut self.by_value, Patch { control })?,
+            (true, n) => return Err(width(json, n, "indices", 16)),
+            (false, n) => return Err(width(json, n, "rows", 4)),
+        }
+        if !self.by_index.is_empty() && !self.by_value.is_empty() {
+            return Err(json.error("mixed-forms", "patches are all given by points or all by indices"));
+        }
+        Ok(())
+    }
+
+    fn patches(&mut self) -> Result<Vec<Patch>, ReadError> {
+        if !self.has_patches {
+            return Err(ReadError::new("no-patches", Place::File, "the object has no member \"patches\""));
+        }
+        let points = self.points.take();
+        if self.by_index.is_empty() {
+            if let Some(points) = points {
+                self.warnings.count_all("isolated-points", points.len() as u64, UNUSED);
+            }
+            return Ok(std::mem::take(&mut self.by_value));
+        }
+        let Some(points) = points else {
+            let message = "patches are given by indices, but the object has no member \"points\"";
+            return Err(ReadError::new("no-points", Place::File, message));
+        };
+        let mut used = vec![false; points.len()];
+        let mut patches = with_room(self.by_index.len())?;
+        for (row, indices) in self.by_index.iter().enumerate() {
+            let mut control = [[[0.0; 3]; 4]; 4];
+            for (i, slot) in control.as_flattened_mut().iter_mut().enumerate() {
+                *slot = *points.get(indices[i] as usize).ok_or_else(|| {
+                    let n = grouped(points.len() as u64);
+                    let message =
+                        format!("index {} is out of range: there are {n} points, from 0", indices[i]);
+                    ReadError::new(
+                        "index-out-of-range",
+                        Place::Pointer(format!("/patches/{row}/{i}")),
+                        message,
+                    )
+                })?;
+                used[indices[i] as usize] = true;
+            }
+            patches.push(Patch { control });
+        }
+        let unused = used.iter().filter(|u| !**u).count() as u64;
+        self.warnings.count_all("isolated-points", unused, UNUSED);
+        Ok(patches)
+    }
+}
+
+/// Sets an item if the list is that long; that it is longer is said when all of it has been counted.
+fn set<T>(list: &mut [T], i: u64, item: T) {
+    if let Some(slot) = list.get_mut(i as usize) {
+        *slot = item;
+    }
+}
+
+fn check_rows(json: &Json, what: &str, row: u64, limits: &Limits) -> Result<(), ReadError> {
+    if row >= limits.rows { Err(too_many_rows(json.place(), what, row + 1, limits.rows)) } else { Ok(()) }
+}
+
+fn width(json: &Json, found: u64, what: &str, needed: u64) -> ReadError {
+    json.error("wrong-width", format!("{found} {what} where {needed} are needed"))
+}
+
+fn index(json: &mut Json) -> Result<u32, ReadError> {
+    let value = json.number()?;
+    if value < 0.0 || value.fract() != 0.0 || value > f64::from(u32::MAX) {
+        let message = format!("{value} is not an index: a whole number from 0 to {}", u32::MAX);
+        return Err(json.error("not-an-index", message));
+    }
+    Ok(value as u32)
+}
+
+fn point(json: &mut Json) -> Result<[f64; 3], ReadError> {
+    let mut point = [0.0; 3];
+    let n = json.array(|json, i| {
+        let value = json.number()?;
+        set(&mut point, i, value);
+        Ok(())
+    })?;
+    if n == 3 { Ok(point) } else { Err(width(json, n, "numbers", 3)) }
+}
+
+fn row(json: &mut Json) -> Result<[[f64; 3]; 4], ReadError> {
+    let mut row = [[0.0; 3]; 4];
+    let n = json.array(|json, i| {
+        let point = point(json)?;
+        set(&mut row, i, point);
+        Ok(())
+    })?;
+    if n == 4 { Ok(row) } else { Err(width(json, n, "points", 4)) }
+}

@@ -1,0 +1,212 @@
+//! The vertices of a PLY file: which property goes into which stream.
+use super::body::Body;
+use super::header::{Element, Scalar, Shape};
+use crate::grow::{push, with_room};
+use crate::warnings::Warnings;
+use crate::{Limits, Place, ReadError};
+use chordal::explicit::{Attribute, Domain, Semantic};
+
+/// The names under which components of the known streams go.
+const TEXCOORDS: [[&str; 2]; 5] = [
+    ["s", "t"],
+    ["u", "v"],
+    ["texture_u", "texture_v"],
+    ["texture_s", "texture_t"],
+    ["texcoord_u", "texcoord_v"],
+];
+const COLORS: [[&str; 4]; 3] = [
+    ["red", "green", "blue", "alpha"],
+    ["diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"],
+    ["r", "g", "b", "a"],
+];
+const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
+const POSITION: [&str; 3] = ["x", "y", "z"];
+/// Which vertices are one position; written by this library only.
+pub(super) const POSITION_ID: &str = "position_id";
+
+/// Where a value goes.
+#[derive(Clone, Copy, Debug)]
+enum Target {
+    Position(usize),
+    PositionId,
+    /// A stream, a component, and by what the value is divided.
+    Stream(usize, usize, f64),
+    Skip,
+}
+
+/// What the vertices hold.
+#[derive(Debug, Default)]
+pub(super) struct Vertices {
+    pub(super) positions: Vec<[f64; 3]>,
+    pub(super) position_id: Option<Vec<u32>>,
+    pub(super) attributes: Vec<Attribute>,
+}
+
+struct Plan {
+    targets: Vec<Target>,
+    streams: Vec<Attribute>,
+    has_id: bool,
+}
+
+impl Plan {
+    fn of(element: &Element, warnings: &mut Warnings) -> Result<Self, ReadError> {
+        let mut plan = Self {
+            targets: vec![Target::Skip; element.properties.len()],
+            streams: Vec::new(),
+            has_id: false,
+        };
+        let place = Place::Line(element.line);
+        for (k, axis) in POSITION.iter().enumerate() {
+            match find(element, axis) {
+                Some((i, scalar)) if !matches!(scalar, Scalar::Opaque(_)) => {
+                    plan.targets[i] = Target::Position(k)
+                }
+                _ => {
+                    let message = format!("element 'vertex' has no number '{axis}'");
+                    return Err(ReadError::new("no-position", place, message));
+                }
+            }
+        }
+        plan.stream(element, Semantic::Normal, &NORMAL);
+        for (set, names) in TEXCOORDS.iter().filter(|names| has(element, &names[..])).enumerate() {
+            plan.stream(element, Semantic::TexCoord(set as u32), names);
+        }
+        for (set, names) in COLORS.iter().filter(|names| has(element, &names[..3])).enumerate() {
+            let width = if has(element, &names[..]) { 4 } else { 3 };
+            plan.stream(element, Semantic::Color(set as u32), &names[..width]);
+        }
+        plan.others(element, warnings);
+        Ok(plan)
+    }
+
+    /// A stream of the properties of these names, if all of them are there.
+    fn stream(&mut self, element: &Element, semantic: Semantic, names: &[&str]) {
+        if !has(element, names) {
+            return;
+        }
+        let is_color = matches!(semantic, Semantic::Color(_));
+        for (k, name) in names.iter().enumerate() {
+            let Some((i, scalar)) = find(element, name) else { continue };
+            let divisor = match scalar {
+                Scalar::U8 if is_color => 255.0,
+                Scalar::U16 if is_color => 65535.0,
+                _ => 1.0,
+            };
+            self.targets[i] = Target::Stream(self.streams.len(), k, divisor);
+        }
+        let domain = Domain::Vertex;
+        self.streams.push(Attribute { semantic, domain, width: names.len(), values: Vec::new() });
+    }
+
+    /// Every other number is a stream of its own; lists and numbers that cannot be read are skipped.
+    fn others(&mut self, element: &Element, warnings: &mut Warnings) {
+        for (i, property) in element.properties.iter().enumerate() {
+            if !matches!(self.targets[i], Target::Skip) {
+                continue;
+            }
+            match property.shape {
+                Shape::One(Scalar::U32 | Scalar::I32) if property.name == POSITION_ID => {
+                    self.targets[i] = Target::PositionId;
+                    self.has_id = true;
+                }
+                Shape::One(scalar) if !matches!(scalar, Scalar::Opaque(_)) => {
+                    self.targets[i] = Target::Stream(self.streams.len(), 0, 1.0);
+                    let semantic = Semantic::Custom(property.name.clone());
+                    let domain = Domain::Vertex;
+                    self.streams.push(Attribute { semantic, domain, width: 1, values: Vec::new() });
+                }
+                _ => warnings.count("vertex-property-skipped", || {
+                    let message = format!(
+                        "properties of vertices were skipped, '{}' first",
+                        property.name.escape_default()
+                    );
+                    (Place::Line(element.line), message)
+                }),
+            }
+        }
+    }
+}
+
+fn find(element: &Element, name: &str) -> Option<(usize, Scalar)> {
+    element.properties.iter().enumerate().find_map(|(i, p)| match p.shape {
+        Shape::One(scalar) if p.name == name => Some((i, scalar)),
+        _ => None,
+    })
+}
+
+fn has(element: &Element, names: &[&str]) -> bool {
+    names.iter().all(|name| find(element, name).is_some_and(|(_, s)| !matches!(s, Scalar::Opaque(_))))
+}
+
+impl Vertices {
+    /// Reads all rows.
+    pub(super) fn read(
+        body: &mut Body,
+        element: &Element,
+        limits: &Limits,
+        warnings: &mut Warnings,
+    ) -> Result<Self, ReadError> {
+        let Plan { targets, mut streams, has_id } = Plan::of(element, warnings)?;
+        // `Body::check_size` has seen that many rows' bytes, so that room for all of them is in proportion.
+        let n_rows = element.rows as usize;
+        let mut positions: Vec<[f64; 3]> = with_room(n_rows)?;
+        let mut ids: Vec<i64> = with_room(if has_id { n_rows } else { 0 })?;
+        for stream in &mut streams {
+            stream.values = with_room(n_rows * stream.width)?;
+        }
+        for row in 0..element.rows {
+            body.start_row(element, row)?;
+            for stream in &mut streams {
+                crate::grow::push_many(&mut stream.values, 0.0, stream.width)?;
+            }
+            let mut position = [0.0; 3];
+            for (property, target) in element.properties.iter().zip(&targets) {
+                let Shape::One(scalar) = property.shape else {
+                    body.skip(element, property.shape)?;
+                    continue;
+                };
+                let value = body.number(element, scalar)?;
+                match *target {
+                    Target::Position(k) => position[k] = value,
+                    Target::PositionId => push(&mut ids, value as i64)?,
+                    Target::Stream(stream, k, divisor) => {
+                        let Attribute { width, values, .. } = &mut streams[stream];
+                        values[row as usize * *width + k] = value / divisor;
+                    }
+                    Target::Skip => {}
+                }
+            }
+            body.end_row(element)?;
+            if let Some(k) = position.iter().position(|x| !x.is_finite())
+                && !limits.drop_nonfinite
+            {
+                let message = format!("{} = {} is not finite", POSITION[k], position[k]);
+                return Err(body.error(element, "not-finite", &message));
+            }
+            push(&mut positions, position)?;
+        }
+        let position_id = if has_id { checked_ids(&ids, &positions, warnings)? } else { None };
+        Ok(Self { positions, position_id, attributes: streams })
+    }
+}
+
+/// The ids if each names a vertex at the same position.
+fn checked_ids(
+    ids: &[i64],
+    positions: &[[f64; 3]],
+    warnings: &mut Warnings,
+) -> Result<Option<Vec<u32>>, ReadError> {
+    let mut checked = with_room(ids.len())?;
+    for (row, &id) in ids.iter().enumerate() {
+        let other = usize::try_from(id).ok().and_then(|i| positions.get(i));
+        if other.map(|p| p.map(f64::to_bits)) != Some(positions[row].map(f64::to_bits)) {
+            warnings.count("position-id-skipped", || {
+                let message = format!("position_id {id} names no vertex at the same position; none was used");
+                (Place::Row { list: "vertex", row: row as u64 }, message)
+            });
+            return Ok(None);
+        }
+        checked.push(id as u32);
+    }
+    Ok(Some(checked))
+}

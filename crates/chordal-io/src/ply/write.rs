@@ -1,0 +1,183 @@
+//! Writes PLY.
+use super::vertices::POSITION_ID;
+use crate::placed::{Placed, placed};
+use crate::text::grouped;
+use crate::{Scene, WriteError};
+use chordal::explicit::{Attribute, Semantic};
+use serde_json::Value;
+use std::io::{BufWriter, Write};
+
+/// Writes a scene as binary little-endian PLY: positions and texture coordinates as doubles, normals as floats,
+/// indices as 32-bit.
+///
+/// PLY has one row a vertex, so that vertices which differ only in their attributes stay rows of their own; where
+/// the mesh ties them, a property `position_id` names the first row at the same position, which the reader here
+/// understands and others skip. Nodes are applied, and all parts become one. Colours are bytes where that is exact,
+/// else floats. The certificate stands in a comment. What PLY cannot hold is told by [`crate::losses`].
+///
+/// # Errors
+/// [`WriteError`] when the sink fails, a node is wrong, there are more than 2³² − 2 vertices, or the certificate is too
+/// long for a header line.
+///
+/// ```
+/// use chordal::Mesh;
+/// use chordal_io::{Content, Frame, Limits, Scene, ply};
+/// let mesh = Mesh::new(vec![[0.1, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// let mut file = Vec::new();
+/// ply::write(&Scene::of("", mesh.clone(), true, Frame::default()), None, &mut file)?;
+/// let Content::Scene(scene) = ply::read(&file, &Limits::default())?.content else { unreachable!() };
+/// assert_eq!(scene.parts[0].mesh, mesh);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) -> Result<(), WriteError> {
+    let certificate = certificate.map(crate::certificate::line).transpose()?;
+    let parts = placed(scene)?;
+    let plan = Plan::of(&parts)?;
+    let mut out = BufWriter::new(out);
+    plan.header(certificate.as_deref(), &mut out)?;
+    let mut first_vertex = 0;
+    for part in &parts {
+        plan.vertices(part, first_vertex, &mut out)?;
+        first_vertex += part.part.mesh.positions().len() as u32;
+    }
+    let mut first_vertex = 0;
+    for part in &parts {
+        faces(part, first_vertex, &mut out)?;
+        first_vertex += part.part.mesh.positions().len() as u32;
+    }
+    out.flush()?;
+    Ok(())
+}
+
+/// How colours are written.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Colors {
+    None,
+    Bytes(usize),
+    Floats(usize),
+}
+
+/// What every row of the file has: all that some part has.
+struct Plan {
+    n_vertices: u64,
+    n_faces: u64,
+    has_normals: bool,
+    has_texcoords: bool,
+    colors: Colors,
+    has_ids: bool,
+}
+
+impl Plan {
+    fn of(parts: &[Placed]) -> Result<Self, WriteError> {
+        let count = |n: fn(&Placed) -> usize| parts.iter().map(|p| n(p) as u64).sum::<u64>();
+        let n_vertices = count(|p| p.part.mesh.positions().len());
+        let n_faces = count(|p| p.part.mesh.faces().len());
+        if n_vertices >= u64::from(u32::MAX) {
+            let message = format!("{} vertices are more than 32-bit indices can name", grouped(n_vertices));
+            return Err(WriteError::Unsupported(message));
+        }
+        let has = |semantic: Semantic, width: usize| {
+            parts.iter().any(|p| p.vertex_attribute(&semantic, width).is_some())
+        };
+        Ok(Self {
+            n_vertices,
+            n_faces,
+            has_normals: has(Semantic::Normal, 3),
+            has_texcoords: has(Semantic::TexCoord(0), 2),
+            colors: Colors::of(parts),
+            has_ids: parts.iter().any(|p| p.part.mesh.position_id().is_some()),
+        })
+    }
+
+    fn header(&self, certificate: Option<&str>, out: &mut impl Write) -> Result<(), WriteError> {
+        writeln!(out, "ply\nformat binary_little_endian 1.0")?;
+        if let Some(line) = certificate {
+            writeln!(out, "comment chordal {line}")?;
+        }
+        writeln!(out, "element vertex {}", self.n_vertices)?;
+        let mut property = |kind: &str, names: &[&str]| -> Result<(), WriteError> {
+            Ok(names.iter().try_for_each(|name| writeln!(out, "property {kind} {name}"))?)
+        };
+        property("double", &["x", "y", "z"])?;
+        if self.has_normals {
+            property("float", &["nx", "ny", "nz"])?;
+        }
+        if self.has_texcoords {
+            property("double", &["s", "t"])?;
+        }
+        let names = ["red", "green", "blue", "alpha"];
+        match self.colors {
+            Colors::None => {}
+            Colors::Bytes(width) => property("uchar", &names[..width])?,
+            Colors::Floats(width) => property("float", &names[..width])?,
+        }
+        if self.has_ids {
+            property("uint", &[POSITION_ID])?;
+        }
+        writeln!(out, "element face {}\nproperty list uchar uint vertex_indices\nend_header", self.n_faces)?;
+        Ok(())
+    }
+
+    fn vertices(&self, part: &Placed, first_vertex: u32, out: &mut impl Write) -> Result<(), WriteError> {
+        let normals = part.vertex_attribute(&Semantic::Normal, 3);
+        let texcoords = part.vertex_attribute(&Semantic::TexCoord(0), 2);
+        let colors = part.vertex_attribute(&Semantic::Color(0), 3);
+        let first_rows = part.first_rows();
+        let mut row = Vec::new();
+        for (vertex, first_row) in first_rows.iter().enumerate() {
+            row.clear();
+            part.position(vertex)?.iter().for_each(|x| row.extend(x.to_le_bytes()));
+            if self.has_normals {
+                let normal = normals.map_or([0.0; 3], |a| part.normal(a.row(vertex)));
+                normal.iter().for_each(|x| row.extend((*x as f32).to_le_bytes()));
+            }
+            if self.has_texcoords {
+                let texcoord = texcoords.map_or([0.0; 2], |a| [a.row(vertex)[0], a.row(vertex)[1]]);
+                texcoord.iter().for_each(|x| row.extend(x.to_le_bytes()));
+            }
+            let channel = |k: usize| colors.map_or(1.0, |a| a.row(vertex).get(k).copied().unwrap_or(1.0));
+            match self.colors {
+                Colors::None => {}
+                Colors::Bytes(width) => row.extend((0..width).map(|k| byte(channel(k)).unwrap_or(255))),
+                Colors::Floats(width) => {
+                    (0..width).for_each(|k| row.extend((channel(k) as f32).to_le_bytes()))
+                }
+            }
+            if self.has_ids {
+                row.extend((first_vertex + first_row).to_le_bytes());
+            }
+            out.write_all(&row)?;
+        }
+        Ok(())
+    }
+}
+
+fn faces(part: &Placed, first_vertex: u32, out: &mut impl Write) -> Result<(), WriteError> {
+    let order = part.order();
+    for face in part.part.mesh.faces() {
+        let mut row = [0; 13];
+        row[0] = 3;
+        for (slot, corner) in row[1..].chunks_exact_mut(4).zip(order) {
+            slot.copy_from_slice(&(first_vertex + face[corner]).to_le_bytes());
+        }
+        out.write_all(&row)?;
+    }
+    Ok(())
+}
+
+impl Colors {
+    fn of(parts: &[Placed]) -> Self {
+        let colors: Vec<&Attribute> =
+            parts.iter().filter_map(|p| p.vertex_attribute(&Semantic::Color(0), 3)).collect();
+        let Some(width) = colors.iter().map(|a| a.width.min(4)).max() else { return Self::None };
+        let exact = colors.iter().all(|a| a.values.iter().all(|x| byte(*x).is_some()));
+        if exact { Self::Bytes(width) } else { Self::Floats(width) }
+    }
+}
+
+/// The byte that reads back as exactly this channel.
+fn byte(channel: f64) -> Option<u8> {
+    let nearest = (channel * 255.0).round();
+    let fits = (0.0..=255.0).contains(&nearest) && nearest / 255.0 == channel;
+    fits.then_some(nearest as u8)
+}

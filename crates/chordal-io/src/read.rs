@@ -1,0 +1,56 @@
+//! `read`: bytes of a known format to a shape.
+use crate::text::grouped;
+use crate::{Format, Limits, Loaded, Place, ReadError, bpt, glb, obj, patch_json, ply, stl, teaset};
+
+/// The shape that a file of `format` holds, with its oddities counted.
+///
+/// Time and memory grow with the bytes that are there, never with a count that they declare: at most
+/// 64 MiB + 16 times the bytes, or 16 times the 12 bytes of each triangle where a file packs triangles tighter than that
+/// (long polygons, strips of one-byte indices).
+///
+/// # Errors
+/// One [`ReadError`] with its place. Where the content looks like another format, the message says which.
+///
+/// ```
+/// use chordal_io::{Content, Format, Limits, read};
+///
+/// let loaded = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj, &Limits::default())?;
+/// let Content::Scene(scene) = loaded.content else { unreachable!() };
+/// assert_eq!(scene.parts[0].mesh.faces(), [[0, 1, 2]]);
+///
+/// let error = read(b"v 0 0 0\nf 1 2 3\n", Format::Obj, &Limits::default()).unwrap_err();
+/// assert!(error.to_string().starts_with("line 2: "));
+/// # Ok::<(), chordal_io::ReadError>(())
+/// ```
+pub fn read(bytes: &[u8], format: Format, limits: &Limits) -> Result<Loaded, ReadError> {
+    check_size(bytes, limits)?;
+    let loaded = match format {
+        Format::Bpt => bpt::read(bytes, limits),
+        Format::Teaset => teaset::read(bytes, limits),
+        Format::PatchJson => patch_json::read(bytes, limits),
+        Format::Obj => obj::read(bytes, limits),
+        Format::Ply => ply::read(bytes, limits),
+        Format::Stl => stl::read(bytes, limits),
+        Format::Glb => glb::read(bytes, limits),
+    };
+    loaded.map_err(|mut error| {
+        if let Some(other) = Format::sniff(bytes).filter(|other| *other != format) {
+            error.message.push_str(&format!("; the content looks like {other}"));
+        }
+        error
+    })
+}
+
+/// Refuses what holds nothing, and what is larger than the limit.
+fn check_size(bytes: &[u8], limits: &Limits) -> Result<(), ReadError> {
+    if bytes.iter().all(|b| crate::text::is_space(*b)) {
+        let message = format!("the file is empty: {} bytes, none of them more than space", bytes.len());
+        return Err(ReadError::new("empty", Place::File, message));
+    }
+    let size = bytes.len() as u64;
+    if size > limits.bytes {
+        let message = format!("{} bytes are over the limit of {}", grouped(size), grouped(limits.bytes));
+        return Err(ReadError::new("too-large", Place::File, message));
+    }
+    Ok(())
+}

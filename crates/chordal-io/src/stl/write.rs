@@ -1,0 +1,72 @@
+//! Writes binary STL.
+use super::read::HEAD;
+use crate::placed::placed;
+use crate::text::grouped;
+use crate::{Scene, WriteError};
+use chordal::explicit::face_normal;
+use serde_json::Value;
+use std::io::{BufWriter, Write};
+
+/// Writes a scene as binary STL: every corner as three floats, every facet with the normal of its rounded corners.
+///
+/// Nodes are applied, and all parts become one. STL has 80 free bytes, too few for a certificate, so that none
+/// travels. What else is lost is told by [`crate::losses`].
+///
+/// # Errors
+/// [`WriteError`] when the sink fails, a node is wrong, a coordinate overflows an f32, or there are 2³² facets or more.
+///
+/// ```
+/// use chordal::Mesh;
+/// use chordal_io::{Frame, Scene, stl};
+/// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// let mut file = Vec::new();
+/// stl::write(&Scene::of("", mesh, false, Frame::default()), None, &mut file)?;
+/// assert_eq!(file.len(), 84 + 50);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) -> Result<(), WriteError> {
+    let _ = certificate;
+    let parts = placed(scene)?;
+    let n_facets: u64 = parts.iter().map(|p| p.part.mesh.faces().len() as u64).sum();
+    let count = u32::try_from(n_facets).map_err(|_| {
+        let message =
+            format!("{} facets are over the limit of STL, {}", grouped(n_facets), grouped(u32::MAX.into()));
+        WriteError::Unsupported(message)
+    })?;
+    let mut out = BufWriter::new(out);
+    // Must not start with `solid`, or some readers take it for text.
+    let mut head = [b' '; HEAD];
+    head[..19].copy_from_slice(b"binary STL, chordal");
+    head[HEAD - 4..].copy_from_slice(&count.to_le_bytes());
+    out.write_all(&head)?;
+    for part in &parts {
+        let order = part.order();
+        for face in part.part.mesh.faces() {
+            let mut corners = [[0.0; 3]; 3];
+            for (slot, corner) in corners.iter_mut().zip(order) {
+                *slot = rounded(part.position(face[corner] as usize)?)?;
+            }
+            let normal = face_normal(corners).unwrap_or_default();
+            let numbers = normal.iter().chain(corners.as_flattened());
+            let mut facet = Vec::with_capacity(super::read::FACET);
+            numbers.for_each(|x| facet.extend((*x as f32).to_le_bytes()));
+            facet.extend([0, 0]);
+            out.write_all(&facet)?;
+        }
+    }
+    out.flush()?;
+    Ok(())
+}
+
+/// A position at the precision of the format.
+fn rounded(position: [f64; 3]) -> Result<[f64; 3], WriteError> {
+    let rounded = position.map(|x| f64::from(x as f32));
+    match rounded.iter().position(|x| !x.is_finite()) {
+        None => Ok(rounded),
+        Some(k) => Err(WriteError::Unsupported(format!(
+            "coordinate {:e} is over the limit of STL, {:e}",
+            position[k],
+            f32::MAX
+        ))),
+    }
+}

@@ -1,0 +1,250 @@
+//! Text formats: lines, tokens, numbers, and how a token is shown in an error.
+use crate::{Place, ReadError};
+use memchr::{memchr, memchr2};
+
+/// A token as an error shows it: quoted, escaped, and cut where it is long.
+pub(crate) fn show(token: &[u8]) -> String {
+    const MOST: usize = 40;
+    let cut = if token.len() > MOST { "…" } else { "" };
+    format!("'{}{cut}'", token[..token.len().min(MOST)].escape_ascii())
+}
+
+/// A count as an error shows it: 4294967295 as 4,294,967,295.
+pub(crate) fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Physical lines, ended by LF, CR LF or CR, counted from 1, without their ends.
+#[derive(Clone, Debug)]
+pub(crate) struct Lines<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    line: u64,
+}
+
+impl<'a> Lines<'a> {
+    pub(crate) fn new(bytes: &'a [u8]) -> Self {
+        Self { bytes, at: 0, line: 0 }
+    }
+
+    /// The offset of the next line.
+    pub(crate) fn offset(&self) -> usize {
+        self.at
+    }
+}
+
+impl<'a> Iterator for Lines<'a> {
+    type Item = (u64, &'a [u8]);
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        let rest = &self.bytes[self.at..];
+        if rest.is_empty() {
+            return None;
+        }
+        let end = memchr2(b'\n', b'\r', rest).unwrap_or(rest.len());
+        let skip = match &rest[end..] {
+            [b'\r', b'\n', ..] => 2,
+            [] => 0,
+            _ => 1,
+        };
+        self.at += end + skip;
+        self.line += 1;
+        Some((self.line, &rest[..end]))
+    }
+}
+
+/// Whether a byte separates tokens.
+#[inline]
+pub(crate) fn is_space(byte: u8) -> bool {
+    matches!(byte, b' ' | b'\t' | b'\n' | b'\r' | 0x0b | 0x0c)
+}
+
+/// The tokens of one line.
+#[derive(Clone, Debug)]
+pub(crate) struct Tokens<'a> {
+    rest: &'a [u8],
+}
+
+impl<'a> Tokens<'a> {
+    pub(crate) fn new(line: &'a [u8]) -> Self {
+        Self { rest: line }
+    }
+
+    /// All that is left, without spaces at its ends.
+    pub(crate) fn rest(&self) -> &'a [u8] {
+        trim(self.rest)
+    }
+}
+
+impl<'a> Iterator for Tokens<'a> {
+    type Item = &'a [u8];
+
+    #[inline]
+    fn next(&mut self) -> Option<&'a [u8]> {
+        let start = self.rest.iter().position(|b| !is_space(*b))?;
+        let rest = &self.rest[start..];
+        let end = rest.iter().position(|b| is_space(*b)).unwrap_or(rest.len());
+        self.rest = &rest[end..];
+        Some(&rest[..end])
+    }
+}
+
+/// Without spaces at its ends.
+pub(crate) fn trim(mut bytes: &[u8]) -> &[u8] {
+    while let [first, rest @ ..] = bytes
+        && is_space(*first)
+    {
+        bytes = rest;
+    }
+    while let [rest @ .., last] = bytes
+        && is_space(*last)
+    {
+        bytes = rest;
+    }
+    bytes
+}
+
+/// The number that a token spells, or `None`. Too large a number is infinite, as `inf` is; `nan` and what old
+/// Microsoft runtimes print for it (`-1.#IND`) are NaN.
+#[inline]
+pub(crate) fn number(token: &[u8]) -> Option<f64> {
+    let text = std::str::from_utf8(token).ok()?;
+    match text.parse() {
+        Ok(value) => Some(value),
+        Err(_) => {
+            let (_, kind) = text.split_once('#')?;
+            let known = ["IND", "INF", "QNAN", "SNAN"].iter().any(|k| kind.starts_with(k));
+            known.then_some(f64::NAN)
+        }
+    }
+}
+
+/// Why a token is no number, in a sentence.
+pub(crate) fn why_no_number(token: &[u8]) -> String {
+    let shown = show(token);
+    if memchr(b',', token).is_some() {
+        return format!("{shown} is not a number; a decimal comma must be a point, as in 1.5");
+    }
+    format!("{shown} is not a number")
+}
+
+/// A finite number, or the error at `place`.
+pub(crate) fn finite(token: &[u8], place: impl Fn() -> Place) -> Result<f64, ReadError> {
+    match number(token) {
+        Some(value) if value.is_finite() => Ok(value),
+        Some(_) => Err(not_finite(token, place())),
+        None => Err(ReadError::new("not-a-number", place(), why_no_number(token))),
+    }
+}
+
+/// The error of a coordinate that is NaN, infinite or beyond what an f64 holds.
+pub(crate) fn not_finite(token: &[u8], place: Place) -> ReadError {
+    let message = format!("coordinate {} is not finite, or over the limit of 1.8e308", show(token));
+    ReadError::new("not-finite", place, message)
+}
+
+/// Why a token is no integer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NoInteger {
+    /// It is not spelled like one.
+    Spelling,
+    /// It does not fit into an i64.
+    TooLarge,
+}
+
+/// The integer that a token spells, with a sign or without.
+#[inline]
+pub(crate) fn integer(token: &[u8]) -> Result<i64, NoInteger> {
+    let (digits, negative) = match token {
+        [b'-', rest @ ..] => (rest, true),
+        [b'+', rest @ ..] => (rest, false),
+        all => (all, false),
+    };
+    if digits.is_empty() {
+        return Err(NoInteger::Spelling);
+    }
+    let mut value = 0_i64;
+    let mut fits = true;
+    for &byte in digits {
+        if !byte.is_ascii_digit() {
+            return Err(NoInteger::Spelling);
+        }
+        let digit = i64::from(byte - b'0');
+        match value.checked_mul(10).and_then(|v| v.checked_add(digit)) {
+            Some(next) => value = next,
+            None => fits = false,
+        }
+    }
+    // The one number whose negative fits while it does not, -2^63, is beyond every limit here anyway.
+    if fits { Ok(if negative { -value } else { value }) } else { Err(NoInteger::TooLarge) }
+}
+
+/// The bytes after a UTF-8 byte order mark, once it is sure that they are text.
+///
+/// # Errors
+/// `not-utf8` for UTF-16 and UTF-32, `not-text` at the line of the first NUL byte.
+pub(crate) fn text_of(bytes: &[u8]) -> Result<&[u8], ReadError> {
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        let message = "the text is UTF-16, not UTF-8: save it as UTF-8 or plain ASCII";
+        return Err(ReadError::new("not-utf8", Place::Byte(0), message));
+    }
+    let bytes = bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes);
+    let Some(nul) = memchr(0, bytes) else { return Ok(bytes) };
+    let line = Lines::new(&bytes[..=nul]).last().map_or(1, |(line, _)| line);
+    let message = "a NUL byte: this is no text, or it is UTF-16 (save it as UTF-8)";
+    Err(ReadError::new("not-text", Place::Line(line), message))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_end_with_lf_cr_or_both() {
+        let lines: Vec<_> = Lines::new(b"a\nb\r\nc\rd\n\n\re").collect();
+        let expected: [(u64, &[u8]); 7] =
+            [(1, b"a"), (2, b"b"), (3, b"c"), (4, b"d"), (5, b""), (6, b""), (7, b"e")];
+        assert_eq!(lines, expected);
+        assert_eq!(Lines::new(b"").count(), 0);
+        assert_eq!(Lines::new(b"\n").count(), 1);
+    }
+
+    #[test]
+    fn numbers_are_read_as_they_are_spelled() {
+        for (text, value) in [("1", 1.0), ("+2.", 2.0), ("-.5", -0.5), ("3.1E+2", 310.0), ("-0", 0.0)] {
+            assert_eq!(number(text.as_bytes()), Some(value), "{text}");
+        }
+        assert_eq!(number(b"1e400"), Some(f64::INFINITY));
+        assert!(number(b"-1.#IND").unwrap().is_nan() && number(b"1#QNAN").unwrap().is_nan());
+        for text in ["", "1,5", "0x10", "1_000", "1e", "#", "1#", "--1", "\u{663}"] {
+            assert_eq!(number(text.as_bytes()), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn integers_do_not_wrap() {
+        assert_eq!(integer(b"+12"), Ok(12));
+        assert_eq!(integer(b"-9223372036854775807"), Ok(-i64::MAX));
+        assert_eq!(integer(b"9223372036854775808"), Err(NoInteger::TooLarge));
+        assert_eq!(integer(b"99999999999999999999999999"), Err(NoInteger::TooLarge));
+        for text in ["", "-", "1.0", "1e3", "9999999999999999999999x"] {
+            assert_eq!(integer(text.as_bytes()), Err(NoInteger::Spelling), "{text}");
+        }
+    }
+
+    #[test]
+    fn counts_are_grouped_by_thousands() {
+        assert_eq!(grouped(0), "0");
+        assert_eq!(grouped(999), "999");
+        assert_eq!(grouped(4_294_967_295), "4,294,967,295");
+    }
+}

@@ -1,0 +1,69 @@
+//! Files of others, from the folder with test data.
+use chordal_io::{Content, Limits, glb};
+use std::path::{Path, PathBuf};
+
+/// The folder with test data; says so loudly when it is missing.
+fn data() -> Option<PathBuf> {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
+    let folder = std::env::var_os("CHORDAL_DATA").map_or(beside, PathBuf::from);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    eprintln!("SKIPPED: no test data at {}", folder.display());
+    None
+}
+
+fn files(folder: &Path, out: &mut Vec<PathBuf>) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            files(&path, out);
+        } else if path.extension().is_some_and(|e| e == "glb") {
+            out.push(path);
+        }
+    }
+}
+
+/// What gltf-validator 2.0.0-dev.3.10 refuses, and its first code; and what needs an extension.
+const REFUSED: &[(&str, &str)] = &[
+    ("corner/assimp/test/models/glTF2/BoxBadNormals-glTF-Binary/BoxBadNormals.glb", "ACCESSOR_MIN_MISMATCH"),
+    (
+        "corner/assimp/test/models/glTF2/BoxWithInfinites-glTF-Binary/BoxWithInfinites.glb",
+        "MESH_PRIMITIVE_POSITION_ACCESSOR_WITHOUT_BOUNDS",
+    ),
+    ("corner/trimesh/models/cube.glb", "GLB_CHUNK_LENGTH_UNALIGNED"),
+    ("gltf/khronos/testdata/Box/glTF_Binary/Box_Draco.glb", "unsupported-extension"),
+    ("gltf/khronos/testdata/CesiumMan/glTF_Binary/CesiumMan.glb", "ACCESSOR_WEIGHTS_NON_NORMALIZED"),
+    ("gltf/meshoptimizer/demo/pirate.glb", "unsupported-extension"),
+];
+
+#[test]
+fn all_files_read_as_the_validator_says() {
+    let Some(folder) = data() else { return };
+    let mut all = Vec::new();
+    files(&folder, &mut all);
+    all.sort();
+    assert!(all.len() >= 40, "only {} files", all.len());
+    for path in all {
+        let name = path.strip_prefix(&folder).expect("below").to_string_lossy().into_owned();
+        let bytes = std::fs::read(&path).expect("readable");
+        let expected = REFUSED.iter().find(|(file, _)| *file == name).map(|(_, code)| *code);
+        match glb::read(&bytes, &Limits::default()) {
+            Ok(loaded) => {
+                assert_eq!(expected, None, "{name} was accepted");
+                let Content::Scene(scene) = loaded.content else { panic!("no scene") };
+                let placed = scene.world_meshes().expect("placed");
+                let is_empty = placed.iter().all(|(_, mesh)| mesh.faces().is_empty());
+                assert_eq!(is_empty, name.ends_with("empty_nodes.glb"), "{name}");
+                let mut out = Vec::new();
+                glb::write(&scene, None, &mut out).unwrap_or_else(|error| panic!("{name}: {error}"));
+                let again =
+                    glb::read(&out, &Limits::default()).unwrap_or_else(|error| panic!("{name}: {error}"));
+                let Content::Scene(again) = again.content else { panic!("no scene") };
+                assert_eq!(again.world_meshes().expect("placed").len(), placed.len(), "{name}");
+            }
+            Err(error) => assert_eq!(expected, Some(error.code), "{name}: {error}"),
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Broken files by the thousand: each ends in a scene or an error, never in a panic.
+use crate::build::{every_object, glb_of, triangle};
+use crate::round_trip::cube;
+use chordal_io::{Axis, Content, Frame, Limits, Scene, glb};
+use serde_json::{Value, json};
+
+fn seeds() -> Vec<Vec<u8>> {
+    let (triangle, triangle_bin) = triangle();
+    let (every, every_bin) = every_object();
+    let frame = Frame { up: Some(Axis::Z), metres_per_unit: Some(0.001) };
+    let mut own = Vec::new();
+    glb::write(&Scene::of("cube", cube(), true, frame), Some(&json!({ "a": 1 })), &mut own).expect("written");
+    vec![glb_of(&triangle.to_string(), &triangle_bin), glb_of(&every.to_string(), &every_bin), own]
+}
+
+/// Reads strictly, leniently, and dropping; what comes out has to be usable.
+fn survive(bytes: &[u8]) -> usize {
+    let limits = Limits { bytes: 64 << 20, rows: 100_000, ..Limits::default() };
+    let lenient = Limits { lenient: true, drop_nonfinite: true, ..limits };
+    let mut n_accepted = 0;
+    for limits in [limits, lenient] {
+        match glb::read(bytes, &limits) {
+            Ok(loaded) => {
+                n_accepted += 1;
+                let Content::Scene(scene) = loaded.content else { panic!("no scene") };
+                let _ = scene.world_meshes();
+                let mut out = Vec::new();
+                if glb::write(&scene, None, &mut out).is_ok() {
+                    assert!(
+                        glb::read(&out, &Limits::default()).is_ok(),
+                        "what was read and written is refused"
+                    );
+                }
+                assert!(
+                    loaded.warnings.iter().all(|warning| warning.count > 0 && !warning.message.is_empty())
+                );
+            }
+            Err(error) => {
+                let text = error.to_string();
+                assert!(!text.is_empty() && !error.code.is_empty());
+                for word in ["unwrap", "index out of bounds", "panicked", "overflow"] {
+                    assert!(!text.contains(word), "{text}");
+                }
+            }
+        }
+    }
+    n_accepted
+}
+
+#[test]
+fn files_cut_off_anywhere() {
+    for seed in seeds() {
+        let step = (seed.len() / 512).max(1);
+        for end in (0..seed.len()).step_by(step) {
+            assert_eq!(survive(&seed[..end]), 0, "cut at {end}");
+        }
+        assert_eq!(survive(&seed), 2);
+    }
+}
+
+#[test]
+fn files_with_flipped_bits() {
+    // A linear congruential generator (Knuth), so that the flips are the same everywhere.
+    let mut state = 20_240_601_u64;
+    let mut next = |below: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below
+    };
+    for seed in seeds() {
+        for _ in 0..4000 {
+            let mut bytes = seed.clone();
+            for _ in 0..=next(3) {
+                let at = next(bytes.len());
+                bytes[at] ^= 1 << next(8);
+            }
+            survive(&bytes);
+        }
+    }
+}
+
+#[test]
+fn files_with_length_fields_replaced() {
+    for seed in seeds() {
+        for at in (0..seed.len().min(64)).step_by(4) {
+            for word in [0, 1, 4, 12, u32::MAX, u32::MAX - 3, 0x8000_0000, 0x004E_4942, 0x4E4F_534A] {
+                let mut bytes = seed.clone();
+                bytes[at..at + 4].copy_from_slice(&word.to_le_bytes());
+                survive(&bytes);
+            }
+        }
+    }
+}
+
+/// All JSON pointers of a document.
+fn pointers(value: &Value, at: &str, out: &mut Vec<String>) {
+    let children: Vec<(String, &Value)> = match value {
+        Value::Object(map) => map.iter().map(|(key, value)| (key.replace('/', "~1"), value)).collect(),
+        Value::Array(list) => list.iter().enumerate().map(|(i, value)| (i.to_string(), value)).collect(),
+        _ => Vec::new(),
+    };
+    for (key, child) in children {
+        let pointer = format!("{at}/{key}");
+        pointers(child, &pointer, out);
+        out.push(pointer);
+    }
+}
+
+#[test]
+fn files_with_json_values_replaced() {
+    let mut n_accepted = 0;
+    for (json, bin) in [triangle(), every_object()] {
+        let mut all = Vec::new();
+        pointers(&json, "", &mut all);
+        for pointer in all {
+            let mut marked = json.clone();
+            *marked.pointer_mut(&pointer).expect("there") = json!("@@");
+            let marked = marked.to_string();
+            for text in [
+                "0",
+                "-1",
+                "1e400",
+                "1e300",
+                "4294967295",
+                "9223372036854775807",
+                "0.5",
+                "null",
+                "true",
+                "\"x\"",
+                "[]",
+                "{}",
+                "[0,0]",
+                "[1,2,3]",
+                "{\"a\":0}",
+            ] {
+                n_accepted += survive(&glb_of(&marked.replacen("\"@@\"", text, 1), &bin));
+            }
+        }
+    }
+    assert!(n_accepted > 1000, "only {n_accepted} files were read");
+}

@@ -1,0 +1,393 @@
+//! Mutations of small files, and large hostile ones: no panic, no hang, no more memory than promised.
+mod common;
+
+use chordal::Mesh;
+use chordal::explicit::{Attribute, Domain, Semantic};
+use chordal_io::{Content, Format, Frame, Limits, Loaded, ReadError, Scene, obj, ply, read, stl};
+use common::Random;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+/// Counts what this thread holds and held at most.
+struct Counting;
+
+thread_local! {
+    static HELD: Cell<(isize, isize)> = const { Cell::new((0, 0)) };
+}
+
+fn count(change: isize) {
+    // A thread that is ending has no counter any more.
+    let _ = HELD.try_with(|cell| {
+        let (held, most) = cell.get();
+        cell.set((held + change, most.max(held + change)));
+    });
+}
+
+// SAFETY: every call is passed on to the system's allocator unchanged; counting touches no memory of its blocks.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count(layout.size() as isize);
+        // SAFETY: the caller keeps the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        count(-(layout.size() as isize));
+        // SAFETY: the caller keeps the contract of `dealloc`.
+        unsafe { System.dealloc(block, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Reads and returns the most that was held on the way, in bytes.
+fn measured(bytes: &[u8], format: Format) -> (Result<Loaded, ReadError>, u64) {
+    let before = HELD.with(|cell| {
+        let (held, _) = cell.get();
+        cell.set((held, held));
+        held
+    });
+    let result = read(bytes, format, &Limits::default());
+    let (_, most) = HELD.with(Cell::get);
+    (result, (most - before) as u64)
+}
+
+/// The promise: 64 MiB and 16 times the bytes.
+fn promised(bytes: u64) -> u64 {
+    (64 << 20) + 16 * bytes
+}
+
+fn check(name: &str, bytes: &[u8], format: Format) {
+    let outcome = std::panic::catch_unwind(|| measured(bytes, format));
+    let Ok((result, most)) = outcome else {
+        panic!("{name}: {:?}", String::from_utf8_lossy(&bytes[..bytes.len().min(2000)]));
+    };
+    assert!(most <= promised(bytes.len() as u64), "{name}: {most} bytes for {}", bytes.len());
+    match result {
+        Err(error) => assert!(!error.code.is_empty() && !error.message.is_empty(), "{name}"),
+        Ok(Loaded { content: Content::Scene(scene), .. }) => {
+            let mesh = &scene.parts[0].mesh;
+            assert!(mesh.positions().iter().flatten().all(|x| x.is_finite()), "{name}");
+            assert!(mesh.attributes().iter().flat_map(|a| &a.values).all(|x| x.is_finite()), "{name}");
+        }
+        Ok(Loaded { content: Content::Patches(patches, _), .. }) => {
+            assert!(patches.iter().all(chordal::Patch::is_finite), "{name}");
+        }
+    }
+}
+
+fn written(scene: &Scene, format: Format) -> Vec<u8> {
+    let certificate = serde_json::json!({"bound": {"at_most": 0.1}});
+    let mut bytes = Vec::new();
+    match format {
+        Format::Obj => obj::write(scene, Some(&certificate), &mut bytes),
+        Format::Ply => ply::write(scene, Some(&certificate), &mut bytes),
+        _ => stl::write(scene, None, &mut bytes),
+    }
+    .expect("written");
+    bytes
+}
+
+/// Small files of every kind: some by the writers, some by hand.
+fn seeds() -> Vec<(Format, Vec<u8>)> {
+    let plain = Mesh::new(
+        vec![[0.0; 3], [1.5, 0.0, -2.0], [0.0, 1e-3, 0.0], [1.0, 1.0, 1.0]],
+        vec![[0, 1, 2], [2, 1, 3]],
+    )
+    .unwrap();
+    let vertex = |semantic, width: usize| Attribute {
+        semantic,
+        domain: Domain::Vertex,
+        width,
+        values: (0..4 * width).map(|i| i as f64 / 7.0).collect(),
+    };
+    let rich = plain
+        .clone()
+        .with_attribute(Attribute::vertex_normals(&[[0.0, 0.6, 0.8]; 4]))
+        .and_then(|m| m.with_attribute(vertex(Semantic::TexCoord(0), 2)))
+        .and_then(|m| m.with_attribute(vertex(Semantic::Color(0), 3)))
+        .and_then(|m| m.with_position_id(vec![0, 1, 2, 3]))
+        .unwrap();
+    let mut seeds = Vec::new();
+    for mesh in [plain, rich] {
+        for format in [Format::Obj, Format::Ply, Format::Stl] {
+            seeds.push((format, written(&Scene::of("a b", mesh.clone(), true, Frame::default()), format)));
+        }
+    }
+    let mut add = |format, text: &str| seeds.push((format, text.as_bytes().to_vec()));
+    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0 1 0 0\nv 0 1 0\n";
+    add(
+        Format::Obj,
+        &format!(
+            "{square}vt 0 1\nvn 0 0 1\nusemtl a\ns 1\nf 1/1/1 2/1/1 3//1 4\nf -1 -2 -3\ng b c\nf 1 3 2 4 1 2\n"
+        ),
+    );
+    add(
+        Format::Obj,
+        &format!("mtllib x\no q\n{square}f 1 2 \\\n3 4\r\nl 1 2\np 1\nt crease 2/1/0 0 1 2\ncurv 0 1\n"),
+    );
+    let xyz = "property float x\nproperty double y\nproperty short z\n";
+    let list = "property list uchar int vertex_indices\n";
+    add(
+        Format::Ply,
+        &format!(
+            "ply\r\nformat ascii 1.0\ncomment x\nelement vertex 4\n{xyz}property uchar red\nelement face 2\n{list}property int f\nelement z 1\nproperty list int float q\nend_header\n0 0 0 1\n1 0 0 2\n1 1 0 3\n0 1 0 255\n3 0 1 2 9\n4 0 1 2 3 9\n2 0.5 1e9\n"
+        ),
+    );
+    add(
+        Format::Ply,
+        &format!(
+            "ply\nformat ascii 1.0\nelement tristrips 1\nproperty list int int vertex_indices\nelement vertex 4\n{xyz}end_header\n6 0 1 2 -1 3 2\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
+        ),
+    );
+    let mut big = format!("ply\nformat binary_big_endian 1.0\nelement vertex 3\n{xyz}element other 2\nproperty list ushort uint64 k\nproperty char c\nelement face 1\n{list}end_header\n").into_bytes();
+    for i in 0..3_i16 {
+        big.extend(f32::from(i).to_be_bytes());
+        big.extend(f64::from(i * i).to_be_bytes());
+        big.extend(i.to_be_bytes());
+    }
+    big.extend([0, 1, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 0, 1]);
+    big.extend([3, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 2]);
+    seeds.push((Format::Ply, big));
+    let mut add = |format, text: &str| seeds.push((format, text.as_bytes().to_vec()));
+    let facet =
+        "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 -0\nvertex 0 1 0\nendloop\nendfacet\n";
+    add(Format::Stl, &format!("solid one\n{facet}{facet}endsolid one\nsolid two\n{facet}endsolid\n"));
+    let points = "0.5 1 -2\n".repeat(16);
+    add(Format::Bpt, &format!("2\n3 3\n{points}3 3\n{points}"));
+    let indices = "1,2,3,4,4,3,2,1,1,2,3,4,4,3,2,1\n";
+    add(Format::Teaset, &format!("2\n{indices}{indices}4\n0,0,0\n1.5,0,0\n0,1,0\n0,0,1e3\n"));
+    add(
+        Format::PatchJson,
+        &format!(
+            "{{\"up\":\"z\",\"points\":[[0,0,0],[1,0.5,-2e1],[0,1,0],[0,0,1],[1,1,1]],\"patches\":[[{}]],\"x\":{{\"\\u00e9\":[true,null]}}}}",
+            indices.trim()
+        ),
+    );
+    let row = "[[0,0,0],[1,0,0],[2,0,0.25],[3,0,0]]";
+    add(
+        Format::PatchJson,
+        &format!("{{\"patches\": [[{row}, {row}, {row}, {row}]], \"metres_per_unit\": 0.001}}"),
+    );
+    seeds
+}
+
+#[test]
+fn seeds_load() {
+    for (format, bytes) in seeds() {
+        let loaded = read(&bytes, format, &Limits::default());
+        assert!(loaded.is_ok(), "{format}: {} {}", loaded.unwrap_err(), String::from_utf8_lossy(&bytes));
+        assert_eq!(Format::sniff(&bytes), Some(format));
+    }
+}
+
+#[test]
+fn truncation_anywhere_ends_well() {
+    for (format, bytes) in seeds() {
+        for end in 0..bytes.len().min(512) {
+            check("start", &bytes[..end], format);
+            check("end", &bytes[..bytes.len() - end], format);
+            let _ = Format::sniff(&bytes[..end]);
+        }
+    }
+}
+
+#[test]
+fn flipped_bits_end_well() {
+    let seed = 31;
+    println!("seed {seed}");
+    let mut random = Random(seed);
+    for (format, bytes) in seeds() {
+        for at in 0..bytes.len() {
+            for bit in 0..8 {
+                let mut flipped = bytes.clone();
+                flipped[at] ^= 1 << bit;
+                check("flip", &flipped, format);
+            }
+        }
+        for _ in 0..2000 {
+            let mut flipped = bytes.clone();
+            for _ in 0..2 + random.below(6) {
+                let at = random.below(flipped.len());
+                flipped[at] ^= 1 << random.below(8);
+            }
+            let _ = Format::sniff(&flipped);
+            check("flips", &flipped, format);
+        }
+    }
+}
+
+#[test]
+fn other_numbers_in_any_place_end_well() {
+    const BINARY: [[u8; 4]; 5] =
+        [[0; 4], [1, 0, 0, 0], [0xff; 4], [0xff, 0xff, 0xff, 0x7f], [0, 0, 0xc0, 0x7f]];
+    const TEXT: [&str; 8] =
+        ["0", "1", "-1", "4294967295", "9223372036854775807", "18446744073709551616", "1e9", "nan"];
+    for (format, bytes) in seeds() {
+        for at in 0..bytes.len().saturating_sub(4) {
+            for value in BINARY {
+                let mut changed = bytes.clone();
+                changed[at..at + 4].copy_from_slice(&value);
+                check("binary", &changed, format);
+            }
+        }
+        let is_digit = |b: u8| b.is_ascii_digit() || matches!(b, b'-' | b'.');
+        let mut at = 0;
+        while at < bytes.len() {
+            let end = at + bytes[at..].iter().take_while(|b| is_digit(**b)).count();
+            for value in TEXT.iter().filter(|_| end > at) {
+                let changed = [&bytes[..at], value.as_bytes(), &bytes[end..]].concat();
+                check("text", &changed, format);
+            }
+            at = end + 1;
+        }
+    }
+}
+
+#[test]
+fn lines_repeated_swapped_and_dropped_end_well() {
+    let seed = 32;
+    println!("seed {seed}");
+    let mut random = Random(seed);
+    for (format, bytes) in seeds() {
+        let lines: Vec<&[u8]> = bytes.split_inclusive(|b| *b == b'\n').collect();
+        for _ in 0..2000 {
+            let mut changed = lines.clone();
+            for _ in 0..1 + random.below(4) {
+                let (i, j) = (random.below(changed.len()), random.below(changed.len()));
+                match random.below(3) {
+                    0 => changed.swap(i, j),
+                    1 => changed.insert(i, changed[j]),
+                    _ if changed.len() > 1 => drop(changed.remove(i)),
+                    _ => {}
+                }
+            }
+            check("lines", &changed.concat(), format);
+        }
+    }
+}
+
+#[test]
+fn large_hostile_files_stay_within_the_promised_memory() {
+    let n = 1_000_000;
+    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    let groups = |i: usize| format!("usemtl {i}\ng {i}\no {i}\ns {i}\n");
+    let texcoords: String = (0..n / 4).map(|_| "vt 1\n").collect();
+    let splits: String = (1..=n / 4).map(|i| format!(" 1/{i}")).collect();
+    let xyz = "property uchar x\nproperty uchar y\nproperty uchar z\n";
+    let ply = |format: &str, elements: &str, body: &[u8]| {
+        [format!("ply\nformat {format} 1.0\n{elements}end_header\n").as_bytes(), body].concat()
+    };
+    let binary = "binary_little_endian";
+    let vertices = format!("element vertex 4\n{xyz}");
+    let corners: [u8; 12] = [0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0];
+    let face = "property list uchar uchar vertex_indices\n";
+    let solids: String = (0..n / 4).map(|i| format!("solid {i}\nendsolid\n")).collect();
+    let files: Vec<(&str, Format, Vec<u8>)> = vec![
+        ("positions", Format::Obj, "v 1 1 1\n".repeat(n).into_bytes()),
+        ("colours", Format::Obj, "v 1 1 1 1 1 1\n".repeat(n / 2).into_bytes()),
+        ("triangles", Format::Obj, format!("{square}{}", "f 1 2 3\n".repeat(n)).into_bytes()),
+        ("one polygon", Format::Obj, format!("{square}f{}\n", " 1 2 3 4".repeat(n / 2)).into_bytes()),
+        ("quads", Format::Obj, format!("{square}{}", "f 1 2 3 4\n".repeat(n)).into_bytes()),
+        ("splits", Format::Obj, format!("{square}{texcoords}f{splits}\n").into_bytes()),
+        (
+            "groups",
+            Format::Obj,
+            (0..n / 8).fold(square.to_owned(), |t, i| t + &groups(i) + "f 1 2 3\n").into_bytes(),
+        ),
+        (
+            "rows of one byte",
+            Format::Ply,
+            ply(binary, &format!("element vertex {n}\n{xyz}"), &vec![1; 3 * n]),
+        ),
+        (
+            "bytes as values",
+            Format::Ply,
+            ply(binary, &format!("element vertex {n}\n{xyz}property uchar q\n"), &vec![1; 4 * n]),
+        ),
+        (
+            "faces of four bytes",
+            Format::Ply,
+            ply(
+                binary,
+                &format!("{vertices}element face {n}\n{face}"),
+                &[&corners[..], &[3, 0, 1, 2].repeat(n)].concat(),
+            ),
+        ),
+        (
+            "text faces",
+            Format::Ply,
+            ply(
+                "ascii",
+                &format!("{vertices}element face {n}\n{face}"),
+                format!("0 0 0\n1 0 0\n1 1 0\n0 1 0\n{}", "3 0 1 2\n".repeat(n)).as_bytes(),
+            ),
+        ),
+        ("facets", Format::Stl, {
+            let mut bytes = vec![0; 84 + 50 * n / 4];
+            bytes[80..84].copy_from_slice(&(n as u32 / 4).to_le_bytes());
+            let mut random = Random(3);
+            for facet in bytes[84..].chunks_exact_mut(50) {
+                facet
+                    .chunks_exact_mut(4)
+                    .for_each(|c| c.copy_from_slice(&(random.unit() as f32).to_le_bytes()));
+            }
+            bytes
+        }),
+        ("solids", Format::Stl, solids.into_bytes()),
+        (
+            "patches",
+            Format::PatchJson,
+            format!(
+                "{{\"points\":[[0,0,0]],\"patches\":[{}[{}0]]}}",
+                format!("[{}0],", "0,".repeat(15)).repeat(n / 8),
+                "0,".repeat(15)
+            )
+            .into_bytes(),
+        ),
+        (
+            "points",
+            Format::PatchJson,
+            format!("{{\"points\":[{}[0,0,0]],\"patches\":[]}}", "[0,0,0],".repeat(n)).into_bytes(),
+        ),
+        (
+            "indices",
+            Format::Teaset,
+            format!("{}\n{}1\n0,0,0\n", n / 8, format!("{}1\n", "1,".repeat(15)).repeat(n / 8)).into_bytes(),
+        ),
+    ];
+    for (name, format, bytes) in files {
+        let (result, most) = measured(&bytes, format);
+        let size = bytes.len() as u64;
+        let outcome = result.as_ref().map_or_else(|e| e.to_string(), |_| "loads".to_owned());
+        println!("{name}: {size} bytes, held {most} ({:.1} x): {outcome}", most as f64 / size as f64);
+        // Without the 64 MiB: what holds for files of this size must hold for larger ones.
+        assert!(most <= (1 << 20) + 16 * size, "{name}: {most} bytes for {size}");
+    }
+}
+
+/// Strips and polygons of one-byte indices are packed more tightly than triangles can be: twelve bytes for each byte of
+/// the file. What is promised for them counts the triangles.
+#[test]
+fn packed_faces_stay_within_the_promise_for_what_they_decode_to() {
+    let rows = 20_000_u64;
+    let header = |element: &str| {
+        format!(
+            "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty uchar x\nproperty uchar y\nproperty uchar z\nelement {element} {rows}\nproperty list uchar uchar vertex_indices\nend_header\n"
+        )
+    };
+    for element in ["face", "tristrips"] {
+        let mut bytes = header(element).into_bytes();
+        bytes.extend([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0]);
+        for _ in 0..rows {
+            bytes.push(255);
+            bytes.extend((0..255).map(|i| (i % 4) as u8));
+        }
+        let (result, most) = measured(&bytes, Format::Ply);
+        let Ok(Loaded { content: Content::Scene(scene), .. }) = result else { panic!("loads") };
+        let triangles = scene.parts[0].mesh.faces().len() as u64;
+        assert_eq!(triangles, 253 * rows);
+        println!("{element}: {} bytes, held {most} ({:.1} x)", bytes.len(), most as f64 / bytes.len() as f64);
+        assert!(most <= promised(12 * triangles), "{element}: {most} bytes for {triangles} triangles");
+    }
+}

@@ -1,0 +1,74 @@
+//! `MeshFailure`: why there are no triangles within the budget.
+use crate::MeshOutcome;
+use chordal::budget::{Code, InvalidLength, Refusal};
+use chordal_io::{TooWide, WriteError};
+use std::fmt;
+
+/// Why there are no triangles within the budget.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MeshFailure {
+    /// The length has no meaning for this shape.
+    Length(InvalidLength),
+    /// The budget was not met; here is the best that was reached.
+    Unmet(Box<MeshOutcome>),
+    /// The work was not started, or not finished, for this reason.
+    Refused(Refusal),
+    /// A coordinate does not fit the format.
+    TooWide(TooWide),
+    /// The job was asked to stop.
+    Cancelled,
+}
+
+impl MeshFailure {
+    /// Stable, for programs.
+    #[must_use]
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Length(_) => "length",
+            Self::Unmet(_) => "unmet",
+            Self::Refused(refusal) => refusal.code.as_str(),
+            Self::TooWide(_) => "too-wide",
+            Self::Cancelled => "cancelled",
+        }
+    }
+
+    /// The exit code of a command that ends like this: 2 usage, 3 input, 4 output, 5 budget, 130 interrupted.
+    #[must_use]
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Length(_) => 2,
+            Self::Refused(Refusal { code: Code::NotFinite | Code::Empty | Code::Unsupported, .. }) => 3,
+            Self::TooWide(_) => 4,
+            Self::Unmet(_) | Self::Refused(_) => 5,
+            Self::Cancelled => 130,
+        }
+    }
+}
+
+/// A scene that cannot be put in one space.
+impl From<WriteError> for MeshFailure {
+    fn from(error: WriteError) -> Self {
+        Self::Refused(Refusal { code: Code::Unsupported, message: error.to_string() })
+    }
+}
+
+impl fmt::Display for MeshFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Length(why) => why.fmt(f),
+            Self::Unmet(best) => {
+                let triangles = best.certificate.output.map_or(0, |output| output.triangles);
+                write!(
+                    f,
+                    "the budget was not met; the best reached is {} with {triangles} triangles",
+                    best.bound
+                )
+            }
+            Self::Refused(refusal) => f.write_str(&refusal.message),
+            Self::TooWide(why) => why.fmt(f),
+            Self::Cancelled => f.write_str("cancelled"),
+        }
+    }
+}
+
+impl std::error::Error for MeshFailure {}

@@ -1,0 +1,35 @@
+//! `inspect`: what a file holds and whether it is sound.
+use crate::report::{Certificate, Counted, Inspection, Report, Run};
+use crate::{Input, Shape, formats};
+
+/// What the input is, with its validity in full and the certificate that it carries, if it carries one.
+///
+/// Linear in the size of the input: about 0.1 s per million triangles.
+///
+/// ```
+/// use chordal_verbs::{Hint, inspect, load};
+/// let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+/// let input = load(obj, Hint { name: Some("triangle.obj"), ..Hint::default() }, &Default::default())?;
+/// let report = inspect(&input);
+/// let valid = report.certificate.valid.unwrap();
+/// assert!(!valid.counts.closed && valid.counts.manifold);
+/// assert_eq!(valid.counts.boundary_edges, 3);
+/// # Ok::<(), chordal_io::ReadError>(())
+/// ```
+#[must_use]
+pub fn inspect(input: &Input) -> Report {
+    let mut certificate = Certificate::of(input);
+    if let Shape::Scene(scene) = &input.shape {
+        let counted = Counted::in_full(scene, formats::topology(input.format));
+        certificate.output = Some(counted.output);
+        certificate.valid = Some(counted.valid);
+    }
+    let inspection = Inspection::of(input, &certificate);
+    if inspection.found.as_ref().is_some_and(|found| !found.differs.is_empty()) {
+        certificate.notes.push(DIFFERS.to_owned());
+    }
+    let run = Run { verb: "inspect", ..Run::default() };
+    Report { inspection: Some(inspection), ..Report::new(certificate, run) }
+}
+
+const DIFFERS: &str = "the certificate in the file speaks of other triangles than those in the file";

@@ -1,0 +1,82 @@
+//! `load`: bytes to a shape, with everything that a report says about its input.
+use crate::Shape;
+use crate::digest::sha256;
+use chordal_io::{Format, Limits, Place, ReadError, Warning};
+
+/// How the format of some bytes is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Hint<'a> {
+    /// The file's name; its extension counts.
+    pub name: Option<&'a str>,
+    /// The format, whatever name and content say.
+    pub format: Option<Format>,
+}
+
+/// A shape together with what it was read from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Input {
+    /// The shape.
+    pub shape: Shape,
+    /// The format of the bytes.
+    pub format: Format,
+    /// Their number.
+    pub n_bytes: u64,
+    /// Their SHA-256, in hexadecimal.
+    pub sha256: String,
+    /// What was odd about them.
+    pub warnings: Vec<Warning>,
+}
+
+/// Reads any format that Chordal knows: the one given, else that of the extension, else that of the content.
+///
+/// Time and memory are linear in the bytes and capped by `limits`.
+///
+/// # Errors
+/// When the format cannot be told, or the bytes do not follow it, with the place.
+///
+/// ```
+/// use chordal_verbs::{Hint, load};
+/// let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+/// let input = load(obj, Hint { name: Some("triangle.obj"), ..Hint::default() }, &Default::default())?;
+/// assert_eq!(input.shape.kind(), "triangles");
+/// # Ok::<(), chordal_io::ReadError>(())
+/// ```
+pub fn load(bytes: &[u8], hint: Hint, limits: &Limits) -> Result<Input, ReadError> {
+    let format = format_of(bytes, hint)?;
+    let loaded = chordal_io::read(bytes, format, limits)?;
+    Ok(Input {
+        shape: loaded.content.into(),
+        format,
+        n_bytes: bytes.len() as u64,
+        sha256: sha256(bytes),
+        warnings: loaded.warnings,
+    })
+}
+
+fn format_of(bytes: &[u8], hint: Hint) -> Result<Format, ReadError> {
+    let extension = hint.name.and_then(extension);
+    let by_name = || extension.and_then(Format::from_extension);
+    hint.format.or_else(by_name).or_else(|| Format::sniff(bytes)).ok_or_else(|| {
+        let what = if bytes.is_empty() { "the file is empty" } else { "the content is of no known format" };
+        ReadError::new("unknown-format", Place::File, format!("{what}; --from names the format"))
+    })
+}
+
+/// What follows the last dot of a file's name.
+#[must_use]
+pub fn extension(name: &str) -> Option<&str> {
+    let file = name.rsplit(['/', '\\']).next()?;
+    file.rsplit_once('.').map(|(_, extension)| extension)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_the_extension_of_the_last_name_only() {
+        assert_eq!(extension("a.b/teapot"), None);
+        assert_eq!(extension("a/teapot.tar.obj"), Some("obj"));
+        assert_eq!(extension("C:\\x\\teapot.GLB"), Some("GLB"));
+    }
+}

@@ -1,0 +1,220 @@
+//! `mesh`: any shape into triangles within a budget, as they will read back from a format.
+use crate::placed::{self, Placed};
+use crate::report::{BoundFacts, BudgetFacts, Certificate, Counted};
+use crate::{BudgetSpec, Input, MeshFailure, Shape, formats, write};
+use chordal::budget::{Bound, Budget, Code, Failure, PixelBudget, Pixels, Reference, Refusal, Tolerance};
+use chordal::math::{Box3, add_up, sub_down};
+use chordal::{Bounded, Job, Mesh, Patch, convert};
+use chordal_io::{Format, Frame, Scene, WriteError, losses, snap, worst_snap};
+use std::io::Write;
+
+/// Triangles at the precision of their format, with everything that is known of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshOutcome {
+    /// What will be written, and what a reader of the file will get.
+    pub scene: Scene,
+    /// The format that it is for.
+    pub format: Format,
+    /// How far it is from the true shape, rounding to the format included.
+    pub bound: Bound,
+    /// The same and more, for the file and the report.
+    pub certificate: Certificate,
+}
+
+impl MeshOutcome {
+    /// Writes the triangles, and the certificate where the format can carry it.
+    ///
+    /// # Errors
+    /// When the sink fails.
+    pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
+        write(&self.scene, Some(&self.certificate.to_value()), self.format, out)
+    }
+}
+
+/// Turns a shape into triangles within a budget.
+///
+/// The bound covers the whole way from the parsed numbers to the triangles as they read back from a file of the
+/// format `to`: what rounding to that format will cost is set aside from the budget first, and what it did cost is
+/// added to the bound. Triangles pass through as they are; to make them fewer is not in this version.
+///
+/// # Errors
+/// When the length has no meaning for this shape; when the budget is not met, with the best that was reached; when
+/// the work is refused, or cancelled; when a coordinate does not fit the format.
+///
+/// ```
+/// use chordal_io::Format;
+/// use chordal_verbs::{BudgetSpec, Hint, load, mesh};
+/// let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+/// let input = load(obj, Hint { name: Some("triangle.obj"), ..Hint::default() }, &Default::default())?;
+/// let spec = BudgetSpec { length: Some("1%".parse()?), ..BudgetSpec::default() };
+/// let outcome = mesh(input, &spec, Format::Ply, &Default::default())?;
+/// assert_eq!(outcome.bound.at_most(), Some(0.0)); // triangles pass through
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<MeshOutcome, MeshFailure> {
+    if !formats::holds_triangles(to) {
+        return Err(refused(Code::Unsupported, format!("{} holds no triangles", to)));
+    }
+    if !spec.has_limit() {
+        return Err(refused(Code::Budget, "the budget has no limit: no length, no pixels, no triangles"));
+    }
+    let mut certificate = Certificate::of(&input);
+    let (budget, note) = spec.resolve(&input.shape)?;
+    certificate.budget = Some(BudgetFacts::of(&budget));
+    certificate.notes.extend(note);
+    let place = input.shape.hull()?;
+    let (scene, mut bound) = match input.shape {
+        Shape::Patches { patches, frame } => tessellate(&Source { patches, frame, place }, &budget, to, job)?,
+        Shape::Scene(scene) => {
+            certificate.notes.push(PASSED_THROUGH.to_owned());
+            let lost = losses(&scene, to)?;
+            certificate.notes.extend(lost.iter().map(ToString::to_string));
+            pass_through(scene, to)?
+        }
+    };
+    bound.pixels = on_screen(&budget, &bound, &place);
+    certificate.bound = Some(BoundFacts::of(&bound));
+    let counted = Counted::of(&scene, formats::topology(to));
+    certificate.output = Some(counted.output);
+    certificate.valid = Some(counted.valid);
+    let met = is_met(&budget, &certificate);
+    if !met {
+        certificate.notes.push(NOT_MET.to_owned());
+    }
+    let outcome = MeshOutcome { scene, format: to, bound, certificate };
+    if met { Ok(outcome) } else { Err(MeshFailure::Unmet(Box::new(outcome))) }
+}
+
+const PASSED_THROUGH: &str =
+    "the input is triangles already and passes through as it is: simplification is not in this version";
+const NOT_MET: &str = "the budget was not met: this is the best that was reached";
+
+fn refused(code: Code, message: impl Into<String>) -> MeshFailure {
+    MeshFailure::Refused(Refusal { code, message: message.into() })
+}
+
+/// What is to be tessellated.
+struct Source {
+    patches: Vec<Patch>,
+    frame: Frame,
+    /// A box around the patches.
+    place: Box3,
+}
+
+fn tessellate(
+    source: &Source,
+    budget: &Budget,
+    to: Format,
+    job: &Job,
+) -> Result<(Scene, Bound), MeshFailure> {
+    let lost = worst_snap(&widened(&source.place), to);
+    let inner = set_aside(budget, lost, &source.place, to)?;
+    let made = match convert::patches_to_mesh(&source.patches, &inner, job) {
+        Ok(made) => made,
+        Err(Failure::Unmet(best)) => *best,
+        Err(Failure::Refused(refusal)) => return Err(MeshFailure::Refused(refusal)),
+        Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
+    };
+    let Bounded { shape, bound } = made;
+    let (mesh, bound) = snapped(&shape, bound, budget, to)?;
+    // A name that says what it is; no file name, which would tie the bytes to a place.
+    Ok((Scene::of("patches", mesh, true, source.frame), bound))
+}
+
+/// The mesh at the precision of the format, and the bound with what that moved added. Pixels add as lengths do: a
+/// point of the true shape moves on the screen to its point of the mesh, and from there to the rounded one.
+fn snapped(mesh: &Mesh, bound: Bound, budget: &Budget, to: Format) -> Result<(Mesh, Bound), MeshFailure> {
+    let snapped = snap(mesh, to).map_err(MeshFailure::TooWide)?;
+    if snapped.moved_at_most == 0.0 {
+        return Ok((snapped.mesh, bound));
+    }
+    let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
+    let moved_px = budget.pixels.and_then(|px| px.view.pixels_of(snapped.moved_at_most, &mesh.bounds()));
+    let mut chain = bound.then(&step);
+    chain.pixels = bound.pixels.zip(moved_px).map(|(made, moved)| add_up(made, moved));
+    Ok((snapped.mesh, chain))
+}
+
+/// The budget of the arrow: what the user gave, less what rounding to the format may cost.
+fn set_aside(budget: &Budget, lost: f64, place: &Box3, to: Format) -> Result<Budget, MeshFailure> {
+    if lost == 0.0 || budget.length.is_none() && budget.pixels.is_none() {
+        return Ok(*budget);
+    }
+    let name = to;
+    let too_small = |asked: String, lost: String| {
+        let message = format!(
+            "{asked} is less than what rounding to the single precision of {name} may cost here, {lost}; \
+             obj and ply keep every digit"
+        );
+        refused(Code::BelowPrecision, message)
+    };
+    let mut inner = *budget;
+    if let Some(length) = budget.length {
+        let left = Tolerance::new(sub_down(length.get(), lost));
+        inner.length = Some(left.map_err(|_| too_small(length.to_string(), format!("{lost:.3e}")))?);
+    }
+    if let Some(PixelBudget { pixels, view }) = budget.pixels {
+        let lost_px = view.pixels_of(lost, place).ok_or_else(|| {
+            refused(Code::TooClose, "the shape comes so close to the eye that there is no bound in pixels")
+        })?;
+        let left = Pixels::new(sub_down(pixels.get(), lost_px));
+        let pixels = left.map_err(|_| too_small(pixels.to_string(), format!("{lost_px:.3e}px")))?;
+        inner.pixels = Some(PixelBudget { pixels, view });
+    }
+    Ok(inner)
+}
+
+/// The box with room for the rounding of evaluated points, which may leave the hull of their control points: an
+/// evaluation has less than 32 roundings of half a step each.
+fn widened(place: &Box3) -> Box3 {
+    let reach =
+        place.min.iter().chain(&place.max).fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
+    let room = 16.0 * f64::EPSILON * reach;
+    Box3 { min: place.min.map(|x| x - room), max: place.max.map(|x| x + room) }
+}
+
+/// Triangles as they are, at the precision of the format.
+fn pass_through(scene: Scene, to: Format) -> Result<(Scene, Bound), MeshFailure> {
+    let Placed { mut scene, moved_at_most: placed } =
+        if to == Format::Glb { Placed::as_it_is(scene) } else { placed::flattened(scene)? };
+    let stretch = placed::stretch_of_parts(&scene);
+    let mut moved = 0.0;
+    for (part, stretch) in scene.parts.iter_mut().zip(stretch) {
+        let snapped = snap(&part.mesh, to).map_err(MeshFailure::TooWide)?;
+        let part_moved = placed::scaled_up(snapped.moved_at_most, stretch);
+        moved = if part_moved > moved { part_moved } else { moved };
+        part.mesh = snapped.mesh;
+    }
+    if to == Format::Stl {
+        scene = placed::joined(scene)?;
+    }
+    let all = if moved == 0.0 || placed == 0.0 { moved + placed } else { add_up(moved, placed) };
+    if !all.is_finite() {
+        return Err(refused(
+            Code::NotFinite,
+            "the transforms of the scene take its coordinates out of range",
+        ));
+    }
+    Ok((scene, Bound::proved(0.0, all, Reference::InputTriangles)))
+}
+
+/// The bound on the screen: what came along the chain, or what the length in space becomes, whichever is less.
+fn on_screen(budget: &Budget, bound: &Bound, place: &Box3) -> Option<f64> {
+    let view = budget.pixels?.view;
+    let of_length = bound.at_most().and_then(|most| view.pixels_of(most, place));
+    match (bound.pixels, of_length) {
+        (Some(a), Some(b)) => Some(if a < b { a } else { b }),
+        (a, b) => a.or(b),
+    }
+}
+
+/// Whether every limit of the budget holds of what is certified.
+fn is_met(budget: &Budget, certificate: &Certificate) -> bool {
+    let (Some(bound), Some(output)) = (&certificate.bound, &certificate.output) else { return false };
+    let within = |most: Option<f64>, limit: Option<f64>| {
+        limit.is_none_or(|limit| most.is_some_and(|most| most <= limit))
+    };
+    within(bound.at_most, budget.length.map(Tolerance::get))
+        && within(bound.pixels, budget.pixels.map(|px| px.pixels.get()))
+        && budget.triangles.is_none_or(|most| output.triangles <= most)
+}

@@ -1,0 +1,221 @@
+//! What the places of parts do to lengths: how far transforms stretch them, and what rounding in them costs.
+use chordal::Mesh;
+use chordal::explicit::{Attribute, Domain, InvalidMesh, Semantic};
+use chordal::math::{add_up, mul_up, sqrt_up};
+use chordal_io::{Node, Part, Scene, WriteError};
+use std::borrow::Cow;
+
+/// A scene whose parts stand where their coordinates say, with what rounding moved its vertices.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Placed {
+    /// The scene.
+    pub scene: Scene,
+    /// No vertex is further than this from where exact arithmetic would put it.
+    pub moved_at_most: f64,
+}
+
+/// A column-major 4 × 4 matrix.
+type Matrix = [f64; 16];
+
+impl Placed {
+    /// A scene with its transforms, which nothing has applied yet.
+    pub fn as_it_is(scene: Scene) -> Self {
+        Self { scene, moved_at_most: 0.0 }
+    }
+}
+
+/// The scene for formats without nodes: one part for each place of a part, in the scene's coordinates.
+///
+/// A scene without transforms, in which every part stands in one place, is left as it is.
+///
+/// # Errors
+/// When the nodes are no tree, or take coordinates out of range.
+pub(crate) fn flattened(scene: Scene) -> Result<Placed, WriteError> {
+    let places = places(&scene);
+    let once = |part| places.iter().filter(|place| place.part == part).count() == 1;
+    if places.iter().all(|place| place.is_identity) && (0..scene.parts.len()).all(once) {
+        return Ok(Placed::as_it_is(scene));
+    }
+    let moved_at_most = places.iter().filter(|place| !place.is_identity).fold(0.0, |most, place| {
+        let moved = place.rounding(&scene.parts[place.part]);
+        if moved > most { moved } else { most }
+    });
+    let indexed = scene.parts.iter().all(|part| part.indexed);
+    let mut flat = Scene { frame: scene.frame, groups: scene.groups.clone(), ..Scene::default() };
+    for (name, mesh) in scene.world_meshes()? {
+        let one = Scene::of(name, mesh.into_owned(), indexed, scene.frame);
+        let at = flat.parts.len();
+        flat.parts.extend(one.parts);
+        flat.nodes.extend(one.nodes.into_iter().map(|node| Node { part: Some(at), ..node }));
+        flat.roots.push(at);
+    }
+    Ok(Placed { scene: flat, moved_at_most })
+}
+
+/// The scene as one part, for formats that know no others. Attributes stay behind: such formats have none either.
+///
+/// # Errors
+/// When there are more triangles than one mesh can hold.
+pub(crate) fn joined(scene: Scene) -> Result<Scene, WriteError> {
+    if scene.parts.len() == 1 {
+        return Ok(scene);
+    }
+    let meshes: Vec<&Mesh> = scene.parts.iter().map(|part| &part.mesh).collect();
+    let mesh = concatenated(&meshes)?;
+    Ok(Scene::of("", mesh, false, scene.frame))
+}
+
+/// Everything that a scene shows as one mesh in its coordinates, for a picture: with normals of its own where every
+/// part has some, and without any other attribute.
+///
+/// # Errors
+/// When the nodes are no tree, take coordinates out of range, or show more than one mesh can hold.
+pub(crate) fn one_mesh(scene: &Scene) -> Result<Cow<'_, Mesh>, WriteError> {
+    let mut all = scene.world_meshes()?;
+    if all.len() == 1 {
+        return Ok(all.remove(0).1);
+    }
+    let meshes: Vec<&Mesh> = all.iter().map(|(_, mesh)| mesh.as_ref()).collect();
+    let mesh = concatenated(&meshes)?;
+    let normals: Option<Vec<_>> = meshes.iter().map(|mesh| corner_normals(mesh)).collect();
+    let Some(normals) = normals else { return Ok(Cow::Owned(mesh)) };
+    let attribute =
+        Attribute { semantic: Semantic::Normal, domain: Domain::Corner, width: 3, values: normals.concat() };
+    mesh.with_attribute(attribute).map(Cow::Owned).map_err(unsupported)
+}
+
+/// The normals at the corners of every face, if the mesh has any.
+fn corner_normals(mesh: &Mesh) -> Option<Vec<f64>> {
+    let own = mesh.attribute(&Semantic::Normal).filter(|own| own.width == 3)?;
+    let row = |face: usize, k: usize| match own.domain {
+        Domain::Vertex => mesh.faces()[face][k] as usize,
+        Domain::Corner => 3 * face + k,
+        Domain::Face => face,
+    };
+    let corners = (0..mesh.faces().len()).flat_map(|face| [0, 1, 2].map(|k| row(face, k)));
+    Some(corners.flat_map(|row| own.row(row).iter().copied()).collect())
+}
+
+/// The positions and faces of all meshes, one after the other, tied as they are in each.
+fn concatenated(meshes: &[&Mesh]) -> Result<Mesh, WriteError> {
+    let (mut positions, mut faces, mut ids) = (Vec::new(), Vec::new(), Vec::new());
+    for mesh in meshes {
+        // Saturated numbers belong to more positions than a mesh may have, which it then refuses.
+        let first = u32::try_from(positions.len()).unwrap_or(u32::MAX);
+        faces.extend(mesh.faces().iter().map(|face| face.map(|i| first.saturating_add(i))));
+        let n = mesh.positions().len() as u32;
+        ids.extend((0..n).map(|i| first.saturating_add(mesh.position_of(i))));
+        positions.extend_from_slice(mesh.positions());
+    }
+    Mesh::new(positions, faces).and_then(|mesh| mesh.with_position_id(ids)).map_err(unsupported)
+}
+
+fn unsupported(error: InvalidMesh) -> WriteError {
+    WriteError::Unsupported(error.to_string())
+}
+
+/// By how much a length in each part's coordinates can grow in the scene's, over all places of the part; 0 for a
+/// part that stands nowhere.
+pub(crate) fn stretch_of_parts(scene: &Scene) -> Vec<f64> {
+    let mut stretch = vec![0.0; scene.parts.len()];
+    for place in places(scene) {
+        let most: &mut f64 = &mut stretch[place.part];
+        *most = if place.stretch > *most { place.stretch } else { *most };
+    }
+    stretch
+}
+
+/// A length times a stretch, from above; a length of 0 stays 0 and a stretch of 1 changes nothing.
+pub(crate) fn scaled_up(length: f64, stretch: f64) -> f64 {
+    if length == 0.0 || stretch == 0.0 {
+        0.0
+    } else if stretch == 1.0 {
+        length
+    } else {
+        mul_up(length, stretch)
+    }
+}
+
+/// One place of a part.
+struct Place {
+    part: usize,
+    is_identity: bool,
+    /// Transforms on the way from the part to the scene.
+    depth: u32,
+    /// The product of the transforms' absolute values: what their exact product of anything is at most.
+    magnitude: Matrix,
+    /// The largest factor by which the transforms together lengthen, from above.
+    stretch: f64,
+}
+
+impl Place {
+    /// A place inside another.
+    fn inside(&self, matrix: &Matrix, part: usize) -> Self {
+        if *matrix == IDENTITY {
+            return Self { part, magnitude: self.magnitude, ..*self };
+        }
+        Self {
+            part,
+            is_identity: false,
+            depth: self.depth + 1,
+            magnitude: product(&self.magnitude, &matrix.map(f64::abs)),
+            stretch: scaled_up(frobenius(matrix), self.stretch),
+        }
+    }
+
+    /// How far the rounding of its transforms can take a vertex of the part.
+    ///
+    /// A product of a matrix with a vector or a matrix has four products and three sums an entry, so d transforms
+    /// are off by less than `7d` half steps, relative to the product of the absolute values. `8d` whole steps cover
+    /// that and the rounding of the estimate, which has as many operations.
+    fn rounding(&self, part: &Part) -> f64 {
+        let bounds = part.mesh.bounds();
+        if bounds.is_empty() {
+            return 0.0;
+        }
+        let reach: [f64; 3] = std::array::from_fn(|k| {
+            let (low, high) = (bounds.min[k].abs(), bounds.max[k].abs());
+            if low > high { low } else { high }
+        });
+        let m = &self.magnitude;
+        let steps = 8.0 * f64::from(self.depth) * f64::EPSILON;
+        let squares = (0..3).fold(0.0, |sum, row| {
+            let largest = m[row] * reach[0] + m[4 + row] * reach[1] + m[8 + row] * reach[2] + m[12 + row];
+            let off = mul_up(largest, steps);
+            add_up(sum, mul_up(off, off))
+        });
+        sqrt_up(squares)
+    }
+}
+
+const IDENTITY: Matrix = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+
+/// All places of parts, by walking the scene from its roots with a stack of its own. Readers make sure that nodes
+/// are a forest.
+fn places(scene: &Scene) -> Vec<Place> {
+    let outside = Place { part: 0, is_identity: true, depth: 0, magnitude: IDENTITY, stretch: 1.0 };
+    let mut found = Vec::new();
+    let mut open: Vec<(usize, std::rc::Rc<Place>)> = Vec::new();
+    let outside = std::rc::Rc::new(outside);
+    open.extend(scene.roots.iter().map(|root| (*root, outside.clone())));
+    while let Some((node, parent)) = open.pop() {
+        let node = &scene.nodes[node];
+        let here = std::rc::Rc::new(parent.inside(&node.matrix, 0));
+        if let Some(part) = node.part {
+            found.push(Place { part, ..parent.inside(&node.matrix, part) });
+        }
+        open.extend(node.children.iter().map(|child| (*child, here.clone())));
+    }
+    found
+}
+
+fn product(a: &Matrix, b: &Matrix) -> Matrix {
+    std::array::from_fn(|i| (0..4).map(|k| a[4 * k + i % 4] * b[i / 4 * 4 + k]).sum())
+}
+
+/// The root of the sum of the squares of the linear part: never less than the largest factor by which it lengthens.
+fn frobenius(m: &Matrix) -> f64 {
+    let squares =
+        [0, 1, 2, 4, 5, 6, 8, 9, 10].into_iter().fold(0.0, |sum, i| add_up(sum, mul_up(m[i], m[i])));
+    sqrt_up(squares)
+}

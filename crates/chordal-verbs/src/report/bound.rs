@@ -1,0 +1,51 @@
+//! What was lost, as a report says it.
+use chordal::{Bound, Evidence};
+use serde::Serialize;
+
+/// A [`Bound`] as a report says it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BoundFacts {
+    /// The distance is at least this.
+    pub at_least: f64,
+    /// The distance is at most this; none where nothing bounds it from above.
+    pub at_most: Option<f64>,
+    /// The distance on the screen is at most this many pixels; none without a view.
+    pub pixels: Option<f64>,
+    /// "proved", "proved-if", "measured" or "estimated".
+    pub evidence: &'static str,
+    /// What a proof rests on, for "proved-if".
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub assumptions: Vec<String>,
+    /// How many samples were taken, for "measured".
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub samples: Option<u64>,
+    /// What the distance measures.
+    pub metric: &'static str,
+    /// The true shape.
+    pub reference: &'static str,
+    /// Where the loss is worst, as far as is known.
+    pub at: Option<[f64; 3]>,
+}
+
+impl BoundFacts {
+    /// The facts of a bound.
+    #[must_use]
+    pub fn of(bound: &Bound) -> Self {
+        let (assumptions, samples) = match bound.evidence() {
+            Evidence::ProvedIf(assumptions) => (assumptions.clone(), None),
+            Evidence::Measured { samples } => (Vec::new(), Some(*samples)),
+            Evidence::Proved | Evidence::Estimated => (Vec::new(), None),
+        };
+        Self {
+            at_least: bound.at_least(),
+            at_most: bound.at_most(),
+            pixels: bound.pixels,
+            evidence: bound.evidence().as_str(),
+            assumptions,
+            samples,
+            metric: bound.metric.as_str(),
+            reference: bound.reference.as_str(),
+            at: bound.at,
+        }
+    }
+}

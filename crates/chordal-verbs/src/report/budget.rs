@@ -1,0 +1,91 @@
+//! What could be lost, as a report says it.
+use chordal::budget::{Budget, Projection, View};
+use serde::Serialize;
+
+/// A [`Budget`] as a report says it: lengths are absolute, whatever was asked for.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BudgetFacts {
+    /// The largest distance to the true shape.
+    pub length: Option<f64>,
+    /// The largest distance on the screen, in device pixels.
+    pub pixels: Option<f64>,
+    /// From where.
+    pub view: Option<ViewFacts>,
+    /// The largest angle to the true normals, in degrees.
+    pub angle_deg: Option<f64>,
+    /// The most triangles.
+    pub triangles: Option<u64>,
+}
+
+impl BudgetFacts {
+    /// The facts of a budget.
+    #[must_use]
+    pub fn of(budget: &Budget) -> Self {
+        Self {
+            length: budget.length.map(|length| length.get()),
+            pixels: budget.pixels.map(|pixels| pixels.pixels.get()),
+            view: budget.pixels.map(|pixels| ViewFacts::of(&pixels.view)),
+            angle_deg: budget.angle_deg,
+            triangles: budget.triangles,
+        }
+    }
+}
+
+/// A [`View`] as a report says it. `text` alone is enough to have it back.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ViewFacts {
+    /// As it is written on a command line.
+    pub text: String,
+    /// "camera" for one eye, "closest" for every eye that keeps its distance.
+    pub kind: &'static str,
+    /// Columns of the screen.
+    pub width_px: u32,
+    /// Rows of the screen.
+    pub height_px: u32,
+    /// The vertical field of view in degrees; none for parallel rays.
+    pub fov_y_deg: Option<f64>,
+    /// The height of the picture in the shape's units, for parallel rays.
+    pub height: Option<f64>,
+    /// The nearest distance to the shape's box, for "closest".
+    pub distance: Option<f64>,
+    /// Where the eye is, for "camera".
+    pub eye: Option<[f64; 3]>,
+    /// The point in the middle of the picture, for "camera".
+    pub target: Option<[f64; 3]>,
+    /// A direction that is up in the picture, for "camera".
+    pub up: Option<[f64; 3]>,
+    /// Depth below which nothing is drawn, for "camera".
+    pub near: Option<f64>,
+}
+
+impl ViewFacts {
+    /// The facts of a view.
+    #[must_use]
+    pub fn of(view: &View) -> Self {
+        let (projection, screen) = match view {
+            View::Camera(camera) => (camera.projection, camera.screen),
+            View::Closest(closest) => (closest.projection, closest.screen),
+        };
+        let (fov_y_deg, height) = match projection {
+            Projection::Perspective { fov_y_deg } => (Some(fov_y_deg), None),
+            Projection::Orthographic { height } => (None, Some(height)),
+        };
+        let (camera, closest) = match view {
+            View::Camera(camera) => (Some(camera), None),
+            View::Closest(closest) => (None, Some(closest)),
+        };
+        Self {
+            text: view.to_string(),
+            kind: if camera.is_some() { "camera" } else { "closest" },
+            width_px: screen.width_px,
+            height_px: screen.height_px,
+            fov_y_deg,
+            height,
+            distance: closest.map(|view| view.distance),
+            eye: camera.map(|view| view.eye),
+            target: camera.map(|view| view.target),
+            up: camera.map(|view| view.up),
+            near: camera.map(|view| view.near),
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! The report: one object for every verb. `docs/schema/report.schema.json` describes it.
+//!
+//! The *certificate* is deterministic: same input, version and budget give the same bytes, so it holds no clock, no
+//! path and no count of threads, and can travel in the file. *Run* is for the reader of the moment.
+mod bound;
+mod budget;
+mod inspection;
+mod valid;
+
+pub use bound::BoundFacts;
+pub use budget::{BudgetFacts, ViewFacts};
+pub use inspection::{Found, Inspection, PartFacts, Sizes};
+pub(crate) use valid::Counted;
+pub use valid::{Counts, OtherCounts, PartValid, Valid, WitnessFacts};
+
+use crate::Input;
+use chordal::Mesh;
+use chordal::explicit::Topology;
+use chordal_io::{Axis, Frame, Warning};
+use serde::Serialize;
+use serde_json::Value;
+
+/// The name of this version of the report. What it means is never changed; what is added gets a new number.
+pub const SCHEMA: &str = "chordal.report/1";
+
+/// What a verb did and what is known of the result.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// [`SCHEMA`].
+    pub schema: &'static str,
+    /// What holds of the result, wherever and whenever it was made.
+    pub certificate: Certificate,
+    /// What the input is; only from `inspect`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inspection: Option<Inspection>,
+    /// This run.
+    pub run: Run,
+}
+
+/// What holds of a result, wherever and whenever it was made.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Certificate {
+    /// The version of Chordal.
+    pub version: &'static str,
+    /// What went in.
+    pub input: InputFacts,
+    /// The space that all lengths and points are in.
+    pub frame: FrameFacts,
+    /// What could be lost; none where nothing was asked.
+    pub budget: Option<BudgetFacts>,
+    /// What was lost; none where nothing was made.
+    pub bound: Option<BoundFacts>,
+    /// What came out; none where nothing was made.
+    pub output: Option<OutputFacts>,
+    /// Whether the triangles are sound; none where there are none to be.
+    pub valid: Option<Valid>,
+    /// What else a reader should know, in sentences.
+    pub notes: Vec<String>,
+}
+
+impl Certificate {
+    /// What is known before anything was made.
+    #[must_use]
+    pub fn of(input: &Input) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            input: InputFacts::of(input),
+            frame: FrameFacts::of(input.shape.frame()),
+            budget: None,
+            bound: None,
+            output: None,
+            valid: None,
+            notes: Vec::new(),
+        }
+    }
+
+    /// As JSON, with its keys in order.
+    #[must_use]
+    pub fn to_value(&self) -> Value {
+        to_value(self)
+    }
+}
+
+impl Report {
+    /// A report of a run.
+    #[must_use]
+    pub fn new(certificate: Certificate, run: Run) -> Self {
+        Self { schema: SCHEMA, certificate, inspection: None, run }
+    }
+
+    /// As JSON, with its keys in order.
+    #[must_use]
+    pub fn to_value(&self) -> Value {
+        to_value(self)
+    }
+}
+
+/// These structs hold numbers, texts and lists with texts as keys, all of which JSON can say; a number that is not
+/// finite becomes null.
+pub(crate) fn to_value(facts: &impl Serialize) -> Value {
+    serde_json::to_value(facts).unwrap_or_default()
+}
+
+/// What went in.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct InputFacts {
+    /// The kind of shape, as in "patches".
+    pub kind: &'static str,
+    /// The format of the bytes.
+    pub format: String,
+    /// The SHA-256 of the bytes, in hexadecimal.
+    pub sha256: String,
+    /// What was odd about the bytes.
+    pub warnings: Vec<WarningFacts>,
+}
+
+impl InputFacts {
+    fn of(input: &Input) -> Self {
+        Self {
+            kind: input.shape.kind(),
+            format: input.format.to_string(),
+            sha256: input.sha256.clone(),
+            warnings: input.warnings.iter().map(WarningFacts::of).collect(),
+        }
+    }
+}
+
+/// Something odd about a file, counted.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct WarningFacts {
+    /// Stable, for programs.
+    pub code: &'static str,
+    /// How often.
+    pub count: u64,
+    /// Where it was seen first.
+    pub place: String,
+    /// One sentence.
+    pub message: String,
+}
+
+impl WarningFacts {
+    fn of(warning: &Warning) -> Self {
+        Self {
+            code: warning.code,
+            count: warning.count,
+            place: warning.place.to_string(),
+            message: warning.message.clone(),
+        }
+    }
+}
+
+/// The space that lengths and points are in.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FrameFacts {
+    /// The axis that is up, "y" or "z", if that is known.
+    pub up: Option<&'static str>,
+    /// The length of one unit, if that is known.
+    pub metres_per_unit: Option<f64>,
+}
+
+impl FrameFacts {
+    fn of(frame: &Frame) -> Self {
+        let up = frame.up.map(|axis| match axis {
+            Axis::Y => "y",
+            Axis::Z => "z",
+        });
+        Self { up, metres_per_unit: frame.metres_per_unit }
+    }
+}
+
+/// What came out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct OutputFacts {
+    /// Rows of positions; vertices that differ only in attributes count apart.
+    pub vertices: u64,
+    /// Distinct positions, by the meaning of that word that `valid` has too.
+    pub positions: u64,
+    /// Triangles.
+    pub triangles: u64,
+}
+
+impl OutputFacts {
+    /// The counts of one mesh.
+    #[must_use]
+    pub fn of(mesh: &Mesh, topology: Topology) -> Self {
+        let n_vertices = mesh.positions().len();
+        let positions = topology.ids(mesh).map_or(n_vertices, |ids| {
+            let mut used = vec![false; n_vertices];
+            ids.iter().for_each(|id| used[*id as usize] = true);
+            used.iter().filter(|used| **used).count()
+        });
+        Self {
+            vertices: n_vertices as u64,
+            positions: positions as u64,
+            triangles: mesh.faces().len() as u64,
+        }
+    }
+}
+
+/// This run of a verb. Shells fill in what only they know.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Run {
+    /// The verb.
+    pub verb: &'static str,
+    /// The name of the input.
+    pub input: Option<String>,
+    /// The name of the output.
+    pub output: Option<String>,
+    /// The size of the output.
+    pub bytes: Option<u64>,
+    /// From the first byte read to the last byte written.
+    pub seconds: Option<f64>,
+    /// The most memory that the process held.
+    pub peak_bytes: Option<u64>,
+    /// Threads that were used.
+    pub threads: Option<u64>,
+}

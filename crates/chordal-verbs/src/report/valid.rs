@@ -1,0 +1,298 @@
+//! Whether triangles are sound, as a report says it: counts by one meaning of "the same position", and by the other.
+use super::OutputFacts;
+use chordal::check::{Finding, Place, Validity, t_junctions, validity};
+use chordal::explicit::Topology;
+use chordal_io::Scene;
+use serde::Serialize;
+
+/// What holds of all parts of a scene together, counted twice.
+///
+/// Where a format names positions by indices of its own, those decide which edges meet; elsewhere bit-identical
+/// positions do. The other count stands in `other`: where the two differ, a reader that looks at the file in the
+/// other way sees another surface.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Valid {
+    /// What made two rows the same position: "indices" or "positions".
+    pub topology: &'static str,
+    /// The counts by that.
+    #[serde(flatten)]
+    pub counts: Counts,
+    /// The counts by the other.
+    pub other: OtherCounts,
+    /// The counts of each part; only from `inspect`, where there are several.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<PartValid>,
+    /// The first places where something was found; only from `inspect`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub witnesses: Option<Vec<WitnessFacts>>,
+}
+
+/// The counts by the meaning that the format does not have.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OtherCounts {
+    /// "indices" or "positions".
+    pub topology: &'static str,
+    /// The counts.
+    #[serde(flatten)]
+    pub counts: Counts,
+}
+
+/// The counts of one part.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PartValid {
+    /// The index of the part.
+    pub part: u64,
+    /// Its name in the file.
+    pub name: String,
+    /// The counts.
+    #[serde(flatten)]
+    pub counts: Counts,
+}
+
+/// What [`Validity`] counts.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Counts {
+    /// There are triangles, and each part that has some has no edge with one triangle only.
+    pub closed: bool,
+    /// No edge has more than two triangles, and those at each position are one fan.
+    pub manifold: bool,
+    /// Neighbours agree on which side is out.
+    pub oriented: bool,
+    /// They could: no part is a Möbius strip.
+    pub orientable: bool,
+    /// Edges with one triangle.
+    pub boundary_edges: u64,
+    /// Closed strings of them.
+    pub boundary_loops: u64,
+    /// Open strings of them, which end at non-manifold edges.
+    pub boundary_chains: u64,
+    /// Edges with three triangles or more.
+    pub non_manifold_edges: u64,
+    /// Positions with two fans or more.
+    pub non_manifold_vertices: u64,
+    /// Boundary vertices that lie exactly inside a boundary edge of others.
+    pub t_junctions: u64,
+    /// Edges whose two triangles are wound against each other.
+    pub inconsistent_edges: u64,
+    /// Triangles that have the positions of an earlier one.
+    pub duplicate_faces: u64,
+    /// Those of them that are wound the other way.
+    pub opposite_faces: u64,
+    /// Triangles with two corners at one position.
+    pub collapsed_faces: u64,
+    /// Triangles without area, exactly; of the collapsed ones, all.
+    pub zero_area_faces: u64,
+    /// Vertices that no triangle names.
+    pub unused_vertices: u64,
+    /// Sets of triangles that hang together by edges.
+    pub components: u64,
+    /// Edges.
+    pub edges: u64,
+    /// Handles of all components together; none where that means nothing.
+    pub genus: Option<u64>,
+}
+
+/// One place where something was found. All numbers are rows of the part's arrays.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WitnessFacts {
+    /// The name of the count that it belongs to.
+    pub of: &'static str,
+    /// The index of the part.
+    pub part: u64,
+    /// Rows of the positions.
+    pub vertices: Vec<u32>,
+    /// Rows of the triangles.
+    pub faces: Vec<u32>,
+    /// A point there, in the part's own coordinates.
+    pub at: [f64; 3],
+}
+
+/// How much there is of the triangles of a scene, and whether they are sound.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Counted {
+    pub output: OutputFacts,
+    pub valid: Valid,
+}
+
+impl Counted {
+    /// What is counted of a scene, without witnesses.
+    pub fn of(scene: &Scene, topology: Topology) -> Self {
+        let (main, other) = both_ways(scene, topology);
+        Self::summed(&main, &other, topology)
+    }
+
+    /// The same in full.
+    pub fn in_full(scene: &Scene, topology: Topology) -> Self {
+        let (main, other) = both_ways(scene, topology);
+        let mut counted = Self::summed(&main, &other, topology);
+        if scene.parts.len() > 1 {
+            let part = |(i, found): (usize, &Checked)| PartValid {
+                part: i as u64,
+                name: scene.parts[i].name.clone(),
+                counts: Counts::of(found),
+            };
+            counted.valid.parts = main.iter().enumerate().map(part).collect();
+        }
+        let witnesses = main.iter().enumerate().flat_map(|(i, found)| witnesses(i, found));
+        counted.valid.witnesses = Some(witnesses.collect());
+        counted
+    }
+
+    fn summed(main: &[Checked], other: &[Checked], topology: Topology) -> Self {
+        let sum = |f: fn(&Validity) -> u64| main.iter().map(|part| f(&part.found)).sum();
+        let output = OutputFacts {
+            vertices: sum(|part| part.vertices),
+            positions: sum(|part| part.positions),
+            triangles: sum(|part| part.triangles),
+        };
+        let valid = Valid {
+            topology: topology.as_str(),
+            counts: Counts::summed(main),
+            other: OtherCounts { topology: opposite(topology).as_str(), counts: Counts::summed(other) },
+            parts: Vec::new(),
+            witnesses: None,
+        };
+        Self { output, valid }
+    }
+}
+
+fn opposite(topology: Topology) -> Topology {
+    match topology {
+        Topology::Indices => Topology::Positions,
+        Topology::Positions => Topology::Indices,
+    }
+}
+
+/// All that was found of one part.
+struct Checked {
+    found: Validity,
+    t_junctions: Finding,
+}
+
+fn both_ways(scene: &Scene, topology: Topology) -> (Vec<Checked>, Vec<Checked>) {
+    let all = |topology| {
+        let meshes = scene.parts.iter().map(|part| &part.mesh);
+        let checked = |mesh| Checked {
+            found: validity(mesh, topology),
+            t_junctions: t_junctions(mesh, topology, None),
+        };
+        meshes.map(checked).collect()
+    };
+    (all(topology), all(opposite(topology)))
+}
+
+impl Counts {
+    fn of(Checked { found, t_junctions }: &Checked) -> Self {
+        Self {
+            closed: found.closed,
+            manifold: found.manifold(),
+            oriented: found.oriented,
+            orientable: found.orientable,
+            boundary_edges: found.boundary_edges.count,
+            boundary_loops: found.boundary_loops,
+            boundary_chains: found.boundary_chains,
+            non_manifold_edges: found.non_manifold_edges.count,
+            non_manifold_vertices: found.non_manifold_vertices.count,
+            t_junctions: t_junctions.count,
+            inconsistent_edges: found.inconsistent_edges.count,
+            duplicate_faces: found.duplicate_faces.count,
+            opposite_faces: found.opposite_faces.count,
+            collapsed_faces: found.collapsed_faces.count,
+            zero_area_faces: found.zero_area_faces.count,
+            unused_vertices: found.unused_vertices.count,
+            components: found.components,
+            edges: found.edges,
+            genus: found.genus,
+        }
+    }
+
+    fn summed(parts: &[Checked]) -> Self {
+        let filled = || parts.iter().filter(|part| part.found.triangles > 0);
+        let mut sum = parts.iter().map(Self::of).reduce(Self::plus).unwrap_or(Self::NONE);
+        // Of parts without triangles, none is closed, and none keeps the others from being so.
+        sum.closed = filled().next().is_some() && filled().all(|part| part.found.closed);
+        sum
+    }
+
+    /// The counts of no part at all.
+    const NONE: Self = Self {
+        closed: false,
+        manifold: true,
+        oriented: true,
+        orientable: true,
+        boundary_edges: 0,
+        boundary_loops: 0,
+        boundary_chains: 0,
+        non_manifold_edges: 0,
+        non_manifold_vertices: 0,
+        t_junctions: 0,
+        inconsistent_edges: 0,
+        duplicate_faces: 0,
+        opposite_faces: 0,
+        collapsed_faces: 0,
+        zero_area_faces: 0,
+        unused_vertices: 0,
+        components: 0,
+        edges: 0,
+        genus: Some(0),
+    };
+
+    fn plus(self, other: Self) -> Self {
+        Self {
+            closed: self.closed && other.closed,
+            manifold: self.manifold && other.manifold,
+            oriented: self.oriented && other.oriented,
+            orientable: self.orientable && other.orientable,
+            boundary_edges: self.boundary_edges + other.boundary_edges,
+            boundary_loops: self.boundary_loops + other.boundary_loops,
+            boundary_chains: self.boundary_chains + other.boundary_chains,
+            non_manifold_edges: self.non_manifold_edges + other.non_manifold_edges,
+            non_manifold_vertices: self.non_manifold_vertices + other.non_manifold_vertices,
+            t_junctions: self.t_junctions + other.t_junctions,
+            inconsistent_edges: self.inconsistent_edges + other.inconsistent_edges,
+            duplicate_faces: self.duplicate_faces + other.duplicate_faces,
+            opposite_faces: self.opposite_faces + other.opposite_faces,
+            collapsed_faces: self.collapsed_faces + other.collapsed_faces,
+            zero_area_faces: self.zero_area_faces + other.zero_area_faces,
+            unused_vertices: self.unused_vertices + other.unused_vertices,
+            components: self.components + other.components,
+            edges: self.edges + other.edges,
+            genus: self.genus.zip(other.genus).map(|(a, b)| a + b),
+        }
+    }
+}
+
+fn witnesses(part: usize, Checked { found, t_junctions }: &Checked) -> Vec<WitnessFacts> {
+    let findings: [(&'static str, &Finding); 10] = [
+        ("boundary_edges", &found.boundary_edges),
+        ("non_manifold_edges", &found.non_manifold_edges),
+        ("non_manifold_vertices", &found.non_manifold_vertices),
+        ("t_junctions", t_junctions),
+        ("inconsistent_edges", &found.inconsistent_edges),
+        ("duplicate_faces", &found.duplicate_faces),
+        ("opposite_faces", &found.opposite_faces),
+        ("collapsed_faces", &found.collapsed_faces),
+        ("zero_area_faces", &found.zero_area_faces),
+        ("unused_vertices", &found.unused_vertices),
+    ];
+    let facts = |(of, finding): (&'static str, &Finding)| {
+        let one = |witness: &chordal::check::Witness| {
+            let (vertices, faces) = rows(&witness.place);
+            WitnessFacts { of, part: part as u64, vertices, faces, at: witness.at }
+        };
+        finding.witnesses.iter().map(one).collect::<Vec<_>>()
+    };
+    findings.into_iter().flat_map(facts).collect()
+}
+
+fn rows(place: &Place) -> (Vec<u32>, Vec<u32>) {
+    match place {
+        Place::Vertex(vertex) => (vec![*vertex], Vec::new()),
+        Place::Edge { vertices, faces } => (vertices.to_vec(), faces.clone()),
+        Place::Face(face) => (Vec::new(), vec![*face]),
+        Place::Repeated { face, of } => (Vec::new(), vec![*face, *of]),
+        Place::OnEdge { vertex, edge, face } => (vec![*vertex, edge[0], edge[1]], vec![*face]),
+        // A kind of place that is newer than this list has its point and its name.
+        _ => (Vec::new(), Vec::new()),
+    }
+}

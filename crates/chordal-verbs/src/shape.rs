@@ -1,0 +1,167 @@
+//! `Shape`: anything that a verb can be applied to, in its frame.
+use chordal::Patch;
+use chordal::math::{Box3, add_up, mul_down, mul_up, sqrt_down, sub_down};
+use chordal_io::{Content, Frame, Scene, WriteError};
+
+/// Any shape that a file can hold.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Shape {
+    /// Bicubic Bézier patches.
+    Patches {
+        /// The patches.
+        patches: Vec<Patch>,
+        /// The space that they are in.
+        frame: Frame,
+    },
+    /// Triangle meshes with their places.
+    Scene(Scene),
+}
+
+impl From<Content> for Shape {
+    fn from(content: Content) -> Self {
+        match content {
+            Content::Patches(patches, frame) => Self::Patches { patches, frame },
+            Content::Scene(scene) => Self::Scene(scene),
+        }
+    }
+}
+
+impl Shape {
+    /// The name of the kind in a report.
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Patches { .. } => "patches",
+            Self::Scene(_) => "triangles",
+        }
+    }
+
+    /// What is known of the space.
+    #[must_use]
+    pub fn frame(&self) -> &Frame {
+        match self {
+            Self::Patches { frame, .. } => frame,
+            Self::Scene(scene) => &scene.frame,
+        }
+    }
+
+    /// The same, to be told what a file does not say.
+    pub fn frame_mut(&mut self) -> &mut Frame {
+        match self {
+            Self::Patches { frame, .. } => frame,
+            Self::Scene(scene) => &mut scene.frame,
+        }
+    }
+
+    /// A box around the shape, in the scene's coordinates: the hull of control points, or the box of the vertices.
+    ///
+    /// # Errors
+    /// When the nodes of a scene are no tree, or take its coordinates out of range.
+    pub fn hull(&self) -> Result<Box3, WriteError> {
+        match self {
+            Self::Patches { patches, .. } => {
+                Ok(patches.iter().fold(Box3::EMPTY, |hull, patch| hull.union(patch.hull())))
+            }
+            Self::Scene(scene) => {
+                let meshes = scene.world_meshes()?;
+                Ok(meshes.iter().fold(Box3::EMPTY, |hull, (_, mesh)| hull.union(mesh.bounds())))
+            }
+        }
+    }
+
+    /// The diagonal of the shape's own box, bounded from below, so that a percentage of it is never more than was
+    /// asked for. 0 where the box is a point or so small that nothing is left below.
+    ///
+    /// For triangles the box is exact. A patch is sampled, since its box can be much smaller than that of its
+    /// control points; what a sample misses makes the result smaller, never larger.
+    ///
+    /// # Errors
+    /// As for [`Shape::hull`].
+    pub fn diagonal(&self) -> Result<f64, WriteError> {
+        match self {
+            Self::Patches { patches, .. } => {
+                let reach = patches.iter().fold(0.0, |most, p| if p.size() > most { p.size() } else { most });
+                // An evaluated coordinate is a sum of 16 terms with four roundings each and four sums on the way:
+                // it is off by less than 12 half steps of the largest control coordinate. 16 whole ones cover it.
+                Ok(diagonal_below(&sampled_box(patches), mul_up(16.0 * f64::EPSILON, reach)))
+            }
+            Self::Scene(_) => Ok(diagonal_below(&self.hull()?, 0.0)),
+        }
+    }
+}
+
+/// Points along one side of a sampled patch.
+const SAMPLES: u32 = 16;
+
+/// The box of points on the patches: all corners, and a lattice on those patches that could reach beyond them.
+fn sampled_box(patches: &[Patch]) -> Box3 {
+    let corners = |patch: &Patch| [(0, 0), (0, 3), (3, 0), (3, 3)].map(|(i, j)| patch.control[i][j]);
+    let known = patches.iter().fold(Box3::EMPTY, |all, patch| all.union(Box3::around(&corners(patch))));
+    patches.iter().fold(known, |known, patch| {
+        let hull = patch.hull();
+        if hull.is_empty() || known.contains(hull.min) && known.contains(hull.max) {
+            return known;
+        }
+        let at = |i: u32| f64::from(i) / f64::from(SAMPLES);
+        (0..=SAMPLES)
+            .fold(known, |known, i| (0..=SAMPLES).fold(known, |known, j| known.with(patch.at(at(i), at(j)))))
+    })
+}
+
+/// The diagonal of a box from below, when each of its faces may lie up to `off` too far out.
+fn diagonal_below(bounds: &Box3, off: f64) -> f64 {
+    if bounds.is_empty() {
+        return 0.0;
+    }
+    let slack = add_up(off, off);
+    let side: [f64; 3] = std::array::from_fn(|k| {
+        let side = sub_down(sub_down(bounds.max[k], bounds.min[k]), slack);
+        if side > 0.0 { side } else { 0.0 }
+    });
+    let longest = side.into_iter().fold(0.0, |a, b| if b > a { b } else { a });
+    if longest <= 0.0 || longest == f64::INFINITY {
+        return 0.0;
+    }
+    // Scaled by the longest side, so that squares neither overflow nor vanish.
+    let squares = side.map(|side| (side / longest).next_down()).map(|s| mul_down(s, s));
+    let sum = squares.into_iter().fold(0.0, |sum, s| if s > 0.0 { (sum + s).next_down() } else { sum });
+    let diagonal = mul_down(longest, sqrt_down(sum));
+    // A single side is its own diagonal, which the scaled form only reaches from below.
+    if diagonal > longest { diagonal } else { longest }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_diagonal_of_a_box_comes_from_below_and_close() {
+        let bounds = |x, y, z| Box3 { min: [0.0; 3], max: [x, y, z] };
+        for (b, true_length) in [
+            (bounds(3.0, 4.0, 12.0), 13.0),
+            (bounds(1e-200, 0.0, 0.0), 1e-200),
+            (bounds(2e200, 1e200, 2e200), 3e200),
+        ] {
+            let diagonal = diagonal_below(&b, 0.0);
+            assert!(diagonal <= true_length && diagonal > true_length * (1.0 - 1e-14), "{diagonal}");
+        }
+        assert_eq!(diagonal_below(&Box3::EMPTY, 0.0), 0.0);
+        assert_eq!(diagonal_below(&bounds(1.0, 1.0, 1.0), 1.0), 0.0);
+    }
+
+    #[test]
+    fn the_diagonal_of_a_patch_is_that_of_its_points_and_not_of_its_control_points() {
+        // The middle control points rise to 1, the patch to 9/16 of that.
+        let mut patch = Patch::flat([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+        for (i, j) in [(1, 1), (1, 2), (2, 1), (2, 2)] {
+            patch.control[i][j][2] = 1.0;
+        }
+        let true_height = 0.5625_f64;
+        let true_diagonal = (2.0 + true_height * true_height).sqrt();
+        let shape = Shape::Patches { patches: vec![patch], frame: Frame::default() };
+        assert!(shape.diagonal().unwrap() <= true_diagonal);
+        assert!(shape.diagonal().unwrap() > true_diagonal * (1.0 - 1e-12));
+        assert_eq!(shape.hull().unwrap().max[2], 1.0);
+    }
+}

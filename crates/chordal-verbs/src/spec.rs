@@ -1,0 +1,50 @@
+//! `BudgetSpec`: a budget as a person asks for it, before the shape is known.
+use crate::{MeshFailure, Shape};
+use chordal::budget::{Budget, Length, PixelBudget};
+
+/// What may be lost, with a length that can be a percentage or have a unit.
+///
+/// ```
+/// use chordal_verbs::BudgetSpec;
+/// let spec = BudgetSpec { length: Some("0.05%".parse()?), ..BudgetSpec::default() };
+/// assert!(spec.has_limit());
+/// # Ok::<(), chordal::budget::InvalidLength>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BudgetSpec {
+    /// The largest distance to the true shape.
+    pub length: Option<Length>,
+    /// The largest distance on the screen of a view.
+    pub pixels: Option<PixelBudget>,
+    /// The most triangles.
+    pub triangles: Option<u64>,
+}
+
+impl BudgetSpec {
+    /// Whether it limits anything that a mesh can be built for.
+    #[must_use]
+    pub fn has_limit(&self) -> bool {
+        self.length.is_some() || self.pixels.is_some() || self.triangles.is_some()
+    }
+
+    /// The budget for one shape, and what was made of the length, in a sentence where it had to be converted.
+    ///
+    /// # Errors
+    /// When the length has a unit and the shape has none, or is a percentage and the shape is a point or has no size.
+    pub fn resolve(&self, shape: &Shape) -> Result<(Budget, Option<String>), MeshFailure> {
+        let mut budget = Budget { pixels: self.pixels, triangles: self.triangles, ..Budget::default() };
+        let Some(length) = self.length else { return Ok((budget, None)) };
+        let diagonal = if matches!(length, Length::Percent(_)) { shape.diagonal()? } else { 0.0 };
+        let tolerance =
+            length.resolve(diagonal, shape.frame().metres_per_unit).map_err(MeshFailure::Length)?;
+        budget.length = Some(tolerance);
+        let note = match length {
+            Length::Plain(_) => None,
+            Length::In(..) => Some(format!("{length} is {tolerance} in the units of the input")),
+            Length::Percent(_) => Some(format!(
+                "{length} of the diagonal, which is {diagonal} or a little more, is {tolerance}"
+            )),
+        };
+        Ok((budget, note))
+    }
+}

@@ -1,0 +1,206 @@
+//! The verb `mesh`: the chain from the parsed numbers to the triangles in the file.
+use chordal::budget::{PixelBudget, Reference};
+use chordal::{Bound, Evidence, Job, Mesh, Patch};
+use chordal_io::{Format, Frame, Limits, Node, Scene};
+use chordal_verbs::report::BoundFacts;
+use chordal_verbs::{BudgetSpec, Hint, Input, MeshFailure, MeshOutcome, Shape, load, mesh};
+
+const FORMATS: [(Format, &str); 4] =
+    [(Format::Obj, "obj"), (Format::Ply, "ply"), (Format::Stl, "stl"), (Format::Glb, "glb")];
+
+fn input(shape: Shape) -> Input {
+    Input { shape, format: Format::Bpt, n_bytes: 0, sha256: "0".repeat(64), warnings: Vec::new() }
+}
+
+/// One bent patch of about unit size at a place.
+fn patch_at(origin: [f64; 3]) -> Input {
+    let mut patch = Patch::flat(origin, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+    for (i, j) in [(1, 1), (1, 2), (2, 1), (2, 2)] {
+        patch.control[i][j][2] += 0.7;
+    }
+    input(Shape::Patches { patches: vec![patch], frame: Frame::default() })
+}
+
+fn length(text: &str) -> BudgetSpec {
+    BudgetSpec { length: Some(text.parse().unwrap()), ..BudgetSpec::default() }
+}
+
+#[test]
+fn rounding_to_the_format_is_set_aside_first_and_added_to_the_bound() {
+    // Far from zero single precision has steps of 1/64 here, so that rounding is most of the error.
+    let far = [200_000.3, -150_000.7, 90_000.1];
+    let exact = mesh(patch_at(far), &length("0.1"), Format::Ply, &Job::default()).unwrap();
+    let rounded = mesh(patch_at(far), &length("0.1"), Format::Stl, &Job::default()).unwrap();
+    let meshes = [&exact, &rounded].map(|outcome| &outcome.scene.parts[0].mesh);
+    assert!(meshes[1].positions().iter().flatten().all(|x| f64::from(*x as f32) == *x));
+    assert!(meshes[0].positions().iter().flatten().any(|x| f64::from(*x as f32) != *x));
+    // Less was left for the triangles, so there are more of them, and still the sum is within the budget.
+    assert!(meshes[1].faces().len() > meshes[0].faces().len());
+    assert!(rounded.bound.at_most().unwrap() <= 0.1);
+    assert_eq!(rounded.bound.evidence(), &Evidence::Proved);
+    assert_eq!(rounded.bound.reference, Reference::BezierPatches);
+
+    let refused = mesh(patch_at(far), &length("0.01"), Format::Stl, &Job::default()).unwrap_err();
+    assert_eq!((refused.code(), refused.exit_code()), ("below-precision", 5));
+    // GLB keeps positions about an origin, and has room.
+    assert!(mesh(patch_at(far), &length("0.01"), Format::Glb, &Job::default()).is_ok());
+}
+
+#[test]
+fn a_percentage_is_of_the_surface_and_not_of_its_control_points() {
+    let outcome = mesh(patch_at([0.0; 3]), &length("1%"), Format::Obj, &Job::default()).unwrap();
+    let asked = outcome.certificate.budget.as_ref().unwrap().length.unwrap();
+    let height = 0.5625 * 0.7;
+    let true_diagonal = f64::sqrt(2.0 + height * height);
+    assert!(asked <= 0.01 * true_diagonal && asked > 0.00999 * true_diagonal, "{asked}");
+    assert!(outcome.certificate.notes[0].contains("1%"), "{:?}", outcome.certificate.notes);
+}
+
+#[test]
+fn a_unit_needs_an_input_that_has_one() {
+    let mut known = patch_at([0.0; 3]);
+    let unknown = mesh(known.clone(), &length("1mm"), Format::Obj, &Job::default()).unwrap_err();
+    assert_eq!((unknown.code(), unknown.exit_code()), ("length", 2));
+    known.shape.frame_mut().metres_per_unit = Some(0.01);
+    let outcome = mesh(known, &length("1mm"), Format::Obj, &Job::default()).unwrap();
+    assert_eq!(outcome.certificate.budget.unwrap().length, Some(0.1));
+}
+
+#[test]
+fn pixels_are_bounded_along_the_whole_chain() {
+    for view in ["1920x1080 fov=45 dist=4", "640x480 fov=60 eye=3,4,5 target=0.5,0.5,0", "800x600 height=2"] {
+        let pixels = PixelBudget { pixels: "0.25px".parse().unwrap(), view: view.parse().unwrap() };
+        let spec = BudgetSpec { pixels: Some(pixels), ..BudgetSpec::default() };
+        for (format, name) in FORMATS {
+            let outcome = mesh(patch_at([0.0; 3]), &spec, format, &Job::default()).unwrap();
+            let found = outcome.bound.pixels.unwrap();
+            assert!(found > 0.0 && found <= 0.25, "{name} {view}: {found}");
+        }
+    }
+}
+
+#[test]
+fn the_number_of_triangles_is_kept_and_the_bound_is_what_it_comes_to() {
+    let spec = BudgetSpec { triangles: Some(200), ..BudgetSpec::default() };
+    let few = mesh(patch_at([0.0; 3]), &spec, Format::Glb, &Job::default()).unwrap();
+    let output = few.certificate.output.unwrap();
+    assert!(output.triangles <= 200);
+    let both = BudgetSpec { triangles: Some(200), ..length("1e-5") };
+    let MeshFailure::Unmet(best) = mesh(patch_at([0.0; 3]), &both, Format::Glb, &Job::default()).unwrap_err()
+    else {
+        panic!("200 triangles cannot be that close")
+    };
+    assert!(best.certificate.output.unwrap().triangles <= 200);
+    assert!(best.bound.at_most().unwrap() > 1e-5);
+    assert!(best.certificate.notes.iter().any(|note| note.contains("not met")));
+}
+
+#[test]
+fn a_cancelled_job_has_no_result() {
+    let job = Job::default();
+    job.cancel();
+    let stopped = mesh(patch_at([0.0; 3]), &length("1e-3"), Format::Obj, &job).unwrap_err();
+    assert_eq!((stopped, 130), (MeshFailure::Cancelled, MeshFailure::Cancelled.exit_code()));
+}
+
+#[test]
+fn a_budget_without_a_limit_and_a_format_without_triangles_are_refused() {
+    let none = mesh(patch_at([0.0; 3]), &BudgetSpec::default(), Format::Obj, &Job::default()).unwrap_err();
+    assert_eq!(none.code(), "budget");
+    let no_mesh = mesh(patch_at([0.0; 3]), &length("1"), Format::Bpt, &Job::default()).unwrap_err();
+    assert_eq!(no_mesh.code(), "unsupported");
+}
+
+/// Triangles in all formats read back as what was certified, number for number.
+#[test]
+fn what_is_written_is_what_was_certified() {
+    for (format, name) in FORMATS {
+        for shape in [patch_at([0.1, 0.2, 0.3]), input(Shape::Scene(two_parts()))] {
+            let outcome = mesh(shape, &length("0.01"), format, &Job::default()).unwrap();
+            let mut bytes = Vec::new();
+            outcome.write(&mut bytes).unwrap();
+            let read =
+                load(&bytes, Hint { format: Some(format), ..Hint::default() }, &Limits::default()).unwrap();
+            let Shape::Scene(read) = read.shape else { panic!("{name} holds triangles") };
+            let corners = |scene: &Scene| -> Vec<[[f64; 3]; 3]> {
+                let all = scene.world_meshes().unwrap();
+                let mut all: Vec<_> = all
+                    .iter()
+                    .flat_map(|(_, mesh)| (0..mesh.faces().len()).map(|f| mesh.corners(f)))
+                    .collect();
+                all.sort_by(|a, b| a.partial_cmp(b).unwrap());
+                all
+            };
+            assert_eq!(corners(&read), corners(&outcome.scene), "{name}");
+            let again =
+                mesh(Input { format, ..input(Shape::Scene(read)) }, &length("1"), format, &Job::default())
+                    .unwrap();
+            assert_eq!(again.bound.at_most(), Some(0.0), "{name}: the second time nothing moves");
+            let counts = |outcome: &MeshOutcome| outcome.certificate.valid.clone().unwrap().counts;
+            assert_eq!(counts(&again), counts(&outcome), "{name}");
+        }
+    }
+}
+
+/// A tetrahedron, and another that hangs rotated, scaled and moved from a node of a node.
+fn two_parts() -> Scene {
+    let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    let tetrahedron = Mesh::new(corners, faces).unwrap();
+    let mut scene = Scene::of("first", tetrahedron.clone(), true, Frame::default());
+    scene.parts.extend(Scene::of("second", tetrahedron, true, Frame::default()).parts);
+    let (sin, cos) = (0.6, 0.8);
+    let turned = [cos, sin, 0.0, 0.0, -sin, cos, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.1, 0.2, 0.3, 1.0];
+    let scaled = [3.0, 0.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 0.0, 3.0, 0.0, 10.0, 0.0, 0.0, 1.0];
+    let node = |matrix, children, part| Node { name: String::new(), matrix, children, part };
+    scene.nodes.push(node(turned, vec![2], None));
+    scene.nodes.push(node(scaled, Vec::new(), Some(1)));
+    scene.roots.push(1);
+    scene
+}
+
+#[test]
+fn rounding_in_transforms_is_in_the_bound() {
+    let outcome = mesh(input(Shape::Scene(two_parts())), &length("1"), Format::Ply, &Job::default()).unwrap();
+    let most = outcome.bound.at_most().unwrap();
+    // Coordinates up to 13 with a few roundings: some units of 1e-15 each, and not a single one of them free.
+    assert!(most > 1e-16 && most < 1e-12, "{most:e}");
+    assert_eq!(outcome.certificate.output.unwrap().triangles, 8);
+    // GLB keeps nodes, so nothing is rounded but what does not fit single precision: here everything fits.
+    let kept = mesh(input(Shape::Scene(two_parts())), &length("1"), Format::Glb, &Job::default()).unwrap();
+    assert_eq!(kept.bound.at_most(), Some(0.0));
+    // A part that is three times as large in the scene is off by three times as much.
+    let mut odd = two_parts();
+    let third = odd.parts[1].mesh.positions().iter().map(|p| p.map(|x| x / 3.0)).collect();
+    odd.parts[1].mesh = odd.parts[1].mesh.with_positions(third).unwrap();
+    let moved = mesh(input(Shape::Scene(odd)), &length("1"), Format::Glb, &Job::default()).unwrap();
+    let one_third_off = (f64::from((1.0_f64 / 3.0) as f32) - 1.0 / 3.0).abs();
+    assert!(moved.bound.at_most().unwrap() >= 3.0 * one_third_off);
+    assert!(moved.bound.at_most().unwrap() <= 12.0 * one_third_off);
+}
+
+#[test]
+fn a_coordinate_beyond_single_precision_is_refused_by_formats_that_have_no_other() {
+    let wide = vec![[0.0; 3], [1e39, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let scene = |wide| Scene::of("", Mesh::new(wide, vec![[0, 1, 2]]).unwrap(), true, Frame::default());
+    for (format, name) in FORMATS {
+        let made = mesh(input(Shape::Scene(scene(wide.clone()))), &length("1"), format, &Job::default());
+        match (format, made) {
+            (Format::Obj | Format::Ply, Ok(outcome)) => assert_eq!(outcome.bound.at_most(), Some(0.0)),
+            (Format::Stl | Format::Glb, Err(failure)) => {
+                assert_eq!((failure.code(), failure.exit_code()), ("too-wide", 4), "{name}");
+            }
+            (_, other) => panic!("{name}: {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn a_report_says_of_each_evidence_what_it_rests_on() {
+    let promised = Evidence::ProvedIf(vec!["the field has slope 1".to_owned()]);
+    let facts = BoundFacts::of(&Bound::with_evidence(0.1, Some(0.2), promised, Reference::InputTriangles));
+    assert_eq!((facts.evidence, facts.assumptions.len(), facts.samples), ("proved-if", 1, None));
+    let measured = Evidence::Measured { samples: 7 };
+    let facts = BoundFacts::of(&Bound::with_evidence(0.1, None, measured, Reference::InputTriangles));
+    assert_eq!((facts.evidence, facts.at_most, facts.samples), ("measured", None, Some(7)));
+}

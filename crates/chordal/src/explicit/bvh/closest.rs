@@ -1,0 +1,284 @@
+//! The nearest triangle to a point.
+use super::frame::{Frame, down, exponent, power_of_two, up};
+use super::triangle;
+use super::{Bvh, LAST, LEAF, Node, STACK, Triangle, WIDTH};
+use crate::math::{add_up, div_down, div_up, sub_down};
+
+/// The point of a mesh that is nearest to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Closest {
+    /// The nearest point, rounded.
+    pub point: [f64; 3],
+    /// The face that it lies on; the lowest of those that are equally near.
+    pub face: u32,
+    /// Its weights of the face's corners: ≥ 0, together 1 up to rounding.
+    pub barycentric: [f64; 3],
+    /// The squared distance, rounded; 0 below 1e-162 and ∞ above 1e154 (see [`Bvh::closest_distance_up`]).
+    pub distance_sq: f64,
+}
+
+/// Local extents from the middle of the mesh up to which f32 decides between boxes; further out, where they would
+/// look all the same to it, f64 does.
+const FAR: f64 = 64.0;
+
+/// How far off boxes are to a query, in local units squared: never too far by more than its `limit` allows for.
+trait Sight {
+    /// A square of a distance.
+    type Square: Copy + PartialOrd;
+    /// Larger than any distance, so that every box is looked into.
+    const ALL: Self::Square;
+    fn squares(&self, node: &Node) -> [Self::Square; WIDTH];
+    /// Boxes further off than this hold no triangle that is computed to be as near as `best_sq`.
+    fn limit(&self, best_sq: f64) -> Self::Square;
+}
+
+/// A query near the mesh, local, rounded down and up to f32.
+struct Near {
+    low: [f32; 3],
+    high: [f32; 3],
+}
+
+impl Sight for Near {
+    type Square = f32;
+    const ALL: f32 = f32::MAX;
+
+    #[inline]
+    fn squares(&self, node: &Node) -> [f32; WIDTH] {
+        let mut squares = [0.0; WIDTH];
+        for k in 0..3 {
+            let [low, high] = &node.bounds[k];
+            for lane in 0..WIDTH {
+                let below = low[lane] - self.high[k];
+                let above = self.low[k] - high[lane];
+                let gap = if below > above { below } else { above };
+                let gap = if gap > 0.0 { gap } else { 0.0 };
+                squares[lane] += gap * gap;
+            }
+        }
+        squares
+    }
+
+    /// Seven roundings of 2⁻²⁴ make a square of f32 at most 2⁻²¹ too large; below the normal numbers it is too
+    /// large by less than 2⁻¹²⁶. The triangles' own arithmetic computes a distance that is too small by at most
+    /// 2⁻⁴⁶ (16 roundings of values up to 130): `(d + 2⁻⁴⁶)² ≤ d²(1 + 2⁻²⁰) + 2⁻⁷¹`. All this is less than the
+    /// slack here.
+    #[inline]
+    fn limit(&self, best_sq: f64) -> f32 {
+        const RELATIVE: f64 = 1.0 + 1.0 / (1 << 18) as f64;
+        const ABSOLUTE: f64 = 1.0 / (1_u64 << 62) as f64;
+        let limit = (best_sq * RELATIVE + ABSOLUTE) as f32;
+        if limit < Self::ALL { limit } else { Self::ALL }
+    }
+}
+
+/// A query far from the mesh, in coordinates in which its own distance is about 1.
+struct Far {
+    q: [f64; 3],
+    middle: [f64; 3],
+    shrink: f64,
+}
+
+impl Sight for Far {
+    type Square = f64;
+    const ALL: f64 = f64::MAX;
+
+    #[inline]
+    fn squares(&self, node: &Node) -> [f64; WIDTH] {
+        let mut squares = [0.0; WIDTH];
+        for k in 0..3 {
+            let [low, high] = &node.bounds[k];
+            for lane in 0..WIDTH {
+                let at = |x: f32| f64::from(x) * self.shrink + self.middle[k];
+                let (below, above) = (at(low[lane]) - self.q[k], self.q[k] - at(high[lane]));
+                let gap = if below > above { below } else { above };
+                let gap = if gap > 0.0 { gap } else { 0.0 };
+                squares[lane] += gap * gap;
+            }
+        }
+        squares
+    }
+
+    /// Boxes and triangles are computed with a few dozen roundings of 2⁻⁵³ on values of at most 4, and the
+    /// distance is at least 1/4: less than 2⁻⁴⁰ of it.
+    #[inline]
+    fn limit(&self, best_sq: f64) -> f64 {
+        const RELATIVE: f64 = 1.0 + 1.0 / (1_u64 << 40) as f64;
+        let limit = best_sq * RELATIVE;
+        if limit < Self::ALL { limit } else { Self::ALL }
+    }
+}
+
+/// A query in the coordinates that suit its distance: scaled, and shrunk where it is far.
+struct Query {
+    q: [f64; 3],
+    /// From the world to these coordinates: a power of two.
+    scale: f64,
+    /// From scaled coordinates to these: a power of two, 1 when near.
+    shrink: f64,
+}
+
+impl Query {
+    /// `None` when `p` is not finite.
+    fn new(frame: &Frame, p: [f64; 3]) -> Option<Self> {
+        let largest = |v: [f64; 3]| v.iter().fold(0.0, |m, x| if x.abs() > m { x.abs() } else { m });
+        if !p.iter().all(|x| x.is_finite()) {
+            return None;
+        }
+        let off = largest(std::array::from_fn(|k| p[k] * frame.scale - frame.middle[k]));
+        if off <= FAR {
+            return Some(Self { q: frame.scaled(p), scale: frame.scale, shrink: 1.0 });
+        }
+        // Where the scaled point overflows the mesh is a point to it, and exponents alone tell how far it is.
+        let scale = exponent(frame.scale) - 1;
+        let away = if off.is_finite() { exponent(off) } else { exponent(largest(p)) + scale };
+        let scale = power_of_two(scale - away);
+        Some(Self { q: p.map(|x| x * scale), scale, shrink: power_of_two(-away) })
+    }
+
+    fn is_near(&self) -> bool {
+        self.shrink == 1.0
+    }
+
+    /// The corners of a triangle in these coordinates.
+    #[inline]
+    fn corners(&self, bvh: &Bvh, triangle: &Triangle) -> [[f64; 3]; 3] {
+        let corners = bvh.corners_of(triangle);
+        if self.is_near() {
+            return corners;
+        }
+        corners.map(|p| p.map(|x| x * self.shrink))
+    }
+}
+
+/// The triangle with the least value so far.
+#[derive(Clone, Copy)]
+struct Least {
+    row: u32,
+    face: u32,
+    square: f64,
+}
+
+impl Bvh {
+    /// The point of the mesh that is nearest to `p`; `None` without faces or when `p` is not finite.
+    ///
+    /// The distance is off by a few units in the last place of the larger of the distance and the extent of the mesh
+    /// around the nearest face, whatever the shape of the triangles. Of equally near faces (rounded distances
+    /// compared exactly) it is the lowest.
+    ///
+    /// Cost: O(log n) for points near the mesh; the farther away, the more triangles are equally near, and from about
+    /// 10¹² extents on all are.
+    #[must_use]
+    pub fn closest_point(&self, p: [f64; 3]) -> Option<Closest> {
+        let query = Query::new(&self.frame, p)?;
+        let (least, near) = self.nearest_triangle(&query)?;
+        let triangle = &self.triangles[least.row as usize];
+        let corners = self.corners_of(triangle);
+        let point = std::array::from_fn(|k| {
+            let [u, v, w] = near.barycentric;
+            (u * corners[0][k] + v * corners[1][k] + w * corners[2][k]) / self.frame.scale
+        });
+        let distance_sq = near.distance_sq / query.scale / query.scale;
+        Some(Closest { point, face: least.face, barycentric: near.barycentric, distance_sq })
+    }
+
+    /// A bound from below on the distance from `p` to the mesh that no rounding can break: every triangle is at
+    /// least this far. `None` as for [`Bvh::closest_point`].
+    ///
+    /// It is below the true distance by a few units in the last place of the distance to the farthest corner of the
+    /// nearest face.
+    #[must_use]
+    pub fn closest_distance_down(&self, p: [f64; 3]) -> Option<f64> {
+        let query = Query::new(&self.frame, p)?;
+        let mut lowest = f64::INFINITY;
+        self.least(&query, |triangle| {
+            let corners = query.corners(self, triangle);
+            let down = triangle::distance_down(query.q, corners, lowest);
+            lowest = if down < lowest { down } else { lowest };
+            down * down
+        })?;
+        // What underflowed on the way to these coordinates is less than the smallest normal number.
+        let local = sub_down(lowest, f64::MIN_POSITIVE);
+        let down = div_down(local, query.scale);
+        Some(if down > 0.0 { down } else { 0.0 })
+    }
+
+    /// A bound from above on the distance from `p` to the mesh that no rounding can break: there is a point of the
+    /// mesh that is at most this far. `None` as for [`Bvh::closest_point`].
+    #[must_use]
+    pub fn closest_distance_up(&self, p: [f64; 3]) -> Option<f64> {
+        let query = Query::new(&self.frame, p)?;
+        let (least, near) = self.nearest_triangle(&query)?;
+        let corners = query.corners(self, &self.triangles[least.row as usize]);
+        let local = add_up(triangle::distance_up(query.q, corners, near.barycentric), f64::MIN_POSITIVE);
+        Some(div_up(local, query.scale))
+    }
+
+    fn nearest_triangle(&self, query: &Query) -> Option<(Least, triangle::Nearest)> {
+        let square =
+            |triangle: &Triangle| triangle::nearest(query.q, query.corners(self, triangle)).distance_sq;
+        let least = self.least(query, square)?;
+        let corners = query.corners(self, &self.triangles[least.row as usize]);
+        Some((least, triangle::nearest(query.q, corners)))
+    }
+
+    /// The triangle of least `square` (of the triangle), and of those the lowest face.
+    fn least(&self, query: &Query, square: impl FnMut(&Triangle) -> f64) -> Option<Least> {
+        if query.is_near() {
+            let [low, high] = self.frame.local(query.q);
+            self.descend(&Near { low: low.map(down), high: high.map(up) }, square)
+        } else {
+            let middle = self.frame.middle.map(|x| x * query.shrink);
+            self.descend(&Far { q: query.q, middle, shrink: query.shrink }, square)
+        }
+    }
+
+    fn descend<S: Sight>(&self, sight: &S, mut square: impl FnMut(&Triangle) -> f64) -> Option<Least> {
+        if self.nodes.is_empty() {
+            return None;
+        }
+        let mut best = Least { row: 0, face: u32::MAX, square: f64::INFINITY };
+        let mut limit = S::ALL;
+        // Waiting children, the nearest on top.
+        let mut stack = [(S::ALL, 0_u32); STACK];
+        let mut height = 1;
+        while height > 0 {
+            height -= 1;
+            let (off, child) = stack[height];
+            if off > limit && off < S::ALL {
+                continue;
+            }
+            if child & LEAF != 0 {
+                let mut row = child & !LEAF;
+                loop {
+                    let triangle = &self.triangles[row as usize];
+                    let face = triangle.face & !LAST;
+                    let value = square(triangle);
+                    if value < best.square || (value == best.square && face < best.face) {
+                        best = Least { row, face, square: value };
+                        limit = sight.limit(value);
+                    }
+                    if triangle.face & LAST != 0 {
+                        break;
+                    }
+                    row += 1;
+                }
+                continue;
+            }
+            let node = &self.nodes[child as usize];
+            let offs = sight.squares(node);
+            let bottom = height;
+            for (off, child) in offs.into_iter().zip(node.child) {
+                if off <= limit {
+                    let mut at = height;
+                    while at > bottom && stack[at - 1].0 < off {
+                        stack[at] = stack[at - 1];
+                        at -= 1;
+                    }
+                    stack[at] = (off, child);
+                    height += 1;
+                }
+            }
+        }
+        Some(best)
+    }
+}

@@ -1,0 +1,67 @@
+//! `Frame`: the coordinates in which a [`Bvh`](super::Bvh) keeps its boxes.
+use crate::math::{Box3, sub_down, sub_up};
+
+/// World → scaled: times a power of two, which changes no digit. Scaled → local: minus the middle of the mesh.
+/// In local coordinates the mesh lies within `[−1, 1]³`, wherever and however large it is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    /// A power of two.
+    pub scale: f64,
+    /// The middle of the mesh in scaled coordinates.
+    pub middle: [f64; 3],
+}
+
+/// The exponent `e` with `2^(e−1) ≤ |x| < 2^e`; that of the smallest normal number for 0 and below.
+pub(super) fn exponent(x: f64) -> i32 {
+    let bits = (x.to_bits() >> 52 & 0x7ff) as i32;
+    if bits == 0 { -1021 } else { bits - 1022 }
+}
+
+/// `2^e` for `−1022 ≤ e ≤ 1023`; outside, the nearest of those.
+pub(super) fn power_of_two(e: i32) -> f64 {
+    f64::from_bits(((e.clamp(-1022, 1023) + 1023) as u64) << 52)
+}
+
+impl Frame {
+    /// The frame of what lies in `bounds`, which is not empty.
+    pub fn of(bounds: &Box3) -> Self {
+        // Halved before the difference, which might overflow.
+        let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
+        let centre = bounds.centre();
+        // A mesh without extent is given that of the rounding of its place, so that scaled coordinates stay finite.
+        let rounding = centre.iter().map(|c| c.abs() * f64::EPSILON);
+        let extent = half.chain(rounding).fold(0.0, |most, x| if x > most { x } else { most });
+        // Beyond 2^±900 a scale and its inverse leave no room for distances that are larger or smaller than the mesh.
+        let scale = power_of_two(-(exponent(extent) + 1).clamp(-900, 900));
+        Self { scale, middle: centre.map(|c| c * scale) }
+    }
+
+    /// The exact product with a power of two.
+    #[inline]
+    pub fn scaled(&self, p: [f64; 3]) -> [f64; 3] {
+        p.map(|x| x * self.scale)
+    }
+
+    /// The local coordinates of a scaled point, from below and above.
+    #[inline]
+    pub fn local(&self, scaled: [f64; 3]) -> [[f64; 3]; 2] {
+        [
+            std::array::from_fn(|k| sub_down(scaled[k], self.middle[k])),
+            std::array::from_fn(|k| sub_up(scaled[k], self.middle[k])),
+        ]
+    }
+}
+
+/// The largest f32 that is at most `x`.
+#[inline]
+pub(super) fn down(x: f64) -> f32 {
+    let near = x as f32;
+    if f64::from(near) > x { near.next_down() } else { near }
+}
+
+/// The smallest f32 that is at least `x`.
+#[inline]
+pub(super) fn up(x: f64) -> f32 {
+    let near = x as f32;
+    if f64::from(near) < x { near.next_up() } else { near }
+}

@@ -1,0 +1,198 @@
+//! `Studio`: the lights around a mesh, and what they make of its surface.
+use super::color::light;
+use super::options::Up;
+use super::pattern::{LAMP, PixelPattern, SKY, tangents};
+use super::surface::{Spot, Surface};
+use crate::budget::Camera;
+use crate::math::Box3;
+use glam::DVec3;
+
+/// Radius of the lamp over its distance: soft shadows, as from a large window.
+const LAMP_RADIUS: f64 = 0.16;
+/// Light of the lamp, of the sky straight above, at the horizon and from the ground.
+const LAMP_LIGHT: f64 = 0.78;
+const SKY_LIGHT: [f64; 3] = [0.56, 0.40, 0.26];
+/// Light that comes from where the sky is hidden: the surface itself is lit.
+const HIDDEN_LIGHT: f64 = 0.07;
+/// Reflectance of a glazed surface seen from the front: that of glass.
+const GLAZE: f64 = 0.04;
+/// The same at a grazing angle: a little rough, so not all of it.
+const GLAZE_GRAZING: f64 = 0.6;
+/// Light of the lamp as a mirror shows it, and the cosine around which its mirror image fades out.
+const GLINT_LIGHT: f64 = 3.2;
+const GLINT_COS: [f64; 2] = [0.965, 0.992];
+
+/// The colour of fronts, backs, fronts under lines, and lines, in sRGB.
+const FRONT: [u8; 3] = [219, 134, 84];
+const BACK: [u8; 3] = [84, 126, 168];
+const PAPER: [u8; 3] = [226, 229, 233];
+const PAPER_BACK: [u8; 3] = [170, 192, 214];
+
+/// What the surface is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Material {
+    /// Coloured and glazed.
+    Clay,
+    /// Light and dull, to draw lines on.
+    Paper,
+}
+
+/// A lamp over the viewer's left shoulder, a sky, and the ground.
+pub(super) struct Studio {
+    up: DVec3,
+    lamp: DVec3,
+    lamp_axes: [DVec3; 2],
+    /// Height of the ground along `up`.
+    ground: f64,
+    /// Around what the ground's shadow lies, and how far from it the shadow fades out.
+    middle: DVec3,
+    reach: f64,
+    front: DVec3,
+    back: DVec3,
+    material: Material,
+}
+
+/// `t` as it runs smoothly from 0 at `low` to 1 at `high`.
+fn ramp([low, high]: [f64; 2], t: f64) -> f64 {
+    let x = (t - low) / (high - low);
+    let x = if x > 0.0 { if x < 1.0 { x } else { 1.0 } } else { 0.0 };
+    x * x * (3.0 - 2.0 * x)
+}
+
+impl Studio {
+    /// The studio as the camera's light stands: `axes` are its right, up and forward.
+    pub fn new(bounds: &Box3, camera: &Camera, up: Up, material: Material) -> Self {
+        let top = DVec3::from(up.direction());
+        let [right, above, forward] =
+            camera.axes().unwrap_or([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]);
+        let (right, above, forward) = (DVec3::from(right), DVec3::from(above), DVec3::from(forward));
+        // Level and towards the viewer; seen from straight above, down in the picture.
+        let level = |v: DVec3| (v - top * v.dot(top)).normalize_or_zero();
+        let towards = if level(-forward) == DVec3::ZERO { level(-above) } else { level(-forward) };
+        let lamp = (top * 1.15 - right * 0.75 + towards * 0.75).normalize();
+        let [front, back] = match material {
+            Material::Clay => [FRONT, BACK],
+            Material::Paper => [PAPER, PAPER_BACK],
+        };
+        let (low, high, size) = if bounds.is_empty() {
+            (DVec3::ZERO, DVec3::ZERO, 0.0)
+        } else {
+            (DVec3::from(bounds.min), DVec3::from(bounds.max), bounds.diagonal())
+        };
+        Self {
+            up: top,
+            lamp,
+            lamp_axes: tangents(lamp),
+            // A thousandth of the size below the lowest point: contact is seen, and flat meshes are not hidden.
+            ground: low.dot(top) - 1e-3 * size,
+            middle: low * 0.5 + high * 0.5,
+            reach: 4.0 * size,
+            front: light(front),
+            back: light(back),
+            material,
+        }
+    }
+
+    /// The light of the sky in a direction.
+    fn sky(&self, direction: DVec3) -> f64 {
+        let height = direction.dot(self.up);
+        let [zenith, horizon, ground] = SKY_LIGHT;
+        if height < 0.0 {
+            horizon + (horizon - ground) * height
+        } else {
+            horizon + (zenith - horizon) * height
+        }
+    }
+
+    /// The light on a surface from the sky and from the lamp, and the same where nothing stands in between.
+    fn light_on(&self, surface: &Surface, origin: DVec3, normals: [DVec3; 2], rays: Rays) -> Light {
+        let [normal, flat] = normals;
+        let mut found = Light { sky: 0.0, lamp: 0.0, open_sky: 0.0, open_lamp: 0.0 };
+        for direction in rays.pattern.sky(rays.ray, normal) {
+            let light = self.sky(direction);
+            found.open_sky += light;
+            // Below the triangle's own plane there is no sky.
+            let hidden = direction.dot(flat) <= 0.0 || surface.shadowed(origin, direction);
+            found.sky += if hidden { HIDDEN_LIGHT } else { light };
+        }
+        for [x, y] in rays.pattern.lamp(rays.ray) {
+            let direction = self.lamp + (self.lamp_axes[0] * x + self.lamp_axes[1] * y) * LAMP_RADIUS;
+            let cos = normal.dot(direction.normalize());
+            if cos > 0.0 {
+                found.open_lamp += cos;
+                if direction.dot(flat) > 0.0 && !surface.shadowed(origin, direction) {
+                    found.lamp += cos;
+                }
+            }
+        }
+        found.scaled()
+    }
+
+    /// The light that a spot sends along a ray.
+    pub fn shade(&self, surface: &Surface, spot: &Spot, direction: DVec3, rays: Rays) -> DVec3 {
+        let albedo = if spot.front { self.front } else { self.back };
+        let found = self.light_on(surface, spot.origin, [spot.normal, spot.flat], rays);
+        let diffuse = albedo * (found.sky + found.lamp);
+        if self.material == Material::Paper {
+            return diffuse;
+        }
+        let toward = direction.normalize();
+        let cos = -toward.dot(spot.normal);
+        let mirrored = toward + spot.normal * (2.0 * cos);
+        // Near outlines a smooth normal mirrors into the triangle; the curved surface that it stands for does not.
+        let into = mirrored.dot(spot.flat);
+        let mirrored = if into < 0.0 { mirrored - spot.flat * (2.0 * into) } else { mirrored };
+        let seen = if surface.shadowed(spot.origin, mirrored) {
+            HIDDEN_LIGHT
+        } else {
+            self.sky(mirrored) + GLINT_LIGHT * ramp(GLINT_COS, mirrored.dot(self.lamp))
+        };
+        // Source: C. Schlick, *An inexpensive BRDF model for physically-based rendering*, 1994.
+        let off = 1.0 - if cos > 0.0 { cos } else { 0.0 };
+        let share = GLAZE + (GLAZE_GRAZING - GLAZE) * (off * off) * (off * off) * off;
+        diffuse * (1.0 - share) + DVec3::splat(seen * share)
+    }
+
+    /// Where a ray meets the ground from above: the share of light that the mesh leaves there.
+    pub fn ground(&self, surface: &Surface, origin: DVec3, direction: DVec3, rays: Rays) -> Option<f64> {
+        let (height, slope) = (origin.dot(self.up) - self.ground, direction.dot(self.up));
+        if height <= 0.0 || slope >= 0.0 {
+            return None;
+        }
+        let at = origin + direction * (-height / slope);
+        let fade = ramp([0.5 * self.reach, self.reach], (at - self.middle).length());
+        if fade >= 1.0 {
+            return None;
+        }
+        let found = self.light_on(surface, at + self.up * surface.lift(), [self.up, self.up], rays);
+        let share = (found.sky + found.lamp) / (found.open_sky + found.open_lamp);
+        Some(share + (1.0 - share) * fade)
+    }
+}
+
+/// Which of a pixel's rays asks.
+#[derive(Clone, Copy)]
+pub(super) struct Rays<'a> {
+    pub pattern: PixelPattern<'a>,
+    pub ray: usize,
+}
+
+struct Light {
+    sky: f64,
+    lamp: f64,
+    open_sky: f64,
+    open_lamp: f64,
+}
+
+impl Light {
+    /// Sums over the points as means, times the lights' strengths.
+    fn scaled(self) -> Self {
+        let (sky, lamp) = (1.0 / SKY as f64, LAMP_LIGHT / LAMP as f64);
+        Self {
+            sky: self.sky * sky,
+            lamp: self.lamp * lamp,
+            open_sky: self.open_sky * sky,
+            open_lamp: self.open_lamp * lamp,
+        }
+    }
+}

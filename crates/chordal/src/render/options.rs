@@ -1,0 +1,108 @@
+//! `Options`: what a picture shows, from where, and how finely.
+use crate::budget::{Camera, Screen};
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Show {
+    /// Light on the surface, smooth by the mesh's own normals; without any, smooth across edges of less than 30°.
+    #[default]
+    Shaded,
+    /// Light on the triangles as they are.
+    Flat,
+    /// The triangles' edges over a light surface, hidden lines removed.
+    Wire,
+    /// The direction of the normal as a colour: −1 … 1 of x, y, z as 0 … 255 of red, green, blue, not gamma-corrected.
+    Normals,
+}
+
+/// The axis that points up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Up {
+    /// The second axis, as in glTF; the front looks along z.
+    Y,
+    /// The third axis, as in most CAD; the front looks against y.
+    #[default]
+    Z,
+}
+
+impl Up {
+    /// The unit vector up.
+    #[must_use]
+    pub fn direction(self) -> [f64; 3] {
+        match self {
+            Self::Y => [0.0, 1.0, 0.0],
+            Self::Z => [0.0, 0.0, 1.0],
+        }
+    }
+
+    /// The unit vector out of the front.
+    #[must_use]
+    pub fn front(self) -> [f64; 3] {
+        match self {
+            Self::Y => [0.0, 0.0, 1.0],
+            Self::Z => [0.0, -1.0, 0.0],
+        }
+    }
+}
+
+/// From where.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Viewpoint {
+    /// From the front, a little from the right and from above, so that the mesh fills the picture: see [`super::frame`].
+    Automatic(Screen),
+    /// As told.
+    Camera(Camera),
+}
+
+/// What is behind the mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Background {
+    /// A light backdrop, and a ground under the mesh that takes its shadow.
+    #[default]
+    Studio,
+    /// Nothing; where the mesh would cast a shadow on the ground, black of that strength.
+    Shadow,
+    /// Nothing at all.
+    Transparent,
+}
+
+/// How a picture is made.
+///
+/// ```
+/// use chordal::render::{Options, Show};
+/// let options = Options { show: Show::Wire, ..Options::sized(640, 480) };
+/// assert_eq!(options.samples, 3);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// What is shown.
+    pub show: Show,
+    /// From where.
+    pub viewpoint: Viewpoint,
+    /// Which way is up: for the light, the ground and the automatic viewpoint.
+    pub up: Up,
+    /// What is behind the mesh.
+    pub background: Background,
+    /// `samples²` rays a pixel, 1 to 16.
+    pub samples: u32,
+}
+
+impl Options {
+    /// The defaults at a size in pixels.
+    #[must_use]
+    pub fn sized(width_px: u32, height_px: u32) -> Self {
+        Self {
+            show: Show::default(),
+            viewpoint: Viewpoint::Automatic(Screen { width_px, height_px }),
+            up: Up::default(),
+            background: Background::default(),
+            samples: 3,
+        }
+    }
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self::sized(1280, 960)
+    }
+}

@@ -1,0 +1,115 @@
+//! `Surface`: the mesh as rays see it.
+use super::normals::Normals;
+use super::options::Show;
+use crate::budget::{Job, Stopped};
+use crate::explicit::{Bvh, Hit, Mesh, Ray, face_normal};
+use glam::DVec3;
+
+/// A mesh, its tree, and how its normals run.
+pub(super) struct Surface<'a> {
+    mesh: &'a Mesh,
+    bvh: Bvh,
+    normals: Normals<'a>,
+    /// By how much secondary rays start off the surface: a millionth of its extent, far above the rounding of hits
+    /// (10⁻¹⁵ of it) and far below a pixel.
+    lift: f64,
+}
+
+/// A place on the surface as a ray sees it.
+pub(super) struct Spot {
+    pub face: usize,
+    /// Where rays to the lights start.
+    pub origin: DVec3,
+    /// The unit normal of the triangle, towards the viewer.
+    pub flat: DVec3,
+    /// The unit normal to shade by, on the same side.
+    pub normal: DVec3,
+    /// Whether its front is seen.
+    pub front: bool,
+}
+
+impl Spot {
+    /// The normal, −1 … 1 as 0 … 1.
+    pub fn normal_as_color(&self) -> DVec3 {
+        self.normal * 0.5 + DVec3::splat(0.5)
+    }
+}
+
+impl<'a> Surface<'a> {
+    pub fn new(mesh: &'a Mesh, show: Show, job: &Job) -> Result<Self, Stopped> {
+        let bvh = Bvh::build(mesh, job)?;
+        let normals = match show {
+            Show::Flat | Show::Wire => Normals::Flat,
+            Show::Shaded | Show::Normals => Normals::of(mesh),
+        };
+        // Rays leave a surface this far out: above the rounding of hits, below what a picture of 10^5 pixels shows.
+        let lift = 1e-6 * bvh.bounds().diagonal();
+        Ok(Self { mesh, bvh, normals, lift })
+    }
+
+    pub fn bvh(&self) -> &Bvh {
+        &self.bvh
+    }
+
+    pub fn lift(&self) -> f64 {
+        self.lift
+    }
+
+    pub fn corners(&self, face: usize) -> [[f64; 3]; 3] {
+        self.mesh.corners(face)
+    }
+
+    /// The first triangle that the ray meets.
+    pub fn meet(&self, ray: &Ray) -> Option<(Hit, Spot)> {
+        let hit = self.bvh.first_hit(ray)?;
+        let face = hit.face as usize;
+        let corners = self.mesh.corners(face).map(DVec3::from);
+        let w = hit.barycentric;
+        let at = corners[0] * w[0] + corners[1] * w[1] + corners[2] * w[2];
+        let front = face_normal(self.mesh.corners(face)).map_or(DVec3::ZERO, DVec3::from);
+        let flat = if hit.front { front } else { -front };
+        let mut spot = Spot { face, origin: at + flat * self.lift, flat, normal: flat, front: hit.front };
+        if let Some(normals) = self.normals.corners(self.mesh, face) {
+            let sum = normals[0] * w[0] + normals[1] * w[1] + normals[2] * w[2];
+            let side = if sum.dot(flat) < 0.0 { -1.0 } else { 1.0 };
+            let normal = (sum * side).normalize_or_zero();
+            // Normals of length 0, or not finite, leave the triangle's own.
+            if normal.is_finite() && normal != DVec3::ZERO {
+                spot.normal = towards(normal, flat, DVec3::from(ray.direction));
+                spot.origin = self.swollen(at, corners, normals.map(|n| n * side), w) + flat * self.lift;
+            }
+        }
+        Some((hit, spot))
+    }
+
+    /// The place moved outward on to the smooth surface that the normals mean, so that the facets behind them cast no
+    /// shadows on themselves.
+    ///
+    /// Source: J. Hanika, *Hacking the shadow terminator*, Ray Tracing Gems II, 2021.
+    fn swollen(&self, at: DVec3, corners: [DVec3; 3], normals: [DVec3; 3], w: [f64; 3]) -> DVec3 {
+        let mut sum = DVec3::ZERO;
+        for k in 0..3 {
+            let normal = normals[k].normalize_or_zero();
+            let below = (at - corners[k]).dot(normal);
+            if below < 0.0 {
+                sum -= normal * (below * w[k]);
+            }
+        }
+        if sum.is_finite() { at + sum } else { at }
+    }
+
+    /// Whether something stands between a place and the light in a direction.
+    pub fn shadowed(&self, origin: DVec3, direction: DVec3) -> bool {
+        self.bvh.any_hit(&Ray::new(origin.into(), direction.into()))
+    }
+}
+
+/// The normal, turned towards the viewer where it points away although the triangle is seen: to just across the ray.
+fn towards(normal: DVec3, flat: DVec3, direction: DVec3) -> DVec3 {
+    let away = normal.dot(direction);
+    if away <= 0.0 {
+        return normal;
+    }
+    let turned = (normal - direction * (away / direction.length_squared())).normalize_or_zero();
+    if turned == DVec3::ZERO { flat } else { turned }
+}

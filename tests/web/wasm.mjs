@@ -1,0 +1,83 @@
+// The WASM module meshes the same patches to the same bytes as the native command.
+//
+//   node wasm.mjs chordal_wasm.wasm native.glb patches.bpt [tolerance]
+//
+// native.glb is what `chordal mesh patches.bpt --tol TOLERANCE -o native.glb` wrote; the tolerance is 0.001 unless said.
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import { basename } from "node:path";
+
+const [wasmFile, nativeFile, patchFile, tolerance = "0.001"] = process.argv.slice(2);
+if (!patchFile) {
+  console.error("usage: node wasm.mjs MODULE.wasm NATIVE.glb PATCHES [TOLERANCE]");
+  process.exit(2);
+}
+
+const module = await WebAssembly.compile(await readFile(wasmFile));
+const imports = WebAssembly.Module.imports(module);
+assert.deepEqual(imports, [], "the module asks for nothing from outside");
+const { exports: chordal } = await WebAssembly.instantiate(module);
+
+/** Copies bytes into the module. */
+function give(bytes) {
+  const at = chordal.chordal_alloc(bytes.length);
+  // A new view each time: growing memory detaches the old one.
+  new Uint8Array(chordal.memory.buffer, at, bytes.length).set(bytes);
+  return [at, bytes.length];
+}
+
+/** Copies bytes out of the module. */
+function take(at, length) {
+  return Buffer.from(new Uint8Array(chordal.memory.buffer, at, length));
+}
+
+/** Calls the module as its documentation says. */
+function mesh(input, options) {
+  const given = give(input);
+  const said = give(new TextEncoder().encode(typeof options === "string" ? options : JSON.stringify(options)));
+  const outcome = chordal.chordal_mesh(...given, ...said);
+  const result = {
+    exit: chordal.chordal_exit(outcome),
+    bytes: take(chordal.chordal_bytes(outcome), chordal.chordal_bytes_len(outcome)),
+    report: take(chordal.chordal_report(outcome), chordal.chordal_report_len(outcome)).toString(),
+    error: take(chordal.chordal_error(outcome), chordal.chordal_error_len(outcome)).toString(),
+  };
+  chordal.chordal_release(outcome);
+  chordal.chordal_free(...given);
+  chordal.chordal_free(...said);
+  return result;
+}
+
+const patches = await readFile(patchFile);
+const native = await readFile(nativeFile);
+const options = { name: basename(patchFile), to: "glb", tol: tolerance };
+
+const made = mesh(patches, options);
+assert.equal(made.error, "");
+assert.equal(made.exit, 0);
+assert.ok(made.bytes.length > 0, "there is a file");
+if (!made.bytes.equals(native)) {
+  const at = made.bytes.findIndex((byte, i) => byte !== native[i]);
+  console.error(`the files differ from byte ${at} of ${made.bytes.length} (WASM) and ${native.length} (native)`);
+  process.exit(1);
+}
+
+// The certificate beside the file is the one in it.
+const json = JSON.parse(native.subarray(20, 20 + native.readUInt32LE(12)).toString());
+assert.deepEqual(JSON.parse(made.report), json.asset.extras.chordal);
+
+// The module is as good as new after each call, good or bad, and holds no more memory.
+const pages = () => chordal.memory.buffer.byteLength;
+mesh(patches, options);
+const before = pages();
+for (let i = 0; i < 20; i++) {
+  assert.ok(mesh(patches, options).bytes.equals(native), "every call gives the same bytes");
+  const cut = mesh(patches.subarray(0, 200), options);
+  assert.equal(cut.exit, 3);
+  assert.match(cut.error, /./);
+  assert.equal(mesh(patches, { ...options, tol: "-1" }).exit, 2);
+  assert.equal(mesh(patches, "no JSON").exit, 2);
+}
+assert.equal(pages(), before, "memory does not grow from call to call");
+
+console.log(`${basename(nativeFile)}: the same ${native.length} bytes from WASM`);
