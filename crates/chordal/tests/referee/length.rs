@@ -1,4 +1,5 @@
 //! Bounds in units against the truth, on random patches at every tolerance.
+use crate::cracks::quilt;
 use crate::sampler::{Control, Surface, Triangles, measure};
 use crate::shapes::{KINDS, shape};
 use crate::{for_all, is_long, mesh_within, quantile};
@@ -145,4 +146,30 @@ fn no_mesh_is_further_from_its_patch_than_its_bound() {
         eprintln!("{tolerance:e}: of bounds cut by 30 %, {caught} of {all} are caught");
         assert!(3 * caught >= all, "only {caught} of {all} cut bounds were caught at {tolerance:e}");
     }
+}
+
+#[test]
+fn no_quilt_is_further_from_its_patches_than_its_bound() {
+    // Neighbours that need different numbers of triangles are stitched; the bound holds there too.
+    let cases: Vec<(u64, f64)> =
+        (0..12).flat_map(|seed| [3.0, 0.3, 0.03].map(|length| (seed, length))).collect();
+    for_all(cases.len(), |i| {
+        let (seed, length) = cases[i];
+        let patches = quilt(3, seed);
+        let made = mesh_within(&patches, length);
+        let slack = patches.iter().map(rounding).fold(0.0, f64::max);
+        let mesh = Triangles::new(made.shape.positions(), made.shape.faces());
+        let measured = measure(&Surface::new(patches), &mesh).both();
+        let at_most = made.bound.at_most().expect("proved");
+        assert!(
+            measured <= at_most + slack && at_most <= length,
+            "quilt {seed}: {measured:e}, {:?}",
+            made.bound
+        );
+        assert!(
+            made.bound.at_least() <= measured * 1.002 + slack,
+            "quilt {seed}: {measured:e}, {:?}",
+            made.bound
+        );
+    });
 }
