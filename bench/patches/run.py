@@ -26,7 +26,7 @@ NAMES = {
     "occt-default-angle": "OpenCASCADE, angular 0.5 rad as by default",
     "occt-default-angle-sewn": "OpenCASCADE, sewn, angular 0.5 rad",
 }
-COLUMNS = ["corpus", "tolerance", "engine", "triangles", "seconds", "failed", "shapes", "over", "worst", "median"]
+COLUMNS = ["corpus", "tolerance", "engine", "family", "triangles", "seconds", "failed", "shapes", "over", "worst", "median"]
 
 
 def program(name, *arguments):
@@ -44,8 +44,10 @@ def rows(corpus, tolerance):
             made[name] = [triangles, seconds, missing]
     for _, _, name, triangles, seconds, failed, _ in program("patches", corpus, tolerance):
         made[name] = [int(triangles), float(seconds), int(failed)]
-    for _, _, name, shapes, over, _, worst, median in program("measure", corpus, tolerance, *made):
-        yield [corpus, tolerance, name, *made[name], int(shapes), int(over), float(worst), float(median)]
+    for _, _, name, family, shapes, triangles, over, worst, median in program("measure", corpus, tolerance, *made):
+        seconds, failed = made[name][1:] if family == "all" else ("", "")
+        counts = [int(shapes), int(over), float(worst), float(median)]
+        yield [corpus, tolerance, name, family, int(triangles), seconds, failed, *counts]
 
 
 def table(corpus, found):
@@ -55,15 +57,29 @@ def table(corpus, found):
         "|---|---|---|---|---|---|---|---|---|---|",
     ]
     for tolerance in TOLERANCES:
-        here = [row for row in found if row[0] == corpus and row[1] == tolerance]
+        here = [row for row in found if row[0] == corpus and row[1] == tolerance and row[3] == "all"]
         peer = next(row for row in here if row[2] == "occt")
         here.sort(key=lambda row: list(NAMES).index(row[2]))
-        for _, _, name, triangles, seconds, _, shapes, over, worst, median in here:
+        for _, _, name, _, triangles, seconds, _, shapes, over, worst, median in here:
             lines.append(
-                f"| {tolerance} | {NAMES[name]} | {triangles} | {triangles / peer[3]:.2f} | {seconds:.4f} "
-                f"| {peer[4] / seconds:.1f} | {1e6 * seconds / triangles:.2f} "
+                f"| {tolerance} | {NAMES[name]} | {triangles} | {triangles / peer[4]:.2f} | {seconds:.4f} "
+                f"| {peer[5] / seconds:.1f} | {1e6 * seconds / triangles:.2f} "
                 f"| {over} of {shapes} ({100 * over / shapes:.1f} %) | {worst:.3f} | {median:.3f} |"
             )
+    return "\n".join(lines)
+
+
+def families(found):
+    """The Markdown table of the hard corpus by family: triangles against the peer's, and shapes over on both sides."""
+    head = " | ".join(f"triangles at {t}, × OCCT | over, OCCT's over" for t in TOLERANCES)
+    lines = [f"| family | {head} |", "|---" * (2 * len(TOLERANCES) + 1) + "|"]
+    rows = {(row[3], row[1], row[2]): row for row in found if row[0] == "hard"}
+    for family in dict.fromkeys(row[3] for row in found if row[0] == "hard"):
+        cells = [family]
+        for tolerance in TOLERANCES:
+            own, peer = rows[family, tolerance, "chordal"], rows[family, tolerance, "occt"]
+            cells += [f"{own[4]} (× {own[4] / peer[4]:.2f})", f"{own[8]}, {peer[8]}"]
+        lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 
@@ -95,9 +111,11 @@ def main():
     )
     for corpus, about in CORPORA.items():
         parts.append(f"### {corpus}: {about}\n\n{table(corpus, found)}")
+    parts.append(f"### hard, by family\n\n{families(found)}")
     (BENCH / "RESULTS.md").write_text("\n\n".join(parts) + "\n")
     for corpus in CORPORA:
         print(f"\n{corpus}\n{table(corpus, found)}")
+    print(f"\n{families(found)}")
 
 
 if __name__ == "__main__":

@@ -1,9 +1,11 @@
 //! Measures dumped meshes against the patches they came from: `measure CORPUS TOLERANCE ENGINE...`.
 //!
-//! A dump with one mesh is measured against the whole corpus, one with a mesh for each patch one by one. Prints CSV:
-//! corpus, tolerance, engine, shapes, shapes over, worst and median of error/tolerance.
+//! A dump with one mesh is measured against the whole corpus, one with a mesh for each patch one by one. Prints CSV,
+//! for all shapes and for each family: corpus, tolerance, engine, family, shapes, triangles, shapes over, worst and
+//! median of error/tolerance.
 use chordal_bench::sampler::{Surface, Triangles, measure};
 use chordal_bench::{Dumped, labels, out, patches, read};
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// From the surface to the mesh, and back.
@@ -38,6 +40,16 @@ fn all(corpus: &str, meshes: &[Dumped]) -> Vec<[f64; 2]> {
     found.into_iter().map(|(_, d)| d).collect()
 }
 
+/// What is said of some shapes: how many, their triangles, how many are over, worst and median of error/tolerance.
+fn summary(shapes: &[(usize, f64)]) -> String {
+    let mut ratios: Vec<f64> = shapes.iter().map(|(_, ratio)| *ratio).collect();
+    ratios.sort_by(f64::total_cmp);
+    let triangles: usize = shapes.iter().map(|(triangles, _)| triangles).sum();
+    let over = ratios.iter().filter(|r| **r > 1.0).count();
+    let (worst, median) = (ratios[ratios.len() - 1], ratios[ratios.len() / 2]);
+    format!("{},{triangles},{over},{worst:.3},{median:.3}", ratios.len())
+}
+
 fn main() {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [corpus, tolerance, engines @ ..] = args.as_slice() else {
@@ -49,17 +61,15 @@ fn main() {
         let path = out().join(format!("{corpus}.{tolerance}.{engine}.mesh"));
         let meshes = read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         let found = all(corpus, &meshes);
-        let mut ratios: Vec<f64> = found.iter().map(|[to, back]| to.max(*back) / limit).collect();
-        let mut families = std::collections::BTreeMap::<&str, (usize, f64)>::new();
-        for (i, ratio) in ratios.iter().enumerate() {
-            let family = families.entry(&names[i]).or_default();
-            *family = (family.0 + usize::from(*ratio > 1.0), family.1.max(*ratio));
+        let ratio = |[to, back]: &[f64; 2]| to.max(*back) / limit;
+        let shapes: Vec<_> = meshes.iter().zip(&found).map(|(mesh, d)| (mesh.1.len(), ratio(d))).collect();
+        println!("{corpus},{tolerance},{engine},all,{}", summary(&shapes));
+        let mut families = BTreeMap::<&str, Vec<(usize, f64)>>::new();
+        for (shape, name) in shapes.iter().zip(&names) {
+            families.entry(name).or_default().push(*shape);
         }
-        eprintln!("{families:.3?}");
-        ratios.sort_by(f64::total_cmp);
-        let over = ratios.iter().filter(|r| **r > 1.0).count();
-        let (worst, median) = (ratios[ratios.len() - 1], ratios[ratios.len() / 2]);
-        let one_sided = found.iter().filter(|[to, _]| *to > limit).count();
-        println!("{corpus},{tolerance},{engine},{},{over},{one_sided},{worst:.3},{median:.3}", ratios.len());
+        for (family, shapes) in families.iter().filter(|_| shapes.len() > 1) {
+            println!("{corpus},{tolerance},{engine},{family},{}", summary(shapes));
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! `Studio`: the lights around a mesh, and what they make of its surface.
 use super::color::light;
 use super::options::Up;
-use super::pattern::{LAMP, PixelPattern, SKY, tangents};
+use super::pattern::{PixelPattern, tangents};
 use super::surface::{Spot, Surface};
 use crate::budget::Camera;
 use crate::math::Box3;
@@ -104,28 +104,32 @@ impl Studio {
         }
     }
 
-    /// The light on a surface from the sky and from the lamp, and the same where nothing stands in between.
+    /// The light on a surface with a normal to shade by and one of its own.
     fn light_on(&self, surface: &Surface, origin: DVec3, normals: [DVec3; 2], rays: Rays) -> Light {
         let [normal, flat] = normals;
         let mut found = Light { sky: 0.0, lamp: 0.0, open_sky: 0.0, open_lamp: 0.0 };
-        for direction in rays.pattern.sky(rays.ray, normal) {
-            let light = self.sky(direction);
+        let directions = rays.pattern.sky(rays.ray, normal);
+        let share = 1.0 / directions.len() as f64;
+        for direction in directions {
+            let light = self.sky(direction) * share;
             found.open_sky += light;
             // Below the triangle's own plane there is no sky.
             let hidden = direction.dot(flat) <= 0.0 || surface.shadowed(origin, direction);
-            found.sky += if hidden { HIDDEN_LIGHT } else { light };
+            found.sky += if hidden { HIDDEN_LIGHT * share } else { light };
         }
-        for [x, y] in rays.pattern.lamp(rays.ray) {
+        let points = rays.pattern.lamp(rays.ray);
+        let share = LAMP_LIGHT / points.len() as f64;
+        for [x, y] in points {
             let direction = self.lamp + (self.lamp_axes[0] * x + self.lamp_axes[1] * y) * LAMP_RADIUS;
-            let cos = normal.dot(direction.normalize());
-            if cos > 0.0 {
-                found.open_lamp += cos;
+            let light = normal.dot(direction.normalize()) * share;
+            if light > 0.0 {
+                found.open_lamp += light;
                 if direction.dot(flat) > 0.0 && !surface.shadowed(origin, direction) {
-                    found.lamp += cos;
+                    found.lamp += light;
                 }
             }
         }
-        found.scaled()
+        found
     }
 
     /// The light that a spot sends along a ray.
@@ -177,22 +181,10 @@ pub(super) struct Rays<'a> {
     pub ray: usize,
 }
 
+/// Light from the sky and from the lamp, and the same where nothing stands in between.
 struct Light {
     sky: f64,
     lamp: f64,
     open_sky: f64,
     open_lamp: f64,
-}
-
-impl Light {
-    /// Sums over the points as means, times the lights' strengths.
-    fn scaled(self) -> Self {
-        let (sky, lamp) = (1.0 / SKY as f64, LAMP_LIGHT / LAMP as f64);
-        Self {
-            sky: self.sky * sky,
-            lamp: self.lamp * lamp,
-            open_sky: self.open_sky * sky,
-            open_lamp: self.open_lamp * lamp,
-        }
-    }
 }

@@ -9,10 +9,10 @@ const PLASTIC: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 /// Directions by which pixels turn the points on the hemisphere and the lamp, so that neighbours do not repeat the same
 /// pattern. More are not seen.
 const TURNS: usize = 64;
-/// Points on the sky for each ray of a pixel.
-pub(super) const SKY: usize = 4;
-/// Points on the lamp for each ray of a pixel.
-pub(super) const LAMP: usize = 2;
+/// Points on the sky and on the lamp for all rays of a pixel together, at least. Seen side by side: with 16, shadows
+/// show a weave.
+const SKY: usize = 32;
+const LAMP: usize = 32;
 
 /// Points for `n` rays a pixel.
 #[derive(Clone, Debug)]
@@ -38,6 +38,8 @@ impl Pattern {
     /// The pattern for `side²` rays.
     pub fn new(side: u32) -> Self {
         let n = (side * side) as usize;
+        // Each ray has the same number of them.
+        let [sky, lamp] = [SKY, LAMP].map(|least| n * least.div_ceil(n));
         let even = |n: usize, i: usize| (i as f64 + 0.5) / n as f64;
         let circle = |u: f64| [libm::cos(std::f64::consts::TAU * u), libm::sin(std::f64::consts::TAU * u)];
         let disc = |n: usize, i: usize| {
@@ -51,8 +53,8 @@ impl Pattern {
         let place = |i| [even(n, i), fraction(0.5 + i as f64 * GOLDEN)].map(|u| 0.5 + tent(u));
         Self {
             places: (0..n).map(place).collect(),
-            sky: (0..n * SKY).map(|i| hemisphere(n * SKY, i)).collect(),
-            lamp: (0..n * LAMP).map(|i| disc(n * LAMP, i)).collect(),
+            sky: (0..sky).map(|i| hemisphere(sky, i)).collect(),
+            lamp: (0..lamp).map(|i| disc(lamp, i)).collect(),
             turns: (0..TURNS).map(|i| circle(even(TURNS, i))).collect(),
         }
     }
@@ -79,23 +81,18 @@ impl PixelPattern<'_> {
 
     /// Directions around `normal`, as dense as their cosine with it, for one of the pixel's rays. All rays together
     /// have the whole set.
-    pub fn sky(&self, ray: usize, normal: DVec3) -> [DVec3; SKY] {
-        let n = self.pattern.places.len();
+    pub fn sky(&self, ray: usize, normal: DVec3) -> impl ExactSizeIterator<Item = DVec3> {
         let [right, up] = tangents(normal);
-        std::array::from_fn(|k| {
-            let [x, y, z] = self.pattern.sky[k * n + ray];
-            let [x, y] = self.turned(x, y);
-            right * x + up * y + normal * z
+        self.pattern.sky[ray..].iter().step_by(self.pattern.places.len()).map(move |[x, y, z]| {
+            let [x, y] = self.turned(*x, *y);
+            right * x + up * y + normal * *z
         })
     }
 
     /// Points of the unit disc for one of the pixel's rays.
-    pub fn lamp(&self, ray: usize) -> [[f64; 2]; LAMP] {
-        let n = self.pattern.places.len();
-        std::array::from_fn(|k| {
-            let [x, y] = self.pattern.lamp[k * n + ray];
-            self.turned(x, y)
-        })
+    pub fn lamp(&self, ray: usize) -> impl ExactSizeIterator<Item = [f64; 2]> {
+        let own = self.pattern.lamp[ray..].iter().step_by(self.pattern.places.len());
+        own.map(|[x, y]| self.turned(*x, *y))
     }
 }
 

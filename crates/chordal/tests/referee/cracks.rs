@@ -7,7 +7,7 @@ use crate::topology::Topology;
 
 /// `n × n` patches over one random net of control points, so that neighbours share their sides exactly; each patch
 /// turned and mirrored at random.
-fn quilt(n: usize, seed: u64) -> Vec<Control> {
+pub fn quilt(n: usize, seed: u64) -> Vec<Control> {
     let mut r = Random::new(seed);
     let side = 3 * n + 1;
     let spread = [0.1, 0.3, 0.6][seed as usize % 3];

@@ -11,9 +11,10 @@ pub struct Shape {
     pub seed: u64,
 }
 
-type Maker = fn(&mut Random) -> Control;
+pub type Maker = fn(&mut Random) -> Control;
 
-const KINDS: [(&str, Maker); 14] = [
+/// What they are called and how they are made.
+pub const KINDS: [(&str, Maker); 14] = [
     ("flat", |r| noisy(r, [0.15, 0.15, 0.0])),
     ("flat and folded over itself", |r| noisy(r, [0.8, 0.8, 0.0])),
     ("hilly", |r| noisy(r, [0.05, 0.05, 0.3])),

@@ -7,7 +7,7 @@ use chordal::{Budget, Job, Tolerance, convert};
 use std::path::Path;
 
 /// The shipped teapot: a count, then for each patch its two degrees and sixteen points.
-fn teapot() -> Vec<Control> {
+pub fn teapot() -> Vec<Control> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/teapot.bpt");
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     let mut numbers = text.split_whitespace().map(|word| word.parse::<f64>().expect("a number"));

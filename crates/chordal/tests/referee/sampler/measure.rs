@@ -19,7 +19,7 @@ impl Effort {
     /// Three samples a side of an average triangle.
     pub fn for_triangles(a_patch: usize) -> Self {
         let grid = (3.0 * (a_patch as f64 / 2.0).sqrt()) as usize;
-        Self { grid: grid.clamp(32, 600), climbs: 24, halvings: 10 }
+        Self { grid: grid.clamp(32, 600), climbs: 12, halvings: 8 }
     }
 }
 
@@ -112,29 +112,22 @@ pub fn mesh_to_surface(surface: &Surface, mesh: &Triangles, effort: Effort) -> (
             foot = Some(next);
         }
     }
-    // Samples whose foot turns out not to be the nearest say nothing; others take their place.
     let wanted = effort.climbs + MOST_WRONG;
     highest_first(&mut values, wanted);
-    let mut climbed = Vec::new();
-    for &(value, (i, ab, foot)) in values.iter().take(wanted) {
+    let mut worst = (0.0, mesh.corners.first().map_or([0.0; 3], |corners| corners[0]));
+    for (n, &(value, (i, ab, foot))) in values.iter().take(wanted).enumerate() {
+        // After the wanted climbs only what is higher than all that was proved: their feet were not the nearest.
+        if value <= surface.floor || (n >= effort.climbs && value <= worst.0) {
+            break;
+        }
         let corners = mesh.corners[i];
-        let proved = surface.proved_nearest(on_triangle(corners, ab), Some(foot), PROOF);
-        let Some(foot) = proved.filter(|foot| foot.distance >= 0.99 * value) else { continue };
         let of = |ab| surface.nearest(on_triangle(corners, ab), Some(foot)).distance;
-        let (value, ab) = climb(ab, value, (0.25, effort.halvings), of);
-        climbed.push((value, on_triangle(corners, ab)));
-        if climbed.len() == effort.climbs {
-            break;
+        let (claim, ab) = climb(ab, value, (0.25, effort.halvings), of);
+        let p = on_triangle(corners, ab);
+        if claim * (1.0 - PROOF) <= worst.0 {
+            continue;
         }
-    }
-    climbed.sort_by(|a, b| b.0.total_cmp(&a.0));
-    // A foot that is not the nearest claims too much, so what counts is proved, the highest claim first.
-    let mut worst = (0.0, climbed.first().map_or([0.0; 3], |(_, p)| *p));
-    for (claim, p) in climbed {
-        if claim <= worst.0 {
-            break;
-        }
-        let foot = surface.proved_nearest(p, None, PROOF);
+        let foot = surface.proved_nearest(p, None, PROOF).filter(|foot| foot.distance > surface.floor);
         let proved = foot.map_or(0.0, |foot| foot.distance * (1.0 - PROOF));
         if proved > worst.0 {
             worst = (proved, p);

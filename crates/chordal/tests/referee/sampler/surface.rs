@@ -9,7 +9,11 @@ pub type Control = [[Point; 4]; 4];
 /// Patches to which distances are asked.
 pub struct Surface {
     pub patches: Vec<Control>,
+    /// The cells of all patches.
+    parts: Vec<Part>,
     tree: Tree,
+    /// Distances below this are rounding.
+    pub floor: f64,
 }
 
 /// A point of the surface that is close to some other point.
@@ -37,20 +41,14 @@ fn bends(t: f64) -> [f64; 4] {
     [6.0 * (1.0 - t), 6.0 * (3.0 * t - 2.0), 6.0 * (1.0 - 3.0 * t), 6.0 * t]
 }
 
-fn tensor(control: &Control, u: [f64; 4], v: [f64; 4]) -> Point {
-    let mut sum = [0.0; 3];
-    for (row, &wv) in control.iter().zip(&v) {
-        let line: Point = std::array::from_fn(|k| {
-            row[0][k] * u[0] + row[1][k] * u[1] + row[2][k] * u[2] + row[3][k] * u[3]
-        });
-        sum = add(sum, scale(line, wv));
-    }
-    sum
+fn line(p: &[Point; 4], w: [f64; 4]) -> Point {
+    std::array::from_fn(|k| p[0][k] * w[0] + p[1][k] * w[1] + p[2][k] * w[2] + p[3][k] * w[3])
 }
 
 /// The point at `(u, v)`.
 pub fn evaluate(control: &Control, [u, v]: [f64; 2]) -> Point {
-    tensor(control, weights(u), weights(v))
+    let along = weights(u);
+    line(&control.map(|row| line(&row, along)), weights(v))
 }
 
 /// The control points of the middle halves: `[left, right]` of four points.
@@ -101,7 +99,7 @@ fn size(control: &Control) -> f64 {
 /// minus its place on the bilinear surface is a control point of the difference, which stays in their hull; and
 /// a bilinear surface leaves the triangles by a quarter of its twist.
 fn unevenness(part: &Control) -> f64 {
-    let [a, b, c, d] = [part[0][0], part[0][3], part[3][3], part[3][0]];
+    let [a, b, c, d] = corners(part);
     let bilinear = |i: usize, j: usize| {
         let (u, v) = (j as f64 / 3.0, i as f64 / 3.0);
         let lower = add(scale(a, 1.0 - u), scale(b, u));
@@ -111,14 +109,50 @@ fn unevenness(part: &Control) -> f64 {
     (0..16).map(off).fold(0.0, f64::max) + 0.25 * length(sub(add(a, c), add(b, d)))
 }
 
+fn corners(c: &Control) -> [Point; 4] {
+    [c[0][0], c[0][3], c[3][3], c[3][0]]
+}
+
+/// The distance of `p` from two triangles over four corners.
+fn distance_to_corners(p: Point, [a, b, c, d]: [Point; 4]) -> f64 {
+    let to = |t| distance(p, closest_on_triangle(p, t));
+    to([a, b, c]).min(to([a, c, d]))
+}
+
+/// One cell of a patch.
+struct Part {
+    control: Control,
+    unevenness: f64,
+    /// So nearly a parallelogram in the plane that a point close by has one foot only.
+    is_tame: bool,
+}
+
+impl Part {
+    fn new(control: Control) -> Self {
+        let unevenness = unevenness(&control);
+        let [a, b, c, d] = corners(&control);
+        let shortest = [(a, b), (b, c), (c, d), (d, a)]
+            .map(|(p, q)| distance(p, q))
+            .into_iter()
+            .fold(f64::INFINITY, f64::min);
+        Self { control, unevenness, is_tame: 16.0 * unevenness < shortest }
+    }
+
+    fn distance_below(&self, p: Point) -> f64 {
+        distance_to_corners(p, corners(&self.control)) - self.unevenness
+    }
+}
+
 impl Surface {
     pub fn new(patches: Vec<Control>) -> Self {
+        let size = patches.iter().map(size).fold(0.0, f64::max);
         // Halving rounds by some units in the last place, which the boxes take in.
-        let slack = 1e-14 * patches.iter().map(size).fold(0.0, f64::max);
+        let slack = 64.0 * f64::EPSILON * size;
         let wide = |[low, high]: Bounds| [low.map(|x| x - slack), high.map(|x| x + slack)];
-        let parts = patches.iter().flat_map(cells);
-        let boxes: Vec<Bounds> = parts.map(|part| wide(around(part.into_iter().flatten()))).collect();
-        Self { tree: Tree::new(&boxes), patches }
+        let parts: Vec<Part> = patches.iter().flat_map(cells).map(Part::new).collect();
+        let boxes: Vec<Bounds> =
+            parts.iter().map(|part| wide(around(part.control.iter().flatten().copied()))).collect();
+        Self { tree: Tree::new(&boxes), parts, patches, floor: slack }
     }
 
     /// A foot near the best one. Its distance is an upper bound of the true one: parts of the surface that could
@@ -127,8 +161,16 @@ impl Surface {
         let far = Foot { distance: f64::INFINITY, patch: 0, uv: [0.5; 2] };
         let mut found = guess.map_or(far, |g| self.slide(p, g.patch, g.uv));
         self.tree.visit(p, found.distance, |item, _| {
-            let (patch, cell) = (item / (CELLS * CELLS), item % (CELLS * CELLS));
-            let middle = [cell % CELLS, cell / CELLS].map(|c| (c as f64 + 0.5) / CELLS as f64);
+            let part = &self.parts[item];
+            if part.distance_below(p) >= found.distance {
+                return found.distance;
+            }
+            let (patch, [u, v]) = corner_of(item);
+            let middle = [u + 0.5 / CELLS as f64, v + 0.5 / CELLS as f64];
+            let inside = (0..2).all(|k| (found.uv[k] - middle[k]).abs() < 0.5 / CELLS as f64);
+            if part.is_tame && inside && found.patch == patch && found.distance.is_finite() {
+                return found.distance;
+            }
             let next = self.slide(p, patch, middle);
             if next.distance < found.distance {
                 found = next;
@@ -165,35 +207,30 @@ impl Surface {
         foot
     }
 
-    /// Looks for a point of the surface nearer to `p` than `goal`, by branch and bound over quarters of the patches.
-    pub fn search(&self, p: Point, goal: f64) -> Search {
-        let root = |(patch, c): (usize, &Control)| (*c, patch, [0.0; 2], 1.0);
-        let mut stack: Vec<(Control, usize, [f64; 2], f64)> =
-            self.patches.iter().enumerate().map(root).collect();
-        for _ in 0..100_000 {
-            let Some((part, patch, [u, v], side)) = stack.pop() else { return Search::Beyond };
-            let corners = [part[0][0], part[0][3], part[3][3], part[3][0]];
-            let [a, b, c, d] = corners;
-            let to = |t| distance(p, closest_on_triangle(p, t));
-            if to([a, b, c]).min(to([a, c, d])) - unevenness(&part) >= goal {
-                continue;
+    /// Looks for a point of the surface nearer to `p` than `goal`, by branch and bound over quarters of the cells.
+    fn search(&self, p: Point, goal: f64) -> Search {
+        let mut answer = Search::Beyond;
+        let mut effort = 20_000;
+        self.tree.visit(p, goal, |item, best| {
+            match search_part((&self.parts[item].control, corner_of(item).1), (p, goal), &mut effort) {
+                InPart::Beyond => return best,
+                InPart::Nearer(uv) => answer = Search::Nearer(self.slide(p, corner_of(item).0, uv)),
+                InPart::Undecided => answer = Search::Undecided,
             }
-            if let Some(n) = (0..4).find(|&n| distance(corners[n], p) < goal) {
-                let [du, dv] = [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]][n];
-                return Search::Nearer(self.slide(p, patch, [u + du, v + dv]));
-            }
-            let cut =
-                |(q, at): (Control, [f64; 2])| (q, patch, [u + side * at[0], v + side * at[1]], side / 2.0);
-            stack.extend(quarters(&part).map(cut));
-        }
-        Search::Undecided
+            // Nothing more is to be visited.
+            0.0
+        });
+        answer
     }
 
     /// A foot whose distance is at most the part `gap` above the true one, which branch and bound proves; `None`
-    /// where its effort does not suffice.
+    /// where its effort does not suffice. Below the floor there is nothing to prove.
     pub fn proved_nearest(&self, p: Point, guess: Option<Foot>, gap: f64) -> Option<Foot> {
         let mut found = self.nearest(p, guess);
         for _ in 0..64 {
+            if found.distance <= self.floor {
+                return Some(found);
+            }
             match self.search(p, found.distance * (1.0 - gap)) {
                 Search::Beyond => return Some(found),
                 Search::Nearer(foot) => found = foot,
@@ -204,8 +241,42 @@ impl Surface {
     }
 }
 
+/// The patch of a cell and its lowest parameters.
+fn corner_of(item: usize) -> (usize, [f64; 2]) {
+    let (patch, cell) = (item / (CELLS * CELLS), item % (CELLS * CELLS));
+    (patch, [cell % CELLS, cell / CELLS].map(|c| c as f64 / CELLS as f64))
+}
+
+/// The search in one cell, given with its lowest parameters, for a point nearer to `p` than `goal`.
+fn search_part((cell, at): (&Control, [f64; 2]), (p, goal): (Point, f64), effort: &mut u32) -> InPart {
+    let mut stack = vec![(*cell, at, 1.0 / CELLS as f64)];
+    while let Some((part, [u, v], side)) = stack.pop() {
+        let corners = corners(&part);
+        if distance_to_corners(p, corners) - unevenness(&part) >= goal {
+            continue;
+        }
+        if let Some(n) = (0..4).find(|&n| distance(corners[n], p) < goal) {
+            return InPart::Nearer([u + [0.0, side, side, 0.0][n], v + [0.0, 0.0, side, side][n]]);
+        }
+        if *effort == 0 {
+            return InPart::Undecided;
+        }
+        *effort -= 1;
+        stack.extend(quarters(&part).map(|(q, [du, dv])| (q, [u + side * du, v + side * dv], side / 2.0)));
+    }
+    InPart::Beyond
+}
+
+/// What a search in one cell came to.
+enum InPart {
+    Beyond,
+    /// There is one at these parameters.
+    Nearer([f64; 2]),
+    Undecided,
+}
+
 /// What a search for a nearer point came to.
-pub enum Search {
+enum Search {
     /// Proved: there is none.
     Beyond,
     /// One is there; the foot is near it.
@@ -215,19 +286,18 @@ pub enum Search {
 }
 
 fn newton_step(control: &Control, p: Point, [u, v]: [f64; 2], damping: f64) -> Option<[f64; 2]> {
-    let (wu, wv, su, sv) = (weights(u), weights(v), slopes(u), slopes(v));
-    let away = sub(tensor(control, wu, wv), p);
-    let (du, dv) = (tensor(control, su, wv), tensor(control, wu, sv));
+    // Each row at u, once for the value and twice for its derivatives; then all of them along v.
+    let rows = [weights(u), slopes(u), bends(u)].map(|w| control.map(|row| line(&row, w)));
+    let (wv, sv) = (weights(v), slopes(v));
+    let away = sub(line(&rows[0], wv), p);
+    let (du, dv) = (line(&rows[1], wv), line(&rows[0], sv));
     let gradient = [dot(away, du), dot(away, dv)];
     // Against a wall of the unit square only what leads away from it counts.
     let free =
         [(u, gradient[0]), (v, gradient[1])].map(|(t, g)| !((t <= 0.0 && g > 0.0) || (t >= 1.0 && g < 0.0)));
     let first = [dot(du, du), dot(du, dv), dot(dv, dv)];
-    let second = [
-        dot(away, tensor(control, bends(u), wv)),
-        dot(away, tensor(control, su, sv)),
-        dot(away, tensor(control, wu, bends(v))),
-    ];
+    let second =
+        [dot(away, line(&rows[2], wv)), dot(away, line(&rows[1], sv)), dot(away, line(&rows[0], bends(v)))];
     let full: [f64; 3] = std::array::from_fn(|k| first[k] + second[k]);
     let definite = |h: &[f64; 3]| h[0] > 0.0 && h[2] > 0.0 && h[0] * h[2] - h[1] * h[1] > 0.0;
     let hessian = if definite(&full) { full } else { first };
