@@ -7,6 +7,7 @@ mod lint;
 mod model;
 mod parts;
 mod place;
+mod plan;
 mod read;
 mod report;
 mod rows;
