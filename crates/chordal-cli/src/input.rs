@@ -37,19 +37,11 @@ impl Source {
             Self::Stdin => read_up_to(&mut std::io::stdin().lock(), limit, &name),
             Self::File(path) => {
                 let mut file = open_regular(path, &name)?;
-                let before = metadata(&file, &name)?;
-                if before.len() > limit {
-                    return Err(too_large(&name, before.len(), limit));
+                let size = metadata(&file, &name)?.len();
+                if size > limit {
+                    return Err(too_large(&name, size, limit));
                 }
-                let bytes = read_up_to(&mut file, limit, &name)?;
-                let after = metadata(&file, &name)?;
-                if before.len() != after.len() || before.modified().ok() != after.modified().ok() {
-                    return Err(Fault::input(
-                        "changed",
-                        format!("{name}: the file changed while it was read"),
-                    ));
-                }
-                Ok(bytes)
+                unchanged(&mut file, &name, |file| read_up_to(file, limit, &name))
             }
         }
     }
