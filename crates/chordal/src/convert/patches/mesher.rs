@@ -59,6 +59,13 @@ impl<'a> Mesher<'a> {
         &self.patches[tile.patch as usize]
     }
 
+    /// Whether a side of a tile is on a side of its patch that is one point.
+    fn has_pole(&self, tile: &Tile, side: Side) -> bool {
+        let ends = [(tile.v[0], 0.0), (tile.u[1], 1.0), (tile.v[1], 1.0), (tile.u[0], 0.0)];
+        let (at, end) = ends[side as usize];
+        at == end && matches!(self.quilt.seams[tile.patch as usize][side as usize], Seam::Point)
+    }
+
     /// About how many triangles an allowance needs; cheap where that is fewer than `enough`.
     pub(crate) fn estimate(&self, allowance: &Allowance, enough: f64) -> Result<f64, Failed> {
         let rough = par_map(self.job, self.patches, |_, patch| {
@@ -88,8 +95,13 @@ impl<'a> Mesher<'a> {
             let ends = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| (tile.u[i], tile.v[j]));
             let known = self.quilt.meetings[tile.patch as usize];
             let places = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
-            tile.corners =
-                std::array::from_fn(|k| if ends[k] == places[k] { known[k] } else { Corner::Plain });
+            let poles = Side::ALL.map(|side| self.has_pole(tile, side));
+            tile.corners = std::array::from_fn(|k| match known[k] {
+                kind if kind != Corner::Plain && ends[k] == places[k] => kind,
+                // All vertices of a pole are one: an edge from any of them is one edge.
+                _ if poles[k] || poles[(k + 3) % 4] => Corner::Whole,
+                _ => Corner::Plain,
+            });
         }
         let mut seams = Seams::new(&self.quilt, &tiles);
         seams.set_rates(&tiles, self.patches, &self.quilt);
@@ -294,11 +306,7 @@ impl Planned {
     pub(crate) fn count(&self, mesher: &Mesher<'_>) -> u64 {
         let per_tile = self.tiles.iter().enumerate().map(|(i, tile)| {
             let counts = Side::ALL.map(|side| self.seams.count(i, side));
-            let poles = Side::ALL.map(|side| {
-                let ends = [(tile.v[0], 0.0), (tile.u[1], 1.0), (tile.v[1], 1.0), (tile.u[0], 0.0)];
-                let (at, end) = ends[side as usize];
-                at == end && matches!(mesher.quilt.seams[tile.patch as usize][side as usize], Seam::Point)
-            });
+            let poles = Side::ALL.map(|side| mesher.has_pole(tile, side));
             tile::count_triangles(tile, counts, poles)
         });
         per_tile.sum()

@@ -65,6 +65,16 @@ const MOST_CELLS: f64 = 4096.0;
 /// Halving has to save this share of the cells, since tiles of unlike rates cost triangles where they meet.
 const WORTH_HALVING: f64 = 0.93;
 
+/// A direction with fewer cells is not halved.
+const FEWEST_EACH_WAY: f64 = 2.0;
+/// No tile is narrower: one cell of this width bends by less than 60·2⁻⁶⁰ sizes, which is less than rounding. So the
+/// places of tiles, and one minus those, are exact.
+const NARROWEST: f64 = 1.0 / (1 << 30) as f64;
+
+fn is_broad([from, to]: [f64; 2]) -> bool {
+    to - from > NARROWEST
+}
+
 /// What a part may lose, rounding taken off.
 pub(crate) fn tolerance(part: &Patch, (allowance, rounding): (&Allowance, f64)) -> Result<f64, Obstacle> {
     let place = part.hull();
@@ -80,9 +90,9 @@ pub(crate) fn cut(patch_idx: u32, patch: &Patch, allowance: &Allowance) -> Resul
     let context = (allowance, rounding(patch));
     let mut open = vec![Open::new(*patch, [0.0, 1.0], [0.0, 1.0], context)?];
     while let Some(rectangle) = open.pop() {
-        if rectangle.is_worth_halving() || rectangle.need.cells > MOST_CELLS {
-            let halves = rectangle.halved(rectangle.better_half(), context)?;
-            // Guesses on noise need not fall; then halving would never end.
+        if let Some(half) = rectangle.better_half().or_else(|| rectangle.longer_half()) {
+            let halves = rectangle.halved(half, context)?;
+            // Guesses on noise need not fall; then halving would go on to the narrowest tiles everywhere.
             if halves[0].need.cells + halves[1].need.cells < 1.2 * rectangle.need.cells {
                 open.extend(halves);
                 continue;
@@ -100,10 +110,9 @@ pub(crate) fn estimate(patch: &Patch, allowance: &Allowance) -> Result<f64, Obst
     let (mut cells, mut looked_at) = (0.0, 0);
     while let Some(rectangle) = open.pop() {
         looked_at += 1;
-        if looked_at < MOST_LOOKS && rectangle.is_worth_halving() {
-            open.extend(rectangle.halved(rectangle.better_half(), context)?);
-        } else {
-            cells += rectangle.need.cells;
+        match rectangle.better_half().filter(|_| looked_at < MOST_LOOKS) {
+            Some(half) => open.extend(rectangle.halved(half, context)?),
+            None => cells += rectangle.need.cells,
         }
     }
     Ok(2.0 * cells)
@@ -137,17 +146,24 @@ impl Open {
         Ok(Self { part, u, v, tolerance, probe, need })
     }
 
-    fn is_worth_halving(&self) -> bool {
-        let [wide, tall] = self.need.after_halving;
-        self.need.cells > FEWEST_CELLS_TO_HALVE && (wide < WORTH_HALVING || tall < WORTH_HALVING)
-    }
-
-    /// Halves of which shape need the fewest cells. Where neither saves, those along the longer row of cells: a
-    /// direction with one cell has one in each half as well, and so twice as many in both.
-    fn better_half(&self) -> Half {
+    /// The halves that need fewer cells, where that is worth it. A direction with one cell has one in each half as
+    /// well, and so twice as many in both, whatever the bound says.
+    fn better_half(&self) -> Option<Half> {
         let [wide, tall] = self.need.after_halving;
         let [n, m] = self.need.each_way();
-        if if self.is_worth_halving() { wide <= tall } else { n >= m } { Half::OfU } else { Half::OfV }
+        let share = |share: f64, cells: f64, span: [f64; 2]| {
+            if cells > FEWEST_EACH_WAY && is_broad(span) { share } else { 1.0 }
+        };
+        let (wide, tall) = (share(wide, n, self.u), share(tall, m, self.v));
+        let (half, share) = if wide <= tall { (Half::OfU, wide) } else { (Half::OfV, tall) };
+        (self.need.cells > FEWEST_CELLS_TO_HALVE && share < WORTH_HALVING).then_some(half)
+    }
+
+    /// The halves along the longer row of cells, where there are too many cells for one thread.
+    fn longer_half(&self) -> Option<Half> {
+        let [n, m] = self.need.each_way();
+        let (half, span) = if n >= m { (Half::OfU, self.u) } else { (Half::OfV, self.v) };
+        (self.need.cells > MOST_CELLS && is_broad(span)).then_some(half)
     }
 
     /// The second half, then the first, which is looked at next.
