@@ -57,6 +57,10 @@ test-web: need-rust need-wasm need-node
 	$(CHORDAL) mesh examples/teapot.bpt --tol 0.001 -o $(TARGET)/web/tol.glb --force -q
 	$(CHORDAL) mesh examples/teapot.bpt --px 1 --view "$(VIEW)" -o $(TARGET)/web/px.glb --force -q
 	$(CHORDAL) mesh examples/teapot.bpt --triangles 1000 -o $(TARGET)/web/triangles.glb --force -q
+	for isa in plain avx2 avx512; do \
+		CHORDAL_ISA=$$isa $(CHORDAL) mesh examples/teapot.bpt --tol 0.001 -o $(TARGET)/web/isa.glb --force -q; \
+		cmp $(TARGET)/web/tol.glb $(TARGET)/web/isa.glb; \
+	done
 	node tests/web/wasm.mjs $(WASM) $(TARGET)/web/tol.glb examples/teapot.bpt
 	node tests/web/validate.mjs $(TARGET)/web/*.glb
 

@@ -1,15 +1,16 @@
 // The WASM module meshes the same patches to the same bytes as the native command.
 //
-//   node wasm.mjs chordal_wasm.wasm native.glb patches.bpt [tolerance]
+//   node wasm.mjs chordal_wasm.wasm native.glb patches.bpt [budget]
 //
-// native.glb is what `chordal mesh patches.bpt --tol TOLERANCE -o native.glb` wrote; the tolerance is 0.001 unless said.
+// native.glb is what `chordal mesh patches.bpt --tol BUDGET -o native.glb` wrote; the budget is 0.001 unless said. Other
+// budgets are said as the module's options, as in '{"triangles": 1000}'.
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { basename } from "node:path";
 
-const [wasmFile, nativeFile, patchFile, tolerance = "0.001"] = process.argv.slice(2);
+const [wasmFile, nativeFile, patchFile, budget = "0.001"] = process.argv.slice(2);
 if (!patchFile) {
-  console.error("usage: node wasm.mjs MODULE.wasm NATIVE.glb PATCHES [TOLERANCE]");
+  console.error("usage: node wasm.mjs MODULE.wasm NATIVE.glb PATCHES [BUDGET]");
   process.exit(2);
 }
 
@@ -50,7 +51,8 @@ function mesh(input, options) {
 
 const patches = await readFile(patchFile);
 const native = await readFile(nativeFile);
-const options = { name: basename(patchFile), to: "glb", tol: tolerance };
+const limits = budget.startsWith("{") ? JSON.parse(budget) : { tol: budget };
+const options = { name: basename(patchFile), to: "glb", ...limits };
 
 const made = mesh(patches, options);
 assert.equal(made.error, "");

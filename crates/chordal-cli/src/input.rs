@@ -37,19 +37,11 @@ impl Source {
             Self::Stdin => read_up_to(&mut std::io::stdin().lock(), limit, &name),
             Self::File(path) => {
                 let mut file = open_regular(path, &name)?;
-                let before = metadata(&file, &name)?;
-                if before.len() > limit {
-                    return Err(too_large(&name, before.len(), limit));
+                let size = metadata(&file, &name)?.len();
+                if size > limit {
+                    return Err(too_large(&name, size, limit));
                 }
-                let bytes = read_up_to(&mut file, limit, &name)?;
-                let after = metadata(&file, &name)?;
-                if before.len() != after.len() || before.modified().ok() != after.modified().ok() {
-                    return Err(Fault::input(
-                        "changed",
-                        format!("{name}: the file changed while it was read"),
-                    ));
-                }
-                Ok(bytes)
+                unchanged(&mut file, &name, |file| read_up_to(file, limit, &name))
             }
         }
     }
@@ -72,6 +64,22 @@ fn open_without_waiting(path: &Path) -> std::io::Result<File> {
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NONBLOCK | libc::O_CLOEXEC);
     options.open(path)
+}
+
+/// What `read` makes of a file, if that is the same file afterwards: half of one version and half of another would be
+/// a shape that never was.
+fn unchanged<T>(
+    file: &mut File,
+    name: &str,
+    read: impl FnOnce(&mut File) -> Result<T, Fault>,
+) -> Result<T, Fault> {
+    let before = metadata(file, name)?;
+    let found = read(file)?;
+    let after = metadata(file, name)?;
+    if before.len() != after.len() || before.modified().ok() != after.modified().ok() {
+        return Err(Fault::input("changed", format!("{name}: the file changed while it was read")));
+    }
+    Ok(found)
 }
 
 fn metadata(file: &File, name: &str) -> Result<Metadata, Fault> {
@@ -119,6 +127,23 @@ mod tests {
         assert_eq!(fault.exit, Exit::Input);
         assert!(fault.lines[0].contains("1000"));
         assert_eq!(read_up_to(&mut &[1_u8, 2][..], 2, "x").unwrap(), [1, 2]);
+    }
+
+    #[test]
+    fn h78_a_file_that_changes_while_it_is_read_is_refused() {
+        let path = std::env::temp_dir().join(format!("chordal-h78-{}", std::process::id()));
+        std::fs::write(&path, "v 0 0 0\n").unwrap();
+        let mut file = File::open(&path).unwrap();
+        let calm = unchanged(&mut file, "x", |file| read_up_to(file, 100, "x")).unwrap();
+        assert_eq!(calm, b"v 0 0 0\n");
+        for content in ["v 0 0 0\nv 1", "v"] {
+            let disturbed = unchanged(&mut file, "x", |_| {
+                std::fs::write(&path, content).unwrap();
+                Ok(())
+            });
+            assert_eq!(disturbed.unwrap_err().code, "changed");
+        }
+        std::fs::remove_file(path).unwrap();
     }
 
     #[test]

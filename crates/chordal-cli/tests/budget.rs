@@ -126,3 +126,12 @@ fn the_bound_in_pixels_keeps_within_what_was_asked() {
         }
     }
 }
+
+#[test]
+fn a_percentage_needs_a_shape_with_a_size() {
+    let folder = Folder::new("no-size");
+    let point = folder.file("point.obj", "v 1 2 3\nv 1 2 3\nv 1 2 3\nf 1 2 3\n");
+    let args = ["mesh", &point, "-o", &folder.text("a.ply"), "-q", "--tol"];
+    run(&[&args[..], &["1%"]].concat()).fails_with(3, &["point.obj: ", "no size"]);
+    run(&[&args[..], &["0.1"]].concat()).succeeds();
+}

@@ -120,7 +120,12 @@ fn a_certificate_says_the_same_whatever_the_name_place_and_threads() {
 #[test]
 fn what_is_certified_is_what_reads_back() {
     let folder = Folder::new("reads-back");
-    for (name, text) in [("a.bpt", PATCH), ("open.obj", OPEN_OBJ), ("closed.obj", CLOSED_OBJ)] {
+    // A roof whose two sides have normals and groups of their own, and a vertex that no face names.
+    let roof = "v 0 0 0\nv 1 0 0\nv 0 1 1\nv 1 1 1\nv 0 2 0\nv 1 2 0\nv 7 7 7\nvn 0 -1 1\nvn 0 1 1\nusemtl a\n\
+        f 1//1 2//1 4//1 3//1\nusemtl b\nf 3//2 4//2 6//2 5//2\n";
+    for (name, text) in
+        [("a.bpt", PATCH), ("open.obj", OPEN_OBJ), ("closed.obj", CLOSED_OBJ), ("roof.obj", roof)]
+    {
         let input = folder.file(name, text);
         for extension in ["obj", "ply", "stl", "glb"] {
             let output = folder.text(&format!("{name}.{extension}"));

@@ -51,6 +51,10 @@ impl Scene {
     }
 }
 
+/// Triangles and vertices that parts may have when each place of them is written out: a small file can show one
+/// large mesh a million times. About 4 GB.
+const MOST_PLACED_ROWS: usize = 100_000_000;
+
 /// Every part that a node shows, in the order of the tree.
 ///
 /// # Errors
@@ -59,6 +63,7 @@ pub(crate) fn placed(scene: &Scene) -> Result<Vec<Placed<'_>>, WriteError> {
     let mut seen = vec![false; scene.nodes.len()];
     let mut open: Vec<(usize, [f64; 16])> = scene.roots.iter().rev().map(|root| (*root, IDENTITY)).collect();
     let mut found = Vec::new();
+    let mut rows = 0_usize;
     while let Some((index, parent)) = open.pop() {
         let unsupported = |what: &str| WriteError::Unsupported(format!("node {index} {what}"));
         let node = scene.nodes.get(index).ok_or_else(|| unsupported("is not there"))?;
@@ -71,6 +76,12 @@ pub(crate) fn placed(scene: &Scene) -> Result<Vec<Placed<'_>>, WriteError> {
         }
         if let Some(part) = node.part {
             let part = scene.parts.get(part).ok_or_else(|| unsupported("shows a part that is not there"))?;
+            rows = rows.saturating_add(part.mesh.faces().len().saturating_add(part.mesh.positions().len()));
+            if rows > MOST_PLACED_ROWS {
+                return Err(unsupported(
+                    "shows one part too many: written out they have more than 100,000,000 rows",
+                ));
+            }
             let name = if node.name.is_empty() { &part.name } else { &node.name };
             found.push(Placed { part, name, transform: Transform::of(&matrix) });
         }
@@ -230,6 +241,18 @@ impl<'a> Placed<'a> {
 mod tests {
     use super::*;
     use crate::{Frame, Node};
+
+    #[test]
+    fn refuses_to_write_out_a_small_mesh_shown_without_end() {
+        let n = 20_000;
+        let positions = (0..n).map(|i| [f64::from(i), 0.0, 0.0]).collect();
+        let mesh = Mesh::new(positions, vec![[0, 1, 2]; 10_000]).expect("valid");
+        let mut scene = Scene::of("", mesh, true, Frame::default());
+        let node = scene.nodes[0].clone();
+        scene.nodes = vec![node; 4000];
+        scene.roots = (0..4000).collect();
+        assert!(matches!(scene.world_meshes(), Err(WriteError::Unsupported(_))));
+    }
 
     /// A corner of a cube with a normal and a tangent a vertex and a number a corner, shown as it is and, one node
     /// further, mirrored in x and twice as long in y.

@@ -1,6 +1,6 @@
 //! `inspect`: what a file holds and whether it is sound.
 use crate::report::{Certificate, Counted, Inspection, Report, Run};
-use crate::{Input, Shape, formats};
+use crate::{Input, Shape};
 
 /// What the input is, with its validity in full and the certificate that it carries, if it carries one.
 ///
@@ -19,8 +19,10 @@ use crate::{Input, Shape, formats};
 #[must_use]
 pub fn inspect(input: &Input) -> Report {
     let mut certificate = Certificate::of(input);
-    if let Shape::Scene(scene) = &input.shape {
-        let counted = Counted::in_full(scene, formats::topology(input.format));
+    // Merging the rows of a mesh leaves fewer of them, so that it cannot fail.
+    if let Shape::Scene(scene) = &input.shape
+        && let Ok(counted) = Counted::in_full(scene, input.format)
+    {
         certificate.output = Some(counted.output);
         certificate.valid = Some(counted.valid);
     }

@@ -29,6 +29,7 @@ mod render;
 pub mod report;
 mod shape;
 mod spec;
+mod written;
 
 pub use chordal_io::{Axis, Frame, Scene};
 pub use digest::sha256;

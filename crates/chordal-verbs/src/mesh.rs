@@ -1,6 +1,7 @@
 //! `mesh`: any shape into triangles within a budget, as they will read back from a format.
 use crate::placed::{self, Placed};
 use crate::report::{BoundFacts, BudgetFacts, Certificate, Counted};
+use crate::written::as_written;
 use crate::{BudgetSpec, Input, MeshFailure, Shape, formats, write};
 use chordal::budget::{Bound, Budget, Code, Failure, PixelBudget, Pixels, Reference, Refusal, Tolerance};
 use chordal::math::{Box3, add_up, sub_down};
@@ -65,16 +66,13 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
     let place = input.shape.hull()?;
     let (scene, mut bound) = match input.shape {
         Shape::Patches { patches, frame } => tessellate(&Source { patches, frame, place }, &budget, to, job)?,
-        Shape::Scene(scene) => {
-            certificate.notes.push(PASSED_THROUGH.to_owned());
-            let lost = losses(&scene, to)?;
-            certificate.notes.extend(lost.iter().map(ToString::to_string));
-            pass_through(scene, to)?
-        }
+        Shape::Scene(scene) => pass_through(scene, to, &mut certificate.notes)?,
     };
+    certificate.notes.extend(losses(&scene, to)?.iter().map(ToString::to_string));
+    let scene = as_written(scene, to)?;
     bound.pixels = on_screen(&budget, &bound, &place);
     certificate.bound = Some(BoundFacts::of(&bound));
-    let counted = Counted::of(&scene, formats::topology(to));
+    let counted = Counted::of(&scene, to)?;
     certificate.output = Some(counted.output);
     certificate.valid = Some(counted.valid);
     let met = is_met(&budget, &certificate);
@@ -174,9 +172,13 @@ fn widened(place: &Box3) -> Box3 {
 }
 
 /// Triangles as they are, at the precision of the format.
-fn pass_through(scene: Scene, to: Format) -> Result<(Scene, Bound), MeshFailure> {
-    let Placed { mut scene, moved_at_most: placed } =
+fn pass_through(scene: Scene, to: Format, notes: &mut Vec<String>) -> Result<(Scene, Bound), MeshFailure> {
+    notes.push(PASSED_THROUGH.to_owned());
+    let Placed { mut scene, moved_at_most: placed, left_out } =
         if to == Format::Glb { Placed::as_it_is(scene) } else { placed::flattened(scene)? };
+    if left_out > 0 {
+        notes.push(format!("parts that stand nowhere in the scene were left out ({left_out}x)"));
+    }
     let stretch = placed::stretch_of_parts(&scene);
     let mut moved = 0.0;
     for (part, stretch) in scene.parts.iter_mut().zip(stretch) {
@@ -184,9 +186,6 @@ fn pass_through(scene: Scene, to: Format) -> Result<(Scene, Bound), MeshFailure>
         let part_moved = placed::scaled_up(snapped.moved_at_most, stretch);
         moved = if part_moved > moved { part_moved } else { moved };
         part.mesh = snapped.mesh;
-    }
-    if to == Format::Stl {
-        scene = placed::joined(scene)?;
     }
     let all = if moved == 0.0 || placed == 0.0 { moved + placed } else { add_up(moved, placed) };
     if !all.is_finite() {

@@ -1,6 +1,7 @@
 //! What the places of parts do to lengths: how far transforms stretch them, and what rounding in them costs.
+use crate::written::unsupported;
 use chordal::Mesh;
-use chordal::explicit::{Attribute, Domain, InvalidMesh, Semantic};
+use chordal::explicit::{Attribute, Domain, Semantic};
 use chordal::math::{add_up, mul_up, sqrt_up};
 use chordal_io::{Node, Part, Scene, WriteError};
 use std::borrow::Cow;
@@ -12,6 +13,8 @@ pub(crate) struct Placed {
     pub scene: Scene,
     /// No vertex is further than this from where exact arithmetic would put it.
     pub moved_at_most: f64,
+    /// Parts that stood nowhere, and so are not there any more.
+    pub left_out: usize,
 }
 
 /// A column-major 4 × 4 matrix.
@@ -20,7 +23,7 @@ type Matrix = [f64; 16];
 impl Placed {
     /// A scene with its transforms, which nothing has applied yet.
     pub fn as_it_is(scene: Scene) -> Self {
-        Self { scene, moved_at_most: 0.0 }
+        Self { scene, moved_at_most: 0.0, left_out: 0 }
     }
 }
 
@@ -32,8 +35,9 @@ impl Placed {
 /// When the nodes are no tree, or take coordinates out of range.
 pub(crate) fn flattened(scene: Scene) -> Result<Placed, WriteError> {
     let places = places(&scene);
-    let once = |part| places.iter().filter(|place| place.part == part).count() == 1;
-    if places.iter().all(|place| place.is_identity) && (0..scene.parts.len()).all(once) {
+    let mut times = vec![0; scene.parts.len()];
+    places.iter().for_each(|place| times[place.part] += 1);
+    if places.iter().all(|place| place.is_identity) && times.iter().all(|times| *times == 1) {
         return Ok(Placed::as_it_is(scene));
     }
     let moved_at_most = places.iter().filter(|place| !place.is_identity).fold(0.0, |most, place| {
@@ -49,20 +53,8 @@ pub(crate) fn flattened(scene: Scene) -> Result<Placed, WriteError> {
         flat.nodes.extend(one.nodes.into_iter().map(|node| Node { part: Some(at), ..node }));
         flat.roots.push(at);
     }
-    Ok(Placed { scene: flat, moved_at_most })
-}
-
-/// The scene as one part, for formats that know no others. Attributes stay behind: such formats have none either.
-///
-/// # Errors
-/// When there are more triangles than one mesh can hold.
-pub(crate) fn joined(scene: Scene) -> Result<Scene, WriteError> {
-    if scene.parts.len() == 1 {
-        return Ok(scene);
-    }
-    let meshes: Vec<&Mesh> = scene.parts.iter().map(|part| &part.mesh).collect();
-    let mesh = concatenated(&meshes)?;
-    Ok(Scene::of("", mesh, false, scene.frame))
+    let left_out = times.iter().filter(|times| **times == 0).count();
+    Ok(Placed { scene: flat, moved_at_most, left_out })
 }
 
 /// Everything that a scene shows as one mesh in its coordinates, for a picture: with normals of its own where every
@@ -108,10 +100,6 @@ fn concatenated(meshes: &[&Mesh]) -> Result<Mesh, WriteError> {
         positions.extend_from_slice(mesh.positions());
     }
     Mesh::new(positions, faces).and_then(|mesh| mesh.with_position_id(ids)).map_err(unsupported)
-}
-
-fn unsupported(error: InvalidMesh) -> WriteError {
-    WriteError::Unsupported(error.to_string())
 }
 
 /// By how much a length in each part's coordinates can grow in the scene's, over all places of the part; 0 for a

@@ -1,6 +1,6 @@
 //! `BudgetSpec`: a budget as a person asks for it, before the shape is known.
 use crate::{MeshFailure, Shape};
-use chordal::budget::{Budget, Length, PixelBudget};
+use chordal::budget::{Budget, Code, Length, PixelBudget, Refusal};
 
 /// What may be lost, with a length that can be a percentage or have a unit.
 ///
@@ -35,6 +35,10 @@ impl BudgetSpec {
         let mut budget = Budget { pixels: self.pixels, triangles: self.triangles, ..Budget::default() };
         let Some(length) = self.length else { return Ok((budget, None)) };
         let diagonal = if matches!(length, Length::Percent(_)) { shape.diagonal()? } else { 0.0 };
+        if matches!(length, Length::Percent(_)) && diagonal <= 0.0 {
+            let message = format!("the shape has no size, so {length} of it is no length: give one in units");
+            return Err(MeshFailure::Refused(Refusal { code: Code::Empty, message }));
+        }
         let tolerance =
             length.resolve(diagonal, shape.frame().metres_per_unit).map_err(MeshFailure::Length)?;
         budget.length = Some(tolerance);

@@ -165,7 +165,7 @@ fn wire_shows_every_visible_edge_and_no_hidden_one() {
     let mesh = sphere(6);
     let sum = |p: [u8; 4]| p[..3].iter().map(|c| u32::from(*c)).sum::<u32>();
     for projection in [PARALLEL, Projection::Perspective { fov_y_deg: 40.0 }] {
-        let seen_from = camera([2.0, -3.0, 2.5], projection, [600, 600]);
+        let seen_from = camera([2.0, -3.0, 2.5], projection, [420, 420]);
         let shown = picture(&mesh, seen_from, Show::Wire);
         let bright = |p: [f64; 3]| {
             let [x, y, _] = project(&seen_from, p);
@@ -249,7 +249,7 @@ fn size_and_place_do_not_matter() {
     let mesh = bitten();
     let options = Options::sized(80, 60);
     let near = render(&mesh, &options, &Job::default()).unwrap();
-    for exponent in [-20, 20] {
+    for exponent in [-400, -20, 20, 400] {
         let scale = libm::ldexp(1.0, exponent);
         let scaled = mesh.positions().iter().map(|p| p.map(|x| x * scale)).collect();
         let shown = render(&mesh.with_positions(scaled).unwrap(), &options, &Job::default()).unwrap();
@@ -322,6 +322,21 @@ fn pictures_of_nothing_are_background() {
         assert!(shown.rgba.len() == 16 * 9 * 4 && shown.rgba.iter().all(|b| *b == 0));
         let studio = Options { background: Background::Studio, ..options };
         assert!(render(mesh, &studio, &Job::default()).unwrap().is_opaque());
+    }
+}
+
+#[test]
+fn meshes_at_the_ends_of_the_numbers_end_in_a_picture_or_a_refusal() {
+    for scale in [f64::MIN_POSITIVE, 1e-300, 1e-200, 1e200, 1e300, 1.7e308] {
+        for show in [Show::Shaded, Show::Wire, Show::Normals] {
+            let mesh = cube(&[]);
+            let scaled = mesh.positions().iter().map(|p| p.map(|x| x * scale)).collect();
+            let options = Options { show, ..Options::sized(24, 18) };
+            match render(&mesh.with_positions(scaled).unwrap(), &options, &Job::default()) {
+                Ok(shown) => assert!(shown.is_opaque()),
+                Err(stopped) => assert!(matches!(stopped, Stopped::Refused(_)), "{stopped}"),
+            }
+        }
     }
 }
 

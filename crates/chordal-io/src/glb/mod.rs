@@ -7,6 +7,7 @@ mod lint;
 mod model;
 mod parts;
 mod place;
+mod plan;
 mod read;
 mod report;
 mod rows;
@@ -17,6 +18,7 @@ mod triangles;
 mod write;
 
 pub use read::read;
+pub use split::split;
 pub use write::write;
 
 /// The first four bytes of a GLB file, `glTF`.

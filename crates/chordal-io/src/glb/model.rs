@@ -51,9 +51,9 @@ pub(super) struct Accessor {
     pub component: Option<Component>,
     pub kind: Option<Kind>,
     pub normalized: bool,
-    pub min: Option<Vec<f64>>,
-    pub max: Option<Vec<f64>>,
-    pub sparse: Option<Sparse>,
+    pub min: Option<Box<[f64]>>,
+    pub max: Option<Box<[f64]>>,
+    pub sparse: Option<Box<Sparse>>,
 }
 
 impl Accessor {
@@ -129,7 +129,7 @@ pub(super) struct Node<'a> {
     pub children: Vec<Option<usize>>,
     pub mesh: Option<usize>,
     pub skin: Option<usize>,
-    pub matrix: Option<[f64; 16]>,
+    pub matrix: Option<Box<[f64; 16]>>,
     pub translation: Option<[f64; 3]>,
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,

@@ -1,11 +1,13 @@
 //! Meshes of the file into parts: vertices, triangles, attributes.
 use super::model::{Attributes, Model, Primitive, item};
+use super::plan::{Plan, Planned, is_skinning, position_of};
 use super::report::Report;
 use super::rows::{Rows, Unreadable};
 use super::triangles::{Corners, triangles};
 use crate::{Limits, Part, Place, ReadError};
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
+use std::collections::BTreeMap;
 
 /// Turns meshes into parts, within limits.
 pub(super) struct Parts<'m> {
@@ -21,36 +23,22 @@ pub(super) struct Parts<'m> {
 struct Draft<'m> {
     positions: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
-    streams: Vec<Stream>,
-    /// Vertices that are there: primitives with the same attributes share them.
-    blocks: Vec<Block<'m>>,
+    plan: Plan<'m>,
+    /// The values of the planned attributes.
+    streams: Vec<Vec<f64>>,
+    /// The first vertex and the number of those that are there: primitives with the same attributes share them.
+    blocks: BTreeMap<&'m Attributes<'m>, (usize, usize)>,
     /// The material of each face, −1 for none.
     materials: Vec<f64>,
 }
 
-struct Block<'m> {
-    attributes: &'m Attributes<'m>,
-    first: usize,
-    count: usize,
-}
-
-/// An attribute in the making.
-struct Stream {
-    semantic: Semantic,
-    width: usize,
-    values: Vec<f64>,
-}
-
-impl Stream {
-    /// What a vertex has that says nothing: white, or zeros.
-    fn blank(&self) -> f64 {
-        if matches!(self.semantic, Semantic::Color(_)) { 1.0 } else { 0.0 }
-    }
-}
+/// What is said of attributes that are left out.
+const SKIPPED: &str = "attributes that not all primitives of their mesh have in one form were skipped";
 
 impl<'m> Parts<'m> {
-    pub fn new(model: &'m Model<'m>, limits: &'m Limits) -> Self {
-        Self { model, limits, left: limits.bytes, report: Report::default() }
+    /// For a file from which so many bytes may be decoded.
+    pub fn new(model: &'m Model<'m>, limits: &'m Limits, left: u64) -> Self {
+        Self { model, limits, left, report: Report::default() }
     }
 
     /// The part of a mesh; an empty one when the file's mesh is no object.
@@ -58,10 +46,12 @@ impl<'m> Parts<'m> {
         let Some(mesh) = item(&self.model.meshes, Some(mesh_idx)) else {
             return Ok(Part { name: String::new(), mesh: Mesh::default(), indexed: false });
         };
-        let mut draft = Draft::default();
+        let plan = Plan::of(self.model, mesh);
+        let streams = plan.streams.iter().map(|_| Vec::new()).collect();
+        let mut draft = Draft { plan, streams, ..Draft::default() };
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let pointer = format!("/meshes/{mesh_idx}/primitives/{p}");
-            self.primitive(&mut draft, (mesh_idx, primitive), &pointer)?;
+            self.primitive(&mut draft, primitive, &pointer)?;
         }
         let mesh = self.finish(draft, mesh_idx)?;
         let name = item(&self.model.meshes, Some(mesh_idx)).map_or("", |mesh| mesh.name);
@@ -71,11 +61,10 @@ impl<'m> Parts<'m> {
     fn primitive(
         &mut self,
         draft: &mut Draft<'m>,
-        (mesh_idx, primitive): (usize, &'m Primitive<'m>),
+        primitive: &'m Primitive<'m>,
         pointer: &str,
     ) -> Result<(), ReadError> {
-        let position =
-            primitive.attributes.iter().find(|(name, _)| *name == "POSITION").and_then(|(_, a)| *a);
+        let position = position_of(&primitive.attributes);
         let place = || Place::Pointer(pointer.to_owned());
         let Some(mode) = primitive.mode else {
             return Err(ReadError::new("VALUE_NOT_IN_RANGE", place(), "mode is none of 0 to 6"));
@@ -102,10 +91,9 @@ impl<'m> Parts<'m> {
         if primitive.targets.is_some() {
             self.report.add("morph-targets-ignored", place(), "morph targets were not applied");
         }
-        let (first, count) = match draft.blocks.iter().find(|block| *block.attributes == primitive.attributes)
-        {
-            Some(block) => (block.first, block.count),
-            None => self.block(draft, (mesh_idx, primitive, position), pointer)?,
+        let (first, count) = match draft.blocks.get(&primitive.attributes) {
+            Some(block) => *block,
+            None => self.block(draft, (primitive, position), pointer)?,
         };
         let corners = self.corners(primitive, (first, count), pointer)?;
         let n = draft.faces.len();
@@ -130,7 +118,7 @@ impl<'m> Parts<'m> {
     fn block(
         &mut self,
         draft: &mut Draft<'m>,
-        (mesh_idx, primitive, position): (usize, &'m Primitive<'m>, usize),
+        (primitive, position): (&'m Primitive<'m>, usize),
         pointer: &str,
     ) -> Result<(usize, usize), ReadError> {
         let pointer = format!("{pointer}/attributes");
@@ -158,77 +146,59 @@ impl<'m> Parts<'m> {
         reserve(&mut draft.positions, count, &pointer)?;
         // Zero has one sign here, so that −0 and 0 tie vertices.
         rows.each(|_, row| draft.positions.push([0, 1, 2].map(|k| rows.meaning(row[k]) + 0.0)));
-        for (name, accessor) in &primitive.attributes {
-            if *name != "POSITION" {
-                self.attribute(draft, (mesh_idx, name, *accessor), (first, count, &pointer))?;
+        let mut named: BTreeMap<&str, Option<usize>> = primitive.attributes.iter().copied().collect();
+        named.remove("POSITION");
+        let Draft { plan, streams, .. } = draft;
+        for (planned, values) in plan.streams.iter().zip(streams) {
+            let accessor = named.remove(planned.name).flatten();
+            self.stream((planned, values), accessor, (count, &pointer))?;
+        }
+        for name in named.keys() {
+            let place = Place::Pointer(format!("{pointer}/{name}"));
+            if is_skinning(name) {
+                self.report.add("skins-ignored", place, "skins were not applied");
+            } else {
+                self.report.add("attribute-skipped", place, SKIPPED);
             }
         }
-        let n = draft.positions.len();
-        for stream in &mut draft.streams {
-            let blank = stream.blank();
-            let missing = n - stream.values.len() / stream.width;
-            let place = Place::Pointer(pointer.clone());
-            let what = "vertices lack an attribute that others of their mesh have";
-            self.report.add_many("attribute-missing", missing as u64, (place, what));
-            stream.values.resize(n * stream.width, blank);
-        }
-        draft.blocks.push(Block { attributes: &primitive.attributes, first, count });
+        draft.blocks.insert(&primitive.attributes, (first, count));
         Ok((first, count))
     }
 
-    /// Reads one attribute of new vertices.
-    fn attribute(
+    /// Reads one attribute of new vertices, or fills it where they have none.
+    fn stream(
         &mut self,
-        draft: &mut Draft<'m>,
-        (mesh_idx, name, accessor): (usize, &str, Option<usize>),
-        (first, count, pointer): (usize, usize, &str),
+        (planned, values): (&Planned<'_>, &mut Vec<f64>),
+        accessor: Option<usize>,
+        (count, pointer): (usize, &str),
     ) -> Result<(), ReadError> {
-        let place = || Place::Pointer(format!("{pointer}/{name}"));
-        let Some(semantic) = semantic_of(name) else {
-            self.report.add("skins-ignored", place(), "skins were not applied");
+        let place = || Place::Pointer(format!("{pointer}/{}", planned.name));
+        self.take(count as u64 * planned.width as u64 * 8, pointer)?;
+        reserve(values, count * planned.width, pointer)?;
+        let Some(accessor) = accessor else {
+            let what = "vertices lack an attribute that others of their mesh have";
+            self.report.add_many("attribute-missing", count as u64, (place(), what));
+            values.resize(values.len() + count * planned.width, planned.blank());
             return Ok(());
         };
-        let Some(accessor) = accessor else { return Ok(()) };
         let rows = match Rows::of(self.model, accessor) {
-            Ok(rows) if rows.count == count as u64 && check_sparse(&rows).is_ok() => rows,
-            // A file that got here strictly has no such attribute.
+            Ok(rows)
+                if rows.count == count as u64
+                    && planned.takes(rows.format.kind.n_components())
+                    && check_sparse(&rows).is_ok() =>
+            {
+                rows
+            }
+            // A file that got here strictly has such attributes by names of its own only.
             _ => {
-                self.report.add("attribute-skipped", place(), "attributes that cannot be read were skipped");
+                self.report.add("attribute-skipped", place(), SKIPPED);
+                values.resize(values.len() + count * planned.width, planned.blank());
                 return Ok(());
             }
         };
-        let n_file = rows.format.kind.n_components();
-        let width = match semantic {
-            Semantic::Color(set) => self.colour_width(mesh_idx, set),
-            _ => n_file,
-        };
-        let fits = match semantic {
-            Semantic::Normal => n_file == 3,
-            Semantic::Tangent => n_file == 4,
-            Semantic::TexCoord(_) => n_file == 2,
-            Semantic::Color(_) => n_file == 3 || n_file == 4,
-            _ => true,
-        };
-        let known = draft.streams.iter().position(|stream| stream.semantic == semantic);
-        let stream_idx = known.unwrap_or(draft.streams.len());
-        if !fits || known.is_some_and(|i| draft.streams[i].width != width) {
-            self.report.add("attribute-skipped", place(), "attributes that cannot be read were skipped");
-            return Ok(());
-        }
-        self.take((first + count) as u64 * width as u64 * 8, pointer)?;
-        if known.is_none() {
-            let mut stream = Stream { semantic, width, values: Vec::new() };
-            reserve(&mut stream.values, first * width, pointer)?;
-            stream.values.resize(first * width, stream.blank());
-            let what = "vertices lack an attribute that others of their mesh have";
-            self.report.add_many("attribute-missing", first as u64, (place(), what));
-            draft.streams.push(stream);
-        }
-        let values = &mut draft.streams[stream_idx].values;
-        reserve(values, count * width, pointer)?;
         let mut n_broken = 0;
         rows.each(|_, row| {
-            for k in 0..width {
+            for k in 0..planned.width {
                 // The alpha that a colour without alpha has.
                 let x = row.get(k).map_or(1.0, |x| rows.meaning(*x));
                 n_broken += u64::from(!x.is_finite());
@@ -238,17 +208,6 @@ impl<'m> Parts<'m> {
         let what = "attribute values that are not finite became zero";
         self.report.add_many("attribute-not-finite", n_broken, (place(), what));
         Ok(())
-    }
-
-    /// Four numbers when any primitive of the mesh has alpha.
-    fn colour_width(&self, mesh_idx: usize, set: u32) -> usize {
-        let name = format!("COLOR_{set}");
-        let primitives = item(&self.model.meshes, Some(mesh_idx)).map_or(&[][..], |mesh| &mesh.primitives);
-        let attributes = primitives.iter().flat_map(|primitive| &primitive.attributes);
-        let widths = attributes.filter(|(n, _)| *n == name).filter_map(|(_, accessor)| {
-            item(&self.model.accessors, *accessor)?.kind.map(super::format::Kind::n_components)
-        });
-        if widths.max() == Some(4) { 4 } else { 3 }
     }
 
     /// The corner indices of a primitive, counted from the first vertex of the part.
@@ -309,7 +268,8 @@ impl<'m> Parts<'m> {
                 Ok(())
             }
             None => {
-                let what = format!("what is decoded passes the limit of {} bytes", self.limits.bytes);
+                let what =
+                    format!("what is decoded passes the limits: {n} bytes more, {} are left", self.left);
                 Err(ReadError::new("too-large", Place::Pointer(pointer.to_owned()), what))
             }
         }
@@ -337,7 +297,8 @@ impl<'m> Parts<'m> {
         if let Some(ids) = ids {
             mesh = mesh.with_position_id(ids).map_err(refused)?;
         }
-        for Stream { semantic, width, values } in draft.streams {
+        for (planned, values) in draft.plan.streams.into_iter().zip(draft.streams) {
+            let (semantic, width) = (planned.semantic, planned.width);
             let attribute = Attribute { semantic, domain: Domain::Vertex, width, values };
             mesh = mesh.with_attribute(attribute).map_err(refused)?;
         }
@@ -367,31 +328,15 @@ impl Draft<'_> {
         let mut whole = is_whole.iter();
         self.materials.retain(|_| whole.next() == Some(&true));
         self.faces.iter_mut().for_each(|face| *face = face.map(|i| renumbered[i as usize]));
-        for stream in &mut self.streams {
-            let width = stream.width;
+        for (planned, values) in self.plan.streams.iter().zip(&mut self.streams) {
+            let width = planned.width;
             let mut place = 0..;
-            stream.values.retain(|_| place.next().is_some_and(|i: usize| keep[i / width]));
+            values.retain(|_| place.next().is_some_and(|i: usize| keep[i / width]));
         }
         let n = self.positions.len();
         let mut kept = keep.iter();
         self.positions.retain(|_| kept.next() == Some(&true));
         (n - self.positions.len()) as u64
-    }
-}
-
-/// What an attribute means; `None` for what only skins need.
-fn semantic_of(name: &str) -> Option<Semantic> {
-    let set = |family: &str| name.strip_prefix(family)?.parse::<u32>().ok();
-    match name {
-        "NORMAL" => Some(Semantic::Normal),
-        "TANGENT" => Some(Semantic::Tangent),
-        _ if name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_") => None,
-        _ => Some(
-            set("TEXCOORD_")
-                .map(Semantic::TexCoord)
-                .or_else(|| set("COLOR_").map(Semantic::Color))
-                .unwrap_or_else(|| Semantic::Custom(name.to_owned())),
-        ),
     }
 }
 
@@ -430,8 +375,10 @@ fn at(error: Unreadable, pointer: &str, key: &str) -> ReadError {
     ReadError::new(error.code, Place::Pointer(format!("{pointer}/{key}")), error.what)
 }
 
+/// Room for the rows of a block: what is needed for the first, more in advance for others.
 fn reserve<T>(list: &mut Vec<T>, n: usize, pointer: &str) -> Result<(), ReadError> {
-    list.try_reserve_exact(n).map_err(|_| {
+    let reserved = if list.is_empty() { list.try_reserve_exact(n) } else { list.try_reserve(n) };
+    reserved.map_err(|_| {
         let what = format!("{n} rows take more memory than there is");
         ReadError::new("out-of-memory", Place::Pointer(pointer.to_owned()), what)
     })

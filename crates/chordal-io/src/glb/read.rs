@@ -71,16 +71,17 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
     let chunks = container::chunks(bytes, &mut report.warnings)?;
     let json = parse_json(&chunks, limits)?;
     check_rows(&json, limits)?;
-    let mut lint = Lint::new(&json);
+    let budget = budget(bytes, limits);
+    let mut lint = Lint::new(&json, budget);
     let Some(mut model) = lint::parse(&mut lint, &json, chunks.bin) else {
         let issue = lint.issues.swap_remove(0);
         return Err(ReadError::new(issue.code, issue.place, issue.message));
     };
     check_extensions(&model, &mut report)?;
-    check_zeros(&model, limits)?;
+    check_zeros(&model, (limits, budget))?;
     lint::link(&mut lint, &mut model);
     judge(lint, limits, &mut report)?;
-    let mut parts = Parts::new(&model, limits);
+    let mut parts = Parts::new(&model, limits, budget);
     let meshes = (0..model.meshes.len()).map(|m| parts.part(m)).collect::<Result<Vec<_>, _>>()?;
     report.append(parts.report);
     let mut scene = Scene { parts: meshes, ..places(&model, &mut report) };
@@ -106,6 +107,14 @@ fn parse_json(chunks: &container::Chunks<'_>, limits: &Limits) -> Result<Json, R
     Ok(json)
 }
 
+/// How many bytes may be decoded from a file, and looked at in it.
+///
+/// A byte of a file becomes eight at most, and few of them are read twice: 64 times the file and a quarter of a GiB
+/// are beyond what an honest file asks for, and keep a small one from asking for hours.
+fn budget(bytes: &[u8], limits: &Limits) -> u64 {
+    limits.bytes.min((1 << 28) + 64 * bytes.len() as u64)
+}
+
 /// Whether the lists are short enough to be held.
 fn check_rows(json: &Json, limits: &Limits) -> Result<(), ReadError> {
     let most = limits.rows.min(limits.bytes / OBJECT_BYTES);
@@ -120,8 +129,8 @@ fn check_rows(json: &Json, limits: &Limits) -> Result<(), ReadError> {
 }
 
 /// Rows that lie in no view are zeros that take no bytes of the file, so that only limits keep them from growing.
-fn check_zeros(model: &Model<'_>, limits: &Limits) -> Result<(), ReadError> {
-    let mut left = limits.bytes;
+fn check_zeros(model: &Model<'_>, (limits, budget): (&Limits, u64)) -> Result<(), ReadError> {
+    let mut left = budget;
     for (i, accessor) in model.accessors.iter().enumerate() {
         let Some((accessor, count)) = accessor.as_ref().and_then(|a| Some((a, a.count?))) else { continue };
         if accessor.view.is_some() {
@@ -134,7 +143,7 @@ fn check_zeros(model: &Model<'_>, limits: &Limits) -> Result<(), ReadError> {
             _ => {
                 let what = format!(
                     "{count} rows of zeros pass the limits of {} rows and {} bytes",
-                    limits.rows, limits.bytes
+                    limits.rows, budget
                 );
                 return Err(ReadError::new(
                     "too-many-rows",
@@ -207,7 +216,7 @@ fn places(model: &Model<'_>, report: &mut Report) -> Scene {
         }
         nodes.push(Node {
             name: node.name.to_owned(),
-            matrix: node.matrix.unwrap_or_else(trs),
+            matrix: node.matrix.as_deref().copied().unwrap_or_else(trs),
             children,
             part,
         });

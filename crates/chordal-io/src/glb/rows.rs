@@ -82,6 +82,11 @@ impl<'m> Rows<'m> {
         Ok(Self { format, count, base, sparse, places })
     }
 
+    /// The bytes that all rows take.
+    pub fn n_bytes(&self) -> u64 {
+        self.count.saturating_mul(self.format.row_length())
+    }
+
     /// Whether any number comes from the file.
     pub fn has_data(&self) -> bool {
         self.base.is_some() || self.sparse.is_some()

@@ -4,13 +4,16 @@ use chordal::explicit::{Attribute, Domain, InvalidMesh};
 use std::borrow::Cow;
 use std::cmp::Ordering;
 
-/// The same triangles with every attribute on vertices.
+/// The same triangles with every attribute on vertices, as [`super::write`] writes them.
 ///
 /// glTF knows attributes of vertices only. A vertex whose corners disagree becomes several rows of one
 /// `position_id`: the first keeps its index, the others follow after all old vertices. Triangles keep their order.
 ///
-/// O(m log m) time for m faces, 8 bytes a corner of memory.
-pub(super) fn split(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
+/// O(m log m) time for m faces, 8 bytes a corner of memory; nothing where all attributes are on vertices already.
+///
+/// # Errors
+/// [`InvalidMesh`] when there are more vertices afterwards than a mesh can have.
+pub fn split(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
     let loose: Vec<&Attribute> = mesh.attributes().iter().filter(|a| a.domain != Domain::Vertex).collect();
     if loose.is_empty() {
         return Ok(Cow::Borrowed(mesh));

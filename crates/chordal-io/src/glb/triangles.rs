@@ -83,7 +83,7 @@ mod tests {
         assert_eq!(of(6, &[0, 1, 2, 3]), (vec![[1, 2, 0], [2, 3, 0]], 0, 0));
         assert_eq!(of(4, &[0, 1, 2, 3, 4]), (vec![[0, 1, 2]], 2, 0));
         assert_eq!(of(5, &[0, 1]), (vec![], 2, 0));
-        assert_eq!(of(5, &[0, 1, 2, 2, 3, 3, 4, 5]).0, vec![[0, 1, 2], [3, 4, 5]]);
+        assert_eq!(of(5, &[0, 1, 2, 2, 3, 3, 4, 5]).0, vec![[0, 1, 2], [3, 5, 4]]);
         let mut out = Vec::new();
         triangles(&Corners::Range(10, 3), 4, &mut out);
         assert_eq!(out, vec![[10, 11, 12]]);

@@ -160,6 +160,23 @@ fn h34_counts_past_all_memory() {
 }
 
 #[test]
+fn h34_accessors_that_read_the_same_bytes_again_and_again() {
+    let (mut json, mut bin) = triangle();
+    bin.resize(12_000, 0);
+    put(&mut json, "/buffers/0/byteLength", json!(12_000));
+    put(&mut json, "/bufferViews/2", json!({ "buffer": 0, "byteLength": 12_000 }));
+    for i in 2..102 {
+        let accessor = json!({ "bufferView": 2, "componentType": 5126, "count": 1000, "type": "VEC3", "min": [0, 0, 0], "max": [1, 2, 0] });
+        put(&mut json, &format!("/accessors/{i}"), accessor);
+    }
+    assert!(read(&json, &bin).is_ok());
+    // A hundred times twelve thousand bytes.
+    let limits = Limits { bytes: 1_000_000, ..Limits::default() };
+    let error = glb::read(&glb_of(&json.to_string(), &bin), &limits).map(|_| ()).expect_err("accepted");
+    assert_eq!((error.code, error.place), ("too-large", Place::Pointer("/accessors/85".to_owned())));
+}
+
+#[test]
 fn h35_offsets_and_strides_that_would_wrap() {
     for (at, value, code, pointer) in [
         ("/bufferViews/0/byteOffset", json!(i64::MAX), "BUFFER_VIEW_TOO_LONG", "/bufferViews/0/byteOffset"),

@@ -145,4 +145,12 @@ fn an_attribute_that_some_primitives_lack_is_filled_and_counted() {
     assert_eq!(warnings, ["attribute-missing"]);
     let colours = scene.parts[0].mesh.attribute(&Semantic::Color(0)).expect("colours").clone();
     assert_eq!((colours.row(0), colours.row(5)), (&[1.0, 1.0, 1.0][..], &[0.25, 0.5, 1.0][..]));
+    // One with a name of its own is kept only where all primitives have it.
+    put(&mut json, "/meshes/0/primitives/1/attributes", json!({ "POSITION": 0, "_OWN": 2 }));
+    let (scene, warnings) = loaded(&json, &bin);
+    assert_eq!((warnings, scene.parts[0].mesh.attributes().len()), (vec!["attribute-skipped"], 0));
+    put(&mut json, "/meshes/0/primitives/0/attributes", json!({ "POSITION": 0, "_OWN": 2 }));
+    let (scene, warnings) = loaded(&json, &bin);
+    assert!(warnings.is_empty());
+    assert!(scene.parts[0].mesh.attribute(&Semantic::Custom("_OWN".to_owned())).is_some());
 }

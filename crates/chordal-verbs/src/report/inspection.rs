@@ -1,9 +1,10 @@
 //! What an input is: only `inspect` says it.
 use super::{Certificate, OutputFacts, to_value};
-use crate::{Input, Shape, formats};
-use chordal::explicit::Topology;
+use crate::formats::topology;
+use crate::written::rows_of;
+use crate::{Input, Shape};
 use chordal::math::Box3;
-use chordal_io::Scene;
+use chordal_io::{Format, Scene};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -75,7 +76,7 @@ impl Inspection {
             bytes: input.n_bytes,
             bounds: (bounds != Box3::EMPTY).then_some([bounds.min, bounds.max]),
             patches,
-            parts: scene.map(|scene| PartFacts::of_all(scene, formats::topology(input.format))),
+            parts: scene.map(|scene| PartFacts::of_all(scene, input.format)),
             sizes: scene.map(Sizes::of),
             found: scene.and_then(|scene| Some(Found::of(scene.certificate.clone()?, counted))),
         }
@@ -83,12 +84,14 @@ impl Inspection {
 }
 
 impl PartFacts {
-    fn of_all(scene: &Scene, topology: Topology) -> Vec<Self> {
+    fn of_all(scene: &Scene, format: Format) -> Vec<Self> {
         let mut instances = vec![0; scene.parts.len()];
         scene.nodes.iter().filter_map(|node| node.part).for_each(|part| instances[part] += 1);
         let facts = |(part, instances): (&chordal_io::Part, u64)| Self {
             name: part.name.clone(),
-            counts: OutputFacts::of(&part.mesh, topology),
+            // A mesh whose rows cannot be merged has too many of them in any case.
+            counts: rows_of(&part.mesh, format)
+                .map_or_else(|_| OutputFacts::default(), |rows| OutputFacts::of(&rows, topology(format))),
             instances,
         };
         scene.parts.iter().zip(instances).map(facts).collect()

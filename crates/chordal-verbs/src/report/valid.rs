@@ -1,8 +1,11 @@
 //! Whether triangles are sound, as a report says it: counts by one meaning of "the same position", and by the other.
 use super::OutputFacts;
+use crate::formats::topology;
+use crate::written::rows_of;
+use chordal::Mesh;
 use chordal::check::{Finding, Place, Validity, t_junctions, validity};
 use chordal::explicit::Topology;
-use chordal_io::Scene;
+use chordal_io::{Format, Scene, WriteError};
 use serde::Serialize;
 
 /// What holds of all parts of a scene together, counted twice.
@@ -116,15 +119,15 @@ pub(crate) struct Counted {
 
 impl Counted {
     /// What is counted of a scene, without witnesses.
-    pub fn of(scene: &Scene, topology: Topology) -> Self {
-        let (main, other) = both_ways(scene, topology);
-        Self::summed(&main, &other, topology)
+    pub fn of(scene: &Scene, format: Format) -> Result<Self, WriteError> {
+        let (main, other) = both_ways(scene, format)?;
+        Ok(Self::summed(&main, &other, topology(format)))
     }
 
     /// The same in full.
-    pub fn in_full(scene: &Scene, topology: Topology) -> Self {
-        let (main, other) = both_ways(scene, topology);
-        let mut counted = Self::summed(&main, &other, topology);
+    pub fn in_full(scene: &Scene, format: Format) -> Result<Self, WriteError> {
+        let (main, other) = both_ways(scene, format)?;
+        let mut counted = Self::summed(&main, &other, topology(format));
         if scene.parts.len() > 1 {
             let part = |(i, found): (usize, &Checked)| PartValid {
                 part: i as u64,
@@ -135,7 +138,7 @@ impl Counted {
         }
         let witnesses = main.iter().enumerate().flat_map(|(i, found)| witnesses(i, found));
         counted.valid.witnesses = Some(witnesses.collect());
-        counted
+        Ok(counted)
     }
 
     fn summed(main: &[Checked], other: &[Checked], topology: Topology) -> Self {
@@ -169,16 +172,22 @@ struct Checked {
     t_junctions: Finding,
 }
 
-fn both_ways(scene: &Scene, topology: Topology) -> (Vec<Checked>, Vec<Checked>) {
-    let all = |topology| {
-        let meshes = scene.parts.iter().map(|part| &part.mesh);
-        let checked = |mesh| Checked {
-            found: validity(mesh, topology),
-            t_junctions: t_junctions(mesh, topology, None),
-        };
-        meshes.map(checked).collect()
-    };
-    (all(topology), all(opposite(topology)))
+/// What was found of every part by the format's own meaning of a position, and by the other one.
+fn both_ways(scene: &Scene, format: Format) -> Result<(Vec<Checked>, Vec<Checked>), WriteError> {
+    let (own, other) = (topology(format), opposite(topology(format)));
+    let (mut main, mut others) = (Vec::new(), Vec::new());
+    for part in &scene.parts {
+        let mesh = rows_of(&part.mesh, format)?;
+        main.push(Checked::of(&mesh, own));
+        others.push(Checked::of(&mesh, other));
+    }
+    Ok((main, others))
+}
+
+impl Checked {
+    fn of(mesh: &Mesh, topology: Topology) -> Self {
+        Self { found: validity(mesh, topology), t_junctions: t_junctions(mesh, topology, None) }
+    }
 }
 
 impl Counts {

@@ -68,8 +68,19 @@ pub fn patches_to_mesh(patches: &[Patch], budget: &Budget, job: &Job) -> Result<
             Failure::Unmet(best) => Ok(*best),
             other => Err(other),
         })?;
+        // A coarser mesh than the plan for the budget may still come out within it.
+        if best.shape.faces().len() as u64 <= most && meets(&best, budget) {
+            return Ok(best);
+        }
         Err(Failure::Unmet(Box::new(best)))
     })
+}
+
+fn meets(mesh: &Bounded<Mesh>, budget: &Budget) -> bool {
+    let Some(most) = mesh.bound.at_most() else { return false };
+    let by_length = budget.length.is_none_or(|length| most <= length.get());
+    let by_pixels = |asked: f64| mesh.bound.pixels.is_some_and(|pixels| pixels <= asked);
+    by_length && budget.pixels.is_none_or(|asked| by_pixels(asked.pixels.get()))
 }
 
 fn check_input(patches: &[Patch], budget: &Budget) -> Result<(), Failed> {
@@ -176,7 +187,7 @@ fn by_count(mesher: &Mesher<'_>, asked: &Allowance, most: u64, job: &Job) -> Res
         let count = proved.count();
         if count <= most && best.as_ref().is_none_or(|best| proved.bound() < best.bound()) {
             best = Some(proved);
-        } else if count > most && k == 0 {
+        } else if count > most && k == 0 && best.is_none() {
             let best = mesher.finish(&proved, asked);
             return Err(Failure::Unmet(Box::new(best)));
         }

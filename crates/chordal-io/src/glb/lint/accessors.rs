@@ -41,7 +41,8 @@ impl<'a> Lint<'a> {
             max = self.bounds(map, "max", (kind, component));
         }
         let sparse = self.object(map, "sparse", false);
-        let sparse = sparse.and_then(|sparse| self.within("sparse", |lint| lint.sparse(sparse)));
+        let sparse =
+            sparse.and_then(|sparse| self.within("sparse", |lint| lint.sparse(sparse))).map(Box::new);
         if normalized && matches!(component, Some(Component::F32 | Component::U32)) {
             self.at("ACCESSOR_NORMALIZED_INVALID", "normalized", "only bytes and shorts can be normalized");
         }
@@ -60,7 +61,7 @@ impl<'a> Lint<'a> {
         map: &'a Json,
         key: &'a str,
         (kind, component): (Kind, Component),
-    ) -> Option<Vec<f64>> {
+    ) -> Option<Box<[f64]>> {
         let length = kind.n_components();
         if component == Component::F32 {
             let bounds = self.reals(map, key, length, ANY)?;
@@ -90,7 +91,7 @@ impl<'a> Lint<'a> {
                 (None, _) => self.at("ARRAY_TYPE_MISMATCH", key, "an item is no integer"),
             }
         }
-        (out.len() == length).then_some(out)
+        (out.len() == length).then(|| out.into())
     }
 
     fn sparse(&mut self, map: &'a Json) -> Option<Sparse> {

@@ -5,7 +5,7 @@ use super::nodes::{is_unit, single};
 use crate::glb::format::Component;
 use crate::glb::model::{Accessor, Model, Primitive, item};
 use crate::glb::rows::Rows;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How far from one the length of a vector may be: the validator's figure, for vectors of bytes.
 const UNIT_VECTOR: f64 = 0.00674;
@@ -32,11 +32,18 @@ impl<'a> Lint<'a> {
                 continue;
             }
             let Ok(rows) = Rows::of(model, i) else { continue };
+            let mut is_seen = false;
             self.below(&["accessors".into(), i.into()], |lint| {
+                is_seen = lint.works(rows.n_bytes());
+                if !is_seen {
+                    return;
+                }
                 lint.look_at_sparse(&rows);
                 lint.look_at_numbers(accessor, &rows);
             });
-            self.look_at_demands(own, &rows);
+            if is_seen {
+                self.look_at_demands(own, &rows);
+            }
         }
     }
 
@@ -218,13 +225,12 @@ impl<'a> Lint<'a> {
     }
 
     fn look_at_joints(&mut self, (model, primitive): (&Model<'a>, &Primitive<'a>), limit: u64) {
-        let accessor =
-            |name: &str| primitive.attributes.iter().find(|(n, _)| *n == name).and_then(|(_, a)| *a);
-        let count =
-            primitive.attributes.iter().find_map(|(_, a)| item(&model.accessors, *a)).and_then(|a| a.count);
+        let named: BTreeMap<&str, Option<usize>> = primitive.attributes.iter().copied().collect();
+        let count = primitive.attributes.iter().find_map(|(_, a)| item(&model.accessors, *a));
+        let count = count.and_then(|accessor| accessor.count);
         let mut sets = Vec::new();
         for set in 0..primitive.n_joints {
-            let rows = |name: String| accessor(&name).and_then(|a| Rows::of(model, a).ok());
+            let rows = |name: String| Rows::of(model, named.get(&*name).copied().flatten()?).ok();
             let (Some(joints), Some(weights)) =
                 (rows(format!("JOINTS_{set}")), rows(format!("WEIGHTS_{set}")))
             else {
@@ -240,6 +246,10 @@ impl<'a> Lint<'a> {
             sets.push((joints, weights));
         }
         let Some(count) = count.filter(|_| !sets.is_empty()) else { return };
+        let n_bytes = sets.iter().map(|(joints, weights)| joints.n_bytes().saturating_add(weights.n_bytes()));
+        if !self.works(n_bytes.fold(0, u64::saturating_add)) {
+            return;
+        }
         for vertex in 0..count {
             self.look_at_vertex(&sets, vertex, limit);
         }

@@ -1,6 +1,7 @@
 //! Extensions that the validator knows, and where they may stand.
 use super::{Lint, Real, Step, Whole};
 use crate::glb::json::Json;
+use std::collections::BTreeSet;
 
 /// An object that may carry extensions.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -44,15 +45,19 @@ pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
 impl<'a> Lint<'a> {
     /// Notes the extensions that a document names.
     pub(super) fn declare(&mut self, used: &[&'a str], required: &[&'a str]) {
-        self.declared = used.to_vec();
+        self.declared = used.iter().copied().collect();
+        let needed: BTreeSet<&str> = required.iter().copied().collect();
         if let Some(i) = used.iter().position(|name| *name == QUANTIZATION)
-            && !required.contains(&QUANTIZATION)
+            && !needed.contains(QUANTIZATION)
         {
             self.within("extensionsUsed", |lint| {
                 lint.at("NON_REQUIRED_EXTENSION", i, "KHR_mesh_quantization cannot be optional");
             });
         }
-        for (i, name) in required.iter().enumerate().filter(|(_, name)| !used.contains(name)) {
+        for (i, name) in required.iter().enumerate() {
+            if self.declares(name) {
+                continue;
+            }
             self.within("extensionsRequired", |lint| {
                 lint.issue("UNUSED_EXTENSION_REQUIRED", Some(i.into()), || {
                     format!("extension {name} is required and not in extensionsUsed")
@@ -63,7 +68,7 @@ impl<'a> Lint<'a> {
 
     /// Whether a document names an extension.
     pub(super) fn declares(&self, name: &str) -> bool {
-        self.declared.contains(&name)
+        self.declared.contains(name)
     }
 
     /// The extensions of an object that are known and may stand there. Extras may be anything.
@@ -71,8 +76,11 @@ impl<'a> Lint<'a> {
         let mut out = Vec::new();
         let Some(all) = self.object(map, "extensions", false) else { return out };
         self.within("extensions", |lint| {
-            for (name, _) in all.entries() {
-                let value = lint.object(all, name, false);
+            for (name, value) in all.entries() {
+                let value = matches!(value, Json::Object(_)).then_some(value);
+                if value.is_none() {
+                    lint.mismatch(name, "object");
+                }
                 let known = KNOWN.iter().find(|(known, _)| **known == **name);
                 match known.filter(|_| lint.declares(name)) {
                     None if !lint.declares(name) => {
@@ -156,8 +164,7 @@ impl<'a> Lint<'a> {
     /// An index into a list of a root extension.
     pub(super) fn extension_reference(&mut self, path: [&'a str; 2], index: Option<usize>, below: Step<'a>) {
         let [name, list] = path;
-        let extension =
-            self.root.get("extensions").and_then(|all| all.get(name)).filter(|_| self.declares(name));
+        let extension = self.root_extensions.and_then(|all| all.get(name)).filter(|_| self.declares(name));
         let Some(extension) = extension else {
             self.issue("UNSATISFIED_DEPENDENCY", None, || format!("/extensions/{name} is missing"));
             return;

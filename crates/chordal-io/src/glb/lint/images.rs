@@ -69,6 +69,9 @@ impl<'a> Lint<'a> {
             let Some(image) = &model.images[i] else { continue };
             let bytes = image.data.as_deref().or_else(|| view_bytes(model, image.view));
             let (Some(bytes), false) = (bytes, image.extended) else { continue };
+            if !self.works(bytes.len() as u64) {
+                continue;
+            }
             let (found, said, in_view) = (look(bytes), image.mime, image.data.is_none());
             self.below(&["images".into(), i.into()], |lint| match &found {
                 Ok(mime) => {

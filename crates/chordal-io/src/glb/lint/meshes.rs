@@ -7,7 +7,7 @@ use crate::glb::json::Json;
 use crate::glb::model::{Accessor, Attributes, Mesh, Model, Primitive, item};
 use Component::{F32, I8, I16, U8, U16, U32};
 use Kind::{Scalar, Vec2, Vec3, Vec4};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 const FLOAT3: Format = Format::plain(Vec3, F32);
 
@@ -217,17 +217,18 @@ impl<'a> Lint<'a> {
         for (index, place) in &primitive.variants {
             self.link_material((model, primitive), *index, place);
         }
+        let bases: BTreeMap<&str, Option<usize>> = primitive.attributes.iter().copied().collect();
         for (t, target) in primitive.targets.iter().flatten().enumerate() {
             for (name, index) in target {
                 let Some(index) = *index else { continue };
-                let base = primitive.attributes.iter().find(|(base, _)| base == name);
+                let base = bases.get(name);
                 self.below(&["targets".into(), t.into()], |lint| {
                     let Some(accessor) =
                         lint.link_attribute(model, (name, index), (&mut *uses, Allowed::Target))
                     else {
                         return;
                     };
-                    match base.and_then(|(_, base)| item(&model.accessors, *base)) {
+                    match base.and_then(|base| item(&model.accessors, *base)) {
                         None => {
                             let code = "MESH_PRIMITIVE_MORPH_TARGET_NO_BASE_ACCESSOR";
                             lint.at(code, *name, "the primitive has no such attribute");

@@ -4,6 +4,7 @@
 //! [`Model`](super::model::Model), with `None` where a field errs, then links and data are looked at.
 use super::json::Json;
 use crate::{Place, Warning};
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 mod accessors;
@@ -46,9 +47,13 @@ pub(super) struct Lint<'a> {
     path: Vec<Step<'a>>,
     /// Each code once, in the order of their first place.
     pub issues: Vec<Warning>,
-    declared: Vec<&'a str>,
-    /// The whole document, for references.
-    root: &'a Json,
+    declared: BTreeSet<&'a str>,
+    /// The lists of the document, for references.
+    lists: BTreeMap<&'a str, &'a [Json]>,
+    /// The extensions of the document itself.
+    root_extensions: Option<&'a Json>,
+    /// Bytes of data that may still be looked at: many objects may name the same ones.
+    work: u64,
 }
 
 /// A whole number.
@@ -112,9 +117,27 @@ impl<T> Field<T> {
 }
 
 impl<'a> Lint<'a> {
-    /// For a document.
-    pub fn new(root: &'a Json) -> Self {
-        Self { path: Vec::new(), issues: Vec::new(), declared: Vec::new(), root }
+    /// For a document, of whose data so many bytes may be looked at.
+    pub fn new(root: &'a Json, work: u64) -> Self {
+        let lists = root.entries().iter().filter_map(|(key, value)| Some((&**key, value.items()?))).collect();
+        Self {
+            path: Vec::new(),
+            issues: Vec::new(),
+            declared: BTreeSet::new(),
+            lists,
+            root_extensions: root.get("extensions"),
+            work,
+        }
+    }
+
+    /// Counts bytes that are about to be looked at; false when there are more than may be.
+    fn works(&mut self, bytes: u64) -> bool {
+        let left = self.work.checked_sub(bytes);
+        self.work = left.unwrap_or(0);
+        if left.is_none() {
+            self.here("too-large", "objects name the same bytes so often that they were not all looked at");
+        }
+        left.is_some()
     }
 
     /// Notes an issue at the place that is looked at, or below it.
@@ -169,8 +192,7 @@ impl<'a> Lint<'a> {
 
     /// Whether a list of the document has an object there.
     fn exists(&self, list: &str, index: usize) -> bool {
-        let item = self.root.get(list).and_then(Json::items).and_then(|items| items.get(index));
-        matches!(item, Some(Json::Object(_)))
+        matches!(self.lists.get(list).and_then(|items| items.get(index)), Some(Json::Object(_)))
     }
 
     /// A reference into a list; `None` when it is absent or no index.

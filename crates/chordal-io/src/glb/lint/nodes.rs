@@ -10,7 +10,7 @@ const UNIT_QUATERNION: f64 = 0.00769;
 
 impl<'a> Lint<'a> {
     pub(super) fn node(&mut self, map: &'a Json) -> Node<'a> {
-        let matrix = self.any_reals::<16>(map, "matrix");
+        let matrix = self.any_reals::<16>(map, "matrix").map(Box::new);
         let translation = self.any_reals::<3>(map, "translation");
         let rotation: Option<[f64; 4]> =
             self.reals(map, "rotation", 4, (-1.0, 1.0)).and_then(|rotation| rotation.try_into().ok());

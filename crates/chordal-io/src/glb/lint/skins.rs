@@ -13,6 +13,8 @@ struct Forest {
     root: Vec<usize>,
     /// The numbers of a node's first and last descendant, itself included.
     span: Vec<(usize, usize)>,
+    /// For each k the ancestor 2ᵏ levels up, or the root: long ways up are short, however deep the tree.
+    up: Vec<Vec<usize>>,
 }
 
 impl Forest {
@@ -26,7 +28,7 @@ impl Forest {
                 parent[child] = Some(i);
             }
         }
-        let mut forest = Self { root: (0..n).collect(), span: vec![(0, 0); n], parent };
+        let mut forest = Self { root: (0..n).collect(), span: vec![(0, 0); n], parent, up: Vec::new() };
         let mut number = 0;
         // A node is entered at its first visit and left at its second.
         let mut open: Vec<(usize, bool)> =
@@ -47,7 +49,15 @@ impl Forest {
                 }
             }
         }
-        (number == n).then_some(forest)
+        if number < n {
+            return None;
+        }
+        let mut step: Vec<usize> = (0..n).map(|i| forest.parent[i].unwrap_or(i)).collect();
+        while n >> forest.up.len() > 0 {
+            let twice = step.iter().map(|above| step[*above]).collect();
+            forest.up.push(std::mem::replace(&mut step, twice));
+        }
+        Some(forest)
     }
 
     fn is_ancestor(&self, above: usize, below: usize) -> bool {
@@ -60,11 +70,17 @@ impl Forest {
         if self.root[a] != self.root[b] {
             return None;
         }
-        let mut above = a;
-        while !self.is_ancestor(above, b) {
-            above = self.parent[above]?;
+        if self.is_ancestor(a, b) {
+            return Some(a);
         }
-        Some(above)
+        // The highest ancestor that is not common has the common one as its parent.
+        let mut below = a;
+        for step in self.up.iter().rev() {
+            if !self.is_ancestor(step[below], b) {
+                below = step[below];
+            }
+        }
+        self.parent[below]
     }
 }
 
@@ -169,6 +185,39 @@ impl<'a> Lint<'a> {
             if !*known.entry((own, joints)).or_insert_with(|| shown[own].is_subset(&shown[joints])) {
                 let what = "a scene shows the node and not its joints";
                 self.within("nodes", |lint| lint.at("NODE_SKIN_NO_SCENE", i, what));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::glb::model::Node;
+
+    #[test]
+    fn common_ancestors_are_those_that_walking_up_finds() {
+        // Two trees: parents by a rule that makes long and bushy branches.
+        let n = 300;
+        let parent = |i: usize| match i {
+            0 | 150 => None,
+            _ if i.is_multiple_of(3) => Some(if i > 150 { 150 + (i - 150) / 2 } else { i / 2 }),
+            _ => Some(i - 1),
+        };
+        let mut nodes: Vec<Node<'_>> = (0..n).map(|_| Node::default()).collect();
+        for i in 0..n {
+            if let Some(above) = parent(i) {
+                nodes[above].children.push(Some(i));
+            }
+        }
+        let model = Model { nodes: nodes.into_iter().map(Some).collect(), ..Model::default() };
+        let forest = Forest::of(&model).expect("no loops");
+        let chain = |i: usize| std::iter::successors(Some(i), |i| parent(*i)).collect::<Vec<_>>();
+        for a in 0..n {
+            let above = chain(a);
+            for b in (0..n).step_by(7) {
+                let expected = chain(b).into_iter().find(|i| above.contains(i));
+                assert_eq!(forest.common(a, b), expected, "{a} and {b}");
             }
         }
     }

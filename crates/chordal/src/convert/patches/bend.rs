@@ -28,16 +28,29 @@
 //! Sources: D. Filip, R. Magedson, R. Markot, *Surface algorithms using bounds on derivatives*, 1986 (the bound by
 //! second derivatives); T. Popoviciu, 1935 (the variance of a bounded variable). The sliding is Chordal's own.
 //!
-//! **Rounding.** All quantities are polynomials in control points of size `P` (the largest coordinate) with
-//! parameters in [0, 1]. Control points of a part are convex combinations, nine deep: 16 ulp of `P`. Second
-//! derivatives multiply them by sums of weights up to 36, so `H_c` is off by at most 36·(16 + 16) ulp of `P`, `W` by half
-//! that and the vertices (Bernstein form, eight operations deep; a parameter off by one ulp moves a point by at
-//! most 6·√3·P ulp) by 32 ulp. Together less than 1024·ulp·√3·P per coordinate vector; [`ROUNDING`] doubles it.
+//! **Rounding.** Let `P` be the largest coordinate of the patch, `u = 2⁻⁵³`; errors in units of `u·P`, the worst case
+//! being a tile of one cell. A control point of a part is six interpolations deep, 12. A second derivative's control
+//! vectors have coordinates up to 24 (`uu`, `vv`) and 36 (`uv`) and are off by 360 and 540, its values by 624 and 972.
+//! Hence half of it along a side of the cell is off by 360 and along a diagonal by 1956, a coordinate; as lengths across the
+//! chord, by 716 and 3772. `worst_mix` makes at most a quarter of that, 943, and rounds by 144. Third derivatives have
+//! lengths up to 48·√3 (`uuu`) and 144·√3 (`uuv`) and are off by 1538 and 4864, the remainder by 2016, and it rounds by
+//! 623. A vertex (Bernstein form of a part, and a parameter off by `u`, at up to `6·√3·P` a unit) is off by 70, the sum
+//! by 131. Together 3927, less than [`ROUNDING`] = 4096·u. A curve's vertex is off by as much of the *curve's* size, so
+//! it is good for all patches that share it. Below the normal numbers a length, the root of a sum of squares, loses
+//! at most `√(3·2⁻¹⁰⁷⁵) < 2⁻⁵³⁶`, a few of which are less than [`UNDERFLOW`].
 use crate::explicit::Patch;
 use glam::DVec3;
 
-/// Rounding of a certified bound, in units of `f64::EPSILON` (2 ulp at 1) times the largest coordinate; derived above.
-pub(crate) const ROUNDING: f64 = 2048.0 * f64::EPSILON;
+/// Rounding of a certified bound, as a share of the largest coordinate; derived above.
+const ROUNDING: f64 = 2048.0 * f64::EPSILON;
+
+/// What underflow adds to it, a length: the root of the smallest normal number, 2⁻⁵¹¹; derived above.
+const UNDERFLOW: f64 = f64::from_bits(512 << 52);
+
+/// The length that rounding may add to the distance of a patch from its triangles.
+pub(crate) fn rounding(patch: &Patch) -> f64 {
+    ROUNDING * patch.size() + UNDERFLOW
+}
 
 /// The second derivatives at one place: `uu`, `uv`, `vv`.
 #[derive(Clone, Copy)]
@@ -73,7 +86,8 @@ pub(crate) fn across(bend: DVec3, chord: DVec3) -> f64 {
 /// Inside, the critical point has the value `abc/(2(ab+bc+ca) − (a²+b²+c²))` and lies in the triangle exactly when
 /// `a, b, c` obey the triangle inequality; otherwise the maximum is a quarter of the largest, in the middle of its
 /// side. With `a ≥ b ≥ c` the denominator is `(c−(a−b))·(c+(a−b)) + 2c(a+b−c)`, a sum of positive terms, each
-/// computed to a few ulp (`a − b` is exact, because `b ≥ a/2` here), so nothing cancels.
+/// computed to a few ulp (`a − b` is exact, because `b ≥ a/2` here), so nothing cancels. No value is above `a/3`, which
+/// is what counts where the denominator underflows.
 #[inline]
 pub(crate) fn worst_mix(a: f64, b: f64, c: f64) -> f64 {
     let (a, b) = if a < b { (b, a) } else { (a, b) };
@@ -83,7 +97,8 @@ pub(crate) fn worst_mix(a: f64, b: f64, c: f64) -> f64 {
     if lead >= c {
         return 0.25 * a;
     }
-    a * (b * (c / ((c - lead) * (c + lead) + 2.0 * c * (a + b - c))))
+    let inside = a * (b * (c / ((c - lead) * (c + lead) + 2.0 * c * (a + b - c))));
+    if inside < a / 3.0 { inside } else { a / 3.0 }
 }
 
 /// The second derivatives of one tile's part as polynomials over its unit square, with bounds on the third.

@@ -1,10 +1,10 @@
 //! `Mesher`: plans tiles for an allowance, proves them, and asks for more cells until all hold.
 use super::assemble;
-use super::bend::ROUNDING;
+use super::bend::rounding;
 use super::plan::{self, Allowance, Obstacle, Tile};
 use super::probe::Probe;
-use super::quilt::{Quilt, Seam};
-use super::seams::{Line, Seams};
+use super::quilt::{Corner, Quilt, Seam};
+use super::seams::{Line, Piece, Seams};
 use super::tile::{self, Done};
 use crate::budget::{Bound, Bounded, Code, Failure, Job, Progress, Reference, par_map};
 use crate::check;
@@ -62,7 +62,7 @@ impl<'a> Mesher<'a> {
     /// About how many triangles an allowance needs; cheap where that is fewer than `enough`.
     pub(crate) fn estimate(&self, allowance: &Allowance, enough: f64) -> Result<f64, Failed> {
         let rough = par_map(self.job, self.patches, |_, patch| {
-            let tolerance = allowance.at(&patch.hull()).ok_or(Obstacle::TooClose(patch.hull()))?;
+            let tolerance = plan::tolerance(patch, (allowance, rounding(patch)))?;
             Ok(2.0 * Probe::new(patch).need(tolerance).cells)
         });
         let rough = total(rough)?;
@@ -84,6 +84,13 @@ impl<'a> Mesher<'a> {
         for list in cut {
             tiles.extend(list.map_err(refuse)?);
         }
+        for tile in &mut tiles {
+            let ends = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| (tile.u[i], tile.v[j]));
+            let known = self.quilt.meetings[tile.patch as usize];
+            let places = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+            tile.corners =
+                std::array::from_fn(|k| if ends[k] == places[k] { known[k] } else { Corner::Plain });
+        }
         let mut seams = Seams::new(&self.quilt, &tiles);
         seams.set_rates(&tiles, self.patches, &self.quilt);
         Ok(Planned { tiles, seams, least: vec![1; self.patches.len()] })
@@ -95,6 +102,7 @@ impl<'a> Mesher<'a> {
     pub(crate) fn prove(&self, mut planned: Planned) -> Result<Proved, Failed> {
         let mut done: Vec<Option<Done>> = vec![None; planned.tiles.len()];
         for round in 0..MOST_ROUNDS {
+            self.check_cells(&planned.tiles)?;
             self.build_open(&planned, &mut done)?;
             let missed = self.ask_for_more(&mut planned.tiles, &mut done, round);
             if planned.tiles.iter().any(|tile| tile.strain > MOST_STRAIN) {
@@ -126,6 +134,19 @@ impl<'a> Mesher<'a> {
         ))
     }
 
+    /// That no guess of a rate, however wrong, lets the work run away.
+    fn check_cells(&self, tiles: &[Tile]) -> Result<(), Failed> {
+        let triangles: f64 = tiles.iter().map(|tile| 2.0 * f64::from(tile.n) * f64::from(tile.m)).sum();
+        let limit = self.job.triangle_limit as f64;
+        // Twice, since strips between tiles of unlike rates have more or fewer triangles than the cells there.
+        if triangles > 2.0 * limit {
+            let message =
+                format!("the budget needs about {triangles:.1e} triangles; the limit is {limit:.1e}");
+            return Err(Failure::refused(Code::TooManyTriangles, message));
+        }
+        Ok(())
+    }
+
     fn build_open(&self, planned: &Planned, done: &mut [Option<Done>]) -> Result<(), Failed> {
         let Planned { tiles, seams, .. } = planned;
         let open: Vec<usize> = (0..tiles.len()).filter(|i| done[*i].is_none()).collect();
@@ -149,13 +170,14 @@ impl<'a> Mesher<'a> {
         let mut missed = false;
         for (tile, slot) in tiles.iter_mut().zip(done) {
             let patch = self.patch_of(tile);
-            let allowed = tile.tolerance + ROUNDING * patch.size();
+            let rounding = rounding(patch);
+            let allowed = tile.tolerance + rounding;
             let Some(bound) = slot.as_ref().map(|done| done.bound).filter(|bound| *bound > allowed) else {
                 continue;
             };
             missed = true;
             *slot = None;
-            tile.strain *= bound / tile.tolerance * if round < 3 { 1.01 } else { 1.1 };
+            tile.strain *= (bound - rounding) / tile.tolerance * if round < 3 { 1.01 } else { 1.1 };
             let probe = Probe::new(&patch.part(tile.u, tile.v));
             let wanted = tile.tolerance / tile.strain;
             let rates = probe.rates(&probe.need(wanted), wanted);
@@ -168,30 +190,15 @@ impl<'a> Mesher<'a> {
         missed
     }
 
-    /// More cells for patches with a triangle that has a vertex twice or an edge that is not only its own. Whether
-    /// there was any. Patches with three or more cells each way cannot have such, so few are looked at.
+    /// More cells for patches with a triangle that has a vertex twice, a segment that no triangle has, or an edge that
+    /// is not only its own. Whether there was any. Three cells each way with their corners whole are always enough, so
+    /// few are looked at.
     fn part_edges(&self, planned: &mut Planned, done: &mut [Option<Done>]) -> bool {
-        let Planned { tiles, seams, least } = planned;
-        let mut coarse: Vec<(u32, u32, u32)> = Vec::new();
-        let mut again: Vec<u32> = Vec::new();
-        for (index, (tile, done)) in tiles.iter().zip(done.iter()).enumerate() {
-            let Some(done) = done.as_ref().filter(|_| tile.n < 3 || tile.m < 3) else { continue };
-            if done.collides {
-                again.push(tile.patch);
-            }
-            let border: Vec<u32> = tile::border(index, tile, seams).iter().map(|b| b.id).collect();
-            // Inner vertices belong to this tile alone, and so do their edges.
-            for t in &done.triangles {
-                for k in 0..3 {
-                    let id = |local: u32| border.get(local as usize).copied();
-                    if let (Some(a), Some(b)) = (id(t[k]), id(t[(k + 1) % 3])) {
-                        coarse.push((a.min(b), a.max(b), tile.patch));
-                    }
-                }
-            }
-        }
-        coarse.sort_unstable();
-        let shared = self.shared_segments(seams);
+        let tiles = planned.tiles.iter().zip(done.iter());
+        let too_few = tiles.filter(|(_, done)| done.as_ref().is_some_and(|done| done.too_few));
+        let mut again: Vec<u32> = too_few.map(|(tile, _)| tile.patch).collect();
+        let coarse = coarse_edges(planned, done);
+        let shared = if coarse.is_empty() { Vec::new() } else { self.shared_segments(&planned.seams) };
         for run in coarse.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
             let key = (run[0].0, run[0].1);
             let curves = &shared[shared.partition_point(|s| (s.0, s.1) < key)..];
@@ -206,9 +213,9 @@ impl<'a> Mesher<'a> {
         }
         again.sort_unstable();
         again.dedup();
-        again.iter().for_each(|patch| least[*patch as usize] += 1);
-        for (tile, done) in tiles.iter_mut().zip(done) {
-            let least = least[tile.patch as usize];
+        again.iter().for_each(|patch| planned.least[*patch as usize] += 1);
+        for (tile, done) in planned.tiles.iter_mut().zip(done) {
+            let least = planned.least[tile.patch as usize];
             if tile.n < least || tile.m < least {
                 (tile.n, tile.m) = (tile.n.max(least), tile.m.max(least));
                 *done = None;
@@ -223,10 +230,7 @@ impl<'a> Mesher<'a> {
         for piece in &seams.pieces {
             let Line::Edge(edge) = piece.line else { continue };
             let uses = self.quilt.edges[edge as usize].uses.len();
-            for k in 0..piece.n {
-                let (a, b) = (piece.vertex(k), piece.vertex(k + 1));
-                list.push((a.min(b), a.max(b), uses));
-            }
+            list.extend(segments(piece).map(|(a, b)| (a, b, uses)));
         }
         list.sort_unstable();
         list
@@ -257,12 +261,12 @@ impl<'a> Mesher<'a> {
         let mut order: Vec<usize> = (0..tiles.len()).collect();
         order.sort_by(|a, b| tiles[*b].1.bound.total_cmp(&tiles[*a].1.bound).then(a.cmp(b)));
         let mut samples = Vec::new();
-        let mut rounding = 0.0;
+        let mut off = 0.0;
         for &i in order.iter().take(SAMPLED_TILES) {
             let (tile, done) = &tiles[i];
             let patch = self.patch_of(tile);
-            let slack = ROUNDING * patch.size();
-            rounding = if slack > rounding { slack } else { rounding };
+            let slack = rounding(patch);
+            off = if slack > off { slack } else { off };
             let [a, b, c] = done.worst;
             // The bound is reached in the middle of a triangle or of the side that is longest in parameters.
             let length_sq =
@@ -277,7 +281,7 @@ impl<'a> Mesher<'a> {
         }
         match check::surface_at_least(&samples, mesh) {
             Some((least, at)) => {
-                let least = sub_down(least, rounding);
+                let least = sub_down(least, off);
                 (if least > 0.0 { least } else { 0.0 }, Some(samples[at]))
             }
             None => (0.0, samples.first().copied()),
@@ -311,6 +315,58 @@ impl Proved {
     pub(crate) fn bound(&self) -> f64 {
         self.tiles.iter().fold(0.0, |most, (_, done)| if done.bound > most { done.bound } else { most })
     }
+}
+
+/// Whether a tile has so few cells that its edges may fall together.
+fn is_coarse(tile: &Tile) -> bool {
+    tile.n < 3 || tile.m < 3
+}
+
+/// The edges in coarse tiles that may fall together with others, sorted, with their patch, and those of other tiles that
+/// have the same two vertices.
+fn coarse_edges(planned: &Planned, done: &[Option<Done>]) -> Vec<(u32, u32, u32)> {
+    let mut edges: Vec<(u32, u32, u32)> = Vec::new();
+    let mut first_inner = planned.seams.positions.len() as u32;
+    for (index, (tile, done)) in planned.tiles.iter().zip(done).enumerate() {
+        let Some(done) = done.as_ref().filter(|_| is_coarse(tile)) else { continue };
+        let border: Vec<u32> =
+            tile::border(index, tile, &planned.seams).iter().map(|vertex| vertex.id).collect();
+        // Inner vertices belong to this tile alone: their edges fall together only where its border meets itself.
+        let inner = if has_twice(border.clone()) { done.inner.len() } else { 0 };
+        let ids: Vec<u32> = border.into_iter().chain((first_inner..).take(inner)).collect();
+        first_inner += inner as u32;
+        for t in &done.triangles {
+            for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+                if let (Some(a), Some(b)) = (ids.get(a as usize), ids.get(b as usize)) {
+                    edges.push((*a.min(b), *a.max(b), tile.patch));
+                }
+            }
+        }
+    }
+    edges.sort_unstable();
+    // Other tiles have edges with both ends on their border only on it.
+    let known = edges.len();
+    for (index, tile) in planned.tiles.iter().enumerate().filter(|(_, tile)| known > 0 && !is_coarse(tile)) {
+        let pieces = Side::ALL.iter().flat_map(|side| planned.seams.chain(index, *side));
+        for (a, b) in pieces.flat_map(|(piece, _)| segments(piece)) {
+            if edges[..known].binary_search_by_key(&(a, b), |edge| (edge.0, edge.1)).is_ok() {
+                edges.push((a, b, tile.patch));
+            }
+        }
+    }
+    edges.sort_unstable();
+    edges
+}
+
+fn has_twice(mut ids: Vec<u32>) -> bool {
+    ids.sort_unstable();
+    ids.windows(2).any(|pair| pair[0] == pair[1])
+}
+
+/// The pairs of neighbouring vertices on a piece, the smaller first; none on one that is a point.
+fn segments(piece: &Piece) -> impl Iterator<Item = (u32, u32)> {
+    let pair = |k: u32| (piece.vertex(k), piece.vertex(k + 1));
+    (0..piece.n).map(pair).filter(|(a, b)| a != b).map(|(a, b)| (a.min(b), a.max(b)))
 }
 
 fn total(parts: Vec<Result<f64, Obstacle>>) -> Result<f64, Failed> {

@@ -3,11 +3,12 @@
 //! A tile is a rectangle of one patch's parameter plane with `n × m` equal cells. The number of cells that a
 //! rectangle needs is about `bound/tolerance`, so a rectangle is halved where its halves together need fewer. None
 //! of this has to be right: [`super::tile`] proves each tile afterwards and asks for more cells where they lack.
-use super::bend::ROUNDING;
+use super::bend::rounding;
 use super::probe::{Need, Probe, Rates};
+use super::quilt::Corner;
 use crate::budget::{Lens, Pixels};
 use crate::explicit::Patch;
-use crate::math::Box3;
+use crate::math::{Box3, sub_down};
 
 /// What a place of the shape may lose.
 #[derive(Clone, Copy, Debug)]
@@ -49,6 +50,8 @@ pub(crate) struct Tile {
     pub(crate) m: u32,
     /// Whether cells are cut from their first corner to the opposite one (or between the other two).
     pub(crate) rising: bool,
+    /// How its corners are, in the order of the sides that start there.
+    pub(crate) corners: [Corner; 4],
     /// The length that this place may lose, rounding taken off.
     pub(crate) tolerance: f64,
     /// By how much its proof came out worse than its probe, 1 at first.
@@ -62,15 +65,23 @@ const MOST_CELLS: f64 = 4096.0;
 /// Halving has to save this share of the cells, since tiles of unlike rates cost triangles where they meet.
 const WORTH_HALVING: f64 = 0.93;
 
+/// What a part may lose, rounding taken off.
+pub(crate) fn tolerance(part: &Patch, (allowance, rounding): (&Allowance, f64)) -> Result<f64, Obstacle> {
+    let place = part.hull();
+    // From below, so that tolerance and rounding together never exceed what is allowed.
+    let tolerance = sub_down(allowance.at(&place).ok_or(Obstacle::TooClose(place))?, rounding);
+    // Where the allowance for rounding is most of the budget, noise would decide how many cells are enough.
+    if tolerance < rounding { Err(Obstacle::BelowRounding(place, rounding)) } else { Ok(tolerance) }
+}
+
 /// The tiles of one patch, in the order of a depth-first walk.
 pub(crate) fn cut(patch_idx: u32, patch: &Patch, allowance: &Allowance) -> Result<Vec<Tile>, Obstacle> {
     let mut tiles = Vec::new();
-    let context = (allowance, ROUNDING * patch.size());
+    let context = (allowance, rounding(patch));
     let mut open = vec![Open::new(*patch, [0.0, 1.0], [0.0, 1.0], context)?];
     while let Some(rectangle) = open.pop() {
-        let [wide, tall] = rectangle.need.after_halving;
         if rectangle.is_worth_halving() || rectangle.need.cells > MOST_CELLS {
-            let halves = rectangle.halved(wide <= tall, context)?;
+            let halves = rectangle.halved(rectangle.better_half(), context)?;
             // Guesses on noise need not fall; then halving would never end.
             if halves[0].need.cells + halves[1].need.cells < 1.2 * rectangle.need.cells {
                 open.extend(halves);
@@ -84,14 +95,13 @@ pub(crate) fn cut(patch_idx: u32, patch: &Patch, allowance: &Allowance) -> Resul
 
 /// About how many triangles a patch needs, without laying them: rectangles are halved only while that pays.
 pub(crate) fn estimate(patch: &Patch, allowance: &Allowance) -> Result<f64, Obstacle> {
-    let context = (allowance, ROUNDING * patch.size());
+    let context = (allowance, rounding(patch));
     let mut open = vec![Open::new(*patch, [0.0, 1.0], [0.0, 1.0], context)?];
     let (mut cells, mut looked_at) = (0.0, 0);
     while let Some(rectangle) = open.pop() {
         looked_at += 1;
         if looked_at < MOST_LOOKS && rectangle.is_worth_halving() {
-            let [wide, tall] = rectangle.need.after_halving;
-            open.extend(rectangle.halved(wide <= tall, context)?);
+            open.extend(rectangle.halved(rectangle.better_half(), context)?);
         } else {
             cells += rectangle.need.cells;
         }
@@ -101,6 +111,13 @@ pub(crate) fn estimate(patch: &Patch, allowance: &Allowance) -> Result<f64, Obst
 
 /// Rectangles of one patch that an estimate looks at before it takes the sum as it stands.
 const MOST_LOOKS: usize = 256;
+
+/// In which direction a rectangle is halved.
+#[derive(Clone, Copy, PartialEq)]
+enum Half {
+    OfU,
+    OfV,
+}
 
 /// A rectangle that may still be halved.
 struct Open {
@@ -113,18 +130,8 @@ struct Open {
 }
 
 impl Open {
-    fn new(
-        part: Patch,
-        u: [f64; 2],
-        v: [f64; 2],
-        (allowance, rounding): (&Allowance, f64),
-    ) -> Result<Self, Obstacle> {
-        let place = part.hull();
-        let tolerance = allowance.at(&place).ok_or(Obstacle::TooClose(place))? - rounding;
-        // Where the allowance for rounding is most of the budget, noise would decide how many cells are enough.
-        if tolerance < rounding {
-            return Err(Obstacle::BelowRounding(place, rounding));
-        }
+    fn new(part: Patch, u: [f64; 2], v: [f64; 2], context: (&Allowance, f64)) -> Result<Self, Obstacle> {
+        let tolerance = tolerance(&part, context)?;
         let probe = Probe::new(&part);
         let need = probe.need(tolerance);
         Ok(Self { part, u, v, tolerance, probe, need })
@@ -135,11 +142,19 @@ impl Open {
         self.need.cells > FEWEST_CELLS_TO_HALVE && (wide < WORTH_HALVING || tall < WORTH_HALVING)
     }
 
+    /// Halves of which shape need the fewest cells. Where neither saves, those along the longer row of cells: a
+    /// direction with one cell has one in each half as well, and so twice as many in both.
+    fn better_half(&self) -> Half {
+        let [wide, tall] = self.need.after_halving;
+        let [n, m] = self.need.each_way();
+        if if self.is_worth_halving() { wide <= tall } else { n >= m } { Half::OfU } else { Half::OfV }
+    }
+
     /// The second half, then the first, which is looked at next.
-    fn halved(&self, along_u: bool, context: (&Allowance, f64)) -> Result<[Self; 2], Obstacle> {
+    fn halved(&self, half: Half, context: (&Allowance, f64)) -> Result<[Self; 2], Obstacle> {
         let middle = |[a, b]: [f64; 2]| 0.5 * (a + b);
         let (u, v) = (self.u, self.v);
-        if along_u {
+        if half == Half::OfU {
             let [left, right] = self.part.halves_u();
             let cut = middle(u);
             Ok([Self::new(right, [cut, u[1]], v, context)?, Self::new(left, [u[0], cut], v, context)?])
@@ -152,6 +167,7 @@ impl Open {
 
     fn tile(&self, patch: u32) -> Tile {
         let Rates { n, m, rising } = self.probe.rates(&self.need, self.tolerance);
-        Tile { patch, u: self.u, v: self.v, n, m, rising, tolerance: self.tolerance, strain: 1.0 }
+        let (u, v, corners) = (self.u, self.v, [Corner::Plain; 4]);
+        Tile { patch, u, v, n, m, rising, corners, tolerance: self.tolerance, strain: 1.0 }
     }
 }

@@ -23,6 +23,9 @@ const MOST_RATE: f64 = 16_777_216.0;
 
 /// The second derivatives seen along the normal, and what that leaves out, at nine places.
 pub(crate) struct Probe {
+    /// All lengths here are this many times those of the patch: about 1, so that neither huge nor tiny patches leave
+    /// the range of f64 where four lengths are multiplied.
+    scale: f64,
     uu: [f64; PLACES],
     uv: [f64; PLACES],
     vv: [f64; PLACES],
@@ -45,6 +48,14 @@ pub(crate) struct Need {
     pub(crate) after_halving: [f64; 2],
 }
 
+impl Need {
+    /// Cells along u and along v.
+    pub(crate) fn each_way(&self) -> [f64; 2] {
+        let side = self.cells.sqrt();
+        [side / self.ratio, side * self.ratio]
+    }
+}
+
 /// Cells each way, and the diagonal.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rates {
@@ -56,8 +67,10 @@ pub(crate) struct Rates {
 impl Probe {
     /// From the control points of the rectangle's part.
     pub(crate) fn new(part: &Patch) -> Self {
-        let places = derivatives(part);
+        let scale = power_of_two_over(part.size());
+        let places = derivatives(part, scale);
         let mut probe = Self {
+            scale,
             uu: [0.0; PLACES],
             uv: [0.0; PLACES],
             vv: [0.0; PLACES],
@@ -82,7 +95,7 @@ impl Probe {
         probe
     }
 
-    /// The bound along the normal at one place, for a cell with the squares and product `[du², ±du·dv, dv²]`.
+    /// The bound along the normal at one place, scaled, for a cell with the squares and product `[du², ±du·dv, dv²]`.
     #[inline(always)]
     fn normal_part(&self, k: usize, [uu, uv, vv]: [f64; 3]) -> f64 {
         let (a, b) = (self.uu[k] * uu, self.vv[k] * vv);
@@ -102,7 +115,7 @@ impl Probe {
         (du * du * uu + 2.0 * du * dv * uv + dv * dv * vv) * 0.0625
     }
 
-    /// The bound of cells of `du × dv` everywhere in the rectangle.
+    /// The bound, scaled, of cells of `du × dv` everywhere in the rectangle.
     fn bound(&self, du: f64, dv: f64, rising: bool) -> f64 {
         let sign = if rising { 1.0 } else { -1.0 };
         let rest = &self.rest[usize::from(!rising)];
@@ -117,6 +130,7 @@ impl Probe {
     /// The number of cells that meet `tolerance`: at a fixed shape the bound falls with the number of cells, so
     /// `cells = bound/tolerance` for the best shape.
     pub(crate) fn need(&self, tolerance: f64) -> Need {
+        let tolerance = tolerance * self.scale;
         let mut best = [f64::INFINITY; 5];
         let mut shape = (self.balanced, true);
         for option in 0..SHAPES {
@@ -166,6 +180,7 @@ impl Probe {
 
     /// The fewest whole cells near what the need says.
     pub(crate) fn rates(&self, need: &Need, tolerance: f64) -> Rates {
+        let tolerance = tolerance * self.scale;
         let clamp = |x: f64| {
             if x > MOST_RATE {
                 MOST_RATE
@@ -217,11 +232,17 @@ fn largest(list: &[f64], range: std::ops::Range<usize>) -> f64 {
     list[range].iter().fold(0.0, |most, x| if *x > most { *x } else { most })
 }
 
+/// The power of two that takes `size` to between 1 and 2, as far as it is a normal number.
+fn power_of_two_over(size: f64) -> f64 {
+    let exponent = (size.to_bits() >> 52) as i64 - 1023;
+    f64::from_bits(((1023 - exponent.clamp(-1000, 1000)) as u64) << 52)
+}
+
 type Place = (DVec3, DVec3, Hessian);
 
 /// First and second derivatives at the lattice: `v` and then `u` in {0, ½, 1}.
-fn derivatives(part: &Patch) -> [Place; PLACES] {
-    let q: [[DVec3; 4]; 4] = part.control.map(|row| row.map(DVec3::from));
+fn derivatives(part: &Patch, scale: f64) -> [Place; PLACES] {
+    let q: [[DVec3; 4]; 4] = part.control.map(|row| row.map(|p| DVec3::from(p) * scale));
     let column = |j: usize| [q[0][j], q[1][j], q[2][j], q[3][j]];
     let lines: [[[DVec3; 3]; 3]; 4] = std::array::from_fn(|j| line(column(j)));
     let mut places =

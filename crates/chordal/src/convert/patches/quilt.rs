@@ -35,6 +35,17 @@ pub(crate) enum Seam {
     Edge { edge: u32, reversed: bool },
 }
 
+/// How the two curves meet that meet at the corner of a patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Corner {
+    /// Nowhere else.
+    Plain,
+    /// At the corner of another patch as well: the chord across the corner would be one edge for both patches.
+    Whole,
+    /// They are one curve, folded around the corner: the vertex next to the corner is one for both sides.
+    Folded,
+}
+
 /// The patches' sides and corners, identified.
 pub(crate) struct Quilt {
     pub(crate) edges: Vec<Edge>,
@@ -42,6 +53,8 @@ pub(crate) struct Quilt {
     pub(crate) seams: Vec<[Seam; 4]>,
     /// By patch and corner (0,0), (1,0), (1,1), (0,1): the corner vertex.
     pub(crate) corners: Vec<[u32; 4]>,
+    /// By patch and corner: how the two curves meet there.
+    pub(crate) meetings: Vec<[Corner; 4]>,
     /// The positions of the corner vertices.
     pub(crate) corner_positions: Vec<[f64; 3]>,
 }
@@ -82,7 +95,8 @@ impl Quilt {
         for edge in &mut edges {
             edge.ends = ends_of(edge.uses[0]).map(|corner| number[corner]);
         }
-        let mut quilt = Self { edges, seams, corners, corner_positions };
+        let meetings = meetings(&seams);
+        let mut quilt = Self { edges, seams, corners, meetings, corner_positions };
         quilt.set_least_segments();
         quilt
     }
@@ -99,6 +113,33 @@ impl Quilt {
             }
         }
     }
+}
+
+/// How the curves meet at every corner of every patch.
+fn meetings(seams: &[[Seam; 4]]) -> Vec<[Corner; 4]> {
+    // An end of a curve, numbered; sides run counter-clockwise, so that one starts where the one before it ends.
+    let end = |seam: Seam, starts: bool| match seam {
+        Seam::Edge { edge, reversed } => Some(2 * edge + u32::from(starts == reversed)),
+        Seam::Point => None,
+    };
+    let mut found: Vec<([u32; 2], usize)> = Vec::new();
+    for (patch, sides) in seams.iter().enumerate() {
+        for corner in 0..4 {
+            if let (Some(a), Some(b)) = (end(sides[corner], true), end(sides[(corner + 3) % 4], false)) {
+                found.push((if a < b { [a, b] } else { [b, a] }, 4 * patch + corner));
+            }
+        }
+    }
+    found.sort_unstable();
+    let mut meetings = vec![[Corner::Plain; 4]; seams.len()];
+    for run in found.chunk_by(|a, b| a.0 == b.0) {
+        let [a, b] = run[0].0;
+        if run.len() > 1 || a == b {
+            let kind = if a == b { Corner::Folded } else { Corner::Whole };
+            run.iter().for_each(|(_, corner)| meetings[corner / 4][corner % 4] = kind);
+        }
+    }
+    meetings
 }
 
 fn collect_edges(patches: &[Patch]) -> Vec<Edge> {

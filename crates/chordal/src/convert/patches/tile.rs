@@ -1,6 +1,7 @@
 //! One tile: its triangles, and the proof of their distance.
-use super::bend::{Bend, Hessian, ROUNDING, across, worst_mix};
+use super::bend::{Bend, Hessian, across, rounding, worst_mix};
 use super::plan::Tile;
+use super::quilt::Corner;
 use super::seams::{Line, Seams};
 use crate::explicit::{Patch, Side, bernstein};
 use glam::DVec3;
@@ -25,8 +26,9 @@ pub(crate) struct Done {
     pub(crate) bound: f64,
     /// The triangle with the largest bound: the patch's parameters at its corners.
     pub(crate) worst: [[f64; 2]; 3],
-    /// Whether a triangle has the same vertex twice although no pole explains it: the cells are too few.
-    pub(crate) collides: bool,
+    /// Whether there are too few cells: a triangle has the same vertex twice although no pole explains it, or one that
+    /// a pole makes a segment is left out and no other has that segment.
+    pub(crate) too_few: bool,
 }
 
 /// A vertex that a tile shares with others.
@@ -53,6 +55,8 @@ struct Work<'a> {
     n: usize,
     m: usize,
     triangles: Vec<[u32; 3]>,
+    /// Triangles that a pole makes a segment or a point.
+    flat: Vec<[u32; 3]>,
     collides: bool,
     bound: f64,
     worst: [[f64; 2]; 3],
@@ -72,6 +76,7 @@ pub(crate) fn build(index: usize, tile: &Tile, patch: &Patch, seams: &Seams) -> 
         n: tile.n as usize,
         m: tile.m as usize,
         triangles: Vec::new(),
+        flat: Vec::new(),
         collides: false,
         bound: 0.0,
         worst: [[0.0; 2]; 3],
@@ -79,13 +84,14 @@ pub(crate) fn build(index: usize, tile: &Tile, patch: &Patch, seams: &Seams) -> 
     work.walk_border(index, seams);
     let counts = Side::ALL.map(|side| (work.sides[side as usize + 1] - work.sides[side as usize]) as u32);
     work.triangulate(counts, &part);
+    let too_few = work.collides || work.is_torn();
     Done {
         triangles: work.triangles,
         inner: work.inner.iter().map(|knot| knot.at.into()).collect(),
         inner_normals: work.normals,
-        bound: (work.bound + ROUNDING * patch.size()).next_up(),
+        bound: (work.bound + rounding(patch)).next_up(),
         worst: work.worst,
-        collides: work.collides,
+        too_few,
     }
 }
 
@@ -179,7 +185,11 @@ impl Work<'_> {
         (self.n, self.m) = (n, m);
         self.triangles.reserve(2 * (n - 1) * (m - 1) + self.border.len());
         self.lay_inner(part);
-        let open = |side: Side| counts[side as usize] as usize != if is_row(side) { n } else { m };
+        // Folded corners need the freedom of a strip on the side that ends there.
+        let folded =
+            |side: Side| n > 2 && m > 2 && self.tile.corners[(side as usize + 1) % 4] == Corner::Folded;
+        let open =
+            |side: Side| folded(side) || counts[side as usize] as usize != if is_row(side) { n } else { m };
         if m == 1 && open(Side::Bottom) && open(Side::Top) {
             self.strip(&self.side(Side::Bottom), &turned(self.side(Side::Top)));
         } else if n == 1 && open(Side::Left) && open(Side::Right) {
@@ -283,7 +293,9 @@ impl Work<'_> {
             let bend = self.bend.row((row as f64 + 0.5) * dv);
             for k in 0..i[1] - i[0] {
                 let hessian = bend.at(((i[0] + k) as f64 + 0.5) * du);
-                self.cell([low[k], low[k + 1], high[k + 1], high[k]], &hessian, remainder);
+                let rising = self.is_rising(i[0] + k, row);
+                let corners = [low[k], low[k + 1], high[k + 1], high[k]];
+                self.cell(corners, &CellBend { hessian, remainder, rising });
             }
             low = high;
         }
@@ -308,7 +320,7 @@ impl Work<'_> {
     fn cut_corner(&mut self, outer: &mut [Vec<u32>; 4], side: usize, inner: u32) {
         let next = (side + 1) % 4;
         let (count, count_next) = (outer[side].len(), outer[next].len());
-        if count < 3 || count_next < 3 {
+        if count < 3 || count_next < 3 || self.tile.corners[next] != Corner::Plain {
             return;
         }
         let (before, corner, after) = (outer[side][count - 2], outer[next][0], outer[next][1]);
@@ -321,18 +333,37 @@ impl Work<'_> {
         }
     }
 
+    /// Whether the cell is cut from its first corner to the opposite one.
+    fn is_rising(&self, i: usize, j: usize) -> bool {
+        let (right, top) = (i + 1 == self.n, j + 1 == self.m);
+        let [first, second, third, fourth] = self.tile.corners.map(|corner| corner != Corner::Plain);
+        if first && i == 0 && j == 0 || third && right && top {
+            true
+        } else if second && right && j == 0 || fourth && i == 0 && top {
+            false
+        } else {
+            self.tile.rising
+        }
+    }
+
+    /// How the sides meet at a local vertex, if it is a corner.
+    fn corner(&self, id: u32) -> Corner {
+        let corner = (0..4).find(|corner| self.sides[*corner] == id as usize);
+        corner.map_or(Corner::Plain, |corner| self.tile.corners[corner])
+    }
+
     /// The two triangles of one cell, corners counter-clockwise.
-    fn cell(&mut self, corners: [u32; 4], hessian: &Hessian, remainder: f64) {
+    fn cell(&mut self, corners: [u32; 4], CellBend { hessian, remainder, rising }: &CellBend) {
         let [a, b, c, d] = corners.map(|id| self.knot(id));
         let (du, dv) = (b.u - a.u, d.v - a.v);
         let along_u = hessian.half_along(du, 0.0);
         let along_v = hessian.half_along(0.0, dv);
-        let sign = if self.tile.rising { 1.0 } else { -1.0 };
+        let sign = if *rising { 1.0 } else { -1.0 };
         let bend = hessian.half_along(du, sign * dv);
         let (bottom, top) = (across(along_u, b.at - a.at), across(along_u, c.at - d.at));
         let (left, right) = (across(along_v, d.at - a.at), across(along_v, c.at - b.at));
         let [ia, ib, ic, id] = corners;
-        let (first, second, bounds) = if self.tile.rising {
+        let (first, second, bounds) = if *rising {
             let diagonal = across(bend, c.at - a.at);
             ([ia, ib, ic], [ia, ic, id], [worst_mix(bottom, right, diagonal), worst_mix(top, left, diagonal)])
         } else {
@@ -344,13 +375,27 @@ impl Work<'_> {
     }
 
     /// Triangles between two chains that run the same way, the second on the left of the first: at every step the
-    /// cross edge that bends less.
+    /// cross edge that bends less. A corner where the first starts or ends is joined to the inner vertex next to it, when it
+    /// must not be cut off, and a folded one where it ends to two, so that its own neighbour sees only the other one.
     fn strip(&mut self, outer: &[u32], inner: &[u32]) {
         let (mut i, mut j) = (0, 0);
+        let last = inner.len() - 1;
+        let on_border = |k: usize| usize::from((inner[k] as usize) < self.border.len());
+        let meeting = |id: u32| if self.n > 1 && self.m > 1 { self.corner(id) } else { Corner::Plain };
+        let from_corner = meeting(outer[0]) != Corner::Plain && on_border(0) == 1;
+        let to_corner = match meeting(outer[outer.len() - 1]) {
+            Corner::Plain => 0,
+            Corner::Whole => on_border(last),
+            Corner::Folded => on_border(last) + 1,
+        };
         while i + 1 < outer.len() || j + 1 < inner.len() {
             let forward = if i + 1 == outer.len() {
                 false
-            } else if j + 1 == inner.len() {
+            } else if j == last {
+                true
+            } else if from_corner && j == 0 {
+                false
+            } else if to_corner > 0 && j + to_corner >= last {
                 true
             } else {
                 let by_outer = self.cross_edge(outer[i + 1], inner[j]);
@@ -406,9 +451,33 @@ impl Work<'_> {
         let twins = [self.meet(a, b), self.meet(b, c), self.meet(c, a)];
         if twins.contains(&Meeting::Collision) {
             self.collides = true;
-        } else if !twins.contains(&Meeting::Pole) {
+        } else if twins.contains(&Meeting::Pole) {
+            self.flat.push(triangle);
+        } else {
             self.triangles.push(triangle);
         }
+    }
+
+    /// Whether the image of a triangle that was left out is no side of one that is there. With three cells each way
+    /// no row of cells lies between two poles and every pole has an inner vertex in sight, so this cannot happen.
+    fn is_torn(&self) -> bool {
+        if self.flat.is_empty() || self.n > 2 && self.m > 2 {
+            return false;
+        }
+        let key = |local: u32| match self.shared.get(local as usize) {
+            Some(vertex) => (false, vertex.id),
+            None => (true, local),
+        };
+        let sides = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(key);
+            [[a, b], [b, c], [c, a]].map(|[a, b]| if a < b { [a, b] } else { [b, a] })
+        };
+        let mut seen: Vec<_> = self.triangles.iter().flat_map(sides).collect();
+        // A point is covered by a segment that has it.
+        seen.extend(self.triangles.as_flattened().iter().map(|&local| [key(local); 2]));
+        seen.sort_unstable();
+        let has = |side: &[(bool, u32); 2]| seen.binary_search(side).is_ok();
+        !self.flat.iter().all(|t| sides(t).iter().all(has))
     }
 
     fn meet(&self, a: u32, b: u32) -> Meeting {
@@ -418,6 +487,13 @@ impl Work<'_> {
             _ => Meeting::Apart,
         }
     }
+}
+
+/// How one cell is cut, and the second derivatives at its middle.
+struct CellBend {
+    hessian: Hessian,
+    remainder: f64,
+    rising: bool,
 }
 
 /// How two local vertices relate in space.
