@@ -53,7 +53,7 @@ def rows(corpus, tolerance):
 def table(corpus, found):
     """The Markdown table of one corpus."""
     lines = [
-        "| tolerance | engine | triangles | × OCCT | seconds | OCCT / it | µs/triangle | over | worst error/tolerance | median |",
+        "| tolerance | engine | triangles | × OCCT | CPU seconds | OCCT / it | µs/triangle | over | worst error/tolerance | median |",
         "|---|---|---|---|---|---|---|---|---|---|",
     ]
     for tolerance in TOLERANCES:
@@ -106,7 +106,7 @@ def main():
         csv.writer(out).writerows([COLUMNS, *found])
     parts = [(BENCH / "patches" / "ABOUT.md").read_text().strip()]
     parts.append(
-        f"Measured on {date.today()}: {machine()}; one thread on both sides; medians of 5 (Chordal) and 3 runs; "
+        f"Measured on {date.today()}: {machine()}; one thread on both sides; seconds are CPU time, medians of 5 (Chordal) and 3 runs; "
         f"cadquery-ocp {version('cadquery-ocp')}."
     )
     for corpus, about in CORPORA.items():

@@ -1,12 +1,12 @@
 //! Chordal's side of the patch bench: `patches CORPUS TOLERANCE...` meshes a corpus as the peer's script does.
 //!
 //! One thread; a hard corpus patch by patch, the teapot in one call. Prints CSV: corpus, tolerance, engine, triangles,
-//! seconds (medians of repeated runs, added up), shapes that failed, and the largest `at_most / tolerance`.
+//! CPU seconds (medians of repeated runs, added up), shapes that failed, and the largest `at_most / tolerance`.
 use chordal::{Bounded, Budget, Job, Mesh, Patch, Tolerance, convert};
 use chordal_bench::{out, patches, write};
+use cpu_time::ProcessTime;
 use std::fs::File;
 use std::io::BufWriter;
-use std::time::Instant;
 
 /// Runs of each call; the median counts.
 const REPEATS: usize = 5;
@@ -17,7 +17,7 @@ fn timed(shape: &[Patch], budget: &Budget) -> (Option<Bounded<Mesh>>, f64) {
     let mut made = None;
     for _ in 0..REPEATS {
         drop(made.take());
-        let start = Instant::now();
+        let start = ProcessTime::now();
         let next = convert::patches_to_mesh(shape, budget, &job);
         times.push(start.elapsed().as_secs_f64());
         made = next.map_err(|e| eprintln!("{e}")).ok();
