@@ -68,10 +68,24 @@ impl<'a, const D: usize> CubicChords<'a, D> {
         Self { cubic, bend: [second(0), second(1)] }
     }
 
+    pub(crate) fn cubic(&self) -> &'a Bezier<D> {
+        self.cubic
+    }
+
+    /// A sixth of the second derivative at both ends.
+    pub(crate) fn bend(&self) -> [[f64; D]; 2] {
+        self.bend
+    }
+
     /// The largest second difference, as a length.
     pub(crate) fn largest_bend(&self) -> f64 {
         let [a, b] = self.bend.map(|d| dot(d, d));
         if a > b { a.sqrt() } else { b.sqrt() }
+    }
+
+    /// Into how many equal steps the curve is cut at most, as a float: it may be huge.
+    pub(crate) fn even_steps(&self, tolerance: f64) -> f64 {
+        wang(self.largest_bend(), tolerance)
     }
 
     /// The loss of the chord between the points at `a` and `b`, in exact arithmetic.
@@ -83,6 +97,20 @@ impl<'a, const D: usize> CubicChords<'a, D> {
             std::array::from_fn(|k| (h * h) * ((1.0 - t) * self.bend[0][k] + t * self.bend[1][k]))
         };
         chord_loss(chord, bend_at(a), bend_at(b))
+    }
+}
+
+/// How many equal steps keep the tolerance when the largest second difference is `bend` (G. Wang, 1984).
+#[inline(always)]
+pub(crate) fn wang(bend: f64, tolerance: f64) -> f64 {
+    let steps = (0.75 * bend / tolerance).sqrt().ceil();
+    // A NaN comes from a bend that is not finite, and means no end of steps.
+    if steps <= 1.0 {
+        1.0
+    } else if steps.is_nan() {
+        f64::INFINITY
+    } else {
+        steps
     }
 }
 

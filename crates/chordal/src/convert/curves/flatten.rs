@@ -50,7 +50,10 @@ pub(crate) struct Flattener<'a, const D: usize> {
 }
 
 /// Squares of differences must stay below 1e308.
-const LARGEST: f64 = 1e150;
+pub(crate) const LARGEST: f64 = 1e150;
+/// And squares of what rounding may lose, 1e-13 times the size and more, above the smallest number: what is smaller is
+/// covered by the allowance for rounding.
+pub(crate) const SMALLEST: f64 = 1e-130;
 /// Bytes a point at the peak: its coordinates and its place, twice.
 const BYTES_PER_POINT: f64 = 64.0;
 /// Rungs an octave of the ladder of lengths, and how many octaves it has: below the rounding of any shape.
