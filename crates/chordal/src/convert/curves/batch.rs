@@ -1,12 +1,12 @@
 //! Many cubic Bézier curves at one tolerance, with no more than that: for inner loops.
-use super::chord::{CubicChords, ROUNDING, reach, wang};
+use super::chord::{CubicChords, reach, rounding_at, wang};
 use super::fast::{Scratch, spread};
-use super::flatten::{LARGEST, SMALLEST, Spacing};
+use super::flatten::{LARGEST, Spacing};
 use super::greedy;
 use crate::budget::{Bound, Bounded, Code, Failure, Job, Reference, Tolerance, par_map};
 use crate::explicit::Bezier;
 use crate::math::simd::{self, Isa, Kernel};
-use crate::math::{add_up, flushes_subnormals};
+use crate::math::{add_up, flushes_subnormals, sub_down};
 
 /// Cuts one cubic Bézier curve after the other at one tolerance, and keeps its room between them.
 ///
@@ -75,11 +75,12 @@ impl<const D: usize> BezierCutter<D> {
     fn cut(&mut self, curve: &Bezier<D>, points: &mut Vec<[f64; D]>) -> Result<f64, Failure<()>> {
         let size = reach(&curve.control);
         let sane = curve.control.as_flattened().iter().all(|x| x.abs() < LARGEST);
-        if !sane || size < SMALLEST && size > 0.0 {
+        if !sane {
             return Err(out_of_range(size));
         }
-        let rounding = ROUNDING * f64::EPSILON * size; // derived in chord.rs
-        let length = (self.tolerance - rounding).next_down();
+        let rounding = rounding_at(size);
+        // One step less, because the sum of loss and rounding is rounded up again.
+        let length = sub_down(self.tolerance.next_down(), rounding);
         if length <= 0.0 {
             return Err(below_rounding(self.tolerance, rounding));
         }
@@ -130,8 +131,8 @@ fn even<const D: usize>(
     let (n, cubic) = (steps as u32, chords.cubic());
     points.extend((1..n).map(|i| cubic.at(f64::from(i) / steps)));
     points.push(cubic.control[3]);
-    // 0.75 of the bend by the square of the steps, with room for the rounding of three products and a root.
-    Ok(0.75 * bend / (steps * steps) * (1.0 + 8.0 * f64::EPSILON))
+    // With the same room for rounding as in `whole_steps`, of the square of the steps.
+    Ok(0.75 * bend / (steps * steps) * (1.0 + f64::EPSILON * (64.0 + 8.0 * steps)))
 }
 
 struct Append<'a, 'b, const D: usize> {
@@ -157,9 +158,8 @@ fn below_rounding<T>(tolerance: f64, rounding: f64) -> Failure<T> {
 
 #[cold]
 fn out_of_range<T>(size: f64) -> Failure<T> {
-    let message = format!(
-        "the curve has coordinates of size {size:e}, which is not finite, or beyond {LARGEST:e}, or below {SMALLEST:e}"
-    );
+    let message =
+        format!("the curve has a coordinate that is not finite or beyond {LARGEST:e}: its size is {size:e}");
     Failure::refused(Code::NotFinite, message)
 }
 

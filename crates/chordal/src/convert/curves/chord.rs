@@ -26,7 +26,7 @@
 use crate::explicit::{Arc, Bezier};
 
 /// What rounding may add to a certificate, in units of ε times [`reach`]: derived above.
-pub(crate) const ROUNDING: f64 = 1024.0;
+const ROUNDING: f64 = 1024.0;
 
 /// The bound on the loss of a chord, and the fraction of the piece where the curve is farthest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,7 +103,15 @@ impl<'a, const D: usize> CubicChords<'a, D> {
 /// How many equal steps keep the tolerance when the largest second difference is `bend` (G. Wang, 1984).
 #[inline(always)]
 pub(crate) fn wang(bend: f64, tolerance: f64) -> f64 {
-    let steps = (0.75 * bend / tolerance).sqrt().ceil();
+    whole_steps((0.75 * bend / tolerance).sqrt())
+}
+
+/// Equal steps, counted by a formula, as a whole number of them.
+#[inline(always)]
+pub(crate) fn whole_steps(steps: f64) -> f64 {
+    // The steps between rounded places `i/n` differ by up to `ε·n` of themselves, twice that in the loss; the
+    // formulas for the steps and for the loss lose less than 32 ε.
+    let steps = (steps * (1.0 + f64::EPSILON * (32.0 + 4.0 * steps))).ceil();
     // A NaN comes from a bend that is not finite, and means no end of steps.
     if steps <= 1.0 {
         1.0
@@ -112,6 +120,18 @@ pub(crate) fn wang(bend: f64, tolerance: f64) -> f64 {
     } else {
         steps
     }
+}
+
+/// What rounding may add to a certificate of a curve of this [`reach`].
+#[inline(always)]
+pub(crate) fn rounding_at(reach: f64) -> f64 {
+    if reach == 0.0 {
+        return 0.0;
+    }
+    // Lengths below 1e-154 have squares that lose digits or vanish; nothing shorter than 1e-150 is told from 0.
+    let least = 1e-150;
+    let rounding = ROUNDING * f64::EPSILON * reach;
+    if rounding > least { rounding } else { least }
 }
 
 /// The loss of a chord, from the chord, `D0` and `D1`.
