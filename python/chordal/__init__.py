@@ -15,6 +15,7 @@ True
 
 from chordal._bound import Bound
 from chordal._chordal import VERSION as __version__
+from chordal._curve import Curve, Polyline, bezier
 from chordal._errors import (
     BudgetError,
     BudgetUnmet,
@@ -32,14 +33,17 @@ __all__ = [
     "Bound",
     "BudgetError",
     "BudgetUnmet",
+    "Curve",
     "Error",
     "InternalError",
     "Mesh",
+    "Polyline",
     "ReadError",
     "Refused",
     "Shape",
     "View",
     "WriteError",
     "__version__",
+    "bezier",
     "load",
 ]

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from decimal import Decimal
-from typing import TypedDict
+from typing import SupportsFloat, SupportsIndex, TypedDict
 
 from chordal._errors import BudgetError
-from chordal._numbers import count, number
+from chordal._arguments import number, positive
 from chordal._view import View
 
 #: A length in units of the shape, or a text with a unit, as in "0.1mm".
-Length = float | str
+Length = SupportsFloat | str
 #: A share of the diagonal of the shape's box, as in 0.001, or a text, as in "0.1%".
-Share = float | str
+Share = SupportsFloat | str
 
 
 class Wanted(TypedDict):
@@ -20,29 +20,30 @@ class Wanted(TypedDict):
 
     length: tuple[str, str] | None
     pixels: tuple[float, str] | None
-    triangles: int | None
+    count: int | None
 
 
 def wanted(
     *,
     tol: Length | None,
     rel: Share | None,
-    pixels: float | None,
+    pixels: SupportsFloat | None,
     view: str | View | None,
-    triangles: int | None,
+    count: tuple[str, SupportsIndex | None],
 ) -> Wanted:
-    """The budget of these arguments, if they belong together."""
+    """The budget of these arguments, if they belong together. The count comes with its name."""
+    counted, most = count
     if tol is not None and rel is not None:
         raise BudgetError("tol, rel: give one of them, they are both a length")
     found: Wanted = {
         "length": _tol(tol) or _rel(rel),
         "pixels": _pixels(pixels, view),
-        "triangles": None if triangles is None else count("triangles", triangles),
+        "count": None if most is None else positive(counted, most),
     }
     if not any(found.values()):
         raise BudgetError(
             "a budget is needed: tol=0.1 in units, rel=0.001 of the diagonal, "
-            'pixels=1 with view="1920x1080 fov=45 dist=4", or triangles=5000'
+            f'pixels=1 with view="1920x1080 fov=45 dist=4", or {counted}=5000'
         )
     return found
 
@@ -64,7 +65,7 @@ def _rel(rel: Share | None) -> tuple[str, str] | None:
     return "rel", rel
 
 
-def _pixels(pixels: float | None, view: str | View | None) -> tuple[float, str] | None:
+def _pixels(pixels: SupportsFloat | None, view: str | View | None) -> tuple[float, str] | None:
     if pixels is None and view is None:
         return None
     if pixels is None:

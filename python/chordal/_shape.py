@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
-from typing import Any, Final
+from typing import Any, Final, SupportsFloat, SupportsIndex
 
 from chordal import _chordal, _files
+from chordal._arguments import function, text
 from chordal._budget import Length, Share, wanted
 from chordal._mesh import Mesh, made
 from chordal._view import View
@@ -47,19 +48,13 @@ def load(
         raise TypeError(f"source: a path or bytes, not {type(source).__name__}")
     reading: _chordal.Reading = {
         "name": name,
-        "format": _text("format", format),
-        "unit": _text("unit", unit),
-        "up": _text("up", up),
+        "format": text("format", format),
+        "unit": text("unit", unit),
+        "up": text("up", up),
         "lenient": bool(lenient),
         "drop_nonfinite": bool(drop_nonfinite),
     }
     return Shape(_chordal.Source(content, reading))
-
-
-def _text(name: str, value: str | None) -> str | None:
-    if value is None or isinstance(value, str):
-        return value
-    raise TypeError(f"{name}: a text, not {type(value).__name__}")
 
 
 class Shape:
@@ -90,9 +85,9 @@ class Shape:
         *,
         tol: Length | None = None,
         rel: Share | None = None,
-        pixels: float | None = None,
+        pixels: SupportsFloat | None = None,
         view: str | View | None = None,
-        triangles: int | None = None,
+        triangles: SupportsIndex | None = None,
         progress: Progress | None = None,
     ) -> Mesh:
         """Triangles within a budget, with the bound that was reached.
@@ -112,10 +107,8 @@ class Shape:
         >>> shape.mesh(rel="0.1%")
         <Mesh: 1 triangle, 3 vertices; between 0 and 0, proved; hausdorff distance to the input triangles>
         """
-        budget = wanted(tol=tol, rel=rel, pixels=pixels, view=view, triangles=triangles)
-        if progress is not None and not callable(progress):
-            raise TypeError(f"progress: a function, not {type(progress).__name__}")
-        return made(self._source.mesh(budget, progress))
+        budget = wanted(tol=tol, rel=rel, pixels=pixels, view=view, count=("triangles", triangles))
+        return made(self._source.mesh(budget, function("progress", progress)))
 
     def __repr__(self) -> str:
         name = f" {self._source.name}" if self._source.name else ""

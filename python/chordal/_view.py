@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import SupportsFloat, SupportsInt
 
 from chordal import _chordal
 from chordal._errors import BudgetError
-from chordal._numbers import number
+from chordal._arguments import number
 
 
 class View:
@@ -34,10 +35,10 @@ class View:
     def closest(
         cls,
         *,
-        distance: float | None = None,
-        fov_deg: float | None = None,
-        height: float | None = None,
-        size_px: tuple[int, int],
+        distance: SupportsFloat | None = None,
+        fov_deg: SupportsFloat | None = None,
+        height: SupportsFloat | None = None,
+        size_px: tuple[SupportsInt, SupportsInt],
     ) -> View:
         """An eye anywhere, looking anywhere, but no nearer than `distance` to the shape's box.
 
@@ -53,13 +54,13 @@ class View:
     def camera(
         cls,
         *,
-        eye: Sequence[float],
-        target: Sequence[float],
-        up: Sequence[float] | None = None,
-        near: float = 0.0,
-        fov_deg: float | None = None,
-        height: float | None = None,
-        size_px: tuple[int, int],
+        eye: Sequence[SupportsFloat],
+        target: Sequence[SupportsFloat],
+        up: Sequence[SupportsFloat] | None = None,
+        near: SupportsFloat = 0.0,
+        fov_deg: SupportsFloat | None = None,
+        height: SupportsFloat | None = None,
+        size_px: tuple[SupportsInt, SupportsInt],
     ) -> View:
         """One eye at one place. Without `up`, z is up, or y for an eye that looks along z."""
         words = [_size(size_px), *_projection(fov_deg, height)]
@@ -91,7 +92,7 @@ class View:
         return f"View({self._text!r})"
 
 
-def _size(size_px: tuple[int, int]) -> str:
+def _size(size_px: tuple[SupportsInt, SupportsInt]) -> str:
     try:
         width, height = size_px
         return f"{int(width)}x{int(height)}"
@@ -99,7 +100,7 @@ def _size(size_px: tuple[int, int]) -> str:
         raise BudgetError(f"size_px: columns and rows, as in (1920, 1080), not {size_px!r}") from error
 
 
-def _projection(fov_deg: float | None, height: float | None) -> list[str]:
+def _projection(fov_deg: SupportsFloat | None, height: SupportsFloat | None) -> list[str]:
     words = []
     if fov_deg is not None:
         words.append(f"fov={number('fov_deg', fov_deg)!r}")
@@ -108,7 +109,7 @@ def _projection(fov_deg: float | None, height: float | None) -> list[str]:
     return words
 
 
-def _point(name: str, point: Sequence[float]) -> str:
+def _point(name: str, point: Sequence[SupportsFloat]) -> str:
     try:
         x, y, z = point
     except (TypeError, ValueError) as error:

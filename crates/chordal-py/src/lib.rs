@@ -4,6 +4,7 @@
 //! What crosses between the two is plain: numbers, texts, bytes, JSON, and a few frozen objects that hold shapes.
 mod array;
 mod command;
+mod curve;
 mod failure;
 mod mesh;
 mod pool;
@@ -18,7 +19,10 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _chordal {
     #[pymodule_export]
-    use super::{array::Array, command::command, mesh::Triangles, source::Source, view::view};
+    use super::{
+        array::Array, command::command, curve::Lines, curve::Paths, mesh::Triangles, source::Source,
+        view::view,
+    };
     use chordal_io::Limits;
     use pyo3::prelude::*;
 

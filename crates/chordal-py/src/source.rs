@@ -1,13 +1,12 @@
 //! `Source`: a shape as it was read.
 use crate::mesh::Triangles;
-use crate::spec::Wanted;
+use crate::spec::{Wanted, parsed};
 use crate::{failure, work};
 use chordal::budget::Unit;
 use chordal_io::{Axis, Format, Limits, ReadError};
 use chordal_verbs::{Hint, Input, inspect, load};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
-use std::str::FromStr;
 use std::sync::Arc;
 
 /// A shape as it was read.
@@ -95,10 +94,6 @@ impl Source {
     fn mesh(&self, py: Python<'_>, wanted: Wanted, progress: Option<Py<PyAny>>) -> PyResult<Triangles> {
         Triangles::make(py, (Arc::clone(&self.input), self.name.clone()), wanted.spec(py)?, progress)
     }
-}
-
-fn parsed<T: FromStr<Err: std::fmt::Display>>(name: &str, text: Option<&str>) -> PyResult<Option<T>> {
-    text.map(|text| text.parse().map_err(|error| failure::argument(name, error))).transpose()
 }
 
 fn axis(text: &str) -> PyResult<Axis> {
