@@ -76,8 +76,8 @@ test-python: need-rust need-python
 	PATH="$(abspath $(VENV))/bin:$$PATH" $(VENV)/bin/python -m pip wheel -q --no-deps --no-build-isolation -w $(TARGET)/python/wheel .
 	$(VENV)/bin/python -m pip install -q --no-deps --force-reinstall $(TARGET)/python/wheel/*.whl
 	CHORDAL=$(abspath $(CHORDAL)) $(VENV)/bin/python -m pytest -q
-	$(VENV)/bin/python -m mypy tests/python
-	$(VENV)/bin/python -m mypy.stubtest chordal
+	export MYPY_CACHE_DIR=$(TARGET)/python/mypy && $(VENV)/bin/python -m mypy tests/python \
+		&& $(VENV)/bin/python -m mypy -p chordal && $(VENV)/bin/python -m mypy.stubtest chordal
 
 test-long: need-rust ## the tests with many more random cases; minutes to hours
 	PROPTEST_CASES=100000 $(CARGO) test --workspace --locked --release

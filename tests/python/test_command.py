@@ -32,8 +32,8 @@ def run(*args: str | Path, stdin: bytes = b"") -> subprocess.CompletedProcess[by
         ["inspect", "missing.obj"],
         ["inspect", TEAPOT],
         ["inspect", "-", "--from", "obj"],
-        ["mesh", "-", "--from", "obj", "--tol", "1", "-o", "-", "--to", "stl"],
-        ["mesh", "-", "--from", "obj", "--triangles", "1", "-o", "-", "--to", "stl"],
+        ["mesh", "-", "--from", "obj", "--tol", "1", "-o", "-", "--to", "stl", "-q"],
+        ["mesh", "-", "--from", "obj", "--triangles", "1", "-o", "-", "--to", "stl", "-q"],
         ["completions", "bash"],
     ],
 )
