@@ -18,7 +18,7 @@ pub fn write(
         Format::Ply => ply::write(scene, certificate, out),
         Format::Stl => stl::write(scene, certificate, out),
         Format::Glb => glb::write(scene, certificate, out),
-        Format::Bpt | Format::Teaset | Format::PatchJson => {
+        Format::Bpt | Format::Teaset | Format::Json => {
             Err(WriteError::Unsupported(format!("{format} holds no triangles")))
         }
     }

@@ -27,6 +27,6 @@ pub fn mesh_names() -> String {
 pub fn topology(format: Format) -> Topology {
     match format {
         Format::Stl | Format::Glb => Topology::Positions,
-        Format::Obj | Format::Ply | Format::Bpt | Format::Teaset | Format::PatchJson => Topology::Indices,
+        Format::Obj | Format::Ply | Format::Bpt | Format::Teaset | Format::Json => Topology::Indices,
     }
 }
