@@ -5,6 +5,7 @@ use crate::drawing::{Element, Polylines};
 use crate::number::Shortest;
 use chordal::explicit::{FillRule, Polyline};
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::io::Write;
 
 /// The namespace of the certificate.
@@ -39,17 +40,25 @@ pub fn write(
             "<metadata><{CERTIFICATE} xmlns:chordal=\"{NAMESPACE}\">{text}</{CERTIFICATE}></metadata>"
         )?;
     }
+    // One id is one element's; copies that `use` made have the same.
+    let mut named = BTreeSet::new();
     for (element, lines) in drawn.groups() {
-        path(element, lines, out)?;
+        let id = named.insert(&element.name).then_some(element.name.as_str()).filter(|id| !id.is_empty());
+        path(element, id, lines, out)?;
     }
     out.write_all(b"</svg>\n")?;
     Ok(())
 }
 
-fn path(element: &Element, lines: &[Polyline<2>], out: &mut dyn Write) -> Result<(), WriteError> {
+fn path(
+    element: &Element,
+    id: Option<&str>,
+    lines: &[Polyline<2>],
+    out: &mut dyn Write,
+) -> Result<(), WriteError> {
     out.write_all(b"<path")?;
-    if !element.name.is_empty() {
-        write!(out, " id=\"{}\"", escaped(&element.name))?;
+    if let Some(id) = id {
+        write!(out, " id=\"{}\"", escaped(id))?;
     }
     if !element.filled {
         out.write_all(b" fill=\"none\" stroke=\"black\" vector-effect=\"non-scaling-stroke\"")?;
