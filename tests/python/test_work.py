@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import io
 import multiprocessing
 import os
 import signal
@@ -62,6 +64,21 @@ def test_ctrl_c_ends_the_work_and_frees_the_threads(teapot: chordal.Shape, soon:
     with pytest.raises(KeyboardInterrupt):
         teapot.mesh(tol=ENDLESS)
     assert digest(teapot) == digest(teapot)
+
+
+def test_a_signal_is_handled_in_the_middle_of_the_work(teapot: chordal.Shape) -> None:
+    # Nothing here but the handler runs Python's own code, where signals would be handled anyway.
+    said = io.StringIO()
+    before = signal.signal(signal.SIGINT, lambda *_: said.write("signal\n"))
+    timer = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    try:
+        teapot.mesh(tol=1e-5, progress=functools.partial(print, file=said))
+    finally:
+        signal.signal(signal.SIGINT, before)
+        timer.join()
+    lines = said.getvalue().splitlines()
+    assert "signal" in lines and lines[-1].startswith("tessellate")
 
 
 def test_what_a_signal_handler_raises_comes_back(teapot: chordal.Shape, soon: None) -> None:
