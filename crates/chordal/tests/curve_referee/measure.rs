@@ -225,12 +225,13 @@ impl<'a, const D: usize> Pair<'a, D> {
 /// A place where a value changes its sign, by halving; the first one when it does not.
 fn crossing(value: impl Fn(f64) -> f64, [low, middle, high]: [f64; 3]) -> f64 {
     let at_middle = value(middle);
-    let side = if value(low) * at_middle <= 0.0 { [low, middle] } else { [middle, high] };
+    // Signs, because products of small numbers vanish.
+    let side = if (value(low) > 0.0) != (at_middle > 0.0) { [low, middle] } else { [middle, high] };
     let [mut a, mut b] = side;
-    let at_a = value(a);
+    let at_a = value(a) > 0.0;
     for _ in 0..45 {
         let m = 0.5 * (a + b);
-        if value(m) * at_a > 0.0 { a = m } else { b = m }
+        if (value(m) > 0.0) == at_a { a = m } else { b = m }
     }
     0.5 * (a + b)
 }
