@@ -50,7 +50,7 @@ pub(crate) struct Flattener<'a, const D: usize> {
 }
 
 /// Squares of differences must stay below 1e308.
-const LARGEST: f64 = 1e150;
+pub(crate) const LARGEST: f64 = 1e150;
 /// Bytes a point at the peak: its coordinates and its place, twice.
 const BYTES_PER_POINT: f64 = 64.0;
 /// Rungs an octave of the ladder of lengths, and how many octaves it has: below the rounding of any shape.
