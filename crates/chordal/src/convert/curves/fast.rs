@@ -24,6 +24,9 @@ const SPARE: f64 = 1.003;
 /// Below this root of its share a chord counts as one where the curve bends back. Measured: 0.7 and 0.85 leave as few to
 /// a fourth spread; without it a fifth more get there.
 const FLAT: f64 = 0.85;
+/// Chords that use less than this share of what they may lose, in the mean and with one left over, are placed again by the greedy
+/// way.
+const WASTE: f64 = 0.85;
 /// Up to this many chords it is worth to try one less.
 const FEW: usize = 12;
 
@@ -99,7 +102,8 @@ pub(crate) fn spread<const D: usize>(
         work.evaluate(cubic);
         let worst = work.certify(chords, tolerance);
         if worst <= tolerance {
-            return Some(work.with_one_less(chords, tolerance, worst));
+            let worst = work.with_one_less(chords, tolerance, worst);
+            return if work.wastes(tolerance) { None } else { Some(worst) };
         }
         if work.split_few(tolerance, attempt) {
             continue;
@@ -295,6 +299,16 @@ impl<const D: usize> Scratch<D> {
         }
         self.set_places(chords.cubic(), &before[..=n]);
         worst
+    }
+
+    /// Whether far fewer chords could lose as much: where a curve turns back on itself, or nearly, a density by its bend puts many
+    /// chords at the turn which together lose little.
+    #[inline(always)]
+    fn wastes(&self, tolerance: f64) -> bool {
+        let n = self.n as f64;
+        let scale = 1.0 / tolerance;
+        let wanted = self.losses[..self.n].iter().fold(0.0, |sum, loss| sum + (loss * scale).sqrt());
+        wanted < WASTE * n - 1.0
     }
 
     /// Halves the chords that lose too much, when they are few for the attempt; whether it did.
