@@ -11,6 +11,7 @@ mod numbers;
 mod output;
 mod render;
 mod signal;
+mod studio;
 mod summary;
 mod talk;
 
@@ -32,6 +33,7 @@ fn main() -> ExitCode {
         Verb::Mesh(args) => mesh::run(&args),
         Verb::Inspect(args) => inspect::run(&args),
         Verb::Render(args) => render::run(&args),
+        Verb::Studio(args) => studio::run(&args),
         Verb::Completions { shell } => docs::completions(shell),
         Verb::Man { output } => docs::man(&output),
     };
@@ -46,7 +48,7 @@ fn wants_json(verb: &Verb) -> bool {
         Verb::Mesh(args) => args.talk.json,
         Verb::Inspect(args) => args.talk.json,
         Verb::Render(args) => args.talk.json,
-        Verb::Completions { .. } | Verb::Man { .. } => false,
+        Verb::Studio(_) | Verb::Completions { .. } | Verb::Man { .. } => false,
     }
 }
 
