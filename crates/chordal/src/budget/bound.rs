@@ -88,8 +88,8 @@ impl Metric {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Reference {
-    /// Cubic Bézier curves.
-    BezierCurves,
+    /// Paths of lines, cubic Bézier curves and arcs.
+    Curves,
     /// Bicubic Bézier patches.
     BezierPatches,
     /// The triangles of the input.
@@ -101,7 +101,7 @@ impl Reference {
     #[must_use]
     pub fn as_str(&self) -> &'static str {
         match self {
-            Self::BezierCurves => "bezier curves",
+            Self::Curves => "curves",
             Self::BezierPatches => "bezier patches",
             Self::InputTriangles => "input triangles",
         }

@@ -20,7 +20,7 @@ pub struct PixelBudget {
     pub view: View,
 }
 
-/// Optional limits, of which at least one of `length`, `pixels` and `triangles` is set; all that are set hold.
+/// Optional limits, of which at least one of `length`, `pixels` and a count is set; all that are set hold.
 ///
 /// ```
 /// use chordal::{Budget, Tolerance};
@@ -37,6 +37,8 @@ pub struct Budget {
     pub angle_deg: Option<f64>,
     /// The most triangles.
     pub triangles: Option<u64>,
+    /// The most segments of polylines, all together.
+    pub segments: Option<u64>,
     /// The evidence that is asked for.
     pub require: Require,
 }
@@ -60,9 +62,21 @@ impl Budget {
         Self { triangles: Some(most), ..Self::default() }
     }
 
+    /// A budget of segments alone.
+    #[must_use]
+    pub fn segments(most: u64) -> Self {
+        Self { segments: Some(most), ..Self::default() }
+    }
+
     /// Whether it limits anything that a mesh can be built for.
     #[must_use]
     pub fn has_limit(&self) -> bool {
         self.length.is_some() || self.pixels.is_some() || self.triangles.is_some()
+    }
+
+    /// Whether it limits anything that a polyline can be built for.
+    #[must_use]
+    pub fn limits_polylines(&self) -> bool {
+        self.length.is_some() || self.pixels.is_some() || self.segments.is_some()
     }
 }

@@ -1,5 +1,6 @@
 //! Numbers that know no shape: outward rounding, [`Interval`], [`Box3`], exact predicates, SIMD dispatch.
 mod box3;
+mod double_double;
 mod interval;
 mod predicates;
 mod probe;
@@ -8,6 +9,7 @@ pub mod simd;
 mod wide;
 
 pub use box3::Box3;
+pub(crate) use double_double::DoubleDouble;
 pub use interval::{Interval, InvalidInterval};
 pub use predicates::{Orientation, Position, orient2d, orient3d, triangle_contains};
 pub use probe::flushes_subnormals;

@@ -1,0 +1,130 @@
+//! How far a path and its polyline are apart, measured: the largest gap that is found, and where it is.
+use crate::explicit::{Curve, Polyline};
+
+/// A gap between a path and a polyline.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gap<const D: usize> {
+    /// Its length.
+    pub distance: f64,
+    /// The parameter on the path (see [`Curve::at`]).
+    pub place: f64,
+    /// The point of the path.
+    pub on_curve: [f64; D],
+    /// The point of the polyline that is closest to it.
+    pub on_polyline: [f64; D],
+}
+
+/// Places looked at between two vertices before the search closes in on the best: a cubic is farthest from its chord at
+/// one or two places.
+const SAMPLES: u32 = 8;
+/// Each step of the search keeps 0.618 of the interval: 30 of them leave a millionth.
+const STEPS: u32 = 30;
+
+/// The largest distance that is found from a point of the path to the segments of its own piece of the polyline: a
+/// measurement, from below, and correct to about 12 digits for cubics and arcs.
+///
+/// The polyline carries its places, as those of [`curve_to_polyline`](../convert/fn.curve_to_polyline.html) do; the
+/// point of the path between two vertices is held against the segment between them. `None` when there is no segment
+/// or no places.
+///
+/// 40 evaluations a segment.
+///
+/// ```
+/// use chordal::{Bezier, Budget, Job, check, convert};
+/// let arch = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
+/// let made = convert::curve_to_polyline_evenly(&arch.into(), &Budget::segments(1), &Job::default()).unwrap();
+/// let gap = check::largest_gap(&arch.into(), &made.shape).unwrap();
+/// assert_eq!(gap.on_curve, [0.5, 0.75]);
+/// assert_eq!((gap.distance, made.bound.at_most().unwrap() > 0.75), (0.75, true));
+/// ```
+#[must_use]
+pub fn largest_gap<const D: usize>(curve: &Curve<D>, polyline: &Polyline<D>) -> Option<Gap<D>> {
+    let end = curve.pieces().len() as f64;
+    let mut worst: Option<Gap<D>> = None;
+    for (i, segment) in polyline.segments().enumerate() {
+        let from = *polyline.places.get(i)?;
+        let to = polyline.places.get(i + 1).copied().unwrap_or(end);
+        let gap_at = |place: f64| {
+            let on_curve = curve.at(place);
+            let on_polyline = closest_on_segment(on_curve, segment);
+            Gap { distance: distance(on_curve, on_polyline), place, on_curve, on_polyline }
+        };
+        let gap = farthest(gap_at, from, to);
+        if worst.as_ref().is_none_or(|worst| gap.distance > worst.distance) {
+            worst = Some(gap);
+        }
+    }
+    worst
+}
+
+/// The best of some samples, then closing in around it (golden section; J. Kiefer, 1953).
+fn farthest<const D: usize>(gap_at: impl Fn(f64) -> Gap<D>, from: f64, to: f64) -> Gap<D> {
+    let at = |i: u32| from + (to - from) * f64::from(i) / f64::from(SAMPLES);
+    let mut best = (1..SAMPLES).map(|i| (i, gap_at(at(i)))).fold((1, gap_at(at(1))), |best, found| {
+        if found.1.distance > best.1.distance { found } else { best }
+    });
+    let (mut low, mut high) = (at(best.0 - 1), at(best.0 + 1));
+    let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
+    for _ in 0..STEPS {
+        let (a, b) = (gap_at(high - golden * (high - low)), gap_at(low + golden * (high - low)));
+        if a.distance > b.distance {
+            high = b.place;
+        } else {
+            low = a.place;
+        }
+        for found in [a, b] {
+            if found.distance > best.1.distance {
+                best.1 = found;
+            }
+        }
+    }
+    best.1
+}
+
+/// The distance from a point to the nearest place of a polyline; infinite when it has no points.
+#[must_use]
+pub fn distance_to_polyline<const D: usize>(point: [f64; D], polyline: &Polyline<D>) -> f64 {
+    let to_first = polyline.points.first().map_or(f64::INFINITY, |first| distance(point, *first));
+    polyline.segments().fold(to_first, |least, segment| {
+        let far = distance(point, closest_on_segment(point, segment));
+        if far < least { far } else { least }
+    })
+}
+
+fn closest_on_segment<const D: usize>(p: [f64; D], [a, b]: [[f64; D]; 2]) -> [f64; D] {
+    let along: [f64; D] = std::array::from_fn(|k| b[k] - a[k]);
+    let (mut dot, mut square) = (0.0, 0.0);
+    for k in 0..D {
+        dot += (p[k] - a[k]) * along[k];
+        square += along[k] * along[k];
+    }
+    // The second test also catches a segment that is a point.
+    if dot >= square {
+        b
+    } else if dot > 0.0 {
+        std::array::from_fn(|k| a[k] + (dot / square) * along[k])
+    } else {
+        a
+    }
+}
+
+fn distance<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+    (0..D).fold(0.0, |sum, k| sum + (a[k] - b[k]) * (a[k] - b[k])).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_distance_to_a_polyline_is_that_to_its_nearest_place() {
+        let polyline =
+            Polyline { points: vec![[0.0, 0.0], [2.0, 0.0], [2.0, 2.0]], places: Vec::new(), closed: false };
+        for (point, far) in [([1.0, 1.0], 1.0), ([-3.0, -4.0], 5.0), ([2.0, 2.5], 0.5), ([1.0, 0.0], 0.0)] {
+            assert_eq!(distance_to_polyline(point, &polyline), far);
+        }
+        let closed = Polyline { closed: true, ..polyline };
+        assert!((distance_to_polyline([1.0, 1.0], &closed)).abs() < 1e-15);
+        assert_eq!(distance_to_polyline([0.0, 0.0], &Polyline::<2>::default()), f64::INFINITY);
+    }
+}

@@ -1,0 +1,87 @@
+//! `DoubleDouble`: a number as an unevaluated sum of two, with about 106 bits, for differences that cancel.
+//!
+//! Source: T. J. Dekker, *A floating-point technique for extending the available precision*, 1971. Products are split
+//! without a fused multiply-add, so the results are the same everywhere; they need factors below 1e300.
+
+/// `hi + lo`, where `lo` is at most half a unit in the last place of `hi`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct DoubleDouble {
+    pub(crate) hi: f64,
+    pub(crate) lo: f64,
+}
+
+impl DoubleDouble {
+    pub(crate) fn of(x: f64) -> Self {
+        Self { hi: x, lo: 0.0 }
+    }
+
+    /// `a + b`, exactly.
+    pub(crate) fn sum(a: f64, b: f64) -> Self {
+        let hi = a + b;
+        let of_b = hi - a;
+        Self { hi, lo: (a - (hi - of_b)) + (b - of_b) }
+    }
+
+    /// `a · b`, exactly unless it under- or overflows.
+    pub(crate) fn product(a: f64, b: f64) -> Self {
+        let (a0, a1) = halves(a);
+        let (b0, b1) = halves(b);
+        let hi = a * b;
+        Self { hi, lo: ((a0 * b0 - hi) + a0 * b1 + a1 * b0) + a1 * b1 }
+    }
+
+    /// The sum, to about 2⁻¹⁰⁴ of the larger one.
+    pub(crate) fn plus(self, other: Self) -> Self {
+        let s = Self::sum(self.hi, other.hi);
+        Self::sum(s.hi, s.lo + (self.lo + other.lo))
+    }
+
+    /// The product, to about 2⁻¹⁰² of itself.
+    pub(crate) fn times(self, other: Self) -> Self {
+        let p = Self::product(self.hi, other.hi);
+        Self::sum(p.hi, p.lo + (self.hi * other.lo + self.lo * other.hi))
+    }
+
+    /// The quotient by `divisor` ≠ 0, to about 2⁻¹⁰² of itself.
+    pub(crate) fn over(self, divisor: f64) -> Self {
+        let q = self.hi / divisor;
+        let taken = Self::product(q, divisor);
+        let rest = ((self.hi - taken.hi) - taken.lo) + self.lo;
+        Self::sum(q, rest / divisor)
+    }
+
+    pub(crate) fn minus(self, other: Self) -> Self {
+        self.plus(Self { hi: -other.hi, lo: -other.lo })
+    }
+}
+
+/// The upper and the lower 26 bits of a number.
+fn halves(x: f64) -> (f64, f64) {
+    // 2²⁷ + 1 (Veltkamp).
+    let scaled = 134_217_729.0 * x;
+    let upper = scaled - (scaled - x);
+    (upper, x - upper)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_difference_that_cancels_keeps_its_digits() {
+        // (1 + 2⁻³⁰)² − 1 − 2⁻²⁹ = 2⁻⁶⁰, of which plain arithmetic sees nothing.
+        let tiny = 2.0_f64.powi(-30);
+        let x = DoubleDouble::sum(1.0, tiny);
+        let square = x.times(x).minus(DoubleDouble::of(1.0)).minus(DoubleDouble::of(2.0 * tiny));
+        assert_eq!(square.hi, 2.0_f64.powi(-60));
+        assert_eq!((1.0 + tiny) * (1.0 + tiny) - 1.0 - 2.0 * tiny, 0.0);
+    }
+
+    #[test]
+    fn a_third_three_times_is_one() {
+        let third = DoubleDouble::of(1.0).over(3.0);
+        let one = third.times(DoubleDouble::of(3.0));
+        assert_eq!(one.hi, 1.0);
+        assert!(one.lo.abs() < 2.0_f64.powi(-100));
+    }
+}
