@@ -11,7 +11,7 @@ pub struct Outcome {
     pub(crate) exit: u8,
     /// The file.
     pub(crate) bytes: Vec<u8>,
-    /// The certificate as JSON.
+    /// The certificate, or the answer to a question, as JSON.
     pub(crate) report: Vec<u8>,
     /// One sentence.
     pub(crate) error: Vec<u8>,
@@ -32,6 +32,14 @@ impl Outcome {
             },
             Err(error) => Self::failed(4, error),
         }
+    }
+}
+
+/// The answer to a page's question, which stands in the report's place.
+pub(crate) fn answer(answer: Result<serde_json::Value, String>) -> Outcome {
+    match answer {
+        Ok(answer) => Outcome { report: answer.to_string().into_bytes(), ..Outcome::default() },
+        Err(error) => Outcome::failed(2, error),
     }
 }
 

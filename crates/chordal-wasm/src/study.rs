@@ -1,0 +1,142 @@
+//! What a page asks about one cubic: its polylines at a number of segments, and how the error falls with that number.
+use crate::question::{Question, Wrong};
+use chordal::budget::Bounded;
+use chordal::check::{Gap, largest_gap};
+use chordal::convert::{curve_to_polyline, curve_to_polyline_evenly};
+use chordal::explicit::{Curve, Polyline};
+use chordal::{Bezier, Bound, Budget, Failure, Job, Tolerance};
+use serde_json::{Value, json};
+
+/// The most segments tried for a tolerance. Trying one after the other up to here is half a million chords.
+const MOST_TRIED: u64 = 1024;
+/// The parts of the curve whose ends are told, so that a page finds the parameter under a finger.
+const RAIL: u64 = 96;
+/// The range of pixels per unit, and of a tolerance in pixels.
+const SCALES: [f64; 2] = [1e-3, 1e6]; // defined: far more than any screen shows
+
+type Made = Result<Bounded<Polyline<2>>, Failure<Polyline<2>>>;
+
+/// How the segments of a chain are placed.
+#[derive(Clone, Copy)]
+enum Chain {
+    Even,
+    Fewest,
+}
+
+impl Chain {
+    fn make(self, curve: &Curve<2>, budget: &Budget) -> Made {
+        match self {
+            Self::Even => curve_to_polyline_evenly(curve, budget, &Job::default()),
+            Self::Fewest => curve_to_polyline(curve, budget, &Job::default()),
+        }
+    }
+
+    /// The chain of at most `n` segments, which a single piece always has.
+    fn of(self, curve: &Curve<2>, n: u64) -> Result<Bounded<Polyline<2>>, Wrong> {
+        self.make(curve, &Budget::segments(n)).map_err(|failure| failure.to_string())
+    }
+}
+
+/// Answers `{"control", "segments", "pixels_per_unit", "pixels", "t"}`.
+pub(crate) fn study(bytes: &[u8]) -> Result<Value, Wrong> {
+    let asked = Question::parse(bytes, &["control", "segments", "pixels_per_unit", "pixels", "t"])?;
+    let cubic = asked.cubic("control")?;
+    let n = asked.segments("segments")?;
+    let scale = asked.number("pixels_per_unit", SCALES)?;
+    let pixels = asked.number("pixels", SCALES)?;
+    let t = asked.number("t", [0.0, 1.0])?;
+    let curve = Curve::from(cubic);
+    // Rounded down, so that what meets the length meets the pixels.
+    let length = Tolerance::new((pixels / scale).next_down()).map_err(|error| error.to_string())?;
+    Ok(json!({
+        "control": cubic.control,
+        "even": told(&curve, &Chain::Even.of(&curve, n)?, scale),
+        "fewest": told(&curve, &Chain::Fewest.of(&curve, n)?, scale),
+        "needed": { "even": needed_evenly(&curve, length), "fewest": needed_at_least(&curve, length) },
+        "construction": construction(&cubic, t),
+    }))
+}
+
+/// Answers `{"control", "counts", "pixels_per_unit"}`.
+pub(crate) fn ladder(bytes: &[u8]) -> Result<Value, Wrong> {
+    let asked = Question::parse(bytes, &["control", "counts", "pixels_per_unit"])?;
+    let cubic = asked.cubic("control")?;
+    let counts = asked.counts("counts")?;
+    let scale = asked.number("pixels_per_unit", SCALES)?;
+    let curve = Curve::from(cubic);
+    let rungs = |chain: Chain| -> Result<Value, Wrong> {
+        let rung = |n: &u64| {
+            let made = chain.of(&curve, *n)?;
+            let gap = largest_gap(&curve, &made.shape).map_or(0.0, |gap| gap.distance);
+            Ok(
+                json!({ "segments": made.shape.n_segments(), "gap": in_pixels(gap, scale), "bound": bound_in_pixels(&made.bound, scale) }),
+            )
+        };
+        counts.iter().map(rung).collect()
+    };
+    let rail = Chain::Even.of(&curve, RAIL)?.shape;
+    Ok(json!({
+        "control": cubic.control,
+        "counts": counts,
+        "even": rungs(Chain::Even)?,
+        "fewest": rungs(Chain::Fewest)?,
+        "rail": { "points": rail.points, "places": rail.places },
+    }))
+}
+
+fn construction(cubic: &Bezier<2>, t: f64) -> Value {
+    let levels = cubic.de_casteljau(t);
+    json!({ "t": t, "first": levels.first, "second": levels.second, "point": levels.point })
+}
+
+/// A chain with what was lost, measured and proved. Where the curve is a point there is no gap.
+fn told(curve: &Curve<2>, made: &Bounded<Polyline<2>>, scale: f64) -> Value {
+    let gap = largest_gap(curve, &made.shape).map(|Gap { distance, place, on_curve, on_polyline }| {
+        json!({
+            "distance": distance, "pixels": in_pixels(distance, scale), "place": place,
+            "on_curve": on_curve, "on_polyline": on_polyline,
+        })
+    });
+    json!({
+        "points": made.shape.points,
+        "places": made.shape.places,
+        "segments": made.shape.n_segments(),
+        "gap": gap,
+        "bound": {
+            "at_least": made.bound.at_least(), "at_most": made.bound.at_most(),
+            "pixels": bound_in_pixels(&made.bound, scale), "evidence": made.bound.evidence().as_str(),
+        },
+    })
+}
+
+fn in_pixels(distance: f64, scale: f64) -> f64 {
+    distance * scale
+}
+
+/// The proved bound in pixels, never too small.
+fn bound_in_pixels(bound: &Bound, scale: f64) -> Option<f64> {
+    bound.at_most().map(|most| if most > 0.0 { (most * scale).next_up() } else { 0.0 })
+}
+
+/// The smallest number of equal steps that is proved to keep the length; none where [`MOST_TRIED`] do not.
+fn needed_evenly(curve: &Curve<2>, length: Tolerance) -> Option<u64> {
+    (1..=MOST_TRIED).find(|n| {
+        let made = Chain::Even.make(curve, &Budget::segments(*n));
+        made.is_ok_and(|made| made.bound.at_most().is_some_and(|most| most <= length.get()))
+    })
+}
+
+/// The smallest number of segments that is proved to keep the length, wherever they are put.
+fn needed_at_least(curve: &Curve<2>, length: Tolerance) -> Option<u64> {
+    let budget = Budget { segments: Some(MOST_TRIED), ..Budget::length(length) };
+    let mut fewest = Chain::Fewest.make(curve, &budget).ok()?.shape.n_segments() as u64;
+    // The arrow promises nearly the fewest; whether one less will do is quickly tried.
+    while fewest > 1 {
+        let fewer = Budget { segments: Some(fewest - 1), ..budget };
+        match Chain::Fewest.make(curve, &fewer) {
+            Ok(made) => fewest = made.shape.n_segments() as u64,
+            Err(_) => break,
+        }
+    }
+    Some(fewest)
+}
