@@ -1,0 +1,71 @@
+//! `Polynomial`: the one polynomial through all of many points, for comparison: what splines were made to avoid.
+use super::spline::InvalidSpline;
+
+/// The polynomial of least degree through `points` at `nodes`.
+///
+/// Every point of it depends on every point given, and through equally spaced nodes it swings out of bounds near the
+/// ends (C. Runge, 1901): for 1/(1+25x²) at 11 nodes on [−1, 1] by 1.9 where the function is at most 1.
+///
+/// ```
+/// use chordal::explicit::Polynomial;
+/// let parabola = Polynomial::through(&[0.0, 1.0, 3.0], &[[0.0], [1.0], [9.0]])?;
+/// assert_eq!(parabola.at(2.0), [4.0]);
+/// # Ok::<(), chordal::explicit::spline::InvalidSpline>(())
+/// ```
+///
+/// Source: J.-P. Berrut, L. N. Trefethen, *Barycentric Lagrange interpolation*, 2004 (the second form).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Polynomial<const D: usize> {
+    nodes: Vec<f64>,
+    points: Vec<[f64; D]>,
+    weights: Vec<f64>,
+}
+
+impl<const D: usize> Polynomial<D> {
+    /// Quadratic in the number of points.
+    ///
+    /// # Errors
+    /// No points, not one node for each, two equal nodes, numbers that are not finite.
+    pub fn through(nodes: &[f64], points: &[[f64; D]]) -> Result<Self, InvalidSpline> {
+        if points.is_empty() {
+            return Err(InvalidSpline::TooFew(1));
+        }
+        if nodes.len() != points.len() {
+            return Err(InvalidSpline::Tangents);
+        }
+        if !nodes.iter().chain(points.as_flattened()).all(|x| x.is_finite()) {
+            return Err(InvalidSpline::NotFinite);
+        }
+        // Scaled by the width of all nodes, so that products of many differences stay in the range of numbers longer.
+        let (low, high) = nodes.iter().fold((nodes[0], nodes[0]), |(low, high), x| {
+            (if *x < low { *x } else { low }, if *x > high { *x } else { high })
+        });
+        let scale = if high > low { 4.0 / (high - low) } else { 1.0 };
+        let weight = |i: usize| {
+            let others = nodes.iter().enumerate().filter(|(j, _)| *j != i);
+            1.0 / others.fold(1.0, |product, (_, x)| product * (scale * (nodes[i] - x)))
+        };
+        let weights: Vec<f64> = (0..nodes.len()).map(weight).collect();
+        match weights.iter().position(|w| !w.is_finite()) {
+            Some(i) => Err(InvalidSpline::Repeated(i)),
+            None => Ok(Self { nodes: nodes.to_vec(), points: points.to_vec(), weights }),
+        }
+    }
+
+    /// The point at `x`.
+    #[must_use]
+    pub fn at(&self, x: f64) -> [f64; D] {
+        let (mut above, mut below) = ([0.0; D], 0.0);
+        for ((node, point), weight) in self.nodes.iter().zip(&self.points).zip(&self.weights) {
+            if x == *node {
+                return *point;
+            }
+            let share = weight / (x - node);
+            below += share;
+            for k in 0..D {
+                above[k] += share * point[k];
+            }
+        }
+        above.map(|sum| sum / below)
+    }
+}

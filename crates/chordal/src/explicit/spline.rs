@@ -1,0 +1,254 @@
+//! Splines: chains of cubic pieces through points or near them, as paths of Bézier pieces.
+//!
+//! | spline | through its points | continuity | moving one point changes |
+//! |---|---|---|---|
+//! | [`hermite`] | yes, with the tangents given | C1 | 2 pieces |
+//! | [`catmull_rom`] | yes | C1 | 4 pieces |
+//! | [`natural`] | yes | C2 | all pieces, farther ones less |
+//! | [`b_spline`] | no | C2 | 4 pieces |
+//!
+//! Piece `i` starts at point `i` where the spline goes through its points. No more than one cubic spline can be
+//! C2, local and through its points at once: each of these gives up one of the three.
+//!
+//! Sources: G. Farin, *Curves and Surfaces for CAGD*, 5th ed., 2002, ch. 8–9; E. Catmull, R. Rom, *A class of local
+//! interpolating splines*, 1974; C. Yuksel, S. Schaefer, J. Keyser, *Parameterization and applications of Catmull–Rom
+//! curves*, 2011 (centripetal: no cusps and no loops within a piece).
+use super::{Bezier, Curve, InvalidCurve, Piece};
+use std::fmt;
+
+/// Where the parameters of the points lie.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Knots {
+    /// At whole numbers.
+    #[default]
+    Uniform,
+    /// Apart by the square root of the distance of the points.
+    Centripetal,
+}
+
+/// Why there is no spline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InvalidSpline {
+    /// This many points are needed.
+    TooFew(usize),
+    /// There is not one tangent for each point.
+    Tangents,
+    /// Two points in a row are equal, from this one on, and centripetal knots would be too.
+    Repeated(usize),
+    /// A number is not finite, or grows so on the way.
+    NotFinite,
+}
+
+impl fmt::Display for InvalidSpline {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooFew(n) => write!(f, "the spline needs at least {n} points"),
+            Self::Tangents => f.write_str("the spline needs one tangent for each point"),
+            Self::Repeated(i) => {
+                write!(f, "point {i} and the next one are equal, so their centripetal knots would be too")
+            }
+            Self::NotFinite => f.write_str("the spline has a number that is not finite"),
+        }
+    }
+}
+
+impl std::error::Error for InvalidSpline {}
+
+impl From<InvalidCurve> for InvalidSpline {
+    fn from(_: InvalidCurve) -> Self {
+        Self::NotFinite
+    }
+}
+
+/// The path through `points` with these first derivatives (per piece) there.
+///
+/// # Errors
+/// Fewer than two points, a tangent for each not given, numbers that are not finite.
+///
+/// ```
+/// use chordal::explicit::spline;
+/// let arch = spline::hermite(&[[0.0, 0.0], [1.0, 0.0]], &[[0.0, 3.0], [0.0, -3.0]])?;
+/// assert_eq!(arch.at(0.5), [0.5, 0.75]);
+/// # Ok::<(), chordal::explicit::spline::InvalidSpline>(())
+/// ```
+pub fn hermite<const D: usize>(
+    points: &[[f64; D]],
+    tangents: &[[f64; D]],
+) -> Result<Curve<D>, InvalidSpline> {
+    at_least(points, 2)?;
+    if points.len() != tangents.len() {
+        return Err(InvalidSpline::Tangents);
+    }
+    let ends = points.windows(2).zip(tangents.windows(2));
+    path(ends.map(|(p, m)| from_ends([p[0], p[1]], [m[0], m[1]])), false)
+}
+
+/// The path through `points` whose tangent at each point is a mean of the slopes of the two chords there.
+///
+/// With uniform knots it is along the line from the point before to the point after. An open path takes the slope of
+/// its first and of its last chord at its ends.
+///
+/// # Errors
+/// Fewer than two points (three for a closed path), equal points in a row with centripetal knots, numbers that are not
+/// finite.
+///
+/// ```
+/// use chordal::explicit::spline::{self, Knots};
+/// let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+/// let round = spline::catmull_rom(&square, Knots::Uniform, true)?;
+/// assert_eq!((round.at(1.0), round.at(0.5)), ([1.0, 0.0], [0.5, -0.125]));
+/// # Ok::<(), chordal::explicit::spline::InvalidSpline>(())
+/// ```
+pub fn catmull_rom<const D: usize>(
+    points: &[[f64; D]],
+    knots: Knots,
+    closed: bool,
+) -> Result<Curve<D>, InvalidSpline> {
+    at_least(points, if closed { 3 } else { 2 })?;
+    let n = points.len();
+    let n_pieces = if closed { n } else { n - 1 };
+    let widths = widths(points, knots, n_pieces)?;
+    let slope = |i: usize| -> [f64; D] {
+        let (a, b) = (points[i], points[(i + 1) % n]);
+        std::array::from_fn(|k| (b[k] - a[k]) / widths[i])
+    };
+    // The derivative at a point, by the parameter of the knots.
+    let tangent = |i: usize| -> [f64; D] {
+        if !closed && i == 0 {
+            return slope(0);
+        }
+        if !closed && i == n - 1 {
+            return slope(n - 2);
+        }
+        let before = (i + n_pieces - 1) % n_pieces;
+        let (d0, d1) = (widths[before], widths[i]);
+        let (s0, s1) = (slope(before), slope(i));
+        // The parabola through the three points.
+        std::array::from_fn(|k| (d1 * s0[k] + d0 * s1[k]) / (d0 + d1))
+    };
+    let pieces = (0..n_pieces).map(|i| {
+        let j = (i + 1) % n;
+        let along = |m: [f64; D]| m.map(|x| x * widths[i]);
+        from_ends([points[i], points[j]], [along(tangent(i)), along(tangent(j))])
+    });
+    path(pieces, closed)
+}
+
+/// The widths of the pieces in the parameter of [`catmull_rom`]: in it the path is C1.
+///
+/// # Errors
+/// When two points in a row are equal and the knots centripetal.
+pub fn widths<const D: usize>(
+    points: &[[f64; D]],
+    knots: Knots,
+    n_pieces: usize,
+) -> Result<Vec<f64>, InvalidSpline> {
+    let width = |i: usize| {
+        let (a, b) = (points[i], points[(i + 1) % points.len()]);
+        match knots {
+            Knots::Uniform => Ok(1.0),
+            Knots::Centripetal => {
+                let square = (0..D).fold(0.0, |sum, k| sum + (b[k] - a[k]) * (b[k] - a[k]));
+                let width = square.sqrt().sqrt();
+                if width > 0.0 { Ok(width) } else { Err(InvalidSpline::Repeated(i)) }
+            }
+        }
+    };
+    (0..n_pieces).map(width).collect()
+}
+
+/// The smoothest path through `points`: C2, with no second derivative at its two ends.
+///
+/// Among all paths through the points at whole parameters it has the least integral of the square of the second
+/// derivative. One tridiagonal system, linear time.
+///
+/// # Errors
+/// Fewer than two points, numbers that are not finite.
+///
+/// ```
+/// use chordal::explicit::spline;
+/// let path = spline::natural(&[[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]])?;
+/// assert_eq!(path.at(1.0), [1.0, 1.0]);
+/// assert_eq!(path.at(0.5)[1], 0.6875);
+/// # Ok::<(), chordal::explicit::spline::InvalidSpline>(())
+/// ```
+pub fn natural<const D: usize>(points: &[[f64; D]]) -> Result<Curve<D>, InvalidSpline> {
+    at_least(points, 2)?;
+    let n = points.len();
+    // Rows [2 1], [1 4 1] …, [1 2] times the tangents are 3·(next − before). Elimination downwards, then upwards
+    // (L. H. Thomas, 1949); the matrix is diagonally dominant, so it is stable without exchanges.
+    let right = |i: usize| -> [f64; D] {
+        let (before, next) = (points[i.saturating_sub(1)], points[(i + 1).min(n - 1)]);
+        std::array::from_fn(|k| 3.0 * (next[k] - before[k]))
+    };
+    let mut upper = Vec::with_capacity(n);
+    let mut tangents: Vec<[f64; D]> = Vec::with_capacity(n);
+    for i in 0..n {
+        let own = if i == 0 || i == n - 1 { 2.0 } else { 4.0 };
+        let (before, row) = match tangents.last() {
+            None => (0.0, right(i)),
+            Some(last) => {
+                let r = right(i);
+                (upper[i - 1], std::array::from_fn(|k| r[k] - last[k]))
+            }
+        };
+        let pivot: f64 = own - before;
+        upper.push(1.0 / pivot);
+        tangents.push(row.map(|x| x / pivot));
+    }
+    for i in (0..n - 1).rev() {
+        let next = tangents[i + 1];
+        for k in 0..D {
+            tangents[i][k] -= upper[i] * next[k];
+        }
+    }
+    hermite(points, &tangents)
+}
+
+/// The uniform cubic B-spline with these control points: C2, near them but not through them, inside their hull.
+///
+/// Piece `i` depends on the control points `i` to `i + 3` only, so that one moved point changes four pieces and not a
+/// bit of the others.
+///
+/// # Errors
+/// Fewer than four points (three for a closed path), numbers that are not finite.
+///
+/// ```
+/// use chordal::explicit::spline;
+/// let path = spline::b_spline(&[[0.0, 0.0], [6.0, 0.0], [6.0, 6.0], [0.0, 6.0]], false)?;
+/// assert_eq!(path.pieces().len(), 1);
+/// assert_eq!((path.start(), path.end()), ([5.0, 1.0], [5.0, 5.0]));
+/// # Ok::<(), chordal::explicit::spline::InvalidSpline>(())
+/// ```
+pub fn b_spline<const D: usize>(control: &[[f64; D]], closed: bool) -> Result<Curve<D>, InvalidSpline> {
+    at_least(control, if closed { 3 } else { 4 })?;
+    let n = control.len();
+    let n_pieces = if closed { n } else { n - 3 };
+    let at = |i: usize| control[i % n];
+    let knot = |i: usize| -> [f64; D] {
+        let [a, b, c] = [at(i), at(i + 1), at(i + 2)];
+        std::array::from_fn(|k| ((a[k] + c[k]) + 4.0 * b[k]) / 6.0)
+    };
+    let third = |near: [f64; D], far: [f64; D]| std::array::from_fn(|k| (2.0 * near[k] + far[k]) / 3.0);
+    let piece = |i: usize| Bezier {
+        control: [knot(i % n), third(at(i + 1), at(i + 2)), third(at(i + 2), at(i + 1)), knot((i + 1) % n)],
+    };
+    path((0..n_pieces).map(piece), closed)
+}
+
+fn from_ends<const D: usize>([a, b]: [[f64; D]; 2], [m, o]: [[f64; D]; 2]) -> Bezier<D> {
+    let start = std::array::from_fn(|k| a[k] + m[k] / 3.0);
+    let end = std::array::from_fn(|k| b[k] - o[k] / 3.0);
+    Bezier { control: [a, start, end, b] }
+}
+
+fn at_least<const D: usize>(points: &[[f64; D]], n: usize) -> Result<(), InvalidSpline> {
+    if points.len() < n { Err(InvalidSpline::TooFew(n)) } else { Ok(()) }
+}
+
+fn path<const D: usize>(
+    pieces: impl Iterator<Item = Bezier<D>>,
+    closed: bool,
+) -> Result<Curve<D>, InvalidSpline> {
+    Ok(Curve::new(pieces.map(Piece::Cubic).collect(), closed)?)
+}

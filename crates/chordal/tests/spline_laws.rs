@@ -1,0 +1,155 @@
+//! Splines keep what they promise: through the points or not, how smooth, and how far a moved point is felt.
+use chordal::check::{join, joins};
+use chordal::explicit::spline::{self, InvalidSpline, Knots};
+use chordal::explicit::{Curve, Piece, Polynomial};
+
+/// A generator with a printed seed (Knuth's linear congruential constants).
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn points<const D: usize>(&mut self, n: usize) -> Vec<[f64; D]> {
+        (0..n).map(|_| std::array::from_fn(|_| 10.0 * self.unit() - 5.0)).collect()
+    }
+}
+
+fn bits(piece: &Piece<3>) -> Vec<u64> {
+    let Piece::Cubic(cubic) = piece else { panic!("splines are cubics") };
+    cubic.control.as_flattened().iter().map(|x| x.to_bits()).collect()
+}
+
+fn changed(before: &Curve<3>, after: &Curve<3>) -> Vec<usize> {
+    let pairs = before.pieces().iter().zip(after.pieces()).enumerate();
+    pairs.filter(|(_, (a, b))| bits(a) != bits(b)).map(|(i, _)| i).collect()
+}
+
+#[test]
+fn a_moved_control_point_of_a_b_spline_changes_four_spans_and_no_bit_of_the_others() {
+    let mut random = Random(1);
+    for closed in [false, true] {
+        for moved in 0..20 {
+            let control = random.points::<3>(20);
+            let mut other = control.clone();
+            other[moved][1] += 0.125;
+            let [before, after] = [&control, &other].map(|c| spline::b_spline(c, closed).unwrap());
+            let changed = changed(&before, &after);
+            let all = if closed { 20 } else { 17 };
+            let expected: Vec<usize> = (0..all).filter(|i| (0..4).any(|k| (i + k) % 20 == moved)).collect();
+            assert_eq!(changed, expected, "closed {closed}, moved {moved}");
+            assert!(changed.len() <= 4);
+        }
+    }
+}
+
+#[test]
+fn a_moved_point_is_felt_by_four_pieces_of_catmull_rom_and_by_all_of_a_natural_spline() {
+    let points = Random(2).points::<3>(12);
+    let mut other = points.clone();
+    other[6][0] += 0.5;
+    for knots in [Knots::Uniform, Knots::Centripetal] {
+        let [before, after] = [&points, &other].map(|p| spline::catmull_rom(p, knots, false).unwrap());
+        assert_eq!(changed(&before, &after), [4, 5, 6, 7]);
+    }
+    let [before, after] = [&points, &other].map(|p| spline::natural(p).unwrap());
+    assert_eq!(changed(&before, &after).len(), 11);
+    // By about 2 + √3 less with each piece.
+    let felt = |i: usize| (before.at(i as f64 + 0.5)[0] - after.at(i as f64 + 0.5)[0]).abs();
+    assert!((7..9).all(|i| (3.0..4.5).contains(&(felt(i) / felt(i + 1)))), "{:?}", [7, 8, 9, 10].map(felt));
+}
+
+#[test]
+fn the_polynomial_through_many_points_changes_everywhere() {
+    let nodes: Vec<f64> = (0..11).map(|i| f64::from(i) / 5.0 - 1.0).collect();
+    let points: Vec<[f64; 1]> = nodes.iter().map(|x| [1.0 / (1.0 + 25.0 * x * x)]).collect();
+    let mut other = points.clone();
+    other[5][0] += 1e-3;
+    let [before, after] = [&points, &other].map(|p| Polynomial::through(&nodes, p).unwrap());
+    for node in &nodes[..10] {
+        let x = node + 0.1;
+        let felt = (after.at(x)[0] - before.at(x)[0]).abs();
+        assert!(felt > 3e-4, "at {x} by {felt}");
+    }
+    // Nine times more near the end than beside it: six times as much as was moved.
+    assert!((after.at(0.95)[0] - before.at(0.95)[0]).abs() > 5e-3);
+}
+
+#[test]
+fn runge_s_function_swings_in_a_polynomial_and_not_in_a_spline() {
+    let runge = |x: f64| 1.0 / (1.0 + 25.0 * x * x);
+    let nodes: Vec<f64> = (0..11).map(|i| f64::from(i) / 5.0 - 1.0).collect();
+    let points: Vec<[f64; 2]> = nodes.iter().map(|x| [*x, runge(*x)]).collect();
+    let polynomial = Polynomial::through(&nodes, &points).unwrap();
+    let path = spline::natural(&points).unwrap();
+    let (mut swing, mut off): (f64, f64) = (0.0, 0.0);
+    for i in 0..=2000 {
+        let x = f64::from(i) / 1000.0 - 1.0;
+        swing = swing.max((polynomial.at(x)[1] - runge(x)).abs());
+        let [at, y] = path.at((x + 1.0) * 5.0);
+        assert!((at - x).abs() < 1e-14, "equal steps of x keep x equal to the parameter");
+        off = off.max((y - runge(x)).abs());
+    }
+    // Known values: 1.915643 for the polynomial (at x = 0.9603…) and 0.02196 for the spline.
+    assert!((swing - 1.9156).abs() < 1e-3, "{swing}");
+    assert!((off - 0.02196).abs() < 2e-4, "{off}");
+}
+
+#[test]
+fn splines_are_as_smooth_as_they_say_and_no_smoother() {
+    let mut random = Random(3);
+    for scale in [1e-6, 1.0, 1e6] {
+        let points: Vec<[f64; 2]> = random.points::<2>(40).iter().map(|p| p.map(|x| scale * x)).collect();
+        let all = |path: &Curve<2>, class| joins(path).iter().all(|join| join.parametric == Some(class));
+        assert!(all(&spline::natural(&points).unwrap(), 2));
+        assert!(all(&spline::b_spline(&points, false).unwrap(), 2));
+        assert!(all(&spline::b_spline(&points, true).unwrap(), 2));
+        assert_eq!(joins(&spline::b_spline(&points, true).unwrap()).len(), 40);
+        assert!(all(&spline::catmull_rom(&points, Knots::Uniform, true).unwrap(), 1));
+        let centripetal = spline::catmull_rom(&points, Knots::Centripetal, true).unwrap();
+        assert!(
+            joins(&centripetal).iter().all(|join| join.parametric == Some(0) && join.geometric == Some(1))
+        );
+        let widths = spline::widths(&points, Knots::Centripetal, 40).unwrap();
+        for (i, pair) in centripetal.pieces().windows(2).enumerate() {
+            assert_eq!(join([&pair[0], &pair[1]], [widths[i], widths[i + 1]], i + 1).parametric, Some(1));
+        }
+    }
+}
+
+#[test]
+fn splines_go_through_their_points_and_the_b_spline_stays_in_its_hull() {
+    let points = Random(4).points::<3>(30);
+    for path in [
+        spline::natural(&points).unwrap(),
+        spline::catmull_rom(&points, Knots::Uniform, false).unwrap(),
+        spline::catmull_rom(&points, Knots::Centripetal, false).unwrap(),
+    ] {
+        assert!(points.iter().enumerate().all(|(i, p)| path.at(i as f64) == *p));
+    }
+    let path = spline::b_spline(&points, false).unwrap();
+    for (i, piece) in path.pieces().iter().enumerate() {
+        let [low, high] = piece.hull();
+        for k in 0..3 {
+            let near = points[i..i + 4].iter().map(|p| p[k]);
+            let (least, most) =
+                (near.clone().fold(f64::INFINITY, f64::min), near.fold(-f64::INFINITY, f64::max));
+            assert!(low[k] >= least - 1e-14 && high[k] <= most + 1e-14);
+        }
+    }
+}
+
+#[test]
+fn what_makes_no_spline_is_refused() {
+    let p = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.0]];
+    assert_eq!(spline::natural(&p[..1]), Err(InvalidSpline::TooFew(2)));
+    assert_eq!(spline::b_spline(&p, false), Err(InvalidSpline::TooFew(4)));
+    assert_eq!(spline::hermite(&p, &p[..2]), Err(InvalidSpline::Tangents));
+    assert_eq!(spline::catmull_rom(&p, Knots::Centripetal, false), Err(InvalidSpline::Repeated(1)));
+    assert!(spline::catmull_rom(&p, Knots::Uniform, false).is_ok());
+    assert_eq!(spline::natural(&[[f64::NAN], [1.0]]), Err(InvalidSpline::NotFinite));
+    assert_eq!(spline::natural(&[[1e308], [-1e308], [1e308]]), Err(InvalidSpline::NotFinite));
+    assert_eq!(Polynomial::through(&[0.0, 0.0], &[[1.0], [2.0]]), Err(InvalidSpline::Repeated(0)));
+}
