@@ -66,13 +66,14 @@ impl Question {
         Ok(Bezier { control })
     }
 
-    /// One of C0, C1, C2.
-    pub fn smoothness(&self, key: &str) -> Result<Smoothness, Wrong> {
+    /// One of C0, C1, C2, or none.
+    pub fn smoothness(&self, key: &str) -> Result<Option<Smoothness>, Wrong> {
         match self.get(key).as_str() {
-            Some("C0") => Ok(Smoothness::C0),
-            Some("C1") => Ok(Smoothness::C1),
-            Some("C2") => Ok(Smoothness::C2),
-            _ => Err(format!("{key} is C0, C1 or C2")),
+            Some("none") => Ok(None),
+            Some("C0") => Ok(Some(Smoothness::C0)),
+            Some("C1") => Ok(Some(Smoothness::C1)),
+            Some("C2") => Ok(Some(Smoothness::C2)),
+            _ => Err(format!("{key} is none, C0, C1 or C2")),
         }
     }
 

@@ -1,0 +1,185 @@
+// Brings the page to life: reads the address, asks the core, draws at most once a frame.
+import { render } from "preact";
+import { Engine, type Trouble } from "./core/engine";
+import type { AnswerOf, Kind, QuestionOf, SeamQuestion } from "./core/types";
+import { Speaker, TAGS, preferred } from "./i18n/speak";
+import { ladderOf, pixelsPerUnit, seamOf, studyOf } from "./questions";
+import { read, write } from "./state/fragment";
+import { type Eight, GRID, type Language, type State } from "./state/state";
+import { App } from "./view/App";
+import type { Answers, Change, Note, Page, Surroundings } from "./view/page";
+
+/** The address is written when the hand rests: some browsers refuse more than a hundred changes in half a minute. */
+const REST_MS = 300;
+/** And the widest gap is spoken then. */
+const SPEAK_MS = 900;
+
+const root = document.getElementById("app")!;
+const pageLanguage: Language = document.documentElement.lang.startsWith("zh") ? "zh" : preferred(navigator.languages);
+
+let { state, isDamaged } = read(location.hash);
+let answers: Partial<Answers> = {};
+let notes: readonly Note[] = isDamaged ? [{ key: "note.damaged" }] : [];
+let around: Surroundings = {
+  width: measured() ?? 720,
+  ownDensity: devicePixelRatio,
+  isEmbedded: new URLSearchParams(location.search).get("embed") === "1",
+  isStill: false,
+};
+let say = new Speaker(languageOf(state));
+let leader: "first" | "second" = "first";
+let frame = 0;
+let writing: ReturnType<typeof setTimeout> | undefined;
+let speaking: ReturnType<typeof setTimeout> | undefined;
+let asked = "";
+let seamAsked: SeamQuestion;
+let isDrawn = false;
+const sizes = new ResizeObserver(lookAround);
+const spoken = Object.assign(document.createElement("p"), { className: "spoken" });
+spoken.setAttribute("role", "status");
+
+const engine = new Engine(() => new Worker(new URL("./worker.ts", import.meta.url), { type: "module" }), { answered, troubled });
+
+function languageOf(state: State): Language {
+  return state.language ?? pageLanguage;
+}
+
+/** The width of the main figure, where there is one. */
+function measured(): number | undefined {
+  const width = root.querySelector(".stage .drawing")?.getBoundingClientRect().width;
+  return width ? Math.round(width) : undefined;
+}
+
+function set(change: Change, who: "first" | "second" = "first"): void {
+  const before = languageOf(state);
+  state = { ...state, ...(typeof change === "function" ? change(state) : change) };
+  leader = who;
+  if (languageOf(state) !== before) say = new Speaker(languageOf(state));
+  clearTimeout(writing);
+  writing = setTimeout(writeAddress, REST_MS);
+  ask();
+  schedule();
+}
+
+function writeAddress(): void {
+  const fragment = write(state);
+  history.replaceState(null, "", location.pathname + location.search + (fragment && `#${fragment}`));
+}
+
+/** Asks what the state needs and was not asked yet. */
+function ask(): void {
+  engine.ask("study", studyOf(state, around));
+  seamAsked = seamOf(state, leader);
+  engine.ask("seam", seamAsked);
+  const points = JSON.stringify([state.control, pixelsPerUnit(state, around)]);
+  if (points !== asked) {
+    asked = points;
+    engine.ask("ladder", ladderOf(state, around));
+  }
+}
+
+function answered<K extends Kind>(kind: K, answer: AnswerOf<K>, question: QuestionOf<K>): void {
+  answers = { ...answers, [kind]: answer };
+  // An older answer must not take back what the hand has done since.
+  if (kind === "seam" && question === seamAsked) adopt(answer as Answers["seam"]);
+  schedule();
+}
+
+/** The core has moved the points that have to follow; they are the state now, on the grid. */
+function adopt({ first, second }: Answers["seam"]): void {
+  const snap = (value: number) => Math.round(value * GRID) / GRID;
+  const seam = [...first, ...second].map(([x, y]) => [snap(x), snap(y)] as const);
+  state = { ...state, seam: seam as unknown as Eight };
+}
+
+function troubled(trouble: Trouble): void {
+  if (trouble.what === "refused") note({ key: "note.refused", values: { why: trouble.why } });
+  else note({ key: trouble.what === "lost" ? "note.lost" : "note.rebuilt" });
+  schedule();
+}
+
+function note(news: Note): void {
+  notes = [...notes.filter((old) => old.key !== news.key), news];
+}
+
+function schedule(): void {
+  frame ||= requestAnimationFrame(() => {
+    frame = 0;
+    draw();
+  });
+}
+
+function draw(): void {
+  const { study, ladder, seam } = answers;
+  if (!study || !ladder || !seam) {
+    drawNotes();
+    return;
+  }
+  const html = document.documentElement;
+  html.lang = TAGS[say.language];
+  document.title = say.text("title");
+  html.dataset["theme"] = state.theme;
+  const page: Page = {
+    say,
+    state,
+    answers: { study, ladder, seam },
+    around,
+    notes,
+    set,
+    close: (note) => {
+      notes = notes.filter((other) => other !== note);
+      schedule();
+    },
+  };
+  if (!isDrawn) root.replaceChildren();
+  render(<App page={page} move={set} />, root);
+  if (!isDrawn) {
+    isDrawn = true;
+    document.body.append(spoken);
+    html.dataset["ready"] = "1";
+  }
+  const stage = root.querySelector(".stage");
+  if (stage && !(stage as HTMLElement).dataset["watched"]) {
+    (stage as HTMLElement).dataset["watched"] = "1";
+    sizes.disconnect();
+    sizes.observe(stage);
+  }
+  clearTimeout(speaking);
+  speaking = setTimeout(speak, SPEAK_MS);
+}
+
+/** Before the first answer the still page stands; what went wrong is said above it. */
+function drawNotes(): void {
+  const old = root.querySelector(".notes");
+  if (!old) return;
+  old.replaceChildren(
+    ...notes.map((note) => Object.assign(document.createElement("p"), { className: "note", textContent: say.text(note.key, note.values) })),
+  );
+}
+
+function speak(): void {
+  const text = root.querySelector(".headline")?.textContent ?? "";
+  if (spoken.textContent !== text) spoken.textContent = text;
+}
+
+function lookAround(): void {
+  const width = measured() ?? around.width;
+  if (width === around.width && devicePixelRatio === around.ownDensity) return;
+  around = { ...around, width, ownDensity: devicePixelRatio };
+  ask();
+  schedule();
+}
+
+addEventListener("hashchange", () => {
+  ({ state, isDamaged } = read(location.hash));
+  say = new Speaker(languageOf(state));
+  notes = notes.filter((note) => note.key !== "note.damaged");
+  if (isDamaged) note({ key: "note.damaged" });
+  leader = "first";
+  ask();
+  schedule();
+});
+addEventListener("resize", lookAround);
+
+document.documentElement.dataset["theme"] = state.theme;
+ask();
