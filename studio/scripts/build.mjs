@@ -8,7 +8,7 @@ import { fileURLToPath, pathToFileURL } from "node:url";
 import { build } from "vite";
 
 const root = join(dirname(fileURLToPath(import.meta.url)), "..");
-const wasm = join(root, "../target/wasm32-unknown-unknown/release/chordal_wasm.wasm");
+const wasm = join(root, "wasm/chordal.wasm");
 const pages = { "index.html": "en", "zh.html": "zh" };
 const PLACE = "<!--figure and text, written at build time-->";
 

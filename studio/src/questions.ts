@@ -1,6 +1,7 @@
 // What the core is asked for a state.
 import type { LadderQuestion, SeamQuestion, StudyQuestion } from "./core/types";
 import type { State } from "./state/state";
+import { LOUPE_REACH } from "./view/Loupe";
 import { COUNTS } from "./view/Plot";
 import { firstOf, secondOf } from "./view/Seam";
 import { Frame } from "./view/frame";
@@ -18,6 +19,7 @@ export function studyOf(state: State, around: Surroundings): StudyQuestion {
     pixels_per_unit: pixelsPerUnit(state, around),
     pixels: state.goal,
     t: state.t,
+    near: LOUPE_REACH / new Frame(around.width).scale,
   };
 }
 

@@ -2,7 +2,7 @@
 import { Broken, Core, Refused } from "./core/module";
 import type { Call, Reply } from "./core/types";
 
-const file = new URL("../../target/wasm32-unknown-unknown/release/chordal_wasm.wasm", import.meta.url);
+const file = new URL("../wasm/chordal.wasm", import.meta.url);
 
 async function load(): Promise<Core> {
   const response = await fetch(file);

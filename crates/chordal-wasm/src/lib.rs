@@ -21,12 +21,15 @@
 //! stands:
 //!
 //! ```text
-//! chordal_study(question, n)    {"control": [[x, y] × 4], "segments": 8, "pixels_per_unit": 70, "pixels": 0.5, "t": 0.5}
+//! chordal_study(question, n)    {"control": [[x, y] × 4], "segments": 8, "pixels_per_unit": 70, "pixels": 0.5, "t": 0.5, "near": 0.2}
 //! chordal_ladder(question, n)   {"control": …, "counts": [1, 2, 4, …], "pixels_per_unit": 70}
 //! chordal_seam(question, n)     {"first": [[x, y] × 4], "second": …, "smoothness": "C1", "leader": "first", "scale": 0.5}
 //! ```
 //!
 //! Growing memory detaches views that JavaScript holds: make a new `Uint8Array` after every call.
+#[cfg(feature = "files")]
+mod mesh;
+#[cfg(feature = "files")]
 mod options;
 mod outcome;
 mod question;
@@ -55,6 +58,7 @@ pub unsafe extern "C" fn chordal_free(at: *mut u8, len: usize) {
 ///
 /// # Safety
 /// Each pair of `at` and `len` is from one call of [`chordal_alloc`] and was not given back.
+#[cfg(feature = "files")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn chordal_mesh(
     input: *const u8,
@@ -67,7 +71,7 @@ pub unsafe extern "C" fn chordal_mesh(
     let (input, options) = unsafe {
         (std::slice::from_raw_parts(input, input_len), std::slice::from_raw_parts(options, options_len))
     };
-    Box::into_raw(Box::new(outcome::mesh(input, options)))
+    Box::into_raw(Box::new(mesh::mesh(input, options)))
 }
 
 /// Exports a function from one JSON object to another.
@@ -100,7 +104,7 @@ questions! {
 /// 0, or the exit code that the command would have ended with.
 ///
 /// # Safety
-/// `outcome` is from [`chordal_mesh`] or one of its like, and was not released; likewise below.
+/// `outcome` is from [`chordal_study`] or one of its like, and was not released; likewise below.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn chordal_exit(outcome: *const Outcome) -> u32 {
     // SAFETY: by the contract it is a live box that nobody writes to.
@@ -144,14 +148,14 @@ bytes! {
 /// Gives an outcome back.
 ///
 /// # Safety
-/// `outcome` is from [`chordal_mesh`] or one of its like, and it is the first time.
+/// `outcome` is from [`chordal_study`] or one of its like, and it is the first time.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn chordal_release(outcome: *mut Outcome) {
     // SAFETY: by the contract this is the box that `chordal_mesh` leaked, and nobody else drops it.
     drop(unsafe { Box::from_raw(outcome) });
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "files"))]
 mod tests {
     use super::*;
 

@@ -37,21 +37,23 @@ impl Chain {
     }
 }
 
-/// Answers `{"control", "segments", "pixels_per_unit", "pixels", "t"}`.
+/// Answers `{"control", "segments", "pixels_per_unit", "pixels", "t", "near"}`.
 pub(crate) fn study(bytes: &[u8]) -> Result<Value, Wrong> {
-    let asked = Question::parse(bytes, &["control", "segments", "pixels_per_unit", "pixels", "t"])?;
+    let asked = Question::parse(bytes, &["control", "segments", "pixels_per_unit", "pixels", "t", "near"])?;
     let cubic = asked.cubic("control")?;
     let n = asked.segments("segments")?;
     let scale = asked.number("pixels_per_unit", SCALES)?;
     let pixels = asked.number("pixels", SCALES)?;
     let t = asked.number("t", [0.0, 1.0])?;
+    let near = asked.number("near", SCALES)?;
     let curve = Curve::from(cubic);
+    let told = |chain: Chain| chain.of(&curve, n).map(|made| told(&cubic, &made, [scale, near]));
     // Rounded down, so that what meets the length meets the pixels.
     let length = Tolerance::new((pixels / scale).next_down()).map_err(|error| error.to_string())?;
     Ok(json!({
         "control": cubic.control,
-        "even": told(&curve, &Chain::Even.of(&curve, n)?, scale),
-        "fewest": told(&curve, &Chain::Fewest.of(&curve, n)?, scale),
+        "even": told(Chain::Even)?,
+        "fewest": told(Chain::Fewest)?,
         "needed": { "even": needed_evenly(&curve, length), "fewest": needed_at_least(&curve, length) },
         "construction": construction(&cubic, t),
     }))
@@ -89,12 +91,13 @@ fn construction(cubic: &Bezier<2>, t: f64) -> Value {
     json!({ "t": t, "first": levels.first, "second": levels.second, "point": levels.point })
 }
 
-/// A chain with what was lost, measured and proved. Where the curve is a point there is no gap.
-fn told(curve: &Curve<2>, made: &Bounded<Polyline<2>>, scale: f64) -> Value {
-    let gap = largest_gap(curve, &made.shape).map(|Gap { distance, place, on_curve, on_polyline }| {
+/// A chain with what was lost, measured and proved, and the curve `near` the gap for a magnifying glass. Where the curve is
+/// a point there is no gap.
+fn told(cubic: &Bezier<2>, made: &Bounded<Polyline<2>>, [scale, near]: [f64; 2]) -> Value {
+    let gap = largest_gap(&Curve::from(*cubic), &made.shape).map(|Gap { distance, place, on_curve, on_polyline }| {
         json!({
             "distance": distance, "pixels": in_pixels(distance, scale), "place": place,
-            "on_curve": on_curve, "on_polyline": on_polyline,
+            "on_curve": on_curve, "on_polyline": on_polyline, "near": part_near(cubic, place, near).control,
         })
     });
     json!({
@@ -107,6 +110,15 @@ fn told(curve: &Curve<2>, made: &Bounded<Polyline<2>>, scale: f64) -> Value {
             "pixels": bound_in_pixels(&made.bound, scale), "evidence": made.bound.evidence().as_str(),
         },
     })
+}
+
+/// The part of the curve within about `reach` units of a parameter, by the speed there.
+fn part_near(cubic: &Bezier<2>, place: f64, reach: f64) -> Bezier<2> {
+    let [dx, dy] = cubic.tangent(place);
+    let step = reach / (dx * dx + dy * dy).sqrt();
+    // Where the curve stands still the step is infinite and the part is all of it.
+    let (from, to) = (place - step, place + step);
+    cubic.part(if from > 0.0 { from } else { 0.0 }, if to < 1.0 { to } else { 1.0 })
 }
 
 fn in_pixels(distance: f64, scale: f64) -> f64 {

@@ -13,6 +13,8 @@ export interface StudyQuestion {
   pixels: number;
   /** The parameter of the construction. */
   t: number;
+  /** How much of the curve around the gap is wanted, in units to either side. */
+  near: number;
 }
 
 export interface Gap {
@@ -21,6 +23,8 @@ export interface Gap {
   place: number;
   on_curve: Point;
   on_polyline: Point;
+  /** The part of the curve around the gap, as a cubic of its own. */
+  near: Cubic;
 }
 
 export interface Chain {

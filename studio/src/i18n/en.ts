@@ -2,7 +2,7 @@
 export const en = {
   "title": "How many segments until it looks smooth?",
   "lead":
-    "A screen draws only straight lines. The pale band is the true curve; the thin line is the chain of segments drawn in its place. Drag a point or change the number of segments, and watch the widest gap between the two.",
+    "A screen draws only straight lines. The grey line in its pale band is the true curve; the blue one is the chain of segments drawn in its place. Drag a point or change the number of segments, and watch the widest gap between the two, in red.",
   "skip": "Skip to the figure",
 
   "views": "What to look at",
@@ -45,7 +45,7 @@ export const en = {
   "gap": "Widest gap",
   "gap.measured": "measured",
   "gap.proved": "proved: at most",
-  "gap.unit": "The drawing is 10 units wide.",
+  "gap.apart": "The two differ by {n}. The drawing is 10 units wide.",
   "verdict": "Smooth to within",
   "verdict.px": "{n} px",
   "verdict.smooth": "looks smooth",

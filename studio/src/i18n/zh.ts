@@ -4,7 +4,7 @@ import type { Catalogue } from "./en";
 export const zh: Catalogue = {
   "title": "要分多少段，曲线看起来才光滑？",
   "lead":
-    "屏幕只会画直线。浅色的宽带是真正的曲线，细线是代替它画出来的折线。拖动一个点，或者改变段数，看看两者之间最宽的间隙怎么变。",
+    "屏幕只会画直线。浅色宽带中间的灰线是真正的曲线，蓝色的折线是代替它画出来的。拖动一个点，或者改变段数，看看两者之间最宽的间隙（红色）怎么变。",
   "skip": "跳到图形",
 
   "views": "看什么",
@@ -47,7 +47,7 @@ export const zh: Catalogue = {
   "gap": "最宽的间隙",
   "gap.measured": "实测",
   "gap.proved": "已证明，至多",
-  "gap.unit": "整幅图宽 10 个单位。",
+  "gap.apart": "两者只差 {n}。整幅图宽 10 个单位。",
   "verdict": "光滑的标准",
   "verdict.px": "{n} 像素",
   "verdict.smooth": "看起来光滑",
@@ -99,7 +99,7 @@ export const zh: Catalogue = {
   "compare.measured": "实测间隙",
   "compare.proved": "已证明的上界",
   "compare.units": "以单位计",
-  "compare.needed": "做到 {px} 的段数",
+  "compare.needed": "做到 {px}的段数",
   "compare.why":
     "实测值是搜索找到的最宽间隙，真实的间隙不会比它窄。证明值来自三次曲线与弦之间距离的公式，并计入了每一次舍入，真实的间隙不会比它宽。真值就在这两者之间。",
 

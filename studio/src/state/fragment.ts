@@ -32,7 +32,7 @@ const PARTS: { [K in keyof State]: [key: string, part: Part<State[K]>] } = {
   density: ["d", oneOf<Density>({ "0": 0, "1": 1, "2": 2, "3": 3 })],
   seam: ["j", points<Eight>(8, [-FARTHEST, FARTHEST], [-FARTHEST, FARTHEST])],
   smoothness: ["k", oneOf<Smoothness>({ n: "none", "0": "C0", "1": "C1", "2": "C2" })],
-  comb: ["m", share(100, 2)],
+  comb: ["m", share(100, 6)],
   language: ["l", oneOf<Language | null>({ en: "en", zh: "zh" })],
   theme: ["h", oneOf<Theme>({ a: "auto", l: "light", d: "dark" })],
 };

@@ -40,12 +40,12 @@ export const GRID = 100;
 export const DEFAULTS: State = {
   view: "curve",
   control: [
-    [0.6, 0.8],
-    [7.8, 4.6],
-    [9.4, 5.9],
-    [9, 1.4],
+    [1, 0.8],
+    [2.2, 5.8],
+    [3, 5],
+    [9.4, 2],
   ],
-  segments: 8,
+  segments: 6,
   spacing: "even",
   goal: 0.5,
   t: 0.4,
@@ -61,7 +61,7 @@ export const DEFAULTS: State = {
     [9.4, 4.4],
   ],
   smoothness: "C0",
-  comb: 0.6,
+  comb: 2,
   language: null,
   theme: "auto",
 };

@@ -104,7 +104,7 @@ export function Readout({ page }: { page: Page }) {
           </Figure>
         </dd>
       </dl>
-      <p class="aside">{say.text("gap.unit")}</p>
+      <p class="aside">{say.text("gap.apart", { n: say.number((bound.at_most ?? 0) - (gap?.distance ?? 0)) })}</p>
     </div>
   );
 }

@@ -7,8 +7,10 @@ import type { Page } from "./page";
 
 /** More vertices than this are only clutter. */
 const MOST_DOTS = 48;
-/** How far the label of the gap stands from it, and how close to the edge it comes, in CSS pixels. */
-const LABEL = { away: 34, edgeX: 46, edgeY: 16 };
+/** The label of the gap in CSS pixels: how far it stands from the ring, half its size, and what it keeps clear of. */
+const LABEL = { away: 14, halfWidth: 40, halfHeight: 10, clear: 26 };
+/** Where it may stand, as turns from the curve's side of the gap; the nearest that is free is taken. */
+const TURNS = [0, 0.125, -0.125, 0.5, 0.25, -0.25, 0.375, -0.375];
 
 export function Drawing({ page }: { page: Page }) {
   const { say, state, answers } = page;
@@ -32,7 +34,7 @@ export function Drawing({ page }: { page: Page }) {
       <g aria-hidden="true">
         <Polygon control={state.control} frame={frame} />
         <CurveAndChain control={study.control} chain={chain} frame={frame} />
-        {gap && <Needle gap={[gap.on_curve, gap.on_polyline]} label={say.text("verdict.px", { n: say.number(gap.pixels) })} frame={frame} />}
+        {gap && <Needle gap={[gap.on_curve, gap.on_polyline]} label={say.text("verdict.px", { n: say.number(gap.pixels) })} handles={state.control} frame={frame} />}
       </g>
       {state.control.map((at, i) => (
         <Handle
@@ -62,23 +64,29 @@ export function CurveAndChain({ control, chain, frame }: { control: Cubic; chain
   return (
     <>
       <path class="curve" d={cubicPath(control.map((point) => frame.to(point)))} />
+      <path class="core" d={cubicPath(control.map((point) => frame.to(point)))} />
       <path class="chain" d={linePath(points)} />
       {points.length <= MOST_DOTS && <path class="vertices" d={points.map((point) => `M${pair(point)}h0`).join("")} />}
     </>
   );
 }
 
+interface NeedleProps {
+  gap: readonly [Point, Point];
+  label: string;
+  /** What the label must not cover. */
+  handles: readonly Point[];
+  frame: Frame;
+}
+
 /** The gap where it really is, a ring around it that shows where to look, and its width beside it. */
-function Needle({ gap: [onCurve, onChain], label, frame }: { gap: [Point, Point]; label: string; frame: Frame }) {
-  const [from, to] = [frame.to(onCurve), frame.to(onChain)];
+function Needle({ gap, label, handles, frame }: NeedleProps) {
+  const [from, to] = [frame.to(gap[0]), frame.to(gap[1])];
   const length = Math.hypot(from[0] - to[0], from[1] - to[1]);
   const middle: Point = [(from[0] + to[0]) / 2, (from[1] + to[1]) / 2];
   const ring = Math.max(length / 2 + 5, 10);
-  // The label stands on the curve's side of the gap, where no segment is; straight above when there is no side.
-  const side: Point = length > 0 ? [(from[0] - to[0]) / length, (from[1] - to[1]) / length] : [0, -1];
-  const away = ring + LABEL.away - 10;
-  const x = Math.min(Math.max(middle[0] + side[0] * (away + 16), LABEL.edgeX), frame.width - LABEL.edgeX);
-  const y = Math.min(Math.max(middle[1] + side[1] * away, LABEL.edgeY), frame.height - LABEL.edgeY);
+  const side = length > 0 ? Math.atan2(from[1] - to[1], from[0] - to[0]) : -Math.PI / 2;
+  const [x, y] = labelPlace(middle, ring, side, handles.map((point) => frame.to(point)), frame);
   return (
     <g class="gap">
       <circle class="ring" cx={px(middle[0])} cy={px(middle[1])} r={px(ring)} />
@@ -88,4 +96,25 @@ function Needle({ gap: [onCurve, onChain], label, frame }: { gap: [Point, Point]
       </text>
     </g>
   );
+}
+
+/** On the curve's side of the gap, where no segment is, unless a handle or the edge of the figure is there. */
+function labelPlace(middle: Point, ring: number, side: number, handles: readonly Point[], frame: Frame): Point {
+  const places = TURNS.map((turn): Point => {
+    const angle = side + turn * 2 * Math.PI;
+    const away = ring + LABEL.away;
+    return [
+      middle[0] + Math.cos(angle) * (away + LABEL.halfWidth - 12),
+      middle[1] + Math.sin(angle) * (away + LABEL.halfHeight - 4),
+    ];
+  });
+  const isFree = ([x, y]: Point) =>
+    x > LABEL.halfWidth &&
+    x < frame.width - LABEL.halfWidth &&
+    y > LABEL.halfHeight &&
+    y < frame.height - LABEL.halfHeight &&
+    handles.every((at) => Math.abs(at[0] - x) > LABEL.halfWidth + 8 || Math.abs(at[1] - y) > LABEL.clear);
+  const [x, y] = places.find(isFree) ?? places[0]!;
+  const keep = (value: number, half: number, size: number) => Math.min(Math.max(value, half), size - half);
+  return [keep(x, LABEL.halfWidth, frame.width), keep(y, LABEL.halfHeight, frame.height)];
 }

@@ -7,6 +7,8 @@ const POWER = 20;
 /** Side of the loupe, and how far from its middle the curve may stand, in CSS pixels. */
 const SIDE = 220;
 const OFF_CENTRE = 60;
+/** How far from the gap the curve can still be under the loupe, in CSS pixels of the main figure; half as much again. */
+export const LOUPE_REACH = (1.5 * SIDE) / POWER;
 
 export function Loupe({ page }: { page: Page }) {
   const { say, answers, state, around } = page;
@@ -32,7 +34,7 @@ export function Loupe({ page }: { page: Page }) {
     <figure class="loupe">
       <svg viewBox={`0 0 ${SIDE} ${SIDE}`} role="img" aria-label={say.text("loupe.alt", { px: say.pixels(gap?.pixels ?? 0) })}>
         <path class="grid" d={grid(pixel, centre)} />
-        <path class="curve" d={cubicPath(answers.study.control.map(shown))} />
+        <path class="curve" d={cubicPath((gap?.near ?? answers.study.control).map(shown))} />
         <path class="chain" d={linePath(chain.points.map(shown))} />
         {gap && <path class="needle" d={linePath([shown(gap.on_curve), shown(gap.on_polyline)])} />}
       </svg>

@@ -75,8 +75,8 @@ export function SeamView({ page, move }: { page: Page; move(change: Change, lead
               shown={say.number(state.comb)}
               spoken={say.text("seam.comb.value", { n: say.number(state.comb) })}
               low={0}
-              high={2}
-              step={0.05}
+              high={6}
+              step={0.1}
               value={state.comb}
               choose={(comb) => page.set({ comb })}
             />
@@ -161,12 +161,16 @@ function JoinTable({ page }: { page: Page }) {
   const join = answers.seam.join;
   const apart = say.text("seam.apart");
   const number = (value: number | null) => (value === null ? say.text("seam.unknown") : say.number(value));
+  // What the core calls equal up to rounding is shown as equal; all its digits stay behind the number.
+  const level = join.geometric ?? -1;
+  const angle = level >= 1 ? 0 : join.angle_rad;
+  const jump = level >= 2 ? 0 : join.curvature_gap;
   const rows: [label: Key, name: string, value: number | null, shown: string][] = [
     ["seam.parametric", "parametric", join.parametric, join.parametric === null ? apart : `C${join.parametric}`],
     ["seam.geometric", "geometric", join.geometric, join.geometric === null ? apart : `G${join.geometric}`],
     ["seam.position", "position-gap", join.position_gap, say.units(join.position_gap)],
-    ["seam.angle", "angle", join.angle_rad, join.angle_rad === null ? number(null) : degrees(page, join.angle_rad)],
-    ["seam.curvature", "curvature-gap", join.curvature_gap, number(join.curvature_gap)],
+    ["seam.angle", "angle", join.angle_rad, angle === null ? number(null) : degrees(page, angle)],
+    ["seam.curvature", "curvature-gap", join.curvature_gap, number(jump)],
   ];
   return (
     <div class="readout">

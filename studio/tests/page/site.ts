@@ -11,7 +11,7 @@ import { type Browser, type BrowserContextOptions, type Page, chromium } from "p
 
 export const ROOT = fileURLToPath(new URL("../..", import.meta.url));
 export const DIST = join(ROOT, "dist/page");
-export const WASM = join(ROOT, "../target/wasm32-unknown-unknown/release/chordal_wasm.wasm");
+export const WASM = join(ROOT, "wasm/chordal.wasm");
 
 const TYPES: Record<string, string> = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css" };
 const FLAGS = [
