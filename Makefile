@@ -128,9 +128,8 @@ need-node-20: need-node
 
 need-chromium:
 	@[ -x $(CHROMIUM) ] \
-		|| { [ "$$(id -u)" = 0 ] && command -v apt-get > /dev/null && apt-get install -y --no-install-recommends chromium > /dev/null; } \
-		|| { apt-get update > /dev/null 2>&1 && apt-get install -y --no-install-recommends chromium > /dev/null 2>&1; } \
-		|| { echo "The studio's tests need Chromium: install it (on Debian: apt install chromium), or name it with CHROMIUM=…" >&2; exit 1; }
+		|| { [ "$$(id -u)" = 0 ] && command -v apt-get && apt-get update && apt-get install -y --no-install-recommends chromium; } > /dev/null 2>&1 \
+		|| { echo "The studio's tests need Chromium: install it (on Debian: apt install chromium), or name it with CHROMIUM=PATH." >&2; exit 1; }
 
 need-python:
 	@command -v python3 > /dev/null \

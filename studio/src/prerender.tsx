@@ -21,6 +21,7 @@ export function still(core: Core, language: Language): string {
     },
     around: AROUND,
     notes: [],
+    isMoving: false,
     set: () => undefined,
     close: () => undefined,
   };

@@ -94,7 +94,9 @@ fn construction(cubic: &Bezier<2>, t: f64) -> Value {
 /// A chain with what was lost, measured and proved, and the curve `near` the gap for a magnifying glass. Where the curve is
 /// a point there is no gap.
 fn told(cubic: &Bezier<2>, made: &Bounded<Polyline<2>>, [scale, near]: [f64; 2]) -> Value {
-    let gap = largest_gap(&Curve::from(*cubic), &made.shape).map(|Gap { distance, place, on_curve, on_polyline }| {
+    // Of a curve that is one point, only rounding would be measured.
+    let found = if cubic.is_point() { None } else { largest_gap(&Curve::from(*cubic), &made.shape) };
+    let gap = found.map(|Gap { distance, place, on_curve, on_polyline }| {
         json!({
             "distance": distance, "pixels": in_pixels(distance, scale), "place": place,
             "on_curve": on_curve, "on_polyline": on_polyline, "near": part_near(cubic, place, near).control,
@@ -151,4 +153,81 @@ fn needed_at_least(curve: &Curve<2>, length: Tolerance) -> Option<u64> {
         }
     }
     Some(fewest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ARCH: &str = r#""control": [[0, 0], [0, 1], [1, 1], [1, 0]], "pixels_per_unit": 100"#;
+
+    fn asked(rest: &str) -> Result<Value, Wrong> {
+        study(format!("{{{ARCH}, {rest}}}").as_bytes())
+    }
+
+    #[test]
+    fn tells_what_the_library_says_digit_for_digit() {
+        let told = asked(r#""segments": 7, "pixels": 0.5, "t": 0.25, "near": 0.1"#).unwrap();
+        let arch = Curve::from(Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] });
+        for (name, made) in [
+            ("even", curve_to_polyline_evenly(&arch, &Budget::segments(7), &Job::default()).unwrap()),
+            ("fewest", curve_to_polyline(&arch, &Budget::segments(7), &Job::default()).unwrap()),
+        ] {
+            let chain = &told[name];
+            assert_eq!(chain["points"], json!(made.shape.points));
+            assert_eq!(chain["bound"]["at_most"], json!(made.bound.at_most()));
+            let gap = largest_gap(&arch, &made.shape).unwrap();
+            assert_eq!(chain["gap"]["distance"], json!(gap.distance));
+            assert_eq!(chain["gap"]["pixels"], json!(gap.distance * 100.0));
+        }
+    }
+
+    #[test]
+    fn what_is_needed_is_proved_to_be_enough() {
+        let told = asked(r#""segments": 1, "pixels": 0.5, "t": 0.5, "near": 0.1"#).unwrap();
+        for name in ["even", "fewest"] {
+            let n = told["needed"][name].as_u64().unwrap();
+            let again = asked(&format!(r#""segments": {n}, "pixels": 0.5, "t": 0.5, "near": 0.1"#)).unwrap();
+            assert!(again[name]["bound"]["pixels"].as_f64().unwrap() <= 0.5, "{name}: {n}");
+        }
+    }
+
+    #[test]
+    fn the_part_near_the_gap_is_the_curve_s_own() {
+        let cubic = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
+        let part = part_near(&cubic, 0.5, 0.15);
+        // The speed in the middle is 3/2, so the part runs from 0.4 to 0.6.
+        let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs() + (a[1] - b[1]).abs();
+        assert!(apart(part.at(0.0), cubic.at(0.4)) + apart(part.at(1.0), cubic.at(0.6)) < 1e-12);
+        let still = Bezier { control: [[1.0, 1.0]; 4] };
+        assert_eq!(part_near(&still, 0.5, 0.1), still);
+    }
+
+    #[test]
+    fn questions_that_make_no_sense_are_refused_in_a_sentence() {
+        for (question, part) in [
+            ("", "JSON"),
+            ("{", "JSON"),
+            ("null", "object"),
+            (r#"{"colour": 1}"#, "colour"),
+            (r#"{"control": [[0, 0], [1, 1], [2, 2], [1e999, 0]]}"#, "JSON"),
+            (r#"{"control": [[0, 0], [1, 1], [2, 2], [1e9, 0]]}"#, "control"),
+            (r#"{"control": [[0, 0], [1, 1], [2, 2]]}"#, "four points"),
+        ] {
+            let error = study(question.as_bytes()).unwrap_err();
+            assert!(error.contains(part) && !error.contains('\n'), "{question}: {error}");
+        }
+        let deep = "[".repeat(100_000);
+        assert!(study(deep.as_bytes()).is_err() && ladder(deep.as_bytes()).is_err());
+        for (rest, part) in [
+            (r#""segments": 0, "pixels": 1, "t": 0, "near": 1"#, "segments"),
+            (r#""segments": 5000, "pixels": 1, "t": 0, "near": 1"#, "4096"),
+            (r#""segments": 1, "pixels": 0, "t": 0, "near": 1"#, "pixels"),
+            (r#""segments": 1, "pixels": 1, "t": 1.5, "near": 1"#, "t is a number"),
+            (r#""segments": 1, "pixels": 1, "t": 0"#, "near"),
+        ] {
+            let error = asked(rest).unwrap_err();
+            assert!(error.contains(part), "{rest}: {error}");
+        }
+    }
 }

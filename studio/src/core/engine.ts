@@ -48,6 +48,11 @@ export class Engine {
     this.send();
   }
 
+  /** Whether every question has had its answer. */
+  get isIdle(): boolean {
+    return this.current === null && this.waiting.size === 0;
+  }
+
   private start(): WorkerLike {
     const worker = this.create();
     worker.onmessage = (event) => this.receive(event.data);

@@ -6,6 +6,7 @@ import { Compare } from "./Compare";
 import { Construction } from "./Construction";
 import { Count, Headline, Needed, Readout, Screen, Verdicts, Where } from "./Controls";
 import { Drawing } from "./Drawing";
+import { InSight } from "./InSight";
 import { Loupe } from "./Loupe";
 import { Numbers } from "./Numbers";
 import { Plot } from "./Plot";
@@ -154,9 +155,9 @@ function CurveView({ page }: { page: Page }) {
       </div>
       {!around.isEmbedded && (
         <>
-          <Plot page={page} />
-          <Compare page={page} />
-          <Construction page={page} />
+          <InSight page={page} name="plot" part={Plot} />
+          <InSight page={page} name="compare" part={Compare} />
+          <InSight page={page} name="construction" part={Construction} />
         </>
       )}
     </>

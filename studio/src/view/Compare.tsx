@@ -13,7 +13,7 @@ export function Compare({ page }: { page: Page }) {
   const { say, answers, state } = page;
   const goal = say.text("verdict.px", { n: say.number(state.goal) });
   return (
-    <section aria-labelledby="compare-title">
+    <>
       <h2 id="compare-title">{say.text("compare.title")}</h2>
       <p>{say.text("compare.text", { segments: say.segments(state.segments) })}</p>
       <div class="pair">
@@ -71,7 +71,7 @@ export function Compare({ page }: { page: Page }) {
         </tbody>
       </table>
       <p class="aside">{say.text("compare.why")}</p>
-    </section>
+    </>
   );
 }
 

@@ -19,7 +19,7 @@ export function Construction({ page }: { page: Page }) {
     y: say.coordinate(made.point[1]),
   });
   return (
-    <section aria-labelledby="construction-title">
+    <>
       <h2 id="construction-title">{say.text("construction.title")}</h2>
       <p>{say.text("construction.text")}</p>
       <div class="construction">
@@ -59,7 +59,7 @@ export function Construction({ page }: { page: Page }) {
         />
         </div>
       </div>
-    </section>
+    </>
   );
 }
 

@@ -90,7 +90,7 @@ export function Readout({ page }: { page: Page }) {
           {say.pixels(gap?.pixels ?? 0)}
         </Figure>
       </p>
-      <dl>
+      <dl class="plain">
         <dt>{say.text("gap.measured")}</dt>
         <dd>
           <Figure name="gap-units" value={gap?.distance ?? 0}>

@@ -45,7 +45,7 @@ export function Handle({ name, spoken, help, at, frame, kind, isStill, move }: P
     <g
       class={`handle ${kind}`}
       role="slider"
-      tabIndex={0}
+      tabindex={0}
       aria-label={name}
       aria-valuemin={0}
       aria-valuemax={WORLD.width}

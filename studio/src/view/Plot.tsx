@@ -54,7 +54,7 @@ export function Plot({ page }: { page: Page }) {
   };
   const now = study[state.spacing];
   return (
-    <section class="plot-section" aria-labelledby="plot-title">
+    <>
       <h2 id="plot-title">{say.text("plot.title")}</h2>
       <p>{say.text("plot.text")}</p>
       <svg
@@ -82,7 +82,7 @@ export function Plot({ page }: { page: Page }) {
         <span class="slope">{say.text("plot.slope")}</span>
       </p>
       <Table page={page} />
-    </section>
+    </>
   );
 }
 

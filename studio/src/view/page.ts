@@ -36,6 +36,8 @@ export interface Page {
   answers: Answers;
   around: Surroundings;
   notes: readonly Note[];
+  /** Whether something is being dragged: then only what is in sight needs to follow. */
+  isMoving: boolean;
   set(change: Change): void;
   close(note: Note): void;
 }

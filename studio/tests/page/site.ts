@@ -49,7 +49,7 @@ export class Site {
   }
 
   /** A page of its own. Whatever the page logs as an error, or throws, ends up in `errors`. */
-  async visit(address = "", options: BrowserContextOptions & { prepare?: (page: Page) => Promise<void> } = {}): Promise<Visit> {
+  async visit(address = "", options: BrowserContextOptions & { prepare?: (page: Page) => Promise<unknown> } = {}): Promise<Visit> {
     const { prepare, ...context } = options;
     const opened = await this.browser.newContext({ viewport: { width: 1200, height: 900 }, locale: "en-GB", bypassCSP: false, ...context });
     const page = await opened.newPage();
@@ -99,17 +99,11 @@ export async function digits(page: Page, name: string): Promise<number> {
   return Number(await page.locator(`data[data-name="${name}"]`).first().getAttribute("value"));
 }
 
-/** Until the page has drawn the answer for its newest state. */
+/** Until the page has drawn the answer to its newest question, and has looked once more at its own size. */
 export async function settled(page: Page): Promise<void> {
-  await page.evaluate(async () => {
-    const root = document.getElementById("app")!;
-    let last = "";
-    let calm = 0;
-    while (calm < 6) {
-      await new Promise(requestAnimationFrame);
-      const now = root.innerHTML;
-      calm = now === last ? calm + 1 : 0;
-      last = now;
-    }
-  });
+  const twoFrames = () => new Promise<void>((done) => requestAnimationFrame(() => requestAnimationFrame(() => done())));
+  await page.evaluate(twoFrames);
+  await page.waitForSelector("html[data-settled]");
+  await page.evaluate(twoFrames);
+  await page.waitForSelector("html[data-settled]");
 }
