@@ -158,7 +158,7 @@ fn seeds() -> Vec<(Format, Vec<u8>)> {
     let indices = "1,2,3,4,4,3,2,1,1,2,3,4,4,3,2,1\n";
     add(Format::Teaset, &format!("2\n{indices}{indices}4\n0,0,0\n1.5,0,0\n0,1,0\n0,0,1e3\n"));
     add(
-        Format::PatchJson,
+        Format::Json,
         &format!(
             "{{\"up\":\"z\",\"points\":[[0,0,0],[1,0.5,-2e1],[0,1,0],[0,0,1],[1,1,1]],\"patches\":[[{}]],\"x\":{{\"\\u00e9\":[true,null]}}}}",
             indices.trim()
@@ -166,7 +166,7 @@ fn seeds() -> Vec<(Format, Vec<u8>)> {
     );
     let row = "[[0,0,0],[1,0,0],[2,0,0.25],[3,0,0]]";
     add(
-        Format::PatchJson,
+        Format::Json,
         &format!("{{\"patches\": [[{row}, {row}, {row}, {row}]], \"metres_per_unit\": 0.001}}"),
     );
     seeds
@@ -337,7 +337,7 @@ fn large_hostile_files_stay_within_the_promised_memory() {
         ("solids", Format::Stl, solids.into_bytes()),
         (
             "patches",
-            Format::PatchJson,
+            Format::Json,
             format!(
                 "{{\"points\":[[0,0,0]],\"patches\":[{}[{}0]]}}",
                 format!("[{}0],", "0,".repeat(15)).repeat(n / 8),
@@ -347,7 +347,7 @@ fn large_hostile_files_stay_within_the_promised_memory() {
         ),
         (
             "points",
-            Format::PatchJson,
+            Format::Json,
             format!("{{\"points\":[{}[0,0,0]],\"patches\":[]}}", "[0,0,0],".repeat(n)).into_bytes(),
         ),
         (

@@ -1,5 +1,5 @@
 //! `render`: a picture of any shape; smooth shapes are meshed first, finely enough for it.
-use crate::report::{BoundFacts, BudgetFacts, Certificate, OutputFacts};
+use crate::report::{BoundFacts, BudgetFacts, Certificate, Output, OutputFacts};
 use crate::{BudgetSpec, Input, MeshFailure, Shape, placed};
 use chordal::budget::{Camera, Code, Failure, Length, Pixels, Refusal, Screen, Stopped, View};
 use chordal::explicit::Topology;
@@ -71,6 +71,11 @@ pub fn render(
             let mesh = placed::one_mesh(scene)?;
             shoot(&mesh, &options, certificate, job)
         }
+        Shape::Drawing(_) | Shape::Curves(_) => Err(MeshFailure::Refused(Refusal {
+            code: Code::Unsupported,
+            message: "curves have no surface to take a picture of: mesh the drawing first, to a .glb"
+                .to_owned(),
+        })),
         Shape::Patches { patches, .. } => {
             let camera = camera_for(patches, &input.shape, &options, job)?;
             let Meshed { made, budget, note } =
@@ -97,7 +102,7 @@ fn shoot(
     mut certificate: Certificate,
     job: &Job,
 ) -> Result<RenderOutcome, MeshFailure> {
-    certificate.output = Some(OutputFacts::of(mesh, Topology::Indices));
+    certificate.output = Some(Output::Triangles(OutputFacts::of(mesh, Topology::Indices)));
     let camera = match options.viewpoint {
         Viewpoint::Automatic(screen) => frame(mesh, options.up, screen),
         Viewpoint::Camera(camera) => camera,

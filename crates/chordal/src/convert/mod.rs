@@ -5,5 +5,6 @@ mod patches;
 mod patches_to_mesh;
 
 pub use curve_to_polyline::{curve_to_polyline, curve_to_polyline_evenly, curves_to_polylines};
+pub use curves::batch::{BezierCutter, Polylines, beziers_to_polylines};
 pub use curves::flatten::Spacing;
 pub use patches_to_mesh::patches_to_mesh;

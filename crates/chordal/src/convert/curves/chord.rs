@@ -26,7 +26,7 @@
 use crate::explicit::{Arc, Bezier};
 
 /// What rounding may add to a certificate, in units of ε times [`reach`]: derived above.
-pub(crate) const ROUNDING: f64 = 1024.0;
+const ROUNDING: f64 = 1024.0;
 
 /// The bound on the loss of a chord, and the fraction of the piece where the curve is farthest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,10 +68,24 @@ impl<'a, const D: usize> CubicChords<'a, D> {
         Self { cubic, bend: [second(0), second(1)] }
     }
 
+    pub(crate) fn cubic(&self) -> &'a Bezier<D> {
+        self.cubic
+    }
+
+    /// A sixth of the second derivative at both ends.
+    pub(crate) fn bend(&self) -> [[f64; D]; 2] {
+        self.bend
+    }
+
     /// The largest second difference, as a length.
     pub(crate) fn largest_bend(&self) -> f64 {
         let [a, b] = self.bend.map(|d| dot(d, d));
         if a > b { a.sqrt() } else { b.sqrt() }
+    }
+
+    /// Into how many equal steps the curve is cut at most, as a float: it may be huge.
+    pub(crate) fn even_steps(&self, tolerance: f64) -> f64 {
+        wang(self.largest_bend(), tolerance)
     }
 
     /// The loss of the chord between the points at `a` and `b`, in exact arithmetic.
@@ -84,6 +98,40 @@ impl<'a, const D: usize> CubicChords<'a, D> {
         };
         chord_loss(chord, bend_at(a), bend_at(b))
     }
+}
+
+/// How many equal steps keep the tolerance when the largest second difference is `bend` (G. Wang, 1984).
+#[inline(always)]
+pub(crate) fn wang(bend: f64, tolerance: f64) -> f64 {
+    whole_steps((0.75 * bend / tolerance).sqrt())
+}
+
+/// Equal steps, counted by a formula, as a whole number of them.
+#[inline(always)]
+pub(crate) fn whole_steps(steps: f64) -> f64 {
+    // The steps between rounded places `i/n` differ by up to `ε·n` of themselves, twice that in the loss; the
+    // formulas for the steps and for the loss lose less than 32 ε.
+    let steps = (steps * (1.0 + f64::EPSILON * (32.0 + 4.0 * steps))).ceil();
+    // A NaN comes from a bend that is not finite, and means no end of steps.
+    if steps <= 1.0 {
+        1.0
+    } else if steps.is_nan() {
+        f64::INFINITY
+    } else {
+        steps
+    }
+}
+
+/// What rounding may add to a certificate of a curve of this [`reach`].
+#[inline(always)]
+pub(crate) fn rounding_at(reach: f64) -> f64 {
+    if reach == 0.0 {
+        return 0.0;
+    }
+    // Lengths below 1e-154 have squares that lose digits or vanish; nothing shorter than 1e-150 is told from 0.
+    let least = 1e-150;
+    let rounding = ROUNDING * f64::EPSILON * reach;
+    if rounding > least { rounding } else { least }
 }
 
 /// The loss of a chord, from the chord, `D0` and `D1`.

@@ -50,7 +50,7 @@ pub(crate) struct Flattener<'a, const D: usize> {
 }
 
 /// Squares of differences must stay below 1e308.
-const LARGEST: f64 = 1e150;
+pub(crate) const LARGEST: f64 = 1e150;
 /// Bytes a point at the peak: its coordinates and its place, twice.
 const BYTES_PER_POINT: f64 = 64.0;
 /// Rungs an octave of the ladder of lengths, and how many octaves it has: below the rounding of any shape.
@@ -66,7 +66,17 @@ impl<'a, const D: usize> Flattener<'a, D> {
             for piece in curve.pieces() {
                 let [low, high] = piece.hull();
                 let sane = |p: &[f64; D]| p.iter().all(|x| x.abs() < LARGEST);
-                if !(piece.is_finite() && sane(&low) && sane(&high) && curve.slack() < LARGEST) {
+                // A short arc may be near and its centre far.
+                let sane_inside = |piece: &Piece<D>| match piece {
+                    Piece::Arc(arc) => sane(&arc.centre()) && arc.axes().iter().all(sane),
+                    Piece::Line(_) | Piece::Cubic(_) => true,
+                };
+                if !(piece.is_finite()
+                    && sane(&low)
+                    && sane(&high)
+                    && sane_inside(piece)
+                    && curve.slack() < LARGEST)
+                {
                     let message =
                         format!("path {index} has a coordinate that is not finite or beyond {LARGEST:e}");
                     return Err(Failure::refused(Code::NotFinite, message));
@@ -106,7 +116,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
         if asked.length.is_none() && asked.pixels.is_none() {
             return self.by_count(most, &asked);
         }
-        if budget.segments.is_none() {
+        if most > self.limit() {
             self.check_size(&asked)?;
         }
         if let Some(cuts) = self.cut(&asked, most)? {
@@ -117,6 +127,11 @@ impl<'a, const D: usize> Flattener<'a, D> {
             Ok(best) => Err(Failure::Unmet(Box::new(best))),
             Err(other) => Err(other),
         }
+    }
+
+    /// The most segments that the job allows.
+    fn limit(&self) -> u64 {
+        self.job.triangle_limit.min((self.job.memory_limit as f64 / BYTES_PER_POINT) as u64)
     }
 
     fn meets(&self, made: &Bounded<Vec<Polyline<D>>>, budget: &Budget) -> bool {
@@ -142,7 +157,8 @@ impl<'a, const D: usize> Flattener<'a, D> {
         if part.lost == 0.0 {
             return Ok(length);
         }
-        let left = sub_down(length, part.lost);
+        // One step less, because the sum of what is left and what was lost is rounded up again.
+        let left = sub_down(length.next_down(), part.lost);
         if left > 0.0 {
             return Ok(left);
         }
@@ -179,9 +195,11 @@ impl<'a, const D: usize> Flattener<'a, D> {
     fn cut(&self, asked: &Allowance, most: u64) -> Result<Option<Vec<Cut>>, Failed<D>> {
         let lengths: Vec<f64> =
             self.parts.iter().map(|part| self.allowed(part, asked)).collect::<Result<_, _>>()?;
-        // Far more than there may be: no need to place them.
-        let few =
-            |length: f64, part: &Part<'_, D>| part.chords.even_steps(length) <= 64.0 * most as f64 + 64.0;
+        // Far more than there may be, or than there is memory for: no need to place them.
+        let room = self.job.memory_limit as f64 / BYTES_PER_POINT;
+        let far_more = 64.0 * most as f64 + 64.0;
+        let far_more = if far_more < room { far_more } else { room };
+        let few = |length: f64, part: &Part<'_, D>| part.chords.even_steps(length) <= far_more;
         if most < u64::MAX && !self.parts.iter().zip(&lengths).all(|(part, length)| few(*length, part)) {
             return Ok(None);
         }
@@ -203,8 +221,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
 
     /// The polylines with the smallest bound on the ladder with at most `most` segments.
     fn by_count(&self, most: u64, asked: &Allowance) -> Result<Bounded<Vec<Polyline<D>>>, Failed<D>> {
-        let limit = (self.job.memory_limit as f64 / BYTES_PER_POINT) as u64;
-        let most = most.min(self.job.triangle_limit).min(limit);
+        let most = most.min(self.limit());
         if let ([part], Spacing::Even) = (self.parts.as_slice(), self.spacing) {
             let places = part.chords.even(most.max(1));
             return Ok(self.finish(&[Cut::of(part, places)], asked));

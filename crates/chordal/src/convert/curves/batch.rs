@@ -1,0 +1,225 @@
+//! Many cubic Bézier curves at one tolerance, with no more than that: for inner loops.
+use super::chord::{CubicChords, reach, rounding_at, wang};
+use super::fast::{Scratch, spread};
+use super::flatten::{LARGEST, Spacing};
+use super::greedy;
+use crate::budget::{Bound, Bounded, Code, Failure, Job, Reference, Tolerance, par_map};
+use crate::explicit::Bezier;
+use crate::math::simd::{self, Isa, Kernel};
+use crate::math::{add_up, flushes_subnormals, sub_down};
+
+/// Cuts one cubic Bézier curve after the other at one tolerance, and keeps its room between them.
+///
+/// The points are those of [`curve_to_polyline`](super::super::curve_to_polyline), bit for bit.
+///
+/// ```
+/// use chordal::{Bezier, Tolerance, convert::{BezierCutter, Spacing}};
+/// let mut cutter = BezierCutter::new(Tolerance::new(0.01)?, Spacing::Fewest)?;
+/// let arch = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
+/// let mut points = vec![arch.control[0]];
+/// let bound = cutter.append(&arch, &mut points)?; // every point but the first one
+/// assert!(bound <= 0.01 && points.len() == 10);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct BezierCutter<const D: usize> {
+    tolerance: f64,
+    spacing: Spacing,
+    isa: Isa,
+    work: Scratch<D>,
+}
+
+/// A list of polylines in one list of points.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Polylines<const D: usize> {
+    /// The points of all, one polyline after the other.
+    pub points: Vec<[f64; D]>,
+    /// Where each one starts in that list; one more at the end.
+    pub starts: Vec<usize>,
+}
+
+impl<const D: usize> Polylines<D> {
+    /// The points of one of them.
+    #[must_use]
+    pub fn polyline(&self, index: usize) -> &[[f64; D]] {
+        &self.points[self.starts[index]..self.starts[index + 1]]
+    }
+}
+
+/// The most chords that one curve is cut into.
+const MOST: f64 = 1e8;
+
+impl<const D: usize> BezierCutter<D> {
+    /// # Errors
+    /// In an environment that flushes subnormals, where nothing can be proved.
+    pub fn new(tolerance: Tolerance, spacing: Spacing) -> Result<Self, Failure<()>> {
+        if flushes_subnormals() {
+            let message = "this process flushes subnormal numbers to zero, so nothing can be proved in it";
+            return Err(Failure::refused(Code::FlushesSubnormals, message));
+        }
+        Ok(Self { tolerance: tolerance.get(), spacing, isa: simd::isa(), work: Scratch::default() })
+    }
+
+    /// Appends all points of the polyline but its first one, which is the curve's, and returns a proved bound on the
+    /// two-sided Hausdorff distance between the curve and the polyline.
+    ///
+    /// With equal steps the bound is that of the formula for all of the curve, a little larger than that of each chord.
+    ///
+    /// # Errors
+    /// Coordinates that are not finite or beyond 1e150, a tolerance below rounding, more than 1e8 chords.
+    pub fn append(&mut self, curve: &Bezier<D>, points: &mut Vec<[f64; D]>) -> Result<f64, Failure<()>> {
+        simd::dispatch(self.isa, Append { cutter: self, curve, points })
+    }
+
+    #[inline(always)]
+    fn cut(&mut self, curve: &Bezier<D>, points: &mut Vec<[f64; D]>) -> Result<f64, Failure<()>> {
+        let size = reach(&curve.control);
+        let sane = curve.control.as_flattened().iter().all(|x| x.abs() < LARGEST);
+        if !sane {
+            return Err(out_of_range(size));
+        }
+        let rounding = rounding_at(size);
+        // One step less, because the sum of loss and rounding is rounded up again.
+        let length = sub_down(self.tolerance.next_down(), rounding);
+        if length <= 0.0 {
+            return Err(below_rounding(self.tolerance, rounding));
+        }
+        let chords = CubicChords::new(curve);
+        let loss = match self.spacing {
+            Spacing::Even => even(&chords, length, points)?,
+            Spacing::Fewest => {
+                let loss = match spread(&chords, length, MOST as usize, &mut self.work) {
+                    Some(loss) => loss,
+                    None => self.greedy(&chords, length)?,
+                };
+                let axes = self.work.axes();
+                let n = axes.first().map_or(1, |axis| axis.len());
+                points.extend((1..n).map(|i| std::array::from_fn(|k| axes[k][i])));
+                loss
+            }
+        };
+        Ok(add_up(loss, rounding))
+    }
+
+    #[cold]
+    fn greedy(&mut self, chords: &CubicChords<'_, D>, length: f64) -> Result<f64, Failure<()>> {
+        let steps = chords.even_steps(length);
+        if steps > MOST {
+            return Err(too_many(steps));
+        }
+        let loss = |a: f64, b: f64| chords.loss(a, b).at_most;
+        let places = greedy::places(loss, 0.999 / steps, length); // 0.999: see `Chords::fewest`
+        let worst =
+            places.windows(2).map(|ends| loss(ends[0], ends[1])).fold(0.0, |a, b| if b > a { b } else { a });
+        self.work.set_places(chords.cubic(), &places);
+        Ok(worst)
+    }
+}
+
+/// Appends the points of equal steps, and returns what the formula says that they lose.
+#[inline(always)]
+fn even<const D: usize>(
+    chords: &CubicChords<'_, D>,
+    length: f64,
+    points: &mut Vec<[f64; D]>,
+) -> Result<f64, Failure<()>> {
+    let bend = chords.largest_bend();
+    let steps = wang(bend, length);
+    if steps > MOST {
+        return Err(too_many(steps));
+    }
+    let (n, cubic) = (steps as u32, chords.cubic());
+    points.extend((1..n).map(|i| cubic.at(f64::from(i) / steps)));
+    points.push(cubic.control[3]);
+    // With the same room for rounding as in `whole_steps`, of the square of the steps.
+    Ok(0.75 * bend / (steps * steps) * (1.0 + f64::EPSILON * (64.0 + 8.0 * steps)))
+}
+
+struct Append<'a, 'b, const D: usize> {
+    cutter: &'a mut BezierCutter<D>,
+    curve: &'b Bezier<D>,
+    points: &'a mut Vec<[f64; D]>,
+}
+
+impl<const D: usize> Kernel for Append<'_, '_, D> {
+    type Output = Result<f64, Failure<()>>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        self.cutter.cut(self.curve, self.points)
+    }
+}
+
+#[cold]
+fn below_rounding<T>(tolerance: f64, rounding: f64) -> Failure<T> {
+    let message = format!("the tolerance {tolerance:.3e} is below what rounding may cost, {rounding:.3e}");
+    Failure::refused(Code::BelowPrecision, message)
+}
+
+#[cold]
+fn out_of_range<T>(size: f64) -> Failure<T> {
+    let message =
+        format!("the curve has a coordinate that is not finite or beyond {LARGEST:e}: its size is {size:e}");
+    Failure::refused(Code::NotFinite, message)
+}
+
+#[cold]
+fn too_many<T>(steps: f64) -> Failure<T> {
+    let message = format!("the tolerance needs about {steps:.1e} segments; the limit is {MOST:.1e}");
+    Failure::refused(Code::TooManyTriangles, message)
+}
+
+/// Curves that a thread takes at once.
+const CHUNK: usize = 256;
+
+/// Many cubic Bézier curves at one tolerance, each into a polyline of its own, in their order.
+///
+/// **Bound.** Two-sided Hausdorff distance between each curve and its polyline, *proved*, for the worst of them.
+/// `at_least` is 0: nothing is measured here.
+///
+/// **Cost.** The same bytes on any number of threads and with every set of instructions.
+///
+/// # Errors
+/// As for [`BezierCutter`]; and when the job was cancelled.
+///
+/// ```
+/// use chordal::{Bezier, Job, Tolerance, convert::{self, Spacing}};
+/// let arch = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
+/// let made = convert::beziers_to_polylines(&[arch; 3], Tolerance::new(0.01)?, &Job::default(), Spacing::Fewest)?;
+/// assert_eq!(made.shape.starts, [0, 10, 20, 30]);
+/// assert_eq!(made.shape.polyline(2).last(), Some(&[1.0, 0.0]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn beziers_to_polylines<const D: usize>(
+    curves: &[Bezier<D>],
+    tolerance: Tolerance,
+    job: &Job,
+    spacing: Spacing,
+) -> Result<Bounded<Polylines<D>>, Failure<()>> {
+    let cutter = BezierCutter::new(tolerance, spacing)?;
+    let chunks: Vec<&[Bezier<D>]> = curves.chunks(CHUNK).collect();
+    let cut = |_: usize, chunk: &&[Bezier<D>]| {
+        if job.is_cancelled() {
+            return Err(Failure::Cancelled);
+        }
+        let (mut cutter, mut made, mut worst) = (cutter.clone(), Polylines::default(), 0.0);
+        for curve in *chunk {
+            made.starts.push(made.points.len());
+            made.points.push(curve.control[0]);
+            let bound = cutter.append(curve, &mut made.points)?;
+            worst = if bound > worst { bound } else { worst };
+        }
+        Ok((made, worst))
+    };
+    let parts = par_map(job, &chunks, cut);
+    let (mut all, mut worst) = (Polylines::default(), 0.0);
+    for part in parts {
+        let (made, bound) = part?;
+        let first = all.points.len();
+        all.starts.extend(made.starts.iter().map(|start| first + start));
+        all.points.extend(made.points);
+        worst = if bound > worst { bound } else { worst };
+    }
+    all.starts.push(all.points.len());
+    Ok(Bounded { shape: all, bound: Bound::proved(0.0, worst, Reference::Curves) })
+}
