@@ -8,7 +8,7 @@ import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
 
 const root = join(dirname(fileURLToPath(import.meta.url)), "..");
-const [file = join(root, "../docs/pictures/studio.png"), address = "", width = "1120", height = "1010", colorScheme = "light"] =
+const [file = join(root, "../docs/pictures/studio.png"), address = "", width = "1120", height = "960", colorScheme = "light"] =
   process.argv.slice(2);
 const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css" };
 

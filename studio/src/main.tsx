@@ -100,7 +100,7 @@ function answered<K extends Kind>(kind: K, answer: AnswerOf<K>, question: Questi
   // An older answer must not take back what the hand has done since.
   if (kind === "seam" && question === seamAsked) adopt(answer as Answers["seam"]);
   // While the hand moves, the plot is drawn together with the next figure and not by itself.
-  if (kind !== "ladder" || !isDrawn) schedule();
+  if (kind !== "ladder" || !isMoving()) schedule();
 }
 
 /** The core has moved the points that have to follow; they are the state now, on the grid. */
@@ -118,6 +118,10 @@ function troubled(trouble: Trouble): void {
 
 function note(news: Note): void {
   notes = [...notes.filter((old) => old.key !== news.key), news];
+}
+
+function isMoving(): boolean {
+  return performance.now() - movedAt < PLOT_MS;
 }
 
 /** Draws soon, unless something else makes it draw before. */
@@ -148,7 +152,7 @@ function draw(): void {
     answers: { study, ladder, seam },
     around,
     notes,
-    isMoving: performance.now() - movedAt < PLOT_MS,
+    isMoving: isMoving(),
     set,
     close: (note) => {
       notes = notes.filter((other) => other !== note);

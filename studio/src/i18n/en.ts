@@ -2,7 +2,7 @@
 export const en = {
   "title": "How many segments until it looks smooth?",
   "lead":
-    "A screen draws only straight lines. The grey line in its pale band is the true curve; the blue one is the chain of segments drawn in its place. Drag a point or change the number of segments, and watch the widest gap between the two, in red.",
+    "A screen draws only straight lines. Grey, in its pale band, is the true curve; blue are the segments drawn in its place; red is the widest gap between the two. Drag a point, or change their number.",
   "skip": "Skip to the figure",
 
   "views": "What to look at",

@@ -56,10 +56,11 @@ impl Page {
     }
 
     fn built() -> Self {
-        let files = built::FILES.iter().filter_map(|(name, bytes)| {
-            Some((format!("/{name}"), File { bytes: Cow::Borrowed(*bytes), kind: kind(name)? }))
-        });
-        Self(files.collect())
+        let file = |(path, bytes): &(&'static str, &'static [u8])| {
+            let name = path.rsplit('/').next().unwrap_or(path);
+            Some((format!("/{path}"), File { bytes: Cow::Borrowed(*bytes), kind: kind(name)? }))
+        };
+        Self(built::FILES.iter().filter_map(file).collect())
     }
 
     /// Lists and reads a folder and its `assets`, links left out.
@@ -173,6 +174,18 @@ mod tests {
             "",
         ] {
             assert_eq!(page.get(path), None, "{path}");
+        }
+    }
+
+    #[test]
+    fn every_file_that_is_built_in_is_served() {
+        let page = Page::built();
+        for (name, bytes) in built::FILES {
+            assert_eq!(
+                page.get(&format!("/{name}")).map(|file| file.bytes.len()),
+                Some(bytes.len()),
+                "{name}"
+            );
         }
     }
 
