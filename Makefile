@@ -9,6 +9,7 @@ SHELL := /bin/bash
 CARGO ?= cargo
 TARGET := $(or $(CARGO_TARGET_DIR),target)
 CHORDAL := $(TARGET)/release/chordal
+VENV := $(TARGET)/python/venv
 WASM := $(TARGET)/wasm32-unknown-unknown/release/chordal_wasm.wasm
 # The page asks about curves alone, so its module leaves readers and writers out; it has a folder of its own.
 STUDIO_WASM := $(TARGET)/studio/wasm32-unknown-unknown/release/chordal_wasm.wasm
@@ -49,17 +50,18 @@ studio-page: need-rust need-wasm need-node need-node-20
 	cd studio && npm ci --no-audit --no-fund --loglevel=error
 	cd studio && npm run --silent build
 
-test: fmt-check lint test-rust test-web test-studio ## everything that CI runs
+# The studio's page is built before the command is, and so is in it wherever the later tests use it.
+test: fmt-check lint test-rust test-studio test-web test-python ## everything that CI runs
 	@echo "All tests passed."
 
 fmt-check: need-rust
 	$(CARGO) fmt --all --check
 
-lint: need-rust
+lint: need-rust need-python
 	$(CARGO) clippy --workspace --all-targets --locked -- -D warnings
 
 # The tests of the workspace, doctests included; then the library as it is built for the web, without threads.
-test-rust: need-rust
+test-rust: need-rust need-python
 	$(CARGO) test --workspace --locked --no-fail-fast
 	$(CARGO) check -p chordal --no-default-features --locked
 	@[ -d "$${CHORDAL_DATA:-../shared/data}" ] \
@@ -86,6 +88,20 @@ test-studio: studio-page need-chromium
 	$(CARGO) build --release --locked -p chordal-cli
 	cd studio && npm run --silent check && npm run --silent test
 	cd studio && CHROMIUM=$(CHROMIUM) CHORDAL=$(abspath $(CHORDAL)) npm run --silent test:page
+
+# The wheel is built and installed as `pip install .` does it, and then judged from outside: by its tests, by the
+# examples in its documentation, and by mypy, which also compares the stubs with what is there.
+test-python: need-rust need-python
+	$(CARGO) build --release --locked -p chordal-cli
+	@cmp -s tests/python/requirements.txt $(VENV)/requirements.txt || { rm -rf $(VENV) \
+		&& python3 -m venv $(VENV) && $(VENV)/bin/python -m pip install -q -r tests/python/requirements.txt \
+		&& cp tests/python/requirements.txt $(VENV)/; }
+	rm -rf $(TARGET)/python/wheel
+	PATH="$(abspath $(VENV))/bin:$$PATH" $(VENV)/bin/python -m pip wheel -q --no-deps --no-build-isolation -w $(TARGET)/python/wheel .
+	$(VENV)/bin/python -m pip install -q --no-deps --force-reinstall $(TARGET)/python/wheel/*.whl
+	CHORDAL=$(abspath $(CHORDAL)) $(VENV)/bin/python -m pytest -q
+	export MYPY_CACHE_DIR=$(TARGET)/python/mypy && $(VENV)/bin/python -m mypy tests/python \
+		&& $(VENV)/bin/python -m mypy -p chordal && $(VENV)/bin/python -m mypy.stubtest chordal
 
 test-long: need-rust ## the tests with many more random cases; minutes to hours
 	PROPTEST_CASES=100000 $(CARGO) test --workspace --locked --release
@@ -133,6 +149,8 @@ need-chromium:
 
 need-python:
 	@command -v python3 > /dev/null \
-		|| { echo "The benches need Python 3.10 or newer: install it (on Debian: apt install python3 python3-venv)." >&2; exit 1; }
+		|| { echo "Chordal's Python package and its benches need Python 3.10 or newer: install it (on Debian: apt install python3 python3-venv)." >&2; exit 1; }
 	@version=$$(python3 -c 'import platform; print(platform.python_version())'); $(call at-least,$$version,3.10) \
-		|| { echo "The benches need Python 3.10 or newer, not $$version: install it from https://www.python.org." >&2; exit 1; }
+		|| { echo "Chordal's Python package and its benches need Python 3.10 or newer, not $$version: install it from https://www.python.org." >&2; exit 1; }
+	@python3 -c 'import ensurepip, venv' 2> /dev/null \
+		|| { echo "Python's module venv is missing: install it (on Debian: apt install python3-venv)." >&2; exit 1; }

@@ -1,0 +1,93 @@
+//! The `chordal` command: translates arguments into verbs. It holds no geometry.
+//!
+//! It is a library so that the program of this crate and the one that comes with the Python package are the same.
+mod args;
+mod clock;
+mod common;
+mod docs;
+mod fault;
+mod input;
+mod inspect;
+mod mesh;
+mod numbers;
+mod output;
+mod render;
+mod signal;
+mod studio;
+mod summary;
+mod talk;
+
+use args::{Cli, Verb};
+use clap::Parser;
+use clap::error::ErrorKind;
+use fault::{Exit, Fault};
+use serde_json::json;
+use std::ffi::OsString;
+use std::io::Write;
+
+/// Runs the command with these arguments, of which the first is the program's own name, and returns the exit code.
+///
+/// It belongs to a process of its own: it writes to stdout and stderr, and from the first verb on SIGINT and SIGTERM
+/// end the process with 130.
+pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
+    let cli = match Cli::try_parse_from(args) {
+        Ok(cli) => cli,
+        Err(error) => return refuse_arguments(&error),
+    };
+    let json = wants_json(&cli.verb);
+    let done = match cli.verb {
+        Verb::Mesh(args) => mesh::run(&args),
+        Verb::Inspect(args) => inspect::run(&args),
+        Verb::Render(args) => render::run(&args),
+        Verb::Studio(args) => studio::run(&args),
+        Verb::Completions { shell } => docs::completions(shell),
+        Verb::Man { output } => docs::man(&output),
+    };
+    match done {
+        Ok(()) => 0,
+        Err(fault) => fail(&fault, json),
+    }
+}
+
+fn wants_json(verb: &Verb) -> bool {
+    match verb {
+        Verb::Mesh(args) => args.talk.json,
+        Verb::Inspect(args) => args.talk.json,
+        Verb::Render(args) => args.talk.json,
+        Verb::Studio(_) | Verb::Completions { .. } | Verb::Man { .. } => false,
+    }
+}
+
+/// Says what went wrong on stderr and, for programs, as an object on stdout, unless a report stands there already.
+fn fail(fault: &Fault, json: bool) -> u8 {
+    let _ = write!(std::io::stderr(), "{fault}");
+    if json && !fault.reported {
+        let error = json!({ "code": fault.code, "exit": fault.exit as u8, "messages": fault.lines });
+        let report = json!({ "schema": chordal_verbs::report::SCHEMA, "error": error });
+        let _ = writeln!(std::io::stdout(), "{report:#}");
+    }
+    fault.exit as u8
+}
+
+/// Help goes to stdout with 0; anything else is one sentence and 2.
+fn refuse_arguments(error: &clap::Error) -> u8 {
+    if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
+        // A reader that has seen enough of the help closes the pipe, which is no failure.
+        let _ = error.print();
+        return 0;
+    }
+    if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        let _ = error.print();
+        return Exit::Usage as u8;
+    }
+    let shown = error.to_string();
+    let sentence: Vec<&str> = shown
+        .trim_start_matches("error: ")
+        .lines()
+        .take_while(|line| !line.trim().is_empty())
+        .map(str::trim)
+        .collect();
+    let sentence = sentence.join(" ") + " (see --help)";
+    let _ = write!(std::io::stderr(), "{}", Fault::usage(sentence));
+    Exit::Usage as u8
+}

@@ -1,0 +1,35 @@
+//! The compiled part of the Python package: translates Python's arguments into verbs. It holds no geometry.
+//!
+//! `python/chordal` is the other part: the names that people use, their documentation, and all that Python says best.
+//! What crosses between the two is plain: numbers, texts, bytes, JSON, and a few frozen objects that hold shapes.
+mod array;
+mod command;
+mod curve;
+mod failure;
+mod mesh;
+mod pool;
+mod source;
+mod spec;
+mod view;
+mod work;
+
+use pyo3::prelude::*;
+
+/// The compiled part of chordal.
+#[pymodule]
+mod _chordal {
+    #[pymodule_export]
+    use super::{
+        array::Array, command::command, curve::Lines, curve::Paths, mesh::Triangles, source::Source,
+        view::view,
+    };
+    use chordal_io::Limits;
+    use pyo3::prelude::*;
+
+    /// The version, and the largest file that is read.
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("VERSION", env!("CARGO_PKG_VERSION"))?;
+        module.add("MOST_BYTES", Limits::default().bytes)
+    }
+}

@@ -1,0 +1,105 @@
+//! `Source`: a shape as it was read.
+use crate::mesh::Triangles;
+use crate::spec::{Wanted, parsed};
+use crate::{failure, work};
+use chordal::budget::Unit;
+use chordal_io::{Axis, Format, Limits, ReadError};
+use chordal_verbs::{Hint, Input, inspect, load};
+use pyo3::prelude::*;
+use pyo3::pybacked::PyBackedBytes;
+use std::sync::Arc;
+
+/// A shape as it was read.
+#[pyclass(frozen, module = "chordal._chordal")]
+pub(crate) struct Source {
+    input: Arc<Input>,
+    name: Option<String>,
+}
+
+/// How to read some bytes.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Reading {
+    /// The name of the file, if they are from one.
+    name: Option<String>,
+    format: Option<String>,
+    unit: Option<String>,
+    up: Option<String>,
+    lenient: bool,
+    drop_nonfinite: bool,
+}
+
+impl Reading {
+    fn read(self, bytes: &[u8], format: Option<Format>) -> Result<(Input, Option<String>), Unread> {
+        let limits =
+            Limits { lenient: self.lenient, drop_nonfinite: self.drop_nonfinite, ..Limits::default() };
+        let loaded = load(bytes, Hint { name: self.name.as_deref(), format }, &limits);
+        match loaded {
+            Ok(input) => Ok((input, self.name)),
+            Err(error) => Err(Unread { error, name: self.name }),
+        }
+    }
+}
+
+/// Why there is no shape, and the file that it is not in.
+struct Unread {
+    error: ReadError,
+    name: Option<String>,
+}
+
+#[pymethods]
+impl Source {
+    /// The shape that some bytes hold.
+    #[new]
+    fn new(py: Python<'_>, bytes: PyBackedBytes, reading: Reading) -> PyResult<Self> {
+        let format = parsed::<Format>("format", reading.format.as_deref())?;
+        let unit = parsed::<Unit>("unit", reading.unit.as_deref())?;
+        let up = reading.up.as_deref().map(axis).transpose()?;
+        let read = work::run(py, None, move |_| reading.read(&bytes, format))?;
+        let (mut input, name) =
+            read.map_err(|unread| failure::read(py, &unread.error, unread.name.as_deref()))?;
+        let frame = input.shape.frame_mut();
+        frame.metres_per_unit = unit.map(Unit::metres).or(frame.metres_per_unit);
+        frame.up = up.or(frame.up);
+        Ok(Self { input: Arc::new(input), name })
+    }
+
+    /// The name of the kind, as in "patches".
+    #[getter]
+    fn kind(&self) -> &'static str {
+        self.input.shape.kind()
+    }
+
+    /// The name of the format, as in "bpt".
+    #[getter]
+    fn format(&self) -> String {
+        self.input.format.to_string()
+    }
+
+    /// The file that it was read from.
+    #[getter]
+    fn name(&self) -> Option<&str> {
+        self.name.as_deref()
+    }
+
+    /// The report of `chordal inspect`, as JSON.
+    fn inspect(&self, py: Python<'_>) -> PyResult<String> {
+        let input = Arc::clone(&self.input);
+        let mut report = work::run(py, None, move |_| inspect(&input))?;
+        report.run.input.clone_from(&self.name);
+        Ok(report.to_value().to_string())
+    }
+
+    /// The shape as triangles within a budget.
+    fn mesh(&self, py: Python<'_>, wanted: Wanted, progress: Option<Py<PyAny>>) -> PyResult<Triangles> {
+        Triangles::make(py, (Arc::clone(&self.input), self.name.clone()), wanted.spec(py)?, progress)
+    }
+}
+
+fn axis(text: &str) -> PyResult<Axis> {
+    match text {
+        "y" => Ok(Axis::Y),
+        "z" => Ok(Axis::Z),
+        _ => Err(failure::argument("up", format!("'{text}' is not y or z"))),
+    }
+}

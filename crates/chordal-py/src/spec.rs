@@ -1,0 +1,52 @@
+//! A budget, from Python's arguments.
+use crate::failure;
+use chordal::budget::{InvalidLength, Length, PixelBudget, Pixels, View};
+use chordal::convert::Spacing;
+use chordal_verbs::BudgetSpec;
+use pyo3::prelude::*;
+use std::str::FromStr;
+
+/// The arguments of a budget as texts and numbers. `python/chordal/_budget.py` has made sure that they belong together.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Wanted {
+    /// The name of an argument, and the length as the command reads it.
+    length: Option<(String, String)>,
+    /// Device pixels, and the view.
+    pixels: Option<(f64, String)>,
+    /// The most triangles, or segments.
+    count: Option<u64>,
+}
+
+impl Wanted {
+    /// The same as the verbs take it.
+    pub(crate) fn spec(self, py: Python<'_>) -> PyResult<BudgetSpec> {
+        let wrong = |name: &str, error: String| failure::budget(py, &format!("{name}: {error}"));
+        let length = self.length.map(|(name, text)| {
+            text.parse::<Length>().map_err(|error: InvalidLength| wrong(&name, error.to_string()))
+        });
+        let pixels = self.pixels.map(|(pixels, view)| {
+            let pixels = Pixels::new(pixels).map_err(|error| wrong("pixels", error.to_string()))?;
+            let view = view.parse::<View>().map_err(|error| wrong("view", error.to_string()))?;
+            PyResult::Ok(PixelBudget { pixels, view })
+        });
+        Ok(BudgetSpec { length: length.transpose()?, pixels: pixels.transpose()?, triangles: self.count })
+    }
+}
+
+/// Where the ends of segments are placed: "fewest" or "even".
+pub(crate) fn parse_spacing(name: &str) -> PyResult<Spacing> {
+    match name {
+        "fewest" => Ok(Spacing::Fewest),
+        "even" => Ok(Spacing::Even),
+        _ => Err(failure::argument("spacing", format!("'fewest' or 'even', not '{name}'"))),
+    }
+}
+
+/// What a text stands for that was given as the argument of that name.
+pub(crate) fn parsed<T: FromStr<Err: std::fmt::Display>>(
+    name: &str,
+    text: Option<&str>,
+) -> PyResult<Option<T>> {
+    text.map(|text| text.parse().map_err(|error| failure::argument(name, error))).transpose()
+}

@@ -1,0 +1,52 @@
+"""Single arguments: checked, and named when they are wrong."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable
+from typing import SupportsFloat, TypeVar
+
+from chordal._errors import BudgetError
+
+Function = TypeVar("Function", bound=Callable[..., object])
+
+
+def number(name: str, value: object) -> float:
+    """A finite number as Python's own float; numpy's numbers will do, texts and truth values will not."""
+    try:
+        if isinstance(value, (bool, str, bytes)) or not isinstance(value, SupportsFloat):
+            raise TypeError
+        found = float(value)
+    except TypeError:
+        raise TypeError(f"{name}: a number, not {type(value).__name__}") from None
+    if not math.isfinite(found):
+        raise BudgetError(f"{name}: a finite number, not {found}")
+    return found
+
+
+def positive(name: str, value: object) -> int:
+    """A whole number of at least 1."""
+    try:
+        if isinstance(value, bool):
+            raise TypeError
+        found = operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        raise TypeError(f"{name}: a whole number, not {type(value).__name__}") from None
+    if not 1 <= found < 2**64:
+        raise BudgetError(f"{name}: a whole number of at least 1, not {found}")
+    return found
+
+
+def text(name: str, value: str | None) -> str | None:
+    """A text, or None."""
+    if value is None or isinstance(value, str):
+        return value
+    raise TypeError(f"{name}: a text, not {type(value).__name__}")
+
+
+def function(name: str, value: Function | None) -> Function | None:
+    """A function, or None."""
+    if value is None or callable(value):
+        return value
+    raise TypeError(f"{name}: a function, not {type(value).__name__}")

@@ -1,0 +1,75 @@
+"""Budgets: keyword arguments to what the compiled part wants."""
+
+from __future__ import annotations
+
+from decimal import Decimal
+from typing import SupportsFloat, SupportsIndex, TypedDict
+
+from chordal._errors import BudgetError
+from chordal._arguments import number, positive
+from chordal._view import View
+
+#: A length in units of the shape, or a text with a unit, as in "0.1mm".
+Length = SupportsFloat | str
+#: A share of the diagonal of the shape's box, as in 0.001, or a text, as in "0.1%".
+Share = SupportsFloat | str
+
+
+class Wanted(TypedDict):
+    """A budget as the compiled part takes it."""
+
+    length: tuple[str, str] | None
+    pixels: tuple[float, str] | None
+    count: int | None
+
+
+def wanted(
+    *,
+    tol: Length | None,
+    rel: Share | None,
+    pixels: SupportsFloat | None,
+    view: str | View | None,
+    count: tuple[str, SupportsIndex | None],
+) -> Wanted:
+    """The budget of these arguments, if they belong together. The count comes with its name."""
+    counted, most = count
+    if tol is not None and rel is not None:
+        raise BudgetError("tol, rel: give one of them, they are both a length")
+    found: Wanted = {
+        "length": _tol(tol) or _rel(rel),
+        "pixels": _pixels(pixels, view),
+        "count": None if most is None else positive(counted, most),
+    }
+    if not any(found.values()):
+        raise BudgetError(
+            "a budget is needed: tol=0.1 in units, rel=0.001 of the diagonal, "
+            f'pixels=1 with view="1920x1080 fov=45 dist=4", or {counted}=5000'
+        )
+    return found
+
+
+def _tol(tol: Length | None) -> tuple[str, str] | None:
+    if tol is None:
+        return None
+    return "tol", tol if isinstance(tol, str) else repr(number("tol", tol))
+
+
+def _rel(rel: Share | None) -> tuple[str, str] | None:
+    if rel is None:
+        return None
+    if not isinstance(rel, str):
+        # In decimals, so that 0.001 is the same as "0.1%" to the last bit.
+        return "rel", f"{Decimal(repr(number('rel', rel))) * 100}%"
+    if not rel.strip().endswith("%"):
+        raise BudgetError(f"rel: a share of the diagonal, as in 0.001 or '0.1%', not '{rel}'")
+    return "rel", rel
+
+
+def _pixels(pixels: SupportsFloat | None, view: str | View | None) -> tuple[float, str] | None:
+    if pixels is None and view is None:
+        return None
+    if pixels is None:
+        raise BudgetError("view: it is for a budget in pixels; add pixels=1")
+    if view is None:
+        raise BudgetError('pixels: say from where they are seen, as in view="1920x1080 fov=45 dist=4"')
+    return number("pixels", pixels), str(view if isinstance(view, View) else View(view))

@@ -1,0 +1,73 @@
+"""The compiled part of chordal."""
+
+from collections.abc import Callable, Sequence
+from typing import Any, Final, TypedDict, final, type_check_only
+
+from chordal._budget import Wanted
+
+__all__ = ["Array", "Lines", "MOST_BYTES", "Paths", "Source", "Triangles", "VERSION", "command", "view"]
+
+VERSION: Final[str]
+MOST_BYTES: Final[int]
+
+@type_check_only
+class Reading(TypedDict):
+    name: str | None
+    format: str | None
+    unit: str | None
+    up: str | None
+    lenient: bool
+    drop_nonfinite: bool
+
+@final
+class Array:
+    @property
+    def __array_interface__(self) -> dict[str, Any]: ...
+
+@final
+class Source:
+    def __new__(cls, bytes: bytes | bytearray, reading: Reading) -> Source: ...
+    @property
+    def kind(self) -> str: ...
+    @property
+    def format(self) -> str: ...
+    @property
+    def name(self) -> str | None: ...
+    def inspect(self) -> str: ...
+    def mesh(self, wanted: Wanted, progress: Callable[[str, int, int], object] | None) -> Triangles: ...
+
+@final
+class Triangles:
+    @property
+    def vertices(self) -> Array: ...
+    @property
+    def faces(self) -> Array: ...
+    @property
+    def unmet(self) -> str | None: ...
+    @property
+    def report(self) -> str: ...
+    def remake(self, format: str) -> Triangles: ...
+    def write(self) -> bytes: ...
+
+@final
+class Paths:
+    def __new__(cls, numbers: bytes | bytearray, shape: tuple[int, int, int], unit: str | None) -> Paths: ...
+    def flatten(
+        self, wanted: Wanted, spacing: str, progress: Callable[[str, int, int], object] | None
+    ) -> Lines: ...
+
+@final
+class Lines:
+    @property
+    def points(self) -> Array: ...
+    @property
+    def starts(self) -> Array: ...
+    @property
+    def places(self) -> Array: ...
+    @property
+    def unmet(self) -> str | None: ...
+    @property
+    def report(self) -> str: ...
+
+def command(args: Sequence[str]) -> int: ...
+def view(text: str) -> str: ...

@@ -1,0 +1,14 @@
+"""The command `chordal` that comes with the package: the same as the program that is built without Python."""
+
+import signal
+import sys
+from typing import NoReturn
+
+from chordal import _chordal
+
+
+def main() -> NoReturn:
+    """Run the command line and end the process with its exit code."""
+    # Until the command has its own handler, a signal ends the process without a traceback.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    sys.exit(_chordal.command(["chordal", *sys.argv[1:]]))

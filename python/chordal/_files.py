@@ -1,0 +1,65 @@
+"""Files: only regular ones are read, and whole; one is replaced only by a complete one."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import secrets
+import stat
+
+from chordal import _chordal
+from chordal._errors import ReadError
+
+Path = str | os.PathLike[str]
+
+
+def shown(path: Path) -> str:
+    """The name of a file in messages and reports."""
+    return os.fsencode(path).decode("utf-8", "replace")
+
+
+def read(path: Path) -> bytes:
+    """All bytes of a file. What is no file is refused before it is opened: a pipe would wait for its other end."""
+    _refuse_irregular(os.stat(path), path)
+    flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+    with open(os.open(path, flags), "rb") as file:
+        before = os.fstat(file.fileno())
+        _refuse_irregular(before, path)
+        if before.st_size > _chordal.MOST_BYTES:
+            sizes = f"{before.st_size:,} bytes are over the limit of {_chordal.MOST_BYTES:,}"
+            raise ReadError("too-large", None, sizes, shown(path))
+        content = file.read()
+        after = os.fstat(file.fileno())
+    if (before.st_size, before.st_mtime_ns) != (after.st_size, after.st_mtime_ns):
+        raise ReadError("changed", None, "the file changed while it was read", shown(path))
+    return content
+
+
+def _refuse_irregular(found: os.stat_result, path: Path) -> None:
+    if stat.S_ISDIR(found.st_mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), shown(path))
+    if not stat.S_ISREG(found.st_mode):
+        raise ReadError("not-a-file", None, "this is a device, pipe or socket, not a file", shown(path))
+
+
+def replace(path: Path, content: bytes) -> None:
+    """Give a file this content: written aside, synced, renamed, so that the name only ever shows a whole one."""
+    target = os.path.realpath(path)
+    if os.path.lexists(target) and not os.path.isfile(target):
+        kind = errno.EISDIR if os.path.isdir(target) else errno.EINVAL
+        raise OSError(kind, os.strerror(kind), shown(path))
+    aside = os.path.join(os.path.dirname(target), f".chordal-{secrets.token_hex(8)}.tmp")
+    try:
+        with open(aside, "xb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        with contextlib.suppress(OSError):
+            # Who could read the old file can read the new one.
+            os.chmod(aside, stat.S_IMODE(os.stat(target).st_mode))
+        os.replace(aside, target)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            os.unlink(aside)
+        raise

@@ -1,0 +1,115 @@
+"""`load` and `Shape`: what a file holds."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable
+from typing import Any, Final, SupportsFloat, SupportsIndex
+
+from chordal import _chordal, _files
+from chordal._arguments import function, text
+from chordal._budget import Length, Share, wanted
+from chordal._mesh import Mesh, made
+from chordal._view import View
+
+#: Told about progress: the name of the stage, the steps that are done, and those in all.
+Progress = Callable[[str, int, int], object]
+
+
+def load(
+    source: str | os.PathLike[str] | bytes | bytearray | memoryview,
+    *,
+    format: str | None = None,
+    unit: str | None = None,
+    up: str | None = None,
+    lenient: bool = False,
+    drop_nonfinite: bool = False,
+) -> Shape:
+    """Read a shape from a file, or from the bytes of one.
+
+    `format` is an extension, as in "bpt" or "glb"; without it the file's own extension counts, then its content.
+    `unit` is the unit of the coordinates: um, mm, cm, m, km, in or ft. `up` is the axis that is up: "y" or "z".
+    `lenient` only warns of what is wrong in a glTF file without touching its geometry. `drop_nonfinite` drops
+    vertices that are not finite numbers, with their faces, and counts them.
+
+    Raises `ReadError` with the place where the bytes are wrong, and `OSError` where there are none to read.
+
+    >>> import chordal
+    >>> chordal.load(b"v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n", format="obj")
+    <Shape: triangles, from obj>
+    """
+    name = None
+    if isinstance(source, (bytes, bytearray, memoryview)):
+        content = bytes(source)
+    elif isinstance(source, (str, os.PathLike)):
+        name, content = _files.shown(source), _files.read(source)
+    else:
+        raise TypeError(f"source: a path or bytes, not {type(source).__name__}")
+    reading: _chordal.Reading = {
+        "name": name,
+        "format": text("format", format),
+        "unit": text("unit", unit),
+        "up": text("up", up),
+        "lenient": bool(lenient),
+        "drop_nonfinite": bool(drop_nonfinite),
+    }
+    return Shape(_chordal.Source(content, reading))
+
+
+class Shape:
+    """What a file holds: Bézier patches or triangles. `load` makes it; it does not change."""
+
+    __slots__ = ("_source",)
+
+    def __init__(self, source: _chordal.Source) -> None:
+        self._source: Final = source
+
+    @property
+    def kind(self) -> str:
+        """What it is, as in "patches" or "triangles"."""
+        return self._source.kind
+
+    @property
+    def format(self) -> str:
+        """The format that it was read from, as in "bpt"."""
+        return self._source.format
+
+    def inspect(self) -> dict[str, Any]:
+        """The report of `chordal inspect`: what it is, its size, its warnings, and whether it is sound."""
+        report: dict[str, Any] = json.loads(self._source.inspect())
+        return report
+
+    def mesh(
+        self,
+        *,
+        tol: Length | None = None,
+        rel: Share | None = None,
+        pixels: SupportsFloat | None = None,
+        view: str | View | None = None,
+        triangles: SupportsIndex | None = None,
+        progress: Progress | None = None,
+    ) -> Mesh:
+        """Triangles within a budget, with the bound that was reached.
+
+        `tol` is the largest distance to the true shape, in units or as a text with a unit; `rel` the same as a share
+        of the diagonal of the shape's box. `pixels` is the largest distance on the screen of `view`. `triangles` is
+        the most triangles: the best mesh with no more than these. All that are given hold.
+
+        Other Python threads run meanwhile. Ctrl-C ends it within a tenth of a second. `progress` is called with the
+        name of a stage, the steps done and those in all; what it raises ends the work and comes back unchanged.
+
+        Raises `BudgetError` for a budget without sense, `BudgetUnmet` with the best mesh where it was not reached,
+        and `Refused` where it cannot be.
+
+        >>> import chordal
+        >>> shape = chordal.load(b"v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n", format="obj")
+        >>> shape.mesh(rel="0.1%")
+        <Mesh: 1 triangle, 3 vertices; between 0 and 0, proved; hausdorff distance to the input triangles>
+        """
+        budget = wanted(tol=tol, rel=rel, pixels=pixels, view=view, count=("triangles", triangles))
+        return made(self._source.mesh(budget, function("progress", progress)))
+
+    def __repr__(self) -> str:
+        name = f" {self._source.name}" if self._source.name else ""
+        return f"<Shape: {self.kind}, from {self.format}{name}>"

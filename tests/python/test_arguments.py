@@ -1,0 +1,125 @@
+"""Arguments that make no sense are named, in one sentence that says what would."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import SQUARE
+
+import chordal
+
+VIEW = "1920x1080 fov=45 dist=4"
+
+
+@pytest.fixture(scope="module")
+def shape() -> chordal.Shape:
+    return chordal.load(SQUARE, format="obj")
+
+
+@pytest.mark.parametrize(
+    ("budget", "part"),
+    [
+        ({}, "tol=0.1 in units, rel=0.001 of the diagonal, pixels=1 with view="),
+        ({"tol": 0.1, "rel": 0.1}, "tol, rel"),
+        ({"tol": 0}, "tol: .* greater than 0"),
+        ({"tol": -1.0}, "tol"),
+        ({"tol": float("nan")}, "tol: a finite number"),
+        ({"tol": np.inf}, "tol: a finite number"),
+        ({"tol": "1 parsec"}, "tol: .*units are"),
+        ({"tol": ""}, "tol"),
+        ({"rel": "0.1"}, "rel: a share of the diagonal"),
+        ({"rel": 0}, "rel"),
+        ({"pixels": 1}, "pixels: .*view="),
+        ({"view": VIEW}, "view: .*pixels"),
+        ({"pixels": -1, "view": VIEW}, "pixels"),
+        ({"pixels": 1, "view": "1920x1080 fov=180 dist=4"}, "view"),
+        ({"pixels": 1, "view": "x"}, "view"),
+        ({"triangles": 0}, "triangles: a whole number of at least 1"),
+        ({"triangles": 2**64}, "triangles"),
+    ],
+)
+def test_a_budget_without_sense_is_a_value_error(shape: chordal.Shape, budget: dict[str, Any], part: str) -> None:
+    with pytest.raises(chordal.BudgetError, match=part) as caught:
+        shape.mesh(**budget)
+    assert isinstance(caught.value, ValueError)
+
+
+@pytest.mark.parametrize(
+    "budget",
+    [
+        {"tol": True},
+        {"tol": [1]},
+        {"tol": np.ones(3)},
+        {"rel": 1j},
+        {"pixels": "1", "view": VIEW},
+        {"pixels": 1, "view": 7},
+        {"triangles": 1.5},
+        {"triangles": "many"},
+        {"triangles": True},
+        {"tol": 1, "progress": 3},
+    ],
+)
+def test_a_budget_of_another_type_is_a_type_error(shape: chordal.Shape, budget: dict[str, Any]) -> None:
+    with pytest.raises(TypeError, match="|".join(budget)):
+        shape.mesh(**budget)
+
+
+def test_numbers_of_numpy_will_do(shape: chordal.Shape) -> None:
+    for tol in (np.float32(0.5), np.int64(1), np.float64(0.5), 1):
+        assert shape.mesh(tol=tol).bound.at_most == 0
+    assert len(shape.mesh(triangles=np.int32(2)).faces) == 2
+
+
+def test_budgets_are_given_by_name(shape: chordal.Shape) -> None:
+    with pytest.raises(TypeError):
+        shape.mesh(0.1)  # type: ignore[call-arg]
+
+
+def test_views_are_made_from_numbers_or_text() -> None:
+    closest = chordal.View.closest(distance=4, fov_deg=45, size_px=(1920, 1080))
+    assert closest == chordal.View(VIEW) and hash(closest) == hash(chordal.View(VIEW))
+    camera = chordal.View.camera(eye=(4, -6, 3), target=[0, 0, 1], height=3, size_px=(640, 480))
+    assert str(camera) == "640x480 height=3 eye=4,-6,3 target=0,0,1 up=0,0,1 near=0"
+    assert chordal.View(str(camera)) == camera
+    tiny = chordal.View.closest(distance=1e-7, fov_deg=0.1, size_px=(1, 1))
+    assert chordal.View(str(tiny)) == tiny
+
+
+@pytest.mark.parametrize(
+    ("make", "part"),
+    [
+        (lambda: chordal.View.closest(distance=4, size_px=(1920, 1080)), "fov"),
+        (lambda: chordal.View.closest(fov_deg=45, size_px=(1920, 1080)), "dist"),
+        (lambda: chordal.View.closest(distance=4, fov_deg=45, size_px=(0, 1080)), "pixel"),
+        (lambda: chordal.View.closest(distance=4, fov_deg=45, size_px=(1, 2, 3)), "size_px"),  # type: ignore[arg-type]
+        (lambda: chordal.View.closest(distance=float("nan"), fov_deg=45, size_px=(9, 9)), "distance"),
+        (lambda: chordal.View.camera(eye=(0, 0), target=(0, 0, 1), fov_deg=9, size_px=(9, 9)), "eye"),
+        (lambda: chordal.View.camera(eye=(0, 0, 1), target=(0, 0, 1), fov_deg=9, size_px=(9, 9)), "apart"),
+    ],
+)
+def test_a_view_without_sense_says_which_word(make: Any, part: str) -> None:
+    with pytest.raises(chordal.BudgetError, match=part):
+        make()
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "part"),
+    [
+        ({"format": "dwg"}, ValueError, "format: 'dwg' is no format"),
+        ({"format": 3}, TypeError, "format"),
+        ({"unit": "furlong"}, ValueError, "unit: .*units are"),
+        ({"up": "x"}, ValueError, "up"),
+    ],
+)
+def test_how_to_read_is_checked(options: dict[str, Any], error: type[Exception], part: str) -> None:
+    with pytest.raises(error, match=part):
+        chordal.load(SQUARE, **options)
+
+
+def test_a_source_is_a_path_or_bytes() -> None:
+    with pytest.raises(TypeError, match="source: a path or bytes, not int"):
+        chordal.load(3)  # type: ignore[arg-type]
+    for source in (SQUARE, bytearray(SQUARE), memoryview(SQUARE)):
+        assert chordal.load(source, format="obj").kind == "triangles"

@@ -1,0 +1,101 @@
+"""Files: what is no file, what is wrong in one, and one that is replaced as a whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import stat
+from pathlib import Path
+
+import pytest
+from conftest import SQUARE, TEAPOT
+
+import chordal
+
+
+def test_a_wrong_file_names_itself_and_the_place(tmp_path: Path) -> None:
+    path = tmp_path / "wrong.obj"
+    path.write_bytes(b"v 0 0 0\nf 1 2 3\n")
+    with pytest.raises(chordal.ReadError) as caught:
+        chordal.load(path)
+    error = caught.value
+    assert (error.place, error.source) == ("line 2", str(path))
+    assert str(error).startswith(f"{path}: line 2: ") and error.code.replace("-", "").isalpha()
+    with pytest.raises(chordal.ReadError) as caught:
+        chordal.load(b"\x00\x01")
+    assert caught.value.place is None and caught.value.source is None
+    assert "format=" in str(caught.value) and "--" not in str(caught.value)
+
+
+def test_exceptions_cross_processes() -> None:
+    for error in (
+        chordal.ReadError("code", "line 1", "message", "file"),
+        chordal.Refused("code", "message"),
+        chordal.BudgetError("message"),
+        chordal.InternalError("message"),
+    ):
+        copy = pickle.loads(pickle.dumps(error))
+        assert type(copy) is type(error) and copy.args == error.args and vars(copy) == vars(error)
+
+
+def test_what_is_no_file_is_refused_before_it_is_opened(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        chordal.load(tmp_path / "missing.obj")
+    with pytest.raises(IsADirectoryError):
+        chordal.load(tmp_path)
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(tmp_path / "pipe.obj")
+        with pytest.raises(chordal.ReadError, match="pipe") as caught:
+            chordal.load(tmp_path / "pipe.obj")
+        assert caught.value.code == "not-a-file"
+
+
+def test_names_that_are_no_text_will_do(tmp_path: Path) -> None:
+    path = os.path.join(os.fsencode(tmp_path), b"\xff.obj")
+    try:
+        with open(path, "wb") as file:
+            file.write(SQUARE)
+    except OSError:
+        pytest.skip("this file system wants names that are text")
+    assert chordal.load(os.fsdecode(path)).format == "obj"
+
+
+def test_export_replaces_a_file_as_a_whole_and_keeps_its_mode(tmp_path: Path) -> None:
+    path = tmp_path / "a.obj"
+    path.write_text("old")
+    path.chmod(0o640)
+    mesh = chordal.load(SQUARE, format="obj").mesh(tol=1)
+    mesh.export(path)
+    assert path.read_bytes() == mesh.to_bytes("obj")
+    assert stat.S_IMODE(path.stat().st_mode) == 0o640
+    assert [file.name for file in tmp_path.iterdir()] == ["a.obj"]
+
+
+def test_export_that_fails_leaves_everything_as_it_was(tmp_path: Path) -> None:
+    mesh = chordal.load(TEAPOT).mesh(tol=0.1)
+    old = tmp_path / "a.glb"
+    old.write_text("old")
+    with pytest.raises(ValueError, match="format"):
+        mesh.export(tmp_path / "a.unheardof")
+    with pytest.raises(ValueError, match="does not say the format"):
+        mesh.export(tmp_path / "a")
+    with pytest.raises(FileNotFoundError):
+        mesh.export(tmp_path / "missing" / "a.glb")
+    (tmp_path / "folder.glb").mkdir()
+    with pytest.raises(IsADirectoryError):
+        mesh.export(tmp_path / "folder.glb")
+    assert old.read_text() == "old"
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["a.glb", "folder.glb"]
+
+
+def test_a_write_that_fails_half_way_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "a.ply"
+    path.write_text("old")
+
+    def full(_: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OSError, match="No space"):
+        chordal.load(SQUARE, format="obj").mesh(tol=1).export(path)
+    assert path.read_text() == "old" and len(list(tmp_path.iterdir())) == 1

@@ -1,0 +1,178 @@
+"""`Shape.mesh` and `Mesh`: the same triangles as the command's, in arrays that do not change."""
+
+from __future__ import annotations
+
+import gc
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import SQUARE, TEAPOT, Command
+from numpy.typing import NDArray
+
+import chordal
+
+VIEW = "1920x1080 fov=45 dist=4"
+
+
+def read_ply(content: bytes) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """The rows of a PLY file, read without Chordal."""
+    header, body = content.split(b"end_header\n", 1)
+    words = [line.split() for line in header.decode().splitlines()]
+    assert ["format", "binary_little_endian", "1.0"] in words
+    (n, m) = (int(line[2]) for line in words if line[0] == "element")
+    kinds = {"double": "<f8", "float": "<f4", "uchar": "u1"}
+    row = np.dtype([(line[2], kinds[line[1]]) for line in words if line[0] == "property" and line[1] != "list"])
+    lists = [line for line in words if line[:2] == ["property", "list"]]
+    assert row.names is not None and row.names[:3] == ("x", "y", "z") and len(lists) == 1
+    rows = np.frombuffer(body, row, n)
+    faces = np.frombuffer(body, np.dtype([("n", "u1"), ("index", "<u4", 3)]), m, row.itemsize * n)
+    assert row["x"] == np.float64 and (faces["n"] == 3).all()
+    return np.stack([rows["x"], rows["y"], rows["z"]], axis=1), faces["index"].astype(np.int64)
+
+
+@pytest.mark.parametrize(
+    ("options", "budget"),
+    [
+        (["--tol", "0.001"], {"tol": 0.001}),
+        (["--tol", "0.1%"], {"rel": 0.001}),
+        (["--tol", "0.1%"], {"rel": "0.1%"}),
+        (["--px", "1", "--view", VIEW], {"pixels": 1, "view": VIEW}),
+        (["--triangles", "1000"], {"triangles": 1000}),
+        (["--tol", "0.02", "--px", "9", "--view", VIEW], {"tol": 0.02, "pixels": 9.0, "view": chordal.View(VIEW)}),
+    ],
+)
+def test_the_vertices_are_those_of_the_command_bit_for_bit(
+    cargo_chordal: Command, tmp_path: Path, options: list[str], budget: dict[str, Any]
+) -> None:
+    done = cargo_chordal("mesh", TEAPOT, *options, "-o", tmp_path / "a.ply", "--json")
+    assert done.returncode == 0, done.stderr
+    mesh = chordal.load(TEAPOT).mesh(**budget)
+    vertices, faces = read_ply((tmp_path / "a.ply").read_bytes())
+    assert mesh.vertices.tobytes() == vertices.tobytes()
+    assert np.array_equal(mesh.faces, faces)
+    assert mesh.report["certificate"] == json.loads(done.stdout)["certificate"]
+
+
+@pytest.mark.parametrize("extension", ["glb", "obj", "stl", "ply"])
+def test_a_file_is_that_of_the_command_byte_for_byte(
+    cargo_chordal: Command, tmp_path: Path, extension: str
+) -> None:
+    ours, theirs = tmp_path / f"ours.{extension}", tmp_path / f"theirs.{extension}"
+    done = cargo_chordal("mesh", TEAPOT, "--tol", "0.003", "-o", theirs, "--json")
+    assert done.returncode == 0, done.stderr
+    report = chordal.load(TEAPOT).mesh(tol=0.003).export(ours)
+    assert ours.read_bytes() == theirs.read_bytes()
+    assert report["certificate"] == json.loads(done.stdout)["certificate"]
+    assert report["run"]["bytes"] == theirs.stat().st_size
+
+
+def test_a_shape_of_several_parts_has_the_rows_of_its_file(cargo_chordal: Command, tmp_path: Path) -> None:
+    parts = b"o one\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no two\nv 0 0 1\nv 1 0 1\nv 0 1 1\nf 4 5 6\n"
+    glb = chordal.load(parts, format="obj").mesh(tol=1).to_bytes("glb")
+    done = cargo_chordal("mesh", "-", "--from", "glb", "--tol", "1", "-o", tmp_path / "a.ply", stdin=glb)
+    assert done.returncode == 0, done.stderr
+    vertices, faces = read_ply((tmp_path / "a.ply").read_bytes())
+    mesh = chordal.load(glb).mesh(tol=1)
+    assert np.array_equal(mesh.vertices, vertices)
+    assert np.array_equal(mesh.faces, faces)
+
+
+def test_arrays_are_typed_shared_and_for_reading_only() -> None:
+    mesh = chordal.load(TEAPOT).mesh(tol=0.05)
+    for array, kind in ((mesh.vertices, np.float64), (mesh.faces, np.int32)):
+        assert array.dtype == kind and array.shape[1] == 3 and array.flags.c_contiguous
+        with pytest.raises(ValueError, match="read-only"):
+            array[0, 0] = 1
+        with pytest.raises(ValueError, match="WRITEABLE"):
+            array.flags.writeable = True
+    assert np.shares_memory(mesh.vertices, mesh.vertices)
+    assert mesh.faces.min() == 0 and mesh.faces.max() == len(mesh.vertices) - 1
+
+
+def test_an_array_outlives_its_mesh() -> None:
+    vertices = chordal.load(TEAPOT).mesh(tol=0.05).vertices
+    before = vertices.copy()
+    gc.collect()
+    chordal.load(TEAPOT).mesh(tol=0.01)
+    assert np.array_equal(vertices, before)
+
+
+def test_the_bound_is_that_of_the_report_and_within_the_budget() -> None:
+    mesh = chordal.load(TEAPOT).mesh(tol=0.01, pixels=5, view=VIEW)
+    facts = mesh.report["certificate"]["bound"]
+    assert mesh.bound.at_least == facts["at_least"] and mesh.bound.at_most == facts["at_most"]
+    assert mesh.bound.at_most is not None and mesh.bound.pixels is not None and mesh.bound.at is not None
+    assert 0 < mesh.bound.at_least <= mesh.bound.at_most <= 0.01 and mesh.bound.pixels <= 5
+    assert mesh.bound.at == tuple(facts["at"])
+    assert (mesh.bound.evidence, mesh.bound.metric) == ("proved", "hausdorff")
+    assert mesh.bound.reference == "bezier patches"
+
+
+def test_a_bound_is_shown_wider_than_it_is() -> None:
+    bound = chordal.Bound(0.12345678, 0.98712345, "proved", "hausdorff", "curves", pixels=1.2301)
+    shown = "between 0.123 and 0.988, proved; hausdorff distance to the curves; at most 1.24 px"
+    assert repr(bound) == f"<Bound: {shown}>"
+    sampled = chordal.Bound(3.999e-7, None, "measured", "hausdorff", "curves", samples=12)
+    assert sampled.sentence() == "at least 3.99e-07, measured (12 samples); hausdorff distance to the curves"
+
+
+def test_nothing_about_a_mesh_changes() -> None:
+    mesh = chordal.load(SQUARE).mesh(tol=1)
+    mesh.report["certificate"]["bound"] = None
+    assert mesh.report["certificate"]["bound"] is not None
+    for thing, name in ((mesh, "bound"), (mesh, "vertices"), (mesh.bound, "at_most"), (chordal.View(VIEW), "_text")):
+        with pytest.raises(AttributeError):
+            setattr(thing, name, 0)
+
+
+def test_a_budget_that_is_not_met_brings_the_best() -> None:
+    shape = chordal.load(SQUARE, format="obj")
+    with pytest.raises(chordal.BudgetUnmet, match="2 triangles") as caught:
+        shape.mesh(triangles=1)
+    best = caught.value.best
+    assert isinstance(best, chordal.Mesh) and len(best.faces) == 2
+    assert caught.value.bound == best.bound
+    assert best.to_bytes("ply").startswith(b"ply\n"), "who has the best in hand may write it"
+
+
+def test_a_file_that_rounds_past_the_budget_is_refused(tmp_path: Path) -> None:
+    mesh = chordal.load(TEAPOT).mesh(tol=0.05)
+    far = chordal.load(SQUARE.replace(b"v 1 0", b"v 123456789.123456 0")).mesh(tol=1e-3)
+    with pytest.raises(chordal.BudgetUnmet):
+        far.export(tmp_path / "far.stl")
+    assert list(tmp_path.iterdir()) == []
+    mesh.export(tmp_path / "fine.stl")
+
+
+def test_what_cannot_be_done_is_refused_with_a_code() -> None:
+    shape = chordal.load(TEAPOT)
+    with pytest.raises(chordal.Refused) as caught:
+        shape.mesh(tol=1e-13)
+    assert caught.value.code in ("too-many-triangles", "below-precision")
+    with pytest.raises(chordal.Refused) as caught:
+        shape.mesh(tol=1).to_bytes("bpt")
+    assert caught.value.code == "unsupported" and "bpt" in str(caught.value)
+
+
+def test_a_length_in_a_unit_needs_a_shape_in_one() -> None:
+    bare = chordal.load(TEAPOT).mesh(tol=0.01)
+    metric = chordal.load(TEAPOT, unit="cm").mesh(tol="0.1mm")
+    assert np.array_equal(bare.vertices, metric.vertices)
+    with pytest.raises(chordal.BudgetError, match="give unit="):
+        chordal.load(TEAPOT).mesh(tol="0.1mm")
+
+
+def test_inspect_is_the_command_s(cargo_chordal: Command) -> None:
+    done = cargo_chordal("inspect", TEAPOT, "--json")
+    theirs, ours = json.loads(done.stdout), chordal.load(TEAPOT).inspect()
+    assert ours["certificate"] == theirs["certificate"] and ours["inspection"] == theirs["inspection"]
+
+
+def test_what_is_shown_is_short_and_escaped() -> None:
+    mesh = chordal.load(SQUARE, format="obj").mesh(tol=1)
+    assert repr(mesh).startswith("<Mesh: 2 triangles, 4 vertices; between 0 and 0, proved")
+    assert mesh._repr_html_().count("<tr>") == 2 and len(mesh._repr_html_()) < 300
+    assert repr(chordal.load(TEAPOT)).startswith("<Shape: patches, from bpt")
