@@ -48,7 +48,7 @@ export const en = {
   "gap.apart": "The two differ by {n}. The drawing is 10 units wide.",
   "verdict": "Smooth to within",
   "verdict.px": "{n} px",
-  "verdict.smooth": "looks smooth",
+  "verdict.smooth": "smooth",
   "verdict.seen": "shows",
   "verdict.open": "undecided",
   "needed": "For {px} it takes at least",

@@ -7,6 +7,8 @@ import type { Page } from "./page";
 
 /** More vertices than this are only clutter. */
 const MOST_DOTS = 48;
+/** A gap that is longer than this, in CSS pixels, is seen without a ring around it. */
+const LONG = 60;
 /** The label of the gap in CSS pixels: how far it stands from the ring, half its size, and what it keeps clear of. */
 const LABEL = { away: 14, halfWidth: 40, halfHeight: 10, clear: 26 };
 /** Where it may stand, as turns from the curve's side of the gap; the nearest that is free is taken. */
@@ -84,12 +86,15 @@ function Needle({ gap, label, handles, frame }: NeedleProps) {
   const [from, to] = [frame.to(gap[0]), frame.to(gap[1])];
   const length = Math.hypot(from[0] - to[0], from[1] - to[1]);
   const middle: Point = [(from[0] + to[0]) / 2, (from[1] + to[1]) / 2];
-  const ring = Math.max(length / 2 + 5, 10);
-  const side = length > 0 ? Math.atan2(from[1] - to[1], from[0] - to[0]) : -Math.PI / 2;
+  const isLong = length > LONG;
+  const ring = isLong ? 0 : Math.max(length / 2 + 5, 10);
+  // On the curve's side of a short gap no segment is in the way; beside a long one there is room.
+  const along = length > 0 ? Math.atan2(from[1] - to[1], from[0] - to[0]) : -Math.PI / 2;
+  const side = isLong ? along + Math.PI / 2 : along;
   const [x, y] = labelPlace(middle, ring, side, handles.map((point) => frame.to(point)), frame);
   return (
     <g class="gap">
-      <circle class="ring" cx={px(middle[0])} cy={px(middle[1])} r={px(ring)} />
+      {ring > 0 && <circle class="ring" cx={px(middle[0])} cy={px(middle[1])} r={px(ring)} />}
       <path class="needle" d={linePath([from, to])} />
       <text class="label" x={px(x)} y={px(y)} dy="0.35em" text-anchor="middle">
         {label}
@@ -98,7 +103,7 @@ function Needle({ gap, label, handles, frame }: NeedleProps) {
   );
 }
 
-/** On the curve's side of the gap, where no segment is, unless a handle or the edge of the figure is there. */
+/** On that side of the gap, unless a handle or the edge of the figure is there. */
 function labelPlace(middle: Point, ring: number, side: number, handles: readonly Point[], frame: Frame): Point {
   const places = TURNS.map((turn): Point => {
     const angle = side + turn * 2 * Math.PI;

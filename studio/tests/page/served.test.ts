@@ -1,10 +1,13 @@
 // The page as `chordal studio` serves it, and what it weighs.
-import { spawn, type ChildProcess } from "node:child_process";
-import { readFileSync, readdirSync } from "node:fs";
+import { spawn, spawnSync, type ChildProcess } from "node:child_process";
+import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { gzipSync } from "node:zlib";
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { DIST, Site, settled } from "./site";
+import { Core } from "../../src/core/module";
+import type { Cubic } from "../../src/core/types";
+import { DIST, Site, WASM, settled } from "./site";
 
 const command = process.env["CHORDAL"] ?? join(DIST, "../../../target/release/chordal");
 let site: Site;
@@ -52,6 +55,29 @@ test("the link opens the page, which runs under the server's strict policy; it w
   expect((await stranger.request.get(new URL("/", link).href)).status()).toBe(403);
   await context.close();
   await stranger.close();
+});
+
+test("the page's module and the command give the same points, bit for bit", async () => {
+  const core = await Core.load(readFileSync(WASM));
+  const seed = 1 + Math.floor(Math.random() * 1e9);
+  let state = seed;
+  const random = () => (state = (state * 48271) % 2147483647) / 2147483647;
+  const folder = mkdtempSync(join(tmpdir(), "chordal-studio-"));
+  for (let i = 0; i < 12; i++) {
+    const control = Array.from({ length: 4 }, () => [random() * 10, random() * 6]) as unknown as Cubic;
+    const segments = 1 + Math.floor(random() * 128);
+    const file = join(folder, "curve.svg");
+    const [a, b, c, d] = control.map((point) => point.join(" "));
+    writeFileSync(file, `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 6"><path fill="none" d="M${a}C${b} ${c} ${d}"/></svg>`);
+    const answer = core.ask("study", { control, segments, pixels_per_unit: 70, pixels: 1, t: 0, near: 1 });
+    for (const spacing of ["even", "fewest"] as const) {
+      const run = spawnSync(command, ["mesh", file, "--segments", String(segments), "--spacing", spacing, "-o", "-", "--to", "json", "-q"]);
+      const made = JSON.parse(run.stdout.toString());
+      expect(made.polylines[0].points, `seed ${seed}`).toEqual(answer[spacing].points);
+      expect(made.report.certificate.bound.at_most, `seed ${seed}`).toBe(answer[spacing].bound.at_most);
+    }
+  }
+  rmSync(folder, { recursive: true });
 });
 
 test("the page weighs less than a megabyte, compressed, all files together", () => {

@@ -104,6 +104,14 @@ test("h83: after a trap nothing is asked of the module again", async () => {
   expect(() => broken.ask("study", QUESTION)).toThrow(/trapped before/);
 });
 
+test("h83: more memory than a module can have is a trap, and never a wrong address", async () => {
+  const { instance } = await WebAssembly.instantiate(bytes);
+  const { chordal_alloc, memory } = instance.exports as { chordal_alloc(n: number): number; memory: WebAssembly.Memory };
+  const before = memory.buffer.byteLength;
+  for (const much of [2 ** 32 - 1, 2 ** 31]) expect(() => chordal_alloc(much)).toThrow(WebAssembly.RuntimeError);
+  expect(memory.buffer.byteLength).toBe(before);
+});
+
 test("what is no module is a typed error", async () => {
   await expect(Core.load(new Uint8Array([1, 2, 3]))).rejects.toThrow(Broken);
   await expect(Core.load(bytes.subarray(0, 1000))).rejects.toThrow(Broken);
