@@ -106,7 +106,8 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
         }
         Shape::Drawing(drawing) => {
             let asked = Asked { spec, budget, to, place };
-            filled::fill(drawing, &asked, &mut certificate, job)?
+            let (scene, bound, place) = filled::fill(&drawing, &asked, &mut certificate, job)?;
+            return finish(scene, bound, &Asked { place, ..asked }, certificate);
         }
         Shape::Patches { patches, frame } => {
             let source = Source { patches, frame, place };

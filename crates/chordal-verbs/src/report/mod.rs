@@ -161,7 +161,7 @@ pub struct FrameFacts {
 }
 
 impl FrameFacts {
-    fn of(frame: &Frame) -> Self {
+    pub(crate) fn of(frame: &Frame) -> Self {
         let up = frame.up.map(|axis| match axis {
             Axis::Y => "y",
             Axis::Z => "z",
