@@ -32,7 +32,7 @@ Messages go to stderr, data to stdout. '-' is stdin or stdout. Colours obey NO_C
 /// One word for each thing that can be done.
 #[derive(Debug, Subcommand)]
 pub enum Verb {
-    /// Turn any shape into triangles within a budget
+    /// Turn any shape into triangles, or curves into polylines, within a budget
     Mesh(MeshArgs),
     /// Say what a file holds and whether it is sound
     Inspect(InspectArgs),
@@ -117,12 +117,14 @@ pub struct OutputArgs {
 
 /// `chordal mesh`
 #[derive(Args, Debug)]
-#[command(group = ArgGroup::new("budget").args(["tol", "px", "triangles"]).required(true).multiple(true))]
+#[command(group = ArgGroup::new("budget").args(["tol", "px", "triangles", "segments"]).required(true).multiple(true))]
 #[command(after_help = "\
 Examples:
   chordal mesh teapot.bpt --tol 0.001 -o teapot.obj
   chordal mesh teapot.bpt --px 1 --view \"1920x1080 fov=45 dist=4\" -o teapot.glb
-  chordal mesh teapot.bpt --triangles 5000 -o teapot.stl")]
+  chordal mesh teapot.bpt --triangles 5000 -o teapot.stl
+  chordal mesh drawing.svg --tol 0.25 -o drawing.json
+  chordal mesh drawing.svg --tol 0.25 -o drawing.glb")]
 pub struct MeshArgs {
     #[command(flatten)]
     pub input: InputArgs,
@@ -151,12 +153,29 @@ pub struct MeshArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_hyphen_values = true)]
     pub triangles: Option<u64>,
 
+    /// For curves to polylines (.svg, .json): the most segments, all together
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_hyphen_values = true)]
+    pub segments: Option<u64>,
+
+    /// For curves: as few segments as the budget allows, or equal steps of each piece's parameter
+    #[arg(long, value_name = "HOW", default_value = "fewest")]
+    pub spacing: Steps,
+
     /// Write the best result even where the budget was not reached; the exit code is 5 all the same
     #[arg(long)]
     pub keep_best: bool,
 
     #[command(flatten)]
     pub talk: TalkArgs,
+}
+
+/// How the ends of segments are placed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Steps {
+    /// Nearly as few segments as can be
+    Fewest,
+    /// Equal steps of the parameter
+    Even,
 }
 
 /// `chordal inspect`

@@ -1,5 +1,5 @@
 //! `chordal mesh`
-use crate::args::MeshArgs;
+use crate::args::{MeshArgs, Steps};
 use crate::clock::Clock;
 use crate::common;
 use crate::fault::Fault;
@@ -10,7 +10,7 @@ use crate::talk::Talk;
 use chordal::budget::PixelBudget;
 use chordal_io::Format;
 use chordal_verbs::report::{Report, Run};
-use chordal_verbs::{BudgetSpec, MeshFailure, extension, formats, mesh};
+use chordal_verbs::{BudgetSpec, MeshFailure, Spacing, extension, formats, mesh};
 use std::path::Path;
 
 /// Reads, meshes, writes, reports.
@@ -64,19 +64,23 @@ fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {
             return Err(Fault::usage("--view is for a budget in pixels: add --px, as in --px 1"));
         }
     };
-    Ok(BudgetSpec { length: args.tol, pixels, triangles: args.triangles })
+    let spacing = match args.spacing {
+        Steps::Fewest => Spacing::Fewest,
+        Steps::Even => Spacing::Even,
+    };
+    Ok(BudgetSpec { length: args.tol, pixels, triangles: args.triangles, segments: args.segments, spacing })
 }
 
 /// The format to write: `--to`, else what the name says.
 fn output_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
     let name = path.display().to_string();
     let by_name = || extension(&name).and_then(Format::from_extension);
-    let known = formats::mesh_names;
+    let known = formats::output_names;
     let format = to.or_else(by_name).ok_or_else(|| {
         Fault::usage(format!("{name}: the name does not say the format; --to does, with {}", known()))
     })?;
-    if formats::holds_triangles(format) {
+    if formats::holds_triangles(format) || formats::holds_polylines(format) {
         return Ok(format);
     }
-    Err(Fault::usage(format!("{format} holds no triangles; those that do are {}", known())))
+    Err(Fault::usage(format!("{format} is only read; what can be written is {}", known())))
 }

@@ -1,6 +1,8 @@
 //! Reports for people: a few aligned lines.
 use crate::numbers::{Toward, grouped, point, short, size};
-use chordal_verbs::report::{BoundFacts, Found, Inspection, OutputFacts, Report, Valid};
+use chordal_verbs::report::{
+    BoundFacts, DrawingFacts, Found, Inspection, KinkFacts, Output, OutputFacts, Report, Valid,
+};
 use std::fmt::Write;
 
 /// Lines of a name and a value, the values below each other.
@@ -29,7 +31,7 @@ pub fn mesh(report: &Report) -> String {
     let name = |name: &Option<String>| name.clone().unwrap_or_default();
     let mut lines = Lines::titled(&format!("{} -> {}", name(&run.input), name(&run.output)));
     if let Some(output) = &certificate.output {
-        triangles(&mut lines, output);
+        made(&mut lines, output);
     }
     if let Some(facts) = &certificate.bound {
         lines.add("bound", bound(facts));
@@ -63,7 +65,7 @@ pub fn inspect(report: &Report) -> String {
         holds(&mut lines, inspection);
     }
     if let Some(output) = &certificate.output {
-        triangles(&mut lines, output);
+        made(&mut lines, output);
     }
     if let Some(sizes) = report.inspection.as_ref().and_then(|inspection| inspection.sizes) {
         let (indexed, unindexed) = (size(sizes.indexed_bytes), size(sizes.unindexed_bytes));
@@ -86,7 +88,7 @@ pub fn render(report: &Report, picture: &str) -> String {
     let mut lines = Lines::titled(&format!("{} -> {}", name(&run.input), name(&run.output)));
     lines.add("picture", picture);
     if let Some(output) = &certificate.output {
-        triangles(&mut lines, output);
+        made(&mut lines, output);
     }
     if let Some(facts) = &certificate.bound {
         lines.add("bound", bound(facts));
@@ -99,11 +101,62 @@ pub fn render(report: &Report, picture: &str) -> String {
 fn holds(lines: &mut Lines, inspection: &Inspection) {
     lines.add("size", size(inspection.bytes));
     lines.add_if("patches", inspection.patches.map(grouped));
+    if let Some(drawing) = &inspection.drawing {
+        curves(lines, drawing);
+    }
     if let Some(parts) = inspection.parts.as_ref().filter(|parts| parts.len() != 1) {
         let instances: u64 = parts.iter().map(|part| part.instances).sum();
         lines.add("parts", format!("{} in {} places", grouped(parts.len() as u64), grouped(instances)));
     }
     lines.add_if("box", inspection.bounds.map(|[low, high]| format!("{} to {}", point(low), point(high))));
+}
+
+/// How many kinks are told one by one; the report has more.
+const KINKS: usize = 8;
+
+fn curves(lines: &mut Lines, drawing: &DrawingFacts) {
+    let filled =
+        if drawing.filled > 0 { format!(", {} filled", grouped(drawing.filled)) } else { String::new() };
+    lines.add("elements", format!("{}{filled}", grouped(drawing.elements)));
+    let (closed, open) = (grouped(drawing.closed), grouped(drawing.open));
+    lines.add("subpaths", format!("{}: {closed} closed, {open} open", grouped(drawing.subpaths)));
+    let pieces = drawing.pieces;
+    let all = [(pieces.lines, "line"), (pieces.cubics, "cubic"), (pieces.arcs, "arc")];
+    let all: Vec<_> = all.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| plural(n, what)).collect();
+    lines.add("pieces", if all.is_empty() { "none".to_owned() } else { all.join(", ") });
+    lines.add("length", format!("about {}", short(drawing.length_estimate, Toward::Down)));
+    let joins = drawing.joins;
+    if joins.g0 + joins.g1 + joins.g2 > 0 {
+        let smooth = format!("{} G1, {} G2", grouped(joins.g1), grouped(joins.g2));
+        lines.add("joins", format!("{}, {smooth}", plural(joins.g0, "kink")));
+    }
+    for kink in drawing.kinks.iter().take(KINKS) {
+        lines.add("", turned(kink));
+    }
+    let told = drawing.kinks.len().min(KINKS) as u64;
+    if joins.g0 > told {
+        lines.add("", format!("and {} more", grouped(joins.g0 - told)));
+    }
+}
+
+/// `path 3 'leaf', piece 2: 90° at (1, 2, 0)`
+fn turned(kink: &KinkFacts) -> String {
+    let name = if kink.name.is_empty() { String::new() } else { format!(" '{}'", kink.name.escape_debug()) };
+    let angle = kink.angle_deg.map_or_else(|| "no direction".to_owned(), |deg| format!("{deg:.1}°"));
+    format!("{} {}{name}, piece {}: {angle} at {}", kink.kind, kink.element, kink.piece, point(kink.at))
+}
+
+fn made(lines: &mut Lines, output: &Output) {
+    match output {
+        Output::Triangles(output) => triangles(lines, output),
+        Output::Polylines(output) => {
+            lines.add("polylines", grouped(output.polylines));
+            lines.add(
+                "segments",
+                format!("{} between {} points", grouped(output.segments), grouped(output.points)),
+            );
+        }
+    }
 }
 
 fn triangles(lines: &mut Lines, output: &OutputFacts) {
@@ -184,7 +237,7 @@ fn certified(found: &Found) -> String {
     if found.differs.is_empty() {
         bound
     } else {
-        format!("{bound}, but of other triangles: {}", found.differs.join(", "))
+        format!("{bound}, but of another shape: {}", found.differs.join(", "))
     }
 }
 

@@ -10,6 +10,13 @@ pub enum Place {
     Byte(u64),
     /// A line, counted from 1.
     Line(u64),
+    /// A character of a text in which lines can be long.
+    LineColumn {
+        /// The line, counted from 1.
+        line: u64,
+        /// The character in it, counted from 1.
+        column: u64,
+    },
     /// A row of a named list, counted from 0, at a byte or line where that is known.
     Row {
         /// The list, as in "vertex".
@@ -27,6 +34,7 @@ impl fmt::Display for Place {
             Self::File => f.write_str("file"),
             Self::Byte(offset) => write!(f, "byte {offset}"),
             Self::Line(line) => write!(f, "line {line}"),
+            Self::LineColumn { line, column } => write!(f, "line {line}, column {column}"),
             Self::Row { list, row } => write!(f, "{list} {row}"),
             Self::Pointer(pointer) => write!(f, "{pointer}"),
         }

@@ -1,6 +1,6 @@
 //! `Format`: what a file is, by its extension or by its content.
 use crate::text::{Lines, Tokens, integer, is_space, number, trim};
-use crate::{obj, patch_json, stl};
+use crate::{obj, shape_json, stl, svg};
 use std::fmt;
 use std::str::FromStr;
 
@@ -11,7 +11,7 @@ use std::str::FromStr;
 /// assert_eq!(Format::from_extension("STL"), Some(Format::Stl));
 /// assert_eq!(Format::sniff(b"1\n1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16\n"), Some(Format::Teaset));
 /// assert_eq!("ply".parse(), Ok(Format::Ply));
-/// assert_eq!(Format::PatchJson.to_string(), "json");
+/// assert_eq!(Format::Json.to_string(), "json");
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
@@ -19,8 +19,8 @@ pub enum Format {
     Bpt,
     /// Newell's teaset text: patches as indices, then points.
     Teaset,
-    /// Patches in JSON.
-    PatchJson,
+    /// Patches, curves or polylines in JSON.
+    Json,
     /// Wavefront OBJ.
     Obj,
     /// Stanford PLY.
@@ -29,17 +29,20 @@ pub enum Format {
     Stl,
     /// Binary glTF 2.0.
     Glb,
+    /// Scalable Vector Graphics.
+    Svg,
 }
 
 /// Every format with the name that stands for it in `--from` and `--to`, and as an extension.
-const NAMES: [(Format, &str); 7] = [
+const NAMES: [(Format, &str); 8] = [
     (Format::Bpt, "bpt"),
     (Format::Teaset, "teaset"),
-    (Format::PatchJson, "json"),
+    (Format::Json, "json"),
     (Format::Obj, "obj"),
     (Format::Ply, "ply"),
     (Format::Stl, "stl"),
     (Format::Glb, "glb"),
+    (Format::Svg, "svg"),
 ];
 
 impl Format {
@@ -70,7 +73,10 @@ impl Format {
             return Some(Self::Stl);
         }
         if text.first() == Some(&b'{') {
-            return patch_json::looks_like(text).then_some(Self::PatchJson);
+            return shape_json::looks_like(text).then_some(Self::Json);
+        }
+        if svg::looks_like(text) {
+            return Some(Self::Svg);
         }
         sniff_patches(text).or_else(|| obj::looks_like(bytes).then_some(Self::Obj))
     }
@@ -155,7 +161,7 @@ mod tests {
     #[test]
     fn an_unknown_name_is_answered_with_those_that_are_known() {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
-        assert_eq!(message, "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl and glb");
+        assert_eq!(message, "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb and svg");
         assert_eq!(Format::from_extension(""), None);
     }
 }

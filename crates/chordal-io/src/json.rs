@@ -253,6 +253,28 @@ impl<'a> Json<'a> {
         Ok(())
     }
 
+    /// Reads `true` or `false`.
+    pub(crate) fn flag(&mut self) -> Outcome<bool> {
+        self.skip_space();
+        let rest = &self.bytes[self.at..];
+        let known = [(&b"true"[..], true), (&b"false"[..], false)];
+        match known.iter().find(|(word, _)| rest.starts_with(word)) {
+            Some((word, value)) => {
+                self.at += word.len();
+                Ok(*value)
+            }
+            None => Err(self.error("wrong-type", "true or false should stand here")),
+        }
+    }
+
+    /// Reads a value of any kind, as the text that it is.
+    pub(crate) fn raw(&mut self) -> Outcome<&'a [u8]> {
+        self.skip_space();
+        let start = self.at;
+        self.skip()?;
+        Ok(&self.bytes[start..self.at])
+    }
+
     /// Reads a value of any kind and forgets it.
     pub(crate) fn skip(&mut self) -> Outcome<()> {
         match self.peek()? {

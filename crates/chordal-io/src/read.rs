@@ -1,12 +1,12 @@
 //! `read`: bytes of a known format to a shape.
 use crate::text::grouped;
-use crate::{Format, Limits, Loaded, Place, ReadError, bpt, glb, obj, patch_json, ply, stl, teaset};
+use crate::{Format, Limits, Loaded, Place, ReadError, bpt, glb, obj, ply, shape_json, stl, svg, teaset};
 
 /// The shape that a file of `format` holds, with its oddities counted.
 ///
 /// Time and memory grow with the bytes that are there, never with a count that they declare: at most
 /// 64 MiB + 16 times the bytes, or 16 times the 12 bytes of each triangle where a file packs triangles tighter than that
-/// (long polygons, strips of one-byte indices).
+/// (long polygons, strips of one-byte indices), or 16 times the 16 bytes of each point that a path packs tighter.
 ///
 /// # Errors
 /// One [`ReadError`] with its place. Where the content looks like another format, the message says which.
@@ -27,11 +27,12 @@ pub fn read(bytes: &[u8], format: Format, limits: &Limits) -> Result<Loaded, Rea
     let loaded = match format {
         Format::Bpt => bpt::read(bytes, limits),
         Format::Teaset => teaset::read(bytes, limits),
-        Format::PatchJson => patch_json::read(bytes, limits),
+        Format::Json => shape_json::read(bytes, limits),
         Format::Obj => obj::read(bytes, limits),
         Format::Ply => ply::read(bytes, limits),
         Format::Stl => stl::read(bytes, limits),
         Format::Glb => glb::read(bytes, limits),
+        Format::Svg => svg::read(bytes, limits),
     };
     loaded.map_err(|mut error| {
         if let Some(other) = Format::sniff(bytes).filter(|other| *other != format) {

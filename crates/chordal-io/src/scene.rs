@@ -1,5 +1,5 @@
 //! `Scene`: what a file says: parts, where they stand, and the frame they are in.
-use crate::Warning;
+use crate::{Curves, Drawing, Warning};
 use chordal::{Mesh, Patch};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -72,6 +72,10 @@ pub enum Content {
     Patches(Vec<Patch>, Frame),
     /// Meshes.
     Scene(Scene),
+    /// Curves in the plane.
+    Drawing(Drawing),
+    /// Curves in space.
+    Curves(Curves),
 }
 
 /// A shape with what was odd about its file.

@@ -257,8 +257,7 @@ fn h26_h27_an_off_file_is_no_ply_and_its_counts_reserve_nothing() {
         "COFF\n1 1 0\n",
         "4OFF BINARY\n",
     ] {
-        for format in [Format::Ply, Format::Stl, Format::Obj, Format::Bpt, Format::Teaset, Format::PatchJson]
-        {
+        for format in [Format::Ply, Format::Stl, Format::Obj, Format::Bpt, Format::Teaset, Format::Json] {
             refuse(off.as_bytes(), format);
         }
         assert_eq!(Format::sniff(off.as_bytes()), None);

@@ -54,7 +54,7 @@ fn the_three_formats_hold_the_same_patch() {
         (bpt().replace('\n', "\r\n"), Format::Bpt, Some(Axis::Z)),
         (teaset(), Format::Teaset, Some(Axis::Z)),
         (teaset().replace(',', " , "), Format::Teaset, Some(Axis::Z)),
-        (json, Format::PatchJson, None),
+        (json, Format::Json, None),
     ] {
         let (patches, frame, warnings) = load(&text, format);
         assert_eq!(patches, [expected()]);
@@ -72,7 +72,7 @@ fn json_by_index_and_frame_are_read() {
         indices.join(","),
         points.join(",")
     );
-    let (patches, frame, warnings) = load(&text, Format::PatchJson);
+    let (patches, frame, warnings) = load(&text, Format::Json);
     assert_eq!(patches, [expected()]);
     assert_eq!(frame, Frame { up: Some(Axis::Y), metres_per_unit: Some(1e-3) });
     assert_eq!(warnings.iter().map(|w| (w.code, w.count)).collect::<Vec<_>>(), [("unknown-member", 1)]);
@@ -163,7 +163,7 @@ fn json_errors_name_their_pointer() {
     let patch = json_points();
     let cases = [
         ("[]".to_owned(), "", "an object should stand here"),
-        ("{}".to_owned(), "", "no member \"patches\""),
+        ("{}".to_owned(), "", "no member \"patches\", \"curves\" or \"polylines\""),
         ("{\"patches\": 3}".to_owned(), "/patches", "an array should stand here"),
         (format!("{{\"patches\": [{patch}, [[]]]}}"), "/patches/1/0", "0 points where 4 are needed"),
         (format!("{{\"patches\": [{patch}, []]}}"), "/patches/1", "0 rows where 4 are needed"),
@@ -203,7 +203,7 @@ fn json_errors_name_their_pointer() {
         ),
     ];
     for (text, pointer, words) in cases {
-        let error = refuse(text.as_bytes(), Format::PatchJson);
+        let error = refuse(text.as_bytes(), Format::Json);
         assert!(error.message.contains(words), "{error}: {text}");
         let place = if pointer.is_empty() { Place::File } else { Place::Pointer(pointer.into()) };
         assert_eq!(error.place, place, "{error}: {text}");
@@ -231,28 +231,28 @@ fn json_that_is_none_is_refused_at_its_byte() {
         ("{\"a\" 1}", 5),
         ("{\"a\": [1 2]}", 9),
     ] {
-        let error = refuse(text.as_bytes(), Format::PatchJson);
+        let error = refuse(text.as_bytes(), Format::Json);
         assert_eq!((error.code, &error.place), ("not-json", &Place::Byte(byte)), "{error}: {text}");
     }
-    assert_eq!(refuse(b"{\"\xff\": 1}", Format::PatchJson).place, Place::Byte(2));
-    assert_eq!(refuse(b"\xff\xfe{\0}\0", Format::PatchJson).code, "not-utf8");
+    assert_eq!(refuse(b"{\"\xff\": 1}", Format::Json).place, Place::Byte(2));
+    assert_eq!(refuse(b"\xff\xfe{\0}\0", Format::Json).code, "not-utf8");
 }
 
 #[test]
 fn h32_json_nested_without_end_is_refused() {
     for open in ["[", "{\"a\":"] {
         let text = format!("{{\"patches\": {}", open.repeat(200_000));
-        let error = refuse(text.as_bytes(), Format::PatchJson);
+        let error = refuse(text.as_bytes(), Format::Json);
         assert!(["too-deep", "wrong-type"].contains(&error.code), "{error}");
         let text = format!("{{\"x\": {}", open.repeat(200_000));
-        let error = refuse(text.as_bytes(), Format::PatchJson);
+        let error = refuse(text.as_bytes(), Format::Json);
         assert!(error.message.contains("deeper than the limit of 128 levels"), "{error}");
         assert_eq!(Format::sniff(text.as_bytes()), None);
         // However deep the caller allows it, the stack holds.
         let limits = Limits { depth: usize::MAX, ..Limits::default() };
-        assert_eq!(read(text.as_bytes(), Format::PatchJson, &limits).unwrap_err().code, "too-deep");
+        assert_eq!(read(text.as_bytes(), Format::Json, &limits).unwrap_err().code, "too-deep");
     }
-    load("{\"__proto__\": 1, \"patches\": []}", Format::PatchJson);
+    load("{\"__proto__\": 1, \"patches\": []}", Format::Json);
 }
 
 #[test]
@@ -260,15 +260,15 @@ fn h71_patches_in_one_place_and_none_at_all_are_counted() {
     let (patches, _, warnings) = load(&format!("1\n3 3\n{}", "2 2 2\n".repeat(16)), Format::Bpt);
     assert_eq!(patches.len(), 1);
     assert_eq!(count(&warnings, "point-patches"), 1);
-    let (patches, _, warnings) = load("{\"patches\": []}", Format::PatchJson);
-    assert_eq!((patches.len(), count(&warnings, "no-patches")), (0, 1));
+    let (patches, _, warnings) = load("{\"patches\": []}", Format::Json);
+    assert_eq!((patches.len(), count(&warnings, "no-shapes")), (0, 1));
     let wide = bpt().replace("0.5 1.1", "1.7e308 1.1").replace("1 2.1", "-1.7e308 2.1");
     assert_eq!(refuse(wide.as_bytes(), Format::Bpt).code, "extent-overflow");
 }
 
 #[test]
 fn empty_files_are_refused_by_all_three() {
-    for format in [Format::Bpt, Format::Teaset, Format::PatchJson] {
+    for format in [Format::Bpt, Format::Teaset, Format::Json] {
         for text in ["", " ", "\n\n", "x", "{", "1", "-1\n", "1\n\n\n"] {
             refuse(text.as_bytes(), format);
         }

@@ -162,7 +162,7 @@ struct Asked {
 
 impl Asked {
     fn budget<const D: usize>(&self, curves: &[Curve<D>]) -> Result<Budget, Failed> {
-        let BudgetSpec { length, pixels, triangles: segments } = self.spec;
+        let BudgetSpec { length, pixels, triangles: segments, .. } = self.spec;
         let mut budget = Budget { pixels, segments, ..Budget::default() };
         if let Some(length) = length {
             let share = matches!(length, Length::Percent(_));

@@ -1,7 +1,7 @@
 //! `Triangles`: a mesh with all that is known of it, and the way back to its source.
 use crate::array::{Array, Holder};
 use crate::{failure, work};
-use chordal::Job;
+use chordal::{Job, Mesh};
 use chordal_io::{Format, WriteError};
 use chordal_verbs::report::{Report, Run};
 use chordal_verbs::{BudgetSpec, Input, MeshFailure, MeshOutcome, mesh};
@@ -143,8 +143,11 @@ enum Rows {
 impl Rows {
     /// All that a scene shows, in its own space and the order of its tree, as the file of such a mesh has it.
     fn of(outcome: &Arc<MeshOutcome>) -> Result<Self, MeshFailure> {
-        let meshes = outcome.scene.world_meshes()?;
-        if let ([(_, Cow::Borrowed(_))], [_]) = (&meshes[..], &outcome.scene.parts[..]) {
+        let Some(scene) = outcome.scene() else {
+            return Ok(Self::Joined { vertices: Vec::new(), faces: Vec::new() });
+        };
+        let meshes = scene.world_meshes()?;
+        if let ([(_, Cow::Borrowed(_))], [_]) = (&meshes[..], &scene.parts[..]) {
             return Ok(Self::Only(Arc::clone(outcome)));
         }
         let (mut vertices, mut faces) = (Vec::new(), Vec::new());
@@ -159,17 +162,22 @@ impl Rows {
 
     fn vertices(&self) -> &[[f64; 3]] {
         match self {
-            Self::Only(outcome) => outcome.scene.parts[0].mesh.positions(),
+            Self::Only(outcome) => only(outcome).map_or(&[], Mesh::positions),
             Self::Joined { vertices, .. } => vertices,
         }
     }
 
     fn faces(&self) -> &[[u32; 3]] {
         match self {
-            Self::Only(outcome) => outcome.scene.parts[0].mesh.faces(),
+            Self::Only(outcome) => only(outcome).map_or(&[], Mesh::faces),
             Self::Joined { faces, .. } => faces,
         }
     }
+}
+
+/// The mesh of a scene's first part.
+fn only(outcome: &MeshOutcome) -> Option<&Mesh> {
+    outcome.scene().and_then(|scene| scene.parts.first()).map(|part| &part.mesh)
 }
 
 struct Vertices(Arc<Rows>);

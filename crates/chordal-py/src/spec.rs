@@ -30,7 +30,8 @@ impl Wanted {
             let view = view.parse::<View>().map_err(|error| wrong("view", error.to_string()))?;
             PyResult::Ok(PixelBudget { pixels, view })
         });
-        Ok(BudgetSpec { length: length.transpose()?, pixels: pixels.transpose()?, triangles: self.count })
+        let (length, pixels) = (length.transpose()?, pixels.transpose()?);
+        Ok(BudgetSpec { length, pixels, triangles: self.count, ..BudgetSpec::default() })
     }
 }
 

@@ -1,5 +1,5 @@
-//! `write`: a scene in any format that holds triangles.
-use chordal_io::{Format, Scene, WriteError, glb, obj, ply, stl};
+//! `write`: a scene in any format that holds triangles, polylines in any that holds those.
+use chordal_io::{Format, Polylines, Scene, WriteError, glb, obj, ply, shape_json, stl, svg};
 use serde_json::Value;
 use std::io::Write;
 
@@ -18,8 +18,27 @@ pub fn write(
         Format::Ply => ply::write(scene, certificate, out),
         Format::Stl => stl::write(scene, certificate, out),
         Format::Glb => glb::write(scene, certificate, out),
-        Format::Bpt | Format::Teaset | Format::PatchJson => {
+        Format::Bpt | Format::Teaset | Format::Json | Format::Svg => {
             Err(WriteError::Unsupported(format!("{format} holds no triangles")))
+        }
+    }
+}
+
+/// Writes polylines with the certificate.
+///
+/// # Errors
+/// When the sink fails, or the format cannot hold the polylines.
+pub fn write_polylines(
+    polylines: &Polylines,
+    certificate: Option<&Value>,
+    format: Format,
+    out: &mut dyn Write,
+) -> Result<(), WriteError> {
+    match format {
+        Format::Json => shape_json::write(polylines, certificate, out),
+        Format::Svg => svg::write(polylines, certificate, out),
+        Format::Bpt | Format::Teaset | Format::Obj | Format::Ply | Format::Stl | Format::Glb => {
+            Err(WriteError::Unsupported(format!("{format} holds no polylines")))
         }
     }
 }

@@ -1,14 +1,17 @@
-//! `MeshFailure`: why there are no triangles within the budget.
+//! `MeshFailure`: why nothing was made within the budget.
 use crate::MeshOutcome;
+use crate::report::Output;
 use chordal::budget::{Code, InvalidLength, Refusal};
 use chordal_io::{TooWide, WriteError};
 use std::fmt;
 
-/// Why there are no triangles within the budget.
+/// Why nothing was made within the budget.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MeshFailure {
     /// The length has no meaning for this shape.
     Length(InvalidLength),
+    /// What was asked for has no meaning for this shape.
+    Usage(String),
     /// The budget was not met; here is the best that was reached.
     Unmet(Box<MeshOutcome>),
     /// The work was not started, or not finished, for this reason.
@@ -25,6 +28,7 @@ impl MeshFailure {
     pub fn code(&self) -> &'static str {
         match self {
             Self::Length(_) => "length",
+            Self::Usage(_) => "usage",
             Self::Unmet(_) => "unmet",
             Self::Refused(refusal) => refusal.code.as_str(),
             Self::TooWide(_) => "too-wide",
@@ -36,7 +40,7 @@ impl MeshFailure {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Length(_) => 2,
+            Self::Length(_) | Self::Usage(_) => 2,
             Self::Refused(Refusal { code: Code::NotFinite | Code::Empty | Code::Unsupported, .. }) => 3,
             Self::TooWide(_) => 4,
             Self::Unmet(_) | Self::Refused(_) => 5,
@@ -56,13 +60,14 @@ impl fmt::Display for MeshFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Length(why) => why.fmt(f),
+            Self::Usage(why) => f.write_str(why),
             Self::Unmet(best) => {
-                let triangles = best.certificate.output.map_or(0, |output| output.triangles);
-                write!(
-                    f,
-                    "the budget was not met; the best reached is {} with {triangles} triangles",
-                    best.bound
-                )
+                let made = match best.certificate.output {
+                    Some(Output::Polylines(lines)) => format!("{} segments", lines.segments),
+                    Some(Output::Triangles(output)) => format!("{} triangles", output.triangles),
+                    None => "nothing".to_owned(),
+                };
+                write!(f, "the budget was not met; the best reached is {} with {made}", best.bound)
             }
             Self::Refused(refusal) => f.write_str(&refusal.message),
             Self::TooWide(why) => why.fmt(f),

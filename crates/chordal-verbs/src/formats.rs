@@ -1,4 +1,5 @@
 //! What the verbs need to know of formats.
+use crate::Shape;
 use chordal::explicit::Topology;
 use chordal_io::Format;
 
@@ -22,11 +23,42 @@ pub fn mesh_names() -> String {
     names.join(", ")
 }
 
+/// Whether polylines can be written in that format.
+#[must_use]
+pub fn holds_polylines(format: Format) -> bool {
+    matches!(format, Format::Json | Format::Svg)
+}
+
+/// The names of the formats that `mesh` can write.
+#[must_use]
+pub fn output_names() -> String {
+    let written = |format: &Format| holds_triangles(*format) || holds_polylines(*format);
+    Format::all().filter(written).map(|f| f.to_string()).collect::<Vec<_>>().join(", ")
+}
+
+/// Why a shape cannot be made into that format, in a sentence with what to do instead.
+pub(crate) fn check_output(shape: &Shape, to: Format) -> Result<(), String> {
+    match shape {
+        _ if !holds_triangles(to) && !holds_polylines(to) => {
+            Err(format!("{to} is only read; what can be written is {}", output_names()))
+        }
+        Shape::Patches { .. } | Shape::Scene(_) if !holds_triangles(to) => {
+            Err(format!("{} become triangles, which {to} does not hold; {} do", shape.kind(), mesh_names()))
+        }
+        Shape::Curves(_) if !holds_polylines(to) => Err(format!(
+            "curves in space enclose no area to fill with triangles: write polylines, to json instead of {to}"
+        )),
+        _ => Ok(()),
+    }
+}
+
 /// What makes two vertices of such a file one position: the file's own indices where it has some, else their bits.
 #[must_use]
 pub fn topology(format: Format) -> Topology {
     match format {
         Format::Stl | Format::Glb => Topology::Positions,
-        Format::Obj | Format::Ply | Format::Bpt | Format::Teaset | Format::PatchJson => Topology::Indices,
+        Format::Obj | Format::Ply | Format::Bpt | Format::Teaset | Format::Json | Format::Svg => {
+            Topology::Indices
+        }
     }
 }

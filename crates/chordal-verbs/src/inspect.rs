@@ -1,5 +1,5 @@
 //! `inspect`: what a file holds and whether it is sound.
-use crate::report::{Certificate, Counted, Inspection, Report, Run};
+use crate::report::{Certificate, Counted, Inspection, LineFacts, Output, Report, Run};
 use crate::{Input, Shape};
 
 /// What the input is, with its validity in full and the certificate that it carries, if it carries one.
@@ -23,8 +23,11 @@ pub fn inspect(input: &Input) -> Report {
     if let Shape::Scene(scene) = &input.shape
         && let Ok(counted) = Counted::in_full(scene, input.format)
     {
-        certificate.output = Some(counted.output);
+        certificate.output = Some(Output::Triangles(counted.output));
         certificate.valid = Some(counted.valid);
+    }
+    if let Some(lines) = polylines_of(&input.shape) {
+        certificate.output = Some(Output::Polylines(lines));
     }
     let inspection = Inspection::of(input, &certificate);
     if inspection.found.as_ref().is_some_and(|found| !found.differs.is_empty()) {
@@ -34,4 +37,14 @@ pub fn inspect(input: &Input) -> Report {
     Report { inspection: Some(inspection), ..Report::new(certificate, run) }
 }
 
-const DIFFERS: &str = "the certificate in the file speaks of other triangles than those in the file";
+const DIFFERS: &str =
+    "the certificate in the file speaks of other triangles or polylines than those in the file";
+
+/// What there is of polylines, where a shape is nothing else.
+fn polylines_of(shape: &Shape) -> Option<LineFacts> {
+    match shape {
+        Shape::Drawing(drawing) => LineFacts::of_straight(&drawing.lines),
+        Shape::Curves(curves) => LineFacts::of_straight(&curves.lines),
+        Shape::Patches { .. } | Shape::Scene(_) => None,
+    }
+}

@@ -1,19 +1,29 @@
-//! `mesh`: any shape into triangles within a budget, as they will read back from a format.
+//! `mesh`: any shape into triangles, or curves into polylines, within a budget, as they will read back from a format.
 use crate::placed::{self, Placed};
-use crate::report::{BoundFacts, BudgetFacts, Certificate, Counted};
+use crate::polylines::{self, Asked};
+use crate::report::{BoundFacts, BudgetFacts, Certificate, Counted, Output};
 use crate::written::as_written;
-use crate::{BudgetSpec, Input, MeshFailure, Shape, formats, write};
+use crate::{BudgetSpec, Input, MeshFailure, Shape, filled, formats, write, write_polylines};
 use chordal::budget::{Bound, Budget, Code, Failure, PixelBudget, Pixels, Reference, Refusal, Tolerance};
 use chordal::math::{Box3, add_up, sub_down};
 use chordal::{Bounded, Job, Mesh, Patch, convert};
-use chordal_io::{Format, Frame, Scene, WriteError, losses, snap, worst_snap};
+use chordal_io::{Format, Frame, Polylines, Scene, WriteError, losses, snap, worst_snap};
 use std::io::Write;
 
-/// Triangles at the precision of their format, with everything that is known of them.
+/// What came of a shape, at the precision of its format: what a reader of the file will get.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Made {
+    /// Triangles.
+    Triangles(Scene),
+    /// Polylines, for formats that hold those.
+    Polylines(Polylines),
+}
+
+/// Triangles or polylines at the precision of their format, with everything that is known of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshOutcome {
-    /// What will be written, and what a reader of the file will get.
-    pub scene: Scene,
+    /// What will be written.
+    pub made: Made,
     /// The format that it is for.
     pub format: Format,
     /// How far it is from the true shape, rounding to the format included.
@@ -23,23 +33,46 @@ pub struct MeshOutcome {
 }
 
 impl MeshOutcome {
-    /// Writes the triangles, and the certificate where the format can carry it.
+    /// The triangles, where there are some.
+    #[must_use]
+    pub fn scene(&self) -> Option<&Scene> {
+        match &self.made {
+            Made::Triangles(scene) => Some(scene),
+            Made::Polylines(_) => None,
+        }
+    }
+
+    /// The polylines, where there are some.
+    #[must_use]
+    pub fn polylines(&self) -> Option<&Polylines> {
+        match &self.made {
+            Made::Triangles(_) => None,
+            Made::Polylines(polylines) => Some(polylines),
+        }
+    }
+
+    /// Writes what was made, and the certificate where the format can carry it.
     ///
     /// # Errors
     /// When the sink fails.
     pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
-        write(&self.scene, Some(&self.certificate.to_value()), self.format, out)
+        let certificate = self.certificate.to_value();
+        match &self.made {
+            Made::Triangles(scene) => write(scene, Some(&certificate), self.format, out),
+            Made::Polylines(polylines) => write_polylines(polylines, Some(&certificate), self.format, out),
+        }
     }
 }
 
-/// Turns a shape into triangles within a budget.
+/// Turns a shape into triangles within a budget, or curves into polylines where the format holds those.
 ///
 /// The bound covers the whole way from the parsed numbers to the triangles as they read back from a file of the
 /// format `to`: what rounding to that format will cost is set aside from the budget first, and what it did cost is
-/// added to the bound. Triangles pass through as they are; to make them fewer is not in this version.
+/// added to the bound. Triangles pass through as they are; to make them fewer is not in this version. A drawing for a
+/// format of triangles is filled: what its outlines enclose, in the plane z = 0.
 ///
 /// # Errors
-/// When the length has no meaning for this shape; when the budget is not met, with the best that was reached; when
+/// When the budget or the format has no meaning for this shape; when the budget is not met, with the best that was reached; when
 /// the work is refused, or cancelled; when a coordinate does not fit the format.
 ///
 /// ```
@@ -53,41 +86,70 @@ impl MeshOutcome {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<MeshOutcome, MeshFailure> {
-    if !formats::holds_triangles(to) {
-        return Err(refused(Code::Unsupported, format!("{} holds no triangles", to)));
-    }
+    formats::check_output(&input.shape, to).map_err(MeshFailure::Usage)?;
+    let lines = formats::holds_polylines(to);
+    spec.check_counts(lines).map_err(MeshFailure::Usage)?;
     if !spec.has_limit() {
-        return Err(refused(Code::Budget, "the budget has no limit: no length, no pixels, no triangles"));
+        return Err(refused(Code::Budget, "the budget has no limit: no length, no pixels, no count"));
     }
     let mut certificate = Certificate::of(&input);
     let (budget, note) = spec.resolve(&input.shape)?;
     certificate.budget = Some(BudgetFacts::of(&budget));
     certificate.notes.extend(note);
     let place = input.shape.hull()?;
-    let (scene, mut bound) = match input.shape {
-        Shape::Patches { patches, frame } => tessellate(&Source { patches, frame, place }, &budget, to, job)?,
+    let (scene, bound) = match input.shape {
+        Shape::Drawing(drawing) if lines => {
+            return polylines::of_drawing(drawing, &Asked { spec, budget, to, place }, certificate, job);
+        }
+        Shape::Curves(curves) => {
+            return polylines::of_curves(curves, &Asked { spec, budget, to, place }, certificate, job);
+        }
+        Shape::Drawing(drawing) => {
+            let asked = Asked { spec, budget, to, place };
+            let (scene, bound, place) = filled::fill(&drawing, &asked, &mut certificate, job)?;
+            return finish(scene, bound, &Asked { place, ..asked }, certificate);
+        }
+        Shape::Patches { patches, frame } => {
+            let source = Source { patches, frame, place };
+            tessellate(&source, &budget, to, job)?
+        }
         Shape::Scene(scene) => pass_through(scene, to, &mut certificate.notes)?,
     };
+    finish(scene, bound, &Asked { spec, budget, to, place }, certificate)
+}
+
+/// The triangles as the format has them, judged, with the bound on the screen.
+fn finish(
+    scene: Scene,
+    mut bound: Bound,
+    asked: &Asked,
+    mut certificate: Certificate,
+) -> Result<MeshOutcome, MeshFailure> {
+    let to = asked.to;
     certificate.notes.extend(losses(&scene, to)?.iter().map(ToString::to_string));
     let scene = as_written(scene, to)?;
-    bound.pixels = on_screen(&budget, &bound, &place);
+    bound.pixels = on_screen(&asked.budget, &bound, &asked.place);
     certificate.bound = Some(BoundFacts::of(&bound));
     let counted = Counted::of(&scene, to)?;
-    certificate.output = Some(counted.output);
+    let triangles = counted.output.triangles;
+    certificate.output = Some(Output::Triangles(counted.output));
     certificate.valid = Some(counted.valid);
-    let met = is_met(&budget, &certificate);
+    let budget = &asked.budget;
+    let met = within(bound.at_most(), budget.length.map(Tolerance::get))
+        && within(bound.pixels, budget.pixels.map(|px| px.pixels.get()))
+        && budget.triangles.is_none_or(|most| triangles <= most);
     if !met {
         certificate.notes.push(NOT_MET.to_owned());
     }
-    let outcome = MeshOutcome { scene, format: to, bound, certificate };
+    let outcome = MeshOutcome { made: Made::Triangles(scene), format: to, bound, certificate };
     if met { Ok(outcome) } else { Err(MeshFailure::Unmet(Box::new(outcome))) }
 }
 
 const PASSED_THROUGH: &str =
     "the input is triangles already and passes through as it is: simplification is not in this version";
-const NOT_MET: &str = "the budget was not met: this is the best that was reached";
+pub(crate) const NOT_MET: &str = "the budget was not met: this is the best that was reached";
 
-fn refused(code: Code, message: impl Into<String>) -> MeshFailure {
+pub(crate) fn refused(code: Code, message: impl Into<String>) -> MeshFailure {
     MeshFailure::Refused(Refusal { code, message: message.into() })
 }
 
@@ -121,7 +183,12 @@ fn tessellate(
 
 /// The mesh at the precision of the format, and the bound with what that moved added. Pixels add as lengths do: a
 /// point of the true shape moves on the screen to its point of the mesh, and from there to the rounded one.
-fn snapped(mesh: &Mesh, bound: Bound, budget: &Budget, to: Format) -> Result<(Mesh, Bound), MeshFailure> {
+pub(crate) fn snapped(
+    mesh: &Mesh,
+    bound: Bound,
+    budget: &Budget,
+    to: Format,
+) -> Result<(Mesh, Bound), MeshFailure> {
     let snapped = snap(mesh, to).map_err(MeshFailure::TooWide)?;
     if snapped.moved_at_most == 0.0 {
         return Ok((snapped.mesh, bound));
@@ -134,7 +201,7 @@ fn snapped(mesh: &Mesh, bound: Bound, budget: &Budget, to: Format) -> Result<(Me
 }
 
 /// The budget of the arrow: what the user gave, less what rounding to the format may cost.
-fn set_aside(budget: &Budget, lost: f64, place: &Box3, to: Format) -> Result<Budget, MeshFailure> {
+pub(crate) fn set_aside(budget: &Budget, lost: f64, place: &Box3, to: Format) -> Result<Budget, MeshFailure> {
     if lost == 0.0 || budget.length.is_none() && budget.pixels.is_none() {
         return Ok(*budget);
     }
@@ -164,7 +231,7 @@ fn set_aside(budget: &Budget, lost: f64, place: &Box3, to: Format) -> Result<Bud
 
 /// The box with room for the rounding of evaluated points, which may leave the hull of their control points: an
 /// evaluation has less than 32 roundings of half a step each.
-fn widened(place: &Box3) -> Box3 {
+pub(crate) fn widened(place: &Box3) -> Box3 {
     let reach =
         place.min.iter().chain(&place.max).fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
     let room = 16.0 * f64::EPSILON * reach;
@@ -198,7 +265,7 @@ fn pass_through(scene: Scene, to: Format, notes: &mut Vec<String>) -> Result<(Sc
 }
 
 /// The bound on the screen: what came along the chain, or what the length in space becomes, whichever is less.
-fn on_screen(budget: &Budget, bound: &Bound, place: &Box3) -> Option<f64> {
+pub(crate) fn on_screen(budget: &Budget, bound: &Bound, place: &Box3) -> Option<f64> {
     let view = budget.pixels?.view;
     let of_length = bound.at_most().and_then(|most| view.pixels_of(most, place));
     match (bound.pixels, of_length) {
@@ -207,13 +274,7 @@ fn on_screen(budget: &Budget, bound: &Bound, place: &Box3) -> Option<f64> {
     }
 }
 
-/// Whether every limit of the budget holds of what is certified.
-fn is_met(budget: &Budget, certificate: &Certificate) -> bool {
-    let (Some(bound), Some(output)) = (&certificate.bound, &certificate.output) else { return false };
-    let within = |most: Option<f64>, limit: Option<f64>| {
-        limit.is_none_or(|limit| most.is_some_and(|most| most <= limit))
-    };
-    within(bound.at_most, budget.length.map(Tolerance::get))
-        && within(bound.pixels, budget.pixels.map(|px| px.pixels.get()))
-        && budget.triangles.is_none_or(|most| output.triangles <= most)
+/// Whether a limit holds of what is certified.
+pub(crate) fn within(most: Option<f64>, limit: Option<f64>) -> bool {
+    limit.is_none_or(|limit| most.is_some_and(|most| most <= limit))
 }

@@ -1,11 +1,13 @@
 //! `render`: a picture of any shape; smooth shapes are meshed first, finely enough for it.
-use crate::report::{BoundFacts, BudgetFacts, Certificate, OutputFacts};
+use crate::filled::Filling;
+use crate::report::{BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OutputFacts};
 use crate::{BudgetSpec, Input, MeshFailure, Shape, placed};
-use chordal::budget::{Camera, Code, Failure, Length, Pixels, Refusal, Screen, Stopped, View};
+use chordal::budget::{Camera, Code, Failure, Length, Pixels, Projection, Refusal, Screen, Stopped, View};
 use chordal::explicit::Topology;
+use chordal::math::Box3;
 use chordal::render::{Options, Picture, Up, Viewpoint, frame, render as trace};
 use chordal::{Bounded, Budget, Job, Mesh, Patch, Tolerance, convert};
-use chordal_io::{Axis, Frame, WriteError, png};
+use chordal_io::{Axis, Drawing, Frame, WriteError, png};
 use std::io::Write;
 
 /// A picture with what is known of what it shows.
@@ -71,6 +73,14 @@ pub fn render(
             let mesh = placed::one_mesh(scene)?;
             shoot(&mesh, &options, certificate, job)
         }
+        Shape::Curves(_) => {
+            let message = "curves in space have no surface to take a picture of".to_owned();
+            Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }))
+        }
+        Shape::Drawing(drawing) => {
+            let asked = Asked { options, fineness, shape: &input.shape };
+            shoot_drawing(drawing, &asked, certificate, job)
+        }
         Shape::Patches { patches, .. } => {
             let camera = camera_for(patches, &input.shape, &options, job)?;
             let Meshed { made, budget, note } =
@@ -81,6 +91,65 @@ pub fn render(
             let options = Options { viewpoint: Viewpoint::Camera(camera), ..options };
             shoot(&made.shape, &options, certificate, job)
         }
+    }
+}
+
+/// What is asked of a picture.
+struct Asked<'a> {
+    options: Options,
+    fineness: Option<Fineness>,
+    shape: &'a Shape,
+}
+
+/// What a drawing fills, seen from straight above unless a camera is given.
+fn shoot_drawing(
+    drawing: &Drawing,
+    asked: &Asked,
+    mut certificate: Certificate,
+    job: &Job,
+) -> Result<RenderOutcome, MeshFailure> {
+    let filling = Filling::of(drawing, &mut certificate.notes)?;
+    let camera = match asked.options.viewpoint {
+        Viewpoint::Camera(camera) => camera,
+        Viewpoint::Automatic(screen) => above(&filling.place, screen),
+    };
+    let (budget, note) = match asked.fineness {
+        Some(Fineness::Length(length)) => {
+            BudgetSpec { length: Some(length), ..BudgetSpec::default() }.resolve(asked.shape)?
+        }
+        Some(Fineness::Pixels(pixels)) => (Budget::pixels(pixels, View::Camera(camera)), None),
+        None => match Pixels::new(UNSEEN_PX) {
+            Ok(pixels) => (Budget::pixels(pixels, View::Camera(camera)), None),
+            Err(_) => (share_of(asked.shape, CLOSE_UP)?, Some(TOO_CLOSE.to_owned())),
+        },
+    };
+    certificate.notes.extend(note);
+    let made = convert::outlines_to_mesh(&filling.outlines, &budget, job).map_err(unmet)?;
+    certificate.frame = FrameFacts::of(&filling.frame);
+    certificate.budget = Some(BudgetFacts::of(&budget));
+    certificate.bound = Some(BoundFacts::of(&made.bound));
+    let options = Options { viewpoint: Viewpoint::Camera(camera), up: Up::Y, ..asked.options };
+    shoot(&made.shape, &options, certificate, job)
+}
+
+/// The share of the picture that a drawing takes.
+const FRAMED: f64 = 0.92;
+
+/// Parallel rays along −z onto the whole box.
+fn above(place: &Box3, screen: Screen) -> Camera {
+    let middle = |k: usize| place.min[k] / 2.0 + place.max[k] / 2.0;
+    let size = |k: usize| place.max[k] - place.min[k];
+    let aspect = f64::from(screen.height_px) / f64::from(screen.width_px.max(1));
+    let by_width = size(0) * aspect;
+    let height = if by_width > size(1) { by_width } else { size(1) };
+    let height = if height > 0.0 { height / FRAMED } else { 1.0 };
+    Camera {
+        eye: [middle(0), middle(1), height],
+        target: [middle(0), middle(1), 0.0],
+        up: [0.0, 1.0, 0.0],
+        near: 0.0,
+        projection: Projection::Orthographic { height },
+        screen,
     }
 }
 
@@ -97,7 +166,7 @@ fn shoot(
     mut certificate: Certificate,
     job: &Job,
 ) -> Result<RenderOutcome, MeshFailure> {
-    certificate.output = Some(OutputFacts::of(mesh, Topology::Indices));
+    certificate.output = Some(Output::Triangles(OutputFacts::of(mesh, Topology::Indices)));
     let camera = match options.viewpoint {
         Viewpoint::Automatic(screen) => frame(mesh, options.up, screen),
         Viewpoint::Camera(camera) => camera,
@@ -110,14 +179,19 @@ fn shoot(
 }
 
 fn tessellate(patches: &[Patch], budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, MeshFailure> {
-    convert::patches_to_mesh(patches, budget, job).map_err(|failure| match failure {
+    convert::patches_to_mesh(patches, budget, job).map_err(unmet)
+}
+
+/// Why there is no mesh for a picture, for which a worse one would not do.
+fn unmet(failure: Failure<Mesh>) -> MeshFailure {
+    match failure {
         Failure::Refused(refusal) => MeshFailure::Refused(refusal),
         Failure::Cancelled => MeshFailure::Cancelled,
         Failure::Unmet(best) => {
             let message = format!("the budget was not met; the best reached is {}", best.bound);
             MeshFailure::Refused(Refusal { code: Code::Budget, message })
         }
-    })
+    }
 }
 
 /// The camera of the options, or one that frames a coarse mesh of the patches.

@@ -1,7 +1,8 @@
 //! `Shape`: anything that a verb can be applied to, in its frame.
 use chordal::Patch;
+use chordal::explicit::{Curve, Piece};
 use chordal::math::{Box3, add_up, mul_down, mul_up, sqrt_down, sub_down};
-use chordal_io::{Content, Frame, Scene, WriteError};
+use chordal_io::{Content, Curves, Drawing, Frame, Scene, WriteError};
 
 /// Any shape that a file can hold.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +17,10 @@ pub enum Shape {
     },
     /// Triangle meshes with their places.
     Scene(Scene),
+    /// Curves in the plane.
+    Drawing(Drawing),
+    /// Curves in space.
+    Curves(Curves),
 }
 
 impl From<Content> for Shape {
@@ -23,6 +28,8 @@ impl From<Content> for Shape {
         match content {
             Content::Patches(patches, frame) => Self::Patches { patches, frame },
             Content::Scene(scene) => Self::Scene(scene),
+            Content::Drawing(drawing) => Self::Drawing(drawing),
+            Content::Curves(curves) => Self::Curves(curves),
         }
     }
 }
@@ -34,6 +41,8 @@ impl Shape {
         match self {
             Self::Patches { .. } => "patches",
             Self::Scene(_) => "triangles",
+            Self::Drawing(_) => "drawing",
+            Self::Curves(_) => "curves",
         }
     }
 
@@ -43,6 +52,8 @@ impl Shape {
         match self {
             Self::Patches { frame, .. } => frame,
             Self::Scene(scene) => &scene.frame,
+            Self::Drawing(drawing) => &drawing.frame,
+            Self::Curves(curves) => &curves.frame,
         }
     }
 
@@ -51,10 +62,13 @@ impl Shape {
         match self {
             Self::Patches { frame, .. } => frame,
             Self::Scene(scene) => &mut scene.frame,
+            Self::Drawing(drawing) => &mut drawing.frame,
+            Self::Curves(curves) => &mut curves.frame,
         }
     }
 
-    /// A box around the shape, in the scene's coordinates: the hull of control points, or the box of the vertices.
+    /// A box around the shape, in the scene's coordinates: the hull of control points, or the box of the vertices. A drawing lies
+    /// in the plane z = 0.
     ///
     /// # Errors
     /// When the nodes of a scene are no tree, or take its coordinates out of range.
@@ -67,13 +81,15 @@ impl Shape {
                 let meshes = scene.world_meshes()?;
                 Ok(meshes.iter().fold(Box3::EMPTY, |hull, (_, mesh)| hull.union(mesh.bounds())))
             }
+            Self::Drawing(drawing) => Ok(hull_of(&drawing.lines)),
+            Self::Curves(curves) => Ok(hull_of(&curves.lines)),
         }
     }
 
     /// The diagonal of the shape's own box, bounded from below, so that a percentage of it is never more than was
     /// asked for. 0 where the box is a point or so small that nothing is left below.
     ///
-    /// For triangles the box is exact. A patch is sampled, since its box can be much smaller than that of its
+    /// For triangles the box is exact. A patch or curve is sampled, since its box can be much smaller than that of its
     /// control points; what a sample misses makes the result smaller, never larger.
     ///
     /// # Errors
@@ -87,6 +103,8 @@ impl Shape {
                 Ok(diagonal_below(&sampled_box(patches), mul_up(16.0 * f64::EPSILON, reach)))
             }
             Self::Scene(_) => Ok(diagonal_below(&self.hull()?, 0.0)),
+            Self::Drawing(drawing) => Ok(diagonal_of(&drawing.lines)),
+            Self::Curves(curves) => Ok(diagonal_of(&curves.lines)),
         }
     }
 }
@@ -107,6 +125,46 @@ fn sampled_box(patches: &[Patch]) -> Box3 {
         (0..=SAMPLES)
             .fold(known, |known, i| (0..=SAMPLES).fold(known, |known, j| known.with(patch.at(at(i), at(j)))))
     })
+}
+
+/// A point of the plane or of space, in space.
+pub(crate) fn in_space<const D: usize>(p: [f64; D]) -> [f64; 3] {
+    std::array::from_fn(|k| p.get(k).copied().unwrap_or(0.0))
+}
+
+fn hull_of<const D: usize>(curves: &[Curve<D>]) -> Box3 {
+    curves.iter().fold(Box3::EMPTY, |all, curve| {
+        let [low, high] = curve.hull();
+        all.union(Box3 { min: in_space(low), max: in_space(high) })
+    })
+}
+
+/// The diagonal of the box of points on the curves: the ends of all pieces, and samples of those that could reach beyond.
+fn diagonal_of<const D: usize>(curves: &[Curve<D>]) -> f64 {
+    let pieces = || curves.iter().flat_map(|curve| curve.pieces());
+    let known = curves.iter().fold(Box3::EMPTY, |all, curve| all.with(in_space(curve.start())));
+    let known = pieces().fold(known, |all, piece| all.with(in_space(piece.end())));
+    let sampled = pieces().fold(known, |known, piece| {
+        let [low, high] = piece.hull().map(in_space);
+        if matches!(piece, Piece::Line(_)) || known.contains(low) && known.contains(high) {
+            return known;
+        }
+        let at = |i: u32| f64::from(i) / f64::from(4 * SAMPLES);
+        (1..4 * SAMPLES).fold(known, |known, i| known.with(in_space(piece.at(at(i)))))
+    });
+    let hull = hull_of(curves);
+    let reach = hull
+        .min
+        .iter()
+        .chain(&hull.max)
+        .fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+    // An evaluated coordinate is a sum of at most 4 terms with fewer roundings than a patch's; an arc's takes sine and
+    // cosine, and is off by less than its own slack and 16 steps of its reach.
+    let slack = |piece: &Piece<D>| if let Piece::Arc(arc) = piece { arc.slack() } else { 0.0 };
+    let more = |most: f64, x: f64| if x > most { x } else { most };
+    let of_arcs = pieces().map(slack).fold(0.0, more);
+    let of_curves = curves.iter().map(Curve::slack).fold(0.0, more);
+    diagonal_below(&sampled, add_up(add_up(of_arcs, of_curves), mul_up(32.0 * f64::EPSILON, reach)))
 }
 
 /// The diagonal of a box from below, when each of its faces may lie up to `off` too far out.

@@ -1,6 +1,7 @@
 //! `BudgetSpec`: a budget as a person asks for it, before the shape is known.
 use crate::{MeshFailure, Shape};
 use chordal::budget::{Budget, Code, Length, PixelBudget, Refusal};
+use chordal::convert::Spacing;
 
 /// What may be lost, with a length that can be a percentage or have a unit.
 ///
@@ -18,13 +19,32 @@ pub struct BudgetSpec {
     pub pixels: Option<PixelBudget>,
     /// The most triangles.
     pub triangles: Option<u64>,
+    /// The most segments of polylines, all together.
+    pub segments: Option<u64>,
+    /// How the ends of segments are placed on curves.
+    pub spacing: Spacing,
 }
 
 impl BudgetSpec {
-    /// Whether it limits anything that a mesh can be built for.
+    /// Whether it limits anything that a mesh or a polyline can be built for.
     #[must_use]
     pub fn has_limit(&self) -> bool {
-        self.length.is_some() || self.pixels.is_some() || self.triangles.is_some()
+        let counted = self.triangles.is_some() || self.segments.is_some();
+        counted || self.length.is_some() || self.pixels.is_some()
+    }
+
+    /// Polylines have segments and meshes have triangles: a count of the others says nothing.
+    pub(crate) fn check_counts(&self, lines: bool) -> Result<(), String> {
+        let wrong = match (lines, self.triangles, self.segments) {
+            (true, Some(n), _) => {
+                format!("polylines have no triangles: --segments {n} limits their segments")
+            }
+            (false, _, Some(n)) => format!(
+                "triangles have no segments: --triangles {n} limits them; for polylines write .json or .svg"
+            ),
+            _ => return Ok(()),
+        };
+        Err(wrong)
     }
 
     /// The budget for one shape, and what was made of the length, in a sentence where it had to be converted.
@@ -32,7 +52,12 @@ impl BudgetSpec {
     /// # Errors
     /// When the length has a unit and the shape has none, or is a percentage and the shape is a point or has no size.
     pub fn resolve(&self, shape: &Shape) -> Result<(Budget, Option<String>), MeshFailure> {
-        let mut budget = Budget { pixels: self.pixels, triangles: self.triangles, ..Budget::default() };
+        let mut budget = Budget {
+            pixels: self.pixels,
+            triangles: self.triangles,
+            segments: self.segments,
+            ..Budget::default()
+        };
         let Some(length) = self.length else { return Ok((budget, None)) };
         let diagonal = if matches!(length, Length::Percent(_)) { shape.diagonal()? } else { 0.0 };
         if matches!(length, Length::Percent(_)) && diagonal <= 0.0 {

@@ -14,8 +14,8 @@
 //! ```
 //!
 //! Options: `{"name": "teapot.bpt", "to": "glb", "tol": "0.1%", "px": "1", "view": "1920x1080 fov=45 dist=4",
-//! "triangles": 5000, "from": …, "unit": …, "up": "y", "keep_best": true}`. At least one of tol, px with view, and
-//! triangles. Same input, same options, same version: the same bytes as from the command.
+//! "triangles": 5000, "segments": 5000, "from": …, "unit": …, "up": "y", "keep_best": true}`. At least one of tol, px with view,
+//! triangles and, for curves to polylines, segments. Same input, same options, same version: the same bytes as from the command.
 //!
 //! Growing memory detaches views that JavaScript holds: make a new `Uint8Array` after every call.
 mod options;
@@ -164,7 +164,7 @@ mod tests {
             (TRIANGLE, r#"{"name": "t.obj", "to": "glb"}"#, 2, "tol"),
             (TRIANGLE, r#"{"name": "t.obj", "to": "glb", "tol": "-1"}"#, 2, "greater than 0"),
             (TRIANGLE, r#"{"name": "t.obj", "to": "glb", "px": "1"}"#, 2, "view"),
-            (TRIANGLE, r#"{"name": "t.obj", "to": "bpt", "tol": "1"}"#, 2, "triangles"),
+            (TRIANGLE, r#"{"name": "t.obj", "to": "bpt", "tol": "1"}"#, 2, "only read"),
             (b"v 0 0", r#"{"name": "t.obj", "to": "glb", "tol": "1"}"#, 3, "line 1"),
             (b"", r#"{"to": "glb", "tol": "1"}"#, 3, "empty"),
         ] {

@@ -17,7 +17,8 @@ pub(crate) struct Options {
     pub keep_best: bool,
 }
 
-const KEYS: [&str; 10] = ["name", "from", "to", "unit", "up", "tol", "px", "view", "triangles", "keep_best"];
+const KEYS: [&str; 11] =
+    ["name", "from", "to", "unit", "up", "tol", "px", "view", "triangles", "segments", "keep_best"];
 
 impl Options {
     /// Reads the JSON object; what is wrong with it comes back in one sentence.
@@ -34,14 +35,19 @@ impl Options {
             (None, None) => None,
             _ => return Err("px and view belong together".to_owned()),
         };
-        let spec =
-            BudgetSpec { length: all.parsed::<Length>("tol")?, pixels, triangles: all.count("triangles")? };
+        let spec = BudgetSpec {
+            length: all.parsed::<Length>("tol")?,
+            pixels,
+            triangles: all.count("triangles")?,
+            segments: all.count("segments")?,
+            ..BudgetSpec::default()
+        };
         if !spec.has_limit() {
-            return Err("a budget is needed: tol, px with view, or triangles".to_owned());
+            return Err("a budget is needed: tol, px with view, triangles or segments".to_owned());
         }
         let to = all.parsed("to")?.ok_or("the option 'to' names the format to make, as in \"glb\"")?;
-        if !formats::holds_triangles(to) {
-            return Err(format!("{to} holds no triangles; those that do are {}", formats::mesh_names()));
+        if !formats::holds_triangles(to) && !formats::holds_polylines(to) {
+            return Err(format!("{to} is only read; what can be written is {}", formats::output_names()));
         }
         Ok(Self {
             name: all.text("name")?,

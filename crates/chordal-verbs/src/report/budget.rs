@@ -15,6 +15,8 @@ pub struct BudgetFacts {
     pub angle_deg: Option<f64>,
     /// The most triangles.
     pub triangles: Option<u64>,
+    /// The most segments of polylines.
+    pub segments: Option<u64>,
 }
 
 impl BudgetFacts {
@@ -27,6 +29,7 @@ impl BudgetFacts {
             view: budget.pixels.map(|pixels| ViewFacts::of(&pixels.view)),
             angle_deg: budget.angle_deg,
             triangles: budget.triangles,
+            segments: budget.segments,
         }
     }
 }

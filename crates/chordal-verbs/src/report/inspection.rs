@@ -1,5 +1,5 @@
 //! What an input is: only `inspect` says it.
-use super::{Certificate, OutputFacts, to_value};
+use super::{Certificate, DrawingFacts, OutputFacts, to_value};
 use crate::formats::topology;
 use crate::written::rows_of;
 use crate::{Input, Shape};
@@ -16,11 +16,13 @@ pub struct Inspection {
     /// The lowest and highest coordinates of the vertices, or of the control points; none for an empty shape.
     #[serde(rename = "box")]
     pub bounds: Option<[[f64; 3]; 2]>,
-    /// The number of patches; none for triangles.
+    /// The number of patches; none for other shapes.
     pub patches: Option<u64>,
-    /// The parts of a scene; none for patches.
+    /// The parts of a scene; none for other shapes.
     pub parts: Option<Vec<PartFacts>>,
-    /// What the triangles take; none for patches.
+    /// What there is of curves; none for other shapes.
+    pub drawing: Option<DrawingFacts>,
+    /// What the triangles take; none for other shapes.
     pub sizes: Option<Sizes>,
     /// The certificate that travels in the file, and whether it still fits; none where there is none.
     pub found: Option<Found>,
@@ -65,20 +67,32 @@ impl Inspection {
         // A scene that cannot be put in one space has no box.
         let bounds = input.shape.hull().unwrap_or(Box3::EMPTY);
         let scene = match &input.shape {
-            Shape::Patches { .. } => None,
             Shape::Scene(scene) => Some(scene),
+            Shape::Patches { .. } | Shape::Drawing(_) | Shape::Curves(_) => None,
+        };
+        let drawing = match &input.shape {
+            Shape::Drawing(drawing) => Some(DrawingFacts::of(drawing)),
+            Shape::Curves(curves) => Some(DrawingFacts::of(curves)),
+            Shape::Patches { .. } | Shape::Scene(_) => None,
+        };
+        let certificate = match &input.shape {
+            Shape::Scene(scene) => scene.certificate.clone(),
+            Shape::Drawing(drawing) => drawing.certificate.clone(),
+            Shape::Curves(curves) => curves.certificate.clone(),
+            Shape::Patches { .. } => None,
         };
         let patches = match &input.shape {
             Shape::Patches { patches, .. } => Some(patches.len() as u64),
-            Shape::Scene(_) => None,
+            Shape::Scene(_) | Shape::Drawing(_) | Shape::Curves(_) => None,
         };
         Self {
             bytes: input.n_bytes,
             bounds: (bounds != Box3::EMPTY).then_some([bounds.min, bounds.max]),
             patches,
             parts: scene.map(|scene| PartFacts::of_all(scene, input.format)),
+            drawing,
             sizes: scene.map(Sizes::of),
-            found: scene.and_then(|scene| Some(Found::of(scene.certificate.clone()?, counted))),
+            found: certificate.map(|certificate| Found::of(certificate, counted)),
         }
     }
 }

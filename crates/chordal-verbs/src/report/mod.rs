@@ -4,19 +4,21 @@
 //! path and no count of threads, and can travel in the file. *Run* is for the reader of the moment.
 mod bound;
 mod budget;
+mod drawing;
 mod inspection;
 mod valid;
 
 pub use bound::BoundFacts;
 pub use budget::{BudgetFacts, ViewFacts};
+pub use drawing::{DrawingFacts, JoinCounts, KinkFacts, PieceCounts};
 pub use inspection::{Found, Inspection, PartFacts, Sizes};
 pub(crate) use valid::Counted;
 pub use valid::{Counts, OtherCounts, PartValid, Valid, WitnessFacts};
 
 use crate::Input;
 use chordal::Mesh;
-use chordal::explicit::Topology;
-use chordal_io::{Axis, Frame, Warning};
+use chordal::explicit::{Curve, Piece, Topology};
+use chordal_io::{Axis, Frame, Polylines, Warning};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -51,7 +53,7 @@ pub struct Certificate {
     /// What was lost; none where nothing was made.
     pub bound: Option<BoundFacts>,
     /// What came out; none where nothing was made.
-    pub output: Option<OutputFacts>,
+    pub output: Option<Output>,
     /// Whether the triangles are sound; none where there are none to be.
     pub valid: Option<Valid>,
     /// What else a reader should know, in sentences.
@@ -159,7 +161,7 @@ pub struct FrameFacts {
 }
 
 impl FrameFacts {
-    fn of(frame: &Frame) -> Self {
+    pub(crate) fn of(frame: &Frame) -> Self {
         let up = frame.up.map(|axis| match axis {
             Axis::Y => "y",
             Axis::Z => "z",
@@ -169,6 +171,71 @@ impl FrameFacts {
 }
 
 /// What came out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(untagged)]
+pub enum Output {
+    /// Triangles.
+    Triangles(OutputFacts),
+    /// Polylines.
+    Polylines(LineFacts),
+}
+
+impl Output {
+    /// The counts of triangles, where there are some.
+    #[must_use]
+    pub fn triangles(&self) -> Option<&OutputFacts> {
+        match self {
+            Self::Triangles(facts) => Some(facts),
+            Self::Polylines(_) => None,
+        }
+    }
+
+    /// The counts of polylines, where there are some.
+    #[must_use]
+    pub fn polylines(&self) -> Option<&LineFacts> {
+        match self {
+            Self::Triangles(_) => None,
+            Self::Polylines(facts) => Some(facts),
+        }
+    }
+}
+
+/// What there is of polylines.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct LineFacts {
+    /// Polylines.
+    pub polylines: u64,
+    /// Points; the first of a closed polyline once.
+    pub points: u64,
+    /// Segments, with those that close.
+    pub segments: u64,
+}
+
+impl LineFacts {
+    /// The counts of all polylines.
+    #[must_use]
+    pub fn of(polylines: &Polylines) -> Self {
+        let [points, segments] = polylines.counts();
+        Self { polylines: polylines.len() as u64, points, segments }
+    }
+
+    /// The counts of curves that are all straight, as they read back from a file of polylines; none for others.
+    #[must_use]
+    pub fn of_straight<const D: usize>(curves: &[Curve<D>]) -> Option<Self> {
+        let mut facts = Self { polylines: curves.len() as u64, ..Self::default() };
+        for curve in curves {
+            if !curve.pieces().iter().all(|piece| matches!(piece, Piece::Line(_))) {
+                return None;
+            }
+            let segments = curve.pieces().len() as u64;
+            facts.segments += segments;
+            facts.points += if curve.is_closed() { segments } else { segments + 1 };
+        }
+        Some(facts)
+    }
+}
+
+/// What there is of triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct OutputFacts {
     /// Rows of positions; vertices that differ only in attributes count apart.

@@ -1,10 +1,13 @@
 //! The bridge: one file per arrow `a_to_b`, each lossy one under a budget and with a bound.
 mod curve_to_polyline;
 mod curves;
+mod fill;
+mod outlines_to_mesh;
 mod patches;
 mod patches_to_mesh;
 
 pub use curve_to_polyline::{curve_to_polyline, curve_to_polyline_evenly, curves_to_polylines};
 pub use curves::batch::{BezierCutter, Polylines, beziers_to_polylines};
 pub use curves::flatten::Spacing;
+pub use outlines_to_mesh::outlines_to_mesh;
 pub use patches_to_mesh::patches_to_mesh;

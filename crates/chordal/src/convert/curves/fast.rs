@@ -10,9 +10,11 @@
 use super::chord::CubicChords;
 use crate::explicit::{Bezier, bernstein};
 
-/// Intervals of the grid, at least and at most; between them half as many as there are chords. With 8 the first spread
-/// fails more often, with 32 it costs more than it saves (20,000 random cubics at a thousandth of their box).
-const GRID: usize = 16;
+/// Intervals of the grid, one less than a multiple of [`LANES`]: for a few chords, for some, and at most; in between half
+/// as many as there are chords. With fewer for some the first spread fails more often, with more it costs more than it
+/// saves (20,000 random cubics at a thousandth of their box).
+const COARSEST: usize = 7;
+const GRID: usize = 15;
 const FINEST: usize = 4096;
 /// Spreads that are tried before the greedy way, which then gets 0.1 % to 5 % of random cubics.
 const ATTEMPTS: usize = 4;
@@ -78,13 +80,18 @@ pub(crate) fn spread<const D: usize>(
         work.set_single(cubic);
         return Some(whole);
     }
-    let unit = 1.0 / (8.0 * tolerance).sqrt();
-    let mut needed = unit * work.sample(cubic, GRID);
-    if needed > 2.0 * GRID as f64 {
-        let finer = 0.5 * needed;
-        let finer = if finer < FINEST as f64 { finer as usize } else { FINEST };
-        needed = unit * work.sample(cubic, finer.next_multiple_of(LANES));
-    }
+    // Equal steps would be about twice as many.
+    let even = chords.even_steps(tolerance);
+    let grid = if even <= 5.0 {
+        COARSEST
+    } else if even <= 60.0 {
+        GRID
+    } else if even < 4.0 * FINEST as f64 {
+        (even as usize / 4).next_multiple_of(LANES) - 1
+    } else {
+        FINEST - 1
+    };
+    let needed = work.sample(cubic, grid) / (8.0 * tolerance).sqrt();
     // One chord was not enough, whatever the samples say; NaN goes the same way.
     let mut n = if needed > 1.0 { (SPARE * needed).ceil() } else { 2.0 };
     if n > most as f64 {
@@ -166,12 +173,13 @@ impl<const D: usize> Scratch<D> {
         self.evaluate(cubic);
     }
 
-    /// Samples the density at the ends of `grid` equal steps, a multiple of [`LANES`]. Returns the last share.
+    /// Samples the density at the ends of `grid` equal steps, one less than a multiple of [`LANES`] and no fewer than 7, so
+    /// that the nodes fill whole blocks. Returns the last share.
     #[inline(always)]
     fn sample(&mut self, cubic: &Bezier<D>, grid: usize) -> f64 {
-        self.set_nodes(grid + 1 + LANES);
+        self.set_nodes(grid + 1);
         let step = 1.0 / grid as f64;
-        for block in 0..=grid / LANES {
+        for block in 0..(grid + 1) / LANES {
             let at = block * LANES;
             let (mut nodes, mut slopes) = ([0.0; LANES], [0.0; LANES]);
             for i in 0..LANES {
@@ -181,7 +189,6 @@ impl<const D: usize> Scratch<D> {
             self.nodes[at..at + LANES].copy_from_slice(&nodes);
             self.slopes[at..at + LANES].copy_from_slice(&slopes);
         }
-        self.n_nodes = grid + 1;
         let (w, shares) = (&mut self.slopes[..=grid], &mut self.shares[..=grid]);
         // The trapezoid, corrected by the slopes at its ends where both are known (fourth order).
         for i in 1..grid - 1 {

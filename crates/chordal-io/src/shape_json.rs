@@ -1,4 +1,8 @@
-//! Patches in JSON, after `docs/schema/patches.schema.json`.
+//! Shapes in JSON: patches, curves and polylines, after `docs/schema/patches.schema.json`, `curves.schema.json` and
+//! `polylines.schema.json`.
+mod lines;
+mod write;
+
 use crate::assemble::{check_patches, too_many_rows};
 use crate::grow::{push, with_room};
 use crate::json::{Json, Kind};
@@ -6,22 +10,32 @@ use crate::text::{grouped, show, text_of};
 use crate::warnings::Warnings;
 use crate::{Axis, Content, Frame, Limits, Loaded, Place, ReadError};
 use chordal::Patch;
+use lines::{Form, Lines};
+use serde_json::Value;
+pub use write::write;
 
-/// The patches of a JSON file, in one of two forms: `{"patches": [[[[x, y, z], …4], …4], …]}`, or
-/// `{"points": [[x, y, z], …], "patches": [[i, …16], …]}` with indices from 0. `"up": "y" | "z"` and
-/// `"metres_per_unit"` are optional and default to unknown.
+/// The shape of a JSON file, which is one of
+///
+/// - patches: `{"patches": [[[[x, y, z], …4], …4], …]}`, or `{"points": [[x, y, z], …], "patches": [[i, …16], …]}` with
+///   indices from 0;
+/// - curves: `{"curves": [{"control": [[x, y], …], "closed": false}, …]}` with 3n + 1 control points of n cubics;
+/// - polylines: `{"polylines": [{"points": [[x, y], …], "closed": false, "source": 0}, …]}`, as Chordal writes them.
+///
+/// Curves and polylines have two numbers a point, or all of them three. Those in a row with the same `"source"` are one
+/// element, which matters where it is filled; `"rule"` says how. `"up": "y" | "z"` and `"metres_per_unit"` are optional
+/// and default to unknown.
 ///
 /// # Errors
 /// [`ReadError`] with the JSON pointer of what is wrong, or the byte where the text is no JSON.
 ///
 /// ```
-/// use chordal_io::{Content, Limits, patch_json};
+/// use chordal_io::{Content, Limits, shape_json};
 /// let file = br#"{"up": "z", "points": [[0,0,0], [1,0,0]], "patches": [[0,0,0,0, 0,0,0,0, 1,1,1,1, 1,1,1,1]]}"#;
-/// let Content::Patches(patches, frame) = patch_json::read(file, &Limits::default())?.content else { unreachable!() };
+/// let Content::Patches(patches, frame) = shape_json::read(file, &Limits::default())?.content else { unreachable!() };
 /// assert_eq!(patches[0].control[2][0], [1.0, 0.0, 0.0]);
 /// assert_eq!(frame.up, Some(chordal_io::Axis::Z));
 ///
-/// let error = patch_json::read(br#"{"patches": [[[[0, 0]]]]}"#, &Limits::default()).unwrap_err();
+/// let error = shape_json::read(br#"{"patches": [[[[0, 0]]]]}"#, &Limits::default()).unwrap_err();
 /// assert_eq!(error.to_string(), "/patches/0/0/0: 2 numbers where 3 are needed");
 /// # Ok::<(), chordal_io::ReadError>(())
 /// ```
@@ -30,21 +44,33 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
     let mut found = Found::default();
     json.object(|json, key| found.member(json, key, limits))?;
     json.end()?;
+    if let Some(form) = found.lines.form {
+        return found.lines(form);
+    }
     let patches = found.patches()?;
     check_patches(&patches, &mut found.warnings)?;
     Ok(Loaded { content: Content::Patches(patches, found.frame), warnings: found.warnings.into_list() })
 }
 
-/// Whether the text is a JSON object with patches.
+/// Whether the text is a JSON object with shapes.
 pub(crate) fn looks_like(text: &[u8]) -> bool {
     let Ok(mut json) = Json::new(text, &Limits::default()) else { return false };
     let mut found = false;
-    // Stops with an error at the key that decides, so that the patches themselves are not read.
+    // Stops with an error at the key that decides, so that the shapes themselves are not read.
     let _ = json.object(|json, key| {
-        found |= key == "patches";
+        found |= matches!(key, "patches" | "curves" | "polylines");
         if found { Err(json.error("found", "")) } else { json.skip() }
     });
     found
+}
+
+/// Bytes of a report beyond which it is not kept: those that Chordal writes have a few thousand.
+const LARGEST_REPORT: usize = 256 << 10;
+
+/// Counts a member that nobody asked for.
+fn unknown(json: &Json, key: &str, warnings: &mut Warnings) {
+    let message = format!("members that are not known were skipped, {} first", show(key.as_bytes()));
+    warnings.count("unknown-member", || (json.place(), message));
 }
 
 const UNUSED: &str = "points that no patch names were dropped";
@@ -56,6 +82,9 @@ struct Found {
     by_index: Vec<[u32; 16]>,
     by_value: Vec<Patch>,
     has_patches: bool,
+    lines: Lines,
+    /// The report that travels in the file.
+    report: Option<Value>,
     frame: Frame,
     warnings: Warnings,
 }
@@ -69,6 +98,14 @@ impl Found {
                     check_rows(json, "patches", row, limits)?;
                     self.patch(json)
                 })?;
+            }
+            "curves" => self.read_lines(json, Form::Curves, limits)?,
+            "polylines" => self.read_lines(json, Form::Polylines, limits)?,
+            "report" => {
+                let text = json.raw()?;
+                // A report that was cut or is no report at all is as good as none.
+                self.report =
+                    if text.len() <= LARGEST_REPORT { serde_json::from_slice(text).ok() } else { None };
             }
             "points" => {
                 let mut points = Vec::new();
@@ -94,13 +131,37 @@ impl Found {
                 self.frame.metres_per_unit = Some(value);
             }
             _ => {
-                let message =
-                    format!("members that are not known were skipped, {} first", show(key.as_bytes()));
-                self.warnings.count("unknown-member", || (json.place(), message));
+                unknown(json, key, &mut self.warnings);
                 json.skip()?;
             }
         }
         Ok(())
+    }
+
+    fn read_lines(&mut self, json: &mut Json, form: Form, limits: &Limits) -> Result<(), ReadError> {
+        if self.lines.form.is_some() {
+            return Err(json.error("mixed-shapes", "a file holds curves or polylines, not both"));
+        }
+        self.lines.read(json, form, limits, &mut self.warnings)
+    }
+
+    /// The curves, once everything is read.
+    fn lines(mut self, form: Form) -> Result<Loaded, ReadError> {
+        if self.has_patches {
+            let message = format!("a file holds patches or {}, not both", form.list());
+            return Err(ReadError::new("mixed-shapes", Place::File, message));
+        }
+        if let Some(points) = self.points {
+            self.warnings.count_all("isolated-points", points.len() as u64, UNUSED);
+        }
+        let mut content = self.lines.content(form, self.frame)?;
+        let found = self.report.as_ref().and_then(|report| report.get("certificate")).cloned();
+        match &mut content {
+            Content::Drawing(drawing) => drawing.certificate = found,
+            Content::Curves(curves) => curves.certificate = found,
+            Content::Patches(..) | Content::Scene(_) => {}
+        }
+        Ok(Loaded { content, warnings: self.warnings.into_list() })
     }
 
     fn patch(&mut self, json: &mut Json) -> Result<(), ReadError> {
@@ -135,7 +196,11 @@ impl Found {
 
     fn patches(&mut self) -> Result<Vec<Patch>, ReadError> {
         if !self.has_patches {
-            return Err(ReadError::new("no-patches", Place::File, "the object has no member \"patches\""));
+            return Err(ReadError::new(
+                "no-shapes",
+                Place::File,
+                "the object has no member \"patches\", \"curves\" or \"polylines\"",
+            ));
         }
         let points = self.points.take();
         if self.by_index.is_empty() {

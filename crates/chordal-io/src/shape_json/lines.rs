@@ -1,0 +1,259 @@
+//! Curves and polylines in JSON, of the plane or of space.
+use super::{check_rows, set, width};
+use crate::drawing::{Drawn, Element};
+use crate::grow::{push, with_room};
+use crate::json::{Json, Kind};
+use crate::text::{grouped, show};
+use crate::warnings::Warnings;
+use crate::{Content, Frame, Limits, Place, ReadError};
+use chordal::explicit::{Bezier, Curve, FillRule, Piece};
+
+/// Which list a line stands in, and how its points are meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Form {
+    /// 3n + 1 control points of n cubics.
+    Curves,
+    /// Points joined by straight segments.
+    Polylines,
+}
+
+impl Form {
+    pub fn list(self) -> &'static str {
+        match self {
+            Self::Curves => "curves",
+            Self::Polylines => "polylines",
+        }
+    }
+
+    fn points(self) -> &'static str {
+        match self {
+            Self::Curves => "control",
+            Self::Polylines => "points",
+        }
+    }
+
+    fn kind(self) -> &'static str {
+        match self {
+            Self::Curves => "curve",
+            Self::Polylines => "polyline",
+        }
+    }
+}
+
+/// One line as it stands in the file.
+#[derive(Debug, Default)]
+struct Line {
+    /// Where its points start in the list of all.
+    first: usize,
+    n: usize,
+    closed: bool,
+    source: Option<u64>,
+    rule: FillRule,
+    name: String,
+}
+
+/// All lines of a file. Points stand in one list, `dimension` numbers each.
+#[derive(Debug, Default)]
+pub(super) struct Lines {
+    pub form: Option<Form>,
+    numbers: Vec<f64>,
+    lines: Vec<Line>,
+    dimension: usize,
+}
+
+impl Lines {
+    /// Reads the list of lines.
+    pub fn read(
+        &mut self,
+        json: &mut Json,
+        form: Form,
+        limits: &Limits,
+        warnings: &mut Warnings,
+    ) -> Result<(), ReadError> {
+        self.form = Some(form);
+        json.array(|json, row| {
+            check_rows(json, form.list(), row, limits)?;
+            self.line(json, form, limits, warnings)
+        })?;
+        Ok(())
+    }
+
+    fn line(
+        &mut self,
+        json: &mut Json,
+        form: Form,
+        limits: &Limits,
+        warnings: &mut Warnings,
+    ) -> Result<(), ReadError> {
+        let mut line = Line { first: self.numbers.len(), ..Line::default() };
+        let mut has_points = false;
+        json.object(|json, key| {
+            match key {
+                _ if key == form.points() => {
+                    has_points = true;
+                    line.n = self.points(json, limits)?;
+                }
+                "closed" => line.closed = json.flag()?,
+                "source" => line.source = Some(whole(json)?),
+                "name" => line.name = json.string()?,
+                "rule" => {
+                    let word = json.string()?;
+                    line.rule = match word.as_str() {
+                        "nonzero" => FillRule::NonZero,
+                        "evenodd" => FillRule::EvenOdd,
+                        _ => return Err(json.error("wrong-value", "rule is \"nonzero\" or \"evenodd\"")),
+                    };
+                }
+                _ => {
+                    super::unknown(json, key, warnings);
+                    json.skip()?;
+                }
+            }
+            Ok(())
+        })?;
+        if !has_points {
+            return Err(json.error("no-points", format!("there is no member \"{}\"", form.points())));
+        }
+        let n = line.n;
+        if form == Form::Curves && n % 3 != 1 {
+            let message = format!(
+                "{} control points, which is not 3n + 1: each cubic takes three more",
+                grouped(n as u64)
+            );
+            return Err(json.error("wrong-width", message));
+        }
+        if n == 0 {
+            return Err(json.error("no-points", "a polyline needs a point"));
+        }
+        if form == Form::Curves && line.closed && self.at(&line, 0) != self.at(&line, n - 1) {
+            return Err(json.error("not-closed", "a closed curve ends with the point that it starts with"));
+        }
+        push(&mut self.lines, line)
+    }
+
+    fn points(&mut self, json: &mut Json, limits: &Limits) -> Result<usize, ReadError> {
+        let n = json.array(|json, row| {
+            check_rows(json, "points", row, limits)?;
+            let mut point = [0.0; 3];
+            let found = json.array(|json, i| {
+                let value = json.number()?;
+                set(&mut point, i, value);
+                Ok(())
+            })?;
+            if self.dimension == 0 && matches!(found, 2 | 3) {
+                self.dimension = found as usize;
+            }
+            if found != self.dimension as u64 {
+                return Err(match self.dimension {
+                    0 => json.error("wrong-width", format!("{found} numbers where 2 or 3 are needed")),
+                    needed => width(json, found, "numbers", needed as u64),
+                });
+            }
+            point[..self.dimension].iter().try_for_each(|x| push(&mut self.numbers, *x))
+        })?;
+        Ok(n as usize)
+    }
+
+    fn at(&self, line: &Line, point: usize) -> &[f64] {
+        let start = line.first + point * self.dimension;
+        &self.numbers[start..start + self.dimension]
+    }
+
+    /// The drawing or the curves of space.
+    pub fn content(self, form: Form, frame: Frame) -> Result<Content, ReadError> {
+        if self.dimension == 3 {
+            return Ok(Content::Curves(self.drawn(form, frame)?));
+        }
+        Ok(Content::Drawing(self.drawn(form, frame)?))
+    }
+
+    fn drawn<const D: usize>(self, form: Form, frame: Frame) -> Result<Drawn<Curve<D>>, ReadError> {
+        let mut drawn = Drawn { frame, ..Drawn::default() };
+        let mut before = None;
+        for (index, line) in self.lines.iter().enumerate() {
+            let curve = self.curve(line, form).map_err(|error| {
+                ReadError::new(
+                    "not-finite",
+                    Place::Pointer(format!("/{}/{index}", form.list())),
+                    error.to_string(),
+                )
+            })?;
+            // Lines in a row with the same source are one element, so that its holes are known.
+            if line.source.is_none() || line.source != before {
+                let element = Element {
+                    kind: form.kind(),
+                    name: line.name.clone(),
+                    source: line.source.unwrap_or(drawn.elements.len() as u64),
+                    rule: line.rule,
+                    filled: true,
+                };
+                push(&mut drawn.elements, element)?;
+            }
+            before = line.source;
+            push(&mut drawn.owners, drawn.elements.len() as u32 - 1)?;
+            push(&mut drawn.lines, curve)?;
+        }
+        Ok(drawn)
+    }
+
+    fn curve<const D: usize>(&self, line: &Line, form: Form) -> Result<Curve<D>, Unreal> {
+        let point = |i: usize| -> [f64; D] {
+            let given = self.at(line, i);
+            std::array::from_fn(|k| given.get(k).copied().unwrap_or(0.0))
+        };
+        if line.n == 1 {
+            return Ok(Curve::point(point(0))?);
+        }
+        let mut pieces = with_room(line.n)?;
+        match form {
+            Form::Curves => {
+                let cubic = |i| {
+                    Piece::Cubic(Bezier { control: [point(i), point(i + 1), point(i + 2), point(i + 3)] })
+                };
+                pieces.extend((0..line.n - 1).step_by(3).map(cubic));
+            }
+            Form::Polylines => {
+                pieces.extend((1..line.n).map(|i| Piece::Line([point(i - 1), point(i)])));
+                if line.closed && point(line.n - 1) != point(0) {
+                    pieces.push(Piece::Line([point(line.n - 1), point(0)]));
+                }
+            }
+        }
+        Ok(Curve::new(pieces, line.closed)?)
+    }
+}
+
+/// What cannot happen to numbers that were read as finite, said all the same.
+#[derive(Debug)]
+struct Unreal(String);
+
+impl std::fmt::Display for Unreal {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl From<chordal::explicit::InvalidCurve> for Unreal {
+    fn from(error: chordal::explicit::InvalidCurve) -> Self {
+        Self(error.to_string())
+    }
+}
+
+impl From<ReadError> for Unreal {
+    fn from(error: ReadError) -> Self {
+        Self(error.to_string())
+    }
+}
+
+fn whole(json: &mut Json) -> Result<u64, ReadError> {
+    if json.peek()? != Kind::Number {
+        return Err(json.error("wrong-type", "a whole number should stand here"));
+    }
+    let value = json.number()?;
+    // 2^53: beyond it, neighbours cannot be told apart.
+    if value < 0.0 || value.fract() != 0.0 || value > 9_007_199_254_740_992.0 {
+        let message = format!("{} is not a whole number from 0 on", show(value.to_string().as_bytes()));
+        return Err(json.error("wrong-value", message));
+    }
+    Ok(value as u64)
+}

@@ -1,0 +1,224 @@
+//! `Cursor`: numbers, flags and separators of SVG's attribute texts, with the place of what is wrong.
+use crate::text::show;
+
+/// Where and why a text could not be read on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Trouble {
+    /// Bytes from the start of the text.
+    pub at: usize,
+    /// What should stand there, and what does.
+    pub what: String,
+    /// Whether it is a number that is not finite.
+    pub not_finite: bool,
+}
+
+pub(super) type Outcome<T> = Result<T, Trouble>;
+
+/// A place in an attribute's text.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cursor<'a> {
+    text: &'a [u8],
+    at: usize,
+}
+
+/// White space of SVG: tab, line feed, form feed, carriage return, space.
+pub(super) fn is_space(byte: u8) -> bool {
+    matches!(byte, b' ' | b'\t' | b'\n' | b'\r' | 0x0c)
+}
+
+impl<'a> Cursor<'a> {
+    pub fn new(text: &'a str) -> Self {
+        Self { text: text.as_bytes(), at: 0 }
+    }
+
+    pub fn at(&self) -> usize {
+        self.at
+    }
+
+    pub fn peek(&self) -> Option<u8> {
+        self.text.get(self.at).copied()
+    }
+
+    pub fn step(&mut self) {
+        self.at += 1;
+    }
+
+    pub fn skip_space(&mut self) {
+        while self.peek().is_some_and(is_space) {
+            self.at += 1;
+        }
+    }
+
+    /// Skips space with at most one comma in it; whether there was a comma.
+    pub fn skip_comma(&mut self) -> bool {
+        self.skip_space();
+        let comma = self.peek() == Some(b',');
+        if comma {
+            self.at += 1;
+            self.skip_space();
+        }
+        comma
+    }
+
+    /// Takes this byte if it comes next.
+    pub fn take(&mut self, byte: u8) -> bool {
+        let found = self.peek() == Some(byte);
+        self.at += usize::from(found);
+        found
+    }
+
+    /// The letters that come next.
+    pub fn word(&mut self) -> &'a [u8] {
+        let rest = &self.text[self.at..];
+        let len = rest.iter().take_while(|b| b.is_ascii_alphabetic()).count();
+        self.at += len;
+        &rest[..len]
+    }
+
+    /// What is left.
+    pub fn rest(&self) -> &'a [u8] {
+        &self.text[self.at..]
+    }
+
+    pub fn is_at_end(&self) -> bool {
+        self.at >= self.text.len()
+    }
+
+    /// That something else should stand here.
+    pub fn trouble(&self, wanted: &str) -> Trouble {
+        let rest = self.rest();
+        let found = if rest.is_empty() {
+            "the end".to_owned()
+        } else {
+            let len = rest.iter().take_while(|b| !is_space(**b) && **b != b',').count().clamp(1, 20);
+            show(&rest[..len.min(rest.len())])
+        };
+        Trouble {
+            at: self.at,
+            what: format!("{found} where {wanted} should stand"),
+            not_finite: self.is_no_finite_word(),
+        }
+    }
+
+    /// Whether a word comes that programs print for numbers that are none.
+    fn is_no_finite_word(&self) -> bool {
+        let rest = self.rest();
+        let rest = match rest {
+            [b'+' | b'-', rest @ ..] => rest,
+            all => all,
+        };
+        rest.get(..3)
+            .is_some_and(|word| word.eq_ignore_ascii_case(b"nan") || word.eq_ignore_ascii_case(b"inf"))
+    }
+
+    /// Whether a number comes next.
+    pub fn at_number(&self) -> bool {
+        match self.rest() {
+            [b'0'..=b'9' | b'.', ..] | [b'+' | b'-', b'0'..=b'9' | b'.', ..] => true,
+            _ => self.is_no_finite_word(),
+        }
+    }
+
+    /// A finite number: sign, digits, point, digits, exponent. A point may be first or last.
+    pub fn number(&mut self) -> Outcome<f64> {
+        let rest = self.rest();
+        let mut len = usize::from(matches!(rest.first(), Some(b'+' | b'-')));
+        let digits = |from: usize| rest[from..].iter().take_while(|b| b.is_ascii_digit()).count();
+        let whole = digits(len);
+        len += whole;
+        let mut fraction = 0;
+        if rest.get(len) == Some(&b'.') {
+            fraction = digits(len + 1);
+            len += 1 + fraction;
+        }
+        if whole + fraction == 0 {
+            return Err(self.trouble("a number"));
+        }
+        if matches!(rest.get(len), Some(b'e' | b'E')) {
+            let sign = usize::from(matches!(rest.get(len + 1), Some(b'+' | b'-')));
+            let exponent =
+                rest.get(len + 1 + sign..).map_or(0, |r| r.iter().take_while(|b| b.is_ascii_digit()).count());
+            // Without digits it is a unit: em, ex.
+            len += if exponent > 0 { 1 + sign + exponent } else { 0 };
+        }
+        let token = &rest[..len];
+        match crate::text::number(token) {
+            Some(value) if value.is_finite() => {
+                self.at += len;
+                Ok(value)
+            }
+            Some(_) => {
+                let what = format!("{} is over the limit of 1.8e308", show(token));
+                Err(Trouble { at: self.at, what, not_finite: true })
+            }
+            None => Err(self.trouble("a number")),
+        }
+    }
+
+    /// A number with the separator before it.
+    pub fn next_number(&mut self) -> Outcome<f64> {
+        self.skip_comma();
+        self.number()
+    }
+
+    /// `0` or `1`, which needs no separator after it.
+    pub fn flag(&mut self) -> Outcome<bool> {
+        self.skip_comma();
+        match self.peek() {
+            Some(digit @ (b'0' | b'1')) => {
+                self.at += 1;
+                Ok(digit == b'1')
+            }
+            _ => Err(self.trouble("a flag, 0 or 1,")),
+        }
+    }
+}
+
+/// All numbers of a list, and what stopped the reading if it was not the end.
+pub(super) fn numbers(text: &str) -> (Vec<f64>, Option<Trouble>) {
+    let mut cursor = Cursor::new(text);
+    let mut all = Vec::new();
+    cursor.skip_space();
+    while !cursor.is_at_end() {
+        match cursor.number() {
+            Ok(value) => all.push(value),
+            Err(trouble) => return (all, Some(trouble)),
+        }
+        if cursor.skip_comma() && cursor.is_at_end() {
+            return (all, Some(cursor.trouble("a number")));
+        }
+    }
+    (all, None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_need_no_more_between_them_than_tells_them_apart() {
+        let all = |text: &str| numbers(text);
+        assert_eq!(all("1.5.5-3e2").0, [1.5, 0.5, -300.0]);
+        assert_eq!(all(" +1,-.5 \t1e-2,2. ").0, [1.0, -0.5, 0.01, 2.0]);
+        assert_eq!(all("1-2-3+4").0, [1.0, -2.0, -3.0, 4.0]);
+        assert_eq!(all(""), (vec![], None));
+    }
+
+    #[test]
+    fn trouble_says_where_and_what() {
+        for (text, n, at, part, not_finite) in [
+            ("1,,2", 1, 2, "','", false),
+            ("1 x", 1, 2, "'x'", false),
+            ("1 2,", 2, 4, "the end", false),
+            ("1 1e999", 1, 2, "1e999", true),
+            ("NaN", 0, 0, "NaN", true),
+            ("-inf", 0, 0, "-inf", true),
+            ("-", 0, 0, "'-'", false),
+        ] {
+            let (found, trouble) = numbers(text);
+            let trouble = trouble.unwrap();
+            assert_eq!((found.len(), trouble.at, trouble.not_finite), (n, at, not_finite), "{text}");
+            assert!(trouble.what.contains(part), "{text}: {}", trouble.what);
+        }
+    }
+}

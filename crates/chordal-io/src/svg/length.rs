@@ -1,0 +1,135 @@
+//! `Length`: lengths with units or percentages, in user units.
+use super::cursor::{Cursor, Trouble};
+
+/// A length as it stands in the file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Length {
+    pub value: f64,
+    pub unit: Unit,
+}
+
+/// What a length is counted in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unit {
+    /// User units, which a unit of its own makes pixels.
+    User,
+    Px,
+    In,
+    Cm,
+    Mm,
+    Q,
+    Pt,
+    Pc,
+    Percent,
+}
+
+/// Why a length cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum NoLength {
+    /// It is not spelled like one, or not finite.
+    Wrong(Trouble),
+    /// Its unit depends on fonts or windows.
+    Unit(String),
+}
+
+impl Unit {
+    /// User units in one, as a product and a quotient, so that one of both can be exact.
+    fn scale(self) -> [f64; 2] {
+        // CSS Values and Units 3, 6.2: an inch is 96 pixels and 2.54 cm, 72 points, 6 picas.
+        match self {
+            Self::User | Self::Px | Self::Percent => [1.0, 1.0],
+            Self::In => [96.0, 1.0],
+            Self::Cm => [96.0, 2.54],
+            Self::Mm => [96.0, 25.4],
+            Self::Q => [96.0, 101.6],
+            Self::Pt => [4.0, 3.0],
+            Self::Pc => [16.0, 1.0],
+        }
+    }
+
+    /// Metres in one, for units of the world; a pixel is none.
+    pub fn metres(self) -> Option<f64> {
+        match self {
+            Self::In => Some(0.0254),
+            Self::Cm => Some(0.01),
+            Self::Mm => Some(0.001),
+            Self::Q => Some(0.000_25),
+            Self::Pt => Some(0.0254 / 72.0),
+            Self::Pc => Some(0.0254 / 6.0),
+            Self::User | Self::Px | Self::Percent => None,
+        }
+    }
+}
+
+impl Length {
+    /// # Errors
+    /// When the text is no length, or its unit is not supported.
+    pub fn read(text: &str) -> Result<Self, NoLength> {
+        let mut cursor = Cursor::new(text);
+        cursor.skip_space();
+        let value = cursor.number().map_err(NoLength::Wrong)?;
+        let unit = if cursor.take(b'%') {
+            Unit::Percent
+        } else {
+            let word = String::from_utf8_lossy(cursor.word()).to_ascii_lowercase();
+            match word.as_str() {
+                "" => Unit::User,
+                "px" => Unit::Px,
+                "in" => Unit::In,
+                "cm" => Unit::Cm,
+                "mm" => Unit::Mm,
+                "q" => Unit::Q,
+                "pt" => Unit::Pt,
+                "pc" => Unit::Pc,
+                _ => return Err(NoLength::Unit(word)),
+            }
+        };
+        cursor.skip_space();
+        if cursor.is_at_end() {
+            Ok(Self { value, unit })
+        } else {
+            Err(NoLength::Wrong(cursor.trouble("the end")))
+        }
+    }
+
+    /// In user units, where a percentage is of `whole`; none where that is not known.
+    pub fn resolve(self, whole: Option<f64>) -> Option<f64> {
+        match self.unit {
+            Unit::Percent => whole.map(|whole| self.value * whole / 100.0),
+            unit => {
+                let [times, over] = unit.scale();
+                Some(self.value * times / over)
+            }
+        }
+    }
+
+    /// Whether nothing is rounded.
+    pub fn is_exact(self) -> bool {
+        self.unit.scale() == [1.0, 1.0] && self.unit != Unit::Percent
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_those_of_css() {
+        let user = |text: &str| Length::read(text).unwrap().resolve(Some(200.0)).unwrap();
+        for (text, expected) in [
+            ("1in", 96.0),
+            ("2.54cm", 96.0),
+            (" 25.4mm ", 96.0),
+            ("72pt", 96.0),
+            ("6pc", 96.0),
+            ("5px", 5.0),
+            ("25%", 50.0),
+            ("1e1", 10.0),
+        ] {
+            assert!((user(text) - expected).abs() < 1e-13, "{text}");
+        }
+        assert_eq!(Length::read("1em"), Err(NoLength::Unit("em".into())));
+        assert!(matches!(Length::read("1 mm"), Err(NoLength::Wrong(_))));
+        assert!(matches!(Length::read("1e999"), Err(NoLength::Wrong(Trouble { not_finite: true, .. }))));
+    }
+}

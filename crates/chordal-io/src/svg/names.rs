@@ -1,0 +1,181 @@
+//! The names that mean something here: elements and attributes of SVG.
+
+/// An element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Tag {
+    Svg,
+    Group,
+    Switch,
+    Use,
+    Symbol,
+    Path,
+    Rect,
+    Circle,
+    Ellipse,
+    Line,
+    Polyline,
+    Polygon,
+    Style,
+    /// Holds things that are drawn only where something refers to them, or describes.
+    Silent,
+    /// Would be drawn, or would change what is drawn, and is not supported.
+    Unsupported(Unsupported),
+    /// Not of SVG.
+    Foreign,
+    /// Of SVG's namespace, and not known.
+    Unknown,
+}
+
+/// What is not supported, by the code of its warning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unsupported {
+    Text,
+    Image,
+    ForeignObject,
+    Animation,
+    Script,
+    Media,
+}
+
+impl Tag {
+    /// The element of SVG's namespace with that name.
+    pub fn named(name: &str) -> Self {
+        match name {
+            "svg" => Self::Svg,
+            "g" | "a" => Self::Group,
+            "switch" => Self::Switch,
+            "use" => Self::Use,
+            "symbol" => Self::Symbol,
+            "path" => Self::Path,
+            "rect" => Self::Rect,
+            "circle" => Self::Circle,
+            "ellipse" => Self::Ellipse,
+            "line" => Self::Line,
+            "polyline" => Self::Polyline,
+            "polygon" => Self::Polygon,
+            "style" => Self::Style,
+            "defs" | "clipPath" | "mask" | "pattern" | "marker" | "linearGradient" | "radialGradient"
+            | "meshgradient" | "hatch" | "solidcolor" | "filter" | "stop" | "title" | "desc" | "metadata"
+            | "view" | "cursor" | "font" | "font-face" | "glyph" | "missing-glyph" | "color-profile" => {
+                Self::Silent
+            }
+            "text" | "tspan" | "textPath" | "tref" | "altGlyph" => Self::Unsupported(Unsupported::Text),
+            "image" => Self::Unsupported(Unsupported::Image),
+            "foreignObject" => Self::Unsupported(Unsupported::ForeignObject),
+            "animate" | "animateMotion" | "animateTransform" | "animateColor" | "set" | "discard"
+            | "mpath" => Self::Unsupported(Unsupported::Animation),
+            "script" | "handler" | "listener" => Self::Unsupported(Unsupported::Script),
+            "video" | "audio" | "iframe" | "canvas" => Self::Unsupported(Unsupported::Media),
+            // The lights and steps of filters.
+            _ if name.starts_with("fe") => Self::Silent,
+            _ => Self::Unknown,
+        }
+    }
+
+    /// Whether a path is drawn for it.
+    pub fn is_shape(self) -> bool {
+        matches!(
+            self,
+            Self::Path
+                | Self::Rect
+                | Self::Circle
+                | Self::Ellipse
+                | Self::Line
+                | Self::Polyline
+                | Self::Polygon
+        )
+    }
+
+    /// The name of a shape.
+    pub fn kind(self) -> &'static str {
+        match self {
+            Self::Rect => "rect",
+            Self::Circle => "circle",
+            Self::Ellipse => "ellipse",
+            Self::Line => "line",
+            Self::Polyline => "polyline",
+            Self::Polygon => "polygon",
+            _ => "path",
+        }
+    }
+}
+
+impl Unsupported {
+    /// The code of the warning and what it says.
+    pub fn warning(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Text => {
+                ("unsupported-text", "text is not drawn: turn it to paths in the program that made it")
+            }
+            Self::Image => ("unsupported-image", "pictures are not drawn, and nothing is fetched"),
+            Self::ForeignObject => ("unsupported-foreign-object", "foreign objects are not drawn"),
+            Self::Animation => {
+                ("unsupported-animation", "animations are not run: shapes are as they stand in the file")
+            }
+            Self::Script => ("ignored-script", "scripts are ignored: nothing in a file ever runs"),
+            Self::Media => ("unsupported-media", "media and embedded pages are not drawn"),
+        }
+    }
+}
+
+macro_rules! keys {
+    ($($name:literal $key:ident,)*) => {
+        /// An attribute that is looked at.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(super) enum Key {
+            $($key,)*
+        }
+
+        impl Key {
+            /// The attribute with that name.
+            pub fn named(name: &str) -> Option<Self> {
+                match name {
+                    $($name => Some(Self::$key),)*
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+keys! {
+    "d" D,
+    "points" Points,
+    "x" X,
+    "y" Y,
+    "x1" X1,
+    "y1" Y1,
+    "x2" X2,
+    "y2" Y2,
+    "cx" Cx,
+    "cy" Cy,
+    "r" R,
+    "rx" Rx,
+    "ry" Ry,
+    "width" Width,
+    "height" Height,
+    "viewBox" ViewBox,
+    "preserveAspectRatio" Aspect,
+    "transform" Transform,
+    "href" Href,
+    "xlink:href" XlinkHref,
+    "id" Id,
+    "class" Class,
+    "style" Style,
+    "fill" Fill,
+    "fill-rule" FillRule,
+    "display" Display,
+    "visibility" Visibility,
+    "stroke" Stroke,
+    "clip-path" ClipPath,
+    "mask" Mask,
+    "filter" Filter,
+    "marker" Marker,
+    "marker-start" MarkerStart,
+    "marker-mid" MarkerMid,
+    "marker-end" MarkerEnd,
+    "systemLanguage" SystemLanguage,
+    "requiredExtensions" RequiredExtensions,
+    "media" Media,
+    "type" Type,
+}

@@ -1,0 +1,177 @@
+//! Path data: the text of `d`, all commands, drawn up to the first thing that is wrong.
+use super::cursor::{Cursor, Trouble};
+use super::pen::{Pen, Stop};
+
+/// What the last command left for a smooth one.
+#[derive(Clone, Copy)]
+enum Last {
+    Cubic([f64; 2]),
+    Quadratic([f64; 2]),
+    Other,
+}
+
+/// One reading of path data.
+struct Path<'a, 'p> {
+    text: Cursor<'a>,
+    pen: &'p mut Pen,
+    last: Last,
+}
+
+/// Draws path data.
+///
+/// # Errors
+/// Where the text cannot be read on: what came before is drawn, as SVG 2 asks (9.5.4, *Error handling in path data*).
+pub(super) fn draw(text: &str, pen: &mut Pen) -> Result<(), Stop> {
+    let mut path = Path { text: Cursor::new(text), pen, last: Last::Other };
+    let drawn = path.all();
+    path.pen.end()?;
+    drawn
+}
+
+impl Path<'_, '_> {
+    fn all(&mut self) -> Result<(), Stop> {
+        self.text.skip_space();
+        let mut is_first = true;
+        while let Some(command) = self.text.peek() {
+            let known = matches!(
+                command.to_ascii_lowercase(),
+                b'm' | b'l' | b'h' | b'v' | b'c' | b's' | b'q' | b't' | b'a' | b'z'
+            );
+            if !known || is_first && !matches!(command, b'm' | b'M') {
+                let wanted = if is_first { "a move (M or m)" } else { "a command" };
+                return Err(self.text.trouble(wanted).into());
+            }
+            is_first = false;
+            self.text.step();
+            self.text.skip_space();
+            self.command(command)?;
+            self.text.skip_space();
+        }
+        Ok(())
+    }
+
+    /// A command with all its repetitions.
+    fn command(&mut self, command: u8) -> Result<(), Stop> {
+        if matches!(command, b'z' | b'Z') {
+            self.last = Last::Other;
+            return Ok(self.pen.close()?);
+        }
+        let mut command = command;
+        loop {
+            self.once(command)?;
+            // Points after the first one of a move are lines.
+            command = match command {
+                b'm' => b'l',
+                b'M' => b'L',
+                same => same,
+            };
+            let comma = self.text.skip_comma();
+            if !self.text.at_number() {
+                return if comma { Err(self.text.trouble("a number").into()) } else { Ok(()) };
+            }
+        }
+    }
+
+    fn once(&mut self, command: u8) -> Result<(), Stop> {
+        let relative = command.is_ascii_lowercase();
+        let last = std::mem::replace(&mut self.last, Last::Other);
+        match command.to_ascii_lowercase() {
+            b'm' => {
+                let to = self.point(relative)?;
+                self.pen.move_to(to)?;
+                if !relative {
+                    self.pen.forget_drift();
+                }
+            }
+            b'l' => {
+                let to = self.point(relative)?;
+                self.pen.line_to(to)?;
+            }
+            b'h' => self.along(0, relative)?,
+            b'v' => self.along(1, relative)?,
+            b'c' => {
+                let all = [self.point(relative)?, self.point(relative)?, self.point(relative)?];
+                self.cubic(all)?;
+            }
+            b's' => {
+                let [c, d] = [self.point(relative)?, self.point(relative)?];
+                let b = match last {
+                    Last::Cubic(before) => self.pen.mirrored(before),
+                    _ => self.pen.at(),
+                };
+                self.cubic([b, c, d])?;
+            }
+            b'q' => {
+                let all = [self.point(relative)?, self.point(relative)?];
+                self.quadratic(all)?;
+            }
+            b't' => {
+                let to = self.point(relative)?;
+                let b = match last {
+                    Last::Quadratic(before) => self.pen.mirrored(before),
+                    _ => self.pen.at(),
+                };
+                self.quadratic([b, to])?;
+            }
+            _ => self.arc(relative)?,
+        }
+        Ok(())
+    }
+
+    /// A point, with what stands between it and what came before.
+    fn point(&mut self, relative: bool) -> Result<[f64; 2], Stop> {
+        self.text.skip_comma();
+        let at = self.text.at();
+        let given = [self.text.number()?, self.text.next_number()?];
+        let point = if relative { self.pen.relative(given) } else { given };
+        finite(point, at)
+    }
+
+    fn along(&mut self, axis: usize, relative: bool) -> Result<(), Stop> {
+        let at = self.text.at();
+        let given = self.text.number()?;
+        let mut to = self.pen.at();
+        if relative {
+            let mut by = [0.0; 2];
+            by[axis] = given;
+            to[axis] = self.pen.relative(by)[axis];
+        } else {
+            to[axis] = given;
+        }
+        Ok(self.pen.line_to(finite(to, at)?)?)
+    }
+
+    fn cubic(&mut self, all: [[f64; 2]; 3]) -> Result<(), Stop> {
+        self.last = Last::Cubic(all[1]);
+        finite(all[0], self.text.at())?;
+        Ok(self.pen.cubic_to(all)?)
+    }
+
+    fn quadratic(&mut self, all: [[f64; 2]; 2]) -> Result<(), Stop> {
+        self.last = Last::Quadratic(all[0]);
+        finite(all[0], self.text.at())?;
+        Ok(self.pen.quadratic_to(all)?)
+    }
+
+    fn arc(&mut self, relative: bool) -> Result<(), Stop> {
+        let at = self.text.at();
+        let radii = [self.text.number()?, self.text.next_number()?];
+        let deg = self.text.next_number()?;
+        let flags = [self.text.flag()?, self.text.flag()?];
+        let to = self.point(relative)?;
+        if self.pen.arc_to(radii, deg, flags, to)? {
+            return Ok(());
+        }
+        let what = "an arc whose numbers are beyond 1e-140 … 1e140".to_owned();
+        Err(Stop::Text(Trouble { at, what, not_finite: true }))
+    }
+}
+
+/// Sums of finite numbers can be infinite.
+fn finite(point: [f64; 2], at: usize) -> Result<[f64; 2], Stop> {
+    if point.iter().all(|x| x.is_finite()) {
+        return Ok(point);
+    }
+    let what = "a coordinate grows over the limit of 1.8e308".to_owned();
+    Err(Stop::Text(Trouble { at, what, not_finite: true }))
+}

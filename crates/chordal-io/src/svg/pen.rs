@@ -1,0 +1,241 @@
+//! `Pen`: draws subpaths piece by piece, and counts what rounding loses on the way.
+use super::cursor::Trouble;
+use crate::ReadError;
+use crate::grow::{out_of_memory, push};
+use chordal::explicit::{Arc, Bezier, Curve, Piece, Through};
+use chordal::math::{add_up, mul_up};
+use std::f64::consts::PI;
+
+/// Why nothing more can be drawn.
+#[derive(Debug)]
+pub(super) enum Stop {
+    /// Of the text, which ends the element there.
+    Text(Trouble),
+    /// Of the reader.
+    Read(ReadError),
+}
+
+impl From<Trouble> for Stop {
+    fn from(trouble: Trouble) -> Self {
+        Self::Text(trouble)
+    }
+}
+
+impl From<ReadError> for Stop {
+    fn from(error: ReadError) -> Self {
+        Self::Read(error)
+    }
+}
+
+/// What an element draws: one curve a subpath.
+#[derive(Debug, Default)]
+pub(super) struct Pen {
+    /// The subpaths that are done.
+    pub curves: Vec<Curve<2>>,
+    /// Subpaths that were one point and drew nothing.
+    pub lone_points: u64,
+    pieces: Vec<Piece<2>>,
+    start: [f64; 2],
+    current: [f64; 2],
+    /// Whether a subpath is open: a move was made or implied.
+    is_down: bool,
+    /// What sums of relative coordinates have lost so far in this subpath, and the worst that one piece adds to it.
+    drift: f64,
+    worst: f64,
+}
+
+/// The sum of two numbers and the size of what rounding took from it, exactly.
+fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    // D. Knuth, The Art of Computer Programming 2, 4.2.2.
+    let sum = a + b;
+    let from_b = sum - a;
+    let lost = (a - (sum - from_b)) + (b - from_b);
+    (sum, lost.abs())
+}
+
+impl Pen {
+    /// Where the pen is.
+    pub fn at(&self) -> [f64; 2] {
+        self.current
+    }
+
+    /// A point given relative to the pen; what the sum loses is counted.
+    pub fn relative(&mut self, by: [f64; 2]) -> [f64; 2] {
+        let (x, lost_x) = two_sum(self.current[0], by[0]);
+        let (y, lost_y) = two_sum(self.current[1], by[1]);
+        self.lose(lost_x);
+        self.lose(lost_y);
+        [x, y]
+    }
+
+    /// The point on the other side of the pen.
+    pub fn mirrored(&mut self, point: [f64; 2]) -> [f64; 2] {
+        let (x, lost_x) = two_sum(2.0 * self.current[0], -point[0]);
+        let (y, lost_y) = two_sum(2.0 * self.current[1], -point[1]);
+        self.lose(lost_x);
+        self.lose(lost_y);
+        [x, y]
+    }
+
+    /// A sum, whose rounding is counted.
+    pub fn sum(&mut self, a: f64, b: f64) -> f64 {
+        let (sum, lost) = two_sum(a, b);
+        self.lose(lost);
+        sum
+    }
+
+    /// Counts a rounding of this size.
+    pub fn lose(&mut self, lost: f64) {
+        if lost > 0.0 {
+            self.drift = add_up(self.drift, lost);
+        }
+    }
+
+    /// Starts a subpath.
+    pub fn move_to(&mut self, to: [f64; 2]) -> Result<(), ReadError> {
+        self.lone_points += u64::from(self.is_down && self.pieces.is_empty());
+        self.finish(false)?;
+        (self.start, self.current, self.is_down) = (to, to, true);
+        Ok(())
+    }
+
+    /// A straight line.
+    pub fn line_to(&mut self, to: [f64; 2]) -> Result<(), ReadError> {
+        self.piece(Piece::Line([self.current, to]))
+    }
+
+    /// A cubic Bézier curve.
+    pub fn cubic_to(&mut self, [b, c, d]: [[f64; 2]; 3]) -> Result<(), ReadError> {
+        self.piece(Piece::Cubic(Bezier { control: [self.current, b, c, d] }))
+    }
+
+    /// A quadratic Bézier curve.
+    pub fn quadratic_to(&mut self, [b, c]: [[f64; 2]; 2]) -> Result<(), ReadError> {
+        let all = [self.current, b, c];
+        let reach =
+            all.iter().flatten().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+        // Two units in the last place, as the constructor says.
+        self.at_worst(2.0 * f64::EPSILON * reach);
+        self.piece(Piece::quadratic(all))
+    }
+
+    /// An elliptical arc as in path data: half axes, direction in degrees, flags. False where its numbers are beyond
+    /// what an arc can be made of.
+    pub fn arc_to(
+        &mut self,
+        radii: [f64; 2],
+        deg: f64,
+        flags: [bool; 2],
+        to: [f64; 2],
+    ) -> Result<bool, ReadError> {
+        if to == self.current {
+            return Ok(true);
+        }
+        let radii = radii.map(f64::abs);
+        if radii.contains(&0.0) {
+            return self.line_to(to).map(|()| true);
+        }
+        // An ellipse is itself after half a turn, and after a quarter with its axes swapped: both exactly.
+        let half_turned = deg % 180.0;
+        let (radii, deg) =
+            if half_turned.abs() == 90.0 { ([radii[1], radii[0]], 0.0) } else { (radii, half_turned) };
+        let [large, positive] = flags;
+        let rotation_rad = deg * (PI / 180.0);
+        let Ok(arc) = Arc::through(self.current, to, &Through { radii, rotation_rad, large, positive })
+        else {
+            return Ok(false);
+        };
+        if rotation_rad != 0.0 && radii[0] != radii[1] {
+            self.at_worst(turned_loss([self.current, to], radii, rotation_rad));
+        }
+        self.arc(arc)?;
+        Ok(true)
+    }
+
+    /// An arc that starts at the pen.
+    pub fn arc(&mut self, arc: Arc<2>) -> Result<(), ReadError> {
+        self.piece(Piece::Arc(arc))
+    }
+
+    /// Says that the pen stands where the file says in absolute numbers.
+    pub fn forget_drift(&mut self) {
+        self.drift = 0.0;
+    }
+
+    fn at_worst(&mut self, lost: f64) {
+        self.worst = if lost > self.worst { lost } else { self.worst };
+    }
+
+    fn piece(&mut self, piece: Piece<2>) -> Result<(), ReadError> {
+        self.current = piece.end();
+        self.is_down = true;
+        // Ten million pieces are a gigabyte: grown by a quarter, old and new list together are twice what is there.
+        if self.pieces.len() == self.pieces.capacity() {
+            let more = (self.pieces.len() / 4).max(8);
+            self.pieces.try_reserve_exact(more).map_err(|_| out_of_memory(self.pieces.len()))?;
+        }
+        self.pieces.push(piece);
+        Ok(())
+    }
+
+    /// Closes the subpath with a straight line, if it needs one; the next piece starts where this subpath did.
+    pub fn close(&mut self) -> Result<(), ReadError> {
+        if self.current != self.start {
+            self.line_to(self.start)?;
+        }
+        if self.pieces.is_empty() && self.is_down {
+            if let Ok(point) = Curve::point(self.start) {
+                push(&mut self.curves, point.with_slack(self.drift))?;
+            }
+            self.is_down = false;
+        }
+        let start = self.start;
+        self.finish(true)?;
+        self.current = start;
+        Ok(())
+    }
+
+    /// Ends the last subpath.
+    pub fn end(&mut self) -> Result<(), ReadError> {
+        self.lone_points += u64::from(self.is_down && self.pieces.is_empty());
+        self.finish(false)
+    }
+
+    fn finish(&mut self, closed: bool) -> Result<(), ReadError> {
+        let mut pieces = std::mem::take(&mut self.pieces);
+        pieces.shrink_to_fit();
+        self.is_down = false;
+        let slack = add_up(self.drift, self.worst);
+        let slack = if self.drift == 0.0 && self.worst == 0.0 { 0.0 } else { slack };
+        self.worst = 0.0;
+        // Pieces join by construction; those that are not finite were refused with their numbers.
+        if let Ok(curve) = Curve::new(pieces, closed) {
+            push(&mut self.curves, curve.with_slack(slack))?;
+        }
+        Ok(())
+    }
+}
+
+/// How far an arc of a turned ellipse may be off because its direction was rounded from degrees to radians and its
+/// sine and cosine once more.
+fn turned_loss([from, to]: [[f64; 2]; 2], [rx, ry]: [f64; 2], rotation_rad: f64) -> f64 {
+    let (sin, cos) = libm::sincos(rotation_rad);
+    let half = [(from[0] - to[0]) / 2.0, (from[1] - to[1]) / 2.0];
+    let turned = [(half[0] * cos + half[1] * sin) / rx, (half[1] * cos - half[0] * sin) / ry];
+    let square = turned[0] * turned[0] + turned[1] * turned[1];
+    let (long, short) = if rx > ry { (rx, ry) } else { (ry, rx) };
+    // 1. The angle, at most a quarter turn after whole ones, is off by less than 2 ε, sine and cosine by one more. In
+    //    units of the radii that moves the half chord by the ratio of the radii times its length, at most 1 (or grown
+    //    to it), and its square by twice that: 8 ε with the sums' own rounding.
+    let known = mul_up(8.0 * f64::EPSILON, long / short);
+    // 2. The centre's height over the chord is the root of what the square leaves of 1.
+    let left = (1.0 - square).abs();
+    let of_height = if left > 4.0 * known {
+        if square > 1.0 { known } else { known / left.sqrt() }
+    } else {
+        // Its root moves by no more than the root of all that it may be.
+        (5.0 * known).sqrt()
+    };
+    let grown = if square > 1.0 { long * square.sqrt() } else { long };
+    mul_up(grown, mul_up(2.0, add_up(of_height, known)))
+}

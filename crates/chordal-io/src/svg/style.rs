@@ -1,0 +1,160 @@
+//! `Looks`: what of an element's style decides what is drawn: fill, fill rule, whether it shows at all.
+use super::names::Key;
+use chordal::explicit::FillRule;
+
+/// The properties that children take over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Looks {
+    pub filled: bool,
+    pub rule: FillRule,
+    pub visible: bool,
+    pub stroked: bool,
+    pub marked: bool,
+    /// Filled with something other than a colour.
+    pub painted: bool,
+}
+
+impl Default for Looks {
+    fn default() -> Self {
+        Self {
+            filled: true,
+            rule: FillRule::NonZero,
+            visible: true,
+            stroked: false,
+            marked: false,
+            painted: false,
+        }
+    }
+}
+
+/// The properties of an element alone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Own {
+    pub hidden: bool,
+    pub clipped: bool,
+    pub masked: bool,
+    pub filtered: bool,
+    /// Geometry or transform given by CSS, which is not supported.
+    pub css_geometry: bool,
+    pub important: bool,
+}
+
+/// A property that is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Property {
+    Fill,
+    FillRule,
+    Display,
+    Visibility,
+    Stroke,
+    ClipPath,
+    Mask,
+    Filter,
+    Marker,
+    /// Of geometry, which is only read from attributes.
+    Geometry,
+}
+
+impl Property {
+    /// By its name in a style sheet.
+    pub fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "fill" => Self::Fill,
+            "fill-rule" => Self::FillRule,
+            "display" => Self::Display,
+            "visibility" => Self::Visibility,
+            "stroke" => Self::Stroke,
+            "clip-path" => Self::ClipPath,
+            "mask" => Self::Mask,
+            "filter" => Self::Filter,
+            "marker" | "marker-start" | "marker-mid" | "marker-end" => Self::Marker,
+            "d" | "x" | "y" | "cx" | "cy" | "r" | "rx" | "ry" | "width" | "height" | "transform"
+            | "rotate" | "scale" | "translate" | "offset-path" => Self::Geometry,
+            _ => return None,
+        })
+    }
+
+    /// By the attribute of the same meaning.
+    pub fn of(key: Key) -> Option<Self> {
+        Some(match key {
+            Key::Fill => Self::Fill,
+            Key::FillRule => Self::FillRule,
+            Key::Display => Self::Display,
+            Key::Visibility => Self::Visibility,
+            Key::Stroke => Self::Stroke,
+            Key::ClipPath => Self::ClipPath,
+            Key::Mask => Self::Mask,
+            Key::Filter => Self::Filter,
+            Key::Marker | Key::MarkerStart | Key::MarkerMid | Key::MarkerEnd => Self::Marker,
+            _ => return None,
+        })
+    }
+}
+
+/// The looks of one element, on their way from those of its parent.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cascade {
+    pub looks: Looks,
+    pub own: Own,
+    parent: Looks,
+}
+
+impl Cascade {
+    pub fn from(parent: Looks) -> Self {
+        Self { looks: parent, own: Own::default(), parent }
+    }
+
+    /// One declaration; those that come later win.
+    pub fn set(&mut self, property: Property, value: &str) {
+        let value = value.trim();
+        let (value, important) = match value.rsplit_once('!') {
+            Some((before, word)) if word.trim().eq_ignore_ascii_case("important") => (before.trim(), true),
+            _ => (value, false),
+        };
+        self.own.important |= important;
+        let is = |word: &str| value.eq_ignore_ascii_case(word);
+        let (looks, own) = (&mut self.looks, &mut self.own);
+        let inherits = is("inherit") || is("unset");
+        let initial = Looks::default();
+        match property {
+            Property::Fill => {
+                let given = (!is("none") && !is("transparent"), value.contains("url("));
+                (looks.filled, looks.painted) = match value {
+                    _ if inherits => (self.parent.filled, self.parent.painted),
+                    _ if is("initial") => (initial.filled, initial.painted),
+                    _ => given,
+                };
+            }
+            Property::FillRule if inherits => looks.rule = self.parent.rule,
+            Property::FillRule if is("evenodd") => looks.rule = FillRule::EvenOdd,
+            Property::FillRule if is("nonzero") || is("initial") => looks.rule = FillRule::NonZero,
+            Property::Visibility if inherits => looks.visible = self.parent.visible,
+            Property::Visibility if is("hidden") || is("collapse") => looks.visible = false,
+            Property::Visibility if is("visible") || is("initial") => looks.visible = true,
+            Property::FillRule | Property::Visibility => {}
+            Property::Stroke if inherits => looks.stroked = self.parent.stroked,
+            Property::Stroke => looks.stroked = !is("none") && !is("initial") && !is("transparent"),
+            Property::Marker if inherits => looks.marked = self.parent.marked,
+            Property::Marker => looks.marked = !is("none") && !is("initial"),
+            Property::Display => own.hidden = is("none"),
+            Property::ClipPath => own.clipped = !is("none"),
+            Property::Mask => own.masked = !is("none"),
+            Property::Filter => own.filtered = !is("none"),
+            Property::Geometry => own.css_geometry = true,
+        }
+    }
+
+    /// The declarations of a `style` attribute.
+    pub fn set_all(&mut self, text: &str) {
+        for (name, value) in declarations(text) {
+            if let Some(property) = Property::named(&name.to_ascii_lowercase()) {
+                self.set(property, value);
+            }
+        }
+    }
+}
+
+/// `name: value` between semicolons.
+pub(super) fn declarations(text: &str) -> impl Iterator<Item = (&str, &str)> {
+    text.split(';').filter_map(|one| one.split_once(':')).map(|(name, value)| (name.trim(), value.trim()))
+}

@@ -1,0 +1,326 @@
+//! `Map`: transforms and view boxes, with what their own rounding may move.
+use super::cursor::{Cursor, Outcome, Trouble};
+use chordal::explicit::{Affine, Curve, InvalidCurve};
+use chordal::math::{add_up, mul_up};
+use std::f64::consts::PI;
+
+/// An affine map of the plane, and how far each of its numbers may be from what the file means.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Map {
+    affine: Affine<2>,
+    /// Bounds from above, each of the number that stands there in the map.
+    off: Affine<2>,
+    is_identity: bool,
+}
+
+const NOTHING: Affine<2> = Affine { columns: [[0.0; 2]; 2], offset: [0.0; 2] };
+
+impl Map {
+    pub fn identity() -> Self {
+        Self { affine: Affine::identity(), off: NOTHING, is_identity: true }
+    }
+
+    /// A map whose numbers are as they stand in the file.
+    fn exact(columns: [[f64; 2]; 2], offset: [f64; 2]) -> Self {
+        let affine = Affine { columns, offset };
+        Self { affine, off: NOTHING, is_identity: affine == Affine::identity() }
+    }
+
+    pub fn translation(by: [f64; 2]) -> Self {
+        Self::exact([[1.0, 0.0], [0.0, 1.0]], by)
+    }
+
+    /// A map whose numbers were rounded, each by less than `relative` of itself.
+    fn rounded(columns: [[f64; 2]; 2], offset: [f64; 2], relative: f64) -> Self {
+        let off = |x: f64| mul_up(relative, x.abs());
+        let off = Affine { columns: columns.map(|c| c.map(off)), offset: offset.map(off) };
+        Self { affine: Affine { columns, offset }, off, is_identity: false }
+    }
+
+    /// A turn by so many degrees from x towards y.
+    fn rotation(deg: f64) -> Self {
+        let deg = deg % 360.0;
+        if deg % 90.0 == 0.0 {
+            let quarters = (deg / 90.0).rem_euclid(4.0) as usize;
+            let [cos, sin] = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]][quarters];
+            return Self::exact([[cos, sin], [-sin, cos]], [0.0; 2]);
+        }
+        let rad = deg * (PI / 180.0);
+        let (sin, cos) = libm::sincos(rad);
+        // The angle is rounded twice, each by half a step of it; sine and cosine are off by less than one step more.
+        let off = 2.0 * f64::EPSILON * (rad.abs() + 1.0);
+        let affine = Affine { columns: [[cos, sin], [-sin, cos]], offset: [0.0; 2] };
+        Self { affine, off: Affine { columns: [[off; 2]; 2], offset: [0.0; 2] }, is_identity: false }
+    }
+
+    /// The tangent of an angle in degrees, and how far it may be off.
+    fn tangent(deg: f64) -> Option<(f64, f64)> {
+        let deg = deg % 180.0;
+        if deg.abs() == 90.0 {
+            return None;
+        }
+        if deg == 0.0 {
+            return Some((0.0, 0.0));
+        }
+        let rad = deg * (PI / 180.0);
+        let tan = libm::tan(rad);
+        // As for a turn, times the slope of the tangent.
+        Some((tan, 4.0 * f64::EPSILON * (rad.abs() + 1.0) * (1.0 + tan * tan)))
+    }
+
+    /// What comes of `inner` first and then this.
+    pub fn after(&self, inner: &Self) -> Self {
+        if self.is_identity {
+            return *inner;
+        }
+        if inner.is_identity {
+            return *self;
+        }
+        let size = |map: &Affine<2>| Affine {
+            columns: map.columns.map(|c| c.map(f64::abs)),
+            offset: map.offset.map(f64::abs),
+        };
+        let sum = |a: [f64; 2], b: [f64; 2]| [a[0] + b[0], a[1] + b[1]];
+        let (outer_size, inner_size) = (size(&self.affine), size(&inner.affine));
+        // |AB - ab| ≤ |a||δb| + |δa|(|b| + |δb|) + rounding: two products, two sums, half a step each.
+        let of_vector = |b: [f64; 2], off: [f64; 2]| {
+            let given = sum(outer_size.vector(off), self.off.vector(sum(b, off)));
+            sum(given, outer_size.vector(b).map(|x| 4.0 * f64::EPSILON * x))
+        };
+        let whole = |all: [f64; 2]| all.map(|x| mul_up(x, 1.0 + 16.0 * f64::EPSILON));
+        let columns = [0, 1].map(|k| whole(of_vector(inner_size.columns[k], inner.off.columns[k])));
+        let offset = of_vector(inner_size.offset, inner.off.offset);
+        let offset = sum(offset, sum(self.off.offset, outer_size.offset.map(|x| 4.0 * f64::EPSILON * x)));
+        let off = Affine { columns, offset: whole(offset) };
+        Self { affine: self.affine.after(&inner.affine), off, is_identity: false }
+    }
+
+    /// A curve under the map; all that was rounded is in its slack.
+    pub fn apply(&self, curve: &Curve<2>) -> Result<Curve<2>, InvalidCurve> {
+        let moved = curve.transformed(&self.affine)?;
+        let reach = curve
+            .hull()
+            .iter()
+            .flatten()
+            .fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+        let [a, b] = self.off.vector([add_up(reach, curve.slack()); 2]);
+        let off = add_up(add_up(a, b), add_up(self.off.offset[0], self.off.offset[1]));
+        let slack = mul_up(add_up(moved.slack(), off), 1.0 + 8.0 * f64::EPSILON);
+        if slack.is_finite() {
+            Ok(moved.with_slack(slack))
+        } else {
+            Err(InvalidCurve::NotFinite { piece: 0 })
+        }
+    }
+
+    pub fn is_identity(&self) -> bool {
+        self.is_identity
+    }
+
+    /// Whether it flattens the plane, so that nothing is drawn.
+    pub fn is_singular(&self) -> bool {
+        let [[a, b], [c, d]] = self.affine.columns;
+        a * d == b * c
+    }
+
+    /// A list of transforms, as in `rotate(30 10 10) scale(2)`.
+    pub fn read(text: &str) -> Outcome<Self> {
+        let mut cursor = Cursor::new(text);
+        let mut map = Self::identity();
+        cursor.skip_space();
+        while !cursor.is_at_end() {
+            map = map.after(&one(&mut cursor)?);
+            cursor.skip_comma();
+        }
+        Ok(map)
+    }
+
+    /// From a view box into a viewport, both as x, y, width and height.
+    pub fn fit(view: [f64; 4], port: [f64; 4], aspect: Aspect) -> Self {
+        let mut scale = [port[2] / view[2], port[3] / view[3]];
+        if let Some(slice) = aspect.uniform {
+            let least = if scale[0] < scale[1] { scale[0] } else { scale[1] };
+            let most = if scale[0] < scale[1] { scale[1] } else { scale[0] };
+            scale = [if slice { most } else { least }; 2];
+        }
+        let columns = [[scale[0], 0.0], [0.0, scale[1]]];
+        let room = [0, 1].map(|k| aspect.align[k] * (port[2 + k] - view[2 + k] * scale[k]));
+        let offset = [0, 1].map(|k| port[k] + room[k] - view[k] * scale[k]);
+        let mut map = Self::rounded(columns, offset, 4.0 * f64::EPSILON);
+        // A sum can be smaller than what it is made of.
+        for k in 0..2 {
+            let parts =
+                port[k].abs() + port[2 + k].abs() + (view[k].abs() + view[2 + k].abs()) * scale[k].abs();
+            map.off.offset[k] = 8.0 * f64::EPSILON * parts;
+        }
+        map
+    }
+}
+
+fn one(cursor: &mut Cursor) -> Outcome<Map> {
+    let at = cursor.at();
+    let name = cursor.word();
+    cursor.skip_space();
+    if name.is_empty() || !cursor.take(b'(') {
+        return Err(cursor.trouble("a transform, as in scale(2),"));
+    }
+    let mut n = 0;
+    let mut all = [0.0; 6];
+    cursor.skip_space();
+    while !cursor.take(b')') {
+        let value = cursor.number()?;
+        if n < 6 {
+            all[n] = value;
+        }
+        n += 1;
+        if cursor.skip_comma() && !cursor.at_number() {
+            return Err(cursor.trouble("a number"));
+        }
+    }
+    let [a, b, c, d, e, f] = all;
+    let wrong = |what: String| Trouble { at, what, not_finite: false };
+    let name = String::from_utf8_lossy(name);
+    Ok(match (name.as_ref(), n) {
+        ("matrix", 6) => Map::exact([[a, b], [c, d]], [e, f]),
+        ("translate", 1 | 2) => Map::translation([a, b]),
+        ("scale", 1) => Map::exact([[a, 0.0], [0.0, a]], [0.0; 2]),
+        ("scale", 2) => Map::exact([[a, 0.0], [0.0, b]], [0.0; 2]),
+        ("rotate", 1) => Map::rotation(a),
+        ("rotate", 3) => Map::translation([b, c]).after(&Map::rotation(a)).after(&Map::translation([-b, -c])),
+        ("skewX" | "skewY", 1) => {
+            let (tan, tan_off) =
+                Map::tangent(a).ok_or_else(|| wrong(format!("{name}({a}) takes the plane to infinity")))?;
+            let k = usize::from(name == "skewX");
+            let mut map = Map::identity();
+            map.affine.columns[k][1 - k] = tan;
+            map.off.columns[k][1 - k] = tan_off;
+            map.is_identity = tan == 0.0;
+            map
+        }
+        _ => return Err(wrong(format!("'{name}' with {n} numbers is no transform"))),
+    })
+}
+
+/// How a view box sits in a viewport.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Aspect {
+    /// None for `none`; else whether the viewport is filled (`slice`) instead of everything shown (`meet`).
+    uniform: Option<bool>,
+    /// How much of the room that is left stands before: 0, a half or 1.
+    align: [f64; 2],
+}
+
+impl Default for Aspect {
+    fn default() -> Self {
+        Self { uniform: Some(false), align: [0.5, 0.5] }
+    }
+}
+
+impl Aspect {
+    /// The value of `preserveAspectRatio`; none if it is not spelled like one.
+    pub fn read(text: &str) -> Option<Self> {
+        let mut words = text.split_ascii_whitespace().skip_while(|word| *word == "defer");
+        let name = words.next()?;
+        let uniform = match words.next() {
+            None | Some("meet") => Some(false),
+            Some("slice") => Some(true),
+            Some(_) => return None,
+        };
+        if words.next().is_some() {
+            return None;
+        }
+        if name == "none" {
+            return Some(Self { uniform: None, align: [0.0; 2] });
+        }
+        let share = |word: &str| match word {
+            "Min" => Some(0.0),
+            "Mid" => Some(0.5),
+            "Max" => Some(1.0),
+            _ => None,
+        };
+        let x = share(name.strip_prefix('x')?.get(..3)?)?;
+        let y = share(name.get(4..)?.strip_prefix('Y')?)?;
+        Some(Self { uniform, align: [x, y] })
+    }
+
+    /// The scale from a view box into a viewport of these sizes, where it is one for both axes.
+    pub fn scale(self, view: [f64; 2], port: [f64; 2]) -> Option<f64> {
+        let [x, y] = [port[0] / view[0], port[1] / view[1]];
+        match self.uniform {
+            None => (x == y).then_some(x),
+            Some(slice) => Some(if (x < y) == slice { y } else { x }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn near(a: [f64; 2], b: [f64; 2]) {
+        assert!((a[0] - b[0]).abs() + (a[1] - b[1]).abs() < 1e-12, "{a:?} {b:?}");
+    }
+
+    #[test]
+    fn transforms_apply_from_the_right() {
+        let to = |text: &str, p: [f64; 2]| Map::read(text).unwrap().affine.point(p);
+        near(to("translate(10) scale(2, 3)", [1.0, 1.0]), [12.0, 3.0]);
+        near(to("scale(2)translate(1,2)", [0.0, 0.0]), [2.0, 4.0]);
+        assert_eq!(to("rotate(90)", [1.0, 0.0]), [0.0, 1.0]);
+        assert_eq!(to("rotate(-450, 5, 5)", [6.0, 5.0]), [5.0, 4.0]);
+        near(to("rotate(30)", [1.0, 0.0]), [0.75_f64.sqrt(), 0.5]);
+        near(to("skewX(45)", [0.0, 1.0]), [1.0, 1.0]);
+        near(to("skewY(-45)", [1.0, 0.0]), [1.0, -1.0]);
+        assert_eq!(to("matrix(1 2 3 4 5 6)", [1.0, 1.0]), [9.0, 12.0]);
+        assert!(Map::read("").unwrap().is_identity() && Map::read("rotate(360)").unwrap().is_identity());
+    }
+
+    #[test]
+    fn what_is_no_transform_is_refused() {
+        for text in [
+            "scale",
+            "scale(",
+            "scale(1,)",
+            "scale(1 2 3)",
+            "spin(3)",
+            "rotate(1,2)",
+            "skewX(90)",
+            "matrix(1)",
+        ] {
+            assert!(Map::read(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_error_of_a_chain_covers_what_it_loses() {
+        // Eighteen turns of 20 degrees are none.
+        let mut map = Map::identity();
+        for _ in 0..18 {
+            map = map.after(&Map::rotation(20.0));
+        }
+        let point = Curve::point([3.0, 4.0]).unwrap();
+        let moved = map.apply(&point).unwrap();
+        let [x, y] = moved.start();
+        let off = ((x - 3.0).powi(2) + (y - 4.0).powi(2)).sqrt();
+        assert!(off <= moved.slack() && moved.slack() < 1e-10, "{off} {}", moved.slack());
+    }
+
+    #[test]
+    fn a_view_box_sits_where_its_aspect_says() {
+        let view = [10.0, 20.0, 100.0, 50.0];
+        let port = [0.0, 0.0, 200.0, 200.0];
+        for (text, corner) in [
+            ("xMidYMid", [0.0, 50.0]),
+            ("xMinYMin meet", [0.0, 0.0]),
+            ("xMaxYMax", [0.0, 100.0]),
+            ("xMidYMid slice", [-100.0, 0.0]),
+            ("none", [0.0, 0.0]),
+        ] {
+            let map = Map::fit(view, port, Aspect::read(text).unwrap());
+            near(map.affine.point([10.0, 20.0]), corner);
+        }
+        for text in ["", "xMid", "xMidYMid fill", "xMidyMid", "xMidYMid meet x"] {
+            assert_eq!(Aspect::read(text), None, "{text}");
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! Drawings filled with triangles, in the plane z = 0 with y up.
+use crate::mesh::{refused, set_aside, snapped, widened};
+use crate::polylines::Asked;
+use crate::report::Certificate;
+use crate::{MeshFailure, report::FrameFacts};
+use chordal::budget::{Bounded, Code, Failure};
+use chordal::explicit::{Affine, Curve, Outline};
+use chordal::math::Box3;
+use chordal::{Bound, Job, Mesh, convert};
+use chordal_io::{Axis, Drawing, Frame, Scene, worst_snap};
+
+const TURNED: &str = "y grows downwards in the drawing and upwards in space: every y is negated";
+const MEANING: &str = "the bound is that of each outline and its polyline; a point that is inside on one side only, the \
+                       drawing or the triangles, is no farther than that from an outline";
+
+/// The outlines that a drawing fills, with y up, in their order.
+pub(crate) struct Filling {
+    pub outlines: Vec<Outline>,
+    pub frame: Frame,
+    /// A box around them.
+    pub place: Box3,
+}
+
+impl Filling {
+    /// # Errors
+    /// When nothing is filled.
+    pub fn of(drawing: &Drawing, notes: &mut Vec<String>) -> Result<Self, MeshFailure> {
+        let mut outlines: Vec<Outline> = drawing.filled().collect();
+        if outlines.iter().all(|outline| outline.contours.is_empty()) {
+            let message =
+                "the drawing fills nothing: its lines can be written as polylines, to .json or .svg";
+            return Err(refused(Code::Empty, message));
+        }
+        let mut frame = drawing.frame;
+        if drawing.y_down {
+            notes.push(TURNED.to_owned());
+            frame.up = frame.up.or(Some(Axis::Y));
+            outlines.iter_mut().flat_map(|outline| &mut outline.contours).for_each(turn_up);
+        }
+        let left_out = drawing.elements.iter().filter(|element| !element.filled).count();
+        if left_out > 0 {
+            notes.push(format!("elements that are not filled were left out ({left_out}x)"));
+        }
+        let open = outlines
+            .iter()
+            .flat_map(|outline| &outline.contours)
+            .filter(|contour| !contour.is_closed())
+            .count();
+        if open > 0 {
+            notes.push(format!("open subpaths were closed by a straight line, as SVG fills them ({open}x)"));
+        }
+        notes.push(MEANING.to_owned());
+        let contours = outlines.iter().flat_map(|outline| &outline.contours);
+        let place = contours.fold(Box3::EMPTY, |all, contour| {
+            let [[x, y], [right, top]] = contour.hull();
+            all.union(Box3 { min: [x, y, 0.0], max: [right, top, 0.0] })
+        });
+        Ok(Self { outlines, frame, place })
+    }
+}
+
+/// Negates every y, which is exact.
+fn turn_up(contour: &mut Curve<2>) {
+    let mirror = Affine { columns: [[1.0, 0.0], [0.0, -1.0]], offset: [0.0; 2] };
+    let pieces: Vec<_> = contour.pieces().iter().map(|piece| piece.transformed(&mirror)).collect();
+    let turned = if pieces.is_empty() {
+        Curve::point(mirror.point(contour.start()))
+    } else {
+        Curve::new(pieces, contour.is_closed())
+    };
+    // Numbers stay finite and joints stay joints.
+    if let Ok(turned) = turned {
+        *contour = turned.with_slack(contour.slack());
+    }
+}
+
+/// The triangles of a drawing at the precision of the format, their bound, and the box that they lie in.
+pub(crate) fn fill(
+    drawing: &Drawing,
+    asked: &Asked,
+    certificate: &mut Certificate,
+    job: &Job,
+) -> Result<(Scene, Bound, Box3), MeshFailure> {
+    let filling = Filling::of(drawing, &mut certificate.notes)?;
+    certificate.frame = FrameFacts::of(&filling.frame);
+    let lost = worst_snap(&widened(&filling.place), asked.to);
+    let inner = set_aside(&asked.budget, lost, &filling.place, asked.to)?;
+    let Bounded { shape, bound } = match convert::outlines_to_mesh(&filling.outlines, &inner, job) {
+        Ok(made) => made,
+        Err(Failure::Unmet(best)) => *best,
+        Err(Failure::Refused(refusal)) => return Err(MeshFailure::Refused(refusal)),
+        Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
+    };
+    let (mesh, bound): (Mesh, Bound) = snapped(&shape, bound, &asked.budget, asked.to)?;
+    Ok((Scene::of("drawing", mesh, true, filling.frame), bound, filling.place))
+}

@@ -1,0 +1,177 @@
+//! What curves are: only `inspect` says it.
+use super::Inspection;
+use crate::shape::in_space;
+use chordal::check::{Join, joins};
+use chordal::explicit::{Curve, Piece};
+use chordal_io::{Drawn, Element};
+use serde::Serialize;
+
+/// What there is of curves.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct DrawingFacts {
+    /// Drawn elements.
+    pub elements: u64,
+    /// Those of them that the file fills.
+    pub filled: u64,
+    /// Subpaths of all elements.
+    pub subpaths: u64,
+    /// Those that are closed.
+    pub closed: u64,
+    /// Those that are not.
+    pub open: u64,
+    /// The smooth pieces of all subpaths.
+    pub pieces: PieceCounts,
+    /// How pieces that follow each other meet.
+    pub joins: JoinCounts,
+    /// The length of all curves together: an estimate by quadrature, without a bound.
+    pub length_estimate: f64,
+    /// The largest distance that a curve may be from what the file means, because numbers were rounded on the way.
+    pub slack: f64,
+    /// The picture that the file asks for: lowest x and y, width and height; none where it does not say.
+    pub view_box: Option<[f64; 4]>,
+    /// The first places where a path kinks.
+    pub kinks: Vec<KinkFacts>,
+}
+
+/// Pieces by their kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct PieceCounts {
+    /// Straight lines.
+    pub lines: u64,
+    /// Cubic Bézier curves; quadratic ones too.
+    pub cubics: u64,
+    /// Arcs of ellipses.
+    pub arcs: u64,
+}
+
+/// Joins by how smooth they look.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct JoinCounts {
+    /// The direction jumps: a kink.
+    pub g0: u64,
+    /// The direction is kept and the curvature jumps.
+    pub g1: u64,
+    /// Direction and curvature are kept.
+    pub g2: u64,
+}
+
+/// A place where a path kinks.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct KinkFacts {
+    /// The index of the element among those that are drawn.
+    pub element: u64,
+    /// What the element is, as in "path".
+    pub kind: &'static str,
+    /// Its name in the file, or empty.
+    pub name: String,
+    /// The index of the subpath among all.
+    pub subpath: u64,
+    /// The index of the piece that starts there.
+    pub piece: u64,
+    /// The point.
+    pub at: [f64; 3],
+    /// By how much the direction turns; none where a piece has none because it is a point.
+    pub angle_deg: Option<f64>,
+}
+
+/// The most kinks that are listed.
+const MOST_KINKS: usize = 32;
+
+impl DrawingFacts {
+    /// The facts of curves.
+    #[must_use]
+    pub fn of<const D: usize>(drawn: &Drawn<Curve<D>>) -> Self {
+        let mut facts = Self {
+            elements: drawn.elements.len() as u64,
+            filled: drawn.elements.iter().filter(|element| element.filled).count() as u64,
+            subpaths: drawn.lines.len() as u64,
+            view_box: drawn.view_box,
+            ..Self::default()
+        };
+        for (index, curve) in drawn.lines.iter().enumerate() {
+            facts.add(curve);
+            for join in joins(curve) {
+                facts.add_join(&join, index, drawn.element_of(index));
+            }
+        }
+        facts
+    }
+
+    fn add<const D: usize>(&mut self, curve: &Curve<D>) {
+        *(if curve.is_closed() { &mut self.closed } else { &mut self.open }) += 1;
+        self.slack = if curve.slack() > self.slack { curve.slack() } else { self.slack };
+        for piece in curve.pieces() {
+            let count = match piece {
+                Piece::Line(_) => &mut self.pieces.lines,
+                Piece::Cubic(_) => &mut self.pieces.cubics,
+                Piece::Arc(_) => &mut self.pieces.arcs,
+            };
+            *count += 1;
+            self.length_estimate += length(piece);
+        }
+    }
+
+    fn add_join<const D: usize>(&mut self, join: &Join<D>, subpath: usize, element: Option<&Element>) {
+        match join.geometric {
+            Some(2) => self.joins.g2 += 1,
+            Some(1) => self.joins.g1 += 1,
+            _ => {
+                self.joins.g0 += 1;
+                if self.kinks.len() < MOST_KINKS {
+                    self.kinks.push(KinkFacts {
+                        element: element.map_or(0, |element| element.source),
+                        kind: element.map_or("path", |element| element.kind),
+                        name: element.map_or_else(String::new, |element| element.name.clone()),
+                        subpath: subpath as u64,
+                        piece: join.piece as u64,
+                        at: in_space(join.at),
+                        angle_deg: join.angle_rad.map(f64::to_degrees),
+                    });
+                }
+            }
+        }
+    }
+}
+
+impl Inspection {
+    /// The kinks of a drawing, in order; none for other shapes.
+    #[must_use]
+    pub fn kinks(&self) -> &[KinkFacts] {
+        self.drawing.as_ref().map_or(&[], |drawing| &drawing.kinks)
+    }
+}
+
+/// The length by Gauss' quadrature of five points on each quarter of the parameter.
+fn length<const D: usize>(piece: &Piece<D>) -> f64 {
+    // Abramowitz and Stegun, Handbook of Mathematical Functions, table 25.4.
+    const NODES: [(f64, f64); 5] = [
+        (0.0, 0.568_888_888_888_888_9),
+        (0.538_469_310_105_683, 0.478_628_670_499_366_5),
+        (-0.538_469_310_105_683, 0.478_628_670_499_366_5),
+        (0.906_179_845_938_664, 0.236_926_885_056_189_1),
+        (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
+    ];
+    let speed = |t: f64| piece.tangent(t).iter().fold(0.0, |sum: f64, x| sum + x * x).sqrt();
+    let parts = if matches!(piece, Piece::Line(_)) { return speed(0.0) } else { 4 };
+    let width = 1.0 / f64::from(parts);
+    (0..parts).fold(0.0, |sum, part| {
+        let middle = (f64::from(part) + 0.5) * width;
+        NODES
+            .iter()
+            .fold(sum, |sum, (x, weight)| sum + 0.5 * width * weight * speed(middle + 0.5 * width * x))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chordal::explicit::Arc;
+
+    #[test]
+    fn the_length_of_a_circle_is_nearly_its_own() {
+        let turn = 2.0 * std::f64::consts::PI;
+        let circle = Arc::new([5.0, 5.0], [[2.0, 0.0], [0.0, 2.0]], 0.0, turn).unwrap();
+        assert!((length(&Piece::Arc(circle)) - 2.0 * turn).abs() < 1e-12);
+        assert_eq!(length(&Piece::Line([[0.0, 0.0], [3.0, 4.0]])), 5.0);
+    }
+}

@@ -1,0 +1,215 @@
+//! `arrange`: contours led through the cells of the grid where they meet, so that they meet only at its points.
+//!
+//! A cell is hot when a corner lies in it or two segments cross in it. Each segment becomes the chain of the middles of
+//! the hot cells that it passes, in order. Then no two segments cross any more, and each contour can be deformed into
+//! its chain without any point of it leaving its cell.
+//!
+//! Source: J. D. Hobby, *Practical segment intersection with finite precision output*, 1999.
+use super::grid::{Point, turn};
+use super::tree::{Box2, Tree};
+use crate::budget::Job;
+
+/// An edge of the arrangement, from its lower end (by x, then y) to its upper one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Edge {
+    pub from: Point,
+    pub to: Point,
+    /// How often contours run along it, those that run back taken off. Not 0.
+    pub winding: i32,
+}
+
+/// Why there is no arrangement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stop {
+    /// More pairs of segments lie close together than are looked at.
+    TooManyPairs,
+    /// The job was asked to stop.
+    Cancelled,
+}
+
+/// Pairs of close segments that are looked at for each segment, and for all at least. Outlines of glyphs and maps have
+/// fewer than 10 each; at 20 ns a pair the least is about a second.
+const PAIRS_EACH: u64 = 2_000;
+const PAIRS_ALL: u64 = 50_000_000;
+
+/// The edges of closed contours that meet only at their ends, in order.
+pub(crate) fn arrange(contours: &[Vec<Point>], job: &Job) -> Result<Vec<Edge>, Stop> {
+    let segments = segments_of(contours);
+    let mut hot = crossings(&segments, job)?;
+    hot.extend(segments.iter().flatten());
+    hot.sort_unstable();
+    hot.dedup();
+    let cells = Tree::new(hot.iter().map(|cell| around(*cell)).collect());
+    let mut edges = Vec::with_capacity(segments.len());
+    let mut chain = Vec::new();
+    for (i, [a, b]) in segments.iter().enumerate() {
+        if i % 4096 == 0 && job.is_cancelled() {
+            return Err(Stop::Cancelled);
+        }
+        chain.clear();
+        // In half steps, so that the borders of cells are whole numbers.
+        let doubled = [doubled(*a), doubled(*b)];
+        cells.along(doubled, |cell| {
+            let cell = hot[cell as usize];
+            if passes(doubled, cell) {
+                chain.push(cell);
+            }
+        });
+        chain.sort_unstable_by_key(|cell| along([*a, *b], *cell));
+        edges.extend(chain.windows(2).map(|pair| directed([pair[0], pair[1]])));
+    }
+    Ok(summed(edges))
+}
+
+fn segments_of(contours: &[Vec<Point>]) -> Vec<[Point; 2]> {
+    let sides = |contour: &Vec<Point>| -> Vec<[Point; 2]> {
+        let next = contour.iter().cycle().skip(1);
+        contour.iter().zip(next).map(|(a, b)| [*a, *b]).filter(|[a, b]| a != b).collect()
+    };
+    contours.iter().flat_map(sides).collect()
+}
+
+fn doubled(p: Point) -> Point {
+    p.map(|x| 2 * x)
+}
+
+/// The box of a cell in half steps.
+fn around(cell: Point) -> Box2 {
+    let middle = doubled(cell);
+    Box2 { min: middle.map(|x| x - 1), max: middle.map(|x| x + 1) }
+}
+
+/// The cells in which the insides of two segments cross.
+fn crossings(segments: &[[Point; 2]], job: &Job) -> Result<Vec<Point>, Stop> {
+    let tree = Tree::new(segments.iter().map(|[a, b]| Box2::of(*a, *b)).collect());
+    let most = PAIRS_ALL.max(PAIRS_EACH.saturating_mul(segments.len() as u64));
+    let (mut looked, mut stop) = (0_u64, None);
+    let mut found = Vec::new();
+    tree.pairs(|one, other| {
+        looked += 1;
+        if looked.is_multiple_of(1 << 16) && job.is_cancelled() {
+            stop = Some(Stop::Cancelled);
+        } else if looked > most {
+            stop = Some(Stop::TooManyPairs);
+        }
+        found.extend(crossing(segments[one as usize], segments[other as usize]));
+        stop.is_none()
+    });
+    stop.map_or(Ok(found), Err)
+}
+
+/// The cell in which two segments cross, where each has the other's ends strictly on both sides.
+fn crossing([a, b]: [Point; 2], [c, d]: [Point; 2]) -> Option<Point> {
+    let of_ab = [turn(a, b, c).signum(), turn(a, b, d).signum()];
+    if of_ab[0] * of_ab[1] >= 0 {
+        return None;
+    }
+    let [from_a, from_b] = [turn(c, d, a), turn(c, d, b)];
+    if from_a.signum() * from_b.signum() >= 0 {
+        return None;
+    }
+    // a + (b − a)·s with s = from_a / (from_a − from_b), between 0 and 1, rounded to the middle of its cell.
+    let (over, under) = (from_a, from_a - from_b);
+    let (over, under) = if under < 0 { (-over, -under) } else { (over, under) };
+    let rounded = |k: usize| {
+        let moved = 2 * i128::from(b[k] - a[k]) * over + under;
+        a[k] + moved.div_euclid(2 * under) as i64
+    };
+    Some([rounded(0), rounded(1)])
+}
+
+/// Whether a segment, in half steps, passes a cell, which has its left and lower border and not the others.
+fn passes([a, b]: [Point; 2], cell: Point) -> bool {
+    let square = around(cell);
+    let Box2 { min, max } = square;
+    if !square.meets(&Box2::of(a, b)) {
+        return false;
+    }
+    // Ends lie on even numbers and borders on odd ones, so that where boxes meet their insides do. Then the segment
+    // passes the inside unless all corners are on one side; and of the border, it can only touch a corner.
+    let at_lower = turn(a, b, min);
+    let sides = [at_lower, turn(a, b, [max[0], min[1]]), turn(a, b, [min[0], max[1]]), turn(a, b, max)];
+    let (left, right) = (sides.iter().any(|side| *side > 0), sides.iter().any(|side| *side < 0));
+    left && right || at_lower == 0
+}
+
+/// How far along a segment a cell is, in no unit. Cells that a segment passes lie in both coordinates in its direction.
+fn along([a, b]: [Point; 2], cell: Point) -> i128 {
+    (0..2).map(|k| i128::from(b[k] - a[k]) * i128::from(cell[k] - a[k])).sum()
+}
+
+fn directed([a, b]: [Point; 2]) -> Edge {
+    if a < b { Edge { from: a, to: b, winding: 1 } } else { Edge { from: b, to: a, winding: -1 } }
+}
+
+/// Edges between the same points as one, without those that cancel out.
+fn summed(mut edges: Vec<Edge>) -> Vec<Edge> {
+    edges.sort_unstable();
+    edges.dedup_by(|next, kept| {
+        let same = (next.from, next.to) == (kept.from, kept.to);
+        if same {
+            kept.winding += next.winding;
+        }
+        same
+    });
+    edges.retain(|edge| edge.winding != 0);
+    edges
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether two edges meet anywhere but at common ends.
+    fn collide(one: &Edge, other: &Edge) -> bool {
+        let (a, b, c, d) = (one.from, one.to, other.from, other.to);
+        let inside = |p: Point, [a, b]: [Point; 2]| {
+            turn(a, b, p) == 0 && p != a && p != b && Box2::of(a, b).meets(&Box2::of(p, p))
+        };
+        crossing([a, b], [c, d]).is_some()
+            || inside(c, [a, b])
+            || inside(d, [a, b])
+            || inside(a, [c, d])
+            || inside(b, [c, d])
+    }
+
+    #[test]
+    fn edges_of_random_contours_meet_only_at_their_ends() {
+        let seed = 20_261_120_u64;
+        println!("seed {seed}");
+        let mut state = seed;
+        let mut below = |n: i64| {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 20) as i64 % n
+        };
+        for round in 0..2000 {
+            // Small grids have many points on lines and crossings close to each other.
+            let size = [4, 9, 30, 1000, 1 << 35][round % 5];
+            let n = 3 + below(12);
+            let contour: Vec<Point> =
+                (0..n).map(|_| [below(size) - size / 2, below(size) - size / 2]).collect();
+            let edges = arrange(&[contour.clone()], &Job::default()).unwrap();
+            for (i, one) in edges.iter().enumerate() {
+                assert!(one.from < one.to);
+                assert!(!edges[..i].iter().any(|other| collide(one, other)), "{contour:?}");
+            }
+            // What runs into a point runs out of it.
+            let mut sums = std::collections::BTreeMap::new();
+            for edge in &edges {
+                *sums.entry(edge.from).or_insert(0) += edge.winding;
+                *sums.entry(edge.to).or_insert(0) -= edge.winding;
+            }
+            assert!(sums.values().all(|sum| *sum == 0), "{contour:?}");
+        }
+    }
+
+    #[test]
+    fn contours_that_run_back_on_themselves_leave_nothing() {
+        let there_and_back = vec![[0, 0], [10, 3], [20, 6], [10, 3]];
+        assert_eq!(arrange(&[there_and_back], &Job::default()).unwrap(), []);
+        let twice = vec![[0, 0], [4, 0], [0, 4], [0, 0], [4, 0], [0, 4]];
+        assert!(arrange(&[twice], &Job::default()).unwrap().iter().all(|edge| edge.winding.abs() == 2));
+    }
+}

@@ -1,0 +1,327 @@
+//! Outlines to triangles: what they enclose by their fill rules, in the plane z = 0.
+use super::curves::flatten::Spacing;
+use super::curves_to_polylines;
+use super::fill::arrange::{Stop, arrange};
+use super::fill::grid::{Grid, Point};
+use super::fill::sweep::{Filled, fill};
+use crate::budget::{Bound, Bounded, Budget, Code, Failure, Job, PixelBudget, Pixels, Progress, Tolerance};
+use crate::explicit::{Curve, FillRule, Mesh, Outline, Piece, Polyline};
+use crate::math::{Box3, add_up, sub_down};
+
+/// Turns outlines into triangles in the plane z = 0: each encloses what its rule says, whatever its contours do to
+/// themselves and each other. Outlines that lie on each other stay apart, in their order.
+///
+/// **Bound.** Two-sided Hausdorff distance between each contour and the closed polyline that stands for it, *proved*,
+/// rounding included. So a point that is inside an outline and not under its triangles, or the other way round, is no
+/// farther than the bound from one of its contours.
+///
+/// **Triangles.** Counter-clockwise, all with area, no two of an outline on each other; vertices of an outline are
+/// shared, and none lies inside an edge of another triangle. Contours that are open are closed by a straight line. An
+/// outline thinner than the bound can vanish.
+///
+/// **Budgets.** A length, pixels at a view, a number of triangles, or several.
+///
+/// **Cost.** The polylines, and O((n + k) log n) for n segments that cross k times: about 1 µs a segment.
+///
+/// # Errors
+/// [`Failure::Refused`]: as for [`curves_to_polylines`]; a length below the grid that contours are rounded to, 2⁻³⁶ of
+/// the largest outline's extent or the spacing of numbers there; so many segments on each other that no end is in sight.
+/// [`Failure::Unmet`] with the best mesh; [`Failure::Cancelled`].
+///
+/// ```
+/// use chordal::{Budget, Job, Tolerance, convert};
+/// use chordal::explicit::{Arc, Curve, FillRule, Outline, Piece};
+/// let circle = |r: f64| {
+///     let turn = Arc::new([0.0, 0.0], [[r, 0.0], [0.0, r]], 0.0, 2.0 * std::f64::consts::PI).unwrap();
+///     Curve::new(vec![Piece::Arc(turn.with_ends([[r, 0.0]; 2]))], true).unwrap()
+/// };
+/// let ring = Outline { contours: vec![circle(2.0), circle(1.0)], rule: FillRule::EvenOdd };
+/// let budget = Budget::length(Tolerance::new(1e-3).unwrap());
+/// let made = convert::outlines_to_mesh(&[ring], &budget, &Job::default()).unwrap();
+/// let area = chordal::check::measure(&made.shape).area;
+/// assert!((area - 3.0 * std::f64::consts::PI).abs() < 1e-3 * 6.0 * std::f64::consts::PI);
+/// ```
+///
+/// Source: see `convert/fill`: J. D. Hobby, 1999, and S. Hertel and K. Mehlhorn, 1983.
+pub fn outlines_to_mesh(
+    outlines: &[Outline],
+    budget: &Budget,
+    job: &Job,
+) -> Result<Bounded<Mesh>, Failure<Mesh>> {
+    let outlines = Closed::new(outlines)?;
+    job.run(|| match (budget.length.is_some() || budget.pixels.is_some(), budget.triangles) {
+        (false, None) => Err(Failure::refused(
+            Code::Budget,
+            "a budget for outlines needs a length, pixels at a view, or triangles",
+        )),
+        (true, None) => outlines.within(budget, job),
+        (true, Some(most)) => {
+            let alone = Budget { triangles: None, ..*budget };
+            match outlines.within(&alone, job) {
+                Ok(made) if made.shape.faces().len() as u64 <= most => Ok(made),
+                Ok(_) => Err(Failure::Unmet(Box::new(outlines.by_count(most, job)?))),
+                Err(failure) => Err(failure),
+            }
+        }
+        (false, Some(most)) => outlines.by_count(most, job),
+    })
+}
+
+/// Outlines whose contours are all closed.
+struct Closed {
+    contours: Vec<Curve<2>>,
+    /// For each outline how many contours are its own, and its rule.
+    outlines: Vec<(usize, FillRule)>,
+    grids: Vec<Grid>,
+    place: Box3,
+}
+
+/// The part of `x` that a failure of polylines says of meshes.
+fn failure(failure: Failure<Vec<Polyline<2>>>) -> Failure<Mesh> {
+    match failure {
+        Failure::Unmet(best) => Failure::refused(
+            Code::Budget,
+            format!("the budget was not met; the best outlines are {}", best.bound),
+        ),
+        Failure::Refused(refusal) => Failure::Refused(refusal),
+        Failure::Cancelled => Failure::Cancelled,
+    }
+}
+
+/// Beyond this, squares of differences leave the range of numbers; polylines refuse it too.
+const LARGEST: f64 = 1e150;
+/// How often a number of segments is tried for a number of triangles.
+const TRIES: u32 = 32;
+
+impl Closed {
+    fn new(outlines: &[Outline]) -> Result<Self, Failure<Mesh>> {
+        let mut closed =
+            Self { contours: Vec::new(), outlines: Vec::new(), grids: Vec::new(), place: Box3::EMPTY };
+        for (index, outline) in outlines.iter().enumerate() {
+            let mut hull: Option<[[f64; 2]; 2]> = None;
+            for contour in &outline.contours {
+                let [low, high] = contour.hull();
+                if low.iter().chain(&high).any(|x| x.is_nan() || x.abs() >= LARGEST) {
+                    let message =
+                        format!("outline {index} has a coordinate that is not finite or beyond {LARGEST:e}");
+                    return Err(Failure::refused(Code::NotFinite, message));
+                }
+                let less = |a: f64, b: f64| if a < b { a } else { b };
+                let more = |a: f64, b: f64| if a > b { a } else { b };
+                hull = Some(hull.map_or([low, high], |[l, h]| {
+                    [[less(l[0], low[0]), less(l[1], low[1])], [more(h[0], high[0]), more(h[1], high[1])]]
+                }));
+                closed.contours.push(closed_contour(contour));
+            }
+            let hull = hull.unwrap_or_default();
+            closed.outlines.push((outline.contours.len(), outline.rule));
+            closed.grids.push(Grid::new(hull));
+            let [low, high] = hull.map(|[x, y]| [x, y, 0.0]);
+            closed.place = closed.place.union(Box3 { min: low, max: high });
+        }
+        Ok(closed)
+    }
+
+    /// What rounding to the grids may cost.
+    fn lost(&self) -> f64 {
+        let all = self.grids.iter().map(Grid::moved_at_most);
+        all.fold(0.0, |most: f64, lost| if lost > most { lost } else { most })
+    }
+
+    fn within(&self, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, Failure<Mesh>> {
+        let lost = self.lost();
+        let inner = self.set_aside(budget, lost)?;
+        let made = curves_to_polylines(&self.contours, &inner, job, Spacing::Fewest).map_err(failure)?;
+        self.fill(made, budget, job)
+    }
+
+    /// The budget of the polylines: what was given, less what rounding to the grid may cost.
+    fn set_aside(&self, budget: &Budget, lost: f64) -> Result<Budget, Failure<Mesh>> {
+        let too_small = |asked: String| {
+            let message = format!(
+                "{asked} is less than what rounding to a grid may cost outlines of this size, {lost:.1e}"
+            );
+            Failure::refused(Code::BelowPrecision, message)
+        };
+        let mut inner = *budget;
+        if let Some(length) = budget.length {
+            let left = Tolerance::new(sub_down(length.get(), lost));
+            inner.length = Some(left.map_err(|_| too_small(length.to_string()))?);
+        }
+        if let Some(PixelBudget { pixels, view }) = budget.pixels {
+            let lost_px = view.pixels_of(lost, &self.place).ok_or_else(too_close)?;
+            let left = Pixels::new(sub_down(pixels.get(), lost_px));
+            inner.pixels =
+                Some(PixelBudget { pixels: left.map_err(|_| too_small(pixels.to_string()))?, view });
+        }
+        Ok(inner)
+    }
+
+    /// The finest polylines that were found whose triangles are no more than `most`.
+    fn by_count(&self, most: u64, job: &Job) -> Result<Bounded<Mesh>, Failure<Mesh>> {
+        let flatten = |segments: u64| match curves_to_polylines(
+            &self.contours,
+            &Budget::segments(segments),
+            job,
+            Spacing::Fewest,
+        ) {
+            Err(Failure::Unmet(best)) => Ok((false, *best)),
+            Ok(made) => Ok((true, made)),
+            Err(other) => Err(failure(other)),
+        };
+        // 1. A polygon of n corners has n − 2 triangles, and two more for each hole: as a start, as many segments.
+        let (mut fits, mut fails) = (None, None::<u64>);
+        let mut segments = most.saturating_add(2);
+        for _ in 0..TRIES {
+            let (is_met, polylines) = flatten(segments)?;
+            let mesh = self.fill(polylines, &Budget::default(), job)?;
+            let n = mesh.shape.faces().len() as u64;
+            if n <= most {
+                // 2. More segments while there is room for triangles.
+                let room = most - n;
+                let stop = room == 0 || fails.is_some_and(|fails| fails <= segments + 1);
+                fits = Some((segments, mesh));
+                if stop {
+                    break;
+                }
+                segments = match fails {
+                    Some(fails) => segments + (fails - segments) / 2,
+                    None => segments.saturating_add(room),
+                };
+            } else if !is_met {
+                // The fewest segments that there can be have more triangles than that.
+                return match fits {
+                    Some((_, best)) => Ok(best),
+                    None => Err(Failure::Unmet(Box::new(mesh))),
+                };
+            } else {
+                fails = Some(segments);
+                let excess = n - most;
+                let low = fits.as_ref().map_or(1, |(fits, _)| fits + 1);
+                if low >= segments {
+                    break;
+                }
+                let guess = segments.saturating_sub(excess);
+                segments = if guess > low { guess } else { low + (segments - low) / 2 };
+            }
+        }
+        match fits {
+            Some((_, best)) => Ok(best),
+            None => Err(Failure::Unmet(Box::new(self.fill(flatten(1)?.1, &Budget::default(), job)?))),
+        }
+    }
+
+    /// The triangles of polylines, and the bound of both.
+    fn fill(
+        &self,
+        made: Bounded<Vec<Polyline<2>>>,
+        budget: &Budget,
+        job: &Job,
+    ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
+        let lost = self.lost();
+        let (mut positions, mut faces) = (Vec::new(), Vec::new());
+        let mut rest = made.shape.as_slice();
+        let total = self.outlines.len() as u64;
+        for (index, ((n, rule), grid)) in self.outlines.iter().zip(&self.grids).enumerate() {
+            if job.is_cancelled() {
+                return Err(Failure::Cancelled);
+            }
+            let (own, others) = rest.split_at(*n);
+            rest = others;
+            let filled = one(own, *rule, grid, job).map_err(|stop| stopped(stop, index))?;
+            append(&filled, grid, (&mut positions, &mut faces))?;
+            job.report(Progress { stage: "fill", done: index as u64 + 1, total });
+        }
+        let mesh = Mesh::new(positions, faces)
+            .map_err(|error| Failure::refused(Code::TooManyTriangles, error.to_string()))?;
+        let before = made.bound;
+        let at_most = add_up(before.at_most().unwrap_or(0.0), lost);
+        let at_least = sub_down(before.at_least(), lost);
+        let at_least = if at_least > 0.0 { at_least } else { 0.0 };
+        let mut bound = Bound::proved(at_least, at_most, before.reference);
+        bound.at = before.at;
+        bound.pixels = match (budget.pixels, before.pixels) {
+            (Some(px), Some(pixels)) => {
+                px.view.pixels_of(lost, &self.place).map(|lost_px| add_up(pixels, lost_px))
+            }
+            _ => None,
+        };
+        Ok(Bounded { shape: mesh, bound })
+    }
+}
+
+fn too_close<T>() -> Failure<T> {
+    Failure::refused(Code::TooClose, "the drawing comes so close to the eye that there is no bound in pixels")
+}
+
+/// What keeps an outline from being filled.
+enum Fault {
+    Stop(Stop),
+    Areas,
+}
+
+fn one(polylines: &[Polyline<2>], rule: FillRule, grid: &Grid, job: &Job) -> Result<Filled, Fault> {
+    let snapped = |line: &Polyline<2>| line.points.iter().map(|p| grid.snap(*p)).collect::<Vec<Point>>();
+    let contours: Vec<_> = polylines.iter().map(snapped).collect();
+    let edges = arrange(&contours, job).map_err(Fault::Stop)?;
+    fill(&edges, rule).ok_or(Fault::Areas)
+}
+
+fn stopped(fault: Fault, index: usize) -> Failure<Mesh> {
+    match fault {
+        Fault::Stop(Stop::Cancelled) => Failure::Cancelled,
+        Fault::Stop(Stop::TooManyPairs) => Failure::refused(
+            Code::TooManyTriangles,
+            format!(
+                "so many segments of outline {index} lie on each other that their crossings are not counted"
+            ),
+        ),
+        Fault::Areas => Failure::refused(
+            Code::Unsupported,
+            format!(
+                "the triangles of outline {index} do not have the area of what it encloses: a fault in the program"
+            ),
+        ),
+    }
+}
+
+/// Appends the triangles of one outline, with the points that they have.
+fn append(
+    filled: &Filled,
+    grid: &Grid,
+    (positions, faces): (&mut Vec<[f64; 3]>, &mut Vec<[u32; 3]>),
+) -> Result<(), Failure<Mesh>> {
+    const NONE: u32 = u32::MAX;
+    let mut number = vec![NONE; filled.points.len()];
+    for triangle in &filled.triangles {
+        let mut face = [0; 3];
+        for (corner, i) in face.iter_mut().zip(triangle) {
+            let known = &mut number[*i as usize];
+            if *known == NONE {
+                *known = u32::try_from(positions.len())
+                    .ok()
+                    .filter(|n| *n < NONE)
+                    .ok_or_else(|| Failure::refused(Code::TooManyTriangles, "more vertices than 2^32 - 1"))?;
+                let [x, y] = grid.restore(filled.points[*i as usize]);
+                positions.push([x, y, 0.0]);
+            }
+            *corner = *known;
+        }
+        faces.push(face);
+    }
+    Ok(())
+}
+
+/// The contour with a straight line back to its start, if it needs one.
+fn closed_contour(contour: &Curve<2>) -> Curve<2> {
+    let (start, end) = (contour.start(), contour.end());
+    if contour.is_closed() || contour.pieces().is_empty() {
+        return contour.clone();
+    }
+    let mut pieces = contour.pieces().to_vec();
+    if end != start {
+        pieces.push(Piece::Line([end, start]));
+    }
+    // The pieces join as they did, and the new one by construction.
+    Curve::new(pieces, true).map_or_else(|_| contour.clone(), |closed| closed.with_slack(contour.slack()))
+}
