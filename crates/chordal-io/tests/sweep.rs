@@ -3,6 +3,7 @@ mod common;
 
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
+use chordal::explicit::{Curve, Piece};
 use chordal_io::{Content, Format, Frame, Limits, Loaded, ReadError, Scene, obj, ply, read, stl};
 use common::Random;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -73,7 +74,17 @@ fn check(name: &str, bytes: &[u8], format: Format) {
         Ok(Loaded { content: Content::Patches(patches, _), .. }) => {
             assert!(patches.iter().all(chordal::Patch::is_finite), "{name}");
         }
+        Ok(Loaded { content: Content::Drawing(drawing), .. }) => {
+            assert!(drawing.lines.iter().all(sound) && drawing.owners.len() == drawing.lines.len(), "{name}");
+        }
+        Ok(Loaded { content: Content::Curves(curves), .. }) => {
+            assert!(curves.lines.iter().all(sound) && curves.owners.len() == curves.lines.len(), "{name}");
+        }
     }
+}
+
+fn sound<const D: usize>(curve: &Curve<D>) -> bool {
+    curve.pieces().iter().all(Piece::is_finite) && curve.slack().is_finite()
 }
 
 fn written(scene: &Scene, format: Format) -> Vec<u8> {
@@ -168,6 +179,24 @@ fn seeds() -> Vec<(Format, Vec<u8>)> {
     add(
         Format::Json,
         &format!("{{\"patches\": [[{row}, {row}, {row}, {row}]], \"metres_per_unit\": 0.001}}"),
+    );
+    add(
+        Format::Json,
+        "{\"curves\": [{\"control\": [[0,0],[1,0],[2,1],[3,1]], \"closed\": false, \"rule\": \"evenodd\"}]}",
+    );
+    add(
+        Format::Json,
+        "{\"polylines\": [{\"points\": [[0,0,1],[1,0,2.5]], \"closed\": true, \"source\": 0}], \"report\": {\"certificate\": {}}}",
+    );
+    add(
+        Format::Svg,
+        "<?xml version=\"1.0\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 9 9\" width=\"9mm\">\n\
+         <style>.a{fill:none} #b{fill-rule:evenodd}</style>\n\
+         <g transform=\"rotate(30 1 2) scale(2)\"><path id=\"b\" class=\"a\"\n\
+         d=\"M0 0h1v2l1-1C1 2 3 4 5 6S7 8 9 1Q1 2 3 4T5 6A1 2 30 01.5.5z\"/></g>\n\
+         <rect x=\"1\" width=\"10%\" height=\"3\" rx=\".5\"/><circle r=\"2\"/>\n\
+         <symbol id=\"s\" viewBox=\"0 0 1 1\"><polygon points=\"0,0 1 0 1,1\"/></symbol>\n\
+         <use href=\"#s\" x=\"3\" width=\"2\" height=\"1\"/><text>x</text>\n</svg>\n",
     );
     seeds
 }
@@ -351,6 +380,19 @@ fn large_hostile_files_stay_within_the_promised_memory() {
             format!("{{\"points\":[{}[0,0,0]],\"patches\":[]}}", "[0,0,0],".repeat(n)).into_bytes(),
         ),
         (
+            "points of polylines",
+            Format::Json,
+            format!("{{\"polylines\":[{{\"points\":[{}[0,0]]}}]}}", "[0.25,-0.75],".repeat(n)).into_bytes(),
+        ),
+        ("elements", Format::Svg, format!("<svg>{}</svg>", "<g/>".repeat(n)).into_bytes()),
+        ("shapes", Format::Svg, format!("<svg>{}</svg>", "<circle r='1'/>".repeat(n / 8)).into_bytes()),
+        (
+            "styles",
+            Format::Svg,
+            format!("<svg><style>{}</style></svg>", ".a{fill:red}".repeat(n / 8)).into_bytes(),
+        ),
+        ("text", Format::Svg, format!("<svg><style>{}</style></svg>", "x".repeat(n)).into_bytes()),
+        (
             "indices",
             Format::Teaset,
             format!("{}\n{}1\n0,0,0\n", n / 8, format!("{}1\n", "1,".repeat(15)).repeat(n / 8)).into_bytes(),
@@ -390,4 +432,30 @@ fn packed_faces_stay_within_the_promise_for_what_they_decode_to() {
         println!("{element}: {} bytes, held {most} ({:.1} x)", bytes.len(), most as f64 / bytes.len() as f64);
         assert!(most <= promised(12 * triangles), "{element}: {most} bytes for {triangles} triangles");
     }
+}
+
+/// A path packs a point into as little as two bytes. What is promised counts 16 bytes for each point.
+#[test]
+fn h77_packed_paths_stay_within_the_promise_for_what_they_decode_to() {
+    let n = 1_000_000_u64;
+    let paths = [
+        ("h1", 1),
+        ("l1 1", 1),
+        ("t1 1", 1),
+        ("zh1", 1),
+        ("M0 0h1", 1),
+        ("c0 0 0 0 1 1", 3),
+        ("a1 1 0 01 1 1", 1),
+    ];
+    for (step, points) in paths {
+        let text = format!("<svg><path d='M0 0{}'/></svg>", step.repeat(n as usize));
+        let (result, most) = measured(text.as_bytes(), Format::Svg);
+        assert!(result.is_ok());
+        println!("{step}: {} bytes, held {most}, {:.0} a piece", text.len(), most as f64 / n as f64);
+        let decoded = if step.starts_with(['z', 'M']) { 2 * n } else { points * n };
+        assert!(most <= promised(text.len() as u64).max(promised(16 * decoded)), "{step}: {most} bytes");
+    }
+    let text = format!("{{\"polylines\":[{{\"points\":[{}[0,0]]}}]}}", "[0,0],".repeat(n as usize));
+    let (result, most) = measured(text.as_bytes(), Format::Json);
+    assert!(result.is_ok() && most <= promised(16 * n), "{most}");
 }

@@ -1,9 +1,9 @@
-//! The schema of patch JSON and its reader accept the same files.
+//! The schemas of shapes in JSON and their reader accept the same files.
 use chordal_io::{Format, Limits, read};
 use serde_json::{Value, json};
 
-fn schema() -> Value {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/schema/patches.schema.json");
+fn schema(name: &str) -> Value {
+    let path = format!("{}/../../docs/schema/{name}.schema.json", env!("CARGO_MANIFEST_DIR"));
     serde_json::from_str(&std::fs::read_to_string(path).expect("the schema is there"))
         .expect("the schema is JSON")
 }
@@ -17,6 +17,7 @@ fn admits(root: &Value, schema: &Value, value: &Value) -> bool {
             "object" => value.is_object(),
             "array" => value.is_array(),
             "number" => value.is_number(),
+            "string" => value.is_string(),
             "integer" => value.as_f64().is_some_and(|x| x.fract() == 0.0),
             other => panic!("type {other}"),
         },
@@ -51,8 +52,8 @@ fn admits(root: &Value, schema: &Value, value: &Value) -> bool {
 }
 
 #[test]
-fn the_schema_and_the_reader_agree() {
-    let root = schema();
+fn the_schema_of_patches_and_the_reader_agree() {
+    let root = schema("patches");
     let row = json!([[0, 0, 0], [1, 0.5, 0], [2, -1e3, 0], [3, 0, 0]]);
     let patch = json!([row, row, row, row]);
     let short = json!([row, row, row]);
@@ -85,11 +86,72 @@ fn the_schema_and_the_reader_agree() {
         json!({ "patches": [patch], "metres_per_unit": 0 }),
         json!({ "patches": [patch], "metres_per_unit": "mm" }),
     ];
-    for (documents, accept) in [(&accepted[..], true), (&refused[..], false)] {
+    agree(&root, &accepted, &refused);
+}
+
+#[track_caller]
+fn agree(root: &Value, accepted: &[Value], refused: &[Value]) {
+    for (documents, accept) in [(accepted, true), (refused, false)] {
         for document in documents {
-            assert_eq!(admits(&root, &root, document), accept, "schema: {document}");
+            assert_eq!(admits(root, root, document), accept, "schema: {document}");
             let outcome = read(document.to_string().as_bytes(), Format::Json, &Limits::default());
             assert_eq!(outcome.is_ok(), accept, "reader: {document}: {outcome:?}");
         }
+    }
+}
+
+#[test]
+fn the_schemas_of_curves_and_polylines_and_the_reader_agree() {
+    for (list, points) in [("curves", "control"), ("polylines", "points")] {
+        let four = json!([[0, 0], [1, 0.5], [2, -1e3], [3, 0]]);
+        let space = json!([[0, 0, 0], [1, 0, 1], [2, 0, 1], [0, 0, 0]]);
+        let accepted = [
+            json!({ list: [] }),
+            json!({ list: [{ points: four }], "up": "y", "metres_per_unit": 0.001, "author": ["x"] }),
+            json!({ list: [{ points: four, "closed": false, "source": 7, "name": "a", "rule": "evenodd", "x": 1 }] }),
+            json!({ list: [{ points: space, "closed": true }, { points: space }] }),
+            json!({ list: [{ points: [[5, 6]] }] }),
+        ];
+        let refused = [
+            json!({ list: {} }),
+            json!({ list: [four] }),
+            json!({ list: [{}] }),
+            json!({ list: [{ points: [] }] }),
+            json!({ list: [{ points: [[0], [1], [2], [3]] }] }),
+            json!({ list: [{ points: [[0, 0, 0, 0]] }] }),
+            json!({ list: [{ points: four, "closed": 0 }] }),
+            json!({ list: [{ points: four, "source": -1 }] }),
+            json!({ list: [{ points: four, "source": 0.5 }] }),
+            json!({ list: [{ points: four, "source": "a" }] }),
+            json!({ list: [{ points: four, "name": 1 }] }),
+            json!({ list: [{ points: four, "rule": "odd" }] }),
+            json!({ list: [{ points: four }], "patches": [] }),
+            json!({ list: [{ points: four }], "up": "x" }),
+            json!({ list: [{ points: [["0", 0]] }] }),
+        ];
+        agree(&schema(list), &accepted, &refused);
+    }
+}
+
+/// What a schema cannot say.
+#[test]
+fn the_reader_also_counts_and_compares_points() {
+    for (text, place, part) in [
+        (json!({ "curves": [{ "control": [[0, 0], [1, 0]] }] }), "/curves/0", "3n + 1"),
+        (
+            json!({ "curves": [{ "control": [[0, 0], [1, 0], [2, 0], [3, 0]], "closed": true }] }),
+            "/curves/0",
+            "ends with",
+        ),
+        (
+            json!({ "polylines": [{ "points": [[0, 0], [1, 0, 0]] }] }),
+            "/polylines/0/points/1",
+            "3 numbers where 2",
+        ),
+        (json!({ "curves": [], "polylines": [] }), "/polylines", "not both"),
+    ] {
+        let error = read(text.to_string().as_bytes(), Format::Json, &Limits::default()).unwrap_err();
+        assert_eq!(error.place.to_string(), place, "{error}");
+        assert!(error.to_string().contains(part), "{error}");
     }
 }
