@@ -3,14 +3,17 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo test test-long bench install clean fmt-check lint test-rust test-web test-python
-.PHONY: need-rust need-wasm need-node need-python
+.PHONY: help demo studio test test-long bench install clean fmt-check lint test-rust test-web test-studio test-python
+.PHONY: studio-page need-rust need-wasm need-node need-node-20 need-chromium need-python
 
 CARGO ?= cargo
 TARGET := $(or $(CARGO_TARGET_DIR),target)
 CHORDAL := $(TARGET)/release/chordal
 VENV := $(TARGET)/python/venv
 WASM := $(TARGET)/wasm32-unknown-unknown/release/chordal_wasm.wasm
+# The page asks about curves alone, so its module leaves readers and writers out; it has a folder of its own.
+STUDIO_WASM := $(TARGET)/studio/wasm32-unknown-unknown/release/chordal_wasm.wasm
+CHROMIUM ?= /usr/bin/chromium
 VIEW := 1920x1080 fov=45 dist=4
 
 help: ## this list
@@ -33,7 +36,22 @@ demo: need-rust ## build chordal and run the main job on the teapot; results in 
 	@echo
 	@echo "Run chordal as $(CHORDAL), or 'make install' and then as chordal. Try: $(CHORDAL) --help"
 
-test: fmt-check lint test-rust test-web test-python ## everything that CI runs
+# The page comes first, so that it is built into the command.
+studio: studio-page ## build the page of 'chordal studio', and the command with it
+	$(CARGO) build --release --locked -p chordal-cli
+	@echo
+	@echo "Run $(CHORDAL) studio and open the link that it prints."
+	@echo "studio/dist/page holds the same page as plain files, for any host; with ?embed=1 for a frame in another page."
+
+studio-page: need-rust need-wasm need-node need-node-20
+	$(CARGO) build --release --locked -p chordal-wasm --no-default-features --target wasm32-unknown-unknown --target-dir $(TARGET)/studio
+	mkdir -p studio/wasm
+	cmp -s $(STUDIO_WASM) studio/wasm/chordal.wasm || cp $(STUDIO_WASM) studio/wasm/chordal.wasm
+	cd studio && npm ci --no-audit --no-fund --loglevel=error
+	cd studio && npm run --silent build
+
+# The studio's page is built before the command is, and so is in it wherever the later tests use it.
+test: fmt-check lint test-rust test-studio test-web test-python ## everything that CI runs
 	@echo "All tests passed."
 
 fmt-check: need-rust
@@ -65,6 +83,12 @@ test-web: need-rust need-wasm need-node
 	node tests/web/wasm.mjs $(WASM) $(TARGET)/web/tol.glb examples/teapot.bpt
 	node tests/web/validate.mjs $(TARGET)/web/*.glb
 
+# Types, texts and state; then the page as readers meet it, in a real browser and behind the real server.
+test-studio: studio-page need-chromium
+	$(CARGO) build --release --locked -p chordal-cli
+	cd studio && npm run --silent check && npm run --silent test
+	cd studio && CHROMIUM=$(CHROMIUM) CHORDAL=$(abspath $(CHORDAL)) npm run --silent test:page
+
 # The wheel is built and installed as `pip install .` does it, and then judged from outside: by its tests, by the
 # examples in its documentation, and by mypy, which also compares the stubs with what is there.
 test-python: need-rust need-python
@@ -89,7 +113,7 @@ install: need-rust ## put chordal where cargo puts programs
 	$(CARGO) install --path crates/chordal-cli --locked
 
 clean: ## remove what was built
-	rm -rf out $(TARGET) tests/web/node_modules
+	rm -rf out $(TARGET) tests/web/node_modules studio/node_modules studio/wasm studio/dist/page
 
 # at-least FOUND WANTED: whether version FOUND is WANTED or newer.
 at-least = [ "$$(printf '%s\n' $(2) "$(1)" | sort -V | head -n 1)" = $(2) ]
@@ -112,6 +136,16 @@ need-node:
 		|| { echo "The web tests need Node 18 or newer with npm: install them from https://nodejs.org (on Debian: apt install nodejs npm)." >&2; exit 1; }
 	@version=$$(node --version | tr -d v); $(call at-least,$$version,18) \
 		|| { echo "The web tests need Node 18 or newer, not $$version: install it from https://nodejs.org." >&2; exit 1; }
+
+# The page's tools ask for more than the other tests do.
+need-node-20: need-node
+	@version=$$(node --version | tr -d v); $(call at-least,$$version,20.19) \
+		|| { echo "The studio needs Node 20.19 or newer, not $$version: install it from https://nodejs.org." >&2; exit 1; }
+
+need-chromium:
+	@[ -x $(CHROMIUM) ] \
+		|| { [ "$$(id -u)" = 0 ] && command -v apt-get && apt-get update && apt-get install -y --no-install-recommends chromium; } > /dev/null 2>&1 \
+		|| { echo "The studio's tests need Chromium: install it (on Debian: apt install chromium), or name it with CHROMIUM=PATH." >&2; exit 1; }
 
 need-python:
 	@command -v python3 > /dev/null \

@@ -7,11 +7,15 @@ import csv
 import os
 import platform
 import subprocess
+import sys
 from datetime import date
 from importlib.metadata import version
 from pathlib import Path
 
 import occt
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+import section  # noqa: E402
 
 BENCH = Path(__file__).resolve().parent.parent
 CORPORA = {
@@ -112,7 +116,7 @@ def main():
     for corpus, about in CORPORA.items():
         parts.append(f"### {corpus}: {about}\n\n{table(corpus, found)}")
     parts.append(f"### hard, by family\n\n{families(found)}")
-    (BENCH / "RESULTS.md").write_text("\n\n".join(parts) + "\n")
+    section.put("Bicubic patches to tolerance, against OpenCASCADE", "\n\n".join(parts))
     for corpus in CORPORA:
         print(f"\n{corpus}\n{table(corpus, found)}")
     print(f"\n{families(found)}")

@@ -1,8 +1,19 @@
-//! What the programs of the bench share: the corpora, dumped meshes, and the referee's sampler.
+//! What the programs of the bench share: the corpora, dumped meshes, and the referees' samplers and shapes.
 mod corpus;
+pub mod curves;
 mod dump;
+#[path = "../../crates/chordal/tests/curve_referee/families.rs"]
+#[allow(dead_code)]
+mod families;
+#[path = "../../crates/chordal/tests/curve_referee/random.rs"]
+mod random;
 #[path = "../../crates/chordal/tests/referee/sampler/mod.rs"]
 pub mod sampler;
+
+/// What the families of cubics know of the referee's types.
+mod truth {
+    pub type Control<const D: usize> = [[f64; D]; 4];
+}
 
 pub use corpus::{labels, out, patches};
 pub use dump::{Dumped, read, write};

@@ -3,6 +3,7 @@ use chordal::budget::{InvalidLength, Length, Pixels, Unit, View};
 use chordal_io::{Axis, Format};
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
+use std::net::IpAddr;
 use std::path::PathBuf;
 
 /// You bring a budget, you leave with a bound.
@@ -38,6 +39,8 @@ pub enum Verb {
     Inspect(InspectArgs),
     /// Take a picture
     Render(RenderArgs),
+    /// Show in a browser how many segments a curve needs until it looks smooth
+    Studio(StudioArgs),
     /// Print the completions of a shell
     Completions {
         /// Which shell
@@ -234,6 +237,40 @@ pub struct RenderArgs {
 
     #[command(flatten)]
     pub talk: TalkArgs,
+}
+
+/// `chordal studio`
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  chordal studio
+  chordal studio --port 8000 --open
+  chordal studio --host 0.0.0.0 --allow-host lab.example --token $(openssl rand -hex 24)")]
+pub struct StudioArgs {
+    /// The port to listen at; 0 takes a free one
+    #[arg(long, value_name = "PORT", default_value_t = 0)]
+    pub port: u16,
+
+    /// The address to listen at, instead of 127.0.0.1; other machines can come in where it is none of this machine's
+    /// own, so that needs --token as well
+    #[arg(long, value_name = "ADDRESS")]
+    pub host: Option<IpAddr>,
+
+    /// The token in the link, instead of one made by chance: 32 letters and digits or more
+    #[arg(long, value_name = "TOKEN")]
+    pub token: Option<String>,
+
+    /// A name by which browsers may call this machine, beside localhost, 127.0.0.1 and [::1]
+    #[arg(long, value_name = "NAME")]
+    pub allow_host: Vec<String>,
+
+    /// The folder of the page, instead of the one that is built in
+    #[arg(long, value_name = "DIR")]
+    pub dir: Option<PathBuf>,
+
+    /// Open the link in the system's browser
+    #[arg(long)]
+    pub open: bool,
 }
 
 /// What a picture can show.

@@ -13,6 +13,7 @@ mod numbers;
 mod output;
 mod render;
 mod signal;
+mod studio;
 mod summary;
 mod talk;
 
@@ -38,6 +39,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         Verb::Mesh(args) => mesh::run(&args),
         Verb::Inspect(args) => inspect::run(&args),
         Verb::Render(args) => render::run(&args),
+        Verb::Studio(args) => studio::run(&args),
         Verb::Completions { shell } => docs::completions(shell),
         Verb::Man { output } => docs::man(&output),
     };
@@ -52,7 +54,7 @@ fn wants_json(verb: &Verb) -> bool {
         Verb::Mesh(args) => args.talk.json,
         Verb::Inspect(args) => args.talk.json,
         Verb::Render(args) => args.talk.json,
-        Verb::Completions { .. } | Verb::Man { .. } => false,
+        Verb::Studio(_) | Verb::Completions { .. } | Verb::Man { .. } => false,
     }
 }
 

@@ -17,9 +17,24 @@
 //! "triangles": 5000, "segments": 5000, "from": …, "unit": …, "up": "y", "keep_best": true}`. At least one of tol, px with view,
 //! triangles and, for curves to polylines, segments. Same input, same options, same version: the same bytes as from the command.
 //!
+//! A page that shows curves asks three more things, each with a JSON object, and finds the answer as JSON where the report
+//! stands:
+//!
+//! ```text
+//! chordal_study(question, n)    {"control": [[x, y] × 4], "segments": 8, "pixels_per_unit": 70, "pixels": 0.5, "t": 0.5, "near": 0.2}
+//! chordal_ladder(question, n)   {"control": …, "counts": [1, 2, 4, …], "pixels_per_unit": 70}
+//! chordal_seam(question, n)     {"first": [[x, y] × 4], "second": …, "smoothness": "C1", "leader": "first", "scale": 0.5}
+//! ```
+//!
 //! Growing memory detaches views that JavaScript holds: make a new `Uint8Array` after every call.
+#[cfg(feature = "files")]
+mod mesh;
+#[cfg(feature = "files")]
 mod options;
 mod outcome;
+mod question;
+mod seam;
+mod study;
 
 use outcome::Outcome;
 
@@ -43,6 +58,7 @@ pub unsafe extern "C" fn chordal_free(at: *mut u8, len: usize) {
 ///
 /// # Safety
 /// Each pair of `at` and `len` is from one call of [`chordal_alloc`] and was not given back.
+#[cfg(feature = "files")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn chordal_mesh(
     input: *const u8,
@@ -55,13 +71,40 @@ pub unsafe extern "C" fn chordal_mesh(
     let (input, options) = unsafe {
         (std::slice::from_raw_parts(input, input_len), std::slice::from_raw_parts(options, options_len))
     };
-    Box::into_raw(Box::new(outcome::mesh(input, options)))
+    Box::into_raw(Box::new(mesh::mesh(input, options)))
+}
+
+/// Exports a function from one JSON object to another.
+macro_rules! questions {
+    ($($(#[$doc:meta])+ $name:ident: $answer:path;)*) => {$(
+        $(#[$doc])+
+        ///
+        /// # Safety
+        /// `question` and `len` are from one call of [`chordal_alloc`] and were not given back.
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $name(question: *const u8, len: usize) -> *mut Outcome {
+            // SAFETY: by the contract it is initialised, live, of that length, and nobody writes during the call, for
+            // WASM modules like this one have one thread.
+            let question = unsafe { std::slice::from_raw_parts(question, len) };
+            Box::into_raw(Box::new(outcome::answer($answer(question))))
+        }
+    )*};
+}
+
+questions! {
+    /// One cubic with a number of segments: both chains, their gaps and bounds, how many segments a tolerance takes, and
+    /// de Casteljau's construction.
+    chordal_study: study::study;
+    /// How the error of one cubic falls with the number of segments.
+    chordal_ladder: study::ladder;
+    /// Two cubics made to meet smoothly, their joint, and the comb of their curvature.
+    chordal_seam: seam::seam;
 }
 
 /// 0, or the exit code that the command would have ended with.
 ///
 /// # Safety
-/// `outcome` is from [`chordal_mesh`] and was not released; likewise below.
+/// `outcome` is from [`chordal_study`] or one of its like, and was not released; likewise below.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn chordal_exit(outcome: *const Outcome) -> u32 {
     // SAFETY: by the contract it is a live box that nobody writes to.
@@ -105,14 +148,14 @@ bytes! {
 /// Gives an outcome back.
 ///
 /// # Safety
-/// `outcome` is from [`chordal_mesh`], and it is the first time.
+/// `outcome` is from [`chordal_study`] or one of its like, and it is the first time.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn chordal_release(outcome: *mut Outcome) {
     // SAFETY: by the contract this is the box that `chordal_mesh` leaked, and nobody else drops it.
     drop(unsafe { Box::from_raw(outcome) });
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "files"))]
 mod tests {
     use super::*;
 

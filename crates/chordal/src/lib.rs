@@ -28,15 +28,17 @@ pub mod math;
 pub mod render;
 
 pub use budget::{Bound, Bounded, Budget, Evidence, Failure, Job, Tolerance, View};
-pub use explicit::{Bezier, Mesh, Patch};
+pub use explicit::{Bezier, Curve, Mesh, Patch, Polyline};
 
 /// The examples of README.md and of the pages in `docs/` run with the tests.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 #[doc = include_str!("../../../docs/bound.md")]
 #[doc = include_str!("../../../docs/budget.md")]
+#[doc = include_str!("../../../docs/curve_to_polyline.md")]
 #[doc = include_str!("../../../docs/formats.md")]
 #[doc = include_str!("../../../docs/outlines_to_mesh.md")]
 #[doc = include_str!("../../../docs/patches_to_mesh.md")]
+#[doc = include_str!("../../../docs/splines.md")]
 #[doc = include_str!("../../../docs/view.md")]
 struct Pages;

@@ -1,4 +1,5 @@
 //! The judge: measures and proves, builds nothing.
+mod comb;
 mod distance;
 mod duplicates;
 mod fans;
@@ -14,6 +15,7 @@ mod surface;
 mod t_junctions;
 mod validity;
 
+pub use comb::{Tooth, curvature_comb};
 pub use distance::surface_at_least;
 pub use finding::{Finding, MAX_WITNESSES, Place, Witness};
 pub use flat::{has_zero_area, is_collinear};

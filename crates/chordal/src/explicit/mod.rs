@@ -2,6 +2,7 @@
 mod arc;
 mod bezier;
 mod bvh;
+mod continuation;
 mod curve;
 pub mod laws;
 mod mesh;
@@ -20,6 +21,7 @@ mod twins;
 pub use arc::{Arc, InvalidArc, Through};
 pub use bezier::{Bezier, Levels, bernstein};
 pub use bvh::{Bvh, Closest, Hit, Ray};
+pub use continuation::Smoothness;
 pub use curve::{Curve, InvalidCurve};
 pub use mesh::{Attribute, Domain, InvalidMesh, Mesh, Semantic};
 pub use normals::{face_normal, vertex_normals};

@@ -1,7 +1,7 @@
 //! Bounds in units against the truth, on random cubics of all kinds at every tolerance.
 use crate::families::shape;
 use crate::measure::{Look, distance, measure, witnessed};
-use crate::truth::Path;
+use crate::truth::{Part, Path};
 use crate::{cases, flatten, for_all, length, quantile};
 use chordal::Failure;
 use chordal::budget::Code;
@@ -53,11 +53,14 @@ pub fn check_order<const D: usize>(name: &str, path: &Path<D>, made: &Polyline<D
     let n = points.len();
     assert_eq!(n, places.len(), "{name}: a place for each point");
     assert_eq!(made.closed, path.closed, "{name}");
-    assert_eq!(points[0], path.parts[0].ends()[0], "{name}: the start");
-    let end = path.parts[path.parts.len() - 1].ends()[1];
-    if !made.closed {
-        assert_eq!(points[n - 1], end, "{name}: the end");
-    }
+    // The ends of an arc that were not given are a sine and a cosine, here those of another library.
+    let same = |part: &Part<D>, end: [f64; D], point: &[f64; D]| match part {
+        Part::Arc(round) if round.ends.is_none() => distance(end, *point) <= path.slack(),
+        _ => end == *point,
+    };
+    let last = path.parts[path.parts.len() - 1];
+    assert!(same(&path.parts[0], path.parts[0].ends()[0], &points[0]), "{name}: the start");
+    assert!(made.closed || same(&last, last.ends()[1], &points[n - 1]), "{name}: the end");
     assert!(places.windows(2).all(|pair| pair[0] < pair[1]), "{name}: places grow");
     let distinct = |a: &[f64; D], b: &[f64; D]| a != b;
     assert!(points.windows(2).all(|pair| distinct(&pair[0], &pair[1])), "{name}: points differ");
@@ -78,7 +81,8 @@ pub fn check_order<const D: usize>(name: &str, path: &Path<D>, made: &Polyline<D
         assert!(distance(on, *point) <= path.slack() + blur, "{name}: the point at {place} is on the path");
     }
     for (index, part) in path.parts.iter().enumerate() {
-        assert!(points.contains(&part.ends()[0]), "{name}: piece {index} starts at a vertex");
+        let start = part.ends()[0];
+        assert!(points.iter().any(|p| same(part, start, p)), "{name}: piece {index} starts at a vertex");
     }
 }
 
@@ -132,7 +136,7 @@ const TOLERANCES: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5];
 fn judge_seed(seed: usize, spacing: Spacing) -> Vec<Case> {
     let cases = TOLERANCES.iter().filter_map(|tolerance| {
         // The plane and space in turn, for every kind.
-        if seed / 15 % 2 == 0 {
+        if (seed / 15).is_multiple_of(2) {
             let shape = shape::<2>(seed);
             judge(format!("{} (seed {seed})", shape.kind), &Path::cubic(shape.control), *tolerance, spacing)
         } else {

@@ -205,6 +205,30 @@ impl<'a, const D: usize> Pair<'a, D> {
         if best > least { best } else { 0.0 }
     }
 
+    /// The distance from a point that should be on the range, by looking closer and closer at every place that is near.
+    fn zoom(&self, q: [f64; D], range: &Range) -> f64 {
+        const N: u32 = 64;
+        let part = &self.path.parts[range.part];
+        let far = |t: f64| distance(q, part.at(t));
+        let first = |i: u32| range.from + (range.to - range.from) * f64::from(i) / f64::from(N);
+        let valley = |i: u32| {
+            let (mut low, mut high, mut least) =
+                (first(i.saturating_sub(1)), first((i + 1).min(N)), far(first(i)));
+            for _ in 0..12 {
+                let at = |i: u32| low + (high - low) * f64::from(i) / f64::from(N);
+                let best = (0..=N).min_by(|a, b| far(at(*a)).total_cmp(&far(at(*b)))).expect("samples");
+                least = far(at(best)).min(least);
+                (low, high) = (at(best.saturating_sub(1)), at((best + 1).min(N)));
+            }
+            least
+        };
+        let near = |i: &u32| {
+            let beside = [i.saturating_sub(1), (i + 1).min(N)];
+            beside.iter().all(|j| far(first(*i)) <= far(first(*j)))
+        };
+        (0..=N).filter(near).map(valley).fold(f64::INFINITY, f64::min)
+    }
+
     fn to_range(&self, q: [f64; D], range: &Range, n: u32) -> f64 {
         let part = &self.path.parts[range.part];
         let at = |i: u32| range.from + (range.to - range.from) * f64::from(i) / f64::from(n);
@@ -225,12 +249,13 @@ impl<'a, const D: usize> Pair<'a, D> {
 /// A place where a value changes its sign, by halving; the first one when it does not.
 fn crossing(value: impl Fn(f64) -> f64, [low, middle, high]: [f64; 3]) -> f64 {
     let at_middle = value(middle);
-    let side = if value(low) * at_middle <= 0.0 { [low, middle] } else { [middle, high] };
+    // Signs, because products of small numbers vanish.
+    let side = if (value(low) > 0.0) != (at_middle > 0.0) { [low, middle] } else { [middle, high] };
     let [mut a, mut b] = side;
-    let at_a = value(a);
+    let at_a = value(a) > 0.0;
     for _ in 0..45 {
         let m = 0.5 * (a + b);
-        if value(m) * at_a > 0.0 { a = m } else { b = m }
+        if (value(m) > 0.0) == at_a { a = m } else { b = m }
     }
     0.5 * (a + b)
 }
@@ -267,7 +292,7 @@ pub fn measure<const D: usize>(path: &Path<D>, made: &Polyline<D>, look: Look) -
 /// the path.
 pub fn witnessed<const D: usize>(path: &Path<D>, made: &Polyline<D>, p: [f64; D]) -> f64 {
     let pair = Pair::new(path, made);
-    let off = pair.ranges.iter().map(|range| pair.to_range(p, range, 32)).fold(f64::INFINITY, f64::min);
+    let off = pair.ranges.iter().map(|range| pair.zoom(p, range)).fold(f64::INFINITY, f64::min);
     to_polyline(p, made) - off
 }
 

@@ -10,9 +10,11 @@
 use super::chord::CubicChords;
 use crate::explicit::{Bezier, bernstein};
 
-/// Intervals of the grid, at least and at most; between them half as many as there are chords. With 8 the first spread
-/// fails more often, with 32 it costs more than it saves (20,000 random cubics at a thousandth of their box).
-const GRID: usize = 16;
+/// Intervals of the grid, one less than a multiple of [`LANES`]: for a few chords, for some, and at most; in between half
+/// as many as there are chords. With fewer for some the first spread fails more often, with more it costs more than it
+/// saves (20,000 random cubics at a thousandth of their box).
+const COARSEST: usize = 7;
+const GRID: usize = 15;
 const FINEST: usize = 4096;
 /// Spreads that are tried before the greedy way, which then gets 0.1 % to 5 % of random cubics.
 const ATTEMPTS: usize = 4;
@@ -22,6 +24,9 @@ const SPARE: f64 = 1.003;
 /// Below this root of its share a chord counts as one where the curve bends back. Measured: 0.7 and 0.85 leave as few to
 /// a fourth spread; without it a fifth more get there.
 const FLAT: f64 = 0.85;
+/// Chords that use less than this share of what they may lose, in the mean and with one left over, are placed again by the greedy
+/// way.
+const WASTE: f64 = 0.85;
 /// Up to this many chords it is worth to try one less.
 const FEW: usize = 12;
 
@@ -75,13 +80,18 @@ pub(crate) fn spread<const D: usize>(
         work.set_single(cubic);
         return Some(whole);
     }
-    let unit = 1.0 / (8.0 * tolerance).sqrt();
-    let mut needed = unit * work.sample(cubic, GRID);
-    if needed > 2.0 * GRID as f64 {
-        let finer = 0.5 * needed;
-        let finer = if finer < FINEST as f64 { finer as usize } else { FINEST };
-        needed = unit * work.sample(cubic, finer.next_multiple_of(LANES));
-    }
+    // Equal steps would be about twice as many.
+    let even = chords.even_steps(tolerance);
+    let grid = if even <= 5.0 {
+        COARSEST
+    } else if even <= 60.0 {
+        GRID
+    } else if even < 4.0 * FINEST as f64 {
+        (even as usize / 4).next_multiple_of(LANES) - 1
+    } else {
+        FINEST - 1
+    };
+    let needed = work.sample(cubic, grid) / (8.0 * tolerance).sqrt();
     // One chord was not enough, whatever the samples say; NaN goes the same way.
     let mut n = if needed > 1.0 { (SPARE * needed).ceil() } else { 2.0 };
     if n > most as f64 {
@@ -92,7 +102,8 @@ pub(crate) fn spread<const D: usize>(
         work.evaluate(cubic);
         let worst = work.certify(chords, tolerance);
         if worst <= tolerance {
-            return Some(work.with_one_less(chords, tolerance, worst));
+            let worst = work.with_one_less(chords, tolerance, worst);
+            return if work.wastes(tolerance) { None } else { Some(worst) };
         }
         if work.split_few(tolerance, attempt) {
             continue;
@@ -162,12 +173,13 @@ impl<const D: usize> Scratch<D> {
         self.evaluate(cubic);
     }
 
-    /// Samples the density at the ends of `grid` equal steps, a multiple of [`LANES`]. Returns the last share.
+    /// Samples the density at the ends of `grid` equal steps, one less than a multiple of [`LANES`] and no fewer than 7, so
+    /// that the nodes fill whole blocks. Returns the last share.
     #[inline(always)]
     fn sample(&mut self, cubic: &Bezier<D>, grid: usize) -> f64 {
-        self.set_nodes(grid + 1 + LANES);
+        self.set_nodes(grid + 1);
         let step = 1.0 / grid as f64;
-        for block in 0..=grid / LANES {
+        for block in 0..(grid + 1) / LANES {
             let at = block * LANES;
             let (mut nodes, mut slopes) = ([0.0; LANES], [0.0; LANES]);
             for i in 0..LANES {
@@ -177,7 +189,6 @@ impl<const D: usize> Scratch<D> {
             self.nodes[at..at + LANES].copy_from_slice(&nodes);
             self.slopes[at..at + LANES].copy_from_slice(&slopes);
         }
-        self.n_nodes = grid + 1;
         let (w, shares) = (&mut self.slopes[..=grid], &mut self.shares[..=grid]);
         // The trapezoid, corrected by the slopes at its ends where both are known (fourth order).
         for i in 1..grid - 1 {
@@ -288,6 +299,16 @@ impl<const D: usize> Scratch<D> {
         }
         self.set_places(chords.cubic(), &before[..=n]);
         worst
+    }
+
+    /// Whether far fewer chords could lose as much: where a curve turns back on itself, or nearly, a density by its bend puts many
+    /// chords at the turn which together lose little.
+    #[inline(always)]
+    fn wastes(&self, tolerance: f64) -> bool {
+        let n = self.n as f64;
+        let scale = 1.0 / tolerance;
+        let wanted = self.losses[..self.n].iter().fold(0.0, |sum, loss| sum + (loss * scale).sqrt());
+        wanted < WASTE * n - 1.0
     }
 
     /// Halves the chords that lose too much, when they are few for the attempt; whether it did.

@@ -50,7 +50,12 @@ impl<'a> Mesher<'a> {
 
     /// The longest diagonal of a patch's hull; 1 where all patches are points.
     pub(crate) fn longest_diagonal(&self) -> f64 {
-        let longest = self.patches.iter().map(|patch| patch.hull().diagonal());
+        // No shorter than what rounding may lose, so that patches that are all but points meet the first rung.
+        let own = |patch: &Patch| {
+            let (diagonal, lost) = (patch.hull().diagonal(), rounding(patch));
+            if diagonal > lost { diagonal } else { lost }
+        };
+        let longest = self.patches.iter().map(own);
         let longest = longest.fold(0.0, |longest, d| if d > longest { d } else { longest });
         if longest > 0.0 { longest } else { 1.0 }
     }

@@ -78,7 +78,10 @@ impl Probe {
             third: third(&places),
             balanced: balanced(&places),
         };
-        let (du, dv) = (probe.balanced, 1.0 / probe.balanced);
+        // The balanced cell, but no larger than the rectangle: one that reaches far beyond it would find that sliding
+        // helps less than it does, wherever the surface folds over itself.
+        let square = probe.balanced * probe.balanced;
+        let (du, dv) = if square > 1.0 { (1.0, 1.0 / square) } else { (square, 1.0) };
         for (k, (by_u, by_v, hessian)) in places.iter().enumerate() {
             let normal = by_u.cross(*by_v).normalize_or_zero();
             (probe.uu[k], probe.uv[k], probe.vv[k]) =
@@ -89,7 +92,7 @@ impl Probe {
                 let bend = hessian.half_along(du, sign * dv);
                 let full = worst_mix(along_u, along_v, across(bend, *by_u * du + *by_v * (sign * dv)));
                 let rest = full - probe.normal_part(k, [du * du, sign * du * dv, dv * dv]);
-                probe.rest[diagonal][k] = if rest > 0.0 { rest } else { 0.0 };
+                probe.rest[diagonal][k] = if rest > 0.0 { rest / (du * dv) } else { 0.0 };
             }
         }
         probe

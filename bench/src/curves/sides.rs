@@ -1,0 +1,145 @@
+//! The sides: how each of them makes polylines, one curve after the other and all at once.
+use super::Cubic;
+use chordal::convert::{BezierCutter, Spacing, beziers_to_polylines, curve_to_polyline};
+use chordal::{Bezier, Budget, Job, Tolerance};
+use kurbo::PathEl;
+
+/// A polyline.
+pub type Points = Vec<[f64; 2]>;
+
+/// Who flattens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// As few segments as can be, proved.
+    Fewest,
+    /// Equal steps, proved.
+    Even,
+    /// The same points as the first, through the function for paths: with the parameter of each point and a distance from below.
+    Path,
+    Kurbo,
+    Lyon,
+}
+
+pub const SIDES: [Side; 5] = [Side::Fewest, Side::Path, Side::Even, Side::Kurbo, Side::Lyon];
+
+impl Side {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fewest => "chordal",
+            Self::Path => "chordal-path",
+            Self::Even => "chordal-even",
+            Self::Kurbo => "kurbo",
+            Self::Lyon => "lyon",
+        }
+    }
+}
+
+/// Curves in the types of all sides, made before the clock runs.
+pub struct Prepared {
+    pub cubics: Vec<Cubic>,
+    beziers: Vec<Bezier<2>>,
+    paths: Vec<chordal::explicit::Curve<2>>,
+    elements: Vec<[PathEl; 2]>,
+    segments: Vec<lyon_geom::CubicBezierSegment<f64>>,
+}
+
+impl Prepared {
+    pub fn new(cubics: Vec<Cubic>) -> Self {
+        let kurbo = |p: [f64; 2]| kurbo::Point::new(p[0], p[1]);
+        let lyon = |p: [f64; 2]| lyon_geom::point(p[0], p[1]);
+        Self {
+            beziers: cubics.iter().map(|&control| Bezier { control }).collect(),
+            paths: cubics.iter().map(|&control| Bezier { control }.into()).collect(),
+            elements: cubics
+                .iter()
+                .map(|c| {
+                    [PathEl::MoveTo(kurbo(c[0])), PathEl::CurveTo(kurbo(c[1]), kurbo(c[2]), kurbo(c[3]))]
+                })
+                .collect(),
+            segments: cubics
+                .iter()
+                .map(|c| lyon_geom::CubicBezierSegment {
+                    from: lyon(c[0]),
+                    ctrl1: lyon(c[1]),
+                    ctrl2: lyon(c[2]),
+                    to: lyon(c[3]),
+                })
+                .collect(),
+            cubics,
+        }
+    }
+
+    /// Calls `with` for every curve, in order, with a list of its own that holds its points.
+    pub fn one_by_one(&self, side: Side, tolerance: f64, mut with: impl FnMut(Points)) {
+        let length = Tolerance::new(tolerance).expect("a length");
+        match side {
+            Side::Fewest | Side::Even => {
+                let spacing = if side == Side::Even { Spacing::Even } else { Spacing::Fewest };
+                let mut cutter = BezierCutter::new(length, spacing).expect("a sane machine");
+                for curve in &self.beziers {
+                    let mut points = vec![curve.control[0]];
+                    cutter.append(curve, &mut points).expect("within reach");
+                    with(points);
+                }
+            }
+            Side::Path => {
+                let (budget, job) = (Budget::length(length), Job::default().with_threads(1));
+                for curve in &self.paths {
+                    with(curve_to_polyline(curve, &budget, &job).expect("within reach").shape.points);
+                }
+            }
+            Side::Kurbo => {
+                for elements in &self.elements {
+                    let mut points = Points::new();
+                    kurbo::flatten(*elements, tolerance, |element| {
+                        if let PathEl::MoveTo(p) | PathEl::LineTo(p) = element {
+                            points.push([p.x, p.y]);
+                        }
+                    });
+                    with(points);
+                }
+            }
+            Side::Lyon => {
+                for curve in &self.segments {
+                    let mut points = vec![[curve.from.x, curve.from.y]];
+                    curve.for_each_flattened(tolerance, &mut |line| points.push([line.to.x, line.to.y]));
+                    with(points);
+                }
+            }
+        }
+    }
+
+    /// All points in one list, as fast as the side can; returns how many.
+    pub fn at_once(&self, side: Side, tolerance: f64) -> usize {
+        let length = Tolerance::new(tolerance).expect("a length");
+        let mut points = Points::new();
+        match side {
+            Side::Fewest | Side::Even => {
+                let spacing = if side == Side::Even { Spacing::Even } else { Spacing::Fewest };
+                let job = Job::default().with_threads(1);
+                return beziers_to_polylines(&self.beziers, length, &job, spacing)
+                    .expect("within reach")
+                    .shape
+                    .points
+                    .len();
+            }
+            Side::Path => {
+                let (budget, job) = (Budget::length(length), Job::default().with_threads(1));
+                let made = chordal::convert::curves_to_polylines(&self.paths, &budget, &job, Spacing::Fewest);
+                return made.expect("within reach").shape.iter().map(|polyline| polyline.points.len()).sum();
+            }
+            Side::Kurbo => kurbo::flatten(self.elements.iter().flatten().copied(), tolerance, |element| {
+                if let PathEl::MoveTo(p) | PathEl::LineTo(p) = element {
+                    points.push([p.x, p.y]);
+                }
+            }),
+            Side::Lyon => {
+                for curve in &self.segments {
+                    points.push([curve.from.x, curve.from.y]);
+                    curve.for_each_flattened(tolerance, &mut |line| points.push([line.to.x, line.to.y]));
+                }
+            }
+        }
+        points.len()
+    }
+}

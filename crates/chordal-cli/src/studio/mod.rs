@@ -1,0 +1,106 @@
+//! `chordal studio`: serves the page about curves and segments to a browser on this machine.
+mod gate;
+mod page;
+mod secret;
+mod serve;
+
+use crate::args::StudioArgs;
+use crate::fault::{Exit, Fault, plainly};
+use crate::signal;
+use crate::talk::print;
+use gate::Gate;
+use page::Page;
+use secret::Secret;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::sync::Arc;
+
+/// The shortest token that a user may choose: as many hexadecimal digits as 128 bits take.
+const SHORTEST_TOKEN: usize = 32;
+
+/// Serves until somebody stops it.
+pub fn run(args: &StudioArgs) -> Result<(), Fault> {
+    let address = address(args)?;
+    let token = token(args)?;
+    let page = Page::find(args.dir.as_deref())?;
+    let session = Secret::random().map_err(no_random)?;
+    // One thread does: the page is a handful of files, read once.
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(|error| {
+        Fault::output("no-server", format!("the server cannot start: {}", plainly(&error)))
+    })?;
+    runtime.block_on(async {
+        let listener = tokio::net::TcpListener::bind(address).await;
+        let listener = listener.map_err(|error| cannot_listen(address, &error))?;
+        let address = listener.local_addr().map_err(|error| cannot_listen(address, &error))?;
+        let names = names(address.ip(), &args.allow_host);
+        let name = names.first().map_or("localhost", String::as_str);
+        let url = format!("http://{name}:{}/?token={}", address.port(), token.text());
+        let gate = Gate::new(address.port(), &names, token, session);
+        signal::install(Arc::default());
+        print(&format!("Chordal studio: {url}\nThe link works once, in one browser. Ctrl-C ends it.\n"))?;
+        if args.open {
+            open(&url)?;
+        }
+        serve::forever(listener, Arc::new(gate), Arc::new(page)).await;
+        Ok(())
+    })
+}
+
+/// Loopback, unless a host and a token are given.
+fn address(args: &StudioArgs) -> Result<SocketAddr, Fault> {
+    let host = args.host.unwrap_or(IpAddr::V4(Ipv4Addr::LOCALHOST));
+    if !host.is_loopback() && args.token.is_none() {
+        return Err(Fault::usage(format!(
+            "--host {host} opens the studio to other machines, which needs a --token of your own as well"
+        )));
+    }
+    Ok(SocketAddr::new(host, args.port))
+}
+
+/// What browsers may call this machine beside the names that it always has: those that are given, and its address,
+/// which unlike a name cannot be bent to point here by somebody else.
+fn names(address: IpAddr, given: &[String]) -> Vec<String> {
+    let own = match address {
+        address if address.is_unspecified() => None,
+        IpAddr::V4(address) => Some(address.to_string()),
+        IpAddr::V6(address) => Some(format!("[{address}]")),
+    };
+    given.iter().cloned().chain(own).collect()
+}
+
+/// The user's token, or a new one.
+fn token(args: &StudioArgs) -> Result<Secret, Fault> {
+    let Some(token) = &args.token else { return Secret::random().map_err(no_random) };
+    let plain = token.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_');
+    if token.len() < SHORTEST_TOKEN || !plain {
+        return Err(Fault::usage(format!(
+            "a --token has at least {SHORTEST_TOKEN} letters and digits, chosen by chance, as from 'openssl rand -hex 24'"
+        )));
+    }
+    Ok(Secret::given(token))
+}
+
+fn no_random(error: getrandom::Error) -> Fault {
+    Fault::new(Exit::Output, "no-random", format!("the system gives no random numbers for a token: {error}"))
+}
+
+fn cannot_listen(address: SocketAddr, error: &std::io::Error) -> Fault {
+    Fault::output("no-server", format!("cannot listen at {address}: {}", plainly(error)))
+}
+
+/// Hands the link to the system's browser.
+fn open(url: &str) -> Result<(), Fault> {
+    let (program, before): (&str, &[&str]) = if cfg!(target_os = "macos") {
+        ("open", &[])
+    } else if cfg!(windows) {
+        ("rundll32", &["url.dll,FileProtocolHandler"])
+    } else {
+        ("xdg-open", &[])
+    };
+    let started = std::process::Command::new(program).args(before).arg(url).spawn();
+    started.map(drop).map_err(|error| {
+        Fault::output(
+            "no-browser",
+            format!("{program} does not start ({}): open the link yourself", plainly(&error)),
+        )
+    })
+}

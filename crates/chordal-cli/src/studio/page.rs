@@ -1,0 +1,200 @@
+//! `Page`: the files that are served, all of them in memory, each under the one name that it is asked for by.
+use crate::fault::{Fault, plainly};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+mod built {
+    //! What `build.rs` found.
+    include!(concat!(env!("OUT_DIR"), "/page.rs"));
+}
+
+/// The most bytes of one file: ten times what the whole page weighs.
+const MOST_BYTES: u64 = 16 << 20;
+/// The most files of a folder that is served.
+const MOST_FILES: usize = 64;
+
+/// One file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct File {
+    /// What it holds.
+    pub bytes: Cow<'static, [u8]>,
+    /// Its media type.
+    pub kind: &'static str,
+}
+
+/// The files by the path of their URL. What is not listed here does not exist: no request ever becomes a path of the
+/// file system.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Page(BTreeMap<String, File>);
+
+impl Page {
+    /// The page in `dir`; else the one built into this command; else one that lies beside it.
+    ///
+    /// # Errors
+    /// When there is none, with the sentence how to get it.
+    pub fn find(dir: Option<&Path>) -> Result<Self, Fault> {
+        if let Some(dir) = dir {
+            return Self::read(dir);
+        }
+        if !built::FILES.is_empty() {
+            return Ok(Self::built());
+        }
+        match beside() {
+            Some(dir) => Self::read(&dir),
+            None => Err(Fault::input(
+                "no-page",
+                "this chordal was built without the studio's page: run 'make studio' in its source, or name the page's folder with --dir",
+            )),
+        }
+    }
+
+    /// The file for the path of a URL.
+    pub fn get(&self, path: &str) -> Option<&File> {
+        self.0.get(if path == "/" { "/index.html" } else { path })
+    }
+
+    fn built() -> Self {
+        let file = |(path, bytes): &(&'static str, &'static [u8])| {
+            let name = path.rsplit('/').next().unwrap_or(path);
+            Some((format!("/{path}"), File { bytes: Cow::Borrowed(*bytes), kind: kind(name)? }))
+        };
+        Self(built::FILES.iter().filter_map(file).collect())
+    }
+
+    /// Lists and reads a folder and its `assets`, links left out.
+    fn read(dir: &Path) -> Result<Self, Fault> {
+        let fault = |path: &Path, why: &str| Fault::input("unreadable", format!("{}: {why}", path.display()));
+        let mut files = BTreeMap::new();
+        for (prefix, folder) in [("/", dir.to_path_buf()), ("/assets/", dir.join("assets"))] {
+            let entries = match fs::read_dir(&folder) {
+                Ok(entries) => entries,
+                Err(_) if prefix != "/" => continue,
+                Err(error) => return Err(fault(&folder, &plainly(&error))),
+            };
+            for entry in entries {
+                let entry = entry.map_err(|error| fault(&folder, &plainly(&error)))?;
+                let (path, name) = (entry.path(), entry.file_name());
+                let Some((name, kind)) = name.to_str().and_then(|name| Some((name, kind(name)?))) else {
+                    continue;
+                };
+                let data = entry.metadata().map_err(|error| fault(&path, &plainly(&error)))?;
+                if !data.is_file() {
+                    continue;
+                }
+                if data.len() > MOST_BYTES || files.len() == MOST_FILES {
+                    return Err(fault(&path, "a page has at most 64 files of 16 MiB each"));
+                }
+                let bytes = fs::read(&path).map_err(|error| fault(&path, &plainly(&error)))?;
+                files.insert(format!("{prefix}{name}"), File { bytes: bytes.into(), kind });
+            }
+        }
+        if files.contains_key("/index.html") {
+            Ok(Self(files))
+        } else {
+            Err(fault(dir, "there is no index.html in it; 'make studio' writes the page to studio/dist/page"))
+        }
+    }
+}
+
+/// Where a page lies that was not built in: beside the command, where programs keep their data, or in the checkout
+/// that the command was built in.
+fn beside() -> Option<PathBuf> {
+    let command = std::env::current_exe().ok()?.canonicalize().ok()?;
+    let folder = command.parent()?;
+    let mut places = vec![folder.join("studio"), folder.join("../share/chordal/studio")];
+    // target/release/chordal and target/wasm32-unknown-unknown/release/… lie two or three folders down.
+    places.extend(folder.ancestors().skip(1).take(3).map(|root| root.join("studio/dist/page")));
+    places.into_iter().find(|place| place.join("index.html").is_file())
+}
+
+/// The media type by the end of a name; a file of another kind is not served.
+fn kind(name: &str) -> Option<&'static str> {
+    let plain = name.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"._-".contains(&byte));
+    let (stem, end) = name.rsplit_once('.')?;
+    if !plain || stem.is_empty() || name.starts_with('.') {
+        return None;
+    }
+    match end {
+        "html" => Some("text/html; charset=utf-8"),
+        "js" => Some("text/javascript; charset=utf-8"),
+        "css" => Some("text/css; charset=utf-8"),
+        "svg" => Some("image/svg+xml"),
+        "png" => Some("image/png"),
+        "wasm" => Some("application/wasm"),
+        "json" => Some("application/json"),
+        "txt" => Some("text/plain; charset=utf-8"),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Folder(PathBuf);
+
+    impl Folder {
+        fn new(name: &str) -> Self {
+            let path = std::env::temp_dir().join(format!("chordal-page-{}-{name}", std::process::id()));
+            let _ = fs::remove_dir_all(&path);
+            fs::create_dir_all(path.join("assets")).unwrap();
+            Self(path)
+        }
+    }
+
+    impl Drop for Folder {
+        fn drop(&mut self) {
+            let _ = fs::remove_dir_all(&self.0);
+        }
+    }
+
+    #[test]
+    fn lists_its_files_and_knows_no_path() {
+        let folder = Folder::new("list");
+        fs::write(folder.0.join("index.html"), "<p>").unwrap();
+        fs::write(folder.0.join("assets/a-1.js"), "1").unwrap();
+        fs::write(folder.0.join(".secret.txt"), "no").unwrap();
+        fs::write(folder.0.join("key.pem"), "no").unwrap();
+        #[cfg(unix)]
+        std::os::unix::fs::symlink("/etc/hostname", folder.0.join("link.txt")).unwrap();
+        let page = Page::find(Some(&folder.0)).unwrap();
+        let names: Vec<&str> = page.0.keys().map(String::as_str).collect();
+        assert_eq!(names, ["/assets/a-1.js", "/index.html"]);
+        assert_eq!(page.get("/").unwrap().bytes.as_ref(), b"<p>");
+        assert_eq!(page.get("/assets/a-1.js").unwrap().kind, "text/javascript; charset=utf-8");
+        for path in [
+            "/assets/../index.html",
+            "/assets",
+            "//index.html",
+            "/%69ndex.html",
+            "/../index.html",
+            "index.html",
+            "",
+        ] {
+            assert_eq!(page.get(path), None, "{path}");
+        }
+    }
+
+    #[test]
+    fn every_file_that_is_built_in_is_served() {
+        let page = Page::built();
+        for (name, bytes) in built::FILES {
+            assert_eq!(
+                page.get(&format!("/{name}")).map(|file| file.bytes.len()),
+                Some(bytes.len()),
+                "{name}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_folder_without_a_page_is_refused() {
+        let folder = Folder::new("empty");
+        let fault = Page::find(Some(&folder.0)).unwrap_err();
+        assert!(fault.to_string().contains("index.html"), "{fault}");
+        let fault = Page::find(Some(&folder.0.join("nowhere"))).unwrap_err();
+        assert!(fault.to_string().contains("no such file"), "{fault}");
+    }
+}

@@ -1,0 +1,122 @@
+//! Answers requests: what the gate lets in gets a file from the list, and every answer carries the same strict headers.
+use super::gate::{Gate, Verdict};
+use super::page::{File, Page};
+use http_body_util::Full;
+use hyper::body::{Bytes, Incoming};
+use hyper::header::{
+    ALLOW, CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HeaderValue, LOCATION, REFERRER_POLICY,
+    SET_COOKIE, X_CONTENT_TYPE_OPTIONS, X_FRAME_OPTIONS,
+};
+use hyper::service::service_fn;
+use hyper::{Method, Request, Response, StatusCode};
+use hyper_util::rt::{TokioIo, TokioTimer};
+use std::convert::Infallible;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::net::TcpListener;
+use tokio::sync::Semaphore;
+
+/// The page may run its own script, its own worker and WebAssembly, load its own files, and nothing else.
+const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; \
+    connect-src 'self'; style-src 'self'; img-src 'self' data:; base-uri 'none'; form-action 'none'; \
+    frame-ancestors 'self'";
+
+/// The most connections at once; a browser opens about six.
+const MOST_CONNECTIONS: usize = 64;
+/// The most bytes of a request's head.
+const MOST_HEAD: usize = 16 << 10;
+/// How long a request's head may take to come.
+const PATIENCE: Duration = Duration::from_secs(10);
+/// How long a connection may live: whoever reads slower than this holds a place for nothing.
+const LIFE: Duration = Duration::from_secs(300);
+/// How long to wait when the system has no connection to give, so that the loop does not spin.
+const PAUSE: Duration = Duration::from_millis(100);
+
+/// Serves `page` to whom `gate` lets in. It does not end.
+pub async fn forever(listener: TcpListener, gate: Arc<Gate>, page: Arc<Page>) {
+    let places = Arc::new(Semaphore::new(MOST_CONNECTIONS));
+    loop {
+        // The semaphore is never closed, so that the permit is always there in the end.
+        let Ok(place) = Arc::clone(&places).acquire_owned().await else { return };
+        let Ok((stream, _)) = listener.accept().await else {
+            tokio::time::sleep(PAUSE).await;
+            continue;
+        };
+        let (gate, page) = (Arc::clone(&gate), Arc::clone(&page));
+        tokio::spawn(async move {
+            let answer = service_fn(|request: Request<Incoming>| {
+                let answer = answer(&gate, &page, &request);
+                async { Ok::<_, Infallible>(answer) }
+            });
+            // A connection that breaks or takes too long is the browser's own business.
+            let connection = hyper::server::conn::http1::Builder::new()
+                .timer(TokioTimer::new())
+                .header_read_timeout(PATIENCE)
+                .max_buf_size(MOST_HEAD)
+                .serve_connection(TokioIo::new(stream), answer);
+            let _ = tokio::time::timeout(LIFE, connection).await;
+            drop(place);
+        });
+    }
+}
+
+fn answer<B>(gate: &Gate, page: &Page, request: &Request<B>) -> Response<Full<Bytes>> {
+    let mut response = match gate.judge(request) {
+        Verdict::Enter => file(page, request),
+        Verdict::Welcome { cookie } => welcome(&cookie),
+        Verdict::ForeignHost => text(StatusCode::MISDIRECTED_REQUEST, "This server has another name.\n"),
+        Verdict::ForeignOrigin => text(StatusCode::FORBIDDEN, "Another site's page asks for this.\n"),
+        Verdict::Stranger => text(
+            StatusCode::FORBIDDEN,
+            "Open the link that 'chordal studio' printed; it works once. Start it again for a new one.\n",
+        ),
+    };
+    let headers = response.headers_mut();
+    for (name, value) in [
+        (CONTENT_SECURITY_POLICY, POLICY),
+        (X_CONTENT_TYPE_OPTIONS, "nosniff"),
+        (X_FRAME_OPTIONS, "SAMEORIGIN"),
+        (REFERRER_POLICY, "no-referrer"),
+        (CACHE_CONTROL, "no-store"),
+    ] {
+        headers.insert(name, HeaderValue::from_static(value));
+    }
+    headers.insert("cross-origin-resource-policy", HeaderValue::from_static("same-origin"));
+    response
+}
+
+fn file<B>(page: &Page, request: &Request<B>) -> Response<Full<Bytes>> {
+    if !matches!(*request.method(), Method::GET | Method::HEAD) {
+        let mut response = text(StatusCode::METHOD_NOT_ALLOWED, "There is nothing to change here.\n");
+        response.headers_mut().insert(ALLOW, HeaderValue::from_static("GET, HEAD"));
+        return response;
+    }
+    match page.get(request.uri().path()) {
+        Some(File { bytes, kind }) => with_type(StatusCode::OK, kind, Bytes::copy_from_slice(bytes)),
+        None => text(StatusCode::NOT_FOUND, "There is no such file.\n"),
+    }
+}
+
+/// On to the page without the token, which so leaves the address bar and the history.
+fn welcome(cookie: &str) -> Response<Full<Bytes>> {
+    let mut response = text(StatusCode::SEE_OTHER, "Come in.\n");
+    response.headers_mut().insert(LOCATION, HeaderValue::from_static("/"));
+    match HeaderValue::from_str(cookie) {
+        Ok(cookie) => {
+            response.headers_mut().insert(SET_COOKIE, cookie);
+            response
+        }
+        Err(_) => text(StatusCode::INTERNAL_SERVER_ERROR, "The cookie cannot be written.\n"),
+    }
+}
+
+fn text(status: StatusCode, line: &'static str) -> Response<Full<Bytes>> {
+    with_type(status, "text/plain; charset=utf-8", Bytes::from_static(line.as_bytes()))
+}
+
+fn with_type(status: StatusCode, kind: &'static str, bytes: Bytes) -> Response<Full<Bytes>> {
+    let mut response = Response::new(Full::new(bytes));
+    *response.status_mut() = status;
+    response.headers_mut().insert(CONTENT_TYPE, HeaderValue::from_static(kind));
+    response
+}

@@ -1,0 +1,52 @@
+//! What a page asks about two cubics: made to meet as smoothly as is wished, how they meet, and the comb of their curvature.
+use crate::question::{Leader, Question, Wrong};
+use chordal::Bezier;
+use chordal::check::{Join, Tooth, curvature_comb, join};
+use chordal::explicit::{Piece, Smoothness};
+use serde_json::{Value, json};
+
+/// Teeth of the comb of each curve.
+const TEETH: usize = 40;
+
+/// Answers `{"first", "second", "smoothness", "leader", "scale"}`.
+pub(crate) fn seam(bytes: &[u8]) -> Result<Value, Wrong> {
+    let asked = Question::parse(bytes, &["first", "second", "smoothness", "leader", "scale"])?;
+    let curves = [asked.cubic("first")?, asked.cubic("second")?];
+    let scale = asked.number("scale", [0.0, 1e3])?;
+    let curves = match asked.smoothness("smoothness")? {
+        Some(smoothness) => joined(curves, smoothness, asked.leader("leader")?),
+        None => curves,
+    };
+    let [first, second] = curves.map(Piece::Cubic);
+    Ok(json!({
+        "first": curves[0].control,
+        "second": curves[1].control,
+        "join": how(&join([&first, &second], [1.0; 2], 1)),
+        "comb": curves.map(|curve| comb(curve, scale)),
+    }))
+}
+
+/// The curve that does not lead is changed.
+fn joined([first, second]: [Bezier<2>; 2], smoothness: Smoothness, leader: Leader) -> [Bezier<2>; 2] {
+    match leader {
+        Leader::First => [first, second.continuing(&first, smoothness)],
+        Leader::Second => [first.reversed().continuing(&second.reversed(), smoothness).reversed(), second],
+    }
+}
+
+fn how(join: &Join<2>) -> Value {
+    json!({
+        "position_gap": join.position_gap,
+        "angle_rad": join.angle_rad,
+        "curvatures": join.curvatures,
+        "curvature_gap": join.curvature_gap,
+        "parametric": join.parametric,
+        "geometric": join.geometric,
+    })
+}
+
+fn comb(curve: Bezier<2>, scale: f64) -> Vec<Value> {
+    let told =
+        |tooth: &Tooth| json!({ "on_curve": tooth.on_curve, "tip": tooth.tip, "curvature": tooth.curvature });
+    curvature_comb(&curve.into(), TEETH, scale).iter().flatten().map(told).collect()
+}

@@ -1,0 +1,95 @@
+//! The curvature comb of a path in the plane: how strongly it bends, drawn as teeth across it.
+use crate::explicit::{Curve, Piece};
+
+/// One tooth of a comb.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tooth {
+    /// The parameter on the path (see [`Curve::at`]).
+    pub place: f64,
+    /// Where the tooth stands.
+    pub on_curve: [f64; 2],
+    /// Where it ends: on the outer side of the bend.
+    pub tip: [f64; 2],
+    /// One over the radius of the circle that fits best, positive where the path turns left.
+    pub curvature: f64,
+}
+
+/// The comb of each piece, in order: `n + 1` teeth at equal steps of the parameter, both ends of the piece included,
+/// each as long as the curvature there times `scale`. Where two pieces meet there are two teeth, and they end in the
+/// same point just where the direction and the curvature are the same.
+///
+/// A place where the path stands still, as in a cusp, has no curvature and no tooth.
+///
+/// ```
+/// use chordal::{Bezier, check};
+/// let arch = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
+/// let comb = check::curvature_comb(&arch.into(), 2, 0.5);
+/// // In the middle the first derivative is (3/2, 0) and the second (0, -6): the path turns right.
+/// let middle = &comb[0][1];
+/// assert_eq!(middle.on_curve, [0.5, 0.75]);
+/// assert!((middle.curvature + 6.0 / 2.25).abs() < 1e-12);
+/// assert!((middle.tip[1] - (0.75 + 0.5 * 6.0 / 2.25)).abs() < 1e-12);
+/// ```
+#[must_use]
+pub fn curvature_comb(curve: &Curve<2>, n: usize, scale: f64) -> Vec<Vec<Tooth>> {
+    let steps = n.max(1);
+    let of_piece = |(index, piece): (usize, &Piece<2>)| {
+        (0..=steps)
+            .filter_map(|i| {
+                let t = i as f64 / steps as f64;
+                tooth(piece, t, scale).map(|tooth| Tooth { place: index as f64 + t, ..tooth })
+            })
+            .collect()
+    };
+    curve.pieces().iter().enumerate().map(of_piece).collect()
+}
+
+fn tooth(piece: &Piece<2>, t: f64, scale: f64) -> Option<Tooth> {
+    let (on_curve, first, second) = (piece.at(t), piece.tangent(t), piece.second_derivative(t));
+    let speed = (first[0] * first[0] + first[1] * first[1]).sqrt();
+    let curvature = (first[0] * second[1] - first[1] * second[0]) / (speed * speed * speed);
+    if !curvature.is_finite() {
+        return None;
+    }
+    // The left normal is (-y', x') / speed; the outer side of a turn to the left is its right.
+    let reach = scale * curvature / speed;
+    let tip = [on_curve[0] + reach * first[1], on_curve[1] - reach * first[0]];
+    tip.iter().all(|x| x.is_finite()).then_some(Tooth { place: t, on_curve, tip, curvature })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::explicit::Bezier;
+
+    #[test]
+    fn an_almost_circle_has_teeth_of_almost_one_length_pointing_outwards() {
+        // The usual cubic for a quarter of the unit circle; its radius is right to 3e-4 and its curvature to 1 %.
+        let k = 4.0 / 3.0 * (2.0_f64.sqrt() - 1.0);
+        let quarter = Bezier { control: [[1.0, 0.0], [1.0, k], [k, 1.0], [0.0, 1.0]] };
+        for tooth in &curvature_comb(&quarter.into(), 16, 1.0)[0] {
+            assert!((tooth.curvature - 1.0).abs() < 0.011, "{tooth:?}");
+            let [x, y] = tooth.tip;
+            assert!(((x * x + y * y).sqrt() - 2.0).abs() < 0.012, "{tooth:?}");
+        }
+        for tooth in &curvature_comb(&quarter.reversed().into(), 16, 1.0)[0] {
+            assert!((tooth.curvature + 1.0).abs() < 0.011, "{tooth:?}");
+        }
+    }
+
+    #[test]
+    fn a_line_has_teeth_without_length_and_a_point_none() {
+        let line = Curve::new(vec![Piece::Line([[0.0, 0.0], [2.0, 1.0]])], false).unwrap();
+        let comb = curvature_comb(&line, 4, 3.0);
+        assert!(comb[0].len() == 5 && comb[0].iter().all(|tooth| tooth.tip == tooth.on_curve));
+        let still = Bezier { control: [[1.0, 1.0]; 4] };
+        assert!(curvature_comb(&still.into(), 4, 1.0)[0].is_empty());
+    }
+
+    #[test]
+    fn a_cusp_has_no_tooth() {
+        let cusp = Bezier { control: [[0.0, 0.0], [1.0, 1.0], [0.0, 1.0], [1.0, 0.0]] };
+        let comb = curvature_comb(&cusp.into(), 2, 1.0);
+        assert_eq!(comb[0].iter().map(|tooth| tooth.place).collect::<Vec<_>>(), [0.0, 1.0]);
+    }
+}

@@ -1,0 +1,31 @@
+// Writes the page as text and a still figure, at build time: what a reader has before any script runs, or without it.
+import { renderToString } from "preact-render-to-string";
+import type { Core } from "./core/module";
+import { Speaker } from "./i18n/speak";
+import { ladderOf, seamOf, studyOf } from "./questions";
+import { DEFAULTS, type Language } from "./state/state";
+import { App } from "./view/App";
+import type { Page, Surroundings } from "./view/page";
+
+/** As wide as the figure is on a wide window, on a screen with one dot to the pixel. */
+const AROUND: Surroundings = { width: 720, ownDensity: 1, isEmbedded: false, isStill: true };
+
+export function still(core: Core, language: Language): string {
+  const page: Page = {
+    say: new Speaker(language),
+    state: DEFAULTS,
+    answers: {
+      study: core.ask("study", studyOf(DEFAULTS, AROUND)),
+      ladder: core.ask("ladder", ladderOf(DEFAULTS, AROUND)),
+      seam: core.ask("seam", seamOf(DEFAULTS, "first")),
+    },
+    around: AROUND,
+    notes: [],
+    isMoving: false,
+    set: () => undefined,
+    close: () => undefined,
+  };
+  return renderToString(<App page={page} move={() => undefined} />);
+}
+
+export { Core } from "./core/module";

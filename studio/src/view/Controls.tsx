@@ -1,0 +1,172 @@
+// The panel beside the main figure: how many segments, where they go, how good that is, and how many would do.
+import type { Chain, Spacing } from "../core/types";
+import { type Density, GOALS, MOST_SEGMENTS, STOPS, stopOf, within } from "../state/state";
+import { Choice, Figure, Slider } from "./parts";
+import type { Page } from "./page";
+
+export type Verdict = "smooth" | "seen" | "open";
+
+/** Smooth when that is proved, seen when that was measured; between the two nothing is known. */
+export function verdict(chain: Chain, goal: number): Verdict {
+  if (chain.bound.pixels !== null && chain.bound.pixels <= goal) return "smooth";
+  return chain.gap !== null && chain.gap.pixels > goal ? "seen" : "open";
+}
+
+const SPACINGS: readonly Spacing[] = ["even", "fewest"];
+const MARKS: Record<Verdict, string> = { smooth: "✓", seen: "✕", open: "?" };
+const FRACTIONS: Record<number, string> = { 1: "1", 0.5: "½", 0.25: "¼" };
+
+export function Headline({ page }: { page: Page }) {
+  const { say, state, answers } = page;
+  const chain = answers.study[state.spacing];
+  if (!chain.gap) return <p class="headline">{say.text("headline.point")}</p>;
+  const found = verdict(chain, state.goal);
+  const values = { segments: say.segments(chain.segments), px: say.pixels(chain.gap.pixels) };
+  return <p class={`headline ${found}`}>{say.text(`headline.${found}`, values)}</p>;
+}
+
+export function Count({ page }: { page: Page }) {
+  const { say, state, set } = page;
+  const n = state.segments;
+  const to = (change: (n: number) => number) => set(({ segments }) => ({ segments: within(change(segments), 1, MOST_SEGMENTS) }));
+  const steps = [
+    ["segments.half", "½×", (n: number) => Math.ceil(n / 2)],
+    ["segments.fewer", "−", (n: number) => n - 1],
+    ["segments.more", "+", (n: number) => n + 1],
+    ["segments.twice", "2×", (n: number) => n * 2],
+  ] as const;
+  return (
+    <div class="count">
+      <Slider
+        id="segments"
+        label={say.text("segments")}
+        shown={n}
+        spoken={say.segments(n)}
+        low={0}
+        high={STOPS.length - 1}
+        step={1}
+        value={stopOf(n)}
+        choose={(stop) => to(() => STOPS[stop]!)}
+      />
+      <div class="steps">
+        {steps.map(([key, sign, target]) => (
+          <button
+            key={key}
+            type="button"
+            aria-label={say.text(key)}
+            title={say.text(key)}
+            disabled={within(target(n), 1, MOST_SEGMENTS) === n}
+            onClick={() => to(target)}
+          >
+            {sign}
+          </button>
+        ))}
+      </div>
+    </div>
+  );
+}
+
+export function Where({ page }: { page: Page }) {
+  const { say, state, set } = page;
+  return (
+    <Choice
+      name="spacing"
+      legend={say.text("spacing")}
+      value={state.spacing}
+      options={SPACINGS.map((value) => ({ value, label: say.text(`spacing.${value}`) }))}
+      choose={(spacing) => set({ spacing })}
+    />
+  );
+}
+
+export function Readout({ page }: { page: Page }) {
+  const { say, state, answers } = page;
+  const { gap, bound } = answers.study[state.spacing];
+  return (
+    <div class="readout">
+      <h3>{say.text("gap")}</h3>
+      <p class="big">
+        <Figure name="gap-pixels" value={gap?.pixels ?? 0}>
+          {say.pixels(gap?.pixels ?? 0)}
+        </Figure>
+      </p>
+      <dl class="plain">
+        <dt>{say.text("gap.measured")}</dt>
+        <dd>
+          <Figure name="gap-units" value={gap?.distance ?? 0}>
+            {say.units(gap?.distance ?? 0)}
+          </Figure>
+        </dd>
+        <dt>{say.text("gap.proved")}</dt>
+        <dd>
+          <Figure name="bound-units" value={bound.at_most}>
+            {bound.at_most === null ? "–" : say.units(bound.at_most)}
+          </Figure>
+        </dd>
+      </dl>
+      <p class="aside">{say.text("gap.apart", { n: say.number((bound.at_most ?? 0) - (gap?.distance ?? 0)) })}</p>
+    </div>
+  );
+}
+
+export function Verdicts({ page }: { page: Page }) {
+  const { say, state, answers, set } = page;
+  const chain = answers.study[state.spacing];
+  const options = GOALS.map((value) => {
+    const found = verdict(chain, value);
+    const extra = (
+      <small class={found} data-verdict={found}>
+        <i aria-hidden="true">{MARKS[found]}</i> {say.text(`verdict.${found}`)}
+      </small>
+    );
+    return { value, label: <b>{say.text("verdict.px", { n: FRACTIONS[value]! })}</b>, extra };
+  });
+  return (
+    <Choice class="verdicts" name="goal" legend={say.text("verdict")} value={state.goal} options={options} choose={(goal) => set({ goal })} />
+  );
+}
+
+export function Needed({ page }: { page: Page }) {
+  const { say, state, answers, set } = page;
+  const goal = say.text("verdict.px", { n: FRACTIONS[state.goal]! });
+  return (
+    <div class="needed">
+      <h3>{say.text("needed", { px: goal })}</h3>
+      <ul>
+        {SPACINGS.map((spacing) => {
+          const n = answers.study.needed[spacing];
+          const how = say.text(`needed.${spacing}`);
+          return (
+            <li key={spacing}>
+              <button
+                type="button"
+                disabled={n === null || n > MOST_SEGMENTS}
+                aria-label={n === null ? `${say.text("needed.none")}, ${how}` : say.text("needed.show", { segments: say.segments(n), how })}
+                onClick={() => n !== null && set({ segments: n, spacing })}
+              >
+                <Figure name={`needed-${spacing}`} value={n}>
+                  {n === null ? say.text("needed.none") : say.segments(n)}
+                </Figure>
+                <span>{how}</span>
+              </button>
+            </li>
+          );
+        })}
+      </ul>
+    </div>
+  );
+}
+
+export function Screen({ page }: { page: Page }) {
+  const { say, state, around, set } = page;
+  const options = ([0, 1, 2, 3] as const).map((value) => ({
+    value: value as Density,
+    label: say.text(value === 0 ? "density.own" : "density.other", { n: value === 0 ? say.number(around.ownDensity) : value }),
+  }));
+  return (
+    <div class="screen">
+      <Choice name="density" legend={say.text("density")} value={state.density} options={options} choose={(density) => set({ density })} />
+      <p class="aside">{say.text("density.help")}</p>
+    </div>
+  );
+}

@@ -1,0 +1,45 @@
+// The points once more as plain sliders: for those who would rather type, and for assistive technology that knows only
+// sliders along a line.
+import type { Point } from "../core/types";
+import { GRID, WORLD } from "../state/state";
+import type { Move } from "./Handle";
+import { Slider } from "./parts";
+import type { Page } from "./page";
+
+interface Props {
+  page: Page;
+  id: string;
+  points: readonly { name: string; at: Point; move: Move }[];
+}
+
+export function Numbers({ page, id, points }: Props) {
+  const { say } = page;
+  const axes = [
+    ["point.x", 0, WORLD.width],
+    ["point.y", 1, WORLD.height],
+  ] as const;
+  return (
+    <details class="numbers">
+      <summary>{say.text("point.numbers")}</summary>
+      <p id={`${id}-help`}>{say.text("point.help")}</p>
+      <div class="axes">
+        {points.flatMap(({ name, at, move }, i) =>
+          axes.map(([key, axis, high]) => (
+            <Slider
+              key={`${i}${axis}`}
+              id={`${id}-${i}-${axis}`}
+              label={say.text(key, { name })}
+              shown={say.coordinate(at[axis])}
+              spoken={say.coordinate(at[axis])}
+              low={0}
+              high={high}
+              step={1 / GRID}
+              value={at[axis]}
+              choose={(value) => move(([x, y]) => (axis === 0 ? [value, y] : [x, value]))}
+            />
+          )),
+        )}
+      </div>
+    </details>
+  );
+}

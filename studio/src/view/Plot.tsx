@@ -1,0 +1,172 @@
+// The widest gap against the number of segments, both logarithmic, with a line of slope −2 to compare with.
+import type { TargetedPointerEvent } from "preact";
+import type { Rung, Spacing } from "../core/types";
+import { GOALS, MOST_SEGMENTS, within } from "../state/state";
+import { follow } from "./Handle";
+import { px } from "./frame";
+import type { Page } from "./page";
+
+/** The numbers of segments that the core is asked for. */
+export const COUNTS: readonly number[] = [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 48, 56, 64, 80, 96, 112, 128];
+const TICKS = [1, 2, 4, 8, 16, 32, 64, 128];
+/** From a hundredth of a pixel to a thousand, always: a plot whose scale moves says nothing while one drags. */
+const DECADES = [0.01, 0.1, 1, 10, 100, 1000];
+const MARGIN = { left: 52, right: 16, top: 14, bottom: 42 };
+const TABLE = [1, 2, 4, 8, 16, 32, 64, 128];
+
+/** From counts and pixels to places in the plot. */
+class Scales {
+  readonly right: number;
+  readonly bottom: number;
+  constructor(
+    readonly width: number,
+    readonly height: number,
+  ) {
+    this.right = width - MARGIN.right;
+    this.bottom = height - MARGIN.bottom;
+  }
+  x(n: number): number {
+    return MARGIN.left + (Math.log2(n) / Math.log2(MOST_SEGMENTS)) * (this.right - MARGIN.left);
+  }
+  y(pixels: number): number {
+    const share = (Math.log10(Math.max(pixels, 1e-9)) + 2) / 5;
+    return this.bottom - share * (this.bottom - MARGIN.top);
+  }
+  count(x: number): number {
+    const share = (x - MARGIN.left) / (this.right - MARGIN.left);
+    return within(Math.round(2 ** (share * Math.log2(MOST_SEGMENTS))), 1, MOST_SEGMENTS);
+  }
+}
+
+export function Plot({ page }: { page: Page }) {
+  const { say, state, answers } = page;
+  const width = Math.min(page.around.width, 720);
+  const scales = new Scales(width, Math.round(Math.max(width * 0.56, 260)));
+  const { ladder, study } = answers;
+  const at = (rungs: Rung[], n: number) => say.pixels(rungs[ladder.counts.indexOf(n)]?.gap ?? 0);
+  const values = {
+    even: at(ladder.even, 8),
+    even2: at(ladder.even, 16),
+    even4: at(ladder.even, 32),
+    fewest: at(ladder.fewest, 8),
+    fewest2: at(ladder.fewest, 16),
+    fewest4: at(ladder.fewest, 32),
+  };
+  const now = study[state.spacing];
+  return (
+    <>
+      <h2 id="plot-title">{say.text("plot.title")}</h2>
+      <p>{say.text("plot.text")}</p>
+      <svg
+        class="plot"
+        viewBox={`0 0 ${px(width)} ${scales.height}`}
+        role="img"
+        aria-label={say.text("plot.alt", values)}
+        onPointerDown={(event: TargetedPointerEvent<SVGSVGElement>) => pick(event, scales, (segments) => page.set({ segments }))}
+      >
+        <Axes scales={scales} page={page} />
+        <clipPath id="plot-clip">
+          <rect x={MARGIN.left} y={MARGIN.top} width={px(scales.right - MARGIN.left)} height={px(scales.bottom - MARGIN.top)} />
+        </clipPath>
+        <g clip-path="url(#plot-clip)">
+          <Slope rungs={ladder.even} scales={scales} />
+          <Dots spacing="even" rungs={ladder.even} counts={ladder.counts} scales={scales} />
+          <Dots spacing="fewest" rungs={ladder.fewest} counts={ladder.counts} scales={scales} />
+          <path class="now" d={`M${px(scales.x(now.segments))} ${MARGIN.top}V${px(scales.bottom)}`} />
+          {now.gap && <circle class={`now ${state.spacing}`} cx={px(scales.x(now.segments))} cy={px(scales.y(now.gap.pixels))} r="6" />}
+        </g>
+      </svg>
+      <p class="legend">
+        <span class="even">{say.text("spacing.even")}</span>
+        <span class="fewest">{say.text("spacing.fewest")}</span>
+        <span class="slope">{say.text("plot.slope")}</span>
+      </p>
+      <Table page={page} />
+    </>
+  );
+}
+
+function Axes({ scales, page }: { scales: Scales; page: Page }) {
+  const { say, state } = page;
+  return (
+    <g class="axes">
+      {DECADES.map((value) => (
+        <g key={value}>
+          <path class="rule" d={`M${MARGIN.left} ${px(scales.y(value))}H${px(scales.right)}`} />
+          <text x={MARGIN.left - 8} y={px(scales.y(value))} dy="0.35em" text-anchor="end">
+            {value}
+          </text>
+        </g>
+      ))}
+      {GOALS.map((goal) => (
+        <path key={goal} class={goal === state.goal ? "goal chosen" : "goal"} d={`M${MARGIN.left} ${px(scales.y(goal))}H${px(scales.right)}`} />
+      ))}
+      {TICKS.map((n) => (
+        <text key={n} x={px(scales.x(n))} y={scales.bottom + 16} text-anchor="middle">
+          {n}
+        </text>
+      ))}
+      <text class="name" x={px((MARGIN.left + scales.right) / 2)} y={scales.height - 6} text-anchor="middle">
+        {say.text("plot.x")}
+      </text>
+      <text class="name" transform={`translate(13 ${px((MARGIN.top + scales.bottom) / 2)})rotate(-90)`} text-anchor="middle">
+        {say.text("plot.y")}
+      </text>
+    </g>
+  );
+}
+
+/** Through the last dot of the equal steps: what a quarter for every doubling looks like. */
+function Slope({ rungs, scales }: { rungs: Rung[]; scales: Scales }) {
+  const last = rungs.at(-1);
+  if (!last || last.gap <= 0) return null;
+  const at = (n: number) => `${px(scales.x(n))} ${px(scales.y((last.gap * last.segments ** 2) / n ** 2))}`;
+  return <path class="slope" d={`M${at(1)}L${at(MOST_SEGMENTS)}`} />;
+}
+
+function Dots({ spacing, rungs, counts, scales }: { spacing: Spacing; rungs: Rung[]; counts: number[]; scales: Scales }) {
+  const places = rungs.flatMap((rung, i) => (rung.gap > 0 ? [`${px(scales.x(counts[i]!))} ${px(scales.y(rung.gap))}`] : []));
+  return (
+    <g class={spacing}>
+      <path class="line" d={places.length ? `M${places.join("L")}` : ""} />
+      <path class="dots" d={places.map((place) => `M${place}h0`).join("")} />
+    </g>
+  );
+}
+
+/** A press or a drag in the plot chooses the number of segments; keys have the slider for it. */
+function pick(event: TargetedPointerEvent<SVGSVGElement>, scales: Scales, choose: (n: number) => void) {
+  if (event.button !== 0) return;
+  const box = event.currentTarget.getBoundingClientRect();
+  const at = (now: PointerEvent) => choose(scales.count(((now.clientX - box.left) * scales.width) / box.width));
+  at(event);
+  follow(event, at);
+}
+
+function Table({ page }: { page: Page }) {
+  const { say, answers } = page;
+  const { counts, even, fewest } = answers.ladder;
+  return (
+    <details class="plot-table">
+      <summary>{say.text("plot.table")}</summary>
+      <table>
+        <thead>
+          <tr>
+            <th scope="col">{say.text("segments")}</th>
+            <th scope="col">{say.text("spacing.even")}</th>
+            <th scope="col">{say.text("spacing.fewest")}</th>
+          </tr>
+        </thead>
+        <tbody>
+          {TABLE.map((n) => (
+            <tr key={n}>
+              <th scope="row">{n}</th>
+              <td>{say.pixels(even[counts.indexOf(n)]?.gap ?? 0)}</td>
+              <td>{say.pixels(fewest[counts.indexOf(n)]?.gap ?? 0)}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </details>
+  );
+}

@@ -1,0 +1,71 @@
+// Small parts that several views use: a number with its full digits, a choice of few, a slider.
+import type { ComponentChildren } from "preact";
+
+/** A number as it is shown, with all its digits in `value` for programs. */
+export function Figure({ name, value, children }: { name: string; value: number | null; children: ComponentChildren }) {
+  return (
+    <data class="number" data-name={name} value={value === null ? "" : String(value)}>
+      {children}
+    </data>
+  );
+}
+
+interface ChoiceProps<V extends string | number> {
+  name: string;
+  legend: string;
+  value: V;
+  options: readonly { value: V; label: ComponentChildren; extra?: ComponentChildren }[];
+  choose(value: V): void;
+  class?: string;
+}
+
+/** A few alternatives, of which one holds. Radio buttons, so that keys and assistive technology know what to do. */
+export function Choice<V extends string | number>({ name, legend, value, options, choose, class: kind }: ChoiceProps<V>) {
+  return (
+    <fieldset class={`choice ${kind ?? ""}`}>
+      <legend>{legend}</legend>
+      <div class="options">
+        {options.map((option) => (
+          <label key={option.value}>
+            <input type="radio" name={name} value={option.value} checked={option.value === value} onChange={() => choose(option.value)} />
+            <span>
+              {option.label}
+              {option.extra}
+            </span>
+          </label>
+        ))}
+      </div>
+    </fieldset>
+  );
+}
+
+interface SliderProps {
+  id: string;
+  label: string;
+  shown: ComponentChildren;
+  spoken: string;
+  low: number;
+  high: number;
+  step: number;
+  value: number;
+  choose(value: number): void;
+}
+
+export function Slider({ id, label, shown, spoken, low, high, step, value, choose }: SliderProps) {
+  return (
+    <div class="slider">
+      <label for={id}>{label}</label>
+      <output for={id}>{shown}</output>
+      <input
+        id={id}
+        type="range"
+        min={low}
+        max={high}
+        step={step}
+        value={value}
+        aria-valuetext={spoken}
+        onInput={(event) => choose(Number(event.currentTarget.value))}
+      />
+    </div>
+  );
+}

@@ -1,0 +1,101 @@
+// The page as `chordal studio` serves it, and what it weighs.
+import { spawn, spawnSync, type ChildProcess } from "node:child_process";
+import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { gzipSync } from "node:zlib";
+import { afterAll, beforeAll, expect, test } from "vitest";
+import { Core } from "../../src/core/module";
+import type { Cubic } from "../../src/core/types";
+import { DIST, Site, WASM, settled } from "./site";
+
+const command = process.env["CHORDAL"] ?? join(DIST, "../../../target/release/chordal");
+let site: Site;
+let studio: ChildProcess;
+let link: string;
+
+beforeAll(async () => {
+  site = await Site.open();
+  studio = spawn(command, ["studio"], { stdio: ["ignore", "pipe", "inherit"] });
+  link = await new Promise((found, failed) => {
+    let said = "";
+    studio.stdout!.on("data", (text) => {
+      said += text;
+      const url = /http:\S+/.exec(said);
+      if (url && said.includes("\n")) found(url[0]);
+    });
+    studio.on("error", failed);
+    studio.on("exit", (code) => failed(new Error(`chordal studio ended with ${code}`)));
+  });
+});
+afterAll(async () => {
+  studio?.kill();
+  await site?.close();
+});
+
+test("the link opens the page, which runs under the server's strict policy; it works once", async () => {
+  const context = await site.browser.newContext({ locale: "en-GB" });
+  const page = await context.newPage();
+  const errors: string[] = [];
+  page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
+  page.on("pageerror", (error) => errors.push(String(error)));
+  const response = (await page.goto(link))!;
+  expect(response.headers()["content-security-policy"]).toContain("default-src 'none'");
+  expect(page.url()).toBe(new URL("/", link).href);
+  await page.waitForSelector("html[data-ready]");
+  await settled(page);
+  expect(await page.locator(".headline").textContent()).toContain("6 segments");
+  expect(errors).toEqual([]);
+  expect(await page.evaluate(() => document.cookie), "scripts do not see the cookie").toBe("");
+  await page.reload();
+  await page.waitForSelector("html[data-ready]");
+
+  const stranger = await site.browser.newContext();
+  expect((await (await stranger.newPage()).goto(link))!.status()).toBe(403);
+  expect((await stranger.request.get(new URL("/", link).href)).status()).toBe(403);
+  await context.close();
+  await stranger.close();
+});
+
+test("the page's module and the command give the same points, bit for bit", async () => {
+  const core = await Core.load(readFileSync(WASM));
+  const seed = 1 + Math.floor(Math.random() * 1e9);
+  let state = seed;
+  const random = () => (state = (state * 48271) % 2147483647) / 2147483647;
+  const folder = mkdtempSync(join(tmpdir(), "chordal-studio-"));
+  for (let i = 0; i < 12; i++) {
+    const control = Array.from({ length: 4 }, () => [random() * 10, random() * 6]) as unknown as Cubic;
+    const segments = 1 + Math.floor(random() * 128);
+    const file = join(folder, "curve.svg");
+    const [a, b, c, d] = control.map((point) => point.join(" "));
+    writeFileSync(file, `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 6"><path fill="none" d="M${a}C${b} ${c} ${d}"/></svg>`);
+    const answer = core.ask("study", { control, segments, pixels_per_unit: 70, pixels: 1, t: 0, near: 1 });
+    for (const spacing of ["even", "fewest"] as const) {
+      const run = spawnSync(command, ["mesh", file, "--segments", String(segments), "--spacing", spacing, "-o", "-", "--to", "json", "-q"]);
+      const made = JSON.parse(run.stdout.toString());
+      expect(made.polylines[0].points, `seed ${seed}`).toEqual(answer[spacing].points);
+      expect(made.report.certificate.bound.at_most, `seed ${seed}`).toBe(answer[spacing].bound.at_most);
+    }
+  }
+  rmSync(folder, { recursive: true });
+});
+
+test("the page weighs less than a megabyte, compressed, all files together", () => {
+  const files = readdirSync(DIST, { recursive: true, withFileTypes: true }).filter((entry) => entry.isFile());
+  const sizes = files.map((entry) => gzipSync(readFileSync(join(entry.parentPath, entry.name)), { level: 9 }).length);
+  const all = sizes.reduce((sum, size) => sum + size, 0);
+  console.log(`the page: ${files.length} files, ${Math.round(all / 1000)} kB compressed`);
+  expect(files.length).toBe(6);
+  expect(all).toBeLessThan(1_000_000);
+});
+
+test("the page asks no other host for anything", () => {
+  for (const entry of readdirSync(DIST, { recursive: true, withFileTypes: true })) {
+    if (!/\.(html|js|css)$/.test(entry.name)) continue;
+    const text = readFileSync(join(entry.parentPath, entry.name), "utf8");
+    const hosts = [...text.matchAll(/https?:\/\/([\w.-]+)/g)].map((match) => match[1]);
+    // The names of the SVG and MathML vocabularies look like addresses and are none.
+    expect(hosts.filter((host) => host !== "www.w3.org"), entry.name).toEqual([]);
+    expect(text).not.toContain("SharedArrayBuffer");
+  }
+});

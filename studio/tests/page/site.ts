@@ -1,0 +1,109 @@
+// A browser and a plain static host for the built page. The host serves it under a path of its own, sends no header that
+// a simple host would not send, and lets a test replace a file.
+import AxeBuilder from "@axe-core/playwright";
+import { existsSync } from "node:fs";
+import { readFile } from "node:fs/promises";
+import { createServer, type Server } from "node:http";
+import type { AddressInfo } from "node:net";
+import { extname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { type Browser, type BrowserContextOptions, type Page, chromium } from "playwright-core";
+
+export const ROOT = fileURLToPath(new URL("../..", import.meta.url));
+export const DIST = join(ROOT, "dist/page");
+export const WASM = join(ROOT, "wasm/chordal.wasm");
+
+const TYPES: Record<string, string> = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css" };
+const FLAGS = [
+  "--headless",
+  "--no-sandbox",
+  "--disable-gpu",
+  "--disable-quic",
+  "--no-first-run",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+  "--enable-unsafe-swiftshader",
+];
+
+export class Site {
+  private constructor(
+    readonly browser: Browser,
+    private readonly server: Server,
+    readonly base: string,
+  ) {}
+
+  static async open(): Promise<Site> {
+    const server = createServer((request, response) => void serve(request.url ?? "/", response));
+    await new Promise<void>((done) => server.listen(0, "127.0.0.1", done));
+    const { port } = server.address() as AddressInfo;
+    const executablePath = process.env["CHROMIUM"] ?? "/usr/bin/chromium";
+    if (!existsSync(executablePath)) throw new Error(`there is no chromium at ${executablePath}`);
+    const browser = await chromium.launch({ executablePath, args: FLAGS });
+    return new Site(browser, server, `http://127.0.0.1:${port}/some/where/`);
+  }
+
+  async close(): Promise<void> {
+    await this.browser.close();
+    this.server.close();
+  }
+
+  /** A page of its own. Whatever the page logs as an error, or throws, ends up in `errors`. */
+  async visit(address = "", options: BrowserContextOptions & { prepare?: (page: Page) => Promise<unknown> } = {}): Promise<Visit> {
+    const { prepare, ...context } = options;
+    const opened = await this.browser.newContext({ viewport: { width: 1200, height: 900 }, locale: "en-GB", bypassCSP: false, ...context });
+    const page = await opened.newPage();
+    const errors: string[] = [];
+    page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
+    page.on("pageerror", (error) => errors.push(String(error)));
+    await prepare?.(page);
+    await page.goto(this.base + address);
+    return { page, errors };
+  }
+
+  async ready(address = "", options: Parameters<Site["visit"]>[1] = {}): Promise<Visit> {
+    const visit = await this.visit(address, options);
+    await visit.page.waitForSelector("html[data-ready]");
+    return visit;
+  }
+}
+
+export interface Visit {
+  page: Page;
+  errors: string[];
+}
+
+async function serve(url: string, response: import("node:http").ServerResponse): Promise<void> {
+  const path = new URL(url, "http://x").pathname.replace(/^\/some\/where\//, "");
+  try {
+    const body = await readFile(join(DIST, path === "" ? "index.html" : path));
+    // A host that has never heard of WebAssembly.
+    response.setHeader("content-type", TYPES[extname(path || "index.html")] ?? "application/octet-stream");
+    response.end(body);
+  } catch {
+    response.statusCode = 404;
+    response.end();
+  }
+}
+
+/** What axe calls serious or critical, as one line each. */
+export async function seriousFindings(page: Page): Promise<string[]> {
+  const { violations } = await new AxeBuilder({ page }).analyze();
+  return violations
+    .filter(({ impact }) => impact === "serious" || impact === "critical")
+    .map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.target.join(" ")).join(", ")}`);
+}
+
+/** The full digits behind a number that the page shows. */
+export async function digits(page: Page, name: string): Promise<number> {
+  return Number(await page.locator(`data[data-name="${name}"]`).first().getAttribute("value"));
+}
+
+/** Until the page has drawn the answer to its newest question, and has looked once more at its own size. */
+export async function settled(page: Page): Promise<void> {
+  const twoFrames = () => new Promise<void>((done) => requestAnimationFrame(() => requestAnimationFrame(() => done())));
+  await page.evaluate(twoFrames);
+  await page.waitForSelector("html[data-settled]");
+  await page.evaluate(twoFrames);
+  await page.waitForSelector("html[data-settled]");
+}

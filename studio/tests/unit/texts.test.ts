@@ -1,0 +1,65 @@
+// The catalogues say the same things, all of them are used, and numbers read as they should.
+import { readFileSync, readdirSync } from "node:fs";
+import { join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { expect, test } from "vitest";
+import { en, type Key } from "../../src/i18n/en";
+import { CATALOGUES, Speaker, fill, preferred } from "../../src/i18n/speak";
+import { zh } from "../../src/i18n/zh";
+
+const places = (text: string) => [...text.matchAll(/\{(\w+)\}/g)].map((match) => match[1]!).sort();
+
+test("every catalogue has the same keys in the same order", () => {
+  for (const catalogue of Object.values(CATALOGUES)) expect(Object.keys(catalogue)).toEqual(Object.keys(en));
+});
+
+test("every text has the same places to fill in, and is not empty", () => {
+  for (const key of Object.keys(en) as Key[]) {
+    expect(places(zh[key]), key).toEqual(places(en[key]));
+    expect(zh[key].trim(), key).not.toBe("");
+  }
+});
+
+test("nothing is left untranslated", () => {
+  const same = (Object.keys(en) as Key[]).filter((key) => zh[key] === en[key]);
+  expect(same).toEqual(["density.other", "seam.degrees"]);
+  const without = (Object.keys(zh) as Key[]).filter((key) => !/\p{Script=Han}/u.test(zh[key]));
+  expect(without).toEqual(["density.other", "seam.degrees"]);
+  expect((Object.keys(en) as Key[]).filter((key) => /\p{Script=Han}/u.test(en[key]))).toEqual([]);
+});
+
+test("every text is used", () => {
+  const root = fileURLToPath(new URL("../../src", import.meta.url));
+  const files = readdirSync(root, { recursive: true, encoding: "utf8" }).filter((name) => /\.tsx?$/.test(name) && !/i18n.(en|zh)\.ts$/.test(name));
+  const source = files.map((name) => readFileSync(join(root, name), "utf8")).join("\n");
+  // A key stands there whole, or as the start of a template such as `verdict.${found}`.
+  const isUsed = (key: string) => source.includes(`"${key}"`) || source.includes(`\`${key.slice(0, key.lastIndexOf(".") + 1)}\${`);
+  const counted = (key: string) => /^(segments|pixels|units)\.(one|other)$/.test(key);
+  expect(Object.keys(en).filter((key) => !isUsed(key) && !counted(key))).toEqual([]);
+});
+
+test("numbers have three digits, and one is one", () => {
+  const english = new Speaker("en");
+  expect(english.pixels(17.6630204)).toBe("17.7 pixels");
+  expect(english.pixels(1.0004)).toBe("1 pixel");
+  expect(english.pixels(0.5)).toBe("0.5 pixels");
+  expect(english.segments(1)).toBe("1 segment");
+  expect(english.segments(12)).toBe("12 segments");
+  expect(english.units(0)).toBe("0 units");
+  expect(english.number(12345)).toBe("12300");
+  expect(english.number(3.46e-12)).toBe("3.5·10⁻¹²");
+  expect(new Speaker("zh").pixels(17.6630204)).toBe("17.7 像素");
+});
+
+test("a text keeps a place that nobody filled, and takes values as they are", () => {
+  expect(fill("{a} and {b}", { a: "{b}" })).toBe("{b} and {b}");
+  expect(fill("{a}", { a: "$& <b>" })).toBe("$& <b>");
+});
+
+test("the reader's own language is taken, else English", () => {
+  expect(preferred(["zh-TW", "en"])).toBe("zh");
+  expect(preferred(["de-DE", "zh"])).toBe("zh");
+  expect(preferred(["en-GB", "zh"])).toBe("en");
+  expect(preferred(["fr"])).toBe("en");
+  expect(preferred([])).toBe("en");
+});

@@ -1,0 +1,26 @@
+// How the page is built and tested. Nothing is inlined, so that a strict content security policy holds everywhere; all
+// addresses are relative, so that the files work under any path of any host.
+import { defineConfig } from "vitest/config";
+
+export default defineConfig({
+  base: "./",
+  build: {
+    outDir: "dist/page",
+    emptyOutDir: true,
+    target: "es2022",
+    assetsInlineLimit: 0,
+    modulePreload: false,
+    reportCompressedSize: false,
+    rollupOptions: { input: ["index.html", "zh.html"] },
+  },
+  worker: { format: "es" },
+  test: {
+    projects: [
+      { extends: true, test: { name: "unit", include: ["tests/unit/*.test.ts"] } },
+      {
+        extends: true,
+        test: { name: "page", include: ["tests/page/*.test.ts"], fileParallelism: false, testTimeout: 60_000, hookTimeout: 60_000 },
+      },
+    ],
+  },
+});
