@@ -165,8 +165,15 @@ fn triangles_can_be_counted_and_what_fills_nothing_is_said() {
         let n = outcome.certificate.output.unwrap().triangles().unwrap().triangles;
         assert!(n <= most && n + 8 >= most, "{n} of {most}");
     }
+    // A ring cannot be had for two triangles: what is left has a bound as large as the ring is broad, or says why.
     let spec = BudgetSpec { triangles: Some(2), ..BudgetSpec::default() };
-    assert!(matches!(mesh(drawing(RING), &spec, Format::Ply, &Job::default()), Err(MeshFailure::Unmet(_))));
+    let coarse = made(drawing(RING), &spec, Format::Ply);
+    assert!(coarse.bound.at_most().unwrap() >= 2.0, "{}", coarse.bound);
+    let both = BudgetSpec { triangles: Some(2), ..length("0.01") };
+    assert!(matches!(mesh(drawing(RING), &both, Format::Ply, &Job::default()), Err(MeshFailure::Unmet(_))));
+    let thin = "<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0L9 1z'/></svg>";
+    let outcome = made(drawing(thin), &length("1"), Format::Ply);
+    assert!(outcome.certificate.notes.iter().any(|note| note.contains("no triangles")));
     let hollow = RING.replace("<path", "<path fill='none'");
     let failure = mesh(drawing(&hollow), &length("0.1"), Format::Glb, &Job::default()).unwrap_err();
     assert_eq!((failure.code(), failure.exit_code()), ("empty", 3));
