@@ -163,7 +163,7 @@ fn triangles_can_be_counted_and_what_fills_nothing_is_said() {
         let spec = BudgetSpec { triangles: Some(most), ..BudgetSpec::default() };
         let outcome = made(drawing(RING), &spec, Format::Ply);
         let n = outcome.certificate.output.unwrap().triangles().unwrap().triangles;
-        assert!(n <= most && n + 8 >= most, "{n} of {most}");
+        assert!(n <= most && n + 8 + most / 100 >= most, "{n} of {most}");
     }
     // A ring cannot be had for two triangles: what is left has a bound as large as the ring is broad, or says why.
     let spec = BudgetSpec { triangles: Some(2), ..BudgetSpec::default() };

@@ -95,7 +95,8 @@ fn budgets_are_met_or_refused_with_a_code() {
     for most in [8, 20, 64, 300, 5000] {
         let made = with(Budget::triangles(most)).unwrap_or_else(|error| panic!("{most}: {error}"));
         let n = made.shape.faces().len() as u64;
-        assert!(n <= most && n + 8 >= most, "{n} of {most}");
+        // The lengths that are tried are steps of two percent, and segments go with their root.
+        assert!(n <= most && n + 8 + most / 100 >= most, "{n} of {most}");
         let at_most = made.bound.at_most().unwrap();
         assert!(at_most < before);
         before = at_most;
