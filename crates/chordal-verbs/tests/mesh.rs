@@ -108,7 +108,7 @@ fn a_budget_without_a_limit_and_a_format_without_triangles_are_refused() {
     let none = mesh(patch_at([0.0; 3]), &BudgetSpec::default(), Format::Obj, &Job::default()).unwrap_err();
     assert_eq!(none.code(), "budget");
     let no_mesh = mesh(patch_at([0.0; 3]), &length("1"), Format::Bpt, &Job::default()).unwrap_err();
-    assert_eq!(no_mesh.code(), "unsupported");
+    assert_eq!((no_mesh.code(), no_mesh.exit_code()), ("usage", 2));
 }
 
 /// Triangles in all formats read back as what was certified, number for number.

@@ -8,7 +8,7 @@ use super::style::{Cascade, Looks, Own, Property};
 use super::transform::{Aspect, Map};
 use super::xml::Tree;
 use crate::drawing::{Drawing, Element};
-use crate::grow::push;
+use crate::grow::{push, push_large};
 use crate::text::{grouped, show};
 use crate::warnings::Warnings;
 use crate::{Limits, ReadError};
@@ -529,10 +529,10 @@ impl<'w, 'a> Walk<'w, 'a> {
                     }
                 }
             };
-            push(&mut self.drawing.lines, curve)?;
+            push_large(&mut self.drawing.lines, curve)?;
             push(&mut self.drawing.owners, owner)?;
         }
-        let name = tree.get(node, Key::Id).map_or_else(String::new, |found| found.0.into_owned());
+        let name = tree.get(node, Key::Id).map_or_else(Box::default, |found| Box::from(&*found.0));
         let Looks { filled, rule, .. } = context.looks;
         let tag = tree.tag(node);
         let element = Element {
@@ -543,6 +543,6 @@ impl<'w, 'a> Walk<'w, 'a> {
             // A line has no inside.
             filled: filled && tag != Tag::Line,
         };
-        push(&mut self.drawing.elements, element)
+        push_large(&mut self.drawing.elements, element)
     }
 }
