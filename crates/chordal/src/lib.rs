@@ -38,6 +38,7 @@ pub use explicit::{Bezier, Curve, Mesh, Patch, Polyline};
 #[doc = include_str!("../../../docs/curve_to_polyline.md")]
 #[doc = include_str!("../../../docs/formats.md")]
 #[doc = include_str!("../../../docs/patches_to_mesh.md")]
+#[doc = include_str!("../../../docs/segments.md")]
 #[doc = include_str!("../../../docs/splines.md")]
 #[doc = include_str!("../../../docs/view.md")]
 struct Pages;
