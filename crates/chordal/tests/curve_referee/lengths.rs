@@ -3,10 +3,10 @@ use crate::families::shape;
 use crate::measure::{Look, distance, measure, witnessed};
 use crate::truth::{Part, Path};
 use crate::{cases, flatten, for_all, length, quantile};
-use chordal::Failure;
 use chordal::budget::Code;
-use chordal::convert::Spacing;
+use chordal::convert::{BezierCutter, Spacing};
 use chordal::explicit::Polyline;
+use chordal::{Bezier, Failure, Tolerance};
 use std::fmt;
 
 /// One polyline, measured.
@@ -111,16 +111,37 @@ pub fn judge<const D: usize>(name: String, path: &Path<D>, tolerance: f64, spaci
             .max(measure(path, &made.shape, Look::Close).both());
     }
     let at_most = made.bound.at_most().expect("proved");
+    let promised = promised_by_cutter(&name, path, budget, (spacing, &made.shape));
     Some(Case {
         name,
         tolerance,
         budget,
         at_least,
-        at_most,
+        at_most: at_most.min(promised),
         measured,
         slack: path.slack(),
         segments: made.shape.n_segments(),
     })
+}
+
+/// What the cutter for inner loops promises of a cubic, and that its points are those of the path.
+fn promised_by_cutter<const D: usize>(
+    name: &str,
+    path: &Path<D>,
+    budget: f64,
+    (spacing, made): (Spacing, &Polyline<D>),
+) -> f64 {
+    let [Part::Cubic(control)] = path.parts[..] else { return f64::INFINITY };
+    let tolerance = Tolerance::new(budget).expect("a positive length");
+    let mut cutter = BezierCutter::new(tolerance, spacing).expect("a sane machine");
+    let mut points = vec![control[0]];
+    let bound = cutter.append(&Bezier { control }, &mut points);
+    let bound = bound.unwrap_or_else(|failure| panic!("{name}: {failure}"));
+    // A path has no two equal points in a row.
+    points.dedup();
+    assert!(points == made.points, "{name}: {} and {} points", points.len(), made.points.len());
+    assert!(bound <= budget, "{name}: {bound:e} > {budget:e}");
+    bound
 }
 
 /// What must hold for every case.
