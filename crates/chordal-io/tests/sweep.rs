@@ -385,7 +385,11 @@ fn large_hostile_files_stay_within_the_promised_memory() {
             format!("{{\"polylines\":[{{\"points\":[{}[0,0]]}}]}}", "[0.25,-0.75],".repeat(n)).into_bytes(),
         ),
         ("elements", Format::Svg, format!("<svg>{}</svg>", "<g/>".repeat(n)).into_bytes()),
-        ("shapes", Format::Svg, format!("<svg>{}</svg>", "<circle r='1'/>".repeat(n / 8)).into_bytes()),
+        (
+            "shapes",
+            Format::Svg,
+            format!("<svg>{}</svg>", "<circle cx='1' cy='2' r='1'/>".repeat(n / 8)).into_bytes(),
+        ),
         (
             "styles",
             Format::Svg,
@@ -455,6 +459,10 @@ fn h77_packed_paths_stay_within_the_promise_for_what_they_decode_to() {
         let decoded = if step.starts_with(['z', 'M']) { 2 * n } else { points * n };
         assert!(most <= promised(text.len() as u64).max(promised(16 * decoded)), "{step}: {most} bytes");
     }
+    // A circle without a place is two points in 15 bytes.
+    let text = format!("<svg>{}</svg>", "<circle r='1'/>".repeat(n as usize / 8));
+    let (result, most) = measured(text.as_bytes(), Format::Svg);
+    assert!(result.is_ok() && most <= (1 << 20) + 16 * 16 * (n / 4), "{most} bytes for {} circles", n / 8);
     let text = format!("{{\"polylines\":[{{\"points\":[{}[0,0]]}}]}}", "[0,0],".repeat(n as usize));
     let (result, most) = measured(text.as_bytes(), Format::Json);
     assert!(result.is_ok() && most <= promised(16 * n), "{most}");

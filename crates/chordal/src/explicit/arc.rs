@@ -261,10 +261,17 @@ impl Arc<2> {
         let centre = [0, 1].map(|k| (from[k] / 2.0 + to[k] / 2.0) + (c[0] * axes[0][k] + c[1] * axes[1][k]));
         let sweep = if shape.positive { sweep } else { -sweep };
         let arc = Self::new(centre, axes, start, sweep)?.with_ends([from, to]);
-        // 5. The square height is known to 2⁻⁹⁶, or, when sine and cosine of the rotation were rounded, to 8 ε (each by
-        // less than one unit in the last place, in two terms of at most 1 that are then squared). Its root is off by
-        // that over the height, and never by more than its own root. The rest is plain rounding.
-        let known = if sin == 0.0 { 16.0 * f64::EPSILON * f64::EPSILON } else { 8.0 * f64::EPSILON };
+        // 5. The square height is known to 2⁻⁹⁶, or, when sine and cosine of the rotation were rounded (each by less than
+        // one unit in the last place), to 8 ε times what they turn, in units of the shorter radius: a flat ellipse
+        // feels a turn most. Its root is off by that over the height, and never by more than its own root. The rest is
+        // plain rounding.
+        let shorter = if radii[0] < radii[1] { radii[0] } else { radii[1] };
+        let turned_over = (half[0].hi.abs() + half[1].hi.abs()) / shorter;
+        let known = if sin == 0.0 {
+            16.0 * f64::EPSILON * f64::EPSILON
+        } else {
+            8.0 * f64::EPSILON * (1.0 + turned_over)
+        };
         let by_slope = known / height.abs();
         let of_height = if by_slope < known.sqrt() { by_slope } else { known.sqrt() };
         let longest = if rx > ry { rx } else { ry };
