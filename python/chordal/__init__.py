@@ -15,7 +15,7 @@ True
 
 from chordal._bound import Bound
 from chordal._chordal import VERSION as __version__
-from chordal._curve import Curve, Polyline, bezier
+from chordal._curve import Curve, bezier
 from chordal._errors import (
     BudgetError,
     BudgetUnmet,
@@ -26,6 +26,7 @@ from chordal._errors import (
     WriteError,
 )
 from chordal._mesh import Mesh
+from chordal._polylines import Polyline, Polylines
 from chordal._shape import Shape, load
 from chordal._view import View
 
@@ -38,6 +39,7 @@ __all__ = [
     "InternalError",
     "Mesh",
     "Polyline",
+    "Polylines",
     "ReadError",
     "Refused",
     "Shape",

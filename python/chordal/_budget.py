@@ -6,7 +6,7 @@ from decimal import Decimal
 from typing import SupportsFloat, SupportsIndex, TypedDict
 
 from chordal._errors import BudgetError
-from chordal._arguments import number, positive
+from chordal._arguments import number, positive, text
 from chordal._view import View
 
 #: A length in units of the shape, or a text with a unit, as in "0.1mm".
@@ -20,7 +20,9 @@ class Wanted(TypedDict):
 
     length: tuple[str, str] | None
     pixels: tuple[float, str] | None
-    count: int | None
+    triangles: int | None
+    segments: int | None
+    spacing: str
 
 
 def wanted(
@@ -29,18 +31,22 @@ def wanted(
     rel: Share | None,
     pixels: SupportsFloat | None,
     view: str | View | None,
-    count: tuple[str, SupportsIndex | None],
+    triangles: SupportsIndex | None = None,
+    segments: SupportsIndex | None = None,
+    spacing: str = "fewest",
+    counted: str,
 ) -> Wanted:
-    """The budget of these arguments, if they belong together. The count comes with its name."""
-    counted, most = count
+    """The budget of these arguments, if they belong together. `counted` names the count that the caller has."""
     if tol is not None and rel is not None:
         raise BudgetError("tol, rel: give one of them, they are both a length")
     found: Wanted = {
         "length": _tol(tol) or _rel(rel),
         "pixels": _pixels(pixels, view),
-        "count": None if most is None else positive(counted, most),
+        "triangles": None if triangles is None else positive("triangles", triangles),
+        "segments": None if segments is None else positive("segments", segments),
+        "spacing": text("spacing", spacing) or "",
     }
-    if not any(found.values()):
+    if not (found["length"] or found["pixels"] or found["triangles"] or found["segments"]):
         raise BudgetError(
             "a budget is needed: tol=0.1 in units, rel=0.001 of the diagonal, "
             f'pixels=1 with view="1920x1080 fov=45 dist=4", or {counted}=5000'

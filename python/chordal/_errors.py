@@ -59,7 +59,7 @@ class BudgetError(Error, ValueError):
 class BudgetUnmet(Error):
     """The budget makes sense and was not met. The best that was reached is at hand, with its own bound."""
 
-    #: The best that was reached: a `Mesh`, or polylines, as the call would have returned.
+    #: The best that was reached, as the call would have returned it: a `Mesh` or `Polylines`.
     best: Any
 
     def __init__(self, message: str, best: Any) -> None:
@@ -69,8 +69,7 @@ class BudgetUnmet(Error):
     @property
     def bound(self) -> Bound:
         """How far the best is from the true shape."""
-        best = self.best[0] if isinstance(self.best, list) else self.best
-        bound: Bound = best.bound
+        bound: Bound = self.best.bound
         return bound
 
     def __str__(self) -> str:

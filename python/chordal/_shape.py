@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
-from typing import Any, Final, SupportsFloat, SupportsIndex
+from typing import Any, Final, Literal, SupportsFloat, SupportsIndex
 
 from chordal import _chordal, _files
 from chordal._arguments import function, text
 from chordal._budget import Length, Share, wanted
-from chordal._mesh import Mesh, made
+from chordal._errors import Refused
+from chordal._mesh import Mesh
+from chordal._polylines import Polylines
 from chordal._view import View
 
 #: Told about progress: the name of the stage, the steps that are done, and those in all.
@@ -58,7 +60,7 @@ def load(
 
 
 class Shape:
-    """What a file holds: Bézier patches or triangles. `load` makes it; it does not change."""
+    """What a file holds: patches, triangles, a drawing, or curves in space. `load` makes it; it does not change."""
 
     __slots__ = ("_source",)
 
@@ -67,7 +69,7 @@ class Shape:
 
     @property
     def kind(self) -> str:
-        """What it is, as in "patches" or "triangles"."""
+        """What it is: "patches", "triangles", "drawing" or "curves"."""
         return self._source.kind
 
     @property
@@ -90,7 +92,7 @@ class Shape:
         triangles: SupportsIndex | None = None,
         progress: Progress | None = None,
     ) -> Mesh:
-        """Triangles within a budget, with the bound that was reached.
+        """Triangles within a budget, with the bound that was reached. A drawing is filled.
 
         `tol` is the largest distance to the true shape, in units or as a text with a unit; `rel` the same as a share
         of the diagonal of the shape's box. `pixels` is the largest distance on the screen of `view`. `triangles` is
@@ -107,8 +109,38 @@ class Shape:
         >>> shape.mesh(rel="0.1%")
         <Mesh: 1 triangle, 3 vertices; between 0 and 0, proved; hausdorff distance to the input triangles>
         """
-        budget = wanted(tol=tol, rel=rel, pixels=pixels, view=view, count=("triangles", triangles))
-        return made(self._source.mesh(budget, function("progress", progress)))
+        budget = wanted(tol=tol, rel=rel, pixels=pixels, view=view, triangles=triangles, counted="triangles")
+        if self.kind == "curves":
+            raise Refused("unsupported", "curves in space enclose no area to fill with triangles: flatten them")
+        return Mesh.of(self._source.mesh(budget, "ply", function("progress", progress)))
+
+    def flatten(
+        self,
+        *,
+        tol: Length | None = None,
+        rel: Share | None = None,
+        pixels: SupportsFloat | None = None,
+        view: str | View | None = None,
+        segments: SupportsIndex | None = None,
+        spacing: Literal["fewest", "even"] = "fewest",
+        progress: Progress | None = None,
+    ) -> Polylines:
+        """The curves of a drawing as straight lines within a budget, one polyline for each subpath.
+
+        Everything is as for `Curve.flatten`. `Polyline.source` is the number of the element in the file.
+
+        >>> import chordal
+        >>> circle = chordal.load(b'<svg xmlns="http://www.w3.org/2000/svg"><circle r="1"/></svg>')
+        >>> lines = circle.flatten(tol=0.01)
+        >>> len(lines), lines[0].closed, lines.bound.at_most <= 0.01
+        (1, True, True)
+        """
+        budget = wanted(
+            tol=tol, rel=rel, pixels=pixels, view=view, segments=segments, spacing=spacing, counted="segments"
+        )
+        if self.kind not in ("curves", "drawing"):
+            raise Refused("unsupported", f"{self.kind} hold no curves to flatten: mesh them")
+        return Polylines.of(self._source.mesh(budget, "json", function("progress", progress)))
 
     def __repr__(self) -> str:
         name = f" {self._source.name}" if self._source.name else ""

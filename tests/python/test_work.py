@@ -30,23 +30,32 @@ def digest(shape: chordal.Shape) -> str:
     return sha256(mesh.vertices.tobytes() + mesh.faces.tobytes()).hexdigest()
 
 
+class Counter(threading.Thread):
+    """Counts as long as it is not stopped, whenever it gets Python's lock."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.steps = 0
+        self._over = threading.Event()
+
+    def run(self) -> None:
+        while not self._over.is_set():
+            self.steps += 1
+
+    def __enter__(self) -> Counter:
+        self.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._over.set()
+        self.join()
+
+
 def test_other_threads_run_meanwhile(teapot: chordal.Shape) -> None:
-    steps = 0
-    over = threading.Event()
-
-    def count() -> None:
-        nonlocal steps
-        while not over.is_set():
-            steps += 1
-
-    counter = threading.Thread(target=count)
-    counter.start()
-    before = steps
-    teapot.mesh(tol=1e-4)
-    after = steps
-    over.set()
-    counter.join()
-    assert after - before > 1000
+    with Counter() as counter:
+        before = counter.steps
+        teapot.mesh(tol=1e-4)
+        assert counter.steps - before > 1000
 
 
 @pytest.fixture
@@ -62,6 +71,19 @@ def test_ctrl_c_ends_the_work_and_frees_the_threads(teapot: chordal.Shape, soon:
     with pytest.raises(KeyboardInterrupt):
         teapot.mesh(tol=ENDLESS)
     assert digest(teapot) == digest(teapot)
+
+
+def test_a_signal_is_handled_in_the_middle_of_the_work(teapot: chordal.Shape, soon: None) -> None:
+    handled: list[int] = []
+    with Counter() as counter:
+        before = signal.signal(signal.SIGINT, lambda *_: handled.append(counter.steps))
+        try:
+            teapot.mesh(tol=2e-5)
+            after = counter.steps
+        finally:
+            signal.signal(signal.SIGINT, before)
+    # A handler that had to wait for the end of the work would run right here, with nothing counted in between.
+    assert handled and after - handled[0] > 1000
 
 
 def test_what_a_signal_handler_raises_comes_back(teapot: chordal.Shape, soon: None) -> None:

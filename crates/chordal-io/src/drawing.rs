@@ -9,7 +9,7 @@ pub struct Element {
     /// What it is in the file, as in "path" or "circle".
     pub kind: &'static str,
     /// Its name in the file (the id in SVG), or empty.
-    pub name: String,
+    pub name: Box<str>,
     /// The number that stands for it in a list of polylines: its place among the drawn elements of its file.
     pub source: u64,
     /// Which points its lines enclose.

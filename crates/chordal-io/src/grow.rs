@@ -3,6 +3,8 @@ use crate::{Place, ReadError};
 
 /// The items that a list starts with.
 const FIRST: usize = 64;
+/// The same for large ones, of which there can be many short lists.
+const FIRST_LARGE: usize = 8;
 
 /// The error of a list that does not fit into memory.
 pub(crate) fn out_of_memory(rows: usize) -> ReadError {
@@ -14,6 +16,18 @@ pub(crate) fn out_of_memory(rows: usize) -> ReadError {
 pub(crate) fn push<T>(list: &mut Vec<T>, item: T) -> Result<(), ReadError> {
     if list.len() == list.capacity() {
         grow(list, 1)?;
+    }
+    list.push(item);
+    Ok(())
+}
+
+/// Appends to a list of large items. It grows by a quarter, so that while it moves, the old and the new list together
+/// are no more than 2.25 times what was read.
+#[inline]
+pub(crate) fn push_large<T>(list: &mut Vec<T>, item: T) -> Result<(), ReadError> {
+    if list.len() == list.capacity() {
+        let step = (list.len() / 4).max(FIRST_LARGE);
+        list.try_reserve_exact(step).map_err(|_| out_of_memory(list.len()))?;
     }
     list.push(item);
     Ok(())

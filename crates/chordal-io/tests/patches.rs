@@ -261,7 +261,7 @@ fn h71_patches_in_one_place_and_none_at_all_are_counted() {
     assert_eq!(patches.len(), 1);
     assert_eq!(count(&warnings, "point-patches"), 1);
     let (patches, _, warnings) = load("{\"patches\": []}", Format::Json);
-    assert_eq!((patches.len(), count(&warnings, "no-shapes")), (0, 1));
+    assert_eq!((patches.len(), count(&warnings, "no-patches")), (0, 1));
     let wide = bpt().replace("0.5 1.1", "1.7e308 1.1").replace("1 2.1", "-1.7e308 2.1");
     assert_eq!(refuse(wide.as_bytes(), Format::Bpt).code, "extent-overflow");
 }

@@ -4,26 +4,47 @@
 //! as long as anybody looks at it, nothing is copied, and no line here is unsafe: what is shown never changes, and
 //! numpy is told that it may not write. Nor can a user allow it: numpy asks the owner, and this one offers no buffer.
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 use std::sync::Arc;
 
-/// What holds the numbers of an array, and does not move or change them.
-pub(crate) trait Holder: Send + Sync {
-    /// Where the numbers start.
-    fn start(&self) -> *const u8;
-    /// Rows and columns; no columns for a plain list.
-    fn shape(&self) -> Vec<usize>;
-    /// The type of one number: `f8`, `i4` or `i8`.
-    fn kind(&self) -> &'static str;
+/// Numbers in rows, as they lie in memory.
+pub(crate) struct Rows {
+    start: *const u8,
+    n_numbers: usize,
+    /// Numbers in a row; 1 for a plain list.
+    width: usize,
+    /// The type of one number in numpy's words, without the order of its bytes.
+    kind: &'static str,
+}
+
+impl Rows {
+    pub(crate) fn of_f64(numbers: &[f64], width: usize) -> Self {
+        Self { start: numbers.as_ptr().cast(), n_numbers: numbers.len(), width, kind: "f8" }
+    }
+
+    pub(crate) fn of_i64(numbers: &[i64]) -> Self {
+        Self { start: numbers.as_ptr().cast(), n_numbers: numbers.len(), width: 1, kind: "i8" }
+    }
+
+    /// Numbers below 2³¹, whose bits are the same with a sign.
+    pub(crate) fn of_u32_below_sign(numbers: &[u32], width: usize) -> Self {
+        Self { start: numbers.as_ptr().cast(), n_numbers: numbers.len(), width, kind: "i4" }
+    }
+
+    fn shape(&self) -> Vec<usize> {
+        if self.width == 1 { vec![self.n_numbers] } else { vec![self.n_numbers / self.width, self.width] }
+    }
 }
 
 /// Numbers that numpy sees in place: `numpy.asarray` copies nothing.
 #[pyclass(frozen, module = "chordal._chordal")]
-pub(crate) struct Array(Arc<dyn Holder>);
+pub(crate) struct Array(Box<dyn Fn() -> Rows + Send + Sync>);
 
 impl Array {
-    pub(crate) fn new(holder: impl Holder + 'static) -> Self {
-        Self(Arc::new(holder))
+    /// Some numbers of an owner that stays as long as the array does. That it is shared keeps it from changing.
+    pub(crate) fn new<T: Send + Sync + 'static>(owner: &Arc<T>, rows: fn(&T) -> Rows) -> Self {
+        let owner = Arc::clone(owner);
+        Self(Box::new(move || rows(&owner)))
     }
 }
 
@@ -33,11 +54,12 @@ impl Array {
     #[getter]
     fn __array_interface__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let order = if cfg!(target_endian = "little") { '<' } else { '>' };
+        let rows = (self.0)();
         let interface = PyDict::new(py);
         interface.set_item("version", 3)?;
-        interface.set_item("typestr", format!("{order}{}", self.0.kind()))?;
-        interface.set_item("shape", pyo3::types::PyTuple::new(py, self.0.shape())?)?;
-        interface.set_item("data", (self.0.start() as usize, true))?;
+        interface.set_item("typestr", format!("{order}{}", rows.kind))?;
+        interface.set_item("shape", PyTuple::new(py, rows.shape())?)?;
+        interface.set_item("data", (rows.start as usize, true))?;
         Ok(interface)
     }
 }

@@ -51,12 +51,18 @@ pub(crate) fn mesh(py: Python<'_>, failure: &MeshFailure) -> PyErr {
     match failure {
         MeshFailure::Length(_) => budget(py, &failure.to_string()),
         MeshFailure::Refused(refusal) => refused(py, refusal),
+        MeshFailure::Usage(why) => named(py, "Refused", ("unsupported", in_python(why))),
         _ => named(py, "Refused", (failure.code(), in_python(&failure.to_string()))),
     }
 }
 
 /// Sentences of the library name the command's options; here the same things are arguments.
 fn in_python(message: &str) -> String {
-    const NAMES: [(&str, &str); 2] = [("--from", "format="), ("--unit", "unit=")];
+    const NAMES: [(&str, &str); 4] = [
+        ("--from", "format="),
+        ("--unit", "unit="),
+        ("--triangles", "triangles="),
+        ("--segments", "segments="),
+    ];
     NAMES.iter().fold(message.to_owned(), |text, (option, argument)| text.replace(option, argument))
 }

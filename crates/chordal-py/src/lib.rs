@@ -6,8 +6,9 @@ mod array;
 mod command;
 mod curve;
 mod failure;
-mod mesh;
+mod outcome;
 mod pool;
+mod rows;
 mod source;
 mod spec;
 mod view;
@@ -19,10 +20,7 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _chordal {
     #[pymodule_export]
-    use super::{
-        array::Array, command::command, curve::Lines, curve::Paths, mesh::Triangles, source::Source,
-        view::view,
-    };
+    use super::{array::Array, command::command, outcome::Outcome, source::Source, view::view};
     use chordal_io::Limits;
     use pyo3::prelude::*;
 

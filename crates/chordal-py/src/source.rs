@@ -1,9 +1,10 @@
 //! `Source`: a shape as it was read.
-use crate::mesh::Triangles;
+use crate::curve::curves;
+use crate::outcome::{Order, Outcome};
 use crate::spec::{Wanted, parsed};
 use crate::{failure, work};
 use chordal::budget::Unit;
-use chordal_io::{Axis, Format, Limits, ReadError};
+use chordal_io::{Axis, Format, Frame, Limits, ReadError, UnknownFormat};
 use chordal_verbs::{Hint, Input, inspect, load};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
@@ -64,6 +65,22 @@ impl Source {
         Ok(Self { input: Arc::new(input), name })
     }
 
+    /// Curves by their control points: `numbers` are all coordinates in double precision and the byte order of the
+    /// machine; `shape` is the number of curves, of points of each (3n + 1 for n pieces), and of coordinates.
+    #[staticmethod]
+    fn curves(
+        py: Python<'_>,
+        numbers: PyBackedBytes,
+        shape: (usize, usize, usize),
+        unit: Option<&str>,
+    ) -> PyResult<Self> {
+        let metres_per_unit = parsed::<Unit>("unit", unit)?.map(Unit::metres);
+        let frame = Frame { up: None, metres_per_unit };
+        let made = work::run(py, None, move |_| curves(&numbers, shape.1, shape.2, frame))?;
+        let input = made.map_err(|error| failure::argument("control", error))?;
+        Ok(Self { input: Arc::new(input), name: None })
+    }
+
     /// The name of the kind, as in "patches".
     #[getter]
     fn kind(&self) -> &'static str {
@@ -90,9 +107,22 @@ impl Source {
         Ok(report.to_value().to_string())
     }
 
-    /// The shape as triangles within a budget.
-    fn mesh(&self, py: Python<'_>, wanted: Wanted, progress: Option<Py<PyAny>>) -> PyResult<Triangles> {
-        Triangles::make(py, (Arc::clone(&self.input), self.name.clone()), wanted.spec(py)?, progress)
+    /// Triangles or polylines within a budget, as a file of that format would have them.
+    fn mesh(
+        &self,
+        py: Python<'_>,
+        wanted: Wanted,
+        format: &str,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Outcome> {
+        let to = format.parse().map_err(|error: UnknownFormat| failure::argument("format", error))?;
+        let spec = wanted.spec(py)?;
+        Outcome::new(
+            py,
+            Order { input: Arc::clone(&self.input), name: self.name.clone(), spec },
+            to,
+            progress,
+        )
     }
 }
 

@@ -1,8 +1,7 @@
 //! A budget, from Python's arguments.
 use crate::failure;
 use chordal::budget::{InvalidLength, Length, PixelBudget, Pixels, View};
-use chordal::convert::Spacing;
-use chordal_verbs::BudgetSpec;
+use chordal_verbs::{BudgetSpec, Spacing};
 use pyo3::prelude::*;
 use std::str::FromStr;
 
@@ -14,8 +13,12 @@ pub(crate) struct Wanted {
     length: Option<(String, String)>,
     /// Device pixels, and the view.
     pixels: Option<(f64, String)>,
-    /// The most triangles, or segments.
-    count: Option<u64>,
+    /// The most triangles.
+    triangles: Option<u64>,
+    /// The most segments.
+    segments: Option<u64>,
+    /// Where the ends of segments are placed: "fewest" or "even".
+    spacing: String,
 }
 
 impl Wanted {
@@ -30,13 +33,17 @@ impl Wanted {
             let view = view.parse::<View>().map_err(|error| wrong("view", error.to_string()))?;
             PyResult::Ok(PixelBudget { pixels, view })
         });
-        let (length, pixels) = (length.transpose()?, pixels.transpose()?);
-        Ok(BudgetSpec { length, pixels, triangles: self.count, ..BudgetSpec::default() })
+        Ok(BudgetSpec {
+            length: length.transpose()?,
+            pixels: pixels.transpose()?,
+            triangles: self.triangles,
+            segments: self.segments,
+            spacing: parse_spacing(&self.spacing)?,
+        })
     }
 }
 
-/// Where the ends of segments are placed: "fewest" or "even".
-pub(crate) fn parse_spacing(name: &str) -> PyResult<Spacing> {
+fn parse_spacing(name: &str) -> PyResult<Spacing> {
     match name {
         "fewest" => Ok(Spacing::Fewest),
         "even" => Ok(Spacing::Even),

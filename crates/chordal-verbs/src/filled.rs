@@ -13,6 +13,8 @@ const TURNED: &str = "y grows downwards in the drawing and upwards in space: eve
 const MEANING: &str = "the bound is that of each outline and its polyline; a point that is inside on one side only, the \
                        drawing or the triangles, is no farther than that from an outline";
 
+const VANISHED: &str = "no triangles are left: all that the drawing fills is thinner than the bound";
+
 /// The outlines that a drawing fills, with y up, in their order.
 pub(crate) struct Filling {
     pub outlines: Vec<Outline>,
@@ -91,6 +93,9 @@ pub(crate) fn fill(
         Err(Failure::Refused(refusal)) => return Err(MeshFailure::Refused(refusal)),
         Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
     };
+    if shape.faces().is_empty() {
+        certificate.notes.push(VANISHED.to_owned());
+    }
     let (mesh, bound): (Mesh, Bound) = snapped(&shape, bound, &asked.budget, asked.to)?;
     Ok((Scene::of("drawing", mesh, true, filling.frame), bound, filling.place))
 }

@@ -53,6 +53,7 @@ export function Plot({ page }: { page: Page }) {
     fewest4: at(ladder.fewest, 32),
   };
   const now = study[state.spacing];
+  const here = Math.max(now.segments, 1);
   return (
     <>
       <h2 id="plot-title">{say.text("plot.title")}</h2>
@@ -72,8 +73,8 @@ export function Plot({ page }: { page: Page }) {
           <Slope rungs={ladder.even} scales={scales} />
           <Dots spacing="even" rungs={ladder.even} counts={ladder.counts} scales={scales} />
           <Dots spacing="fewest" rungs={ladder.fewest} counts={ladder.counts} scales={scales} />
-          <path class="now" d={`M${px(scales.x(now.segments))} ${MARGIN.top}V${px(scales.bottom)}`} />
-          {now.gap && <circle class={`now ${state.spacing}`} cx={px(scales.x(now.segments))} cy={px(scales.y(now.gap.pixels))} r="6" />}
+          <path class="now" d={`M${px(scales.x(here))} ${MARGIN.top}V${px(scales.bottom)}`} />
+          {now.gap && <circle class={`now ${state.spacing}`} cx={px(scales.x(here))} cy={px(scales.y(now.gap.pixels))} r="6" />}
         </g>
       </svg>
       <p class="legend">

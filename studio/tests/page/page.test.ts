@@ -58,6 +58,14 @@ async function expectNumbers(page: Page, state: State) {
   }
 }
 
+/** Sections are laid out as they come in sight, which moves those below: so twice. */
+async function intoSight(page: Page, what: string) {
+  for (let i = 0; i < 2; i++) {
+    await page.locator(what).scrollIntoViewIfNeeded();
+    await settled(page);
+  }
+}
+
 async function drag(page: Page, i: number, dx: number, dy: number, steps = 8) {
   const box = (await handle(page, i).locator(".dot").boundingBox())!;
   const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
@@ -138,8 +146,8 @@ describe("one curve", () => {
     const state = await stateOf(page);
     expect(state.segments).toBe(27);
     await expectNumbers(page, state);
+    await intoSight(page, "svg.plot");
     const plot = (await page.locator("svg.plot").boundingBox())!;
-    await page.locator("svg.plot").scrollIntoViewIfNeeded();
     await page.locator("svg.plot").click({ position: { x: plot.width - 17, y: plot.height / 2 } });
     expect((await stateOf(page)).segments).toBeGreaterThan(120);
   });
@@ -175,7 +183,7 @@ describe("one curve", () => {
   test("de Casteljau's point is dragged along the curve and by its slider", async () => {
     const page = await open();
     const rider = page.locator(".rider");
-    await rider.scrollIntoViewIfNeeded();
+    await intoSight(page, ".rider");
     const box = (await rider.locator(".dot").boundingBox())!;
     await page.mouse.move(box.x + 8, box.y + 8);
     await page.mouse.down();

@@ -182,7 +182,7 @@ impl Lines {
             if line.source.is_none() || line.source != before {
                 let element = Element {
                     kind: form.kind(),
-                    name: line.name.clone(),
+                    name: line.name.as_str().into(),
                     source: line.source.unwrap_or(drawn.elements.len() as u64),
                     rule: line.rule,
                     filled: true,

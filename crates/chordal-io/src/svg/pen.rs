@@ -1,7 +1,7 @@
 //! `Pen`: draws subpaths piece by piece, and counts what rounding loses on the way.
 use super::cursor::Trouble;
 use crate::ReadError;
-use crate::grow::{out_of_memory, push};
+use crate::grow::{push, push_large};
 use chordal::explicit::{Arc, Bezier, Curve, Piece, Through};
 use chordal::math::{add_up, mul_up};
 use std::f64::consts::PI;
@@ -169,13 +169,7 @@ impl Pen {
     fn piece(&mut self, piece: Piece<2>) -> Result<(), ReadError> {
         self.current = piece.end();
         self.is_down = true;
-        // Ten million pieces are a gigabyte: grown by a quarter, old and new list together are twice what is there.
-        if self.pieces.len() == self.pieces.capacity() {
-            let more = (self.pieces.len() / 4).max(8);
-            self.pieces.try_reserve_exact(more).map_err(|_| out_of_memory(self.pieces.len()))?;
-        }
-        self.pieces.push(piece);
-        Ok(())
+        push_large(&mut self.pieces, piece)
     }
 
     /// Closes the subpath with a straight line, if it needs one; the next piece starts where this subpath did.

@@ -1,7 +1,7 @@
 //! `Sheet`: style sheets: rules for elements, classes and ids; all else is counted.
 use super::style::{Property, declarations};
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 /// Rules of one sheet beyond which nothing more is read: matching is linear in those that name one class.
 pub(super) const MOST_RULES: usize = 4096;
@@ -26,7 +26,7 @@ struct Rule {
 pub(super) struct Sheet {
     rules: Vec<Rule>,
     /// Indices of the rules whose selector names this id (`#…`), class (`.…`) or element, or nothing (empty).
-    by_name: HashMap<String, Vec<u32>>,
+    by_name: BTreeMap<String, Vec<u32>>,
     /// Selectors and at-rules that are not supported.
     pub unsupported: u64,
     /// Rules beyond the limit.

@@ -146,8 +146,9 @@ impl Map {
         let columns = [[scale[0], 0.0], [0.0, scale[1]]];
         let room = [0, 1].map(|k| aspect.align[k] * (port[2 + k] - view[2 + k] * scale[k]));
         let offset = [0, 1].map(|k| port[k] + room[k] - view[k] * scale[k]);
+        // A quotient is rounded by half a step; offsets follow below.
         let mut map = Self::rounded(columns, offset, 4.0 * f64::EPSILON);
-        // A sum can be smaller than what it is made of.
+        // A sum can be smaller than what it is made of: five roundings of half a step each, of no more than its parts.
         for k in 0..2 {
             let parts =
                 port[k].abs() + port[2 + k].abs() + (view[k].abs() + view[2 + k].abs()) * scale[k].abs();

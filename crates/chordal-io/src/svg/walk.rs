@@ -8,11 +8,11 @@ use super::style::{Cascade, Looks, Own, Property};
 use super::transform::{Aspect, Map};
 use super::xml::Tree;
 use crate::drawing::{Drawing, Element};
-use crate::grow::push;
+use crate::grow::{push, push_large};
 use crate::text::{grouped, show};
 use crate::warnings::Warnings;
 use crate::{Limits, ReadError};
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 /// Elements inside each other, with those that `use` brings: each takes some of the call stack.
 const DEEPEST: usize = 400;
@@ -34,7 +34,7 @@ pub(super) struct Walk<'w, 'a> {
     limits: &'w Limits,
     warnings: &'w mut Warnings,
     sheet: Sheet,
-    ids: HashMap<String, u32>,
+    ids: BTreeMap<String, u32>,
     /// The targets of `use` that are being drawn.
     using: Vec<usize>,
     copies_left: u64,
@@ -61,7 +61,7 @@ impl<'w, 'a> Walk<'w, 'a> {
         warnings.count_many("too-many-css-rules", sheet.dropped, || {
             (crate::Place::File, format!("style declarations beyond the limit of {MOST_RULES} were left out"))
         });
-        let mut ids = HashMap::new();
+        let mut ids = BTreeMap::new();
         for node in 0..tree.len() {
             let Some((id, at)) = tree.get(node, Key::Id) else { continue };
             if ids.contains_key(id.as_ref()) {
@@ -529,10 +529,10 @@ impl<'w, 'a> Walk<'w, 'a> {
                     }
                 }
             };
-            push(&mut self.drawing.lines, curve)?;
+            push_large(&mut self.drawing.lines, curve)?;
             push(&mut self.drawing.owners, owner)?;
         }
-        let name = tree.get(node, Key::Id).map_or_else(String::new, |found| found.0.into_owned());
+        let name = tree.get(node, Key::Id).map_or_else(Box::default, |found| Box::from(&*found.0));
         let Looks { filled, rule, .. } = context.looks;
         let tag = tree.tag(node);
         let element = Element {
@@ -543,6 +543,6 @@ impl<'w, 'a> Walk<'w, 'a> {
             // A line has no inside.
             filled: filled && tag != Tag::Line,
         };
-        push(&mut self.drawing.elements, element)
+        push_large(&mut self.drawing.elements, element)
     }
 }

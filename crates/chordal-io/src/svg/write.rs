@@ -43,7 +43,7 @@ pub fn write(
     // One id is one element's; copies that `use` made have the same.
     let mut named = BTreeSet::new();
     for (element, lines) in drawn.groups() {
-        let id = named.insert(&element.name).then_some(element.name.as_str()).filter(|id| !id.is_empty());
+        let id = named.insert(&element.name).then_some(&*element.name).filter(|id| !id.is_empty());
         path(element, id, lines, out)?;
     }
     out.write_all(b"</svg>\n")?;

@@ -8,7 +8,7 @@ use quick_xml::escape::{EscapeError, resolve_predefined_entity, unescape};
 use quick_xml::events::Event;
 use quick_xml::events::attributes::Attributes;
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 /// Attributes of one element. The check for one that stands twice is quadratic in them.
 const MOST_ATTRIBUTES: usize = 1000;
@@ -154,7 +154,7 @@ struct Parser<'a> {
     /// The open elements.
     open: Vec<u32>,
     /// For each prefix the namespaces that it is bound to, the innermost last: whether that is SVG's.
-    bound: HashMap<&'a str, Vec<bool>>,
+    bound: BTreeMap<&'a str, Vec<bool>>,
     /// The prefixes that each open element binds.
     binds: Vec<Vec<&'a str>>,
 }
@@ -176,7 +176,7 @@ impl<'a> Parser<'a> {
             rows: limits.rows,
             tree,
             open: Vec::new(),
-            bound: HashMap::new(),
+            bound: BTreeMap::new(),
             binds: Vec::new(),
         }
     }

@@ -71,7 +71,7 @@ fn polylines_read_back_from_svg_and_json_to_the_last_bit() {
     let (drawing, _) = load(std::str::from_utf8(&as_svg).unwrap());
     assert_eq!(drawing.view_box, Some([-1.0, -2.5, 3.0, 4.0]));
     assert!((drawing.frame.metres_per_unit.unwrap() - 0.001).abs() < 1e-15);
-    let all: Vec<_> = drawing.elements.iter().map(|e| (e.name.as_str(), e.rule, e.filled)).collect();
+    let all: Vec<_> = drawing.elements.iter().map(|e| (&*e.name, e.rule, e.filled)).collect();
     // The second element of a name has none: an id is one element's.
     let (even, non) = (FillRule::EvenOdd, FillRule::NonZero);
     assert_eq!(all, [("a<&\">'\n", even, true), ("", non, false), ("b", non, true), ("", non, true)]);

@@ -61,7 +61,7 @@ fn use_draws_its_target_where_it_says() {
     let starts: Vec<_> = drawing.lines.iter().map(|curve| curve.start()).collect();
     assert_eq!(starts, [[5.0, 6.0], [2.0, 0.0], [0.0, 0.0], [0.0, 3.0]]);
     assert_eq!(drawing.lines[1].end(), [4.0, 0.0]);
-    assert!(drawing.elements.iter().all(|element| element.name == "a"));
+    assert!(drawing.elements.iter().all(|element| &*element.name == "a"));
 }
 
 #[test]
@@ -160,7 +160,7 @@ fn names_may_have_prefixes_and_files_no_namespace() {
 fn sources_count_drawn_elements_in_the_order_of_the_file() {
     let drawing = inside("<path d='M0 0h1M2 0h1'/><path d=''/><circle id='c' r='1'/>");
     assert_eq!(drawing.owners, [0, 0, 1]);
-    let all: Vec<_> = drawing.elements.iter().map(|e| (e.kind, e.name.as_str(), e.source)).collect();
+    let all: Vec<_> = drawing.elements.iter().map(|e| (e.kind, &*e.name, e.source)).collect();
     assert_eq!(all, [("path", "", 0), ("circle", "c", 1)]);
 }
 

@@ -121,7 +121,7 @@ impl DrawingFacts {
                     self.kinks.push(KinkFacts {
                         element: element.map_or(0, |element| element.source),
                         kind: element.map_or("path", |element| element.kind),
-                        name: element.map_or_else(String::new, |element| element.name.clone()),
+                        name: element.map_or_else(String::new, |element| element.name.to_string()),
                         subpath: subpath as u64,
                         piece: join.piece as u64,
                         at: in_space(join.at),

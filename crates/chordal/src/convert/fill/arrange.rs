@@ -190,7 +190,7 @@ mod tests {
             let n = 3 + below(12);
             let contour: Vec<Point> =
                 (0..n).map(|_| [below(size) - size / 2, below(size) - size / 2]).collect();
-            let edges = arrange(&[contour.clone()], &Job::default()).unwrap();
+            let edges = arrange(std::slice::from_ref(&contour), &Job::default()).unwrap();
             for (i, one) in edges.iter().enumerate() {
                 assert!(one.from < one.to);
                 assert!(!edges[..i].iter().any(|other| collide(one, other)), "{contour:?}");

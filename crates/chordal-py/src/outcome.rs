@@ -1,0 +1,127 @@
+//! `Outcome`: triangles or polylines with all that is known of them, and the way back to their source.
+use crate::array::Array;
+use crate::rows::{Lines, Triangles};
+use crate::{failure, work};
+use chordal::Job;
+use chordal_io::Format;
+use chordal_verbs::report::{Report, Run};
+use chordal_verbs::{BudgetSpec, Input, Made, MeshFailure, MeshOutcome, mesh};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// What is to be made of what.
+#[derive(Clone)]
+pub(crate) struct Order {
+    pub input: Arc<Input>,
+    /// The file that it was read from.
+    pub name: Option<String>,
+    pub spec: BudgetSpec,
+}
+
+/// What came of it.
+#[derive(Clone)]
+struct Filled {
+    outcome: Arc<MeshOutcome>,
+    rows: Rows,
+    /// Why it misses the budget, in a sentence, if it does.
+    unmet: Option<String>,
+    took: Duration,
+}
+
+/// The numbers that Python sees.
+#[derive(Clone)]
+enum Rows {
+    Triangles(Arc<Triangles>),
+    Lines(Arc<Lines>),
+}
+
+impl Order {
+    fn fill(&self, to: Format, job: &Job) -> Result<Filled, MeshFailure> {
+        let start = Instant::now();
+        let (outcome, unmet) = match mesh(Input::clone(&self.input), &self.spec, to, job) {
+            Ok(outcome) => (outcome, None),
+            Err(failure) => match (failure.to_string(), failure) {
+                (sentence, MeshFailure::Unmet(best)) => (*best, Some(sentence)),
+                (_, failure) => return Err(failure),
+            },
+        };
+        let took = start.elapsed();
+        let outcome = Arc::new(outcome);
+        let rows = match &outcome.made {
+            Made::Triangles(_) => Rows::Triangles(Arc::new(Triangles::of(&outcome)?)),
+            Made::Polylines(lines) => Rows::Lines(Arc::new(Lines::of(lines))),
+        };
+        Ok(Filled { outcome, rows, unmet, took })
+    }
+}
+
+/// Triangles or polylines with all that is known of them, and the way back to their source.
+#[pyclass(frozen, module = "chordal._chordal")]
+pub(crate) struct Outcome {
+    order: Order,
+    filled: Filled,
+}
+
+impl Outcome {
+    /// Makes what was ordered, for that format.
+    pub(crate) fn new(
+        py: Python<'_>,
+        order: Order,
+        to: Format,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let own = order.clone();
+        let filled = work::run(py, progress, move |job| own.fill(to, job))?;
+        let filled = filled.map_err(|error| failure::mesh(py, &error))?;
+        Ok(Self { order, filled })
+    }
+}
+
+#[pymethods]
+impl Outcome {
+    /// Why it misses its budget, in a sentence, if it does.
+    #[getter]
+    fn unmet(&self) -> Option<&str> {
+        self.filled.unmet.as_deref()
+    }
+
+    /// The report, as JSON.
+    #[getter]
+    fn report(&self) -> String {
+        let Filled { outcome, took, .. } = &self.filled;
+        let (input, seconds) = (self.order.name.clone(), Some(took.as_secs_f64()));
+        let run = Run { verb: "mesh", input, seconds, ..Run::default() };
+        Report::new(outcome.certificate.clone(), run).to_value().to_string()
+    }
+
+    /// The numbers of that name: "vertices" and "faces" of triangles; "points", "places", "starts", "closed" and
+    /// "sources" of polylines.
+    fn array(&self, py: Python<'_>, name: &str) -> PyResult<Array> {
+        let array = match &self.filled.rows {
+            Rows::Triangles(rows) => Triangles::array(rows, name),
+            Rows::Lines(rows) => Lines::array(rows, name),
+        };
+        array.ok_or_else(|| failure::internal(py, &format!("there are no {name}, or too many")))
+    }
+
+    /// The same shape within the same budget for a file of that format, whose rounding then counts.
+    fn remake(&self, py: Python<'_>, format: &str) -> PyResult<Self> {
+        let to: Format = format.parse().map_err(|error| failure::argument("format", error))?;
+        if to == self.filled.outcome.format {
+            return Ok(Self { order: self.order.clone(), filled: self.filled.clone() });
+        }
+        Self::new(py, self.order.clone(), to, None)
+    }
+
+    /// The bytes of a file of the format that it was made for.
+    fn write<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let outcome = Arc::clone(&self.filled.outcome);
+        let written = work::run(py, None, move |_| {
+            let mut bytes = Vec::new();
+            outcome.write(&mut bytes).map(|()| bytes)
+        })?;
+        Ok(PyBytes::new(py, &written.map_err(|error| failure::write(py, &error))?))
+    }
+}

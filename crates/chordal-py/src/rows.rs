@@ -1,0 +1,117 @@
+//! The numbers of triangles and polylines, in the rows that Python sees.
+use crate::array::{Array, Rows};
+use chordal::explicit::Polyline;
+use chordal_io::{Drawn, Polylines, WriteError};
+use chordal_verbs::{MeshOutcome, Scene};
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// The rows of a mesh.
+pub(crate) enum Triangles {
+    /// Those of its only part.
+    Only(Arc<MeshOutcome>),
+    /// Those of all parts, one after the other.
+    Joined { vertices: Vec<[f64; 3]>, faces: Vec<[u32; 3]> },
+}
+
+impl Triangles {
+    /// All that a scene shows, in its own space and the order of its tree, as the file of such a mesh has it.
+    pub(crate) fn of(outcome: &Arc<MeshOutcome>) -> Result<Self, WriteError> {
+        let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+        let Some(scene) = outcome.scene() else { return Ok(Self::Joined { vertices, faces }) };
+        let meshes = scene.world_meshes()?;
+        if let ([(_, Cow::Borrowed(_))], [_]) = (&meshes[..], &scene.parts[..]) {
+            return Ok(Self::Only(Arc::clone(outcome)));
+        }
+        for (_, mesh) in &meshes {
+            // Where that is too many for an index, there is no array of faces, for those have one bit less.
+            let first = vertices.len() as u32;
+            vertices.extend_from_slice(mesh.positions());
+            faces.extend(mesh.faces().iter().map(|face| face.map(|index| first.saturating_add(index))));
+        }
+        Ok(Self::Joined { vertices, faces })
+    }
+
+    fn rows(&self) -> (&[[f64; 3]], &[[u32; 3]]) {
+        match self {
+            Self::Only(outcome) => only(outcome.scene()),
+            Self::Joined { vertices, faces } => (vertices, faces),
+        }
+    }
+
+    /// The numbers of that name. Indices have a sign in Python, which costs the largest half of them.
+    pub(crate) fn array(rows: &Arc<Self>, name: &str) -> Option<Array> {
+        match name {
+            "vertices" => Some(Array::new(rows, |rows| Rows::of_f64(rows.rows().0.as_flattened(), 3))),
+            "faces" => {
+                i32::try_from(rows.rows().0.len()).ok()?;
+                Some(Array::new(rows, |rows| Rows::of_u32_below_sign(rows.rows().1.as_flattened(), 3)))
+            }
+            _ => None,
+        }
+    }
+}
+
+fn only(scene: Option<&Scene>) -> (&[[f64; 3]], &[[u32; 3]]) {
+    let part = scene.and_then(|scene| scene.parts.first());
+    part.map_or((&[], &[]), |part| (part.mesh.positions(), part.mesh.faces()))
+}
+
+/// The rows of polylines, one after the other.
+pub(crate) struct Lines {
+    /// All coordinates.
+    points: Vec<f64>,
+    /// Coordinates of a point.
+    width: usize,
+    /// For each point its parameter on its curve.
+    places: Vec<f64>,
+    /// For each polyline the index of its first point, and the number of all points at the end.
+    starts: Vec<i64>,
+    /// For each polyline whether its last point is joined to its first.
+    closed: Vec<i64>,
+    /// For each polyline the number of its element in the file.
+    sources: Vec<i64>,
+}
+
+impl Lines {
+    pub(crate) fn of(lines: &Polylines) -> Self {
+        match lines {
+            Polylines::Plane(drawn) => Self::of_drawn(drawn),
+            Polylines::Space(drawn) => Self::of_drawn(drawn),
+        }
+    }
+
+    fn of_drawn<const D: usize>(drawn: &Drawn<Polyline<D>>) -> Self {
+        let n_points = drawn.lines.iter().map(|line| line.points.len()).sum();
+        let n_lines = drawn.lines.len();
+        let mut rows = Self {
+            points: Vec::with_capacity(n_points * D),
+            width: D,
+            places: Vec::with_capacity(n_points),
+            starts: Vec::with_capacity(n_lines + 1),
+            closed: Vec::with_capacity(n_lines),
+            sources: Vec::with_capacity(n_lines),
+        };
+        for (index, line) in drawn.lines.iter().enumerate() {
+            rows.starts.push((rows.points.len() / D) as i64);
+            rows.closed.push(i64::from(line.closed));
+            rows.sources.push(drawn.element_of(index).map_or(index as i64, |element| element.source as i64));
+            rows.points.extend_from_slice(line.points.as_flattened());
+            rows.places.extend_from_slice(&line.places);
+        }
+        rows.starts.push((rows.points.len() / D) as i64);
+        rows
+    }
+
+    /// The numbers of that name.
+    pub(crate) fn array(rows: &Arc<Self>, name: &str) -> Option<Array> {
+        Some(match name {
+            "points" => Array::new(rows, |rows| Rows::of_f64(&rows.points, rows.width)),
+            "places" => Array::new(rows, |rows| Rows::of_f64(&rows.places, 1)),
+            "starts" => Array::new(rows, |rows| Rows::of_i64(&rows.starts)),
+            "closed" => Array::new(rows, |rows| Rows::of_i64(&rows.closed)),
+            "sources" => Array::new(rows, |rows| Rows::of_i64(&rows.sources)),
+            _ => return None,
+        })
+    }
+}
