@@ -19,8 +19,8 @@ CORPORA = {
     "random": "cubics whose control points are evenly from a square",
     "regular": "cubics that bend one way, at an even speed",
     "hard": "15 families: cusps, loops, turning back on a line, coincident points, inflections, nearly straight",
-    "icons": "the curves of every fifth icon of Material Design Icons (npm @mdi/svg 7.4.47, Apache-2.0)",
-    "letters": "the outlines of Source Serif Pro Regular (npm source-serif-pro 3.1.0, OFL-1.1)",
+    "icons": "the curves of every fifteenth icon of Material Design Icons (npm @mdi/svg 7.4.47, Apache-2.0)",
+    "letters": "every third outline of Source Serif Pro Regular (npm source-serif-pro 3.1.0, OFL-1.1)",
 }
 TOLERANCES = ["1e-1", "1e-2", "1e-3", "1e-4", "1e-5"]
 NAMES = {

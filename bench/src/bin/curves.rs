@@ -10,7 +10,7 @@ use cpu_time::ProcessTime;
 use std::hint::black_box;
 
 /// Runs of each side, in turn with the others; the median counts.
-const REPEATS: usize = 7;
+const REPEATS: usize = 5;
 
 /// More than this share over the tolerance is over it: the sampler's own rounding stays below.
 const ROUNDING: f64 = 1e-9;

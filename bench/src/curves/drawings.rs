@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 /// A corpus by its name.
 pub fn cubics(name: &str) -> Vec<Cubic> {
     match name {
-        "random" => random(10_000),
-        "regular" => (0..10_000).map(regular).map(|cubic| to_size_1(&cubic)).collect(),
-        "hard" => (0..10_500)
+        "random" => random(5_000),
+        "regular" => (0..2_000).map(regular).map(|cubic| to_size_1(&cubic)).collect(),
+        "hard" => (0..4_500)
             .map(|seed| shape::<2>(seed).control)
             .filter(|c| size(c) > 0.0)
             .map(|c| to_size_1(&c))
@@ -60,13 +60,13 @@ fn curves_of(path: &BezPath, scale: f64) -> impl Iterator<Item = Cubic> + '_ {
     })
 }
 
-/// Every fifth icon of Material Design Icons, 24 units wide and high.
+/// Every fifteenth icon of Material Design Icons, 24 units wide and high.
 fn icons() -> Vec<Cubic> {
     let folder = package("@mdi/svg").join("svg");
     let entries = std::fs::read_dir(&folder).expect("a folder of icons");
     let mut files: Vec<PathBuf> = entries.map(|entry| entry.expect("an icon").path()).collect();
     files.sort();
-    let paths = files.iter().step_by(5).map(|file| BezPath::from_svg(&path_data(file)).expect("path data"));
+    let paths = files.iter().step_by(15).map(|file| BezPath::from_svg(&path_data(file)).expect("path data"));
     paths.flat_map(|path| curves_of(&path, 24.0).collect::<Vec<_>>()).collect()
 }
 
@@ -97,14 +97,14 @@ impl ttf_parser::OutlineBuilder for Outline {
     }
 }
 
-/// Every glyph of Source Serif Pro Regular, whose outlines are cubic; the em is 1.
+/// Every third glyph of Source Serif Pro Regular, whose outlines are cubic; the em is 1.
 fn letters() -> Vec<Cubic> {
     let file = package("source-serif-pro").join("OTF/SourceSerifPro-Regular.otf");
     let bytes = std::fs::read(file).expect("a typeface");
     let face = ttf_parser::Face::parse(&bytes, 0).expect("a typeface");
     let em = f64::from(face.units_per_em());
     let mut found = Vec::new();
-    for glyph in 0..face.number_of_glyphs() {
+    for glyph in (0..face.number_of_glyphs()).step_by(3) {
         let mut outline = Outline(BezPath::new());
         if face.outline_glyph(ttf_parser::GlyphId(glyph), &mut outline).is_some() {
             found.extend(curves_of(&outline.0, em));

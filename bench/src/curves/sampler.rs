@@ -64,7 +64,7 @@ impl<'a> Looked<'a> {
     /// The nearest of the segments around one.
     fn around(&self, p: Point, segment: usize) -> (f64, usize) {
         let last = self.points.len() - 2;
-        let range = segment.saturating_sub(3)..=(segment + 6).min(last);
+        let range = segment.saturating_sub(1)..=(segment + 2).min(last);
         let found = range.map(|i| (to_segment(p, self.segment(i)), i));
         found.min_by(|a, b| a.0.total_cmp(&b.0)).expect("a segment")
     }
@@ -114,7 +114,11 @@ impl<'a> Looked<'a> {
                         })
                         .expect("samples")
                 };
-                sample = nearest(sample.saturating_sub(8)..=(sample + 48).min(n));
+                sample = nearest(sample.saturating_sub(4)..=(sample + 24).min(n));
+                // The samples' own polyline is some 1/256 of a segment's distance off: what it leaves far below needs no search.
+                if self.roughly(q, sample) < 0.98 * most {
+                    continue;
+                }
                 let near = self.refined(q, sample);
                 if near > most * (1.0 + 1e-9) {
                     most = most.max(self.to_anywhere(q, near));
@@ -124,18 +128,37 @@ impl<'a> Looked<'a> {
         most
     }
 
+    /// The distance to the straight lines between a sample and its neighbours.
+    fn roughly(&self, q: Point, sample: usize) -> f64 {
+        let n = self.samples.len() - 1;
+        let line = |i: usize| to_segment(q, [self.samples[i], self.samples[i + 1]]);
+        let before = if sample > 0 { line(sample - 1) } else { f64::INFINITY };
+        if sample < n { before.min(line(sample)) } else { before }
+    }
+
     /// The distance to the curve, by a search around every sample that is nearer than its neighbours.
     fn to_anywhere(&self, q: Point, least: f64) -> f64 {
         let n = self.samples.len() - 1;
         let far: Vec<f64> = self.samples.iter().map(|p| distance(q, *p)).collect();
         let valley = |i: &usize| far[*i] <= far[i.max(&1) - 1] && far[*i] <= far[(i + 1).min(n)];
-        (0..=n).filter(valley).map(|i| self.refined(q, i)).fold(least, f64::min)
+        let closely = |i: usize| {
+            // The curve may turn back between two samples: each part of their range is searched by itself.
+            let (low, high) = (i.max(1) - 1, (i + 1).min(n));
+            let at = |j: usize| (low as f64 + (high - low) as f64 * j as f64 / 64.0) / n as f64;
+            (0..64).map(|j| self.between(q, at(j), at(j + 1))).fold(f64::INFINITY, f64::min)
+        };
+        (0..=n).filter(valley).map(closely).fold(least, f64::min)
     }
 
     /// The distance to the curve around a sample.
     fn refined(&self, q: Point, sample: usize) -> f64 {
         let step = 1.0 / (self.samples.len() - 1) as f64;
         let (low, high) = ((sample.max(1) - 1) as f64 * step, ((sample + 1) as f64 * step).min(1.0));
+        self.between(q, low, high).min(distance(q, self.samples[sample]))
+    }
+
+    /// The distance to the curve between two parameters.
+    fn between(&self, q: Point, low: f64, high: f64) -> f64 {
         let (a, b) = (at(self.cubic, low), at(self.cubic, high));
         // A place straight across from q, by halving; and the least that a search finds.
         let ahead = |t: f64| {
@@ -148,7 +171,7 @@ impl<'a> Looked<'a> {
             if ahead(middle) < 0.0 { from = middle } else { to = middle }
         }
         let (_, least) = climb(|t| -distance(q, at(self.cubic, t)), low, high);
-        (-least).min(distance(q, at(self.cubic, 0.5 * (from + to)))).min(distance(q, self.samples[sample]))
+        (-least).min(distance(q, at(self.cubic, 0.5 * (from + to))))
     }
 }
 

@@ -3,9 +3,13 @@ use super::Cubic;
 use chordal::convert::{BezierCutter, Spacing, beziers_to_polylines, curve_to_polyline};
 use chordal::{Bezier, Budget, Job, Tolerance};
 use kurbo::PathEl;
+use std::ops::Range;
 
 /// A polyline.
 pub type Points = Vec<[f64; 2]>;
+
+/// Curves at once: with more, a list outgrows what an allocator hands out again, and the system's fresh pages cost more than the points.
+const TOGETHER: usize = 250;
 
 /// Who flattens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,32 +113,39 @@ impl Prepared {
         }
     }
 
-    /// All points in one list, as fast as the side can; returns how many.
+    /// Points of [`TOGETHER`] curves in one list, list after list, as fast as the side can; returns how many.
     pub fn at_once(&self, side: Side, tolerance: f64) -> usize {
+        let starts = (0..self.cubics.len()).step_by(TOGETHER);
+        starts
+            .map(|from| self.some_at_once(side, tolerance, from..(from + TOGETHER).min(self.cubics.len())))
+            .sum()
+    }
+
+    fn some_at_once(&self, side: Side, tolerance: f64, range: Range<usize>) -> usize {
         let length = Tolerance::new(tolerance).expect("a length");
+        let job = Job::default().with_threads(1);
         let mut points = Points::new();
         match side {
             Side::Fewest | Side::Even => {
                 let spacing = if side == Side::Even { Spacing::Even } else { Spacing::Fewest };
-                let job = Job::default().with_threads(1);
-                return beziers_to_polylines(&self.beziers, length, &job, spacing)
-                    .expect("within reach")
-                    .shape
-                    .points
-                    .len();
+                let made = beziers_to_polylines(&self.beziers[range], length, &job, spacing);
+                return made.expect("within reach").shape.points.len();
             }
             Side::Path => {
-                let (budget, job) = (Budget::length(length), Job::default().with_threads(1));
-                let made = chordal::convert::curves_to_polylines(&self.paths, &budget, &job, Spacing::Fewest);
+                let budget = Budget::length(length);
+                let made =
+                    chordal::convert::curves_to_polylines(&self.paths[range], &budget, &job, Spacing::Fewest);
                 return made.expect("within reach").shape.iter().map(|polyline| polyline.points.len()).sum();
             }
-            Side::Kurbo => kurbo::flatten(self.elements.iter().flatten().copied(), tolerance, |element| {
-                if let PathEl::MoveTo(p) | PathEl::LineTo(p) = element {
-                    points.push([p.x, p.y]);
-                }
-            }),
+            Side::Kurbo => {
+                kurbo::flatten(self.elements[range].iter().flatten().copied(), tolerance, |element| {
+                    if let PathEl::MoveTo(p) | PathEl::LineTo(p) = element {
+                        points.push([p.x, p.y]);
+                    }
+                })
+            }
             Side::Lyon => {
-                for curve in &self.segments {
+                for curve in &self.segments[range] {
                     points.push([curve.from.x, curve.from.y]);
                     curve.for_each_flattened(tolerance, &mut |line| points.push([line.to.x, line.to.y]));
                 }

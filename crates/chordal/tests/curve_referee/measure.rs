@@ -198,7 +198,11 @@ impl<'a, const D: usize> Pair<'a, D> {
                 if own > best * (1.0 + 1e-9) {
                     let all = self.ranges.iter().map(|range| self.to_range(q, range, 32));
                     let all = all.fold(f64::INFINITY, f64::min);
-                    best = if all > best { all } else { best };
+                    if all > best {
+                        // Before it is said aloud: the curve may turn back between two samples.
+                        let zoomed = self.ranges.iter().map(|range| self.zoom(q, range));
+                        best = best.max(zoomed.fold(all, f64::min));
+                    }
                 }
             }
         }
