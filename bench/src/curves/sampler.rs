@@ -120,6 +120,7 @@ impl<'a> Looked<'a> {
                     continue;
                 }
                 let near = self.refined(q, sample);
+                // What differs by less is the same place, found by rounding.
                 if near > most * (1.0 + 1e-9) {
                     most = most.max(self.to_anywhere(q, near));
                 }

@@ -53,6 +53,9 @@ pub(crate) struct Flattener<'a, const D: usize> {
 pub(crate) const LARGEST: f64 = 1e150;
 /// Bytes a point at the peak: its coordinates and its place, twice.
 const BYTES_PER_POINT: f64 = 64.0;
+/// Up to this many segments a count is reached by the greedy way, whose counts hardly ever rise with the length. With the
+/// fast way every 25th ladder had a larger bound with more segments.
+const COUNTED: u64 = 4096;
 /// Rungs an octave of the ladder of lengths, and how many octaves it has: below the rounding of any shape.
 const RUNGS: u32 = 32;
 const MOST_RUNGS: u32 = 120 * RUNGS;
@@ -209,6 +212,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
             }
             let length = lengths[index];
             let places = match self.spacing {
+                Spacing::Fewest if most <= COUNTED => part.chords.greedy(length),
                 Spacing::Fewest => part.chords.fewest(length),
                 Spacing::Even => part.chords.even(part.chords.even_steps(length) as u64),
             };
