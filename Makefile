@@ -81,6 +81,8 @@ test-web: need-rust need-wasm need-node
 		cmp $(TARGET)/web/tol.glb $(TARGET)/web/isa.glb; \
 	done
 	node tests/web/wasm.mjs $(WASM) $(TARGET)/web/tol.glb examples/teapot.bpt
+	$(CHORDAL) mesh examples/drawing.svg --tol 0.001 -o $(TARGET)/web/drawing.json --force -q
+	node tests/web/wasm.mjs $(WASM) $(TARGET)/web/drawing.json examples/drawing.svg
 	node tests/web/validate.mjs $(TARGET)/web/*.glb
 
 # Types, texts and state; then the page as readers meet it, in a real browser and behind the real server.
@@ -139,8 +141,9 @@ need-node:
 
 # The page's tools ask for more than the other tests do.
 need-node-20: need-node
-	@version=$$(node --version | tr -d v); $(call at-least,$$version,20.19) \
-		|| { echo "The studio needs Node 20.19 or newer, not $$version: install it from https://nodejs.org." >&2; exit 1; }
+	@version=$$(node --version | tr -d v); \
+		case $$version in 20.*) least=20.19;; *) least=22.13;; esac; $(call at-least,$$version,$$least) \
+		|| { echo "The studio needs Node 20.19 or later in its line, 22.13, or newer, not $$version: install it from https://nodejs.org." >&2; exit 1; }
 
 need-chromium:
 	@[ -x $(CHROMIUM) ] \

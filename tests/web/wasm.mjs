@@ -1,12 +1,12 @@
-// The WASM module meshes the same patches to the same bytes as the native command.
+// The WASM module meshes the same shape to the same bytes as the native command: patches to GLB, curves to JSON.
 //
 //   node wasm.mjs chordal_wasm.wasm native.glb patches.bpt [budget]
 //
-// native.glb is what `chordal mesh patches.bpt --tol BUDGET -o native.glb` wrote; the budget is 0.001 unless said. Other
+// native.glb, or native.json for curves, is what `chordal mesh patches.bpt --tol BUDGET -o native.glb` wrote; the budget is 0.001 unless said. Other
 // budgets are said as the module's options, as in '{"triangles": 1000}'.
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
-import { basename } from "node:path";
+import { basename, extname } from "node:path";
 
 const [wasmFile, nativeFile, patchFile, budget = "0.001"] = process.argv.slice(2);
 if (!patchFile) {
@@ -52,7 +52,7 @@ function mesh(input, options) {
 const patches = await readFile(patchFile);
 const native = await readFile(nativeFile);
 const limits = budget.startsWith("{") ? JSON.parse(budget) : { tol: budget };
-const options = { name: basename(patchFile), to: "glb", ...limits };
+const options = { name: basename(patchFile), to: extname(nativeFile).slice(1), ...limits };
 
 const made = mesh(patches, options);
 assert.equal(made.error, "");
@@ -65,8 +65,11 @@ if (!made.bytes.equals(native)) {
 }
 
 // The certificate beside the file is the one in it.
-const json = JSON.parse(native.subarray(20, 20 + native.readUInt32LE(12)).toString());
-assert.deepEqual(JSON.parse(made.report), json.asset.extras.chordal);
+const inFile = {
+  glb: () => JSON.parse(native.subarray(20, 20 + native.readUInt32LE(12)).toString()).asset.extras.chordal,
+  json: () => JSON.parse(native.toString()).report.certificate,
+};
+assert.deepEqual(JSON.parse(made.report), inFile[options.to]());
 
 // The module is as good as new after each call, good or bad, and holds no more memory.
 const pages = () => chordal.memory.buffer.byteLength;

@@ -58,6 +58,14 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
             (tree.place_of(at as usize), "the document type was ignored: nothing is fetched".to_owned())
         });
     }
+    if let Some(at) = tree.style_sheet {
+        warnings.count("unsupported-css", || {
+            (
+                tree.place_of(at as usize),
+                "style sheets in other files were left out: nothing is fetched".to_owned(),
+            )
+        });
+    }
     if !tree.has_namespace {
         warnings.count("no-namespace", || {
             (tree.place(0), "the root does not say that it is SVG (xmlns), and was taken for it".to_owned())

@@ -174,6 +174,7 @@ keys! {
     "marker-start" MarkerStart,
     "marker-mid" MarkerMid,
     "marker-end" MarkerEnd,
+    "transform-origin" TransformOrigin,
     "systemLanguage" SystemLanguage,
     "requiredExtensions" RequiredExtensions,
     "media" Media,

@@ -1,6 +1,6 @@
 //! Path data: the text of `d`, all commands, drawn up to the first thing that is wrong.
 use super::cursor::{Cursor, Trouble};
-use super::pen::{Pen, Stop};
+use super::pen::{ArcShape, Pen, Stop};
 
 /// What the last command left for a smooth one.
 #[derive(Clone, Copy)]
@@ -158,8 +158,17 @@ impl Path<'_, '_> {
         let radii = [self.text.number()?, self.text.next_number()?];
         let deg = self.text.next_number()?;
         let flags = [self.text.flag()?, self.text.flag()?];
-        let to = self.point(relative)?;
-        if self.pen.arc_to(radii, deg, flags, to)? {
+        self.text.skip_comma();
+        let end_at = self.text.at();
+        let given = [self.text.number()?, self.text.next_number()?];
+        let shape = ArcShape { radii, deg, flags };
+        let drawn = if relative {
+            finite([0, 1].map(|k| self.pen.at()[k] + given[k]), end_at)?;
+            self.pen.arc_by(&shape, given)?
+        } else {
+            self.pen.arc_to(&shape, finite(given, end_at)?)?
+        };
+        if drawn {
             return Ok(());
         }
         let what = "an arc whose numbers are beyond 1e-140 … 1e140".to_owned();

@@ -2,7 +2,7 @@
 use super::cursor::Trouble;
 use crate::ReadError;
 use crate::grow::{push, push_large};
-use chordal::explicit::{Arc, Bezier, Curve, Piece, Through};
+use chordal::explicit::{Arc, Bezier, Curve, InvalidArc, Piece, Through};
 use chordal::math::{add_up, mul_up};
 use std::f64::consts::PI;
 
@@ -27,6 +27,14 @@ impl From<ReadError> for Stop {
     }
 }
 
+/// An elliptical arc as in path data: half axes, direction in degrees, and whether it is the large one and turns from x to y.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ArcShape {
+    pub radii: [f64; 2],
+    pub deg: f64,
+    pub flags: [bool; 2],
+}
+
 /// What an element draws: one curve a subpath.
 #[derive(Debug, Default)]
 pub(super) struct Pen {
@@ -42,6 +50,8 @@ pub(super) struct Pen {
     /// What sums of relative coordinates have lost so far in this subpath, and the worst that one piece adds to it.
     drift: f64,
     worst: f64,
+    /// How far the last control point that was mirrored may be off.
+    mirror: f64,
 }
 
 /// The sum of two numbers and the size of what rounding took from it, exactly.
@@ -68,8 +78,13 @@ impl Pen {
         [x, y]
     }
 
-    /// The point on the other side of the pen.
+    /// The point on the other side of the pen. It is off by twice as much as the pen, and by as much as the point.
     pub fn mirrored(&mut self, point: [f64; 2]) -> [f64; 2] {
+        if self.drift > 0.0 {
+            let point_off = if self.mirror > self.drift { self.mirror } else { self.drift };
+            self.mirror = add_up(add_up(self.drift, self.drift), point_off);
+            self.at_worst(self.mirror);
+        }
         let (x, lost_x) = two_sum(2.0 * self.current[0], -point[0]);
         let (y, lost_y) = two_sum(2.0 * self.current[1], -point[1]);
         self.lose(lost_x);
@@ -88,6 +103,19 @@ impl Pen {
     pub fn lose(&mut self, lost: f64) {
         if lost > 0.0 {
             self.drift = add_up(self.drift, lost);
+        }
+    }
+
+    /// Counts a rounding of this size against everything that was drawn.
+    pub fn lose_everywhere(&mut self, lost: f64) {
+        if lost > 0.0 {
+            let all = std::mem::take(&mut self.curves).into_iter();
+            self.curves = all
+                .map(|curve| {
+                    let slack = add_up(curve.slack(), lost);
+                    curve.with_slack(slack)
+                })
+                .collect();
         }
     }
 
@@ -119,34 +147,49 @@ impl Pen {
         self.piece(Piece::quadratic(all))
     }
 
-    /// An elliptical arc as in path data: half axes, direction in degrees, flags. False where its numbers are beyond
-    /// what an arc can be made of.
-    pub fn arc_to(
-        &mut self,
-        radii: [f64; 2],
-        deg: f64,
-        flags: [bool; 2],
-        to: [f64; 2],
-    ) -> Result<bool, ReadError> {
+    /// An elliptical arc to a point. False where its numbers are beyond what an arc can be made of.
+    pub fn arc_to(&mut self, shape: &ArcShape, to: [f64; 2]) -> Result<bool, ReadError> {
         if to == self.current {
             return Ok(true);
         }
-        let radii = radii.map(f64::abs);
+        // The pen may stand beside where the file says, and the end does not: the arc spans another way than it should.
+        let off_by = self.drift;
+        self.span(shape, off_by, to, |from, shape| Arc::through(from, to, shape))
+    }
+
+    /// An elliptical arc by a step from the pen, which its shape depends on alone.
+    pub fn arc_by(&mut self, shape: &ArcShape, step: [f64; 2]) -> Result<bool, ReadError> {
+        if step == [0.0; 2] {
+            return Ok(true);
+        }
+        let to = self.relative(step);
+        self.span(shape, 0.0, to, |from, shape| Arc::through_step(from, step, shape))
+    }
+
+    fn span(
+        &mut self,
+        shape: &ArcShape,
+        off_by: f64,
+        to: [f64; 2],
+        made: impl FnOnce([f64; 2], &Through) -> Result<Arc<2>, InvalidArc>,
+    ) -> Result<bool, ReadError> {
+        let radii = shape.radii.map(f64::abs);
         if radii.contains(&0.0) {
             return self.line_to(to).map(|()| true);
         }
         // An ellipse is itself after half a turn, and after a quarter with its axes swapped: both exactly.
-        let half_turned = deg % 180.0;
+        let half_turned = shape.deg % 180.0;
         let (radii, deg) =
             if half_turned.abs() == 90.0 { ([radii[1], radii[0]], 0.0) } else { (radii, half_turned) };
-        let [large, positive] = flags;
+        let [large, positive] = shape.flags;
         let rotation_rad = deg * (PI / 180.0);
-        let Ok(arc) = Arc::through(self.current, to, &Through { radii, rotation_rad, large, positive })
-        else {
+        let Ok(arc) = made(self.current, &Through { radii, rotation_rad, large, positive }) else {
             return Ok(false);
         };
-        if rotation_rad != 0.0 && radii[0] != radii[1] {
-            self.at_worst(turned_loss([self.current, to], radii, rotation_rad));
+        let turned = rotation_rad != 0.0 && radii[0] != radii[1];
+        if turned || off_by > 0.0 {
+            let rotation_rad = if turned { rotation_rad } else { 0.0 };
+            self.at_worst(spanning_loss([self.current, to], radii, rotation_rad, off_by));
         }
         self.arc(arc)?;
         Ok(true)
@@ -201,7 +244,7 @@ impl Pen {
         self.is_down = false;
         let slack = add_up(self.drift, self.worst);
         let slack = if self.drift == 0.0 && self.worst == 0.0 { 0.0 } else { slack };
-        self.worst = 0.0;
+        (self.worst, self.mirror) = (0.0, 0.0);
         // Pieces join by construction; those that are not finite were refused with their numbers.
         if let Ok(curve) = Curve::new(pieces, closed) {
             push(&mut self.curves, curve.with_slack(slack))?;
@@ -210,9 +253,9 @@ impl Pen {
     }
 }
 
-/// How far an arc of a turned ellipse may be off because its direction was rounded from degrees to radians and its
-/// sine and cosine once more.
-fn turned_loss([from, to]: [[f64; 2]; 2], [rx, ry]: [f64; 2], rotation_rad: f64) -> f64 {
+/// How far an arc may be off because the direction of its axes was rounded from degrees to radians and its sine and
+/// cosine once more, and because the way from its start to its end is off by `off_by`.
+fn spanning_loss([from, to]: [[f64; 2]; 2], [rx, ry]: [f64; 2], rotation_rad: f64, off_by: f64) -> f64 {
     let (sin, cos) = libm::sincos(rotation_rad);
     let half = [(from[0] - to[0]) / 2.0, (from[1] - to[1]) / 2.0];
     let turned = [(half[0] * cos + half[1] * sin) / rx, (half[1] * cos - half[0] * sin) / ry];
@@ -221,7 +264,10 @@ fn turned_loss([from, to]: [[f64; 2]; 2], [rx, ry]: [f64; 2], rotation_rad: f64)
     // 1. The angle, at most a quarter turn after whole ones, is off by less than 2 ε, sine and cosine by one more. In
     //    units of the radii that moves the half chord by the ratio of the radii times its length, at most 1 (or grown
     //    to it), and its square by twice that: 8 ε with the sums' own rounding.
-    let known = mul_up(8.0 * f64::EPSILON, long / short);
+    //    A way that is off by some length moves the half chord by half of it, in units of the shorter radius, and its
+    //    square, of a length of at most 1 and a bit, by no more than three times that.
+    let by_way = mul_up(1.5, off_by / short);
+    let known = add_up(mul_up(8.0 * f64::EPSILON, long / short), mul_up(by_way, add_up(1.0, by_way)));
     // 2. The centre's height over the chord is the root of what the square leaves of 1.
     let left = (1.0 - square).abs();
     let of_height = if left > 4.0 * known {

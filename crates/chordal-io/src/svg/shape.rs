@@ -161,8 +161,8 @@ impl Numbers<'_, '_> {
             }
             _ => self.points(tag, pen)?,
         }
-        pen.lose(self.lost);
         pen.end()?;
+        pen.lose_everywhere(self.lost);
         Ok(())
     }
 

@@ -68,8 +68,10 @@ impl Property {
             "mask" => Self::Mask,
             "filter" => Self::Filter,
             "marker" | "marker-start" | "marker-mid" | "marker-end" => Self::Marker,
-            "d" | "x" | "y" | "cx" | "cy" | "r" | "rx" | "ry" | "width" | "height" | "transform"
-            | "rotate" | "scale" | "translate" | "offset-path" => Self::Geometry,
+            "transform-origin" | "transform-box" | "d" | "x" | "y" | "cx" | "cy" | "r" | "rx" | "ry"
+            | "width" | "height" | "transform" | "rotate" | "scale" | "translate" | "offset-path" => {
+                Self::Geometry
+            }
             _ => return None,
         })
     }
@@ -85,6 +87,7 @@ impl Property {
             Key::ClipPath => Self::ClipPath,
             Key::Mask => Self::Mask,
             Key::Filter => Self::Filter,
+            Key::TransformOrigin => Self::Geometry,
             Key::Marker | Key::MarkerStart | Key::MarkerMid | Key::MarkerEnd => Self::Marker,
             _ => return None,
         })

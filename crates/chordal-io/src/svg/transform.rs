@@ -119,8 +119,30 @@ impl Map {
 
     /// Whether it flattens the plane, so that nothing is drawn.
     pub fn is_singular(&self) -> bool {
-        let [[a, b], [c, d]] = self.affine.columns;
+        // Scaled, so that products neither vanish nor overflow.
+        let scaled = |[x, y]: [f64; 2]| {
+            let most = if x.abs() > y.abs() { x.abs() } else { y.abs() };
+            if most > 0.0 { [x / most, y / most] } else { [0.0; 2] }
+        };
+        let [[a, b], [c, d]] = self.affine.columns.map(scaled);
         a * d == b * c
+    }
+
+    /// The same map, for which the place and the size that it puts a view box into are off by up to `lost`.
+    pub fn off_by(mut self, lost: f64, view: Option<[f64; 4]>) -> Self {
+        if lost > 0.0 {
+            let [x, y, w, h] = view.unwrap_or([0.0, 0.0, 1.0, 1.0]);
+            let least = if w < h { w } else { h };
+            // A scale is the quotient of a size by the view's; an offset the place less that of the view's corner, and
+            // half of what the other side leaves.
+            let of_scale = if view.is_some() { mul_up(2.0, lost / least) } else { 0.0 };
+            let of_corner = mul_up(of_scale, add_up(add_up(x.abs(), y.abs()), add_up(w, h)));
+            let of_offset = add_up(mul_up(2.0, lost), of_corner);
+            self.off.columns = self.off.columns.map(|c| c.map(|x| add_up(x, of_scale)));
+            self.off.offset = self.off.offset.map(|x| add_up(x, of_offset));
+            self.is_identity = false;
+        }
+        self
     }
 
     /// A list of transforms, as in `rotate(30 10 10) scale(2)`.

@@ -12,6 +12,7 @@ use crate::grow::{push, push_large};
 use crate::text::{grouped, show};
 use crate::warnings::Warnings;
 use crate::{Limits, ReadError};
+use chordal::math::add_up;
 use std::collections::BTreeMap;
 
 /// Elements inside each other, with those that `use` brings: each takes some of the call stack.
@@ -44,6 +45,13 @@ pub(super) struct Walk<'w, 'a> {
 /// The message of a path that ends before its text does.
 pub(super) fn cut_short(why: &str) -> String {
     format!("paths were drawn up to an error in their text, as SVG asks: {why}")
+}
+
+/// The size that a `use` gives to the symbol that it shows, and what its units lost.
+#[derive(Clone, Copy, Debug, Default)]
+struct Given {
+    size: [Option<f64>; 2],
+    lost: f64,
 }
 
 impl<'w, 'a> Walk<'w, 'a> {
@@ -230,6 +238,14 @@ impl<'w, 'a> Walk<'w, 'a> {
     fn element(&mut self, node: usize, context: &Context) -> Result<(), ReadError> {
         let tree = self.tree;
         let tag = tree.tag(node);
+        if !self.conditions_hold(node) {
+            self.warn(
+                node,
+                "conditional-element",
+                "elements for other languages, or that ask for extensions, were left out",
+            );
+            return Ok(());
+        }
         match tag {
             Tag::Silent | Tag::Style | Tag::Symbol => return Ok(()),
             Tag::Foreign => {
@@ -264,7 +280,7 @@ impl<'w, 'a> Walk<'w, 'a> {
         let inner = Context { looks: cascade.looks, depth: context.depth + 1, ..*context };
         let Some(inner) = self.transformed(node, inner)? else { return Ok(()) };
         match tag {
-            Tag::Svg => self.viewport(node, &inner, [None; 2]),
+            Tag::Svg => self.viewport(node, &inner, Given::default()),
             Tag::Use => self.used(node, &inner),
             Tag::Switch => self.switch(node, &inner),
             tag if tag.is_shape() => self.shape(node, &inner),
@@ -297,14 +313,15 @@ impl<'w, 'a> Walk<'w, 'a> {
     }
 
     /// A nested picture, or the symbol of a `use` with the sizes that it gives.
-    fn viewport(&mut self, node: usize, context: &Context, given: [Option<f64>; 2]) -> Result<(), ReadError> {
+    fn viewport(&mut self, node: usize, context: &Context, given: Given) -> Result<(), ReadError> {
         let place = match self.port(node, context) {
             Ok(place) => place,
             Err(Halt::Skip) => return Ok(()),
             Err(Halt::Refuse(error)) => return Err(error),
         };
-        let [x, y, w, h] = place;
-        let size = [given[0].or(w), given[1].or(h)];
+        let ([x, y, w, h], lost) = place;
+        let size = [given.size[0].or(w), given.size[1].or(h)];
+        let lost = if given.lost > 0.0 { add_up(lost, given.lost) } else { lost };
         let outer = context.viewport;
         let size = [0, 1].map(|k| size[k].or(outer.map(|all| all[k])));
         let view_box = self.view_box(node)?;
@@ -331,18 +348,21 @@ impl<'w, 'a> Walk<'w, 'a> {
             "unsupported-viewport-clip",
             "what stands outside an inner picture or symbol is not cut off",
         );
+        let map = map.off_by(lost, view_box);
         let inner = Context { map: context.map.after(&map), viewport: inner_port, ..*context };
         self.children(node, &inner)
     }
 
-    fn port(&mut self, node: usize, context: &Context) -> Result<[Option<f64>; 4], Halt> {
+    /// The place and the size that an element gives, and what their units lost.
+    fn port(&mut self, node: usize, context: &Context) -> Result<([Option<f64>; 4], f64), Halt> {
         let mut numbers = self.numbers(node, context);
-        Ok([
+        let port = [
             numbers.length(Key::X, Along::X)?,
             numbers.length(Key::Y, Along::Y)?,
             numbers.length(Key::Width, Along::X)?,
             numbers.length(Key::Height, Along::Y)?,
-        ])
+        ];
+        Ok((port, numbers.lost))
     }
 
     fn numbers(&mut self, node: usize, context: &Context) -> Numbers<'_, 'a> {
@@ -356,15 +376,20 @@ impl<'w, 'a> Walk<'w, 'a> {
         }
     }
 
-    /// The first child whose conditions hold, as for a reader of English.
+    /// Whether the conditions of an element hold, as for a reader of English who has no extensions.
+    fn conditions_hold(&self, node: usize) -> bool {
+        let language = self.tree.get(node, Key::SystemLanguage).is_none_or(|(all, _)| {
+            all.split(',').any(|one| one.trim() == "en" || one.trim().starts_with("en-"))
+        });
+        language && self.tree.get(node, Key::RequiredExtensions).is_none()
+    }
+
+    /// The first child whose conditions hold.
     fn switch(&mut self, node: usize, context: &Context) -> Result<(), ReadError> {
         let tree = self.tree;
         let holds = |child: &usize| {
-            let language = tree.get(*child, Key::SystemLanguage).is_none_or(|(all, _)| {
-                all.split(',').any(|one| one.trim() == "en" || one.trim().starts_with("en-"))
-            });
-            let plain = tree.get(*child, Key::RequiredExtensions).is_none();
-            language && plain && !matches!(tree.tag(*child), Tag::Foreign | Tag::Unknown | Tag::Silent)
+            self.conditions_hold(*child)
+                && !matches!(tree.tag(*child), Tag::Foreign | Tag::Unknown | Tag::Silent)
         };
         match tree.children(node).find(holds) {
             Some(child) => self.element(child, context),
@@ -396,16 +421,16 @@ impl<'w, 'a> Walk<'w, 'a> {
             let message = format!("'use' of {} leads back to itself", show(id.as_bytes()));
             return Err(ReadError::new("use-cycle", tree.place_of(at), message));
         }
-        let [x, y, w, h] = match self.port(node, context) {
+        let ([x, y, w, h], lost) = match self.port(node, context) {
             Ok(port) => port,
             Err(Halt::Skip) => return Ok(()),
             Err(Halt::Refuse(error)) => return Err(error),
         };
-        let by = Map::translation([x.unwrap_or(0.0), y.unwrap_or(0.0)]);
+        let by = Map::translation([x.unwrap_or(0.0), y.unwrap_or(0.0)]).off_by(lost, None);
         let inner = Context { map: context.map.after(&by), ..*context };
         self.using.push(target);
         let drawn = match tree.tag(target) {
-            Tag::Symbol | Tag::Svg => self.instance(target, &inner, [w, h]),
+            Tag::Symbol | Tag::Svg => self.instance(target, &inner, Given { size: [w, h], lost }),
             _ => self.element(target, &inner),
         };
         self.using.pop();
@@ -413,7 +438,7 @@ impl<'w, 'a> Walk<'w, 'a> {
     }
 
     /// A symbol or picture that is used.
-    fn instance(&mut self, node: usize, context: &Context, given: [Option<f64>; 2]) -> Result<(), ReadError> {
+    fn instance(&mut self, node: usize, context: &Context, given: Given) -> Result<(), ReadError> {
         self.count_copies(node, 1)?;
         let cascade = self.cascade(node, context.looks);
         if !self.shows(node, &cascade.own) {

@@ -47,6 +47,8 @@ pub(super) struct Tree<'a> {
     pub sheets: Vec<(u32, String)>,
     /// Where a document type stands that nothing was read of.
     pub doctype: Option<u32>,
+    /// Where a style sheet in another file is named.
+    pub style_sheet: Option<u32>,
     /// Whether the root is in SVG's namespace.
     pub has_namespace: bool,
     /// The certificate in `metadata`, as text.
@@ -167,6 +169,7 @@ impl<'a> Parser<'a> {
             attributes: Vec::new(),
             sheets: Vec::new(),
             doctype: None,
+            style_sheet: None,
             has_namespace: false,
             certificate: None,
         };
@@ -208,6 +211,9 @@ impl<'a> Parser<'a> {
                 Event::GeneralRef(name) => self.reference(at, &name)?,
                 Event::DocType(declared) => self.doctype(at, &declared)?,
                 Event::Decl(_) => self.declaration(at, end)?,
+                Event::PI(text) if text.starts_with("xml-stylesheet") => {
+                    self.tree.style_sheet.get_or_insert(at as u32);
+                }
                 Event::Comment(_) | Event::PI(_) => {}
                 Event::Eof => break,
             }

@@ -161,3 +161,29 @@ fn relative_sums_that_are_rounded_are_in_the_slack() {
     assert!(off > 0.0 && off <= curve.slack() && curve.slack() < 1e-9, "{off} {}", curve.slack());
     assert_eq!(path("M0 0l.5.25-.125 8")[0].slack(), 0.0);
 }
+
+/// A circle as most drawings write it: two half turns by relative steps that are not binary fractions.
+#[test]
+fn half_circles_by_rounded_steps_keep_their_centre() {
+    let circle = &path("M12.3 4.7l.1.1a1.1 1.1 0 0 1 2.2 0a1.1 1.1 0 0 1-2.2 0")[0];
+    let true_centre = [13.5, 4.8];
+    for piece in &circle.pieces()[1..] {
+        let chordal::explicit::Piece::Arc(arc) = piece else { panic!("two arcs") };
+        let off = (arc.centre()[0] - true_centre[0]).hypot(arc.centre()[1] - true_centre[1]);
+        assert!(off <= circle.slack() + arc.slack() && off < 1e-14, "{off}");
+    }
+    assert!(circle.slack() < 1e-13, "{}", circle.slack());
+    // An absolute end after a relative start: the way between them is rounded, and the centre feels its root.
+    let half = &path("M12.3 4.7l.1.1A1.1 1.1 0 0 1 14.6 4.8")[0];
+    let chordal::explicit::Piece::Arc(arc) = &half.pieces()[1] else { panic!("one arc") };
+    let off = (arc.centre()[0] - 13.5).hypot(arc.centre()[1] - 4.8);
+    assert!(off <= half.slack() + arc.slack(), "{off} {}", half.slack());
+    assert!(half.slack() > 1e-9 && half.slack() < 1e-6, "{}", half.slack());
+}
+
+#[test]
+fn a_mirrored_control_point_is_off_by_twice_as_much_as_the_pen() {
+    let plain = path("M.1.1l.2.2")[0].slack();
+    let smooth = path("M.1.1l.2.2t.1.1t.1.1")[0].slack();
+    assert!(plain > 0.0 && smooth >= 3.0 * plain, "{plain} {smooth}");
+}

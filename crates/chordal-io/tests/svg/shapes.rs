@@ -96,6 +96,12 @@ fn lengths_have_units_and_percentages() {
     let circle = arc(&drawing.lines[1].pieces()[0]);
     near(circle.centre(), [96.0 / 2.54, 0.0]);
     near(circle.axes()[0], [0.5 * (12_500.0_f64 * 2.0).sqrt(), 0.0]);
-    assert!(drawing.lines[1].slack() > 0.0);
+    assert!(drawing.lines[0].slack() > 0.0 && drawing.lines[1].slack() > 0.0);
+    let (closed, _) = load("<svg xmlns='http://www.w3.org/2000/svg'><rect width='1mm' height='1mm'/></svg>");
+    assert!(
+        closed.lines[0].slack() > 3.9e-16,
+        "a millimetre is no number of pixels: {}",
+        closed.lines[0].slack()
+    );
     assert_eq!((drawing.lines.len(), count(&warnings, "unsupported-unit")), (2, 1));
 }

@@ -171,3 +171,34 @@ fn elements_with_numbers_that_are_not_finite_can_be_dropped() {
     let loaded = chordal_io::read(text.as_bytes(), chordal_io::Format::Svg, &limits).unwrap();
     assert_eq!(count(&loaded.warnings, "not-finite"), 2);
 }
+
+#[test]
+fn what_is_put_elsewhere_or_meant_for_others_is_counted() {
+    let (drawing, warnings) = load(&svg(
+        "<g systemLanguage='fr'><path d='M0 0h1'/></g><g systemLanguage='en'><path d='M0 0h2'/></g>\
+         <path requiredExtensions='x' d='M0 0h3'/><path transform-origin='5 5' transform='scale(2)' d='M0 0h4'/>\
+         <path style='transform-box:fill-box' d='M0 0h5'/><path transform='scale(1e-170)' d='M0 0h6'/>",
+    ));
+    assert_eq!(drawing.lines.len(), 4);
+    assert_eq!(count(&warnings, "conditional-element"), 2);
+    assert_eq!(count(&warnings, "unsupported-css-geometry"), 2);
+    assert_eq!(count(&warnings, "singular-transform"), 0);
+    let (_, warnings) = load(
+        "<?xml-stylesheet href='a.css'?><svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0h1'/></svg>",
+    );
+    assert_eq!(count(&warnings, "unsupported-css"), 1);
+}
+
+#[test]
+fn units_of_a_place_are_in_the_slack_of_what_stands_there() {
+    let (drawing, _) = load(&svg("<defs><path id='a' d='M0 0h1'/></defs><use href='#a' x='1mm'/>\
+        <svg x='1mm' width='10mm' height='10mm' viewBox='0 0 2 2'><path d='M0 0h1'/></svg><use href='#a' x='1'/>"));
+    let slack = |i: usize| drawing.lines[i].slack();
+    assert!(
+        slack(0) > 3.9e-16 && slack(1) > 3.9e-16 && slack(2) < slack(0),
+        "{} {} {}",
+        slack(0),
+        slack(1),
+        slack(2)
+    );
+}

@@ -59,7 +59,17 @@ pub fn outlines_to_mesh(
             let alone = Budget { triangles: None, ..*budget };
             match outlines.within(&alone, job) {
                 Ok(made) if made.shape.faces().len() as u64 <= most => Ok(made),
-                Ok(_) => Err(Failure::Unmet(Box::new(outlines.by_count(most, job)?))),
+                Ok(_) => {
+                    let best = outlines.by_count(most, job)?;
+                    // Fewer segments than the length alone takes may still keep it.
+                    let is_within = |limit: f64| best.bound.at_most().is_some_and(|most| most <= limit);
+                    let by_length = budget.length.is_none_or(|length| is_within(length.get()));
+                    if by_length && budget.pixels.is_none() {
+                        Ok(best)
+                    } else {
+                        Err(Failure::Unmet(Box::new(best)))
+                    }
+                }
                 Err(failure) => Err(failure),
             }
         }

@@ -222,6 +222,34 @@ impl Arc<2> {
     ///
     /// Source: W3C, *SVG 2*, appendix B.2, *Elliptical arc implementation notes*.
     pub fn through(from: [f64; 2], to: [f64; 2], shape: &Through) -> Result<Self, InvalidArc> {
+        let way = [0, 1].map(|k| DoubleDouble::sum(to[k], -from[k]));
+        Self::spanning([from, to], way, shape)
+    }
+
+    /// The same from its start and the step to its end. The sum of the two may be rounded, the shape of the arc is not: near
+    /// half an ellipse its centre would feel that far more than its end does.
+    ///
+    /// # Errors
+    /// As for [`Arc::through`].
+    ///
+    /// ```
+    /// use chordal::explicit::{Arc, Through};
+    /// let half = Through { radii: [1.0, 1.0], rotation_rad: 0.0, large: false, positive: true };
+    /// let arc = Arc::through_step([0.3, 0.1], [2.0, 0.0], &half)?;
+    /// assert_eq!(arc.centre(), [1.3, 0.1]);
+    /// assert!(arc.slack() < 1e-13);
+    /// # Ok::<(), chordal::explicit::InvalidArc>(())
+    /// ```
+    pub fn through_step(from: [f64; 2], step: [f64; 2], shape: &Through) -> Result<Self, InvalidArc> {
+        let to = [0, 1].map(|k| from[k] + step[k]);
+        Self::spanning([from, to], step.map(DoubleDouble::of), shape)
+    }
+
+    fn spanning(
+        [from, to]: [[f64; 2]; 2],
+        way: [DoubleDouble; 2],
+        shape: &Through,
+    ) -> Result<Self, InvalidArc> {
         let radii = shape.radii.map(f64::abs);
         // A circle has no direction, and its centre is best without one.
         let rotation = if radii[0] == radii[1] { 0.0 } else { shape.rotation_rad };
@@ -229,14 +257,11 @@ impl Arc<2> {
         let finite = [from, to, radii, [sin, cos]].as_flattened().iter().all(|x| x.is_finite());
         // Beyond these, squares of their ratios leave the range of numbers.
         let sane = |x: f64| x > 1e-140 && x < 1e140;
-        if !finite || from == to || !radii.iter().all(|r| sane(*r)) {
+        if !finite || way.iter().all(|x| x.hi == 0.0) || !radii.iter().all(|r| sane(*r)) {
             return Err(InvalidArc);
         }
         // 1. Half the way from the end to the start, in the frame of the axes and in units of the radii.
-        let half = [0, 1].map(|k| {
-            let whole = DoubleDouble::sum(from[k], -to[k]);
-            DoubleDouble { hi: whole.hi / 2.0, lo: whole.lo / 2.0 }
-        });
+        let half = way.map(|x| DoubleDouble { hi: -x.hi / 2.0, lo: -x.lo / 2.0 });
         let turned = [
             half[0].times(DoubleDouble::of(cos)).plus(half[1].times(DoubleDouble::of(sin))).over(radii[0]),
             half[1].times(DoubleDouble::of(cos)).minus(half[0].times(DoubleDouble::of(sin))).over(radii[1]),

@@ -10,7 +10,8 @@ use crate::math::{add_up, flushes_subnormals, sub_down};
 
 /// Cuts one cubic Bézier curve after the other at one tolerance, and keeps its room between them.
 ///
-/// The points are those of [`curve_to_polyline`](super::super::curve_to_polyline), bit for bit.
+/// The points are those of [`curve_to_polyline`](super::super::curve_to_polyline), bit for bit, but that points in a row
+/// may be equal here: a curve that is one point has two.
 ///
 /// ```
 /// use chordal::{Bezier, Tolerance, convert::{BezierCutter, Spacing}};
