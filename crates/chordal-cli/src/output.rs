@@ -161,12 +161,8 @@ impl Aside {
         // Another process can have the name only if it had this one's number before and was killed.
         for attempt in 0..1000 {
             let path = folder.join(format!(".chordal-{}-{attempt}.tmp", std::process::id()));
-            let created = File::create_new(&path);
-            match created {
-                Ok(file) => {
-                    signal::remove_on_exit(Some(path.clone()));
-                    return Ok(Self { file, path });
-                }
+            match signal::create_unfinished(&path, || File::create_new(&path)) {
+                Ok(file) => return Ok(Self { file, path }),
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(failed(&error)),
             }
@@ -210,7 +206,7 @@ impl Drop for Aside {
     fn drop(&mut self) {
         // After a commit the name is gone and there is nothing to remove.
         let _ = fs::remove_file(&self.path);
-        signal::remove_on_exit(None);
+        signal::forget_unfinished();
     }
 }
 

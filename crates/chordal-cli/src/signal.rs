@@ -1,7 +1,7 @@
 //! What Ctrl-C and SIGTERM do: stop the job, remove the unfinished file, exit with 130.
 use crate::fault::Exit;
-use std::io::Write;
-use std::path::PathBuf;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -13,9 +13,18 @@ fn unfinished() -> MutexGuard<'static, Option<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Names the file that a signal removes, or none.
-pub fn remove_on_exit(path: Option<PathBuf>) {
-    *unfinished() = path;
+/// Creates the file that a signal removes, such that a signal comes either before there is one or after it is named:
+/// in between it would stay.
+pub fn create_unfinished<T>(path: &Path, create: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
+    let mut guard = unfinished();
+    let made = create()?;
+    *guard = Some(path.to_owned());
+    Ok(made)
+}
+
+/// Says that there is no file to remove any more.
+pub fn forget_unfinished() {
+    *unfinished() = None;
 }
 
 /// Runs `commit` such that a signal comes either before it or after it.
