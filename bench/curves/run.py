@@ -4,8 +4,6 @@ Prints tables, and writes them with what they were measured on to out/curves.csv
 """
 
 import csv
-import os
-import platform
 import subprocess
 import sys
 from datetime import date
@@ -96,17 +94,6 @@ def targets(found):
     return "\n".join(lines)
 
 
-def machine():
-    """What the times were measured on."""
-    cpu = platform.processor() or platform.machine()
-    info = Path("/proc/cpuinfo")
-    if info.exists():
-        models = [line.split(":")[1].strip() for line in info.read_text().split("\n") if line.startswith("model name")]
-        cpu = models[0] if models else cpu
-    load = ", ".join(f"{x:.1f}" for x in os.getloadavg())
-    return f"{cpu}, {os.cpu_count()} cores, load {load} at the end of the run"
-
-
 def main():
     """Runs everything."""
     found = []
@@ -117,7 +104,7 @@ def main():
     with open(BENCH / "out" / "curves.csv", "w", newline="") as out:
         csv.writer(out).writerows([COLUMNS, *(row.line for row in found)])
     parts = [(BENCH / "curves" / "ABOUT.md").read_text().strip()]
-    parts.append(f"Measured on {date.today()}: {machine()}.")
+    parts.append(f"Measured on {date.today()}: {section.machine()}.")
     parts.append(f"### What was aimed at, and what was missed (bold)\n\n{targets(found)}")
     for corpus, about in CORPORA.items():
         own = [row for row in found if row.corpus == corpus]

@@ -4,8 +4,6 @@ Prints a table, and writes it with what it was measured on to out/patches.csv an
 """
 
 import csv
-import os
-import platform
 import subprocess
 import sys
 from datetime import date
@@ -87,17 +85,6 @@ def families(found):
     return "\n".join(lines)
 
 
-def machine():
-    """What the times were measured on."""
-    cpu = platform.processor() or platform.machine()
-    info = Path("/proc/cpuinfo")
-    if info.exists():
-        models = [line.split(":")[1].strip() for line in info.read_text().split("\n") if line.startswith("model name")]
-        cpu = models[0] if models else cpu
-    load = ", ".join(f"{x:.1f}" for x in os.getloadavg())
-    return f"{cpu}, {os.cpu_count()} cores, load {load} at the end of the run"
-
-
 def main():
     """Runs everything."""
     found = []
@@ -110,7 +97,7 @@ def main():
         csv.writer(out).writerows([COLUMNS, *found])
     parts = [(BENCH / "patches" / "ABOUT.md").read_text().strip()]
     parts.append(
-        f"Measured on {date.today()}: {machine()}; one thread on both sides; seconds are CPU time, medians of 5 (Chordal) and 3 runs; "
+        f"Measured on {date.today()}: {section.machine()}; one thread on both sides; seconds are CPU time, medians of 5 (Chordal) and 3 runs; "
         f"cadquery-ocp {version('cadquery-ocp')}."
     )
     for corpus, about in CORPORA.items():

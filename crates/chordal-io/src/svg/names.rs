@@ -175,6 +175,8 @@ keys! {
     "marker-mid" MarkerMid,
     "marker-end" MarkerEnd,
     "transform-origin" TransformOrigin,
+    "opacity" Opacity,
+    "fill-opacity" FillOpacity,
     "systemLanguage" SystemLanguage,
     "requiredExtensions" RequiredExtensions,
     "media" Media,

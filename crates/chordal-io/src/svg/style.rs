@@ -34,8 +34,10 @@ pub(super) struct Own {
     pub clipped: bool,
     pub masked: bool,
     pub filtered: bool,
-    /// Geometry or transform given by CSS, which is not supported.
+    /// Geometry or transform given by CSS, or the origin of a transform, which are not supported.
     pub css_geometry: bool,
+    /// Less than opaque, which is not looked at.
+    pub sheer: bool,
     pub important: bool,
 }
 
@@ -53,6 +55,7 @@ pub(super) enum Property {
     Marker,
     /// Of geometry, which is only read from attributes.
     Geometry,
+    Opacity,
 }
 
 impl Property {
@@ -67,6 +70,7 @@ impl Property {
             "clip-path" => Self::ClipPath,
             "mask" => Self::Mask,
             "filter" => Self::Filter,
+            "opacity" | "fill-opacity" => Self::Opacity,
             "marker" | "marker-start" | "marker-mid" | "marker-end" => Self::Marker,
             "transform-origin" | "transform-box" | "d" | "x" | "y" | "cx" | "cy" | "r" | "rx" | "ry"
             | "width" | "height" | "transform" | "rotate" | "scale" | "translate" | "offset-path" => {
@@ -88,6 +92,7 @@ impl Property {
             Key::Mask => Self::Mask,
             Key::Filter => Self::Filter,
             Key::TransformOrigin => Self::Geometry,
+            Key::Opacity | Key::FillOpacity => Self::Opacity,
             Key::Marker | Key::MarkerStart | Key::MarkerMid | Key::MarkerEnd => Self::Marker,
             _ => return None,
         })
@@ -144,6 +149,9 @@ impl Cascade {
             Property::Mask => own.masked = !is("none"),
             Property::Filter => own.filtered = !is("none"),
             Property::Geometry => own.css_geometry = true,
+            Property::Opacity => {
+                own.sheer = !(is("1") || is("1.0") || is("100%") || inherits || is("initial"))
+            }
         }
     }
 

@@ -217,7 +217,12 @@ impl<'w, 'a> Walk<'w, 'a> {
             (
                 own.css_geometry,
                 "unsupported-css-geometry",
-                "geometry and transforms are read from attributes, not from styles",
+                "geometry and transforms are read from attributes, not from styles, and turn about the origin",
+            ),
+            (
+                own.sheer,
+                "unsupported-opacity",
+                "opacity is not looked at: what shows through is drawn as if it did not",
             ),
             (own.important, "unsupported-important", "'!important' does not change which style wins"),
         ];

@@ -190,6 +190,14 @@ fn what_is_put_elsewhere_or_meant_for_others_is_counted() {
 }
 
 #[test]
+fn what_is_sheer_is_drawn_and_counted() {
+    let (drawing, warnings) = load(&svg(
+        "<path opacity='0' d='M0 0h1'/><path style='fill-opacity:.5' d='M0 0h1'/><path opacity='1' d='M0 0h1'/>",
+    ));
+    assert_eq!((drawing.lines.len(), count(&warnings, "unsupported-opacity")), (3, 2));
+}
+
+#[test]
 fn units_of_a_place_are_in_the_slack_of_what_stands_there() {
     let (drawing, _) = load(&svg("<defs><path id='a' d='M0 0h1'/></defs><use href='#a' x='1mm'/>\
         <svg x='1mm' width='10mm' height='10mm' viewBox='0 0 2 2'><path d='M0 0h1'/></svg><use href='#a' x='1'/>"));

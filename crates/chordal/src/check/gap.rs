@@ -1,5 +1,6 @@
 //! How far a path and its polyline are apart, measured: the largest gap that is found, and where it is.
 use crate::explicit::{Curve, Polyline};
+use crate::math::{difference, length};
 
 /// A gap between a path and a polyline.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +48,7 @@ pub fn largest_gap<const D: usize>(curve: &Curve<D>, polyline: &Polyline<D>) -> 
         let gap_at = |place: f64| {
             let on_curve = curve.at(place);
             let on_polyline = closest_on_segment(on_curve, segment);
-            Gap { distance: distance(on_curve, on_polyline), place, on_curve, on_polyline }
+            Gap { distance: length(difference(on_curve, on_polyline)), place, on_curve, on_polyline }
         };
         let gap = farthest(gap_at, from, to);
         if worst.as_ref().is_none_or(|worst| gap.distance > worst.distance) {
@@ -84,9 +85,9 @@ fn farthest<const D: usize>(gap_at: impl Fn(f64) -> Gap<D>, from: f64, to: f64) 
 /// The distance from a point to the nearest place of a polyline; infinite when it has no points.
 #[must_use]
 pub fn distance_to_polyline<const D: usize>(point: [f64; D], polyline: &Polyline<D>) -> f64 {
-    let to_first = polyline.points.first().map_or(f64::INFINITY, |first| distance(point, *first));
+    let to_first = polyline.points.first().map_or(f64::INFINITY, |first| length(difference(point, *first)));
     polyline.segments().fold(to_first, |least, segment| {
-        let far = distance(point, closest_on_segment(point, segment));
+        let far = length(difference(point, closest_on_segment(point, segment)));
         if far < least { far } else { least }
     })
 }
@@ -106,10 +107,6 @@ fn closest_on_segment<const D: usize>(p: [f64; D], [a, b]: [[f64; D]; 2]) -> [f6
     } else {
         a
     }
-}
-
-fn distance<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
-    (0..D).fold(0.0, |sum, k| sum + (a[k] - b[k]) * (a[k] - b[k])).sqrt()
 }
 
 #[cfg(test)]

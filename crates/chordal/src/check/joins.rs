@@ -1,5 +1,6 @@
 //! How smoothly the pieces of a path meet.
 use crate::explicit::{Curve, Piece};
+use crate::math::{difference, dot, length};
 
 /// How two pieces of a path meet.
 ///
@@ -141,18 +142,6 @@ fn angle<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
 
 fn size_of<const D: usize>(piece: &Piece<D>) -> f64 {
     piece.hull().as_flattened().iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most })
-}
-
-fn difference<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
-    std::array::from_fn(|k| a[k] - b[k])
-}
-
-fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
-    (0..D).fold(0.0, |sum, k| sum + a[k] * b[k])
-}
-
-fn length<const D: usize>(a: [f64; D]) -> f64 {
-    dot(a, a).sqrt()
 }
 
 #[cfg(test)]

@@ -24,6 +24,7 @@
 //! `s` and `q` by that; where they are longer than 8 chords the form without a chord is used, so that this adds less
 //! than `8·2·2η`. The arithmetic after that loses less than 32 ε of lengths below `8R`. All of it is below `1024 ε·R`.
 use crate::explicit::{Arc, Bezier};
+use crate::math::{difference, dot, length};
 
 /// What rounding may add to a certificate, in units of ε times [`reach`]: derived above.
 const ROUNDING: f64 = 1024.0;
@@ -40,10 +41,6 @@ pub(crate) fn reach<const D: usize>(points: &[[f64; D]]) -> f64 {
     (0..D)
         .map(|k| points.iter().fold(0.0, |most: f64, p| if p[k].abs() > most { p[k].abs() } else { most }))
         .fold(0.0, |sum, x| sum + x)
-}
-
-fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
-    (0..D).fold(0.0, |sum, k| sum + a[k] * b[k])
 }
 
 /// `a` without its part along `c`, whose square length is `c_sq`.
@@ -91,7 +88,7 @@ impl<'a, const D: usize> CubicChords<'a, D> {
     /// The loss of the chord between the points at `a` and `b`, in exact arithmetic.
     pub(crate) fn loss(&self, a: f64, b: f64) -> Loss {
         let (start, end) = (self.cubic.at(a), self.cubic.at(b));
-        let chord: [f64; D] = std::array::from_fn(|k| end[k] - start[k]);
+        let chord = difference(end, start);
         let h = b - a;
         let bend_at = |t: f64| -> [f64; D] {
             std::array::from_fn(|k| (h * h) * ((1.0 - t) * self.bend[0][k] + t * self.bend[1][k]))
@@ -137,7 +134,7 @@ pub(crate) fn rounding_at(reach: f64) -> f64 {
 /// The loss of a chord, from the chord, `D0` and `D1`.
 fn chord_loss<const D: usize>(chord: [f64; D], d0: [f64; D], d1: [f64; D]) -> Loss {
     let s: [f64; D] = std::array::from_fn(|k| d0[k] + d1[k]);
-    let q: [f64; D] = std::array::from_fn(|k| d1[k] - d0[k]);
+    let q = difference(d1, d0);
     let pointwise = largest_gap(s, q);
     let length_sq = dot(chord, chord);
     let (n0, n1) = (dot(d0, d0), dot(d1, d1));
@@ -162,7 +159,7 @@ fn chord_loss<const D: usize>(chord: [f64; D], d0: [f64; D], d1: [f64; D]) -> Lo
 
 /// The largest `(1−u²)(3|s| + |u||q|)/8` and where on the piece it is.
 fn largest_gap<const D: usize>(s: [f64; D], q: [f64; D]) -> Loss {
-    let (s_len, q_len) = (dot(s, s).sqrt(), dot(q, q).sqrt());
+    let (s_len, q_len) = (length(s), length(q));
     if q_len == 0.0 {
         return Loss { at_most: 0.375 * s_len, fraction: 0.5 };
     }
