@@ -6,22 +6,27 @@ use chordal_verbs::report::{
 use std::fmt::Write;
 
 /// Lines of a name and a value, the values below each other.
-struct Lines(String);
+pub(crate) struct Lines(String);
 
 impl Lines {
-    fn titled(title: &str) -> Self {
+    pub fn titled(title: &str) -> Self {
         Self(format!("{title}\n"))
     }
 
-    fn add(&mut self, name: &str, value: impl AsRef<str>) {
+    pub fn add(&mut self, name: &str, value: impl AsRef<str>) {
         // Writing to a text does not fail.
         let _ = writeln!(self.0, "  {name:<11} {}", value.as_ref());
     }
 
-    fn add_if(&mut self, name: &str, value: Option<String>) {
+    pub fn add_if(&mut self, name: &str, value: Option<String>) {
         if let Some(value) = value {
             self.add(name, value);
         }
+    }
+
+    /// The text.
+    pub fn finish(self) -> String {
+        self.0
     }
 }
 
@@ -241,7 +246,7 @@ fn certified(found: &Found) -> String {
     }
 }
 
-fn bound(facts: &BoundFacts) -> String {
+pub(crate) fn bound(facts: &BoundFacts) -> String {
     let least = short(facts.at_least, Toward::Down);
     match facts.at_most {
         Some(most) => format!("between {least} and {} ({})", short(most, Toward::Up), facts.evidence),

@@ -17,6 +17,7 @@
 //! outcome.write(&mut glb)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+mod deviation;
 mod digest;
 mod export;
 mod failure;
@@ -35,6 +36,7 @@ mod written;
 
 pub use chordal::convert::Spacing;
 pub use chordal_io::{Axis, Curves, Drawing, Frame, Polylines, Scene};
+pub use deviation::{DeviationSpec, deviation};
 pub use digest::sha256;
 pub use export::{write, write_polylines};
 pub use failure::MeshFailure;

@@ -4,12 +4,14 @@
 //! path and no count of threads, and can travel in the file. *Run* is for the reader of the moment.
 mod bound;
 mod budget;
+mod deviation;
 mod drawing;
 mod inspection;
 mod valid;
 
 pub use bound::BoundFacts;
 pub use budget::{BudgetFacts, ViewFacts};
+pub use deviation::{DeviationFacts, OneSidedFacts, Verdict};
 pub use drawing::{DrawingFacts, JoinCounts, KinkFacts, PieceCounts};
 pub use inspection::{Found, Inspection, PartFacts, Sizes};
 pub(crate) use valid::Counted;
@@ -35,6 +37,9 @@ pub struct Report {
     /// What the input is; only from `inspect`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inspection: Option<Inspection>,
+    /// How far two shapes are apart; only from `deviation`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub deviation: Option<DeviationFacts>,
     /// This run.
     pub run: Run,
 }
@@ -87,7 +92,7 @@ impl Report {
     /// A report of a run.
     #[must_use]
     pub fn new(certificate: Certificate, run: Run) -> Self {
-        Self { schema: SCHEMA, certificate, inspection: None, run }
+        Self { schema: SCHEMA, certificate, inspection: None, deviation: None, run }
     }
 
     /// As JSON, with its keys in order.
@@ -117,7 +122,7 @@ pub struct InputFacts {
 }
 
 impl InputFacts {
-    fn of(input: &Input) -> Self {
+    pub(crate) fn of(input: &Input) -> Self {
         Self {
             kind: input.shape.kind(),
             format: input.format.to_string(),
