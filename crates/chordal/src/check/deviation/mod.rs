@@ -120,6 +120,8 @@ pub fn deviation(a: &Mesh, b: &Mesh, goal: &Goal, job: &Job) -> Result<Deviation
             return refused(Code::NotFinite, "the extent of the two meshes overflows");
         }
         let frame = Frame::of(&bounds);
+        // Of the meshes as they are: what a frame rounds to the same number need not be the same.
+        let common = Common::of([a, b]);
         let (Some((a, a_moved)), Some((b, b_moved))) = (frame.local(a), frame.local(b)) else {
             return refused(Code::NotFinite, "the extent of the two meshes overflows");
         };
@@ -133,7 +135,6 @@ pub fn deviation(a: &Mesh, b: &Mesh, goal: &Goal, job: &Job) -> Result<Deviation
             ),
             max: goal.max.map(|length| sub_down(frame.local_length(length.get()), 2.0 * (a_moved + b_moved))),
         };
-        let common = Common::of([&a, &b]);
         let (a, b) = (Side::new(a, job)?, Side::new(b, job)?);
         let vertices = [Vertices::ask(&common, [&a, &b], 0, job), Vertices::ask(&common, [&a, &b], 1, job)];
         let mut both = [Direction::new(&a, &b, &vertices[0]), Direction::new(&b, &a, &vertices[1])];
@@ -141,9 +142,11 @@ pub fn deviation(a: &Mesh, b: &Mesh, goal: &Goal, job: &Job) -> Result<Deviation
         if job.is_cancelled() {
             return Err(Stopped::Cancelled);
         }
-        let moved = if a_moved + b_moved == 0.0 { 0.0 } else { add_up(a_moved, b_moved) };
-        let [forward, backward] = [(&both[0], &b), (&both[1], &a)]
-            .map(|(direction, other)| one_sided(direction, other, &frame, moved));
+        let [forward, backward] = [(0, &b), (1, &a)].map(|(k, other)| {
+            // Where the other surface has every face as well, nothing was rounded.
+            let same = vertices[k].faces.is_empty() || a_moved + b_moved == 0.0;
+            one_sided(&both[k], other, &frame, if same { 0.0 } else { add_up(a_moved, b_moved) })
+        });
         Ok(Deviation { bound: two_sided(&forward, &backward), forward, backward, reached })
     })
 }
