@@ -26,6 +26,15 @@ pub enum Place {
         /// The earlier face.
         of: u32,
     },
+    /// A row of the positions and an earlier one at the same place.
+    RepeatedVertex {
+        /// The later row.
+        vertex: u32,
+        /// The earlier row.
+        of: u32,
+    },
+    /// Two faces that meet where they should not, the lower number first.
+    Faces([u32; 2]),
     /// A vertex in the middle of an edge that it does not belong to.
     OnEdge {
         /// The row of the vertex.
@@ -85,6 +94,10 @@ impl Witness {
 
     pub(super) fn face(mesh: &Mesh, face: u32) -> Self {
         Self { place: Place::Face(face), at: centre(mesh, face) }
+    }
+
+    pub(super) fn repeated_vertex(mesh: &Mesh, vertex: u32, of: u32) -> Self {
+        Self { place: Place::RepeatedVertex { vertex, of }, at: mesh.positions()[vertex as usize] }
     }
 
     pub(super) fn repeated(mesh: &Mesh, face: u32, of: u32) -> Self {

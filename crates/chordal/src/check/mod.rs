@@ -1,5 +1,6 @@
 //! The judge: measures and proves, builds nothing.
 mod comb;
+mod components;
 mod distance;
 mod duplicates;
 mod fans;
@@ -8,19 +9,26 @@ mod flat;
 mod gap;
 mod joins;
 mod measure;
+mod nesting;
 mod parallel;
 mod pieces;
 mod point_tree;
 mod surface;
 mod t_junctions;
+mod thin;
 mod validity;
+mod winding;
 
 pub use comb::{Tooth, curvature_comb};
+pub use components::{Component, Facing, components, inside_out, outward};
 pub use distance::surface_at_least;
+pub use duplicates::duplicate_vertices;
 pub use finding::{Finding, MAX_WITNESSES, Place, Witness};
 pub use flat::{has_zero_area, is_collinear};
 pub use gap::{Gap, distance_to_polyline, largest_gap};
 pub use joins::{Join, join, joins};
 pub use measure::{Measure, measure};
+pub use surface::{BothWays, Surface};
 pub use t_junctions::t_junctions;
+pub use thin::{SLIVER_ASPECT, is_sliver};
 pub use validity::{Validity, validity};

@@ -1,6 +1,7 @@
 //! `Bvh`: a tree of boxes over the triangles of a mesh, for nearest points and rays.
 mod build;
 mod closest;
+mod column;
 mod cut;
 mod frame;
 mod ray;
