@@ -121,7 +121,7 @@ pub(super) fn ends(mesh: &Mesh, half_edge: u32) -> [u32; 2] {
     [half_edge, next_in_face(half_edge)].map(|h| face[h as usize % 3])
 }
 
-fn centre(mesh: &Mesh, face: u32) -> [f64; 3] {
+pub(super) fn centre(mesh: &Mesh, face: u32) -> [f64; 3] {
     let [a, b, c] = mesh.corners(face as usize);
     // Divided first: the sum of three large coordinates may not be a number any more.
     std::array::from_fn(|k| a[k] / 3.0 + b[k] / 3.0 + c[k] / 3.0)

@@ -4,6 +4,7 @@ mod closest;
 mod column;
 mod cut;
 mod frame;
+mod pairs;
 mod ray;
 mod triangle;
 
