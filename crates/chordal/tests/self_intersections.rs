@@ -191,6 +191,25 @@ fn scale_by_powers_of_two_and_a_far_place_change_no_verdict() {
 }
 
 #[test]
+fn coordinates_that_span_many_digits_have_the_same_verdicts() {
+    for seed in 0..8000 {
+        let mut random = Random(seed ^ 0x1234);
+        let side = [2, 3, 6][random.below(3)];
+        let points: Vec<Lattice> = (0..7).map(|_| [0, 1, 2].map(|_| random.below(side) as i128)).collect();
+        let faces: Vec<[u32; 3]> = (0..3).map(|_| [0, 1, 2].map(|_| random.below(7) as u32)).collect();
+        let expected = brute_force(&points, &faces).len() as u64;
+        // Stretched along the axes, each by another power of two: no common lattice of 60 bits holds them, and no
+        // incidence changes.
+        let stretched = |p: &Lattice| {
+            let [x, y, z] = p.map(|x| x as f64 + 1.0);
+            [x, libm::ldexp(y, 45), libm::ldexp(z, -40)]
+        };
+        let mesh = Mesh::new(points.iter().map(stretched).collect(), faces.clone()).unwrap();
+        assert_eq!(pairs(&mesh).0, expected, "seed {seed}: {points:?} {faces:?}");
+    }
+}
+
+#[test]
 fn numbering_and_threads_change_nothing() {
     for seed in 0..40 {
         let mut random = Random(seed ^ 0xabc);

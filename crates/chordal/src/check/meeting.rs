@@ -1,10 +1,40 @@
 //! Whether two triangles meet anywhere but in the corners that they share, exactly.
-use super::winding::contains;
-use crate::math::{Orientation, Position, orient2d, orient3d, triangle_contains};
+use super::lattice::{self, on_lattice};
+use crate::math::{Orientation, orient2d, orient3d};
 use Orientation::{Back, Flat, Front};
 use glam::DVec3;
 
-type Corners = [[f64; 3]; 3];
+type Corners<P = [f64; 3]> = [P; 3];
+
+/// Points with exact predicates: by coordinates, or by whole numbers where those span few digits.
+trait Exact: Copy {
+    /// On which side of the plane through three points the last one lies.
+    fn side(plane: [Self; 3], p: Self) -> Orientation;
+    /// On which side of the line through two points the last one lies, seen along an axis.
+    fn turn(points: [Self; 3], axes: (usize, usize)) -> Orientation;
+}
+
+impl Exact for [f64; 3] {
+    fn side(plane: [Self; 3], p: Self) -> Orientation {
+        let [a, b, c] = plane;
+        Plane::of(&plane).clear_side(p).unwrap_or_else(|| orient3d(a, b, c, p))
+    }
+
+    fn turn(points: [Self; 3], (x, y): (usize, usize)) -> Orientation {
+        let [a, b, c] = points.map(|p| [p[x], p[y]]);
+        orient2d(a, b, c)
+    }
+}
+
+impl Exact for lattice::Point {
+    fn side(plane: [Self; 3], p: Self) -> Orientation {
+        lattice::side(plane, p)
+    }
+
+    fn turn(points: [Self; 3], axes: (usize, usize)) -> Orientation {
+        lattice::turn(points, axes)
+    }
+}
 
 /// Whether two triangles that have an area share a point that is not on a corner or side that both have. Corners are
 /// the same where their `ids` are. Exact.
@@ -14,13 +44,13 @@ type Corners = [[f64; 3]; 3];
 /// segment that begins in the corner goes on until it leaves one of the triangles through that side. With two, the
 /// triangles lie in one plane, both on the same side of the common edge. With three they are the same, which has a
 /// finding of its own.
+#[inline]
 pub(super) fn meet(ids: [[u32; 3]; 2], [a, b]: [Corners; 2]) -> bool {
-    let mut shared = [(0, 0); 3];
-    let mut n = 0;
+    let (mut n, mut of_a, mut of_b) = (0, [0; 3], [0; 3]);
     for i in 0..3 {
         for j in 0..3 {
             if ids[0][i] == ids[1][j] {
-                shared[n] = (i, j);
+                (of_a[n], of_b[n]) = (i, j);
                 n += 1;
             }
         }
@@ -28,18 +58,10 @@ pub(super) fn meet(ids: [[u32; 3]; 2], [a, b]: [Corners; 2]) -> bool {
     let from = |corners: &Corners, k: usize| [corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]];
     match n {
         0 => apart_meet(&a, &b),
-        1 => {
-            let (i, j) = shared[0];
-            hinged_meet(&from(&a, i), &from(&b, j))
-        }
+        1 => hinged_meet(&from(&a, of_a[0]), &from(&b, of_b[0])),
         2 => {
-            let (apex_a, apex_b) = (3 - shared[0].0 - shared[1].0, 3 - shared[0].1 - shared[1].1);
-            let edge = shared[..2].iter().map(|(i, _)| a[*i]);
-            let mut edge = edge.chain([a[apex_a]]);
-            match [edge.next(), edge.next(), edge.next()] {
-                [Some(u), Some(v), Some(apex)] => is_folded([u, v, apex], b[apex_b]),
-                _ => false,
-            }
+            let (apex_a, apex_b) = (3 - of_a[0] - of_a[1], 3 - of_b[0] - of_b[1]);
+            folded_meet([a[of_a[0]], a[of_a[1]], a[apex_a]], b[apex_b])
         }
         _ => false,
     }
@@ -47,104 +69,161 @@ pub(super) fn meet(ids: [[u32; 3]; 2], [a, b]: [Corners; 2]) -> bool {
 
 /// Without a common corner.
 fn apart_meet(a: &Corners, b: &Corners) -> bool {
-    let sides_of_b = Plane::of(a).sides(a, b);
-    if parted(&sides_of_b) {
+    let of_b = Plane::of(a).clear_sides(b);
+    if of_b.is_some_and(|sides| parted(&sides)) {
         return false;
     }
-    let sides_of_a = Plane::of(b).sides(b, a);
-    if parted(&sides_of_a) {
+    let of_a = Plane::of(b).clear_sides(a);
+    if of_a.is_some_and(|sides| parted(&sides)) {
         return false;
     }
-    let edges = [(0, 1), (1, 2), (2, 0)];
-    edges.iter().any(|&(i, j)| segment_meets([a[i], a[j]], [sides_of_a[i], sides_of_a[j]], b))
-        || edges.iter().any(|&(i, j)| segment_meets([b[i], b[j]], [sides_of_b[i], sides_of_b[j]], a))
+    if let (Some(of_a), Some(of_b)) = (of_a, of_b) {
+        return sides_meet([a, b], [of_a, of_b]);
+    }
+    fn exactly<P: Exact>(a: &Corners<P>, b: &Corners<P>) -> bool {
+        let of_b = b.map(|p| P::side(*a, p));
+        if parted(&of_b) {
+            return false;
+        }
+        let of_a = a.map(|p| P::side(*b, p));
+        !parted(&of_a) && sides_meet([a, b], [of_a, of_b])
+    }
+    match on_lattice([a[0], a[1], a[2], b[0], b[1], b[2]]) {
+        Some([a, b, c, d, e, f]) => exactly(&[a, b, c], &[d, e, f]),
+        None => exactly(a, b),
+    }
 }
 
 /// With the first corner in common and no other.
 fn hinged_meet(a: &Corners, b: &Corners) -> bool {
-    let plane = Plane::of(a);
-    let of_b = [plane.side(a, b[1]), plane.side(a, b[2])];
-    if of_b[0] == of_b[1] && of_b[0] != Flat {
+    let clear_sides = |plane: &Corners, p, q| {
+        let plane = Plane::of(plane);
+        plane.clear_side(p).zip(plane.clear_side(q))
+    };
+    let of_b = clear_sides(a, b[1], b[2]);
+    if of_b.is_some_and(|(one, other)| one == other) {
         return false;
     }
-    let plane = Plane::of(b);
-    let of_a = [plane.side(b, a[1]), plane.side(b, a[2])];
-    if of_a[0] == of_a[1] && of_a[0] != Flat {
+    let of_a = clear_sides(b, a[1], a[2]);
+    if of_a.is_some_and(|(one, other)| one == other) {
         return false;
     }
-    segment_meets([a[1], a[2]], of_a, b) || segment_meets([b[1], b[2]], of_b, a)
+    if of_a.is_some() && of_b.is_some() {
+        // Both sides across go through the other's plane.
+        return pierces([a[1], a[2]], b) || pierces([b[1], b[2]], a);
+    }
+    fn exactly<P: Exact>(a: &Corners<P>, b: &Corners<P>) -> bool {
+        let part = |of: [Orientation; 2]| of[0] == of[1] && of[0] != Flat;
+        let of_b = [P::side(*a, b[1]), P::side(*a, b[2])];
+        if part(of_b) {
+            return false;
+        }
+        let of_a = [P::side(*b, a[1]), P::side(*b, a[2])];
+        !part(of_a) && (segment_meets([a[1], a[2]], of_a, b) || segment_meets([b[1], b[2]], of_b, a))
+    }
+    match on_lattice([a[0], a[1], a[2], b[1], b[2]]) {
+        Some([v, p, q, r, s]) => exactly(&[v, p, q], &[v, r, s]),
+        None => exactly(a, b),
+    }
 }
 
 /// With the edge `u v` in common: whether the two apexes lie on the same side of it in one plane.
-fn is_folded([u, v, a]: Corners, b: [f64; 3]) -> bool {
-    if Plane::of(&[u, v, a]).side(&[u, v, a], b) != Flat {
+fn folded_meet([u, v, a]: Corners, b: [f64; 3]) -> bool {
+    fn exactly<P: Exact>([u, v, a]: [P; 3], b: P) -> bool {
+        if P::side([u, v, a], b) != Flat {
+            return false;
+        }
+        // Along an axis in which the plane is not seen edge-on.
+        let mut turns = AXES.into_iter().map(|axes| (P::turn([u, v, a], axes), P::turn([u, v, b], axes)));
+        turns.find(|(of_a, _)| *of_a != Flat).is_some_and(|(of_a, of_b)| of_a == of_b)
+    }
+    if Plane::of(&[u, v, a]).clear_side(b).is_some() {
         return false;
     }
-    let turn = |p: [f64; 3], (x, y): (usize, usize)| orient2d([u[x], u[y]], [v[x], v[y]], [p[x], p[y]]);
-    // Along an axis in which the plane is not seen edge-on.
-    [(0, 1), (1, 2), (2, 0)]
-        .into_iter()
-        .map(|axes| (turn(a, axes), turn(b, axes)))
-        .find(|(of_a, _)| *of_a != Flat)
-        .is_some_and(|(of_a, of_b)| of_a == of_b)
+    match on_lattice([u, v, a, b]) {
+        Some([u, v, a, b]) => exactly([u, v, a], b),
+        None => exactly([u, v, a], b),
+    }
 }
 
+const AXES: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
+
 /// Whether three points lie on one side, strictly.
+#[inline]
 fn parted(sides: &[Orientation; 3]) -> bool {
     sides[0] != Flat && sides[0] == sides[1] && sides[1] == sides[2]
 }
 
+/// Whether a side of one of two triangles meets the other, from the sides of the other's plane on which corners lie.
+fn sides_meet<P: Exact>([a, b]: [&Corners<P>; 2], [of_a, of_b]: [[Orientation; 3]; 2]) -> bool {
+    AXES.iter().any(|&(i, j)| segment_meets([a[i], a[j]], [of_a[i], of_a[j]], b))
+        || AXES.iter().any(|&(i, j)| segment_meets([b[i], b[j]], [of_b[i], of_b[j]], a))
+}
+
 /// Whether a closed segment meets a closed triangle with an area, from the sides of its ends.
-fn segment_meets([p, q]: [[f64; 3]; 2], sides: [Orientation; 2], triangle: &Corners) -> bool {
+fn segment_meets<P: Exact>([p, q]: [P; 2], sides: [Orientation; 2], triangle: &Corners<P>) -> bool {
     match sides {
         [Front, Front] | [Back, Back] => false,
         [Flat, Flat] => flat_segment_meets([p, q], triangle),
-        [Flat, _] => contains(*triangle, p),
-        [_, Flat] => contains(*triangle, q),
+        [Flat, _] => contains(triangle, p),
+        [_, Flat] => contains(triangle, q),
         [Front, Back] | [Back, Front] => pierces([p, q], triangle),
     }
 }
 
+/// Whether two sides are strictly opposite.
+#[inline]
+fn opposite(one: Orientation, other: Orientation) -> bool {
+    one != Flat && one == other.flipped()
+}
+
 /// Whether a segment with its ends on either side of a triangle goes through it: it passes all sides alike.
-fn pierces([p, q]: [[f64; 3]; 2], [a, b, c]: &Corners) -> bool {
-    let first = side([p, q, *a], *b);
-    let second = side([p, q, *b], *c);
-    if first == second.flipped() && first != Flat {
+fn pierces<P: Exact>([p, q]: [P; 2], [a, b, c]: &Corners<P>) -> bool {
+    let (first, second) = (P::side([p, q, *a], *b), P::side([p, q, *b], *c));
+    if opposite(first, second) {
         return false;
     }
-    let third = side([p, q, *c], *a);
-    let opposite = |one: Orientation, other: Orientation| one == other.flipped() && one != Flat;
+    let third = P::side([p, q, *c], *a);
     !opposite(first, third) && !opposite(second, third)
 }
 
+/// Axes in which a triangle with an area is seen as one.
+#[inline]
+fn clear_axes<P: Exact>(triangle: &Corners<P>) -> (usize, usize) {
+    AXES.into_iter().find(|axes| P::turn(*triangle, *axes) != Flat).unwrap_or(AXES[0])
+}
+
+/// Whether a point in the plane of a triangle lies on it, its sides included: it is on no two sides' outer sides.
+fn contains<P: Exact>(triangle: &Corners<P>, p: P) -> bool {
+    holds(triangle, p, clear_axes(triangle))
+}
+
+#[inline]
+fn holds<P: Exact>([a, b, c]: &Corners<P>, p: P, axes: (usize, usize)) -> bool {
+    let turns = [P::turn([*a, *b, p], axes), P::turn([*b, *c, p], axes), P::turn([*c, *a, p], axes)];
+    !(turns.contains(&Front) && turns.contains(&Back))
+}
+
 /// The same for a segment in the triangle's plane.
-fn flat_segment_meets([p, q]: [[f64; 3]; 2], triangle: &Corners) -> bool {
-    let seen = |(x, y): (usize, usize)| triangle.map(|r| [r[x], r[y]]);
-    let axes = [(0, 1), (1, 2), (2, 0)];
-    let clear = axes.into_iter().find(|axes| {
-        let [a, b, c] = seen(*axes);
-        orient2d(a, b, c) != Flat
-    });
-    let Some((x, y)) = clear else { return false };
-    let corners = seen((x, y));
-    let (p, q) = ([p[x], p[y]], [q[x], q[y]]);
-    if [p, q].iter().any(|r| triangle_contains(corners, *r) != Position::Outside) {
+fn flat_segment_meets<P: Exact>([p, q]: [P; 2], triangle: &Corners<P>) -> bool {
+    let axes = clear_axes(triangle);
+    // All of the triangle on one side of the segment's line is what neighbours in a flat place look like.
+    let turns = triangle.map(|r| P::turn([p, q, r], axes));
+    if parted(&turns) {
+        return false;
+    }
+    if holds(triangle, p, axes) || holds(triangle, q, axes) {
         return true;
     }
     // Both ends are outside: it meets the triangle where it crosses a side or passes through a corner.
-    let turns = corners.map(|r| orient2d(p, q, r));
-    [(0, 1), (1, 2), (2, 0)].into_iter().any(|(i, j)| {
+    AXES.into_iter().any(|(i, j)| {
         let parts = |[r, s]: [Orientation; 2]| r != s || r == Flat;
-        let of_ends = [orient2d(corners[i], corners[j], p), orient2d(corners[i], corners[j], q)];
         let in_one_line = turns[i] == Flat && turns[j] == Flat;
-        !in_one_line && parts([turns[i], turns[j]]) && parts(of_ends)
+        !in_one_line && parts([turns[i], turns[j]]) && {
+            let side = |r: P| P::turn([triangle[i], triangle[j], r], axes);
+            parts([side(p), side(q)])
+        }
     })
-}
-
-/// On which side of the plane through three points another one lies, exactly: [`orient3d`] behind a filter that needs
-/// no look at the range of the numbers.
-fn side(corners: Corners, p: [f64; 3]) -> Orientation {
-    Plane::of(&corners).side(&corners, p)
 }
 
 /// A plane in floating point, to tell sides where they are clear.
@@ -158,38 +237,31 @@ struct Plane {
 impl Plane {
     #[inline]
     fn of(corners: &Corners) -> Self {
-        let [a, b, c] = corners.map(DVec3::from);
+        let [a, b, c] = [DVec3::from(corners[0]), DVec3::from(corners[1]), DVec3::from(corners[2])];
         let (u, v) = (b - a, c - a);
         let (x, y) = (u.abs(), v.abs());
         let size = DVec3::new(x.y * y.z + x.z * y.y, x.z * y.x + x.x * y.z, x.x * y.y + x.y * y.x);
         Self { at: a, normal: u.cross(v), size }
     }
 
+    /// On which side a point lies, never [`Flat`]; `None` where rounding leaves it open.
     #[inline]
-    fn side(&self, corners: &Corners, p: [f64; 3]) -> Orientation {
+    fn clear_side(&self, p: [f64; 3]) -> Option<Orientation> {
         let to = DVec3::from(p) - self.at;
         let (height, size) = (self.normal.dot(to), self.size.dot(to.abs()));
         // With u = 2⁻⁵³: differences are off by u each, products and sums of the normal by 2u more, those of the height
-        // by 3u: at most 8u of the products' sizes, whose own sum is low by as little. 2ε = 4u of slack each way.
+        // by 3u: at most 8u of the products' sizes, whose own sum is low by as little. Twice that is 8ε.
         let slack = 8.0 * f64::EPSILON * size;
         // What underflows loses less than 2⁻¹⁰⁷⁴ a product, and a product of the normal is then multiplied by less than
-        // 1e200: together far below the least slack, 1e-115. Where a size is beyond that, or no number, exact
-        // arithmetic decides.
+        // 1e200: together far below the least slack, 1e-115. Where a size is beyond that, or no number, it stays open.
         const CLEAR: std::ops::Range<f64> = 1e-100..1e270;
-        if CLEAR.contains(&size) && height.abs() > slack && to.abs().max_element() < 1e200 {
-            return if height > 0.0 { Front } else { Back };
-        }
-        // In a plane across an axis, as the sides of boxes are.
-        let [a, b, c] = corners;
-        if (0..3).any(|k| a[k] == b[k] && b[k] == c[k] && c[k] == p[k]) {
-            return Flat;
-        }
-        orient3d(*a, *b, *c, p)
+        let clear = CLEAR.contains(&size) && height.abs() > slack && to.abs().max_element() < 1e200;
+        clear.then_some(if height > 0.0 { Front } else { Back })
     }
 
     #[inline]
-    fn sides(&self, corners: &Corners, points: &Corners) -> [Orientation; 3] {
-        [self.side(corners, points[0]), self.side(corners, points[1]), self.side(corners, points[2])]
+    fn clear_sides(&self, [a, b, c]: &Corners) -> Option<[Orientation; 3]> {
+        Some([self.clear_side(*a)?, self.clear_side(*b)?, self.clear_side(*c)?])
     }
 }
 
@@ -199,10 +271,10 @@ pub(super) fn common_point(ids: [[u32; 3]; 2], [a, b]: [Corners; 2]) -> Option<[
     let mut places: Vec<DVec3> = Vec::new();
     for (one, one_ids, other, other_ids) in [(&a, ids[0], &b, ids[1]), (&b, ids[1], &a, ids[0])] {
         let plane = Plane::of(other);
-        let sides = plane.sides(other, one);
+        let sides = one.map(|p| Exact::side(*other, p));
         for i in 0..3 {
             let j = (i + 1) % 3;
-            if sides[i] == Flat && !other_ids.contains(&one_ids[i]) && contains(*other, one[i]) {
+            if sides[i] == Flat && !other_ids.contains(&one_ids[i]) && contains(other, one[i]) {
                 places.push(one[i].into());
             }
             let segment = [one[i], one[j]];

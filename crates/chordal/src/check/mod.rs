@@ -1,6 +1,7 @@
 //! The judge: measures and proves, builds nothing.
 mod comb;
 mod components;
+mod defect;
 mod distance;
 mod duplicates;
 mod fans;
@@ -8,6 +9,7 @@ mod finding;
 mod flat;
 mod gap;
 mod joins;
+mod lattice;
 mod measure;
 mod meeting;
 mod nesting;
@@ -23,6 +25,7 @@ mod winding;
 
 pub use comb::{Tooth, curvature_comb};
 pub use components::{Component, Facing, components, inside_out, outward};
+pub use defect::{Defect, Weight};
 pub use distance::surface_at_least;
 pub use duplicates::duplicate_vertices;
 pub use finding::{Finding, MAX_WITNESSES, Place, Witness};

@@ -57,7 +57,7 @@ fn turn(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> Orientation {
 }
 
 /// Whether a point in the plane of a triangle lies on it, its sides included.
-pub(super) fn contains(corners: [[f64; 3]; 3], p: [f64; 3]) -> bool {
+fn contains(corners: [[f64; 3]; 3], p: [f64; 3]) -> bool {
     let flat = |x: usize, y: usize| (corners.map(|q| [q[x], q[y]]), [p[x], p[y]]);
     // Along an axis in which the triangle stays a triangle; one without area is a segment in all three.
     let seen = [(0, 1), (1, 2), (2, 0)].map(|(x, y)| flat(x, y));
