@@ -40,6 +40,18 @@ pub enum Weight {
     Remark,
 }
 
+/// The options of `chordal mend` in the order in which to use them: first what the others rely on.
+pub const CURES: [&str; 8] = [
+    "--weld",
+    "--drop-degenerate",
+    "--drop-duplicates",
+    "--resolve-t-junctions",
+    "--split-nonmanifold",
+    "--fill-holes",
+    "--orient",
+    "--drop-unused",
+];
+
 impl Defect {
     /// All, the heaviest first.
     pub const ALL: [Self; 13] = [
@@ -133,7 +145,9 @@ impl Defect {
         match self {
             // A boundary between equal points is a seam, one along T-junctions a crack, and only the rest is a hole.
             Self::BoundaryEdges => &["--weld", "--resolve-t-junctions", "--fill-holes"],
-            Self::NonManifoldEdges | Self::NonManifoldVertices => &["--split-nonmanifold"],
+            // Sheets that lie in one place are one sheet too many before they are a branch.
+            Self::NonManifoldEdges => &["--drop-duplicates", "--split-nonmanifold"],
+            Self::NonManifoldVertices => &["--split-nonmanifold"],
             Self::TJunctions => &["--resolve-t-junctions"],
             Self::InconsistentEdges | Self::InsideOut => &["--orient"],
             Self::DuplicateFaces => &["--drop-duplicates"],
@@ -172,18 +186,8 @@ mod tests {
         names.sort_unstable();
         names.dedup();
         assert_eq!(names.len(), Defect::ALL.len());
-        let known = [
-            "--weld",
-            "--orient",
-            "--split-nonmanifold",
-            "--drop-degenerate",
-            "--drop-duplicates",
-            "--drop-unused",
-            "--fill-holes",
-            "--resolve-t-junctions",
-        ];
         for defect in Defect::ALL {
-            assert!(defect.cures().iter().all(|cure| known.contains(cure)), "{defect:?}");
+            assert!(defect.cures().iter().all(|cure| CURES.contains(cure)), "{defect:?}");
             assert_ne!(defect.words()[0], defect.words()[1]);
         }
     }

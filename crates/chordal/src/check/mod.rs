@@ -25,7 +25,7 @@ mod winding;
 
 pub use comb::{Tooth, curvature_comb};
 pub use components::{Component, Facing, components, inside_out, outward};
-pub use defect::{Defect, Weight};
+pub use defect::{CURES, Defect, Weight};
 pub use distance::surface_at_least;
 pub use duplicates::duplicate_vertices;
 pub use finding::{Finding, MAX_WITNESSES, Place, Witness};
