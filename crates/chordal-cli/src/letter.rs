@@ -132,7 +132,7 @@ fn components(lines: &mut Lines, all: u64, listed: &[ComponentFacts]) {
     lines.add("components", format!("{}{most}", grouped(all)));
     let several_parts = listed.iter().any(|component| component.part != listed[0].part);
     let mut table =
-        vec![["triangles", "first", "closed", "front", "genus", "area", "volume"].map(str::to_owned)];
+        vec![["triangles", "first face", "closed", "front", "genus", "area", "volume"].map(str::to_owned)];
     for component in shown {
         let first = if several_parts {
             format!("{}:{}", component.part, component.first_face)
@@ -207,6 +207,9 @@ fn beside(of: &str, valid: &Valid) -> String {
     match of {
         "boundary_edges" if counts.boundary_loops > 0 => {
             format!(" in {}", plural(counts.boundary_loops, "loop"))
+        }
+        "boundary_edges" if counts.boundary_chains > 0 => {
+            format!(" in {}", plural(counts.boundary_chains, "open chain"))
         }
         "duplicate_faces" if counts.opposite_faces > 0 => {
             format!(", {} back to back", grouped(counts.opposite_faces))
