@@ -282,7 +282,11 @@ fn every_requirement_names_count_and_place() {
     fails(&crossing, "solid", "self-intersecting: ");
     fails(&crossing, "single-component", "not a single component: 2 components");
     let fin = format!("{CLOSED_OBJ}v 5 5 5\nf 1 2 5\n");
-    fails(&fin, "edge-manifold", "not manifold: 1 edge of three triangles or more, edge 1-0 of triangles 0, 1, 4 at");
+    fails(
+        &fin,
+        "edge-manifold",
+        "not manifold: 1 edge of three triangles or more, edge 1-0 of triangles 0, 1, 4 at",
+    );
     fails(&fin, "vertex-manifold", "not manifold: 2 vertices of several fans, the first is vertex ");
     let spoilt = format!("{open}v 0 0 0\nv 2 2 2\nv 4 4 4\nf 9 10 11\nv 9 9 9\nf 1 2 6\nf 1 2 6\n");
     fails(&spoilt, "no-degenerate", "degenerate: 1 triangle of no area, triangle 10 at");

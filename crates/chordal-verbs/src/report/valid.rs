@@ -205,6 +205,12 @@ pub(super) fn opposite(topology: Topology) -> Topology {
 }
 
 impl Valid {
+    /// Whether every component is wound outward; `None` where that is not decided, or was not looked at.
+    #[must_use]
+    pub fn outward(&self) -> Option<bool> {
+        self.anatomy.as_ref().and_then(|anatomy| anatomy.outward)
+    }
+
     /// How often a defect was met; `None` where it was not looked for.
     #[must_use]
     pub fn count(&self, defect: Defect) -> Option<u64> {
