@@ -1,4 +1,5 @@
 //! The command line: names, values and their help.
+use crate::require::Requirement;
 use chordal::budget::{InvalidLength, Length, Pixels, Unit, View};
 use chordal_io::{Axis, Format};
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
@@ -185,6 +186,11 @@ pub enum Steps {
 
 /// `chordal inspect`
 #[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  chordal inspect part.stl
+  chordal inspect part.stl --self-intersections
+  chordal inspect part.stl --require solid")]
 pub struct InspectArgs {
     #[command(flatten)]
     pub input: InputArgs,
@@ -193,19 +199,12 @@ pub struct InspectArgs {
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     pub require: Vec<Requirement>,
 
+    /// Look for triangles that cross, overlap or touch where they should not: exact, and some seconds for some million
+    #[arg(long)]
+    pub self_intersections: bool,
+
     #[command(flatten)]
     pub talk: TalkArgs,
-}
-
-/// What a mesh can be required to be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Requirement {
-    /// No edge has triangles on one side only
-    Closed,
-    /// No edge has more than two triangles, and no vertex more than one fan of them
-    Manifold,
-    /// Neighbours agree on which side is out
-    Oriented,
 }
 
 /// `chordal render`

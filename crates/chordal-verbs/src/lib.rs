@@ -40,7 +40,7 @@ pub use deviation::{DeviationSpec, deviation};
 pub use digest::sha256;
 pub use export::{write, write_polylines};
 pub use failure::MeshFailure;
-pub use inspect::inspect;
+pub use inspect::{inspect, inspect_deeply};
 pub use load::{Hint, Input, extension, load};
 pub use mesh::{Made, MeshOutcome, mesh};
 pub use render::{Fineness, RenderOutcome, USUAL_SCREEN, render};

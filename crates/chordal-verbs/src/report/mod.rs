@@ -2,19 +2,22 @@
 //!
 //! The *certificate* is deterministic: same input, version and budget give the same bytes, so it holds no clock, no
 //! path and no count of threads, and can travel in the file. *Run* is for the reader of the moment.
+mod anatomy;
 mod bound;
 mod budget;
+mod checked;
 mod deviation;
 mod drawing;
 mod inspection;
 mod valid;
 
+pub use anatomy::{Anatomy, ComponentFacts, FindingFacts, MOST_COMPONENTS, cures_of_all};
 pub use bound::BoundFacts;
 pub use budget::{BudgetFacts, ViewFacts};
 pub use deviation::{DeviationFacts, OneSidedFacts, Verdict};
 pub use drawing::{DrawingFacts, JoinCounts, KinkFacts, PieceCounts};
 pub use inspection::{Found, Inspection, PartFacts, Sizes};
-pub(crate) use valid::Counted;
+pub(crate) use valid::{Counted, Look, Uncounted};
 pub use valid::{Counts, OtherCounts, PartValid, Valid, WitnessFacts};
 
 use crate::Input;

@@ -27,10 +27,14 @@ use glam::DVec3;
 /// ```
 #[must_use]
 pub fn t_junctions(mesh: &Mesh, topology: Topology, within: Option<Tolerance>) -> Finding {
-    let surface = Surface::new(mesh, topology);
+    t_junctions_of(&Surface::new(mesh, topology), within)
+}
+
+pub(super) fn t_junctions_of(surface: &Surface, within: Option<Tolerance>) -> Finding {
+    let mesh = surface.mesh;
     let boundary: Vec<u32> =
         (0..surface.twins.len() as u32).filter(|&h| surface.twins.get(h) == Twin::Boundary).collect();
-    let rows = boundary_rows(&surface, &boundary);
+    let rows = boundary_rows(surface, &boundary);
     let points: Vec<[f64; 3]> = rows.iter().map(|&row| mesh.positions()[row as usize]).collect();
     let tree = PointTree::new(&points);
     let mut edge_of: Vec<Option<u32>> = vec![None; rows.len()];

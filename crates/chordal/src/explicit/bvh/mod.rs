@@ -1,8 +1,10 @@
 //! `Bvh`: a tree of boxes over the triangles of a mesh, for nearest points and rays.
 mod build;
 mod closest;
+mod column;
 mod cut;
 mod frame;
+mod pairs;
 mod ray;
 mod triangle;
 
