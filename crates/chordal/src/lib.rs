@@ -41,5 +41,6 @@ pub use explicit::{Bezier, Curve, Mesh, Patch, Polyline};
 #[doc = include_str!("../../../docs/patches_to_mesh.md")]
 #[doc = include_str!("../../../docs/segments.md")]
 #[doc = include_str!("../../../docs/splines.md")]
+#[doc = include_str!("../../../docs/triangle.md")]
 #[doc = include_str!("../../../docs/view.md")]
 struct Pages;

@@ -13,8 +13,10 @@ mod patch_grid;
 mod piece;
 mod polyline;
 mod polynomial;
+mod quad;
 pub mod spline;
 mod topology;
+mod triangle;
 pub mod triangulate;
 mod twins;
 
@@ -31,5 +33,7 @@ pub use patch_grid::PatchGrid;
 pub use piece::{Affine, Piece};
 pub use polyline::Polyline;
 pub use polynomial::Polynomial;
+pub use quad::{Diagonal, Quad};
 pub use topology::{Topology, position_id_by_bits};
+pub use triangle::{Triangle, corner_rows, interpolate};
 pub use twins::{Twin, Twins, next_in_face, previous_in_face};

@@ -173,13 +173,20 @@ fn from_first(points: &[[f64; 3]], p: &[f64; 3], scale: f64) -> [f64; 3] {
     std::array::from_fn(|k| p[k] * scale - points[0][k] * scale)
 }
 
-/// A power of two that brings the largest coordinate near 1; 1 itself for all but extreme polygons.
+/// [`unit_scale`] for extreme polygons, 1 for all others.
 fn scale_of(points: &[[f64; 3]]) -> f64 {
+    let scale = unit_scale(points);
+    // 2^±250 ≈ 1e±75: squares of sums, and their rounding errors, stay inside the range of f64 (2^±1022).
+    let (low, high) = (f64::from_bits((1023 - 250) << 52), f64::from_bits((1023 + 250) << 52));
+    if scale >= low && scale <= high { 1.0 } else { scale }
+}
+
+/// A power of two that brings the largest coordinate near 1.
+pub(super) fn unit_scale<const D: usize>(points: &[[f64; D]]) -> f64 {
     let largest =
         points.iter().flatten().fold(0.0_f64, |most, x| if x.abs() > most { x.abs() } else { most });
     let exponent = ((largest.to_bits() >> 52) & 0x7ff) as i64 - 1023;
-    // 2^±250 ≈ 1e±75: squares of sums, and their rounding errors, stay inside the range of f64 (2^±1022).
-    if largest == 0.0 || exponent.abs() <= 250 {
+    if largest == 0.0 {
         return 1.0;
     }
     // Both ends of the range have a reciprocal that is a normal number: 2^-1022 and 2^1023.
