@@ -4,6 +4,7 @@ mod bezier;
 mod bvh;
 mod continuation;
 mod curve;
+pub(crate) mod fill;
 pub mod laws;
 mod mesh;
 mod normals;

@@ -6,9 +6,12 @@
 //! opens T-junctions), decides in rounded arithmetic, and takes cubic time on polygons that cross themselves.
 mod blockers;
 mod ears;
+mod holes;
 
 use ears::Ears;
 use robust::{Coord, orient2d};
+
+pub use holes::{Corner, Cut, InvalidPolygon, Repair, polygon_with_holes};
 
 /// The triangles of one polygon.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -121,8 +124,9 @@ fn quad(p: [[f64; 2]; 4], out: &mut Vec<[u32; 3]>) -> usize {
     turns[pick].iter().filter(|t| **t < 0.0).count()
 }
 
-/// The polygon seen along the largest axis of its normal, counter-clockwise. Exact but for the power of two.
-fn along_axis(points: &[[f64; 3]], scale: f64, normal: [f64; 3], flat: &mut Vec<[f64; 2]>) {
+/// The polygon seen along the largest axis of its normal, counter-clockwise. Exact but for the power of two. Returns the
+/// axes that become x and y.
+fn along_axis(points: &[[f64; 3]], scale: f64, normal: [f64; 3], flat: &mut Vec<[f64; 2]>) -> [usize; 2] {
     let mut drop = largest_axis(normal);
     if normal[drop].is_nan() || normal[drop] == 0.0 {
         drop = thinnest(points);
@@ -133,6 +137,7 @@ fn along_axis(points: &[[f64; 3]], scale: f64, normal: [f64; 3], flat: &mut Vec<
     }
     flat.clear();
     flat.extend(points.iter().map(|p| [p[u] * scale, p[v] * scale]));
+    [u, v]
 }
 
 /// The polygon seen along its normal, counter-clockwise, rounded; false where it has no normal.
