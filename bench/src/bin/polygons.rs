@@ -1,4 +1,4 @@
-//! The triangulation bench: `polygons FIXTURES` prints CSV, a row for each polygon: corners, holes, and microseconds of CPU
+//! The triangulation bench: `polygons FIXTURES [NAME]` prints CSV, a row for each polygon: corners, holes, and microseconds of CPU
 //! time of Chordal (its check included), mapbox earcut and `i_triangle`, each the median of runs in turn with the others.
 //!
 //! FIXTURES is the folder of earcut's test polygons; polygons made here follow: stars, combs, and squares with holes.
@@ -98,6 +98,9 @@ fn main() {
     all.push(("comb of 10k".to_owned(), vec![comb(5_000)]));
     all.push(("400 holes, 45.6k".to_owned(), holed(114, 20)));
     all.push(("star of 100k".to_owned(), vec![star(100_000, [0.0; 2], 1.0)]));
+    if let Some(only) = std::env::args().nth(2) {
+        all.retain(|(name, _)| *name == only);
+    }
     println!("polygon,corners,holes,chordal_us,earcut_us,i_triangle_us,chordal,earcut,i_triangle");
     let mut totals = [0.0; 3];
     for (name, rings) in &all {

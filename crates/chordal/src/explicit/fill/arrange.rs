@@ -5,7 +5,7 @@
 //! its chain without any point of it leaving its cell.
 //!
 //! Source: J. D. Hobby, *Practical segment intersection with finite precision output*, 1999.
-use super::grid::{Point, turn};
+use super::grid::{Point, side, turn};
 use super::sweep::Winding;
 use super::tree::{Box2, Tree};
 use crate::budget::Job;
@@ -112,14 +112,14 @@ fn crossings(segments: &[[Point; 2]], job: &Job) -> Result<Vec<Point>, Stop> {
 
 /// The cell in which two segments cross, where each has the other's ends strictly on both sides.
 fn crossing([a, b]: [Point; 2], [c, d]: [Point; 2]) -> Option<Point> {
-    let of_ab = [turn(a, b, c).signum(), turn(a, b, d).signum()];
-    if of_ab[0] * of_ab[1] >= 0 {
+    let parts = |[a, b]: [Point; 2], [c, d]: [Point; 2]| {
+        let sides = (side(a, b, c), side(a, b, d));
+        sides.0.is_ne() && sides.0 == sides.1.reverse()
+    };
+    if !parts([a, b], [c, d]) || !parts([c, d], [a, b]) {
         return None;
     }
     let [from_a, from_b] = [turn(c, d, a), turn(c, d, b)];
-    if from_a.signum() * from_b.signum() >= 0 {
-        return None;
-    }
     // a + (b − a)·s with s = from_a / (from_a − from_b), between 0 and 1, rounded to the middle of its cell.
     let (over, under) = (from_a, from_a - from_b);
     let (over, under) = if under < 0 { (-over, -under) } else { (over, under) };
@@ -139,10 +139,10 @@ fn passes([a, b]: [Point; 2], cell: Point) -> bool {
     }
     // Ends lie on even numbers and borders on odd ones, so that where boxes meet their insides do. Then the segment
     // passes the inside unless all corners are on one side; and of the border, it can only touch a corner.
-    let at_lower = turn(a, b, min);
-    let sides = [at_lower, turn(a, b, [max[0], min[1]]), turn(a, b, [min[0], max[1]]), turn(a, b, max)];
-    let (left, right) = (sides.iter().any(|side| *side > 0), sides.iter().any(|side| *side < 0));
-    left && right || at_lower == 0
+    let at_lower = side(a, b, min);
+    let sides = [at_lower, side(a, b, [max[0], min[1]]), side(a, b, [min[0], max[1]]), side(a, b, max)];
+    let (left, right) = (sides.iter().any(|side| side.is_gt()), sides.iter().any(|side| side.is_lt()));
+    left && right || at_lower.is_eq()
 }
 
 /// How far along a segment a cell is, in no unit. Cells that a segment passes lie in both coordinates in its direction.
@@ -212,7 +212,7 @@ mod tests {
             let n = 3 + below(12);
             let contour: Vec<Point> =
                 (0..n).map(|_| [below(size) - size / 2, below(size) - size / 2]).collect();
-            let edges = arranged(&[contour.clone()]).unwrap();
+            let edges = arranged(std::slice::from_ref(&contour)).unwrap();
             for (i, one) in edges.iter().enumerate() {
                 assert!(one.from < one.to);
                 assert!(!edges[..i].iter().any(|other| collide(one, other)), "{contour:?}");

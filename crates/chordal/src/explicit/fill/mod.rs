@@ -23,7 +23,7 @@ pub(crate) struct Filled {
 impl Site for Point {
     #[inline]
     fn turn(a: Self, b: Self, c: Self) -> Ordering {
-        turn(a, b, c).cmp(&0)
+        grid::side(a, b, c)
     }
 }
 

@@ -1,11 +1,12 @@
 //! Polygons with holes into triangles: exact decisions, a check, and a word on every repair.
-use super::{along_axis, along_normal, newell, scale_of};
+use super::{along_axis, along_normal, newell, scale_of, seen_axes};
 use crate::budget::Job;
 use crate::explicit::fill::arrange::{Contour, Stop, arrange};
 use crate::explicit::fill::grid::Grid;
 use crate::explicit::fill::sweep::{Edge, Rule, Site, sweep};
 use crate::explicit::fill::{Filled, fill};
 use crate::math::{Orientation, difference, dot, length, orient2d};
+use std::borrow::Cow;
 use std::cmp::Ordering;
 use std::fmt;
 
@@ -109,83 +110,124 @@ impl Corner for [f64; 2] {}
 impl Corner for [f64; 3] {}
 
 mod sealed {
+    use std::borrow::Cow;
+
     /// How a polygon is seen in a plane.
     pub trait Flatten: Sized {
+        /// What is known of a polygon: where it lies.
+        type Frame;
+
         fn is_finite(&self) -> bool;
-        /// The views of all corners that are worth trying, `outer` of which belong to the outer contour.
-        fn views(all: &[Self], outer: usize) -> super::Views<Self>;
+        /// Of all corners, `outer` of which belong to the outer contour.
+        fn frame(all: &[Self], outer: usize) -> Self::Frame;
+        /// All corners as seen without changing a coordinate, but for a power of two.
+        fn exactly<'a>(all: &'a [Self], frame: &Self::Frame) -> Cow<'a, [[f64; 2]]>;
+        /// As seen from straight above, where that is something else.
+        fn from_above(all: &[Self], frame: &Self::Frame) -> Option<Vec<[f64; 2]>>;
+        /// The point of the polygon's plane that is seen exactly at `p`.
+        fn lift(p: [f64; 2], frame: &Self::Frame) -> Self;
+        /// The power of two, and how far corners are from the plane.
+        fn scale_and_warp(frame: &Self::Frame) -> [f64; 2];
     }
 }
 
-/// All corners in the plane, seen in one way or, if that turns out unclean, another; and the way back.
-pub struct Views<P> {
-    first: Vec<[f64; 2]>,
-    second: Option<Box<dyn FnOnce() -> Option<Vec<[f64; 2]>>>>,
-    lift: Box<dyn Fn([f64; 2]) -> P>,
-    /// Of the view in the plane to the polygon.
-    scale: f64,
-    warp: f64,
-}
-
 impl sealed::Flatten for [f64; 2] {
+    type Frame = ();
+
     fn is_finite(&self) -> bool {
         self.iter().all(|x| x.is_finite())
     }
 
-    fn views(all: &[Self], _: usize) -> Views<Self> {
-        Views { first: all.to_vec(), second: None, lift: Box::new(|p| p), scale: 1.0, warp: 0.0 }
+    fn frame(_: &[Self], _: usize) {}
+
+    fn exactly<'a>(all: &'a [Self], (): &()) -> Cow<'a, [[f64; 2]]> {
+        Cow::Borrowed(all)
+    }
+
+    fn from_above(_: &[Self], (): &()) -> Option<Vec<[f64; 2]>> {
+        None
+    }
+
+    fn lift(p: [f64; 2], (): &()) -> Self {
+        p
+    }
+
+    fn scale_and_warp((): &()) -> [f64; 2] {
+        [1.0, 0.0]
     }
 }
 
 impl sealed::Flatten for [f64; 3] {
+    type Frame = Plane;
+
     fn is_finite(&self) -> bool {
         self.iter().all(|x| x.is_finite())
     }
 
-    fn views(all: &[Self], outer: usize) -> Views<Self> {
+    fn frame(all: &[Self], outer: usize) -> Plane {
         let scale = scale_of(all);
-        let normal = newell(&all[..outer], scale);
-        let mut first = Vec::new();
-        let axes = along_axis(all, scale, normal, &mut first);
-        let plane = Plane::of(&all[..outer], scale, normal);
+        let newell = newell(&all[..outer], scale);
+        let mut plane = Plane::of(&all[..outer], scale, newell);
+        plane.axes = seen_axes(all, newell);
         let warp = all.iter().map(|p| plane.height(p.map(|x| x * scale)).abs());
-        let warp = warp.fold(0.0, |most, h| if h > most { h } else { most }) / scale;
-        let corners = all.to_vec();
-        let second = move || {
-            let mut flat = Vec::new();
-            along_normal(&corners, scale, normal, &mut flat).then_some(flat)
-        };
-        let lift = move |p| plane.lift(p, axes).map(|x| x / scale);
-        Views { first, second: Some(Box::new(second)), lift: Box::new(lift), scale, warp }
+        plane.warp = warp.fold(0.0, |most, h| if h > most { h } else { most }) / scale;
+        plane
+    }
+
+    fn exactly<'a>(all: &'a [Self], plane: &Plane) -> Cow<'a, [[f64; 2]]> {
+        let mut flat = Vec::with_capacity(all.len());
+        along_axis(all, plane.scale, plane.newell, &mut flat);
+        Cow::Owned(flat)
+    }
+
+    fn from_above(all: &[Self], plane: &Plane) -> Option<Vec<[f64; 2]>> {
+        let mut flat = Vec::with_capacity(all.len());
+        along_normal(all, plane.scale, plane.newell, &mut flat).then_some(flat)
+    }
+
+    fn lift(p: [f64; 2], plane: &Plane) -> Self {
+        plane.lift(p).map(|x| x / plane.scale)
+    }
+
+    fn scale_and_warp(plane: &Plane) -> [f64; 2] {
+        [plane.scale, plane.warp]
     }
 }
 
 /// The plane through the middle of an outer contour, in scaled coordinates.
 #[derive(Clone, Copy)]
-struct Plane {
+pub struct Plane {
+    scale: f64,
+    /// Twice the vector area of the outer contour.
+    newell: [f64; 3],
+    /// What is seen as x and y.
+    axes: [usize; 2],
     middle: [f64; 3],
     /// Of length 1, or 0 for a contour without area.
     normal: [f64; 3],
+    /// Not scaled.
+    warp: f64,
 }
 
 impl Plane {
-    fn of(points: &[[f64; 3]], scale: f64, normal: [f64; 3]) -> Self {
+    fn of(points: &[[f64; 3]], scale: f64, newell: [f64; 3]) -> Self {
         let n = points.len() as f64;
-        let sum = points
-            .iter()
-            .fold([0.0; 3], |sum: [f64; 3], p| std::array::from_fn(|k| sum[k] + p[k] * scale / n));
-        let size = normal.iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
-        let unit = normal.map(|x| if size > 0.0 { x / size } else { 0.0 });
+        let mut middle = [0.0; 3];
+        points.iter().for_each(|p| (0..3).for_each(|k| middle[k] += p[k] * scale / n));
+        let size = newell.iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+        let unit = newell.map(|x| if size > 0.0 { x / size } else { 0.0 });
         let long = length(unit);
-        Self { middle: sum, normal: unit.map(|x| if long > 0.0 { x / long } else { 0.0 }) }
+        let normal = unit.map(|x| if long > 0.0 { x / long } else { 0.0 });
+        Self { scale, newell, axes: [0, 1], middle, normal, warp: 0.0 }
     }
 
     fn height(&self, p: [f64; 3]) -> f64 {
         dot(difference(p, self.middle), self.normal)
     }
 
-    /// The point of the plane that is seen at `p` along the axis that is neither of `axes`.
-    fn lift(&self, p: [f64; 2], [u, v]: [usize; 2]) -> [f64; 3] {
+    /// The point that is seen at `p` along the largest axis of the normal.
+    fn lift(&self, p: [f64; 2]) -> [f64; 3] {
+        let [u, v] = self.axes;
         let w = 3 - u - v;
         let mut lifted = self.middle;
         (lifted[u], lifted[v]) = (p[0], p[1]);
@@ -201,6 +243,14 @@ impl Plane {
 impl Site for [f64; 2] {
     #[inline]
     fn turn(a: Self, b: Self, c: Self) -> Ordering {
+        // Shewchuk's first filter with 4·2⁻⁵³ for his (3 + 16·2⁻⁵³)·2⁻⁵³. Above 2⁻⁹⁰⁰ what underflows is below that.
+        const SHARE: f64 = 2.0 * f64::EPSILON;
+        const LEAST: f64 = f64::from_bits((1023 - 900) << 52);
+        let (left, right) = ((a[0] - c[0]) * (b[1] - c[1]), (a[1] - c[1]) * (b[0] - c[0]));
+        let (turn, size) = (left - right, left.abs() + right.abs());
+        if turn.abs() > SHARE * size && size > LEAST && size < f64::INFINITY {
+            return if turn > 0.0 { Ordering::Greater } else { Ordering::Less };
+        }
         match orient2d(a, b, c) {
             Orientation::Front => Ordering::Greater,
             Orientation::Flat => Ordering::Equal,
@@ -261,24 +311,25 @@ pub fn polygon_with_holes<P: Corner, H: AsRef<[P]>>(
         let first = if contour == 0 { 0 } else { ends[contour - 1] };
         return Err(InvalidPolygon::NotFinite { contour, corner: bad - first });
     }
-    let views = P::views(&all, outer.len());
-    let Views { first, second, lift, scale, warp } = views;
+    let frame = P::frame(&all, outer.len());
+    let [scale, warp] = P::scale_and_warp(&frame);
     let done = |flat: Flat| Cut {
         triangles: flat.triangles,
-        added: flat.added.into_iter().map(&lift).collect(),
+        added: flat.added.into_iter().map(|p| P::lift(p, &frame)).collect(),
         repairs: flat.repairs,
         warp,
     };
-    if let Some(flat) = within(&first, &ends)? {
+    let seen = P::exactly(&all, &frame);
+    if let Some(flat) = within(&seen, &ends)? {
         return Ok(done(flat));
     }
     // A bent polygon may cross itself in one view and not in the other.
-    if let Some(seen) = second.and_then(|second| second())
-        && let Some(flat) = within(&seen, &ends)?
+    if let Some(above) = P::from_above(&all, &frame)
+        && let Some(flat) = within(&above, &ends)?
     {
         return Ok(done(flat));
     }
-    across(&first, &ends, scale).map(done)
+    across(&seen, &ends, scale).map(done)
 }
 
 /// What is found in the plane.
