@@ -24,7 +24,7 @@ mod twins;
 
 pub use arc::{Arc, InvalidArc, Through};
 pub use bezier::{Bezier, Levels, bernstein};
-pub use bvh::{Bvh, Closest, Hit, Ray};
+pub use bvh::{Bvh, Closest, Containment, Enclosure, Hit, Ray, Whereabouts, Winding};
 pub use continuation::Smoothness;
 pub use curve::{Curve, InvalidCurve};
 pub use mesh::{Attribute, Domain, InvalidMesh, Mesh, Semantic};

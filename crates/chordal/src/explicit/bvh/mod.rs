@@ -3,8 +3,11 @@ mod build;
 mod closest;
 mod cut;
 mod frame;
+mod inside;
+mod packet;
 mod ray;
 mod triangle;
+mod winding;
 
 use crate::budget::{Code, Job, Refusal, Stopped};
 use crate::explicit::Mesh;
@@ -12,7 +15,9 @@ use crate::math::Box3;
 use frame::Frame;
 
 pub use closest::Closest;
+pub use inside::{Containment, Enclosure, Whereabouts};
 pub use ray::{Hit, Ray};
+pub use winding::Winding;
 
 /// Children of a node. Four f32 fill one SSE, NEON or WASM register.
 const WIDTH: usize = 4;
