@@ -39,7 +39,9 @@ pub use explicit::{Bezier, Curve, Mesh, Patch, Polyline};
 #[doc = include_str!("../../../docs/formats.md")]
 #[doc = include_str!("../../../docs/outlines_to_mesh.md")]
 #[doc = include_str!("../../../docs/patches_to_mesh.md")]
+#[doc = include_str!("../../../docs/polygons.md")]
 #[doc = include_str!("../../../docs/segments.md")]
 #[doc = include_str!("../../../docs/splines.md")]
+#[doc = include_str!("../../../docs/triangle.md")]
 #[doc = include_str!("../../../docs/view.md")]
 struct Pages;
