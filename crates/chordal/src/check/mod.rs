@@ -22,5 +22,7 @@ pub use flat::{has_zero_area, is_collinear};
 pub use gap::{Gap, distance_to_polyline, largest_gap};
 pub use joins::{Join, join, joins};
 pub use measure::{Measure, measure};
+pub(crate) use point_tree::PointTree;
 pub use t_junctions::t_junctions;
+pub(crate) use t_junctions::vertices_in_edges;
 pub use validity::{Validity, validity};
