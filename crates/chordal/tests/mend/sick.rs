@@ -22,8 +22,10 @@ fn a_moebius_strip_is_told_and_left_as_it_is() {
     let n = 5;
     let positions: Vec<[f64; 3]> = (0..2 * n)
         .map(|i| {
-            let (around, half) =
-                (f64::from(i / 2) / f64::from(n) * std::f64::consts::TAU, f64::from(i / 2) / f64::from(n) * std::f64::consts::PI);
+            let (around, half) = (
+                f64::from(i / 2) / f64::from(n) * std::f64::consts::TAU,
+                f64::from(i / 2) / f64::from(n) * std::f64::consts::PI,
+            );
             let r = 2.0 + (f64::from(i % 2) - 0.5) * libm::cos(half);
             [r * libm::cos(around), r * libm::sin(around), (f64::from(i % 2) - 0.5) * libm::sin(half)]
         })
