@@ -37,6 +37,8 @@ pub enum Verb {
     Mesh(MeshArgs),
     /// Say what a file holds and whether it is sound
     Inspect(InspectArgs),
+    /// Take away what `inspect` found, and say what was changed
+    Mend(crate::mend::MendArgs),
     /// Take a picture
     Render(RenderArgs),
     /// Show in a browser how many segments a curve needs until it looks smooth
@@ -287,7 +289,7 @@ pub enum Show {
 }
 
 /// The reason alone: the message that it becomes part of names the text already.
-fn length(text: &str) -> Result<Length, String> {
+pub fn length(text: &str) -> Result<Length, String> {
     text.parse().map_err(|error: InvalidLength| {
         let said = error.to_string();
         said.strip_prefix(&format!("'{}': ", text.trim())).unwrap_or(&said).to_owned()

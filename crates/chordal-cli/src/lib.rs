@@ -8,6 +8,7 @@ mod docs;
 mod fault;
 mod input;
 mod inspect;
+mod mend;
 mod mesh;
 mod numbers;
 mod output;
@@ -38,6 +39,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     let done = match cli.verb {
         Verb::Mesh(args) => mesh::run(&args),
         Verb::Inspect(args) => inspect::run(&args),
+        Verb::Mend(args) => mend::run(&args),
         Verb::Render(args) => render::run(&args),
         Verb::Studio(args) => studio::run(&args),
         Verb::Completions { shell } => docs::completions(shell),
@@ -53,6 +55,7 @@ fn wants_json(verb: &Verb) -> bool {
     match verb {
         Verb::Mesh(args) => args.talk.json,
         Verb::Inspect(args) => args.talk.json,
+        Verb::Mend(args) => args.talk.json,
         Verb::Render(args) => args.talk.json,
         Verb::Studio(_) | Verb::Completions { .. } | Verb::Man { .. } => false,
     }

@@ -6,13 +6,16 @@ mod bound;
 mod budget;
 mod drawing;
 mod inspection;
+mod mended;
 mod valid;
 
 pub use bound::BoundFacts;
 pub use budget::{BudgetFacts, ViewFacts};
 pub use drawing::{DrawingFacts, JoinCounts, KinkFacts, PieceCounts};
 pub use inspection::{Found, Inspection, PartFacts, Sizes};
+pub use mended::{ChangeFacts, MendedFacts};
 pub(crate) use valid::Counted;
+use valid::witness_facts;
 pub use valid::{Counts, OtherCounts, PartValid, Valid, WitnessFacts};
 
 use crate::Input;
@@ -56,6 +59,12 @@ pub struct Certificate {
     pub output: Option<Output>,
     /// Whether the triangles are sound; none where there are none to be.
     pub valid: Option<Valid>,
+    /// Whether those of the input were; only from `mend`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub valid_before: Option<Valid>,
+    /// What was mended, in the order in which it was; only from `mend`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub mended: Vec<MendedFacts>,
     /// What else a reader should know, in sentences.
     pub notes: Vec<String>,
 }
@@ -72,6 +81,8 @@ impl Certificate {
             bound: None,
             output: None,
             valid: None,
+            valid_before: None,
+            mended: Vec::new(),
             notes: Vec::new(),
         }
     }

@@ -3,7 +3,7 @@ use super::OutputFacts;
 use crate::formats::topology;
 use crate::written::rows_of;
 use chordal::Mesh;
-use chordal::check::{Finding, Place, Validity, t_junctions, validity};
+use chordal::check::{Finding, Place, Validity, Witness, t_junctions, validity};
 use chordal::explicit::Topology;
 use chordal_io::{Format, Scene, WriteError};
 use serde::Serialize;
@@ -285,13 +285,15 @@ fn witnesses(part: usize, Checked { found, t_junctions }: &Checked) -> Vec<Witne
         ("unused_vertices", &found.unused_vertices),
     ];
     let facts = |(of, finding): (&'static str, &Finding)| {
-        let one = |witness: &chordal::check::Witness| {
-            let (vertices, faces) = rows(&witness.place);
-            WitnessFacts { of, part: part as u64, vertices, faces, at: witness.at }
-        };
-        finding.witnesses.iter().map(one).collect::<Vec<_>>()
+        finding.witnesses.iter().map(|witness| witness_facts(of, part, witness)).collect::<Vec<_>>()
     };
     findings.into_iter().flat_map(facts).collect()
+}
+
+/// A witness of what is called `of`, in that part.
+pub(super) fn witness_facts(of: &'static str, part: usize, witness: &Witness) -> WitnessFacts {
+    let (vertices, faces) = rows(&witness.place);
+    WitnessFacts { of, part: part as u64, vertices, faces, at: witness.at }
 }
 
 fn rows(place: &Place) -> (Vec<u32>, Vec<u32>) {
