@@ -4,7 +4,7 @@ use super::draft::{Blend, Draft, Face, Row};
 use super::mended::{Mended, begin};
 use crate::Mesh;
 use crate::budget::{Job, Metric, Stopped};
-use crate::check::{Finding, Witness};
+use crate::check::{Finding, Witness, has_zero_area};
 use crate::explicit::{Topology, Twin, Twins, next_in_face, previous_in_face};
 use std::collections::BTreeSet;
 
@@ -20,11 +20,12 @@ pub enum Holes {
 /// Fills the holes: each boundary loop whose faces agree on their winding gets faces of the same winding.
 ///
 /// A flat loop is triangulated as a polygon; any other with the least area if it has up to 64 edges, and as a polygon
-/// otherwise. Where that would give an edge of the mesh a third face, the loop gets a vertex in its middle and a fan
-/// around it. A loop that passes a position twice is filled in parts that do not. New faces have the attributes of the
+/// otherwise. Where that would give an edge of the mesh a third face, or a face no area, the loop gets a vertex in its
+/// middle and a fan around it. A loop that passes a position twice is filled in parts that do not. New faces have the attributes of the
 /// face at the first edge of their loop, their corners those of the vertices there; no row is changed.
 ///
-/// Left as they are: loops with more edges than `holes` says; loops of three edges around a single triangle; strings of
+/// Left as they are: loops with more edges than `holes` says; those around a single triangle, and those on one line;
+/// strings of
 /// boundary edges that end at an edge with three faces or more, or meet faces that are wound against each other
 /// ([`split_non_manifold`](super::split_non_manifold), [`orient`](super::orient) come first).
 ///
@@ -208,6 +209,11 @@ impl Rim<'_> {
         }
         let n = points.len() as f64;
         let at = std::array::from_fn(|k| points.iter().map(|p| p[k] / n).sum());
+        let last = points[points.len() - 1];
+        let sides = std::iter::once(&last).chain(&points).zip(&points);
+        if sides.into_iter().any(|(p, q)| has_zero_area([*p, *q, at])) {
+            return false;
+        }
         let number = draft.rows.len() as u32;
         let middle = (number, corner(0).1);
         for i in 0..points.len() {

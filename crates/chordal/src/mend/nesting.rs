@@ -8,8 +8,8 @@ use super::orient::Piece;
 use crate::Mesh;
 use crate::math::{Box3, Orientation, orient2d, orient3d};
 
-/// How often another vertex is tried where one lies on the surface of another piece.
-const TRIES: usize = 16;
+/// Vertices of a piece that are asked, spread over its faces: a piece that only reaches into another is not inside it.
+const SAMPLES: usize = 16;
 
 /// For each piece, in how many of the others it lies.
 pub(super) fn depths(mesh: &Mesh, pieces: &[&Piece]) -> Vec<usize> {
@@ -67,13 +67,14 @@ impl Shadows {
         self.nodes[node].skip = self.nodes.len();
     }
 
-    /// In how many other pieces a piece lies. `odd` is all false, before and after.
+    /// In how many other pieces a piece lies, with all of its samples. Samples on the surface of another piece count only
+    /// where all are. `odd` is all false, before and after.
     fn depth(&self, mesh: &Mesh, (number, piece): (u32, &Piece), odd: &mut [bool]) -> usize {
-        let mut depth = 0;
-        for &face in piece.faces.iter().take(TRIES) {
+        let mut around: [Vec<Vec<usize>>; 2] = Default::default();
+        for face in piece.faces.iter().step_by(piece.faces.len().div_ceil(SAMPLES)) {
             let mut touches = false;
             let mut met = Vec::new();
-            self.above(mesh, mesh.corners(face as usize)[0], |other, on_plane| {
+            self.above(mesh, mesh.corners(*face as usize)[0], |other, on_plane| {
                 if other != number {
                     odd[other as usize] = !odd[other as usize];
                     touches |= on_plane;
@@ -82,13 +83,14 @@ impl Shadows {
             });
             met.sort_unstable();
             met.dedup();
-            depth = met.iter().filter(|&&other| odd[other]).count();
+            let inside = met.iter().copied().filter(|&other| odd[other]).collect();
             met.iter().for_each(|&other| odd[other] = false);
-            if !touches {
-                break;
-            }
+            around[usize::from(touches)].push(inside);
         }
-        depth
+        let [clear, touching] = around;
+        let samples = if clear.is_empty() { touching } else { clear };
+        let Some((first, rest)) = samples.split_first() else { return 0 };
+        first.iter().filter(|other| rest.iter().all(|inside| inside.contains(other))).count()
     }
 
     /// Calls `visit` with the piece of every triangle straight above `p`, and whether `p` lies in its plane.

@@ -13,8 +13,8 @@ use crate::math::{difference, dot};
 /// - In each piece neighbours are made to agree. The side that most of its faces show already stays in front, with equal
 ///   numbers that of its first face.
 /// - A closed piece is then turned outwards, or inwards where it is a cavity: where it lies inside an odd number of other
-///   closed pieces. Whether it does is decided exactly, at one of its vertices. A piece whose volume rounding cannot tell
-///   from 0 stays as it is.
+///   closed pieces. Whether it does is decided exactly, at sixteen of its vertices. A piece whose volume rounding cannot
+///   tell from 0 stays as it is.
 /// - A piece that cannot be made to agree, as a Möbius strip, is left as it was and reported.
 ///
 /// The surface stays: bound 0. The changes are `turned_faces`, and `left_unorientable` with the first face of such a

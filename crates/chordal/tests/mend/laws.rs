@@ -110,7 +110,8 @@ fn no_edge_gets_a_third_face_and_no_position_a_second_fan() {
                 assert!(found.vertex_manifold, "seed {seed}, {name}: {:?}", found.non_manifold_vertices);
             }
         }
-        // Filling makes neighbours that agree.
+        // Filling makes faces with area, and neighbours that agree.
+        assert_eq!(findings(&cure("fill_holes", &mesh).mesh)[6].1, findings(&mesh)[6].1, "seed {seed}");
         let oriented = cure("orient", &mesh).mesh;
         if findings(&oriented)[3].1 == 0 {
             assert_eq!(findings(&cure("fill_holes", &oriented).mesh)[3].1, 0, "seed {seed}");

@@ -164,3 +164,13 @@ fn shells_inside_each_other_face_in_turn_out_and_in() {
     let volume: f64 = chordal::check::measure(&mended.mesh).signed_volume;
     assert!((volume - (512.0 + 64.0 + 8.0 + 1.0)).abs() < 1e-9, "{volume}");
 }
+
+#[test]
+fn a_solid_that_reaches_into_another_is_no_cavity() {
+    let one = cube();
+    let (mut positions, mut faces) = (one.positions().to_vec(), one.faces().to_vec());
+    positions.extend(one.positions().iter().map(|p| p.map(|x| x + 0.5)));
+    faces.extend(one.faces().iter().map(|f| f.map(|i| i + 8)));
+    let mesh = mesh_of(&positions, &faces);
+    assert!(cure("orient", &mesh).is_unchanged());
+}
