@@ -1,5 +1,6 @@
 //! The judge: measures and proves, builds nothing.
 mod comb;
+mod deviation;
 mod distance;
 mod duplicates;
 mod fans;
@@ -16,6 +17,7 @@ mod t_junctions;
 mod validity;
 
 pub use comb::{Tooth, curvature_comb};
+pub use deviation::{Deviation, Goal, OneSided, deviation};
 pub use distance::surface_at_least;
 pub use finding::{Finding, MAX_WITNESSES, Place, Witness};
 pub use flat::{has_zero_area, is_collinear};

@@ -20,6 +20,7 @@ mod twins;
 
 pub use arc::{Arc, InvalidArc, Through};
 pub use bezier::{Bezier, Levels, bernstein};
+pub(crate) use bvh::nearest_on_triangle;
 pub use bvh::{Bvh, Closest, Hit, Ray};
 pub use continuation::Smoothness;
 pub use curve::{Curve, InvalidCurve};

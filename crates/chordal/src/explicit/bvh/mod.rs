@@ -14,6 +14,12 @@ use frame::Frame;
 pub use closest::Closest;
 pub use ray::{Hit, Ray};
 
+/// The weights of the point of a triangle that is nearest to `q`: ≥ 0, together 1 up to rounding.
+#[inline]
+pub(crate) fn nearest_on_triangle(q: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 3] {
+    triangle::nearest(q, corners).barycentric
+}
+
 /// Children of a node. Four f32 fill one SSE, NEON or WASM register.
 const WIDTH: usize = 4;
 /// Marks a child that is a run of triangles.
