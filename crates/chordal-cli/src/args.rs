@@ -40,6 +40,8 @@ pub enum Verb {
     Inspect(InspectArgs),
     /// Say how far two shapes are apart, proved from both sides
     Deviation(crate::deviation::DeviationArgs),
+    /// Take away what `inspect` found, and say what was changed
+    Mend(crate::mend::MendArgs),
     /// Take a picture
     Render(RenderArgs),
     /// Show in a browser how many segments a curve needs until it looks smooth

@@ -10,6 +10,7 @@ mod fault;
 mod input;
 mod inspect;
 mod letter;
+mod mend;
 mod mesh;
 mod numbers;
 mod output;
@@ -42,6 +43,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         Verb::Mesh(args) => mesh::run(&args),
         Verb::Inspect(args) => inspect::run(&args),
         Verb::Deviation(args) => deviation::run(&args),
+        Verb::Mend(args) => mend::run(&args),
         Verb::Render(args) => render::run(&args),
         Verb::Studio(args) => studio::run(&args),
         Verb::Completions { shell } => docs::completions(shell),
@@ -58,6 +60,7 @@ fn wants_json(verb: &Verb) -> bool {
         Verb::Mesh(args) => args.talk.json,
         Verb::Inspect(args) => args.talk.json,
         Verb::Deviation(args) => args.talk.json,
+        Verb::Mend(args) => args.talk.json,
         Verb::Render(args) => args.talk.json,
         Verb::Studio(_) | Verb::Completions { .. } | Verb::Man { .. } => false,
     }
