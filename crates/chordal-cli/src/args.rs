@@ -1,4 +1,5 @@
 //! The command line: names, values and their help.
+use crate::require::Requirement;
 use chordal::budget::{InvalidLength, Length, Pixels, Unit, View};
 use chordal_io::{Axis, Format};
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
@@ -37,6 +38,10 @@ pub enum Verb {
     Mesh(MeshArgs),
     /// Say what a file holds and whether it is sound
     Inspect(InspectArgs),
+    /// Say how far two shapes are apart, proved from both sides
+    Deviation(crate::deviation::DeviationArgs),
+    /// Take away what `inspect` found, and say what was changed
+    Mend(crate::mend::MendArgs),
     /// Take a picture
     Render(RenderArgs),
     /// Show in a browser how many segments a curve needs until it looks smooth
@@ -55,7 +60,7 @@ pub enum Verb {
 }
 
 /// Arguments that every verb with an input takes.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct InputArgs {
     /// The file to read; '-' reads stdin
     #[arg(value_name = "IN")]
@@ -183,6 +188,11 @@ pub enum Steps {
 
 /// `chordal inspect`
 #[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  chordal inspect part.stl
+  chordal inspect part.stl --self-intersections
+  chordal inspect part.stl --require solid")]
 pub struct InspectArgs {
     #[command(flatten)]
     pub input: InputArgs,
@@ -191,19 +201,12 @@ pub struct InspectArgs {
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     pub require: Vec<Requirement>,
 
+    /// Look for triangles that cross, overlap or touch where they should not: exact, and some seconds for some million
+    #[arg(long)]
+    pub self_intersections: bool,
+
     #[command(flatten)]
     pub talk: TalkArgs,
-}
-
-/// What a mesh can be required to be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Requirement {
-    /// No edge has triangles on one side only
-    Closed,
-    /// No edge has more than two triangles, and no vertex more than one fan of them
-    Manifold,
-    /// Neighbours agree on which side is out
-    Oriented,
 }
 
 /// `chordal render`
@@ -287,7 +290,7 @@ pub enum Show {
 }
 
 /// The reason alone: the message that it becomes part of names the text already.
-fn length(text: &str) -> Result<Length, String> {
+pub(crate) fn length(text: &str) -> Result<Length, String> {
     text.parse().map_err(|error: InvalidLength| {
         let said = error.to_string();
         said.strip_prefix(&format!("'{}': ", text.trim())).unwrap_or(&said).to_owned()

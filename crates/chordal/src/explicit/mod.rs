@@ -24,6 +24,7 @@ mod twins;
 
 pub use arc::{Arc, InvalidArc, Through};
 pub use bezier::{Bezier, Levels, bernstein};
+pub(crate) use bvh::nearest_on_triangle;
 pub use bvh::{Bvh, Closest, Containment, Enclosure, Hit, Ray, Whereabouts, Winding};
 pub use continuation::Smoothness;
 pub use curve::{Curve, InvalidCurve};
