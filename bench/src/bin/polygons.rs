@@ -32,8 +32,10 @@ fn i_triangle(rings: &Rings) -> usize {
 }
 
 fn fixtures(folder: &str) -> Vec<(String, Rings)> {
-    let mut files: Vec<_> =
-        std::fs::read_dir(folder).expect("the fixtures").map(|entry| entry.expect("readable").path()).collect();
+    let mut files: Vec<_> = std::fs::read_dir(folder)
+        .expect("the fixtures")
+        .map(|entry| entry.expect("readable").path())
+        .collect();
     files.sort();
     let read = |file: &std::path::PathBuf| {
         let text = std::fs::read_to_string(file).expect("readable");

@@ -1,4 +1,4 @@
-//! The bench of nearness: `rays [QUADS]` prints CSV of queries on a bumpy torus of about 2 · QUADS² triangles, on one thread: rays side
+//! The bench of nearness: `rays [QUADS [QUERY]]` prints CSV of queries on a bumpy torus of about 2 · QUADS² triangles, on one thread: rays side
 //! by side as a camera has them and random ones, nearest points, and points inside. Millions a second of CPU time.
 use chordal::explicit::{Bvh, Enclosure, Ray};
 use chordal::{Job, Mesh};
@@ -22,7 +22,7 @@ fn torus(n: u32) -> Mesh {
 }
 
 /// Millions a second.
-fn rate<T>(n: usize, work: impl Fn() -> T) -> f64 {
+fn rate(n: usize, work: &dyn Fn() -> usize) -> f64 {
     let mut best = f64::INFINITY;
     for _ in 0..3 {
         let start = ProcessTime::now();
@@ -53,25 +53,31 @@ fn main() {
     let mut point = |size: f64| -> [f64; 3] { std::array::from_fn(|_| size * (2.0 * unit() - 1.0)) };
     let random: Vec<Ray> = (0..n / 2).map(|_| Ray::new(point(3.0), point(1.0))).collect();
     let points: Vec<[f64; 3]> = (0..n / 4).map(|_| point(3.0)).collect();
-    let hits = bvh.first_hits(&coherent, &job).iter().flatten().count();
     println!("triangles,query,million_a_second");
     let faces = mesh.faces().len();
-    let print = |what: &str, rate: f64| println!("{faces},{what},{rate:.3}");
-    print("coherent rays one by one", rate(n, || coherent.iter().filter(|r| bvh.first_hit(r).is_some()).count()));
-    print("coherent rays at once", rate(n, || bvh.first_hits(&coherent, &job)));
-    print("random rays one by one", rate(n / 2, || random.iter().filter(|r| bvh.first_hit(r).is_some()).count()));
-    print("random rays at once", rate(n / 2, || bvh.first_hits(&random, &job)));
-    print("nearest points", rate(n / 4, || bvh.closest_points(&points, &job)));
+    let only = std::env::args().nth(2);
+    let print = |what: &str, n: usize, work: &dyn Fn() -> usize| {
+        if only.as_ref().is_none_or(|only| what.contains(only.as_str())) {
+            println!("{faces},{what},{:.3}", rate(n, work));
+        }
+    };
+    let one_by_one = |rays: &[Ray]| rays.iter().filter(|ray| bvh.first_hit(ray).is_some()).count();
+    let at_once = |rays: &[Ray]| bvh.first_hits(rays, &job).iter().flatten().count();
+    print("coherent rays one by one", n, &|| one_by_one(&coherent));
+    print("coherent rays at once", n, &|| at_once(&coherent));
+    print("random rays one by one", n / 2, &|| one_by_one(&random));
+    print("random rays at once", n / 2, &|| at_once(&random));
+    print("nearest points", n / 4, &|| bvh.closest_points(&points, &job).len());
     let enclosure = Enclosure::new(&mesh, &bvh);
-    print("inside, closed", rate(n / 4, || enclosure.inside_all(&points, &job)));
+    print("inside closed", n / 4, &|| enclosure.inside_all(&points, &job).len());
     let mut open = mesh.faces().to_vec();
     open.truncate(open.len() - 1000);
     let open = Mesh::new(mesh.positions().to_vec(), open).expect("valid");
-    let bvh = Bvh::build(&open, &job).expect("it fits");
-    let enclosure = Enclosure::new(&open, &bvh);
+    let open_bvh = Bvh::build(&open, &job).expect("it fits");
+    let enclosure = Enclosure::new(&open, &open_bvh);
     let some = &points[..n / 128];
-    print("inside, open", rate(some.len(), || enclosure.inside_all(some, &job)));
-    let within = |within: f64| some.iter().map(|p| enclosure.winding_number(*p, within)).collect::<Vec<_>>();
-    print("winding within 1e-2", rate(some.len(), || within(1e-2)));
-    eprintln!("{hits} of {n} coherent rays hit");
+    print("inside open", some.len(), &|| enclosure.inside_all(some, &job).len());
+    print("winding within 1e-2", some.len(), &|| {
+        some.iter().filter_map(|p| enclosure.winding_number(*p, 1e-2)).count()
+    });
 }
