@@ -173,7 +173,7 @@ fn run(name: &str, job: &Job, mesh: &Mesh, meshes: &[Mesh]) -> (f64, Value) {
     }
 }
 
-fn timed_value<T: serde::Serialize>(repeats: usize, work: impl FnMut() -> T) -> (f64, Value) {
+fn timed_value<T: Into<Value>>(repeats: usize, work: impl FnMut() -> T) -> (f64, Value) {
     let (seconds, found) = timed(repeats, work);
-    (seconds, json!(found))
+    (seconds, found.into())
 }
