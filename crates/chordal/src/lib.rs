@@ -39,6 +39,7 @@ pub use explicit::{Bezier, Curve, Mesh, Patch, Polyline};
 #[doc = include_str!("../../../docs/curve_to_polyline.md")]
 #[doc = include_str!("../../../docs/formats.md")]
 #[doc = include_str!("../../../docs/mend.md")]
+#[doc = include_str!("../../../docs/normals.md")]
 #[doc = include_str!("../../../docs/outlines_to_mesh.md")]
 #[doc = include_str!("../../../docs/patches_to_mesh.md")]
 #[doc = include_str!("../../../docs/segments.md")]
