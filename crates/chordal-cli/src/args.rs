@@ -1,4 +1,5 @@
 //! The command line: names, values and their help.
+use crate::require::Requirement;
 use chordal::budget::{InvalidLength, Length, Pixels, Unit, View};
 use chordal_io::{Axis, Format};
 use chordal_verbs::Normals;
@@ -38,6 +39,8 @@ pub enum Verb {
     Mesh(MeshArgs),
     /// Say what a file holds and whether it is sound
     Inspect(InspectArgs),
+    /// Say how far two shapes are apart, proved from both sides
+    Deviation(crate::deviation::DeviationArgs),
     /// Take away what `inspect` found, and say what was changed
     Mend(crate::mend::MendArgs),
     /// Take a picture
@@ -58,7 +61,7 @@ pub enum Verb {
 }
 
 /// Arguments that every verb with an input takes.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct InputArgs {
     /// The file to read; '-' reads stdin
     #[arg(value_name = "IN")]
@@ -191,6 +194,11 @@ pub enum Steps {
 
 /// `chordal inspect`
 #[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  chordal inspect part.stl
+  chordal inspect part.stl --self-intersections
+  chordal inspect part.stl --require solid")]
 pub struct InspectArgs {
     #[command(flatten)]
     pub input: InputArgs,
@@ -199,19 +207,12 @@ pub struct InspectArgs {
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     pub require: Vec<Requirement>,
 
+    /// Look for triangles that cross, overlap or touch where they should not: exact, and some seconds for some million
+    #[arg(long)]
+    pub self_intersections: bool,
+
     #[command(flatten)]
     pub talk: TalkArgs,
-}
-
-/// What a mesh can be required to be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Requirement {
-    /// No edge has triangles on one side only
-    Closed,
-    /// No edge has more than two triangles, and no vertex more than one fan of them
-    Manifold,
-    /// Neighbours agree on which side is out
-    Oriented,
 }
 
 /// `chordal render`
@@ -226,6 +227,14 @@ pub struct RenderArgs {
     /// What the picture shows
     #[arg(long, value_name = "WHAT", default_value = "shaded")]
     pub show: Show,
+
+    /// For --show deviation: the shape that the distance is measured from
+    #[arg(long, value_name = "FILE")]
+    pub against: Option<PathBuf>,
+
+    /// For --show deviation: the distance that is darkest; the largest one unless said
+    #[arg(long, value_name = "LENGTH", value_parser = length, requires = "against")]
+    pub darkest: Option<Length>,
 
     /// The size of the picture
     #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "view", allow_hyphen_values = true)]
@@ -292,10 +301,12 @@ pub enum Show {
     Wire,
     /// The direction of the normal as a colour
     Normals,
+    /// The distance from the shape of --against as a colour, from light through yellow and red to dark
+    Deviation,
 }
 
 /// The reason alone: the message that it becomes part of names the text already.
-pub fn length(text: &str) -> Result<Length, String> {
+pub(crate) fn length(text: &str) -> Result<Length, String> {
     text.parse().map_err(|error: InvalidLength| {
         let said = error.to_string();
         said.strip_prefix(&format!("'{}': ", text.trim())).unwrap_or(&said).to_owned()

@@ -41,7 +41,14 @@ fn with_digits(number: f64, digits: usize, toward: Toward) -> String {
     };
     let kept = value(&text);
     let plain = kept == 0.0 || (1e-3..1e6).contains(&kept.abs());
-    if plain { format!("{kept}") } else { format!("{kept:e}") }
+    // The sign of a zero is of no interest to people.
+    if kept == 0.0 {
+        "0".to_owned()
+    } else if plain {
+        format!("{kept}")
+    } else {
+        format!("{kept:e}")
+    }
 }
 
 /// `12,345,678`.

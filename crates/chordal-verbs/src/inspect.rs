@@ -1,10 +1,12 @@
 //! `inspect`: what a file holds and whether it is sound.
-use crate::report::{Certificate, Counted, Inspection, LineFacts, Output, Report, Run};
+use crate::report::{Certificate, Counted, Inspection, LineFacts, Look, Output, Report, Run, Uncounted};
 use crate::{Input, Shape};
+use chordal::Job;
+use chordal::budget::Stopped;
 
 /// What the input is, with its validity in full and the certificate that it carries, if it carries one.
 ///
-/// Linear in the size of the input: about 0.1 s per million triangles.
+/// Linear in the size of the input: about 0.2 s per million triangles.
 ///
 /// ```
 /// use chordal_verbs::{Hint, inspect, load};
@@ -18,11 +20,31 @@ use crate::{Input, Shape};
 /// ```
 #[must_use]
 pub fn inspect(input: &Input) -> Report {
+    // Only the search for self-intersections can be stopped.
+    examined(input, Look::Full).unwrap_or_else(|_| report(input, None))
+}
+
+/// The same with self-intersections, which take about 1 µs a triangle where there are few.
+///
+/// # Errors
+/// When the job is cancelled, or its memory is not enough.
+pub fn inspect_deeply(input: &Input, job: &Job) -> Result<Report, Stopped> {
+    examined(input, Look::Deep(job))
+}
+
+fn examined(input: &Input, look: Look) -> Result<Report, Stopped> {
+    let Shape::Scene(scene) = &input.shape else { return Ok(report(input, None)) };
+    match Counted::in_full(scene, input.format, look) {
+        Ok(counted) => Ok(report(input, Some(counted))),
+        // Merging the rows of a mesh leaves fewer of them, so that it cannot fail.
+        Err(Uncounted::Unwritten) => Ok(report(input, None)),
+        Err(Uncounted::Stopped(stopped)) => Err(stopped),
+    }
+}
+
+fn report(input: &Input, counted: Option<Counted>) -> Report {
     let mut certificate = Certificate::of(input);
-    // Merging the rows of a mesh leaves fewer of them, so that it cannot fail.
-    if let Shape::Scene(scene) = &input.shape
-        && let Ok(counted) = Counted::in_full(scene, input.format)
-    {
+    if let Some(counted) = counted {
         certificate.output = Some(Output::Triangles(counted.output));
         certificate.valid = Some(counted.valid);
     }

@@ -17,6 +17,7 @@
 //! outcome.write(&mut glb)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+mod deviation;
 mod digest;
 mod export;
 mod failure;
@@ -38,14 +39,15 @@ mod written;
 pub use chordal::convert::Spacing;
 pub use chordal::mend::{Duplicates, Holes};
 pub use chordal_io::{Axis, Curves, Drawing, Frame, Polylines, Scene};
+pub use deviation::{DeviationSpec, deviation};
 pub use digest::sha256;
 pub use export::{write, write_polylines};
 pub use failure::MeshFailure;
-pub use inspect::inspect;
+pub use inspect::{inspect, inspect_deeply};
 pub use load::{Hint, Input, extension, load};
 pub use mend::{Closeness, MendSpec, mend};
 pub use mesh::{Made, MeshOutcome, mesh};
 pub use normals::{InvalidNormals, Normals};
-pub use render::{Fineness, RenderOutcome, USUAL_SCREEN, render};
+pub use render::{Fineness, RenderOutcome, USUAL_SCREEN, render, render_against};
 pub use shape::Shape;
 pub use spec::BudgetSpec;

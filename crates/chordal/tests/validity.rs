@@ -77,6 +77,7 @@ fn a_sound_closed_mesh_has_euler_number_two_minus_two_genus() {
         assert!(is_sound(&v));
         assert_eq!((v.euler, v.genus, v.components, v.boundary_loops), (0, Some(1), 1, 0));
         assert_eq!(v.edges, 3 * v.triangles / 2);
+        assert_eq!(v.triangles_per_vertex, Some(6.0));
     }
 }
 
@@ -197,6 +198,8 @@ fn faces_without_area_are_told_from_thin_ones() {
     assert_eq!((v.zero_area_faces.count, v.collapsed_faces.count), (3, 1));
     let flat: Vec<_> = v.zero_area_faces.witnesses.iter().map(|w| w.place.clone()).collect();
     assert_eq!(flat, [0, 1, 2].map(Place::Face));
+    // The one that has an area is a sliver.
+    assert_eq!((v.slivers.count, &v.slivers.witnesses[0].place), (1, &Place::Face(3)));
 }
 
 #[test]

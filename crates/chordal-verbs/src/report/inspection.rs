@@ -1,5 +1,5 @@
 //! What an input is: only `inspect` says it.
-use super::{Certificate, DrawingFacts, OutputFacts, to_value};
+use super::{Certificate, DrawingFacts, FindingFacts, OutputFacts, to_value};
 use crate::formats::topology;
 use crate::written::rows_of;
 use crate::{Input, Shape};
@@ -24,6 +24,8 @@ pub struct Inspection {
     pub drawing: Option<DrawingFacts>,
     /// What the triangles take; none for other shapes.
     pub sizes: Option<Sizes>,
+    /// What was found to be wrong with the triangles, the heaviest first; none for other shapes.
+    pub findings: Option<Vec<FindingFacts>>,
     /// The certificate that travels in the file, and whether it still fits; none where there is none.
     pub found: Option<Found>,
 }
@@ -92,6 +94,7 @@ impl Inspection {
             parts: scene.map(|scene| PartFacts::of_all(scene, input.format)),
             drawing,
             sizes: scene.map(Sizes::of),
+            findings: counted.valid.as_ref().map(FindingFacts::of_all),
             found: certificate.map(|certificate| Found::of(certificate, counted)),
         }
     }

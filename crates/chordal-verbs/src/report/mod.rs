@@ -2,20 +2,25 @@
 //!
 //! The *certificate* is deterministic: same input, version and budget give the same bytes, so it holds no clock, no
 //! path and no count of threads, and can travel in the file. *Run* is for the reader of the moment.
+mod anatomy;
 mod bound;
 mod budget;
+mod checked;
+mod deviation;
 mod drawing;
 mod inspection;
 mod mended;
 mod valid;
 
+pub use anatomy::{Anatomy, ComponentFacts, FindingFacts, MOST_COMPONENTS, cures_of_all};
 pub use bound::BoundFacts;
 pub use budget::{BudgetFacts, ViewFacts};
+use checked::witness_facts;
+pub use deviation::{DeviationFacts, OneSidedFacts, Verdict};
 pub use drawing::{DrawingFacts, JoinCounts, KinkFacts, PieceCounts};
 pub use inspection::{Found, Inspection, PartFacts, Sizes};
 pub use mended::{ChangeFacts, MendedFacts};
-pub(crate) use valid::Counted;
-use valid::witness_facts;
+pub(crate) use valid::{Counted, Look, Uncounted};
 pub use valid::{Counts, OtherCounts, PartValid, Valid, WitnessFacts};
 
 use crate::Input;
@@ -38,6 +43,9 @@ pub struct Report {
     /// What the input is; only from `inspect`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inspection: Option<Inspection>,
+    /// How far two shapes are apart; only from `deviation`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub deviation: Option<DeviationFacts>,
     /// This run.
     pub run: Run,
 }
@@ -98,7 +106,7 @@ impl Report {
     /// A report of a run.
     #[must_use]
     pub fn new(certificate: Certificate, run: Run) -> Self {
-        Self { schema: SCHEMA, certificate, inspection: None, run }
+        Self { schema: SCHEMA, certificate, inspection: None, deviation: None, run }
     }
 
     /// As JSON, with its keys in order.
@@ -128,7 +136,7 @@ pub struct InputFacts {
 }
 
 impl InputFacts {
-    fn of(input: &Input) -> Self {
+    pub(crate) fn of(input: &Input) -> Self {
         Self {
             kind: input.shape.kind(),
             format: input.format.to_string(),

@@ -1,9 +1,9 @@
 //! Whether triangles are sound, as a report says it: counts by one meaning of "the same position", and by the other.
-use super::OutputFacts;
+use super::checked::{BothWays, Checked};
+use super::{Anatomy, OutputFacts};
 use crate::formats::topology;
-use crate::written::rows_of;
-use chordal::Mesh;
-use chordal::check::{Finding, Place, Validity, Witness, t_junctions, validity};
+use chordal::budget::Stopped;
+use chordal::check::{Defect, Validity};
 use chordal::explicit::Topology;
 use chordal_io::{Format, Scene, WriteError};
 use serde::Serialize;
@@ -22,6 +22,9 @@ pub struct Valid {
     pub counts: Counts,
     /// The counts by the other.
     pub other: OtherCounts,
+    /// What takes a search; only from `inspect`.
+    #[serde(flatten)]
+    pub anatomy: Option<Anatomy>,
     /// The counts of each part; only from `inspect`, where there are several.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<PartValid>,
@@ -85,12 +88,18 @@ pub struct Counts {
     pub collapsed_faces: u64,
     /// Triangles without area, exactly; of the collapsed ones, all.
     pub zero_area_faces: u64,
+    /// Triangles with an area that are more than 100 times longer than high.
+    pub slivers: u64,
+    /// Positions at the place of an earlier one; none where equal places are one position.
+    pub duplicate_vertices: u64,
     /// Vertices that no triangle names.
     pub unused_vertices: u64,
     /// Sets of triangles that hang together by edges.
     pub components: u64,
     /// Edges.
     pub edges: u64,
+    /// Positions − edges + triangles, of those that take part.
+    pub euler: i64,
     /// Handles of all components together; none where that means nothing.
     pub genus: Option<u64>,
 }
@@ -117,41 +126,70 @@ pub(crate) struct Counted {
     pub valid: Valid,
 }
 
+/// How closely to look.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Look<'a> {
+    /// Components with what they are, and witnesses.
+    Full,
+    /// Self-intersections as well, under the conditions of a job.
+    Deep(&'a chordal::Job),
+}
+
+/// Why triangles could not be counted.
+#[derive(Debug)]
+pub(crate) enum Uncounted {
+    /// The scene cannot be put in the rows of the format.
+    Unwritten,
+    /// The search for self-intersections was not finished.
+    Stopped(Stopped),
+}
+
 impl Counted {
     /// What is counted of a scene, without witnesses.
     pub fn of(scene: &Scene, format: Format) -> Result<Self, WriteError> {
-        let (main, other) = both_ways(scene, format)?;
-        Ok(Self::summed(&main, &other, topology(format)))
+        let parts: Result<Vec<_>, _> =
+            scene.parts.iter().map(|part| BothWays::counted(&part.mesh, format)).collect();
+        Ok(Self::summed(&parts?, topology(format)))
     }
 
     /// The same in full.
-    pub fn in_full(scene: &Scene, format: Format) -> Result<Self, WriteError> {
-        let (main, other) = both_ways(scene, format)?;
-        let mut counted = Self::summed(&main, &other, topology(format));
-        if scene.parts.len() > 1 {
-            let part = |(i, found): (usize, &Checked)| PartValid {
+    pub fn in_full(scene: &Scene, format: Format, look: Look) -> Result<Self, Uncounted> {
+        let mut parts = Vec::new();
+        for part in &scene.parts {
+            parts.push(BothWays::examined(&part.mesh, format, look)?);
+        }
+        let mut counted = Self::summed(&parts, topology(format));
+        if parts.len() > 1 {
+            let part = |(i, both): (usize, &BothWays)| PartValid {
                 part: i as u64,
                 name: scene.parts[i].name.clone(),
-                counts: Counts::of(found),
+                counts: Counts::of(&both.own),
             };
-            counted.valid.parts = main.iter().enumerate().map(part).collect();
+            counted.valid.parts = parts.iter().enumerate().map(part).collect();
         }
-        let witnesses = main.iter().enumerate().flat_map(|(i, found)| witnesses(i, found));
+        let own: Vec<&Checked> = parts.iter().map(|part| &part.own).collect();
+        counted.valid.anatomy = Some(Anatomy::of(&own, &counted.valid.counts));
+        let witnesses = own.iter().enumerate().flat_map(|(i, found)| found.witnesses(i));
         counted.valid.witnesses = Some(witnesses.collect());
         Ok(counted)
     }
 
-    fn summed(main: &[Checked], other: &[Checked], topology: Topology) -> Self {
-        let sum = |f: fn(&Validity) -> u64| main.iter().map(|part| f(&part.found)).sum();
+    fn summed(parts: &[BothWays], topology: Topology) -> Self {
+        let sum = |f: fn(&Validity) -> u64| parts.iter().map(|part| f(&part.own.found)).sum();
         let output = OutputFacts {
             vertices: sum(|part| part.vertices),
             positions: sum(|part| part.positions),
             triangles: sum(|part| part.triangles),
         };
+        let other = OtherCounts {
+            topology: opposite(topology).as_str(),
+            counts: Counts::summed(parts.iter().map(|part| &part.other)),
+        };
         let valid = Valid {
             topology: topology.as_str(),
-            counts: Counts::summed(main),
-            other: OtherCounts { topology: opposite(topology).as_str(), counts: Counts::summed(other) },
+            counts: Counts::summed(parts.iter().map(|part| &part.own)),
+            other,
+            anatomy: None,
             parts: Vec::new(),
             witnesses: None,
         };
@@ -159,39 +197,34 @@ impl Counted {
     }
 }
 
-fn opposite(topology: Topology) -> Topology {
+pub(super) fn opposite(topology: Topology) -> Topology {
     match topology {
         Topology::Indices => Topology::Positions,
         Topology::Positions => Topology::Indices,
     }
 }
 
-/// All that was found of one part.
-struct Checked {
-    found: Validity,
-    t_junctions: Finding,
-}
-
-/// What was found of every part by the format's own meaning of a position, and by the other one.
-fn both_ways(scene: &Scene, format: Format) -> Result<(Vec<Checked>, Vec<Checked>), WriteError> {
-    let (own, other) = (topology(format), opposite(topology(format)));
-    let (mut main, mut others) = (Vec::new(), Vec::new());
-    for part in &scene.parts {
-        let mesh = rows_of(&part.mesh, format)?;
-        main.push(Checked::of(&mesh, own));
-        others.push(Checked::of(&mesh, other));
+impl Valid {
+    /// Whether every component is wound outward; `None` where that is not decided, or was not looked at.
+    #[must_use]
+    pub fn outward(&self) -> Option<bool> {
+        self.anatomy.as_ref().and_then(|anatomy| anatomy.outward)
     }
-    Ok((main, others))
-}
 
-impl Checked {
-    fn of(mesh: &Mesh, topology: Topology) -> Self {
-        Self { found: validity(mesh, topology), t_junctions: t_junctions(mesh, topology, None) }
+    /// How often a defect was met; `None` where it was not looked for.
+    #[must_use]
+    pub fn count(&self, defect: Defect) -> Option<u64> {
+        let anatomy = self.anatomy.as_ref();
+        match defect {
+            Defect::InsideOut => anatomy.map(|anatomy| anatomy.inside_out),
+            Defect::SelfIntersections => anatomy.and_then(|anatomy| anatomy.self_intersections),
+            _ => self.counts.count(defect),
+        }
     }
 }
 
 impl Counts {
-    fn of(Checked { found, t_junctions }: &Checked) -> Self {
+    fn of(Checked { found, t_junctions, duplicate_vertices, .. }: &Checked) -> Self {
         Self {
             closed: found.closed,
             manifold: found.manifold(),
@@ -208,19 +241,40 @@ impl Counts {
             opposite_faces: found.opposite_faces.count,
             collapsed_faces: found.collapsed_faces.count,
             zero_area_faces: found.zero_area_faces.count,
+            slivers: found.slivers.count,
+            duplicate_vertices: duplicate_vertices.count,
             unused_vertices: found.unused_vertices.count,
             components: found.components,
             edges: found.edges,
+            euler: found.euler,
             genus: found.genus,
         }
     }
 
-    fn summed(parts: &[Checked]) -> Self {
-        let filled = || parts.iter().filter(|part| part.found.triangles > 0);
-        let mut sum = parts.iter().map(Self::of).reduce(Self::plus).unwrap_or(Self::NONE);
+    fn summed<'a>(parts: impl Iterator<Item = &'a Checked> + Clone) -> Self {
+        let mut filled = parts.clone().filter(|part| part.found.triangles > 0).peekable();
+        let mut sum = parts.map(Self::of).reduce(Self::plus).unwrap_or(Self::NONE);
         // Of parts without triangles, none is closed, and none keeps the others from being so.
-        sum.closed = filled().next().is_some() && filled().all(|part| part.found.closed);
+        sum.closed = filled.peek().is_some() && filled.all(|part| part.found.closed);
         sum
+    }
+
+    fn count(&self, defect: Defect) -> Option<u64> {
+        let count = match defect {
+            Defect::BoundaryEdges => self.boundary_edges,
+            Defect::NonManifoldEdges => self.non_manifold_edges,
+            Defect::NonManifoldVertices => self.non_manifold_vertices,
+            Defect::TJunctions => self.t_junctions,
+            Defect::InconsistentEdges => self.inconsistent_edges,
+            Defect::DuplicateFaces => self.duplicate_faces,
+            Defect::DuplicateVertices => self.duplicate_vertices,
+            Defect::CollapsedFaces => self.collapsed_faces,
+            Defect::ZeroAreaFaces => self.zero_area_faces,
+            Defect::Slivers => self.slivers,
+            Defect::UnusedVertices => self.unused_vertices,
+            Defect::InsideOut | Defect::SelfIntersections => return None,
+        };
+        Some(count)
     }
 
     /// The counts of no part at all.
@@ -240,9 +294,12 @@ impl Counts {
         opposite_faces: 0,
         collapsed_faces: 0,
         zero_area_faces: 0,
+        slivers: 0,
+        duplicate_vertices: 0,
         unused_vertices: 0,
         components: 0,
         edges: 0,
+        euler: 0,
         genus: Some(0),
     };
 
@@ -263,47 +320,13 @@ impl Counts {
             opposite_faces: self.opposite_faces + other.opposite_faces,
             collapsed_faces: self.collapsed_faces + other.collapsed_faces,
             zero_area_faces: self.zero_area_faces + other.zero_area_faces,
+            slivers: self.slivers + other.slivers,
+            duplicate_vertices: self.duplicate_vertices + other.duplicate_vertices,
             unused_vertices: self.unused_vertices + other.unused_vertices,
             components: self.components + other.components,
             edges: self.edges + other.edges,
+            euler: self.euler + other.euler,
             genus: self.genus.zip(other.genus).map(|(a, b)| a + b),
         }
-    }
-}
-
-fn witnesses(part: usize, Checked { found, t_junctions }: &Checked) -> Vec<WitnessFacts> {
-    let findings: [(&'static str, &Finding); 10] = [
-        ("boundary_edges", &found.boundary_edges),
-        ("non_manifold_edges", &found.non_manifold_edges),
-        ("non_manifold_vertices", &found.non_manifold_vertices),
-        ("t_junctions", t_junctions),
-        ("inconsistent_edges", &found.inconsistent_edges),
-        ("duplicate_faces", &found.duplicate_faces),
-        ("opposite_faces", &found.opposite_faces),
-        ("collapsed_faces", &found.collapsed_faces),
-        ("zero_area_faces", &found.zero_area_faces),
-        ("unused_vertices", &found.unused_vertices),
-    ];
-    let facts = |(of, finding): (&'static str, &Finding)| {
-        finding.witnesses.iter().map(|witness| witness_facts(of, part, witness)).collect::<Vec<_>>()
-    };
-    findings.into_iter().flat_map(facts).collect()
-}
-
-/// A witness of what is called `of`, in that part.
-pub(super) fn witness_facts(of: &'static str, part: usize, witness: &Witness) -> WitnessFacts {
-    let (vertices, faces) = rows(&witness.place);
-    WitnessFacts { of, part: part as u64, vertices, faces, at: witness.at }
-}
-
-fn rows(place: &Place) -> (Vec<u32>, Vec<u32>) {
-    match place {
-        Place::Vertex(vertex) => (vec![*vertex], Vec::new()),
-        Place::Edge { vertices, faces } => (vertices.to_vec(), faces.clone()),
-        Place::Face(face) => (Vec::new(), vec![*face]),
-        Place::Repeated { face, of } => (Vec::new(), vec![*face, *of]),
-        Place::OnEdge { vertex, edge, face } => (vec![*vertex, edge[0], edge[1]], vec![*face]),
-        // A kind of place that is newer than this list has its point and its name.
-        _ => (Vec::new(), Vec::new()),
     }
 }

@@ -1,7 +1,7 @@
-//! Faces that have the same three positions as an earlier one.
+//! Faces with the same three positions as an earlier one, and positions at the same place as an earlier one.
 use super::finding::{Finding, Witness};
 use super::surface::Surface;
-use crate::explicit::{Twin, next_in_face};
+use crate::explicit::{Mesh, Topology, Twin, next_in_face};
 
 /// A face that repeats an earlier one. The order is that of the faces.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -40,6 +40,40 @@ pub(super) fn find_duplicates(surface: &Surface) -> (Finding, Finding) {
         }
     }
     (all, opposite)
+}
+
+/// The positions by index that stand at the same place as an earlier one, `−0.0` and `0.0` taken as equal: what a weld
+/// would merge. Counted once each, with the first row at that place.
+///
+/// About 25 ns a row.
+///
+/// ```
+/// use chordal::{Mesh, check::duplicate_vertices};
+/// let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
+/// let mesh = Mesh::new(points, vec![[0, 1, 2], [0, 2, 3]])?;
+/// assert_eq!(duplicate_vertices(&mesh).count, 1);
+/// # Ok::<(), chordal::explicit::InvalidMesh>(())
+/// ```
+#[must_use]
+pub fn duplicate_vertices(mesh: &Mesh) -> Finding {
+    duplicate_positions(mesh, Topology::Positions.ids(mesh).as_deref().unwrap_or_default())
+}
+
+/// The same for the first row of each place, known already.
+pub(super) fn duplicate_positions(mesh: &Mesh, first_there: &[u32]) -> Finding {
+    let mut seen = vec![false; if mesh.position_id().is_some() { first_there.len() } else { 0 }];
+    let mut found = Finding::default();
+    for (row, &first) in first_there.iter().enumerate() {
+        let row = row as u32;
+        let is_new = mesh.position_id().is_none_or(|ids| {
+            let seen = &mut seen[ids[row as usize] as usize];
+            !std::mem::replace(seen, true)
+        });
+        if is_new && first != row {
+            found.add(|| Witness::repeated_vertex(mesh, row, first));
+        }
+    }
+    found
 }
 
 /// Whether `face` may stand across an edge: looked at first, since two faces that share one edge rarely share another.

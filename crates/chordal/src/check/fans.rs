@@ -56,14 +56,16 @@ impl Way {
     }
 }
 
-/// How many fans meet at each position: 0 where no triangle is, 1 where the surface is manifold, 2 for two or more.
-/// Calls `second` with a half-edge from each position where a second fan is met, in the order of the half-edges.
+/// The fans at each position: none where no triangle is, one where the surface is manifold.
+///
+/// Calls `each` with the first half-edge of every fan and its number at the position (0, 1, or 2 for all after), in the
+/// order of the half-edges.
 pub(super) fn count_fans(
     twins: &Twins,
     origin: impl Fn(u32) -> u32,
     n_rows: usize,
-    mut second: impl FnMut(u32),
-) -> Vec<u8> {
+    mut each: impl FnMut(u32, u8),
+) {
     let mut fans = vec![0_u8; n_rows];
     let mut seen = vec![false; twins.len()];
     for corner in 0..twins.len() as u32 {
@@ -74,12 +76,9 @@ pub(super) fn count_fans(
             mark(Way::In(previous_in_face(corner)), twins, &mut seen);
         }
         let count = &mut fans[origin(corner) as usize];
-        if *count == 1 {
-            second(corner);
-        }
+        each(corner, *count);
         *count = if *count == 0 { 1 } else { 2 };
     }
-    fans
 }
 
 /// Marks the corners of a fan in one direction. True when that leads back to the first.
@@ -96,30 +95,30 @@ fn mark(start: Way, twins: &Twins, seen: &mut [bool]) -> bool {
     }
 }
 
-/// The boundary edges strung together: `loops` that close, and `chains` that end at edges with three or more faces.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Boundary {
-    pub loops: u64,
-    pub chains: u64,
+/// How a string of boundary edges ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ending {
+    /// Where it began.
+    Loop,
+    /// At edges with three or more faces.
+    Chain,
 }
 
 /// Strings the boundary edges together through the fan at each end, so that two loops that touch at a position, one
-/// fan each, stay two.
-pub(super) fn walk_boundary(twins: &Twins) -> Boundary {
+/// fan each, stay two. Calls `each` with the first half-edge of every string.
+pub(super) fn walk_boundary(twins: &Twins, mut each: impl FnMut(u32, Ending)) {
     let mut seen = vec![false; twins.len()];
-    let mut boundary = Boundary::default();
     for start in 0..twins.len() as u32 {
         if seen[start as usize] || twins.get(start) != Twin::Boundary {
             continue;
         }
         if string(start, Way::Out(start), twins, &mut seen) {
-            boundary.loops += 1;
+            each(start, Ending::Loop);
         } else {
             string(start, Way::In(start), twins, &mut seen);
-            boundary.chains += 1;
+            each(start, Ending::Chain);
         }
     }
-    boundary
 }
 
 /// Follows the boundary from `start`, entering that edge by `way`. True when it comes back.

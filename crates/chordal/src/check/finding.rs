@@ -26,6 +26,15 @@ pub enum Place {
         /// The earlier face.
         of: u32,
     },
+    /// A row of the positions and an earlier one at the same place.
+    RepeatedVertex {
+        /// The later row.
+        vertex: u32,
+        /// The earlier row.
+        of: u32,
+    },
+    /// Two faces that meet where they should not, the lower number first.
+    Faces([u32; 2]),
     /// A vertex in the middle of an edge that it does not belong to.
     OnEdge {
         /// The row of the vertex.
@@ -87,6 +96,10 @@ impl Witness {
         Self { place: Place::Face(face), at: centre(mesh, face) }
     }
 
+    pub(super) fn repeated_vertex(mesh: &Mesh, vertex: u32, of: u32) -> Self {
+        Self { place: Place::RepeatedVertex { vertex, of }, at: mesh.positions()[vertex as usize] }
+    }
+
     pub(crate) fn repeated(mesh: &Mesh, face: u32, of: u32) -> Self {
         Self { place: Place::Repeated { face, of }, at: centre(mesh, face) }
     }
@@ -108,7 +121,7 @@ pub(super) fn ends(mesh: &Mesh, half_edge: u32) -> [u32; 2] {
     [half_edge, next_in_face(half_edge)].map(|h| face[h as usize % 3])
 }
 
-fn centre(mesh: &Mesh, face: u32) -> [f64; 3] {
+pub(super) fn centre(mesh: &Mesh, face: u32) -> [f64; 3] {
     let [a, b, c] = mesh.corners(face as usize);
     // Divided first: the sum of three large coordinates may not be a number any more.
     std::array::from_fn(|k| a[k] / 3.0 + b[k] / 3.0 + c[k] / 3.0)

@@ -33,7 +33,8 @@ pub fn measure(mesh: &Mesh) -> Measure {
         return Measure { area: 0.0, signed_volume: 0.0 };
     }
     let centre = DVec3::from(bounds.centre());
-    let (down, up) = scale(DVec3::from(bounds.max).max(DVec3::from(bounds.min).abs()).max_element());
+    let (down, up) =
+        power_of_two_near(DVec3::from(bounds.max).max(DVec3::from(bounds.min).abs()).max_element());
     let at = |row: u32| DVec3::from(mesh.positions()[row as usize]) * down - centre * down;
     let sums = over_chunks(mesh.faces(), CHUNK, |_, faces| {
         let mut sum = (0.0, 0.0);
@@ -51,7 +52,7 @@ pub fn measure(mesh: &Mesh) -> Measure {
 
 /// Two powers of two, inverse to each other: the first takes `size` to about 1, so that no product on the way leaves
 /// the range of f64. Both stay normal numbers.
-fn scale(size: f64) -> (f64, f64) {
+pub(super) fn power_of_two_near(size: f64) -> (f64, f64) {
     let exponent = ((size.to_bits() >> 52 & 0x7ff) as i64 - 1023).clamp(-1000, 1000);
     let power = |exponent: i64| f64::from_bits(((exponent + 1023) as u64) << 52);
     (power(-exponent), power(exponent))

@@ -61,7 +61,7 @@ impl Pieces {
 }
 
 /// Disjoint sets of faces: each face points to an earlier one of its set or, the earliest, to itself.
-struct Sets {
+pub(super) struct Sets {
     parent: Vec<u32>,
     /// How often two sets became one.
     joined: u64,
@@ -72,8 +72,25 @@ impl Sets {
         Self { parent: (0..n).collect(), joined: 0 }
     }
 
+    /// The faces that hang together by edges.
+    pub fn of(surface: &Surface) -> Self {
+        let mut sets = Self::new(surface.n_faces());
+        for h in 0..surface.twins.len() as u32 {
+            if let Twin::Pair(t) | Twin::Flipped(t) = surface.twins.get(h)
+                && h < t
+            {
+                sets.join(h / 3, t / 3);
+            }
+        }
+        for edge in surface.twins.crowded_edges() {
+            edge.windows(2).for_each(|pair| sets.join(pair[0] / 3, pair[1] / 3));
+        }
+        sets
+    }
+
+    /// The first face of the set.
     #[inline]
-    fn root(&mut self, mut face: u32) -> u32 {
+    pub fn root(&mut self, mut face: u32) -> u32 {
         while self.parent[face as usize] != face {
             let up = self.parent[self.parent[face as usize] as usize];
             self.parent[face as usize] = up;
@@ -95,6 +112,14 @@ impl Sets {
 
 /// Whether all faces could be wound so that every edge with two faces is run through both ways.
 fn has_two_sides(surface: &Surface) -> bool {
+    let mut all = true;
+    find_one_sided(surface, |_| all = false);
+    all
+}
+
+/// Calls `each` with a face of every piece that cannot be wound so, as a Möbius strip. Pieces are those that hang
+/// together by edges with two faces.
+pub(super) fn find_one_sided(surface: &Surface, mut each: impl FnMut(u32)) {
     #[derive(Clone, Copy, PartialEq)]
     enum Side {
         Unknown,
@@ -110,6 +135,7 @@ fn has_two_sides(surface: &Surface) -> bool {
         }
         sides[start as usize] = Side::Kept;
         stack.push(start);
+        let mut contradicted = false;
         while let Some(face) = stack.pop() {
             let side = sides[face as usize];
             for h in 3 * face..3 * face + 3 {
@@ -123,10 +149,12 @@ fn has_two_sides(surface: &Surface) -> bool {
                     *known = wanted;
                     stack.push(neighbour);
                 } else if *known != wanted {
-                    return false;
+                    contradicted = true;
                 }
             }
         }
+        if contradicted {
+            each(start);
+        }
     }
-    true
 }

@@ -28,11 +28,14 @@ use std::collections::BTreeMap;
 /// ```
 #[must_use]
 pub fn t_junctions(mesh: &Mesh, topology: Topology, within: Option<Tolerance>) -> Finding {
+    t_junctions_of(&Surface::new(mesh, topology), within)
+}
+
+pub(super) fn t_junctions_of(surface: &Surface, within: Option<Tolerance>) -> Finding {
+    let mesh = surface.mesh;
     let mut edge_of: BTreeMap<u32, (u32, u32)> = BTreeMap::new();
-    let position_of = topology.ids(mesh);
-    vertices_in_edges(mesh, topology, within, |row, h| {
-        let position = position_of.as_ref().map_or(row, |ids| ids[row as usize]);
-        edge_of.entry(position).or_insert((row, h));
+    vertices_in_edges(surface, within, |row, h| {
+        edge_of.entry(surface.id(row)).or_insert((row, h));
     });
     let mut found = Finding::default();
     for (row, h) in edge_of.into_values() {
@@ -47,15 +50,14 @@ pub fn t_junctions(mesh: &Mesh, topology: Topology, within: Option<Tolerance>) -
 /// Calls `visit` with the row of a vertex and a half-edge for every T-junction, edge by edge: a vertex in the middle of
 /// several edges comes once for each.
 pub(crate) fn vertices_in_edges(
-    mesh: &Mesh,
-    topology: Topology,
+    surface: &Surface,
     within: Option<Tolerance>,
     mut visit: impl FnMut(u32, u32),
 ) {
-    let surface = Surface::new(mesh, topology);
+    let mesh = surface.mesh;
     let boundary: Vec<u32> =
         (0..surface.twins.len() as u32).filter(|&h| surface.twins.get(h) == Twin::Boundary).collect();
-    let rows = boundary_rows(&surface, &boundary);
+    let rows = boundary_rows(surface, &boundary);
     let points: Vec<[f64; 3]> = rows.iter().map(|&row| mesh.positions()[row as usize]).collect();
     let tree = PointTree::new(&points);
     for &h in &boundary {

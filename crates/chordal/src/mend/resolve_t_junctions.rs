@@ -4,7 +4,7 @@ use super::insert::{Cutter, Insertion};
 use super::mended::{Mended, begin};
 use crate::Mesh;
 use crate::budget::{Job, Stopped, Tolerance};
-use crate::check::{Finding, Place, Witness, vertices_in_edges};
+use crate::check::{Finding, Place, Surface, Witness, vertices_in_edges};
 use crate::explicit::{Topology, next_in_face};
 use crate::math::{add_up, mul_up};
 
@@ -42,7 +42,9 @@ pub fn resolve_t_junctions(
     let ids = topology.ids(mesh);
     let id = |row: u32| ids.as_ref().map_or(row, |ids| ids[row as usize]);
     let mut found: Vec<Insertion> = Vec::new();
-    vertices_in_edges(mesh, topology, within, |row, half_edge| found.push(Insertion { half_edge, row }));
+    vertices_in_edges(&Surface::new(mesh, topology), within, |row, half_edge| {
+        found.push(Insertion { half_edge, row })
+    });
     if found.is_empty() {
         return Ok(Mended::unchanged(mesh));
     }

@@ -8,7 +8,7 @@ use crate::math::{Box3, sub_down, sub_up};
 
 /// Triangles in a leaf, at most. Measured on 1 M triangles: from 2 to 8 queries differ by less than the machine's noise,
 /// and 4 needs a quarter less memory than 2.
-const LEAF_SIZE: usize = 4;
+pub(super) const LEAF_SIZE: usize = 4;
 /// Depth in nodes to which the heuristic decides; below, nodes are cut in equal quarters, 16 levels of which are
 /// enough for 2³² triangles.
 pub(super) const DEEPEST_BY_COST: u32 = 24;

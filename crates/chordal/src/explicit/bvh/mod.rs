@@ -1,10 +1,15 @@
 //! `Bvh`: a tree of boxes over the triangles of a mesh, for nearest points and rays.
 mod build;
 mod closest;
+mod column;
 mod cut;
 mod frame;
+mod inside;
+mod packet;
+mod pairs;
 mod ray;
 mod triangle;
+mod winding;
 
 use crate::budget::{Code, Job, Refusal, Stopped};
 use crate::explicit::Mesh;
@@ -12,7 +17,9 @@ use crate::math::Box3;
 use frame::Frame;
 
 pub use closest::Closest;
+pub use inside::{Containment, Enclosure, Whereabouts};
 pub use ray::{Hit, Ray};
+pub use winding::Winding;
 
 /// The weights of the point of a triangle that is nearest to `q`: ≥ 0, together 1 up to rounding.
 #[inline]

@@ -1,0 +1,292 @@
+//! The letter of `inspect`: what a file holds, what holds of it, and what was found, where, how often, and what mends it.
+use crate::numbers::{Toward, grouped, point, short, size};
+use crate::summary::{Lines, made, plural};
+use chordal_verbs::report::{
+    Anatomy, ComponentFacts, DrawingFacts, FindingFacts, Found, Inspection, KinkFacts, Report, Valid,
+    WitnessFacts, cures_of_all,
+};
+use std::fmt::Write;
+
+/// What `inspect` found.
+pub fn inspect(report: &Report) -> String {
+    let (certificate, run) = (&report.certificate, &report.run);
+    let input = &certificate.input;
+    let name = run.input.clone().unwrap_or_default();
+    let mut lines = Lines::titled(&format!("{name}: {}, {}", input.kind, input.format));
+    let frame = &certificate.frame;
+    lines.add_if("up", frame.up.map(str::to_owned));
+    lines.add_if("unit", frame.metres_per_unit.map(|metres| format!("{metres} m")));
+    if let Some(inspection) = &report.inspection {
+        holds(&mut lines, inspection);
+    }
+    if let Some(output) = &certificate.output {
+        made(&mut lines, output);
+    }
+    if let Some(sizes) = report.inspection.as_ref().and_then(|inspection| inspection.sizes) {
+        let (indexed, unindexed) = (size(sizes.indexed_bytes), size(sizes.unindexed_bytes));
+        lines.add("geometry", format!("{indexed} indexed, {unindexed} unindexed"));
+    }
+    if let Some(found) = report.inspection.as_ref().and_then(|inspection| inspection.found.as_ref()) {
+        lines.add("certificate", certified(found));
+    }
+    let findings = report.inspection.as_ref().and_then(|inspection| inspection.findings.as_ref());
+    if let (Some(valid), Some(findings)) = (&certificate.valid, findings) {
+        surface(&mut lines, valid);
+        diagnosis(&mut lines, valid, findings);
+        for finding in findings {
+            told(&mut lines, finding, valid);
+        }
+        prescription(&mut lines, &name, findings);
+    }
+    lines.0
+}
+
+fn holds(lines: &mut Lines, inspection: &Inspection) {
+    lines.add("size", size(inspection.bytes));
+    lines.add_if("patches", inspection.patches.map(grouped));
+    if let Some(drawing) = &inspection.drawing {
+        curves(lines, drawing);
+    }
+    if let Some(parts) = inspection.parts.as_ref().filter(|parts| parts.len() != 1) {
+        let instances: u64 = parts.iter().map(|part| part.instances).sum();
+        lines.add("parts", format!("{} in {} places", grouped(parts.len() as u64), grouped(instances)));
+    }
+    lines.add_if("box", inspection.bounds.map(|[low, high]| format!("{} to {}", point(low), point(high))));
+}
+
+/// How many kinks are told one by one; the report has more.
+const KINKS: usize = 8;
+
+fn curves(lines: &mut Lines, drawing: &DrawingFacts) {
+    let filled =
+        if drawing.filled > 0 { format!(", {} filled", grouped(drawing.filled)) } else { String::new() };
+    lines.add("elements", format!("{}{filled}", grouped(drawing.elements)));
+    let (closed, open) = (grouped(drawing.closed), grouped(drawing.open));
+    lines.add("subpaths", format!("{}: {closed} closed, {open} open", grouped(drawing.subpaths)));
+    let pieces = drawing.pieces;
+    let all = [(pieces.lines, "line"), (pieces.cubics, "cubic"), (pieces.arcs, "arc")];
+    let all: Vec<_> = all.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| plural(n, what)).collect();
+    lines.add("pieces", if all.is_empty() { "none".to_owned() } else { all.join(", ") });
+    lines.add("length", format!("about {}", short(drawing.length_estimate, Toward::Down)));
+    let joins = drawing.joins;
+    if joins.g0 + joins.g1 + joins.g2 > 0 {
+        let smooth = format!("{} G1, {} G2", grouped(joins.g1), grouped(joins.g2));
+        lines.add("joins", format!("{}, {smooth}", plural(joins.g0, "kink")));
+    }
+    for kink in drawing.kinks.iter().take(KINKS) {
+        lines.add("", turned(kink));
+    }
+    let told = drawing.kinks.len().min(KINKS) as u64;
+    if joins.g0 > told {
+        lines.add("", format!("and {} more", grouped(joins.g0 - told)));
+    }
+}
+
+/// `path 3 'leaf', piece 2: 90° at (1, 2, 0)`
+fn turned(kink: &KinkFacts) -> String {
+    let name = if kink.name.is_empty() { String::new() } else { format!(" '{}'", kink.name.escape_debug()) };
+    let angle = kink.angle_deg.map_or_else(|| "no direction".to_owned(), |deg| format!("{deg:.1}°"));
+    format!("{} {}{name}, piece {}: {angle} at {}", kink.kind, kink.element, kink.piece, point(kink.at))
+}
+
+/// What the surface measures and what holds of it.
+fn surface(lines: &mut Lines, valid: &Valid) {
+    let (counts, Some(anatomy)) = (&valid.counts, &valid.anatomy) else { return };
+    let mut facts = vec![format!("area {}", short(anatomy.area, Toward::Nearest))];
+    facts.extend(anatomy.volume.map(|volume| format!("volume {}", short(volume, Toward::Nearest))));
+    facts.extend(counts.genus.map(|genus| format!("genus {genus}")));
+    facts.push(format!("Euler number {}", counts.euler));
+    let mean = anatomy.triangles_per_vertex;
+    facts.extend(mean.map(|mean| format!("{} triangles a vertex", short(mean, Toward::Nearest))));
+    lines.add("surface", facts.join(", "));
+    let (is, is_not) = properties(valid, anatomy);
+    lines.add_if("is", (!is.is_empty()).then(|| is.join(", ")));
+    lines.add_if("is not", (!is_not.is_empty()).then(|| is_not.join(", ")));
+    if counts.components > 1 {
+        components(lines, counts.components, &anatomy.component_list);
+    }
+}
+
+/// What holds and what does not; of what is not known, nothing.
+fn properties(valid: &Valid, anatomy: &Anatomy) -> (Vec<&'static str>, Vec<&'static str>) {
+    let counts = &valid.counts;
+    let sides = if counts.oriented || counts.orientable { "oriented" } else { "orientable" };
+    let all = [
+        ("closed", Some(counts.closed)),
+        ("manifold", Some(counts.manifold)),
+        (sides, Some(counts.oriented)),
+        ("outward", anatomy.outward),
+        ("free of self-intersections", anatomy.self_intersections.map(|count| count == 0)),
+    ];
+    let those =
+        |wanted: bool| all.iter().filter(|(_, is)| *is == Some(wanted)).map(|(what, _)| *what).collect();
+    (those(true), those(false))
+}
+
+/// How many components are shown one by one; the report has more.
+const ROWS: usize = 6;
+
+fn components(lines: &mut Lines, all: u64, listed: &[ComponentFacts]) {
+    let shown = &listed[..listed.len().min(ROWS)];
+    let most = if all > shown.len() as u64 { ", the largest are" } else { "" };
+    lines.add("components", format!("{}{most}", grouped(all)));
+    let several_parts = listed.iter().any(|component| component.part != listed[0].part);
+    let mut table =
+        vec![["triangles", "first face", "closed", "front", "genus", "area", "volume"].map(str::to_owned)];
+    for component in shown {
+        let first = if several_parts {
+            format!("{}:{}", component.part, component.first_face)
+        } else {
+            component.first_face.to_string()
+        };
+        table.push([
+            grouped(component.triangles),
+            first,
+            if component.closed { "yes".to_owned() } else { plural(component.boundary_loops, "loop") },
+            component.facing.replace('-', " "),
+            component.genus.map_or_else(|| "-".to_owned(), |genus| genus.to_string()),
+            short(component.area, Toward::Nearest),
+            component.volume.map_or_else(|| "-".to_owned(), |volume| short(volume, Toward::Nearest)),
+        ]);
+    }
+    let widths: [usize; 7] =
+        std::array::from_fn(|k| table.iter().map(|row| row[k].chars().count()).max().unwrap_or(0));
+    for row in table {
+        let cells: Vec<String> =
+            row.iter().zip(widths).map(|(cell, width)| format!("{cell:>width$}")).collect();
+        lines.add("", cells.join("  "));
+    }
+}
+
+/// How many findings there are, in one line.
+fn diagnosis(lines: &mut Lines, valid: &Valid, findings: &[FindingFacts]) {
+    let weighing = |weight: &str| findings.iter().filter(|finding| finding.weight == weight).count() as u64;
+    let (faults, remarks) = (weighing("fault"), weighing("remark"));
+    let counted: Vec<String> = [(faults, "fault"), (remarks, "remark")]
+        .into_iter()
+        .filter(|(n, _)| *n > 0)
+        .map(|(n, what)| plural(n, what))
+        .collect();
+    lines.add("found", if counted.is_empty() { "nothing to mend".to_owned() } else { counted.join(", ") });
+    let (counts, other) = (&valid.counts, &valid.other);
+    if counts.boundary_edges != other.counts.boundary_edges {
+        let edges = plural(other.counts.boundary_edges, "boundary edge");
+        lines.add("", format!("{edges} where vertices meet by {}", other.topology));
+    }
+}
+
+/// How many places are named; the report has more.
+const PLACES: usize = 2;
+
+fn told(lines: &mut Lines, finding: &FindingFacts, valid: &Valid) {
+    let FindingFacts { count, words, means, cures, advice, .. } = finding;
+    let more = beside(finding.of, valid);
+    // Writing to a text does not fail.
+    let _ = writeln!(lines.0, "\n  {} {words}{more}: {means}", grouped(*count));
+    let places: Vec<String> = places(finding.of, valid).take(PLACES).collect();
+    let mut line = |name: &str, text: &str| {
+        let _ = writeln!(lines.0, "    {name:<9} {text}");
+    };
+    for (i, place) in places.iter().enumerate() {
+        line(if i == 0 { "where" } else { "" }, place);
+    }
+    let rest = count.saturating_sub(places.len() as u64);
+    if rest > 0 && !places.is_empty() {
+        line("", &format!("and {} more", grouped(rest)));
+    }
+    if let Some(advice) = advice {
+        line("advice", advice);
+    } else {
+        line("cure", &cures.join(" "));
+    }
+}
+
+/// What else is known of a finding.
+fn beside(of: &str, valid: &Valid) -> String {
+    let counts = &valid.counts;
+    match of {
+        "boundary_edges" if counts.boundary_loops > 0 => {
+            format!(" in {}", plural(counts.boundary_loops, "loop"))
+        }
+        "boundary_edges" if counts.boundary_chains > 0 => {
+            format!(" in {}", plural(counts.boundary_chains, "open chain"))
+        }
+        "duplicate_faces" if counts.opposite_faces > 0 => {
+            format!(", {} back to back", grouped(counts.opposite_faces))
+        }
+        _ => String::new(),
+    }
+}
+
+/// The places of a finding that are known.
+pub(crate) fn places<'a>(of: &'a str, valid: &'a Valid) -> impl Iterator<Item = String> + 'a {
+    let several_parts = valid.parts.len() > 1;
+    let named = valid.witnesses.iter().flatten().filter(move |witness| witness.of == of);
+    named.map(move |witness| {
+        let part = if several_parts { format!("part {}, ", witness.part) } else { String::new() };
+        format!("{part}{} at {}", what(witness), point(witness.at))
+    })
+}
+
+/// `edge 3-7 of triangles 12, 14`; numbers count from 0.
+fn what(witness: &WitnessFacts) -> String {
+    let list = |numbers: &[u32]| numbers.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
+    let triangles =
+        |faces: &[u32]| format!("triangle{} {}", if faces.len() == 1 { "" } else { "s" }, list(faces));
+    match (&witness.vertices[..], &witness.faces[..]) {
+        ([vertex], []) => format!("vertex {vertex}"),
+        ([vertex, of], []) => format!("vertex {vertex}, equal to {of},"),
+        ([a, b], faces) => format!("edge {a}-{b} of {}", triangles(faces)),
+        ([vertex, a, b], faces) => format!("vertex {vertex} on edge {a}-{b} of {}", triangles(faces)),
+        (_, faces) => triangles(faces),
+    }
+}
+
+/// A name as a shell takes it.
+fn quoted(name: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./+:@,=".contains(c);
+    if name.chars().all(plain) { name.to_owned() } else { format!("'{}'", name.replace('\'', r"'\''")) }
+}
+
+/// All cures in one command.
+fn prescription(lines: &mut Lines, name: &str, findings: &[FindingFacts]) {
+    let cures = cures_of_all(findings);
+    if !cures.is_empty() {
+        let _ = writeln!(
+            lines.0,
+            "\n  {:<11} chordal mend {} {} -o OUT",
+            "to mend",
+            quoted(name),
+            cures.join(" ")
+        );
+    }
+}
+
+fn certified(found: &Found) -> String {
+    let number = |pointer: &str| found.certificate.pointer(pointer).and_then(serde_json::Value::as_f64);
+    let text = |pointer: &str| found.certificate.pointer(pointer).and_then(serde_json::Value::as_str);
+    let bound = match (number("/bound/at_least"), number("/bound/at_most"), text("/bound/evidence")) {
+        (Some(least), Some(most), Some(evidence)) => {
+            format!("between {} and {} ({evidence})", short(least, Toward::Down), short(most, Toward::Up))
+        }
+        _ => "says no bound".to_owned(),
+    };
+    if found.differs.is_empty() {
+        bound
+    } else {
+        format!("{bound}, but of another shape: {}", found.differs.join(", "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_quoted_where_a_shell_would_part_them() {
+        assert_eq!(quoted("a/b-c.obj"), "a/b-c.obj");
+        assert_eq!(quoted("my part.obj"), "'my part.obj'");
+        assert_eq!(quoted("it's.obj"), r"'it'\''s.obj'");
+        assert_eq!(quoted("$(x).obj"), "'$(x).obj'");
+    }
+}

@@ -1,0 +1,213 @@
+//! What takes a closer look: components, which side is out, self-intersections, and what mends what was found.
+use super::checked::Checked;
+use super::valid::{Counts, Valid};
+use chordal::check::{CURES, Component, Defect, Facing, Finding, Weight, outward};
+use serde::Serialize;
+
+/// What `inspect` says of triangles beyond the counts.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Anatomy {
+    /// Every component is wound with its material inside, cavities with it outside; none where a component has no
+    /// inside, or it is not decided.
+    pub outward: Option<bool>,
+    /// Components that are wound the other way.
+    pub inside_out: u64,
+    /// Pairs of triangles that meet where they should not; none where nobody asked.
+    pub self_intersections: Option<u64>,
+    /// Triangles at a position, on average; none without triangles.
+    pub triangles_per_vertex: Option<f64>,
+    /// The area of all triangles, in squared units of the parts' own coordinates.
+    pub area: f64,
+    /// The volume inside, in cubed units; none unless the triangles are closed and oriented.
+    pub volume: Option<f64>,
+    /// The components with the most triangles, at most [`MOST_COMPONENTS`]; `components` counts all.
+    pub component_list: Vec<ComponentFacts>,
+}
+
+/// The most components that are listed.
+pub const MOST_COMPONENTS: usize = 32;
+
+/// One component.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ComponentFacts {
+    /// The index of its part.
+    pub part: u64,
+    /// Its first triangle.
+    pub first_face: u32,
+    /// Its triangles.
+    pub triangles: u64,
+    /// Its edges.
+    pub edges: u64,
+    /// Its positions.
+    pub positions: u64,
+    /// Edges with one triangle.
+    pub boundary_edges: u64,
+    /// Closed strings of them.
+    pub boundary_loops: u64,
+    /// No edge has one triangle only.
+    pub closed: bool,
+    /// No edge has more than two triangles, and those at each position are one fan.
+    pub manifold: bool,
+    /// Neighbours agree on which side is out.
+    pub oriented: bool,
+    /// They could.
+    pub orientable: bool,
+    /// Positions − edges + triangles.
+    pub euler: i64,
+    /// Handles; none where that means nothing.
+    pub genus: Option<u64>,
+    /// Its area.
+    pub area: f64,
+    /// The volume inside, negative where the front looks inward; none without an inside.
+    pub volume: Option<f64>,
+    /// "outward", "inside-out", "undecided" or "no-inside".
+    pub facing: &'static str,
+    /// How many others enclose it; none where that is not decided.
+    pub depth: Option<u32>,
+    /// Its lowest and highest coordinates.
+    #[serde(rename = "box")]
+    pub bounds: [[f64; 3]; 2],
+}
+
+impl ComponentFacts {
+    fn of(part: usize, component: &Component) -> Self {
+        let has_inside = component.facing != Facing::NoInside;
+        Self {
+            part: part as u64,
+            first_face: component.first_face,
+            triangles: component.faces,
+            edges: component.edges,
+            positions: component.positions,
+            boundary_edges: component.boundary_edges,
+            boundary_loops: component.boundary_loops,
+            closed: component.closed,
+            manifold: component.manifold(),
+            oriented: component.oriented,
+            orientable: component.orientable,
+            euler: component.euler,
+            genus: component.genus,
+            area: component.measure.area,
+            volume: has_inside.then_some(component.measure.signed_volume),
+            facing: component.facing.as_str(),
+            depth: component.depth,
+            bounds: [component.bounds.min, component.bounds.max],
+        }
+    }
+}
+
+impl Anatomy {
+    pub(super) fn of(parts: &[&Checked], counts: &Counts) -> Self {
+        let sum = |f: fn(&Checked) -> f64| parts.iter().fold(0.0, |sum, part| sum + f(part));
+        let crossing: Option<Vec<&Finding>> =
+            parts.iter().map(|part| part.self_intersections.as_ref()).collect();
+        let volume = sum(|part| part.found.measure.signed_volume);
+        Self {
+            outward: outward_of(parts),
+            inside_out: parts.iter().map(|part| part.inside_out.count).sum(),
+            self_intersections: crossing.map(|all| all.iter().map(|finding| finding.count).sum()),
+            triangles_per_vertex: triangles_per_vertex(parts),
+            area: sum(|part| part.found.measure.area),
+            volume: (counts.closed && counts.oriented).then_some(volume),
+            component_list: largest(parts),
+        }
+    }
+}
+
+/// As for one mesh, over all parts with triangles.
+fn outward_of(parts: &[&Checked]) -> Option<bool> {
+    let filled = parts.iter().filter(|part| !part.components.is_empty());
+    let each: Vec<Option<bool>> = filled.map(|part| outward(&part.components)).collect();
+    if each.contains(&Some(false)) {
+        return Some(false);
+    }
+    (!each.is_empty() && !each.contains(&None)).then_some(true)
+}
+
+/// The mean over the positions of all parts that take part.
+fn triangles_per_vertex(parts: &[&Checked]) -> Option<f64> {
+    let found = || parts.iter().map(|part| &part.found);
+    let faces: u64 = found().map(|found| found.triangles - found.collapsed_faces.count).sum();
+    // Euler's formula the other way round: positions that take part are χ + edges − faces.
+    let edges: u64 = found().map(|found| found.edges).sum();
+    let positions = found().map(|found| found.euler).sum::<i64>() + edges as i64 - faces as i64;
+    (positions > 0).then(|| 3.0 * faces as f64 / positions as f64)
+}
+
+fn largest(parts: &[&Checked]) -> Vec<ComponentFacts> {
+    let all = parts.iter().enumerate();
+    let all = all.flat_map(|(part, found)| found.components.iter().map(move |component| (part, component)));
+    let mut all: Vec<(usize, &Component)> = all.collect();
+    all.sort_by_key(|(part, component)| (std::cmp::Reverse(component.faces), *part, component.first_face));
+    all.truncate(MOST_COMPONENTS);
+    all.into_iter().map(|(part, component)| ComponentFacts::of(part, component)).collect()
+}
+
+/// One thing that was found, in words, with what mends it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct FindingFacts {
+    /// The name of its count.
+    pub of: &'static str,
+    /// How often.
+    pub count: u64,
+    /// "fault" where the surface is not what it should be, "remark" where its triangles could be better.
+    pub weight: &'static str,
+    /// One of them, or several, in words.
+    pub words: &'static str,
+    /// What it means, as half a sentence.
+    pub means: &'static str,
+    /// The options of `chordal mend` that mend it, in this order; empty where there is none.
+    pub cures: Vec<&'static str>,
+    /// What to do where no option mends it.
+    pub advice: Option<&'static str>,
+}
+
+impl FindingFacts {
+    /// All that was found, the heaviest first.
+    #[must_use]
+    pub fn of_all(valid: &Valid) -> Vec<Self> {
+        let told = |defect: &Defect| {
+            let count = valid.count(*defect).filter(|count| *count > 0)?;
+            // Where all are collapsed, that says it better.
+            let covered = *defect == Defect::ZeroAreaFaces && count == valid.counts.collapsed_faces;
+            (!covered).then(|| Self::new(*defect, count, valid))
+        };
+        Defect::ALL.iter().filter_map(told).collect()
+    }
+
+    fn new(defect: Defect, count: u64, valid: &Valid) -> Self {
+        let cures = cures(defect, valid);
+        let [one, several] = defect.words();
+        Self {
+            of: defect.name(),
+            count,
+            weight: if defect.weight() == Weight::Fault { "fault" } else { "remark" },
+            words: if count == 1 { one } else { several },
+            means: defect.means(),
+            advice: cures.is_empty().then(|| defect.advice()),
+            cures,
+        }
+    }
+}
+
+/// The cures of a defect that can help, by what else was found.
+fn cures(defect: Defect, valid: &Valid) -> Vec<&'static str> {
+    let (counts, other) = (&valid.counts, &valid.other.counts);
+    let welding_helps = counts.duplicate_vertices > 0 && other.boundary_edges < counts.boundary_edges;
+    let welded = if welding_helps { other } else { counts };
+    let helps = |cure: &str| match (defect, cure) {
+        (Defect::BoundaryEdges, "--weld") => welding_helps,
+        (Defect::BoundaryEdges, "--resolve-t-junctions") => welded.t_junctions > 0,
+        (Defect::BoundaryEdges, "--fill-holes") => welded.boundary_edges > 0 && welded.t_junctions == 0,
+        (Defect::NonManifoldEdges, "--drop-duplicates") => counts.duplicate_faces > 0,
+        (Defect::InconsistentEdges, "--orient") => counts.orientable,
+        _ => true,
+    };
+    defect.cures().iter().copied().filter(|cure| helps(cure)).collect()
+}
+
+/// The options that mend all of it, in the order in which to use them.
+#[must_use]
+pub fn cures_of_all(findings: &[FindingFacts]) -> Vec<&'static str> {
+    let wanted = |cure: &&str| findings.iter().any(|finding| finding.cures.contains(cure));
+    CURES.into_iter().filter(wanted).collect()
+}

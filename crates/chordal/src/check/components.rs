@@ -1,0 +1,348 @@
+//! `Component`: what holds of each set of faces that hang together by edges.
+use super::fans::{Ending, count_fans, walk_boundary};
+use super::finding::{Finding, Witness};
+use super::measure::{Measure, power_of_two_near};
+use super::nesting::{Nested, nest};
+use super::pieces::{Sets, find_one_sided};
+use super::surface::Surface;
+use crate::explicit::{Mesh, Topology, Twin, next_in_face};
+use crate::math::Box3;
+use glam::DVec3;
+
+/// Which way the front of a component looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Facing {
+    /// Away from the material: out of a solid, into a cavity.
+    Outward,
+    /// Into the material: the component is wound inside out.
+    InsideOut,
+    /// There are two sides, but the volume between them is zero up to rounding, or the component lies on the surface
+    /// of another one.
+    Undecided,
+    /// There is no inside: an edge has one face only, or is not run through as often forwards as backwards.
+    NoInside,
+}
+
+impl Facing {
+    /// The name in a report.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Outward => "outward",
+            Self::InsideOut => "inside-out",
+            Self::Undecided => "undecided",
+            Self::NoInside => "no-inside",
+        }
+    }
+}
+
+/// A set of faces that hang together by edges.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Component {
+    /// The lowest of its faces.
+    pub first_face: u32,
+    /// Its faces.
+    pub faces: u64,
+    /// Its edges.
+    pub edges: u64,
+    /// Its positions; one that it shares with another component counts in both.
+    pub positions: u64,
+    /// Edges with one face.
+    pub boundary_edges: u64,
+    /// Closed strings of them.
+    pub boundary_loops: u64,
+    /// Every edge has at least two faces.
+    pub closed: bool,
+    /// No edge has more than two faces.
+    pub edge_manifold: bool,
+    /// Its faces at each position are one fan.
+    pub vertex_manifold: bool,
+    /// Both faces of every edge with two are wound alike.
+    pub oriented: bool,
+    /// They could be.
+    pub orientable: bool,
+    /// Positions − edges + faces.
+    pub euler: i64,
+    /// Handles, each boundary loop closed by a disc; `None` where the component is no manifold or not orientable.
+    pub genus: Option<u64>,
+    /// The box of its corners.
+    pub bounds: Box3,
+    /// Its area, and the volume between its sides, which means something where it has an inside.
+    pub measure: Measure,
+    /// How many other components with an inside enclose it; `None` where it or one of them has none that is decided.
+    pub depth: Option<u32>,
+    /// Which way its front looks.
+    pub facing: Facing,
+}
+
+impl Component {
+    /// Edge- and vertex-manifold.
+    #[must_use]
+    pub fn manifold(&self) -> bool {
+        self.edge_manifold && self.vertex_manifold
+    }
+}
+
+/// What holds of each component of `mesh`, in the order of their first faces, two rows being one position where
+/// `topology` says so. Faces with two corners at one position belong to none.
+///
+/// *Outward* takes nested shells into account. A component with an inside (closed, and every edge run through as often
+/// forwards as backwards) encloses another one when the winding number around it is not 0 at one of seven vertices of
+/// the other, its first and the six outermost, and 0 at none; vertices on its surface are left out. A component within
+/// an even number of others is a solid, and outward when its signed volume is positive; within an odd number it is a
+/// cavity, and outward when that is negative. Winding numbers are exact; the volume is rounded, and decides where it
+/// is farther from 0 than rounding can have moved it. Components that cross each other are taken one by one.
+///
+/// Linear time, about 0.1 s per million triangles on one core; with several components that enclose each other, a tree
+/// of boxes and some microseconds a component more.
+///
+/// ```
+/// use chordal::{Mesh, check::{Facing, components}, explicit::Topology};
+/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let mesh = Mesh::new(corners, vec![[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]])?;
+/// let found = components(&mesh, Topology::Indices);
+/// assert_eq!((found.len(), found[0].euler, found[0].facing), (1, 2, Facing::InsideOut));
+/// # Ok::<(), chordal::explicit::InvalidMesh>(())
+/// ```
+#[must_use]
+pub fn components(mesh: &Mesh, topology: Topology) -> Vec<Component> {
+    components_of(&Surface::new(mesh, topology))
+}
+
+/// The components that are wound inside out: the place is their first face.
+#[must_use]
+pub fn inside_out(mesh: &Mesh, components: &[Component]) -> Finding {
+    let mut found = Finding::default();
+    for component in components.iter().filter(|component| component.facing == Facing::InsideOut) {
+        found.add(|| Witness::face(mesh, component.first_face));
+    }
+    found
+}
+
+/// Whether all components are wound outward: false when one is inside out, `None` when it is not decided for one, or
+/// there is none.
+#[must_use]
+pub fn outward(components: &[Component]) -> Option<bool> {
+    let any = |facing| components.iter().any(|component| component.facing == facing);
+    if any(Facing::InsideOut) {
+        return Some(false);
+    }
+    let decided = !components.is_empty() && !any(Facing::Undecided) && !any(Facing::NoInside);
+    decided.then_some(true)
+}
+
+/// No component.
+pub(super) const NONE: u32 = u32::MAX;
+
+pub(super) fn components_of(surface: &Surface) -> Vec<Component> {
+    let (labels, mut found) = labelled(surface);
+    let inside = count_edges(surface, &labels, &mut found);
+    count_positions(surface, &labels, &mut found);
+    walk_boundary(&surface.twins, |h, ending| {
+        found[labels[h as usize / 3] as usize].boundary_loops += u64::from(ending == Ending::Loop);
+    });
+    if found.iter().any(|component| !component.oriented) {
+        find_one_sided(surface, |face| found[labels[face as usize] as usize].orientable = false);
+    }
+    let volumes = measure_each(surface.mesh, &labels, &mut found);
+    for component in &mut found {
+        component.closed = component.boundary_edges == 0;
+        component.euler = component.positions as i64 - component.edges as i64 + component.faces as i64;
+        // χ = 2 − 2·genus − loops for one piece of an orientable surface with boundary.
+        let twice_genus = 2 - component.euler - component.boundary_loops as i64;
+        component.genus = (component.manifold() && component.orientable).then_some(twice_genus as u64 / 2);
+    }
+    let signs: Vec<Option<i8>> = (0..found.len())
+        .map(|i| (inside[i] && found[i].closed && found[i].oriented).then(|| volumes[i].sign()))
+        .collect();
+    face(surface, &labels, &mut found, &signs);
+    found
+}
+
+/// The component of each face, or [`NONE`], and the components with their faces counted.
+fn labelled(surface: &Surface) -> (Vec<u32>, Vec<Component>) {
+    let mut sets = Sets::of(surface);
+    let mut labels = vec![NONE; surface.n_faces() as usize];
+    let mut found: Vec<Component> = Vec::new();
+    for face in 0..surface.n_faces() {
+        if surface.half_edges(face).is_none() {
+            continue;
+        }
+        let root = sets.root(face);
+        // A set's first face is its root, and comes first.
+        if root == face {
+            labels[face as usize] = found.len() as u32;
+            found.push(empty(face));
+        }
+        let label = labels[root as usize];
+        labels[face as usize] = label;
+        found[label as usize].faces += 1;
+    }
+    (labels, found)
+}
+
+fn empty(first_face: u32) -> Component {
+    Component {
+        first_face,
+        faces: 0,
+        edges: 0,
+        positions: 0,
+        boundary_edges: 0,
+        boundary_loops: 0,
+        closed: false,
+        edge_manifold: true,
+        vertex_manifold: true,
+        oriented: true,
+        orientable: true,
+        euler: 0,
+        genus: None,
+        bounds: Box3::EMPTY,
+        measure: Measure { area: 0.0, signed_volume: 0.0 },
+        depth: None,
+        facing: Facing::NoInside,
+    }
+}
+
+/// Counts the edges of each component. Whether its edges with three or more faces have as many that run one way as the
+/// other.
+fn count_edges(surface: &Surface, labels: &[u32], found: &mut [Component]) -> Vec<bool> {
+    for h in 0..surface.twins.len() as u32 {
+        let label = labels[h as usize / 3];
+        if label == NONE {
+            continue;
+        }
+        let component = &mut found[label as usize];
+        match surface.twins.get(h) {
+            Twin::Pair(t) => component.edges += u64::from(h < t),
+            Twin::Flipped(t) => {
+                component.edges += u64::from(h < t);
+                component.oriented = false;
+            }
+            Twin::Boundary => {
+                component.edges += 1;
+                component.boundary_edges += 1;
+            }
+            Twin::Crowded | Twin::Collapsed => {}
+        }
+    }
+    let mut balanced = vec![true; found.len()];
+    for edge in surface.twins.crowded_edges() {
+        let label = labels[edge[0] as usize / 3] as usize;
+        found[label].edges += 1;
+        found[label].edge_manifold = false;
+        let runs_up = |h: &&u32| surface.origin(**h) < surface.origin(next_in_face(**h));
+        balanced[label] &= 2 * edge.iter().filter(runs_up).count() == edge.len();
+    }
+    balanced
+}
+
+/// Counts the positions of each component, and looks for two fans of it at one.
+fn count_positions(surface: &Surface, labels: &[u32], found: &mut [Component]) {
+    let mut first_at = vec![NONE; surface.mesh.positions().len()];
+    let mut further: Vec<(u32, u32)> = Vec::new();
+    count_fans(
+        &surface.twins,
+        |h| surface.origin(h),
+        first_at.len(),
+        |h, number| {
+            let (position, label) = (surface.origin(h), labels[h as usize / 3]);
+            if number == 0 {
+                first_at[position as usize] = label;
+                found[label as usize].positions += 1;
+            } else {
+                further.push((position, label));
+            }
+        },
+    );
+    further.sort_unstable();
+    for same in further.chunk_by(|a, b| a == b) {
+        let (position, label) = same[0];
+        let component = &mut found[label as usize];
+        let is_first = first_at[position as usize] == label;
+        component.positions += u64::from(!is_first);
+        component.vertex_manifold &= !is_first && same.len() == 1;
+    }
+}
+
+/// A sum of products with a bound on what rounding can have done to it.
+#[derive(Clone, Copy, Default)]
+struct Volume {
+    sum: f64,
+    /// The sum of the sizes of all products.
+    size: f64,
+    terms: f64,
+}
+
+impl Volume {
+    /// −1, 1, or 0 where rounding leaves it open.
+    fn sign(&self) -> i8 {
+        // A product of three differences and the sums in a term round fewer than 16 times; each term is then rounded
+        // with every later one. Twice that, since `size` is rounded as well, and what underflows besides.
+        let slack = (self.terms + 16.0) * f64::EPSILON * self.size + self.terms * f64::MIN_POSITIVE;
+        match self.sum.abs() > slack {
+            true if self.sum > 0.0 => 1,
+            true => -1,
+            false => 0,
+        }
+    }
+}
+
+/// Area, volume and box of each component, summed in the order of the faces. The tip of the tetrahedra is the first
+/// corner of the component, so that its place in space costs no digits.
+fn measure_each(mesh: &Mesh, labels: &[u32], found: &mut [Component]) -> Vec<Volume> {
+    let bounds = mesh.bounds();
+    let size = bounds.min.iter().chain(&bounds.max).fold(0.0, |most: f64, x| {
+        let x = x.abs();
+        if x > most { x } else { most }
+    });
+    let (down, up) = power_of_two_near(size);
+    let at = |row: u32| DVec3::from(mesh.positions()[row as usize]) * down;
+    let tips: Vec<DVec3> = found.iter().map(|c| at(mesh.faces()[c.first_face as usize][0])).collect();
+    let mut volumes = vec![Volume::default(); found.len()];
+    for (face, &label) in mesh.faces().iter().zip(labels).filter(|(_, label)| **label != NONE) {
+        let (component, volume) = (&mut found[label as usize], &mut volumes[label as usize]);
+        let tip = tips[label as usize];
+        let [a, b, c] = face.map(|row| at(row) - tip);
+        let twice_area = (b - a).cross(c - a);
+        component.measure.area += twice_area.length();
+        volume.sum += a.dot(b.cross(c));
+        let (p, q) = (b.abs(), c.abs());
+        let sizes = DVec3::new(p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x);
+        volume.size += a.abs().dot(sizes);
+        volume.terms += 1.0;
+        for row in face {
+            extend(&mut component.bounds, &mesh.positions()[*row as usize]);
+        }
+    }
+    for (component, volume) in found.iter_mut().zip(&volumes) {
+        component.measure.area = component.measure.area / 2.0 * up * up;
+        component.measure.signed_volume = volume.sum / 6.0 * up * up * up;
+    }
+    volumes
+}
+
+/// [`Box3::with`] in place.
+#[inline]
+fn extend(bounds: &mut Box3, p: &[f64; 3]) {
+    for ((x, low), high) in p.iter().zip(&mut bounds.min).zip(&mut bounds.max) {
+        *low = if x < low { *x } else { *low };
+        *high = if x > high { *x } else { *high };
+    }
+}
+
+/// Decides which way each component looks, from the signs of the volumes of those with an inside.
+fn face(surface: &Surface, labels: &[u32], found: &mut [Component], signs: &[Option<i8>]) {
+    let depths = nest(surface.mesh, labels, found, |i| signs[i].is_some());
+    for ((component, sign), nested) in found.iter_mut().zip(signs).zip(depths) {
+        let Some(sign) = sign else { continue };
+        component.depth = match nested {
+            Nested::Within(depth) => Some(depth),
+            Nested::Touching => None,
+        };
+        component.facing = match (sign, component.depth) {
+            (0, _) | (_, None) => Facing::Undecided,
+            (sign, Some(depth)) if (*sign > 0) == (depth % 2 == 0) => Facing::Outward,
+            _ => Facing::InsideOut,
+        };
+    }
+}

@@ -1,0 +1,194 @@
+//! `Defect`: what can be wrong with a mesh, in words, with what mends it.
+
+/// What can be wrong with a mesh: the one table of names, meanings and cures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Defect {
+    /// Edges with one face.
+    BoundaryEdges,
+    /// Edges with three or more faces.
+    NonManifoldEdges,
+    /// Positions with two or more fans.
+    NonManifoldVertices,
+    /// Vertices inside an edge of others.
+    TJunctions,
+    /// Edges with two faces wound against each other.
+    InconsistentEdges,
+    /// Components whose front looks inward.
+    InsideOut,
+    /// Pairs of faces that meet where they should not.
+    SelfIntersections,
+    /// Faces with the positions of an earlier one.
+    DuplicateFaces,
+    /// Positions at the place of an earlier one.
+    DuplicateVertices,
+    /// Faces with two corners at one position.
+    CollapsedFaces,
+    /// Faces without area.
+    ZeroAreaFaces,
+    /// Faces much longer than high.
+    Slivers,
+    /// Rows that no face names.
+    UnusedVertices,
+}
+
+/// How much a defect matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Weight {
+    /// The surface is not what its kind should be: printers, simulations and booleans stumble.
+    Fault,
+    /// The surface is what it should be; the triangles could be better.
+    Remark,
+}
+
+/// The options of `chordal mend` in the order in which to use them: first what the others rely on.
+pub const CURES: [&str; 8] = [
+    "--weld",
+    "--drop-degenerate",
+    "--drop-duplicates",
+    "--resolve-t-junctions",
+    "--split-nonmanifold",
+    "--fill-holes",
+    "--orient",
+    "--drop-unused",
+];
+
+impl Defect {
+    /// All, the heaviest first.
+    pub const ALL: [Self; 13] = [
+        Self::NonManifoldEdges,
+        Self::NonManifoldVertices,
+        Self::SelfIntersections,
+        Self::InconsistentEdges,
+        Self::InsideOut,
+        Self::TJunctions,
+        Self::BoundaryEdges,
+        Self::DuplicateFaces,
+        Self::CollapsedFaces,
+        Self::ZeroAreaFaces,
+        Self::DuplicateVertices,
+        Self::Slivers,
+        Self::UnusedVertices,
+    ];
+
+    /// The name of its count in a report.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::BoundaryEdges => "boundary_edges",
+            Self::NonManifoldEdges => "non_manifold_edges",
+            Self::NonManifoldVertices => "non_manifold_vertices",
+            Self::TJunctions => "t_junctions",
+            Self::InconsistentEdges => "inconsistent_edges",
+            Self::InsideOut => "inside_out",
+            Self::SelfIntersections => "self_intersections",
+            Self::DuplicateFaces => "duplicate_faces",
+            Self::DuplicateVertices => "duplicate_vertices",
+            Self::CollapsedFaces => "collapsed_faces",
+            Self::ZeroAreaFaces => "zero_area_faces",
+            Self::Slivers => "slivers",
+            Self::UnusedVertices => "unused_vertices",
+        }
+    }
+
+    /// One of them and several of them, in words.
+    #[must_use]
+    pub fn words(self) -> [&'static str; 2] {
+        match self {
+            Self::BoundaryEdges => ["boundary edge", "boundary edges"],
+            Self::NonManifoldEdges => ["edge of three triangles or more", "edges of three triangles or more"],
+            Self::NonManifoldVertices => ["vertex of several fans", "vertices of several fans"],
+            Self::TJunctions => ["T-junction", "T-junctions"],
+            Self::InconsistentEdges => ["edge of opposite winding", "edges of opposite winding"],
+            Self::InsideOut => ["component inside out", "components inside out"],
+            Self::SelfIntersections => ["self-intersection", "self-intersections"],
+            Self::DuplicateFaces => ["repeated triangle", "repeated triangles"],
+            Self::DuplicateVertices => ["duplicate vertex", "duplicate vertices"],
+            Self::CollapsedFaces => ["collapsed triangle", "collapsed triangles"],
+            Self::ZeroAreaFaces => ["triangle of no area", "triangles of no area"],
+            Self::Slivers => ["sliver", "slivers"],
+            Self::UnusedVertices => ["unused vertex", "unused vertices"],
+        }
+    }
+
+    /// What it means for the user, as half a sentence.
+    #[must_use]
+    pub fn means(self) -> &'static str {
+        match self {
+            Self::BoundaryEdges => "the surface ends there, so that it has no inside",
+            Self::NonManifoldEdges => "sheets branch there, and no side is the next one",
+            Self::NonManifoldVertices => "sheets touch in a point, and a walk around it is torn",
+            Self::TJunctions => "a vertex lies in a neighbour's edge: a crack may show",
+            Self::InconsistentEdges => "one of the two triangles shows its back",
+            Self::InsideOut => "its front looks into the material",
+            Self::SelfIntersections => "triangles meet where they should not, and inside is ambiguous",
+            Self::DuplicateFaces => "two triangles lie in one place and fight for the pixels",
+            Self::DuplicateVertices => "the surface is cut apart between equal points",
+            Self::CollapsedFaces => "two of its corners are one, so that it covers nothing",
+            Self::ZeroAreaFaces => "its corners lie on one line, so that it has no normal",
+            Self::Slivers => "longer than 100 heights: its normal is weak",
+            Self::UnusedVertices => "no triangle names it",
+        }
+    }
+
+    /// How much it matters.
+    #[must_use]
+    pub fn weight(self) -> Weight {
+        match self {
+            Self::Slivers | Self::UnusedVertices | Self::DuplicateVertices => Weight::Remark,
+            _ => Weight::Fault,
+        }
+    }
+
+    /// The options of `chordal mend` that mend it, in the order in which to try them; none where it has no cure.
+    #[must_use]
+    pub fn cures(self) -> &'static [&'static str] {
+        match self {
+            // A boundary between equal points is a seam, one along T-junctions a crack, and only the rest is a hole.
+            Self::BoundaryEdges => &["--weld", "--resolve-t-junctions", "--fill-holes"],
+            // Sheets that lie in one place are one sheet too many before they are a branch.
+            Self::NonManifoldEdges => &["--drop-duplicates", "--split-nonmanifold"],
+            Self::NonManifoldVertices => &["--split-nonmanifold"],
+            Self::TJunctions => &["--resolve-t-junctions"],
+            Self::InconsistentEdges | Self::InsideOut => &["--orient"],
+            Self::DuplicateFaces => &["--drop-duplicates"],
+            Self::DuplicateVertices => &["--weld"],
+            Self::CollapsedFaces | Self::ZeroAreaFaces => &["--drop-degenerate"],
+            Self::UnusedVertices => &["--drop-unused"],
+            Self::SelfIntersections | Self::Slivers => &[],
+        }
+    }
+
+    /// What to do where no option mends it.
+    #[must_use]
+    pub fn advice(self) -> &'static str {
+        match self {
+            Self::SelfIntersections => {
+                "unite the solids in the program that made them; winding numbers still tell inside from outside"
+            }
+            Self::Slivers => {
+                "mesh the true shape again, if there is one; smooth normals are safer than flat ones"
+            }
+            Self::InconsistentEdges => {
+                "the surface has one side only, as a Möbius strip: cut it open, or draw both sides"
+            }
+            _ => "look at it in the program that made it",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_complete_and_every_name_stands_once() {
+        let mut names: Vec<_> = Defect::ALL.iter().map(|defect| defect.name()).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), Defect::ALL.len());
+        for defect in Defect::ALL {
+            assert!(defect.cures().iter().all(|cure| CURES.contains(cure)), "{defect:?}");
+            assert_ne!(defect.words()[0], defect.words()[1]);
+        }
+    }
+}

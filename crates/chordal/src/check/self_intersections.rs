@@ -1,0 +1,127 @@
+//! Self-intersections: pairs of faces that meet where they should not.
+use super::finding::{Finding, MAX_WITNESSES, Place, Witness, centre};
+use super::flat::has_zero_area;
+use super::meeting::{common_point, meet};
+use super::parallel::over_chunks;
+use crate::budget::{Job, Stopped};
+use crate::explicit::{Bvh, Mesh, position_id_by_bits};
+
+/// The pairs of faces that share a point which is not on a corner or an edge of both. So counted are faces that cross,
+/// faces that overlap in one plane, neighbours that are folded onto each other, and faces that only touch: a corner of
+/// one on the other, or edges that cross. Not counted are faces with the same three corners, which
+/// [`super::Validity::duplicate_faces`] has, and faces without area, which are
+/// [`super::Validity::zero_area_faces`]. Corners are the same where their coordinates are, whatever the indices say
+/// (`−0.0` and `0.0` taken as equal).
+///
+/// Exact for all finite coordinates, and the same on any number of threads. The witnesses are the first pairs in the
+/// order of the faces, each with a rounded point that both have.
+///
+/// About 1 µs a triangle on one core for surfaces that are what they should be, the tree of boxes included, which also
+/// says what memory it takes; beside it 32 bytes a position and 1 a face. In the worst case, where all boxes meet, the
+/// square of the number of faces.
+///
+/// ```
+/// use chordal::{Job, Mesh, check::self_intersections};
+/// let points = vec![
+///     [0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0],
+///     [1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [9.0, 9.0, 0.0],
+/// ];
+/// let mesh = Mesh::new(points, vec![[0, 1, 2], [3, 4, 5]])?;
+/// let found = self_intersections(&mesh, &Job::default())?;
+/// assert_eq!(found.count, 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`Stopped::Refused`] where the tree of boxes would be too large for the job ([`Bvh::build`]), and
+/// [`Stopped::Cancelled`] when the job was.
+pub fn self_intersections(mesh: &Mesh, job: &Job) -> Result<Finding, Stopped> {
+    let tree = Bvh::build(mesh, job)?;
+    let soup = Soup::new(mesh, &tree);
+    let parts = tree.pairs(job, |found: &mut Found, slots| {
+        if soup.meet(slots) {
+            found.add(slots.map(|slot| soup.slots[slot as usize].1));
+        }
+    });
+    let found = parts.ok_or(Stopped::Cancelled)?.into_iter().fold(Found::default(), Found::merged);
+    let witnesses = found.first.iter().map(|faces| soup.witness(*faces)).collect();
+    Ok(Finding { count: found.count, witnesses })
+}
+
+/// The triangles in the order of the tree's leaves, with their true coordinates.
+struct Soup<'a> {
+    mesh: &'a Mesh,
+    /// Rows of `points` and `ids`, and the face.
+    slots: Vec<([u32; 3], u32)>,
+    points: Vec<[f64; 3]>,
+    /// Equal for equal coordinates.
+    ids: Vec<u32>,
+    /// By slot.
+    has_area: Vec<bool>,
+}
+
+impl<'a> Soup<'a> {
+    fn new(mesh: &'a Mesh, tree: &Bvh) -> Self {
+        let slots: Vec<([u32; 3], u32)> = tree.slots().collect();
+        let mut points = vec![[0.0; 3]; tree.n_corners()];
+        for (rows, face) in &slots {
+            for (row, corner) in rows.iter().zip(mesh.corners(*face as usize)) {
+                points[*row as usize] = corner;
+            }
+        }
+        let ids = position_id_by_bits(&points);
+        let has_area = over_chunks(&slots, 4096, |_, slots| {
+            let has_area = |(_, face): &([u32; 3], u32)| !has_zero_area(mesh.corners(*face as usize));
+            slots.iter().map(has_area).collect::<Vec<_>>()
+        });
+        Self { mesh, slots, points, ids, has_area: has_area.concat() }
+    }
+
+    #[inline]
+    fn meet(&self, slots: [u32; 2]) -> bool {
+        let [a, b] = slots.map(|slot| self.slots[slot as usize].0);
+        let ids = |rows: [u32; 3]| rows.map(|row| self.ids[row as usize]);
+        let corners = |rows: [u32; 3]| rows.map(|row| self.points[row as usize]);
+        slots.iter().all(|slot| self.has_area[*slot as usize])
+            && meet([ids(a), ids(b)], [corners(a), corners(b)])
+    }
+
+    fn witness(&self, faces: [u32; 2]) -> Witness {
+        let corners = faces.map(|face| self.mesh.corners(face as usize));
+        let ids = position_id_by_bits(corners.as_flattened());
+        let ids = [[ids[0], ids[1], ids[2]], [ids[3], ids[4], ids[5]]];
+        let at = common_point(ids, corners).unwrap_or_else(|| centre(self.mesh, faces[0]));
+        Witness { place: Place::Faces(faces), at }
+    }
+}
+
+/// How many pairs, and the first in the order of the faces.
+#[derive(Default)]
+struct Found {
+    count: u64,
+    /// Ascending.
+    first: Vec<[u32; 2]>,
+}
+
+impl Found {
+    fn add(&mut self, [f, g]: [u32; 2]) {
+        self.count += 1;
+        self.keep(if f < g { [f, g] } else { [g, f] });
+    }
+
+    fn keep(&mut self, pair: [u32; 2]) {
+        let full = self.first.len() == MAX_WITNESSES;
+        if full && self.first.last().is_some_and(|last| *last < pair) {
+            return;
+        }
+        let place = self.first.partition_point(|known| *known < pair);
+        self.first.insert(place, pair);
+        self.first.truncate(MAX_WITNESSES);
+    }
+
+    fn merged(mut self, other: Self) -> Self {
+        self.count += other.count;
+        other.first.into_iter().for_each(|pair| self.keep(pair));
+        self
+    }
+}
