@@ -2,6 +2,7 @@
 use crate::require::Requirement;
 use chordal::budget::{InvalidLength, Length, Pixels, Unit, View};
 use chordal_io::{Axis, Format};
+use chordal_verbs::Normals;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use std::net::IpAddr;
@@ -168,6 +169,11 @@ pub struct MeshArgs {
     /// For curves: as few segments as the budget allows, or equal steps of each piece's parameter
     #[arg(long, value_name = "HOW", default_value = "fewest")]
     pub spacing: Steps,
+
+    /// Normals of triangles: what the shape has and, for glb and obj, crease=30deg where it has none (auto); keep, none
+    /// are added; flat; smooth; crease=ANGLE, smooth up to that angle; groups, by the smoothing groups of an .obj
+    #[arg(long, value_name = "HOW", default_value = "auto")]
+    pub normals: Normals,
 
     /// Write the best result even where the budget was not reached; the exit code is 5 all the same
     #[arg(long)]
