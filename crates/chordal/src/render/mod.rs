@@ -10,6 +10,6 @@ mod surface;
 mod trace;
 
 pub use eye::frame;
-pub use options::{Background, Options, Show, Up, Viewpoint};
+pub use options::{Background, Cull, Options, Show, Up, Viewpoint};
 pub use picture::Picture;
 pub use trace::render;

@@ -63,7 +63,7 @@ pub fn render(mesh: &Mesh, options: &Options, job: &Job) -> Result<Picture, Stop
             format!("{width}x{height} pixels need {bytes} bytes; the limit is {}", job.memory_limit);
         return Err(refused(Code::TooMuchMemory, message));
     }
-    let surface = Surface::new(mesh, options.show, job)?;
+    let surface = Surface::new(mesh, options, job)?;
     let material = if options.show == Show::Wire { Material::Paper } else { Material::Clay };
     let studio = Studio::new(&surface.bvh().bounds(), &camera, options.up, material);
     let tracer = Tracer {
