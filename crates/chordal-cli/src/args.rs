@@ -236,6 +236,10 @@ pub struct RenderArgs {
     #[arg(long, value_name = "LENGTH", value_parser = length, requires = "against")]
     pub darkest: Option<Length>,
 
+    /// Which sides of triangles are left out, as graphics processors do
+    #[arg(long, value_name = "SIDES", default_value = "none")]
+    pub cull: crate::render::Cull,
+
     /// The size of the picture
     #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "view", allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
