@@ -38,6 +38,10 @@ pub enum Verb {
     Mesh(MeshArgs),
     /// Say what a file holds and whether it is sound
     Inspect(InspectArgs),
+    /// Say how far two shapes are apart, proved from both sides
+    Deviation(crate::deviation::DeviationArgs),
+    /// Take away what `inspect` found, and say what was changed
+    Mend(crate::mend::MendArgs),
     /// Take a picture
     Render(RenderArgs),
     /// Show in a browser how many segments a curve needs until it looks smooth
@@ -56,7 +60,7 @@ pub enum Verb {
 }
 
 /// Arguments that every verb with an input takes.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct InputArgs {
     /// The file to read; '-' reads stdin
     #[arg(value_name = "IN")]
@@ -218,6 +222,14 @@ pub struct RenderArgs {
     #[arg(long, value_name = "WHAT", default_value = "shaded")]
     pub show: Show,
 
+    /// For --show deviation: the shape that the distance is measured from
+    #[arg(long, value_name = "FILE")]
+    pub against: Option<PathBuf>,
+
+    /// For --show deviation: the distance that is darkest; the largest one unless said
+    #[arg(long, value_name = "LENGTH", value_parser = length, requires = "against")]
+    pub darkest: Option<Length>,
+
     /// The size of the picture
     #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "view", allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
@@ -283,10 +295,12 @@ pub enum Show {
     Wire,
     /// The direction of the normal as a colour
     Normals,
+    /// The distance from the shape of --against as a colour, from light through yellow and red to dark
+    Deviation,
 }
 
 /// The reason alone: the message that it becomes part of names the text already.
-fn length(text: &str) -> Result<Length, String> {
+pub(crate) fn length(text: &str) -> Result<Length, String> {
     text.parse().map_err(|error: InvalidLength| {
         let said = error.to_string();
         said.strip_prefix(&format!("'{}': ", text.trim())).unwrap_or(&said).to_owned()

@@ -4,11 +4,13 @@
 mod args;
 mod clock;
 mod common;
+mod deviation;
 mod docs;
 mod fault;
 mod input;
 mod inspect;
 mod letter;
+mod mend;
 mod mesh;
 mod numbers;
 mod output;
@@ -40,6 +42,8 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     let done = match cli.verb {
         Verb::Mesh(args) => mesh::run(&args),
         Verb::Inspect(args) => inspect::run(&args),
+        Verb::Deviation(args) => deviation::run(&args),
+        Verb::Mend(args) => mend::run(&args),
         Verb::Render(args) => render::run(&args),
         Verb::Studio(args) => studio::run(&args),
         Verb::Completions { shell } => docs::completions(shell),
@@ -55,6 +59,8 @@ fn wants_json(verb: &Verb) -> bool {
     match verb {
         Verb::Mesh(args) => args.talk.json,
         Verb::Inspect(args) => args.talk.json,
+        Verb::Deviation(args) => args.talk.json,
+        Verb::Mend(args) => args.talk.json,
         Verb::Render(args) => args.talk.json,
         Verb::Studio(_) | Verb::Completions { .. } | Verb::Man { .. } => false,
     }

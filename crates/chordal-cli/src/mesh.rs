@@ -72,7 +72,7 @@ fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {
 }
 
 /// The format to write: `--to`, else what the name says.
-fn output_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
+pub fn output_format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
     let name = path.display().to_string();
     let by_name = || extension(&name).and_then(Format::from_extension);
     let known = formats::output_names;

@@ -21,6 +21,11 @@ impl Lines {
             self.add(name, value);
         }
     }
+
+    /// The text.
+    pub fn finish(self) -> String {
+        self.0
+    }
 }
 
 /// What `mesh` did.
@@ -124,7 +129,7 @@ pub(crate) fn plural(count: u64, what: &str) -> String {
     format!("{} {noun}{rest}", grouped(count))
 }
 
-fn bound(facts: &BoundFacts) -> String {
+pub(crate) fn bound(facts: &BoundFacts) -> String {
     let least = short(facts.at_least, Toward::Down);
     match facts.at_most {
         Some(most) => format!("between {least} and {} ({})", short(most, Toward::Up), facts.evidence),

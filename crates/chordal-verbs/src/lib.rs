@@ -17,6 +17,7 @@
 //! outcome.write(&mut glb)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+mod deviation;
 mod digest;
 mod export;
 mod failure;
@@ -24,6 +25,7 @@ mod filled;
 pub mod formats;
 mod inspect;
 mod load;
+mod mend;
 mod mesh;
 mod placed;
 mod polylines;
@@ -34,13 +36,16 @@ mod spec;
 mod written;
 
 pub use chordal::convert::Spacing;
+pub use chordal::mend::{Duplicates, Holes};
 pub use chordal_io::{Axis, Curves, Drawing, Frame, Polylines, Scene};
+pub use deviation::{DeviationSpec, deviation};
 pub use digest::sha256;
 pub use export::{write, write_polylines};
 pub use failure::MeshFailure;
 pub use inspect::{inspect, inspect_deeply};
 pub use load::{Hint, Input, extension, load};
+pub use mend::{Closeness, MendSpec, mend};
 pub use mesh::{Made, MeshOutcome, mesh};
-pub use render::{Fineness, RenderOutcome, USUAL_SCREEN, render};
+pub use render::{Fineness, RenderOutcome, USUAL_SCREEN, render, render_against};
 pub use shape::Shape;
 pub use spec::BudgetSpec;

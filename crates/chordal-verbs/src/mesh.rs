@@ -113,13 +113,16 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
             let source = Source { patches, frame, place };
             tessellate(&source, &budget, to, job)?
         }
-        Shape::Scene(scene) => pass_through(scene, to, &mut certificate.notes)?,
+        Shape::Scene(scene) => {
+            certificate.notes.push(PASSED_THROUGH.to_owned());
+            pass_through(scene, to, &mut certificate.notes)?
+        }
     };
     finish(scene, bound, &Asked { spec, budget, to, place }, certificate)
 }
 
 /// The triangles as the format has them, judged, with the bound on the screen.
-fn finish(
+pub(crate) fn finish(
     scene: Scene,
     mut bound: Bound,
     asked: &Asked,
@@ -239,8 +242,11 @@ pub(crate) fn widened(place: &Box3) -> Box3 {
 }
 
 /// Triangles as they are, at the precision of the format.
-fn pass_through(scene: Scene, to: Format, notes: &mut Vec<String>) -> Result<(Scene, Bound), MeshFailure> {
-    notes.push(PASSED_THROUGH.to_owned());
+pub(crate) fn pass_through(
+    scene: Scene,
+    to: Format,
+    notes: &mut Vec<String>,
+) -> Result<(Scene, Bound), MeshFailure> {
     let Placed { mut scene, moved_at_most: placed, left_out } =
         if to == Format::Glb { Placed::as_it_is(scene) } else { placed::flattened(scene)? };
     if left_out > 0 {

@@ -18,13 +18,14 @@
 //! ```
 //!
 //! The rooms, lowest first; imports only go down: [`math`], [`budget`], [`explicit`], [`check`],
-//! [`convert`], [`render`]. ARCHITECTURE.md has the picture.
+//! [`convert`], [`mend`], [`render`]. ARCHITECTURE.md has the picture.
 
 pub mod budget;
 pub mod check;
 pub mod convert;
 pub mod explicit;
 pub mod math;
+pub mod mend;
 pub mod render;
 
 pub use budget::{Bound, Bounded, Budget, Evidence, Failure, Job, Tolerance, View};
@@ -36,11 +37,16 @@ pub use explicit::{Bezier, Curve, Mesh, Patch, Polyline};
 #[doc = include_str!("../../../docs/bound.md")]
 #[doc = include_str!("../../../docs/budget.md")]
 #[doc = include_str!("../../../docs/curve_to_polyline.md")]
+#[doc = include_str!("../../../docs/deviation.md")]
+#[doc = include_str!("../../../docs/enclosure.md")]
 #[doc = include_str!("../../../docs/formats.md")]
+#[doc = include_str!("../../../docs/mend.md")]
 #[doc = include_str!("../../../docs/inspect.md")]
 #[doc = include_str!("../../../docs/outlines_to_mesh.md")]
 #[doc = include_str!("../../../docs/patches_to_mesh.md")]
+#[doc = include_str!("../../../docs/polygons.md")]
 #[doc = include_str!("../../../docs/segments.md")]
 #[doc = include_str!("../../../docs/splines.md")]
+#[doc = include_str!("../../../docs/triangle.md")]
 #[doc = include_str!("../../../docs/view.md")]
 struct Pages;

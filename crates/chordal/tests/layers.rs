@@ -11,7 +11,7 @@ use gates::{Kind, Source, Token, expect_none};
 use std::collections::BTreeMap;
 
 /// The rooms with their storeys; rooms of one storey do not know each other.
-const ROOMS: [(&str, u8); 8] = [
+const ROOMS: [(&str, u8); 9] = [
     ("math", 1),
     ("budget", 2),
     ("explicit", 3),
@@ -19,6 +19,7 @@ const ROOMS: [(&str, u8); 8] = [
     ("check", 4),
     ("convert", 5),
     ("lod", 6),
+    ("mend", 6),
     ("render", 6),
 ];
 

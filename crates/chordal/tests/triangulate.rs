@@ -350,3 +350,16 @@ fn rings_of(text: &str) -> Vec<Vec<[f64; 2]>> {
         .filter(|ring: &Vec<[f64; 2]>| ring.len() >= 3)
         .collect()
 }
+
+#[test]
+fn a_quad_that_is_not_flat_is_cut_where_it_bends_least_wherever_it_starts() {
+    // Corner 2 is lifted: across 0–2 the fold is sharper than across 1–3.
+    let tent = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.5], [0.0, 1.0, 0.0]];
+    for start in 0..4 {
+        let points: Vec<_> = (0..4).map(|i| tent[(i + start) % 4]).collect();
+        let cut = polygon(&points);
+        expect_disc(4, &cut);
+        let edge = [1, 3].map(|i| ((i + 4 - start) % 4) as u32);
+        assert!(cut.triangles.iter().all(|t| t.contains(&edge[0]) && t.contains(&edge[1])), "start {start}");
+    }
+}

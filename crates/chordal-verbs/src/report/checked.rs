@@ -4,7 +4,9 @@ use super::valid::{Look, Uncounted};
 use crate::formats::topology;
 use crate::written::rows_of;
 use chordal::Mesh;
-use chordal::check::{Component, Defect, Finding, Place, Surface, Validity, inside_out, self_intersections};
+use chordal::check::{
+    Component, Defect, Finding, Place, Surface, Validity, Witness, inside_out, self_intersections,
+};
 use chordal::explicit::Topology;
 use chordal_io::{Format, WriteError};
 
@@ -115,12 +117,17 @@ impl Checked {
         let mut facts = Vec::new();
         for (of, finding) in named.chain([opposite]) {
             for witness in finding.into_iter().flat_map(|finding| &finding.witnesses) {
-                let (vertices, faces) = rows(&witness.place);
-                facts.push(WitnessFacts { of, part: part as u64, vertices, faces, at: witness.at });
+                facts.push(witness_facts(of, part, witness));
             }
         }
         facts
     }
+}
+
+/// A witness of what is called `of`, in that part.
+pub(super) fn witness_facts(of: &'static str, part: usize, witness: &Witness) -> WitnessFacts {
+    let (vertices, faces) = rows(&witness.place);
+    WitnessFacts { of, part: part as u64, vertices, faces, at: witness.at }
 }
 
 fn rows(place: &Place) -> (Vec<u32>, Vec<u32>) {

@@ -6,15 +6,20 @@ mod anatomy;
 mod bound;
 mod budget;
 mod checked;
+mod deviation;
 mod drawing;
 mod inspection;
+mod mended;
 mod valid;
 
 pub use anatomy::{Anatomy, ComponentFacts, FindingFacts, MOST_COMPONENTS, cures_of_all};
 pub use bound::BoundFacts;
 pub use budget::{BudgetFacts, ViewFacts};
+use checked::witness_facts;
+pub use deviation::{DeviationFacts, OneSidedFacts, Verdict};
 pub use drawing::{DrawingFacts, JoinCounts, KinkFacts, PieceCounts};
 pub use inspection::{Found, Inspection, PartFacts, Sizes};
+pub use mended::{ChangeFacts, MendedFacts};
 pub(crate) use valid::{Counted, Look, Uncounted};
 pub use valid::{Counts, OtherCounts, PartValid, Valid, WitnessFacts};
 
@@ -38,6 +43,9 @@ pub struct Report {
     /// What the input is; only from `inspect`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inspection: Option<Inspection>,
+    /// How far two shapes are apart; only from `deviation`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub deviation: Option<DeviationFacts>,
     /// This run.
     pub run: Run,
 }
@@ -59,6 +67,12 @@ pub struct Certificate {
     pub output: Option<Output>,
     /// Whether the triangles are sound; none where there are none to be.
     pub valid: Option<Valid>,
+    /// Whether those of the input were; only from `mend`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub valid_before: Option<Valid>,
+    /// What was mended, in the order in which it was; only from `mend`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub mended: Vec<MendedFacts>,
     /// What else a reader should know, in sentences.
     pub notes: Vec<String>,
 }
@@ -75,6 +89,8 @@ impl Certificate {
             bound: None,
             output: None,
             valid: None,
+            valid_before: None,
+            mended: Vec::new(),
             notes: Vec::new(),
         }
     }
@@ -90,7 +106,7 @@ impl Report {
     /// A report of a run.
     #[must_use]
     pub fn new(certificate: Certificate, run: Run) -> Self {
-        Self { schema: SCHEMA, certificate, inspection: None, run }
+        Self { schema: SCHEMA, certificate, inspection: None, deviation: None, run }
     }
 
     /// As JSON, with its keys in order.
@@ -120,7 +136,7 @@ pub struct InputFacts {
 }
 
 impl InputFacts {
-    fn of(input: &Input) -> Self {
+    pub(crate) fn of(input: &Input) -> Self {
         Self {
             kind: input.shape.kind(),
             format: input.format.to_string(),

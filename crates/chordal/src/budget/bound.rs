@@ -201,7 +201,11 @@ impl Bound {
     pub fn then(&self, next: &Self) -> Self {
         let metric = self.metric.weaker(next.metric);
         let evidence = self.evidence.weaker(&next.evidence);
-        let sum = self.at_most.zip(next.at_most).map(|(a, b)| add_up(a, b));
+        // Nothing added to a length leaves it, exactly.
+        let sum = self
+            .at_most
+            .zip(next.at_most)
+            .map(|(a, b)| if a == 0.0 || b == 0.0 { a + b } else { add_up(a, b) });
         let (at_most, evidence) = match sum {
             Some(infinite) if !infinite.is_finite() => (None, Evidence::Estimated),
             sum => (sum, evidence),

@@ -72,7 +72,7 @@ impl Finding {
     }
 
     /// Counts one more; asks for its witness only while there is room.
-    pub(super) fn add(&mut self, witness: impl FnOnce() -> Witness) {
+    pub(crate) fn add(&mut self, witness: impl FnOnce() -> Witness) {
         self.count += 1;
         if self.witnesses.len() < MAX_WITNESSES {
             self.witnesses.push(witness());
@@ -88,11 +88,11 @@ impl Finding {
 }
 
 impl Witness {
-    pub(super) fn vertex(mesh: &Mesh, vertex: u32) -> Self {
+    pub(crate) fn vertex(mesh: &Mesh, vertex: u32) -> Self {
         Self { place: Place::Vertex(vertex), at: mesh.positions()[vertex as usize] }
     }
 
-    pub(super) fn face(mesh: &Mesh, face: u32) -> Self {
+    pub(crate) fn face(mesh: &Mesh, face: u32) -> Self {
         Self { place: Place::Face(face), at: centre(mesh, face) }
     }
 
@@ -100,12 +100,12 @@ impl Witness {
         Self { place: Place::RepeatedVertex { vertex, of }, at: mesh.positions()[vertex as usize] }
     }
 
-    pub(super) fn repeated(mesh: &Mesh, face: u32, of: u32) -> Self {
+    pub(crate) fn repeated(mesh: &Mesh, face: u32, of: u32) -> Self {
         Self { place: Place::Repeated { face, of }, at: centre(mesh, face) }
     }
 
     /// The edge with these half-edges.
-    pub(super) fn edge(mesh: &Mesh, half_edges: &[u32]) -> Self {
+    pub(crate) fn edge(mesh: &Mesh, half_edges: &[u32]) -> Self {
         let mut faces: Vec<u32> = half_edges.iter().map(|h| h / 3).collect();
         faces.sort_unstable();
         let first = half_edges.iter().copied().min().unwrap_or(0);

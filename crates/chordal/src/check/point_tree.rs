@@ -2,7 +2,7 @@
 use crate::math::Box3;
 
 /// Points in nested boxes, halved at the median of the longest side.
-pub(super) struct PointTree<'a> {
+pub(crate) struct PointTree<'a> {
     points: &'a [[f64; 3]],
     /// The numbers of the points, those of one box side by side.
     order: Vec<u32>,

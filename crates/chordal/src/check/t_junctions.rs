@@ -6,6 +6,7 @@ use super::surface::Surface;
 use crate::budget::Tolerance;
 use crate::explicit::{Mesh, Topology, Twin, next_in_face};
 use glam::DVec3;
+use std::collections::BTreeMap;
 
 /// The positions of boundary vertices that lie in the interior of a boundary edge of which they are no end: where the
 /// triangles of one side were cut and those of the other were not. Counted once each, with the first such edge.
@@ -32,34 +33,44 @@ pub fn t_junctions(mesh: &Mesh, topology: Topology, within: Option<Tolerance>) -
 
 pub(super) fn t_junctions_of(surface: &Surface, within: Option<Tolerance>) -> Finding {
     let mesh = surface.mesh;
+    let mut edge_of: BTreeMap<u32, (u32, u32)> = BTreeMap::new();
+    vertices_in_edges(surface, within, |row, h| {
+        edge_of.entry(surface.id(row)).or_insert((row, h));
+    });
+    let mut found = Finding::default();
+    for (row, h) in edge_of.into_values() {
+        found.add(|| Witness {
+            place: Place::OnEdge { vertex: row, edge: ends(mesh, h), face: h / 3 },
+            at: mesh.positions()[row as usize],
+        });
+    }
+    found
+}
+
+/// Calls `visit` with the row of a vertex and a half-edge for every T-junction, edge by edge: a vertex in the middle of
+/// several edges comes once for each.
+pub(crate) fn vertices_in_edges(
+    surface: &Surface,
+    within: Option<Tolerance>,
+    mut visit: impl FnMut(u32, u32),
+) {
+    let mesh = surface.mesh;
     let boundary: Vec<u32> =
         (0..surface.twins.len() as u32).filter(|&h| surface.twins.get(h) == Twin::Boundary).collect();
     let rows = boundary_rows(surface, &boundary);
     let points: Vec<[f64; 3]> = rows.iter().map(|&row| mesh.positions()[row as usize]).collect();
     let tree = PointTree::new(&points);
-    let mut edge_of: Vec<Option<u32>> = vec![None; rows.len()];
     for &h in &boundary {
         let edge = ends(mesh, h);
         let [a, b] = edge.map(|row| mesh.positions()[row as usize]);
         let ids = edge.map(|row| surface.id(row));
         tree.near_segment([a, b], within.map_or(0.0, Tolerance::get), |i| {
             let vertex = i as usize;
-            if edge_of[vertex].is_none()
-                && !ids.contains(&surface.id(rows[vertex]))
-                && is_inside(points[vertex], [a, b], within)
-            {
-                edge_of[vertex] = Some(h);
+            if !ids.contains(&surface.id(rows[vertex])) && is_inside(points[vertex], [a, b], within) {
+                visit(rows[vertex], h);
             }
         });
     }
-    let mut found = Finding::default();
-    for (vertex, h) in edge_of.into_iter().enumerate().filter_map(|(vertex, h)| Some((vertex, h?))) {
-        found.add(|| Witness {
-            place: Place::OnEdge { vertex: rows[vertex], edge: ends(mesh, h), face: h / 3 },
-            at: points[vertex],
-        });
-    }
-    found
 }
 
 /// One row for each position on the boundary, in the order of the positions.

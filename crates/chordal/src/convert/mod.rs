@@ -1,7 +1,6 @@
 //! The bridge: one file per arrow `a_to_b`, each lossy one under a budget and with a bound.
 mod curve_to_polyline;
 mod curves;
-mod fill;
 mod outlines_to_mesh;
 mod patches;
 mod patches_to_mesh;

@@ -1,10 +1,11 @@
 //! Outlines to triangles: what they enclose by their fill rules, in the plane z = 0.
 use super::curves::flatten::Spacing;
 use super::curves_to_polylines;
-use super::fill::arrange::{Stop, arrange};
-use super::fill::grid::{Grid, Point};
-use super::fill::sweep::{Filled, fill};
 use crate::budget::{Bound, Bounded, Budget, Code, Failure, Job, PixelBudget, Pixels, Progress, Tolerance};
+use crate::explicit::fill::arrange::{Contour, Stop, arrange};
+use crate::explicit::fill::grid::Grid;
+use crate::explicit::fill::sweep::Rule;
+use crate::explicit::fill::{Filled, fill};
 use crate::explicit::{Curve, FillRule, Mesh, Outline, Piece, Polyline};
 use crate::math::{Box3, add_up, sub_down};
 
@@ -42,7 +43,7 @@ use crate::math::{Box3, add_up, sub_down};
 /// assert!((area - 3.0 * std::f64::consts::PI).abs() < 1e-3 * 6.0 * std::f64::consts::PI);
 /// ```
 ///
-/// Source: see `convert/fill`: J. D. Hobby, 1999, and S. Hertel and K. Mehlhorn, 1983.
+/// Source: see `explicit/fill`: J. D. Hobby, 1999, and S. Hertel and K. Mehlhorn, 1983.
 pub fn outlines_to_mesh(
     outlines: &[Outline],
     budget: &Budget,
@@ -271,10 +272,11 @@ enum Fault {
 }
 
 fn one(polylines: &[Polyline<2>], rule: FillRule, grid: &Grid, job: &Job) -> Result<Filled, Fault> {
-    let snapped = |line: &Polyline<2>| line.points.iter().map(|p| grid.snap(*p)).collect::<Vec<Point>>();
+    let snapped =
+        |line: &Polyline<2>| Contour { points: line.points.iter().map(|p| grid.snap(*p)).collect(), kind: 0 };
     let contours: Vec<_> = polylines.iter().map(snapped).collect();
     let edges = arrange(&contours, job).map_err(Fault::Stop)?;
-    fill(&edges, rule).ok_or(Fault::Areas)
+    fill(&edges, Rule::Fill(rule)).ok_or(Fault::Areas)
 }
 
 fn stopped(fault: Fault, index: usize) -> Failure<Mesh> {

@@ -6,9 +6,13 @@
 //! opens T-junctions), decides in rounded arithmetic, and takes cubic time on polygons that cross themselves.
 mod blockers;
 mod ears;
+mod holes;
 
+use crate::explicit::{Diagonal, Quad};
 use ears::Ears;
 use robust::{Coord, orient2d};
+
+pub use holes::{Corner, Cut, InvalidPolygon, Repair, polygon_with_holes};
 
 /// The triangles of one polygon.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -34,7 +38,8 @@ impl Triangulation {
 /// decisions are exact for polygons within 1e-75 … 1e75 (beyond, coordinates are scaled by a power of two).
 /// All triangles together have the polygon's signed area, because they form a disc with its border; so they have
 /// its area when none is face down. For a polygon that is not flat this holds in that view, or, where something folds
-/// in it and less does along the normal itself, in that one (rounded).
+/// in it and less does along the normal itself, in that one (rounded). A quadrilateral that is not flat is cut along the
+/// diagonal that bends least ([`Quad::flattest`]), if both may be taken.
 ///
 /// `points`: finite corners in order, the last one joined to the first, fewer than 2³¹. Time O(n log n) as long as
 /// corners block few ears, and never more than 1,024 steps a corner; memory O(n).
@@ -81,6 +86,12 @@ impl Triangulator {
         let normal = newell(points, scale);
         let start = out.len();
         along_axis(points, scale, normal, &mut self.flat);
+        if let [a, b, c, d] = *points
+            && let Some(cut) = bent_quad([a, b, c, d], &self.flat)
+        {
+            out.extend(cut.triangles());
+            return 0;
+        }
         let folded = cut(&self.flat, &mut self.ears, out);
         if folded == 0 || !along_normal(points, scale, normal, &mut self.flat) {
             return folded;
@@ -110,6 +121,14 @@ fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     orient2d(coord(a), coord(b), coord(c))
 }
 
+/// The diagonal of a quadrilateral that is not flat and may be cut along either: the one that bends least.
+fn bent_quad(corners: [[f64; 3]; 4], flat: &[[f64; 2]]) -> Option<Diagonal> {
+    let [a, b, c, d] = *flat else { return None };
+    let both = turn(a, b, c) > 0.0 && turn(b, c, d) > 0.0 && turn(c, d, a) > 0.0 && turn(d, a, b) > 0.0;
+    let quad = Quad { corners };
+    (both && !quad.is_flat()).then(|| quad.flattest())
+}
+
 /// The two triangles of a quadrilateral: cut from its first corner where that is right, else from its second.
 fn quad(p: [[f64; 2]; 4], out: &mut Vec<[u32; 3]>) -> usize {
     const CUTS: [[[u32; 3]; 2]; 2] = [[[0, 1, 2], [0, 2, 3]], [[1, 2, 3], [1, 3, 0]]];
@@ -123,16 +142,20 @@ fn quad(p: [[f64; 2]; 4], out: &mut Vec<[u32; 3]>) -> usize {
 
 /// The polygon seen along the largest axis of its normal, counter-clockwise. Exact but for the power of two.
 fn along_axis(points: &[[f64; 3]], scale: f64, normal: [f64; 3], flat: &mut Vec<[f64; 2]>) {
+    let [u, v] = seen_axes(points, normal);
+    flat.clear();
+    flat.extend(points.iter().map(|p| [p[u] * scale, p[v] * scale]));
+}
+
+/// The axes that become x and y where one looks against a normal, along its largest axis; without a normal, along the axis
+/// on which the points differ least.
+fn seen_axes(points: &[[f64; 3]], normal: [f64; 3]) -> [usize; 2] {
     let mut drop = largest_axis(normal);
     if normal[drop].is_nan() || normal[drop] == 0.0 {
         drop = thinnest(points);
     }
-    let (mut u, mut v) = ((drop + 1) % 3, (drop + 2) % 3);
-    if normal[drop] < 0.0 {
-        (u, v) = (v, u);
-    }
-    flat.clear();
-    flat.extend(points.iter().map(|p| [p[u] * scale, p[v] * scale]));
+    let (u, v) = ((drop + 1) % 3, (drop + 2) % 3);
+    if normal[drop] < 0.0 { [v, u] } else { [u, v] }
 }
 
 /// The polygon seen along its normal, counter-clockwise, rounded; false where it has no normal.
@@ -173,13 +196,20 @@ fn from_first(points: &[[f64; 3]], p: &[f64; 3], scale: f64) -> [f64; 3] {
     std::array::from_fn(|k| p[k] * scale - points[0][k] * scale)
 }
 
-/// A power of two that brings the largest coordinate near 1; 1 itself for all but extreme polygons.
+/// [`unit_scale`] for extreme polygons, 1 for all others.
 fn scale_of(points: &[[f64; 3]]) -> f64 {
+    let scale = unit_scale(points);
+    // 2^±250 ≈ 1e±75: squares of sums, and their rounding errors, stay inside the range of f64 (2^±1022).
+    let (low, high) = (f64::from_bits((1023 - 250) << 52), f64::from_bits((1023 + 250) << 52));
+    if scale >= low && scale <= high { 1.0 } else { scale }
+}
+
+/// A power of two that brings the largest coordinate near 1.
+pub(super) fn unit_scale<const D: usize>(points: &[[f64; D]]) -> f64 {
     let largest =
         points.iter().flatten().fold(0.0_f64, |most, x| if x.abs() > most { x.abs() } else { most });
     let exponent = ((largest.to_bits() >> 52) & 0x7ff) as i64 - 1023;
-    // 2^±250 ≈ 1e±75: squares of sums, and their rounding errors, stay inside the range of f64 (2^±1022).
-    if largest == 0.0 || exponent.abs() <= 250 {
+    if largest == 0.0 {
         return 1.0;
     }
     // Both ends of the range have a reciprocal that is a normal number: 2^-1022 and 2^1023.

@@ -4,9 +4,12 @@ mod closest;
 mod column;
 mod cut;
 mod frame;
+mod inside;
+mod packet;
 mod pairs;
 mod ray;
 mod triangle;
+mod winding;
 
 use crate::budget::{Code, Job, Refusal, Stopped};
 use crate::explicit::Mesh;
@@ -14,7 +17,15 @@ use crate::math::Box3;
 use frame::Frame;
 
 pub use closest::Closest;
+pub use inside::{Containment, Enclosure, Whereabouts};
 pub use ray::{Hit, Ray};
+pub use winding::Winding;
+
+/// The weights of the point of a triangle that is nearest to `q`: ≥ 0, together 1 up to rounding.
+#[inline]
+pub(crate) fn nearest_on_triangle(q: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 3] {
+    triangle::nearest(q, corners).barycentric
+}
 
 /// Children of a node. Four f32 fill one SSE, NEON or WASM register.
 const WIDTH: usize = 4;

@@ -1,5 +1,5 @@
 //! `Tree`: boxes in a balanced tree, for pairs that overlap and for what is near a segment.
-use super::grid::{Point, turn};
+use super::grid::{Point, side};
 
 /// Items in one leaf: below this a plain scan is as fast.
 const LEAF: usize = 8;
@@ -32,8 +32,8 @@ impl Box2 {
     /// Whether all of it lies strictly on one side of the line through two points.
     fn is_beside(&self, [a, b]: [Point; 2]) -> bool {
         let [l, h] = [self.min, self.max];
-        let sides = [[l[0], l[1]], [h[0], l[1]], [l[0], h[1]], [h[0], h[1]]].map(|corner| turn(a, b, corner));
-        sides.iter().all(|side| *side > 0) || sides.iter().all(|side| *side < 0)
+        let sides = [[l[0], l[1]], [h[0], l[1]], [l[0], h[1]], [h[0], h[1]]].map(|corner| side(a, b, corner));
+        sides.iter().all(|side| side.is_gt()) || sides.iter().all(|side| side.is_lt())
     }
 }
 

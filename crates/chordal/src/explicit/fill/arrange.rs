@@ -5,17 +5,25 @@
 //! its chain without any point of it leaving its cell.
 //!
 //! Source: J. D. Hobby, *Practical segment intersection with finite precision output*, 1999.
-use super::grid::{Point, turn};
+use super::grid::{Point, side, turn};
+use super::sweep::Winding;
 use super::tree::{Box2, Tree};
 use crate::budget::Job;
 
 /// An edge of the arrangement, from its lower end (by x, then y) to its upper one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Edge {
+pub(crate) struct GridEdge {
     pub from: Point,
     pub to: Point,
-    /// How often contours run along it, those that run back taken off. Not 0.
-    pub winding: i32,
+    /// How often contours of each kind run along it, those that run back taken off. Not 0.
+    pub winding: Winding,
+}
+
+/// A closed contour of the first kind (0) or the second (1).
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Contour {
+    pub points: Vec<Point>,
+    pub kind: usize,
 }
 
 /// Why there is no arrangement.
@@ -33,8 +41,10 @@ const PAIRS_EACH: u64 = 2_000;
 const PAIRS_ALL: u64 = 50_000_000;
 
 /// The edges of closed contours that meet only at their ends, in order.
-pub(crate) fn arrange(contours: &[Vec<Point>], job: &Job) -> Result<Vec<Edge>, Stop> {
-    let segments = segments_of(contours);
+pub(crate) fn arrange(contours: &[Contour], job: &Job) -> Result<Vec<GridEdge>, Stop> {
+    // Sides on each other count once, however many there are.
+    let sides = summed(sides_of(contours));
+    let segments: Vec<[Point; 2]> = sides.iter().map(|side| [side.from, side.to]).collect();
     let mut hot = crossings(&segments, job)?;
     hot.extend(segments.iter().flatten());
     hot.sort_unstable();
@@ -56,15 +66,17 @@ pub(crate) fn arrange(contours: &[Vec<Point>], job: &Job) -> Result<Vec<Edge>, S
             }
         });
         chain.sort_unstable_by_key(|cell| along([*a, *b], *cell));
-        edges.extend(chain.windows(2).map(|pair| directed([pair[0], pair[1]])));
+        edges.extend(chain.windows(2).map(|pair| directed([pair[0], pair[1]], sides[i].winding)));
     }
     Ok(summed(edges))
 }
 
-fn segments_of(contours: &[Vec<Point>]) -> Vec<[Point; 2]> {
-    let sides = |contour: &Vec<Point>| -> Vec<[Point; 2]> {
-        let next = contour.iter().cycle().skip(1);
-        contour.iter().zip(next).map(|(a, b)| [*a, *b]).filter(|[a, b]| a != b).collect()
+fn sides_of(contours: &[Contour]) -> Vec<GridEdge> {
+    let sides = |Contour { points, kind }: &Contour| -> Vec<GridEdge> {
+        let mut once = [0; 2];
+        once[*kind] = 1;
+        let next = points.iter().cycle().skip(1);
+        points.iter().zip(next).filter(|(a, b)| a != b).map(|(a, b)| directed([*a, *b], once)).collect()
     };
     contours.iter().flat_map(sides).collect()
 }
@@ -100,14 +112,14 @@ fn crossings(segments: &[[Point; 2]], job: &Job) -> Result<Vec<Point>, Stop> {
 
 /// The cell in which two segments cross, where each has the other's ends strictly on both sides.
 fn crossing([a, b]: [Point; 2], [c, d]: [Point; 2]) -> Option<Point> {
-    let of_ab = [turn(a, b, c).signum(), turn(a, b, d).signum()];
-    if of_ab[0] * of_ab[1] >= 0 {
+    let parts = |[a, b]: [Point; 2], [c, d]: [Point; 2]| {
+        let sides = (side(a, b, c), side(a, b, d));
+        sides.0.is_ne() && sides.0 == sides.1.reverse()
+    };
+    if !parts([a, b], [c, d]) || !parts([c, d], [a, b]) {
         return None;
     }
     let [from_a, from_b] = [turn(c, d, a), turn(c, d, b)];
-    if from_a.signum() * from_b.signum() >= 0 {
-        return None;
-    }
     // a + (b − a)·s with s = from_a / (from_a − from_b), between 0 and 1, rounded to the middle of its cell.
     let (over, under) = (from_a, from_a - from_b);
     let (over, under) = if under < 0 { (-over, -under) } else { (over, under) };
@@ -127,10 +139,10 @@ fn passes([a, b]: [Point; 2], cell: Point) -> bool {
     }
     // Ends lie on even numbers and borders on odd ones, so that where boxes meet their insides do. Then the segment
     // passes the inside unless all corners are on one side; and of the border, it can only touch a corner.
-    let at_lower = turn(a, b, min);
-    let sides = [at_lower, turn(a, b, [max[0], min[1]]), turn(a, b, [min[0], max[1]]), turn(a, b, max)];
-    let (left, right) = (sides.iter().any(|side| *side > 0), sides.iter().any(|side| *side < 0));
-    left && right || at_lower == 0
+    let at_lower = side(a, b, min);
+    let sides = [at_lower, side(a, b, [max[0], min[1]]), side(a, b, [min[0], max[1]]), side(a, b, max)];
+    let (left, right) = (sides.iter().any(|side| side.is_gt()), sides.iter().any(|side| side.is_lt()));
+    left && right || at_lower.is_eq()
 }
 
 /// How far along a segment a cell is, in no unit. Cells that a segment passes lie in both coordinates in its direction.
@@ -138,21 +150,26 @@ fn along([a, b]: [Point; 2], cell: Point) -> i128 {
     (0..2).map(|k| i128::from(b[k] - a[k]) * i128::from(cell[k] - a[k])).sum()
 }
 
-fn directed([a, b]: [Point; 2]) -> Edge {
-    if a < b { Edge { from: a, to: b, winding: 1 } } else { Edge { from: b, to: a, winding: -1 } }
+/// An edge on which contours run so often from the first point to the second.
+fn directed([a, b]: [Point; 2], winding: Winding) -> GridEdge {
+    if a < b {
+        GridEdge { from: a, to: b, winding }
+    } else {
+        GridEdge { from: b, to: a, winding: winding.map(|w| -w) }
+    }
 }
 
 /// Edges between the same points as one, without those that cancel out.
-fn summed(mut edges: Vec<Edge>) -> Vec<Edge> {
+fn summed(mut edges: Vec<GridEdge>) -> Vec<GridEdge> {
     edges.sort_unstable();
     edges.dedup_by(|next, kept| {
         let same = (next.from, next.to) == (kept.from, kept.to);
         if same {
-            kept.winding += next.winding;
+            (0..2).for_each(|k| kept.winding[k] += next.winding[k]);
         }
         same
     });
-    edges.retain(|edge| edge.winding != 0);
+    edges.retain(|edge| edge.winding != [0; 2]);
     edges
 }
 
@@ -160,8 +177,13 @@ fn summed(mut edges: Vec<Edge>) -> Vec<Edge> {
 mod tests {
     use super::*;
 
+    fn arranged(contours: &[Vec<Point>]) -> Result<Vec<GridEdge>, Stop> {
+        let first = |points: &Vec<Point>| Contour { points: points.clone(), kind: 0 };
+        arrange(&contours.iter().map(first).collect::<Vec<_>>(), &Job::default())
+    }
+
     /// Whether two edges meet anywhere but at common ends.
-    fn collide(one: &Edge, other: &Edge) -> bool {
+    fn collide(one: &GridEdge, other: &GridEdge) -> bool {
         let (a, b, c, d) = (one.from, one.to, other.from, other.to);
         let inside = |p: Point, [a, b]: [Point; 2]| {
             turn(a, b, p) == 0 && p != a && p != b && Box2::of(a, b).meets(&Box2::of(p, p))
@@ -190,7 +212,7 @@ mod tests {
             let n = 3 + below(12);
             let contour: Vec<Point> =
                 (0..n).map(|_| [below(size) - size / 2, below(size) - size / 2]).collect();
-            let edges = arrange(std::slice::from_ref(&contour), &Job::default()).unwrap();
+            let edges = arranged(std::slice::from_ref(&contour)).unwrap();
             for (i, one) in edges.iter().enumerate() {
                 assert!(one.from < one.to);
                 assert!(!edges[..i].iter().any(|other| collide(one, other)), "{contour:?}");
@@ -198,8 +220,8 @@ mod tests {
             // What runs into a point runs out of it.
             let mut sums = std::collections::BTreeMap::new();
             for edge in &edges {
-                *sums.entry(edge.from).or_insert(0) += edge.winding;
-                *sums.entry(edge.to).or_insert(0) -= edge.winding;
+                *sums.entry(edge.from).or_insert(0) += edge.winding[0];
+                *sums.entry(edge.to).or_insert(0) -= edge.winding[0];
             }
             assert!(sums.values().all(|sum| *sum == 0), "{contour:?}");
         }
@@ -208,8 +230,8 @@ mod tests {
     #[test]
     fn contours_that_run_back_on_themselves_leave_nothing() {
         let there_and_back = vec![[0, 0], [10, 3], [20, 6], [10, 3]];
-        assert_eq!(arrange(&[there_and_back], &Job::default()).unwrap(), []);
+        assert_eq!(arranged(&[there_and_back]).unwrap(), []);
         let twice = vec![[0, 0], [4, 0], [0, 4], [0, 0], [4, 0], [0, 4]];
-        assert!(arrange(&[twice], &Job::default()).unwrap().iter().all(|edge| edge.winding.abs() == 2));
+        assert!(arranged(&[twice]).unwrap().iter().all(|edge| edge.winding[0].abs() == 2));
     }
 }

@@ -1,0 +1,130 @@
+//! `chordal deviation`
+use crate::args::{InputArgs, TalkArgs, length};
+use crate::clock::Clock;
+use crate::common;
+use crate::fault::{Exit, Fault};
+use crate::input::Source;
+use crate::numbers::{Toward, point, short};
+use crate::summary::{self, Lines};
+use crate::talk::{Stdout, Talk};
+use chordal::budget::Length;
+use chordal_verbs::report::{DeviationFacts, OneSidedFacts, Report, Run, Verdict};
+use chordal_verbs::{DeviationSpec, deviation};
+use clap::Args;
+use std::path::PathBuf;
+
+/// `chordal deviation`
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  chordal deviation simplified.obj original.obj
+  chordal deviation teapot.glb teapot.bpt --max 0.1%
+  chordal deviation a.stl b.stl --relative 0.01 --json")]
+pub struct DeviationArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+
+    /// The shape to measure against; options about the input hold for it too
+    #[arg(value_name = "AGAINST")]
+    pub against: PathBuf,
+
+    /// Fail with exit code 1 unless the distance is proved to be at most this: 0.1, 0.1mm, or 0.05% of the diagonal of
+    /// the box of AGAINST. Stops as soon as that is known
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    pub max: Option<Length>,
+
+    /// How far the upper end may be above the lower one, as a share of it
+    #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = share, allow_hyphen_values = true)]
+    pub relative: f64,
+
+    /// It may also be this length above
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    pub absolute: Option<Length>,
+
+    /// Threads to use; 0 means all. The result does not depend on it
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+
+    #[command(flatten)]
+    pub talk: TalkArgs,
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let share = text.parse::<f64>().map_err(|_| "a share reads like 0.1".to_owned())?;
+    if share >= 0.0 && share.is_finite() { Ok(share) } else { Err("a share is 0 or more".to_owned()) }
+}
+
+/// Reads both, measures, reports, and checks the limit.
+pub fn run(args: &DeviationArgs) -> Result<(), Fault> {
+    let clock = Clock::start();
+    let talk = Talk::new(&args.talk);
+    let job = common::job(&args.input, None, &talk).with_threads(args.threads);
+    let (first, second) = (Source::from_arg(&args.input.input), Source::from_arg(&args.against));
+    if matches!((&first, &second), (Source::Stdin, Source::Stdin)) {
+        return Err(Fault::usage("stdin can be only one of the two shapes"));
+    }
+    let a = common::read(&args.input, &talk)?;
+    let b = common::read(&InputArgs { input: args.against.clone(), ..args.input.clone() }, &talk)?;
+    let spec = DeviationSpec { relative: args.relative, absolute: args.absolute, max: args.max };
+    let names = format!("{} and {}", first.name(), second.name());
+    let mut report = deviation(a, b, &spec, &job).map_err(|failure| common::fault(&names, &failure, ""))?;
+    let run = Run { input: Some(first.name()), ..report.run };
+    report.run = clock.fill(run, &job);
+    talk.warn(&names, &report.certificate.notes);
+    talk.result(&report.to_value(), &text(&report, &second.name()), Stdout::Free)?;
+    report.deviation.as_ref().map_or(Ok(()), |facts| check(&names, &report, facts))
+}
+
+fn check(names: &str, report: &Report, facts: &DeviationFacts) -> Result<(), Fault> {
+    let (Some(max), Some(bound)) = (facts.max, &report.certificate.bound) else { return Ok(()) };
+    let max = short(max, Toward::Nearest);
+    let line = match facts.verdict {
+        Some(Verdict::Exceeds) => {
+            let least = short(bound.at_least, Toward::Down);
+            format!("{names}: they are at least {least} apart, which is more than {max}")
+        }
+        Some(Verdict::Undecided) => {
+            format!("{names}: their distance is so close to {max} that neither side of it is proved")
+        }
+        Some(Verdict::Within) | None => return Ok(()),
+    };
+    Err(Fault { reported: true, ..Fault::new(Exit::CheckFailed, "deviation", line) })
+}
+
+/// The report for people.
+fn text(report: &Report, against: &str) -> String {
+    let name = report.run.input.clone().unwrap_or_default();
+    let mut lines = Lines::titled(&format!("{name} <-> {against}"));
+    if let (Some(bound), Some(facts)) = (&report.certificate.bound, &report.deviation) {
+        lines.add("deviation", summary::bound(bound));
+        if let Some(most) = bound.at_most.filter(|most| *most > 0.0 && facts.diagonal > 0.0) {
+            let percent = 100.0 * most / facts.diagonal;
+            lines.add("", format!("at most {}% of the diagonal of the second", short(percent, Toward::Up)));
+        }
+        lines.add("there", one_sided(&facts.forward));
+        lines.add("back", one_sided(&facts.backward));
+        if !facts.reached {
+            lines.add("", "the ends are farther apart than was asked for; they hold all the same");
+        }
+        lines.add_if("limit", facts.verdict.zip(facts.max).map(|(verdict, max)| said(verdict, max)));
+    }
+    lines.add_if("seconds", report.run.seconds.map(|seconds| format!("{seconds:.2}")));
+    lines.finish()
+}
+
+fn said(verdict: Verdict, max: f64) -> String {
+    let max = short(max, Toward::Nearest);
+    match verdict {
+        Verdict::Within => format!("{max}: kept"),
+        Verdict::Exceeds => format!("{max}: exceeded"),
+        Verdict::Undecided => format!("{max}: neither kept nor exceeded for certain"),
+    }
+}
+
+fn one_sided(side: &OneSidedFacts) -> String {
+    let (least, most) = (short(side.at_least, Toward::Down), short(side.at_most, Toward::Up));
+    if side.at_most == 0.0 {
+        return "0".to_owned();
+    }
+    format!("between {least} and {most}, farthest {} -> {}", point(side.from), point(side.to))
+}

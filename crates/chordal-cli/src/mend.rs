@@ -1,0 +1,180 @@
+//! `chordal mend`
+use crate::args::{InputArgs, OutputArgs, TalkArgs, length};
+use crate::clock::Clock;
+use crate::common;
+use crate::fault::Fault;
+use crate::input::Source;
+use crate::mesh::output_format;
+use crate::numbers::grouped;
+use crate::output::Target;
+use crate::summary;
+use crate::talk::Talk;
+use chordal::budget::Length;
+use chordal_io::Format;
+use chordal_verbs::report::{Counts, MendedFacts, Report, Run, Valid};
+use chordal_verbs::{Closeness, Duplicates, Holes, MendSpec, mend};
+use clap::{ArgGroup, Args, ValueEnum};
+use std::fmt::Write;
+
+/// `chordal mend`
+#[derive(Args, Debug)]
+#[command(group = ArgGroup::new("cures").required(true).multiple(true).args([
+    "weld", "drop_duplicates", "drop_degenerate", "resolve_t_junctions", "split_nonmanifold", "orient", "fill_holes",
+    "drop_unused",
+]))]
+#[command(after_help = "\
+Cures are applied in the order of this list, whatever the order on the command line. Nothing else is changed.
+
+Examples:
+  chordal mend scan.stl -o scan.obj --weld --drop-degenerate --orient
+  chordal mend part.obj -o part.glb --weld=0.01mm --unit mm --fill-holes=20
+  chordal inspect broken.ply && chordal mend broken.ply -o whole.ply --split-nonmanifold --orient --fill-holes")]
+pub struct MendArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+
+    #[command(flatten)]
+    pub output: OutputArgs,
+
+    /// The format of the output, instead of what its name says
+    #[arg(long, value_name = "FORMAT")]
+    pub to: Option<Format>,
+
+    /// Make vertices at one place one position: those with the same coordinates, or within a length of each other
+    #[arg(long, value_name = "LENGTH", value_parser = length, num_args = 0..=1, require_equals = true)]
+    pub weld: Option<Option<Length>>,
+
+    /// Drop faces that repeat the positions of an earlier one, whichever way they are wound, or only those wound alike
+    #[arg(long, value_name = "WHICH", num_args = 0..=1, require_equals = true, default_missing_value = "any")]
+    pub drop_duplicates: Option<Repeats>,
+
+    /// Drop faces without area, so that no crack opens
+    #[arg(long)]
+    pub drop_degenerate: bool,
+
+    /// Cut faces where a vertex lies in the middle of their edge: exactly, or within a length
+    #[arg(long, value_name = "LENGTH", value_parser = length, num_args = 0..=1, require_equals = true)]
+    pub resolve_t_junctions: Option<Option<Length>>,
+
+    /// Take the surface apart at edges with three faces or more and at vertices with several fans
+    #[arg(long)]
+    pub split_nonmanifold: bool,
+
+    /// Wind faces alike, closed pieces outwards and cavities inwards
+    #[arg(long)]
+    pub orient: bool,
+
+    /// Fill holes: all, or those with at most so many edges
+    #[arg(long, value_name = "EDGES", num_args = 0..=1, require_equals = true)]
+    pub fill_holes: Option<Option<usize>>,
+
+    /// Drop vertices that no face names
+    #[arg(long)]
+    pub drop_unused: bool,
+
+    #[command(flatten)]
+    pub talk: TalkArgs,
+}
+
+/// Which repeated faces are dropped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Repeats {
+    /// Whichever way they are wound
+    Any,
+    /// Only those that are wound like the earlier one
+    Alike,
+}
+
+/// Reads, mends, writes, reports.
+pub fn run(args: &MendArgs) -> Result<(), Fault> {
+    let clock = Clock::start();
+    let talk = Talk::new(&args.talk);
+    let to = output_format(&args.output.output, args.to)?;
+    let stdout = common::stdout(&args.output, &args.talk)?;
+    let source = Source::from_arg(&args.input.input);
+    let job = common::job(&args.input, Some(&args.output), &talk);
+    let target = Target::prepare(&args.output.output, common::existing(&args.output), &source)?;
+    let input = common::read(&args.input, &talk)?;
+    let name = source.name();
+    let outcome =
+        mend(input, &args.spec(), to, &job).map_err(|failure| common::fault(&name, &failure, ""))?;
+    let bytes = target.write(&mut |out| outcome.write(out))?;
+    let run = Run {
+        verb: "mend",
+        input: Some(name),
+        output: Some(target.name()),
+        bytes: Some(bytes),
+        ..Run::default()
+    };
+    let report = Report::new(outcome.certificate, clock.fill(run, &job));
+    report.certificate.notes.iter().for_each(|note| talk.detail(note));
+    talk.result(&report.to_value(), &told(&report), stdout)
+}
+
+impl MendArgs {
+    fn spec(&self) -> MendSpec {
+        let closeness = |length: Option<Length>| length.map_or(Closeness::Exact, Closeness::Within);
+        MendSpec {
+            weld: self.weld.map(closeness),
+            drop_duplicates: self.drop_duplicates.map(|which| match which {
+                Repeats::Any => Duplicates::EitherWay,
+                Repeats::Alike => Duplicates::SameWay,
+            }),
+            drop_degenerate: self.drop_degenerate,
+            resolve_t_junctions: self.resolve_t_junctions.map(closeness),
+            split_non_manifold: self.split_nonmanifold,
+            orient: self.orient,
+            fill_holes: self.fill_holes.map(|most| most.map_or(Holes::All, Holes::UpTo)),
+            drop_unused: self.drop_unused,
+        }
+    }
+}
+
+/// What was mended, in front of what every verb says of a result.
+fn told(report: &Report) -> String {
+    let certificate = &report.certificate;
+    let made = summary::mesh(report);
+    let (title, rest) = made.split_once('\n').unwrap_or((&made, ""));
+    let mut text = format!("{title}\n");
+    let mut name = "mended";
+    for facts in &certificate.mended {
+        // Writing to a text does not fail.
+        let _ = writeln!(text, "  {name:<11} {}: {}", facts.cure, changes(facts));
+        name = "";
+    }
+    text += rest;
+    for (name, valid) in [("before", &certificate.valid_before), ("after", &certificate.valid)] {
+        if let Some(valid) = valid {
+            let _ = writeln!(text, "  {name:<11} {}", faults(valid));
+        }
+    }
+    text
+}
+
+fn changes(facts: &MendedFacts) -> String {
+    let one = |what: &str, count: u64| format!("{} {}", grouped(count), what.replace('_', " "));
+    let all: Vec<String> = facts.changes.iter().map(|change| one(change.what, change.count)).collect();
+    if all.is_empty() { "nothing".to_owned() } else { all.join(", ") }
+}
+
+/// The counts that should be zero and are not.
+fn faults(valid: &Valid) -> String {
+    let Counts { boundary_edges, non_manifold_edges, non_manifold_vertices, t_junctions, .. } = valid.counts;
+    let Counts { inconsistent_edges, duplicate_faces, zero_area_faces, unused_vertices, .. } = valid.counts;
+    let named = [
+        (boundary_edges, "boundary edges"),
+        (non_manifold_edges, "non-manifold edges"),
+        (non_manifold_vertices, "non-manifold vertices"),
+        (t_junctions, "T-junctions"),
+        (inconsistent_edges, "inconsistent edges"),
+        (duplicate_faces, "repeated faces"),
+        (zero_area_faces, "faces of no area"),
+        (unused_vertices, "unused vertices"),
+    ];
+    let met: Vec<String> = named
+        .into_iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, what)| format!("{} {what}", grouped(count)))
+        .collect();
+    if met.is_empty() { "nothing to mend".to_owned() } else { met.join(", ") }
+}

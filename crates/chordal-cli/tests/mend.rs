@@ -1,0 +1,122 @@
+//! `chordal mend`: what was asked for is mended, and the report says what.
+mod common;
+
+use common::{CLOSED_OBJ, Folder, OPEN_OBJ, PATCH, run};
+use serde_json::{Value, json};
+
+fn follows_the_schema(report: &Value) {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/schema/report.schema.json");
+    let schema: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    let schema = jsonschema::validator_for(&schema).unwrap();
+    let wrong: Vec<_> = schema.iter_errors(report).map(|e| format!("{}: {e}", e.instance_path())).collect();
+    assert!(wrong.is_empty(), "{wrong:#?}\n{report:#}");
+}
+
+/// A tetrahedron without its floor: one face turned, one repeated, a vertex apart.
+const SICK_OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 9 9 9\nf 1 2 4\nf 2 3 4\nf 3 4 1\nf 1 2 4\n";
+
+#[test]
+fn a_hole_is_filled_and_the_report_says_so() {
+    let folder = Folder::new("mend-fill");
+    let (open, out) = (folder.file("open.obj", OPEN_OBJ), folder.text("out.obj"));
+    let made = run(&["mend", &open, "-o", &out, "--fill-holes", "--json"]);
+    made.succeeds();
+    let report = made.report();
+    follows_the_schema(&report);
+    let certificate = &report["certificate"];
+    assert_eq!(certificate["valid_before"]["closed"], false);
+    assert_eq!(certificate["valid"]["closed"], true);
+    assert_eq!(certificate["mended"][0]["cure"], "fill-holes");
+    assert_eq!(certificate["mended"][0]["changes"][0]["what"], "filled_holes");
+    assert_eq!(certificate["bound"]["metric"], "one-sided");
+    assert_eq!(certificate["bound"]["at_most"], 0.0);
+    assert_eq!(run(&["inspect", &out, "--require", "closed,manifold,oriented"]).code, 0);
+    // A limit on the edges leaves it.
+    let left = run(&["mend", &open, "-o", &out, "--force", "--fill-holes=2", "--json"]).report();
+    assert_eq!(left["certificate"]["mended"][0]["changes"][0]["what"], "left_holes");
+    assert_eq!(left["certificate"]["bound"]["metric"], "hausdorff");
+}
+
+#[test]
+fn all_cures_run_in_their_order_whatever_the_order_of_the_arguments() {
+    let folder = Folder::new("mend-all");
+    let (sick, out) = (folder.file("sick.obj", SICK_OBJ), folder.text("out.ply"));
+    let flags = [
+        "--drop-unused",
+        "--fill-holes",
+        "--orient",
+        "--split-nonmanifold",
+        "--resolve-t-junctions",
+        "--drop-degenerate",
+        "--drop-duplicates",
+        "--weld",
+    ];
+    let made = run(&[&["mend", &sick, "-o", &out, "--json"], &flags[..]].concat());
+    assert_eq!(made.code, 0);
+    let report = made.report();
+    follows_the_schema(&report);
+    let cures: Vec<&str> = report["certificate"]["mended"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|facts| facts["cure"].as_str().unwrap())
+        .collect();
+    let order = [
+        "weld",
+        "drop-duplicates",
+        "drop-degenerate",
+        "resolve-t-junctions",
+        "split-nonmanifold",
+        "orient",
+        "fill-holes",
+        "orient",
+        "drop-unused",
+    ];
+    assert_eq!(cures, order);
+    assert_eq!(report["certificate"]["output"], json!({"vertices": 4, "positions": 4, "triangles": 4}));
+    assert_eq!(run(&["inspect", &out, "--require", "closed,manifold,oriented"]).code, 0);
+    let told = run(&["mend", &sick, "-o", &out, "--force", "--orient", "--drop-unused"]);
+    assert_eq!(told.code, 0);
+    for part in ["orient: ", "1 dropped vertices", "before ", "after "] {
+        assert!(told.stdout.contains(part), "no '{part}' in {}", told.stdout);
+    }
+}
+
+#[test]
+fn a_length_is_one_of_the_scene_and_its_moves_are_in_the_bound() {
+    let folder = Folder::new("mend-weld");
+    let nearly = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0.001 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 4 5 6\n";
+    let (input, out) = (folder.file("nearly.obj", nearly), folder.text("out.glb"));
+    let made = run(&["mend", &input, "-o", &out, "--weld=2mm", "--unit", "m", "--json"]);
+    assert_eq!(made.code, 0);
+    let certificate = &made.report()["certificate"];
+    follows_the_schema(&made.report());
+    assert_eq!(certificate["mended"][0]["within"], 0.002);
+    assert_eq!(certificate["mended"][0]["changes"][0]["count"], 2);
+    let most = certificate["bound"]["at_most"].as_f64().unwrap();
+    assert!((0.001..0.001_001).contains(&most), "{most}");
+    assert_eq!(certificate["valid"]["boundary_edges"], 4);
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_in_a_sentence() {
+    let folder = Folder::new("mend-refuse");
+    let (good, patch) = (folder.file("a.obj", CLOSED_OBJ), folder.file("a.bpt", PATCH));
+    let out = folder.text("out.obj");
+    run(&["mend", &good, "-o", &out]).fails_with(2, &["--weld"]);
+    run(&["mend", &good, "-o", &out, "--weld=-1"]).fails_with(2, &["--weld"]);
+    run(&["mend", &good, "-o", &out, "--fill-holes=many"]).fails_with(2, &["many"]);
+    run(&["mend", &good, "-o", &folder.text("out.svg"), "--weld"]).fails_with(2, &["svg"]);
+    run(&["mend", &patch, "-o", &out, "--weld"]).fails_with(2, &["patches", "mesh them first"]);
+    assert!(!folder.path("out.obj").exists());
+}
+
+#[test]
+fn a_soup_is_welded_for_a_format_with_indices() {
+    let folder = Folder::new("mend-stl");
+    let good = folder.file("a.obj", CLOSED_OBJ);
+    let (soup, out) = (folder.text("a.stl"), folder.text("out.obj"));
+    run(&["mend", &good, "-o", &soup, "--orient"]).succeeds();
+    run(&["mend", &soup, "-o", &out, "--weld"]).succeeds();
+    assert_eq!(std::fs::read_to_string(&out).unwrap().lines().filter(|l| l.starts_with("v ")).count(), 4);
+}

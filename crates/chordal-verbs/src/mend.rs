@@ -1,0 +1,242 @@
+//! `mend`: takes away what `inspect` found, cure by cure, as it will read back from a format.
+use crate::mesh::{MeshOutcome, finish, pass_through, refused};
+use crate::placed::{scaled_up, stretch_of_parts};
+use crate::polylines::Asked;
+use crate::report::{BoundFacts, Certificate, Counted, MendedFacts};
+use crate::{BudgetSpec, Input, MeshFailure, Shape, formats};
+use chordal::budget::{Bound, Budget, Code, Length, Metric, Reference, Stopped, Tolerance};
+use chordal::explicit::Topology;
+use chordal::math::div_down;
+use chordal::mend::{
+    Duplicates, Holes, Mended, Weld, drop_degenerate, drop_duplicates, drop_unused, fill_holes, orient,
+    resolve_t_junctions, split_non_manifold, weld,
+};
+use chordal::{Job, Mesh};
+use chordal_io::{Format, Scene};
+
+/// Which cures to apply; at least one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MendSpec {
+    /// Make vertices at one place one position.
+    pub weld: Option<Closeness>,
+    /// Drop faces that repeat the positions of an earlier one.
+    pub drop_duplicates: Option<Duplicates>,
+    /// Drop faces without area.
+    pub drop_degenerate: bool,
+    /// Cut faces where a vertex lies in the middle of their edge.
+    pub resolve_t_junctions: Option<Closeness>,
+    /// Take the surface apart where it is not manifold.
+    pub split_non_manifold: bool,
+    /// Wind faces alike, and outwards where they enclose something.
+    pub orient: bool,
+    /// Fill what boundary loops leave open.
+    pub fill_holes: Option<Holes>,
+    /// Drop vertices that no face names.
+    pub drop_unused: bool,
+}
+
+/// How close is at one place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Closeness {
+    /// The same numbers.
+    Exact,
+    /// No further than this length.
+    Within(Length),
+}
+
+/// A cure with what it needs, in the order in which cures are applied.
+#[derive(Clone, Copy, Debug)]
+enum Cure {
+    Weld(Option<Tolerance>),
+    DropDuplicates(Duplicates),
+    DropDegenerate,
+    ResolveTJunctions(Option<Tolerance>),
+    SplitNonManifold,
+    Orient,
+    FillHoles(Holes),
+    DropUnused,
+}
+
+/// Applies the cures that `spec` asks for to every part by itself, and gives the triangles as they read back from a
+/// file of the format `to`.
+///
+/// The order: weld, drop duplicates, drop degenerate, resolve T-junctions, split, orient, fill; orient once more where
+/// something was filled, since what is closed now has an outside; drop unused. A length is one of the scene: where a
+/// part is shown larger than it is, it gets as much less. The bound adds what each cure moved, as far as parts are
+/// shown, and what rounding to the format did. [`Certificate::mended`] says what was changed, and
+/// [`Certificate::valid_before`] how it was.
+///
+/// # Errors
+/// When no cure is asked for, when the shape has no triangles or the length no meaning for it; when the work is refused,
+/// or cancelled; when a coordinate does not fit the format.
+///
+/// ```
+/// use chordal_io::Format;
+/// use chordal_verbs::{Hint, MendSpec, load, mend};
+/// let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 9 9 9\nf 1 2 3\n";
+/// let input = load(obj, Hint { name: Some("triangle.obj"), ..Hint::default() }, &Default::default())?;
+/// let spec = MendSpec { drop_unused: true, ..MendSpec::default() };
+/// let outcome = mend(input, &spec, Format::Ply, &Default::default())?;
+/// assert_eq!(outcome.certificate.mended[0].changes[0].what, "dropped_vertices");
+/// assert_eq!(outcome.certificate.valid.unwrap().counts.unused_vertices, 0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn mend(input: Input, spec: &MendSpec, to: Format, job: &Job) -> Result<MeshOutcome, MeshFailure> {
+    let cures = spec.cures(&input.shape)?;
+    if cures.is_empty() {
+        return Err(MeshFailure::Usage("no cure is asked for".to_owned()));
+    }
+    formats::check_output(&input.shape, to).map_err(MeshFailure::Usage)?;
+    let mut certificate = Certificate::of(&input);
+    let place = input.shape.hull()?;
+    let kind = input.shape.kind();
+    let Shape::Scene(mut scene) = input.shape else {
+        let message = format!("only triangles can be mended, and these are {kind}: mesh them first");
+        return Err(MeshFailure::Usage(message));
+    };
+    certificate.valid_before = Some(Counted::of(&scene, input.format)?.valid);
+    let mut bound = Bound::exact(Reference::InputTriangles);
+    let mut topologies = vec![formats::topology(input.format); scene.parts.len()];
+    for cure in cures {
+        let facts = cure.apply(&mut scene, &mut topologies, job)?;
+        bound = bound.then(&facts.1);
+        certificate.mended.push(facts.0);
+    }
+    let was_split =
+        certificate.mended.iter().any(|facts| facts.cure == "split-nonmanifold" && !facts.changes.is_empty());
+    if was_split && formats::topology(to) == Topology::Positions {
+        certificate
+            .notes
+            .push(format!("{to} has no indices of positions: copies on each other are one there again"));
+    }
+    let (scene, rounded) = pass_through(scene, to, &mut certificate.notes)?;
+    let nothing = BudgetSpec::default();
+    let asked = Asked { spec: &nothing, budget: Budget::default(), to, place };
+    finish(scene, bound.then(&rounded), &asked, certificate)
+}
+
+impl MendSpec {
+    /// The cures in their order.
+    fn cures(&self, shape: &Shape) -> Result<Vec<Cure>, MeshFailure> {
+        let length = |closeness: Closeness| match closeness {
+            Closeness::Exact => Ok(None),
+            Closeness::Within(length) => {
+                let spec = BudgetSpec { length: Some(length), ..BudgetSpec::default() };
+                spec.resolve(shape).map(|(budget, _)| budget.length)
+            }
+        };
+        let asked = |flag: bool, cure: Cure| flag.then_some(cure);
+        let all = [
+            self.weld.map(length).transpose()?.map(Cure::Weld),
+            self.drop_duplicates.map(Cure::DropDuplicates),
+            asked(self.drop_degenerate, Cure::DropDegenerate),
+            self.resolve_t_junctions.map(length).transpose()?.map(Cure::ResolveTJunctions),
+            asked(self.split_non_manifold, Cure::SplitNonManifold),
+            asked(self.orient, Cure::Orient),
+            self.fill_holes.map(Cure::FillHoles),
+            asked(self.orient && self.fill_holes.is_some(), Cure::Orient),
+            asked(self.drop_unused, Cure::DropUnused),
+        ];
+        Ok(all.into_iter().flatten().collect())
+    }
+}
+
+impl Cure {
+    /// The name on the command line, without its dashes.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Weld(_) => "weld",
+            Self::DropDuplicates(_) => "drop-duplicates",
+            Self::DropDegenerate => "drop-degenerate",
+            Self::ResolveTJunctions(_) => "resolve-t-junctions",
+            Self::SplitNonManifold => "split-nonmanifold",
+            Self::Orient => "orient",
+            Self::FillHoles(_) => "fill-holes",
+            Self::DropUnused => "drop-unused",
+        }
+    }
+
+    /// Mends every part; what was done, and how far the scene moved by it.
+    fn apply(
+        self,
+        scene: &mut Scene,
+        topologies: &mut [Topology],
+        job: &Job,
+    ) -> Result<(MendedFacts, Bound), MeshFailure> {
+        let within = match self {
+            Self::Weld(within) | Self::ResolveTJunctions(within) => within.map(Tolerance::get),
+            _ => None,
+        };
+        let mut bound = Bound::exact(Reference::InputTriangles);
+        let mut facts =
+            MendedFacts { cure: self.name(), within, changes: Vec::new(), bound: BoundFacts::of(&bound) };
+        let stretch = stretch_of_parts(scene);
+        for (number, part) in scene.parts.iter_mut().enumerate() {
+            let mended = self.of_part(&part.mesh, topologies[number], (stretch[number], job))?;
+            facts.add(number, &mended);
+            bound = wider(bound, &mended.bound, stretch[number])?;
+            if matches!(self, Self::SplitNonManifold) && !mended.is_unchanged() {
+                // From here on the rows say what is one position: their bits would tie the copies again.
+                topologies[number] = Topology::Indices;
+            }
+            part.mesh = mended.mesh;
+        }
+        facts.bound = BoundFacts::of(&bound);
+        Ok((facts, bound))
+    }
+
+    fn of_part(
+        self,
+        mesh: &Mesh,
+        topology: Topology,
+        (stretch, job): (f64, &Job),
+    ) -> Result<Mended, MeshFailure> {
+        let own = |within: Option<Tolerance>| within.map(|within| shrunk(within, stretch)).transpose();
+        let mended = match self {
+            Self::Weld(within) => weld(mesh, own(within)?.map_or(Weld::Exact, Weld::Within), job),
+            Self::DropDuplicates(which) => drop_duplicates(mesh, topology, which, job),
+            Self::DropDegenerate => drop_degenerate(mesh, topology, job),
+            Self::ResolveTJunctions(within) => resolve_t_junctions(mesh, topology, own(within)?, job),
+            Self::SplitNonManifold => split_non_manifold(mesh, topology, job),
+            Self::Orient => orient(mesh, topology, job),
+            Self::FillHoles(holes) => fill_holes(mesh, topology, holes, job),
+            Self::DropUnused => drop_unused(mesh, job),
+        };
+        mended.map_err(|stopped| match stopped {
+            Stopped::Refused(refusal) => MeshFailure::Refused(refusal),
+            Stopped::Cancelled => MeshFailure::Cancelled,
+        })
+    }
+}
+
+/// A length of the scene in the coordinates of a part that is shown at most so much larger.
+fn shrunk(within: Tolerance, stretch: f64) -> Result<Tolerance, MeshFailure> {
+    if stretch == 0.0 || stretch == 1.0 {
+        return Ok(within);
+    }
+    Tolerance::new(div_down(within.get(), stretch)).map_err(|_| {
+        refused(
+            Code::BelowPrecision,
+            format!("{within} is no length for a part that is shown {stretch} times as large"),
+        )
+    })
+}
+
+/// The larger of two bounds, of which the second is in the coordinates of a part.
+fn wider(all: Bound, part: &Bound, stretch: f64) -> Result<Bound, MeshFailure> {
+    let one_sided = [&all, part].iter().any(|bound| bound.metric == Metric::OneSided);
+    let at_most = all.at_most().zip(part.at_most()).map(|(all, part)| {
+        let part = scaled_up(part, stretch);
+        if all > part { all } else { part }
+    });
+    if at_most.is_some_and(|most| !most.is_finite()) {
+        return Err(refused(
+            Code::NotFinite,
+            "the transforms of the scene take its coordinates out of range",
+        ));
+    }
+    let evidence = all.evidence().weaker(part.evidence());
+    let mut wider = Bound::with_evidence(0.0, at_most, evidence, Reference::InputTriangles);
+    wider.metric = if one_sided { Metric::OneSided } else { Metric::Hausdorff };
+    Ok(wider)
+}

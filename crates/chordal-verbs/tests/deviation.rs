@@ -1,0 +1,93 @@
+//! Deviations of real files: the ends are as close as was asked for, each file is 0 away from itself.
+use chordal::Job;
+use chordal::explicit::Topology;
+use chordal::{Mesh, check};
+use chordal_io::Format;
+use chordal_verbs::{Hint, Input, Shape, load};
+use std::path::PathBuf;
+
+fn folder() -> Option<PathBuf> {
+    let beside = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data"));
+    let data = std::env::var_os("CHORDAL_DATA").map_or(beside, PathBuf::from);
+    let found = data.join("mesh").is_dir();
+    if !found {
+        eprintln!("SKIPPED: deviations of real files, because there is no folder {}", data.display());
+    }
+    found.then_some(data)
+}
+
+fn read(path: &std::path::Path) -> Option<Input> {
+    let bytes = std::fs::read(path).ok()?;
+    let name = path.file_name()?.to_str()?;
+    load(&bytes, Hint { name: Some(name), ..Hint::default() }, &Default::default()).ok()
+}
+
+fn mesh_of(input: Input) -> Option<Mesh> {
+    let Shape::Scene(scene) = input.shape else { return None };
+    let part = scene.parts.into_iter().max_by_key(|part| part.mesh.faces().len())?;
+    (!part.mesh.faces().is_empty()).then_some(part.mesh)
+}
+
+/// Every vertex halfway to the middle of its neighbours: a surface near the first, with the same triangles.
+fn relaxed(mesh: &Mesh) -> Mesh {
+    let ids = Topology::Positions.ids(mesh).expect("ids");
+    let n = mesh.positions().len();
+    let (mut sums, mut counts) = (vec![[0.0; 3]; n], vec![0.0; n]);
+    for face in mesh.faces() {
+        for k in 0..3 {
+            let (from, to) = (ids[face[k] as usize] as usize, face[(k + 1) % 3] as usize);
+            (0..3).for_each(|axis| sums[from][axis] += mesh.positions()[to][axis]);
+            counts[from] += 1.0;
+        }
+    }
+    let at = |row: usize| -> [f64; 3] {
+        let id = ids[row] as usize;
+        let p = mesh.positions()[row];
+        if counts[id] == 0.0 {
+            p
+        } else {
+            std::array::from_fn(|k| 0.5 * p[k] + 0.5 * sums[id][k] / counts[id])
+        }
+    };
+    Mesh::new((0..n).map(at).collect(), mesh.faces().to_vec()).expect("finite")
+}
+
+#[test]
+fn the_ends_are_close_on_every_file_of_the_corpus() {
+    let Some(data) = folder() else { return };
+    let mut files = Vec::new();
+    let mut open: Vec<_> = ["mesh", "topology", "batch"].map(|name| data.join(name)).into();
+    while let Some(folder) = open.pop() {
+        for entry in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if entry.is_dir() {
+                open.push(entry);
+            } else if entry.metadata().unwrap().len() < 400_000 && has_a_reader(&entry) {
+                files.push(entry);
+            }
+        }
+    }
+    files.sort();
+    let mut n_pairs = 0;
+    for path in &files {
+        let Some(mesh) = read(path).and_then(mesh_of) else { continue };
+        let size = mesh.bounds().diagonal();
+        let goal = check::Goal::default();
+        let job = Job::default();
+        let itself = check::deviation(&mesh, &mesh, &goal, &job).unwrap();
+        assert_eq!(itself.bound.at_most(), Some(0.0), "{}", path.display());
+        let found = check::deviation(&mesh, &relaxed(&mesh), &goal, &job).unwrap();
+        let (least, most) = (found.bound.at_least(), found.bound.at_most().unwrap());
+        assert!(
+            found.reached && most <= 1.1 * least + 16.0 * f64::EPSILON * size,
+            "{}: {found:?}",
+            path.display()
+        );
+        n_pairs += 1;
+    }
+    assert!(n_pairs > 30, "only {n_pairs} files were read");
+}
+
+fn has_a_reader(path: &std::path::Path) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    extension.is_some_and(|extension| Format::from_extension(&extension.to_lowercase()).is_some())
+}

@@ -1,0 +1,147 @@
+//! Covers: faces of the other surface that together lie under a whole piece, and how far the piece is from them.
+//!
+//! Every vertex has an image in a plane: its two coordinates along axes across the piece's normal, rounded, the same
+//! number wherever the vertex is met. Faces and piece have as images the triangles between the images of their corners,
+//! and all decisions below are exact for those. Let `S` be faces whose images are all turned the same way or have no
+//! area, such that a side of one of them whose image meets the inside of the piece's has exactly one neighbour across,
+//! wound alike, and that neighbour is in `S` too. Going along a path inside the piece's image, the number of images of
+//! `S` above a point changes only where the image of a side is crossed. Each such side belongs to two faces of `S`
+//! that run along it in opposite ways; so whatever one of them adds there the other takes away, and faces whose image
+//! has no area add and take away nothing in all. Hence the number is the same at almost every point of the piece's
+//! image, and where one face of `S` overlaps its inside, it is 1 or more: together they cover all of it.
+//!
+//! A side without such a neighbour is let pass where it stays within some depth of the border of the piece's image. Then
+//! the same holds for the piece made smaller by the greatest such depth, if one face covers the centre of the inscribed
+//! circle. The smaller triangle is the piece drawn together about that centre by the share depth/radius, so that no
+//! point of the piece is farther from it than that share of the way to the centre. This takes care of surfaces that end
+//! at the same line, where rounding puts one end inside the other.
+//!
+//! So every point of the piece is in the part over some face: the points whose image is in that face's image, a convex
+//! polygon on the piece. Its distance to the face is at most that of its farthest corner. How far image and truth are
+//! apart does not matter to the proof, only to how sharp it is. The polygon is cut in rounded numbers, outwards: see [`Cutter`].
+use super::cutter::Cutter;
+use super::piece::{Piece, larger};
+use super::side::Side;
+use super::view::View;
+use crate::explicit::{Twin, Twins};
+use crate::math::{Orientation, orient2d};
+
+/// What became of the search for a cover.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Cover {
+    /// No point of the piece is farther than this from the faces under it.
+    Within(f64),
+    /// There is a face under the piece to which this point of it is too far.
+    TooFar([f64; 3]),
+    /// The surface ends, folds or branches under the piece, or too many faces are there.
+    None,
+}
+
+/// Which faces were met for which piece, kept from piece to piece.
+#[derive(Default)]
+pub(super) struct Scratch {
+    met: Vec<u32>,
+    round: u32,
+    faces: Vec<u32>,
+}
+
+impl Scratch {
+    /// Forgets what was met. The table is made when it is first needed, of pages that the system hands out as they are
+    /// touched.
+    fn start(&mut self, other: &Side) {
+        if self.met.is_empty() {
+            self.met = vec![0; other.mesh().faces().len()];
+        }
+        self.round += 1;
+        self.faces.clear();
+    }
+
+    fn meet(&mut self, face: u32) {
+        let met = &mut self.met[face as usize];
+        if *met != self.round {
+            *met = self.round;
+            self.faces.push(face);
+        }
+    }
+}
+
+/// The most faces under one piece and the distance that is good enough.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Terms {
+    pub enough: f64,
+    pub most_faces: usize,
+    /// The largest coordinate of both surfaces.
+    pub reach: f64,
+}
+
+/// Looks for a cover of `piece` by faces of `other` around the faces nearest to its corners.
+pub(super) fn cover(piece: &Piece, other: &Side, terms: Terms, scratch: &mut Scratch) -> Cover {
+    let Some(view) = View::of(piece) else { return Cover::None };
+    let mesh = other.mesh();
+    let seen = |face: u32| mesh.corners(face as usize).map(|p| view.flat(p));
+    // 1. A face that overlaps the inside of the piece.
+    let mut first = None;
+    for corner in &piece.corners {
+        let flat = seen(corner.face);
+        let turn = orient2d(flat[0], flat[1], flat[2]);
+        if turn != Orientation::Flat && view.overlaps(flat) {
+            first = Some((corner.face, turn));
+            break;
+        }
+    }
+    let Some((first, front)) = first else { return Cover::None };
+    // 2. All faces that are reached from it across edges inside the piece.
+    scratch.start(other);
+    scratch.meet(first);
+    let cutter = Cutter::new(&view, piece);
+    let (mut n_faces, mut most, mut trim) = (0, 0.0, 0.0);
+    while n_faces < scratch.faces.len() {
+        let face = scratch.faces[n_faces];
+        n_faces += 1;
+        if n_faces > terms.most_faces {
+            return Cover::None;
+        }
+        let flat = seen(face);
+        let turn = orient2d(flat[0], flat[1], flat[2]);
+        if turn == front.flipped() {
+            return Cover::None;
+        }
+        for k in 0..3 {
+            let side = [flat[k], flat[(k + 1) % 3]];
+            if !view.crosses(side) {
+                continue;
+            }
+            match across(other.twins(), 3 * face + k as u32) {
+                Some(neighbour) => scratch.meet(neighbour),
+                None => trim = larger(trim, view.depth(side)),
+            }
+        }
+        // 3. How far the part of the piece over this face is from it.
+        if turn != Orientation::Flat {
+            let corners = mesh.corners(face as usize);
+            let flat = if turn == Orientation::Front { flat } else { [flat[0], flat[2], flat[1]] };
+            let (far, at) = cutter.farthest(piece, flat, &corners);
+            let far = piece.widened(far);
+            if far > terms.enough {
+                return Cover::TooFar(at);
+            }
+            most = larger(most, far);
+        }
+    }
+    if trim == 0.0 {
+        return Cover::Within(most);
+    }
+    // 4. The surface ends a little inside: what is deeper is covered if the middle is, and the rest is near that.
+    match view.trimmed(trim, piece, scratch.faces.iter().map(|face| seen(*face))) {
+        Some(rest) => Cover::Within((most + rest).next_up()),
+        None => Cover::None,
+    }
+}
+
+/// The face across a half-edge, where there is exactly one and it is wound alike.
+fn across(twins: &Twins, half_edge: u32) -> Option<u32> {
+    match twins.get(half_edge) {
+        Twin::Pair(twin) => Some(twin / 3),
+        _ => None,
+    }
+}

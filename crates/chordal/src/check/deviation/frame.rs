@@ -1,0 +1,89 @@
+//! `Frame`: coordinates in which two meshes lie around zero with an extent near 1, and what bringing them there costs.
+use crate::explicit::Mesh;
+use crate::math::{Box3, add_up, mul_up, sqrt_up};
+use std::borrow::Cow;
+
+/// World → local: minus the origin, times a power of two.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    origin: [f64; 3],
+    scale: f64,
+}
+
+/// Exponents of extents between which squares and products of four lengths stay far inside the range of f64.
+const EXPONENTS: std::ops::RangeInclusive<i32> = -100..=100;
+
+/// Coordinates this many times larger than the extent lose digits by their place alone.
+const FAR: f64 = 4.0;
+
+impl Frame {
+    /// A frame for what lies in `bounds`, which is not empty: the world's own wherever that will do.
+    pub fn of(bounds: &Box3) -> Self {
+        // Halved before the difference, which might overflow.
+        let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
+        let half = half.fold(0.0, |most, x| if x > most { x } else { most });
+        let reach = bounds.min.iter().chain(&bounds.max);
+        let reach = reach.fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+        let exponent = exponent(half);
+        let origin = if reach > FAR * half { bounds.centre() } else { [0.0; 3] };
+        let scale = if EXPONENTS.contains(&exponent) || half == 0.0 {
+            1.0
+        } else {
+            // Both a scale and its inverse are normal numbers.
+            f64::from_bits(((1023 - exponent.clamp(-1000, 1000)) as u64) << 52)
+        };
+        Self { origin, scale }
+    }
+
+    pub fn is_world(&self) -> bool {
+        self.origin == [0.0; 3] && self.scale == 1.0
+    }
+
+    /// The mesh in this frame, and how far rounding moved a vertex at most, in this frame; `None`
+    /// where a coordinate overflows.
+    pub fn local<'a>(&self, mesh: &'a Mesh) -> Option<(Cow<'a, Mesh>, f64)> {
+        if self.is_world() {
+            return Some((Cow::Borrowed(mesh), 0.0));
+        }
+        let mut moved = 0.0;
+        let mut positions = Vec::with_capacity(mesh.positions().len());
+        for p in mesh.positions() {
+            let shifted: [f64; 3] = std::array::from_fn(|k| p[k] - self.origin[k]);
+            let square = (0..3).fold(0.0, |sum, k| {
+                let lost = sum_error(p[k], -self.origin[k], shifted[k]);
+                if lost == 0.0 { sum } else { add_up(sum, mul_up(lost, lost)) }
+            });
+            moved = if square > moved { square } else { moved };
+            positions.push(shifted.map(|x| x * self.scale));
+        }
+        let moved = if moved == 0.0 { 0.0 } else { mul_up(sqrt_up(moved), self.scale) };
+        // Positions that were equal are equal, so that only an overflow can be refused.
+        Some((Cow::Owned(mesh.with_positions(positions).ok()?), moved))
+    }
+
+    /// A length of this frame in the world: exact but for what underflows.
+    pub fn length(&self, local: f64) -> f64 {
+        local / self.scale
+    }
+
+    /// A length of the world in this frame.
+    pub fn local_length(&self, world: f64) -> f64 {
+        world * self.scale
+    }
+
+    /// A point of this frame in the world, rounded.
+    pub fn world(&self, local: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|k| local[k] / self.scale + self.origin[k])
+    }
+}
+
+/// The exponent `e` with `2^e ≤ |x| < 2^(e+1)`; −1023 for 0 and what is below the normal numbers.
+fn exponent(x: f64) -> i32 {
+    (x.to_bits() >> 52 & 0x7ff) as i32 - 1023
+}
+
+/// `a + b − sum` for the rounded sum, exactly (D. E. Knuth, *The Art of Computer Programming* 2, TwoSum).
+pub(super) fn sum_error(a: f64, b: f64, sum: f64) -> f64 {
+    let part = sum - a;
+    (a - (sum - part)) + (b - part)
+}

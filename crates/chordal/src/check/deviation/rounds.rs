@@ -1,0 +1,323 @@
+//! The search: rounds over all open pieces of both surfaces, each against the lower end known when it began.
+//!
+//! Within a round nothing is shared, so that threads cannot change the result; between rounds the lower end rises to
+//! the farthest point that any piece has seen.
+use super::common::Vertices;
+use super::cover::{Cover, Scratch, Terms, cover};
+use super::piece::{Corner, Piece, larger, smaller};
+use super::side::Side;
+use crate::budget::{Job, par_map};
+
+/// Pieces in one task.
+const CHUNK: usize = 512;
+/// Halvings of one piece in the first round; twice as many in each round that follows, up to [`MOST_CUTS`].
+const FIRST_CUTS: u32 = 4;
+const MOST_CUTS: u32 = 256;
+/// Halvings in all, as a multiple of the faces of both surfaces and at least so many times [`FEW_FACES`]: beyond, what
+/// is known has to do.
+const CUTS_A_FACE: u64 = 64;
+const FEW_FACES: u64 = 1 << 14;
+
+/// What is asked of the search.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted {
+    /// The upper end may exceed the lower one by this share of it …
+    pub relative: f64,
+    /// … or by this length.
+    pub absolute: f64,
+    /// An upper end below this will do.
+    pub max: Option<f64>,
+}
+
+impl Wanted {
+    /// The distance that is good enough for every point when some point has `least`.
+    fn enough(&self, least: f64) -> f64 {
+        let goal = larger(least * (1.0 + self.relative), least + self.absolute);
+        self.max.map_or(goal, |max| larger(goal, max))
+    }
+}
+
+/// The farthest point that was seen of one surface from the other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Farthest {
+    pub at: [f64; 3],
+    /// Its distance is at least this.
+    pub at_least: f64,
+}
+
+/// One direction of the search.
+pub(super) struct Direction<'a> {
+    own: &'a Side<'a>,
+    other: &'a Side<'a>,
+    pub farthest: Farthest,
+    /// No point that is not in an open piece is farther than this.
+    pub settled: f64,
+    open: Vec<Piece>,
+}
+
+/// What one task of a round found.
+struct Found {
+    settled: f64,
+    open: Vec<Piece>,
+    seen: Option<(Corner, f64)>,
+    cuts: u64,
+}
+
+impl Found {
+    /// Takes note of a point that stands for one at most `off` away; its distance from above.
+    fn see(&mut self, corner: Corner, off: f64) -> f64 {
+        self.seen = farther(self.seen, Some((corner, off)));
+        corner.up
+    }
+}
+
+/// The conditions of one round.
+#[derive(Clone, Copy)]
+struct Round {
+    terms: Terms,
+    cuts: u32,
+}
+
+impl<'a> Direction<'a> {
+    pub fn new(own: &'a Side<'a>, other: &'a Side<'a>, vertices: &Vertices) -> Self {
+        let mut this = Self {
+            own,
+            other,
+            farthest: Farthest { at: [0.0; 3], at_least: 0.0 },
+            settled: 0.0,
+            open: Vec::new(),
+        };
+        if let Some(far) = vertices.farthest() {
+            this.farthest.at = far.at;
+            this.see(far, 0.0);
+        }
+        this
+    }
+
+    /// Takes note of a point that stands for one of the surface that is at most `off` away.
+    fn see(&mut self, corner: Corner, off: f64) {
+        if corner.up <= self.farthest.at_least {
+            return;
+        }
+        let least = self.other.at_least(corner.at);
+        let least = if off == 0.0 { least } else { (least - off).next_down() };
+        if least > self.farthest.at_least {
+            self.farthest = Farthest { at: corner.at, at_least: least };
+        }
+    }
+
+    /// No point of the surface is farther than this from the other.
+    pub fn at_most(&self) -> f64 {
+        self.open.iter().fold(self.settled, |most, piece| larger(most, piece.known))
+    }
+
+    /// Puts together what the tasks of a round found, in their order; the halvings that they took.
+    fn gather(&mut self, found: Vec<Found>) -> u64 {
+        let mut cuts = 0;
+        let mut seen: Option<(Corner, f64)> = None;
+        self.open.clear();
+        for part in found {
+            self.settled = larger(self.settled, part.settled);
+            self.open.extend(part.open);
+            cuts += part.cuts;
+            seen = farther(seen, part.seen);
+        }
+        if let Some((corner, off)) = seen {
+            self.see(corner, off);
+        }
+        cuts
+    }
+}
+
+fn farther(a: Option<(Corner, f64)>, b: Option<(Corner, f64)>) -> Option<(Corner, f64)> {
+    match (a, b) {
+        (Some((p, _)), Some((q, _))) => {
+            if q.up > p.up {
+                b
+            } else {
+                a
+            }
+        }
+        (a, b) => a.or(b),
+    }
+}
+
+/// Runs both directions until both meet what is wanted; false where they do not, or the job was cancelled.
+pub(super) fn search(
+    directions: &mut [Direction; 2],
+    vertices: &[Vertices; 2],
+    asked: &Asked,
+    job: &Job,
+) -> bool {
+    let n_faces: u64 = directions.iter().map(|d| d.own.mesh().faces().len() as u64).sum();
+    let most_cuts = CUTS_A_FACE * if n_faces > FEW_FACES { n_faces } else { FEW_FACES };
+    pilot(directions, vertices, asked, job);
+    let (mut cuts, mut a_piece) = (0, FIRST_CUTS);
+    let mut first = true;
+    loop {
+        let least = larger(directions[0].farthest.at_least, directions[1].farthest.at_least);
+        let enough = asked.wanted.enough(least);
+        if asked.wanted.max.is_some_and(|max| least > max) {
+            // It is known on which side of the limit the distance is; what is open stays open.
+            for k in 0..2 {
+                if first {
+                    directions[k].open = whole(directions[k].own, &vertices[k]);
+                    bound_all(&mut directions[k]);
+                }
+            }
+            return true;
+        }
+        for k in 0..2 {
+            let terms =
+                Terms { enough, most_faces: asked.most_faces(&directions[k], first), reach: asked.reach };
+            let round = Round { terms, cuts: a_piece };
+            let found = if first {
+                over_faces(&directions[k], &vertices[k], &vertices[k].faces, round, job)
+            } else {
+                over_pieces(&directions[k], round, job)
+            };
+            cuts += directions[k].gather(found);
+        }
+        first = false;
+        if job.is_cancelled() {
+            return false;
+        }
+        let least = larger(directions[0].farthest.at_least, directions[1].farthest.at_least);
+        let enough = asked.wanted.enough(least);
+        // What was too much against the old lower end may be good enough against the new one.
+        for direction in directions.iter_mut() {
+            let open = std::mem::take(&mut direction.open);
+            let (done, open): (Vec<_>, Vec<_>) = open.into_iter().partition(|piece| piece.known <= enough);
+            direction.settled = done.iter().fold(direction.settled, |most, piece| larger(most, piece.known));
+            direction.open = open;
+        }
+        if directions.iter().all(|direction| direction.open.is_empty()) {
+            return true;
+        }
+        if cuts > most_cuts {
+            return false;
+        }
+        a_piece = if 2 * a_piece < MOST_CUTS { 2 * a_piece } else { MOST_CUTS };
+    }
+}
+
+/// Faces of each direction that are tried before all, to raise the lower end.
+const PILOT: usize = 1 << 10;
+
+/// Tries some faces only to see points that are far: most of what comes later is then settled at once.
+fn pilot(directions: &mut [Direction; 2], vertices: &[Vertices; 2], asked: &Asked, job: &Job) {
+    let least = larger(directions[0].farthest.at_least, directions[1].farthest.at_least);
+    let enough = asked.wanted.enough(least);
+    for (direction, vertices) in directions.iter_mut().zip(vertices) {
+        let every = vertices.faces.len() / PILOT + 1;
+        let faces: Vec<u32> = vertices.faces.iter().step_by(every).copied().collect();
+        let terms = Terms { enough, most_faces: asked.most_faces(direction, true), reach: asked.reach };
+        let found = over_faces(direction, vertices, &faces, Round { terms, cuts: 0 }, job);
+        let seen = found.into_iter().fold(None, |seen, part| farther(seen, part.seen));
+        if let Some((corner, off)) = seen {
+            direction.see(corner, off);
+        }
+    }
+}
+
+/// What holds for the whole search.
+pub(super) struct Asked {
+    pub wanted: Wanted,
+    /// The largest coordinate of both surfaces.
+    pub reach: f64,
+}
+
+impl Asked {
+    /// Faces that a search for a cover may look at: many where there are few pieces to cover.
+    fn most_faces(&self, direction: &Direction, first: bool) -> usize {
+        let (own, other) = (direction.own.mesh().faces().len(), direction.other.mesh().faces().len());
+        let pieces = if first { own } else { direction.open.len() };
+        LEAST_COVER + COVERS * (own + other) / (pieces + 1)
+    }
+}
+
+/// Faces that any search for a cover may look at.
+const LEAST_COVER: usize = 1 << 12;
+/// On top of those, so many times all faces, shared among the pieces.
+const COVERS: usize = 16;
+
+fn whole(own: &Side, vertices: &Vertices) -> Vec<Piece> {
+    vertices.faces.iter().map(|face| piece_of(own, vertices, *face)).collect()
+}
+
+fn bound_all(direction: &mut Direction) {
+    for piece in &mut direction.open {
+        piece.known = piece.bound_by_corners(direction.other, f64::INFINITY);
+    }
+}
+
+fn piece_of(own: &Side, vertices: &Vertices, face: u32) -> Piece {
+    let corners = own.mesh().faces()[face as usize].map(|row| vertices.corner(row));
+    Piece { corners, off: 0.0, known: f64::INFINITY }
+}
+
+fn over_faces(
+    direction: &Direction,
+    vertices: &Vertices,
+    faces: &[u32],
+    round: Round,
+    job: &Job,
+) -> Vec<Found> {
+    let chunks: Vec<&[u32]> = faces.chunks(CHUNK).collect();
+    par_map(job, &chunks, |_, faces| {
+        let pieces = faces.iter().map(|face| piece_of(direction.own, vertices, *face));
+        task(pieces, direction.other, round, job)
+    })
+}
+
+fn over_pieces(direction: &Direction, round: Round, job: &Job) -> Vec<Found> {
+    let chunks: Vec<&[Piece]> = direction.open.chunks(CHUNK).collect();
+    par_map(job, &chunks, |_, pieces| task(pieces.iter().cloned(), direction.other, round, job))
+}
+
+fn task(pieces: impl Iterator<Item = Piece>, other: &Side, round: Round, job: &Job) -> Found {
+    let mut found = Found { settled: 0.0, open: Vec::new(), seen: None, cuts: 0 };
+    let mut scratch = Scratch::default();
+    let mut waiting = Vec::new();
+    for piece in pieces {
+        if job.is_cancelled() {
+            break;
+        }
+        let mut cuts = 0;
+        waiting.push(piece);
+        while let Some(mut piece) = waiting.pop() {
+            let enough = round.terms.enough;
+            piece.known = piece.bound_by_corners(other, enough);
+            // A point that is too far by itself raises the lower end, against which the piece is then tried again.
+            let mut cut = cuts < round.cuts;
+            if piece.known > enough {
+                match cover(&piece, other, round.terms, &mut scratch) {
+                    Cover::Within(most) => piece.known = smaller(piece.known, most),
+                    Cover::TooFar(at) => {
+                        // Cut three times: each moves it by 4.5 ε of the largest coordinate at most; see `Cutter`.
+                        let off = piece.off + f64::EPSILON * 16.0 * round.terms.reach; // rounded up
+                        cut &= found.see(other.ask(at), off) <= enough;
+                    }
+                    Cover::None => {}
+                }
+            }
+            if piece.known <= enough {
+                found.settled = larger(found.settled, piece.known);
+                continue;
+            }
+            match if cut { piece.halves(|at| other.ask(at)) } else { None } {
+                Some(halves) => {
+                    cuts += 1;
+                    if found.see(halves[0].corners[1], halves[0].off) <= enough {
+                        waiting.extend(halves);
+                    } else {
+                        found.open.extend(halves);
+                    }
+                }
+                None => found.open.push(piece),
+            }
+        }
+        found.cuts += u64::from(cuts);
+    }
+    found
+}

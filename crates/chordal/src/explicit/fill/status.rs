@@ -1,0 +1,123 @@
+//! `Status`: the edges that a sweep line crosses, from the lowest to the highest.
+use std::cmp::Ordering;
+
+/// Edges in one block, at most. Measured: from 64 to 512 make no difference; one memory page moves at once.
+const MOST: usize = 256;
+
+/// A list in order, in blocks none of which is empty: a search takes O(log n) steps, and a change moves one block, and
+/// the list of blocks when one is cut or taken out, which is n / 256² moves a change in the mean.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Status {
+    blocks: Vec<Vec<u32>>,
+    spare: Vec<Vec<u32>>,
+}
+
+/// Between two edges, or at an end: before edge `row` of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Place {
+    block: usize,
+    row: usize,
+}
+
+impl Status {
+    /// Takes out the edges on which the point lies, in order, and says where they were. `side` is on which side of an
+    /// edge the point lies; greater is above.
+    pub fn take(&mut self, side: impl Fn(u32) -> Ordering, taken: &mut Vec<u32>) -> Place {
+        taken.clear();
+        let is_below = |edge: &u32| side(*edge) == Ordering::Greater;
+        // The block before the first one that begins at the point or above.
+        let block = self.blocks.partition_point(|block| is_below(&block[0])).saturating_sub(1);
+        let row = self.blocks.get(block).map_or(0, |rows| rows.partition_point(is_below));
+        let mut place = Place { block, row };
+        loop {
+            place = self.settled(place);
+            let Some(rows) = self.blocks.get_mut(place.block) else { break };
+            let n = rows[place.row..].iter().take_while(|edge| side(**edge) == Ordering::Equal).count();
+            if n == 0 {
+                break;
+            }
+            taken.extend(rows.drain(place.row..place.row + n));
+            if rows.is_empty() {
+                self.spare.push(self.blocks.remove(place.block));
+            }
+        }
+        place
+    }
+
+    /// The same place, named by the edge after it where there is one.
+    fn settled(&self, place: Place) -> Place {
+        match self.blocks.get(place.block) {
+            Some(rows) if place.row == rows.len() => Place { block: place.block + 1, row: 0 },
+            _ => place,
+        }
+    }
+
+    /// The edge below a place.
+    pub fn before(&self, place: Place) -> Option<u32> {
+        if place.row > 0 {
+            return Some(self.blocks[place.block][place.row - 1]);
+        }
+        self.blocks[..place.block].last().and_then(|rows| rows.last()).copied()
+    }
+
+    /// The edge above a place.
+    pub fn at(&self, place: Place) -> Option<u32> {
+        self.blocks.get(place.block).map(|rows| rows[place.row])
+    }
+
+    /// Puts edges in at a place, in order.
+    pub fn insert(&mut self, place: Place, edges: &[u32]) {
+        let Place { mut block, mut row } = place;
+        if row == 0 && block > 0 {
+            // At the end of the block before: the last place of all is in no block.
+            block -= 1;
+            row = self.blocks[block].len();
+        }
+        if self.blocks.is_empty() {
+            self.blocks.push(self.spare.pop().unwrap_or_default());
+        }
+        let rows = &mut self.blocks[block];
+        rows.splice(row..row, edges.iter().copied());
+        while self.blocks[block].len() > MOST {
+            let mut rest = self.spare.pop().unwrap_or_default();
+            let from = self.blocks[block].len() - MOST / 2;
+            rest.extend(self.blocks[block].drain(from..));
+            self.blocks.insert(block + 1, rest);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn is_a_sorted_list_through_any_changes() {
+        let mut status = Status::default();
+        let mut plain: Vec<u32> = Vec::new();
+        let mut state = 9_u64;
+        let mut taken = Vec::new();
+        for round in 0..40_000 {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            let value = (state >> 40) as u32 % 50_000;
+            let side = |edge: u32| value.cmp(&edge);
+            let place = status.take(side, &mut taken);
+            let low = plain.partition_point(|v| *v < value);
+            let n = plain[low..].iter().take_while(|v| **v == value).count();
+            let expected: Vec<u32> = plain.splice(low..low + n, []).collect();
+            assert_eq!(taken, expected);
+            assert_eq!(status.before(place), low.checked_sub(1).map(|k| plain[k]));
+            assert_eq!(status.at(place), plain.get(low).copied());
+            // First it grows, then it shrinks.
+            let copies =
+                if round < 20_000 { [1, 2, 700][round % 100 / 98 + usize::from(round == 77)] } else { 0 };
+            let edges = vec![value; copies];
+            status.insert(place, &edges);
+            plain.splice(low..low, edges);
+            assert!(
+                round % 100 > 0 || status.blocks.iter().all(|rows| !rows.is_empty() && rows.len() <= MOST)
+            );
+        }
+        assert!(plain.iter().eq(status.blocks.iter().flatten()));
+    }
+}

@@ -1,0 +1,117 @@
+//! Questions to polygons in the plane: convex or not, which points are inside. Every answer is exact.
+use super::FillRule;
+use crate::math::{Orientation, Position, orient2d};
+
+/// How often a closed polygon winds around a point, counter-clockwise; `None` where the point lies on a side, and where
+/// there is no corner.
+///
+/// `ring`: finite corners in order, the last one joined to the first. Time O(n).
+///
+/// ```
+/// use chordal::explicit::winding_number;
+/// let square = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
+/// assert_eq!(winding_number(&square, [1.0, 1.0]), Some(1));
+/// assert_eq!(winding_number(&square, [3.0, 1.0]), Some(0));
+/// assert_eq!(winding_number(&square, [2.0, 0.5]), None);
+/// ```
+///
+/// Source: D. Sunday, *Inclusion of a point in a polygon*, 2001, with exact sides.
+#[must_use]
+pub fn winding_number(ring: &[[f64; 2]], point: [f64; 2]) -> Option<i32> {
+    let mut winding = 0;
+    let mut from = *ring.last()?;
+    for &to in ring {
+        let (starts_below, ends_below) = (from[1] <= point[1], to[1] <= point[1]);
+        if starts_below != ends_below {
+            match orient2d(from, to, point) {
+                Orientation::Flat => return None,
+                Orientation::Front if starts_below => winding += 1,
+                Orientation::Back if ends_below => winding -= 1,
+                _ => {}
+            }
+        } else if is_on_level_or_corner(from, to, point) {
+            return None;
+        }
+        from = to;
+    }
+    Some(winding)
+}
+
+/// Whether the point lies on a side both ends of which are at or below its height, or both above.
+fn is_on_level_or_corner(from: [f64; 2], to: [f64; 2], point: [f64; 2]) -> bool {
+    if to == point || from == point {
+        return true;
+    }
+    let is_between = |x: f64, a: f64, b: f64| (a <= x && x <= b) || (b <= x && x <= a);
+    from[1] == point[1] && to[1] == point[1] && is_between(point[0], from[0], to[0])
+}
+
+/// Where a point lies with respect to what several closed polygons enclose together by a rule; on any side of any of them
+/// it is on the boundary. Time O(n).
+///
+/// ```
+/// use chordal::explicit::{FillRule, polygon_contains};
+/// use chordal::math::Position;
+/// let square = |x: f64, size: f64| vec![[x, x], [x + size, x], [x + size, x + size], [x, x + size]];
+/// let rings = [square(0.0, 3.0), square(1.0, 1.0)];
+/// assert_eq!(polygon_contains(&rings, FillRule::EvenOdd, [1.5, 1.5]), Position::Outside);
+/// assert_eq!(polygon_contains(&rings, FillRule::NonZero, [1.5, 1.5]), Position::Inside);
+/// ```
+#[must_use]
+pub fn polygon_contains<R: AsRef<[[f64; 2]]>>(rings: &[R], rule: FillRule, point: [f64; 2]) -> Position {
+    let mut winding = 0;
+    for ring in rings.iter().map(AsRef::as_ref).filter(|ring| !ring.is_empty()) {
+        match winding_number(ring, point) {
+            Some(number) => winding += number,
+            None => return Position::Boundary,
+        }
+    }
+    if rule.holds(winding) { Position::Inside } else { Position::Outside }
+}
+
+/// Whether a closed polygon is the border of a convex set, in either direction. Corners on a straight side are allowed;
+/// corners that repeat, spikes, a second time around and polygons without area are not. Exact. Time O(n).
+///
+/// ```
+/// use chordal::explicit::is_convex;
+/// assert!(is_convex(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0]]));
+/// assert!(!is_convex(&[[0.0, 0.0], [2.0, 0.0], [0.5, 0.5], [0.0, 2.0]]));
+/// ```
+#[must_use]
+pub fn is_convex(ring: &[[f64; 2]]) -> bool {
+    let n = ring.len();
+    let at = |i: usize| ring[i % n];
+    let is_before = |a: [f64; 2], b: [f64; 2]| a[0] < b[0] || a[0] == b[0] && a[1] < b[1];
+    let (mut sense, mut reversals) = (Orientation::Flat, 0);
+    for i in 0..n {
+        let [a, b, c] = [at(i), at(i + 1), at(i + 2)];
+        if b == a {
+            return false;
+        }
+        // Around a convex polygon the order of corners turns twice: at its leftmost one and at its rightmost.
+        let turns_back = is_before(a, b) != is_before(b, c);
+        reversals += usize::from(turns_back);
+        match orient2d(a, b, c) {
+            // A reversal on one line is a spike.
+            Orientation::Flat if turns_back => return false,
+            Orientation::Flat => {}
+            turn if sense == Orientation::Flat => sense = turn,
+            turn if turn != sense => return false,
+            _ => {}
+        }
+    }
+    sense != Orientation::Flat && reversals == 2
+}
+
+/// The n − 2 triangles from the first corner of a convex polygon of n corners to all sides that do not have it; none for
+/// fewer than three corners. The polygon should be convex ([`is_convex`]); a corner on a straight side beside the first
+/// corner gives a triangle without area.
+///
+/// ```
+/// use chordal::explicit::fan;
+/// assert_eq!(fan(4), [[0, 1, 2], [0, 2, 3]]);
+/// ```
+#[must_use]
+pub fn fan(n: u32) -> Vec<[u32; 3]> {
+    (2..n).map(|i| [0, i - 1, i]).collect()
+}

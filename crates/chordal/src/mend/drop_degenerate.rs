@@ -1,0 +1,211 @@
+//! Drops faces without area, so that what was closed stays closed.
+use super::draft::{Draft, Face};
+use super::insert::{Cutter, Insertion};
+use super::mended::{Mended, begin};
+use super::weld::distance_up;
+use crate::Mesh;
+use crate::budget::{Bound, Evidence, Job, Reference, Stopped};
+use crate::check::{Finding, Witness, has_zero_area};
+use crate::explicit::{Bvh, Topology, Twin, Twins, next_in_face, previous_in_face};
+use crate::math::{add_up, mul_up};
+use std::cmp::Ordering;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// How often faces are looked at again: a row of faces without area, each on the longest edge of the next, gives way
+/// from its end.
+const ROUNDS: usize = 64;
+
+/// Drops every face whose corners lie exactly on one line.
+///
+/// - A face with two corners at one position just goes; its neighbours are each other's already.
+/// - Of any other face the middle corner lies inside its longest edge. It becomes a corner of the faces across that edge,
+///   which are cut there: so the face goes, and no crack opens. Where an edge would get a third face by that, or the
+///   middle corner has the coordinates of an end without being the same position (weld first), the face stays and is
+///   reported.
+///
+/// Attributes of new corners are as for [`resolve_t_junctions`](super::resolve_t_junctions). The changes are
+/// `dropped_faces` and `left_faces`.
+///
+/// **Bound.** 0 as long as each segment that such a face covered is still covered by the edges of others. Of a segment
+/// that nothing else covers, how far it is from what is left; where nothing is left there is no bound.
+///
+/// O(n log n).
+///
+/// # Errors
+/// [`Stopped`] by a cancel or the memory limit.
+///
+/// ```
+/// use chordal::{Job, Mesh, check, explicit::Topology, mend};
+/// let corners = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 2.0, 0.0], [1.0, 0.0, 0.0], [1.0, -2.0, 0.0]];
+/// // The second face has no area: its third corner lies on its first edge.
+/// let mesh = Mesh::new(corners, vec![[0, 1, 2], [1, 0, 3], [0, 4, 3], [3, 4, 1]])?;
+/// let mended = mend::drop_degenerate(&mesh, Topology::Indices, &Job::default())?;
+/// assert_eq!(mended.mesh.faces(), [[3, 1, 2], [3, 2, 0], [0, 4, 3], [3, 4, 1]]);
+/// assert_eq!(mended.bound.at_most(), Some(0.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn drop_degenerate(mesh: &Mesh, topology: Topology, job: &Job) -> Result<Mended, Stopped> {
+    begin(mesh, job)?;
+    let mut dropped = Finding::default();
+    for face in (0..mesh.faces().len() as u32).filter(|&face| has_zero_area(mesh.corners(face as usize))) {
+        dropped.add(|| Witness::face(mesh, face));
+    }
+    if dropped.is_none() {
+        return Ok(Mended::unchanged(mesh));
+    }
+    let mut made = None;
+    for _ in 0..ROUNDS {
+        if job.is_cancelled() {
+            return Err(Stopped::Cancelled);
+        }
+        let Some(next) = round(made.as_ref().unwrap_or(mesh), topology)? else { break };
+        made = Some(next);
+    }
+    let made = made.unwrap_or_else(|| mesh.clone());
+    let mut left = Finding::default();
+    for face in (0..made.faces().len() as u32).filter(|&face| has_zero_area(made.corners(face as usize))) {
+        left.add(|| Witness::face(&made, face));
+    }
+    // No round makes more faces without area than it drops.
+    dropped.count = dropped.count.saturating_sub(left.count);
+    let bound = bound(mesh, &made, job)?;
+    let changes = [("dropped_faces", dropped), ("left_faces", left)];
+    Ok(Mended { bound, ..Mended::exact(made, changes) })
+}
+
+/// The mesh with the faces dropped that can be at once; `None` when none can.
+fn round(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, Stopped> {
+    let ids = topology.ids(mesh);
+    let id = |row: u32| ids.as_ref().map_or(row, |ids| ids[row as usize]);
+    let twins = Twins::with_ids(mesh, ids.as_deref());
+    let n_faces = mesh.faces().len() as u32;
+    let is_flat: Vec<bool> = (0..n_faces).map(|face| has_zero_area(mesh.corners(face as usize))).collect();
+    let longest: Vec<Option<u32>> = (0..n_faces)
+        .map(|face| if is_flat[face as usize] { longest_edge(mesh, face) } else { None })
+        .collect();
+    // 1. What goes, and what is inserted for it across its longest edge.
+    let mut insertions: Vec<Insertion> = Vec::new();
+    let mut goes = vec![false; mesh.faces().len()];
+    for face in (0..n_faces).filter(|&face| is_flat[face as usize]) {
+        goes[face as usize] = twins.get(3 * face) == Twin::Collapsed;
+        let (false, Some(h)) = (goes[face as usize], longest[face as usize]) else { continue };
+        match twins.get(h) {
+            Twin::Boundary => goes[face as usize] = true,
+            Twin::Pair(t) | Twin::Flipped(t) => {
+                // Two faces on each other's longest edge: the first gives way to the second.
+                let is_mutual = longest[t as usize / 3] == Some(t) && face < t / 3;
+                if !is_flat[t as usize / 3] || is_mutual {
+                    goes[face as usize] = true;
+                    insertions.push(Insertion { half_edge: t, row: middle(mesh, h) });
+                }
+            }
+            Twin::Crowded | Twin::Collapsed => {}
+        }
+    }
+    insertions.sort_unstable_by_key(|insertion| (insertion.half_edge, insertion.row));
+    // 2. The faces across are cut; where one cannot be, those that asked for it stay.
+    let mut draft = Draft::without_faces(mesh);
+    let mut cutter = Cutter::new(mesh, &id, &insertions, |face| goes[face as usize]);
+    let mut cut: BTreeMap<u32, Vec<Face>> = BTreeMap::new();
+    for of_face in insertions.chunk_by(|a, b| a.half_edge / 3 == b.half_edge / 3) {
+        let face = of_face[0].half_edge / 3;
+        if cutter.cut(face, of_face, &mut draft) {
+            cut.insert(face, std::mem::take(&mut draft.faces));
+            continue;
+        }
+        draft.faces.clear();
+        for insertion in of_face {
+            if let Twin::Pair(asked) | Twin::Flipped(asked) = twins.get(insertion.half_edge) {
+                goes[asked as usize / 3] = false;
+            }
+        }
+    }
+    if !goes.contains(&true) {
+        return Ok(None);
+    }
+    // 3. All faces in their order.
+    for face in (0..n_faces).filter(|&face| !goes[face as usize]) {
+        match cut.remove(&face) {
+            Some(faces) => draft.faces.extend(faces),
+            None => draft.faces.push(Face::kept(mesh, face)),
+        }
+    }
+    draft.finish().map(Some)
+}
+
+/// The half-edge across from the corner in the middle of a face without area; `None` where that corner is at an end.
+fn longest_edge(mesh: &Mesh, face: u32) -> Option<u32> {
+    let corners = mesh.corners(face as usize);
+    // On one line, the order of coordinates is the order along it, or its reverse.
+    let order = |p: [f64; 3], q: [f64; 3]| p.partial_cmp(&q).unwrap_or(Ordering::Equal);
+    let is_middle = |k: &usize| {
+        let sides = [(k + 1) % 3, (k + 2) % 3].map(|other| order(corners[*k], corners[other]));
+        sides[0] != Ordering::Equal && sides[0] == sides[1].reverse()
+    };
+    let middle = (0..3).find(is_middle)?;
+    Some(next_in_face(3 * face + middle as u32))
+}
+
+/// The row across the face from a half-edge.
+fn middle(mesh: &Mesh, half_edge: u32) -> u32 {
+    let h = previous_in_face(half_edge);
+    mesh.faces()[h as usize / 3][h as usize % 3]
+}
+
+/// A point by which equal coordinates are found.
+type Key = [u64; 3];
+
+fn key(p: [f64; 3]) -> Key {
+    p.map(|x| (x + 0.0).to_bits())
+}
+
+/// How far what the flat faces of `mesh` covered is from what is left. Faces that were cut cover what they did.
+fn bound(mesh: &Mesh, made: &Mesh, job: &Job) -> Result<Bound, Stopped> {
+    let flat = || {
+        let corners = (0..mesh.faces().len()).map(|face| mesh.corners(face));
+        corners.filter(|corners| has_zero_area(*corners))
+    };
+    let ends: BTreeSet<Key> = flat().flatten().map(key).collect();
+    let mut edges: BTreeSet<[Key; 2]> = BTreeSet::new();
+    for face in 0..made.faces().len() {
+        let corners = made.corners(face).map(key);
+        for [p, q] in [[0, 1], [1, 2], [2, 0], [0, 0]].map(|edge| edge.map(|k| corners[k])) {
+            if ends.contains(&p) && ends.contains(&q) {
+                edges.extend([[p, q], [q, p], [p, p], [q, q]]);
+            } else {
+                edges.extend([p, q].into_iter().filter(|end| ends.contains(end)).map(|end| [end; 2]));
+            }
+        }
+    }
+    let is_covered = |corners: [[f64; 3]; 3]| {
+        let [a, b, c] = corners.map(key);
+        let sides = [[a, b], [b, c], [c, a]].map(|edge| edges.contains(&edge));
+        // The longest side covers all of it, and so do the two others.
+        let longest = (0..3).fold(0, |most, k| {
+            let length = |k: usize| distance_up(corners[k], corners[(k + 1) % 3]);
+            if length(k) > length(most) { k } else { most }
+        });
+        sides[longest] || (sides[(longest + 1) % 3] && sides[(longest + 2) % 3])
+    };
+    let bare: Vec<[[f64; 3]; 3]> = flat().filter(|corners| !is_covered(*corners)).collect();
+    if bare.is_empty() {
+        return Ok(Bound::exact(Reference::InputTriangles));
+    }
+    let tree = Bvh::build(made, job)?;
+    let mut most = 0.0;
+    for corners in bare {
+        let far = corners.map(|p| tree.closest_distance_up(p).unwrap_or(f64::INFINITY));
+        let lengths = [0, 1, 2].map(|k| mul_up(0.5, distance_up(corners[k], corners[(k + 1) % 3])));
+        // No point of a segment is further from one of its ends than half of its length.
+        let reach = add_up(largest(far), largest(lengths));
+        most = if reach > most { reach } else { most };
+    }
+    if most.is_finite() {
+        return Ok(Bound::proved(0.0, most, Reference::InputTriangles));
+    }
+    Ok(Bound::with_evidence(0.0, None, Evidence::Estimated, Reference::InputTriangles))
+}
+
+fn largest(numbers: [f64; 3]) -> f64 {
+    numbers.into_iter().fold(0.0, |most, x| if x > most { x } else { most })
+}

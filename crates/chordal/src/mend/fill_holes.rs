@@ -1,0 +1,231 @@
+//! Fills what boundary loops leave open.
+use super::cap::cap;
+use super::draft::{Blend, Draft, Face, Row};
+use super::mended::{Mended, begin};
+use crate::Mesh;
+use crate::budget::{Job, Metric, Stopped};
+use crate::check::{Finding, Witness, has_zero_area};
+use crate::explicit::{Topology, Twin, Twins, next_in_face, previous_in_face};
+use std::collections::BTreeSet;
+
+/// Which holes are filled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Holes {
+    /// All. Of an open sheet the rim is a hole as well.
+    All,
+    /// Those with at most so many edges.
+    UpTo(usize),
+}
+
+/// Fills the holes: each boundary loop whose faces agree on their winding gets faces of the same winding.
+///
+/// A flat loop is triangulated as a polygon; any other with the least area if it has up to 64 edges, and as a polygon
+/// otherwise. Where that would give an edge of the mesh a third face, or a face no area, the loop gets a vertex in its
+/// middle and a fan around it. A loop that passes a position twice is filled in parts that do not. New faces have the attributes of the
+/// face at the first edge of their loop, their corners those of the vertices there; no row is changed.
+///
+/// Left as they are: loops with more edges than `holes` says; those around a single triangle, and those on one line;
+/// strings of
+/// boundary edges that end at an edge with three faces or more, or meet faces that are wound against each other
+/// ([`split_non_manifold`](super::split_non_manifold), [`orient`](super::orient) come first).
+///
+/// **Bound.** One-sided, from the input to the result: 0, since all that was there still is. What fills a hole is as far
+/// from the input as the hole is wide, and that is no error: there was nothing. Where no hole was filled the bound is 0
+/// both ways. The changes are `filled_holes`, `added_faces`, `added_vertices`, `left_holes`; a witness is the first edge
+/// of a loop.
+///
+/// Linear in the mesh; n³ for a loop of n ≤ 64 edges, n log n for a longer one.
+///
+/// # Errors
+/// [`Stopped`] by a cancel or the memory limit.
+///
+/// ```
+/// use chordal::{Job, Mesh, check, explicit::Topology, mend};
+/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let open = Mesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3]])?;
+/// let mended = mend::fill_holes(&open, Topology::Indices, mend::Holes::UpTo(3), &Job::default())?;
+/// assert_eq!(mended.mesh.faces()[3], [3, 2, 0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn fill_holes(mesh: &Mesh, topology: Topology, holes: Holes, job: &Job) -> Result<Mended, Stopped> {
+    begin(mesh, job)?;
+    let ids = topology.ids(mesh);
+    let id = |row: u32| ids.as_ref().map_or(row, |ids| ids[row as usize]);
+    let twins = Twins::with_ids(mesh, ids.as_deref());
+    let rim = Rim { mesh, twins: &twins, id: &id };
+    let (loops, mut left) = rim.loops();
+    let most = match holes {
+        Holes::All => usize::MAX,
+        Holes::UpTo(most) => most,
+    };
+    let mut edges = rim.edges_between_rows_of(&loops);
+    let mut draft = Draft::without_faces(mesh);
+    draft.keep_all();
+    let (n_faces, n_rows) = (draft.faces.len(), draft.rows.len());
+    let mut filled = Finding::default();
+    let (mut added_faces, mut added_vertices) = (Finding::default(), Finding::default());
+    for hole in loops {
+        if job.is_cancelled() {
+            return Err(Stopped::Cancelled);
+        }
+        let first = hole[0];
+        if hole.len() > most || !rim.fill(&hole, &mut edges, &mut draft) {
+            left.add(|| Witness::edge(mesh, &[first]));
+            continue;
+        }
+        filled.add(|| Witness::edge(mesh, &[first]));
+    }
+    if filled.is_none() {
+        return Ok(Mended::exact(mesh.clone(), [("left_holes", left)]));
+    }
+    let (new_faces, new_rows) = (n_faces..draft.faces.len(), n_rows..draft.rows.len());
+    let made = draft.finish()?;
+    new_faces.for_each(|face| added_faces.add(|| Witness::face(&made, face as u32)));
+    new_rows.for_each(|row| added_vertices.add(|| Witness::vertex(&made, row as u32)));
+    let changes = [
+        ("filled_holes", filled),
+        ("added_faces", added_faces),
+        ("added_vertices", added_vertices),
+        ("left_holes", left),
+    ];
+    let mut mended = Mended::exact(made, changes);
+    mended.bound.metric = Metric::OneSided;
+    Ok(mended)
+}
+
+/// The boundary of a mesh.
+struct Rim<'a> {
+    mesh: &'a Mesh,
+    twins: &'a Twins,
+    id: &'a dyn Fn(u32) -> u32,
+}
+
+impl Rim<'_> {
+    fn row(&self, h: u32) -> u32 {
+        self.mesh.faces()[h as usize / 3][h as usize % 3]
+    }
+
+    fn origin(&self, h: u32) -> u32 {
+        (self.id)(self.row(h))
+    }
+
+    /// The boundary half-edge that goes on where this one ends, around the fan there; `None` where the fan does not end
+    /// at the boundary, or its faces do not agree.
+    fn after(&self, h: u32) -> Option<u32> {
+        let mut next = next_in_face(h);
+        loop {
+            match self.twins.get(next) {
+                Twin::Boundary => return Some(next),
+                Twin::Pair(t) => next = next_in_face(t),
+                Twin::Flipped(_) | Twin::Crowded | Twin::Collapsed => return None,
+            }
+        }
+    }
+
+    /// Loops of boundary half-edges that pass no position twice, and what is no loop.
+    fn loops(&self) -> (Vec<Vec<u32>>, Finding) {
+        let (mut loops, mut broken) = (Vec::new(), Finding::default());
+        let mut seen = vec![false; self.twins.len()];
+        let mut place = vec![u32::MAX; self.mesh.positions().len()];
+        for start in 0..self.twins.len() as u32 {
+            if seen[start as usize] || self.twins.get(start) != Twin::Boundary {
+                continue;
+            }
+            let mut string = vec![start];
+            seen[start as usize] = true;
+            let mut next = self.after(start);
+            while let Some(h) = next.filter(|&h| !seen[h as usize]) {
+                seen[h as usize] = true;
+                string.push(h);
+                next = self.after(h);
+            }
+            if next == Some(start) {
+                self.split(&string, &mut place, &mut loops);
+            } else {
+                broken.add(|| Witness::edge(self.mesh, &[start]));
+            }
+        }
+        (loops, broken)
+    }
+
+    /// Cuts a loop where it comes back to a position. `place` is all `u32::MAX`, before and after.
+    fn split(&self, string: &[u32], place: &mut [u32], loops: &mut Vec<Vec<u32>>) {
+        let mut open: Vec<u32> = Vec::new();
+        for &h in string {
+            let here = self.origin(h);
+            let before = place[here as usize];
+            if before != u32::MAX {
+                let part = open.split_off(before as usize);
+                part.iter().for_each(|&h| place[self.origin(h) as usize] = u32::MAX);
+                loops.push(part);
+            }
+            place[here as usize] = open.len() as u32;
+            open.push(h);
+        }
+        open.iter().for_each(|&h| place[self.origin(h) as usize] = u32::MAX);
+        loops.push(open);
+    }
+
+    /// All edges with both ends on a loop.
+    fn edges_between_rows_of(&self, loops: &[Vec<u32>]) -> BTreeSet<[u32; 2]> {
+        let mut on_loop = vec![false; self.mesh.positions().len()];
+        loops.iter().flatten().for_each(|&h| on_loop[self.origin(h) as usize] = true);
+        let mut edges = BTreeSet::new();
+        for face in self.mesh.faces() {
+            let [a, b, c] = face.map(self.id);
+            for [a, b] in [[a, b], [b, c], [c, a]] {
+                if on_loop[a as usize] && on_loop[b as usize] {
+                    edges.insert(if a < b { [a, b] } else { [b, a] });
+                }
+            }
+        }
+        edges
+    }
+
+    /// Adds the faces of one hole and remembers their edges; false where it cannot be filled.
+    fn fill(&self, hole: &[u32], edges: &mut BTreeSet<[u32; 2]>, draft: &mut Draft) -> bool {
+        let is_single = hole.len() == 3 && self.origin(previous_in_face(hole[0])) == self.origin(hole[2]);
+        if hole.len() < 3 || is_single {
+            return false;
+        }
+        // Backwards: what fills the hole runs against the edges of the faces around it.
+        let around: Vec<u32> = hole.iter().rev().copied().collect();
+        let ids: Vec<u32> = around.iter().map(|&h| self.origin(h)).collect();
+        let points: Vec<[f64; 3]> =
+            around.iter().map(|&h| self.mesh.positions()[self.row(h) as usize]).collect();
+        let edge = |i: usize, j: usize| if ids[i] < ids[j] { [ids[i], ids[j]] } else { [ids[j], ids[i]] };
+        let source = hole[0] / 3;
+        let corner = |i: usize| (self.row(around[i]), Blend::of(around[i]));
+        let mut push = |corners: [(u32, Blend); 3]| {
+            let (rows, corners) = (corners.map(|c| c.0), corners.map(|c| c.1));
+            draft.faces.push(Face { rows, source, corners });
+        };
+        if let Some(triangles) = cap(&points, &|i, j| !edges.contains(&edge(i, j))) {
+            for t in triangles {
+                push(t.map(corner));
+                edges.extend([edge(t[0], t[1]), edge(t[1], t[2]), edge(t[2], t[0])]);
+            }
+            return true;
+        }
+        let n = points.len() as f64;
+        let at = std::array::from_fn(|k| points.iter().map(|p| p[k] / n).sum());
+        let last = points[points.len() - 1];
+        let sides = std::iter::once(&last).chain(&points).zip(&points);
+        if sides.into_iter().any(|(p, q)| has_zero_area([*p, *q, at])) {
+            return false;
+        }
+        let number = draft.rows.len() as u32;
+        let middle = (number, corner(0).1);
+        for i in 0..points.len() {
+            let (rows, corners): (Vec<u32>, Vec<Blend>) =
+                [corner(i), corner((i + 1) % points.len()), middle].into_iter().unzip();
+            draft.faces.push(Face {
+                rows: [rows[0], rows[1], rows[2]],
+                source,
+                corners: [corners[0], corners[1], corners[2]],
+            });
+        }
+        draft.add_row(Row { at, label: number, source: Blend::of(self.row(around[0])) });
+        true
+    }
+}

@@ -1,0 +1,95 @@
+//! The faces around one edge in the order of their angles, exactly, and which two of them are sides of one solid.
+use crate::check::is_collinear;
+use crate::math::{Orientation, orient2d, orient3d};
+use std::cmp::Ordering;
+
+/// A face along an edge from `a` to `b`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leaf {
+    pub half_edge: u32,
+    /// Its third corner.
+    pub apex: [f64; 3],
+    /// Whether it runs through the edge from `a` to `b`: then its back is on the side of smaller angles.
+    pub is_up: bool,
+}
+
+/// Pairs of half-edges whose faces have a wedge of inside between them, with no other face in it that could be paired.
+/// So of two solids that touch along the edge, each gets its own two faces.
+pub(super) fn pairs(edge: [[f64; 3]; 2], leaves: &mut [Leaf]) -> Vec<[u32; 2]> {
+    sort(edge, leaves);
+    let mut made = Vec::new();
+    // Going round by growing angle, inside starts at a face that runs down and ends at one that runs up, as brackets do.
+    let mut open: Vec<u32> = Vec::new();
+    let mut late: Vec<u32> = Vec::new();
+    for leaf in leaves.iter() {
+        match (leaf.is_up, open.pop()) {
+            (true, Some(start)) => made.push([start, leaf.half_edge]),
+            (true, None) => late.push(leaf.half_edge),
+            (false, last) => {
+                open.extend(last);
+                open.push(leaf.half_edge);
+            }
+        }
+    }
+    // What is open at the end closes with those that came before anything was open: the order is a circle.
+    made.extend(open.into_iter().rev().zip(late).map(|(start, end)| [start, end]));
+    made
+}
+
+/// Sorts by the angle around the edge, starting at the first leaf that has one; leaves at one angle stay as they are.
+fn sort([a, b]: [[f64; 3]; 2], leaves: &mut [Leaf]) {
+    let Some(first) = leaves.iter().map(|leaf| leaf.apex).find(|&apex| !is_collinear(a, b, apex)) else {
+        return;
+    };
+    let half = |apex: [f64; 3]| match orient3d(a, b, first, apex) {
+        Orientation::Front => 1,
+        Orientation::Back => 3,
+        Orientation::Flat if is_across(a, b, [first, apex]) => 2,
+        Orientation::Flat => 0,
+    };
+    leaves.sort_by(|p, q| {
+        let halves = [half(p.apex), half(q.apex)];
+        halves[0].cmp(&halves[1]).then_with(|| match orient3d(a, b, p.apex, q.apex) {
+            _ if halves[0] % 2 == 0 => Ordering::Equal,
+            Orientation::Front => Ordering::Less,
+            Orientation::Flat => Ordering::Equal,
+            Orientation::Back => Ordering::Greater,
+        })
+    });
+}
+
+/// Whether two points in one plane with the line are on different sides of it.
+fn is_across(a: [f64; 3], b: [f64; 3], points: [[f64; 3]; 2]) -> bool {
+    [(0, 1), (1, 2), (2, 0)].into_iter().any(|(i, j)| {
+        let side = |p: [f64; 3]| orient2d([a[i], a[j]], [b[i], b[j]], [p[i], p[j]]);
+        let sides = points.map(side);
+        sides[0] != Orientation::Flat && sides[0] == sides[1].flipped()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_two_wedges_each_gets_its_own_faces_wherever_the_order_starts() {
+        // Around the z axis: inside from 0° to 90° and from 180° to 270°.
+        let edge = [[0.0; 3], [0.0, 0.0, 1.0]];
+        let leaf = |half_edge, x: f64, y: f64, is_up| Leaf { half_edge, apex: [x, y, 0.5], is_up };
+        let all = [
+            leaf(1, 1.0, 0.0, false),
+            leaf(2, 0.0, 1.0, true),
+            leaf(3, -1.0, 0.0, false),
+            leaf(4, 0.0, -1.0, true),
+        ];
+        for shift in 0..4 {
+            let mut leaves = all;
+            leaves.rotate_left(shift);
+            let mut found = pairs(edge, &mut leaves);
+            found.sort_unstable();
+            assert_eq!(found, [[1, 2], [3, 4]], "shift {shift}");
+        }
+        let mut fin = [all[0], all[1], leaf(5, 1.0, 1.0, true)];
+        assert_eq!(pairs(edge, &mut fin), [[1, 5]]);
+    }
+}

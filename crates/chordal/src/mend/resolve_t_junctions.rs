@@ -1,0 +1,104 @@
+//! Makes vertices in the middle of an edge corners of the face there.
+use super::draft::{Draft, Face};
+use super::insert::{Cutter, Insertion};
+use super::mended::{Mended, begin};
+use crate::Mesh;
+use crate::budget::{Job, Stopped, Tolerance};
+use crate::check::{Finding, Place, Surface, Witness, vertices_in_edges};
+use crate::explicit::{Topology, next_in_face};
+use crate::math::{add_up, mul_up};
+
+/// Cuts every face with a boundary vertex in the middle of one of its boundary edges so that the vertex becomes a corner
+/// of it: what [`check::t_junctions`](crate::check::t_junctions) finds, exactly or within a tolerance.
+///
+/// Where vertices carry attributes, the new corner gets a row of its own with what the edge has there, tied to the
+/// vertex by position; normals and tangents are made unit again, numbers of groups are those of the nearer end.
+///
+/// **Bound.** 0 when exact. Else the largest distance of such a vertex from its edge, rounded up: the edge is bent to it,
+/// and all points of the face follow in proportion. The changes are `resolved_t_junctions`, each vertex and edge, and
+/// `left_t_junctions`, where an edge would have got a third face.
+///
+/// O(n log n) for n boundary edges that do not all pass through one small place.
+///
+/// # Errors
+/// [`Stopped`] by a cancel or the memory limit.
+///
+/// ```
+/// use chordal::{Job, Mesh, check, explicit::Topology, mend};
+/// let points = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [1.0, -1.0, 0.0]];
+/// let mesh = Mesh::new(points, vec![[0, 1, 2], [0, 4, 3], [3, 4, 1]])?;
+/// let mended = mend::resolve_t_junctions(&mesh, Topology::Indices, None, &Job::default())?;
+/// assert_eq!(mended.mesh.faces()[..2], [[3, 1, 2], [3, 2, 0]]);
+/// assert!(check::t_junctions(&mended.mesh, Topology::Indices, None).is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn resolve_t_junctions(
+    mesh: &Mesh,
+    topology: Topology,
+    within: Option<Tolerance>,
+    job: &Job,
+) -> Result<Mended, Stopped> {
+    begin(mesh, job)?;
+    let ids = topology.ids(mesh);
+    let id = |row: u32| ids.as_ref().map_or(row, |ids| ids[row as usize]);
+    let mut found: Vec<Insertion> = Vec::new();
+    vertices_in_edges(&Surface::new(mesh, topology), within, |row, half_edge| {
+        found.push(Insertion { half_edge, row })
+    });
+    if found.is_empty() {
+        return Ok(Mended::unchanged(mesh));
+    }
+    found.sort_unstable_by_key(|insertion| (insertion.half_edge, insertion.row));
+    let mut cutter = Cutter::new(mesh, &id, &found, |_| false);
+    let mut draft = Draft::without_faces(mesh);
+    let (mut resolved, mut left) = (Finding::default(), Finding::default());
+    let mut most = 0.0;
+    let mut by_face = found.chunk_by(|a, b| a.half_edge / 3 == b.half_edge / 3).peekable();
+    for face in 0..mesh.faces().len() as u32 {
+        let Some(insertions) = by_face.next_if(|of_face| of_face[0].half_edge / 3 == face) else {
+            draft.faces.push(Face::kept(mesh, face));
+            continue;
+        };
+        let is_cut = cutter.cut(face, insertions, &mut draft);
+        for insertion in insertions {
+            let finding = if is_cut { &mut resolved } else { &mut left };
+            finding.add(|| witness(mesh, insertion));
+            if let (Some(_), true) = (within, is_cut) {
+                let off = distance_up(mesh, insertion);
+                most = if off > most { off } else { most };
+            }
+        }
+    }
+    let changes = [("resolved_t_junctions", resolved), ("left_t_junctions", left)];
+    if changes[0].1.is_none() {
+        return Ok(Mended::exact(mesh.clone(), changes));
+    }
+    Mended::moved(draft.finish()?, changes, most)
+}
+
+fn ends(mesh: &Mesh, half_edge: u32) -> [u32; 2] {
+    [half_edge, next_in_face(half_edge)].map(|h| mesh.faces()[h as usize / 3][h as usize % 3])
+}
+
+fn witness(mesh: &Mesh, &Insertion { half_edge, row }: &Insertion) -> Witness {
+    let place = Place::OnEdge { vertex: row, edge: ends(mesh, half_edge), face: half_edge / 3 };
+    Witness { place, at: mesh.positions()[row as usize] }
+}
+
+/// How far a vertex is from its edge, from above: the distance to a point that is on the edge but for rounding, and
+/// what the rounding may be.
+fn distance_up(mesh: &Mesh, &Insertion { half_edge, row }: &Insertion) -> f64 {
+    let [a, b] = ends(mesh, half_edge).map(|row| mesh.positions()[row as usize]);
+    let p = mesh.positions()[row as usize];
+    let along: [f64; 3] = std::array::from_fn(|k| 0.5 * b[k] - 0.5 * a[k]);
+    let size = along.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+    let along = along.map(|x| x / size);
+    let from_a: [f64; 3] = std::array::from_fn(|k| (0.5 * p[k] - 0.5 * a[k]) / size);
+    let t = crate::math::dot(from_a, along) / crate::math::dot(along, along);
+    let t = if t > 1.0 { 1.0 } else { t };
+    let foot: [f64; 3] = std::array::from_fn(|k| (1.0 - t) * a[k] + t * b[k]);
+    let reach = [a, b].as_flattened().iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+    // For any t in [0, 1] the point is on the edge; each coordinate has four roundings of half a step of `reach`, and the
+    // three together are at most √3 of that: below 4 whole steps. The smallest number covers underflow.
+    add_up(super::weld::distance_up(p, foot), add_up(mul_up(4.0 * f64::EPSILON, reach), f64::MIN_POSITIVE))
+}

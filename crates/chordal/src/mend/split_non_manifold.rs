@@ -1,0 +1,209 @@
+//! Takes a surface apart where more of it meets than can: at edges with three faces or more, at positions with several fans.
+use super::draft::{Blend, Draft, Face, Row};
+use super::mended::{Mended, begin};
+use super::radial::{Leaf, pairs};
+use crate::Mesh;
+use crate::budget::{Job, Stopped};
+use crate::check::{Finding, Witness};
+use crate::explicit::{Topology, Twin, Twins, next_in_face, previous_in_face};
+use std::collections::BTreeMap;
+
+/// Takes the surface apart where it is not manifold: afterwards no edge has more than two faces, and the faces at each
+/// position are one fan.
+///
+/// - Of the faces along an edge with three or more, those two stay together that have inside between them and nothing
+///   else, by their exact angles around the edge: two cubes that touch along an edge become two cubes. A face without
+///   such a partner gets a boundary there.
+/// - Each further fan at a position gets a position of its own, with rows of its own for the attributes.
+///
+/// Nothing moves, so the copies lie on each other: bound 0. What keeps them apart is [`Mesh::position_id`] or their
+/// rows, so a count by [`Topology::Positions`] ties them again; look at the result with [`Topology::Indices`]. The
+/// changes are `split_edges` and `split_vertices`, each new position once.
+///
+/// Linear, but for a sort of the faces along each such edge.
+///
+/// # Errors
+/// [`Stopped`] by a cancel or the memory limit.
+///
+/// ```
+/// use chordal::{Job, Mesh, check, explicit::Topology, mend};
+/// let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]];
+/// let hourglass = Mesh::new(corners, vec![[0, 1, 2], [0, 3, 4]])?;
+/// let mended = mend::split_non_manifold(&hourglass, Topology::Indices, &Job::default())?;
+/// assert_eq!((mended.mesh.faces()[1], mended.count("split_vertices")), ([5, 3, 4], 1));
+/// assert!(check::validity(&mended.mesh, Topology::Indices).manifold());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn split_non_manifold(mesh: &Mesh, topology: Topology, job: &Job) -> Result<Mended, Stopped> {
+    begin(mesh, job)?;
+    let ids = topology.ids(mesh);
+    let id = |row: u32| ids.as_ref().map_or(row, |ids| ids[row as usize]);
+    let twins = Twins::with_ids(mesh, ids.as_deref());
+    let corner_row = |h: u32| mesh.faces()[h as usize / 3][h as usize % 3];
+    let seams = Seams { mesh, twins: &twins, id: &|h| id(corner_row(h)) };
+    let fans = seams.fans(job)?;
+
+    let mut split_edges = Finding::default();
+    twins.crowded_edges().for_each(|edge| split_edges.add(|| Witness::edge(mesh, edge)));
+    let mut draft = Draft::without_faces(mesh);
+    draft.rows.iter_mut().zip(0..).for_each(|(row, i)| row.label = id(i));
+    // 1. A label for each fan: the first at a position keeps that of the position.
+    let n = mesh.positions().len() as u32;
+    let mut label_of_fan = vec![u32::MAX; 3 * mesh.faces().len()];
+    let mut is_taken = vec![false; n as usize];
+    let mut split_vertices = Finding::default();
+    let mut next_label = n;
+    // 2. A row for each row and fan: the first fan at a row keeps the row.
+    let mut owner = vec![u32::MAX; n as usize];
+    let mut copies: BTreeMap<(u32, u32), u32> = BTreeMap::new();
+    for face in 0..mesh.faces().len() as u32 {
+        let mut made = Face::kept(mesh, face);
+        for k in 0..3 {
+            let h = 3 * face + k as u32;
+            if twins.get(h) == Twin::Collapsed {
+                continue;
+            }
+            let (fan, row) = (fans[h as usize], made.rows[k]);
+            let label = &mut label_of_fan[fan as usize];
+            if *label == u32::MAX {
+                let position = id(row);
+                *label = position;
+                if std::mem::replace(&mut is_taken[position as usize], true) {
+                    *label = next_label;
+                    next_label += 1;
+                    split_vertices.add(|| Witness::vertex(mesh, row));
+                }
+            }
+            let owner = &mut owner[row as usize];
+            if *owner == u32::MAX {
+                *owner = fan;
+                draft.rows[row as usize].label = *label;
+            } else if *owner != fan {
+                let at = mesh.positions()[row as usize];
+                let copy = Row { at, label: *label, source: Blend::of(row) };
+                made.rows[k] = *copies.entry((row, fan)).or_insert_with(|| draft.add_row(copy));
+            }
+        }
+        draft.faces.push(made);
+    }
+    if split_vertices.is_none() && split_edges.is_none() {
+        return Ok(Mended::unchanged(mesh));
+    }
+    // 3. A face with two corners at one position belongs to no fan, and stays at the first.
+    for face in draft.faces.iter_mut().filter(|face| twins.get(3 * face.source) == Twin::Collapsed) {
+        for row in &mut face.rows {
+            let (label, source) = (id(*row), *row);
+            if draft.rows[source as usize].label != label {
+                let copy = Row { label, ..draft.rows[source as usize] };
+                *row = *copies.entry((source, u32::MAX)).or_insert_with(|| {
+                    draft.rows.push(copy);
+                    draft.rows.len() as u32 - 1
+                });
+            }
+        }
+    }
+    let changes = [("split_edges", split_edges), ("split_vertices", split_vertices)];
+    Ok(Mended::exact(draft.finish()?, changes))
+}
+
+/// What is needed to see which corners hang together.
+struct Seams<'a> {
+    mesh: &'a Mesh,
+    twins: &'a Twins,
+    /// The position at which a half-edge starts.
+    id: &'a dyn Fn(u32) -> u32,
+}
+
+impl Seams<'_> {
+    /// For every corner, by the number of its half-edge, the first corner of its fan.
+    fn fans(&self, job: &Job) -> Result<Vec<u32>, Stopped> {
+        let crowded: Vec<&[u32]> = self.twins.crowded_edges().collect();
+        let mut partners: Vec<Vec<[u32; 2]>> = crowded.iter().map(|edge| self.partners(edge)).collect();
+        loop {
+            if job.is_cancelled() {
+                return Err(Stopped::Cancelled);
+            }
+            let mut sets = Sets::new(self.twins.len());
+            for h in 0..self.twins.len() as u32 {
+                match self.twins.get(h) {
+                    Twin::Pair(t) | Twin::Flipped(t) if t > h => self.join(&mut sets, h, t),
+                    _ => {}
+                }
+            }
+            partners.iter().flatten().for_each(|&[h, t]| self.join(&mut sets, h, t));
+            // A surface that runs through both ends of an edge twice keeps its faces together there. Cut all of them
+            // apart along that edge: then each end has one fan for two of them at most.
+            let mut is_done = true;
+            for (edge, partners) in crowded.iter().zip(&mut partners) {
+                if !partners.is_empty() && self.is_crowded_still(edge, &mut sets) {
+                    partners.clear();
+                    is_done = false;
+                }
+            }
+            if is_done {
+                return Ok((0..self.twins.len() as u32).map(|h| sets.root(h)).collect());
+            }
+        }
+    }
+
+    fn join(&self, sets: &mut Sets, h: u32, t: u32) {
+        let (h_end, t_end) = (next_in_face(h), next_in_face(t));
+        if (self.id)(h) == (self.id)(t) {
+            sets.join(h, t);
+            sets.join(h_end, t_end);
+        } else {
+            sets.join(h, t_end);
+            sets.join(h_end, t);
+        }
+    }
+
+    /// The half-edges of a crowded edge that stay together.
+    fn partners(&self, edge: &[u32]) -> Vec<[u32; 2]> {
+        let [a, b] = [edge[0], next_in_face(edge[0])];
+        let at = |h: u32| self.mesh.corners(h as usize / 3)[h as usize % 3];
+        let leaf = |&h: &u32| Leaf {
+            half_edge: h,
+            apex: at(previous_in_face(h)),
+            is_up: (self.id)(h) == (self.id)(a),
+        };
+        let mut leaves: Vec<Leaf> = edge.iter().map(leaf).collect();
+        pairs([at(a), at(b)], &mut leaves)
+    }
+
+    /// Whether three of the half-edges still run between the same two fans.
+    fn is_crowded_still(&self, edge: &[u32], sets: &mut Sets) -> bool {
+        let mut ends: Vec<[u32; 2]> = edge
+            .iter()
+            .map(|&h| {
+                let [a, b] = [h, next_in_face(h)].map(|corner| sets.root(corner));
+                if a < b { [a, b] } else { [b, a] }
+            })
+            .collect();
+        ends.sort_unstable();
+        ends.windows(3).any(|three| three[0] == three[2])
+    }
+}
+
+/// Disjoint sets: each member points to an earlier one of its set or, the earliest, to itself.
+struct Sets(Vec<u32>);
+
+impl Sets {
+    fn new(n: usize) -> Self {
+        Self((0..n as u32).collect())
+    }
+
+    fn root(&mut self, mut member: u32) -> u32 {
+        while self.0[member as usize] != member {
+            let up = self.0[self.0[member as usize] as usize];
+            self.0[member as usize] = up;
+            member = up;
+        }
+        member
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        let (first, later) = if a < b { (a, b) } else { (b, a) };
+        self.0[later as usize] = first;
+    }
+}

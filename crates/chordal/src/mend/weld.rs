@@ -1,0 +1,225 @@
+//! Makes vertices at one place one position.
+use super::mended::{Mended, begin, refused};
+use crate::Mesh;
+use crate::budget::{Code, Job, Stopped, Tolerance};
+use crate::check::{Finding, PointTree, Witness};
+use crate::explicit::{Attribute, Domain, position_id_by_bits};
+use crate::math::Box3;
+
+/// Which vertices are at one place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Weld {
+    /// Those with the same coordinates, `−0.0` and `0.0` taken as equal.
+    Exact,
+    /// Those that a vertex no further away than this is moved to.
+    Within(Tolerance),
+}
+
+/// Makes vertices at one place one position: one row where their vertex attributes agree bit for bit as well, and else
+/// rows tied by [`Mesh::position_id`], so that a seam in the attributes stays one.
+///
+/// **Within a tolerance**, some positions are *centres* and stay; every other is moved to its nearest centre. Positions
+/// are asked in the order of their coordinates (x, then y, then z), and one becomes a centre where no centre lies within
+/// the tolerance. So the result does not depend on the order of the rows, nothing moves further than the tolerance, and
+/// afterwards no two positions are within it.
+///
+/// Faces stay, also those that collapse to a segment or a point; [`drop_degenerate`](super::drop_degenerate) drops them.
+///
+/// **Bound.** 0 when exact; else the longest move, rounded up: what happens to the corners happens to each point
+/// between them in proportion. The changes are `welded_vertices`, rows that share the position of an earlier one and did
+/// not before; `merged_rows`, those that became one with an earlier one; and `collapsed_faces`.
+///
+/// Linear when exact: 3,000,000 rows of 1,000,000 triangles in about 0.1 s on one core. O(n log n) within a tolerance.
+///
+/// # Errors
+/// [`Stopped`] by a cancel or the memory limit.
+///
+/// ```
+/// use chordal::{Job, Mesh, Tolerance, mend::{Weld, weld}};
+/// let rows = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.01]];
+/// let soup = Mesh::new(rows, vec![[0, 1, 2], [3, 4, 5]])?;
+/// let exact = weld(&soup, Weld::Exact, &Job::default())?;
+/// assert_eq!((exact.mesh.faces(), exact.bound.at_most()), (&[[0, 1, 2], [1, 3, 4]][..], Some(0.0)));
+/// let close = weld(&soup, Weld::Within(Tolerance::new(0.02)?), &Job::default())?;
+/// assert_eq!(close.mesh.faces(), [[0, 1, 2], [1, 3, 2]]);
+/// assert!(close.bound.at_most().is_some_and(|moved| (0.01..0.0101).contains(&moved)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn weld(mesh: &Mesh, how: Weld, job: &Job) -> Result<Mended, Stopped> {
+    begin(mesh, job)?;
+    let exact = position_id_by_bits(mesh.positions());
+    let (ids, moved) = match how {
+        Weld::Exact => (exact, Moved { most: 0.0, at: None }),
+        Weld::Within(tolerance) => nearest_centres(mesh.positions(), exact, tolerance, job)?,
+    };
+    // A centre may come after the rows that are moved to it; from here the first row stands for a position.
+    let firsts = match how {
+        Weld::Exact => None,
+        Weld::Within(_) => Some(first_rows(&ids)),
+    };
+    let first_of = firsts.as_deref().unwrap_or(&ids);
+    let mut welded = Finding::default();
+    for (row, &first) in (0..).zip(first_of) {
+        if first != row && mesh.position_of(row) != mesh.position_of(first) {
+            welded.add(|| Witness::vertex(mesh, row));
+        }
+    }
+    let collapsed = collapsed_faces(mesh, &ids);
+    let look = first_of_look(mesh, first_of);
+    let first_of_look = look.as_deref().unwrap_or(first_of);
+    let mut merged = Finding::default();
+    for (row, _) in (0..).zip(first_of_look).filter(|(row, first)| row != *first) {
+        merged.add(|| Witness::vertex(mesh, row));
+    }
+    if welded.is_none() && merged.is_none() {
+        return Ok(Mended::unchanged(mesh));
+    }
+    let made = rebuilt(mesh, &ids, [first_of, first_of_look])?;
+    let changes = [("welded_vertices", welded), ("merged_rows", merged), ("collapsed_faces", collapsed)];
+    let mut mended = Mended::moved(made, changes, moved.most)?;
+    mended.bound.at = moved.at;
+    Ok(mended)
+}
+
+/// The longest move, rounded up, and from where.
+struct Moved {
+    most: f64,
+    at: Option<[f64; 3]>,
+}
+
+/// For every row the row of its nearest centre.
+fn nearest_centres(
+    positions: &[[f64; 3]],
+    exact: Vec<u32>,
+    tolerance: Tolerance,
+    job: &Job,
+) -> Result<(Vec<u32>, Moved), Stopped> {
+    let firsts: Vec<u32> = (0..).zip(&exact).filter(|(row, id)| row == *id).map(|(row, _)| row).collect();
+    let points: Vec<[f64; 3]> = firsts.iter().map(|&row| positions[row as usize].map(|x| x + 0.0)).collect();
+    let mut order: Vec<u32> = (0..points.len() as u32).collect();
+    // All different, and −0 is 0 by now: so there is one order.
+    order.sort_unstable_by(|&a, &b| {
+        let [a, b] = [a, b].map(|i| points[i as usize]);
+        a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
+    });
+    let tree = PointTree::new(&points);
+    let mut centre: Vec<Option<(f64, u32)>> = vec![None; points.len()];
+    for (n, &i) in order.iter().enumerate() {
+        if n % 4096 == 0 && job.is_cancelled() {
+            return Err(Stopped::Cancelled);
+        }
+        if centre[i as usize].is_some() {
+            continue;
+        }
+        let p = points[i as usize];
+        tree.near_segment([p; 2], tolerance.get(), |j| {
+            let distance = distance_up(p, points[j as usize]);
+            let known = &mut centre[j as usize];
+            if distance <= tolerance.get() && known.is_none_or(|(best, _)| distance < best) {
+                *known = Some((distance, i));
+            }
+        });
+        centre[i as usize] = Some((0.0, i));
+    }
+    let mut moved = Moved { most: 0.0, at: None };
+    let mut id_of = vec![0; positions.len()];
+    for (i, found) in centre.iter().enumerate() {
+        let (distance, centre) = found.unwrap_or((0.0, i as u32));
+        if distance > moved.most {
+            moved = Moved { most: distance, at: Some(points[i]) };
+        }
+        id_of[firsts[i] as usize] = firsts[centre as usize];
+    }
+    Ok((exact.iter().map(|&first| id_of[first as usize]).collect(), moved))
+}
+
+/// The distance of two points, bounded from above; 0 for equal points.
+pub(super) fn distance_up(a: [f64; 3], b: [f64; 3]) -> f64 {
+    if a == b {
+        return 0.0;
+    }
+    Box3::around([&a, &b]).diagonal()
+}
+
+/// Faces with two corners at one position that had three.
+fn collapsed_faces(mesh: &Mesh, ids: &[u32]) -> Finding {
+    let is_proper = |[a, b, c]: [u32; 3]| a != b && b != c && c != a;
+    let mut found = Finding::default();
+    for (face, rows) in (0..).zip(mesh.faces()) {
+        if !is_proper(rows.map(|row| ids[row as usize])) && is_proper(rows.map(|row| mesh.position_of(row))) {
+            found.add(|| Witness::face(mesh, face));
+        }
+    }
+    found
+}
+
+/// For every row the first with the same id.
+fn first_rows(ids: &[u32]) -> Vec<u32> {
+    let mut first = vec![u32::MAX; ids.len()];
+    let mut first_of = |(row, &id): (u32, &u32)| {
+        let known = &mut first[id as usize];
+        *known = if *known == u32::MAX { row } else { *known };
+        *known
+    };
+    (0..).zip(ids).map(&mut first_of).collect()
+}
+
+/// For every row the first at its position with the same vertex attributes; `None` where there are none.
+fn first_of_look(mesh: &Mesh, first_of: &[u32]) -> Option<Vec<u32>> {
+    let streams: Vec<&Attribute> =
+        mesh.attributes().iter().filter(|attribute| attribute.domain == Domain::Vertex).collect();
+    (!streams.is_empty()).then(|| same_rows(first_of, &streams))
+}
+
+/// The mesh with one row for each position and look, in the order of the first of each. A row's coordinates are those
+/// of its row in `ids`.
+fn rebuilt(mesh: &Mesh, ids: &[u32], [first_of, first_of_look]: [&[u32]; 2]) -> Result<Mesh, Stopped> {
+    // 1. Numbers for the rows that stay.
+    let mut number = Vec::with_capacity(ids.len());
+    let mut kept: Vec<u32> = Vec::new();
+    let has_looks = mesh.attributes().iter().any(|attribute| attribute.domain == Domain::Vertex);
+    let mut position_id = Vec::new();
+    for row in 0..ids.len() {
+        let first = first_of_look[row] as usize;
+        if first < row {
+            number.push(number[first]);
+            continue;
+        }
+        number.push(kept.len() as u32);
+        if has_looks {
+            // The first row of a position is the first of its look too, and has its number by now.
+            position_id.push(number[first_of[row] as usize]);
+        }
+        kept.push(row as u32);
+    }
+    // 2. The arrays.
+    let positions = kept.iter().map(|&row| mesh.positions()[ids[row as usize] as usize]).collect();
+    let faces = mesh.faces().iter().map(|face| face.map(|row| number[row as usize])).collect();
+    let mut made = Mesh::new(positions, faces);
+    if (0..).zip(&position_id).any(|(row, &id)| row != id) {
+        made = made.and_then(|made| made.with_position_id(position_id));
+    }
+    for attribute in mesh.attributes() {
+        let values = match attribute.domain {
+            Domain::Vertex => kept.iter().flat_map(|&row| attribute.row(row as usize)).copied().collect(),
+            Domain::Corner | Domain::Face => attribute.values.clone(),
+        };
+        made = made.and_then(|made| made.with_attribute(Attribute { values, ..attribute.clone() }));
+    }
+    // Fewer rows than before, of valid ones.
+    made.map_err(|error| refused(Code::TooMuchMemory, error.to_string()))
+}
+
+/// For every row the first with the same id and, bit for bit, the same attributes.
+fn same_rows(ids: &[u32], streams: &[&Attribute]) -> Vec<u32> {
+    let bits = |row: u32| streams.iter().flat_map(move |s| s.row(row as usize)).map(|x| x.to_bits());
+    let mut rows: Vec<u32> = (0..ids.len() as u32).collect();
+    rows.sort_unstable_by(|&a, &b| {
+        ids[a as usize].cmp(&ids[b as usize]).then_with(|| bits(a).cmp(bits(b))).then(a.cmp(&b))
+    });
+    let mut same = vec![0; rows.len()];
+    for group in rows.chunk_by(|&a, &b| ids[a as usize] == ids[b as usize] && bits(a).eq(bits(b))) {
+        group.iter().for_each(|&row| same[row as usize] = group[0]);
+    }
+    same
+}
