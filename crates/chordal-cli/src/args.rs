@@ -2,6 +2,7 @@
 use crate::require::Requirement;
 use chordal::budget::{InvalidLength, Length, Pixels, Unit, View};
 use chordal_io::{Axis, Format};
+use chordal_verbs::Normals;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use std::net::IpAddr;
@@ -169,6 +170,11 @@ pub struct MeshArgs {
     #[arg(long, value_name = "HOW", default_value = "fewest")]
     pub spacing: Steps,
 
+    /// Normals of triangles: what the shape has and, for glb and obj, crease=30deg where it has none (auto); keep, none
+    /// are added; flat; smooth; crease=ANGLE, smooth up to that angle; groups, by the smoothing groups of an .obj
+    #[arg(long, value_name = "HOW", default_value = "auto")]
+    pub normals: Normals,
+
     /// Write the best result even where the budget was not reached; the exit code is 5 all the same
     #[arg(long)]
     pub keep_best: bool,
@@ -229,6 +235,10 @@ pub struct RenderArgs {
     /// For --show deviation: the distance that is darkest; the largest one unless said
     #[arg(long, value_name = "LENGTH", value_parser = length, requires = "against")]
     pub darkest: Option<Length>,
+
+    /// Which sides of triangles are left out, as graphics processors do
+    #[arg(long, value_name = "SIDES", default_value = "none")]
+    pub cull: crate::render::Cull,
 
     /// The size of the picture
     #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "view", allow_hyphen_values = true)]

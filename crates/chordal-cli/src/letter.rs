@@ -25,6 +25,8 @@ pub fn inspect(report: &Report) -> String {
     if let Some(sizes) = report.inspection.as_ref().and_then(|inspection| inspection.sizes) {
         let (indexed, unindexed) = (size(sizes.indexed_bytes), size(sizes.unindexed_bytes));
         lines.add("geometry", format!("{indexed} indexed, {unindexed} unindexed"));
+        let (now, ordered) = (sizes.acmr, sizes.acmr_ordered);
+        lines.add("drawing", format!("{now:.2} vertices a triangle, {ordered:.2} in the best order found"));
     }
     if let Some(found) = report.inspection.as_ref().and_then(|inspection| inspection.found.as_ref()) {
         lines.add("certificate", certified(found));

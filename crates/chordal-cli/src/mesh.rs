@@ -68,7 +68,14 @@ fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {
         Steps::Fewest => Spacing::Fewest,
         Steps::Even => Spacing::Even,
     };
-    Ok(BudgetSpec { length: args.tol, pixels, triangles: args.triangles, segments: args.segments, spacing })
+    Ok(BudgetSpec {
+        length: args.tol,
+        pixels,
+        triangles: args.triangles,
+        segments: args.segments,
+        spacing,
+        normals: args.normals,
+    })
 }
 
 /// The format to write: `--to`, else what the name says.

@@ -9,9 +9,21 @@ use crate::output::Target;
 use crate::summary;
 use crate::talk::Talk;
 use chordal::budget::{Screen, View};
-use chordal::render::{Options, Show as Shown, Viewpoint};
+use chordal::render::{Cull as Culled, Options, Show as Shown, Viewpoint};
 use chordal_verbs::report::{Report, Run};
 use chordal_verbs::{Fineness, Input, USUAL_SCREEN, render, render_against};
+use clap::ValueEnum;
+
+/// Which sides of triangles a picture leaves out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Cull {
+    /// Neither: both are shown
+    None,
+    /// The backs: a triangle wound the wrong way is a hole
+    Back,
+    /// The fronts
+    Front,
+}
 
 /// Reads, renders, writes, reports.
 pub fn run(args: &RenderArgs) -> Result<(), Fault> {
@@ -25,7 +37,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let input = common::read(&args.input, &talk)?;
 
     let name = source.name();
-    let options = Options { show: shown(args.show), viewpoint, ..Options::default() };
+    let options =
+        Options { show: shown(args.show), cull: culled(args.cull), viewpoint, ..Options::default() };
     let against = against(args, &talk)?;
     let outcome = match against {
         Some(against) => render_against(input, against, args.darkest, &options, &job),
@@ -91,5 +104,13 @@ fn shown(show: Show) -> Shown {
         Show::Normals => Shown::Normals,
         // Colours over light.
         Show::Deviation => Shown::Shaded,
+    }
+}
+
+fn culled(cull: Cull) -> Culled {
+    match cull {
+        Cull::None => Culled::None,
+        Cull::Back => Culled::Back,
+        Cull::Front => Culled::Front,
     }
 }

@@ -93,3 +93,19 @@ fn pictures_that_make_no_sense_are_usage() {
         .fails_with(5, &["a.obj: ", "bytes", "the limit is"]);
     assert_eq!(folder.names(), ["a.obj"]);
 }
+
+#[test]
+fn backs_and_fronts_can_be_left_out() {
+    let folder = Folder::new("culls");
+    // Seen from the front (against y), the first triangle shows its face and the second its back.
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 2 0 0\nv 3 0 0\nv 2 0 1\nf 1 2 3\nf 4 6 5\n";
+    let input = folder.file("two.obj", obj);
+    let output = folder.text("a.png");
+    let pictures = ["none", "back", "front"].map(|cull| {
+        run(&["render", &input, "-o", &output, "--cull", cull, "--size", "80x60", "--force", "-q"])
+            .succeeds();
+        fs::read(&output).unwrap()
+    });
+    assert!(pictures[0] != pictures[1] && pictures[1] != pictures[2] && pictures[0] != pictures[2]);
+    run(&["render", &input, "-o", &output, "--cull", "sides"]).fails_with(2, &["sides"]);
+}

@@ -1,7 +1,7 @@
 //! A budget, from Python's arguments.
 use crate::failure;
 use chordal::budget::{InvalidLength, Length, PixelBudget, Pixels, View};
-use chordal_verbs::{BudgetSpec, Spacing};
+use chordal_verbs::{BudgetSpec, Normals, Spacing};
 use pyo3::prelude::*;
 use std::str::FromStr;
 
@@ -39,6 +39,7 @@ impl Wanted {
             triangles: self.triangles,
             segments: self.segments,
             spacing: parse_spacing(&self.spacing)?,
+            normals: Normals::default(),
         })
     }
 }

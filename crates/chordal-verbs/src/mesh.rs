@@ -97,7 +97,7 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
     certificate.budget = Some(BudgetFacts::of(&budget));
     certificate.notes.extend(note);
     let place = input.shape.hull()?;
-    let (scene, bound) = match input.shape {
+    let (mut scene, bound) = match input.shape {
         Shape::Drawing(drawing) if lines => {
             return polylines::of_drawing(drawing, &Asked { spec, budget, to, place }, certificate, job);
         }
@@ -106,7 +106,8 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
         }
         Shape::Drawing(drawing) => {
             let asked = Asked { spec, budget, to, place };
-            let (scene, bound, place) = filled::fill(&drawing, &asked, &mut certificate, job)?;
+            let (mut scene, bound, place) = filled::fill(&drawing, &asked, &mut certificate, job)?;
+            spec.normals.apply(&mut scene, [input.format, to], &mut certificate.notes)?;
             return finish(scene, bound, &Asked { place, ..asked }, certificate);
         }
         Shape::Patches { patches, frame } => {
@@ -118,6 +119,8 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
             pass_through(scene, to, &mut certificate.notes)?
         }
     };
+    // At the positions that will be written, and before rows are counted: hard edges double some.
+    spec.normals.apply(&mut scene, [input.format, to], &mut certificate.notes)?;
     finish(scene, bound, &Asked { spec, budget, to, place }, certificate)
 }
 

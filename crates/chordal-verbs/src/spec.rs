@@ -1,5 +1,5 @@
 //! `BudgetSpec`: a budget as a person asks for it, before the shape is known.
-use crate::{MeshFailure, Shape};
+use crate::{MeshFailure, Normals, Shape};
 use chordal::budget::{Budget, Code, Length, PixelBudget, Refusal};
 use chordal::convert::Spacing;
 
@@ -23,6 +23,8 @@ pub struct BudgetSpec {
     pub segments: Option<u64>,
     /// How the ends of segments are placed on curves.
     pub spacing: Spacing,
+    /// Which normals triangles get.
+    pub normals: Normals,
 }
 
 impl BudgetSpec {

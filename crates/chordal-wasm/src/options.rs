@@ -1,7 +1,7 @@
 //! What a caller asks for, from its JSON.
 use chordal::budget::{Length, PixelBudget, Pixels, Unit, View};
 use chordal_io::{Axis, Format};
-use chordal_verbs::{BudgetSpec, formats};
+use chordal_verbs::{BudgetSpec, Normals, formats};
 use serde_json::{Map, Value};
 use std::str::FromStr;
 
@@ -17,8 +17,20 @@ pub(crate) struct Options {
     pub keep_best: bool,
 }
 
-const KEYS: [&str; 11] =
-    ["name", "from", "to", "unit", "up", "tol", "px", "view", "triangles", "segments", "keep_best"];
+const KEYS: [&str; 12] = [
+    "name",
+    "from",
+    "to",
+    "unit",
+    "up",
+    "tol",
+    "px",
+    "view",
+    "triangles",
+    "segments",
+    "normals",
+    "keep_best",
+];
 
 impl Options {
     /// Reads the JSON object; what is wrong with it comes back in one sentence.
@@ -40,6 +52,7 @@ impl Options {
             pixels,
             triangles: all.count("triangles")?,
             segments: all.count("segments")?,
+            normals: all.parsed::<Normals>("normals")?.unwrap_or_default(),
             ..BudgetSpec::default()
         };
         if !spec.has_limit() {

@@ -3,6 +3,7 @@ use super::{Certificate, DrawingFacts, FindingFacts, OutputFacts, to_value};
 use crate::formats::topology;
 use crate::written::rows_of;
 use crate::{Input, Shape};
+use chordal::explicit::{cache_misses, cache_order};
 use chordal::math::Box3;
 use chordal_io::{Format, Scene};
 use serde::Serialize;
@@ -44,13 +45,21 @@ pub struct PartFacts {
 
 /// Bytes of positions and indices, without attributes: three single-precision numbers a position, and indices of
 /// 16 bits while they fit, else of 32.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Sizes {
     /// With every vertex once and triangles by index.
     pub indexed_bytes: u64,
     /// With three vertices a triangle.
     pub unindexed_bytes: u64,
+    /// How many vertices a graphics processor computes for each triangle, in the file's order, by a first-in, first-out
+    /// cache of [`CACHE`]; 0 without triangles.
+    pub acmr: f64,
+    /// The same in the order that Chordal finds for it.
+    pub acmr_ordered: f64,
 }
+
+/// Vertices that a cache of a graphics processor holds: few enough for any of them.
+const CACHE: u32 = 16;
 
 /// A certificate that was found in a file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -117,15 +126,23 @@ impl PartFacts {
 
 impl Sizes {
     fn of(scene: &Scene) -> Self {
-        scene.parts.iter().fold(Self::default(), |sum, part| {
-            let (n_vertices, n_faces) = (part.mesh.positions().len() as u64, part.mesh.faces().len() as u64);
+        let mut sizes = Self::default();
+        let (mut n_faces, mut misses, mut misses_ordered) = (0, 0, 0);
+        for mesh in scene.parts.iter().map(|part| &part.mesh) {
+            let faces = mesh.faces();
+            let (n_vertices, n) = (mesh.positions().len() as u64, faces.len() as u64);
             // The largest 16-bit index means "restart" in glTF.
             let index_bytes = if n_vertices < u64::from(u16::MAX) { 2 } else { 4 };
-            Self {
-                indexed_bytes: sum.indexed_bytes + 12 * n_vertices + 3 * index_bytes * n_faces,
-                unindexed_bytes: sum.unindexed_bytes + 36 * n_faces,
-            }
-        })
+            sizes.indexed_bytes += 12 * n_vertices + 3 * index_bytes * n;
+            sizes.unindexed_bytes += 36 * n;
+            let ordered: Vec<_> = cache_order(faces).iter().map(|face| faces[*face as usize]).collect();
+            n_faces += n;
+            misses += cache_misses(faces, CACHE);
+            misses_ordered += cache_misses(&ordered, CACHE);
+        }
+        let each = |misses: u64| if n_faces == 0 { 0.0 } else { misses as f64 / n_faces as f64 };
+        (sizes.acmr, sizes.acmr_ordered) = (each(misses), each(misses_ordered));
+        sizes
     }
 }
 

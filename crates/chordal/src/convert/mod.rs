@@ -1,6 +1,7 @@
 //! The bridge: one file per arrow `a_to_b`, each lossy one under a budget and with a bound.
 mod curve_to_polyline;
 mod curves;
+mod mesh_to_gpu_buffers;
 mod outlines_to_mesh;
 mod patches;
 mod patches_to_mesh;
@@ -8,5 +9,6 @@ mod patches_to_mesh;
 pub use curve_to_polyline::{curve_to_polyline, curve_to_polyline_evenly, curves_to_polylines};
 pub use curves::batch::{BezierCutter, Polylines, beziers_to_polylines};
 pub use curves::flatten::Spacing;
+pub use mesh_to_gpu_buffers::{GpuBuffers, Indices, mesh_to_gpu_buffers};
 pub use outlines_to_mesh::outlines_to_mesh;
 pub use patches_to_mesh::patches_to_mesh;

@@ -1,4 +1,11 @@
 //! Normals of triangles, and of vertices from the triangles around them.
+mod angle;
+mod shading;
+mod smooth;
+
+pub use shading::{Shading, with_normals};
+pub use smooth::{Weight, smooth_normals};
+
 use super::Mesh;
 use glam::DVec3;
 
@@ -25,29 +32,10 @@ pub fn face_normal(corners: [[f64; 3]; 3]) -> Option<[f64; 3]> {
     (longest > 0.0).then(|| (normal / longest).normalize().into())
 }
 
-/// One unit normal a vertex: the faces' normals weighted by their angle at the vertex, over all faces that share
-/// its position. Vertices without a face of positive area get `[0, 0, 0]`.
+/// One unit normal a vertex: [`smooth_normals`] with the faces weighted by their angle at the vertex.
 ///
 /// Source: G. Thürmer and C. Wüthrich, *Computing vertex normals from polygonal facets*, 1998.
 #[must_use]
 pub fn vertex_normals(mesh: &Mesh) -> Vec<[f64; 3]> {
-    let mut sums = vec![DVec3::ZERO; mesh.positions().len()];
-    for (face_idx, face) in mesh.faces().iter().enumerate() {
-        let corners = mesh.corners(face_idx);
-        let Some(normal) = face_normal(corners) else { continue };
-        for k in 0..3 {
-            let at = DVec3::from(corners[k]);
-            let angle =
-                angle_between(DVec3::from(corners[(k + 1) % 3]) - at, DVec3::from(corners[(k + 2) % 3]) - at);
-            sums[mesh.position_of(face[k]) as usize] += DVec3::from(normal) * angle;
-        }
-    }
-    (0..mesh.positions().len() as u32)
-        .map(|vertex| sums[mesh.position_of(vertex) as usize].normalize_or_zero().into())
-        .collect()
-}
-
-fn angle_between(a: DVec3, b: DVec3) -> f64 {
-    let (a, b) = (a.normalize_or_zero(), b.normalize_or_zero());
-    libm::atan2(a.cross(b).length(), a.dot(b))
+    smooth_normals(mesh, Weight::Angle)
 }

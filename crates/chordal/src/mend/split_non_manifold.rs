@@ -5,7 +5,7 @@ use super::radial::{Leaf, pairs};
 use crate::Mesh;
 use crate::budget::{Job, Stopped};
 use crate::check::{Finding, Witness};
-use crate::explicit::{Topology, Twin, Twins, next_in_face, previous_in_face};
+use crate::explicit::{Sets, Topology, Twin, Twins, next_in_face, previous_in_face};
 use std::collections::BTreeMap;
 
 /// Takes the surface apart where it is not manifold: afterwards no edge has more than two faces, and the faces at each
@@ -181,29 +181,5 @@ impl Seams<'_> {
             .collect();
         ends.sort_unstable();
         ends.windows(3).any(|three| three[0] == three[2])
-    }
-}
-
-/// Disjoint sets: each member points to an earlier one of its set or, the earliest, to itself.
-struct Sets(Vec<u32>);
-
-impl Sets {
-    fn new(n: usize) -> Self {
-        Self((0..n as u32).collect())
-    }
-
-    fn root(&mut self, mut member: u32) -> u32 {
-        while self.0[member as usize] != member {
-            let up = self.0[self.0[member as usize] as usize];
-            self.0[member as usize] = up;
-            member = up;
-        }
-        member
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        let (first, later) = if a < b { (a, b) } else { (b, a) };
-        self.0[later as usize] = first;
     }
 }

@@ -12,6 +12,6 @@ mod trace;
 
 pub use eye::frame;
 pub use heat::Against;
-pub use options::{Background, Options, Show, Up, Viewpoint};
+pub use options::{Background, Cull, Options, Show, Up, Viewpoint};
 pub use picture::Picture;
 pub use trace::{render, render_against};

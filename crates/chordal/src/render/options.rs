@@ -15,6 +15,18 @@ pub enum Show {
     Normals,
 }
 
+/// Which sides of triangles are left out of a picture, as graphics processors do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Cull {
+    /// None: both sides are shown, in different colours.
+    #[default]
+    None,
+    /// Back faces: what is seen from inside is a hole. A triangle wound the wrong way opens one.
+    Back,
+    /// Front faces: the inside of what is turned away is shown.
+    Front,
+}
+
 /// The axis that points up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Up {
@@ -77,6 +89,8 @@ pub enum Background {
 pub struct Options {
     /// What is shown.
     pub show: Show,
+    /// What is left out. What is left out still casts shadows.
+    pub cull: Cull,
     /// From where.
     pub viewpoint: Viewpoint,
     /// Which way is up: for the light, the ground and the automatic viewpoint.
@@ -93,6 +107,7 @@ impl Options {
     pub fn sized(width_px: u32, height_px: u32) -> Self {
         Self {
             show: Show::default(),
+            cull: Cull::default(),
             viewpoint: Viewpoint::Automatic(Screen { width_px, height_px }),
             up: Up::default(),
             background: Background::default(),

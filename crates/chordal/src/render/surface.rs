@@ -1,8 +1,8 @@
 //! `Surface`: the mesh as rays see it.
 use super::normals::Normals;
-use super::options::Show;
+use super::options::{Cull, Options, Show};
 use crate::budget::{Job, Stopped};
-use crate::explicit::{Bvh, Hit, Mesh, Ray, face_normal};
+use crate::explicit::{Bvh, Hit, Mesh, Ray, Sides, face_normal};
 use glam::DVec3;
 
 /// A mesh, its tree, and how its normals run.
@@ -10,6 +10,7 @@ pub(super) struct Surface<'a> {
     mesh: &'a Mesh,
     bvh: Bvh,
     normals: Normals<'a>,
+    sides: Sides,
     /// By how much secondary rays start off the surface: a millionth of its extent, far above the rounding of hits
     /// (10⁻¹⁵ of it) and far below a pixel.
     lift: f64,
@@ -36,15 +37,20 @@ impl Spot {
 }
 
 impl<'a> Surface<'a> {
-    pub fn new(mesh: &'a Mesh, show: Show, job: &Job) -> Result<Self, Stopped> {
+    pub fn new(mesh: &'a Mesh, options: &Options, job: &Job) -> Result<Self, Stopped> {
         let bvh = Bvh::build(mesh, job)?;
-        let normals = match show {
+        let normals = match options.show {
             Show::Flat | Show::Wire => Normals::Flat,
             Show::Shaded | Show::Normals => Normals::of(mesh),
         };
         // Rays leave a surface this far out: above the rounding of hits, below what a picture of 10^5 pixels shows.
         let lift = 1e-6 * bvh.bounds().diagonal();
-        Ok(Self { mesh, bvh, normals, lift })
+        let sides = match options.cull {
+            Cull::None => Sides::Both,
+            Cull::Back => Sides::Front,
+            Cull::Front => Sides::Back,
+        };
+        Ok(Self { mesh, bvh, normals, sides, lift })
     }
 
     pub fn bvh(&self) -> &Bvh {
@@ -59,9 +65,9 @@ impl<'a> Surface<'a> {
         self.mesh.corners(face)
     }
 
-    /// The first triangle that the ray meets.
+    /// The first triangle that the ray meets and that is not culled.
     pub fn meet(&self, ray: &Ray) -> Option<(Hit, Spot)> {
-        let hit = self.bvh.first_hit(ray)?;
+        let hit = self.bvh.first_hit_on(ray, self.sides)?;
         let face = hit.face as usize;
         let corners = self.mesh.corners(face).map(DVec3::from);
         let w = hit.barycentric;

@@ -93,7 +93,7 @@ fn shoot(mesh: &Mesh, options: &Options, heat: Option<Heat>, job: &Job) -> Resul
             format!("{width}x{height} pixels need {bytes} bytes; the limit is {}", job.memory_limit);
         return Err(refused(Code::TooMuchMemory, message));
     }
-    let surface = Surface::new(mesh, options.show, job)?;
+    let surface = Surface::new(mesh, options, job)?;
     let drawn_on = options.show == Show::Wire || heat.is_some();
     let material = if drawn_on { Material::Paper } else { Material::Clay };
     let studio = Studio::new(&surface.bvh().bounds(), &camera, options.up, material);

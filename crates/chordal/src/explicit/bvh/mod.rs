@@ -18,7 +18,7 @@ use frame::Frame;
 
 pub use closest::Closest;
 pub use inside::{Containment, Enclosure, Whereabouts};
-pub use ray::{Hit, Ray};
+pub use ray::{Hit, Ray, Sides};
 pub use winding::Winding;
 
 /// The weights of the point of a triangle that is nearest to `q`: ≥ 0, together 1 up to rounding.

@@ -43,6 +43,29 @@ pub struct Hit {
     pub front: bool,
 }
 
+/// Which sides of triangles a ray meets.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Sides {
+    /// Both.
+    #[default]
+    Both,
+    /// Only fronts: back faces are culled.
+    Front,
+    /// Only backs: front faces are culled.
+    Back,
+}
+
+impl Sides {
+    #[inline]
+    fn has(self, front: bool) -> bool {
+        match self {
+            Self::Both => true,
+            Self::Front => front,
+            Self::Back => !front,
+        }
+    }
+}
+
 /// What of a ray the test with a triangle needs: the axes permuted and sheared so that the ray is the z axis.
 ///
 /// Source: S. Woop, C. Benthin, I. Wald, *Watertight ray/triangle intersection*, 2013.
@@ -199,6 +222,12 @@ impl Bvh {
     /// signs in place of a wider fallback.
     #[must_use]
     pub fn first_hit(&self, ray: &Ray) -> Option<Hit> {
+        self.first_hit_on(ray, Sides::Both)
+    }
+
+    /// [`Bvh::first_hit`] among the triangles that the ray meets on one of `sides`; it goes through all others.
+    #[must_use]
+    pub fn first_hit_on(&self, ray: &Ray, sides: Sides) -> Option<Hit> {
         let mut cast = self.cast(ray)?;
         let mut best: Option<(Meeting, u32)> = None;
         self.along(&mut cast, |cast, triangle| {
@@ -206,6 +235,9 @@ impl Bvh {
                 return false;
             };
             let face = triangle.face & !LAST;
+            if !sides.has(meeting.front) {
+                return false;
+            }
             if best.is_none_or(|(known, known_face)| meeting.t < known.t || face < known_face) {
                 cast.most = meeting.t;
                 best = Some((meeting, face));

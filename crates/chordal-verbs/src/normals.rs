@@ -1,0 +1,130 @@
+//! `Normals`: which normals triangles get, as a person asks for it.
+use crate::MeshFailure;
+use crate::formats::topology;
+use crate::written::unsupported;
+use chordal::explicit::{Semantic, Shading, Weight, with_normals};
+use chordal_io::{Format, Scene};
+use std::fmt;
+use std::str::FromStr;
+
+/// Which normals triangles get.
+///
+/// ```
+/// use chordal_verbs::Normals;
+/// assert_eq!("crease=45deg".parse(), Ok(Normals::Crease { angle_deg: 45.0 }));
+/// assert_eq!("crease".parse(), Ok(Normals::Crease { angle_deg: 30.0 }));
+/// assert!("crease=200deg".parse::<Normals>().is_err());
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Normals {
+    /// Those of the shape. A mesh without gets [`Normals::Crease`] of 30° in formats that hold normals beside the
+    /// positions or know vertices by their bits (OBJ, glTF), and stays without elsewhere.
+    #[default]
+    Auto,
+    /// Those of the shape, if it has some.
+    Keep,
+    /// Each triangle its own.
+    Flat,
+    /// Smooth everywhere.
+    Smooth,
+    /// Smooth across edges that are bent by no more than this.
+    Crease {
+        /// From 0 to 180.
+        angle_deg: f64,
+    },
+    /// Smooth within the smoothing groups of the file.
+    Groups,
+}
+
+/// Where a mesh is creased if nothing is said, as in most modellers.
+const USUAL_CREASE_DEG: f64 = 30.0;
+
+impl Normals {
+    /// Gives every part of a scene its normals, and says so. Two vertices are one position where the format `from`
+    /// says so; `to` is what will be written.
+    pub(crate) fn apply(
+        self,
+        scene: &mut Scene,
+        [from, to]: [Format; 2],
+        notes: &mut Vec<String>,
+    ) -> Result<(), MeshFailure> {
+        let mut n_made = 0;
+        for part in &mut scene.parts {
+            let has_some = part.mesh.attribute(&Semantic::Normal).is_some() || part.mesh.faces().is_empty();
+            let Some(shading) = self.shading(has_some, to) else { continue };
+            part.mesh = with_normals(&part.mesh, topology(from), shading).map_err(unsupported)?;
+            n_made += 1;
+        }
+        if n_made > 0 {
+            let how = if self == Self::Auto { Self::Crease { angle_deg: USUAL_CREASE_DEG } } else { self };
+            notes.push(format!("normals were computed: {how}"));
+        }
+        Ok(())
+    }
+
+    fn shading(self, has_some: bool, to: Format) -> Option<Shading> {
+        let crease =
+            |angle_deg: f64| Shading::Crease { angle_rad: angle_deg.to_radians(), weight: Weight::Angle };
+        match self {
+            Self::Keep => None,
+            Self::Auto if has_some || !matches!(to, Format::Glb | Format::Obj) => None,
+            Self::Auto => Some(crease(USUAL_CREASE_DEG)),
+            Self::Flat => Some(Shading::Flat),
+            Self::Smooth => Some(Shading::Smooth(Weight::Angle)),
+            Self::Crease { angle_deg } => Some(crease(angle_deg)),
+            Self::Groups => Some(Shading::Groups(Weight::Angle)),
+        }
+    }
+}
+
+impl fmt::Display for Normals {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Keep => f.write_str("keep"),
+            Self::Flat => f.write_str("flat"),
+            Self::Smooth => f.write_str("smooth"),
+            Self::Crease { angle_deg } => write!(f, "crease={angle_deg}deg"),
+            Self::Groups => f.write_str("groups"),
+        }
+    }
+}
+
+/// The text that says no normals.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InvalidNormals(String);
+
+impl fmt::Display for InvalidNormals {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "normals are auto, keep, flat, smooth, groups, or crease=ANGLE with an angle from 0deg to 180deg, not '{}'",
+            self.0
+        )
+    }
+}
+
+impl std::error::Error for InvalidNormals {}
+
+impl FromStr for Normals {
+    type Err = InvalidNormals;
+    fn from_str(text: &str) -> Result<Self, InvalidNormals> {
+        let wrong = || InvalidNormals(text.to_owned());
+        Ok(match text {
+            "auto" => Self::Auto,
+            "keep" => Self::Keep,
+            "flat" => Self::Flat,
+            "smooth" => Self::Smooth,
+            "groups" => Self::Groups,
+            "crease" => Self::Crease { angle_deg: USUAL_CREASE_DEG },
+            _ => {
+                let angle = text.strip_prefix("crease=").ok_or_else(wrong)?;
+                let angle_deg = angle.strip_suffix("deg").unwrap_or(angle).parse().map_err(|_| wrong())?;
+                if !(0.0..=180.0).contains(&angle_deg) {
+                    return Err(wrong());
+                }
+                Self::Crease { angle_deg }
+            }
+        })
+    }
+}

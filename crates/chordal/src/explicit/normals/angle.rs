@@ -1,0 +1,71 @@
+//! The angle of a direction without a call of `atan2`: as good as a weight needs it, and without a branch.
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+/// The polynomial in r² next to atan(r)/r for 0 ≤ r ≤ 1, with the largest error as small as can be: derived by Remez'
+/// exchange, with a relative error of 3.4e-10 at most.
+const ATAN: [f64; 11] = [
+    0.999_999_999_667_198_7,
+    -0.333_333_247_188_107_9,
+    0.199_996_306_024_442_07,
+    -0.142_794_931_258_347_33,
+    0.110_566_749_963_586_8,
+    -0.088_069_066_659_326_39,
+    0.067_346_325_159_135_6,
+    -0.044_618_518_068_870_63,
+    0.022_496_557_967_333_71,
+    -0.007_304_087_810_824_867,
+    0.001_112_075_934_014_951_2, // the last, and the smallest
+];
+
+/// The angles between the x axis and (x, y) for each of some x and one y ≥ 0, in [0, π], to 3.4e-10; π/2 for (0, 0).
+///
+/// Step by step for all of them, so that the compiler can take them side by side.
+#[inline(always)]
+pub(super) fn angles_of<const N: usize>(x: [f64; N], y: f64) -> [f64; N] {
+    let of = |f: &dyn Fn(usize) -> f64| -> [f64; N] { std::array::from_fn(f) };
+    let width = x.map(f64::abs);
+    let long = of(&|k| if y > width[k] { y } else { width[k] });
+    let short = of(&|k| if y > width[k] { width[k] } else { y });
+    // The smallest normal number changes none that a square can be taken of.
+    let r = of(&|k| short[k] / (long[k] + f64::MIN_POSITIVE));
+    let q = of(&|k| r[k] * r[k]);
+    let q2 = of(&|k| q[k] * q[k]);
+    let q4 = of(&|k| q2[k] * q2[k]);
+    let pair = |k: usize, i: usize| ATAN[i] + q[k] * ATAN[i + 1];
+    let low = of(&|k| (pair(k, 0) + q2[k] * pair(k, 2)) + q4[k] * (pair(k, 4) + q2[k] * pair(k, 6)));
+    let steep = of(&|k| r[k] * (low[k] + (q4[k] * q4[k]) * (pair(k, 8) + q2[k] * ATAN[10])));
+    // Past 45° and past 90° the angle is mirrored; written with signs, since neither can be foreseen.
+    let upright = of(&|k| FRAC_PI_4 + (FRAC_PI_4 - steep[k]).copysign(y - width[k]));
+    of(&|k| FRAC_PI_2 - (FRAC_PI_2 - upright[k]).copysign(x[k]))
+}
+
+/// The same for one.
+#[inline]
+pub(super) fn angle_of(x: f64, y: f64) -> f64 {
+    let [angle] = angles_of([x], y);
+    angle
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn angles_are_right_all_around() {
+        let mut worst = 0.0_f64;
+        for i in 0..=100_000 {
+            let angle = f64::from(i) * 1e-5 * PI;
+            let (x, y) = (3e5 * libm::cos(angle), 3e5 * libm::sin(angle).abs());
+            worst = worst.max((angle_of(x, y) - libm::atan2(y, x)).abs());
+        }
+        assert!(worst < 3.4e-10, "{worst:e}");
+        for tiny in [1e-3, 1e-9, 1e-15] {
+            assert!((angle_of(1.0, tiny) / libm::atan2(tiny, 1.0) - 1.0).abs() < 3.4e-10, "{tiny:e}");
+        }
+        let known = [((0.0, 0.0), FRAC_PI_2), ((1.0, 0.0), 0.0), ((-1.0, 0.0), PI), ((0.0, 1.0), FRAC_PI_2)];
+        for ((x, y), angle) in known {
+            assert_eq!(angle_of(x, y), angle);
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! Smooth normals: means over the faces around a position.
+use super::angle::{angle_of, angles_of};
+use super::face_normal;
+use crate::explicit::Mesh;
+use crate::math::dot;
+use std::f64::consts::PI;
+
+/// How much each face counts in the normal of a vertex.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Weight {
+    /// By its angle there: how a surface is cut into triangles does not matter.
+    #[default]
+    Angle,
+    /// By its area: large faces win, as beside the small ones of a rounded edge.
+    Area,
+    /// All the same.
+    Uniform,
+}
+
+/// One unit normal a vertex: the mean of the normals of all faces that share its position, by `weight`. Vertices
+/// without a face of positive area, or whose faces cancel, get `[0, 0, 0]`; nothing becomes NaN.
+///
+/// Angles are right to 3.4e-10, without a call of a library's atan2. Coordinates of any size; areas below 1e-100 of the
+/// square of the mesh's extent count as nothing where areas are asked for.
+///
+/// 1,000,000 triangles in about 40 ms on one core.
+///
+/// ```
+/// use chordal::Mesh;
+/// use chordal::explicit::{Weight, smooth_normals};
+/// let roof = vec![[0.0; 3], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0], [0.0, 1.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(roof, vec![[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]])?;
+/// let ridge = smooth_normals(&mesh, Weight::Angle)[1];
+/// assert!((ridge[2] - 1.0).abs() < 1e-9 && ridge[0].abs() < 1e-9);
+/// # Ok::<(), chordal::explicit::InvalidMesh>(())
+/// ```
+///
+/// Source: G. Thürmer and C. Wüthrich, *Computing vertex normals from polygonal facets*, 1998.
+#[must_use]
+pub fn smooth_normals(mesh: &Mesh, weight: Weight) -> Vec<[f64; 3]> {
+    let mut sums = vec![[0.0; 3]; mesh.positions().len()];
+    let scale = scale_of(mesh);
+    let ids = mesh.position_id();
+    for (number, face) in mesh.faces().iter().enumerate() {
+        let Some(terms) = terms(mesh.corners(number), scale, weight) else { continue };
+        let positions = match ids {
+            None => *face,
+            Some(ids) => face.map(|row| ids[row as usize]),
+        };
+        for (position, term) in positions.into_iter().zip(terms) {
+            let sum = &mut sums[position as usize];
+            *sum = [sum[0] + term[0], sum[1] + term[1], sum[2] + term[2]];
+        }
+    }
+    sums.iter_mut().for_each(|sum| *sum = unit(*sum));
+    match ids {
+        None => sums,
+        Some(ids) => ids.iter().map(|&id| sums[id as usize]).collect(),
+    }
+}
+
+/// The vector at length 1; zero where it has no direction.
+#[inline]
+pub(super) fn unit(v: [f64; 3]) -> [f64; 3] {
+    let square = dot(v, v);
+    // Squares of numbers between 1e-100 and 1e100, far inside the range of f64, and sums of three of them are exact in
+    // their exponents; others are scaled first.
+    if square > 1e-200 && square < 1e200 {
+        let factor = 1.0 / square.sqrt();
+        return v.map(|x| x * factor);
+    }
+    let largest = v.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+    if !(largest > 0.0 && largest.is_finite()) {
+        return [0.0; 3];
+    }
+    let scaled = v.map(|x| x / largest);
+    let length = dot(scaled, scaled).sqrt();
+    scaled.map(|x| x / length)
+}
+
+/// A power of two that brings the mesh's extent near 1 where its squares and their squares could leave the range of f64;
+/// 1 elsewhere.
+pub(super) fn scale_of(mesh: &Mesh) -> f64 {
+    let bounds = mesh.bounds();
+    let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
+    let extent = half.fold(0.0, |most: f64, x| if x > most { x } else { most });
+    let exponent = ((extent.to_bits() >> 52) & 0x7ff) as i64 - 1023;
+    // 2^±120 to the fourth power is 2^±480, with room for sums and for triangles 2^30 times smaller.
+    if extent == 0.0 || exponent.abs() <= 120 {
+        return 1.0;
+    }
+    // Both ends of the range have a reciprocal that is a normal number: 2^-1022 and 2^1023.
+    f64::from_bits(((1023 - exponent).clamp(1, 2046) as u64) << 52)
+}
+
+/// What a face adds to each of its corners' sums: its normal times its weight there. `None` without area.
+#[inline]
+pub(super) fn terms(corners: [[f64; 3]; 3], scale: f64, weight: Weight) -> Option<[[f64; 3]; 3]> {
+    let [a, b, c] = corners;
+    let edge = |p: [f64; 3], q: [f64; 3]| [q[0] - p[0], q[1] - p[1], q[2] - p[2]];
+    let (ab, ca) = (edge(a, b), edge(c, a));
+    let cross = [ca[1] * ab[2] - ca[2] * ab[1], ca[2] * ab[0] - ca[0] * ab[2], ca[0] * ab[1] - ca[1] * ab[0]];
+    let square = dot(cross, cross);
+    let (ab_square, ca_square) = (dot(ab, ab), dot(ca, ca));
+    // Rounding of the cross product is below 8 steps of the edges' product: where it could be all that there is, as for
+    // needles, and where squares near the ends of the range of f64, a slower way decides.
+    if !(square > 1e-200 && square < 1e200 && square > 1e-24 * (ab_square * ca_square) && scale == 1.0) {
+        return slowly(corners, scale, weight);
+    }
+    let area = square.sqrt();
+    Some(match weight {
+        Weight::Angle => {
+            let factor = 1.0 / area;
+            let normal = cross.map(|x| x * factor);
+            // The sum of two sides is the third, turned round: bc = −(ab + ca).
+            let both = dot(ca, ab);
+            let [at_a, at_b] = angles_of([-both, ab_square + both], area);
+            // The rest of half a turn, as far as there is some.
+            let rest = PI - (at_a + at_b);
+            let at_c = if rest > 0.0 { rest } else { 0.0 };
+            [at_a, at_b, at_c].map(|angle| normal.map(|x| x * angle))
+        }
+        Weight::Area => [cross; 3],
+        Weight::Uniform => [cross.map(|x| x / area); 3],
+    })
+}
+
+/// The same for triangles whose squares leave the range of f64, and for needles.
+#[cold]
+fn slowly(corners: [[f64; 3]; 3], scale: f64, weight: Weight) -> Option<[[f64; 3]; 3]> {
+    let normal = face_normal(corners)?;
+    let [a, b, c] = corners;
+    let edge = |p: [f64; 3], q: [f64; 3]| {
+        let along: [f64; 3] = std::array::from_fn(|k| 0.5 * q[k] - 0.5 * p[k]);
+        unit(along)
+    };
+    let (ab, bc, ca) = (edge(a, b), edge(b, c), edge(c, a));
+    let cross = |u: [f64; 3], v: [f64; 3]| {
+        let w = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        dot(w, w).sqrt()
+    };
+    let angles = [[ca, ab], [ab, bc], [bc, ca]].map(|[u, v]| angle_of(-dot(u, v), cross(u, v)));
+    let long = |p: [f64; 3], q: [f64; 3]| {
+        let along: [f64; 3] = std::array::from_fn(|k| q[k] * scale - p[k] * scale);
+        dot(along, along).sqrt()
+    };
+    let area = long(a, b) * long(a, c) * cross(ca, ab);
+    Some(match weight {
+        Weight::Angle => angles.map(|angle| normal.map(|x| x * angle)),
+        Weight::Area => [normal.map(|x| x * area); 3],
+        Weight::Uniform => [normal; 3],
+    })
+}

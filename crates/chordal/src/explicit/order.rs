@@ -1,0 +1,218 @@
+//! The order of triangles and vertices, for processors that keep the last few vertices at hand.
+//!
+//! A graphics processor computes a vertex once as long as it stays in a small cache. How often it computes one for each
+//! triangle is the average cache miss ratio, ACMR: 3 without any sharing, 0.5 at best on a large closed mesh.
+
+/// The cache that an order is made for: as large as those of most processors, and orders made for it suit smaller ones.
+const CACHE: usize = 32;
+/// Scores that decide which triangle comes next, as measured by the author of the method: how fast they fall with the
+/// place in the cache, what the three vertices of the last triangle get, and what a vertex gets for having few triangles
+/// left, so that none stays behind alone.
+const DECAY: f64 = 1.5;
+const LAST: f64 = 0.75;
+const FEW_LEFT: f64 = 2.0;
+/// Triangles left at a vertex up to which their number counts.
+const MOST_LEFT: usize = 64;
+const NONE: u32 = u32::MAX;
+
+/// How many vertices a first-in, first-out cache of `cache` places computes for each triangle, drawn in order; 0 without
+/// triangles. Time O(n).
+///
+/// ```
+/// use chordal::explicit::acmr;
+/// assert_eq!(acmr(&[[0, 1, 2], [2, 1, 3]], 16), 2.0);
+/// assert_eq!(acmr(&[[0, 1, 2], [3, 4, 5]], 16), 3.0);
+/// ```
+#[must_use]
+pub fn acmr(faces: &[[u32; 3]], cache: u32) -> f64 {
+    if faces.is_empty() {
+        return 0.0;
+    }
+    cache_misses(faces, cache) as f64 / faces.len() as f64
+}
+
+/// How many vertices a first-in, first-out cache of `cache` places computes in all.
+#[must_use]
+pub fn cache_misses(faces: &[[u32; 3]], cache: u32) -> u64 {
+    // A vertex is in the cache as long as fewer than `cache` others came in after it.
+    let mut came_in = vec![0_u64; n_vertices(faces)];
+    let mut misses = 0_u64;
+    for &vertex in faces.as_flattened() {
+        let last = &mut came_in[vertex as usize];
+        if *last == 0 || misses - *last >= u64::from(cache) {
+            misses += 1;
+            *last = misses;
+        }
+    }
+    misses
+}
+
+fn n_vertices(faces: &[[u32; 3]]) -> usize {
+    faces.as_flattened().iter().max().map_or(0, |most| *most as usize + 1)
+}
+
+/// The order in which to draw triangles so that vertices are used again while they are in the cache: a permutation of the
+/// rows of `faces`. The corners of a triangle keep their order.
+///
+/// The same on every machine. Time O(n), about 0.2 µs a triangle; memory about 30 bytes a triangle.
+///
+/// ```
+/// use chordal::explicit::{acmr, cache_order};
+/// let strip = |y: u32| (0..50).flat_map(move |x| { let a = 51 * y + x; [[a, a + 1, a + 52], [a, a + 52, a + 51]] });
+/// let faces: Vec<[u32; 3]> = (0..50).flat_map(strip).collect();
+/// let ordered: Vec<[u32; 3]> = cache_order(&faces).iter().map(|i| faces[*i as usize]).collect();
+/// assert!(acmr(&faces, 16) > 1.0 && acmr(&ordered, 16) < 0.75);
+/// ```
+///
+/// Source: T. Forsyth, *Linear-speed vertex cache optimisation*, 2006.
+#[must_use]
+pub fn cache_order(faces: &[[u32; 3]]) -> Vec<u32> {
+    Forsyth::new(faces).run()
+}
+
+struct Forsyth<'a> {
+    faces: &'a [[u32; 3]],
+    scores: Scores,
+    /// For each vertex where its triangles begin in `around`, and how many of them are left, which come first.
+    first: Vec<u32>,
+    left: Vec<u32>,
+    around: Vec<u32>,
+    /// The place of each vertex in the cache, or `NONE`.
+    place: Vec<u32>,
+    vertex_score: Vec<f32>,
+    is_drawn: Vec<bool>,
+}
+
+impl<'a> Forsyth<'a> {
+    fn new(faces: &'a [[u32; 3]]) -> Self {
+        let n = n_vertices(faces);
+        let mut left = vec![0_u32; n];
+        faces.as_flattened().iter().for_each(|v| left[*v as usize] += 1);
+        let mut first = Vec::with_capacity(n);
+        let mut sum = 0;
+        for count in &left {
+            first.push(sum);
+            sum += count;
+        }
+        let mut end = first.clone();
+        let mut around = vec![0; 3 * faces.len()];
+        for (face, corners) in faces.iter().enumerate() {
+            for v in corners {
+                let at = &mut end[*v as usize];
+                around[*at as usize] = face as u32;
+                *at += 1;
+            }
+        }
+        let scores = Scores::new();
+        let vertex_score = left.iter().map(|left| scores.of(NONE, *left)).collect();
+        let (place, is_drawn) = (vec![NONE; n], vec![false; faces.len()]);
+        Self { faces, scores, first, left, around, place, vertex_score, is_drawn }
+    }
+
+    fn run(mut self) -> Vec<u32> {
+        let mut order = Vec::with_capacity(self.faces.len());
+        // The latest first; three more than fit, which leave when they have been seen.
+        let mut cache: Vec<u32> = Vec::with_capacity(CACHE + 3);
+        let mut before = Vec::with_capacity(CACHE + 3);
+        let (mut next, mut cursor) = (None, 0);
+        while order.len() < self.faces.len() {
+            let face = next.unwrap_or_else(|| {
+                while self.is_drawn[cursor] {
+                    cursor += 1;
+                }
+                cursor as u32
+            });
+            order.push(face);
+            self.is_drawn[face as usize] = true;
+            std::mem::swap(&mut cache, &mut before);
+            cache.clear();
+            for v in self.faces[face as usize] {
+                self.drop_face(v, face);
+                if !cache.contains(&v) {
+                    cache.push(v);
+                }
+            }
+            let corners = cache.len();
+            cache.extend(before.iter().filter(|v| !self.faces[face as usize].contains(v)));
+            debug_assert!(corners <= 3);
+            next = self.score(&mut cache);
+        }
+        order
+    }
+
+    /// Takes a triangle off those that are left at a vertex.
+    fn drop_face(&mut self, vertex: u32, face: u32) {
+        let from = self.first[vertex as usize] as usize;
+        let left = &mut self.left[vertex as usize];
+        let around = &mut self.around[from..from + *left as usize];
+        if let Some(at) = around.iter().position(|other| *other == face) {
+            *left -= 1;
+            around.swap(at, *left as usize);
+        }
+    }
+
+    /// Scores all vertices of the cache anew, lets those go that do not fit, and finds the best triangle of all.
+    fn score(&mut self, cache: &mut Vec<u32>) -> Option<u32> {
+        for (place, &v) in cache.iter().enumerate() {
+            let place = if place < CACHE { place as u32 } else { NONE };
+            self.place[v as usize] = place;
+            self.vertex_score[v as usize] = self.scores.of(place, self.left[v as usize]);
+        }
+        let mut best: Option<(f32, u32)> = None;
+        for &v in cache.iter() {
+            let from = self.first[v as usize] as usize;
+            for &face in &self.around[from..from + self.left[v as usize] as usize] {
+                let [a, b, c] = self.faces[face as usize].map(|v| self.vertex_score[v as usize]);
+                let score = a + b + c;
+                // Of equal ones the first in the file.
+                if best.is_none_or(|(most, known)| score > most || (score == most && face < known)) {
+                    best = Some((score, face));
+                }
+            }
+        }
+        cache.truncate(CACHE);
+        best.map(|(_, face)| face)
+    }
+}
+
+/// Scores by place in the cache and by triangles left.
+struct Scores {
+    by_place: [f32; CACHE],
+    by_left: [f32; MOST_LEFT],
+}
+
+impl Scores {
+    fn new() -> Self {
+        let by_place = |place: usize| {
+            let share = 1.0 - (place as f64 - 3.0) / (CACHE as f64 - 3.0);
+            if place < 3 { LAST } else { libm::pow(share, DECAY) }
+        };
+        let by_left = |left: usize| if left == 0 { 0.0 } else { FEW_LEFT / (left as f64).sqrt() };
+        Self {
+            by_place: std::array::from_fn(|place| by_place(place) as f32),
+            by_left: std::array::from_fn(|left| by_left(left) as f32),
+        }
+    }
+
+    fn of(&self, place: u32, left: u32) -> f32 {
+        if left == 0 {
+            return 0.0;
+        }
+        let few = self.by_left[(left as usize).min(MOST_LEFT - 1)];
+        few + self.by_place.get(place as usize).copied().unwrap_or(0.0)
+    }
+}
+
+/// The order in which triangles first use vertices: old indices by new ones, so that what is drawn together lies together
+/// in memory. Vertices that no triangle uses are not among them. Time O(n).
+///
+/// ```
+/// use chordal::explicit::fetch_order;
+/// assert_eq!(fetch_order(&[[7, 2, 3], [3, 2, 0]]), [7, 2, 3, 0]);
+/// ```
+#[must_use]
+pub fn fetch_order(faces: &[[u32; 3]]) -> Vec<u32> {
+    let mut seen = vec![false; n_vertices(faces)];
+    let is_new = |v: &&u32| !std::mem::replace(&mut seen[**v as usize], true);
+    faces.as_flattened().iter().filter(is_new).copied().collect()
+}
