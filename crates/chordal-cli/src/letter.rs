@@ -101,6 +101,9 @@ fn surface(lines: &mut Lines, valid: &Valid) {
     let mean = anatomy.triangles_per_vertex;
     facts.extend(mean.map(|mean| format!("{} triangles a vertex", short(mean, Toward::Nearest))));
     lines.add("surface", facts.join(", "));
+    if !anatomy.in_place {
+        lines.add("", "areas, volumes and places below in the parts' own coordinates");
+    }
     let (is, is_not) = properties(valid, anatomy);
     lines.add_if("is", (!is.is_empty()).then(|| is.join(", ")));
     lines.add_if("is not", (!is_not.is_empty()).then(|| is_not.join(", ")));

@@ -99,6 +99,7 @@ fn complaint(valid: &Valid, required: Requirement) -> Vec<String> {
         Requirement::Outward => match anatomy.and_then(|anatomy| anatomy.outward) {
             Some(true) => Vec::new(),
             Some(false) => of("not outward", &[Defect::InsideOut]),
+            None if counts.components == 0 => vec!["not outward: there are no triangles".to_owned()],
             None => vec!["not outward: a component has no inside, or none that is decided".to_owned()],
         },
         Requirement::SingleComponent if counts.components != 1 => {

@@ -176,7 +176,8 @@ impl Place {
     }
 }
 
-const IDENTITY: Matrix = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+pub(crate) const IDENTITY: Matrix =
+    [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
 /// All places of parts, by walking the scene from its roots with a stack of its own. Readers make sure that nodes
 /// are a forest.

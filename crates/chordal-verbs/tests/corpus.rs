@@ -137,6 +137,24 @@ fn is_a_good_letter(name: &str, report: &Report, scene: &chordal_io::Scene) {
 }
 
 #[test]
+fn places_of_moved_parts_are_said_to_be_their_own() {
+    let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let mesh = Mesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).unwrap();
+    for moved in [0.0, 5.0] {
+        let mut scene = chordal_io::Scene::of("one", mesh.clone(), true, Default::default());
+        scene.nodes[0].matrix[12] = moved;
+        let mut glb = Vec::new();
+        chordal_verbs::write(&scene, None, Format::Glb, &mut glb).unwrap();
+        let input = load(&glb, Hint::default(), &Default::default()).unwrap();
+        let report = chordal_verbs::inspect(&input);
+        let anatomy = report.certificate.valid.unwrap().anatomy.unwrap();
+        let bounds = report.inspection.unwrap().bounds.unwrap();
+        assert_eq!((anatomy.in_place, bounds[0][0]), (moved == 0.0, moved));
+        assert_eq!(anatomy.component_list[0].bounds, [[0.0; 3], [1.0; 3]]);
+    }
+}
+
+#[test]
 fn every_file_of_the_corpus_gets_a_letter_whose_counts_are_right() {
     let schema = schema();
     let mut met: BTreeSet<&str> = BTreeSet::new();

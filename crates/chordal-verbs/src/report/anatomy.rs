@@ -1,7 +1,9 @@
 //! What takes a closer look: components, which side is out, self-intersections, and what mends what was found.
 use super::checked::Checked;
 use super::valid::{Counts, Valid};
+use crate::placed::IDENTITY;
 use chordal::check::{CURES, Component, Defect, Facing, Finding, Weight, outward};
+use chordal_io::Scene;
 use serde::Serialize;
 
 /// What `inspect` says of triangles beyond the counts.
@@ -16,7 +18,10 @@ pub struct Anatomy {
     pub self_intersections: Option<u64>,
     /// Triangles at a position, on average; none without triangles.
     pub triangles_per_vertex: Option<f64>,
-    /// The area of all triangles, in squared units of the parts' own coordinates.
+    /// No node moves a part. Else all points, areas and volumes here are in the parts' own coordinates, which are not
+    /// those of the scene's box.
+    pub in_place: bool,
+    /// The area of all triangles, each part once.
     pub area: f64,
     /// The volume inside, in cubed units; none unless the triangles are closed and oriented.
     pub volume: Option<f64>,
@@ -96,7 +101,7 @@ impl ComponentFacts {
 }
 
 impl Anatomy {
-    pub(super) fn of(parts: &[&Checked], counts: &Counts) -> Self {
+    pub(super) fn of(parts: &[&Checked], counts: &Counts, scene: &Scene) -> Self {
         let sum = |f: fn(&Checked) -> f64| parts.iter().fold(0.0, |sum, part| sum + f(part));
         let crossing: Option<Vec<&Finding>> =
             parts.iter().map(|part| part.self_intersections.as_ref()).collect();
@@ -106,6 +111,7 @@ impl Anatomy {
             inside_out: parts.iter().map(|part| part.inside_out.count).sum(),
             self_intersections: crossing.map(|all| all.iter().map(|finding| finding.count).sum()),
             triangles_per_vertex: triangles_per_vertex(parts),
+            in_place: scene.nodes.iter().all(|node| node.matrix == IDENTITY),
             area: sum(|part| part.found.measure.area),
             volume: (counts.closed && counts.oriented).then_some(volume),
             component_list: largest(parts),

@@ -168,7 +168,7 @@ impl Counted {
             counted.valid.parts = parts.iter().enumerate().map(part).collect();
         }
         let own: Vec<&Checked> = parts.iter().map(|part| &part.own).collect();
-        counted.valid.anatomy = Some(Anatomy::of(&own, &counted.valid.counts));
+        counted.valid.anatomy = Some(Anatomy::of(&own, &counted.valid.counts, scene));
         let witnesses = own.iter().enumerate().flat_map(|(i, found)| found.witnesses(i));
         counted.valid.witnesses = Some(witnesses.collect());
         Ok(counted)

@@ -163,7 +163,7 @@ impl Defect {
     pub fn advice(self) -> &'static str {
         match self {
             Self::SelfIntersections => {
-                "unite the solids in the program that made them; winding numbers still tell inside from outside"
+                "move them apart or unite the solids in the program that made them; winding numbers still tell what is inside"
             }
             Self::Slivers => {
                 "mesh the true shape again, if there is one; smooth normals are safer than flat ones"
