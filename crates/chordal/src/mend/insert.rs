@@ -1,6 +1,7 @@
 //! Vertices into the edges of faces: the face is cut, and its neighbours are left to themselves.
 use super::draft::{Blend, Draft, Face, Row};
 use crate::Mesh;
+use crate::check::has_zero_area;
 use crate::explicit::Domain;
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -46,7 +47,7 @@ impl<'a> Cutter<'a> {
     }
 
     /// Cuts one face, whose insertions these are, all different. False, and the face as it is, where an edge would get a
-    /// third face by that, or one would have two equal ends.
+    /// third face by that, or have two equal ends, or a face with area would give one without.
     pub fn cut(&mut self, face: u32, insertions: &[Insertion], draft: &mut Draft) -> bool {
         let corners = self.mesh.faces()[face as usize];
         // 1. The vertices along each side, from its start to its end, with their places on it.
@@ -64,7 +65,10 @@ impl<'a> Cutter<'a> {
             around.extend(sides[k].iter().map(|&(t, row)| Stop { row, side: k, t }));
         }
         let triangles = fan([sides[0].len(), sides[1].len(), sides[2].len()]);
-        if !self.fits(&around, &triangles) {
+        let has_area =
+            |corners: [u32; 3]| !has_zero_area(corners.map(|row| self.mesh.positions()[row as usize]));
+        let keeps_area = !has_area(corners) || triangles.iter().all(|t| has_area(t.map(|i| around[i].row)));
+        if !(keeps_area && self.fits(&around, &triangles)) {
             draft.faces.push(Face::kept(self.mesh, face));
             return false;
         }

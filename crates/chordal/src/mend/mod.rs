@@ -20,7 +20,6 @@ mod drop_unused;
 mod fill_holes;
 mod insert;
 mod mended;
-mod nesting;
 mod orient;
 mod radial;
 mod resolve_t_junctions;

@@ -4,7 +4,7 @@ use super::insert::{Cutter, Insertion};
 use super::mended::{Mended, begin};
 use crate::Mesh;
 use crate::budget::{Job, Stopped, Tolerance};
-use crate::check::{Finding, Place, Surface, Witness, vertices_in_edges};
+use crate::check::{Finding, Place, Surface, Witness, has_zero_area, vertices_in_edges};
 use crate::explicit::{Topology, next_in_face};
 use crate::math::{add_up, mul_up};
 
@@ -16,7 +16,7 @@ use crate::math::{add_up, mul_up};
 ///
 /// **Bound.** 0 when exact. Else the largest distance of such a vertex from its edge, rounded up: the edge is bent to it,
 /// and all points of the face follow in proportion. The changes are `resolved_t_junctions`, each vertex and edge, and
-/// `left_t_junctions`, where an edge would have got a third face.
+/// `left_t_junctions`, where an edge would have got a third face, or the face has no area.
 ///
 /// O(n log n) for n boundary edges that do not all pass through one small place.
 ///
@@ -59,7 +59,13 @@ pub fn resolve_t_junctions(
             draft.faces.push(Face::kept(mesh, face));
             continue;
         };
-        let is_cut = cutter.cut(face, insertions, &mut draft);
+        // A face without area would become several of them.
+        let is_cut = if has_zero_area(mesh.corners(face as usize)) {
+            draft.faces.push(Face::kept(mesh, face));
+            false
+        } else {
+            cutter.cut(face, insertions, &mut draft)
+        };
         for insertion in insertions {
             let finding = if is_cut { &mut resolved } else { &mut left };
             finding.add(|| witness(mesh, insertion));

@@ -66,6 +66,20 @@ fn every_cure_is_done_at_once_and_says_nothing_the_second_time() {
     }
 }
 
+#[test]
+fn after_orient_nothing_is_inside_out() {
+    let mut turned = 0;
+    for seed in 0..SEEDS {
+        let mesh = random_mesh(seed);
+        let mended = cure("orient", &mesh);
+        for component in chordal::check::components(&mended.mesh, Topology::Indices) {
+            assert_ne!(component.facing, chordal::check::Facing::InsideOut, "seed {seed}");
+        }
+        turned += mended.count("turned_faces");
+    }
+    assert!(turned > 1000);
+}
+
 /// The findings that each cure takes away, and what it must say where it does not.
 const CURED: [(&str, &[&str], &str); 8] = [
     ("drop_duplicates either way", &["duplicate_faces"], ""),
@@ -110,6 +124,8 @@ fn no_edge_gets_a_third_face_and_no_position_a_second_fan() {
                 assert!(found.vertex_manifold, "seed {seed}, {name}: {:?}", found.non_manifold_vertices);
             }
         }
+        let cut = findings(&cure("resolve_t_junctions", &mesh).mesh)[6].1;
+        assert!(cut <= findings(&mesh)[6].1, "seed {seed}: a cut makes faces with area");
         // Filling makes faces with area, and neighbours that agree.
         assert_eq!(findings(&cure("fill_holes", &mesh).mesh)[6].1, findings(&mesh)[6].1, "seed {seed}");
         let oriented = cure("orient", &mesh).mesh;

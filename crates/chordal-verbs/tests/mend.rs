@@ -1,0 +1,195 @@
+//! `mend` on every file of the corpus, and on scenes whose nodes move and stretch their parts.
+use chordal::budget::Length;
+use chordal::{Job, Mesh};
+use chordal_io::{Format, Frame, Scene};
+use chordal_verbs::report::Counts;
+use chordal_verbs::{
+    Closeness, Duplicates, Hint, Holes, Input, MendSpec, MeshOutcome, Shape, load, mend, write,
+};
+use std::path::{Path, PathBuf};
+
+/// All files below the corpus' folders whose names end like that; empty, and said so, where there is no corpus.
+fn files() -> Vec<PathBuf> {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
+    let root = std::env::var_os("CHORDAL_DATA").map_or(beside, Into::into);
+    let mut folders: Vec<PathBuf> =
+        ["mesh", "topology", "batch"].iter().map(|name| root.join(name)).collect();
+    let mut found = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
+            let path = entry.path();
+            let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+            if path.is_dir() {
+                folders.push(path);
+            } else if ["obj", "ply", "stl", "glb"].contains(&extension.as_str()) {
+                found.push(path);
+            }
+        }
+    }
+    if found.is_empty() {
+        eprintln!("SKIPPED: no corpus at {}; set CHORDAL_DATA to where it is", root.display());
+    }
+    found.sort();
+    found
+}
+
+/// The triangles of a file, unless it is broken on purpose, or too large for a test of many.
+fn read(path: &Path) -> Option<Input> {
+    const MOST_BYTES: u64 = 8 << 20;
+    if std::fs::metadata(path).unwrap().len() > MOST_BYTES {
+        return None;
+    }
+    let bytes = std::fs::read(path).unwrap();
+    let name = path.to_string_lossy();
+    let input = load(&bytes, Hint { name: Some(&name), ..Hint::default() }, &Default::default()).ok()?;
+    matches!(input.shape, Shape::Scene(_)).then_some(input)
+}
+
+const ALL: MendSpec = MendSpec {
+    weld: Some(Closeness::Exact),
+    drop_duplicates: Some(Duplicates::EitherWay),
+    drop_degenerate: true,
+    resolve_t_junctions: Some(Closeness::Exact),
+    split_non_manifold: true,
+    orient: true,
+    fill_holes: Some(Holes::All),
+    drop_unused: true,
+};
+
+fn done(input: Input, spec: &MendSpec, to: Format) -> MeshOutcome {
+    mend(input, spec, to, &Job::default()).unwrap()
+}
+
+/// How often the cures say that something was met and not mended.
+fn left(outcome: &MeshOutcome, what: &str) -> u64 {
+    let changes = outcome.certificate.mended.iter().flat_map(|facts| &facts.changes);
+    changes.filter(|change| change.what == what).map(|change| change.count).sum()
+}
+
+#[test]
+fn all_cures_together_leave_nothing_to_mend_that_they_do_not_name() {
+    let (mut n_files, mut n_sick, mut n_closed) = (0, 0, 0);
+    for path in files() {
+        let Some(input) = read(&path) else { continue };
+        // OBJ keeps what was split apart: it has indices of positions, and ties what is tied.
+        let outcome = done(input, &ALL, Format::Obj);
+        let name = path.display();
+        let was = &outcome.certificate.valid_before.as_ref().unwrap().counts;
+        let is = &outcome.certificate.valid.as_ref().unwrap().counts;
+        assert!(is.manifold, "{name}: {is:?}");
+        assert_eq!((is.duplicate_faces, is.collapsed_faces, is.unused_vertices), (0, 0, 0), "{name}");
+        assert!(is.zero_area_faces == 0 || left(&outcome, "left_faces") > 0, "{name}: {is:?}");
+        assert!(is.inconsistent_edges == 0 || left(&outcome, "left_unorientable") > 0, "{name}: {is:?}");
+        let has_holes = is.boundary_edges > 0;
+        assert!(!has_holes || left(&outcome, "left_holes") > 0, "{name}: {is:?}");
+        assert!(outcome.bound.at_most().is_none_or(f64::is_finite), "{name}");
+        n_files += 1;
+        n_sick += u64::from(is_sick(was));
+        n_closed += u64::from(is.closed);
+    }
+    eprintln!("{n_files} files, {n_sick} of them with faults, {n_closed} closed afterwards");
+    assert!(n_files == 0 || (n_sick > 20 && n_closed > n_files * 3 / 4));
+}
+
+fn is_sick(counts: &Counts) -> bool {
+    !(counts.closed && counts.manifold && counts.oriented)
+        || counts.duplicate_faces + counts.zero_area_faces > 0
+}
+
+#[test]
+fn no_cure_alone_makes_a_fault_that_was_not_there() {
+    let none = MendSpec::default();
+    let alone = [
+        ("orient", MendSpec { orient: true, ..none }),
+        ("drop unused", MendSpec { drop_unused: true, ..none }),
+        ("split", MendSpec { split_non_manifold: true, ..none }),
+        ("fill", MendSpec { fill_holes: Some(Holes::All), ..none }),
+        ("t-junctions", MendSpec { resolve_t_junctions: Some(Closeness::Exact), ..none }),
+        ("degenerate", MendSpec { drop_degenerate: true, ..none }),
+    ];
+    for path in files() {
+        for (cure, spec) in alone {
+            let Some(input) = read(&path) else { continue };
+            if input.format != Format::Obj && input.format != Format::Ply {
+                continue;
+            }
+            let outcome = done(input, &spec, Format::Obj);
+            let name = format!("{}, {cure}", path.display());
+            let was = &outcome.certificate.valid_before.as_ref().unwrap().counts;
+            let is = &outcome.certificate.valid.as_ref().unwrap().counts;
+            // A copy of an edge that had three faces may be a boundary, and a hole may be left where there was a face.
+            let may_open = ["split", "degenerate"].contains(&cure);
+            assert!(may_open || is.boundary_edges <= was.boundary_edges || cure == "t-junctions", "{name}");
+            assert!(is.non_manifold_edges <= was.non_manifold_edges, "{name}");
+            // Two of three faces along an edge that are left there together may have been wound against each other.
+            let hidden = if cure == "split" { was.non_manifold_edges } else { 0 };
+            // Faces that become neighbours by a cut may turn out to be, too.
+            let met = cure == "t-junctions";
+            assert!(met || is.inconsistent_edges <= was.inconsistent_edges + hidden, "{name}");
+            assert!(is.duplicate_faces <= was.duplicate_faces, "{name}");
+            assert!(is.zero_area_faces <= was.zero_area_faces, "{name}");
+            assert!(is.unused_vertices <= was.unused_vertices || cure == "degenerate", "{name}");
+            assert!(!was.closed || is.closed, "{name}");
+        }
+    }
+}
+
+/// A triangle whose parts are shown twice, once as it is and once so many times as large; as the bytes of a GLB.
+fn shown_large(rows: &[[f64; 3]], faces: &[[u32; 3]], times: f64) -> Input {
+    let mesh = Mesh::new(rows.to_vec(), faces.to_vec()).unwrap();
+    let mut scene = Scene::of("part", mesh, false, Frame::default());
+    let mut node = scene.nodes[0].clone();
+    for k in [0, 5, 10] {
+        node.matrix[k] = times;
+    }
+    scene.nodes.push(node);
+    scene.roots.push(1);
+    let mut bytes = Vec::new();
+    write(&scene, None, Format::Glb, &mut bytes).unwrap();
+    load(&bytes, Hint { name: Some("a.glb"), ..Hint::default() }, &Default::default()).unwrap()
+}
+
+#[test]
+fn a_length_holds_where_a_part_is_shown_largest() {
+    // Two rows 1/64 apart, shown 4 times as large: 1/16 in the scene.
+    let rows =
+        [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.015625, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let faces = [[0, 1, 2], [3, 4, 5]];
+    let within = |length: f64| MendSpec {
+        weld: Some(Closeness::Within(Length::Plain(length.to_string().parse().unwrap()))),
+        ..MendSpec::default()
+    };
+    let welded = |length: f64| {
+        let outcome = done(shown_large(&rows, &faces, 4.0), &within(length), Format::Glb);
+        (left(&outcome, "welded_vertices"), outcome.bound.at_most().unwrap())
+    };
+    // The stretch of a matrix is bounded by the root of the sum of its squares: here √3 times what it is. So a length that
+    // is too small certainly moves nothing, and one that is twice as large as needed certainly suffices.
+    let (few, still) = welded(0.06);
+    let (more, moved) = welded(0.12);
+    assert_eq!((few, still, more), (0, 0.0, 1));
+    assert!((0.0625..0.12).contains(&moved), "{moved}");
+}
+
+#[test]
+fn each_part_is_mended_by_itself() {
+    let open = "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    let input =
+        load(open.as_bytes(), Hint { name: Some("a.obj"), ..Hint::default() }, &Default::default()).unwrap();
+    let Shape::Scene(mut scene) = input.shape.clone() else { panic!("triangles") };
+    let second = scene.parts[0].clone();
+    scene.parts.push(second);
+    let mut node = scene.nodes[0].clone();
+    (node.part, node.matrix[12]) = (Some(1), 5.0);
+    scene.nodes.push(node);
+    scene.roots.push(1);
+    let input = Input { shape: Shape::Scene(scene), ..input };
+    let outcome = done(input, &ALL, Format::Glb);
+    let scene = outcome.scene().unwrap();
+    assert_eq!(scene.parts.iter().map(|part| part.mesh.faces().len()).collect::<Vec<_>>(), [4, 4]);
+    assert_eq!(left(&outcome, "filled_holes"), 2);
+    let filled = outcome.certificate.mended.iter().find(|facts| facts.cure == "fill-holes").unwrap();
+    let parts: Vec<u64> = filled.changes[0].witnesses.iter().map(|witness| witness.part).collect();
+    assert_eq!(parts, [0, 1]);
+    assert!(outcome.certificate.valid.as_ref().unwrap().counts.closed);
+}
