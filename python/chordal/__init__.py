@@ -16,6 +16,7 @@ True
 from chordal._bound import Bound
 from chordal._chordal import VERSION as __version__
 from chordal._curve import Curve, bezier
+from chordal._deviation import Deviation, OneSided
 from chordal._errors import (
     BudgetError,
     BudgetUnmet,
@@ -27,7 +28,7 @@ from chordal._errors import (
 )
 from chordal._mesh import Mesh
 from chordal._polylines import Polyline, Polylines
-from chordal._shape import Shape, load
+from chordal._shape import Shape, load, triangles
 from chordal._view import View
 
 __all__ = [
@@ -35,9 +36,11 @@ __all__ = [
     "BudgetError",
     "BudgetUnmet",
     "Curve",
+    "Deviation",
     "Error",
     "InternalError",
     "Mesh",
+    "OneSided",
     "Polyline",
     "Polylines",
     "ReadError",
@@ -48,4 +51,5 @@ __all__ = [
     "__version__",
     "bezier",
     "load",
+    "triangles",
 ]

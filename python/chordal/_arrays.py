@@ -40,6 +40,26 @@ def coordinates(name: str, value: ArrayLike) -> NDArray[np.float64]:
     return copied
 
 
+def indices(name: str, value: ArrayLike) -> NDArray[np.uint32]:
+    """Whole numbers from 0 on that 32 bits can hold, copied in rows."""
+    import numpy as np
+
+    try:
+        found = np.asanyarray(value)
+    except ValueError as error:
+        raise ValueError(f"{name}: rows of different lengths are no array") from error
+    if found.size == 0:
+        return np.zeros(found.shape if found.ndim == 2 else (0, 3), np.uint32)
+    if found.dtype.kind not in "iu":
+        raise TypeError(f"{name}: an array of whole numbers, not of {found.dtype}")
+    own = np.array(found, order="C", copy=True, subok=False)
+    bad = np.argwhere((own < 0) | (own > 2**32 - 1))
+    if len(bad):
+        place = tuple(int(index) for index in bad[0])
+        raise ValueError(f"{name}: the number at {place} is no index: {own[place]}")
+    return own.astype(np.uint32, order="C", copy=False)
+
+
 def _can_lose(dtype: np.dtype[Any]) -> bool:
     """Whether there are numbers of this type that double precision rounds."""
     return dtype.itemsize > (8 if dtype.kind == "f" else 4)

@@ -54,10 +54,15 @@ def wanted(
     return found
 
 
+def length(name: str, value: Length) -> str:
+    """A length as the command reads it."""
+    return value if isinstance(value, str) else repr(number(name, value))
+
+
 def _tol(tol: Length | None) -> tuple[str, str] | None:
     if tol is None:
         return None
-    return "tol", tol if isinstance(tol, str) else repr(number("tol", tol))
+    return "tol", length("tol", tol)
 
 
 def _rel(rel: Share | None) -> tuple[str, str] | None:

@@ -5,15 +5,20 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
-from typing import Any, Final, Literal, SupportsFloat, SupportsIndex
+from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat, SupportsIndex
 
 from chordal import _chordal, _files
 from chordal._arguments import function, text
+from chordal._arrays import coordinates, indices
 from chordal._budget import Length, Share, wanted
+from chordal._deviation import Deviation, measured
 from chordal._errors import Refused
 from chordal._mesh import Mesh
 from chordal._polylines import Polylines
 from chordal._view import View
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 #: Told about progress: the name of the stage, the steps that are done, and those in all.
 Progress = Callable[[str, int, int], object]
@@ -59,6 +64,23 @@ def load(
     return Shape(_chordal.Source(content, reading))
 
 
+def triangles(vertices: ArrayLike, faces: ArrayLike, *, unit: str | None = None) -> Shape:
+    """A triangle mesh from arrays: `vertices` n × 3 coordinates, `faces` m × 3 indices into them.
+
+    Any real numbers and any integers will do; they are copied. Counter-clockwise is the front. `unit` is the unit of
+    the coordinates, for lengths with a unit.
+
+    >>> import chordal
+    >>> chordal.triangles([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    <Shape: triangles, from ply>
+    """
+    points, rows = coordinates("vertices", vertices), indices("faces", faces)
+    for name, array in (("vertices", points), ("faces", rows)):
+        if array.ndim != 2 or array.shape[1] != 3:
+            raise ValueError(f"{name}: rows of 3, as in (n, 3), not {array.shape}")
+    return Shape(_chordal.Source.triangles(points.tobytes(), rows.tobytes(), text("unit", unit)))
+
+
 class Shape:
     """What a file holds: patches, triangles, a drawing, or curves in space. `load` makes it; it does not change."""
 
@@ -81,6 +103,34 @@ class Shape:
         """The report of `chordal inspect`: what it is, its size, its warnings, and whether it is sound."""
         report: dict[str, Any] = json.loads(self._source.inspect())
         return report
+
+    def deviation(
+        self,
+        other: Shape | Mesh,
+        *,
+        relative: SupportsFloat = 0.1,
+        absolute: Length | None = None,
+        max: Length | None = None,
+        progress: Progress | None = None,
+    ) -> Deviation:
+        """How far this shape and another one are apart, both ways: an interval that is proved.
+
+        The upper end is at most the share `relative` above the lower one, or the length `absolute`. With `max` only the
+        side of that limit matters, and `verdict` says it. Lengths are in units, or texts as in "0.1mm" or "0.05%", a
+        share of the diagonal of the other shape's box. Patches are meshed on the way, which is added at both ends.
+
+        Other threads, Ctrl-C and `progress` are as for `Shape.mesh`. Raises `Refused` where a shape has no surface.
+
+        >>> import chordal
+        >>> one = chordal.triangles([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+        >>> two = chordal.triangles([(0, 0, 2), (1, 0, 2), (0, 1, 2)], [(0, 1, 2)])
+        >>> found = one.deviation(two)
+        >>> found.bound.at_least <= 2 <= found.bound.at_most
+        True
+        """
+        return measured(
+            self._source, other, relative=relative, absolute=absolute, max=max, progress=progress
+        )
 
     def mesh(
         self,

@@ -226,6 +226,14 @@ pub struct RenderArgs {
     #[arg(long, value_name = "SIDES", default_value = "none")]
     pub cull: crate::render::Cull,
 
+    /// For --show deviation: the shape that the distance is measured from
+    #[arg(long, value_name = "FILE")]
+    pub against: Option<PathBuf>,
+
+    /// For --show deviation: the distance that is darkest; the largest one unless said
+    #[arg(long, value_name = "LENGTH", value_parser = length, requires = "against")]
+    pub darkest: Option<Length>,
+
     /// The size of the picture
     #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "view", allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
@@ -291,6 +299,8 @@ pub enum Show {
     Wire,
     /// The direction of the normal as a colour
     Normals,
+    /// The distance from the shape of --against as a colour, from light through yellow and red to dark
+    Deviation,
 }
 
 /// The reason alone: the message that it becomes part of names the text already.

@@ -244,11 +244,23 @@ fn what(witness: &WitnessFacts) -> String {
     }
 }
 
+/// A name as a shell takes it.
+fn quoted(name: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./+:@,=".contains(c);
+    if name.chars().all(plain) { name.to_owned() } else { format!("'{}'", name.replace('\'', r"'\''")) }
+}
+
 /// All cures in one command.
 fn prescription(lines: &mut Lines, name: &str, findings: &[FindingFacts]) {
     let cures = cures_of_all(findings);
     if !cures.is_empty() {
-        let _ = writeln!(lines.0, "\n  {:<11} chordal mend {name} {} -o OUT", "to mend", cures.join(" "));
+        let _ = writeln!(
+            lines.0,
+            "\n  {:<11} chordal mend {} {} -o OUT",
+            "to mend",
+            quoted(name),
+            cures.join(" ")
+        );
     }
 }
 
@@ -265,5 +277,18 @@ fn certified(found: &Found) -> String {
         bound
     } else {
         format!("{bound}, but of another shape: {}", found.differs.join(", "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_quoted_where_a_shell_would_part_them() {
+        assert_eq!(quoted("a/b-c.obj"), "a/b-c.obj");
+        assert_eq!(quoted("my part.obj"), "'my part.obj'");
+        assert_eq!(quoted("it's.obj"), r"'it'\''s.obj'");
+        assert_eq!(quoted("$(x).obj"), "'$(x).obj'");
     }
 }

@@ -1,17 +1,17 @@
 //! `chordal render`
-use crate::args::{RenderArgs, Show};
+use crate::args::{InputArgs, RenderArgs, Show};
 use crate::clock::Clock;
 use crate::common;
 use crate::fault::Fault;
 use crate::input::Source;
-use crate::numbers::point;
+use crate::numbers::{Toward, point, short};
 use crate::output::Target;
 use crate::summary;
 use crate::talk::Talk;
 use chordal::budget::{Screen, View};
 use chordal::render::{Cull as Culled, Options, Show as Shown, Viewpoint};
 use chordal_verbs::report::{Report, Run};
-use chordal_verbs::{Fineness, USUAL_SCREEN, render};
+use chordal_verbs::{Fineness, Input, USUAL_SCREEN, render, render_against};
 use clap::ValueEnum;
 
 /// Which sides of triangles a picture leaves out.
@@ -39,8 +39,12 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let name = source.name();
     let options =
         Options { show: shown(args.show), cull: culled(args.cull), viewpoint, ..Options::default() };
-    let outcome = render(&input, &options, fineness(args), &job)
-        .map_err(|failure| common::fault(&name, &failure, ""))?;
+    let against = against(args, &talk)?;
+    let outcome = match against {
+        Some(against) => render_against(input, against, args.darkest, &options, &job),
+        None => render(&input, &options, fineness(args), &job),
+    };
+    let outcome = outcome.map_err(|failure| common::fault(&name, &failure, ""))?;
     let bytes = target.write(&mut |out| outcome.write(out))?;
 
     let run = Run {
@@ -55,7 +59,24 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let Screen { width_px, height_px } = outcome.camera.screen;
     let picture = format!("{width_px}x{height_px} from {}", point(outcome.camera.eye));
     talk.detail(&format!("the picture again: --view \"{}\"", View::Camera(outcome.camera)));
+    let scale = outcome
+        .darkest
+        .map(|most| format!("distances, light at 0, darkest at {}", short(most, Toward::Nearest)));
+    let picture = scale.map_or(picture.clone(), |scale| format!("{picture}: {scale}"));
     talk.result(&report.to_value(), &summary::render(&report, &picture), stdout)
+}
+
+/// The shape of `--against`, which `--show deviation` needs and nothing else takes.
+fn against(args: &RenderArgs, talk: &Talk) -> Result<Option<Input>, Fault> {
+    match (args.show, &args.against) {
+        (Show::Deviation, Some(file)) => {
+            let args = InputArgs { input: file.clone(), ..args.input.clone() };
+            common::read(&args, talk).map(Some)
+        }
+        (Show::Deviation, None) => Err(Fault::usage("--show deviation needs --against FILE to measure from")),
+        (_, Some(_)) => Err(Fault::usage("--against is for --show deviation")),
+        (_, None) => Ok(None),
+    }
 }
 
 /// The camera of `--view`, or one that frames the shape in a picture of `--size`.
@@ -81,6 +102,8 @@ fn shown(show: Show) -> Shown {
         Show::Flat => Shown::Flat,
         Show::Wire => Shown::Wire,
         Show::Normals => Shown::Normals,
+        // Colours over light.
+        Show::Deviation => Shown::Shaded,
     }
 }
 

@@ -5,12 +5,14 @@
 mod array;
 mod command;
 mod curve;
+mod deviation;
 mod failure;
 mod outcome;
 mod pool;
 mod rows;
 mod source;
 mod spec;
+mod triangles;
 mod view;
 mod work;
 

@@ -1,11 +1,12 @@
 //! `Outcome`: triangles or polylines with all that is known of them, and the way back to their source.
 use crate::array::Array;
+use crate::deviation::{self, Asked, Named, Other};
 use crate::rows::{Lines, Triangles};
 use crate::{failure, work};
 use chordal::Job;
 use chordal_io::Format;
 use chordal_verbs::report::{Report, Run};
-use chordal_verbs::{BudgetSpec, Input, Made, MeshFailure, MeshOutcome, mesh};
+use chordal_verbs::{BudgetSpec, Input, Made, MeshFailure, MeshOutcome, Shape, mesh, sha256};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::sync::Arc;
@@ -79,6 +80,23 @@ impl Outcome {
     }
 }
 
+impl Outcome {
+    /// The triangles as a shape of their own: what a file of them holds.
+    pub(crate) fn named(&self, py: Python<'_>) -> PyResult<Named> {
+        let outcome = Arc::clone(&self.filled.outcome);
+        let input = work::run(py, None, move |_| {
+            let scene = outcome.scene()?.clone();
+            let mut bytes = Vec::new();
+            outcome.write(&mut bytes).ok()?;
+            let (shape, format) = (Shape::Scene(scene), outcome.format);
+            let (n_bytes, sha256) = (bytes.len() as u64, sha256(&bytes));
+            Some(Input { shape, format, n_bytes, sha256, warnings: Vec::new() })
+        })?;
+        let input = input.ok_or_else(|| failure::internal(py, "there are no triangles"))?;
+        Ok(Named { input: Arc::new(input), name: None })
+    }
+}
+
 #[pymethods]
 impl Outcome {
     /// Why it misses its budget, in a sentence, if it does.
@@ -104,6 +122,17 @@ impl Outcome {
             Rows::Lines(rows) => Lines::array(rows, name),
         };
         array.ok_or_else(|| failure::internal(py, &format!("there are no {name}, or too many")))
+    }
+
+    /// The report of `chordal deviation` of the triangles from another shape, as JSON.
+    fn deviation(
+        &self,
+        py: Python<'_>,
+        other: Other,
+        asked: Asked,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<String> {
+        deviation::report(py, self.named(py)?, &other, asked, progress)
     }
 
     /// The same shape within the same budget for a file of that format, whose rounding then counts.

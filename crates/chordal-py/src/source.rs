@@ -1,7 +1,9 @@
 //! `Source`: a shape as it was read.
 use crate::curve::curves;
+use crate::deviation::{self, Asked, Named, Other};
 use crate::outcome::{Order, Outcome};
 use crate::spec::{Wanted, parsed};
+use crate::triangles::triangles;
 use crate::{failure, work};
 use chordal::budget::Unit;
 use chordal_io::{Axis, Format, Frame, Limits, ReadError, UnknownFormat};
@@ -81,6 +83,22 @@ impl Source {
         Ok(Self { input: Arc::new(input), name: None })
     }
 
+    /// Triangles: `numbers` are three coordinates a vertex in double precision, `indices` three vertices a face in 32
+    /// bits, both in the byte order of the machine.
+    #[staticmethod]
+    fn triangles(
+        py: Python<'_>,
+        numbers: PyBackedBytes,
+        indices: PyBackedBytes,
+        unit: Option<&str>,
+    ) -> PyResult<Self> {
+        let metres_per_unit = parsed::<Unit>("unit", unit)?.map(Unit::metres);
+        let frame = Frame { up: None, metres_per_unit };
+        let made = work::run(py, None, move |_| triangles(&numbers, &indices, frame))?;
+        let input = made.map_err(|error| failure::argument("faces", error))?;
+        Ok(Self { input: Arc::new(input), name: None })
+    }
+
     /// The name of the kind, as in "patches".
     #[getter]
     fn kind(&self) -> &'static str {
@@ -107,6 +125,17 @@ impl Source {
         Ok(report.to_value().to_string())
     }
 
+    /// The report of `chordal deviation` from another shape, as JSON.
+    fn deviation(
+        &self,
+        py: Python<'_>,
+        other: Other,
+        asked: Asked,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<String> {
+        deviation::report(py, self.named(), &other, asked, progress)
+    }
+
     /// Triangles or polylines within a budget, as a file of that format would have them.
     fn mesh(
         &self,
@@ -123,6 +152,12 @@ impl Source {
             to,
             progress,
         )
+    }
+}
+
+impl Source {
+    pub(crate) fn named(&self) -> Named {
+        Named { input: Arc::clone(&self.input), name: self.name.clone() }
     }
 }
 

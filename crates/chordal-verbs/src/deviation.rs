@@ -61,8 +61,7 @@ pub fn deviation(a: Input, b: Input, spec: &DeviationSpec, job: &Job) -> Result<
     };
     certificate.notes.extend(frames_differ(&a, &b));
     let against = crate::report::InputFacts::of(&b);
-    let surfaces = [Surface::of(a.shape, &mut certificate)?, Surface::of(b.shape, &mut certificate)?];
-    let found = measure(&surfaces, &goal, job)?;
+    let found = Pair::of(a.shape, b.shape, &mut certificate)?.measure(&goal, job)?;
     certificate.bound = Some(BoundFacts::of(&found.bound));
     let verdict = goal.max.map(|max| Verdict::of(&found.bound, max));
     let facts = DeviationFacts {
@@ -155,12 +154,17 @@ impl Surface {
 }
 
 /// What was measured, with what meshing on the way lost.
-struct Found {
-    bound: Bound,
-    forward: OneSided,
-    backward: OneSided,
-    reached: bool,
+pub(crate) struct Found {
+    pub bound: Bound,
+    pub forward: OneSided,
+    pub backward: OneSided,
+    pub reached: bool,
+    /// The share of their diagonals to which smooth shapes were meshed.
+    share: f64,
 }
+
+/// Two surfaces.
+pub(crate) struct Pair([Surface; 2]);
 
 /// Shares of the diagonal to which patches are meshed: first, and at the finest.
 const FIRST: f64 = 1e-4;
@@ -168,33 +172,47 @@ const FINEST: f64 = 1e-6;
 /// Of the gap between the ends, what meshing may take: at each end, in each surface.
 const OF_GAP: f64 = 0.1;
 
-fn measure(surfaces: &[Surface; 2], goal: &Goal, job: &Job) -> Result<Found, MeshFailure> {
-    let exact = surfaces.iter().all(Surface::is_exact);
-    let mut share = FIRST;
-    loop {
-        let [(a, a_off), (b, b_off)] = [surfaces[0].within(share, job)?, surfaces[1].within(share, job)?];
-        let off = if a_off + b_off == 0.0 { 0.0 } else { add_up(a_off, b_off) };
-        let inner = if exact { *goal } else { inside(goal, off) };
-        let found = check::deviation(&a, &b, &inner, job).map_err(|stopped| match stopped {
-            Stopped::Refused(refusal) => MeshFailure::Refused(refusal),
-            Stopped::Cancelled => MeshFailure::Cancelled,
-        })?;
-        let [forward, backward] = [found.forward, found.backward].map(|side| widened(side, off));
-        let least = if forward.at_least > backward.at_least { forward.at_least } else { backward.at_least };
-        let most = if forward.at_most > backward.at_most { forward.at_most } else { backward.at_most };
-        let near = most <= (1.0 + goal.relative) * least
-            || goal.absolute.is_some_and(|length| most <= least + length.get());
-        let decided = goal.max.is_some_and(|max| least > max.get() || most <= max.get());
-        if exact || decided || near && goal.max.is_none() || share <= FINEST {
-            let mut bound = Bound::proved(least, most, surfaces[1].reference());
-            bound.at = found.bound.at;
-            let reached = if exact { found.reached } else { near || decided };
-            return Ok(Found { bound, forward, backward, reached });
+impl Pair {
+    /// The surfaces of two shapes; notes of the certificate say what is left out.
+    pub fn of(a: Shape, b: Shape, certificate: &mut Certificate) -> Result<Self, MeshFailure> {
+        Ok(Self([Surface::of(a, certificate)?, Surface::of(b, certificate)?]))
+    }
+
+    /// The triangles that were measured.
+    pub fn meshes(&self, found: &Found, job: &Job) -> Result<[Cow<'_, Mesh>; 2], MeshFailure> {
+        Ok([self.0[0].within(found.share, job)?.0, self.0[1].within(found.share, job)?.0])
+    }
+
+    pub fn measure(&self, goal: &Goal, job: &Job) -> Result<Found, MeshFailure> {
+        let surfaces = &self.0;
+        let exact = surfaces.iter().all(Surface::is_exact);
+        let mut share = FIRST;
+        loop {
+            let [(a, a_off), (b, b_off)] = [surfaces[0].within(share, job)?, surfaces[1].within(share, job)?];
+            let off = if a_off + b_off == 0.0 { 0.0 } else { add_up(a_off, b_off) };
+            let inner = if exact { *goal } else { inside(goal, off) };
+            let found = check::deviation(&a, &b, &inner, job).map_err(|stopped| match stopped {
+                Stopped::Refused(refusal) => MeshFailure::Refused(refusal),
+                Stopped::Cancelled => MeshFailure::Cancelled,
+            })?;
+            let [forward, backward] = [found.forward, found.backward].map(|side| widened(side, off));
+            let least =
+                if forward.at_least > backward.at_least { forward.at_least } else { backward.at_least };
+            let most = if forward.at_most > backward.at_most { forward.at_most } else { backward.at_most };
+            let near = most <= (1.0 + goal.relative) * least
+                || goal.absolute.is_some_and(|length| most <= least + length.get());
+            let decided = goal.max.is_some_and(|max| least > max.get() || most <= max.get());
+            if exact || decided || near && goal.max.is_none() || share <= FINEST {
+                let mut bound = Bound::proved(least, most, surfaces[1].reference());
+                bound.at = found.bound.at;
+                let reached = if exact { found.reached } else { near || decided };
+                return Ok(Found { bound, forward, backward, reached, share });
+            }
+            // The next share is one that should do, if the distance stays what it seems to be.
+            let aim = OF_GAP * goal.relative * least / off * share;
+            let next = if aim > FINEST && aim < 0.25 * share { aim } else { 0.1 * share };
+            share = if next > FINEST { next } else { FINEST };
         }
-        // The next share is one that should do, if the distance stays what it seems to be.
-        let aim = OF_GAP * goal.relative * least / off * share;
-        let next = if aim > FINEST && aim < 0.25 * share { aim } else { 0.1 * share };
-        share = if next > FINEST { next } else { FINEST };
     }
 }
 

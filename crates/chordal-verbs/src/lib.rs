@@ -46,6 +46,6 @@ pub use inspect::{inspect, inspect_deeply};
 pub use load::{Hint, Input, extension, load};
 pub use mend::{Closeness, MendSpec, mend};
 pub use mesh::{Made, MeshOutcome, mesh};
-pub use render::{Fineness, RenderOutcome, USUAL_SCREEN, render};
+pub use render::{Fineness, RenderOutcome, USUAL_SCREEN, render, render_against};
 pub use shape::Shape;
 pub use spec::BudgetSpec;

@@ -1,11 +1,15 @@
 //! `render`: a picture of any shape; smooth shapes are meshed first, finely enough for it.
+use crate::deviation::Pair;
 use crate::filled::Filling;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OutputFacts};
 use crate::{BudgetSpec, Input, MeshFailure, Shape, placed};
 use chordal::budget::{Camera, Code, Failure, Length, Pixels, Projection, Refusal, Screen, Stopped, View};
+use chordal::check::Goal;
 use chordal::explicit::Topology;
 use chordal::math::Box3;
-use chordal::render::{Options, Picture, Up, Viewpoint, frame, render as trace};
+use chordal::render::{
+    Against, Options, Picture, Up, Viewpoint, frame, render as trace, render_against as trace_against,
+};
 use chordal::{Bounded, Budget, Job, Mesh, Patch, Tolerance, convert};
 use chordal_io::{Axis, Drawing, Frame, WriteError, png};
 use std::io::Write;
@@ -19,6 +23,8 @@ pub struct RenderOutcome {
     pub camera: Camera,
     /// The triangles that it shows, and for smooth shapes how far those are from the true shape.
     pub certificate: Certificate,
+    /// The distance of the darkest colour, in a picture of distances.
+    pub darkest: Option<f64>,
 }
 
 impl RenderOutcome {
@@ -91,6 +97,52 @@ pub fn render(
             let options = Options { viewpoint: Viewpoint::Camera(camera), ..options };
             shoot(&made.shape, &options, certificate, job)
         }
+    }
+}
+
+/// Takes a picture of a shape coloured by its distance from another one, darkest at `darkest` or else at the largest
+/// distance. The certificate's bound is that of [`crate::deviation`] between the two. A percentage is one of the diagonal
+/// of `against`.
+///
+/// Smooth shapes are meshed as finely as their distance needs.
+///
+/// # Errors
+/// As for [`render`] and [`crate::deviation`].
+pub fn render_against(
+    input: Input,
+    against: Input,
+    darkest: Option<Length>,
+    options: &Options,
+    job: &Job,
+) -> Result<RenderOutcome, MeshFailure> {
+    let mut certificate = Certificate::of(&input);
+    let options = Options { up: up(input.shape.frame()), ..*options };
+    let darkest = match darkest {
+        Some(length) => Some(
+            length
+                .resolve(against.shape.diagonal()?, against.shape.frame().metres_per_unit)
+                .map_err(MeshFailure::Length)?,
+        ),
+        None => None,
+    };
+    let pair = Pair::of(input.shape, against.shape, &mut certificate)?;
+    let found = pair.measure(&Goal::default(), job)?;
+    certificate.bound = Some(BoundFacts::of(&found.bound));
+    let most = darkest.map_or(found.forward.at_most, Tolerance::get);
+    let [mesh, other] = pair.meshes(&found, job)?;
+    certificate.output = Some(Output::Triangles(OutputFacts::of(&mesh, Topology::Indices)));
+    let camera = match options.viewpoint {
+        Viewpoint::Automatic(screen) => frame(&mesh, options.up, screen),
+        Viewpoint::Camera(camera) => camera,
+    };
+    let picture = trace_against(&mesh, Against { mesh: &other, most }, &options, job).map_err(stopped)?;
+    Ok(RenderOutcome { picture, camera, certificate, darkest: Some(most) })
+}
+
+fn stopped(stopped: Stopped) -> MeshFailure {
+    match stopped {
+        Stopped::Refused(refusal) => MeshFailure::Refused(refusal),
+        Stopped::Cancelled => MeshFailure::Cancelled,
     }
 }
 
@@ -171,11 +223,8 @@ fn shoot(
         Viewpoint::Automatic(screen) => frame(mesh, options.up, screen),
         Viewpoint::Camera(camera) => camera,
     };
-    let picture = trace(mesh, options, job).map_err(|stopped| match stopped {
-        Stopped::Refused(refusal) => MeshFailure::Refused(refusal),
-        Stopped::Cancelled => MeshFailure::Cancelled,
-    })?;
-    Ok(RenderOutcome { picture, camera, certificate })
+    let picture = trace(mesh, options, job).map_err(stopped)?;
+    Ok(RenderOutcome { picture, camera, certificate, darkest: None })
 }
 
 fn tessellate(patches: &[Patch], budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, MeshFailure> {

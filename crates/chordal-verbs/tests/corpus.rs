@@ -40,6 +40,9 @@ fn read(path: &Path) -> Option<Input> {
     load(&bytes, Hint { name: Some(&name), ..Hint::default() }, &Default::default()).ok()
 }
 
+/// The lower and the higher position of a triangle's side, and whether it runs up.
+type Side = (u64, u64, bool);
+
 /// Positions, edges, boundary edges, edges with three faces or more, edges wound against each other, collapsed faces:
 /// by sorting, and nothing else.
 fn sorted_counts(mesh: &Mesh, format: Format) -> [u64; 6] {
@@ -73,14 +76,13 @@ fn sorted_counts(mesh: &Mesh, format: Format) -> [u64; 6] {
     }
     sides.sort_unstable();
     let edges: Vec<_> = sides.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).collect();
-    let count =
-        |is: &dyn Fn(&[(u64, u64, bool)]) -> bool| edges.iter().filter(|edge| is(edge)).count() as u64;
+    let count = |is: fn(&[Side]) -> bool| edges.iter().filter(|edge| is(edge)).count() as u64;
     [
         n,
         edges.len() as u64,
-        count(&|edge| edge.len() == 1),
-        count(&|edge| edge.len() > 2),
-        count(&|edge| edge.len() == 2 && edge[0].2 == edge[1].2),
+        count(|edge| edge.len() == 1),
+        count(|edge| edge.len() > 2),
+        count(|edge| edge.len() == 2 && edge[0].2 == edge[1].2),
         collapsed,
     ]
 }

@@ -210,6 +210,39 @@ fn coordinates_that_span_many_digits_have_the_same_verdicts() {
 }
 
 #[test]
+fn a_slanted_lattice_has_the_same_verdicts_though_nothing_is_exact_in_floating_point() {
+    let mut met = [0; 2];
+    for seed in 0..20_000 {
+        let mut random = Random(seed ^ 0x9999);
+        let points: Vec<Lattice> = (0..7).map(|_| [4, 4, 2].map(|n| random.below(n) as i128)).collect();
+        let faces: Vec<[u32; 3]> = (0..3).map(|_| [0, 1, 2].map(|_| random.below(7) as u32)).collect();
+        // A linear map keeps every incidence; with large entries, sides that are 0 are sums of products far beyond 53
+        // bits, of which floating point keeps the rounding.
+        let bits = [6, 16, 26, 36][random.below(4)];
+        let axes: [Lattice; 3] =
+            [0; 3].map(|_| [0; 3].map(|_| random.below(2 << bits) as i128 - (1 << bits)));
+        if dot(axes[0], cross(axes[1], axes[2])) == 0 {
+            continue;
+        }
+        let slanted = |p: &Lattice| -> Lattice { axes.map(|axis| dot(axis, *p)) };
+        let slanted: Vec<Lattice> = points.iter().map(slanted).collect();
+        let expected = brute_force(&points, &faces).len() as u64;
+        // On a lattice of few bits, and stretched along one axis so that none holds it.
+        for stretch in [0, 70] {
+            let place = |p: &Lattice| [p[0] as f64, p[1] as f64, libm::ldexp(p[2] as f64, stretch)];
+            let mesh = Mesh::new(slanted.iter().map(place).collect(), faces.clone()).unwrap();
+            assert_eq!(
+                pairs(&mesh).0,
+                expected,
+                "seed {seed}, stretched by 2^{stretch}: {slanted:?} {faces:?}"
+            );
+        }
+        met[usize::from(expected > 0)] += 1;
+    }
+    assert!(met.iter().all(|n| *n > 3000), "too much alike: {met:?}");
+}
+
+#[test]
 fn numbering_and_threads_change_nothing() {
     for seed in 0..40 {
         let mut random = Random(seed ^ 0xabc);

@@ -22,17 +22,17 @@ pub(super) fn on_lattice<const N: usize>(points: [[f64; 3]; N]) -> Option<[Point
     if high > low.saturating_add(SPAN) {
         return None;
     }
-    Some(points.map(|point| {
-        point.map(|x| {
-            if x == 0.0 {
-                return 0;
-            }
-            let (mantissa, exponent) = whole(x);
+    // Spelled out: `map` of arrays in arrays is not always inlined.
+    let mut on = [[0; 3]; N];
+    for (x, on) in points.as_flattened().iter().zip(on.as_flattened_mut()) {
+        if *x != 0.0 {
+            let (mantissa, exponent) = whole(*x);
             let places = exponent - low;
             let size = if places >= 0 { mantissa << places } else { mantissa >> -places } as i64;
-            if x < 0.0 { -size } else { size }
-        })
-    }))
+            *on = if *x < 0.0 { -size } else { size };
+        }
+    }
+    Some(on)
 }
 
 /// The size of a finite number as a whole number times a power of two.

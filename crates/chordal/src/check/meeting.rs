@@ -81,11 +81,11 @@ fn apart_meet(a: &Corners, b: &Corners) -> bool {
         return sides_meet([a, b], [of_a, of_b]);
     }
     fn exactly<P: Exact>(a: &Corners<P>, b: &Corners<P>) -> bool {
-        let of_b = b.map(|p| P::side(*a, p));
+        let of_b = [P::side(*a, b[0]), P::side(*a, b[1]), P::side(*a, b[2])];
         if parted(&of_b) {
             return false;
         }
-        let of_a = a.map(|p| P::side(*b, p));
+        let of_a = [P::side(*b, a[0]), P::side(*b, a[1]), P::side(*b, a[2])];
         !parted(&of_a) && sides_meet([a, b], [of_a, of_b])
     }
     match on_lattice([a[0], a[1], a[2], b[0], b[1], b[2]]) {
@@ -208,7 +208,8 @@ fn holds<P: Exact>([a, b, c]: &Corners<P>, p: P, axes: (usize, usize)) -> bool {
 fn flat_segment_meets<P: Exact>([p, q]: [P; 2], triangle: &Corners<P>) -> bool {
     let axes = clear_axes(triangle);
     // All of the triangle on one side of the segment's line is what neighbours in a flat place look like.
-    let turns = triangle.map(|r| P::turn([p, q, r], axes));
+    let [a, b, c] = *triangle;
+    let turns = [P::turn([p, q, a], axes), P::turn([p, q, b], axes), P::turn([p, q, c], axes)];
     if parted(&turns) {
         return false;
     }

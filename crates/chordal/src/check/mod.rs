@@ -27,7 +27,7 @@ mod winding;
 pub use comb::{Tooth, curvature_comb};
 pub use components::{Component, Facing, components, inside_out, outward};
 pub use defect::{CURES, Defect, Weight};
-pub use deviation::{Deviation, Goal, OneSided, deviation};
+pub use deviation::{Deviation, Goal, OneSided, deviation, vertex_deviation};
 pub use distance::surface_at_least;
 pub use duplicates::duplicate_vertices;
 pub use finding::{Finding, MAX_WITNESSES, Place, Witness};

@@ -157,6 +157,11 @@ impl Studio {
         diffuse * (1.0 - share) + DVec3::splat(seen * share)
     }
 
+    /// The light that a spot of the studio's own colour sends, as one of another colour would send it.
+    pub fn tinted(&self, lit: DVec3, spot: &Spot, color: DVec3) -> DVec3 {
+        lit / if spot.front { self.front } else { self.back } * color
+    }
+
     /// Where a ray meets the ground from above: the share of light that the mesh leaves there.
     pub fn ground(&self, surface: &Surface, origin: DVec3, direction: DVec3, rays: Rays) -> Option<f64> {
         let (height, slope) = (origin.dot(self.up) - self.ground, direction.dot(self.up));

@@ -1,6 +1,7 @@
 //! Pictures of shapes, ray-traced and the same on every machine.
 mod color;
 mod eye;
+mod heat;
 mod light;
 mod normals;
 mod options;
@@ -10,6 +11,7 @@ mod surface;
 mod trace;
 
 pub use eye::frame;
+pub use heat::Against;
 pub use options::{Background, Cull, Options, Show, Up, Viewpoint};
 pub use picture::Picture;
-pub use trace::render;
+pub use trace::{render, render_against};

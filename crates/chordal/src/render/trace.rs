@@ -1,6 +1,7 @@
 //! From options to pixels: rows in parallel, each pixel by its own fixed rays.
 use super::color::{byte, light, srgb};
 use super::eye::Eye;
+use super::heat::{Against, Heat};
 use super::light::{Material, Rays, Studio};
 use super::options::{Background, Options, Show, Viewpoint};
 use super::pattern::Pattern;
@@ -44,6 +45,35 @@ const MOST_SAMPLES: u32 = 16;
 /// # Ok::<(), chordal::budget::Stopped>(())
 /// ```
 pub fn render(mesh: &Mesh, options: &Options, job: &Job) -> Result<Picture, Stopped> {
+    shoot(mesh, options, None, job)
+}
+
+/// The same of a mesh whose colour is its distance from another surface: light where there is none, over yellow and red
+/// to dark violet at `against.most` and beyond. The distance is that of the very place that is seen, not one between
+/// those of vertices. [`Show::Flat`] and [`Show::Shaded`] light it as they do; what else `options.show` says is left out.
+///
+/// # Errors
+/// As for [`render`].
+///
+/// ```
+/// use chordal::{Job, Mesh, render::{Against, Options, render_against}};
+/// let square = |z: f64| Mesh::new(vec![[0., 0., z], [1., 0., z], [0., 1., z]], vec![[0, 1, 2]]).unwrap();
+/// let against = Against { mesh: &square(0.0), most: 0.5 };
+/// let picture = render_against(&square(0.25), against, &Options::sized(40, 30), &Job::default())?;
+/// assert_eq!((picture.width, picture.height), (40, 30));
+/// # Ok::<(), chordal::budget::Stopped>(())
+/// ```
+pub fn render_against(
+    mesh: &Mesh,
+    against: Against,
+    options: &Options,
+    job: &Job,
+) -> Result<Picture, Stopped> {
+    let show = if options.show == Show::Flat { Show::Flat } else { Show::Shaded };
+    shoot(mesh, &Options { show, ..*options }, Some(Heat::new(against, job)?), job)
+}
+
+fn shoot(mesh: &Mesh, options: &Options, heat: Option<Heat>, job: &Job) -> Result<Picture, Stopped> {
     let camera = match options.viewpoint {
         Viewpoint::Automatic(screen) => frame(mesh, options.up, screen),
         Viewpoint::Camera(camera) => camera,
@@ -64,7 +94,8 @@ pub fn render(mesh: &Mesh, options: &Options, job: &Job) -> Result<Picture, Stop
         return Err(refused(Code::TooMuchMemory, message));
     }
     let surface = Surface::new(mesh, options, job)?;
-    let material = if options.show == Show::Wire { Material::Paper } else { Material::Clay };
+    let drawn_on = options.show == Show::Wire || heat.is_some();
+    let material = if drawn_on { Material::Paper } else { Material::Clay };
     let studio = Studio::new(&surface.bvh().bounds(), &camera, options.up, material);
     let tracer = Tracer {
         surface,
@@ -72,6 +103,7 @@ pub fn render(mesh: &Mesh, options: &Options, job: &Job) -> Result<Picture, Stop
         eye,
         pattern: Pattern::new(options.samples),
         options: *options,
+        heat,
         line_light: light(LINE),
     };
     let done = AtomicU64::new(0);
@@ -99,6 +131,7 @@ struct Tracer<'a> {
     eye: Eye,
     pattern: Pattern,
     options: Options,
+    heat: Option<Heat>,
     line_light: DVec3,
 }
 
@@ -130,11 +163,17 @@ impl Tracer<'_> {
     }
 
     fn sample(&self, ray: &Ray, rays: Rays, backdrop: DVec3) -> Sample {
-        let Some((_, spot)) = self.surface.meet(ray) else { return self.behind(ray, rays, backdrop) };
+        let Some((hit, spot)) = self.surface.meet(ray) else { return self.behind(ray, rays, backdrop) };
         let direction = DVec3::from(ray.direction);
         let color = match self.options.show {
             Show::Normals => spot.normal_as_color(),
-            Show::Shaded | Show::Flat => self.studio.shade(&self.surface, &spot, direction, rays),
+            Show::Shaded | Show::Flat => {
+                let lit = self.studio.shade(&self.surface, &spot, direction, rays);
+                match &self.heat {
+                    Some(heat) => self.studio.tinted(lit, &spot, heat.at(ray.at(hit.t))),
+                    None => lit,
+                }
+            }
             Show::Wire => {
                 let paper = self.studio.shade(&self.surface, &spot, direction, rays);
                 paper.lerp(self.line_light, self.line(ray, self.surface.corners(spot.face)))

@@ -5,7 +5,7 @@ use crate::budget::{Job, par_map};
 use crate::explicit::{Mesh, position_id_by_bits};
 
 /// Points asked in one task.
-const CHUNK: usize = 1 << 12;
+pub(super) const CHUNK: usize = 1 << 12;
 /// No face has it.
 const NONE: u32 = u32::MAX;
 

@@ -9,8 +9,8 @@ mod rounds;
 mod side;
 mod view;
 
-use crate::budget::{Bound, Code, Job, Reference, Refusal, Stopped, Tolerance};
-use crate::explicit::Mesh;
+use crate::budget::{Bound, Code, Job, Reference, Refusal, Stopped, Tolerance, par_map};
+use crate::explicit::{Bvh, Mesh};
 use crate::math::{Box3, add_up, flushes_subnormals, sub_down};
 use common::{Common, Vertices};
 use frame::Frame;
@@ -84,7 +84,7 @@ const FLOOR: f64 = 14.0 * f64::EPSILON; // measured: covers cut in rounded numbe
 ///
 /// # Errors
 /// [`Stopped::Refused`] with [`Code::Empty`] when a mesh has no face, [`Code::NotFinite`] when an extent overflows, the
-/// refusals of [`Bvh::build`](crate::explicit::Bvh::build), and where subnormals are flushed; [`Stopped::Cancelled`].
+/// refusals of [`Bvh::build`], and where subnormals are flushed; [`Stopped::Cancelled`].
 ///
 /// ```
 /// use chordal::{Job, Mesh, check::{Goal, deviation}};
@@ -149,6 +149,35 @@ pub fn deviation(a: &Mesh, b: &Mesh, goal: &Goal, job: &Job) -> Result<Deviation
         });
         Ok(Deviation { bound: two_sided(&forward, &backward), forward, backward, reached })
     })
+}
+
+/// The distance of every vertex of `mesh` to the surface of `against`, rounded up by a few units in the last place: what
+/// a picture of colours at vertices needs. Between vertices a surface may be farther; [`deviation`] says how far.
+///
+/// Cost: 2 to 4 µs a vertex on one core, and the tree over `against`.
+///
+/// # Errors
+/// As for [`deviation`].
+///
+/// ```
+/// use chordal::{Job, Mesh, check::vertex_deviation};
+/// let flat = Mesh::new(vec![[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]], vec![[0, 1, 2]])?;
+/// let bent = Mesh::new(vec![[1.0, 1.0, 0.5], [1.0, 2.0, 0.0], [2.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// let off = vertex_deviation(&bent, &flat, &Job::default())?;
+/// assert!((off[0] - 0.5).abs() < 1e-12 && off[1] < 1e-12 && off[2] < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn vertex_deviation(mesh: &Mesh, against: &Mesh, job: &Job) -> Result<Vec<f64>, Stopped> {
+    if against.faces().is_empty() {
+        return refused(Code::Empty, "the mesh has no triangle, so nothing is near it");
+    }
+    let bvh = Bvh::build(against, job)?;
+    let chunks: Vec<&[[f64; 3]]> = mesh.positions().chunks(common::CHUNK).collect();
+    let parts = par_map(job, &chunks, |_, points| {
+        let up = |p: &[f64; 3]| bvh.closest_distance_up(*p).unwrap_or(f64::INFINITY);
+        if job.is_cancelled() { Vec::new() } else { points.iter().map(up).collect::<Vec<_>>() }
+    });
+    if job.is_cancelled() { Err(Stopped::Cancelled) } else { Ok(parts.concat()) }
 }
 
 fn refused<T>(code: Code, message: impl Into<String>) -> Result<T, Stopped> {

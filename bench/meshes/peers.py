@@ -1,0 +1,215 @@
+"""One job of one peer, timed: `peers.py PEER JOB THREADS MESH [MESH]` prints a line of JSON as the `meshes` program does."""
+
+import json
+import statistics
+import sys
+import time
+
+import numpy as np
+
+
+def read(path):
+    """The arrays that the `meshes` program wrote."""
+    raw = open(path, "rb").read()
+    n, m = np.frombuffer(raw, "<u8", 2)
+    points = np.frombuffer(raw, "<f8", 3 * int(n), 16).reshape(-1, 3)
+    faces = np.frombuffer(raw, "<u4", 3 * int(m), 16 + 24 * int(n)).reshape(-1, 3)
+    return points.copy(), faces.astype(np.int32)
+
+
+def timed(work, repeats=3, prepare=lambda: None):
+    """The median of the times of `work(prepare())`, without those of `prepare`, and the last result."""
+    times = []
+    for _ in range(repeats):
+        given = prepare()
+        start = time.perf_counter()
+        found = work() if given is None else work(given)
+        times.append(time.perf_counter() - start)
+    return statistics.median(times), found
+
+
+def points_for(n=200_000):
+    """The points of the `closest` job."""
+    state, numbers = 1, []
+    for _ in range(3 * n):
+        state = (state * 6364136223846793005 + 1) % (1 << 64)
+        numbers.append((state >> 11) / (1 << 53))
+    return (2 * np.array(numbers).reshape(-1, 3) - 1) * [1.4, 1.4, 0.4]
+
+
+def trimesh_(job, _threads, meshes):
+    import trimesh
+
+    points, faces = meshes[0]
+    if job == "whole":
+        def work():
+            mesh = trimesh.Trimesh(points, faces, process=False)
+            mesh.merge_vertices()
+            return len(mesh.vertex_normals), mesh.is_watertight, mesh.is_winding_consistent, mesh.euler_number
+        return timed(work)
+    if job == "closest":
+        asked = points_for(2_000)
+        mesh = trimesh.Trimesh(points, faces, process=False)
+        mesh.triangles_tree
+        seconds, found = timed(lambda: len(trimesh.proximity.closest_point(mesh, asked)[0]), 1)
+        return seconds * 100, found
+    return None
+
+
+def vtk_(job, _threads, meshes):
+    import vtk
+    from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+
+    def data(mesh):
+        points, faces = mesh
+        poly = vtk.vtkPolyData()
+        vtk_points = vtk.vtkPoints()
+        vtk_points.SetDataTypeToDouble()
+        vtk_points.SetData(numpy_to_vtk(points, deep=True))
+        cells = vtk.vtkCellArray()
+        rows = np.hstack([np.full((len(faces), 1), 3), faces]).astype(np.int64).ravel()
+        cells.ImportLegacyFormat(numpy_to_vtkIdTypeArray(rows, deep=True))
+        poly.SetPoints(vtk_points)
+        poly.SetPolys(cells)
+        return poly
+
+    if job == "whole":
+        def work(poly):
+            clean = vtk.vtkStaticCleanPolyData()
+            clean.SetInputData(poly)
+            normals = vtk.vtkPolyDataNormals()
+            normals.SetInputConnection(clean.GetOutputPort())
+            normals.SplittingOff()
+            normals.ConsistencyOff()
+            normals.ComputePointNormalsOn()
+            normals.Update()
+            edges = vtk.vtkFeatureEdges()
+            edges.SetInputConnection(clean.GetOutputPort())
+            edges.BoundaryEdgesOn()
+            edges.NonManifoldEdgesOn()
+            edges.FeatureEdgesOff()
+            edges.ManifoldEdgesOff()
+            edges.Update()
+            return normals.GetOutput().GetNumberOfPoints(), edges.GetOutput().GetNumberOfCells()
+        return timed(work, prepare=lambda: data(meshes[0]))
+    if job == "weld":
+        def weld(poly):
+            clean = vtk.vtkStaticCleanPolyData()
+            clean.SetInputData(poly)
+            clean.Update()
+            return clean.GetOutput().GetNumberOfPoints()
+        return timed(weld, prepare=lambda: data(meshes[0]))
+    if job == "closest":
+        asked = points_for(20_000)
+        locator = vtk.vtkStaticCellLocator()
+        locator.SetDataSet(data(meshes[0]))
+        locator.BuildLocator()
+        cell, at, which, square, kind = vtk.vtkGenericCell(), [0.0] * 3, vtk.mutable(0), vtk.mutable(0.0), vtk.mutable(0)
+
+        def ask():
+            for point in asked:
+                locator.FindClosestPoint(point, at, cell, which, kind, square)
+            return len(asked)
+        seconds, found = timed(ask, 1)
+        return seconds * 10, found
+    return None
+
+
+def open3d_(job, _threads, meshes):
+    import open3d
+
+    def legacy(mesh):
+        vector = open3d.utility
+        return open3d.geometry.TriangleMesh(vector.Vector3dVector(mesh[0]), vector.Vector3iVector(mesh[1]))
+
+    if job == "whole":
+        def work(mesh):
+            mesh.remove_duplicated_vertices()
+            mesh.compute_vertex_normals()
+            found = mesh.is_edge_manifold(), mesh.is_vertex_manifold(), mesh.is_orientable()
+            return len(mesh.vertex_normals), *found
+        return timed(work, prepare=lambda: legacy(meshes[0]))
+    if job == "closest":
+        tensor = open3d.t.geometry.TriangleMesh.from_legacy(legacy(meshes[0]))
+        scene = open3d.t.geometry.RaycastingScene(nthreads=_threads)
+        scene.add_triangles(tensor)
+        asked = open3d.core.Tensor(points_for().astype(np.float32))
+        scene.compute_closest_points(asked[:10], nthreads=_threads)
+        return timed(lambda: len(scene.compute_closest_points(asked, nthreads=_threads)["points"]))
+    return None
+
+
+def pymeshlab_(job, _threads, meshes):
+    import pymeshlab
+
+    if job == "deviation":
+        both = pymeshlab.MeshSet()
+        for points, faces in meshes:
+            both.add_mesh(pymeshlab.Mesh(points, faces))
+
+        def work():
+            found = [
+                both.get_hausdorff_distance(
+                    sampledmesh=a, targetmesh=1 - a, samplevert=True, sampleedge=False, sampleface=True, samplenum=2_000_000,
+                    maxdist=pymeshlab.PercentageValue(100),
+                )["max"]
+                for a in (0, 1)
+            ]
+            return max(found)
+        return timed(work, 1)
+    if job == "self":
+        def select(given):
+            given.compute_selection_by_self_intersections_per_face()
+            return given.current_mesh().selected_face_number()
+
+        def prepare():
+            one = pymeshlab.MeshSet()
+            one.add_mesh(pymeshlab.Mesh(*meshes[0]))
+            return one
+        return timed(select, 1, prepare)
+    return None
+
+
+def meshlib_(job, _threads, meshes):
+    from meshlib import mrmeshnumpy, mrmeshpy
+
+    made = [mrmeshnumpy.meshFromFacesVerts(faces, points) for points, faces in meshes]
+    if job == "self":
+        return timed(lambda: mrmeshpy.findSelfCollidingTriangles(made[0]).size())
+    if job == "deviation":
+        return timed(lambda: mrmeshpy.findMaxDistanceSq(mrmeshpy.MeshPart(made[0]), mrmeshpy.MeshPart(made[1])) ** 0.5)
+    if job == "closest":
+        asked = [mrmeshpy.Vector3f(*point) for point in points_for(20_000)]
+        made[0].getAABBTree()
+
+        def ask():
+            for point in asked:
+                mrmeshpy.findProjection(point, made[0])
+            return len(asked)
+        seconds, found = timed(ask, 1)
+        return seconds * 10, found
+    return None
+
+
+def igl_(job, _threads, meshes):
+    import igl
+
+    points, faces = meshes[0]
+    if job == "closest":
+        tree = igl.AABB()
+        tree.init(points, faces.astype(np.int64))
+        asked = points_for()
+        return timed(lambda: len(tree.squared_distance(points, faces.astype(np.int64), asked)[0]), 1)
+    if job == "deviation":
+        return timed(lambda: float(igl.hausdorff(*meshes[0], *meshes[1])), 1)
+    return None
+
+
+def main():
+    peer, job, threads, *paths = sys.argv[1:]
+    found = globals()[peer + "_"](job, int(threads), [read(path) for path in paths])
+    seconds, value = found if found else (None, None)
+    print(json.dumps({"job": job, "seconds": seconds, "found": value}, default=str))
+
+
+main()

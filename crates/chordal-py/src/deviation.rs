@@ -1,0 +1,65 @@
+//! How far two shapes are apart, from Python's arguments.
+use crate::outcome::Outcome;
+use crate::source::Source;
+use crate::spec::parsed;
+use crate::{failure, work};
+use chordal::budget::Length;
+use chordal_verbs::{DeviationSpec, Input, deviation};
+use pyo3::prelude::*;
+use std::sync::Arc;
+
+/// The other shape: as it was read, or made.
+#[derive(FromPyObject)]
+pub(crate) enum Other {
+    Read(Py<Source>),
+    Made(Py<Outcome>),
+}
+
+/// How well the distance is to be known.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Asked {
+    relative: f64,
+    absolute: Option<String>,
+    max: Option<String>,
+}
+
+/// A shape and the name of its file.
+pub(crate) struct Named {
+    pub input: Arc<Input>,
+    pub name: Option<String>,
+}
+
+impl Other {
+    fn named(&self, py: Python<'_>) -> PyResult<Named> {
+        match self {
+            Self::Read(source) => Ok(source.get().named()),
+            Self::Made(outcome) => outcome.get().named(py),
+        }
+    }
+}
+
+/// The report of `chordal deviation`, as JSON.
+pub(crate) fn report(
+    py: Python<'_>,
+    shape: Named,
+    other: &Other,
+    asked: Asked,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    let other = other.named(py)?;
+    let spec = DeviationSpec {
+        relative: asked.relative,
+        absolute: parsed::<Length>("absolute", asked.absolute.as_deref())?,
+        max: parsed::<Length>("max", asked.max.as_deref())?,
+    };
+    let found = work::run(py, progress, move |job| {
+        let (a, b) = (Input::clone(&shape.input), Input::clone(&other.input));
+        deviation(a, b, &spec, job).map(|mut report| {
+            report.run.input = shape.name;
+            report
+        })
+    })?;
+    let report = found.map_err(|error| failure::mesh(py, &error))?;
+    Ok(report.to_value().to_string())
+}

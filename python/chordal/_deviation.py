@@ -1,0 +1,98 @@
+"""`Deviation`: how far two shapes are apart."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, SupportsFloat
+
+from chordal import _chordal
+from chordal._arguments import function, number
+from chordal._bound import Bound, bound_of
+from chordal._budget import Length, length
+from chordal._errors import BudgetError
+
+if TYPE_CHECKING:
+    from chordal._mesh import Mesh
+    from chordal._shape import Shape
+
+
+@dataclass(frozen=True)
+class OneSided:
+    """The largest distance from the points of one shape to the other: an interval that is proved."""
+
+    #: Some point is at least this far.
+    at_least: float
+    #: No point is farther than this.
+    at_most: float
+    #: The farthest point that was found.
+    point: tuple[float, float, float]
+    #: The nearest point of the other shape to it.
+    nearest: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """How far two shapes are apart. `Shape.deviation` and `Mesh.deviation` measure it."""
+
+    #: The Hausdorff distance, which looks both ways: an interval that is proved.
+    bound: Bound
+    #: From the points of this shape to the other one.
+    forward: OneSided
+    #: From the points of the other shape to this one.
+    backward: OneSided
+    #: Whether the ends came as close together as was asked for; they hold in any case.
+    reached: bool
+    #: On which side of `max` the distance is: "within", "exceeds" or "undecided"; None without `max`.
+    verdict: str | None
+    #: The report of `chordal deviation --json`.
+    report: dict[str, Any]
+
+    def __repr__(self) -> str:
+        verdict = "" if self.verdict is None else f"; {self.verdict}"
+        return f"<Deviation: {self.bound.sentence()}{verdict}>"
+
+
+def measured(
+    one: _chordal.Source | _chordal.Outcome,
+    other: Shape | Mesh,
+    *,
+    relative: SupportsFloat,
+    absolute: Length | None,
+    max: Length | None,
+    progress: Callable[[str, int, int], object] | None,
+) -> Deviation:
+    """The distance between two shapes, whichever way they came about."""
+    from chordal._mesh import Mesh
+    from chordal._shape import Shape
+
+    if isinstance(other, Shape):
+        second: _chordal.Source | _chordal.Outcome = other._source
+    elif isinstance(other, Mesh):
+        second = other._outcome
+    else:
+        raise TypeError(f"other: a Shape or a Mesh, not {type(other).__name__}")
+    share = number("relative", relative)
+    if share < 0:
+        raise BudgetError(f"relative: 0 or more, not {share}")
+    asked: _chordal.Asked = {
+        "relative": share,
+        "absolute": None if absolute is None else length("absolute", absolute),
+        "max": None if max is None else length("max", max),
+    }
+    report: dict[str, Any] = json.loads(one.deviation(second, asked, function("progress", progress)))
+    facts = report["deviation"]
+    return Deviation(
+        bound=bound_of(report["certificate"]["bound"]),
+        forward=_one_sided(facts["forward"]),
+        backward=_one_sided(facts["backward"]),
+        reached=facts["reached"],
+        verdict=facts["verdict"],
+        report=report,
+    )
+
+
+def _one_sided(facts: Mapping[str, Any]) -> OneSided:
+    [x, y, z], [u, v, w] = facts["from"], facts["to"]
+    return OneSided(float(facts["at_least"]), float(facts["at_most"]), (x, y, z), (u, v, w))
