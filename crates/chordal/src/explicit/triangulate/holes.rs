@@ -45,7 +45,7 @@ pub enum Repair {
     /// At so many points contours touch themselves or each other. Sides were cut there.
     Touching(usize),
     /// So many sides, or parts, lie on others: spikes, and contours that share sides. They count as one, or as none where
-    /// they run against each other.
+    /// they run against each other. What a contour runs around twice counts once.
     Overlapping(usize),
     /// So many sides, or parts, do not part inside from outside: those of holes outside or in another hole, and those that
     /// a hole shares with what is around it. They were left out.
