@@ -97,7 +97,8 @@ fn make(folder: &Path) {
     put("fine", &fine);
     put("coarse", &torus(126, 63, 0.001, 0.1));
     put("turned", &torus(400, 200, 0.0003, 0.1));
-    put("rough", &moved(&fine, 1e-4));
+    // Noise of a twentieth of a cell: made up, so that both surfaces wave around each other.
+    put("rough", &moved(&fine, 1e-4)); // measured against cells of 0.005
     let shifted: Vec<Point> = fine.positions().iter().map(|[x, y, z]| [x + 0.02, *y, *z]).collect();
     put("shifted", &Mesh::new(shifted, fine.faces().to_vec()).expect("valid"));
 }
