@@ -46,3 +46,17 @@ fn what_is_no_normal_is_refused_in_a_sentence() {
             .fails_with(2, &["--normals", wrong]);
     }
 }
+
+#[test]
+fn smoothing_groups_of_a_file_decide_where_they_are_asked_for() {
+    let folder = Folder::new("normals-groups");
+    let (head, faces) = CLOSED_OBJ.split_at(CLOSED_OBJ.find("f ").unwrap());
+    let glb = folder.text("a.glb");
+    let one = folder.file("one.obj", format!("{head}s 1\n{faces}"));
+    assert_eq!(rows(&one, &glb, &["--normals", "groups"]), [4, 4]);
+    let apart = faces.lines().zip(1..).map(|(face, n)| format!("s {n}\n{face}\n")).collect::<String>();
+    let four = folder.file("four.obj", format!("{head}{apart}"));
+    assert_eq!(rows(&four, &glb, &["--normals", "groups"]), [12, 4]);
+    let off = folder.file("off.obj", format!("{head}s off\n{faces}"));
+    assert_eq!(rows(&off, &glb, &["--normals", "groups"]), [12, 4]);
+}

@@ -1,7 +1,7 @@
 //! What is written reads back, bit for bit.
 use crate::build::scene_of;
 use chordal::Mesh;
-use chordal::explicit::{Attribute, Domain, Semantic, face_normal, vertex_normals};
+use chordal::explicit::{Attribute, Domain, Semantic, face_normal, vertex_normals, with_tangents};
 use chordal_io::{Axis, Format, Frame, Limits, Node, Part, Scene, glb, snap};
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -281,4 +281,28 @@ fn what_gltf_cannot_hold_is_refused_with_a_sentence() {
     let mut unit = of(cube());
     unit.frame.metres_per_unit = Some(0.0);
     assert!(refused(&unit).contains("unit"));
+}
+
+#[test]
+fn tangents_of_corners_double_the_vertices_where_mirrored_halves_meet() {
+    // Two quads side by side, of which the second shows the texture of the first the other way round.
+    let positions = (0..6).map(|i| [f64::from(i % 3), f64::from(i / 3), 0.0]).collect();
+    let values = (0..6).flat_map(|i| [if i % 3 == 1 { 1.0 } else { 0.0 }, f64::from(i / 3)]).collect();
+    let texture = Attribute { semantic: Semantic::TexCoord(0), domain: Domain::Vertex, width: 2, values };
+    let normals = Attribute::vertex_normals(&[[0.0, 0.0, 1.0]; 6]);
+    let faces = vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]];
+    let mesh = Mesh::new(positions, faces)
+        .and_then(|mesh| mesh.with_attribute(texture))
+        .and_then(|mesh| mesh.with_attribute(normals))
+        .expect("two quads");
+    let mesh = with_tangents(&mesh, 0).expect("coordinates and normals").expect("few rows");
+    let (back, _) = again(&Scene::of("", mesh, false, Frame::default()));
+    let part = &back.parts[0].mesh;
+    assert_eq!((part.positions().len(), part.n_positions()), (8, 6));
+    let tangents = part.attribute(&Semantic::Tangent).expect("tangents");
+    for (face, expected) in [(0, [1.0, 0.0, 0.0, 1.0]), (2, [-1.0, 0.0, 0.0, -1.0])] {
+        for row in part.faces()[face] {
+            assert_eq!(tangents.row(row as usize), expected, "face {face}");
+        }
+    }
 }
