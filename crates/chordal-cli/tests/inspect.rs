@@ -88,7 +88,8 @@ fn h58_a_moebius_strip_has_one_side_and_no_cure_for_that() {
     let found = finding(&report, "inconsistent_edges");
     assert_eq!(found[1], json!([]));
     assert!(report["inspection"]["findings"][0]["advice"].as_str().unwrap().contains("one side only"));
-    assert_eq!(finding(&report, "boundary_edges"), json!([5, ["--fill-holes"], [2, 0], [0]]));
+    // Filled, it would still have no inside.
+    assert_eq!(finding(&report, "boundary_edges"), json!([5, [], [2, 0], [0]]));
 }
 
 #[test]
@@ -109,6 +110,11 @@ fn h57_an_hourglass_is_named_by_its_waist() {
     assert_eq!(names(&report), ["non_manifold_vertices"]);
     assert_eq!(finding(&report, "non_manifold_vertices"), json!([1, ["--split-nonmanifold"], [7], []]));
     assert_eq!(report["certificate"]["valid"]["outward"], true);
+    // Split, the two waists are duplicates that nobody should weld again.
+    let split: Vec<[u32; 3]> = CUBE.into_iter().chain(CUBE.map(|face| face.map(|i| i + 8))).collect();
+    let report = inspected(&obj(&[corners(0.0), corners(1.0)].concat(), &split), &[]);
+    assert_eq!(names(&report), ["duplicate_vertices"]);
+    assert_eq!(finding(&report, "duplicate_vertices"), json!([1, [], [8, 7], []]));
 }
 
 #[test]

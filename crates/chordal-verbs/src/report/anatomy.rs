@@ -203,7 +203,15 @@ fn cures(defect: Defect, valid: &Valid) -> Vec<&'static str> {
     let helps = |cure: &str| match (defect, cure) {
         (Defect::BoundaryEdges, "--weld") => welding_helps,
         (Defect::BoundaryEdges, "--resolve-t-junctions") => welded.t_junctions > 0,
-        (Defect::BoundaryEdges, "--fill-holes") => welded.boundary_edges > 0 && welded.t_junctions == 0,
+        (Defect::BoundaryEdges, "--fill-holes") => {
+            welded.boundary_edges > 0 && welded.t_junctions == 0 && counts.orientable
+        }
+        // Equal points can be what keeps sheets apart that would branch or touch: a split is not to be undone.
+        (Defect::DuplicateVertices, "--weld") => {
+            welding_helps
+                || other.non_manifold_edges <= counts.non_manifold_edges
+                    && other.non_manifold_vertices <= counts.non_manifold_vertices
+        }
         (Defect::NonManifoldEdges, "--drop-duplicates") => counts.duplicate_faces > 0,
         (Defect::InconsistentEdges, "--orient") => counts.orientable,
         _ => true,

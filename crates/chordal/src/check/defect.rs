@@ -171,6 +171,10 @@ impl Defect {
             Self::InconsistentEdges => {
                 "the surface has one side only, as a Möbius strip: cut it open, or draw both sides"
             }
+            Self::BoundaryEdges => {
+                "a surface with one side only stays open: cut it so that it has two, then fill"
+            }
+            Self::DuplicateVertices => "leave them: welded, sheets would branch or touch there",
             _ => "look at it in the program that made it",
         }
     }
