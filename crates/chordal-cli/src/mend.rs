@@ -5,9 +5,8 @@ use crate::common;
 use crate::fault::Fault;
 use crate::input::Source;
 use crate::mesh::output_format;
-use crate::numbers::grouped;
 use crate::output::Target;
-use crate::summary;
+use crate::summary::{self, plural};
 use crate::talk::Talk;
 use chordal::budget::Length;
 use chordal_io::Format;
@@ -152,9 +151,23 @@ fn told(report: &Report) -> String {
 }
 
 fn changes(facts: &MendedFacts) -> String {
-    let one = |what: &str, count: u64| format!("{} {}", grouped(count), what.replace('_', " "));
-    let all: Vec<String> = facts.changes.iter().map(|change| one(change.what, change.count)).collect();
+    let all: Vec<String> = facts.changes.iter().map(|change| changed(change.what, change.count)).collect();
     if all.is_empty() { "nothing".to_owned() } else { all.join(", ") }
+}
+
+/// `filled_holes` and 1 as `filled 1 hole`.
+fn changed(what: &str, count: u64) -> String {
+    let (verb, noun) = match what {
+        "left_unorientable" => ("left", "piece of one side only"),
+        "left_t_junctions" => ("left", "T-junction"),
+        "resolved_t_junctions" => ("resolved", "T-junction"),
+        _ => what.split_once('_').unwrap_or(("", what)),
+    };
+    let one = match noun {
+        "vertices" => "vertex",
+        noun => noun.strip_suffix('s').unwrap_or(noun),
+    };
+    format!("{verb} {}", plural(count, one))
 }
 
 /// The counts that should be zero and are not.
@@ -162,19 +175,30 @@ fn faults(valid: &Valid) -> String {
     let Counts { boundary_edges, non_manifold_edges, non_manifold_vertices, t_junctions, .. } = valid.counts;
     let Counts { inconsistent_edges, duplicate_faces, zero_area_faces, unused_vertices, .. } = valid.counts;
     let named = [
-        (boundary_edges, "boundary edges"),
-        (non_manifold_edges, "non-manifold edges"),
-        (non_manifold_vertices, "non-manifold vertices"),
-        (t_junctions, "T-junctions"),
-        (inconsistent_edges, "inconsistent edges"),
-        (duplicate_faces, "repeated faces"),
-        (zero_area_faces, "faces of no area"),
-        (unused_vertices, "unused vertices"),
+        (boundary_edges, "boundary edge"),
+        (non_manifold_edges, "edge of three triangles or more"),
+        (non_manifold_vertices, "vertex of several fans"),
+        (t_junctions, "T-junction"),
+        (inconsistent_edges, "edge of opposite winding"),
+        (duplicate_faces, "repeated triangle"),
+        (zero_area_faces, "triangle of no area"),
+        (unused_vertices, "unused vertex"),
     ];
-    let met: Vec<String> = named
-        .into_iter()
-        .filter(|(count, _)| *count > 0)
-        .map(|(count, what)| format!("{} {what}", grouped(count)))
-        .collect();
+    let met: Vec<String> =
+        named.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| plural(count, what)).collect();
     if met.is_empty() { "nothing to mend".to_owned() } else { met.join(", ") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn changes_read_as_sentences() {
+        assert_eq!(changed("filled_holes", 1), "filled 1 hole");
+        assert_eq!(changed("split_vertices", 1), "split 1 vertex");
+        assert_eq!(changed("split_vertices", 2000), "split 2,000 vertices");
+        assert_eq!(changed("left_unorientable", 2), "left 2 pieces of one side only");
+        assert_eq!(changed("resolved_t_junctions", 1), "resolved 1 T-junction");
+    }
 }

@@ -131,8 +131,13 @@ pub(crate) fn plural(count: u64, what: &str) -> String {
 
 pub(crate) fn bound(facts: &BoundFacts) -> String {
     let least = short(facts.at_least, Toward::Down);
+    // What was added, as by filling a hole, is not near anything of the source.
+    let one_way =
+        if facts.metric == "one-sided" { ", of the source; what was added is not counted" } else { "" };
     match facts.at_most {
-        Some(most) => format!("between {least} and {} ({})", short(most, Toward::Up), facts.evidence),
+        Some(most) => {
+            format!("between {least} and {} ({}{one_way})", short(most, Toward::Up), facts.evidence)
+        }
         None => format!("at least {least} ({})", facts.evidence),
     }
 }
