@@ -28,16 +28,31 @@ def timed(work, repeats=3, prepare=lambda: None):
     return statistics.median(times), found
 
 
-def points_for(n=200_000):
-    """The points of the `closest` job."""
+def units(n):
+    """The random numbers of the `meshes` program, from -1 to 1."""
     state, numbers = 1, []
-    for _ in range(3 * n):
+    for _ in range(n):
         state = (state * 6364136223846793005 + 1) % (1 << 64)
         numbers.append((state >> 11) / (1 << 53))
-    return (2 * np.array(numbers).reshape(-1, 3) - 1) * [1.4, 1.4, 0.4]
+    return 2 * np.array(numbers) - 1
 
 
-def trimesh_(job, _threads, meshes):
+def points_for(n=200_000):
+    """The points of the `closest` job."""
+    return units(3 * n).reshape(-1, 3) * [1.4, 1.4, 0.4]
+
+
+def rays_for(job):
+    """Origins and directions of the jobs about rays."""
+    if job == "rays-random":
+        rays = units(6 << 19).reshape(-1, 6)
+        return 1.5 * rays[:, :3], rays[:, 3:]
+    x, y = np.meshgrid(np.arange(1024) / 512 - 1, np.arange(1024) / 512 - 1)
+    directions = np.stack([0.45 * x, 0.87 - 0.2 * y, -0.5 + 0.35 * y], axis=-1).reshape(-1, 3)
+    return np.broadcast_to([0.3, -4.2, 2.4], directions.shape), directions
+
+
+def trimesh_(job, threads, meshes):
     import trimesh
 
     points, faces = meshes[0]
@@ -56,7 +71,7 @@ def trimesh_(job, _threads, meshes):
     return None
 
 
-def vtk_(job, _threads, meshes):
+def vtk_(job, threads, meshes):
     import vtk
     from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 
@@ -115,7 +130,7 @@ def vtk_(job, _threads, meshes):
     return None
 
 
-def open3d_(job, _threads, meshes):
+def open3d_(job, threads, meshes):
     import open3d
 
     def legacy(mesh):
@@ -131,15 +146,37 @@ def open3d_(job, _threads, meshes):
         return timed(work, prepare=lambda: legacy(meshes[0]))
     if job == "closest":
         tensor = open3d.t.geometry.TriangleMesh.from_legacy(legacy(meshes[0]))
-        scene = open3d.t.geometry.RaycastingScene(nthreads=_threads)
+        scene = open3d.t.geometry.RaycastingScene(nthreads=threads)
         scene.add_triangles(tensor)
         asked = open3d.core.Tensor(points_for().astype(np.float32))
-        scene.compute_closest_points(asked[:10], nthreads=_threads)
-        return timed(lambda: len(scene.compute_closest_points(asked, nthreads=_threads)["points"]))
+        scene.compute_closest_points(asked[:10], nthreads=threads)
+        return timed(lambda: len(scene.compute_closest_points(asked, nthreads=threads)["points"]))
+    if job.startswith("rays"):
+        scene = open3d.t.geometry.RaycastingScene(nthreads=threads)
+        scene.add_triangles(open3d.t.geometry.TriangleMesh.from_legacy(legacy(meshes[0])))
+        rays = open3d.core.Tensor(np.hstack(rays_for(job)).astype(np.float32))
+        scene.cast_rays(rays[:10], nthreads=threads)
+
+        def cast():
+            return int(np.isfinite(scene.cast_rays(rays, nthreads=threads)["t_hit"].numpy()).sum())
+        return timed(cast)
     return None
 
 
-def pymeshlab_(job, _threads, meshes):
+def embree_(job, threads, meshes):
+    from embreex import mesh_construction, rtcore_scene
+
+    if threads != 1:
+        return None
+    scene = rtcore_scene.EmbreeScene()
+    points, faces = meshes[0]
+    mesh_construction.TriangleMesh(scene, points[faces].astype(np.float32))
+    origins, directions = (array.astype(np.float32).copy() for array in rays_for(job))
+    scene.run(origins[:10], directions[:10])
+    return timed(lambda: int((scene.run(origins, directions) >= 0).sum()))
+
+
+def pymeshlab_(job, threads, meshes):
     import pymeshlab
 
     if job == "deviation":
@@ -170,7 +207,7 @@ def pymeshlab_(job, _threads, meshes):
     return None
 
 
-def meshlib_(job, _threads, meshes):
+def meshlib_(job, threads, meshes):
     from meshlib import mrmeshnumpy, mrmeshpy
 
     made = [mrmeshnumpy.meshFromFacesVerts(faces, points) for points, faces in meshes]
@@ -191,7 +228,7 @@ def meshlib_(job, _threads, meshes):
     return None
 
 
-def igl_(job, _threads, meshes):
+def igl_(job, threads, meshes):
     import igl
 
     points, faces = meshes[0]

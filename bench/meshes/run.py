@@ -27,6 +27,8 @@ JOBS = [
     ("self", "self-intersections, 980 k triangles that cross along a curve", ["crossing"], ["meshlib", "pymeshlab"]),
     ("tree", "the tree of boxes, 1 M triangles", ["million"], []),
     ("closest", "200 k nearest points in the box around 1 M triangles", ["million"], ["open3d", "igl", "meshlib", "vtk"]),
+    ("rays-coherent", "1024 x 1024 rays of a camera on 1 M triangles", ["million"], ["embree", "open3d"]),
+    ("rays-random", "524,288 random rays on 1 M triangles", ["million"], ["embree", "open3d"]),
     ("deviation", "distance, 160 k against 16 k triangles", ["fine", "coarse"], ["pymeshlab", "meshlib", "igl"]),
     ("deviation-1%", "the same to 1 %", ["fine", "coarse"], []),
     ("within", "whether it is at most 0.01", ["fine", "coarse"], []),
@@ -36,7 +38,7 @@ JOBS = [
 ]
 NAMES = {
     "ours": "Chordal", "vtk": "VTK", "trimesh": "trimesh", "open3d": "Open3D", "meshlib": "MeshLib",
-    "pymeshlab": "pymeshlab", "igl": "libigl",
+    "pymeshlab": "pymeshlab", "igl": "libigl", "embree": "Embree (embreex)",
 }
 
 
@@ -84,7 +86,7 @@ def main():
     with open(BENCH / "out" / "meshes.csv", "w", newline="") as file:
         csv.writer(file).writerows([["job", "program", "threads", "seconds", "found"], *rows])
     text.append(f"Measured on {section.machine()}.")
-    section.put("Meshes, against VTK, trimesh, Open3D, MeshLib, pymeshlab and libigl", "\n".join(text))
+    section.put("Meshes, against VTK, trimesh, Open3D, MeshLib, pymeshlab, libigl and Embree", "\n".join(text))
 
 
 ABOUT = """

@@ -2,7 +2,7 @@
 //! was found. `meshes make DIR` writes the inputs, in the plain format that `read` reads and numpy too.
 use chordal::budget::Tolerance;
 use chordal::check::{Goal, deviation, self_intersections, validity};
-use chordal::explicit::{Bvh, Topology, position_id_by_bits, vertex_normals};
+use chordal::explicit::{Bvh, Ray, Topology, position_id_by_bits, vertex_normals};
 use chordal::{Job, Mesh};
 use serde_json::{Value, json};
 use std::fs;
@@ -103,6 +103,20 @@ fn make(folder: &Path) {
     put("shifted", &Mesh::new(shifted, fine.faces().to_vec()).expect("valid"));
 }
 
+/// 1024² rays from one eye, row by row.
+fn camera_rays() -> Vec<Ray> {
+    let at = |i: u32| f64::from(i) / 512.0 - 1.0;
+    let pixels = (0..1024).flat_map(|y| (0..1024).map(move |x| (at(x), at(y))));
+    pixels.map(|(x, y)| Ray::new([0.3, -4.2, 2.4], [0.45 * x, 0.87 - 0.2 * y, -0.5 + 0.35 * y])).collect()
+}
+
+/// From anywhere around the mesh to anywhere.
+fn random_rays() -> Vec<Ray> {
+    let mut random = Random(1);
+    let mut point = |size: f64| -> Point { std::array::from_fn(|_| size * (2.0 * random.unit() - 1.0)) };
+    (0..1 << 19).map(|_| Ray::new(point(1.5), point(1.0))).collect()
+}
+
 /// The median of the times, in seconds, and the last result.
 fn timed<T>(repeats: usize, mut work: impl FnMut() -> T) -> (f64, T) {
     let mut times = Vec::new();
@@ -168,6 +182,11 @@ fn run(name: &str, job: &Job, mesh: &Mesh, meshes: &[Mesh]) -> (f64, Value) {
                 (0..200_000).map(|_| [1.4, 1.4, 0.4].map(|x| x * (2.0 * random.unit() - 1.0))).collect();
             let bvh = Bvh::build(mesh, job).expect("small");
             timed_value(3, || bvh.closest_points(&points, job).len())
+        }
+        "rays-coherent" | "rays-random" => {
+            let rays = if name == "rays-coherent" { camera_rays() } else { random_rays() };
+            let bvh = Bvh::build(mesh, job).expect("small");
+            timed_value(3, || bvh.first_hits(&rays, job).iter().flatten().count())
         }
         "tree" => timed_value(3, || Bvh::build(mesh, job).expect("small").n_triangles()),
         _ => panic!("no job is called {name}"),
