@@ -6,7 +6,7 @@ use super::weld::distance_up;
 use crate::Mesh;
 use crate::budget::{Bound, Evidence, Job, Reference, Stopped};
 use crate::check::{Finding, Witness, has_zero_area};
-use crate::explicit::{Bvh, Topology, Twin, Twins, next_in_face, previous_in_face};
+use crate::explicit::{Bvh, Topology, Twin, Twins, previous_in_face};
 use crate::math::{add_up, mul_up};
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
@@ -135,15 +135,19 @@ fn round(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, Stopped> {
 
 /// The half-edge across from the corner in the middle of a face without area; `None` where that corner is at an end.
 fn longest_edge(mesh: &Mesh, face: u32) -> Option<u32> {
-    let corners = mesh.corners(face as usize);
+    longest_side(mesh.corners(face as usize)).map(|side| 3 * face + side as u32)
+}
+
+/// The side across from the corner in the middle of three on one line, from corner k to corner k + 1; `None` where that
+/// corner is at an end.
+fn longest_side(corners: [[f64; 3]; 3]) -> Option<usize> {
     // On one line, the order of coordinates is the order along it, or its reverse.
     let order = |p: [f64; 3], q: [f64; 3]| p.partial_cmp(&q).unwrap_or(Ordering::Equal);
     let is_middle = |k: &usize| {
         let sides = [(k + 1) % 3, (k + 2) % 3].map(|other| order(corners[*k], corners[other]));
         sides[0] != Ordering::Equal && sides[0] == sides[1].reverse()
     };
-    let middle = (0..3).find(is_middle)?;
-    Some(next_in_face(3 * face + middle as u32))
+    (0..3).find(is_middle).map(|middle| (middle + 1) % 3)
 }
 
 /// The row across the face from a half-edge.
@@ -180,11 +184,10 @@ fn bound(mesh: &Mesh, made: &Mesh, job: &Job) -> Result<Bound, Stopped> {
     let is_covered = |corners: [[f64; 3]; 3]| {
         let [a, b, c] = corners.map(key);
         let sides = [[a, b], [b, c], [c, a]].map(|edge| edges.contains(&edge));
-        // The longest side covers all of it, and so do the two others.
-        let longest = (0..3).fold(0, |most, k| {
-            let length = |k: usize| distance_up(corners[k], corners[(k + 1) % 3]);
-            if length(k) > length(most) { k } else { most }
-        });
+        // The longest side covers all of it, and so do the two others. Rounded lengths cannot tell which it is. Where no
+        // corner is between the others, some are equal, and a side between two that are not is as long as any.
+        let has_length = |k: &usize| corners[*k] != corners[(*k + 1) % 3];
+        let longest = longest_side(corners).or_else(|| (0..3).find(has_length)).unwrap_or(0);
         sides[longest] || (sides[(longest + 1) % 3] && sides[(longest + 2) % 3])
     };
     let bare: Vec<[[f64; 3]; 3]> = flat().filter(|corners| !is_covered(*corners)).collect();

@@ -1,4 +1,5 @@
 //! `Frame`: coordinates in which two meshes lie around zero with an extent near 1, and what bringing them there costs.
+use super::piece::smaller;
 use crate::explicit::Mesh;
 use crate::math::{Box3, add_up, mul_up, sqrt_up};
 use std::borrow::Cow;
@@ -45,7 +46,7 @@ impl Frame {
         if self.is_world() {
             return Some((Cow::Borrowed(mesh), 0.0));
         }
-        let mut moved = 0.0;
+        let (mut moved, mut underflowed) = (0.0, false);
         let mut positions = Vec::with_capacity(mesh.positions().len());
         for p in mesh.positions() {
             let shifted: [f64; 3] = std::array::from_fn(|k| p[k] - self.origin[k]);
@@ -54,16 +55,30 @@ impl Frame {
                 if lost == 0.0 { sum } else { add_up(sum, mul_up(lost, lost)) }
             });
             moved = if square > moved { square } else { moved };
-            positions.push(shifted.map(|x| x * self.scale));
+            let scaled = shifted.map(|x| x * self.scale);
+            underflowed |= (0..3).any(|k| scaled[k] / self.scale != shifted[k]);
+            positions.push(scaled);
         }
         let moved = if moved == 0.0 { 0.0 } else { mul_up(sqrt_up(moved), self.scale) };
+        // What falls below the normal numbers is moved by half of the smallest number along each axis at most.
+        let moved = if underflowed { add_up(moved, f64::MIN_POSITIVE) } else { moved };
         // Positions that were equal are equal, so that only an overflow can be refused.
         Some((Cow::Owned(mesh.with_positions(positions).ok()?), moved))
     }
 
-    /// A length of this frame in the world: exact but for what underflows.
-    pub fn length(&self, local: f64) -> f64 {
-        local / self.scale
+    /// A length of this frame in the world, from below: exact but for what underflows.
+    pub fn length_down(&self, local: f64) -> f64 {
+        let world = local / self.scale;
+        // Back is exact: a number that is rounded here is below the normal ones, and its image is not.
+        if world * self.scale > local { world.next_down() } else { world }
+    }
+
+    /// The same from above. No distance between two surfaces is larger than their common extent, which is a number; so
+    /// what overflows by its last digits is cut there.
+    pub fn length_up(&self, local: f64) -> f64 {
+        let world = local / self.scale;
+        let world = if world * self.scale < local { world.next_up() } else { world };
+        smaller(world, f64::MAX)
     }
 
     /// A length of the world in this frame.

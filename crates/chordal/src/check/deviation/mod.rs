@@ -15,7 +15,7 @@ use crate::math::{Box3, add_up, flushes_subnormals, sub_down};
 use common::{Common, Vertices};
 use frame::Frame;
 use piece::larger;
-use rounds::{Asked, Direction, Wanted, search};
+use rounds::{Asked, Direction, Limit, Wanted, search};
 use side::Side;
 
 /// How close together the two ends of a deviation are to come.
@@ -25,7 +25,7 @@ pub struct Goal {
     pub relative: f64,
     /// It is also good enough where it is no more than this above.
     pub absolute: Option<Tolerance>,
-    /// Only whether the deviation is at most this is asked: stop as soon as that is known.
+    /// Only whether the deviation is at most this is asked, and the other two are not: stop as soon as that is known.
     pub max: Option<Tolerance>,
 }
 
@@ -129,11 +129,9 @@ pub fn deviation(a: &Mesh, b: &Mesh, goal: &Goal, job: &Job) -> Result<Deviation
         let reach = reach.min.iter().chain(&reach.max).fold(0.0, |most, x| larger(most, x.abs()));
         let wanted = Wanted {
             relative: if goal.relative > 0.0 { goal.relative } else { 0.0 },
-            absolute: larger(
-                FLOOR * used(&a).union(used(&b)).diagonal(),
-                goal.absolute.map_or(0.0, |length| frame.local_length(length.get())),
-            ),
-            max: goal.max.map(|length| sub_down(frame.local_length(length.get()), 2.0 * (a_moved + b_moved))),
+            absolute: goal.absolute.map_or(0.0, |length| frame.local_length(length.get())),
+            floor: FLOOR * used(&a).union(used(&b)).diagonal(),
+            max: goal.max.map(|length| Limit::around(frame.local_length(length.get()), a_moved + b_moved)),
         };
         let (a, b) = (Side::new(a, job)?, Side::new(b, job)?);
         let vertices = [Vertices::ask(&common, [&a, &b], 0, job), Vertices::ask(&common, [&a, &b], 1, job)];
@@ -147,7 +145,12 @@ pub fn deviation(a: &Mesh, b: &Mesh, goal: &Goal, job: &Job) -> Result<Deviation
             let same = vertices[k].faces.is_empty() || a_moved + b_moved == 0.0;
             one_sided(&both[k], other, &frame, if same { 0.0 } else { add_up(a_moved, b_moved) })
         });
-        Ok(Deviation { bound: two_sided(&forward, &backward), forward, backward, reached })
+        let bound = two_sided(&forward, &backward);
+        // Rounding may leave open what was decided in the frame.
+        let decided = goal.max.is_none_or(|max| {
+            bound.at_least() > max.get() || bound.at_most().is_some_and(|most| most <= max.get())
+        });
+        Ok(Deviation { bound, forward, backward, reached: reached && decided })
     })
 }
 
@@ -196,8 +199,8 @@ fn one_sided(direction: &Direction, other: &Side, frame: &Frame, moved: f64) -> 
     let most = larger(direction.at_most(), far.at_least);
     let most = if moved == 0.0 { most } else { add_up(most, moved) };
     OneSided {
-        at_least: frame.length(if least > 0.0 { least } else { 0.0 }),
-        at_most: frame.length(most),
+        at_least: frame.length_down(if least > 0.0 { least } else { 0.0 }),
+        at_most: frame.length_up(most),
         from: frame.world(far.at),
         to: frame.world(other.nearest(far.at)),
     }

@@ -7,6 +7,8 @@ use super::cover::{Cover, Scratch, Terms, cover};
 use super::piece::{Corner, Piece, larger, smaller};
 use super::side::Side;
 use crate::budget::{Job, par_map};
+use crate::math::{add_up, sub_down};
+use std::collections::VecDeque;
 
 /// Pieces in one task.
 const CHUNK: usize = 512;
@@ -25,15 +27,40 @@ pub(super) struct Wanted {
     pub relative: f64,
     /// … or by this length.
     pub absolute: f64,
-    /// An upper end below this will do.
-    pub max: Option<f64>,
+    /// Closer together than this rounding decides.
+    pub floor: f64,
+    /// Instead of both, only on which side of this the distance is.
+    pub max: Option<Limit>,
+}
+
+/// A limit in a frame that rounds: what stands between its ends is not decided.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limit {
+    /// What is at most this is within the limit.
+    within: f64,
+    /// What is more than this is beyond it.
+    beyond: f64,
+}
+
+impl Limit {
+    /// A limit of surfaces that both together stand at most `moved` from where they belong.
+    pub fn around(limit: f64, moved: f64) -> Self {
+        if moved == 0.0 {
+            return Self { within: limit, beyond: limit };
+        }
+        // Twice, for the roundings on the way back.
+        Self { within: sub_down(limit, 2.0 * moved), beyond: add_up(limit, 2.0 * moved) }
+    }
 }
 
 impl Wanted {
     /// The distance that is good enough for every point when some point has `least`.
     fn enough(&self, least: f64) -> f64 {
-        let goal = larger(least * (1.0 + self.relative), least + self.absolute);
-        self.max.map_or(goal, |max| larger(goal, max))
+        match self.max {
+            // Nearer to the limit than rounding allows, nothing is asked for.
+            Some(limit) => larger(limit.within, least + self.floor),
+            None => larger(least * (1.0 + self.relative), least + larger(self.absolute, self.floor)),
+        }
     }
 }
 
@@ -155,9 +182,14 @@ pub(super) fn search(
     let (mut cuts, mut a_piece) = (0, FIRST_CUTS);
     let mut first = true;
     loop {
+        let n_open: u64 = directions.iter().map(|direction| direction.open.len() as u64).sum();
+        // What is left of the halvings is shared by all.
+        let share = most_cuts.saturating_sub(cuts) / (n_open + 1) + 1;
+        let share = if share < u64::from(a_piece) { share as u32 } else { a_piece };
+        let cuts_before = cuts;
         let least = larger(directions[0].farthest.at_least, directions[1].farthest.at_least);
-        let enough = asked.wanted.enough(least);
-        if asked.wanted.max.is_some_and(|max| least > max) {
+        let enough = best_possible(asked.wanted, directions, least);
+        if asked.wanted.max.is_some_and(|limit| least > limit.beyond) {
             // It is known on which side of the limit the distance is; what is open stays open.
             for k in 0..2 {
                 if first {
@@ -170,7 +202,7 @@ pub(super) fn search(
         for k in 0..2 {
             let terms =
                 Terms { enough, most_faces: asked.most_faces(&directions[k], first), reach: asked.reach };
-            let round = Round { terms, cuts: a_piece };
+            let round = Round { terms, cuts: share };
             let found = if first {
                 over_faces(&directions[k], &vertices[k], &vertices[k].faces, round, job)
             } else {
@@ -182,8 +214,10 @@ pub(super) fn search(
         if job.is_cancelled() {
             return false;
         }
+        let least_before = least;
         let least = larger(directions[0].farthest.at_least, directions[1].farthest.at_least);
-        let enough = asked.wanted.enough(least);
+        let wanted = asked.wanted.enough(least);
+        let enough = best_possible(asked.wanted, directions, least);
         // What was too much against the old lower end may be good enough against the new one.
         for direction in directions.iter_mut() {
             let open = std::mem::take(&mut direction.open);
@@ -192,13 +226,19 @@ pub(super) fn search(
             direction.open = open;
         }
         if directions.iter().all(|direction| direction.open.is_empty()) {
-            return true;
+            return enough <= wanted;
         }
-        if cuts > most_cuts {
+        let stuck = cuts == cuts_before && least == least_before;
+        if cuts > most_cuts || stuck {
             return false;
         }
         a_piece = if 2 * a_piece < MOST_CUTS { 2 * a_piece } else { MOST_CUTS };
     }
+}
+
+/// The distance that is good enough when some point has `least`, or that of what is too small to be halved.
+fn best_possible(wanted: Wanted, directions: &[Direction; 2], least: f64) -> f64 {
+    larger(wanted.enough(least), larger(directions[0].settled, directions[1].settled))
 }
 
 /// Faces of each direction that are tried before all, to raise the lower end.
@@ -278,14 +318,15 @@ fn over_pieces(direction: &Direction, round: Round, job: &Job) -> Vec<Found> {
 fn task(pieces: impl Iterator<Item = Piece>, other: &Side, round: Round, job: &Job) -> Found {
     let mut found = Found { settled: 0.0, open: Vec::new(), seen: None, cuts: 0 };
     let mut scratch = Scratch::default();
-    let mut waiting = Vec::new();
+    // The first come first: what is left when no more cuts are allowed is of about one size.
+    let mut waiting = VecDeque::new();
     for piece in pieces {
         if job.is_cancelled() {
             break;
         }
         let mut cuts = 0;
-        waiting.push(piece);
-        while let Some(mut piece) = waiting.pop() {
+        waiting.push_back(piece);
+        while let Some(mut piece) = waiting.pop_front() {
             let enough = round.terms.enough;
             piece.known = piece.bound_by_corners(other, enough);
             // A point that is too far by itself raises the lower end, against which the piece is then tried again.
@@ -305,7 +346,11 @@ fn task(pieces: impl Iterator<Item = Piece>, other: &Side, round: Round, job: &J
                 found.settled = larger(found.settled, piece.known);
                 continue;
             }
-            match if cut { piece.halves(|at| other.ask(at)) } else { None } {
+            if !cut {
+                found.open.push(piece);
+                continue;
+            }
+            match piece.halves(|at| other.ask(at)) {
                 Some(halves) => {
                     cuts += 1;
                     if found.see(halves[0].corners[1], halves[0].off) <= enough {
@@ -314,7 +359,8 @@ fn task(pieces: impl Iterator<Item = Piece>, other: &Side, round: Round, job: &J
                         found.open.extend(halves);
                     }
                 }
-                None => found.open.push(piece),
+                // Too small to be halved: nothing better will be known of it.
+                None => found.settled = larger(found.settled, piece.known),
             }
         }
         found.cuts += u64::from(cuts);
