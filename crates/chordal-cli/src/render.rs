@@ -63,7 +63,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         .darkest
         .map(|most| format!("distances, light at 0, darkest at {}", short(most, Toward::Nearest)));
     let picture = scale.map_or(picture.clone(), |scale| format!("{picture}: {scale}"));
-    talk.result(&report.to_value(), &summary::render(&report, &picture), stdout)
+    talk.result(&report.to_value(), &summary::render(&report, &picture, outcome.back_share), stdout)
 }
 
 /// The shape of `--against`, which `--show deviation` needs and nothing else takes.

@@ -56,7 +56,7 @@ pub fn mesh(report: &Report) -> String {
 }
 
 /// What a picture shows.
-pub fn render(report: &Report, picture: &str) -> String {
+pub fn render(report: &Report, picture: &str, back_share: Option<f64>) -> String {
     let (certificate, run) = (&report.certificate, &report.run);
     let name = |name: &Option<String>| name.clone().unwrap_or_default();
     let mut lines = Lines::titled(&format!("{} -> {}", name(&run.input), name(&run.output)));
@@ -64,6 +64,8 @@ pub fn render(report: &Report, picture: &str) -> String {
     if let Some(output) = &certificate.output {
         made(&mut lines, output);
     }
+    lines
+        .add_if("backs", back_share.map(|share| format!("{:.0}% of the triangles face away", 100.0 * share)));
     if let Some(facts) = &certificate.bound {
         lines.add("bound", bound(facts));
     }

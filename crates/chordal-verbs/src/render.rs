@@ -5,7 +5,7 @@ use crate::report::{BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, Ou
 use crate::{BudgetSpec, Input, MeshFailure, Shape, placed};
 use chordal::budget::{Camera, Code, Failure, Length, Pixels, Projection, Refusal, Screen, Stopped, View};
 use chordal::check::Goal;
-use chordal::explicit::Topology;
+use chordal::explicit::{Topology, facing};
 use chordal::math::Box3;
 use chordal::render::{
     Against, Options, Picture, Up, Viewpoint, frame, render as trace, render_against as trace_against,
@@ -25,6 +25,8 @@ pub struct RenderOutcome {
     pub certificate: Certificate,
     /// The distance of the darkest colour, in a picture of distances.
     pub darkest: Option<f64>,
+    /// The share of the triangles that show the eye their backs; none for parallel rays.
+    pub back_share: Option<f64>,
 }
 
 impl RenderOutcome {
@@ -136,7 +138,14 @@ pub fn render_against(
         Viewpoint::Camera(camera) => camera,
     };
     let picture = trace_against(&mesh, Against { mesh: &other, most }, &options, job).map_err(stopped)?;
-    Ok(RenderOutcome { picture, camera, certificate, darkest: Some(most) })
+    let back_share = back_share(&mesh, &camera);
+    Ok(RenderOutcome { picture, camera, certificate, darkest: Some(most), back_share })
+}
+
+/// What culling would save.
+fn back_share(mesh: &Mesh, camera: &Camera) -> Option<f64> {
+    let from_a_point = matches!(camera.projection, Projection::Perspective { .. });
+    from_a_point.then(|| facing(mesh, camera.eye).back_share())
 }
 
 fn stopped(stopped: Stopped) -> MeshFailure {
@@ -224,7 +233,8 @@ fn shoot(
         Viewpoint::Camera(camera) => camera,
     };
     let picture = trace(mesh, options, job).map_err(stopped)?;
-    Ok(RenderOutcome { picture, camera, certificate, darkest: None })
+    let back_share = back_share(mesh, &camera);
+    Ok(RenderOutcome { picture, camera, certificate, darkest: None, back_share })
 }
 
 fn tessellate(patches: &[Patch], budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, MeshFailure> {

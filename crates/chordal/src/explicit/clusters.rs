@@ -5,7 +5,7 @@ use std::ops::Range;
 
 /// How many triangles a viewer sees from the front, from the back, and on edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Facing {
+pub struct FacingCounts {
     /// Whose front the eye sees, if nothing is in the way.
     pub front: usize,
     /// Whose back.
@@ -14,7 +14,7 @@ pub struct Facing {
     pub on_edge: usize,
 }
 
-impl Facing {
+impl FacingCounts {
     /// The share of all triangles that show their backs: what back-face culling saves. 0 without triangles.
     #[must_use]
     pub fn back_share(&self) -> f64 {
@@ -32,8 +32,8 @@ impl Facing {
 /// assert_eq!((seen.front, seen.back, seen.back_share()), (1, 1, 0.5));
 /// ```
 #[must_use]
-pub fn facing(mesh: &Mesh, eye: [f64; 3]) -> Facing {
-    let mut seen = Facing::default();
+pub fn facing(mesh: &Mesh, eye: [f64; 3]) -> FacingCounts {
+    let mut seen = FacingCounts::default();
     for face in 0..mesh.faces().len() {
         let [a, b, c] = mesh.corners(face);
         *match orient3d(a, b, c, eye) {

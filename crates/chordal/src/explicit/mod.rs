@@ -30,7 +30,7 @@ pub use arc::{Arc, InvalidArc, Through};
 pub use bezier::{Bezier, Levels, bernstein};
 pub(crate) use bvh::nearest_on_triangle;
 pub use bvh::{Bvh, Closest, Containment, Enclosure, Hit, Ray, Sides, Whereabouts, Winding};
-pub use clusters::{Cluster, Facing, clusters, facing};
+pub use clusters::{Cluster, FacingCounts, clusters, facing};
 pub use continuation::Smoothness;
 pub use curve::{Curve, InvalidCurve};
 pub use mesh::{Attribute, Domain, InvalidMesh, Mesh, Semantic};
