@@ -82,7 +82,8 @@ impl<'a> Cutter<'a> {
 /// Takes away what is right of a line; true where that made new corners.
 fn cut(part: &mut Part, [a, b]: [[f64; 2]; 2], margin: f64) -> bool {
     let e = [b[0] - a[0], b[1] - a[1]];
-    let least = -margin * larger(e[0].abs(), e[1].abs());
+    // Products that underflow lose less than the smallest normal number.
+    let least = -(margin * larger(e[0].abs(), e[1].abs()) + f64::MIN_POSITIVE);
     let old = *part;
     let mut sides = [0.0; MOST];
     for (side, p) in sides.iter_mut().zip(&old.image[..old.n]) {
