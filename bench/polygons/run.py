@@ -31,7 +31,8 @@ def main():
     program = BENCH / "target" / "release" / "polygons"
     done = subprocess.run([program, FIXTURES], check=True, capture_output=True, text=True)
     (BENCH / "out" / "polygons.csv").write_text(done.stdout)
-    rows = sorted(csv.DictReader(done.stdout.splitlines()), key=lambda row: -int(row["corners"]))
+    rows = [row for row in csv.DictReader(done.stdout.splitlines()) if row["corners"]]
+    rows.sort(key=lambda row: -int(row["corners"]))
     text = [ABOUT, "", "| polygon | corners | holes | Chordal | earcut | i_triangle | triangles | theirs |"]
     text.append("|---|---|---|---|---|---|---|---|")
     for row in rows:

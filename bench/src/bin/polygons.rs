@@ -98,7 +98,7 @@ fn main() {
     let mut all = fixtures(&folder);
     all.push(("star of 10k".to_owned(), vec![star(10_000, [0.0; 2], 1.0)]));
     all.push(("comb of 10k".to_owned(), vec![comb(5_000)]));
-    all.push(("400 holes, 45.6k".to_owned(), holed(114, 20)));
+    all.push(("400 holes: 45.6k".to_owned(), holed(114, 20)));
     all.push(("star of 100k".to_owned(), vec![star(100_000, [0.0; 2], 1.0)]));
     if let Some(only) = std::env::args().nth(2) {
         all.retain(|(name, _)| *name == only);
