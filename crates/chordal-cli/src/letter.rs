@@ -228,6 +228,13 @@ pub(crate) fn places<'a>(of: &'a str, valid: &'a Valid) -> impl Iterator<Item = 
     let several_parts = valid.parts.len() > 1;
     let named = valid.witnesses.iter().flatten().filter(move |witness| witness.of == of);
     named.map(move |witness| {
+        if let (Some(other), [f, g]) = (witness.other_part, &witness.faces[..]) {
+            let part = witness.part;
+            let at = point(witness.at);
+            return format!(
+                "triangle {f} of part {part} and triangle {g} of part {other} at {at} in the scene"
+            );
+        }
         let part = if several_parts { format!("part {}, ", witness.part) } else { String::new() };
         format!("{part}{} at {}", what(witness), point(witness.at))
     })

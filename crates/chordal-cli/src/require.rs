@@ -100,12 +100,22 @@ fn complaint(valid: &Valid, required: Requirement) -> Vec<String> {
             Some(true) => Vec::new(),
             Some(false) => of("not outward", &[Defect::InsideOut]),
             None if counts.components == 0 => vec!["not outward: there are no triangles".to_owned()],
-            None => vec!["not outward: a component has no inside, or none that is decided".to_owned()],
+            None if !counts.closed || !counts.oriented => {
+                vec!["not outward: a component has no inside, or none that is decided".to_owned()]
+            }
+            None => vec![
+                "not outward: which side is out is not decided: a component has no volume, or lies on another, or a \
+                 part lies within another"
+                    .to_owned(),
+            ],
         },
         Requirement::SingleComponent if counts.components != 1 => {
             vec![format!("not a single component: {} components", grouped(counts.components))]
         }
         Requirement::SingleComponent => Vec::new(),
+        Requirement::NoSelfIntersections if valid.count(Defect::SelfIntersections).is_none() => {
+            vec!["self-intersections are not known: the parts cannot be put in one space".to_owned()]
+        }
         Requirement::NoSelfIntersections => of("self-intersecting", &[Defect::SelfIntersections]),
         Requirement::NoTJunctions => of("T-junctions", &[Defect::TJunctions]),
         Requirement::NoDegenerate => of("degenerate", &[Defect::ZeroAreaFaces]),

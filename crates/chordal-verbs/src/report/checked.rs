@@ -127,7 +127,7 @@ impl Checked {
 /// A witness of what is called `of`, in that part.
 pub(super) fn witness_facts(of: &'static str, part: usize, witness: &Witness) -> WitnessFacts {
     let (vertices, faces) = rows(&witness.place);
-    WitnessFacts { of, part: part as u64, vertices, faces, at: witness.at }
+    WitnessFacts { of, part: part as u64, other_part: None, vertices, faces, at: witness.at }
 }
 
 fn rows(place: &Place) -> (Vec<u32>, Vec<u32>) {
