@@ -1,6 +1,6 @@
 //! The letter of `inspect`: what a file holds, what holds of it, and what was found, where, how often, and what mends it.
 use crate::numbers::{Toward, grouped, point, short, size};
-use crate::summary::{Lines, made, plural};
+use crate::summary::{Lines, made, one_way, plural};
 use chordal_verbs::report::{
     Anatomy, ComponentFacts, DrawingFacts, FindingFacts, Found, Inspection, KinkFacts, Report, Valid,
     WitnessFacts, cures_of_all,
@@ -279,7 +279,9 @@ fn certified(found: &Found) -> String {
     let text = |pointer: &str| found.certificate.pointer(pointer).and_then(serde_json::Value::as_str);
     let bound = match (number("/bound/at_least"), number("/bound/at_most"), text("/bound/evidence")) {
         (Some(least), Some(most), Some(evidence)) => {
-            format!("between {} and {} ({evidence})", short(least, Toward::Down), short(most, Toward::Up))
+            let one_way = one_way(text("/bound/metric").unwrap_or_default());
+            let (least, most) = (short(least, Toward::Down), short(most, Toward::Up));
+            format!("between {least} and {most} ({evidence}{one_way})")
         }
         _ => "says no bound".to_owned(),
     };
