@@ -178,6 +178,9 @@ fn changed(what: &str, count: u64) -> String {
 
 /// What `inspect` would find, as far as counts tell it.
 fn faults(valid: &Valid) -> String {
+    if !valid.has_triangles() {
+        return "no triangles".to_owned();
+    }
     let met: Vec<String> = FindingFacts::of_all(valid)
         .iter()
         .map(|finding| format!("{} {}", grouped(finding.count), finding.words))

@@ -378,3 +378,44 @@ fn h60_parts_that_cross_touch_or_nest_are_not_solid() {
     assert!(lost.code == 1 && lost.stderr.contains("self-intersections are not known"), "{lost:?}");
     assert!(!lost.stdout.contains("free of"), "{}", lost.stdout);
 }
+
+#[test]
+fn h55_points_without_triangles_are_nothing_and_need_nothing() {
+    let folder = Folder::new("points");
+    let points = folder.file("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+    let shown = run(&["inspect", &points, "--self-intersections"]);
+    assert_eq!(shown.code, 0);
+    assert!(shown.stdout.ends_with("  surface     no triangles: points only\n"), "{}", shown.stdout);
+    assert!(!shown.stdout.contains("drawing") && !shown.stdout.contains("mend"), "{}", shown.stdout);
+    // Three corners in one row: a triangle that covers nothing.
+    let collapsed = folder.file("collapsed.obj", "v 0 0 0\nf 1 1 1\n");
+    let shown = run(&["inspect", &collapsed]).stdout;
+    assert!(shown.contains("  1 collapsed triangle: ") && !shown.contains("  is "), "{shown}");
+    for required in
+        ["closed", "manifold", "oriented", "outward", "no-slivers", "no-unused", "no-self-intersections"]
+    {
+        let failed = run(&["inspect", &points, "--require", required, "-q"]);
+        failed.fails_with(1, &["points.obj: there are no triangles to check"]);
+        let failed = run(&["inspect", &collapsed, "--require", required, "-q"]);
+        failed.fails_with(1, &["collapsed.obj: there is no surface to check: every triangle is collapsed"]);
+    }
+}
+
+#[test]
+fn the_letter_is_right_for_one_and_for_several_and_for_standard_input() {
+    let folder = Folder::new("one-and-several");
+    let letter = |text: &str| run(&["inspect", &folder.file("words.obj", text)]).stdout;
+    let shown = letter("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nv 6 6 6\nf 1 2 3\n");
+    assert!(shown.contains(", 1 triangle a vertex\n"), "{shown}");
+    assert!(shown.contains("\n  2 unused vertices: no triangle has a corner there\n"), "{shown}");
+    // A tetrahedron in which every triangle has corners of its own.
+    let corners = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]].as_flattened().iter();
+    let rows = corners.map(|i| ["v 0 0 0\n", "v 1 0 0\n", "v 0 1 0\n", "v 0 0 1\n"][*i]);
+    let apart: String = rows.chain(["f 1 2 3\nf 4 5 6\nf 7 8 9\nf 10 11 12\n"]).collect();
+    let shown = letter(&apart);
+    assert!(shown.contains("              no boundary edges where vertices meet by positions\n"), "{shown}");
+    let mut child = common::chordal(&["inspect", "-", "--from", "obj"]);
+    child.stdin(std::fs::File::open(folder.text("words.obj")).unwrap());
+    let shown = common::Run::of(child.output().unwrap());
+    assert!(shown.stdout.contains("chordal mend - --"), "{shown:?}");
+}

@@ -185,9 +185,12 @@ pub struct FindingFacts {
 }
 
 impl FindingFacts {
-    /// All that was found, the heaviest first.
+    /// All that was found, the heaviest first; nothing where there are no triangles, which points do not lack.
     #[must_use]
     pub fn of_all(valid: &Valid) -> Vec<Self> {
+        if !valid.has_triangles() {
+            return Vec::new();
+        }
         let told = |defect: &Defect| {
             let count = valid.count(*defect).filter(|count| *count > 0)?;
             // Where all are collapsed, that says it better.

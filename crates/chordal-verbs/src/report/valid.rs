@@ -223,6 +223,12 @@ impl Valid {
         self.anatomy.as_ref().and_then(|anatomy| anatomy.outward)
     }
 
+    /// Whether there are triangles at all: points alone are no surface of which anything holds.
+    #[must_use]
+    pub fn has_triangles(&self) -> bool {
+        self.counts.edges > 0 || self.counts.collapsed_faces > 0
+    }
+
     /// How often a defect was met; `None` where it was not looked for.
     #[must_use]
     pub fn count(&self, defect: Defect) -> Option<u64> {
