@@ -419,3 +419,15 @@ fn the_letter_is_right_for_one_and_for_several_and_for_standard_input() {
     let shown = common::Run::of(child.output().unwrap());
     assert!(shown.stdout.contains("chordal mend - --"), "{shown:?}");
 }
+
+#[test]
+fn a_format_without_indices_is_sized_by_its_positions() {
+    let folder = Folder::new("sizes");
+    let (cube, soup) = (folder.file("cube.obj", obj(&corners(0.0), &CUBE)), folder.text("cube.stl"));
+    run(&["mend", &cube, "-o", &soup, "--orient"]).succeeds();
+    let shown = [&cube, &soup].map(|file| run(&["inspect", file]).stdout);
+    for shown in &shown {
+        assert!(shown.contains("  geometry    168 B indexed, 432 B unindexed\n"), "{shown}");
+        assert!(shown.contains("  drawing     0.67 vertices a triangle"), "{shown}");
+    }
+}
