@@ -3,7 +3,7 @@ use super::fans::{Ending, count_fans, walk_boundary};
 use super::finding::{Finding, Witness};
 use super::measure::{Measure, power_of_two_near};
 use super::nesting::{Nested, nest};
-use super::pieces::{Sets, find_one_sided};
+use super::pieces::{find_one_sided, joined_faces};
 use super::surface::Surface;
 use crate::explicit::{Mesh, Topology, Twin, next_in_face};
 use crate::math::Box3;
@@ -161,7 +161,7 @@ pub(super) fn components_of(surface: &Surface) -> Vec<Component> {
 
 /// The component of each face, or [`NONE`], and the components with their faces counted.
 fn labelled(surface: &Surface) -> (Vec<u32>, Vec<Component>) {
-    let mut sets = Sets::of(surface);
+    let mut sets = joined_faces(surface);
     let mut labels = vec![NONE; surface.n_faces() as usize];
     let mut found: Vec<Component> = Vec::new();
     for face in 0..surface.n_faces() {
