@@ -3,7 +3,7 @@ use super::WitnessFacts;
 use crate::placed::{Assembled, n_places};
 use chordal::Job;
 use chordal::budget::Stopped;
-use chordal::check::{Defect, Witness, components, intersections_between, outward};
+use chordal::check::{Defect, Surface, Witness, intersections_between, outward};
 use chordal::explicit::Topology;
 use chordal_io::Scene;
 
@@ -32,7 +32,7 @@ impl Together {
         Ok(Some(Self {
             crossing: Some(found.count),
             witnesses: found.witnesses.iter().filter_map(|witness| facts(&assembled, witness)).collect(),
-            outward: outward(&components(&assembled.mesh, Topology::Indices)),
+            outward: outward(&Surface::new(&assembled.mesh, Topology::Indices).components_under(job)?),
         }))
     }
 }

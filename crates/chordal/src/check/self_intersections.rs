@@ -73,7 +73,7 @@ fn search(
     counts: impl Fn(&Soup, [u32; 2]) -> bool + Sync,
 ) -> Result<Finding, Stopped> {
     let tree = Bvh::build(mesh, job)?;
-    let soup = Soup::new(mesh, &tree);
+    let soup = job.run(|| Soup::new(mesh, &tree));
     let parts = tree.pairs(job, |found: &mut Found, slots| {
         if counts(&soup, slots) {
             found.add(slots.map(|slot| soup.slots[slot as usize].face));
