@@ -17,7 +17,12 @@ pub fn run(args: &InspectArgs) -> Result<(), Fault> {
     let talk = Talk::new(&args.talk);
     let job = common::job(&args.input, None, &talk);
     let input = common::read(&args.input, &talk)?;
-    let name = Source::from_arg(&args.input.input).name();
+    let source = Source::from_arg(&args.input.input);
+    let name = source.name();
+    let argument = match source {
+        Source::Stdin => "-".to_owned(),
+        Source::File(_) => name.clone(),
+    };
     let deep = args.self_intersections || args.require.iter().any(|required| required.looks_deep());
     let mut report = if deep {
         inspect_deeply(&input, &job).map_err(|stopped| fault(&name, &stopped))?
@@ -26,7 +31,7 @@ pub fn run(args: &InspectArgs) -> Result<(), Fault> {
     };
     let run = Run { input: Some(name.clone()), ..report.run };
     report.run = clock.fill(run, &job);
-    talk.result(&report.to_value(), &letter::inspect(&report), Stdout::Free)?;
+    talk.result(&report.to_value(), &letter::inspect(&report, &argument), Stdout::Free)?;
     check(&name, report.certificate.valid.as_ref(), &args.require)
 }
 

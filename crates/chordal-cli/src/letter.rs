@@ -1,14 +1,14 @@
 //! The letter of `inspect`: what a file holds, what holds of it, and what was found, where, how often, and what mends it.
 use crate::numbers::{Toward, grouped, point, short, size};
-use crate::summary::{Lines, made, plural};
+use crate::summary::{Lines, made, one_way, plural};
 use chordal_verbs::report::{
     Anatomy, ComponentFacts, DrawingFacts, FindingFacts, Found, Inspection, KinkFacts, Report, Valid,
     WitnessFacts, cures_of_all,
 };
 use std::fmt::Write;
 
-/// What `inspect` found.
-pub fn inspect(report: &Report) -> String {
+/// What `inspect` found. `argument` is the input as the command line names it.
+pub fn inspect(report: &Report, argument: &str) -> String {
     let (certificate, run) = (&report.certificate, &report.run);
     let input = &certificate.input;
     let name = run.input.clone().unwrap_or_default();
@@ -22,7 +22,10 @@ pub fn inspect(report: &Report) -> String {
     if let Some(output) = &certificate.output {
         made(&mut lines, output);
     }
-    if let Some(sizes) = report.inspection.as_ref().and_then(|inspection| inspection.sizes) {
+    let valid = certificate.valid.as_ref();
+    let has_triangles = valid.is_some_and(Valid::has_triangles);
+    let sizes = report.inspection.as_ref().and_then(|inspection| inspection.sizes);
+    if let Some(sizes) = sizes.filter(|_| has_triangles) {
         let (indexed, unindexed) = (size(sizes.indexed_bytes), size(sizes.unindexed_bytes));
         lines.add("geometry", format!("{indexed} indexed, {unindexed} unindexed"));
         let (now, ordered) = (sizes.acmr, sizes.acmr_ordered);
@@ -32,13 +35,15 @@ pub fn inspect(report: &Report) -> String {
         lines.add("certificate", certified(found));
     }
     let findings = report.inspection.as_ref().and_then(|inspection| inspection.findings.as_ref());
-    if let (Some(valid), Some(findings)) = (&certificate.valid, findings) {
+    if valid.is_some() && !has_triangles {
+        lines.add("surface", "no triangles: points only");
+    } else if let (Some(valid), Some(findings)) = (valid, findings) {
         surface(&mut lines, valid);
         diagnosis(&mut lines, valid, findings);
         for finding in findings {
             told(&mut lines, finding, valid);
         }
-        prescription(&mut lines, &name, findings);
+        prescription(&mut lines, argument, findings);
     }
     lines.0
 }
@@ -99,14 +104,20 @@ fn surface(lines: &mut Lines, valid: &Valid) {
     facts.extend(counts.genus.map(|genus| format!("genus {genus}")));
     facts.push(format!("Euler number {}", counts.euler));
     let mean = anatomy.triangles_per_vertex;
-    facts.extend(mean.map(|mean| format!("{} triangles a vertex", short(mean, Toward::Nearest))));
+    facts.extend(mean.map(|mean| {
+        let mean = short(mean, Toward::Nearest);
+        format!("{mean} triangle{} a vertex", if mean == "1" { "" } else { "s" })
+    }));
     lines.add("surface", facts.join(", "));
     if !anatomy.in_place {
         lines.add("", "areas, volumes and places below in the parts' own coordinates");
     }
-    let (is, is_not) = properties(valid, anatomy);
-    lines.add_if("is", (!is.is_empty()).then(|| is.join(", ")));
-    lines.add_if("is not", (!is_not.is_empty()).then(|| is_not.join(", ")));
+    // Of collapsed triangles alone nothing holds, and nothing fails to.
+    if counts.components > 0 {
+        let (is, is_not) = properties(valid, anatomy);
+        lines.add_if("is", (!is.is_empty()).then(|| is.join(", ")));
+        lines.add_if("is not", (!is_not.is_empty()).then(|| is_not.join(", ")));
+    }
     if counts.components > 1 {
         components(lines, counts.components, &anatomy.component_list);
     }
@@ -175,7 +186,10 @@ fn diagnosis(lines: &mut Lines, valid: &Valid, findings: &[FindingFacts]) {
     lines.add("found", if counted.is_empty() { "nothing to mend".to_owned() } else { counted.join(", ") });
     let (counts, other) = (&valid.counts, &valid.other);
     if counts.boundary_edges != other.counts.boundary_edges {
-        let edges = plural(other.counts.boundary_edges, "boundary edge");
+        let edges = match other.counts.boundary_edges {
+            0 => "no boundary edges".to_owned(),
+            n => plural(n, "boundary edge"),
+        };
         lines.add("", format!("{edges} where vertices meet by {}", other.topology));
     }
 }
@@ -228,6 +242,13 @@ pub(crate) fn places<'a>(of: &'a str, valid: &'a Valid) -> impl Iterator<Item = 
     let several_parts = valid.parts.len() > 1;
     let named = valid.witnesses.iter().flatten().filter(move |witness| witness.of == of);
     named.map(move |witness| {
+        if let (Some(other), [f, g]) = (witness.other_part, &witness.faces[..]) {
+            let part = witness.part;
+            let at = point(witness.at);
+            return format!(
+                "triangle {f} of part {part} and triangle {g} of part {other} at {at} in the scene"
+            );
+        }
         let part = if several_parts { format!("part {}, ", witness.part) } else { String::new() };
         format!("{part}{} at {}", what(witness), point(witness.at))
     })
@@ -272,7 +293,9 @@ fn certified(found: &Found) -> String {
     let text = |pointer: &str| found.certificate.pointer(pointer).and_then(serde_json::Value::as_str);
     let bound = match (number("/bound/at_least"), number("/bound/at_most"), text("/bound/evidence")) {
         (Some(least), Some(most), Some(evidence)) => {
-            format!("between {} and {} ({evidence})", short(least, Toward::Down), short(most, Toward::Up))
+            let one_way = one_way(text("/bound/metric").unwrap_or_default());
+            let (least, most) = (short(least, Toward::Down), short(most, Toward::Up));
+            format!("between {least} and {most} ({evidence}{one_way})")
         }
         _ => "says no bound".to_owned(),
     };

@@ -5,12 +5,13 @@ use crate::common;
 use crate::fault::Fault;
 use crate::input::Source;
 use crate::mesh::output_format;
+use crate::numbers::grouped;
 use crate::output::Target;
 use crate::summary::{self, plural};
 use crate::talk::Talk;
 use chordal::budget::Length;
 use chordal_io::Format;
-use chordal_verbs::report::{Counts, MendedFacts, Report, Run, Valid};
+use chordal_verbs::report::{FindingFacts, MendedFacts, Report, Run, Valid};
 use chordal_verbs::{Closeness, Duplicates, Holes, MendSpec, mend};
 use clap::{ArgGroup, Args, ValueEnum};
 use std::fmt::Write;
@@ -147,8 +148,13 @@ fn told(report: &Report) -> String {
             let _ = writeln!(text, "  {name:<11} {}", faults(valid));
         }
     }
+    // Neither is a count of edges, and both take a search: `inspect` makes it.
+    let _ = writeln!(text, "  {:<11} {NOT_LOOKED_FOR}", "");
     text
 }
+
+/// What the lines before and after leave out.
+const NOT_LOOKED_FOR: &str = "not looked for: components inside out, self-intersections";
 
 fn changes(facts: &MendedFacts) -> String {
     let all: Vec<String> = facts.changes.iter().map(|change| changed(change.what, change.count)).collect();
@@ -170,23 +176,16 @@ fn changed(what: &str, count: u64) -> String {
     format!("{verb} {}", plural(count, one))
 }
 
-/// The counts that should be zero and are not.
+/// What `inspect` would find, as far as counts tell it.
 fn faults(valid: &Valid) -> String {
-    let Counts { boundary_edges, non_manifold_edges, non_manifold_vertices, t_junctions, .. } = valid.counts;
-    let Counts { inconsistent_edges, duplicate_faces, zero_area_faces, unused_vertices, .. } = valid.counts;
-    let named = [
-        (boundary_edges, "boundary edge"),
-        (non_manifold_edges, "edge of three triangles or more"),
-        (non_manifold_vertices, "vertex of several fans"),
-        (t_junctions, "T-junction"),
-        (inconsistent_edges, "edge of opposite winding"),
-        (duplicate_faces, "repeated triangle"),
-        (zero_area_faces, "triangle of no area"),
-        (unused_vertices, "unused vertex"),
-    ];
-    let met: Vec<String> =
-        named.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| plural(count, what)).collect();
-    if met.is_empty() { "nothing to mend".to_owned() } else { met.join(", ") }
+    if !valid.has_triangles() {
+        return "no triangles".to_owned();
+    }
+    let met: Vec<String> = FindingFacts::of_all(valid)
+        .iter()
+        .map(|finding| format!("{} {}", grouped(finding.count), finding.words))
+        .collect();
+    if met.is_empty() { "none of the faults that were looked for".to_owned() } else { met.join(", ") }
 }
 
 #[cfg(test)]

@@ -64,7 +64,16 @@ impl Requirement {
 }
 
 /// What is wrong, one sentence for each thing that was required, each once.
+///
+/// Nothing that can be required holds where there is no surface.
 pub fn complaints(valid: &Valid, required: &[Requirement]) -> Vec<String> {
+    if !required.is_empty() && valid.counts.edges == 0 {
+        let why = match valid.counts.collapsed_faces {
+            0 => "there are no triangles to check",
+            _ => "there is no surface to check: every triangle is collapsed",
+        };
+        return vec![why.to_owned()];
+    }
     let single = required.iter().flat_map(|whole| match whole.parts() {
         [] => vec![*whole],
         parts => parts.to_vec(),
@@ -86,7 +95,7 @@ fn complaint(valid: &Valid, required: Requirement) -> Vec<String> {
     match required {
         Requirement::Solid | Requirement::Manifold => Vec::new(),
         Requirement::Closed if !counts.closed && counts.boundary_edges == 0 => {
-            vec!["not closed: there are no triangles".to_owned()]
+            vec!["not closed: every triangle of a part is collapsed".to_owned()]
         }
         Requirement::Closed => of("not closed", &[Defect::BoundaryEdges]),
         Requirement::EdgeManifold => of("not manifold", &[Defect::NonManifoldEdges]),
@@ -99,13 +108,22 @@ fn complaint(valid: &Valid, required: Requirement) -> Vec<String> {
         Requirement::Outward => match anatomy.and_then(|anatomy| anatomy.outward) {
             Some(true) => Vec::new(),
             Some(false) => of("not outward", &[Defect::InsideOut]),
-            None if counts.components == 0 => vec!["not outward: there are no triangles".to_owned()],
-            None => vec!["not outward: a component has no inside, or none that is decided".to_owned()],
+            None if !counts.closed || !counts.oriented => {
+                vec!["not outward: a component has no inside, or none that is decided".to_owned()]
+            }
+            None => vec![
+                "not outward: which side is out is not decided: a component has no volume, or lies on another, or a \
+                 part lies within another"
+                    .to_owned(),
+            ],
         },
         Requirement::SingleComponent if counts.components != 1 => {
             vec![format!("not a single component: {} components", grouped(counts.components))]
         }
         Requirement::SingleComponent => Vec::new(),
+        Requirement::NoSelfIntersections if valid.count(Defect::SelfIntersections).is_none() => {
+            vec!["self-intersections are not known: the parts cannot be put in one space".to_owned()]
+        }
         Requirement::NoSelfIntersections => of("self-intersecting", &[Defect::SelfIntersections]),
         Requirement::NoTJunctions => of("T-junctions", &[Defect::TJunctions]),
         Requirement::NoDegenerate => of("degenerate", &[Defect::ZeroAreaFaces]),

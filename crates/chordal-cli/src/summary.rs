@@ -131,11 +131,15 @@ pub(crate) fn plural(count: u64, what: &str) -> String {
     format!("{} {noun}{rest}", grouped(count))
 }
 
+/// Of which side a bound is, where it is not of both: what was added, as by filling a hole, is not near anything of the
+/// source.
+pub(crate) fn one_way(metric: &str) -> &'static str {
+    if metric == "one-sided" { ", of the source; what was added is not counted" } else { "" }
+}
+
 pub(crate) fn bound(facts: &BoundFacts) -> String {
     let least = short(facts.at_least, Toward::Down);
-    // What was added, as by filling a hole, is not near anything of the source.
-    let one_way =
-        if facts.metric == "one-sided" { ", of the source; what was added is not counted" } else { "" };
+    let one_way = one_way(facts.metric);
     match facts.at_most {
         Some(most) => {
             format!("between {least} and {} ({}{one_way})", short(most, Toward::Up), facts.evidence)

@@ -317,3 +317,117 @@ fn every_requirement_names_count_and_place() {
         no-self-intersections,no-t-junctions,no-degenerate,no-duplicates,no-slivers,no-unused";
     run(&["inspect", &folder.file("cube.obj", obj(&corners(0.0), &CUBE)), "--require", all, "-q"]).succeeds();
 }
+
+/// A GLB of cubes as meshes of their own, each from its lowest corner to the highest, moved by a node.
+fn glb(cubes: &[([f32; 2], [f32; 3])]) -> Vec<u8> {
+    let mut bin: Vec<u8> = CUBE.as_flattened().iter().flat_map(|i| (*i as u16).to_le_bytes()).collect();
+    let (mut views, mut accessors) = (vec![json!({"buffer": 0, "byteLength": 72})], Vec::new());
+    accessors.push(json!({"bufferView": 0, "componentType": 5123, "count": 36, "type": "SCALAR"}));
+    let (mut meshes, mut nodes) = (Vec::new(), Vec::new());
+    for (i, ([low, high], moved)) in cubes.iter().enumerate() {
+        views.push(json!({"buffer": 0, "byteOffset": bin.len(), "byteLength": 96}));
+        let side = |bit: u32| if bit == 1 { *high } else { *low };
+        let points = (0..8_u32).flat_map(|i| [0, 1, 2].map(|k| side(i >> k & 1)));
+        bin.extend(points.flat_map(f32::to_le_bytes));
+        accessors.push(json!({"bufferView": i + 1, "componentType": 5126, "count": 8, "type": "VEC3",
+            "min": [low, low, low], "max": [high, high, high]}));
+        meshes.push(json!({"primitives": [{"attributes": {"POSITION": i + 1}, "indices": 0}]}));
+        nodes.push(json!({"mesh": i, "translation": moved}));
+    }
+    let roots: Vec<usize> = (0..cubes.len()).collect();
+    let mut text = json!({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": roots}], "nodes": nodes,
+        "meshes": meshes, "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": bin.len()}]})
+    .to_string();
+    text.push_str(&" ".repeat(text.len().wrapping_neg() % 4));
+    let mut file = b"glTF".to_vec();
+    let words = [2, (12 + 8 + text.len() + 8 + bin.len()) as u32, text.len() as u32];
+    file.extend(words.iter().flat_map(|word| word.to_le_bytes()));
+    [&file, &b"JSON"[..], text.as_bytes(), &(bin.len() as u32).to_le_bytes(), b"BIN\0", &bin].concat()
+}
+
+#[test]
+fn h60_parts_that_cross_touch_or_nest_are_not_solid() {
+    let folder = Folder::new("parts");
+    let unit = [0.0, 1.0];
+    let solid = |name: &str, cubes: &[([f32; 2], [f32; 3])]| {
+        run(&["inspect", &folder.file(name, glb(cubes)), "--require", "solid"])
+    };
+    let apart = solid("apart.glb", &[(unit, [0.0; 3]), (unit, [2.0, 0.0, 0.0])]);
+    apart.succeeds();
+    assert!(apart.stdout.contains("outward, free of self-intersections"), "{}", apart.stdout);
+    // Only where they stand do they cross.
+    let crossing = solid("crossing.glb", &[(unit, [4.0, 0.0, 0.0]), (unit, [4.5, 0.5, 0.5])]);
+    assert!(crossing.code == 1 && crossing.stderr.contains("self-intersecting: "), "{crossing:?}");
+    for words in [" of part 0 and triangle ", " of part 1 at (", " in the scene"] {
+        assert!(crossing.stderr.contains(words), "{crossing:?}");
+    }
+    assert!(crossing.stdout.contains("  is not      free of self-intersections\n"), "{}", crossing.stdout);
+    let same = solid("same.glb", &[(unit, [0.0; 3]), (unit, [0.0; 3])]);
+    assert!(same.stderr.contains("self-intersecting: 12 self-intersections"), "{same:?}");
+    let touching = solid("touching.glb", &[(unit, [0.0; 3]), (unit, [1.0, 0.5, 0.0])]);
+    assert!(touching.code == 1 && touching.stderr.contains("self-intersecting: "), "{touching:?}");
+    let nested = solid("nested.glb", &[([0.0, 4.0], [0.0; 3]), (unit, [1.0; 3])]);
+    assert!(nested.code == 1 && nested.stderr.contains("a part lies within another"), "{nested:?}");
+    assert!(!nested.stdout.contains("outward,"), "{}", nested.stdout);
+    // Stretched so far that no number holds it: what is not known is not held.
+    let (moved, huge) = (r#""translation":[9.0,0.0,0.0]"#, r#""scale":[1e308,1.0,1.0]"#);
+    let mut file = glb(&[([0.0, 4.0], [9.0, 0.0, 0.0]), (unit, [0.0; 3])]);
+    let at = file.windows(moved.len()).position(|text| text == moved.as_bytes()).unwrap();
+    file[at..at + moved.len()].copy_from_slice(format!("{huge:<width$}", width = moved.len()).as_bytes());
+    let lost = run(&["inspect", &folder.file("lost.glb", file), "--require", "solid"]);
+    assert!(lost.code == 1 && lost.stderr.contains("self-intersections are not known"), "{lost:?}");
+    assert!(!lost.stdout.contains("free of"), "{}", lost.stdout);
+}
+
+#[test]
+fn h55_points_without_triangles_are_nothing_and_need_nothing() {
+    let folder = Folder::new("points");
+    let points = folder.file("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+    let shown = run(&["inspect", &points, "--self-intersections"]);
+    assert_eq!(shown.code, 0);
+    assert!(shown.stdout.ends_with("  surface     no triangles: points only\n"), "{}", shown.stdout);
+    assert!(!shown.stdout.contains("drawing") && !shown.stdout.contains("mend"), "{}", shown.stdout);
+    // Three corners in one row: a triangle that covers nothing.
+    let collapsed = folder.file("collapsed.obj", "v 0 0 0\nf 1 1 1\n");
+    let shown = run(&["inspect", &collapsed]).stdout;
+    assert!(shown.contains("  1 collapsed triangle: ") && !shown.contains("  is "), "{shown}");
+    for required in
+        ["closed", "manifold", "oriented", "outward", "no-slivers", "no-unused", "no-self-intersections"]
+    {
+        let failed = run(&["inspect", &points, "--require", required, "-q"]);
+        failed.fails_with(1, &["points.obj: there are no triangles to check"]);
+        let failed = run(&["inspect", &collapsed, "--require", required, "-q"]);
+        failed.fails_with(1, &["collapsed.obj: there is no surface to check: every triangle is collapsed"]);
+    }
+}
+
+#[test]
+fn the_letter_is_right_for_one_and_for_several_and_for_standard_input() {
+    let folder = Folder::new("one-and-several");
+    let letter = |text: &str| run(&["inspect", &folder.file("words.obj", text)]).stdout;
+    let shown = letter("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nv 6 6 6\nf 1 2 3\n");
+    assert!(shown.contains(", 1 triangle a vertex\n"), "{shown}");
+    assert!(shown.contains("\n  2 unused vertices: no triangle has a corner there\n"), "{shown}");
+    // A tetrahedron in which every triangle has corners of its own.
+    let corners = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]].as_flattened().iter();
+    let rows = corners.map(|i| ["v 0 0 0\n", "v 1 0 0\n", "v 0 1 0\n", "v 0 0 1\n"][*i]);
+    let apart: String = rows.chain(["f 1 2 3\nf 4 5 6\nf 7 8 9\nf 10 11 12\n"]).collect();
+    let shown = letter(&apart);
+    assert!(shown.contains("              no boundary edges where vertices meet by positions\n"), "{shown}");
+    let mut child = common::chordal(&["inspect", "-", "--from", "obj"]);
+    child.stdin(std::fs::File::open(folder.text("words.obj")).unwrap());
+    let shown = common::Run::of(child.output().unwrap());
+    assert!(shown.stdout.contains("chordal mend - --"), "{shown:?}");
+}
+
+#[test]
+fn a_format_without_indices_is_sized_by_its_positions() {
+    let folder = Folder::new("sizes");
+    let (cube, soup) = (folder.file("cube.obj", obj(&corners(0.0), &CUBE)), folder.text("cube.stl"));
+    run(&["mend", &cube, "-o", &soup, "--orient"]).succeeds();
+    let shown = [&cube, &soup].map(|file| run(&["inspect", file]).stdout);
+    for shown in &shown {
+        assert!(shown.contains("  geometry    168 B indexed, 432 B unindexed\n"), "{shown}");
+        assert!(shown.contains("  drawing     0.67 vertices a triangle"), "{shown}");
+    }
+}

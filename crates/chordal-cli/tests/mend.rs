@@ -77,9 +77,42 @@ fn all_cures_run_in_their_order_whatever_the_order_of_the_arguments() {
     assert_eq!(run(&["inspect", &out, "--require", "closed,manifold,oriented"]).code, 0);
     let told = run(&["mend", &sick, "-o", &out, "--force", "--orient", "--drop-unused"]);
     assert_eq!(told.code, 0);
-    for part in ["orient: ", "1 dropped vertices", "before ", "after "] {
+    for part in ["orient: ", "dropped 1 vertex", "before ", "after "] {
         assert!(told.stdout.contains(part), "no '{part}' in {}", told.stdout);
     }
+}
+
+#[test]
+fn before_and_after_count_what_inspect_counts_and_say_what_they_leave_out() {
+    let folder = Folder::new("mend-left");
+    let out = folder.text("out.obj");
+    let tell = |name: &str, text: &str| {
+        run(&["mend", &folder.file(name, text), "-o", &out, "--force", "--drop-unused"]).stdout
+    };
+    let needle = tell("needle.obj", "v 0 0 0\nv 1 0 0\nv 0.5 0.001 0\nv 9 9 9\nf 1 2 3\n");
+    assert!(needle.contains("  before      3 boundary edges, 1 sliver, 1 unused vertex\n"), "{needle}");
+    assert!(needle.contains("  after       3 boundary edges, 1 sliver\n"), "{needle}");
+    // Wound inside out, which no count of edges shows.
+    let turned =
+        CLOSED_OBJ.replace("f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4", "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1");
+    let turned = tell("turned.obj", &turned);
+    assert_eq!(run(&["inspect", &out, "--require", "outward"]).code, 1);
+    assert!(!turned.contains("nothing to mend"), "{turned}");
+    assert!(turned.contains("  after       none of the faults that were looked for\n"), "{turned}");
+    assert!(turned.contains("not looked for: components inside out, self-intersections\n"), "{turned}");
+}
+
+#[test]
+fn a_certificate_in_a_file_says_of_which_side_its_bound_is() {
+    let folder = Folder::new("mend-one-sided");
+    let (open, out) = (folder.file("open.obj", OPEN_OBJ), folder.text("out.glb"));
+    run(&["mend", &open, "-o", &out, "--fill-holes"]).succeeds();
+    let shown = run(&["inspect", &out]);
+    assert!(
+        shown.stdout.contains("(proved, of the source; what was added is not counted)"),
+        "{}",
+        shown.stdout
+    );
 }
 
 #[test]

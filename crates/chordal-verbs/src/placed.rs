@@ -1,7 +1,7 @@
 //! What the places of parts do to lengths: how far transforms stretch them, and what rounding in them costs.
 use crate::written::unsupported;
 use chordal::Mesh;
-use chordal::explicit::{Attribute, Domain, Semantic};
+use chordal::explicit::{Attribute, Domain, Semantic, Topology, position_id_by_bits};
 use chordal::math::{add_up, mul_up, sqrt_up};
 use chordal_io::{Node, Part, Scene, WriteError};
 use std::borrow::Cow;
@@ -74,6 +74,72 @@ pub(crate) fn one_mesh(scene: &Scene) -> Result<Cow<'_, Mesh>, WriteError> {
     let attribute =
         Attribute { semantic: Semantic::Normal, domain: Domain::Corner, width: 3, values: normals.concat() };
     mesh.with_attribute(attribute).map(Cow::Owned).map_err(unsupported)
+}
+
+/// All places of parts as one mesh in the scene's coordinates, and which faces are whose.
+pub(crate) struct Assembled {
+    /// Its indices tie the positions that are one in a part alone.
+    pub mesh: Mesh,
+    /// The part at each place, with the first of its faces, in the order of the faces.
+    pub places: Vec<(usize, u32)>,
+}
+
+impl Assembled {
+    /// All places of parts in one mesh.
+    ///
+    /// # Errors
+    /// As [`one_mesh`].
+    pub fn of(scene: &Scene, topology: Topology) -> Result<Self, WriteError> {
+        let mut meshes = Vec::new();
+        let (mut places, mut first) = (Vec::new(), 0);
+        for ((_, mesh), part) in scene.world_meshes()?.into_iter().zip(parts_in_order(scene)) {
+            places.push((part, first));
+            first += mesh.faces().len() as u32;
+            let mesh = mesh.into_owned();
+            let tied = match topology {
+                Topology::Indices => mesh,
+                Topology::Positions => merged_by_bits(&mesh)?,
+            };
+            meshes.push(tied);
+        }
+        let mesh = concatenated(&meshes.iter().collect::<Vec<_>>())?;
+        Ok(Self { mesh, places })
+    }
+
+    /// Which place a face is of.
+    pub fn place_of(&self, face: u32) -> usize {
+        self.places.partition_point(|(_, first)| *first <= face) - 1
+    }
+
+    /// The part of a face, and its number there.
+    pub fn in_part(&self, face: u32) -> (usize, u32) {
+        let (part, first) = self.places[self.place_of(face)];
+        (part, face - first)
+    }
+}
+
+/// How many places of parts a scene has.
+pub(crate) fn n_places(scene: &Scene) -> usize {
+    parts_in_order(scene).len()
+}
+
+/// The part at each place, in the order of [`Scene::world_meshes`].
+fn parts_in_order(scene: &Scene) -> Vec<usize> {
+    let mut found = Vec::new();
+    let mut open: Vec<usize> = scene.roots.iter().rev().copied().collect();
+    while let Some(node) = open.pop() {
+        let node = &scene.nodes[node];
+        found.extend(node.part);
+        open.extend(node.children.iter().rev());
+    }
+    found
+}
+
+/// The same faces between the first rows of equal coordinates, as indices would name them.
+fn merged_by_bits(mesh: &Mesh) -> Result<Mesh, WriteError> {
+    let ids = position_id_by_bits(mesh.positions());
+    let faces = mesh.faces().iter().map(|face| face.map(|row| ids[row as usize])).collect();
+    Mesh::new(mesh.positions().to_vec(), faces).map_err(unsupported)
 }
 
 /// The normals at the corners of every face, if the mesh has any.

@@ -1,7 +1,8 @@
 //! Components: each by itself is what it is alone, and shells within shells face the right way.
-use chordal::Mesh;
+use chordal::budget::Stopped;
 use chordal::check::{Component, Facing, Place, Surface, components, inside_out, outward, validity};
 use chordal::explicit::Topology;
+use chordal::{Job, Mesh};
 
 type Parts = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
@@ -258,4 +259,24 @@ fn both_ways_are_one_where_no_two_positions_are_at_one_place() {
     let ids = chordal::explicit::position_id_by_bits(soup.positions());
     let tied = soup.with_position_id(ids).unwrap();
     assert!(Surface::both_ways(&tied).by_positions.is_none());
+}
+
+#[test]
+fn a_job_is_heard_where_components_enclose_each_other() {
+    let mut parts = Parts::default();
+    add(&mut parts, cube([0.0; 3], 2.0), false);
+    add(&mut parts, cube([0.0; 3], 1.0), true);
+    let mesh = mesh(parts);
+    let surface = Surface::new(&mesh, Topology::Indices);
+    assert_eq!(surface.components_under(&Job::default().with_threads(1)).unwrap(), surface.components());
+    let mut poor = Job::default();
+    poor.memory_limit = 1000;
+    assert!(matches!(surface.components_under(&poor), Err(Stopped::Refused(_))));
+    let cancelled = Job::default();
+    cancelled.cancel();
+    assert!(matches!(surface.components_under(&cancelled), Err(Stopped::Cancelled)));
+    // One alone takes no tree, and no memory to speak of.
+    let one = cube([0.0; 3], 1.0);
+    let one = Mesh::new(one.0, one.1).unwrap();
+    assert_eq!(Surface::new(&one, Topology::Indices).components_under(&poor).unwrap().len(), 1);
 }

@@ -2,6 +2,7 @@
 use crate::WriteError;
 use crate::snap::store;
 use chordal::Mesh;
+use chordal::convert::Indices;
 use chordal::explicit::{Attribute, Semantic};
 use std::io::Write;
 
@@ -33,7 +34,7 @@ pub(super) struct Stream<'a> {
 impl<'a> Stream<'a> {
     /// The indices of a mesh: two bytes while the largest is below 65535, which would mean "restart".
     pub fn indices(mesh: &'a Mesh) -> Self {
-        let short = mesh.positions().len() <= usize::from(u16::MAX);
+        let short = Indices::fit_16_bits(mesh.positions().len());
         Self { name: None, rows: if short { Rows::Short(mesh) } else { Rows::Long(mesh) } }
     }
 

@@ -1,5 +1,6 @@
 //! What takes a closer look: components, which side is out, self-intersections, and what mends what was found.
 use super::checked::Checked;
+use super::together::Together;
 use super::valid::{Counts, Valid};
 use crate::placed::IDENTITY;
 use chordal::check::{CURES, Component, Defect, Facing, Finding, Weight, outward};
@@ -10,11 +11,13 @@ use serde::Serialize;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Anatomy {
     /// Every component is wound with its material inside, cavities with it outside; none where a component has no
-    /// inside, or it is not decided.
+    /// inside, or it is not decided. Parts are taken one by one; where self-intersections were looked for, none as
+    /// well where one lies within another, which may be its cavity.
     pub outward: Option<bool>,
     /// Components that are wound the other way.
     pub inside_out: u64,
-    /// Pairs of triangles that meet where they should not; none where nobody asked.
+    /// Pairs of triangles that meet where they should not, those of different places of parts among them; none where
+    /// nobody asked, or the parts cannot be put in one space.
     pub self_intersections: Option<u64>,
     /// Triangles at a position, on average; none without triangles.
     pub triangles_per_vertex: Option<f64>,
@@ -117,6 +120,20 @@ impl Anatomy {
             component_list: largest(parts),
         }
     }
+
+    /// Adds what only shows where all parts stand.
+    pub(super) fn put_together(&mut self, together: &Together) {
+        let alone = self.self_intersections.unwrap_or(0);
+        // Where parts could not be put together, those that were found are there, but that there are none is not known.
+        self.self_intersections = match together.crossing {
+            Some(crossing) => Some(alone + crossing),
+            None => (alone > 0).then_some(alone),
+        };
+        // Parts within parts are bodies or cavities: only where both readings agree is it known which side is out.
+        if self.outward == Some(true) && together.outward != Some(true) {
+            self.outward = None;
+        }
+    }
 }
 
 /// As for one mesh, over all parts with triangles.
@@ -168,9 +185,12 @@ pub struct FindingFacts {
 }
 
 impl FindingFacts {
-    /// All that was found, the heaviest first.
+    /// All that was found, the heaviest first; nothing where there are no triangles, which points do not lack.
     #[must_use]
     pub fn of_all(valid: &Valid) -> Vec<Self> {
+        if !valid.has_triangles() {
+            return Vec::new();
+        }
         let told = |defect: &Defect| {
             let count = valid.count(*defect).filter(|count| *count > 0)?;
             // Where all are collapsed, that says it better.

@@ -9,6 +9,7 @@ use chordal::check::{
 };
 use chordal::explicit::Topology;
 use chordal_io::{Format, WriteError};
+use std::convert::Infallible;
 
 /// All that was found of one part by one meaning.
 #[derive(Clone)]
@@ -32,16 +33,21 @@ impl BothWays {
     /// What can be counted without a search.
     pub fn counted(mesh: &Mesh, format: Format) -> Result<Self, WriteError> {
         let mesh = rows_of(mesh, format)?;
-        Ok(Self::of(&mesh, topology(format), |_, _| {}))
+        let Ok(both) = Self::of(&mesh, topology(format), |_, _| Ok::<(), Infallible>(()));
+        Ok(both)
     }
 
     /// The components as well, and self-intersections where they are asked for.
     pub fn examined(mesh: &Mesh, format: Format, look: Look) -> Result<Self, Uncounted> {
         let mesh = rows_of(mesh, format).map_err(|_| Uncounted::Unwritten)?;
         let mut both = Self::of(&mesh, topology(format), |surface, checked| {
-            checked.components = surface.components();
+            checked.components = match look {
+                Look::Full => surface.components(),
+                Look::Deep(job) => surface.components_under(job).map_err(Uncounted::Stopped)?,
+            };
             checked.inside_out = inside_out(&mesh, &checked.components);
-        });
+            Ok(())
+        })?;
         if let Look::Deep(job) = look {
             both.own.self_intersections = Some(self_intersections(&mesh, job).map_err(Uncounted::Stopped)?);
         }
@@ -49,33 +55,37 @@ impl BothWays {
     }
 
     /// `examine` looks closer at the format's own way.
-    fn of(mesh: &Mesh, own: Topology, examine: impl Fn(&Surface, &mut Checked)) -> Self {
+    fn of<E>(
+        mesh: &Mesh,
+        own: Topology,
+        examine: impl Fn(&Surface, &mut Checked) -> Result<(), E>,
+    ) -> Result<Self, E> {
         let seen = Surface::both_ways(mesh);
         let check = |surface: &Surface, topology| {
             let mut checked = Checked::of(surface);
             if topology == own {
-                examine(surface, &mut checked);
+                examine(surface, &mut checked)?;
             }
-            checked
+            Ok(checked)
         };
-        let mut by_indices = check(&seen.by_indices, Topology::Indices);
+        let mut by_indices = check(&seen.by_indices, Topology::Indices)?;
         by_indices.duplicate_vertices = seen.duplicate_vertices;
         let by_positions = match &seen.by_positions {
-            Some(surface) => check(surface, Topology::Positions),
+            Some(surface) => check(surface, Topology::Positions)?,
             // The same, at the cost of nothing but the closer look.
             None => {
                 let mut same = by_indices.clone();
                 same.found.topology = Topology::Positions;
                 if own == Topology::Positions {
-                    examine(&seen.by_indices, &mut same);
+                    examine(&seen.by_indices, &mut same)?;
                 }
                 same
             }
         };
-        match own {
+        Ok(match own {
             Topology::Indices => Self { own: by_indices, other: by_positions },
             Topology::Positions => Self { own: by_positions, other: by_indices },
-        }
+        })
     }
 }
 
@@ -127,7 +137,7 @@ impl Checked {
 /// A witness of what is called `of`, in that part.
 pub(super) fn witness_facts(of: &'static str, part: usize, witness: &Witness) -> WitnessFacts {
     let (vertices, faces) = rows(&witness.place);
-    WitnessFacts { of, part: part as u64, vertices, faces, at: witness.at }
+    WitnessFacts { of, part: part as u64, other_part: None, vertices, faces, at: witness.at }
 }
 
 fn rows(place: &Place) -> (Vec<u32>, Vec<u32>) {

@@ -3,11 +3,14 @@ use super::{Certificate, DrawingFacts, FindingFacts, OutputFacts, to_value};
 use crate::formats::topology;
 use crate::written::rows_of;
 use crate::{Input, Shape};
-use chordal::explicit::{cache_misses, cache_order};
+use chordal::Mesh;
+use chordal::convert::Indices;
+use chordal::explicit::{cache_misses, cache_order, position_id_by_bits};
 use chordal::math::Box3;
 use chordal_io::{Format, Scene};
 use serde::Serialize;
 use serde_json::Value;
+use std::borrow::Cow;
 
 /// What an input is.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -47,7 +50,7 @@ pub struct PartFacts {
 /// 16 bits while they fit, else of 32.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Sizes {
-    /// With every vertex once and triangles by index.
+    /// With every vertex once and triangles by index; in a file without indices, equal corners are one vertex.
     pub indexed_bytes: u64,
     /// With three vertices a triangle.
     pub unindexed_bytes: u64,
@@ -102,7 +105,7 @@ impl Inspection {
             patches,
             parts: scene.map(|scene| PartFacts::of_all(scene, input.format)),
             drawing,
-            sizes: scene.map(Sizes::of),
+            sizes: scene.map(|scene| Sizes::of(scene, input.format)),
             findings: counted.valid.as_ref().map(FindingFacts::of_all),
             found: certificate.map(|certificate| Found::of(certificate, counted)),
         }
@@ -125,15 +128,14 @@ impl PartFacts {
 }
 
 impl Sizes {
-    fn of(scene: &Scene) -> Self {
+    fn of(scene: &Scene, format: Format) -> Self {
         let mut sizes = Self::default();
         let (mut n_faces, mut misses, mut misses_ordered) = (0, 0, 0);
-        for mesh in scene.parts.iter().map(|part| &part.mesh) {
-            let faces = mesh.faces();
-            let (n_vertices, n) = (mesh.positions().len() as u64, faces.len() as u64);
-            // The largest 16-bit index means "restart" in glTF.
-            let index_bytes = if n_vertices < u64::from(u16::MAX) { 2 } else { 4 };
-            sizes.indexed_bytes += 12 * n_vertices + 3 * index_bytes * n;
+        for part in &scene.parts {
+            let (n_vertices, faces) = rows(&part.mesh, format);
+            let (faces, n) = (&faces[..], faces.len() as u64);
+            let index_bytes = if Indices::fit_16_bits(n_vertices) { 2 } else { 4 };
+            sizes.indexed_bytes += 12 * n_vertices as u64 + 3 * index_bytes * n;
             sizes.unindexed_bytes += 36 * n;
             let ordered: Vec<_> = cache_order(faces).iter().map(|face| faces[*face as usize]).collect();
             n_faces += n;
@@ -144,6 +146,18 @@ impl Sizes {
         (sizes.acmr, sizes.acmr_ordered) = (each(misses), each(misses_ordered));
         sizes
     }
+}
+
+/// How many vertices there are, and the triangles by their rows. Where the file has no indices, equal corners are one
+/// vertex: its rows, one for each corner of each triangle, are no choice of order or size.
+fn rows(mesh: &Mesh, format: Format) -> (usize, Cow<'_, [[u32; 3]]>) {
+    if format != Format::Stl {
+        return (mesh.positions().len(), mesh.faces().into());
+    }
+    let ids = position_id_by_bits(mesh.positions());
+    let n_vertices = ids.iter().enumerate().filter(|(row, id)| *row == **id as usize).count();
+    let faces: Vec<_> = mesh.faces().iter().map(|face| face.map(|row| ids[row as usize])).collect();
+    (n_vertices, faces.into())
 }
 
 impl Found {

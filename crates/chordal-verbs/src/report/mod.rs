@@ -10,6 +10,7 @@ mod deviation;
 mod drawing;
 mod inspection;
 mod mended;
+mod together;
 mod valid;
 
 pub use anatomy::{Anatomy, ComponentFacts, FindingFacts, MOST_COMPONENTS, cures_of_all};

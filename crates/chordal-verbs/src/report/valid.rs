@@ -1,5 +1,6 @@
 //! Whether triangles are sound, as a report says it: counts by one meaning of "the same position", and by the other.
 use super::checked::{BothWays, Checked};
+use super::together::Together;
 use super::{Anatomy, OutputFacts};
 use crate::formats::topology;
 use chordal::budget::Stopped;
@@ -111,11 +112,14 @@ pub struct WitnessFacts {
     pub of: &'static str,
     /// The index of the part.
     pub part: u64,
+    /// The part of the second triangle, where two places of parts meet.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub other_part: Option<u64>,
     /// Rows of the positions.
     pub vertices: Vec<u32>,
     /// Rows of the triangles.
     pub faces: Vec<u32>,
-    /// A point there, in the part's own coordinates.
+    /// A point there, in the part's own coordinates; in the scene's where two places of parts meet.
     pub at: [f64; 3],
 }
 
@@ -168,9 +172,17 @@ impl Counted {
             counted.valid.parts = parts.iter().enumerate().map(part).collect();
         }
         let own: Vec<&Checked> = parts.iter().map(|part| &part.own).collect();
-        counted.valid.anatomy = Some(Anatomy::of(&own, &counted.valid.counts, scene));
+        let mut anatomy = Anatomy::of(&own, &counted.valid.counts, scene);
         let witnesses = own.iter().enumerate().flat_map(|(i, found)| found.witnesses(i));
-        counted.valid.witnesses = Some(witnesses.collect());
+        let mut witnesses: Vec<_> = witnesses.collect();
+        if let Look::Deep(job) = look
+            && let Some(together) = Together::of(scene, topology(format), job).map_err(Uncounted::Stopped)?
+        {
+            anatomy.put_together(&together);
+            witnesses.extend(together.witnesses);
+        }
+        counted.valid.anatomy = Some(anatomy);
+        counted.valid.witnesses = Some(witnesses);
         Ok(counted)
     }
 
@@ -209,6 +221,12 @@ impl Valid {
     #[must_use]
     pub fn outward(&self) -> Option<bool> {
         self.anatomy.as_ref().and_then(|anatomy| anatomy.outward)
+    }
+
+    /// Whether there are triangles at all: points alone are no surface of which anything holds.
+    #[must_use]
+    pub fn has_triangles(&self) -> bool {
+        self.counts.edges > 0 || self.counts.collapsed_faces > 0
     }
 
     /// How often a defect was met; `None` where it was not looked for.

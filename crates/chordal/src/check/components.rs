@@ -3,8 +3,9 @@ use super::fans::{Ending, count_fans, walk_boundary};
 use super::finding::{Finding, Witness};
 use super::measure::{Measure, power_of_two_near};
 use super::nesting::{Nested, nest};
-use super::pieces::{Sets, find_one_sided};
+use super::pieces::{find_one_sided, joined_faces};
 use super::surface::Surface;
+use crate::budget::{Job, Stopped};
 use crate::explicit::{Mesh, Topology, Twin, next_in_face};
 use crate::math::Box3;
 use glam::DVec3;
@@ -94,7 +95,8 @@ impl Component {
 /// is farther from 0 than rounding can have moved it. Components that cross each other are taken one by one.
 ///
 /// Linear time, about 0.1 s per million triangles on one core; with several components that enclose each other, a tree
-/// of boxes and some microseconds a component more.
+/// of boxes and some microseconds a component more, on every thread: [`Surface::components_under`] does the same under
+/// the conditions of a job.
 ///
 /// ```
 /// use chordal::{Mesh, check::{Facing, components}, explicit::Topology};
@@ -134,34 +136,81 @@ pub fn outward(components: &[Component]) -> Option<bool> {
 /// No component.
 pub(super) const NONE: u32 = u32::MAX;
 
+/// [`components`] under the conditions of a job.
+pub(super) fn components_under(surface: &Surface, job: &Job) -> Result<Vec<Component>, Stopped> {
+    if job.is_cancelled() {
+        return Err(Stopped::Cancelled);
+    }
+    let shapes = Shapes::of(surface);
+    let depths = nest(surface.mesh, &shapes, job)?;
+    Ok(shapes.faced(depths))
+}
+
+/// [`components`]: where the tree of boxes is refused, which takes more triangles than it can name, or more memory than
+/// any job is given unasked, what encloses what stays open.
 pub(super) fn components_of(surface: &Surface) -> Vec<Component> {
-    let (labels, mut found) = labelled(surface);
-    let inside = count_edges(surface, &labels, &mut found);
-    count_positions(surface, &labels, &mut found);
-    walk_boundary(&surface.twins, |h, ending| {
-        found[labels[h as usize / 3] as usize].boundary_loops += u64::from(ending == Ending::Loop);
-    });
-    if found.iter().any(|component| !component.oriented) {
-        find_one_sided(surface, |face| found[labels[face as usize] as usize].orientable = false);
+    let shapes = Shapes::of(surface);
+    let nested = nest(surface.mesh, &shapes, &Job::default());
+    let depths = nested.unwrap_or_else(|_| vec![Nested::Touching; shapes.found.len()]);
+    shapes.faced(depths)
+}
+
+/// The components, of which nobody knows yet which side is out.
+pub(super) struct Shapes {
+    pub found: Vec<Component>,
+    /// The component of each face, or [`NONE`].
+    pub labels: Vec<u32>,
+    /// The sign of the volume of each with an inside.
+    pub signs: Vec<Option<i8>>,
+}
+
+impl Shapes {
+    fn of(surface: &Surface) -> Self {
+        let (labels, mut found) = labelled(surface);
+        let inside = count_edges(surface, &labels, &mut found);
+        count_positions(surface, &labels, &mut found);
+        walk_boundary(&surface.twins, |h, ending| {
+            found[labels[h as usize / 3] as usize].boundary_loops += u64::from(ending == Ending::Loop);
+        });
+        if found.iter().any(|component| !component.oriented) {
+            find_one_sided(surface, |face| found[labels[face as usize] as usize].orientable = false);
+        }
+        let volumes = measure_each(surface.mesh, &labels, &mut found);
+        for component in &mut found {
+            component.closed = component.boundary_edges == 0;
+            component.euler = component.positions as i64 - component.edges as i64 + component.faces as i64;
+            // χ = 2 − 2·genus − loops for one piece of an orientable surface with boundary.
+            let twice_genus = 2 - component.euler - component.boundary_loops as i64;
+            component.genus =
+                (component.manifold() && component.orientable).then_some(twice_genus as u64 / 2);
+        }
+        let signs: Vec<Option<i8>> = (0..found.len())
+            .map(|i| (inside[i] && found[i].closed && found[i].oriented).then(|| volumes[i].sign()))
+            .collect();
+        Self { found, labels, signs }
     }
-    let volumes = measure_each(surface.mesh, &labels, &mut found);
-    for component in &mut found {
-        component.closed = component.boundary_edges == 0;
-        component.euler = component.positions as i64 - component.edges as i64 + component.faces as i64;
-        // χ = 2 − 2·genus − loops for one piece of an orientable surface with boundary.
-        let twice_genus = 2 - component.euler - component.boundary_loops as i64;
-        component.genus = (component.manifold() && component.orientable).then_some(twice_genus as u64 / 2);
+
+    /// Decides which way each component looks, from the signs of the volumes of those with an inside.
+    fn faced(mut self, depths: Vec<Nested>) -> Vec<Component> {
+        for ((component, sign), nested) in self.found.iter_mut().zip(self.signs).zip(depths) {
+            let Some(sign) = sign else { continue };
+            component.depth = match nested {
+                Nested::Within(depth) => Some(depth),
+                Nested::Touching => None,
+            };
+            component.facing = match (sign, component.depth) {
+                (0, _) | (_, None) => Facing::Undecided,
+                (sign, Some(depth)) if (sign > 0) == (depth % 2 == 0) => Facing::Outward,
+                _ => Facing::InsideOut,
+            };
+        }
+        self.found
     }
-    let signs: Vec<Option<i8>> = (0..found.len())
-        .map(|i| (inside[i] && found[i].closed && found[i].oriented).then(|| volumes[i].sign()))
-        .collect();
-    face(surface, &labels, &mut found, &signs);
-    found
 }
 
 /// The component of each face, or [`NONE`], and the components with their faces counted.
 fn labelled(surface: &Surface) -> (Vec<u32>, Vec<Component>) {
-    let mut sets = Sets::of(surface);
+    let mut sets = joined_faces(surface);
     let mut labels = vec![NONE; surface.n_faces() as usize];
     let mut found: Vec<Component> = Vec::new();
     for face in 0..surface.n_faces() {
@@ -327,22 +376,5 @@ fn extend(bounds: &mut Box3, p: &[f64; 3]) {
     for ((x, low), high) in p.iter().zip(&mut bounds.min).zip(&mut bounds.max) {
         *low = if x < low { *x } else { *low };
         *high = if x > high { *x } else { *high };
-    }
-}
-
-/// Decides which way each component looks, from the signs of the volumes of those with an inside.
-fn face(surface: &Surface, labels: &[u32], found: &mut [Component], signs: &[Option<i8>]) {
-    let depths = nest(surface.mesh, labels, found, |i| signs[i].is_some());
-    for ((component, sign), nested) in found.iter_mut().zip(signs).zip(depths) {
-        let Some(sign) = sign else { continue };
-        component.depth = match nested {
-            Nested::Within(depth) => Some(depth),
-            Nested::Touching => None,
-        };
-        component.facing = match (sign, component.depth) {
-            (0, _) | (_, None) => Facing::Undecided,
-            (sign, Some(depth)) if (*sign > 0) == (depth % 2 == 0) => Facing::Outward,
-            _ => Facing::InsideOut,
-        };
     }
 }

@@ -110,7 +110,7 @@ impl Defect {
         }
     }
 
-    /// What it means for the user, as half a sentence.
+    /// What it means for the user, as half a sentence that fits one and several.
     #[must_use]
     pub fn means(self) -> &'static str {
         match self {
@@ -118,15 +118,15 @@ impl Defect {
             Self::NonManifoldEdges => "sheets branch there, and no side is the next one",
             Self::NonManifoldVertices => "sheets touch in a point, and a walk around it is torn",
             Self::TJunctions => "a vertex lies in a neighbour's edge: a crack may show",
-            Self::InconsistentEdges => "one of the two triangles shows its back",
-            Self::InsideOut => "its front looks into the material",
+            Self::InconsistentEdges => "one of the two triangles there shows its back",
+            Self::InsideOut => "the front looks into the material",
             Self::SelfIntersections => "triangles meet where they should not, and inside is ambiguous",
             Self::DuplicateFaces => "two triangles lie in one place and fight for the pixels",
             Self::DuplicateVertices => "the surface is cut apart between equal points",
-            Self::CollapsedFaces => "two of its corners are one, so that it covers nothing",
-            Self::ZeroAreaFaces => "its corners lie on one line, so that it has no normal",
-            Self::Slivers => "longer than 100 heights: its normal is weak",
-            Self::UnusedVertices => "no triangle names it",
+            Self::CollapsedFaces => "two corners are one, so that nothing is covered",
+            Self::ZeroAreaFaces => "all corners lie on one line, so that there is no normal",
+            Self::Slivers => "longer than 100 heights, with a weak normal",
+            Self::UnusedVertices => "no triangle has a corner there",
         }
     }
 

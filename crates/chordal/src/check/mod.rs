@@ -36,7 +36,7 @@ pub use gap::{Gap, distance_to_polyline, largest_gap};
 pub use joins::{Join, join, joins};
 pub use measure::{Measure, measure};
 pub(crate) use point_tree::PointTree;
-pub use self_intersections::self_intersections;
+pub use self_intersections::{intersections_between, self_intersections};
 pub use surface::{BothWays, Surface};
 pub use t_junctions::t_junctions;
 pub(crate) use t_junctions::vertices_in_edges;

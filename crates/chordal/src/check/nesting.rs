@@ -1,7 +1,7 @@
 //! Which components lie within which others: exact winding numbers around a few vertices of each.
-use super::components::{Component, NONE};
+use super::components::{Component, NONE, Shapes};
 use super::winding::{Crossing, crossing};
-use crate::budget::{Job, par_map};
+use crate::budget::{Job, Stopped, par_map};
 use crate::explicit::{Bvh, Mesh};
 use crate::math::Box3;
 
@@ -10,7 +10,7 @@ use crate::math::Box3;
 pub(super) enum Nested {
     /// So many.
     Within(u32),
-    /// All vertices looked at lie on the surface of another one; or there is no memory for the search.
+    /// All vertices looked at lie on the surface of another one; or nobody looked.
     Touching,
 }
 
@@ -18,12 +18,12 @@ pub(super) enum Nested {
 const FEW_PAIRS: usize = 1 << 16;
 
 /// How many components with an inside enclose each component, of which only those with an inside are looked at.
-pub(super) fn nest(
-    mesh: &Mesh,
-    labels: &[u32],
-    components: &[Component],
-    has_inside: impl Fn(usize) -> bool + Sync,
-) -> Vec<Nested> {
+///
+/// # Errors
+/// Those of [`Bvh::build`], and [`Stopped::Cancelled`] when the job was.
+pub(super) fn nest(mesh: &Mesh, shapes: &Shapes, job: &Job) -> Result<Vec<Nested>, Stopped> {
+    let Shapes { found: components, labels, signs } = shapes;
+    let has_inside = |i: usize| signs[i].is_some();
     let mut nested = vec![Nested::Within(0); components.len()];
     let solid: Vec<usize> = (0..components.len()).filter(|i| has_inside(*i)).collect();
     let encloses = |outer: usize, inner: usize| {
@@ -33,13 +33,9 @@ pub(super) fn nest(
     let few = solid.len() * solid.len() <= FEW_PAIRS;
     let asked: Vec<usize> = solid.iter().copied().filter(|i| !few || may_be_within(*i)).collect();
     if asked.is_empty() || solid.len() < 2 {
-        return nested;
+        return Ok(nested);
     }
-    let job = Job::default();
-    let Ok(tree) = Bvh::build(mesh, &job) else {
-        asked.iter().for_each(|i| nested[*i] = Nested::Touching);
-        return nested;
-    };
+    let tree = Bvh::build(mesh, job)?;
     let outermost = outermost_rows(mesh, labels, components);
     let search = Search {
         mesh,
@@ -47,9 +43,15 @@ pub(super) fn nest(
         labels,
         may_enclose: |outer, inner| has_inside(outer) && encloses(outer, inner),
     };
-    let depths = par_map(&job, &asked, |_, inner| search.depth(*inner, &outermost[*inner]));
+    let depths = par_map(job, &asked, |_, inner| {
+        // A job that was cancelled wants no answer.
+        if job.is_cancelled() { Nested::Touching } else { search.depth(*inner, &outermost[*inner]) }
+    });
+    if job.is_cancelled() {
+        return Err(Stopped::Cancelled);
+    }
     asked.iter().zip(depths).for_each(|(i, depth)| nested[*i] = depth);
-    nested
+    Ok(nested)
 }
 
 fn is_within(inner: &Box3, outer: &Box3) -> bool {

@@ -13,8 +13,9 @@ pub(super) fn both<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B)
     (a(), b())
 }
 
-/// `f` of every chunk of `size` items with the number of its first item, in the order of the chunks. The threads are
-/// those of the job that the caller runs in, or the host's.
+/// `f` of every chunk of `size` items with the number of its first item, in the order of the chunks. For counts in
+/// linear time that hold nothing and are not worth a cancel. The threads are those of the job in whose [`Job::run`] the
+/// caller stands, or the host's.
 pub(super) fn over_chunks<T: Sync, R: Send>(
     items: &[T],
     size: usize,

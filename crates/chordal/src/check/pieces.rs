@@ -1,7 +1,7 @@
 //! What the edges tell: how many there are of each kind, the connected pieces, and whether they have two sides.
 use super::finding::{Finding, Witness};
 use super::surface::Surface;
-use crate::explicit::Twin;
+use crate::explicit::{Sets, Twin};
 
 /// The counts over all edges and faces.
 #[derive(Default)]
@@ -22,7 +22,7 @@ impl Pieces {
     pub fn count(surface: &Surface) -> Self {
         let Surface { mesh, twins, .. } = surface;
         let mut pieces = Self::default();
-        let mut sets = Sets::new(surface.n_faces());
+        let mut sets = Sets::new(surface.n_faces() as usize);
         for face in 0..surface.n_faces() {
             let Some(half_edges) = surface.half_edges(face) else {
                 pieces.collapsed_faces.add(|| Witness::face(mesh, face));
@@ -54,60 +54,26 @@ impl Pieces {
             edge.windows(2).for_each(|pair| sets.join(pair[0] / 3, pair[1] / 3));
             pieces.non_manifold_edges.add(|| Witness::edge(mesh, edge));
         }
-        pieces.components = pieces.faces - sets.joined;
+        pieces.components = pieces.faces - sets.joined();
         pieces.orientable = pieces.inconsistent_edges.is_none() || has_two_sides(surface);
         pieces
     }
 }
 
-/// Disjoint sets of faces: each face points to an earlier one of its set or, the earliest, to itself.
-pub(super) struct Sets {
-    parent: Vec<u32>,
-    /// How often two sets became one.
-    joined: u64,
-}
-
-impl Sets {
-    fn new(n: u32) -> Self {
-        Self { parent: (0..n).collect(), joined: 0 }
-    }
-
-    /// The faces that hang together by edges.
-    pub fn of(surface: &Surface) -> Self {
-        let mut sets = Self::new(surface.n_faces());
-        for h in 0..surface.twins.len() as u32 {
-            if let Twin::Pair(t) | Twin::Flipped(t) = surface.twins.get(h)
-                && h < t
-            {
-                sets.join(h / 3, t / 3);
-            }
-        }
-        for edge in surface.twins.crowded_edges() {
-            edge.windows(2).for_each(|pair| sets.join(pair[0] / 3, pair[1] / 3));
-        }
-        sets
-    }
-
-    /// The first face of the set.
-    #[inline]
-    pub fn root(&mut self, mut face: u32) -> u32 {
-        while self.parent[face as usize] != face {
-            let up = self.parent[self.parent[face as usize] as usize];
-            self.parent[face as usize] = up;
-            face = up;
-        }
-        face
-    }
-
-    #[inline]
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        if a != b {
-            let (first, later) = if a < b { (a, b) } else { (b, a) };
-            self.parent[later as usize] = first;
-            self.joined += 1;
+/// The faces that hang together by edges.
+pub(super) fn joined_faces(surface: &Surface) -> Sets {
+    let mut sets = Sets::new(surface.n_faces() as usize);
+    for h in 0..surface.twins.len() as u32 {
+        if let Twin::Pair(t) | Twin::Flipped(t) = surface.twins.get(h)
+            && h < t
+        {
+            sets.join(h / 3, t / 3);
         }
     }
+    for edge in surface.twins.crowded_edges() {
+        edge.windows(2).for_each(|pair| sets.join(pair[0] / 3, pair[1] / 3));
+    }
+    sets
 }
 
 /// Whether all faces could be wound so that every edge with two faces is run through both ways.

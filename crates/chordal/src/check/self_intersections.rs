@@ -36,10 +36,46 @@ use crate::explicit::{Bvh, Mesh, position_id_by_bits};
 /// [`Stopped::Refused`] where the tree of boxes would be too large for the job ([`Bvh::build`]), and
 /// [`Stopped::Cancelled`] when the job was.
 pub fn self_intersections(mesh: &Mesh, job: &Job) -> Result<Finding, Stopped> {
+    search(mesh, job, |soup, slots| soup.meet(slots))
+}
+
+/// The pairs of faces of different groups that share a point which is not on a corner or an edge of both: solids that
+/// cross or touch each other, where each is a group. As [`self_intersections`], but for pairs of one group, which are
+/// not looked at, and for pairs with the same three corners, which count: nothing else tells of them where each group
+/// is looked at alone.
+///
+/// ```
+/// use chordal::{Job, Mesh, check::intersections_between};
+/// let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(points, vec![[0, 1, 2], [0, 1, 2]])?;
+/// assert_eq!(intersections_between(&mesh, |face| face, &Job::default())?.count, 1);
+/// assert_eq!(intersections_between(&mesh, |_| 0, &Job::default())?.count, 0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// Those of [`self_intersections`].
+pub fn intersections_between(
+    mesh: &Mesh,
+    group_of: impl Fn(u32) -> u32 + Sync,
+    job: &Job,
+) -> Result<Finding, Stopped> {
+    search(mesh, job, |soup, slots| {
+        let [a, b] = slots.map(|slot| group_of(soup.slots[slot as usize].face));
+        a != b && (soup.same(slots) || soup.meet(slots))
+    })
+}
+
+/// The pairs whose boxes meet and of which `counts` holds.
+fn search(
+    mesh: &Mesh,
+    job: &Job,
+    counts: impl Fn(&Soup, [u32; 2]) -> bool + Sync,
+) -> Result<Finding, Stopped> {
     let tree = Bvh::build(mesh, job)?;
-    let soup = Soup::new(mesh, &tree);
+    let soup = job.run(|| Soup::new(mesh, &tree));
     let parts = tree.pairs(job, |found: &mut Found, slots| {
-        if soup.meet(slots) {
+        if counts(&soup, slots) {
             found.add(slots.map(|slot| soup.slots[slot as usize].face));
         }
     });
@@ -89,6 +125,12 @@ impl<'a> Soup<'a> {
         let corners =
             |[p, q, r]: [u32; 3]| [self.points[p as usize], self.points[q as usize], self.points[r as usize]];
         a.has_area && b.has_area && meet([a.rows, b.rows], [corners(a.rows), corners(b.rows)])
+    }
+
+    /// Whether both have area and the same three corners.
+    fn same(&self, [a, b]: [u32; 2]) -> bool {
+        let (a, b) = (&self.slots[a as usize], &self.slots[b as usize]);
+        a.has_area && b.has_area && a.rows.iter().all(|row| b.rows.contains(row))
     }
 
     fn witness(&self, faces: [u32; 2]) -> Witness {

@@ -1,10 +1,10 @@
 //! `Surface`: a mesh together with its topology, worked out once for all questions about it.
-use super::components::{Component, components_of};
+use super::components::{Component, components_of, components_under};
 use super::duplicates::duplicate_positions;
 use super::finding::Finding;
 use super::t_junctions::t_junctions_of;
 use super::validity::{Validity, validity_of};
-use crate::budget::Tolerance;
+use crate::budget::{Job, Stopped, Tolerance};
 use crate::explicit::{Mesh, Topology, Twin, Twins, previous_in_face};
 use std::borrow::Cow;
 
@@ -72,6 +72,16 @@ impl<'a> Surface<'a> {
     #[must_use]
     pub fn components(&self) -> Vec<Component> {
         components_of(self)
+    }
+
+    /// The same under the conditions of a job: its threads and its memory are those of the tree of boxes that several
+    /// components which may enclose each other need, and it can be cancelled there.
+    ///
+    /// # Errors
+    /// [`Stopped::Refused`] where that tree would be too large for the job
+    /// ([`Bvh::build`](crate::explicit::Bvh::build)), and [`Stopped::Cancelled`] when the job was.
+    pub fn components_under(&self, job: &Job) -> Result<Vec<Component>, Stopped> {
+        components_under(self, job)
     }
 
     /// Vertices in the middle of an edge: [`super::t_junctions`].

@@ -6,15 +6,22 @@ use crate::math::{Box3, DoubleDouble, add_up, mul_up, sqrt_up};
 /// Indices of vertices, as small as they can be.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Indices {
-    /// Below 65,535 vertices: the last 16-bit number means "restart".
+    /// Where [`Indices::fit_16_bits`].
     U16(Vec<[u16; 3]>),
     /// Any number of vertices.
     U32(Vec<[u32; 3]>),
 }
 
 impl Indices {
+    /// Whether the indices of so many vertices fit 16 bits: up to 65,535 of them, whose last index is 65,534. The last
+    /// 16-bit number means "restart" to a graphics processor.
+    #[must_use]
+    pub fn fit_16_bits(n_vertices: usize) -> bool {
+        n_vertices <= usize::from(u16::MAX)
+    }
+
     fn of(faces: Vec<[u32; 3]>, n_vertices: usize) -> Self {
-        if n_vertices < usize::from(u16::MAX) {
+        if Self::fit_16_bits(n_vertices) {
             Self::U16(faces.into_iter().map(|face| face.map(|v| v as u16)).collect())
         } else {
             Self::U32(faces)

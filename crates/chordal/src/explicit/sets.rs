@@ -1,20 +1,25 @@
 //! `Sets`: disjoint sets of numbers that are joined one after the other.
 
-/// Each member points to an earlier one of its set or, the earliest, to itself.
-pub(crate) struct Sets(Vec<u32>);
+/// Sets of numbers.
+pub(crate) struct Sets {
+    /// Each member points to an earlier one of its set or, the earliest, to itself.
+    parent: Vec<u32>,
+    /// How often two sets became one.
+    joined: u64,
+}
 
 impl Sets {
     /// Each of `0..n` alone.
     pub fn new(n: usize) -> Self {
-        Self((0..n as u32).collect())
+        Self { parent: (0..n as u32).collect(), joined: 0 }
     }
 
     /// The earliest member of its set, whatever the order of the joins was.
     #[inline]
     pub fn root(&mut self, mut member: u32) -> u32 {
-        while self.0[member as usize] != member {
-            let up = self.0[self.0[member as usize] as usize];
-            self.0[member as usize] = up;
+        while self.parent[member as usize] != member {
+            let up = self.parent[self.parent[member as usize] as usize];
+            self.parent[member as usize] = up;
             member = up;
         }
         member
@@ -24,7 +29,15 @@ impl Sets {
     #[inline]
     pub fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.root(a), self.root(b));
-        let (first, later) = if a < b { (a, b) } else { (b, a) };
-        self.0[later as usize] = first;
+        if a != b {
+            let (first, later) = if a < b { (a, b) } else { (b, a) };
+            self.parent[later as usize] = first;
+            self.joined += 1;
+        }
+    }
+
+    /// How many sets there are fewer than members.
+    pub fn joined(&self) -> u64 {
+        self.joined
     }
 }
