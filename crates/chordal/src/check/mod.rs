@@ -31,6 +31,7 @@ pub use deviation::{Deviation, Goal, OneSided, deviation, vertex_deviation};
 pub use distance::surface_at_least;
 pub use duplicates::duplicate_vertices;
 pub use finding::{Finding, MAX_WITNESSES, Place, Witness};
+pub(crate) use fans::boundary_string;
 pub use flat::{has_zero_area, is_collinear};
 pub use gap::{Gap, distance_to_polyline, largest_gap};
 pub use joins::{Join, join, joins};
