@@ -257,6 +257,7 @@ fn the_letter_names_place_meaning_and_cure() {
          \x20             edge 3-2 of triangle 5 at (0.5, 1, 0)\n\
          \x20             and 2 more\n\
          \x20   cure      --fill-holes\n\
+         \x20   advice    what fills a hole may cross the surface: `chordal inspect --self-intersections` on the result tells\n\
          \n  to mend     chordal mend {file} --fill-holes -o OUT\n"
     );
     assert!(shown.stdout.ends_with(&wanted), "{}", shown.stdout);

@@ -1,7 +1,8 @@
 //! Whether triangles are sound, as a report says it: counts by one meaning of "the same position", and by the other.
 use super::checked::{BothWays, Checked};
-use super::{Anatomy, OutputFacts};
+use super::{Anatomy, FindingFacts, OutputFacts};
 use crate::formats::topology;
+use crate::prescribed::prescribed;
 use chordal::budget::Stopped;
 use chordal::check::{Defect, Validity};
 use chordal::explicit::Topology;
@@ -168,7 +169,13 @@ impl Counted {
             counted.valid.parts = parts.iter().enumerate().map(part).collect();
         }
         let own: Vec<&Checked> = parts.iter().map(|part| &part.own).collect();
-        counted.valid.anatomy = Some(Anatomy::of(&own, &counted.valid.counts, scene));
+        let mut anatomy = Anatomy::of(&own, &counted.valid.counts, scene);
+        let usual = chordal::Job::default();
+        let job = if let Look::Deep(job) = look { job } else { &usual };
+        if FindingFacts::are_to_mend(&counted.valid, &anatomy) {
+            anatomy.prescribed = prescribed(scene, format, job);
+        }
+        counted.valid.anatomy = Some(anatomy);
         let witnesses = own.iter().enumerate().flat_map(|(i, found)| found.witnesses(i));
         counted.valid.witnesses = Some(witnesses.collect());
         Ok(counted)

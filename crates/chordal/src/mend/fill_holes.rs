@@ -74,10 +74,7 @@ pub fn fill_holes(mesh: &Mesh, topology: Topology, holes: Holes, job: &Job) -> R
             return Err(Stopped::Cancelled);
         }
         let first = hole[0];
-        if hole.len() > most
-            || sheets.has_as_rim(&hole, mesh)
-            || !rim.fill(&hole, &mut edges, &mut draft)
-        {
+        if hole.len() > most || sheets.has_as_rim(&hole, mesh) || !rim.fill(&hole, &mut edges, &mut draft) {
             kept.push(first);
             continue;
         }
