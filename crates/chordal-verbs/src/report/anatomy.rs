@@ -204,12 +204,17 @@ impl FindingFacts {
             count,
             weight: if defect.weight() == Weight::Fault { "fault" } else { "remark" },
             words: if count == 1 { one } else { several },
-            means: defect.means(),
+            // A cure with a price says so where it is named.
+            means: if cures.contains(&"--fill-holes") { MAY_CROSS } else { defect.means() },
             advice: advice(defect, valid, &cures),
             cures,
         }
     }
 }
+
+/// What a boundary means where it can be filled.
+const MAY_CROSS: &str = "the surface ends there, so that it has no inside; what fills it may cross the surface, \
+    which `inspect --self-intersections` tells afterwards";
 
 /// The cures of a defect that help.
 fn cures(defect: Defect, valid: &Valid) -> Vec<&'static str> {
@@ -248,13 +253,10 @@ fn add_consequences(all: &mut [FindingFacts], tried: &[&'static str]) {
     }
 }
 
-/// What to do where no option mends it, and what to look at where one does.
+/// What to do where no option mends it.
 fn advice(defect: Defect, valid: &Valid, cures: &[&str]) -> Option<&'static str> {
     let ties = valid.topology == "positions";
     match defect {
-        Defect::BoundaryEdges if cures.contains(&"--fill-holes") => Some(
-            "what fills a hole may cross the surface: `chordal inspect --self-intersections` on the result tells",
-        ),
         _ if !cures.is_empty() => None,
         Defect::NonManifoldEdges | Defect::NonManifoldVertices if ties => Some(
             "`chordal mend --split-nonmanifold` into OBJ or PLY: this format ties equal positions together again",
