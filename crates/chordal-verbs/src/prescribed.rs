@@ -2,7 +2,7 @@
 use crate::formats::topology;
 use crate::mend::{Cure, trial_of};
 use chordal::Job;
-use chordal::check::{Defect, Surface};
+use chordal::check::{CURES, Defect, Surface};
 use chordal::explicit::Topology;
 use chordal_io::{Format, Scene};
 
@@ -11,7 +11,7 @@ use chordal_io::{Format, Scene};
 ///
 /// Each is tried on what the ones before it left, and prescribed if it changes something, leaves triangles, and makes no
 /// kind of fault more frequent but those that it is known to lay bare ([`lays_bare`]) and that later ones mend. So what is
-/// prescribed is no advice by rules of thumb: it ends.
+/// prescribed changes something, and following it ends.
 ///
 /// Taking a surface apart is not prescribed where the format ties equal positions again.
 ///
@@ -37,8 +37,7 @@ pub(crate) fn prescribed(scene: &Scene, format: Format, job: &Job) -> Option<Vec
             trial.attempt(cure, job)?;
         }
     }
-    let Trial { cures, .. } = trial;
-    Some(chordal::check::CURES.into_iter().filter(|cure| cures.contains(cure)).collect())
+    Some(CURES.into_iter().filter(|cure| trial.cures.contains(cure)).collect())
 }
 
 /// Triangles on the way from cure to cure.
@@ -101,7 +100,7 @@ impl Trial {
             return Some(());
         }
         self.faults = faults;
-        self.cures.extend(chordal::check::CURES.iter().find(|option| &option[2..] == cure.name()));
+        self.cures.extend(CURES.iter().find(|option| &option[2..] == cure.name()));
         Some(())
     }
 

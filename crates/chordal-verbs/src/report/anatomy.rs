@@ -220,10 +220,16 @@ const MAY_CROSS: &str = "the surface ends there, so that it has no inside; what 
 fn cures(defect: Defect, valid: &Valid) -> Vec<&'static str> {
     let (counts, other) = (&valid.counts, &valid.other.counts);
     let tried = valid.anatomy.as_ref().and_then(|anatomy| anatomy.prescribed.as_ref());
+    // Equal points can be what keeps sheets apart that would branch, touch or disagree: a split is not to be undone.
+    let sound = other.non_manifold_edges <= counts.non_manifold_edges
+        && other.non_manifold_vertices <= counts.non_manifold_vertices
+        && other.duplicate_faces <= counts.duplicate_faces
+        && other.inconsistent_edges <= counts.inconsistent_edges;
     let helps = |cure: &str| match (defect, cure) {
         (Defect::BoundaryEdges, "--weld") => {
-            counts.duplicate_vertices > 0 && other.boundary_edges < counts.boundary_edges
+            sound && counts.duplicate_vertices > 0 && other.boundary_edges < counts.boundary_edges
         }
+        (Defect::DuplicateVertices, "--weld") => sound,
         (Defect::BoundaryEdges, "--resolve-t-junctions") => {
             counts.t_junctions > 0 || counts.duplicate_vertices > 0 && other.t_junctions > 0
         }

@@ -121,10 +121,10 @@ impl Sheets {
         for face in (0..n).filter(|face| !has_zero_area(corners(*face))) {
             plane[root[face] as usize].get_or_insert(face);
         }
-        for face in 0..n {
-            let piece = root[face] as usize;
-            if let Some([a, b, c]) = plane[piece].map(corners) {
-                is_flat[piece] &= corners(face).iter().all(|p| orient3d(a, b, c, *p) == Orientation::Flat);
+        for (face, &piece) in root.iter().enumerate() {
+            if let Some([a, b, c]) = plane[piece as usize].map(corners) {
+                is_flat[piece as usize] &=
+                    corners(face).iter().all(|p| orient3d(a, b, c, *p) == Orientation::Flat);
             }
         }
         Self { root, is_flat }
