@@ -142,6 +142,12 @@ fn told(report: &Report) -> String {
         let _ = writeln!(text, "  {name:<11} {}: {}", facts.cure, changes(facts));
         name = "";
     }
+    if certificate.mended.iter().any(|facts| facts.cure == "split-nonmanifold" && !facts.changes.is_empty())
+        && certificate.valid.as_ref().is_some_and(|valid| valid.topology == "positions")
+    {
+        text +=
+            "  but         this format ties equal positions: what was split is one again; write OBJ or PLY\n";
+    }
     text += rest;
     for (name, valid) in [("before", &certificate.valid_before), ("after", &certificate.valid)] {
         if let Some(valid) = valid {

@@ -116,6 +116,23 @@ fn a_certificate_in_a_file_says_of_which_side_its_bound_is() {
 }
 
 #[test]
+fn a_split_that_the_format_ties_again_is_said_and_an_empty_result_is_refused() {
+    let folder = Folder::new("mend-ties");
+    let fan =
+        folder.file("fan.obj", "v 0 0 0\nv 0 0 1\nv 1 0 0\nv -1 1 0\nv -1 -1 0\nf 1 2 3\nf 2 1 4\nf 1 2 5\n");
+    for (out, is_said) in [("out.stl", true), ("out.glb", true), ("out.obj", false), ("out.ply", false)] {
+        let told = run(&["mend", &fan, "-o", &folder.text(out), "--split-nonmanifold"]);
+        assert_eq!(told.code, 0);
+        assert_eq!(told.stdout.contains("ties equal positions"), is_said, "{out}: {}", told.stdout);
+    }
+    let points = folder.file("points.obj", "v 0 0 0\nv 1 0 0\n");
+    let refused = run(&["mend", &points, "-o", &folder.text("none.obj"), "--drop-unused"]);
+    assert_eq!(refused.code, 3);
+    assert!(refused.stderr.contains("nothing would be left"), "{}", refused.stderr);
+    assert!(!std::path::Path::new(&folder.text("none.obj")).exists());
+}
+
+#[test]
 fn a_length_is_one_of_the_scene_and_its_moves_are_in_the_bound() {
     let folder = Folder::new("mend-weld");
     let nearly = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0.001 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 4 5 6\n";

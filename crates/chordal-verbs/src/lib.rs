@@ -30,6 +30,7 @@ mod mesh;
 mod normals;
 mod placed;
 mod polylines;
+mod prescribed;
 mod render;
 pub mod report;
 mod shape;

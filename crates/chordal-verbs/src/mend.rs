@@ -46,7 +46,7 @@ pub enum Closeness {
 
 /// A cure with what it needs, in the order in which cures are applied.
 #[derive(Clone, Copy, Debug)]
-enum Cure {
+pub(crate) enum Cure {
     Weld(Option<Tolerance>),
     DropDuplicates(Duplicates),
     DropDegenerate,
@@ -68,7 +68,7 @@ enum Cure {
 ///
 /// # Errors
 /// When no cure is asked for, when the shape has no triangles or the length no meaning for it; when the work is refused,
-/// or cancelled; when a coordinate does not fit the format.
+/// or cancelled; when nothing would be left; when a coordinate does not fit the format.
 ///
 /// ```
 /// use chordal_io::Format;
@@ -109,6 +109,9 @@ pub fn mend(input: Input, spec: &MendSpec, to: Format, job: &Job) -> Result<Mesh
             .notes
             .push(format!("{to} has no indices of positions: copies on each other are one there again"));
     }
+    if scene.parts.iter().all(|part| part.mesh.positions().is_empty()) {
+        return Err(refused(Code::Empty, "nothing would be left: there are no triangles, only points"));
+    }
     let (scene, rounded) = pass_through(scene, to, &mut certificate.notes)?;
     let nothing = BudgetSpec::default();
     let asked = Asked { spec: &nothing, budget: Budget::default(), to, place };
@@ -116,6 +119,18 @@ pub fn mend(input: Input, spec: &MendSpec, to: Format, job: &Job) -> Result<Mesh
 }
 
 impl MendSpec {
+    /// Every cure, as it is without a length or a number.
+    const ALL: Self = Self {
+        weld: Some(Closeness::Exact),
+        drop_duplicates: Some(Duplicates::EitherWay),
+        drop_degenerate: true,
+        resolve_t_junctions: Some(Closeness::Exact),
+        split_non_manifold: true,
+        orient: true,
+        fill_holes: Some(Holes::All),
+        drop_unused: true,
+    };
+
     /// The cures in their order.
     fn cures(&self, shape: &Shape) -> Result<Vec<Cure>, MeshFailure> {
         let length = |closeness: Closeness| match closeness {
@@ -125,25 +140,41 @@ impl MendSpec {
                 spec.resolve(shape).map(|(budget, _)| budget.length)
             }
         };
+        let weld = self.weld.map(length).transpose()?;
+        let resolve_t_junctions = self.resolve_t_junctions.map(length).transpose()?;
+        Ok(self.in_order(weld, resolve_t_junctions))
+    }
+
+    /// The order of [`chordal::check::CURES`]; orient twice around fill, since what is closed by then has an outside.
+    fn in_order(
+        &self,
+        weld: Option<Option<Tolerance>>,
+        resolve_t_junctions: Option<Option<Tolerance>>,
+    ) -> Vec<Cure> {
         let asked = |flag: bool, cure: Cure| flag.then_some(cure);
         let all = [
-            self.weld.map(length).transpose()?.map(Cure::Weld),
+            weld.map(Cure::Weld),
             self.drop_duplicates.map(Cure::DropDuplicates),
             asked(self.drop_degenerate, Cure::DropDegenerate),
-            self.resolve_t_junctions.map(length).transpose()?.map(Cure::ResolveTJunctions),
+            resolve_t_junctions.map(Cure::ResolveTJunctions),
             asked(self.split_non_manifold, Cure::SplitNonManifold),
             asked(self.orient, Cure::Orient),
             self.fill_holes.map(Cure::FillHoles),
             asked(self.orient && self.fill_holes.is_some(), Cure::Orient),
             asked(self.drop_unused, Cure::DropUnused),
         ];
-        Ok(all.into_iter().flatten().collect())
+        all.into_iter().flatten().collect()
     }
+}
+
+/// All cures by exact positions, in their order.
+pub(crate) fn trial_of() -> Vec<Cure> {
+    MendSpec::ALL.in_order(Some(None), Some(None))
 }
 
 impl Cure {
     /// The name on the command line, without its dashes.
-    fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Weld(_) => "weld",
             Self::DropDuplicates(_) => "drop-duplicates",
@@ -157,7 +188,7 @@ impl Cure {
     }
 
     /// Mends every part; what was done, and how far the scene moved by it.
-    fn apply(
+    pub fn apply(
         self,
         scene: &mut Scene,
         topologies: &mut [Topology],
@@ -239,4 +270,16 @@ fn wider(all: Bound, part: &Bound, stretch: f64) -> Result<Bound, MeshFailure> {
     let mut wider = Bound::with_evidence(0.0, at_most, evidence, Reference::InputTriangles);
     wider.metric = if one_sided { Metric::OneSided } else { Metric::Hausdorff };
     Ok(wider)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_order_is_that_of_the_one_list() {
+        let mut names: Vec<String> = trial_of().iter().map(|cure| format!("--{}", cure.name())).collect();
+        assert_eq!(names.remove(7), "--orient");
+        assert_eq!(names, chordal::check::CURES);
+    }
 }

@@ -30,6 +30,9 @@ pub struct Anatomy {
     pub volume: Option<f64>,
     /// The components with the most triangles, at most [`MOST_COMPONENTS`]; `components` counts all.
     pub component_list: Vec<ComponentFacts>,
+    /// The cures that were tried on these triangles and help; none where nobody tried.
+    #[serde(skip)]
+    pub prescribed: Option<Vec<&'static str>>,
 }
 
 /// The most components that are listed.
@@ -118,6 +121,7 @@ impl Anatomy {
             area: sum(|part| part.found.measure.area),
             volume: (counts.closed && counts.oriented).then_some(volume),
             component_list: largest(parts),
+            prescribed: None,
         }
     }
 
@@ -197,7 +201,19 @@ impl FindingFacts {
             let covered = *defect == Defect::ZeroAreaFaces && count == valid.counts.collapsed_faces;
             (!covered).then(|| Self::new(*defect, count, valid))
         };
-        Defect::ALL.iter().filter_map(told).collect()
+        let mut all: Vec<Self> = Defect::ALL.iter().filter_map(told).collect();
+        let tried = valid.anatomy.as_ref().and_then(|anatomy| anatomy.prescribed.as_ref());
+        add_consequences(&mut all, tried.map_or(&[], Vec::as_slice));
+        all
+    }
+
+    /// Whether anything was found that some cure is for.
+    pub(super) fn are_to_mend(valid: &Valid, anatomy: &Anatomy) -> bool {
+        let is_met = |defect: &&Defect| match defect {
+            Defect::InsideOut => anatomy.inside_out > 0,
+            _ => valid.count(**defect).is_some_and(|count| count > 0),
+        };
+        Defect::ALL.iter().filter(is_met).any(|defect| !defect.cures().is_empty())
     }
 
     fn new(defect: Defect, count: u64, valid: &Valid) -> Self {
@@ -208,35 +224,75 @@ impl FindingFacts {
             count,
             weight: if defect.weight() == Weight::Fault { "fault" } else { "remark" },
             words: if count == 1 { one } else { several },
-            means: defect.means(),
-            advice: cures.is_empty().then(|| defect.advice()),
+            // A cure with a price says so where it is named.
+            means: if cures.contains(&"--fill-holes") { MAY_CROSS } else { defect.means() },
+            advice: advice(defect, valid, &cures),
             cures,
         }
     }
 }
 
-/// The cures of a defect that can help, by what else was found.
+/// What a boundary means where it can be filled.
+const MAY_CROSS: &str = "the surface ends there, so that it has no inside; what fills it may cross the surface, \
+    which `inspect --self-intersections` tells afterwards";
+
+/// The cures of a defect that help.
 fn cures(defect: Defect, valid: &Valid) -> Vec<&'static str> {
     let (counts, other) = (&valid.counts, &valid.other.counts);
-    let welding_helps = counts.duplicate_vertices > 0 && other.boundary_edges < counts.boundary_edges;
-    let welded = if welding_helps { other } else { counts };
+    let tried = valid.anatomy.as_ref().and_then(|anatomy| anatomy.prescribed.as_ref());
+    // Equal points can be what keeps sheets apart that would branch, touch or disagree: a split is not to be undone.
+    let sound = other.non_manifold_edges <= counts.non_manifold_edges
+        && other.non_manifold_vertices <= counts.non_manifold_vertices
+        && other.duplicate_faces <= counts.duplicate_faces
+        && other.inconsistent_edges <= counts.inconsistent_edges;
     let helps = |cure: &str| match (defect, cure) {
-        (Defect::BoundaryEdges, "--weld") => welding_helps,
-        (Defect::BoundaryEdges, "--resolve-t-junctions") => welded.t_junctions > 0,
-        (Defect::BoundaryEdges, "--fill-holes") => {
-            welded.boundary_edges > 0 && welded.t_junctions == 0 && counts.orientable
+        (Defect::BoundaryEdges, "--weld") => {
+            sound && counts.duplicate_vertices > 0 && other.boundary_edges < counts.boundary_edges
         }
-        // Equal points can be what keeps sheets apart that would branch or touch: a split is not to be undone.
-        (Defect::DuplicateVertices, "--weld") => {
-            welding_helps
-                || other.non_manifold_edges <= counts.non_manifold_edges
-                    && other.non_manifold_vertices <= counts.non_manifold_vertices
+        (Defect::DuplicateVertices, "--weld") => sound,
+        (Defect::BoundaryEdges, "--resolve-t-junctions") => {
+            counts.t_junctions > 0 || counts.duplicate_vertices > 0 && other.t_junctions > 0
         }
         (Defect::NonManifoldEdges, "--drop-duplicates") => counts.duplicate_faces > 0,
         (Defect::InconsistentEdges, "--orient") => counts.orientable,
         _ => true,
     };
-    defect.cures().iter().copied().filter(|cure| helps(cure)).collect()
+    let was_tried = |cure: &&str| tried.is_none_or(|tried| tried.contains(cure));
+    defect.cures().iter().copied().filter(|cure| helps(cure) && was_tried(cure)).collect()
+}
+
+/// What mends only what others lay bare stands with them: a hole that is closed has an outside to be oriented by, a face
+/// that is dropped leaves vertices.
+fn add_consequences(all: &mut [FindingFacts], tried: &[&'static str]) {
+    let place = |cure: &str| CURES.iter().position(|known| *known == cure);
+    for cure in tried {
+        if all.iter().any(|finding| finding.cures.contains(cure)) {
+            continue;
+        }
+        let causes = |finding: &FindingFacts, cause: &str| finding.cures.contains(&cause);
+        let filled = all.iter().position(|finding| *cure == "--orient" && causes(finding, "--fill-holes"));
+        let cause = filled.or_else(|| all.iter().position(|finding| !finding.cures.is_empty()));
+        if let Some(finding) = cause.or((!all.is_empty()).then_some(0)) {
+            all[finding].cures.push(cure);
+            all[finding].cures.sort_by_key(|cure| place(cure));
+        }
+    }
+}
+
+/// What to do where no option mends it.
+fn advice(defect: Defect, valid: &Valid, cures: &[&str]) -> Option<&'static str> {
+    let ties = valid.topology == "positions";
+    match defect {
+        _ if !cures.is_empty() => None,
+        Defect::NonManifoldEdges | Defect::NonManifoldVertices if ties => Some(
+            "`chordal mend --split-nonmanifold` into OBJ or PLY: this format ties equal positions together again",
+        ),
+        Defect::BoundaryEdges if valid.counts.orientable => Some(
+            "an open sheet, or sheets that branch: leave it, or give it thickness in the program that made it",
+        ),
+        Defect::UnusedVertices => Some("points only: there are no triangles to keep"),
+        _ => Some(defect.advice()),
+    }
 }
 
 /// The options that mend all of it, in the order in which to use them.

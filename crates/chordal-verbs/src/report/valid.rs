@@ -1,8 +1,9 @@
 //! Whether triangles are sound, as a report says it: counts by one meaning of "the same position", and by the other.
 use super::checked::{BothWays, Checked};
 use super::together::Together;
-use super::{Anatomy, OutputFacts};
+use super::{Anatomy, FindingFacts, OutputFacts};
 use crate::formats::topology;
+use crate::prescribed::prescribed;
 use chordal::budget::Stopped;
 use chordal::check::{Defect, Validity};
 use chordal::explicit::Topology;
@@ -173,6 +174,11 @@ impl Counted {
         }
         let own: Vec<&Checked> = parts.iter().map(|part| &part.own).collect();
         let mut anatomy = Anatomy::of(&own, &counted.valid.counts, scene);
+        let usual = chordal::Job::default();
+        let job = if let Look::Deep(job) = look { job } else { &usual };
+        if FindingFacts::are_to_mend(&counted.valid, &anatomy) {
+            anatomy.prescribed = prescribed(scene, format, job);
+        }
         let witnesses = own.iter().enumerate().flat_map(|(i, found)| found.witnesses(i));
         let mut witnesses: Vec<_> = witnesses.collect();
         if let Look::Deep(job) = look

@@ -40,15 +40,16 @@ pub enum Weight {
     Remark,
 }
 
-/// The options of `chordal mend` in the order in which to use them: first what the others rely on.
+/// The options of `chordal mend` in the order in which it applies them: first what the others rely on.
+/// After `--fill-holes` it orients once more, where that was asked for.
 pub const CURES: [&str; 8] = [
     "--weld",
-    "--drop-degenerate",
     "--drop-duplicates",
+    "--drop-degenerate",
     "--resolve-t-junctions",
     "--split-nonmanifold",
-    "--fill-holes",
     "--orient",
+    "--fill-holes",
     "--drop-unused",
 ];
 

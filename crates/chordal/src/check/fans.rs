@@ -112,20 +112,30 @@ pub(super) fn walk_boundary(twins: &Twins, mut each: impl FnMut(u32, Ending)) {
         if seen[start as usize] || twins.get(start) != Twin::Boundary {
             continue;
         }
-        if string(start, Way::Out(start), twins, &mut seen) {
+        let mut see = |h: u32| seen[h as usize] = true;
+        if string(start, Way::Out(start), twins, &mut see) {
             each(start, Ending::Loop);
         } else {
-            string(start, Way::In(start), twins, &mut seen);
+            string(start, Way::In(start), twins, &mut see);
             each(start, Ending::Chain);
         }
     }
 }
 
+/// All boundary half-edges of the string that `start` is on, as [`walk_boundary`] counts them.
+pub(crate) fn boundary_string(twins: &Twins, start: u32) -> Vec<u32> {
+    let mut all = Vec::new();
+    if !string(start, Way::Out(start), twins, &mut |h| all.push(h)) {
+        string(start, Way::In(start), twins, &mut |h| all.push(h));
+    }
+    all
+}
+
 /// Follows the boundary from `start`, entering that edge by `way`. True when it comes back.
-fn string(start: u32, way: Way, twins: &Twins, seen: &mut [bool]) -> bool {
+fn string(start: u32, way: Way, twins: &Twins, see: &mut impl FnMut(u32)) -> bool {
     let mut way = way;
     loop {
-        seen[way.edge() as usize] = true;
+        see(way.edge());
         way = way.along().to_end_of_fan(twins);
         if twins.get(way.edge()) != Twin::Boundary {
             return false;

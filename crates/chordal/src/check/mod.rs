@@ -30,6 +30,7 @@ pub use defect::{CURES, Defect, Weight};
 pub use deviation::{Deviation, Goal, OneSided, deviation, vertex_deviation};
 pub use distance::surface_at_least;
 pub use duplicates::duplicate_vertices;
+pub(crate) use fans::boundary_string;
 pub use finding::{Finding, MAX_WITNESSES, Place, Witness};
 pub use flat::{has_zero_area, is_collinear};
 pub use gap::{Gap, distance_to_polyline, largest_gap};

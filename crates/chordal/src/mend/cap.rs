@@ -99,7 +99,7 @@ fn least_area(points: &[[f64; 3]], is_free: &dyn Fn(usize, usize) -> bool) -> Op
 }
 
 /// A direction in which the loop is seen counter-clockwise.
-fn loop_normal(points: &[[f64; 3]]) -> [f64; 3] {
+pub(super) fn loop_normal(points: &[[f64; 3]]) -> [f64; 3] {
     points.windows(2).skip(1).fold([0.0; 3], |sum, pair| {
         let term = cross(difference(pair[0], points[0]), difference(pair[1], points[0]));
         std::array::from_fn(|k| sum[k] + term[k])

@@ -1,17 +1,18 @@
 //! Fills what boundary loops leave open.
-use super::cap::cap;
+use super::cap::{cap, loop_normal};
 use super::draft::{Blend, Draft, Face, Row};
 use super::mended::{Mended, begin};
 use crate::Mesh;
 use crate::budget::{Job, Metric, Stopped};
-use crate::check::{Finding, Witness, has_zero_area};
-use crate::explicit::{Topology, Twin, Twins, next_in_face, previous_in_face};
+use crate::check::{Finding, Witness, boundary_string, has_zero_area};
+use crate::explicit::{Sets, Topology, Twin, Twins, face_normal, next_in_face};
+use crate::math::{Orientation, dot, orient3d};
 use std::collections::BTreeSet;
 
 /// Which holes are filled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Holes {
-    /// All. Of an open sheet the rim is a hole as well.
+    /// All. Of an open sheet the rim is a hole as well, unless the sheet is flat.
     All,
     /// Those with at most so many edges.
     UpTo(usize),
@@ -24,15 +25,18 @@ pub enum Holes {
 /// middle and a fan around it. A loop that passes a position twice is filled in parts that do not. New faces have the attributes of the
 /// face at the first edge of their loop, their corners those of the vertices there; no row is changed.
 ///
-/// Left as they are: loops with more edges than `holes` says; those around a single triangle, and those on one line;
-/// strings of
-/// boundary edges that end at an edge with three faces or more, or meet faces that are wound against each other
+/// Left as they are: loops with more edges than `holes` says; the rim of a flat sheet, exactly flat, since what fills it
+/// would lie on the sheet, and so that of a single triangle; loops on one line; strings of boundary edges that end at an edge with three faces or more, or meet faces that are wound against each other
 /// ([`split_non_manifold`](super::split_non_manifold), [`orient`](super::orient) come first).
 ///
 /// **Bound.** One-sided, from the input to the result: 0, since all that was there still is. What fills a hole is as far
 /// from the input as the hole is wide, and that is no error: there was nothing. Where no hole was filled the bound is 0
 /// both ways. The changes are `filled_holes`, `added_faces`, `added_vertices`, `left_holes`; a witness is the first edge
-/// of a loop.
+/// of a loop. What is left is counted as [`check::validity`](crate::check::validity) counts loops and chains: one that
+/// passes a position twice, or is wound against itself, is one.
+///
+/// A face that fills a hole may cross the surface, where a loop winds around it:
+/// [`check::self_intersections`](crate::check::self_intersections) tells.
 ///
 /// Linear in the mesh; n³ for a loop of n ≤ 64 edges, n log n for a longer one.
 ///
@@ -53,7 +57,8 @@ pub fn fill_holes(mesh: &Mesh, topology: Topology, holes: Holes, job: &Job) -> R
     let id = |row: u32| ids.as_ref().map_or(row, |ids| ids[row as usize]);
     let twins = Twins::with_ids(mesh, ids.as_deref());
     let rim = Rim { mesh, twins: &twins, id: &id };
-    let (loops, mut left) = rim.loops();
+    let (loops, mut kept) = rim.loops();
+    let sheets = Sheets::of(mesh, &twins);
     let most = match holes {
         Holes::All => usize::MAX,
         Holes::UpTo(most) => most,
@@ -69,12 +74,13 @@ pub fn fill_holes(mesh: &Mesh, topology: Topology, holes: Holes, job: &Job) -> R
             return Err(Stopped::Cancelled);
         }
         let first = hole[0];
-        if hole.len() > most || !rim.fill(&hole, &mut edges, &mut draft) {
-            left.add(|| Witness::edge(mesh, &[first]));
+        if hole.len() > most || sheets.has_as_rim(&hole, mesh) || !rim.fill(&hole, &mut edges, &mut draft) {
+            kept.push(first);
             continue;
         }
         filled.add(|| Witness::edge(mesh, &[first]));
     }
+    let left = rim.strings_of(&kept);
     if filled.is_none() {
         return Ok(Mended::exact(mesh.clone(), [("left_holes", left)]));
     }
@@ -91,6 +97,51 @@ pub fn fill_holes(mesh: &Mesh, topology: Topology, holes: Holes, job: &Job) -> R
     let mut mended = Mended::exact(made, changes);
     mended.bound.metric = Metric::OneSided;
     Ok(mended)
+}
+
+/// Which pieces of a mesh are flat: those that hang together by edges, and lie in one plane exactly.
+struct Sheets {
+    /// The first face of each face's piece, or another one that stands for it.
+    root: Vec<u32>,
+    is_flat: Vec<bool>,
+}
+
+impl Sheets {
+    fn of(mesh: &Mesh, twins: &Twins) -> Self {
+        let n = mesh.faces().len();
+        let mut pieces = Sets::new(n);
+        for h in 0..twins.len() as u32 {
+            if let Twin::Pair(t) | Twin::Flipped(t) = twins.get(h) {
+                pieces.join(h / 3, t / 3);
+            }
+        }
+        let root: Vec<u32> = (0..n as u32).map(|face| pieces.root(face)).collect();
+        let corners = |face: usize| mesh.faces()[face].map(|row| mesh.positions()[row as usize]);
+        let (mut plane, mut is_flat) = (vec![None; n], vec![true; n]);
+        for face in (0..n).filter(|face| !has_zero_area(corners(*face))) {
+            plane[root[face] as usize].get_or_insert(face);
+        }
+        for (face, &piece) in root.iter().enumerate() {
+            if let Some([a, b, c]) = plane[piece as usize].map(corners) {
+                is_flat[piece as usize] &=
+                    corners(face).iter().all(|p| orient3d(a, b, c, *p) == Orientation::Flat);
+            }
+        }
+        Self { root, is_flat }
+    }
+
+    /// Whether the loop is the outer rim of a flat piece: it runs around it the same way as the faces do, and a hole in
+    /// it the other way. What fills a rim lies on the faces.
+    fn has_as_rim(&self, hole: &[u32], mesh: &Mesh) -> bool {
+        let face = hole[0] / 3;
+        if !self.is_flat[self.root[face as usize] as usize] {
+            return false;
+        }
+        let at = |h: u32| mesh.positions()[mesh.faces()[h as usize / 3][h as usize % 3] as usize];
+        let around: Vec<_> = hole.iter().map(|&h| at(h)).collect();
+        let up = face_normal([0, 1, 2].map(|k| at(3 * face + k)));
+        up.is_none_or(|up| dot(up, loop_normal(&around)) > 0.0)
+    }
 }
 
 /// The boundary of a mesh.
@@ -122,9 +173,9 @@ impl Rim<'_> {
         }
     }
 
-    /// Loops of boundary half-edges that pass no position twice, and what is no loop.
-    fn loops(&self) -> (Vec<Vec<u32>>, Finding) {
-        let (mut loops, mut broken) = (Vec::new(), Finding::default());
+    /// Loops of boundary half-edges that pass no position twice, and one half-edge of whatever is no loop.
+    fn loops(&self) -> (Vec<Vec<u32>>, Vec<u32>) {
+        let (mut loops, mut broken) = (Vec::new(), Vec::new());
         let mut seen = vec![false; self.twins.len()];
         let mut place = vec![u32::MAX; self.mesh.positions().len()];
         for start in 0..self.twins.len() as u32 {
@@ -142,10 +193,23 @@ impl Rim<'_> {
             if next == Some(start) {
                 self.split(&string, &mut place, &mut loops);
             } else {
-                broken.add(|| Witness::edge(self.mesh, &[start]));
+                broken.push(start);
             }
         }
         (loops, broken)
+    }
+
+    /// The strings that hold one of these half-edges at least, each once.
+    fn strings_of(&self, some: &[u32]) -> Finding {
+        let mut found = Finding::default();
+        let mut seen = vec![false; if some.is_empty() { 0 } else { self.twins.len() }];
+        for &h in some {
+            if !seen[h as usize] {
+                found.add(|| Witness::edge(self.mesh, &[h]));
+                boundary_string(self.twins, h).into_iter().for_each(|h| seen[h as usize] = true);
+            }
+        }
+        found
     }
 
     /// Cuts a loop where it comes back to a position. `place` is all `u32::MAX`, before and after.
@@ -184,8 +248,7 @@ impl Rim<'_> {
 
     /// Adds the faces of one hole and remembers their edges; false where it cannot be filled.
     fn fill(&self, hole: &[u32], edges: &mut BTreeSet<[u32; 2]>, draft: &mut Draft) -> bool {
-        let is_single = hole.len() == 3 && self.origin(previous_in_face(hole[0])) == self.origin(hole[2]);
-        if hole.len() < 3 || is_single {
+        if hole.len() < 3 {
             return false;
         }
         // Backwards: what fills the hole runs against the edges of the faces around it.

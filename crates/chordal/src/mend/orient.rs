@@ -3,7 +3,7 @@ use super::draft::{Draft, Face};
 use super::mended::{Mended, begin, refused};
 use crate::Mesh;
 use crate::budget::{Code, Job, Stopped};
-use crate::check::{Facing, Finding, Witness, components};
+use crate::check::{Facing, Finding, Surface, Witness};
 use crate::explicit::{Sets, Topology, Twin, Twins};
 
 /// Turns faces, piece by piece: a *piece* hangs together by edges with exactly two faces.
@@ -40,7 +40,7 @@ pub fn orient(mesh: &Mesh, topology: Topology, job: &Job) -> Result<Mended, Stop
     if job.is_cancelled() {
         return Err(Stopped::Cancelled);
     }
-    sides.face_outwards(mesh, topology, &twins)?;
+    sides.face_outwards(mesh, topology, (&twins, job))?;
     let mut unorientable = Finding::default();
     for piece in sides.pieces.iter().filter(|piece| !piece.is_orientable) {
         unorientable.add(|| Witness::face(mesh, piece.faces[0]));
@@ -121,7 +121,12 @@ impl Sides {
     }
 
     /// Turns the components that the judge calls inside out, once all neighbours agree.
-    fn face_outwards(&mut self, mesh: &Mesh, topology: Topology, twins: &Twins) -> Result<(), Stopped> {
+    fn face_outwards(
+        &mut self,
+        mesh: &Mesh,
+        topology: Topology,
+        (twins, job): (&Twins, &Job),
+    ) -> Result<(), Stopped> {
         let side =
             |(face, turned): (&[u32; 3], &bool)| if *turned { [face[0], face[2], face[1]] } else { *face };
         let faces = mesh.faces().iter().zip(&self.turned).map(side).collect();
@@ -131,7 +136,8 @@ impl Sides {
         }
         // The same rows and as many faces as those of a mesh that is one.
         let agreed = agreed.map_err(|error| refused(Code::TooManyTriangles, error.to_string()))?;
-        let wrong = components(&agreed, topology).into_iter().filter(|c| c.facing == Facing::InsideOut);
+        let seen = Surface::new(&agreed, topology).components_under(job)?;
+        let wrong = seen.into_iter().filter(|c| c.facing == Facing::InsideOut);
         let wrong: Vec<u32> = wrong.map(|component| component.first_face).collect();
         if wrong.is_empty() {
             return Ok(());

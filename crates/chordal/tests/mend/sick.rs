@@ -41,7 +41,30 @@ fn a_moebius_strip_is_told_and_left_as_it_is() {
     assert!(mended.is_unchanged());
     // Its one boundary loop passes faces that do not agree, so that no cap would fit.
     let filled = cure("fill_holes", &strip);
-    assert_eq!((&filled.mesh, filled.count("left_holes") > 0), (&strip, true));
+    assert_eq!((&filled.mesh, filled.count("left_holes")), (&strip, 1));
+    assert_eq!(validity(&strip, Topology::Indices).boundary_loops, 1);
+}
+
+#[test]
+fn the_rim_of_a_flat_sheet_stays_and_a_hole_in_it_is_filled() {
+    // A square with a square hole, and a square: in an oblique plane that no coordinate knows.
+    let flat = |x: f64, y: f64| [x, y, x + 2.0 * y];
+    let ring: Vec<[f64; 3]> = [(0.0, 0.0), (3.0, 0.0), (3.0, 3.0), (0.0, 3.0)]
+        .into_iter()
+        .chain([(1.0, 1.0), (2.0, 1.0), (2.0, 2.0), (1.0, 2.0)])
+        .map(|(x, y)| flat(x, y))
+        .collect();
+    let around = |i: u32| [[i, (i + 1) % 4, 4 + (i + 1) % 4], [i, 4 + (i + 1) % 4, 4 + i]];
+    let faces: Vec<[u32; 3]> = (0..4).flat_map(around).collect();
+    let filled = cure("fill_holes", &mesh_of(&ring, &faces));
+    assert_eq!(["filled_holes", "added_faces", "left_holes"].map(|what| filled.count(what)), [1, 2, 1]);
+    let square = mesh_of(&ring[..4], &[[0, 1, 2], [0, 2, 3]]);
+    let left = cure("fill_holes", &square);
+    assert_eq!((&left.mesh, left.count("left_holes")), (&square, 1));
+    // Bent along its diagonal it has a side to close.
+    let mut bent = ring[..4].to_vec();
+    bent[3][2] += 1.0;
+    assert_eq!(cure("fill_holes", &mesh_of(&bent, &[[0, 1, 2], [0, 2, 3]])).count("filled_holes"), 1);
 }
 
 #[test]

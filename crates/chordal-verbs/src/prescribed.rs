@@ -1,0 +1,136 @@
+//! What `inspect` prescribes: cures that were tried on the very triangles, and helped.
+use crate::formats::topology;
+use crate::mend::{Cure, trial_of};
+use chordal::Job;
+use chordal::check::{CURES, Defect, Surface};
+use chordal::explicit::Topology;
+use chordal_io::{Format, Scene};
+
+/// The options of `chordal mend` that help a scene as it was read from a file of that format, in the order in which they
+/// are applied; `None` where the job was stopped.
+///
+/// Each is tried on what the ones before it left, and prescribed if it changes something, leaves triangles, and makes no
+/// kind of fault more frequent but those that it is known to lay bare ([`lays_bare`]) and that later ones mend. So what is
+/// prescribed changes something, and following it ends.
+///
+/// Taking a surface apart is not prescribed where the format ties equal positions again.
+///
+/// Cost: that of the cures that are tried, and two validity checks each; nothing for sound triangles.
+pub(crate) fn prescribed(scene: &Scene, format: Format, job: &Job) -> Option<Vec<&'static str>> {
+    let mut trial = Trial {
+        scene: scene.clone(),
+        topologies: vec![topology(format); scene.parts.len()],
+        faults: Vec::new(),
+        cures: Vec::new(),
+    };
+    trial.faults = trial.found();
+    let ties = topology(format) == Topology::Positions;
+    for cure in trial_of() {
+        let skipped = match cure {
+            // Such a format has nothing to weld, and ties what is split.
+            Cure::Weld(_) | Cure::SplitNonManifold => ties,
+            // A crack along T-junctions is no hole, and a piece of one side has no inside to close.
+            Cure::FillHoles(_) => trial.count(Defect::TJunctions) > 0 || !trial.is_orientable(),
+            _ => false,
+        };
+        if !skipped {
+            trial.attempt(cure, job)?;
+        }
+    }
+    Some(CURES.into_iter().filter(|cure| trial.cures.contains(cure)).collect())
+}
+
+/// Triangles on the way from cure to cure.
+struct Trial {
+    scene: Scene,
+    topologies: Vec<Topology>,
+    /// How often each of [`FAULTS`] was found.
+    faults: Vec<u64>,
+    /// What helped.
+    cures: Vec<&'static str>,
+}
+
+/// What no cure may make more frequent. Duplicate vertices and slivers are remarks, and the others take a search.
+const FAULTS: [Defect; 9] = [
+    Defect::BoundaryEdges,
+    Defect::NonManifoldEdges,
+    Defect::NonManifoldVertices,
+    Defect::TJunctions,
+    Defect::InconsistentEdges,
+    Defect::DuplicateFaces,
+    Defect::CollapsedFaces,
+    Defect::ZeroAreaFaces,
+    Defect::UnusedVertices,
+];
+
+/// What a cure may lay bare: it was there before, hidden by what the cure takes away.
+fn lays_bare(cure: Cure, defect: Defect) -> bool {
+    match defect {
+        // Copies of an edge with three faces are rims; a face that is gone, or cut, leaves its edges.
+        Defect::BoundaryEdges => !matches!(cure, Cure::Weld(_) | Cure::Orient | Cure::FillHoles(_)),
+        // At an edge with three faces nobody could tell.
+        Defect::InconsistentEdges => {
+            matches!(cure, Cure::SplitNonManifold | Cure::DropDuplicates(_) | Cure::ResolveTJunctions(_))
+        }
+        // A face between equal points has no area before as after, and by indices no name for it.
+        Defect::CollapsedFaces => matches!(cure, Cure::Weld(_)),
+        Defect::UnusedVertices => matches!(cure, Cure::DropDuplicates(_) | Cure::DropDegenerate),
+        _ => false,
+    }
+}
+
+impl Trial {
+    /// Applies a cure, and takes it back where it does not help. `None` where the job was stopped.
+    fn attempt(&mut self, cure: Cure, job: &Job) -> Option<()> {
+        let (mut scene, mut topologies) = (self.scene.clone(), self.topologies.clone());
+        let (facts, _) = cure.apply(&mut scene, &mut topologies, job).ok()?;
+        let changed = facts.changes.iter().any(|change| !change.what.starts_with("left_"));
+        if !changed || scene.parts.iter().all(|part| part.mesh.faces().is_empty()) {
+            return Some(());
+        }
+        let before =
+            (std::mem::replace(&mut self.scene, scene), std::mem::replace(&mut self.topologies, topologies));
+        let faults = self.found();
+        let is_worse = FAULTS
+            .iter()
+            .zip(self.faults.iter().zip(&faults))
+            .any(|(defect, (was, is))| is > was && !lays_bare(cure, *defect));
+        if is_worse {
+            (self.scene, self.topologies) = before;
+            return Some(());
+        }
+        self.faults = faults;
+        self.cures.extend(CURES.iter().find(|option| &option[2..] == cure.name()));
+        Some(())
+    }
+
+    fn count(&self, defect: Defect) -> u64 {
+        FAULTS.iter().zip(&self.faults).find(|(of, _)| **of == defect).map_or(0, |(_, count)| *count)
+    }
+
+    fn found(&self) -> Vec<u64> {
+        let mut all = vec![0; FAULTS.len()];
+        for (part, topology) in self.scene.parts.iter().zip(&self.topologies) {
+            let surface = Surface::new(&part.mesh, *topology);
+            let found = surface.validity();
+            let counts = [
+                found.boundary_edges.count,
+                found.non_manifold_edges.count,
+                found.non_manifold_vertices.count,
+                surface.t_junctions(None).count,
+                found.inconsistent_edges.count,
+                found.duplicate_faces.count,
+                found.collapsed_faces.count,
+                found.zero_area_faces.count,
+                found.unused_vertices.count,
+            ];
+            all.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
+        }
+        all
+    }
+
+    fn is_orientable(&self) -> bool {
+        let mut parts = self.scene.parts.iter().zip(&self.topologies);
+        parts.all(|(part, topology)| Surface::new(&part.mesh, *topology).validity().orientable)
+    }
+}
