@@ -1,9 +1,17 @@
 //! Deviations of real files: the ends are as close as was asked for, each file is 0 away from itself.
+#[allow(dead_code, reason = "the referee uses all of it")]
+#[path = "../../chordal/tests/deviation_referee/random.rs"]
+mod random;
+#[allow(dead_code, reason = "the referee uses all of it")]
+#[path = "../../chordal/tests/deviation_referee/sampler.rs"]
+mod sampler;
+
 use chordal::Job;
 use chordal::explicit::Topology;
 use chordal::{Mesh, check};
 use chordal_io::Format;
 use chordal_verbs::{Hint, Input, Shape, load};
+use random::Random;
 use std::path::PathBuf;
 
 fn folder() -> Option<PathBuf> {
@@ -82,9 +90,30 @@ fn the_ends_are_close_on_every_file_of_the_corpus() {
             "{}: {found:?}",
             path.display()
         );
+        let seen = sampled([&mesh, &relaxed(&mesh)], &mut Random::new(n_pairs));
+        // The sampler's own rounding, on coordinates that may be far from zero.
+        let slack = 1e-12 * (size + mesh.bounds().max.iter().fold(0.0_f64, |most, x| most.max(x.abs())));
+        assert!(seen <= most + slack, "{}: a point is {seen:e} away, proved was {most:e}", path.display());
         n_pairs += 1;
     }
     assert!(n_pairs > 30, "only {n_pairs} files were read");
+}
+
+/// The largest distance of some points of either mesh to the other, by the referee's plain loops.
+fn sampled(meshes: [&Mesh; 2], random: &mut Random) -> f64 {
+    let soups = meshes
+        .map(|mesh| -> sampler::Soup { (0..mesh.faces().len()).map(|face| mesh.corners(face)).collect() });
+    let mut most = 0.0_f64;
+    for (from, to) in [(&soups[0], &soups[1]), (&soups[1], &soups[0])] {
+        for _ in 0..24 {
+            let [a, b, c] = from[random.below(from.len())];
+            let (s, t) = (random.between(0.0, 1.0), random.between(0.0, 1.0));
+            let (s, t) = if s + t > 1.0 { (1.0 - s, 1.0 - t) } else { (s, t) };
+            let at = std::array::from_fn(|k| a[k] + s * (b[k] - a[k]) + t * (c[k] - a[k]));
+            most = most.max(sampler::to_soup(at, to));
+        }
+    }
+    most
 }
 
 fn has_a_reader(path: &std::path::Path) -> bool {

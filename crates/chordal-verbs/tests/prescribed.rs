@@ -175,8 +175,8 @@ fn a_piece_that_is_filled_is_oriented() {
 fn points_only_are_left_and_an_empty_result_is_refused() {
     let points = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     let report = advised(points);
-    assert!(cures_of_all(findings(&report)).is_empty());
-    assert!(findings(&report)[0].advice.unwrap().contains("points only"));
+    // Nothing is found of triangles that are not there; the letter says that there are none.
+    assert!(findings(&report).is_empty(), "{:?}", findings(&report));
     let input = read(points.as_bytes(), "a.obj").unwrap();
     let refused = mend(input, &spec(&["--drop-unused"]), Format::Obj, &Job::default());
     let Err(MeshFailure::Refused(refusal)) = refused else { panic!("{refused:?}") };
