@@ -290,7 +290,6 @@ fn advice(defect: Defect, valid: &Valid, cures: &[&str]) -> Option<&'static str>
         Defect::BoundaryEdges if valid.counts.orientable => Some(
             "an open sheet, or sheets that branch: leave it, or give it thickness in the program that made it",
         ),
-        Defect::UnusedVertices => Some("points only: there are no triangles to keep"),
         _ => Some(defect.advice()),
     }
 }
