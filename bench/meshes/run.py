@@ -94,7 +94,9 @@ Medians of three or five runs; each program in a process of its own, held to one
 that the bench makes. Distances: Chordal's are both ends of a proved interval, to 10 % unless said; pymeshlab samples
 2,000,000 points of each surface and gives the largest distance that it met; MeshLib and libigl look at the vertices
 alone. Nearest points of MeshLib and VTK are asked one by one from Python, for a tenth of the points, times ten; those
-of trimesh are left out, since it takes minutes.
+of trimesh are left out, since it takes minutes. MeshLib keeps the
+tree that its first run made, so its medians are without it; Chordal's self-intersections build theirs each time, the
+row "tree".
 """.strip()
 
 main()
