@@ -1,4 +1,6 @@
 //! `inspect` on every file of the corpus: the counts by sorting, the report by its schema, every finding with its place.
+mod common;
+
 use chordal::Mesh;
 use chordal::check::Defect;
 use chordal_io::Format;
@@ -6,32 +8,7 @@ use chordal_verbs::report::{Counts, Report};
 use chordal_verbs::{Hint, Input, Shape, inspect_deeply, load};
 use serde_json::Value;
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
-
-/// All files below the corpus' folders whose names end like that; empty, and said so, where there is no corpus.
-fn files() -> Vec<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let root = std::env::var_os("CHORDAL_DATA").map_or(beside, Into::into);
-    let mut folders: Vec<PathBuf> =
-        ["mesh", "topology", "batch"].iter().map(|name| root.join(name)).collect();
-    let mut found = Vec::new();
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
-            let path = entry.path();
-            let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-            if path.is_dir() {
-                folders.push(path);
-            } else if ["obj", "ply", "stl", "glb"].contains(&extension.as_str()) {
-                found.push(path);
-            }
-        }
-    }
-    if found.is_empty() {
-        eprintln!("SKIPPED: no corpus at {}; set CHORDAL_DATA to where it is", root.display());
-    }
-    found.sort();
-    found
-}
+use std::path::Path;
 
 /// The file, unless it is broken on purpose.
 fn read(path: &Path) -> Option<Input> {
@@ -159,7 +136,7 @@ fn every_file_of_the_corpus_gets_a_letter_whose_counts_are_right() {
     let schema = schema();
     let mut met: BTreeSet<&str> = BTreeSet::new();
     let (mut n, mut closed) = (0, 0);
-    let files = files();
+    let files = common::files(u64::MAX);
     for path in &files {
         let name = path.display().to_string();
         let Some(input) = read(path) else { continue };

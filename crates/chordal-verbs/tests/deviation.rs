@@ -1,6 +1,7 @@
 //! Deviations of real files: the ends are as close as was asked for, each file is 0 away from itself.
+mod common;
 #[allow(dead_code, reason = "the referee uses all of it")]
-#[path = "../../chordal/tests/deviation_referee/random.rs"]
+#[path = "../../chordal/tests/curve_referee/random.rs"]
 mod random;
 #[allow(dead_code, reason = "the referee uses all of it")]
 #[path = "../../chordal/tests/deviation_referee/sampler.rs"]
@@ -9,20 +10,8 @@ mod sampler;
 use chordal::Job;
 use chordal::explicit::Topology;
 use chordal::{Mesh, check};
-use chordal_io::Format;
 use chordal_verbs::{Hint, Input, Shape, load};
 use random::Random;
-use std::path::PathBuf;
-
-fn folder() -> Option<PathBuf> {
-    let beside = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data"));
-    let data = std::env::var_os("CHORDAL_DATA").map_or(beside, PathBuf::from);
-    let found = data.join("mesh").is_dir();
-    if !found {
-        eprintln!("SKIPPED: deviations of real files, because there is no folder {}", data.display());
-    }
-    found.then_some(data)
-}
 
 fn read(path: &std::path::Path) -> Option<Input> {
     let bytes = std::fs::read(path).ok()?;
@@ -62,19 +51,7 @@ fn relaxed(mesh: &Mesh) -> Mesh {
 
 #[test]
 fn the_ends_are_close_on_every_file_of_the_corpus() {
-    let Some(data) = folder() else { return };
-    let mut files = Vec::new();
-    let mut open: Vec<_> = ["mesh", "topology", "batch"].map(|name| data.join(name)).into();
-    while let Some(folder) = open.pop() {
-        for entry in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
-            if entry.is_dir() {
-                open.push(entry);
-            } else if entry.metadata().unwrap().len() < 400_000 && has_a_reader(&entry) {
-                files.push(entry);
-            }
-        }
-    }
-    files.sort();
+    let files = common::files(400_000);
     let mut n_pairs = 0;
     for path in &files {
         let Some(mesh) = read(path).and_then(mesh_of) else { continue };
@@ -96,7 +73,7 @@ fn the_ends_are_close_on_every_file_of_the_corpus() {
         assert!(seen <= most + slack, "{}: a point is {seen:e} away, proved was {most:e}", path.display());
         n_pairs += 1;
     }
-    assert!(n_pairs > 30, "only {n_pairs} files were read");
+    assert!(files.is_empty() || n_pairs > 30, "only {n_pairs} files were read");
 }
 
 /// The largest distance of some points of either mesh to the other, by the referee's plain loops.
@@ -114,9 +91,4 @@ fn sampled(meshes: [&Mesh; 2], random: &mut Random) -> f64 {
         }
     }
     most
-}
-
-fn has_a_reader(path: &std::path::Path) -> bool {
-    let extension = path.extension().and_then(|extension| extension.to_str());
-    extension.is_some_and(|extension| Format::from_extension(&extension.to_lowercase()).is_some())
 }

@@ -1,4 +1,6 @@
 //! `mend` on every file of the corpus, and on scenes whose nodes move and stretch their parts.
+mod common;
+
 use chordal::budget::Length;
 use chordal::{Job, Mesh};
 use chordal_io::{Format, Frame, Scene};
@@ -6,39 +8,10 @@ use chordal_verbs::report::Counts;
 use chordal_verbs::{
     Closeness, Duplicates, Hint, Holes, Input, MendSpec, MeshOutcome, Shape, load, mend, write,
 };
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// All files below the corpus' folders whose names end like that; empty, and said so, where there is no corpus.
-fn files() -> Vec<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let root = std::env::var_os("CHORDAL_DATA").map_or(beside, Into::into);
-    let mut folders: Vec<PathBuf> =
-        ["mesh", "topology", "batch"].iter().map(|name| root.join(name)).collect();
-    let mut found = Vec::new();
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
-            let path = entry.path();
-            let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-            if path.is_dir() {
-                folders.push(path);
-            } else if ["obj", "ply", "stl", "glb"].contains(&extension.as_str()) {
-                found.push(path);
-            }
-        }
-    }
-    if found.is_empty() {
-        eprintln!("SKIPPED: no corpus at {}; set CHORDAL_DATA to where it is", root.display());
-    }
-    found.sort();
-    found
-}
-
-/// The triangles of a file, unless it is broken on purpose, or too large for a test of many.
+/// The triangles of a file, unless it is broken on purpose.
 fn read(path: &Path) -> Option<Input> {
-    const MOST_BYTES: u64 = 8 << 20;
-    if std::fs::metadata(path).unwrap().len() > MOST_BYTES {
-        return None;
-    }
     let bytes = std::fs::read(path).unwrap();
     let name = path.to_string_lossy();
     let input = load(&bytes, Hint { name: Some(&name), ..Hint::default() }, &Default::default()).ok()?;
@@ -69,7 +42,7 @@ fn left(outcome: &MeshOutcome, what: &str) -> u64 {
 #[test]
 fn all_cures_together_leave_nothing_to_mend_that_they_do_not_name() {
     let (mut n_files, mut n_sick, mut n_closed) = (0, 0, 0);
-    for path in files() {
+    for path in common::files(8 << 20) {
         let Some(input) = read(&path) else { continue };
         // OBJ keeps what was split apart: it has indices of positions, and ties what is tied.
         let outcome = done(input, &ALL, Format::Obj);
@@ -107,7 +80,7 @@ fn no_cure_alone_makes_a_fault_that_was_not_there() {
         ("t-junctions", MendSpec { resolve_t_junctions: Some(Closeness::Exact), ..none }),
         ("degenerate", MendSpec { drop_degenerate: true, ..none }),
     ];
-    for path in files() {
+    for path in common::files(8 << 20) {
         for (cure, spec) in alone {
             let Some(input) = read(&path) else { continue };
             if input.format != Format::Obj && input.format != Format::Ply {

@@ -1,4 +1,6 @@
 //! What `inspect` prescribes helps, makes nothing sick that was sound, and ends.
+mod common;
+
 use chordal::Job;
 use chordal::check::Defect;
 use chordal_io::Format;
@@ -6,36 +8,6 @@ use chordal_verbs::report::{FindingFacts, Report, cures_of_all};
 use chordal_verbs::{
     Closeness, Duplicates, Hint, Holes, Input, MendSpec, MeshFailure, Shape, inspect, load, mend,
 };
-use std::path::{Path, PathBuf};
-
-/// All small files below the corpus' folders whose names end like that; empty, and said so, where there is no corpus.
-fn files() -> Vec<PathBuf> {
-    /// So that the whole takes seconds.
-    const MOST_BYTES: u64 = 400_000;
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let root = std::env::var_os("CHORDAL_DATA").map_or(beside, Into::into);
-    let mut folders: Vec<PathBuf> =
-        ["mesh", "topology", "batch"].iter().map(|name| root.join(name)).collect();
-    let mut found = Vec::new();
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
-            let path = entry.path();
-            let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-            if path.is_dir() {
-                folders.push(path);
-            } else if ["obj", "ply", "stl", "glb"].contains(&extension.as_str())
-                && entry.metadata().unwrap().len() < MOST_BYTES
-            {
-                found.push(path);
-            }
-        }
-    }
-    if found.is_empty() {
-        eprintln!("SKIPPED: no corpus at {}; set CHORDAL_DATA to where it is", root.display());
-    }
-    found.sort();
-    found
-}
 
 fn read(bytes: &[u8], name: &str) -> Option<Input> {
     let input = load(bytes, Hint { name: Some(name), ..Hint::default() }, &Default::default()).ok()?;
@@ -121,7 +93,7 @@ fn complaints(name: &str, bytes: &[u8], to: Format) -> Option<Vec<String>> {
 #[test]
 fn what_is_prescribed_helps_and_ends() {
     let (mut n, mut wrong) = (0, Vec::new());
-    for path in files() {
+    for path in common::files(400_000) {
         let bytes = std::fs::read(&path).unwrap();
         let name = path.display().to_string();
         let Some(own) = read(&bytes, &name).map(|input| input.format) else { continue };

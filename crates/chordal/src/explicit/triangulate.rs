@@ -9,6 +9,7 @@ mod ears;
 mod holes;
 
 use crate::explicit::{Diagonal, Quad};
+use crate::math::cross;
 use ears::Ears;
 use robust::{Coord, orient2d};
 
@@ -186,10 +187,6 @@ fn largest_axis(normal: [f64; 3]) -> usize {
     let size = normal.map(f64::abs);
     let largest = usize::from(size[1] > size[0]);
     if size[2] > size[largest] { 2 } else { largest }
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn from_first(points: &[[f64; 3]], p: &[f64; 3], scale: f64) -> [f64; 3] {

@@ -17,4 +17,4 @@ pub use probe::flushes_subnormals;
 pub use rounding::{
     add_down, add_up, div_down, div_up, mul_down, mul_up, sqrt_down, sqrt_up, sub_down, sub_up,
 };
-pub(crate) use vector::{difference, dot, length};
+pub(crate) use vector::{cross, difference, dot, length};

@@ -3,6 +3,8 @@
 mod closed;
 mod families;
 mod honesty;
+#[allow(dead_code, reason = "the referee of curves uses all of it")]
+#[path = "../curve_referee/random.rs"]
 mod random;
 mod same;
 mod sampler;

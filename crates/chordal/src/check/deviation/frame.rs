@@ -1,7 +1,7 @@
 //! `Frame`: coordinates in which two meshes lie around zero with an extent near 1, and what bringing them there costs.
 use super::piece::smaller;
 use crate::explicit::Mesh;
-use crate::math::{Box3, add_up, mul_up, sqrt_up};
+use crate::math::{Box3, DoubleDouble, add_up, mul_up, sqrt_up};
 use std::borrow::Cow;
 
 /// World → local: minus the origin, times a power of two.
@@ -51,7 +51,7 @@ impl Frame {
         for p in mesh.positions() {
             let shifted: [f64; 3] = std::array::from_fn(|k| p[k] - self.origin[k]);
             let square = (0..3).fold(0.0, |sum, k| {
-                let lost = sum_error(p[k], -self.origin[k], shifted[k]);
+                let lost = DoubleDouble::sum(p[k], -self.origin[k]).lo;
                 if lost == 0.0 { sum } else { add_up(sum, mul_up(lost, lost)) }
             });
             moved = if square > moved { square } else { moved };
@@ -95,10 +95,4 @@ impl Frame {
 /// The exponent `e` with `2^e ≤ |x| < 2^(e+1)`; −1023 for 0 and what is below the normal numbers.
 fn exponent(x: f64) -> i32 {
     (x.to_bits() >> 52 & 0x7ff) as i32 - 1023
-}
-
-/// `a + b − sum` for the rounded sum, exactly (D. E. Knuth, *The Art of Computer Programming* 2, TwoSum).
-pub(super) fn sum_error(a: f64, b: f64, sum: f64) -> f64 {
-    let part = sum - a;
-    (a - (sum - part)) + (b - part)
 }

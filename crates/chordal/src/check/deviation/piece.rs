@@ -1,7 +1,7 @@
 //! `Piece`: a part of one triangle with what is known of the distance of its corners, and the bounds that follow.
 use super::distance::{apart_up, distance_up, length_up};
-use super::frame::sum_error;
 use super::side::Side;
+use crate::math::DoubleDouble;
 
 /// A point of one surface with a face of the other that is near it.
 #[derive(Clone, Copy, Debug)]
@@ -87,7 +87,7 @@ impl Piece {
         }
         // Halves are exact; what their sum lost to rounding is known exactly too. The middle stands for that of two
         // points that are each off by no more than `off`.
-        let lost: [f64; 3] = std::array::from_fn(|k| sum_error(0.5 * from.at[k], 0.5 * to.at[k], middle[k]));
+        let lost: [f64; 3] = std::array::from_fn(|k| DoubleDouble::sum(0.5 * from.at[k], 0.5 * to.at[k]).lo);
         let off = if lost == [0.0; 3] { self.off } else { (self.off + length_up(lost)).next_up() };
         let middle = ask(middle);
         let half = |corners| Self { corners, off, known: self.known };

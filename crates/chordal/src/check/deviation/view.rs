@@ -1,6 +1,6 @@
 //! `View`: a piece as it is seen along its normal, and the images of points beside it.
 use super::piece::{Piece, larger};
-use crate::math::{Orientation, difference, dot, length, orient2d};
+use crate::math::{Orientation, cross, difference, dot, length, orient2d};
 
 /// The images of points, and that of the piece, counter-clockwise.
 pub(super) struct View {
@@ -108,10 +108,6 @@ impl View {
         let front = orient2d(face[0], face[1], face[2]);
         !apart(&self.piece, &face, Orientation::Front) && !apart(&face, &self.piece, front)
     }
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// A vector of length 1, about; `None` for one that has no direction.
