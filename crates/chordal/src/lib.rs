@@ -17,13 +17,15 @@
 //! # Ok::<(), chordal::budget::InvalidTolerance>(())
 //! ```
 //!
-//! The rooms, lowest first; imports only go down: [`math`], [`budget`], [`explicit`], [`check`],
+//! The rooms, lowest first; imports only go down: [`math`], [`budget`], [`explicit`] and
+//! [`implicit`], [`check`],
 //! [`convert`], [`mend`], [`render`]. ARCHITECTURE.md has the picture.
 
 pub mod budget;
 pub mod check;
 pub mod convert;
 pub mod explicit;
+pub mod implicit;
 pub mod math;
 pub mod mend;
 pub mod render;

@@ -94,6 +94,10 @@ pub enum Reference {
     BezierPatches,
     /// The triangles of the input.
     InputTriangles,
+    /// The boundary of where a field is negative.
+    Field,
+    /// The level surface of the trilinear interpolant of a volume's samples.
+    Trilinear,
 }
 
 impl Reference {
@@ -104,6 +108,8 @@ impl Reference {
             Self::Curves => "curves",
             Self::BezierPatches => "bezier patches",
             Self::InputTriangles => "input triangles",
+            Self::Field => "field",
+            Self::Trilinear => "trilinear interpolant",
         }
     }
 }

@@ -60,6 +60,8 @@ pub enum Code {
     TooClose,
     /// An operation that the shape's kind does not have.
     Unsupported,
+    /// A function that the user brought failed.
+    LeafFailed,
 }
 
 impl Code {
@@ -76,6 +78,7 @@ impl Code {
             Self::FlushesSubnormals => "flushes-subnormals",
             Self::TooClose => "too-close",
             Self::Unsupported => "unsupported",
+            Self::LeafFailed => "leaf-failed",
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Numbers that know no shape: outward rounding, [`Interval`], [`Box3`], exact predicates, SIMD dispatch.
 mod box3;
 mod double_double;
+pub mod elementary;
 mod interval;
 mod predicates;
 mod probe;

@@ -1,0 +1,79 @@
+//! `Affine`: from the indices of a lattice to points of space.
+use crate::math::{Orientation, orient3d};
+use std::fmt;
+
+/// Where the sample of index (i, j, k) is: rows of `[a, b, c, d]` with `x = a·i + b·j + c·k + d` and so on. Sheared and
+/// mirrored lattices are fine; only those that are flat are refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Affine([[f64; 4]; 3]);
+
+impl Affine {
+    /// Index (i, j, k) is the point (i, j, k).
+    pub const IDENTITY: Self = Self([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
+
+    /// The map of these rows.
+    ///
+    /// # Errors
+    /// [`InvalidAffine`] when a number is not finite, or the map flattens space.
+    pub fn new(rows: [[f64; 4]; 3]) -> Result<Self, InvalidAffine> {
+        let map = Self(rows);
+        if !rows.as_flattened().iter().all(|x| x.is_finite()) {
+            return Err(InvalidAffine("a number of the lattice's transform is not finite".into()));
+        }
+        if map.orientation() == 0 {
+            return Err(InvalidAffine("the lattice's transform is singular: it flattens space".into()));
+        }
+        Ok(map)
+    }
+
+    /// Cubes of side `step` whose first sample is at `origin`.
+    ///
+    /// # Errors
+    /// As for [`Affine::new`].
+    pub fn cubes(origin: [f64; 3], step: f64) -> Result<Self, InvalidAffine> {
+        let [x, y, z] = origin;
+        Self::new([[step, 0.0, 0.0, x], [0.0, step, 0.0, y], [0.0, 0.0, step, z]])
+    }
+
+    /// The rows.
+    #[must_use]
+    pub fn rows(&self) -> [[f64; 4]; 3] {
+        self.0
+    }
+
+    /// The point of an index, rounded; between indices too.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, index: [f64; 3]) -> [f64; 3] {
+        self.0.map(|[a, b, c, d]| ((a * index[0] + b * index[1]) + c * index[2]) + d)
+    }
+
+    /// The three steps: by how much a point moves when one index grows by 1.
+    #[must_use]
+    pub fn steps(&self) -> [[f64; 3]; 3] {
+        [0, 1, 2].map(|k| [self.0[0][k], self.0[1][k], self.0[2][k]])
+    }
+
+    /// 1 where it keeps right-handed right-handed, −1 where it mirrors, 0 where it flattens; exact.
+    #[must_use]
+    pub fn orientation(&self) -> i8 {
+        let [a, b, c] = self.steps();
+        match orient3d([0.0; 3], a, b, c) {
+            Orientation::Front => 1,
+            Orientation::Flat => 0,
+            Orientation::Back => -1,
+        }
+    }
+}
+
+/// What is wrong with a transform, in one sentence.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InvalidAffine(String);
+
+impl fmt::Display for InvalidAffine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for InvalidAffine {}

@@ -1,0 +1,211 @@
+//! `Expr`: a number for every point of space, as an expression that shares its parts.
+use super::leaf::Leaf;
+use super::op::{Binary, Unary};
+use std::fmt;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::Arc;
+
+/// An expression in the coordinates x, y and z. Copies share everything, so an expression that is used twice is
+/// one part of the whole, evaluated once; neither depth nor sharing has a limit but memory.
+///
+/// ```
+/// use chordal::implicit::Expr;
+/// let [x, y, z] = Expr::axes();
+/// let sphere = (x.square() + y.square() + z.square()).sqrt() - 1.0;
+/// assert_eq!(sphere.at([3.0, 0.0, 0.0])?, 2.0);
+/// # Ok::<(), chordal::implicit::LeafError>(())
+/// ```
+#[derive(Clone)]
+pub struct Expr(Arc<Node>);
+
+/// What an expression is at its top.
+#[derive(Clone)]
+pub(super) enum Kind {
+    Const(f64),
+    /// x, y or z.
+    Axis(u8),
+    Unary(Unary, Expr),
+    Binary(Binary, Expr, Expr),
+    /// An expression whose x, y and z are other expressions.
+    At(Expr, [Expr; 3]),
+    Leaf(Arc<dyn Leaf>, [Expr; 3]),
+}
+
+struct Node(Kind);
+
+impl Drop for Node {
+    /// Takes the parts apart in a loop: a chain of a million nodes would overflow the stack.
+    fn drop(&mut self) {
+        let mut rest = Vec::new();
+        take_parts(&mut self.0, &mut rest);
+        while let Some(part) = rest.pop() {
+            if let Some(mut node) = Arc::into_inner(part.0) {
+                take_parts(&mut node.0, &mut rest);
+            }
+        }
+    }
+}
+
+fn take_parts(kind: &mut Kind, rest: &mut Vec<Expr>) {
+    match std::mem::replace(kind, Kind::Const(0.0)) {
+        Kind::Const(_) | Kind::Axis(_) => {}
+        Kind::Unary(_, a) => rest.push(a),
+        Kind::Binary(_, a, b) => rest.extend([a, b]),
+        Kind::At(a, at) => {
+            rest.push(a);
+            rest.extend(at);
+        }
+        Kind::Leaf(_, at) => rest.extend(at),
+    }
+}
+
+impl Expr {
+    fn new(kind: Kind) -> Self {
+        Self(Arc::new(Node(kind)))
+    }
+
+    /// The same number everywhere.
+    #[must_use]
+    pub fn constant(value: f64) -> Self {
+        Self::new(Kind::Const(value))
+    }
+
+    /// The coordinates x, y and z.
+    #[must_use]
+    pub fn axes() -> [Self; 3] {
+        [0, 1, 2].map(|k| Self::new(Kind::Axis(k)))
+    }
+
+    /// An operation on one number.
+    #[must_use]
+    pub fn unary(op: Unary, a: &Self) -> Self {
+        Self::new(Kind::Unary(op, a.clone()))
+    }
+
+    /// An operation on two numbers.
+    #[must_use]
+    pub fn binary(op: Binary, a: &Self, b: &Self) -> Self {
+        Self::new(Kind::Binary(op, a.clone(), b.clone()))
+    }
+
+    /// The value that a leaf has at the point of these three coordinates.
+    #[must_use]
+    pub fn leaf(leaf: Arc<dyn Leaf>, at: [Self; 3]) -> Self {
+        Self::new(Kind::Leaf(leaf, at))
+    }
+
+    /// The expression with its x, y and z replaced by others, all at once.
+    #[must_use]
+    pub fn with_axes(&self, at: [Self; 3]) -> Self {
+        Self::new(Kind::At(self.clone(), at))
+    }
+
+    /// The smaller of both.
+    #[must_use]
+    pub fn min(&self, other: &Self) -> Self {
+        Self::binary(Binary::Min, self, other)
+    }
+
+    /// The larger of both.
+    #[must_use]
+    pub fn max(&self, other: &Self) -> Self {
+        Self::binary(Binary::Max, self, other)
+    }
+
+    /// The absolute value.
+    #[must_use]
+    pub fn abs(&self) -> Self {
+        Self::unary(Unary::Abs, self)
+    }
+
+    /// The square.
+    #[must_use]
+    pub fn square(&self) -> Self {
+        Self::unary(Unary::Square, self)
+    }
+
+    /// The square root.
+    #[must_use]
+    pub fn sqrt(&self) -> Self {
+        Self::unary(Unary::Sqrt, self)
+    }
+
+    /// The sine.
+    #[must_use]
+    pub fn sin(&self) -> Self {
+        Self::unary(Unary::Sin, self)
+    }
+
+    /// The cosine.
+    #[must_use]
+    pub fn cos(&self) -> Self {
+        Self::unary(Unary::Cos, self)
+    }
+
+    pub(super) fn kind(&self) -> &Kind {
+        &self.0.0
+    }
+
+    /// A name for this very part, as long as it lives.
+    pub(super) fn address(&self) -> usize {
+        Arc::as_ptr(&self.0) as usize
+    }
+}
+
+impl fmt::Debug for Expr {
+    /// The top alone: below it there may be a million parts.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.kind() {
+            Kind::Const(value) => write!(f, "{value:?}"),
+            Kind::Axis(k) => f.write_str(["x", "y", "z"][usize::from(*k)]),
+            Kind::Unary(op, _) => write!(f, "{op:?}(…)"),
+            Kind::Binary(op, ..) => write!(f, "{op:?}(…, …)"),
+            Kind::At(..) => f.write_str("At(…)"),
+            Kind::Leaf(leaf, _) => leaf.fmt(f),
+        }
+    }
+}
+
+impl From<f64> for Expr {
+    fn from(value: f64) -> Self {
+        Self::constant(value)
+    }
+}
+
+impl From<&Expr> for Expr {
+    fn from(expr: &Expr) -> Self {
+        expr.clone()
+    }
+}
+
+impl Neg for Expr {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self::unary(Unary::Neg, &self)
+    }
+}
+
+impl Neg for &Expr {
+    type Output = Expr;
+    fn neg(self) -> Expr {
+        Expr::unary(Unary::Neg, self)
+    }
+}
+
+macro_rules! arithmetic {
+    ($($name:ident $method:ident),*) => {$(
+        impl<T: Into<Expr>> $name<T> for Expr {
+            type Output = Expr;
+            fn $method(self, other: T) -> Expr {
+                Expr::binary(Binary::$name, &self, &other.into())
+            }
+        }
+        impl<T: Into<Expr>> $name<T> for &Expr {
+            type Output = Expr;
+            fn $method(self, other: T) -> Expr {
+                Expr::binary(Binary::$name, self, &other.into())
+            }
+        }
+    )*};
+}
+arithmetic!(Add add, Sub sub, Mul mul, Div div);

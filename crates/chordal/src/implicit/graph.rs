@@ -1,0 +1,258 @@
+//! `Graph`: an expression as a list of distinct terms, each made of earlier ones.
+use super::expr::{Expr, Kind};
+use super::leaf::Leaf;
+use super::op::{Binary, Unary};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// One term; numbers name earlier terms of the list.
+#[derive(Clone, Debug)]
+pub enum Term {
+    /// A number.
+    Const(f64),
+    /// x, y or z.
+    Axis(u8),
+    /// An operation on a term.
+    Unary(Unary, u32),
+    /// An operation on two terms.
+    Binary(Binary, u32, u32),
+    /// What a leaf has at the point of three terms.
+    Leaf(Arc<dyn Leaf>, [u32; 3]),
+}
+
+/// The distinct terms of an expression in an order in which they can be evaluated; the last is its value.
+///
+/// Equal terms are one, whether they were shared or written twice. An operation on constants is carried out, rounded
+/// as f64 is: the true shape has the result, as a number in a text has its value. What is left out otherwise changes no
+/// value where the expression has one: `a + 0`, `1 · a`, `−(−a)`, `| |a| |`, `min(a, a)`; and `a · a` is `a²`, whose
+/// range is known to be positive.
+#[derive(Clone, Debug)]
+pub struct Graph {
+    terms: Vec<Term>,
+}
+
+impl Graph {
+    /// The terms of an expression. Time and memory grow with its distinct parts, not with how often they are used.
+    #[must_use]
+    pub fn of(expr: &Expr) -> Self {
+        let mut builder = Builder::default();
+        let root = builder.lower(expr);
+        Self { terms: reachable(builder.terms, root) }
+    }
+
+    /// The terms; the last one is the value.
+    #[must_use]
+    pub fn terms(&self) -> &[Term] {
+        &self.terms
+    }
+
+    /// Which of x, y and z the value depends on.
+    #[must_use]
+    pub fn axes(&self) -> [bool; 3] {
+        let uses = |k: u8| self.terms.iter().any(|term| matches!(term, Term::Axis(a) if *a == k));
+        [0, 1, 2].map(uses)
+    }
+}
+
+/// What makes two terms one. A leaf is itself alone.
+#[derive(PartialEq, Eq, Hash)]
+enum Key {
+    Const(u64),
+    Axis(u8),
+    Unary(Unary, u32),
+    Binary(Binary, u32, u32),
+    Leaf(usize, [u32; 3]),
+}
+
+/// What is left to do: look at an expression where x, y and z are the terms of a frame; or finish it, its parts being known.
+enum Task<'a> {
+    Visit(&'a Expr, u32),
+    Finish(&'a Expr, u32),
+    /// The child of an `At`, whose frame is known once its three terms are.
+    Enter(&'a Expr, u32),
+    /// The `At` itself is what its child was in the new frame.
+    Leave(&'a Expr, u32),
+}
+
+#[derive(Default)]
+struct Builder {
+    terms: Vec<Term>,
+    // Only looked up, never walked through: no order depends on these three.
+    numbers: HashMap<Key, u32>,
+    known: HashMap<(usize, u32), u32>,
+    frame_numbers: HashMap<[u32; 3], u32>,
+    frames: Vec<[u32; 3]>,
+}
+
+impl Builder {
+    fn lower(&mut self, expr: &Expr) -> u32 {
+        let axes = [0, 1, 2].map(|k| self.term(Key::Axis(k), || Term::Axis(k)));
+        let world = self.frame(axes);
+        let mut tasks = vec![Task::Visit(expr, world)];
+        while let Some(task) = tasks.pop() {
+            match task {
+                Task::Visit(expr, frame) => {
+                    if !self.known.contains_key(&(expr.address(), frame)) {
+                        self.visit(expr, frame, &mut tasks);
+                    }
+                }
+                Task::Finish(expr, frame) => {
+                    let number = self.finish(expr, frame);
+                    self.known.insert((expr.address(), frame), number);
+                }
+                Task::Enter(expr, frame) => {
+                    let Kind::At(child, at) = expr.kind() else { continue };
+                    let inner = self.inner_frame(at, frame);
+                    tasks.push(Task::Leave(expr, frame));
+                    tasks.push(Task::Visit(child, inner));
+                }
+                Task::Leave(expr, frame) => {
+                    let Kind::At(child, at) = expr.kind() else { continue };
+                    let inner = self.inner_frame(at, frame);
+                    let number = self.known[&(child.address(), inner)];
+                    self.known.insert((expr.address(), frame), number);
+                }
+            }
+        }
+        self.known[&(expr.address(), world)]
+    }
+
+    fn visit<'a>(&mut self, expr: &'a Expr, frame: u32, tasks: &mut Vec<Task<'a>>) {
+        tasks.push(if matches!(expr.kind(), Kind::At(..)) {
+            Task::Enter(expr, frame)
+        } else {
+            Task::Finish(expr, frame)
+        });
+        match expr.kind() {
+            Kind::Const(_) | Kind::Axis(_) => {}
+            Kind::Unary(_, a) => tasks.push(Task::Visit(a, frame)),
+            // The first operand is on top, so it is done first.
+            Kind::Binary(_, a, b) => tasks.extend([Task::Visit(b, frame), Task::Visit(a, frame)]),
+            Kind::At(_, at) | Kind::Leaf(_, at) => {
+                tasks.extend(at.iter().rev().map(|a| Task::Visit(a, frame)));
+            }
+        }
+    }
+
+    fn finish(&mut self, expr: &Expr, frame: u32) -> u32 {
+        let known = |e: &Expr| self.known[&(e.address(), frame)];
+        match expr.kind() {
+            Kind::Const(value) => self.constant(*value),
+            Kind::Axis(k) => self.frames[frame as usize][usize::from(*k)],
+            Kind::Unary(op, a) => {
+                let a = known(a);
+                self.unary(*op, a)
+            }
+            Kind::Binary(op, a, b) => {
+                let (a, b) = (known(a), known(b));
+                self.binary(*op, a, b)
+            }
+            Kind::At(..) => unreachable!("an At is entered and left"),
+            Kind::Leaf(leaf, at) => {
+                let at = at.each_ref().map(known);
+                let address = Arc::as_ptr(leaf).cast::<()>() as usize;
+                self.term(Key::Leaf(address, at), || Term::Leaf(Arc::clone(leaf), at))
+            }
+        }
+    }
+
+    fn inner_frame(&mut self, at: &[Expr; 3], frame: u32) -> u32 {
+        let terms = at.each_ref().map(|a| self.known[&(a.address(), frame)]);
+        self.frame(terms)
+    }
+
+    fn frame(&mut self, terms: [u32; 3]) -> u32 {
+        let next = self.frames.len() as u32;
+        let number = *self.frame_numbers.entry(terms).or_insert(next);
+        if number == next {
+            self.frames.push(terms);
+        }
+        number
+    }
+
+    fn term(&mut self, key: Key, make: impl FnOnce() -> Term) -> u32 {
+        let next = self.terms.len() as u32;
+        let number = *self.numbers.entry(key).or_insert(next);
+        if number == next {
+            self.terms.push(make());
+        }
+        number
+    }
+
+    fn constant(&mut self, value: f64) -> u32 {
+        self.term(Key::Const(value.to_bits()), || Term::Const(value))
+    }
+
+    fn value_of(&self, number: u32) -> Option<f64> {
+        if let Term::Const(value) = self.terms[number as usize] { Some(value) } else { None }
+    }
+
+    fn unary(&mut self, op: Unary, a: u32) -> u32 {
+        if let Some(value) = self.value_of(a) {
+            return self.constant(op.of(value));
+        }
+        match (op, &self.terms[a as usize]) {
+            (Unary::Neg, Term::Unary(Unary::Neg, inner)) => *inner,
+            (Unary::Abs, Term::Unary(Unary::Abs | Unary::Square | Unary::Sqrt | Unary::Exp, _)) => a,
+            (Unary::Abs | Unary::Square, Term::Unary(Unary::Neg | Unary::Abs, inner)) => {
+                let inner = *inner;
+                self.unary(op, inner)
+            }
+            _ => self.term(Key::Unary(op, a), || Term::Unary(op, a)),
+        }
+    }
+
+    fn binary(&mut self, op: Binary, a: u32, b: u32) -> u32 {
+        let (left, right) = (self.value_of(a), self.value_of(b));
+        if let (Some(left), Some(right)) = (left, right) {
+            return self.constant(op.of(left, right));
+        }
+        match op {
+            Binary::Add if left == Some(0.0) => return b,
+            Binary::Add | Binary::Sub if right == Some(0.0) => return a,
+            Binary::Mul if left == Some(1.0) => return b,
+            Binary::Mul | Binary::Div if right == Some(1.0) => return a,
+            Binary::Min | Binary::Max if a == b => return a,
+            Binary::Mul if a == b => return self.unary(Unary::Square, a),
+            _ => {}
+        }
+        // Sums, products, minima and maxima are the same the other way round.
+        let either = matches!(op, Binary::Add | Binary::Mul | Binary::Min | Binary::Max);
+        let (a, b) = if either && b < a { (b, a) } else { (a, b) };
+        self.term(Key::Binary(op, a, b), || Term::Binary(op, a, b))
+    }
+}
+
+/// The terms that the root needs, with the root last.
+fn reachable(terms: Vec<Term>, root: u32) -> Vec<Term> {
+    let mut used = vec![false; terms.len()];
+    used[root as usize] = true;
+    for k in (0..terms.len()).rev().filter(|k| *k <= root as usize) {
+        if used[k] {
+            parts(&terms[k]).for_each(|part| used[part as usize] = true);
+        }
+    }
+    let mut number = vec![0_u32; terms.len()];
+    let mut kept = Vec::new();
+    for (k, term) in terms.into_iter().enumerate().filter(|(k, _)| used[*k]) {
+        number[k] = kept.len() as u32;
+        let new = |old: u32| number[old as usize];
+        kept.push(match term {
+            Term::Const(_) | Term::Axis(_) => term,
+            Term::Unary(op, a) => Term::Unary(op, new(a)),
+            Term::Binary(op, a, b) => Term::Binary(op, new(a), new(b)),
+            Term::Leaf(leaf, at) => Term::Leaf(leaf, at.map(new)),
+        });
+    }
+    kept
+}
+
+fn parts(term: &Term) -> impl Iterator<Item = u32> {
+    let (parts, n) = match term {
+        Term::Const(_) | Term::Axis(_) => ([0; 3], 0),
+        Term::Unary(_, a) => ([*a, 0, 0], 1),
+        Term::Binary(_, a, b) => ([*a, *b, 0], 2),
+        Term::Leaf(_, at) => (*at, 3),
+    };
+    parts.into_iter().take(n)
+}

@@ -1,0 +1,166 @@
+//! The operations that expressions are made of: their names, and what they do to numbers.
+use crate::math::elementary;
+
+/// An operation on one number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Unary {
+    /// `−a`.
+    Neg,
+    /// `|a|`.
+    Abs,
+    /// `1/a`; nothing at 0.
+    Recip,
+    /// `√a`; nothing below 0.
+    Sqrt,
+    /// `a²`.
+    Square,
+    /// The largest whole number that is not above `a`; jumps.
+    Floor,
+    /// The smallest whole number that is not below `a`; jumps.
+    Ceil,
+    /// The nearest whole number, halves away from 0; jumps.
+    Round,
+    /// The sine of `a` radians.
+    Sin,
+    /// The cosine of `a` radians.
+    Cos,
+    /// The tangent of `a` radians; nothing at its poles.
+    Tan,
+    /// The angle whose sine is `a`; nothing outside [−1, 1].
+    Asin,
+    /// The angle whose cosine is `a`; nothing outside [−1, 1].
+    Acos,
+    /// The angle whose tangent is `a`.
+    Atan,
+    /// `eᵃ`.
+    Exp,
+    /// The natural logarithm; nothing at 0 and below.
+    Ln,
+    /// 1 where `a` is 0, else 0; jumps.
+    Not,
+}
+
+/// An operation on two numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Binary {
+    /// `a + b`.
+    Add,
+    /// `a − b`.
+    Sub,
+    /// `a · b`.
+    Mul,
+    /// `a / b`; nothing where `b` is 0.
+    Div,
+    /// `a` where `a < b`, else `b`.
+    Min,
+    /// `a` where `a > b`, else `b`.
+    Max,
+    /// The angle of the point `(b, a)` from the first axis, in (−π, π]; nothing at the origin, a jump at the negative axis.
+    Atan2,
+    /// What is left of `a` when whole `|b|`s are taken away: in [0, |b|); jumps. Nothing where `b` is 0.
+    Mod,
+    /// −1, 0 or 1 as `a` is below, at or above `b`; jumps.
+    Compare,
+    /// `b`, or 0 where `a` is 0; jumps.
+    And,
+    /// `a`, or `b` where `a` is 0; jumps.
+    Or,
+}
+
+impl Unary {
+    /// Every one with its name in an op list.
+    pub const ALL: [(Self, &'static str); 17] = [
+        (Self::Neg, "neg"),
+        (Self::Abs, "abs"),
+        (Self::Recip, "recip"),
+        (Self::Sqrt, "sqrt"),
+        (Self::Square, "square"),
+        (Self::Floor, "floor"),
+        (Self::Ceil, "ceil"),
+        (Self::Round, "round"),
+        (Self::Sin, "sin"),
+        (Self::Cos, "cos"),
+        (Self::Tan, "tan"),
+        (Self::Asin, "asin"),
+        (Self::Acos, "acos"),
+        (Self::Atan, "atan"),
+        (Self::Exp, "exp"),
+        (Self::Ln, "ln"),
+        (Self::Not, "not"),
+    ];
+
+    /// The operation on f64, rounded; NaN where there is nothing.
+    #[must_use]
+    pub fn of(self, a: f64) -> f64 {
+        match self {
+            Self::Neg => -a,
+            Self::Abs => a.abs(),
+            Self::Recip => 1.0 / a,
+            Self::Sqrt => a.sqrt(),
+            Self::Square => a * a,
+            Self::Floor => a.floor(),
+            Self::Ceil => a.ceil(),
+            Self::Round => a.round(),
+            Self::Sin => elementary::sin(a),
+            Self::Cos => elementary::cos(a),
+            Self::Tan => elementary::tan(a),
+            Self::Asin => elementary::asin(a),
+            Self::Acos => elementary::acos(a),
+            Self::Atan => elementary::atan(a),
+            Self::Exp => elementary::exp(a),
+            Self::Ln => elementary::ln(a),
+            Self::Not => f64::from(u8::from(a == 0.0)),
+        }
+    }
+}
+
+impl Binary {
+    /// Every one with its name in an op list.
+    pub const ALL: [(Self, &'static str); 11] = [
+        (Self::Add, "add"),
+        (Self::Sub, "sub"),
+        (Self::Mul, "mul"),
+        (Self::Div, "div"),
+        (Self::Min, "min"),
+        (Self::Max, "max"),
+        (Self::Atan2, "atan2"),
+        (Self::Mod, "mod"),
+        (Self::Compare, "compare"),
+        (Self::And, "and"),
+        (Self::Or, "or"),
+    ];
+
+    /// The operation on f64, rounded; NaN where there is nothing.
+    #[must_use]
+    pub fn of(self, a: f64, b: f64) -> f64 {
+        match self {
+            Self::Add => a + b,
+            Self::Sub => a - b,
+            Self::Mul => a * b,
+            Self::Div => a / b,
+            Self::Min if a < b => a,
+            Self::Max if a > b => a,
+            Self::Min | Self::Max => b,
+            Self::Atan2 => elementary::atan2(a, b),
+            Self::Mod => a.rem_euclid(b),
+            Self::Compare if a < b => -1.0,
+            Self::Compare if a > b => 1.0,
+            Self::Compare if a == b => 0.0,
+            Self::Compare => f64::NAN,
+            Self::And => {
+                if a == 0.0 {
+                    a
+                } else {
+                    b
+                }
+            }
+            Self::Or => {
+                if a == 0.0 {
+                    b
+                } else {
+                    a
+                }
+            }
+        }
+    }
+}
