@@ -1,6 +1,9 @@
 //! The bridge: one file per arrow `a_to_b`, each lossy one under a budget and with a bound.
+
 mod curve_to_polyline;
 mod curves;
+mod field_to_mesh;
+mod fields;
 mod mesh_to_gpu_buffers;
 mod outlines_to_mesh;
 mod patches;
@@ -9,6 +12,7 @@ mod patches_to_mesh;
 pub use curve_to_polyline::{curve_to_polyline, curve_to_polyline_evenly, curves_to_polylines};
 pub use curves::batch::{BezierCutter, Polylines, beziers_to_polylines};
 pub use curves::flatten::Spacing;
+pub use field_to_mesh::field_to_mesh;
 pub use mesh_to_gpu_buffers::{GpuBuffers, Indices, mesh_to_gpu_buffers};
 pub use outlines_to_mesh::outlines_to_mesh;
 pub use patches_to_mesh::patches_to_mesh;
