@@ -20,22 +20,23 @@ mod trigonometric;
 pub use angle::{acos, asin, atan, atan2};
 pub use exponential::{exp, ln};
 pub use trigonometric::{NEAR, cos, sin, sin_cos, tan};
-pub(crate) use trigonometric::{cos_near, sin_cos_near, sin_near, tan_near};
+pub(crate) use trigonometric::sin_cos_near;
 
-/// What the proved errors leave beside a result: `K·u` with room for the rounding of [`outward`] itself, which is
-/// `1.01 u`; powers of two, so that the product is exact. Derived from the constants K of the module's page.
+/// What the proved errors leave beside a result: 2 K u, so that a range holds the rounded values as well as the true ones,
+/// and 1.01 u for the rounding of [`outward`] itself; powers of two, so that the product is exact. Derived from the
+/// constants K of the module's page, with 2.8 for the logarithm, 5.1 for the tangent and 9.6 for angles.
 pub(crate) mod spread {
     const U: f64 = f64::EPSILON / 2.0; // Half a unit in the last place of 1: exact.
     /// For sine and cosine.
-    pub(crate) const SIN: f64 = 4.0 * U;
+    pub(crate) const SIN: f64 = 8.0 * U;
     /// For the exponential.
-    pub(crate) const EXP: f64 = 4.0 * U;
-    /// For the logarithm: 2.8 + 1.01 < 4.
-    pub(crate) const LN: f64 = 4.0 * U;
+    pub(crate) const EXP: f64 = 8.0 * U;
+    /// For the logarithm.
+    pub(crate) const LN: f64 = 8.0 * U;
     /// For the tangent.
-    pub(crate) const TAN: f64 = 8.0 * U;
+    pub(crate) const TAN: f64 = 16.0 * U;
     /// For angles.
-    pub(crate) const ANGLE: f64 = 16.0 * U;
+    pub(crate) const ANGLE: f64 = 32.0 * U;
 }
 
 /// How far the true value may be from the rounded `y`, given a spread of [`spread`]. The constant is a few of the

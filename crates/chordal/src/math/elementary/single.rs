@@ -57,18 +57,12 @@ pub fn cos(x: f32) -> f32 {
     if x.abs() <= NEAR { sin_cos_near(x).1 } else { super::cos(f64::from(x)) as f32 }
 }
 
-/// [`tan`] where |x| ≤ [`NEAR`]; no branch.
-#[inline(always)]
-pub(crate) fn tan_near(x: f32) -> f32 {
-    let (s, c) = sin_cos_near(x);
-    s / c
-}
-
 /// The tangent of `x` radians.
 #[must_use]
 #[inline]
 pub fn tan(x: f32) -> f32 {
-    if x.abs() <= NEAR { tan_near(x) } else { super::tan(f64::from(x)) as f32 }
+    let (s, c) = sin_cos_near(x);
+    if x.abs() <= NEAR { s / c } else { super::tan(f64::from(x)) as f32 }
 }
 
 /// `eˣ`.

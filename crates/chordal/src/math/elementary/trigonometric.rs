@@ -110,25 +110,6 @@ pub(crate) fn sin_cos_near(x: f64) -> (f64, f64) {
     (if x == 0.0 { x } else { s }, c)
 }
 
-/// [`sin`] where |x| ≤ [`NEAR`]; no branch.
-#[inline(always)]
-pub(crate) fn sin_near(x: f64) -> f64 {
-    sin_cos_near(x).0
-}
-
-/// [`cos`] where |x| ≤ [`NEAR`]; no branch.
-#[inline(always)]
-pub(crate) fn cos_near(x: f64) -> f64 {
-    sin_cos_near(x).1
-}
-
-/// [`tan`] where |x| ≤ [`NEAR`]; no branch.
-#[inline(always)]
-pub(crate) fn tan_near(x: f64) -> f64 {
-    let (s, c) = sin_cos_near(x);
-    s / c
-}
-
 /// The sine and the cosine of `x` radians; NaN where `x` is not finite.
 #[must_use]
 #[inline]
@@ -137,7 +118,6 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
 }
 
 #[inline(never)]
-#[cold]
 fn sin_cos_far(x: f64) -> (f64, f64) {
     if x.is_finite() { both(far::reduce(x)) } else { (f64::NAN, f64::NAN) }
 }
