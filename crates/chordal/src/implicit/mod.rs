@@ -1,6 +1,7 @@
 //! Shapes as rules: fields, which say for every point whether it is inside, and grids of samples.
 mod affine;
 mod block;
+mod combine;
 mod distance;
 mod expr;
 mod field;
@@ -15,9 +16,12 @@ mod program;
 mod shorten;
 mod slope;
 mod sources;
+mod plain;
+pub mod shapes;
 mod tape;
 
 pub use affine::{Affine, InvalidAffine};
+pub use combine::Repeat;
 pub use distance::{Distance, Quality};
 pub use expr::Expr;
 pub use field::Field;
