@@ -68,6 +68,11 @@ impl Field {
         self.sign.as_ref().unwrap_or(&self.expr)
     }
 
+    /// Whether [`Field::sign`] is an expression of its own.
+    pub(super) fn has_own_sign(&self) -> bool {
+        self.sign.as_ref().is_some_and(|sign| sign.address() != self.expr.address())
+    }
+
     /// The number of every point.
     #[must_use]
     pub fn expr(&self) -> &Expr {

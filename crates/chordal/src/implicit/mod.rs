@@ -8,6 +8,7 @@ mod grid;
 mod leaf;
 mod op;
 mod plain;
+pub mod query;
 mod tape;
 
 pub use affine::{Affine, InvalidAffine};
