@@ -76,7 +76,80 @@ pub struct Cells {
     pub(super) word: [bool; 2],
     /// How many points a call of the tape should have.
     pub(super) batch: usize,
+    rooms: Vec<Room>,
     occupied: Box3,
+}
+
+/// One of `ACROSS³` equal parts of the cube.
+#[derive(Clone, Copy, Debug)]
+struct Room {
+    part: u32,
+    /// So many rooms around it, in every direction, are on the same side as all of it.
+    clear: u8,
+}
+
+/// Rooms along a side of the cube.
+const ACROSS: u32 = 1 << FIRST;
+
+fn room_index([x, y, z]: [u32; 3]) -> usize {
+    ((z * ACROSS + y) * ACROSS + x) as usize
+}
+
+/// The rooms of an octree: from a place to its part without going down from the top, and far over empty ones.
+fn rooms_of(parts: &[Part]) -> Vec<Room> {
+    let mut rooms = vec![Room { part: 0, clear: 0 }; (ACROSS * ACROSS * ACROSS) as usize];
+    let mut open = vec![(0, [0, 0, 0], ACROSS)];
+    while let Some((part, at, width)) = open.pop() {
+        match parts[part as usize] {
+            Part::Parts(first) if width > 1 => {
+                let half = width / 2;
+                for i in 0..8 {
+                    open.push((first + i, [0, 1, 2].map(|k| at[k] + half * (i >> k & 1)), half));
+                }
+            }
+            _ => {
+                for z in at[2]..at[2] + width {
+                    for y in at[1]..at[1] + width {
+                        let row = room_index([at[0], y, z]);
+                        rooms[row..row + width as usize].fill(Room { part, clear: 0 });
+                    }
+                }
+            }
+        }
+    }
+    // The distance to the next room that is not on the same side, in rooms, found a ring at a time: along x, y and z in
+    // turn, since the largest of three differences is what counts.
+    let side = |room: &Room| match parts[room.part as usize] {
+        Part::Outside => 1_u8,
+        Part::Inside => 2,
+        Part::Cell(_) | Part::Parts(_) => 0,
+    };
+    let sides: Vec<u8> = rooms.iter().map(side).collect();
+    let mut clear: Vec<u8> = sides.iter().map(|side| u8::from(*side != 0)).collect();
+    for ring in 1..ACROSS as u8 {
+        // A room stays clear where it and all its neighbours are, on one side.
+        let mut next = clear.clone();
+        for stride in [1, ACROSS as usize, (ACROSS * ACROSS) as usize] {
+            let before = next.clone();
+            for (k, keeps) in next.iter_mut().enumerate() {
+                let at = k / stride % ACROSS as usize;
+                let same = |other: usize| before[other] == 1 && sides[other] == sides[k];
+                let low = at == 0 || same(k - stride);
+                let high = at + 1 == ACROSS as usize || same(k + stride);
+                *keeps &= u8::from(low && high);
+            }
+        }
+        clear = next;
+        if clear.iter().all(|c| *c == 0) {
+            break;
+        }
+        for (room, clear) in rooms.iter_mut().zip(&clear) {
+            if *clear == 1 {
+                room.clear = ring;
+            }
+        }
+    }
+    rooms
 }
 
 struct Open {
@@ -128,9 +201,11 @@ impl Cells {
             tapes: vec![tape],
             word,
             batch,
+            rooms: Vec::new(),
             occupied: Box3::EMPTY,
         };
         cells.divide(&place, job)?;
+        cells.rooms = rooms_of(&cells.parts);
         Ok(cells)
     }
 
@@ -172,11 +247,20 @@ impl Cells {
         &self.tapes[0]
     }
 
-    /// The part that a place is in, with its box; places beyond the cube are in the part next to them.
+    /// The part that a place is in, with its box or a larger one that is all on that side; places beyond the cube are in
+    /// the part next to them.
     pub(super) fn locate(&self, p: [f64; 3]) -> (Part, [f64; 3], [f64; 3]) {
-        let mut min = self.corner;
-        let mut max = min.map(|x| x + self.size);
-        let mut part = self.parts[0];
+        let side = self.size / f64::from(ACROSS);
+        let at: [u32; 3] = std::array::from_fn(|k| {
+            // A negative number becomes 0.
+            let i = ((p[k] - self.corner[k]) / side) as u32;
+            if i < ACROSS { i } else { ACROSS - 1 }
+        });
+        let room = &self.rooms[room_index(at)];
+        let more = f64::from(room.clear);
+        let mut min: [f64; 3] = std::array::from_fn(|k| self.corner[k] + (f64::from(at[k]) - more) * side);
+        let mut max: [f64; 3] = std::array::from_fn(|k| self.corner[k] + (f64::from(at[k] + 1) + more) * side);
+        let mut part = self.parts[room.part as usize];
         while let Part::Parts(first) = part {
             let mut octant = 0;
             for k in 0..3 {

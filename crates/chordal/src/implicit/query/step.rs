@@ -65,6 +65,8 @@ pub(super) struct Walker {
     t: f64,
     end: f64,
     value: f64,
+    /// What the value is at least, where it enters the cell.
+    least: f64,
     /// The last place known to be on the side that it started from.
     clear: f64,
     started: bool,
@@ -87,9 +89,10 @@ impl Walker {
             return None;
         }
         let inverse = direction.map(|d| 1.0 / d);
+        let place = cells.occupied();
         let (mut from, mut to) = (beam.from * scale, beam.to * scale);
         for k in 0..3 {
-            let (low, high) = (cells.corner[k], cells.corner[k] + cells.size);
+            let (low, high) = (place.min[k], place.max[k]);
             if direction[k] == 0.0 {
                 if beam.origin[k] < low || beam.origin[k] > high {
                     return None;
@@ -117,8 +120,10 @@ impl Walker {
             t: 0.0,
             end: to - from,
             value: f64::NAN,
+            least: 0.0,
             clear: 0.0,
-            started: false,
+            // Rays to the lights start outside, above the surface.
+            started: asked == Asked::Any,
             side: 1.0,
             cell_end: 0.0,
             slope: [0.0; 2],
@@ -237,6 +242,7 @@ impl Walker {
         }
         // Neighbours share the value at their border.
         let border = self.cell_end;
+        self.least = value;
         if self.next_cell(cells, border) {
             if self.t <= border + 4.0 * NUDGE * cells.size {
                 self.plan(cells, value);
@@ -264,7 +270,10 @@ impl Walker {
         let room = self.cell_end - self.t;
         if reach >= room {
             // Slopes end with the cell; a distance does not.
+            let left = value + a * room;
+            self.least = if word <= room && left > 0.0 { left } else { 0.0 };
             let on = if word > room { self.t + word } else { self.cell_end };
+            self.clear = on;
             if self.next_cell(cells, on) {
                 self.ask(State::Enter, self.t);
             }
@@ -336,7 +345,14 @@ impl Walker {
                     if self.side < 0.0 {
                         self.slope = [-self.slope[1], -self.slope[0]];
                     }
-                    return true;
+                    // Where it was outside up to here, no value is needed to see that the field cannot fall to 0.
+                    let left = self.least + self.slope[0] * (self.cell_end - self.t);
+                    let continuous = self.t - self.clear <= 4.0 * nudge && self.slope[0].is_finite();
+                    if !(self.started && continuous && (self.slope[0] >= 0.0 || left > 0.0)) {
+                        return true;
+                    }
+                    self.least = if left > 0.0 { left } else { 0.0 };
+                    self.clear = self.cell_end;
                 }
                 Part::Outside | Part::Inside => {
                     let side = if part == Part::Outside { 1.0 } else { -1.0 };
@@ -351,6 +367,7 @@ impl Walker {
                         return false;
                     }
                     self.clear = exit;
+                    self.least = 0.0;
                 }
                 Part::Parts(_) => unreachable!("a place is in one part"),
             }
