@@ -82,10 +82,12 @@ pub struct Cells {
 
 /// One of `ACROSS³` equal parts of the cube.
 #[derive(Clone, Copy, Debug)]
-struct Room {
+pub(super) struct Room {
     part: u32,
     /// So many rooms around it, in every direction, are on the same side as all of it.
-    clear: u8,
+    pub clear: u8,
+    /// 1 outside, −1 inside, 0 where the surface may be.
+    pub side: i8,
 }
 
 /// Rooms along a side of the cube.
@@ -97,7 +99,7 @@ fn room_index([x, y, z]: [u32; 3]) -> usize {
 
 /// The rooms of an octree: from a place to its part without going down from the top, and far over empty ones.
 fn rooms_of(parts: &[Part]) -> Vec<Room> {
-    let mut rooms = vec![Room { part: 0, clear: 0 }; (ACROSS * ACROSS * ACROSS) as usize];
+    let mut rooms = vec![Room { part: 0, clear: 0, side: 0 }; (ACROSS * ACROSS * ACROSS) as usize];
     let mut open = vec![(0, [0, 0, 0], ACROSS)];
     while let Some((part, at, width)) = open.pop() {
         match parts[part as usize] {
@@ -108,10 +110,15 @@ fn rooms_of(parts: &[Part]) -> Vec<Room> {
                 }
             }
             _ => {
+                let side = match parts[part as usize] {
+                    Part::Outside => 1,
+                    Part::Inside => -1,
+                    Part::Cell(_) | Part::Parts(_) => 0,
+                };
                 for z in at[2]..at[2] + width {
                     for y in at[1]..at[1] + width {
                         let row = room_index([at[0], y, z]);
-                        rooms[row..row + width as usize].fill(Room { part, clear: 0 });
+                        rooms[row..row + width as usize].fill(Room { part, clear: 0, side });
                     }
                 }
             }
@@ -119,12 +126,7 @@ fn rooms_of(parts: &[Part]) -> Vec<Room> {
     }
     // The distance to the next room that is not on the same side, in rooms, found a ring at a time: along x, y and z in
     // turn, since the largest of three differences is what counts.
-    let side = |room: &Room| match parts[room.part as usize] {
-        Part::Outside => 1_u8,
-        Part::Inside => 2,
-        Part::Cell(_) | Part::Parts(_) => 0,
-    };
-    let sides: Vec<u8> = rooms.iter().map(side).collect();
+    let sides: Vec<i8> = rooms.iter().map(|room| room.side).collect();
     let mut clear: Vec<u8> = sides.iter().map(|side| u8::from(*side != 0)).collect();
     for ring in 1..ACROSS as u8 {
         // A room stays clear where it and all its neighbours are, on one side.
@@ -247,24 +249,23 @@ impl Cells {
         &self.tapes[0]
     }
 
-    /// The part that a place is in, with its box or a larger one that is all on that side; places beyond the cube are in
-    /// the part next to them.
-    pub(super) fn locate(&self, p: [f64; 3]) -> (Part, [f64; 3], [f64; 3]) {
-        let side = self.size / f64::from(ACROSS);
-        let at: [u32; 3] = std::array::from_fn(|k| {
-            // A negative number becomes 0.
-            let i = ((p[k] - self.corner[k]) / side) as u32;
-            if i < ACROSS { i } else { ACROSS - 1 }
-        });
-        let room = &self.rooms[room_index(at)];
-        let more = f64::from(room.clear);
-        let mut min: [f64; 3] = std::array::from_fn(|k| self.corner[k] + (f64::from(at[k]) - more) * side);
-        let mut max: [f64; 3] = std::array::from_fn(|k| self.corner[k] + (f64::from(at[k] + 1) + more) * side);
+    /// The room of a place in rooms; beyond the cube it is the nearest one.
+    pub(super) fn room_at(&self, at: [f64; 3]) -> ([u32; 3], &Room) {
+        // A negative number becomes 0.
+        let at = at.map(|x| (x as u32).min(ACROSS - 1));
+        (at, &self.rooms[room_index(at)])
+    }
+
+    /// The cell in a room of several parts that a place is in, or the side of the part, with the part's box.
+    pub(super) fn part_in(&self, room: &Room, at: [u32; 3], p: [f64; 3]) -> (Part, Box3) {
+        let side = self.room_side();
+        let mut min: [f64; 3] = std::array::from_fn(|k| self.corner[k] + f64::from(at[k]) * side);
+        let mut max: [f64; 3] = std::array::from_fn(|k| self.corner[k] + f64::from(at[k] + 1) * side);
         let mut part = self.parts[room.part as usize];
         while let Part::Parts(first) = part {
             let mut octant = 0;
             for k in 0..3 {
-                let middle = min[k] / 2.0 + max[k] / 2.0;
+                let middle = 0.5 * min[k] + 0.5 * max[k];
                 if p[k] >= middle {
                     octant |= 1 << k;
                     min[k] = middle;
@@ -274,12 +275,18 @@ impl Cells {
             }
             part = self.parts[first as usize + octant];
         }
-        (part, min, max)
+        (part, Box3 { min, max })
+    }
+
+    /// The side of a room.
+    pub(super) fn room_side(&self) -> f64 {
+        self.size / f64::from(ACROSS)
     }
 
     /// The tape that is right at a place: of its cell, else the whole one.
     pub(super) fn tape_at(&self, p: [f64; 3]) -> u32 {
-        if let (Part::Cell(cell), ..) = self.locate(p) { self.cells[cell as usize].tape } else { 0 }
+        let (at, room) = self.room_at([0, 1, 2].map(|k| (p[k] - self.corner[k]) / self.room_side()));
+        if let (Part::Cell(cell), _) = self.part_in(room, at, p) { self.cells[cell as usize].tape } else { 0 }
     }
 
     fn divide(&mut self, place: &Box3, job: &Job) -> Result<(), Unbounded> {

@@ -57,6 +57,10 @@ pub(super) struct Walker {
     origin: [f64; 3],
     direction: [f64; 3],
     inverse: [f64; 3],
+    /// Origin and direction in rooms from the corner of the cube, and the length from one room to the next along each
+    /// axis; +∞ where there is none.
+    in_rooms: [[f64; 3]; 2],
+    per_room: [f64; 3],
     /// The length of the given direction, and the length before the cube.
     scale: f64,
     before: f64,
@@ -107,10 +111,16 @@ impl Walker {
         if !(from <= to) {
             return None;
         }
+        let start = along(beam.origin, direction, from);
+        let side = cells.room_side();
+        let inward = [0, 1, 2].map(|k| (start[k] - cells.corner[k]) / side);
+        let steps = direction.map(|d| d / side);
         Some(Self {
             beam: 0,
+            in_rooms: [inward, steps],
+            per_room: steps.map(|d| if d == 0.0 { f64::INFINITY } else { 1.0 / d }),
             tape: 0,
-            origin: along(beam.origin, direction, from),
+            origin: start,
             direction,
             inverse,
             scale,
@@ -329,14 +339,25 @@ impl Walker {
                 self.state = State::Done;
                 return false;
             }
-            let inside = along(self.origin, self.direction, t + nudge);
-            let (part, bounds_min, bounds_max) = cells.locate(inside);
-            let exit = self.exit(bounds_min, bounds_max, t + nudge);
+            t += nudge;
+            let (at, room) = cells.room_at(along(self.in_rooms[0], self.in_rooms[1], t));
+            if room.side != 0 {
+                let exit = self.exit_room(at, f64::from(room.clear));
+                if !self.pass(f64::from(room.side), t) {
+                    return false;
+                }
+                t = if exit > t { exit } else { t };
+                self.clear = t;
+                self.least = 0.0;
+                continue;
+            }
+            let (part, bounds) = cells.part_in(room, at, along(self.origin, self.direction, t));
+            let exit = self.exit(bounds.min, bounds.max, t);
             match part {
                 Part::Cell(cell) => {
                     let cell = &cells.cells[cell as usize];
                     self.tape = cell.tape;
-                    self.t = t + nudge;
+                    self.t = t;
                     self.cell_end = if exit < self.end { exit } else { self.end };
                     if self.cell_end < self.t {
                         self.cell_end = self.t;
@@ -355,15 +376,7 @@ impl Walker {
                     self.clear = self.cell_end;
                 }
                 Part::Outside | Part::Inside => {
-                    let side = if part == Part::Outside { 1.0 } else { -1.0 };
-                    if !self.started {
-                        self.started = true;
-                        if side < 0.0 && self.starts_inside() {
-                            return false;
-                        }
-                    } else if side != self.side {
-                        // Both sides of a border between two parts are proved: the surface is the border.
-                        self.meet(t);
+                    if !self.pass(if part == Part::Outside { 1.0 } else { -1.0 }, t) {
                         return false;
                     }
                     self.clear = exit;
@@ -371,8 +384,34 @@ impl Walker {
                 }
                 Part::Parts(_) => unreachable!("a place is in one part"),
             }
-            t = if exit > t + nudge { exit } else { t + nudge };
+            t = exit;
         }
+    }
+
+    /// Goes through a part that is all on one side; `false` when that is an answer.
+    fn pass(&mut self, side: f64, t: f64) -> bool {
+        if !self.started {
+            self.started = true;
+            return !(side < 0.0 && self.starts_inside());
+        }
+        if side != self.side {
+            // Both sides of a border between two parts are proved: the surface is the border.
+            self.meet(t);
+            return false;
+        }
+        true
+    }
+
+    /// Where it leaves a room and so many around it.
+    fn exit_room(&self, at: [u32; 3], more: f64) -> f64 {
+        let mut exit = f64::INFINITY;
+        for k in 0..3 {
+            let up = f64::from(u8::from(self.per_room[k] > 0.0));
+            let face = f64::from(at[k]) + up + (2.0 * up - 1.0) * more;
+            let t = (face - self.in_rooms[0][k]) * self.per_room[k];
+            exit = if t < exit { t } else { exit };
+        }
+        exit
     }
 
     /// Where it leaves a box that it is in at `t`.
