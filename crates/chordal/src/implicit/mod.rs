@@ -1,14 +1,22 @@
 //! Shapes as rules: fields, which say for every point whether it is inside, and grids of samples.
 mod affine;
+mod block;
 mod distance;
 mod expr;
 mod field;
 mod graph;
 mod grid;
 mod leaf;
+mod machine;
+mod number;
 mod op;
 mod plain;
+pub mod plain;
+mod program;
 pub mod query;
+mod shorten;
+mod slope;
+mod sources;
 mod tape;
 
 pub use affine::{Affine, InvalidAffine};
@@ -19,5 +27,5 @@ pub use graph::{Graph, Term};
 pub use grid::{Grid, InvalidGrid, Samples};
 pub use leaf::{Answer, Leaf, LeafError, Lipschitz};
 pub use op::{Binary, Unary};
-pub use plain::Slope;
+pub use slope::Slope;
 pub use tape::Tape;
