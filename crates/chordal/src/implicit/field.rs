@@ -72,6 +72,8 @@ impl Field {
     #[must_use]
     pub fn has_sign(&self) -> bool {
         self.sign.is_some()
+    pub(super) fn has_own_sign(&self) -> bool {
+        self.sign.as_ref().is_some_and(|sign| sign.address() != self.expr.address())
     }
 
     /// The number of every point.

@@ -48,7 +48,10 @@ impl Source for Slope<f64> {
         let places: Vec<[f64; 3]> = at.iter().map(|p| p.map(|s| s.value)).collect();
         let values = f64::of_leaf(leaf, &places)?;
         let gradients = leaf_gradients(leaf, &places)?;
-        let slope = |i: usize| Self { value: values[i], gradient: chain(&gradients[i], &at[i], |a, b| a * b, |a, b| a + b) };
+        let slope = |i: usize| Self {
+            value: values[i],
+            gradient: chain(&gradients[i], &at[i], |a, b| a * b, |a, b| a + b),
+        };
         Ok((0..at.len()).map(slope).collect())
     }
 }

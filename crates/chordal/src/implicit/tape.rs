@@ -59,9 +59,8 @@ impl Plan {
         for (column, leaf) in order.iter().enumerate() {
             input_of[*leaf as usize] = column as u32 + 3;
         }
-        let program = |outputs: &[u32]| {
-            Program::of(terms, outputs, &|leaf| input_of[leaf as usize], order.len() + 3)
-        };
+        let program =
+            |outputs: &[u32]| Program::of(terms, outputs, &|leaf| input_of[leaf as usize], order.len() + 3);
         let stage = |leaves: &Vec<u32>| {
             let parts = |leaf: &u32| match &terms[*leaf as usize] {
                 Term::Leaf(leaf, at) => (Arc::clone(leaf), *at),
