@@ -68,6 +68,12 @@ impl Field {
         self.sign.as_ref().unwrap_or(&self.expr)
     }
 
+    /// Whether [`Field::sign`] is an expression of its own.
+    #[must_use]
+    pub fn has_sign(&self) -> bool {
+        self.sign.is_some()
+    }
+
     /// The number of every point.
     #[must_use]
     pub fn expr(&self) -> &Expr {

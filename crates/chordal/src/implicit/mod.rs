@@ -1,5 +1,6 @@
 //! Shapes as rules: fields, which say for every point whether it is inside, and grids of samples.
 mod affine;
+mod combine;
 mod distance;
 mod expr;
 mod field;
@@ -8,9 +9,11 @@ mod grid;
 mod leaf;
 mod op;
 mod plain;
+pub mod shapes;
 mod tape;
 
 pub use affine::{Affine, InvalidAffine};
+pub use combine::Repeat;
 pub use distance::{Distance, Quality};
 pub use expr::Expr;
 pub use field::Field;
