@@ -1,6 +1,6 @@
 //! `Format`: what a file is, by its extension or by its content.
 use crate::text::{Lines, Tokens, integer, is_space, number, trim};
-use crate::{obj, shape_json, stl, svg};
+use crate::{obj, shape_json, stl, svg, vm};
 use std::fmt;
 use std::str::FromStr;
 
@@ -31,10 +31,12 @@ pub enum Format {
     Glb,
     /// Scalable Vector Graphics.
     Svg,
+    /// The steps that compute a field, as fidget writes them.
+    Vm,
 }
 
 /// Every format with the name that stands for it in `--from` and `--to`, and as an extension.
-const NAMES: [(Format, &str); 8] = [
+const NAMES: [(Format, &str); 9] = [
     (Format::Bpt, "bpt"),
     (Format::Teaset, "teaset"),
     (Format::Json, "json"),
@@ -43,6 +45,7 @@ const NAMES: [(Format, &str); 8] = [
     (Format::Stl, "stl"),
     (Format::Glb, "glb"),
     (Format::Svg, "svg"),
+    (Format::Vm, "vm"),
 ];
 
 impl Format {
@@ -77,6 +80,9 @@ impl Format {
         }
         if svg::looks_like(text) {
             return Some(Self::Svg);
+        }
+        if vm::looks_like(text) {
+            return Some(Self::Vm);
         }
         sniff_patches(text).or_else(|| obj::looks_like(bytes).then_some(Self::Obj))
     }
@@ -161,7 +167,7 @@ mod tests {
     #[test]
     fn an_unknown_name_is_answered_with_those_that_are_known() {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
-        assert_eq!(message, "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb and svg");
+        assert_eq!(message, "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, svg and vm");
         assert_eq!(Format::from_extension(""), None);
     }
 }

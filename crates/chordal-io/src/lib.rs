@@ -26,6 +26,7 @@ pub mod stl;
 pub mod svg;
 pub mod teaset;
 mod text;
+pub mod vm;
 mod warnings;
 mod words;
 

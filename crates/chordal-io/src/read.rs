@@ -1,6 +1,6 @@
 //! `read`: bytes of a known format to a shape.
 use crate::text::grouped;
-use crate::{Format, Limits, Loaded, Place, ReadError, bpt, glb, obj, ply, shape_json, stl, svg, teaset};
+use crate::{Format, Limits, Loaded, Place, ReadError, bpt, glb, obj, ply, shape_json, stl, svg, teaset, vm};
 
 /// The shape that a file of `format` holds, with its oddities counted.
 ///
@@ -33,6 +33,7 @@ pub fn read(bytes: &[u8], format: Format, limits: &Limits) -> Result<Loaded, Rea
         Format::Stl => stl::read(bytes, limits),
         Format::Glb => glb::read(bytes, limits),
         Format::Svg => svg::read(bytes, limits),
+        Format::Vm => vm::read(bytes, limits),
     };
     loaded.map_err(|mut error| {
         if let Some(other) = Format::sniff(bytes).filter(|other| *other != format) {

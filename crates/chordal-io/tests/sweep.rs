@@ -80,6 +80,10 @@ fn check(name: &str, bytes: &[u8], format: Format) {
         Ok(Loaded { content: Content::Curves(curves), .. }) => {
             assert!(curves.lines.iter().all(sound) && curves.owners.len() == curves.lines.len(), "{name}");
         }
+        Ok(Loaded { content: Content::Field { field, .. }, .. }) => {
+            let mut value = [0.0];
+            field.tape().at(&[[0.5, -0.25, 2.0]], &mut value).expect("there is no leaf that could fail");
+        }
     }
 }
 
@@ -197,6 +201,11 @@ fn seeds() -> Vec<(Format, Vec<u8>)> {
          <rect x=\"1\" width=\"10%\" height=\"3\" rx=\".5\"/><circle r=\"2\"/>\n\
          <symbol id=\"s\" viewBox=\"0 0 1 1\"><polygon points=\"0,0 1 0 1,1\"/></symbol>\n\
          <use href=\"#s\" x=\"3\" width=\"2\" height=\"1\"/><text>x</text>\n</svg>\n",
+    );
+    add(
+        Format::Vm,
+        "# a disc\n_x var-x\n_y var-y # up\n_0 const -2.5e-1\n_1 square _x\n_2 mul _y _y\r\n\n_3 add _1 _2\n\
+         _4 sqrt _3\n_5 atan2 _4 _0\n_6 mod _5 _x\n_7 max _6 _0\n",
     );
     seeds
 }
@@ -396,6 +405,11 @@ fn large_hostile_files_stay_within_the_promised_memory() {
             format!("<svg><style>{}</style></svg>", ".a{fill:red}".repeat(n / 8)).into_bytes(),
         ),
         ("text", Format::Svg, format!("<svg><style>{}</style></svg>", "x".repeat(n)).into_bytes()),
+        (
+            "steps",
+            Format::Vm,
+            (0..n / 2).fold("0 var-x\n".to_owned(), |t, i| t + &format!("{:x} neg 0\n", i + 1)).into_bytes(),
+        ),
         (
             "indices",
             Format::Teaset,

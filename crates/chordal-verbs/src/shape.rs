@@ -60,6 +60,7 @@ impl From<Content> for Shape {
             Content::Scene(scene) => Self::Scene(scene),
             Content::Drawing(drawing) => Self::Drawing(drawing),
             Content::Curves(curves) => Self::Curves(curves),
+            Content::Field { field, region, frame } => Self::Field(Implicit { field, region, frame }),
         }
     }
 }
