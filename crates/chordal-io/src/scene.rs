@@ -1,5 +1,5 @@
 //! `Scene`: what a file says: parts, where they stand, and the frame they are in.
-use crate::{Curves, Drawing, Warning};
+use crate::{Curves, Drawing, Volume, Warning};
 use chordal::{Mesh, Patch};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -76,6 +76,8 @@ pub enum Content {
     Drawing(Drawing),
     /// Curves in space.
     Curves(Curves),
+    /// Samples on a lattice.
+    Volume(Volume),
 }
 
 /// A shape with what was odd about its file.
