@@ -50,5 +50,5 @@ pub use mend::{Closeness, MendSpec, mend};
 pub use mesh::{Made, MeshOutcome, mesh};
 pub use normals::{InvalidNormals, Normals};
 pub use render::{Fineness, RenderOutcome, USUAL_SCREEN, render, render_against};
-pub use shape::Shape;
+pub use shape::{Implicit, Shape};
 pub use spec::BudgetSpec;

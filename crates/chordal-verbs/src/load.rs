@@ -13,7 +13,7 @@ pub struct Hint<'a> {
 }
 
 /// A shape together with what it was read from.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Input {
     /// The shape.
     pub shape: Shape,

@@ -114,6 +114,7 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
             let source = Source { patches, frame, place };
             tessellate(&source, &budget, to, job)?
         }
+        Shape::Field(_) => return Err(refused(Code::Unsupported, "fields are not meshed yet")),
         Shape::Scene(scene) => {
             certificate.notes.push(PASSED_THROUGH.to_owned());
             pass_through(scene, to, &mut certificate.notes)?

@@ -81,6 +81,10 @@ pub fn render(
             let mesh = placed::one_mesh(scene)?;
             shoot(&mesh, &options, certificate, job)
         }
+        Shape::Field(_) => {
+            let message = "fields are not drawn yet".to_owned();
+            Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }))
+        }
         Shape::Curves(_) => {
             let message = "curves in space have no surface to take a picture of".to_owned();
             Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }))

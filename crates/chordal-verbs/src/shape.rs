@@ -5,7 +5,7 @@ use chordal::math::{Box3, add_up, mul_down, mul_up, sqrt_down, sub_down};
 use chordal_io::{Content, Curves, Drawing, Frame, Scene, WriteError};
 
 /// Any shape that a file can hold.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum Shape {
     /// Bicubic Bézier patches.
@@ -21,6 +21,36 @@ pub enum Shape {
     Drawing(Drawing),
     /// Curves in space.
     Curves(Curves),
+    /// A shape as a rule.
+    Field(Implicit),
+}
+
+/// A field with the part of space that it is looked at in.
+#[derive(Clone, Debug)]
+pub struct Implicit {
+    /// The rule.
+    pub field: chordal::implicit::Field,
+    /// The box that the shape is cut off at, where somebody asked for one.
+    pub region: Option<Box3>,
+    /// The space that it is in.
+    pub frame: Frame,
+}
+
+impl Implicit {
+    /// The box that holds all that there is of the shape: what is known of the field, cut off at the region. Infinite
+    /// where neither says.
+    #[must_use]
+    pub fn place(&self) -> Box3 {
+        let known = self.field.bounds();
+        let Some(region) = self.region else { return known };
+        let pick = |a: [f64; 3], b: [f64; 3], first: fn(f64, f64) -> bool| {
+            std::array::from_fn(|k| if first(a[k], b[k]) { a[k] } else { b[k] })
+        };
+        Box3 {
+            min: pick(known.min, region.min, |a, b| a > b),
+            max: pick(known.max, region.max, |a, b| a < b),
+        }
+    }
 }
 
 impl From<Content> for Shape {
@@ -43,6 +73,7 @@ impl Shape {
             Self::Scene(_) => "triangles",
             Self::Drawing(_) => "drawing",
             Self::Curves(_) => "curves",
+            Self::Field(_) => "field",
         }
     }
 
@@ -54,6 +85,7 @@ impl Shape {
             Self::Scene(scene) => &scene.frame,
             Self::Drawing(drawing) => &drawing.frame,
             Self::Curves(curves) => &curves.frame,
+            Self::Field(field) => &field.frame,
         }
     }
 
@@ -64,6 +96,7 @@ impl Shape {
             Self::Scene(scene) => &mut scene.frame,
             Self::Drawing(drawing) => &mut drawing.frame,
             Self::Curves(curves) => &mut curves.frame,
+            Self::Field(field) => &mut field.frame,
         }
     }
 
@@ -83,6 +116,7 @@ impl Shape {
             }
             Self::Drawing(drawing) => Ok(hull_of(&drawing.lines)),
             Self::Curves(curves) => Ok(hull_of(&curves.lines)),
+            Self::Field(field) => Ok(field.place()),
         }
     }
 
@@ -105,6 +139,8 @@ impl Shape {
             Self::Scene(_) => Ok(diagonal_below(&self.hull()?, 0.0)),
             Self::Drawing(drawing) => Ok(diagonal_of(&drawing.lines)),
             Self::Curves(curves) => Ok(diagonal_of(&curves.lines)),
+            // The box may be larger than the shape. What its surface spans is known once it is meshed.
+            Self::Field(field) => Ok(diagonal_below(&field.place(), 0.0)),
         }
     }
 }

@@ -82,22 +82,22 @@ impl Inspection {
         let bounds = input.shape.hull().unwrap_or(Box3::EMPTY);
         let scene = match &input.shape {
             Shape::Scene(scene) => Some(scene),
-            Shape::Patches { .. } | Shape::Drawing(_) | Shape::Curves(_) => None,
+            Shape::Patches { .. } | Shape::Drawing(_) | Shape::Curves(_) | Shape::Field(_) => None,
         };
         let drawing = match &input.shape {
             Shape::Drawing(drawing) => Some(DrawingFacts::of(drawing)),
             Shape::Curves(curves) => Some(DrawingFacts::of(curves)),
-            Shape::Patches { .. } | Shape::Scene(_) => None,
+            Shape::Patches { .. } | Shape::Scene(_) | Shape::Field(_) => None,
         };
         let certificate = match &input.shape {
             Shape::Scene(scene) => scene.certificate.clone(),
             Shape::Drawing(drawing) => drawing.certificate.clone(),
             Shape::Curves(curves) => curves.certificate.clone(),
-            Shape::Patches { .. } => None,
+            Shape::Patches { .. } | Shape::Field(_) => None,
         };
         let patches = match &input.shape {
             Shape::Patches { patches, .. } => Some(patches.len() as u64),
-            Shape::Scene(_) | Shape::Drawing(_) | Shape::Curves(_) => None,
+            Shape::Scene(_) | Shape::Drawing(_) | Shape::Curves(_) | Shape::Field(_) => None,
         };
         Self {
             bytes: input.n_bytes,
