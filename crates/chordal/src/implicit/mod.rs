@@ -16,6 +16,7 @@ pub use expr::Expr;
 pub use field::Field;
 pub use graph::{Graph, Term};
 pub use grid::{Grid, InvalidGrid, Samples};
+pub(crate) use grid::with_samples;
 pub use leaf::{Answer, Leaf, LeafError, Lipschitz};
 pub use op::{Binary, Unary};
 pub use plain::Slope;
