@@ -1,6 +1,7 @@
 //! `Format`: what a file is, by its extension or by its content.
 use crate::text::{Lines, Tokens, integer, is_space, number, trim};
 use crate::{obj, shape_json, stl, svg, vm};
+use crate::{nii, npy, nrrd, obj, shape_json, stl, svg};
 use std::fmt;
 use std::str::FromStr;
 
@@ -34,9 +35,15 @@ pub enum Format {
     /// The steps that compute a field, as fidget writes them.
     Vm,
 }
-
 /// Every format with the name that stands for it in `--from` and `--to`, and as an extension.
 const NAMES: [(Format, &str); 9] = [
+    /// NumPy's array of three axes.
+    Npy,
+    /// NRRD volume.
+    Nrrd,
+    /// NIfTI volume, packed by gzip or not.
+    Nii,
+const NAMES: [(Format, &str); 11] = [
     (Format::Bpt, "bpt"),
     (Format::Teaset, "teaset"),
     (Format::Json, "json"),
@@ -46,6 +53,9 @@ const NAMES: [(Format, &str); 9] = [
     (Format::Glb, "glb"),
     (Format::Svg, "svg"),
     (Format::Vm, "vm"),
+    (Format::Npy, "npy"),
+    (Format::Nrrd, "nrrd"),
+    (Format::Nii, "nii"),
 ];
 
 impl Format {
@@ -54,10 +64,13 @@ impl Format {
         NAMES.iter().map(|row| row.0)
     }
 
-    /// The format that an extension stands for, with its dot or without, in any case.
+    /// The format that an extension stands for, with its dot or without, in any case; `nii.gz` is one too.
     #[must_use]
     pub fn from_extension(extension: &str) -> Option<Self> {
         let name = extension.strip_prefix('.').unwrap_or(extension);
+        if name.eq_ignore_ascii_case("nii.gz") {
+            return Some(Self::Nii);
+        }
         NAMES.iter().find(|row| row.1.eq_ignore_ascii_case(name)).map(|row| row.0)
     }
 
@@ -67,6 +80,15 @@ impl Format {
     pub fn sniff(bytes: &[u8]) -> Option<Self> {
         if bytes.starts_with(b"glTF") {
             return Some(Self::Glb);
+        }
+        if bytes.starts_with(npy::MAGIC) {
+            return Some(Self::Npy);
+        }
+        if bytes.starts_with(nrrd::MAGIC) {
+            return Some(Self::Nrrd);
+        }
+        if nii::looks_like(bytes) {
+            return Some(Self::Nii);
         }
         let text = trim_start(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes));
         if text.starts_with(b"ply") && text.get(3).is_some_and(|b| is_space(*b)) {
@@ -168,6 +190,10 @@ mod tests {
     fn an_unknown_name_is_answered_with_those_that_are_known() {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
         assert_eq!(message, "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, svg and vm");
+        assert_eq!(
+            message,
+            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, svg, npy, nrrd and nii"
+        );
         assert_eq!(Format::from_extension(""), None);
     }
 }

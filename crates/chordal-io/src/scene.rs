@@ -2,6 +2,7 @@
 use crate::{Curves, Drawing, Warning};
 use chordal::implicit::Field;
 use chordal::math::Box3;
+use crate::{Curves, Drawing, Volume, Warning};
 use chordal::{Mesh, Patch};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -87,6 +88,8 @@ pub enum Content {
         /// The space that it is in.
         frame: Frame,
     },
+    /// Samples on a lattice.
+    Volume(Volume),
 }
 
 /// A shape with what was odd about its file.
