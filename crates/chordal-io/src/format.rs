@@ -1,7 +1,6 @@
 //! `Format`: what a file is, by its extension or by its content.
 use crate::text::{Lines, Tokens, integer, is_space, number, trim};
-use crate::{obj, shape_json, stl, svg, vm};
-use crate::{nii, npy, nrrd, obj, shape_json, stl, svg};
+use crate::{nii, npy, nrrd, obj, shape_json, stl, svg, vm};
 use std::fmt;
 use std::str::FromStr;
 
@@ -34,16 +33,16 @@ pub enum Format {
     Svg,
     /// The steps that compute a field, as fidget writes them.
     Vm,
-}
-/// Every format with the name that stands for it in `--from` and `--to`, and as an extension.
-const NAMES: [(Format, &str); 9] = [
     /// NumPy's array of three axes.
     Npy,
     /// NRRD volume.
     Nrrd,
     /// NIfTI volume, packed by gzip or not.
     Nii,
-const NAMES: [(Format, &str); 11] = [
+}
+
+/// Every format with the name that stands for it in `--from` and `--to`, and as an extension.
+const NAMES: [(Format, &str); 12] = [
     (Format::Bpt, "bpt"),
     (Format::Teaset, "teaset"),
     (Format::Json, "json"),
@@ -189,10 +188,9 @@ mod tests {
     #[test]
     fn an_unknown_name_is_answered_with_those_that_are_known() {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
-        assert_eq!(message, "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, svg and vm");
         assert_eq!(
             message,
-            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, svg, npy, nrrd and nii"
+            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, svg, vm, npy, nrrd and nii"
         );
         assert_eq!(Format::from_extension(""), None);
     }

@@ -1,8 +1,7 @@
 //! `read`: bytes of a known format to a shape.
 use crate::text::grouped;
-use crate::{Format, Limits, Loaded, Place, ReadError, bpt, glb, obj, ply, shape_json, stl, svg, teaset, vm};
 use crate::{Format, Limits, Loaded, Place, ReadError};
-use crate::{bpt, glb, nii, npy, nrrd, obj, ply, shape_json, stl, svg, teaset};
+use crate::{bpt, glb, nii, npy, nrrd, obj, ply, shape_json, stl, svg, teaset, vm};
 
 /// The shape that a file of `format` holds, with its oddities counted.
 ///

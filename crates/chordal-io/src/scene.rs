@@ -1,8 +1,7 @@
 //! `Scene`: what a file says: parts, where they stand, and the frame they are in.
-use crate::{Curves, Drawing, Warning};
+use crate::{Curves, Drawing, Volume, Warning};
 use chordal::implicit::Field;
 use chordal::math::Box3;
-use crate::{Curves, Drawing, Volume, Warning};
 use chordal::{Mesh, Patch};
 use serde_json::Value;
 use std::collections::BTreeMap;

@@ -59,7 +59,7 @@ pub fn snap(mesh: &Mesh, format: Format) -> Result<Snapped, TooWide> {
         | Format::Svg
         | Format::Obj
         | Format::Ply
-        | Format::Vm => {
+        | Format::Vm
         | Format::Npy
         | Format::Nrrd
         | Format::Nii => {

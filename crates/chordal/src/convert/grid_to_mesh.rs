@@ -163,9 +163,8 @@ fn rounding(affine: &Affine, rule: &Polygonize, size: [usize; 3]) -> f64 {
         let (low, high) = (rule.offset[k] as f64, rule.offset[k] as f64 + size[k] as f64);
         if low.abs() > high.abs() { low.abs() } else { high.abs() }
     });
-    let sizes = affine.rows().map(|[a, b, c, d]| {
-        a.abs() * far[0] + b.abs() * far[1] + c.abs() * far[2] + d.abs()
-    });
+    let sizes =
+        affine.rows().map(|[a, b, c, d]| a.abs() * far[0] + b.abs() * far[1] + c.abs() * far[2] + d.abs());
     let most = sizes.into_iter().fold(0.0, |most, size| if size > most { size } else { most });
     8.0 * f64::EPSILON * most
 }
@@ -175,7 +174,10 @@ fn no_surface<S: Source>(source: &S, rule: &Polygonize, plan: &Plan) -> String {
     let [nx, ny, nz] = source.size();
     let side = if rule.inside == super::cubes::rule::Inside::High { "above" } else { "below" };
     if plan.is_inside([0; 3]) {
-        return format!("every sample is {side} the level {}, and the border is open: there is no surface", rule.level);
+        return format!(
+            "every sample is {side} the level {}, and the border is open: there is no surface",
+            rule.level
+        );
     }
     let (mut low, mut high, mut unknown) = (f64::INFINITY, f64::NEG_INFINITY, 0_u64);
     for index in (0..nx * ny * nz).map(|at| [at % nx, at / nx % ny, at / (nx * ny)]) {
@@ -199,7 +201,8 @@ const LARGEST: f64 = 1e150;
 
 pub(super) fn check(size: [usize; 3], affine: &Affine, rule: &Polygonize) -> Result<(), Stopped> {
     if let Some(axis) = size.iter().position(|n| *n < 2) {
-        let message = format!("index {axis} has one sample, so the lattice has no cells: pad it to give it thickness");
+        let message =
+            format!("index {axis} has one sample, so the lattice has no cells: pad it to give it thickness");
         return Err(refused(Code::Empty, message));
     }
     let far = rounding(affine, rule, size) / f64::EPSILON;
@@ -208,11 +211,17 @@ pub(super) fn check(size: [usize; 3], affine: &Affine, rule: &Polygonize) -> Res
     }
     // Exact: powers of two.
     if !(rule.margin >= 1.0 / 1_073_741_824.0 && rule.margin <= 0.25) {
-        return Err(refused(Code::Unsupported, format!("a margin of {} is not between 2^-30 and 1/4", rule.margin)));
+        return Err(refused(
+            Code::Unsupported,
+            format!("a margin of {} is not between 2^-30 and 1/4", rule.margin),
+        ));
     }
     let [a, b, c] = affine.steps();
     let volume = dot(a, cross(b, c)).abs();
-    let widest = [cross(b, c), cross(c, a), cross(a, b)].map(length).into_iter().fold(0.0, |m, l| if l > m { l } else { m });
+    let widest = [cross(b, c), cross(c, a), cross(a, b)]
+        .map(length)
+        .into_iter()
+        .fold(0.0, |m, l| if l > m { l } else { m });
     // Half of the flattest triangle that the margin leaves is derived to be wider than an eighth of margin times width.
     if !(rounding(affine, rule, size) <= 0.125 * rule.margin * (volume / widest)) {
         let message = "the lattice's steps are too small beside its coordinates: vertices would coincide";
@@ -227,9 +236,10 @@ pub(super) fn check(size: [usize; 3], affine: &Affine, rule: &Polygonize) -> Res
 
 fn check_budget(budget: Option<&Budget>) -> Result<(), Stopped> {
     match budget {
-        Some(budget) if budget.pixels.is_some() || budget.angle_deg.is_some() => {
-            Err(refused(Code::Unsupported, "a grid cannot be meshed to pixels or an angle yet; give a length".into()))
-        }
+        Some(budget) if budget.pixels.is_some() || budget.angle_deg.is_some() => Err(refused(
+            Code::Unsupported,
+            "a grid cannot be meshed to pixels or an angle yet; give a length".into(),
+        )),
         _ => Ok(()),
     }
 }

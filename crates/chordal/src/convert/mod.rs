@@ -1,31 +1,31 @@
 //! The bridge: one file per arrow `a_to_b`, each lossy one under a budget and with a bound.
 
-mod curve_to_polyline;
 mod cubes;
+mod curve_to_polyline;
 mod curves;
+mod field_to_grid;
 mod field_to_mesh;
 mod fields;
-mod field_to_grid;
+mod grid_to_mesh;
 mod lattice;
 mod mesh_leaf;
 mod mesh_to_field;
-mod grid_to_mesh;
 mod mesh_to_gpu_buffers;
 mod mesh_to_grid;
 mod outlines_to_mesh;
 mod patches;
 mod patches_to_mesh;
 
-pub use curve_to_polyline::{curve_to_polyline, curve_to_polyline_evenly, curves_to_polylines};
 pub use cubes::march::Coordinate;
 pub use cubes::rule::{Border, Inside, Normals, Polygonize};
+pub use curve_to_polyline::{curve_to_polyline, curve_to_polyline_evenly, curves_to_polylines};
 pub use curves::batch::{BezierCutter, Polylines, beziers_to_polylines};
 pub use curves::flatten::Spacing;
-pub use field_to_mesh::field_to_mesh;
 pub use field_to_grid::field_to_grid;
+pub use field_to_mesh::field_to_mesh;
+pub use grid_to_mesh::{Surface, VertexKey, grid_to_mesh, grid_to_triangles};
 pub use lattice::Lattice;
 pub use mesh_to_field::{MeshField, Solid, mesh_to_field};
-pub use grid_to_mesh::{Surface, VertexKey, grid_to_mesh, grid_to_triangles};
 pub use mesh_to_gpu_buffers::{GpuBuffers, Indices, mesh_to_gpu_buffers};
 pub use mesh_to_grid::{Baked, mesh_to_grid};
 pub use outlines_to_mesh::outlines_to_mesh;

@@ -72,6 +72,9 @@ impl Field {
     #[must_use]
     pub fn has_sign(&self) -> bool {
         self.sign.is_some()
+    }
+
+    /// Whether [`Field::sign`] is another expression than the value.
     pub(super) fn has_own_sign(&self) -> bool {
         self.sign.as_ref().is_some_and(|sign| sign.address() != self.expr.address())
     }

@@ -82,8 +82,7 @@ impl Bits {
     fn capped(&self, j: usize, k: usize, word: usize) -> u64 {
         let at = |axis: usize, index: usize| {
             let [low, high] = self.border[axis];
-            (index == 0 && low == Border::Capped)
-                || (index + 1 == self.size[axis] && high == Border::Capped)
+            (index == 0 && low == Border::Capped) || (index + 1 == self.size[axis] && high == Border::Capped)
         };
         if at(1, j) || at(2, k) {
             return u64::MAX;

@@ -6,4 +6,4 @@ pub(crate) mod march;
 pub(crate) mod normals;
 pub(crate) mod rule;
 pub(crate) mod source;
-mod table;
+pub(super) mod table;

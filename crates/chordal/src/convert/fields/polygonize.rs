@@ -2,7 +2,7 @@
 use super::bricks::{Group, crossed};
 use super::lattice::{BRICK, Lattice, POINTS};
 use crate::budget::{Job, par_map};
-use crate::convert::cubes::{EDGES, TABLE};
+use crate::convert::cubes::table::{EDGES, TABLE};
 use crate::explicit::Mesh;
 use crate::implicit::{LeafError, Tape};
 
