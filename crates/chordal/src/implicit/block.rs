@@ -1,6 +1,6 @@
 //! Blocks: as many values as fit well into the first cache, each component in a row of its own, so that loops over them
 //! become vector code.
-use super::slope::Slope;
+use super::slope::{Slope, each_axis};
 use super::sources::Source;
 use crate::math::Interval;
 
@@ -139,16 +139,15 @@ impl Lane for Slope<Interval> {
     }
     #[inline(always)]
     fn load(block: &Self::Block, at: usize) -> Self {
-        let part = |k: usize| Interval::from_parts(block[2 * k][at], block[2 * k + 1][at]);
-        Self { value: part(0), gradient: [part(1), part(2), part(3)] }
+        let value = Interval::from_parts(block[0][at], block[1][at]);
+        Self { value, gradient: each_axis!(k => Interval::from_parts(block[2 * k + 2][at], block[2 * k + 3][at])) }
     }
     #[inline(always)]
     fn store(self, block: &mut Self::Block, at: usize) {
-        let [x, y, z] = self.gradient;
-        for (k, part) in [self.value, x, y, z].into_iter().enumerate() {
-            block[2 * k][at] = part.lo();
-            block[2 * k + 1][at] = part.hi();
-        }
+        put_ends(self.value, block, 0, at);
+        put_ends(self.gradient[0], block, 2, at);
+        put_ends(self.gradient[1], block, 4, at);
+        put_ends(self.gradient[2], block, 6, at);
     }
     #[inline(always)]
     fn claim(self) -> bool {
@@ -160,22 +159,34 @@ impl Lane for Slope<Interval> {
     }
 }
 
-/// `out[i] = f(i)` for the first `n`, and what that leaves of the claims.
+/// Puts the ends of a range into the rows `row` and `row + 1`.
 #[inline(always)]
-pub(super) fn fill<N: Lane>(n: usize, out: &mut N::Block, claims: &mut Claims, f: impl Fn(usize) -> N) {
-    let n = if n < N::LANES { n } else { N::LANES };
-    for at in 0..n {
-        let value = f(at);
-        value.store(out, at);
-        if N::CLAIMS {
-            claims[at] &= if value.claim() { u64::MAX } else { 0 };
-        }
+fn put_ends(range: Interval, block: &mut [[f64; 64]; 8], row: usize, at: usize) {
+    block[row][at] = range.lo();
+    block[row + 1][at] = range.hi();
+}
+
+/// Stores a value, and what that leaves of its claim.
+#[inline(always)]
+pub(super) fn put<N: Lane>(value: N, out: &mut N::Block, claims: &mut Claims, at: usize) {
+    value.store(out, at);
+    if N::CLAIMS {
+        claims[at] &= if value.claim() { u64::MAX } else { 0 };
     }
 }
 
 /// Whether all of the first `n` are where sines need no reduction by integers.
 #[inline(always)]
 pub(super) fn all_near<N: Lane>(n: usize, a: &N::Block) -> bool {
-    let n = if n < N::LANES { n } else { N::LANES };
-    (0..n).fold(true, |all, at| all & N::is_near(N::load(a, at)))
+    let mut all = true;
+    for at in 0..at_most::<N>(n) {
+        all &= N::is_near(N::load(a, at));
+    }
+    all
+}
+
+/// `n`, known to be no more than a block has.
+#[inline(always)]
+pub(super) fn at_most<N: Lane>(n: usize) -> usize {
+    if n < N::LANES { n } else { N::LANES }
 }

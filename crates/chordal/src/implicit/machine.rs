@@ -1,5 +1,5 @@
 //! Running a program: block by block, each step a loop over a block.
-use super::block::{Claims, Lane, MOST_CLAIMS, all_near, fill};
+use super::block::{Claims, Lane, MOST_CLAIMS, all_near, at_most, put};
 use super::number::is_periodic;
 use super::op::{Binary, Unary};
 use super::program::{Code, Program, Step};
@@ -41,12 +41,12 @@ impl<N: Lane, F: Fn(usize, usize) -> N, G: FnMut(usize, usize, N)> Kernel for Ru
                     continue;
                 }
                 let block = &mut machine.inputs[input];
-                match input {
-                    0..3 => fill::<N>(n, block, &mut claims, |at| (self.axis)(input, start + at)),
-                    _ => {
-                        let column = &self.columns[input - 3][start..start + n];
-                        fill::<N>(n, block, &mut claims, |at| column[at]);
-                    }
+                for at in 0..at_most::<N>(n) {
+                    let value = match input {
+                        0..3 => (self.axis)(input, start + at),
+                        _ => self.columns[input - 3][start + at],
+                    };
+                    put(value, block, &mut claims, at);
                 }
             }
             for step in &program.steps {
@@ -90,33 +90,25 @@ impl<N: Lane> Machine<N> {
     #[inline(always)]
     fn step(&mut self, n: usize, step: &Step, claims: &mut Claims) {
         let Self { inputs, registers, spare, number } = self;
-        let of = |operand| find::<N>(inputs, registers, operand);
+        let a = find::<N>(inputs, registers, step.a);
         let constant = N::constant(step.number);
         match step.code {
-            Code::Const => fill::<N>(n, spare, claims, |_| constant),
-            Code::Unary(op) => unary::<N>(op, n, spare, of(step.a), claims),
+            Code::Const => constant_block::<N>(n, spare, claims, constant),
+            Code::Unary(op) => unary::<N>(op, n, spare, a, claims),
             Code::Binary(op) => {
-                let (a, b) = (of(step.a), of(step.b));
-                binary::<N>(op, n, spare, claims, (|at| N::load(a, at), |at| N::load(b, at)));
+                let b = find::<N>(inputs, registers, step.b);
+                binary::<N, _, _>(op, n, spare, claims, (Each::<N>(a), Each::<N>(b)));
             }
             Code::WithConst(op) if N::CLAIMS => {
-                fill::<N>(n, number, claims, |_| constant);
-                let (a, b) = (of(step.a), &**number);
-                binary::<N>(op, n, spare, claims, (|at| N::load(a, at), |at| N::load(b, at)));
+                constant_block::<N>(n, number, claims, constant);
+                binary::<N, _, _>(op, n, spare, claims, (Each::<N>(a), Each::<N>(number)));
             }
             Code::ConstWith(op) if N::CLAIMS => {
-                fill::<N>(n, number, claims, |_| constant);
-                let (a, b) = (&**number, of(step.b));
-                binary::<N>(op, n, spare, claims, (|at| N::load(a, at), |at| N::load(b, at)));
+                constant_block::<N>(n, number, claims, constant);
+                binary::<N, _, _>(op, n, spare, claims, (Each::<N>(number), Each::<N>(a)));
             }
-            Code::WithConst(op) => {
-                let a = of(step.a);
-                binary::<N>(op, n, spare, claims, (|at| N::load(a, at), |_| constant));
-            }
-            Code::ConstWith(op) => {
-                let b = of(step.b);
-                binary::<N>(op, n, spare, claims, (|_| constant, |at| N::load(b, at)));
-            }
+            Code::WithConst(op) => binary::<N, _, _>(op, n, spare, claims, (Each::<N>(a), Same(constant))),
+            Code::ConstWith(op) => binary::<N, _, _>(op, n, spare, claims, (Same(constant), Each::<N>(a))),
         }
         std::mem::swap(spare, &mut registers[step.out as usize]);
     }
@@ -131,6 +123,38 @@ fn find<'a, N: Lane>(inputs: &'a [N::Block], registers: &'a [Box<N::Block>], ope
     }
 }
 
+#[inline(always)]
+fn constant_block<N: Lane>(n: usize, out: &mut N::Block, claims: &mut Claims, value: N) {
+    for at in 0..at_most::<N>(n) {
+        put(value, out, claims, at);
+    }
+}
+
+/// An operand of a loop over a block; closures would not be sure to be inlined into it.
+trait Operand<N> {
+    fn get(&self, at: usize) -> N;
+}
+
+/// A block's values.
+struct Each<'a, N: Lane>(&'a N::Block);
+
+impl<N: Lane> Operand<N> for Each<'_, N> {
+    #[inline(always)]
+    fn get(&self, at: usize) -> N {
+        N::load(self.0, at)
+    }
+}
+
+/// One value.
+struct Same<N>(N);
+
+impl<N: Lane> Operand<N> for Same<N> {
+    #[inline(always)]
+    fn get(&self, _: usize) -> N {
+        self.0
+    }
+}
+
 /// One operation over a block. Each is a loop of its own, with the operation known to the compiler.
 #[inline(always)]
 fn unary<N: Lane>(op: Unary, n: usize, out: &mut N::Block, a: &N::Block, claims: &mut Claims) {
@@ -140,7 +164,9 @@ fn unary<N: Lane>(op: Unary, n: usize, out: &mut N::Block, a: &N::Block, claims:
     macro_rules! each {
         ($($name:ident)*) => {
             match op {
-                $(Unary::$name => fill::<N>(n, out, claims, |at| N::near(Unary::$name, N::load(a, at))),)*
+                $(Unary::$name => for at in 0..at_most::<N>(n) {
+                    put(N::near(Unary::$name, N::load(a, at)), out, claims, at);
+                })*
             }
         };
     }
@@ -150,22 +176,26 @@ fn unary<N: Lane>(op: Unary, n: usize, out: &mut N::Block, a: &N::Block, claims:
 /// Sine, cosine or tangent of any angles.
 #[inline(never)]
 fn unary_anywhere<N: Lane>(op: Unary, n: usize, out: &mut N::Block, a: &N::Block, claims: &mut Claims) {
-    fill::<N>(n, out, claims, |at| N::unary(op, N::load(a, at)));
+    for at in 0..at_most::<N>(n) {
+        put(N::unary(op, N::load(a, at)), out, claims, at);
+    }
 }
 
 /// As [`unary`], with two operands.
 #[inline(always)]
-fn binary<N: Lane>(
+fn binary<N: Lane, A: Operand<N>, B: Operand<N>>(
     op: Binary,
     n: usize,
     out: &mut N::Block,
     claims: &mut Claims,
-    (a, b): (impl Fn(usize) -> N, impl Fn(usize) -> N),
+    (a, b): (A, B),
 ) {
     macro_rules! each {
         ($($name:ident)*) => {
             match op {
-                $(Binary::$name => fill::<N>(n, out, claims, |at| N::binary(Binary::$name, a(at), b(at))),)*
+                $(Binary::$name => for at in 0..at_most::<N>(n) {
+                    put(N::binary(Binary::$name, a.get(at), b.get(at)), out, claims, at);
+                })*
             }
         };
     }

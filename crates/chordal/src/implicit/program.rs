@@ -11,7 +11,7 @@ pub(super) enum Code {
     Binary(Binary),
     /// An operation on `a` and the number.
     WithConst(Binary),
-    /// An operation on the number and `b`.
+    /// An operation on the number and `a`, in this order.
     ConstWith(Binary),
 }
 
@@ -123,8 +123,9 @@ impl Maker<'_> {
                 (Term::Const(number), Term::Const(_)) => {
                     step(Code::ConstWith(*op), 0, self.place(*b), *number)
                 }
+                (Term::Const(number), Term::Const(_)) => step(Code::ConstWith(*op), self.place(*b), 0, *number),
                 (_, Term::Const(number)) => step(Code::WithConst(*op), self.place(*a), 0, *number),
-                (Term::Const(number), _) => step(Code::ConstWith(*op), 0, self.place(*b), *number),
+                (Term::Const(number), _) => step(Code::ConstWith(*op), self.place(*b), 0, *number),
                 _ => step(Code::Binary(*op), self.place(*a), self.place(*b), 0.0),
             },
         };

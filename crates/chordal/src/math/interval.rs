@@ -129,14 +129,14 @@ impl Interval {
     #[must_use]
     pub fn hull(self, other: Self) -> Self {
         let (lo, hi) = (lower(self.lo, other.lo), upper(self.hi, other.hi));
-        Self { lo, hi, defined: self.defined && other.defined }
+        Self { lo, hi, defined: self.defined & other.defined }
     }
 
     /// The numbers that are in both; defined where both are, [`Interval::EMPTY`] when there are none.
     #[must_use]
     pub fn intersection(self, other: Self) -> Self {
         let (lo, hi) = (upper(self.lo, other.lo), lower(self.hi, other.hi));
-        if lo <= hi { Self { lo, hi, defined: self.defined && other.defined } } else { Self::EMPTY }
+        if lo <= hi { Self { lo, hi, defined: self.defined & other.defined } } else { Self::EMPTY }
     }
 
     /// `hi − lo`, bounded from above: 0 for a point and for the empty interval, ∞ for an open end.
@@ -192,7 +192,7 @@ impl Interval {
     /// A range from what an operation made; the empty one is never defined.
     #[inline(always)]
     pub(crate) fn from_ends(ends: Ends, defined: bool) -> Self {
-        Self { lo: ends.lo, hi: ends.hi, defined: defined && !ends.is_empty() }
+        Self { lo: ends.lo, hi: ends.hi, defined: defined & !ends.is_empty() }
     }
 
     /// `|x|`, exactly.
@@ -206,14 +206,14 @@ impl Interval {
     #[inline(always)]
     #[must_use]
     pub fn min(self, other: Self) -> Self {
-        Self::from_ends(self.ends().min(other.ends()), self.defined && other.defined)
+        Self::from_ends(self.ends().min(other.ends()), self.defined & other.defined)
     }
 
     /// The larger of a number of each, exactly.
     #[inline(always)]
     #[must_use]
     pub fn max(self, other: Self) -> Self {
-        Self::from_ends(self.ends().max(other.ends()), self.defined && other.defined)
+        Self::from_ends(self.ends().max(other.ends()), self.defined & other.defined)
     }
 
     /// `x²`, never below 0.
@@ -228,7 +228,7 @@ impl Interval {
     #[inline(always)]
     #[must_use]
     pub fn sqrt(self) -> Self {
-        Self::from_ends(self.ends().sqrt(), self.defined && self.lo >= 0.0)
+        Self::from_ends(self.ends().sqrt(), self.defined & (self.lo >= 0.0))
     }
 
     /// `xⁿ`; `x⁰` is 1 for every `x`. A negative power of an interval with 0 is [`Interval::UNKNOWN`].
@@ -275,7 +275,7 @@ impl Add for Interval {
 
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self::from_ends(self.ends().add(other.ends()), self.defined && other.defined)
+        Self::from_ends(self.ends().add(other.ends()), self.defined & other.defined)
     }
 }
 
@@ -293,7 +293,7 @@ impl Mul for Interval {
 
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        Self::from_ends(self.ends().mul(other.ends()), self.defined && other.defined)
+        Self::from_ends(self.ends().mul(other.ends()), self.defined & other.defined)
     }
 }
 
@@ -303,7 +303,7 @@ impl Div for Interval {
     /// `x / y`; [`Interval::UNKNOWN`] when `other` holds 0.
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        let defined = self.defined && other.defined && !other.ends().has_zero();
+        let defined = self.defined & other.defined & !other.ends().has_zero();
         Self::from_ends(self.ends().div(other.ends()), defined)
     }
 }

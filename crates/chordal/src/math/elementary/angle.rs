@@ -41,17 +41,14 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     let (a, b) = (if both_infinite { 1.0 } else { a * scale }, if both_infinite { 1.0 } else { b * scale });
 
     let (mut ca, mut cb, mut base, mut rest) = (0.0, 0.0, 0.0, 0.0);
-    let mut step = |from: f64, c: f64, angle: (f64, f64)| {
-        let past = a > from * b;
+    for k in 0..4 {
+        let c = 0.25 * (k as f64 + 1.0);
+        let past = a > (c - 0.125) * b;
         ca = if past { c * a } else { ca };
         cb = if past { c * b } else { cb };
-        base = if past { angle.0 } else { base };
-        rest = if past { angle.1 } else { rest };
-    };
-    step(0.125, 0.25, STEPS[0]);
-    step(0.375, 0.5, STEPS[1]);
-    step(0.625, 0.75, STEPS[2]);
-    step(0.875, 1.0, STEPS[3]);
+        base = if past { STEPS[k].0 } else { base };
+        rest = if past { STEPS[k].1 } else { rest };
+    }
     let t = (a - cb) / (b + ca);
     let t = if b == 0.0 { 0.0 } else { t };
     let z = t * t;

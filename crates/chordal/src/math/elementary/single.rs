@@ -36,11 +36,20 @@ pub(crate) fn sin_cos_near(x: f32) -> (f32, f32) {
     c = -1.0 / 720.0 + z * c;
     c = 1.0 / 24.0 + z * c;
     let cosine = (1.0 - 0.5 * z) + z * (z * c);
-    let turned = |turns: u32| {
-        let value = if turns & 1 == 0 { sine } else { cosine };
-        f32::from_bits(value.to_bits() ^ ((turns & 2) << 30))
-    };
-    (turned(turns), turned(turns.wrapping_add(1)))
+    (turned(sine, cosine, turns), turned(sine, cosine, turns.wrapping_add(1)))
+}
+
+/// The sine or cosine `turns` quarter turns on.
+#[inline(always)]
+fn turned(sine: f32, cosine: f32, turns: u32) -> f32 {
+    let value = if turns & 1 == 0 { sine } else { cosine };
+    f32::from_bits(value.to_bits() ^ ((turns & 2) << 30))
+}
+
+/// 2ⁿ for a whole |n| below 120, by its bits.
+#[inline(always)]
+fn power_of_two(n: f32) -> f32 {
+    f32::from_bits((n + TO_WHOLE).to_bits().wrapping_add(127) << 23)
 }
 
 /// The sine of `x` radians.
@@ -69,7 +78,6 @@ pub fn tan(x: f32) -> f32 {
 #[must_use]
 #[inline(always)]
 pub fn exp(x: f32) -> f32 {
-    let power_of_two = |n: f32| f32::from_bits((n + TO_WHOLE).to_bits().wrapping_add(127) << 23);
     let x = if x > 89.0 { 89.0 } else { x };
     let x = if x < -104.0 { -104.0 } else { x };
     let k = (x * std::f32::consts::LOG2_E + TO_WHOLE) - TO_WHOLE;
@@ -126,17 +134,15 @@ pub fn atan2(y: f32, x: f32) -> f32 {
     let both_infinite = a == f32::INFINITY;
     let (a, b) = (if both_infinite { 1.0 } else { a * scale }, if both_infinite { 1.0 } else { b * scale });
     let (mut ca, mut cb, mut base) = (0.0, 0.0, 0.0);
-    let mut step = |from: f32, c: f32, angle: f32| {
-        let past = a > from * b;
+    // arctan of 1/4, 1/2, 3/4 and 1.
+    const STEPS: [f32; 4] = [0.244_978_67, 0.463_647_6, 0.643_501_1, std::f32::consts::FRAC_PI_4];
+    for k in 0..4 {
+        let c = 0.25 * (k as f32 + 1.0);
+        let past = a > (c - 0.125) * b;
         ca = if past { c * a } else { ca };
         cb = if past { c * b } else { cb };
-        base = if past { angle } else { base };
-    };
-    // arctan of 1/4, 1/2, 3/4 and 1.
-    step(0.125, 0.25, 0.244_978_67);
-    step(0.375, 0.5, 0.463_647_6);
-    step(0.625, 0.75, 0.643_501_1);
-    step(0.875, 1.0, std::f32::consts::FRAC_PI_4);
+        base = if past { STEPS[k] } else { base };
+    }
     let t = (a - cb) / (b + ca);
     let t = if b == 0.0 { 0.0 } else { t };
     let z = t * t;

@@ -55,6 +55,13 @@ fn up(y: f64, spread: f64) -> f64 {
     -down(-y, spread)
 }
 
+/// −1, 0 or 1 as `a` is below, at or above `b`.
+#[inline(always)]
+fn sign(a: f64, b: f64) -> f64 {
+    let not_below = if a > b { 1.0 } else { 0.0 };
+    if a < b { -1.0 } else { not_below }
+}
+
 impl Ends {
     pub(crate) const EMPTY: Self = Self { lo: f64::INFINITY, hi: f64::NEG_INFINITY };
     pub(crate) const ENTIRE: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
@@ -66,12 +73,12 @@ impl Ends {
 
     #[inline(always)]
     pub(crate) fn has_zero(self) -> bool {
-        self.lo <= 0.0 && self.hi >= 0.0
+        (self.lo <= 0.0) & (self.hi >= 0.0)
     }
 
     #[inline(always)]
     fn is_zero(self) -> bool {
-        self.lo == 0.0 && self.hi == 0.0
+        (self.lo == 0.0) & (self.hi == 0.0)
     }
 
     #[inline(always)]
@@ -128,8 +135,8 @@ impl Ends {
         let (below_b, above_b) = (other.lo < 0.0, other.hi > 0.0);
         let negative = (below_a & above_b) | (above_a & below_b);
         let positive = (below_a & below_b) | (above_a & above_b);
-        let lo = if lo == 0.0 && !negative { 0.0 } else { step_down(lo) };
-        let hi = if hi == 0.0 && !positive { 0.0 } else { step_up(hi) };
+        let lo = if (lo == 0.0) & !negative { 0.0 } else { step_down(lo) };
+        let hi = if (hi == 0.0) & !positive { 0.0 } else { step_up(hi) };
         Self { lo, hi }.unless_either_empty(self, other)
     }
 
@@ -142,17 +149,17 @@ impl Ends {
         // dividends below that may be infinite go with the divisor's low end, which is finite.
         let lo = over.lo / if over.lo >= 0.0 { under.hi } else { under.lo };
         let hi = over.hi / if over.hi >= 0.0 { under.lo } else { under.hi };
-        let lo = if lo == 0.0 && over.lo >= 0.0 { 0.0 } else { step_down(lo) };
-        let hi = if hi == 0.0 && over.hi <= 0.0 { 0.0 } else { step_up(hi) };
+        let lo = if (lo == 0.0) & (over.lo >= 0.0) { 0.0 } else { step_down(lo) };
+        let hi = if (hi == 0.0) & (over.hi <= 0.0) { 0.0 } else { step_up(hi) };
         Self::ENTIRE.or(other.has_zero(), Self { lo, hi }).unless_either_empty(self, other)
     }
 
     #[inline(always)]
     pub(crate) fn abs(self) -> Self {
-        let across = self.lo < 0.0 && self.hi > 0.0;
+        let across = (self.lo < 0.0) & (self.hi > 0.0);
         let larger = upper(-self.lo, self.hi);
         let folded = Self { lo: 0.0, hi: larger };
-        let flipped = self.neg().or(self.hi <= 0.0 && self.lo < 0.0, self);
+        let flipped = self.neg().or((self.hi <= 0.0) & (self.lo < 0.0), self);
         folded.or(across, flipped).unless_empty(self)
     }
 
@@ -295,12 +302,11 @@ impl Ends {
     /// only grows or only falls. An angle that underflows keeps its sign.
     #[inline(always)]
     pub(crate) fn atan2(self, other: Self) -> Self {
-        let corner = |y: f64, x: f64| elementary::atan2(y, x);
-        let (a, b) = (corner(self.lo, other.lo), corner(self.lo, other.hi));
-        let (c, d) = (corner(self.hi, other.lo), corner(self.hi, other.hi));
+        let (a, b) = (elementary::atan2(self.lo, other.lo), elementary::atan2(self.lo, other.hi));
+        let (c, d) = (elementary::atan2(self.hi, other.lo), elementary::atan2(self.hi, other.hi));
         let (lo, hi) = (lower(lower(a, b), lower(c, d)), upper(upper(a, b), upper(c, d)));
-        let lo = if lo == 0.0 && self.lo < 0.0 { -TINY } else { down(lo, spread::ANGLE) };
-        let hi = if hi == 0.0 && self.hi > 0.0 { TINY } else { up(hi, spread::ANGLE) };
+        let lo = if (lo == 0.0) & (self.lo < 0.0) { -TINY } else { down(lo, spread::ANGLE) };
+        let hi = if (hi == 0.0) & (self.hi > 0.0) { TINY } else { up(hi, spread::ANGLE) };
         let all = step_up(std::f64::consts::PI);
         let turn = Self { lo: -all, hi: all };
         Self { lo, hi }.or(self.is_off_cut(other), turn).unless_either_empty(self, other)
@@ -311,7 +317,7 @@ impl Ends {
     pub(crate) fn whole_quotient(self, other: Self) -> f64 {
         let quotient = self.div(other.abs());
         let (first, last) = (quotient.lo.floor(), quotient.hi.floor());
-        if first == last && !other.has_zero() { first } else { f64::NAN }
+        if (first == last) & !other.has_zero() { first } else { f64::NAN }
     }
 
     /// What is left of `self` when whole |other|s are taken away.
