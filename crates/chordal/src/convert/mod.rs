@@ -1,4 +1,5 @@
 //! The bridge: one file per arrow `a_to_b`, each lossy one under a budget and with a bound.
+mod curve_to_field;
 mod curve_to_polyline;
 mod curves;
 mod field_to_grid;
@@ -7,10 +8,12 @@ mod mesh_leaf;
 mod mesh_to_field;
 mod mesh_to_gpu_buffers;
 mod mesh_to_grid;
+mod outline_to_field;
 mod outlines_to_mesh;
 mod patches;
 mod patches_to_mesh;
 
+pub use curve_to_field::curve_to_field;
 pub use curve_to_polyline::{curve_to_polyline, curve_to_polyline_evenly, curves_to_polylines};
 pub use curves::batch::{BezierCutter, Polylines, beziers_to_polylines};
 pub use curves::flatten::Spacing;
@@ -19,5 +22,6 @@ pub use lattice::Lattice;
 pub use mesh_to_field::{MeshField, Solid, mesh_to_field};
 pub use mesh_to_gpu_buffers::{GpuBuffers, Indices, mesh_to_gpu_buffers};
 pub use mesh_to_grid::{Baked, mesh_to_grid};
+pub use outline_to_field::outline_to_field;
 pub use outlines_to_mesh::outlines_to_mesh;
 pub use patches_to_mesh::patches_to_mesh;
