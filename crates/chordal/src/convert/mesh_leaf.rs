@@ -11,7 +11,8 @@ const TASK: usize = 1024;
 #[derive(Clone, Debug)]
 pub(super) struct MeshLeaf {
     bvh: Bvh,
-    sides: Soundings,
+    /// `None` for wires, which have no inside.
+    sides: Option<Soundings>,
     job: Job,
     /// What distances are off by, a share of the mesh's own size.
     rounding: f64,
@@ -28,27 +29,32 @@ pub(super) struct Last {
 
 impl MeshLeaf {
     pub(super) fn new(mesh: &Mesh, job: &Job) -> Result<Self, Stopped> {
+        let mut leaf = Self::wire(mesh, job)?;
+        leaf.sides = Some(Soundings::new(mesh, &leaf.bvh));
+        Ok(leaf)
+    }
+
+    /// The distance alone, inside of nothing.
+    pub(super) fn wire(mesh: &Mesh, job: &Job) -> Result<Self, Stopped> {
         let bvh = Bvh::build(mesh, job)?;
-        let sides = Soundings::new(mesh, &bvh);
         // A few units in the last place of the extent; 64 are far more, and coordinates are rounded before.
         let bounds = bvh.bounds();
         let largest =
             bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
         let rounding =
             if bounds.is_empty() { 0.0 } else { 64.0 * f64::EPSILON * (largest + bounds.diagonal()) };
-        Ok(Self { bvh, sides, job: job.clone(), rounding })
+        Ok(Self { bvh, sides: None, job: job.clone(), rounding })
     }
 
+    /// Whether sides change at triangles only.
     pub(super) fn is_closed(&self) -> bool {
-        self.sides.on(&self.bvh).is_closed()
+        self.sides.as_ref().is_none_or(|sides| sides.on(&self.bvh).is_closed())
     }
 
     /// Whether `p` is inside; never beyond the box of the triangles.
     pub(super) fn is_inside(&self, p: [f64; 3]) -> bool {
-        if !self.bvh.bounds().contains(p) {
-            return false;
-        }
-        let found = self.sides.on(&self.bvh).inside(p);
+        let Some(sides) = self.sides.as_ref().filter(|_| self.bvh.bounds().contains(p)) else { return false };
+        let found = sides.on(&self.bvh).inside(p);
         match found.side {
             Whereabouts::Inside => true,
             Whereabouts::Ambiguous => found.winding.value > 0.5,
@@ -164,6 +170,13 @@ impl Last {
 
     pub(super) fn distance(&self) -> f64 {
         self.distance
+    }
+
+    /// Whether `p` is so near that it is certainly on the same side, and farther than `band` from every triangle.
+    pub(super) fn is_beyond(&self, p: [f64; 3], band: f64) -> bool {
+        // A share that is far more than the rounding of the distances.
+        const SHARE: f64 = 1.0 + 1.0 / (1_u64 << 30) as f64;
+        (length(difference(p, self.point)) + band) * SHARE < self.distance
     }
 }
 

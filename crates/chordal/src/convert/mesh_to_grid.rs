@@ -131,7 +131,12 @@ impl Baking<'_> {
                         self.out[row] = if middle.value() < 0.0 { -self.band } else { self.band };
                         continue;
                     }
-                    let Some(here) = self.leaf.step(self.lattice.at([i, j, k]), self.last) else { continue };
+                    let p = self.lattice.at([i, j, k]);
+                    if let Some(last) = self.last.filter(|last| one_side && last.is_beyond(p, self.band)) {
+                        self.out[row] = if last.value() < 0.0 { -self.band } else { self.band };
+                        continue;
+                    }
+                    let Some(here) = self.leaf.step(p, self.last) else { continue };
                     self.last = Some(here);
                     let value = here.value();
                     let within = here.distance() <= self.band;

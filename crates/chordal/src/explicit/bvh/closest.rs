@@ -150,6 +150,21 @@ impl Query {
     }
 }
 
+/// The squared distance from `q` to the box of a triangle.
+#[inline]
+fn box_square(q: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> f64 {
+    let mut square = 0.0;
+    for k in 0..3 {
+        let (low, high) = if a[k] < b[k] { (a[k], b[k]) } else { (b[k], a[k]) };
+        let (low, high) = (if c[k] < low { c[k] } else { low }, if c[k] > high { c[k] } else { high });
+        let (below, above) = (low - q[k], q[k] - high);
+        let gap = if below > above { below } else { above };
+        let gap = if gap > 0.0 { gap } else { 0.0 };
+        square += gap * gap;
+    }
+    square
+}
+
 /// The triangle with the least value so far.
 #[derive(Clone, Copy)]
 struct Least {
@@ -235,7 +250,19 @@ impl Bvh {
             |triangle: &Triangle| triangle::nearest(query.q, query.corners(self, triangle)).distance_sq;
         let first = self.triangles.get(row as usize)?;
         let start = Least { row, face: first.face & !LAST, square: square(first) };
-        let least = self.least_from(&query, start, square)?;
+        // The box of one triangle is smaller than that of its leaf, and quicker than the triangle.
+        let mut best = start.square;
+        let least = self.least_from(&query, start, |triangle| {
+            // As in [`Near::limit`], with the same slack, which is more than f64 needs, near and far.
+            const RELATIVE: f64 = 1.0 + 1.0 / (1 << 18) as f64;
+            const ABSOLUTE: f64 = 1.0 / (1_u64 << 62) as f64;
+            if box_square(query.q, query.corners(self, triangle)) > best * RELATIVE + ABSOLUTE {
+                return f64::INFINITY;
+            }
+            let value = square(triangle);
+            best = if value < best { value } else { best };
+            value
+        })?;
         Some((least.square.sqrt() / query.scale, least.row))
     }
 
