@@ -11,7 +11,8 @@ fn two_cells_are_closed_and_manifold_in_every_pattern() {
         let mut size = [2; 3];
         size[axis] = 3;
         for pattern in 0..3_u32.pow(12) {
-            let samples: Vec<i8> = (0..12).map(|corner| (pattern / 3_u32.pow(corner) % 3) as i8 - 1).collect();
+            let samples: Vec<i8> =
+                (0..12).map(|corner| (pattern / 3_u32.pow(corner) % 3) as i8 - 1).collect();
             let inside = samples.iter().filter(|v| **v < 0).count();
             let grid = Grid::new(size, Samples::I8(samples), Affine::IDENTITY).unwrap();
             let made = grid_to_triangles::<f64>(&grid, &Polygonize::below(0.0), &job).unwrap();
@@ -39,9 +40,7 @@ fn two_cells_end_at_the_border_only() {
                 let x = made.positions[v as usize][k];
                 [x == 0.0, x == (size[k] - 1) as f64]
             };
-            let in_border = |a: u32, b: u32| {
-                (0..3).any(|k| (0..2).any(|end| on(a, k)[end] && on(b, k)[end]))
-            };
+            let in_border = |a: u32, b: u32| (0..3).any(|k| (0..2).any(|end| on(a, k)[end] && on(b, k)[end]));
             assert_eq!(flaw(made.positions.len(), &made.faces, in_border), None, "{pattern} along {axis}");
         }
     }

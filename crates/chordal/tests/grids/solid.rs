@@ -103,8 +103,11 @@ fn finds_what_it_has_to_refuse() {
     let mut turned = tetrahedron;
     turned[0].swap(0, 1);
     assert!(flaw(4, &turned, |_, _| false).is_some());
-    let pair: Vec<[u32; 3]> =
-        tetrahedron.iter().copied().chain(tetrahedron.map(|f| f.map(|i| if i == 0 { 0 } else { i + 3 }))).collect();
+    let pair: Vec<[u32; 3]> = tetrahedron
+        .iter()
+        .copied()
+        .chain(tetrahedron.map(|f| f.map(|i| if i == 0 { 0 } else { i + 3 })))
+        .collect();
     assert!(flaw(7, &pair, |_, _| false).is_some_and(|text| text.contains("fan")));
     assert_eq!(flat(&[[0.0; 3], [1.0; 3], [2.0; 3]], &[[0, 1, 2]]), Some(0));
 }

@@ -131,7 +131,8 @@ impl<'a, S: Source> Proof<'a, S> {
                 axes.swap(a, b);
             }
         }
-        let mut best = self.diagonal;
+        // Where a side may be wrong a cell need not hold both.
+        let mut best = if self.slack == 0.0 { self.diagonal } else { f64::INFINITY };
         for (slope, axis) in axes {
             if best <= enough || slope <= 0.0 {
                 break;
@@ -154,7 +155,8 @@ impl<'a, S: Source> Proof<'a, S> {
         for up in [true, false] {
             // g rises towards outside.
             let (wanted, outward) = if up == rises { (0, true) } else { (LOW_BITS[axis], false) };
-            let end = |cell: &Cell| (if up { cell.signs >> (1 << axis) } else { cell.signs }) & LOW_BITS[axis];
+            let end =
+                |cell: &Cell| (if up { cell.signs >> (1 << axis) } else { cell.signs }) & LOW_BITS[axis];
             let (mut here, mut current) = (at, *cell);
             for step in 0.. {
                 if end(&current) == wanted && (self.slack == 0.0 || self.is_clear(&current, up, axis)) {

@@ -40,7 +40,8 @@ pub(super) fn write(plan: &Plan, affine: &Affine, faces: &mut [[u32; 3]]) {
         let mut fan = |polygon: &[u32]| {
             for pair in polygon[1..].windows(2) {
                 if let Some(out) = out.next() {
-                    *out = if upright { [polygon[0], pair[0], pair[1]] } else { [polygon[0], pair[1], pair[0]] };
+                    *out =
+                        if upright { [polygon[0], pair[0], pair[1]] } else { [polygon[0], pair[1], pair[0]] };
                 }
             }
         };

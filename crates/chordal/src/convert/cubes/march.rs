@@ -74,7 +74,10 @@ impl Plan {
         if Bits::bytes(size) > job.memory_limit {
             return Err(refused(
                 Code::TooMuchMemory,
-                format!("a bit for each of {} x {} x {} samples is more than the job's memory limit", size[0], size[1], size[2]),
+                format!(
+                    "a bit for each of {} x {} x {} samples is more than the job's memory limit",
+                    size[0], size[1], size[2]
+                ),
             ));
         }
         let bits = Bits::new(source, rule, job);
@@ -120,12 +123,14 @@ impl Plan {
     fn check(&self, job: &Job) -> Result<(), Stopped> {
         let (vertices, triangles) = (self.vertices as u64, self.triangles as u64);
         if triangles > job.triangle_limit {
-            let message = format!("the surface has {triangles} triangles; the limit is {}", job.triangle_limit);
+            let message =
+                format!("the surface has {triangles} triangles; the limit is {}", job.triangle_limit);
             return Err(refused(Code::TooManyTriangles, message));
         }
         // The limits of `Mesh`, whose half-edges are counted in 31 bits.
         if vertices >= u64::from(u32::MAX) || triangles > u64::from(u32::MAX) / 6 {
-            let message = format!("{vertices} vertices and {triangles} triangles are more than one mesh can number");
+            let message =
+                format!("{vertices} vertices and {triangles} triangles are more than one mesh can number");
             return Err(refused(Code::TooManyTriangles, message));
         }
         let bytes = Bits::bytes(self.bits.size) + 24 * vertices + 12 * triangles;
@@ -251,7 +256,8 @@ impl Kernel for Count<'_> {
             for j in 0..ny {
                 let mut counts = [0; KINDS];
                 for (kind, count) in counts.iter_mut().enumerate() {
-                    *count = (0..bits.width()).map(|word| bits.vertices(kind, [j, k], word).count_ones()).sum();
+                    *count =
+                        (0..bits.width()).map(|word| bits.vertices(kind, [j, k], word).count_ones()).sum();
                 }
                 slab.rows.push(counts);
                 if j + 1 < ny && k + 1 < nz {

@@ -17,20 +17,8 @@
 use std::sync::LazyLock;
 
 /// The two corners of each edge, the lower one first.
-pub(super) const EDGES: [[u8; 2]; 12] = [
-    [0, 1],
-    [2, 3],
-    [4, 5],
-    [6, 7],
-    [0, 2],
-    [1, 3],
-    [4, 6],
-    [5, 7],
-    [0, 4],
-    [1, 5],
-    [2, 6],
-    [3, 7],
-];
+pub(super) const EDGES: [[u8; 2]; 12] =
+    [[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7]];
 
 /// The corners of each face, counter-clockwise as seen from outside of the cell.
 const FACES: [[u8; 4]; 6] =
