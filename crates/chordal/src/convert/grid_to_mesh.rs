@@ -255,7 +255,7 @@ fn with_normals<S: Source>(
 }
 
 /// What a bound in exact coordinates is for the vertices as written.
-fn bound(
+pub(super) fn bound(
     farthest: Farthest,
     evidence: Evidence,
     (affine, rule): (&Affine, &Polygonize),

@@ -1,5 +1,6 @@
 //! From a volume of labels to a mesh for each: `labels_to_meshes`.
-use super::cubes::caps::{Spot, polygons};
+use super::cubes::bound::{Farthest, diagonal};
+use super::cubes::caps::{Spot, triangles};
 use super::cubes::march::refused;
 use super::cubes::rule::{Border, Place, Polygonize};
 use super::cubes::table::{EDGES, TABLE};
@@ -65,7 +66,7 @@ pub fn labels_to_meshes(
         let only = rule.background.unwrap_or(0);
         return Err(Failure::refused(Code::Empty, format!("every sample has the label {only}, which is the background")));
     }
-    let diagonal = super::cubes::bound::Farthest { most: super::cubes::bound::diagonal(grid.affine()), at: [0; 3] };
+    let diagonal = Farthest { most: diagonal(grid.affine()), at: [0; 3] };
     let of = |mesh: Mesh| {
         let mut bound = bound(diagonal, Evidence::Proved, (grid.affine(), &shape), grid.size());
         bound.at = None;
@@ -112,40 +113,35 @@ impl<'a> Sheets<'a> {
 
     fn build(&mut self, label_of: impl Fn(usize) -> Option<u32>, job: &Job) -> Result<(), Stopped> {
         let [nx, ny, nz] = self.grid.size();
+        let grid = self.grid;
         let read = |k: usize| -> Result<Plane, Stopped> {
-            let labels = (k * nx * ny..(k + 1) * nx * ny).map(|at| label_of(at).ok_or_else(|| no_label(self.grid, at)));
+            let labels =
+                (k * nx * ny..(k + 1) * nx * ny).map(|at| label_of(at).ok_or_else(|| no_label(grid, at)));
             Ok(Plane { labels: labels.collect::<Result<_, _>>()?, ..Plane::default() })
         };
-        let mut next = Some(read(0)?);
-        for k in 0..nz {
+        let capped = [0, 1].map(|end| self.rule.border[2][end] == Border::Capped);
+        let mut low = read(0)?;
+        self.begin(&mut low, 0);
+        if capped[0] {
+            self.lid(&low, 0);
+        }
+        for k in 0..nz - 1 {
             if job.is_cancelled() {
                 return Err(Stopped::Cancelled);
             }
-            job.report(Progress { stage: "labels", done: k as u64, total: nz as u64 });
-            let Some(mut low) = next.take() else { break };
-            let grid = self.grid;
-            let read = |k: usize| -> Result<Plane, Stopped> {
-                let labels = (k * nx * ny..(k + 1) * nx * ny).map(|at| label_of(at).ok_or_else(|| no_label(grid, at)));
-                Ok(Plane { labels: labels.collect::<Result<_, _>>()?, ..Plane::default() })
-            };
-            if low.edges[0].is_empty() {
-                self.begin(&mut low, k);
-            }
-            if k + 1 < nz {
-                let mut high = read(k + 1)?;
-                self.begin(&mut high, k + 1);
-                self.join(&mut low, &high, k);
-                self.cells(&low, &high);
-                self.walls(&low, &high);
-                next = Some(high);
-            }
-            let ends = [k == 0, k + 1 == nz];
-            for (end, _) in ends.into_iter().enumerate().filter(|(end, is)| *is && self.rule.border[2][*end] == Border::Capped) {
-                self.lid(&low, end);
-            }
+            job.report(Progress { stage: "labels", done: k as u64, total: nz as u64 - 1 });
+            let mut high = read(k + 1)?;
+            self.begin(&mut high, k + 1);
+            self.join(&mut low, &high, k);
+            self.cells(&low, &high);
+            self.walls(&low, &high);
             self.check(job)?;
+            low = high;
         }
-        Ok(())
+        if capped[1] {
+            self.lid(&low, 1);
+        }
+        self.check(job)
     }
 
     fn check(&self, job: &Job) -> Result<(), Stopped> {
@@ -270,13 +266,13 @@ impl<'a> Sheets<'a> {
                 for p in 0..count - 1 {
                     let (a, b) = (start + p * step, start + (p + 1) * step);
                     // Along the other axis, then up: seen from outside of the low x and the high y this turns left.
-                    let mut corners = [(low, a), (low, b), (high, b), (high, a)];
+                    let mut corners = [(0, a), (0, b), (1, b), (1, a)];
                     let mut sides = [low.edges[1 - axis][a], low.edges[2][b], high.edges[1 - axis][a], low.edges[2][a]];
                     if (axis == 0) == (end == 0) {
                         corners = [corners[3], corners[2], corners[1], corners[0]];
                         sides = [sides[2], sides[1], sides[0], sides[3]];
                     }
-                    self.square(corners, sides);
+                    self.square([low, high], corners, sides);
                 }
             }
         }
@@ -288,39 +284,43 @@ impl<'a> Sheets<'a> {
         for j in 0..ny - 1 {
             for i in 0..nx - 1 {
                 let at = i + nx * j;
-                let mut corners = [at, at + 1, at + nx + 1, at + nx].map(|at| (plane, at));
+                let mut corners = [at, at + 1, at + nx + 1, at + nx].map(|at| (0, at));
                 let mut sides = [plane.edges[0][at], plane.edges[1][at + 1], plane.edges[0][at + nx], plane.edges[1][at]];
                 if end == 0 {
                     corners = [corners[3], corners[2], corners[1], corners[0]];
                     sides = [sides[2], sides[1], sides[0], sides[3]];
                 }
-                self.square(corners, sides);
+                self.square([plane; 2], corners, sides);
             }
         }
     }
 
-    /// The caps of all labels in one square: its corners counter-clockwise from outside, and the vertices of the side after each.
-    fn square(&mut self, corners: [(&Plane, usize); 4], sides: [[u32; 2]; 4]) {
-        let labels = corners.map(|(plane, at)| plane.labels[at]);
+    /// The caps of all labels in one square: the plane and the place of each corner, counter-clockwise from outside, and the vertices of the
+    /// side after each.
+    fn square(&mut self, planes: [&Plane; 2], corners: [(usize, usize); 4], sides: [[u32; 2]; 4]) {
+        let of = |(plane, at): (usize, usize)| planes[plane].labels[at];
+        let labels = corners.map(of);
         for (first, label) in labels.into_iter().enumerate() {
             if labels[..first].contains(&label) || self.rule.background == Some(label) {
                 continue;
             }
             let number = |spot: Spot| match spot {
-                Spot::Corner(i) => corners[i].0.samples[corners[i].1],
+                Spot::Corner(i) => planes[corners[i].0].samples[corners[i].1],
                 Spot::Side(i) => {
-                    // The lower sample of a side is in the lower plane, or has the lower place there.
-                    let order = |(plane, at): (&Plane, usize)| (!std::ptr::eq(plane, corners[i].0), at);
                     let (here, there) = (corners[i], corners[(i + 1) % 4]);
-                    let upward = sides_up(here, there, &corners);
-                    let _ = order;
-                    let lower = if upward { here } else { there };
-                    sides[i][usize::from(lower.0.labels[lower.1] != label)]
+                    let lower = if here < there { here } else { there };
+                    sides[i][usize::from(of(lower) != label)]
                 }
             };
-            let mut faces = Vec::new();
-            triangles(labels.map(|l| l == label), number, |face| faces.push(face));
-            faces.into_iter().for_each(|face| self.face(label, face));
+            triangles(labels.map(|other| other == label), number, |face| self.face(label, face));
         }
     }
+}
+
+fn no_label(grid: &Grid, at: usize) -> Stopped {
+    let [nx, ny, _] = grid.size();
+    let (i, j, k) = (at % nx, at / nx % ny, at / (nx * ny));
+    let found = grid.samples().get(at);
+    let message = format!("sample ({i}, {j}, {k}) is {found}, and a label is a whole number from 0 to 4294967295");
+    refused(Code::Unsupported, message)
 }

@@ -9,6 +9,7 @@ mod leaf;
 mod op;
 mod plain;
 mod tape;
+mod trilinear;
 
 pub use affine::{Affine, InvalidAffine};
 pub use distance::{Distance, Quality};
@@ -21,3 +22,4 @@ pub use leaf::{Answer, Leaf, LeafError, Lipschitz};
 pub use op::{Binary, Unary};
 pub use plain::Slope;
 pub use tape::Tape;
+pub use trilinear::Trilinear;

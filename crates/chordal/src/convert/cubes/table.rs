@@ -17,7 +17,7 @@
 use std::sync::LazyLock;
 
 /// The two corners of each edge, the lower one first.
-pub(super) const EDGES: [[u8; 2]; 12] =
+pub(in crate::convert) const EDGES: [[u8; 2]; 12] =
     [[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7]];
 
 /// The corners of each face, counter-clockwise as seen from outside of the cell.
@@ -25,11 +25,11 @@ const FACES: [[u8; 4]; 6] =
     [[4, 6, 2, 0], [1, 3, 7, 5], [1, 5, 4, 0], [2, 6, 7, 3], [2, 3, 1, 0], [4, 5, 7, 6]];
 
 /// The most triangles in a cell.
-pub(super) const MOST: usize = 5;
+pub(in crate::convert) const MOST: usize = 5;
 
 /// What a cell of certain signs adds to the mesh.
 #[derive(Clone, Copy)]
-pub(super) struct Case {
+pub(in crate::convert) struct Case {
     /// How many triangles it has.
     pub triangles: u8,
     /// Their edges; counter-clockwise seen from outside of the shape, in a space that is not mirrored.
@@ -42,13 +42,13 @@ pub(super) struct Case {
 }
 
 /// All cells by the bits of their inside corners; the second with every triangle turned around, for mirrored lattices.
-pub(super) struct Table {
+pub(in crate::convert) struct Table {
     pub upright: [Case; 256],
     pub mirrored: [Case; 256],
 }
 
 /// The table, made at its first use in less than a millisecond.
-pub(super) static TABLE: LazyLock<Table> = LazyLock::new(|| {
+pub(in crate::convert) static TABLE: LazyLock<Table> = LazyLock::new(|| {
     let upright: [Case; 256] = std::array::from_fn(|signs| case(signs as u8));
     let mut mirrored = upright;
     for case in &mut mirrored {
@@ -58,7 +58,7 @@ pub(super) static TABLE: LazyLock<Table> = LazyLock::new(|| {
 });
 
 /// Whether the two ends of an edge differ.
-pub(super) fn is_crossed(signs: u8, edge: usize) -> bool {
+pub(in crate::convert) fn is_crossed(signs: u8, edge: usize) -> bool {
     let [a, b] = EDGES[edge];
     (signs >> a ^ signs >> b) & 1 == 1
 }
