@@ -1,13 +1,15 @@
 //! From samples on a lattice to triangles: `grid_to_mesh`.
 use super::cubes::bound::{Farthest, Proof};
+use super::cubes::finer::Finer;
 use super::cubes::march::{Coordinate, Marched, Plan, march, refused};
 use super::cubes::normals::gradient_normals;
 use super::cubes::rule::{Normals, Polygonize};
 use super::cubes::source::{Dense, Source};
-use crate::budget::{Bound, Bounded, Budget, Code, Failure, Job, Reference, Stopped};
+use crate::budget::{Bound, Bounded, Budget, Code, Evidence, Failure, Job, Reference, Stopped, Tolerance};
 use crate::explicit::{Attribute, Mesh};
-use crate::implicit::{Affine, Grid, with_samples};
+use crate::implicit::{Affine, Grid, Samples, with_samples};
 use crate::math::{add_up, cross, dot, flushes_subnormals, length, mul_up};
+use std::sync::atomic::Ordering;
 
 /// The level surface of a grid's trilinear interpolant, as triangles.
 ///
@@ -59,19 +61,96 @@ pub fn grid_to_mesh(
     job.run(|| {
         with_samples!(grid.samples(), values => {
             let source = Dense { values, size: grid.size(), rule: *rule };
-            let made = meshed(&source, grid.affine(), rule, job)?;
-            let most = made.bound.at_most();
-            let asked = budget.and_then(|budget| budget.length);
-            if let Some(asked) = asked.filter(|asked| most.is_none_or(|most| most > asked.get())) {
-                let _ = asked;
-                return Err(Failure::Unmet(Box::new(made)));
-            }
-            match budget.and_then(|budget| budget.triangles) {
-                Some(most) if (made.shape.faces().len() as u64) > most => Err(Failure::Unmet(Box::new(made))),
-                _ => Ok(made),
-            }
+            refined(&source, grid, (rule, budget), job)
         })
     })
+}
+
+/// Halves cells until the budget's length holds.
+fn refined<S: Source>(
+    source: &S,
+    grid: &Grid,
+    (rule, budget): (&Polygonize, Option<&Budget>),
+    job: &Job,
+) -> Result<Bounded<Mesh>, Failure<Mesh>> {
+    let length = budget.and_then(|budget| budget.length).map_or(f64::INFINITY, Tolerance::get);
+    let most = budget.and_then(|budget| budget.triangles).unwrap_or(u64::MAX);
+    let mut best = meshed(source, grid.affine(), rule, job)?;
+    let numbers = numbers(grid.samples());
+    for halvings in 1..=MOST_HALVINGS {
+        let triangles = best.shape.faces().len() as u64;
+        if triangles > most || reached(&best) <= length {
+            break;
+        }
+        // Halved cells have four times the triangles, or nearly.
+        if 3 * triangles > most.min(job.triangle_limit) {
+            break;
+        }
+        let finer = Finer::new(source, rule, halvings, numbers);
+        let Some(affine) = finer.affine(grid.affine()) else { break };
+        let rule = Polygonize { offset: rule.offset.map(|i| i << halvings), ..*rule };
+        if check(finer.size(), &affine, &rule).is_err() {
+            break;
+        }
+        match finer_mesh(&finer, &affine, &rule, job) {
+            // A cell without a steady slope keeps its diagonal, which halves with it.
+            Ok(next) if reached(&next) < reached(&best) => best = next,
+            Ok(_) | Err(Stopped::Refused(_)) => break,
+            Err(Stopped::Cancelled) => return Err(Failure::Cancelled),
+        }
+    }
+    let fits = best.shape.faces().len() as u64 <= most && reached(&best) <= length;
+    if fits { Ok(best) } else { Err(Failure::Unmet(Box::new(best))) }
+}
+
+/// How often cells are halved at most: 4,096 for one.
+const MOST_HALVINGS: u32 = 12;
+
+fn reached(made: &Bounded<Mesh>) -> f64 {
+    made.bound.at_most().unwrap_or(f64::INFINITY)
+}
+
+/// The mesh of a finer lattice. Where its values are rounded, either the proof holds for all values that they may stand for,
+/// or it is under the promise that they are taken as they are.
+fn finer_mesh<S: Source>(
+    finer: &Finer<'_, S>,
+    affine: &Affine,
+    rule: &Polygonize,
+    job: &Job,
+) -> Result<Bounded<Mesh>, Stopped> {
+    let Marched { positions, faces, plan } = march::<f64, _>(finer, affine, rule, job)?;
+    let farthest = Proof::new(finer, affine, rule).farthest(&plan, job);
+    let sure = finer.slack == 0.0 || !finer.unsure.load(Ordering::Relaxed);
+    let strict = if finer.slack == 0.0 || !sure {
+        farthest
+    } else {
+        Proof::new(finer, affine, rule).with_slack(finer.slack).farthest(&plan, job)
+    };
+    if job.is_cancelled() {
+        return Err(Stopped::Cancelled);
+    }
+    let evidence = if sure && strict.most.is_finite() {
+        Evidence::Proved
+    } else {
+        Evidence::ProvedIf(vec![
+            "values of the interpolant between samples are taken as rounded to f64".into(),
+        ])
+    };
+    let farthest = if evidence == Evidence::Proved { strict } else { farthest };
+    let mesh = with_normals(Mesh::by_construction(positions, faces), finer, affine, (rule, &plan, job));
+    Ok(Bounded { shape: mesh, bound: bound(farthest, evidence, (affine, rule), finer.size()) })
+}
+
+/// The largest size of a sample, and the bits of samples that are whole numbers.
+fn numbers(samples: &Samples) -> (f64, Option<u32>) {
+    let bits = match samples {
+        Samples::F32(_) | Samples::F64(_) => None,
+        whole => Some(8 * whole.width() as u32),
+    };
+    let largest = with_samples!(samples, values => {
+        values.iter().map(|v| f64::from(*v).abs()).fold(0.0, |most, v| if v > most && v.is_finite() { v } else { most })
+    });
+    (largest, bits)
 }
 
 /// Triangles as plain arrays, without a bound.
@@ -121,6 +200,28 @@ pub fn grid_to_triangles<P: Coordinate>(
     })
 }
 
+/// The names of the vertices that [`grid_to_mesh`] (without a budget) and [`grid_to_triangles`] make, in their order.
+///
+/// Cost: O(samples) to compare them, 40 bytes a vertex.
+///
+/// # Errors
+/// As for [`grid_to_triangles`].
+pub fn vertex_keys(grid: &Grid, rule: &Polygonize, job: &Job) -> Result<Vec<VertexKey>, Stopped> {
+    check(grid.size(), grid.affine(), rule)?;
+    job.run(|| {
+        with_samples!(grid.samples(), values => {
+            let source = Dense { values, size: grid.size(), rule: *rule };
+            let plan = Plan::new(&source, rule, job)?;
+            Ok(plan.for_each_vertex(job, |kind, at| VertexKey {
+                lattice: [0, 1, 2].map(|k| rule.offset[k] + at[k] as i64),
+                level: 0,
+                kind: kind as u8,
+                sheet: 0,
+            }))
+        })
+    })
+}
+
 /// The mesh of any source, with its bound.
 pub(super) fn meshed<S: Source>(
     source: &S,
@@ -136,21 +237,35 @@ pub(super) fn meshed<S: Source>(
     if job.is_cancelled() {
         return Err(Stopped::Cancelled);
     }
-    let mut mesh = Mesh::by_construction(positions, faces);
-    if rule.normals == Normals::Gradient {
-        let normals = gradient_normals(source, affine, rule, (&plan, job));
-        mesh = mesh.with_attribute(Attribute::vertex_normals(&normals)).unwrap_or_default();
+    let mesh = with_normals(Mesh::by_construction(positions, faces), source, affine, (rule, &plan, job));
+    Ok(Bounded { shape: mesh, bound: bound(farthest, Evidence::Proved, (affine, rule), source.size()) })
+}
+
+fn with_normals<S: Source>(
+    mesh: Mesh,
+    source: &S,
+    affine: &Affine,
+    (rule, plan, job): (&Polygonize, &Plan, &Job),
+) -> Mesh {
+    if rule.normals == Normals::None {
+        return mesh;
     }
-    Ok(Bounded { shape: mesh, bound: bound(farthest, affine, rule, source.size()) })
+    let normals = gradient_normals(source, affine, rule, (plan, job));
+    mesh.with_attribute(Attribute::vertex_normals(&normals)).expect("one normal for each vertex")
 }
 
 /// What a bound in exact coordinates is for the vertices as written.
-fn bound(farthest: Farthest, affine: &Affine, rule: &Polygonize, size: [usize; 3]) -> Bound {
+pub(super) fn bound(
+    farthest: Farthest,
+    evidence: Evidence,
+    (affine, rule): (&Affine, &Polygonize),
+    size: [usize; 3],
+) -> Bound {
     let edge = affine.steps().map(length).into_iter().fold(0.0, |most, l| if l > most { l } else { most });
     // A place on an edge has three roundings and the margin; the rest are those of the transform.
     let moved = mul_up(mul_up(edge, 1.0 + 8.0 * f64::EPSILON), add_up(rule.margin, 4.0 * f64::EPSILON));
     let most = add_up(add_up(farthest.most, moved), rounding(affine, rule, size));
-    let mut bound = Bound::proved(0.0, most, Reference::Trilinear);
+    let mut bound = Bound::with_evidence(0.0, Some(most), evidence, Reference::Trilinear);
     let at = farthest.at.map(|i| i as f64 + 0.5);
     bound.at = Some(affine.at([0, 1, 2].map(|k| at[k] + rule.offset[k] as f64)));
     bound

@@ -19,6 +19,7 @@ mod shorten;
 mod slope;
 mod sources;
 mod tape;
+mod trilinear;
 
 pub use affine::{Affine, InvalidAffine};
 pub use combine::Repeat;
@@ -32,3 +33,4 @@ pub use leaf::{Answer, Leaf, LeafError, Lipschitz};
 pub use op::{Binary, Unary};
 pub use slope::Slope;
 pub use tape::Tape;
+pub use trilinear::Trilinear;

@@ -6,7 +6,7 @@ use chordal::implicit::{Affine, Grid, Samples};
 
 /// How many volumes; a million with PROPTEST_CASES=1000000.
 fn cases() -> u64 {
-    std::env::var("PROPTEST_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(200_000)
+    std::env::var("PROPTEST_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(100_000)
 }
 
 fn samples(random: &mut Random, n: usize) -> Samples {

@@ -49,14 +49,6 @@ impl Bits {
         self.row(j, k)[i / 64] >> (i % 64) & 1 == 1
     }
 
-    /// The signs of the corners of a cell.
-    pub fn signs(&self, [i, j, k]: [usize; 3]) -> u8 {
-        let pair = |j: usize, k: usize| {
-            u8::from(self.is_inside([i, j, k])) | u8::from(self.is_inside([i + 1, j, k])) << 1
-        };
-        pair(j, k) | pair(j + 1, k) << 2 | pair(j, k + 1) << 4 | pair(j + 1, k + 1) << 6
-    }
-
     /// Of the samples from 64·word on, those that begin a cell.
     #[inline(always)]
     fn cells(&self, word: usize) -> u64 {

@@ -85,15 +85,7 @@ const LOW_BITS: [u8; 3] = [0b0101_0101, 0b0011_0011, 0b0000_1111];
 impl<'a, S: Source> Proof<'a, S> {
     pub fn new(source: &'a S, affine: &Affine, rule: &'a Polygonize) -> Self {
         let steps = affine.steps();
-        let diagonals = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|[y, z]| {
-            length_up([0, 1, 2].map(|k| {
-                let sum = (steps[0][k] + y * steps[1][k]) + z * steps[2][k];
-                let size = (steps[0][k].abs() + steps[1][k].abs()) + steps[2][k].abs();
-                // Two additions, each with a rounding of at most that share of the size.
-                add_up(sum.abs(), mul_up(4.0 * ROUNDING, size))
-            }))
-        });
-        let diagonal = diagonals.into_iter().fold(0.0, |most, d| if d > most { d } else { most });
+        let diagonal = diagonal(affine);
         let lengths = steps.map(|step| length_up(step.map(f64::abs)));
         Self { source, rule, size: source.size(), lengths, diagonal, slack: 0.0 }
     }
@@ -131,7 +123,8 @@ impl<'a, S: Source> Proof<'a, S> {
                 axes.swap(a, b);
             }
         }
-        let mut best = self.diagonal;
+        // Where a side may be wrong a cell need not hold both.
+        let mut best = if self.slack == 0.0 { self.diagonal } else { f64::INFINITY };
         for (slope, axis) in axes {
             if best <= enough || slope <= 0.0 {
                 break;
@@ -234,6 +227,20 @@ fn error(v: &[f64; 8]) -> f64 {
     });
     let rounding = mul_up(32.0 * ROUNDING, (high - low).next_up());
     add_up(0.25 * add_up(add_up(xy, xz), yz), rounding)
+}
+
+/// The longest diagonal of a cell, rounded up.
+pub(crate) fn diagonal(affine: &Affine) -> f64 {
+    let steps = affine.steps();
+        let diagonals = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|[y, z]| {
+            length_up([0, 1, 2].map(|k| {
+                let sum = (steps[0][k] + y * steps[1][k]) + z * steps[2][k];
+                let size = (steps[0][k].abs() + steps[1][k].abs()) + steps[2][k].abs();
+                // Two additions, each with a rounding of at most that share of the size.
+                add_up(sum.abs(), mul_up(4.0 * ROUNDING, size))
+            }))
+        });
+        diagonals.into_iter().fold(0.0, |most, d| if d > most { d } else { most })
 }
 
 fn length_up(sides: [f64; 3]) -> f64 {

@@ -31,6 +31,45 @@ pub(super) fn count(bits: &Bits) -> u64 {
     count
 }
 
+/// A corner of a polygon of a square.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::convert) enum Spot {
+    /// The square's corner of that number.
+    Corner(usize),
+    /// The crossing on the side from that corner to the next.
+    Side(usize),
+}
+
+/// The polygons of a square with these corners inside, to be cut into fans from their first corners.
+fn polygons(inside: [bool; 4]) -> Vec<Vec<Spot>> {
+    if inside == [true; 4] {
+        return vec![(0..4).map(Spot::Corner).collect()];
+    }
+    // A run of inside corners begins where the corner before is outside.
+    let firsts = (0..4).filter(|&i| inside[i] && !inside[(i + 3) % 4]);
+    let polygon = |first: usize| {
+        let run = (1..4).find(|n| !inside[(first + n) % 4]).unwrap_or(1);
+        let mut polygon: Vec<Spot> = (first..first + run).map(|i| Spot::Corner(i % 4)).collect();
+        polygon.extend([Spot::Side((first + run - 1) % 4), Spot::Side((first + 3) % 4)]);
+        polygon
+    };
+    firsts.map(polygon).collect()
+}
+
+/// The triangles of the polygons of a square, counter-clockwise from outside.
+pub(in crate::convert) fn triangles(
+    inside: [bool; 4],
+    mut number: impl FnMut(Spot) -> u32,
+    mut each: impl FnMut([u32; 3]),
+) {
+    for polygon in polygons(inside) {
+        let numbers: Vec<u32> = polygon.into_iter().map(&mut number).collect();
+        for pair in numbers[1..].windows(2) {
+            each([numbers[0], pair[0], pair[1]]);
+        }
+    }
+}
+
 /// Writes the triangles of the caps.
 pub(super) fn write(plan: &Plan, affine: &Affine, faces: &mut [[u32; 3]]) {
     let upright = affine.orientation() > 0;
@@ -44,24 +83,15 @@ pub(super) fn write(plan: &Plan, affine: &Affine, faces: &mut [[u32; 3]]) {
                         if upright { [polygon[0], pair[0], pair[1]] } else { [polygon[0], pair[1], pair[0]] };
                 }
             }
+        let number = |spot: Spot| match spot {
+            Spot::Corner(i) => plan.vertex(3, square[i]),
+            Spot::Side(i) => crossing(plan, square[i], square[(i + 1) % 4]),
         };
-        let corner = |i: usize| plan.vertex(3, square[i % 4]);
-        let side = |i: usize| crossing(plan, square[i % 4], square[(i + 1) % 4]);
-        if inside == [true; 4] {
-            return fan(&[corner(0), corner(1), corner(2), corner(3)]);
-        }
-        // A run of inside corners begins where the corner before is outside.
-        for first in (0..4).filter(|&i| inside[i] && !inside[(i + 3) % 4]) {
-            let mut polygon = vec![];
-            let mut i = first;
-            while inside[i % 4] {
-                polygon.push(corner(i));
-                i += 1;
+        triangles(inside, number, |[a, b, c]| {
+            if let Some(out) = out.next() {
+                *out = if upright { [a, b, c] } else { [a, c, b] };
             }
-            polygon.push(side(i - 1));
-            polygon.push(side(first + 3));
-            fan(&polygon);
-        }
+        });
     });
 }
 

@@ -137,11 +137,6 @@ impl Place {
         Self { rows: affine.rows(), offset }
     }
 
-    /// The first index in the larger lattice.
-    pub(crate) fn offset(&self) -> [i64; 3] {
-        self.offset
-    }
-
     /// The index along an axis in the larger lattice.
     #[inline(always)]
     pub(crate) fn global(&self, axis: usize, index: usize) -> f64 {

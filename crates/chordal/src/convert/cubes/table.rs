@@ -25,7 +25,7 @@ const FACES: [[u8; 4]; 6] =
     [[4, 6, 2, 0], [1, 3, 7, 5], [1, 5, 4, 0], [2, 6, 7, 3], [2, 3, 1, 0], [4, 5, 7, 6]];
 
 /// The most triangles in a cell.
-pub(super) const MOST: usize = 5;
+pub(in crate::convert) const MOST: usize = 5;
 
 /// What a cell of certain signs adds to the mesh.
 #[derive(Clone, Copy)]
@@ -58,7 +58,7 @@ pub(in crate::convert) static TABLE: LazyLock<Table> = LazyLock::new(|| {
 });
 
 /// Whether the two ends of an edge differ.
-pub(super) fn is_crossed(signs: u8, edge: usize) -> bool {
+pub(in crate::convert) fn is_crossed(signs: u8, edge: usize) -> bool {
     let [a, b] = EDGES[edge];
     (signs >> a ^ signs >> b) & 1 == 1
 }
