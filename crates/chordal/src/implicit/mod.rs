@@ -10,7 +10,6 @@ mod leaf;
 mod machine;
 mod number;
 mod op;
-mod plain;
 pub mod plain;
 mod program;
 pub mod query;
