@@ -5,8 +5,8 @@ use super::field::{FieldPicture, NotDrawn, Tile, assemble, each_tile, refused};
 use super::options::{Background, Options, Show, Viewpoint};
 use super::trace::{Sample, backdrop, ready};
 use crate::budget::{Camera, Job, Projection, Screen};
-use crate::implicit::query::Counts;
-use crate::implicit::{Field, LeafError, Slope, Tape};
+use crate::implicit::query::{Counts, contains, normals};
+use crate::implicit::{Field, LeafError, Tape};
 use crate::math::{Box3, Interval};
 use glam::DVec3;
 
@@ -15,6 +15,8 @@ const INK: [u8; 3] = [38, 48, 62];
 /// Pixels along the side of the first tiles, and of the last ones, which are evaluated pixel by pixel.
 const FIRST: u32 = 128;
 const LAST: u32 = 8;
+/// Points along the side of a pixel on the outline, for each ray along it that a picture in space would have.
+const PARTS: u32 = 2;
 /// The share of the picture that the field's box takes, as for drawings.
 const FRAMED: f64 = 0.92;
 
@@ -36,7 +38,7 @@ pub(super) fn draw(field: &Field, options: &Options, job: &Job) -> Result<FieldP
         let message = "a field in the plane is drawn from straight above: give an orthographic view along z";
         return Err(refused(message.to_owned()));
     }
-    let sheet = Sheet { eye, options, screen: camera.screen, side: options.samples };
+    let sheet = Sheet { eye, options, screen: camera.screen };
     let tiles = Tile::all(camera.screen, FIRST);
     let tape = Tape::of(field.sign());
     let (bytes, counts) = each_tile(&tiles, job, |tile| sheet.tile(&tape, tile))?;
@@ -71,7 +73,6 @@ struct Sheet<'a> {
     eye: Eye,
     options: &'a Options,
     screen: Screen,
-    side: u32,
 }
 
 /// What a tile is, before it is drawn.
@@ -103,29 +104,25 @@ impl Sheet<'_> {
         Ok((bytes, counts))
     }
 
-    /// The part of the plane that a tile shows, with half a pixel around it for the ramps at its border.
+    /// The part of the plane that a tile shows.
     fn bounds(&self, tile: Tile) -> Box3 {
         let [x, y] = tile.at.map(f64::from);
         let [w, h] = tile.size.map(f64::from);
-        let corners =
-            [[x - 0.5, y - 0.5], [x + w + 0.5, y + h + 0.5], [x - 0.5, y + h + 0.5], [x + w + 0.5, y - 0.5]];
-        let flat = |at: [f64; 2]| {
-            let p = self.eye.ray(at).origin;
-            [p[0], p[1], 0.0]
-        };
-        Box3::around(&corners.map(flat))
+        let corners = [[x, y], [x + w, y + h], [x, y + h], [x + w, y]];
+        Box3::around(&corners.map(|at| self.place(at)))
     }
 
     fn divide(&self, tape: &Tape, tile: Tile, inked: &mut Inked) -> Result<(), LeafError> {
         let bounds = self.bounds(tile);
         let (range, shorter) = tape.shortened(&bounds)?;
-        let inside = range.hi() < 0.0 && range.is_defined() && !range.is_empty();
-        if range.is_empty() || range.lo() >= 0.0 || inside && self.options.show != Show::Normals {
-            if inside {
-                self.each(tile, inked.first, |k| inked.cover[k] = 1.0);
+        match side_of(&range) {
+            Some(false) => return Ok(()),
+            Some(true) if self.options.show != Show::Normals => {
+                each(tile, inked.first, |k| inked.cover[k] = 1.0);
                 inked.counts.hits += u64::from(tile.size[0] * tile.size[1]);
+                return Ok(());
             }
-            return Ok(());
+            _ => {}
         }
         let tape = shorter.as_ref().unwrap_or(tape);
         if tile.size[0] <= LAST && tile.size[1] <= LAST {
@@ -137,57 +134,50 @@ impl Sheet<'_> {
         Ok(())
     }
 
-    fn each(&self, tile: Tile, first: Tile, mut f: impl FnMut(usize)) {
-        for [x, y] in tile.pixels() {
-            f(((y - first.at[1]) * first.size[0] + (x - first.at[0])) as usize);
-        }
-    }
-
-    /// The last tiles: pixels that the gradient shows to be far from the outline by one value, others by several.
+    /// The last tiles: pixels that are all one side by their range, and signs at several points of the others.
+    ///
+    /// A ramp from value and gradient would be cheaper, but where two parts of a drawing touch the value is 0 inside of
+    /// it, and such a ramp shows seams.
     fn pixels(&self, tape: &Tape, tile: Tile, inked: &mut Inked) -> Result<(), LeafError> {
-        let at = |[x, y]: [f64; 2]| {
-            let p = self.eye.ray([x, y]).origin;
-            [p[0], p[1], 0.0]
-        };
-        let step = (at([1.0, 0.0])[0] - at([0.0, 0.0])[0]).abs();
-        let middles: Vec<[f64; 3]> =
-            tile.pixels().map(|[x, y]| at([f64::from(x) + 0.5, f64::from(y) + 0.5])).collect();
-        let boxes: Vec<Box3> = tile.pixels().map(|at| self.bounds(Tile { at, size: [1, 1] })).collect();
+        let pixels: Vec<[u32; 2]> = tile.pixels().collect();
+        let boxes: Vec<Box3> = pixels.iter().map(|at| self.bounds(Tile { at: *at, size: [1, 1] })).collect();
         let mut ranges = vec![Interval::UNKNOWN; boxes.len()];
         tape.over(&boxes, &mut ranges)?;
-        let side = self.side as usize;
-        let parts = (0..side * side).map(|i| [i % side, i / side].map(|i| (i as f64 + 0.5) / side as f64));
-        let parts: Vec<[f64; 2]> = parts.collect();
-        let mut open = Vec::new();
-        let mut points = Vec::new();
-        let mut index = Vec::new();
-        self.each(tile, inked.first, |k| index.push(k));
-        for (i, pixel) in tile.pixels().enumerate() {
-            let range = ranges[i];
-            if range.is_empty() || range.lo() >= 0.0 {
-                continue;
+        let side = (PARTS * self.options.samples) as usize;
+        let part = |i: usize| (i as f64 + 0.5) / side as f64;
+        let mut index = Vec::with_capacity(pixels.len());
+        each(tile, inked.first, |k| index.push(k));
+        let (mut open, mut points) = (Vec::new(), Vec::new());
+        for (i, [x, y]) in pixels.iter().enumerate() {
+            match side_of(&ranges[i]) {
+                Some(inside) => inked.cover[index[i]] = f64::from(u8::from(inside)),
+                None => {
+                    inked.counts.uncertain += u64::from(ranges[i].is_entire());
+                    open.push(index[i]);
+                    let places = (0..side * side).map(|k| [part(k % side), part(k / side)]);
+                    points.extend(places.map(|[u, v]| self.place([f64::from(*x) + u, f64::from(*y) + v])));
+                }
             }
-            inked.counts.hits += 1;
-            if range.hi() < 0.0 && range.is_defined() && self.options.show != Show::Normals {
-                inked.cover[index[i]] = 1.0;
-                continue;
+        }
+        for (k, inside) in open.into_iter().zip(contains(tape, &points)?.chunks_exact(side * side)) {
+            let n = inside.iter().filter(|inside| **inside).count();
+            inked.cover[k] = n as f64 / inside.len() as f64;
+        }
+        inked.counts.hits += index.iter().filter(|k| inked.cover[**k] > 0.0).count() as u64;
+        if self.options.show == Show::Normals {
+            let middles: Vec<[f64; 3]> =
+                pixels.iter().map(|[x, y]| self.place([f64::from(*x) + 0.5, f64::from(*y) + 0.5])).collect();
+            for (k, normal) in index.into_iter().zip(normals(tape, &middles)?) {
+                inked.slopes[k] = normal.map_or([0.0; 2], |n| [n[0], n[1]]);
             }
-            inked.counts.uncertain += u64::from(range.is_entire());
-            open.push(i);
-            points.extend(parts.iter().map(|[u, v]| at([f64::from(pixel[0]) + u, f64::from(pixel[1]) + v])));
         }
-        let mut values = vec![Slope { value: 0.0, gradient: [0.0; 3] }; points.len()];
-        tape.gradient_at(&points, &mut values)?;
-        for (i, values) in open.into_iter().zip(values.chunks_exact(parts.len())) {
-            let sum: f64 = values.iter().map(|slope| ramp(slope, step / side as f64)).sum();
-            inked.cover[index[i]] = sum / parts.len() as f64;
-            let g = values[parts.len() / 2].gradient;
-            let length = (g[0] * g[0] + g[1] * g[1]).sqrt();
-            let unit = [g[0] / length, g[1] / length];
-            inked.slopes[index[i]] = if unit[0].is_finite() { unit } else { [0.0; 2] };
-        }
-        let _ = middles;
         Ok(())
+    }
+
+    /// The place in the plane that a place in the picture shows.
+    fn place(&self, at: [f64; 2]) -> [f64; 3] {
+        let p = self.eye.ray(at).origin;
+        [p[0], p[1], 0.0]
     }
 
     fn pixel(&self, y: u32, cover: f64, slope: [f64; 2]) -> [u8; 4] {
@@ -204,15 +194,17 @@ impl Sheet<'_> {
     }
 }
 
-/// How much of a square of that side is inside, from the value and the gradient in its middle.
-fn ramp(slope: &Slope<f64>, side: f64) -> f64 {
-    let [gx, gy, _] = slope.gradient;
-    let reach = (gx * gx + gy * gy).sqrt() * side;
-    let share = 0.5 - slope.value / reach;
-    if share.is_finite() {
-        if share > 0.0 { if share < 1.0 { share } else { 1.0 } } else { 0.0 }
-    } else {
-        f64::from(u8::from(slope.value < 0.0))
+/// Whether all is inside, or nothing is; `None` where the range does not say.
+fn side_of(range: &Interval) -> Option<bool> {
+    if range.is_empty() || range.lo() >= 0.0 {
+        return Some(false);
+    }
+    (range.hi() < 0.0 && range.is_defined()).then_some(true)
+}
+
+fn each(tile: Tile, first: Tile, mut f: impl FnMut(usize)) {
+    for [x, y] in tile.pixels() {
+        f(((y - first.at[1]) * first.size[0] + (x - first.at[0])) as usize);
     }
 }
 
