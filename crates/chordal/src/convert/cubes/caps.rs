@@ -76,13 +76,6 @@ pub(super) fn write(plan: &Plan, affine: &Affine, faces: &mut [[u32; 3]]) {
     let mut out = faces.iter_mut();
     for_each_square(&plan.bits, |square| {
         let inside = square.map(|at| plan.bits.is_inside(at));
-        let mut fan = |polygon: &[u32]| {
-            for pair in polygon[1..].windows(2) {
-                if let Some(out) = out.next() {
-                    *out =
-                        if upright { [polygon[0], pair[0], pair[1]] } else { [polygon[0], pair[1], pair[0]] };
-                }
-            }
         let number = |spot: Spot| match spot {
             Spot::Corner(i) => plan.vertex(3, square[i]),
             Spot::Side(i) => crossing(plan, square[i], square[(i + 1) % 4]),

@@ -7,5 +7,4 @@ pub(crate) mod march;
 pub(crate) mod normals;
 pub(crate) mod rule;
 pub(crate) mod source;
-pub(super) mod table;
 pub(crate) mod table;

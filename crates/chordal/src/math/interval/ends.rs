@@ -227,8 +227,7 @@ impl Ends {
     #[inline(always)]
     fn whole_between(self, shift: f64) -> (f64, f64) {
         const MARGIN: f64 = 4.0 * f64::EPSILON; // Twice the 4 u of rounding that is derived above.
-        let (a, b) =
-            (self.lo * std::f64::consts::FRAC_1_PI - shift, self.hi * std::f64::consts::FRAC_1_PI - shift);
+        let (a, b) = (self.lo * std::f64::consts::FRAC_1_PI - shift, self.hi * std::f64::consts::FRAC_1_PI - shift);
         ((a - (a.abs() + 1.0) * MARGIN).ceil(), (b + (b.abs() + 1.0) * MARGIN).floor())
     }
 
@@ -335,15 +334,6 @@ impl Ends {
 
     #[inline(always)]
     pub(crate) fn compare(self, other: Self) -> Self {
-        let sign = |a: f64, b: f64| {
-            if a < b {
-                -1.0
-            } else if a > b {
-                1.0
-            } else {
-                0.0
-            }
-        };
         Self { lo: sign(self.lo, other.hi), hi: sign(self.hi, other.lo) }.unless_either_empty(self, other)
     }
 
