@@ -81,6 +81,10 @@ pub fn render(
             let mesh = placed::one_mesh(scene)?;
             shoot(&mesh, &options, certificate, job)
         }
+        Shape::Volume(_) => {
+            let message = "a volume has no triangles to take a picture of: mesh it first".to_owned();
+            Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }))
+        }
         Shape::Field(_) => {
             let message = "fields are not drawn yet".to_owned();
             Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }))
