@@ -55,3 +55,8 @@ pub use render::{Fineness, RenderOutcome, USUAL_SCREEN, render, render_against};
 pub use sampled::{Labels, Range, Sampled, Suggested, SurfaceSpec};
 pub use shape::{Implicit, Shape};
 pub use spec::BudgetSpec;
+
+/// The example of the page in `docs/` runs with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/volumes.md")]
+struct Volumes;
