@@ -86,6 +86,10 @@ pub fn render(
             shoot(&mesh, &options, certificate, job)
         }
         Shape::Field(field) => shoot_field(field, &options, certificate, job),
+        Shape::Volume(_) => {
+            let message = "a volume has no triangles to take a picture of: mesh it first".to_owned();
+            Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }))
+        }
         Shape::Curves(_) => {
             let message = "curves in space have no surface to take a picture of".to_owned();
             Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }))

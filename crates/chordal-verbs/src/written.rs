@@ -30,7 +30,9 @@ pub(crate) fn as_written(mut scene: Scene, to: Format) -> Result<Scene, WriteErr
         | Format::Teaset
         | Format::Json
         | Format::Svg
-        | Format::Vm => {}
+        | Format::Vm        | Format::Npy
+        | Format::Nrrd
+        | Format::Nii => {}
     }
     Ok(scene)
 }
