@@ -33,10 +33,12 @@ pub enum Format {
     Svg,
     /// The steps that compute a field, as fidget writes them.
     Vm,
+    /// A shape script, which is run and not read.
+    Star,
 }
 
 /// Every format with the name that stands for it in `--from` and `--to`, and as an extension.
-const NAMES: [(Format, &str); 9] = [
+const NAMES: [(Format, &str); 10] = [
     (Format::Bpt, "bpt"),
     (Format::Teaset, "teaset"),
     (Format::Json, "json"),
@@ -46,6 +48,7 @@ const NAMES: [(Format, &str); 9] = [
     (Format::Glb, "glb"),
     (Format::Svg, "svg"),
     (Format::Vm, "vm"),
+    (Format::Star, "star"),
 ];
 
 impl Format {
@@ -167,7 +170,10 @@ mod tests {
     #[test]
     fn an_unknown_name_is_answered_with_those_that_are_known() {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
-        assert_eq!(message, "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, svg and vm");
+        assert_eq!(
+            message,
+            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, svg, vm and star"
+        );
         assert_eq!(Format::from_extension(""), None);
     }
 }

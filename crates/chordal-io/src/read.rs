@@ -34,6 +34,10 @@ pub fn read(bytes: &[u8], format: Format, limits: &Limits) -> Result<Loaded, Rea
         Format::Glb => glb::read(bytes, limits),
         Format::Svg => svg::read(bytes, limits),
         Format::Vm => vm::read(bytes, limits),
+        // What the text says is known once it has run, which is for those who can.
+        Format::Star => {
+            Err(ReadError::new("script", Place::File, "a shape script is run, and nothing here runs it"))
+        }
     };
     loaded.map_err(|mut error| {
         if let Some(other) = Format::sniff(bytes).filter(|other| *other != format) {

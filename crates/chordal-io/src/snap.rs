@@ -59,7 +59,8 @@ pub fn snap(mesh: &Mesh, format: Format) -> Result<Snapped, TooWide> {
         | Format::Svg
         | Format::Obj
         | Format::Ply
-        | Format::Vm => {
+        | Format::Vm
+        | Format::Star => {
             return Ok(Snapped { mesh: mesh.clone(), origin: [0.0; 3], moved_at_most: 0.0 });
         }
         Format::Stl => [0.0; 3],

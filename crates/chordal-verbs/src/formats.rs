@@ -57,8 +57,13 @@ pub(crate) fn check_output(shape: &Shape, to: Format) -> Result<(), String> {
 pub fn topology(format: Format) -> Topology {
     match format {
         Format::Stl | Format::Glb => Topology::Positions,
-        Format::Obj | Format::Ply | Format::Bpt | Format::Teaset | Format::Json | Format::Svg | Format::Vm => {
-            Topology::Indices
-        }
+        Format::Obj
+        | Format::Ply
+        | Format::Bpt
+        | Format::Teaset
+        | Format::Json
+        | Format::Svg
+        | Format::Vm
+        | Format::Star => Topology::Indices,
     }
 }

@@ -24,7 +24,14 @@ pub(crate) fn as_written(mut scene: Scene, to: Format) -> Result<Scene, WriteErr
                 part.mesh = split;
             }
         }
-        Format::Obj | Format::Ply | Format::Bpt | Format::Teaset | Format::Json | Format::Svg | Format::Vm => {}
+        Format::Obj
+        | Format::Ply
+        | Format::Bpt
+        | Format::Teaset
+        | Format::Json
+        | Format::Svg
+        | Format::Vm
+        | Format::Star => {}
     }
     Ok(scene)
 }
