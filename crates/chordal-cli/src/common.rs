@@ -19,7 +19,12 @@ pub fn read(args: &InputArgs, talk: &Talk) -> Result<Input, Fault> {
     limits.drop_nonfinite = args.drop_nonfinite;
     limits.index = args.index;
     let bytes = source.read(limits.bytes)?;
-    let hint = Hint { name: matches!(source, Source::File(_)).then_some(name.as_str()), format: args.from };
+    let hint = Hint {
+        name: matches!(source, Source::File(_)).then_some(name.as_str()),
+        format: args.from,
+        set: &args.set,
+        region: args.region,
+    };
     let mut input =
         load(&bytes, hint, &limits).map_err(|error| Fault::input(error.code, format!("{name}: {error}")))?;
     talk.warn(&name, &input.warnings);

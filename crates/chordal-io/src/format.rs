@@ -39,10 +39,12 @@ pub enum Format {
     Nrrd,
     /// NIfTI volume, packed by gzip or not.
     Nii,
+    /// A shape script, which is run and not read.
+    Star,
 }
 
 /// Every format with the name that stands for it in `--from` and `--to`, and as an extension.
-const NAMES: [(Format, &str); 12] = [
+const NAMES: [(Format, &str); 13] = [
     (Format::Bpt, "bpt"),
     (Format::Teaset, "teaset"),
     (Format::Json, "json"),
@@ -55,6 +57,7 @@ const NAMES: [(Format, &str); 12] = [
     (Format::Npy, "npy"),
     (Format::Nrrd, "nrrd"),
     (Format::Nii, "nii"),
+    (Format::Star, "star"),
 ];
 
 impl Format {
@@ -190,7 +193,7 @@ mod tests {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
         assert_eq!(
             message,
-            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, svg, vm, npy, nrrd and nii"
+            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, svg, vm, npy, nrrd, nii and star"
         );
         assert_eq!(Format::from_extension(""), None);
     }

@@ -39,6 +39,10 @@ pub fn read(bytes: &[u8], format: Format, limits: &Limits) -> Result<Loaded, Rea
         Format::Npy => npy::read(bytes, limits),
         Format::Nrrd => nrrd::read(bytes, limits),
         Format::Nii => nii::read(bytes, limits),
+        // What the text says is known once it has run, which is for those who can.
+        Format::Star => {
+            Err(ReadError::new("script", Place::File, "a shape script is run, and nothing here runs it"))
+        }
     };
     loaded.map_err(|mut error| {
         if let Some(other) = Format::sniff(bytes).filter(|other| *other != format) {

@@ -40,8 +40,7 @@ impl ScriptError {
         let (line, (_, column)) = (self.line.as_ref()?, self.place?);
         let before = usize::try_from(column - 1).ok().filter(|before| *before <= line.chars().count())?;
         // Tabs stay tabs, so that the mark stands where it should.
-        let space: String =
-            line.chars().take(before).map(|c| if c == '\t' { c } else { ' ' }).collect();
+        let space: String = line.chars().take(before).map(|c| if c == '\t' { c } else { ' ' }).collect();
         Some(format!("{line}\n{space}^"))
     }
 }

@@ -6,8 +6,9 @@
 //! ```
 //! use chordal_script::{Options, run};
 //! let script = run("r = param('r', 0.4)\nbox(2, 2, 1) - cylinder(r, 2)\n", &Options::default(), &Default::default())?;
-//! assert_eq!(script.field.expr().at([0.0; 3])?, 0.4);
-//! assert_eq!(script.field.expr().at([0.7, 0.0, 0.0])?, -0.3);
+//! let mut values = [0.0; 2];
+//! script.field.tape().at(&[[0.0; 3], [0.75, 0.0, 0.0]], &mut values)?;
+//! assert_eq!(values, [0.4, -0.25]);
 //! assert_eq!((script.parameters[0].name.as_str(), script.parameters[0].value), ("r", 0.4));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

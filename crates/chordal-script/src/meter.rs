@@ -2,7 +2,7 @@
 use crate::language::Arg;
 use crate::{Limits, Parameter};
 use starlark::any::ProvidesStaticType;
-use starlark::eval::{Evaluator, ResourceCheckResult};
+use starlark::eval::Evaluator;
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -73,10 +73,7 @@ impl Meter {
 
     /// Looks at the heap between statements, where one statement can double what there is.
     pub fn between(eval: &mut Evaluator) -> starlark::Result<()> {
-        match eval.check_heap_size_limit() {
-            Some(ResourceCheckResult::Exceeded(_)) => Err(heap_exceeded(&Self::of(eval).limits)),
-            _ => Ok(()),
-        }
+        Self::work(eval, 0)
     }
 }
 

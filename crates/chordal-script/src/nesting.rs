@@ -14,7 +14,8 @@ pub(crate) fn check(text: &str, most: u32) -> Result<(), ScriptError> {
         at = token(bytes, at, &mut scan);
         let blocks = u32::try_from(scan.indents.len()).unwrap_or(u32::MAX);
         if scan.depth.saturating_add(blocks).saturating_add(scan.branches) > most {
-            let message = format!("this is nested deeper than the limit of {most}: give parts names of their own");
+            let message =
+                format!("this is nested deeper than the limit of {most}: give parts names of their own");
             return Err(ScriptError::new("script-limit", message).at(text, start));
         }
     }
@@ -70,7 +71,8 @@ fn token(bytes: &[u8], at: usize, scan: &mut Scan) -> usize {
         b'#' => return at + bytes[at..].iter().take_while(|b| !matches!(b, b'\n' | b'\r')).count(),
         b'"' | b'\'' => return string(bytes, at),
         b if b.is_ascii_alphanumeric() || b == b'_' => {
-            let end = at + bytes[at..].iter().take_while(|b| b.is_ascii_alphanumeric() || **b == b'_').count();
+            let end =
+                at + bytes[at..].iter().take_while(|b| b.is_ascii_alphanumeric() || **b == b'_').count();
             match &bytes[at..end] {
                 b"and" | b"or" | b"not" | b"in" | b"if" | b"else" | b"for" | b"lambda" => scan.count(),
                 b"elif" => scan.branches += 1,

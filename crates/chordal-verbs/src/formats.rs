@@ -68,6 +68,6 @@ pub fn topology(format: Format) -> Topology {
         | Format::Svg
         | Format::Vm        | Format::Npy
         | Format::Nrrd
-        | Format::Nii => Topology::Indices,
+        | Format::Nii | Format::Star => Topology::Indices,
     }
 }

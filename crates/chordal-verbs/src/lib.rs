@@ -34,6 +34,7 @@ mod prescribed;
 mod render;
 pub mod report;
 mod sampled;
+mod script;
 mod shape;
 mod spec;
 mod surfaces;
@@ -53,7 +54,7 @@ pub use mesh::{Made, MeshOutcome, mesh};
 pub use normals::{InvalidNormals, Normals};
 pub use render::{Fineness, RenderOutcome, USUAL_SCREEN, render, render_against};
 pub use sampled::{Labels, Range, Sampled, Suggested, SurfaceSpec};
-pub use shape::{Implicit, Shape};
+pub use shape::{Implicit, Parameter, Shape};
 pub use spec::BudgetSpec;
 
 /// The example of the page in `docs/` runs with the tests.

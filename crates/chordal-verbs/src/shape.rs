@@ -4,6 +4,7 @@ use chordal::Patch;
 use chordal::explicit::{Curve, Piece};
 use chordal::math::{Box3, add_up, mul_down, mul_up, sqrt_down, sub_down};
 use chordal_io::{Content, Curves, Drawing, Frame, Scene, WriteError};
+use serde::Serialize;
 
 /// Any shape that a file can hold.
 #[derive(Clone, Debug)]
@@ -37,6 +38,19 @@ pub struct Implicit {
     pub region: Option<Box3>,
     /// The space that it is in.
     pub frame: Frame,
+    /// What its script can be given, if it has one.
+    pub parameters: Vec<Parameter>,
+}
+
+/// A number that a script can be given.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Parameter {
+    /// Its name.
+    pub name: String,
+    /// What it is when nobody sets it.
+    pub default: f64,
+    /// What it is.
+    pub value: f64,
 }
 
 impl Implicit {
@@ -63,7 +77,9 @@ impl From<Content> for Shape {
             Content::Scene(scene) => Self::Scene(scene),
             Content::Drawing(drawing) => Self::Drawing(drawing),
             Content::Curves(curves) => Self::Curves(curves),
-            Content::Field { field, region, frame } => Self::Field(Implicit { field, region, frame }),
+            Content::Field { field, region, frame } => {
+                Self::Field(Implicit { field, region, frame, parameters: Vec::new() })
+            }
             Content::Volume(volume) => Self::Volume(Sampled { volume, surface: SurfaceSpec::default() }),
         }
     }

@@ -32,7 +32,7 @@ pub(crate) fn as_written(mut scene: Scene, to: Format) -> Result<Scene, WriteErr
         | Format::Svg
         | Format::Vm        | Format::Npy
         | Format::Nrrd
-        | Format::Nii => {}
+        | Format::Nii | Format::Star => {}
     }
     Ok(scene)
 }

@@ -26,7 +26,6 @@ pub use curves::batch::{BezierCutter, Polylines, beziers_to_polylines};
 pub use curves::flatten::Spacing;
 pub use field_to_grid::field_to_grid;
 pub use field_to_mesh::field_to_mesh;
-pub use grid_to_mesh::{Surface, VertexKey, grid_to_mesh, grid_to_triangles};
 pub use lattice::Lattice;
 pub use mesh_to_field::{MeshField, Solid, mesh_to_field};
 pub use grid_to_mesh::{Surface, VertexKey, grid_to_mesh, grid_to_triangles, vertex_keys};
