@@ -23,6 +23,7 @@ mod export;
 mod failure;
 mod filled;
 pub mod formats;
+mod implicit;
 mod inspect;
 mod load;
 mod mend;
@@ -47,6 +48,7 @@ pub use deviation::{DeviationSpec, deviation};
 pub use digest::sha256;
 pub use export::{write, write_polylines};
 pub use failure::MeshFailure;
+pub use implicit::{Implicit, Parameter};
 pub use inspect::{inspect, inspect_deeply};
 pub use load::{Hint, Input, extension, load};
 pub use mend::{Closeness, MendSpec, mend};
@@ -54,7 +56,7 @@ pub use mesh::{Made, MeshOutcome, mesh};
 pub use normals::{InvalidNormals, Normals};
 pub use render::{Fineness, RenderOutcome, USUAL_SCREEN, render, render_against};
 pub use sampled::{Labels, Range, Sampled, Suggested, SurfaceSpec};
-pub use shape::{Implicit, Parameter, Shape};
+pub use shape::Shape;
 pub use spec::BudgetSpec;
 
 /// The example of the page in `docs/` runs with the tests.

@@ -3,7 +3,7 @@ use crate::placed::{self, Placed};
 use crate::polylines::{self, Asked};
 use crate::report::{BoundFacts, BudgetFacts, Certificate, Counted, Output};
 use crate::written::as_written;
-use crate::{BudgetSpec, Input, MeshFailure, Shape, filled, formats, surfaces, write, write_polylines};
+use crate::{implicit, BudgetSpec, Input, MeshFailure, Shape, filled, formats, surfaces, write, write_polylines};
 use chordal::budget::{Bound, Budget, Code, Failure, PixelBudget, Pixels, Reference, Refusal, Tolerance};
 use chordal::math::{Box3, add_up, sub_down};
 use chordal::{Bounded, Job, Mesh, Patch, convert};
@@ -118,7 +118,10 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
             let asked = Asked { spec, budget, to, place: widened(&place) };
             surfaces::of_volume(&sampled, &asked, &mut certificate.notes, job)?
         }
-        Shape::Field(_) => return Err(refused(Code::Unsupported, "fields are not meshed yet")),
+        Shape::Field(implicit) => {
+            let asked = Asked { spec, budget, to, place: widened(&place) };
+            implicit::of_field(&implicit, &asked, &mut certificate.notes, job)?
+        }
         Shape::Scene(scene) => {
             certificate.notes.push(PASSED_THROUGH.to_owned());
             pass_through(scene, to, &mut certificate.notes)?

@@ -2,13 +2,12 @@
 use crate::deviation::Pair;
 use crate::filled::Filling;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OutputFacts};
-use crate::shape::Implicit;
+use crate::Implicit;
 use crate::{BudgetSpec, Input, MeshFailure, Shape, placed};
 use chordal::budget::{Camera, Code, Failure, Length, Pixels, Projection, Refusal, Screen, Stopped, View};
 use chordal::check::Goal;
 use chordal::explicit::{Topology, facing};
 use chordal::implicit::query::Counts;
-use chordal::implicit::{Expr, Field};
 use chordal::math::Box3;
 use chordal::render::{
     Against, NotDrawn, Options, Picture, Up, Viewpoint, frame, render as trace,
@@ -118,7 +117,7 @@ fn shoot_field(
     mut certificate: Certificate,
     job: &Job,
 ) -> Result<RenderOutcome, MeshFailure> {
-    let field = shape.region.map_or_else(|| shape.field.clone(), |region| cut(&shape.field, &region));
+    let field = shape.whole();
     let drawn = render_field(&field, options, job).map_err(|failure| match failure {
         NotDrawn::Stopped(stop) => stopped(stop),
         NotDrawn::Leaf(error) => {
@@ -137,30 +136,6 @@ fn shoot_field(
         darkest: None,
         back_share: None,
     })
-}
-
-/// The field within the region: closed by its sides where they are finite.
-fn cut(field: &Field, region: &Box3) -> Field {
-    let axes = Expr::axes();
-    let flat = !field.tape().axes()[2];
-    let mut expr = field.sign().clone();
-    for k in 0..if flat { 2 } else { 3 } {
-        if region.min[k].is_finite() && region.min[k] > field.bounds().min[k] {
-            expr = (Expr::constant(region.min[k]) - &axes[k]).max(&expr);
-        }
-        if region.max[k].is_finite() && region.max[k] < field.bounds().max[k] {
-            expr = (&axes[k] - region.max[k]).max(&expr);
-        }
-    }
-    let known = field.bounds();
-    let inner = |a: f64, b: f64| if a > b { a } else { b };
-    let outer = |a: f64, b: f64| if a < b { a } else { b };
-    let bounds = Box3 {
-        min: [0, 1, 2].map(|k| inner(known.min[k], region.min[k])),
-        max: [0, 1, 2].map(|k| outer(known.max[k], region.max[k])),
-    };
-    // Of what the value was worth as a distance nothing is needed: slopes are known cell by cell.
-    Field::new(expr).with_bounds(bounds)
 }
 
 /// Takes a picture of a shape coloured by its distance from another one, darkest at `darkest` or else at the largest

@@ -1,10 +1,10 @@
 //! `Shape`: anything that a verb can be applied to, in its frame.
 use crate::{Sampled, SurfaceSpec};
+use crate::implicit::Implicit;
 use chordal::Patch;
 use chordal::explicit::{Curve, Piece};
 use chordal::math::{Box3, add_up, mul_down, mul_up, sqrt_down, sub_down};
 use chordal_io::{Content, Curves, Drawing, Frame, Scene, WriteError};
-use serde::Serialize;
 
 /// Any shape that a file can hold.
 #[derive(Clone, Debug)]
@@ -27,47 +27,6 @@ pub enum Shape {
     Field(Implicit),
     /// Samples on a lattice.
     Volume(Sampled),
-}
-
-/// A field with the part of space that it is looked at in.
-#[derive(Clone, Debug)]
-pub struct Implicit {
-    /// The rule.
-    pub field: chordal::implicit::Field,
-    /// The box that the shape is cut off at, where somebody asked for one.
-    pub region: Option<Box3>,
-    /// The space that it is in.
-    pub frame: Frame,
-    /// What its script can be given, if it has one.
-    pub parameters: Vec<Parameter>,
-}
-
-/// A number that a script can be given.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Parameter {
-    /// Its name.
-    pub name: String,
-    /// What it is when nobody sets it.
-    pub default: f64,
-    /// What it is.
-    pub value: f64,
-}
-
-impl Implicit {
-    /// The box that holds all that there is of the shape: what is known of the field, cut off at the region. Infinite
-    /// where neither says.
-    #[must_use]
-    pub fn place(&self) -> Box3 {
-        let known = self.field.bounds();
-        let Some(region) = self.region else { return known };
-        let pick = |a: [f64; 3], b: [f64; 3], first: fn(f64, f64) -> bool| {
-            std::array::from_fn(|k| if first(a[k], b[k]) { a[k] } else { b[k] })
-        };
-        Box3 {
-            min: pick(known.min, region.min, |a, b| a > b),
-            max: pick(known.max, region.max, |a, b| a < b),
-        }
-    }
 }
 
 impl From<Content> for Shape {

@@ -221,8 +221,8 @@ impl Builder {
             Binary::Mul if a == b => return self.unary(Unary::Square, a),
             _ => {}
         }
-        // Sums, products, minima and maxima are the same the other way round.
-        let either = matches!(op, Binary::Add | Binary::Mul | Binary::Min | Binary::Max);
+        // Sums and products are the same the other way round. Minima and maxima are not where an operand has no value.
+        let either = matches!(op, Binary::Add | Binary::Mul);
         let (a, b) = if either && b < a { (b, a) } else { (a, b) };
         self.term(Key::Binary(op, a, b), || Term::Binary(op, a, b))
     }
