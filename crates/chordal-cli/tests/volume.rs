@@ -75,7 +75,8 @@ fn a_distance_becomes_a_closed_ball_where_its_indices_say() {
     assert_eq!(certificate["budget"], Value::Null, "none was asked for");
     assert_eq!(certificate["bound"]["evidence"], "proved");
     assert_eq!(certificate["bound"]["reference"], "trilinear interpolant");
-    assert!(number(&report, "/certificate/bound/at_most") < 1.0);
+    // A cell where the interpolant does not run steadily counts with its diagonal.
+    assert!(number(&report, "/certificate/bound/at_most") < 1.75);
     let notes = certificate["notes"].to_string();
     assert!(notes.contains("with what is below inside (taken for a signed distance)"), "{notes}");
     let (ends, report) = inspected(&output);
@@ -147,7 +148,7 @@ fn a_level_that_nobody_says_is_asked_for_with_the_range_and_a_guess() {
         (number(&report, "/certificate/valid/volume") - 13.5).abs() < 1e-4,
         "half of a cell and one more"
     );
-    assert_eq!(ends[1], [3.0; 3]);
+    assert!(ends[1].iter().all(|x| (x - 3.0).abs() < 1e-5), "{ends:?}");
 }
 
 #[test]
