@@ -58,24 +58,31 @@ pub(super) fn crossed(tape: &Tape, boxes: &[Box3]) -> Result<Vec<bool>, LeafErro
 
 /// Looks at every box.
 pub(super) fn look(tape: &Tape, boxes: &[Box3], target: &Target) -> Result<Vec<Found>, LeafError> {
-    let mut found: Vec<Found> = boxes.iter().map(|b| by_distance(b, target)).collect();
-    if !target.enclosure.is_closed() {
-        return Ok(found);
+    let mut found = vec![Found::Open; boxes.len()];
+    if target.enclosure.is_closed() {
+        by_columns(tape, boxes, target, &mut found)?;
     }
-    let open: Vec<usize> = (0..boxes.len()).filter(|k| matches!(found[*k], Found::Open)).collect();
-    let about: Vec<Box3> = open.iter().map(|k| roomy(&boxes[*k])).collect();
-    let middles: Vec<Box3> =
-        open.iter().map(|k| boxes[*k].centre()).map(|c| Box3 { min: c, max: c }).collect();
-    let unknown = Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
-    let mut slopes = vec![unknown; open.len()];
-    tape.gradient_over(&about, &mut slopes)?;
-    let mut values = vec![Interval::UNKNOWN; open.len()];
-    tape.over(&middles, &mut values)?;
-    for (i, k) in open.into_iter().enumerate() {
-        let column = Column { of: &boxes[k], about: &about[i], slope: &slopes[i], value: values[i] };
-        found[k] = column.look(target);
+    for (found, bounds) in found.iter_mut().zip(boxes) {
+        if matches!(found, Found::Open) {
+            *found = by_distance(bounds, target);
+        }
     }
     Ok(found)
+}
+
+fn by_columns(tape: &Tape, boxes: &[Box3], target: &Target, found: &mut [Found]) -> Result<(), LeafError> {
+    let about: Vec<Box3> = boxes.iter().map(roomy).collect();
+    let middles: Vec<Box3> = boxes.iter().map(Box3::centre).map(|c| Box3 { min: c, max: c }).collect();
+    let unknown = Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
+    let mut slopes = vec![unknown; boxes.len()];
+    tape.gradient_over(&about, &mut slopes)?;
+    let mut values = vec![Interval::UNKNOWN; boxes.len()];
+    tape.over(&middles, &mut values)?;
+    for (k, found) in found.iter_mut().enumerate() {
+        let column = Column { of: &boxes[k], about: &about[k], slope: &slopes[k], value: values[k] };
+        *found = column.look(target);
+    }
+    Ok(())
 }
 
 /// Settles a box that is small beside what is near enough.

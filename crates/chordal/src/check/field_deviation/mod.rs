@@ -35,6 +35,8 @@ const LEAF_CHUNK: usize = 1 << 16;
 /// Pieces looked at in all, as a multiple of the faces and at least so many: beyond, what is known has to do.
 const PIECES_A_FACE: usize = 64;
 const FEW_PIECES: usize = 1 << 18;
+/// So often a piece is cut for a bound that is closer than what was asked for.
+const EAGER: u32 = 5;
 /// Boxes looked at in all, likewise.
 const BOXES_A_FACE: usize = 64;
 const FEW_BOXES: usize = 1 << 21;
@@ -211,9 +213,12 @@ impl Search<'_> {
                 left = 0;
             }
             let enough = self.enough();
+            // What is only just near enough leaves the other direction no room, and a bound that says little.
+            let tight = if self.goal.max.is_some() { larger(1.15 * best, 0.3 * enough) } else { enough };
             let mut next = Vec::new();
             for (piece, known) in open.into_iter().zip(&known) {
-                if known.at_most > enough && piece.cuts() < MOST_CUTS && left > 0 {
+                let wanted = if piece.cuts() < EAGER { tight } else { enough };
+                if known.at_most > wanted && piece.cuts() < MOST_CUTS && left > 0 {
                     piece.parts(known, &mut next);
                     continue;
                 }
