@@ -43,7 +43,13 @@ fn off(found: f64, truth: &Big) -> f64 {
 }
 
 /// The largest error of a function over `arguments`, which must be below `claim`.
-fn check(name: &str, claim: f64, arguments: impl Iterator<Item = f64>, f: fn(f64) -> f64, truth: fn(&Big) -> Big) {
+fn check(
+    name: &str,
+    claim: f64,
+    arguments: impl Iterator<Item = f64>,
+    f: fn(f64) -> f64,
+    truth: fn(&Big) -> Big,
+) {
     let mut worst = (0.0, 0.0);
     for x in arguments {
         let error = off(f(x), &truth(&big(x)));
@@ -53,7 +59,12 @@ fn check(name: &str, claim: f64, arguments: impl Iterator<Item = f64>, f: fn(f64
     }
     assert!(worst.0 <= claim, "{name}({:e}) is off by {} u, claimed {claim}", worst.1, worst.0);
     // An oracle that agrees too well, or a claim that is much too wide, would be suspicious.
-    assert!(worst.0 >= 0.5 && worst.0 * 5.0 >= claim, "{name}: worst {} u at {:e}, claimed {claim}", worst.0, worst.1);
+    assert!(
+        worst.0 >= 0.5 && worst.0 * 5.0 >= claim,
+        "{name}: worst {} u at {:e}, claimed {claim}",
+        worst.0,
+        worst.1
+    );
 }
 
 /// Angles of all sizes, and those that are nearly multiples of a quarter turn.
@@ -67,7 +78,9 @@ fn angles(seed: u64) -> impl Iterator<Item = f64> {
             3 => random.sized(0.0, 17.0),
             4 => random.sized(17.0, 70.0),
             5 => random.sized(60.0, 1023.0),
-            6 => f64::from_bits(near.to_bits().wrapping_add(random.bits() % 3).wrapping_sub(1)).abs().max(1e-3),
+            6 => {
+                f64::from_bits(near.to_bits().wrapping_add(random.bits() % 3).wrapping_sub(1)).abs().max(1e-3)
+            }
             // The f64 that is nearest of all to a multiple of π/2 (Kahan), and 29 quarter turns.
             _ => [5.319_372_648_326_541e255, 45.553_093_477_052_0][(k / 8) % 2],
         }
@@ -140,21 +153,37 @@ fn special_arguments_have_their_values() {
     use elementary::{acos, asin, atan, atan2, cos, exp, ln, sin, tan};
     let (inf, pi) = (f64::INFINITY, std::f64::consts::PI);
     for x in [f64::NAN, inf, -inf] {
-        assert!(sin(x).is_nan() && cos(x).is_nan() && tan(x).is_nan() && asin(x).is_nan() && acos(x).is_nan());
+        assert!(
+            sin(x).is_nan() && cos(x).is_nan() && tan(x).is_nan() && asin(x).is_nan() && acos(x).is_nan()
+        );
     }
     assert!(exp(f64::NAN).is_nan() && ln(f64::NAN).is_nan() && ln(-5e-324).is_nan() && ln(-inf).is_nan());
     assert_eq!((exp(0.0), exp(inf), exp(-inf), exp(710.0), exp(-746.0)), (1.0, inf, 0.0, inf, 0.0));
     assert_eq!((exp(-745.0), ln(0.0), ln(inf), ln(1.0)), (5e-324, -inf, inf, 0.0));
     assert_eq!((asin(1.0), asin(-1.0), acos(1.0), acos(-1.0)), (pi / 2.0, -pi / 2.0, 0.0, pi));
-    assert_eq!((atan(inf), atan(-inf), atan2(inf, -inf), atan2(-inf, inf)), (pi / 2.0, -pi / 2.0, 0.75 * pi, -pi / 4.0));
+    assert_eq!(
+        (atan(inf), atan(-inf), atan2(inf, -inf), atan2(-inf, inf)),
+        (pi / 2.0, -pi / 2.0, 0.75 * pi, -pi / 4.0)
+    );
     for f in [sin, tan, asin, atan] {
         assert!(f(0.0).to_bits() == 0 && f(-0.0).to_bits() == 1 << 63);
         assert_eq!((f(5e-324), f(-1e-310)), (5e-324, -1e-310));
     }
-    for (y, x) in [(0.0, 0.0), (-0.0, 0.0), (0.0, -0.0), (-0.0, -0.0), (0.0, -1.0), (-0.0, -inf), (1.0, inf), (-1.0, -inf)] {
+    for (y, x) in [
+        (0.0, 0.0),
+        (-0.0, 0.0),
+        (0.0, -0.0),
+        (-0.0, -0.0),
+        (0.0, -1.0),
+        (-0.0, -inf),
+        (1.0, inf),
+        (-1.0, -inf),
+    ] {
         assert_eq!(atan2(y, x).to_bits(), libm::atan2(y, x).to_bits(), "{y} {x}");
     }
-    assert!(atan2(f64::NAN, 1.0).is_nan() && atan2(0.0, f64::NAN).is_nan() && asin(1.0_f64.next_up()).is_nan());
+    assert!(
+        atan2(f64::NAN, 1.0).is_nan() && atan2(0.0, f64::NAN).is_nan() && asin(1.0_f64.next_up()).is_nan()
+    );
 }
 
 #[test]
@@ -165,7 +194,8 @@ fn the_f32_functions_are_as_near_as_they_say() {
         let angle = random.sized(-6.0, 12.6) as f32;
         let part = (2.0 * random.unit() - 1.0) as f32;
         let (a, b) = (random.sized(-20.0, 20.0) as f32, random.sized(-20.0, 20.0) as f32);
-        let (power, positive) = ((170.0 * random.unit() - 85.0) as f32, random.sized(-120.0, 120.0).abs() as f32);
+        let (power, positive) =
+            ((170.0 * random.unit() - 85.0) as f32, random.sized(-120.0, 120.0).abs() as f32);
         let f = f64::from;
         let relative = |found: f32, truth: f64| ((f(found) - truth) / truth).abs();
         let errors = [
@@ -185,5 +215,8 @@ fn the_f32_functions_are_as_near_as_they_say() {
     assert!(worst[..2].iter().all(|error| *error <= unit), "{worst:?}");
     assert!(worst[2..].iter().all(|error| *error <= 4.0 * unit), "{worst:?}");
     assert!(single::sin(1e9).is_finite() && single::ln(-1.0).is_nan() && single::exp(200.0) == f32::INFINITY);
-    assert_eq!((single::ln(0.0), single::exp(-200.0), single::ln(1e-44) < -100.0), (f32::NEG_INFINITY, 0.0, true));
+    assert_eq!(
+        (single::ln(0.0), single::exp(-200.0), single::ln(1e-44) < -100.0),
+        (f32::NEG_INFINITY, 0.0, true)
+    );
 }

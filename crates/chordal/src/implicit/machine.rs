@@ -55,8 +55,8 @@ impl<N: Lane, F: Fn(usize, usize) -> N, G: FnMut(usize, usize, N)> Kernel for Ru
             for (k, output) in program.outputs.iter().enumerate() {
                 let block = machine.operand(*output);
                 for at in 0..n {
-                    let kept = !N::CLAIMS || claims[at] != 0;
-                    (self.put)(k, start + at, N::load(block, at).settled(kept));
+                    let left = if N::CLAIMS { claims[at] } else { u64::MAX };
+                    (self.put)(k, start + at, N::load(block, at).settled(left));
                 }
             }
             start += n;
@@ -99,11 +99,11 @@ impl<N: Lane> Machine<N> {
                 let b = find::<N>(inputs, registers, step.b);
                 binary::<N, _, _>(op, n, spare, claims, (Each::<N>(a), Each::<N>(b)));
             }
-            Code::WithConst(op) if N::CLAIMS => {
+            Code::WithConst(op) if !N::IMMEDIATE => {
                 constant_block::<N>(n, number, claims, constant);
                 binary::<N, _, _>(op, n, spare, claims, (Each::<N>(a), Each::<N>(number)));
             }
-            Code::ConstWith(op) if N::CLAIMS => {
+            Code::ConstWith(op) if !N::IMMEDIATE => {
                 constant_block::<N>(n, number, claims, constant);
                 binary::<N, _, _>(op, n, spare, claims, (Each::<N>(number), Each::<N>(a)));
             }

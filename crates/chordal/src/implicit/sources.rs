@@ -1,6 +1,6 @@
 //! Where values come from: the coordinates of points and boxes, and leaves.
 use super::leaf::{Answer, Leaf, LeafError};
-use super::number::Number;
+use super::number::{Number, Range};
 use super::slope::{Kinks, Slope};
 use crate::math::{Box3, Interval};
 
@@ -48,7 +48,10 @@ impl Source for Slope<f64> {
         let places: Vec<[f64; 3]> = at.iter().map(|p| p.map(|s| s.value)).collect();
         let values = f64::of_leaf(leaf, &places)?;
         let gradients = leaf_gradients(leaf, &places)?;
-        let slope = |i: usize| Self { value: values[i], gradient: chain(&gradients[i], &at[i], |a, b| a * b, |a, b| a + b) };
+        let slope = |i: usize| Self {
+            value: values[i],
+            gradient: chain(&gradients[i], &at[i], |a, b| a * b, |a, b| a + b),
+        };
         Ok((0..at.len()).map(slope).collect())
     }
 }
@@ -68,6 +71,13 @@ impl Source for Interval {
             };
         }
         Ok(ranges)
+    }
+}
+
+impl Source for Range {
+    fn of_leaf(leaf: &dyn Leaf, at: &[[Self; 3]]) -> Result<Vec<Self>, LeafError> {
+        let sides: Vec<[Interval; 3]> = at.iter().map(|p| p.map(Self::interval)).collect();
+        Ok(Interval::of_leaf(leaf, &sides)?.into_iter().map(Self::of).collect())
     }
 }
 

@@ -19,8 +19,8 @@ mod trigonometric;
 
 pub use angle::{acos, asin, atan, atan2};
 pub use exponential::{exp, ln};
-pub use trigonometric::{NEAR, cos, sin, sin_cos, tan};
 pub(crate) use trigonometric::sin_cos_near;
+pub use trigonometric::{NEAR, cos, sin, sin_cos, tan};
 
 /// What the proved errors leave beside a result: 2 K u, so that a range holds the rounded values as well as the true ones,
 /// and 1.01 u for the rounding of [`outward`] itself; powers of two, so that the product is exact. Derived from the
