@@ -176,6 +176,20 @@ impl Range {
         Self { ends: range.ends(), defined: range.is_defined(), some: !range.is_empty() }
     }
 
+    /// The side of a box; what is no range is unknown.
+    #[inline(always)]
+    pub(super) fn side(lo: f64, hi: f64) -> Self {
+        let valid = (lo <= hi) & (lo < f64::INFINITY) & (hi > f64::NEG_INFINITY);
+        Self {
+            ends: Ends {
+                lo: if valid { lo } else { f64::NEG_INFINITY },
+                hi: if valid { hi } else { f64::INFINITY },
+            },
+            defined: valid,
+            some: true,
+        }
+    }
+
     #[inline(always)]
     pub(super) fn interval(self) -> Interval {
         Interval::from_ends(self.ends.or_nothing(!self.some), self.defined)

@@ -170,7 +170,7 @@ impl Tape {
     /// # Errors
     /// What a leaf says.
     pub fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<(), LeafError> {
-        let axis = |k: usize, row: usize| Range::of(boxed(&boxes[row], k));
+        let axis = |k: usize, row: usize| Range::side(boxes[row].min[k], boxes[row].max[k]);
         self.run(boxes.len(), axis, |row, value| out[row] = value.interval())
     }
 

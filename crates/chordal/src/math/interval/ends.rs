@@ -319,7 +319,7 @@ impl Ends {
         let (lo, hi) = (elementary::ln(self.lo), elementary::ln(self.hi));
         let lo = if self.lo > 0.0 { down(lo, spread::LN) } else { f64::NEG_INFINITY };
         let hi = if self.hi == f64::INFINITY { self.hi } else { up(hi, spread::LN) };
-        Self::EMPTY.or(!(self.hi > 0.0), Self { lo, hi })
+        Self::EMPTY.or(self.hi <= 0.0, Self { lo, hi })
     }
 
     /// Whether the angle of the points `(other, self)` is sure not to jump: 0 is not among the heights, or all are to the
@@ -356,11 +356,11 @@ impl Ends {
     pub(crate) fn rem(self, other: Self) -> Self {
         let size = other.abs();
         let whole = self.whole_quotient(other);
-        let taken = size.mul(Self { lo: whole, hi: whole }.or(whole == whole, Self { lo: 0.0, hi: 0.0 }));
+        let taken = size.mul(Self { lo: whole, hi: whole }.or(!whole.is_nan(), Self { lo: 0.0, hi: 0.0 }));
         let left = self.sub(taken);
         let exact = Self { lo: upper(left.lo, 0.0), hi: lower(left.hi, size.hi) };
         let any = Self { lo: 0.0, hi: size.hi };
-        let value = exact.or(whole == whole, any);
+        let value = exact.or(!whole.is_nan(), any);
         Self::ENTIRE.or(other.has_zero(), value)
     }
 
