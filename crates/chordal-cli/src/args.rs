@@ -1,6 +1,7 @@
 //! The command line: names, values and their help.
 use crate::require::Requirement;
 use chordal::budget::{InvalidLength, Length, Pixels, Unit, View};
+use chordal::math::Box3;
 use chordal_io::{Axis, Format};
 use chordal_verbs::Normals;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
@@ -83,7 +84,19 @@ pub struct InputArgs {
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub max_memory: Option<u64>,
 
-    /// Only warn of what is wrong in a glTF file without touching its geometry
+    /// For a file of several volumes (.nii, .nrrd): the one to read, counted from 0
+    #[arg(long, value_name = "N")]
+    pub index: Option<u64>,
+
+    /// For a shape script: what one of its parameters is, as in r=0.5; may be given several times
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting, allow_hyphen_values = true)]
+    pub set: Vec<(String, f64)>,
+
+    /// For a field: the box that it is cut off at, as in "-1,-1,-1 1,1,1"
+    #[arg(long, value_name = "BOX", value_parser = region, allow_hyphen_values = true)]
+    pub region: Option<Box3>,
+
+    /// Only warn of what is wrong in a glTF file without touching its geometry, and of bytes after a volume
     #[arg(long)]
     pub lenient: bool,
 
@@ -126,14 +139,16 @@ pub struct OutputArgs {
 
 /// `chordal mesh`
 #[derive(Args, Debug)]
-#[command(group = ArgGroup::new("budget").args(["tol", "px", "triangles", "segments"]).required(true).multiple(true))]
+#[command(group = ArgGroup::new("budget").args(["tol", "px", "triangles", "segments"]).multiple(true))]
 #[command(after_help = "\
 Examples:
   chordal mesh teapot.bpt --tol 0.001 -o teapot.obj
   chordal mesh teapot.bpt --px 1 --view \"1920x1080 fov=45 dist=4\" -o teapot.glb
   chordal mesh teapot.bpt --triangles 5000 -o teapot.stl
   chordal mesh drawing.svg --tol 0.25 -o drawing.json
-  chordal mesh drawing.svg --tol 0.25 -o drawing.glb")]
+  chordal mesh drawing.svg --tol 0.25 -o drawing.glb
+  chordal mesh brain.nii.gz --iso 60 -o brain.glb
+  chordal mesh organs.nii.gz --labels all -o organs.glb")]
 pub struct MeshArgs {
     #[command(flatten)]
     pub input: InputArgs,
@@ -174,6 +189,9 @@ pub struct MeshArgs {
     /// are added; flat; smooth; crease=ANGLE, smooth up to that angle; groups, by the smoothing groups of an .obj
     #[arg(long, value_name = "HOW", default_value = "auto")]
     pub normals: Normals,
+
+    #[command(flatten)]
+    pub volume: crate::volume::VolumeArgs,
 
     /// Write the best result even where the budget was not reached; the exit code is 5 all the same
     #[arg(long)]
@@ -332,6 +350,27 @@ fn size(text: &str) -> Result<[u32; 2], String> {
     if size.contains(&0) { Err("a picture is at least 1x1 pixels".into()) } else { Ok(size) }
 }
 
+/// `r=0.5`
+fn setting(text: &str) -> Result<(String, f64), String> {
+    let wrong = || format!("a setting reads like r=0.5, not '{text}'");
+    let (name, value) = text.split_once('=').ok_or_else(wrong)?;
+    let value = value.trim().parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(wrong)?;
+    Ok((name.trim().to_owned(), value))
+}
+
+/// `-1,-1,-1 1,1,1`
+fn region(text: &str) -> Result<Box3, String> {
+    let wrong = || "a box reads like \"-1,-1,-1 1,1,1\", its lowest corner first".to_owned();
+    let corner = |text: &str| -> Option<[f64; 3]> {
+        let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+        numbers?.try_into().ok()
+    };
+    let (low, high) = text.trim().split_once(char::is_whitespace).ok_or_else(wrong)?;
+    let (min, max) = (corner(low.trim()).ok_or_else(wrong)?, corner(high.trim()).ok_or_else(wrong)?);
+    let sound = (0..3).all(|k| min[k] < max[k] && min[k].is_finite() && max[k].is_finite());
+    if sound { Ok(Box3 { min, max }) } else { Err(wrong()) }
+}
+
 /// `512M`, `8G`, `1000000`: powers of 1024, as memory comes.
 fn bytes(text: &str) -> Result<u64, String> {
     let wrong = || format!("a number of bytes reads like 512M or 8G, not '{text}'");
@@ -365,6 +404,18 @@ mod tests {
         assert_eq!(bytes("8GiB"), Ok(8 << 30));
         for text in ["", "G", "1X", "-1", "1.5G", "0", "99999999999T", "1é"] {
             assert!(bytes(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn reads_settings_and_boxes() {
+        assert_eq!(setting("r = -0.5"), Ok(("r".to_owned(), -0.5)));
+        for text in ["", "r", "r=", "r=x", "r=inf"] {
+            assert!(setting(text).is_err(), "{text}");
+        }
+        assert_eq!(region("-1,-2,-3 1,2,3"), Ok(Box3 { min: [-1.0, -2.0, -3.0], max: [1.0, 2.0, 3.0] }));
+        for text in ["", "1", "0,0,0", "0,0 1,1", "0,0,0 1,1,0", "0,0,0 1,1,inf", "1,1,1 0,0,0"] {
+            assert!(region(text).is_err(), "{text}");
         }
     }
 

@@ -2,8 +2,8 @@
 use crate::numbers::{Toward, grouped, point, short, size};
 use crate::summary::{Lines, made, one_way, plural};
 use chordal_verbs::report::{
-    Anatomy, ComponentFacts, DrawingFacts, FindingFacts, Found, Inspection, KinkFacts, Report, Valid,
-    WitnessFacts, cures_of_all,
+    Anatomy, ComponentFacts, DrawingFacts, FieldFacts, FindingFacts, Found, Inspection, KinkFacts, Report,
+    Valid, WitnessFacts, cures_of_all,
 };
 use std::fmt::Write;
 
@@ -54,11 +54,31 @@ fn holds(lines: &mut Lines, inspection: &Inspection) {
     if let Some(drawing) = &inspection.drawing {
         curves(lines, drawing);
     }
+    if let Some(volume) = &inspection.volume {
+        crate::volume_letter::samples(lines, volume);
+    }
+    if let Some(facts) = &inspection.field {
+        field(lines, facts);
+    }
     if let Some(parts) = inspection.parts.as_ref().filter(|parts| parts.len() != 1) {
         let instances: u64 = parts.iter().map(|part| part.instances).sum();
         lines.add("parts", format!("{} in {} places", grouped(parts.len() as u64), grouped(instances)));
     }
     lines.add_if("box", inspection.bounds.map(|[low, high]| format!("{} to {}", point(low), point(high))));
+}
+
+/// What a field is, and what can be set of it.
+fn field(lines: &mut Lines, facts: &FieldFacts) {
+    lines.add("dimensions", facts.dimensions.to_string());
+    lines.add("terms", grouped(facts.terms));
+    lines.add("value", format!("outside {}, inside {}", facts.outside, facts.inside));
+    lines.add_if("evidence", (facts.evidence != "proved").then(|| facts.evidence.to_owned()));
+    lines.add_if("region", facts.region.map(|[low, high]| format!("{} to {}", point(low), point(high))));
+    for parameter in &facts.parameters {
+        let set = parameter.value.to_bits() != parameter.default.to_bits();
+        let default = if set { format!(" (default {})", parameter.default) } else { String::new() };
+        lines.add("parameter", format!("{} = {}{default}", parameter.name, parameter.value));
+    }
 }
 
 /// How many kinks are told one by one; the report has more.

@@ -1,5 +1,7 @@
 //! `Scene`: what a file says: parts, where they stand, and the frame they are in.
-use crate::{Curves, Drawing, Warning};
+use crate::{Curves, Drawing, Volume, Warning};
+use chordal::implicit::Field;
+use chordal::math::Box3;
 use chordal::{Mesh, Patch};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -66,7 +68,7 @@ pub struct Scene {
 }
 
 /// What a reader found.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum Content {
     /// Bicubic Bézier patches.
     Patches(Vec<Patch>, Frame),
@@ -76,10 +78,21 @@ pub enum Content {
     Drawing(Drawing),
     /// Curves in space.
     Curves(Curves),
+    /// A shape as a rule.
+    Field {
+        /// The rule.
+        field: Field,
+        /// The box that the format looks at it in, where it has one.
+        region: Option<Box3>,
+        /// The space that it is in.
+        frame: Frame,
+    },
+    /// Samples on a lattice.
+    Volume(Volume),
 }
 
 /// A shape with what was odd about its file.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Loaded {
     /// The shape.
     pub content: Content,

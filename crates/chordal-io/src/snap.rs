@@ -53,7 +53,16 @@ impl std::error::Error for TooWide {}
 /// ```
 pub fn snap(mesh: &Mesh, format: Format) -> Result<Snapped, TooWide> {
     let origin = match format {
-        Format::Bpt | Format::Teaset | Format::Json | Format::Svg | Format::Obj | Format::Ply => {
+        Format::Bpt
+        | Format::Teaset
+        | Format::Json
+        | Format::Svg
+        | Format::Obj
+        | Format::Ply
+        | Format::Vm
+        | Format::Npy
+        | Format::Nrrd
+        | Format::Nii | Format::Star => {
             return Ok(Snapped { mesh: mesh.clone(), origin: [0.0; 3], moved_at_most: 0.0 });
         }
         Format::Stl => [0.0; 3],

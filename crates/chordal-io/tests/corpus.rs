@@ -134,6 +134,7 @@ fn every_real_file_ends_well() {
                         Content::Patches(patches, _) => format!("{:>7} patches", patches.len()),
                         Content::Drawing(drawing) => format!("{:>7} curves", drawing.lines.len()),
                         Content::Curves(curves) => format!("{:>7} curves", curves.lines.len()),
+                        Content::Field { field, .. } => format!("{:>7} steps", field.tape().len()),
                     };
                     let warned: Vec<String> =
                         loaded.warnings.iter().map(|w| format!("{} {}", w.code, w.count)).collect();

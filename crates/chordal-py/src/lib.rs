@@ -3,6 +3,7 @@
 //! `python/chordal` is the other part: the names that people use, their documentation, and all that Python says best.
 //! What crosses between the two is plain: numbers, texts, bytes, JSON, and a few frozen objects that hold shapes.
 mod array;
+mod callable;
 mod command;
 mod curve;
 mod deviation;
@@ -10,6 +11,7 @@ mod failure;
 mod outcome;
 mod pool;
 mod rows;
+mod rule;
 mod source;
 mod spec;
 mod triangles;
@@ -21,6 +23,8 @@ use pyo3::prelude::*;
 /// The compiled part of chordal.
 #[pymodule]
 mod _chordal {
+    #[pymodule_export]
+    use super::rule::{Rule, language, script};
     #[pymodule_export]
     use super::{array::Array, command::command, outcome::Outcome, source::Source, view::view};
     use chordal_io::Limits;

@@ -1,7 +1,9 @@
 //! `Source`: a shape as it was read.
+use crate::callable::Raised;
 use crate::curve::curves;
 use crate::deviation::{self, Asked, Named, Other};
 use crate::outcome::{Order, Outcome};
+use crate::rule::taken;
 use crate::spec::{Wanted, parsed};
 use crate::triangles::triangles;
 use crate::{failure, work};
@@ -17,6 +19,8 @@ use std::sync::Arc;
 pub(crate) struct Source {
     input: Arc<Input>,
     name: Option<String>,
+    /// What Python functions in it raised.
+    raised: Vec<Raised>,
 }
 
 /// How to read some bytes.
@@ -36,7 +40,7 @@ impl Reading {
     fn read(self, bytes: &[u8], format: Option<Format>) -> Result<(Input, Option<String>), Unread> {
         let limits =
             Limits { lenient: self.lenient, drop_nonfinite: self.drop_nonfinite, ..Limits::default() };
-        let loaded = load(bytes, Hint { name: self.name.as_deref(), format }, &limits);
+        let loaded = load(bytes, Hint { name: self.name.as_deref(), format, ..Hint::default() }, &limits);
         match loaded {
             Ok(input) => Ok((input, self.name)),
             Err(error) => Err(Unread { error, name: self.name }),
@@ -64,7 +68,7 @@ impl Source {
         let frame = input.shape.frame_mut();
         frame.metres_per_unit = unit.map(Unit::metres).or(frame.metres_per_unit);
         frame.up = up.or(frame.up);
-        Ok(Self { input: Arc::new(input), name })
+        Ok(Self { input: Arc::new(input), name, raised: Vec::new() })
     }
 
     /// Curves by their control points: `numbers` are all coordinates in double precision and the byte order of the
@@ -80,7 +84,7 @@ impl Source {
         let frame = Frame { up: None, metres_per_unit };
         let made = work::run(py, None, move |_| curves(&numbers, shape.1, shape.2, frame))?;
         let input = made.map_err(|error| failure::argument("control", error))?;
-        Ok(Self { input: Arc::new(input), name: None })
+        Ok(Self::made(input, Vec::new()))
     }
 
     /// Triangles: `numbers` are three coordinates a vertex in double precision, `indices` three vertices a face in 32
@@ -96,7 +100,7 @@ impl Source {
         let frame = Frame { up: None, metres_per_unit };
         let made = work::run(py, None, move |_| triangles(&numbers, &indices, frame))?;
         let input = made.map_err(|error| failure::argument("faces", error))?;
-        Ok(Self { input: Arc::new(input), name: None })
+        Ok(Self::made(input, Vec::new()))
     }
 
     /// The name of the kind, as in "patches".
@@ -146,16 +150,17 @@ impl Source {
     ) -> PyResult<Outcome> {
         let to = format.parse().map_err(|error: UnknownFormat| failure::argument("format", error))?;
         let spec = wanted.spec(py)?;
-        Outcome::new(
-            py,
-            Order { input: Arc::clone(&self.input), name: self.name.clone(), spec },
-            to,
-            progress,
-        )
+        let order = Order { input: Arc::clone(&self.input), name: self.name.clone(), spec };
+        Outcome::new(py, order, to, progress).map_err(|error| taken(&self.raised).unwrap_or(error))
     }
 }
 
 impl Source {
+    /// A shape that was made, and what the functions in it raise.
+    pub(crate) fn made(input: Input, raised: Vec<Raised>) -> Self {
+        Self { input: Arc::new(input), name: None, raised }
+    }
+
     pub(crate) fn named(&self) -> Named {
         Named { input: Arc::clone(&self.input), name: self.name.clone() }
     }

@@ -1,6 +1,6 @@
 //! `deviation`: how far two shapes are apart, certified from both sides.
 use crate::report::{BoundFacts, Certificate, DeviationFacts, Report, Run, Verdict};
-use crate::{Input, MeshFailure, Shape, placed};
+use crate::{Input, MeshFailure, Shape, implicit, placed};
 use chordal::budget::{Bound, Code, Failure, Length, Reference, Refusal, Stopped, Tolerance};
 use chordal::check::{self, Goal, OneSided};
 use chordal::math::{add_up, sub_down};
@@ -61,7 +61,7 @@ pub fn deviation(a: Input, b: Input, spec: &DeviationSpec, job: &Job) -> Result<
     };
     certificate.notes.extend(frames_differ(&a, &b));
     let against = crate::report::InputFacts::of(&b);
-    let found = Pair::of(a.shape, b.shape, &mut certificate)?.measure(&goal, job)?;
+    let found = measure(a.shape, b.shape, (&goal, job), &mut certificate)?;
     certificate.bound = Some(BoundFacts::of(&found.bound));
     let verdict = goal.max.map(|max| Verdict::of(&found.bound, max));
     let facts = DeviationFacts {
@@ -75,6 +75,38 @@ pub fn deviation(a: Input, b: Input, spec: &DeviationSpec, job: &Job) -> Result<
     };
     let run = Run { verb: "deviation", ..Run::default() };
     Ok(Report { deviation: Some(facts), ..Report::new(certificate, run) })
+}
+
+/// Measures two surfaces of triangles, or triangles against a field.
+fn measure(
+    a: Shape,
+    b: Shape,
+    (goal, job): (&Goal, &Job),
+    certificate: &mut Certificate,
+) -> Result<Found, MeshFailure> {
+    let (field, other, turned) = match (a, b) {
+        (Shape::Field(_), Shape::Field(_)) => {
+            let message = "one of the two has to have triangles: mesh a field first".to_owned();
+            return Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }));
+        }
+        (Shape::Field(field), other) => (field, other, true),
+        (other, Shape::Field(field)) => (field, other, false),
+        (a, b) => return Pair::of(a, b, certificate)?.measure(goal, job),
+    };
+    let Surface::Triangles(mesh, off) = Surface::of(other, certificate)? else {
+        let message = "only triangles are measured against a field: mesh the patches first".to_owned();
+        return Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }));
+    };
+    let found = implicit::deviation_of(&mesh, &field, goal, job)?;
+    let [forward, backward] = [found.forward, found.backward].map(|side| widened(side, off));
+    let [forward, backward] = if turned { [backward, forward] } else { [forward, backward] };
+    let bound = if off == 0.0 {
+        found.bound
+    } else {
+        // Triangles that stand a little off where they belong.
+        found.bound.then(&Bound::proved(0.0, off, Reference::InputTriangles))
+    };
+    Ok(Found { bound, forward, backward, reached: found.reached, share: 0.0 })
 }
 
 fn frames_differ(a: &Input, b: &Input) -> Option<String> {
@@ -113,6 +145,10 @@ impl Surface {
                 Ok(Self::Triangles(mesh, placed.moved_at_most))
             }
             Shape::Patches { patches, .. } => Ok(Self::Patches(patches, diagonal)),
+            Shape::Volume(_) => {
+                let message = "a volume has no triangles to measure: mesh it first".to_owned();
+                Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }))
+            }
             Shape::Field(_) => {
                 let message = "a field has no triangles to measure: mesh it first".to_owned();
                 Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }))

@@ -18,9 +18,14 @@ pub fn write(
         Format::Ply => ply::write(scene, certificate, out),
         Format::Stl => stl::write(scene, certificate, out),
         Format::Glb => glb::write(scene, certificate, out),
-        Format::Bpt | Format::Teaset | Format::Json | Format::Svg => {
-            Err(WriteError::Unsupported(format!("{format} holds no triangles")))
-        }
+        Format::Bpt
+        | Format::Teaset
+        | Format::Json
+        | Format::Svg
+        | Format::Vm
+        | Format::Npy
+        | Format::Nrrd
+        | Format::Nii | Format::Star => Err(WriteError::Unsupported(format!("{format} holds no triangles"))),
     }
 }
 
@@ -37,8 +42,15 @@ pub fn write_polylines(
     match format {
         Format::Json => shape_json::write(polylines, certificate, out),
         Format::Svg => svg::write(polylines, certificate, out),
-        Format::Bpt | Format::Teaset | Format::Obj | Format::Ply | Format::Stl | Format::Glb => {
-            Err(WriteError::Unsupported(format!("{format} holds no polylines")))
-        }
+        Format::Bpt
+        | Format::Teaset
+        | Format::Obj
+        | Format::Ply
+        | Format::Stl
+        | Format::Glb
+        | Format::Vm
+        | Format::Npy
+        | Format::Nrrd
+        | Format::Nii | Format::Star => Err(WriteError::Unsupported(format!("{format} holds no polylines"))),
     }
 }

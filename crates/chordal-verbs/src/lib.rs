@@ -23,6 +23,7 @@ mod export;
 mod failure;
 mod filled;
 pub mod formats;
+mod implicit;
 mod inspect;
 mod load;
 mod mend;
@@ -33,22 +34,32 @@ mod polylines;
 mod prescribed;
 mod render;
 pub mod report;
+mod sampled;
+mod script;
 mod shape;
 mod spec;
+mod surfaces;
 mod written;
 
-pub use chordal::convert::Spacing;
+pub use chordal::convert::{Border, Inside, Spacing};
 pub use chordal::mend::{Duplicates, Holes};
 pub use chordal_io::{Axis, Curves, Drawing, Frame, Polylines, Scene};
 pub use deviation::{DeviationSpec, deviation};
 pub use digest::sha256;
 pub use export::{write, write_polylines};
 pub use failure::MeshFailure;
+pub use implicit::{Implicit, Parameter};
 pub use inspect::{inspect, inspect_deeply};
 pub use load::{Hint, Input, extension, load};
 pub use mend::{Closeness, MendSpec, mend};
 pub use mesh::{Made, MeshOutcome, mesh};
 pub use normals::{InvalidNormals, Normals};
 pub use render::{Fineness, RenderOutcome, USUAL_SCREEN, render, render_against};
-pub use shape::{Implicit, Shape};
+pub use sampled::{Labels, Range, Sampled, Suggested, SurfaceSpec};
+pub use shape::Shape;
 pub use spec::BudgetSpec;
+
+/// The example of the page in `docs/` runs with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/volumes.md")]
+struct Volumes;

@@ -1,15 +1,20 @@
 //! `load`: bytes to a shape, with everything that a report says about its input.
-use crate::Shape;
 use crate::digest::sha256;
+use crate::{Shape, script};
+use chordal::math::Box3;
 use chordal_io::{Format, Limits, Place, ReadError, Warning};
 
 /// How the format of some bytes is known.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hint<'a> {
     /// The file's name; its extension counts.
     pub name: Option<&'a str>,
     /// The format, whatever name and content say.
     pub format: Option<Format>,
+    /// What a script's parameters are set to.
+    pub set: &'a [(String, f64)],
+    /// The box that a field is cut off at, instead of the one that its format says.
+    pub region: Option<Box3>,
 }
 
 /// A shape together with what it was read from.
@@ -43,14 +48,25 @@ pub struct Input {
 /// ```
 pub fn load(bytes: &[u8], hint: Hint, limits: &Limits) -> Result<Input, ReadError> {
     let format = format_of(bytes, hint)?;
-    let loaded = chordal_io::read(bytes, format, limits)?;
-    Ok(Input {
-        shape: loaded.content.into(),
-        format,
-        n_bytes: bytes.len() as u64,
-        sha256: sha256(bytes),
-        warnings: loaded.warnings,
-    })
+    let (mut shape, warnings) = if format == Format::Star {
+        (script::shape(bytes, hint.set, limits)?, Vec::new())
+    } else {
+        if let Some((name, _)) = hint.set.first() {
+            let message = format!("only scripts have parameters: there is no '{name}' to set in {format}");
+            return Err(ReadError::new("unknown-parameter", Place::File, message));
+        }
+        let loaded = chordal_io::read(bytes, format, limits)?;
+        (loaded.content.into(), loaded.warnings)
+    };
+    match (&mut shape, hint.region) {
+        (_, None) => {}
+        (Shape::Field(implicit), region) => implicit.region = region,
+        (other, Some(_)) => {
+            let message = format!("{} have their own size: a region is for fields", other.kind());
+            return Err(ReadError::new("no-field", Place::File, message));
+        }
+    }
+    Ok(Input { shape, format, n_bytes: bytes.len() as u64, sha256: sha256(bytes), warnings })
 }
 
 fn format_of(bytes: &[u8], hint: Hint) -> Result<Format, ReadError> {
@@ -62,10 +78,17 @@ fn format_of(bytes: &[u8], hint: Hint) -> Result<Format, ReadError> {
     })
 }
 
-/// What follows the last dot of a file's name.
+/// An extension of two parts.
+const PACKED: &str = ".nii.gz";
+
+/// What follows the last dot of a file's name; `nii.gz` is one extension.
 #[must_use]
 pub fn extension(name: &str) -> Option<&str> {
     let file = name.rsplit(['/', '\\']).next()?;
+    let packed = file.len().checked_sub(PACKED.len()).filter(|at| *at > 0 && file.is_char_boundary(*at));
+    if let Some(at) = packed.filter(|at| file[*at..].eq_ignore_ascii_case(PACKED)) {
+        return Some(&file[at + 1..]);
+    }
     file.rsplit_once('.').map(|(_, extension)| extension)
 }
 
@@ -77,6 +100,9 @@ mod tests {
     fn finds_the_extension_of_the_last_name_only() {
         assert_eq!(extension("a.b/teapot"), None);
         assert_eq!(extension("a/teapot.tar.obj"), Some("obj"));
+        assert_eq!(extension("a.b/brain.NII.gz"), Some("NII.gz"));
+        assert_eq!(extension("brain.tar.gz"), Some("gz"));
+        assert_eq!(extension(".nii.gz"), Some("gz"));
         assert_eq!(extension("C:\\x\\teapot.GLB"), Some("GLB"));
     }
 }

@@ -1,14 +1,17 @@
-//! `render`: a picture of any shape; smooth shapes are meshed first, finely enough for it.
+//! `render`: a picture of any shape; smooth shapes are meshed first, finely enough for it, fields are drawn as they are.
 use crate::deviation::Pair;
 use crate::filled::Filling;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OutputFacts};
+use crate::Implicit;
 use crate::{BudgetSpec, Input, MeshFailure, Shape, placed};
 use chordal::budget::{Camera, Code, Failure, Length, Pixels, Projection, Refusal, Screen, Stopped, View};
 use chordal::check::Goal;
 use chordal::explicit::{Topology, facing};
+use chordal::implicit::query::Counts;
 use chordal::math::Box3;
 use chordal::render::{
-    Against, Options, Picture, Up, Viewpoint, frame, render as trace, render_against as trace_against,
+    Against, NotDrawn, Options, Picture, Up, Viewpoint, frame, render as trace,
+    render_against as trace_against, render_field,
 };
 use chordal::{Bounded, Budget, Job, Mesh, Patch, Tolerance, convert};
 use chordal_io::{Axis, Drawing, Frame, WriteError, png};
@@ -81,8 +84,9 @@ pub fn render(
             let mesh = placed::one_mesh(scene)?;
             shoot(&mesh, &options, certificate, job)
         }
-        Shape::Field(_) => {
-            let message = "fields are not drawn yet".to_owned();
+        Shape::Field(field) => shoot_field(field, &options, certificate, job),
+        Shape::Volume(_) => {
+            let message = "a volume has no triangles to take a picture of: mesh it first".to_owned();
             Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }))
         }
         Shape::Curves(_) => {
@@ -104,6 +108,34 @@ pub fn render(
             shoot(&made.shape, &options, certificate, job)
         }
     }
+}
+
+/// A picture straight from a field, cut off at its region; the certificate's notes say what its rays are worth.
+fn shoot_field(
+    shape: &Implicit,
+    options: &Options,
+    mut certificate: Certificate,
+    job: &Job,
+) -> Result<RenderOutcome, MeshFailure> {
+    let field = shape.whole();
+    let drawn = render_field(&field, options, job).map_err(|failure| match failure {
+        NotDrawn::Stopped(stop) => stopped(stop),
+        NotDrawn::Leaf(error) => {
+            MeshFailure::Refused(Refusal { code: Code::Unsupported, message: error.message })
+        }
+    })?;
+    let Counts { beams, uncertain, capped, .. } = drawn.counts;
+    certificate.notes.push(format!(
+        "the picture is made straight from the field: of {beams} rays {uncertain} passed something that nothing \
+         clears, {capped} of them ended at the most steps; hits and misses are measured, not proved"
+    ));
+    Ok(RenderOutcome {
+        picture: drawn.picture,
+        camera: drawn.camera,
+        certificate,
+        darkest: None,
+        back_share: None,
+    })
 }
 
 /// Takes a picture of a shape coloured by its distance from another one, darkest at `darkest` or else at the largest

@@ -1,4 +1,6 @@
 //! `Shape`: anything that a verb can be applied to, in its frame.
+use crate::{Sampled, SurfaceSpec};
+use crate::implicit::Implicit;
 use chordal::Patch;
 use chordal::explicit::{Curve, Piece};
 use chordal::math::{Box3, add_up, mul_down, mul_up, sqrt_down, sub_down};
@@ -23,34 +25,8 @@ pub enum Shape {
     Curves(Curves),
     /// A shape as a rule.
     Field(Implicit),
-}
-
-/// A field with the part of space that it is looked at in.
-#[derive(Clone, Debug)]
-pub struct Implicit {
-    /// The rule.
-    pub field: chordal::implicit::Field,
-    /// The box that the shape is cut off at, where somebody asked for one.
-    pub region: Option<Box3>,
-    /// The space that it is in.
-    pub frame: Frame,
-}
-
-impl Implicit {
-    /// The box that holds all that there is of the shape: what is known of the field, cut off at the region. Infinite
-    /// where neither says.
-    #[must_use]
-    pub fn place(&self) -> Box3 {
-        let known = self.field.bounds();
-        let Some(region) = self.region else { return known };
-        let pick = |a: [f64; 3], b: [f64; 3], first: fn(f64, f64) -> bool| {
-            std::array::from_fn(|k| if first(a[k], b[k]) { a[k] } else { b[k] })
-        };
-        Box3 {
-            min: pick(known.min, region.min, |a, b| a > b),
-            max: pick(known.max, region.max, |a, b| a < b),
-        }
-    }
+    /// Samples on a lattice.
+    Volume(Sampled),
 }
 
 impl From<Content> for Shape {
@@ -60,6 +36,10 @@ impl From<Content> for Shape {
             Content::Scene(scene) => Self::Scene(scene),
             Content::Drawing(drawing) => Self::Drawing(drawing),
             Content::Curves(curves) => Self::Curves(curves),
+            Content::Field { field, region, frame } => {
+                Self::Field(Implicit { field, region, frame, parameters: Vec::new() })
+            }
+            Content::Volume(volume) => Self::Volume(Sampled { volume, surface: SurfaceSpec::default() }),
         }
     }
 }
@@ -74,6 +54,7 @@ impl Shape {
             Self::Drawing(_) => "drawing",
             Self::Curves(_) => "curves",
             Self::Field(_) => "field",
+            Self::Volume(_) => "volume",
         }
     }
 
@@ -86,6 +67,7 @@ impl Shape {
             Self::Drawing(drawing) => &drawing.frame,
             Self::Curves(curves) => &curves.frame,
             Self::Field(field) => &field.frame,
+            Self::Volume(sampled) => &sampled.volume.frame,
         }
     }
 
@@ -97,6 +79,7 @@ impl Shape {
             Self::Drawing(drawing) => &mut drawing.frame,
             Self::Curves(curves) => &mut curves.frame,
             Self::Field(field) => &mut field.frame,
+            Self::Volume(sampled) => &mut sampled.volume.frame,
         }
     }
 
@@ -117,6 +100,7 @@ impl Shape {
             Self::Drawing(drawing) => Ok(hull_of(&drawing.lines)),
             Self::Curves(curves) => Ok(hull_of(&curves.lines)),
             Self::Field(field) => Ok(field.place()),
+            Self::Volume(sampled) => Ok(sampled.place()),
         }
     }
 
@@ -141,6 +125,13 @@ impl Shape {
             Self::Curves(curves) => Ok(diagonal_of(&curves.lines)),
             // The box may be larger than the shape. What its surface spans is known once it is meshed.
             Self::Field(field) => Ok(diagonal_below(&field.place(), 0.0)),
+            Self::Volume(sampled) => {
+                let place = sampled.place();
+                let reach = place.min.iter().chain(&place.max);
+                let reach = reach.fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+                // A corner is a sum of three products with less than 8 roundings of half a step each.
+                Ok(diagonal_below(&place, mul_up(8.0 * f64::EPSILON, reach)))
+            }
         }
     }
 }

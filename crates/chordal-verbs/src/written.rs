@@ -24,7 +24,15 @@ pub(crate) fn as_written(mut scene: Scene, to: Format) -> Result<Scene, WriteErr
                 part.mesh = split;
             }
         }
-        Format::Obj | Format::Ply | Format::Bpt | Format::Teaset | Format::Json | Format::Svg => {}
+        Format::Obj
+        | Format::Ply
+        | Format::Bpt
+        | Format::Teaset
+        | Format::Json
+        | Format::Svg
+        | Format::Vm        | Format::Npy
+        | Format::Nrrd
+        | Format::Nii | Format::Star => {}
     }
     Ok(scene)
 }

@@ -8,10 +8,12 @@ mod budget;
 mod checked;
 mod deviation;
 mod drawing;
+mod field;
 mod inspection;
 mod mended;
 mod together;
 mod valid;
+mod volume;
 
 pub use anatomy::{Anatomy, ComponentFacts, FindingFacts, MOST_COMPONENTS, cures_of_all};
 pub use bound::BoundFacts;
@@ -19,15 +21,17 @@ pub use budget::{BudgetFacts, ViewFacts};
 use checked::witness_facts;
 pub use deviation::{DeviationFacts, OneSidedFacts, Verdict};
 pub use drawing::{DrawingFacts, JoinCounts, KinkFacts, PieceCounts};
+pub use field::FieldFacts;
 pub use inspection::{Found, Inspection, PartFacts, Sizes};
 pub use mended::{ChangeFacts, MendedFacts};
 pub(crate) use valid::{Counted, Look, Uncounted};
 pub use valid::{Counts, OtherCounts, PartValid, Valid, WitnessFacts};
+pub use volume::{LabelFacts, MOST_LABELS, SuggestedFacts, VolumeFacts};
 
-use crate::Input;
+use crate::{Input, Shape};
 use chordal::Mesh;
 use chordal::explicit::{Curve, Piece, Topology};
-use chordal_io::{Axis, Frame, Polylines, Warning};
+use chordal_io::{Axis, Format, Frame, Polylines, Warning};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -92,7 +96,7 @@ impl Certificate {
             valid: None,
             valid_before: None,
             mended: Vec::new(),
-            notes: Vec::new(),
+            notes: assumed_region(input).map(str::to_owned).into_iter().collect(),
         }
     }
 
@@ -115,6 +119,15 @@ impl Report {
     pub fn to_value(&self) -> Value {
         to_value(self)
     }
+}
+
+/// What is assumed where a format does not say what part of space its field is for.
+fn assumed_region(input: &Input) -> Option<&'static str> {
+    let Shape::Field(implicit) = &input.shape else { return None };
+    let assumed = input.format == Format::Vm && implicit.region == Some(chordal_io::vm::REGION);
+    assumed.then_some(
+        "an op list says no size: it is looked at from -1 to 1 along each axis; --region says otherwise",
+    )
 }
 
 /// These structs hold numbers, texts and lists with texts as keys, all of which JSON can say; a number that is not

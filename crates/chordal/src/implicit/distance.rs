@@ -5,7 +5,8 @@
 pub enum Quality {
     /// Nothing: only the sign means something.
     Sign,
-    /// It is never more than the distance: a step of that length hits nothing.
+    /// It changes by no more than one moves, and is 0 on the surface. So it is never more than the distance: a step of
+    /// that length hits nothing.
     Bound,
     /// It is the distance.
     Exact,

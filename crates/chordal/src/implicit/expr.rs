@@ -1,6 +1,7 @@
 //! `Expr`: a number for every point of space, as an expression that shares its parts.
-use super::leaf::Leaf;
+use super::leaf::{Leaf, LeafError};
 use super::op::{Binary, Unary};
+use super::tape::Tape;
 use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc;
@@ -140,6 +141,16 @@ impl Expr {
     #[must_use]
     pub fn cos(&self) -> Self {
         Self::unary(Unary::Cos, self)
+    }
+
+    /// The number at one point. Makes a tape each time: for many points make one, see [`Tape::at`](super::Tape::at).
+    ///
+    /// # Errors
+    /// What a leaf says.
+    pub fn at(&self, point: [f64; 3]) -> Result<f64, LeafError> {
+        let mut value = [0.0];
+        Tape::of(self).at(&[point], &mut value)?;
+        Ok(value[0])
     }
 
     pub(super) fn kind(&self) -> &Kind {

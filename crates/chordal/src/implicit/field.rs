@@ -68,6 +68,17 @@ impl Field {
         self.sign.as_ref().unwrap_or(&self.expr)
     }
 
+    /// Whether [`Field::sign`] is an expression of its own.
+    #[must_use]
+    pub fn has_sign(&self) -> bool {
+        self.sign.is_some()
+    }
+
+    /// Whether [`Field::sign`] is another expression than the value.
+    pub(super) fn has_own_sign(&self) -> bool {
+        self.sign.as_ref().is_some_and(|sign| sign.address() != self.expr.address())
+    }
+
     /// The number of every point.
     #[must_use]
     pub fn expr(&self) -> &Expr {

@@ -82,10 +82,10 @@ enum Task<'a> {
 #[derive(Default)]
 struct Builder {
     terms: Vec<Term>,
-    // Only looked up, never walked through: no order depends on these three.
-    numbers: HashMap<Key, u32>,
-    known: HashMap<(usize, u32), u32>,
-    frame_numbers: HashMap<[u32; 3], u32>,
+    // Maps are only looked up, never walked through.
+    numbers: HashMap<Key, u32>,            // No order depends on it.
+    known: HashMap<(usize, u32), u32>,     // No order depends on it.
+    frame_numbers: HashMap<[u32; 3], u32>, // No order depends on it.
     frames: Vec<[u32; 3]>,
 }
 
@@ -221,8 +221,8 @@ impl Builder {
             Binary::Mul if a == b => return self.unary(Unary::Square, a),
             _ => {}
         }
-        // Sums, products, minima and maxima are the same the other way round.
-        let either = matches!(op, Binary::Add | Binary::Mul | Binary::Min | Binary::Max);
+        // Sums and products are the same the other way round. Minima and maxima are not where an operand has no value.
+        let either = matches!(op, Binary::Add | Binary::Mul);
         let (a, b) = if either && b < a { (b, a) } else { (a, b) };
         self.term(Key::Binary(op, a, b), || Term::Binary(op, a, b))
     }

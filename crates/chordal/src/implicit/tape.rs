@@ -112,6 +112,12 @@ impl Tape {
         self.graph.axes()
     }
 
+    /// Whether it asks a leaf, which wants to be asked for many points at once.
+    #[must_use]
+    pub fn has_leaves(&self) -> bool {
+        self.graph.terms().iter().any(|term| matches!(term, Term::Leaf(..)))
+    }
+
     /// What proofs that rest on [`Tape::over`] are worth: the weakest of the leaves.
     #[must_use]
     pub fn evidence(&self) -> Evidence {

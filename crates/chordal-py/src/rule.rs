@@ -1,0 +1,266 @@
+//! `Rule`: a shape or a formula of the language of shape scripts, as Python holds it.
+use crate::callable::{Callable, Raised};
+use crate::source::Source;
+use crate::{failure, work};
+use chordal::budget::Evidence;
+use chordal::implicit::{Distance, Expr, Field, LeafError, Quality, Slope};
+use chordal::math::Box3;
+use chordal_io::{Format, Frame};
+use chordal_script::language::{Arg, Fault, function, functions, operate};
+use chordal_verbs::{Implicit, Input, Shape, sha256};
+use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::pybacked::PyBackedBytes;
+use pyo3::types::{PyBool, PyBytes, PyDict, PyList, PyString, PyTuple};
+use std::sync::Arc;
+
+/// A shape or a formula.
+#[pyclass(frozen, module = "chordal._chordal")]
+pub(crate) struct Rule {
+    arg: Arg,
+    /// What Python functions in it raised.
+    raised: Vec<Raised>,
+}
+
+/// What a call of the language gives back.
+#[derive(IntoPyObject)]
+pub(crate) enum Made {
+    Number(f64),
+    Rule(Rule),
+}
+
+fn refused(fault: Fault) -> PyErr {
+    PyValueError::new_err(fault.0)
+}
+
+/// A value for the language; the functions that it rests on are added to `raised`.
+fn arg_of(value: &Bound<'_, PyAny>, raised: &mut Vec<Raised>, lists: u32) -> PyResult<Arg> {
+    let other = |name: &str| Ok(Arg::Other(name.to_owned()));
+    if let Ok(rule) = value.cast::<Rule>() {
+        raised.extend(rule.get().raised.iter().cloned());
+        return Ok(rule.get().arg.clone());
+    }
+    if value.is_none() {
+        return other("nothing");
+    }
+    if value.is_instance_of::<PyBool>() {
+        return other("True or False");
+    }
+    if let Ok(text) = value.cast::<PyString>() {
+        return Ok(Arg::Text(text.to_string_lossy().into_owned()));
+    }
+    if (value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>()) && lists > 0 {
+        let items = value.try_iter()?.map(|item| arg_of(&item?, raised, lists - 1));
+        return Ok(Arg::List(items.collect::<PyResult<_>>()?));
+    }
+    match value.extract::<f64>() {
+        Ok(number) => Ok(Arg::Number(number)),
+        Err(_) => Ok(Arg::Other(format!("a {}", value.get_type().name()?))),
+    }
+}
+
+impl Rule {
+    fn made(made: Arg, mut raised: Vec<Raised>) -> PyResult<Made> {
+        raised.sort_by_key(|one| Arc::as_ptr(one) as usize);
+        raised.dedup_by(|a, b| Arc::ptr_eq(a, b));
+        match made {
+            Arg::Number(value) => Ok(Made::Number(value)),
+            arg => Ok(Made::Rule(Self { arg, raised })),
+        }
+    }
+
+    fn field(&self) -> PyResult<&Field> {
+        match &self.arg {
+            Arg::Shape(solid) => Ok(&solid.field),
+            _ => Err(PyTypeError::new_err("this is a formula; field() makes a shape of it")),
+        }
+    }
+
+    fn evaluated(&self) -> PyResult<Field> {
+        match &self.arg {
+            Arg::Shape(solid) => Ok(solid.field.clone()),
+            Arg::Formula(formula) => Ok(Field::new(formula.expr.clone())),
+            other => Err(PyTypeError::new_err(format!("{} has no value at points", other.kind()))),
+        }
+    }
+}
+
+/// The exception of a Python function where there is one, else a leaf's own sentence.
+pub(crate) fn leaf_failure(error: &LeafError, raised: &[Raised]) -> PyErr {
+    taken(raised).unwrap_or_else(|| PyRuntimeError::new_err(error.to_string()))
+}
+
+/// The first exception that a Python function raised.
+pub(crate) fn taken(raised: &[Raised]) -> Option<PyErr> {
+    raised.iter().find_map(|slot| slot.lock().ok().and_then(|mut slot| slot.take()))
+}
+
+fn points_of(bytes: &[u8]) -> Vec<[f64; 3]> {
+    let number = |k: usize| f64::from_ne_bytes(std::array::from_fn(|i| bytes[8 * k + i]));
+    (0..bytes.len() / 24).map(|row| [0, 1, 2].map(|k| number(3 * row + k))).collect()
+}
+
+fn bytes_of(numbers: impl Iterator<Item = f64>) -> Vec<u8> {
+    numbers.flat_map(f64::to_ne_bytes).collect()
+}
+
+#[pymethods]
+impl Rule {
+    /// What a function of the language makes.
+    #[staticmethod]
+    #[pyo3(signature = (name, *args, **named))]
+    fn call(
+        py: Python<'_>,
+        name: &str,
+        args: &Bound<'_, PyTuple>,
+        named: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Made> {
+        let function = function(name).ok_or_else(|| failure::internal(py, "no such function"))?;
+        let mut raised = Vec::new();
+        let by_position = args.iter().map(|arg| arg_of(&arg, &mut raised, 2)).collect::<PyResult<_>>()?;
+        let by_name = named.map_or_else(
+            || Ok(Vec::new()),
+            |named| {
+                named
+                    .iter()
+                    .map(|(name, arg)| Ok((name.extract()?, arg_of(&arg, &mut raised, 2)?)))
+                    .collect::<PyResult<_>>()
+            },
+        )?;
+        Self::made(function.call(by_position, by_name).map_err(refused)?, raised)
+    }
+
+    /// What an operator makes; nothing where it has no meaning.
+    #[staticmethod]
+    fn operate(operator: &str, a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>) -> PyResult<Option<Made>> {
+        let mut raised = Vec::new();
+        let (a, b) = (arg_of(a, &mut raised, 0)?, arg_of(b, &mut raised, 0)?);
+        match operate(operator, &a, &b) {
+            Some(made) => Self::made(made.map_err(refused)?, raised).map(Some),
+            None => Ok(None),
+        }
+    }
+
+    /// The coordinate of that number.
+    #[staticmethod]
+    fn axis(k: usize) -> PyResult<Self> {
+        let found = Arg::axes().into_iter().nth(k).map(|(_, arg)| Self { arg, raised: Vec::new() });
+        found.ok_or_else(|| PyValueError::new_err("there are three axes"))
+    }
+
+    /// The shape of a function from the bytes of points to the bytes of values.
+    #[staticmethod]
+    fn callable(call: Py<PyAny>, bounds: Option<[[f64; 3]; 2]>, lipschitz: Option<f64>) -> Self {
+        let raised = Raised::default();
+        let leaf = Callable { call, lipschitz, raised: Arc::clone(&raised) };
+        let mut field = Field::new(Expr::leaf(Arc::new(leaf), Expr::axes()));
+        if let Some([min, max]) = bounds {
+            field = field.with_bounds(Box3 { min, max });
+        }
+        // With a slope of at most 1 the value is never more than the distance.
+        if lipschitz.is_some_and(|slope| slope <= 1.0) {
+            field = field.with_distance(Distance { outside: Quality::Bound, inside: Quality::Bound });
+        }
+        Self { arg: Arg::shape(field), raised: vec![raised] }
+    }
+
+    /// Whether it is a shape and no formula.
+    #[getter]
+    fn is_shape(&self) -> bool {
+        matches!(self.arg, Arg::Shape(_))
+    }
+
+    /// What the value is worth as a distance outside and inside.
+    #[getter]
+    fn distance(&self) -> PyResult<(&'static str, &'static str)> {
+        let distance = self.field()?.distance();
+        Ok((distance.outside.as_str(), distance.inside.as_str()))
+    }
+
+    /// What proofs about it are worth, and under which assumptions.
+    #[getter]
+    fn evidence(&self) -> PyResult<(&'static str, Vec<String>)> {
+        let evidence = self.field()?.tape().evidence();
+        let kind = evidence.as_str();
+        Ok((kind, if let Evidence::ProvedIf(sentences) = evidence { sentences } else { Vec::new() }))
+    }
+
+    /// A box that holds the shape.
+    #[getter]
+    fn bounds(&self) -> PyResult<[[f64; 3]; 2]> {
+        let Box3 { min, max } = self.field()?.bounds();
+        Ok([min, max])
+    }
+
+    /// The distinct terms of its expression.
+    #[getter]
+    fn terms(&self) -> PyResult<usize> {
+        Ok(self.evaluated()?.tape().len())
+    }
+
+    /// The values at points: three coordinates a point in double precision, in the byte order of the machine.
+    fn values<'py>(&self, py: Python<'py>, points: PyBackedBytes) -> PyResult<Bound<'py, PyBytes>> {
+        let field = self.evaluated()?;
+        let values = work::run(py, None, move |_| {
+            let points = points_of(&points);
+            let mut values = vec![0.0; points.len()];
+            field.tape().at(&points, &mut values).map(|()| bytes_of(values.into_iter()))
+        })?;
+        Ok(PyBytes::new(py, &values.map_err(|error| leaf_failure(&error, &self.raised))?))
+    }
+
+    /// The gradients at points, in the same form.
+    fn gradients<'py>(&self, py: Python<'py>, points: PyBackedBytes) -> PyResult<Bound<'py, PyBytes>> {
+        let field = self.evaluated()?;
+        let gradients = work::run(py, None, move |_| {
+            let points = points_of(&points);
+            let mut slopes = vec![Slope { value: 0.0, gradient: [0.0; 3] }; points.len()];
+            let done = field.tape().gradient_at(&points, &mut slopes);
+            done.map(|()| bytes_of(slopes.into_iter().flat_map(|slope| slope.gradient)))
+        })?;
+        Ok(PyBytes::new(py, &gradients.map_err(|error| leaf_failure(&error, &self.raised))?))
+    }
+
+    /// The shape as one that was read, cut off at a box.
+    fn source(&self, region: Option<[[f64; 3]; 2]>) -> PyResult<Source> {
+        let implicit = Implicit {
+            field: self.field()?.clone(),
+            region: region.map(|[min, max]| Box3 { min, max }),
+            frame: Frame::default(),
+            parameters: Vec::new(),
+        };
+        let input = Input {
+            shape: Shape::Field(implicit),
+            format: Format::Star,
+            n_bytes: 0,
+            sha256: sha256(&[]),
+            warnings: Vec::new(),
+        };
+        Ok(Source::made(input, self.raised.clone()))
+    }
+}
+
+/// Every function of the language: its name, how it is called, what it makes, and what the value is worth.
+#[pyfunction]
+pub(crate) fn language() -> Vec<(&'static str, String, &'static str, &'static str)> {
+    functions().map(|f| (f.name, f.usage(), f.about, f.distance)).collect()
+}
+
+/// What a shape script makes, with its parameters.
+#[pyfunction]
+pub(crate) fn script(
+    py: Python<'_>,
+    text: String,
+    set: Vec<(String, f64)>,
+) -> PyResult<(Rule, Vec<(String, f64, f64)>)> {
+    let options = chordal_script::Options { set: set.into_iter().collect(), ..Default::default() };
+    let made = work::run(py, None, move |job| chordal_script::run(&text, &options, job))?;
+    let made = made.map_err(|error| {
+        let place = error
+            .place
+            .map_or(chordal_io::Place::File, |(line, column)| chordal_io::Place::LineColumn { line, column });
+        failure::read(py, &chordal_io::ReadError::new(error.code, place, error.message), None)
+    })?;
+    let parameters = made.parameters.into_iter().map(|p| (p.name, p.default, p.value)).collect();
+    Ok((Rule { arg: Arg::shape(made.field), raised: Vec::new() }, parameters))
+}

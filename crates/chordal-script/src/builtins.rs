@@ -1,0 +1,233 @@
+//! The functions of every Python that scripts have too, within limits.
+use crate::compare::order;
+use crate::held::{Held, arg_of, elements, fault, given_back, number};
+use crate::language::{Fault, operate};
+use crate::meter::Meter;
+use crate::operators::of_numbers;
+use crate::script::Parameter;
+use starlark::environment::GlobalsBuilder;
+use starlark::eval::Evaluator;
+use starlark::values::none::NoneType;
+use starlark::values::tuple::UnpackTuple;
+use starlark::values::{Value, ValueLike};
+use starlark::{starlark_module, values::list::AllocList, values::tuple::AllocTuple};
+use std::cmp::Ordering;
+
+/// All values that a loop over `value` would see.
+fn all<'v>(value: Value<'v>, eval: &mut Evaluator<'v, '_, '_>) -> starlark::Result<Vec<Value<'v>>> {
+    let Some(list) = elements(value) else {
+        return Err(fault(Fault(format!("{} is no list", arg_of(value).kind()))));
+    };
+    Meter::work(eval, list.len())?;
+    Ok(list.to_vec())
+}
+
+/// The first of all values in an order.
+fn foremost<'v>(
+    values: UnpackTuple<Value<'v>>,
+    wanted: Ordering,
+    eval: &mut Evaluator<'v, '_, '_>,
+) -> starlark::Result<Value<'v>> {
+    let values = match values.items.as_slice() {
+        [one] => all(*one, eval)?,
+        many => many.to_vec(),
+    };
+    let Some((first, rest)) = values.split_first() else {
+        return Err(fault(Fault("there is nothing to choose from".to_owned())));
+    };
+    let mut best = *first;
+    for value in rest {
+        if order(*value, best, eval)? == wanted {
+            best = *value;
+        }
+    }
+    Ok(best)
+}
+
+/// Where a whole number is needed.
+fn whole(value: Value) -> starlark::Result<i32> {
+    value
+        .unpack_i32()
+        .ok_or_else(|| fault(Fault(format!("a whole number is needed, not {}", arg_of(value).kind()))))
+}
+
+#[starlark_module]
+pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
+    const pi: f64 = std::f64::consts::PI;
+
+    fn param<'v>(
+        #[starlark(require = pos)] name: &str,
+        #[starlark(require = pos)] default: Value<'v>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<f64> {
+        let Some(default) = number(default).filter(|default| default.is_finite()) else {
+            return Err(fault(Fault(format!(
+                "param() needs a finite number as its default, not {}",
+                arg_of(default).kind()
+            ))));
+        };
+        let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        if name.is_empty() || name.len() > 64 || !name.chars().all(plain) {
+            return Err(fault(Fault("param() needs a name of up to 64 letters, digits and '_'".to_owned())));
+        }
+        let meter = Meter::of(eval);
+        let value = meter.set.get(name).copied().unwrap_or(default);
+        let mut parameters = meter.parameters.borrow_mut();
+        match parameters.iter().find(|known| known.name == name) {
+            Some(known) if known.default.to_bits() != default.to_bits() => {
+                let message = format!("parameter '{name}' has two defaults, {} and {default}", known.default);
+                return Err(fault(Fault(message)));
+            }
+            Some(_) => {}
+            None if parameters.len() >= 1000 => {
+                return Err(fault(Fault("more than 1,000 parameters".to_owned())));
+            }
+            None => parameters.push(Parameter { name: name.to_owned(), default, value }),
+        }
+        Ok(value)
+    }
+
+    fn abs<'v>(
+        #[starlark(require = pos)] value: Value<'v>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<Value<'v>> {
+        if let Some(whole) = value.unpack_i32() {
+            return Ok(eval.heap().alloc(i64::from(whole).abs()));
+        }
+        let arg = arg_of(value);
+        match operate("abs", &arg, &arg) {
+            Some(made) => given_back(made.map_err(fault)?, eval),
+            None => Err(fault(Fault(format!("abs() has no meaning for {}", arg.kind())))),
+        }
+    }
+
+    fn r#bool(#[starlark(require = pos)] value: Value) -> starlark::Result<bool> {
+        Ok(value.to_bool())
+    }
+
+    fn float(#[starlark(require = pos)] value: Value) -> starlark::Result<f64> {
+        number(value)
+            .ok_or_else(|| fault(Fault(format!("float() needs a number, not {}", arg_of(value).kind()))))
+    }
+
+    fn int(#[starlark(require = pos)] value: Value) -> starlark::Result<i32> {
+        let number = number(value).filter(|n| n.abs() <= f64::from(i32::MAX));
+        // In range: what is cut off is the part after the point.
+        number
+            .map(|n| n as i32)
+            .ok_or_else(|| fault(Fault("int() needs a number below 2^31 in size".to_owned())))
+    }
+
+    fn len(#[starlark(require = pos)] value: Value) -> starlark::Result<i32> {
+        value.length()
+    }
+
+    fn fail(#[starlark(require = pos)] message: &str) -> starlark::Result<NoneType> {
+        Err(fault(Fault(message.chars().take(400).collect())))
+    }
+
+    fn range<'v>(
+        #[starlark(require = pos)] first: Value<'v>,
+        #[starlark(require = pos)] end: Option<Value<'v>>,
+        #[starlark(require = pos)] step: Option<Value<'v>>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<Value<'v>> {
+        let (start, end) = match end {
+            None => (0, whole(first)?),
+            Some(end) => (whole(first)?, whole(end)?),
+        };
+        let step = step.map_or(Ok(1), whole)?;
+        if step == 0 {
+            return Err(fault(Fault("range() needs a step other than 0".to_owned())));
+        }
+        let (way, stride) = (i64::from(end) - i64::from(start), i64::from(step));
+        let count = if way.signum() == stride.signum() { (way.abs() - 1) / stride.abs() + 1 } else { 0 };
+        Meter::work(eval, usize::try_from(count).unwrap_or(usize::MAX))?;
+        let numbers = (0..count).map(|k| i64::from(start) + k * stride);
+        Ok(eval.heap().alloc(AllocList(numbers)))
+    }
+
+    fn list<'v>(
+        #[starlark(require = pos)] values: Option<Value<'v>>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<Value<'v>> {
+        let values = values.map_or(Ok(Vec::new()), |values| all(values, eval))?;
+        Ok(eval.heap().alloc(AllocList(values)))
+    }
+
+    fn tuple<'v>(
+        #[starlark(require = pos)] values: Option<Value<'v>>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<Value<'v>> {
+        let values = values.map_or(Ok(Vec::new()), |values| all(values, eval))?;
+        Ok(eval.heap().alloc(AllocTuple(values)))
+    }
+
+    fn enumerate<'v>(
+        #[starlark(require = pos)] values: Value<'v>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<Value<'v>> {
+        let values = all(values, eval)?;
+        Meter::work(eval, 4 * values.len())?;
+        let pairs = values.into_iter().enumerate().map(|(k, value)| (k as i32, value));
+        Ok(eval.heap().alloc(AllocList(pairs)))
+    }
+
+    fn reversed<'v>(
+        #[starlark(require = pos)] values: Value<'v>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<Value<'v>> {
+        let values = all(values, eval)?;
+        Ok(eval.heap().alloc(AllocList(values.into_iter().rev())))
+    }
+
+    fn zip<'v>(
+        #[starlark(args)] lists: UnpackTuple<Value<'v>>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<Value<'v>> {
+        let lists =
+            lists.items.into_iter().map(|list| all(list, eval)).collect::<starlark::Result<Vec<_>>>()?;
+        let count = lists.iter().map(Vec::len).min().unwrap_or(0);
+        Meter::work(eval, (3 + lists.len()).saturating_mul(count))?;
+        let heap = eval.heap();
+        let rows =
+            (0..count).map(|k| heap.alloc(AllocTuple(lists.iter().map(|list| list[k]).collect::<Vec<_>>())));
+        Ok(heap.alloc(AllocList(rows.collect::<Vec<_>>())))
+    }
+
+    fn sum<'v>(
+        #[starlark(require = pos)] values: Value<'v>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<Value<'v>> {
+        let mut sum = eval.heap().alloc(0);
+        for value in all(values, eval)? {
+            if value.downcast_ref::<Held>().is_some() || sum.downcast_ref::<Held>().is_some() {
+                let Some(made) = operate("+", &arg_of(sum), &arg_of(value)) else {
+                    return Err(fault(Fault(
+                        "sum() adds numbers and formulas; union() joins shapes".to_owned(),
+                    )));
+                };
+                sum = given_back(made.map_err(fault)?, eval)?;
+            } else if number(value).is_some() {
+                sum = of_numbers("+", sum, value, eval.heap())?;
+            } else {
+                return Err(fault(Fault(format!("sum() adds no {}", arg_of(value).kind()))));
+            }
+        }
+        Ok(sum)
+    }
+
+    fn max<'v>(
+        #[starlark(args)] values: UnpackTuple<Value<'v>>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<Value<'v>> {
+        foremost(values, Ordering::Greater, eval)
+    }
+
+    fn min<'v>(
+        #[starlark(args)] values: UnpackTuple<Value<'v>>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<Value<'v>> {
+        foremost(values, Ordering::Less, eval)
+    }
+}

@@ -1,0 +1,60 @@
+//! `ScriptError`: what is wrong with a script, and where.
+use std::fmt;
+
+/// A stable name for what is wrong, a place, and one sentence.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ScriptError {
+    /// Stable, for programs: `script-syntax`, `script-error`, `script-limit`, `script-value`, `unknown-parameter` or
+    /// `cancelled`.
+    pub code: &'static str,
+    /// Line and column, counted from 1, where there is a place.
+    pub place: Option<(u64, u64)>,
+    /// What, in one sentence.
+    pub message: String,
+    /// The line of the script, if there is a place.
+    pub line: Option<String>,
+}
+
+impl ScriptError {
+    pub(crate) fn new(code: &'static str, message: impl Into<String>) -> Self {
+        Self { code, place: None, message: message.into(), line: None }
+    }
+
+    /// The same with the place of a byte of the text.
+    pub(crate) fn at(self, text: &str, offset: usize) -> Self {
+        let before = text.get(..offset).unwrap_or(text);
+        let start = before.rfind('\n').map_or(0, |at| at + 1);
+        let line = before.matches('\n').count();
+        self.in_line(text, (line, before[start..].chars().count()))
+    }
+
+    /// The same with a place, counted from 0.
+    pub(crate) fn in_line(self, text: &str, (line, column): (usize, usize)) -> Self {
+        let shown = text.lines().nth(line).map(|shown| shown.chars().take(LONGEST_LINE).collect());
+        Self { place: Some((line as u64 + 1, column as u64 + 1)), line: shown, ..self }
+    }
+
+    /// The line with a mark below the column, where both are known and the column is shown.
+    #[must_use]
+    pub fn excerpt(&self) -> Option<String> {
+        let (line, (_, column)) = (self.line.as_ref()?, self.place?);
+        let before = usize::try_from(column - 1).ok().filter(|before| *before <= line.chars().count())?;
+        // Tabs stay tabs, so that the mark stands where it should.
+        let space: String = line.chars().take(before).map(|c| if c == '\t' { c } else { ' ' }).collect();
+        Some(format!("{line}\n{space}^"))
+    }
+}
+
+/// Characters of a line that an error carries.
+const LONGEST_LINE: usize = 200;
+
+impl fmt::Display for ScriptError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.place {
+            Some((line, column)) => write!(f, "line {line}, column {column}: {}", self.message),
+            None => f.write_str(&self.message),
+        }
+    }
+}
+
+impl std::error::Error for ScriptError {}

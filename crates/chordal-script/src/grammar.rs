@@ -1,0 +1,201 @@
+//! What of Starlark scripts may use: parsed, looked through, and with operators that keep to the limits.
+use crate::operators::OPERATORS;
+use crate::{Limits, ScriptError, nesting};
+use starlark::codemap::Span;
+use starlark::syntax::ast::{
+    ArgumentP, AssignTargetP, AstExpr, AstLiteral, AstParameter, AstStmt, ExprP, ParameterP, StmtP,
+};
+use starlark::syntax::{AstModule, Dialect, DialectTypes};
+use std::collections::HashMap;
+
+/// A program with the text that it was made of.
+pub(crate) struct Program {
+    pub module: AstModule,
+    pub source: Source,
+}
+
+/// The program of a text.
+pub(crate) fn parse(text: &str, limits: &Limits) -> Result<Program, ScriptError> {
+    if text.len() > limits.bytes {
+        let message = format!("{} bytes are over the limit of {} for a script", text.len(), limits.bytes);
+        return Err(ScriptError::new("script-limit", message));
+    }
+    nesting::check(text, limits.nesting)?;
+    let dialect = Dialect {
+        enable_def: true,
+        enable_lambda: true,
+        enable_load: false,
+        enable_keyword_only_arguments: true,
+        enable_positional_only_arguments: false,
+        enable_types: DialectTypes::Disable,
+        enable_load_reexport: false,
+        enable_top_level_stmt: true,
+        enable_f_strings: false,
+        ..Dialect::Standard
+    };
+    let parsed = |source: &Source| {
+        AstModule::parse("script", source.written.clone(), &dialect)
+            .map_err(|error| source.told("script-syntax", &error))
+    };
+    let plain = Source::of(text);
+    let module = parsed(&plain)?;
+    let mut search = Search::default();
+    statement(module.statement(), &mut search);
+    module.statement().visit_expr(|expr| expression(expr, &mut search));
+    if let Some((span, what)) = search.found {
+        return Err(plain.error("script-syntax", what, span));
+    }
+    let source = plain.with_plain_assignments(search.changes);
+    let mut module = if source.edits.is_empty() { module } else { parsed(&source)? };
+    // Only looked up: no order depends on it. No name of a script can be an operator.
+    let functions: HashMap<String, String> = OPERATORS.map(|op| (op.to_owned(), op.to_owned())).into();
+    module.replace_binary_operators(&functions);
+    Ok(Program { module, source })
+}
+
+/// A script's text, and what is parsed instead: `a += b` is written out as `a = a + (b)`, so that every operator can be
+/// called through a function that keeps to the limits.
+#[derive(Debug)]
+pub(crate) struct Source {
+    text: String,
+    written: String,
+    edits: Vec<Edit>,
+}
+
+/// Bytes that stand for others.
+#[derive(Debug)]
+struct Edit {
+    old: std::ops::Range<usize>,
+    new: std::ops::Range<usize>,
+}
+
+/// An assignment with an operator: its target, operator and value.
+type Change = (Span, String, Span);
+
+impl Source {
+    fn of(text: &str) -> Self {
+        Self { text: text.to_owned(), written: text.to_owned(), edits: Vec::new() }
+    }
+
+    fn with_plain_assignments(self, mut changes: Vec<Change>) -> Self {
+        changes.sort_by_key(|(target, ..)| target.begin().get());
+        let (mut written, mut edits, mut done) = (String::new(), Vec::new(), 0);
+        let mut put = |written: &mut String, old: std::ops::Range<usize>, new: &str| {
+            written.push_str(&self.text[done..old.start]);
+            let start = written.len();
+            written.push_str(new);
+            edits.push(Edit { old: old.clone(), new: start..written.len() });
+            done = old.end;
+        };
+        for (target, operator, value) in changes {
+            let [start, end, from, to] =
+                [target.begin(), target.end(), value.begin(), value.end()].map(|at| at.get() as usize);
+            let again = &self.text[start..end];
+            put(&mut written, end..from, &format!(" = {again} {operator} ("));
+            put(&mut written, to..to, ")");
+        }
+        written.push_str(&self.text[done..]);
+        Self { written, edits, ..self }
+    }
+
+    /// The offset in the script of an offset in what is parsed.
+    fn place(&self, offset: usize) -> usize {
+        let before = self.edits.iter().take_while(|edit| edit.new.start <= offset).last();
+        match before {
+            Some(edit) if offset < edit.new.end => edit.old.start,
+            Some(edit) => offset - edit.new.end + edit.old.end,
+            None => offset,
+        }
+    }
+
+    fn error(&self, code: &'static str, what: impl Into<String>, span: Span) -> ScriptError {
+        ScriptError::new(code, what).at(&self.text, self.place(span.begin().get() as usize))
+    }
+
+    /// An error of the interpreter with its place.
+    pub(crate) fn told(&self, code: &'static str, error: &starlark::Error) -> ScriptError {
+        let message = error.without_diagnostic().to_string();
+        let message: String = message.trim().replace('\n', " ").chars().take(LONGEST_MESSAGE).collect();
+        match error.span() {
+            Some(span) => self.error(code, message, span.span),
+            None => ScriptError::new(code, message),
+        }
+    }
+}
+
+/// Characters of a message.
+const LONGEST_MESSAGE: usize = 500;
+
+/// What a look at a program finds.
+#[derive(Default)]
+struct Search {
+    /// The first thing that scripts do not have, with its place.
+    found: Option<(Span, String)>,
+    changes: Vec<Change>,
+}
+
+impl Search {
+    fn refuse(&mut self, span: Span, what: &str) {
+        self.found.get_or_insert_with(|| (span, what.to_owned()));
+    }
+}
+
+fn statement(stmt: &AstStmt, search: &mut Search) {
+    match &stmt.node {
+        StmtP::Load(_) => search.refuse(stmt.span, "a script loads nothing"),
+        StmtP::AssignModify(target, op, value) => match target.node {
+            AssignTargetP::Identifier(_) | AssignTargetP::Index(_) => {
+                let operator = op.to_string().trim().trim_end_matches('=').to_owned();
+                search.changes.push((target.span, operator, value.span));
+            }
+            _ => search.refuse(stmt.span, "only names and elements of lists can be changed"),
+        },
+        StmtP::Assign(assign) if matches!(assign.lhs.node, AssignTargetP::Dot(..)) => {
+            search.refuse(stmt.span, "nothing here has attributes");
+        }
+        StmtP::Def(def) => parameters(&def.params, search),
+        _ => {}
+    }
+    stmt.visit_stmt(|inner| statement(inner, search));
+}
+
+fn parameters(parameters: &[AstParameter], search: &mut Search) {
+    for parameter in parameters {
+        if matches!(parameter.node, ParameterP::Args(..) | ParameterP::KwArgs(..)) {
+            search.refuse(parameter.span, "a function takes a list instead of any number of arguments");
+        }
+    }
+}
+
+fn expression(expr: &AstExpr, search: &mut Search) {
+    /// Bytes of the longest whole number: 2^60 has 19 digits.
+    const LONGEST_NUMBER: u32 = 20;
+    let what = match &expr.node {
+        ExprP::Dot(_, name) if name.node != "append" => {
+            Some("nothing here has attributes, but lists have append()")
+        }
+        ExprP::Index2(_) | ExprP::Slice(..) => Some("there are no slices: use a list comprehension"),
+        ExprP::Dict(_) | ExprP::DictComprehension(..) => Some("there are no dictionaries: use lists"),
+        ExprP::BitNot(_) => Some("there is no ~: use complement()"),
+        ExprP::FString(_) | ExprP::Literal(AstLiteral::Bytes(_) | AstLiteral::Ellipsis) => {
+            Some("this has no use in a script")
+        }
+        ExprP::Literal(AstLiteral::Int(_))
+            if expr.span.end().get() - expr.span.begin().get() > LONGEST_NUMBER =>
+        {
+            Some("whole numbers above 2^60 are not handled")
+        }
+        ExprP::Call(_, args) if args.args.iter().any(|arg| matches!(arg.node, ArgumentP::KwArgs(_))) => {
+            Some("there are no dictionaries: name the arguments")
+        }
+        _ => None,
+    };
+    if let Some(what) = what {
+        search.refuse(expr.span, what);
+    } else if search.found.is_none() {
+        if let ExprP::Lambda(lambda) = &expr.node {
+            parameters(&lambda.params, search);
+        }
+        expr.visit_expr(|inner| expression(inner, search));
+    }
+}

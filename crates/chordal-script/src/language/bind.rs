@@ -1,0 +1,229 @@
+//! `Function`: one function of the language, and how its arguments find their places.
+use super::{Arg, Fault, Formula, Solid};
+use chordal::implicit::shapes::InvalidShape;
+use chordal::implicit::{Expr, Field};
+
+/// One function of the language.
+#[derive(Debug)]
+pub struct Function {
+    /// Its name.
+    pub name: &'static str,
+    /// What it takes, in order.
+    pub parameters: &'static [Parameter],
+    /// What it makes, in one line.
+    pub about: &'static str,
+    /// What the value of the result is worth as a distance; nothing where it is no shape.
+    pub distance: &'static str,
+    pub(super) make: fn(&Given) -> Result<Arg, Fault>,
+}
+
+/// What a function takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its name.
+    pub name: &'static str,
+    /// What it is when it is left out.
+    pub default: Option<f64>,
+    /// Whether it stands for any number of arguments.
+    pub rest: bool,
+}
+
+/// An argument that has to be there.
+pub(super) const fn needed(name: &'static str) -> Parameter {
+    Parameter { name, default: None, rest: false }
+}
+
+/// An argument that can be left out.
+pub(super) const fn or(name: &'static str, default: f64) -> Parameter {
+    Parameter { name, default: Some(default), rest: false }
+}
+
+/// Any number of arguments.
+pub(super) const fn rest(name: &'static str) -> Parameter {
+    Parameter { name, default: None, rest: true }
+}
+
+/// The arguments of a call in their places.
+#[derive(Debug)]
+pub struct Given {
+    function: &'static Function,
+    args: Vec<Arg>,
+    rest: Vec<Arg>,
+}
+
+impl Function {
+    /// Calls it with arguments by position and by name.
+    ///
+    /// # Errors
+    /// When an argument is missing, unknown, given twice or of the wrong kind, or the shape does not exist.
+    pub fn call(&'static self, by_position: Vec<Arg>, by_name: Vec<(String, Arg)>) -> Result<Arg, Fault> {
+        let given = self.bind(by_position, by_name)?;
+        (self.make)(&given)
+    }
+
+    fn bind(&'static self, by_position: Vec<Arg>, by_name: Vec<(String, Arg)>) -> Result<Given, Fault> {
+        let places = self.parameters.iter().filter(|p| !p.rest).count();
+        let takes_rest = places < self.parameters.len();
+        let n_given = by_position.len();
+        let mut rest = by_position;
+        let mut args: Vec<Option<Arg>> = rest.drain(..places.min(n_given)).map(Some).collect();
+        args.resize(places, None);
+        if !rest.is_empty() && !takes_rest {
+            let plural = if places == 1 { "" } else { "s" };
+            return Err(self.fault(format!("takes {places} argument{plural}, and {n_given} are given")));
+        }
+        for (name, arg) in by_name {
+            let Some(k) = self.parameters.iter().position(|p| !p.rest && p.name == name) else {
+                let shown: String = name.chars().take(40).collect();
+                return Err(self.fault(format!("has no argument '{shown}'")));
+            };
+            if args[k].replace(arg).is_some() {
+                return Err(self.fault(format!("has '{name}' twice")));
+            }
+        }
+        let found = args.into_iter().zip(self.parameters).map(|(arg, p)| {
+            arg.or(p.default.map(Arg::Number)).ok_or_else(|| self.fault(format!("needs '{}'", p.name)))
+        });
+        Ok(Given { function: self, args: found.collect::<Result<_, _>>()?, rest })
+    }
+
+    fn fault(&self, what: String) -> Fault {
+        Fault(format!("{}() {what}", self.name))
+    }
+
+    /// How it is called, as in `gyroid(period, level=0)`.
+    #[must_use]
+    pub fn usage(&self) -> String {
+        let shown = self.parameters.iter().map(|p| match (p.rest, p.default) {
+            (true, _) => format!("*{}", p.name),
+            (false, None) => p.name.to_owned(),
+            (false, Some(default)) => format!("{}={default}", p.name),
+        });
+        format!("{}({})", self.name, shown.collect::<Vec<_>>().join(", "))
+    }
+}
+
+impl Given {
+    /// The name of the function.
+    pub(super) fn name(&self) -> &'static str {
+        self.function.name
+    }
+
+    fn wrong(&self, k: usize, expected: &str, found: &str) -> Fault {
+        let name = self.function.parameters[k].name;
+        self.function.fault(format!("needs {expected} for '{name}', not {found}"))
+    }
+
+    /// The number in place `k`.
+    pub(super) fn number(&self, k: usize) -> Result<f64, Fault> {
+        match &self.args[k] {
+            Arg::Number(value) => Ok(*value),
+            other => Err(self.wrong(k, "a number", other.kind())),
+        }
+    }
+
+    /// The numbers in these places.
+    pub(super) fn numbers<const N: usize>(&self, first: usize) -> Result<[f64; N], Fault> {
+        let mut numbers = [0.0; N];
+        for (k, number) in numbers.iter_mut().enumerate() {
+            *number = self.number(first + k)?;
+        }
+        Ok(numbers)
+    }
+
+    /// The whole number in place `k`, not below 0.
+    pub(super) fn count(&self, k: usize) -> Result<u32, Fault> {
+        let value = self.number(k)?;
+        if value >= 0.0 && value <= f64::from(u32::MAX) && value.floor() == value {
+            // In range and whole: exact.
+            Ok(value as u32)
+        } else {
+            Err(self.wrong(k, "a whole number", &value.to_string()))
+        }
+    }
+
+    /// The shape in place `k`.
+    pub(super) fn shape(&self, k: usize) -> Result<&Solid, Fault> {
+        match &self.args[k] {
+            Arg::Shape(solid) => Ok(solid),
+            other => Err(self.wrong(k, "a shape", other.kind())),
+        }
+    }
+
+    /// All shapes: the first ones and the rest. A list of shapes stands for the shapes.
+    pub(super) fn shapes(&self) -> Result<Vec<&Solid>, Fault> {
+        let mut all = Vec::new();
+        for arg in self.args.iter().chain(&self.rest) {
+            let parts = if let Arg::List(parts) = arg { parts.as_slice() } else { std::slice::from_ref(arg) };
+            for part in parts {
+                match part {
+                    Arg::Shape(solid) => all.push(solid),
+                    other => return Err(self.function.fault(format!("needs shapes, not {}", other.kind()))),
+                }
+            }
+        }
+        Ok(all)
+    }
+
+    /// The expression in place `k`; a number is one too.
+    pub(super) fn formula(&self, k: usize) -> Result<Formula, Fault> {
+        match &self.args[k] {
+            Arg::Formula(formula) => Ok(formula.clone()),
+            Arg::Number(value) => Ok(Formula { expr: Expr::constant(*value), weight: 1 }),
+            other => Err(self.wrong(k, "a formula", other.kind())),
+        }
+    }
+
+    /// Whatever is in place `k`.
+    pub(super) fn any(&self, k: usize) -> &Arg {
+        &self.args[k]
+    }
+
+    /// The point in place `k`.
+    pub(super) fn point<const D: usize>(&self, k: usize) -> Result<[f64; D], Fault> {
+        self.point_of(k, &self.args[k])
+    }
+
+    /// The points in place `k`.
+    pub(super) fn points<const D: usize>(&self, k: usize) -> Result<Vec<[f64; D]>, Fault> {
+        match &self.args[k] {
+            Arg::List(points) => points.iter().map(|point| self.point_of(k, point)).collect(),
+            other => Err(self.wrong(k, "a list of points", other.kind())),
+        }
+    }
+
+    fn point_of<const D: usize>(&self, k: usize, arg: &Arg) -> Result<[f64; D], Fault> {
+        let wrong = |found: &str| self.wrong(k, &format!("{D} numbers"), found);
+        let Arg::List(list) = arg else { return Err(wrong(arg.kind())) };
+        let numbers: Vec<f64> =
+            list.iter().filter_map(|n| if let Arg::Number(n) = n { Some(*n) } else { None }).collect();
+        if numbers.len() != list.len() {
+            return Err(wrong("a list of something else"));
+        }
+        numbers.try_into().map_err(|_| wrong(&format!("{}", list.len())))
+    }
+
+    /// A shape made of those in the first places, or why there is none.
+    pub(super) fn made(&self, field: Result<Field, InvalidShape>, from: &[&Solid]) -> Result<Arg, Fault> {
+        self.made_with(field, from, 1)
+    }
+
+    /// The same, where each of the others counts so many times.
+    pub(super) fn made_with(
+        &self,
+        field: Result<Field, InvalidShape>,
+        from: &[&Solid],
+        times: u64,
+    ) -> Result<Arg, Fault> {
+        let field = field.map_err(|why| Fault(format!("{}(): {why}", self.function.name)))?;
+        // Lists that became a leaf, and many parts of one union.
+        let list = |arg: &Arg| if let Arg::List(list) = arg { list.len() as u64 } else { 0 };
+        let own = OWN + self.args.iter().map(list).sum::<u64>() + 2 * from.len() as u64;
+        let parts = from.iter().fold(0, |sum: u64, part| sum.saturating_add(part.weight));
+        let weight = parts.saturating_mul(times).saturating_add(own);
+        Ok(Arg::Shape(Solid { field, weight, own }))
+    }
+}
+
+/// More terms than any one step has of its own, seen in the tests.
+const OWN: u64 = 80;

@@ -1,0 +1,133 @@
+//! The language of shape scripts: its values, its functions and what its operators do, whatever the syntax around them.
+//!
+//! Starlark and Python both translate into this and compute nothing themselves, so that one text means one shape in both.
+mod bind;
+mod combine;
+mod formula;
+mod place;
+mod solids;
+
+use chordal::implicit::{Expr, Field};
+use std::fmt;
+
+pub use bind::{Function, Given, Parameter};
+pub use formula::operate;
+
+/// A value that functions of the language take and make.
+#[derive(Clone, Debug)]
+pub enum Arg {
+    /// A number.
+    Number(f64),
+    /// A text, as in the name of a parameter.
+    Text(String),
+    /// A list or a tuple.
+    List(Vec<Arg>),
+    /// A shape.
+    Shape(Solid),
+    /// An expression in x, y and z.
+    Formula(Formula),
+    /// Something that no function takes, by its name in the language around.
+    Other(String),
+}
+
+/// A shape with what it costs.
+#[derive(Clone, Debug)]
+pub struct Solid {
+    /// The shape.
+    pub field: Field,
+    /// At least the terms of its expression, were nothing shared.
+    pub(crate) weight: u64,
+    /// The part of that which its last step made.
+    pub(crate) own: u64,
+}
+
+/// An expression with what it costs.
+#[derive(Clone, Debug)]
+pub struct Formula {
+    /// The expression.
+    pub expr: Expr,
+    weight: u64,
+}
+
+impl Arg {
+    /// The coordinates, by their names.
+    #[must_use]
+    pub fn axes() -> [(&'static str, Self); 3] {
+        let axes = Expr::axes().map(|expr| Self::Formula(Formula { expr, weight: 1 }));
+        let [x, y, z] = axes;
+        [("x", x), ("y", y), ("z", z)]
+    }
+
+    /// A shape from elsewhere.
+    #[must_use]
+    pub fn shape(field: Field) -> Self {
+        Self::Shape(Solid { field, weight: 1, own: 1 })
+    }
+
+    /// What it is, in an error.
+    #[must_use]
+    pub fn kind(&self) -> &str {
+        match self {
+            Self::Number(_) => "a number",
+            Self::Text(_) => "a text",
+            Self::List(_) => "a list",
+            Self::Shape(_) => "a shape",
+            Self::Formula(_) => "a formula",
+            Self::Other(kind) => kind,
+        }
+    }
+
+    /// At least the terms of the expression.
+    pub(crate) fn weight(&self) -> u64 {
+        match self {
+            Self::Shape(solid) => solid.weight,
+            Self::Formula(formula) => formula.weight,
+            _ => 0,
+        }
+    }
+
+    /// What the last step made of that.
+    pub(crate) fn own(&self) -> u64 {
+        match self {
+            Self::Shape(solid) => solid.own,
+            Self::Formula(_) => 1,
+            _ => 0,
+        }
+    }
+}
+
+/// What is wrong with a call, in one sentence.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fault(pub String);
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Fault {}
+
+/// The groups of functions, as a page on them would show them.
+#[must_use]
+pub fn groups() -> [(&'static str, &'static [Function]); 6] {
+    [
+        ("Solids", solids::SOLIDS),
+        ("Shapes of the plane", solids::FLAT),
+        ("Combining", combine::COMBINE),
+        ("Placing", place::PLACE),
+        ("Changing", place::CHANGE),
+        ("Formulas", formula::FORMULAS),
+    ]
+}
+
+/// Every function.
+pub fn functions() -> impl Iterator<Item = &'static Function> {
+    groups().into_iter().flat_map(|(_, functions)| functions)
+}
+
+/// The function of a name.
+#[must_use]
+pub fn function(name: &str) -> Option<&'static Function> {
+    functions().find(|function| function.name == name)
+}

@@ -1,0 +1,29 @@
+//! Shape scripts: a few lines of Starlark, which is Python's syntax without its world, to a field.
+//!
+//! The value of the last expression is the shape. Scripts see no files, no clock and no chance; what they may use of time
+//! and memory is bounded by [`Limits`], and whatever is wrong is one [`ScriptError`] with line and column.
+//!
+//! ```
+//! use chordal_script::{Options, run};
+//! let script = run("r = param('r', 0.4)\nbox(2, 2, 1) - cylinder(r, 2)\n", &Options::default(), &Default::default())?;
+//! let mut values = [0.0; 2];
+//! script.field.tape().at(&[[0.0; 3], [0.75, 0.0, 0.0]], &mut values)?;
+//! assert_eq!(values, [0.4, -0.25]);
+//! assert_eq!((script.parameters[0].name.as_str(), script.parameters[0].value), ("r", 0.4));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+mod builtins;
+mod compare;
+mod error;
+mod grammar;
+mod held;
+pub mod language;
+mod limits;
+mod meter;
+mod nesting;
+mod operators;
+mod script;
+
+pub use error::ScriptError;
+pub use limits::Limits;
+pub use script::{Options, Parameter, Script, run};

@@ -1,0 +1,87 @@
+//! `Meter`: what a script has used so far, beyond what the interpreter counts itself.
+use crate::language::Arg;
+use crate::{Limits, Parameter};
+use starlark::any::ProvidesStaticType;
+use starlark::eval::Evaluator;
+use std::cell::{Cell, RefCell};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// What goes with one run of a script.
+#[derive(Debug, ProvidesStaticType)]
+pub(crate) struct Meter {
+    pub limits: Limits,
+    /// What parameters were set to, by name.
+    pub set: BTreeMap<String, f64>,
+    /// The parameters that the script has asked for.
+    pub parameters: RefCell<Vec<Parameter>>,
+    work: Cell<u64>,
+    made: Cell<u64>,
+}
+
+/// Why a script is stopped: it used more than it may.
+#[derive(Debug)]
+pub(crate) struct Exceeded(pub String);
+
+impl fmt::Display for Exceeded {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Exceeded {}
+
+impl Meter {
+    pub fn new(limits: Limits, set: BTreeMap<String, f64>) -> Self {
+        Self { limits, set, parameters: RefCell::default(), work: Cell::new(0), made: Cell::new(0) }
+    }
+
+    /// The meter of a run.
+    pub fn of<'a>(eval: &Evaluator<'_, 'a, '_>) -> &'a Self {
+        eval.extra.and_then(|extra| extra.downcast_ref()).expect("every run has its meter")
+    }
+
+    /// Allows for looking at, or making, that many elements.
+    pub fn work(eval: &mut Evaluator, elements: usize) -> starlark::Result<()> {
+        let meter = Self::of(eval);
+        let all = meter.work.get().saturating_add(elements as u64);
+        meter.work.set(all);
+        if all > meter.limits.work {
+            return Err(exceeded(format!(
+                "the script handles more than {} elements of lists",
+                meter.limits.work
+            )));
+        }
+        // What an element takes at most, in a list that grows by doubling.
+        const BYTES: usize = 16;
+        let heap = eval.heap().peak_allocated_bytes().saturating_add(elements.saturating_mul(BYTES));
+        if heap > Self::of(eval).limits.heap {
+            return Err(heap_exceeded(&Self::of(eval).limits));
+        }
+        Ok(())
+    }
+
+    /// Allows for what was made as a value of the language.
+    pub fn made(&self, arg: &Arg) -> starlark::Result<()> {
+        let all = self.made.get().saturating_add(arg.own());
+        self.made.set(all);
+        if arg.weight() > self.limits.terms || all / 4 > self.limits.terms {
+            return Err(exceeded(format!("the shape has more than {} terms", self.limits.terms)));
+        }
+        Ok(())
+    }
+
+    /// Looks at the heap between statements, where one statement can double what there is.
+    pub fn between(eval: &mut Evaluator) -> starlark::Result<()> {
+        Self::work(eval, 0)
+    }
+}
+
+fn heap_exceeded(limits: &Limits) -> starlark::Error {
+    exceeded(format!("the script's values take more than {} bytes", limits.heap))
+}
+
+/// The error of a limit.
+pub(crate) fn exceeded(message: String) -> starlark::Error {
+    starlark::Error::new_other(Exceeded(message))
+}

@@ -1,0 +1,149 @@
+//! How deeply a text is nested, before anything recursive sees it: the parser calls itself for every bracket, and its
+//! tree is as deep as operators in a row are long.
+use crate::ScriptError;
+
+/// Refuses a text that a tree of the allowed depth may not hold. What is counted is never less than that depth: every
+/// bracket, operator, dot and keyword of an expression since the last comma of its bracket, for all open brackets; and
+/// blocks by their indentation.
+pub(crate) fn check(text: &str, most: u32) -> Result<(), ScriptError> {
+    let mut scan = Scan { open: vec![0], depth: 0, indents: vec![0], branches: 0 };
+    let bytes = text.as_bytes();
+    let mut at = indentation(bytes, 0, &mut scan);
+    while at < bytes.len() {
+        let start = at;
+        at = token(bytes, at, &mut scan);
+        let blocks = u32::try_from(scan.indents.len()).unwrap_or(u32::MAX);
+        if scan.depth.saturating_add(blocks).saturating_add(scan.branches) > most {
+            let message =
+                format!("this is nested deeper than the limit of {most}: give parts names of their own");
+            return Err(ScriptError::new("script-limit", message).at(text, start));
+        }
+    }
+    Ok(())
+}
+
+struct Scan {
+    /// For every open bracket what was counted since its last comma.
+    open: Vec<u32>,
+    /// Their sum.
+    depth: u32,
+    /// The columns of the blocks that are open.
+    indents: Vec<usize>,
+    /// The branches of the longest chain of `elif`: each is within the one before.
+    branches: u32,
+}
+
+impl Scan {
+    fn count(&mut self) {
+        if let Some(top) = self.open.last_mut() {
+            *top += 1;
+            self.depth += 1;
+        }
+    }
+
+    fn forget(&mut self) {
+        if let Some(top) = self.open.last_mut() {
+            self.depth -= *top;
+            *top = 0;
+        }
+    }
+}
+
+/// What follows one token that starts at `at`.
+fn token(bytes: &[u8], at: usize, scan: &mut Scan) -> usize {
+    match bytes[at] {
+        b'(' | b'[' | b'{' => {
+            scan.count();
+            scan.open.push(0);
+        }
+        b')' | b']' | b'}' => {
+            if scan.open.len() > 1 {
+                scan.forget();
+                scan.open.pop();
+            }
+        }
+        b',' | b';' => scan.forget(),
+        b'\n' | b'\r' if scan.open.len() == 1 => {
+            scan.forget();
+            return indentation(bytes, at + 1, scan);
+        }
+        b'\\' => return at + 2,
+        b'#' => return at + bytes[at..].iter().take_while(|b| !matches!(b, b'\n' | b'\r')).count(),
+        b'"' | b'\'' => return string(bytes, at),
+        b if b.is_ascii_alphanumeric() || b == b'_' => {
+            let end =
+                at + bytes[at..].iter().take_while(|b| b.is_ascii_alphanumeric() || **b == b'_').count();
+            match &bytes[at..end] {
+                b"and" | b"or" | b"not" | b"in" | b"if" | b"else" | b"for" | b"lambda" => scan.count(),
+                b"elif" => scan.branches += 1,
+                _ => {}
+            }
+            return end;
+        }
+        b'+' | b'-' | b'*' | b'/' | b'%' | b'|' | b'&' | b'^' | b'~' | b'<' | b'>' | b'=' | b'!' | b'.' => {
+            scan.count();
+        }
+        _ => {}
+    }
+    at + 1
+}
+
+/// The end of a string that starts at `at`.
+fn string(bytes: &[u8], at: usize) -> usize {
+    let quote = bytes[at];
+    let long = bytes[at..].starts_with(&[quote; 3]);
+    let mut end = at + if long { 3 } else { 1 };
+    while end < bytes.len() {
+        match bytes[end] {
+            b'\\' => end += 1,
+            b'\n' | b'\r' if !long => return end,
+            b if b == quote && !long => return end + 1,
+            b if b == quote && bytes[end..].starts_with(&[quote; 3]) => return end + 3,
+            _ => {}
+        }
+        end += 1;
+    }
+    bytes.len()
+}
+
+/// Looks at how far the line that starts at `at` is indented; lines without a statement say nothing.
+fn indentation(bytes: &[u8], at: usize, scan: &mut Scan) -> usize {
+    let width = bytes[at..].iter().take_while(|b| matches!(b, b' ' | b'\t')).count();
+    if bytes.get(at + width).is_some_and(|b| !matches!(b, b'#' | b'\n' | b'\r')) {
+        while scan.indents.last().is_some_and(|last| *last > width) {
+            scan.indents.pop();
+        }
+        if scan.indents.last() != Some(&width) {
+            scan.indents.push(width);
+        }
+    }
+    at + width
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn depth(text: &str) -> u32 {
+        (0..10_000).find(|most| check(text, *most).is_ok()).unwrap()
+    }
+
+    #[test]
+    fn what_nests_is_counted_and_what_stands_beside_each_other_is_not() {
+        assert_eq!(depth("a"), 1);
+        assert_eq!(depth(&"a, ".repeat(500)), 1);
+        assert_eq!(depth(&"x = -1\n".repeat(500)), 3);
+        assert_eq!(depth(&format!("[{}]", "(1, 2), ".repeat(500))), 3);
+        assert_eq!(depth(&"(".repeat(500)), 501);
+        assert_eq!(depth(&"- ".repeat(500)), 501);
+        assert_eq!(depth(&"1 + ".repeat(500)), 501);
+        assert_eq!(depth(&format!("f{}", "()".repeat(500))), 501);
+        assert_eq!(depth(&"not ".repeat(500)), 501);
+        assert_eq!(depth(&format!("'{}'", "(".repeat(500))), 1);
+        assert_eq!(depth(&format!("'''{}\n'''", "(\n'".repeat(500))), 1);
+        assert_eq!(depth(&format!("# {}", "(".repeat(500))), 1);
+        assert_eq!(depth(&(0..500).map(|k| format!("{}if a:\n", " ".repeat(k))).collect::<String>()), 501);
+        assert_eq!(depth(&format!("if a:\n pass\n{}", "elif b:\n pass\n".repeat(500))), 502);
+        assert!(depth("((\\\n") <= 4);
+    }
+}

@@ -1,0 +1,116 @@
+//! Operators that keep to the limits: those of Starlark can make a list of 16 GB in one step, before any limit is looked
+//! at, so that every one of them is called through here.
+use crate::compare::{equal, holds, order};
+use crate::held::{Held, arg_of, elements, fault, given_back, no_meaning, number};
+use crate::language::{Fault, operate};
+use crate::meter::{Meter, exceeded};
+use allocative::Allocative;
+use starlark::eval::{Arguments, Evaluator};
+use starlark::values::{
+    Heap, NoSerialize, ProvidesStaticType, StarlarkPagablePanic, StarlarkValue, Value, ValueLike,
+    starlark_value,
+};
+use std::cmp::Ordering;
+use std::fmt;
+
+/// Every operator on two values, but `and` and `or`, which look at one at a time.
+pub(crate) const OPERATORS: [&str; 19] = [
+    "+", "-", "*", "/", "//", "%", "|", "&", "^", "<<", ">>", "==", "!=", "<", ">", "<=", ">=", "in",
+    "not in",
+];
+
+/// An operator, which the program calls as a function of two values.
+#[derive(Debug, ProvidesStaticType, NoSerialize, StarlarkPagablePanic, Allocative)]
+pub(crate) struct Operator(#[allocative(skip)] pub &'static str);
+starlark::starlark_simple_value!(Operator);
+
+impl fmt::Display for Operator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0)
+    }
+}
+
+#[starlark_value(type = "operator")]
+impl<'v> StarlarkValue<'v> for Operator {
+    fn invoke(
+        &self,
+        _me: Value<'v>,
+        args: &Arguments<'v, '_>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<Value<'v>> {
+        let [a, b] = args.positional(eval.heap())?;
+        let truth = match self.0 {
+            "==" => equal(a, b, eval)?,
+            "!=" => !equal(a, b, eval)?,
+            "<" => order(a, b, eval)? == Ordering::Less,
+            ">" => order(a, b, eval)? == Ordering::Greater,
+            "<=" => order(a, b, eval)? != Ordering::Greater,
+            ">=" => order(a, b, eval)? != Ordering::Less,
+            "in" => holds(b, a, eval)?,
+            "not in" => !holds(b, a, eval)?,
+            operator => return applied(operator, a, b, eval),
+        };
+        Ok(Value::new_bool(truth))
+    }
+}
+
+fn applied<'v>(
+    operator: &'static str,
+    a: Value<'v>,
+    b: Value<'v>,
+    eval: &mut Evaluator<'v, '_, '_>,
+) -> starlark::Result<Value<'v>> {
+    if a.downcast_ref::<Held>().is_some() || b.downcast_ref::<Held>().is_some() {
+        let (left, right) = (arg_of(a), arg_of(b));
+        return match operate(operator, &left, &right) {
+            Some(made) => given_back(made.map_err(fault)?, eval),
+            None => Err(no_meaning(operator, &left, &right)),
+        };
+    }
+    if number(a).is_some() && number(b).is_some() {
+        return of_numbers(operator, a, b, eval.heap());
+    }
+    let length =
+        |value: Value<'v>| value.unpack_str().map(str::len).or_else(|| elements(value).map(<[_]>::len));
+    match (operator, length(a), length(b)) {
+        ("+", Some(left), Some(right)) if a.get_type() == b.get_type() => {
+            Meter::work(eval, left.saturating_add(right))?;
+            a.add(b, eval.heap())
+        }
+        ("*", Some(length), None) | ("*", None, Some(length)) => {
+            let times = if length_is_of_b(a) { a.unpack_i32() } else { b.unpack_i32() };
+            let Some(times) = times else { return Err(no_meaning(operator, &arg_of(a), &arg_of(b))) };
+            Meter::work(eval, length.saturating_mul(usize::try_from(times).unwrap_or(0)))?;
+            a.mul(b, eval.heap())
+        }
+        _ => Err(no_meaning(operator, &arg_of(a), &arg_of(b))),
+    }
+}
+
+fn length_is_of_b(a: Value) -> bool {
+    number(a).is_some()
+}
+
+/// What an operator makes of two numbers.
+pub(crate) fn of_numbers<'v>(
+    operator: &'static str,
+    a: Value<'v>,
+    b: Value<'v>,
+    heap: Heap<'v>,
+) -> starlark::Result<Value<'v>> {
+    // Up to here every whole number is handled; beyond, products grow without end.
+    const MOST: f64 = (1_u64 << 60) as f64;
+    let large = |value: Value| value.get_type() == "int" && number(value).is_none_or(|n| n.abs() > MOST);
+    if large(a) || large(b) {
+        return Err(exceeded("whole numbers above 2^60 are not handled".to_owned()));
+    }
+    match operator {
+        "+" => a.add(b, heap),
+        "-" => a.sub(b, heap),
+        "*" => a.mul(b, heap),
+        "/" => a.div(b, heap),
+        "//" => a.floor_div(b, heap),
+        "%" => a.percent(b, heap),
+        _ => Err(fault(Fault(format!("'{operator}' has no meaning between numbers")))),
+    }
+}

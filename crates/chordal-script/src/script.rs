@@ -1,0 +1,162 @@
+//! `run`: a script to the field that its last expression is.
+use crate::builtins::builtins;
+use crate::grammar::{Program, Source, parse};
+use crate::held::{Callable, Held};
+use crate::language::{Arg, Fault, functions};
+use crate::meter::{Exceeded, Meter};
+use crate::operators::{OPERATORS, Operator};
+use crate::{Limits, ScriptError};
+use chordal::Job;
+use chordal::implicit::Field;
+use starlark::ErrorKind;
+use starlark::environment::{Globals, GlobalsBuilder, Module};
+use starlark::eval::{BeforeStmtFunc, BeforeStmtFuncDyn, Evaluator};
+use starlark::values::none::NoneType;
+use starlark::values::{Value, ValueLike};
+use std::collections::BTreeMap;
+
+/// What a script is run with.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Options {
+    /// What parameters are set to, by name.
+    pub set: BTreeMap<String, f64>,
+    /// What the script may use.
+    pub limits: Limits,
+}
+
+/// What a script says.
+#[derive(Clone, Debug)]
+pub struct Script {
+    /// The value of its last expression.
+    pub field: Field,
+    /// Its parameters, in the order in which it asks for them.
+    pub parameters: Vec<Parameter>,
+}
+
+/// A number that a script can be given.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its name.
+    pub name: String,
+    /// What it is when nobody sets it.
+    pub default: f64,
+    /// What it was set to, else the default.
+    pub value: f64,
+}
+
+/// The field that the last expression of a script is, with its parameters.
+///
+/// Cost: at most what [`Limits`] allow; a shape of some hundred parts takes a millisecond.
+///
+/// # Errors
+/// When the text is no script, does what no script can, uses more than it may, ends without a shape, or a parameter is set
+/// that it does not have; and when the job is cancelled.
+pub fn run(text: &str, options: &Options, job: &Job) -> Result<Script, ScriptError> {
+    let Program { module, source } = parse(text.strip_prefix('\u{feff}').unwrap_or(text), &options.limits)?;
+    if job.is_cancelled() {
+        return Err(cancelled());
+    }
+    let globals = globals();
+    let meter = Meter::new(options.limits, options.set.clone());
+    let outcome = Module::with_temp_heap(|environment| {
+        let mut eval = Evaluator::new(&environment);
+        let limits = &options.limits;
+        let set = (|| {
+            eval.set_max_callstack_size(limits.calls)?;
+            eval.set_max_tick_count(limits.ticks)?;
+            eval.set_max_heap_size(limits.heap)
+        })();
+        set.map_err(|error| ScriptError::new("script-limit", error.to_string()))?;
+        eval.disable_gc();
+        eval.set_check_cancelled(Box::new(|| job.is_cancelled()));
+        eval.before_stmt_for_dap(BeforeStmtFunc::Dyn(Box::new(BetweenStatements)));
+        eval.extra = Some(&meter);
+        let value =
+            eval.eval_module(module, &globals).map_err(|error| translated(&source, &error, limits, job))?;
+        field_of(value, limits)
+    });
+    let field = outcome?;
+    let parameters = meter.parameters.into_inner();
+    if let Some(name) = options.set.keys().find(|name| !parameters.iter().any(|known| known.name == **name)) {
+        let names: Vec<&str> = parameters.iter().map(|known| known.name.as_str()).collect();
+        let known =
+            if names.is_empty() { "it has none".to_owned() } else { format!("it has {}", names.join(", ")) };
+        let message = format!("the script has no parameter '{name}'; {known}");
+        return Err(ScriptError::new("unknown-parameter", message));
+    }
+    Ok(Script { field, parameters })
+}
+
+/// Looks at the limits between statements.
+struct BetweenStatements;
+
+impl<'e> BeforeStmtFuncDyn<'e> for BetweenStatements {
+    fn call<'v>(
+        &mut self,
+        _span: starlark::codemap::FileSpanRef,
+        _continued: bool,
+        eval: &mut Evaluator<'v, '_, 'e>,
+    ) -> starlark::Result<()> {
+        Meter::between(eval)
+    }
+}
+
+/// Every name that scripts know, and the operators.
+fn globals() -> Globals {
+    let mut globals = GlobalsBuilder::new().with(builtins);
+    for function in functions() {
+        globals.set(function.name, Callable(function));
+    }
+    for (name, axis) in Arg::axes() {
+        globals.set(name, Held(axis));
+    }
+    globals.set("True", true);
+    globals.set("False", false);
+    globals.set("None", NoneType);
+    for operator in OPERATORS {
+        globals.set(operator, Operator(operator));
+    }
+    globals.build()
+}
+
+fn field_of(value: Value, limits: &Limits) -> Result<Field, ScriptError> {
+    let hint = match value.downcast_ref::<Held>() {
+        Some(Held(Arg::Shape(solid))) if solid.weight > limits.terms => {
+            let message = format!("the shape has more than {} terms", limits.terms);
+            return Err(ScriptError::new("script-limit", message));
+        }
+        Some(Held(Arg::Shape(solid))) => return Ok(solid.field.clone()),
+        Some(_) => "a formula; field() makes a shape of it",
+        None if value.is_none() => "nothing: its last line must be an expression, not an assignment",
+        None if value.get_type() == "list" => "a list; union() joins shapes",
+        None => "something else",
+    };
+    Err(ScriptError::new("script-value", format!("the script's value must be a shape, and is {hint}")))
+}
+
+fn cancelled() -> ScriptError {
+    ScriptError::new("cancelled", "cancelled")
+}
+
+fn translated(source: &Source, error: &starlark::Error, limits: &Limits, job: &Job) -> ScriptError {
+    if job.is_cancelled() {
+        return cancelled();
+    }
+    let said = error.without_diagnostic().to_string();
+    let limit = match error.kind() {
+        ErrorKind::Other(cause) if cause.is::<Exceeded>() => None,
+        ErrorKind::Other(cause) if cause.is::<Fault>() => return source.told("script-error", error),
+        _ if said.contains("call stack overflow") || said.contains("recursion") => {
+            Some(format!("more than {} functions wait for each other", limits.calls))
+        }
+        _ if said.starts_with("Execution duration limit") => {
+            Some(format!("the script takes more than {} calls and turns of loops", limits.ticks))
+        }
+        _ if said.starts_with("Heap memory limit") => {
+            Some(format!("the script's values take more than {} bytes", limits.heap))
+        }
+        _ => return source.told("script-error", error),
+    };
+    let told = source.told("script-limit", error);
+    ScriptError { message: limit.unwrap_or(told.message), ..told }
+}

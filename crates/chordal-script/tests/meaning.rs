@@ -1,0 +1,286 @@
+//! What scripts mean: shapes, operators, parameters, formulas, and the sentences about what is wrong.
+use chordal::implicit::{Distance, Graph, Quality};
+use chordal_script::{Options, Script, ScriptError, language, run};
+
+fn script(text: &str) -> Result<Script, ScriptError> {
+    run(text, &Options::default(), &Default::default())
+}
+
+fn value(script: &Script, p: [f64; 3]) -> f64 {
+    let mut value = [0.0];
+    script.field.tape().at(&[p], &mut value).unwrap();
+    value[0]
+}
+
+fn at(text: &str, p: [f64; 3]) -> f64 {
+    let script = script(text).unwrap_or_else(|error| panic!("{text}: {error}"));
+    value(&script, p)
+}
+
+#[test]
+fn shapes_have_the_distances_of_their_formulas() {
+    for (text, p, value) in [
+        ("sphere(1)", [3.0, 0.0, 0.0], 2.0),
+        ("sphere(radius=1/2)", [0.0, 0.0, 1.0], 0.5),
+        ("box(2, 4, 6)", [2.0, 0.0, 0.0], 1.0),
+        ("box(z=6, x=2, y=4)", [0.0, 0.0, 4.0], 1.0),
+        ("cylinder(0.4, 2)", [0.0, 0.0, 0.0], -0.4),
+        ("cylinder(0.4, 2)", [0.0, 0.0, 1.5], 0.5),
+        ("cone(1, 0, 2)", [0.0, 0.0, 1.5], 0.5),
+        ("capsule([0, 0, 0], [0, 0, 4], 1)", [0.0, 3.0, 2.0], 2.0),
+        ("torus(2, 0.5)", [0.0, 2.0, 0.0], -0.5),
+        ("plane([0, 0, 2], 1)", [5.0, 6.0, 3.0], 2.0),
+        ("circle(1)", [0.0, 2.0, 99.0], 1.0),
+        ("rectangle(2, 4)", [0.0, 3.0, 99.0], 1.0),
+        ("polygon([[0, 0], (2, 0), [2, 2], [0, 2]])", [1.0, 1.5, 7.0], -0.5),
+        ("box(2, 2, 1) - cylinder(0.4, 2)", [0.0, 0.0, 0.0], 0.4),
+        ("sphere(1) | move(sphere(1), 3, 0, 0)", [3.0, 0.0, 0.0], -1.0),
+        ("sphere(2) & move(sphere(2), 1, 0)", [0.0, 0.0, 0.0], -1.0),
+        ("union(sphere(1), move(sphere(1), 3, 0, 0), sphere(0.5))", [3.0, 0.0, 0.0], -1.0),
+        ("union([move(sphere(1), 3 * k, 0) for k in range(4)])", [9.0, 0.0, 0.0], -1.0),
+        ("union(*[move(sphere(1), 3 * k, 0) for k in range(4)])", [9.0, 0.0, 0.0], -1.0),
+        ("difference(sphere(2), sphere(1), move(sphere(1), 5, 0))", [0.0, 0.0, 0.0], 1.0),
+        ("complement(sphere(1))", [0.0, 0.0, 3.0], -2.0),
+        ("rotate_z(box(4, 2, 2), 90)", [0.0, 3.0, 0.0], 1.0),
+        ("rotate_x(box(2, 2, 4), 90)", [0.0, 3.0, 0.0], 1.0),
+        ("rotate_y(box(4, 2, 2), 90)", [0.0, 0.0, 3.0], 1.0),
+        ("scale(sphere(1), 2)", [3.0, 0.0, 0.0], 1.0),
+        ("offset(sphere(1), 0.5)", [3.0, 0.0, 0.0], 1.5),
+        ("shell(sphere(1), 0.5)", [0.0, 0.0, 1.0], -0.25),
+        ("extrude(circle(1), 2)", [0.0, 0.0, 3.0], 2.0),
+        ("revolve(move(circle(1), 3, 0))", [0.0, 3.0, 0.0], -1.0),
+        ("repeat(sphere(1), x=4)", [8.0, 0.0, 0.0], -1.0),
+        ("repeat(sphere(1), x=4, nx=2)", [8.0, 0.0, 0.0], 3.0),
+        ("mirror(move(sphere(1), 3, 0, 0), 1, 0, 0)", [-3.0, 0.0, 0.0], -1.0),
+        ("field(x * x + 2 * y - z / 2 + 1 - (3 - x))", [2.0, 3.0, 4.0], 8.0),
+        ("field(-x + abs(y) + sqrt(z) + minimum(x, 1))", [2.0, -3.0, 4.0], 4.0),
+        ("field(atan2(y, x) - pi / 2)", [0.0, 1.0, 0.0], 0.0),
+        ("sphere(sqrt(4) + radians(0) + sin(0) + max(1, 2) - min([1, 2]))", [0.0, 0.0, 0.0], -3.0),
+        (
+            "shape = sphere(1)\nshape |= move(sphere(1), 3, 0)\nshape -= sphere(0.5)\nshape",
+            [3.0, 0.0, 0.0],
+            -1.0,
+        ),
+        (
+            "def ring(n, r=3):\n    parts = []\n    for k in range(n):\n        parts.append(rotate_z(move(sphere(1), r, 0), 360 * k / n))\n    return union(parts)\nring(4)",
+            [-3.0, 0.0, 0.0],
+            -1.0,
+        ),
+        ("a = [2, 3]\na[0] *= a[1]; a[0] += 1\na += [4]\nsphere(a[0] + len(a))", [0.0; 3], -10.0),
+        ("sphere((lambda a, b=2: a * b)(3) // 2 + 7 % 4 - len([1, 2]))", [0.0, 0.0, 0.0], -4.0),
+        ("sphere(1 if 2 in [1, 2] and not 'a' == 'b' else 5)", [0.0, 0.0, 0.0], -1.0),
+    ] {
+        let found = at(text, p);
+        assert!((found - value).abs() <= 4.0 * f64::EPSILON * value.abs().max(1.0), "{text}: {found}");
+    }
+}
+
+#[test]
+fn distances_and_boxes_come_with_the_shape() {
+    let drilled = script("box(2, 2, 1) - cylinder(0.4, 2)").unwrap().field;
+    assert_eq!(drilled.distance(), Distance { outside: Quality::Bound, inside: Quality::Exact });
+    assert_eq!((drilled.bounds().min, drilled.bounds().max), ([-1.0, -1.0, -0.5], [1.0, 1.0, 0.5]));
+    assert_eq!(script("field(x + 1)").unwrap().field.distance(), Distance::SIGN);
+}
+
+#[test]
+fn parameters_have_defaults_and_can_be_set() {
+    let text = "r = param('r', 0.4)\nh = param(\"height\", 2)\nbox(2, 2, 1) - cylinder(r, h)\n";
+    let found = script(text).unwrap();
+    let shown: Vec<_> = found.parameters.iter().map(|p| (p.name.as_str(), p.default, p.value)).collect();
+    assert_eq!(shown, [("r", 0.4, 0.4), ("height", 2.0, 2.0)]);
+    let options = Options { set: [("r".to_owned(), 0.5)].into(), ..Options::default() };
+    let set = run(text, &options, &Default::default()).unwrap();
+    assert_eq!(value(&set, [0.0; 3]), 0.5);
+    assert_eq!((set.parameters[0].default, set.parameters[0].value), (0.4, 0.5));
+    let options = Options { set: [("q".to_owned(), 0.5)].into(), ..Options::default() };
+    let error = run(text, &options, &Default::default()).unwrap_err();
+    assert_eq!(
+        (error.code, error.to_string().as_str()),
+        ("unknown-parameter", "the script has no parameter 'q'; it has r, height")
+    );
+}
+
+#[test]
+fn what_is_wrong_is_said_with_its_place() {
+    for (text, code, message) in [
+        (
+            "",
+            "script-value",
+            "the script's value must be a shape, and is nothing: its last line must be an expression, not an assignment",
+        ),
+        (
+            "a = sphere(1)",
+            "script-value",
+            "the script's value must be a shape, and is nothing: its last line must be an expression, not an assignment",
+        ),
+        (
+            "x",
+            "script-value",
+            "the script's value must be a shape, and is a formula; field() makes a shape of it",
+        ),
+        (
+            "[sphere(1)]",
+            "script-value",
+            "the script's value must be a shape, and is a list; union() joins shapes",
+        ),
+        ("sphere(1", "script-syntax", "line 1, column 9: "),
+        ("a = 1\nsphere(a))", "script-syntax", "line 2, column 10: "),
+        ("a = 1\n  sphere(b)", "script-syntax", "line 2, column 1: "),
+        ("a = 1\nsphere(b)", "script-error", "line 2, column 8: Variable `b` not found"),
+        ("é = 'ä'", "script-syntax", "line 1, column 1: "),
+        ("a = 1\nbox(1, 2)", "script-error", "line 2, column 1: box() needs 'z'"),
+        ("box(1, 2, 3, 4)", "script-error", "line 1, column 1: box() takes 3 arguments, and 4 are given"),
+        ("box(1, 2, 3, w=4)", "script-error", "line 1, column 1: box() has no argument 'w'"),
+        ("box(1, 2, 3, x=4)", "script-error", "line 1, column 1: box() has 'x' twice"),
+        ("box(1, 2, [3])", "script-error", "line 1, column 1: box() needs a number for 'z', not a list"),
+        (
+            "box(1, 2, True)",
+            "script-error",
+            "line 1, column 1: box() needs a number for 'z', not True or False",
+        ),
+        (
+            "box(1, 2, sphere(1))",
+            "script-error",
+            "line 1, column 1: box() needs a number for 'z', not a shape",
+        ),
+        ("box(1, 2, -3)", "script-error", "line 1, column 1: box(): "),
+        ("sphere(0)", "script-error", "line 1, column 1: sphere(): "),
+        ("sphere(1e308 * 10)", "script-error", "line 1, column 1: sphere(): "),
+        (
+            "prism(2.5, 1, 1)",
+            "script-error",
+            "line 1, column 1: prism() needs a whole number for 'sides', not 2.5",
+        ),
+        (
+            "polygon([[0, 0], [1, 0], 3])",
+            "script-error",
+            "line 1, column 1: polygon() needs 2 numbers for 'points', not a number",
+        ),
+        ("union()", "script-error", "line 1, column 1: union() needs a shape at least"),
+        ("union(1)", "script-error", "line 1, column 1: union() needs shapes, not a number"),
+        (
+            "sphere(1) + sphere(2)",
+            "script-error",
+            "line 1, column 1: '+' has no meaning between a shape and a shape: shapes are joined by |",
+        ),
+        (
+            "sphere(1) * 2",
+            "script-error",
+            "line 1, column 1: '*' has no meaning between a shape and a number: see scale, offset and move for what numbers do to shapes",
+        ),
+        ("-sphere(1)", "script-error", "line 1, column 1: '-' has no meaning for a shape"),
+        (
+            "sphere(1) | 2",
+            "script-error",
+            "line 1, column 1: '|' has no meaning between a shape and a number: see scale, offset and move for what numbers do to shapes",
+        ),
+        ("smooth_union(field(x), sphere(1), 1)", "script-error", "line 1, column 1: smooth_union(): "),
+        ("1 / 0", "script-error", "line 1, column 1: "),
+        ("load('a', 'b')", "script-syntax", "line 1, column 1: "),
+        ("open('a')", "script-error", "line 1, column 1: Variable `open` not found"),
+        ("print(1)", "script-error", "line 1, column 1: Variable `print` not found"),
+        ("{1: 2}", "script-syntax", "line 1, column 1: there are no dictionaries: use lists"),
+        (
+            "'a'.join([])",
+            "script-syntax",
+            "line 1, column 1: nothing here has attributes, but lists have append()",
+        ),
+        ("a = 1\na += sphere(1) | 2", "script-error", "line 2, column 6: '|' has no meaning"),
+        ("a = [1]\na[0] *= 2; a[0] -= b", "script-error", "line 2, column 20: Variable `b` not found"),
+        ("fail('too thin')", "script-error", "line 1, column 1: too thin"),
+        (
+            "def f():\n    return sphere(nothing)\nf()",
+            "script-error",
+            "line 2, column 19: Variable `nothing` not found",
+        ),
+        ("def f():\n    return sphere(-1)\nf()", "script-error", "line 2, column 12: sphere(): "),
+    ] {
+        let error = script(text).expect_err(text);
+        assert_eq!(error.code, code, "{text}: {error}");
+        assert!(error.to_string().starts_with(message), "{text}: {error}");
+        assert!(!error.message.contains('\n'));
+    }
+    let error = script("a = 1\nb = sphere(-a)\n").unwrap_err();
+    assert_eq!(error.excerpt().unwrap(), "b = sphere(-a)\n    ^");
+}
+
+/// What limits count must never be less than what is there.
+#[test]
+fn no_shape_has_more_terms_than_it_was_counted_with() {
+    let solids = [
+        "sphere(1)",
+        "box(1, 2, 3)",
+        "rounded_box(1, 2, 3, 0.1)",
+        "cylinder(1, 2)",
+        "cone(1, 0.5, 2)",
+        "capsule([0, 1, 2], [3, 4, 6], 1)",
+        "torus(2, 1)",
+        "ellipsoid(1, 2, 3)",
+        "prism(5, 1, 2)",
+        "octahedron(1)",
+        "tetrahedron(1)",
+        "plane([1, 2, 3])",
+        "triangle([0, 0, 0], [1, 0, 0], [0, 1, 2], 0.1)",
+        "gyroid(1)",
+        "schwarz_p(1)",
+        "diamond(1)",
+        "circle(1)",
+        "rectangle(1, 2)",
+        "rounded_rectangle(1, 2, 0.1)",
+        "segment([0, 0], [1, 2], 1)",
+        "polygon([[0, 0], [1, 0], [0, 1]])",
+        "regular_polygon(7, 1)",
+    ];
+    let changes = [
+        "move(S, 1, 2, 3)",
+        "rotate(S, [1, 2, 3], 40)",
+        "stretch(S, 1, 2, 3)",
+        "mirror(S, 1, 2, 3)",
+        "shell(S, 0.1)",
+        "offset(S, 0.1)",
+        "extrude(S, 2)",
+        "twist(S, 20)",
+        "bend(S, 20)",
+        "revolve(S)",
+        "displace(S, sin(9 * x) / 9, 0.2)",
+        "smooth_union(S, sphere(2), 0.5)",
+        "smooth_difference(S, sphere(2), 0.5)",
+        "repeat(S, x=5, y=5, z=5)",
+        "repeat(S, x=1, y=0.7, nx=3, ny=2)",
+        "S & sphere(2)",
+    ];
+    let mut texts: Vec<String> = solids.map(str::to_owned).into();
+    for change in changes {
+        for solid in solids {
+            texts.push(change.replace('S', solid));
+        }
+    }
+    let mut shapes = 0;
+    for text in texts {
+        // Not every change goes with every shape.
+        let Ok(found) = script(&text) else { continue };
+        shapes += 1;
+        let terms = Graph::of(found.field.expr()).terms().len() + Graph::of(found.field.sign()).terms().len();
+        let counted = (1..60).find(|k| {
+            let limits = chordal_script::Limits { terms: 1 << k, ..Default::default() };
+            run(&text, &Options { limits, ..Options::default() }, &Default::default()).is_ok()
+        });
+        // Counted in powers of two from above, for the value; the sign may take as much again.
+        let most = 2_usize << counted.expect("some limit is enough");
+        assert!(terms <= most, "{text}: {terms} terms of {most}");
+    }
+    assert!(shapes > 200, "{shapes}");
+}
+
+#[test]
+fn every_function_says_what_it_does() {
+    for (group, functions) in language::groups() {
+        for function in functions {
+            assert!(function.about.ends_with('.'), "{}", function.name);
+            assert_eq!(function.distance.is_empty(), group == "Formulas" && function.name != "field");
+        }
+    }
+    assert_eq!(language::function("gyroid").unwrap().usage(), "gyroid(period, level=0)");
+    assert_eq!(language::function("union").unwrap().usage(), "union(*shapes)");
+}

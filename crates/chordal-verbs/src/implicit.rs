@@ -1,0 +1,134 @@
+//! Fields as verbs meet them: cut off at a region, meshed within a budget, measured against triangles.
+use crate::MeshFailure;
+use crate::mesh::{refused, set_aside, snapped};
+use crate::polylines::Asked;
+use chordal::budget::{Bound, Budget, Code, Failure, Require, Stopped};
+use chordal::check::{self, FieldDeviation, Goal};
+use chordal::implicit::{Expr, Field};
+use chordal::math::Box3;
+use chordal::{Bounded, Job, Mesh, convert};
+use chordal_io::{Frame, Scene, worst_snap};
+use serde::Serialize;
+
+/// A field with the part of space that it is looked at in.
+#[derive(Clone, Debug)]
+pub struct Implicit {
+    /// The rule.
+    pub field: Field,
+    /// The box that the shape is cut off at, where somebody asked for one.
+    pub region: Option<Box3>,
+    /// The space that it is in.
+    pub frame: Frame,
+    /// What its script can be given, if it has one.
+    pub parameters: Vec<Parameter>,
+}
+
+/// A number that a script can be given.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Parameter {
+    /// Its name.
+    pub name: String,
+    /// What it is when nobody sets it.
+    pub default: f64,
+    /// What it is.
+    pub value: f64,
+}
+
+impl Implicit {
+    /// The box that holds all that there is of the shape: what is known of the field, cut off at the region. Infinite
+    /// where neither says.
+    #[must_use]
+    pub fn place(&self) -> Box3 {
+        let known = self.field.bounds();
+        let Some(region) = self.region else { return known };
+        let pick = |a: [f64; 3], b: [f64; 3], first: fn(f64, f64) -> bool| {
+            std::array::from_fn(|k| if first(a[k], b[k]) { a[k] } else { b[k] })
+        };
+        Box3 {
+            min: pick(known.min, region.min, |a, b| a > b),
+            max: pick(known.max, region.max, |a, b| a < b),
+        }
+    }
+
+    /// The field with what the region leaves of it, closed by its sides.
+    #[must_use]
+    pub fn whole(&self) -> Field {
+        let Some(region) = self.region else { return self.field.clone() };
+        let known = self.field.bounds();
+        let axes = Expr::axes();
+        let flat = !self.field.tape().axes()[2];
+        let mut sign = self.field.sign().clone();
+        for k in 0..if flat { 2 } else { 3 } {
+            // The field comes second, so that where it has no value there is none, which is outside.
+            if region.min[k] > known.min[k] {
+                sign = (Expr::constant(region.min[k]) - &axes[k]).max(&sign);
+            }
+            if region.max[k] < known.max[k] {
+                sign = (&axes[k] - region.max[k]).max(&sign);
+            }
+        }
+        // What the value was worth as a distance is not asked of it any more.
+        Field::new(sign).with_bounds(self.place())
+    }
+}
+
+/// The surface of a field as the format will hold it, with its bound.
+///
+/// # Errors
+/// When the field is endless; as for [`convert::field_to_mesh`].
+pub(crate) fn of_field(
+    implicit: &Implicit,
+    asked: &Asked,
+    notes: &mut Vec<String>,
+    job: &Job,
+) -> Result<(Scene, Bound), MeshFailure> {
+    let field = finite(implicit)?;
+    let Asked { budget, to, place, .. } = asked;
+    let inner = set_aside(budget, worst_snap(place, *to), place, *to)?;
+    // A field with nothing to prove with is measured, and the report says so.
+    let provable = field.tape().evidence().bounds_above();
+    let inner = Budget { require: if provable { Require::Proved } else { Require::Measured }, ..inner };
+    let made = match convert::field_to_mesh(&field, &inner, job) {
+        Ok(made) => made,
+        Err(Failure::Unmet(best)) => *best,
+        Err(Failure::Refused(refusal)) => return Err(MeshFailure::Refused(refusal)),
+        Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
+    };
+    if let Some(region) = implicit.region {
+        let [low, high] = [region.min, region.max];
+        notes.push(format!("the shape is cut off at the box from {low:?} to {high:?}, and closed there"));
+    }
+    let Bounded { shape, bound } = made;
+    let (mesh, bound) = snapped(&shape, bound, budget, *to)?;
+    Ok((Scene::of("field", mesh, true, implicit.frame), bound))
+}
+
+/// The field cut off at its region.
+///
+/// # Errors
+/// When it has no end in some direction.
+pub(crate) fn finite(implicit: &Implicit) -> Result<Field, MeshFailure> {
+    let field = implicit.whole();
+    let bounds = field.bounds();
+    if bounds.is_empty() {
+        return Err(refused(Code::Empty, "there is no surface: nothing of the shape is within its box"));
+    }
+    if !bounds.diagonal().is_finite() {
+        let message = "the shape has no end in some direction: --region \"-1,-1,-1 1,1,1\" cuts it off at a box";
+        return Err(refused(Code::Unsupported, message));
+    }
+    Ok(field)
+}
+
+/// How far triangles are from the surface of a field.
+pub(crate) fn deviation_of(
+    mesh: &Mesh,
+    implicit: &Implicit,
+    goal: &Goal,
+    job: &Job,
+) -> Result<FieldDeviation, MeshFailure> {
+    check::field_deviation(mesh, &finite(implicit)?, goal, job).map_err(|stopped| match stopped {
+        Stopped::Refused(refusal) => MeshFailure::Refused(refusal),
+        Stopped::Cancelled => MeshFailure::Cancelled,
+    })
+}

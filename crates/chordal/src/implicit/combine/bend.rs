@@ -1,0 +1,76 @@
+//! Shapes twisted and bent: turned about z by an angle that grows along an axis.
+use super::lift::farthest;
+use super::place::bounds_at_most;
+use crate::implicit::shapes::{InvalidShape, finite};
+use crate::implicit::{Distance, Expr, Field};
+use crate::math::{Box3, add_up, mul_up, sqrt_up};
+
+impl Field {
+    /// The shape turned about the z axis by `radians` more with each unit of height.
+    ///
+    /// The value is a bound where the shape's box is finite around the axis: it is divided by the most that the twist
+    /// stretches anything as far off the axis as the box reaches, and points further off take the value of the nearest
+    /// point there. Otherwise it is a sign.
+    ///
+    /// # Errors
+    /// When the number is not finite.
+    pub fn twisted(&self, radians: f64) -> Result<Self, InvalidShape> {
+        let radians = finite("a twist", radians)?;
+        Ok(self.turning(2, radians))
+    }
+
+    /// The shape bent: turned about the z axis by `radians` more with each unit along x, so that a rod along x becomes a
+    /// spiral. As a distance like [`Field::twisted`].
+    ///
+    /// # Errors
+    /// When the number is not finite.
+    pub fn bent(&self, radians: f64) -> Result<Self, InvalidShape> {
+        let radians = finite("a bend", radians)?;
+        Ok(self.turning(0, radians))
+    }
+
+    /// Points turned back by `radians` times a coordinate.
+    fn turning(&self, axis: usize, radians: f64) -> Self {
+        if radians == 0.0 {
+            return self.clone();
+        }
+        let back = |[x, y, z]: [Expr; 3], angle: Expr| {
+            let (sin, cos) = (angle.sin(), angle.cos());
+            [&cos * &x + &sin * &y, &cos * &y - &sin * &x, z]
+        };
+        let axes = Expr::axes();
+        let plain = self.at(&back(axes.clone(), &axes[axis] * radians));
+        let reach = farthest(&self.bounds());
+        let Box3 { min, max } = self.bounds();
+        let bounds = if self.bounds().is_empty() {
+            Box3::EMPTY
+        } else {
+            Box3 { min: [-reach, -reach, min[2]], max: [reach, reach, max[2]] }
+        };
+        if !reach.is_finite() || reach == 0.0 || self.bounds().is_empty() {
+            return plain.with_distance(Distance::SIGN).with_bounds(bounds);
+        }
+        // Just beyond the box, where nothing is inside; a twist keeps points as far from the axis as they are.
+        let rim = add_up(reach, mul_up(reach, 1.0 / 1024.0));
+        // A turn by an angle with the slope k, at a distance r from the axis, stretches by at most (kr + √(k²r² + 4))/2 where
+        // the angle grows along the axis itself, and by at most 1 + kr in any direction.
+        let pull = mul_up(radians.abs(), rim);
+        let stretch = if axis == 2 {
+            0.5 * add_up(pull, sqrt_up(add_up(mul_up(pull, pull), 4.0)))
+        } else {
+            add_up(1.0, pull)
+        };
+        let [x, y, z] = axes.clone();
+        let off = (x.square() + y.square()).sqrt();
+        let share = Expr::constant(rim) / off.max(&rim.into());
+        let onto = [x * &share, y * &share, z];
+        let angle = &onto[axis] * radians;
+        // The nearest point within the rim is no farther from any other such point.
+        let near = self.at(&back(onto, angle));
+        let value = (near.expr() / stretch).max(&(off - rim));
+        Self::new(value)
+            .with_sign(plain.sign().clone())
+            .with_distance(bounds_at_most(self.distance()))
+            .with_bounds(bounds)
+    }
+}

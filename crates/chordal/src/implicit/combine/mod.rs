@@ -1,0 +1,115 @@
+//! Shapes made of shapes: union, intersection, difference; blends; transforms; offsets; repetition.
+//!
+//! Every operation carries four things through: the value, the expression for the sign, what the value is worth as a
+//! distance, and the box. What needs a distance refuses a field that has only a sign
+//! ([`InvalidShape::NeedsDistance`](super::shapes::InvalidShape)).
+mod bend;
+mod blend;
+mod lift;
+mod offset;
+mod place;
+mod repeat;
+
+pub use repeat::Repeat;
+
+use super::expr::Expr;
+use super::field::Field;
+use crate::math::{Box3, add_up, sub_down};
+
+impl Field {
+    /// All points of both: `min(a, b)`. Outside it is as good a distance as both are, inside a bound.
+    ///
+    /// ```
+    /// use chordal::implicit::shapes::{cuboid, cylinder};
+    /// let drilled = cuboid([2.0, 2.0, 1.0])?.difference(&cylinder(0.4, 2.0)?);
+    /// assert!(drilled.expr().at([0.0; 3]).unwrap() > 0.0);
+    /// assert!(drilled.expr().at([0.9, 0.0, 0.0]).unwrap() < 0.0);
+    /// # Ok::<(), chordal::implicit::shapes::InvalidShape>(())
+    /// ```
+    #[must_use]
+    pub fn union(&self, other: &Self) -> Self {
+        let both = Self::new(self.expr().min(other.expr()))
+            .with_distance(self.distance().union(other.distance()))
+            .with_bounds(self.bounds().union(other.bounds()));
+        if self.has_sign() || other.has_sign() { both.with_sign(self.sign().min(other.sign())) } else { both }
+    }
+
+    /// All points of both at once: `max(a, b)`. Inside it is as good a distance as both are, outside a bound.
+    #[must_use]
+    pub fn intersection(&self, other: &Self) -> Self {
+        let both = Self::new(self.expr().max(other.expr()))
+            .with_distance(self.distance().intersection(other.distance()))
+            .with_bounds(common(self.bounds(), other.bounds()));
+        if self.has_sign() || other.has_sign() { both.with_sign(self.sign().max(other.sign())) } else { both }
+    }
+
+    /// The points of this that are not of the other: `max(a, −b)`.
+    #[must_use]
+    pub fn difference(&self, other: &Self) -> Self {
+        self.intersection(&other.complement())
+    }
+
+    /// All other points: `−a`. (A point of the surface itself belongs to neither.)
+    #[must_use]
+    pub fn complement(&self) -> Self {
+        let other = Self::new(-self.expr()).with_distance(self.distance().complement());
+        if self.has_sign() { other.with_sign(-self.sign()) } else { other }
+    }
+
+    /// The points of one of both, not of both: `max(min(a, b), −max(a, b))`.
+    #[must_use]
+    pub fn xor(&self, other: &Self) -> Self {
+        self.union(other).difference(&self.intersection(other))
+    }
+
+    /// The union of many, as a balanced tree: time and memory are linear, and the depth is logarithmic. Nothing, when
+    /// there are none.
+    #[must_use]
+    pub fn union_of(fields: &[Self]) -> Self {
+        balanced(fields, Self::union).unwrap_or_else(Self::nothing)
+    }
+
+    /// The intersection of many, as [`Field::union_of`]. All of space, when there are none.
+    #[must_use]
+    pub fn intersection_of(fields: &[Self]) -> Self {
+        balanced(fields, Self::intersection).unwrap_or_else(|| Self::nothing().complement())
+    }
+
+    /// The shape without points.
+    #[must_use]
+    pub fn nothing() -> Self {
+        // Any number is a bound on a distance that does not end; the largest serves as well as infinity.
+        Self::new(Expr::constant(f64::MAX)).with_distance(super::Distance::BOUND).with_bounds(Box3::EMPTY)
+    }
+
+    /// The same value and everything else with another expression of a sign, if there was one.
+    fn map_sign(self, from: &Self, map: impl FnOnce(&Expr) -> Expr) -> Self {
+        if from.has_sign() { self.with_sign(map(from.sign())) } else { self }
+    }
+}
+
+fn balanced(fields: &[Field], join: fn(&Field, &Field) -> Field) -> Option<Field> {
+    let mut level = fields.to_vec();
+    while level.len() > 1 {
+        level =
+            level.chunks(2).map(|two| if let [a, b] = two { join(a, b) } else { two[0].clone() }).collect();
+    }
+    level.pop()
+}
+
+/// The box of what is in both; that of nothing when they are apart.
+fn common(a: Box3, b: Box3) -> Box3 {
+    let both = Box3 {
+        min: std::array::from_fn(|k| if a.min[k] > b.min[k] { a.min[k] } else { b.min[k] }),
+        max: std::array::from_fn(|k| if a.max[k] < b.max[k] { a.max[k] } else { b.max[k] }),
+    };
+    if both.is_empty() { Box3::EMPTY } else { both }
+}
+
+/// The box with `by` more on every side, rounded outward; that of nothing stays so.
+fn grown(bounds: Box3, by: f64) -> Box3 {
+    if bounds.is_empty() {
+        return bounds;
+    }
+    Box3 { min: bounds.min.map(|x| sub_down(x, by)), max: bounds.max.map(|x| add_up(x, by)) }
+}

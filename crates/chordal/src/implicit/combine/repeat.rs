@@ -1,0 +1,156 @@
+//! A shape repeated along the axes.
+use super::common;
+use crate::implicit::op::Unary;
+use crate::implicit::shapes::InvalidShape;
+use crate::implicit::{Distance, Expr, Field, Quality};
+use crate::math::{add_up, mul_up};
+
+/// Copies of one cell's neighbourhood, at most: each is an expression of its own.
+const MOST: u64 = 4096;
+
+/// How a shape is repeated along one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Repeat {
+    /// Not at all.
+    Once,
+    /// At every whole multiple of a period, without end.
+    Every(f64),
+    /// So many times, a period apart, the first where the shape is.
+    Times(u32, f64),
+}
+
+impl Field {
+    /// The union of copies of the shape, repeated along x, y and z.
+    ///
+    /// Every copy counts: from each cell all copies are looked at that can be nearest there, however far the shape
+    /// reaches beyond its cell. An exact distance stays exact outside and becomes a bound inside. A bound is only a sign
+    /// outside afterwards, since it may jump from cell to cell.
+    ///
+    /// # Errors
+    /// When a period is not a finite number above 0, a count is 0, the shape's box is not finite along a repeated axis, or
+    /// it reaches across so many periods that more than 4,096 copies may be nearest to a point.
+    pub fn repeated(&self, along: [Repeat; 3]) -> Result<Self, InvalidShape> {
+        if self.bounds().is_empty() {
+            return Ok(self.clone());
+        }
+        let mut windows = Vec::new();
+        for (k, repeat) in along.into_iter().enumerate() {
+            windows.push(Window::new(repeat, self.bounds().min[k], self.bounds().max[k])?);
+        }
+        let n: u64 = windows.iter().map(Window::len).fold(1, u64::saturating_mul);
+        if n > MOST {
+            let reach = format!(
+                "the shape reaches so far across its period that {n} copies may be nearest to a point"
+            );
+            return Err(InvalidShape::Number(format!("{reach}, and must be at most {MOST}")));
+        }
+        let axes = Expr::axes();
+        let places: Vec<Vec<Expr>> = windows.iter().zip(&axes).map(|(w, axis)| w.places(axis)).collect();
+        let mut copies = Vec::new();
+        for z in &places[2] {
+            for y in &places[1] {
+                for x in &places[0] {
+                    copies.push(self.at(&[x.clone(), y.clone(), z.clone()]));
+                }
+            }
+        }
+        let distance = self.distance().union(self.distance());
+        let jumps = self.distance().outside != Quality::Exact && windows.iter().any(|w| w.len() > 1);
+        let outside = if jumps { Quality::Sign } else { distance.outside };
+        let mut bounds = Field::EVERYWHERE;
+        for (k, window) in windows.iter().enumerate() {
+            (bounds.min[k], bounds.max[k]) = window.bounds(self.bounds().min[k], self.bounds().max[k]);
+        }
+        let all = Self::union_of(&copies).with_distance(Distance { outside, ..distance });
+        Ok(all.with_bounds(common(bounds, Field::EVERYWHERE)))
+    }
+}
+
+/// The copies along one axis that can be nearest from a cell, counted from the cell's own.
+struct Window {
+    period: f64,
+    /// How many copies there are, if that is limited.
+    count: Option<u32>,
+    first: i64,
+    last: i64,
+}
+
+impl Window {
+    /// The nearest copy's nearest point is at most half a period away along the axis: else the next copy would be
+    /// nearer. From a cell's own middle, points are within half a period, so only copies that reach into a period to
+    /// each side matter.
+    fn new(repeat: Repeat, low: f64, high: f64) -> Result<Self, InvalidShape> {
+        let refused = |sentence: String| Err(InvalidShape::Number(sentence));
+        let (period, count) = match repeat {
+            Repeat::Once | Repeat::Times(1, _) => {
+                return Ok(Self { period: 0.0, count: Some(1), first: 0, last: 0 });
+            }
+            Repeat::Every(period) => (period, None),
+            Repeat::Times(count, period) => (period, Some(count)),
+        };
+        if !(period > 0.0 && period.is_finite()) {
+            return refused(format!("a period is {period}, and must be a finite number above 0"));
+        }
+        if count == Some(0) {
+            return refused("a shape is repeated 0 times, and must be repeated once at least".into());
+        }
+        if !(low.is_finite() && high.is_finite()) {
+            return refused("a shape without ends cannot be repeated along them".into());
+        }
+        // One more on each side than the quotients say would do for any rounding; a thousandth is far more than theirs.
+        let (first, last) = ((-1.001 - high / period).ceil(), (1.001 - low / period).floor());
+        if last - first >= MOST as f64 {
+            return refused(format!(
+                "a period is {period}, which is too short for a shape from {low} to {high}"
+            ));
+        }
+        Ok(Self { period, count, first: first as i64, last: last as i64 })
+    }
+
+    fn len(&self) -> u64 {
+        let window = (self.last - self.first + 1) as u64;
+        self.count.map_or(window, |n| if u64::from(n) < window { u64::from(n) } else { window })
+    }
+
+    /// The coordinate as each copy sees it.
+    fn places(&self, axis: &Expr) -> Vec<Expr> {
+        let copy = |number: Expr| axis - number * self.period;
+        if let Some(n) = self.count.filter(|n| u64::from(*n) <= self.len()) {
+            let moved = |k: u32| if k == 0 { axis.clone() } else { axis - f64::from(k) * self.period };
+            return (0..n).map(moved).collect();
+        }
+        let own = Expr::unary(Unary::Round, &(axis / self.period));
+        let number = |k: i64| {
+            let number = if k == 0 { own.clone() } else { &own + k as f64 };
+            match self.count {
+                None => number,
+                Some(n) => number.max(&0.0.into()).min(&f64::from(n - 1).into()),
+            }
+        };
+        (self.first..=self.last).map(|k| copy(number(k))).collect()
+    }
+
+    fn bounds(&self, low: f64, high: f64) -> (f64, f64) {
+        match self.count {
+            None => (f64::NEG_INFINITY, f64::INFINITY),
+            Some(1) => (low, high),
+            Some(n) => (low, add_up(high, mul_up(f64::from(n - 1), self.period))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_hold_the_neighbours_that_a_shape_reaches() {
+        let small = Window::new(Repeat::Every(1.0), -0.25, 0.25).expect("fine");
+        assert_eq!((small.first, small.last), (-1, 1));
+        let long = Window::new(Repeat::Every(1.0), -0.25, 2.5).expect("fine");
+        assert_eq!((long.first, long.last), (-3, 1));
+        let far = Window::new(Repeat::Every(1.0), 10.0, 10.5).expect("fine");
+        assert_eq!((far.first, far.last), (-11, -9));
+        assert!(Window::new(Repeat::Every(0.0), 0.0, 1.0).is_err());
+    }
+}

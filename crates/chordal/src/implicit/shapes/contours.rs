@@ -1,0 +1,316 @@
+//! `Contours`: the exact signed distance to closed contours of straight edges in the plane, as a leaf.
+use super::contours_build;
+use super::flat::endless;
+use super::{InvalidShape, finite_point};
+use crate::budget::Evidence;
+use crate::implicit::{Answer, Distance, Expr, Field, Leaf, LeafError, Lipschitz};
+use crate::math::{Box3, Interval, Orientation, add_up, orient2d};
+use std::sync::Arc;
+
+/// Which points contours enclose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Fill {
+    /// Those that they surround an odd number of times.
+    EvenOdd,
+    /// Those around which they wind, in either direction, more often than they unwind.
+    NonZero,
+}
+
+impl Fill {
+    /// Whether a point with that winding number is inside.
+    pub(super) fn holds(self, winding: i32) -> bool {
+        match self {
+            Self::EvenOdd => winding % 2 != 0,
+            Self::NonZero => winding != 0,
+        }
+    }
+}
+
+/// One side of a contour, directed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Edge {
+    pub a: [f64; 2],
+    pub b: [f64; 2],
+    /// The contour, and the rows of the edges before and after it there.
+    pub contour: u32,
+    pub before: u32,
+    pub after: u32,
+    /// 1 where the outside is to the right of the direction, −1 where it is to the left, 0 where that is not known.
+    pub outside: i8,
+}
+
+/// A box over a run of edges, or over two nodes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node {
+    pub min: [f64; 2],
+    pub max: [f64; 2],
+    /// Rows of the order, where it has no children.
+    pub run: [u32; 2],
+    /// The second child; the first follows its parent. 0 where there are none.
+    pub second: u32,
+}
+
+/// Closed contours in the plane, with a tree over their edges. The value is the signed distance to the edges, negative
+/// inside, for the plane that x and y span; z plays no part.
+///
+/// Which side a point is on is decided by exact predicates. The distance is rounded: it is off by 64 units of rounding
+/// of the largest coordinate at most, which ranges allow for.
+///
+/// Cost: O(log n) for a point.
+#[derive(Clone, Debug)]
+pub struct Contours {
+    pub(super) edges: Vec<Edge>,
+    pub(super) nodes: Vec<Node>,
+    pub(super) order: Vec<u32>,
+    pub(super) largest: f64,
+    pub(super) fill: Fill,
+    pub(super) distance: Distance,
+    pub(super) bounds: [[f64; 2]; 2],
+}
+
+impl Contours {
+    /// The contours through these points, each joined back to its first. Contours that do not bound what is filled (one
+    /// within another of the same direction, say) are left out, if no two edges meet but at corners that they share; the
+    /// value is then the exact distance. Otherwise it is a bound: an edge may run inside of the shape.
+    ///
+    /// # Errors
+    /// When a coordinate is not a finite number below 1e150, or no contour has three corners.
+    pub fn new(contours: &[Vec<[f64; 2]>], fill: Fill) -> Result<Self, InvalidShape> {
+        let mut largest = 0.0;
+        for x in contours.iter().flatten().flatten() {
+            finite_point("a contour's coordinate", [*x])?;
+            largest = if x.abs() > largest { x.abs() } else { largest };
+        }
+        // Defined: squares of differences stay finite.
+        if largest >= 1e150 {
+            return Err(InvalidShape::Number(format!(
+                "a contour's coordinate is {largest}, and must be below 1e150"
+            )));
+        }
+        let edges = contours_build::edges(contours);
+        if edges.is_empty() {
+            return Err(InvalidShape::Number("no contour has three different corners in a row".into()));
+        }
+        let (edges, is_simple) = contours_build::sorted_out(edges, fill);
+        if edges.is_empty() {
+            return Err(InvalidShape::Number("the contours enclose nothing".into()));
+        }
+        let (nodes, order) = contours_build::tree(&edges);
+        let bounds = nodes.first().map_or([[0.0; 2]; 2], |root| [root.min, root.max]);
+        let distance = if is_simple { Distance::EXACT } else { Distance::BOUND };
+        Ok(Self { edges, nodes, order, largest, fill, distance, bounds })
+    }
+
+    /// What the value is worth: exact for contours that nowhere meet.
+    #[must_use]
+    pub fn distance(&self) -> Distance {
+        self.distance
+    }
+
+    /// The value at these two coordinates.
+    #[must_use]
+    pub fn expr(self, at: [Expr; 2]) -> Expr {
+        let [x, y] = at;
+        Expr::leaf(Arc::new(self), [x, y, Expr::constant(0.0)])
+    }
+
+    /// The shape, endless along z.
+    #[must_use]
+    pub fn into_field(self) -> Field {
+        let (distance, [min, max]) = (self.distance, self.bounds);
+        let [x, y, _] = Expr::axes();
+        Field::new(self.expr([x, y])).with_distance(distance).with_bounds(endless(min, max))
+    }
+
+    /// How often the contours wind around `p`, counter-clockwise; those for which `counts` says no are left out. Exact,
+    /// for points that are on none of them.
+    pub(super) fn winding(&self, p: [f64; 2], counts: impl Fn(&Edge) -> bool) -> i32 {
+        let mut winding = 0;
+        self.descend(
+            |node| node.max[0] >= p[0] && node.min[1] <= p[1] && node.max[1] >= p[1],
+            |row| {
+                let edge = &self.edges[row as usize];
+                let (up, down) = (edge.a[1] <= p[1], edge.b[1] <= p[1]);
+                if up != down && counts(edge) {
+                    let side = orient2d(edge.a, edge.b, p);
+                    winding += i32::from(up && side == Orientation::Front);
+                    winding -= i32::from(down && side == Orientation::Back);
+                }
+            },
+        );
+        winding
+    }
+
+    /// Whether `p` is inside; exact off the edges.
+    pub(super) fn holds(&self, p: [f64; 2]) -> bool {
+        self.fill.holds(self.winding(p, |_| true))
+    }
+
+    /// Calls `visit` for every edge below nodes that are wanted.
+    pub(super) fn descend(&self, mut wanted: impl FnMut(&Node) -> bool, mut visit: impl FnMut(u32)) {
+        let mut waiting = vec![0_u32];
+        while let Some(at) = waiting.pop() {
+            let Some(node) = self.nodes.get(at as usize).filter(|node| wanted(node)) else { continue };
+            if node.second == 0 {
+                (node.run[0]..node.run[1]).for_each(|k| visit(self.order[k as usize]));
+            } else {
+                waiting.extend([node.second, at + 1]);
+            }
+        }
+    }
+
+    /// The least squared distance to an edge, and the lowest edge that has it.
+    fn nearest(&self, p: [f64; 2], start: u32) -> (f64, u32) {
+        // Boxes and edges round differently, by less than this share: whatever is searched first, the least is found.
+        const SLACK: f64 = 1.0 + 1.0 / (1_u64 << 40) as f64;
+        let mut best = (self.square(p, start), start);
+        let mut waiting = [(0.0, 0_u32); 64];
+        let mut height = 1;
+        while height > 0 {
+            height -= 1;
+            let (off, at) = waiting[height];
+            if off > best.0 * SLACK {
+                continue;
+            }
+            let node = &self.nodes[at as usize];
+            if node.second == 0 {
+                for k in node.run[0]..node.run[1] {
+                    let row = self.order[k as usize];
+                    let square = self.square(p, row);
+                    if square < best.0 || (square == best.0 && row < best.1) {
+                        best = (square, row);
+                    }
+                }
+                continue;
+            }
+            let children = [at + 1, node.second].map(|child| (self.off(p, child), child));
+            let nearer = usize::from(children[1].0 < children[0].0);
+            waiting[height] = children[1 - nearer];
+            waiting[height + 1] = children[nearer];
+            height += 2;
+        }
+        best
+    }
+
+    fn off(&self, p: [f64; 2], node: u32) -> f64 {
+        let Node { min, max, .. } = &self.nodes[node as usize];
+        let gap = |k: usize| {
+            let (below, above) = (min[k] - p[k], p[k] - max[k]);
+            let gap = if below > above { below } else { above };
+            if gap > 0.0 { gap } else { 0.0 }
+        };
+        gap(0) * gap(0) + gap(1) * gap(1)
+    }
+
+    fn square(&self, p: [f64; 2], row: u32) -> f64 {
+        let [x, y] = self.edges[row as usize].offset(p).0;
+        x * x + y * y
+    }
+
+    /// A bound on the rounding of distances around `p`: the dots that place the foot are off by 8 units of
+    /// `|p − a| · |b − a|`, which moves the foot by 8 units of `|p − a|`; differences, the foot and the length add a few.
+    pub(super) fn rounding(&self, p: [f64; 2]) -> f64 {
+        const UNITS: f64 = 64.0 * f64::EPSILON;
+        let size = if p[0].abs() > p[1].abs() { p[0].abs() } else { p[1].abs() };
+        add_up(UNITS * add_up(size, self.largest), f64::MIN_POSITIVE)
+    }
+
+    /// The signed distance, the edge, and whether `p` is inside.
+    fn signed(&self, p: [f64; 2], start: u32) -> (f64, u32, bool) {
+        let (square, row) = self.nearest(p, start);
+        let inside = self.holds(p);
+        let distance = square.sqrt();
+        (if inside { -distance } else { distance }, row, inside)
+    }
+
+    pub(super) fn value(&self, p: [f64; 2]) -> f64 {
+        self.signed(p, 0).0
+    }
+}
+
+impl Edge {
+    /// `p` minus the point of the edge that is nearest to it, and where on the edge that is, from 0 to 1.
+    pub fn offset(&self, p: [f64; 2]) -> ([f64; 2], f64) {
+        let along = [self.b[0] - self.a[0], self.b[1] - self.a[1]];
+        let from = [p[0] - self.a[0], p[1] - self.a[1]];
+        let t = (from[0] * along[0] + from[1] * along[1]) / (along[0] * along[0] + along[1] * along[1]);
+        if t > 0.0 && t < 1.0 {
+            ([from[0] - t * along[0], from[1] - t * along[1]], t)
+        } else if t >= 1.0 {
+            ([p[0] - self.b[0], p[1] - self.b[1]], 1.0)
+        } else {
+            (from, 0.0)
+        }
+    }
+}
+
+impl Leaf for Contours {
+    fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
+        // Neighbours in a batch are often neighbours in space.
+        let mut start = 0;
+        for ([x, y, _], value) in points.iter().zip(out) {
+            if x.is_finite() && y.is_finite() {
+                (*value, start, _) = self.signed([*x, *y], start);
+            } else {
+                *value = f64::NAN;
+            }
+        }
+        Ok(())
+    }
+
+    fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<Answer, LeafError> {
+        for ([x, y, _], gradient) in points.iter().zip(out) {
+            let (value, row, inside) = self.signed([*x, *y], 0);
+            let edge = &self.edges[row as usize];
+            let (offset, t) = edge.offset([*x, *y]);
+            *gradient = if value == 0.0 || (0.0 < t && t < 1.0) {
+                // Across the edge, in the direction in which it is left.
+                let n = [edge.b[1] - edge.a[1], edge.a[0] - edge.b[0]];
+                let length = (n[0] * n[0] + n[1] * n[1]).sqrt();
+                let to_right = offset[0] * n[0] + offset[1] * n[1] > 0.0;
+                let outward = if edge.outside == 0 { to_right != inside } else { edge.outside > 0 };
+                let sign = if outward { 1.0 } else { -1.0 };
+                [sign * n[0] / length, sign * n[1] / length, 0.0]
+            } else {
+                [offset[0] / value, offset[1] / value, 0.0]
+            };
+        }
+        Ok(Answer::Given)
+    }
+
+    fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<Answer, LeafError> {
+        for (bounds, range) in boxes.iter().zip(out) {
+            let flat =
+                Box3 { min: [bounds.min[0], bounds.min[1], 0.0], max: [bounds.max[0], bounds.max[1], 0.0] };
+            let [x, y, _] = flat.centre();
+            // The middle is rounded: half of the diagonal and a unit of it is enough to reach every point.
+            let reach = add_up(
+                0.5 * flat.diagonal(),
+                add_up(self.rounding([x, y]), f64::EPSILON * (x.abs() + y.abs())),
+            );
+            *range = if reach.is_finite() {
+                // The exact distance is continuous and changes by no more than one moves.
+                Interval::point(self.value([x, y]))
+                    + Interval::new(-reach, reach).unwrap_or(Interval::UNKNOWN)
+            } else {
+                Interval::ENTIRE
+            };
+        }
+        Ok(Answer::Given)
+    }
+
+    fn gradient_over(&self, boxes: &[Box3], out: &mut [[Interval; 3]]) -> Result<Answer, LeafError> {
+        for (bounds, gradient) in boxes.iter().zip(out) {
+            *gradient = self.slope_over(bounds);
+        }
+        Ok(Answer::Given)
+    }
+
+    fn lipschitz(&self) -> Option<Lipschitz> {
+        Some(Lipschitz { constant: 1.0, error: self.rounding([self.largest; 2]) })
+    }
+
+    fn evidence(&self) -> Evidence {
+        Evidence::Proved
+    }
+}

@@ -1,0 +1,158 @@
+//! How [`Contours`](super::Contours) are made: edges, which of them bound the shape, and the tree over them.
+use super::contours::{Contours, Edge, Fill, Node};
+use crate::implicit::Distance;
+use crate::math::{Orientation, orient2d};
+
+/// Edges in a leaf of the tree.
+const LEAF: usize = 4;
+
+/// The edges of all contours with three different corners in a row at least.
+pub(super) fn edges(contours: &[Vec<[f64; 2]>]) -> Vec<Edge> {
+    let mut edges = Vec::new();
+    for (contour, points) in contours.iter().enumerate() {
+        let mut corners = points.clone();
+        corners.dedup();
+        while corners.len() > 1 && corners.first() == corners.last() {
+            corners.pop();
+        }
+        let n = corners.len();
+        if n < 3 {
+            continue;
+        }
+        let first = edges.len();
+        let row = |k: usize| (first + k % n) as u32;
+        edges.extend((0..n).map(|k| Edge {
+            a: corners[k],
+            b: corners[(k + 1) % n],
+            contour: contour as u32,
+            before: row(k + n - 1),
+            after: row(k + 1),
+            outside: 0,
+        }));
+    }
+    edges
+}
+
+/// A tree over the edges: nodes, and the order of the edges in their runs.
+pub(super) fn tree(edges: &[Edge]) -> (Vec<Node>, Vec<u32>) {
+    let mut order: Vec<u32> = (0..edges.len() as u32).collect();
+    let mut nodes = Vec::new();
+    // A part of the order, and the node whose second child it is.
+    let mut waiting = vec![(0..edges.len(), None)];
+    while let Some((run, parent)) = waiting.pop() {
+        let at = nodes.len();
+        if let Some(parent) = parent {
+            let parent: &mut Node = &mut nodes[parent];
+            parent.second = at as u32;
+        }
+        let (mut min, mut max) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for row in &order[run.clone()] {
+            let edge = &edges[*row as usize];
+            for (p, k) in [(edge.a, 0), (edge.a, 1), (edge.b, 0), (edge.b, 1)] {
+                min[k] = if p[k] < min[k] { p[k] } else { min[k] };
+                max[k] = if p[k] > max[k] { p[k] } else { max[k] };
+            }
+        }
+        nodes.push(Node { min, max, run: [run.start as u32, run.end as u32], second: 0 });
+        if run.len() > LEAF {
+            let axis = usize::from(max[1] - min[1] > max[0] - min[0]);
+            let middle = |row: &u32| edges[*row as usize].a[axis] + edges[*row as usize].b[axis];
+            let half = run.len() / 2;
+            order[run.clone()]
+                .select_nth_unstable_by(half, |l, r| middle(l).total_cmp(&middle(r)).then(l.cmp(r)));
+            waiting.push((run.start + half..run.end, Some(at)));
+            waiting.push((run.start..run.start + half, None));
+        }
+    }
+    (nodes, order)
+}
+
+/// Only the contours that bound what is filled, each edge with the side of its outside; and whether this could be done:
+/// not where edges meet elsewhere than at corners that they share.
+pub(super) fn sorted_out(mut edges: Vec<Edge>, fill: Fill) -> (Vec<Edge>, bool) {
+    let (nodes, order) = tree(&edges);
+    let all = Contours::of_parts((edges.clone(), nodes, order), fill);
+    if !is_simple(&all) {
+        return (edges, false);
+    }
+    let mut start = 0;
+    let mut kept = Vec::new();
+    while start < edges.len() {
+        let contour = edges[start].contour;
+        let n = edges[start..].iter().take_while(|edge| edge.contour == contour).count();
+        let others = all.winding(edges[start].a, |edge| edge.contour != contour);
+        let counter_clockwise = turns_left(&edges, start..start + n);
+        let [left, right] = if counter_clockwise { [others + 1, others] } else { [others, others - 1] };
+        let is_inside = [left, right].map(|winding| fill.holds(winding));
+        if is_inside[0] != is_inside[1] {
+            let moved = kept.len() as u32;
+            for edge in &mut edges[start..start + n] {
+                edge.outside = if is_inside[0] { 1 } else { -1 };
+                edge.before = edge.before - start as u32 + moved;
+                edge.after = edge.after - start as u32 + moved;
+            }
+            kept.extend_from_slice(&edges[start..start + n]);
+        }
+        start += n;
+    }
+    (kept, true)
+}
+
+/// Whether a simple contour runs counter-clockwise: by the turn at its lowest corner.
+fn turns_left(edges: &[Edge], run: std::ops::Range<usize>) -> bool {
+    let least = run.reduce(|l, r| if edges[r].a < edges[l].a { r } else { l }).unwrap_or(0);
+    let edge = &edges[least];
+    orient2d(edges[edge.before as usize].a, edge.a, edge.b) == Orientation::Front
+}
+
+/// Whether no two edges meet but at corners that they share; exact.
+fn is_simple(contours: &Contours) -> bool {
+    (0..contours.edges.len() as u32).all(|row| {
+        let edge = &contours.edges[row as usize];
+        let low = |k: usize| if edge.a[k] < edge.b[k] { edge.a[k] } else { edge.b[k] };
+        let high = |k: usize| if edge.a[k] > edge.b[k] { edge.a[k] } else { edge.b[k] };
+        let near = |node: &Node| (0..2).all(|k| node.min[k] <= high(k) && node.max[k] >= low(k));
+        let mut clear = true;
+        contours.descend(near, |other| {
+            // Each pair once.
+            clear = clear && (other <= row || !meet(contours, row, other));
+        });
+        clear
+    })
+}
+
+/// Whether two edges have a point in common, other than the corner between neighbours.
+fn meet(contours: &Contours, row: u32, other: u32) -> bool {
+    let (e, f) = (&contours.edges[row as usize], &contours.edges[other as usize]);
+    let folds = |from: [f64; 2], corner: [f64; 2], to: [f64; 2]| {
+        // Back over the edge before: in line, and on the same side of the corner along some axis.
+        orient2d(from, corner, to) == Orientation::Flat
+            && (0..2).any(|k| {
+                (from[k] > corner[k] && to[k] > corner[k]) || (from[k] < corner[k] && to[k] < corner[k])
+            })
+    };
+    if e.after == other {
+        return folds(e.a, e.b, f.b) || (f.after == row && folds(f.a, f.b, e.b));
+    }
+    if f.after == row {
+        return folds(f.a, f.b, e.b);
+    }
+    let apart = |k: usize| {
+        let low = |e: &Edge| if e.a[k] < e.b[k] { e.a[k] } else { e.b[k] };
+        let high = |e: &Edge| if e.a[k] > e.b[k] { e.a[k] } else { e.b[k] };
+        low(e) > high(f) || low(f) > high(e)
+    };
+    let beside = |e: &Edge, f: &Edge| {
+        let side = orient2d(e.a, e.b, f.a);
+        side != Orientation::Flat && side == orient2d(e.a, e.b, f.b)
+    };
+    // In line with overlapping boxes they overlap.
+    !(apart(0) || apart(1) || beside(e, f) || beside(f, e))
+}
+
+impl Contours {
+    /// Contours to ask for windings only.
+    fn of_parts((edges, nodes, order): (Vec<Edge>, Vec<Node>, Vec<u32>), fill: Fill) -> Self {
+        Self { edges, nodes, order, largest: 0.0, fill, distance: Distance::BOUND, bounds: [[0.0; 2]; 2] }
+    }
+}

@@ -1,0 +1,134 @@
+//! Shapes as fields: what each constructor makes, and what its value is worth as a distance.
+//!
+//! | shape | value |
+//! |---|---|
+//! | [`sphere`], [`cuboid`], [`rounded_cuboid`], [`cylinder`], [`capped_cone`], [`capsule`], [`plane`], [`triangle`] | exact |
+//! | [`torus`] | exact; a bound inside where it meets itself |
+//! | [`tetrahedron`], [`octahedron`] | exact inside, a bound outside |
+//! | [`ellipsoid`] | a bound |
+//! | [`gyroid`], [`schwarz_p`], [`diamond`] | a bound |
+//! | [`circle`], [`rectangle`], [`rounded_rectangle`], [`segment`], [`regular_polygon`], [`polygon`] | exact, endless along z |
+//! | [`prism`] | exact |
+//!
+//! Shapes are centred on the origin unless they are given by points. The numbers that a constructor derives from its
+//! arguments (half sizes, unit normals, sines) are rounded to f64, and it is those numbers that define the shape; a
+//! value is *exact* for that shape but for rounding.
+//!
+//! A *bound* here always changes by no more than one moves (it is 1-Lipschitz), so offsets and blends of it are bounds
+//! again.
+//!
+//! Source: I. Quilez, *Distance functions* and *2D distance functions*, iquilezles.org; the formulas are derived anew.
+mod contours;
+mod contours_build;
+mod contours_slope;
+mod flat;
+mod periodic;
+mod platonic;
+mod round;
+mod solid;
+mod triangle;
+
+use super::expr::Expr;
+use crate::math::Box3;
+use std::fmt;
+
+pub use contours::{Contours, Fill};
+pub use flat::{circle, polygon, prism, rectangle, regular_polygon, rounded_rectangle, segment};
+pub use periodic::{diamond, gyroid, schwarz_p};
+pub use platonic::{octahedron, tetrahedron};
+pub use round::{capsule, ellipsoid, sphere, torus};
+pub(super) use solid::unit;
+pub use solid::{capped_cone, cuboid, cylinder, plane, rounded_cuboid};
+pub use triangle::triangle;
+
+/// Why there is no such shape, in one sentence.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum InvalidShape {
+    /// A number is out of its range.
+    Number(String),
+    /// The operation needs a distance, and the field's value is only a sign there.
+    NeedsDistance {
+        /// What was asked for.
+        operation: &'static str,
+        /// On which side the value is only a sign: `outside` or `inside`.
+        side: &'static str,
+    },
+}
+
+impl fmt::Display for InvalidShape {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(sentence) => f.write_str(sentence),
+            Self::NeedsDistance { operation, side } => {
+                write!(
+                    f,
+                    "{operation} needs a distance, and the value of this shape is only a sign {side} of it"
+                )
+            }
+        }
+    }
+}
+
+impl std::error::Error for InvalidShape {}
+
+/// The number, if it is finite.
+pub(super) fn finite(name: &str, value: f64) -> Result<f64, InvalidShape> {
+    if value.is_finite() { Ok(value) } else { Err(refused(name, value, "a finite number")) }
+}
+
+/// The number, if it is finite and above 0.
+pub(super) fn positive(name: &str, value: f64) -> Result<f64, InvalidShape> {
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(refused(name, value, "a finite number above 0"))
+    }
+}
+
+/// The number, if it is finite and not below 0.
+pub(super) fn not_negative(name: &str, value: f64) -> Result<f64, InvalidShape> {
+    if value >= 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(refused(name, value, "a finite number, 0 or above"))
+    }
+}
+
+/// The point, if it is finite.
+pub(super) fn finite_point<const D: usize>(name: &str, point: [f64; D]) -> Result<[f64; D], InvalidShape> {
+    point.iter().try_for_each(|x| finite(name, *x).map(|_| ()))?;
+    Ok(point)
+}
+
+fn refused(name: &str, value: f64, expected: &str) -> InvalidShape {
+    InvalidShape::Number(format!("{name} is {value}, and must be {expected}"))
+}
+
+/// `√(Σ e²)`.
+pub(super) fn length_of(parts: &[&Expr]) -> Expr {
+    sum(parts.iter().map(|e| e.square())).sqrt()
+}
+
+/// The sum, from left to right.
+pub(super) fn sum(parts: impl IntoIterator<Item = Expr>) -> Expr {
+    parts.into_iter().reduce(|a, b| a + b).unwrap_or_else(|| Expr::constant(0.0))
+}
+
+/// The largest.
+pub(super) fn largest(parts: &[Expr]) -> Expr {
+    parts.iter().cloned().reduce(|a, b| a.max(&b)).unwrap_or_else(|| Expr::constant(f64::NEG_INFINITY))
+}
+
+/// The distance to where all of `parts` are below 0, when each is the distance to one of several perpendicular slabs:
+/// outside the parts above 0 add up as squares, inside the largest is nearest.
+pub(super) fn slabs(parts: &[Expr]) -> Expr {
+    let zero = Expr::constant(0.0);
+    let above: Vec<Expr> = parts.iter().map(|q| q.max(&zero)).collect();
+    length_of(&above.iter().collect::<Vec<_>>()) + largest(parts).min(&zero)
+}
+
+/// The box of half sizes around the origin.
+pub(super) fn centred(half: [f64; 3]) -> Box3 {
+    Box3 { min: half.map(|h| -h), max: half }
+}

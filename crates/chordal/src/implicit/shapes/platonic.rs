@@ -1,0 +1,38 @@
+//! Solids of planes at equal distances from the origin.
+use super::{InvalidShape, centred, largest, positive};
+use crate::implicit::{Distance, Expr, Field, Quality};
+use crate::math::{div_up, sqrt_down};
+
+/// The value of a convex solid made of planes: the largest distance to one of them. That is the distance inside, and
+/// outside where a side is nearest, hence a bound there.
+const PLANES: Distance = Distance { outside: Quality::Bound, inside: Quality::Exact };
+
+/// 1/√3, rounded.
+const THIRD: f64 = 0.577_350_269_189_625_8;
+
+/// The regular octahedron with its corners on the axes at `radius` from the origin. Exact inside, a bound outside.
+///
+/// # Errors
+/// When the radius is not a finite number above 0.
+pub fn octahedron(radius: f64) -> Result<Field, InvalidShape> {
+    let radius = positive("an octahedron's radius", radius)?;
+    let [x, y, z] = Expr::axes();
+    let value = (x.abs() + y.abs() + z.abs() - radius) * THIRD;
+    Ok(Field::new(value).with_distance(PLANES).with_bounds(centred([radius; 3])))
+}
+
+/// The regular tetrahedron with its corners at `radius` from the origin, in the directions (1, 1, 1), (1, −1, −1),
+/// (−1, 1, −1) and (−1, −1, 1). Exact inside, a bound outside.
+///
+/// # Errors
+/// When the radius is not a finite number above 0.
+pub fn tetrahedron(radius: f64) -> Result<Field, InvalidShape> {
+    let radius = positive("a tetrahedron's radius", radius)?;
+    let [x, y, z] = Expr::axes();
+    // Each side lies opposite a corner, at a third of its distance.
+    let sides = [-(&x + &y + &z), &y + &z - &x, &z + &x - &y, &x + &y - &z];
+    let value = largest(&sides) * THIRD - radius / 3.0;
+    // The corners' coordinates are √3 · radius/3; four roundings are allowed for.
+    let reach = div_up(radius, sqrt_down(3.0)) * (1.0 + 4.0 * f64::EPSILON);
+    Ok(Field::new(value).with_distance(PLANES).with_bounds(centred([reach; 3])))
+}

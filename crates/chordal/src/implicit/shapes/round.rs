@@ -1,0 +1,90 @@
+//! Round shapes: sphere, capsule, torus, ellipsoid.
+use super::{InvalidShape, centred, finite_point, length_of, positive, sum};
+use crate::implicit::{Distance, Expr, Field, Quality};
+use crate::math::{Box3, add_up, sub_down};
+
+/// The ball of a radius around the origin. The value is the exact distance.
+///
+/// # Errors
+/// When the radius is not a finite number above 0.
+///
+/// ```
+/// use chordal::implicit::shapes::sphere;
+/// assert_eq!(sphere(2.0)?.expr().at([0.0, 3.0, 0.0]).unwrap(), 1.0);
+/// assert!(sphere(-1.0).is_err());
+/// # Ok::<(), chordal::implicit::shapes::InvalidShape>(())
+/// ```
+pub fn sphere(radius: f64) -> Result<Field, InvalidShape> {
+    let radius = positive("a sphere's radius", radius)?;
+    let [x, y, z] = Expr::axes();
+    let field = Field::new(length_of(&[&x, &y, &z]) - radius);
+    Ok(field.with_distance(Distance::EXACT).with_bounds(centred([radius; 3])))
+}
+
+/// All points that are nearer than `radius` to the segment from `a` to `b`. The value is the exact distance.
+///
+/// # Errors
+/// When a number is not finite, or the radius not above 0.
+pub fn capsule(a: [f64; 3], b: [f64; 3], radius: f64) -> Result<Field, InvalidShape> {
+    let (a, b) = (finite_point("a capsule's end", a)?, finite_point("a capsule's end", b)?);
+    let radius = positive("a capsule's radius", radius)?;
+    let along: [f64; 3] = std::array::from_fn(|k| b[k] - a[k]);
+    let square = along[0] * along[0] + along[1] * along[1] + along[2] * along[2];
+    if !square.is_finite() {
+        return Err(InvalidShape::Number("the ends of a capsule are too far apart for their squares".into()));
+    }
+    let axes = Expr::axes();
+    let from: [Expr; 3] = std::array::from_fn(|k| &axes[k] - a[k]);
+    let from = if square > 0.0 {
+        let dot = sum((0..3).filter(|k| along[*k] != 0.0).map(|k| &from[k] * along[k]));
+        let place = (dot / square).max(&0.0.into()).min(&1.0.into());
+        std::array::from_fn(|k| if along[k] == 0.0 { from[k].clone() } else { &from[k] - &place * along[k] })
+    } else {
+        from
+    };
+    let field = Field::new(length_of(&[&from[0], &from[1], &from[2]]) - radius);
+    // The other end is `a + along`, rounded once each: a unit in the last place of the larger is more than enough.
+    let mut bounds = Box3 { min: a, max: a };
+    for k in 0..3 {
+        let slack = (a[k].abs() + b[k].abs()) * f64::EPSILON;
+        bounds.min[k] = sub_down(sub_down(if a[k] < b[k] { a[k] } else { b[k] }, slack), radius);
+        bounds.max[k] = add_up(add_up(if a[k] > b[k] { a[k] } else { b[k] }, slack), radius);
+    }
+    Ok(field.with_distance(Distance::EXACT).with_bounds(bounds))
+}
+
+/// All points that are nearer than `minor` to the circle of radius `major` around the z axis. The value is the exact
+/// distance; inside it is a bound where `minor` is above `major`, for then the tube meets itself.
+///
+/// # Errors
+/// When a radius is not a finite number above 0.
+pub fn torus(major: f64, minor: f64) -> Result<Field, InvalidShape> {
+    let (major, minor) =
+        (positive("a torus's major radius", major)?, positive("a torus's minor radius", minor)?);
+    let [x, y, z] = Expr::axes();
+    let off = length_of(&[&x, &y]) - major;
+    let field = Field::new(length_of(&[&off, &z]) - minor);
+    let inside = if minor <= major { Quality::Exact } else { Quality::Bound };
+    let reach = add_up(major, minor);
+    let distance = Distance { outside: Quality::Exact, inside };
+    Ok(field.with_distance(distance).with_bounds(centred([reach, reach, minor])))
+}
+
+/// The ellipsoid of three radii. The value is a bound: with `s = √(Σ (x/r)²)` it is the larger one of `(s − 1)` times
+/// the least radius, whose slope is at most 1, and of the distance to the ball around it, which helps far away. The exact
+/// distance would be the root of a polynomial of degree 6.
+///
+/// # Errors
+/// When a radius is not a finite number above 0.
+pub fn ellipsoid(radii: [f64; 3]) -> Result<Field, InvalidShape> {
+    radii.iter().try_for_each(|r| positive("an ellipsoid's radius", *r).map(|_| ()))?;
+    let (least, most) = radii.iter().fold((f64::INFINITY, 0.0), |(low, high), r| {
+        (if *r < low { *r } else { low }, if *r > high { *r } else { high })
+    });
+    let axes = Expr::axes();
+    let scaled: [Expr; 3] = std::array::from_fn(|k| &axes[k] / radii[k]);
+    let sign = (length_of(&[&scaled[0], &scaled[1], &scaled[2]]) - 1.0) * least;
+    let ball = length_of(&[&axes[0], &axes[1], &axes[2]]) - most;
+    let field = Field::new(sign.max(&ball)).with_sign(sign);
+    Ok(field.with_distance(Distance::BOUND).with_bounds(centred(radii)))
+}

@@ -1,0 +1,140 @@
+//! Solids with flat sides: plane, box, cylinder, cone.
+use super::{
+    Contours, Fill, InvalidShape, centred, finite, finite_point, largest, length_of, not_negative, positive,
+};
+use super::{slabs, sum};
+use crate::implicit::{Distance, Expr, Field};
+use crate::math::{Box3, add_up};
+
+/// The half-space of all points with `normal · p < offset`, where `normal` is made a unit vector (rounded) first. The
+/// value is the exact distance to the plane.
+///
+/// # Errors
+/// When a number is not finite, or the normal has no length.
+pub fn plane(normal: [f64; 3], offset: f64) -> Result<Field, InvalidShape> {
+    let (normal, offset) = (unit("a plane's normal", normal)?, finite("a plane's offset", offset)?);
+    let axes = Expr::axes();
+    let used: Vec<usize> = (0..3).filter(|k| normal[*k] != 0.0).collect();
+    let field = Field::new(sum(used.iter().map(|k| &axes[*k] * normal[*k])) - offset);
+    let mut bounds = Field::EVERYWHERE;
+    if let [k] = used[..] {
+        // The only component is 1 or −1.
+        if normal[k] > 0.0 {
+            bounds.max[k] = offset;
+        } else {
+            bounds.min[k] = -offset;
+        }
+    }
+    Ok(field.with_distance(Distance::EXACT).with_bounds(bounds))
+}
+
+/// The vector at length 1, rounded.
+pub(in crate::implicit) fn unit(name: &str, v: [f64; 3]) -> Result<[f64; 3], InvalidShape> {
+    let v = finite_point(name, v)?;
+    let most = v.iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+    if most == 0.0 {
+        return Err(InvalidShape::Number(format!("{name} has no length")));
+    }
+    let v = v.map(|x| x / most);
+    let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    Ok(v.map(|x| x / length))
+}
+
+/// The box of these full sizes. The value is the exact distance.
+///
+/// # Errors
+/// When a size is not a finite number above 0.
+///
+/// ```
+/// use chordal::implicit::shapes::cuboid;
+/// let block = cuboid([2.0, 2.0, 1.0])?;
+/// assert_eq!(block.expr().at([4.0, 0.0, 4.5]).unwrap(), 5.0);
+/// # Ok::<(), chordal::implicit::shapes::InvalidShape>(())
+/// ```
+pub fn cuboid(sizes: [f64; 3]) -> Result<Field, InvalidShape> {
+    let half = halves("a box's size", sizes)?;
+    let q = walls(half);
+    let field = Field::new(slabs(&q)).with_sign(largest(&q));
+    Ok(field.with_distance(Distance::EXACT).with_bounds(centred(half)))
+}
+
+/// The box of these full sizes with its edges and corners rounded to `radius`. The value is the exact distance.
+///
+/// # Errors
+/// When a size is not a finite number above 0, or the radius is negative or more than half of a size.
+pub fn rounded_cuboid(sizes: [f64; 3], radius: f64) -> Result<Field, InvalidShape> {
+    let half = halves("a rounded box's size", sizes)?;
+    let radius = fitting(radius, &half)?;
+    if radius == 0.0 {
+        return cuboid(sizes);
+    }
+    let inner = half.map(|h| h - radius);
+    let field = Field::new(slabs(&walls(inner)) - radius);
+    Ok(field.with_distance(Distance::EXACT).with_bounds(centred(inner.map(|h| add_up(h, radius)))))
+}
+
+/// The cylinder of a radius and a full height, centred along z. The value is the exact distance.
+///
+/// # Errors
+/// When the radius or the height is not a finite number above 0.
+pub fn cylinder(radius: f64, height: f64) -> Result<Field, InvalidShape> {
+    let (radius, height) =
+        (positive("a cylinder's radius", radius)?, positive("a cylinder's height", height)?);
+    let [x, y, z] = Expr::axes();
+    let half = halved(height);
+    let q = [length_of(&[&x, &y]) - radius, z.abs() - half];
+    let field = Field::new(slabs(&q)).with_sign(largest(&q));
+    Ok(field.with_distance(Distance::EXACT).with_bounds(centred([radius, radius, half])))
+}
+
+/// The cone of a full height centred along z, with the radius `bottom` at its low end and `top` at its high end; one of
+/// them may be 0. The value is the exact distance.
+///
+/// # Errors
+/// When a radius is not a finite number, 0 or above, both are 0, or the height is not a finite number above 0.
+pub fn capped_cone(bottom: f64, top: f64, height: f64) -> Result<Field, InvalidShape> {
+    let (bottom, top) = (not_negative("a cone's radius", bottom)?, not_negative("a cone's radius", top)?);
+    let half = halved(positive("a cone's height", height)?);
+    if bottom == 0.0 && top == 0.0 {
+        return Err(InvalidShape::Number("both radii of a cone are 0".into()));
+    }
+    let outline = match (bottom == 0.0, top == 0.0) {
+        (true, _) => vec![[0.0, -half], [top, half], [-top, half]],
+        (_, true) => vec![[-bottom, -half], [bottom, -half], [0.0, half]],
+        _ => vec![[-bottom, -half], [bottom, -half], [top, half], [-top, half]],
+    };
+    let profile = Contours::new(&[outline], Fill::EvenOdd)?;
+    let [x, y, z] = Expr::axes();
+    let distance = profile.distance();
+    let value = profile.expr([length_of(&[&x, &y]), z]);
+    let widest = if bottom > top { bottom } else { top };
+    let field = Field::new(value).with_distance(distance);
+    Ok(field.with_bounds(Box3 { min: [-widest, -widest, -half], max: [widest, widest, half] }))
+}
+
+/// Half of a full size; a size that has no half is taken whole.
+pub(super) fn halved(size: f64) -> f64 {
+    let half = 0.5 * size;
+    if half > 0.0 { half } else { size }
+}
+
+pub(super) fn halves<const D: usize>(name: &str, sizes: [f64; D]) -> Result<[f64; D], InvalidShape> {
+    sizes.iter().try_for_each(|s| positive(name, *s).map(|_| ()))?;
+    Ok(sizes.map(halved))
+}
+
+/// A radius of rounding that fits into half sizes.
+pub(super) fn fitting(radius: f64, half: &[f64]) -> Result<f64, InvalidShape> {
+    let radius = not_negative("a radius of rounding", radius)?;
+    match half.iter().find(|h| **h < radius) {
+        None => Ok(radius),
+        Some(h) => {
+            Err(InvalidShape::Number(format!("a radius of rounding is {radius}, and half of a size is {h}")))
+        }
+    }
+}
+
+/// How far each coordinate is beyond its half size.
+pub(super) fn walls<const D: usize>(half: [f64; D]) -> Vec<Expr> {
+    Expr::axes().iter().zip(half).map(|(axis, half)| axis.abs() - half).collect()
+}

@@ -1,0 +1,133 @@
+//! A thickened triangle: all points near it.
+use super::{InvalidShape, finite_point, positive};
+use crate::budget::Evidence;
+use crate::implicit::{Answer, Distance, Expr, Field, Leaf, LeafError, Lipschitz};
+use crate::math::{Box3, Interval, add_up, cross, difference, dot, length, sub_down};
+use std::sync::Arc;
+
+/// All points nearer than half of `thickness` to the triangle of these corners. The value is the exact distance, but
+/// for rounding: for triangles whose corners are nearly in line, that is as good as their area is.
+///
+/// # Errors
+/// When a coordinate is not a finite number below 1e100, or the thickness not a finite number above 0.
+pub fn triangle(corners: [[f64; 3]; 3], thickness: f64) -> Result<Field, InvalidShape> {
+    for p in corners {
+        finite_point("a triangle's corner", p)?;
+        // Defined: products of four differences stay finite.
+        if let Some(x) = p.iter().find(|x| x.abs() >= 1e100) {
+            return Err(InvalidShape::Number(format!(
+                "a triangle's coordinate is {x}, and must be below 1e100"
+            )));
+        }
+    }
+    let radius = 0.5 * positive("a triangle's thickness", thickness)?;
+    let around = Box3::around(&corners);
+    let bounds = Box3 {
+        min: around.min.map(|x| sub_down(x, add_up(radius, f64::EPSILON * x.abs()))),
+        max: around.max.map(|x| add_up(x, add_up(radius, f64::EPSILON * x.abs()))),
+    };
+    let largest = corners.iter().flatten().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+    let leaf = Arc::new(Flat { corners, largest });
+    let field = Field::new(Expr::leaf(leaf, Expr::axes()) - radius);
+    Ok(field.with_distance(Distance::EXACT).with_bounds(bounds))
+}
+
+/// The distance to a triangle.
+#[derive(Clone, Copy, Debug)]
+struct Flat {
+    corners: [[f64; 3]; 3],
+    largest: f64,
+}
+
+impl Flat {
+    /// `p` minus its nearest point: the one in the plane if that is in the triangle, else the nearest of the edges.
+    fn offset(&self, p: [f64; 3]) -> [f64; 3] {
+        let [a, b, c] = self.corners;
+        let normal = cross(difference(b, a), difference(c, a));
+        let square = dot(normal, normal);
+        let within = |from: [f64; 3], to: [f64; 3]| {
+            dot(cross(normal, difference(to, from)), difference(p, from)) > 0.0
+        };
+        if square > 0.0 && within(a, b) && within(b, c) && within(c, a) {
+            let height = dot(difference(p, a), normal) / square;
+            return normal.map(|x| x * height);
+        }
+        let edges = [[a, b], [b, c], [c, a]].map(|[from, to]| {
+            let along = difference(to, from);
+            let t = dot(difference(p, from), along) / dot(along, along);
+            let t = if t > 0.0 { if t < 1.0 { t } else { 1.0 } } else { 0.0 };
+            let off: [f64; 3] = std::array::from_fn(|k| (p[k] - from[k]) - t * along[k]);
+            (dot(off, off), off)
+        });
+        edges.into_iter().reduce(|l, r| if r.0 < l.0 { r } else { l }).map_or(p, |least| least.1)
+    }
+
+    /// How far a distance around `p` may be off. The nearest point is a point of an edge or, by signs that are off by
+    /// some roundings, one in the plane: near the edge then, and off by as much as the area is uncertain.
+    fn rounding(&self, p: [f64; 3]) -> f64 {
+        let [a, b, c] = self.corners;
+        let (e, f) = (difference(b, a), difference(c, a));
+        let size = p.iter().fold(self.largest, |m, x| if x.abs() > m { x.abs() } else { m });
+        let thin = (length(e) + length(f)) * (length(e) + length(f)) / length(cross(e, f));
+        // A flat one answers by its edges alone.
+        let thin = if thin.is_finite() { thin } else { 1.0 };
+        add_up(256.0 * f64::EPSILON * size * thin, f64::MIN_POSITIVE)
+    }
+}
+
+impl Leaf for Flat {
+    fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
+        points.iter().zip(out).for_each(|(p, value)| *value = length(self.offset(*p)));
+        Ok(())
+    }
+
+    fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<Answer, LeafError> {
+        for (p, gradient) in points.iter().zip(out) {
+            let offset = self.offset(*p);
+            let length = length(offset);
+            *gradient = offset.map(|x| if length > 0.0 { x / length } else { 0.0 });
+        }
+        Ok(Answer::Given)
+    }
+
+    fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<Answer, LeafError> {
+        for (bounds, range) in boxes.iter().zip(out) {
+            let (middle, reach) = self.reach(bounds);
+            let value = length(self.offset(middle));
+            *range = Interval::new(sub_down(value, reach), add_up(value, reach)).unwrap_or(Interval::ENTIRE);
+        }
+        Ok(Answer::Given)
+    }
+
+    /// The offset from the nearest point of a convex set changes by no more than one moves.
+    fn gradient_over(&self, boxes: &[Box3], out: &mut [[Interval; 3]]) -> Result<Answer, LeafError> {
+        for (bounds, gradient) in boxes.iter().zip(out) {
+            let (middle, reach) = self.reach(bounds);
+            let offset = self.offset(middle);
+            let around =
+                |x: f64| Interval::new(sub_down(x, reach), add_up(x, reach)).unwrap_or(Interval::ENTIRE);
+            let unit = Interval::new(-1.0, 1.0).unwrap_or(Interval::ENTIRE);
+            let size = around(length(offset));
+            *gradient =
+                offset.map(|x| if size.lo() > 0.0 { (around(x) / size).intersection(unit) } else { unit });
+        }
+        Ok(Answer::Given)
+    }
+
+    fn lipschitz(&self) -> Option<Lipschitz> {
+        Some(Lipschitz { constant: 1.0, error: self.rounding([self.largest; 3]) })
+    }
+
+    fn evidence(&self) -> Evidence {
+        Evidence::Proved
+    }
+}
+
+impl Flat {
+    /// The middle of a box, and how far the offsets of its points may be from that of the middle as computed.
+    fn reach(&self, bounds: &Box3) -> ([f64; 3], f64) {
+        let middle = bounds.centre();
+        let size = middle.iter().fold(0.0, |sum, x| sum + x.abs());
+        (middle, add_up(0.5 * bounds.diagonal(), add_up(self.rounding(middle), f64::EPSILON * size)))
+    }
+}
