@@ -156,7 +156,7 @@ fn range(op: Unary, a: Interval, sin_cos: impl Fn(f64) -> (f64, f64)) -> Interva
         Unary::Atan => Interval::atan(a),
         Unary::Exp => Interval::exp(a),
         Unary::Ln => Interval::ln(a),
-        Unary::Not => a.not(),
+        Unary::Not => a.one_at_zero(),
     }
 }
 

@@ -191,8 +191,8 @@ impl Interval {
 
     /// A range from what an operation with another made, which is nothing where one of them is.
     #[inline(always)]
-    fn with(self, other: Self, ends: Ends, defined: bool) -> Self {
-        Self::from_ends(ends.unless_either_empty(self.ends(), other.ends()), defined)
+    fn with(self, other: Self, ends: Ends) -> Self {
+        Self::from_ends(ends.unless_either_empty(self.ends(), other.ends()), self.defined & other.defined)
     }
 
     /// A range from what an operation made; what leaves nothing is not defined.
@@ -212,14 +212,14 @@ impl Interval {
     #[inline(always)]
     #[must_use]
     pub fn min(self, other: Self) -> Self {
-        self.with(other, self.ends().min(other.ends()), self.defined & other.defined)
+        self.with(other, self.ends().min(other.ends()))
     }
 
     /// The larger of a number of each, exactly.
     #[inline(always)]
     #[must_use]
     pub fn max(self, other: Self) -> Self {
-        self.with(other, self.ends().max(other.ends()), self.defined & other.defined)
+        self.with(other, self.ends().max(other.ends()))
     }
 
     /// `x²`, never below 0.
@@ -281,7 +281,7 @@ impl Add for Interval {
 
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        self.with(other, self.ends().add(other.ends()), self.defined & other.defined)
+        self.with(other, self.ends().add(other.ends()))
     }
 }
 
@@ -299,7 +299,7 @@ impl Mul for Interval {
 
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        self.with(other, self.ends().mul(other.ends()), self.defined & other.defined)
+        self.with(other, self.ends().mul(other.ends()))
     }
 }
 
@@ -309,8 +309,8 @@ impl Div for Interval {
     /// `x / y`; [`Interval::UNKNOWN`] when `other` holds 0.
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        let defined = self.defined & other.defined & !other.ends().has_zero();
-        self.with(other, self.ends().div(other.ends()), defined)
+        let quotient = self.with(other, self.ends().div(other.ends()));
+        quotient.choose(!other.ends().has_zero(), quotient.undefined())
     }
 }
 

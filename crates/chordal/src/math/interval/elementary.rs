@@ -46,7 +46,7 @@ unary! {
     /// The natural logarithm of the part above 0.
     ln: a => Ends::ln(a), |value| a.lo > 0.0;
     /// 1 where it is 0, else 0; defined where that is one number.
-    not: a => a.not(), |value| is_flat(value);
+    one_at_zero: a => a.not(), |value| is_flat(value);
 }
 
 impl Interval {

@@ -185,14 +185,12 @@ impl Ends {
 
     #[inline(always)]
     pub(crate) fn min(self, other: Self) -> Self {
-        let both = Self { lo: lower(self.lo, other.lo), hi: lower(self.hi, other.hi) };
-        both
+        Self { lo: lower(self.lo, other.lo), hi: lower(self.hi, other.hi) }
     }
 
     #[inline(always)]
     pub(crate) fn max(self, other: Self) -> Self {
-        let both = Self { lo: upper(self.lo, other.lo), hi: upper(self.hi, other.hi) };
-        both
+        Self { lo: upper(self.lo, other.lo), hi: upper(self.hi, other.hi) }
     }
 
     #[inline(always)]
