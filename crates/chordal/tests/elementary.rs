@@ -82,7 +82,7 @@ fn angles(seed: u64) -> impl Iterator<Item = f64> {
                 f64::from_bits(near.to_bits().wrapping_add(random.bits() % 3).wrapping_sub(1)).abs().max(1e-3)
             }
             // The f64 that is nearest of all to a multiple of π/2 (Kahan), and 29 quarter turns.
-            _ => [5.319_372_648_326_541e255, 45.553_093_477_052_0][(k / 8) % 2],
+            _ => [5.319_372_648_326_541e255, 45.553_093_477_052][(k / 8) % 2],
         }
     })
 }

@@ -1,8 +1,9 @@
 //! Blocks: as many values as fit well into the first cache, each component in a row of its own, so that loops over them
 //! become vector code.
+use super::number::Range;
 use super::slope::{Slope, each_axis};
 use super::sources::Source;
-use crate::math::Interval;
+use crate::math::{Ends, Interval};
 
 /// A number of which blocks are made.
 pub(super) trait Lane: Source {
@@ -12,31 +13,39 @@ pub(super) trait Lane: Source {
     const LANES: usize;
     /// Whether it claims to be defined, and so may lose that claim.
     const CLAIMS: bool;
+    /// Whether constants are put into the loops themselves; else into a block first, which keeps the program small.
+    const IMMEDIATE: bool;
 
     fn block() -> Self::Block;
     fn load(block: &Self::Block, at: usize) -> Self;
     fn store(self, block: &mut Self::Block, at: usize);
 
-    /// Whether it claims to be defined; for what makes no claims, always.
+    /// What it claims: the bits of [`DEFINED`] and [`SOME`], and all others.
     #[inline(always)]
-    fn claim(self) -> bool {
-        true
+    fn claims(self) -> u64 {
+        u64::MAX
     }
 
-    /// The same with its claim dropped unless `kept`; NaN gets the same bits everywhere.
-    fn settled(self, kept: bool) -> Self;
+    /// The same with the claims that are left after all operations; NaN gets the same bits everywhere.
+    fn settled(self, claims: u64) -> Self;
 }
 
 /// The most numbers that a block has which makes claims.
 pub(super) const MOST_CLAIMS: usize = 128;
 
-/// What is left of the claims of a block's numbers: all bits or none.
+/// The claim that everything before was defined and continuous.
+pub(super) const DEFINED: u64 = 1;
+/// The claim that no range before was empty.
+pub(super) const SOME: u64 = 2;
+
+/// What is left of the claims of a block's numbers.
 pub(super) type Claims = [u64; MOST_CLAIMS];
 
 impl Lane for f32 {
     type Block = [f32; 512];
     const LANES: usize = 512;
     const CLAIMS: bool = false;
+    const IMMEDIATE: bool = true;
 
     fn block() -> Self::Block {
         [0.0; 512]
@@ -50,7 +59,7 @@ impl Lane for f32 {
         block[at] = self;
     }
     #[inline(always)]
-    fn settled(self, _: bool) -> Self {
+    fn settled(self, _: u64) -> Self {
         Self::from_bits(if self.is_nan() { Self::NAN.to_bits() } else { self.to_bits() })
     }
 }
@@ -59,6 +68,7 @@ impl Lane for f64 {
     type Block = [f64; 256];
     const LANES: usize = 256;
     const CLAIMS: bool = false;
+    const IMMEDIATE: bool = true;
 
     fn block() -> Self::Block {
         [0.0; 256]
@@ -72,7 +82,7 @@ impl Lane for f64 {
         block[at] = self;
     }
     #[inline(always)]
-    fn settled(self, _: bool) -> Self {
+    fn settled(self, _: u64) -> Self {
         Self::from_bits(if self.is_nan() { Self::NAN.to_bits() } else { self.to_bits() })
     }
 }
@@ -81,6 +91,7 @@ impl Lane for Slope<f64> {
     type Block = [[f64; 128]; 4];
     const LANES: usize = 128;
     const CLAIMS: bool = false;
+    const IMMEDIATE: bool = false;
 
     fn block() -> Self::Block {
         [[0.0; 128]; 4]
@@ -97,35 +108,36 @@ impl Lane for Slope<f64> {
         block[3][at] = self.gradient[2];
     }
     #[inline(always)]
-    fn settled(self, kept: bool) -> Self {
-        Self { value: self.value.settled(kept), gradient: self.gradient.map(|d| d.settled(kept)) }
+    fn settled(self, claims: u64) -> Self {
+        Self { value: self.value.settled(claims), gradient: self.gradient.map(|d| d.settled(claims)) }
     }
 }
 
-impl Lane for Interval {
+impl Lane for Range {
     type Block = [[f64; 128]; 2];
     const LANES: usize = 128;
     const CLAIMS: bool = true;
+    const IMMEDIATE: bool = true;
 
     fn block() -> Self::Block {
         [[0.0; 128]; 2]
     }
     #[inline(always)]
     fn load(block: &Self::Block, at: usize) -> Self {
-        Self::from_parts(block[0][at], block[1][at])
+        Self { ends: Ends { lo: block[0][at], hi: block[1][at] }, defined: true, some: true }
     }
     #[inline(always)]
     fn store(self, block: &mut Self::Block, at: usize) {
-        block[0][at] = self.lo();
-        block[1][at] = self.hi();
+        block[0][at] = self.ends.lo;
+        block[1][at] = self.ends.hi;
     }
     #[inline(always)]
-    fn claim(self) -> bool {
-        self.is_defined()
+    fn claims(self) -> u64 {
+        (if self.defined { u64::MAX } else { !DEFINED }) & (if self.some { u64::MAX } else { !SOME })
     }
     #[inline(always)]
-    fn settled(self, kept: bool) -> Self {
-        self.choose(kept, self.undefined())
+    fn settled(self, claims: u64) -> Self {
+        Self { defined: claims & DEFINED != 0, some: claims & SOME != 0, ..self }
     }
 }
 
@@ -133,6 +145,7 @@ impl Lane for Slope<Interval> {
     type Block = [[f64; 64]; 8];
     const LANES: usize = 64;
     const CLAIMS: bool = true;
+    const IMMEDIATE: bool = false;
 
     fn block() -> Self::Block {
         [[0.0; 64]; 8]
@@ -153,12 +166,15 @@ impl Lane for Slope<Interval> {
         put_ends(self.gradient[2], block, 6, at);
     }
     #[inline(always)]
-    fn claim(self) -> bool {
-        self.value.is_defined()
+    fn claims(self) -> u64 {
+        if self.value.is_defined() { u64::MAX } else { !DEFINED }
     }
     #[inline(always)]
-    fn settled(self, kept: bool) -> Self {
-        Self { value: self.value.settled(kept), gradient: self.gradient.map(|d| d.settled(kept)) }
+    fn settled(self, claims: u64) -> Self {
+        if claims & DEFINED != 0 {
+            return self;
+        }
+        Self { value: self.value.undefined(), gradient: self.gradient.map(Interval::undefined) }
     }
 }
 
@@ -174,7 +190,7 @@ fn put_ends(range: Interval, block: &mut [[f64; 64]; 8], row: usize, at: usize) 
 pub(super) fn put<N: Lane>(value: N, out: &mut N::Block, claims: &mut Claims, at: usize) {
     value.store(out, at);
     if N::CLAIMS {
-        claims[at] &= if value.claim() { u64::MAX } else { 0 };
+        claims[at] &= value.claims();
     }
 }
 

@@ -82,10 +82,10 @@ enum Task<'a> {
 #[derive(Default)]
 struct Builder {
     terms: Vec<Term>,
-    // Only looked up, never walked through: no order depends on these three.
-    numbers: HashMap<Key, u32>,
-    known: HashMap<(usize, u32), u32>,
-    frame_numbers: HashMap<[u32; 3], u32>,
+    // Maps are only looked up, never walked through.
+    numbers: HashMap<Key, u32>,            // No order depends on it.
+    known: HashMap<(usize, u32), u32>,     // No order depends on it.
+    frame_numbers: HashMap<[u32; 3], u32>, // No order depends on it.
     frames: Vec<[u32; 3]>,
 }
 

@@ -36,17 +36,28 @@ impl<N: Lane, F: Fn(usize, usize) -> N, G: FnMut(usize, usize, N)> Kernel for Ru
             let left = self.rows - start;
             let n = if left < N::LANES { left } else { N::LANES };
             let mut claims = [u64::MAX; MOST_CLAIMS];
-            for input in 0..program.n_inputs {
-                if !program.reads[input] {
+            for (input, read) in program.reads.iter().enumerate() {
+                if !read {
                     continue;
                 }
                 let block = &mut machine.inputs[input];
-                for at in 0..at_most::<N>(n) {
-                    let value = match input {
-                        0..3 => (self.axis)(input, start + at),
-                        _ => self.columns[input - 3][start + at],
+                // Each coordinate has a loop of its own, in which the compiler knows which one it is.
+                macro_rules! axis {
+                    ($k:literal) => {
+                        for at in 0..at_most::<N>(n) {
+                            put((self.axis)($k, start + at), block, &mut claims, at);
+                        }
                     };
-                    put(value, block, &mut claims, at);
+                }
+                match input {
+                    0 => axis!(0),
+                    1 => axis!(1),
+                    2 => axis!(2),
+                    _ => {
+                        for (at, value) in self.columns[input - 3][start..start + n].iter().enumerate() {
+                            put(*value, block, &mut claims, at);
+                        }
+                    }
                 }
             }
             for step in &program.steps {
@@ -55,13 +66,18 @@ impl<N: Lane, F: Fn(usize, usize) -> N, G: FnMut(usize, usize, N)> Kernel for Ru
             for (k, output) in program.outputs.iter().enumerate() {
                 let block = machine.operand(*output);
                 for at in 0..n {
-                    let kept = !N::CLAIMS || claims[at] != 0;
-                    (self.put)(k, start + at, N::load(block, at).settled(kept));
+                    (self.put)(k, start + at, N::load(block, at).settled(kept::<N>(&claims, at)));
                 }
             }
             start += n;
         }
     }
+}
+
+/// What is left of one claim.
+#[inline(always)]
+fn kept<N: Lane>(claims: &Claims, at: usize) -> u64 {
+    if N::CLAIMS { claims[at] } else { u64::MAX }
 }
 
 struct Machine<N: Lane> {
@@ -99,11 +115,11 @@ impl<N: Lane> Machine<N> {
                 let b = find::<N>(inputs, registers, step.b);
                 binary::<N, _, _>(op, n, spare, claims, (Each::<N>(a), Each::<N>(b)));
             }
-            Code::WithConst(op) if N::CLAIMS => {
+            Code::WithConst(op) if !N::IMMEDIATE => {
                 constant_block::<N>(n, number, claims, constant);
                 binary::<N, _, _>(op, n, spare, claims, (Each::<N>(a), Each::<N>(number)));
             }
-            Code::ConstWith(op) if N::CLAIMS => {
+            Code::ConstWith(op) if !N::IMMEDIATE => {
                 constant_block::<N>(n, number, claims, constant);
                 binary::<N, _, _>(op, n, spare, claims, (Each::<N>(number), Each::<N>(a)));
             }

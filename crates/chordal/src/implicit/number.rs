@@ -1,7 +1,7 @@
 //! `Number`: what an expression can be evaluated to, and what each operation does there.
 use super::op::{Binary, Unary};
-use crate::math::Interval;
 use crate::math::elementary::{self, NEAR, sin_cos_near, single};
+use crate::math::{Ends, Interval};
 
 /// A value of a term: f64, f32, a range, or one of these with its slopes.
 ///
@@ -156,6 +156,122 @@ fn range(op: Unary, a: Interval, sin_cos: impl Fn(f64) -> (f64, f64)) -> Interva
         Unary::Atan => Interval::atan(a),
         Unary::Exp => Interval::exp(a),
         Unary::Ln => Interval::ln(a),
-        Unary::Not => a.not(),
+        Unary::Not => a.one_at_zero(),
+    }
+}
+
+/// A range while a tape runs: what [`Interval`] is, but that nothing (a range without a number) is remembered beside the
+/// ends, which may then be anything. Every operation on nothing gives nothing, so it is enough to know that there was
+/// one, and the operations themselves need not look.
+#[derive(Clone, Copy)]
+pub(super) struct Range {
+    pub(super) ends: Ends,
+    pub(super) defined: bool,
+    pub(super) some: bool,
+}
+
+impl Range {
+    #[inline(always)]
+    pub(super) fn of(range: Interval) -> Self {
+        Self { ends: range.ends(), defined: range.is_defined(), some: !range.is_empty() }
+    }
+
+    /// The side of a box; what is no range is unknown.
+    #[inline(always)]
+    pub(super) fn side(lo: f64, hi: f64) -> Self {
+        let valid = (lo <= hi) & (lo < f64::INFINITY) & (hi > f64::NEG_INFINITY);
+        Self {
+            ends: Ends {
+                lo: if valid { lo } else { f64::NEG_INFINITY },
+                hi: if valid { hi } else { f64::INFINITY },
+            },
+            defined: valid,
+            some: true,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn interval(self) -> Interval {
+        Interval::from_ends(self.ends.or_nothing(!self.some), self.defined)
+    }
+
+    /// The range that an operation made, where that is defined, and whether it is anything at all.
+    #[inline(always)]
+    fn to(self, ends: Ends, defined: bool, some: bool) -> Self {
+        Self { ends, defined: self.defined & defined, some: self.some & some }
+    }
+
+    #[inline(always)]
+    fn step(op: Unary, x: Self, sin_cos: impl Fn(f64) -> (f64, f64)) -> Self {
+        let a = x.ends;
+        match op {
+            Unary::Neg => x.to(a.neg(), true, true),
+            Unary::Abs => x.to(a.abs(), true, true),
+            Unary::Recip => x.to(Ends { lo: 1.0, hi: 1.0 }.div(a), !a.has_zero(), true),
+            Unary::Sqrt => x.to(a.sqrt(), a.lo >= 0.0, a.hi >= 0.0),
+            Unary::Square => x.to(a.square(), true, true),
+            Unary::Floor => x.flat(a.floor()),
+            Unary::Ceil => x.flat(a.ceil()),
+            Unary::Round => x.flat(a.round()),
+            Unary::Not => x.flat(a.not()),
+            Unary::Sin => x.to(a.wave(0.5, sin_cos(a.lo).0, sin_cos(a.hi).0), true, true),
+            Unary::Cos => x.to(a.wave(0.0, sin_cos(a.lo).1, sin_cos(a.hi).1), true, true),
+            Unary::Tan => {
+                let (low, high) = (sin_cos(a.lo), sin_cos(a.hi));
+                x.to(Ends::tan(a, low.0 / low.1, high.0 / high.1), a.is_without_pole(), true)
+            }
+            Unary::Asin => x.to(Ends::asin(a), a.is_within_one(), a.meets_one()),
+            Unary::Acos => x.to(Ends::acos(a), a.is_within_one(), a.meets_one()),
+            Unary::Atan => x.to(Ends::atan(a), true, true),
+            Unary::Exp => x.to(Ends::exp(a), true, true),
+            Unary::Ln => x.to(Ends::ln(a), a.lo > 0.0, a.hi > 0.0),
+        }
+    }
+
+    /// For what has steps.
+    #[inline(always)]
+    fn flat(self, ends: Ends) -> Self {
+        self.to(ends, ends.lo == ends.hi, true)
+    }
+}
+
+impl Number for Range {
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        Self::of(Interval::point(value))
+    }
+
+    #[inline(always)]
+    fn near(op: Unary, a: Self) -> Self {
+        Self::step(op, a, sin_cos_near)
+    }
+
+    #[inline(always)]
+    fn is_near(self) -> bool {
+        (self.ends.lo.abs() <= NEAR) & (self.ends.hi.abs() <= NEAR)
+    }
+
+    #[inline(always)]
+    fn unary(op: Unary, a: Self) -> Self {
+        Self::step(op, a, elementary::sin_cos)
+    }
+
+    #[inline(always)]
+    fn binary(op: Binary, x: Self, y: Self) -> Self {
+        let (a, b) = (x.ends, y.ends);
+        let both = x.to(a, y.defined, y.some);
+        match op {
+            Binary::Add => both.to(a.add(b), true, true),
+            Binary::Sub => both.to(a.sub(b), true, true),
+            Binary::Mul => both.to(a.mul(b), true, true),
+            Binary::Div => both.to(a.div(b), !b.has_zero(), true),
+            Binary::Min => both.to(a.min(b), true, true),
+            Binary::Max => both.to(a.max(b), true, true),
+            Binary::Atan2 => both.to(Ends::atan2(a, b), a.is_off_cut(b), true),
+            Binary::Mod => both.to(a.rem(b), !a.whole_quotient(b).is_nan(), true),
+            Binary::Compare => both.flat(a.compare(b)),
+            Binary::And => both.to(a.and(b), a.is_decided(), true),
+            Binary::Or => both.to(a.or_else(b), a.is_decided(), true),
+        }
     }
 }

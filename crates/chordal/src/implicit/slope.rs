@@ -101,7 +101,7 @@ impl Kinks for Interval {
     fn whole(a: Self, b: Self, _: Self) -> Self {
         let whole = a.ends().whole_quotient(b.ends());
         let n = Self::point(if b.hi() < 0.0 { -whole } else { whole });
-        n.choose(whole == whole, Self::UNKNOWN)
+        n.choose(!whole.is_nan(), Self::UNKNOWN)
     }
     #[inline(always)]
     fn pick(condition: Self, zero: [Self; 3], other: [Self; 3]) -> [Self; 3] {

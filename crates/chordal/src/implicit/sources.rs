@@ -1,6 +1,6 @@
 //! Where values come from: the coordinates of points and boxes, and leaves.
 use super::leaf::{Answer, Leaf, LeafError};
-use super::number::Number;
+use super::number::{Number, Range};
 use super::slope::{Kinks, Slope};
 use crate::math::{Box3, Interval};
 
@@ -71,6 +71,13 @@ impl Source for Interval {
             };
         }
         Ok(ranges)
+    }
+}
+
+impl Source for Range {
+    fn of_leaf(leaf: &dyn Leaf, at: &[[Self; 3]]) -> Result<Vec<Self>, LeafError> {
+        let sides: Vec<[Interval; 3]> = at.iter().map(|p| p.map(Self::interval)).collect();
+        Ok(Interval::of_leaf(leaf, &sides)?.into_iter().map(Self::of).collect())
     }
 }
 

@@ -4,6 +4,7 @@ use super::expr::Expr;
 use super::graph::{Graph, Term};
 use super::leaf::{Leaf, LeafError};
 use super::machine::Run;
+use super::number::Range;
 use super::program::Program;
 use super::slope::Slope;
 use super::sources::{boxed, inside, sloped};
@@ -169,12 +170,14 @@ impl Tape {
     }
 
     /// A range of the values in each box. It holds the values of the exact expression, and those that [`Tape::at`] returns
-    /// for points of the box unless they overflow.
+    /// for points of the box, unless they overflow or come from a choice between a number and NaN: a range that is not
+    /// defined says nothing of points where a part of the expression has no value.
     ///
     /// # Errors
     /// What a leaf says.
     pub fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<(), LeafError> {
-        self.run(boxes.len(), |k, row| boxed(&boxes[row], k), |row, value| out[row] = value)
+        let axis = |k: usize, row: usize| Range::side(boxes[row].min[k], boxes[row].max[k]);
+        self.run(boxes.len(), axis, |row, value| out[row] = value.interval())
     }
 
     /// A range of the values in each box, and of each partial derivative: of all generalized gradients (Clarke's) where

@@ -189,38 +189,44 @@ impl Interval {
         }
     }
 
-    /// A range from what an operation made; the empty one is never defined.
+    /// A range from what an operation with another made, which is nothing where one of them is.
+    #[inline(always)]
+    fn with(self, other: Self, ends: Ends) -> Self {
+        Self::from_ends(ends.unless_either_empty(self.ends(), other.ends()), self.defined & other.defined)
+    }
+
+    /// A range from what an operation made; what leaves nothing is not defined.
     #[inline(always)]
     pub(crate) fn from_ends(ends: Ends, defined: bool) -> Self {
-        Self { lo: ends.lo, hi: ends.hi, defined: defined & !ends.is_empty() }
+        Self { lo: ends.lo, hi: ends.hi, defined }
     }
 
     /// `|x|`, exactly.
     #[inline(always)]
     #[must_use]
     pub fn abs(self) -> Self {
-        Self::from_ends(self.ends().abs(), self.defined)
+        Self::from_ends(self.ends().abs().unless_empty(self.ends()), self.defined)
     }
 
     /// The smaller of a number of each, exactly.
     #[inline(always)]
     #[must_use]
     pub fn min(self, other: Self) -> Self {
-        Self::from_ends(self.ends().min(other.ends()), self.defined & other.defined)
+        self.with(other, self.ends().min(other.ends()))
     }
 
     /// The larger of a number of each, exactly.
     #[inline(always)]
     #[must_use]
     pub fn max(self, other: Self) -> Self {
-        Self::from_ends(self.ends().max(other.ends()), self.defined & other.defined)
+        self.with(other, self.ends().max(other.ends()))
     }
 
     /// `x²`, never below 0.
     #[inline(always)]
     #[must_use]
     pub fn square(self) -> Self {
-        Self::from_ends(self.ends().square(), self.defined)
+        Self::from_ends(self.ends().square().unless_empty(self.ends()), self.defined)
     }
 
     /// `√x` over the part that is not negative: defined only where there is no other part, empty when there is
@@ -228,7 +234,7 @@ impl Interval {
     #[inline(always)]
     #[must_use]
     pub fn sqrt(self) -> Self {
-        Self::from_ends(self.ends().sqrt(), self.defined & (self.lo >= 0.0))
+        Self::from_ends(self.ends().sqrt().unless_empty(self.ends()), self.defined & (self.lo >= 0.0))
     }
 
     /// `xⁿ`; `x⁰` is 1 for every `x`. A negative power of an interval with 0 is [`Interval::UNKNOWN`].
@@ -275,7 +281,7 @@ impl Add for Interval {
 
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self::from_ends(self.ends().add(other.ends()), self.defined & other.defined)
+        self.with(other, self.ends().add(other.ends()))
     }
 }
 
@@ -293,7 +299,7 @@ impl Mul for Interval {
 
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        Self::from_ends(self.ends().mul(other.ends()), self.defined & other.defined)
+        self.with(other, self.ends().mul(other.ends()))
     }
 }
 
@@ -303,8 +309,8 @@ impl Div for Interval {
     /// `x / y`; [`Interval::UNKNOWN`] when `other` holds 0.
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        let defined = self.defined & other.defined & !other.ends().has_zero();
-        Self::from_ends(self.ends().div(other.ends()), defined)
+        let quotient = self.with(other, self.ends().div(other.ends()));
+        quotient.choose(!other.ends().has_zero(), quotient.undefined())
     }
 }
 

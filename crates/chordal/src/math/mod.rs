@@ -12,6 +12,7 @@ mod wide;
 
 pub use box3::Box3;
 pub(crate) use double_double::DoubleDouble;
+pub(crate) use interval::ends::Ends;
 pub use interval::{Interval, InvalidInterval};
 pub use predicates::{Orientation, Position, orient2d, orient3d, triangle_contains};
 pub use probe::flushes_subnormals;

@@ -41,13 +41,13 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     let (a, b) = (if both_infinite { 1.0 } else { a * scale }, if both_infinite { 1.0 } else { b * scale });
 
     let (mut ca, mut cb, mut base, mut rest) = (0.0, 0.0, 0.0, 0.0);
-    for k in 0..4 {
+    for (k, step) in STEPS.into_iter().enumerate() {
         let c = 0.25 * (k as f64 + 1.0);
         let past = a > (c - 0.125) * b;
         ca = if past { c * a } else { ca };
         cb = if past { c * b } else { cb };
-        base = if past { STEPS[k].0 } else { base };
-        rest = if past { STEPS[k].1 } else { rest };
+        base = if past { step.0 } else { base };
+        rest = if past { step.1 } else { rest };
     }
     let t = (a - cb) / (b + ca);
     let t = if b == 0.0 { 0.0 } else { t };

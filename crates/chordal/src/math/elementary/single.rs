@@ -136,12 +136,12 @@ pub fn atan2(y: f32, x: f32) -> f32 {
     let (mut ca, mut cb, mut base) = (0.0, 0.0, 0.0);
     // arctan of 1/4, 1/2, 3/4 and 1.
     const STEPS: [f32; 4] = [0.244_978_67, 0.463_647_6, 0.643_501_1, std::f32::consts::FRAC_PI_4];
-    for k in 0..4 {
+    for (k, step) in STEPS.into_iter().enumerate() {
         let c = 0.25 * (k as f32 + 1.0);
         let past = a > (c - 0.125) * b;
         ca = if past { c * a } else { ca };
         cb = if past { c * b } else { cb };
-        base = if past { STEPS[k] } else { base };
+        base = if past { step } else { base };
     }
     let t = (a - cb) / (b + ca);
     let t = if b == 0.0 { 0.0 } else { t };

@@ -16,7 +16,7 @@ macro_rules! unary {
             pub fn $name(self) -> Self {
                 let $a = self.ends();
                 let $v: Ends = $value;
-                Self::from_ends($v, self.is_defined() & ($defined))
+                Self::from_ends($v.unless_empty($a), self.is_defined() & ($defined))
             })*
         }
     };
@@ -36,9 +36,9 @@ unary! {
     /// The nearest whole number, halves away from 0; defined where that is one number.
     round: a => a.round(), |value| is_flat(value);
     /// The angle whose sine it is, for the part in [−1, 1].
-    asin: a => Ends::asin(a), |value| (a.lo >= -1.0) & (a.hi <= 1.0);
+    asin: a => Ends::asin(a).or_nothing(!a.meets_one()), |value| a.is_within_one();
     /// The angle whose cosine it is, for the part in [−1, 1].
-    acos: a => Ends::acos(a), |value| (a.lo >= -1.0) & (a.hi <= 1.0);
+    acos: a => Ends::acos(a).or_nothing(!a.meets_one()), |value| a.is_within_one();
     /// The angle whose tangent it is.
     atan: a => Ends::atan(a), |value| true;
     /// `eˣ`.
@@ -46,7 +46,7 @@ unary! {
     /// The natural logarithm of the part above 0.
     ln: a => Ends::ln(a), |value| a.lo > 0.0;
     /// 1 where it is 0, else 0; defined where that is one number.
-    not: a => a.not(), |value| is_flat(value);
+    one_at_zero: a => a.not(), |value| is_flat(value);
 }
 
 impl Interval {
@@ -72,14 +72,14 @@ impl Interval {
     #[inline(always)]
     pub(crate) fn sin_by(self, at: impl Fn(f64) -> (f64, f64)) -> Self {
         let a = self.ends();
-        Self::from_ends(a.wave(0.5, at(a.lo).0, at(a.hi).0), self.is_defined())
+        Self::from_ends(a.wave(0.5, at(a.lo).0, at(a.hi).0).unless_empty(a), self.is_defined())
     }
 
     /// The cosine, as [`Interval::sin_by`].
     #[inline(always)]
     pub(crate) fn cos_by(self, at: impl Fn(f64) -> (f64, f64)) -> Self {
         let a = self.ends();
-        Self::from_ends(a.wave(0.0, at(a.lo).1, at(a.hi).1), self.is_defined())
+        Self::from_ends(a.wave(0.0, at(a.lo).1, at(a.hi).1).unless_empty(a), self.is_defined())
     }
 
     /// The tangent, as [`Interval::sin_by`].
@@ -88,7 +88,7 @@ impl Interval {
         let a = self.ends();
         let (low, high) = (at(a.lo), at(a.hi));
         let value = Ends::tan(a, low.0 / low.1, high.0 / high.1);
-        Self::from_ends(value, self.is_defined() && a.is_without_pole())
+        Self::from_ends(value.unless_empty(a), self.is_defined() & a.is_without_pole())
     }
 }
 
@@ -103,7 +103,7 @@ macro_rules! binary {
                 let ($a, $b) = (self.ends(), other.ends());
                 let $v: Ends = $value;
                 let operands = self.is_defined() & other.is_defined();
-                Self::from_ends($v, operands & ($defined))
+                Self::from_ends($v.unless_either_empty($a, $b), operands & ($defined))
             })*
         }
     };

@@ -1,7 +1,8 @@
 //! The ends of ranges: every operation of [`super::Interval`], without branches, so that loops over it become vector code.
 //!
 //! The ends of a range are never NaN, the low one never ∞ and the high one never −∞, but for the empty range, which is
-//! from ∞ to −∞. Whether an operation is defined and continuous over its operands is asked for beside it.
+//! from ∞ to −∞. What an operation makes of that one is anything: the caller sets it, with [`Ends::unless_empty`] or at
+//! the end of all operations. Whether an operation is defined and continuous over its operands is asked for beside it.
 use super::super::elementary::{self, outward, spread};
 
 /// The smallest number above 0, exactly.
@@ -14,22 +15,35 @@ pub(crate) struct Ends {
     pub(crate) hi: f64,
 }
 
+/// The next number below, for what is not 0, −∞ or NaN; those stay.
+#[inline(always)]
+fn below(x: f64) -> f64 {
+    let bits = x.to_bits();
+    // 1 upward from 0 and −1 below it. The tests are on the bits, where they are cheaper.
+    let away = ((bits as i64) >> 63) as u64 | 1;
+    let moves = (bits << 1 != 0) & (bits != f64::NEG_INFINITY.to_bits());
+    f64::from_bits(bits.wrapping_sub(if moves { away } else { 0 }))
+}
+
+/// The next number above, as [`below`].
+#[inline(always)]
+fn above(x: f64) -> f64 {
+    let bits = x.to_bits();
+    let away = ((bits as i64) >> 63) as u64 | 1;
+    let moves = (bits << 1 != 0) & (bits != f64::INFINITY.to_bits());
+    f64::from_bits(bits.wrapping_add(if moves { away } else { 0 }))
+}
+
 /// `next_down`, for what is not NaN.
 #[inline(always)]
 pub(crate) fn step_down(x: f64) -> f64 {
-    let bits = x.to_bits();
-    let stepped = f64::from_bits(if x < 0.0 { bits.wrapping_add(1) } else { bits.wrapping_sub(1) });
-    let stepped = if x == 0.0 { -TINY } else { stepped };
-    if x == f64::NEG_INFINITY { x } else { stepped }
+    if x == 0.0 { -TINY } else { below(x) }
 }
 
 /// `next_up`, for what is not NaN.
 #[inline(always)]
 pub(crate) fn step_up(x: f64) -> f64 {
-    let bits = x.to_bits();
-    let stepped = f64::from_bits(if x < 0.0 { bits.wrapping_sub(1) } else { bits.wrapping_add(1) });
-    let stepped = if x == 0.0 { TINY } else { stepped };
-    if x == f64::INFINITY { x } else { stepped }
+    if x == 0.0 { TINY } else { above(x) }
 }
 
 #[inline(always)]
@@ -86,13 +100,21 @@ impl Ends {
         Self { lo: if this { self.lo } else { other.lo }, hi: if this { self.hi } else { other.hi } }
     }
 
+    /// Nothing where the condition holds.
     #[inline(always)]
-    fn unless_empty(self, a: Self) -> Self {
+    pub(crate) fn or_nothing(self, nothing: bool) -> Self {
+        Self::EMPTY.or(nothing, self)
+    }
+
+    /// This, or nothing where the operand is nothing: what every operation on ranges does in the end.
+    #[inline(always)]
+    pub(crate) fn unless_empty(self, a: Self) -> Self {
         Self::EMPTY.or(a.is_empty(), self)
     }
 
+    /// As [`Ends::unless_empty`], for two operands.
     #[inline(always)]
-    fn unless_either_empty(self, a: Self, b: Self) -> Self {
+    pub(crate) fn unless_either_empty(self, a: Self, b: Self) -> Self {
         Self::EMPTY.or(a.is_empty() | b.is_empty(), self)
     }
 
@@ -111,9 +133,7 @@ impl Ends {
         // Low ends are never +∞ and high ends never −∞ (but for nothing at all), so no ∞ − ∞ arises.
         let (lo, hi) = (self.lo + other.lo, self.hi + other.hi);
         // A sum that rounds to 0 is 0: addition does not underflow.
-        let (lo, hi) =
-            (if lo == 0.0 { 0.0 } else { step_down(lo) }, if hi == 0.0 { 0.0 } else { step_up(hi) });
-        Self { lo, hi }.unless_either_empty(self, other)
+        Self { lo: below(lo), hi: above(hi) }
     }
 
     #[inline(always)]
@@ -135,9 +155,9 @@ impl Ends {
         let (below_b, above_b) = (other.lo < 0.0, other.hi > 0.0);
         let negative = (below_a & above_b) | (above_a & below_b);
         let positive = (below_a & below_b) | (above_a & above_b);
-        let lo = if (lo == 0.0) & !negative { 0.0 } else { step_down(lo) };
-        let hi = if (hi == 0.0) & !positive { 0.0 } else { step_up(hi) };
-        Self { lo, hi }.unless_either_empty(self, other)
+        let lo = if (lo == 0.0) & negative { -TINY } else { below(lo) };
+        let hi = if (hi == 0.0) & positive { TINY } else { above(hi) };
+        Self { lo, hi }
     }
 
     /// The quotient where `other` is without 0, else everything.
@@ -149,9 +169,9 @@ impl Ends {
         // dividends below that may be infinite go with the divisor's low end, which is finite.
         let lo = over.lo / if over.lo >= 0.0 { under.hi } else { under.lo };
         let hi = over.hi / if over.hi >= 0.0 { under.lo } else { under.hi };
-        let lo = if (lo == 0.0) & (over.lo >= 0.0) { 0.0 } else { step_down(lo) };
-        let hi = if (hi == 0.0) & (over.hi <= 0.0) { 0.0 } else { step_up(hi) };
-        Self::ENTIRE.or(other.has_zero(), Self { lo, hi }).unless_either_empty(self, other)
+        let lo = if (lo == 0.0) & (over.lo < 0.0) { -TINY } else { below(lo) };
+        let hi = if (hi == 0.0) & (over.hi > 0.0) { TINY } else { above(hi) };
+        Self::ENTIRE.or(other.has_zero(), Self { lo, hi })
     }
 
     #[inline(always)]
@@ -160,35 +180,32 @@ impl Ends {
         let larger = upper(-self.lo, self.hi);
         let folded = Self { lo: 0.0, hi: larger };
         let flipped = self.neg().or((self.hi <= 0.0) & (self.lo < 0.0), self);
-        folded.or(across, flipped).unless_empty(self)
+        folded.or(across, flipped)
     }
 
     #[inline(always)]
     pub(crate) fn min(self, other: Self) -> Self {
-        let both = Self { lo: lower(self.lo, other.lo), hi: lower(self.hi, other.hi) };
-        both.unless_either_empty(self, other)
+        Self { lo: lower(self.lo, other.lo), hi: lower(self.hi, other.hi) }
     }
 
     #[inline(always)]
     pub(crate) fn max(self, other: Self) -> Self {
-        let both = Self { lo: upper(self.lo, other.lo), hi: upper(self.hi, other.hi) };
-        both.unless_either_empty(self, other)
+        Self { lo: upper(self.lo, other.lo), hi: upper(self.hi, other.hi) }
     }
 
     #[inline(always)]
     pub(crate) fn square(self) -> Self {
         let a = self.abs();
         let (lo, hi) = (a.lo * a.lo, a.hi * a.hi);
-        let lo = if lo == 0.0 { 0.0 } else { step_down(lo) };
-        let hi = if a.hi == 0.0 { 0.0 } else { step_up(hi) };
-        Self { lo, hi }.unless_empty(self)
+        let hi = if (hi == 0.0) & (a.hi != 0.0) { TINY } else { above(hi) };
+        Self { lo: below(lo), hi }
     }
 
     /// The root of what is not negative.
     #[inline(always)]
     pub(crate) fn sqrt(self) -> Self {
-        let lo = if self.lo > 0.0 { step_down(self.lo.sqrt()) } else { 0.0 };
-        let hi = if self.hi > 0.0 { step_up(self.hi.sqrt()) } else { 0.0 };
+        let lo = if self.lo > 0.0 { below(self.lo.sqrt()) } else { 0.0 };
+        let hi = if self.hi > 0.0 { above(self.hi.sqrt()) } else { 0.0 };
         Self::EMPTY.or(self.hi < 0.0, Self { lo, hi })
     }
 
@@ -220,7 +237,7 @@ impl Ends {
         let (top, bottom) = (!none & (!one | even), !none & (!one | !even));
         let lo = upper(down(lower(at_lo, at_hi), spread::SIN), -1.0);
         let hi = lower(up(upper(at_lo, at_hi), spread::SIN), 1.0);
-        Self { lo: if bottom { -1.0 } else { lo }, hi: if top { 1.0 } else { hi } }.unless_empty(self)
+        Self { lo: if bottom { -1.0 } else { lo }, hi: if top { 1.0 } else { hi } }
     }
 
     /// The first and the last whole number that x/π − `shift` may be, for x from `lo` to `hi`.
@@ -243,34 +260,46 @@ impl Ends {
     #[inline(always)]
     pub(crate) fn tan(self, at_lo: f64, at_hi: f64) -> Self {
         let rising = Self { lo: down(at_lo, spread::TAN), hi: up(at_hi, spread::TAN) };
-        rising.or(self.is_without_pole(), Self::ENTIRE).unless_empty(self)
+        rising.or(self.is_without_pole(), Self::ENTIRE)
+    }
+
+    /// Whether all of it lies in [−1, 1].
+    #[inline(always)]
+    pub(crate) fn is_within_one(self) -> bool {
+        (self.lo >= -1.0) & (self.hi <= 1.0)
+    }
+
+    /// Whether some of it lies in [−1, 1].
+    #[inline(always)]
+    pub(crate) fn meets_one(self) -> bool {
+        (self.lo <= 1.0) & (self.hi >= -1.0)
     }
 
     /// The part from −1 to 1.
     #[inline(always)]
     fn within_one(self) -> Self {
         let both = Self { lo: upper(self.lo, -1.0), hi: lower(self.hi, 1.0) };
-        Self::EMPTY.or(both.is_empty(), both)
+        both.or_nothing(both.is_empty())
     }
 
     #[inline(always)]
     pub(crate) fn asin(self) -> Self {
         let part = self.within_one();
         let (lo, hi) = (elementary::asin(part.lo), elementary::asin(part.hi));
-        Self { lo: down(lo, spread::ANGLE), hi: up(hi, spread::ANGLE) }.unless_empty(part)
+        Self { lo: down(lo, spread::ANGLE), hi: up(hi, spread::ANGLE) }
     }
 
     #[inline(always)]
     pub(crate) fn acos(self) -> Self {
         let part = self.within_one();
         let (lo, hi) = (elementary::acos(part.hi), elementary::acos(part.lo));
-        Self { lo: down(lo, spread::ANGLE), hi: up(hi, spread::ANGLE) }.unless_empty(part)
+        Self { lo: down(lo, spread::ANGLE), hi: up(hi, spread::ANGLE) }
     }
 
     #[inline(always)]
     pub(crate) fn atan(self) -> Self {
         let (lo, hi) = (elementary::atan(self.lo), elementary::atan(self.hi));
-        Self { lo: down(lo, spread::ANGLE), hi: up(hi, spread::ANGLE) }.unless_empty(self)
+        Self { lo: down(lo, spread::ANGLE), hi: up(hi, spread::ANGLE) }
     }
 
     #[inline(always)]
@@ -279,7 +308,7 @@ impl Ends {
         // An exponential is never 0.
         let hi = if hi == 0.0 { TINY } else { up(hi, spread::EXP) };
         let lo = upper(down(lo, spread::EXP), 0.0);
-        Self { lo, hi }.unless_empty(self)
+        Self { lo, hi }
     }
 
     /// The logarithm of what is above 0.
@@ -288,7 +317,7 @@ impl Ends {
         let (lo, hi) = (elementary::ln(self.lo), elementary::ln(self.hi));
         let lo = if self.lo > 0.0 { down(lo, spread::LN) } else { f64::NEG_INFINITY };
         let hi = if self.hi == f64::INFINITY { self.hi } else { up(hi, spread::LN) };
-        Self::EMPTY.or(!(self.hi > 0.0), Self { lo, hi }).unless_empty(self)
+        Self::EMPTY.or(self.hi <= 0.0, Self { lo, hi })
     }
 
     /// Whether the angle of the points `(other, self)` is sure not to jump: 0 is not among the heights, or all are to the
@@ -309,7 +338,7 @@ impl Ends {
         let hi = if (hi == 0.0) & (self.hi > 0.0) { TINY } else { up(hi, spread::ANGLE) };
         let all = step_up(std::f64::consts::PI);
         let turn = Self { lo: -all, hi: all };
-        Self { lo, hi }.or(self.is_off_cut(other), turn).unless_either_empty(self, other)
+        Self { lo, hi }.or(self.is_off_cut(other), turn)
     }
 
     /// How many whole divisors are taken away, if that is the same number everywhere; else NaN.
@@ -325,17 +354,17 @@ impl Ends {
     pub(crate) fn rem(self, other: Self) -> Self {
         let size = other.abs();
         let whole = self.whole_quotient(other);
-        let taken = size.mul(Self { lo: whole, hi: whole }.or(whole == whole, Self { lo: 0.0, hi: 0.0 }));
+        let taken = size.mul(Self { lo: whole, hi: whole }.or(!whole.is_nan(), Self { lo: 0.0, hi: 0.0 }));
         let left = self.sub(taken);
         let exact = Self { lo: upper(left.lo, 0.0), hi: lower(left.hi, size.hi) };
         let any = Self { lo: 0.0, hi: size.hi };
-        let value = exact.or(whole == whole, any);
-        Self::ENTIRE.or(other.has_zero(), value).unless_either_empty(self, other)
+        let value = exact.or(!whole.is_nan(), any);
+        Self::ENTIRE.or(other.has_zero(), value)
     }
 
     #[inline(always)]
     pub(crate) fn compare(self, other: Self) -> Self {
-        Self { lo: sign(self.lo, other.hi), hi: sign(self.hi, other.lo) }.unless_either_empty(self, other)
+        Self { lo: sign(self.lo, other.hi), hi: sign(self.hi, other.lo) }
     }
 
     /// 1 where it is 0, else 0.
@@ -343,7 +372,7 @@ impl Ends {
     pub(crate) fn not(self) -> Self {
         let lo = if self.is_zero() { 1.0 } else { 0.0 };
         let hi = if self.has_zero() { 1.0 } else { 0.0 };
-        Self { lo, hi }.unless_empty(self)
+        Self { lo, hi }
     }
 
     /// Whether it is sure to be 0, or sure not to be.
@@ -357,13 +386,13 @@ impl Ends {
     pub(crate) fn and(self, other: Self) -> Self {
         let zero = Self { lo: 0.0, hi: 0.0 };
         let either = zero.or(self.is_zero(), other.hull(zero));
-        other.or(!self.has_zero(), either).unless_either_empty(self, other)
+        other.or(!self.has_zero(), either)
     }
 
     /// `self`, or `other` where that is 0.
     #[inline(always)]
     pub(crate) fn or_else(self, other: Self) -> Self {
         let either = other.or(self.is_zero(), self.hull(other));
-        self.or(!self.has_zero(), either).unless_either_empty(self, other)
+        self.or(!self.has_zero(), either)
     }
 }
