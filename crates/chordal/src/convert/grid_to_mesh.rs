@@ -141,6 +141,7 @@ fn finer_mesh<S: Source>(
 }
 
 /// The largest size of a sample, and the bits of samples that are whole numbers.
+#[allow(clippy::useless_conversion, reason = "one body for every type of samples")]
 fn numbers(samples: &Samples) -> (f64, Option<u32>) {
     let bits = match samples {
         Samples::F32(_) | Samples::F64(_) => None,
@@ -339,7 +340,8 @@ pub(super) fn check(size: [usize; 3], affine: &Affine, rule: &Polygonize) -> Res
         .into_iter()
         .fold(0.0, |m, l| if l > m { l } else { m });
     // Half of the flattest triangle that the margin leaves is derived to be wider than an eighth of margin times width.
-    if !(rounding(affine, rule, size) <= 0.125 * rule.margin * (volume / widest)) {
+    let apart = 0.125 * rule.margin * (volume / widest);
+    if apart.is_nan() || rounding(affine, rule, size) > apart {
         let message = "the lattice's steps are too small beside its coordinates: vertices would coincide";
         return Err(refused(Code::BelowPrecision, message.into()));
     }

@@ -60,6 +60,7 @@ impl Samples {
     /// # Panics
     /// When there are not so many.
     #[must_use]
+    #[allow(clippy::useless_conversion, reason = "one body for every type of samples")]
     pub fn get(&self, index: usize) -> f64 {
         with_samples!(self, values => f64::from(values[index]))
     }
