@@ -10,9 +10,9 @@ use fast_surface_nets::ndshape::{RuntimeShape, Shape};
 use fast_surface_nets::{SurfaceNetsBuffer, surface_nets};
 use std::time::Instant;
 
-/// Six periods a side, so that 256³ samples have about 2.5 million triangles.
+/// Four periods a side, so that 256³ samples have about 2.5 million triangles.
 fn gyroid(n: usize) -> Vec<f32> {
-    let step = 6.0 * std::f64::consts::TAU / n as f64;
+    let step = 4.0 * std::f64::consts::TAU / n as f64;
     let waves: Vec<(f64, f64)> = (0..n).map(|i| (i as f64 * step).sin_cos()).collect();
     let mut values = Vec::with_capacity(n * n * n);
     for z in &waves {

@@ -121,7 +121,7 @@ fn finer_mesh<S: Source>(
     let Marched { positions, faces, plan } = march::<f64, _>(finer, affine, rule, job)?;
     let farthest = Proof::new(finer, affine, rule).farthest(&plan, job);
     let sure = finer.slack == 0.0 || !finer.unsure.load(Ordering::Relaxed);
-    let strict = if finer.slack == 0.0 || !sure {
+    let farthest = if finer.slack == 0.0 || !sure {
         farthest
     } else {
         Proof::new(finer, affine, rule).with_slack(finer.slack).farthest(&plan, job)
@@ -129,26 +129,26 @@ fn finer_mesh<S: Source>(
     if job.is_cancelled() {
         return Err(Stopped::Cancelled);
     }
-    let evidence = if sure && strict.most.is_finite() {
+    let evidence = if sure {
         Evidence::Proved
     } else {
         Evidence::ProvedIf(vec![
             "values of the interpolant between samples are taken as rounded to f64".into(),
         ])
     };
-    let farthest = if evidence == Evidence::Proved { strict } else { farthest };
     let mesh = with_normals(Mesh::by_construction(positions, faces), finer, affine, (rule, &plan, job));
     Ok(Bounded { shape: mesh, bound: bound(farthest, evidence, (affine, rule), finer.size()) })
 }
 
 /// The largest size of a sample, and the bits of samples that are whole numbers.
+#[allow(clippy::useless_conversion, reason = "one body for every type of samples")]
 fn numbers(samples: &Samples) -> (f64, Option<u32>) {
     let bits = match samples {
         Samples::F32(_) | Samples::F64(_) => None,
         whole => Some(8 * whole.width() as u32),
     };
     let largest = with_samples!(samples, values => {
-        values.iter().map(|v| f64::from(*v).abs()).fold(0.0, |most, v| if v > most && v.is_finite() { v } else { most })
+        values.iter().map(|v| f64::from(*v).abs()).map(|v| if v == f64::INFINITY { f64::MAX } else { v }).fold(0.0, |most, v| if v > most { v } else { most })
     });
     (largest, bits)
 }
@@ -281,6 +281,7 @@ fn rounding(affine: &Affine, rule: &Polygonize, size: [usize; 3]) -> f64 {
     let sizes =
         affine.rows().map(|[a, b, c, d]| a.abs() * far[0] + b.abs() * far[1] + c.abs() * far[2] + d.abs());
     let most = sizes.into_iter().fold(0.0, |most, size| if size > most { size } else { most });
+    // Twice eight half units in the last place.
     8.0 * f64::EPSILON * most
 }
 
@@ -320,6 +321,7 @@ pub(super) fn check(size: [usize; 3], affine: &Affine, rule: &Polygonize) -> Res
             format!("index {axis} has one sample, so the lattice has no cells: pad it to give it thickness");
         return Err(refused(Code::Empty, message));
     }
+    // The rounding of the farthest corner, in units of its last place, is eight times its size.
     let far = rounding(affine, rule, size) / f64::EPSILON;
     if !(rule.level.abs() <= LARGEST && far <= LARGEST) {
         return Err(refused(Code::NotFinite, format!("a level or a coordinate is beyond {LARGEST:e}")));
@@ -338,7 +340,8 @@ pub(super) fn check(size: [usize; 3], affine: &Affine, rule: &Polygonize) -> Res
         .into_iter()
         .fold(0.0, |m, l| if l > m { l } else { m });
     // Half of the flattest triangle that the margin leaves is derived to be wider than an eighth of margin times width.
-    if !(rounding(affine, rule, size) <= 0.125 * rule.margin * (volume / widest)) {
+    let apart = 0.125 * rule.margin * (volume / widest);
+    if apart.is_nan() || rounding(affine, rule, size) > apart {
         let message = "the lattice's steps are too small beside its coordinates: vertices would coincide";
         return Err(refused(Code::BelowPrecision, message.into()));
     }

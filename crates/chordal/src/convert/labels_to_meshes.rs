@@ -53,6 +53,7 @@ impl Default for Labels {
 /// assert_eq!(meshes.iter().map(|(label, _)| *label).collect::<Vec<_>>(), [7, 9]);
 /// # Ok::<(), chordal::implicit::InvalidGrid>(())
 /// ```
+#[allow(clippy::useless_conversion, reason = "one body for every type of samples")]
 pub fn labels_to_meshes(
     grid: &Grid,
     rule: &Labels,

@@ -60,8 +60,21 @@ impl Samples {
     /// # Panics
     /// When there are not so many.
     #[must_use]
+    #[allow(clippy::useless_conversion, reason = "one body for every type of samples")]
     pub fn get(&self, index: usize) -> f64 {
         with_samples!(self, values => f64::from(values[index]))
+    }
+
+    /// How many are NaN, and how many infinite.
+    #[must_use]
+    pub fn count_not_finite(&self) -> [u64; 2] {
+        let mut counts = [0; 2];
+        match self {
+            Self::F32(values) => values.iter().for_each(|v| tally(f64::from(*v), &mut counts)),
+            Self::F64(values) => values.iter().for_each(|v| tally(*v, &mut counts)),
+            _ => {}
+        }
+        counts
     }
 
     /// Bytes of one sample.
@@ -74,6 +87,11 @@ impl Samples {
             Self::F64(_) => 8,
         }
     }
+}
+
+fn tally(value: f64, [unknown, infinite]: &mut [u64; 2]) {
+    *unknown += u64::from(value.is_nan());
+    *infinite += u64::from(value.is_infinite());
 }
 
 /// Samples on a lattice, the first index running fastest, with the map from indices to space. Between samples the value

@@ -145,7 +145,11 @@ impl Trilinear {
         let mut slopes = if count(&cells) > MOST_BLOCKS {
             // No difference of two samples is larger than that of the largest and the least.
             let range = self.coarse(&cells);
-            [range - range; 3]
+            {
+                let most = range.width();
+                let slope = Interval::new(-most, most).unwrap_or(Interval::UNKNOWN);
+                [if range.is_defined() { slope } else { Interval::UNKNOWN }; 3]
+            }
         } else {
             let grow = |cells: [[usize; 2]; 3]| -> [[usize; 2]; 3] {
                 std::array::from_fn(|k| {
@@ -313,6 +317,7 @@ fn inverse(affine: &Affine) -> [[Interval; 3]; 3] {
 }
 
 /// The ranges of blocks, level by level until one block holds all.
+#[allow(clippy::useless_conversion, reason = "one body for every type of samples")]
 fn levels(grid: &Grid) -> Vec<Level> {
     let size = grid.size();
     let mut blocks = size.map(|n| (n - 1).max(1).div_ceil(BLOCK));

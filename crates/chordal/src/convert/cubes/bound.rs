@@ -90,7 +90,7 @@ impl<'a, S: Source> Proof<'a, S> {
         Self { source, rule, size: source.size(), lengths, diagonal, slack: 0.0 }
     }
 
-    /// The same where the values are those of another function, up to `slack`.
+    /// The same where values are those of another function up to `slack`, on the same sides of the level.
     pub fn with_slack(self, slack: f64) -> Self {
         Self { slack, ..self }
     }
@@ -123,8 +123,7 @@ impl<'a, S: Source> Proof<'a, S> {
                 axes.swap(a, b);
             }
         }
-        // Where a side may be wrong a cell need not hold both.
-        let mut best = if self.slack == 0.0 { self.diagonal } else { f64::INFINITY };
+        let mut best = self.diagonal;
         for (slope, axis) in axes {
             if best <= enough || slope <= 0.0 {
                 break;
@@ -151,7 +150,7 @@ impl<'a, S: Source> Proof<'a, S> {
                 |cell: &Cell| (if up { cell.signs >> (1 << axis) } else { cell.signs }) & LOW_BITS[axis];
             let (mut here, mut current) = (at, *cell);
             for step in 0.. {
-                if end(&current) == wanted && (self.slack == 0.0 || self.is_clear(&current, up, axis)) {
+                if end(&current) == wanted {
                     break;
                 }
                 let next = if up { here[axis] + 1 } else { here[axis].wrapping_sub(1) };
@@ -177,14 +176,6 @@ impl<'a, S: Source> Proof<'a, S> {
         let slope = (slope - 2.0 * self.slack).next_down();
         let shift = div_up(add_up(error, mul_up(2.0, self.slack)), slope);
         (slope > 0.0 && shift.is_finite()).then_some(shift)
-    }
-
-    /// Whether the corners at an end of a cell are so far from the level that no slack changes their sides.
-    fn is_clear(&self, cell: &Cell, up: bool, axis: usize) -> bool {
-        LOW[axis].iter().all(|low| {
-            let corner = cell.corners[low + if up { 1 << axis } else { 0 }];
-            (corner.abs() - self.rule.level.abs()).abs() > 2.0 * self.slack
-        })
     }
 
     fn cell(&self, [i, j, k]: [usize; 3]) -> Cell {

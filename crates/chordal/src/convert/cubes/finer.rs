@@ -23,7 +23,8 @@ impl<'a, S: Source> Finer<'a, S> {
     /// whole numbers.
     pub fn new(coarse: &'a S, rule: &Polygonize, halvings: u32, (largest, bits): (f64, Option<u32>)) -> Self {
         // Each mean multiplies by whole numbers of `halvings` bits: nothing is rounded while all fit in 53 bits.
-        let exact = bits.is_some_and(|bits| bits + 3 * halvings + 1 <= 53);
+        let exact = bits.is_some_and(|bits| bits + 3 * halvings < 53);
+        let largest = if largest > rule.level.abs() { largest } else { rule.level.abs() };
         // Three means of three roundings each, of numbers no larger than the largest.
         let slack = if exact { 0.0 } else { 8.0 * f64::EPSILON * largest };
         Self { coarse, rule: *rule, parts: 1 << halvings, slack, unsure: AtomicBool::new(false) }

@@ -7,4 +7,5 @@ pub(crate) mod march;
 pub(crate) mod normals;
 pub(crate) mod rule;
 pub(crate) mod source;
+pub(crate) mod squares;
 pub(crate) mod table;

@@ -1,0 +1,49 @@
+//! Marching squares: the lines between inside and outside samples of a plane lattice.
+
+/// A crossed edge of the lattice: the axis along which it runs and its lower sample.
+pub(in crate::convert) type Edge = (usize, [usize; 2]);
+
+/// A line through crossed edges, and whether its last is joined to its first.
+pub(in crate::convert) type Line = (Vec<Edge>, bool);
+
+/// The lines of a lattice, with inside on their left. As on the faces of cells every run of inside corners of a square is cut off by
+/// itself: each crossed edge has one segment in each of its squares, so lines never meet, and end at the border only.
+pub(in crate::convert) fn lines(size: [usize; 2], inside: impl Fn([usize; 2]) -> bool) -> Vec<Line> {
+    let [nx, ny] = size;
+    let number = |(axis, [i, j]): Edge| 2 * (i + nx * j) + axis;
+    let edge = |number: usize| -> Edge { (number % 2, [number / 2 % nx, number / 2 / nx]) };
+    let none = usize::MAX;
+    let (mut next, mut has_before) = (vec![none; 2 * nx * ny], vec![false; 2 * nx * ny]);
+    for j in 0..ny.saturating_sub(1) {
+        for i in 0..nx.saturating_sub(1) {
+            // Counter-clockwise, with the edge after each corner.
+            let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]].map(&inside);
+            let edges = [(0, [i, j]), (1, [i + 1, j]), (0, [i, j + 1]), (1, [i, j])];
+            for out in (0..4).filter(|&c| corners[c] && !corners[(c + 1) % 4]) {
+                let run = (1..4).find(|back| !corners[(out + 4 - back) % 4]).unwrap_or(1);
+                let (from, to) = (number(edges[out]), number(edges[(out + 4 - run) % 4]));
+                next[from] = to;
+                has_before[to] = true;
+            }
+        }
+    }
+    let mut found = Vec::new();
+    let mut seen = vec![false; next.len()];
+    // Lines that begin at the border, then those that are closed.
+    for closed in [false, true] {
+        for start in 0..next.len() {
+            if next[start] == none || seen[start] || has_before[start] != closed {
+                continue;
+            }
+            let mut line = Vec::new();
+            let mut at = start;
+            while at != none && !seen[at] {
+                seen[at] = true;
+                line.push(edge(at));
+                at = next[at];
+            }
+            found.push((line, closed));
+        }
+    }
+    found
+}
