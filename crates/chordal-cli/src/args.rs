@@ -92,7 +92,11 @@ pub struct InputArgs {
     #[arg(long, value_name = "BOX", value_parser = region, allow_hyphen_values = true)]
     pub region: Option<Box3>,
 
-    /// Only warn of what is wrong in a glTF file without touching its geometry
+    /// For a file of several volumes (.nii, .nrrd): the one to read, counted from 0
+    #[arg(long, value_name = "N")]
+    pub index: Option<u64>,
+
+    /// Only warn of what is wrong in a glTF file without touching its geometry, and of bytes after a volume
     #[arg(long)]
     pub lenient: bool,
 
@@ -135,14 +139,16 @@ pub struct OutputArgs {
 
 /// `chordal mesh`
 #[derive(Args, Debug)]
-#[command(group = ArgGroup::new("budget").args(["tol", "px", "triangles", "segments"]).required(true).multiple(true))]
+#[command(group = ArgGroup::new("budget").args(["tol", "px", "triangles", "segments"]).multiple(true))]
 #[command(after_help = "\
 Examples:
   chordal mesh teapot.bpt --tol 0.001 -o teapot.obj
   chordal mesh teapot.bpt --px 1 --view \"1920x1080 fov=45 dist=4\" -o teapot.glb
   chordal mesh teapot.bpt --triangles 5000 -o teapot.stl
   chordal mesh drawing.svg --tol 0.25 -o drawing.json
-  chordal mesh drawing.svg --tol 0.25 -o drawing.glb")]
+  chordal mesh drawing.svg --tol 0.25 -o drawing.glb
+  chordal mesh brain.nii.gz --iso 60 -o brain.glb
+  chordal mesh organs.nii.gz --labels all -o organs.glb")]
 pub struct MeshArgs {
     #[command(flatten)]
     pub input: InputArgs,
@@ -183,6 +189,9 @@ pub struct MeshArgs {
     /// are added; flat; smooth; crease=ANGLE, smooth up to that angle; groups, by the smoothing groups of an .obj
     #[arg(long, value_name = "HOW", default_value = "auto")]
     pub normals: Normals,
+
+    #[command(flatten)]
+    pub volume: crate::volume::VolumeArgs,
 
     /// Write the best result even where the budget was not reached; the exit code is 5 all the same
     #[arg(long)]

@@ -17,6 +17,7 @@ pub fn read(args: &InputArgs, talk: &Talk) -> Result<Input, Fault> {
     limits.bytes = args.max_memory.map_or(limits.bytes, |most| most.min(limits.bytes));
     limits.lenient = args.lenient;
     limits.drop_nonfinite = args.drop_nonfinite;
+    limits.index = args.index;
     let bytes = source.read(limits.bytes)?;
     let hint = Hint {
         name: matches!(source, Source::File(_)).then_some(name.as_str()),

@@ -57,6 +57,9 @@ fn holds(lines: &mut Lines, inspection: &Inspection) {
     if let Some(facts) = &inspection.field {
         field(lines, facts);
     }
+    if let Some(volume) = &inspection.volume {
+        crate::volume_letter::samples(lines, volume);
+    }
     if let Some(parts) = inspection.parts.as_ref().filter(|parts| parts.len() != 1) {
         let instances: u64 = parts.iter().map(|part| part.instances).sum();
         lines.add("parts", format!("{} in {} places", grouped(parts.len() as u64), grouped(instances)));

@@ -20,6 +20,8 @@ mod signal;
 mod studio;
 mod summary;
 mod talk;
+mod volume;
+mod volume_letter;
 
 use args::{Cli, Verb};
 use clap::Parser;

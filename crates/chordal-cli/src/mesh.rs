@@ -10,7 +10,7 @@ use crate::talk::Talk;
 use chordal::budget::PixelBudget;
 use chordal_io::Format;
 use chordal_verbs::report::{Report, Run};
-use chordal_verbs::{BudgetSpec, MeshFailure, Spacing, extension, formats, mesh};
+use chordal_verbs::{BudgetSpec, MeshFailure, Shape, Spacing, extension, formats, mesh};
 use std::path::Path;
 
 /// Reads, meshes, writes, reports.
@@ -23,7 +23,11 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let source = Source::from_arg(&args.input.input);
     let job = common::job(&args.input, Some(&args.output), &talk);
     let target = Target::prepare(&args.output.output, common::existing(&args.output), &source)?;
-    let input = common::read(&args.input, &talk)?;
+    let mut input = common::read(&args.input, &talk)?;
+    args.volume.apply(&mut input.shape)?;
+    if !spec.has_limit() && !matches!(input.shape, Shape::Volume(_)) {
+        return Err(Fault::usage(NO_BUDGET));
+    }
 
     let name = source.name();
     let (outcome, unmet) = match mesh(input, &spec, to, &job) {
@@ -51,6 +55,10 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     talk.result(&report.to_value(), &summary::mesh(&report), stdout)?;
     unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
 }
+
+/// What is said where nothing limits what may be lost. Volumes alone have a resolution of their own.
+const NO_BUDGET: &str = "the following required arguments were not provided: \
+    <--tol <LENGTH>|--px <PIXELS>|--triangles <N>|--segments <N>> (see --help)";
 
 /// The budget, as far as it makes sense before the shape is known.
 fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {

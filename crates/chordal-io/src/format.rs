@@ -1,6 +1,6 @@
 //! `Format`: what a file is, by its extension or by its content.
 use crate::text::{Lines, Tokens, integer, is_space, number, trim};
-use crate::{obj, shape_json, stl, svg, vm};
+use crate::{nii, npy, nrrd, obj, shape_json, stl, svg, vm};
 use std::fmt;
 use std::str::FromStr;
 
@@ -33,12 +33,18 @@ pub enum Format {
     Svg,
     /// The steps that compute a field, as fidget writes them.
     Vm,
+    /// NumPy's array of three axes.
+    Npy,
+    /// NRRD volume.
+    Nrrd,
+    /// NIfTI volume, packed by gzip or not.
+    Nii,
     /// A shape script, which is run and not read.
     Star,
 }
 
 /// Every format with the name that stands for it in `--from` and `--to`, and as an extension.
-const NAMES: [(Format, &str); 10] = [
+const NAMES: [(Format, &str); 13] = [
     (Format::Bpt, "bpt"),
     (Format::Teaset, "teaset"),
     (Format::Json, "json"),
@@ -48,6 +54,9 @@ const NAMES: [(Format, &str); 10] = [
     (Format::Glb, "glb"),
     (Format::Svg, "svg"),
     (Format::Vm, "vm"),
+    (Format::Npy, "npy"),
+    (Format::Nrrd, "nrrd"),
+    (Format::Nii, "nii"),
     (Format::Star, "star"),
 ];
 
@@ -57,10 +66,13 @@ impl Format {
         NAMES.iter().map(|row| row.0)
     }
 
-    /// The format that an extension stands for, with its dot or without, in any case.
+    /// The format that an extension stands for, with its dot or without, in any case; `nii.gz` is one too.
     #[must_use]
     pub fn from_extension(extension: &str) -> Option<Self> {
         let name = extension.strip_prefix('.').unwrap_or(extension);
+        if name.eq_ignore_ascii_case("nii.gz") {
+            return Some(Self::Nii);
+        }
         NAMES.iter().find(|row| row.1.eq_ignore_ascii_case(name)).map(|row| row.0)
     }
 
@@ -70,6 +82,15 @@ impl Format {
     pub fn sniff(bytes: &[u8]) -> Option<Self> {
         if bytes.starts_with(b"glTF") {
             return Some(Self::Glb);
+        }
+        if bytes.starts_with(npy::MAGIC) {
+            return Some(Self::Npy);
+        }
+        if bytes.starts_with(nrrd::MAGIC) {
+            return Some(Self::Nrrd);
+        }
+        if nii::looks_like(bytes) {
+            return Some(Self::Nii);
         }
         let text = trim_start(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes));
         if text.starts_with(b"ply") && text.get(3).is_some_and(|b| is_space(*b)) {
@@ -172,7 +193,7 @@ mod tests {
         let message = "dwg".parse::<Format>().unwrap_err().to_string();
         assert_eq!(
             message,
-            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, svg, vm and star"
+            "'dwg' is no format; they are bpt, teaset, json, obj, ply, stl, glb, svg, vm, npy, nrrd, nii and star"
         );
         assert_eq!(Format::from_extension(""), None);
     }

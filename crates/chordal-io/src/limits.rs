@@ -11,10 +11,13 @@ pub struct Limits {
     pub header_line: usize,
     /// Nesting of JSON.
     pub depth: usize,
-    /// What gltf-validator calls an error and does not touch geometry becomes a warning.
+    /// What gltf-validator calls an error and does not touch geometry becomes a warning; so do bytes that follow the
+    /// samples of a volume.
     pub lenient: bool,
     /// Vertices that are NaN or infinite are dropped with their faces and counted, instead of refused.
     pub drop_nonfinite: bool,
+    /// Which volume of a file that holds several, counted from 0; none where there is one only.
+    pub index: Option<u64>,
 }
 
 impl Default for Limits {
@@ -26,6 +29,7 @@ impl Default for Limits {
             depth: 128,
             lenient: false,
             drop_nonfinite: false,
+            index: None,
         }
     }
 }

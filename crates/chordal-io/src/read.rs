@@ -1,12 +1,14 @@
 //! `read`: bytes of a known format to a shape.
 use crate::text::grouped;
-use crate::{Format, Limits, Loaded, Place, ReadError, bpt, glb, obj, ply, shape_json, stl, svg, teaset, vm};
+use crate::{Format, Limits, Loaded, Place, ReadError};
+use crate::{bpt, glb, nii, npy, nrrd, obj, ply, shape_json, stl, svg, teaset, vm};
 
 /// The shape that a file of `format` holds, with its oddities counted.
 ///
 /// Time and memory grow with the bytes that are there, never with a count that they declare: at most
 /// 64 MiB + 16 times the bytes, or 16 times the 12 bytes of each triangle where a file packs triangles tighter than that
-/// (long polygons, strips of one-byte indices), or 16 times the 16 bytes of each point that a path packs tighter.
+/// (long polygons, strips of one-byte indices), or 16 times the 16 bytes of each point that a path packs tighter, or 16
+/// times the bytes of the samples that a packed volume unpacks to.
 ///
 /// # Errors
 /// One [`ReadError`] with its place. Where the content looks like another format, the message says which.
@@ -34,6 +36,9 @@ pub fn read(bytes: &[u8], format: Format, limits: &Limits) -> Result<Loaded, Rea
         Format::Glb => glb::read(bytes, limits),
         Format::Svg => svg::read(bytes, limits),
         Format::Vm => vm::read(bytes, limits),
+        Format::Npy => npy::read(bytes, limits),
+        Format::Nrrd => nrrd::read(bytes, limits),
+        Format::Nii => nii::read(bytes, limits),
         // What the text says is known once it has run, which is for those who can.
         Format::Star => {
             Err(ReadError::new("script", Place::File, "a shape script is run, and nothing here runs it"))

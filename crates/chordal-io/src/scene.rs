@@ -1,5 +1,5 @@
 //! `Scene`: what a file says: parts, where they stand, and the frame they are in.
-use crate::{Curves, Drawing, Warning};
+use crate::{Curves, Drawing, Volume, Warning};
 use chordal::implicit::Field;
 use chordal::math::Box3;
 use chordal::{Mesh, Patch};
@@ -87,6 +87,8 @@ pub enum Content {
         /// The space that it is in.
         frame: Frame,
     },
+    /// Samples on a lattice.
+    Volume(Volume),
 }
 
 /// A shape with what was odd about its file.

@@ -159,7 +159,7 @@ impl Found {
         match &mut content {
             Content::Drawing(drawing) => drawing.certificate = found,
             Content::Curves(curves) => curves.certificate = found,
-            Content::Patches(..) | Content::Scene(_) | Content::Field { .. } => {}
+            Content::Patches(..) | Content::Scene(_) | Content::Field { .. } | Content::Volume(_) => {}
         }
         Ok(Loaded { content, warnings: self.warnings.into_list() })
     }

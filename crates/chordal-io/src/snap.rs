@@ -60,6 +60,9 @@ pub fn snap(mesh: &Mesh, format: Format) -> Result<Snapped, TooWide> {
         | Format::Obj
         | Format::Ply
         | Format::Vm
+        | Format::Npy
+        | Format::Nrrd
+        | Format::Nii
         | Format::Star => {
             return Ok(Snapped { mesh: mesh.clone(), origin: [0.0; 3], moved_at_most: 0.0 });
         }

@@ -8,6 +8,7 @@ use chordal_io::{Content, Format, Frame, Limits, Loaded, ReadError, Scene, obj, 
 use common::Random;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use std::io::Write;
 
 /// Counts what this thread holds and held at most.
 struct Counting;
@@ -70,6 +71,10 @@ fn check(name: &str, bytes: &[u8], format: Format) {
             let mesh = &scene.parts[0].mesh;
             assert!(mesh.positions().iter().flatten().all(|x| x.is_finite()), "{name}");
             assert!(mesh.attributes().iter().flat_map(|a| &a.values).all(|x| x.is_finite()), "{name}");
+        }
+        Ok(Loaded { content: Content::Volume(volume), .. }) => {
+            let n: usize = volume.grid.size().iter().product();
+            assert!(volume.grid.samples().len() == n && n >= 8, "{name}");
         }
         Ok(Loaded { content: Content::Patches(patches, _), .. }) => {
             assert!(patches.iter().all(chordal::Patch::is_finite), "{name}");
@@ -207,7 +212,67 @@ fn seeds() -> Vec<(Format, Vec<u8>)> {
         "# a disc\n_x var-x\n_y var-y # up\n_0 const -2.5e-1\n_1 square _x\n_2 mul _y _y\r\n\n_3 add _1 _2\n\
          _4 sqrt _3\n_5 atan2 _4 _0\n_6 mod _5 _x\n_7 max _6 _0\n",
     );
+    seeds.extend(volumes());
     seeds
+}
+
+/// Small volumes by hand.
+fn volumes() -> Vec<(Format, Vec<u8>)> {
+    let samples: Vec<u8> = (0..16).collect();
+    let npy = |descr: &str| {
+        let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': (2, 2, 2), }}\n");
+        let length = (header.len() as u16).to_le_bytes();
+        [b"\x93NUMPY\x01\0", &length[..], header.as_bytes(), &samples].concat()
+    };
+    let head = "NRRD0004\n# x\ntype: short\ndimension: 3\nsizes: 2 2 2\nendian: big\nspace: LPS\n\
+                space directions: (1,0,0) (0,-2.5,0) (0,0.1,3)\nspace origin: (1,2,3)\nspace units: \"mm\" \"mm\" \"mm\"\n";
+    let nrrd = |encoding: &str, data: &[u8]| {
+        [head.as_bytes(), format!("encoding: {encoding}\n\n").as_bytes(), data].concat()
+    };
+    let lists = b"NRRD0005\ntype: uchar\ndimension: 4\nsizes: 1 2 2 2\nkinds: vector space space space\n\
+                  encoding: raw\nbyte skip: -1\nspacings: nan 1 1 2\nkey:=value\n\n123456789";
+    let nii = |version: u8| {
+        let mut header = if version == 1 { vec![0; 352] } else { vec![0; 544] };
+        let mut put = |at: usize, bytes: &[u8]| header[at..at + bytes.len()].copy_from_slice(bytes);
+        let one = 1.0_f32.to_le_bytes();
+        if version == 1 {
+            put(0, &348_i32.to_le_bytes());
+            put(40, &[4, 0, 2, 0, 2, 0, 2, 0, 1, 0]);
+            put(70, &[4, 0, 16, 0]);
+            put(76, &[one, one, one, one].concat());
+            put(108, &352.0_f32.to_le_bytes());
+            put(112, &[2.0_f32.to_le_bytes(), one].concat());
+            put(252, &[1, 0, 0, 0]);
+            put(344, b"n+1\0");
+        } else {
+            let one = 1.0_f64.to_le_bytes();
+            put(0, &540_i32.to_le_bytes());
+            put(4, b"n+2\0\r\n\x1a\n");
+            put(12, &[4, 0, 16, 0]);
+            (0..4).for_each(|k| put(16 + 8 * k, &[if k == 0 { 3 } else { 2 }]));
+            put(168, &544_i64.to_le_bytes());
+            put(348, &[1]);
+            [400, 440, 480].into_iter().for_each(|at| put(at, &one));
+        }
+        [&header[..], &samples].concat()
+    };
+    vec![
+        (Format::Npy, npy("<i2")),
+        (Format::Npy, npy(">f2")),
+        (Format::Nrrd, nrrd("raw", &samples)),
+        (Format::Nrrd, nrrd("gzip", &packed(&samples))),
+        (Format::Nrrd, nrrd("text", b"0 1 -2 3\n4,5 6 7\n")),
+        (Format::Nrrd, lists.to_vec()),
+        (Format::Nii, nii(1)),
+        (Format::Nii, nii(2)),
+        (Format::Nii, packed(&nii(1))),
+    ]
+}
+
+fn packed(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    encoder.write_all(bytes).expect("packed");
+    encoder.finish().expect("packed")
 }
 
 #[test]
@@ -449,6 +514,29 @@ fn packed_faces_stay_within_the_promise_for_what_they_decode_to() {
         assert_eq!(triangles, 253 * rows);
         println!("{element}: {} bytes, held {most} ({:.1} x)", bytes.len(), most as f64 / bytes.len() as f64);
         assert!(most <= promised(12 * triangles), "{element}: {most} bytes for {triangles} triangles");
+    }
+}
+
+/// Gzip packs samples as tightly as it likes. What is promised counts what they unpack to, and what a header declares
+/// beyond that counts nothing.
+#[test]
+fn h62_packed_volumes_stay_within_the_promise_for_what_they_unpack_to() {
+    let n = 128_usize;
+    let head = |sizes: &str, kind: &str| {
+        format!("NRRD0004\ntype: {kind}\ndimension: 3\nsizes: {sizes}\nendian: big\nencoding: gzip\n\n")
+    };
+    for (kind, width) in [("uchar", 1), ("short", 2), ("float", 4), ("longlong", 8)] {
+        let size = format!("{n} {n} {n}");
+        let unpacked = (n * n * n * width) as u64;
+        let file = [head(&size, kind).as_bytes(), &packed(&vec![0; unpacked as usize])].concat();
+        let (result, most) = measured(&file, Format::Nrrd);
+        assert!(result.is_ok());
+        println!("{kind}: {} bytes, {unpacked} unpacked, held {most}", file.len());
+        assert!(most <= (1 << 20) + 4 * unpacked, "{kind}: {most} bytes for {unpacked}");
+        let file = [head("2000 1000 250", kind).as_bytes(), &packed(&vec![0; 1000])].concat();
+        let (result, most) = measured(&file, Format::Nrrd);
+        assert_eq!(result.unwrap_err().code, "truncated");
+        assert!(most <= 1 << 20, "{kind}: {most} bytes for 1000");
     }
 }
 

@@ -113,6 +113,10 @@ impl Surface {
                 Ok(Self::Triangles(mesh, placed.moved_at_most))
             }
             Shape::Patches { patches, .. } => Ok(Self::Patches(patches, diagonal)),
+            Shape::Volume(_) => {
+                let message = "a volume has no triangles to measure: mesh it first".to_owned();
+                Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }))
+            }
             Shape::Field(_) => {
                 let message = "a field has no triangles to measure: mesh it first".to_owned();
                 Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }))

@@ -18,9 +18,15 @@ pub fn write(
         Format::Ply => ply::write(scene, certificate, out),
         Format::Stl => stl::write(scene, certificate, out),
         Format::Glb => glb::write(scene, certificate, out),
-        Format::Bpt | Format::Teaset | Format::Json | Format::Svg | Format::Vm | Format::Star => {
-            Err(WriteError::Unsupported(format!("{format} holds no triangles")))
-        }
+        Format::Bpt
+        | Format::Teaset
+        | Format::Json
+        | Format::Svg
+        | Format::Vm
+        | Format::Npy
+        | Format::Nrrd
+        | Format::Nii
+        | Format::Star => Err(WriteError::Unsupported(format!("{format} holds no triangles"))),
     }
 }
 
@@ -44,6 +50,9 @@ pub fn write_polylines(
         | Format::Stl
         | Format::Glb
         | Format::Vm
+        | Format::Npy
+        | Format::Nrrd
+        | Format::Nii
         | Format::Star => Err(WriteError::Unsupported(format!("{format} holds no polylines"))),
     }
 }

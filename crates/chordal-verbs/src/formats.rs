@@ -45,6 +45,9 @@ pub(crate) fn check_output(shape: &Shape, to: Format) -> Result<(), String> {
         Shape::Patches { .. } | Shape::Scene(_) if !holds_triangles(to) => {
             Err(format!("{} become triangles, which {to} does not hold; {} do", shape.kind(), mesh_names()))
         }
+        Shape::Volume(_) if !holds_triangles(to) => {
+            Err(format!("volumes become triangles, which {to} does not hold; {} do", mesh_names()))
+        }
         Shape::Curves(_) if !holds_polylines(to) => Err(format!(
             "curves in space enclose no area to fill with triangles: write polylines, to json instead of {to}"
         )),
@@ -64,6 +67,9 @@ pub fn topology(format: Format) -> Topology {
         | Format::Json
         | Format::Svg
         | Format::Vm
+        | Format::Npy
+        | Format::Nrrd
+        | Format::Nii
         | Format::Star => Topology::Indices,
     }
 }

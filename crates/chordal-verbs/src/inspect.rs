@@ -68,6 +68,6 @@ fn polylines_of(shape: &Shape) -> Option<LineFacts> {
     match shape {
         Shape::Drawing(drawing) => LineFacts::of_straight(&drawing.lines),
         Shape::Curves(curves) => LineFacts::of_straight(&curves.lines),
-        Shape::Patches { .. } | Shape::Scene(_) | Shape::Field(_) => None,
+        Shape::Patches { .. } | Shape::Scene(_) | Shape::Field(_) | Shape::Volume(_) => None,
     }
 }

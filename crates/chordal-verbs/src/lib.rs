@@ -33,12 +33,14 @@ mod polylines;
 mod prescribed;
 mod render;
 pub mod report;
+mod sampled;
 mod script;
 mod shape;
 mod spec;
+mod surfaces;
 mod written;
 
-pub use chordal::convert::Spacing;
+pub use chordal::convert::{Border, Inside, Spacing};
 pub use chordal::mend::{Duplicates, Holes};
 pub use chordal_io::{Axis, Curves, Drawing, Frame, Polylines, Scene};
 pub use deviation::{DeviationSpec, deviation};
@@ -51,5 +53,11 @@ pub use mend::{Closeness, MendSpec, mend};
 pub use mesh::{Made, MeshOutcome, mesh};
 pub use normals::{InvalidNormals, Normals};
 pub use render::{Fineness, RenderOutcome, USUAL_SCREEN, render, render_against};
+pub use sampled::{Labels, Range, Sampled, Suggested, SurfaceSpec};
 pub use shape::{Implicit, Parameter, Shape};
 pub use spec::BudgetSpec;
+
+/// The example of the page in `docs/` runs with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/volumes.md")]
+struct Volumes;

@@ -78,10 +78,17 @@ fn format_of(bytes: &[u8], hint: Hint) -> Result<Format, ReadError> {
     })
 }
 
-/// What follows the last dot of a file's name.
+/// An extension of two parts.
+const PACKED: &str = ".nii.gz";
+
+/// What follows the last dot of a file's name; `nii.gz` is one extension.
 #[must_use]
 pub fn extension(name: &str) -> Option<&str> {
     let file = name.rsplit(['/', '\\']).next()?;
+    let packed = file.len().checked_sub(PACKED.len()).filter(|at| *at > 0 && file.is_char_boundary(*at));
+    if let Some(at) = packed.filter(|at| file[*at..].eq_ignore_ascii_case(PACKED)) {
+        return Some(&file[at + 1..]);
+    }
     file.rsplit_once('.').map(|(_, extension)| extension)
 }
 
@@ -93,6 +100,9 @@ mod tests {
     fn finds_the_extension_of_the_last_name_only() {
         assert_eq!(extension("a.b/teapot"), None);
         assert_eq!(extension("a/teapot.tar.obj"), Some("obj"));
+        assert_eq!(extension("a.b/brain.NII.gz"), Some("NII.gz"));
+        assert_eq!(extension("brain.tar.gz"), Some("gz"));
+        assert_eq!(extension(".nii.gz"), Some("gz"));
         assert_eq!(extension("C:\\x\\teapot.GLB"), Some("GLB"));
     }
 }

@@ -3,7 +3,7 @@ use crate::placed::{self, Placed};
 use crate::polylines::{self, Asked};
 use crate::report::{BoundFacts, BudgetFacts, Certificate, Counted, Output};
 use crate::written::as_written;
-use crate::{BudgetSpec, Input, MeshFailure, Shape, filled, formats, write, write_polylines};
+use crate::{BudgetSpec, Input, MeshFailure, Shape, filled, formats, surfaces, write, write_polylines};
 use chordal::budget::{Bound, Budget, Code, Failure, PixelBudget, Pixels, Reference, Refusal, Tolerance};
 use chordal::math::{Box3, add_up, sub_down};
 use chordal::{Bounded, Job, Mesh, Patch, convert};
@@ -89,12 +89,12 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
     formats::check_output(&input.shape, to).map_err(MeshFailure::Usage)?;
     let lines = formats::holds_polylines(to);
     spec.check_counts(lines).map_err(MeshFailure::Usage)?;
-    if !spec.has_limit() {
+    if !spec.has_limit() && !matches!(input.shape, Shape::Volume(_)) {
         return Err(refused(Code::Budget, "the budget has no limit: no length, no pixels, no count"));
     }
     let mut certificate = Certificate::of(&input);
     let (budget, note) = spec.resolve(&input.shape)?;
-    certificate.budget = Some(BudgetFacts::of(&budget));
+    certificate.budget = spec.has_limit().then(|| BudgetFacts::of(&budget));
     certificate.notes.extend(note);
     let place = input.shape.hull()?;
     let (mut scene, bound) = match input.shape {
@@ -113,6 +113,10 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
         Shape::Patches { patches, frame } => {
             let source = Source { patches, frame, place };
             tessellate(&source, &budget, to, job)?
+        }
+        Shape::Volume(sampled) => {
+            let asked = Asked { spec, budget, to, place: widened(&place) };
+            surfaces::of_volume(&sampled, &asked, &mut certificate.notes, job)?
         }
         Shape::Field(_) => return Err(refused(Code::Unsupported, "fields are not meshed yet")),
         Shape::Scene(scene) => {

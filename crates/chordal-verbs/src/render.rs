@@ -1,14 +1,18 @@
-//! `render`: a picture of any shape; smooth shapes are meshed first, finely enough for it.
+//! `render`: a picture of any shape; smooth shapes are meshed first, finely enough for it, fields are drawn as they are.
 use crate::deviation::Pair;
 use crate::filled::Filling;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OutputFacts};
+use crate::shape::Implicit;
 use crate::{BudgetSpec, Input, MeshFailure, Shape, placed};
 use chordal::budget::{Camera, Code, Failure, Length, Pixels, Projection, Refusal, Screen, Stopped, View};
 use chordal::check::Goal;
 use chordal::explicit::{Topology, facing};
+use chordal::implicit::query::Counts;
+use chordal::implicit::{Expr, Field};
 use chordal::math::Box3;
 use chordal::render::{
-    Against, Options, Picture, Up, Viewpoint, frame, render as trace, render_against as trace_against,
+    Against, NotDrawn, Options, Picture, Up, Viewpoint, frame, render as trace,
+    render_against as trace_against, render_field,
 };
 use chordal::{Bounded, Budget, Job, Mesh, Patch, Tolerance, convert};
 use chordal_io::{Axis, Drawing, Frame, WriteError, png};
@@ -81,8 +85,9 @@ pub fn render(
             let mesh = placed::one_mesh(scene)?;
             shoot(&mesh, &options, certificate, job)
         }
-        Shape::Field(_) => {
-            let message = "fields are not drawn yet".to_owned();
+        Shape::Field(field) => shoot_field(field, &options, certificate, job),
+        Shape::Volume(_) => {
+            let message = "a volume has no triangles to take a picture of: mesh it first".to_owned();
             Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }))
         }
         Shape::Curves(_) => {
@@ -104,6 +109,58 @@ pub fn render(
             shoot(&made.shape, &options, certificate, job)
         }
     }
+}
+
+/// A picture straight from a field, cut off at its region; the certificate's notes say what its rays are worth.
+fn shoot_field(
+    shape: &Implicit,
+    options: &Options,
+    mut certificate: Certificate,
+    job: &Job,
+) -> Result<RenderOutcome, MeshFailure> {
+    let field = shape.region.map_or_else(|| shape.field.clone(), |region| cut(&shape.field, &region));
+    let drawn = render_field(&field, options, job).map_err(|failure| match failure {
+        NotDrawn::Stopped(stop) => stopped(stop),
+        NotDrawn::Leaf(error) => {
+            MeshFailure::Refused(Refusal { code: Code::Unsupported, message: error.message })
+        }
+    })?;
+    let Counts { beams, uncertain, capped, .. } = drawn.counts;
+    certificate.notes.push(format!(
+        "the picture is made straight from the field: of {beams} rays {uncertain} passed something that nothing \
+         clears, {capped} of them ended at the most steps; hits and misses are measured, not proved"
+    ));
+    Ok(RenderOutcome {
+        picture: drawn.picture,
+        camera: drawn.camera,
+        certificate,
+        darkest: None,
+        back_share: None,
+    })
+}
+
+/// The field within the region: closed by its sides where they are finite.
+fn cut(field: &Field, region: &Box3) -> Field {
+    let axes = Expr::axes();
+    let flat = !field.tape().axes()[2];
+    let mut expr = field.sign().clone();
+    for k in 0..if flat { 2 } else { 3 } {
+        if region.min[k].is_finite() && region.min[k] > field.bounds().min[k] {
+            expr = (Expr::constant(region.min[k]) - &axes[k]).max(&expr);
+        }
+        if region.max[k].is_finite() && region.max[k] < field.bounds().max[k] {
+            expr = (&axes[k] - region.max[k]).max(&expr);
+        }
+    }
+    let known = field.bounds();
+    let inner = |a: f64, b: f64| if a > b { a } else { b };
+    let outer = |a: f64, b: f64| if a < b { a } else { b };
+    let bounds = Box3 {
+        min: [0, 1, 2].map(|k| inner(known.min[k], region.min[k])),
+        max: [0, 1, 2].map(|k| outer(known.max[k], region.max[k])),
+    };
+    // Of what the value was worth as a distance nothing is needed: slopes are known cell by cell.
+    Field::new(expr).with_bounds(bounds)
 }
 
 /// Takes a picture of a shape coloured by its distance from another one, darkest at `darkest` or else at the largest

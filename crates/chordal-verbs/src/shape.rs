@@ -1,4 +1,5 @@
 //! `Shape`: anything that a verb can be applied to, in its frame.
+use crate::{Sampled, SurfaceSpec};
 use chordal::Patch;
 use chordal::explicit::{Curve, Piece};
 use chordal::math::{Box3, add_up, mul_down, mul_up, sqrt_down, sub_down};
@@ -24,6 +25,8 @@ pub enum Shape {
     Curves(Curves),
     /// A shape as a rule.
     Field(Implicit),
+    /// Samples on a lattice.
+    Volume(Sampled),
 }
 
 /// A field with the part of space that it is looked at in.
@@ -77,6 +80,7 @@ impl From<Content> for Shape {
             Content::Field { field, region, frame } => {
                 Self::Field(Implicit { field, region, frame, parameters: Vec::new() })
             }
+            Content::Volume(volume) => Self::Volume(Sampled { volume, surface: SurfaceSpec::default() }),
         }
     }
 }
@@ -91,6 +95,7 @@ impl Shape {
             Self::Drawing(_) => "drawing",
             Self::Curves(_) => "curves",
             Self::Field(_) => "field",
+            Self::Volume(_) => "volume",
         }
     }
 
@@ -103,6 +108,7 @@ impl Shape {
             Self::Drawing(drawing) => &drawing.frame,
             Self::Curves(curves) => &curves.frame,
             Self::Field(field) => &field.frame,
+            Self::Volume(sampled) => &sampled.volume.frame,
         }
     }
 
@@ -114,6 +120,7 @@ impl Shape {
             Self::Drawing(drawing) => &mut drawing.frame,
             Self::Curves(curves) => &mut curves.frame,
             Self::Field(field) => &mut field.frame,
+            Self::Volume(sampled) => &mut sampled.volume.frame,
         }
     }
 
@@ -134,6 +141,7 @@ impl Shape {
             Self::Drawing(drawing) => Ok(hull_of(&drawing.lines)),
             Self::Curves(curves) => Ok(hull_of(&curves.lines)),
             Self::Field(field) => Ok(field.place()),
+            Self::Volume(sampled) => Ok(sampled.place()),
         }
     }
 
@@ -158,6 +166,13 @@ impl Shape {
             Self::Curves(curves) => Ok(diagonal_of(&curves.lines)),
             // The box may be larger than the shape. What its surface spans is known once it is meshed.
             Self::Field(field) => Ok(diagonal_below(&field.place(), 0.0)),
+            Self::Volume(sampled) => {
+                let place = sampled.place();
+                let reach = place.min.iter().chain(&place.max);
+                let reach = reach.fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+                // A corner is a sum of three products with less than 8 roundings of half a step each.
+                Ok(diagonal_below(&place, mul_up(8.0 * f64::EPSILON, reach)))
+            }
         }
     }
 }

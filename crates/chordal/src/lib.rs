@@ -41,6 +41,7 @@ pub use explicit::{Bezier, Curve, Mesh, Patch, Polyline};
 #[doc = include_str!("../../../docs/curve_to_polyline.md")]
 #[doc = include_str!("../../../docs/deviation.md")]
 #[doc = include_str!("../../../docs/enclosure.md")]
+#[doc = include_str!("../../../docs/fields.md")]
 #[doc = include_str!("../../../docs/formats.md")]
 #[doc = include_str!("../../../docs/inspect.md")]
 #[doc = include_str!("../../../docs/mend.md")]

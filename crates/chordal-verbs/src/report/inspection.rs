@@ -1,5 +1,5 @@
 //! What an input is: only `inspect` says it.
-use super::{Certificate, DrawingFacts, FieldFacts, FindingFacts, OutputFacts, to_value};
+use super::{Certificate, DrawingFacts, FieldFacts, FindingFacts, OutputFacts, VolumeFacts, to_value};
 use crate::formats::topology;
 use crate::written::rows_of;
 use crate::{Input, Shape};
@@ -26,8 +26,12 @@ pub struct Inspection {
     pub parts: Option<Vec<PartFacts>>,
     /// What there is of curves; none for other shapes.
     pub drawing: Option<DrawingFacts>,
-    /// What there is of a field; none for other shapes.
+    /// What there is of a field; not there for other shapes.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub field: Option<FieldFacts>,
+    /// What there is of samples; not there for other shapes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub volume: Option<VolumeFacts>,
     /// What the triangles take; none for other shapes.
     pub sizes: Option<Sizes>,
     /// What was found to be wrong with the triangles, the heaviest first; none for other shapes.
@@ -85,26 +89,33 @@ impl Inspection {
         let endless = bounds.min.iter().chain(&bounds.max).any(|x| !x.is_finite());
         let scene = match &input.shape {
             Shape::Scene(scene) => Some(scene),
-            Shape::Patches { .. } | Shape::Drawing(_) | Shape::Curves(_) | Shape::Field(_) => None,
+            Shape::Patches { .. }
+            | Shape::Drawing(_)
+            | Shape::Curves(_)
+            | Shape::Field(_)
+            | Shape::Volume(_) => None,
         };
         let drawing = match &input.shape {
             Shape::Drawing(drawing) => Some(DrawingFacts::of(drawing)),
             Shape::Curves(curves) => Some(DrawingFacts::of(curves)),
-            Shape::Patches { .. } | Shape::Scene(_) | Shape::Field(_) => None,
+            Shape::Patches { .. } | Shape::Scene(_) | Shape::Field(_) | Shape::Volume(_) => None,
         };
         let field = match &input.shape {
             Shape::Field(implicit) => Some(FieldFacts::of(implicit)),
-            Shape::Patches { .. } | Shape::Scene(_) | Shape::Drawing(_) | Shape::Curves(_) => None,
+            _ => None,
         };
         let certificate = match &input.shape {
             Shape::Scene(scene) => scene.certificate.clone(),
             Shape::Drawing(drawing) => drawing.certificate.clone(),
             Shape::Curves(curves) => curves.certificate.clone(),
+            Shape::Volume(sampled) => sampled.volume.certificate.clone(),
             Shape::Patches { .. } | Shape::Field(_) => None,
         };
         let patches = match &input.shape {
             Shape::Patches { patches, .. } => Some(patches.len() as u64),
-            Shape::Scene(_) | Shape::Drawing(_) | Shape::Curves(_) | Shape::Field(_) => None,
+            Shape::Scene(_) | Shape::Drawing(_) | Shape::Curves(_) | Shape::Field(_) | Shape::Volume(_) => {
+                None
+            }
         };
         Self {
             bytes: input.n_bytes,
@@ -113,6 +124,11 @@ impl Inspection {
             parts: scene.map(|scene| PartFacts::of_all(scene, input.format)),
             drawing,
             field,
+            volume: if let Shape::Volume(sampled) = &input.shape {
+                Some(VolumeFacts::of(sampled))
+            } else {
+                None
+            },
             sizes: scene.map(|scene| Sizes::of(scene, input.format)),
             findings: counted.valid.as_ref().map(FindingFacts::of_all),
             found: certificate.map(|certificate| Found::of(certificate, counted)),

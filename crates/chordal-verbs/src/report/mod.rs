@@ -13,6 +13,7 @@ mod inspection;
 mod mended;
 mod together;
 mod valid;
+mod volume;
 
 pub use anatomy::{Anatomy, ComponentFacts, FindingFacts, MOST_COMPONENTS, cures_of_all};
 pub use bound::BoundFacts;
@@ -25,6 +26,7 @@ pub use inspection::{Found, Inspection, PartFacts, Sizes};
 pub use mended::{ChangeFacts, MendedFacts};
 pub(crate) use valid::{Counted, Look, Uncounted};
 pub use valid::{Counts, OtherCounts, PartValid, Valid, WitnessFacts};
+pub use volume::{LabelFacts, MOST_LABELS, SuggestedFacts, VolumeFacts};
 
 use crate::{Input, Shape};
 use chordal::Mesh;

@@ -1,14 +1,37 @@
 //! The bridge: one file per arrow `a_to_b`, each lossy one under a budget and with a bound.
+mod cubes;
+mod curve_to_field;
 mod curve_to_polyline;
 mod curves;
+mod field_to_grid;
+mod field_to_mesh;
+mod fields;
+mod grid_to_mesh;
+mod labels_to_meshes;
+mod lattice;
+mod mesh_leaf;
+mod mesh_to_field;
 mod mesh_to_gpu_buffers;
+mod mesh_to_grid;
+mod outline_to_field;
 mod outlines_to_mesh;
 mod patches;
 mod patches_to_mesh;
 
+pub use cubes::march::Coordinate;
+pub use cubes::rule::{Border, Inside, Normals, Polygonize};
+pub use curve_to_field::curve_to_field;
 pub use curve_to_polyline::{curve_to_polyline, curve_to_polyline_evenly, curves_to_polylines};
 pub use curves::batch::{BezierCutter, Polylines, beziers_to_polylines};
 pub use curves::flatten::Spacing;
+pub use field_to_grid::field_to_grid;
+pub use field_to_mesh::field_to_mesh;
+pub use grid_to_mesh::{Surface, VertexKey, grid_to_mesh, grid_to_triangles, vertex_keys};
+pub use labels_to_meshes::{Labels, labels_to_meshes};
+pub use lattice::Lattice;
+pub use mesh_to_field::{MeshField, Solid, mesh_to_field};
 pub use mesh_to_gpu_buffers::{GpuBuffers, Indices, mesh_to_gpu_buffers};
+pub use mesh_to_grid::{Baked, mesh_to_grid};
+pub use outline_to_field::outline_to_field;
 pub use outlines_to_mesh::outlines_to_mesh;
 pub use patches_to_mesh::patches_to_mesh;

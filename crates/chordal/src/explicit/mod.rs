@@ -28,8 +28,8 @@ mod twins;
 
 pub use arc::{Arc, InvalidArc, Through};
 pub use bezier::{Bezier, Levels, bernstein};
-pub(crate) use bvh::nearest_on_triangle;
 pub use bvh::{Bvh, Closest, Containment, Enclosure, Hit, Ray, Sides, Whereabouts, Winding};
+pub(crate) use bvh::{Soundings, nearest_on_triangle};
 pub use clusters::{Cluster, FacingCounts, clusters, facing};
 pub use continuation::Smoothness;
 pub use curve::{Curve, InvalidCurve};

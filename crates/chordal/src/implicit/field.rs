@@ -74,6 +74,11 @@ impl Field {
         self.sign.is_some()
     }
 
+    /// Whether [`Field::sign`] is another expression than the value.
+    pub(super) fn has_own_sign(&self) -> bool {
+        self.sign.as_ref().is_some_and(|sign| sign.address() != self.expr.address())
+    }
+
     /// The number of every point.
     #[must_use]
     pub fn expr(&self) -> &Expr {

@@ -40,6 +40,11 @@ impl Graph {
         Self { terms: reachable(builder.terms, root) }
     }
 
+    /// A graph from its terms, the last of which is the value.
+    pub(super) fn of_terms(terms: Vec<Term>) -> Self {
+        Self { terms }
+    }
+
     /// The terms; the last one is the value.
     #[must_use]
     pub fn terms(&self) -> &[Term] {

@@ -40,6 +40,8 @@ macro_rules! with_samples {
     };
 }
 
+pub(crate) use with_samples;
+
 impl Samples {
     /// How many there are.
     #[must_use]

@@ -1,5 +1,6 @@
 //! Shapes as rules: fields, which say for every point whether it is inside, and grids of samples.
 mod affine;
+mod block;
 mod combine;
 mod distance;
 mod expr;
@@ -7,10 +8,18 @@ mod field;
 mod graph;
 mod grid;
 mod leaf;
+mod machine;
+mod number;
 mod op;
-mod plain;
+pub mod plain;
+mod program;
+pub mod query;
 pub mod shapes;
+mod shorten;
+mod slope;
+mod sources;
 mod tape;
+mod trilinear;
 
 pub use affine::{Affine, InvalidAffine};
 pub use combine::Repeat;
@@ -18,8 +27,10 @@ pub use distance::{Distance, Quality};
 pub use expr::Expr;
 pub use field::Field;
 pub use graph::{Graph, Term};
+pub(crate) use grid::with_samples;
 pub use grid::{Grid, InvalidGrid, Samples};
 pub use leaf::{Answer, Leaf, LeafError, Lipschitz};
 pub use op::{Binary, Unary};
-pub use plain::Slope;
+pub use slope::Slope;
 pub use tape::Tape;
+pub use trilinear::Trilinear;

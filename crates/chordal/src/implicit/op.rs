@@ -1,5 +1,5 @@
 //! The operations that expressions are made of: their names, and what they do to numbers.
-use crate::math::elementary;
+use crate::math::elementary::{self, single};
 
 /// An operation on one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -90,6 +90,7 @@ impl Unary {
     ];
 
     /// The operation on f64, rounded; NaN where there is nothing.
+    #[inline(always)]
     #[must_use]
     pub fn of(self, a: f64) -> f64 {
         match self {
@@ -112,6 +113,31 @@ impl Unary {
             Self::Not => f64::from(u8::from(a == 0.0)),
         }
     }
+
+    /// The operation on f32, rounded; NaN where there is nothing.
+    #[inline(always)]
+    #[must_use]
+    pub fn of_f32(self, a: f32) -> f32 {
+        match self {
+            Self::Neg => -a,
+            Self::Abs => a.abs(),
+            Self::Recip => 1.0 / a,
+            Self::Sqrt => a.sqrt(),
+            Self::Square => a * a,
+            Self::Floor => a.floor(),
+            Self::Ceil => a.ceil(),
+            Self::Round => a.round(),
+            Self::Sin => single::sin(a),
+            Self::Cos => single::cos(a),
+            Self::Tan => single::tan(a),
+            Self::Asin => single::asin(a),
+            Self::Acos => single::acos(a),
+            Self::Atan => single::atan(a),
+            Self::Exp => single::exp(a),
+            Self::Ln => single::ln(a),
+            Self::Not => f32::from(u8::from(a == 0.0)),
+        }
+    }
 }
 
 impl Binary {
@@ -131,6 +157,7 @@ impl Binary {
     ];
 
     /// The operation on f64, rounded; NaN where there is nothing.
+    #[inline(always)]
     #[must_use]
     pub fn of(self, a: f64, b: f64) -> f64 {
         match self {
@@ -147,6 +174,41 @@ impl Binary {
             Self::Compare if a > b => 1.0,
             Self::Compare if a == b => 0.0,
             Self::Compare => f64::NAN,
+            Self::And => {
+                if a == 0.0 {
+                    a
+                } else {
+                    b
+                }
+            }
+            Self::Or => {
+                if a == 0.0 {
+                    b
+                } else {
+                    a
+                }
+            }
+        }
+    }
+
+    /// The operation on f32, rounded; NaN where there is nothing.
+    #[inline(always)]
+    #[must_use]
+    pub fn of_f32(self, a: f32, b: f32) -> f32 {
+        match self {
+            Self::Add => a + b,
+            Self::Sub => a - b,
+            Self::Mul => a * b,
+            Self::Div => a / b,
+            Self::Min if a < b => a,
+            Self::Max if a > b => a,
+            Self::Min | Self::Max => b,
+            Self::Atan2 => single::atan2(a, b),
+            Self::Mod => a.rem_euclid(b),
+            Self::Compare if a < b => -1.0,
+            Self::Compare if a > b => 1.0,
+            Self::Compare if a == b => 0.0,
+            Self::Compare => f32::NAN,
             Self::And => {
                 if a == 0.0 {
                     a

@@ -1,8 +1,12 @@
 //! `Tape`: an expression made ready to be evaluated for many points or boxes at once.
+use super::block::Lane;
 use super::expr::Expr;
 use super::graph::{Graph, Term};
-use super::leaf::{Answer, Leaf, LeafError};
-use super::plain::{Number, Slope};
+use super::leaf::{Leaf, LeafError};
+use super::machine::Run;
+use super::program::Program;
+use super::slope::Slope;
+use super::sources::{boxed, inside, sloped};
 use crate::budget::Evidence;
 use crate::math::{Box3, Interval};
 use std::sync::Arc;
@@ -14,13 +18,79 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Tape {
     graph: Arc<Graph>,
+    plan: Arc<Plan>,
+}
+
+/// What is to be run for a batch: first what leaves are asked at, then the rest.
+#[derive(Debug)]
+struct Plan {
+    /// A leaf that is asked at what other leaves say comes in a later stage.
+    stages: Vec<Stage>,
+    last: Program,
+}
+
+/// Leaves that are asked at the same time, and what computes the three coordinates of each.
+#[derive(Debug)]
+struct Stage {
+    program: Program,
+    leaves: Vec<Arc<dyn Leaf>>,
+}
+
+impl Plan {
+    /// What leaves need is computed in the stage before them; what is needed on both sides of a leaf is computed twice.
+    fn of(terms: &[Term]) -> Self {
+        let mut stage_of = vec![0_usize; terms.len()];
+        let mut stages: Vec<Vec<u32>> = Vec::new();
+        for (k, term) in terms.iter().enumerate() {
+            let of = |part: &u32| stage_of[*part as usize];
+            stage_of[k] = match term {
+                Term::Const(_) | Term::Axis(_) => 0,
+                Term::Unary(_, a) => of(a),
+                Term::Binary(_, a, b) => of(a).max(of(b)),
+                Term::Leaf(_, at) => at.iter().map(of).fold(0, usize::max) + 1,
+            };
+            if let Term::Leaf(..) = term {
+                stages.resize_with(stages.len().max(stage_of[k]), Vec::new);
+                stages[stage_of[k] - 1].push(k as u32);
+            }
+        }
+        let order: Vec<u32> = stages.iter().flatten().copied().collect();
+        let mut input_of = vec![0_u32; if order.is_empty() { 0 } else { terms.len() }];
+        for (column, leaf) in order.iter().enumerate() {
+            input_of[*leaf as usize] = column as u32 + 3;
+        }
+        let program =
+            |outputs: &[u32]| Program::of(terms, outputs, &|leaf| input_of[leaf as usize], order.len() + 3);
+        let stage = |leaves: &Vec<u32>| {
+            let parts = |leaf: &u32| match &terms[*leaf as usize] {
+                Term::Leaf(leaf, at) => (Arc::clone(leaf), *at),
+                _ => unreachable!("only leaves are put into stages"),
+            };
+            let (leaves, at): (Vec<_>, Vec<_>) = leaves.iter().map(parts).unzip();
+            Stage { program: program(at.as_flattened()), leaves }
+        };
+        Self { stages: stages.iter().map(stage).collect(), last: program(&[terms.len() as u32 - 1]) }
+    }
 }
 
 impl Tape {
     /// The tape of an expression. Cost: linear in its distinct parts.
     #[must_use]
     pub fn of(expr: &Expr) -> Self {
-        Self { graph: Arc::new(Graph::of(expr)) }
+        Self::of_graph(Graph::of(expr))
+    }
+
+    /// The tape of the terms of an expression.
+    #[must_use]
+    pub fn of_graph(graph: Graph) -> Self {
+        let plan = Plan::of(graph.terms());
+        Self { graph: Arc::new(graph), plan: Arc::new(plan) }
+    }
+
+    /// The terms that it evaluates.
+    #[must_use]
+    pub fn graph(&self) -> &Graph {
+        &self.graph
     }
 
     /// How many steps it has.
@@ -41,6 +111,12 @@ impl Tape {
         self.graph.axes()
     }
 
+    /// Whether it asks a leaf, which wants to be asked for many points at once.
+    #[must_use]
+    pub fn has_leaves(&self) -> bool {
+        self.graph.terms().iter().any(|term| matches!(term, Term::Leaf(..)))
+    }
+
     /// What proofs that rest on [`Tape::over`] are worth: the weakest of the leaves.
     #[must_use]
     pub fn evidence(&self) -> Evidence {
@@ -56,17 +132,31 @@ impl Tape {
     /// # Errors
     /// What a leaf says.
     pub fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
-        let columns = self.columns(
-            points.len(),
-            |k, row| points[row][k],
-            |leaf, at: [&[f64]; 3]| {
-                let points: Vec<[f64; 3]> = (0..at[0].len()).map(|i| [0, 1, 2].map(|k| at[k][i])).collect();
-                let mut values = vec![0.0; points.len()];
-                leaf.at(&points, &mut values).map(|()| values)
-            },
-        )?;
-        out.copy_from_slice(&columns);
-        Ok(())
+        self.run(points.len(), |k, row| points[row][k], |row, value| out[row] = value)
+    }
+
+    /// The value at each point, given by the columns of their coordinates: what [`Tape::at`] does for points that are kept so.
+    ///
+    /// # Errors
+    /// What a leaf says.
+    pub fn at_columns(&self, points: [&[f64]; 3], out: &mut [f64]) -> Result<(), LeafError> {
+        self.run(out.len(), |k, row| points[k][row], |row, value| out[row] = value)
+    }
+
+    /// The value at each point, in f32 throughout: for pictures and previews. Leaves are asked in f64.
+    ///
+    /// # Errors
+    /// What a leaf says.
+    pub fn at_f32(&self, points: &[[f32; 3]], out: &mut [f32]) -> Result<(), LeafError> {
+        self.run(points.len(), |k, row| points[row][k], |row, value| out[row] = value)
+    }
+
+    /// [`Tape::at_f32`] for points given by the columns of their coordinates.
+    ///
+    /// # Errors
+    /// What a leaf says.
+    pub fn at_columns_f32(&self, points: [&[f32]; 3], out: &mut [f32]) -> Result<(), LeafError> {
+        self.run(out.len(), |k, row| points[k][row], |row, value| out[row] = value)
     }
 
     /// The value and the gradient at each point. Where there is a kink the gradient is that of one side. A leaf that
@@ -75,153 +165,56 @@ impl Tape {
     /// # Errors
     /// What a leaf says.
     pub fn gradient_at(&self, points: &[[f64; 3]], out: &mut [Slope<f64>]) -> Result<(), LeafError> {
-        let axis = |k: usize, row: usize| {
-            let mut slope = Slope::constant(points[row][k]);
-            slope.gradient[k] = 1.0;
-            slope
-        };
-        let columns = self.columns(points.len(), axis, |leaf, at: [&[Slope<f64>]; 3]| {
-            let places: Vec<[f64; 3]> = (0..at[0].len()).map(|i| [0, 1, 2].map(|k| at[k][i].value)).collect();
-            let mut values = vec![0.0; places.len()];
-            leaf.at(&places, &mut values)?;
-            let gradients = leaf_gradients(leaf, &places)?;
-            let slope = |i: usize| {
-                let d = |axis: usize| {
-                    let term = |k: usize| gradients[i][k] * at[k][i].gradient[axis];
-                    (term(0) + term(1)) + term(2)
-                };
-                Slope { value: values[i], gradient: [d(0), d(1), d(2)] }
-            };
-            Ok((0..places.len()).map(slope).collect())
-        })?;
-        out.copy_from_slice(&columns);
-        Ok(())
+        self.run(points.len(), |k, row| sloped(points[row][k], k), |row, value| out[row] = value)
     }
 
-    /// A range of the values in each box.
+    /// A range of the values in each box. It holds the values of the exact expression, and those that [`Tape::at`] returns
+    /// for points of the box unless they overflow.
     ///
     /// # Errors
     /// What a leaf says.
     pub fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<(), LeafError> {
-        let axis = |k: usize, row: usize| side(&boxes[row], k);
-        let columns = self.columns(boxes.len(), axis, |leaf, at: [&[Interval]; 3]| {
-            let boxes: Vec<Box3> = (0..at[0].len()).map(|i| box_of([0, 1, 2].map(|k| at[k][i]))).collect();
-            let defined = |i: usize| (0..3).all(|k| at[k][i].is_defined());
-            let mut ranges = vec![Interval::UNKNOWN; boxes.len()];
-            let answer = leaf.over(&boxes, &mut ranges)?;
-            for (i, range) in ranges.iter_mut().enumerate() {
-                if answer == Answer::None {
-                    *range = Interval::UNKNOWN;
-                } else if !defined(i) {
-                    *range = range.undefined();
-                }
-            }
-            Ok(ranges)
-        })?;
-        out.copy_from_slice(&columns);
-        Ok(())
+        self.run(boxes.len(), |k, row| boxed(&boxes[row], k), |row, value| out[row] = value)
     }
 
     /// A range of the values in each box, and of each partial derivative: of all generalized gradients (Clarke's) where
-    /// there are kinks, so that the mean value theorem holds with them.
+    /// there are kinks, so that the mean value theorem holds with them. All four are defined or none is.
     ///
     /// # Errors
     /// What a leaf says.
     pub fn gradient_over(&self, boxes: &[Box3], out: &mut [Slope<Interval>]) -> Result<(), LeafError> {
-        let axis = |k: usize, row: usize| {
-            let mut slope = Slope::constant(0.0);
-            slope.value = side(&boxes[row], k);
-            slope.gradient[k] = Interval::point(1.0);
-            slope
-        };
-        let columns = self.columns(boxes.len(), axis, |leaf, at: [&[Slope<Interval>]; 3]| {
-            let boxes: Vec<Box3> =
-                (0..at[0].len()).map(|i| box_of([0, 1, 2].map(|k| at[k][i].value))).collect();
-            let mut ranges = vec![Interval::UNKNOWN; boxes.len()];
-            let mut gradients = vec![[Interval::UNKNOWN; 3]; boxes.len()];
-            if leaf.over(&boxes, &mut ranges)? == Answer::None {
-                ranges.fill(Interval::UNKNOWN);
-            }
-            if leaf.gradient_over(&boxes, &mut gradients)? == Answer::None {
-                gradients.fill([Interval::UNKNOWN; 3]);
-            }
-            let slope = |i: usize| {
-                let d = |axis: usize| {
-                    let term = |k: usize| gradients[i][k] * at[k][i].gradient[axis];
-                    (term(0) + term(1)) + term(2)
-                };
-                let defined = (0..3).all(|k| at[k][i].value.is_defined());
-                let value = if defined { ranges[i] } else { ranges[i].undefined() };
-                Slope { value, gradient: [d(0), d(1), d(2)] }
-            };
-            Ok((0..boxes.len()).map(slope).collect())
-        })?;
-        out.copy_from_slice(&columns);
-        Ok(())
+        let axis = |k: usize, row: usize| sloped(boxed(&boxes[row], k), k);
+        self.run(boxes.len(), axis, |row, value| out[row] = value)
     }
 
     /// The range of the values in a box, and a shorter tape that has the same values inside of it, where one branch of a
-    /// minimum or maximum always wins there.
+    /// minimum or maximum always wins there. None where that leaves out less than an eighth.
     ///
     /// # Errors
     /// What a leaf says.
     pub fn shortened(&self, bounds: &Box3) -> Result<(Interval, Option<Self>), LeafError> {
-        let mut range = [Interval::UNKNOWN];
-        self.over(std::slice::from_ref(bounds), &mut range)?;
-        Ok((range[0], None))
+        let (range, graph) = self.graph.shortened(bounds)?;
+        Ok((range, graph.map(Self::of_graph)))
     }
 
-    /// Every term for every row; the last term's column.
-    fn columns<N: Number>(
+    /// Evaluates every row: `axis` has the coordinate `k` of one, `put` takes its value. A leaf is asked once, for all.
+    fn run<N: Lane>(
         &self,
         rows: usize,
         axis: impl Fn(usize, usize) -> N,
-        leaf_of: impl Fn(&dyn Leaf, [&[N]; 3]) -> Result<Vec<N>, LeafError>,
-    ) -> Result<Vec<N>, LeafError> {
-        let mut columns: Vec<Vec<N>> = Vec::with_capacity(self.len());
-        for term in self.graph.terms() {
-            let column = |number: &u32| &columns[*number as usize];
-            let next = match term {
-                Term::Const(value) => vec![N::constant(*value); rows],
-                Term::Axis(k) => (0..rows).map(|row| axis(usize::from(*k), row)).collect(),
-                Term::Unary(op, a) => column(a).iter().map(|a| N::unary(*op, a)).collect(),
-                Term::Binary(op, a, b) => {
-                    column(a).iter().zip(column(b)).map(|(a, b)| N::binary(*op, a, b)).collect()
-                }
-                Term::Leaf(leaf, at) => leaf_of(&**leaf, at.each_ref().map(|a| column(a).as_slice()))?,
-            };
-            columns.push(next);
+        mut put: impl FnMut(usize, N),
+    ) -> Result<(), LeafError> {
+        let mut columns: Vec<Vec<N>> = Vec::new();
+        for Stage { program, leaves } in &self.plan.stages {
+            let mut places = vec![vec![N::constant(0.0); rows]; program.outputs.len()];
+            let keep = |k: usize, row: usize, value: N| places[k][row] = value;
+            Run { program, rows, axis: &axis, columns: &columns, put: keep }.dispatch();
+            for (leaf, at) in leaves.iter().zip(places.chunks_exact(3)) {
+                columns.push(N::of_leaf(&**leaf, &inside([&at[0], &at[1], &at[2]]))?);
+            }
         }
-        Ok(columns.pop().unwrap_or_default())
+        let put = |_, row: usize, value: N| put(row, value);
+        Run { program: &self.plan.last, rows, axis: &axis, columns: &columns, put }.dispatch();
+        Ok(())
     }
-}
-
-/// The leaf's own gradients, or those of a linear function through four samples around each point.
-fn leaf_gradients(leaf: &dyn Leaf, points: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, LeafError> {
-    const CORNERS: [[f64; 3]; 4] = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
-    let mut gradients = vec![[0.0; 3]; points.len()];
-    if leaf.gradient_at(points, &mut gradients)? == Answer::Given {
-        return Ok(gradients);
-    }
-    let step = leaf.difference_step();
-    let around: Vec<[f64; 3]> =
-        points.iter().flat_map(|p| CORNERS.map(|c| std::array::from_fn(|k| p[k] + step * c[k]))).collect();
-    let mut values = vec![0.0; around.len()];
-    leaf.at(&around, &mut values)?;
-    for (gradient, four) in gradients.iter_mut().zip(values.chunks_exact(4)) {
-        *gradient = std::array::from_fn(|k| {
-            let sum = (four[0] * CORNERS[0][k] + four[1] * CORNERS[1][k])
-                + (four[2] * CORNERS[2][k] + four[3] * CORNERS[3][k]);
-            sum / (4.0 * step)
-        });
-    }
-    Ok(gradients)
-}
-
-fn side(bounds: &Box3, k: usize) -> Interval {
-    Interval::new(bounds.min[k], bounds.max[k]).unwrap_or(Interval::UNKNOWN)
-}
-
-fn box_of(sides: [Interval; 3]) -> Box3 {
-    Box3 { min: sides.map(Interval::lo), max: sides.map(Interval::hi) }
 }

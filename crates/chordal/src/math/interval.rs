@@ -13,9 +13,13 @@
 //! [`Interval::is_defined`] is lost only when growing.
 //!
 //! Source: IEEE Std 1788-2015, set-based flavour; the flag is its decoration `dac`.
-use super::{sqrt_down, sqrt_up, sub_up};
+use super::sub_up;
+use ends::{Ends, lower, step_down, step_up, upper};
 use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
+
+mod elementary;
+pub(crate) mod ends;
 
 /// All real numbers from `lo` to `hi`, or none, and whether the expression that made it is defined and continuous
 /// for all points of the box that it was evaluated over.
@@ -59,21 +63,21 @@ impl Interval {
     }
 
     /// The number `x` alone; [`Interval::UNKNOWN`] when `x` is NaN or infinite.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn point(x: f64) -> Self {
         if x.is_finite() { Self { lo: x, hi: x, defined: true } } else { Self::UNKNOWN }
     }
 
     /// The low end; +∞ when empty.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn lo(self) -> f64 {
         self.lo
     }
 
     /// The high end; −∞ when empty.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn hi(self) -> f64 {
         self.hi
@@ -81,21 +85,21 @@ impl Interval {
 
     /// Whether the expression is defined and continuous for every point of the box: only then does a change of sign
     /// between two points prove a zero between them.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn is_defined(self) -> bool {
         self.defined
     }
 
     /// The same numbers without the claim: for an operation that jumps or has no value somewhere.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn undefined(self) -> Self {
         Self { defined: false, ..self }
     }
 
     /// Whether it holds no number.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn is_empty(self) -> bool {
         self.lo > self.hi
@@ -121,17 +125,18 @@ impl Interval {
     }
 
     /// The smallest interval around both; defined where both are.
+    #[inline(always)]
     #[must_use]
     pub fn hull(self, other: Self) -> Self {
         let (lo, hi) = (lower(self.lo, other.lo), upper(self.hi, other.hi));
-        Self { lo, hi, defined: self.defined && other.defined }
+        Self { lo, hi, defined: self.defined & other.defined }
     }
 
     /// The numbers that are in both; defined where both are, [`Interval::EMPTY`] when there are none.
     #[must_use]
     pub fn intersection(self, other: Self) -> Self {
         let (lo, hi) = (upper(self.lo, other.lo), lower(self.hi, other.hi));
-        if lo <= hi { Self { lo, hi, defined: self.defined && other.defined } } else { Self::EMPTY }
+        if lo <= hi { Self { lo, hi, defined: self.defined & other.defined } } else { Self::EMPTY }
     }
 
     /// `hi − lo`, bounded from above: 0 for a point and for the empty interval, ∞ for an open end.
@@ -163,61 +168,67 @@ impl Interval {
         if self.is_empty() { 0.0 } else { upper(self.lo.abs(), self.hi.abs()) }
     }
 
+    #[inline(always)]
+    pub(crate) fn ends(self) -> Ends {
+        Ends { lo: self.lo, hi: self.hi }
+    }
+
+    /// A defined range from its ends, which are those of a range.
+    #[inline(always)]
+    pub(crate) fn from_parts(lo: f64, hi: f64) -> Self {
+        Self { lo, hi, defined: true }
+    }
+
+    /// This where the condition holds, else the other, without a branch.
+    #[inline(always)]
+    pub(crate) fn choose(self, condition: bool, other: Self) -> Self {
+        Self {
+            lo: if condition { self.lo } else { other.lo },
+            hi: if condition { self.hi } else { other.hi },
+            defined: (condition & self.defined) | (!condition & other.defined),
+        }
+    }
+
+    /// A range from what an operation made; the empty one is never defined.
+    #[inline(always)]
+    pub(crate) fn from_ends(ends: Ends, defined: bool) -> Self {
+        Self { lo: ends.lo, hi: ends.hi, defined: defined & !ends.is_empty() }
+    }
+
     /// `|x|`, exactly.
+    #[inline(always)]
     #[must_use]
     pub fn abs(self) -> Self {
-        if self.is_empty() || self.lo >= 0.0 {
-            self
-        } else if self.hi <= 0.0 {
-            -self
-        } else {
-            Self { lo: 0.0, hi: upper(-self.lo, self.hi), defined: self.defined }
-        }
+        Self::from_ends(self.ends().abs(), self.defined)
     }
 
     /// The smaller of a number of each, exactly.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn min(self, other: Self) -> Self {
-        if self.is_empty() || other.is_empty() {
-            return Self::EMPTY;
-        }
-        let (lo, hi) = (lower(self.lo, other.lo), lower(self.hi, other.hi));
-        Self { lo, hi, defined: self.defined && other.defined }
+        Self::from_ends(self.ends().min(other.ends()), self.defined & other.defined)
     }
 
     /// The larger of a number of each, exactly.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn max(self, other: Self) -> Self {
-        if self.is_empty() || other.is_empty() {
-            return Self::EMPTY;
-        }
-        let (lo, hi) = (upper(self.lo, other.lo), upper(self.hi, other.hi));
-        Self { lo, hi, defined: self.defined && other.defined }
+        Self::from_ends(self.ends().max(other.ends()), self.defined & other.defined)
     }
 
     /// `x²`, never below 0.
+    #[inline(always)]
     #[must_use]
     pub fn square(self) -> Self {
-        if self.is_empty() {
-            return Self::EMPTY;
-        }
-        let Self { lo, hi, defined } = self.abs();
-        Self { lo: product_down(lo, lo), hi: product_up(hi, hi), defined }
+        Self::from_ends(self.ends().square(), self.defined)
     }
 
     /// `√x` over the part that is not negative: defined only where there is no other part, empty when there is
     /// nothing else.
+    #[inline(always)]
     #[must_use]
     pub fn sqrt(self) -> Self {
-        // This holds for the empty interval too.
-        if self.hi < 0.0 {
-            return Self::EMPTY;
-        }
-        let lo = if self.lo > 0.0 { sqrt_down(self.lo) } else { 0.0 };
-        let hi = if self.hi > 0.0 { sqrt_up(self.hi) } else { 0.0 };
-        Self { lo, hi, defined: self.defined && self.lo >= 0.0 }
+        Self::from_ends(self.ends().sqrt(), self.defined & (self.lo >= 0.0))
     }
 
     /// `xⁿ`; `x⁰` is 1 for every `x`. A negative power of an interval with 0 is [`Interval::UNKNOWN`].
@@ -253,7 +264,7 @@ impl Interval {
 impl Neg for Interval {
     type Output = Self;
 
-    #[inline]
+    #[inline(always)]
     fn neg(self) -> Self {
         Self { lo: -self.hi, hi: -self.lo, defined: self.defined }
     }
@@ -262,24 +273,16 @@ impl Neg for Interval {
 impl Add for Interval {
     type Output = Self;
 
-    #[inline]
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
-        if self.is_empty() || other.is_empty() {
-            return Self::EMPTY;
-        }
-        // Low ends are never +∞ and high ends never −∞, so no ∞ − ∞ arises.
-        let (lo, hi) = (self.lo + other.lo, self.hi + other.hi);
-        // A sum that rounds to 0 is 0: addition does not underflow.
-        let (lo, hi) =
-            (if lo == 0.0 { 0.0 } else { lo.next_down() }, if hi == 0.0 { 0.0 } else { hi.next_up() });
-        Self { lo, hi, defined: self.defined && other.defined }
+        Self::from_ends(self.ends().add(other.ends()), self.defined & other.defined)
     }
 }
 
 impl Sub for Interval {
     type Output = Self;
 
-    #[inline]
+    #[inline(always)]
     fn sub(self, other: Self) -> Self {
         self + -other
     }
@@ -288,18 +291,9 @@ impl Sub for Interval {
 impl Mul for Interval {
     type Output = Self;
 
+    #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        if self.is_empty() || other.is_empty() {
-            return Self::EMPTY;
-        }
-        let ends = [(self.lo, other.lo), (self.lo, other.hi), (self.hi, other.lo), (self.hi, other.hi)];
-        let downs = ends.map(|(a, b)| product_down(a, b));
-        let ups = ends.map(|(a, b)| product_up(a, b));
-        Self {
-            lo: lower(lower(downs[0], downs[1]), lower(downs[2], downs[3])),
-            hi: upper(upper(ups[0], ups[1]), upper(ups[2], ups[3])),
-            defined: self.defined && other.defined,
-        }
+        Self::from_ends(self.ends().mul(other.ends()), self.defined & other.defined)
     }
 }
 
@@ -307,19 +301,10 @@ impl Div for Interval {
     type Output = Self;
 
     /// `x / y`; [`Interval::UNKNOWN`] when `other` holds 0.
+    #[inline(always)]
     fn div(self, other: Self) -> Self {
-        if self.is_empty() || other.is_empty() {
-            return Self::EMPTY;
-        }
-        if other.lo <= 0.0 && other.hi >= 0.0 {
-            return Self::UNKNOWN;
-        }
-        let (over, under) = if other.hi < 0.0 { (-self, -other) } else { (self, other) };
-        // With a positive divisor the smaller one of its ends makes the larger quotient. No ∞/∞ arises: the
-        // dividends below that may be infinite go with the divisor's low end, which is finite.
-        let lo = quotient_down(over.lo, if over.lo >= 0.0 { under.hi } else { under.lo });
-        let hi = quotient_up(over.hi, if over.hi >= 0.0 { under.lo } else { under.hi });
-        Self { lo, hi, defined: self.defined && other.defined }
+        let defined = self.defined & other.defined & !other.ends().has_zero();
+        Self::from_ends(self.ends().div(other.ends()), defined)
     }
 }
 
@@ -350,46 +335,19 @@ impl fmt::Display for InvalidInterval {
 impl std::error::Error for InvalidInterval {}
 
 #[inline]
-fn lower(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-#[inline]
-fn upper(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-/// A bound from below on a product or quotient from its rounded value. The sign of a result is always right, also
-/// where it underflows to ±0, so +0 is such a bound already.
-#[inline]
-fn below(rounded: f64) -> f64 {
-    if rounded == 0.0 && rounded.is_sign_positive() { 0.0 } else { rounded.next_down() }
-}
-
-/// A bound from above, as [`below`].
-#[inline]
-fn above(rounded: f64) -> f64 {
-    if rounded == 0.0 && rounded.is_sign_negative() { 0.0 } else { rounded.next_up() }
-}
-
-#[inline]
 fn product_down(a: f64, b: f64) -> f64 {
     if a == 0.0 || b == 0.0 { 0.0 } else { below(a * b) }
 }
 
 #[inline]
 fn product_up(a: f64, b: f64) -> f64 {
-    if a == 0.0 || b == 0.0 { 0.0 } else { above(a * b) }
+    if a == 0.0 || b == 0.0 { 0.0 } else { step_up(a * b) }
 }
 
+/// A bound from below on a product of positive numbers: one that underflows is not below 0.
 #[inline]
-fn quotient_down(a: f64, b: f64) -> f64 {
-    if a == 0.0 { 0.0 } else { below(a / b) }
-}
-
-#[inline]
-fn quotient_up(a: f64, b: f64) -> f64 {
-    if a == 0.0 { 0.0 } else { above(a / b) }
+fn below(rounded: f64) -> f64 {
+    if rounded == 0.0 { 0.0 } else { step_down(rounded) }
 }
 
 /// `x^count` for `x ≥ 0` and `count ≥ 1` by squaring; a bound in the direction of `times`.

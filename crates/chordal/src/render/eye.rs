@@ -23,6 +23,16 @@ const FILL: f64 = 0.84;
 /// ```
 #[must_use]
 pub fn frame(mesh: &Mesh, up: Up, screen: Screen) -> Camera {
+    let used = || mesh.faces().iter().flatten().map(|i| DVec3::from(mesh.positions()[*i as usize]));
+    frame_points(used, up, screen)
+}
+
+/// The same for any points.
+pub(super) fn frame_points<I: Iterator<Item = DVec3>>(
+    used: impl Fn() -> I,
+    up: Up,
+    screen: Screen,
+) -> Camera {
     let [azimuth, elevation] = [AZIMUTH_DEG, ELEVATION_DEG].map(f64::to_radians);
     let (sin_a, cos_a) = (libm::sin(azimuth), libm::cos(azimuth));
     let (sin_e, cos_e) = (libm::sin(elevation), libm::cos(elevation));
@@ -34,7 +44,6 @@ pub fn frame(mesh: &Mesh, up: Up, screen: Screen) -> Camera {
     let above = right.cross(forward);
     let tan_y = libm::tan(FOV_Y_DEG.to_radians() / 2.0) * FILL;
     let tan_x = tan_y * f64::from(screen.width_px) / f64::from(screen.height_px.max(1));
-    let used = || mesh.faces().iter().flatten().map(|i| DVec3::from(mesh.positions()[*i as usize]));
     let centre = used().next().unwrap_or(DVec3::ZERO);
     // A point p at depth d lies inside when |p·right| ≤ tan·d: with the eye's coordinates, four half-planes, each
     // pushed out by one point. Where opposite ones meet is the nearest eye for that axis; the farther one serves both.

@@ -2,7 +2,7 @@
 use super::color::light;
 use super::options::Up;
 use super::pattern::{PixelPattern, tangents};
-use super::surface::{Spot, Surface};
+use super::surface::Spot;
 use crate::budget::Camera;
 use crate::math::Box3;
 use glam::DVec3;
@@ -105,7 +105,7 @@ impl Studio {
     }
 
     /// The light on a surface with a normal to shade by and one of its own.
-    fn light_on(&self, surface: &Surface, origin: DVec3, normals: [DVec3; 2], rays: Rays) -> Light {
+    fn light_on(&self, shadows: &mut impl Shadows, origin: DVec3, normals: [DVec3; 2], rays: Rays) -> Light {
         let [normal, flat] = normals;
         let mut found = Light { sky: 0.0, lamp: 0.0, open_sky: 0.0, open_lamp: 0.0 };
         let directions = rays.pattern.sky(rays.ray, normal);
@@ -114,7 +114,7 @@ impl Studio {
             let light = self.sky(direction) * share;
             found.open_sky += light;
             // Below the triangle's own plane there is no sky.
-            let hidden = direction.dot(flat) <= 0.0 || surface.shadowed(origin, direction);
+            let hidden = direction.dot(flat) <= 0.0 || shadows.hides(origin, direction);
             found.sky += if hidden { HIDDEN_LIGHT * share } else { light };
         }
         let points = rays.pattern.lamp(rays.ray);
@@ -124,7 +124,7 @@ impl Studio {
             let light = normal.dot(direction.normalize()) * share;
             if light > 0.0 {
                 found.open_lamp += light;
-                if direction.dot(flat) > 0.0 && !surface.shadowed(origin, direction) {
+                if direction.dot(flat) > 0.0 && !shadows.hides(origin, direction) {
                     found.lamp += light;
                 }
             }
@@ -133,9 +133,9 @@ impl Studio {
     }
 
     /// The light that a spot sends along a ray.
-    pub fn shade(&self, surface: &Surface, spot: &Spot, direction: DVec3, rays: Rays) -> DVec3 {
+    pub fn shade(&self, shadows: &mut impl Shadows, spot: &Spot, direction: DVec3, rays: Rays) -> DVec3 {
         let albedo = if spot.front { self.front } else { self.back };
-        let found = self.light_on(surface, spot.origin, [spot.normal, spot.flat], rays);
+        let found = self.light_on(shadows, spot.origin, [spot.normal, spot.flat], rays);
         let diffuse = albedo * (found.sky + found.lamp);
         if self.material == Material::Paper {
             return diffuse;
@@ -146,7 +146,7 @@ impl Studio {
         // Near outlines a smooth normal mirrors into the triangle; the curved surface that it stands for does not.
         let into = mirrored.dot(spot.flat);
         let mirrored = if into < 0.0 { mirrored - spot.flat * (2.0 * into) } else { mirrored };
-        let seen = if surface.shadowed(spot.origin, mirrored) {
+        let seen = if shadows.hides(spot.origin, mirrored) {
             HIDDEN_LIGHT
         } else {
             self.sky(mirrored) + GLINT_LIGHT * ramp(GLINT_COS, mirrored.dot(self.lamp))
@@ -163,7 +163,13 @@ impl Studio {
     }
 
     /// Where a ray meets the ground from above: the share of light that the mesh leaves there.
-    pub fn ground(&self, surface: &Surface, origin: DVec3, direction: DVec3, rays: Rays) -> Option<f64> {
+    pub fn ground(
+        &self,
+        shadows: &mut impl Shadows,
+        origin: DVec3,
+        direction: DVec3,
+        rays: Rays,
+    ) -> Option<f64> {
         let (height, slope) = (origin.dot(self.up) - self.ground, direction.dot(self.up));
         if height <= 0.0 || slope >= 0.0 {
             return None;
@@ -173,10 +179,19 @@ impl Studio {
         if fade >= 1.0 {
             return None;
         }
-        let found = self.light_on(surface, at + self.up * surface.lift(), [self.up, self.up], rays);
+        let found = self.light_on(shadows, at + self.up * shadows.lift(), [self.up, self.up], rays);
         let share = (found.sky + found.lamp) / (found.open_sky + found.open_lamp);
         Some(share + (1.0 - share) * fade)
     }
+}
+
+/// What stands in the light. The rays that are asked for never depend on the answers, so they may be collected first and
+/// answered together: shading once with answers made up gives all the rays, and once more with the answers the light.
+pub(super) trait Shadows {
+    /// Whether something stands between a place and the light in a direction.
+    fn hides(&mut self, origin: DVec3, direction: DVec3) -> bool;
+    /// By how much rays start off the ground.
+    fn lift(&self) -> f64;
 }
 
 /// Which of a pixel's rays asks.

@@ -1,6 +1,8 @@
 //! Pictures of shapes, ray-traced and the same on every machine.
 mod color;
+mod drawing;
 mod eye;
+mod field;
 mod heat;
 mod light;
 mod normals;
@@ -11,6 +13,7 @@ mod surface;
 mod trace;
 
 pub use eye::frame;
+pub use field::{FieldPicture, NotDrawn, frame_field, render_field};
 pub use heat::Against;
 pub use options::{Background, Cull, Options, Show, Up, Viewpoint};
 pub use picture::Picture;

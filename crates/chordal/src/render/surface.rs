@@ -1,4 +1,5 @@
 //! `Surface`: the mesh as rays see it.
+use super::light::Shadows;
 use super::normals::Normals;
 use super::options::{Cull, Options, Show};
 use crate::budget::{Job, Stopped};
@@ -57,10 +58,6 @@ impl<'a> Surface<'a> {
         &self.bvh
     }
 
-    pub fn lift(&self) -> f64 {
-        self.lift
-    }
-
     pub fn corners(&self, face: usize) -> [[f64; 3]; 3] {
         self.mesh.corners(face)
     }
@@ -103,15 +100,20 @@ impl<'a> Surface<'a> {
         }
         if sum.is_finite() { at + sum } else { at }
     }
+}
 
-    /// Whether something stands between a place and the light in a direction.
-    pub fn shadowed(&self, origin: DVec3, direction: DVec3) -> bool {
+impl Shadows for &Surface<'_> {
+    fn hides(&mut self, origin: DVec3, direction: DVec3) -> bool {
         self.bvh.any_hit(&Ray::new(origin.into(), direction.into()))
+    }
+
+    fn lift(&self) -> f64 {
+        self.lift
     }
 }
 
 /// The normal, turned towards the viewer where it points away although the triangle is seen: to just across the ray.
-fn towards(normal: DVec3, flat: DVec3, direction: DVec3) -> DVec3 {
+pub(super) fn towards(normal: DVec3, flat: DVec3, direction: DVec3) -> DVec3 {
     let away = normal.dot(direction);
     if away <= 0.0 {
         return normal;

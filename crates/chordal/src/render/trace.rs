@@ -2,12 +2,12 @@
 use super::color::{byte, light, srgb};
 use super::eye::Eye;
 use super::heat::{Against, Heat};
-use super::light::{Material, Rays, Studio};
+use super::light::{Material, Rays, Shadows, Studio};
 use super::options::{Background, Options, Show, Viewpoint};
 use super::pattern::Pattern;
 use super::surface::Surface;
 use super::{Picture, frame};
-use crate::budget::{Code, Job, Progress, Refusal, Screen, Stopped, View, par_map};
+use crate::budget::{Camera, Code, Job, Progress, Refusal, Screen, Stopped, View, par_map};
 use crate::explicit::{Mesh, Ray};
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -78,21 +78,8 @@ fn shoot(mesh: &Mesh, options: &Options, heat: Option<Heat>, job: &Job) -> Resul
         Viewpoint::Automatic(screen) => frame(mesh, options.up, screen),
         Viewpoint::Camera(camera) => camera,
     };
-    let refused = |code, message| Stopped::Refused(Refusal { code, message });
-    View::Camera(camera).checked().map_err(|wrong| refused(Code::Unsupported, wrong.to_string()))?;
-    let eye = Eye::new(&camera).ok_or_else(|| refused(Code::Unsupported, "the camera has no axes".into()))?;
-    if options.samples == 0 || options.samples > MOST_SAMPLES {
-        let message = format!("samples are 1 to {MOST_SAMPLES} a pixel's side, not {}", options.samples);
-        return Err(refused(Code::Unsupported, message));
-    }
+    let eye = ready(&camera, options, job)?;
     let Screen { width_px: width, height_px: height } = camera.screen;
-    // Each row once by itself and once in the picture.
-    let bytes = (8 * u64::from(width)).saturating_mul(u64::from(height));
-    if bytes > job.memory_limit {
-        let message =
-            format!("{width}x{height} pixels need {bytes} bytes; the limit is {}", job.memory_limit);
-        return Err(refused(Code::TooMuchMemory, message));
-    }
     let surface = Surface::new(mesh, options, job)?;
     let drawn_on = options.show == Show::Wire || heat.is_some();
     let material = if drawn_on { Material::Paper } else { Material::Clay };
@@ -108,12 +95,11 @@ fn shoot(mesh: &Mesh, options: &Options, heat: Option<Heat>, job: &Job) -> Resul
     };
     let done = AtomicU64::new(0);
     let rows: Vec<u32> = (0..height).collect();
-    let [top, bottom] = BACKDROP.map(light);
     let rows = par_map(job, &rows, |_, y| {
         if job.is_cancelled() {
             return Vec::new();
         }
-        let backdrop = top.lerp(bottom, (f64::from(*y) + 0.5) / f64::from(height));
+        let backdrop = backdrop(*y, height);
         let row: Vec<u8> = (0..width).flat_map(|x| tracer.pixel(x, *y, backdrop)).collect();
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
         job.report(Progress { stage: "render", done, total: u64::from(height) });
@@ -123,6 +109,32 @@ fn shoot(mesh: &Mesh, options: &Options, heat: Option<Heat>, job: &Job) -> Resul
         return Err(Stopped::Cancelled);
     }
     Ok(Picture { width, height, rgba: rows.concat() })
+}
+
+/// The eye of a picture, when there can be one.
+pub(super) fn ready(camera: &Camera, options: &Options, job: &Job) -> Result<Eye, Stopped> {
+    let refused = |code, message| Stopped::Refused(Refusal { code, message });
+    View::Camera(*camera).checked().map_err(|wrong| refused(Code::Unsupported, wrong.to_string()))?;
+    let eye = Eye::new(camera).ok_or_else(|| refused(Code::Unsupported, "the camera has no axes".into()))?;
+    if options.samples == 0 || options.samples > MOST_SAMPLES {
+        let message = format!("samples are 1 to {MOST_SAMPLES} a pixel's side, not {}", options.samples);
+        return Err(refused(Code::Unsupported, message));
+    }
+    let Screen { width_px: width, height_px: height } = camera.screen;
+    // Each row once by itself and once in the picture.
+    let bytes = (8 * u64::from(width)).saturating_mul(u64::from(height));
+    if bytes > job.memory_limit {
+        let message =
+            format!("{width}x{height} pixels need {bytes} bytes; the limit is {}", job.memory_limit);
+        return Err(refused(Code::TooMuchMemory, message));
+    }
+    Ok(eye)
+}
+
+/// What is behind the shape in row `y`, from the top of the picture to its bottom.
+pub(super) fn backdrop(y: u32, height: u32) -> DVec3 {
+    let [top, bottom] = BACKDROP.map(light);
+    top.lerp(bottom, (f64::from(y) + 0.5) / f64::from(height))
 }
 
 struct Tracer<'a> {
@@ -137,45 +149,85 @@ struct Tracer<'a> {
 
 /// Colour times alpha, and alpha.
 #[derive(Clone, Copy)]
-struct Sample {
-    color: DVec3,
-    alpha: f64,
+pub(super) struct Sample {
+    pub color: DVec3,
+    pub alpha: f64,
+}
+
+impl Sample {
+    pub const NOTHING: Self = Self { color: DVec3::ZERO, alpha: 0.0 };
+
+    /// One more of a pixel's. Clamped one by one: a glint brighter than white would eat the smoothness of its outline.
+    pub fn add(&mut self, sample: Self) {
+        self.color += sample.color.clamp(DVec3::ZERO, DVec3::ONE);
+        self.alpha += sample.alpha;
+    }
+
+    /// The bytes of the mean of `n` samples.
+    pub fn bytes(&self, n: usize, show: Show) -> [u8; 4] {
+        if self.alpha <= 0.0 {
+            return [0; 4];
+        }
+        let [r, g, b] = (self.color / self.alpha).to_array();
+        let encode = if show == Show::Normals { byte } else { srgb };
+        [encode(r), encode(g), encode(b), byte(self.alpha / n as f64)]
+    }
+}
+
+/// A ray of the picture, which of its pixel's it is, and the backdrop there.
+#[derive(Clone, Copy)]
+pub(super) struct Look<'a> {
+    pub ray: Ray,
+    pub rays: Rays<'a>,
+    pub backdrop: DVec3,
+}
+
+/// What a ray sees that meets nothing.
+pub(super) fn behind(studio: &Studio, options: &Options, shadows: &mut impl Shadows, look: &Look) -> Sample {
+    if options.background == Background::Transparent {
+        return Sample::NOTHING;
+    }
+    let has_ground = matches!(options.show, Show::Shaded | Show::Flat);
+    let mut ground = || {
+        let (origin, direction) = (DVec3::from(look.ray.origin), DVec3::from(look.ray.direction));
+        studio.ground(shadows, origin, direction, look.rays)
+    };
+    let share = if has_ground { ground().unwrap_or(1.0) } else { 1.0 };
+    if options.background == Background::Shadow {
+        return Sample { alpha: 1.0 - share, ..Sample::NOTHING };
+    }
+    let color = if options.show == Show::Normals { DVec3::ONE } else { look.backdrop * share };
+    Sample { color, alpha: 1.0 }
 }
 
 impl Tracer<'_> {
     fn pixel(&self, x: u32, y: u32, backdrop: DVec3) -> [u8; 4] {
         let pattern = self.pattern.of_pixel(x, y);
-        let mut sum = Sample { color: DVec3::ZERO, alpha: 0.0 };
-        for (ray, [dx, dy]) in self.pattern.places.iter().enumerate() {
-            let found = self.eye.ray([f64::from(x) + dx, f64::from(y) + dy]);
-            let sample = self.sample(&found, Rays { pattern, ray }, backdrop);
-            // Clamped one by one: a glint brighter than white would eat the smoothness of its outline.
-            sum.color += sample.color.clamp(DVec3::ZERO, DVec3::ONE);
-            sum.alpha += sample.alpha;
+        let mut sum = Sample::NOTHING;
+        for (index, [dx, dy]) in self.pattern.places.iter().enumerate() {
+            let ray = self.eye.ray([f64::from(x) + dx, f64::from(y) + dy]);
+            sum.add(self.sample(&Look { ray, rays: Rays { pattern, ray: index }, backdrop }));
         }
-        if sum.alpha <= 0.0 {
-            return [0; 4];
-        }
-        let [r, g, b] = (sum.color / sum.alpha).to_array();
-        let alpha = byte(sum.alpha / self.pattern.places.len() as f64);
-        let encode = if self.options.show == Show::Normals { byte } else { srgb };
-        [encode(r), encode(g), encode(b), alpha]
+        sum.bytes(self.pattern.places.len(), self.options.show)
     }
 
-    fn sample(&self, ray: &Ray, rays: Rays, backdrop: DVec3) -> Sample {
-        let Some((hit, spot)) = self.surface.meet(ray) else { return self.behind(ray, rays, backdrop) };
+    fn sample(&self, look: &Look) -> Sample {
+        let (ray, rays) = (&look.ray, look.rays);
+        let Some((hit, spot)) = self.surface.meet(ray) else {
+            return behind(&self.studio, &self.options, &mut &self.surface, look);
+        };
         let direction = DVec3::from(ray.direction);
         let color = match self.options.show {
             Show::Normals => spot.normal_as_color(),
             Show::Shaded | Show::Flat => {
-                let lit = self.studio.shade(&self.surface, &spot, direction, rays);
+                let lit = self.studio.shade(&mut &self.surface, &spot, direction, rays);
                 match &self.heat {
                     Some(heat) => self.studio.tinted(lit, &spot, heat.at(ray.at(hit.t))),
                     None => lit,
                 }
             }
             Show::Wire => {
-                let paper = self.studio.shade(&self.surface, &spot, direction, rays);
+                let paper = self.studio.shade(&mut &self.surface, &spot, direction, rays);
                 paper.lerp(self.line_light, self.line(ray, self.surface.corners(spot.face)))
             }
         };
@@ -193,23 +245,5 @@ impl Tracer<'_> {
         let radius = 1.0 / edges.iter().map(|e| 1.0 / e[1]).sum::<f64>();
         let room = radius / LINE_PX;
         side * if room < 1.0 { 0.3 + 0.7 * room } else { 1.0 }
-    }
-
-    fn behind(&self, ray: &Ray, rays: Rays, backdrop: DVec3) -> Sample {
-        let nothing = Sample { color: DVec3::ZERO, alpha: 0.0 };
-        if self.options.background == Background::Transparent {
-            return nothing;
-        }
-        let has_ground = matches!(self.options.show, Show::Shaded | Show::Flat);
-        let ground = || {
-            let (origin, direction) = (DVec3::from(ray.origin), DVec3::from(ray.direction));
-            self.studio.ground(&self.surface, origin, direction, rays)
-        };
-        let share = if has_ground { ground().unwrap_or(1.0) } else { 1.0 };
-        if self.options.background == Background::Shadow {
-            return Sample { alpha: 1.0 - share, ..nothing };
-        }
-        let color = if self.options.show == Show::Normals { DVec3::ONE } else { backdrop * share };
-        Sample { color, alpha: 1.0 }
     }
 }

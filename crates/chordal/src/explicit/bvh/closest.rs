@@ -150,6 +150,21 @@ impl Query {
     }
 }
 
+/// The squared distance from `q` to the box of a triangle.
+#[inline]
+fn box_square(q: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> f64 {
+    let mut square = 0.0;
+    for k in 0..3 {
+        let (low, high) = if a[k] < b[k] { (a[k], b[k]) } else { (b[k], a[k]) };
+        let (low, high) = (if c[k] < low { c[k] } else { low }, if c[k] > high { c[k] } else { high });
+        let (below, above) = (low - q[k], q[k] - high);
+        let gap = if below > above { below } else { above };
+        let gap = if gap > 0.0 { gap } else { 0.0 };
+        square += gap * gap;
+    }
+    square
+}
+
 /// The triangle with the least value so far.
 #[derive(Clone, Copy)]
 struct Least {
@@ -223,21 +238,62 @@ impl Bvh {
 
     /// The triangle of least `square` (of the triangle), and of those the lowest face.
     fn least(&self, query: &Query, square: impl FnMut(&Triangle) -> f64) -> Option<Least> {
+        let unknown = Least { row: 0, face: u32::MAX, square: f64::INFINITY };
+        self.least_from(query, unknown, square)
+    }
+
+    /// The distance from `p` to the mesh, rounded as in [`Bvh::closest_point`], and the row of the triangle that has it.
+    /// A row that may be near saves time and changes nothing: the search leaves out only what is certainly farther.
+    pub(crate) fn distance_near(&self, p: [f64; 3], row: u32) -> Option<(f64, u32)> {
+        let query = Query::new(&self.frame, p)?;
+        let square =
+            |triangle: &Triangle| triangle::nearest(query.q, query.corners(self, triangle)).distance_sq;
+        let first = self.triangles.get(row as usize)?;
+        let start = Least { row, face: first.face & !LAST, square: square(first) };
+        // The box of one triangle is smaller than that of its leaf, and quicker than the triangle.
+        let mut best = start.square;
+        let least = self.least_from(&query, start, |triangle| {
+            // As in [`Near::limit`], with the same slack, which is more than f64 needs, near and far.
+            const RELATIVE: f64 = 1.0 + 1.0 / (1 << 18) as f64;
+            const ABSOLUTE: f64 = 1.0 / (1_u64 << 62) as f64;
+            if box_square(query.q, query.corners(self, triangle)) > best * RELATIVE + ABSOLUTE {
+                return f64::INFINITY;
+            }
+            let value = square(triangle);
+            best = if value < best { value } else { best };
+            value
+        })?;
+        Some((least.square.sqrt() / query.scale, least.row))
+    }
+
+    /// The corners and the face of a row, in the mesh's own coordinates.
+    pub(crate) fn triangle_of(&self, row: u32) -> ([[f64; 3]; 3], u32) {
+        let triangle = &self.triangles[row as usize];
+        let corners = self.corners_of(triangle).map(|p| p.map(|x| x / self.frame.scale));
+        (corners, triangle.face & !LAST)
+    }
+
+    fn least_from(&self, query: &Query, start: Least, square: impl FnMut(&Triangle) -> f64) -> Option<Least> {
         if query.is_near() {
             let [low, high] = self.frame.local(query.q);
-            self.descend(&Near { low: low.map(down), high: high.map(up) }, square)
+            self.descend(&Near { low: low.map(down), high: high.map(up) }, start, square)
         } else {
             let middle = self.frame.middle.map(|x| x * query.shrink);
-            self.descend(&Far { q: query.q, middle, shrink: query.shrink }, square)
+            self.descend(&Far { q: query.q, middle, shrink: query.shrink }, start, square)
         }
     }
 
-    fn descend<S: Sight>(&self, sight: &S, mut square: impl FnMut(&Triangle) -> f64) -> Option<Least> {
+    fn descend<S: Sight>(
+        &self,
+        sight: &S,
+        start: Least,
+        mut square: impl FnMut(&Triangle) -> f64,
+    ) -> Option<Least> {
         if self.nodes.is_empty() {
             return None;
         }
-        let mut best = Least { row: 0, face: u32::MAX, square: f64::INFINITY };
-        let mut limit = S::ALL;
+        let mut best = start;
+        let mut limit = if best.square < f64::INFINITY { sight.limit(best.square) } else { S::ALL };
         // Waiting children, the nearest on top.
         let mut stack = [(S::ALL, 0_u32); STACK];
         let mut height = 1;

@@ -5,6 +5,7 @@ use super::{Bvh, LEAF, NONE, STACK, WIDTH};
 use crate::budget::Job;
 use crate::explicit::{Mesh, Topology, Twin, Twins};
 use crate::math::{Orientation, Position, orient2d, orient3d, triangle_contains};
+use std::borrow::Cow;
 
 /// On which side of a mesh a point is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -62,8 +63,26 @@ pub struct Containment {
 #[derive(Clone, Debug)]
 pub struct Enclosure<'a> {
     bvh: &'a Bvh,
+    sides: Cow<'a, Soundings>,
+}
+
+/// What an [`Enclosure`] knows beside the tree: for who keeps both.
+#[derive(Clone, Debug)]
+pub(crate) struct Soundings {
     moments: Vec<[Moment; WIDTH]>,
     is_closed: bool,
+}
+
+impl Soundings {
+    /// As [`Enclosure::new`].
+    pub(crate) fn new(mesh: &Mesh, bvh: &Bvh) -> Self {
+        Self { moments: moments(bvh), is_closed: is_closed(mesh) }
+    }
+
+    /// The enclosure; `bvh` is the tree that this was made with.
+    pub(crate) fn on<'a>(&'a self, bvh: &'a Bvh) -> Enclosure<'a> {
+        Enclosure { bvh, sides: Cow::Borrowed(self) }
+    }
 }
 
 /// How far off a winding number may be where it decides on a side: it keeps a half from a quarter.
@@ -73,13 +92,13 @@ impl<'a> Enclosure<'a> {
     /// The moments of the tree over `mesh`, and whether it is closed. Time O(n).
     #[must_use]
     pub fn new(mesh: &Mesh, bvh: &'a Bvh) -> Self {
-        Self { bvh, moments: moments(bvh), is_closed: is_closed(mesh) }
+        Self { bvh, sides: Cow::Owned(Soundings::new(mesh, bvh)) }
     }
 
     /// Whether at every edge as many triangles run one way as the other, so that every answer is exact.
     #[must_use]
     pub fn is_closed(&self) -> bool {
-        self.is_closed
+        self.sides.is_closed
     }
 
     /// How often the mesh winds around `p`, off by `within` at most; by more only where rounding alone costs more, as
@@ -91,7 +110,7 @@ impl<'a> Enclosure<'a> {
     #[must_use]
     pub fn winding_number(&self, p: [f64; 3], within: f64) -> Option<Winding> {
         let q = self.bvh.seen(p)?;
-        Some(self.bvh.winding_by(&self.moments, q, within))
+        Some(self.bvh.winding_by(&self.sides.moments, q, within))
     }
 
     /// On which side `p` is; outside without faces, and when `p` is not finite.
@@ -107,11 +126,11 @@ impl<'a> Enclosure<'a> {
             let winding = Winding { value: f64::NAN, off_at_most: f64::NAN };
             return Containment { side: Whereabouts::On, winding };
         };
-        if self.is_closed {
+        if self.sides.is_closed {
             let side = if number > 0 { Whereabouts::Inside } else { Whereabouts::Outside };
             return Containment { side, winding: Winding { value: f64::from(number), off_at_most: 0.0 } };
         }
-        let winding = self.bvh.winding_by(&self.moments, q, DECIDES);
+        let winding = self.bvh.winding_by(&self.sides.moments, q, DECIDES);
         let Winding { value, off_at_most: off } = winding;
         let side = if value - off > 0.75 {
             Whereabouts::Inside

@@ -5,6 +5,7 @@ mod column;
 mod cut;
 mod frame;
 mod inside;
+mod near;
 mod packet;
 mod pairs;
 mod ray;
@@ -17,6 +18,7 @@ use crate::math::Box3;
 use frame::Frame;
 
 pub use closest::Closest;
+pub(crate) use inside::Soundings;
 pub use inside::{Containment, Enclosure, Whereabouts};
 pub use ray::{Hit, Ray, Sides};
 pub use winding::Winding;

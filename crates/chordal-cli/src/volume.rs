@@ -1,0 +1,105 @@
+//! What `mesh` takes for volumes: which surface of the samples is meant.
+use crate::fault::Fault;
+use chordal_verbs::{Border, Inside, Labels, Shape, SurfaceSpec};
+use clap::{Args, ValueEnum};
+
+/// Arguments for volumes.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Volumes (.npy, .nrrd, .nii, .nii.gz)")]
+pub struct VolumeArgs {
+    /// The level of the surface; unless said, 0.5 for masks and occupancies, 0 for signed distances
+    #[arg(long, value_name = "LEVEL", value_parser = level, allow_hyphen_values = true, conflicts_with = "labels")]
+    pub iso: Option<f64>,
+
+    /// Which samples are inside: those above the level, or those below it as in distances
+    #[arg(long, value_name = "SIDE", conflicts_with = "labels")]
+    pub inside: Option<Side>,
+
+    /// Samples are labels: one part for each of "all" but 0, or of a list as in 1,2,10
+    #[arg(long, value_name = "LABELS", value_parser = labels, allow_hyphen_values = true)]
+    pub labels: Option<Labels>,
+
+    /// Close a shape that reaches the border of the volume there; it is so unless --open says otherwise
+    #[arg(long, conflicts_with = "open")]
+    pub cap: bool,
+
+    /// Let the surface end where it reaches the border of the volume
+    #[arg(long)]
+    pub open: bool,
+}
+
+/// Which samples are inside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Side {
+    /// Those above the level
+    High,
+    /// Those below the level
+    Low,
+}
+
+impl VolumeArgs {
+    /// Tells a volume which surface of it is meant.
+    ///
+    /// # Errors
+    /// When the shape is no volume and something is said of one.
+    pub fn apply(&self, shape: &mut Shape) -> Result<(), Fault> {
+        let Shape::Volume(sampled) = shape else {
+            let named = [
+                (self.iso.is_some(), "--iso"),
+                (self.inside.is_some(), "--inside"),
+                (self.labels.is_some(), "--labels"),
+                (self.cap, "--cap"),
+                (self.open, "--open"),
+            ];
+            return match named.iter().find(|(is_given, _)| *is_given) {
+                Some((_, name)) => {
+                    Err(Fault::usage(format!("{name} is for volumes, and the input holds {}", shape.kind())))
+                }
+                None => Ok(()),
+            };
+        };
+        sampled.surface = SurfaceSpec {
+            level: self.iso,
+            inside: self.inside.map(|side| match side {
+                Side::High => Inside::High,
+                Side::Low => Inside::Low,
+            }),
+            border: if self.open { Border::Open } else { Border::Capped },
+            labels: self.labels.clone(),
+        };
+        Ok(())
+    }
+}
+
+fn level(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(level) if level.is_finite() => Ok(level),
+        _ => Err("a level is a finite number".to_owned()),
+    }
+}
+
+fn labels(text: &str) -> Result<Labels, String> {
+    if text == "all" {
+        return Ok(Labels::All);
+    }
+    let number = |part: &str| part.trim().parse::<i64>().map_err(|_| LABELS.to_owned());
+    text.split(',').map(number).collect::<Result<_, _>>().map(Labels::Listed)
+}
+
+const LABELS: &str = "labels read like 1,2,10, or all";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_levels_and_labels() {
+        assert_eq!(level("-0.5"), Ok(-0.5));
+        assert!(level("nan").is_err() && level("inf").is_err() && level("x").is_err());
+        assert_eq!(labels("all"), Ok(Labels::All));
+        assert_eq!(labels("3, 1,-2"), Ok(Labels::Listed(vec![3, 1, -2])));
+        for text in ["", "1,", "1.5", "none"] {
+            assert!(labels(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! The header of a `.npy` file: a Python dictionary of three entries, read without Python.
+use super::MAGIC;
+use crate::text::{show, trim};
+use crate::volume::element::{Element, Endian};
+use crate::{Limits, Place, ReadError};
+
+/// What the header says.
+pub(super) struct Header {
+    pub element: Element,
+    pub endian: Endian,
+    /// Whether the first index runs fastest.
+    pub fortran_order: bool,
+    pub shape: Vec<i64>,
+    /// Where the shape stands.
+    pub shape_place: Place,
+    /// The byte at which samples start.
+    pub end: usize,
+}
+
+fn wrong(at: usize, message: impl Into<String>) -> ReadError {
+    ReadError::new("bad-header", Place::Byte(at as u64), message)
+}
+
+impl Header {
+    /// The header at the start of a file.
+    ///
+    /// # Errors
+    /// When it is none, or of a type of samples that is not read.
+    pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
+        let cut = || {
+            let message = format!("the file ends in its header, after {} bytes", bytes.len());
+            ReadError::new("truncated", Place::Byte(bytes.len() as u64), message)
+        };
+        if !bytes.starts_with(MAGIC) {
+            let message =
+                format!("a .npy file starts with \\x93NUMPY, not {}", show(&bytes[..bytes.len().min(6)]));
+            return Err(ReadError::new("bad-magic", Place::Byte(0), message));
+        }
+        let version = *bytes.get(6).ok_or_else(cut)?;
+        let (start, length) = match (version, bytes.get(8..10), bytes.get(8..12)) {
+            (1, Some(n), _) => (10, u32::from(u16::from_le_bytes([n[0], n[1]]))),
+            (2 | 3, _, Some(n)) => (12, u32::from_le_bytes([n[0], n[1], n[2], n[3]])),
+            (1..=3, ..) => return Err(cut()),
+            _ => return Err(wrong(6, format!("version {version} of .npy is not known; 1, 2 and 3 are"))),
+        };
+        let length = length as usize;
+        if length > limits.header_line {
+            let message = format!("a header of {length} bytes is over the limit of {}", limits.header_line);
+            return Err(wrong(8, message));
+        }
+        let end = start + length;
+        let text = bytes.get(start..end).ok_or_else(cut)?;
+        Dictionary { text, at: 0, start }.read(end)
+    }
+}
+
+/// The dictionary, read from left to right.
+struct Dictionary<'a> {
+    text: &'a [u8],
+    at: usize,
+    /// Where the text stands in the file.
+    start: usize,
+}
+
+impl<'a> Dictionary<'a> {
+    fn read(mut self, end: usize) -> Result<Header, ReadError> {
+        let (mut types, mut order, mut shape) = (None, None, None);
+        self.expect(b'{')?;
+        while !self.takes(b'}') {
+            let at = self.place();
+            let key = self.quoted()?;
+            self.expect(b':')?;
+            let value = self.place();
+            match key {
+                b"descr" => types = Some(self.element()?),
+                b"fortran_order" => order = Some(self.truth()?),
+                b"shape" => shape = Some((self.tuple()?, Place::Byte(value as u64))),
+                other => return Err(wrong(at, format!("{} is no entry of a .npy header", show(other)))),
+            }
+            if !self.takes(b',') {
+                self.expect(b'}')?;
+                break;
+            }
+        }
+        if !trim(&self.text[self.at..]).is_empty() {
+            return Err(wrong(self.place(), "something follows the header's closing brace"));
+        }
+        let missing = |what: &str| wrong(self.start, format!("the header has no '{what}'"));
+        let (element, endian) = types.ok_or_else(|| missing("descr"))?;
+        let fortran_order = order.ok_or_else(|| missing("fortran_order"))?;
+        let (shape, shape_place) = shape.ok_or_else(|| missing("shape"))?;
+        Ok(Header { element, endian, fortran_order, shape, shape_place, end })
+    }
+
+    fn place(&self) -> usize {
+        self.start + self.at
+    }
+
+    fn skip_spaces(&mut self) {
+        while self.text.get(self.at).is_some_and(|b| crate::text::is_space(*b)) {
+            self.at += 1;
+        }
+    }
+
+    fn takes(&mut self, byte: u8) -> bool {
+        self.skip_spaces();
+        let is = self.text.get(self.at) == Some(&byte);
+        self.at += usize::from(is);
+        is
+    }
+
+    fn expect(&mut self, byte: u8) -> Result<(), ReadError> {
+        if self.takes(byte) {
+            return Ok(());
+        }
+        Err(wrong(self.place(), format!("'{}' is missing", char::from(byte))))
+    }
+
+    fn quoted(&mut self) -> Result<&'a [u8], ReadError> {
+        self.skip_spaces();
+        let mark = self.text.get(self.at).copied().filter(|b| matches!(b, b'\'' | b'"'));
+        let mark = mark.ok_or_else(|| wrong(self.place(), "a text in quotes is missing"))?;
+        let rest = &self.text[self.at + 1..];
+        let end = rest.iter().position(|b| *b == mark);
+        let end = end.ok_or_else(|| wrong(self.place(), "a quote is not closed"))?;
+        self.at += end + 2;
+        Ok(&rest[..end])
+    }
+
+    /// A word of letters, digits and signs.
+    fn word(&mut self) -> &'a [u8] {
+        self.skip_spaces();
+        let rest = &self.text[self.at..];
+        let is_letter = |b: &u8| b.is_ascii_alphanumeric() || matches!(b, b'+' | b'-' | b'_' | b'.');
+        let end = rest.iter().position(|b| !is_letter(b)).unwrap_or(rest.len());
+        self.at += end;
+        &rest[..end]
+    }
+
+    fn truth(&mut self) -> Result<bool, ReadError> {
+        let at = self.place();
+        match self.word() {
+            b"True" => Ok(true),
+            b"False" => Ok(false),
+            other => Err(wrong(at, format!("fortran_order is True or False, not {}", show(other)))),
+        }
+    }
+
+    fn tuple(&mut self) -> Result<Vec<i64>, ReadError> {
+        self.expect(b'(')?;
+        let mut all = Vec::new();
+        while !self.takes(b')') {
+            let at = self.place();
+            let word = self.word();
+            // Python 2 wrote long numbers with an L.
+            let digits = word.strip_suffix(b"L").unwrap_or(word);
+            let number = crate::text::integer(digits)
+                .map_err(|_| wrong(at, format!("{} is no number of samples", show(word))))?;
+            // No array has more axes than that.
+            if all.len() == 64 {
+                return Err(wrong(at, "more than 64 axes"));
+            }
+            all.push(number);
+            if !self.takes(b',') {
+                self.expect(b')')?;
+                break;
+            }
+        }
+        Ok(all)
+    }
+
+    fn element(&mut self) -> Result<(Element, Endian), ReadError> {
+        self.skip_spaces();
+        let at = self.place();
+        if self.text.get(self.at) == Some(&b'[') {
+            return Err(ReadError::new("unsupported-type", Place::Byte(at as u64), STRUCTURED));
+        }
+        let text = self.quoted()?;
+        let unsupported = |why: &str| {
+            ReadError::new("unsupported-type", Place::Byte(at as u64), format!("{} {why}", show(text)))
+        };
+        let (endian, rest) = match text {
+            [b'>', rest @ ..] => (Endian::Big, rest),
+            [b'<' | b'|', rest @ ..] => (Endian::Little, rest),
+            _ => return Err(unsupported("does not say its byte order: '<', '>' or '|' comes first")),
+        };
+        let element = match rest {
+            b"b1" => Element::Bool,
+            b"u1" => Element::U8,
+            b"i1" => Element::I8,
+            b"u2" => Element::U16,
+            b"i2" => Element::I16,
+            b"u4" => Element::U32,
+            b"i4" => Element::I32,
+            b"u8" => Element::U64,
+            b"i8" => Element::I64,
+            b"f2" => Element::F16,
+            b"f4" => Element::F32,
+            b"f8" => Element::F64,
+            [b'O', ..] => {
+                return Err(unsupported("holds Python objects: they would have to be run to be read"));
+            }
+            [b'c', ..] => return Err(unsupported("holds complex numbers; save the part that is meant")),
+            _ => {
+                return Err(unsupported(
+                    "is no type of numbers that is read: b1, i1 to i8, u1 to u8, f2 to f8",
+                ));
+            }
+        };
+        if text[0] == b'|' && element.width() > 1 {
+            return Err(unsupported("does not say its byte order, which a number of several bytes has"));
+        }
+        Ok((element, endian))
+    }
+}
+
+const STRUCTURED: &str = "the array is one of records; save one of their fields";

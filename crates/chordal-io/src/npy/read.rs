@@ -1,0 +1,66 @@
+//! Reads `.npy`.
+use super::header::Header;
+use crate::volume::count::size_of;
+use crate::volume::samples::{self, Layout};
+use crate::volume::stream::Stream;
+use crate::warnings::Warnings;
+use crate::{Content, Limits, Loaded, ReadError, Volume};
+use chordal::implicit::{Affine, Grid};
+
+/// The volume of an array `a[i, j, k]`, whose sample stands at x = i, y = j, z = k: neither turned nor copied, in
+/// whichever order its indices run.
+///
+/// Numbers of 64 bits become 32 bits where all of them fit, else f64 where that holds all of them exactly.
+///
+/// # Errors
+/// [`ReadError`] at the byte: for arrays that have not three axes, of records, of complex numbers, or of Python objects, which
+/// nothing here ever runs.
+///
+/// ```
+/// use chordal_io::{Content, Limits, npy};
+/// let mut file = b"\x93NUMPY\x01\x00\x3e\x00".to_vec();
+/// file.extend(format!("{:<61}\n", "{'descr': '|u1', 'fortran_order': False, 'shape': (2, 2, 2)}").bytes());
+/// file.extend([0, 1, 2, 3, 4, 5, 6, 7]);
+/// let Content::Volume(volume) = npy::read(&file, &Limits::default())?.content else { unreachable!() };
+/// // a[1, 0, 0] is the fifth number. Its lattice index is [0, 0, 1], since the last index of `a` runs fastest.
+/// assert_eq!(volume.grid.sample([0, 0, 1]), 4.0);
+/// assert_eq!(volume.grid.affine().at([0.0, 0.0, 1.0]), [1.0, 0.0, 0.0]);
+/// # Ok::<(), chordal_io::ReadError>(())
+/// ```
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
+    let mut warnings = Warnings::default();
+    let header = Header::read(bytes, limits)?;
+    let shape: [i64; 3] = header.shape.as_slice().try_into().map_err(|_| wrong_axes(&header))?;
+    let declared = if header.fortran_order { shape } else { [shape[2], shape[1], shape[0]] };
+    let size = size_of(declared, header.element, &header.shape_place, limits)?;
+    if let Some(index) = limits.index.filter(|index| *index > 0) {
+        let message = format!("there is one volume, so that index {index} is none");
+        return Err(ReadError::new("no-such-volume", header.shape_place, message));
+    }
+    let layout = Layout::volumes(header.element, header.endian, size);
+    let mut stream = Stream::plain(bytes, header.end);
+    let samples = samples::read(&mut stream, &layout, limits, &mut warnings)?;
+    samples::count_not_finite(&samples, &mut warnings);
+    let affine = if header.fortran_order { Affine::IDENTITY } else { reversed() };
+    let grid = Grid::new(size, samples, affine)
+        .map_err(|error| ReadError::new("bad-size", header.shape_place, error.to_string()))?;
+    Ok(Loaded { content: Content::Volume(Volume::of(grid)), warnings: warnings.into_list() })
+}
+
+/// Lattice index (k, j, i) is the point (i, j, k).
+pub(super) fn reversed() -> Affine {
+    let rows = [[0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]];
+    // A permutation flattens nothing.
+    Affine::new(rows).unwrap_or(Affine::IDENTITY)
+}
+
+fn wrong_axes(header: &Header) -> ReadError {
+    let n = header.shape.len();
+    let more = match n {
+        2 => "; an image is one slice: stack several, as in np.stack(slices)",
+        4.. => "; save one volume, as in a[0]",
+        _ => "",
+    };
+    let message = format!("an array of {n} axes is no volume: three are expected, as in a[i, j, k]{more}");
+    ReadError::new("not-3d", header.shape_place.clone(), message)
+}

@@ -1,0 +1,89 @@
+//! Writes `.npy`.
+use super::MAGIC;
+use super::read::reversed;
+use crate::{Volume, WriteError};
+use chordal::implicit::{Affine, Samples};
+use std::io::Write;
+
+/// Writes the samples as an array of version 1, little-endian. `a[i, j, k]` is what stands at x = i, y = j, z = k where
+/// the volume was read from such a file; elsewhere it is the sample of lattice index (i, j, k), in Fortran's order. Spacing,
+/// place and unit are not written: the format has none. Where a volume has some, [`crate::nrrd`] holds them.
+///
+/// # Errors
+/// When the sink fails.
+///
+/// ```
+/// use chordal::implicit::{Affine, Grid, Samples};
+/// use chordal_io::{Content, Limits, Volume, npy};
+/// let grid = Grid::new([2, 3, 2], Samples::I16((0..12).collect()), Affine::IDENTITY)?;
+/// let (volume, mut file) = (Volume::of(grid), Vec::new());
+/// npy::write(&volume, &mut file)?;
+/// assert_eq!(npy::read(&file, &Limits::default())?.content, Content::Volume(volume));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write(volume: &Volume, out: &mut dyn Write) -> Result<(), WriteError> {
+    let [x, y, z] = volume.grid.size();
+    let (order, shape) =
+        if same_axes(volume.grid.affine(), &reversed()) { ("False", [z, y, x]) } else { ("True", [x, y, z]) };
+    let types = match volume.grid.samples() {
+        Samples::U8(_) => "|u1",
+        Samples::I8(_) => "|i1",
+        Samples::U16(_) => "<u2",
+        Samples::I16(_) => "<i2",
+        Samples::U32(_) => "<u4",
+        Samples::I32(_) => "<i4",
+        Samples::F32(_) => "<f4",
+        Samples::F64(_) => "<f8",
+        _ => return Err(WriteError::Unsupported("npy holds no samples of that type".to_owned())),
+    };
+    let [x, y, z] = shape;
+    let mut header =
+        format!("{{'descr': '{types}', 'fortran_order': {order}, 'shape': ({x}, {y}, {z}), }}").into_bytes();
+    // Magic, version and length take 10 bytes; samples start at a multiple of 64, after a new line.
+    let padding = 63 - (10 + header.len()) % 64;
+    header.resize(header.len() + padding, b' ');
+    header.push(b'\n');
+    out.write_all(MAGIC)?;
+    out.write_all(&[1, 0])?;
+    // At most some hundred bytes.
+    out.write_all(&(header.len() as u16).to_le_bytes())?;
+    out.write_all(&header)?;
+    write_samples(volume.grid.samples(), out)
+}
+
+/// Whether the axes of two lattices run the same ways, in equal steps or not.
+fn same_axes(a: &Affine, b: &Affine) -> bool {
+    let along = |step: [f64; 3]| step.map(|x| if x == 0.0 { 0.0 } else { x.signum() });
+    a.steps().map(along) == b.steps().map(along)
+}
+
+/// The bytes of all samples, the lowest of each first.
+pub(crate) fn write_samples(samples: &Samples, out: &mut dyn Write) -> Result<(), WriteError> {
+    fn put<const N: usize, T: Copy>(
+        all: &[T],
+        bytes: impl Fn(T) -> [u8; N],
+        out: &mut dyn Write,
+    ) -> Result<(), WriteError> {
+        let mut buffer = Vec::with_capacity(N * CHUNK.min(all.len()));
+        for chunk in all.chunks(CHUNK) {
+            buffer.clear();
+            chunk.iter().for_each(|x| buffer.extend_from_slice(&bytes(*x)));
+            out.write_all(&buffer)?;
+        }
+        Ok(())
+    }
+    match samples {
+        Samples::U8(all) => put(all, u8::to_le_bytes, out),
+        Samples::I8(all) => put(all, i8::to_le_bytes, out),
+        Samples::U16(all) => put(all, u16::to_le_bytes, out),
+        Samples::I16(all) => put(all, i16::to_le_bytes, out),
+        Samples::U32(all) => put(all, u32::to_le_bytes, out),
+        Samples::I32(all) => put(all, i32::to_le_bytes, out),
+        Samples::F32(all) => put(all, f32::to_le_bytes, out),
+        Samples::F64(all) => put(all, f64::to_le_bytes, out),
+        _ => Err(WriteError::Unsupported("samples of that type cannot be written".to_owned())),
+    }
+}
+
+/// Samples that are written at once.
+const CHUNK: usize = 1 << 13;

@@ -1,0 +1,312 @@
+//! The header of a NRRD file: lines of `field: value`, `key:=value` and `# comment`, up to an empty one.
+use super::{CERTIFICATE, MAGIC};
+use crate::text::{Lines, Tokens, finite, integer, number, show, trim, why_no_number};
+use crate::volume::element::{Element, Endian};
+use crate::{Limits, Place, ReadError};
+use serde_json::Value;
+
+/// A value with the line that it stands in.
+#[derive(Clone, Debug)]
+pub(super) struct At<T> {
+    pub value: T,
+    pub line: u64,
+}
+
+/// How samples are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Encoding {
+    Raw,
+    Text,
+    Gzip,
+}
+
+/// What the header says; fields that say nothing of where samples are were skipped.
+#[derive(Default)]
+pub(super) struct Fields {
+    pub element: Option<Element>,
+    pub endian: Option<Endian>,
+    pub encoding: Option<Encoding>,
+    pub dimension: Option<At<i64>>,
+    pub sizes: Option<At<Vec<i64>>>,
+    pub space: Option<At<String>>,
+    pub space_dimension: Option<At<i64>>,
+    /// One step for each axis; none for an axis that is not of space.
+    pub directions: Option<At<Vec<Option<[f64; 3]>>>>,
+    pub origin: Option<At<[f64; 3]>>,
+    /// NaN for an axis that is not of space.
+    pub spacings: Option<At<Vec<f64>>>,
+    pub mins: Option<u64>,
+    pub kinds: Option<At<Vec<String>>>,
+    pub units: Option<At<Vec<String>>>,
+    pub content: String,
+    pub line_skip: u64,
+    pub byte_skip: i64,
+    pub certificate: Option<Value>,
+    /// The line that says which lines came.
+    pub last_line: u64,
+    /// The byte at which the samples start.
+    pub end: usize,
+}
+
+fn wrong(line: u64, message: impl Into<String>) -> ReadError {
+    ReadError::new("bad-header", Place::Line(line), message)
+}
+
+fn unsupported(line: u64, message: impl Into<String>) -> ReadError {
+    ReadError::new("unsupported", Place::Line(line), message)
+}
+
+impl Fields {
+    /// The header at the start of a file.
+    ///
+    /// # Errors
+    /// At the line that is wrong, or asks for what is not read.
+    pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
+        let magic = bytes.get(..8).filter(|magic| magic.starts_with(MAGIC));
+        if !magic.is_some_and(|magic| (b'1'..=b'5').contains(&magic[7])) {
+            let found = show(&bytes[..bytes.len().min(8)]);
+            let message = format!("a .nrrd file starts with NRRD0001 to NRRD0005, not {found}");
+            return Err(ReadError::new("bad-magic", Place::Line(1), message));
+        }
+        let mut fields = Self::default();
+        let mut seen: Vec<Vec<u8>> = Vec::new();
+        let mut lines = Lines::new(bytes);
+        while let Some((line, text)) = lines.next() {
+            fields.last_line = line;
+            if text.len() > limits.header_line {
+                let message = format!("a line of more than {} bytes", limits.header_line);
+                return Err(ReadError::new("line-too-long", Place::Line(line), message));
+            }
+            if text.is_empty() {
+                fields.end = lines.offset();
+                return Ok(fields);
+            }
+            if line > 1 {
+                fields.take(line, text, &mut seen)?;
+            }
+        }
+        Err(ReadError::new(
+            "truncated",
+            Place::Line(fields.last_line),
+            "the header has no empty line at its end",
+        ))
+    }
+
+    fn take(&mut self, line: u64, text: &[u8], seen: &mut Vec<Vec<u8>>) -> Result<(), ReadError> {
+        if text.starts_with(b"#") {
+            return Ok(());
+        }
+        let colon = memchr::memchr(b':', text);
+        let colon = colon.ok_or_else(|| wrong(line, format!("{} is no field of a header", show(text))))?;
+        let (name, value) = (&text[..colon], &text[colon + 1..]);
+        if let Some(value) = value.strip_prefix(b"=") {
+            if name == CERTIFICATE.as_bytes() {
+                self.certificate = serde_json::from_slice(&unescaped(value)).ok();
+            }
+            return Ok(());
+        }
+        let name: Vec<u8> = name.iter().filter(|b| **b != b' ').map(u8::to_ascii_lowercase).collect();
+        if name.is_empty() || seen.contains(&name) {
+            return Err(wrong(line, format!("field {} is there twice, or without a name", show(&name))));
+        }
+        // There are some thirty fields.
+        if seen.len() > 100 {
+            return Err(wrong(line, "more than 100 fields"));
+        }
+        self.field(&name, line, trim(value))?;
+        seen.push(name);
+        Ok(())
+    }
+
+    fn field(&mut self, name: &[u8], line: u64, value: &[u8]) -> Result<(), ReadError> {
+        let whole = || integer(value).map_err(|_| wrong(line, format!("{} is no whole number", show(value))));
+        match name {
+            b"type" => self.element = Some(element(value, line)?),
+            b"endian" => {
+                self.endian = Some(match &value.to_ascii_lowercase()[..] {
+                    b"little" => Endian::Little,
+                    b"big" => Endian::Big,
+                    _ => return Err(wrong(line, format!("endian is little or big, not {}", show(value)))),
+                });
+            }
+            b"encoding" => self.encoding = Some(encoding(value, line)?),
+            b"dimension" => self.dimension = Some(At { value: whole()?, line }),
+            b"sizes" => {
+                let sizes: Result<Vec<i64>, _> = Tokens::new(value)
+                    .map(|token| {
+                        integer(token).map_err(|_| wrong(line, format!("{} is no size", show(token))))
+                    })
+                    .collect();
+                self.sizes = Some(At { value: sizes?, line });
+            }
+            b"space" => self.space = Some(At { value: String::from_utf8_lossy(value).into_owned(), line }),
+            b"spacedimension" => self.space_dimension = Some(At { value: whole()?, line }),
+            b"spacedirections" => {
+                self.directions = Some(At { value: directions(value, line)?, line });
+            }
+            b"spaceorigin" => {
+                let (origin, rest) = vector(value, line)?;
+                if !trim(rest).is_empty() {
+                    return Err(wrong(line, format!("{} follows the origin", show(rest))));
+                }
+                self.origin = Some(At { value: origin, line });
+            }
+            b"spacings" => {
+                let spacings: Result<Vec<f64>, _> = Tokens::new(value)
+                    .map(|token| number(token).ok_or_else(|| wrong(line, why_no_number(token))))
+                    .collect();
+                self.spacings = Some(At { value: spacings?, line });
+            }
+            b"axismins" | b"axismaxs" => self.mins = Some(line),
+            b"kinds" => {
+                let kinds = Tokens::new(value).map(|t| String::from_utf8_lossy(t).to_ascii_lowercase());
+                self.kinds = Some(At { value: kinds.collect(), line });
+            }
+            b"spaceunits" | b"units" => {
+                let units = quoted(value);
+                // Those of space are the ones that count where both are there.
+                if name == b"spaceunits" || self.units.is_none() {
+                    self.units = Some(At { value: units, line });
+                }
+            }
+            b"content" => self.content = crate::volume::name_of(value),
+            b"lineskip" => {
+                self.line_skip =
+                    u64::try_from(whole()?).map_err(|_| wrong(line, "a negative number of lines"))?;
+            }
+            b"byteskip" => {
+                self.byte_skip = whole()?;
+                if self.byte_skip < -1 {
+                    return Err(wrong(
+                        line,
+                        "bytes to skip are 0 or more, or -1 to count from the file's end",
+                    ));
+                }
+            }
+            b"datafile" => {
+                let name = show(value);
+                let message = format!(
+                    "the samples are in another file, {name}, and no reader opens a second file; save both as one .nrrd"
+                );
+                return Err(ReadError::new("detached", Place::Line(line), message));
+            }
+            // Fields that say nothing of where samples are and what they hold.
+            b"blocksize" | b"min" | b"max" | b"oldmin" | b"oldmax" | b"number" | b"sampleunits"
+            | b"labels" | b"thicknesses" | b"centers" | b"centerings" | b"measurementframe" => {}
+            _ => return Err(wrong(line, format!("{} is no field that is known", show(name)))),
+        }
+        Ok(())
+    }
+}
+
+/// `\n` and `\\` in values of keys stand for a line's end and a backslash.
+fn unescaped(value: &[u8]) -> Vec<u8> {
+    let mut all = Vec::with_capacity(value.len());
+    let mut bytes = value.iter();
+    while let Some(byte) = bytes.next() {
+        match (byte, bytes.as_slice().first()) {
+            (b'\\', Some(b'n')) => {
+                bytes.next();
+                all.push(b'\n');
+            }
+            (b'\\', Some(b'\\')) => {
+                bytes.next();
+                all.push(b'\\');
+            }
+            _ => all.push(*byte),
+        }
+    }
+    all
+}
+
+/// `"mm" "mm" "mm"`
+fn quoted(value: &[u8]) -> Vec<String> {
+    let texts = value.split(|b| *b == b'"').skip(1).step_by(2);
+    texts.map(|text| String::from_utf8_lossy(text).trim().to_owned()).collect()
+}
+
+/// `(1,0,0) none (0,1,0)`
+fn directions(value: &[u8], line: u64) -> Result<Vec<Option<[f64; 3]>>, ReadError> {
+    let mut rest = trim(value);
+    let mut all = Vec::new();
+    while !rest.is_empty() {
+        // There are no more axes in any file.
+        if all.len() == 16 {
+            return Err(wrong(line, "more than 16 axes"));
+        }
+        if let Some(after) = rest.strip_prefix(b"none") {
+            all.push(None);
+            rest = trim(after);
+        } else {
+            let (direction, after) = vector(rest, line)?;
+            all.push(Some(direction));
+            rest = trim(after);
+        }
+    }
+    Ok(all)
+}
+
+/// `(1,0,0)` at the start of a text, and what follows it.
+fn vector(text: &[u8], line: u64) -> Result<([f64; 3], &[u8]), ReadError> {
+    let text = trim(text);
+    let inner = text.strip_prefix(b"(").and_then(|rest| {
+        let end = memchr::memchr(b')', rest)?;
+        Some((&rest[..end], &rest[end + 1..]))
+    });
+    let (inner, rest) =
+        inner.ok_or_else(|| wrong(line, format!("{} is no vector as (1,0,0)", show(text))))?;
+    let mut vector = [0.0; 3];
+    let mut n = 0;
+    for part in inner.split(|b| *b == b',') {
+        if n == 3 {
+            return Err(unsupported(line, "a vector of more than three numbers: space has three axes"));
+        }
+        vector[n] = finite(trim(part), || Place::Line(line))?;
+        n += 1;
+    }
+    if n < 3 {
+        return Err(unsupported(line, format!("a vector of {n} numbers: space has three axes")));
+    }
+    Ok((vector, rest))
+}
+
+fn encoding(value: &[u8], line: u64) -> Result<Encoding, ReadError> {
+    match &value.to_ascii_lowercase()[..] {
+        b"raw" => Ok(Encoding::Raw),
+        b"txt" | b"text" | b"ascii" => Ok(Encoding::Text),
+        b"gz" | b"gzip" => Ok(Encoding::Gzip),
+        _ => Err(unsupported(line, format!("encoding {} is not read: raw, gzip and text are", show(value)))),
+    }
+}
+
+fn element(value: &[u8], line: u64) -> Result<Element, ReadError> {
+    let words: Vec<&[u8]> = Tokens::new(value).collect();
+    let name = words.join(&b' ').to_ascii_lowercase();
+    Ok(match &name[..] {
+        b"signed char" | b"int8" | b"int8_t" => Element::I8,
+        b"uchar" | b"unsigned char" | b"uint8" | b"uint8_t" => Element::U8,
+        b"short" | b"short int" | b"signed short" | b"signed short int" | b"int16" | b"int16_t" => {
+            Element::I16
+        }
+        b"ushort" | b"unsigned short" | b"unsigned short int" | b"uint16" | b"uint16_t" => Element::U16,
+        b"int" | b"signed int" | b"int32" | b"int32_t" => Element::I32,
+        b"uint" | b"unsigned int" | b"uint32" | b"uint32_t" => Element::U32,
+        b"longlong"
+        | b"long long"
+        | b"long long int"
+        | b"signed long long"
+        | b"signed long long int"
+        | b"int64"
+        | b"int64_t" => Element::I64,
+        b"ulonglong" | b"unsigned long long" | b"unsigned long long int" | b"uint64" | b"uint64_t" => {
+            Element::U64
+        }
+        b"float" => Element::F32,
+        b"double" => Element::F64,
+        _ => {
+            let message =
+                format!("samples of type {} are not read: whole numbers, float and double are", show(value));
+            return Err(ReadError::new("unsupported-type", Place::Line(line), message));
+        }
+    })
+}

@@ -1,0 +1,15 @@
+//! NRRD volumes, `.nrrd`: header and samples in one file, versions 1 to 5; samples raw, packed by gzip, or as text.
+//!
+//! Source: G. Kindlmann, "Definition of NRRD File Format", teem.sourceforge.net/nrrd/format.html (2005).
+mod fields;
+mod orientation;
+mod read;
+mod write;
+
+pub use read::read;
+pub use write::write;
+
+/// What every such file starts with, before a digit for its version.
+pub(crate) const MAGIC: &[u8] = b"NRRD000";
+/// The key of the certificate.
+const CERTIFICATE: &str = "chordal";

@@ -1,0 +1,200 @@
+//! Reads `.nrrd`.
+use super::fields::{At, Encoding, Fields};
+use super::orientation::{affine, space};
+use crate::nii::which;
+use crate::text::{grouped, number, why_no_number};
+use crate::volume::count::{along, size_of};
+use crate::volume::element::Endian;
+use crate::volume::gunzip::Gunzip;
+use crate::volume::samples::{self, Layout, Spelled};
+use crate::volume::stream::Stream;
+use crate::warnings::Warnings;
+use crate::{Content, Limits, Loaded, Place, ReadError, Volume};
+use chordal::implicit::{Grid, Samples};
+
+/// The volume of a NRRD file, in the space of the file: its directions and origin place the samples, whichever of RAS, LPS
+/// or another space they are given in. Nothing is turned; [`Volume::space`] says which it is.
+///
+/// An axis that is not of space (colours, times) makes several volumes, of which [`Limits::index`] names one.
+///
+/// # Errors
+/// [`ReadError`] at the line of the header, or at the byte; also for samples in another file, which no reader opens.
+///
+/// ```
+/// use chordal_io::{Content, Limits, nrrd};
+/// let file = b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: text\nspace: RAS\n\
+///              space directions: (0,2,0) (0,0,3) (4,0,0)\nspace origin: (10,0,0)\n\n0 1 2 3 4 5 6 7\n";
+/// let Content::Volume(volume) = nrrd::read(file, &Limits::default())?.content else { unreachable!() };
+/// assert_eq!(volume.grid.affine().at([1.0, 0.0, 1.0]), [14.0, 2.0, 0.0]);
+/// # Ok::<(), chordal_io::ReadError>(())
+/// ```
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
+    let mut warnings = Warnings::default();
+    let fields = Fields::read(bytes, limits)?;
+    let missing = |what: &str| {
+        ReadError::new("bad-header", Place::Line(fields.last_line), format!("the header has no '{what}'"))
+    };
+    let element = fields.element.ok_or_else(|| missing("type"))?;
+    let encoding = fields.encoding.ok_or_else(|| missing("encoding"))?;
+    let sizes = sizes(&fields)?;
+    let place = Place::Line(sizes.line);
+    let (axes, list) = axes(&fields, &sizes.value, &place)?;
+    for (axis, n) in sizes.value.iter().enumerate() {
+        along(axis, *n, &place)?;
+    }
+    let size = size_of(axes.map(|axis| sizes.value[axis]), element, &place, limits)?;
+    let affine = affine(&fields, axes, &mut warnings)?;
+    let (frame, space) = space(&fields, &mut warnings)?;
+    if element.width() > 1 && encoding != Encoding::Text && fields.endian.is_none() {
+        return Err(missing("endian"));
+    }
+    let mut layout = Layout::volumes(element, fields.endian.unwrap_or(Endian::Little), size);
+    if let Some(list) = list {
+        let product = |sizes: &[i64]| sizes.iter().map(|n| *n as u64).product();
+        layout.inner = product(&sizes.value[..list]);
+        layout.outer = product(&sizes.value[list + 1..]);
+        layout.of = sizes.value[list] as u64;
+    }
+    layout.index = which(layout.of, limits, &place)?;
+    let samples = samples_of(bytes, &fields, &layout, &Found { encoding, limits }, &mut warnings)?;
+    samples::count_not_finite(&samples, &mut warnings);
+    let grid = Grid::new(size, samples, affine)
+        .map_err(|error| ReadError::new("bad-size", place, error.to_string()))?;
+    let volume = Volume { grid, frame, name: fields.content, space, certificate: fields.certificate };
+    Ok(Loaded { content: Content::Volume(volume), warnings: warnings.into_list() })
+}
+
+/// The sizes of all axes, as many as there are said to be.
+fn sizes(fields: &Fields) -> Result<At<Vec<i64>>, ReadError> {
+    let missing = |what: &str| {
+        ReadError::new("bad-header", Place::Line(fields.last_line), format!("the header has no '{what}'"))
+    };
+    let dimension = fields.dimension.as_ref().ok_or_else(|| missing("dimension"))?;
+    let sizes = fields.sizes.clone().ok_or_else(|| missing("sizes"))?;
+    if sizes.value.len() as i64 != dimension.value {
+        let message = format!("{} sizes for dimension {}", sizes.value.len(), dimension.value);
+        return Err(ReadError::new("bad-header", Place::Line(sizes.line), message));
+    }
+    Ok(sizes)
+}
+
+/// The axes of space, and the one that is not.
+fn axes(fields: &Fields, sizes: &[i64], place: &Place) -> Result<([usize; 3], Option<usize>), ReadError> {
+    let n = sizes.len();
+    if n == 3 {
+        return Ok(([0, 1, 2], None));
+    }
+    if n != 4 {
+        let message =
+            format!("{n} axes are no volume: three are expected, or four with --index for one of the fourth");
+        return Err(ReadError::new("not-3d", place.clone(), message));
+    }
+    let is_space = |kind: &str| matches!(kind, "domain" | "space");
+    let by_direction = fields.directions.as_ref().and_then(|all| all.value.iter().position(Option::is_none));
+    let by_kind = || {
+        let known = |kind: &&String| !matches!(kind.as_str(), "???" | "none");
+        let kinds = fields.kinds.as_ref()?;
+        kinds.value.iter().position(|kind| known(&kind) && !is_space(kind))
+    };
+    let by_spacing = || fields.spacings.as_ref().and_then(|all| all.value.iter().position(|x| x.is_nan()));
+    // Where nothing says which, the slowest.
+    let list = by_direction.or_else(by_kind).or_else(by_spacing).filter(|axis| *axis < 4).unwrap_or(3);
+    let mut axes = (0..4).filter(|axis| *axis != list);
+    let mut next = || axes.next().unwrap_or(0);
+    Ok(([next(), next(), next()], Some(list)))
+}
+
+/// How to read on.
+struct Found<'a> {
+    encoding: Encoding,
+    limits: &'a Limits,
+}
+
+fn samples_of(
+    bytes: &[u8],
+    fields: &Fields,
+    layout: &Layout,
+    found: &Found,
+    warnings: &mut Warnings,
+) -> Result<Samples, ReadError> {
+    let start = after_lines(bytes, fields)?;
+    let skipped = u64::try_from(fields.byte_skip).ok();
+    match found.encoding {
+        Encoding::Raw => {
+            let mut stream = Stream::plain(bytes, start);
+            let all = layout.inner.saturating_mul(layout.of).saturating_mul(layout.outer);
+            let declared = all.saturating_mul(layout.element.width() as u64);
+            let left = (bytes.len() - start) as u64;
+            // Counted from the end where the header says -1.
+            let skip = skipped.unwrap_or(left.saturating_sub(declared));
+            if stream.skip(skip)? < skip {
+                return Err(stream.truncated(0, declared));
+            }
+            samples::read(&mut stream, layout, found.limits, warnings)
+        }
+        Encoding::Gzip => {
+            let mut stream = Stream::Packed(Gunzip::new(&bytes[start..], start as u64));
+            let skip = skipped.ok_or_else(|| {
+                let message = "packed samples are not counted from the end: 'byte skip' is 0 or more";
+                ReadError::new("bad-header", Place::File, message)
+            })?;
+            if stream.skip(skip)? < skip {
+                return Err(stream.truncated(0, skip));
+            }
+            samples::read(&mut stream, layout, found.limits, warnings)
+        }
+        Encoding::Text => {
+            let skip = skipped.map_or(0, |n| usize::try_from(n).unwrap_or(usize::MAX));
+            let text = bytes[start..].get(skip..).unwrap_or(&[]);
+            spelled(text, start + (bytes.len() - start - text.len()), layout)
+        }
+    }
+}
+
+/// The byte after as many lines as the header says to skip.
+fn after_lines(bytes: &[u8], fields: &Fields) -> Result<usize, ReadError> {
+    let mut at = fields.end;
+    for _ in 0..fields.line_skip {
+        let Some(end) = memchr::memchr(b'\n', &bytes[at..]) else {
+            let message = format!("there are not {} lines to skip", grouped(fields.line_skip));
+            return Err(ReadError::new("truncated", Place::Byte(bytes.len() as u64), message));
+        };
+        at += end + 1;
+    }
+    Ok(at)
+}
+
+/// Numbers with spaces or commas between them.
+fn spelled(text: &[u8], start: usize, layout: &Layout) -> Result<Samples, ReadError> {
+    let declared = layout.inner.saturating_mul(layout.of).saturating_mul(layout.outer);
+    let mut kept = Spelled::new(layout.element);
+    let mut row = 0;
+    let place = |token: &[u8]| Place::Byte((start + token.as_ptr() as usize - text.as_ptr() as usize) as u64);
+    for token in text.split(|b| crate::text::is_space(*b) || *b == b',').filter(|token| !token.is_empty()) {
+        if row == declared {
+            let message = format!(
+                "{} follows the {} samples that the header declares",
+                crate::text::show(token),
+                grouped(row)
+            );
+            return Err(ReadError::new("trailing-bytes", place(token), message));
+        }
+        let value =
+            number(token).ok_or_else(|| ReadError::new("bad-number", place(token), why_no_number(token)))?;
+        let is_wanted = (row / layout.inner) % layout.of == layout.index;
+        if is_wanted && !kept.push(value)? {
+            let message = format!("{value} is no number of the type that the header names");
+            return Err(ReadError::new("bad-number", place(token), message));
+        }
+        row += 1;
+    }
+    if row < declared {
+        let message = format!(
+            "the samples are cut off: {} are there, the header says {}",
+            grouped(row),
+            grouped(declared)
+        );
+        return Err(ReadError::new("truncated", Place::Byte((start + text.len()) as u64), message));
+    }
+    kept.finish()
+}

@@ -1,0 +1,78 @@
+//! Writes `.nrrd`.
+use super::CERTIFICATE;
+use crate::npy::write_samples;
+use crate::number::Shortest;
+use crate::{Volume, WriteError};
+use chordal::implicit::Samples;
+use serde_json::Value;
+use std::io::Write;
+
+/// Writes a volume with its directions, origin, unit and certificate: raw, little-endian. Every number reads back to
+/// the last bit.
+///
+/// # Errors
+/// When the sink fails.
+///
+/// ```
+/// use chordal::implicit::{Affine, Grid, Samples};
+/// use chordal_io::{Content, Limits, Volume, nrrd};
+/// let affine = Affine::new([[0.1, 0.5, 0.0, 7.0], [0.0, -0.3, 0.0, 8.0], [0.0, 0.0, 2.0, 9.0]])?;
+/// let grid = Grid::new([2, 2, 2], Samples::F32((0_u8..8).map(f32::from).collect()), affine)?;
+/// let (volume, mut file) = (Volume::of(grid), Vec::new());
+/// nrrd::write(&volume, None, &mut file)?;
+/// let Content::Volume(back) = nrrd::read(&file, &Limits::default())?.content else { unreachable!() };
+/// assert_eq!(back.grid, volume.grid);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write(volume: &Volume, certificate: Option<&Value>, out: &mut dyn Write) -> Result<(), WriteError> {
+    let types = match volume.grid.samples() {
+        Samples::U8(_) => "uint8",
+        Samples::I8(_) => "int8",
+        Samples::U16(_) => "uint16",
+        Samples::I16(_) => "int16",
+        Samples::U32(_) => "uint32",
+        Samples::I32(_) => "int32",
+        Samples::F32(_) => "float",
+        Samples::F64(_) => "double",
+        _ => return Err(WriteError::Unsupported("nrrd holds no samples of that type".to_owned())),
+    };
+    let [x, y, z] = volume.grid.size();
+    let vector = |v: [f64; 3]| format!("({},{},{})", Shortest(v[0]), Shortest(v[1]), Shortest(v[2]));
+    let [a, b, c] = volume.grid.affine().steps().map(vector);
+    let rows = volume.grid.affine().rows();
+    writeln!(out, "NRRD0004")?;
+    if !volume.name.is_empty() {
+        writeln!(out, "content: {}", crate::volume::name_of(volume.name.as_bytes()))?;
+    }
+    writeln!(out, "type: {types}\ndimension: 3")?;
+    match &volume.space {
+        Some(space) => writeln!(out, "space: {}", full_name(space))?,
+        None => writeln!(out, "space dimension: 3")?,
+    }
+    writeln!(out, "sizes: {x} {y} {z}\nspace directions: {a} {b} {c}\nkinds: domain domain domain")?;
+    writeln!(out, "endian: little\nencoding: raw\nspace origin: {}", vector(rows.map(|row| row[3])))?;
+    if let Some(unit) = volume.frame.metres_per_unit.and_then(unit) {
+        writeln!(out, "space units: \"{unit}\" \"{unit}\" \"{unit}\"")?;
+    }
+    if let Some(certificate) = certificate {
+        writeln!(out, "{CERTIFICATE}:={}", certificate.to_string().replace('\\', "\\\\"))?;
+    }
+    writeln!(out)?;
+    write_samples(volume.grid.samples(), out)
+}
+
+fn full_name(space: &str) -> &str {
+    match space {
+        "RAS" => "right-anterior-superior",
+        "LAS" => "left-anterior-superior",
+        "LPS" => "left-posterior-superior",
+        other => other,
+    }
+}
+
+fn unit(metres: f64) -> Option<&'static str> {
+    [(1.0, "m"), (0.01, "cm"), (0.001, "mm"), (1e-6, "um")] // A micrometre, exact to the last place.
+        .into_iter()
+        .find(|(known, _)| *known == metres)
+        .map(|(_, name)| name)
+}

@@ -1,0 +1,66 @@
+//! The number of samples that a header declares, before anything is allocated for them.
+use super::element::Element;
+use crate::text::grouped;
+use crate::{Limits, Place, ReadError};
+
+/// The most samples along one axis: more are taken for a broken header.
+const MOST_ALONG: u64 = (1 << 31) - 1;
+
+/// The size of a lattice, checked.
+///
+/// # Errors
+/// When an axis has no cell or too many, or the samples are more than the limit of bytes.
+pub(crate) fn size_of(
+    declared: [i64; 3],
+    element: Element,
+    place: &Place,
+    limits: &Limits,
+) -> Result<[usize; 3], ReadError> {
+    let mut all: u64 = 1;
+    for (axis, n) in declared.into_iter().enumerate() {
+        along(axis, n, place)?;
+        if n == 1 {
+            let message =
+                format!("axis {axis} has 1 sample and so no cell; a volume has 2 or more along each axis");
+            return Err(ReadError::new("flat-volume", place.clone(), message));
+        }
+        all = all.checked_mul(n as u64).ok_or_else(|| too_many(declared, place))?;
+    }
+    let bytes = all.checked_mul(element.held() as u64).ok_or_else(|| too_many(declared, place))?;
+    if bytes > limits.bytes {
+        let [x, y, z] = declared;
+        let message = format!(
+            "{x} x {y} x {z} samples take {} bytes, which is over the limit of {}",
+            grouped(bytes),
+            grouped(limits.bytes)
+        );
+        return Err(ReadError::new("too-large", place.clone(), message));
+    }
+    if usize::try_from(bytes).is_err() {
+        return Err(too_many(declared, place));
+    }
+    Ok(declared.map(|n| n as usize))
+}
+
+/// Whether a header can mean this number of samples along an axis.
+pub(crate) fn along(axis: usize, n: i64, place: &Place) -> Result<u64, ReadError> {
+    let wrong = |why: String| Err(ReadError::new("bad-size", place.clone(), why));
+    match n {
+        0 => wrong(format!("axis {axis} has 0 samples; a volume has 2 or more along each axis")),
+        n if n < 0 => wrong(format!("axis {axis} has {n} samples, which is negative")),
+        n if n as u64 > MOST_ALONG => wrong(format!(
+            "axis {axis} has {} samples; {} are the most",
+            grouped(n as u64),
+            grouped(MOST_ALONG)
+        )),
+        n => Ok(n as u64),
+    }
+}
+
+fn too_many([x, y, z]: [i64; 3], place: &Place) -> ReadError {
+    ReadError::new(
+        "too-large",
+        place.clone(),
+        format!("{x} x {y} x {z} samples are more than can be counted"),
+    )
+}

@@ -1,0 +1,62 @@
+//! Gzip, decoded piece by piece: nothing is held but what was asked for, however much a file unpacks to.
+use crate::text::grouped;
+use crate::{Place, ReadError};
+use flate2::bufread::MultiGzDecoder;
+use std::io::{ErrorKind, Read};
+
+/// The two bytes that a gzip stream starts with.
+pub(crate) const MAGIC: [u8; 2] = [0x1f, 0x8b];
+
+/// A gzip stream in memory.
+pub(crate) struct Gunzip<'a> {
+    inner: MultiGzDecoder<&'a [u8]>,
+    /// The length of the packed bytes, and where they start in the file.
+    packed: usize,
+    start: u64,
+}
+
+impl<'a> Gunzip<'a> {
+    /// The stream in `packed`, which starts at byte `start` of the file.
+    pub(crate) fn new(packed: &'a [u8], start: u64) -> Self {
+        Self { inner: MultiGzDecoder::new(packed), packed: packed.len(), start }
+    }
+
+    /// Fills as much of `buffer` as there is.
+    pub(crate) fn fill(&mut self, buffer: &mut [u8]) -> Result<usize, ReadError> {
+        let mut filled = 0;
+        while filled < buffer.len() {
+            match self.inner.read(&mut buffer[filled..]) {
+                Ok(0) => break,
+                Ok(n) => filled += n,
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) => return Err(self.broken(&error)),
+            }
+        }
+        Ok(filled)
+    }
+
+    /// The byte of the file up to which it was read.
+    pub(crate) fn place(&self) -> Place {
+        Place::Byte(self.start + (self.packed - self.inner.get_ref().len()) as u64)
+    }
+
+    fn broken(&self, error: &std::io::Error) -> ReadError {
+        if error.kind() == ErrorKind::UnexpectedEof {
+            let end = grouped(self.start + self.packed as u64);
+            let message = format!("the gzip data is cut off: the file ends after {end} bytes");
+            return ReadError::new("truncated", self.place(), message);
+        }
+        ReadError::new("bad-gzip", self.place(), format!("the gzip data is damaged: {error}"))
+    }
+}
+
+/// Up to `most` bytes of what some bytes unpack to, or of the bytes themselves where they are not packed.
+pub(crate) fn peek(bytes: &[u8], most: usize) -> Vec<u8> {
+    if !bytes.starts_with(&MAGIC) {
+        return bytes[..bytes.len().min(most)].to_vec();
+    }
+    let mut first = vec![0; most];
+    let n = Gunzip::new(bytes, 0).fill(&mut first).unwrap_or(0);
+    first.truncate(n);
+    first
+}

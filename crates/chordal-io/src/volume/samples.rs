@@ -1,0 +1,288 @@
+//! Samples out of a stream: in the type that they came in, of one volume of several, scaled where a header says so.
+use super::element::{Element, Endian, half};
+use super::stream::Stream;
+use crate::grow::{out_of_memory, push, with_room};
+use crate::text::grouped;
+use crate::warnings::Warnings;
+use crate::{Limits, Place, ReadError};
+use chordal::implicit::Samples;
+
+/// How samples stand in a stream: `outer` times `of` runs of `inner` samples, of which run `index` is wanted.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Layout {
+    pub element: Element,
+    pub endian: Endian,
+    pub inner: u64,
+    pub of: u64,
+    pub outer: u64,
+    pub index: u64,
+}
+
+impl Layout {
+    /// One volume after the other, of which one is wanted.
+    pub(crate) fn volumes(element: Element, endian: Endian, size: [usize; 3]) -> Self {
+        let inner = size.iter().map(|n| *n as u64).product();
+        Self { element, endian, inner, of: 1, outer: 1, index: 0 }
+    }
+
+    /// The bytes of all runs.
+    fn bytes(&self) -> Option<u64> {
+        [self.of, self.outer, self.element.width() as u64]
+            .into_iter()
+            .try_fold(self.inner, |all, n| all.checked_mul(n))
+    }
+}
+
+/// Bytes that are read at once: a whole number of any element.
+const CHUNK: usize = 1 << 15;
+
+/// The samples of a stream, which has to end with them.
+///
+/// # Errors
+/// When it ends before, or goes on after; when 64-bit numbers are too large to be kept exactly.
+pub(crate) fn read(
+    stream: &mut Stream,
+    layout: &Layout,
+    limits: &Limits,
+    warnings: &mut Warnings,
+) -> Result<Samples, ReadError> {
+    let declared = layout.bytes().ok_or_else(|| {
+        let message = "the header declares more samples than can be counted";
+        ReadError::new("too-large", stream.place(), message)
+    })?;
+    if let Some(left) = stream.left().filter(|left| *left < declared) {
+        stream.skip(left)?;
+        return Err(stream.truncated(left, declared));
+    }
+    let e = layout.endian;
+    let samples = match layout.element {
+        Element::Bool => Samples::U8(collect(stream, layout, |b| u8::from(b[0] != 0))?),
+        Element::U8 => Samples::U8(collect(stream, layout, |b| b[0])?),
+        Element::I8 => Samples::I8(collect(stream, layout, |b| b[0] as i8)?),
+        Element::U16 => Samples::U16(collect(stream, layout, |b| u16::from_le_bytes(e.array(b)))?),
+        Element::I16 => Samples::I16(collect(stream, layout, |b| i16::from_le_bytes(e.array(b)))?),
+        Element::U32 => Samples::U32(collect(stream, layout, |b| u32::from_le_bytes(e.array(b)))?),
+        Element::I32 => Samples::I32(collect(stream, layout, |b| i32::from_le_bytes(e.array(b)))?),
+        Element::F16 => Samples::F32(collect(stream, layout, |b| half(u16::from_le_bytes(e.array(b))))?),
+        Element::F32 => Samples::F32(collect(stream, layout, |b| f32::from_le_bytes(e.array(b)))?),
+        Element::F64 => Samples::F64(collect(stream, layout, |b| f64::from_le_bytes(e.array(b)))?),
+        Element::I64 => narrow(&collect(stream, layout, |b| i64::from_le_bytes(e.array(b)))?)?,
+        Element::U64 => narrow(&collect(stream, layout, |b| u64::from_le_bytes(e.array(b)))?)?,
+    };
+    end(stream, limits, warnings)?;
+    Ok(samples)
+}
+
+/// Nothing may follow: more samples than were declared are of another header.
+fn end(stream: &mut Stream, limits: &Limits, warnings: &mut Warnings) -> Result<(), ReadError> {
+    let place = stream.place();
+    let more = match stream.left() {
+        Some(left) => left,
+        // Of packed bytes the first one that is too many is enough, except where all of them are counted.
+        None => stream.skip(if limits.lenient { u64::MAX } else { 1 })?,
+    };
+    if more == 0 {
+        return Ok(());
+    }
+    if !limits.lenient {
+        let how_many = stream.left().map_or_else(|| "more".to_owned(), |n| format!("{} more", grouped(n)));
+        let message = format!(
+            "the samples that the header declares end here, {how_many} bytes follow; --lenient skips them"
+        );
+        return Err(ReadError::new("trailing-bytes", place, message));
+    }
+    warnings.count("trailing-bytes", || {
+        (place, format!("{} bytes after the samples that the header declares were skipped", grouped(more)))
+    });
+    Ok(())
+}
+
+fn collect<T: Copy>(
+    stream: &mut Stream,
+    layout: &Layout,
+    number: impl Fn(&[u8]) -> T,
+) -> Result<Vec<T>, ReadError> {
+    let width = layout.element.width();
+    let run = layout.inner * width as u64;
+    let (before, after) = (layout.index * run, (layout.of - 1 - layout.index) * run);
+    let declared = layout.outer * layout.of * run;
+    // Bytes that are there can be counted; of packed ones only what arrives is known.
+    let mut all = match stream.left() {
+        Some(_) => with_room((layout.inner * layout.outer) as usize)?,
+        None => Vec::new(),
+    };
+    let mut buffer = [0; CHUNK];
+    let mut there = 0;
+    for _ in 0..layout.outer {
+        let passed = stream.skip(before)?;
+        there += passed;
+        let mut left = if passed == before { run } else { 0 };
+        while left > 0 {
+            let want = usize::try_from(left).unwrap_or(usize::MAX).min(CHUNK);
+            let got = stream.fill(&mut buffer[..want])?;
+            there += got as u64;
+            append(&mut all, buffer[..got].chunks_exact(width).map(&number))?;
+            left -= got as u64;
+            if got < want {
+                break;
+            }
+        }
+        if left > 0 || passed < before {
+            return Err(stream.truncated(there, declared));
+        }
+        let passed = stream.skip(after)?;
+        there += passed;
+        if passed < after {
+            return Err(stream.truncated(there, declared));
+        }
+    }
+    Ok(all)
+}
+
+/// Appends a chunk, in steps of half of what is there.
+fn append<T>(all: &mut Vec<T>, chunk: impl ExactSizeIterator<Item = T>) -> Result<(), ReadError> {
+    if all.capacity() - all.len() < chunk.len() {
+        let step = chunk.len().max(all.len() / 2);
+        all.try_reserve_exact(step).map_err(|_| out_of_memory(all.len()))?;
+    }
+    all.extend(chunk);
+    Ok(())
+}
+
+/// Whole numbers of 64 bits, of which most files hold none that need them.
+trait Whole: Copy + TryInto<i32> + TryInto<u32> + std::fmt::Display {
+    /// The number, where f64 has it.
+    fn exact(self) -> Option<f64>;
+}
+
+impl Whole for i64 {
+    fn exact(self) -> Option<f64> {
+        let value = self as f64;
+        // 2⁶³ would saturate to the largest number, which is another one.
+        (value < 9_223_372_036_854_775_808.0 && value as i64 == self).then_some(value)
+    }
+}
+
+impl Whole for u64 {
+    fn exact(self) -> Option<f64> {
+        let value = self as f64;
+        (value < 18_446_744_073_709_551_616.0 && value as u64 == self).then_some(value)
+    }
+}
+
+/// The smallest type that holds all: 32 bits with or without sign, else f64.
+fn narrow<T: Whole>(all: &[T]) -> Result<Samples, ReadError> {
+    if let Some(all) = gathered(all, |x| TryInto::<i32>::try_into(x).ok())? {
+        return Ok(Samples::I32(all));
+    }
+    if let Some(all) = gathered(all, |x| TryInto::<u32>::try_into(x).ok())? {
+        return Ok(Samples::U32(all));
+    }
+    if let Some(all) = gathered(all, Whole::exact)? {
+        return Ok(Samples::F64(all));
+    }
+    let row = all.iter().position(|x| x.exact().is_none()).unwrap_or(0);
+    let message = format!("{} is a whole number that f64 does not hold", all[row]);
+    Err(ReadError::new("inexact-integer", Place::Row { list: "sample", row: row as u64 }, message))
+}
+
+fn gathered<T: Copy, U>(all: &[T], to: impl Fn(T) -> Option<U>) -> Result<Option<Vec<U>>, ReadError> {
+    if !all.iter().all(|x| to(*x).is_some()) {
+        return Ok(None);
+    }
+    let mut list = with_room(all.len())?;
+    list.extend(all.iter().filter_map(|x| to(*x)));
+    Ok(Some(list))
+}
+
+/// `slope · sample + inter`, in f32 where that is exact for all of them, else in f64.
+///
+/// # Errors
+/// When there is no memory for them.
+pub(crate) fn scaled(samples: &Samples, slope: f64, inter: f64) -> Result<Samples, ReadError> {
+    let value = |i: usize| slope * samples.get(i) + inter;
+    let n = samples.len();
+    let is_single = |x: f64| f64::from(x as f32).to_bits() == x.to_bits() || x.is_nan();
+    if (0..n).all(|i| is_single(value(i))) {
+        let mut list = with_room(n)?;
+        list.extend((0..n).map(|i| value(i) as f32));
+        return Ok(Samples::F32(list));
+    }
+    let mut list = with_room(n)?;
+    list.extend((0..n).map(value));
+    Ok(Samples::F64(list))
+}
+
+/// Numbers spelled out, in the type that a header names.
+pub(crate) struct Spelled {
+    element: Element,
+    values: Vec<f64>,
+}
+
+impl Spelled {
+    pub(crate) fn new(element: Element) -> Self {
+        Self { element, values: Vec::new() }
+    }
+
+    /// Appends a number, if its type has it; a type of floating point rounds.
+    pub(crate) fn push(&mut self, value: f64) -> Result<bool, ReadError> {
+        let range = match self.element {
+            Element::Bool | Element::U8 => Some((0.0, f64::from(u8::MAX))),
+            Element::I8 => Some((f64::from(i8::MIN), f64::from(i8::MAX))),
+            Element::U16 => Some((0.0, f64::from(u16::MAX))),
+            Element::I16 => Some((f64::from(i16::MIN), f64::from(i16::MAX))),
+            Element::U32 => Some((0.0, f64::from(u32::MAX))),
+            Element::I32 => Some((f64::from(i32::MIN), f64::from(i32::MAX))),
+            // Whole numbers below 2⁵³ were spelled exactly.
+            Element::U64 => Some((0.0, 9_007_199_254_740_992.0)),
+            Element::I64 => Some((-9_007_199_254_740_992.0, 9_007_199_254_740_992.0)),
+            Element::F16 | Element::F32 | Element::F64 => None,
+        };
+        if range.is_some_and(|(low, high)| !(value >= low && value <= high && value.fract() == 0.0)) {
+            return Ok(false);
+        }
+        push(&mut self.values, value)?;
+        Ok(true)
+    }
+
+    /// All of them.
+    pub(crate) fn finish(self) -> Result<Samples, ReadError> {
+        fn list<T>(values: &[f64], to: impl Fn(f64) -> T) -> Result<Vec<T>, ReadError> {
+            let mut list = with_room(values.len())?;
+            list.extend(values.iter().map(|x| to(*x)));
+            Ok(list)
+        }
+        let values = &self.values;
+        Ok(match self.element {
+            Element::Bool | Element::U8 => Samples::U8(list(values, |x| x as u8)?),
+            Element::I8 => Samples::I8(list(values, |x| x as i8)?),
+            Element::U16 => Samples::U16(list(values, |x| x as u16)?),
+            Element::I16 => Samples::I16(list(values, |x| x as i16)?),
+            Element::U32 => Samples::U32(list(values, |x| x as u32)?),
+            Element::I32 => Samples::I32(list(values, |x| x as i32)?),
+            Element::F16 | Element::F32 => Samples::F32(list(values, |x| x as f32)?),
+            Element::I64 => narrow(&list(values, |x| x as i64)?)?,
+            Element::U64 => narrow(&list(values, |x| x as u64)?)?,
+            Element::F64 => Samples::F64(self.values),
+        })
+    }
+}
+
+/// Counts samples that are no finite numbers.
+pub(crate) fn count_not_finite(samples: &Samples, warnings: &mut Warnings) {
+    let place = |row: usize| Place::Row { list: "sample", row: row as u64 };
+    let mut count = |code, message: &str, is: &dyn Fn(f64) -> bool| {
+        let (mut n, mut first) = (0, None);
+        for i in 0..samples.len() {
+            if is(samples.get(i)) {
+                n += 1;
+                first = first.or(Some(i));
+            }
+        }
+        warnings.count_many(code, n, || (place(first.unwrap_or(0)), message.to_owned()));
+    };
+    if matches!(samples, Samples::F32(_) | Samples::F64(_)) {
+        count("nan-samples", "samples are NaN; they count as outside", &f64::is_nan);
+        count("infinite-samples", "samples are infinite", &f64::is_infinite);
+    }
+}

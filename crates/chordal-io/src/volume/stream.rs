@@ -1,0 +1,83 @@
+//! `Stream`: the bytes of samples, as they stand in a file or packed.
+use super::gunzip::Gunzip;
+use crate::text::grouped;
+use crate::{Place, ReadError};
+
+/// Bytes that come one after the other.
+pub(crate) enum Stream<'a> {
+    /// As they stand in a file, up to its end.
+    Plain {
+        /// All bytes of the file.
+        file: &'a [u8],
+        /// The next one.
+        at: usize,
+    },
+    /// Packed.
+    Packed(Gunzip<'a>),
+}
+
+impl<'a> Stream<'a> {
+    /// The file from a byte on, at most its end.
+    pub(crate) fn plain(file: &'a [u8], at: usize) -> Self {
+        Self::Plain { file, at: at.min(file.len()) }
+    }
+
+    /// Fills as much of `buffer` as there is.
+    pub(crate) fn fill(&mut self, buffer: &mut [u8]) -> Result<usize, ReadError> {
+        match self {
+            Self::Plain { file, at } => {
+                let n = buffer.len().min(file.len() - *at);
+                buffer[..n].copy_from_slice(&file[*at..*at + n]);
+                *at += n;
+                Ok(n)
+            }
+            Self::Packed(gunzip) => gunzip.fill(buffer),
+        }
+    }
+
+    /// Passes over as many of `n` bytes as there are, and says how many that were.
+    pub(crate) fn skip(&mut self, n: u64) -> Result<u64, ReadError> {
+        if let Self::Plain { file, at } = self {
+            let step = usize::try_from(n).unwrap_or(usize::MAX).min(file.len() - *at);
+            *at += step;
+            return Ok(step as u64);
+        }
+        let mut buffer = [0; 1 << 14];
+        let mut left = n;
+        while left > 0 {
+            let want = usize::try_from(left).unwrap_or(usize::MAX).min(buffer.len());
+            let got = self.fill(&mut buffer[..want])?;
+            left -= got as u64;
+            if got < want {
+                break;
+            }
+        }
+        Ok(n - left)
+    }
+
+    /// How many bytes are left, where that is known without reading them.
+    pub(crate) fn left(&self) -> Option<u64> {
+        match self {
+            Self::Plain { file, at } => Some((file.len() - *at) as u64),
+            Self::Packed(_) => None,
+        }
+    }
+
+    /// The byte of the file that is next.
+    pub(crate) fn place(&self) -> Place {
+        match self {
+            Self::Plain { at, .. } => Place::Byte(*at as u64),
+            Self::Packed(gunzip) => gunzip.place(),
+        }
+    }
+
+    /// The error of samples that end too early, after `there` of `declared` bytes.
+    pub(crate) fn truncated(&self, there: u64, declared: u64) -> ReadError {
+        let message = format!(
+            "the samples are cut off: {} bytes are there, the header says {}",
+            grouped(there),
+            grouped(declared)
+        );
+        ReadError::new("truncated", self.place(), message)
+    }
+}

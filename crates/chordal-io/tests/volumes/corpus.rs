@@ -1,0 +1,103 @@
+//! Real volumes: sizes, places and sums, as nibabel 5 gives them.
+use crate::common::data;
+use crate::{load, values};
+use chordal_io::Format;
+
+struct Real {
+    file: &'static str,
+    size: [usize; 3],
+    rows: [[f64; 4]; 3],
+    least: f64,
+    most: f64,
+    sum: f64,
+}
+
+/// What nibabel says: `shape`, `affine`, and minimum, maximum and `math.fsum` of `get_fdata()`.
+const REAL: [Real; 6] = [
+    Real {
+        file: "nilearn/nilearn/datasets/data/image_10426.nii.gz",
+        size: [53, 63, 46],
+        rows: [[-3.0, 0.0, 0.0, 78.0], [0.0, 3.0, 0.0, -112.0], [0.0, 0.0, 3.0, -50.0]],
+        least: -7.941444396972656,
+        most: 7.94134521484375,
+        sum: 3460.168992704268,
+    },
+    Real {
+        file: "nilearn/nilearn/datasets/data/mni_icbm152_t1_tal_nlin_sym_09a_converted.nii.gz",
+        size: [197, 233, 189],
+        rows: [[1.0, 0.0, 0.0, -98.0], [0.0, 1.0, 0.0, -134.0], [0.0, 0.0, 1.0, -72.0]],
+        least: 0.0,
+        most: 255.0,
+        sum: 333468829.0,
+    },
+    Real {
+        file: "totalsegmentator/tests/reference_files/example_ct_sm.nii.gz",
+        size: [122, 101, 30],
+        rows: [
+            [3.0, 0.0, 0.0, -177.95632934570312],
+            [0.0, 3.0, 0.0, 11.319000244140625],
+            [0.0, 0.0, 3.0, 94.3017578125],
+        ],
+        least: -1100.0,
+        most: 1207.0,
+        sum: -130894872.0,
+    },
+    Real {
+        file: "totalsegmentator/tests/reference_files/example_seg.nii.gz",
+        size: [122, 101, 30],
+        rows: [
+            [3.0, 0.0, 0.0, -177.95632934570312],
+            [0.0, 3.0, 0.0, 11.319000244140625],
+            [0.0, 0.0, 3.0, 94.3017578125],
+        ],
+        least: 0.0,
+        most: 117.0,
+        sum: 2734697.0,
+    },
+    Real {
+        file: "totalsegmentator/tests/reference_files/example_seg_fast/aorta.nii.gz",
+        size: [122, 101, 30],
+        rows: [
+            [3.0, 0.0, 0.0, -177.95632934570312],
+            [0.0, 3.0, 0.0, 11.319000244140625],
+            [0.0, 0.0, 3.0, 94.3017578125],
+        ],
+        least: 0.0,
+        most: 1.0,
+        sum: 1174.0,
+    },
+    Real {
+        file: "totalsegmentator/tests/reference_files/example_seg_fast/liver.nii.gz",
+        size: [122, 101, 30],
+        rows: [
+            [3.0, 0.0, 0.0, -177.95632934570312],
+            [0.0, 3.0, 0.0, 11.319000244140625],
+            [0.0, 0.0, 3.0, 94.3017578125],
+        ],
+        least: 0.0,
+        most: 1.0,
+        sum: 39350.0,
+    },
+];
+
+#[test]
+fn real_volumes_read_as_by_nibabel() {
+    let Some(root) = data() else { return };
+    for real in REAL {
+        let bytes = std::fs::read(root.join("volume").join(real.file)).expect(real.file);
+        assert_eq!(Format::sniff(&bytes), Some(Format::Nii), "{}", real.file);
+        let (volume, _) = load(&bytes, Format::Nii);
+        let all = values(&volume);
+        assert_eq!(volume.grid.size(), real.size, "{}", real.file);
+        assert_eq!(volume.grid.affine().rows(), real.rows, "{}", real.file);
+        let ends =
+            all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+        assert_eq!(ends, (real.least, real.most), "{}", real.file);
+        let sum: f64 = all.iter().sum();
+        assert!(
+            (sum - real.sum).abs() <= 1e-9 * all.iter().map(|x| x.abs()).sum::<f64>(),
+            "{}: {sum}",
+            real.file
+        );
+    }
+}

@@ -1,0 +1,179 @@
+//! What a volume is, as `inspect` says it.
+use crate::sampled::{Range, Sampled, type_name};
+use chordal::convert::Inside;
+use chordal::implicit::Affine;
+use serde::Serialize;
+
+/// What a volume is.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VolumeFacts {
+    /// What the file calls it, or empty.
+    pub name: String,
+    /// Samples along each index, the first of which runs fastest.
+    pub size: [u64; 3],
+    /// The type of a sample, as in "u8" or "f32".
+    pub samples: &'static str,
+    /// What the axes of space are called, as in "RAS"; none where the file does not say.
+    pub space: Option<String>,
+    /// To which side of the patient each index runs, as in "LAS"; none where the file does not say.
+    pub axes: Option<String>,
+    /// The place of the first sample.
+    pub origin: [f64; 3],
+    /// By how much a place moves when one index grows by 1.
+    pub steps: [[f64; 3]; 3],
+    /// The lengths of those steps.
+    pub spacing: [f64; 3],
+    /// The indices run left-handed.
+    pub mirrored: bool,
+    /// The steps are not at right angles.
+    pub sheared: bool,
+    /// The lowest finite sample; none where there is none.
+    pub low: Option<f64>,
+    /// The highest finite sample; none where there is none.
+    pub high: Option<f64>,
+    /// Samples that are NaN.
+    pub nan: u64,
+    /// Samples that are infinite.
+    pub infinite: u64,
+    /// Different values, where all samples are whole numbers and they are not more than 65,536.
+    pub labels: Option<u64>,
+    /// The values with the most samples, at most [`MOST_LABELS`], in their order.
+    pub label_list: Vec<LabelFacts>,
+    /// A level that suits the samples; none where all are equal.
+    pub suggested: Option<SuggestedFacts>,
+}
+
+/// The most values that are listed.
+pub const MOST_LABELS: usize = 64;
+
+/// One value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct LabelFacts {
+    /// The value.
+    pub label: i64,
+    /// How many samples have it.
+    pub samples: u64,
+}
+
+/// A level that suits the samples.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SuggestedFacts {
+    /// The level.
+    pub level: f64,
+    /// "high" where samples above it are inside, "low" where those below it are.
+    pub inside: &'static str,
+    /// What the samples are taken for: "mask", "occupancy", "signed distance" or "intensity".
+    pub kind: &'static str,
+    /// Whether `mesh` takes it where nobody says a level; else it is a guess.
+    pub follows: bool,
+}
+
+impl VolumeFacts {
+    /// What there is to say of a volume: two passes over its samples.
+    #[must_use]
+    pub fn of(sampled: &Sampled) -> Self {
+        let volume = &sampled.volume;
+        let (samples, affine) = (volume.grid.samples(), volume.grid.affine());
+        let range = Range::of(samples);
+        let steps = affine.steps();
+        let mut label_list: Vec<LabelFacts> = range
+            .labels
+            .iter()
+            .flatten()
+            .map(|(label, samples)| LabelFacts { label: *label, samples: *samples })
+            .collect();
+        label_list.sort_by_key(|facts| (std::cmp::Reverse(facts.samples), facts.label));
+        label_list.truncate(MOST_LABELS);
+        label_list.sort_by_key(|facts| facts.label);
+        Self {
+            name: volume.name.clone(),
+            size: volume.grid.size().map(|n| n as u64),
+            samples: type_name(samples),
+            space: volume.space.clone(),
+            axes: volume.space.as_deref().and_then(|space| axes(affine, space)),
+            origin: affine.at([0.0; 3]),
+            steps,
+            spacing: steps.map(length),
+            mirrored: affine.orientation() < 0,
+            sheared: is_sheared(steps),
+            low: range.ends.map(|ends| ends[0]),
+            high: range.ends.map(|ends| ends[1]),
+            nan: range.nan,
+            infinite: range.infinite,
+            labels: range.labels.as_ref().map(|labels| labels.len() as u64),
+            label_list,
+            suggested: range.suggest(samples).map(|found| SuggestedFacts {
+                level: found.level,
+                inside: if found.inside == Inside::Low { "low" } else { "high" },
+                kind: found.kind,
+                follows: found.follows(),
+            }),
+        }
+    }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn length(a: [f64; 3]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// Whether steps are not at right angles, beyond what single precision makes of right ones.
+fn is_sheared([a, b, c]: [[f64; 3]; 3]) -> bool {
+    // Cosines of angles below this are rounding: 2⁻²⁰, eight steps of single precision.
+    const ROUNDING: f64 = 1.0 / 1_048_576.0;
+    [(a, b), (b, c), (c, a)].into_iter().any(|(p, q)| dot(p, q).abs() > ROUNDING * length(p) * length(q))
+}
+
+/// To which side each index runs the most: each side once, the clearest index first.
+fn axes(affine: &Affine, space: &str) -> Option<String> {
+    let letters: [char; 3] = space.chars().collect::<Vec<_>>().try_into().ok()?;
+    let steps = affine.steps();
+    let mut found = [None; 3];
+    let mut taken = [false; 3];
+    for _ in 0..3 {
+        let mut best = (-1.0, 0, 0);
+        for index in (0..3).filter(|index| found[*index].is_none()) {
+            let size = length(steps[index]);
+            for axis in (0..3).filter(|axis| !taken[*axis]) {
+                let part = (steps[index][axis] / size).abs();
+                if part > best.0 {
+                    best = (part, index, axis);
+                }
+            }
+        }
+        let (_, index, axis) = best;
+        taken[axis] = true;
+        let letter = letters[axis];
+        found[index] = if steps[index][axis] < 0.0 { opposite(letter) } else { Some(letter) };
+    }
+    found.into_iter().collect()
+}
+
+fn opposite(letter: char) -> Option<char> {
+    let pairs = [('R', 'L'), ('A', 'P'), ('S', 'I')];
+    pairs.iter().find_map(|(a, b)| match letter {
+        _ if letter == *a => Some(*b),
+        _ if letter == *b => Some(*a),
+        _ => None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn indices_are_named_after_the_side_that_they_run_to() {
+        let affine = |rows| Affine::new(rows).unwrap();
+        let plain = affine([[-3.0, 0.0, 0.0, 78.0], [0.0, 3.0, 0.0, -112.0], [0.0, 0.0, 3.0, -50.0]]);
+        assert_eq!(axes(&plain, "RAS").as_deref(), Some("LAS"));
+        assert_eq!(axes(&plain, "LPS").as_deref(), Some("RPS"));
+        let turned = affine([[0.1, 0.2, 1.0, 0.0], [2.0, 0.3, 0.0, 0.0], [0.0, -1.0, 0.4, 0.0]]);
+        assert_eq!(axes(&turned, "RAS").as_deref(), Some("AIR"));
+        assert_eq!(axes(&turned, "scanner-xyz"), None);
+        assert!(is_sheared(turned.steps()) && !is_sheared(plain.steps()));
+    }
+}

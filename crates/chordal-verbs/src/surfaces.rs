@@ -1,0 +1,286 @@
+//! Surfaces of volumes: one at a level, or one for each label, at the lattice's own resolution or within a budget.
+use crate::mesh::{refused, set_aside, snapped};
+use crate::polylines::Asked;
+use crate::sampled::{Labels, Range, Sampled, Suggested};
+use crate::{MeshFailure, SurfaceSpec};
+use chordal::budget::{Bound, Budget, Code, Failure};
+use chordal::convert::{self, Border, Inside, Polygonize};
+use chordal::implicit::{Grid, Samples};
+use chordal::{Bounded, Job, Mesh};
+use chordal_io::{Node, Scene, worst_snap};
+
+/// The surface of a volume as the format will hold it, with its bound against the trilinear interpolant.
+///
+/// # Errors
+/// When nobody says which surface and the samples do not either; when there is none; as for [`convert::grid_to_mesh`].
+pub(crate) fn of_volume(
+    sampled: &Sampled,
+    asked: &Asked,
+    notes: &mut Vec<String>,
+    job: &Job,
+) -> Result<(Scene, Bound), MeshFailure> {
+    let grid = &sampled.volume.grid;
+    let range = Range::of(grid.samples());
+    if let Some(space) = &sampled.volume.space {
+        notes.push(format!("coordinates are those of the file, in its space {space}: nothing was turned"));
+    }
+    if range.nan > 0 {
+        notes.push(format!("{} samples are NaN and count as outside", range.nan));
+    }
+    if range.infinite > 0 {
+        notes.push(format!("{} samples are infinite and count as the largest numbers", range.infinite));
+    }
+    if let Some(labels) = &sampled.surface.labels {
+        return of_labels(sampled, &wanted(labels, sampled, &range)?, asked, (notes, job));
+    }
+    let rule = rule(sampled, &range, notes)?;
+    note_border(grid, &rule, notes);
+    let made = Maker { sampled, asked, job }.make(grid, &rule)?;
+    let mut scene = Scene::of("surface", made.shape, true, sampled.volume.frame);
+    named(&mut scene, &sampled.volume.name);
+    Ok((scene, made.bound))
+}
+
+/// A part that has a name in the file has it in the mesh.
+fn named(scene: &mut Scene, name: &str) {
+    if !name.is_empty() {
+        scene.parts.iter_mut().for_each(|part| part.name = name.to_owned());
+        scene.nodes.iter_mut().for_each(|node| node.name = name.to_owned());
+    }
+}
+
+/// What makes meshes, and under which conditions.
+struct Maker<'a> {
+    sampled: &'a Sampled,
+    asked: &'a Asked<'a>,
+    job: &'a Job,
+}
+
+impl Maker<'_> {
+    /// One mesh at the precision of the format.
+    fn make(&self, grid: &Grid, rule: &Polygonize) -> Result<Bounded<Mesh>, MeshFailure> {
+        let Asked { budget, to, place, .. } = self.asked;
+        let lost = worst_snap(place, *to);
+        let inner = set_aside(budget, lost, place, *to)?;
+        let rule = Polygonize { margin: margin(&self.sampled.volume.grid, lost), ..*rule };
+        let inner = (*budget != Budget::default()).then_some(&inner);
+        let made = match convert::grid_to_mesh(grid, &rule, inner, self.job) {
+            Ok(made) => made,
+            Err(Failure::Unmet(best)) => *best,
+            Err(Failure::Refused(refusal)) => return Err(MeshFailure::Refused(refusal)),
+            Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
+        };
+        let Bounded { shape, bound } = made;
+        let (shape, bound) = snapped(&shape, bound, budget, *to)?;
+        Ok(Bounded { shape, bound })
+    }
+}
+
+/// How near to a sample a vertex may come: so far that rounding to the format keeps vertices apart.
+fn margin(grid: &Grid, lost: f64) -> f64 {
+    if lost == 0.0 {
+        return Polygonize::MARGIN;
+    }
+    let squares = grid.affine().steps().map(|[x, y, z]| x * x + y * y + z * z);
+    let shortest =
+        squares.into_iter().fold(f64::INFINITY, |least, s| if s < least { s } else { least }).sqrt();
+    let mut margin = Polygonize::MARGIN_F32;
+    // Two vertices at a sample are a margin from it each, so that half of it for each is left for rounding; beyond an eighth
+    // of an edge the surface would be another one.
+    while margin * shortest < 4.0 * lost && margin < 0.125 {
+        margin *= 2.0;
+    }
+    margin
+}
+
+/// The level and the side, from what was asked for and what the samples are.
+fn rule(sampled: &Sampled, range: &Range, notes: &mut Vec<String>) -> Result<Polygonize, MeshFailure> {
+    let SurfaceSpec { level, inside, border, .. } = &sampled.surface;
+    let samples = sampled.volume.grid.samples();
+    let suggested = range.suggest(samples);
+    let Some([low, high]) = range.ends else {
+        return Err(refused(Code::Empty, "no sample is a finite number, so that there is no surface"));
+    };
+    let level = match (level, &suggested) {
+        (Some(level), _) => *level,
+        (None, Some(found)) if found.follows() => found.level,
+        (None, Some(found)) => {
+            let message = format!(
+                "samples lie between {low} and {high}, and nothing says where the surface is: --iso LEVEL does; \
+                 {} parts them best",
+                found.level
+            );
+            return Err(MeshFailure::Usage(message));
+        }
+        (None, None) => {
+            return Err(refused(
+                Code::Empty,
+                format!("all samples are {low}, so that there is no surface at any level"),
+            ));
+        }
+    };
+    let side = inside.unwrap_or_else(|| usual_side(level, suggested.as_ref()));
+    let taken = match (suggested, side) {
+        (Some(found), _) if sampled.surface.level.is_none() => format!(" (taken for a {})", found.kind),
+        _ => String::new(),
+    };
+    let words = if side == Inside::High { "above" } else { "below" };
+    notes.push(format!(
+        "the surface is where samples are {level}, with what is {words} inside{taken}; samples lie between {low} and {high}"
+    ));
+    let rule = if side == Inside::High { Polygonize::above(level) } else { Polygonize::below(level) };
+    if !(level >= low && level <= high) {
+        let message = format!(
+            "level {level} is not among the samples, which lie between {low} and {high}: there is no surface"
+        );
+        return Err(refused(Code::Empty, message));
+    }
+    Ok(if *border == Border::Open { rule.open() } else { rule })
+}
+
+/// Distances are low inside, everything else is high.
+fn usual_side(level: f64, suggested: Option<&Suggested>) -> Inside {
+    match suggested {
+        Some(found) if found.level == level => found.inside,
+        _ => Inside::High,
+    }
+}
+
+/// Says where the shape reaches the border of the volume.
+fn note_border(grid: &Grid, rule: &Polygonize, notes: &mut Vec<String>) {
+    let is_inside = |x: f64| match rule.inside {
+        Inside::Low => x < rule.level,
+        Inside::High => x > rule.level,
+    };
+    let [nx, ny, nz] = grid.size();
+    let mut n = 0_u64;
+    for z in 0..nz {
+        for y in 0..ny {
+            let is_border = z == 0 || z + 1 == nz || y == 0 || y + 1 == ny;
+            let step = if is_border { 1 } else { nx - 1 };
+            n += (0..nx).step_by(step).filter(|x| is_inside(grid.sample([*x, y, z]))).count() as u64;
+        }
+    }
+    if n > 0 && rule.border == [[Border::Capped; 2]; 3] {
+        notes.push(format!(
+            "the shape reaches the border of the volume ({n} samples) and is closed there by flat faces; --open leaves \
+             it open"
+        ));
+    } else if n > 0 {
+        notes.push(format!("the shape reaches the border of the volume ({n} samples) and ends there"));
+    }
+}
+
+/// The labels that get a surface, in their order.
+fn wanted(labels: &Labels, sampled: &Sampled, range: &Range) -> Result<Vec<i64>, MeshFailure> {
+    if sampled.surface.level.is_some() || sampled.surface.inside.is_some() {
+        let message = "labels have no level and no side: give --labels alone, or --iso";
+        return Err(MeshFailure::Usage(message.to_owned()));
+    }
+    let Some(known) = &range.labels else {
+        let message = "labels are whole numbers, and at most 65,536 different ones; these samples are not";
+        return Err(MeshFailure::Usage(message.to_owned()));
+    };
+    match labels {
+        Labels::All => {
+            let all: Vec<i64> = known.keys().copied().filter(|label| *label != 0).collect();
+            if all.is_empty() {
+                let message = "every sample is label 0, which stands for nothing: there is no surface";
+                return Err(refused(Code::Empty, message));
+            }
+            Ok(all)
+        }
+        Labels::Listed(listed) => {
+            let mut all = listed.clone();
+            all.sort_unstable();
+            all.dedup();
+            if let Some(missing) = all.iter().find(|label| !known.contains_key(label)) {
+                let (first, last) = (known.keys().next(), known.keys().next_back());
+                let ends = first.zip(last).map_or_else(String::new, |(a, b)| format!(" between {a} and {b}"));
+                let message =
+                    format!("no sample has label {missing}; there are {} labels{ends}", known.len());
+                return Err(refused(Code::Empty, message));
+            }
+            Ok(all)
+        }
+    }
+}
+
+/// One part for each label: the surface at one half of where the label is.
+fn of_labels(
+    sampled: &Sampled,
+    labels: &[i64],
+    asked: &Asked,
+    (notes, job): (&mut Vec<String>, &Job),
+) -> Result<(Scene, Bound), MeshFailure> {
+    let grid = &sampled.volume.grid;
+    let boxes = boxes(grid, labels);
+    let maker = Maker { sampled, asked, job };
+    let mut scene = Scene { frame: sampled.volume.frame, ..Scene::default() };
+    let mut worst: Option<Bound> = None;
+    for (label, bounds) in labels.iter().zip(&boxes) {
+        let (mask, rule) = mask(grid, *label, bounds, sampled.surface.border);
+        let Bounded { shape, bound } = maker.make(&mask, &rule)?;
+        let one = Scene::of(&format!("label {label}"), shape, true, scene.frame);
+        let at = scene.parts.len();
+        scene.parts.extend(one.parts);
+        scene.nodes.extend(one.nodes.into_iter().map(|node| Node { part: Some(at), ..node }));
+        scene.roots.push(at);
+        let is_worse = worst.as_ref().is_none_or(|worst| bound.at_most() > worst.at_most());
+        worst = if is_worse { Some(bound) } else { worst };
+    }
+    notes.push(format!(
+        "each of {} labels has a surface of its own, halfway between its samples and others",
+        labels.len()
+    ));
+    let worst = worst.ok_or_else(|| refused(Code::Empty, "no label was asked for"))?;
+    Ok((scene, worst))
+}
+
+/// The lowest and highest index of each label, in one pass.
+fn boxes(grid: &Grid, labels: &[i64]) -> Vec<[[usize; 3]; 2]> {
+    let [nx, ny, nz] = grid.size();
+    let mut boxes = vec![[[usize::MAX; 3], [0; 3]]; labels.len()];
+    // A run of equal samples is looked up once.
+    let mut last: Option<(i64, Option<usize>)> = None;
+    for z in 0..nz {
+        for y in 0..ny {
+            for x in 0..nx {
+                let value = grid.sample([x, y, z]) as i64;
+                let found = match last {
+                    Some((known, found)) if known == value => found,
+                    _ => labels.binary_search(&value).ok(),
+                };
+                last = Some((value, found));
+                let Some(found) = found else { continue };
+                let [low, high] = &mut boxes[found];
+                for (k, index) in [x, y, z].into_iter().enumerate() {
+                    low[k] = low[k].min(index);
+                    high[k] = high[k].max(index);
+                }
+            }
+        }
+    }
+    boxes
+}
+
+/// Where a label is, with a rim of one sample where the lattice has one, as a part of the whole lattice.
+fn mask(grid: &Grid, label: i64, [low, high]: &[[usize; 3]; 2], border: Border) -> (Grid, Polygonize) {
+    let size = grid.size();
+    let first: [usize; 3] = std::array::from_fn(|k| low[k].saturating_sub(1));
+    let end: [usize; 3] = std::array::from_fn(|k| (high[k] + 2).min(size[k]));
+    let part: [usize; 3] = std::array::from_fn(|k| end[k] - first[k]);
+    let mut values = Vec::with_capacity(part.iter().product());
+    for z in first[2]..end[2] {
+        for y in first[1]..end[1] {
+            for x in first[0]..end[0] {
+                values.push(u8::from(grid.sample([x, y, z]) as i64 == label));
+            }
+        }
+    }
+    let rule =
+        Polygonize { offset: first.map(|n| n as i64), border: [[border; 2]; 3], ..Polygonize::above(0.5) };
+    // As many values as the sizes say were pushed, and none of them is 0.
+    let mask = Grid::new(part, Samples::U8(values), *grid.affine()).expect("a lattice of these sizes");
+    (mask, rule)
+}

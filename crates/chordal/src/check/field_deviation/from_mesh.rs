@@ -1,0 +1,276 @@
+//! From the points of a mesh to the surface of a field.
+//!
+//! A piece of a triangle lies in a box E with room of `reach` on all sides. Let the field be Lipschitz in E with
+//! gradients in G, and grow along a direction n at a rate of g > 0. By the mean value theorem every point q of the piece
+//! has `F(q) ∈ F(c) + G·(q − c)`, which is linear in q and so largest at a corner; δ is the largest |F| that is left. From
+//! q one reaches a change of sign within δ/g along n, forwards or backwards, which is a point of ∂{F < 0}; the way there
+//! lies in E as long as δ/g ≤ reach.
+//!
+//! Where a field has no rate (ridges that meet, places where it stands still), two points of opposite signs do: the straight
+//! way between them crosses the boundary, so no point of the piece is farther from it than from the farther of the two.
+//!
+//! Pieces are cut at rounded middles, so their points are off those of the triangle by a little ([`SLACK`]); it is added
+//! where it makes a bound wider.
+//!
+//! The other way round, F has no zero within |F(c)| / max|G| of the middle c, as far as E reaches: so far the surface is at
+//! least.
+use super::slope::{Growth, distance_up, dot, inflated, is_lipschitz, length_up, steepest, step};
+use crate::implicit::{LeafError, Slope, Tape};
+use crate::math::{Box3, Interval, add_up, div_down, mul_up, sub_down};
+
+/// A piece of a face that is still open.
+#[derive(Clone, Debug)]
+pub(super) struct Piece {
+    pub corners: [[f64; 3]; 3],
+    pub face: u32,
+    /// Room around it in which the surface is looked for.
+    reach: f64,
+    cuts: u32,
+}
+
+/// What is known of a piece.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Known {
+    /// Some point of it is at least this far from the surface.
+    pub at_least: f64,
+    /// No point of it is farther; ∞ where that is not known.
+    pub at_most: f64,
+    /// The largest |F| on it.
+    pub strays: f64,
+    /// Its middle.
+    pub at: [f64; 3],
+    /// How far the surface seems to be.
+    seems: f64,
+    /// A longer reach might settle it.
+    wants: Option<f64>,
+}
+
+/// How far a piece may be from the triangle that it was cut out of, as a share of the largest coordinate: derived from
+/// [`MOST_CUTS`] + 2 roundings of half a step in each coordinate, 26 · ½ · √3 · ε, and room for the sums.
+const SLACK: f64 = 32.0 * f64::EPSILON;
+/// So often a piece is cut at most.
+pub(super) const MOST_CUTS: u32 = 24;
+
+impl Piece {
+    /// By how much its points may be off.
+    fn slack(&self) -> f64 {
+        let reach = self
+            .corners
+            .as_flattened()
+            .iter()
+            .fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+        mul_up(SLACK, reach)
+    }
+
+    pub fn whole(corners: [[f64; 3]; 3], face: u32) -> Self {
+        let bounds = Box3::around(&corners);
+        // A guess; what is wrong with it is mended by asking again.
+        let mut piece = Self { corners, face, reach: extent(&bounds) / 4.0, cuts: 0 };
+        let least = 2.0 * piece.slack();
+        if piece.reach < least {
+            piece.reach = least;
+        }
+        piece
+    }
+
+    fn middle(&self) -> [f64; 3] {
+        std::array::from_fn(|k| (self.corners[0][k] + self.corners[1][k] + self.corners[2][k]) / 3.0)
+    }
+
+    /// The box E.
+    pub fn about(&self) -> Box3 {
+        inflated(&Box3::around(&self.corners), self.reach)
+    }
+
+    /// Cut at the middle of the longest side, or asked again with a longer reach.
+    pub fn parts(self, known: &Known, into: &mut Vec<Self>) {
+        if let Some(reach) = known.wants {
+            into.push(Self { reach, cuts: self.cuts + 1, ..self });
+            return;
+        }
+        let side = |k: usize| {
+            let (a, b) = (self.corners[k], self.corners[(k + 1) % 3]);
+            (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum::<f64>()
+        };
+        let longest = (0..3).fold(0, |best, k| if side(k) > side(best) { k } else { best });
+        let [a, b, c] = [0, 1, 2].map(|k| self.corners[(longest + k) % 3]);
+        let half = std::array::from_fn(|k| 0.5 * a[k] + 0.5 * b[k]);
+        let span = extent(&Box3::around(&self.corners)) / 8.0;
+        let reach = if 1.5 * known.seems > span { 1.5 * known.seems } else { span };
+        let reach = if reach > 2.0 * self.slack() { reach } else { 2.0 * self.slack() };
+        for corners in [[a, half, c], [half, b, c]] {
+            into.push(Self { corners, reach, cuts: self.cuts + 1, ..self.clone() });
+        }
+    }
+
+    /// Whether it is small beside a length.
+    pub fn is_within(&self, length: f64) -> bool {
+        extent(&Box3::around(&self.corners)) < 0.5 * length
+    }
+
+    /// How often it was cut.
+    pub fn cuts(&self) -> u32 {
+        self.cuts
+    }
+}
+
+fn extent(bounds: &Box3) -> f64 {
+    (0..3)
+        .map(|k| bounds.max[k] - bounds.min[k])
+        .fold(0.0, |most, side| if side > most { side } else { most })
+}
+
+/// Looks at every piece.
+pub(super) fn look(tape: &Tape, pieces: &[Piece]) -> Result<Vec<Known>, LeafError> {
+    let unknown = Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
+    let boxes: Vec<Box3> = pieces.iter().map(Piece::about).collect();
+    let mut slopes = vec![unknown; pieces.len()];
+    tape.gradient_over(&boxes, &mut slopes)?;
+    let middles: Vec<Box3> = pieces.iter().map(Piece::middle).map(|c| Box3 { min: c, max: c }).collect();
+    let mut values = vec![Interval::UNKNOWN; pieces.len()];
+    tape.over(&middles, &mut values)?;
+    Ok((0..pieces.len()).map(|k| judge(&pieces[k], &slopes[k], values[k])).collect())
+}
+
+fn judge(piece: &Piece, slope: &Slope<Interval>, value: Interval) -> Known {
+    let at = piece.middle();
+    let whole = slope.value.magnitude();
+    let mut known =
+        Known { at_least: 0.0, at_most: f64::INFINITY, strays: whole, at, seems: 0.0, wants: None };
+    if !is_lipschitz(slope) || !value.is_defined() {
+        return known;
+    }
+    let least = if value.contains(0.0) { 0.0 } else { smaller(value.lo().abs(), value.hi().abs()) };
+    let far = div_down(least, steepest(slope));
+    let slack = piece.slack();
+    let far = sub_down(smaller(far, piece.reach), slack);
+    known.at_least = if far > 0.0 { far } else { 0.0 };
+    let strays = piece.corners.map(|corner| dot(slope.gradient, step(corner, at)));
+    let all = value + strays[0].hull(strays[1]).hull(strays[2]);
+    known.strays = smaller(add_up(all.magnitude(), mul_up(steepest(slope), slack)), whole);
+    let Some(growth) = Growth::of(slope) else { return known };
+    let steps = growth.steps_for(known.strays);
+    let far = mul_up(steps, growth.length);
+    known.seems = far;
+    if far <= piece.reach {
+        known.at_most = far;
+    } else if far < 4.0 * piece.reach && piece.cuts < 4 {
+        known.wants = Some(1.25 * far);
+    }
+    known
+}
+
+fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// Directions in which a second sign is looked for: axes and diagonals.
+const AROUND: [[f64; 3]; 14] = [
+    [1.0, 0.0, 0.0],
+    [-1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, -1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [0.0, 0.0, -1.0],
+    [0.577, 0.577, 0.577],
+    [0.577, 0.577, -0.577],
+    [0.577, -0.577, 0.577],
+    [0.577, -0.577, -0.577],
+    [-0.577, 0.577, 0.577],
+    [-0.577, 0.577, -0.577],
+    [-0.577, -0.577, 0.577],
+    [-0.577, -0.577, -0.577],
+];
+
+/// For pieces whose range of gradients is wide: the piece as a whole, moved by `by` along the gradient at its middle and
+/// against it. Where one is outside and the other inside, every point of the piece has the boundary between.
+pub(super) fn look_across(
+    tape: &Tape,
+    pieces: &[&Piece],
+    known: &mut [Known],
+    by: f64,
+) -> Result<(), LeafError> {
+    let middles: Vec<[f64; 3]> = pieces.iter().map(|piece| piece.middle()).collect();
+    let mut slopes = vec![Slope { value: 0.0, gradient: [0.0; 3] }; pieces.len()];
+    tape.gradient_at(&middles, &mut slopes)?;
+    let ways: Vec<[f64; 3]> = slopes.iter().map(|slope| unit(slope.gradient)).collect();
+    let moved = |piece: &Piece, way: [f64; 3], by: f64| {
+        let bounds = inflated(&Box3::around(&piece.corners), piece.slack());
+        Box3 {
+            min: std::array::from_fn(|k| (bounds.min[k] + (by * way[k]).next_down()).next_down()),
+            max: std::array::from_fn(|k| (bounds.max[k] + (by * way[k]).next_up()).next_up()),
+        }
+    };
+    let boxes: Vec<Box3> = pieces
+        .iter()
+        .zip(&ways)
+        .flat_map(|(piece, way)| [moved(piece, *way, by), moved(piece, *way, -by)])
+        .collect();
+    let mut values = vec![Interval::UNKNOWN; boxes.len()];
+    tape.over(&boxes, &mut values)?;
+    for ((known, ends), way) in known.iter_mut().zip(values.chunks_exact(2)).zip(&ways) {
+        let opposite = is_outside(ends[0]) && is_inside(ends[1]) || is_inside(ends[0]) && is_outside(ends[1]);
+        if opposite {
+            known.at_most = smaller(known.at_most, mul_up(by, length_up(way.map(f64::abs))));
+        }
+    }
+    Ok(())
+}
+
+/// Whether all values are inside; where a range is not defined there may be none, which is outside.
+fn is_inside(range: Interval) -> bool {
+    range.is_defined() && range.hi() < 0.0
+}
+
+fn is_outside(range: Interval) -> bool {
+    range.lo() >= 0.0
+}
+
+/// Of length 1 up to rounding; along z where there is no direction.
+fn unit(v: [f64; 3]) -> [f64; 3] {
+    let norm = crate::math::length(v);
+    if norm > 0.0 && norm.is_finite() { v.map(|x| x / norm) } else { [0.0, 0.0, 1.0] }
+}
+
+/// For pieces without a direction: two points of opposite signs, about `within` from their middles.
+pub(super) fn look_around(
+    tape: &Tape,
+    pieces: &[&Piece],
+    known: &mut [Known],
+    within: f64,
+) -> Result<(), LeafError> {
+    let mut points = Vec::with_capacity(pieces.len() * (2 * AROUND.len() + 3));
+    for piece in pieces {
+        let c = piece.middle();
+        points.extend(piece.corners);
+        for share in [0.3, 0.9] {
+            points.extend(
+                AROUND.iter().map(|d| -> [f64; 3] { std::array::from_fn(|k| c[k] + share * within * d[k]) }),
+            );
+        }
+    }
+    let boxes: Vec<Box3> = points.iter().map(|p| Box3 { min: *p, max: *p }).collect();
+    let mut values = vec![Interval::UNKNOWN; boxes.len()];
+    tape.over(&boxes, &mut values)?;
+    let each = points.len() / pieces.len().max(1);
+    for (k, piece) in pieces.iter().enumerate() {
+        let far = |p: [f64; 3]| {
+            piece
+                .corners
+                .iter()
+                .map(|c| distance_up(*c, p))
+                .fold(0.0, |most, d| if d > most { d } else { most })
+        };
+        let (mut inside, mut outside) = (f64::INFINITY, f64::INFINITY);
+        for i in k * each..(k + 1) * each {
+            if is_inside(values[i]) {
+                inside = smaller(inside, far(points[i]));
+            } else if is_outside(values[i]) {
+                outside = smaller(outside, far(points[i]));
+            }
+        }
+        let both = add_up(if inside > outside { inside } else { outside }, piece.slack());
+        known[k].at_most = smaller(known[k].at_most, both);
+    }
+    Ok(())
+}

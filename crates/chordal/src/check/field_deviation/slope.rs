@@ -1,0 +1,82 @@
+//! What the range of a gradient says of a field about a point: how it grows along a direction, and how far it can stray.
+use crate::implicit::Slope;
+use crate::math::{Box3, Interval, add_up, div_up, mul_up, sqrt_up};
+
+/// `v · w`, enclosed.
+pub(super) fn dot(v: [Interval; 3], w: [Interval; 3]) -> Interval {
+    (v[0] * w[0] + v[1] * w[1]) + v[2] * w[2]
+}
+
+/// A point as intervals without width.
+pub(super) fn exactly(p: [f64; 3]) -> [Interval; 3] {
+    p.map(Interval::point)
+}
+
+/// `p − q`, enclosed.
+pub(super) fn step(p: [f64; 3], q: [f64; 3]) -> [Interval; 3] {
+    std::array::from_fn(|k| Interval::point(p[k]) - Interval::point(q[k]))
+}
+
+/// `|p − q|`, from above.
+pub(super) fn distance_up(p: [f64; 3], q: [f64; 3]) -> f64 {
+    length_up(step(p, q).map(Interval::magnitude))
+}
+
+/// The length of a vector of numbers ≥ 0, from above.
+pub(super) fn length_up(v: [f64; 3]) -> f64 {
+    // Halves of the range of exponents: what is tinier than that is counted as the smallest number by rounding up.
+    sqrt_up(add_up(add_up(mul_up(v[0], v[0]), mul_up(v[1], v[1])), mul_up(v[2], v[2])))
+}
+
+/// The box with `by` more on every side, rounded outward.
+pub(super) fn inflated(bounds: &Box3, by: f64) -> Box3 {
+    Box3 { min: bounds.min.map(|x| (x - by).next_down()), max: bounds.max.map(|x| (x + by).next_up()) }
+}
+
+/// The direction in which a field surely grows within a box.
+pub(super) struct Growth {
+    /// The direction, of length 1 up to rounding.
+    pub along: [f64; 3],
+    /// Its length, from above.
+    pub length: f64,
+    /// Over a step of `s · along` the field grows by `s · rate` at least; > 0.
+    pub rate: f64,
+}
+
+impl Growth {
+    /// Along the middle of the range of the gradient; `None` where the field may stand still along it, or jumps.
+    ///
+    /// For a function that is Lipschitz in the box (defined, with bounded generalized gradients) the mean value theorem
+    /// holds with them: G. Lebourg, *Valeur moyenne pour gradient généralisé*, 1975.
+    pub fn of(slope: &Slope<Interval>) -> Option<Self> {
+        if !is_lipschitz(slope) {
+            return None;
+        }
+        let middle = slope.gradient.map(|d| d.midpoint().unwrap_or(0.0));
+        let size = middle.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+        if !(size > 0.0) {
+            return None;
+        }
+        let scaled = middle.map(|x| x / size);
+        let norm = (scaled[0] * scaled[0] + scaled[1] * scaled[1] + scaled[2] * scaled[2]).sqrt();
+        let along = scaled.map(|x| x / norm);
+        let rate = dot(slope.gradient, exactly(along)).lo();
+        (rate > 0.0).then(|| Self { along, length: length_up(along.map(f64::abs)), rate })
+    }
+
+    /// How far one goes along it for the field to change by `by`, from above.
+    pub fn steps_for(&self, by: f64) -> f64 {
+        div_up(by, self.rate)
+    }
+}
+
+/// Whether the field is defined, continuous, and of bounded slope all over the box.
+pub(super) fn is_lipschitz(slope: &Slope<Interval>) -> bool {
+    let bounded = |d: &Interval| d.is_defined() && d.lo() > f64::NEG_INFINITY && d.hi() < f64::INFINITY;
+    slope.value.is_defined() && slope.gradient.iter().all(bounded)
+}
+
+/// The largest slope, from above.
+pub(super) fn steepest(slope: &Slope<Interval>) -> f64 {
+    length_up(slope.gradient.map(Interval::magnitude))
+}

@@ -1,0 +1,126 @@
+//! Flat faces that close a shape where it reaches the border of the lattice.
+//!
+//! Each square of a capped border gets the polygon of its inside: its inside corners, which are vertices of a kind of
+//! their own, and the crossings of its sides, cut as the faces of cells are, every run of inside corners by itself. The
+//! sides between crossings are the segments where cells end, each used once from either side. A side from a corner
+//! is shared by the two squares at it, around the edges of the lattice too. Around a corner the squares make a disc: four
+//! in a face of the lattice, four along an edge of it, three at its corner. No polygon has a diagonal between two crossings,
+//! so none of its inner edges is one of a cell. Hence the whole stays a closed manifold.
+use super::bits::Bits;
+use super::march::Plan;
+use super::rule::Border;
+use crate::implicit::Affine;
+
+/// A square of the border: its corners counter-clockwise as seen from outside.
+type Square = [[usize; 3]; 4];
+
+/// How many triangles the caps have.
+pub(super) fn count(bits: &Bits) -> u64 {
+    let mut count = 0;
+    for_each_square(bits, |square| {
+        let inside = square.map(|at| bits.is_inside(at));
+        count += match inside {
+            [false, false, false, false] => 0,
+            [true, false, true, false] | [false, true, false, true] => 2,
+            _ => {
+                let corners = inside.iter().filter(|inside| **inside).count() as u64;
+                if corners == 4 { 2 } else { corners }
+            }
+        };
+    });
+    count
+}
+
+/// A corner of a polygon of a square.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::convert) enum Spot {
+    /// The square's corner of that number.
+    Corner(usize),
+    /// The crossing on the side from that corner to the next.
+    Side(usize),
+}
+
+/// The polygons of a square with these corners inside, to be cut into fans from their first corners.
+fn polygons(inside: [bool; 4]) -> Vec<Vec<Spot>> {
+    if inside == [true; 4] {
+        return vec![(0..4).map(Spot::Corner).collect()];
+    }
+    // A run of inside corners begins where the corner before is outside.
+    let firsts = (0..4).filter(|&i| inside[i] && !inside[(i + 3) % 4]);
+    let polygon = |first: usize| {
+        let run = (1..4).find(|n| !inside[(first + n) % 4]).unwrap_or(1);
+        let mut polygon: Vec<Spot> = (first..first + run).map(|i| Spot::Corner(i % 4)).collect();
+        polygon.extend([Spot::Side((first + run - 1) % 4), Spot::Side((first + 3) % 4)]);
+        polygon
+    };
+    firsts.map(polygon).collect()
+}
+
+/// The triangles of the polygons of a square, counter-clockwise from outside.
+pub(in crate::convert) fn triangles(
+    inside: [bool; 4],
+    mut number: impl FnMut(Spot) -> u32,
+    mut each: impl FnMut([u32; 3]),
+) {
+    for polygon in polygons(inside) {
+        let numbers: Vec<u32> = polygon.into_iter().map(&mut number).collect();
+        for pair in numbers[1..].windows(2) {
+            each([numbers[0], pair[0], pair[1]]);
+        }
+    }
+}
+
+/// Writes the triangles of the caps.
+pub(super) fn write(plan: &Plan, affine: &Affine, faces: &mut [[u32; 3]]) {
+    let upright = affine.orientation() > 0;
+    let mut out = faces.iter_mut();
+    for_each_square(&plan.bits, |square| {
+        let inside = square.map(|at| plan.bits.is_inside(at));
+        let number = |spot: Spot| match spot {
+            Spot::Corner(i) => plan.vertex(3, square[i]),
+            Spot::Side(i) => crossing(plan, square[i], square[(i + 1) % 4]),
+        };
+        triangles(inside, number, |[a, b, c]| {
+            if let Some(out) = out.next() {
+                *out = if upright { [a, b, c] } else { [a, c, b] };
+            }
+        });
+    });
+}
+
+/// The vertex between two neighbouring samples of different sides.
+fn crossing(plan: &Plan, a: [usize; 3], b: [usize; 3]) -> u32 {
+    let axis = (0..3).find(|&k| a[k] != b[k]).unwrap_or(0);
+    plan.vertex(axis, if a[axis] < b[axis] { a } else { b })
+}
+
+/// All squares of capped borders that hold an inside sample, in an order of their own.
+fn for_each_square(bits: &Bits, mut each: impl FnMut(Square)) {
+    let size = bits.size;
+    for axis in 0..3 {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        for (end, border) in bits.capped_ends(axis).into_iter().enumerate() {
+            if border == Border::Open {
+                continue;
+            }
+            for q in 0..size[v] - 1 {
+                for p in 0..size[u] - 1 {
+                    let corner = |a: usize, b: usize| {
+                        let mut at = [0; 3];
+                        at[axis] = if end == 0 { 0 } else { size[axis] - 1 };
+                        at[u] = p + a;
+                        at[v] = q + b;
+                        at
+                    };
+                    let mut square = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+                    if end == 0 {
+                        square.reverse();
+                    }
+                    if square.iter().any(|at| bits.is_inside(*at)) {
+                        each(square);
+                    }
+                }
+            }
+        }
+    }
+}

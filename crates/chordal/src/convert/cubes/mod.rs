@@ -1,0 +1,10 @@
+//! Marching cubes on lattices of samples, and what is proved of it.
+mod bits;
+pub(crate) mod bound;
+pub(crate) mod caps;
+pub(crate) mod finer;
+pub(crate) mod march;
+pub(crate) mod normals;
+pub(crate) mod rule;
+pub(crate) mod source;
+pub(crate) mod table;

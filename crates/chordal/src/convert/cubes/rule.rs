@@ -1,0 +1,151 @@
+//! What a polygonizer is asked for, and where on an edge of the lattice the surface crosses it.
+use crate::implicit::Affine;
+
+/// Which samples are inside.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Inside {
+    /// Those below the level, as in fields and distances.
+    Low,
+    /// Those above the level, as in densities, masks and occupancies.
+    #[default]
+    High,
+}
+
+/// What happens where the shape reaches the border of the lattice.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Border {
+    /// The surface ends there.
+    Open,
+    /// The shape is closed by flat faces in the border.
+    #[default]
+    Capped,
+}
+
+/// Whether vertices carry normals.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Normals {
+    /// None.
+    #[default]
+    None,
+    /// Along the gradient of central differences of the samples, outwards.
+    Gradient,
+}
+
+/// How a grid becomes triangles.
+///
+/// A sample that equals the level is outside, and so is NaN, which counts as the level where the surface is placed; ±∞
+/// count as the largest numbers of f64.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Polygonize {
+    /// The level, finite.
+    pub level: f64,
+    /// On which side of it the shape is.
+    pub inside: Inside,
+    /// The low and the high border of each index.
+    pub border: [[Border; 2]; 3],
+    /// Whether vertices carry normals.
+    pub normals: Normals,
+    /// The index of the first sample in a larger lattice, whose transform the grid's then is: blocks of one volume
+    /// join bit for bit.
+    pub offset: [i64; 3],
+    /// How near to a sample a vertex may come, as a part of the edge of the lattice; see [`Polygonize::MARGIN`].
+    pub margin: f64,
+}
+
+impl Polygonize {
+    /// The margin unless another is asked for: exactly 2⁻²⁰ of an edge. Vertices of different edges stay that far
+    /// apart, so that no triangle is flat where samples equal the level.
+    pub const MARGIN: f64 = 1.0 / 1_048_576.0;
+    /// A margin that single precision can tell apart on lattices of up to 512 samples a side around the origin.
+    pub const MARGIN_F32: f64 = 1.0 / 1024.0;
+
+    /// The surface where the samples have this level, with what is above it inside, closed at the border.
+    #[must_use]
+    pub fn above(level: f64) -> Self {
+        Self {
+            level,
+            inside: Inside::High,
+            border: [[Border::Capped; 2]; 3],
+            normals: Normals::None,
+            offset: [0; 3],
+            margin: Self::MARGIN,
+        }
+    }
+
+    /// As [`Polygonize::above`], with what is below the level inside.
+    #[must_use]
+    pub fn below(level: f64) -> Self {
+        Self { inside: Inside::Low, ..Self::above(level) }
+    }
+
+    /// The same, ending at the border of the lattice.
+    #[must_use]
+    pub fn open(self) -> Self {
+        Self { border: [[Border::Open; 2]; 3], ..self }
+    }
+
+    /// Whether a sample is inside.
+    #[inline(always)]
+    pub(crate) fn is_inside(&self, sample: f64) -> bool {
+        match self.inside {
+            Inside::Low => sample < self.level,
+            Inside::High => sample > self.level,
+        }
+    }
+
+    /// A sample as the number that it counts as.
+    #[inline]
+    pub(crate) fn counted(&self, sample: f64) -> f64 {
+        if sample.is_nan() { self.level } else { sample.clamp(f64::MIN, f64::MAX) }
+    }
+
+    /// Where between two samples on different sides the level is, from 0 at the first to 1 at the second, kept away
+    /// from both by the margin.
+    #[inline(always)]
+    pub(crate) fn crossing(&self, from: f64, to: f64) -> f64 {
+        let part = (self.level - from) / (to - from);
+        if part >= self.margin && part <= 1.0 - self.margin { part } else { self.rare_crossing(from, to) }
+    }
+
+    /// [`Polygonize::crossing`] near a sample, or with numbers that have no difference.
+    #[cold]
+    fn rare_crossing(&self, from: f64, to: f64) -> f64 {
+        let (from, to) = (0.25 * self.counted(from), 0.25 * self.counted(to));
+        let part = (0.25 * self.level - from) / (to - from);
+        if part < self.margin {
+            self.margin
+        } else if part > 1.0 - self.margin {
+            1.0 - self.margin
+        } else if part.is_nan() {
+            // Both are so small that a quarter of them is 0.
+            0.5
+        } else {
+            part
+        }
+    }
+}
+
+/// From indices of a lattice to space: one formula for every block, so that blocks agree in every bit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    rows: [[f64; 4]; 3],
+    offset: [i64; 3],
+}
+
+impl Place {
+    pub(crate) fn new(affine: &Affine, offset: [i64; 3]) -> Self {
+        Self { rows: affine.rows(), offset }
+    }
+
+    /// The index along an axis in the larger lattice.
+    #[inline(always)]
+    pub(crate) fn global(&self, axis: usize, index: usize) -> f64 {
+        (self.offset[axis] + index as i64) as f64
+    }
+
+    /// The point of a place in the larger lattice.
+    #[inline(always)]
+    pub(crate) fn at(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        self.rows.map(|[a, b, c, d]| a * x + (b * y + (c * z + d)))
+    }
+}

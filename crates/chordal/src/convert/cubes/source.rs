@@ -1,0 +1,75 @@
+//! `Source`: where a polygonizer gets its samples from.
+use super::rule::Polygonize;
+use crate::math::simd::{self, Kernel};
+
+/// Samples on a lattice, asked row by row for their sides and one by one for their values.
+pub(crate) trait Source: Sync {
+    /// How many samples there are along each index.
+    fn size(&self) -> [usize; 3];
+
+    /// Bit i of the row of samples (i, j, k) says whether that sample is inside; bits behind the row stay 0.
+    fn sides(&self, row: [usize; 2], words: &mut [u64]);
+
+    /// One sample.
+    fn at(&self, index: [usize; 3]) -> f64;
+}
+
+/// Samples in one slice, the first index running fastest.
+pub(crate) struct Dense<'a, T> {
+    pub values: &'a [T],
+    pub size: [usize; 3],
+    pub rule: Polygonize,
+}
+
+impl<T: Copy + Into<f64> + Sync> Source for Dense<'_, T> {
+    fn size(&self) -> [usize; 3] {
+        self.size
+    }
+
+    fn sides(&self, [j, k]: [usize; 2], words: &mut [u64]) {
+        let start = self.size[0] * (j + self.size[1] * k);
+        let row = &self.values[start..start + self.size[0]];
+        simd::dispatch(simd::isa(), Sides { row, rule: self.rule, words });
+    }
+
+    #[inline(always)]
+    fn at(&self, [i, j, k]: [usize; 3]) -> f64 {
+        self.values[i + self.size[0] * (j + self.size[1] * k)].into()
+    }
+}
+
+/// Compares a row of samples with the level.
+struct Sides<'a, T> {
+    row: &'a [T],
+    rule: Polygonize,
+    words: &'a mut [u64],
+}
+
+impl<T: Copy + Into<f64>> Kernel for Sides<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let rule = self.rule;
+        match rule.inside {
+            super::rule::Inside::Low => pack(self.row, self.words, |v| v < rule.level),
+            super::rule::Inside::High => pack(self.row, self.words, |v| v > rule.level),
+        }
+    }
+}
+
+/// Bytes of 0 or 1 become bits eight at a time: the product adds copies of each byte, shifted so that none meet.
+#[inline(always)]
+fn pack<T: Copy + Into<f64>>(row: &[T], words: &mut [u64], inside: impl Fn(f64) -> bool) {
+    for (word, samples) in words.iter_mut().zip(row.chunks(64)) {
+        let mut bytes = [0_u8; 64];
+        for (byte, sample) in bytes.iter_mut().zip(samples) {
+            *byte = u8::from(inside((*sample).into()));
+        }
+        *word = 0;
+        for (eighth, eight) in bytes.as_chunks::<8>().0.iter().enumerate() {
+            let bits = u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+            *word |= bits << (8 * eighth);
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Curves to fields: tubes around them.
+use super::curve_to_polyline;
+use super::mesh_leaf::MeshLeaf;
+use crate::budget::{Bounded, Budget, Code, Failure, Job, Stopped};
+use crate::explicit::{Curve, Mesh, Polyline};
+use crate::implicit::{Distance, Expr, Field, Quality};
+use crate::math::{Box3, add_up, sub_down};
+use std::sync::Arc;
+
+/// The tube of a radius around a curve: every point nearer to it than that. A curve of the plane gives a band of the plane,
+/// endless along z.
+///
+/// **Bound.** Two-sided Hausdorff distance between the curve and the polyline that stands for it, *proved*, rounding
+/// included; tubes of one radius around both are no farther apart.
+///
+/// **Value.** The exact distance to the polyline's tube outside; inside a bound, since parts of a tube may cover each
+/// other. Off by a few roundings of the curve's extent.
+///
+/// **Budgets.** A length, pixels at a view, a number of segments. **Cost.** The polyline and a tree of boxes over it;
+/// O(log n) a point.
+///
+/// # Errors
+/// [`Failure::Refused`]: a radius that is not a finite number above 0; as for [`curve_to_polyline`]. [`Failure::Unmet`]
+/// with the best; [`Failure::Cancelled`].
+///
+/// ```
+/// use chordal::{Bezier, Budget, Job, Tolerance, convert::curve_to_field};
+/// let arch = Bezier { control: [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0]] };
+/// let budget = Budget::length(Tolerance::new(1e-4).unwrap());
+/// let tube = curve_to_field(&arch.into(), 0.125, &budget, &Job::default()).unwrap().shape;
+/// let above = tube.expr().at([0.5, 0.75, 1.0]).unwrap();
+/// assert!((above - 0.875).abs() < 1e-4);
+/// ```
+pub fn curve_to_field<const D: usize>(
+    curve: &Curve<D>,
+    radius: f64,
+    budget: &Budget,
+    job: &Job,
+) -> Result<Bounded<Field>, Failure<Field>> {
+    if !(radius > 0.0 && radius.is_finite()) {
+        let message = format!("a tube's radius is {radius}, and must be a finite number above 0");
+        return Err(Failure::refused(Code::Unsupported, message));
+    }
+    match curve_to_polyline(curve, budget, job) {
+        Ok(made) => field(made, radius, job),
+        Err(Failure::Unmet(best)) => Err(Failure::Unmet(Box::new(field(*best, radius, job)?))),
+        Err(Failure::Refused(refusal)) => Err(Failure::Refused(refusal)),
+        Err(Failure::Cancelled) => Err(Failure::Cancelled),
+    }
+}
+
+fn field<const D: usize>(
+    made: Bounded<Polyline<D>>,
+    radius: f64,
+    job: &Job,
+) -> Result<Bounded<Field>, Failure<Field>> {
+    let polyline = &made.shape;
+    let place = |p: &[f64; D]| std::array::from_fn(|k| if k < D { p[k] } else { 0.0 });
+    let positions: Vec<[f64; 3]> = polyline.points.iter().map(place).collect();
+    let n = positions.len() as u32;
+    // A triangle with two equal corners is a segment, and one with three a point.
+    let faces = if n == 1 {
+        vec![[0; 3]]
+    } else {
+        (0..polyline.n_segments() as u32).map(|k| [k, (k + 1) % n, (k + 1) % n]).collect()
+    };
+    let mesh = Mesh::new(positions, faces)
+        .map_err(|error| Failure::refused(Code::TooManyTriangles, error.to_string()))?;
+    let leaf = MeshLeaf::wire(&mesh, job).map_err(|stopped| match stopped {
+        Stopped::Refused(refusal) => Failure::Refused(refusal),
+        Stopped::Cancelled => Failure::Cancelled,
+    })?;
+    let Box3 { min, max } = mesh.bounds();
+    let mut bounds = Box3 { min: min.map(|x| sub_down(x, radius)), max: max.map(|x| add_up(x, radius)) };
+    let mut at = Expr::axes();
+    if D < 3 {
+        at[2] = Expr::constant(0.0);
+        (bounds.min[2], bounds.max[2]) = (f64::NEG_INFINITY, f64::INFINITY);
+    }
+    let field = Field::new(Expr::leaf(Arc::new(leaf), at) - radius)
+        .with_distance(Distance { outside: Quality::Exact, inside: Quality::Bound })
+        .with_bounds(bounds);
+    Ok(made.map(|_| field))
+}

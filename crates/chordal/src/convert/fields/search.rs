@@ -1,0 +1,291 @@
+//! The size of cells that a budget needs: tried on coarse meshes, predicted from their errors, decided by the proof.
+use super::lattice::Lattice;
+use super::polygonize::{Halt, polygonize};
+use crate::budget::{Bound, Bounded, Code, Failure, Job, Progress, Tolerance};
+use crate::check::{FieldDeviation, Goal, field_deviation};
+use crate::explicit::Mesh;
+use crate::implicit::{Field, Slope, Tape};
+use crate::math::Box3;
+
+/// What a mesh of a field is to be.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::convert) struct Wanted {
+    /// No farther from the surface than this.
+    pub length: Option<Tolerance>,
+    /// No more triangles than these.
+    pub triangles: Option<u64>,
+    /// Whether a measurement is enough.
+    pub measured: bool,
+}
+
+/// Cells along the longest side of the field's box in the first trial.
+const FIRST: f64 = 40.0;
+/// Cells along the longest side that are not gone below.
+const COARSEST: f64 = 6.0;
+/// Cells of features that are not to be lost at first, along the longest side, where there is a surface at all.
+const MOST_EMPTY: f64 = 640.0;
+/// The share of the budget that is aimed at: predictions are off by some.
+const AIM: f64 = 0.8;
+/// Meshes tried and proved at most.
+const TRIALS: usize = 8;
+
+type Outcome = Result<Bounded<Mesh>, Failure<Mesh>>;
+
+/// A mesh within what is wanted, or the best.
+pub(in crate::convert) fn search(field: &Field, wanted: &Wanted, job: &Job) -> Outcome {
+    Search { field, tape: Tape::of(field.sign()), bounds: field.bounds(), wanted, job }.run()
+}
+
+struct Search<'a> {
+    field: &'a Field,
+    tape: Tape,
+    bounds: Box3,
+    wanted: &'a Wanted,
+    job: &'a Job,
+}
+
+/// A mesh with the size of its cells, and how far its triangles seem to be.
+struct Trial {
+    mesh: Mesh,
+    step: f64,
+    error: f64,
+}
+
+impl Search<'_> {
+    fn run(&self) -> Outcome {
+        let first = self.first()?;
+        match (self.wanted.length, self.wanted.triangles) {
+            (None, Some(most)) => self.by_count(first, most),
+            (Some(length), most) => self.by_length(first, length, most),
+            (None, None) => Err(Failure::refused(Code::Budget, "the budget has no length and no count")),
+        }
+    }
+
+    fn longest(&self) -> f64 {
+        (0..3).map(|k| self.bounds.max[k] - self.bounds.min[k]).fold(0.0, |a, b| if b > a { b } else { a })
+    }
+
+    /// The first mesh that is not empty.
+    fn first(&self) -> Result<Trial, Failure<Mesh>> {
+        let mut cells = FIRST;
+        loop {
+            let trial = self.trial(self.longest() / cells)?;
+            if !trial.mesh.faces().is_empty() {
+                return Ok(trial);
+            }
+            cells *= 2.0;
+            if cells > MOST_EMPTY {
+                return Err(self.nothing(cells / 2.0));
+            }
+        }
+    }
+
+    /// Why there is no surface.
+    fn nothing(&self, cells: f64) -> Failure<Mesh> {
+        let [low, high] = [self.bounds.min, self.bounds.max];
+        Failure::refused(
+            Code::Empty,
+            format!(
+                "there is no surface to mesh: the field is nowhere negative on {cells} points along the longest side of \
+                 the box from {low:?} to {high:?}"
+            ),
+        )
+    }
+
+    fn trial(&self, step: f64) -> Result<Trial, Failure<Mesh>> {
+        let Some(lattice) = Lattice::over(&self.bounds, step) else {
+            return Err(Failure::refused(
+                Code::TooManyTriangles,
+                format!("cells of {step:e} are too many to count in the box of the field"),
+            ));
+        };
+        let mesh = polygonize(&self.tape, &lattice, self.job).map_err(|halt| match halt {
+            Halt::Cancelled => Failure::Cancelled,
+            Halt::Leaf(error) => Failure::refused(Code::LeafFailed, error.message),
+            Halt::TooMany => {
+                Failure::refused(Code::TooManyTriangles, "the mesh would have more than 2^32 vertices")
+            }
+        })?;
+        let error = self.error(&mesh)?;
+        Ok(Trial { mesh, step, error })
+    }
+
+    /// How far the middles of triangles and of their edges seem to be from the surface, at most: |F| / |∇F|.
+    fn error(&self, mesh: &Mesh) -> Result<f64, Failure<Mesh>> {
+        // A sample of some thousand triangles tells as much as all.
+        let stride = (mesh.faces().len() / 20_000).max(1);
+        let points: Vec<[f64; 3]> = (0..mesh.faces().len())
+            .step_by(stride)
+            .flat_map(|face| {
+                let [a, b, c] = mesh.corners(face);
+                [
+                    std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0),
+                    std::array::from_fn(|k| 0.5 * a[k] + 0.5 * b[k]),
+                    std::array::from_fn(|k| 0.5 * b[k] + 0.5 * c[k]),
+                    std::array::from_fn(|k| 0.5 * c[k] + 0.5 * a[k]),
+                ]
+            })
+            .collect();
+        let mut slopes = vec![Slope { value: 0.0, gradient: [0.0; 3] }; points.len()];
+        self.tape
+            .gradient_at(&points, &mut slopes)
+            .map_err(|error| Failure::refused(Code::LeafFailed, error.message))?;
+        Ok(slopes.iter().fold(0.0, |most, slope| {
+            let [x, y, z] = slope.gradient;
+            let far = slope.value.abs() / (x * x + y * y + z * z).sqrt();
+            if far.is_finite() && far > most { far } else { most }
+        }))
+    }
+
+    fn by_length(&self, first: Trial, length: Tolerance, most: Option<u64>) -> Outcome {
+        let aim = AIM * length.get();
+        let mut trial = first;
+        // What the error falls like: a power of the step between 1 (edges) and 2 (smooth).
+        let mut power = 2.0;
+        // Much finer than asked for: coarser, as long as there is a surface.
+        while trial.error < 0.5 * aim && trial.step < self.longest() / COARSEST {
+            let most = self.longest() / COARSEST;
+            let step = trial.step * if trial.error > 0.0 { (aim / trial.error).sqrt() } else { 4.0 };
+            let step = if step > 4.0 * trial.step { 4.0 * trial.step } else { step };
+            let next = self.trial(if step > most { most } else { step })?;
+            if next.mesh.faces().is_empty() {
+                break;
+            }
+            trial = next;
+        }
+        while trial.error > aim {
+            let step = trial.step * shrink(aim / trial.error, power);
+            self.affordable(&trial, step)?;
+            let next = self.trial(step)?;
+            power = fitted(&trial, &next);
+            trial = next;
+        }
+        let goal = Goal { max: Some(length), ..Goal::default() };
+        let mut best: Option<Bounded<Mesh>> = None;
+        for round in 0..TRIALS {
+            self.job.report(Progress { stage: "prove", done: round as u64, total: TRIALS as u64 });
+            let found = self.proved(&trial.mesh, &goal)?;
+            let within = found.bound.at_most().is_some_and(|far| far <= length.get());
+            let known = found.bound.clone();
+            if within || self.is_measured(&found) {
+                return self.counted(Bounded { shape: trial.mesh, bound: known }, most);
+            }
+            let seen = if found.bound.at_least() > 0.0 { found.bound.at_least() } else { trial.error };
+            let least = if seen > trial.error { seen } else { trial.error };
+            // Where a prediction said it would fit and the proof did not agree, by a fifth.
+            let ratio = aim / least;
+            let factor = if ratio < 0.8 { shrink(ratio, power) } else { 0.8 };
+            let step = trial.step * if factor < 0.3 { 0.3 } else { factor };
+            let shape = std::mem::replace(&mut trial.mesh, empty());
+            best = Some(Bounded { shape, bound: known });
+            if self.affordable(&trial, step).is_err() {
+                break;
+            }
+            trial = self.trial(step)?;
+            power = 1.0;
+        }
+        match best {
+            Some(best) => Err(Failure::Unmet(Box::new(best))),
+            None => Err(Failure::refused(Code::Budget, "no mesh was made")),
+        }
+    }
+
+    /// Whether there is nothing to prove with, and nobody asks for a proof.
+    fn is_measured(&self, found: &FieldDeviation) -> bool {
+        self.wanted.measured && found.bound.at_most().is_none() && !self.tape.evidence().bounds_above()
+    }
+
+    fn proved(&self, mesh: &Mesh, goal: &Goal) -> Result<FieldDeviation, Failure<Mesh>> {
+        Ok(field_deviation(mesh, self.field, goal, self.job)?)
+    }
+
+    fn counted(&self, made: Bounded<Mesh>, most: Option<u64>) -> Outcome {
+        if most.is_none_or(|most| made.shape.faces().len() as u64 <= most) {
+            Ok(made)
+        } else {
+            Err(Failure::Unmet(Box::new(made)))
+        }
+    }
+
+    /// Triangles grow with the square of the number of cells along a side.
+    fn affordable(&self, trial: &Trial, step: f64) -> Result<(), Failure<Mesh>> {
+        let ratio = trial.step / step;
+        let needs = trial.mesh.faces().len() as f64 * ratio * ratio;
+        let limit = self.job.triangle_limit as f64;
+        // About 36 bytes a triangle for the mesh, and 90 for the tree that the proof looks things up in.
+        let bytes = 200.0 * needs;
+        if needs > limit {
+            let message = format!("the budget needs about {needs:.1e} triangles; the limit is {limit:.1e}");
+            return Err(Failure::refused(Code::TooManyTriangles, message));
+        }
+        if bytes > self.job.memory_limit as f64 {
+            let message = format!(
+                "the budget needs about {needs:.1e} triangles and {bytes:.1e} bytes; the limit is {:.1e}",
+                self.job.memory_limit as f64
+            );
+            return Err(Failure::refused(Code::TooMuchMemory, message));
+        }
+        Ok(())
+    }
+
+    /// The finest lattice found whose triangles are no more than that.
+    fn by_count(&self, first: Trial, most: u64) -> Outcome {
+        let mut fits: Option<Trial> = None;
+        let mut trial = first;
+        for _ in 0..TRIALS {
+            let count = trial.mesh.faces().len() as f64;
+            let ratio = (count / most as f64).sqrt();
+            let good = count <= most as f64;
+            let step = trial.step * ratio * if good { 1.005 } else { 1.02 };
+            if good {
+                let better = fits.as_ref().is_none_or(|fits| trial.step < fits.step);
+                if better {
+                    fits = Some(trial);
+                }
+                if ratio > 0.97 {
+                    break;
+                }
+            }
+            trial = self.trial(step)?;
+            if trial.mesh.faces().is_empty() {
+                break;
+            }
+        }
+        let Some(best) = fits else {
+            let message =
+                format!("{most} triangles are too few: the coarsest lattice that shows the shape has more");
+            return Err(Failure::refused(Code::Budget, message));
+        };
+        let found = self.proved(&best.mesh, &Goal::default())?;
+        let bound: Bound = found.bound;
+        let made = Bounded { shape: best.mesh, bound };
+        if made.bound.at_most().is_some() || self.wanted.measured {
+            Ok(made)
+        } else {
+            Err(Failure::Unmet(Box::new(made)))
+        }
+    }
+}
+
+/// By how much the step shrinks so that an error that falls with its `power` shrinks by `ratio`.
+fn shrink(ratio: f64, power: f64) -> f64 {
+    let factor = libm::pow(ratio, 1.0 / power);
+    // From far away a prediction is worth little.
+    if factor < 0.1 { 0.1 } else { factor }
+}
+
+/// The power of the step that the errors of two trials follow, between 1 and 2.
+fn fitted(coarse: &Trial, fine: &Trial) -> f64 {
+    let power = libm::log(coarse.error / fine.error) / libm::log(coarse.step / fine.step);
+    if power > 1.0 && power < 2.0 {
+        power
+    } else if power >= 2.0 {
+        2.0
+    } else {
+        1.0
+    }
+}
+
+fn empty() -> Mesh {
+    Mesh::new(Vec::new(), Vec::new()).expect("nothing is finite")
+}

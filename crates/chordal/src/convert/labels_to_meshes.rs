@@ -1,0 +1,341 @@
+//! From a volume of labels to a mesh for each: `labels_to_meshes`.
+use super::cubes::bound::{Farthest, diagonal};
+use super::cubes::caps::{Spot, triangles};
+use super::cubes::march::refused;
+use super::cubes::rule::{Border, Place, Polygonize};
+use super::cubes::table::{EDGES, TABLE};
+use super::grid_to_mesh::{bound, check};
+use crate::budget::{Bounded, Code, Evidence, Failure, Job, Progress, Stopped};
+use crate::explicit::Mesh;
+use crate::implicit::{Grid, with_samples};
+use std::collections::BTreeMap;
+
+/// How labels become meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Labels {
+    /// The label that gets no mesh.
+    pub background: Option<u32>,
+    /// What happens at the border of the lattice.
+    pub border: [[Border; 2]; 3],
+    /// As [`Polygonize::offset`].
+    pub offset: [i64; 3],
+}
+
+impl Default for Labels {
+    /// Without a mesh for label 0, closed at the border.
+    fn default() -> Self {
+        Self { background: Some(0), border: [[Border::Capped; 2]; 3], offset: [0; 3] }
+    }
+}
+
+/// A mesh for each label of a volume, in the order of labels.
+///
+/// A label's mesh is that of [`grid_to_mesh`](super::grid_to_mesh) for the samples of that label as 1 among 0, at level 0.5: closed and
+/// manifold each, up to a border that is open. Every vertex is in the middle of an edge of the lattice between two labels, and has
+/// the same bits in the meshes of both. Where three labels or more meet in a cell their meshes leave a gap
+/// between them, as they do where two cross a face of a cell diagonally.
+///
+/// **Bound.** As for `grid_to_mesh`, with the longest diagonal of a cell; *proved*.
+///
+/// **Cost.** One pass plane by plane on one thread: a few numbers for each sample of two planes, beside the meshes.
+///
+/// # Errors
+/// [`Failure::Refused`]: no sample but the background, or an axis of one sample ([`Code::Empty`]); a sample that is no whole
+/// number from 0 to 2³² − 1 ([`Code::Unsupported`], with its place); a transform as for `grid_to_mesh`; more triangles or bytes
+/// than the job allows. [`Failure::Cancelled`].
+///
+/// ```
+/// use chordal::convert::{Labels, labels_to_meshes};
+/// use chordal::implicit::{Affine, Grid, Samples};
+/// use chordal::Job;
+/// let grid = Grid::new([2, 2, 2], Samples::U16(vec![7, 9, 7, 9, 7, 9, 7, 9]), Affine::IDENTITY)?;
+/// let meshes = labels_to_meshes(&grid, &Labels::default(), &Job::default()).expect("labels");
+/// assert_eq!(meshes.iter().map(|(label, _)| *label).collect::<Vec<_>>(), [7, 9]);
+/// # Ok::<(), chordal::implicit::InvalidGrid>(())
+/// ```
+pub fn labels_to_meshes(
+    grid: &Grid,
+    rule: &Labels,
+    job: &Job,
+) -> Result<Vec<(u32, Bounded<Mesh>)>, Failure<Mesh>> {
+    let shape = Polygonize { border: rule.border, offset: rule.offset, ..Polygonize::above(0.5) };
+    check(grid.size(), grid.affine(), &shape)?;
+    let mut sheets = Sheets::new(grid, rule);
+    with_samples!(grid.samples(), values => sheets.build(|at| label(f64::from(values[at])), job))?;
+    if sheets.meshes.is_empty() {
+        let only = rule.background.unwrap_or(0);
+        return Err(Failure::refused(
+            Code::Empty,
+            format!("every sample has the label {only}, which is the background"),
+        ));
+    }
+    let diagonal = Farthest { most: diagonal(grid.affine()), at: [0; 3] };
+    let of = |mesh: Mesh| {
+        let mut bound = bound(diagonal, Evidence::Proved, (grid.affine(), &shape), grid.size());
+        bound.at = None;
+        Bounded { shape: mesh, bound }
+    };
+    let meshes = std::mem::take(&mut sheets.meshes);
+    Ok(meshes
+        .into_iter()
+        .map(|(label, (positions, faces))| (label, of(Mesh::by_construction(positions, faces))))
+        .collect())
+}
+
+fn label(sample: f64) -> Option<u32> {
+    (sample >= 0.0 && sample <= f64::from(u32::MAX) && sample.floor() == sample).then_some(sample as u32)
+}
+
+type Soup = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+
+/// One plane of samples, and the vertices that begin in it: for each edge of the lattice the rows in the meshes of its two labels, and
+/// for each sample in a capped border the row in that of its own.
+#[derive(Default)]
+struct Plane {
+    labels: Vec<u32>,
+    edges: [Vec<[u32; 2]>; 3],
+    samples: Vec<u32>,
+}
+
+struct Sheets<'a> {
+    grid: &'a Grid,
+    rule: &'a Labels,
+    place: Place,
+    upright: bool,
+    meshes: BTreeMap<u32, Soup>,
+    vertices: u64,
+    triangles: u64,
+}
+
+/// The row of a vertex that is not there.
+const NONE: u32 = u32::MAX;
+
+impl<'a> Sheets<'a> {
+    fn new(grid: &'a Grid, rule: &'a Labels) -> Self {
+        let place = Place::new(grid.affine(), rule.offset);
+        let upright = grid.affine().orientation() > 0;
+        Self { grid, rule, place, upright, meshes: BTreeMap::new(), vertices: 0, triangles: 0 }
+    }
+
+    fn build(&mut self, label_of: impl Fn(usize) -> Option<u32>, job: &Job) -> Result<(), Stopped> {
+        let [nx, ny, nz] = self.grid.size();
+        let grid = self.grid;
+        let read = |k: usize| -> Result<Plane, Stopped> {
+            let labels =
+                (k * nx * ny..(k + 1) * nx * ny).map(|at| label_of(at).ok_or_else(|| no_label(grid, at)));
+            Ok(Plane { labels: labels.collect::<Result<_, _>>()?, ..Plane::default() })
+        };
+        let capped = [0, 1].map(|end| self.rule.border[2][end] == Border::Capped);
+        let mut low = read(0)?;
+        self.begin(&mut low, 0);
+        if capped[0] {
+            self.lid(&low, 0);
+        }
+        for k in 0..nz - 1 {
+            if job.is_cancelled() {
+                return Err(Stopped::Cancelled);
+            }
+            job.report(Progress { stage: "labels", done: k as u64, total: nz as u64 - 1 });
+            let mut high = read(k + 1)?;
+            self.begin(&mut high, k + 1);
+            self.join(&mut low, &high, k);
+            self.cells(&low, &high);
+            self.walls(&low, &high);
+            self.check(job)?;
+            low = high;
+        }
+        if capped[1] {
+            self.lid(&low, 1);
+        }
+        self.check(job)
+    }
+
+    fn check(&self, job: &Job) -> Result<(), Stopped> {
+        if self.triangles > job.triangle_limit {
+            let message =
+                format!("the labels have more than {} triangles, which is the limit", job.triangle_limit);
+            return Err(refused(Code::TooManyTriangles, message));
+        }
+        // Arrays that grow hold up to twice what is in them.
+        if 2 * (24 * self.vertices + 12 * self.triangles) > job.memory_limit {
+            let message = format!(
+                "the meshes of the labels need more than {} bytes, which is the limit",
+                job.memory_limit
+            );
+            return Err(refused(Code::TooMuchMemory, message));
+        }
+        Ok(())
+    }
+
+    /// A vertex in the mesh of a label.
+    fn vertex(&mut self, label: u32, at: [f64; 3]) -> u32 {
+        if self.rule.background == Some(label) {
+            return NONE;
+        }
+        let (positions, _) = self.meshes.entry(label).or_default();
+        self.vertices += 1;
+        positions.push(at);
+        positions.len() as u32 - 1
+    }
+
+    fn face(&mut self, label: u32, [a, b, c]: [u32; 3]) {
+        let (_, faces) = self.meshes.entry(label).or_default();
+        self.triangles += 1;
+        faces.push(if self.upright { [a, b, c] } else { [a, c, b] });
+    }
+
+    /// The two vertices in the middle of an edge along `axis` from the sample (i, j, k).
+    fn middle(&mut self, [low, high]: [u32; 2], axis: usize, [i, j, k]: [usize; 3]) -> [u32; 2] {
+        if low == high {
+            return [NONE; 2];
+        }
+        let mut at = [self.place.global(0, i), self.place.global(1, j), self.place.global(2, k)];
+        at[axis] += 0.5;
+        let at = self.place.at(at);
+        [self.vertex(low, at), self.vertex(high, at)]
+    }
+
+    /// Makes the vertices in a plane.
+    fn begin(&mut self, plane: &mut Plane, k: usize) {
+        let [nx, ny, nz] = self.grid.size();
+        let capped = |axis: usize, end: usize| self.rule.border[axis][end] == Border::Capped;
+        let border = [0, 1, 2].map(|axis| [capped(axis, 0), capped(axis, 1)]);
+        plane.edges = [vec![[NONE; 2]; nx * ny], vec![[NONE; 2]; nx * ny], vec![[NONE; 2]; nx * ny]];
+        plane.samples = vec![NONE; nx * ny];
+        for j in 0..ny {
+            for i in 0..nx {
+                let at = i + nx * j;
+                let label = plane.labels[at];
+                if i + 1 < nx {
+                    plane.edges[0][at] = self.middle([label, plane.labels[at + 1]], 0, [i, j, k]);
+                }
+                if j + 1 < ny {
+                    plane.edges[1][at] = self.middle([label, plane.labels[at + nx]], 1, [i, j, k]);
+                }
+                let ends = |axis: usize, index: usize, n: usize| {
+                    (index == 0 && border[axis][0]) || (index + 1 == n && border[axis][1])
+                };
+                if ends(0, i, nx) || ends(1, j, ny) || ends(2, k, nz) {
+                    let place = [self.place.global(0, i), self.place.global(1, j), self.place.global(2, k)];
+                    plane.samples[at] = self.vertex(label, self.place.at(place));
+                }
+            }
+        }
+    }
+
+    /// Makes the vertices between two planes.
+    fn join(&mut self, low: &mut Plane, high: &Plane, k: usize) {
+        let nx = self.grid.size()[0];
+        for at in 0..low.labels.len() {
+            low.edges[2][at] = self.middle([low.labels[at], high.labels[at]], 2, [at % nx, at / nx, k]);
+        }
+    }
+
+    fn cells(&mut self, low: &Plane, high: &Plane) {
+        let [nx, ny, _] = self.grid.size();
+        for j in 0..ny - 1 {
+            for i in 0..nx - 1 {
+                let at = i + nx * j;
+                let of = |plane: &Plane| {
+                    [plane.labels[at], plane.labels[at + 1], plane.labels[at + nx], plane.labels[at + nx + 1]]
+                };
+                let (a, b) = (of(low), of(high));
+                if a == [a[0]; 4] && b == a {
+                    continue;
+                }
+                let labels: [u32; 8] = std::array::from_fn(|c| if c < 4 { a[c] } else { b[c - 4] });
+                let row = |edge: u8| {
+                    let [c, _] = EDGES[usize::from(edge)].map(usize::from);
+                    let plane = if c < 4 { low } else { high };
+                    plane.edges[usize::from(edge) / 4][at + (c & 1) + nx * (c >> 1 & 1)]
+                };
+                for (first, label) in labels.into_iter().enumerate() {
+                    if labels[..first].contains(&label) || self.rule.background == Some(label) {
+                        continue;
+                    }
+                    let signs = (0..8).fold(0, |signs, c| signs | u8::from(labels[c] == label) << c);
+                    let case = &TABLE.upright[usize::from(signs)];
+                    for triangle in &case.corners[..usize::from(case.triangles)] {
+                        let face = triangle.map(|edge| {
+                            let end = usize::from(labels[usize::from(EDGES[usize::from(edge)][0])] != label);
+                            row(edge)[end]
+                        });
+                        self.face(label, face);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The caps of the walls between two planes.
+    fn walls(&mut self, low: &Plane, high: &Plane) {
+        let [nx, ny, _] = self.grid.size();
+        let border = self.rule.border;
+        for (axis, n) in [(0, nx), (1, ny)] {
+            for end in (0..2).filter(|end| border[axis][*end] == Border::Capped) {
+                let fixed = if end == 0 { 0 } else { n - 1 };
+                let (step, start, count) = if axis == 0 { (nx, fixed, ny) } else { (1, nx * fixed, nx) };
+                for p in 0..count - 1 {
+                    let (a, b) = (start + p * step, start + (p + 1) * step);
+                    // Along the other axis, then up: seen from outside of the low x and the high y this turns left.
+                    let mut corners = [(0, a), (0, b), (1, b), (1, a)];
+                    let mut sides =
+                        [low.edges[1 - axis][a], low.edges[2][b], high.edges[1 - axis][a], low.edges[2][a]];
+                    if (axis == 0) == (end == 0) {
+                        corners = [corners[3], corners[2], corners[1], corners[0]];
+                        sides = [sides[2], sides[1], sides[0], sides[3]];
+                    }
+                    self.square([low, high], corners, sides);
+                }
+            }
+        }
+    }
+
+    /// The cap in the first or the last plane.
+    fn lid(&mut self, plane: &Plane, end: usize) {
+        let [nx, ny, _] = self.grid.size();
+        for j in 0..ny - 1 {
+            for i in 0..nx - 1 {
+                let at = i + nx * j;
+                let mut corners = [at, at + 1, at + nx + 1, at + nx].map(|at| (0, at));
+                let mut sides =
+                    [plane.edges[0][at], plane.edges[1][at + 1], plane.edges[0][at + nx], plane.edges[1][at]];
+                if end == 0 {
+                    corners = [corners[3], corners[2], corners[1], corners[0]];
+                    sides = [sides[2], sides[1], sides[0], sides[3]];
+                }
+                self.square([plane; 2], corners, sides);
+            }
+        }
+    }
+
+    /// The caps of all labels in one square: the plane and the place of each corner, counter-clockwise from outside, and the vertices of the
+    /// side after each.
+    fn square(&mut self, planes: [&Plane; 2], corners: [(usize, usize); 4], sides: [[u32; 2]; 4]) {
+        let of = |(plane, at): (usize, usize)| planes[plane].labels[at];
+        let labels = corners.map(of);
+        for (first, label) in labels.into_iter().enumerate() {
+            if labels[..first].contains(&label) || self.rule.background == Some(label) {
+                continue;
+            }
+            let number = |spot: Spot| match spot {
+                Spot::Corner(i) => planes[corners[i].0].samples[corners[i].1],
+                Spot::Side(i) => {
+                    let (here, there) = (corners[i], corners[(i + 1) % 4]);
+                    let lower = if here < there { here } else { there };
+                    sides[i][usize::from(of(lower) != label)]
+                }
+            };
+            triangles(labels.map(|other| other == label), number, |face| self.face(label, face));
+        }
+    }
+}
+
+fn no_label(grid: &Grid, at: usize) -> Stopped {
+    let [nx, ny, _] = grid.size();
+    let (i, j, k) = (at % nx, at / nx % ny, at / (nx * ny));
+    let found = grid.samples().get(at);
+    let message =
+        format!("sample ({i}, {j}, {k}) is {found}, and a label is a whole number from 0 to 4294967295");
+    refused(Code::Unsupported, message)
+}

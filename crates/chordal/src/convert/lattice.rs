@@ -1,0 +1,103 @@
+//! Where samples of a field are taken, and the bricks that they are worked on in.
+use crate::implicit::Affine;
+use crate::math::{Box3, add_up};
+
+/// Samples along each side of a brick.
+pub(super) const BRICK: usize = 8;
+
+/// A lattice of samples: how many along each index, and where they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lattice {
+    /// Samples along each index.
+    pub size: [usize; 3],
+    /// From indices to space.
+    pub affine: Affine,
+}
+
+impl Lattice {
+    /// Cubes around a box: `cells` of them along its longest side, and `margin` more beyond each side. `None` for a box
+    /// that is empty, endless, or a single point, for no cells, and for more samples than 2⁴⁰.
+    #[must_use]
+    pub fn around(bounds: &Box3, cells: usize, margin: usize) -> Option<Self> {
+        if bounds.is_empty() || cells == 0 {
+            return None;
+        }
+        let sides: [f64; 3] = std::array::from_fn(|k| bounds.max[k] - bounds.min[k]);
+        let longest = sides.iter().fold(0.0, |m, s| if *s > m { *s } else { m });
+        let step = longest / cells as f64;
+        if !(step > 0.0 && step.is_finite()) {
+            return None;
+        }
+        let counts = sides.map(|side| (side / step).ceil() as usize);
+        let size = counts.map(|n| n.saturating_add(margin.saturating_mul(2)).saturating_add(1));
+        if size.iter().try_fold(1_usize, |all, n| all.checked_mul(*n)).is_none_or(|n| n > 1 << 40) {
+            return None;
+        }
+        // What whole cells are more than the side is shared by both ends.
+        let origin = std::array::from_fn(|k| {
+            let slack = counts[k] as f64 * step - sides[k];
+            bounds.min[k] - (margin as f64 * step + 0.5 * slack)
+        });
+        Some(Self { size, affine: Affine::cubes(origin, step).ok()? })
+    }
+
+    /// The place of a sample.
+    #[must_use]
+    pub fn at(&self, index: [usize; 3]) -> [f64; 3] {
+        self.affine.at(index.map(|i| i as f64))
+    }
+
+    /// How many samples there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.size.iter().product()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.size.contains(&0)
+    }
+
+    pub(super) fn row(&self, [i, j, k]: [usize; 3]) -> usize {
+        i + self.size[0] * (j + self.size[1] * k)
+    }
+
+    /// Layers of bricks along the last index.
+    pub(super) fn layers(&self) -> usize {
+        self.size[2].div_ceil(BRICK)
+    }
+
+    /// The bricks of a layer, each by its first sample and the one behind its last.
+    pub(super) fn bricks(&self, layer: usize) -> impl Iterator<Item = [[usize; 3]; 2]> + '_ {
+        let counts = [self.size[0].div_ceil(BRICK), self.size[1].div_ceil(BRICK)];
+        (0..counts[1]).flat_map(move |j| {
+            (0..counts[0]).map(move |i| {
+                let first = [i * BRICK, j * BRICK, layer * BRICK];
+                let end = std::array::from_fn(|k| {
+                    let end = first[k] + BRICK;
+                    if end < self.size[k] { end } else { self.size[k] }
+                });
+                [first, end]
+            })
+        })
+    }
+
+    /// A box around all samples of a brick, rounding included: each is where [`Affine::at`] computes it.
+    pub(super) fn hull(&self, [first, end]: [[usize; 3]; 2]) -> Box3 {
+        let mut hull = Box3::EMPTY;
+        for corner in 0..8_usize {
+            let index = std::array::from_fn(|k| if corner >> k & 1 == 0 { first[k] } else { end[k] - 1 });
+            hull = hull.with(self.at(index));
+        }
+        // The rounded map is not quite linear between corners: off by 3 roundings of its terms.
+        let last = end.map(|n| n as f64);
+        let off = self.affine.rows().map(|[a, b, c, d]| {
+            4.0 * f64::EPSILON * (a.abs() * last[0] + b.abs() * last[1] + c.abs() * last[2] + d.abs())
+        });
+        Box3 {
+            min: std::array::from_fn(|k| -add_up(-hull.min[k], off[k])),
+            max: std::array::from_fn(|k| add_up(hull.max[k], off[k])),
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! Meshes to grids of distances.
+use super::lattice::{BRICK, Lattice};
+use super::mesh_leaf::{Last, MeshLeaf};
+use super::mesh_to_field::Solid;
+use crate::budget::{Code, Job, Refusal, Stopped, par_map_owned};
+use crate::explicit::Mesh;
+use crate::implicit::{Grid, Samples};
+
+/// Distances to a mesh on a lattice, and whether the mesh is a solid.
+#[derive(Clone, Debug)]
+pub struct Baked {
+    /// The samples, f64, negative inside.
+    pub grid: Grid,
+    /// What the mesh is.
+    pub solid: Solid,
+    /// Samples whose value is a distance; all others say only that they are beyond the band, and on which side.
+    pub n_within: u64,
+    /// The largest distance that samples have; ∞ where all are distances.
+    pub band: f64,
+}
+
+/// Samples the distance to a mesh on a lattice of cubes, `cells` along the longest side of its box with a margin around
+/// it; with a `band` of so many cells only near the mesh, and ±band elsewhere.
+///
+/// **Values.** As for [`mesh_to_field`](super::mesh_to_field()): the exact distance to the triangles but for rounding (at
+/// most 1e-12 of the extent), never scaled, and a side that is exact for closed meshes. With a band, samples farther from
+/// the mesh hold the band's width, with the sign of their side.
+///
+/// **Cost.** About 1 µs for a sample that is computed; a brick of 8³ samples beyond the band takes as long as one.
+/// For meshes that are not closed a winding number for every sample, 10 to 100 µs. 8 bytes a sample.
+///
+/// # Errors
+/// [`Stopped::Refused`] for a mesh without extent, no cells, a band that is not above 0, more samples than the job's
+/// memory holds, and as for [`mesh_to_field`](super::mesh_to_field()); [`Stopped::Cancelled`].
+///
+/// ```
+/// use chordal::{Job, Mesh, convert::mesh_to_grid};
+/// let corners = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
+/// let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// let baked = mesh_to_grid(&Mesh::new(corners, faces).unwrap(), 16, Some(2.0), &Job::default())?;
+/// assert!(baked.solid.is_solid());
+/// assert_eq!((baked.grid.size(), baked.band), ([21; 3], 0.125));
+/// assert_eq!(baked.grid.sample([4, 4, 0]), 0.125);
+/// # Ok::<(), chordal::budget::Stopped>(())
+/// ```
+pub fn mesh_to_grid(mesh: &Mesh, cells: usize, band: Option<f64>, job: &Job) -> Result<Baked, Stopped> {
+    let refused = |code, message: String| Stopped::Refused(Refusal { code, message });
+    if let Some(width) = band.filter(|width| !(*width > 0.0 && *width <= 1e6)) {
+        let message = format!("the band is {width} cells, and must be above 0 and at most 1e6");
+        return Err(refused(Code::Budget, message));
+    }
+    let margin = band.map_or(3, |width| width.ceil() as usize);
+    let lattice = Lattice::around(&mesh.bounds(), cells, margin).ok_or_else(|| {
+        refused(Code::Empty, format!("there is no lattice with {cells} cells along the mesh's longest side"))
+    })?;
+    let bytes = 8 * lattice.len() as u64;
+    if bytes > job.memory_limit {
+        let message =
+            format!("{} samples need {bytes} bytes; the limit is {}", lattice.len(), job.memory_limit);
+        return Err(refused(Code::TooMuchMemory, message));
+    }
+    let leaf = MeshLeaf::new(mesh, job)?;
+    let solid = Solid::of(mesh, leaf.is_closed(), job)?;
+    let step = lattice.affine.rows()[0][0];
+    let band = band.map_or(f64::INFINITY, |width| width * step);
+    let (samples, n_within) = mesh_on_lattice(&leaf, &lattice, band, job)?;
+    let grid = Grid::new(lattice.size, Samples::F64(samples), lattice.affine)
+        .map_err(|error| refused(Code::Empty, error.to_string()))?;
+    Ok(Baked { grid, solid, n_within, band })
+}
+
+/// Samples layer by layer of bricks, and how many are distances.
+fn mesh_on_lattice(
+    leaf: &MeshLeaf,
+    lattice: &Lattice,
+    band: f64,
+    job: &Job,
+) -> Result<(Vec<f64>, u64), Stopped> {
+    let mut samples = vec![0.0; lattice.len()];
+    let layer = lattice.size[0] * lattice.size[1] * BRICK;
+    let tasks: Vec<(usize, &mut [f64])> = samples.chunks_mut(layer).enumerate().collect();
+    let counts = par_map_owned(job, tasks, |(layer, out)| {
+        let mut count = 0;
+        let mut last = None;
+        for brick in lattice.bricks(layer) {
+            if job.is_cancelled() {
+                break;
+            }
+            let mut baking = Baking { leaf, lattice, band, out: &mut *out, last };
+            count += baking.brick(brick);
+            last = baking.last;
+        }
+        count
+    });
+    if job.is_cancelled() {
+        return Err(Stopped::Cancelled);
+    }
+    Ok((samples, counts.into_iter().sum()))
+}
+
+/// One layer being baked.
+struct Baking<'a> {
+    leaf: &'a MeshLeaf,
+    lattice: &'a Lattice,
+    band: f64,
+    out: &'a mut [f64],
+    last: Option<Last>,
+}
+
+impl Baking<'_> {
+    /// The samples of a brick; how many of them are distances.
+    fn brick(&mut self, brick: [[usize; 3]; 2]) -> u64 {
+        let [first, end] = brick;
+        let hull = self.lattice.hull(brick);
+        let radius = 0.5 * hull.diagonal();
+        let Some(middle) = self.leaf.step(hull.centre(), self.last) else { return 0 };
+        self.last = Some(middle);
+        // A share that is far more than the rounding of the distance and of the radius.
+        const SHARE: f64 = 1.0 + 1.0 / (1_u64 << 30) as f64;
+        let is_far = middle.distance() > (self.band + radius) * SHARE;
+        let one_side = self.leaf.is_closed();
+        let mut count = 0;
+        for k in first[2]..end[2] {
+            for j in first[1]..end[1] {
+                // To and fro, so that neighbours follow each other.
+                let back = (j + k) % 2 == 1;
+                for i in first[0]..end[0] {
+                    let i = if back { first[0] + end[0] - 1 - i } else { i };
+                    let row = self.lattice.row([i, j, k % BRICK]);
+                    if is_far && one_side {
+                        self.out[row] = if middle.value() < 0.0 { -self.band } else { self.band };
+                        continue;
+                    }
+                    let p = self.lattice.at([i, j, k]);
+                    if let Some(last) = self.last.filter(|last| one_side && last.is_beyond(p, self.band)) {
+                        self.out[row] = if last.value() < 0.0 { -self.band } else { self.band };
+                        continue;
+                    }
+                    let Some(here) = self.leaf.step(p, self.last) else { continue };
+                    self.last = Some(here);
+                    let value = here.value();
+                    let within = here.distance() <= self.band;
+                    count += u64::from(within);
+                    self.out[row] = if within {
+                        value
+                    } else if value < 0.0 {
+                        -self.band
+                    } else {
+                        self.band
+                    };
+                }
+            }
+        }
+        count
+    }
+}

@@ -1,0 +1,59 @@
+//! Outlines to fields of the plane.
+use super::curves::flatten::Spacing;
+use super::curves_to_polylines;
+use crate::budget::{Bounded, Budget, Code, Failure, Job};
+use crate::explicit::{FillRule, Outline, Polyline};
+use crate::implicit::Field;
+use crate::implicit::shapes::{Contours, Fill};
+
+/// What an outline encloses as a field of the plane, endless along z: [`Field::extruded`] gives it a height,
+/// [`Field::revolved`] turns it.
+///
+/// **Bound.** Two-sided Hausdorff distance between each contour and the closed polygon that stands for it, *proved*,
+/// rounding included. So the field's shape and the outline's differ only at points no farther than the bound from a contour.
+/// Polygons themselves cost nothing: contours of lines alone have the bound 0.
+///
+/// **Value.** The exact distance to the polygons where they meet nowhere, and those that bound nothing (one in another of
+/// the same direction) are left out; else a bound. Which side a point is on is exact for the polygons.
+///
+/// **Budgets.** A length, pixels at a view, a number of segments. **Cost.** The polylines, and O(n log n); O(log n) a
+/// point.
+///
+/// # Errors
+/// [`Failure::Refused`]: as for [`curves_to_polylines`]; when the contours enclose nothing. [`Failure::Unmet`] with the
+/// best; [`Failure::Cancelled`].
+///
+/// ```
+/// use chordal::{Bezier, Budget, Job, Tolerance, convert::outline_to_field};
+/// use chordal::explicit::{FillRule, Outline};
+/// let arch = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
+/// let outline = Outline { contours: vec![arch.into()], rule: FillRule::NonZero };
+/// let budget = Budget::length(Tolerance::new(1e-3).unwrap());
+/// let made = outline_to_field(&outline, &budget, &Job::default()).unwrap();
+/// let solid = made.shape.extruded(0.5).unwrap();
+/// let depth = -solid.expr().at([0.5, 0.5, 0.0]).unwrap();
+/// assert!((depth - 0.25).abs() < 1e-3);
+/// ```
+pub fn outline_to_field(
+    outline: &Outline,
+    budget: &Budget,
+    job: &Job,
+) -> Result<Bounded<Field>, Failure<Field>> {
+    match curves_to_polylines(&outline.contours, budget, job, Spacing::Fewest) {
+        Ok(made) => field(made, outline.rule),
+        Err(Failure::Unmet(best)) => Err(Failure::Unmet(Box::new(field(*best, outline.rule)?))),
+        Err(Failure::Refused(refusal)) => Err(Failure::Refused(refusal)),
+        Err(Failure::Cancelled) => Err(Failure::Cancelled),
+    }
+}
+
+fn field(made: Bounded<Vec<Polyline<2>>>, rule: FillRule) -> Result<Bounded<Field>, Failure<Field>> {
+    let fill = match rule {
+        FillRule::EvenOdd => Fill::EvenOdd,
+        FillRule::NonZero => Fill::NonZero,
+    };
+    let points: Vec<Vec<[f64; 2]>> = made.shape.iter().map(|polyline| polyline.points.clone()).collect();
+    let contours =
+        Contours::new(&points, fill).map_err(|error| Failure::refused(Code::Empty, error.to_string()))?;
+    Ok(made.map(|_| contours.into_field()))
+}

@@ -1,0 +1,203 @@
+//! Running a program: block by block, each step a loop over a block.
+use super::block::{Claims, Lane, MOST_CLAIMS, all_near, at_most, put};
+use super::number::is_periodic;
+use super::op::{Binary, Unary};
+use super::program::{Code, Program, Step};
+use crate::math::simd::{self, Kernel};
+
+/// A program with where its inputs come from and where its results go.
+pub(super) struct Run<'a, N: Lane, F, G> {
+    pub(super) program: &'a Program,
+    pub(super) rows: usize,
+    /// The coordinate `k` of a row.
+    pub(super) axis: F,
+    /// The values of leaves: the inputs behind the three coordinates.
+    pub(super) columns: &'a [Vec<N>],
+    /// Takes the output `k` of a row.
+    pub(super) put: G,
+}
+
+impl<N: Lane, F: Fn(usize, usize) -> N, G: FnMut(usize, usize, N)> Run<'_, N, F, G> {
+    /// Runs it on the processor's best instruction set.
+    pub(super) fn dispatch(self) {
+        simd::dispatch(simd::isa(), self);
+    }
+}
+
+impl<N: Lane, F: Fn(usize, usize) -> N, G: FnMut(usize, usize, N)> Kernel for Run<'_, N, F, G> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        let program = self.program;
+        let mut machine = Machine::<N>::new(program);
+        let mut start = 0;
+        while start < self.rows {
+            let left = self.rows - start;
+            let n = if left < N::LANES { left } else { N::LANES };
+            let mut claims = [u64::MAX; MOST_CLAIMS];
+            for input in 0..program.n_inputs {
+                if !program.reads[input] {
+                    continue;
+                }
+                let block = &mut machine.inputs[input];
+                for at in 0..at_most::<N>(n) {
+                    let value = match input {
+                        0..3 => (self.axis)(input, start + at),
+                        _ => self.columns[input - 3][start + at],
+                    };
+                    put(value, block, &mut claims, at);
+                }
+            }
+            for step in &program.steps {
+                machine.step(n, step, &mut claims);
+            }
+            for (k, output) in program.outputs.iter().enumerate() {
+                let block = machine.operand(*output);
+                for at in 0..n {
+                    let kept = !N::CLAIMS || claims[at] != 0;
+                    (self.put)(k, start + at, N::load(block, at).settled(kept));
+                }
+            }
+            start += n;
+        }
+    }
+}
+
+struct Machine<N: Lane> {
+    inputs: Vec<N::Block>,
+    /// Boxed, so that a result is put in its place by swapping pointers: it may be written where an operand was.
+    registers: Vec<Box<N::Block>>,
+    spare: Box<N::Block>,
+    number: Box<N::Block>,
+}
+
+impl<N: Lane> Machine<N> {
+    fn new(program: &Program) -> Self {
+        Self {
+            inputs: vec![N::block(); program.n_inputs],
+            registers: (0..program.n_registers).map(|_| Box::new(N::block())).collect(),
+            spare: Box::new(N::block()),
+            number: Box::new(N::block()),
+        }
+    }
+
+    #[inline(always)]
+    fn operand(&self, operand: u32) -> &N::Block {
+        find::<N>(&self.inputs, &self.registers, operand)
+    }
+
+    #[inline(always)]
+    fn step(&mut self, n: usize, step: &Step, claims: &mut Claims) {
+        let Self { inputs, registers, spare, number } = self;
+        let a = find::<N>(inputs, registers, step.a);
+        let constant = N::constant(step.number);
+        match step.code {
+            Code::Const => constant_block::<N>(n, spare, claims, constant),
+            Code::Unary(op) => unary::<N>(op, n, spare, a, claims),
+            Code::Binary(op) => {
+                let b = find::<N>(inputs, registers, step.b);
+                binary::<N, _, _>(op, n, spare, claims, (Each::<N>(a), Each::<N>(b)));
+            }
+            Code::WithConst(op) if N::CLAIMS => {
+                constant_block::<N>(n, number, claims, constant);
+                binary::<N, _, _>(op, n, spare, claims, (Each::<N>(a), Each::<N>(number)));
+            }
+            Code::ConstWith(op) if N::CLAIMS => {
+                constant_block::<N>(n, number, claims, constant);
+                binary::<N, _, _>(op, n, spare, claims, (Each::<N>(number), Each::<N>(a)));
+            }
+            Code::WithConst(op) => binary::<N, _, _>(op, n, spare, claims, (Each::<N>(a), Same(constant))),
+            Code::ConstWith(op) => binary::<N, _, _>(op, n, spare, claims, (Same(constant), Each::<N>(a))),
+        }
+        std::mem::swap(spare, &mut registers[step.out as usize]);
+    }
+}
+
+#[inline(always)]
+fn find<'a, N: Lane>(inputs: &'a [N::Block], registers: &'a [Box<N::Block>], operand: u32) -> &'a N::Block {
+    let operand = operand as usize;
+    match operand.checked_sub(inputs.len()) {
+        None => &inputs[operand],
+        Some(register) => &registers[register],
+    }
+}
+
+#[inline(always)]
+fn constant_block<N: Lane>(n: usize, out: &mut N::Block, claims: &mut Claims, value: N) {
+    for at in 0..at_most::<N>(n) {
+        put(value, out, claims, at);
+    }
+}
+
+/// An operand of a loop over a block; closures would not be sure to be inlined into it.
+trait Operand<N> {
+    fn get(&self, at: usize) -> N;
+}
+
+/// A block's values.
+struct Each<'a, N: Lane>(&'a N::Block);
+
+impl<N: Lane> Operand<N> for Each<'_, N> {
+    #[inline(always)]
+    fn get(&self, at: usize) -> N {
+        N::load(self.0, at)
+    }
+}
+
+/// One value.
+struct Same<N>(N);
+
+impl<N: Lane> Operand<N> for Same<N> {
+    #[inline(always)]
+    fn get(&self, _: usize) -> N {
+        self.0
+    }
+}
+
+/// One operation over a block. Each is a loop of its own, with the operation known to the compiler.
+#[inline(always)]
+fn unary<N: Lane>(op: Unary, n: usize, out: &mut N::Block, a: &N::Block, claims: &mut Claims) {
+    if is_periodic(op) && !all_near::<N>(n, a) {
+        return unary_anywhere::<N>(op, n, out, a, claims);
+    }
+    macro_rules! each {
+        ($($name:ident)*) => {
+            match op {
+                $(Unary::$name => for at in 0..at_most::<N>(n) {
+                    put(N::near(Unary::$name, N::load(a, at)), out, claims, at);
+                })*
+            }
+        };
+    }
+    each!(Neg Abs Recip Sqrt Square Floor Ceil Round Sin Cos Tan Asin Acos Atan Exp Ln Not);
+}
+
+/// Sine, cosine or tangent of any angles.
+#[inline(never)]
+fn unary_anywhere<N: Lane>(op: Unary, n: usize, out: &mut N::Block, a: &N::Block, claims: &mut Claims) {
+    for at in 0..at_most::<N>(n) {
+        put(N::unary(op, N::load(a, at)), out, claims, at);
+    }
+}
+
+/// As [`unary`], with two operands.
+#[inline(always)]
+fn binary<N: Lane, A: Operand<N>, B: Operand<N>>(
+    op: Binary,
+    n: usize,
+    out: &mut N::Block,
+    claims: &mut Claims,
+    (a, b): (A, B),
+) {
+    macro_rules! each {
+        ($($name:ident)*) => {
+            match op {
+                $(Binary::$name => for at in 0..at_most::<N>(n) {
+                    put(N::binary(Binary::$name, a.get(at), b.get(at)), out, claims, at);
+                })*
+            }
+        };
+    }
+    each!(Add Sub Mul Div Min Max Atan2 Mod Compare And Or);
+}

@@ -1,0 +1,176 @@
+//! `Program`: terms as steps over registers.
+use super::graph::Term;
+use super::op::{Binary, Unary};
+
+/// What a step does.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Code {
+    /// The number.
+    Const,
+    Unary(Unary),
+    Binary(Binary),
+    /// An operation on `a` and the number.
+    WithConst(Binary),
+    /// An operation on the number and `a`, in this order.
+    ConstWith(Binary),
+}
+
+/// One step. Operands below the number of inputs are inputs, the others registers.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step {
+    pub(super) code: Code,
+    /// The register for the result.
+    pub(super) out: u32,
+    pub(super) a: u32,
+    pub(super) b: u32,
+    pub(super) number: f64,
+}
+
+/// Steps that compute some terms from inputs: x, y, z and the values of leaves.
+#[derive(Clone, Debug)]
+pub(super) struct Program {
+    pub(super) steps: Vec<Step>,
+    pub(super) n_inputs: usize,
+    pub(super) n_registers: usize,
+    /// Which inputs are read at all.
+    pub(super) reads: Vec<bool>,
+    /// Operands that hold the results.
+    pub(super) outputs: Vec<u32>,
+}
+
+/// Where a term's value is while the program is made.
+const NOWHERE: u32 = u32::MAX;
+
+struct Maker<'a> {
+    terms: &'a [Term],
+    /// The last term that needs each one; the number of terms for outputs.
+    last_use: Vec<u32>,
+    place: Vec<u32>,
+    /// Registers that nobody needs any more; the one that was used last is taken first.
+    free: Vec<u32>,
+    program: Program,
+}
+
+impl Program {
+    /// The program for the terms `outputs`. `leaf_input` says which input holds the value of a leaf's term. Every register is
+    /// given to the next result after its last use (linear scan). Time and memory: linear.
+    pub(super) fn of(
+        terms: &[Term],
+        outputs: &[u32],
+        leaf_input: &dyn Fn(u32) -> u32,
+        n_inputs: usize,
+    ) -> Self {
+        let last_use = last_uses(terms, outputs);
+        let program = Self {
+            steps: Vec::new(),
+            n_inputs,
+            n_registers: 0,
+            reads: vec![false; n_inputs],
+            outputs: Vec::new(),
+        };
+        let mut maker =
+            Maker { terms, last_use, place: vec![NOWHERE; terms.len()], free: Vec::new(), program };
+        for (k, term) in terms.iter().enumerate() {
+            if maker.last_use[k] != NOWHERE {
+                maker.term(k as u32, term, leaf_input);
+            }
+        }
+        for output in outputs {
+            let place = maker.place(*output);
+            maker.program.outputs.push(place);
+        }
+        maker.program
+    }
+}
+
+/// For each term the last one that needs it: [`NOWHERE`] when none does, the number of terms when it is an output.
+fn last_uses(terms: &[Term], outputs: &[u32]) -> Vec<u32> {
+    let mut last = vec![NOWHERE; terms.len()];
+    for output in outputs {
+        last[*output as usize] = terms.len() as u32;
+    }
+    for (k, term) in terms.iter().enumerate().rev() {
+        if last[k] == NOWHERE {
+            continue;
+        }
+        let mut need = |part: u32| {
+            if last[part as usize] == NOWHERE {
+                last[part as usize] = k as u32;
+            }
+        };
+        match term {
+            Term::Unary(_, a) => need(*a),
+            Term::Binary(_, a, b) => {
+                need(*a);
+                need(*b);
+            }
+            // A leaf's value is an input.
+            Term::Const(_) | Term::Axis(_) | Term::Leaf(..) => {}
+        }
+    }
+    last
+}
+
+impl Maker<'_> {
+    fn term(&mut self, k: u32, term: &Term, leaf_input: &dyn Fn(u32) -> u32) {
+        let step = |code, a, b, number| Step { code, out: 0, a, b, number };
+        let made = match term {
+            Term::Const(_) => return,
+            Term::Axis(axis) => return self.input(k, u32::from(*axis)),
+            Term::Leaf(..) => return self.input(k, leaf_input(k)),
+            Term::Unary(op, a) => step(Code::Unary(*op), self.place(*a), 0, 0.0),
+            Term::Binary(op, a, b) => match (&self.terms[*a as usize], &self.terms[*b as usize]) {
+                (Term::Const(number), Term::Const(_)) => {
+                    step(Code::ConstWith(*op), self.place(*b), 0, *number)
+                }
+                (_, Term::Const(number)) => step(Code::WithConst(*op), self.place(*a), 0, *number),
+                (Term::Const(number), _) => step(Code::ConstWith(*op), self.place(*b), 0, *number),
+                _ => step(Code::Binary(*op), self.place(*a), self.place(*b), 0.0),
+            },
+        };
+        match term {
+            Term::Unary(_, a) => self.release(*a, k),
+            Term::Binary(_, a, b) => {
+                self.release(*a, k);
+                if a != b {
+                    self.release(*b, k);
+                }
+            }
+            _ => {}
+        }
+        let out = self.register();
+        self.place[k as usize] = out + self.program.n_inputs as u32;
+        self.program.steps.push(Step { out, ..made });
+    }
+
+    fn input(&mut self, k: u32, input: u32) {
+        self.place[k as usize] = input;
+        self.program.reads[input as usize] = true;
+    }
+
+    fn register(&mut self) -> u32 {
+        self.free.pop().unwrap_or_else(|| {
+            self.program.n_registers += 1;
+            self.program.n_registers as u32 - 1
+        })
+    }
+
+    /// Where a term's value is. A constant that is needed as one comes into a register of its own.
+    fn place(&mut self, term: u32) -> u32 {
+        if let (NOWHERE, Term::Const(number)) = (self.place[term as usize], &self.terms[term as usize]) {
+            let out = self.register();
+            self.place[term as usize] = out + self.program.n_inputs as u32;
+            self.program.steps.push(Step { code: Code::Const, out, a: 0, b: 0, number: *number });
+        }
+        self.place[term as usize]
+    }
+
+    /// Gives a register back after its last use, which is at term `k`.
+    fn release(&mut self, term: u32, k: u32) {
+        let place = self.place[term as usize];
+        if self.last_use[term as usize] == k && place != NOWHERE && place >= self.program.n_inputs as u32 {
+            self.free.push(place - self.program.n_inputs as u32);
+            self.place[term as usize] = NOWHERE;
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! The nearest place of the surface, with a distance that is enclosed from both sides.
+use super::super::{LeafError, Slope};
+use super::cells::{Cells, Unbounded};
+use super::sides::{dot, unit};
+use crate::budget::{Job, par_map};
+use crate::math::{Box3, Interval};
+use std::cmp::{Ordering, Reverse};
+use std::collections::BinaryHeap;
+
+/// The nearest place of the surface to a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearest {
+    /// A place within a bracket of the surface: a point outside and one inside are that close to each other.
+    pub place: [f64; 3],
+    /// The distance is at least this: closer parts of space are proved to be on one side, by ranges.
+    pub at_least: f64,
+    /// And at most this: so far away there are a point outside and one inside.
+    pub at_most: f64,
+}
+
+/// Steps along the gradient for a first place; more gain nothing where fewer do not settle.
+const STEPS: usize = 24;
+/// Divisions of a part of space at the most for one point.
+const MOST_PARTS: usize = 4096;
+/// Halvings of a bracket: as many as a number has digits.
+const HALVINGS: usize = 60;
+
+/// The nearest place to each point, its distance enclosed to `within` of itself where that is possible. `None` where no
+/// place was found: there is no surface in the cells, or none that a step across it shows.
+///
+/// A place is found by steps along the gradient from the point and from the nearest cells, and bracketed; then parts of
+/// space are divided, the nearest first, until none that may hold surface is closer.
+///
+/// # Errors
+/// What a leaf says.
+pub fn closest(
+    cells: &Cells,
+    points: &[[f64; 3]],
+    within: f64,
+    job: &Job,
+) -> Result<Vec<Option<Nearest>>, Unbounded> {
+    let found = par_map(job, points, |_, p| Search { cells, point: *p, within }.run());
+    found.into_iter().map(|found| found.map_err(Unbounded::from)).collect()
+}
+
+struct Search<'a> {
+    cells: &'a Cells,
+    point: [f64; 3],
+    within: f64,
+}
+
+/// A part of space that may hold surface, ordered by its distance; equal ones by age.
+struct Candidate {
+    distance: f64,
+    age: usize,
+    bounds: Box3,
+    tape: u32,
+}
+
+impl PartialEq for Candidate {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+impl Eq for Candidate {}
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for Candidate {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.distance.total_cmp(&other.distance).then(self.age.cmp(&other.age))
+    }
+}
+
+impl Search<'_> {
+    fn run(&self) -> Result<Option<Nearest>, LeafError> {
+        let mut best: Option<Nearest> = None;
+        self.offer(self.point, &mut best)?;
+        let mut open: BinaryHeap<Reverse<Candidate>> = (self.cells.cells.iter().enumerate())
+            .map(|(age, cell)| {
+                let (bounds, tape) = (cell.bounds, cell.tape);
+                Reverse(Candidate { distance: self.distance_to(&bounds), age, bounds, tape })
+            })
+            .collect();
+        let mut age = open.len();
+        let mut at_least = f64::INFINITY;
+        for parts in 0.. {
+            let Some(Reverse(part)) = open.pop() else { break };
+            let far = best.map_or(f64::INFINITY, |best| best.at_most);
+            if part.distance >= far * (1.0 - self.within) || parts >= MOST_PARTS {
+                at_least = part.distance;
+                break;
+            }
+            // A place in here would be the nearest so far.
+            self.offer(part.bounds.centre(), &mut best)?;
+            age = self.divide(&part, &mut open, age)?;
+        }
+        Ok(best.map(|best| {
+            let at_least = if at_least < best.at_most { at_least } else { best.at_most };
+            Nearest { at_least, ..best }
+        }))
+    }
+
+    fn divide(
+        &self,
+        part: &Candidate,
+        open: &mut BinaryHeap<Reverse<Candidate>>,
+        mut age: usize,
+    ) -> Result<usize, LeafError> {
+        let tape = &self.cells.tapes[part.tape as usize];
+        let middle = part.bounds.centre();
+        let eighths: Vec<Box3> = (0..8)
+            .map(|i| {
+                let ends = |k: usize| {
+                    let b = &part.bounds;
+                    if i >> k & 1 == 0 { [b.min[k], middle[k]] } else { [middle[k], b.max[k]] }
+                };
+                Box3 { min: [0, 1, 2].map(|k| ends(k)[0]), max: [0, 1, 2].map(|k| ends(k)[1]) }
+            })
+            .collect();
+        let mut ranges = [Interval::UNKNOWN; 8];
+        tape.over(&eighths, &mut ranges)?;
+        for (bounds, range) in eighths.into_iter().zip(ranges) {
+            // 0 itself stays: the surface is where the sign changes, which closed boxes share.
+            let clear = range.is_empty() || range.lo() > 0.0 || (range.hi() < 0.0 && range.is_defined());
+            if !clear {
+                age += 1;
+                let distance = self.distance_to(&bounds);
+                open.push(Reverse(Candidate { distance, age, bounds, tape: part.tape }));
+            }
+        }
+        Ok(age)
+    }
+
+    /// The distance to a box, a little less: by its own rounding.
+    fn distance_to(&self, b: &Box3) -> f64 {
+        let off: [f64; 3] = std::array::from_fn(|k| {
+            let (below, above) = (b.min[k] - self.point[k], self.point[k] - b.max[k]);
+            let most = if below > above { below } else { above };
+            if most > 0.0 { most } else { 0.0 }
+        });
+        dot(off, off).sqrt() * (1.0 - 8.0 * f64::EPSILON)
+    }
+
+    /// Walks from a place to the surface and towards the point along it, and keeps what it brackets if that is nearer.
+    fn offer(&self, from: [f64; 3], best: &mut Option<Nearest>) -> Result<(), LeafError> {
+        let tape = self.cells.tape();
+        let mut slope = [Slope { value: 0.0, gradient: [0.0; 3] }];
+        let mut x = from;
+        for _ in 0..STEPS {
+            tape.gradient_at(&[x], &mut slope)?;
+            let g = slope[0].gradient;
+            let (Some(n), value) = (unit(g), slope[0].value) else { break };
+            let length = dot(g, n);
+            let down = value / length;
+            if !down.is_finite() {
+                break;
+            }
+            let foot: [f64; 3] = std::array::from_fn(|k| x[k] - n[k] * down);
+            // Along the tangent plane, half of the way to under the point.
+            let off: [f64; 3] = std::array::from_fn(|k| self.point[k] - foot[k]);
+            let up = dot(off, n);
+            let next: [f64; 3] = std::array::from_fn(|k| foot[k] + 0.5 * (off[k] - n[k] * up));
+            let moved: [f64; 3] = std::array::from_fn(|k| next[k] - x[k]);
+            x = next;
+            if dot(moved, moved).sqrt() <= 4.0 * f64::EPSILON * self.cells.size {
+                break;
+            }
+        }
+        tape.gradient_at(&[x], &mut slope)?;
+        let Some(n) = unit(slope[0].gradient) else { return Ok(()) };
+        // Steps across the surface, wider until the sign changes: from 2⁻⁴⁰ of the size on.
+        let mut width = self.cells.size / 1_099_511_627_776.0;
+        for _ in 0..12 {
+            let ends = [-1.0, 1.0].map(|side| std::array::from_fn(|k| x[k] + side * width * n[k]));
+            let mut values = [0.0; 2];
+            tape.at(&ends, &mut values)?;
+            if values[0] < 0.0 && !(values[1] < 0.0) {
+                return self.keep(ends, best);
+            }
+            width *= 4.0;
+        }
+        Ok(())
+    }
+
+    fn keep(&self, [inside, outside]: [[f64; 3]; 2], best: &mut Option<Nearest>) -> Result<(), LeafError> {
+        let (mut a, mut b) = (inside, outside);
+        for _ in 0..HALVINGS {
+            let middle: [f64; 3] = std::array::from_fn(|k| a[k] + 0.5 * (b[k] - a[k]));
+            if middle == a || middle == b {
+                break;
+            }
+            let mut value = [0.0];
+            self.cells.tape().at(&[middle], &mut value)?;
+            if value[0] < 0.0 { a = middle } else { b = middle }
+        }
+        let far = |p: [f64; 3]| {
+            let off: [f64; 3] = std::array::from_fn(|k| p[k] - self.point[k]);
+            dot(off, off).sqrt() * (1.0 + 8.0 * f64::EPSILON)
+        };
+        let (to_a, to_b) = (far(a), far(b));
+        let at_most = if to_a > to_b { to_a } else { to_b };
+        if best.is_none_or(|best| at_most < best.at_most) {
+            *best = Some(Nearest { place: a, at_least: 0.0, at_most });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,444 @@
+//! `Walker`: one beam on its way through the cells, told one value at a time.
+//!
+//! In a cell the slope of the field along the beam lies in a known range `[a, b]`, so from a value `f` outside it takes
+//! at least `f / −a` to reach the surface, forward, and `f / b` backward. Steps are longer than the first by a factor,
+//! and taken back where both reaches together do not cover them; where the slope is surely negative there is one root
+//! at most, and it is bracketed at once. Where the field's word is that its value is never more than the distance, that
+//! is a reach too.
+//!
+//! Sources: E. Galin et al., *Segment tracing using local Lipschitz bounds*, 2020, for slopes of a part of space;
+//! B. Keinert et al., *Enhanced sphere tracing*, 2014, for longer steps that are taken back, and for the cone.
+use super::beam::{Beam, Met, Record};
+use super::cells::{Cells, Part};
+use super::root::Root;
+use super::sides::{along, dot};
+
+/// Steps are longer than what is surely free by this factor. Measured from 1.2 to 1.6: hardly any difference.
+const LONGER: f64 = 1.4;
+/// The shortest step, as a share of the beam's radius: what is thinner may be missed, and that is counted.
+const SHORTEST: f64 = 0.25;
+/// Values at the most for one beam.
+const MOST_STEPS: u32 = 1500;
+/// The width of a bracket around a hit as a share of the size: 2⁻⁴², far above the rounding of places (2⁻⁵²).
+const WIDTH: f64 = 1.0 / 4_398_046_511_104.0;
+/// By how much a beam is moved across the border of a cell, as a share of the size: 2⁻³⁶. What is in between is seen
+/// from the other side.
+const NUDGE: f64 = 1.0 / 68_719_476_736.0;
+
+/// What is asked of a beam.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Asked {
+    /// Where it meets the surface first.
+    First,
+    /// Whether it meets anything, or starts inside.
+    Any,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum State {
+    /// The value where it enters a cell.
+    Enter,
+    /// The value this far on, of which so much is free.
+    Step {
+        stride: f64,
+        reach: f64,
+        sure: bool,
+    },
+    /// The value in a bracket.
+    Narrow(Root),
+    Done,
+}
+
+/// A beam on its way. Lengths count from where it enters the cube of the cells.
+#[derive(Clone, Debug)]
+pub(super) struct Walker {
+    pub beam: u32,
+    pub tape: u32,
+    origin: [f64; 3],
+    direction: [f64; 3],
+    inverse: [f64; 3],
+    /// Origin and direction in rooms from the corner of the cube, and the length from one room to the next along each
+    /// axis; +∞ where there is none.
+    in_rooms: [[f64; 3]; 2],
+    per_room: [f64; 3],
+    /// The length of the given direction, and the length before the cube.
+    scale: f64,
+    before: f64,
+    cone: [f64; 2],
+    asked: Asked,
+    t: f64,
+    end: f64,
+    value: f64,
+    /// What the value is at least, where it enters the cell.
+    least: f64,
+    /// The last place known to be on the side that it started from.
+    clear: f64,
+    started: bool,
+    /// −1 for a beam that starts inside and looks for the way out.
+    side: f64,
+    cell_end: f64,
+    slope: [f64; 2],
+    state: State,
+    query: f64,
+    steps: u32,
+    record: Record,
+}
+
+impl Walker {
+    /// `None` for a beam that misses the cube.
+    pub fn new(cells: &Cells, beam: &Beam, asked: Asked) -> Option<Self> {
+        let scale = dot(beam.direction, beam.direction).sqrt();
+        let direction = beam.direction.map(|d| d / scale);
+        if !(scale > 0.0 && scale.is_finite() && beam.origin.iter().all(|x| x.is_finite())) {
+            return None;
+        }
+        let inverse = direction.map(|d| 1.0 / d);
+        let place = cells.occupied();
+        let (mut from, mut to) = (beam.from * scale, beam.to * scale);
+        for k in 0..3 {
+            let (low, high) = (place.min[k], place.max[k]);
+            if direction[k] == 0.0 {
+                if beam.origin[k] < low || beam.origin[k] > high {
+                    return None;
+                }
+                continue;
+            }
+            let ends = [low, high].map(|x| (x - beam.origin[k]) * inverse[k]);
+            let [near, far] = if inverse[k] < 0.0 { [ends[1], ends[0]] } else { ends };
+            from = if near > from { near } else { from };
+            to = if far < to { far } else { to };
+        }
+        if !(from <= to) {
+            return None;
+        }
+        let start = along(beam.origin, direction, from);
+        let side = cells.room_side();
+        let inward = [0, 1, 2].map(|k| (start[k] - cells.corner[k]) / side);
+        let steps = direction.map(|d| d / side);
+        Some(Self {
+            beam: 0,
+            in_rooms: [inward, steps],
+            per_room: steps.map(|d| if d == 0.0 { f64::INFINITY } else { 1.0 / d }),
+            tape: 0,
+            origin: start,
+            direction,
+            inverse,
+            scale,
+            before: from,
+            cone: [beam.cone[0] + beam.cone[1] * from, beam.cone[1]],
+            asked,
+            t: 0.0,
+            end: to - from,
+            value: f64::NAN,
+            least: 0.0,
+            clear: 0.0,
+            // Rays to the lights start outside, above the surface.
+            started: asked == Asked::Any,
+            side: 1.0,
+            cell_end: 0.0,
+            slope: [0.0; 2],
+            state: State::Enter,
+            query: 0.0,
+            steps: 0,
+            record: Record::default(),
+        })
+    }
+
+    /// Goes to the first cell.
+    pub fn start(&mut self, cells: &Cells) {
+        if self.next_cell(cells, 0.0) {
+            self.ask(State::Enter, self.t);
+        }
+    }
+
+    pub fn is_done(&self) -> bool {
+        matches!(self.state, State::Done)
+    }
+
+    pub fn record(&self) -> Record {
+        self.record
+    }
+
+    /// Where the next value is wanted.
+    pub fn point(&self) -> [f64; 3] {
+        along(self.origin, self.direction, self.query)
+    }
+
+    /// Takes the value at [`Walker::point`].
+    pub fn take(&mut self, cells: &Cells, value: f64) {
+        self.steps += 1;
+        let value = value * self.side;
+        match self.state {
+            State::Enter => self.entered(cells, value),
+            State::Step { stride, reach, sure } => self.stepped(cells, value, [stride, reach], sure),
+            State::Narrow(mut root) => {
+                root.take(self.query, value);
+                self.narrow(cells, root);
+            }
+            State::Done => {}
+        }
+        if self.steps >= MOST_STEPS && !self.is_done() {
+            self.record.capped = true;
+            self.state = State::Done;
+        }
+    }
+
+    /// A value that is nothing is outside, whichever side the beam is on.
+    fn crosses(&self, value: f64) -> bool {
+        if self.side > 0.0 { value < 0.0 } else { !(value > 0.0) }
+    }
+
+    fn ask(&mut self, state: State, at: f64) {
+        (self.state, self.query) = (state, at);
+    }
+
+    fn entered(&mut self, cells: &Cells, value: f64) {
+        if !self.started {
+            self.started = true;
+            if value < 0.0 {
+                if self.starts_inside() {
+                    return;
+                }
+                self.slope = [-self.slope[1], -self.slope[0]];
+                return self.plan(cells, -value);
+            }
+        }
+        if self.crosses(value) {
+            let clear = self.clear;
+            return self.narrow(cells, Root::new([clear, f64::NAN], [self.t, -value.abs()]));
+        }
+        self.plan(cells, value);
+    }
+
+    /// From now on outside is inside; done if that is all that was asked.
+    fn starts_inside(&mut self) -> bool {
+        self.started = true;
+        self.side = -1.0;
+        if self.asked == Asked::Any {
+            self.meet(0.0);
+        }
+        self.is_done()
+    }
+
+    fn stepped(&mut self, cells: &Cells, value: f64, [stride, reach]: [f64; 2], sure: bool) {
+        let floor = self.shortest();
+        let retreat = if reach > floor { reach } else { floor };
+        let long = stride > retreat * 1.000_001; // rounding: a stride that was the retreat itself is not
+        if self.crosses(value) {
+            if long && !sure {
+                return self.step(cells, [retreat, reach], false);
+            }
+            self.record.uncertain |= !sure && stride > reach * 1.000_001 && !self.falls_into(value, stride); // rounding
+            let inside = if value < 0.0 { value } else { -f64::MIN_POSITIVE };
+            return self.narrow(cells, Root::new([self.t, self.value], [self.t + stride, inside]));
+        }
+        if !sure && stride > reach {
+            let [_, b] = self.slope;
+            let mut back = if b > 0.0 { value / b } else { f64::INFINITY };
+            if self.has_word(cells) && value > back {
+                back = value;
+            }
+            if !(reach + back >= stride) {
+                if long {
+                    return self.step(cells, [retreat, reach], false);
+                }
+                self.record.uncertain = true;
+            }
+        }
+        self.clear = self.t + stride;
+        self.t = self.clear;
+        if self.t < self.cell_end {
+            return self.plan(cells, value);
+        }
+        // Neighbours share the value at their border.
+        let border = self.cell_end;
+        self.least = value;
+        if self.next_cell(cells, border) {
+            if self.t <= border + 4.0 * NUDGE * cells.size {
+                self.plan(cells, value);
+            } else {
+                self.ask(State::Enter, self.t);
+            }
+        }
+    }
+
+    /// Whether what lies between a short step's ends cannot hide a pair of crossings.
+    fn falls_into(&self, value: f64, stride: f64) -> bool {
+        let [a, b] = self.slope;
+        // Less than a sixteenth of the radius: no matter what is in there, the place is right.
+        stride <= self.cone[0] / 16.0 || (a.is_finite() && b.is_finite() && value.is_finite())
+    }
+
+    /// From a value on the side that it started from, at `self.t` in its cell.
+    fn plan(&mut self, cells: &Cells, value: f64) {
+        self.value = value;
+        self.clear = self.t;
+        let [a, b] = self.slope;
+        let word = if self.has_word(cells) && value.is_finite() { value } else { 0.0 };
+        let by_slope = if a >= 0.0 { f64::INFINITY } else { value / -a };
+        let reach = if value.is_finite() && by_slope > word { by_slope } else { word };
+        let room = self.cell_end - self.t;
+        if reach >= room {
+            // Slopes end with the cell; a distance does not.
+            let left = value + a * room;
+            self.least = if word <= room && left > 0.0 { left } else { 0.0 };
+            let on = if word > room { self.t + word } else { self.cell_end };
+            self.clear = on;
+            if self.next_cell(cells, on) {
+                self.ask(State::Enter, self.t);
+            }
+            return;
+        }
+        if b < 0.0 && value.is_finite() {
+            let stride = value / -b * (1.0 + WIDTH) + WIDTH * cells.size;
+            return self.step(cells, [stride, reach], true);
+        }
+        let floor = self.shortest();
+        let stride = if LONGER * reach > floor { LONGER * reach } else { floor };
+        self.step(cells, [stride, reach], false);
+    }
+
+    fn step(&mut self, cells: &Cells, [stride, reach]: [f64; 2], sure: bool) {
+        let _ = cells;
+        let room = self.cell_end - self.t;
+        let stride = if stride < room { stride } else { room };
+        self.ask(State::Step { stride, reach, sure }, self.t + stride);
+    }
+
+    fn shortest(&self) -> f64 {
+        SHORTEST * (self.cone[0] + self.cone[1] * self.t)
+    }
+
+    fn has_word(&self, cells: &Cells) -> bool {
+        cells.word[usize::from(self.side < 0.0)]
+    }
+
+    fn narrow(&mut self, cells: &Cells, mut root: Root) {
+        let width = WIDTH * cells.size;
+        match if self.asked == Asked::Any { Some(self.t) } else { root.done(width) } {
+            Some(t) => self.meet(t),
+            None => {
+                let at = root.next(width);
+                self.ask(State::Narrow(root), at);
+            }
+        }
+    }
+
+    fn meet(&mut self, t: f64) {
+        let point = along(self.origin, self.direction, t);
+        let t = (self.before + t) / self.scale;
+        self.record.met = Some(Met { t, point, entering: self.side > 0.0 });
+        self.state = State::Done;
+    }
+
+    /// Goes on from `t` to the next cell; `false` when there is none, or a hit on the way.
+    fn next_cell(&mut self, cells: &Cells, mut t: f64) -> bool {
+        let nudge = NUDGE * cells.size;
+        loop {
+            if t > self.end {
+                self.state = State::Done;
+                return false;
+            }
+            t += nudge;
+            let (at, room) = cells.room_at(along(self.in_rooms[0], self.in_rooms[1], t));
+            if room.side != 0 {
+                let exit = self.exit_room(at, f64::from(room.clear));
+                if !self.pass(f64::from(room.side), t) {
+                    return false;
+                }
+                t = if exit > t { exit } else { t };
+                self.clear = t;
+                self.least = 0.0;
+                continue;
+            }
+            let (part, bounds) = cells.part_in(room, at, along(self.origin, self.direction, t));
+            let exit = self.exit(bounds.min, bounds.max, t);
+            match part {
+                Part::Cell(cell) => {
+                    let cell = &cells.cells[cell as usize];
+                    self.tape = cell.tape;
+                    self.t = t;
+                    self.cell_end = if exit < self.end { exit } else { self.end };
+                    if self.cell_end < self.t {
+                        self.cell_end = self.t;
+                    }
+                    self.slope = slope_along(&cell.slopes, self.direction);
+                    if self.side < 0.0 {
+                        self.slope = [-self.slope[1], -self.slope[0]];
+                    }
+                    // Where it was outside up to here, no value is needed to see that the field cannot fall to 0.
+                    let left = self.least + self.slope[0] * (self.cell_end - self.t);
+                    let continuous = self.t - self.clear <= 4.0 * nudge && self.slope[0].is_finite();
+                    if !(self.started && continuous && (self.slope[0] >= 0.0 || left > 0.0)) {
+                        return true;
+                    }
+                    self.least = if left > 0.0 { left } else { 0.0 };
+                    self.clear = self.cell_end;
+                }
+                Part::Outside | Part::Inside => {
+                    if !self.pass(if part == Part::Outside { 1.0 } else { -1.0 }, t) {
+                        return false;
+                    }
+                    self.clear = exit;
+                    self.least = 0.0;
+                }
+                Part::Parts(_) => unreachable!("a place is in one part"),
+            }
+            t = exit;
+        }
+    }
+
+    /// Goes through a part that is all on one side; `false` when that is an answer.
+    fn pass(&mut self, side: f64, t: f64) -> bool {
+        if !self.started {
+            self.started = true;
+            return !(side < 0.0 && self.starts_inside());
+        }
+        if side != self.side {
+            // Both sides of a border between two parts are proved: the surface is the border.
+            self.meet(t);
+            return false;
+        }
+        true
+    }
+
+    /// Where it leaves a room and so many around it.
+    fn exit_room(&self, at: [u32; 3], more: f64) -> f64 {
+        let mut exit = f64::INFINITY;
+        for k in 0..3 {
+            let up = f64::from(u8::from(self.per_room[k] > 0.0));
+            let face = f64::from(at[k]) + up + (2.0 * up - 1.0) * more;
+            let t = (face - self.in_rooms[0][k]) * self.per_room[k];
+            exit = if t < exit { t } else { exit };
+        }
+        exit
+    }
+
+    /// Where it leaves a box that it is in at `t`.
+    fn exit(&self, min: [f64; 3], max: [f64; 3], t: f64) -> f64 {
+        let mut exit = f64::INFINITY;
+        for k in 0..3 {
+            if self.direction[k] != 0.0 {
+                let face = if self.direction[k] > 0.0 { max[k] } else { min[k] };
+                let at = (face - self.origin[k]) * self.inverse[k];
+                exit = if at < exit { at } else { exit };
+            }
+        }
+        if exit > t { exit } else { t }
+    }
+}
+
+/// The range of the slope along a unit direction. Slopes that nothing bounds stay so, unless the direction ignores them.
+fn slope_along(slopes: &[[f64; 2]; 3], direction: [f64; 3]) -> [f64; 2] {
+    let mut sum = [0.0, 0.0];
+    for (slope, d) in slopes.iter().zip(direction) {
+        if d > 0.0 {
+            sum[0] += d * slope[0];
+            sum[1] += d * slope[1];
+        } else if d < 0.0 {
+            sum[0] += d * slope[1];
+            sum[1] += d * slope[0];
+        }
+    }
+    sum
+}

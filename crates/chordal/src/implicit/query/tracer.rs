@@ -1,0 +1,132 @@
+//! `Tracer`: many beams at once, each as far as one more value takes it, until all are done.
+use super::super::{LeafError, Tape};
+use super::beam::{Beam, Record};
+use super::cells::Cells;
+use super::sides::normals;
+use super::step::{Asked, Walker};
+
+/// Meets beams with the surface of a field.
+///
+/// All beams that are under way are evaluated together, so that a leaf is asked for as many points at once as there are
+/// beams. A hit is a bracket of 2⁻⁴² of the size, with a point outside at one end and one inside at the other. What lies
+/// before it is free by ranges of slopes in each cell or by the field's word for its distance, up to the rounding of
+/// values; where neither says so, steps of a quarter of the beam's radius are taken, and the record says *uncertain*.
+///
+/// ```
+/// use chordal::implicit::{Expr, Field, query::{Beam, Cells, Tracer}};
+/// use chordal::{Job, math::Box3};
+/// let [x, y, z] = Expr::axes();
+/// let ball = Field::new(x.square() + y.square() + z.square() - 1.0)
+///     .with_bounds(Box3 { min: [-1.0; 3], max: [1.0; 3] });
+/// let cells = Cells::of(&ball, &Job::default())?;
+/// let beam = Beam { origin: [3.0, 0.0, 0.0], direction: [-1.0, 0.0, 0.0], from: 0.0, to: 9.0, cone: [0.001, 0.0] };
+/// let record = Tracer::new(&cells).meet(&[beam])?[0];
+/// assert!((record.met.unwrap().t - 2.0).abs() < 1e-11 && !record.uncertain);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Tracer<'a> {
+    cells: &'a Cells,
+}
+
+impl<'a> Tracer<'a> {
+    /// One for these cells.
+    #[must_use]
+    pub fn new(cells: &'a Cells) -> Self {
+        Self { cells }
+    }
+
+    /// Where each beam meets the surface first, from whichever side it starts on.
+    ///
+    /// # Errors
+    /// What a leaf says.
+    pub fn meet(&self, beams: &[Beam]) -> Result<Vec<Record>, LeafError> {
+        self.run(beams, Asked::First)
+    }
+
+    /// Whether each beam meets anything; one that starts inside does.
+    ///
+    /// # Errors
+    /// What a leaf says.
+    pub fn hidden(&self, beams: &[Beam]) -> Result<Vec<bool>, LeafError> {
+        Ok(self.run(beams, Asked::Any)?.iter().map(|record| record.met.is_some()).collect())
+    }
+
+    /// How many points a call of the field should have, at least.
+    #[must_use]
+    pub fn batch(&self) -> usize {
+        self.cells.batch
+    }
+
+    /// The unit gradient at each point, outward on the surface; `None` where it vanishes or is not finite.
+    ///
+    /// # Errors
+    /// What a leaf says.
+    pub fn normals(&self, points: &[[f64; 3]]) -> Result<Vec<Option<[f64; 3]>>, LeafError> {
+        let mut order: Vec<(u32, u32)> =
+            (points.iter().enumerate()).map(|(k, point)| (self.cells.tape_at(*point), k as u32)).collect();
+        order.sort_unstable();
+        let mut out = vec![None; points.len()];
+        for group in order.chunk_by(|a, b| a.0 == b.0) {
+            let tape = &self.cells.tapes[group[0].0 as usize];
+            for part in group.chunks(self.cells.batch) {
+                let places: Vec<[f64; 3]> = part.iter().map(|(_, k)| points[*k as usize]).collect();
+                for ((_, k), normal) in part.iter().zip(normals(tape, &places)?) {
+                    out[*k as usize] = normal;
+                }
+            }
+        }
+        Ok(out)
+    }
+
+    fn run(&self, beams: &[Beam], asked: Asked) -> Result<Vec<Record>, LeafError> {
+        let mut records = vec![Record::default(); beams.len()];
+        let mut live = Vec::with_capacity(beams.len());
+        for (k, beam) in beams.iter().enumerate() {
+            let Some(mut walker) = Walker::new(self.cells, beam, asked) else { continue };
+            walker.beam = k as u32;
+            walker.start(self.cells);
+            if walker.is_done() {
+                records[k] = walker.record();
+            } else {
+                live.push(walker);
+            }
+        }
+        let (mut points, mut values) = (Vec::new(), Vec::new());
+        while !live.is_empty() {
+            if self.cells.tapes.len() > 1 {
+                live.sort_unstable_by_key(|walker| (walker.tape, walker.beam));
+            }
+            for group in live.chunk_by_mut(|a, b| a.tape == b.tape) {
+                let tape = &self.cells.tapes[group[0].tape as usize];
+                for part in group.chunks_mut(self.cells.batch) {
+                    self.advance(tape, part, (&mut points, &mut values))?;
+                }
+            }
+            live.retain(|walker| {
+                if walker.is_done() {
+                    records[walker.beam as usize] = walker.record();
+                }
+                !walker.is_done()
+            });
+        }
+        Ok(records)
+    }
+
+    fn advance(
+        &self,
+        tape: &Tape,
+        walkers: &mut [Walker],
+        (points, values): (&mut Vec<[f64; 3]>, &mut Vec<f64>),
+    ) -> Result<(), LeafError> {
+        points.clear();
+        points.extend(walkers.iter().map(Walker::point));
+        values.clear();
+        values.resize(points.len(), f64::NAN);
+        tape.at(points, values)?;
+        for (walker, value) in walkers.iter_mut().zip(values.iter()) {
+            walker.take(self.cells, *value);
+        }
+        Ok(())
+    }
+}

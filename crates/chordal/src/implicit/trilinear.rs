@@ -1,0 +1,356 @@
+//! `Trilinear`: a grid as a function of every point.
+use super::affine::Affine;
+use super::grid::{Grid, with_samples};
+use super::leaf::{Answer, Leaf, LeafError};
+use crate::budget::Evidence;
+use crate::math::{Box3, Interval};
+use std::sync::Arc;
+
+/// The trilinear interpolant of a grid as a leaf of expressions.
+///
+/// Outside of the lattice the value is that of the nearest index: each index is kept between the first and the last sample, so
+/// the function is continuous everywhere. The values are the samples' own: a density is made a field by
+/// `level − grid`. Where a sample of the cell is NaN so is the value, which is outside.
+///
+/// Ranges are outward rounded and hold the inverse of the lattice's transform as intervals. In boxes of up to 64 cells the range is
+/// that of the corners of the box's part of each cell, else that of the samples of blocks of cells.
+///
+/// ```
+/// use chordal::implicit::{Affine, Grid, Leaf, Samples, Trilinear};
+/// let grid = Grid::new([2, 2, 2], Samples::U8(vec![0, 1, 0, 1, 0, 1, 0, 1]), Affine::IDENTITY)?;
+/// let mut values = [0.0; 2];
+/// Trilinear::new(grid).at(&[[0.25, 0.5, 0.5], [9.0, 0.0, 0.0]], &mut values).unwrap();
+/// assert_eq!(values, [0.25, 1.0]);
+/// # Ok::<(), chordal::implicit::InvalidGrid>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Trilinear {
+    grid: Arc<Grid>,
+    /// From space to indices: three rows of `[a, b, c]` for a point minus the first sample's.
+    inverse: [[Interval; 3]; 3],
+    /// The least and the largest sample of blocks of cells, from blocks of 4³ cells on, each level of 4³ of the one before.
+    levels: Vec<Level>,
+}
+
+/// Ranges of the samples of blocks of cells.
+#[derive(Clone, Debug)]
+struct Level {
+    /// Blocks along each index.
+    size: [usize; 3],
+    /// The least and the largest; [`Interval::UNKNOWN`] where one is not finite.
+    ranges: Vec<Interval>,
+}
+
+/// How many cells, or blocks of a level, a range is made of at most.
+const MOST_BLOCKS: usize = 64;
+/// Cells a side of a block, and blocks of one level in one of the next.
+const BLOCK: usize = 4;
+
+impl Trilinear {
+    /// The leaf of a grid. Cost: one look at every sample; a twentieth of the bytes of an f64 grid.
+    #[must_use]
+    pub fn new(grid: Grid) -> Self {
+        let inverse = inverse(grid.affine());
+        let levels = levels(&grid);
+        Self { grid: Arc::new(grid), inverse, levels }
+    }
+
+    /// The grid.
+    #[must_use]
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// The place of a point between indices, not kept inside.
+    fn place(&self, point: [f64; 3]) -> [f64; 3] {
+        let rows = self.grid.affine().rows();
+        let from: [f64; 3] = std::array::from_fn(|k| point[k] - rows[k][3]);
+        self.inverse.map(|row| {
+            let term = |k: usize| row[k].midpoint().unwrap_or(0.0) * from[k];
+            (term(0) + term(1)) + term(2)
+        })
+    }
+
+    /// The lower sample along an axis and how far the place is to the next, kept inside the lattice.
+    fn split(&self, axis: usize, place: f64) -> (usize, f64) {
+        let last = (self.grid.size()[axis] - 1) as f64;
+        let kept = if place > 0.0 { if place < last { place } else { last } } else { 0.0 };
+        let low = (kept.floor() as usize).min(self.grid.size()[axis].saturating_sub(2));
+        (low, kept - low as f64)
+    }
+
+    /// The eight samples of the cell from a lower sample on; the same again along an axis of one sample.
+    fn corners(&self, low: [usize; 3]) -> [f64; 8] {
+        let size = self.grid.size();
+        std::array::from_fn(|c| {
+            self.grid.sample(std::array::from_fn(|k| (low[k] + (c >> k & 1)).min(size[k] - 1)))
+        })
+    }
+
+    /// The range of indices that a box of space may lie at, not kept inside.
+    fn places(&self, bounds: &Box3) -> [Interval; 3] {
+        let rows = self.grid.affine().rows();
+        let from: [Interval; 3] = std::array::from_fn(|k| {
+            let side = Interval::new(bounds.min[k], bounds.max[k]).unwrap_or(Interval::UNKNOWN);
+            side - Interval::point(rows[k][3])
+        });
+        self.inverse.map(|row| (row[0] * from[0] + row[1] * from[1]) + row[2] * from[2])
+    }
+
+    /// The cells that a range of indices touches, first and last of each axis.
+    fn cells(&self, places: &[Interval; 3]) -> [[usize; 2]; 3] {
+        std::array::from_fn(|k| {
+            let (low, _) = self.split(k, places[k].lo());
+            let (high, part) = self.split(k, places[k].hi());
+            // A box that ends on a sample touches the cell before it only, whose values there are the same.
+            [low, if part == 0.0 && high > low { high - 1 } else { high }]
+        })
+    }
+
+    fn range(&self, bounds: &Box3) -> Interval {
+        let places = self.places(bounds);
+        if places.iter().any(|place| place.is_empty() || place.lo().is_nan() || !place.is_defined()) {
+            return Interval::UNKNOWN;
+        }
+        let cells = self.cells(&places);
+        if count(&cells) > MOST_BLOCKS {
+            return self.coarse(&cells);
+        }
+        each(&cells)
+            .map(|low| value_over(&self.corners(low), &parts(&places, low)))
+            .reduce(Interval::hull)
+            .unwrap_or(Interval::UNKNOWN)
+    }
+
+    /// The range of the samples of all blocks at the cells, on the first level that has few of them.
+    fn coarse(&self, cells: &[[usize; 2]; 3]) -> Interval {
+        let mut blocks = *cells;
+        for level in &self.levels {
+            blocks = blocks.map(|[low, high]| [low / BLOCK, high / BLOCK]);
+            if count(&blocks) <= MOST_BLOCKS {
+                let at = |[i, j, k]: [usize; 3]| level.ranges[i + level.size[0] * (j + level.size[1] * k)];
+                return each(&blocks).map(at).reduce(Interval::hull).unwrap_or(Interval::UNKNOWN);
+            }
+        }
+        Interval::UNKNOWN
+    }
+
+    fn gradient_range(&self, bounds: &Box3) -> [Interval; 3] {
+        let places = self.places(bounds);
+        if places.iter().any(|place| place.is_empty() || !place.is_defined()) {
+            return [Interval::UNKNOWN; 3];
+        }
+        let cells = self.cells(&places);
+        let size = self.grid.size();
+        let mut slopes = if count(&cells) > MOST_BLOCKS {
+            // No difference of two samples is larger than that of the largest and the least.
+            let range = self.coarse(&cells);
+            [range - range; 3]
+        } else {
+            let grow = |cells: [[usize; 2]; 3]| -> [[usize; 2]; 3] {
+                std::array::from_fn(|k| {
+                    // On a sample the slopes of both sides count.
+                    let last = size[k].saturating_sub(2);
+                    let low = places[k].lo().floor() == places[k].lo() && cells[k][0] > 0;
+                    let high = places[k].hi().floor() == places[k].hi();
+                    [cells[k][0] - usize::from(low), (cells[k][1] + usize::from(high)).min(last)]
+                })
+            };
+            let cells = grow(cells);
+            let slopes = each(&cells).map(|low| slopes_over(&self.corners(low), &parts(&places, low)));
+            slopes.reduce(|a, b| std::array::from_fn(|k| a[k].hull(b[k]))).unwrap_or([Interval::UNKNOWN; 3])
+        };
+        for k in 0..3 {
+            // Outside of the lattice the index stands still.
+            if places[k].lo() <= 0.0 || places[k].hi() >= (size[k] - 1) as f64 {
+                slopes[k] = slopes[k].hull(Interval::point(0.0));
+            }
+        }
+        std::array::from_fn(|k| {
+            (self.inverse[0][k] * slopes[0] + self.inverse[1][k] * slopes[1]) + self.inverse[2][k] * slopes[2]
+        })
+    }
+}
+
+impl Leaf for Trilinear {
+    fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
+        for (point, out) in points.iter().zip(out) {
+            let place = self.place(*point);
+            let split: [(usize, f64); 3] = std::array::from_fn(|k| self.split(k, place[k]));
+            let v = self.corners(split.map(|s| s.0));
+            let [x, y, z] = split.map(|s| s.1);
+            let along = |c: usize| v[c] * (1.0 - x) + v[c + 1] * x;
+            let low = along(0) * (1.0 - y) + along(2) * y;
+            let high = along(4) * (1.0 - y) + along(6) * y;
+            let value = low * (1.0 - z) + high * z;
+            *out = if place.iter().any(|x| x.is_nan()) { f64::NAN } else { value };
+        }
+        Ok(())
+    }
+
+    fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<Answer, LeafError> {
+        for (point, out) in points.iter().zip(out) {
+            let place = self.place(*point);
+            let split: [(usize, f64); 3] = std::array::from_fn(|k| self.split(k, place[k]));
+            let v = self.corners(split.map(|s| s.0));
+            let part = split.map(|s| s.1);
+            let mut slope: [f64; 3] = std::array::from_fn(|k| {
+                let (p, q) = ((k + 1) % 3, (k + 2) % 3);
+                let difference = |a: usize, b: usize| {
+                    let low = a << p | b << q;
+                    v[low | 1 << k] - v[low]
+                };
+                let near = difference(0, 0) * (1.0 - part[p]) + difference(1, 0) * part[p];
+                let far = difference(0, 1) * (1.0 - part[p]) + difference(1, 1) * part[p];
+                near * (1.0 - part[q]) + far * part[q]
+            });
+            for k in 0..3 {
+                if place[k] < 0.0 || place[k] > (self.grid.size()[k] - 1) as f64 {
+                    slope[k] = 0.0;
+                }
+            }
+            *out = std::array::from_fn(|k| {
+                let term = |row: usize| self.inverse[row][k].midpoint().unwrap_or(0.0) * slope[row];
+                (term(0) + term(1)) + term(2)
+            });
+        }
+        Ok(Answer::Given)
+    }
+
+    fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<Answer, LeafError> {
+        for (bounds, out) in boxes.iter().zip(out) {
+            *out = self.range(bounds);
+        }
+        Ok(Answer::Given)
+    }
+
+    fn gradient_over(&self, boxes: &[Box3], out: &mut [[Interval; 3]]) -> Result<Answer, LeafError> {
+        for (bounds, out) in boxes.iter().zip(out) {
+            *out = self.gradient_range(bounds);
+        }
+        Ok(Answer::Given)
+    }
+
+    fn evidence(&self) -> Evidence {
+        Evidence::Proved
+    }
+}
+
+/// How many cells or blocks there are from first to last.
+fn count(ranges: &[[usize; 2]; 3]) -> usize {
+    ranges.iter().map(|[low, high]| high - low + 1).fold(1, usize::saturating_mul)
+}
+
+fn each(ranges: &[[usize; 2]; 3]) -> impl Iterator<Item = [usize; 3]> + '_ {
+    let [x, y, z] = *ranges;
+    (z[0]..=z[1]).flat_map(move |k| (y[0]..=y[1]).flat_map(move |j| (x[0]..=x[1]).map(move |i| [i, j, k])))
+}
+
+/// The part of a cell that a range of indices covers, from 0 to 1 along each axis.
+fn parts(places: &[Interval; 3], low: [usize; 3]) -> [Interval; 3] {
+    let whole = Interval::new(0.0, 1.0).unwrap_or(Interval::UNKNOWN);
+    std::array::from_fn(|k| {
+        let part = (places[k] - Interval::point(low[k] as f64)).intersection(whole);
+        if !part.is_empty() {
+            part
+        } else if places[k].hi() < low[k] as f64 + 0.5 {
+            Interval::point(0.0)
+        } else {
+            Interval::point(1.0)
+        }
+    })
+}
+
+/// The range of a mean of two ranges with a weight: attained at the ends of the weight.
+fn mixed(a: Interval, b: Interval, part: Interval) -> Interval {
+    let at = |t: f64| a * (Interval::point(1.0) - Interval::point(t)) + b * Interval::point(t);
+    let either = at(part.lo()).hull(at(part.hi()));
+    // A mean is never outside of what it is of.
+    either.intersection(a.hull(b))
+}
+
+/// The range of the interpolant over a part of a cell. It is linear along each axis, so nothing is lost by going axis by axis.
+fn value_over(v: &[f64; 8], [x, y, z]: &[Interval; 3]) -> Interval {
+    let v = v.map(Interval::point);
+    let corner = |x: f64, y: f64, z: f64| {
+        let at = Interval::point;
+        let along = |c: usize| mixed(v[c], v[c + 1], at(x));
+        let low = mixed(along(0), along(2), at(y));
+        let high = mixed(along(4), along(6), at(y));
+        mixed(low, high, at(z))
+    };
+    let mut range = corner(x.lo(), y.lo(), z.lo());
+    for c in 1..8 {
+        let pick = |axis: &Interval, bit: usize| if c >> bit & 1 == 1 { axis.hi() } else { axis.lo() };
+        range = range.hull(corner(pick(x, 0), pick(y, 1), pick(z, 2)));
+    }
+    if v.iter().all(|v| v.is_defined()) { range } else { Interval::UNKNOWN }
+}
+
+/// The ranges of the derivatives along the indices over a part of a cell: each is bilinear in the other two.
+fn slopes_over(v: &[f64; 8], parts: &[Interval; 3]) -> [Interval; 3] {
+    std::array::from_fn(|k| {
+        let (p, q) = ((k + 1) % 3, (k + 2) % 3);
+        let difference = |a: usize, b: usize| {
+            let low = a << p | b << q;
+            Interval::point(v[low | 1 << k]) - Interval::point(v[low])
+        };
+        let near = mixed(difference(0, 0), difference(1, 0), parts[p]);
+        let far = mixed(difference(0, 1), difference(1, 1), parts[p]);
+        mixed(near, far, parts[q])
+    })
+}
+
+/// The inverse of the linear part, as intervals that hold it.
+fn inverse(affine: &Affine) -> [[Interval; 3]; 3] {
+    let m = affine.rows().map(|row| [row[0], row[1], row[2]].map(Interval::point));
+    let minor = |r: usize, c: usize| {
+        let (r1, r2, c1, c2) = ((r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3);
+        m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
+    };
+    let determinant = (m[0][0] * minor(0, 0) + m[0][1] * minor(0, 1)) + m[0][2] * minor(0, 2);
+    std::array::from_fn(|r| std::array::from_fn(|c| minor(c, r) / determinant))
+}
+
+/// The ranges of blocks, level by level until one block holds all.
+fn levels(grid: &Grid) -> Vec<Level> {
+    let size = grid.size();
+    let mut blocks = size.map(|n| (n - 1).max(1).div_ceil(BLOCK));
+    let first = with_samples!(grid.samples(), values => {
+        all(blocks).map(|block| {
+            let mut range = Interval::EMPTY;
+            let mut known = true;
+            let span = |k: usize| block[k] * BLOCK..=((block[k] + 1) * BLOCK).min(size[k] - 1);
+            for k in span(2) {
+                for j in span(1) {
+                    let row = size[0] * (j + size[1] * k);
+                    for i in span(0) {
+                        let value = f64::from(values[row + i]);
+                        known &= value.is_finite();
+                        range = range.hull(Interval::point(value));
+                    }
+                }
+            }
+            if known { Interval::new(range.lo(), range.hi()).unwrap_or(Interval::UNKNOWN) } else { Interval::UNKNOWN }
+        }).collect()
+    });
+    let mut levels = vec![Level { size: blocks, ranges: first }];
+    while blocks.iter().any(|n| *n > 1) {
+        let below = &levels[levels.len() - 1];
+        let fine = below.size;
+        blocks = fine.map(|n| n.div_ceil(BLOCK));
+        let ranges = all(blocks).map(|block| {
+            let span: [[usize; 2]; 3] =
+                std::array::from_fn(|k| [block[k] * BLOCK, ((block[k] + 1) * BLOCK).min(fine[k]) - 1]);
+            let at = |[i, j, k]: [usize; 3]| below.ranges[i + fine[0] * (j + fine[1] * k)];
+            each(&span).map(at).reduce(Interval::hull).unwrap_or(Interval::UNKNOWN)
+        });
+        let ranges = ranges.collect();
+        levels.push(Level { size: blocks, ranges });
+    }
+    levels
+}
+
+fn all(size: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
+    (0..size[2]).flat_map(move |k| (0..size[1]).flat_map(move |j| (0..size[0]).map(move |i| [i, j, k])))
+}

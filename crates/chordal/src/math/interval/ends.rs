@@ -1,0 +1,369 @@
+//! The ends of ranges: every operation of [`super::Interval`], without branches, so that loops over it become vector code.
+//!
+//! The ends of a range are never NaN, the low one never ∞ and the high one never −∞, but for the empty range, which is
+//! from ∞ to −∞. Whether an operation is defined and continuous over its operands is asked for beside it.
+use super::super::elementary::{self, outward, spread};
+
+/// The smallest number above 0, exactly.
+const TINY: f64 = f64::from_bits(1);
+
+/// What [`super::Interval`] is without its flag.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Ends {
+    pub(crate) lo: f64,
+    pub(crate) hi: f64,
+}
+
+/// `next_down`, for what is not NaN.
+#[inline(always)]
+pub(crate) fn step_down(x: f64) -> f64 {
+    let bits = x.to_bits();
+    let stepped = f64::from_bits(if x < 0.0 { bits.wrapping_add(1) } else { bits.wrapping_sub(1) });
+    let stepped = if x == 0.0 { -TINY } else { stepped };
+    if x == f64::NEG_INFINITY { x } else { stepped }
+}
+
+/// `next_up`, for what is not NaN.
+#[inline(always)]
+pub(crate) fn step_up(x: f64) -> f64 {
+    let bits = x.to_bits();
+    let stepped = f64::from_bits(if x < 0.0 { bits.wrapping_sub(1) } else { bits.wrapping_add(1) });
+    let stepped = if x == 0.0 { TINY } else { stepped };
+    if x == f64::INFINITY { x } else { stepped }
+}
+
+#[inline(always)]
+pub(crate) fn lower(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+#[inline(always)]
+pub(crate) fn upper(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// A bound from below on what was rounded to `y` within `spread`; the largest number for ∞.
+#[inline(always)]
+fn down(y: f64, spread: f64) -> f64 {
+    let y = if y == f64::INFINITY { f64::MAX } else { y };
+    y - outward(y, spread)
+}
+
+/// A bound from above, as [`down`].
+#[inline(always)]
+fn up(y: f64, spread: f64) -> f64 {
+    -down(-y, spread)
+}
+
+/// −1, 0 or 1 as `a` is below, at or above `b`.
+#[inline(always)]
+fn sign(a: f64, b: f64) -> f64 {
+    let not_below = if a > b { 1.0 } else { 0.0 };
+    if a < b { -1.0 } else { not_below }
+}
+
+impl Ends {
+    pub(crate) const EMPTY: Self = Self { lo: f64::INFINITY, hi: f64::NEG_INFINITY };
+    pub(crate) const ENTIRE: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+
+    #[inline(always)]
+    pub(crate) fn is_empty(self) -> bool {
+        self.lo > self.hi
+    }
+
+    #[inline(always)]
+    pub(crate) fn has_zero(self) -> bool {
+        (self.lo <= 0.0) & (self.hi >= 0.0)
+    }
+
+    #[inline(always)]
+    fn is_zero(self) -> bool {
+        (self.lo == 0.0) & (self.hi == 0.0)
+    }
+
+    #[inline(always)]
+    fn or(self, this: bool, other: Self) -> Self {
+        Self { lo: if this { self.lo } else { other.lo }, hi: if this { self.hi } else { other.hi } }
+    }
+
+    #[inline(always)]
+    fn unless_empty(self, a: Self) -> Self {
+        Self::EMPTY.or(a.is_empty(), self)
+    }
+
+    #[inline(always)]
+    fn unless_either_empty(self, a: Self, b: Self) -> Self {
+        Self::EMPTY.or(a.is_empty() | b.is_empty(), self)
+    }
+
+    #[inline(always)]
+    pub(crate) fn neg(self) -> Self {
+        Self { lo: -self.hi, hi: -self.lo }
+    }
+
+    #[inline(always)]
+    pub(crate) fn hull(self, other: Self) -> Self {
+        Self { lo: lower(self.lo, other.lo), hi: upper(self.hi, other.hi) }
+    }
+
+    #[inline(always)]
+    pub(crate) fn add(self, other: Self) -> Self {
+        // Low ends are never +∞ and high ends never −∞ (but for nothing at all), so no ∞ − ∞ arises.
+        let (lo, hi) = (self.lo + other.lo, self.hi + other.hi);
+        // A sum that rounds to 0 is 0: addition does not underflow.
+        let (lo, hi) =
+            (if lo == 0.0 { 0.0 } else { step_down(lo) }, if hi == 0.0 { 0.0 } else { step_up(hi) });
+        Self { lo, hi }.unless_either_empty(self, other)
+    }
+
+    #[inline(always)]
+    pub(crate) fn sub(self, other: Self) -> Self {
+        self.add(other.neg())
+    }
+
+    /// The smallest and largest of the four products of ends, one step outward. A product of 0 and ∞ is 0: the first
+    /// one is set so, and where another one is, 0 is among the rest as well, or they reach beyond it. A product that
+    /// underflows keeps its sign; an exact 0 stays.
+    #[inline(always)]
+    pub(crate) fn mul(self, other: Self) -> Self {
+        let first = self.lo * other.lo;
+        let first = if first.is_nan() { 0.0 } else { first };
+        let rest = [self.lo * other.hi, self.hi * other.lo, self.hi * other.hi];
+        let lo = lower(rest[2], lower(rest[1], lower(rest[0], first)));
+        let hi = upper(rest[2], upper(rest[1], upper(rest[0], first)));
+        let (below_a, above_a) = (self.lo < 0.0, self.hi > 0.0);
+        let (below_b, above_b) = (other.lo < 0.0, other.hi > 0.0);
+        let negative = (below_a & above_b) | (above_a & below_b);
+        let positive = (below_a & below_b) | (above_a & above_b);
+        let lo = if (lo == 0.0) & !negative { 0.0 } else { step_down(lo) };
+        let hi = if (hi == 0.0) & !positive { 0.0 } else { step_up(hi) };
+        Self { lo, hi }.unless_either_empty(self, other)
+    }
+
+    /// The quotient where `other` is without 0, else everything.
+    #[inline(always)]
+    pub(crate) fn div(self, other: Self) -> Self {
+        let flipped = other.hi < 0.0;
+        let (over, under) = (self.neg().or(flipped, self), other.neg().or(flipped, other));
+        // With a positive divisor the smaller one of its ends makes the larger quotient. No ∞/∞ arises: the
+        // dividends below that may be infinite go with the divisor's low end, which is finite.
+        let lo = over.lo / if over.lo >= 0.0 { under.hi } else { under.lo };
+        let hi = over.hi / if over.hi >= 0.0 { under.lo } else { under.hi };
+        let lo = if (lo == 0.0) & (over.lo >= 0.0) { 0.0 } else { step_down(lo) };
+        let hi = if (hi == 0.0) & (over.hi <= 0.0) { 0.0 } else { step_up(hi) };
+        Self::ENTIRE.or(other.has_zero(), Self { lo, hi }).unless_either_empty(self, other)
+    }
+
+    #[inline(always)]
+    pub(crate) fn abs(self) -> Self {
+        let across = (self.lo < 0.0) & (self.hi > 0.0);
+        let larger = upper(-self.lo, self.hi);
+        let folded = Self { lo: 0.0, hi: larger };
+        let flipped = self.neg().or((self.hi <= 0.0) & (self.lo < 0.0), self);
+        folded.or(across, flipped).unless_empty(self)
+    }
+
+    #[inline(always)]
+    pub(crate) fn min(self, other: Self) -> Self {
+        let both = Self { lo: lower(self.lo, other.lo), hi: lower(self.hi, other.hi) };
+        both.unless_either_empty(self, other)
+    }
+
+    #[inline(always)]
+    pub(crate) fn max(self, other: Self) -> Self {
+        let both = Self { lo: upper(self.lo, other.lo), hi: upper(self.hi, other.hi) };
+        both.unless_either_empty(self, other)
+    }
+
+    #[inline(always)]
+    pub(crate) fn square(self) -> Self {
+        let a = self.abs();
+        let (lo, hi) = (a.lo * a.lo, a.hi * a.hi);
+        let lo = if lo == 0.0 { 0.0 } else { step_down(lo) };
+        let hi = if a.hi == 0.0 { 0.0 } else { step_up(hi) };
+        Self { lo, hi }.unless_empty(self)
+    }
+
+    /// The root of what is not negative.
+    #[inline(always)]
+    pub(crate) fn sqrt(self) -> Self {
+        let lo = if self.lo > 0.0 { step_down(self.lo.sqrt()) } else { 0.0 };
+        let hi = if self.hi > 0.0 { step_up(self.hi.sqrt()) } else { 0.0 };
+        Self::EMPTY.or(self.hi < 0.0, Self { lo, hi })
+    }
+
+    #[inline(always)]
+    pub(crate) fn floor(self) -> Self {
+        Self { lo: self.lo.floor(), hi: self.hi.floor() }
+    }
+
+    #[inline(always)]
+    pub(crate) fn ceil(self) -> Self {
+        Self { lo: self.lo.ceil(), hi: self.hi.ceil() }
+    }
+
+    #[inline(always)]
+    pub(crate) fn round(self) -> Self {
+        Self { lo: self.lo.round(), hi: self.hi.round() }
+    }
+
+    /// Of a wave from −1 to 1 that has its value `at_lo` at the low end and `at_hi` at the high one, with its maxima
+    /// where x/π − `shift` is even and its minima where that is odd.
+    ///
+    /// Which whole numbers lie between is asked with a margin: x/π − shift is rounded within 4 u of 1 more than its size.
+    /// Without a finite end the answer is both.
+    #[inline(always)]
+    pub(crate) fn wave(self, shift: f64, at_lo: f64, at_hi: f64) -> Self {
+        let (first, last) = self.whole_between(shift);
+        let (none, one) = (last < first, last == first);
+        let even = (0.5 * first).floor() * 2.0 == first;
+        let (top, bottom) = (!none & (!one | even), !none & (!one | !even));
+        let lo = upper(down(lower(at_lo, at_hi), spread::SIN), -1.0);
+        let hi = lower(up(upper(at_lo, at_hi), spread::SIN), 1.0);
+        Self { lo: if bottom { -1.0 } else { lo }, hi: if top { 1.0 } else { hi } }.unless_empty(self)
+    }
+
+    /// The first and the last whole number that x/π − `shift` may be, for x from `lo` to `hi`.
+    #[inline(always)]
+    fn whole_between(self, shift: f64) -> (f64, f64) {
+        const MARGIN: f64 = 4.0 * f64::EPSILON; // Twice the 4 u of rounding that is derived above.
+        let (a, b) =
+            (self.lo * std::f64::consts::FRAC_1_PI - shift, self.hi * std::f64::consts::FRAC_1_PI - shift);
+        ((a - (a.abs() + 1.0) * MARGIN).ceil(), (b + (b.abs() + 1.0) * MARGIN).floor())
+    }
+
+    /// Whether the tangent is sure to have no pole from `lo` to `hi`.
+    #[inline(always)]
+    pub(crate) fn is_without_pole(self) -> bool {
+        let (first, last) = self.whole_between(0.5);
+        last < first
+    }
+
+    /// The tangent, from its values at both ends; everything where there may be a pole.
+    #[inline(always)]
+    pub(crate) fn tan(self, at_lo: f64, at_hi: f64) -> Self {
+        let rising = Self { lo: down(at_lo, spread::TAN), hi: up(at_hi, spread::TAN) };
+        rising.or(self.is_without_pole(), Self::ENTIRE).unless_empty(self)
+    }
+
+    /// The part from −1 to 1.
+    #[inline(always)]
+    fn within_one(self) -> Self {
+        let both = Self { lo: upper(self.lo, -1.0), hi: lower(self.hi, 1.0) };
+        Self::EMPTY.or(both.is_empty(), both)
+    }
+
+    #[inline(always)]
+    pub(crate) fn asin(self) -> Self {
+        let part = self.within_one();
+        let (lo, hi) = (elementary::asin(part.lo), elementary::asin(part.hi));
+        Self { lo: down(lo, spread::ANGLE), hi: up(hi, spread::ANGLE) }.unless_empty(part)
+    }
+
+    #[inline(always)]
+    pub(crate) fn acos(self) -> Self {
+        let part = self.within_one();
+        let (lo, hi) = (elementary::acos(part.hi), elementary::acos(part.lo));
+        Self { lo: down(lo, spread::ANGLE), hi: up(hi, spread::ANGLE) }.unless_empty(part)
+    }
+
+    #[inline(always)]
+    pub(crate) fn atan(self) -> Self {
+        let (lo, hi) = (elementary::atan(self.lo), elementary::atan(self.hi));
+        Self { lo: down(lo, spread::ANGLE), hi: up(hi, spread::ANGLE) }.unless_empty(self)
+    }
+
+    #[inline(always)]
+    pub(crate) fn exp(self) -> Self {
+        let (lo, hi) = (elementary::exp(self.lo), elementary::exp(self.hi));
+        // An exponential is never 0.
+        let hi = if hi == 0.0 { TINY } else { up(hi, spread::EXP) };
+        let lo = upper(down(lo, spread::EXP), 0.0);
+        Self { lo, hi }.unless_empty(self)
+    }
+
+    /// The logarithm of what is above 0.
+    #[inline(always)]
+    pub(crate) fn ln(self) -> Self {
+        let (lo, hi) = (elementary::ln(self.lo), elementary::ln(self.hi));
+        let lo = if self.lo > 0.0 { down(lo, spread::LN) } else { f64::NEG_INFINITY };
+        let hi = if self.hi == f64::INFINITY { self.hi } else { up(hi, spread::LN) };
+        Self::EMPTY.or(!(self.hi > 0.0), Self { lo, hi }).unless_empty(self)
+    }
+
+    /// Whether the angle of the points `(other, self)` is sure not to jump: 0 is not among the heights, or all are to the
+    /// right of it.
+    #[inline(always)]
+    pub(crate) fn is_off_cut(self, other: Self) -> bool {
+        !self.has_zero() | (other.lo > 0.0)
+    }
+
+    /// The angles of the points `(other, self)`. Off the cut they lie between those of the corners: along a side the angle
+    /// only grows or only falls. An angle that underflows keeps its sign.
+    #[inline(always)]
+    pub(crate) fn atan2(self, other: Self) -> Self {
+        let (a, b) = (elementary::atan2(self.lo, other.lo), elementary::atan2(self.lo, other.hi));
+        let (c, d) = (elementary::atan2(self.hi, other.lo), elementary::atan2(self.hi, other.hi));
+        let (lo, hi) = (lower(lower(a, b), lower(c, d)), upper(upper(a, b), upper(c, d)));
+        let lo = if (lo == 0.0) & (self.lo < 0.0) { -TINY } else { down(lo, spread::ANGLE) };
+        let hi = if (hi == 0.0) & (self.hi > 0.0) { TINY } else { up(hi, spread::ANGLE) };
+        let all = step_up(std::f64::consts::PI);
+        let turn = Self { lo: -all, hi: all };
+        Self { lo, hi }.or(self.is_off_cut(other), turn).unless_either_empty(self, other)
+    }
+
+    /// How many whole divisors are taken away, if that is the same number everywhere; else NaN.
+    #[inline(always)]
+    pub(crate) fn whole_quotient(self, other: Self) -> f64 {
+        let quotient = self.div(other.abs());
+        let (first, last) = (quotient.lo.floor(), quotient.hi.floor());
+        if (first == last) & !other.has_zero() { first } else { f64::NAN }
+    }
+
+    /// What is left of `self` when whole |other|s are taken away.
+    #[inline(always)]
+    pub(crate) fn rem(self, other: Self) -> Self {
+        let size = other.abs();
+        let whole = self.whole_quotient(other);
+        let taken = size.mul(Self { lo: whole, hi: whole }.or(whole == whole, Self { lo: 0.0, hi: 0.0 }));
+        let left = self.sub(taken);
+        let exact = Self { lo: upper(left.lo, 0.0), hi: lower(left.hi, size.hi) };
+        let any = Self { lo: 0.0, hi: size.hi };
+        let value = exact.or(whole == whole, any);
+        Self::ENTIRE.or(other.has_zero(), value).unless_either_empty(self, other)
+    }
+
+    #[inline(always)]
+    pub(crate) fn compare(self, other: Self) -> Self {
+        Self { lo: sign(self.lo, other.hi), hi: sign(self.hi, other.lo) }.unless_either_empty(self, other)
+    }
+
+    /// 1 where it is 0, else 0.
+    #[inline(always)]
+    pub(crate) fn not(self) -> Self {
+        let lo = if self.is_zero() { 1.0 } else { 0.0 };
+        let hi = if self.has_zero() { 1.0 } else { 0.0 };
+        Self { lo, hi }.unless_empty(self)
+    }
+
+    /// Whether it is sure to be 0, or sure not to be.
+    #[inline(always)]
+    pub(crate) fn is_decided(self) -> bool {
+        self.is_zero() | !self.has_zero()
+    }
+
+    /// `other`, or 0 where `self` is.
+    #[inline(always)]
+    pub(crate) fn and(self, other: Self) -> Self {
+        let zero = Self { lo: 0.0, hi: 0.0 };
+        let either = zero.or(self.is_zero(), other.hull(zero));
+        other.or(!self.has_zero(), either).unless_either_empty(self, other)
+    }
+
+    /// `self`, or `other` where that is 0.
+    #[inline(always)]
+    pub(crate) fn or_else(self, other: Self) -> Self {
+        let either = other.or(self.is_zero(), self.hull(other));
+        self.or(!self.has_zero(), either).unless_either_empty(self, other)
+    }
+}

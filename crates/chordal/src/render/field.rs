@@ -1,0 +1,377 @@
+//! A picture straight from a field: rays meet the surface where the field changes its sign, and no triangle is made.
+use super::Picture;
+use super::drawing::draw;
+use super::eye::{Eye, frame_points};
+use super::light::{Material, Rays, Shadows, Studio};
+use super::options::{Cull, Options, Show, Up, Viewpoint};
+use super::pattern::Pattern;
+use super::surface::{Spot, towards};
+use super::trace::{Look, Sample, backdrop, behind, ready};
+use crate::budget::{Camera, Code, Job, Progress, Projection, Refusal, Screen, Stopped, par_map};
+use crate::explicit::Ray;
+use crate::implicit::query::{Beam, Cells, Counts, Record, Tracer, Unbounded};
+use crate::implicit::{Field, LeafError, Tape};
+use glam::DVec3;
+use std::fmt;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Pixels along a tile's side, whose rays go together: enough for long batches, few enough for caches and threads; and
+/// more for leaves that want larger batches.
+const TILE: u32 = 16;
+const LEAF_TILE: u32 = 64;
+/// The radius of rays to the lights at their start as a share of the size, and its growth: far below the lamp's.
+const SHADOW_CONE: [f64; 2] = [2e-4, 4e-3]; // measured: smaller ones cost steps and change no byte of a ball's picture
+/// By how much such rays start off the surface, as a share of the size: far above the rounding of hits (2⁻⁴²) and far
+/// below a pixel.
+const LIFT: f64 = 1e-6; // derived: see above
+
+/// A picture of a field, from where it was taken, and what became of its rays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldPicture {
+    /// The picture.
+    pub picture: Picture,
+    /// From where.
+    pub camera: Camera,
+    /// The rays from the eye; pixels, for a field in the plane.
+    pub counts: Counts,
+}
+
+/// Why there is no picture of a field.
+#[derive(Clone, Debug)]
+pub enum NotDrawn {
+    /// It was refused or cancelled.
+    Stopped(Stopped),
+    /// A leaf failed.
+    Leaf(LeafError),
+}
+
+impl fmt::Display for NotDrawn {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stopped(stopped) => stopped.fmt(f),
+            Self::Leaf(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for NotDrawn {}
+
+impl From<Stopped> for NotDrawn {
+    fn from(stopped: Stopped) -> Self {
+        Self::Stopped(stopped)
+    }
+}
+
+impl From<LeafError> for NotDrawn {
+    fn from(error: LeafError) -> Self {
+        Self::Leaf(error)
+    }
+}
+
+impl From<Unbounded> for NotDrawn {
+    fn from(unbounded: Unbounded) -> Self {
+        match unbounded {
+            Unbounded::Region(_) => refused(
+                "the field has no finite box; give a region to look in, as in -1,-1,-1 to 1,1,1".to_owned(),
+            ),
+            Unbounded::Leaf(error) => Self::Leaf(error),
+        }
+    }
+}
+
+pub(super) fn refused(message: String) -> NotDrawn {
+    NotDrawn::Stopped(Stopped::Refused(Refusal { code: Code::Unsupported, message }))
+}
+
+/// Renders a field.
+///
+/// The light is that of [`super::render`]. The surface is where the sign of the field changes, found on each ray to
+/// 2⁻⁴² of the size, and its normal is the gradient. A field that does not depend on z is drawn as a drawing in the plane:
+/// dark inside, seen from straight above unless a camera is given. Of what [`Show`] offers, edges of triangles are
+/// refused, and flat is what shaded is.
+///
+/// The bytes are the same on any number of threads and every target.
+///
+/// Cost: cells around the surface once; then as for a mesh, with some 5 values of the field a ray.
+///
+/// # Errors
+/// [`NotDrawn`]: as for [`super::render`]; when the field has no finite box; for edges; and when a leaf fails.
+///
+/// ```
+/// use chordal::implicit::{Distance, Expr, Field};
+/// use chordal::{Job, math::Box3, render::{Background, Options, render_field}};
+/// let [x, y, z] = Expr::axes();
+/// let ball = Field::new((x.square() + y.square() + z.square()).sqrt() - 1.0)
+///     .with_distance(Distance::EXACT)
+///     .with_bounds(Box3 { min: [-1.0; 3], max: [1.0; 3] });
+/// let options = Options { background: Background::Transparent, ..Options::sized(40, 30) };
+/// let drawn = render_field(&ball, &options, &Job::default())?;
+/// assert_eq!(drawn.picture.pixel(20, 15)[3], 255);
+/// assert_eq!(drawn.counts.uncertain, 0);
+/// # Ok::<(), chordal::render::NotDrawn>(())
+/// ```
+pub fn render_field(field: &Field, options: &Options, job: &Job) -> Result<FieldPicture, NotDrawn> {
+    if options.show == Show::Wire {
+        return Err(refused("a field has no edges to show; wire is for meshes".to_owned()));
+    }
+    if !Tape::of(field.sign()).axes()[2] {
+        return draw(field, options, job);
+    }
+    let cells = Cells::of(field, job)?;
+    let camera = match options.viewpoint {
+        Viewpoint::Automatic(screen) => frame_field(&cells, options.up, screen),
+        Viewpoint::Camera(camera) => camera,
+    };
+    let eye = ready(&camera, options, job)?;
+    let studio = Studio::new(&cells.occupied(), &camera, options.up, Material::Clay);
+    let shot = Shot {
+        tracer: Tracer::new(&cells),
+        size: cells.size(),
+        studio,
+        cone: pixel_cone(&camera),
+        eye,
+        pattern: Pattern::new(options.samples),
+        options,
+        screen: camera.screen,
+    };
+    let (picture, counts) = shot.picture(job)?;
+    Ok(FieldPicture { picture, camera, counts })
+}
+
+/// The camera of the automatic viewpoint for the cells of a field: as [`super::frame`] for a mesh.
+#[must_use]
+pub fn frame_field(cells: &Cells, up: Up, screen: Screen) -> Camera {
+    frame_points(|| cells.corners().map(DVec3::from), up, screen)
+}
+
+/// Half a pixel, for rays whose direction is 1 long along the line of sight.
+fn pixel_cone(camera: &Camera) -> [f64; 2] {
+    let height = f64::from(camera.screen.height_px);
+    match camera.projection {
+        Projection::Perspective { fov_y_deg } => [0.0, libm::tan(fov_y_deg.to_radians() / 2.0) / height],
+        Projection::Orthographic { height: length } => [0.5 * length / height, 0.0],
+    }
+}
+
+struct Shot<'a> {
+    tracer: Tracer<'a>,
+    size: f64,
+    studio: Studio,
+    cone: [f64; 2],
+    eye: Eye,
+    pattern: Pattern,
+    options: &'a Options,
+    screen: Screen,
+}
+
+/// A part of the picture: its first column and row, and how many there are.
+#[derive(Clone, Copy)]
+pub(super) struct Tile {
+    pub at: [u32; 2],
+    pub size: [u32; 2],
+}
+
+impl Tile {
+    /// All tiles of a picture, row by row.
+    pub fn all(screen: Screen, side: u32) -> Vec<Self> {
+        let Screen { width_px, height_px } = screen;
+        let rows = (0..height_px).step_by(side as usize);
+        let at = rows.flat_map(|y| (0..width_px).step_by(side as usize).map(move |x| [x, y]));
+        at.map(|[x, y]| Self { at: [x, y], size: [side.min(width_px - x), side.min(height_px - y)] })
+            .collect()
+    }
+
+    pub fn pixels(self) -> impl Iterator<Item = [u32; 2]> {
+        let ([x, y], [w, h]) = (self.at, self.size);
+        (y..y + h).flat_map(move |y| (x..x + w).map(move |x| [x, y]))
+    }
+}
+
+/// Puts the bytes of tiles where they belong.
+pub(super) fn assemble(screen: Screen, tiles: &[Tile], bytes: &[Vec<u8>]) -> Picture {
+    let Screen { width_px: width, height_px: height } = screen;
+    let mut rgba = vec![0; 4 * width as usize * height as usize];
+    for (tile, bytes) in tiles.iter().zip(bytes) {
+        let length = 4 * tile.size[0] as usize;
+        for (row, line) in bytes.chunks_exact(length).enumerate() {
+            let at = 4 * ((tile.at[1] as usize + row) * width as usize + tile.at[0] as usize);
+            rgba[at..at + length].copy_from_slice(line);
+        }
+    }
+    Picture { width, height, rgba }
+}
+
+/// Does `work` for each tile, with progress; what it returns is the tile's bytes and counts.
+pub(super) fn each_tile(
+    tiles: &[Tile],
+    job: &Job,
+    work: impl Fn(Tile) -> Result<(Vec<u8>, Counts), LeafError> + Sync,
+) -> Result<(Vec<Vec<u8>>, Counts), NotDrawn> {
+    let done = AtomicU64::new(0);
+    let found = par_map(job, tiles, |_, tile| {
+        if job.is_cancelled() {
+            return Ok((Vec::new(), Counts::default()));
+        }
+        let found = work(*tile);
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        job.report(Progress { stage: "render", done, total: tiles.len() as u64 });
+        found
+    });
+    if job.is_cancelled() {
+        return Err(NotDrawn::Stopped(Stopped::Cancelled));
+    }
+    let mut counts = Counts::default();
+    let mut bytes = Vec::with_capacity(tiles.len());
+    for found in found {
+        let (one, count) = found?;
+        bytes.push(one);
+        counts = counts.and(count);
+    }
+    Ok((bytes, counts))
+}
+
+/// Collects the rays to the lights.
+struct Ask {
+    beams: Vec<Beam>,
+    size: f64,
+}
+
+/// Tells what became of them, in the order in which they were asked for.
+struct Told {
+    answers: std::vec::IntoIter<bool>,
+    size: f64,
+}
+
+impl Shadows for Ask {
+    fn hides(&mut self, origin: DVec3, direction: DVec3) -> bool {
+        let cone = [SHADOW_CONE[0] * self.size, SHADOW_CONE[1]];
+        let (origin, direction) = (origin.to_array(), direction.to_array());
+        self.beams.push(Beam { origin, direction, from: 0.0, to: f64::INFINITY, cone });
+        false
+    }
+
+    fn lift(&self) -> f64 {
+        LIFT * self.size
+    }
+}
+
+impl Shadows for Told {
+    fn hides(&mut self, _: DVec3, _: DVec3) -> bool {
+        self.answers.next().unwrap_or(false)
+    }
+
+    fn lift(&self) -> f64 {
+        LIFT * self.size
+    }
+}
+
+impl Shot<'_> {
+    fn picture(&self, job: &Job) -> Result<(Picture, Counts), NotDrawn> {
+        let side = if self.tracer.batch() > 1 << 12 { LEAF_TILE } else { TILE };
+        let tiles = Tile::all(self.screen, side);
+        let (bytes, counts) = each_tile(&tiles, job, |tile| self.tile(tile))?;
+        Ok((assemble(self.screen, &tiles, &bytes), counts))
+    }
+
+    fn rays(&self, tile: Tile) -> Vec<Look<'_>> {
+        let one = |[x, y]: [u32; 2]| {
+            let pattern = self.pattern.of_pixel(x, y);
+            let backdrop = backdrop(y, self.screen.height_px);
+            self.pattern.places.iter().enumerate().map(move |(index, [dx, dy])| Look {
+                ray: self.eye.ray([f64::from(x) + dx, f64::from(y) + dy]),
+                rays: Rays { pattern, ray: index },
+                backdrop,
+            })
+        };
+        tile.pixels().flat_map(one).collect()
+    }
+
+    fn tile(&self, tile: Tile) -> Result<(Vec<u8>, Counts), LeafError> {
+        let looks = self.rays(tile);
+        let beam = |ray: &Ray| Beam {
+            origin: ray.origin,
+            direction: ray.direction,
+            from: ray.t_min,
+            to: ray.t_max,
+            cone: self.cone,
+        };
+        let beams: Vec<Beam> = looks.iter().map(|look| beam(&look.ray)).collect();
+        let records = self.meet(&beams)?;
+        let counts = records.iter().fold(Counts::default(), Counts::with);
+        let spots = self.spots(&beams, &records)?;
+        let mut ask = Ask { beams: Vec::new(), size: self.size };
+        for (look, spot) in looks.iter().zip(&spots) {
+            self.sample(&mut ask, look, spot.as_ref());
+        }
+        let answers = self.tracer.hidden(&ask.beams)?.into_iter();
+        let mut told = Told { answers, size: self.size };
+        let n = self.pattern.places.len();
+        let mut bytes = Vec::with_capacity(4 * looks.len() / n);
+        for (looks, spots) in looks.chunks_exact(n).zip(spots.chunks_exact(n)) {
+            let mut sum = Sample::NOTHING;
+            for (look, spot) in looks.iter().zip(spots) {
+                sum.add(self.sample(&mut told, look, spot.as_ref()));
+            }
+            bytes.extend(sum.bytes(n, self.options.show));
+        }
+        Ok((bytes, counts))
+    }
+
+    /// The first hits that are not culled.
+    fn meet(&self, beams: &[Beam]) -> Result<Vec<Record>, LeafError> {
+        let mut records = self.tracer.meet(beams)?;
+        let culled = match self.options.cull {
+            Cull::None => return Ok(records),
+            Cull::Back => false,
+            Cull::Front => true,
+        };
+        loop {
+            let again: Vec<usize> = (0..records.len())
+                .filter(|k| records[*k].met.is_some_and(|met| met.entering == culled))
+                .collect();
+            if again.is_empty() {
+                return Ok(records);
+            }
+            let rest: Vec<Beam> = again
+                .iter()
+                .map(|k| {
+                    let from = records[*k].met.map_or(f64::INFINITY, |met| met.t);
+                    let length = DVec3::from(beams[*k].direction).length();
+                    Beam { from: from + LIFT * self.size / length, ..beams[*k] }
+                })
+                .collect();
+            for (k, record) in again.iter().zip(self.tracer.meet(&rest)?) {
+                let uncertain = records[*k].uncertain || record.uncertain;
+                records[*k] = Record { uncertain, ..record };
+            }
+        }
+    }
+
+    fn spots(&self, beams: &[Beam], records: &[Record]) -> Result<Vec<Option<Spot>>, LeafError> {
+        let points: Vec<[f64; 3]> =
+            records.iter().filter_map(|record| record.met.map(|met| met.point)).collect();
+        let mut normals = self.tracer.normals(&points)?.into_iter();
+        let spot = |(beam, record): (&Beam, &Record)| {
+            let met = record.met?;
+            let direction = DVec3::from(beam.direction);
+            // Where there is no gradient the surface faces the eye.
+            let outward = normals.next().flatten().map(DVec3::from);
+            let away = if met.entering { 1.0 } else { -1.0 };
+            let facing = outward.map_or(-direction.normalize(), |n| n * away);
+            let normal = towards(facing, -direction.normalize(), direction);
+            let origin = DVec3::from(met.point) + normal * (LIFT * self.size);
+            Some(Spot { face: 0, origin, flat: normal, normal, front: met.entering })
+        };
+        Ok(beams.iter().zip(records).map(spot).collect())
+    }
+
+    fn sample(&self, shadows: &mut impl Shadows, look: &Look, spot: Option<&Spot>) -> Sample {
+        let Some(spot) = spot else { return behind(&self.studio, self.options, shadows, look) };
+        let color = if self.options.show == Show::Normals {
+            spot.normal_as_color()
+        } else {
+            self.studio.shade(shadows, spot, DVec3::from(look.ray.direction), look.rays)
+        };
+        Sample { color, alpha: 1.0 }
+    }
+}
