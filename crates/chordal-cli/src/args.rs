@@ -84,6 +84,10 @@ pub struct InputArgs {
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub max_memory: Option<u64>,
 
+    /// For a file of several volumes (.nii, .nrrd): the one to read, counted from 0
+    #[arg(long, value_name = "N")]
+    pub index: Option<u64>,
+
     /// For a shape script: what one of its parameters is, as in r=0.5; may be given several times
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting, allow_hyphen_values = true)]
     pub set: Vec<(String, f64)>,
@@ -91,10 +95,6 @@ pub struct InputArgs {
     /// For a field: the box that it is cut off at, as in "-1,-1,-1 1,1,1"
     #[arg(long, value_name = "BOX", value_parser = region, allow_hyphen_values = true)]
     pub region: Option<Box3>,
-
-    /// For a file of several volumes (.nii, .nrrd): the one to read, counted from 0
-    #[arg(long, value_name = "N")]
-    pub index: Option<u64>,
 
     /// Only warn of what is wrong in a glTF file without touching its geometry, and of bytes after a volume
     #[arg(long)]

@@ -54,11 +54,11 @@ fn holds(lines: &mut Lines, inspection: &Inspection) {
     if let Some(drawing) = &inspection.drawing {
         curves(lines, drawing);
     }
-    if let Some(facts) = &inspection.field {
-        field(lines, facts);
-    }
     if let Some(volume) = &inspection.volume {
         crate::volume_letter::samples(lines, volume);
+    }
+    if let Some(facts) = &inspection.field {
+        field(lines, facts);
     }
     if let Some(parts) = inspection.parts.as_ref().filter(|parts| parts.len() != 1) {
         let instances: u64 = parts.iter().map(|part| part.instances).sum();

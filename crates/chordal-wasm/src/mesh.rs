@@ -11,7 +11,7 @@ pub(crate) fn mesh(input: &[u8], options: &[u8]) -> Outcome {
         Ok(options) => options,
         Err(error) => return Outcome::failed(2, error),
     };
-    let hint = Hint { name: options.name.as_deref(), format: options.from };
+    let hint = Hint { name: options.name.as_deref(), format: options.from, ..Hint::default() };
     let mut input = match load(input, hint, &Limits::default()) {
         Ok(input) => input,
         Err(error) => return Outcome::failed(3, error),

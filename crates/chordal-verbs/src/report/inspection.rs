@@ -26,12 +26,11 @@ pub struct Inspection {
     pub parts: Option<Vec<PartFacts>>,
     /// What there is of curves; none for other shapes.
     pub drawing: Option<DrawingFacts>,
-    /// What there is of a field; not there for other shapes.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub field: Option<FieldFacts>,
     /// What there is of samples; not there for other shapes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub volume: Option<VolumeFacts>,
+    /// What there is of a field; none for other shapes.
+    pub field: Option<FieldFacts>,
     /// What the triangles take; none for other shapes.
     pub sizes: Option<Sizes>,
     /// What was found to be wrong with the triangles, the heaviest first; none for other shapes.
@@ -102,7 +101,11 @@ impl Inspection {
         };
         let field = match &input.shape {
             Shape::Field(implicit) => Some(FieldFacts::of(implicit)),
-            _ => None,
+            Shape::Patches { .. }
+            | Shape::Scene(_)
+            | Shape::Drawing(_)
+            | Shape::Curves(_)
+            | Shape::Volume(_) => None,
         };
         let certificate = match &input.shape {
             Shape::Scene(scene) => scene.certificate.clone(),
@@ -123,12 +126,12 @@ impl Inspection {
             patches,
             parts: scene.map(|scene| PartFacts::of_all(scene, input.format)),
             drawing,
-            field,
             volume: if let Shape::Volume(sampled) = &input.shape {
                 Some(VolumeFacts::of(sampled))
             } else {
                 None
             },
+            field,
             sizes: scene.map(|scene| Sizes::of(scene, input.format)),
             findings: counted.valid.as_ref().map(FindingFacts::of_all),
             found: certificate.map(|certificate| Found::of(certificate, counted)),
