@@ -64,10 +64,7 @@ pub fn labels_to_meshes(
     with_samples!(grid.samples(), values => sheets.build(|at| label(f64::from(values[at])), job))?;
     if sheets.meshes.is_empty() {
         let only = rule.background.unwrap_or(0);
-        return Err(Failure::refused(
-            Code::Empty,
-            format!("every sample has the label {only}, which is the background"),
-        ));
+        return Err(Failure::refused(Code::Empty, format!("every sample has the label {only}, which is the background")));
     }
     let diagonal = Farthest { most: diagonal(grid.affine()), at: [0; 3] };
     let of = |mesh: Mesh| {
@@ -76,10 +73,7 @@ pub fn labels_to_meshes(
         Bounded { shape: mesh, bound }
     };
     let meshes = std::mem::take(&mut sheets.meshes);
-    Ok(meshes
-        .into_iter()
-        .map(|(label, (positions, faces))| (label, of(Mesh::by_construction(positions, faces))))
-        .collect())
+    Ok(meshes.into_iter().map(|(label, (positions, faces))| (label, of(Mesh::by_construction(positions, faces)))).collect())
 }
 
 fn label(sample: f64) -> Option<u32> {
@@ -152,16 +146,12 @@ impl<'a> Sheets<'a> {
 
     fn check(&self, job: &Job) -> Result<(), Stopped> {
         if self.triangles > job.triangle_limit {
-            let message =
-                format!("the labels have more than {} triangles, which is the limit", job.triangle_limit);
+            let message = format!("the labels have more than {} triangles, which is the limit", job.triangle_limit);
             return Err(refused(Code::TooManyTriangles, message));
         }
         // Arrays that grow hold up to twice what is in them.
         if 2 * (24 * self.vertices + 12 * self.triangles) > job.memory_limit {
-            let message = format!(
-                "the meshes of the labels need more than {} bytes, which is the limit",
-                job.memory_limit
-            );
+            let message = format!("the meshes of the labels need more than {} bytes, which is the limit", job.memory_limit);
             return Err(refused(Code::TooMuchMemory, message));
         }
         Ok(())
@@ -236,9 +226,7 @@ impl<'a> Sheets<'a> {
         for j in 0..ny - 1 {
             for i in 0..nx - 1 {
                 let at = i + nx * j;
-                let of = |plane: &Plane| {
-                    [plane.labels[at], plane.labels[at + 1], plane.labels[at + nx], plane.labels[at + nx + 1]]
-                };
+                let of = |plane: &Plane| [plane.labels[at], plane.labels[at + 1], plane.labels[at + nx], plane.labels[at + nx + 1]];
                 let (a, b) = (of(low), of(high));
                 if a == [a[0]; 4] && b == a {
                     continue;
@@ -279,8 +267,7 @@ impl<'a> Sheets<'a> {
                     let (a, b) = (start + p * step, start + (p + 1) * step);
                     // Along the other axis, then up: seen from outside of the low x and the high y this turns left.
                     let mut corners = [(0, a), (0, b), (1, b), (1, a)];
-                    let mut sides =
-                        [low.edges[1 - axis][a], low.edges[2][b], high.edges[1 - axis][a], low.edges[2][a]];
+                    let mut sides = [low.edges[1 - axis][a], low.edges[2][b], high.edges[1 - axis][a], low.edges[2][a]];
                     if (axis == 0) == (end == 0) {
                         corners = [corners[3], corners[2], corners[1], corners[0]];
                         sides = [sides[2], sides[1], sides[0], sides[3]];
@@ -298,8 +285,7 @@ impl<'a> Sheets<'a> {
             for i in 0..nx - 1 {
                 let at = i + nx * j;
                 let mut corners = [at, at + 1, at + nx + 1, at + nx].map(|at| (0, at));
-                let mut sides =
-                    [plane.edges[0][at], plane.edges[1][at + 1], plane.edges[0][at + nx], plane.edges[1][at]];
+                let mut sides = [plane.edges[0][at], plane.edges[1][at + 1], plane.edges[0][at + nx], plane.edges[1][at]];
                 if end == 0 {
                     corners = [corners[3], corners[2], corners[1], corners[0]];
                     sides = [sides[2], sides[1], sides[0], sides[3]];
@@ -335,7 +321,6 @@ fn no_label(grid: &Grid, at: usize) -> Stopped {
     let [nx, ny, _] = grid.size();
     let (i, j, k) = (at % nx, at / nx % ny, at / (nx * ny));
     let found = grid.samples().get(at);
-    let message =
-        format!("sample ({i}, {j}, {k}) is {found}, and a label is a whole number from 0 to 4294967295");
+    let message = format!("sample ({i}, {j}, {k}) is {found}, and a label is a whole number from 0 to 4294967295");
     refused(Code::Unsupported, message)
 }

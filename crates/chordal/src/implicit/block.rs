@@ -140,10 +140,7 @@ impl Lane for Slope<Interval> {
     #[inline(always)]
     fn load(block: &Self::Block, at: usize) -> Self {
         let value = Interval::from_parts(block[0][at], block[1][at]);
-        Self {
-            value,
-            gradient: each_axis!(k => Interval::from_parts(block[2 * k + 2][at], block[2 * k + 3][at])),
-        }
+        Self { value, gradient: each_axis!(k => Interval::from_parts(block[2 * k + 2][at], block[2 * k + 3][at])) }
     }
     #[inline(always)]
     fn store(self, block: &mut Self::Block, at: usize) {

@@ -54,20 +54,10 @@ struct Maker<'a> {
 impl Program {
     /// The program for the terms `outputs`. `leaf_input` says which input holds the value of a leaf's term. Every register is
     /// given to the next result after its last use (linear scan). Time and memory: linear.
-    pub(super) fn of(
-        terms: &[Term],
-        outputs: &[u32],
-        leaf_input: &dyn Fn(u32) -> u32,
-        n_inputs: usize,
-    ) -> Self {
+    pub(super) fn of(terms: &[Term], outputs: &[u32], leaf_input: &dyn Fn(u32) -> u32, n_inputs: usize) -> Self {
         let last_use = last_uses(terms, outputs);
-        let program = Self {
-            steps: Vec::new(),
-            n_inputs,
-            n_registers: 0,
-            reads: vec![false; n_inputs],
-            outputs: Vec::new(),
-        };
+        let program =
+            Self { steps: Vec::new(), n_inputs, n_registers: 0, reads: vec![false; n_inputs], outputs: Vec::new() };
         let mut maker =
             Maker { terms, last_use, place: vec![NOWHERE; terms.len()], free: Vec::new(), program };
         for (k, term) in terms.iter().enumerate() {
@@ -120,9 +110,7 @@ impl Maker<'_> {
             Term::Leaf(..) => return self.input(k, leaf_input(k)),
             Term::Unary(op, a) => step(Code::Unary(*op), self.place(*a), 0, 0.0),
             Term::Binary(op, a, b) => match (&self.terms[*a as usize], &self.terms[*b as usize]) {
-                (Term::Const(number), Term::Const(_)) => {
-                    step(Code::ConstWith(*op), self.place(*b), 0, *number)
-                }
+                (Term::Const(number), Term::Const(_)) => step(Code::ConstWith(*op), self.place(*b), 0, *number),
                 (_, Term::Const(number)) => step(Code::WithConst(*op), self.place(*a), 0, *number),
                 (Term::Const(number), _) => step(Code::ConstWith(*op), self.place(*b), 0, *number),
                 _ => step(Code::Binary(*op), self.place(*a), self.place(*b), 0.0),

@@ -116,10 +116,7 @@ impl Trilinear {
         if count(&cells) > MOST_BLOCKS {
             return self.coarse(&cells);
         }
-        each(&cells)
-            .map(|low| value_over(&self.corners(low), &parts(&places, low)))
-            .reduce(Interval::hull)
-            .unwrap_or(Interval::UNKNOWN)
+        each(&cells).map(|low| value_over(&self.corners(low), &parts(&places, low))).reduce(Interval::hull).unwrap_or(Interval::UNKNOWN)
     }
 
     /// The range of the samples of all blocks at the cells, on the first level that has few of them.

@@ -44,10 +44,7 @@ fn h68_a_union_of_a_million_parts_and_a_tree_of_shared_halves() {
     let [x, y, z] = Expr::axes();
     let mut row: Vec<Expr> = (0..1_000_000_u32).map(|k| &x - f64::from(k)).collect();
     while row.len() > 1 {
-        row = row
-            .chunks(2)
-            .map(|two| if two.len() == 2 { two[0].min(&two[1]) } else { two[0].clone() })
-            .collect();
+        row = row.chunks(2).map(|two| if two.len() == 2 { two[0].min(&two[1]) } else { two[0].clone() }).collect();
     }
     assert_eq!(at(&row[0], [0.5, 0.0, 0.0]), 0.5 - 999_999.0);
 

@@ -44,8 +44,7 @@ fn nested() -> (Tape, [Arc<Plane>; 2]) {
 #[test]
 fn a_leaf_is_asked_once_for_all_points() {
     let (tape, planes) = nested();
-    let points: Vec<[f64; 3]> =
-        (0..5000).map(|k| [f64::from(k) * 0.01, 1.0 - f64::from(k) * 0.02, 0.5]).collect();
+    let points: Vec<[f64; 3]> = (0..5000).map(|k| [f64::from(k) * 0.01, 1.0 - f64::from(k) * 0.02, 0.5]).collect();
     let mut values = vec![0.0; points.len()];
     tape.at(&points, &mut values).unwrap();
     for plane in &planes {

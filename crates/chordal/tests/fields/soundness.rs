@@ -48,13 +48,7 @@ fn try_boxes(random: &mut Random, expr: &Expr, n: usize, bounds: fn(&mut Random)
     tape.at(&points, &mut values).unwrap();
     for (k, value) in values.iter().enumerate() {
         let range = ranges[k / POINTS];
-        assert!(
-            tells(range, *value),
-            "{value:e} at {:?} is not in {range} over {:?} of {:?}",
-            points[k],
-            boxes[k / POINTS],
-            tape.graph()
-        );
+        assert!(tells(range, *value), "{value:e} at {:?} is not in {range} over {:?} of {:?}", points[k], boxes[k / POINTS], tape.graph());
     }
     values.len()
 }
@@ -110,8 +104,7 @@ fn ranges_of_functions_hold_the_true_values_of_200_bits() {
                 let exact = truth(&FBig::try_from(x).unwrap().with_precision(200).value());
                 let bound = |x: f64| -> FBig { FBig::try_from(x).unwrap() };
                 let (lo, hi) = (range[0].lo(), range[0].hi());
-                let holds = (lo == f64::NEG_INFINITY || bound(lo) <= exact)
-                    && (hi == f64::INFINITY || exact <= bound(hi));
+                let holds = (lo == f64::NEG_INFINITY || bound(lo) <= exact) && (hi == f64::INFINITY || exact <= bound(hi));
                 assert!(holds, "{op:?}({x:e}) = {exact} is not in {}", range[0]);
             }
         }
@@ -166,11 +159,7 @@ fn try_gradients(random: &mut Random, expr: &Expr) -> usize {
                 let (d, g) = (slope.gradient[k], range.gradient[k]);
                 let slack = 1e-9 * (1.0 + g.magnitude());
                 let inside = !d.is_finite() || (g.lo() - slack <= d && d <= g.hi() + slack);
-                assert!(
-                    inside,
-                    "{d:e} along {k} at {p:?} is not in {g} over {bounds:?} of {:?}",
-                    tape.graph()
-                );
+                assert!(inside, "{d:e} along {k} at {p:?} is not in {g} over {bounds:?} of {:?}", tape.graph());
             }
         }
         // The mean value theorem: f(q) − f(p) is a product of the range with q − p.
@@ -182,8 +171,7 @@ fn try_gradients(random: &mut Random, expr: &Expr) -> usize {
             }
             let difference = at_q.value - at_p.value;
             let slack = 1e-9 * (1.0 + at_q.value.abs() + at_p.value.abs());
-            let inside = !difference.is_finite()
-                || (change.lo() - slack <= difference && difference <= change.hi() + slack);
+            let inside = !difference.is_finite() || (change.lo() - slack <= difference && difference <= change.hi() + slack);
             assert!(inside, "{difference:e} is not in {change} from {p:?} to {q:?} of {:?}", tape.graph());
             tried += 1;
         }

@@ -122,17 +122,10 @@ fn gradients_are_those_of_differences() {
                 let (left, right) = ((v - at(-h)) / h, (at(h) - v) / h);
                 let (wide_left, wide_right) = ((v - at(-2.0 * h)) / (2.0 * h), (at(2.0 * h) - v) / (2.0 * h));
                 let middle = 0.5 * (left + right);
-                let spread = [left, right, wide_left, wide_right]
-                    .iter()
-                    .map(|d| (d - middle).abs())
-                    .fold(0.0, f64::max);
+                let spread = [left, right, wide_left, wide_right].iter().map(|d| (d - middle).abs()).fold(0.0, f64::max);
                 if spread.is_finite() && v.abs() < 1e3 && spread <= 1e-3 * (1.0 + middle.abs()) {
                     let off = (slope.gradient[k] - middle).abs();
-                    assert!(
-                        off <= 2e-3 * (1.0 + middle.abs()),
-                        "{slope:?} {middle} at {p:?} of {:?}",
-                        tape.graph()
-                    );
+                    assert!(off <= 2e-3 * (1.0 + middle.abs()), "{slope:?} {middle} at {p:?} of {:?}", tape.graph());
                     n_checked += 1;
                 }
             }

@@ -232,15 +232,15 @@ fn error(v: &[f64; 8]) -> f64 {
 /// The longest diagonal of a cell, rounded up.
 pub(crate) fn diagonal(affine: &Affine) -> f64 {
     let steps = affine.steps();
-    let diagonals = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|[y, z]| {
-        length_up([0, 1, 2].map(|k| {
-            let sum = (steps[0][k] + y * steps[1][k]) + z * steps[2][k];
-            let size = (steps[0][k].abs() + steps[1][k].abs()) + steps[2][k].abs();
-            // Two additions, each with a rounding of at most that share of the size.
-            add_up(sum.abs(), mul_up(4.0 * ROUNDING, size))
-        }))
-    });
-    diagonals.into_iter().fold(0.0, |most, d| if d > most { d } else { most })
+        let diagonals = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|[y, z]| {
+            length_up([0, 1, 2].map(|k| {
+                let sum = (steps[0][k] + y * steps[1][k]) + z * steps[2][k];
+                let size = (steps[0][k].abs() + steps[1][k].abs()) + steps[2][k].abs();
+                // Two additions, each with a rounding of at most that share of the size.
+                add_up(sum.abs(), mul_up(4.0 * ROUNDING, size))
+            }))
+        });
+        diagonals.into_iter().fold(0.0, |most, d| if d > most { d } else { most })
 }
 
 fn length_up(sides: [f64; 3]) -> f64 {

@@ -227,8 +227,7 @@ impl Ends {
     #[inline(always)]
     fn whole_between(self, shift: f64) -> (f64, f64) {
         const MARGIN: f64 = 4.0 * f64::EPSILON; // Twice the 4 u of rounding that is derived above.
-        let (a, b) =
-            (self.lo * std::f64::consts::FRAC_1_PI - shift, self.hi * std::f64::consts::FRAC_1_PI - shift);
+        let (a, b) = (self.lo * std::f64::consts::FRAC_1_PI - shift, self.hi * std::f64::consts::FRAC_1_PI - shift);
         ((a - (a.abs() + 1.0) * MARGIN).ceil(), (b + (b.abs() + 1.0) * MARGIN).floor())
     }
 
