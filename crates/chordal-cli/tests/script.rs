@@ -51,13 +51,20 @@ fn what_is_wrong_with_a_script_is_shown() {
 #[test]
 fn op_lists_are_looked_at_in_their_box() {
     let folder = Folder::new("script-vm");
-    let file = folder.file("disc.vm", "x var-x\ny var-y\nxx square x\nyy square y\nr add xx yy\no const 0.5\nd sub r o\n");
+    let file = folder
+        .file("disc.vm", "x var-x\ny var-y\nxx square x\nyy square y\nr add xx yy\no const 0.5\nd sub r o\n");
     let report = run(&["inspect", &file, "--json"]).report();
     assert_eq!(report["inspection"]["field"]["dimensions"], 2);
-    assert_eq!(report["inspection"]["field"]["region"], serde_json::json!([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]]));
+    assert_eq!(
+        report["inspection"]["field"]["region"],
+        serde_json::json!([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]])
+    );
     assert!(report["certificate"]["notes"][0].as_str().is_some_and(|note| note.contains("--region")));
     let report = run(&["inspect", &file, "--region", "0,0,0 1,1,1", "--json"]).report();
-    assert_eq!(report["inspection"]["field"]["region"], serde_json::json!([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]]));
+    assert_eq!(
+        report["inspection"]["field"]["region"],
+        serde_json::json!([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]])
+    );
 }
 
 #[test]
