@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo studio test test-long bench install clean fmt-check lint test-rust test-web test-studio test-python
+.PHONY: help demo studio test test-long bench pictures install clean fmt-check lint test-rust test-web test-studio test-python
 .PHONY: studio-page need-rust need-wasm need-node need-node-20 need-chromium need-python
 
 CARGO ?= cargo
@@ -110,6 +110,13 @@ test-long: need-rust ## the tests with many more random cases; minutes to hours
 
 bench: need-rust need-python ## side by side with other programs; writes bench/RESULTS.md
 	$(MAKE) -C bench
+
+pictures: need-rust ## take the pictures of the docs again
+	$(CARGO) build --release --locked -p chordal-cli
+	mkdir -p docs/pictures
+	for name in block bracket gyroid blobs; do \
+		$(CHORDAL) render examples/$$name.star --size 480x360 -o docs/pictures/$$name.png --force -q; \
+	done
 
 install: need-rust ## put chordal where cargo puts programs
 	$(CARGO) install --path crates/chordal-cli --locked

@@ -56,7 +56,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
     const pi: f64 = std::f64::consts::PI;
 
     fn param<'v>(
-        #[starlark(require = pos)] name: &str,
+        #[starlark(require = pos)] name: Value<'v>,
         #[starlark(require = pos)] default: Value<'v>,
         eval: &mut Evaluator<'v, '_, '_>,
     ) -> starlark::Result<f64> {
@@ -66,6 +66,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
                 arg_of(default).kind()
             ))));
         };
+        let name = name.unpack_str().unwrap_or("");
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
         if name.is_empty() || name.len() > 64 || !name.chars().all(plain) {
             return Err(fault(Fault("param() needs a name of up to 64 letters, digits and '_'".to_owned())));
@@ -85,6 +86,17 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
             None => parameters.push(Parameter { name: name.to_owned(), default, value }),
         }
         Ok(value)
+    }
+
+    fn called__<'v>(#[starlark(require = pos)] function: Value<'v>) -> starlark::Result<Value<'v>> {
+        if function.get_type() == "function" {
+            return Ok(function);
+        }
+        Err(fault(Fault(format!("{} cannot be called", arg_of(function).kind()))))
+    }
+
+    fn index__<'v>(#[starlark(require = pos)] index: Value<'v>) -> starlark::Result<Value<'v>> {
+        whole(index).map(|_| index)
     }
 
     fn abs<'v>(
@@ -122,7 +134,8 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         value.length()
     }
 
-    fn fail(#[starlark(require = pos)] message: &str) -> starlark::Result<NoneType> {
+    fn fail(#[starlark(require = pos)] message: Value) -> starlark::Result<NoneType> {
+        let message = message.unpack_str().unwrap_or("the script gave up");
         Err(fault(Fault(message.chars().take(400).collect())))
     }
 

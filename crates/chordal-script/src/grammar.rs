@@ -3,7 +3,8 @@ use crate::operators::OPERATORS;
 use crate::{Limits, ScriptError, nesting};
 use starlark::codemap::Span;
 use starlark::syntax::ast::{
-    ArgumentP, AssignTargetP, AstExpr, AstLiteral, AstParameter, AstStmt, ExprP, ParameterP, StmtP,
+    ArgumentP, AssignTargetP, AstAssignTarget, AstExpr, AstLiteral, AstParameter, AstStmt, ExprP, ParameterP,
+    StmtP,
 };
 use starlark::syntax::{AstModule, Dialect, DialectTypes};
 use std::collections::HashMap;
@@ -45,7 +46,11 @@ pub(crate) fn parse(text: &str, limits: &Limits) -> Result<Program, ScriptError>
     if let Some((span, what)) = search.found {
         return Err(plain.error("script-syntax", what, span));
     }
-    let source = plain.with_plain_assignments(search.changes);
+    let mut changes: Vec<Change> = search.calls.into_iter().flat_map(Source::call).collect();
+    for (target, operator, value) in search.assignments {
+        changes.extend(plain.assignment(&target, &operator, value));
+    }
+    let source = plain.with(changes);
     let mut module = if source.edits.is_empty() { module } else { parsed(&source)? };
     // Only looked up: no order depends on it. No name of a script can be an operator.
     let functions: HashMap<String, String> = OPERATORS.map(|op| (op.to_owned(), op.to_owned())).into();
@@ -69,33 +74,80 @@ struct Edit {
     new: std::ops::Range<usize>,
 }
 
-/// An assignment with an operator: its target, operator and value.
-type Change = (Span, String, Span);
+/// Bytes to be put in place of others.
+#[derive(Debug)]
+struct Change {
+    old: std::ops::Range<usize>,
+    new: String,
+    /// Which of several in one place comes first.
+    rank: i64,
+}
+
+/// The function that everything which is called goes through; no script can be stopped from using its name, but nothing is
+/// gained by that.
+const CALLED: &str = "called__";
+
+/// The function that every index goes through, for the same reason.
+const INDEX: &str = "index__";
+
+fn range(span: Span) -> std::ops::Range<usize> {
+    span.begin().get() as usize..span.end().get() as usize
+}
 
 impl Source {
     fn of(text: &str) -> Self {
         Self { text: text.to_owned(), written: text.to_owned(), edits: Vec::new() }
     }
 
-    fn with_plain_assignments(self, mut changes: Vec<Change>) -> Self {
-        changes.sort_by_key(|(target, ..)| target.begin().get());
+    /// The same with other bytes in some places.
+    fn with(self, mut changes: Vec<Change>) -> Self {
+        // Of two that end in one place the inner one, which starts later, comes first.
+        changes.sort_by_key(|change| (change.old.start, change.rank));
         let (mut written, mut edits, mut done) = (String::new(), Vec::new(), 0);
-        let mut put = |written: &mut String, old: std::ops::Range<usize>, new: &str| {
+        for Change { old, new, .. } in changes {
             written.push_str(&self.text[done..old.start]);
             let start = written.len();
-            written.push_str(new);
-            edits.push(Edit { old: old.clone(), new: start..written.len() });
+            written.push_str(&new);
             done = old.end;
-        };
-        for (target, operator, value) in changes {
-            let [start, end, from, to] =
-                [target.begin(), target.end(), value.begin(), value.end()].map(|at| at.get() as usize);
-            let again = &self.text[start..end];
-            put(&mut written, end..from, &format!(" = {again} {operator} ("));
-            put(&mut written, to..to, ")");
+            edits.push(Edit { old, new: start..written.len() });
         }
         written.push_str(&self.text[done..]);
         Self { written, edits, ..self }
+    }
+
+    /// What `a += b` is written out as.
+    fn assignment(&self, target: &AstAssignTarget, operator: &str, value: Span) -> [Change; 2] {
+        let again = match &target.node {
+            AssignTargetP::Index(parts) => {
+                let [list, index] = [&parts.0, &parts.1].map(|part| &self.text[range(part.span)]);
+                format!("{list}[{INDEX}({index})]")
+            }
+            _ => self.text[range(target.span)].to_owned(),
+        };
+        let (end, value) = (range(target.span).end, range(value));
+        [
+            Change { old: end..value.start, new: format!(" = {again} {operator} ("), rank: 0 },
+            Change { old: value.end..value.end, new: ")".to_owned(), rank: i64::MAX },
+        ]
+    }
+
+    /// What `f(a)` is written out as: starlark shows what is called in its errors, and a list of shared lists would take
+    /// it forever.
+    fn call((function, through): (Span, &str)) -> [Change; 2] {
+        let function = range(function);
+        [
+            // The outer one first, and it closes last.
+            Change {
+                old: function.start..function.start,
+                new: format!("{through}("),
+                rank: i64::MAX / 2 - function.end as i64,
+            },
+            Change {
+                old: function.end..function.end,
+                new: ")".to_owned(),
+                rank: -(function.start as i64) - 1,
+            },
+        ]
     }
 
     /// The offset in the script of an offset in what is parsed.
@@ -131,7 +183,10 @@ const LONGEST_MESSAGE: usize = 500;
 struct Search {
     /// The first thing that scripts do not have, with its place.
     found: Option<(Span, String)>,
-    changes: Vec<Change>,
+    /// Assignments with an operator: targets, operators and values.
+    assignments: Vec<(AstAssignTarget, String, Span)>,
+    /// What goes through a function, and through which.
+    calls: Vec<(Span, &'static str)>,
 }
 
 impl Search {
@@ -143,16 +198,13 @@ impl Search {
 fn statement(stmt: &AstStmt, search: &mut Search) {
     match &stmt.node {
         StmtP::Load(_) => search.refuse(stmt.span, "a script loads nothing"),
-        StmtP::AssignModify(target, op, value) => match target.node {
-            AssignTargetP::Identifier(_) | AssignTargetP::Index(_) => {
-                let operator = op.to_string().trim().trim_end_matches('=').to_owned();
-                search.changes.push((target.span, operator, value.span));
-            }
-            _ => search.refuse(stmt.span, "only names and elements of lists can be changed"),
-        },
-        StmtP::Assign(assign) if matches!(assign.lhs.node, AssignTargetP::Dot(..)) => {
-            search.refuse(stmt.span, "nothing here has attributes");
+        StmtP::AssignModify(changed, op, value) => {
+            let operator = op.to_string().trim().trim_end_matches('=').to_owned();
+            target(changed, search);
+            search.assignments.push((changed.clone(), operator, value.span));
         }
+        StmtP::Assign(assign) => target(&assign.lhs, search),
+        StmtP::For(turn) => target(&turn.var, search),
         StmtP::Def(def) => parameters(&def.params, search),
         _ => {}
     }
@@ -196,6 +248,24 @@ fn expression(expr: &AstExpr, search: &mut Search) {
         if let ExprP::Lambda(lambda) = &expr.node {
             parameters(&lambda.params, search);
         }
+        if let ExprP::Call(function, _) = &expr.node
+            && !matches!(function.node, ExprP::Dot(..))
+        {
+            search.calls.push((function.span, CALLED));
+        }
+        if let ExprP::Index(parts) = &expr.node {
+            search.calls.push((parts.1.span, INDEX));
+        }
         expr.visit_expr(|inner| expression(inner, search));
+    }
+}
+
+/// Indices of elements that are assigned to, in tuples of targets too.
+fn target(target: &AstAssignTarget, search: &mut Search) {
+    match &target.node {
+        AssignTargetP::Index(parts) => search.calls.push((parts.1.span, INDEX)),
+        AssignTargetP::Tuple(targets) => targets.iter().for_each(|one| self::target(one, search)),
+        AssignTargetP::Dot(..) => search.refuse(target.span, "nothing here has attributes"),
+        AssignTargetP::Identifier(_) => {}
     }
 }

@@ -26,7 +26,7 @@ impl Default for Limits {
         Self {
             bytes: 1 << 18,
             nesting: 200,
-            ticks: 2_000_000,
+            ticks: 1_500_000,
             heap: 256 << 20,
             calls: 64,
             work: 50_000_000,

@@ -54,6 +54,12 @@ const MOST: isize = 1 << 30;
 fn bombs_end_with_an_error() {
     let doubling =
         |start: &str, step: &str| format!("a = {start}\nfor i in range(60):\n    {step}\nsphere(1)");
+    let shared = || {
+        format!(
+            "a = [0]\nfor i in range({}):\n    a = [a, a]\nsphere(1)",
+            std::env::var("BOMB").map_or(60, |n| n.parse().unwrap())
+        )
+    };
     let texts = [
         ("recursion", "def f(n):\n    return f(n + 1)\nf(0)".to_owned()),
         ("mutual recursion", "def f(n):\n    return g(n)\ndef g(n):\n    return f(n)\nf(0)".to_owned()),
@@ -97,17 +103,17 @@ fn bombs_end_with_an_error() {
         ("many shapes", "union([move(sphere(1), i, 0) for i in range(1000000)])".to_owned()),
         ("many corners", "polygon([[i, i * i] for i in range(1000000)])".to_owned()),
         ("many arguments", "a = [0] * 1000000\n[len(*a) for i in range(1000000)]".to_owned()),
-        ("shown bombs", format!("{}()", doubling("[0]", "a = [a, a]").replace("sphere(1)", "a"))),
-        ("compared bombs", doubling("[0]", "a = [a, a]").replace("sphere(1)", "b = [a, a]\na == b")),
-        ("searched bombs", doubling("[0]", "a = [a, a]").replace("sphere(1)", "b = [a, a]\na in b")),
-        ("used bombs", doubling("[0]", "a = [a, a]").replace("sphere(1)", "box(a, a, a)")),
-        ("indexing bombs", doubling("[0]", "a = [a, a]").replace("sphere(1)", "a[a]")),
-        ("negative bombs", doubling("[0]", "a = [a, a]").replace("sphere(1)", "-a")),
-        ("unpacked bombs", doubling("[0]", "a = [a, a]").replace("sphere(1)", "b, c, d = a")),
-        ("bombs as messages", doubling("[0]", "a = [a, a]").replace("sphere(1)", "fail(a)")),
-        ("bombs as counts", doubling("[0]", "a = [a, a]").replace("sphere(1)", "range(a)")),
-        ("bombs as conditions", doubling("[0]", "a = [a, a]").replace("sphere(1)", "sphere(a if a else a)")),
-        ("sorted bombs", doubling("[0]", "a = [a, a]").replace("sphere(1)", "max(a)")),
+        ("shown bombs", format!("{}()", shared().replace("sphere(1)", "a"))),
+        ("compared bombs", shared().replace("sphere(1)", "b = [a, a]\na == b")),
+        ("searched bombs", shared().replace("sphere(1)", "b = [a, a]\na in b")),
+        ("used bombs", shared().replace("sphere(1)", "box(a, a, a)")),
+        ("indexing bombs", shared().replace("sphere(1)", "a[a]")),
+        ("negative bombs", shared().replace("sphere(1)", "-a")),
+        ("unpacked bombs", shared().replace("sphere(1)", "b, c, d = a")),
+        ("bombs as messages", shared().replace("sphere(1)", "fail(a)")),
+        ("bombs as counts", shared().replace("sphere(1)", "range(a)")),
+        ("bombs as conditions", shared().replace("sphere(1)", "sphere(a if a else a)")),
+        ("sorted bombs", shared().replace("sphere(1)", "max(a)")),
         ("a list within itself", "a = []\na.append(a)\nunion(a)".to_owned()),
         ("a long text", format!("# {}\nsphere(1)", "a".repeat(1 << 18))),
         ("brackets", "(".repeat(100_000)),

@@ -284,3 +284,12 @@ fn every_function_says_what_it_does() {
     assert_eq!(language::function("gyroid").unwrap().usage(), "gyroid(period, level=0)");
     assert_eq!(language::function("union").unwrap().usage(), "union(*shapes)");
 }
+
+#[test]
+fn the_page_has_every_function() {
+    let page = include_str!("../../../docs/shape-scripts.md");
+    for function in language::functions() {
+        assert!(page.contains(&format!("| `{}` |", function.usage())), "{}", function.usage());
+        assert!(page.contains(function.distance), "{}: {}", function.name, function.distance);
+    }
+}

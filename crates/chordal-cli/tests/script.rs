@@ -1,0 +1,82 @@
+//! Shape scripts and op lists on the command line.
+mod common;
+
+use common::{Folder, chordal, run};
+use std::io::Write;
+use std::process::Stdio;
+
+#[test]
+fn a_line_on_stdin_is_a_shape() {
+    let mut child = chordal(&["inspect", "-", "--from", "star", "--json"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    child.stdin.take().expect("a pipe").write_all(b"box(2,2,1) - cylinder(0.4,2)\n").expect("it reads");
+    let run = common::Run::of(child.wait_with_output().expect("it ends"));
+    run.succeeds();
+    let report = run.report();
+    assert_eq!(report["certificate"]["input"]["kind"], "field");
+    let field = &report["inspection"]["field"];
+    assert_eq!((&field["outside"], &field["inside"]), (&"lower bound".into(), &"exact distance".into()));
+    assert_eq!(field["dimensions"], 3);
+    assert_eq!(report["inspection"]["box"], serde_json::json!([[-1.0, -1.0, -0.5], [1.0, 1.0, 0.5]]));
+}
+
+#[test]
+fn parameters_are_set_from_outside() {
+    let folder = Folder::new("script-set");
+    let file = folder.file("block.star", "r = param('r', 0.4)\nbox(2, 2, 1) - cylinder(r, 2)\n");
+    let plain = run(&["inspect", &file]);
+    plain.succeeds();
+    assert!(plain.stdout.contains("r = 0.4\n"), "{}", plain.stdout);
+    let set = run(&["inspect", &file, "--set", "r=0.5"]);
+    set.succeeds();
+    assert!(set.stdout.contains("r = 0.5 (default 0.4)"), "{}", set.stdout);
+    run(&["inspect", &file, "--set", "q=1"]).fails_with(3, &["no parameter 'q'", "it has r"]);
+    run(&["inspect", &file, "--set", "r"]).fails_with(2, &["r=0.5"]);
+    let obj = folder.file("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    run(&["inspect", &obj, "--set", "r=1"]).fails_with(3, &["only scripts have parameters"]);
+}
+
+#[test]
+fn what_is_wrong_with_a_script_is_shown() {
+    let folder = Folder::new("script-wrong");
+    let file = folder.file("wrong.star", "a = 1\nbox(1, a)\n");
+    run(&["inspect", &file]).fails_with(3, &["line 2, column 1: box() needs 'z'"]);
+    let endless = folder.file("endless.star", "def f(n):\n    return f(n)\nf(1)\n");
+    run(&["inspect", &endless]).fails_with(3, &["more than 64 functions wait for each other"]);
+}
+
+#[test]
+fn op_lists_are_looked_at_in_their_box() {
+    let folder = Folder::new("script-vm");
+    let file = folder
+        .file("disc.vm", "x var-x\ny var-y\nxx square x\nyy square y\nr add xx yy\no const 0.5\nd sub r o\n");
+    let report = run(&["inspect", &file, "--json"]).report();
+    assert_eq!(report["inspection"]["field"]["dimensions"], 2);
+    assert_eq!(
+        report["inspection"]["field"]["region"],
+        serde_json::json!([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]])
+    );
+    assert!(report["certificate"]["notes"][0].as_str().is_some_and(|note| note.contains("--region")));
+    let report = run(&["inspect", &file, "--region", "0,0,0 1,1,1", "--json"]).report();
+    assert_eq!(
+        report["inspection"]["field"]["region"],
+        serde_json::json!([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]])
+    );
+}
+
+#[test]
+fn the_examples_are_shapes() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
+    let mut seen = 0;
+    for entry in std::fs::read_dir(folder).expect("examples") {
+        let path = entry.expect("a name").path();
+        if path.extension().is_some_and(|extension| extension == "star") {
+            run(&["inspect", path.to_str().expect("plain")]).succeeds();
+            seen += 1;
+        }
+    }
+    assert!(seen >= 4, "{seen}");
+}

@@ -1,0 +1,254 @@
+"""`Field` and `Formula`: shapes as rules, and what can be asked of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, SupportsFloat
+
+from chordal import _chordal
+from chordal._arguments import text as _text
+from chordal._arrays import coordinates
+from chordal._shape import Shape
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+#: The lowest and the highest corner of a box.
+Box = tuple[tuple[float, float, float], tuple[float, float, float]]
+
+
+def _rule(value: Any) -> Any:
+    """What the compiled part knows of a value, or of those in a list."""
+    if isinstance(value, (Field, Formula)):
+        return value._rule
+    if isinstance(value, (list, tuple)):
+        return [_rule(item) for item in value]
+    return value
+
+
+def called(name: str, *args: Any, **named: Any) -> Any:
+    """What a function of the language makes of these arguments."""
+    return _made(_chordal.Rule.call(name, *map(_rule, args), **{key: _rule(arg) for key, arg in named.items()}))
+
+
+def _made(made: _chordal.Rule | float) -> Any:
+    if isinstance(made, float):
+        return made
+    return Field(made) if made.is_shape else Formula(made)
+
+
+def _operated(operator: str, a: Any, b: Any) -> Any:
+    made = _chordal.Rule.operate(operator, _rule(a), _rule(b))
+    return NotImplemented if made is None else _made(made)
+
+
+def _points(points: ArrayLike) -> NDArray[np.float64]:
+    found = coordinates("points", points)
+    if found.ndim == 0 or found.shape[-1] != 3:
+        raise ValueError(f"points: rows of 3, as in (n, 3), not {found.shape}")
+    return found
+
+
+def _values(rule: _chordal.Rule, points: ArrayLike) -> NDArray[np.float64]:
+    import numpy as np
+
+    found = _points(points)
+    return np.frombuffer(rule.values(found.tobytes())).reshape(found.shape[:-1])
+
+
+class Formula:
+    """A number for every point, made of the coordinates `x`, `y` and `z`. `field` makes a shape of it.
+
+    >>> from chordal import field, x, y, z
+    >>> bowl = field(x * x + y * y - z)
+    >>> bowl([[0, 0, 1], [1, 1, 1]])
+    array([-1.,  1.])
+    """
+
+    __slots__ = ("_rule",)
+
+    def __init__(self, rule: _chordal.Rule) -> None:
+        self._rule = rule
+
+    def __call__(self, points: ArrayLike) -> NDArray[np.float64]:
+        """The values at points, whose last axis is 3 long."""
+        return _values(self._rule, points)
+
+    def __add__(self, other: Formula | float) -> Formula:
+        return _operated("+", self, other)  # type: ignore[no-any-return]
+
+    def __radd__(self, other: float) -> Formula:
+        return _operated("+", other, self)  # type: ignore[no-any-return]
+
+    def __sub__(self, other: Formula | float) -> Formula:
+        return _operated("-", self, other)  # type: ignore[no-any-return]
+
+    def __rsub__(self, other: float) -> Formula:
+        return _operated("-", other, self)  # type: ignore[no-any-return]
+
+    def __mul__(self, other: Formula | float) -> Formula:
+        return _operated("*", self, other)  # type: ignore[no-any-return]
+
+    def __rmul__(self, other: float) -> Formula:
+        return _operated("*", other, self)  # type: ignore[no-any-return]
+
+    def __truediv__(self, other: Formula | float) -> Formula:
+        return _operated("/", self, other)  # type: ignore[no-any-return]
+
+    def __rtruediv__(self, other: float) -> Formula:
+        return _operated("/", other, self)  # type: ignore[no-any-return]
+
+    def __neg__(self) -> Formula:
+        return _operated("neg", self, self)  # type: ignore[no-any-return]
+
+    def __abs__(self) -> Formula:
+        return _operated("abs", self, self)  # type: ignore[no-any-return]
+
+    def __repr__(self) -> str:
+        return f"<Formula: {self._rule.terms} terms>"
+
+
+class Field(Shape):
+    """A shape as a rule: a number for every point, negative inside. `|`, `&` and `-` combine shapes.
+
+    >>> from chordal import box, cylinder
+    >>> block = box(2, 2, 1) - cylinder(0.4, 2)
+    >>> block([[0, 0, 0], [0.75, 0, 0]])
+    array([ 0.4 , -0.25])
+    >>> block.distance
+    ('lower bound', 'exact distance')
+    """
+
+    __slots__ = ("_rule",)
+
+    def __init__(self, rule: _chordal.Rule, source: _chordal.Source | None = None) -> None:
+        super().__init__(rule.source(None) if source is None else source)
+        self._rule = rule
+
+    def __call__(self, points: ArrayLike) -> NDArray[np.float64]:
+        """The values at points, whose last axis is 3 long: negative inside, NaN where there is none."""
+        return _values(self._rule, points)
+
+    def gradient(self, points: ArrayLike) -> NDArray[np.float64]:
+        """The gradients at points, in the shape of the points; at a kink that of one side."""
+        import numpy as np
+
+        found = _points(points)
+        return np.frombuffer(self._rule.gradients(found.tobytes())).reshape(found.shape)
+
+    @property
+    def distance(self) -> tuple[str, str]:
+        """What the value is worth as a distance outside and inside: "exact distance", "lower bound" or "sign"."""
+        return self._rule.distance
+
+    @property
+    def evidence(self) -> str:
+        """What proofs about it are worth: "proved", "proved-if" or "measured"."""
+        return self._rule.evidence[0]
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What proofs about it assume, in sentences."""
+        return tuple(self._rule.evidence[1])
+
+    @property
+    def bounds(self) -> Box:
+        """The lowest and highest corner of a box that holds the shape; infinite where none is known."""
+        (a, b, c), (d, e, f) = self._rule.bounds
+        return (a, b, c), (d, e, f)
+
+    def within(self, low: Sequence[SupportsFloat], high: Sequence[SupportsFloat]) -> Field:
+        """The same shape, cut off at a box for whatever is made of it."""
+        return Field(self._rule, self._rule.source(_box("box", (low, high))))
+
+    def __or__(self, other: Field) -> Field:
+        return _operated("|", self, other)  # type: ignore[no-any-return]
+
+    def __and__(self, other: Field) -> Field:
+        return _operated("&", self, other)  # type: ignore[no-any-return]
+
+    def __sub__(self, other: Field) -> Field:
+        return _operated("-", self, other)  # type: ignore[no-any-return]
+
+    def __repr__(self) -> str:
+        outside, inside = self.distance
+        return f"<Field: outside {outside}, inside {inside}, {self._rule.terms} terms>"
+
+
+def _box(name: str, value: Any) -> list[list[float]]:
+    rows = [[float(number) for number in corner] for corner in value]
+    if [len(row) for row in rows] != [3, 3] or not all(a < b for a, b in zip(*rows)):
+        raise ValueError(f"{name}: a lowest and a highest corner of three numbers each")
+    return rows
+
+
+def field(
+    what: Formula | float | Callable[[NDArray[np.float64]], ArrayLike],
+    *,
+    bounds: tuple[Sequence[SupportsFloat], Sequence[SupportsFloat]] | None = None,
+    lipschitz: SupportsFloat | None = None,
+) -> Field:
+    """A shape from a formula, or from a function of points.
+
+    A function is called with an array n × 3 of double precision, with 65,536 rows or more where there are as many, and
+    gives back n numbers: negative inside, NaN outside. It is called from other threads. What it raises comes back as
+    it is. `bounds` is a box that holds the shape. With `lipschitz` you promise that values of two points differ by no
+    more than that many times their distance, and what is proved is proved under that promise; without it everything
+    is measured.
+
+    >>> import chordal, numpy
+    >>> ball = chordal.field(lambda p: numpy.linalg.norm(p, axis=1) - 1, bounds=((-1, -1, -1), (1, 1, 1)), lipschitz=1)
+    >>> ball([[3, 0, 0]]), ball.evidence
+    (array([2.]), 'proved-if')
+    """
+    if isinstance(what, Formula) or not callable(what):
+        if bounds is not None or lipschitz is not None:
+            raise TypeError("bounds and lipschitz are for functions")
+        return called("field", what)  # type: ignore[no-any-return]
+    slope = None if lipschitz is None else float(lipschitz)
+    if slope is not None and not 0 <= slope < float("inf"):
+        raise ValueError(f"lipschitz: a number that is not negative, not {slope}")
+    function = what
+
+    def values(asked: bytes) -> bytes:
+        import numpy as np
+
+        points = np.frombuffer(asked).reshape(-1, 3)
+        found = np.ascontiguousarray(function(points), dtype=np.float64)
+        if found.shape not in ((len(points),), (len(points), 1)):
+            raise ValueError(f"the function gave back {found.shape} for {len(points)} points")
+        return found.tobytes()
+
+    return Field(_chordal.Rule.callable(values, None if bounds is None else _box("bounds", bounds), slope))
+
+
+def script(source: str, **parameters: SupportsFloat) -> Field:
+    """The shape of a shape script: a few lines of Starlark, run within limits and without any files.
+
+    Keyword arguments set the script's parameters. Raises `ReadError` with line and column.
+
+    >>> import chordal
+    >>> chordal.script("box(2, 2, 1) - cylinder(param('r', 0.4), 2)", r=0.5)([[0, 0, 0]])
+    array([0.5])
+    """
+    found = _text("source", source)
+    if found is None:
+        raise TypeError("source: a text, not None")
+    rule, _ = _chordal.script(found, [(name, float(value)) for name, value in parameters.items()])
+    return Field(rule)
+
+
+def param(name: str, default: SupportsFloat) -> float:
+    """A number that a shape script can be given from outside. In Python it is its default: assign another.
+
+    >>> import chordal
+    >>> chordal.param("r", 0.4)
+    0.4
+    """
+    return float(default)
+
+
+def fail(message: str) -> None:
+    """Ends a shape script with a sentence: here, by a `ValueError`."""
+    raise ValueError(message)

@@ -1,0 +1,515 @@
+"""The functions of shape scripts, by the same names: the text of a script also runs after `from chordal import *`.
+
+What each of them means, and what its value is worth as a distance, is on the page on shape scripts.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import SupportsFloat, overload
+
+from chordal import _chordal
+from chordal._field import Field, Formula, called
+
+pi = math.pi
+x, y, z = (Formula(_chordal.Rule.axis(k)) for k in range(3))
+
+
+def sphere(radius: SupportsFloat) -> Field:
+    """A ball around the origin.
+
+    The value is worth: exact.
+    """
+    return called("sphere", radius)  # type: ignore[no-any-return]
+
+
+def box(x: SupportsFloat, y: SupportsFloat, z: SupportsFloat) -> Field:
+    """A box of these full sizes around the origin.
+
+    The value is worth: exact.
+    """
+    return called("box", x, y, z)  # type: ignore[no-any-return]
+
+
+def rounded_box(x: SupportsFloat, y: SupportsFloat, z: SupportsFloat, radius: SupportsFloat) -> Field:
+    """A box of these full sizes whose edges are rounded to a radius.
+
+    The value is worth: exact.
+    """
+    return called("rounded_box", x, y, z, radius)  # type: ignore[no-any-return]
+
+
+def cylinder(radius: SupportsFloat, height: SupportsFloat) -> Field:
+    """A cylinder along z, around the origin.
+
+    The value is worth: exact.
+    """
+    return called("cylinder", radius, height)  # type: ignore[no-any-return]
+
+
+def cone(bottom: SupportsFloat, top: SupportsFloat, height: SupportsFloat) -> Field:
+    """A cone along z with a radius at its bottom and one at its top, either of them 0 if you like.
+
+    The value is worth: exact.
+    """
+    return called("cone", bottom, top, height)  # type: ignore[no-any-return]
+
+
+def capsule(a: Sequence[SupportsFloat], b: Sequence[SupportsFloat], radius: SupportsFloat) -> Field:
+    """All points nearer than a radius to the segment between two points.
+
+    The value is worth: exact.
+    """
+    return called("capsule", a, b, radius)  # type: ignore[no-any-return]
+
+
+def torus(major: SupportsFloat, minor: SupportsFloat) -> Field:
+    """A ring around z: the radius of its circle, and that of its tube.
+
+    The value is worth: exact; lower bound inside where the ring meets itself.
+    """
+    return called("torus", major, minor)  # type: ignore[no-any-return]
+
+
+def ellipsoid(x: SupportsFloat, y: SupportsFloat, z: SupportsFloat) -> Field:
+    """An ellipsoid of these three radii.
+
+    The value is worth: a lower bound.
+    """
+    return called("ellipsoid", x, y, z)  # type: ignore[no-any-return]
+
+
+def prism(sides: SupportsFloat, radius: SupportsFloat, height: SupportsFloat) -> Field:
+    """A regular prism along z; the radius is that of its corners, one of which is on the x axis.
+
+    The value is worth: exact.
+    """
+    return called("prism", sides, radius, height)  # type: ignore[no-any-return]
+
+
+def octahedron(radius: SupportsFloat) -> Field:
+    """A regular octahedron with its corners on the axes.
+
+    The value is worth: exact inside, lower bound outside.
+    """
+    return called("octahedron", radius)  # type: ignore[no-any-return]
+
+
+def tetrahedron(radius: SupportsFloat) -> Field:
+    """A regular tetrahedron; the radius is that of its corners, one of them towards (1, 1, 1).
+
+    The value is worth: exact inside, lower bound outside.
+    """
+    return called("tetrahedron", radius)  # type: ignore[no-any-return]
+
+
+def plane(normal: Sequence[SupportsFloat], offset: SupportsFloat = 0) -> Field:
+    """All points below a plane, which is that far from the origin along its normal.
+
+    The value is worth: exact.
+    """
+    return called("plane", normal, offset)  # type: ignore[no-any-return]
+
+
+def triangle(
+    a: Sequence[SupportsFloat], b: Sequence[SupportsFloat], c: Sequence[SupportsFloat], thickness: SupportsFloat
+) -> Field:
+    """All points nearer than half of a thickness to a triangle in space.
+
+    The value is worth: exact.
+    """
+    return called("triangle", a, b, c, thickness)  # type: ignore[no-any-return]
+
+
+def gyroid(period: SupportsFloat, level: SupportsFloat = 0) -> Field:
+    """One side of the gyroid, without end; with shell() it is a wall.
+
+    The value is worth: a lower bound.
+    """
+    return called("gyroid", period, level)  # type: ignore[no-any-return]
+
+
+def schwarz_p(period: SupportsFloat, level: SupportsFloat = 0) -> Field:
+    """One side of Schwarz' surface P, without end.
+
+    The value is worth: a lower bound.
+    """
+    return called("schwarz_p", period, level)  # type: ignore[no-any-return]
+
+
+def diamond(period: SupportsFloat, level: SupportsFloat = 0) -> Field:
+    """One side of Schwarz' surface D, without end.
+
+    The value is worth: a lower bound.
+    """
+    return called("diamond", period, level)  # type: ignore[no-any-return]
+
+
+def circle(radius: SupportsFloat) -> Field:
+    """A disc around the origin.
+
+    The value is worth: exact.
+    """
+    return called("circle", radius)  # type: ignore[no-any-return]
+
+
+def rectangle(x: SupportsFloat, y: SupportsFloat) -> Field:
+    """A rectangle of these full sizes around the origin.
+
+    The value is worth: exact.
+    """
+    return called("rectangle", x, y)  # type: ignore[no-any-return]
+
+
+def rounded_rectangle(x: SupportsFloat, y: SupportsFloat, radius: SupportsFloat) -> Field:
+    """A rectangle of these full sizes whose corners are rounded to a radius.
+
+    The value is worth: exact.
+    """
+    return called("rounded_rectangle", x, y, radius)  # type: ignore[no-any-return]
+
+
+def segment(a: Sequence[SupportsFloat], b: Sequence[SupportsFloat], radius: SupportsFloat) -> Field:
+    """All points nearer than a radius to the segment between two points.
+
+    The value is worth: exact.
+    """
+    return called("segment", a, b, radius)  # type: ignore[no-any-return]
+
+
+def polygon(points: Sequence[Sequence[SupportsFloat]]) -> Field:
+    """The polygon with these corners, each of two numbers.
+
+    The value is worth: exact; lower bound where it crosses itself.
+    """
+    return called("polygon", points)  # type: ignore[no-any-return]
+
+
+def regular_polygon(sides: SupportsFloat, radius: SupportsFloat) -> Field:
+    """A regular polygon; the radius is that of its corners, one of which is on the x axis.
+
+    The value is worth: exact.
+    """
+    return called("regular_polygon", sides, radius)  # type: ignore[no-any-return]
+
+
+def union(*shapes: Field | Sequence[Field]) -> Field:
+    """All points of any of the shapes, as `a | b` has them; a list of shapes does as well.
+
+    The value is worth: outside as good as all of them, inside a lower bound.
+    """
+    return called("union", *shapes)  # type: ignore[no-any-return]
+
+
+def intersection(*shapes: Field | Sequence[Field]) -> Field:
+    """The points that all of the shapes have, as `a & b` has them.
+
+    The value is worth: inside as good as all of them, outside a lower bound.
+    """
+    return called("intersection", *shapes)  # type: ignore[no-any-return]
+
+
+def difference(shape: Field, *others: Field | Sequence[Field]) -> Field:
+    """The points of the first shape that none of the others has, as `a - b` has them.
+
+    The value is worth: a lower bound.
+    """
+    return called("difference", shape, *others)  # type: ignore[no-any-return]
+
+
+def complement(shape: Field) -> Field:
+    """All other points.
+
+    The value is worth: as it was, inside and outside exchanged.
+    """
+    return called("complement", shape)  # type: ignore[no-any-return]
+
+
+def smooth_union(a: Field, b: Field, radius: SupportsFloat) -> Field:
+    """The union with its seam filled, where both are nearer to each other than a radius.
+
+    The value is worth: a lower bound.
+    """
+    return called("smooth_union", a, b, radius)  # type: ignore[no-any-return]
+
+
+def smooth_intersection(a: Field, b: Field, radius: SupportsFloat) -> Field:
+    """The intersection with its edge rounded off.
+
+    The value is worth: a lower bound.
+    """
+    return called("smooth_intersection", a, b, radius)  # type: ignore[no-any-return]
+
+
+def smooth_difference(a: Field, b: Field, radius: SupportsFloat) -> Field:
+    """The difference with its edge rounded off.
+
+    The value is worth: a lower bound.
+    """
+    return called("smooth_difference", a, b, radius)  # type: ignore[no-any-return]
+
+
+def move(shape: Field, x: SupportsFloat, y: SupportsFloat, z: SupportsFloat = 0) -> Field:
+    """The shape moved by these lengths.
+
+    The value is worth: as it was.
+    """
+    return called("move", shape, x, y, z)  # type: ignore[no-any-return]
+
+
+def rotate_x(shape: Field, degrees: SupportsFloat) -> Field:
+    """The shape turned around the x axis, counter-clockwise as seen from its tip.
+
+    The value is worth: as it was.
+    """
+    return called("rotate_x", shape, degrees)  # type: ignore[no-any-return]
+
+
+def rotate_y(shape: Field, degrees: SupportsFloat) -> Field:
+    """The shape turned around the y axis.
+
+    The value is worth: as it was.
+    """
+    return called("rotate_y", shape, degrees)  # type: ignore[no-any-return]
+
+
+def rotate_z(shape: Field, degrees: SupportsFloat) -> Field:
+    """The shape turned around the z axis; so are shapes of the plane.
+
+    The value is worth: as it was.
+    """
+    return called("rotate_z", shape, degrees)  # type: ignore[no-any-return]
+
+
+def rotate(shape: Field, axis: Sequence[SupportsFloat], degrees: SupportsFloat) -> Field:
+    """The shape turned around an axis of three numbers through the origin.
+
+    The value is worth: as it was.
+    """
+    return called("rotate", shape, axis, degrees)  # type: ignore[no-any-return]
+
+
+def scale(shape: Field, factor: SupportsFloat) -> Field:
+    """The shape made larger or smaller, about the origin.
+
+    The value is worth: as it was.
+    """
+    return called("scale", shape, factor)  # type: ignore[no-any-return]
+
+
+def stretch(shape: Field, x: SupportsFloat, y: SupportsFloat, z: SupportsFloat = 1) -> Field:
+    """The shape with its own factor along each axis.
+
+    The value is worth: a lower bound.
+    """
+    return called("stretch", shape, x, y, z)  # type: ignore[no-any-return]
+
+
+def mirror(shape: Field, x: SupportsFloat, y: SupportsFloat, z: SupportsFloat = 0) -> Field:
+    """The mirror image in the plane through the origin with this normal.
+
+    The value is worth: as it was.
+    """
+    return called("mirror", shape, x, y, z)  # type: ignore[no-any-return]
+
+
+def repeat(
+    shape: Field, x: SupportsFloat = 0, y: SupportsFloat = 0, z: SupportsFloat = 0, nx: SupportsFloat = 0, ny: SupportsFloat = 0, nz: SupportsFloat = 0
+) -> Field:
+    """Copies of the shape, so far apart along each axis (0: no copies) and so many (0: without end).
+
+    The value is worth: outside exact if it was, else a sign; inside a lower bound.
+    """
+    return called("repeat", shape, x, y, z, nx, ny, nz)  # type: ignore[no-any-return]
+
+
+def offset(shape: Field, by: SupportsFloat) -> Field:
+    """The shape grown by a distance, or shrunk by a negative one.
+
+    The value is worth: exact on the side that the surface moved to, if it was exact there; else a lower bound.
+    """
+    return called("offset", shape, by)  # type: ignore[no-any-return]
+
+
+def shell(shape: Field, thickness: SupportsFloat) -> Field:
+    """A wall along the surface, half of its thickness to each side.
+
+    The value is worth: outside exact if it was, inside a lower bound.
+    """
+    return called("shell", shape, thickness)  # type: ignore[no-any-return]
+
+
+def extrude(shape: Field, height: SupportsFloat) -> Field:
+    """A shape of the plane made a solid of that height, half above and half below.
+
+    The value is worth: as it was.
+    """
+    return called("extrude", shape, height)  # type: ignore[no-any-return]
+
+
+def revolve(shape: Field) -> Field:
+    """A shape of the plane turned about its y axis, which then stands along z.
+
+    The value is worth: as it was, where the shape keeps off the axis.
+    """
+    return called("revolve", shape)  # type: ignore[no-any-return]
+
+
+def twist(shape: Field, degrees: SupportsFloat) -> Field:
+    """The shape turned about z by so much more with each unit of height.
+
+    The value is worth: a lower bound, if it is bounded around the axis; else a sign.
+    """
+    return called("twist", shape, degrees)  # type: ignore[no-any-return]
+
+
+def bend(shape: Field, degrees: SupportsFloat) -> Field:
+    """The shape turned about z by so much more with each unit along x.
+
+    The value is worth: a lower bound, if it is bounded around the axis; else a sign.
+    """
+    return called("bend", shape, degrees)  # type: ignore[no-any-return]
+
+
+def displace(shape: Field, by: Formula | float, amplitude: SupportsFloat) -> Field:
+    """The shape whose value has a formula added, which nowhere exceeds the amplitude in size.
+
+    The value is worth: a sign.
+    """
+    return called("displace", shape, by, amplitude)  # type: ignore[no-any-return]
+
+
+@overload
+def sqrt(value: SupportsFloat) -> float: ...
+@overload
+def sqrt(value: Formula | SupportsFloat) -> Formula | float: ...
+def sqrt(value: Formula | SupportsFloat) -> Formula | float:
+    """The square root."""
+    return called("sqrt", value)  # type: ignore[no-any-return]
+
+
+@overload
+def exp(value: SupportsFloat) -> float: ...
+@overload
+def exp(value: Formula | SupportsFloat) -> Formula | float: ...
+def exp(value: Formula | SupportsFloat) -> Formula | float:
+    """The exponential function."""
+    return called("exp", value)  # type: ignore[no-any-return]
+
+
+@overload
+def log(value: SupportsFloat) -> float: ...
+@overload
+def log(value: Formula | SupportsFloat) -> Formula | float: ...
+def log(value: Formula | SupportsFloat) -> Formula | float:
+    """The natural logarithm."""
+    return called("log", value)  # type: ignore[no-any-return]
+
+
+@overload
+def sin(value: SupportsFloat) -> float: ...
+@overload
+def sin(value: Formula | SupportsFloat) -> Formula | float: ...
+def sin(value: Formula | SupportsFloat) -> Formula | float:
+    """The sine of an angle in radians."""
+    return called("sin", value)  # type: ignore[no-any-return]
+
+
+@overload
+def cos(value: SupportsFloat) -> float: ...
+@overload
+def cos(value: Formula | SupportsFloat) -> Formula | float: ...
+def cos(value: Formula | SupportsFloat) -> Formula | float:
+    """The cosine of an angle in radians."""
+    return called("cos", value)  # type: ignore[no-any-return]
+
+
+@overload
+def tan(value: SupportsFloat) -> float: ...
+@overload
+def tan(value: Formula | SupportsFloat) -> Formula | float: ...
+def tan(value: Formula | SupportsFloat) -> Formula | float:
+    """The tangent of an angle in radians."""
+    return called("tan", value)  # type: ignore[no-any-return]
+
+
+@overload
+def asin(value: SupportsFloat) -> float: ...
+@overload
+def asin(value: Formula | SupportsFloat) -> Formula | float: ...
+def asin(value: Formula | SupportsFloat) -> Formula | float:
+    """The angle of a sine."""
+    return called("asin", value)  # type: ignore[no-any-return]
+
+
+@overload
+def acos(value: SupportsFloat) -> float: ...
+@overload
+def acos(value: Formula | SupportsFloat) -> Formula | float: ...
+def acos(value: Formula | SupportsFloat) -> Formula | float:
+    """The angle of a cosine."""
+    return called("acos", value)  # type: ignore[no-any-return]
+
+
+@overload
+def atan(value: SupportsFloat) -> float: ...
+@overload
+def atan(value: Formula | SupportsFloat) -> Formula | float: ...
+def atan(value: Formula | SupportsFloat) -> Formula | float:
+    """The angle of a tangent."""
+    return called("atan", value)  # type: ignore[no-any-return]
+
+
+@overload
+def floor(value: SupportsFloat) -> float: ...
+@overload
+def floor(value: Formula | SupportsFloat) -> Formula | float: ...
+def floor(value: Formula | SupportsFloat) -> Formula | float:
+    """The largest whole number that is not above."""
+    return called("floor", value)  # type: ignore[no-any-return]
+
+
+@overload
+def ceil(value: SupportsFloat) -> float: ...
+@overload
+def ceil(value: Formula | SupportsFloat) -> Formula | float: ...
+def ceil(value: Formula | SupportsFloat) -> Formula | float:
+    """The smallest whole number that is not below."""
+    return called("ceil", value)  # type: ignore[no-any-return]
+
+
+@overload
+def radians(value: SupportsFloat) -> float: ...
+@overload
+def radians(value: Formula | SupportsFloat) -> Formula | float: ...
+def radians(value: Formula | SupportsFloat) -> Formula | float:
+    """An angle given in degrees."""
+    return called("radians", value)  # type: ignore[no-any-return]
+
+
+@overload
+def atan2(y: SupportsFloat, x: SupportsFloat) -> float: ...
+@overload
+def atan2(y: Formula | SupportsFloat, x: Formula | SupportsFloat) -> Formula | float: ...
+def atan2(y: Formula | SupportsFloat, x: Formula | SupportsFloat) -> Formula | float:
+    """The angle of a point."""
+    return called("atan2", y, x)  # type: ignore[no-any-return]
+
+
+@overload
+def minimum(a: SupportsFloat, b: SupportsFloat) -> float: ...
+@overload
+def minimum(a: Formula | SupportsFloat, b: Formula | SupportsFloat) -> Formula | float: ...
+def minimum(a: Formula | SupportsFloat, b: Formula | SupportsFloat) -> Formula | float:
+    """The smaller of two."""
+    return called("minimum", a, b)  # type: ignore[no-any-return]
+
+
+@overload
+def maximum(a: SupportsFloat, b: SupportsFloat) -> float: ...
+@overload
+def maximum(a: Formula | SupportsFloat, b: Formula | SupportsFloat) -> Formula | float: ...
+def maximum(a: Formula | SupportsFloat, b: Formula | SupportsFloat) -> Formula | float:
+    """The larger of two."""
+    return called("maximum", a, b)  # type: ignore[no-any-return]

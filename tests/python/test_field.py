@@ -1,0 +1,110 @@
+"""Fields: the language of shape scripts in Python, functions of points, and what can be asked of a field."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import chordal
+from chordal import _chordal
+
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.star"))
+POINTS = np.random.default_rng(4).uniform(-3, 3, (500, 3))
+
+
+def in_python(text: str) -> chordal.Field:
+    """What the last expression of a text is after `from chordal import *`."""
+    names: dict[str, object] = {}
+    exec("from chordal import *", names)
+    tree = ast.parse(text)
+    last = tree.body.pop()
+    assert isinstance(last, ast.Expr)
+    exec(compile(tree, "script", "exec"), names)
+    found = eval(compile(ast.Expression(last.value), "script", "eval"), names)
+    assert isinstance(found, chordal.Field)
+    return found
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_examples_are_the_same_in_starlark_and_in_python(path: Path) -> None:
+    text = path.read_text()
+    one, two = chordal.script(text), in_python(text)
+    assert one(POINTS).tobytes() == two(POINTS).tobytes()
+    assert (one.distance, one.bounds) == (two.distance, two.bounds)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "sphere(7 // 2 + 7 % 4 - -7 // 2 + 1 / 3)",
+        "field(2 * x - 3 / (y + 1) + abs(z) * -x)",
+        "displace(sphere(1), sin(9 * x) * cos(9 * y) / 10, 0.1)",
+        "union([rotate_z(move(box(1, 2, 3), 2 * k, 0), 10 * k) for k in range(5)])",
+        "twist(stretch(torus(2, 0.5), 1, 2), 30) & plane([1, 1, 1], offset=0.5)",
+        "field(maximum(minimum(x, y), atan2(z, x)) - sqrt(x * x) + floor(y) - ceil(z) + exp(x) - log(3))",
+        "mirror(capsule((0, 0, 0), [1, 1, 1], 0.3), 1, 0) | repeat(sphere(0.2), x=1, nx=3)",
+    ],
+)
+def test_texts_are_the_same_in_starlark_and_in_python(text: str) -> None:
+    assert chordal.script(text)(POINTS).tobytes() == in_python(text)(POINTS).tobytes()
+
+
+def test_every_function_of_the_language_is_there_with_its_arguments() -> None:
+    for name, usage, _, _ in _chordal.language():
+        function = getattr(chordal, name)
+        assert name in chordal.__all__
+        if name == "field":
+            continue
+        shown = [str(p).split(":")[0] for p in inspect.signature(function).parameters.values()]
+        assert usage.replace(name, "", 1).split("=")[0] == f"({', '.join(shown)})".split("=")[0]
+
+
+def test_a_function_of_points_is_called_with_many_at_once() -> None:
+    sizes: list[int] = []
+
+    def ball(points: np.ndarray) -> np.ndarray:
+        sizes.append(len(points))
+        assert points.dtype == np.float64
+        return np.linalg.norm(points, axis=1) - 1
+
+    field = chordal.field(ball, bounds=((-1, -1, -1), (1, 1, 1)), lipschitz=1)
+    many = np.zeros((200_000, 3))
+    assert (field(many) == -1).all()
+    assert min(sizes) >= 1 << 16 or len(sizes) == 1
+    assert (field.evidence, field.distance) == ("proved-if", ("lower bound", "lower bound"))
+    assert "changes by no more than 1" in field.assumptions[0]
+    assert chordal.field(ball).evidence == "measured"
+    both = field - chordal.box(1, 1, 9)
+    assert both([[0, 0, 0], [0.75, 0, 0]]).tolist() == [0.5, -0.25]
+    assert np.allclose(field.gradient([[3, 0, 0]]), [[1, 0, 0]], atol=1e-6)
+
+
+def test_what_a_function_raises_comes_back_as_it_is() -> None:
+    class Mine(Exception):
+        pass
+
+    def broken(points: np.ndarray) -> np.ndarray:
+        raise Mine("no")
+
+    with pytest.raises(Mine, match="no"):
+        (chordal.field(broken) | chordal.sphere(1))(POINTS)
+    with pytest.raises(ValueError, match="gave back"):
+        chordal.field(lambda points: points)(POINTS)
+
+
+def test_what_is_wrong_is_said() -> None:
+    with pytest.raises(ValueError, match=r"box\(\) needs a number for 'z', not a shape"):
+        chordal.box(1, 2, chordal.sphere(1))  # type: ignore[arg-type]
+    with pytest.raises(TypeError):
+        chordal.sphere(1) | 2  # type: ignore[operator]
+    with pytest.raises(chordal.ReadError, match="line 2, column 1"):
+        chordal.script("a = 1\nbox(1, 2)")
+    with pytest.raises(chordal.ReadError, match="no parameter 'q'"):
+        chordal.script("sphere(param('r', 1))", q=2)
+    with pytest.raises(ValueError, match="rows of 3"):
+        chordal.sphere(1)([[1, 2]])
+    assert chordal.script("sphere(param('r', 1))", r=2)([[0, 0, 0]]).tolist() == [-2]
