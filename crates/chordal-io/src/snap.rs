@@ -62,7 +62,8 @@ pub fn snap(mesh: &Mesh, format: Format) -> Result<Snapped, TooWide> {
         | Format::Vm
         | Format::Npy
         | Format::Nrrd
-        | Format::Nii | Format::Star => {
+        | Format::Nii
+        | Format::Star => {
             return Ok(Snapped { mesh: mesh.clone(), origin: [0.0; 3], moved_at_most: 0.0 });
         }
         Format::Stl => [0.0; 3],

@@ -25,7 +25,8 @@ pub fn write(
         | Format::Vm
         | Format::Npy
         | Format::Nrrd
-        | Format::Nii | Format::Star => Err(WriteError::Unsupported(format!("{format} holds no triangles"))),
+        | Format::Nii
+        | Format::Star => Err(WriteError::Unsupported(format!("{format} holds no triangles"))),
     }
 }
 
@@ -51,6 +52,7 @@ pub fn write_polylines(
         | Format::Vm
         | Format::Npy
         | Format::Nrrd
-        | Format::Nii | Format::Star => Err(WriteError::Unsupported(format!("{format} holds no polylines"))),
+        | Format::Nii
+        | Format::Star => Err(WriteError::Unsupported(format!("{format} holds no polylines"))),
     }
 }

@@ -66,8 +66,10 @@ pub fn topology(format: Format) -> Topology {
         | Format::Teaset
         | Format::Json
         | Format::Svg
-        | Format::Vm        | Format::Npy
+        | Format::Vm
+        | Format::Npy
         | Format::Nrrd
-        | Format::Nii | Format::Star => Topology::Indices,
+        | Format::Nii
+        | Format::Star => Topology::Indices,
     }
 }

@@ -114,7 +114,8 @@ pub(crate) fn finite(implicit: &Implicit) -> Result<Field, MeshFailure> {
         return Err(refused(Code::Empty, "there is no surface: nothing of the shape is within its box"));
     }
     if !bounds.diagonal().is_finite() {
-        let message = "the shape has no end in some direction: --region \"-1,-1,-1 1,1,1\" cuts it off at a box";
+        let message =
+            "the shape has no end in some direction: --region \"-1,-1,-1 1,1,1\" cuts it off at a box";
         return Err(refused(Code::Unsupported, message));
     }
     Ok(field)

@@ -3,7 +3,9 @@ use crate::placed::{self, Placed};
 use crate::polylines::{self, Asked};
 use crate::report::{BoundFacts, BudgetFacts, Certificate, Counted, Output};
 use crate::written::as_written;
-use crate::{implicit, BudgetSpec, Input, MeshFailure, Shape, filled, formats, surfaces, write, write_polylines};
+use crate::{
+    BudgetSpec, Input, MeshFailure, Shape, filled, formats, implicit, surfaces, write, write_polylines,
+};
 use chordal::budget::{Bound, Budget, Code, Failure, PixelBudget, Pixels, Reference, Refusal, Tolerance};
 use chordal::math::{Box3, add_up, sub_down};
 use chordal::{Bounded, Job, Mesh, Patch, convert};

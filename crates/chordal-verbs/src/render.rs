@@ -1,8 +1,8 @@
 //! `render`: a picture of any shape; smooth shapes are meshed first, finely enough for it, fields are drawn as they are.
+use crate::Implicit;
 use crate::deviation::Pair;
 use crate::filled::Filling;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OutputFacts};
-use crate::Implicit;
 use crate::{BudgetSpec, Input, MeshFailure, Shape, placed};
 use chordal::budget::{Camera, Code, Failure, Length, Pixels, Projection, Refusal, Screen, Stopped, View};
 use chordal::check::Goal;

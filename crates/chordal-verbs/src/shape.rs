@@ -1,6 +1,6 @@
 //! `Shape`: anything that a verb can be applied to, in its frame.
-use crate::{Sampled, SurfaceSpec};
 use crate::implicit::Implicit;
+use crate::{Sampled, SurfaceSpec};
 use chordal::Patch;
 use chordal::explicit::{Curve, Piece};
 use chordal::math::{Box3, add_up, mul_down, mul_up, sqrt_down, sub_down};

@@ -30,9 +30,11 @@ pub(crate) fn as_written(mut scene: Scene, to: Format) -> Result<Scene, WriteErr
         | Format::Teaset
         | Format::Json
         | Format::Svg
-        | Format::Vm        | Format::Npy
+        | Format::Vm
+        | Format::Npy
         | Format::Nrrd
-        | Format::Nii | Format::Star => {}
+        | Format::Nii
+        | Format::Star => {}
     }
     Ok(scene)
 }

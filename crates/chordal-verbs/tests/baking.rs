@@ -1,7 +1,7 @@
 //! Baking the corpus: no wrong sign on closed meshes by a vote of rays, and distances as a plain loop finds them.
 mod common;
 
-use chordal::convert::{mesh_to_grid, mesh_to_field};
+use chordal::convert::{mesh_to_field, mesh_to_grid};
 use chordal::{Job, Mesh};
 use chordal_verbs::{Hint, Shape, load};
 
@@ -49,7 +49,8 @@ fn no_sign_of_a_closed_mesh_is_wrong() {
     for path in common::files(400_000) {
         let bytes = std::fs::read(&path).unwrap();
         let name = path.to_string_lossy();
-        let Ok(input) = load(&bytes, Hint { name: Some(&name), ..Hint::default() }, &Default::default()) else {
+        let Ok(input) = load(&bytes, Hint { name: Some(&name), ..Hint::default() }, &Default::default())
+        else {
             continue;
         };
         let Shape::Scene(scene) = &input.shape else { continue };
@@ -88,7 +89,8 @@ fn no_sign_of_a_closed_mesh_is_wrong() {
 /// The whole of a scan with holes: said, and not refused.
 #[test]
 fn a_scan_with_holes_is_no_solid() {
-    let Some(path) = common::files(400_000).into_iter().find(|path| path.ends_with("cube_no_bottom.obj")) else {
+    let Some(path) = common::files(400_000).into_iter().find(|path| path.ends_with("cube_no_bottom.obj"))
+    else {
         return;
     };
     let bytes = std::fs::read(&path).unwrap();

@@ -33,7 +33,7 @@ pub fn field_to_grid(
     job: &Job,
 ) -> Result<Grid, Stopped> {
     let refused = |code, message: String| Stopped::Refused(Refusal { code, message });
-    if let Some(width) = band.filter(|width| !(*width > 0.0)) {
+    if let Some(width) = band.filter(|width| width.is_nan() || *width <= 0.0) {
         return Err(refused(Code::Budget, format!("the band is {width}, and must be above 0")));
     }
     let bytes = 8 * lattice.len() as u64;

@@ -52,8 +52,8 @@ const CROOKED: f64 = 1e-12;
 pub(super) fn crossed(tape: &Tape, boxes: &[Box3]) -> Result<Vec<bool>, LeafError> {
     let mut ranges = vec![Interval::UNKNOWN; boxes.len()];
     tape.over(boxes, &mut ranges)?;
-    // No value counts as outside, so only what is defined and negative is inside for sure.
-    Ok(ranges.iter().map(|range| !(range.lo() >= 0.0 || range.hi() < 0.0 && range.is_defined())).collect())
+    // Where a part of the expression has no value the range says nothing, and no value counts as outside.
+    Ok(ranges.iter().map(|range| !(range.is_defined() && (range.lo() >= 0.0 || range.hi() < 0.0))).collect())
 }
 
 /// Looks at every box.
@@ -129,7 +129,7 @@ struct Column<'a> {
 impl Column<'_> {
     fn look(&self, target: &Target) -> Found {
         let range = self.slope.value;
-        if range.lo() >= 0.0 || range.hi() < 0.0 && range.is_defined() {
+        if range.is_defined() && (range.lo() >= 0.0 || range.hi() < 0.0) {
             return Found::Nothing;
         }
         if !is_lipschitz(self.slope) || !self.value.is_defined() {
@@ -143,7 +143,7 @@ impl Column<'_> {
         });
         let steps = growth.steps_for(strays);
         let near = mul_up(steps, growth.length);
-        if !(near <= target.enough) {
+        if near > target.enough || near.is_nan() {
             return Found::Open;
         }
         match self.height(&growth, steps) {

@@ -223,7 +223,7 @@ fn is_inside(range: Interval) -> bool {
 }
 
 fn is_outside(range: Interval) -> bool {
-    range.lo() >= 0.0
+    range.is_defined() && range.lo() >= 0.0
 }
 
 /// Of length 1 up to rounding; along z where there is no direction.

@@ -29,7 +29,8 @@ pub(super) fn measured(
         let mut values = vec![0.0; middles.len()];
         tape.at(&middles, &mut values).map_err(failed)?;
         for ((bracket, middle), value) in brackets.iter_mut().zip(&middles).zip(&values) {
-            bracket[usize::from(!(*value < 0.0))] = *middle;
+            let inside = *value < 0.0;
+            bracket[usize::from(!inside)] = *middle;
         }
     }
     let mut worst =

@@ -319,7 +319,9 @@ impl Search<'_> {
         let mut values = vec![Interval::UNKNOWN; points.len()];
         self.tape.over(&points, &mut values).map_err(failed)?;
         let changes = |values: &[Interval]| {
-            values.iter().any(|v| v.hi() < 0.0 && v.is_defined()) && values.iter().any(|v| v.lo() >= 0.0)
+            values.iter().all(|v| v.is_defined())
+                && values.iter().any(|v| v.hi() < 0.0)
+                && values.iter().any(|v| v.lo() >= 0.0)
         };
         let sure = far.iter().zip(values.chunks_exact(8)).find(|(_, values)| changes(values));
         Ok(sure.map_or(0.0, |((least, _), _)| *least))

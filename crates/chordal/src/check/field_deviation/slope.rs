@@ -54,7 +54,7 @@ impl Growth {
         }
         let middle = slope.gradient.map(|d| d.midpoint().unwrap_or(0.0));
         let size = middle.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
-        if !(size > 0.0) {
+        if size <= 0.0 {
             return None;
         }
         let scaled = middle.map(|x| x / size);

@@ -52,11 +52,11 @@ fn split(group: &Group, lattice: &Lattice, size: u32, parts: u32) -> Result<Vec<
     let boxes: Vec<Box3> = cubes.iter().map(|cube| lattice.bounds(*cube, size)).collect();
     let mut ranges = vec![Interval::UNKNOWN; boxes.len()];
     group.tape.over(&boxes, &mut ranges)?;
-    // Where there may be no value, which is outside, only values that are not negative have one sign. Points in the
-    // border of the lattice count as outside whatever they are.
+    // Where a part of the expression has no value the range says nothing. Points in the border of the lattice count as
+    // outside whatever they are.
     let within = |k: usize| (0..3).all(|a| cubes[k][a] > 0 && cubes[k][a] + size < lattice.bricks[a]);
     let met = |k: &usize| {
-        !(ranges[*k].lo() >= 0.0 || ranges[*k].hi() < 0.0 && ranges[*k].is_defined() && within(*k))
+        !(ranges[*k].is_defined() && (ranges[*k].lo() >= 0.0 || ranges[*k].hi() < 0.0 && within(*k)))
     };
     let met: Vec<usize> = (0..cubes.len()).filter(met).collect();
     if group.tape.has_leaves() {

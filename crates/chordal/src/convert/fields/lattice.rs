@@ -23,8 +23,8 @@ impl Lattice {
     /// Cubes of side `step` that cover the box with one more all around; `None` where there would be too many to count.
     pub fn over(bounds: &Box3, step: f64) -> Option<Self> {
         let mut lattice = Self { origin: [0.0; 3], step, bricks: [0; 3] };
-        for k in 0..3 {
-            lattice.origin[k] = bounds.min[k] - step * (1.0 + ASIDE[k]);
+        for (k, aside) in ASIDE.into_iter().enumerate() {
+            lattice.origin[k] = bounds.min[k] - step * (1.0 + aside);
             let cells = (bounds.max[k] - lattice.origin[k]) / step + 2.0;
             let bricks = (cells / BRICK as f64).ceil();
             // Far below the numbers at which places between neighbours would be no place.

@@ -177,7 +177,8 @@ impl Search<'_> {
             let ends = [-1.0, 1.0].map(|side| std::array::from_fn(|k| x[k] + side * width * n[k]));
             let mut values = [0.0; 2];
             tape.at(&ends, &mut values)?;
-            if values[0] < 0.0 && !(values[1] < 0.0) {
+            let inside = [values[0] < 0.0, values[1] < 0.0];
+            if inside == [true, false] {
                 return self.keep(ends, best);
             }
             width *= 4.0;

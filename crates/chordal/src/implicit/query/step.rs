@@ -108,7 +108,7 @@ impl Walker {
             from = if near > from { near } else { from };
             to = if far < to { far } else { to };
         }
-        if !(from <= to) {
+        if from > to || from.is_nan() || to.is_nan() {
             return None;
         }
         let start = along(beam.origin, direction, from);
@@ -185,7 +185,7 @@ impl Walker {
 
     /// A value that is nothing is outside, whichever side the beam is on.
     fn crosses(&self, value: f64) -> bool {
-        if self.side > 0.0 { value < 0.0 } else { !(value > 0.0) }
+        if self.side > 0.0 { value < 0.0 } else { value <= 0.0 || value.is_nan() }
     }
 
     fn ask(&mut self, state: State, at: f64) {
@@ -238,7 +238,7 @@ impl Walker {
             if self.has_word(cells) && value > back {
                 back = value;
             }
-            if !(reach + back >= stride) {
+            if reach + back < stride || (reach + back).is_nan() {
                 if long {
                     return self.step(cells, [retreat, reach], false);
                 }
@@ -405,9 +405,9 @@ impl Walker {
     /// Where it leaves a room and so many around it.
     fn exit_room(&self, at: [u32; 3], more: f64) -> f64 {
         let mut exit = f64::INFINITY;
-        for k in 0..3 {
+        for (k, at) in at.into_iter().enumerate() {
             let up = f64::from(u8::from(self.per_room[k] > 0.0));
-            let face = f64::from(at[k]) + up + (2.0 * up - 1.0) * more;
+            let face = f64::from(at) + up + (2.0 * up - 1.0) * more;
             let t = (face - self.in_rooms[0][k]) * self.per_room[k];
             exit = if t < exit { t } else { exit };
         }
