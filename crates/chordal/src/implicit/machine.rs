@@ -18,17 +18,11 @@ pub(super) struct Run<'a, N: Lane, F, G> {
 }
 
 impl<N: Lane, F: Fn(usize, usize) -> N, G: FnMut(usize, usize, N)> Run<'_, N, F, G> {
-    /// Runs it on the processor's best instruction set.
-    pub(super) fn dispatch(self) {
-        simd::dispatch(simd::isa(), self);
-    }
-}
-
-impl<N: Lane, F: Fn(usize, usize) -> N, G: FnMut(usize, usize, N)> Kernel for Run<'_, N, F, G> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(mut self) {
+    /// Runs it, the steps on the processor's best instruction set.
+    ///
+    /// Inputs and outputs stay outside of what is compiled for each set: the steps then know of no closure, and there is
+    /// one copy of them for each kind of number and not one for each way of asking.
+    pub(super) fn dispatch(mut self) {
         let program = self.program;
         let mut machine = Machine::<N>::new(program);
         let mut start = 0;
@@ -60,9 +54,7 @@ impl<N: Lane, F: Fn(usize, usize) -> N, G: FnMut(usize, usize, N)> Kernel for Ru
                     }
                 }
             }
-            for step in &program.steps {
-                machine.step(n, step, &mut claims);
-            }
+            simd::dispatch(simd::isa(), Steps { program, n, machine: &mut machine, claims: &mut claims });
             for (k, output) in program.outputs.iter().enumerate() {
                 let block = machine.operand(*output);
                 for at in 0..n {
@@ -70,6 +62,25 @@ impl<N: Lane, F: Fn(usize, usize) -> N, G: FnMut(usize, usize, N)> Kernel for Ru
                 }
             }
             start += n;
+        }
+    }
+}
+
+/// The steps of a program over one block.
+struct Steps<'a, N: Lane> {
+    program: &'a Program,
+    n: usize,
+    machine: &'a mut Machine<N>,
+    claims: &'a mut Claims,
+}
+
+impl<N: Lane> Kernel for Steps<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for step in &self.program.steps {
+            self.machine.step(self.n, step, self.claims);
         }
     }
 }
