@@ -14,8 +14,7 @@ pub fn forward(mesh: &Soup, shape: &Shape, random: &mut Random) -> f64 {
     for t in mesh {
         let mut see = |w: [f64; 3]| {
             let sum = w[0] + w[1] + w[2];
-            let p: Point =
-                std::array::from_fn(|k| (w[0] * t[0][k] + w[1] * t[1][k] + w[2] * t[2][k]) / sum);
+            let p: Point = std::array::from_fn(|k| (w[0] * t[0][k] + w[1] * t[1][k] + w[2] * t[2][k]) / sum);
             most = most.max((shape.own)(p).abs() / shape.slope);
         };
         for i in 0..=3 {
@@ -60,7 +59,8 @@ pub fn backward(points: &[Point], mesh: &Soup) -> f64 {
 
 /// Closed, each edge used once each way, and the volume inside positive.
 pub fn is_good(mesh: &Mesh) -> Result<(), String> {
-    let mut edges: Vec<[u32; 2]> = mesh.faces().iter().flat_map(|f| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]]).collect();
+    let mut edges: Vec<[u32; 2]> =
+        mesh.faces().iter().flat_map(|f| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]]).collect();
     edges.sort_unstable();
     if edges.windows(2).any(|pair| pair[0] == pair[1]) {
         return Err("an edge is used twice the same way".into());
@@ -71,7 +71,9 @@ pub fn is_good(mesh: &Mesh) -> Result<(), String> {
     let volume: f64 = soup_of(mesh)
         .iter()
         .map(|[a, b, c]| {
-            a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+            a[0] * (b[1] * c[2] - b[2] * c[1])
+                + a[1] * (b[2] * c[0] - b[0] * c[2])
+                + a[2] * (b[0] * c[1] - b[1] * c[0])
         })
         .sum();
     if volume > 0.0 { Ok(()) } else { Err(format!("the volume is {volume}")) }

@@ -30,7 +30,9 @@ pub enum Node {
 impl Node {
     pub fn own(&self, p: Point) -> f64 {
         match self {
-            Self::Ball(c, r) => ((p[0] - c[0]).powi(2) + (p[1] - c[1]).powi(2) + (p[2] - c[2]).powi(2)).sqrt() - r,
+            Self::Ball(c, r) => {
+                ((p[0] - c[0]).powi(2) + (p[1] - c[1]).powi(2) + (p[2] - c[2]).powi(2)).sqrt() - r
+            }
             Self::Planes(all) => all
                 .iter()
                 .map(|(n, d)| n[0] * p[0] + n[1] * p[1] + n[2] * p[2] - d)
