@@ -99,13 +99,13 @@ fn by_distance(bounds: &Box3, target: &Target) -> Found {
 pub(super) fn distance_of(bounds: &Box3, target: &Target) -> f64 {
     let middle = target.bvh.closest_distance_up(bounds.centre()).unwrap_or(f64::INFINITY);
     // The middle is rounded: it is off by less than two steps of the largest coordinate in each direction.
-    add_up(middle, add_up(0.5 * bounds.diagonal(), 4.0 * f64::EPSILON * reach(bounds)))
+    add_up(middle, add_up(mul_up(0.5, bounds.diagonal()), mul_up(4.0 * f64::EPSILON, reach(bounds))))
 }
 
 /// How far every point of the box is from the mesh at least.
 pub(super) fn at_least(bounds: &Box3, target: &Target) -> f64 {
     let middle = target.bvh.closest_distance_down(bounds.centre()).unwrap_or(0.0);
-    sub_down(middle, add_up(0.5 * bounds.diagonal(), 4.0 * f64::EPSILON * reach(bounds)))
+    sub_down(middle, add_up(mul_up(0.5, bounds.diagonal()), mul_up(4.0 * f64::EPSILON, reach(bounds))))
 }
 
 fn reach(bounds: &Box3) -> f64 {

@@ -4,7 +4,7 @@
 //! gradients in G, and grow along a direction n at a rate of g > 0. By the mean value theorem every point q of the piece
 //! has `F(q) ∈ F(c) + G·(q − c)`, which is linear in q and so largest at a corner; δ is the largest |F| that is left. From
 //! q one reaches a change of sign within δ/g along n, forwards or backwards, which is a point of ∂{F < 0}; the way there
-//! lies in E as long as δ/g ≤ reach.
+//! lies in E as long as δ/g ≤ reach, less what q is off the piece.
 //!
 //! Where a field has no rate (ridges that meet, places where it stands still), two points of opposite signs do: the straight
 //! way between them crosses the boundary, so no point of the piece is farther from it than from the farther of the two.
@@ -152,7 +152,8 @@ fn judge(piece: &Piece, slope: &Slope<Interval>, value: Interval) -> Known {
     let steps = growth.steps_for(known.strays);
     let far = mul_up(steps, growth.length);
     known.seems = far;
-    if far <= piece.reach {
+    // The points of the triangle are off those of the piece by the slack, and so is the end of the way.
+    if add_up(far, slack) <= piece.reach {
         known.at_most = far;
     } else if far < 4.0 * piece.reach && piece.cuts < 4 {
         known.wants = Some(1.25 * far);

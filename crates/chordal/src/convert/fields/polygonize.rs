@@ -71,14 +71,22 @@ pub(super) fn polygonize(tape: &Tape, lattice: &Lattice, job: &Job) -> Result<Me
         (0..bricks.len()).step_by(16).map(|start| start..(start + 16).min(bricks.len())).collect();
     let faces = par_map(job, &runs, |_, run| {
         let mut faces = Vec::new();
-        run.clone().for_each(|k| triangles(&bricks, k, &mut faces));
-        faces
+        run.clone().try_for_each(|k| triangles(&bricks, k, &mut faces))?;
+        Some(faces)
     });
-    let faces = faces.concat();
+    let faces: Option<Vec<Vec<[u32; 3]>>> = faces.into_iter().collect();
+    let faces = faces.ok_or_else(contradiction)?.concat();
     let mut positions = Vec::with_capacity(n_vertices);
     bricks.iter().for_each(|brick| positions.extend_from_slice(&brick.vertices));
     Ok(Mesh::new(positions, faces)
         .expect("vertices lie between finite points, and every crossed edge has one"))
+}
+
+/// What is wrong when two bricks disagree about a face that they share: only what a leaf says can make them.
+fn contradiction() -> Halt {
+    let message = "a leaf contradicts itself: a value lies outside of the range that it gave for a box around the point, \
+                   or two calls gave different values for one point";
+    Halt::Leaf(LeafError::new(message))
 }
 
 /// Along z, then y, then x.
@@ -264,8 +272,8 @@ fn narrow(edge: &mut Edge, stayed: &mut u8, point: [f64; 3], value: f64) {
     }
 }
 
-/// The triangles of the cells of one brick.
-fn triangles(bricks: &[Brick], number: usize, faces: &mut Vec<[u32; 3]>) {
+/// The triangles of the cells of one brick; `None` where a neighbour knows nothing of a crossing.
+fn triangles(bricks: &[Brick], number: usize, faces: &mut Vec<[u32; 3]>) -> Option<()> {
     let brick = &bricks[number];
     let neighbours: [Option<&Brick>; 8] = std::array::from_fn(|n| {
         let offset = [n & 1, n >> 1 & 1, n >> 2];
@@ -287,22 +295,28 @@ fn triangles(bricks: &[Brick], number: usize, faces: &mut Vec<[u32; 3]>) {
         }
         let case = &TABLE.upright[usize::from(signs)];
         for triangle in &case.corners[..usize::from(case.triangles)] {
-            faces.push(triangle.map(|edge| vertex(&neighbours, corner, usize::from(edge))));
+            let [a, b, c] = triangle.map(|edge| vertex(&neighbours, corner, usize::from(edge)));
+            faces.push([a?, b?, c?]);
         }
     }
+    Some(())
 }
 
-/// The number of the vertex on an edge of a cell.
-fn vertex(neighbours: &[Option<&Brick>; 8], corner: [usize; 3], edge: usize) -> u32 {
+/// The number of the vertex on an edge of a cell. A brick with a change of sign on its face is there, with the crossing,
+/// unless a leaf contradicts itself.
+fn vertex(neighbours: &[Option<&Brick>; 8], corner: [usize; 3], edge: usize) -> Option<u32> {
     let low = usize::from(EDGES[edge][0]);
     let axis = edge / 4;
     let start: [usize; 3] = std::array::from_fn(|k| corner[k] + (low >> k & 1));
     let beyond = (0..3).fold(0, |all, k| all | usize::from(start[k] == BRICK) << k);
-    let brick = neighbours[beyond].expect("a brick with a change of sign on its face is there");
+    let brick = neighbours[beyond]?;
     let n = cell(start.map(|i| i % BRICK));
     let before = |axis: usize| brick.crossings[axis].iter().map(|word| word.count_ones()).sum::<u32>();
     let crossings = &brick.crossings[axis];
+    if crossings[n / 64] >> (n % 64) & 1 == 0 {
+        return None;
+    }
     let rank: u32 = crossings[..n / 64].iter().map(|word| word.count_ones()).sum::<u32>()
         + (crossings[n / 64] & ((1 << (n % 64)) - 1)).count_ones();
-    brick.first + (0..axis).map(before).sum::<u32>() + rank
+    Some(brick.first + (0..axis).map(before).sum::<u32>() + rank)
 }

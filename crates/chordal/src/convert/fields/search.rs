@@ -29,6 +29,13 @@ const AIM: f64 = 0.8;
 /// Meshes tried and proved at most.
 const TRIALS: usize = 8;
 
+/// About 36 bytes a triangle for the mesh, and 90 for the tree that the proof looks things up in, with room.
+const BYTES_A_TRIANGLE: u64 = 200;
+/// The step shrinks to this share of itself at least where it has to shrink.
+const SLOWEST: f64 = 0.9;
+/// So many finer trials in a row without a smaller error are enough.
+const STUCK: u32 = 3;
+
 type Outcome = Result<Bounded<Mesh>, Failure<Mesh>>;
 
 /// A mesh within what is wanted, or the best.
@@ -153,10 +160,14 @@ impl Search<'_> {
             }
             trial = next;
         }
-        while trial.error > aim {
-            let step = trial.step * shrink(aim / trial.error, power);
+        // Where the field jumps the error stays whatever the step; the proof has the last word on that.
+        let mut stuck = 0;
+        while trial.error > aim && stuck < STUCK {
+            let factor = shrink(aim / trial.error, power);
+            let step = trial.step * if factor > SLOWEST { SLOWEST } else { factor };
             self.affordable(&trial, step)?;
             let next = self.trial(step)?;
+            stuck = if next.error > SLOWEST * trial.error { stuck + 1 } else { 0 };
             power = fitted(&trial, &next);
             trial = next;
         }
@@ -212,8 +223,7 @@ impl Search<'_> {
         let ratio = trial.step / step;
         let needs = trial.mesh.faces().len() as f64 * ratio * ratio;
         let limit = self.job.triangle_limit as f64;
-        // About 36 bytes a triangle for the mesh, and 90 for the tree that the proof looks things up in.
-        let bytes = 200.0 * needs;
+        let bytes = BYTES_A_TRIANGLE as f64 * needs;
         if needs > limit {
             let message = format!("the budget needs about {needs:.1e} triangles; the limit is {limit:.1e}");
             return Err(Failure::refused(Code::TooManyTriangles, message));
@@ -230,6 +240,9 @@ impl Search<'_> {
 
     /// The finest lattice found whose triangles are no more than that.
     fn by_count(&self, first: Trial, most: u64) -> Outcome {
+        // More than the job holds are not looked for.
+        let bytes = self.job.memory_limit / BYTES_A_TRIANGLE;
+        let most = most.min(self.job.triangle_limit).min(bytes);
         let mut fits: Option<Trial> = None;
         let mut trial = first;
         for _ in 0..TRIALS {

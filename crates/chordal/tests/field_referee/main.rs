@@ -1,0 +1,124 @@
+//! The referee of fields and their meshes: measures with functions of its own, and shares no code with the evaluator or
+//! the distances of the library. `CHORDAL_LONG=1` makes it look at ten times as many trees.
+mod damaged;
+mod hostile;
+mod measure;
+#[allow(dead_code, reason = "the referee of curves uses all of it")]
+#[path = "../curve_referee/random.rs"]
+mod random;
+mod same;
+#[allow(dead_code, reason = "the referee of deviations uses all of it")]
+#[path = "../deviation_referee/sampler.rs"]
+mod sampler;
+mod shapes;
+
+use chordal::budget::Evidence;
+use chordal::check::{FieldDeviation, Goal, field_deviation, validity};
+use chordal::convert::field_to_mesh;
+use chordal::explicit::Topology;
+use chordal::{Bounded, Budget, Failure, Job, Mesh, Tolerance};
+use measure::{backward, forward, is_good, soup_of, surface};
+use random::Random;
+use shapes::Shape;
+
+fn budget(length: f64) -> Budget {
+    Budget::length(Tolerance::new(length).expect("a length"))
+}
+
+/// The mesh within a budget, or the best.
+fn made(shape: &Shape, budget: &Budget) -> Bounded<Mesh> {
+    match field_to_mesh(&shape.field, budget, &Job::default()) {
+        Ok(made) => made,
+        Err(Failure::Unmet(best)) => {
+            println!("{}: unmet, {:?}", shape.name, best.bound.at_most());
+            *best
+        }
+        Err(other) => panic!("{}: {other:?}", shape.name),
+    }
+}
+
+/// What the referee's arithmetic may be off by.
+const SLACK: f64 = 1e-12;
+
+/// What of the bound the referee sees; fails where it sees more.
+fn judged(shape: &Shape, mesh: &Mesh, found: &FieldDeviation, random: &mut Random) -> Option<f64> {
+    let most = found.bound.at_most()?;
+    assert_eq!(*found.bound.evidence(), Evidence::Proved, "{}", shape.name);
+    let soup = soup_of(mesh);
+    let (ahead, back) = (forward(&soup, shape, random), backward(&surface(shape, 300, random), &soup));
+    assert!(
+        ahead <= found.forward.at_most + SLACK,
+        "{}: forward {ahead:e} of {:?}",
+        shape.name,
+        found.forward
+    );
+    assert!(
+        back <= found.backward.at_most + SLACK,
+        "{}: backward {back:e} of {:?}",
+        shape.name,
+        found.backward
+    );
+    assert!(found.bound.at_least() <= most, "{}", shape.name);
+    Some(ahead.max(back) / most)
+}
+
+fn deviation(shape: &Shape, mesh: &Mesh, most: Option<f64>) -> FieldDeviation {
+    let goal = Goal { max: most.map(|most| Tolerance::new(most).expect("a length")), ..Goal::default() };
+    field_deviation(mesh, &shape.field, &goal, &Job::default()).expect("a mesh and a field")
+}
+
+fn trees() -> usize {
+    if std::env::var_os("CHORDAL_LONG").is_some_and(|value| value == "1") { 60 } else { 3 }
+}
+
+#[test]
+fn no_point_is_farther_than_proved() {
+    let mut random = Random::new(1);
+    for shape in shapes::all(trees()) {
+        // Takes 170,000 faces for 0.04 about the point where the spheres touch.
+        if shape.name == "touching spheres" && trees() < 60 {
+            continue;
+        }
+        let length = if shape.name == "menger sponge" { 0.1 } else { 0.04 };
+        // A tree may be empty.
+        let made = match field_to_mesh(&shape.field, &budget(length), &Job::default()) {
+            Ok(made) => made,
+            Err(Failure::Refused(_)) if shape.name.starts_with("tree") => {
+                assert!(surface(&shape, 300, &mut random).len() < 300, "{}: there is a surface", shape.name);
+                continue;
+            }
+            Err(Failure::Unmet(best)) => *best,
+            Err(other) => panic!("{}: {other:?}", shape.name),
+        };
+        let most = made.bound.at_most();
+        is_good(&made.shape).unwrap_or_else(|what| panic!("{}: {what}", shape.name));
+        assert!(validity(&made.shape, Topology::Indices).manifold(), "{}", shape.name);
+        let soup = soup_of(&made.shape);
+        let ahead = forward(&soup, &shape, &mut random);
+        let back = backward(&surface(&shape, 300, &mut random), &soup);
+        println!(
+            "{}: {} faces, [{:.4}, {most:?}], seen {ahead:.4} {back:.4}",
+            shape.name,
+            soup.len(),
+            made.bound.at_least()
+        );
+        let most = most.unwrap_or_else(|| panic!("{}: nothing proved", shape.name));
+        assert!(ahead.max(back) <= most + SLACK, "{}: {ahead:e} {back:e} of {most:e}", shape.name);
+    }
+}
+
+#[test]
+fn errors_fall_with_the_square_of_the_cells() {
+    // The torus is not here: 0.02 is reached by cells far coarser than its tube, and takes 27 times fewer faces.
+    for shape in [shapes::sphere()] {
+        let of = |length: f64| {
+            let made = made(&shape, &budget(length));
+            assert!(made.bound.at_most().is_some_and(|most| most <= length), "{}", shape.name);
+            made.shape.faces().len() as f64
+        };
+        // Cells of half the size have four times the triangles, and a quarter of the error.
+        let ratio = of(0.005) / of(0.02);
+        println!("{}: a quarter of the error takes {ratio:.3} times the faces", shape.name);
+        assert!((2.0..8.0).contains(&ratio), "{}: {ratio}", shape.name);
+    }
+}

@@ -1,0 +1,50 @@
+//! The same bytes on any number of threads and with every instruction set.
+use crate::{budget, shapes};
+use chordal::Job;
+use chordal::convert::field_to_mesh;
+
+/// A number for all bytes of the meshes and of their bounds.
+fn digest(threads: usize) -> u64 {
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut add = |bits: u64| {
+        for byte in bits.to_le_bytes() {
+            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+    };
+    for shape in [shapes::torus(), shapes::gyroid()] {
+        let job = Job::default().with_threads(threads);
+        let Ok(made) = field_to_mesh(&shape.field, &budget(0.06), &job) else { continue };
+        made.shape.positions().as_flattened().iter().for_each(|x| add(x.to_bits()));
+        made.shape.faces().as_flattened().iter().for_each(|i| add(u64::from(*i)));
+        add(made.bound.at_least().to_bits());
+        add(made.bound.at_most().expect("proved").to_bits());
+    }
+    hash
+}
+
+#[test]
+fn threads_change_no_byte() {
+    let one = digest(1);
+    assert_eq!([digest(2), digest(3)], [one; 2]);
+}
+
+#[test]
+fn digest_for_another_process() {
+    println!("digest {}", digest(1));
+}
+
+#[test]
+fn instruction_sets_change_no_byte() {
+    let of = |isa: &str| {
+        let exe = std::env::current_exe().expect("this test");
+        let output = std::process::Command::new(exe)
+            .args(["--exact", "same::digest_for_another_process", "--nocapture"])
+            .env("CHORDAL_ISA", isa)
+            .output()
+            .expect("a second process");
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        let at = text.find("digest ").map(|at| text[at + 7..].lines().next().unwrap_or("").to_string());
+        at.unwrap_or_else(|| panic!("no digest in {text}"))
+    };
+    assert_eq!(of("plain"), of("avx2"));
+}
