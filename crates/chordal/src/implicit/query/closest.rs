@@ -165,6 +165,7 @@ impl Search<'_> {
             let next: [f64; 3] = std::array::from_fn(|k| foot[k] + 0.5 * (off[k] - n[k] * up));
             let moved: [f64; 3] = std::array::from_fn(|k| next[k] - x[k]);
             x = next;
+            // A few roundings of a coordinate: it moves no further.
             if dot(moved, moved).sqrt() <= 4.0 * f64::EPSILON * self.cells.size {
                 break;
             }
@@ -199,6 +200,7 @@ impl Search<'_> {
         }
         let far = |p: [f64; 3]| {
             let off: [f64; 3] = std::array::from_fn(|k| p[k] - self.point[k]);
+            // A length has six roundings: up.
             dot(off, off).sqrt() * (1.0 + 8.0 * f64::EPSILON)
         };
         let (to_a, to_b) = (far(a), far(b));
