@@ -80,6 +80,7 @@ struct Step {
 }
 
 /// The expression that follows a name.
+// Names are only looked up: no order depends on the map.
 fn step(words: &mut Line, axes: &[Expr; 3], steps: &mut HashMap<&[u8], Step>) -> Result<Expr, ReadError> {
     let (op, at) = words.expect(|| "an operation after the name".to_owned())?;
     let name = std::str::from_utf8(op).unwrap_or("");

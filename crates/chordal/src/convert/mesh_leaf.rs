@@ -1,8 +1,8 @@
 //! The signed distance to a mesh, as a leaf of fields.
 use crate::budget::{Evidence, Job, Stopped, par_map_owned};
 use crate::explicit::{Bvh, Mesh, Soundings, Whereabouts, nearest_on_triangle};
-use crate::implicit::{Answer, Leaf, LeafError, Lipschitz};
-use crate::math::{Box3, Interval, add_up, difference, length, sub_down};
+use crate::implicit::{Answer, Leaf, LeafError};
+use crate::math::{Box3, Interval, add_up, difference, length, mul_down, mul_up, sqrt_up, sub_down, sub_up};
 
 /// Points in a task: at a microsecond each, worth its start, and few enough to share out evenly.
 const TASK: usize = 1024;
@@ -85,6 +85,7 @@ impl MeshLeaf {
     /// How far the computed distance at `p` may be off.
     fn off(&self, p: [f64; 3]) -> f64 {
         let size = p.iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+        // Far more than the roundings of a point and of its offsets.
         add_up(self.rounding, 64.0 * f64::EPSILON * size)
     }
 
@@ -128,29 +129,41 @@ impl MeshLeaf {
         (gradient, Some(here))
     }
 
+    /// What the distance from `p` is at least and at most, whatever was rounded.
+    fn between(&self, p: [f64; 3], row: u32) -> Option<[f64; 2]> {
+        Some([self.bvh.closest_distance_down(p)?, self.bvh.distance_between(p, row)?[1]])
+    }
+
     /// A range of the gradient in a box, of triangles that may be nearest there.
     ///
     /// The gradient is `±(p − q)/|p − q|` with the nearest point `q` of some triangle, and the offset from the nearest point
     /// of a convex set changes by no more than one moves. A triangle that is nearest for some point of the box is no farther
     /// from the middle than the nearest one there and the box's diameter.
+    ///
+    /// A computed nearest point `q'` lies on the triangle, up to rounding, and not always near `q`: but the angle at `q` is
+    /// not acute, so `|q − q'|² ≤ |p − q'|² − |p − q|²`, of which the last is bounded from below.
     fn slope_over(&self, bounds: &Box3) -> [Interval; 3] {
         let unit = Interval::new(-1.0, 1.0).unwrap_or(Interval::ENTIRE);
         let middle = bounds.centre();
         let off = self.off(middle);
         let radius = add_up(0.5 * bounds.diagonal(), off);
         let Some(here) = self.step(middle, None).filter(|_| radius.is_finite()) else { return [unit; 3] };
-        if here.distance <= add_up(radius, off) {
-            return [unit; 3];
-        }
-        let reach = add_up(here.distance, add_up(2.0 * radius, off));
-        let play = add_up(radius, off);
+        let Some([_, nearest]) = self.bvh.distance_between(middle, here.row) else { return [unit; 3] };
+        let reach = add_up(nearest, 2.0 * radius);
         let mut hull: Option<[Interval; 3]> = None;
-        self.bvh.around(middle, reach, |row| {
-            let offset = self.offset(middle, row);
-            let size = length(offset);
-            if size > reach {
+        let mut touched = false;
+        self.bvh.around(middle, add_up(reach, off), |row| {
+            let [down, _] = self.bvh.distance_between(middle, row).unwrap_or([0.0; 2]);
+            if down > reach {
                 return;
             }
+            touched |= down <= radius;
+            let offset = self.offset(middle, row);
+            let size = length(offset);
+            let most = add_up(size, off);
+            let slack = sub_up(mul_up(most, most), mul_down(down, down));
+            let slide = sqrt_up(if slack > 0.0 { slack } else { 0.0 });
+            let play = add_up(radius, add_up(slide, off));
             let around =
                 |x: f64| Interval::new(sub_down(x, play), add_up(x, play)).unwrap_or(Interval::ENTIRE);
             let sizes = around(size);
@@ -158,7 +171,8 @@ impl MeshLeaf {
                 offset.map(|x| if sizes.lo() > 0.0 { (around(x) / sizes).intersection(unit) } else { unit });
             hull = Some(hull.map_or(part, |all| std::array::from_fn(|k| all[k].hull(part[k]))));
         });
-        let hull = hull.unwrap_or([unit; 3]);
+        // Where a triangle may be in the box, so may both sides.
+        let hull = hull.filter(|_| !touched).unwrap_or([unit; 3]);
         if here.inside { hull.map(|x| -x) } else { hull }
     }
 }
@@ -206,15 +220,15 @@ impl Leaf for MeshLeaf {
                 let middle = bounds.centre();
                 let radius = add_up(0.5 * bounds.diagonal(), self.off(middle));
                 let found = self.step(middle, None).filter(|_| radius.is_finite());
-                *range = found.map_or(Interval::ENTIRE, |here| {
+                let found = found.and_then(|here| Some((here, self.between(middle, here.row)?)));
+                *range = found.map_or(Interval::ENTIRE, |(here, [down, up])| {
                     let reach = Interval::new(-radius, radius).unwrap_or(Interval::ENTIRE);
-                    if closed {
-                        // The signed distance is continuous and changes by no more than one moves.
-                        Interval::point(here.value()) + reach
-                    } else {
-                        let size = Interval::point(here.distance) + reach;
-                        size.hull(-size).undefined()
+                    let size = Interval::new(down, up).unwrap_or(Interval::ENTIRE) + reach;
+                    if !closed {
+                        return size.hull(-size).undefined();
                     }
+                    // The signed distance is continuous and changes by no more than one moves.
+                    if here.inside { -size } else { size }
                 });
             }
         });
@@ -230,10 +244,6 @@ impl Leaf for MeshLeaf {
             boxes.iter().zip(out).for_each(|(bounds, gradient)| *gradient = self.slope_over(bounds));
         });
         Ok(Answer::Given)
-    }
-
-    fn lipschitz(&self) -> Option<Lipschitz> {
-        self.is_closed().then_some(Lipschitz { constant: 1.0, error: self.rounding })
     }
 
     fn evidence(&self) -> Evidence {

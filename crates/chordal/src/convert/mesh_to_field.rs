@@ -111,7 +111,8 @@ impl fmt::Display for Solid {
 /// distance for solids; a bound for closed meshes that go through themselves, whose inner walls are no surface; for
 /// meshes that are not closed only a sign, since sides change where there is no triangle.
 ///
-/// **Ranges** are proved for closed meshes. For others they are, under the promise that the mesh is meant as the
+/// **Ranges** are proved for closed meshes: they hold the true distances, whatever was rounded, and leave room for the
+/// rounding of computed ones. For others they are, under the promise that the mesh is meant as the
 /// winding number takes it, and never claim to be continuous.
 ///
 /// **Cost.** A tree of boxes and moments, the search for self-intersections; about 1 µs a point near others.

@@ -6,9 +6,9 @@ use super::sources::Source;
 use crate::math::{Ends, Interval};
 
 /// A number of which blocks are made.
-pub(super) trait Lane: Source {
+pub(super) trait Lane: Source + 'static {
     /// Where its components are kept, for [`Lane::LANES`] numbers.
-    type Block: Clone;
+    type Block: Clone + 'static;
     /// How many numbers a block has.
     const LANES: usize;
     /// Whether it claims to be defined, and so may lose that claim.

@@ -4,6 +4,8 @@ use super::number::is_periodic;
 use super::op::{Binary, Unary};
 use super::program::{Code, Program, Step};
 use crate::math::simd::{self, Kernel};
+use std::any::Any;
+use std::cell::RefCell;
 
 /// A program with where its inputs come from and where its results go.
 pub(super) struct Run<'a, N: Lane, F, G> {
@@ -24,7 +26,7 @@ impl<N: Lane, F: Fn(usize, usize) -> N, G: FnMut(usize, usize, N)> Run<'_, N, F,
     /// one copy of them for each kind of number and not one for each way of asking.
     pub(super) fn dispatch(mut self) {
         let program = self.program;
-        let mut machine = Machine::<N>::new(program);
+        let mut machine = Machine::<N>::of_thread(program);
         let mut start = 0;
         while start < self.rows {
             let left = self.rows - start;
@@ -63,6 +65,7 @@ impl<N: Lane, F: Fn(usize, usize) -> N, G: FnMut(usize, usize, N)> Run<'_, N, F,
             }
             start += n;
         }
+        machine.give_back();
     }
 }
 
@@ -91,6 +94,14 @@ fn kept<N: Lane>(claims: &Claims, at: usize) -> u64 {
     if N::CLAIMS { claims[at] } else { u64::MAX }
 }
 
+thread_local! {
+    /// One machine of each type of number, while no call uses it.
+    static KEPT: RefCell<Vec<Box<dyn Any>>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Registers that are kept between calls at the most: some megabytes.
+const MOST_KEPT: usize = 1024;
+
 struct Machine<N: Lane> {
     inputs: Vec<N::Block>,
     /// Boxed, so that a result is put in its place by swapping pointers: it may be written where an operand was.
@@ -100,12 +111,29 @@ struct Machine<N: Lane> {
 }
 
 impl<N: Lane> Machine<N> {
-    fn new(program: &Program) -> Self {
-        Self {
-            inputs: vec![N::block(); program.n_inputs],
-            registers: (0..program.n_registers).map(|_| Box::new(N::block())).collect(),
-            spare: Box::new(N::block()),
-            number: Box::new(N::block()),
+    /// The thread's last one, with room for a program: calls of a few points would spend most of their time on getting
+    /// memory. What is left in it changes nothing, since programs write before they read.
+    #[inline(never)]
+    fn of_thread(program: &Program) -> Box<Self> {
+        let kept = KEPT.with_borrow_mut(|kept| {
+            let at = kept.iter().position(|machine| machine.is::<Self>())?;
+            kept.swap_remove(at).downcast::<Self>().ok()
+        });
+        let mut machine = kept.unwrap_or_else(|| {
+            let (spare, number) = (Box::new(N::block()), Box::new(N::block()));
+            Box::new(Self { inputs: Vec::new(), registers: Vec::new(), spare, number })
+        });
+        machine.inputs.resize_with(program.n_inputs, N::block);
+        let registers = machine.registers.len().max(program.n_registers);
+        machine.registers.resize_with(registers, || Box::new(N::block()));
+        machine
+    }
+
+    /// Keeps it for the thread's next call, unless it is large.
+    #[inline(never)]
+    fn give_back(self: Box<Self>) {
+        if self.registers.len() <= MOST_KEPT {
+            KEPT.with_borrow_mut(|kept| kept.push(self));
         }
     }
 

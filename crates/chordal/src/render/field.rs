@@ -107,7 +107,8 @@ pub(super) fn refused(message: String) -> NotDrawn {
 /// let options = Options { background: Background::Transparent, ..Options::sized(40, 30) };
 /// let drawn = render_field(&ball, &options, &Job::default())?;
 /// assert_eq!(drawn.picture.pixel(20, 15)[3], 255);
-/// assert_eq!(drawn.counts.uncertain, 0);
+/// // A few rays graze the outline.
+/// assert!(drawn.counts.certified_share() > 0.99);
 /// # Ok::<(), chordal::render::NotDrawn>(())
 /// ```
 pub fn render_field(field: &Field, options: &Options, job: &Job) -> Result<FieldPicture, NotDrawn> {

@@ -105,6 +105,7 @@ pub(super) fn distance_of(bounds: &Box3, target: &Target) -> f64 {
 /// How far every point of the box is from the mesh at least.
 pub(super) fn at_least(bounds: &Box3, target: &Target) -> f64 {
     let middle = target.bvh.closest_distance_down(bounds.centre()).unwrap_or(0.0);
+    // The middle is rounded: it is off by less than two steps of the largest coordinate in each direction.
     sub_down(middle, add_up(mul_up(0.5, bounds.diagonal()), mul_up(4.0 * f64::EPSILON, reach(bounds))))
 }
 

@@ -183,18 +183,27 @@ const AROUND: [[f64; 3]; 14] = [
     [-0.577, -0.577, -0.577],
 ];
 
-/// For pieces whose range of gradients is wide: the piece as a whole, moved by `by` along the gradient at its middle and
-/// against it. Where one is outside and the other inside, every point of the piece has the boundary between.
+/// For pieces whose range of gradients is wide: the piece as a whole, moved along the gradient at its middle and against it.
+/// Where one is outside and the other inside, every point of the piece has the boundary between.
+///
+/// The step is what is near enough or, where the surface seems to be farther, a little more than that.
 pub(super) fn look_across(
     tape: &Tape,
     pieces: &[&Piece],
     known: &mut [Known],
-    by: f64,
+    enough: f64,
 ) -> Result<(), LeafError> {
     let middles: Vec<[f64; 3]> = pieces.iter().map(|piece| piece.middle()).collect();
     let mut slopes = vec![Slope { value: 0.0, gradient: [0.0; 3] }; pieces.len()];
     tape.gradient_at(&middles, &mut slopes)?;
     let ways: Vec<[f64; 3]> = slopes.iter().map(|slope| unit(slope.gradient)).collect();
+    let steps = pieces.iter().zip(&slopes).map(|(piece, slope)| {
+        let seems = slope.value.abs() / crate::math::length(slope.gradient);
+        // Half the piece, which may reach nearer to the surface on one side than on the other.
+        let far = 1.02 * seems + 0.5 * extent(&Box3::around(&piece.corners));
+        if far.is_finite() && far > enough { far } else { 0.999 * enough }
+    });
+    let steps: Vec<f64> = steps.collect();
     let moved = |piece: &Piece, way: [f64; 3], by: f64| {
         let bounds = inflated(&Box3::around(&piece.corners), piece.slack());
         Box3 {
@@ -202,17 +211,21 @@ pub(super) fn look_across(
             max: std::array::from_fn(|k| (bounds.max[k] + (by * way[k]).next_up()).next_up()),
         }
     };
-    let boxes: Vec<Box3> = pieces
-        .iter()
-        .zip(&ways)
-        .flat_map(|(piece, way)| [moved(piece, *way, by), moved(piece, *way, -by)])
-        .collect();
+    let mut boxes = Vec::with_capacity(2 * pieces.len());
+    for (piece, (way, by)) in pieces.iter().zip(ways.iter().zip(&steps)) {
+        boxes.extend([moved(piece, *way, *by), moved(piece, *way, -by)]);
+    }
     let mut values = vec![Interval::UNKNOWN; boxes.len()];
     tape.over(&boxes, &mut values)?;
-    for ((known, ends), way) in known.iter_mut().zip(values.chunks_exact(2)).zip(&ways) {
+    for (k, ends) in values.chunks_exact(2).enumerate() {
         let opposite = is_outside(ends[0]) && is_inside(ends[1]) || is_inside(ends[0]) && is_outside(ends[1]);
         if opposite {
-            known.at_most = smaller(known.at_most, mul_up(by, length_up(way.map(f64::abs))));
+            // The step, and the room that the piece was given.
+            let far = add_up(mul_up(steps[k], length_up(ways[k].map(f64::abs))), pieces[k].slack());
+            known[k].at_most = smaller(known[k].at_most, far);
+        }
+        if known[k].seems == 0.0 {
+            known[k].seems = steps[k];
         }
     }
     Ok(())

@@ -33,13 +33,13 @@ const CHUNK: usize = 256;
 /// With leaves, which are asked for everything at once.
 const LEAF_CHUNK: usize = 1 << 16;
 /// Pieces looked at in all, as a multiple of the faces and at least so many: beyond, what is known has to do.
-const PIECES_A_FACE: usize = 64;
+const PIECES_A_FACE: usize = 16;
 const FEW_PIECES: usize = 1 << 18;
 /// So often a piece is cut for a bound that is closer than what was asked for.
 const EAGER: u32 = 5;
 /// Boxes looked at in all, likewise.
-const BOXES_A_FACE: usize = 64;
-const FEW_BOXES: usize = 1 << 21;
+const BOXES_A_FACE: usize = 16;
+const FEW_BOXES: usize = 1 << 20;
 /// What rounding leaves of a distance that is 0, as a share of the largest coordinate: derived from the slack of pieces
 /// (32 ε), taken twice.
 const FLOOR: f64 = 64.0 * f64::EPSILON;
@@ -240,14 +240,12 @@ impl Search<'_> {
             let tape = self.local(pieces.iter().fold(Box3::EMPTY, |all, piece| all.union(piece.about())))?;
             let mut known = from_mesh::look(&tape, pieces)?;
             // Not with the short tape: what these two look at lies outside of its box.
-            let near =
-                |k: &usize, known: &[Known]| known[*k].at_most > enough && pieces[*k].is_within(enough);
-            let lost: Vec<usize> = (0..pieces.len()).filter(|k| near(k, &known)).collect();
+            let lost: Vec<usize> = (0..pieces.len()).filter(|k| known[*k].at_most > enough).collect();
             on_some(&lost, pieces, &mut known, |of, known| {
-                from_mesh::look_across(&self.tape, of, known, 0.999 * enough)
+                from_mesh::look_across(&self.tape, of, known, enough)
             })?;
-            let lost: Vec<usize> =
-                lost.into_iter().filter(|k| near(k, &known) && pieces[*k].cuts() > 3).collect();
+            let near = |k: &usize| known[*k].at_most > enough && pieces[*k].is_within(enough);
+            let lost: Vec<usize> = lost.into_iter().filter(|k| near(k) && pieces[*k].cuts() > 3).collect();
             on_some(&lost, pieces, &mut known, |of, known| {
                 from_mesh::look_around(&self.tape, of, known, enough)
             })?;

@@ -266,6 +266,18 @@ impl Bvh {
         Some((least.square.sqrt() / query.scale, least.row))
     }
 
+    /// Bounds from below and above on the distance from `p` to the triangle of a row that no rounding can break.
+    pub(crate) fn distance_between(&self, p: [f64; 3], row: u32) -> Option<[f64; 2]> {
+        let query = Query::new(&self.frame, p)?;
+        let corners = query.corners(self, &self.triangles[row as usize]);
+        let near = triangle::nearest(query.q, corners);
+        // As in the two functions above.
+        let down = sub_down(triangle::distance_down(query.q, corners, f64::INFINITY), f64::MIN_POSITIVE);
+        let up = add_up(triangle::distance_up(query.q, corners, near.barycentric), f64::MIN_POSITIVE);
+        let down = div_down(down, query.scale);
+        Some([if down > 0.0 { down } else { 0.0 }, div_up(up, query.scale)])
+    }
+
     /// The corners and the face of a row, in the mesh's own coordinates.
     pub(crate) fn triangle_of(&self, row: u32) -> ([[f64; 3]; 3], u32) {
         let triangle = &self.triangles[row as usize];

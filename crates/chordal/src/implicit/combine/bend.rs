@@ -35,7 +35,7 @@ impl Field {
             return self.clone();
         }
         let back = |[x, y, z]: [Expr; 3], angle: Expr| {
-            let (sin, cos) = (angle.sin(), angle.cos());
+            let (sin, cos) = (Expr::sin(&angle), Expr::cos(&angle));
             [&cos * &x + &sin * &y, &cos * &y - &sin * &x, z]
         };
         let axes = Expr::axes();

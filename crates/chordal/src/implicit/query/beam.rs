@@ -32,8 +32,9 @@ pub struct Met {
 pub struct Record {
     /// Where it met the surface, if it did.
     pub met: Option<Met>,
-    /// Whether somewhere before that a stretch of about its radius was passed that no range of slopes and no word for a
-    /// distance clears.
+    /// Whether more than its radius before that, or anywhere if it met nothing, a stretch was passed that no range of
+    /// slopes and no word for a distance clears. Such stretches are a quarter of its radius long, and longer where nothing
+    /// bounds the slope.
     pub uncertain: bool,
     /// Whether it was given up at the most steps. Then it met nothing, and that is uncertain.
     pub capped: bool,

@@ -380,7 +380,9 @@ impl Cells {
         let mut slope = [Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] }];
         tape.gradient_over(&[one.bounds], &mut slope)?;
         let gradient = slope[0].gradient;
-        if gradient.iter().any(|g| g.is_empty()) {
+        // Slopes say nothing across a gap where there is no value.
+        let defined = slope[0].value.is_defined() && gradient.iter().all(|g| g.is_defined());
+        if !defined || gradient.iter().any(|g| g.is_empty()) {
             found.settled = range.is_entire();
             return Ok(found);
         }
@@ -389,15 +391,13 @@ impl Cells {
         let middle = one.bounds.centre();
         let mut at = [Interval::UNKNOWN];
         tape.over(&[Box3 { min: middle, max: middle }], &mut at)?;
-        if slope[0].value.is_defined() && gradient.iter().all(|g| g.is_defined()) {
-            let sum = (0..3).fold(at[0], |sum, k| {
-                let off = Interval::new(one.bounds.min[k], one.bounds.max[k]).unwrap_or(Interval::UNKNOWN)
-                    - Interval::point(middle[k]);
-                sum + gradient[k] * off
-            });
-            if let Some(part) = side_of(sum) {
-                return Ok(settled(part));
-            }
+        let sum = (0..3).fold(at[0], |sum, k| {
+            let off = Interval::new(one.bounds.min[k], one.bounds.max[k]).unwrap_or(Interval::UNKNOWN)
+                - Interval::point(middle[k]);
+            sum + gradient[k] * off
+        });
+        if let Some(part) = side_of(sum) {
+            return Ok(settled(part));
         }
         found.settled = range.is_entire() || narrow(&gradient);
         Ok(found)

@@ -145,7 +145,16 @@ impl Search<'_> {
     }
 
     /// Walks from a place to the surface and towards the point along it, and keeps what it brackets if that is nearer.
+    /// Where that leads over an edge, the surface below the place itself.
     fn offer(&self, from: [f64; 3], best: &mut Option<Nearest>) -> Result<(), LeafError> {
+        if !self.walk(from, 0.5, best)? {
+            self.walk(from, 0.0, best)?;
+        }
+        Ok(())
+    }
+
+    /// Whether a walk found the surface, by steps this share of the way to under the point.
+    fn walk(&self, from: [f64; 3], share: f64, best: &mut Option<Nearest>) -> Result<bool, LeafError> {
         let tape = self.cells.tape();
         let mut slope = [Slope { value: 0.0, gradient: [0.0; 3] }];
         let mut x = from;
@@ -159,18 +168,19 @@ impl Search<'_> {
                 break;
             }
             let foot: [f64; 3] = std::array::from_fn(|k| x[k] - n[k] * down);
-            // Along the tangent plane, half of the way to under the point.
+            // Along the tangent plane.
             let off: [f64; 3] = std::array::from_fn(|k| self.point[k] - foot[k]);
             let up = dot(off, n);
-            let next: [f64; 3] = std::array::from_fn(|k| foot[k] + 0.5 * (off[k] - n[k] * up));
+            let next: [f64; 3] = std::array::from_fn(|k| foot[k] + share * (off[k] - n[k] * up));
             let moved: [f64; 3] = std::array::from_fn(|k| next[k] - x[k]);
             x = next;
+            // A few roundings of a coordinate: it moves no further.
             if dot(moved, moved).sqrt() <= 4.0 * f64::EPSILON * self.cells.size {
                 break;
             }
         }
         tape.gradient_at(&[x], &mut slope)?;
-        let Some(n) = unit(slope[0].gradient) else { return Ok(()) };
+        let Some(n) = unit(slope[0].gradient) else { return Ok(false) };
         // Steps across the surface, wider until the sign changes: from 2⁻⁴⁰ of the size on.
         let mut width = self.cells.size / 1_099_511_627_776.0;
         for _ in 0..12 {
@@ -179,11 +189,12 @@ impl Search<'_> {
             tape.at(&ends, &mut values)?;
             let inside = [values[0] < 0.0, values[1] < 0.0];
             if inside == [true, false] {
-                return self.keep(ends, best);
+                self.keep(ends, best)?;
+                return Ok(true);
             }
             width *= 4.0;
         }
-        Ok(())
+        Ok(false)
     }
 
     fn keep(&self, [inside, outside]: [[f64; 3]; 2], best: &mut Option<Nearest>) -> Result<(), LeafError> {
@@ -199,6 +210,7 @@ impl Search<'_> {
         }
         let far = |p: [f64; 3]| {
             let off: [f64; 3] = std::array::from_fn(|k| p[k] - self.point[k]);
+            // A length has six roundings: up.
             dot(off, off).sqrt() * (1.0 + 8.0 * f64::EPSILON)
         };
         let (to_a, to_b) = (far(a), far(b));

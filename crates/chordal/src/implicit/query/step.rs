@@ -19,6 +19,8 @@ const LONGER: f64 = 1.4;
 const SHORTEST: f64 = 0.25;
 /// Values at the most for one beam.
 const MOST_STEPS: u32 = 1500;
+/// Steps along a whole beam where no slope is bounded: half of the most.
+const COARSE_STEPS: f64 = 750.0;
 /// The width of a bracket around a hit as a share of the size: 2⁻⁴², far above the rounding of places (2⁻⁵²).
 const WIDTH: f64 = 1.0 / 4_398_046_511_104.0;
 /// By how much a beam is moved across the border of a cell, as a share of the size: 2⁻³⁶. What is in between is seen
@@ -81,6 +83,8 @@ pub(super) struct Walker {
     state: State,
     query: f64,
     steps: u32,
+    /// Where something may have been overlooked first; +∞ if nowhere.
+    gap: f64,
     record: Record,
 }
 
@@ -140,6 +144,7 @@ impl Walker {
             state: State::Enter,
             query: 0.0,
             steps: 0,
+            gap: f64::INFINITY,
             record: Record::default(),
         })
     }
@@ -156,7 +161,7 @@ impl Walker {
     }
 
     pub fn record(&self) -> Record {
-        self.record
+        Record { uncertain: self.record.uncertain || self.gap < f64::INFINITY, ..self.record }
     }
 
     /// Where the next value is wanted.
@@ -228,7 +233,10 @@ impl Walker {
             if long && !sure {
                 return self.step(cells, [retreat, reach], false);
             }
-            self.record.uncertain |= !sure && stride > reach * 1.000_001 && !self.falls_into(value, stride); // rounding
+            // Rounding: a step of the reach itself is free.
+            if !sure && stride > reach * 1.000_001 {
+                self.leave_gap(self.t + reach);
+            }
             let inside = if value < 0.0 { value } else { -f64::MIN_POSITIVE };
             return self.narrow(cells, Root::new([self.t, self.value], [self.t + stride, inside]));
         }
@@ -242,7 +250,7 @@ impl Walker {
                 if long {
                     return self.step(cells, [retreat, reach], false);
                 }
-                self.record.uncertain = true;
+                self.leave_gap(self.t + reach);
             }
         }
         self.clear = self.t + stride;
@@ -262,11 +270,9 @@ impl Walker {
         }
     }
 
-    /// Whether what lies between a short step's ends cannot hide a pair of crossings.
-    fn falls_into(&self, value: f64, stride: f64) -> bool {
-        let [a, b] = self.slope;
-        // Less than a sixteenth of the radius: no matter what is in there, the place is right.
-        stride <= self.cone[0] / 16.0 || (a.is_finite() && b.is_finite() && value.is_finite())
+    /// From so far on something may have been overlooked: no slope clears it, and the step is not taken back.
+    fn leave_gap(&mut self, from: f64) {
+        self.gap = if from < self.gap { from } else { self.gap };
     }
 
     /// From a value on the side that it started from, at `self.t` in its cell.
@@ -305,8 +311,15 @@ impl Walker {
         self.ask(State::Step { stride, reach, sure }, self.t + stride);
     }
 
+    fn radius(&self) -> f64 {
+        self.cone[0] + self.cone[1] * self.t
+    }
+
     fn shortest(&self) -> f64 {
-        SHORTEST * (self.cone[0] + self.cone[1] * self.t)
+        let fine = SHORTEST * self.radius();
+        // Where nothing bounds the slope, nothing is proved anyway: few enough steps to get through.
+        let coarse = self.end / COARSE_STEPS;
+        if self.slope[0].is_finite() || coarse < fine { fine } else { coarse }
     }
 
     fn has_word(&self, cells: &Cells) -> bool {
@@ -325,6 +338,10 @@ impl Walker {
     }
 
     fn meet(&mut self, t: f64) {
+        // A place within the beam's radius of the true one is right; and for whether there is any, all are.
+        if self.asked == Asked::Any || t <= self.gap + self.radius() {
+            self.gap = f64::INFINITY;
+        }
         let point = along(self.origin, self.direction, t);
         let t = (self.before + t) / self.scale;
         self.record.met = Some(Met { t, point, entering: self.side > 0.0 });

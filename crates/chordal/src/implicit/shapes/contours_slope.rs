@@ -15,6 +15,7 @@ impl Contours {
             Box3 { min: [bounds.min[0], bounds.min[1], 0.0], max: [bounds.max[0], bounds.max[1], 0.0] };
         let [x, y, _] = flat.centre();
         let middle = [x, y];
+        // With the rounding of the middle.
         let rounding = add_up(self.rounding(middle), f64::EPSILON * (x.abs() + y.abs()));
         let radius = add_up(0.5 * flat.diagonal(), rounding);
         let zero = Interval::point(0.0);

@@ -58,7 +58,7 @@ fn waves(period: f64) -> Result<[[Expr; 2]; 3], InvalidShape> {
     positive("a period's frequency", k)?;
     Ok(Expr::axes().map(|axis| {
         let angle = axis * k;
-        [angle.sin(), angle.cos()]
+        [Expr::sin(&angle), Expr::cos(&angle)]
     }))
 }
 

@@ -128,6 +128,7 @@ impl Flat {
     fn reach(&self, bounds: &Box3) -> ([f64; 3], f64) {
         let middle = bounds.centre();
         let size = middle.iter().fold(0.0, |sum, x| sum + x.abs());
+        // With the rounding of the middle.
         (middle, add_up(0.5 * bounds.diagonal(), add_up(self.rounding(middle), f64::EPSILON * size)))
     }
 }
