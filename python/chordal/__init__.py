@@ -97,6 +97,7 @@ from chordal._mesh import Mesh
 from chordal._polylines import Polyline, Polylines
 from chordal._shape import Shape, load, triangles
 from chordal._view import View
+from chordal._volume import Volume, volume
 
 __all__ = [
     "Bound",
@@ -116,6 +117,7 @@ __all__ = [
     "Refused",
     "Shape",
     "View",
+    "Volume",
     "WriteError",
     "__version__",
     "acos",
@@ -186,6 +188,7 @@ __all__ = [
     "triangles",
     "twist",
     "union",
+    "volume",
     "x",
     "y",
     "z",

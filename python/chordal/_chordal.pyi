@@ -25,6 +25,13 @@ class Asked(TypedDict):
     absolute: str | None
     max: str | None
 
+@type_check_only
+class Meant(TypedDict):
+    iso: float | None
+    inside: str | None
+    border: str
+    labels: Sequence[int] | None
+
 @final
 class Array:
     @property
@@ -47,6 +54,8 @@ class Source:
     def deviation(
         self, other: Source | Outcome, asked: Asked, progress: Callable[[str, int, int], object] | None
     ) -> str: ...
+    def surface(self, meant: Meant) -> Source: ...
+    def bake(self, cells: int, band: float | None) -> tuple[Source, str]: ...
     def mesh(
         self, wanted: Wanted, format: str, progress: Callable[[str, int, int], object] | None
     ) -> Outcome: ...
@@ -61,6 +70,7 @@ class Outcome:
     def deviation(
         self, other: Source | Outcome, asked: Asked, progress: Callable[[str, int, int], object] | None
     ) -> str: ...
+    def bake(self, cells: int, band: float | None) -> tuple[Source, str]: ...
     def remake(self, format: str) -> Outcome: ...
     def write(self) -> bytes: ...
 

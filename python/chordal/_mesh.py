@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, SupportsFloat
+from operator import index
+from typing import TYPE_CHECKING, SupportsFloat, SupportsIndex
 
 from chordal._budget import Length
 from chordal._deviation import Deviation, measured
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from chordal._shape import Shape
+    from chordal._volume import Volume
 
 
 class Mesh(Made):
@@ -66,6 +68,12 @@ class Mesh(Made):
         return measured(
             self._outcome, other, relative=relative, absolute=absolute, max=max, progress=progress
         )
+
+    def bake(self, *, cells: SupportsIndex, band: SupportsFloat | None = None) -> Volume:
+        """The distance to the triangles on a lattice, as for `Shape.bake`."""
+        from chordal._volume import Volume
+
+        return Volume(*self._outcome.bake(index(cells), None if band is None else float(band)))
 
     def _size(self) -> str:
         output = self.report["certificate"]["output"]

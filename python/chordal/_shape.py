@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
+from operator import index
 from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat, SupportsIndex
 
 from chordal import _chordal, _files
@@ -19,6 +20,8 @@ from chordal._view import View
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
+
+    from chordal._volume import Volume
 
 #: Told about progress: the name of the stage, the steps that are done, and those in all.
 Progress = Callable[[str, int, int], object]
@@ -61,7 +64,12 @@ def load(
         "lenient": bool(lenient),
         "drop_nonfinite": bool(drop_nonfinite),
     }
-    return Shape(_chordal.Source(content, reading))
+    source_of = _chordal.Source(content, reading)
+    if source_of.kind == "volume":
+        from chordal._volume import Volume
+
+        return Volume(source_of)
+    return Shape(source_of)
 
 
 def triangles(vertices: ArrayLike, faces: ArrayLike, *, unit: str | None = None) -> Shape:
@@ -164,6 +172,23 @@ class Shape:
             raise Refused("unsupported", "curves in space enclose no area to fill with triangles: flatten them")
         return Mesh.of(self._source.mesh(budget, "ply", function("progress", progress)))
 
+    def bake(self, *, cells: SupportsIndex, band: SupportsFloat | None = None) -> Volume:
+        """The distance to the triangles on a lattice of cubes, negative inside: `cells` along the longest side.
+
+        With `band` samples are distances only within so many cells of the surface. `report` of what comes back says by
+        how much distances are off at most, which is proved, and what the sides rest on. Raises `Refused` for what has
+        no triangles.
+
+        >>> import chordal
+        >>> corner = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+        >>> solid = chordal.triangles(corner, [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
+        >>> solid.bake(cells=8).report["certificate"]["baked"]["solid"]["sentence"]
+        'the mesh is a solid'
+        """
+        from chordal._volume import Volume
+
+        return Volume(*self._source.bake(index(cells), None if band is None else float(band)))
+
     def flatten(
         self,
         *,
@@ -194,4 +219,4 @@ class Shape:
 
     def __repr__(self) -> str:
         name = f" {self._source.name}" if self._source.name else ""
-        return f"<Shape: {self.kind}, from {self.format}{name}>"
+        return f"<{type(self).__name__}: {self.kind}, from {self.format}{name}>"

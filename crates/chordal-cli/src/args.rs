@@ -44,6 +44,8 @@ pub enum Verb {
     Deviation(crate::deviation::DeviationArgs),
     /// Take away what `inspect` found, and say what was changed
     Mend(crate::mend::MendArgs),
+    /// Sample the distance to triangles on a lattice, negative inside
+    Bake(crate::bake::BakeArgs),
     /// Take a picture
     Render(RenderArgs),
     /// Show in a browser how many segments a curve needs until it looks smooth

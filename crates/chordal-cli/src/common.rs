@@ -6,32 +6,92 @@ use crate::output::Existing;
 use crate::signal;
 use crate::talk::{Stdout, Talk};
 use chordal::Job;
-use chordal_io::Limits;
+use chordal_io::{Format, Limits};
 use chordal_verbs::{Hint, Input, MeshFailure, load};
 
 /// Reads what `args` name, tells its warnings, and adds what the user knows of its space.
 pub fn read(args: &InputArgs, talk: &Talk) -> Result<Input, Fault> {
-    let source = Source::from_arg(&args.input);
-    let name = source.name();
+    Bytes::of(args)?.load(args, talk)
+}
+
+/// Reads the two shapes of a verb that compares. What is said of fields holds for those of the two that are fields, and
+/// everything else for both.
+///
+/// # Errors
+/// When neither of them is what something is said of.
+pub fn read_both(args: [&InputArgs; 2], talk: &Talk) -> Result<[Input; 2], Fault> {
+    let [first, second] = args;
+    let bytes = [Bytes::of(first)?, Bytes::of(second)?];
+    let formats = [bytes[0].format(first), bytes[1].format(second)];
+    let has_script = formats.contains(&Some(Format::Star));
+    let has_field = has_script || formats.contains(&Some(Format::Vm));
+    // A text that nobody knows is refused for that.
+    if !first.set.is_empty() && !has_script && !formats.contains(&None) {
+        return Err(Fault::usage("--set is for shape scripts, and neither of the two is one"));
+    }
+    if first.region.is_some() && !has_field && !formats.contains(&None) {
+        return Err(Fault::usage("--region is for fields, and neither of the two is one"));
+    }
+    let [a, b] = bytes;
+    Ok([
+        a.load(&only_what_holds(first, formats[0]), talk)?,
+        b.load(&only_what_holds(second, formats[1]), talk)?,
+    ])
+}
+
+/// Without what is for fields, where this is none.
+fn only_what_holds(args: &InputArgs, format: Option<Format>) -> InputArgs {
+    let mut args = args.clone();
+    if format != Some(Format::Star) {
+        args.set.clear();
+        args.region = args.region.filter(|_| format == Some(Format::Vm));
+    }
+    args
+}
+
+/// An input before anybody knows what it is.
+struct Bytes {
+    name: String,
+    /// Whether the name is one of a file.
+    is_named: bool,
+    bytes: Vec<u8>,
+}
+
+impl Bytes {
+    fn of(args: &InputArgs) -> Result<Self, Fault> {
+        let source = Source::from_arg(&args.input);
+        let bytes = source.read(limits(args).bytes)?;
+        Ok(Self { name: source.name(), is_named: matches!(source, Source::File(_)), bytes })
+    }
+
+    fn hint<'a>(&'a self, args: &'a InputArgs) -> Hint<'a> {
+        let name = self.is_named.then_some(self.name.as_str());
+        Hint { name, format: args.from, set: &args.set, region: args.region }
+    }
+
+    fn format(&self, args: &InputArgs) -> Option<Format> {
+        self.hint(args).format_of(&self.bytes)
+    }
+
+    fn load(&self, args: &InputArgs, talk: &Talk) -> Result<Input, Fault> {
+        let name = &self.name;
+        let mut input = load(&self.bytes, self.hint(args), &limits(args))
+            .map_err(|error| Fault::input(error.code, format!("{name}: {error}")))?;
+        talk.warn(name, &input.warnings);
+        let frame = input.shape.frame_mut();
+        frame.metres_per_unit = args.unit.map(|unit| unit.metres()).or(frame.metres_per_unit);
+        frame.up = args.up.or(frame.up);
+        Ok(input)
+    }
+}
+
+fn limits(args: &InputArgs) -> Limits {
     let mut limits = Limits::default();
     limits.bytes = args.max_memory.map_or(limits.bytes, |most| most.min(limits.bytes));
     limits.lenient = args.lenient;
     limits.drop_nonfinite = args.drop_nonfinite;
     limits.index = args.index;
-    let bytes = source.read(limits.bytes)?;
-    let hint = Hint {
-        name: matches!(source, Source::File(_)).then_some(name.as_str()),
-        format: args.from,
-        set: &args.set,
-        region: args.region,
-    };
-    let mut input =
-        load(&bytes, hint, &limits).map_err(|error| Fault::input(error.code, format!("{name}: {error}")))?;
-    talk.warn(&name, &input.warnings);
-    let frame = input.shape.frame_mut();
-    frame.metres_per_unit = args.unit.map(|unit| unit.metres()).or(frame.metres_per_unit);
-    frame.up = args.up.or(frame.up);
-    Ok(input)
+    limits
 }
 
 /// A job that obeys the command line and signals.

@@ -24,7 +24,8 @@ pub struct DeviationArgs {
     #[command(flatten)]
     pub input: InputArgs,
 
-    /// The shape to measure against; options about the input hold for it too
+    /// The shape to measure against; options about the input hold for it too, those about
+    /// fields for what is one
     #[arg(value_name = "AGAINST")]
     pub against: PathBuf,
 
@@ -63,8 +64,8 @@ pub fn run(args: &DeviationArgs) -> Result<(), Fault> {
     if matches!((&first, &second), (Source::Stdin, Source::Stdin)) {
         return Err(Fault::usage("stdin can be only one of the two shapes"));
     }
-    let a = common::read(&args.input, &talk)?;
-    let b = common::read(&InputArgs { input: args.against.clone(), ..args.input.clone() }, &talk)?;
+    let against = InputArgs { input: args.against.clone(), ..args.input.clone() };
+    let [a, b] = common::read_both([&args.input, &against], &talk)?;
     let spec = DeviationSpec { relative: args.relative, absolute: args.absolute, max: args.max };
     let names = format!("{} and {}", first.name(), second.name());
     let mut report = deviation(a, b, &spec, &job).map_err(|failure| common::fault(&names, &failure, ""))?;

@@ -2,6 +2,7 @@
 //!
 //! It is a library so that the program of this crate and the one that comes with the Python package are the same.
 mod args;
+mod bake;
 mod clock;
 mod common;
 mod deviation;
@@ -46,6 +47,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         Verb::Inspect(args) => inspect::run(&args),
         Verb::Deviation(args) => deviation::run(&args),
         Verb::Mend(args) => mend::run(&args),
+        Verb::Bake(args) => bake::run(&args),
         Verb::Render(args) => render::run(&args),
         Verb::Studio(args) => studio::run(&args),
         Verb::Completions { shell } => docs::completions(shell),
@@ -63,6 +65,7 @@ fn wants_json(verb: &Verb) -> bool {
         Verb::Inspect(args) => args.talk.json,
         Verb::Deviation(args) => args.talk.json,
         Verb::Mend(args) => args.talk.json,
+        Verb::Bake(args) => args.talk.json,
         Verb::Render(args) => args.talk.json,
         Verb::Studio(_) | Verb::Completions { .. } | Verb::Man { .. } => false,
     }

@@ -43,9 +43,17 @@ fn parameters_are_set_from_outside() {
 fn what_is_wrong_with_a_script_is_shown() {
     let folder = Folder::new("script-wrong");
     let file = folder.file("wrong.star", "a = 1\nbox(1, a)\n");
-    run(&["inspect", &file]).fails_with(3, &["line 2, column 1: box() needs 'z'"]);
+    let wrong = run(&["inspect", &file]);
+    // The sentence, the line, and a mark below its place.
+    let shown = "wrong.star: line 2, column 1: box() needs 'z'\nbox(1, a)\n^\n";
+    assert!(wrong.code == 3 && wrong.stderr.ends_with(shown), "{wrong:?}");
+    assert_eq!(wrong.stderr.lines().count(), 3, "{wrong:?}");
     let endless = folder.file("endless.star", "def f(n):\n    return f(n)\nf(1)\n");
-    run(&["inspect", &endless]).fails_with(3, &["more than 64 functions wait for each other"]);
+    let endless = run(&["inspect", &endless]);
+    assert!(
+        endless.code == 3 && endless.stderr.contains("more than 64 functions wait for each other"),
+        "{endless:?}"
+    );
 }
 
 #[test]

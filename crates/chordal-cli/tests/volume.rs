@@ -270,7 +270,8 @@ fn organs_stand_on_their_sides_of_the_patient() {
     let Some(ct) = real("totalsegmentator/tests/reference_files/example_ct_sm.nii.gz") else { return };
     let (ends, _) = real_surface(&folder, &ct, &["--iso", "200"]);
     assert!(ends[0][0] >= -178.0 && ends[1][0] <= 185.1 && ends[1][2] <= 181.4, "{ends:?}");
-    run(&["mesh", &ct, "-o", &folder.text("x.glb")]).fails_with(2, &["between -1100 and 1207", "--iso"]);
+    run(&["mesh", &ct, "-q", "-o", &folder.text("x.glb")])
+        .fails_with(2, &["between -1100 and 1207", "--iso"]);
     let Some(labels) = real("totalsegmentator/tests/reference_files/example_seg.nii.gz") else { return };
     let (_, report) = real_surface(&folder, &labels, &["--labels", "all"]);
     assert!(number(&report, "/certificate/output/triangles") > 10_000.0);

@@ -135,6 +135,7 @@ fn every_real_file_ends_well() {
                         Content::Drawing(drawing) => format!("{:>7} curves", drawing.lines.len()),
                         Content::Curves(curves) => format!("{:>7} curves", curves.lines.len()),
                         Content::Field { field, .. } => format!("{:>7} steps", field.tape().len()),
+                        Content::Volume(volume) => format!("{:>7} samples", volume.grid.samples().len()),
                     };
                     let warned: Vec<String> =
                         loaded.warnings.iter().map(|w| format!("{} {}", w.code, w.count)).collect();

@@ -16,6 +16,7 @@ mod source;
 mod spec;
 mod triangles;
 mod view;
+mod volume;
 mod work;
 
 use pyo3::prelude::*;

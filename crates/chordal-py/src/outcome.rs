@@ -2,11 +2,13 @@
 use crate::array::Array;
 use crate::deviation::{self, Asked, Named, Other};
 use crate::rows::{Lines, Triangles};
+use crate::source::Source;
+use crate::volume::baked;
 use crate::{failure, work};
 use chordal::Job;
 use chordal_io::Format;
 use chordal_verbs::report::{Report, Run};
-use chordal_verbs::{BudgetSpec, Input, Made, MeshFailure, MeshOutcome, Shape, mesh, sha256};
+use chordal_verbs::{BakeSpec, BudgetSpec, Input, Made, MeshFailure, MeshOutcome, Shape, mesh, sha256};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::sync::Arc;
@@ -133,6 +135,11 @@ impl Outcome {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<String> {
         deviation::report(py, self.named(py)?, &other, asked, progress)
+    }
+
+    /// Distances to the triangles on a lattice, and the report.
+    fn bake(&self, py: Python<'_>, cells: usize, band: Option<f64>) -> PyResult<(Source, String)> {
+        baked(py, self.named(py)?, BakeSpec { cells, band })
     }
 
     /// The same shape within the same budget for a file of that format, whose rounding then counts.

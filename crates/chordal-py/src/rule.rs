@@ -246,13 +246,16 @@ pub(crate) fn language() -> Vec<(&'static str, String, &'static str, &'static st
     functions().map(|f| (f.name, f.usage(), f.about, f.distance)).collect()
 }
 
+/// The name of a parameter, its default, and what it is.
+type Setting = (String, f64, f64);
+
 /// What a shape script makes, with its parameters.
 #[pyfunction]
 pub(crate) fn script(
     py: Python<'_>,
     text: String,
     set: Vec<(String, f64)>,
-) -> PyResult<(Rule, Vec<(String, f64, f64)>)> {
+) -> PyResult<(Rule, Vec<Setting>)> {
     let options = chordal_script::Options { set: set.into_iter().collect(), ..Default::default() };
     let made = work::run(py, None, move |job| chordal_script::run(&text, &options, job))?;
     let made = made.map_err(|error| {

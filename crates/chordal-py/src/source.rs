@@ -6,10 +6,11 @@ use crate::outcome::{Order, Outcome};
 use crate::rule::taken;
 use crate::spec::{Wanted, parsed};
 use crate::triangles::triangles;
+use crate::volume::{Meant, baked};
 use crate::{failure, work};
 use chordal::budget::Unit;
 use chordal_io::{Axis, Format, Frame, Limits, ReadError, UnknownFormat};
-use chordal_verbs::{Hint, Input, inspect, load};
+use chordal_verbs::{BakeSpec, Hint, Input, Shape, inspect, load};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use std::sync::Arc;
@@ -138,6 +139,22 @@ impl Source {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<String> {
         deviation::report(py, self.named(), &other, asked, progress)
+    }
+
+    /// A volume with the surface of it that is meant.
+    fn surface(&self, py: Python<'_>, meant: Meant) -> PyResult<Self> {
+        let spec = meant.spec()?;
+        let mut input = Input::clone(&self.input);
+        let Shape::Volume(sampled) = &mut input.shape else {
+            return Err(failure::internal(py, "this is no volume"));
+        };
+        sampled.surface = spec;
+        Ok(Self { input: Arc::new(input), name: self.name.clone(), raised: Vec::new() })
+    }
+
+    /// Distances to the triangles on a lattice, and the report.
+    fn bake(&self, py: Python<'_>, cells: usize, band: Option<f64>) -> PyResult<(Self, String)> {
+        baked(py, self.named(), BakeSpec { cells, band })
     }
 
     /// Triangles or polylines within a budget, as a file of that format would have them.

@@ -56,11 +56,9 @@ fn token(bytes: &[u8], at: usize, scan: &mut Scan) -> usize {
             scan.count();
             scan.open.push(0);
         }
-        b')' | b']' | b'}' => {
-            if scan.open.len() > 1 {
-                scan.forget();
-                scan.open.pop();
-            }
+        b')' | b']' | b'}' if scan.open.len() > 1 => {
+            scan.forget();
+            scan.open.pop();
         }
         b',' | b';' => scan.forget(),
         b'\n' | b'\r' if scan.open.len() == 1 => {

@@ -58,13 +58,13 @@ impl Implicit {
         let axes = Expr::axes();
         let flat = !self.field.tape().axes()[2];
         let mut sign = self.field.sign().clone();
-        for k in 0..if flat { 2 } else { 3 } {
+        for (k, axis) in axes.iter().enumerate().take(if flat { 2 } else { 3 }) {
             // The field comes second, so that where it has no value there is none, which is outside.
             if region.min[k] > known.min[k] {
-                sign = (Expr::constant(region.min[k]) - &axes[k]).max(&sign);
+                sign = (Expr::constant(region.min[k]) - axis).max(&sign);
             }
             if region.max[k] < known.max[k] {
-                sign = (&axes[k] - region.max[k]).max(&sign);
+                sign = (axis - region.max[k]).max(&sign);
             }
         }
         // What the value was worth as a distance is not asked of it any more.

@@ -17,6 +17,7 @@
 //! outcome.write(&mut glb)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+mod bake;
 mod deviation;
 mod digest;
 mod export;
@@ -41,6 +42,7 @@ mod spec;
 mod surfaces;
 mod written;
 
+pub use bake::{BakeOutcome, BakeSpec, bake};
 pub use chordal::convert::{Border, Inside, Spacing};
 pub use chordal::mend::{Duplicates, Holes};
 pub use chordal_io::{Axis, Curves, Drawing, Frame, Polylines, Scene};

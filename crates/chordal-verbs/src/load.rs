@@ -17,6 +17,16 @@ pub struct Hint<'a> {
     pub region: Option<Box3>,
 }
 
+impl Hint<'_> {
+    /// The format that is said, else that of the name, else what the content looks like.
+    #[must_use]
+    pub fn format_of(self, bytes: &[u8]) -> Option<Format> {
+        let extension = self.name.and_then(extension);
+        let by_name = || extension.and_then(Format::from_extension);
+        self.format.or_else(by_name).or_else(|| Format::sniff(bytes))
+    }
+}
+
 /// A shape together with what it was read from.
 #[derive(Clone, Debug)]
 pub struct Input {
@@ -70,9 +80,7 @@ pub fn load(bytes: &[u8], hint: Hint, limits: &Limits) -> Result<Input, ReadErro
 }
 
 fn format_of(bytes: &[u8], hint: Hint) -> Result<Format, ReadError> {
-    let extension = hint.name.and_then(extension);
-    let by_name = || extension.and_then(Format::from_extension);
-    hint.format.or_else(by_name).or_else(|| Format::sniff(bytes)).ok_or_else(|| {
+    hint.format_of(bytes).ok_or_else(|| {
         let what = if bytes.is_empty() { "the file is empty" } else { "the content is of no known format" };
         ReadError::new("unknown-format", Place::File, format!("{what}; --from names the format"))
     })

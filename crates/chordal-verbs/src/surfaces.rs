@@ -206,21 +206,28 @@ fn wanted(labels: &Labels, sampled: &Sampled, range: &Range) -> Result<Vec<i64>,
     }
 }
 
-/// One part for each label: the surface at one half of where the label is.
+/// One part for each label, halfway between its samples and others; where two meet their vertices are the same.
 fn of_labels(
     sampled: &Sampled,
     labels: &[i64],
     asked: &Asked,
     (notes, job): (&mut Vec<String>, &Job),
 ) -> Result<(Scene, Bound), MeshFailure> {
-    let grid = &sampled.volume.grid;
-    let boxes = boxes(grid, labels);
-    let maker = Maker { sampled, asked, job };
+    let Asked { budget, to, place, .. } = asked;
+    // Refuses a budget that rounding to the format alone would break.
+    set_aside(budget, worst_snap(place, *to), place, *to)?;
+    let rule = convert::Labels { border: [[sampled.surface.border; 2]; 3], ..convert::Labels::default() };
+    let numbered = numbered(&sampled.volume.grid, labels, job)?;
+    let meshes = convert::labels_to_meshes(&numbered, &rule, job).map_err(|failure| match failure {
+        Failure::Refused(refusal) => MeshFailure::Refused(refusal),
+        Failure::Cancelled => MeshFailure::Cancelled,
+        Failure::Unmet(best) => refused(Code::Budget, best.bound.to_string()),
+    })?;
     let mut scene = Scene { frame: sampled.volume.frame, ..Scene::default() };
     let mut worst: Option<Bound> = None;
-    for (label, bounds) in labels.iter().zip(&boxes) {
-        let (mask, rule) = mask(grid, *label, bounds, sampled.surface.border);
-        let Bounded { shape, bound } = maker.make(&mask, &rule)?;
+    for (number, Bounded { shape, bound }) in meshes {
+        let (shape, bound) = snapped(&shape, bound, budget, *to)?;
+        let label = labels[number as usize - 1];
         let one = Scene::of(&format!("label {label}"), shape, true, scene.frame);
         let at = scene.parts.len();
         scene.parts.extend(one.parts);
@@ -237,50 +244,26 @@ fn of_labels(
     Ok((scene, worst))
 }
 
-/// The lowest and highest index of each label, in one pass.
-fn boxes(grid: &Grid, labels: &[i64]) -> Vec<[[usize; 3]; 2]> {
-    let [nx, ny, nz] = grid.size();
-    let mut boxes = vec![[[usize::MAX; 3], [0; 3]]; labels.len()];
+/// The place of each sample's label in the list, counted from 1; 0 for labels that are not in it.
+fn numbered(grid: &Grid, labels: &[i64], job: &Job) -> Result<Grid, MeshFailure> {
+    let samples = grid.samples();
+    let bytes = 4 * samples.len() as u64;
+    if bytes > job.memory_limit {
+        let message =
+            format!("{} labels need {bytes} bytes; the limit is {}", samples.len(), job.memory_limit);
+        return Err(refused(Code::TooMuchMemory, message));
+    }
     // A run of equal samples is looked up once.
-    let mut last: Option<(i64, Option<usize>)> = None;
-    for z in 0..nz {
-        for y in 0..ny {
-            for x in 0..nx {
-                let value = grid.sample([x, y, z]) as i64;
-                let found = match last {
-                    Some((known, found)) if known == value => found,
-                    _ => labels.binary_search(&value).ok(),
-                };
-                last = Some((value, found));
-                let Some(found) = found else { continue };
-                let [low, high] = &mut boxes[found];
-                for (k, index) in [x, y, z].into_iter().enumerate() {
-                    low[k] = low[k].min(index);
-                    high[k] = high[k].max(index);
-                }
-            }
-        }
-    }
-    boxes
-}
-
-/// Where a label is, with a rim of one sample where the lattice has one, as a part of the whole lattice.
-fn mask(grid: &Grid, label: i64, [low, high]: &[[usize; 3]; 2], border: Border) -> (Grid, Polygonize) {
-    let size = grid.size();
-    let first: [usize; 3] = std::array::from_fn(|k| low[k].saturating_sub(1));
-    let end: [usize; 3] = std::array::from_fn(|k| (high[k] + 2).min(size[k]));
-    let part: [usize; 3] = std::array::from_fn(|k| end[k] - first[k]);
-    let mut values = Vec::with_capacity(part.iter().product());
-    for z in first[2]..end[2] {
-        for y in first[1]..end[1] {
-            for x in first[0]..end[0] {
-                values.push(u8::from(grid.sample([x, y, z]) as i64 == label));
-            }
-        }
-    }
-    let rule =
-        Polygonize { offset: first.map(|n| n as i64), border: [[border; 2]; 3], ..Polygonize::above(0.5) };
-    // As many values as the sizes say were pushed, and none of them is 0.
-    let mask = Grid::new(part, Samples::U8(values), *grid.affine()).expect("a lattice of these sizes");
-    (mask, rule)
+    let mut last: Option<(i64, u32)> = None;
+    let values = (0..samples.len()).map(|at| {
+        let label = samples.get(at) as i64;
+        let number = match last {
+            Some((known, number)) if known == label => number,
+            _ => labels.binary_search(&label).map_or(0, |found| found as u32 + 1),
+        };
+        last = Some((label, number));
+        number
+    });
+    let values = Samples::U32(values.collect());
+    Ok(Grid::new(grid.size(), values, *grid.affine()).expect("as many values as the lattice had"))
 }

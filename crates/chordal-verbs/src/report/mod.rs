@@ -3,6 +3,7 @@
 //! The *certificate* is deterministic: same input, version and budget give the same bytes, so it holds no clock, no
 //! path and no count of threads, and can travel in the file. *Run* is for the reader of the moment.
 mod anatomy;
+mod baked;
 mod bound;
 mod budget;
 mod checked;
@@ -16,6 +17,7 @@ mod valid;
 mod volume;
 
 pub use anatomy::{Anatomy, ComponentFacts, FindingFacts, MOST_COMPONENTS, cures_of_all};
+pub use baked::{BakedFacts, SolidFacts};
 pub use bound::BoundFacts;
 pub use budget::{BudgetFacts, ViewFacts};
 use checked::witness_facts;
@@ -78,6 +80,9 @@ pub struct Certificate {
     /// What was mended, in the order in which it was; only from `mend`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub mended: Vec<MendedFacts>,
+    /// The lattice that was made; only from `bake`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub baked: Option<BakedFacts>,
     /// What else a reader should know, in sentences.
     pub notes: Vec<String>,
 }
@@ -96,6 +101,7 @@ impl Certificate {
             valid: None,
             valid_before: None,
             mended: Vec::new(),
+            baked: None,
             notes: assumed_region(input).map(str::to_owned).into_iter().collect(),
         }
     }

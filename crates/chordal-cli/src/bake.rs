@@ -1,0 +1,124 @@
+//! `chordal bake`
+use crate::args::{InputArgs, OutputArgs, TalkArgs};
+use crate::clock::Clock;
+use crate::common;
+use crate::fault::Fault;
+use crate::input::Source;
+use crate::numbers::{Toward, grouped, point, short, size};
+use crate::output::Target;
+use crate::summary::Lines;
+use crate::talk::Talk;
+use chordal_io::Format;
+use chordal_verbs::report::{BakedFacts, Report, Run};
+use chordal_verbs::{BakeSpec, bake, extension};
+use clap::Args;
+use std::path::Path;
+
+/// `chordal bake`
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Samples are f64, negative inside. A mesh that is no solid is baked too, and a warning says what its sides rest on.
+
+Examples:
+  chordal bake part.stl --cells 128 -o part.nrrd
+  chordal bake part.stl --cells 512 --band 3 -o part.npy
+  chordal bake scan.ply --cells 200 -o scan.nrrd && chordal mesh scan.nrrd -o closed.ply")]
+pub struct BakeArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+
+    #[command(flatten)]
+    pub output: OutputArgs,
+
+    /// The format of the output, npy or nrrd, instead of what its name says
+    #[arg(long, value_name = "FORMAT")]
+    pub to: Option<Format>,
+
+    /// Cubes along the longest side of the mesh's box; a margin comes on top
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub cells: u64,
+
+    /// Distances only within so many cells of the surface, and the band's width with a sign elsewhere
+    #[arg(long, value_name = "W", value_parser = band, allow_hyphen_values = true)]
+    pub band: Option<f64>,
+
+    #[command(flatten)]
+    pub talk: TalkArgs,
+}
+
+fn band(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(width) if width > 0.0 && width <= 1e6 => Ok(width),
+        _ => Err("a band is a number of cells above 0 and up to a million".to_owned()),
+    }
+}
+
+/// Reads, samples, writes, reports.
+pub fn run(args: &BakeArgs) -> Result<(), Fault> {
+    let clock = Clock::start();
+    let talk = Talk::new(&args.talk);
+    let to = format(&args.output.output, args.to)?;
+    let stdout = common::stdout(&args.output, &args.talk)?;
+    let source = Source::from_arg(&args.input.input);
+    let job = common::job(&args.input, Some(&args.output), &talk);
+    let target = Target::prepare(&args.output.output, common::existing(&args.output), &source)?;
+    let input = common::read(&args.input, &talk)?;
+    let name = source.name();
+    let spec = BakeSpec { cells: args.cells as usize, band: args.band };
+    let outcome = bake(input, &spec, to, &job).map_err(|failure| common::fault(&name, &failure, ""))?;
+    if let Some(facts) = outcome.certificate.baked.as_ref().filter(|facts| !facts.solid.is_solid) {
+        talk.warn(&name, &[&facts.solid.sentence]);
+    }
+    let bytes = target.write(&mut |out| outcome.write(out))?;
+    let run = Run {
+        verb: "bake",
+        input: Some(name),
+        output: Some(target.name()),
+        bytes: Some(bytes),
+        ..Run::default()
+    };
+    let report = Report::new(outcome.certificate, clock.fill(run, &job));
+    report.certificate.notes.iter().for_each(|note| talk.detail(note));
+    talk.result(&report.to_value(), &told(&report), stdout)
+}
+
+/// The format of a lattice, by what is said or by the name.
+fn format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
+    let name = path.display().to_string();
+    let format = to.or_else(|| extension(&name).and_then(Format::from_extension));
+    match format {
+        Some(format @ (Format::Npy | Format::Nrrd)) => Ok(format),
+        Some(other) => Err(Fault::usage(format!("{other} holds no lattice; npy and nrrd do"))),
+        None => Err(Fault::usage(format!(
+            "{name}: the name does not say the format; --to does, with npy or nrrd"
+        ))),
+    }
+}
+
+fn told(report: &Report) -> String {
+    let run = &report.run;
+    let name = |name: &Option<String>| name.clone().unwrap_or_default();
+    let mut lines = Lines::titled(&format!("{} -> {}", name(&run.input), name(&run.output)));
+    if let Some(facts) = &report.certificate.baked {
+        baked(&mut lines, facts);
+    }
+    lines.add_if("size", run.bytes.map(size));
+    lines.add_if("seconds", run.seconds.map(|seconds| format!("{seconds:.2}")));
+    lines.finish()
+}
+
+fn baked(lines: &mut Lines, facts: &BakedFacts) {
+    let [x, y, z] = facts.size.map(grouped);
+    lines.add("samples", format!("{x} x {y} x {z} of f64, {} apart", short(facts.spacing, Toward::Nearest)));
+    lines.add("origin", point(facts.origin));
+    let band = facts.band.map(|band| {
+        format!("{} samples within {} are distances", grouped(facts.distances), short(band, Toward::Nearest))
+    });
+    lines.add_if("band", band);
+    let off = short(facts.off_at_most, Toward::Up);
+    lines.add("distances", format!("off by at most {off} ({})", facts.evidence));
+    let sides =
+        if facts.solid.closed { "known for sure" } else { "by winding numbers, sure only away from holes" };
+    lines.add("sides", sides);
+    lines.add("solid", if facts.solid.is_solid { "yes" } else { "no" });
+}

@@ -1,0 +1,62 @@
+//! Volumes for Python: which surface of the samples is meant, and distances of triangles on a lattice.
+use crate::deviation::Named;
+use crate::source::Source;
+use crate::{failure, work};
+use chordal_io::Format;
+use chordal_verbs::report::{Report, Run};
+use chordal_verbs::{BakeSpec, Border, Input, Inside, Labels, Sampled, Shape, SurfaceSpec, bake, sha256};
+use pyo3::prelude::*;
+
+/// Which surface of a volume is meant, in Python's words.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Meant {
+    iso: Option<f64>,
+    /// "high" or "low".
+    inside: Option<String>,
+    /// "capped" or "open".
+    border: String,
+    /// An empty list stands for all but 0.
+    labels: Option<Vec<i64>>,
+}
+
+impl Meant {
+    /// The same as the verbs take it.
+    pub(crate) fn spec(self) -> PyResult<SurfaceSpec> {
+        let inside = match self.inside.as_deref() {
+            None => None,
+            Some("high") => Some(Inside::High),
+            Some("low") => Some(Inside::Low),
+            Some(other) => {
+                return Err(failure::argument("inside", format!("'high' or 'low', not '{other}'")));
+            }
+        };
+        let border = match self.border.as_str() {
+            "capped" => Border::Capped,
+            "open" => Border::Open,
+            other => return Err(failure::argument("border", format!("'capped' or 'open', not '{other}'"))),
+        };
+        let labels = self.labels.map(|list| if list.is_empty() { Labels::All } else { Labels::Listed(list) });
+        Ok(SurfaceSpec { level: self.iso, inside, border, labels })
+    }
+}
+
+/// Distances to triangles on a lattice, and the report of `chordal bake` as JSON.
+pub(crate) fn baked(py: Python<'_>, named: Named, spec: BakeSpec) -> PyResult<(Source, String)> {
+    let Named { input, name } = named;
+    let made = work::run(py, None, move |job| bake(Input::clone(&input), &spec, Format::Nrrd, job))?;
+    let outcome = made.map_err(|error| failure::mesh(py, &error))?;
+    let run = Run { verb: "bake", input: name, ..Run::default() };
+    let report = Report::new(outcome.certificate.clone(), run).to_value().to_string();
+    let digest = work::run(py, None, {
+        let outcome = outcome.clone();
+        move |_| {
+            let mut bytes = Vec::new();
+            outcome.write(&mut bytes).map(|()| (bytes.len() as u64, sha256(&bytes)))
+        }
+    })?;
+    let (n_bytes, sha256) = digest.map_err(|error| failure::write(py, &error))?;
+    let shape = Shape::Volume(Sampled { volume: outcome.volume, surface: SurfaceSpec::default() });
+    let input = Input { shape, format: Format::Nrrd, n_bytes, sha256, warnings: Vec::new() };
+    Ok((Source::made(input, Vec::new()), report))
+}

@@ -1,0 +1,125 @@
+//! `bake`: distances to triangles on a lattice.
+use crate::mesh::refused;
+use crate::report::{BakedFacts, Certificate};
+use crate::{Input, MeshFailure, Shape, placed};
+use chordal::Mesh;
+use chordal::budget::{Code, Job, Stopped, par_map};
+use chordal::convert::{Baked, mesh_to_grid};
+use chordal::explicit::Bvh;
+use chordal::math::{add_up, sub_up};
+use chordal_io::{Format, Volume, WriteError, npy, nrrd};
+use std::io::Write;
+
+/// How a lattice is laid around a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BakeSpec {
+    /// Cubes along the longest side of the mesh's box.
+    pub cells: usize,
+    /// Of so many cells on either side of the surface samples are distances; everywhere unless said.
+    pub band: Option<f64>,
+}
+
+/// A lattice of distances, with what is known of it.
+#[derive(Clone, Debug)]
+pub struct BakeOutcome {
+    /// The samples, where they stand.
+    pub volume: Volume,
+    /// Where it goes.
+    pub format: Format,
+    /// What is known.
+    pub certificate: Certificate,
+}
+
+impl BakeOutcome {
+    /// Writes the lattice; the certificate too, where the format carries one.
+    ///
+    /// # Errors
+    /// When the sink fails.
+    pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
+        match self.format {
+            Format::Npy => npy::write(&self.volume, out),
+            _ => nrrd::write(&self.volume, Some(&self.certificate.to_value()), out),
+        }
+    }
+}
+
+/// Samples the distance to triangles on a lattice of cubes, negative inside; every distance is then enclosed from both
+/// sides, so that the error which the certificate states is proved.
+///
+/// # Errors
+/// When the shape has no triangles or the format holds no lattice; as for [`mesh_to_grid`].
+///
+/// ```
+/// use chordal_io::Format;
+/// use chordal_verbs::{BakeSpec, Hint, bake, load};
+/// let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+/// let input = load(obj, Hint { name: Some("corner.obj"), ..Hint::default() }, &Default::default())?;
+/// let outcome = bake(input, &BakeSpec { cells: 8, band: None }, Format::Nrrd, &Default::default())?;
+/// let facts = outcome.certificate.baked.unwrap();
+/// assert!(facts.solid.is_solid && facts.size == [15; 3] && facts.off_at_most < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<BakeOutcome, MeshFailure> {
+    if !matches!(to, Format::Npy | Format::Nrrd) {
+        return Err(MeshFailure::Usage(format!("{to} holds no lattice; npy and nrrd do")));
+    }
+    let mut certificate = Certificate::of(&input);
+    let (kind, frame) = (input.shape.kind(), *input.shape.frame());
+    let Shape::Scene(scene) = input.shape else {
+        let message = format!("only triangles can be baked, and these are {kind}: mesh them first");
+        return Err(MeshFailure::Usage(message));
+    };
+    let placed = placed::flattened(scene)?;
+    if placed.left_out > 0 {
+        certificate.notes.push(format!("parts that stand nowhere were left out ({}x)", placed.left_out));
+    }
+    let mesh = placed::one_mesh(&placed.scene)?;
+    if mesh.faces().is_empty() {
+        return Err(refused(Code::Empty, "there are no triangles to be away from"));
+    }
+    let baked = mesh_to_grid(&mesh, spec.cells, spec.band, job).map_err(ended)?;
+    let off = add_up(off_at_most(&mesh, &baked, job)?, placed.moved_at_most);
+    if !baked.solid.is_solid() {
+        certificate.notes.push(baked.solid.to_string());
+    }
+    if to == Format::Npy {
+        certificate.notes.push("npy holds no place and no step: this report has both".to_owned());
+    }
+    certificate.baked = Some(BakedFacts::of(&baked, off));
+    Ok(BakeOutcome { volume: Volume { frame, ..Volume::of(baked.grid) }, format: to, certificate })
+}
+
+fn ended(stopped: Stopped) -> MeshFailure {
+    match stopped {
+        Stopped::Refused(refusal) => MeshFailure::Refused(refusal),
+        Stopped::Cancelled => MeshFailure::Cancelled,
+    }
+}
+
+/// How far the samples that are distances are off at most: each is held against a bound from below and one from above
+/// that no rounding can break.
+fn off_at_most(mesh: &Mesh, baked: &Baked, job: &Job) -> Result<f64, MeshFailure> {
+    let bvh = Bvh::build(mesh, job).map_err(ended)?;
+    let grid = &baked.grid;
+    let [nx, ny, nz] = grid.size();
+    let layers: Vec<usize> = (0..nz).collect();
+    let larger = |a: f64, b: f64| if a > b { a } else { b };
+    let of_layer = |k: usize| {
+        let mut most: f64 = 0.0;
+        for row in 0..nx * ny {
+            let at = [row % nx, row / nx, k];
+            let value = grid.sample(at).abs();
+            if job.is_cancelled() || value >= baked.band {
+                continue;
+            }
+            let p = grid.affine().at(at.map(|i| i as f64));
+            // Nothing known on one side is no bound at all.
+            let down = bvh.closest_distance_down(p).unwrap_or(f64::NEG_INFINITY);
+            let up = bvh.closest_distance_up(p).unwrap_or(f64::INFINITY);
+            most = larger(most, larger(sub_up(value, down), sub_up(up, value)));
+        }
+        most
+    };
+    let most = par_map(job, &layers, |_, k| of_layer(*k)).into_iter().fold(0.0, larger);
+    if job.is_cancelled() { Err(MeshFailure::Cancelled) } else { Ok(most) }
+}

@@ -1,0 +1,74 @@
+"""Volumes from arrays, their surfaces, and baking."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import chordal
+
+I, J, K = np.indices((13, 15, 17)).astype(float)
+BALL = np.sqrt((I - 6) ** 2 + (J - 7) ** 2 + (K - 8) ** 2) - 4
+
+
+@pytest.mark.parametrize("dtype", ["f4", ">f8", "f8"])
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_an_array_stands_where_its_indices_say(dtype: str, order: str) -> None:
+    mesh = chordal.volume(np.array(BALL, dtype, order=order)).mesh(iso=0)  # type: ignore[call-overload]
+    assert np.allclose(mesh.vertices.min(axis=0), [2, 3, 4]) and np.allclose(mesh.vertices.max(axis=0), [10, 11, 12])
+    assert mesh.report["certificate"]["valid"]["closed"] and mesh.bound.evidence == "proved"
+
+
+def test_spacing_and_origin_are_the_affine() -> None:
+    affine = np.array([[0.5, 0, 0, 1], [0, 0.25, 0, 2], [0, 0, 2, 3], [0, 0, 0, 1]])
+    one = chordal.volume(BALL, spacing=(0.5, 0.25, 2), origin=(1, 2, 3)).mesh()
+    two = chordal.volume(BALL, affine=affine).mesh()
+    assert one.vertices.tobytes() == two.vertices.tobytes()
+    assert np.allclose(one.vertices.min(axis=0), affine[:3, :3] @ [2, 3, 4] + affine[:3, 3])
+
+
+def test_sides_borders_and_labels() -> None:
+    mask = (BALL < 0).astype(np.uint8)
+    assert len(chordal.volume(mask).mesh(iso=0.5, inside="low").faces) > len(chordal.volume(mask).mesh().faces)
+    half = chordal.volume(BALL[6:])
+    assert half.mesh().report["certificate"]["valid"]["closed"]
+    assert not half.mesh(border="open").report["certificate"]["valid"]["closed"]
+    both = chordal.volume(mask + (BALL < -2))
+    assert "2 labels" in str(both.mesh(labels="all").report["certificate"]["notes"])
+    assert len(both.mesh(labels=[2]).faces) < len(both.mesh(labels=[1]).faces)
+
+
+def test_what_is_wrong_is_said() -> None:
+    with pytest.raises(ValueError, match="three axes"):
+        chordal.volume(np.zeros((3, 3)))
+    with pytest.raises(TypeError, match="complex"):
+        chordal.volume(np.zeros((3, 3, 3), complex))
+    with pytest.raises(TypeError, match="one or the other"):
+        chordal.volume(BALL, affine=np.eye(4), spacing=1)
+    with pytest.raises(chordal.Refused, match="no surface"):
+        chordal.volume(BALL).mesh(iso=1000)
+
+
+def test_a_cube_comes_back_from_its_distances() -> None:
+    corners = np.indices((2, 2, 2)).reshape(3, -1).T * 2.0 - 1
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    cube = chordal.triangles(corners, [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
+    for made in (cube, cube.mesh(tol=1)):
+        baked = made.bake(cells=20)
+        facts = baked.report["certificate"]["baked"]  # type: ignore[index]
+        assert facts["solid"]["is_solid"] and facts["off_at_most"] < 1e-12 and facts["evidence"] == "proved"
+        assert np.allclose(abs(baked.mesh(iso=0).vertices).max(axis=0), 1)
+    assert not cube.bake(cells=4, band=1).report["certificate"]["baked"]["band"] is None  # type: ignore[index]
+
+
+def test_a_field_becomes_triangles_and_what_it_raises_comes_through() -> None:
+    block = chordal.box(2, 2, 1) - chordal.cylinder(0.4, 2)
+    mesh = block.mesh(tol=0.05)
+    assert mesh.bound.at_most is not None and mesh.bound.at_most <= 0.05 and mesh.bound.evidence == "proved"
+    assert mesh.report["certificate"]["valid"]["closed"]
+
+    def broken(points: np.ndarray) -> np.ndarray:
+        raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        chordal.field(broken, bounds=((-1, -1, -1), (1, 1, 1)), lipschitz=1).mesh(tol=0.1)
