@@ -8,7 +8,7 @@ pub(super) struct Root {
     /// Which end moved last, and how often in a row.
     last: i8,
     left: u8,
-    /// The width three steps ago: a secant that does not halve in three is helped out by a halving.
+    /// The width three steps ago: a secant that does no more than halve in three is helped out by a halving.
     before: f64,
 }
 
@@ -30,7 +30,8 @@ impl Root {
         let ([a, fa], [b, fb]) = (self.outside, self.inside);
         let span = b - a;
         let halve = if self.left.is_multiple_of(3) {
-            let slow = span > 0.5 * self.before;
+            // A halving alone is slow: the two steps beside it have to help.
+            let slow = span > 0.4 * self.before;
             self.before = span;
             slow
         } else {
