@@ -18,7 +18,8 @@ use std::io::Write;
 /// let grid = Grid::new([2, 3, 2], Samples::I16((0..12).collect()), Affine::IDENTITY)?;
 /// let (volume, mut file) = (Volume::of(grid), Vec::new());
 /// npy::write(&volume, &mut file)?;
-/// assert_eq!(npy::read(&file, &Limits::default())?.content, Content::Volume(volume));
+/// let Content::Volume(read) = npy::read(&file, &Limits::default())?.content else { unreachable!() };
+/// assert_eq!(read, volume);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write(volume: &Volume, out: &mut dyn Write) -> Result<(), WriteError> {

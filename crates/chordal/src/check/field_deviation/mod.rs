@@ -33,13 +33,13 @@ const CHUNK: usize = 256;
 /// With leaves, which are asked for everything at once.
 const LEAF_CHUNK: usize = 1 << 16;
 /// Pieces looked at in all, as a multiple of the faces and at least so many: beyond, what is known has to do.
-const PIECES_A_FACE: usize = 16;
+const PIECES_A_FACE: usize = 64;
 const FEW_PIECES: usize = 1 << 18;
 /// So often a piece is cut for a bound that is closer than what was asked for.
 const EAGER: u32 = 5;
 /// Boxes looked at in all, likewise.
-const BOXES_A_FACE: usize = 16;
-const FEW_BOXES: usize = 1 << 20;
+const BOXES_A_FACE: usize = 64;
+const FEW_BOXES: usize = 1 << 21;
 /// What rounding leaves of a distance that is 0, as a share of the largest coordinate: derived from the slack of pieces
 /// (32 ε), taken twice.
 const FLOOR: f64 = 64.0 * f64::EPSILON;
@@ -108,7 +108,12 @@ pub fn field_deviation(
         let enclosure = Enclosure::new(mesh, &bvh);
         let enough = larger(search.enough(), if goal.max.is_some() { 0.0 } else { forward.most });
         let target = Target { bvh: &bvh, enclosure: &enclosure, strays: &forward.strays, enough };
-        let backward = search.backward(&bounds, &target)?;
+        // Without a bound from above for the mesh there is none for both.
+        let backward = if forward.unresolved > 0 {
+            Backward { least: 0.0, most: f64::INFINITY, at: forward.at }
+        } else {
+            search.backward(&bounds, &target)?
+        };
         Ok(search.conclusion(&forward, &backward, &bvh))
     })
 }

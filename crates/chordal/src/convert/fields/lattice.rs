@@ -20,8 +20,15 @@ pub(super) struct Lattice {
 const ASIDE: [f64; 3] = [0.618_034, 0.381_966, 0.754_878];
 
 impl Lattice {
-    /// Cubes of side `step` that cover the box with one more all around; `None` where there would be too many to count.
+    /// Cubes of side `step` that cover the box with one more all around; `None` where there would be too many to count, or
+    /// coordinates could not tell them apart.
     pub fn over(bounds: &Box3, step: f64) -> Option<Self> {
+        let ends = bounds.min.iter().chain(&bounds.max);
+        let reach = ends.fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+        // A cell has to have room for places inside of it: exactly 2¹² steps of the largest coordinate.
+        if step < 4096.0 * f64::EPSILON * reach {
+            return None;
+        }
         let mut lattice = Self { origin: [0.0; 3], step, bricks: [0; 3] };
         for (k, aside) in ASIDE.into_iter().enumerate() {
             lattice.origin[k] = bounds.min[k] - step * (1.0 + aside);

@@ -36,6 +36,9 @@ const SLOWEST: f64 = 0.9;
 /// So many finer trials in a row without a smaller error are enough.
 const STUCK: u32 = 3;
 
+/// Meshes with places that no proof settles, after which no other is tried.
+const HOPELESS: usize = 2;
+
 type Outcome = Result<Bounded<Mesh>, Failure<Mesh>>;
 
 /// A mesh within what is wanted, or the best.
@@ -103,7 +106,9 @@ impl Search<'_> {
         let Some(lattice) = Lattice::over(&self.bounds, step) else {
             return Err(Failure::refused(
                 Code::TooManyTriangles,
-                format!("cells of {step:e} are too many to count in the box of the field"),
+                format!(
+                    "cells of {step:e} are too many to count in the box of the field, or too small for its coordinates"
+                ),
             ));
         };
         let mesh = polygonize(&self.tape, &lattice, self.job).map_err(|halt| match halt {
@@ -173,6 +178,7 @@ impl Search<'_> {
         }
         let goal = Goal { max: Some(length), ..Goal::default() };
         let mut best: Option<Bounded<Mesh>> = None;
+        let mut unresolved = 0;
         for round in 0..TRIALS {
             self.job.report(Progress { stage: "prove", done: round as u64, total: TRIALS as u64 });
             let found = self.proved(&trial.mesh, &goal)?;
@@ -181,6 +187,8 @@ impl Search<'_> {
             if within || self.is_measured(&found) {
                 return self.counted(Bounded { shape: trial.mesh, bound: known }, most);
             }
+            // Places that no proof settles are not settled by smaller cells either.
+            unresolved += usize::from(found.unresolved > 0);
             let seen = if found.bound.at_least() > 0.0 { found.bound.at_least() } else { trial.error };
             let least = if seen > trial.error { seen } else { trial.error };
             // Where a prediction said it would fit and the proof did not agree, by a fifth.
@@ -189,7 +197,7 @@ impl Search<'_> {
             let step = trial.step * if factor < 0.3 { 0.3 } else { factor };
             let shape = std::mem::replace(&mut trial.mesh, empty());
             best = Some(Bounded { shape, bound: known });
-            if self.affordable(&trial, step).is_err() {
+            if unresolved == HOPELESS || self.affordable(&trial, step).is_err() {
                 break;
             }
             trial = self.trial(step)?;
