@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 import chordal
@@ -67,7 +68,7 @@ def test_a_field_becomes_triangles_and_what_it_raises_comes_through() -> None:
     assert mesh.bound.at_most is not None and mesh.bound.at_most <= 0.05 and mesh.bound.evidence == "proved"
     assert mesh.report["certificate"]["valid"]["closed"]
 
-    def broken(points: np.ndarray) -> np.ndarray:
+    def broken(points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         raise KeyError("mine")
 
     with pytest.raises(KeyError, match="mine"):
