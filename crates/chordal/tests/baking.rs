@@ -247,7 +247,10 @@ fn cube(at: f64, half: f64) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     ((0..8).map(corner).collect(), faces)
 }
 
-fn joined(parts: &[(Vec<[f64; 3]>, Vec<[u32; 3]>)]) -> Mesh {
+/// Positions and faces.
+type Part = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+
+fn joined(parts: &[Part]) -> Mesh {
     let (mut points, mut faces) = (Vec::new(), Vec::new());
     for (p, f) in parts {
         let first = points.len() as u32;

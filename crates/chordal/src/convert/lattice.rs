@@ -30,7 +30,7 @@ impl Lattice {
         }
         let counts = sides.map(|side| (side / step).ceil() as usize);
         let size = counts.map(|n| n.saturating_add(margin.saturating_mul(2)).saturating_add(1));
-        if size.iter().try_fold(1_usize, |all, n| all.checked_mul(*n)).is_none_or(|n| n > 1 << 40) {
+        if size.iter().try_fold(1_usize, |all, n| all.checked_mul(*n)).is_none_or(|n| n as u64 > 1 << 40) {
             return None;
         }
         // What whole cells are more than the side is shared by both ends.
