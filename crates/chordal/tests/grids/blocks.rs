@@ -73,6 +73,7 @@ fn blocks_with_offsets_join_bit_for_bit() {
         }
         let grid = Grid::new(size, Samples::F64(values), affine()).unwrap();
         let mut part = rule;
+        #[expect(clippy::needless_range_loop, reason = "the axis names places in several lists")]
         for k in 0..3 {
             part.offset[k] += range[k][0] as i64;
             let ends = [range[k][0] == 0, range[k][1] == n - 1];
