@@ -7,6 +7,8 @@ SHELL := /bin/bash
 .PHONY: studio-page need-rust need-wasm need-node need-node-20 need-chromium need-python
 
 CARGO ?= cargo
+# What speeds up the second build fills gigabytes in the first; CARGO_INCREMENTAL=1 brings it back.
+export CARGO_INCREMENTAL ?= 0
 TARGET := $(or $(CARGO_TARGET_DIR),target)
 CHORDAL := $(TARGET)/release/chordal
 VENV := $(TARGET)/python/venv
