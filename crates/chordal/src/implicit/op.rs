@@ -55,6 +55,9 @@ pub enum Binary {
     Min,
     /// `a` where `a > b`, else `b`.
     Max,
+    /// The smaller of both with its kink rounded off, `min(a, b) − h²/4` with `h = max(1 − |a − b|, 0)`: nowhere above
+    /// the minimum, and it where they are 1 apart.
+    SmoothMin,
     /// The angle of the point `(b, a)` from the first axis, in (−π, π]; nothing at the origin, a jump at the negative axis.
     Atan2,
     /// What is left of `a` when whole `|b|`s are taken away: in [0, |b|); jumps. Nothing where `b` is 0.
@@ -142,13 +145,14 @@ impl Unary {
 
 impl Binary {
     /// Every one with its name in an op list.
-    pub const ALL: [(Self, &'static str); 11] = [
+    pub const ALL: [(Self, &'static str); 12] = [
         (Self::Add, "add"),
         (Self::Sub, "sub"),
         (Self::Mul, "mul"),
         (Self::Div, "div"),
         (Self::Min, "min"),
         (Self::Max, "max"),
+        (Self::SmoothMin, "smooth-min"),
         (Self::Atan2, "atan2"),
         (Self::Mod, "mod"),
         (Self::Compare, "compare"),
@@ -168,6 +172,11 @@ impl Binary {
             Self::Min if a < b => a,
             Self::Max if a > b => a,
             Self::Min | Self::Max => b,
+            Self::SmoothMin => {
+                let near = 1.0 - (a - b).abs();
+                let near = if near > 0.0 { near } else { 0.0 };
+                Self::Min.of(a, b) - 0.25 * (near * near)
+            }
             Self::Atan2 => elementary::atan2(a, b),
             Self::Mod => a.rem_euclid(b),
             Self::Compare if a < b => -1.0,
@@ -203,6 +212,11 @@ impl Binary {
             Self::Min if a < b => a,
             Self::Max if a > b => a,
             Self::Min | Self::Max => b,
+            Self::SmoothMin => {
+                let near = 1.0 - (a - b).abs();
+                let near = if near > 0.0 { near } else { 0.0 };
+                Self::Min.of_f32(a, b) - 0.25 * (near * near)
+            }
             Self::Atan2 => single::atan2(a, b),
             Self::Mod => a.rem_euclid(b),
             Self::Compare if a < b => -1.0,

@@ -111,6 +111,9 @@ fn choice(op: Binary, a: Interval, b: Interval) -> Choice {
         Binary::Min if b.hi() < a.lo() => Choice::Second,
         Binary::Max if a.lo() > b.hi() => Choice::First,
         Binary::Max if b.lo() > a.hi() => Choice::Second,
+        // A difference rounds to 1 or more for the ends, and so for all numbers between: nothing is taken off.
+        Binary::SmoothMin if b.lo() - a.hi() >= 1.0 => Choice::First,
+        Binary::SmoothMin if a.lo() - b.hi() >= 1.0 => Choice::Second,
         Binary::And if never => Choice::Second,
         Binary::And if is_zero => Choice::First,
         Binary::Or if never => Choice::First,

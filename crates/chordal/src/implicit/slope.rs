@@ -39,6 +39,8 @@ pub(super) trait Kinks: Number {
     fn abs(a: Slope<Self>) -> [Self; 3];
     /// The derivatives of the smaller one of both.
     fn min(a: Slope<Self>, b: Slope<Self>) -> [Self; 3];
+    /// The derivatives of the smooth minimum: a weighted mean of both.
+    fn smooth_min(a: Slope<Self>, b: Slope<Self>) -> [Self; 3];
     /// The derivative of a function with steps, which has this value.
     fn flat(value: Self) -> Self;
     /// How many whole `b`s were taken from `a` to leave `value`.
@@ -57,6 +59,17 @@ impl Kinks for f64 {
     #[inline(always)]
     fn min(a: Slope<Self>, b: Slope<Self>) -> [Self; 3] {
         each_axis!(k => if a.value < b.value { a.gradient[k] } else { b.gradient[k] })
+    }
+    #[inline(always)]
+    fn smooth_min(a: Slope<Self>, b: Slope<Self>) -> [Self; 3] {
+        let share = 0.5 - 0.5 * (a.value - b.value);
+        each_axis!(k => {
+            let (da, db) = (a.gradient[k], b.gradient[k]);
+            let mean = share * da + (1.0 - share) * db;
+            // What has no share has no say, whatever it is.
+            let mean = if share < 1.0 { mean } else { da };
+            if share > 0.0 { mean } else { db }
+        })
     }
     #[inline(always)]
     fn flat(_: Self) -> Self {
@@ -91,6 +104,20 @@ impl Kinks for Interval {
         each_axis!(k => {
             let (da, db) = (a.gradient[k], b.gradient[k]);
             da.choose(first, db.choose(second, da.hull(db)))
+        })
+    }
+    /// The mean is linear in the share, so its ends are at those of the share.
+    #[inline(always)]
+    fn smooth_min(a: Slope<Self>, b: Slope<Self>) -> [Self; 3] {
+        let (one, half) = (Self::point(1.0), Self::point(0.5));
+        let share = half - half * (a.value - b.value);
+        let share = share.max(Self::point(0.0)).min(one).ends();
+        let (all, none) = (share.lo >= 1.0, share.hi <= 0.0);
+        let (low, high) = (Self::point(share.lo), Self::point(share.hi));
+        each_axis!(k => {
+            let (da, db) = (a.gradient[k], b.gradient[k]);
+            let mean = (low * da + (one - low) * db).hull(high * da + (one - high) * db);
+            da.choose(all, db.choose(none, mean))
         })
     }
     #[inline(always)]
@@ -246,6 +273,7 @@ impl<N: Kinks> Number for Slope<N> {
                 let least = N::min(minus(a), minus(b));
                 each_axis!(k => neg(least[k]))
             }
+            Binary::SmoothMin => N::smooth_min(a, b),
             Binary::Atan2 => {
                 let r = add(square(a.value), square(b.value));
                 each_axis!(k => div(sub(mul(b.value, da[k]), mul(a.value, db[k])), r))

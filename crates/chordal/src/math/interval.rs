@@ -215,6 +215,13 @@ impl Interval {
         self.with(other, self.ends().min(other.ends()))
     }
 
+    /// The minimum of a number of each with its kink rounded off, which grows with both.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn smooth_min(self, other: Self) -> Self {
+        self.with(other, self.ends().smooth_min(other.ends()))
+    }
+
     /// The larger of a number of each, exactly.
     #[inline(always)]
     #[must_use]

@@ -1,7 +1,7 @@
 //! Unions, intersections and differences with rounded seams.
 use super::grown;
 use crate::implicit::shapes::{InvalidShape, positive};
-use crate::implicit::{Distance, Expr, Field, Quality};
+use crate::implicit::{Distance, Field, Quality};
 
 const BLEND: &str = "a blend";
 
@@ -21,18 +21,19 @@ impl Field {
         let [first, second] = [self, other].map(|field| field.held(BLEND));
         let (first, second) = (first?, second?);
         let (a, b) = (first.expr(), second.expr());
-        let apart = (a - b).abs();
-        let near = (Expr::constant(radius) - &apart).max(&0.0.into());
-        let value = a.min(b) - near.square() / (4.0 * radius);
-        // Where |a − b| < radius and neither is inside, the blend is where 2r(a + b) < r² + (a − b)². With the last
-        // square held at r² the difference stays positive beyond, so neither kinks of a nor of b are on its surface.
-        let held = apart.min(&radius.into()).square();
-        let seam = ((a + b) * (2.0 * radius) - radius * radius - held) / (4.0 * radius);
-        let sign = self.sign().min(other.sign()).min(&seam);
+        let value = a.smooth_min(b, radius);
         let inside = self.distance().union(other.distance()).inside;
         let bounds = first.bounds().union(second.bounds());
-        Ok(Self::new(value)
-            .with_sign(sign)
+        let blend = Self::new(value.clone());
+        // Where a and b are `radius` apart the blend is one of them, with its kinks on the surface, for which there are signs
+        // without; a half of what they are farther apart keeps the blend's own surface away from there.
+        let blend = if self.has_own_sign() || other.has_own_sign() {
+            let beyond = ((a - b).abs() - radius).max(&0.0.into()) * 0.5;
+            blend.with_sign(self.sign().min(other.sign()).min(&(value + beyond)))
+        } else {
+            blend
+        };
+        Ok(blend
             .with_distance(Distance { outside: Quality::Bound, inside })
             .with_bounds(grown(bounds, 0.25 * radius)))
     }

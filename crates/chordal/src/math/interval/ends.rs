@@ -183,6 +183,22 @@ impl Ends {
         folded.or(across, flipped)
     }
 
+    /// `min(a, b) − max(1 − |a − b|, 0)²/4`, which grows with both. Rounding: what is squared is at most 1 and off by at
+    /// most 2u (u = ε/2: half a step of |a − b|, and half of the difference from 1), its quarter square so by at most 1.25u,
+    /// and the last difference by u of itself. The pad is four times as much, for the true value and for those computed
+    /// anywhere between the ends.
+    #[inline(always)]
+    pub(crate) fn smooth_min(self, other: Self) -> Self {
+        let at = |a: f64, b: f64| {
+            let near = 1.0 - (a - b).abs();
+            let near = if near > 0.0 { near } else { 0.0 };
+            lower(a, b) - 0.25 * (near * near)
+        };
+        let pad = |x: f64| 4.0 * f64::EPSILON * (1.0 + x.abs());
+        let (lo, hi) = (at(self.lo, other.lo), at(self.hi, other.hi));
+        Self { lo: lo - pad(lo), hi: hi + pad(hi) }
+    }
+
     #[inline(always)]
     pub(crate) fn min(self, other: Self) -> Self {
         Self { lo: lower(self.lo, other.lo), hi: lower(self.hi, other.hi) }
