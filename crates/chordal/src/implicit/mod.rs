@@ -18,6 +18,7 @@ pub mod shapes;
 mod shorten;
 mod slope;
 mod sources;
+mod sparse;
 mod tape;
 mod trilinear;
 
@@ -32,5 +33,7 @@ pub use grid::{Grid, InvalidGrid, Samples};
 pub use leaf::{Answer, Leaf, LeafError, Lipschitz};
 pub use op::{Binary, Unary};
 pub use slope::Slope;
+pub(crate) use sparse::Layer;
+pub use sparse::SparseGrid;
 pub use tape::Tape;
-pub use trilinear::Trilinear;
+pub use trilinear::{Sampled, Trilinear};

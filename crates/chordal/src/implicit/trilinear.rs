@@ -1,18 +1,19 @@
 //! `Trilinear`: a grid as a function of every point.
 use super::affine::Affine;
-use super::grid::{Grid, with_samples};
+use super::grid::Grid;
 use super::leaf::{Answer, Leaf, LeafError};
+use super::sparse::SparseGrid;
 use crate::budget::Evidence;
-use crate::math::{Box3, Interval};
+use crate::math::{Box3, Interval, add_up, mul_up};
 use std::sync::Arc;
 
-/// The trilinear interpolant of a grid as a leaf of expressions.
+/// The trilinear interpolant of a grid, dense or in bricks, as a leaf of expressions: the same bits for the same samples.
 ///
 /// Outside of the lattice the value is that of the nearest index: each index is kept between the first and the last sample, so
 /// the function is continuous everywhere. The values are the samples' own: a density is made a field by
 /// `level − grid`. Where a sample of the cell is NaN so is the value, which is outside.
 ///
-/// Ranges are outward rounded and hold the inverse of the lattice's transform as intervals. In boxes of up to 64 cells the range is
+/// Ranges are outward rounded, hold the values that are computed, and take the inverse of the lattice's transform as intervals. In boxes of up to 64 cells the range is
 /// that of the corners of the box's part of each cell, else that of the samples of blocks of cells.
 ///
 /// ```
@@ -24,12 +25,54 @@ use std::sync::Arc;
 /// # Ok::<(), chordal::implicit::InvalidGrid>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Trilinear {
-    grid: Arc<Grid>,
+pub struct Trilinear<G = Grid> {
+    grid: Arc<G>,
     /// From space to indices: three rows of `[a, b, c]` for a point minus the first sample's.
     inverse: [[Interval; 3]; 3],
     /// The least and the largest sample of blocks of cells, from blocks of 4³ cells on, each level of 4³ of the one before.
     levels: Vec<Level>,
+}
+
+/// Samples on a lattice, dense or in bricks.
+pub trait Sampled: Send + Sync + std::fmt::Debug {
+    /// How many samples there are along each index.
+    fn size(&self) -> [usize; 3];
+
+    /// From indices to space.
+    fn affine(&self) -> &Affine;
+
+    /// One sample.
+    fn sample(&self, index: [usize; 3]) -> f64;
+}
+
+impl Sampled for Grid {
+    fn size(&self) -> [usize; 3] {
+        self.size()
+    }
+
+    fn affine(&self) -> &Affine {
+        self.affine()
+    }
+
+    #[inline]
+    fn sample(&self, index: [usize; 3]) -> f64 {
+        self.sample(index)
+    }
+}
+
+impl Sampled for SparseGrid {
+    fn size(&self) -> [usize; 3] {
+        self.size()
+    }
+
+    fn affine(&self) -> &Affine {
+        self.affine()
+    }
+
+    #[inline]
+    fn sample(&self, index: [usize; 3]) -> f64 {
+        self.sample(index)
+    }
 }
 
 /// Ranges of the samples of blocks of cells.
@@ -46,10 +89,10 @@ const MOST_BLOCKS: usize = 64;
 /// Cells a side of a block, and blocks of one level in one of the next.
 const BLOCK: usize = 4;
 
-impl Trilinear {
+impl<G: Sampled> Trilinear<G> {
     /// The leaf of a grid. Cost: one look at every sample; a twentieth of the bytes of an f64 grid.
     #[must_use]
-    pub fn new(grid: Grid) -> Self {
+    pub fn new(grid: G) -> Self {
         let inverse = inverse(grid.affine());
         let levels = levels(&grid);
         Self { grid: Arc::new(grid), inverse, levels }
@@ -57,7 +100,7 @@ impl Trilinear {
 
     /// The grid.
     #[must_use]
-    pub fn grid(&self) -> &Grid {
+    pub fn grid(&self) -> &G {
         &self.grid
     }
 
@@ -117,7 +160,10 @@ impl Trilinear {
             return self.coarse(&cells);
         }
         each(&cells)
-            .map(|low| value_over(&self.corners(low), &parts(&places, low)))
+            .map(|low| {
+                let corners = self.corners(low);
+                with_rounding(value_over(&corners, &parts(&places, low)), &corners)
+            })
             .reduce(Interval::hull)
             .unwrap_or(Interval::UNKNOWN)
     }
@@ -129,7 +175,8 @@ impl Trilinear {
             blocks = blocks.map(|[low, high]| [low / BLOCK, high / BLOCK]);
             if count(&blocks) <= MOST_BLOCKS {
                 let at = |[i, j, k]: [usize; 3]| level.ranges[i + level.size[0] * (j + level.size[1] * k)];
-                return each(&blocks).map(at).reduce(Interval::hull).unwrap_or(Interval::UNKNOWN);
+                let range = each(&blocks).map(at).reduce(Interval::hull).unwrap_or(Interval::UNKNOWN);
+                return with_rounding(range, &[range.lo(), range.hi()]);
             }
         }
         Interval::UNKNOWN
@@ -176,7 +223,7 @@ impl Trilinear {
     }
 }
 
-impl Leaf for Trilinear {
+impl<G: Sampled> Leaf for Trilinear<G> {
     fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
         for (point, out) in points.iter().zip(out) {
             let place = self.place(*point);
@@ -291,6 +338,20 @@ fn value_over(v: &[f64; 8], [x, y, z]: &[Interval; 3]) -> Interval {
     if v.iter().all(|v| v.is_defined()) { range } else { Interval::UNKNOWN }
 }
 
+/// A range of the interpolant widened to hold what [`Leaf::at`] computes: a mean of two equal samples can be off by its last place. A mean
+/// of numbers that are not negative is not negative either, rounded or not, and likewise of numbers that are not positive.
+fn with_rounding(range: Interval, samples: &[f64]) -> Interval {
+    let largest = samples.iter().fold(0.0, |most: f64, v| if v.abs() > most { v.abs() } else { most });
+    // Three means of three roundings each, of numbers no larger than the largest; the smallest number stands for what underflows.
+    let off = add_up(mul_up(8.0 * f64::EPSILON, largest), f64::MIN_POSITIVE);
+    let around = Interval::new(-off, off).unwrap_or(Interval::UNKNOWN);
+    let end = |lo: f64, hi: f64| Interval::new(lo, hi).unwrap_or(Interval::UNKNOWN);
+    let wide = range + around;
+    let wide =
+        if samples.iter().all(|v| *v >= 0.0) { wide.intersection(end(0.0, f64::INFINITY)) } else { wide };
+    if samples.iter().all(|v| *v <= 0.0) { wide.intersection(end(f64::NEG_INFINITY, 0.0)) } else { wide }
+}
+
 /// The ranges of the derivatives along the indices over a part of a cell: each is bilinear in the other two.
 fn slopes_over(v: &[f64; 8], parts: &[Interval; 3]) -> [Interval; 3] {
     std::array::from_fn(|k| {
@@ -317,28 +378,26 @@ fn inverse(affine: &Affine) -> [[Interval; 3]; 3] {
 }
 
 /// The ranges of blocks, level by level until one block holds all.
-#[allow(clippy::useless_conversion, reason = "one body for every type of samples")]
-fn levels(grid: &Grid) -> Vec<Level> {
+fn levels<G: Sampled>(grid: &G) -> Vec<Level> {
     let size = grid.size();
     let mut blocks = size.map(|n| (n - 1).max(1).div_ceil(BLOCK));
-    let first = with_samples!(grid.samples(), values => {
-        all(blocks).map(|block| {
-            let mut range = Interval::EMPTY;
-            let mut known = true;
-            let span = |k: usize| block[k] * BLOCK..=((block[k] + 1) * BLOCK).min(size[k] - 1);
-            for k in span(2) {
-                for j in span(1) {
-                    let row = size[0] * (j + size[1] * k);
-                    for i in span(0) {
-                        let value = f64::from(values[row + i]);
-                        known &= value.is_finite();
-                        range = range.hull(Interval::point(value));
-                    }
+    let first = all(blocks).map(|block| {
+        let mut range = Interval::EMPTY;
+        let mut known = true;
+        let span = |k: usize| block[k] * BLOCK..=((block[k] + 1) * BLOCK).min(size[k] - 1);
+        for k in span(2) {
+            for j in span(1) {
+                for i in span(0) {
+                    let value = grid.sample([i, j, k]);
+                    known &= value.is_finite();
+                    range = range.hull(Interval::point(value));
                 }
             }
-            if known { Interval::new(range.lo(), range.hi()).unwrap_or(Interval::UNKNOWN) } else { Interval::UNKNOWN }
-        }).collect()
+        }
+        let whole = || Interval::new(range.lo(), range.hi()).unwrap_or(Interval::UNKNOWN);
+        if known { whole() } else { Interval::UNKNOWN }
     });
+    let first = first.collect();
     let mut levels = vec![Level { size: blocks, ranges: first }];
     while blocks.iter().any(|n| *n > 1) {
         let below = &levels[levels.len() - 1];

@@ -147,14 +147,15 @@ impl Studio {
         let into = mirrored.dot(spot.flat);
         let mirrored = if into < 0.0 { mirrored - spot.flat * (2.0 * into) } else { mirrored };
         let seen = if shadows.hides(spot.origin, mirrored) {
-            HIDDEN_LIGHT
+            // The shape itself, in about the same light; as dark as where no light comes it would look like a slit.
+            diffuse
         } else {
-            self.sky(mirrored) + GLINT_LIGHT * ramp(GLINT_COS, mirrored.dot(self.lamp))
+            DVec3::splat(self.sky(mirrored) + GLINT_LIGHT * ramp(GLINT_COS, mirrored.dot(self.lamp)))
         };
         // Source: C. Schlick, *An inexpensive BRDF model for physically-based rendering*, 1994.
         let off = 1.0 - if cos > 0.0 { cos } else { 0.0 };
         let share = GLAZE + (GLAZE_GRAZING - GLAZE) * (off * off) * (off * off) * off;
-        diffuse * (1.0 - share) + DVec3::splat(seen * share)
+        diffuse * (1.0 - share) + seen * share
     }
 
     /// The light that a spot of the studio's own colour sends, as one of another colour would send it.

@@ -1,5 +1,6 @@
 //! `Cells`: an octree of where the surface may be, with what slopes the field has there.
 use super::super::{Field, Graph, LeafError, Quality, Slope, Tape, Term};
+use super::rooms::{Room, Rooms};
 use crate::budget::{Job, par_map};
 use crate::math::{Box3, Interval};
 
@@ -18,6 +19,10 @@ const CHUNK: usize = 256;
 const MARGIN: [f64; 2] = [0.0137, 0.0171];
 /// The widest range of slopes, as a share of their middle, that steps are long enough with.
 const NARROW: f64 = 0.35;
+/// By how much sampled slopes are made wider, as shares of their width and of the largest: chosen by looking at pictures.
+const WIDER: [f64; 2] = [0.25, 0.05];
+/// What rounding does to the range of a value at a place: derived in [`Cells::weigh`], 2⁻⁴⁷.
+const SLACK: f64 = 1.0 / 140_737_488_355_328.0;
 
 /// Why there are no cells.
 #[derive(Clone, Debug)]
@@ -60,7 +65,57 @@ pub(super) struct Cell {
     pub bounds: Box3,
     /// Ranges of the slopes along x, y and z; infinite where nothing is known.
     pub slopes: [[f64; 2]; 3],
+    /// A range of the value in the middle, wider by what rounding does to [`Cell::value_at`].
+    pub middle: [f64; 2],
     pub tape: u32,
+    /// Which of [`Cells::seen`] it has; [`NONE`] where the slopes are narrow.
+    pub seen: u32,
+}
+
+/// Slopes and the value in the middle of a cell as samples have them: no proof.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seen {
+    pub slopes: [[f64; 2]; 3],
+    pub middle: f64,
+}
+
+impl Seen {
+    /// From samples, the last in the middle; `None` where some are not finite.
+    fn of(samples: &[Slope<f64>]) -> Option<Self> {
+        let finite = |s: &Slope<f64>| s.value.is_finite() && s.gradient.iter().all(|g| g.is_finite());
+        if !samples.iter().all(finite) {
+            return None;
+        }
+        let slopes = [0, 1, 2].map(|k| {
+            let first = samples[0].gradient[k];
+            let [low, high] = samples.iter().map(|s| s.gradient[k]).fold([first; 2], |[low, high], g| {
+                [if g < low { g } else { low }, if g > high { g } else { high }]
+            });
+            let most = if -low > high { -low } else { high };
+            let more = WIDER[0] * (high - low) + WIDER[1] * most;
+            [low - more, high + more]
+        });
+        samples.last().map(|s| Self { slopes, middle: s.value })
+    }
+}
+
+/// No row of [`Cells::seen`].
+const NONE: u32 = u32::MAX;
+
+impl Cell {
+    /// A range of the value at a place in the cell, by the mean value theorem, from slopes and the value in the middle. Along
+    /// a line its lower end is concave and its upper end convex: sums of minima and of maxima of straight lines.
+    pub fn value_at(&self, (slopes, value): (&[[f64; 2]; 3], [f64; 2]), p: [f64; 3]) -> [f64; 2] {
+        let [mut low, mut high] = value;
+        let middle = self.bounds.centre();
+        for k in 0..3 {
+            let off = p[k] - middle[k];
+            let (a, b) = (slopes[k][0] * off, slopes[k][1] * off);
+            low += if a < b { a } else { b };
+            high += if a < b { b } else { a };
+        }
+        [low, high]
+    }
 }
 
 /// Where the surface of a field may be: everything outside of these cells is proved to be on one side, by ranges, or by
@@ -76,84 +131,13 @@ pub struct Cells {
     pub(super) word: [bool; 2],
     /// How many points a call of the tape should have.
     pub(super) batch: usize,
-    rooms: Vec<Room>,
+    pub(super) rooms: Rooms,
+    /// What samples say of cells whose slopes are not narrow; see [`Cells::look_around`].
+    pub(super) seen: Vec<Seen>,
     occupied: Box3,
 }
 
-/// One of `ACROSS³` equal parts of the cube.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Room {
-    part: u32,
-    /// So many rooms around it, in every direction, are on the same side as all of it.
-    pub clear: u8,
-    /// 1 outside, −1 inside, 0 where the surface may be.
-    pub side: i8,
-}
-
-/// Rooms along a side of the cube.
-const ACROSS: u32 = 1 << FIRST;
-
-fn room_index([x, y, z]: [u32; 3]) -> usize {
-    ((z * ACROSS + y) * ACROSS + x) as usize
-}
-
-/// The rooms of an octree: from a place to its part without going down from the top, and far over empty ones.
-fn rooms_of(parts: &[Part]) -> Vec<Room> {
-    let mut rooms = vec![Room { part: 0, clear: 0, side: 0 }; (ACROSS * ACROSS * ACROSS) as usize];
-    let mut open = vec![(0, [0, 0, 0], ACROSS)];
-    while let Some((part, at, width)) = open.pop() {
-        match parts[part as usize] {
-            Part::Parts(first) if width > 1 => {
-                let half = width / 2;
-                for i in 0..8 {
-                    open.push((first + i, [0, 1, 2].map(|k| at[k] + half * (i >> k & 1)), half));
-                }
-            }
-            _ => {
-                let side = match parts[part as usize] {
-                    Part::Outside => 1,
-                    Part::Inside => -1,
-                    Part::Cell(_) | Part::Parts(_) => 0,
-                };
-                for z in at[2]..at[2] + width {
-                    for y in at[1]..at[1] + width {
-                        let row = room_index([at[0], y, z]);
-                        rooms[row..row + width as usize].fill(Room { part, clear: 0, side });
-                    }
-                }
-            }
-        }
-    }
-    // The distance to the next room that is not on the same side, in rooms, found a ring at a time: along x, y and z in
-    // turn, since the largest of three differences is what counts.
-    let sides: Vec<i8> = rooms.iter().map(|room| room.side).collect();
-    let mut clear: Vec<u8> = sides.iter().map(|side| u8::from(*side != 0)).collect();
-    for ring in 1..ACROSS as u8 {
-        // A room stays clear where it and all its neighbours are, on one side.
-        let mut next = clear.clone();
-        for stride in [1, ACROSS as usize, (ACROSS * ACROSS) as usize] {
-            let before = next.clone();
-            for (k, keeps) in next.iter_mut().enumerate() {
-                let at = k / stride % ACROSS as usize;
-                let same = |other: usize| before[other] == 1 && sides[other] == sides[k];
-                let low = at == 0 || same(k - stride);
-                let high = at + 1 == ACROSS as usize || same(k + stride);
-                *keeps &= u8::from(low && high);
-            }
-        }
-        clear = next;
-        if clear.iter().all(|c| *c == 0) {
-            break;
-        }
-        for (room, clear) in rooms.iter_mut().zip(&clear) {
-            if *clear == 1 {
-                room.clear = ring;
-            }
-        }
-    }
-    rooms
-}
-
+#[derive(Clone, Copy)]
 struct Open {
     part: u32,
     bounds: Box3,
@@ -164,11 +148,20 @@ struct Open {
 struct Found {
     part: Part,
     slopes: [[f64; 2]; 3],
+    middle: [f64; 2],
     settled: bool,
     tape: Option<Tape>,
 }
 
-const UNKNOWN_SLOPES: [[f64; 2]; 3] = [[f64::NEG_INFINITY, f64::INFINITY]; 3];
+const UNKNOWN: Slope<Interval> = Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
+
+impl Found {
+    /// A cell of which nothing is known.
+    fn unknown() -> Self {
+        let all = [f64::NEG_INFINITY, f64::INFINITY];
+        Self { part: Part::Cell(0), slopes: [all; 3], middle: all, settled: false, tape: None }
+    }
+}
 
 impl Cells {
     /// Divides the field's own box, cut to `region` where there is one.
@@ -203,11 +196,12 @@ impl Cells {
             tapes: vec![tape],
             word,
             batch,
-            rooms: Vec::new(),
+            rooms: Rooms::default(),
+            seen: Vec::new(),
             occupied: Box3::EMPTY,
         };
-        cells.divide(&place, job)?;
-        cells.rooms = rooms_of(&cells.parts);
+        let levels = cells.divide(&place, job)?;
+        cells.rooms = Rooms::of(&cells.parts, levels);
         Ok(cells)
     }
 
@@ -221,7 +215,7 @@ impl Cells {
     pub fn corners(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
         self.cells.iter().flat_map(|cell| {
             let b = cell.bounds;
-            (0..8).map(move |i| [0, 1, 2].map(|k| if i >> k & 1 == 0 { b.min[k] } else { b.max[k] }))
+            (0..8).map(move |i| corner(&b, i))
         })
     }
 
@@ -249,47 +243,19 @@ impl Cells {
         &self.tapes[0]
     }
 
-    /// The room of a place in rooms; beyond the cube it is the nearest one.
-    pub(super) fn room_at(&self, at: [f64; 3]) -> ([u32; 3], &Room) {
-        // A negative number becomes 0.
-        let at = at.map(|x| (x as u32).min(ACROSS - 1));
-        (at, &self.rooms[room_index(at)])
-    }
-
-    /// The cell in a room of several parts that a place is in, or the side of the part, with the part's box.
-    pub(super) fn part_in(&self, room: &Room, at: [u32; 3], p: [f64; 3]) -> (Part, Box3) {
-        let side = self.room_side();
-        let mut min: [f64; 3] = std::array::from_fn(|k| self.corner[k] + f64::from(at[k]) * side);
-        let mut max: [f64; 3] = std::array::from_fn(|k| self.corner[k] + f64::from(at[k] + 1) * side);
-        let mut part = self.parts[room.part as usize];
-        while let Part::Parts(first) = part {
-            let mut octant = 0;
-            for k in 0..3 {
-                let middle = 0.5 * min[k] + 0.5 * max[k];
-                if p[k] >= middle {
-                    octant |= 1 << k;
-                    min[k] = middle;
-                } else {
-                    max[k] = middle;
-                }
-            }
-            part = self.parts[first as usize + octant];
-        }
-        (part, Box3 { min, max })
-    }
-
     /// The side of a room.
     pub(super) fn room_side(&self) -> f64 {
-        self.size / f64::from(ACROSS)
+        self.size / f64::from(self.rooms.across)
     }
 
     /// The tape that is right at a place: of its cell, else the whole one.
     pub(super) fn tape_at(&self, p: [f64; 3]) -> u32 {
-        let (at, room) = self.room_at([0, 1, 2].map(|k| (p[k] - self.corner[k]) / self.room_side()));
-        if let (Part::Cell(cell), _) = self.part_in(room, at, p) { self.cells[cell as usize].tape } else { 0 }
+        let (_, room) = self.rooms.at([0, 1, 2].map(|k| (p[k] - self.corner[k]) / self.room_side()));
+        if let Room::Cell(cell) = room { self.cells[cell as usize].tape } else { 0 }
     }
 
-    fn divide(&mut self, place: &Box3, job: &Job) -> Result<(), Unbounded> {
+    /// Divides all that has to be, and says how many levels there are.
+    fn divide(&mut self, place: &Box3, job: &Job) -> Result<u32, Unbounded> {
         let all = Box3 { min: self.corner, max: self.corner.map(|x| x + self.size) };
         let mut open = vec![Open { part: 0, bounds: all, tape: 0 }];
         let mut level = 0;
@@ -307,7 +273,42 @@ impl Cells {
             open = next;
             level += 1;
         }
+        Ok(level - 1)
+    }
+
+    /// Samples slopes in the cells whose ranges of them are not narrow: for beams that ask for light, which takes what is likely.
+    ///
+    /// Ranges of long expressions are often much wider than what they enclose. Sampled in the middle and the corners,
+    /// and widened, they are seldom wrong, and then by something thinner than a cell that no corner is nearest to.
+    pub(crate) fn look_around(&mut self, job: &Job) -> Result<(), LeafError> {
+        let wide = |k: &usize| !narrow(&self.cells[*k].slopes);
+        let wide: Vec<usize> = (0..self.cells.len()).filter(wide).collect();
+        let chunks: Vec<&[usize]> = wide.chunks(CHUNK).collect();
+        let this = &*self;
+        let found = par_map(job, &chunks, |_, chunk| this.sampled(chunk));
+        for (chunk, found) in chunks.iter().zip(found) {
+            for (k, seen) in chunk.iter().zip(found?) {
+                if let Some(seen) = seen {
+                    self.cells[*k].seen = self.seen.len() as u32;
+                    self.seen.push(seen);
+                }
+            }
+        }
         Ok(())
+    }
+
+    fn sampled(&self, chunk: &[usize]) -> Result<Vec<Option<Seen>>, LeafError> {
+        let mut found = Vec::with_capacity(chunk.len());
+        for run in chunk.chunk_by(|a, b| self.cells[*a].tape == self.cells[*b].tape) {
+            let cells = run.iter().map(|k| &self.cells[*k]);
+            let points: Vec<[f64; 3]> = cells
+                .flat_map(|cell| (0..8).map(|i| corner(&cell.bounds, i)).chain([cell.bounds.centre()]))
+                .collect();
+            let mut slopes = vec![Slope { value: f64::NAN, gradient: [f64::NAN; 3] }; points.len()];
+            self.tapes[self.cells[run[0]].tape as usize].gradient_at(&points, &mut slopes)?;
+            found.extend(slopes.chunks_exact(9).map(Seen::of));
+        }
+        Ok(found)
     }
 
     fn place_part(&mut self, one: &Open, found: Found, (last, next): (bool, &mut Vec<Open>)) {
@@ -326,7 +327,8 @@ impl Cells {
             }
             _ if last || found.settled => {
                 self.occupied = self.occupied.union(one.bounds);
-                self.cells.push(Cell { bounds: one.bounds, slopes: found.slopes, tape });
+                let (slopes, middle) = (found.slopes, found.middle);
+                self.cells.push(Cell { bounds: one.bounds, slopes, middle, tape, seen: NONE });
                 Part::Cell(self.cells.len() as u32 - 1)
             }
             _ => {
@@ -343,23 +345,53 @@ impl Cells {
     fn look(&self, open: &[Open], place: &Box3, level: u32) -> Result<Vec<Found>, LeafError> {
         let boxes: Vec<Box3> = open.iter().map(|one| one.bounds).collect();
         let mut ranges = vec![Interval::UNKNOWN; open.len()];
-        // Neighbours in the list mostly share a tape.
-        let mut start = 0;
-        for run in open.chunk_by(|a, b| a.tape == b.tape) {
-            let rows = start..start + run.len();
-            self.tapes[run[0].tape as usize].over(&boxes[rows.clone()], &mut ranges[rows])?;
-            start += run.len();
-        }
+        self.by_tape(open, |tape, rows| tape.over(&boxes[rows.clone()], &mut ranges[rows]))?;
         let mut found = Vec::with_capacity(open.len());
         for (one, range) in open.iter().zip(&ranges) {
             found.push(self.look_at(one, *range, (place, level))?);
         }
+        if level < FIRST {
+            return Ok(found);
+        }
+        let undecided: Vec<usize> = (0..open.len()).filter(|k| found[*k].part == Part::Cell(0)).collect();
+        let rest: Vec<Open> = undecided.iter().map(|k| open[*k]).collect();
+        let boxes: Vec<Box3> = rest.iter().map(|one| one.bounds).collect();
+        let middles: Vec<Box3> = boxes.iter().map(|b| Box3 { min: b.centre(), max: b.centre() }).collect();
+        let mut slopes = vec![UNKNOWN; rest.len()];
+        let mut values = vec![Interval::UNKNOWN; rest.len()];
+        self.by_tape(&rest, |tape, rows| {
+            tape.gradient_over(&boxes[rows.clone()], &mut slopes[rows.clone()])?;
+            tape.over(&middles[rows.clone()], &mut values[rows])
+        })?;
+        for (row, k) in undecided.into_iter().enumerate() {
+            let found = &mut found[k];
+            if let Some(tape) = found.tape.as_ref().filter(|_| !is_known(&slopes[row])) {
+                // What was undefined may have been left out.
+                tape.gradient_over(&boxes[row..=row], &mut slopes[row..=row])?;
+            }
+            self.weigh(&boxes[row], (ranges[k], slopes[row], values[row]), found);
+        }
         Ok(found)
     }
 
+    /// Calls `work` with the rows of each run that shares a tape; neighbours in the list mostly do.
+    fn by_tape(
+        &self,
+        open: &[Open],
+        mut work: impl FnMut(&Tape, std::ops::Range<usize>) -> Result<(), LeafError>,
+    ) -> Result<(), LeafError> {
+        let mut start = 0;
+        for run in open.chunk_by(|a, b| a.tape == b.tape) {
+            work(&self.tapes[run[0].tape as usize], start..start + run.len())?;
+            start += run.len();
+        }
+        Ok(())
+    }
+
+    /// What the range alone says, and a shorter tape.
     fn look_at(&self, one: &Open, range: Interval, (place, level): (&Box3, u32)) -> Result<Found, LeafError> {
         let tape = &self.tapes[one.tape as usize];
-        let settled = |part| Found { part, slopes: UNKNOWN_SLOPES, settled: true, tape: None };
+        let settled = |part| Found { part, settled: true, ..Found::unknown() };
         let apart = (0..3).any(|k| one.bounds.min[k] > place.max[k] || one.bounds.max[k] < place.min[k]);
         if apart {
             return Ok(settled(Part::Outside));
@@ -368,39 +400,50 @@ impl Cells {
         if let Some(part) = side_of(range) {
             return Ok(settled(part));
         }
-        let mut found = Found { part: Part::Cell(0), slopes: UNKNOWN_SLOPES, settled: false, tape: None };
+        let mut found = Found::unknown();
         let shortens = level.is_multiple_of(2) && level > 0;
         if shortens && tape.len() > SHORT {
             let (_, shorter) = tape.shortened(&one.bounds)?;
             found.tape = shorter.filter(|shorter| 4 * shorter.len() <= 3 * tape.len());
         }
-        if level < FIRST {
-            return Ok(found);
-        }
-        let mut slope = [Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] }];
-        tape.gradient_over(&[one.bounds], &mut slope)?;
-        let gradient = slope[0].gradient;
+        Ok(found)
+    }
+
+    /// What slopes say.
+    fn weigh(
+        &self,
+        bounds: &Box3,
+        (range, slope, value): (Interval, Slope<Interval>, Interval),
+        found: &mut Found,
+    ) {
         // Slopes say nothing across a gap where there is no value.
-        let defined = slope[0].value.is_defined() && gradient.iter().all(|g| g.is_defined());
-        if !defined || gradient.iter().any(|g| g.is_empty()) {
+        if !is_known(&slope) {
             found.settled = range.is_entire();
-            return Ok(found);
+            return;
         }
+        let gradient = slope.gradient;
         found.slopes = gradient.map(|g| [g.lo(), g.hi()]);
         // The mean value theorem: tighter than the range itself where slopes hardly turn.
-        let middle = one.bounds.centre();
-        let mut at = [Interval::UNKNOWN];
-        tape.over(&[Box3 { min: middle, max: middle }], &mut at)?;
-        let sum = (0..3).fold(at[0], |sum, k| {
-            let off = Interval::new(one.bounds.min[k], one.bounds.max[k]).unwrap_or(Interval::UNKNOWN)
+        let middle = bounds.centre();
+        let sum = (0..3).fold(value, |sum, k| {
+            let off = Interval::new(bounds.min[k], bounds.max[k]).unwrap_or(Interval::UNKNOWN)
                 - Interval::point(middle[k]);
             sum + gradient[k] * off
         });
         if let Some(part) = side_of(sum) {
-            return Ok(settled(part));
+            *found = Found { part, settled: true, ..Found::unknown() };
+            return;
         }
-        found.settled = range.is_entire() || narrow(&gradient);
-        Ok(found)
+        found.settled = range.is_entire() || narrow(&found.slopes);
+        if value.is_defined() && !value.is_empty() {
+            // Places on a beam are off by some 2⁻⁵⁰ of coordinates and lengths, sums by as much of their parts.
+            let magnitude = |x: [f64; 2]| if -x[0] > x[1] { -x[0] } else { x[1] };
+            let parts = (0..3).fold(magnitude([value.lo(), value.hi()]), |sum, k| {
+                sum + magnitude(found.slopes[k]) * (self.corner[k].abs() + 4.0 * self.size)
+            });
+            let slack = parts * SLACK;
+            found.middle = [value.lo() - slack, value.hi() + slack];
+        }
     }
 
     /// Where no range is known, the word for the value as a distance may clear a part.
@@ -422,14 +465,22 @@ fn side_of(range: Interval) -> Option<Part> {
     (range.hi() < 0.0 && range.is_defined()).then_some(Part::Inside)
 }
 
-fn narrow(gradient: &[Interval; 3]) -> bool {
+fn is_known(slope: &Slope<Interval>) -> bool {
+    slope.value.is_defined() && slope.gradient.iter().all(|g| g.is_defined() && !g.is_empty())
+}
+
+fn narrow(slopes: &[[f64; 2]; 3]) -> bool {
     let (mut middle, mut width) = (0.0, 0.0);
-    for g in gradient {
-        let (m, w) = (0.5 * (g.lo() + g.hi()), 0.5 * (g.hi() - g.lo()));
+    for [low, high] in slopes {
+        let (m, w) = (0.5 * (low + high), 0.5 * (high - low));
         middle += m * m;
         width += w * w;
     }
     width <= NARROW * NARROW * middle
+}
+
+fn corner(b: &Box3, i: u32) -> [f64; 3] {
+    [0, 1, 2].map(|k| if i >> k & 1 == 0 { b.min[k] } else { b.max[k] })
 }
 
 fn octant(b: &Box3, i: u32) -> Box3 {

@@ -2,6 +2,7 @@
 mod beam;
 mod cells;
 mod closest;
+mod rooms;
 mod root;
 mod sides;
 mod step;

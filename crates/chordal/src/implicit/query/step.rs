@@ -9,7 +9,8 @@
 //! Sources: E. Galin et al., *Segment tracing using local Lipschitz bounds*, 2020, for slopes of a part of space;
 //! B. Keinert et al., *Enhanced sphere tracing*, 2014, for longer steps that are taken back, and for the cone.
 use super::beam::{Beam, Met, Record};
-use super::cells::{Cells, Part};
+use super::cells::{Cell, Cells};
+use super::rooms::Room;
 use super::root::Root;
 use super::sides::{along, dot};
 
@@ -34,6 +35,16 @@ pub(super) enum Asked {
     First,
     /// Whether it meets anything, or starts inside.
     Any,
+}
+
+/// What is known of the way through a cell before any value is asked for.
+enum Foreseen {
+    /// Nothing is met in it.
+    Free,
+    /// Values have to say.
+    Open,
+    /// It is met, or the next value is asked for.
+    Settled,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -357,52 +368,104 @@ impl Walker {
                 return false;
             }
             t += nudge;
-            let (at, room) = cells.room_at(along(self.in_rooms[0], self.in_rooms[1], t));
-            if room.side != 0 {
-                let exit = self.exit_room(at, f64::from(room.clear));
-                if !self.pass(f64::from(room.side), t) {
-                    return false;
+            let (at, room) = cells.rooms.at(along(self.in_rooms[0], self.in_rooms[1], t));
+            match room {
+                Room::Side(side, clear) => {
+                    let exit = self.exit_room(at, f64::from(clear));
+                    if !self.pass(f64::from(side), t) {
+                        return false;
+                    }
+                    t = if exit > t { exit } else { t };
+                    self.clear = t;
+                    self.least = 0.0;
                 }
-                t = if exit > t { exit } else { t };
-                self.clear = t;
-                self.least = 0.0;
-                continue;
-            }
-            let (part, bounds) = cells.part_in(room, at, along(self.origin, self.direction, t));
-            let exit = self.exit(bounds.min, bounds.max, t);
-            match part {
-                Part::Cell(cell) => {
+                Room::Cell(cell) => {
                     let cell = &cells.cells[cell as usize];
+                    let exit = self.exit(cell.bounds.min, cell.bounds.max, t);
                     self.tape = cell.tape;
                     self.t = t;
                     self.cell_end = if exit < self.end { exit } else { self.end };
                     if self.cell_end < self.t {
                         self.cell_end = self.t;
                     }
-                    self.slope = slope_along(&cell.slopes, self.direction);
-                    if self.side < 0.0 {
-                        self.slope = [-self.slope[1], -self.slope[0]];
+                    match self.foresee(cells, cell) {
+                        Foreseen::Free => t = exit,
+                        Foreseen::Open => return true,
+                        Foreseen::Settled => return false,
                     }
-                    // Where it was outside up to here, no value is needed to see that the field cannot fall to 0.
-                    let left = self.least + self.slope[0] * (self.cell_end - self.t);
-                    let continuous = self.t - self.clear <= 4.0 * nudge && self.slope[0].is_finite();
-                    if !(self.started && continuous && (self.slope[0] >= 0.0 || left > 0.0)) {
-                        return true;
-                    }
-                    self.least = if left > 0.0 { left } else { 0.0 };
-                    self.clear = self.cell_end;
                 }
-                Part::Outside | Part::Inside => {
-                    if !self.pass(if part == Part::Outside { 1.0 } else { -1.0 }, t) {
-                        return false;
-                    }
-                    self.clear = exit;
-                    self.least = 0.0;
-                }
-                Part::Parts(_) => unreachable!("a place is in one part"),
             }
-            t = exit;
         }
+    }
+
+    /// What slopes and the value in the middle of a cell say of the way through it, without another value.
+    fn foresee(&mut self, cells: &Cells, cell: &Cell) -> Foreseen {
+        let (origin, direction) = (self.origin, self.direction);
+        let seen = if self.asked == Asked::Any { cells.seen.get(cell.seen as usize) } else { None };
+        let known = match seen {
+            Some(seen) => (&seen.slopes, [seen.middle; 2]),
+            None => (&cell.slopes, cell.middle),
+        };
+        let at = |t: f64| cell.value_at(known, along(origin, direction, t));
+        let mut ends = [at(self.t), at(self.cell_end)];
+        if !self.started {
+            if ends[0][0] > 0.0 {
+                self.started = true;
+            } else if ends[0][1] < 0.0 && self.starts_inside() {
+                return Foreseen::Settled;
+            }
+        }
+        self.slope = slope_along(known.0, self.direction);
+        if self.side < 0.0 {
+            self.slope = [-self.slope[1], -self.slope[0]];
+            ends = ends.map(|[low, high]| [-high, -low]);
+        }
+        let [[low, high], [low_end, high_end]] = ends;
+        let (room, nudge) = (self.cell_end - self.t, NUDGE * cells.size);
+        // Where it was outside up to here, no value is needed to see that the field cannot fall to 0.
+        let continuous = self.started && self.t - self.clear <= 4.0 * nudge;
+        let left = self.least + self.slope[0] * room;
+        let by_slope = continuous && self.slope[0].is_finite() && (self.slope[0] >= 0.0 || left > 0.0);
+        // The lower end is concave: between two places above 0 all are.
+        let by_value = low > 0.0 && low_end > 0.0;
+        if self.started && (by_slope || by_value) {
+            let left = if by_slope && left > 0.0 { left } else { 0.0 };
+            self.least = if by_value && low_end > left { low_end } else { left };
+            self.clear = self.cell_end;
+            return Foreseen::Free;
+        }
+        if !self.started {
+            return Foreseen::Open;
+        }
+        if self.asked == Asked::Any && (high < 0.0 || high_end < 0.0) {
+            self.meet(self.t);
+            return Foreseen::Settled;
+        }
+        // The chord of the lower end is below it.
+        let free = if low > 0.0 { room * (low / (low - low_end)) } else { 0.0 };
+        if self.slope[1] < 0.0 && high_end < 0.0 && high > 0.0 && (low > 0.0 || continuous) {
+            // The value only falls, and the chord of the upper end is above it: a bracket.
+            let reach = room * (high / (high - high_end)) + 0.25 * WIDTH * cells.size;
+            let reach = if reach < room { reach } else { room };
+            if reach > free {
+                let side = self.side;
+                let guess = |t: f64| {
+                    let [low, high] = at(t);
+                    side * (0.5 * low + 0.5 * high)
+                };
+                let (from, to) = (self.t + free, self.t + reach);
+                let (outside, inside) = (guess(from), guess(to));
+                let root = Root::new([from, outside], [to, inside]);
+                self.narrow(cells, root);
+                return Foreseen::Settled;
+            }
+        }
+        if free > 0.0 && free < room {
+            self.t += free;
+            self.clear = self.t;
+            self.least = 0.0;
+        }
+        Foreseen::Open
     }
 
     /// Goes through a part that is all on one side; `false` when that is an answer.

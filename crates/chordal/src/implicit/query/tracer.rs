@@ -1,5 +1,5 @@
 //! `Tracer`: many beams at once, each as far as one more value takes it, until all are done.
-use super::super::{LeafError, Tape};
+use super::super::LeafError;
 use super::beam::{Beam, Record};
 use super::cells::Cells;
 use super::sides::normals;
@@ -81,29 +81,41 @@ impl<'a> Tracer<'a> {
 
     fn run(&self, beams: &[Beam], asked: Asked) -> Result<Vec<Record>, LeafError> {
         let mut records = vec![Record::default(); beams.len()];
-        let mut live = Vec::with_capacity(beams.len());
-        for (k, beam) in beams.iter().enumerate() {
+        let mut walkers: Vec<Walker> = Vec::new();
+        for (k, (beam, record)) in beams.iter().zip(&mut records).enumerate() {
             let Some(mut walker) = Walker::new(self.cells, beam, asked) else { continue };
-            walker.beam = k as u32;
             walker.start(self.cells);
             if walker.is_done() {
-                records[k] = walker.record();
+                *record = walker.record();
             } else {
-                live.push(walker);
+                walker.beam = k as u32;
+                walkers.push(walker);
             }
         }
+        // Those under way by their tape: walkers are large, and stay where they are.
+        let mut live: Vec<[u32; 2]> =
+            walkers.iter().enumerate().map(|(k, walker)| [walker.tape, k as u32]).collect();
         let (mut points, mut values) = (Vec::new(), Vec::new());
         while !live.is_empty() {
             if self.cells.tapes.len() > 1 {
-                live.sort_unstable_by_key(|walker| (walker.tape, walker.beam));
+                live.sort_unstable();
             }
-            for group in live.chunk_by_mut(|a, b| a.tape == b.tape) {
-                let tape = &self.cells.tapes[group[0].tape as usize];
-                for part in group.chunks_mut(self.cells.batch) {
-                    self.advance(tape, part, (&mut points, &mut values))?;
+            for group in live.chunk_by(|a, b| a[0] == b[0]) {
+                let tape = &self.cells.tapes[group[0][0] as usize];
+                for part in group.chunks(self.cells.batch) {
+                    points.clear();
+                    points.extend(part.iter().map(|[_, k]| walkers[*k as usize].point()));
+                    values.clear();
+                    values.resize(points.len(), f64::NAN);
+                    tape.at(&points, &mut values)?;
+                    for ([_, k], value) in part.iter().zip(&values) {
+                        walkers[*k as usize].take(self.cells, *value);
+                    }
                 }
             }
-            live.retain(|walker| {
+            live.retain_mut(|[tape, k]| {
+                let walker = &walkers[*k as usize];
+                *tape = walker.tape;
                 if walker.is_done() {
                     records[walker.beam as usize] = walker.record();
                 }
@@ -111,22 +123,5 @@ impl<'a> Tracer<'a> {
             });
         }
         Ok(records)
-    }
-
-    fn advance(
-        &self,
-        tape: &Tape,
-        walkers: &mut [Walker],
-        (points, values): (&mut Vec<[f64; 3]>, &mut Vec<f64>),
-    ) -> Result<(), LeafError> {
-        points.clear();
-        points.extend(walkers.iter().map(Walker::point));
-        values.clear();
-        values.resize(points.len(), f64::NAN);
-        tape.at(points, values)?;
-        for (walker, value) in walkers.iter_mut().zip(values.iter()) {
-            walker.take(self.cells, *value);
-        }
-        Ok(())
     }
 }
