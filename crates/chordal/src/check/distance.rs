@@ -125,7 +125,7 @@ fn box_distance_sq(p: [f64; 3], bounds: &Box3) -> f64 {
 
 /// The distance from a point to a triangle, bounded from below: the best of four directions, from the plane and from
 /// the closest point of each side. One of them belongs to the closest point of the triangle.
-fn triangle_at_least(p: [f64; 3], corners: [[f64; 3]; 3]) -> f64 {
+pub(crate) fn triangle_at_least(p: [f64; 3], corners: [[f64; 3]; 3]) -> f64 {
     let from = corners.map(|v| DVec3::from(p) - DVec3::from(v));
     // In units of the farthest corner, so that products of directions stay in the range of f64.
     let size = from

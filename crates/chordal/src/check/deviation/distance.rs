@@ -17,7 +17,7 @@ const UNDERFLOW: f64 = f64::from_bits((1023 - 508) << 52);
 /// itself low by at most `4.01 ε S`. The length, the quotient and `W` together have less than 8 roundings of a
 /// relative `ε/2`. `3 ε S` and `8 ε` cover this with room for second orders.
 #[inline]
-pub(super) fn distance_up(q: [f64; 3], corners: &[[f64; 3]; 3]) -> f64 {
+pub(crate) fn distance_up(q: [f64; 3], corners: &[[f64; 3]; 3]) -> f64 {
     if corners.contains(&q) {
         return 0.0;
     }

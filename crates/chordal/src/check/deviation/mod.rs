@@ -2,7 +2,7 @@
 mod common;
 mod cover;
 mod cutter;
-mod distance;
+pub(super) mod distance;
 mod frame;
 mod piece;
 mod rounds;

@@ -1,8 +1,9 @@
 //! From the surface of a field to a mesh.
 //!
-//! Boxes with a change of sign are looked at from large to small. Let B be one, c its middle, and E a larger box around it
-//! in which the field is Lipschitz with gradients in G and grows along n at a rate of g > 0. With u and v across n, the
-//! column N = {c + a·u + b·v + s·n: |a| ≤ A, |b| ≤ A', |s| ≤ H} over the shadow of B shall lie in E.
+//! Boxes with a change of sign are looked at from large to small. Let B be one, n a direction along which the field grows, u and
+//! v across it, and c a point on the line along n through the middle of B, about where the surface meets it. Let E be a box around B
+//! and around the column N = {c + a·u + b·v + s·n: |a| ≤ A, |b| ≤ A', |s| ≤ H} over the shadow of B. In E the field shall be
+//! Lipschitz with gradients in G, and grow along n at a rate of g > 0.
 //!
 //! Let δ be the largest |F| on the triangles that meet E. If F > δ on the top of N (s = H) and F < −δ on its bottom,
 //! the mesh meets neither; and if the mesh winds differently often around the middle of the top and that of the
@@ -12,11 +13,13 @@
 //! within t of p.
 //!
 //! By the mean value theorem F at c + a·u + b·v + s·n is at least `F(c) + g·s − A·|G·u| − A'·|G·v|` for s ≥ 0, which says how
-//! high H must be; and |s| of any p of the surface in B is at most `(|F(c)| + A·|G·u| + A'·|G·v|)/g`.
+//! high H must be; and |s| of any p of the surface in B is at most `(|F(c)| + A·|G·u| + A'·|G·v|)/g`. n, c and E are chosen by
+//! numbers that are rounded; what the argument needs of them is computed from what was chosen.
 //!
 //! Where that fails (edges of opposite turn, places where the field stands still, meshes that are not closed) a box is
-//! settled by the distance of its middle to the mesh, plus its half diagonal; or it is cut in eight.
+//! settled by the distance of its middle to the mesh, plus its half diagonal; or it is cut.
 use super::slope::{Growth, dot, exactly, is_lipschitz, step};
+use super::{larger, parts_of};
 use crate::explicit::{Bvh, Enclosure};
 use crate::implicit::{LeafError, Slope, Tape};
 use crate::math::{Box3, Interval, add_up, div_up, mul_up, sub_down};
@@ -31,19 +34,45 @@ pub(super) struct Target<'a> {
     pub enough: f64,
 }
 
+impl Target<'_> {
+    /// The largest |F| on the faces that may meet a box; none where there is no face.
+    fn strays_in(&self, bounds: &Box3) -> Option<f64> {
+        let mut most = None;
+        self.bvh.about(bounds, |face| {
+            let of_face = self.strays[face as usize];
+            if most.is_none_or(|most| of_face > most) {
+                most = Some(of_face);
+            }
+        });
+        most
+    }
+}
+
 /// What was found out about a box.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Found {
     /// The surface does not come here.
     Nothing,
-    /// Every point of the surface in it is this close to the mesh.
+    /// Every point of the surface in it is this close to the mesh, by a column.
     Near(f64),
-    /// Not known yet.
-    Open,
+    /// Every point of it is, by the distance of its middle.
+    Open(f64),
 }
 
-/// Half of E's side, as a share of half of B's: columns across the diagonal of a cube fit in with room for their height.
+/// A tape is right in this much of a box: E of a part (a quarter as large) reaches no farther than 3/8 + [`MOST_ROOM`]/8 of
+/// its side from its middle, exactly 15/16.
 const ROOM: f64 = 2.25;
+/// E is no larger than this much of B.
+const MOST_ROOM: f64 = 4.5;
+/// The height of a column beside what the mesh strays, as a share of half of the side of B. Measured: columns over
+/// smooth shapes take it when boxes are small enough for the rest.
+const BENT: f64 = 0.5;
+/// From so many times as far away as a corner of the box the surface seems not to come to it.
+const SEEMS_OFF: f64 = 1.1;
+/// A column that comes this near to what is near enough is looked at more closely.
+const WORTH: f64 = 2.0;
+/// Room beside a column for the rounding of its sides, as a share: derived as some 20 steps, with a thousandfold margin.
+const ASIDE: f64 = 1e-9;
 /// By how much the axes of a column may be off from being of length 1 and across each other, rounded as they are: derived
 /// as some 20 roundings of half a step each, with a thousandfold margin.
 const CROOKED: f64 = 1e-12;
@@ -58,41 +87,107 @@ pub(super) fn crossed(tape: &Tape, boxes: &[Box3]) -> Result<Vec<bool>, LeafErro
 
 /// Looks at every box.
 pub(super) fn look(tape: &Tape, boxes: &[Box3], target: &Target) -> Result<Vec<Found>, LeafError> {
-    let mut found = vec![Found::Open; boxes.len()];
+    let mut found = vec![None; boxes.len()];
+    let middles: Vec<[f64; 3]> = boxes.iter().map(Box3::centre).collect();
+    let mut at = vec![Slope { value: 0.0, gradient: [0.0; 3] }; boxes.len()];
+    tape.gradient_at(&middles, &mut at)?;
+    by_slopes(tape, boxes, &at, &mut found)?;
     if target.enclosure.is_closed() {
-        by_columns(tape, boxes, target, &mut found)?;
+        by_columns(tape, boxes, (&at, target), &mut found)?;
     }
-    for (found, bounds) in found.iter_mut().zip(boxes) {
-        if matches!(found, Found::Open) {
-            *found = by_distance(bounds, target);
-        }
-    }
-    Ok(found)
+    let far = |(found, bounds): (Option<Found>, &Box3)| {
+        found.unwrap_or_else(|| Found::Open(distance_of(bounds, target)))
+    };
+    Ok(found.into_iter().zip(boxes).map(far).collect())
 }
 
-fn by_columns(tape: &Tape, boxes: &[Box3], target: &Target, found: &mut [Found]) -> Result<(), LeafError> {
-    let about: Vec<Box3> = boxes.iter().map(roomy).collect();
-    let middles: Vec<Box3> = boxes.iter().map(Box3::centre).map(|c| Box3 { min: c, max: c }).collect();
-    let unknown = Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
-    let mut slopes = vec![unknown; boxes.len()];
+/// Whether the field seems to have no zero in the box, by what it is at the middle.
+fn seems_off(bounds: &Box3, slope: &Slope<f64>) -> bool {
+    let steep = crate::math::length(slope.gradient);
+    slope.value.abs() > SEEMS_OFF * 0.5 * bounds.diagonal() * steep
+}
+
+/// Finds the boxes that the surface seems not to come to and, by the mean value theorem about their middles, does not: in small
+/// boxes that says more than the range of a long expression, whose parts vary one by one there.
+fn by_slopes(
+    tape: &Tape,
+    boxes: &[Box3],
+    at: &[Slope<f64>],
+    found: &mut [Option<Found>],
+) -> Result<(), LeafError> {
+    let off: Vec<usize> = (0..boxes.len()).filter(|k| seems_off(&boxes[*k], &at[*k])).collect();
+    let about: Vec<Box3> = off.iter().map(|k| boxes[*k]).collect();
+    let mut slopes = vec![Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] }; off.len()];
     tape.gradient_over(&about, &mut slopes)?;
-    let mut values = vec![Interval::UNKNOWN; boxes.len()];
+    let middles: Vec<Box3> = about.iter().map(Box3::centre).map(|c| Box3 { min: c, max: c }).collect();
+    let mut values = vec![Interval::UNKNOWN; off.len()];
     tape.over(&middles, &mut values)?;
-    for (k, found) in found.iter_mut().enumerate() {
-        let column = Column { of: &boxes[k], about: &about[k], slope: &slopes[k], value: values[k] };
-        *found = column.look(target);
+    for ((k, bounds), (slope, value)) in off.into_iter().zip(&about).zip(slopes.iter().zip(values)) {
+        let c = bounds.centre();
+        let steps = [0, 1, 2].map(|i| step(bounds.min, c)[i].hull(step(bounds.max, c)[i]));
+        let range = value + dot(slope.gradient, steps);
+        if is_lipschitz(slope) && value.is_defined() && !range.contains(0.0) {
+            found[k] = Some(Found::Nothing);
+        }
     }
     Ok(())
 }
 
-/// Settles a box that is small beside what is near enough.
-fn by_distance(bounds: &Box3, target: &Target) -> Found {
-    let half = 0.5 * bounds.diagonal();
-    if half >= target.enough {
-        return Found::Open;
+fn by_columns(
+    tape: &Tape,
+    boxes: &[Box3],
+    (at, target): (&[Slope<f64>], &Target),
+    found: &mut [Option<Found>],
+) -> Result<(), LeafError> {
+    // A column crosses the mesh, so where there is none about there is no column.
+    let near: Vec<(usize, f64)> = boxes
+        .iter()
+        .enumerate()
+        .filter(|(k, _)| found[*k].is_none())
+        .filter_map(|(k, bounds)| target.strays_in(&roomy(bounds)).map(|strays| (k, strays)))
+        .collect();
+    let columns: Vec<(usize, Column)> = near
+        .iter()
+        .filter_map(|(k, strays)| Some((*k, Column::over(&boxes[*k], &at[*k], *strays)?)))
+        .collect();
+    let about: Vec<Box3> = columns.iter().map(|(_, column)| column.about).collect();
+    let unknown = Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
+    let mut slopes = vec![unknown; columns.len()];
+    tape.gradient_over(&about, &mut slopes)?;
+    let centres: Vec<Box3> =
+        columns.iter().map(|(_, column)| Box3 { min: column.centre, max: column.centre }).collect();
+    let mut values = vec![Interval::UNKNOWN; columns.len()];
+    tape.over(&centres, &mut values)?;
+    let mut sights: Vec<(usize, Box<Sight>)> = Vec::new();
+    for ((k, column), (slope, value)) in columns.into_iter().zip(slopes.into_iter().zip(values)) {
+        match column.look(slope, value, target) {
+            Seen::Nothing => found[k] = Some(Found::Nothing),
+            Seen::Blocked => {}
+            Seen::Clear(sight) => sights.push((k, sight)),
+        }
     }
-    let far = distance_of(bounds, target);
-    if far <= target.enough { Found::Near(far) } else { Found::Open }
+    sharpen(tape, &mut sights, target.enough)?;
+    for (k, sight) in sights {
+        found[k] = sight.found(target);
+    }
+    Ok(())
+}
+
+/// The gradient over the parts of E, where the one over all of it gives slightly too slow a growth: its range is a box, and so
+/// it is as wide as it is across where nothing much changes along n.
+fn sharpen(tape: &Tape, sights: &mut [(usize, Box<Sight>)], enough: f64) -> Result<(), LeafError> {
+    let some: Vec<usize> = (0..sights.len()).filter(|k| sights[*k].1.near > enough).collect();
+    // So many at once that there is no need for much memory.
+    for some in some.chunks(64) {
+        let parts: Vec<Box3> = some.iter().flat_map(|k| parts_of(&sights[*k].1.column.about)).collect();
+        let unknown = Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
+        let mut slopes = vec![unknown; parts.len()];
+        tape.gradient_over(&parts, &mut slopes)?;
+        for (k, slopes) in some.iter().zip(slopes.chunks_exact(64)) {
+            sights[*k].1.sharpen(slopes);
+        }
+    }
+    Ok(())
 }
 
 /// How far a point of the box is from the mesh at most: its middle, and half its diagonal.
@@ -113,86 +208,158 @@ fn reach(bounds: &Box3) -> f64 {
     bounds.min.iter().chain(&bounds.max).fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most })
 }
 
-/// E.
+/// A box around which the tape of a box and its parts is right.
 pub(super) fn roomy(bounds: &Box3) -> Box3 {
+    swollen(bounds, ROOM)
+}
+
+fn swollen(bounds: &Box3, times: f64) -> Box3 {
     let c = bounds.centre();
-    let half = |k: usize| ROOM * 0.5 * (bounds.max[k] - bounds.min[k]);
+    let half = |k: usize| times * 0.5 * (bounds.max[k] - bounds.min[k]);
     Box3 { min: std::array::from_fn(|k| c[k] - half(k)), max: std::array::from_fn(|k| c[k] + half(k)) }
 }
 
-struct Column<'a> {
-    of: &'a Box3,
-    about: &'a Box3,
-    slope: &'a Slope<Interval>,
-    value: Interval,
+/// A column with its box.
+struct Column {
+    centre: [f64; 3],
+    /// n, u and v.
+    axes: [[f64; 3]; 3],
+    /// A and A'.
+    halves: [f64; 2],
+    /// The sum of the sides of B and of the way to its middle.
+    size: f64,
+    /// E.
+    about: Box3,
 }
 
-impl Column<'_> {
-    fn look(&self, target: &Target) -> Found {
-        let range = self.slope.value;
+impl Column {
+    /// Chosen by what the field seems to be at the middle of B; none where nothing is to be expected of it.
+    fn over(of: &Box3, slope: &Slope<f64>, strays: f64) -> Option<Self> {
+        let c = of.centre();
+        let steep = crate::math::length(slope.gradient);
+        let shift = -slope.value / steep;
+        let half: [f64; 3] = std::array::from_fn(|k| larger(c[k] - of.min[k], of.max[k] - c[k]).next_up());
+        let side = larger(half[0], larger(half[1], half[2]));
+        // Beyond the corners of B the surface is not in it.
+        if !(steep > 0.0 && shift.is_finite() && shift.abs() <= 2.0 * side) {
+            return None;
+        }
+        let n = slope.gradient.map(|x| x / steep);
+        let (u, v) = across(n);
+        let centre: [f64; 3] = std::array::from_fn(|k| c[k] + shift * n[k]);
+        let size = add_up(add_up(add_up(half[0], half[1]), half[2]), shift.abs());
+        let shadow = |d: [f64; 3]| {
+            let sum = (0..3).fold(0.0, |sum, k| add_up(sum, mul_up(d[k].abs(), half[k])));
+            // The way from the middle to the centre is along n but for rounding.
+            let aside = dot(step(centre, c), exactly(d)).magnitude();
+            add_up(add_up(sum, aside), mul_up(CROOKED, size))
+        };
+        let halves = [shadow(u), shadow(v)];
+        // As high as the triangles nearby make it, and some more for what bends.
+        let height = 1.25 * strays / steep + BENT * side;
+        // Aside it is as wide as is asked for later, with room for rounding.
+        let wide = |k: usize| u[k].abs() * halves[0] + v[k].abs() * halves[1] + n[k].abs() * height;
+        let reach = |k: usize| (1.0 + ASIDE) * wide(k);
+        let column = Box3 {
+            min: std::array::from_fn(|k| centre[k] - reach(k)),
+            max: std::array::from_fn(|k| centre[k] + reach(k)),
+        };
+        let about = of.union(column);
+        let most = swollen(of, MOST_ROOM);
+        let fits = most.contains(about.min) && most.contains(about.max);
+        fits.then_some(Self { centre, axes: [n, u, v], halves, size, about })
+    }
+
+    fn look(self, slope: Slope<Interval>, value: Interval, target: &Target) -> Seen {
+        let range = slope.value;
         if range.is_defined() && (range.lo() >= 0.0 || range.hi() < 0.0) {
-            return Found::Nothing;
+            return Seen::Nothing;
         }
-        if !is_lipschitz(self.slope) || !self.value.is_defined() {
-            return Found::Open;
+        if !is_lipschitz(&slope) || !value.is_defined() {
+            return Seen::Blocked;
         }
-        let Some(growth) = Growth::of(self.slope) else { return Found::Open };
-        let mut strays = 0.0;
-        target.bvh.about(self.about, |face| {
-            let of_face = target.strays[face as usize];
-            strays = if of_face > strays { of_face } else { strays };
+        let Some(growth) = Growth::along(&slope, self.axes[0]) else { return Seen::Blocked };
+        // Of all faces that meet E, which may be more than those that it was chosen by.
+        let Some(strays) = target.strays_in(&self.about) else { return Seen::Blocked };
+        let near = mul_up(growth.steps_for(strays), growth.length);
+        if near > WORTH * target.enough || near.is_nan() {
+            return Seen::Blocked;
+        }
+        Seen::Clear(Box::new(Sight { column: self, slope, value, growth, strays, near }))
+    }
+}
+
+/// What is seen from a box along its column.
+enum Seen {
+    /// The surface does not come here.
+    Nothing,
+    /// The field may stand still, or the mesh strays too far.
+    Blocked,
+    Clear(Box<Sight>),
+}
+
+/// A column in which the field grows.
+struct Sight {
+    column: Column,
+    slope: Slope<Interval>,
+    /// F(c).
+    value: Interval,
+    growth: Growth,
+    /// δ.
+    strays: f64,
+    /// t, as a length.
+    near: f64,
+}
+
+impl Sight {
+    /// Takes the slowest growth of the parts of E.
+    fn sharpen(&mut self, slopes: &[Slope<Interval>]) {
+        let axis = exactly(self.column.axes[0]);
+        let slowest = slopes.iter().fold(f64::INFINITY, |least, slope| {
+            let rate = if is_lipschitz(slope) { dot(slope.gradient, axis).lo() } else { 0.0 };
+            if rate < least { rate } else { least }
         });
-        let steps = growth.steps_for(strays);
-        let near = mul_up(steps, growth.length);
-        if near > target.enough || near.is_nan() {
-            return Found::Open;
-        }
-        match self.height(&growth, steps) {
-            Some(height) if self.separated(&growth, height, strays, target) => Found::Near(near),
-            _ => Found::Open,
+        if slowest > self.growth.rate && slowest < f64::INFINITY {
+            self.growth.rate = slowest;
+            self.near = mul_up(self.growth.steps_for(self.strays), self.growth.length);
         }
     }
 
+    fn found(&self, target: &Target) -> Option<Found> {
+        let height = self.height()?;
+        self.separated(height, target).then_some(Found::Near(self.near))
+    }
+
     /// H, if the column lies in E with it.
-    fn height(&self, growth: &Growth, steps: f64) -> Option<f64> {
-        let n = growth.along;
-        let (u, v) = across(n);
-        let c = self.of.centre();
-        let half: [f64; 3] = std::array::from_fn(|k| {
-            let (low, high) = (c[k] - self.of.min[k], self.of.max[k] - c[k]);
-            (if low > high { low } else { high }).next_up()
-        });
-        let size = add_up(add_up(half[0], half[1]), half[2]);
-        let shadow = |d: [f64; 3]| {
-            let sum = (0..3).fold(0.0, |sum, k| add_up(sum, mul_up(d[k].abs(), half[k])));
-            add_up(sum, mul_up(CROOKED, size))
-        };
-        let (a, b) = (shadow(u), shadow(v));
-        let tilt = |d: [f64; 3]| dot(self.slope.gradient, exactly(d)).magnitude();
+    fn height(&self) -> Option<f64> {
+        let Column { centre: c, axes: [n, u, v], halves: [a, b], size, about } = &self.column;
+        let (a, b) = (*a, *b);
+        let tilt = |d: &[f64; 3]| dot(self.slope.gradient, exactly(*d)).magnitude();
         let sideways = add_up(mul_up(a, tilt(u)), mul_up(b, tilt(v)));
-        let base = div_up(add_up(self.value.magnitude(), sideways), growth.rate);
+        let base = div_up(add_up(self.value.magnitude(), sideways), self.growth.rate);
+        let steps = self.growth.steps_for(self.strays);
         // A little more, so that the rounded middles of top and bottom are beyond δ as well.
         let height = mul_up(add_up(base, steps), 1.0 + CROOKED);
         // δ > 0 is needed for the strict side.
-        let height = add_up(height, mul_up(CROOKED, size));
+        let height = add_up(height, mul_up(CROOKED, *size));
         let fits = (0..3).all(|k| {
             let side =
                 add_up(add_up(mul_up(u[k].abs(), a), mul_up(v[k].abs(), b)), mul_up(n[k].abs(), height));
-            side <= sub_down(c[k], self.about.min[k]) && side <= sub_down(self.about.max[k], c[k])
+            side <= sub_down(c[k], about.min[k]) && side <= sub_down(about.max[k], c[k])
         });
         fits.then_some(height)
     }
 
     /// Whether the mesh winds differently around the middles of top and bottom, which are beyond δ.
-    fn separated(&self, growth: &Growth, height: f64, strays: f64, target: &Target) -> bool {
-        let c = self.of.centre();
-        let at = |s: f64| -> [f64; 3] { std::array::from_fn(|k| c[k] + s * growth.along[k]) };
+    fn separated(&self, height: f64, target: &Target) -> bool {
+        let Column { centre: c, axes, about, .. } = &self.column;
+        let at = |s: f64| -> [f64; 3] { std::array::from_fn(|k| c[k] + s * axes[0][k]) };
         let (top, bottom) = (at(height), at(-height));
-        let value = |p: [f64; 3]| self.value + dot(self.slope.gradient, step(p, c));
-        if !(self.about.contains(top) && self.about.contains(bottom)) {
+        let value = |p: [f64; 3]| self.value + dot(self.slope.gradient, step(p, *c));
+        if !(about.contains(top) && about.contains(bottom)) {
             return false;
         }
-        if !(value(top).lo() > strays && value(bottom).hi() < -strays) {
+        if !(value(top).lo() > self.strays && value(bottom).hi() < -self.strays) {
             return false;
         }
         let winding = |p: [f64; 3]| target.enclosure.inside(p).winding.value;

@@ -12,11 +12,19 @@
 //! Pieces are cut at rounded middles, so their points are off those of the triangle by a little ([`SLACK`]); it is added
 //! where it makes a bound wider.
 //!
+//! Where a whole piece lies on one side, say F ≥ 0 on it, one way is enough: along n with `∂F/∂n ≤ −g` in a box that holds the piece
+//! and the piece moved by t·n, F is negative from δ/g on, if δ/g < t. So ridges of the field on the other side of the piece do not
+//! matter ([`look_ahead`]).
+//!
+//! What is known of a piece holds for its parts, and so does a [`Witness`], a point of the surface that was found somewhere.
+//!
 //! The other way round, F has no zero within |F(c)| / max|G| of the middle c, as far as E reaches: so far the surface is at
 //! least.
-use super::slope::{Growth, distance_up, dot, inflated, is_lipschitz, length_up, steepest, step};
+use super::slope::{Growth, distance_up, dot, exactly, inflated, is_lipschitz, length_up, steepest, step};
+use super::smaller;
+use super::witness::{Witness, at_most};
 use crate::implicit::{LeafError, Slope, Tape};
-use crate::math::{Box3, Interval, add_up, div_down, mul_up, sub_down};
+use crate::math::{Box3, Interval, add_up, div_down, div_up, mul_up, sub_down};
 
 /// A piece of a face that is still open.
 #[derive(Clone, Debug)]
@@ -26,6 +34,9 @@ pub(super) struct Piece {
     /// Room around it in which the surface is looked for.
     reach: f64,
     cuts: u32,
+    /// What is known of the piece that it is a part of.
+    most: f64,
+    witness: Option<Witness>,
 }
 
 /// What is known of a piece.
@@ -43,6 +54,21 @@ pub(super) struct Known {
     seems: f64,
     /// A longer reach might settle it.
     wants: Option<f64>,
+    /// A point of the surface, the nearest that was found.
+    witness: Option<Witness>,
+    /// Whether its middle was looked at closely.
+    pub probed: bool,
+}
+
+impl Known {
+    /// Takes a witness where it says more.
+    pub fn witnessed(&mut self, piece: &Piece, witness: Option<Witness>) {
+        let far = at_most(f64::INFINITY, witness, &piece.corners, piece.slack());
+        if far < at_most(f64::INFINITY, self.witness, &piece.corners, piece.slack()) {
+            self.witness = witness;
+        }
+        self.at_most = smaller(self.at_most, far);
+    }
 }
 
 /// How far a piece may be from the triangle that it was cut out of, as a share of the largest coordinate: derived from
@@ -53,7 +79,7 @@ pub(super) const MOST_CUTS: u32 = 24;
 
 impl Piece {
     /// By how much its points may be off.
-    fn slack(&self) -> f64 {
+    pub fn slack(&self) -> f64 {
         let reach = self
             .corners
             .as_flattened()
@@ -65,7 +91,8 @@ impl Piece {
     pub fn whole(corners: [[f64; 3]; 3], face: u32) -> Self {
         let bounds = Box3::around(&corners);
         // A guess; what is wrong with it is mended by asking again.
-        let mut piece = Self { corners, face, reach: extent(&bounds) / 4.0, cuts: 0 };
+        let reach = extent(&bounds) / 4.0;
+        let mut piece = Self { corners, face, reach, cuts: 0, most: f64::INFINITY, witness: None };
         let least = 2.0 * piece.slack();
         if piece.reach < least {
             piece.reach = least;
@@ -73,7 +100,7 @@ impl Piece {
         piece
     }
 
-    fn middle(&self) -> [f64; 3] {
+    pub fn middle(&self) -> [f64; 3] {
         std::array::from_fn(|k| (self.corners[0][k] + self.corners[1][k] + self.corners[2][k]) / 3.0)
     }
 
@@ -82,12 +109,26 @@ impl Piece {
         inflated(&Box3::around(&self.corners), self.reach)
     }
 
+    /// With no more room around it than rounding needs.
+    pub fn bare(self) -> Self {
+        Self { reach: 2.0 * self.slack(), ..self }
+    }
+
     /// Cut at the middle of the longest side, or asked again with a longer reach.
-    pub fn parts(self, known: &Known, into: &mut Vec<Self>) {
+    pub fn parts(mut self, known: &Known, into: &mut Vec<Self>) {
+        (self.most, self.witness) = (known.at_most, known.witness);
         if let Some(reach) = known.wants {
             into.push(Self { reach, cuts: self.cuts + 1, ..self });
             return;
         }
+        let span = extent(&Box3::around(&self.corners)) / 8.0;
+        let reach = if 1.5 * known.seems > span { 1.5 * known.seems } else { span };
+        let reach = if reach > 2.0 * self.slack() { reach } else { 2.0 * self.slack() };
+        into.extend(self.halves().map(|half| Self { reach, ..half }));
+    }
+
+    /// Cut at the middle of the longest side.
+    pub fn halves(self) -> [Self; 2] {
         let side = |k: usize| {
             let (a, b) = (self.corners[k], self.corners[(k + 1) % 3]);
             (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum::<f64>()
@@ -95,17 +136,17 @@ impl Piece {
         let longest = (0..3).fold(0, |best, k| if side(k) > side(best) { k } else { best });
         let [a, b, c] = [0, 1, 2].map(|k| self.corners[(longest + k) % 3]);
         let half = std::array::from_fn(|k| 0.5 * a[k] + 0.5 * b[k]);
-        let span = extent(&Box3::around(&self.corners)) / 8.0;
-        let reach = if 1.5 * known.seems > span { 1.5 * known.seems } else { span };
-        let reach = if reach > 2.0 * self.slack() { reach } else { 2.0 * self.slack() };
-        for corners in [[a, half, c], [half, b, c]] {
-            into.push(Self { corners, reach, cuts: self.cuts + 1, ..self.clone() });
-        }
+        [[a, half, c], [half, b, c]].map(|corners| Self { corners, cuts: self.cuts + 1, ..self.clone() })
     }
 
     /// Whether it is small beside a length.
     pub fn is_within(&self, length: f64) -> bool {
         extent(&Box3::around(&self.corners)) < 0.5 * length
+    }
+
+    /// Its longest side along an axis.
+    pub fn extent(&self) -> f64 {
+        extent(&Box3::around(&self.corners))
     }
 
     /// How often it was cut.
@@ -135,8 +176,17 @@ pub(super) fn look(tape: &Tape, pieces: &[Piece]) -> Result<Vec<Known>, LeafErro
 fn judge(piece: &Piece, slope: &Slope<Interval>, value: Interval) -> Known {
     let at = piece.middle();
     let whole = slope.value.magnitude();
-    let mut known =
-        Known { at_least: 0.0, at_most: f64::INFINITY, strays: whole, at, seems: 0.0, wants: None };
+    let mut known = Known {
+        at_least: 0.0,
+        at_most: piece.most,
+        strays: whole,
+        at,
+        seems: 0.0,
+        wants: None,
+        witness: None,
+        probed: false,
+    };
+    known.witnessed(piece, piece.witness);
     if !is_lipschitz(slope) || !value.is_defined() {
         return known;
     }
@@ -145,24 +195,87 @@ fn judge(piece: &Piece, slope: &Slope<Interval>, value: Interval) -> Known {
     let slack = piece.slack();
     let far = sub_down(smaller(far, piece.reach), slack);
     known.at_least = if far > 0.0 { far } else { 0.0 };
-    let strays = piece.corners.map(|corner| dot(slope.gradient, step(corner, at)));
-    let all = value + strays[0].hull(strays[1]).hull(strays[2]);
-    known.strays = smaller(add_up(all.magnitude(), mul_up(steepest(slope), slack)), whole);
+    known.strays = smaller(over_corners(piece, slope, value).magnitude(), whole);
     let Some(growth) = Growth::of(slope) else { return known };
     let steps = growth.steps_for(known.strays);
     let far = mul_up(steps, growth.length);
     known.seems = far;
     // The points of the triangle are off those of the piece by the slack, and so is the end of the way.
     if add_up(far, slack) <= piece.reach {
-        known.at_most = far;
+        known.at_most = smaller(known.at_most, far);
     } else if far < 4.0 * piece.reach && piece.cuts < 4 {
         known.wants = Some(1.25 * far);
     }
     known
 }
 
-fn smaller(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
+/// For pieces on one side of the surface: whether the field falls, or rises, all along the way to it.
+pub(super) fn look_ahead(tape: &Tape, pieces: &[&Piece], known: &mut [Known]) -> Result<(), LeafError> {
+    let middles: Vec<[f64; 3]> = pieces.iter().map(|piece| piece.middle()).collect();
+    let mut slopes = vec![Slope { value: 0.0, gradient: [0.0; 3] }; pieces.len()];
+    tape.gradient_at(&middles, &mut slopes)?;
+    let ways: Vec<([f64; 3], f64)> = pieces
+        .iter()
+        .zip(&slopes)
+        .map(|(piece, slope)| {
+            let seems = slope.value.abs() / crate::math::length(slope.gradient);
+            let far = 1.25 * seems + 0.25 * piece.extent();
+            let along = if slope.value < 0.0 { 1.0 } else { -1.0 };
+            (unit(slope.gradient).map(|x| along * x), if far.is_finite() { far } else { 0.0 })
+        })
+        .collect();
+    let boxes: Vec<Box3> = pieces
+        .iter()
+        .zip(&ways)
+        .map(|(piece, (way, by))| {
+            let here = inflated(&Box3::around(&piece.corners), piece.slack());
+            here.union(moved(&here, *way, *by))
+        })
+        .collect();
+    let mut about = vec![Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] }; boxes.len()];
+    tape.gradient_over(&boxes, &mut about)?;
+    let points: Vec<Box3> = middles.iter().map(|c| Box3 { min: *c, max: *c }).collect();
+    let mut values = vec![Interval::UNKNOWN; points.len()];
+    tape.over(&points, &mut values)?;
+    for (k, slope) in about.iter().enumerate() {
+        if !is_lipschitz(slope) || !values[k].is_defined() {
+            continue;
+        }
+        let (piece, (way, by)) = (pieces[k], ways[k]);
+        let all = over_corners(piece, slope, values[k]);
+        let rise = dot(slope.gradient, exactly(way));
+        let rate = if all.lo() >= 0.0 {
+            -rise.hi()
+        } else if all.hi() < 0.0 {
+            rise.lo()
+        } else {
+            continue;
+        };
+        let strays = all.magnitude();
+        let steps = div_up(strays, rate);
+        if rate > 0.0 && steps < by {
+            known[k].at_most = smaller(known[k].at_most, mul_up(steps, length_up(way.map(f64::abs))));
+            known[k].strays = smaller(known[k].strays, strays);
+        }
+    }
+    Ok(())
+}
+
+/// The box moved, with room for rounding.
+fn moved(bounds: &Box3, way: [f64; 3], by: f64) -> Box3 {
+    Box3 {
+        min: std::array::from_fn(|k| (bounds.min[k] + (by * way[k]).next_down()).next_down()),
+        max: std::array::from_fn(|k| (bounds.max[k] + (by * way[k]).next_up()).next_up()),
+    }
+}
+
+/// All values on a piece, and on the part of the triangle that it stands for.
+fn over_corners(piece: &Piece, slope: &Slope<Interval>, value: Interval) -> Interval {
+    let at = piece.middle();
+    let strays = piece.corners.map(|corner| dot(slope.gradient, step(corner, at)));
+    let all = value + strays[0].hull(strays[1]).hull(strays[2]);
+    let off = mul_up(steepest(slope), piece.slack());
+    Interval::from_parts(sub_down(all.lo(), off), add_up(all.hi(), off))
 }
 
 /// Directions in which a second sign is looked for: axes and diagonals.
@@ -204,16 +317,10 @@ pub(super) fn look_across(
         if far.is_finite() && far > enough { far } else { 0.999 * enough }
     });
     let steps: Vec<f64> = steps.collect();
-    let moved = |piece: &Piece, way: [f64; 3], by: f64| {
-        let bounds = inflated(&Box3::around(&piece.corners), piece.slack());
-        Box3 {
-            min: std::array::from_fn(|k| (bounds.min[k] + (by * way[k]).next_down()).next_down()),
-            max: std::array::from_fn(|k| (bounds.max[k] + (by * way[k]).next_up()).next_up()),
-        }
-    };
     let mut boxes = Vec::with_capacity(2 * pieces.len());
     for (piece, (way, by)) in pieces.iter().zip(ways.iter().zip(&steps)) {
-        boxes.extend([moved(piece, *way, *by), moved(piece, *way, -by)]);
+        let here = inflated(&Box3::around(&piece.corners), piece.slack());
+        boxes.extend([moved(&here, *way, *by), moved(&here, *way, -by)]);
     }
     let mut values = vec![Interval::UNKNOWN; boxes.len()];
     tape.over(&boxes, &mut values)?;
@@ -232,11 +339,11 @@ pub(super) fn look_across(
 }
 
 /// Whether all values are inside; where a range is not defined there may be none, which is outside.
-fn is_inside(range: Interval) -> bool {
+pub(super) fn is_inside(range: Interval) -> bool {
     range.is_defined() && range.hi() < 0.0
 }
 
-fn is_outside(range: Interval) -> bool {
+pub(super) fn is_outside(range: Interval) -> bool {
     range.is_defined() && range.lo() >= 0.0
 }
 

@@ -35,11 +35,9 @@ pub(super) fn inflated(bounds: &Box3, by: f64) -> Box3 {
 
 /// The direction in which a field surely grows within a box.
 pub(super) struct Growth {
-    /// The direction, of length 1 up to rounding.
-    pub along: [f64; 3],
-    /// Its length, from above.
+    /// The length of the direction, from above.
     pub length: f64,
-    /// Over a step of `s · along` the field grows by `s · rate` at least; > 0.
+    /// Over a step of `s` times the direction the field grows by `s · rate` at least; > 0.
     pub rate: f64,
 }
 
@@ -59,9 +57,13 @@ impl Growth {
         }
         let scaled = middle.map(|x| x / size);
         let norm = (scaled[0] * scaled[0] + scaled[1] * scaled[1] + scaled[2] * scaled[2]).sqrt();
-        let along = scaled.map(|x| x / norm);
+        Self::along(slope, scaled.map(|x| x / norm))
+    }
+
+    /// Along a direction of length 1 up to rounding.
+    pub fn along(slope: &Slope<Interval>, along: [f64; 3]) -> Option<Self> {
         let rate = dot(slope.gradient, exactly(along)).lo();
-        (rate > 0.0).then(|| Self { along, length: length_up(along.map(f64::abs)), rate })
+        (rate > 0.0).then(|| Self { length: length_up(along.map(f64::abs)), rate })
     }
 
     /// How far one goes along it for the field to change by `by`, from above.

@@ -1,0 +1,209 @@
+//! The search from the points of a field's surface to a mesh: which boxes are cut next, and when it ends.
+//!
+//! Every box has an upper end at once, its middle's distance and half its diagonal. As in the other direction, boxes that seem to be
+//! the farthest come first, those in which the field surely changes its sign raise the lower end, and when the work allowed is
+//! used up the answer is the largest upper end of what is left.
+use super::forward::Forward;
+use super::from_field::{self, Found, Target, crossed};
+use super::{LEAF_CHUNK, Search, cube, failed, larger, parts_of, smaller};
+use crate::budget::{Stopped, par_map};
+use crate::implicit::{LeafError, Tape};
+use crate::math::{Box3, Interval};
+use std::sync::Arc;
+
+/// What is known of all points of the field's surface.
+pub(super) struct Backward {
+    /// Some point is this far.
+    pub least: f64,
+    pub most: f64,
+    pub at: [f64; 3],
+}
+
+/// Boxes looked at in all, as a multiple of the faces and at least so many.
+const BOXES_A_FACE: usize = 16;
+const FEW_BOXES: usize = 1 << 21;
+/// Boxes in which a change of sign is looked for in a round.
+const TRIED: usize = 256;
+/// Rounds at most: a box of the last one is 2⁻⁴⁸ of the first.
+const ROUNDS: usize = 24;
+/// A box whose diagonal is this share of its distance says nearly as much as its parts would.
+const SMALL: f64 = 0.01;
+/// With a limit, likewise of what is near enough.
+const SMALL_FOR_LIMIT: f64 = 0.02;
+/// A round takes what is above this share of the way from what is near enough to the farthest.
+const UPPER_PART: f64 = 0.5;
+
+/// A box that the surface may run through.
+#[derive(Clone)]
+struct Open {
+    tape: Arc<Tape>,
+    bounds: Box3,
+    /// No point of the surface in it is farther.
+    most: f64,
+    cuts: usize,
+}
+
+impl Search<'_> {
+    pub fn backward(&self, forward: &Forward, target: &mut Target) -> Result<Backward, Stopped> {
+        let faces = self.mesh.faces().len();
+        let relative = self.goal.max.is_none();
+        let mut left = BOXES_A_FACE * faces + FEW_BOXES;
+        let mut out = Backward { least: 0.0, most: 0.0, at: self.bounds.centre() };
+        let whole = cube(&self.bounds);
+        let tape = Arc::new(self.tape.clone());
+        let mut open =
+            vec![Open { tape, bounds: whole, most: from_field::distance_of(&whole, target), cuts: 0 }];
+        loop {
+            self.cancelled()?;
+            out.least = larger(out.least, self.farthest(&open, larger(out.least, forward.least), target)?);
+            let least = larger(out.least, forward.least);
+            target.enough = self.enough(least);
+            if relative && forward.most > self.aim(least, super::FORWARD_SHARE) {
+                // What the other direction leaves open is not closed here; and what the mesh strays, by which columns are
+                // measured, is no less for the surface.
+                let room = 1.0 + (1.0 - super::FORWARD_SHARE) * larger(self.goal.relative, 0.0);
+                target.enough = larger(target.enough, room * forward.most);
+            }
+            let beyond = self.goal.max.is_some_and(|max| least > max.get());
+            let tiny = |open: &Open| {
+                let share = if relative { SMALL * open.most } else { SMALL_FOR_LIMIT * target.enough };
+                open.cuts >= ROUNDS || open.bounds.diagonal() < share
+            };
+            let level = upper_part(&open, target.enough);
+            let exhausted = left == 0 || beyond;
+            let (next, done): (Vec<_>, Vec<_>) =
+                open.into_iter().partition(|b| b.most > target.enough && !exhausted && !tiny(b));
+            done.iter().for_each(|b| out.settle(b.most, &b.bounds));
+            let (mut now, mut later): (Vec<_>, Vec<_>) = next.into_iter().partition(|b| b.most > level);
+            if now.is_empty() {
+                return Ok(out);
+            }
+            // No more at once than there is work left for.
+            later.extend(now.split_off(now.len().min(left / 64 + 1)));
+            let tasks = self.tasks(now)?;
+            let results = par_map(self.job, &tasks, |_, task| task.run(target));
+            open = later;
+            for result in results {
+                let result = result.map_err(failed)?;
+                left = left.saturating_sub(result.looked_at);
+                if let Some((most, bounds)) = result.settled {
+                    out.settle(most, &bounds);
+                }
+                open.extend(result.open);
+            }
+        }
+    }
+
+    /// How far some point of the field's surface is from the mesh, from below: among the boxes that seem to be the farthest,
+    /// the distance of one where the field surely changes its sign.
+    fn farthest(&self, open: &[Open], least: f64, target: &Target) -> Result<f64, Stopped> {
+        // About what it will be; the sure number is looked up for a few.
+        let about = |b: &Open| b.most - b.bounds.diagonal();
+        let mut far: Vec<(f64, usize)> = open
+            .iter()
+            .enumerate()
+            .map(|(k, b)| (about(b), k))
+            .filter(|(about, k)| 1.05 * about > least && open[*k].most < f64::INFINITY)
+            .collect();
+        let order = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
+        if far.len() > TRIED {
+            far.select_nth_unstable_by(TRIED, order);
+            far.truncate(TRIED);
+        }
+        let points: Vec<Box3> = far
+            .iter()
+            .flat_map(|(_, k)| corners_of(&open[*k].bounds))
+            .map(|p| Box3 { min: p, max: p })
+            .collect();
+        let mut values = vec![Interval::UNKNOWN; points.len()];
+        self.tape.over(&points, &mut values).map_err(failed)?;
+        let changes = |values: &[Interval]| {
+            let sure = |sign: fn(&Interval) -> bool| values.iter().any(|v| v.is_defined() && sign(v));
+            sure(|v| v.hi() < 0.0) && sure(|v| v.lo() >= 0.0)
+        };
+        let crossed = far.iter().zip(values.chunks_exact(8)).filter(|(_, values)| changes(values));
+        let sure = crossed.map(|((_, k), _)| from_field::at_least(&open[*k].bounds, target));
+        Ok(sure.fold(0.0, larger))
+    }
+
+    /// The boxes of a round, with shorter tapes where that pays.
+    fn tasks(&self, open: Vec<Open>) -> Result<Vec<Task>, Stopped> {
+        if self.tape.has_leaves() {
+            let tape = Arc::new(self.tape.clone());
+            return Ok(open
+                .chunks(LEAF_CHUNK / 64)
+                .map(|boxes| Task { tape: Arc::clone(&tape), boxes: boxes.to_vec() })
+                .collect());
+        }
+        // Neighbours in the list are neighbours in space: a tape for a few of them is nearly as short as one for each.
+        let groups: Vec<&[Open]> =
+            open.chunk_by(|a, b| Arc::ptr_eq(&a.tape, &b.tape)).flat_map(|run| run.chunks(8)).collect();
+        let tasks = par_map(self.job, &groups, |_, group| -> Result<Task, LeafError> {
+            let about = group.iter().fold(Box3::EMPTY, |all, b| all.union(from_field::roomy(&b.bounds)));
+            let tape = &group[0].tape;
+            let short = if tape.len() < 16 { None } else { tape.shortened(&about)?.1 };
+            Ok(Task { tape: short.map_or_else(|| Arc::clone(tape), Arc::new), boxes: group.to_vec() })
+        });
+        tasks.into_iter().collect::<Result<_, _>>().map_err(failed)
+    }
+}
+
+impl Backward {
+    fn settle(&mut self, most: f64, bounds: &Box3) {
+        if most > self.most {
+            (self.most, self.at) = (most, bounds.centre());
+        }
+    }
+}
+
+/// Boxes to be cut into 64 and looked at with one tape.
+struct Task {
+    tape: Arc<Tape>,
+    boxes: Vec<Open>,
+}
+
+#[derive(Default)]
+struct Looked {
+    /// The farthest of what is done with.
+    settled: Option<(f64, Box3)>,
+    open: Vec<Open>,
+    looked_at: usize,
+}
+
+impl Task {
+    fn run(&self, target: &Target) -> Result<Looked, LeafError> {
+        let parts: Vec<Box3> = self.boxes.iter().flat_map(|b| parts_of(&b.bounds)).collect();
+        let crossed = crossed(&self.tape, &parts)?;
+        let left: Vec<usize> = (0..parts.len()).filter(|k| crossed[*k]).collect();
+        let boxes: Vec<Box3> = left.iter().map(|k| parts[*k]).collect();
+        let found = from_field::look(&self.tape, &boxes, target)?;
+        let mut out = Looked { looked_at: parts.len(), ..Looked::default() };
+        for ((k, bounds), found) in left.iter().zip(boxes).zip(found) {
+            let whole = &self.boxes[k / 64];
+            let most = match found {
+                Found::Nothing => continue,
+                // It holds for a part what holds for the whole.
+                Found::Near(far) | Found::Open(far) => smaller(far, whole.most),
+            };
+            if most > target.enough {
+                let tape = Arc::clone(&self.tape);
+                out.open.push(Open { tape, bounds, most, cuts: whole.cuts + 1 });
+            } else if out.settled.is_none_or(|(far, _)| most > far) {
+                out.settled = Some((most, bounds));
+            }
+        }
+        Ok(out)
+    }
+}
+
+/// Above which bound from above a box is cut now.
+fn upper_part(open: &[Open], enough: f64) -> f64 {
+    let most = open.iter().map(|b| b.most).filter(|most| *most < f64::INFINITY).fold(enough, larger);
+    enough + UPPER_PART * (most - enough)
+}
+
+fn corners_of(bounds: &Box3) -> [[f64; 3]; 8] {
+    std::array::from_fn(|n| {
+        std::array::from_fn(|k| if n >> k & 1 == 0 { bounds.min[k] } else { bounds.max[k] })
+    })
+}

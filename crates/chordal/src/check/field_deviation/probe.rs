@@ -1,0 +1,129 @@
+//! How far one point is from the surface of a field, from below: boxes around it, nearest first.
+//!
+//! A cube around the point c is cut into boxes; those over which the range of the field has one sign are left out. A point of
+//! the surface inside of the cube lies in a box that is left: if all the boxes that hold it had one sign, they would all have the
+//! same one, since they share the point, and they cover a neighbourhood of it. So the surface is no nearer to c than the
+//! nearest box that is left, or the sides of the cube. The nearest box is cut again and again, until it is small beside how far it is.
+use super::slope::step;
+use super::{larger, parts_of, smaller};
+use crate::implicit::{LeafError, Tape};
+use crate::math::{Box3, Interval, add_down, mul_down, sqrt_down};
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// Boxes cut in 64 for one point at most.
+const CUTS: usize = 64;
+/// It is enough to know this share of the distance.
+const ENOUGH: f64 = 0.97;
+/// Boxes whose diagonal is this share of the distance are not cut.
+const SMALL: f64 = 0.03;
+
+/// What was found out about a point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Probed {
+    /// The surface is no nearer.
+    pub at_least: f64,
+    /// Where it may be the nearest.
+    pub towards: [f64; 3],
+}
+
+/// A box that may hold a part of the surface, by its distance: the nearest is the greatest.
+struct Near {
+    far: f64,
+    number: usize,
+    bounds: Box3,
+}
+
+impl PartialEq for Near {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+impl Eq for Near {}
+impl PartialOrd for Near {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for Near {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.far.total_cmp(&self.far).then(other.number.cmp(&self.number))
+    }
+}
+
+struct Walk {
+    from: [f64; 3],
+    /// The surface is surely this near, or nobody asks.
+    most: f64,
+    /// No part of the surface outside of the cube is nearer than this.
+    side: f64,
+    open: BinaryHeap<Near>,
+    cut: usize,
+    done: bool,
+}
+
+impl Walk {
+    fn new(from: [f64; 3], most: f64) -> Self {
+        let half = 1.01 * most;
+        let cube =
+            Box3 { min: from.map(|x| (x - half).next_down()), max: from.map(|x| (x + half).next_up()) };
+        let open = BinaryHeap::from([Near { far: 0.0, number: 0, bounds: cube }]);
+        Self { from, most, side: most, open, cut: 0, done: !half.is_finite() }
+    }
+
+    /// The next box to be cut.
+    fn next(&mut self) -> Option<Box3> {
+        let small = |near: &Near| near.bounds.diagonal() < SMALL * larger(near.far, 0.1 * self.most);
+        let enough = |near: &Near| near.far >= ENOUGH * self.most || small(near);
+        if self.done || self.cut >= CUTS || self.open.peek().is_none_or(enough) {
+            self.done = true;
+            return None;
+        }
+        self.cut += 1;
+        self.open.pop().map(|near| near.bounds)
+    }
+
+    fn keep(&mut self, part: Box3) {
+        let far = self.down(&part);
+        if far < self.most {
+            self.open.push(Near { far, number: self.cut * 64 + self.open.len(), bounds: part });
+        }
+    }
+
+    /// The distance of a box, from below.
+    fn down(&self, bounds: &Box3) -> f64 {
+        let (low, high) = (step(bounds.min, self.from), step(self.from, bounds.max));
+        let beside = |k: usize| larger(larger(low[k].lo(), high[k].lo()), 0.0);
+        let sum = (0..3).fold(0.0, |sum, k| add_down(sum, mul_down(beside(k), beside(k))));
+        larger(sqrt_down(larger(sum, 0.0)), 0.0)
+    }
+
+    fn probed(&self) -> Probed {
+        match self.open.peek() {
+            Some(near) => Probed { at_least: smaller(near.far, self.side), towards: near.bounds.centre() },
+            None => Probed { at_least: self.side, towards: self.from },
+        }
+    }
+}
+
+/// For each point, of which the surface is known to be within `most`, how far it is at least.
+pub(super) fn probed(tape: &Tape, points: &[[f64; 3]], most: &[f64]) -> Result<Vec<Probed>, LeafError> {
+    let mut walks: Vec<Walk> = points.iter().zip(most).map(|(p, most)| Walk::new(*p, *most)).collect();
+    loop {
+        let cut: Vec<(usize, Box3)> =
+            walks.iter_mut().enumerate().filter_map(|(k, walk)| walk.next().map(|b| (k, b))).collect();
+        if cut.is_empty() {
+            break;
+        }
+        let parts: Vec<Box3> = cut.iter().flat_map(|(_, b)| parts_of(b)).collect();
+        let mut ranges = vec![Interval::UNKNOWN; parts.len()];
+        tape.over(&parts, &mut ranges)?;
+        for (n, (part, range)) in parts.iter().zip(&ranges).enumerate() {
+            let one_sign = range.is_defined() && (range.lo() >= 0.0 || range.hi() < 0.0);
+            if !one_sign {
+                walks[cut[n / 64].0].keep(*part);
+            }
+        }
+    }
+    Ok(walks.iter().map(Walk::probed).collect())
+}
