@@ -34,6 +34,7 @@ pub use clusters::{Cluster, FacingCounts, clusters, facing};
 pub use continuation::Smoothness;
 pub use curve::{Curve, InvalidCurve};
 pub use mesh::{Attribute, Domain, InvalidMesh, Mesh, Semantic};
+pub(crate) use normals::with_vertex_normals;
 pub use normals::{Shading, Weight, face_normal, smooth_normals, vertex_normals, with_normals};
 pub use order::{acmr, cache_misses, cache_order, fetch_order};
 pub use outline::{FillRule, Outline};

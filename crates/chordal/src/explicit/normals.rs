@@ -3,6 +3,7 @@ mod angle;
 mod shading;
 mod smooth;
 
+pub(crate) use shading::with_vertex_normals;
 pub use shading::{Shading, with_normals};
 pub use smooth::{Weight, smooth_normals};
 

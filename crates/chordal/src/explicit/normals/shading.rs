@@ -204,6 +204,14 @@ impl Rows {
     }
 }
 
+/// The mesh with these normals, one a vertex, instead of those that it had; tangents go with them.
+///
+/// # Errors
+/// [`InvalidMesh`] when there are not as many as vertices, or one is not finite.
+pub(crate) fn with_vertex_normals(mesh: &Mesh, normals: Vec<[f64; 3]>) -> Result<Mesh, InvalidMesh> {
+    rebuilt(mesh, &Rows::kept(mesh), (Domain::Vertex, normals.into_flattened()))
+}
+
 /// The mesh over these rows, with normals in place of normals and tangents.
 fn rebuilt(mesh: &Mesh, rows: &Rows, (domain, values): (Domain, Vec<f64>)) -> Result<Mesh, InvalidMesh> {
     let has_copies = rows.source.len() > mesh.positions().len();
