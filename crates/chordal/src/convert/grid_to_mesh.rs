@@ -4,11 +4,12 @@ use super::cubes::finer::Finer;
 use super::cubes::march::{Coordinate, Marched, Plan, march, refused};
 use super::cubes::normals::gradient_normals;
 use super::cubes::rule::{Normals, Polygonize};
-use super::cubes::source::{Dense, Source};
+use super::cubes::source::{Bricks, Dense, Source};
+use super::field_to_mesh::length_on;
 use crate::budget::{Bound, Bounded, Budget, Code, Evidence, Failure, Job, Reference, Stopped, Tolerance};
 use crate::explicit::{Attribute, Mesh};
-use crate::implicit::{Affine, Grid, Samples, with_samples};
-use crate::math::{add_up, cross, dot, flushes_subnormals, length, mul_up};
+use crate::implicit::{Affine, Grid, Samples, SparseGrid, with_samples};
+use crate::math::{Box3, add_up, cross, dot, flushes_subnormals, length, mul_up, sub_down};
 use std::sync::atomic::Ordering;
 
 /// The level surface of a grid's trilinear interpolant, as triangles.
@@ -32,7 +33,8 @@ use std::sync::atomic::Ordering;
 /// # Errors
 /// [`Failure::Refused`]: no surface, or an axis of one sample ([`Code::Empty`], with the reason); a level or transform that is not
 /// finite or beyond 1e150 ([`Code::NotFinite`]); steps that are lost beside the coordinates ([`Code::BelowPrecision`]); a
-/// margin outside of 2⁻³⁰ to ¼, or a budget in pixels or degrees ([`Code::Unsupported`]); more triangles or bytes than the
+/// margin outside of 2⁻³⁰ to ¼, or a budget in degrees ([`Code::Unsupported`]); a lattice too close to the eye for pixels
+/// ([`Code::TooClose`]); more triangles or bytes than the
 /// job allows; an environment that flushes subnormals. [`Failure::Unmet`] with the best mesh. [`Failure::Cancelled`].
 ///
 /// ```
@@ -56,27 +58,71 @@ pub fn grid_to_mesh(
     budget: Option<&Budget>,
     job: &Job,
 ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
-    check(grid.size(), grid.affine(), rule)?;
-    check_budget(budget)?;
-    job.run(|| {
-        with_samples!(grid.samples(), values => {
-            let source = Dense { values, size: grid.size(), rule: *rule };
-            refined(&source, grid, (rule, budget), job)
-        })
+    with_samples!(grid.samples(), values => {
+        let source = Dense { values, size: grid.size(), rule: *rule };
+        made(&source, grid.affine(), (rule, budget, numbers(grid.samples())), job)
+    })
+}
+
+/// [`grid_to_mesh`] of samples in bricks: the same mesh, bit for bit, as from the same samples in one array.
+///
+/// # Errors
+/// As for [`grid_to_mesh`].
+pub fn sparse_grid_to_mesh(
+    grid: &SparseGrid,
+    rule: &Polygonize,
+    budget: Option<&Budget>,
+    job: &Job,
+) -> Result<Bounded<Mesh>, Failure<Mesh>> {
+    made(&Bricks { grid, rule: *rule }, grid.affine(), (rule, budget, (grid.largest(), None)), job)
+}
+
+/// What is asked for: the rule, the budget, and what the samples are like.
+type Asked<'a> = (&'a Polygonize, Option<&'a Budget>, (f64, Option<u32>));
+
+fn made<S: Source>(
+    source: &S,
+    affine: &Affine,
+    (rule, budget, numbers): Asked,
+    job: &Job,
+) -> Result<Bounded<Mesh>, Failure<Mesh>> {
+    check(source.size(), affine, rule)?;
+    let bounds = bounds(source.size(), affine, rule);
+    let length = allowed(budget, &bounds)?;
+    let most = budget.and_then(|budget| budget.triangles).unwrap_or(u64::MAX);
+    let wanted = Wanted { length, most, numbers };
+    let mut made = job.run(|| refined(source, affine, (rule, &wanted), job))?;
+    if let (Some(px), Some(most)) = (budget.and_then(|budget| budget.pixels), made.bound.at_most()) {
+        made.bound.pixels = px.view.pixels_of(most, &made.shape.bounds().union(bounds));
+    }
+    Ok(made)
+}
+
+/// What a mesh is refined for.
+struct Wanted {
+    length: f64,
+    /// Triangles.
+    most: u64,
+    numbers: (f64, Option<u32>),
+}
+
+/// The box of a lattice.
+fn bounds(size: [usize; 3], affine: &Affine, rule: &Polygonize) -> Box3 {
+    (0..8).fold(Box3::EMPTY, |all, corner| {
+        let last = |k: usize| if corner >> k & 1 == 1 { (size[k] - 1) as f64 } else { 0.0 };
+        all.with(affine.at([0, 1, 2].map(|k| rule.offset[k] as f64 + last(k))))
     })
 }
 
 /// Halves cells until the budget's length holds.
 fn refined<S: Source>(
     source: &S,
-    grid: &Grid,
-    (rule, budget): (&Polygonize, Option<&Budget>),
+    coarse: &Affine,
+    (rule, wanted): (&Polygonize, &Wanted),
     job: &Job,
 ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
-    let length = budget.and_then(|budget| budget.length).map_or(f64::INFINITY, Tolerance::get);
-    let most = budget.and_then(|budget| budget.triangles).unwrap_or(u64::MAX);
-    let mut best = meshed(source, grid.affine(), rule, job)?;
-    let numbers = numbers(grid.samples());
+    let Wanted { length, most, numbers } = *wanted;
+    let mut best = meshed(source, coarse, rule, (length, job))?;
     for halvings in 1..=MOST_HALVINGS {
         let triangles = best.shape.faces().len() as u64;
         if triangles > most || reached(&best) <= length {
@@ -87,12 +133,12 @@ fn refined<S: Source>(
             break;
         }
         let finer = Finer::new(source, rule, halvings, numbers);
-        let Some(affine) = finer.affine(grid.affine()) else { break };
+        let Some(affine) = finer.affine(coarse) else { break };
         let rule = Polygonize { offset: rule.offset.map(|i| i << halvings), ..*rule };
         if check(finer.size(), &affine, &rule).is_err() {
             break;
         }
-        match finer_mesh(&finer, &affine, &rule, job) {
+        match finer_mesh(&finer, &affine, &rule, (length, job)) {
             // A cell without a steady slope keeps its diagonal, which halves with it.
             Ok(next) if reached(&next) < reached(&best) => best = next,
             Ok(_) | Err(Stopped::Refused(_)) => break,
@@ -116,15 +162,17 @@ fn finer_mesh<S: Source>(
     finer: &Finer<'_, S>,
     affine: &Affine,
     rule: &Polygonize,
-    job: &Job,
+    (length, job): (f64, &Job),
 ) -> Result<Bounded<Mesh>, Stopped> {
+    let enough = enough(length, affine, rule, finer.size());
     let Marched { positions, faces, plan } = march::<f64, _>(finer, affine, rule, job)?;
-    let farthest = Proof::new(finer, affine, rule).farthest(&plan, job);
+    let proof = || Proof::new(finer, affine, rule, lost(affine, rule, finer.size())).with_enough(enough);
+    let farthest = proof().farthest(&plan, job);
     let sure = finer.slack == 0.0 || !finer.unsure.load(Ordering::Relaxed);
     let farthest = if finer.slack == 0.0 || !sure {
         farthest
     } else {
-        Proof::new(finer, affine, rule).with_slack(finer.slack).farthest(&plan, job)
+        proof().with_slack(finer.slack).farthest(&plan, job)
     };
     if job.is_cancelled() {
         return Err(Stopped::Cancelled);
@@ -227,13 +275,16 @@ pub(super) fn meshed<S: Source>(
     source: &S,
     affine: &Affine,
     rule: &Polygonize,
-    job: &Job,
+    (length, job): (f64, &Job),
 ) -> Result<Bounded<Mesh>, Stopped> {
+    let enough = enough(length, affine, rule, source.size());
     let Marched { positions, faces, plan } = march::<f64, S>(source, affine, rule, job)?;
     if faces.is_empty() {
         return Err(refused(Code::Empty, no_surface(source, rule, &plan)));
     }
-    let farthest = Proof::new(source, affine, rule).farthest(&plan, job);
+    let farthest = Proof::new(source, affine, rule, lost(affine, rule, source.size()))
+        .with_enough(enough)
+        .farthest(&plan, job);
     if job.is_cancelled() {
         return Err(Stopped::Cancelled);
     }
@@ -261,14 +312,31 @@ pub(super) fn bound(
     (affine, rule): (&Affine, &Polygonize),
     size: [usize; 3],
 ) -> Bound {
+    let most = add_up(farthest.most, moved(affine, rule, size));
+    let least = if farthest.least < most { farthest.least } else { most };
+    let mut bound = Bound::with_evidence(least, Some(most), evidence, Reference::Trilinear);
+    let at = farthest.at.map(|i| i as f64 + 0.5);
+    let there = affine.at([0, 1, 2].map(|k| at[k] + rule.offset[k] as f64));
+    bound.at = Some(farthest.seen.unwrap_or(there));
+    bound
+}
+
+/// How far the vertices that are written are from the interpolant's own zeros.
+fn moved(affine: &Affine, rule: &Polygonize, size: [usize; 3]) -> f64 {
     let edge = affine.steps().map(length).into_iter().fold(0.0, |most, l| if l > most { l } else { most });
     // A place on an edge has three roundings and the margin; the rest are those of the transform.
     let moved = mul_up(mul_up(edge, 1.0 + 8.0 * f64::EPSILON), add_up(rule.margin, 4.0 * f64::EPSILON));
-    let most = add_up(add_up(farthest.most, moved), rounding(affine, rule, size));
-    let mut bound = Bound::with_evidence(0.0, Some(most), evidence, Reference::Trilinear);
-    let at = farthest.at.map(|i| i as f64 + 0.5);
-    bound.at = Some(affine.at([0, 1, 2].map(|k| at[k] + rule.offset[k] as f64)));
-    bound
+    add_up(moved, rounding(affine, rule, size))
+}
+
+fn lost(affine: &Affine, rule: &Polygonize, size: [usize; 3]) -> (f64, f64) {
+    (moved(affine, rule, size), rounding(affine, rule, size))
+}
+
+/// Of a bound no less than this is needed, where a length is asked for.
+fn enough(length: f64, affine: &Affine, rule: &Polygonize, size: [usize; 3]) -> f64 {
+    let left = sub_down(length, moved(affine, rule, size));
+    if left > 0.0 && length.is_finite() { left } else { 0.0 }
 }
 
 /// How far rounding moves a vertex: each coordinate is three products and three sums of a place that is rounded once, eight roundings
@@ -352,12 +420,14 @@ pub(super) fn check(size: [usize; 3], affine: &Affine, rule: &Polygonize) -> Res
     Ok(())
 }
 
-fn check_budget(budget: Option<&Budget>) -> Result<(), Stopped> {
-    match budget {
-        Some(budget) if budget.pixels.is_some() || budget.angle_deg.is_some() => Err(refused(
-            Code::Unsupported,
-            "a grid cannot be meshed to pixels or an angle yet; give a length".into(),
-        )),
-        _ => Ok(()),
+/// The length that a budget allows anywhere in the box; infinite where it says none.
+fn allowed(budget: Option<&Budget>, bounds: &Box3) -> Result<f64, Failure<Mesh>> {
+    let Some(budget) = budget else { return Ok(f64::INFINITY) };
+    if budget.angle_deg.is_some() {
+        return Err(Failure::refused(Code::Unsupported, "an angle is no budget for volumes in this version"));
     }
+    let length = budget.length.map_or(f64::INFINITY, Tolerance::get);
+    let Some(px) = &budget.pixels else { return Ok(length) };
+    let seen = length_on(bounds, px)?;
+    Ok(if seen < length { seen } else { length })
 }

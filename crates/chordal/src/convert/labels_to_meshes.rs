@@ -70,7 +70,7 @@ pub fn labels_to_meshes(
             format!("every sample has the label {only}, which is the background"),
         ));
     }
-    let diagonal = Farthest { most: diagonal(grid.affine()), at: [0; 3] };
+    let diagonal = Farthest { most: diagonal(grid.affine()), at: [0; 3], least: 0.0, seen: None };
     let of = |mesh: Mesh| {
         let mut bound = bound(diagonal, Evidence::Proved, (grid.affine(), &shape), grid.size());
         bound.at = None;

@@ -1,10 +1,12 @@
 //! The bridge: one file per arrow `a_to_b`, each lossy one under a budget and with a bound.
+mod contours;
 mod cubes;
 mod curve_to_field;
 mod curve_to_polyline;
 mod curves;
 mod field_to_grid;
 mod field_to_mesh;
+mod field_to_polyline;
 mod fields;
 mod grid_to_mesh;
 mod grid_to_polyline;
@@ -25,9 +27,12 @@ pub use curve_to_field::curve_to_field;
 pub use curve_to_polyline::{curve_to_polyline, curve_to_polyline_evenly, curves_to_polylines};
 pub use curves::batch::{BezierCutter, Polylines, beziers_to_polylines};
 pub use curves::flatten::Spacing;
-pub use field_to_grid::field_to_grid;
-pub use field_to_mesh::field_to_mesh;
-pub use grid_to_mesh::{Surface, VertexKey, grid_to_mesh, grid_to_triangles, vertex_keys};
+pub use field_to_grid::{field_to_grid, field_to_sparse_grid};
+pub use field_to_mesh::{field_to_mesh, with_gradient_normals};
+pub use field_to_polyline::field_to_polyline;
+pub use grid_to_mesh::{
+    Surface, VertexKey, grid_to_mesh, grid_to_triangles, sparse_grid_to_mesh, vertex_keys,
+};
 pub use grid_to_polyline::grid_to_polyline;
 pub use labels_to_meshes::{Labels, labels_to_meshes};
 pub use lattice::Lattice;

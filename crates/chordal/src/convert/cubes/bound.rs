@@ -18,206 +18,376 @@
 //! Σ λᵢ|Δx||Δy| ≤ √(Σ λᵢΔx² · Σ λᵢΔy²), and a variance is at most a quarter of the squared range (Popoviciu). Ranges are
 //! at most 1, so |g| ≤ e = (Mxy + Myz + Mxz)/4 on all triangles of the cell.
 //!
-//! **A stack of cells.** For a cell and an axis, say z, take cells below and above it until the four corners at
-//! the low end are all on one side, those at the high end all on the other, and suppose that all differences along z in the
-//! stack have one sign and are at least m > 0 in size. The derivative of g along z is a convex combination of four of
-//! them, so on each line along z through the stack g is strictly monotone, and it changes sign: there is exactly one
-//! point of S on it, and g crosses there. The mesh has an odd number of points on the line, hence one: no triangle is in the
-//! ends of the stack, whose corners agree, and the mesh separates inside from outside corners. With e the largest in the stack, the
-//! mesh's point has |g| ≤ e, and so the two are within e/m of each other. This serves points of S and of the mesh in
-//! the cell alike.
+//! **What is far from 0 is on its side of the mesh.** Let g(x) > e at a point x of a cell. Along x's line in the first axis g is
+//! linear, so it does not fall in one of the two directions; go there to the cell's side, then likewise along the second
+//! and third axis: a path to a corner on which g > e. It meets no triangle of the cell, for there |g| ≤ e, and the corner is outside. The
+//! mesh parts outside corners from inside ones in every cell, so x is outside of the mesh. Likewise x with g(x) < −e is inside of it.
 //!
-//! **At a capped border** the stack may end early on its outer side, for the shape ends there: where the line leaves the
-//! box while g < 0 it crosses S in the border, and the mesh likewise its cap; each stands within e/m of the other as
-//! before, because g is linear on the sides of the squares and |g| ≤ e holds for the border's polygons too. Lines in the
-//! border itself show the same for the caps. Squares all of whose corners are inside are in both.
+//! **Three cells in a row.** For a cell and an axis take the cell before and the one behind it, and suppose that all 12 differences
+//! along the axis have one sign and are at least m > 0 in size; e is the largest of the three. If r = e/m ≤ 1, points of
+//! the cell are within r of the mesh or of S, whichever they are not on:
+//! - From a point of S go along the axis by a little more than r both ways. That stays in the three cells, along it g changes by m a
+//!   unit at least, so it ends at g > e and at g < −e: on different sides of the mesh, which therefore crosses the line between.
+//! - From a point of the mesh, where |g| ≤ e, go by r to where g falls to 0, or rises to it: S is on the way.
+//! - A point of S in a capped border across which the axis does not run has g ≤ 0. Where g < −e it is inside of the mesh and in the
+//!   border, hence in a cap. Else go along the axis, in the border, to where g < −e: there are caps on the way, or it is on one. A point
+//!   of a cap of the mesh has g ≤ e, by the same formula with g ≤ 0 at its corners; where g > 0, go to where it is 0.
 //!
-//! Where no axis has a stack the diagonal stays.
+//! Rows that would leave the lattice are not taken; then, and where the bound is large, another axis is tried.
+//!
+//! **The rest**, cells where no row does and those that have the largest bounds, are cut up (`local.rs`), with the aim of
+//! what is seen of the distance from below and an eighth more. So it hangs on what is there, and not on the worst case of a formula.
+use super::local::Local;
 use super::march::Plan;
-use super::rule::{Border, Inside, Polygonize};
+use super::rule::Polygonize;
+use super::slopes::{LANES, LOW, Lane, Shift, Slowest, run, shift};
 use super::source::Source;
-use crate::budget::Job;
+use crate::budget::{Job, par_map};
 use crate::implicit::Affine;
 use crate::math::{Box3, add_up, div_up, mul_up};
-
-/// The longest stack that is tried.
-const MOST_CELLS: usize = 16;
 
 /// Half a unit in the last place of 1: the relative error of one rounding.
 const ROUNDING: f64 = f64::EPSILON / 2.0;
 
-/// A bound on the distance, and where it is largest.
+/// A bound on the distance from above, and where it is largest; one from below, and where that is seen.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Farthest {
     pub most: f64,
     pub at: [usize; 3],
+    pub least: f64,
+    pub seen: Option<[f64; 3]>,
 }
 
 /// What the proof needs of the lattice.
 pub(crate) struct Proof<'a, S> {
-    source: &'a S,
-    rule: &'a Polygonize,
+    local: Local<'a, S>,
     size: [usize; 3],
     /// The lengths of the three steps in space, rounded up.
     lengths: [f64; 3],
-    /// The longest diagonal of a cell in space, rounded up.
-    diagonal: f64,
-    /// By how much every value may be off.
-    slack: f64,
+    /// No better bound is needed than this.
+    enough: f64,
 }
 
-/// One cell.
+/// Cells in each slab whose distances are looked for from below: the ones with the largest bounds, and some of those without.
+const WITNESSES: usize = 4;
+/// What is aimed at is this much more than what is seen.
+const AIM: f64 = 1.125;
+/// Of a cell's diagonal: below this cutting up costs more than it brings (measured on a gyroid).
+const FINE: f64 = 1.0 / 32.0;
+/// What is aimed at falls by this from one round to the next.
+const FALL: f64 = 0.6;
+/// One in so many cells may be cut up, and this many in any case.
+const SHARE: usize = 8;
+const SOME: usize = 4096;
+
+/// A cell with its bound, as a part of the diagonal.
 #[derive(Clone, Copy)]
-struct Cell {
-    /// g at the corners, but for a common constant.
-    corners: [f64; 8],
-    /// Bits of those that are inside.
-    signs: u8,
-    /// e: the most of |g| on its triangles.
-    error: f64,
+struct Bounded {
+    most: f32,
+    at: [u32; 3],
+    /// Where that stands.
+    slab: u32,
+    number: u32,
 }
-
-/// For each axis the corners at its low end.
-const LOW: [[usize; 4]; 3] = [[0, 2, 4, 6], [0, 1, 4, 5], [0, 1, 2, 3]];
-/// For each axis the bits of those.
-const LOW_BITS: [u8; 3] = [0b0101_0101, 0b0011_0011, 0b0000_1111];
 
 impl<'a, S: Source> Proof<'a, S> {
-    pub fn new(source: &'a S, affine: &Affine, rule: &'a Polygonize) -> Self {
-        let steps = affine.steps();
+    pub fn new(
+        source: &'a S,
+        affine: &'a Affine,
+        rule: &'a Polygonize,
+        (moved, rounding): (f64, f64),
+    ) -> Self {
         let diagonal = diagonal(affine);
-        let lengths = steps.map(|step| length_up(step.map(f64::abs)));
-        Self { source, rule, size: source.size(), lengths, diagonal, slack: 0.0 }
+        let lengths = affine.steps().map(|step| length_up(step.map(f64::abs)));
+        let local = Local { source, rule, affine, diagonal, moved, rounding, slack: 0.0 };
+        Self { local, size: source.size(), lengths, enough: 0.0 }
     }
 
     /// The same where values are those of another function up to `slack`, on the same sides of the level.
     pub fn with_slack(self, slack: f64) -> Self {
-        Self { slack, ..self }
+        Self { local: Local { slack, ..self.local }, ..self }
+    }
+
+    /// The same where nobody asks for less than `enough`.
+    pub fn with_enough(self, enough: f64) -> Self {
+        Self { enough, ..self }
     }
 
     /// A bound for all cells, without the rounding of vertices.
     pub fn farthest(&self, plan: &Plan, job: &Job) -> Farthest {
-        let none = Farthest { most: 0.0, at: [0; 3] };
-        let slabs = plan.for_each_slab(job, |walk| {
-            let mut worst = none;
+        // 1. A bound for each cell.
+        let mut slabs = plan.for_each_slab(job, |_, walk| {
+            let mut rows = Rows::new(self);
             walk(&mut |at, _| {
                 if !job.is_cancelled() {
-                    let most = self.cell_bound(at, worst.most);
-                    if most > worst.most {
-                        worst = Farthest { most, at };
-                    }
+                    rows.add(at);
                 }
             });
-            worst
+            rows.finish()
         });
-        slabs.into_iter().fold(none, |worst, one| if one.most > worst.most { one } else { worst })
-    }
-
-    /// A bound for one cell. Once it is no more than `enough` nothing better is looked for.
-    fn cell_bound(&self, at: [usize; 3], enough: f64) -> f64 {
-        let cell = self.cell(at);
-        // The axis with the steepest slowest edge first.
-        let mut axes = [0, 1, 2].map(|axis| (cell.slope(axis), axis));
-        for (a, b) in [(0, 1), (1, 2), (0, 1)] {
-            if axes[b].0 > axes[a].0 {
-                axes.swap(a, b);
-            }
+        let all = slabs.iter().map(Vec::len).sum::<usize>();
+        let top = self.whole(highest(&slabs));
+        let none = Farthest { most: top, at: [0; 3], least: 0.0, seen: None };
+        if job.is_cancelled() || all == 0 {
+            return none;
         }
-        let mut best = self.diagonal;
-        for (slope, axis) in axes {
-            if best <= enough || slope <= 0.0 {
+        // 2. What is seen from below.
+        let candidates = plan.for_each_slab(job, |number, walk| {
+            let picked = picked(&slabs[number]);
+            let mut cells = Vec::new();
+            let mut n = 0;
+            walk(&mut |at, _| {
+                if picked.binary_search(&n).is_ok() {
+                    cells.push(at);
+                }
+                n += 1;
+            });
+            let mut seen: Option<(f64, [f64; 3])> = None;
+            for cell in cells {
+                if !job.is_cancelled() {
+                    seen = self.local.witness(cell, seen.map_or(0.0, |s| s.0)).or(seen);
+                }
+            }
+            seen
+        });
+        let mut seen = farther(None, candidates);
+        // 3. Cells with the largest bounds get better ones, in rounds, until what is seen is near or they are too many.
+        let mut worst = none;
+        for round in 0.. {
+            let least = seen.map_or(0.0, |s| s.0);
+            let aim = larger(larger(AIM * least, FINE * self.local.diagonal), self.enough);
+            if worst.most <= aim || least > self.enough && self.enough > 0.0 || job.is_cancelled() {
                 break;
             }
-            if let Some(shift) = self.stack(at, &cell, axis) {
-                let most = mul_up(shift, self.lengths[axis]);
-                if most < best {
-                    best = most;
-                }
+            let goal = larger(aim, FALL * worst.most);
+            let mut cells = above(plan, &slabs, self.part(goal), job);
+            // Those that have no bound yet get one, however many they are.
+            let is_open = round == 0 && worst.most >= 0.75 * self.local.diagonal;
+            if cells.len() > all / SHARE + SOME && !is_open {
+                break;
+            }
+            let better =
+                par_map(
+                    job,
+                    &cells,
+                    |_, cell| if job.is_cancelled() { *cell } else { self.better(*cell, goal) },
+                );
+            better.iter().for_each(|cell| slabs[cell.slab as usize][cell.number as usize] = cell.most);
+            cells = better;
+            cells.sort_unstable_by(|a, b| b.most.total_cmp(&a.most).then_with(|| a.at.cmp(&b.at)));
+            let looked_at = &cells[..cells.len().min(64)];
+            let more = par_map(job, looked_at, |_, cell| {
+                if job.is_cancelled() { None } else { self.local.witness(cell.at.map(|i| i as usize), least) }
+            });
+            seen = farther(seen, more);
+            let before = worst.most;
+            worst.most = self.whole(highest(&slabs));
+            worst.at = cells.first().map_or([0; 3], |cell| cell.at.map(|i| i as usize));
+            // Nothing comes of another round.
+            if worst.most > 0.97 * before {
+                break;
             }
         }
-        best
+        Farthest { least: seen.map_or(0.0, |s| s.0), seen: seen.map(|s| s.1), ..worst }
     }
 
-    /// e/m of the stack of a cell along an axis, if there is one.
-    fn stack(&self, at: [usize; 3], cell: &Cell, axis: usize) -> Option<f64> {
-        let rises = cell.corners[7] > cell.corners[7 - (1 << axis)];
-        let mut slope = cell.slope(axis);
-        let mut error = cell.error;
-        for up in [true, false] {
-            // g rises towards outside.
-            let (wanted, outward) = if up == rises { (0, true) } else { (LOW_BITS[axis], false) };
-            let end =
-                |cell: &Cell| (if up { cell.signs >> (1 << axis) } else { cell.signs }) & LOW_BITS[axis];
-            let (mut here, mut current) = (at, *cell);
-            for step in 0.. {
-                if end(&current) == wanted {
-                    break;
+    /// A better bound for a cell, aiming at `aim`.
+    fn better(&self, cell: Bounded, aim: f64) -> Bounded {
+        let at = cell.at.map(|i| i as usize);
+        let corners = self.corners(at);
+        let mut most = self.whole(cell.most);
+        for axis in 0..3 {
+            if most > aim {
+                let planes = self.planes(at, axis, &corners);
+                most = smaller(most, mul_up(shift(&planes, self.local.slack), self.lengths[axis]));
+            }
+        }
+        // What is aimed at may be out of reach: then a quarter more.
+        let mut goal = aim;
+        while most > goal {
+            most = smaller(most, self.local.refined(at, goal));
+            goal *= 1.25;
+        }
+        Bounded { most: self.part(most), ..cell }
+    }
+
+    /// A length as a part of the diagonal, rounded up.
+    fn part(&self, length: f64) -> f32 {
+        let part = div_up(length, self.local.diagonal);
+        f32_up(if part < 1.0 { part } else { 1.0 })
+    }
+
+    /// The length of a part of the diagonal, rounded up.
+    fn whole(&self, part: f32) -> f64 {
+        smaller(mul_up(f64::from(part), self.local.diagonal), self.local.diagonal)
+    }
+
+    fn sample(&self, [i, j, k]: [usize; 3]) -> f64 {
+        self.local.rule.counted(self.local.source.at([i, j, k])) - self.local.rule.level
+    }
+
+    fn corners(&self, [i, j, k]: [usize; 3]) -> [f64; 8] {
+        std::array::from_fn(|c| self.sample([i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)]))
+    }
+
+    /// The four planes of three cells in a row, of which the one in the middle has these corners.
+    fn planes(&self, at: [usize; 3], axis: usize, corners: &[f64; 8]) -> [[f64; 4]; 4] {
+        let beside = |c: usize, behind: bool| {
+            let mut there = [at[0] + (c & 1), at[1] + (c >> 1 & 1), at[2] + (c >> 2)];
+            there[axis] =
+                if behind { (at[axis] + 2).min(self.size[axis] - 1) } else { at[axis].saturating_sub(1) };
+            self.sample(there)
+        };
+        let low = LOW[axis];
+        [
+            low.map(|c| beside(c, false)),
+            low.map(|c| corners[c]),
+            low.map(|c| corners[c + (1 << axis)]),
+            low.map(|c| beside(c, true)),
+        ]
+    }
+}
+
+/// The cells of a slab, a few at a time.
+struct Rows<'a, S> {
+    proof: &'a Proof<'a, S>,
+    at: Vec<[usize; 3]>,
+    corners: Box<[Lane; 8]>,
+    planes: Box<[[Lane; 4]; 4]>,
+    out: Vec<f32>,
+}
+
+impl<'a, S: Source> Rows<'a, S> {
+    fn new(proof: &'a Proof<'a, S>) -> Self {
+        let at = Vec::with_capacity(LANES);
+        Self {
+            proof,
+            at,
+            corners: Box::new([[0.0; LANES]; 8]),
+            planes: Box::new([[[0.0; LANES]; 4]; 4]),
+            out: Vec::new(),
+        }
+    }
+
+    fn add(&mut self, at: [usize; 3]) {
+        let lane = self.at.len();
+        let corners = self.proof.corners(at);
+        for (c, corner) in corners.into_iter().enumerate() {
+            self.corners[c][lane] = corner;
+        }
+        self.at.push(at);
+        if lane + 1 == LANES {
+            self.flush();
+        }
+    }
+
+    fn flush(&mut self) {
+        let mut slowest = [[0.0; LANES]; 3];
+        run(Slowest { corners: &self.corners, out: &mut slowest });
+        let mut axes = [3; LANES];
+        for (lane, at) in self.at.iter().enumerate() {
+            // The axis with the steepest slowest edge, one with three cells if there is any.
+            let mut best = (false, 0.0);
+            for axis in 0..3 {
+                let slope = slowest[axis][lane];
+                let has_row = at[axis] > 0 && at[axis] + 2 < self.proof.size[axis];
+                if slope > 0.0 && (has_row, slope) > best {
+                    best = (has_row, slope);
+                    axes[lane] = axis;
                 }
-                let next = if up { here[axis] + 1 } else { here[axis].wrapping_sub(1) };
-                if next >= self.size[axis] - 1 {
-                    let border = self.rule.border[axis][usize::from(up)];
-                    if outward && border == Border::Capped {
-                        break;
+            }
+            if axes[lane] < 3 {
+                let corners = std::array::from_fn(|c| self.corners[c][lane]);
+                let planes = self.proof.planes(*at, axes[lane], &corners);
+                for (lanes, plane) in self.planes.iter_mut().zip(planes) {
+                    for (lanes, value) in lanes.iter_mut().zip(plane) {
+                        lanes[lane] = value;
                     }
-                    return None;
                 }
-                here[axis] = next;
-                current = self.cell(here);
-                let next_slope = current.slope(axis);
-                let rises_too = current.corners[7] > current.corners[7 - (1 << axis)];
-                if step == MOST_CELLS || next_slope <= 0.0 || rises_too != rises {
-                    return None;
-                }
-                slope = if next_slope < slope { next_slope } else { slope };
-                error = if current.error > error { current.error } else { error };
             }
         }
-        // With values off by the slack, differences are off by two of it, and g on the mesh by one more.
-        let slope = (slope - 2.0 * self.slack).next_down();
-        let shift = div_up(add_up(error, mul_up(2.0, self.slack)), slope);
-        (slope > 0.0 && shift.is_finite()).then_some(shift)
-    }
-
-    fn cell(&self, [i, j, k]: [usize; 3]) -> Cell {
-        let flip = if self.rule.inside == Inside::High { -1.0 } else { 1.0 };
-        let mut signs = 0;
-        let mut corners = [0.0; 8];
-        for (c, corner) in corners.iter_mut().enumerate() {
-            let sample = self.source.at([i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)]);
-            signs |= u8::from(self.rule.is_inside(sample)) << c;
-            *corner = flip * self.rule.counted(sample);
+        let mut shifts = [0.0; LANES];
+        run(Shift { planes: &self.planes, slack: self.proof.local.slack, out: &mut shifts });
+        for lane in 0..self.at.len() {
+            let most = match axes[lane] {
+                3 => self.proof.local.diagonal,
+                axis => smaller(mul_up(shifts[lane], self.proof.lengths[axis]), self.proof.local.diagonal),
+            };
+            self.out.push(self.proof.part(most));
         }
-        Cell { corners, signs, error: error(&corners) }
+        self.at.clear();
+    }
+
+    fn finish(mut self) -> Vec<f32> {
+        self.flush();
+        self.out
     }
 }
 
-impl Cell {
-    /// A bound from below on the size of the differences along an axis; 0 when their signs differ.
-    fn slope(&self, axis: usize) -> f64 {
-        let differences = LOW[axis].map(|low| self.corners[low + (1 << axis)] - self.corners[low]);
-        let rises = differences[0] > 0.0;
-        let sizes = differences.map(|d| if rises { d } else { -d });
-        let least = sizes.into_iter().fold(sizes[0], |least, d| if d < least { d } else { least });
-        if least > 0.0 { least.next_down() } else { 0.0 }
-    }
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
 }
 
-/// e: from the larger of two second differences for each pair of axes. Those are rounded three times, each time by at most
-/// the rounding of a number that is no larger than twice the longest first difference, or four times it.
-fn error(v: &[f64; 8]) -> f64 {
-    let mixed = |a: [usize; 4], b: [usize; 4]| {
-        let one = |[p, q, r, s]: [usize; 4]| ((v[s] - v[r]) - (v[q] - v[p])).abs();
-        let (a, b) = (one(a), one(b));
-        if a > b { a } else { b }
-    };
-    let xy = mixed([0, 1, 2, 3], [4, 5, 6, 7]);
-    let xz = mixed([0, 1, 4, 5], [2, 3, 6, 7]);
-    let yz = mixed([0, 2, 4, 6], [1, 3, 5, 7]);
-    let (low, high) = v.iter().fold((v[0], v[0]), |(low, high), &x| {
-        (if x < low { x } else { low }, if x > high { x } else { high })
+fn smaller(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}
+
+/// The nearest number of 32 bits that is not below.
+fn f32_up(x: f64) -> f32 {
+    let near = x as f32;
+    if f64::from(near) < x { near.next_up() } else { near }
+}
+
+/// The farther one, the first of equals.
+fn farther(first: Option<(f64, [f64; 3])>, rest: Vec<Option<(f64, [f64; 3])>>) -> Option<(f64, [f64; 3])> {
+    rest.into_iter()
+        .flatten()
+        .fold(first, |best, one| if best.is_none_or(|best| one.0 > best.0) { Some(one) } else { best })
+}
+
+/// The numbers of cells to look at: those with the largest bounds, and as many among those that have the largest of all.
+fn picked(bounds: &[f32]) -> Vec<usize> {
+    let top = bounds.iter().fold(0.0, |m: f32, x| if *x > m { *x } else { m });
+    let equal: Vec<usize> = (0..bounds.len()).filter(|i| bounds[*i] == top).collect();
+    let mut picked: Vec<usize> =
+        equal.iter().step_by(equal.len().div_ceil(WITNESSES).max(1)).copied().collect();
+    let mut rest: Vec<usize> =
+        (0..bounds.len()).filter(|i| bounds[*i] < top && bounds[*i] > 0.5 * top).collect();
+    if rest.len() > WITNESSES {
+        rest.select_nth_unstable_by(WITNESSES, |a, b| bounds[*b].total_cmp(&bounds[*a]).then(a.cmp(b)));
+        rest.truncate(WITNESSES);
+    }
+    picked.extend(rest);
+    picked.sort_unstable();
+    picked
+}
+
+/// Cells whose bounds are above `aim`.
+fn above(plan: &Plan, slabs: &[Vec<f32>], aim: f32, job: &Job) -> Vec<Bounded> {
+    let cells = plan.for_each_slab(job, |slab, walk| {
+        let bounds = &slabs[slab];
+        let mut cells = Vec::new();
+        if bounds.iter().any(|bound| *bound > aim) {
+            let mut n = 0;
+            walk(&mut |at, _| {
+                if bounds[n] > aim {
+                    cells.push(Bounded {
+                        most: bounds[n],
+                        at: at.map(|i| i as u32),
+                        slab: slab as u32,
+                        number: n as u32,
+                    });
+                }
+                n += 1;
+            });
+        }
+        cells
     });
-    let rounding = mul_up(32.0 * ROUNDING, (high - low).next_up());
-    add_up(0.25 * add_up(add_up(xy, xz), yz), rounding)
+    cells.concat()
+}
+
+fn highest(slabs: &[Vec<f32>]) -> f32 {
+    slabs.iter().flatten().fold(0.0, |m: f32, x| if *x > m { *x } else { m })
 }
 
 /// The longest diagonal of a cell, rounded up.

@@ -12,7 +12,7 @@ use super::rule::Border;
 use crate::implicit::Affine;
 
 /// A square of the border: its corners counter-clockwise as seen from outside.
-type Square = [[usize; 3]; 4];
+pub(super) type Square = [[usize; 3]; 4];
 
 /// How many triangles the caps have.
 pub(super) fn count(bits: &Bits) -> u64 {
@@ -94,6 +94,34 @@ fn crossing(plan: &Plan, a: [usize; 3], b: [usize; 3]) -> u32 {
     plan.vertex(axis, if a[axis] < b[axis] { a } else { b })
 }
 
+/// The squares of capped borders that a cell has.
+pub(super) fn squares_of(cell: [usize; 3], size: [usize; 3], border: [[Border; 2]; 3]) -> Vec<Square> {
+    let mut squares = Vec::new();
+    for axis in 0..3 {
+        let ends = [cell[axis] == 0, cell[axis] + 2 == size[axis]];
+        for end in (0..2).filter(|end| ends[*end] && border[axis][*end] == Border::Capped) {
+            squares.push(square(axis, end, [cell[(axis + 1) % 3], cell[(axis + 2) % 3]], size));
+        }
+    }
+    squares
+}
+
+/// A square in the low or the high border of an axis, by its first corner along the next two axes.
+fn square(axis: usize, end: usize, [p, q]: [usize; 2], size: [usize; 3]) -> Square {
+    let corner = |a: usize, b: usize| {
+        let mut at = [0; 3];
+        at[axis] = if end == 0 { 0 } else { size[axis] - 1 };
+        at[(axis + 1) % 3] = p + a;
+        at[(axis + 2) % 3] = q + b;
+        at
+    };
+    let mut square = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+    if end == 0 {
+        square.reverse();
+    }
+    square
+}
+
 /// All squares of capped borders that hold an inside sample, in an order of their own.
 fn for_each_square(bits: &Bits, mut each: impl FnMut(Square)) {
     let size = bits.size;
@@ -105,17 +133,7 @@ fn for_each_square(bits: &Bits, mut each: impl FnMut(Square)) {
             }
             for q in 0..size[v] - 1 {
                 for p in 0..size[u] - 1 {
-                    let corner = |a: usize, b: usize| {
-                        let mut at = [0; 3];
-                        at[axis] = if end == 0 { 0 } else { size[axis] - 1 };
-                        at[u] = p + a;
-                        at[v] = q + b;
-                        at
-                    };
-                    let mut square = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
-                    if end == 0 {
-                        square.reverse();
-                    }
+                    let square = square(axis, end, [p, q], size);
                     if square.iter().any(|at| bits.is_inside(*at)) {
                         each(square);
                     }

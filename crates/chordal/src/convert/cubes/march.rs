@@ -182,13 +182,14 @@ impl Plan {
         parts
     }
 
-    /// The signs of all cells that the surface passes, with where they are, slab by slab on the job's threads.
+    /// The signs of all cells that the surface passes, with where they are, slab by slab, with its number, on the job's
+    /// threads.
     pub(crate) fn for_each_slab<R: Send>(
         &self,
         job: &Job,
-        work: impl Fn(&mut dyn FnMut(&mut dyn FnMut([usize; 3], u8))) -> R + Sync,
+        work: impl Fn(usize, &mut dyn FnMut(&mut dyn FnMut([usize; 3], u8))) -> R + Sync,
     ) -> Vec<R> {
-        par_map(job, &self.slabs, |_, slab| {
+        par_map(job, &self.slabs, |number, slab| {
             let mut walk = |each: &mut dyn FnMut([usize; 3], u8)| {
                 for k in slab.planes[0]..slab.planes[1].min(self.bits.size[2] - 1) {
                     for j in 0..self.bits.size[1] - 1 {
@@ -196,7 +197,7 @@ impl Plan {
                     }
                 }
             };
-            work(&mut walk)
+            work(number, &mut walk)
         })
     }
 }

@@ -1,5 +1,6 @@
 //! `Source`: where a polygonizer gets its samples from.
 use super::rule::Polygonize;
+use crate::implicit::SparseGrid;
 use crate::math::simd::{self, Kernel};
 
 /// Samples on a lattice, asked row by row for their sides and one by one for their values.
@@ -35,6 +36,30 @@ impl<T: Copy + Into<f64> + Sync> Source for Dense<'_, T> {
     #[inline(always)]
     fn at(&self, [i, j, k]: [usize; 3]) -> f64 {
         self.values[i + self.size[0] * (j + self.size[1] * k)].into()
+    }
+}
+
+/// Samples in bricks.
+pub(crate) struct Bricks<'a> {
+    pub grid: &'a SparseGrid,
+    pub rule: Polygonize,
+}
+
+impl Source for Bricks<'_> {
+    fn size(&self) -> [usize; 3] {
+        self.grid.size()
+    }
+
+    fn sides(&self, [j, k]: [usize; 2], words: &mut [u64]) {
+        words.fill(0);
+        for i in 0..self.grid.size()[0] {
+            words[i / 64] |= u64::from(self.rule.is_inside(self.grid.sample([i, j, k]))) << (i % 64);
+        }
+    }
+
+    #[inline(always)]
+    fn at(&self, index: [usize; 3]) -> f64 {
+        self.grid.sample(index)
     }
 }
 

@@ -19,12 +19,11 @@ pub(in crate::convert) fn lines(size: [usize; 2], inside: impl Fn([usize; 2]) ->
             // Counter-clockwise, with the edge after each corner.
             let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]].map(&inside);
             let edges = [(0, [i, j]), (1, [i + 1, j]), (0, [i, j + 1]), (1, [i, j])];
-            for out in (0..4).filter(|&c| corners[c] && !corners[(c + 1) % 4]) {
-                let run = (1..4).find(|back| !corners[(out + 4 - back) % 4]).unwrap_or(1);
-                let (from, to) = (number(edges[out]), number(edges[(out + 4 - run) % 4]));
+            ends(corners, |from, to| {
+                let (from, to) = (number(edges[from]), number(edges[to]));
                 next[from] = to;
                 has_before[to] = true;
-            }
+            });
         }
     }
     let mut found = Vec::new();
@@ -46,4 +45,12 @@ pub(in crate::convert) fn lines(size: [usize; 2], inside: impl Fn([usize; 2]) ->
         }
     }
     found
+}
+
+/// The segments of a square with these corners inside, counter-clockwise, from side to side: side c follows corner c.
+pub(in crate::convert) fn ends(corners: [bool; 4], mut each: impl FnMut(usize, usize)) {
+    for out in (0..4).filter(|&c| corners[c] && !corners[(c + 1) % 4]) {
+        let run = (1..4).find(|back| !corners[(out + 4 - back) % 4]).unwrap_or(1);
+        each(out, (out + 4 - run) % 4);
+    }
 }

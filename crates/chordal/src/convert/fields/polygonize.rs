@@ -2,9 +2,10 @@
 use super::bricks::{Group, crossed};
 use super::lattice::{BRICK, Lattice, POINTS};
 use crate::budget::{Job, par_map};
-use crate::convert::cubes::table::{EDGES, TABLE};
+use crate::convert::cubes::table::{EDGES, RINGS, TABLE};
 use crate::explicit::Mesh;
-use crate::implicit::{LeafError, Tape};
+use crate::implicit::{LeafError, Slope, Tape};
+use crate::math::{dot, length};
 
 /// Points of a brick.
 const SIGNS: usize = POINTS * POINTS * POINTS;
@@ -21,7 +22,30 @@ struct Brick {
     /// The number of its first vertex.
     first: u32,
     vertices: Vec<[f64; 3]>,
+    /// Unit normals at them; 0 where there is no gradient.
+    normals: Vec<[f64; 3]>,
 }
+
+/// The triangles of a lattice, and where they seem to bevel a crease.
+pub(super) struct Polygonized {
+    pub mesh: Mesh,
+    /// Unit normals at the vertices; 0 where there is no gradient.
+    pub normals: Vec<[f64; 3]>,
+    pub bevels: Vec<Bevel>,
+}
+
+/// A loop of a cell whose vertices look in different ways.
+pub(super) struct Bevel {
+    /// The low corner of the cell.
+    pub cell: [f64; 3],
+    /// The first of its triangles, of which there are two less than corners.
+    pub first: u32,
+    /// Its vertices, counter-clockwise.
+    pub ring: Vec<u32>,
+}
+
+/// A loop is looked at where two of its normals turn more than this, about 25°; exactly a cosine of 0.9.
+pub(super) const TURN: f64 = 0.9;
 
 /// Why there is no mesh.
 pub(super) enum Halt {
@@ -42,7 +66,7 @@ impl From<LeafError> for Halt {
 ///
 /// Bricks that ranges show to be of one sign are left out; their points have the same signs as those of their neighbours
 /// on common faces, because the value that is computed for a point lies in the range of any box around it.
-pub(super) fn polygonize(tape: &Tape, lattice: &Lattice, job: &Job) -> Result<Mesh, Halt> {
+pub(super) fn polygonize(tape: &Tape, lattice: &Lattice, job: &Job) -> Result<Polygonized, Halt> {
     let groups = crossed(tape, lattice, job)?.ok_or(Halt::Cancelled)?;
     let made =
         par_map(
@@ -69,17 +93,26 @@ pub(super) fn polygonize(tape: &Tape, lattice: &Lattice, job: &Job) -> Result<Me
     }
     let runs: Vec<std::ops::Range<usize>> =
         (0..bricks.len()).step_by(16).map(|start| start..(start + 16).min(bricks.len())).collect();
-    let faces = par_map(job, &runs, |_, run| {
-        let mut faces = Vec::new();
-        run.clone().try_for_each(|k| triangles(&bricks, k, &mut faces))?;
-        Some(faces)
+    let parts = par_map(job, &runs, |_, run| {
+        let mut part = Part { bricks: &bricks, lattice, faces: Vec::new(), bevels: Vec::new() };
+        run.clone().try_for_each(|k| part.triangles(k))?;
+        Some((part.faces, part.bevels))
     });
-    let faces: Option<Vec<Vec<[u32; 3]>>> = faces.into_iter().collect();
-    let faces = faces.ok_or_else(contradiction)?.concat();
-    let mut positions = Vec::with_capacity(n_vertices);
-    bricks.iter().for_each(|brick| positions.extend_from_slice(&brick.vertices));
-    Ok(Mesh::new(positions, faces)
-        .expect("vertices lie between finite points, and every crossed edge has one"))
+    let (mut faces, mut bevels) = (Vec::new(), Vec::new());
+    for part in parts {
+        let (more, mut rings) = part.ok_or_else(contradiction)?;
+        rings.iter_mut().for_each(|ring| ring.first += faces.len() as u32);
+        faces.extend(more);
+        bevels.extend(rings);
+    }
+    let (mut positions, mut normals) = (Vec::with_capacity(n_vertices), Vec::with_capacity(n_vertices));
+    for brick in &bricks {
+        positions.extend_from_slice(&brick.vertices);
+        normals.extend_from_slice(&brick.normals);
+    }
+    let mesh = Mesh::new(positions, faces)
+        .expect("vertices lie between finite points, and every crossed edge has one");
+    Ok(Polygonized { mesh, normals, bevels })
 }
 
 /// What is wrong when two bricks disagree about a face that they share: only what a leaf says can make them.
@@ -137,9 +170,12 @@ fn sampled(group: &Group, lattice: &Lattice) -> Result<Vec<Brick>, LeafError> {
         edges.extend(found);
     }
     let crossings = cross(&group.tape, edges, lattice.step)?;
-    let mut rest = crossings.into_iter();
+    let mut slopes = vec![Slope { value: 0.0, gradient: [0.0; 3] }; crossings.len()];
+    group.tape.gradient_at(&crossings, &mut slopes)?;
+    let mut rest = crossings.into_iter().zip(slopes);
     for (brick, n) in &mut bricks {
-        brick.vertices = rest.by_ref().take(*n).collect();
+        (brick.vertices, brick.normals) =
+            rest.by_ref().take(*n).map(|(p, slope)| (p, normal(slope.gradient))).unzip();
     }
     Ok(bricks.into_iter().map(|(brick, _)| brick).collect())
 }
@@ -169,6 +205,7 @@ fn signs(place: [u32; 3], points: &[[f64; 3]], values: &[f64]) -> (Brick, Vec<Ed
         crossings: [[0; CELLS / 64]; 3],
         first: 0,
         vertices: Vec::new(),
+        normals: Vec::new(),
     };
     for (k, value) in values.iter().enumerate() {
         brick.inside[k / 64] |= u64::from(*value < 0.0) << (k % 64);
@@ -272,39 +309,83 @@ fn narrow(edge: &mut Edge, stayed: &mut u8, point: [f64; 3], value: f64) {
     }
 }
 
-/// The triangles of the cells of one brick; `None` where a neighbour knows nothing of a crossing.
-fn triangles(bricks: &[Brick], number: usize, faces: &mut Vec<[u32; 3]>) -> Option<()> {
-    let brick = &bricks[number];
-    let neighbours: [Option<&Brick>; 8] = std::array::from_fn(|n| {
-        let offset = [n & 1, n >> 1 & 1, n >> 2];
-        if n == 0 {
-            return Some(brick);
-        }
-        let place: [u32; 3] = std::array::from_fn(|k| brick.place[k] + offset[k] as u32);
-        bricks.binary_search_by_key(&order(place), |b| order(b.place)).ok().map(|k| &bricks[k])
-    });
-    for n in 0..CELLS {
-        let corner = [n % BRICK, n / BRICK % BRICK, n / (BRICK * BRICK)];
-        let mut signs = 0_u8;
-        for c in 0..8 {
-            let p = point([corner[0] + (c & 1), corner[1] + (c >> 1 & 1), corner[2] + (c >> 2)]);
-            signs |= ((brick.inside[p / 64] >> (p % 64) & 1) as u8) << c;
-        }
-        if signs == 0 || signs == u8::MAX {
-            continue;
-        }
-        let case = &TABLE.upright[usize::from(signs)];
-        for triangle in &case.corners[..usize::from(case.triangles)] {
-            let [a, b, c] = triangle.map(|edge| vertex(&neighbours, corner, usize::from(edge)));
-            faces.push([a?, b?, c?]);
-        }
-    }
-    Some(())
+/// The unit normal of a gradient, or 0.
+fn normal(gradient: [f64; 3]) -> [f64; 3] {
+    let unit = gradient.map(|g| g / length(gradient));
+    if unit.iter().all(|x| x.is_finite()) { unit } else { [0.0; 3] }
 }
 
-/// The number of the vertex on an edge of a cell. A brick with a change of sign on its face is there, with the crossing,
+/// The triangles of some bricks.
+struct Part<'a> {
+    bricks: &'a [Brick],
+    lattice: &'a Lattice,
+    faces: Vec<[u32; 3]>,
+    bevels: Vec<Bevel>,
+}
+
+impl Part<'_> {
+    /// The triangles of the cells of one brick; `None` where a neighbour knows nothing of a crossing.
+    fn triangles(&mut self, number: usize) -> Option<()> {
+        let bricks = self.bricks;
+        let brick = &bricks[number];
+        let neighbours: [Option<&Brick>; 8] = std::array::from_fn(|n| {
+            let offset = [n & 1, n >> 1 & 1, n >> 2];
+            if n == 0 {
+                return Some(brick);
+            }
+            let place: [u32; 3] = std::array::from_fn(|k| brick.place[k] + offset[k] as u32);
+            bricks.binary_search_by_key(&order(place), |b| order(b.place)).ok().map(|k| &bricks[k])
+        });
+        for n in 0..CELLS {
+            let corner = [n % BRICK, n / BRICK % BRICK, n / (BRICK * BRICK)];
+            let mut signs = 0_u8;
+            for c in 0..8 {
+                let p = point([corner[0] + (c & 1), corner[1] + (c >> 1 & 1), corner[2] + (c >> 2)]);
+                signs |= ((brick.inside[p / 64] >> (p % 64) & 1) as u8) << c;
+            }
+            if signs == 0 || signs == u8::MAX {
+                continue;
+            }
+            let first = self.faces.len() as u32;
+            let case = &TABLE.upright[usize::from(signs)];
+            let at = |edge: u8| vertex(&neighbours, corner, usize::from(edge));
+            for triangle in &case.corners[..usize::from(case.triangles)] {
+                let [a, b, c] = triangle.map(at);
+                self.faces.push([a?.0, b?.0, c?.0]);
+            }
+            let cell =
+                [0, 1, 2].map(|k| self.lattice.at(k, brick.place[k] * BRICK as u32 + corner[k] as u32));
+            self.bevels(RINGS[usize::from(signs)].as_slice(), &at, (cell, first));
+        }
+        Some(())
+    }
+
+    /// Loops of a cell whose normals turn.
+    fn bevels(
+        &mut self,
+        rings: &[Vec<u8>],
+        at: &dyn Fn(u8) -> Option<(u32, [f64; 3])>,
+        (cell, mut first): ([f64; 3], u32),
+    ) {
+        for ring in rings {
+            // A cell has twelve edges.
+            let mut normals = [[0.0; 3]; 12];
+            for (normal, edge) in normals.iter_mut().zip(ring) {
+                *normal = at(*edge).map_or([0.0; 3], |(_, normal)| normal);
+            }
+            let normals = &normals[..ring.len()];
+            if normals.iter().enumerate().any(|(k, a)| normals[..k].iter().any(|b| dot(*a, *b) < TURN)) {
+                let ring = ring.iter().filter_map(|edge| at(*edge)).map(|(v, _)| v).collect();
+                self.bevels.push(Bevel { cell, first, ring });
+            }
+            first += ring.len() as u32 - 2;
+        }
+    }
+}
+
+/// The number and the normal of the vertex on an edge of a cell. A brick with a change of sign on its face is there, with the crossing,
 /// unless a leaf contradicts itself.
-fn vertex(neighbours: &[Option<&Brick>; 8], corner: [usize; 3], edge: usize) -> Option<u32> {
+fn vertex(neighbours: &[Option<&Brick>; 8], corner: [usize; 3], edge: usize) -> Option<(u32, [f64; 3])> {
     let low = usize::from(EDGES[edge][0]);
     let axis = edge / 4;
     let start: [usize; 3] = std::array::from_fn(|k| corner[k] + (low >> k & 1));
@@ -318,5 +399,6 @@ fn vertex(neighbours: &[Option<&Brick>; 8], corner: [usize; 3], edge: usize) -> 
     }
     let rank: u32 = crossings[..n / 64].iter().map(|word| word.count_ones()).sum::<u32>()
         + (crossings[n / 64] & ((1 << (n % 64)) - 1)).count_ones();
-    Some(brick.first + (0..axis).map(before).sum::<u32>() + rank)
+    let rank = (0..axis).map(before).sum::<u32>() + rank;
+    Some((brick.first + rank, brick.normals[rank as usize]))
 }

@@ -1,11 +1,14 @@
 //! The size of cells that a budget needs: tried on coarse meshes, predicted from their errors, decided by the proof.
+use super::ask::Ask;
 use super::lattice::Lattice;
 use super::polygonize::{Halt, polygonize};
+use super::refine::refine;
+use super::sharpen::sharpen;
 use crate::budget::{Bound, Bounded, Code, Failure, Job, Progress, Tolerance};
 use crate::check::{FieldDeviation, Goal, field_deviation};
 use crate::explicit::Mesh;
 use crate::implicit::{Field, Slope, Tape};
-use crate::math::Box3;
+use crate::math::{Box3, length};
 
 /// What a mesh of a field is to be.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +29,14 @@ const COARSEST: f64 = 6.0;
 const MOST_EMPTY: f64 = 640.0;
 /// The share of the budget that is aimed at: predictions are off by some.
 const AIM: f64 = 0.8;
+/// A trial whose error is below this share of what is aimed at is finer than need be.
+const FINE: f64 = 0.6;
+/// The share of triangles that cells are to be small enough for; the others are divided.
+const TYPICAL: f64 = 0.7;
+/// Where a proof fails the step becomes this share of itself,
+const FINER: f64 = 0.6;
+/// and what is aimed at this.
+const LESS: f64 = 0.9;
 /// Meshes tried and proved at most.
 const TRIALS: usize = 8;
 
@@ -54,7 +65,7 @@ struct Search<'a> {
     job: &'a Job,
 }
 
-/// A mesh with the size of its cells, and how far its triangles seem to be.
+/// A mesh with the size of its cells, and how far most of its triangles seem to be.
 struct Trial {
     mesh: Mesh,
     step: f64,
@@ -111,7 +122,9 @@ impl Search<'_> {
                 ),
             ));
         };
-        let mesh = polygonize(&self.tape, &lattice, self.job).map_err(|halt| match halt {
+        let made = polygonize(&self.tape, &lattice, self.job)
+            .and_then(|made| Ok(sharpen(&self.tape, made, lattice.step, self.job)?));
+        let mesh = made.map_err(|halt| match halt {
             Halt::Cancelled => Failure::Cancelled,
             Halt::Leaf(error) => Failure::refused(Code::LeafFailed, error.message),
             Halt::TooMany => {
@@ -122,14 +135,16 @@ impl Search<'_> {
         Ok(Trial { mesh, step, error })
     }
 
-    /// How far the middles of triangles and of their edges seem to be from the surface, at most: |F| / |∇F|.
+    /// How far most triangles seem to be from the surface: |F| / |∇F| at the middles of them and of their edges, at the
+    /// share [`TYPICAL`] of all.
     fn error(&self, mesh: &Mesh) -> Result<f64, Failure<Mesh>> {
         // A sample of some thousand triangles tells as much as all.
         let stride = (mesh.faces().len() / 20_000).max(1);
-        let points: Vec<[f64; 3]> = (0..mesh.faces().len())
-            .step_by(stride)
+        let faces: Vec<usize> = (0..mesh.faces().len()).step_by(stride).collect();
+        let points: Vec<[f64; 3]> = faces
+            .iter()
             .flat_map(|face| {
-                let [a, b, c] = mesh.corners(face);
+                let [a, b, c] = mesh.corners(*face);
                 [
                     std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0),
                     std::array::from_fn(|k| 0.5 * a[k] + 0.5 * b[k]),
@@ -138,35 +153,74 @@ impl Search<'_> {
                 ]
             })
             .collect();
-        let mut slopes = vec![Slope { value: 0.0, gradient: [0.0; 3] }; points.len()];
-        self.tape
-            .gradient_at(&points, &mut slopes)
+        let slopes = Ask { tape: &self.tape, job: self.job }
+            .slopes(&points)
             .map_err(|error| Failure::refused(Code::LeafFailed, error.message))?;
-        Ok(slopes.iter().fold(0.0, |most, slope| {
-            let [x, y, z] = slope.gradient;
-            let far = slope.value.abs() / (x * x + y * y + z * z).sqrt();
-            if far.is_finite() && far > most { far } else { most }
-        }))
+        let far = |slope: &Slope<f64>| {
+            let far = slope.value.abs() / length(slope.gradient);
+            if far.is_finite() { far } else { 0.0 }
+        };
+        let mut errors: Vec<f64> = slopes
+            .chunks_exact(4)
+            .map(|of| of.iter().map(far).fold(0.0, |a, b| if b > a { b } else { a }))
+            .collect();
+        errors.sort_by(f64::total_cmp);
+        Ok(errors.get((TYPICAL * errors.len() as f64) as usize).copied().unwrap_or(0.0))
     }
 
     fn by_length(&self, first: Trial, length: Tolerance, most: Option<u64>) -> Outcome {
-        let aim = AIM * length.get();
+        let mut aim = AIM * length.get();
+        let mut base = self.base(first, aim)?;
+        let goal = Goal { max: Some(length), ..Goal::default() };
+        let mut best: Option<Bounded<Mesh>> = None;
+        let mut unresolved = 0;
+        for round in 0..TRIALS {
+            self.job.report(Progress { stage: "prove", done: round as u64, total: TRIALS as u64 });
+            let mesh = self.refined(&mut base, aim)?;
+            let found = self.proved(&mesh, &goal)?;
+            let bound = found.bound.clone();
+            let within = bound.at_most().is_some_and(|far| far <= length.get());
+            let settled = within || self.is_measured(&found);
+            let made = Bounded { shape: mesh, bound };
+            if settled {
+                return self.counted(made, most);
+            }
+            best = Some(made);
+            // Places that no proof settles are not settled by smaller cells either.
+            unresolved += usize::from(found.unresolved > 0);
+            if unresolved == HOPELESS {
+                break;
+            }
+            // Something fell between the points of the lattice, or was bent too much to divide.
+            let step = FINER * base.step;
+            if self.affordable(&base, step).is_err() {
+                break;
+            }
+            base = self.trial(step)?;
+            aim *= LESS;
+        }
+        match best {
+            Some(best) => Err(Failure::Unmet(Box::new(best))),
+            None => Err(Failure::refused(Code::Budget, "no mesh was made")),
+        }
+    }
+
+    /// A mesh most of whose triangles are within the aim, without many more than that takes.
+    fn base(&self, first: Trial, aim: f64) -> Result<Trial, Failure<Mesh>> {
+        let coarsest = self.longest() / COARSEST;
         let mut trial = first;
-        // What the error falls like: a power of the step between 1 (edges) and 2 (smooth).
-        let mut power = 2.0;
-        // Much finer than asked for: coarser, as long as there is a surface.
-        while trial.error < 0.5 * aim && trial.step < self.longest() / COARSEST {
-            let most = self.longest() / COARSEST;
-            let step = trial.step * if trial.error > 0.0 { (aim / trial.error).sqrt() } else { 4.0 };
-            let step = if step > 4.0 * trial.step { 4.0 * trial.step } else { step };
-            let next = self.trial(if step > most { most } else { step })?;
-            if next.mesh.faces().is_empty() {
+        // Much finer than asked for: coarser, as long as the surface keeps its holes and parts.
+        while trial.error < FINE * aim && trial.step < coarsest {
+            let factor = if trial.error > 0.0 { (aim / trial.error).sqrt() } else { 2.0 };
+            let step = trial.step * if factor > 2.0 { 2.0 } else { factor };
+            let next = self.trial(if step > coarsest { coarsest } else { step })?;
+            if next.mesh.faces().is_empty() || euler(&next.mesh) != euler(&trial.mesh) {
                 break;
             }
             trial = next;
         }
         // Where the field jumps the error stays whatever the step; the proof has the last word on that.
-        let mut stuck = 0;
+        let (mut stuck, mut power) = (0, 2.0);
         while trial.error > aim && stuck < STUCK {
             let factor = shrink(aim / trial.error, power);
             let step = trial.step * if factor > SLOWEST { SLOWEST } else { factor };
@@ -176,36 +230,23 @@ impl Search<'_> {
             power = fitted(&trial, &next);
             trial = next;
         }
-        let goal = Goal { max: Some(length), ..Goal::default() };
-        let mut best: Option<Bounded<Mesh>> = None;
-        let mut unresolved = 0;
-        for round in 0..TRIALS {
-            self.job.report(Progress { stage: "prove", done: round as u64, total: TRIALS as u64 });
-            let found = self.proved(&trial.mesh, &goal)?;
-            let within = found.bound.at_most().is_some_and(|far| far <= length.get());
-            let known = found.bound.clone();
-            if within || self.is_measured(&found) {
-                return self.counted(Bounded { shape: trial.mesh, bound: known }, most);
+        Ok(trial)
+    }
+
+    /// The base with its worse triangles divided; on smaller cells where that does not help.
+    fn refined(&self, base: &mut Trial, aim: f64) -> Result<Mesh, Failure<Mesh>> {
+        loop {
+            let found = refine(&self.tape, &base.mesh, aim, self.job)
+                .map_err(|error| Failure::refused(Code::LeafFailed, error.message))?;
+            if self.job.is_cancelled() {
+                return Err(Failure::Cancelled);
             }
-            // Places that no proof settles are not settled by smaller cells either.
-            unresolved += usize::from(found.unresolved > 0);
-            let seen = if found.bound.at_least() > 0.0 { found.bound.at_least() } else { trial.error };
-            let least = if seen > trial.error { seen } else { trial.error };
-            // Where a prediction said it would fit and the proof did not agree, by a fifth.
-            let ratio = aim / least;
-            let factor = if ratio < 0.8 { shrink(ratio, power) } else { 0.8 };
-            let step = trial.step * if factor < 0.3 { 0.3 } else { factor };
-            let shape = std::mem::replace(&mut trial.mesh, empty());
-            best = Some(Bounded { shape, bound: known });
-            if unresolved == HOPELESS || self.affordable(&trial, step).is_err() {
-                break;
+            if let Some(mesh) = found {
+                return Ok(mesh);
             }
-            trial = self.trial(step)?;
-            power = 1.0;
-        }
-        match best {
-            Some(best) => Err(Failure::Unmet(Box::new(best))),
-            None => Err(Failure::refused(Code::Budget, "no mesh was made")),
+            let step = FINER * base.step;
+            self.affordable(base, step)?;
+            *base = self.trial(step)?;
         }
     }
 
@@ -288,6 +329,11 @@ impl Search<'_> {
     }
 }
 
+/// Vertices less edges plus triangles of a closed mesh: its parts and holes.
+fn euler(mesh: &Mesh) -> i64 {
+    mesh.positions().len() as i64 - mesh.faces().len() as i64 / 2
+}
+
 /// By how much the step shrinks so that an error that falls with its `power` shrinks by `ratio`.
 fn shrink(ratio: f64, power: f64) -> f64 {
     let factor = libm::pow(ratio, 1.0 / power);
@@ -305,8 +351,4 @@ fn fitted(coarse: &Trial, fine: &Trial) -> f64 {
     } else {
         1.0
     }
-}
-
-fn empty() -> Mesh {
-    Mesh::new(Vec::new(), Vec::new()).expect("nothing is finite")
 }

@@ -1,0 +1,272 @@
+//! How far closed polylines are from the curve of a field, proved both ways by ranges.
+//!
+//! Let S be the boundary of {F < 0} in the plane. **From S:** a box over which the range of F is of one sign holds no point of S
+//! that a box beside it does not hold too. The points of any other box are within the distance of its middle to some segment and half of
+//! its diagonal; boxes are quartered until that is small enough. **From the lines:** a piece of a segment is within half of its length
+//! of its middle q. Between two points of which one is surely inside and one surely outside, by the range of F at each, there is a
+//! point of S, no farther from q than the farther of the two. No property of F is used, not even that it is continuous.
+use super::trace::{Block, Traced};
+use crate::budget::{Job, par_map};
+use crate::implicit::LeafError;
+use crate::math::{Box3, Interval, add_up, length, sub_down};
+
+/// What is known of the distance, and where it is largest.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Far {
+    pub most: f64,
+    pub at: [f64; 2],
+    /// From below.
+    pub least: f64,
+}
+
+/// Boxes are quartered to this share of what is aimed at.
+const FINEST: f64 = 1.0 / 16.0;
+/// Squares around the one that a point is in, in which segments are looked for.
+const RINGS: i64 = 2;
+
+type Segment = [[f64; 2]; 2];
+
+struct Prover<'a> {
+    traced: &'a Traced,
+    /// Segments by the square that they are in, row by row.
+    segments: Vec<([i64; 2], Segment)>,
+    aim: f64,
+    /// What is said where nothing is known.
+    all: f64,
+    /// How far rounding moves a point, at most.
+    rounding: f64,
+}
+
+/// The distance between the lines and the curve; more than `aim` where that is not shown.
+pub(super) fn prove(traced: &Traced, bounds: &Box3, aim: f64, job: &Job) -> Result<Far, LeafError> {
+    let mut segments: Vec<([i64; 2], Segment)> = traced
+        .blocks
+        .iter()
+        .flat_map(|block| &block.segments)
+        .map(|ends| {
+            let segment = ends.map(|row| traced.points[row as usize]);
+            let middle = [0, 1].map(|k| 0.5 * (segment[0][k] + segment[1][k]));
+            (traced.lattice.square(middle), segment)
+        })
+        .collect();
+    segments.sort_unstable_by(|a, b| {
+        [a.0[1], a.0[0]].cmp(&[b.0[1], b.0[0]]).then(a.1[0][0].total_cmp(&b.1[0][0]))
+    });
+    let reach =
+        bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+    // A dozen roundings of coordinates up to twice the largest.
+    let rounding = 32.0 * f64::EPSILON * reach;
+    let all = 2.0 * bounds.diagonal() + 8.0 * traced.lattice.step;
+    let prover = Prover { traced, segments, aim, all, rounding };
+    let found = par_map(job, &traced.blocks, |_, block| {
+        if job.is_cancelled() { Ok(Far { most: 0.0, at: [0.0; 2], least: 0.0 }) } else { prover.block(block) }
+    });
+    let mut far = Far { most: 0.0, at: traced.points[0], least: 0.0 };
+    for one in found {
+        let one = one?;
+        if one.most > far.most {
+            (far.most, far.at) = (one.most, one.at);
+        }
+        far.least = if one.least > far.least { one.least } else { far.least };
+    }
+    Ok(far)
+}
+
+impl Prover<'_> {
+    fn block(&self, block: &Block) -> Result<Far, LeafError> {
+        let mut far = Far { most: 0.0, at: [0.0; 2], least: 0.0 };
+        self.curve_to_lines(block, &mut far)?;
+        self.lines_to_curve(block, &mut far)?;
+        Ok(far)
+    }
+
+    fn curve_to_lines(&self, block: &Block, far: &mut Far) -> Result<(), LeafError> {
+        let whole = self.traced.lattice.bounds(block.place, 1, 0.0);
+        let mut boxes = vec![[[whole.min[0], whole.min[1]], [whole.max[0], whole.max[1]]]];
+        let mut ranges = Vec::new();
+        while !boxes.is_empty() {
+            let places: Vec<Box3> = boxes
+                .iter()
+                .map(|[low, high]| Box3 { min: [low[0], low[1], 0.0], max: [high[0], high[1], 0.0] })
+                .collect();
+            ranges.clear();
+            ranges.resize(boxes.len(), Interval::UNKNOWN);
+            block.tape.over(&places, &mut ranges)?;
+            let mut next = Vec::new();
+            for ([low, high], range) in boxes.iter().zip(&ranges) {
+                if range.is_defined() && (range.lo() >= 0.0 || range.hi() < 0.0) {
+                    continue;
+                }
+                let middle = [0, 1].map(|k| 0.5 * (low[k] + high[k]));
+                let half = add_up(length([middle[0] - low[0], middle[1] - low[1]]), self.rounding);
+                let most = add_up(self.nearest(middle), half);
+                if most <= self.aim || half <= FINEST * self.aim {
+                    let most = if most < self.all { most } else { self.all };
+                    if most > far.most {
+                        (far.most, far.at) = (most, middle);
+                    }
+                    continue;
+                }
+                let [x, y] = middle;
+                next.extend([
+                    [*low, middle],
+                    [[x, low[1]], [high[0], y]],
+                    [[low[0], y], [x, high[1]]],
+                    [middle, *high],
+                ]);
+            }
+            boxes = next;
+        }
+        Ok(())
+    }
+
+    /// The distance of a point to the nearest segment around, rounded up; infinite where there is none.
+    fn nearest(&self, p: [f64; 2]) -> f64 {
+        let [i, j] = self.traced.lattice.square(p);
+        let key = |entry: &([i64; 2], Segment)| [entry.0[1], entry.0[0]];
+        let mut best = f64::INFINITY;
+        for row in j - RINGS..=j + RINGS {
+            let start = self.segments.partition_point(|entry| key(entry) < [row, i - RINGS]);
+            for (_, [a, b]) in
+                self.segments[start..].iter().take_while(|entry| key(entry) <= [row, i + RINGS])
+            {
+                let (d, q) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
+                let t = (q[0] * d[0] + q[1] * d[1]) / (d[0] * d[0] + d[1] * d[1]);
+                let t = if t > 0.0 { if t < 1.0 { t } else { 1.0 } } else { 0.0 };
+                let far = length([q[0] - t * d[0], q[1] - t * d[1]]);
+                best = if far < best { far } else { best };
+            }
+        }
+        add_up(best, self.rounding)
+    }
+
+    fn lines_to_curve(&self, block: &Block, far: &mut Far) -> Result<(), LeafError> {
+        // The middle of each piece, across it, and half of its length.
+        let mut pieces: Vec<([f64; 2], [f64; 2], f64)> = Vec::new();
+        for [a, b] in block.segments.iter().map(|ends| ends.map(|row| self.traced.points[row as usize])) {
+            let d = [b[0] - a[0], b[1] - a[1]];
+            let long = length(d);
+            let n = (2.0 * long / self.aim).ceil();
+            let n = if (1.0..4096.0).contains(&n) { n } else { 1.0 };
+            let across = [-d[1] / long, d[0] / long];
+            for k in 0..n as usize {
+                let t = (k as f64 + 0.5) / n;
+                pieces.push((
+                    [a[0] + t * d[0], a[1] + t * d[1]],
+                    across,
+                    add_up(0.5 * long / n, self.rounding),
+                ));
+            }
+        }
+        let mut sure = vec![[f64::INFINITY; 2]; pieces.len()];
+        let mut ranges = vec![Interval::UNKNOWN; pieces.len()];
+        // Inside is on the left. Steps are parts of what is aimed at; the last ones, parts of the piece itself, for what is so small or thin that
+        // the others pass over it.
+        let of_aim = [(0.125, 0), (0.5, 0), (0.96875, 0), (0.5, 1), (0.96875, 1), (0.5, 2), (0.96875, 2)];
+        let of_piece = [(1.0, 0), (0.25, 0), (0.0625, 0), (0.015_625, 0)];
+        let steps = of_aim.map(|step| (step, false)).into_iter().chain(of_piece.map(|step| (step, true)));
+        for ((part, turn), is_of_piece) in steps {
+            if sure.iter().all(|s| s[0] < f64::INFINITY && s[1] < f64::INFINITY) {
+                break;
+            }
+            for side in 0..2 {
+                let points: Vec<Box3> = pieces
+                    .iter()
+                    .map(|(q, across, half)| {
+                        let whole = if is_of_piece { *half } else { sub_down(self.aim, *half) };
+                        let reach = part * whole * if side == 0 { 1.0 } else { -1.0 };
+                        let [x, y] = *across;
+                        // Across, along, and between the two.
+                        let d = [[x, y], [y, -x], [0.7 * (x + y), 0.7 * (y - x)]][turn];
+                        let p = [q[0] + reach * d[0], q[1] + reach * d[1], 0.0];
+                        Box3 { min: p, max: p }
+                    })
+                    .collect();
+                block.tape.over(&points, &mut ranges)?;
+                for (((q, _, half), p), (sure, range)) in
+                    pieces.iter().zip(&points).zip(sure.iter_mut().zip(&ranges))
+                {
+                    let which = if range.is_empty() || !range.is_defined() {
+                        continue;
+                    } else if range.hi() < 0.0 {
+                        0
+                    } else if range.lo() >= 0.0 {
+                        1
+                    } else {
+                        continue;
+                    };
+                    let apart = length([p.min[0] - q[0], p.min[1] - q[1]]);
+                    let apart = add_up(add_up(apart, self.rounding), *half);
+                    sure[which] = if apart < sure[which] { apart } else { sure[which] };
+                }
+            }
+        }
+        for ((q, _, _), sure) in pieces.iter().zip(&sure) {
+            let most = if sure[0] > sure[1] { sure[0] } else { sure[1] };
+            let most = if most < self.all { most } else { self.all };
+            if most > far.most {
+                (far.most, far.at) = (most, *q);
+            }
+        }
+        self.seen(block, &pieces, far)
+    }
+
+    /// What is seen from below: boxes around middles of segments that are on one side.
+    fn seen(
+        &self,
+        block: &Block,
+        pieces: &[([f64; 2], [f64; 2], f64)],
+        far: &mut Far,
+    ) -> Result<(), LeafError> {
+        let mut ranges = vec![Interval::UNKNOWN; pieces.len()];
+        for part in [0.0625, 0.125, 0.25, 0.5] {
+            let reach = part * self.aim;
+            if reach <= far.least {
+                continue;
+            }
+            let boxes: Vec<Box3> = pieces
+                .iter()
+                .map(|(q, ..)| Box3 {
+                    min: [q[0] - reach, q[1] - reach, 0.0],
+                    max: [q[0] + reach, q[1] + reach, 0.0],
+                })
+                .collect();
+            block.tape.over(&boxes, &mut ranges)?;
+            let clear = |range: &Interval| {
+                range.is_defined() && !range.is_empty() && (range.lo() >= 0.0 || range.hi() < 0.0)
+            };
+            if !ranges.iter().any(clear) {
+                break;
+            }
+            far.least = sub_down(reach, self.rounding);
+        }
+        Ok(())
+    }
+}
+
+/// The number of segments.
+pub(super) fn count(traced: &Traced) -> u64 {
+    traced.lines.iter().map(|line| line.len() as u64).sum()
+}
+
+/// How far the middles of segments seem to be from the curve.
+pub(super) fn estimate(traced: &Traced, job: &Job) -> Result<f64, LeafError> {
+    use crate::implicit::Slope;
+    let found = par_map(job, &traced.blocks, |_, block| -> Result<f64, LeafError> {
+        let points: Vec<[f64; 3]> = block
+            .segments
+            .iter()
+            .map(|ends| {
+                let [a, b] = ends.map(|row| traced.points[row as usize]);
+                [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]), 0.0]
+            })
+            .collect();
+        let mut slopes = vec![Slope { value: 0.0, gradient: [0.0; 3] }; points.len()];
+        block.tape.gradient_at(&points, &mut slopes)?;
+        Ok(slopes.iter().fold(0.0, |most, slope| {
+            let far = slope.value.abs() / length([slope.gradient[0], slope.gradient[1]]);
+            if far.is_finite() && far > most { far } else { most }
+        }))
+    });
+    found.into_iter().try_fold(0.0, |most, one| one.map(|one| if one > most { one } else { most }))
+}

@@ -1,0 +1,199 @@
+//! The size of squares at which a curve is within what is wanted.
+use super::prove::{count, estimate, prove};
+use super::trace::{Lattice, Traced, trace};
+use crate::budget::{Bound, Bounded, Code, Evidence, Failure, Job, Progress, Reference};
+use crate::explicit::Polyline;
+use crate::implicit::{Field, Tape};
+use crate::math::Box3;
+
+/// What is wanted of polylines.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::convert) struct Wanted {
+    pub length: Option<f64>,
+    pub segments: Option<u64>,
+    /// Whether it is enough to measure where nothing can be proved.
+    pub measured: bool,
+}
+
+type Lines = Vec<Polyline<2>>;
+
+/// Squares along the longest side to begin with, and as many as are tried where none is crossed.
+const FIRST: f64 = 64.0;
+const MOST_EMPTY: f64 = 2048.0;
+/// Lattices that are tried at most.
+const TRIALS: usize = 16;
+/// The most segments: what is known of one takes some hundred bytes.
+const MOST: u64 = 1 << 24;
+
+/// Lines within what is wanted, or the best.
+pub(in crate::convert) fn search(
+    field: &Field,
+    wanted: &Wanted,
+    job: &Job,
+) -> Result<Bounded<Lines>, Failure<Lines>> {
+    let tape = Tape::of(field.sign());
+    let bounds = field.bounds();
+    let sides = [0, 1].map(|k| bounds.max[k] - bounds.min[k]);
+    let longest = if sides[0] > sides[1] { sides[0] } else { sides[1] };
+    let search = Search { tape, bounds, wanted, job };
+    let mut step = longest / FIRST;
+    let mut best: Option<Bounded<Lines>> = None;
+    // With a count alone lines are as fine as it allows, and what they are worth is found afterwards.
+    let Some(length) = wanted.length else { return search.by_count(step) };
+    for round in 0..TRIALS {
+        job.report(Progress { stage: "contours", done: round as u64, total: TRIALS as u64 });
+        let traced = match search.traced(step, length) {
+            // What was found is worth more than that there is nothing better.
+            Err(Failure::Refused(_)) if best.is_some() => break,
+            traced => traced?,
+        };
+        if traced.points.is_empty() {
+            step *= 0.5;
+            if longest / step > MOST_EMPTY {
+                return Err(search.nothing());
+            }
+            continue;
+        }
+        let seen = estimate(&traced, job).map_err(failed)?;
+        if seen > 0.9 * length {
+            let part = (0.7 * length / seen).sqrt();
+            step *= if part < 0.25 { 0.25 } else { part };
+            continue;
+        }
+        if !search.tape.evidence().bounds_above() {
+            let made = search.made(&traced, None, seen);
+            return if wanted.measured { search.counted(made) } else { Err(Failure::Unmet(Box::new(made))) };
+        }
+        let far = prove(&traced, &bounds, length, job).map_err(failed)?;
+        if job.is_cancelled() {
+            return Err(Failure::Cancelled);
+        }
+        let made = search.made(&traced, Some(far.most), far.least);
+        if far.most <= length {
+            return search.counted(with_place(made, far.at));
+        }
+        best = Some(with_place(made, far.at));
+        // Places that smaller squares do not settle either are not waited for.
+        if count(&traced) > MOST / 4 {
+            break;
+        }
+        step *= 0.6;
+    }
+    match best {
+        Some(best) => Err(Failure::Unmet(Box::new(best))),
+        None => Err(Failure::refused(
+            Code::Budget,
+            "the budget is too small for the squares that can be told apart",
+        )),
+    }
+}
+
+fn with_place(mut made: Bounded<Lines>, at: [f64; 2]) -> Bounded<Lines> {
+    made.bound.at = Some([at[0], at[1], 0.0]);
+    made
+}
+
+fn failed(error: crate::implicit::LeafError) -> Failure<Lines> {
+    Failure::refused(Code::LeafFailed, error.message)
+}
+
+struct Search<'a> {
+    tape: Tape,
+    bounds: Box3,
+    wanted: &'a Wanted,
+    job: &'a Job,
+}
+
+impl Search<'_> {
+    fn traced(&self, step: f64, pad: f64) -> Result<Traced, Failure<Lines>> {
+        let Some(lattice) = Lattice::over(&self.bounds, step) else {
+            let message =
+                format!("squares of {step:e} are too many in the region, or too small for its coordinates");
+            return Err(Failure::refused(Code::Budget, message));
+        };
+        let traced = trace(&self.tape, lattice, pad, self.job).map_err(failed)?.ok_or(Failure::Cancelled)?;
+        let n = count(&traced);
+        if n > MOST || 256 * n > self.job.memory_limit {
+            return Err(Failure::refused(
+                Code::TooMuchMemory,
+                format!("the curve has {n} segments, which is too many"),
+            ));
+        }
+        Ok(traced)
+    }
+
+    fn nothing(&self) -> Failure<Lines> {
+        let [low, high] = [self.bounds.min, self.bounds.max];
+        Failure::refused(
+            Code::Empty,
+            format!(
+                "there is no curve: the field is nowhere negative on {MOST_EMPTY} points along the longest side of the \
+                 region from {:?} to {:?}",
+                [low[0], low[1]],
+                [high[0], high[1]]
+            ),
+        )
+    }
+
+    fn made(&self, traced: &Traced, most: Option<f64>, least: f64) -> Bounded<Lines> {
+        let line = |line: &Vec<u32>| Polyline {
+            points: line.iter().map(|row| traced.points[*row as usize]).collect(),
+            places: Vec::new(),
+            closed: true,
+        };
+        let evidence = match most {
+            Some(_) => self.tape.evidence(),
+            None => Evidence::Measured { samples: count(traced) },
+        };
+        let least = if most.is_some_and(|most| least > most) { 0.0 } else { least };
+        let bound = Bound::with_evidence(least, most, evidence, Reference::Field);
+        Bounded { shape: traced.lines.iter().map(line).collect(), bound }
+    }
+
+    fn counted(&self, made: Bounded<Lines>) -> Result<Bounded<Lines>, Failure<Lines>> {
+        let n: u64 = made.shape.iter().map(|line| line.n_segments() as u64).sum();
+        let fits = self.wanted.segments.is_none_or(|most| n <= most);
+        if fits { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }
+    }
+
+    /// The finest lattice found whose segments are no more than wanted.
+    fn by_count(&self, first: f64) -> Result<Bounded<Lines>, Failure<Lines>> {
+        let most = self.wanted.segments.unwrap_or(0);
+        let mut step = first;
+        let mut fits: Option<f64> = None;
+        for _ in 0..TRIALS {
+            let n = count(&self.traced(step, step)?);
+            if n > most {
+                if fits.is_some() {
+                    break;
+                }
+                step *= 1.5;
+            } else {
+                if n > 0 {
+                    fits = Some(step);
+                }
+                step *= 0.7;
+            }
+        }
+        let Some(step) = fits else {
+            let message = format!("{most} segments are too few for any lattice that shows the curve");
+            return Err(Failure::refused(Code::Budget, message));
+        };
+        let mut aim = 0.25 * step;
+        loop {
+            let traced = self.traced(step, aim)?;
+            let seen = estimate(&traced, self.job).map_err(failed)?;
+            if !self.tape.evidence().bounds_above() {
+                return Ok(self.made(&traced, None, seen));
+            }
+            let far = prove(&traced, &self.bounds, aim, self.job).map_err(failed)?;
+            if self.job.is_cancelled() {
+                return Err(Failure::Cancelled);
+            }
+            if far.most <= aim || aim > 4.0 * step {
+                return self.counted(with_place(self.made(&traced, Some(far.most), far.least), far.at));
+            }
+            aim *= 2.0;
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! Marching squares on blocks of a lattice that a field's curve can run through.
+use crate::budget::{Job, par_map};
+use crate::convert::cubes::squares::ends;
+use crate::implicit::{LeafError, Tape};
+use crate::math::Box3;
+use std::sync::Arc;
+
+/// Squares along the side of a block.
+const BLOCK: u32 = 16;
+/// Points along it.
+const POINTS: usize = BLOCK as usize + 1;
+/// The most squares along a side of the lattice: places of edges stay numbers of 64 bits by far.
+const MOST: f64 = 65_536.0;
+/// Crossings keep this share of an edge, exactly 2⁻²⁰, away from its ends, so that no two are one.
+const MARGIN: f64 = 1.0 / 1_048_576.0;
+/// Halvings of an edge: its crossing is known to 2⁻³² of it.
+const HALVINGS: usize = 32;
+
+/// Squares of one size over a rectangle of the plane z = 0.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lattice {
+    origin: [f64; 2],
+    pub step: f64,
+    /// Blocks along each axis.
+    blocks: [u32; 2],
+}
+
+impl Lattice {
+    /// Squares of side `step` that cover a box with one more all around; `None` where they are too many, or coordinates cannot
+    /// tell them apart.
+    pub fn over(bounds: &Box3, step: f64) -> Option<Self> {
+        let reach =
+            bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+        // Exactly 2¹² steps of the largest coordinate.
+        if step < 4096.0 * f64::EPSILON * reach {
+            return None;
+        }
+        // Not in line with round numbers: planes there would meet edges at their very ends.
+        let aside = [1.618_034, 1.381_966];
+        let origin = [0, 1].map(|k| bounds.min[k] - step * aside[k]);
+        let mut blocks = [0; 2];
+        for k in 0..2 {
+            let squares = (bounds.max[k] - origin[k]) / step + 2.0;
+            // Not a number: no grid either.
+            let few = squares < MOST;
+            if !few {
+                return None;
+            }
+            blocks[k] = (squares / f64::from(BLOCK)).ceil() as u32;
+        }
+        Some(Self { origin, step, blocks })
+    }
+
+    fn at(&self, axis: usize, number: u32) -> f64 {
+        self.origin[axis] + self.step * f64::from(number)
+    }
+
+    /// The box of some blocks, widened on all sides.
+    pub fn bounds(&self, place: [u32; 2], size: u32, pad: f64) -> Box3 {
+        let end = |k: usize, n: u32| self.at(k, n * BLOCK);
+        Box3 {
+            min: [(end(0, place[0]) - pad).next_down(), (end(1, place[1]) - pad).next_down(), 0.0],
+            max: [(end(0, place[0] + size) + pad).next_up(), (end(1, place[1] + size) + pad).next_up(), 0.0],
+        }
+    }
+
+    /// The square that a point is in.
+    pub fn square(&self, p: [f64; 2]) -> [i64; 2] {
+        [0, 1].map(|k| ((p[k] - self.origin[k]) / self.step).floor() as i64)
+    }
+
+    /// The number of the edge along an axis from a point of the lattice.
+    fn edge(&self, (axis, [i, j]): (usize, [u32; 2])) -> u64 {
+        2 * (u64::from(i) + (u64::from(self.blocks[0] * BLOCK) + 1) * u64::from(j)) + axis as u64
+    }
+}
+
+/// A block that the curve may pass.
+pub(super) struct Block {
+    pub place: [u32; 2],
+    /// The field about the block.
+    pub tape: Arc<Tape>,
+    /// The edges that it owns and the curve crosses, with where.
+    crossings: Vec<(u64, [f64; 2])>,
+    /// From edge to edge, with inside on the left.
+    links: Vec<(u64, u64)>,
+    /// The same as rows of crossings.
+    pub segments: Vec<[u32; 2]>,
+}
+
+/// The curves of a field on a lattice.
+pub(super) struct Traced {
+    pub lattice: Lattice,
+    pub blocks: Vec<Block>,
+    pub points: Vec<[f64; 2]>,
+    /// Closed lines, as rows of points.
+    pub lines: Vec<Vec<u32>>,
+}
+
+/// Traces the curves of a field. Ranges are taken over blocks widened by `pad`, in which tapes are then good.
+pub(super) fn trace(tape: &Tape, lattice: Lattice, pad: f64, job: &Job) -> Result<Option<Traced>, LeafError> {
+    let longest = lattice.blocks.iter().fold(1, |m, n| if *n > m { *n } else { m });
+    let mut size = longest.next_power_of_two();
+    let mut blocks = vec![([0; 2], Arc::new(tape.clone()))];
+    while size > 1 && !blocks.is_empty() {
+        size /= 2;
+        let parts = par_map(job, &blocks, |_, (place, tape)| {
+            if job.is_cancelled() { Ok(Vec::new()) } else { split((*place, tape), &lattice, size, pad) }
+        });
+        blocks = parts.into_iter().collect::<Result<Vec<_>, _>>()?.concat();
+    }
+    let made = par_map(job, &blocks, |_, (place, tape)| {
+        if job.is_cancelled() { Ok(None) } else { sampled((*place, tape), &lattice).map(Some) }
+    });
+    if job.is_cancelled() {
+        return Ok(None);
+    }
+    let mut blocks: Vec<Block> =
+        made.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
+    let mut crossings: Vec<(u64, [f64; 2])> =
+        blocks.iter_mut().flat_map(|block| std::mem::take(&mut block.crossings)).collect();
+    crossings.sort_unstable_by_key(|crossing| crossing.0);
+    let row = |edge: u64| crossings.binary_search_by_key(&edge, |crossing| crossing.0).ok();
+    let mut next = vec![u32::MAX; crossings.len()];
+    for block in &mut blocks {
+        for (from, to) in std::mem::take(&mut block.links) {
+            let (Some(from), Some(to)) = (row(from), row(to)) else { return Err(contradiction()) };
+            next[from] = to as u32;
+            block.segments.push([from as u32, to as u32]);
+        }
+    }
+    if next.contains(&u32::MAX) {
+        return Err(contradiction());
+    }
+    let mut seen = vec![false; next.len()];
+    let mut lines = Vec::new();
+    for start in 0..next.len() {
+        let mut line = Vec::new();
+        let mut at = start;
+        while !seen[at] {
+            seen[at] = true;
+            line.push(at as u32);
+            at = next[at] as usize;
+        }
+        if !line.is_empty() {
+            lines.push(line);
+        }
+    }
+    Ok(Some(Traced {
+        lattice,
+        blocks,
+        points: crossings.into_iter().map(|crossing| crossing.1).collect(),
+        lines,
+    }))
+}
+
+fn contradiction() -> LeafError {
+    LeafError::new(
+        "a leaf contradicts itself: a value lies outside of the range that it gave for a box around the point",
+    )
+}
+
+type Place = ([u32; 2], Arc<Tape>);
+
+/// The quarters of some blocks that the curve can run through.
+fn split(
+    (place, tape): ([u32; 2], &Arc<Tape>),
+    lattice: &Lattice,
+    size: u32,
+    pad: f64,
+) -> Result<Vec<Place>, LeafError> {
+    let mut found = Vec::new();
+    for n in 0..4 {
+        let quarter = [place[0] + (n & 1) * size, place[1] + (n >> 1) * size];
+        if (0..2).any(|k| quarter[k] >= lattice.blocks[k]) {
+            continue;
+        }
+        let (range, short) = tape.shortened(&lattice.bounds(quarter, size, pad))?;
+        let at_border = (0..2).any(|k| quarter[k] == 0 || quarter[k] + size >= lattice.blocks[k]);
+        // Where a part of the expression has no value the range says nothing. The border of the lattice is outside.
+        if range.is_defined() && (range.lo() >= 0.0 || range.hi() < 0.0 && !at_border) {
+            continue;
+        }
+        found.push((quarter, short.map_or_else(|| Arc::clone(tape), Arc::new)));
+    }
+    Ok(found)
+}
+
+/// The signs of a block, and where its edges are crossed.
+fn sampled((place, tape): ([u32; 2], &Arc<Tape>), lattice: &Lattice) -> Result<Block, LeafError> {
+    let first = place.map(|n| n * BLOCK);
+    let last = lattice.blocks.map(|n| n * BLOCK);
+    let mut points = Vec::with_capacity(POINTS * POINTS);
+    for j in 0..POINTS as u32 {
+        points.extend(
+            (0..POINTS as u32).map(|i| [lattice.at(0, first[0] + i), lattice.at(1, first[1] + j), 0.0]),
+        );
+    }
+    let mut values = vec![0.0; points.len()];
+    tape.at(&points, &mut values)?;
+    let inside = |[i, j]: [u32; 2]| {
+        let at = [first[0] + i, first[1] + j];
+        let at_border = (0..2).any(|k| at[k] == 0 || at[k] == last[k]);
+        !at_border && values[i as usize + POINTS * j as usize] < 0.0
+    };
+    let number = |(axis, [i, j]): (usize, [u32; 2])| lattice.edge((axis, [first[0] + i, first[1] + j]));
+    let (mut edges, mut links) = (Vec::new(), Vec::new());
+    for j in 0..BLOCK {
+        for i in 0..BLOCK {
+            for axis in 0..2 {
+                let ahead = [i + u32::from(axis == 0), j + u32::from(axis == 1)];
+                if inside([i, j]) != inside(ahead) {
+                    edges.push((axis, [i, j], inside([i, j])));
+                }
+            }
+            let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]].map(inside);
+            let sides = [(0, [i, j]), (1, [i + 1, j]), (0, [i, j + 1]), (1, [i, j])];
+            ends(corners, |from, to| links.push((number(sides[from]), number(sides[to]))));
+        }
+    }
+    let crossings = crossed(tape, lattice, first, &edges)?;
+    let crossings = edges.iter().map(|(axis, at, _)| number((*axis, *at))).zip(crossings).collect();
+    Ok(Block { place, tape: Arc::clone(tape), crossings, links, segments: Vec::new() })
+}
+
+/// Where edges are crossed, by halving all at once.
+fn crossed(
+    tape: &Tape,
+    lattice: &Lattice,
+    first: [u32; 2],
+    edges: &[(usize, [u32; 2], bool)],
+) -> Result<Vec<[f64; 2]>, LeafError> {
+    let mut parts = vec![[0.0, 1.0]; edges.len()];
+    let point = |(axis, [i, j], _): &(usize, [u32; 2], bool), part: f64| {
+        let mut p = [lattice.at(0, first[0] + i), lattice.at(1, first[1] + j)];
+        p[*axis] += part * lattice.step;
+        p
+    };
+    let mut points = vec![[0.0; 3]; edges.len()];
+    let mut values = vec![0.0; edges.len()];
+    for _ in 0..HALVINGS {
+        for ((edge, part), out) in edges.iter().zip(&parts).zip(&mut points) {
+            let [x, y] = point(edge, 0.5 * (part[0] + part[1]));
+            *out = [x, y, 0.0];
+        }
+        tape.at(&points, &mut values)?;
+        for ((edge, part), value) in edges.iter().zip(&mut parts).zip(&values) {
+            let end = usize::from((*value < 0.0) != edge.2);
+            part[end] = 0.5 * (part[0] + part[1]);
+        }
+    }
+    Ok(edges
+        .iter()
+        .zip(&parts)
+        .map(|(edge, part)| point(edge, part[0].clamp(MARGIN, 1.0 - MARGIN)))
+        .collect())
+}

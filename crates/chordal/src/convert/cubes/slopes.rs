@@ -1,0 +1,122 @@
+//! Slopes of many cells at once: along one axis, over three cells in a row.
+//!
+//! For each cell the samples of four planes across the axis are needed, the two of the cell and one on either side, four in
+//! each. What is proved with them stands in `bound.rs`.
+use crate::math::simd::{self, Kernel};
+
+/// Cells that are worked on at once.
+pub(super) const LANES: usize = 64;
+
+/// A half unit in the last place of 1: the relative error of one rounding.
+const ROUNDING: f64 = f64::EPSILON / 2.0;
+
+/// Numbers of some cells.
+pub(super) type Lane = [f64; LANES];
+
+/// For each axis the corners at its low end.
+pub(super) const LOW: [[usize; 4]; 3] = [[0, 2, 4, 6], [0, 1, 4, 5], [0, 1, 2, 3]];
+
+/// The slowest difference along each axis over a cell; not above 0 where their signs differ.
+pub(super) struct Slowest<'a> {
+    pub corners: &'a [Lane; 8],
+    pub out: &'a mut [Lane; 3],
+}
+
+impl Kernel for Slowest<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (axis, out) in self.out.iter_mut().enumerate() {
+            for (lane, out) in out.iter_mut().enumerate() {
+                let d = LOW[axis].map(|low| self.corners[low + (1 << axis)][lane] - self.corners[low][lane]);
+                let (mut least, mut most) = (d[0], d[0]);
+                for x in [d[1], d[2], d[3]] {
+                    least = if x < least { x } else { least };
+                    most = if x > most { x } else { most };
+                }
+                *out = if least > -most { least } else { -most };
+            }
+        }
+    }
+}
+
+/// e/m over three cells in a row, rounded up: a number above 1, or none, where nothing is proved.
+pub(super) struct Shift<'a> {
+    /// g on the planes from low to high along the axis, four corners in each, in the order of those of a face; a plane that is not there is the
+    /// same as its neighbour.
+    pub planes: &'a [[Lane; 4]; 4],
+    /// By how much every value may be off.
+    pub slack: f64,
+    pub out: &'a mut Lane,
+}
+
+impl Kernel for Shift<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { planes, slack, out } = self;
+        for lane in 0..LANES {
+            let w: [[f64; 4]; 4] = std::array::from_fn(|p| std::array::from_fn(|c| planes[p][c][lane]));
+            out[lane] = shift(&w, slack);
+        }
+    }
+}
+
+/// The same for one cell.
+#[inline(always)]
+pub(super) fn shift(w: &[[f64; 4]; 4], slack: f64) -> f64 {
+    let larger = |a: f64, b: f64| if a > b { a } else { b };
+    let smaller = |a: f64, b: f64| if a < b { a } else { b };
+    let (mut low, mut high) = (w[0][0], w[0][0]);
+    for x in w.as_flattened() {
+        low = smaller(low, *x);
+        high = larger(high, *x);
+    }
+    let range = high - low;
+    // 1. Which way g grows along the row, in the cell in the middle.
+    let rises = w[2][0] > w[1][0];
+    let grown = |x: f64| if rises { x } else { -x };
+    // 2. For each cell e and m: mixed differences in its planes, and between the slopes from one plane to the other.
+    let mut across = [0.0; 4];
+    for p in 0..4 {
+        across[p] = ((w[p][3] - w[p][2]) - (w[p][1] - w[p][0])).abs();
+    }
+    let (mut error, mut slope) = ([0.0; 3], [0.0; 3]);
+    for p in 0..3 {
+        let s: [f64; 4] = std::array::from_fn(|c| grown(w[p + 1][c] - w[p][c]));
+        let first = larger((s[1] - s[0]).abs(), (s[3] - s[2]).abs());
+        let second = larger((s[2] - s[0]).abs(), (s[3] - s[1]).abs());
+        error[p] = 0.25 * ((larger(across[p], across[p + 1]) + first) + second);
+        slope[p] = smaller(smaller(s[0], s[1]), smaller(s[2], s[3]));
+    }
+    // 3. Corners are rounded once, and |g| is no more than the range, for the cell in the middle has both signs; each mixed difference
+    // is rounded three times more, by half a unit in the last place of four times the range at most, and the sum twice.
+    let off = 64.0 * ROUNDING * range + 2.0 * slack;
+    // 4. A neighbour counts unless g is beyond e wherever it begins.
+    let ends = |p: usize, sign: f64| {
+        let g: [f64; 4] = std::array::from_fn(|c| sign * grown(w[p][c]));
+        smaller(smaller(g[0], g[1]), smaller(g[2], g[3]))
+    };
+    let free = error[1] + 2.0 * off;
+    let (mut most, mut least) = (error[1], slope[1]);
+    let (free_before, free_behind) = (ends(1, -1.0) > free, ends(2, 1.0) > free);
+    if !free_before {
+        most = larger(most, error[0]);
+        least = smaller(least, slope[0]);
+    }
+    if !free_behind {
+        most = larger(most, error[2]);
+        least = smaller(least, slope[2]);
+    }
+    // 5. Two roundings of either, and one of the quotient.
+    let slope = least - off;
+    let shift = ((most + off) / slope) * (1.0 + 16.0 * ROUNDING);
+    if slope > 0.0 && shift <= 1.0 { shift } else { f64::INFINITY }
+}
+
+/// Runs a kernel on what this processor has.
+pub(super) fn run(kernel: impl Kernel<Output = ()>) {
+    simd::dispatch(simd::isa(), kernel);
+}
