@@ -88,3 +88,29 @@ fn the_examples_are_shapes() {
     }
     assert!(seen >= 4, "{seen}");
 }
+
+#[test]
+fn a_drawing_becomes_closed_lines() {
+    let folder = Folder::new("script-lines");
+    let ring = folder.file(
+        "ring.vm",
+        "a var-x\nb var-y\nc square a\nd square b\ne add c d\nf sqrt e\ng const 0.5\nh sub f g\n",
+    );
+    let (json, svg) = (folder.text("ring.json"), folder.text("ring.svg"));
+    for file in [&json, &svg] {
+        let made =
+            run(&["mesh", &ring, "--region", "-1,-1,-1 1,1,1", "--tol", "0.001", "-o", file, "--json"]);
+        made.succeeds();
+        let report = made.report();
+        let bound = &report["certificate"]["bound"];
+        assert_eq!(bound["evidence"], "proved");
+        assert!(bound["at_most"].as_f64().is_some_and(|most| most <= 0.001));
+    }
+    assert!(std::fs::read_to_string(&svg).unwrap().contains("<path"));
+    let inspected = run(&["inspect", &json, "--json"]);
+    inspected.succeeds();
+    // What depends on z is no drawing.
+    let ball = folder.file("ball.star", "sphere(0.5)\n");
+    run(&["mesh", &ball, "--tol", "0.01", "-o", &folder.text("ball.svg")])
+        .fails_with(2, &["depend on z", "obj"]);
+}

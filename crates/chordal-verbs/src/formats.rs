@@ -45,9 +45,10 @@ pub(crate) fn check_output(shape: &Shape, to: Format) -> Result<(), String> {
         Shape::Patches { .. } | Shape::Scene(_) if !holds_triangles(to) => {
             Err(format!("{} become triangles, which {to} does not hold; {} do", shape.kind(), mesh_names()))
         }
-        Shape::Field(_) if !holds_triangles(to) => {
-            Err(format!("fields become triangles, which {to} does not hold; {} do", mesh_names()))
-        }
+        Shape::Field(implicit) if !holds_triangles(to) && implicit.field.tape().axes()[2] => Err(format!(
+            "fields that depend on z become triangles, which {to} does not hold; {} do",
+            mesh_names()
+        )),
         Shape::Volume(_) if !holds_triangles(to) => {
             Err(format!("volumes become triangles, which {to} does not hold; {} do", mesh_names()))
         }

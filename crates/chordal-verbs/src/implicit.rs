@@ -7,7 +7,7 @@ use chordal::check::{self, FieldDeviation, Goal};
 use chordal::implicit::{Expr, Field};
 use chordal::math::Box3;
 use chordal::{Bounded, Job, Mesh, convert};
-use chordal_io::{Frame, Scene, worst_snap};
+use chordal_io::{Format, Frame, Scene, worst_snap};
 use serde::Serialize;
 
 /// A field with the part of space that it is looked at in.
@@ -100,6 +100,10 @@ pub(crate) fn of_field(
     }
     let Bounded { shape, bound } = made;
     let (mesh, bound) = snapped(&shape, bound, budget, *to)?;
+    // Where normals are for: other formats keep one row a vertex.
+    let shaded = matches!(to, Format::Glb | Format::Obj);
+    let mesh =
+        if shaded { convert::with_gradient_normals(&mesh, &field, job).map_err(stopped)? } else { mesh };
     Ok((Scene::of("field", mesh, true, implicit.frame), bound))
 }
 
@@ -128,8 +132,12 @@ pub(crate) fn deviation_of(
     goal: &Goal,
     job: &Job,
 ) -> Result<FieldDeviation, MeshFailure> {
-    check::field_deviation(mesh, &finite(implicit)?, goal, job).map_err(|stopped| match stopped {
+    check::field_deviation(mesh, &finite(implicit)?, goal, job).map_err(stopped)
+}
+
+fn stopped(stopped: Stopped) -> MeshFailure {
+    match stopped {
         Stopped::Refused(refusal) => MeshFailure::Refused(refusal),
         Stopped::Cancelled => MeshFailure::Cancelled,
-    })
+    }
 }

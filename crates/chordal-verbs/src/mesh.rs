@@ -106,6 +106,9 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
         Shape::Curves(curves) => {
             return polylines::of_curves(curves, &Asked { spec, budget, to, place }, certificate, job);
         }
+        Shape::Field(implicit) if lines => {
+            return polylines::of_field(&implicit, &Asked { spec, budget, to, place }, certificate, job);
+        }
         Shape::Drawing(drawing) => {
             let asked = Asked { spec, budget, to, place };
             let (mut scene, bound, place) = filled::fill(&drawing, &asked, &mut certificate, job)?;

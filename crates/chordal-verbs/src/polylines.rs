@@ -1,13 +1,14 @@
 //! Curves into polylines within a budget, for formats that hold polylines.
-use crate::mesh::{Made, MeshOutcome, NOT_MET, on_screen, within};
+use crate::implicit::Implicit;
+use crate::mesh::{Made, MeshOutcome, NOT_MET, on_screen, refused, within};
 use crate::report::{BoundFacts, BudgetFacts, Certificate, LineFacts, Output};
 use crate::{BudgetSpec, MeshFailure};
-use chordal::budget::{Bounded, Budget, Failure};
+use chordal::budget::{Bounded, Budget, Code, Failure, Require};
 use chordal::convert;
 use chordal::explicit::{Curve, Polyline};
 use chordal::math::Box3;
 use chordal::{Bound, Job};
-use chordal_io::{Curves, Drawing, Drawn, Format, Polylines};
+use chordal_io::{Curves, Drawing, Drawn, Element, Format, Polylines};
 
 /// What polylines are made for.
 pub(crate) struct Asked<'a> {
@@ -44,6 +45,59 @@ pub(crate) fn of_curves(
     let (drawn, bound) = cut(curves, asked, job)?;
     finish(Polylines::Space(drawn), bound, asked, certificate)
 }
+
+/// The curve of a field of the plane.
+pub(crate) fn of_field(
+    implicit: &Implicit,
+    asked: &Asked,
+    mut certificate: Certificate,
+    job: &Job,
+) -> Result<MeshOutcome, MeshFailure> {
+    let field = implicit.whole();
+    let Box3 { min, max } = field.bounds();
+    if !(0..2).all(|k| min[k].is_finite() && max[k].is_finite()) {
+        return Err(refused(Code::Unsupported, ENDLESS));
+    }
+    // A field with nothing to prove with is measured, and the report says so.
+    let provable = field.tape().evidence().bounds_above();
+    let require = if provable { Require::Proved } else { Require::Measured };
+    let budget = Budget { require, ..asked.budget };
+    let made = match convert::field_to_polyline(&field, &budget, job) {
+        Ok(made) => made,
+        Err(Failure::Unmet(best)) => *best,
+        Err(Failure::Refused(refusal)) => return Err(MeshFailure::Refused(refusal)),
+        Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
+    };
+    if let Some(region) = implicit.region {
+        let [low, high] = [region.min, region.max].map(|corner| [corner[0], corner[1]]);
+        certificate.notes.push(format!(
+            "the shape is cut off at the rectangle from {low:?} to {high:?}, and closed there"
+        ));
+    }
+    // SVG's y grows downwards: the drawing stands upright where y is negated, which is exact.
+    let y_down = asked.to == Format::Svg;
+    let mut lines = made.shape;
+    if y_down {
+        lines.iter_mut().flat_map(|line| &mut line.points).for_each(|point| point[1] = -point[1]);
+        certificate.notes.push("y is negated, for it grows downwards in svg".to_owned());
+    }
+    let element = Element { kind: "field", filled: true, ..Element::default() };
+    let drawn = Drawn {
+        owners: vec![0; lines.len()],
+        lines,
+        elements: vec![element],
+        view_box: None,
+        y_down,
+        frame: implicit.frame,
+        certificate: None,
+    };
+    let place = Box3 { min: [min[0], min[1], 0.0], max: [max[0], max[1], 0.0] };
+    let Asked { spec, budget, to, .. } = *asked;
+    finish(Polylines::Plane(drawn), made.bound, &Asked { spec, budget, to, place }, certificate)
+}
+
+const ENDLESS: &str =
+    "the shape has no end in some direction: --region \"-1,-1,-1 1,1,1\" cuts it off at a box";
 
 fn cut<const D: usize>(
     drawn: Drawn<Curve<D>>,

@@ -239,8 +239,8 @@ fn bytes_are_the_same_on_any_number_of_threads_and_every_machine() {
     }
 }
 
-const SHADED: u64 = 0x6593_fb2e_817a_c999;
-const FLAT: u64 = 0x8c43_eaf7_02e9_3f6a;
+const SHADED: u64 = 0xc802_1a6f_4f8b_a655;
+const FLAT: u64 = 0x078c_57eb_7b0a_cee4;
 const WIRE: u64 = 0x7b7c_4dc8_8f72_9c57;
 const NORMALS: u64 = 0x0d94_e397_ee8d_884e;
 

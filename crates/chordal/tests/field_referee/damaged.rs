@@ -2,8 +2,9 @@
 use crate::measure::{backward, forward, soup_of, surface};
 use crate::random::Random;
 use crate::shapes::{self, Node, Shape};
-use crate::{budget, deviation, judged, made};
-use chordal::Mesh;
+use crate::{budget, deviation, judged, made, trees};
+use chordal::convert::field_to_mesh;
+use chordal::{Job, Mesh};
 
 fn changed(mesh: &Mesh, point: impl FnMut([f64; 3]) -> [f64; 3], keep: impl Fn([f64; 3]) -> bool) -> Mesh {
     let positions: Vec<[f64; 3]> = mesh.positions().to_vec();
@@ -85,4 +86,50 @@ fn triangles_in_a_sphere_are_known_to_the_last_digits() {
         let side = &found.forward;
         assert!(side.at_least <= truth + 1e-12 && truth <= side.at_most + 1e-12, "{truth} {side:?}");
     }
+}
+
+/// What is moved, torn or turned is measured to a share of itself, however far it is; the ends hold, and there are always two.
+#[test]
+fn damaged_meshes_have_two_ends_without_a_limit() {
+    let mut random = Random::new(4);
+    let mut all = subjects();
+    all.extend(shapes::all(trees()).into_iter().filter(|shape| {
+        let name = &shape.name;
+        name.starts_with("tree 1") || trees() > 3 || name.starts_with("turned")
+    }));
+    let (mut reached, mut n) = (0, 0);
+    for shape in all {
+        let Ok(mesh) = field_to_mesh(&shape.field, &budget(0.06), &Job::default()) else { continue };
+        let mesh = mesh.shape;
+        let mut cases = damages(&mesh, &mut random);
+        cases.push(("as it is", mesh.clone()));
+        cases.push((
+            "with a hole",
+            Mesh::new(mesh.positions().to_vec(), mesh.faces()[1..].to_vec()).expect("finite"),
+        ));
+        cases.push(("small", changed(&mesh, |p| p.map(|x| 0.6 * x), |_| true)));
+        cases.push(("large", changed(&mesh, |p| p.map(|x| 1.5 * x), |_| true)));
+        for (what, mesh) in cases {
+            let found = deviation(&shape, &mesh, None);
+            let [least, most] = [found.bound.at_least(), found.bound.at_most().expect("two ends")];
+            let seen = judged(&shape, &mesh, &found, &mut random).expect("two ends") * most;
+            println!("{} {what}: [{least:.5}, {most:.5}] {:.3}, seen {seen:.5}", shape.name, most / least);
+            (reached, n) = (reached + usize::from(found.reached), n + 1);
+            // The own functions of these two are distances: nothing of the mesh is farther than the farthest sample, and the way
+            // to one, which is less than half of an edge.
+            if shape.name == "sphere" || shape.name == "torus" {
+                let soup = soup_of(&mesh);
+                let edge = |t: &[[f64; 3]; 3], k: usize| {
+                    let (a, b) = (t[k], t[(k + 1) % 3]);
+                    (a[0] - b[0]).hypot(a[1] - b[1]).hypot(a[2] - b[2])
+                };
+                let longest = soup.iter().flat_map(|t| [0, 1, 2].map(|k| edge(t, k))).fold(0.0, f64::max);
+                let ahead = forward(&soup, &shape, &mut random);
+                let least = found.forward.at_least;
+                assert!(least <= ahead + 0.5 * longest, "{} {what}: {least} of {ahead}", shape.name);
+            }
+        }
+    }
+    println!("{reached} of {n} to a tenth");
+    assert!(2 * reached > n, "{reached} of {n} to a tenth");
 }

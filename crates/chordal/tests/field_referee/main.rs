@@ -1,5 +1,6 @@
 //! The referee of fields and their meshes: measures with functions of its own, and shares no code with the evaluator or
 //! the distances of the library. `CHORDAL_LONG=1` makes it look at ten times as many trees.
+mod corpus;
 mod damaged;
 mod hostile;
 mod measure;
@@ -105,18 +106,4 @@ fn no_point_is_farther_than_proved() {
         let most = most.unwrap_or_else(|| panic!("{}: nothing proved", shape.name));
         assert!(ahead.max(back) <= most + SLACK, "{}: {ahead:e} {back:e} of {most:e}", shape.name);
     }
-}
-
-#[test]
-fn errors_fall_with_the_square_of_the_cells() {
-    let shape = shapes::sphere();
-    let of = |length: f64| {
-        let made = made(&shape, &budget(length));
-        assert!(made.bound.at_most().is_some_and(|most| most <= length), "{}", shape.name);
-        made.shape.faces().len() as f64
-    };
-    // Cells of half the size have four times the triangles, and a quarter of the error.
-    let ratio = of(0.005) / of(0.02);
-    println!("{}: a quarter of the error takes {ratio:.3} times the faces", shape.name);
-    assert!((2.0..8.0).contains(&ratio), "{}: {ratio}", shape.name);
 }

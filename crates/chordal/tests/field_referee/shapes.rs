@@ -126,7 +126,7 @@ fn tree(n: usize, random: &mut Random) -> Node {
     }
 }
 
-fn menger() -> Node {
+pub fn menger() -> Node {
     let mut holes = vec![([0.0, 0.0], 1.0 / 3.0)];
     for n in (0..9).filter(|n| *n != 4) {
         holes.push(([f64::from(n % 3 - 1) * 2.0 / 3.0, f64::from(n / 3 - 1) * 2.0 / 3.0], 1.0 / 9.0));
@@ -173,18 +173,18 @@ pub fn gyroid() -> Shape {
     shape("gyroid in a ball", expr, own, (7.0, 1.05))
 }
 
-fn blobs(random: &mut Random) -> Shape {
-    const NARROW: f64 = 20.0;
-    let centres: Vec<Point> = (0..30).map(|_| random.point::<3>().map(|x| 0.8 * x)).collect();
+/// Bells around random points; inside is where their sum is above a half.
+pub fn blobs(count: usize, narrow: f64, random: &mut Random) -> Shape {
+    let centres: Vec<Point> = (0..count).map(|_| random.point::<3>().map(|x| 0.8 * x)).collect();
     let sum = centres
         .iter()
-        .map(|c| Expr::unary(Unary::Exp, &(ball(*c).square() * -NARROW)))
+        .map(|c| Expr::unary(Unary::Exp, &(ball(*c).square() * -narrow)))
         .reduce(|a, b| a + b)
         .expect("blobs");
-    let slope = 30.0 * (2.0 * NARROW / std::f64::consts::E).sqrt();
+    let slope = count as f64 * (2.0 * narrow / std::f64::consts::E).sqrt();
     let own = move |p: Point| {
         let far = |c: &Point| (p[0] - c[0]).powi(2) + (p[1] - c[1]).powi(2) + (p[2] - c[2]).powi(2);
-        0.5 - centres.iter().map(|c| (-NARROW * far(c)).exp()).sum::<f64>()
+        0.5 - centres.iter().map(|c| (-narrow * far(c)).exp()).sum::<f64>()
     };
     shape("blobs", -sum + 0.5, own, (slope, 1.6))
 }
@@ -196,12 +196,18 @@ fn cones() -> Shape {
     shape("cones tip to tip", expr, own, (1.2, 1.05))
 }
 
-fn drilled() -> Shape {
+pub fn drilled() -> Shape {
     let [x, y, z] = Expr::axes();
     let block = x.abs().max(&y.abs()).max(&z.abs()) - 0.8;
     let hole = (x.square() + z.square()).sqrt() - 0.4;
     let own = |p: Point| (p[0].abs().max(p[1].abs()).max(p[2].abs()) - 0.8).max(0.4 - p[0].hypot(p[2]));
     shape("drilled block", block.max(&-hole), own, (1.0, 0.9))
+}
+
+pub fn cube_without_ball() -> Shape {
+    let cut =
+        Node::Cut(Box::new(turned_box([0.0; 3], [0.7; 3], AXES)), Box::new(Node::Ball([0.7, 0.7, 0.7], 0.6)));
+    solid("cube without a ball", cut, 0.8)
 }
 
 /// One of each, and some trees.
@@ -214,7 +220,7 @@ pub fn all(trees: usize) -> Vec<Shape> {
         gyroid(),
         solid("turned box", turned_box([0.1, -0.1, 0.05], [0.7, 0.5, 0.3], turned), 1.1),
         drilled(),
-        blobs(&mut random),
+        blobs(30, 20.0, &mut random),
         solid("menger sponge", menger(), 1.05),
         solid("touching spheres", two_balls(), 1.1),
         cones(),

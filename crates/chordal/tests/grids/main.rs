@@ -1,5 +1,6 @@
 //! Grids into triangles: closed and manifold whatever the samples are, and within their bound.
 mod blocks;
+mod contours;
 mod exhaustive;
 mod hostile;
 mod leaves;
@@ -8,3 +9,4 @@ mod lines;
 mod random;
 mod shapes;
 mod solid;
+mod sparse;

@@ -1,0 +1,91 @@
+//! The corpus of solids: each is meshed within a budget, closed and manifold, and judged by the referee; and the error falls with
+//! the square of the cells where shapes are smooth.
+use crate::measure::{backward, forward, is_good, soup_of, surface};
+use crate::random::Random;
+use crate::shapes::{self, Shape};
+use crate::{SLACK, budget};
+use chordal::budget::Evidence;
+use chordal::check::validity;
+use chordal::convert::field_to_mesh;
+use chordal::explicit::Topology;
+use chordal::{Budget, Job, Mesh};
+
+fn corpus() -> Vec<(Shape, f64)> {
+    vec![
+        (shapes::cube_without_ball(), 0.03),
+        (shapes::drilled(), 0.03),
+        (shapes::gyroid(), 0.04),
+        (shapes::blobs(100, 60.0, &mut Random::new(9)), 0.04),
+        (shapes::solid("menger sponge", shapes::menger(), 1.05), 0.06),
+        (shapes::solid("touching spheres", shapes::two_balls(), 1.1), 0.08),
+    ]
+}
+
+#[test]
+fn the_corpus_is_met_closed_and_never_farther_than_proved() {
+    let mut random = Random::new(11);
+    for (shape, length) in corpus() {
+        let made = field_to_mesh(&shape.field, &budget(length), &Job::default())
+            .unwrap_or_else(|failure| panic!("{}: {failure:?}", shape.name));
+        let most = made.bound.at_most().expect("proved");
+        assert_eq!(*made.bound.evidence(), Evidence::Proved, "{}", shape.name);
+        assert!(most <= length, "{}: {most}", shape.name);
+        is_good(&made.shape).unwrap_or_else(|what| panic!("{}: {what}", shape.name));
+        let valid = validity(&made.shape, Topology::Indices);
+        assert!(valid.closed && valid.manifold(), "{}", shape.name);
+        let soup = soup_of(&made.shape);
+        let ahead = forward(&soup, &shape, &mut random);
+        let back = backward(&surface(&shape, 300, &mut random), &soup);
+        println!(
+            "{}: {} faces, [{:.4}, {most:.4}] of {length}, seen {ahead:.4} {back:.4}",
+            shape.name,
+            soup.len(),
+            made.bound.at_least()
+        );
+        assert!(ahead.max(back) <= most + SLACK, "{}: {ahead:e} {back:e} of {most:e}", shape.name);
+    }
+}
+
+/// How far the middles of triangles in a ball about the origin are, as a root mean square.
+fn stray(mesh: &Mesh, within: f64, far: impl Fn([f64; 3]) -> f64) -> f64 {
+    let all: Vec<f64> = soup_of(mesh)
+        .iter()
+        .map(|t| std::array::from_fn(|k| (t[0][k] + t[1][k] + t[2][k]) / 3.0))
+        .filter(|c: &[f64; 3]| c[0].hypot(c[1]).hypot(c[2]) < within)
+        .map(far)
+        .collect();
+    (all.iter().map(|far| far * far).sum::<f64>() / all.len() as f64).sqrt()
+}
+
+/// The gyroid's distance to first order, by its own derivatives.
+fn gyroid_far(p: [f64; 3]) -> f64 {
+    let [(sx, cx), (sy, cy), (sz, cz)] = p.map(|x| (4.0 * x).sin_cos());
+    let value = sx * cy + sy * cz + sz * cx;
+    let slope = [cx * cy - sz * sx, cy * cz - sx * sy, cz * cx - sy * sz].map(|d| 4.0 * d);
+    value.abs() / slope[0].hypot(slope[1]).hypot(slope[2])
+}
+
+#[test]
+fn errors_fall_with_the_square_of_the_cells_where_shapes_are_smooth() {
+    let own = |shape: &Shape, p: [f64; 3]| (shape.own)(p).abs() / shape.slope;
+    for shape in [shapes::sphere(), shapes::torus(), shapes::gyroid()] {
+        let of = |triangles: u64| {
+            let budget = Budget { triangles: Some(triangles), ..Budget::default() };
+            let mesh = field_to_mesh(&shape.field, &budget, &Job::default()).expect("a mesh").shape;
+            let far = match shape.name.starts_with("gyroid") {
+                true => stray(&mesh, 0.85, gyroid_far),
+                false => stray(&mesh, 9.0, |p| own(&shape, p)),
+            };
+            (far, mesh.faces().len() as f64)
+        };
+        let ((coarse, few), (fine, many)) = (of(3_000), of(12_000));
+        // Faces grow with the inverse square of the cells' size, so the error falls like one over their number.
+        let power = (coarse / fine).ln() / (many / few).ln();
+        println!(
+            "{}: {coarse:.3e} with {few} faces, {fine:.3e} with {many}: h^{:.2}",
+            shape.name,
+            2.0 * power
+        );
+        assert!((0.8..1.25).contains(&power), "{}: {power}", shape.name);
+    }
+}

@@ -1,0 +1,122 @@
+//! Level curves of fields of the plane: closed, with inside on the left, and within a bound that an independent count agrees with.
+use chordal::budget::{Code, Evidence};
+use chordal::convert::field_to_polyline;
+use chordal::explicit::Polyline;
+use chordal::implicit::{Expr, Field};
+use chordal::math::Box3;
+use chordal::{Budget, Failure, Job, Tolerance};
+
+fn within(expr: Expr, size: f64) -> Field {
+    Field::new(expr).with_bounds(Box3 { min: [-size; 3], max: [size; 3] })
+}
+
+fn area(lines: &[Polyline<2>]) -> f64 {
+    0.5 * lines.iter().flat_map(Polyline::segments).map(|[a, b]| a[0] * b[1] - a[1] * b[0]).sum::<f64>()
+}
+
+/// Dense points of the lines.
+fn points(lines: &[Polyline<2>]) -> Vec<[f64; 2]> {
+    let between = |[a, b]: [[f64; 2]; 2]| {
+        (0..4).map(move |k| [0, 1].map(|i| a[i] + 0.25 * f64::from(k) * (b[i] - a[i])))
+    };
+    lines.iter().flat_map(Polyline::segments).flat_map(between).collect()
+}
+
+fn made(field: &Field, length: f64) -> (Vec<Polyline<2>>, f64) {
+    let budget = Budget::length(Tolerance::new(length).unwrap());
+    let made = field_to_polyline(field, &budget, &Job::default()).unwrap();
+    assert_eq!(made.bound.evidence(), &Evidence::Proved);
+    let most = made.bound.at_most().unwrap();
+    assert!(most <= length && made.bound.at_least() <= most, "{:?}", made.bound);
+    assert!(made.shape.iter().all(|line| line.closed && line.points.len() > 2));
+    (made.shape, most)
+}
+
+#[test]
+fn a_circle_is_within_the_bound_by_its_closed_form() {
+    let [x, y, _] = Expr::axes();
+    let circle = within((x.square() + y.square()).sqrt() - 0.7, 0.8);
+    for length in [0.1, 0.01, 1e-4] {
+        let (lines, most) = made(&circle, length);
+        assert_eq!(lines.len(), 1);
+        let far = points(&lines).iter().map(|p| (p[0].hypot(p[1]) - 0.7).abs()).fold(0.0, f64::max);
+        assert!(far <= most, "{far} {most}");
+        let missing = std::f64::consts::PI * 0.49 - area(&lines);
+        assert!(missing > 0.0 && missing < 4.5 * length, "{missing}");
+    }
+}
+
+#[test]
+fn corners_holes_and_cut_off_sides_are_met() {
+    let [x, y, _] = Expr::axes();
+    // A square with a round hole: distances in closed form.
+    let square = x.abs().max(&y.abs()) - 0.75;
+    let hole = Expr::constant(0.25) - (x.square() + y.square()).sqrt();
+    let (lines, most) = made(&within(square.max(&hole), 1.0), 0.004);
+    assert_eq!(lines.len(), 2);
+    let to_square = |p: [f64; 2]| {
+        let d = p.map(|x| x.abs() - 0.75);
+        let out = d[0].max(0.0).hypot(d[1].max(0.0));
+        (out + d[0].max(d[1]).min(0.0)).abs()
+    };
+    let far =
+        points(&lines).iter().map(|p| to_square(*p).min((p[0].hypot(p[1]) - 0.25).abs())).fold(0.0, f64::max);
+    assert!(far <= most, "{far} {most}");
+    // From the corner, which no line reaches, to the lines.
+    let corner =
+        points(&lines).iter().map(|p| (p[0] - 0.75).hypot(p[1] - 0.75)).fold(f64::INFINITY, f64::min);
+    assert!(corner <= most + 1e-3, "{corner} {most}");
+    let whole = 2.25 - std::f64::consts::PI / 16.0;
+    assert!((area(&lines) - whole).abs() < 0.05, "{}", area(&lines));
+}
+
+#[test]
+fn parts_that_fall_between_points_are_found_by_the_proof() {
+    let [x, y, _] = Expr::axes();
+    let far = (x.square() + y.square()).sqrt() - 0.5;
+    // A speck beside the disc, smaller than a square of the first lattice, and than any step of the proof.
+    for radius in [0.004, 0.0005, 0.0001] {
+        let speck = ((&x - 0.8).square() + (&y - 0.03).square()).sqrt() - radius;
+        let (lines, _) = made(&within(far.min(&speck), 1.0), 0.01);
+        assert_eq!(lines.len(), 2, "{radius}");
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused_with_the_reason() {
+    let [x, y, _] = Expr::axes();
+    let budget = Budget::length(Tolerance::new(0.01).unwrap());
+    let code = |field: &Field, budget: &Budget| match field_to_polyline(field, budget, &Job::default()) {
+        Err(Failure::Refused(refusal)) => refusal.code,
+        other => panic!("{other:?}"),
+    };
+    let disc = x.square() + y.square() - 0.25;
+    assert_eq!(code(&Field::new(disc.clone()), &budget), Code::Unsupported);
+    assert_eq!(code(&within(disc.clone() + 1.0, 1.0), &budget), Code::Empty);
+    assert_eq!(code(&within(disc.clone(), 1.0), &Budget::default()), Code::Budget);
+    let few = Budget { segments: Some(40), ..Budget::default() };
+    let made = field_to_polyline(&within(disc.clone(), 1.0), &few, &Job::default()).unwrap();
+    assert!(made.shape[0].n_segments() <= 40 && made.bound.at_most().unwrap() < 0.05);
+    let both = Budget { segments: Some(40), ..budget };
+    let both = Budget { length: Some(Tolerance::new(1e-4).unwrap()), ..both };
+    assert!(matches!(
+        field_to_polyline(&within(disc.clone(), 1.0), &both, &Job::default()),
+        Err(Failure::Unmet(_))
+    ));
+    let job = Job::default();
+    job.cancel();
+    assert!(matches!(field_to_polyline(&within(disc, 1.0), &budget, &job), Err(Failure::Cancelled)));
+}
+
+#[test]
+fn threads_change_nothing() {
+    let [x, y, _] = Expr::axes();
+    let waves = (&x * 9.0).sin() + (&y * 7.0 + &x).sin() - 0.3;
+    let field = within((x.abs().max(&y.abs()) - 0.9).max(&waves), 1.0);
+    let budget = Budget::length(Tolerance::new(0.01).unwrap());
+    let made = |threads| field_to_polyline(&field, &budget, &Job::default().with_threads(threads)).unwrap();
+    let one = made(1);
+    let three = made(3);
+    assert!(one.shape.len() > 2);
+    assert_eq!((one.shape, one.bound), (three.shape, three.bound));
+}
