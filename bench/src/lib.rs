@@ -5,10 +5,12 @@ mod dump;
 #[path = "../../crates/chordal/tests/curve_referee/families.rs"]
 #[allow(dead_code)]
 mod families;
+pub mod models;
 #[path = "../../crates/chordal/tests/curve_referee/random.rs"]
 mod random;
 #[path = "../../crates/chordal/tests/referee/sampler/mod.rs"]
 pub mod sampler;
+mod torus;
 
 /// What the families of cubics know of the referee's types.
 mod truth {
@@ -17,3 +19,4 @@ mod truth {
 
 pub use corpus::{labels, out, patches};
 pub use dump::{Dumped, read, write};
+pub use torus::torus;

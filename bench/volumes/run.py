@@ -59,8 +59,7 @@ def main():
         ratio = vtk[threads] / got["seconds"]
         text.append(f"| {NAMES[who]} | {threads} | {1e3 * got['seconds']:.1f} | {got['triangles']:,} | {speed:.1f} | {ratio:.2f} |")
     bound = next(got["bound"] for who, _, got in rows if who == "bound")
-    text += ["", f"The bound of this mesh is {bound:.2e} steps of the lattice, proved: the diagonal of a cell, where the border cuts "
-             "the surface at a tangent."]
+    text += ["", f"The bound of this mesh is {bound:.2e} steps of the lattice, proved."]
     ties = [(name, ask(who, 1, 100)) for who, name in
             (("ties", "Chordal"), ("ties-skimage", NAMES["skimage"]), ("ties-mcubes", NAMES["mcubes"]))]
     text += ["", "Ties: the gyroid of 100³ samples rounded to tenths, closed at the border. Edges with one face:"]

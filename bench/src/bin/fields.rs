@@ -2,14 +2,13 @@
 //! second of Chordal, fidget's interpreter and fidget's machine code, one thread each, medians of runs in turn.
 //!
 //! FOLDER holds op lists (`prospero.vm`). Models made here are op lists as well, so that all sides read the same text.
-use chordal::implicit::{Binary, Expr, Slope, Tape, Unary};
+use chordal::implicit::{Slope, Tape};
 use chordal::math::{Box3, Interval};
+use chordal_bench::models::{csg, expression, gyroids};
 use fidget::context::Context;
 use fidget::jit::JitShape;
 use fidget::shape::EzShape;
 use fidget::vm::VmShape;
-use std::collections::HashMap;
-use std::fmt::Write;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -19,124 +18,6 @@ const EACH: f64 = 0.5;
 const POINTS: usize = 16_384;
 /// Boxes in one call.
 const BOXES: usize = 4096;
-
-/// An op list under construction; every line is a new name.
-#[derive(Default)]
-struct Text {
-    lines: String,
-    n: usize,
-}
-
-impl Text {
-    fn line(&mut self, op: &str, operands: &[String]) -> String {
-        let name = format!("_{:x}", self.n);
-        self.n += 1;
-        writeln!(self.lines, "{name} {op} {}", operands.join(" ")).expect("a string takes it");
-        name
-    }
-    fn number(&mut self, value: f64) -> String {
-        self.line("const", &[format!("{value}")])
-    }
-    fn two(&mut self, op: &str, a: &str, b: &str) -> String {
-        self.line(op, &[a.to_owned(), b.to_owned()])
-    }
-    fn one(&mut self, op: &str, a: &str) -> String {
-        self.line(op, &[a.to_owned()])
-    }
-    fn axes(&mut self) -> [String; 3] {
-        ["var-x", "var-y", "var-z"].map(|axis| self.line(axis, &[]))
-    }
-    /// |p − centre|, per axis.
-    fn moved(&mut self, axes: &[String; 3], centre: [f64; 3]) -> [String; 3] {
-        [0, 1, 2].map(|k| {
-            let c = self.number(centre[k]);
-            self.two("sub", &axes[k], &c)
-        })
-    }
-    fn sphere(&mut self, axes: &[String; 3], centre: [f64; 3], radius: f64) -> String {
-        let squares = self.moved(axes, centre).map(|d| self.one("square", &d));
-        let sum = self.two("add", &squares[0], &squares[1]);
-        let sum = self.two("add", &sum, &squares[2]);
-        let root = self.one("sqrt", &sum);
-        let radius = self.number(radius);
-        self.two("sub", &root, &radius)
-    }
-    fn cube(&mut self, axes: &[String; 3], centre: [f64; 3], half: f64) -> String {
-        let half = self.number(half);
-        let sides = self.moved(axes, centre).map(|d| {
-            let size = self.one("abs", &d);
-            self.two("sub", &size, &half)
-        });
-        let most = self.two("max", &sides[0], &sides[1]);
-        self.two("max", &most, &sides[2])
-    }
-}
-
-/// `count` spheres and cubes, each joined to or cut from what is there.
-fn csg(count: usize) -> String {
-    let mut text = Text::default();
-    let axes = text.axes();
-    let mut state = 1_u64;
-    let mut unit = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    };
-    let mut whole = text.sphere(&axes, [0.0; 3], 0.6);
-    for k in 1..count {
-        let centre = [0, 1, 2].map(|_| 1.6 * unit() - 0.8);
-        let size = 0.1 + 0.25 * unit();
-        let part = if k % 2 == 0 { text.sphere(&axes, centre, size) } else { text.cube(&axes, centre, size) };
-        whole = if k % 3 == 0 {
-            let outside = text.one("neg", &part);
-            text.two("max", &whole, &outside)
-        } else {
-            text.two("min", &whole, &part)
-        };
-    }
-    text.lines
-}
-
-/// A gyroid, sin·cos three times, and a second one of another period taken from it.
-fn gyroids() -> String {
-    let mut text = Text::default();
-    let axes = text.axes();
-    let mut gyroid = |frequency: f64| {
-        let frequency = text.number(frequency);
-        let angles = [0, 1, 2].map(|k| text.two("mul", &axes[k], &frequency));
-        let sines = angles.clone().map(|a| text.one("sin", &a));
-        let cosines = angles.map(|a| text.one("cos", &a));
-        let products = [0, 1, 2].map(|k| text.two("mul", &sines[k], &cosines[(k + 1) % 3]));
-        let sum = text.two("add", &products[0], &products[1]);
-        text.two("add", &sum, &products[2])
-    };
-    let (large, small) = (gyroid(9.0), gyroid(23.0));
-    text.two("max", &large, &small);
-    text.lines
-}
-
-/// Our expression of an op list; the last line is the value.
-fn expression(text: &str) -> Expr {
-    let axes = Expr::axes();
-    let mut known: HashMap<&str, Expr> = HashMap::new(); // Only looked up: no order depends on it.
-    let mut last = Expr::constant(0.0);
-    for line in text.lines().filter(|line| !line.starts_with('#') && !line.trim().is_empty()) {
-        let words: Vec<&str> = line.split_whitespace().collect();
-        let of = |k: usize| known[words[k]].clone();
-        let unary = Unary::ALL.iter().find(|(_, name)| *name == words[1]);
-        let binary = Binary::ALL.iter().find(|(_, name)| *name == words[1]);
-        last = match (words[1], unary, binary) {
-            ("const", ..) => Expr::constant(f64::from(words[2].parse::<f32>().expect("a number"))),
-            ("var-x", ..) => axes[0].clone(),
-            ("var-y", ..) => axes[1].clone(),
-            ("var-z", ..) => axes[2].clone(),
-            (_, Some((op, _)), _) => Expr::unary(*op, &of(2)),
-            (_, _, Some((op, _))) => Expr::binary(*op, &of(2), &of(3)),
-            (name, ..) => panic!("{name} is no operation"),
-        };
-        known.insert(words[0], last.clone());
-    }
-    last
-}
 
 /// Seconds of one run of each, the medians of runs in turn.
 fn medians(sides: &mut [&mut dyn FnMut()]) -> Vec<f64> {
@@ -172,7 +53,8 @@ fn row(model: &str, what: &str, count: usize, times: &[f64]) {
 fn bench(model: &str, text: &str) {
     let tape = Tape::of(&expression(text));
     let (context, root) = Context::from_text(text.as_bytes()).expect("an op list");
-    let (vm, jit) = (VmShape::new(&context, root).expect("a shape"), JitShape::new(&context, root).expect("a shape"));
+    let (vm, jit) =
+        (VmShape::new(&context, root).expect("a shape"), JitShape::new(&context, root).expect("a shape"));
     let (vm_tape, jit_tape) = (vm.ez_float_slice_tape(), jit.ez_float_slice_tape());
     let (mut vm_eval, mut jit_eval) = (VmShape::new_float_slice_eval(), JitShape::new_float_slice_eval());
     let [x, y, z] = points();
@@ -219,7 +101,8 @@ fn bench(model: &str, text: &str) {
     ]);
     row(model, "gradients (f64; theirs f32)", POINTS, &[times[1], theirs[0], theirs[1]]);
 
-    let boxes: Vec<Box3> = rows.iter().take(BOXES).map(|p| Box3 { min: *p, max: p.map(|c| c + 0.0625) }).collect();
+    let boxes: Vec<Box3> =
+        rows.iter().take(BOXES).map(|p| Box3 { min: *p, max: p.map(|c| c + 0.0625) }).collect();
     let sides: Vec<[fidget::types::Interval; 3]> = boxes
         .iter()
         .map(|b| [0, 1, 2].map(|k| fidget::types::Interval::new(b.min[k] as f32, b.max[k] as f32)))

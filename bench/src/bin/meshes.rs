@@ -4,6 +4,7 @@ use chordal::budget::Tolerance;
 use chordal::check::{Goal, deviation, self_intersections, validity};
 use chordal::explicit::{Bvh, Ray, Topology, position_id_by_bits, vertex_normals};
 use chordal::{Job, Mesh};
+use chordal_bench::torus;
 use serde_json::{Value, json};
 use std::fs;
 use std::hint::black_box;
@@ -11,23 +12,6 @@ use std::path::Path;
 use std::time::Instant;
 
 type Point = [f64; 3];
-
-/// A torus of n × m quads with bumps, turned by a share of a cell.
-fn torus(n: u32, m: u32, turn: f64, bump: f64) -> Mesh {
-    let tau = std::f64::consts::TAU;
-    let at = |i: u32, j: u32| -> Point {
-        let (u, v) = (tau * (f64::from(i) / f64::from(n) + turn), tau * (f64::from(j) / f64::from(m) + turn));
-        let r = 0.3 * (1.0 + bump * (9.0 * u).sin() * (7.0 * v).cos());
-        [(1.0 + r * v.cos()) * u.cos(), (1.0 + r * v.cos()) * u.sin(), r * v.sin()]
-    };
-    let id = |i: u32, j: u32| (i % n) * m + j % m;
-    let cells = || (0..n).flat_map(|i| (0..m).map(move |j| (i, j)));
-    let faces = cells().flat_map(|(i, j)| {
-        let [a, b, c, d] = [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)];
-        [[a, b, c], [a, c, d]]
-    });
-    Mesh::new(cells().map(|(i, j)| at(i, j)).collect(), faces.collect()).expect("valid")
-}
 
 /// Three vertices of its own for each triangle.
 fn soup(mesh: &Mesh) -> Mesh {
@@ -86,17 +70,17 @@ fn read(path: &str) -> Mesh {
 fn make(folder: &Path) {
     fs::create_dir_all(folder).expect("writable");
     let put = |name: &str, mesh: &Mesh| write(&folder.join(format!("{name}.mesh")), mesh);
-    let million = torus(1000, 500, 0.0, 0.1);
+    let million = torus([1000, 500], 0.0, 0.1);
     put("million", &million);
     put("million-soup", &soup(&million));
     // Two that cross each other all along a curve.
-    let half = torus(700, 350, 0.0, 0.1);
+    let half = torus([700, 350], 0.0, 0.1);
     let other: Vec<Point> = half.positions().iter().map(|[x, y, z]| [x + 0.51, z + 0.003, *y]).collect();
     put("crossing", &both(&half, &Mesh::new(other, half.faces().to_vec()).expect("valid")));
-    let fine = torus(400, 200, 0.0, 0.1);
+    let fine = torus([400, 200], 0.0, 0.1);
     put("fine", &fine);
-    put("coarse", &torus(126, 63, 0.001, 0.1));
-    put("turned", &torus(400, 200, 0.0003, 0.1));
+    put("coarse", &torus([126, 63], 0.001, 0.1));
+    put("turned", &torus([400, 200], 0.0003, 0.1));
     // Noise of a twentieth of a cell: made up, so that both surfaces wave around each other.
     put("rough", &moved(&fine, 1e-4)); // measured against cells of 0.005
     let shifted: Vec<Point> = fine.positions().iter().map(|[x, y, z]| [x + 0.02, *y, *z]).collect();
@@ -167,13 +151,15 @@ fn run(name: &str, job: &Job, mesh: &Mesh, meshes: &[Mesh]) -> (f64, Value) {
         "deviation" | "deviation-1%" => {
             let relative = if name == "deviation" { 0.1 } else { 0.01 };
             let goal = Goal { relative, ..Goal::default() };
-            let (seconds, found) = timed(3, || deviation(mesh, &meshes[1], &goal, job).expect("two surfaces"));
+            let (seconds, found) =
+                timed(3, || deviation(mesh, &meshes[1], &goal, job).expect("two surfaces"));
             (seconds, json!([found.bound.at_least(), found.bound.at_most()]))
         }
         "within" => {
             let max = Some(Tolerance::new(0.01).expect("a length"));
             let goal = Goal { max, ..Goal::default() };
-            let (seconds, found) = timed(3, || deviation(mesh, &meshes[1], &goal, job).expect("two surfaces"));
+            let (seconds, found) =
+                timed(3, || deviation(mesh, &meshes[1], &goal, job).expect("two surfaces"));
             (seconds, json!([found.bound.at_least(), found.bound.at_most()]))
         }
         "closest" => {

@@ -29,7 +29,8 @@ fn read(path: &str) -> Vec<f32> {
 }
 
 fn open_edges(faces: &[[u32; 3]]) -> usize {
-    let mut half: Vec<(u32, u32)> = faces.iter().flat_map(|f| [(f[0], f[1]), (f[1], f[2]), (f[2], f[0])]).collect();
+    let mut half: Vec<(u32, u32)> =
+        faces.iter().flat_map(|f| [(f[0], f[1]), (f[1], f[2]), (f[2], f[0])]).collect();
     half.sort_unstable();
     half.iter().filter(|(a, b)| half.binary_search(&(*b, *a)).is_err()).count()
 }
@@ -37,7 +38,8 @@ fn open_edges(faces: &[[u32; 3]]) -> usize {
 fn peak() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find(|line| line.starts_with("VmHWM"));
-    let number = line.and_then(|line| line.split_whitespace().nth(1)).and_then(|text| text.parse::<u64>().ok());
+    let number =
+        line.and_then(|line| line.split_whitespace().nth(1)).and_then(|text| text.parse::<u64>().ok());
     1024 * number.unwrap_or(0)
 }
 
@@ -75,7 +77,10 @@ fn main() {
             buffer.indices.len() / 3
         });
         let _ = shape.size();
-        return println!("{{\"seconds\": {seconds}, \"triangles\": {count}, \"open\": null, \"peak\": {}}}", peak());
+        return println!(
+            "{{\"seconds\": {seconds}, \"triangles\": {count}, \"open\": null, \"peak\": {}}}",
+            peak()
+        );
     }
     if words[0] == "ties" {
         values.iter_mut().for_each(|v| *v = (*v * 10.0).round() / 10.0);

@@ -1,0 +1,287 @@
+//! The bench of fields to triangles: each call prints one line of JSON.
+//!
+//! `ours MODEL THREADS LENGTH OUT` meshes within the length, proved; `fidget MODEL THREADS DEPTH OUT` runs its mesher with machine code;
+//! `judge MODEL MESH` measures a mesh that anybody wrote, by samples that share nothing with the proof.
+use chordal::budget::{Failure, Tolerance};
+use chordal::explicit::{Bvh, Topology};
+use chordal::implicit::{Field, Slope, Tape};
+use chordal::math::Box3;
+use chordal::{Budget, Job, Mesh, check, convert};
+use chordal_bench::{models, read, write};
+use fidget::context::Context;
+use fidget::jit::JitShape;
+use fidget::mesh::{Octree, Settings};
+use fidget::render::ThreadPool;
+use nalgebra::Matrix4;
+use serde_json::{Value, json};
+use std::path::Path;
+use std::time::Instant;
+
+type Point = [f64; 3];
+
+/// Points of the surface that a mesh is measured from: crossings of a lattice of so many steps along a side.
+const LATTICE: usize = 160;
+/// Halvings of a step that holds a crossing: to the last place of the step.
+const HALVINGS: usize = 50;
+/// Runs whose median is told, of those that are short.
+const RUNS: usize = 3;
+/// Seconds of a run that is not repeated.
+const LONG: f64 = 5.0;
+/// Half the side of the box around the origin that holds all models.
+const HALF: f64 = 1.25;
+
+fn model(name: &str) -> String {
+    match name {
+        "ball" => models::ball(),
+        "torus" => models::torus(),
+        "cube-ball" => models::cube_without_ball(),
+        "csg6" => models::csg(6),
+        "gyroid-ball" => models::gyroid_in_ball(),
+        "blobs" => models::blobs(),
+        _ => panic!("no model is called {name}"),
+    }
+}
+
+fn timed<T>(mut work: impl FnMut() -> T) -> (f64, T) {
+    let mut seconds = Vec::new();
+    let mut last = None;
+    while seconds.len() < RUNS && seconds.first().is_none_or(|first| *first < LONG) {
+        drop(last.take());
+        let start = Instant::now();
+        last = Some(work());
+        seconds.push(start.elapsed().as_secs_f64());
+    }
+    seconds.sort_by(f64::total_cmp);
+    (seconds[seconds.len() / 2], last.expect("a run"))
+}
+
+fn keep(path: &str, positions: &[Point], faces: &[[u32; 3]]) {
+    let mut file = std::io::BufWriter::new(std::fs::File::create(path).expect("a file to write"));
+    write(&mut file, positions, faces).expect("room on the disk");
+}
+
+fn ours(text: &str, threads: usize, length: f64, out: &str) -> Value {
+    let whole = Box3 { min: [-HALF; 3], max: [HALF; 3] };
+    let field = Field::new(models::expression(text)).with_bounds(whole);
+    let budget = Budget::length(Tolerance::new(length).expect("a length"));
+    let job = Job::default().with_threads(threads);
+    let (seconds, made) = timed(|| convert::field_to_mesh(&field, &budget, &job));
+    match made {
+        Ok(made) => {
+            keep(out, made.shape.positions(), made.shape.faces());
+            json!({ "seconds": seconds, "triangles": made.shape.faces().len(), "most": made.bound.at_most() })
+        }
+        Err(Failure::Unmet(made)) => {
+            keep(out, made.shape.positions(), made.shape.faces());
+            let n = made.shape.faces().len();
+            json!({ "seconds": seconds, "triangles": null, "most": null, "failure": "unmet", "had": n })
+        }
+        Err(failure) => {
+            json!({ "seconds": seconds, "triangles": null, "most": null, "failure": failure.to_string() })
+        }
+    }
+}
+
+fn fidget(text: &str, threads: usize, depth: u8, out: &str) -> Value {
+    let (context, root) = Context::from_text(text.as_bytes()).expect("an op list");
+    let (seconds, mesh) = timed(|| {
+        // Compiling is part of the job: it is done once for a shape.
+        let shape =
+            JitShape::new(&context, root).expect("a shape").try_into().expect("no variables but the axes");
+        let pool = ThreadPool::Global;
+        let world_to_model = Matrix4::new_scaling(HALF as f32);
+        let settings = Settings {
+            depth,
+            world_to_model,
+            threads: (threads > 1).then_some(&pool),
+            ..Settings::default()
+        };
+        Octree::build(&shape, &settings).expect("not cancelled").walk_dual()
+    });
+    let positions: Vec<Point> = mesh.vertices.iter().map(|p| [p.x, p.y, p.z].map(f64::from)).collect();
+    let faces: Vec<[u32; 3]> = mesh.triangles.iter().map(|t| [t.x, t.y, t.z].map(|i| i as u32)).collect();
+    keep(out, &positions, &faces);
+    json!({ "seconds": seconds, "triangles": faces.len() })
+}
+
+/// The values of a field at many points.
+fn values(tape: &Tape, points: &[Point]) -> Vec<f64> {
+    let mut out = vec![0.0; points.len()];
+    tape.at(points, &mut out).expect("no leaf");
+    out
+}
+
+/// Points of the surface between each two points of different sides, by halving.
+fn crossings(tape: &Tape, mut ends: Vec<[Point; 2]>) -> Vec<Point> {
+    let firsts: Vec<Point> = ends.iter().map(|e| e[0]).collect();
+    let inside: Vec<bool> = values(tape, &firsts).iter().map(|v| *v < 0.0).collect();
+    for _ in 0..HALVINGS {
+        let middles: Vec<Point> =
+            ends.iter().map(|[a, b]| std::array::from_fn(|k| 0.5 * (a[k] + b[k]))).collect();
+        for (k, value) in values(tape, &middles).iter().enumerate() {
+            let same = (*value < 0.0) == inside[k];
+            ends[k][usize::from(!same)] = middles[k];
+        }
+    }
+    ends.into_iter().map(|e| e[0]).collect()
+}
+
+/// Points of the surface on the edges of a lattice.
+fn surface_points(tape: &Tape) -> Vec<Point> {
+    let at = |i: usize| HALF * (2.0 * i as f64 / LATTICE as f64 - 1.0);
+    let layer = |z: usize| -> Vec<Point> {
+        (0..=LATTICE).flat_map(|y| (0..=LATTICE).map(move |x| [at(x), at(y), at(z)])).collect()
+    };
+    let row = LATTICE + 1;
+    let mut ends = Vec::new();
+    let mut below: Option<(Vec<Point>, Vec<f64>)> = None;
+    for z in 0..=LATTICE {
+        let points = layer(z);
+        let here = values(tape, &points);
+        for k in 0..points.len() {
+            let mut cut = |other: Point, value: f64| {
+                if (value < 0.0) != (here[k] < 0.0) {
+                    ends.push([points[k], other]);
+                }
+            };
+            if (k + 1) % row != 0 {
+                cut(points[k + 1], here[k + 1]);
+            }
+            if k + row < points.len() {
+                cut(points[k + row], here[k + row]);
+            }
+            if let Some((points, values)) = &below {
+                cut(points[k], values[k]);
+            }
+        }
+        below = Some((points, here));
+    }
+    crossings(tape, ends)
+}
+
+/// How far points are from the surface at most: along the gradient to the next crossing, or to the next of some points
+/// of the surface, whichever is less.
+fn distances(tape: &Tape, points: &[Point], surface: &[Point]) -> f64 {
+    // A cloud of points is a mesh of triangles without extent.
+    let faces = (0..surface.len() as u32).map(|i| [i; 3]).collect();
+    let cloud = Mesh::new(surface.to_vec(), faces).expect("valid");
+    let bvh = Bvh::build(&cloud, &Job::default()).expect("small");
+    let near = bvh.closest_points(points, &Job::default());
+    let mut slopes = vec![Slope { value: 0.0, gradient: [0.0; 3] }; points.len()];
+    tape.gradient_at(points, &mut slopes).expect("no leaf");
+    // From each point down the slope, as far as the next known point is: then the side has changed or this way is no better.
+    let mut most: Vec<f64> = points
+        .iter()
+        .zip(&near)
+        .map(|(p, c)| c.as_ref().map_or(f64::INFINITY, |c| apart(c.point, *p)))
+        .collect();
+    let mut left = Vec::new();
+    for (k, slope) in slopes.iter().enumerate() {
+        let [x, y, z] = slope.gradient;
+        let length = (x * x + y * y + z * z).sqrt();
+        if slope.value == 0.0 {
+            most[k] = 0.0;
+        } else if length > 0.0 {
+            left.push((k, slope.gradient.map(|g| -slope.value.signum() * g / length), slope.value < 0.0));
+        }
+    }
+    let (mut which, mut ends) = (Vec::new(), Vec::new());
+    // A share of the way that doubles, so that the first crossing is not passed from afar.
+    let mut share = 1.0 / 64.0;
+    while share <= 1.0 && !left.is_empty() {
+        let there: Vec<Point> = left
+            .iter()
+            .map(|(k, d, _)| std::array::from_fn(|i| points[*k][i] + share * most[*k] * d[i]))
+            .collect();
+        let after = values(tape, &there);
+        let mut next = Vec::new();
+        for (one, (end, value)) in left.into_iter().zip(there.iter().zip(after)) {
+            if (value < 0.0) == one.2 {
+                next.push(one);
+            } else {
+                which.push(one.0);
+                ends.push([points[one.0], *end]);
+            }
+        }
+        left = next;
+        share *= 2.0;
+    }
+    for (k, found) in which.into_iter().zip(crossings(tape, ends)) {
+        let far = apart(points[k], found);
+        most[k] = if far < most[k] { far } else { most[k] };
+    }
+    most.into_iter().fold(0.0, |most, far| if far > most { far } else { most })
+}
+
+fn apart(a: Point, b: Point) -> f64 {
+    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
+}
+
+fn judge(text: &str, path: &str) -> Value {
+    let (positions, faces) = read(Path::new(path)).expect("a mesh").swap_remove(0);
+    let mesh = Mesh::new(positions, faces).expect("valid");
+    let tape = Tape::of(&models::expression(text));
+    let job = Job::default();
+    let bvh = Bvh::build(&mesh, &job).expect("small");
+    let surface = surface_points(&tape);
+    let found = bvh.closest_points(&surface, &job);
+    let to_mesh = found.iter().zip(&surface).fold(0.0, |most, (c, p)| {
+        let far = c.as_ref().map_or(f64::INFINITY, |c| apart(c.point, *p));
+        if far > most { far } else { most }
+    });
+    let stride = (mesh.faces().len() / 200_000).max(1);
+    let samples: Vec<Point> = (0..mesh.faces().len())
+        .step_by(stride)
+        .flat_map(|face| {
+            let [a, b, c] = mesh.corners(face);
+            let mixed = |u: f64, v: f64| -> Point {
+                std::array::from_fn(|k| a[k] + u * (b[k] - a[k]) + v * (c[k] - a[k]))
+            };
+            [
+                (0.0, 0.0),
+                (1.0 / 3.0, 1.0 / 3.0),
+                (0.5, 0.0),
+                (0.5, 0.5),
+                (0.0, 0.5),
+                (0.15, 0.15),
+                (0.7, 0.15),
+                (0.15, 0.7),
+            ]
+            .map(|(u, v)| mixed(u, v))
+        })
+        .collect();
+    let from_mesh = distances(&tape, &samples, &surface);
+    let valid = check::validity(&mesh, Topology::Indices);
+    json!({
+        "error": if to_mesh > from_mesh { to_mesh } else { from_mesh },
+        "to_mesh": to_mesh, "from_mesh": from_mesh, "closed": valid.closed, "manifold": valid.manifold(),
+        "triangles": mesh.faces().len(),
+    })
+}
+
+fn main() {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    let number = |text: &str| text.parse::<f64>().expect("a number");
+    let said = match words[..] {
+        ["ours", name, threads, length, out] => {
+            ours(&model(name), number(threads) as usize, number(length), out)
+        }
+        ["fidget", name, threads, depth, out] => {
+            fidget(&model(name), number(threads) as usize, number(depth) as u8, out)
+        }
+        ["prove", name, path] => {
+            let (positions, faces) = read(Path::new(path)).expect("a mesh").swap_remove(0);
+            let mesh = Mesh::new(positions, faces).expect("valid");
+            let whole = Box3 { min: [-HALF; 3], max: [HALF; 3] };
+            let field = Field::new(models::expression(&model(name))).with_bounds(whole);
+            let max = Some(Tolerance::new(0.01).expect("a length"));
+            let goal = check::Goal { max, ..check::Goal::default() };
+            let found = check::field_deviation(&mesh, &field, &goal, &Job::default()).expect("answers");
+            json!(format!("{found:?}"))
+        }
+        ["judge", name, path] => judge(&model(name), path),
+        _ => panic!("field_meshes ours|fidget|judge MODEL ..."),
+    };
+    println!("{said}");
+}
