@@ -83,6 +83,21 @@ fn parts_that_fall_between_points_are_found_by_the_proof() {
 }
 
 #[test]
+fn a_slit_that_no_lattice_meets_is_as_far_as_it_is_deep() {
+    let [x, y, _] = Expr::axes();
+    // A square of half a unit to each side, cut in two by a slit as thin as a millionth: its middle is 0.5 from its border.
+    let slit = Expr::constant(1e-6) - (&y - 0.1234).abs();
+    let field = within(x.abs().max(&y.abs()).max(&(slit + 0.5)) - 0.5, 1.0);
+    let budget = Budget::length(Tolerance::new(0.01).unwrap());
+    let Err(Failure::Unmet(best)) = field_to_polyline(&field, &budget, &Job::default()) else {
+        panic!("the slit was lost without a word");
+    };
+    // Between the depth of the slit to the nearest border, along y, and that with the room of squares.
+    let most = best.bound.at_most().unwrap();
+    assert!((0.376..0.39).contains(&most), "{most}");
+}
+
+#[test]
 fn what_cannot_be_is_refused_with_the_reason() {
     let [x, y, _] = Expr::axes();
     let budget = Budget::length(Tolerance::new(0.01).unwrap());

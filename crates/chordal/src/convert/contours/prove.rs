@@ -21,8 +21,9 @@ pub(super) struct Far {
 
 /// Boxes are quartered to this share of what is aimed at.
 const FINEST: f64 = 1.0 / 16.0;
-/// Squares around the one that a point is in, in which segments are looked for.
+/// Squares around the one that a point is in, in which segments are looked for at first, and at most; each time four times as many.
 const RINGS: i64 = 2;
+const MOST_RINGS: i64 = 512;
 
 type Segment = [[f64; 2]; 2];
 
@@ -122,13 +123,25 @@ impl Prover<'_> {
 
     /// The distance of a point to the nearest segment around, rounded up; infinite where there is none.
     fn nearest(&self, p: [f64; 2]) -> f64 {
+        let mut rings = RINGS;
+        let mut near = self.nearest_in(p, rings);
+        // What is as near as is aimed at is near enough, and beyond the rings there may be nearer ones.
+        while near > self.aim && near > rings as f64 * self.traced.lattice.step && rings < MOST_RINGS {
+            rings *= 4;
+            near = self.nearest_in(p, rings);
+        }
+        add_up(near, self.rounding)
+    }
+
+    /// That in so many squares around.
+    fn nearest_in(&self, p: [f64; 2], rings: i64) -> f64 {
         let [i, j] = self.traced.lattice.square(p);
         let key = |entry: &([i64; 2], Segment)| [entry.0[1], entry.0[0]];
         let mut best = f64::INFINITY;
-        for row in j - RINGS..=j + RINGS {
-            let start = self.segments.partition_point(|entry| key(entry) < [row, i - RINGS]);
+        for row in j - rings..=j + rings {
+            let start = self.segments.partition_point(|entry| key(entry) < [row, i - rings]);
             for (_, [a, b]) in
-                self.segments[start..].iter().take_while(|entry| key(entry) <= [row, i + RINGS])
+                self.segments[start..].iter().take_while(|entry| key(entry) <= [row, i + rings])
             {
                 let (d, q) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
                 let t = (q[0] * d[0] + q[1] * d[1]) / (d[0] * d[0] + d[1] * d[1]);
@@ -137,7 +150,7 @@ impl Prover<'_> {
                 best = if far < best { far } else { best };
             }
         }
-        add_up(best, self.rounding)
+        best
     }
 
     fn lines_to_curve(&self, block: &Block, far: &mut Far) -> Result<(), LeafError> {

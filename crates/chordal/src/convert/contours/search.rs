@@ -22,6 +22,11 @@ const FIRST: f64 = 64.0;
 const MOST_EMPTY: f64 = 2048.0;
 /// Lattices that are tried at most.
 const TRIALS: usize = 16;
+/// Lattices whose bound is no better than this share of the last are given up after so many of them, once lines have so many
+/// segments: before, smaller squares cost little and may meet what fell between their corners.
+const STUCK_SHARE: f64 = 0.8;
+const STUCK: usize = 2;
+const STUCK_SEGMENTS: u64 = 1 << 14;
 /// The most segments: what is known of one takes some hundred bytes.
 const MOST: u64 = 1 << 24;
 
@@ -40,6 +45,7 @@ pub(in crate::convert) fn search(
     let mut best: Option<Bounded<Lines>> = None;
     // With a count alone lines are as fine as it allows, and what they are worth is found afterwards.
     let Some(length) = wanted.length else { return search.by_count(step) };
+    let (mut stuck, mut last) = (0, f64::INFINITY);
     for round in 0..TRIALS {
         job.report(Progress { stage: "contours", done: round as u64, total: TRIALS as u64 });
         let traced = match search.traced(step, length) {
@@ -74,7 +80,9 @@ pub(in crate::convert) fn search(
         }
         best = Some(with_place(made, far.at));
         // Places that smaller squares do not settle either are not waited for.
-        if count(&traced) > MOST / 4 {
+        stuck += usize::from(far.most > STUCK_SHARE * last);
+        last = far.most;
+        if count(&traced) > MOST / 4 || stuck >= STUCK && count(&traced) > STUCK_SEGMENTS {
             break;
         }
         step *= 0.6;
