@@ -1,0 +1,4 @@
+//! Cages: refined like the reference, and by laws that need none.
+mod corpus;
+mod laws;
+mod reference;
