@@ -51,7 +51,7 @@ impl Field {
         Self { bounds, ..self }
     }
 
-    /// The same, with the caller's word that `sign` is negative exactly where the value is.
+    /// The same, with the caller's word that `sign` is negative exactly where the value is, and positive exactly where that is.
     ///
     /// A distance often has kinks on the surface itself (that of a box is made of an outer and an inner part which meet
     /// there), where ranges of its gradient say little. An expression that runs smoothly through 0, such as a maximum of

@@ -1,10 +1,10 @@
-//! Fewer terms for a region: where one branch of a minimum or maximum always wins, the other is left out.
+//! Fewer terms for a region: where one branch of a minimum, smooth or not, or maximum always wins, the other is left out.
 use super::graph::{Graph, Term};
 use super::leaf::LeafError;
 use super::number::Number;
 use super::op::Binary;
 use super::sources::{Source, boxed};
-use crate::math::{Box3, Interval};
+use crate::math::{Box3, Interval, sub_down};
 
 /// What is known of a term in the region.
 #[derive(Clone, Copy, PartialEq)]
@@ -111,9 +111,9 @@ fn choice(op: Binary, a: Interval, b: Interval) -> Choice {
         Binary::Min if b.hi() < a.lo() => Choice::Second,
         Binary::Max if a.lo() > b.hi() => Choice::First,
         Binary::Max if b.lo() > a.hi() => Choice::Second,
-        // A difference rounds to 1 or more for the ends, and so for all numbers between: nothing is taken off.
-        Binary::SmoothMin if b.lo() - a.hi() >= 1.0 => Choice::First,
-        Binary::SmoothMin if a.lo() - b.hi() >= 1.0 => Choice::Second,
+        // Exact numbers between the ends are 1 apart as well, so that nothing is taken off.
+        Binary::SmoothMin if sub_down(b.lo(), a.hi()) >= 1.0 => Choice::First,
+        Binary::SmoothMin if sub_down(a.lo(), b.hi()) >= 1.0 => Choice::Second,
         Binary::And if never => Choice::Second,
         Binary::And if is_zero => Choice::First,
         Binary::Or if never => Choice::First,

@@ -191,7 +191,7 @@ impl Tape {
     }
 
     /// The range of the values in a box, and a shorter tape that has the same values inside of it, where one branch of a
-    /// minimum or maximum always wins there. None where that leaves out less than an eighth.
+    /// minimum, smooth or not, or maximum always wins there. None where that leaves out less than an eighth.
     ///
     /// # Errors
     /// What a leaf says.

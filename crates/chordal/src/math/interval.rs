@@ -10,7 +10,8 @@
 //! `[0, 0] · [−∞, ∞]` is `[0, 0]`.
 //!
 //! Operations are isotone: from smaller operands comes a range inside the one from larger operands, and the claim
-//! [`Interval::is_defined`] is lost only when growing.
+//! [`Interval::is_defined`] is lost only when growing. The smooth minimum is the one exception: its ends are padded by what
+//! they are, so that a smaller range may reach beyond a larger one by some units in the last place; both hold.
 //!
 //! Source: IEEE Std 1788-2015, set-based flavour; the flag is its decoration `dac`.
 use super::sub_up;

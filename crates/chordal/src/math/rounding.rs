@@ -68,6 +68,27 @@ pub fn sqrt_up(a: f64) -> f64 {
     a.sqrt().next_up()
 }
 
+/// The length of a vector, bounded from above; small and large ones as well as others.
+#[inline]
+#[must_use]
+pub(crate) fn length_up<const D: usize>(v: [f64; D]) -> f64 {
+    let most = v.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+    // A power of two, so that squares neither vanish nor overflow.
+    let scale = if most < FEW {
+        LARGE
+    } else if most > 1.0 / FEW {
+        1.0 / LARGE
+    } else {
+        1.0
+    };
+    let sum = v.iter().fold(0.0, |sum, x| add_up(sum, mul_up(x * scale, x * scale)));
+    if scale == 1.0 { sqrt_up(sum) } else { div_up(sqrt_up(sum), scale) }
+}
+
+/// 2⁻⁴⁰⁰ and 2⁶⁰⁰, derived from the range of exponents: squares of what is less than the first lose digits, times the second not.
+const FEW: f64 = 3.872_591_914_849_318_3e-121;
+const LARGE: f64 = 4.149_515_568_880_993e180;
+
 /// `√a` for `a ≥ 0`, bounded from below, never negative.
 #[inline]
 #[must_use]

@@ -71,7 +71,8 @@ const BENT: f64 = 0.5;
 const SEEMS_OFF: f64 = 1.1;
 /// A column that comes this near to what is near enough is looked at more closely.
 const WORTH: f64 = 2.0;
-/// Room beside a column for the rounding of its sides, as a share: derived as some 20 steps, with a thousandfold margin.
+/// Room beside a column for the rounding of its sides, as a share: derived as some 20 steps, with a margin of
+/// 10⁵. It decides only how often columns fit.
 const ASIDE: f64 = 1e-9;
 /// By how much the axes of a column may be off from being of length 1 and across each other, rounded as they are: derived
 /// as some 20 roundings of half a step each, with a thousandfold margin.
@@ -338,7 +339,7 @@ impl Sight {
         let sideways = add_up(mul_up(a, tilt(u)), mul_up(b, tilt(v)));
         let base = div_up(add_up(self.value.magnitude(), sideways), self.growth.rate);
         let steps = self.growth.steps_for(self.strays);
-        // A little more, so that the rounded middles of top and bottom are beyond δ as well.
+        // A little more, so that the rounded middles of top and bottom mostly are beyond δ, which is looked at.
         let height = mul_up(add_up(base, steps), 1.0 + CROOKED);
         // δ > 0 is needed for the strict side.
         let height = add_up(height, mul_up(CROOKED, *size));

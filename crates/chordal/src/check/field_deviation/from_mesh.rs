@@ -20,11 +20,11 @@
 //!
 //! The other way round, F has no zero within |F(c)| / max|G| of the middle c, as far as E reaches: so far the surface is at
 //! least.
-use super::slope::{Growth, distance_up, dot, exactly, inflated, is_lipschitz, length_up, steepest, step};
+use super::slope::{Growth, distance_up, dot, exactly, inflated, is_lipschitz, steepest, step};
 use super::smaller;
 use super::witness::{Witness, at_most};
 use crate::implicit::{LeafError, Slope, Tape};
-use crate::math::{Box3, Interval, add_up, div_down, div_up, mul_up, sub_down};
+use crate::math::{Box3, Interval, add_up, div_down, div_up, length_up, mul_up, sub_down};
 
 /// A piece of a face that is still open.
 #[derive(Clone, Debug)]

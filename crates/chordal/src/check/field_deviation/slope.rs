@@ -1,6 +1,6 @@
 //! What the range of a gradient says of a field about a point: how it grows along a direction, and how far it can stray.
 use crate::implicit::Slope;
-use crate::math::{Box3, Interval, add_up, div_up, mul_up, sqrt_up};
+use crate::math::{Box3, Interval, div_up, length_up};
 
 /// `v · w`, enclosed.
 pub(super) fn dot(v: [Interval; 3], w: [Interval; 3]) -> Interval {
@@ -20,12 +20,6 @@ pub(super) fn step(p: [f64; 3], q: [f64; 3]) -> [Interval; 3] {
 /// `|p − q|`, from above.
 pub(super) fn distance_up(p: [f64; 3], q: [f64; 3]) -> f64 {
     length_up(step(p, q).map(Interval::magnitude))
-}
-
-/// The length of a vector of numbers ≥ 0, from above.
-pub(super) fn length_up(v: [f64; 3]) -> f64 {
-    // Halves of the range of exponents: what is tinier than that is counted as the smallest number by rounding up.
-    sqrt_up(add_up(add_up(mul_up(v[0], v[0]), mul_up(v[1], v[1])), mul_up(v[2], v[2])))
 }
 
 /// The box with `by` more on every side, rounded outward.

@@ -8,7 +8,7 @@
 use super::trace::{Block, Traced};
 use crate::budget::{Job, par_map};
 use crate::implicit::LeafError;
-use crate::math::{Box3, Interval, add_up, length, sub_down};
+use crate::math::{Box3, Interval, add_up, div_up, length, length_up, sub_down};
 
 /// What is known of the distance, and where it is largest.
 #[derive(Clone, Copy, Debug)]
@@ -17,10 +17,17 @@ pub(super) struct Far {
     pub at: [f64; 2],
     /// From below.
     pub least: f64,
+    /// Whether some point is surely inside.
+    pub met: bool,
 }
 
-/// Boxes are quartered to this share of what is aimed at.
+/// Boxes are quartered to this share of what is aimed at, and not to less than so many times what rounding moves.
 const FINEST: f64 = 1.0 / 16.0;
+const ROUNDINGS: f64 = 4.0;
+/// Boxes that are looked at in one call.
+const AT_ONCE: usize = 256;
+/// Pieces of a segment at most.
+const PIECES: f64 = 4096.0;
 /// Squares around the one that a point is in, in which segments are looked for at first, and at most; each time four times as many.
 const RINGS: i64 = 2;
 const MOST_RINGS: i64 = 512;
@@ -55,37 +62,51 @@ pub(super) fn prove(traced: &Traced, bounds: &Box3, aim: f64, job: &Job) -> Resu
     });
     let reach =
         bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
-    // A dozen roundings of coordinates up to twice the largest.
-    let rounding = 32.0 * f64::EPSILON * reach;
+    // A dozen roundings of coordinates up to four times the largest, and what underflow leaves.
+    let rounding = 32.0 * f64::EPSILON * reach + f64::MIN_POSITIVE;
     let all = 2.0 * bounds.diagonal() + 8.0 * traced.lattice.step;
     let prover = Prover { traced, segments, aim, all, rounding };
-    let found = par_map(job, &traced.blocks, |_, block| {
-        if job.is_cancelled() { Ok(Far { most: 0.0, at: [0.0; 2], least: 0.0 }) } else { prover.block(block) }
-    });
-    let mut far = Far { most: 0.0, at: traced.points[0], least: 0.0 };
+    let found = par_map(job, &traced.blocks, |_, block| prover.block(block, job));
+    let mut far = Far { most: 0.0, at: traced.points[0], least: 0.0, met: false };
     for one in found {
         let one = one?;
+        far.met |= one.met;
         if one.most > far.most {
             (far.most, far.at) = (one.most, one.at);
         }
         far.least = if one.least > far.least { one.least } else { far.least };
     }
+    // Where nothing is surely inside there may be no curve at all.
+    far.most = if far.met { far.most } else { f64::INFINITY };
     Ok(far)
 }
 
+impl Far {
+    fn take(&mut self, most: f64, at: [f64; 2], all: f64) {
+        let most = if most < all { most } else { all };
+        if most > self.most {
+            (self.most, self.at) = (most, at);
+        }
+    }
+}
+
 impl Prover<'_> {
-    fn block(&self, block: &Block) -> Result<Far, LeafError> {
-        let mut far = Far { most: 0.0, at: [0.0; 2], least: 0.0 };
-        self.curve_to_lines(block, &mut far)?;
+    fn block(&self, block: &Block, job: &Job) -> Result<Far, LeafError> {
+        let mut far = Far { most: 0.0, at: [0.0; 2], least: 0.0, met: false };
+        self.curve_to_lines(block, &mut far, job)?;
         self.lines_to_curve(block, &mut far)?;
         Ok(far)
     }
 
-    fn curve_to_lines(&self, block: &Block, far: &mut Far) -> Result<(), LeafError> {
+    fn curve_to_lines(&self, block: &Block, far: &mut Far, job: &Job) -> Result<(), LeafError> {
         let whole = self.traced.lattice.bounds(block.place, 1, 0.0);
-        let mut boxes = vec![[[whole.min[0], whole.min[1]], [whole.max[0], whole.max[1]]]];
+        let centre = [0, 1].map(|k| 0.5 * (whole.min[k] + whole.max[k]));
+        let mut beside = None;
+        let mut open = vec![[[whole.min[0], whole.min[1]], [whole.max[0], whole.max[1]]]];
         let mut ranges = Vec::new();
-        while !boxes.is_empty() {
+        // The smallest first: where nothing is near, that is known soon, and others need not be looked at as closely.
+        while !open.is_empty() && !job.is_cancelled() {
+            let boxes = open.split_off(open.len().saturating_sub(AT_ONCE));
             let places: Vec<Box3> = boxes
                 .iter()
                 .map(|[low, high]| Box3 { min: [low[0], low[1], 0.0], max: [high[0], high[1], 0.0] })
@@ -93,40 +114,54 @@ impl Prover<'_> {
             ranges.clear();
             ranges.resize(boxes.len(), Interval::UNKNOWN);
             block.tape.over(&places, &mut ranges)?;
-            let mut next = Vec::new();
             for ([low, high], range) in boxes.iter().zip(&ranges) {
                 if range.is_defined() && (range.lo() >= 0.0 || range.hi() < 0.0) {
                     continue;
                 }
                 let middle = [0, 1].map(|k| 0.5 * (low[k] + high[k]));
-                let half = add_up(length([middle[0] - low[0], middle[1] - low[1]]), self.rounding);
-                let most = add_up(self.nearest(middle), half);
-                if most <= self.aim || half <= FINEST * self.aim {
-                    let most = if most < self.all { most } else { self.all };
-                    if most > far.most {
-                        (far.most, far.at) = (most, middle);
-                    }
+                let half = add_up(length_up([middle[0] - low[0], middle[1] - low[1]]), self.rounding);
+                let most = add_up(self.near(middle), half);
+                let enough = if self.aim > far.most { self.aim } else { far.most };
+                let finest = FINEST * enough;
+                let least = ROUNDINGS * self.rounding;
+                if most > enough && half > if finest > least { finest } else { least } {
+                    let [x, y] = middle;
+                    open.extend([
+                        [*low, middle],
+                        [[x, low[1]], [high[0], y]],
+                        [[low[0], y], [x, high[1]]],
+                        [middle, *high],
+                    ]);
                     continue;
                 }
-                let [x, y] = middle;
-                next.extend([
-                    [*low, middle],
-                    [[x, low[1]], [high[0], y]],
-                    [[low[0], y], [x, high[1]]],
-                    [middle, *high],
-                ]);
+                if most > enough {
+                    let from_centre = *beside.get_or_insert_with(|| self.nearest(centre));
+                    let aside = length_up([middle[0] - centre[0], middle[1] - centre[1]]);
+                    let by_centre = add_up(from_centre, add_up(aside, half));
+                    far.take(if by_centre < most { by_centre } else { most }, middle, self.all);
+                } else {
+                    far.take(most, middle, self.all);
+                }
             }
-            boxes = next;
         }
         Ok(())
     }
 
-    /// The distance of a point to the nearest segment around, rounded up; infinite where there is none.
+    /// The distance of a point to the nearest segment around, rounded up, where it is near enough; else one that is no less,
+    /// infinite where nothing is near.
+    fn near(&self, p: [f64; 2]) -> f64 {
+        let near = self.nearest_in(p, RINGS);
+        // As many squares as hold all that is near enough.
+        let all = (self.aim / self.traced.lattice.step).ceil() as i64 + 1;
+        let far = if near > self.aim && all > RINGS { self.nearest_in(p, all.min(MOST_RINGS)) } else { near };
+        add_up(far, self.rounding)
+    }
+
+    /// The distance of a point to some segment, the nearest but for what squares hide, rounded up.
     fn nearest(&self, p: [f64; 2]) -> f64 {
         let mut rings = RINGS;
         let mut near = self.nearest_in(p, rings);
-        // What is as near as is aimed at is near enough, and beyond the rings there may be nearer ones.
-        while near > self.aim && near > rings as f64 * self.traced.lattice.step && rings < MOST_RINGS {
+        while near > rings as f64 * self.traced.lattice.step && rings < MOST_RINGS {
             rings *= 4;
             near = self.nearest_in(p, rings);
         }
@@ -146,7 +181,7 @@ impl Prover<'_> {
                 let (d, q) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
                 let t = (q[0] * d[0] + q[1] * d[1]) / (d[0] * d[0] + d[1] * d[1]);
                 let t = if t > 0.0 { if t < 1.0 { t } else { 1.0 } } else { 0.0 };
-                let far = length([q[0] - t * d[0], q[1] - t * d[1]]);
+                let far = length_up([q[0] - t * d[0], q[1] - t * d[1]]);
                 best = if far < best { far } else { best };
             }
         }
@@ -158,16 +193,16 @@ impl Prover<'_> {
         let mut pieces: Vec<([f64; 2], [f64; 2], f64)> = Vec::new();
         for [a, b] in block.segments.iter().map(|ends| ends.map(|row| self.traced.points[row as usize])) {
             let d = [b[0] - a[0], b[1] - a[1]];
-            let long = length(d);
+            let long = length_up(d);
             let n = (2.0 * long / self.aim).ceil();
-            let n = if (1.0..4096.0).contains(&n) { n } else { 1.0 };
+            let n = if n < PIECES { n } else { PIECES };
             let across = [-d[1] / long, d[0] / long];
             for k in 0..n as usize {
                 let t = (k as f64 + 0.5) / n;
                 pieces.push((
                     [a[0] + t * d[0], a[1] + t * d[1]],
                     across,
-                    add_up(0.5 * long / n, self.rounding),
+                    add_up(div_up(0.5 * long, n), self.rounding),
                 ));
             }
         }
@@ -187,6 +222,9 @@ impl Prover<'_> {
                     .iter()
                     .map(|(q, across, half)| {
                         let whole = if is_of_piece { *half } else { sub_down(self.aim, *half) };
+                        // Beyond what is aimed at the tape of the block may be wrong.
+                        let whole = if whole < self.aim { whole } else { self.aim };
+                        let whole = if whole > 0.0 { whole } else { 0.0 };
                         let reach = part * whole * if side == 0 { 1.0 } else { -1.0 };
                         let [x, y] = *across;
                         // Across, along, and between the two.
@@ -208,18 +246,15 @@ impl Prover<'_> {
                     } else {
                         continue;
                     };
-                    let apart = length([p.min[0] - q[0], p.min[1] - q[1]]);
+                    let apart = length_up([p.min[0] - q[0], p.min[1] - q[1]]);
                     let apart = add_up(add_up(apart, self.rounding), *half);
+                    far.met |= which == 0;
                     sure[which] = if apart < sure[which] { apart } else { sure[which] };
                 }
             }
         }
         for ((q, _, _), sure) in pieces.iter().zip(&sure) {
-            let most = if sure[0] > sure[1] { sure[0] } else { sure[1] };
-            let most = if most < self.all { most } else { self.all };
-            if most > far.most {
-                (far.most, far.at) = (most, *q);
-            }
+            far.take(if sure[0] > sure[1] { sure[0] } else { sure[1] }, *q, self.all);
         }
         self.seen(block, &pieces, far)
     }

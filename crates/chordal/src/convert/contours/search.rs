@@ -78,7 +78,9 @@ pub(in crate::convert) fn search(
         if far.most <= length {
             return search.counted(with_place(made, far.at));
         }
-        best = Some(with_place(made, far.at));
+        if best.as_ref().and_then(|best| best.bound.at_most()).is_none_or(|most| far.most < most) {
+            best = Some(with_place(made, far.at));
+        }
         // Places that smaller squares do not settle either are not waited for.
         stuck += usize::from(far.most > STUCK_SHARE * last);
         last = far.most;
@@ -149,6 +151,7 @@ impl Search<'_> {
             places: Vec::new(),
             closed: true,
         };
+        let most = most.filter(|most| *most < f64::INFINITY);
         let evidence = match most {
             Some(_) => self.tape.evidence(),
             None => Evidence::Measured { samples: count(traced) },
@@ -198,8 +201,10 @@ impl Search<'_> {
             if self.job.is_cancelled() {
                 return Err(Failure::Cancelled);
             }
-            if far.most <= aim || aim > 4.0 * step {
-                return self.counted(with_place(self.made(&traced, Some(far.most), far.least), far.at));
+            if far.most <= aim || aim > 4.0 * step || !far.met {
+                let made = with_place(self.made(&traced, Some(far.most), far.least), far.at);
+                let known = far.met || self.wanted.measured;
+                return if known { self.counted(made) } else { Err(Failure::Unmet(Box::new(made))) };
             }
             aim *= 2.0;
         }
