@@ -1,24 +1,19 @@
 //! The reference: refined control meshes of OpenSubdiv. Its vertices are in another order, so points and faces are compared as sets.
-use crate::corpus::{cage, folder, polygons};
+use crate::corpus::{cage, cages, folder, polygons};
 use chordal::explicit::Cage;
 use std::collections::BTreeMap;
 
-/// For each point of `from` the one of `to` that is within `near` of it, and no other.
+/// For each point of `from` the first of `to` that is within `near` of it: points on top of each other are one.
 fn matched(from: &[[f64; 3]], to: &[[f64; 3]], near: f64) -> Vec<u32> {
     let mut order: Vec<u32> = (0..to.len() as u32).collect();
     order.sort_by(|a, b| to[*a as usize][0].total_cmp(&to[*b as usize][0]));
-    let mut taken = vec![false; to.len()];
     from.iter()
         .map(|p| {
             let start = order.partition_point(|i| to[*i as usize][0] < p[0] - near);
             let close = |i: &u32| (0..3).all(|k| (to[*i as usize][k] - p[k]).abs() <= near);
             let about = order[start..].iter().take_while(|i| to[**i as usize][0] <= p[0] + near);
-            // Points on top of each other are any of them.
-            let all: Vec<u32> = about.copied().filter(close).collect();
-            let free = all.iter().copied().find(|i| !taken[*i as usize]);
-            let one = free.unwrap_or_else(|| panic!("nothing within {near:e} of {p:?}"));
-            taken[one as usize] = true;
-            one
+            let first = about.copied().filter(close).min();
+            first.unwrap_or_else(|| panic!("nothing within {near:e} of {p:?}"))
         })
         .collect()
 }
@@ -35,14 +30,16 @@ fn counted(faces: impl Iterator<Item = Vec<u32>>) -> BTreeMap<Vec<u32>, usize> {
     counts
 }
 
-fn compare(what: &str, ours: &Cage, theirs: &str) {
-    let (points, faces) = polygons(theirs);
+/// Whether they have the same points and faces, up to a share of the extent.
+fn compare(what: &str, ours: &Cage, (points, faces): (Vec<[f64; 3]>, Vec<Vec<u32>>), share: f64) {
     assert_eq!((ours.positions().len(), ours.n_faces()), (points.len(), faces.len()), "{what}");
     let bounds = chordal::math::Box3::around(&points);
-    // A millionth of the extent: the reference has nine digits of single precision.
-    let of = matched(ours.positions(), &points, 1e-6 * bounds.diagonal());
-    let renamed = |face: &[u32]| turned(&face.iter().map(|v| of[*v as usize]).collect::<Vec<_>>());
-    let (ours, theirs) = (counted(ours.faces().map(renamed)), counted(faces.iter().map(|f| turned(f))));
+    let near = share * bounds.diagonal();
+    let (of_ours, of_theirs) = (matched(ours.positions(), &points, near), matched(&points, &points, near));
+    let renamed =
+        |of: &[u32], face: &[u32]| turned(&face.iter().map(|v| of[*v as usize]).collect::<Vec<_>>());
+    let ours = counted(ours.faces().map(|face| renamed(&of_ours, face)));
+    let theirs = counted(faces.iter().map(|face| renamed(&of_theirs, face)));
     assert!(ours == theirs, "{what}: faces differ");
 }
 
@@ -63,7 +60,30 @@ fn every_round_is_that_of_the_reference() {
         for level in 0..4 {
             ours = ours.refined().unwrap();
             let path = baseline.join(format!("{name}_level{level}.obj"));
-            compare(&format!("{name} {level}"), &ours, &std::fs::read_to_string(path).unwrap());
+            let theirs = polygons(&std::fs::read_to_string(path).unwrap());
+            // A millionth of the extent: the reference has nine digits of single precision.
+            compare(&format!("{name} {level}"), &ours, theirs, 1e-6);
+        }
+    }
+}
+
+#[test]
+fn rounds_by_grids_are_those_one_by_one() {
+    for (name, cage) in cages() {
+        let rounds = if cage.n_faces() > 500 { 2 } else { 4 };
+        let mut plain = cage.clone();
+        for round in 1..=rounds {
+            plain = plain.refined().unwrap();
+            let grids = cage.refined_times(round).unwrap();
+            let theirs = (plain.positions().to_vec(), plain.faces().map(<[u32]>::to_vec).collect());
+            // Rounding, some hundred steps around a pole.
+            compare(&format!("{name} {round}"), &grids, theirs, 1e-13);
+            let sharp = |cage: &Cage| {
+                let mut all: Vec<f64> = cage.creases().iter().map(|(_, sharp)| *sharp).collect();
+                all.sort_by(f64::total_cmp);
+                (all, cage.sharp_vertices().to_vec(), cage.holes().len())
+            };
+            assert_eq!(sharp(&grids), sharp(&plain), "{name} {round}");
         }
     }
 }

@@ -1,5 +1,6 @@
 //! `Cage`: a polygon mesh with what subdivision asks of it.
 mod edges;
+mod grids;
 mod refine;
 mod rules;
 
@@ -78,6 +79,8 @@ pub struct Cage {
     sharp_vertices: Vec<(u32, f64)>,
     /// Faces without surface, in ascending order.
     holes: Vec<u32>,
+    /// Whether it came from a round, in which what is a corner by nature was listed as one.
+    is_refined: bool,
 }
 
 impl Cage {

@@ -1,10 +1,8 @@
 //! One round of refinement, for any polygons and tags: the plain version, which faster ones are compared with.
 use super::super::Sets;
 use super::edges::{Around, Edges};
-use super::rules::{Rule, ending, less, less_at, rule};
-use super::{Boundary, Cage, INFINITELY_SHARP, InvalidCage, MOST, Scheme};
-
-type Point = [f64; 3];
+use super::rules::{Point, Vertex, less, middle, plus};
+use super::{Boundary, Cage, Creasing, INFINITELY_SHARP, InvalidCage, MOST, Scheme};
 
 impl Cage {
     /// The cage after one round: the same limit surface, about four times as many faces.
@@ -46,6 +44,7 @@ impl Cage {
             sharp_vertices: round.sharp_vertices(),
             // Those that carry none are holes now.
             boundary: if self.boundary == Boundary::None { Boundary::EdgeOnly } else { self.boundary },
+            is_refined: true,
             ..*self
         };
         Ok(cage)
@@ -53,13 +52,13 @@ impl Cage {
 }
 
 /// How sharp everything is, with what is so by nature.
-struct Sharp {
-    edges: Vec<f64>,
-    vertices: Vec<f64>,
+pub(super) struct Sharp {
+    pub edges: Vec<f64>,
+    pub vertices: Vec<f64>,
 }
 
 impl Sharp {
-    fn of(cage: &Cage, edges: &Edges, around: &Around) -> Self {
+    pub fn of(cage: &Cage, edges: &Edges, around: &Around) -> Self {
         let mut of_edges: Vec<f64> = (0..edges.ends.len())
             .map(|e| if edges.crowded[e] || edges.faces(e).len() < 2 { INFINITELY_SHARP } else { 0.0 })
             .collect();
@@ -70,7 +69,8 @@ impl Sharp {
             }
         }
         let mut of_vertices: Vec<f64> = (0..cage.positions.len())
-            .map(|v| if is_corner(cage, edges, around, v) { INFINITELY_SHARP } else { 0.0 })
+            .map(|v| !cage.is_refined && is_corner(cage, edges, around, v))
+            .map(|is_corner| if is_corner { INFINITELY_SHARP } else { 0.0 })
             .collect();
         for (vertex, sharp) in &cage.sharp_vertices {
             let of = &mut of_vertices[*vertex as usize];
@@ -122,23 +122,20 @@ impl Round<'_> {
 
     /// The middles of faces.
     fn face_points(&self) -> Vec<Point> {
-        let middle = |of: &[u32]| {
+        let centre = |of: &[u32]| {
             let share = 1.0 / of.len() as f64;
             of.iter().map(|v| self.at(*v)).fold([0.0; 3], |sum, p| plus(sum, share, p))
         };
-        self.cage.faces().map(middle).collect()
+        self.cage.faces().map(centre).collect()
     }
 
     fn edge_point(&self, edge: usize, middles: &[Point]) -> Point {
         let [a, b] = self.edges.ends[edge].map(|v| self.at(v));
-        let middle = [0, 1, 2].map(|k| 0.5 * a[k] + 0.5 * b[k]);
-        let sharp = self.sharp.edges[edge];
-        let stays = sharp >= 1.0 || sharp > 0.0 && self.halves_of(edge).iter().all(|half| *half > 0.0);
-        if self.cage.scheme == Scheme::Bilinear || stays {
-            return middle;
+        if self.cage.scheme == Scheme::Bilinear {
+            return [0, 1, 2].map(|k| 0.5 * a[k] + 0.5 * b[k]);
         }
         let faces = self.edges.faces(edge);
-        let smooth = match self.cage.scheme {
+        let smooth = || match self.cage.scheme {
             Scheme::Loop => {
                 let across = |face: u32| {
                     let of = self.cage.face(face as usize);
@@ -152,37 +149,14 @@ impl Round<'_> {
                 faces.iter().fold(start, |sum, face| plus(sum, 0.25, middles[*face as usize]))
             }
         };
-        mix(sharp, middle, smooth)
+        middle([a, b], self.sharp.edges[edge], self.halves_of(edge), smooth)
     }
 
     fn vertex_point(&self, vertex: usize, middles: &[Point]) -> Point {
-        let here = self.cage.positions[vertex];
-        let edges = self.around.edges(vertex);
-        if self.cage.scheme == Scheme::Bilinear || edges.is_empty() {
-            return here;
+        if self.cage.scheme == Scheme::Bilinear || self.around.edges(vertex).is_empty() {
+            return self.cage.positions[vertex];
         }
-        let sharp = |e: &u32| self.sharp.edges[*e as usize];
-        let (own, next) = (self.sharp.vertices[vertex], less(self.sharp.vertices[vertex]));
-        let before = rule(own, edges.iter().copied().filter(|e| sharp(e) > 0.0));
-        let place = |rule: Rule| match rule {
-            Rule::Corner => here,
-            Rule::Crease(two) => {
-                let start = here.map(|x| 0.75 * x);
-                two.iter().fold(start, |sum, edge| plus(sum, 0.125, self.other_end(*edge, vertex)))
-            }
-            Rule::Smooth => self.smooth_point(vertex, middles),
-        };
-        if before == Rule::Smooth {
-            return place(before);
-        }
-        let left: Vec<f64> = edges.iter().map(|e| self.half_at(*e as usize, vertex)).collect();
-        let remain = edges.iter().copied().zip(&left).filter(|(_, left)| **left > 0.0).map(|(e, _)| e);
-        let after = rule(next, remain);
-        if after == before {
-            return place(before);
-        }
-        let ends = edges.iter().map(sharp).zip(left.iter().copied()).chain([(own, next)]);
-        mix(ending(ends), place(before), place(after))
+        Here { round: self, vertex, middles }.moved()
     }
 
     fn smooth_point(&self, vertex: usize, middles: &[Point]) -> Point {
@@ -207,8 +181,8 @@ impl Round<'_> {
 
     /// What is left of an edge's sharpness on its half at a vertex.
     fn half_at(&self, edge: usize, vertex: usize) -> f64 {
-        let around = self.around.edges(vertex).iter().map(|e| self.sharp.edges[*e as usize]);
-        less_at(self.cage.creasing, self.sharp.edges[edge], around)
+        let sharpness = self.sharp.edges[edge];
+        if sharpness > 0.0 { Here { round: self, vertex, middles: &[] }.left(sharpness) } else { 0.0 }
     }
 
     fn halves_of(&self, edge: usize) -> [f64; 2] {
@@ -284,11 +258,36 @@ fn loop_share(n: usize) -> f64 {
     (0.625 - turn * turn) / n
 }
 
-fn plus(sum: Point, share: f64, p: Point) -> Point {
-    [0, 1, 2].map(|k| sum[k] + share * p[k])
+/// A vertex in a round.
+struct Here<'a> {
+    round: &'a Round<'a>,
+    vertex: usize,
+    /// The middles of all faces.
+    middles: &'a [Point],
 }
 
-/// `share` of the first and the rest of the second.
-fn mix(share: f64, first: Point, second: Point) -> Point {
-    [0, 1, 2].map(|k| share * first[k] + (1.0 - share) * second[k])
+impl Vertex for Here<'_> {
+    fn here(&self) -> Point {
+        self.round.cage.positions[self.vertex]
+    }
+
+    fn sharpness(&self) -> f64 {
+        self.round.sharp.vertices[self.vertex]
+    }
+
+    fn edges(&self) -> impl Iterator<Item = (u32, f64)> + Clone {
+        self.round.around.edges(self.vertex).iter().map(|e| (*e, self.round.sharp.edges[*e as usize]))
+    }
+
+    fn other_end(&self, edge: u32) -> Point {
+        self.round.other_end(edge, self.vertex)
+    }
+
+    fn smooth(&self) -> Point {
+        self.round.smooth_point(self.vertex, self.middles)
+    }
+
+    fn creasing(&self) -> Creasing {
+        self.round.cage.creasing
+    }
 }

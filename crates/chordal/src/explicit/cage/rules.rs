@@ -4,6 +4,8 @@
 //! sharpnesses that end in one round, Chaikin's rule) it is that of OpenSubdiv's `sdc/crease.cpp`.
 use super::{Creasing, INFINITELY_SHARP};
 
+pub(super) type Point = [f64; 3];
+
 /// By what a vertex is shaped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rule {
@@ -16,7 +18,7 @@ pub(super) enum Rule {
 }
 
 /// The rule of a vertex of that sharpness with these sharp edges.
-pub(super) fn rule(sharpness: f64, sharp_edges: impl Iterator<Item = u32>) -> Rule {
+fn rule(sharpness: f64, sharp_edges: impl Iterator<Item = u32>) -> Rule {
     if sharpness > 0.0 {
         return Rule::Corner;
     }
@@ -47,7 +49,7 @@ pub(super) fn less(sharpness: f64) -> f64 {
 }
 
 /// What is left of the sharpness of an edge at one of its ends, around which there are edges that are this sharp, with it.
-pub(super) fn less_at(creasing: Creasing, sharpness: f64, around: impl Iterator<Item = f64>) -> f64 {
+fn less_at(creasing: Creasing, sharpness: f64, around: impl Iterator<Item = f64>) -> f64 {
     if creasing == Creasing::Uniform || sharpness <= 0.0 || sharpness >= INFINITELY_SHARP {
         return less(sharpness);
     }
@@ -64,7 +66,7 @@ pub(super) fn less_at(creasing: Creasing, sharpness: f64, around: impl Iterator<
 }
 
 /// The share of the rule that ends, where a vertex goes from one to another: the mean of what ends, at most 1.
-pub(super) fn ending(of: impl Iterator<Item = (f64, f64)>) -> f64 {
+fn ending(of: impl Iterator<Item = (f64, f64)>) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
     for (before, after) in of {
         if before > 0.0 && after <= 0.0 {
@@ -74,4 +76,76 @@ pub(super) fn ending(of: impl Iterator<Item = (f64, f64)>) -> f64 {
     }
     let share = if count == 0 { 0.0 } else { sum / f64::from(count) };
     if share < 1.0 { share } else { 1.0 }
+}
+
+/// A vertex with what is around it.
+pub(super) trait Vertex {
+    /// Where it is.
+    fn here(&self) -> Point;
+    /// Its own sharpness.
+    fn sharpness(&self) -> f64;
+    /// Its edges by numbers, with their sharpness.
+    fn edges(&self) -> impl Iterator<Item = (u32, f64)> + Clone;
+    /// Where one of these edges leads.
+    fn other_end(&self, edge: u32) -> Point;
+    /// By the smooth rule.
+    fn smooth(&self) -> Point;
+    /// How sharpness falls.
+    fn creasing(&self) -> Creasing;
+
+    /// What is left of an edge's sharpness on its half here.
+    fn left(&self, sharpness: f64) -> f64 {
+        less_at(self.creasing(), sharpness, self.edges().map(|(_, sharp)| sharp))
+    }
+
+    fn by(&self, rule: Rule) -> Point {
+        match rule {
+            Rule::Corner => self.here(),
+            Rule::Crease(two) => {
+                let start = self.here().map(|x| 0.75 * x);
+                two.iter().fold(start, |sum, edge| plus(sum, 0.125, self.other_end(*edge)))
+            }
+            Rule::Smooth => self.smooth(),
+        }
+    }
+
+    /// Where it is after a round.
+    fn moved(&self) -> Point {
+        let own = self.sharpness();
+        let is_sharp = |(edge, sharp): (u32, f64)| (sharp > 0.0).then_some(edge);
+        let before = rule(own, self.edges().filter_map(is_sharp));
+        if before == Rule::Smooth {
+            return self.smooth();
+        }
+        let remains = |(edge, sharp): (u32, f64)| (self.left(sharp) > 0.0).then_some(edge);
+        let after = rule(less(own), self.edges().filter_map(remains));
+        if after == before {
+            return self.by(before);
+        }
+        let ends = self.edges().map(|(_, sharp)| (sharp, self.left(sharp))).chain([(own, less(own))]);
+        mix(ending(ends), self.by(before), self.by(after))
+    }
+}
+
+/// The middle of an edge between `a` and `b` of that sharpness, whose halves keep some of it or not.
+pub(super) fn middle(
+    [a, b]: [Point; 2],
+    sharpness: f64,
+    halves: [f64; 2],
+    smooth: impl FnOnce() -> Point,
+) -> Point {
+    let middle = [0, 1, 2].map(|k| 0.5 * a[k] + 0.5 * b[k]);
+    if sharpness >= 1.0 || sharpness > 0.0 && halves.iter().all(|half| *half > 0.0) {
+        return middle;
+    }
+    if sharpness > 0.0 { mix(sharpness, middle, smooth()) } else { smooth() }
+}
+
+pub(super) fn plus(sum: Point, share: f64, p: Point) -> Point {
+    [0, 1, 2].map(|k| sum[k] + share * p[k])
+}
+
+/// `share` of the first and the rest of the second.
+fn mix(share: f64, first: Point, second: Point) -> Point {
+    [0, 1, 2].map(|k| share * first[k] + (1.0 - share) * second[k])
 }
