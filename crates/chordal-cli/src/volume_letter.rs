@@ -34,9 +34,12 @@ pub(crate) fn samples(lines: &mut Lines, volume: &VolumeFacts) {
     lines.add("values", values + &odd.collect::<String>());
     labels(lines, volume);
     if let Some(found) = &volume.suggested {
-        let sure = if found.follows { "taken for a" } else { "a guess for an" };
-        let level = number(found.level);
-        lines.add("level", format!("{level}, with {} inside ({sure} {})", found.inside, found.kind));
+        let sure = if found.follows { "taken for" } else { "a guess for" };
+        let article = if found.kind.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
+        // Every digit: it is copied to `--iso`.
+        let words =
+            format!("{}, with {} inside ({sure} {article} {})", found.level, found.inside, found.kind);
+        lines.add("level", words);
     } else {
         lines.add("level", "none: all samples are equal");
     }

@@ -80,6 +80,22 @@ impl Suggested {
     }
 }
 
+/// Floating point that comes as near as this to 0 is an occupancy where it comes as near as that to 1: chosen, so that
+/// what is neither is asked for instead of guessed.
+const FROM_0: f64 = 0.05;
+const NEARLY_1: f64 = 0.9;
+/// So few different values may be labels.
+const FEW_LABELS: usize = 128;
+
+/// Whether its file says that the samples are distances that were baked.
+fn is_baked(volume: &Volume) -> bool {
+    volume
+        .certificate
+        .as_ref()
+        .and_then(|certificate| certificate.get("baked"))
+        .is_some_and(|of| !of.is_null())
+}
+
 /// More values than these are no labels.
 const MOST_LABELS: usize = 1 << 16;
 
@@ -117,6 +133,12 @@ impl Range {
         range
     }
 
+    /// Whether the samples may be labels: few different whole numbers, 0 among them.
+    pub(crate) fn may_be_labels(&self) -> bool {
+        let few = |labels: &BTreeMap<i64, u64>| labels.len() <= FEW_LABELS && labels.contains_key(&0);
+        self.labels.as_ref().is_some_and(few)
+    }
+
     fn count(&mut self, label: i64, times: u64) {
         let Some(labels) = self.labels.as_mut().filter(|_| times > 0) else { return };
         *labels.entry(label).or_insert(0) += times;
@@ -125,17 +147,23 @@ impl Range {
         }
     }
 
-    /// A level that suits samples in this range; none where all are equal.
+    /// A level that suits the samples of a volume, which are in this range; none where all are equal.
     #[must_use]
-    pub fn suggest(&self, samples: &Samples) -> Option<Suggested> {
+    pub fn suggest(&self, volume: &Volume) -> Option<Suggested> {
+        let samples = volume.grid.samples();
         let [low, high] = self.ends.filter(|[low, high]| low < high)?;
         let is_float = !is_whole(samples);
         let found = |level, inside, kind| Some(Suggested { level, inside, kind });
-        if is_float && low < 0.0 && high > 0.0 {
+        if is_baked(volume) || is_float && low < 0.0 && high > 0.0 {
             return found(0.0, Inside::Low, "signed distance");
         }
-        if low >= 0.0 && high <= 1.0 && low < 0.5 && high > 0.5 {
-            return found(0.5, Inside::High, if is_float { "occupancy" } else { "mask" });
+        if !is_float && self.labels.as_ref().is_some_and(|values| values.len() == 2) {
+            return found(0.5 * low + 0.5 * high, Inside::High, "mask");
+        }
+        // From 0 to less than nearly 1 they may as well be distances from a sheet.
+        let is_sheet = low < FROM_0 && high < NEARLY_1;
+        if is_float && low >= 0.0 && high <= 1.0 && low < 0.5 && high > 0.5 && !is_sheet {
+            return found(0.5, Inside::High, "occupancy");
         }
         let level = parting(samples, [low, high]);
         // Between whole numbers no sample equals the level.
@@ -162,7 +190,9 @@ fn parting(samples: &Samples, [low, high]: [f64; 2]) -> f64 {
     }
     let all: u64 = counts.iter().sum();
     let total: f64 = counts.iter().enumerate().map(|(k, n)| k as f64 * *n as f64).sum();
-    let (mut below, mut sum, mut best, mut most) = (0_u64, 0.0, 0, -1.0);
+    let (mut below, mut sum, mut most) = (0_u64, 0.0, -1.0);
+    // Between heaps that are far apart many levels are as good: the first and the last of them.
+    let (mut best, mut last) = (0, 0);
     for (k, n) in counts.iter().enumerate().take(BOXES - 1) {
         below += n;
         sum += k as f64 * *n as f64;
@@ -175,8 +205,11 @@ fn parting(samples: &Samples, [low, high]: [f64; 2]) -> f64 {
         if between > most {
             (best, most) = (k, between);
         }
+        if between == most {
+            last = k;
+        }
     }
-    low + 2.0 * width * ((best + 1) as f64 / BOXES as f64)
+    low + 2.0 * width * (0.5 * (best + last + 2) as f64 / BOXES as f64)
 }
 
 /// The type of samples as a report names it.
@@ -197,17 +230,25 @@ pub(crate) fn type_name(samples: &Samples) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chordal::implicit::{Affine, Grid};
 
     fn suggested(samples: &Samples) -> Option<Suggested> {
-        Range::of(samples).suggest(samples)
+        let grid = Grid::new([samples.len(), 1, 1], samples.clone(), Affine::IDENTITY).unwrap();
+        Range::of(samples).suggest(&Volume::of(grid))
     }
 
     #[test]
     fn the_level_follows_from_what_samples_are() {
         let mask = suggested(&Samples::U8(vec![0, 1, 1, 0])).unwrap();
         assert_eq!((mask.level, mask.inside, mask.kind), (0.5, Inside::High, "mask"));
-        let soft = suggested(&Samples::F32(vec![0.0, 0.25, 0.75])).unwrap();
-        assert_eq!((soft.level, soft.inside, soft.kind), (0.5, Inside::High, "occupancy"));
+        let eight = suggested(&Samples::U8(vec![0, 255, 255, 0])).unwrap();
+        assert_eq!((eight.level, eight.inside, eight.kind), (127.5, Inside::High, "mask"));
+        for soft in [vec![0.0, 0.25, 0.95], vec![0.3, 0.4, 0.6]] {
+            let soft = suggested(&Samples::F32(soft)).unwrap();
+            assert_eq!((soft.level, soft.inside, soft.kind), (0.5, Inside::High, "occupancy"));
+        }
+        // Distances from a sheet.
+        assert!(!suggested(&Samples::F32(vec![0.0, 0.25, 0.52])).unwrap().follows());
         let distance = suggested(&Samples::F64(vec![-1.0, f64::NAN, 3.0])).unwrap();
         assert_eq!((distance.level, distance.inside, distance.kind), (0.0, Inside::Low, "signed distance"));
         assert!(suggested(&Samples::U8(vec![3; 9])).is_none());

@@ -96,8 +96,7 @@ fn margin(grid: &Grid, lost: f64) -> f64 {
 /// The level and the side, from what was asked for and what the samples are.
 fn rule(sampled: &Sampled, range: &Range, notes: &mut Vec<String>) -> Result<Polygonize, MeshFailure> {
     let SurfaceSpec { level, inside, border, .. } = &sampled.surface;
-    let samples = sampled.volume.grid.samples();
-    let suggested = range.suggest(samples);
+    let suggested = range.suggest(&sampled.volume);
     let Some([low, high]) = range.ends else {
         return Err(refused(Code::Empty, "no sample is a finite number, so that there is no surface"));
     };
@@ -107,8 +106,13 @@ fn rule(sampled: &Sampled, range: &Range, notes: &mut Vec<String>) -> Result<Pol
         (None, Some(found)) => {
             let message = format!(
                 "samples lie between {low} and {high}, and nothing says where the surface is: --iso LEVEL does; \
-                 {} parts them best",
-                found.level
+                 {} parts them best{}",
+                found.level,
+                if range.may_be_labels() {
+                    "; where they are labels, --labels gives a surface of each"
+                } else {
+                    ""
+                }
             );
             return Err(MeshFailure::Usage(message));
         }
@@ -121,7 +125,10 @@ fn rule(sampled: &Sampled, range: &Range, notes: &mut Vec<String>) -> Result<Pol
     };
     let side = inside.unwrap_or_else(|| usual_side(level, suggested.as_ref()));
     let taken = match (suggested, side) {
-        (Some(found), _) if sampled.surface.level.is_none() => format!(" (taken for a {})", found.kind),
+        (Some(found), _) if sampled.surface.level.is_none() => {
+            let article = if found.kind.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
+            format!(" (taken for {article} {})", found.kind)
+        }
         _ => String::new(),
     };
     let words = if side == Inside::High { "above" } else { "below" };
@@ -129,6 +136,14 @@ fn rule(sampled: &Sampled, range: &Range, notes: &mut Vec<String>) -> Result<Pol
         "the surface is where samples are {level}, with what is {words} inside{taken}; samples lie between {low} and {high}"
     ));
     let rule = if side == Inside::High { Polygonize::above(level) } else { Polygonize::below(level) };
+    if suggested.is_some_and(|found| found.kind == "signed distance" && found.level == level) && low >= 0.0 {
+        let message = format!(
+            "no distance is below 0, they lie between {low} and {high}: what they were taken from has no inside, and so there \
+             is no surface; --iso {} gives one that far away",
+            0.5 * high
+        );
+        return Err(refused(Code::Empty, message));
+    }
     if !(level >= low && level <= high) {
         let message = format!(
             "level {level} is not among the samples, which lie between {low} and {high}: there is no surface"

@@ -102,7 +102,7 @@ impl VolumeFacts {
             infinite: range.infinite,
             labels: range.labels.as_ref().map(|labels| labels.len() as u64),
             label_list,
-            suggested: range.suggest(samples).map(|found| SuggestedFacts {
+            suggested: range.suggest(volume).map(|found| SuggestedFacts {
                 level: found.level,
                 inside: if found.inside == Inside::Low { "low" } else { "high" },
                 kind: found.kind,

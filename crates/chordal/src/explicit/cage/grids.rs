@@ -203,8 +203,8 @@ impl<'a> Grids<'a> {
                     for p in [here(part - 1), here(part + 1)] {
                         sum = plus(sum, 0.0625, p);
                     }
-                    for k in 0..rows.len() {
-                        for p in [rows[k](part), cell(k, part - 1), cell(k, part)] {
+                    for (k, row) in rows.iter().enumerate() {
+                        for p in [row(part), cell(k, part - 1), cell(k, part)] {
                             sum = plus(sum, 0.0625, p);
                         }
                     }
