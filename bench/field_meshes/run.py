@@ -32,7 +32,8 @@ SHARES = (2.0, 1.6, 1.3, 1.0, 0.8)
 ABOUT = """
 Six fields in a box of side 2.5 to triangles, on two threads. Each peer is run at some sizes (depths of an octree, or cells
 along a side) and its mesh measured: points of the surface (crossings of a lattice of 160 steps, by halving) to the
-mesh, and points of the triangles along the gradient to the surface; the larger of both is its *error*. Chordal is then
+mesh, and points of the triangles along the gradient to the surface; the larger of both is its *error*. Beside sharp edges the
+way along the gradient is longer than the distance, so that there errors of all are overstated, also beyond what is proved. Chordal is then
 asked for a length at which its own error, measured alike, is no larger: the row holds its time with the proof and all
 trials, its triangles, and its proved bound. Errors have units of the model. Callbacks of Manifold are
 Python functions, asked point by point, which is most of its time.
