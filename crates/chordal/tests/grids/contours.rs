@@ -2,7 +2,7 @@
 use chordal::budget::{Code, Evidence};
 use chordal::convert::field_to_polyline;
 use chordal::explicit::Polyline;
-use chordal::implicit::{Expr, Field};
+use chordal::implicit::{Binary, Expr, Field, Unary};
 use chordal::math::Box3;
 use chordal::{Budget, Failure, Job, Tolerance};
 
@@ -120,6 +120,42 @@ fn a_part_that_is_inside_by_less_than_rounding_is_not_left_out() {
     let far = claimed(&within(square.min(&disc), 12.0), 0.01);
     // The square is 8 away from the disc.
     assert!(far.is_none_or(|far| far >= 8.0), "{far:?}");
+}
+
+#[test]
+fn points_are_looked_for_where_the_tape_of_a_block_is_right() {
+    let [x, y, _] = Expr::axes();
+    let c = Expr::constant;
+    let step = 2.0 / 64.0;
+    let corner = |k: f64, n: f64| (-1.0 - step * k) + step * n;
+    let (at_x, at_y) = (corner(1.618_034, 32.0), corner(1.381_966, 30.0));
+    // Nowhere inside, but by rounding on a thin cross about a corner of the first lattice, which shortened tapes beyond their block
+    // take for more.
+    let two = x.min(&c(-50.0)).max(&c(2.0));
+    let zero = c(2.0) - two.sqrt().square();
+    let (u, v) = ((&x - at_x).abs(), (&y - at_y).abs());
+    let out = (u.min(&v) - 1e-7).max(&(&u - 0.01)).max(&(&v - 0.03));
+    let ridge = zero.max(&(out * 1e6).min(&c(1.0)));
+    let side = |o: &Expr| {
+        let t = &ridge * (c(1.0) - Expr::unary(Unary::Exp, &((o - 1e-3) * 1e5)));
+        let b = (0..12).fold((o - 5e-4) * 1e6, |b, k| b + (o - (5e-4 + 1e-9 * f64::from(k))) * 1e5);
+        t.max(&b)
+    };
+    let nothing = side(&(&x - at_x)).min(&side(&(c(at_x) - &x)));
+    let (far_x, far_y) = (corner(1.618_034, 57.0), corner(1.381_966, 57.0));
+    let square = Expr::binary(Binary::Compare, &(&x - far_x).abs().max(&(&y - far_y).abs()), &c(1.5 * step));
+    let field = within(nothing.min(&(square * 1e9)), 1.0);
+    // So little memory that the first lattice is the last.
+    let mut job = Job::default();
+    job.memory_limit = 256 * 17;
+    let budget = Budget::length(Tolerance::new(1e-5).unwrap()); // far below the lattice
+    let made = match field_to_polyline(&field, &budget, &job) {
+        Ok(made) => made,
+        Err(Failure::Unmet(best)) => *best,
+        Err(other) => panic!("{other:?}"),
+    };
+    // The line at the cross is over 1 from the only curve, the square.
+    assert!(made.bound.at_most().is_none_or(|most| most >= 1.0), "{:?}", made.bound);
 }
 
 #[test]
