@@ -2,7 +2,7 @@
 mod arc;
 mod bezier;
 mod bvh;
-mod cage;
+pub(crate) mod cage;
 mod clusters;
 mod continuation;
 mod curve;
@@ -31,6 +31,7 @@ pub use arc::{Arc, InvalidArc, Through};
 pub use bezier::{Bezier, Levels, bernstein};
 pub use bvh::{Bvh, Closest, Containment, Enclosure, Hit, Ray, Sides, Whereabouts, Winding};
 pub(crate) use bvh::{Soundings, nearest_on_triangle};
+pub use cage::limit::{Jet, LimitSurface, Sheet};
 pub use cage::{Boundary, Cage, Creasing, INFINITELY_SHARP, InvalidCage, Scheme};
 pub use clusters::{Cluster, FacingCounts, clusters, facing};
 pub use continuation::Smoothness;

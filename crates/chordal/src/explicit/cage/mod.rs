@@ -1,6 +1,7 @@
 //! `Cage`: a polygon mesh with what subdivision asks of it.
 mod edges;
 mod grids;
+pub(crate) mod limit;
 mod refine;
 mod rules;
 
@@ -220,8 +221,12 @@ impl Cage {
     /// When there is no such face.
     #[must_use]
     pub fn face(&self, face: usize) -> &[u32] {
-        let start = if face == 0 { 0 } else { self.ends[face - 1] };
-        &self.corners[start as usize..self.ends[face] as usize]
+        &self.corners[self.begin(face)..self.ends[face] as usize]
+    }
+
+    /// Where the corners of a face begin.
+    fn begin(&self, face: usize) -> usize {
+        if face == 0 { 0 } else { self.ends[face - 1] as usize }
     }
 
     /// All faces, with holes, in order.
@@ -327,6 +332,11 @@ pub enum InvalidCage {
         /// It.
         sharp: f64,
     },
+    /// The limit surface is asked for and not known for the scheme.
+    NoLimit {
+        /// It.
+        scheme: Scheme,
+    },
     /// More than can be counted.
     TooMany {
         /// Of what.
@@ -354,6 +364,7 @@ impl fmt::Display for InvalidCage {
             Self::NoSuchVertex { index } => write!(f, "there is no vertex {index} to be sharp"),
             Self::NoSuchFace { face } => write!(f, "there is no face {face} to be a hole"),
             Self::Sharpness { sharp } => write!(f, "a sharpness is 0 or more, not {sharp}"),
+            Self::NoLimit { scheme } => write!(f, "the limit surface of the {scheme:?} scheme is not known"),
             Self::TooMany { what, most } => write!(f, "there are more than {most} {what}"),
         }
     }

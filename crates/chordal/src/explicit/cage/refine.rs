@@ -94,6 +94,13 @@ fn is_corner(cage: &Cage, edges: &Edges, around: &Around, vertex: usize) -> bool
     is_many && !is_seam
 }
 
+/// Whether a face carries no surface.
+pub(super) fn is_hole(cage: &Cage, (edges, around): (&Edges, &Around), face: usize) -> bool {
+    let on_border = |v: &u32| around.edges(*v as usize).iter().any(|e| edges.faces(*e as usize).len() == 1);
+    let border = cage.boundary == Boundary::None && cage.face(face).iter().any(on_border);
+    border || cage.holes.binary_search(&(face as u32)).is_ok()
+}
+
 /// How many groups of faces there are around a vertex that hang together by edges at it.
 fn n_fans(edges: &Edges, around: &Around, vertex: usize) -> usize {
     let faces = around.faces(vertex);
@@ -212,20 +219,13 @@ impl Round<'_> {
             if is_loop {
                 corners.extend([edge(0), edge(1), edge(2)]);
             }
-            if self.is_hole(f) {
+            if is_hole(self.cage, (&self.edges, &self.around), f) {
                 holes.extend(begin..(corners.len() / size) as u32);
             }
             first += n;
         }
         let ends = (1..=corners.len() / size).map(|k| (k * size) as u32).collect();
         (ends, corners, holes)
-    }
-
-    fn is_hole(&self, face: usize) -> bool {
-        let on_border =
-            |v: &u32| self.around.edges(*v as usize).iter().any(|e| self.edges.faces(*e as usize).len() == 1);
-        let border = self.cage.boundary == Boundary::None && self.cage.face(face).iter().any(on_border);
-        border || self.cage.holes.binary_search(&(face as u32)).is_ok()
     }
 
     /// Halves of creases, at their vertex each.

@@ -1,0 +1,197 @@
+//! `Ring`: a face of a cage with all that its limit surface hangs on, and how it is divided.
+use super::super::edges::{Around, Edges};
+use super::super::refine::{Sharp, is_hole};
+use super::super::rules::Point;
+use super::super::{Boundary, Cage, INFINITELY_SHARP, InvalidCage};
+
+/// A cage with what is found out about it once.
+pub(in super::super) struct Parts {
+    pub edges: Edges,
+    pub around: Around,
+    pub sharp: Sharp,
+}
+
+impl Parts {
+    pub fn of(cage: &Cage) -> Self {
+        let edges = Edges::of(cage);
+        let around = Around::of(cage, &edges);
+        let sharp = Sharp::of(cage, &edges, &around);
+        Self { edges, around, sharp }
+    }
+
+    pub fn is_hole(&self, cage: &Cage, face: usize) -> bool {
+        is_hole(cage, (&self.edges, &self.around), face)
+    }
+}
+
+/// A face and the faces around its vertices, as a cage of their own whose first face it is.
+///
+/// Faces beyond an infinitely sharp edge are left out: they do not shape this one, and would only widen the hull. So the limit
+/// surface of the face lies in the convex hull of the vertices here: all rules are means with weights that are not negative.
+#[derive(Clone, Debug)]
+pub(crate) struct Ring {
+    cage: Cage,
+    /// By how much its positions may be off by rounding, each coordinate.
+    off: f64,
+}
+
+impl Ring {
+    pub(in super::super) fn of(cage: &Cage, parts: &Parts, face: usize) -> Self {
+        Self::turned(cage, parts, (face, 0))
+    }
+
+    /// The ring of a face that begins so many corners later.
+    fn turned(cage: &Cage, parts: &Parts, (face, turn): (usize, usize)) -> Self {
+        let middle = cage.face(face);
+        let mut sectors: Vec<Sector> =
+            middle.iter().map(|vertex| Sector::of(parts, *vertex, face as u32)).collect();
+        let mut faces: Vec<u32> = Vec::with_capacity(16);
+        // A vertex that has some of the faces beyond a cut, for the sake of another vertex, needs all of them.
+        loop {
+            faces.clear();
+            sectors.iter().for_each(|sector| faces.extend_from_slice(&sector.faces));
+            faces.sort_unstable();
+            faces.dedup();
+            let is_torn = |sector: &&mut Sector, vertex: u32| {
+                let around = parts.around.faces(vertex as usize);
+                let here = around.iter().filter(|face| faces.binary_search(face).is_ok()).count();
+                sector.sharpness < INFINITELY_SHARP && here > sector.faces.len()
+            };
+            let pairs = sectors.iter_mut().zip(middle);
+            let torn = pairs.filter(|(sector, vertex)| is_torn(sector, **vertex)).map(|(sector, vertex)| {
+                sector.faces = parts.around.faces(*vertex as usize).to_vec();
+            });
+            if torn.count() == 0 {
+                break;
+            }
+        }
+        let sharp = sectors.iter().zip(middle).map(|(sector, vertex)| (*vertex, sector.sharpness));
+        let sharp_vertices: Vec<(u32, f64)> = sharp.filter(|(_, sharpness)| *sharpness > 0.0).collect();
+        faces.retain(|other| *other != face as u32);
+        let mut vertices: Vec<u32> = middle.to_vec();
+        faces.iter().for_each(|face| vertices.extend_from_slice(cage.face(*face as usize)));
+        vertices.sort_unstable();
+        vertices.dedup();
+        let local = |vertex: u32| vertices.partition_point(|v| *v < vertex) as u32;
+        let mut corners: Vec<u32> = Vec::with_capacity(4 * faces.len() + middle.len());
+        corners.extend((0..middle.len()).map(|k| local(middle[(k + turn) % middle.len()])));
+        let mut ends = vec![corners.len() as u32];
+        let mut creases: Vec<([u32; 2], f64)> = Vec::new();
+        for &of in std::iter::once(&(face as u32)).chain(&faces) {
+            let (begin, face) = (cage.begin(of as usize), cage.face(of as usize));
+            for k in 0..face.len() {
+                let edge = parts.edges.of_corner[begin + k] as usize;
+                if parts.sharp.edges[edge] > 0.0 {
+                    creases.push((parts.edges.ends[edge].map(local), parts.sharp.edges[edge]));
+                }
+            }
+        }
+        for &of in &faces {
+            corners.extend(cage.face(of as usize).iter().map(|v| local(*v)));
+            ends.push(corners.len() as u32);
+        }
+        creases.sort_by_key(|(ends, _)| *ends);
+        creases.dedup_by_key(|(ends, _)| *ends);
+        let mut sharp_vertices: Vec<_> = sharp_vertices.into_iter().map(|(v, s)| (local(v), s)).collect();
+        sharp_vertices.sort_by_key(|(vertex, _)| *vertex);
+        let positions = vertices.iter().map(|v| cage.positions[*v as usize]).collect();
+        let cage = Cage {
+            positions,
+            ends,
+            corners,
+            scheme: cage.scheme,
+            boundary: Boundary::EdgeOnly,
+            creasing: cage.creasing,
+            creases,
+            sharp_vertices,
+            holes: Vec::new(),
+            is_refined: true,
+        };
+        Self { cage, off: 0.0 }
+    }
+
+    /// The rings of the parts of its face: one for each corner. Those of a quad begin where it does, at its lower left, so
+    /// that all have their sides in the same directions; those of another face begin at their corner of it.
+    pub(crate) fn divided(&self) -> Result<Vec<Self>, InvalidCage> {
+        let refined = self.cage.refined()?;
+        let parts = Parts::of(&refined);
+        let n = self.n_corners();
+        // A mean of k points in a row is off by k roundings, weights included; means do not widen what was off before.
+        let most =
+            (0..n).map(|k| parts.around.edges(self.cage.corners[k] as usize).len()).fold(0, usize::max);
+        let round = (4 * most + 4 * n + 16) as f64 * f64::EPSILON * self.size();
+        let turn = |corner: usize| if n == 4 { (4 - corner) % 4 } else { 0 };
+        let part = |corner: usize| Self {
+            off: self.off + round,
+            ..Self::turned(&refined, &parts, (corner, turn(corner)))
+        };
+        Ok((0..n).map(part).collect())
+    }
+
+    /// The corners of its face.
+    pub(crate) fn n_corners(&self) -> usize {
+        self.cage.ends[0] as usize
+    }
+
+    pub(super) fn cage(&self) -> &Cage {
+        &self.cage
+    }
+
+    /// Points whose convex hull has all of the face's limit surface in it.
+    pub(crate) fn hull(&self) -> &[Point] {
+        &self.cage.positions
+    }
+
+    /// The largest coordinate.
+    pub(crate) fn size(&self) -> f64 {
+        let larger = |most: f64, x: &f64| if x.abs() > most { x.abs() } else { most };
+        self.cage.positions.as_flattened().iter().fold(0.0, larger)
+    }
+
+    /// By how much each coordinate may be off by rounding.
+    pub(crate) fn off(&self) -> f64 {
+        self.off
+    }
+}
+
+/// The faces around a vertex that shape a face there, and how sharp the vertex is for them.
+struct Sector {
+    faces: Vec<u32>,
+    sharpness: f64,
+}
+
+impl Sector {
+    fn of(parts: &Parts, vertex: u32, face: u32) -> Self {
+        let own = parts.sharp.vertices[vertex as usize];
+        let around = parts.around.edges(vertex as usize);
+        let sharpness = |edge: u32| parts.sharp.edges[edge as usize];
+        let n_infinite = around.iter().filter(|edge| sharpness(**edge) >= INFINITELY_SHARP).count();
+        let all = || parts.around.faces(vertex as usize).to_vec();
+        if n_infinite == 0 {
+            return Self { faces: all(), sharpness: own };
+        }
+        let mut faces = vec![face];
+        let mut next = 0;
+        while next < faces.len() {
+            let here = faces[next];
+            next += 1;
+            for &edge in around.iter().filter(|edge| sharpness(**edge) < INFINITELY_SHARP) {
+                let on = parts.edges.faces(edge as usize);
+                if on.contains(&here) {
+                    for other in on {
+                        if !faces.contains(other) {
+                            faces.push(*other);
+                        }
+                    }
+                }
+            }
+        }
+        if own >= INFINITELY_SHARP || n_infinite > 2 {
+            return Self { faces, sharpness: INFINITELY_SHARP };
+        }
+        // A crease that ends on the other side makes a corner of the vertex for some rounds.
+        let is_beyond = |edge: &u32| parts.edges.faces(*edge as usize).iter().all(|f| !faces.contains(f));
+        let is_shaped = around.iter().any(|edge| is_beyond(edge) && sharpness(*edge) > 0.0);
+        Self { faces: if is_shaped { all() } else { faces }, sharpness: own }
+    }
+}
