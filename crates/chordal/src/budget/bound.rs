@@ -92,6 +92,8 @@ pub enum Reference {
     Curves,
     /// Bicubic Bézier patches.
     BezierPatches,
+    /// The surface that refining a cage converges to.
+    LimitSurface,
     /// The triangles of the input.
     InputTriangles,
     /// The boundary of where a field is negative.
@@ -107,6 +109,7 @@ impl Reference {
         match self {
             Self::Curves => "curves",
             Self::BezierPatches => "bezier patches",
+            Self::LimitSurface => "limit surface",
             Self::InputTriangles => "input triangles",
             Self::Field => "field",
             Self::Trilinear => "trilinear interpolant",

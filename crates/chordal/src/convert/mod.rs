@@ -1,4 +1,5 @@
 //! The bridge: one file per arrow `a_to_b`, each lossy one under a budget and with a bound.
+mod cage_to_mesh;
 mod contours;
 mod cubes;
 mod curve_to_field;
@@ -21,6 +22,7 @@ mod outlines_to_mesh;
 mod patches;
 mod patches_to_mesh;
 
+pub use cage_to_mesh::cage_to_mesh;
 pub use cubes::march::Coordinate;
 pub use cubes::rule::{Border, Inside, Normals, Polygonize};
 pub use curve_to_field::curve_to_field;

@@ -1,7 +1,8 @@
 //! Bicubic Bézier patches to triangles: adaptive, crack-free by shared index, proved.
-use super::patches::mesher::{Failed, Mesher, Proved};
-use super::patches::plan::Allowance;
-use crate::budget::{Bounded, Budget, Code, Failure, Job, Tolerance};
+use super::patches::ground::Patches;
+use super::patches::mesher::Failed;
+use super::patches::within::mesh_within;
+use crate::budget::{Bounded, Budget, Code, Failure, Job};
 use crate::explicit::{Mesh, Patch};
 use crate::math::flushes_subnormals;
 
@@ -46,41 +47,7 @@ use crate::math::flushes_subnormals;
 pub fn patches_to_mesh(patches: &[Patch], budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, Failed> {
     check_input(patches, budget)?;
     let patches: Vec<Patch> = patches.iter().map(positive_zeros).collect();
-    job.run(|| {
-        let mesher = Mesher::new(&patches, job);
-        let allowance = Allowance {
-            length: budget.length.map(Tolerance::get),
-            pixels: budget.pixels.map(|p| (p.pixels, p.view.lens())),
-        };
-        if allowance.length.is_none() && allowance.pixels.is_none() {
-            return by_count(&mesher, &allowance, budget.triangles.unwrap_or(u64::MAX), job);
-        }
-        check_size(&mesher, &allowance, job)?;
-        let planned = mesher.plan(&allowance)?;
-        let most = budget.triangles.unwrap_or(u64::MAX);
-        if planned.count(&mesher) <= most {
-            let proved = mesher.prove(planned)?;
-            if proved.count() <= most {
-                return Ok(mesher.finish(&proved, &allowance));
-            }
-        }
-        let best = by_count(&mesher, &allowance, most, job).or_else(|failure| match failure {
-            Failure::Unmet(best) => Ok(*best),
-            other => Err(other),
-        })?;
-        // A coarser mesh than the plan for the budget may still come out within it.
-        if best.shape.faces().len() as u64 <= most && meets(&best, budget) {
-            return Ok(best);
-        }
-        Err(Failure::Unmet(Box::new(best)))
-    })
-}
-
-fn meets(mesh: &Bounded<Mesh>, budget: &Budget) -> bool {
-    let Some(most) = mesh.bound.at_most() else { return false };
-    let by_length = budget.length.is_none_or(|length| most <= length.get());
-    let by_pixels = |asked: f64| mesh.bound.pixels.is_some_and(|pixels| pixels <= asked);
-    by_length && budget.pixels.is_none_or(|asked| by_pixels(asked.pixels.get()))
+    mesh_within(&Patches(&patches), budget, job)
 }
 
 fn check_input(patches: &[Patch], budget: &Budget) -> Result<(), Failed> {
@@ -124,82 +91,4 @@ const LARGEST: f64 = 1e150;
 /// −0 and 0 are the same place; equal bits make equal curves.
 fn positive_zeros(patch: &Patch) -> Patch {
     Patch { control: patch.control.map(|row| row.map(|p| p.map(|x| x + 0.0))) }
-}
-
-/// Bytes a triangle, everything counted, at the peak; measured on the teapot at 1e6 triangles.
-const BYTES_PER_TRIANGLE: f64 = 200.0;
-
-/// Says before the work that a budget needs more than the job allows.
-fn check_size(mesher: &Mesher<'_>, allowance: &Allowance, job: &Job) -> Result<(), Failed> {
-    let (triangles, memory) = (job.triangle_limit as f64, job.memory_limit as f64);
-    let limit = if triangles < memory / BYTES_PER_TRIANGLE { triangles } else { memory / BYTES_PER_TRIANGLE };
-    let needed = mesher.estimate(allowance, limit)?;
-    if needed > triangles {
-        let message = format!("the budget needs about {needed:.1e} triangles; the limit is {triangles:.1e}");
-        return Err(Failure::refused(Code::TooManyTriangles, message));
-    }
-    if needed > limit {
-        let bytes = needed * BYTES_PER_TRIANGLE;
-        let message =
-            format!("the budget needs about {bytes:.1e} bytes of memory; the limit is {memory:.1e}");
-        return Err(Failure::refused(Code::TooMuchMemory, message));
-    }
-    Ok(())
-}
-
-/// Rungs an octave of the ladder of lengths: neighbours differ by 2.2 %. With 16 the referee found small meshes
-/// whose bound was more than 1.15 times what a length reaches with as many triangles.
-const RUNGS: u32 = 32;
-/// A ladder of 100 octaves reaches below the rounding of any shape.
-const MOST_RUNGS: u32 = 100 * RUNGS;
-/// How far a count may rise above a finer rung's, seen on coarse meshes; rungs are tried from here down.
-const COUNT_NOISE: u64 = 2;
-/// Meshes below this size have bounds well below their rung, so all coarser rungs are compared.
-const SMALL: u64 = 2000;
-
-/// The mesh with the smallest bound among those of the ladder with at most `most` triangles.
-fn by_count(mesher: &Mesher<'_>, asked: &Allowance, most: u64, job: &Job) -> Result<Bounded<Mesh>, Failed> {
-    let most = most.min(job.triangle_limit).min((job.memory_limit as f64 / BYTES_PER_TRIANGLE) as u64);
-    let size = mesher.longest_diagonal();
-    // The length of a rung: exact powers of two, times one of as many fixed factors as an octave has rungs.
-    let rung = |k: u32| {
-        let step = libm::exp2(-f64::from(k % RUNGS) / f64::from(RUNGS));
-        Allowance { length: Some(4.0 * size * step * libm::exp2(-f64::from(k / RUNGS))), pixels: None }
-    };
-    let count = |k: u32| -> Result<u64, Failed> {
-        match mesher.plan(&rung(k)) {
-            Ok(planned) => Ok(planned.count(mesher)),
-            Err(Failure::Refused(refusal)) if refusal.code == Code::BelowPrecision => Ok(u64::MAX),
-            Err(other) => Err(other),
-        }
-    };
-    // Finer by octaves until even a noisy count cannot fit, then down rung by rung.
-    let mut fine = 0;
-    while fine < MOST_RUNGS && count(fine)? <= COUNT_NOISE.saturating_mul(most) {
-        fine += RUNGS / 4;
-    }
-    let mut k = fine;
-    while k > 0 && count(k)? > most {
-        k -= 1;
-    }
-    let mut best: Option<Proved> = None;
-    for k in (0..=k).rev() {
-        let proved = mesher.prove(mesher.plan(&rung(k))?)?;
-        let count = proved.count();
-        if count <= most && best.as_ref().is_none_or(|best| proved.bound() < best.bound()) {
-            best = Some(proved);
-        } else if count > most && k == 0 && best.is_none() {
-            let best = mesher.finish(&proved, asked);
-            return Err(Failure::Unmet(Box::new(best)));
-        }
-        let settled =
-            best.as_ref().is_some_and(|best| rung(k).length.is_some_and(|rung| 0.8 * rung > best.bound()));
-        if settled && count > SMALL {
-            break;
-        }
-    }
-    match best {
-        Some(best) => Ok(mesher.finish(&best, asked)),
-        None => Err(Failure::refused(Code::Budget, "no mesh of these patches has so few triangles")),
-    }
 }

@@ -1,33 +1,34 @@
 //! From finished tiles to one mesh: vertex numbers, and normals that are shared where the surface is smooth.
+use super::ground::Ground;
 use super::plan::Tile;
 use super::quilt::{Quilt, Seam};
-use super::seams::{Line, Seams};
+use super::seams::Seams;
 use super::tile::{self, Done};
-use crate::explicit::{Attribute, Mesh, Patch, Side, face_normal};
+use crate::explicit::{Attribute, Mesh, Side, face_normal};
 use glam::DVec3;
 
 /// Normals of two patches at one vertex that differ by less than this are one: 1°, far above the rounding of a
 /// smooth joint (1e-8°) and below what shading shows as an edge. cos 1° = 0.99984769….
 const COS_SAME_NORMAL: f64 = 0.999_847_695_156_391;
 
-/// A vertex on the border of a patch as one of its sides sees it.
+/// A vertex on the border of a sheet as one of its sides sees it.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 struct Seen {
     vertex: u32,
-    patch: u32,
+    sheet: u32,
     side: Side,
     normal: [f64; 3],
 }
 
 /// The mesh of all tiles. Vertices on shared curves are one vertex, except where the patches' normals part: there
 /// each smooth group gets its own, tied by `position_id`.
-pub(crate) fn assemble(patches: &[Patch], quilt: &Quilt, seams: &Seams, tiles: &[(Tile, Done)]) -> Mesh {
+pub(crate) fn assemble(grounds: &[Ground<'_>], quilt: &Quilt, seams: &Seams, tiles: &[(Tile, Done)]) -> Mesh {
     let mut positions = seams.positions.clone();
     let mut normals = vec![[0.0; 3]; positions.len()];
-    normals_inside(patches, seams, &mut normals);
+    let seen = seen_from_tiles(grounds, (quilt, seams), tiles, &mut normals);
     let mut splits = Splits::default();
     let mut ids: Vec<u32> = Vec::new();
-    splits.find(seen_from_borders(patches, quilt, seams), &mut positions, &mut normals, &mut ids);
+    splits.find(seen, &mut positions, &mut normals, &mut ids);
     let n_border = positions.len();
     let n_inner: usize = tiles.iter().map(|t| t.1.inner.len()).sum();
     positions.reserve(n_inner);
@@ -35,7 +36,7 @@ pub(crate) fn assemble(patches: &[Patch], quilt: &Quilt, seams: &Seams, tiles: &
     let mut faces = Vec::with_capacity(tiles.iter().map(|t| t.1.triangles.len()).sum());
     for (index, (place, tile)) in tiles.iter().enumerate() {
         let border = tile::border(index, place, seams);
-        let border: Vec<u32> = border.iter().map(|b| splits.vertex(b.id, place.patch, b.side)).collect();
+        let border: Vec<u32> = border.iter().map(|b| splits.vertex(b.id, place.sheet, b.side)).collect();
         let first = positions.len() as u32;
         let n = border.len() as u32;
         let global = |local: u32| if local < n { border[local as usize] } else { first + (local - n) };
@@ -51,60 +52,48 @@ pub(crate) fn assemble(patches: &[Patch], quilt: &Quilt, seams: &Seams, tiles: &
     drop_unused(positions, faces, normals, split_ids)
 }
 
-/// Normals of the vertices on lines inside patches.
-fn normals_inside(patches: &[Patch], seams: &Seams, normals: &mut [[f64; 3]]) {
-    for piece in &seams.pieces {
-        let (patch, place): (u32, &dyn Fn(f64) -> (f64, f64)) = match piece.line {
-            Line::AlongU(patch, v) => (patch, &move |at| (at, f64::from_bits(v))),
-            Line::AlongV(patch, u) => (patch, &move |at| (f64::from_bits(u), at)),
-            Line::Edge(_) | Line::Point(..) => continue,
-        };
-        for k in 0..=piece.n {
-            let (u, v) = place(piece.at(k));
-            // Ends on the patch's border get theirs with the border.
-            if u > 0.0 && u < 1.0 && v > 0.0 && v < 1.0 {
-                normals[piece.vertex(k) as usize] = patches[patch as usize].normal(u, v).unwrap_or([0.0; 3]);
-            }
-        }
-    }
-}
-
-/// Every vertex on a patch's border with the normal that each patch has there.
-fn seen_from_borders(patches: &[Patch], quilt: &Quilt, seams: &Seams) -> Vec<Seen> {
+/// Every vertex on a sheet's border with the normal that the sheet has there; those of the other vertices on borders of tiles go to
+/// `normals`.
+fn seen_from_tiles(
+    grounds: &[Ground<'_>],
+    (quilt, seams): (&Quilt, &Seams),
+    tiles: &[(Tile, Done)],
+    normals: &mut [[f64; 3]],
+) -> Vec<Seen> {
     let mut seen = Vec::new();
-    for (patch, shape) in patches.iter().enumerate() {
-        for side in Side::ALL {
-            let corner = side as usize;
-            let before = Side::ALL[(corner + 3) % 4];
-            let is_point = |side: Side| matches!(quilt.seams[patch][side as usize], Seam::Point);
-            // At a pole every direction meets; the middle of the collapsed side stands for all.
-            let (u, v) = match (is_point(side), is_point(before)) {
-                (true, _) => place_on(side, 0.5),
-                (_, true) => place_on(before, 0.5),
-                _ => place_on(side, 0.0),
-            };
-            let normal = shape.normal(u, v).unwrap_or([0.0; 3]);
-            seen.push(Seen { vertex: quilt.corners[patch][corner], patch: patch as u32, side, normal });
+    for (index, (tile, _)) in tiles.iter().enumerate() {
+        let ground = &grounds[tile.ground as usize];
+        let within = |x: f64, [from, to]: [f64; 2]| from + (to - from) * x;
+        for at in Side::ALL {
+            tile::walk_side(index, tile, (at, seams), |u, v, vertex| {
+                let (u, v) = (within(u, tile.u), within(v, tile.v));
+                let Some(side) = vertex.side else {
+                    let normal = &mut normals[vertex.id as usize];
+                    if *normal == [0.0; 3] {
+                        *normal = ground.normal(u, v).unwrap_or_default();
+                    }
+                    return;
+                };
+                let is_corner = (u == 0.0 || u == 1.0) && (v == 0.0 || v == 1.0);
+                let is_point =
+                    |side: Side| matches!(quilt.seams[tile.sheet as usize][side as usize], Seam::Point);
+                let before = Side::ALL[(side as usize + 3) % 4];
+                // At a pole every direction meets; the middle of the collapsed side stands for all.
+                let (u, v) = match (is_corner && is_point(side), is_corner && is_point(before)) {
+                    (true, _) => place_on(side, 0.5),
+                    (_, true) => place_on(before, 0.5),
+                    _ if vertex.pole => return,
+                    _ => (u, v),
+                };
+                let normal = ground.normal(u, v).unwrap_or_default();
+                seen.push(Seen { vertex: vertex.id, sheet: tile.sheet, side, normal });
+            });
         }
     }
-    let n_corners = quilt.corner_positions.len() as u32;
-    for piece in &seams.pieces {
-        let Line::Edge(edge) = piece.line else { continue };
-        for used in &quilt.edges[edge as usize].uses {
-            // The end of a piece is the start of the next, or a corner.
-            for k in 0..piece.n {
-                let vertex = piece.vertex(k);
-                if vertex >= n_corners {
-                    let along = if used.reversed { 1.0 - piece.at(k) } else { piece.at(k) };
-                    let (u, v) = place_on(used.side, along);
-                    let normal = patches[used.patch as usize].normal(u, v).unwrap_or([0.0; 3]);
-                    seen.push(Seen { vertex, patch: used.patch, side: used.side, normal });
-                }
-            }
-        }
-    }
-    // Stable, so that the order of patches and uses is kept within a vertex.
-    seen.sort_by_key(|s| s.vertex);
+    // Stable, so that the order of sheets is kept within a vertex.
+    seen.sort_by_key(|s| (s.vertex, s.sheet, s.side));
+    // Where tiles meet on a border, both begin a side there.
+    seen.dedup_by_key(|s| (s.vertex, s.sheet, s.side));
     seen
 }
 
@@ -121,7 +110,7 @@ fn place_on(side: Side, along: f64) -> (f64, f64) {
 /// Vertices that were split because the normals around them part.
 #[derive(Default)]
 struct Splits {
-    /// Sorted by (vertex, patch, side).
+    /// Sorted by (vertex, sheet, side).
     moved: Vec<((u32, u32, Side), u32)>,
     is_split: Vec<bool>,
 }
@@ -161,7 +150,7 @@ impl Splits {
                     target
                 };
                 if target != vertex {
-                    self.moved.push(((vertex, seen.patch, seen.side), target));
+                    self.moved.push(((vertex, seen.sheet, seen.side), target));
                 }
             }
             for (_, sum, target) in groups {
@@ -171,14 +160,14 @@ impl Splits {
         self.moved.sort_by_key(|m| m.0);
     }
 
-    fn vertex(&self, id: u32, patch: u32, side: Option<Side>) -> u32 {
+    fn vertex(&self, id: u32, sheet: u32, side: Option<Side>) -> u32 {
         let Some(side) = side.filter(|_| self.is_split[id as usize]) else { return id };
-        let key = (id, patch, side);
+        let key = (id, sheet, side);
         self.moved.binary_search_by_key(&key, |m| m.0).map_or(id, |found| self.moved[found].1)
     }
 }
 
-/// Gives vertices where the patch has no normal the sum of their faces' normals, or up where that vanishes too.
+/// Gives vertices where the surface has no normal the sum of their faces' normals, or up where that vanishes too.
 fn fill_missing(positions: &[[f64; 3]], faces: &[[u32; 3]], normals: &mut [[f64; 3]]) {
     if normals.iter().all(|n| *n != [0.0; 3]) {
         return;

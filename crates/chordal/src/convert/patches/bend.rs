@@ -42,10 +42,10 @@ use crate::explicit::Patch;
 use glam::DVec3;
 
 /// Rounding of a certified bound, as a share of the largest coordinate; derived above.
-const ROUNDING: f64 = 2048.0 * f64::EPSILON;
+pub(super) const ROUNDING: f64 = 2048.0 * f64::EPSILON;
 
 /// What underflow adds to it, a length: the root of the smallest normal number, 2⁻⁵¹¹; derived above.
-const UNDERFLOW: f64 = f64::from_bits(512 << 52);
+pub(super) const UNDERFLOW: f64 = f64::from_bits(512 << 52);
 
 /// The length that rounding may add to the distance of a patch from its triangles.
 pub(crate) fn rounding(patch: &Patch) -> f64 {

@@ -1,35 +1,40 @@
 //! `Mesher`: plans tiles for an allowance, proves them, and asks for more cells until all hold.
 use super::assemble;
-use super::bend::rounding;
+use super::ground::{Ground, Shape, Sheets};
 use super::plan::{self, Allowance, Obstacle, Tile};
 use super::probe::Probe;
 use super::quilt::{Corner, Quilt, Seam};
 use super::seams::{Line, Piece, Seams};
 use super::tile::{self, Done};
-use crate::budget::{Bound, Bounded, Code, Failure, Job, Progress, Reference, par_map};
+use super::tip;
+use crate::budget::{Bound, Bounded, Code, Failure, Job, Progress, par_map};
 use crate::check;
-use crate::explicit::{Mesh, Patch, Side};
+use crate::explicit::{Mesh, Side};
 use crate::math::{Box3, sub_down};
 
 pub(crate) type Failed = Failure<Mesh>;
 
-/// The patches with what is needed to mesh them to any allowance.
+/// A surface with what is needed to mesh it to any allowance.
 pub(crate) struct Mesher<'a> {
-    patches: &'a [Patch],
+    sheets: &'a dyn Sheets,
     quilt: Quilt,
     job: &'a Job,
 }
 
 /// Tiles with their seams, not yet proved.
-pub(crate) struct Planned {
+pub(crate) struct Planned<'a> {
+    grounds: Vec<Ground<'a>>,
     tiles: Vec<Tile>,
     seams: Seams,
-    /// Fewest cells each way, by patch, that keep edges of different curves apart.
+    /// Fewest cells each way, by sheet, that keep edges of different curves apart.
     least: Vec<u32>,
+    /// By how much the proof of rough grounds came out worse than expected, by sheet, 1 at first.
+    strains: Vec<f64>,
 }
 
 /// Tiles that are proved to be within their tolerance.
-pub(crate) struct Proved {
+pub(crate) struct Proved<'a> {
+    grounds: Vec<Ground<'a>>,
     tiles: Vec<(Tile, Done)>,
     seams: Seams,
 }
@@ -44,61 +49,77 @@ const MOST_STRAIN: f64 = 1e6;
 const SAMPLED_TILES: usize = 12;
 
 impl<'a> Mesher<'a> {
-    pub(crate) fn new(patches: &'a [Patch], job: &'a Job) -> Self {
-        Self { patches, quilt: Quilt::new(patches), job }
+    pub(crate) fn new(sheets: &'a dyn Sheets, job: &'a Job) -> Self {
+        Self { sheets, quilt: sheets.quilt(), job }
     }
 
-    /// The longest diagonal of a patch's hull; 1 where all patches are points.
+    /// The longest diagonal of a sheet's hull; 1 where all sheets are points.
     pub(crate) fn longest_diagonal(&self) -> f64 {
-        // No shorter than what rounding may lose, so that patches that are all but points meet the first rung.
-        let own = |patch: &Patch| {
-            let (diagonal, lost) = (patch.hull().diagonal(), rounding(patch));
-            if diagonal > lost { diagonal } else { lost }
-        };
-        let longest = self.patches.iter().map(own);
-        let longest = longest.fold(0.0, |longest, d| if d > longest { d } else { longest });
+        let longest = self.sheets.longest_diagonal();
         if longest > 0.0 { longest } else { 1.0 }
     }
 
-    fn patch_of(&self, tile: &Tile) -> &Patch {
-        &self.patches[tile.patch as usize]
-    }
-
-    /// Whether a side of a tile is on a side of its patch that is one point.
+    /// Whether a side of a tile is on a side of its sheet that is one point.
     fn has_pole(&self, tile: &Tile, side: Side) -> bool {
         let ends = [(tile.v[0], 0.0), (tile.u[1], 1.0), (tile.v[1], 1.0), (tile.u[0], 0.0)];
         let (at, end) = ends[side as usize];
-        at == end && matches!(self.quilt.seams[tile.patch as usize][side as usize], Seam::Point)
+        at == end && matches!(self.quilt.seams[tile.sheet as usize][side as usize], Seam::Point)
     }
 
     /// About how many triangles an allowance needs; cheap where that is fewer than `enough`.
     pub(crate) fn estimate(&self, allowance: &Allowance, enough: f64) -> Result<f64, Failed> {
-        let rough = par_map(self.job, self.patches, |_, patch| {
-            let tolerance = plan::tolerance(patch, (allowance, rounding(patch)))?;
+        let numbers: Vec<usize> = (0..self.sheets.count()).collect();
+        let over = |one: &(dyn Fn(&Ground<'_>) -> Result<f64, Obstacle> + Sync)| {
+            total(par_map(self.job, &numbers, |_, &sheet| {
+                self.sheets
+                    .grounds(sheet, (allowance, 1.0))?
+                    .iter()
+                    .try_fold(0.0, |sum, ground| Ok(sum + one(ground)?))
+            }))
+        };
+        let rough = over(&|ground| {
+            let Shape::Bezier(patch) = &ground.shape else { return Ok(2.0) };
+            let tolerance = plan::tolerance(patch.hull(), (allowance, ground.lost()))?;
             Ok(2.0 * Probe::new(patch).need(tolerance).cells)
-        });
-        let rough = total(rough)?;
+        })?;
         if rough < enough {
             return Ok(rough);
         }
-        total(par_map(self.job, self.patches, |_, patch| plan::estimate(patch, allowance)))
+        over(&|ground| plan::estimate(ground, allowance))
     }
 
     /// Tiles and rates for an allowance.
-    pub(crate) fn plan(&self, allowance: &Allowance) -> Result<Planned, Failed> {
-        let cut = par_map(self.job, self.patches, |i, patch| {
-            if self.job.is_cancelled() { Ok(Vec::new()) } else { plan::cut(i as u32, patch, allowance) }
+    pub(crate) fn plan(&self, allowance: &Allowance) -> Result<Planned<'a>, Failed> {
+        self.plan_strained(allowance, vec![1.0; self.sheets.count()])
+    }
+
+    fn plan_strained(&self, allowance: &Allowance, strains: Vec<f64>) -> Result<Planned<'a>, Failed> {
+        let cut = par_map(self.job, &strains, |sheet, strain| {
+            if self.job.is_cancelled() {
+                return Ok((Vec::new(), Vec::new()));
+            }
+            let grounds = self.sheets.grounds(sheet, (allowance, *strain))?;
+            let mut tiles = Vec::new();
+            for (index, ground) in grounds.iter().enumerate() {
+                let begin = tiles.len();
+                tiles.extend(plan::cut(ground, allowance)?);
+                tiles[begin..].iter_mut().for_each(|tile| tile.ground = index as u32);
+            }
+            Ok((grounds, tiles))
         });
         if self.job.is_cancelled() {
             return Err(Failure::Cancelled);
         }
-        let mut tiles = Vec::new();
+        let (mut grounds, mut tiles) = (Vec::new(), Vec::new());
         for list in cut {
-            tiles.extend(list.map_err(refuse)?);
+            let (own, cut) = list.map_err(refuse)?;
+            let begin = grounds.len() as u32;
+            grounds.extend(own);
+            tiles.extend(cut.into_iter().map(|tile| Tile { ground: begin + tile.ground, ..tile }));
         }
         for tile in &mut tiles {
             let ends = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| (tile.u[i], tile.v[j]));
-            let known = self.quilt.meetings[tile.patch as usize];
+            let known = self.quilt.meetings[tile.sheet as usize];
             let places = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
             let poles = Side::ALL.map(|side| self.has_pole(tile, side));
             tile.corners = std::array::from_fn(|k| match known[k] {
@@ -109,19 +130,29 @@ impl<'a> Mesher<'a> {
             });
         }
         let mut seams = Seams::new(&self.quilt, &tiles);
-        seams.set_rates(&tiles, self.patches, &self.quilt);
-        Ok(Planned { tiles, seams, least: vec![1; self.patches.len()] })
+        seams.set_rates(&tiles, &grounds, &self.quilt);
+        let least = vec![1; self.sheets.count()];
+        Ok(Planned { grounds, tiles, seams, least, strains })
     }
 
     /// Builds and proves every tile; a tile that misses its tolerance gets more cells, and it and its neighbours are
     /// built again. Then patches whose edges fall together (two chords between the same two vertices, which happens
     /// when cells are very few) get more cells too.
-    pub(crate) fn prove(&self, mut planned: Planned) -> Result<Proved, Failed> {
+    pub(crate) fn prove(
+        &self,
+        mut planned: Planned<'a>,
+        allowance: &Allowance,
+    ) -> Result<Proved<'a>, Failed> {
         let mut done: Vec<Option<Done>> = vec![None; planned.tiles.len()];
         for round in 0..MOST_ROUNDS {
             self.check_cells(&planned.tiles)?;
             self.build_open(&planned, &mut done)?;
-            let missed = self.ask_for_more(&mut planned.tiles, &mut done, round);
+            if strain_rough(&mut planned, &done) {
+                planned = self.plan_strained(allowance, planned.strains)?;
+                done = vec![None; planned.tiles.len()];
+                continue;
+            }
+            let missed = ask_for_more(&mut planned, &mut done, round);
             if planned.tiles.iter().any(|tile| tile.strain > MOST_STRAIN) {
                 break;
             }
@@ -140,9 +171,9 @@ impl<'a> Mesher<'a> {
                     .zip(done)
                     .filter_map(|(tile, done)| Some((tile, done?)))
                     .collect();
-                return Ok(Proved { tiles, seams: planned.seams });
+                return Ok(Proved { grounds: planned.grounds, tiles, seams: planned.seams });
             }
-            let changed = planned.seams.set_rates(&planned.tiles, self.patches, &self.quilt);
+            let changed = planned.seams.set_rates(&planned.tiles, &planned.grounds, &self.quilt);
             done.iter_mut().zip(changed).filter(|(_, changed)| *changed).for_each(|(done, _)| *done = None);
         }
         Err(Failure::refused(
@@ -164,11 +195,12 @@ impl<'a> Mesher<'a> {
         Ok(())
     }
 
-    fn build_open(&self, planned: &Planned, done: &mut [Option<Done>]) -> Result<(), Failed> {
-        let Planned { tiles, seams, .. } = planned;
+    fn build_open(&self, planned: &Planned<'_>, done: &mut [Option<Done>]) -> Result<(), Failed> {
+        let Planned { grounds, tiles, seams, .. } = planned;
         let open: Vec<usize> = (0..tiles.len()).filter(|i| done[*i].is_none()).collect();
         let built = par_map(self.job, &open, |_, &i| {
-            (!self.job.is_cancelled()).then(|| tile::build(i, &tiles[i], self.patch_of(&tiles[i]), seams))
+            let ground = &grounds[tiles[i].ground as usize];
+            (!self.job.is_cancelled()).then(|| tile::build(i, &tiles[i], ground, seams))
         });
         for (i, built) in open.iter().zip(built) {
             done[*i] = Some(built.ok_or(Failure::Cancelled)?);
@@ -181,39 +213,13 @@ impl<'a> Mesher<'a> {
         Ok(())
     }
 
-    /// More cells for every tile that misses its tolerance: as many as would have met it if the probe had been
-    /// wrong by as much everywhere, and at least one row or column. Whether there was any.
-    fn ask_for_more(&self, tiles: &mut [Tile], done: &mut [Option<Done>], round: usize) -> bool {
-        let mut missed = false;
-        for (tile, slot) in tiles.iter_mut().zip(done) {
-            let patch = self.patch_of(tile);
-            let rounding = rounding(patch);
-            let allowed = tile.tolerance + rounding;
-            let Some(bound) = slot.as_ref().map(|done| done.bound).filter(|bound| *bound > allowed) else {
-                continue;
-            };
-            missed = true;
-            *slot = None;
-            tile.strain *= (bound - rounding) / tile.tolerance * if round < 3 { 1.01 } else { 1.1 };
-            let probe = Probe::new(&patch.part(tile.u, tile.v));
-            let wanted = tile.tolerance / tile.strain;
-            let rates = probe.rates(&probe.need(wanted), wanted);
-            let before = (tile.n, tile.m);
-            (tile.n, tile.m, tile.rising) = (rates.n.max(tile.n), rates.m.max(tile.m), rates.rising);
-            if (tile.n, tile.m) == before {
-                *(if tile.n < tile.m { &mut tile.m } else { &mut tile.n }) += 1;
-            }
-        }
-        missed
-    }
-
-    /// More cells for patches with a triangle that has a vertex twice, a segment that no triangle has, or an edge that
+    /// More cells for sheets with a triangle that has a vertex twice, a segment that no triangle has, or an edge that
     /// is not only its own. Whether there was any. Three cells each way with their corners whole are always enough, so
     /// few are looked at.
-    fn part_edges(&self, planned: &mut Planned, done: &mut [Option<Done>]) -> bool {
+    fn part_edges(&self, planned: &mut Planned<'_>, done: &mut [Option<Done>]) -> bool {
         let tiles = planned.tiles.iter().zip(done.iter());
         let too_few = tiles.filter(|(_, done)| done.as_ref().is_some_and(|done| done.too_few));
-        let mut again: Vec<u32> = too_few.map(|(tile, _)| tile.patch).collect();
+        let mut again: Vec<u32> = too_few.map(|(tile, _)| tile.sheet).collect();
         let coarse = coarse_edges(planned, done);
         let shared = if coarse.is_empty() { Vec::new() } else { self.shared_segments(&planned.seams) };
         for run in coarse.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
@@ -230,9 +236,9 @@ impl<'a> Mesher<'a> {
         }
         again.sort_unstable();
         again.dedup();
-        again.iter().for_each(|patch| planned.least[*patch as usize] += 1);
+        again.iter().for_each(|sheet| planned.least[*sheet as usize] += 1);
         for (tile, done) in planned.tiles.iter_mut().zip(done) {
-            let least = planned.least[tile.patch as usize];
+            let least = planned.least[tile.sheet as usize];
             if tile.n < least || tile.m < least {
                 (tile.n, tile.m) = (tile.n.max(least), tile.m.max(least));
                 *done = None;
@@ -241,7 +247,7 @@ impl<'a> Mesher<'a> {
         !again.is_empty()
     }
 
-    /// Segments on shared curves, sorted by their two vertices, with the number of patches that meet there.
+    /// Segments on shared curves, sorted by their two vertices, with the number of sheets that meet there.
     fn shared_segments(&self, seams: &Seams) -> Vec<(u32, u32, usize)> {
         let mut list = Vec::new();
         for piece in &seams.pieces {
@@ -254,71 +260,40 @@ impl<'a> Mesher<'a> {
     }
 
     /// The mesh with its bound; pixels at the view of the allowance.
-    pub(crate) fn finish(&self, proved: &Proved, allowance: &Allowance) -> Bounded<Mesh> {
-        let Proved { tiles, seams } = proved;
+    pub(crate) fn finish(&self, proved: &Proved<'_>, allowance: &Allowance) -> Bounded<Mesh> {
+        let Proved { grounds, tiles, seams } = proved;
         let most =
             tiles.iter().fold(0.0, |most, (_, done)| if done.bound > most { done.bound } else { most });
-        let mesh = assemble::assemble(self.patches, &self.quilt, seams, tiles);
-        let (least, at) = self.measure(tiles, &mesh);
+        let mesh = assemble::assemble(grounds, &self.quilt, seams, tiles);
+        let (least, at) = measure(grounds, tiles, &mesh);
         let least = if least < most { least } else { most };
-        let mut bound = Bound::proved(least, most, Reference::BezierPatches);
+        let mut bound = Bound::proved(least, most, self.sheets.reference());
         bound.at = at;
         bound.pixels = allowance.pixels.and_then(|(_, lens)| {
             tiles.iter().try_fold(0.0, |worst, (tile, done)| {
-                let place = self.patch_of(tile).part(tile.u, tile.v).hull();
+                let place = grounds[tile.ground as usize].hull(tile);
                 let pixels = lens.sight(&place).pixels_of(done.bound)?;
                 Some(if pixels > worst { pixels } else { worst })
             })
         });
         Bounded { shape: mesh, bound }
     }
-
-    /// The distance from below and its place: at the middles of the worst triangles and of their sides.
-    fn measure(&self, tiles: &[(Tile, Done)], mesh: &Mesh) -> (f64, Option<[f64; 3]>) {
-        let mut order: Vec<usize> = (0..tiles.len()).collect();
-        order.sort_by(|a, b| tiles[*b].1.bound.total_cmp(&tiles[*a].1.bound).then(a.cmp(b)));
-        let mut samples = Vec::new();
-        let mut off = 0.0;
-        for &i in order.iter().take(SAMPLED_TILES) {
-            let (tile, done) = &tiles[i];
-            let patch = self.patch_of(tile);
-            let slack = rounding(patch);
-            off = if slack > off { slack } else { off };
-            let [a, b, c] = done.worst;
-            // The bound is reached in the middle of a triangle or of the side that is longest in parameters.
-            let length_sq =
-                |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]);
-            let sides = [(a, b), (b, c), (c, a)];
-            let longest = sides
-                .into_iter()
-                .reduce(|s, t| if length_sq(s.0, s.1) < length_sq(t.0, t.1) { t } else { s });
-            let (p, q) = longest.unwrap_or((a, b));
-            samples.push(patch.at(0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])));
-            samples.push(patch.at((a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0));
-        }
-        match check::surface_at_least(&samples, mesh) {
-            Some((least, at)) => {
-                let least = sub_down(least, off);
-                (if least > 0.0 { least } else { 0.0 }, Some(samples[at]))
-            }
-            None => (0.0, samples.first().copied()),
-        }
-    }
 }
 
-impl Planned {
+impl Planned<'_> {
     /// The number of triangles that it will have, unless a proof asks for more.
     pub(crate) fn count(&self, mesher: &Mesher<'_>) -> u64 {
         let per_tile = self.tiles.iter().enumerate().map(|(i, tile)| {
             let counts = Side::ALL.map(|side| self.seams.count(i, side));
             let poles = Side::ALL.map(|side| mesher.has_pole(tile, side));
-            tile::count_triangles(tile, counts, poles)
+            let is_rough = matches!(self.grounds[tile.ground as usize].shape, Shape::Rough(_));
+            if is_rough { tip::count_triangles(counts) } else { tile::count_triangles(tile, counts, poles) }
         });
         per_tile.sum()
     }
 }
 
-impl Proved {
+impl Proved<'_> {
     /// The number of its triangles.
     pub(crate) fn count(&self) -> u64 {
         self.tiles.iter().map(|(_, done)| done.triangles.len() as u64).sum()
@@ -330,6 +305,88 @@ impl Proved {
     }
 }
 
+/// The distance from below and its place: at the middles of the worst triangles and of their sides.
+fn measure(grounds: &[Ground<'_>], tiles: &[(Tile, Done)], mesh: &Mesh) -> (f64, Option<[f64; 3]>) {
+    let mut order: Vec<usize> = (0..tiles.len()).collect();
+    order.sort_by(|a, b| tiles[*b].1.bound.total_cmp(&tiles[*a].1.bound).then(a.cmp(b)));
+    let mut samples = Vec::new();
+    let mut off = 0.0;
+    for &i in order.iter().take(SAMPLED_TILES) {
+        let (tile, done) = &tiles[i];
+        let ground = &grounds[tile.ground as usize];
+        let slack = ground.lost();
+        off = if slack > off { slack } else { off };
+        let [a, b, c] = done.worst;
+        // The bound is reached in the middle of a triangle or of the side that is longest in parameters.
+        let length_sq =
+            |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]);
+        let sides = [(a, b), (b, c), (c, a)];
+        let longest =
+            sides.into_iter().reduce(|s, t| if length_sq(s.0, s.1) < length_sq(t.0, t.1) { t } else { s });
+        let (p, q) = longest.unwrap_or((a, b));
+        samples.push(ground.at(0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])));
+        samples.push(ground.at((a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0));
+    }
+    match check::surface_at_least(&samples, mesh) {
+        Some((least, at)) => {
+            let least = sub_down(least, off);
+            (if least > 0.0 { least } else { 0.0 }, Some(samples[at]))
+        }
+        None => (0.0, samples.first().copied()),
+    }
+}
+
+/// More cells for every tile that misses its tolerance: as many as would have met it if the probe had been
+/// wrong by as much everywhere, and at least one row or column. Whether there was any.
+fn ask_for_more(planned: &mut Planned<'_>, done: &mut [Option<Done>], round: usize) -> bool {
+    let Planned { grounds, tiles, .. } = planned;
+    let mut missed = false;
+    for (tile, slot) in tiles.iter_mut().zip(done) {
+        let ground = &grounds[tile.ground as usize];
+        let Shape::Bezier(patch) = &ground.shape else { continue };
+        let rounding = ground.lost();
+        let allowed = tile.tolerance + rounding;
+        let Some(bound) = slot.as_ref().map(|done| done.bound).filter(|bound| *bound > allowed) else {
+            continue;
+        };
+        missed = true;
+        *slot = None;
+        tile.strain *= (bound - rounding) / tile.tolerance * if round < 3 { 1.01 } else { 1.1 };
+        let probe = Probe::new(&ground.part(patch, tile));
+        let wanted = tile.tolerance / tile.strain;
+        let rates = probe.rates(&probe.need(wanted), wanted);
+        let before = (tile.n, tile.m);
+        (tile.n, tile.m, tile.rising) = (rates.n.max(tile.n), rates.m.max(tile.m), rates.rising);
+        if (tile.n, tile.m) == before {
+            *(if tile.n < tile.m { &mut tile.m } else { &mut tile.n }) += 1;
+        }
+    }
+    missed
+}
+
+/// Strains sheets with rough grounds that miss their tolerance, so that those are divided. Whether there was any.
+fn strain_rough(planned: &mut Planned<'_>, done: &[Option<Done>]) -> bool {
+    let Planned { grounds, tiles, strains, .. } = planned;
+    let mut missed = false;
+    for (tile, done) in tiles.iter().zip(done) {
+        let ground = &grounds[tile.ground as usize];
+        let Some(done) = done.as_ref().filter(|_| matches!(ground.shape, Shape::Rough(_))) else { continue };
+        let (rounding, bound) = (ground.lost(), done.bound);
+        if bound > tile.tolerance + rounding {
+            missed = true;
+            let ratio = (bound - rounding) / tile.tolerance;
+            // Not by much at once: a corner that is cut off is off by far more than the next smaller one.
+            strains[tile.sheet as usize] *=
+                if ratio < LEAST_STRAIN { LEAST_STRAIN } else { MOST_STRAIN_AT_ONCE };
+        }
+    }
+    missed
+}
+
+/// By how much a sheet is strained whose rough ground missed by little, and otherwise; chosen: a halving brings a factor of 4.
+const LEAST_STRAIN: f64 = 1.25;
+const MOST_STRAIN_AT_ONCE: f64 = 2.0;
+
 /// Whether a tile has so few cells that its edges may fall together.
 fn is_coarse(tile: &Tile) -> bool {
     tile.n < 3 || tile.m < 3
@@ -337,7 +394,7 @@ fn is_coarse(tile: &Tile) -> bool {
 
 /// The edges in coarse tiles that may fall together with others, sorted, with their patch, and those of other tiles that
 /// have the same two vertices.
-fn coarse_edges(planned: &Planned, done: &[Option<Done>]) -> Vec<(u32, u32, u32)> {
+fn coarse_edges(planned: &Planned<'_>, done: &[Option<Done>]) -> Vec<(u32, u32, u32)> {
     let mut edges: Vec<(u32, u32, u32)> = Vec::new();
     let mut first_inner = planned.seams.positions.len() as u32;
     for (index, (tile, done)) in planned.tiles.iter().zip(done).enumerate() {
@@ -351,7 +408,7 @@ fn coarse_edges(planned: &Planned, done: &[Option<Done>]) -> Vec<(u32, u32, u32)
         for t in &done.triangles {
             for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
                 if let (Some(a), Some(b)) = (ids.get(a as usize), ids.get(b as usize)) {
-                    edges.push((*a.min(b), *a.max(b), tile.patch));
+                    edges.push((*a.min(b), *a.max(b), tile.sheet));
                 }
             }
         }
@@ -363,7 +420,7 @@ fn coarse_edges(planned: &Planned, done: &[Option<Done>]) -> Vec<(u32, u32, u32)
         let pieces = Side::ALL.iter().flat_map(|side| planned.seams.chain(index, *side));
         for (a, b) in pieces.flat_map(|(piece, _)| segments(piece)) {
             if edges[..known].binary_search_by_key(&(a, b), |edge| (edge.0, edge.1)).is_ok() {
-                edges.push((a, b, tile.patch));
+                edges.push((a, b, tile.sheet));
             }
         }
     }

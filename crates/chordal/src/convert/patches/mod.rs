@@ -4,9 +4,13 @@
 //! [`assemble`] numbers the vertices and computes normals.
 pub(super) mod assemble;
 pub(super) mod bend;
+pub(super) mod ground;
 pub(super) mod mesher;
 pub(super) mod plan;
 pub(super) mod probe;
 pub(super) mod quilt;
+pub(super) mod rough;
 pub(super) mod seams;
 pub(super) mod tile;
+pub(super) mod tip;
+pub(super) mod within;

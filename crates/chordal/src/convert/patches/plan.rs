@@ -3,11 +3,11 @@
 //! A tile is a rectangle of one patch's parameter plane with `n × m` equal cells. The number of cells that a
 //! rectangle needs is about `bound/tolerance`, so a rectangle is halved where its halves together need fewer. None
 //! of this has to be right: [`super::tile`] proves each tile afterwards and asks for more cells where they lack.
-use super::bend::rounding;
+use super::ground::{Ground, Shape};
 use super::probe::{Need, Probe, Rates};
 use super::quilt::Corner;
 use crate::budget::{Lens, Pixels};
-use crate::explicit::Patch;
+use crate::explicit::{Patch, Side};
 use crate::math::{Box3, sub_down};
 
 /// What a place of the shape may lose.
@@ -38,10 +38,12 @@ pub(crate) enum Obstacle {
     BelowRounding(Box3, f64),
 }
 
-/// A rectangle of one patch with its cells.
+/// A rectangle of one ground with its cells, in the parameters of the sheet.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tile {
-    pub(crate) patch: u32,
+    pub(crate) sheet: u32,
+    /// The ground that it is on, by its number.
+    pub(crate) ground: u32,
     /// Start and end, dyadic numbers.
     pub(crate) u: [f64; 2],
     pub(crate) v: [f64; 2],
@@ -56,6 +58,33 @@ pub(crate) struct Tile {
     pub(crate) tolerance: f64,
     /// By how much its proof came out worse than its probe, 1 at first.
     pub(crate) strain: f64,
+}
+
+impl Tile {
+    /// All of a ground as one cell.
+    fn one(ground: &Ground<'_>, tolerance: f64) -> Self {
+        let (u, v, corners) = (ground.u, ground.v, [Corner::Plain; 4]);
+        let (n, m, rising) = (1, 1, true);
+        Self { sheet: ground.sheet, ground: 0, u, v, n, m, rising, corners, tolerance, strain: 1.0 }
+    }
+}
+
+impl Tile {
+    /// Whether a side of it is on the border of its sheet.
+    pub(crate) fn is_on_border(&self, side: Side) -> bool {
+        match side {
+            Side::Bottom => self.v[0] == 0.0,
+            Side::Right => self.u[1] == 1.0,
+            Side::Top => self.v[1] == 1.0,
+            Side::Left => self.u[0] == 0.0,
+        }
+    }
+
+    /// In which half of a side of its sheet it is, by rising parameter.
+    pub(crate) fn half(&self, side: Side) -> usize {
+        let span = if matches!(side, Side::Bottom | Side::Top) { self.u } else { self.v };
+        usize::from(span[0] >= 0.5)
+    }
 }
 
 /// A rectangle with fewer cells is never halved: the stitching would cost what it wins.
@@ -76,19 +105,25 @@ fn is_broad([from, to]: [f64; 2]) -> bool {
 }
 
 /// What a part may lose, rounding taken off.
-pub(crate) fn tolerance(part: &Patch, (allowance, rounding): (&Allowance, f64)) -> Result<f64, Obstacle> {
-    let place = part.hull();
+pub(crate) fn tolerance(place: Box3, (allowance, rounding): (&Allowance, f64)) -> Result<f64, Obstacle> {
     // From below, so that tolerance and rounding together never exceed what is allowed.
     let tolerance = sub_down(allowance.at(&place).ok_or(Obstacle::TooClose(place))?, rounding);
     // Where the allowance for rounding is most of the budget, noise would decide how many cells are enough.
     if tolerance < rounding { Err(Obstacle::BelowRounding(place, rounding)) } else { Ok(tolerance) }
 }
 
-/// The tiles of one patch, in the order of a depth-first walk.
-pub(crate) fn cut(patch_idx: u32, patch: &Patch, allowance: &Allowance) -> Result<Vec<Tile>, Obstacle> {
+/// The tiles of one ground, in the order of a depth-first walk.
+pub(crate) fn cut(ground: &Ground<'_>, allowance: &Allowance) -> Result<Vec<Tile>, Obstacle> {
     let mut tiles = Vec::new();
-    let context = (allowance, rounding(patch));
-    let mut open = vec![Open::new(*patch, [0.0, 1.0], [0.0, 1.0], context)?];
+    let context = (allowance, ground.lost());
+    let patch = match &ground.shape {
+        Shape::Bezier(patch) => *patch,
+        Shape::Rough(rough) => {
+            let tolerance = tolerance(Box3::around(rough.ring().hull()), context)?;
+            return Ok(vec![Tile::one(ground, tolerance)]);
+        }
+    };
+    let mut open = vec![Open::new(patch, ground.u, ground.v, context)?];
     while let Some(rectangle) = open.pop() {
         if let Some(half) = rectangle.better_half().or_else(|| rectangle.longer_half()) {
             let halves = rectangle.halved(half, context)?;
@@ -98,15 +133,16 @@ pub(crate) fn cut(patch_idx: u32, patch: &Patch, allowance: &Allowance) -> Resul
                 continue;
             }
         }
-        tiles.push(rectangle.tile(patch_idx));
+        tiles.push(rectangle.tile(ground));
     }
     Ok(tiles)
 }
 
-/// About how many triangles a patch needs, without laying them: rectangles are halved only while that pays.
-pub(crate) fn estimate(patch: &Patch, allowance: &Allowance) -> Result<f64, Obstacle> {
-    let context = (allowance, rounding(patch));
-    let mut open = vec![Open::new(*patch, [0.0, 1.0], [0.0, 1.0], context)?];
+/// About how many triangles a ground needs, without laying them: rectangles are halved only while that pays.
+pub(crate) fn estimate(ground: &Ground<'_>, allowance: &Allowance) -> Result<f64, Obstacle> {
+    let context = (allowance, ground.lost());
+    let Shape::Bezier(patch) = &ground.shape else { return Ok(2.0) };
+    let mut open = vec![Open::new(*patch, ground.u, ground.v, context)?];
     let (mut cells, mut looked_at) = (0.0, 0);
     while let Some(rectangle) = open.pop() {
         looked_at += 1;
@@ -140,7 +176,7 @@ struct Open {
 
 impl Open {
     fn new(part: Patch, u: [f64; 2], v: [f64; 2], context: (&Allowance, f64)) -> Result<Self, Obstacle> {
-        let tolerance = tolerance(&part, context)?;
+        let tolerance = tolerance(part.hull(), context)?;
         let probe = Probe::new(&part);
         let need = probe.need(tolerance);
         Ok(Self { part, u, v, tolerance, probe, need })
@@ -181,9 +217,8 @@ impl Open {
         }
     }
 
-    fn tile(&self, patch: u32) -> Tile {
+    fn tile(&self, ground: &Ground<'_>) -> Tile {
         let Rates { n, m, rising } = self.probe.rates(&self.need, self.tolerance);
-        let (u, v, corners) = (self.u, self.v, [Corner::Plain; 4]);
-        Tile { patch, u, v, n, m, rising, corners, tolerance: self.tolerance, strain: 1.0 }
+        Tile { u: self.u, v: self.v, n, m, rising, ..Tile::one(ground, self.tolerance) }
     }
 }

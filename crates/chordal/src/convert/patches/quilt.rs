@@ -6,9 +6,8 @@
 use crate::explicit::{Bezier, Patch, Side};
 use std::cmp::Ordering;
 
-/// One boundary curve, in the direction that sorts first.
+/// One boundary curve, in one of its directions.
 pub(crate) struct Edge {
-    pub(crate) curve: Bezier<3>,
     /// Corner vertices at its start and end.
     pub(crate) ends: [u32; 2],
     /// Patch sides that are this curve.
@@ -17,22 +16,24 @@ pub(crate) struct Edge {
     pub(crate) least: u32,
 }
 
-/// A patch side that is a shared curve.
+/// A side of a sheet that is a shared curve, or has it in it.
 #[derive(Clone, Copy)]
 pub(crate) struct Use {
-    pub(crate) patch: u32,
+    pub(crate) sheet: u32,
     pub(crate) side: Side,
     /// Whether the side runs against the curve.
     pub(crate) reversed: bool,
 }
 
-/// What a patch finds on one of its sides.
-#[derive(Clone, Copy)]
+/// What a sheet finds on one of its sides.
+#[derive(Clone, Copy, Debug)]
 pub(crate) enum Seam {
     /// All control points are equal: the side is its corner vertex.
     Point,
     /// An edge of the quilt.
     Edge { edge: u32, reversed: bool },
+    /// Two edges, each over half of the side, by rising parameter; no tile reaches over its middle.
+    Halves([(u32, bool); 2]),
 }
 
 /// How the two curves meet that meet at the corner of a patch.
@@ -68,7 +69,7 @@ impl Quilt {
         for (index, edge) in edges.iter().enumerate() {
             let first = ends_of(edge.uses[0]);
             for &used in &edge.uses {
-                seams[used.patch as usize][used.side as usize] =
+                seams[used.sheet as usize][used.side as usize] =
                     Seam::Edge { edge: index as u32, reversed: used.reversed };
                 let ends = ends_of(used);
                 classes.join(first[0], ends[0]);
@@ -103,7 +104,7 @@ impl Quilt {
 
     /// A curve that returns to its start needs three segments to be a loop; two curves between the same two
     /// vertices need two each, or their chords would be one.
-    fn set_least_segments(&mut self) {
+    pub(crate) fn set_least_segments(&mut self) {
         let pair = |[a, b]: [u32; 2]| if a < b { [a, b] } else { [b, a] };
         let mut order: Vec<([u32; 2], usize)> = self.edges.iter().map(|e| pair(e.ends)).zip(0..).collect();
         order.sort_unstable();
@@ -116,16 +117,25 @@ impl Quilt {
 }
 
 /// How the curves meet at every corner of every patch.
-fn meetings(seams: &[[Seam; 4]]) -> Vec<[Corner; 4]> {
+pub(crate) fn meetings(seams: &[[Seam; 4]]) -> Vec<[Corner; 4]> {
     // An end of a curve, numbered; sides run counter-clockwise, so that one starts where the one before it ends.
-    let end = |seam: Seam, starts: bool| match seam {
+    let end = |seam: Seam, side: Side, starts: bool| match seam {
         Seam::Edge { edge, reversed } => Some(2 * edge + u32::from(starts == reversed)),
+        Seam::Halves(halves) => {
+            // By rising parameter, which top and left run against.
+            let against = !matches!(side, Side::Bottom | Side::Right);
+            let (edge, reversed) = halves[usize::from(starts == against)];
+            Some(2 * edge + u32::from(starts == reversed))
+        }
         Seam::Point => None,
     };
     let mut found: Vec<([u32; 2], usize)> = Vec::new();
     for (patch, sides) in seams.iter().enumerate() {
         for corner in 0..4 {
-            if let (Some(a), Some(b)) = (end(sides[corner], true), end(sides[(corner + 3) % 4], false)) {
+            let before = (corner + 3) % 4;
+            let (first, last) =
+                (end(sides[corner], Side::ALL[corner], true), end(sides[before], Side::ALL[before], false));
+            if let (Some(a), Some(b)) = (first, last) {
                 found.push((if a < b { [a, b] } else { [b, a] }, 4 * patch + corner));
             }
         }
@@ -152,17 +162,16 @@ fn collect_edges(patches: &[Patch]) -> Vec<Edge> {
             }
             let back = curve.reversed();
             let reversed = compare(&back, &curve) == Ordering::Less;
-            let used = Use { patch: patch as u32, side, reversed };
+            let used = Use { sheet: patch as u32, side, reversed };
             found.push((if reversed { back } else { curve }, used));
         }
     }
-    found.sort_by(|a, b| compare(&a.0, &b.0).then((a.1.patch, a.1.side).cmp(&(b.1.patch, b.1.side))));
+    found.sort_by(|a, b| compare(&a.0, &b.0).then((a.1.sheet, a.1.side).cmp(&(b.1.sheet, b.1.side))));
     let runs = found.chunk_by(|a, b| compare(&a.0, &b.0) == Ordering::Equal);
-    let mut edges: Vec<Edge> = runs
-        .map(|run| Edge { curve: run[0].0, ends: [0; 2], uses: run.iter().map(|f| f.1).collect(), least: 1 })
-        .collect();
+    let mut edges: Vec<Edge> =
+        runs.map(|run| Edge { ends: [0; 2], uses: run.iter().map(|f| f.1).collect(), least: 1 }).collect();
     // In the order of the input, so that vertices are numbered as the file goes.
-    edges.sort_by_key(|edge| (edge.uses[0].patch, edge.uses[0].side));
+    edges.sort_by_key(|edge| (edge.uses[0].sheet, edge.uses[0].side));
     edges
 }
 
@@ -172,22 +181,22 @@ fn compare(a: &Bezier<3>, b: &Bezier<3>) -> Ordering {
 }
 
 /// The flat corner indices at the start and end of a side.
-fn corners_of(patch: u32, side: Side) -> [usize; 2] {
+pub(crate) fn corners_of(patch: u32, side: Side) -> [usize; 2] {
     let start = side as usize;
     [4 * patch as usize + start, 4 * patch as usize + (start + 1) % 4]
 }
 
 /// The flat corner indices at the start and end of the curve that a side uses.
 fn ends_of(used: Use) -> [usize; 2] {
-    let [a, b] = corners_of(used.patch, used.side);
+    let [a, b] = corners_of(used.sheet, used.side);
     if used.reversed { [b, a] } else { [a, b] }
 }
 
 /// Disjoint sets with path halving.
-struct Classes(Vec<u32>);
+pub(crate) struct Classes(Vec<u32>);
 
 impl Classes {
-    fn new(count: usize) -> Self {
+    pub(crate) fn new(count: usize) -> Self {
         Self((0..count as u32).collect())
     }
 
@@ -199,14 +208,14 @@ impl Classes {
         i
     }
 
-    fn join(&mut self, a: usize, b: usize) {
+    pub(crate) fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.find(a), self.find(b));
         let (low, high) = if a < b { (a, b) } else { (b, a) };
         self.0[high] = low as u32;
     }
 
     /// A number for every element's set, in the order of first members, and how many sets there are.
-    fn numbered(mut self) -> (Vec<u32>, usize) {
+    pub(crate) fn numbered(mut self) -> (Vec<u32>, usize) {
         let mut number = vec![u32::MAX; self.0.len()];
         let mut next = 0;
         for i in 0..self.0.len() {

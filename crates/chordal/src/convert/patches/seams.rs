@@ -2,9 +2,10 @@
 //!
 //! Because both neighbours take their boundary points from the same piece, there is nothing to crack: no T-junction
 //! can arise, whatever the rates.
+use super::ground::{Ground, Shape};
 use super::plan::Tile;
 use super::quilt::{Quilt, Seam};
-use crate::explicit::{Patch, Side};
+use crate::explicit::Side;
 use std::ops::Range;
 
 /// On what a piece lies.
@@ -126,7 +127,7 @@ impl Seams {
 
     /// Gives every piece the larger rate that its two sides ask for, numbers the points and computes their positions.
     /// Returns for every tile whether a piece of its border changed.
-    pub(crate) fn set_rates(&mut self, tiles: &[Tile], patches: &[Patch], quilt: &Quilt) -> Vec<bool> {
+    pub(crate) fn set_rates(&mut self, tiles: &[Tile], grounds: &[Ground<'_>], quilt: &Quilt) -> Vec<bool> {
         let before: Vec<u32> =
             self.pieces.iter_mut().map(|piece| std::mem::replace(&mut piece.n, 1)).collect();
         for &(piece, demand, share) in &self.demands {
@@ -149,7 +150,7 @@ impl Seams {
         }
         self.positions.clear();
         self.positions.resize(next as usize, [0.0; 3]);
-        self.place(patches, quilt);
+        self.place(tiles, grounds, quilt);
         let mut changed = vec![false; tiles.len()];
         for &(piece, demand, _) in &self.demands {
             changed[(demand / 2) as usize] |= self.pieces[piece as usize].n != before[piece as usize];
@@ -157,26 +158,30 @@ impl Seams {
         changed
     }
 
-    fn place(&mut self, patches: &[Patch], quilt: &Quilt) {
+    fn place(&mut self, tiles: &[Tile], grounds: &[Ground<'_>], quilt: &Quilt) {
         self.positions[..quilt.corner_positions.len()].copy_from_slice(&quilt.corner_positions);
         let n_corners = quilt.corner_positions.len() as u32;
-        for piece in &self.pieces {
-            let at = |k: u32| match piece.line {
-                Line::Edge(edge) => quilt.edges[edge as usize].curve.at(piece.at(k)),
-                Line::AlongU(patch, v) => patches[patch as usize].at(piece.at(k), f64::from_bits(v)),
-                Line::AlongV(patch, u) => patches[patch as usize].at(f64::from_bits(u), piece.at(k)),
-                Line::Point(_, _, vertex) => quilt.corner_positions[vertex as usize],
+        // Any tile on a piece knows where its points are.
+        let mut beside = vec![None; self.pieces.len()];
+        for &(piece, demand, _) in self.demands.iter().rev() {
+            beside[piece as usize] = Some(&tiles[(demand / 2) as usize]);
+        }
+        for (piece, tile) in self.pieces.iter().zip(beside) {
+            let Some(tile) = tile else { continue };
+            let ground = &grounds[tile.ground as usize];
+            let places: Box<dyn Fn(f64) -> [f64; 3]> = match piece.line {
+                Line::Edge(edge) => along_edge(quilt, (tile, ground), edge),
+                Line::AlongU(_, v) => Box::new(move |at| ground.at(at, f64::from_bits(v))),
+                Line::AlongV(_, u) => Box::new(move |at| ground.at(f64::from_bits(u), at)),
+                Line::Point(..) => continue,
             };
-            if matches!(piece.line, Line::Point(..)) {
-                continue;
-            }
             for (node, k) in [(piece.nodes[0], 0), (piece.nodes[1], piece.n)] {
                 if node >= n_corners {
-                    self.positions[node as usize] = at(k);
+                    self.positions[node as usize] = places(piece.at(k));
                 }
             }
             for k in 1..piece.n {
-                self.positions[(piece.first + k - 1) as usize] = at(k);
+                self.positions[(piece.first + k - 1) as usize] = places(piece.at(k));
             }
         }
     }
@@ -213,6 +218,51 @@ impl Piece {
     }
 }
 
+/// The points of an edge by its parameter, as a tile on it sees them.
+fn along_edge<'a>(
+    quilt: &Quilt,
+    (tile, ground): (&Tile, &'a Ground<'_>),
+    edge: u32,
+) -> Box<dyn Fn(f64) -> [f64; 3] + 'a> {
+    let found = Side::ALL.into_iter().find_map(|side| {
+        let (is_border, against) = (tile.is_on_border(side), matches!(side, Side::Top | Side::Left));
+        match quilt.seams[tile.sheet as usize][side as usize] {
+            Seam::Edge { edge: own, reversed } if own == edge && is_border => {
+                Some((side, against != reversed, [0.0, 1.0], reversed))
+            }
+            Seam::Halves(halves) if is_border => {
+                let half = tile.half(side);
+                let (own, reversed) = halves[half];
+                let begin = 0.5 * half as f64;
+                (own == edge).then_some((side, against != reversed, [begin, begin + 0.5], reversed))
+            }
+            _ => None,
+        }
+    });
+    let Some((side, is_flipped, [from, to], reversed)) = found else {
+        return Box::new(|_| [0.0; 3]);
+    };
+    if let Shape::Bezier(patch) = &ground.shape
+        && (ground.u, ground.v) == ([0.0, 1.0], [0.0, 1.0])
+        && from == 0.0
+        && to == 1.0
+    {
+        let curve = patch.side(side);
+        let curve = if reversed { curve.reversed() } else { curve };
+        return Box::new(move |at| curve.at(at));
+    }
+    Box::new(move |at| {
+        let along = from + (to - from) * if is_flipped { 1.0 - at } else { at };
+        let (u, v) = match side {
+            Side::Bottom => (along, 0.0),
+            Side::Right => (1.0, along),
+            Side::Top => (along, 1.0),
+            Side::Left => (0.0, along),
+        };
+        ground.at(u, v)
+    })
+}
+
 fn is_along_v(side: Side) -> bool {
     matches!(side, Side::Left | Side::Right)
 }
@@ -233,19 +283,27 @@ impl Entry {
             Side::Right => (tile.u[1], tile.v),
         };
         let against = matches!(side, Side::Top | Side::Left);
-        let is_border = at == 0.0 || at == 1.0;
-        let (line, span, backwards) = match quilt.seams[tile.patch as usize][side as usize] {
-            _ if !is_border && is_along_v(side) => (Line::AlongV(tile.patch, at.to_bits()), span, against),
-            _ if !is_border => (Line::AlongU(tile.patch, at.to_bits()), span, against),
+        // The side's own direction is `against` the rising parameter for top and left; dyadic, so exact.
+        let turned = |span: [f64; 2], flipped: bool| match flipped {
+            true => [1.0 - span[1], 1.0 - span[0]],
+            false => span,
+        };
+        let (line, span, backwards) = match quilt.seams[tile.sheet as usize][side as usize] {
+            _ if !tile.is_on_border(side) && is_along_v(side) => {
+                (Line::AlongV(tile.sheet, at.to_bits()), span, against)
+            }
+            _ if !tile.is_on_border(side) => (Line::AlongU(tile.sheet, at.to_bits()), span, against),
             Seam::Point => (
-                Line::Point(tile.patch, side, quilt.corners[tile.patch as usize][side as usize]),
+                Line::Point(tile.sheet, side, quilt.corners[tile.sheet as usize][side as usize]),
                 span,
                 against,
             ),
-            Seam::Edge { edge, reversed } => {
-                // The side's own direction is `against` the rising parameter for top and left; dyadic, so exact.
-                let span = if against != reversed { [1.0 - span[1], 1.0 - span[0]] } else { span };
-                (Line::Edge(edge), span, reversed)
+            Seam::Edge { edge, reversed } => (Line::Edge(edge), turned(span, against != reversed), reversed),
+            Seam::Halves(halves) => {
+                let half = tile.half(side);
+                let (edge, reversed) = halves[half];
+                let span = span.map(|x| 2.0 * x - half as f64);
+                (Line::Edge(edge), turned(span, against != reversed), reversed)
             }
         };
         Self { line, span, tile: index, side, backwards }
@@ -276,7 +334,7 @@ impl<'a> Nodes<'a> {
         let is_inside = |x: f64| x > 0.0 && x < 1.0;
         let corners = tiles.iter().flat_map(|t| {
             [(t.u[0], t.v[0]), (t.u[1], t.v[0]), (t.u[0], t.v[1]), (t.u[1], t.v[1])]
-                .map(|(u, v)| (t.patch, u, v))
+                .map(|(u, v)| (t.sheet, u, v))
         });
         let mut keys: Vec<(u32, u64, u64)> = corners
             .filter(|(_, u, v)| is_inside(*u) && is_inside(*v))
@@ -328,6 +386,15 @@ impl<'a> Nodes<'a> {
         match self.quilt.seams[patch as usize][side as usize] {
             Seam::Point => self.quilt.corners[patch as usize][side as usize],
             Seam::Edge { edge, reversed } => self.on_edge(edge, if reversed { 1.0 - along } else { along }),
+            Seam::Halves(halves) => {
+                // `along` is the side's own; halves go by the rising parameter.
+                let against = matches!(side, Side::Top | Side::Left);
+                let rising = if against { 1.0 - along } else { along };
+                let half = usize::from(rising >= 0.5);
+                let (edge, reversed) = halves[half];
+                let within = 2.0 * rising - half as f64;
+                self.on_edge(edge, if against != reversed { 1.0 - within } else { within })
+            }
         }
     }
 }

@@ -1,8 +1,10 @@
 //! One tile: its triangles, and the proof of their distance.
-use super::bend::{Bend, Hessian, across, rounding, worst_mix};
+use super::bend::{Bend, Hessian, across, worst_mix};
+use super::ground::{Ground, Shape};
 use super::plan::Tile;
 use super::quilt::Corner;
 use super::seams::{Line, Seams};
+use super::tip;
 use crate::explicit::{Patch, Side, bernstein};
 use glam::DVec3;
 
@@ -38,7 +40,7 @@ pub(crate) struct BorderVertex {
     /// The side of the *patch* that it lies on, or the one that starts at it where it is a corner; `None` inside.
     pub(crate) side: Option<Side>,
     /// On a side of no length.
-    pole: bool,
+    pub(crate) pole: bool,
 }
 
 struct Work<'a> {
@@ -63,8 +65,11 @@ struct Work<'a> {
 }
 
 /// Triangulates and proves the tile with the given index.
-pub(crate) fn build(index: usize, tile: &Tile, patch: &Patch, seams: &Seams) -> Done {
-    let part = patch.part(tile.u, tile.v);
+pub(crate) fn build(index: usize, tile: &Tile, ground: &Ground<'_>, seams: &Seams) -> Done {
+    let part = match &ground.shape {
+        Shape::Bezier(patch) => ground.part(patch, tile),
+        Shape::Rough(rough) => return tip::build(index, tile, rough, seams),
+    };
     let mut work = Work {
         bend: Bend::new(&part),
         border: Vec::new(),
@@ -89,7 +94,7 @@ pub(crate) fn build(index: usize, tile: &Tile, patch: &Patch, seams: &Seams) -> 
         triangles: work.triangles,
         inner: work.inner.iter().map(|knot| knot.at.into()).collect(),
         inner_normals: work.normals,
-        bound: (work.bound + rounding(patch)).next_up(),
+        bound: (work.bound + ground.lost()).next_up(),
         worst: work.worst,
         too_few,
     }
@@ -125,28 +130,28 @@ pub(crate) fn border(index: usize, tile: &Tile, seams: &Seams) -> Vec<BorderVert
 }
 
 /// Tells `visit` the place in the tile and the vertex of every point on one side but the last.
-fn walk_side(
+pub(super) fn walk_side(
     index: usize,
     tile: &Tile,
     (side, seams): (Side, &Seams),
     mut visit: impl FnMut(f64, f64, BorderVertex),
 ) {
+    // Where the tile's side begins and ends on its line, by the rising parameter of the tile.
+    let mut ends = [f64::NAN; 2];
+    for (piece, backwards) in seams.chain(index, side) {
+        let [from, to] = if backwards { [piece.span[1], piece.span[0]] } else { piece.span };
+        ends = [if ends[0].is_nan() { from } else { ends[0] }, to];
+    }
+    let [low, high] = if matches!(side, Side::Top | Side::Left) { [ends[1], ends[0]] } else { ends };
     for (piece, backwards) in seams.chain(index, side) {
         for step in 0..piece.n {
             let k = if backwards { piece.n - step } else { step };
-            let at = piece.at(k);
-            // The parameter of the side in the patch: see `Entry::new` in seams for the direction of edges.
-            let along = match (piece.line, side) {
-                (Line::Edge(_), Side::Bottom | Side::Right) if backwards => 1.0 - at,
-                (Line::Edge(_), Side::Top | Side::Left) if !backwards => 1.0 - at,
-                _ => at,
-            };
-            let local = |[a, b]: [f64; 2]| (along - a) / (b - a);
+            let at = (piece.at(k) - low) / (high - low);
             let (u, v) = match side {
-                Side::Bottom => (local(tile.u), 0.0),
-                Side::Right => (1.0, local(tile.v)),
-                Side::Top => (local(tile.u), 1.0),
-                Side::Left => (0.0, local(tile.v)),
+                Side::Bottom => (at, 0.0),
+                Side::Right => (1.0, at),
+                Side::Top => (at, 1.0),
+                Side::Left => (0.0, at),
             };
             let pole = matches!(piece.line, Line::Point(..));
             visit(u, v, BorderVertex { id: piece.vertex(k), side: side_of_patch(tile, u, v), pole });

@@ -2,7 +2,7 @@
 use super::Cage;
 
 /// Edges, with the faces on them.
-pub(super) struct Edges {
+pub(crate) struct Edges {
     /// The lower vertex first.
     pub ends: Vec<[u32; 2]>,
     /// The edge from each corner to the next of its face.

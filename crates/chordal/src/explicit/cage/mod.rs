@@ -1,5 +1,5 @@
 //! `Cage`: a polygon mesh with what subdivision asks of it.
-mod edges;
+pub(crate) mod edges;
 mod grids;
 pub(crate) mod limit;
 mod refine;
@@ -225,7 +225,7 @@ impl Cage {
     }
 
     /// Where the corners of a face begin.
-    fn begin(&self, face: usize) -> usize {
+    pub(crate) fn begin(&self, face: usize) -> usize {
         if face == 0 { 0 } else { self.ends[face - 1] as usize }
     }
 

@@ -2,14 +2,14 @@
 mod fan;
 mod ring;
 mod spline;
+mod square;
 
 use super::rules::Point;
 use super::{Cage, InvalidCage, Scheme};
-use crate::explicit::patch::{front, largest};
 use fan::Fan;
 pub(super) use ring::Parts;
 pub(crate) use ring::Ring;
-pub(crate) use spline::Piece;
+pub(crate) use square::{Patches, Rough, Square};
 
 /// The smooth surface to which refining a cage converges, as sheets over unit squares.
 ///
@@ -88,17 +88,17 @@ impl LimitSurface<'_> {
         let (face, corner) = self.face_of(sheet);
         let ring = Ring::of(self.cage, &self.parts, face);
         if ring.n_corners() == 4 {
-            return Ok(Sheet { ring });
+            return Ok(Sheet { square: Square::of(ring) });
         }
         let mut rings = ring.divided()?;
-        Ok(Sheet { ring: rings.swap_remove(corner) })
+        Ok(Sheet { square: Square::of(rings.swap_remove(corner)) })
     }
 
     pub(crate) fn cage(&self) -> &Cage {
         self.cage
     }
 
-    pub(crate) fn edges(&self) -> &super::Edges {
+    pub(crate) fn edges(&self) -> &super::edges::Edges {
         &self.parts.edges
     }
 }
@@ -106,7 +106,7 @@ impl LimitSurface<'_> {
 /// One sheet of a limit surface.
 #[derive(Clone, Debug)]
 pub struct Sheet {
-    ring: Ring,
+    square: Square,
 }
 
 /// What is known of a surface at one place of it.
@@ -122,105 +122,26 @@ pub struct Jet {
     pub normal: Option<[f64; 3]>,
 }
 
-/// Rounds after which a place that is still beside an irregular vertex counts as the vertex: 0.66⁹⁰ < 2⁻⁵³ of the face's size.
-const MOST_ROUNDS: usize = 90;
-
 impl Sheet {
     /// The limit surface at a place of the unit square, its derivatives and its normal.
     ///
     /// On an infinitely sharp edge, whose two sides differ, everything is as seen from this sheet; where the surface is made of
     /// pieces, as from the one after u and v, or the last.
     ///
-    /// *Cost.* Under a microsecond where the faces around are regular; else some ten microseconds a halving of the distance to the
-    /// irregular vertex. *Error.* Rounding: a few ulps of the largest coordinate around, a few more for each halving. At the end of a
+    /// *Cost.* Under a microsecond where the faces around are regular; else, the first time, some ten microseconds for every halving of the
+    /// distance to the irregular vertex, which are kept. *Error.* Rounding: a few ulps of the largest coordinate around, a few more for each halving. At the end of a
     /// crease, and at corners of several quads, the normal has about six digits.
     ///
     /// # Errors
     /// [`InvalidCage::NotFinite`] where coordinates overflow.
     pub fn at(&self, u: f64, v: f64) -> Result<Jet, InvalidCage> {
         let clamp = |x: f64| if x > 0.0 { if x < 1.0 { x } else { 1.0 } } else { 0.0 };
-        let (mut u, mut v, mut scale) = (clamp(u), clamp(v), 1.0);
-        let mut held;
-        let mut ring = &self.ring;
-        for _ in 0..MOST_ROUNDS {
-            if let Some(pieces) = ring.pieces() {
-                let holds = |piece: &&Piece| {
-                    let is_in = |x: f64, [from, to]: [f64; 2]| x >= from && (x < to || x <= to && to == 1.0);
-                    is_in(u, piece.u) && is_in(v, piece.v)
-                };
-                let piece = pieces.iter().find(holds).unwrap_or(&pieces[0]);
-                return Ok(jet(piece, [u, v], scale));
-            }
-            if let Some(corner) = corner_at(u, v) {
-                return vertex(ring, corner);
-            }
-            let corner = match (u >= 0.5, v >= 0.5) {
-                (false, false) => 0,
-                (true, false) => 1,
-                (true, true) => 2,
-                (false, true) => 3,
-            };
-            held = ring.divided()?.swap_remove(corner);
-            ring = &held;
-            let shift = |x: f64| if x >= 0.5 { 2.0 * x - 1.0 } else { 2.0 * x };
-            (u, v, scale) = (shift(u), shift(v), 2.0 * scale);
-        }
-        let corner = match (u >= 0.5, v >= 0.5) {
-            (false, false) => 0,
-            (true, false) => 1,
-            (true, true) => 2,
-            (false, true) => 3,
-        };
-        vertex(ring, corner)
+        self.square.at(clamp(u), clamp(v))
     }
 
-    pub(crate) fn ring(&self) -> &Ring {
-        &self.ring
+    pub(crate) fn square(&self) -> &Square {
+        &self.square
     }
-}
-
-/// The corner of the unit square at a place.
-fn corner_at(u: f64, v: f64) -> Option<usize> {
-    let places = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
-    places.iter().position(|place| *place == (u, v))
-}
-
-fn jet(piece: &Piece, [u, v]: [f64; 2], scale: f64) -> Jet {
-    let wide = [piece.u, piece.v].map(|[from, to]| to - from);
-    let local = |x: f64, [from, to]: [f64; 2]| (x - from) / (to - from);
-    let (s, t) = (local(u, piece.u), local(v, piece.v));
-    let scale = wide.map(|wide| scale / wide);
-    let [by_u, by_v] = piece.patch.tangents(s, t);
-    let [uu, uv, vv] = piece.patch.second_derivatives(s, t);
-    Jet {
-        point: piece.patch.at(s, t),
-        first: Some([by_u.map(|x| x * scale[0]), by_v.map(|x| x * scale[1])]),
-        second: Some([
-            uu.map(|x| x * scale[0] * scale[0]),
-            uv.map(|x| x * scale[0] * scale[1]),
-            vv.map(|x| x * scale[1] * scale[1]),
-        ]),
-        normal: piece.patch.normal(s, t),
-    }
-}
-
-/// At a corner of a ring's face that may be irregular.
-pub(crate) fn vertex(ring: &Ring, corner: usize) -> Result<Jet, InvalidCage> {
-    let mut held;
-    let mut ring = ring;
-    // Sharpness that ends does so within ten rounds.
-    for _ in 0..MOST_ROUNDS {
-        if let Some(fan) = Fan::of(ring, &Parts::of(ring.cage()), corner) {
-            let [a, b] = fan.tangents();
-            let (unit, length) = front(a, b);
-            let least = fan::LEAST_AREA * largest(a) * largest(b);
-            let normal = (length > least && length.is_finite()).then_some(unit);
-            return Ok(Jet { point: fan.limit(), first: None, second: None, normal });
-        }
-        held = ring.divided()?.swap_remove(corner);
-        ring = &held;
-    }
-    Ok(Jet { point: middle(ring.hull()), first: None, second: None, normal: None })
 }
 
 fn middle(points: &[Point]) -> Point {

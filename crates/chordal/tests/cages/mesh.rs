@@ -1,0 +1,206 @@
+//! Meshes of limit surfaces keep their bound, as a referee sees it that has only plain rounds and the masks of smooth vertices,
+//! creases and corners.
+use super::corpus::cages;
+use chordal::check::{self, Goal};
+use chordal::explicit::{Cage, INFINITELY_SHARP, Scheme, Topology};
+use chordal::{Budget, Job, Mesh, Tolerance, convert};
+use std::collections::BTreeMap;
+
+fn diagonal(cage: &Cage) -> f64 {
+    let mut sum = 0.0;
+    for k in 0..3 {
+        let axis = cage.positions().iter().map(|p| p[k]);
+        let (low, high) = axis.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        sum += (high - low) * (high - low);
+    }
+    f64::sqrt(sum)
+}
+
+/// The vertices of a cage of quads on its limit surface, by masks; where creases end, about.
+fn on_limit(cage: &Cage) -> Vec<[f64; 3]> {
+    let n = cage.positions().len();
+    let (mut faces, mut edges) = (vec![Vec::new(); n], BTreeMap::<[u32; 2], (u32, f64)>::new());
+    for face in cage.faces() {
+        for k in 0..4 {
+            faces[face[k] as usize].push([face[(k + 1) % 4], face[(k + 2) % 4]]);
+            let (a, b) = (face[k].min(face[(k + 1) % 4]), face[k].max(face[(k + 1) % 4]));
+            edges.entry([a, b]).or_default().0 += 1;
+        }
+    }
+    cage.creases().iter().for_each(|(ends, sharp)| edges.get_mut(ends).unwrap().1 = *sharp);
+    let mut sharp = vec![Vec::new(); n];
+    for (ends, _) in edges.iter().filter(|(_, (count, sharpness))| *count != 2 || *sharpness > 0.0) {
+        sharp[ends[0] as usize].push(ends[1]);
+        sharp[ends[1] as usize].push(ends[0]);
+    }
+    let corners: BTreeMap<u32, f64> = cage.sharp_vertices().iter().copied().collect();
+    let at = |v: u32| cage.positions()[v as usize];
+    let mean = |weights: &[(f64, u32)]| {
+        let whole: f64 = weights.iter().map(|w| w.0).sum();
+        [0, 1, 2].map(|k| weights.iter().map(|(weight, v)| weight * at(*v)[k]).sum::<f64>() / whole)
+    };
+    (0..n as u32)
+        .map(|v| {
+            let around = &sharp[v as usize];
+            if corners.contains_key(&v) || around.len() > 2 || faces[v as usize].is_empty() {
+                return at(v);
+            }
+            if let [a, b] = around[..] {
+                return mean(&[(4.0, v), (1.0, a), (1.0, b)]);
+            }
+            let m = faces[v as usize].len() as f64;
+            let mut weights = vec![(m * m, v)];
+            faces[v as usize]
+                .iter()
+                .for_each(|[next, across]| weights.extend([(4.0, *next), (1.0, *across)]));
+            mean(&weights)
+        })
+        .collect()
+}
+
+/// Triangles between limit points after some rounds.
+fn reference(cage: &Cage, rounds: u32) -> Mesh {
+    let fine = cage.refined_times(rounds).unwrap();
+    let points = on_limit(&fine);
+    let is_there = |face: &usize| fine.holes().binary_search(&(*face as u32)).is_err();
+    let faces = (0..fine.n_faces()).filter(is_there).map(|face| fine.face(face));
+    let triangles = faces.flat_map(|f| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]]).collect();
+    Mesh::new(points, triangles).unwrap()
+}
+
+fn distance(a: &Mesh, b: &Mesh) -> f64 {
+    check::deviation(a, b, &Goal::default(), &Job::default()).unwrap().bound.at_least()
+}
+
+/// The bound of a mesh of `share` of the cage's diagonal, and what the referee finds, which may be off by the third number.
+fn judged(cage: &Cage, share: f64, rounds: u32) -> (f64, f64, f64) {
+    let budget = Budget::length(Tolerance::new(share * diagonal(cage)).unwrap());
+    let mesh = convert::cage_to_mesh(cage, &budget, &Job::default()).unwrap();
+    let bound = mesh.bound.at_most().unwrap();
+    assert!(bound <= share * diagonal(cage), "{bound}");
+    let fine = reference(cage, rounds);
+    let off = distance(&fine, &reference(cage, rounds - 1));
+    let found = distance(&mesh.shape, &fine);
+    assert!(mesh.bound.at_least() <= found + off, "{} against {found}", mesh.bound.at_least());
+    (bound, found, off)
+}
+
+#[test]
+fn no_cage_of_the_corpus_is_further_than_its_bound() {
+    for (name, cage) in cages().into_iter().filter(|(_, cage)| cage.scheme() != Scheme::Loop) {
+        let many = cage.n_faces() > 100;
+        let shares: &[f64] = if many { &[1e-2] } else { &[5e-2, 1e-2, 2e-3] };
+        for share in shares {
+            let (bound, found, off) = judged(&cage, *share, if many { 2 } else { 5 });
+            eprintln!("{name} {share}: {:.3} of the bound, within {:.3}", found / bound, off / bound);
+            assert!(found <= bound + off, "{name} {share}: {found} > {bound} + {off}");
+        }
+    }
+}
+
+/// Two rings of quads around a vertex of `n`, lifted at random.
+fn star(n: u32, seed: u64) -> Cage {
+    let mut state = seed;
+    let mut next = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    let turn = |k: u32| std::f64::consts::TAU * f64::from(k) / f64::from(n);
+    let mut points = vec![[0.0, 0.0, 0.0]];
+    // Sector k has the points a·E(k) + b·E(k+1), a > 0, b ≥ 0, a, b ≤ 3.
+    for k in 0..n {
+        for a in 1..=3 {
+            for b in 0..=3 {
+                let (a, b) = (f64::from(a), f64::from(b));
+                points.push(
+                    [0, 1]
+                        .map(|i| {
+                            let axis = |t: f64| if i == 0 { t.cos() } else { t.sin() };
+                            a * axis(turn(k)) + b * axis(turn(k + 1))
+                        })
+                        .into_iter()
+                        .chain([0.0])
+                        .collect::<Vec<_>>()
+                        .try_into()
+                        .unwrap(),
+                );
+            }
+        }
+    }
+    points.iter_mut().for_each(|p| p[2] = 1.5 * next());
+    let id = |k: u32, a: u32, b: u32| match (a, b) {
+        (0, 0) => 0,
+        (0, _) => 1 + ((k + 1) % n) * 12 + (b - 1) * 4,
+        _ => 1 + (k % n) * 12 + (a - 1) * 4 + b,
+    };
+    let quads = (0..n).flat_map(|k| {
+        (0..9)
+            .map(move |q| (k, q / 3, q % 3))
+            .map(|(k, a, b)| [id(k, a, b), id(k, a + 1, b), id(k, a + 1, b + 1), id(k, a, b + 1)])
+    });
+    Cage::new(points, quads).unwrap()
+}
+
+#[test]
+fn stars_keep_their_bounds_and_bounds_are_near() {
+    let mut ratios = Vec::new();
+    for n in 3..=12 {
+        for seed in 0..3 {
+            for share in [2e-2, 4e-3] {
+                let (bound, found, off) = judged(&star(n, seed), share, 4);
+                assert!(found <= bound + off, "{n} {seed} {share}: {found} > {bound} + {off}");
+                ratios.push(bound / found);
+            }
+        }
+    }
+    ratios.sort_by(f64::total_cmp);
+    let median = ratios[ratios.len() / 2];
+    eprintln!("bound over what was found: {median:.2}, worst {:.2}", ratios[ratios.len() - 1]);
+    assert!(median <= 2.3, "{median}");
+}
+
+#[test]
+fn a_smooth_closed_cage_gives_a_closed_manifold_at_every_budget() {
+    for (name, cage) in cages() {
+        let creases = cage.creases().iter().any(|crease| crease.1 >= INFINITELY_SHARP);
+        if cage.scheme() != Scheme::CatmullClark || creases || cage.n_faces() > 100 {
+            continue;
+        }
+        let closed = {
+            let mut count = BTreeMap::<[u32; 2], u32>::new();
+            for face in cage.faces() {
+                for k in 0..face.len() {
+                    let (a, b) = (face[k], face[(k + 1) % face.len()]);
+                    *count.entry([a.min(b), a.max(b)]).or_default() += 1;
+                }
+            }
+            count.values().all(|n| *n == 2) && cage.holes().is_empty()
+        };
+        if !closed {
+            continue;
+        }
+        for share in [0.3, 0.1, 3e-2, 1e-2, 3e-3] {
+            let budget = Budget::length(Tolerance::new(share * diagonal(&cage)).unwrap());
+            let mesh = convert::cage_to_mesh(&cage, &budget, &Job::default()).unwrap().shape;
+            let found = check::validity(&mesh, Topology::Indices);
+            assert!(found.closed && found.edge_manifold && found.oriented, "{name} {share}");
+        }
+    }
+}
+
+#[test]
+fn threads_do_not_change_a_byte() {
+    for (name, cage) in
+        cages().into_iter().filter(|(name, _)| name.contains("helmet") || name.contains("nonquads"))
+    {
+        if cage.scheme() != Scheme::CatmullClark {
+            continue;
+        }
+        let budget = Budget::length(Tolerance::new(1e-2 * diagonal(&cage)).unwrap());
+        let by = |threads: usize| {
+            convert::cage_to_mesh(&cage, &budget, &Job::default().with_threads(threads)).unwrap()
+        };
+        let (one, two) = (by(1), by(2));
+        assert!(one.shape == two.shape && one.bound == two.bound, "{name}");
+    }
+}
