@@ -11,10 +11,13 @@
 //!
 //! *Mesh to surface.* Let each side of `M` be the chord of a curve on the border of `S`, within `ε` of it in space and within `δ` in the
 //! plane, both by pairing a point of the curve with the nearest of the chord, which is continuous and covers the chord. Moving `π(∂S)` to `∂P`
-//! along these pairs moves nothing by more than `δ`. So around a point `x` of `P` that is further than `δ` from `∂P` the curve `π(∂S)` winds
+//! along these pairs moves nothing by more than `δ`. So around a point `x` of `P` that is not met on the way the curve `π(∂S)` winds
 //! as often as `∂P` does, once, and `x` is the image of a point of `S`; that is above or below the point of `M` over `x` by at most `V`.
-//! Any other point of `M` is within `δ·sec` of its border, measured along `M`, whose triangles have a slope of at most `sec` against the plane, and
-//! the border is within `ε` of `S`. Hence the distance is at most `max(V, ε + δ·sec)`.
+//! A point `m` of `M` over an `x` that is met is within `δ·sec` of the border of `M`, measured along `M`, whose triangles have a slope of at most
+//! `sec` against the plane, and the border is within `ε` of `S`: within `ε + δ·sec`. Where `P` is convex, more can be said. With the pairs in space
+//! `x` lies on the image of a segment from a point `q` of a chord to its `c` on the curve, and the segment from `π(q)` to `x` in `P`, so that `m` is off the
+//! segment's point over `x` by at most the slopes of both, and off `c` by at most `|q − c|·(1 + tan)`: within `ε·(1 + tan)`, `tan² = sec² − 1`.
+//! Hence the distance is at most the larger of `V` and the smaller of these.
 //!
 //! Where this does not apply, both `S` and the vertices of `M` lie in the hull of the ring, whose diagonal is a bound.
 //!
@@ -56,7 +59,7 @@ pub(crate) fn build(index: usize, tile: &Tile, rough: &Rough, seams: &Seams) -> 
             sides.push(side);
         });
     }
-    let tip = Tip { rough, sides: &sides, tolerance: tile.tolerance };
+    let tip = Tip { rough, sides: &sides, tolerance: tile.tolerance, pieces: PIECES_FOR_TIGHTNESS };
     let n = knots.len();
     let (triangles, bound) = if n == 4 && tile.n == 1 && tile.m == 1 {
         tip.two(&knots)
@@ -89,7 +92,7 @@ pub(crate) fn build(index: usize, tile: &Tile, rough: &Rough, seams: &Seams) -> 
 pub(crate) fn is_flat(rough: &Rough, tolerance: f64) -> bool {
     let knots = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
         .map(|place| Knot { place, at: rough.point(place[0], place[1]) });
-    let tip = Tip { rough, sides: &Side::ALL, tolerance };
+    let tip = Tip { rough, sides: &Side::ALL, tolerance, pieces: 0 };
     let [a, b, c, d] = knots.map(|knot| knot.at);
     // Places that show at once that it is not.
     let pairs = [([0.5, 0.0], [a, b]), ([1.0, 0.5], [b, c]), ([0.5, 1.0], [c, d]), ([0.0, 0.5], [d, a])];
@@ -112,6 +115,8 @@ struct Tip<'a> {
     /// The side on which the edge from each knot on the border to the next lies.
     sides: &'a [Side],
     tolerance: f64,
+    /// How many pieces are looked at even where the tolerance is met.
+    pieces: usize,
 }
 
 impl Tip<'_> {
@@ -217,6 +222,15 @@ impl<'a> Graph<'a> {
         (0..self.border.len()).filter(|k| is_below(*k) && !is_below(k + 1)).count() == 1
     }
 
+    /// Whether the border nowhere turns to the right.
+    fn is_convex(&self) -> bool {
+        let n = self.border.len();
+        (0..n).all(|k| {
+            let [a, b, c] = [k, k + 1, k + 2].map(|k| self.border[k % n]);
+            (b - a).perp_dot(c - b) >= 0.0
+        })
+    }
+
     fn local(&self, point: &[f64; 3]) -> DVec3 {
         DVec3::from(*point) - self.origin
     }
@@ -237,11 +251,13 @@ impl<'a> Graph<'a> {
                 self.side(tip, [knots[k].place, knots[next].place], (tip.sides[k], ends))?;
             (beside, aside) = (beside.max(in_space), aside.max(in_plane));
         }
-        let border = beside + aside * secant;
+        let by_plane = beside + aside * secant;
+        let by_slope = beside * (1.0 + (secant * secant - 1.0).sqrt());
+        let border = if by_slope < by_plane && self.is_convex() { by_slope } else { by_plane };
         if border > tip.tolerance {
             return Some(border + tilt);
         }
-        let area = self.area(tip.tolerance)?;
+        let area = self.area(tip)?;
         Some(if area > border { area } else { border } + tilt)
     }
 
@@ -301,15 +317,14 @@ impl<'a> Graph<'a> {
     }
 
     /// The largest height of the surface over the triangles, or distance from them.
-    fn area(&self, tolerance: f64) -> Option<f64> {
+    fn area(&self, tip: &Tip<'_>) -> Option<f64> {
+        let tolerance = tip.tolerance;
         let mut open = BinaryHeap::new();
         open.push(self.part(Piece::Rough(self.rough), 0));
         for round in 0..MOST_PIECES {
             let worst = open.pop()?;
             let fits = worst.bound <= tolerance;
-            if fits && (round >= PIECES_FOR_TIGHTNESS || worst.bound <= 0.5 * tolerance)
-                || worst.depth > DEEPEST
-            {
+            if fits && (round >= tip.pieces || worst.bound <= 0.5 * tolerance) || worst.depth > DEEPEST {
                 return Some(worst.bound);
             }
             let depth = worst.depth + 1;
@@ -370,7 +385,14 @@ impl<'a> Graph<'a> {
         }
         let local: Vec<[f64; 3]> = hull.iter().map(|point| self.local(point).into()).collect();
         let beside = self.faces.iter().fold(f64::INFINITY, |least: f64, face| {
-            least.min(local.iter().fold(0.0_f64, |most, point| most.max(distance_up(*point, &face.corners))))
+            let mut most = 0.0_f64;
+            for point in &local {
+                most = most.max(distance_up(*point, &face.corners));
+                if most >= least {
+                    return least;
+                }
+            }
+            most
         });
         over.max(beside)
     }
@@ -416,7 +438,7 @@ const DEEPEST: usize = 45;
 /// Pieces that are looked at so that a bound that holds also gets near the truth; chosen.
 const PIECES_FOR_TIGHTNESS: usize = 24;
 /// Pieces after which a bound is what it is; chosen.
-const MOST_PIECES: usize = 1500;
+const MOST_PIECES: usize = 400;
 
 enum Curve<'a> {
     Patches(&'a Patches),
