@@ -19,48 +19,41 @@ pub(crate) struct Edges {
 
 impl Edges {
     pub fn of(cage: &Cage) -> Self {
-        // Every corner with its edge, by the edge; and which way it runs.
-        let mut halves: Vec<([u32; 2], u32, bool)> = Vec::with_capacity(cage.corners.len());
-        for face in cage.faces() {
-            for (k, &a) in face.iter().enumerate() {
-                let b = face[(k + 1) % face.len()];
-                halves.push((if a < b { [a, b] } else { [b, a] }, halves.len() as u32, a < b));
-            }
-        }
-        halves.sort_unstable();
+        let halves = Halves::of(cage);
         // Numbers in the order of the first corner.
-        let mut firsts: Vec<(u32, usize)> = Vec::new();
-        let mut start = 0;
-        for run in halves.chunk_by(|a, b| a.0 == b.0) {
-            firsts.push((run[0].1, start));
-            start += run.len();
+        let mut counts = vec![0_u32; cage.corners.len()];
+        halves.runs().for_each(|(_, run)| counts[run[0].1 as usize] = run.len() as u32);
+        let mut number_of = vec![0; cage.corners.len()];
+        let mut face_ends = Vec::with_capacity(cage.corners.len() / 2);
+        let mut end = 0;
+        for (number, count) in number_of.iter_mut().zip(counts).filter(|(_, count)| *count > 0) {
+            *number = face_ends.len() as u32;
+            end += count;
+            face_ends.push(end);
         }
-        firsts.sort_unstable();
-        let face_of = face_of_corners(cage);
+        let n = face_ends.len();
         let mut edges = Self {
-            ends: Vec::with_capacity(firsts.len()),
-            of_corner: vec![0; halves.len()],
-            face_ends: Vec::with_capacity(firsts.len()),
-            faces: Vec::with_capacity(halves.len()),
-            crowded: Vec::with_capacity(firsts.len()),
-            sorted: Vec::with_capacity(firsts.len()),
+            ends: vec![[0; 2]; n],
+            of_corner: vec![0; cage.corners.len()],
+            face_ends,
+            faces: vec![0; cage.corners.len()],
+            crowded: vec![false; n],
+            sorted: Vec::with_capacity(n),
         };
-        for (number, (_, start)) in firsts.into_iter().enumerate() {
-            let ends = halves[start].0;
-            let run = halves[start..].iter().take_while(|half| half.0 == ends);
+        let face_of = face_of_corners(cage);
+        for (low, run) in halves.runs() {
+            let number = number_of[run[0].1 as usize];
+            let first = edges.face_ends[number as usize] as usize - run.len();
             let mut up = 0;
-            for (_, corner, runs_up) in run.clone() {
-                edges.of_corner[*corner as usize] = number as u32;
-                edges.faces.push(face_of[*corner as usize]);
+            for (k, (_, corner, runs_up)) in run.iter().enumerate() {
+                edges.of_corner[*corner as usize] = number;
+                edges.faces[first + k] = face_of[*corner as usize];
                 up += usize::from(*runs_up);
             }
-            let n = run.count();
-            edges.crowded.push(n > 2 || n == 2 && up != 1);
-            edges.ends.push(ends);
-            edges.face_ends.push(edges.faces.len() as u32);
-            edges.sorted.push((ends, number as u32));
+            edges.crowded[number as usize] = run.len() > 2 || run.len() == 2 && up != 1;
+            edges.ends[number as usize] = [low, run[0].0];
+            edges.sorted.push(([low, run[0].0], number));
         }
-        edges.sorted.sort_unstable();
         edges
     }
 
@@ -80,6 +73,38 @@ impl Edges {
     pub fn sharp(&self, sharpness: &[f64]) -> Vec<([u32; 2], f64)> {
         let all = self.sorted.iter().map(|(ends, edge)| (*ends, sharpness[*edge as usize]));
         all.filter(|(_, sharp)| *sharp > 0.0).collect()
+    }
+}
+
+/// Half-edges by the lower of their vertices: where those of each vertex end, and of each the other vertex, its corner, and
+/// whether it runs upwards; in that order.
+struct Halves {
+    ends: Vec<u32>,
+    all: Vec<(u32, u32, bool)>,
+}
+
+impl Halves {
+    fn of(cage: &Cage) -> Self {
+        let corners = || cage.faces().flat_map(|face| (0..face.len()).map(move |k| (face, k)));
+        let ends_of = |(face, k): (&[u32], usize)| (face[k], face[if k + 1 < face.len() { k + 1 } else { 0 }]);
+        let low = corners().map(|corner| {
+            let (a, b) = ends_of(corner);
+            if a < b { (a, (b, true)) } else { (b, (a, false)) }
+        });
+        let pairs = low.enumerate().map(|(corner, (low, (high, up)))| (low, (high, corner as u32, up)));
+        let (ends, mut all) = listed(cage.positions.len(), pairs);
+        let mut start = 0;
+        for end in &ends {
+            all[start..*end as usize].sort_unstable();
+            start = *end as usize;
+        }
+        Self { ends, all }
+    }
+
+    /// Halves with the same ends, with the lower of these, in ascending order.
+    fn runs(&self) -> impl Iterator<Item = (u32, &[(u32, u32, bool)])> {
+        let of = |low: usize| part(&self.ends, &self.all, low).chunk_by(|a, b| a.0 == b.0);
+        (0..self.ends.len()).flat_map(move |low| of(low).map(move |run| (low as u32, run)))
     }
 }
 
@@ -119,13 +144,16 @@ impl Around {
     }
 }
 
-fn part<'a>(ends: &[u32], all: &'a [u32], which: usize) -> &'a [u32] {
+pub(super) fn part<'a, T>(ends: &[u32], all: &'a [T], which: usize) -> &'a [T] {
     let start = if which == 0 { 0 } else { ends[which - 1] };
     &all[start as usize..ends[which] as usize]
 }
 
-/// Lists of what belongs to each of `n`, in the order in which it comes.
-fn listed(n: usize, pairs: impl Iterator<Item = (u32, u32)> + Clone) -> (Vec<u32>, Vec<u32>) {
+/// Lists of what belongs to each of `n`, in the order in which it comes: where each ends, and all.
+pub(super) fn listed<T: Copy + Default>(
+    n: usize,
+    pairs: impl Iterator<Item = (u32, T)> + Clone,
+) -> (Vec<u32>, Vec<T>) {
     let mut counts = vec![0_u32; n];
     pairs.clone().for_each(|(owner, _)| counts[owner as usize] += 1);
     let mut end = 0;
@@ -134,7 +162,7 @@ fn listed(n: usize, pairs: impl Iterator<Item = (u32, u32)> + Clone) -> (Vec<u32
         places.push(end);
         end += count;
     }
-    let mut all = vec![0; end as usize];
+    let mut all = vec![T::default(); end as usize];
     for (owner, what) in pairs {
         let place = &mut places[owner as usize];
         all[*place as usize] = what;

@@ -49,7 +49,7 @@ pub(super) fn less(sharpness: f64) -> f64 {
 }
 
 /// What is left of the sharpness of an edge at one of its ends, around which there are edges that are this sharp, with it.
-fn less_at(creasing: Creasing, sharpness: f64, around: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn less_at(creasing: Creasing, sharpness: f64, around: impl Iterator<Item = f64>) -> f64 {
     if creasing == Creasing::Uniform || sharpness <= 0.0 || sharpness >= INFINITELY_SHARP {
         return less(sharpness);
     }
@@ -76,6 +76,31 @@ fn ending(of: impl Iterator<Item = (f64, f64)>) -> f64 {
     }
     let share = if count == 0 { 0.0 } else { sum / f64::from(count) };
     if share < 1.0 { share } else { 1.0 }
+}
+
+/// What a vertex follows in a round: a share of the rule before it and the rest of the rule after it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Mix {
+    pub share: f64,
+    pub rules: [Rule; 2],
+}
+
+impl Mix {
+    /// Of a vertex of that sharpness, whose edges are this sharp.
+    pub fn of(creasing: Creasing, own: f64, edges: impl Iterator<Item = (u32, f64)> + Clone) -> Self {
+        let left = |sharp: f64| less_at(creasing, sharp, edges.clone().map(|(_, sharp)| sharp));
+        let before = rule(own, edges.clone().filter_map(|(edge, sharp)| (sharp > 0.0).then_some(edge)));
+        if before == Rule::Smooth {
+            return Self { share: 1.0, rules: [before; 2] };
+        }
+        let remains = |(edge, sharp): (u32, f64)| (left(sharp) > 0.0).then_some(edge);
+        let after = rule(less(own), edges.clone().filter_map(remains));
+        if after == before {
+            return Self { share: 1.0, rules: [before; 2] };
+        }
+        let ends = edges.clone().map(|(_, sharp)| (sharp, left(sharp))).chain([(own, less(own))]);
+        Self { share: ending(ends), rules: [before, after] }
+    }
 }
 
 /// A vertex with what is around it.
@@ -111,19 +136,12 @@ pub(super) trait Vertex {
 
     /// Where it is after a round.
     fn moved(&self) -> Point {
-        let own = self.sharpness();
-        let is_sharp = |(edge, sharp): (u32, f64)| (sharp > 0.0).then_some(edge);
-        let before = rule(own, self.edges().filter_map(is_sharp));
-        if before == Rule::Smooth {
-            return self.smooth();
-        }
-        let remains = |(edge, sharp): (u32, f64)| (self.left(sharp) > 0.0).then_some(edge);
-        let after = rule(less(own), self.edges().filter_map(remains));
+        let Mix { share, rules: [before, after] } =
+            Mix::of(self.creasing(), self.sharpness(), self.edges());
         if after == before {
             return self.by(before);
         }
-        let ends = self.edges().map(|(_, sharp)| (sharp, self.left(sharp))).chain([(own, less(own))]);
-        mix(ending(ends), self.by(before), self.by(after))
+        mix(share, self.by(before), self.by(after))
     }
 }
 

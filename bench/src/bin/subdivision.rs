@@ -1,0 +1,166 @@
+//! Chordal's side of the subdivision bench.
+//!
+//! - `subdivision make FILE` writes a bumpy torus of 20,000 quads.
+//! - `subdivision run CAGE LEVEL RUNS THREADS THEIRS` prints a line of JSON with medians in seconds, and how far the points are from
+//!   those of the file THEIRS (f64, three by three, in any order), as a share of the diagonal.
+use chordal::explicit::{Boundary, Cage, Creasing, Scheme};
+use std::fmt::Write;
+use std::time::Instant;
+
+fn torus() -> String {
+    let (n, m) = (200, 100);
+    let mut text = String::new();
+    for i in 0..n {
+        for j in 0..m {
+            let (u, v) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(m));
+            let (u, v) = (u * std::f64::consts::TAU, v * std::f64::consts::TAU);
+            let small = 1.0 + 0.1 * (9.0 * u).sin() * (7.0 * v).cos();
+            let large = 3.0 + small * v.cos();
+            writeln!(text, "v {:e} {:e} {:e}", large * u.cos(), large * u.sin(), small * v.sin())
+                .expect("a String");
+        }
+    }
+    let at = |i: i32, j: i32| i % n * m + j % m + 1;
+    for i in 0..n {
+        for j in 0..m {
+            writeln!(text, "f {} {} {} {}", at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1))
+                .expect("a String");
+        }
+    }
+    text
+}
+
+fn read(path: &str) -> Cage {
+    let text = std::fs::read_to_string(path).expect("a cage");
+    let (mut positions, mut faces) = (Vec::new(), Vec::<Vec<u32>>::new());
+    let (mut creases, mut corners, mut holes) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut boundary, mut creasing) = (Boundary::EdgeOnly, Creasing::Uniform);
+    for line in text.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let float = |k: usize| words[k].parse::<f64>().expect("a number");
+        match words.first() {
+            Some(&"v") => positions.push([float(1), float(2), float(3)]),
+            Some(&"f") => {
+                let index = |word: &&str| word.split('/').next().and_then(|i| i.parse::<u32>().ok());
+                faces.push(words[1..].iter().map(|word| index(word).expect("an index") - 1).collect());
+            }
+            Some(&"t") => {
+                let n: usize = words[2].split('/').next().and_then(|n| n.parse().ok()).expect("a count");
+                let ints: Vec<u32> = words[3..3 + n].iter().map(|i| i.parse().expect("an index")).collect();
+                match words[1] {
+                    "crease" => creases.extend(ints.chunks_exact(2).map(|e| ([e[0], e[1]], float(3 + n)))),
+                    "corner" => corners.extend(ints.iter().map(|v| (*v, float(3 + n)))),
+                    "hole" => holes.extend(ints),
+                    "creasemethod" if words.last() == Some(&"chaikin") => creasing = Creasing::Chaikin,
+                    // In these files 1 is edges and corners.
+                    "interpolateboundary" => {
+                        boundary =
+                            [Boundary::None, Boundary::EdgeAndCorner, Boundary::EdgeOnly][ints[0] as usize];
+                    }
+                    _ => {}
+                }
+            }
+            _ => {}
+        }
+    }
+    let cage = Cage::new(positions, faces).expect("a cage").with_boundary(boundary).with_creasing(creasing);
+    let cage = cage.with_creases(&creases).and_then(|cage| cage.with_sharp_vertices(&corners));
+    let cage = cage.and_then(|cage| cage.with_holes(&holes)).expect("tags of the cage");
+    let is_loop = path.rsplit('/').next().is_some_and(|name| name.starts_with("loop"));
+    if is_loop { cage.with_scheme(Scheme::Loop).expect("triangles") } else { cage }
+}
+
+fn median(runs: usize, mut run: impl FnMut()) -> f64 {
+    let mut times: Vec<f64> = (0..runs)
+        .map(|_| {
+            let start = Instant::now();
+            run();
+            start.elapsed().as_secs_f64()
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times[runs / 2]
+}
+
+/// The largest distance, along an axis, of a point from the nearest of the others; infinite where that is beyond 1e-6 of the diagonal
+/// or counts differ.
+fn off(ours: &[[f64; 3]], theirs: &[[f64; 3]]) -> f64 {
+    if ours.len() != theirs.len() {
+        return f64::INFINITY;
+    }
+    let diagonal = chordal::math::Box3::around(theirs).diagonal();
+    // The target: a millionth of the extent.
+    let near = 1e-6 * diagonal;
+    let one_way = |from: &[[f64; 3]], to: &[[f64; 3]]| {
+        let mut order: Vec<u32> = (0..to.len() as u32).collect();
+        // Cells of a thousandth of the diagonal in x and y bring close points together.
+        let cell = |p: &[f64; 3], k: usize| (p[k] / diagonal * 1e3).floor() as i64;
+        let key = |p: &[f64; 3]| (cell(p, 0), cell(p, 1));
+        order.sort_unstable_by(|a, b| {
+            let (a, b) = (&to[*a as usize], &to[*b as usize]);
+            key(a).cmp(&key(b)).then(a[2].total_cmp(&b[2]))
+        });
+        let worst = |p: &[f64; 3]| {
+            let mut best = f64::INFINITY;
+            for (dx, dy) in [(0, 0), (-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1)] {
+                let (x, y) = (cell(p, 0) + dx, cell(p, 1) + dy);
+                // Only cells that come within reach.
+                let reach = |k: usize, c: i64| {
+                    let (low, high) = (c as f64 * 1e-3 * diagonal, (c + 1) as f64 * 1e-3 * diagonal);
+                    p[k] >= low - near && p[k] <= high + near
+                };
+                if !reach(0, x) || !reach(1, y) {
+                    continue;
+                }
+                let start = order.partition_point(|i| {
+                    let q = &to[*i as usize];
+                    (key(q), q[2]) < ((x, y), p[2] - near)
+                });
+                for i in &order[start..] {
+                    let q = &to[*i as usize];
+                    if key(q) != (x, y) || q[2] > p[2] + near {
+                        break;
+                    }
+                    let far = (0..3).map(|k| (p[k] - q[k]).abs()).fold(0.0, f64::max);
+                    best = best.min(far);
+                }
+            }
+            best
+        };
+        from.iter().map(worst).fold(0.0, f64::max)
+    };
+    let both = one_way(ours, theirs).max(one_way(theirs, ours)) / diagonal;
+    if both <= 1e-6 { both } else { f64::INFINITY }
+}
+
+fn points(path: &str) -> Vec<[f64; 3]> {
+    let bytes = std::fs::read(path).expect("their points");
+    let number = |bytes: &[u8]| f64::from_le_bytes(bytes.try_into().expect("eight bytes"));
+    bytes.chunks_exact(24).map(|p| [number(&p[..8]), number(&p[8..16]), number(&p[16..])]).collect()
+}
+
+fn run(args: &[String]) {
+    let [path, level, runs, _threads, theirs] = args else {
+        panic!("run CAGE LEVEL RUNS THREADS THEIRS");
+    };
+    let number = |text: &String| text.parse::<usize>().expect("a number");
+    let (level, runs) = (number(level) as u32, number(runs));
+    let cage = read(path);
+    let refined = cage.refined_times(level).expect("refined");
+    let off = off(refined.positions(), &points(theirs));
+    let (faces, n_points) = (refined.n_faces(), refined.positions().len());
+    drop(refined);
+    let refine = median(runs, || {
+        cage.refined_times(level).expect("refined");
+    });
+    println!("{{\"faces\": {faces}, \"points\": {n_points}, \"off\": {off:e}, \"refine\": {refine}}}");
+}
+
+fn main() {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    match args.first().map(String::as_str) {
+        Some("make") => std::fs::write(&args[1], torus()).expect("a file"),
+        Some("run") => run(&args[1..]),
+        _ => panic!("make FILE, or run CAGE LEVEL RUNS THREADS THEIRS"),
+    }
+}
