@@ -86,7 +86,8 @@ struct Halves {
 impl Halves {
     fn of(cage: &Cage) -> Self {
         let corners = || cage.faces().flat_map(|face| (0..face.len()).map(move |k| (face, k)));
-        let ends_of = |(face, k): (&[u32], usize)| (face[k], face[if k + 1 < face.len() { k + 1 } else { 0 }]);
+        let ends_of =
+            |(face, k): (&[u32], usize)| (face[k], face[if k + 1 < face.len() { k + 1 } else { 0 }]);
         let low = corners().map(|corner| {
             let (a, b) = ends_of(corner);
             if a < b { (a, (b, true)) } else { (b, (a, false)) }

@@ -1,465 +1,277 @@
 //! Rounds over quads as grids: after the first round each face is a quad, and later rounds make a grid of each, with all that is
 //! sharp or irregular on the borders of grids. So inside of a grid there is nothing to look up.
-use super::edges::{Around, Edges};
-use super::refine::Sharp;
-use super::rules::{Point, Vertex, less, middle, plus};
-use super::{Cage, Creasing, InvalidCage, MOST, Scheme};
-use std::collections::BTreeMap;
+use super::creases::{Along, Rules};
+use super::quads::{NONE, Quads};
+use super::rows::{Borders, Weights, between, divide, spread};
+use super::values::{Real, add, chunks, scaled};
+use crate::budget::{Job, par_map_owned};
+use crate::math::simd::{Kernel, dispatch, isa};
 
-impl Cage {
-    /// The cage after some rounds; none gives the cage itself.
-    ///
-    /// The faces are the same as by [`Cage::refined`] so many times, and so are the vertices, but for rounding and the order after
-    /// the second round: first the vertices of the first round, under their numbers; then for each of its edges the points along it, from its
-    /// lower vertex; then for each of its faces the points inside, row by row, rows running from its first vertex to its
-    /// second. Faces follow those of the first round, row by row as well. Loop's scheme repeats [`Cage::refined`].
-    ///
-    /// *Cost.* Per face of the result 24 bytes for positions and 20 for indices, and as much again for positions of the last round but one
-    /// while it runs.
-    ///
-    /// # Errors
-    /// As for [`Cage::refined`].
-    pub fn refined_times(&self, rounds: u32) -> Result<Self, InvalidCage> {
-        if rounds < 2 || self.scheme == Scheme::Loop {
-            return (0..rounds).try_fold(self.clone(), |cage, _| cage.refined());
-        }
-        let first = self.refined()?;
-        let n_corners = (1..rounds).try_fold(first.corners.len(), |n, _| n.checked_mul(4));
-        if n_corners.is_none_or(|n| n > MOST) {
-            return Err(InvalidCage::TooMany { what: "corners", most: MOST });
-        }
-        let mut grids = Grids::of(&first);
-        for _ in 1..rounds {
-            grids.divide();
-        }
-        grids.cage()
-    }
-}
+/// Points that one task of a thread makes, about: enough to be worth one, few enough to share out evenly. Chosen.
+const TASK: usize = 1 << 14;
 
-/// Points of grids over the faces of a cage of quads.
-struct Grids<'a> {
-    base: &'a Cage,
-    edges: Edges,
-    around: Around,
+/// What stands at the points of grids: vertices, n − 1 points along each edge, (n − 1)² inside of each quad.
+pub(super) struct Level<'a, T, const K: usize> {
+    pub quads: &'a Quads,
     /// Parts of an edge.
-    n: usize,
-    vertices: Vec<Point>,
-    /// For each edge the n − 1 points along it.
-    along: Vec<Point>,
-    /// For each face the (n − 1)² points inside of it.
-    inside: Vec<Point>,
-    sharp_vertices: Vec<f64>,
-    /// Sharp edges, with the sharpness of each part.
-    creases: BTreeMap<u32, Vec<f64>>,
+    pub n: usize,
+    pub values: &'a [[T; K]],
 }
 
-impl<'a> Grids<'a> {
-    fn of(base: &'a Cage) -> Self {
-        let edges = Edges::of(base);
-        let around = Around::of(base, &edges);
-        let sharp = Sharp::of(base, &edges, &around);
-        let creases = sharp.edges.iter().enumerate().filter(|(_, sharp)| **sharp > 0.0);
-        Self {
-            base,
-            n: 1,
-            vertices: base.positions.clone(),
-            along: Vec::new(),
-            inside: Vec::new(),
-            creases: creases.map(|(e, sharp)| (e as u32, vec![*sharp])).collect(),
-            sharp_vertices: sharp.vertices,
-            edges,
-            around,
+/// How many points there are.
+pub(super) fn n_points(quads: &Quads, n: usize) -> usize {
+    quads.n_vertices + quads.ends.len() * (n - 1) + quads.edges.len() * (n - 1) * (n - 1)
+}
+
+impl<T: Real, const K: usize> Level<'_, T, K> {
+    fn vertex(&self, vertex: u32) -> [T; K] {
+        self.values[vertex as usize]
+    }
+
+    /// The points along an edge without its ends.
+    fn along(&self, edge: u32) -> &[[T; K]] {
+        &self.values[self.quads.n_vertices + edge as usize * (self.n - 1)..][..self.n - 1]
+    }
+
+    /// The points inside of a quad.
+    fn inside(&self, quad: usize) -> &[[T; K]] {
+        let n = self.n - 1;
+        &self.values[self.quads.n_vertices + self.quads.ends.len() * n + quad * n * n..][..n * n]
+    }
+
+    /// A point of an edge.
+    fn on_edge(&self, edge: u32, place: usize) -> [T; K] {
+        let ends = self.quads.ends[edge as usize];
+        match place {
+            0 => self.vertex(ends[0]),
+            _ if place == self.n => self.vertex(ends[1]),
+            _ => self.along(edge)[place - 1],
         }
     }
 
-    /// The point of an edge that is so many parts from one of its ends.
-    #[inline]
-    fn on_edge(&self, edge: u32, from: u32, part: usize) -> Point {
-        let ends = self.edges.ends[edge as usize];
-        let part = if ends[0] == from { part } else { self.n - part };
-        if part == 0 {
-            self.vertices[ends[0] as usize]
-        } else if part == self.n {
-            self.vertices[ends[1] as usize]
-        } else {
-            self.along[edge as usize * (self.n - 1) + part - 1]
-        }
+    /// The point of an edge next to one of its ends.
+    fn next_to(&self, vertex: usize, edge: u32) -> [T; K] {
+        let begins = self.quads.ends[edge as usize][0] as usize == vertex;
+        self.on_edge(edge, if begins { 1 } else { self.n - 1 })
     }
 
-    /// The edge of a side of a face, and the vertex that it begins at.
-    #[inline]
-    fn side(&self, face: usize, side: usize) -> (u32, u32) {
-        let corner = 4 * face + side % 4;
-        (self.edges.of_corner[corner], self.base.corners[corner])
-    }
-
-    /// The point of a grid in a row and a column; rows are parallel to the first side.
-    #[inline]
-    fn at(&self, face: usize, row: usize, column: usize) -> Point {
-        let n = self.n;
-        let on = |side: usize, part: usize| {
-            let (edge, from) = self.side(face, side);
-            self.on_edge(edge, from, part)
-        };
-        if row == 0 {
-            on(0, column)
-        } else if row == n {
-            on(2, n - column)
-        } else if column == 0 {
-            on(3, n - row)
-        } else if column == n {
-            on(1, row)
-        } else {
-            self.inside[(face * (n - 1) + row - 1) * (n - 1) + column - 1]
-        }
-    }
-
-    /// One row more inside than a side, from the side's begin to its end.
-    fn beside(&self, face: usize, side: usize) -> impl Fn(usize) -> Point + '_ {
-        let n = self.n;
-        move |part| match side {
-            0 => self.at(face, 1, part),
-            1 => self.at(face, part, n - 1),
-            2 => self.at(face, n - 1, n - part),
-            _ => self.at(face, n - part, 1),
-        }
-    }
-
-    /// A round: twice as many parts along each edge.
-    fn divide(&mut self) {
-        let is_bilinear = self.base.scheme == Scheme::Bilinear;
-        let vertices = (0..self.vertices.len())
-            .map(|v| match self.around.edges(v).is_empty() || is_bilinear {
-                true => self.vertices[v],
-                false => Base { grids: self, vertex: v as u32 }.moved(),
-            })
-            .collect();
-        let mut along = Vec::with_capacity(self.edges.ends.len() * (2 * self.n - 1));
-        let mut creases = BTreeMap::new();
-        for edge in 0..self.edges.ends.len() {
-            let sharp = self.creases.get(&(edge as u32)).map(|sharp| (sharp, self.less_sharp(edge as u32)));
-            let before = sharp.as_ref().map(|(before, after)| (before.as_slice(), after.as_slice()));
-            self.divide_edge(edge, before, &mut along);
-            if let Some((_, after)) = sharp.filter(|(_, after)| after.iter().any(|s| *s > 0.0)) {
-                creases.insert(edge as u32, after);
-            }
-        }
-        let inside = self.divide_faces();
-        self.sharp_vertices.iter_mut().for_each(|sharp| *sharp = less(*sharp));
-        (self.vertices, self.along, self.inside, self.creases) = (vertices, along, inside, creases);
-        self.n *= 2;
-    }
-
-    /// What is left of the sharpness of an edge on the halves of its parts.
-    fn less_sharp(&self, edge: u32) -> Vec<f64> {
-        let sharp = &self.creases[&edge];
-        let ends = self.edges.ends[edge as usize];
-        let left = |part: usize, place: usize| {
-            let nothing = [0.0; 3];
-            if place == 0 {
-                Base { grids: self, vertex: ends[0] }.left(sharp[part])
-            } else if place == self.n {
-                Base { grids: self, vertex: ends[1] }.left(sharp[part])
-            } else {
-                let sharp = [sharp[place - 1], sharp[place]];
-                let creasing = self.base.creasing;
-                let line = Between { here: nothing, ends: [nothing; 2], sharp, smooth: || nothing, creasing };
-                line.left(self.creases[&edge][part])
-            }
-        };
-        (0..self.n).flat_map(|part| [left(part, part), left(part, part + 1)]).collect()
-    }
-
-    /// The points along an edge after a round, where it is sharp with the sharpness of its parts before and after.
-    fn divide_edge(&self, edge: usize, sharp: Option<(&[f64], &[f64])>, out: &mut Vec<Point>) {
-        let ends = self.edges.ends[edge];
-        let here = |part: usize| self.on_edge(edge as u32, ends[0], part);
-        let faces = self.edges.faces(edge);
-        // Where it is not sharp it has two faces.
-        let rows: Vec<_> = faces
-            .iter()
-            .map(|face| {
-                let face = *face as usize;
-                let side = (0..4).find(|side| self.side(face, *side).0 == edge as u32).unwrap_or(0);
-                let is_along = self.side(face, side).1 == ends[0];
-                let row = self.beside(face, side);
-                move |part: usize| if is_along { row(part) } else { row(self.n - part) }
-            })
-            .collect();
-        // The middle of a cell beside a part of the edge.
-        let cell = |k: usize, part: usize| {
-            let sum = [here(part + 1), rows[k](part), rows[k](part + 1)];
-            sum.into_iter().fold(here(part).map(|x| 0.25 * x), |sum, p| plus(sum, 0.25, p))
-        };
-        let parts_of = |part: usize| {
-            sharp.map_or((0.0, [0.0; 2]), |(before, after)| {
-                (before[part], [after[2 * part], after[2 * part + 1]])
-            })
-        };
-        for part in 0..self.n {
-            if part > 0 {
-                let smooth = || {
-                    let mut sum = here(part).map(|x| 0.5 * x);
-                    for p in [here(part - 1), here(part + 1)] {
-                        sum = plus(sum, 0.0625, p);
-                    }
-                    for (k, row) in rows.iter().enumerate() {
-                        for p in [row(part), cell(k, part - 1), cell(k, part)] {
-                            sum = plus(sum, 0.0625, p);
-                        }
-                    }
-                    sum
-                };
-                out.push(if self.base.scheme == Scheme::Bilinear {
-                    here(part)
-                } else {
-                    let sharp = [parts_of(part - 1).0, parts_of(part).0];
-                    let ends = [here(part - 1), here(part + 1)];
-                    Between { here: here(part), ends, sharp, smooth, creasing: self.base.creasing }.moved()
-                });
-            }
-            let (sharpness, halves) = parts_of(part);
-            let two = [here(part), here(part + 1)];
-            let smooth = || {
-                let start = [0, 1, 2].map(|k| 0.25 * two[0][k] + 0.25 * two[1][k]);
-                (0..rows.len()).fold(start, |sum, k| plus(sum, 0.25, cell(k, part)))
-            };
-            // Bilinear edges are as sharp as can be.
-            let sharpness = if self.base.scheme == Scheme::Bilinear { 1.0 } else { sharpness };
-            out.push(middle(two, sharpness, halves, smooth));
-        }
-    }
-
-    /// The points inside of faces after a round.
-    fn divide_faces(&self) -> Vec<Point> {
-        let n = self.n;
-        let wide = 2 * n - 1;
-        let mut out = vec![[0.0; 3]; self.base.n_faces() * wide * wide];
-        let mut grid = vec![[0.0; 3]; (n + 1) * (n + 1)];
-        let mut cells = vec![[0.0; 3]; n * n];
-        for (face, out) in out.chunks_exact_mut(wide * wide).enumerate() {
-            for (row, points) in grid.chunks_exact_mut(n + 1).enumerate() {
-                for (column, point) in points.iter_mut().enumerate() {
-                    *point = self.at(face, row, column);
-                }
-            }
-            self.divide_face(&grid, &mut cells, out);
-        }
-        out
-    }
-
-    fn divide_face(&self, grid: &[Point], cells: &mut [Point], out: &mut [Point]) {
-        let (n, wide) = (self.n, 2 * self.n - 1);
-        for (row, cells) in cells.chunks_exact_mut(n).enumerate() {
-            let (low, high) = (&grid[row * (n + 1)..][..n + 1], &grid[(row + 1) * (n + 1)..][..n + 1]);
-            for ((cell, low), high) in cells.iter_mut().zip(low.windows(2)).zip(high.windows(2)) {
-                *cell = [0, 1, 2].map(|k| 0.25 * ((low[0][k] + low[1][k]) + (high[0][k] + high[1][k])));
-            }
-        }
-        let is_bilinear = self.base.scheme == Scheme::Bilinear;
-        let edge = |a: Point, b: Point, cells: [Point; 2]| {
-            [0, 1, 2].map(|k| match is_bilinear {
-                true => 0.5 * (a[k] + b[k]),
-                false => 0.25 * ((a[k] + b[k]) + (cells[0][k] + cells[1][k])),
-            })
-        };
-        let grid_at = |row: usize, column: usize| grid[row * (n + 1) + column];
-        let cell_at = |row: usize, column: usize| cells[row * n + column];
-        for (y, out) in out.chunks_exact_mut(wide).enumerate() {
-            // Even rows lie through the middles of cells, odd ones on the grid.
-            let row = y.div_ceil(2);
-            for (x, out) in out.iter_mut().enumerate() {
-                let column = x.div_ceil(2);
-                *out = match (y % 2, x % 2) {
-                    (0, 0) => cell_at(row, column),
-                    (0, _) => {
-                        let cells = [cell_at(row, column - 1), cell_at(row, column)];
-                        edge(grid_at(row, column), grid_at(row + 1, column), cells)
-                    }
-                    (_, 0) => {
-                        let cells = [cell_at(row - 1, column), cell_at(row, column)];
-                        edge(grid_at(row, column), grid_at(row, column + 1), cells)
-                    }
-                    _ if is_bilinear => grid_at(row, column),
-                    _ => {
-                        let four = [
-                            [grid_at(row, column - 1), grid_at(row, column + 1)],
-                            [grid_at(row - 1, column), grid_at(row + 1, column)],
-                            [cell_at(row - 1, column - 1), cell_at(row, column)],
-                            [cell_at(row - 1, column), cell_at(row, column - 1)],
-                        ];
-                        let here = grid_at(row, column);
-                        [0, 1, 2].map(|k| {
-                            let sum = four.iter().fold(0.0, |sum, two| sum + (two[0][k] + two[1][k]));
-                            0.5 * here[k] + 0.0625 * sum
-                        })
-                    }
-                };
-            }
-        }
-    }
-
-    /// The number of a point of a grid, as [`Grids::at`] has it.
-    fn index(&self, face: usize, row: usize, column: usize) -> u32 {
-        let n = self.n;
-        let on = |side: usize, part: usize| {
-            let (edge, from) = self.side(face, side);
-            let ends = self.edges.ends[edge as usize];
-            let part = if ends[0] == from { part } else { n - part };
-            if part == 0 || part == n {
-                return ends[part / n];
-            }
-            (self.vertices.len() + edge as usize * (n - 1) + part - 1) as u32
-        };
-        match (row, column) {
-            (0, _) => on(0, column),
-            _ if row == n => on(2, n - column),
-            (_, 0) => on(3, n - row),
-            _ if column == n => on(1, row),
+    /// The point of a grid one step in from a corner both ways.
+    fn diagonal(&self, corner: u32) -> [T; K] {
+        let (quad, k) = (corner as usize / 4, corner as usize % 4);
+        let last = self.n.wrapping_sub(2);
+        match self.n {
+            1 => self.vertex(self.quads.corners[quad][(k + 2) % 4]),
             _ => {
-                let inside = (face * (n - 1) + row - 1) * (n - 1) + column - 1;
-                (self.vertices.len() + self.along.len() + inside) as u32
+                let (row, column) = ([0, 0, last, last][k], [0, last, last, 0][k]);
+                self.inside(quad)[row * (self.n - 1) + column]
             }
         }
     }
 
-    fn cage(self) -> Result<Cage, InvalidCage> {
-        let n = self.n;
-        let n_faces = self.base.n_faces() * n * n;
-        let mut corners = Vec::with_capacity(4 * n_faces);
-        let mut low = vec![0; n + 1];
-        let mut high = vec![0; n + 1];
-        for face in 0..self.base.n_faces() {
-            low.iter_mut().enumerate().for_each(|(column, index)| *index = self.index(face, 0, column));
-            for row in 1..=n {
-                high.iter_mut()
-                    .enumerate()
-                    .for_each(|(column, index)| *index = self.index(face, row, column));
-                for (low, high) in low.windows(2).zip(high.windows(2)) {
-                    corners.extend([low[0], low[1], high[1], high[0]]);
-                }
-                std::mem::swap(&mut low, &mut high);
-            }
-        }
-        let part = (n * n) as u32;
-        let holes = self.base.holes.iter().flat_map(|face| face * part..(face + 1) * part).collect();
-        let creases = self.sharp_parts();
-        let sharp = self.sharp_vertices.iter().enumerate().map(|(v, sharp)| (v as u32, *sharp));
-        let sharp_vertices = sharp.filter(|(_, sharp)| *sharp > 0.0).collect();
-        let mut positions = self.vertices;
-        positions.extend(self.along);
-        positions.extend(self.inside);
-        if let Some(row) = positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
-            return Err(InvalidCage::NotFinite { row });
-        }
-        let ends = (1..=n_faces as u32).map(|k| 4 * k).collect();
-        Ok(Cage { positions, ends, corners, holes, creases, sharp_vertices, ..*self.base })
+    /// All of an edge.
+    fn whole(&self, edge: u32, out: &mut Vec<[T; K]>) {
+        let ends = self.quads.ends[edge as usize];
+        out.clear();
+        out.push(self.vertex(ends[0]));
+        out.extend_from_slice(self.along(edge));
+        out.push(self.vertex(ends[1]));
     }
 
-    /// The parts of edges that are sharp, but for those that are by nature.
-    fn sharp_parts(&self) -> Vec<([u32; 2], f64)> {
-        let mut all = Vec::new();
-        for ([a, b], _) in &self.base.creases {
-            let Some(edge) = self.edges.between(*a, *b) else { continue };
-            let Some(sharp) = self.creases.get(&edge) else { continue };
-            let ends = self.edges.ends[edge as usize];
-            let index = |part: usize| match part {
-                0 => ends[0],
-                _ if part == self.n => ends[1],
-                _ => (self.vertices.len() + edge as usize * (self.n - 1) + part - 1) as u32,
+    /// The row of a grid beside one of its sides, the way in which the edge runs.
+    fn beside(&self, side: u32, out: &mut Vec<[T; K]>) {
+        let (quad, k, n) = (side as usize / 4, side as usize % 4, self.n);
+        let edges = self.quads.edges[quad];
+        // The sides that it begins and ends on, and where on them.
+        let (from, to) = if k % 2 == 0 { (edges[3], edges[1]) } else { (edges[0], edges[2]) };
+        let place = if k == 0 || k == 3 { 1 } else { n - 1 };
+        let inside = self.inside(quad);
+        out.clear();
+        out.push(self.on_edge(from, place));
+        match k {
+            _ if n == 1 => {}
+            0 => out.extend_from_slice(&inside[..n - 1]),
+            2 => out.extend_from_slice(&inside[(n - 2) * (n - 1)..]),
+            1 => out.extend(inside[n - 2..].iter().step_by(n - 1)),
+            _ => out.extend(inside.iter().step_by(n - 1)),
+        }
+        out.push(self.on_edge(to, place));
+    }
+
+    /// The points after a round: twice as many parts along each edge.
+    pub fn divide(&self, rules: &Rules, weights: Weights<T>, job: &Job, out: &mut [[T; K]]) {
+        let (vertices, rest) = out.split_at_mut(self.quads.n_vertices);
+        let wide = 2 * self.n - 1;
+        let (along, inside) = rest.split_at_mut(self.quads.ends.len() * wide);
+        let few = TASK.div_ceil(wide);
+        // Bilinear: nothing that is there moves.
+        if weights[1] == T::default() {
+            vertices.copy_from_slice(&self.values[..vertices.len()]);
+        } else {
+            par_map_owned(job, chunks(vertices, TASK / 4), |(first, out)| self.vertices(rules, first, out));
+        }
+        par_map_owned(job, chunks(along, few * wide), |(first, out)| {
+            dispatch(isa(), Edges { level: self, rules, weights, first: first / wide, out });
+        });
+        let few = TASK.div_ceil(wide * wide);
+        par_map_owned(job, chunks(inside, few * wide * wide), |(first, out)| {
+            dispatch(isa(), Faces { level: self, weights, first: first / (wide * wide), out });
+        });
+    }
+
+    fn vertices(&self, rules: &Rules, first: usize, out: &mut [[T; K]]) {
+        let all = &rules.vertices;
+        let mut special = all[all.partition_point(|(v, _)| (*v as usize) < first)..].iter().peekable();
+        for (k, out) in out.iter_mut().enumerate() {
+            let vertex = first + k;
+            let Some((_, shares)) = special.next_if(|(v, _)| *v as usize == vertex) else {
+                *out = self.smooth(vertex);
+                continue;
             };
-            for (part, sharp) in sharp.iter().enumerate().filter(|(_, sharp)| **sharp > 0.0) {
-                let (a, b) = (index(part), index(part + 1));
-                all.push((if a < b { [a, b] } else { [b, a] }, *sharp));
+            let here = self.values[vertex];
+            let mut sum = scaled(T::of(shares.corner + 0.75 * shares.crease), here);
+            if shares.crease > 0.0 {
+                let share = T::of(0.125 * shares.crease);
+                for edge in shares.edges {
+                    sum = add(sum, share, self.next_to(vertex, edge));
+                }
+            }
+            if shares.smooth > 0.0 {
+                sum = add(sum, T::of(shares.smooth), self.smooth(vertex));
+            }
+            *out = sum;
+        }
+    }
+
+    /// A vertex with quads all around it, by the smooth rule: of n corners, 1 − 7/(4n) of itself, 3/(2n²) of its edges' next points
+    /// and 1/(4n²) of the points across. Each edge is that of two corners.
+    fn smooth(&self, vertex: usize) -> [T; K] {
+        let around = self.quads.around(vertex);
+        let (mut edges, mut across) = ([T::default(); K], [T::default(); K]);
+        let one = T::of(1.0);
+        for corner in around {
+            let [edge, _] = self.quads.at_corner(*corner);
+            edges = add(edges, one, self.next_to(vertex, edge));
+            across = add(across, one, self.diagonal(*corner));
+        }
+        let n = around.len() as f64;
+        let sum = scaled(T::of(1.0 - 1.75 / n), self.values[vertex]);
+        let sum = add(sum, T::of(1.5 / (n * n)), edges);
+        add(sum, T::of(0.25 / (n * n)), across)
+    }
+}
+
+/// The points along some edges.
+struct Edges<'a, T, const K: usize> {
+    level: &'a Level<'a, T, K>,
+    rules: &'a Rules,
+    weights: Weights<T>,
+    first: usize,
+    out: &'a mut [[T; K]],
+}
+
+impl<T: Real, const K: usize> Kernel for Edges<'_, T, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { level, rules, weights, first, out } = self;
+        let wide = 2 * level.n - 1;
+        let mut rows = [Vec::new(), Vec::new(), Vec::new()];
+        let mut line = vec![[T::default(); K]; level.n + 1];
+        let mut smooth = vec![[T::default(); K]; wide];
+        let all = &rules.edges;
+        let mut special = all[all.partition_point(|(e, _)| (*e as usize) < first)..].iter().peekable();
+        for (k, out) in out.chunks_exact_mut(wide).enumerate() {
+            let edge = first + k;
+            level.whole(edge as u32, &mut rows[0]);
+            let along = special.next_if(|(e, _)| *e as usize == edge).map(|(_, along)| along);
+            if along.is_some() {
+                spread(weights, &rows[0], out);
+            }
+            let sides = level.quads.sides[edge];
+            // Where there are not two it is sharp throughout.
+            if matches!(along, Some(Along::Even { points, middles }) if *points >= 1.0 && *middles >= 1.0)
+                || sides[1] == NONE
+            {
+                continue;
+            }
+            for (row, side) in rows[1..].iter_mut().zip(sides) {
+                level.beside(side, row);
+            }
+            between(weights, &rows[0], [&rows[1], &rows[2]], &mut line);
+            let Some(along) = along else {
+                spread(weights, &line, out);
+                continue;
+            };
+            spread(weights, &line, &mut smooth);
+            for (place, (out, smooth)) in out.iter_mut().zip(&smooth).enumerate() {
+                let share = match along {
+                    Along::Even { points, middles } => *(if place % 2 == 0 { middles } else { points }),
+                    Along::Each(shares) => shares[place],
+                };
+                *out = add(scaled(T::of(share), *out), T::of(1.0 - share), *smooth);
             }
         }
-        all.sort_unstable_by_key(|(ends, _)| *ends);
-        all
     }
 }
 
-/// A vertex of the first round.
-struct Base<'a> {
-    grids: &'a Grids<'a>,
-    vertex: u32,
+/// The points inside of some quads.
+struct Faces<'a, T, const K: usize> {
+    level: &'a Level<'a, T, K>,
+    weights: Weights<T>,
+    first: usize,
+    out: &'a mut [[T; K]],
 }
 
-impl Vertex for Base<'_> {
-    fn here(&self) -> Point {
-        self.grids.vertices[self.vertex as usize]
-    }
+impl<T: Real, const K: usize> Kernel for Faces<'_, T, K> {
+    type Output = ();
 
-    fn sharpness(&self) -> f64 {
-        self.grids.sharp_vertices[self.vertex as usize]
-    }
-
-    fn edges(&self) -> impl Iterator<Item = (u32, f64)> + Clone {
-        self.grids.around.edges(self.vertex as usize).iter().map(|edge| {
-            let begins = self.grids.edges.ends[*edge as usize][0] == self.vertex;
-            let part = if begins { 0 } else { self.grids.n - 1 };
-            (*edge, self.grids.creases.get(edge).map_or(0.0, |sharp| sharp[part]))
-        })
-    }
-
-    fn other_end(&self, edge: u32) -> Point {
-        self.grids.on_edge(edge, self.vertex, 1)
-    }
-
-    fn smooth(&self) -> Point {
-        let grids = self.grids;
-        let (edges, faces) =
-            (grids.around.edges(self.vertex as usize), grids.around.faces(self.vertex as usize));
-        let n = edges.len() as f64;
-        let share = 1.0 / (n * n);
-        let start = self.here().map(|x| (n - 2.0) / n * x);
-        let sum = edges.iter().fold(start, |sum, edge| plus(sum, share, self.other_end(*edge)));
-        faces.iter().fold(sum, |sum, face| {
-            let face = *face as usize;
-            let side = (0..4).find(|side| grids.side(face, *side).1 == self.vertex).unwrap_or(0);
-            let row = grids.beside(face, side);
-            let (edge, from) = grids.side(face, side);
-            let cell = [grids.on_edge(edge, from, 1), row(0), row(1)];
-            let cell = cell.into_iter().fold(self.here().map(|x| 0.25 * x), |sum, p| plus(sum, 0.25, p));
-            plus(sum, share, cell)
-        })
-    }
-
-    fn creasing(&self) -> Creasing {
-        self.grids.base.creasing
+    #[inline(always)]
+    fn run(self) {
+        let Self { level, weights, first, out } = self;
+        let wide = 2 * level.n - 1;
+        let mut line = vec![[T::default(); K]; level.n + 1];
+        let mut borders = Borders([const { Vec::new() }; 4]);
+        for (k, out) in out.chunks_exact_mut(wide * wide).enumerate() {
+            let edges = level.quads.edges[first + k];
+            borders.0.iter_mut().zip(edges).for_each(|(border, edge)| level.whole(edge, border));
+            divide(weights, &borders, level.inside(first + k), (&mut line, out));
+        }
     }
 }
 
-/// A point along an edge, between two of its parts.
-struct Between<F> {
-    here: Point,
-    ends: [Point; 2],
-    sharp: [f64; 2],
-    smooth: F,
-    creasing: Creasing,
-}
-
-impl<F: Fn() -> Point> Vertex for Between<F> {
-    fn here(&self) -> Point {
-        self.here
-    }
-
-    fn sharpness(&self) -> f64 {
-        0.0
-    }
-
-    fn edges(&self) -> impl Iterator<Item = (u32, f64)> + Clone {
-        [(0, self.sharp[0]), (1, self.sharp[1])].into_iter()
-    }
-
-    fn other_end(&self, edge: u32) -> Point {
-        self.ends[edge as usize]
-    }
-
-    fn smooth(&self) -> Point {
-        (self.smooth)()
-    }
-
-    fn creasing(&self) -> Creasing {
-        self.creasing
+/// The corners of the faces of some quads: rows of grids, row by row.
+pub(super) fn corners(quads: &Quads, n: usize, (first, out): (usize, &mut [u32])) {
+    let inside = quads.n_vertices + quads.ends.len() * (n - 1);
+    let (mut low, mut high) = (vec![0; n + 1], vec![0; n + 1]);
+    let on_edge = |edge: u32, place: usize| {
+        let ends = quads.ends[edge as usize];
+        match place {
+            0 => ends[0],
+            _ if place == n => ends[1],
+            _ => (quads.n_vertices + edge as usize * (n - 1) + place - 1) as u32,
+        }
+    };
+    for (k, out) in out.chunks_exact_mut(4 * n * n).enumerate() {
+        let quad = first + k;
+        let edges = quads.edges[quad];
+        let fill = |row: usize, out: &mut [u32]| match row {
+            0 => out.iter_mut().enumerate().for_each(|(c, out)| *out = on_edge(edges[0], c)),
+            _ if row == n => out.iter_mut().enumerate().for_each(|(c, out)| *out = on_edge(edges[2], c)),
+            _ => {
+                let start = (inside + (quad * (n - 1) + row - 1) * (n - 1)) as u32;
+                let (ends, between) = ([on_edge(edges[3], row), on_edge(edges[1], row)], 1..n);
+                (out[0], out[n]) = (ends[0], ends[1]);
+                out[between].iter_mut().zip(start..).for_each(|(out, index)| *out = index);
+            }
+        };
+        fill(0, &mut low);
+        for (row, out) in out.chunks_exact_mut(4 * n).enumerate() {
+            fill(row + 1, &mut high);
+            for ((out, low), high) in out.chunks_exact_mut(4).zip(low.windows(2)).zip(high.windows(2)) {
+                out.copy_from_slice(&[low[0], low[1], high[1], high[0]]);
+            }
+            std::mem::swap(&mut low, &mut high);
+        }
     }
 }

@@ -1,12 +1,20 @@
 //! `Cage`: a polygon mesh with what subdivision asks of it.
+mod creases;
 pub(crate) mod edges;
 mod grids;
 pub(crate) mod limit;
+mod quads;
 mod refine;
+mod refinement;
+mod round;
+mod rows;
 mod rules;
+mod values;
 
 use edges::Edges;
+pub use refinement::Refinement;
 use std::fmt;
+pub use values::Real;
 
 /// By which rules a cage is refined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -337,6 +345,13 @@ pub enum InvalidCage {
         /// It.
         scheme: Scheme,
     },
+    /// Not as many values as vertices.
+    WrongCount {
+        /// How many there are to be.
+        expected: usize,
+        /// How many there are.
+        found: usize,
+    },
     /// More than can be counted.
     TooMany {
         /// Of what.
@@ -365,6 +380,9 @@ impl fmt::Display for InvalidCage {
             Self::NoSuchFace { face } => write!(f, "there is no face {face} to be a hole"),
             Self::Sharpness { sharp } => write!(f, "a sharpness is 0 or more, not {sharp}"),
             Self::NoLimit { scheme } => write!(f, "the limit surface of the {scheme:?} scheme is not known"),
+            Self::WrongCount { expected, found } => {
+                write!(f, "there are {found} values for {expected} vertices")
+            }
             Self::TooMany { what, most } => write!(f, "there are more than {most} {what}"),
         }
     }

@@ -1,7 +1,7 @@
 //! One round of refinement, for any polygons and tags: the plain version, which faster ones are compared with.
 use super::super::Sets;
 use super::edges::{Around, Edges};
-use super::rules::{Point, Vertex, less, middle, plus};
+use super::rules::{Point, Vertex, less, less_at, middle, plus};
 use super::{Boundary, Cage, Creasing, INFINITELY_SHARP, InvalidCage, MOST, Scheme};
 
 impl Cage {
@@ -22,7 +22,8 @@ impl Cage {
         }
         let edges = Edges::of(self);
         let around = Around::of(self, &edges);
-        let round = Round { cage: self, sharp: Sharp::of(self, &edges, &around), edges, around };
+        let sharp = Sharp::of(self, &edges, &around);
+        let round = Round { cage: self, sharp: &sharp, edges: &edges, around: &around };
         let mut positions =
             Vec::with_capacity(self.positions.len() + round.edges.ends.len() + self.n_faces());
         let middles = round.face_points();
@@ -34,20 +35,22 @@ impl Cage {
         if let Some(row) = positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
             return Err(InvalidCage::NotFinite { row });
         }
-        let (ends, corners, holes) = round.faces();
-        let cage = Self {
-            positions,
-            ends,
-            corners,
-            holes,
-            creases: round.creases(),
-            sharp_vertices: round.sharp_vertices(),
-            // Those that carry none are holes now.
-            boundary: if self.boundary == Boundary::None { Boundary::EdgeOnly } else { self.boundary },
-            is_refined: true,
-            ..*self
-        };
-        Ok(cage)
+        let (ends, corners) = round.faces();
+        Ok(Self { positions, ends, corners, ..round.tags() })
+    }
+
+    /// What is known of the next round without positions and faces.
+    pub(super) fn next_tags(&self, edges: &Edges, around: &Around, sharp: &Sharp) -> Self {
+        Round { cage: self, edges, around, sharp }.tags()
+    }
+
+    /// The next round with its vertices at zero.
+    pub(super) fn next_topology(&self, edges: &Edges, around: &Around, sharp: &Sharp) -> Self {
+        let round = Round { cage: self, edges, around, sharp };
+        let (ends, corners) = round.faces();
+        let middles = if self.scheme == Scheme::Loop { 0 } else { self.n_faces() };
+        let n = self.positions.len() + edges.ends.len() + middles;
+        Self { positions: vec![[0.0; 3]; n], ends, corners, ..round.tags() }
     }
 }
 
@@ -77,6 +80,12 @@ impl Sharp {
             *of = if *of > *sharp { *of } else { *sharp };
         }
         Self { edges: of_edges, vertices: of_vertices }
+    }
+
+    /// What is left of an edge's sharpness on its half at a vertex.
+    pub fn left(&self, creasing: Creasing, around: &Around, (edge, vertex): (usize, usize)) -> f64 {
+        let of = around.edges(vertex).iter().map(|e| self.edges[*e as usize]);
+        less_at(creasing, self.edges[edge], of)
     }
 }
 
@@ -117,9 +126,9 @@ fn n_fans(edges: &Edges, around: &Around, vertex: usize) -> usize {
 
 struct Round<'a> {
     cage: &'a Cage,
-    edges: Edges,
-    around: Around,
-    sharp: Sharp,
+    edges: &'a Edges,
+    around: &'a Around,
+    sharp: &'a Sharp,
 }
 
 impl Round<'_> {
@@ -196,16 +205,14 @@ impl Round<'_> {
         self.edges.ends[edge].map(|v| self.half_at(edge, v as usize))
     }
 
-    /// The ends of faces, their corners, and those of them that are holes.
-    fn faces(&self) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
+    /// The ends of faces, and their corners.
+    fn faces(&self) -> (Vec<u32>, Vec<u32>) {
         let (n_vertices, n_edges) = (self.cage.positions.len() as u32, self.edges.ends.len() as u32);
         let is_loop = self.cage.scheme == Scheme::Loop;
         let size = if is_loop { 3 } else { 4 };
         let mut corners = Vec::with_capacity(4 * self.cage.corners.len());
-        let mut holes = Vec::new();
         let mut first = 0;
         for (f, of) in self.cage.faces().enumerate() {
-            let begin = (corners.len() / size) as u32;
             let n = of.len();
             let edge = |k: usize| n_vertices + self.edges.of_corner[first + k % n];
             for (k, vertex) in of.iter().enumerate() {
@@ -219,13 +226,41 @@ impl Round<'_> {
             if is_loop {
                 corners.extend([edge(0), edge(1), edge(2)]);
             }
-            if is_hole(self.cage, (&self.edges, &self.around), f) {
-                holes.extend(begin..(corners.len() / size) as u32);
-            }
             first += n;
         }
         let ends = (1..=corners.len() / size).map(|k| (k * size) as u32).collect();
-        (ends, corners, holes)
+        (ends, corners)
+    }
+
+    /// All but positions and faces.
+    fn tags(&self) -> Cage {
+        let cage = self.cage;
+        Cage {
+            positions: Vec::new(),
+            ends: Vec::new(),
+            corners: Vec::new(),
+            holes: self.holes(),
+            creases: self.creases(),
+            sharp_vertices: self.sharp_vertices(),
+            // Those that carry none are holes now.
+            boundary: if cage.boundary == Boundary::None { Boundary::EdgeOnly } else { cage.boundary },
+            is_refined: true,
+            ..*cage
+        }
+    }
+
+    /// The parts of faces without surface.
+    fn holes(&self) -> Vec<u32> {
+        let mut holes = Vec::new();
+        let mut first = 0;
+        for (f, of) in self.cage.faces().enumerate() {
+            let n = if self.cage.scheme == Scheme::Loop { 4 } else { of.len() as u32 };
+            if is_hole(self.cage, (self.edges, self.around), f) {
+                holes.extend(first..first + n);
+            }
+            first += n;
+        }
+        holes
     }
 
     /// Halves of creases, at their vertex each.
@@ -252,7 +287,7 @@ impl Round<'_> {
 }
 
 /// The share of each of `n` neighbours in a vertex of Loop's scheme.
-fn loop_share(n: usize) -> f64 {
+pub(super) fn loop_share(n: usize) -> f64 {
     let n = n as f64;
     let turn = 0.375 + 0.25 * crate::math::elementary::cos(std::f64::consts::TAU / n);
     (0.625 - turn * turn) / n

@@ -136,13 +136,17 @@ pub(super) trait Vertex {
 
     /// Where it is after a round.
     fn moved(&self) -> Point {
-        let Mix { share, rules: [before, after] } =
-            Mix::of(self.creasing(), self.sharpness(), self.edges());
+        let Mix { share, rules: [before, after] } = Mix::of(self.creasing(), self.sharpness(), self.edges());
         if after == before {
             return self.by(before);
         }
         mix(share, self.by(before), self.by(after))
     }
+}
+
+/// The share of the middle in what comes to lie on an edge of that sharpness, whose halves keep some of it or not.
+pub(super) fn halves_left(sharpness: f64, halves: [f64; 2]) -> f64 {
+    if sharpness >= 1.0 || sharpness > 0.0 && halves.iter().all(|half| *half > 0.0) { 1.0 } else { sharpness }
 }
 
 /// The middle of an edge between `a` and `b` of that sharpness, whose halves keep some of it or not.
@@ -153,10 +157,11 @@ pub(super) fn middle(
     smooth: impl FnOnce() -> Point,
 ) -> Point {
     let middle = [0, 1, 2].map(|k| 0.5 * a[k] + 0.5 * b[k]);
-    if sharpness >= 1.0 || sharpness > 0.0 && halves.iter().all(|half| *half > 0.0) {
+    let share = halves_left(sharpness, halves);
+    if share >= 1.0 {
         return middle;
     }
-    if sharpness > 0.0 { mix(sharpness, middle, smooth()) } else { smooth() }
+    if share > 0.0 { mix(share, middle, smooth()) } else { smooth() }
 }
 
 pub(super) fn plus(sum: Point, share: f64, p: Point) -> Point {

@@ -1,0 +1,164 @@
+//! Sharpness over the rounds of grids: which points follow which rule, with which shares. Nothing here has a position.
+use super::edges::{listed, part};
+use super::quads::{NONE, Quads};
+use super::round::Shares;
+use super::rules::{Mix, halves_left, less, less_at};
+use super::{Creasing, INFINITELY_SHARP};
+use std::collections::BTreeMap;
+
+/// The shares of one round.
+#[derive(Default)]
+pub(super) struct Rules {
+    /// Vertices of quads that are not smooth throughout, in ascending order.
+    pub vertices: Vec<(u32, Shares)>,
+    /// Edges of quads of which some point is not, in ascending order.
+    pub edges: Vec<(u32, Along)>,
+}
+
+/// The share of the crease in what comes to lie along an edge.
+pub(super) enum Along {
+    /// In points between parts, and in the middles of parts.
+    Even { points: f64, middles: f64 },
+    /// In one after the other: a middle first.
+    Each(Vec<f64>),
+}
+
+/// The sharpness of the parts of an edge.
+enum Parts {
+    Even(f64),
+    Each(Vec<f64>),
+}
+
+impl Parts {
+    fn at(&self, part: usize) -> f64 {
+        match self {
+            Self::Even(sharp) => *sharp,
+            Self::Each(all) => all[part],
+        }
+    }
+}
+
+/// How sharp everything is, at some round.
+pub(super) struct Creases<'a> {
+    quads: &'a Quads,
+    creasing: Creasing,
+    /// Parts of an edge.
+    n: usize,
+    edges: BTreeMap<u32, Parts>,
+    vertices: BTreeMap<u32, f64>,
+    /// Vertices without faces, on sharp edges or sharp themselves, ascending; and the edges of each.
+    special: Vec<u32>,
+    around_ends: Vec<u32>,
+    around: Vec<u32>,
+}
+
+impl<'a> Creases<'a> {
+    /// From edges and vertices after the first round, with a sharpness above 0.
+    pub fn new(quads: &'a Quads, creasing: Creasing, edges: &[(u32, f64)], vertices: &[(u32, f64)]) -> Self {
+        let ends = edges.iter().flat_map(|(e, _)| quads.ends[*e as usize]);
+        let bare = (0..quads.n_vertices as u32).filter(|v| quads.around(*v as usize).is_empty());
+        let mut special: Vec<u32> = ends.chain(vertices.iter().map(|(v, _)| *v)).chain(bare).collect();
+        special.sort_unstable();
+        special.dedup();
+        let mut places = vec![NONE; quads.n_vertices];
+        special.iter().enumerate().for_each(|(place, v)| places[*v as usize] = place as u32);
+        let at_ends = quads.ends.iter().enumerate().flat_map(|(e, ends)| ends.map(|v| (v, e as u32)));
+        let places = at_ends.map(|(v, e)| (places[v as usize], e)).filter(|(place, _)| *place != NONE);
+        let (around_ends, around) = listed(special.len(), places);
+        Self {
+            quads,
+            creasing,
+            n: 1,
+            edges: edges.iter().map(|(e, sharp)| (*e, Parts::Even(*sharp))).collect(),
+            vertices: vertices.iter().copied().collect(),
+            special,
+            around_ends,
+            around,
+        }
+    }
+
+    /// The edges of a vertex with the sharpness of their parts there.
+    fn around(&self, place: usize) -> impl Iterator<Item = (u32, f64)> + Clone {
+        let vertex = self.special[place];
+        part(&self.around_ends, &self.around, place).iter().map(move |e| {
+            let at = if self.quads.ends[*e as usize][0] == vertex { 0 } else { self.n - 1 };
+            (*e, self.edges.get(e).map_or(0.0, |parts| parts.at(at)))
+        })
+    }
+
+    /// The shares of the next round, after which all is as sharp as it is left.
+    pub fn next(&mut self) -> Rules {
+        let mut rules = Rules::default();
+        for (place, vertex) in self.special.iter().enumerate() {
+            let of = self.around(place);
+            let own = self.vertices.get(vertex).copied().unwrap_or(0.0);
+            let is_bare = self.quads.around(*vertex as usize).is_empty();
+            let shares = if is_bare { Shares::CORNER } else { Shares::of(Mix::of(self.creasing, own, of)) };
+            if shares.smooth < 1.0 {
+                rules.vertices.push((*vertex, shares));
+            }
+        }
+        let mut left = BTreeMap::new();
+        for (edge, parts) in &self.edges {
+            let (along, halves) = self.along(*edge, parts);
+            rules.edges.push((*edge, along));
+            let is_sharp = match &halves {
+                Parts::Even(sharp) => *sharp > 0.0,
+                Parts::Each(all) => all.iter().any(|sharp| *sharp > 0.0),
+            };
+            if is_sharp {
+                left.insert(*edge, halves);
+            }
+        }
+        self.edges = left;
+        self.vertices.values_mut().for_each(|sharp| *sharp = less(*sharp));
+        self.vertices.retain(|_, sharp| *sharp > 0.0);
+        self.n *= 2;
+        rules
+    }
+
+    fn along(&self, edge: u32, parts: &Parts) -> (Along, Parts) {
+        let point = |sharp: [f64; 2]| {
+            let two = [(0, sharp[0]), (1, sharp[1])];
+            Shares::of(Mix::of(self.creasing, 0.0, two.into_iter())).crease
+        };
+        let is_stable = |sharp: f64| self.creasing == Creasing::Uniform || sharp >= INFINITELY_SHARP;
+        if let Parts::Even(sharp) = parts
+            && is_stable(*sharp)
+        {
+            let left = less(*sharp);
+            let along = Along::Even { points: point([*sharp; 2]), middles: halves_left(*sharp, [left; 2]) };
+            return (along, Parts::Even(left));
+        }
+        let left = |part: usize, place: usize| {
+            let sharp = parts.at(part);
+            if place == 0 || place == self.n {
+                let vertex = self.quads.ends[edge as usize][place / self.n];
+                let place = self.special.binary_search(&vertex).unwrap_or(0);
+                less_at(self.creasing, sharp, self.around(place).map(|(_, sharp)| sharp))
+            } else {
+                less_at(self.creasing, sharp, [parts.at(place - 1), parts.at(place)].into_iter())
+            }
+        };
+        let halves: Vec<f64> =
+            (0..self.n).flat_map(|part| [left(part, part), left(part, part + 1)]).collect();
+        let mut shares = Vec::with_capacity(2 * self.n - 1);
+        for part in 0..self.n {
+            if part > 0 {
+                shares.push(point([parts.at(part - 1), parts.at(part)]));
+            }
+            shares.push(halves_left(parts.at(part), [halves[2 * part], halves[2 * part + 1]]));
+        }
+        (Along::Each(shares), Parts::Each(halves))
+    }
+
+    /// The sharpness of a part of an edge.
+    pub fn of_part(&self, edge: u32, part: usize) -> f64 {
+        self.edges.get(&edge).map_or(0.0, |parts| parts.at(part))
+    }
+
+    /// Those vertices that are sharp, in ascending order.
+    pub fn vertices(&self) -> Vec<(u32, f64)> {
+        self.vertices.iter().map(|(v, sharp)| (*v, *sharp)).collect()
+    }
+}

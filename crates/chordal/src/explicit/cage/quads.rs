@@ -1,0 +1,98 @@
+//! The quads of the first round by their edges, made from the cage without looking at them: each begins at its vertex of the cage, so
+//! that all edges run the way in which rows and columns of the grids on both their sides count.
+use super::Cage;
+use super::edges::{Edges, listed, part};
+
+/// No side.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// Quads. Row 0 of a grid runs from a vertex of the cage to the middle of an edge, its column 0 to that of the edge before it, and
+/// the last point of its last row is the middle of the face.
+pub(super) struct Quads {
+    pub n_vertices: usize,
+    /// The vertices of each, counter-clockwise from that of the cage.
+    pub corners: Vec<[u32; 4]>,
+    /// The edges of each: row 0, the last column, the last row, column 0.
+    pub edges: Vec<[u32; 4]>,
+    /// Where each edge begins and ends: the lower vertex first.
+    pub ends: Vec<[u32; 2]>,
+    /// Of each edge the first two sides that it is, as 4 × quad + side.
+    pub sides: Vec<[u32; 2]>,
+    /// Corners of quads at each vertex, as 4 × quad + corner.
+    around_ends: Vec<u32>,
+    around: Vec<u32>,
+    /// The two halves of each edge of the cage.
+    pub halves: Vec<[u32; 2]>,
+}
+
+impl Quads {
+    /// Edges are numbered in the order in which the quads come to them.
+    pub fn of(cage: &Cage, edges: &Edges) -> Self {
+        let (n_vertices, n_edges) = (cage.positions.len() as u32, edges.ends.len() as u32);
+        let n = cage.corners.len();
+        let mut quads = Self {
+            n_vertices: n_vertices as usize + n_edges as usize + cage.n_faces(),
+            corners: Vec::with_capacity(n),
+            edges: Vec::with_capacity(n),
+            ends: Vec::with_capacity(2 * n_edges as usize + n),
+            sides: Vec::with_capacity(2 * n_edges as usize + n),
+            around_ends: Vec::new(),
+            around: Vec::new(),
+            halves: vec![[NONE; 2]; n_edges as usize],
+        };
+        let mut inner = vec![NONE; n];
+        let mut first = 0;
+        for (face, of) in cage.faces().enumerate() {
+            let middle = n_vertices + n_edges + face as u32;
+            for (k, &vertex) in of.iter().enumerate() {
+                let (corner, last) = (first + k, first + if k == 0 { of.len() } else { k } - 1);
+                let (next_edge, last_edge) = (edges.of_corner[corner], edges.of_corner[last]);
+                let (next, before) = (n_vertices + next_edge, n_vertices + last_edge);
+                let half = |edge: u32| (edge as usize, usize::from(edges.ends[edge as usize][1] == vertex));
+                let ((e, i), (f, j)) = (half(next_edge), half(last_edge));
+                let row = quads.number(quads.halves[e][i], [vertex, next]);
+                quads.halves[e][i] = row;
+                inner[corner] = quads.number(inner[corner], [next, middle]);
+                inner[last] = quads.number(inner[last], [before, middle]);
+                let column = quads.number(quads.halves[f][j], [vertex, before]);
+                quads.halves[f][j] = column;
+                let around = [row, inner[corner], inner[last], column];
+                for (side, edge) in around.iter().enumerate() {
+                    let of = &mut quads.sides[*edge as usize];
+                    let place = usize::from(of[0] != NONE);
+                    if of[place] == NONE {
+                        of[place] = (4 * corner + side) as u32;
+                    }
+                }
+                quads.edges.push(around);
+                quads.corners.push([vertex, next, middle, before]);
+            }
+            first += of.len();
+        }
+        let corners = quads.corners.as_flattened().iter().enumerate().map(|(c, v)| (*v, c as u32));
+        (quads.around_ends, quads.around) = listed(quads.n_vertices, corners);
+        quads
+    }
+
+    /// The number of an edge: the one it has, or the next.
+    fn number(&mut self, number: u32, ends: [u32; 2]) -> u32 {
+        if number != NONE {
+            return number;
+        }
+        self.ends.push(ends);
+        self.sides.push([NONE; 2]);
+        (self.ends.len() - 1) as u32
+    }
+
+    /// Corners at a vertex.
+    pub fn around(&self, vertex: usize) -> &[u32] {
+        part(&self.around_ends, &self.around, vertex)
+    }
+
+    /// The edges of a quad at one of its corners.
+    pub fn at_corner(&self, corner: u32) -> [u32; 2] {
+        let of = &self.edges[corner as usize / 4];
+        let k = corner as usize % 4;
+        [of[k], of[(k + 3) % 4]]
+    }
+}

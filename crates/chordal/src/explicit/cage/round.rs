@@ -1,0 +1,218 @@
+//! One round over any polygons, made ready: who is averaged with which shares, whatever stands at the vertices.
+use super::edges::{Around, Edges};
+use super::refine::{Sharp, loop_share};
+use super::rules::{Mix, Rule, halves_left};
+use super::values::{Real, add, chunks, mid, scaled};
+use super::{Cage, Scheme};
+use crate::budget::{Job, par_map_owned};
+
+/// Vertices, edges or faces that one task of a thread does: enough to be worth one. Chosen.
+const TASK: usize = 4096;
+
+/// The shares of three rules in what becomes of a vertex.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Shares {
+    pub corner: f64,
+    pub crease: f64,
+    pub smooth: f64,
+    /// The two edges of the crease.
+    pub edges: [u32; 2],
+}
+
+impl Shares {
+    pub const CORNER: Self = Self { corner: 1.0, crease: 0.0, smooth: 0.0, edges: [0; 2] };
+
+    pub fn of(mix: Mix) -> Self {
+        let mut shares = Self::default();
+        for (share, rule) in [mix.share, 1.0 - mix.share].into_iter().zip(mix.rules) {
+            match rule {
+                Rule::Corner => shares.corner += share,
+                Rule::Smooth => shares.smooth += share,
+                Rule::Crease(edges) => {
+                    shares.crease += share;
+                    shares.edges = edges;
+                }
+            }
+        }
+        shares
+    }
+}
+
+/// The topology of a round and its shares.
+pub(super) struct Round {
+    scheme: Scheme,
+    n_vertices: usize,
+    edges: Edges,
+    around: Around,
+    /// For each corner its vertex; and where those of each face end.
+    corners: Vec<u32>,
+    ends: Vec<u32>,
+    /// Vertices that are not smooth throughout, in ascending order.
+    special: Vec<(u32, Shares)>,
+    /// Edges that are not, with the share of their middle.
+    creased: Vec<(u32, f64)>,
+}
+
+impl Round {
+    pub fn of(cage: &Cage, edges: Edges, around: Around, sharp: &Sharp) -> Self {
+        let is_bilinear = cage.scheme == Scheme::Bilinear;
+        let mut special = Vec::new();
+        for v in 0..cage.positions.len() {
+            let of = around.edges(v).iter().map(|e| (*e, sharp.edges[*e as usize]));
+            if of.len() == 0 || is_bilinear {
+                special.push((v as u32, Shares::CORNER));
+            } else if sharp.vertices[v] > 0.0 || of.clone().any(|(_, sharp)| sharp > 0.0) {
+                let shares = Shares::of(Mix::of(cage.creasing, sharp.vertices[v], of));
+                if shares.smooth < 1.0 {
+                    special.push((v as u32, shares));
+                }
+            }
+        }
+        let mut creased = Vec::new();
+        for e in 0..edges.ends.len() {
+            if sharp.edges[e] > 0.0 || is_bilinear {
+                let halves = edges.ends[e].map(|v| sharp.left(cage.creasing, &around, (e, v as usize)));
+                creased.push((e as u32, if is_bilinear { 1.0 } else { halves_left(sharp.edges[e], halves) }));
+            }
+        }
+        Self {
+            scheme: cage.scheme,
+            n_vertices: cage.positions.len(),
+            edges,
+            around,
+            corners: cage.corners.clone(),
+            ends: cage.ends.clone(),
+            special,
+            creased,
+        }
+    }
+
+    pub fn n_before(&self) -> usize {
+        self.n_vertices
+    }
+
+    pub fn n_after(&self) -> usize {
+        let middles = if self.scheme == Scheme::Loop { 0 } else { self.ends.len() };
+        self.n_vertices + self.edges.ends.len() + middles
+    }
+
+    /// What stands at the vertices after the round: those of vertices, edges, and, but for Loop, faces.
+    pub fn apply<T: Real, const K: usize>(&self, values: &[[T; K]], job: &Job, out: &mut [[T; K]]) {
+        let (vertices, rest) = out.split_at_mut(self.n_vertices);
+        let (edges, middles) = rest.split_at_mut(self.edges.ends.len());
+        par_map_owned(job, chunks(middles, TASK), |(first, out)| {
+            out.iter_mut().enumerate().for_each(|(k, out)| *out = self.middle(values, first + k));
+        });
+        let middles = &*middles;
+        par_map_owned(job, chunks(edges, TASK), |(first, out)| self.edges(values, middles, (first, out)));
+        par_map_owned(job, chunks(vertices, TASK), |(first, out)| {
+            self.vertices(values, middles, (first, out));
+        });
+    }
+
+    fn face(&self, face: usize) -> &[u32] {
+        super::edges::part(&self.ends, &self.corners, face)
+    }
+
+    fn middle<T: Real, const K: usize>(&self, values: &[[T; K]], face: usize) -> [T; K] {
+        let of = self.face(face);
+        let share = T::of(1.0 / of.len() as f64);
+        of.iter().fold([T::default(); K], |sum, v| add(sum, share, values[*v as usize]))
+    }
+
+    fn edges<T: Real, const K: usize>(
+        &self,
+        values: &[[T; K]],
+        middles: &[[T; K]],
+        (first, out): (usize, &mut [[T; K]]),
+    ) {
+        let mut creased = self.creased[self.creased.partition_point(|(e, _)| (*e as usize) < first)..].iter();
+        let mut next = creased.next();
+        for (k, out) in out.iter_mut().enumerate() {
+            let edge = first + k;
+            let [a, b] = self.edges.ends[edge].map(|v| values[v as usize]);
+            let share = match next {
+                Some((e, share)) if *e as usize == edge => {
+                    next = creased.next();
+                    *share
+                }
+                _ => 0.0,
+            };
+            let middle = mid(a, b);
+            if share >= 1.0 {
+                *out = middle;
+                continue;
+            }
+            let smooth = if self.scheme == Scheme::Loop {
+                let across = self.edges.faces(edge).iter().map(|face| {
+                    let of = self.face(*face as usize);
+                    of.iter().copied().find(|v| !self.edges.ends[edge].contains(v)).unwrap_or(of[0])
+                });
+                let start = scaled(T::of(0.75), middle);
+                across.fold(start, |sum, v| add(sum, T::of(0.125), values[v as usize]))
+            } else {
+                let start = scaled(T::of(0.5), middle);
+                let faces = self.edges.faces(edge).iter();
+                faces.fold(start, |sum, face| add(sum, T::of(0.25), middles[*face as usize]))
+            };
+            *out = add(scaled(T::of(share), middle), T::of(1.0 - share), smooth);
+        }
+    }
+
+    fn vertices<T: Real, const K: usize>(
+        &self,
+        values: &[[T; K]],
+        middles: &[[T; K]],
+        (first, out): (usize, &mut [[T; K]]),
+    ) {
+        let mut special = self.special[self.special.partition_point(|(v, _)| (*v as usize) < first)..].iter();
+        let mut next = special.next();
+        for (k, out) in out.iter_mut().enumerate() {
+            let vertex = first + k;
+            match next {
+                Some((v, shares)) if *v as usize == vertex => {
+                    next = special.next();
+                    let here = values[vertex];
+                    let mut sum = scaled(T::of(shares.corner + 0.75 * shares.crease), here);
+                    if shares.crease > 0.0 {
+                        for edge in shares.edges {
+                            let end = self.other_end(values, edge, vertex);
+                            sum = add(sum, T::of(0.125 * shares.crease), end);
+                        }
+                    }
+                    if shares.smooth > 0.0 {
+                        sum = add(sum, T::of(shares.smooth), self.smooth(values, middles, vertex));
+                    }
+                    *out = sum;
+                }
+                _ => *out = self.smooth(values, middles, vertex),
+            }
+        }
+    }
+
+    fn other_end<T: Real, const K: usize>(&self, values: &[[T; K]], edge: u32, vertex: usize) -> [T; K] {
+        let [a, b] = self.edges.ends[edge as usize];
+        values[if a as usize == vertex { b } else { a } as usize]
+    }
+
+    fn smooth<T: Real, const K: usize>(
+        &self,
+        values: &[[T; K]],
+        middles: &[[T; K]],
+        vertex: usize,
+    ) -> [T; K] {
+        let edges = self.around.edges(vertex);
+        let n = edges.len() as f64;
+        let is_loop = self.scheme == Scheme::Loop;
+        let share = if is_loop { loop_share(edges.len()) } else { 1.0 / (n * n) };
+        let own = if is_loop { 1.0 - n * share } else { (n - 2.0) / n };
+        let (own, share) = (T::of(own), T::of(share));
+        let ends = edges.iter().map(|e| self.other_end(values, *e, vertex));
+        let sum = ends.fold(scaled(own, values[vertex]), |sum, p| add(sum, share, p));
+        if is_loop {
+            return sum;
+        }
+        let faces = self.around.faces(vertex).iter();
+        faces.fold(sum, |sum, face| add(sum, share, middles[*face as usize]))
+    }
+}

@@ -1,0 +1,72 @@
+//! What may stand at the vertices of a cage: some numbers each, in single or double precision.
+use std::fmt::Debug;
+use std::ops::{Add, Mul};
+
+/// A number that refinement can average: f32 or f64.
+pub trait Real:
+    Copy + Debug + Default + PartialOrd + Send + Sync + Add<Output = Self> + Mul<Output = Self> + sealed::Sealed
+{
+    /// A weight, rounded.
+    #[doc(hidden)]
+    fn of(weight: f64) -> Self;
+    /// Whether neither it nor sums of as many as there can be overflow.
+    #[doc(hidden)]
+    fn is_calm(self) -> bool;
+    /// Whether it is neither NaN nor infinite.
+    #[doc(hidden)]
+    fn is_finite(self) -> bool;
+}
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
+/// A share of the largest number: there are fewer than 2^31 vertices, and so no more around one. Some room is left.
+const CALM: f64 = 1.0 / (1_u64 << 40) as f64;
+
+macro_rules! real {
+    ($($T:ty),*) => {$(
+        impl Real for $T {
+            #[inline(always)]
+            fn of(weight: f64) -> Self {
+                weight as Self
+            }
+
+            #[inline(always)]
+            fn is_calm(self) -> bool {
+                self.abs() < Self::MAX * CALM as Self
+            }
+
+            #[inline(always)]
+            fn is_finite(self) -> bool {
+                self.is_finite()
+            }
+        }
+    )*};
+}
+real!(f32, f64);
+
+/// `sum` and a share of `p`.
+#[inline(always)]
+pub(super) fn add<T: Real, const K: usize>(sum: [T; K], share: T, p: [T; K]) -> [T; K] {
+    std::array::from_fn(|k| sum[k] + share * p[k])
+}
+
+#[inline(always)]
+pub(super) fn scaled<T: Real, const K: usize>(share: T, p: [T; K]) -> [T; K] {
+    p.map(|x| share * x)
+}
+
+/// The mean of two.
+#[inline(always)]
+pub(super) fn mid<T: Real, const K: usize>(a: [T; K], b: [T; K]) -> [T; K] {
+    let half = T::of(0.5);
+    std::array::from_fn(|k| half * (a[k] + b[k]))
+}
+
+/// `parts` of about `size` items each, with where they begin.
+pub(super) fn chunks<T>(all: &mut [T], size: usize) -> Vec<(usize, &mut [T])> {
+    all.chunks_mut(size).enumerate().map(|(k, part)| (k * size, part)).collect()
+}
