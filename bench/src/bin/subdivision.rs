@@ -3,6 +3,7 @@
 //! - `subdivision make FILE` writes a bumpy torus of 20,000 quads.
 //! - `subdivision run CAGE LEVEL RUNS THREADS THEIRS` prints a line of JSON with medians in seconds, and how far the points are from
 //!   those of the file THEIRS (f64, three by three, in any order), as a share of the diagonal.
+use chordal::budget::Job;
 use chordal::explicit::{Boundary, Cage, Creasing, Scheme};
 use std::fmt::Write;
 use std::time::Instant;
@@ -140,20 +141,36 @@ fn points(path: &str) -> Vec<[f64; 3]> {
 }
 
 fn run(args: &[String]) {
-    let [path, level, runs, _threads, theirs] = args else {
+    let [path, level, runs, threads, theirs] = args else {
         panic!("run CAGE LEVEL RUNS THREADS THEIRS");
     };
     let number = |text: &String| text.parse::<usize>().expect("a number");
     let (level, runs) = (number(level) as u32, number(runs));
+    let job = Job::default().with_threads(number(threads));
     let cage = read(path);
-    let refined = cage.refined_times(level).expect("refined");
+    let refine =
+        || cage.refinement(level).and_then(|made| made.refined(cage.positions(), &job)).expect("refined");
+    let refined = refine();
     let off = off(refined.positions(), &points(theirs));
     let (faces, n_points) = (refined.n_faces(), refined.positions().len());
     drop(refined);
-    let refine = median(runs, || {
-        cage.refined_times(level).expect("refined");
+    let seconds = median(runs, || {
+        refine();
     });
-    println!("{{\"faces\": {faces}, \"points\": {n_points}, \"off\": {off:e}, \"refine\": {refine}}}");
+    let build = median(runs, || {
+        let made = cage.refinement(level).expect("refined");
+        std::hint::black_box(made.corners(&job));
+    });
+    let made = cage.refinement(level).expect("refined");
+    let mut out = vec![[0.0; 3]; n_points];
+    let apply = median(2 * runs, || made.evaluate_into(cage.positions(), &mut out, &job).expect("points"));
+    let single: Vec<[f32; 3]> = cage.positions().iter().map(|p| p.map(|x| x as f32)).collect();
+    let mut out = vec![[0.0_f32; 3]; n_points];
+    let apply_f32 = median(2 * runs, || made.evaluate_into(&single, &mut out, &job).expect("points"));
+    println!(
+        "{{\"faces\": {faces}, \"points\": {n_points}, \"off\": {off:e}, \"refine\": {seconds}, \"build\": {build}, \
+         \"apply\": {apply}, \"apply_f32\": {apply_f32}}}"
+    );
 }
 
 fn main() {

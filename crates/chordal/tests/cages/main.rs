@@ -4,3 +4,4 @@ mod laws;
 mod limit;
 mod mesh;
 mod reference;
+mod refinement;

@@ -3,7 +3,7 @@
 use super::creases::{Along, Rules};
 use super::quads::{NONE, Quads};
 use super::rows::{Borders, Weights, between, divide, spread};
-use super::values::{Real, add, chunks, scaled};
+use super::values::{Real, Sum, add, chunks, scaled};
 use crate::budget::{Job, par_map_owned};
 use crate::math::simd::{Kernel, dispatch, isa};
 
@@ -146,17 +146,15 @@ impl<T: Real, const K: usize> Level<'_, T, K> {
     /// and 1/(4n²) of the points across. Each edge is that of two corners.
     fn smooth(&self, vertex: usize) -> [T; K] {
         let around = self.quads.around(vertex);
-        let (mut edges, mut across) = ([T::default(); K], [T::default(); K]);
-        let one = T::of(1.0);
+        let (mut edges, mut across) = (Sum::ZERO, Sum::ZERO);
         for corner in around {
             let [edge, _] = self.quads.at_corner(*corner);
-            edges = add(edges, one, self.next_to(vertex, edge));
-            across = add(across, one, self.diagonal(*corner));
+            edges = edges.plus(1.0, self.next_to(vertex, edge));
+            across = across.plus(1.0, self.diagonal(*corner));
         }
         let n = around.len() as f64;
-        let sum = scaled(T::of(1.0 - 1.75 / n), self.values[vertex]);
-        let sum = add(sum, T::of(1.5 / (n * n)), edges);
-        add(sum, T::of(0.25 / (n * n)), across)
+        let sum = Sum::ZERO.plus(1.0 - 1.75 / n, self.values[vertex]);
+        sum.plus(1.5 / (n * n), edges.0).plus(0.25 / (n * n), across.0).value()
     }
 }
 

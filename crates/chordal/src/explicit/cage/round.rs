@@ -2,7 +2,7 @@
 use super::edges::{Around, Edges};
 use super::refine::{Sharp, loop_share};
 use super::rules::{Mix, Rule, halves_left};
-use super::values::{Real, add, chunks, mid, scaled};
+use super::values::{Real, Sum, add, chunks, mid, scaled};
 use super::{Cage, Scheme};
 use crate::budget::{Job, par_map_owned};
 
@@ -116,8 +116,8 @@ impl Round {
 
     fn middle<T: Real, const K: usize>(&self, values: &[[T; K]], face: usize) -> [T; K] {
         let of = self.face(face);
-        let share = T::of(1.0 / of.len() as f64);
-        of.iter().fold([T::default(); K], |sum, v| add(sum, share, values[*v as usize]))
+        let share = 1.0 / of.len() as f64;
+        of.iter().fold(Sum::ZERO, |sum, v| sum.plus(share, values[*v as usize])).value()
     }
 
     fn edges<T: Real, const K: usize>(
@@ -206,13 +206,12 @@ impl Round {
         let is_loop = self.scheme == Scheme::Loop;
         let share = if is_loop { loop_share(edges.len()) } else { 1.0 / (n * n) };
         let own = if is_loop { 1.0 - n * share } else { (n - 2.0) / n };
-        let (own, share) = (T::of(own), T::of(share));
         let ends = edges.iter().map(|e| self.other_end(values, *e, vertex));
-        let sum = ends.fold(scaled(own, values[vertex]), |sum, p| add(sum, share, p));
+        let sum = ends.fold(Sum::ZERO.plus(own, values[vertex]), |sum, p| sum.plus(share, p));
         if is_loop {
-            return sum;
+            return sum.value();
         }
         let faces = self.around.faces(vertex).iter();
-        faces.fold(sum, |sum, face| add(sum, share, middles[*face as usize]))
+        faces.fold(sum, |sum, face| sum.plus(share, middles[*face as usize])).value()
     }
 }

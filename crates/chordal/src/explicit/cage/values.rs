@@ -9,6 +9,9 @@ pub trait Real:
     /// A weight, rounded.
     #[doc(hidden)]
     fn of(weight: f64) -> Self;
+    /// The same number.
+    #[doc(hidden)]
+    fn wide(self) -> f64;
     /// Whether neither it nor sums of as many as there can be overflow.
     #[doc(hidden)]
     fn is_calm(self) -> bool;
@@ -35,6 +38,11 @@ macro_rules! real {
             }
 
             #[inline(always)]
+            fn wide(self) -> f64 {
+                f64::from(self)
+            }
+
+            #[inline(always)]
             fn is_calm(self) -> bool {
                 self.abs() < Self::MAX * CALM as Self
             }
@@ -57,6 +65,25 @@ pub(super) fn add<T: Real, const K: usize>(sum: [T; K], share: T, p: [T; K]) -> 
 #[inline(always)]
 pub(super) fn scaled<T: Real, const K: usize>(share: T, p: [T; K]) -> [T; K] {
     p.map(|x| share * x)
+}
+
+/// A sum over as many as there are, in f64 also for f32: around a pole of hundreds of faces its roundings would add up to 2e-5.
+#[derive(Clone, Copy)]
+pub(super) struct Sum<const K: usize>(pub [f64; K]);
+
+impl<const K: usize> Sum<K> {
+    pub const ZERO: Self = Self([0.0; K]);
+
+    #[inline(always)]
+    pub fn plus<T: Real>(self, share: f64, p: [T; K]) -> Self {
+        Self(std::array::from_fn(|k| self.0[k] + share * p[k].wide()))
+    }
+
+    /// Rounded.
+    #[inline(always)]
+    pub fn value<T: Real>(self) -> [T; K] {
+        self.0.map(T::of)
+    }
 }
 
 /// The mean of two.
