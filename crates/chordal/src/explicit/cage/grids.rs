@@ -2,7 +2,7 @@
 //! sharp or irregular on the borders of grids. So inside of a grid there is nothing to look up.
 use super::creases::{Along, Rules};
 use super::quads::{NONE, Quads};
-use super::rows::{Borders, Weights, between, divide, spread};
+use super::rows::{Borders, Weights, between, divide, moved, spread};
 use super::values::{Real, Sum, add, chunks, scaled};
 use crate::budget::{Job, par_map_owned};
 use crate::math::simd::{Kernel, dispatch, isa};
@@ -24,22 +24,26 @@ pub(super) fn n_points(quads: &Quads, n: usize) -> usize {
 }
 
 impl<T: Real, const K: usize> Level<'_, T, K> {
+    #[inline(always)]
     fn vertex(&self, vertex: u32) -> [T; K] {
         self.values[vertex as usize]
     }
 
     /// The points along an edge without its ends.
+    #[inline(always)]
     fn along(&self, edge: u32) -> &[[T; K]] {
         &self.values[self.quads.n_vertices + edge as usize * (self.n - 1)..][..self.n - 1]
     }
 
     /// The points inside of a quad.
+    #[inline(always)]
     fn inside(&self, quad: usize) -> &[[T; K]] {
         let n = self.n - 1;
         &self.values[self.quads.n_vertices + self.quads.ends.len() * n + quad * n * n..][..n * n]
     }
 
     /// A point of an edge.
+    #[inline(always)]
     fn on_edge(&self, edge: u32, place: usize) -> [T; K] {
         let ends = self.quads.ends[edge as usize];
         match place {
@@ -50,12 +54,14 @@ impl<T: Real, const K: usize> Level<'_, T, K> {
     }
 
     /// The point of an edge next to one of its ends.
+    #[inline(always)]
     fn next_to(&self, vertex: usize, edge: u32) -> [T; K] {
         let begins = self.quads.ends[edge as usize][0] as usize == vertex;
         self.on_edge(edge, if begins { 1 } else { self.n - 1 })
     }
 
     /// The point of a grid one step in from a corner both ways.
+    #[inline(always)]
     fn diagonal(&self, corner: u32) -> [T; K] {
         let (quad, k) = (corner as usize / 4, corner as usize % 4);
         let last = self.n.wrapping_sub(2);
@@ -77,24 +83,30 @@ impl<T: Real, const K: usize> Level<'_, T, K> {
         out.push(self.vertex(ends[1]));
     }
 
-    /// The row of a grid beside one of its sides, the way in which the edge runs.
-    fn beside(&self, side: u32, out: &mut Vec<[T; K]>) {
+    /// The row of a grid beside one of its sides, the way in which the edge runs: its ends, and the rest, gathered where it is a column.
+    #[inline(always)]
+    fn beside<'b>(&'b self, side: u32, gathered: &'b mut Vec<[T; K]>) -> ([[T; K]; 2], &'b [[T; K]]) {
         let (quad, k, n) = (side as usize / 4, side as usize % 4, self.n);
         let edges = self.quads.edges[quad];
         // The sides that it begins and ends on, and where on them.
         let (from, to) = if k % 2 == 0 { (edges[3], edges[1]) } else { (edges[0], edges[2]) };
         let place = if k == 0 || k == 3 { 1 } else { n - 1 };
+        let ends = [self.on_edge(from, place), self.on_edge(to, place)];
         let inside = self.inside(quad);
-        out.clear();
-        out.push(self.on_edge(from, place));
-        match k {
-            _ if n == 1 => {}
-            0 => out.extend_from_slice(&inside[..n - 1]),
-            2 => out.extend_from_slice(&inside[(n - 2) * (n - 1)..]),
-            1 => out.extend(inside[n - 2..].iter().step_by(n - 1)),
-            _ => out.extend(inside.iter().step_by(n - 1)),
+        if n == 1 {
+            return (ends, &[]);
         }
-        out.push(self.on_edge(to, place));
+        let rest = match k {
+            0 => &inside[..n - 1],
+            2 => &inside[(n - 2) * (n - 1)..],
+            _ => {
+                let start = if k == 1 { n - 2 } else { 0 };
+                gathered.clear();
+                gathered.extend(inside[start..].iter().step_by(n - 1));
+                gathered
+            }
+        };
+        (ends, rest)
     }
 
     /// The points after a round: twice as many parts along each edge.
@@ -174,17 +186,17 @@ impl<T: Real, const K: usize> Kernel for Edges<'_, T, K> {
     fn run(self) {
         let Self { level, rules, weights, first, out } = self;
         let wide = 2 * level.n - 1;
-        let mut rows = [Vec::new(), Vec::new(), Vec::new()];
+        let (mut row, mut gathered) = (Vec::new(), [Vec::new(), Vec::new()]);
         let mut line = vec![[T::default(); K]; level.n + 1];
         let mut smooth = vec![[T::default(); K]; wide];
         let all = &rules.edges;
         let mut special = all[all.partition_point(|(e, _)| (*e as usize) < first)..].iter().peekable();
         for (k, out) in out.chunks_exact_mut(wide).enumerate() {
             let edge = first + k;
-            level.whole(edge as u32, &mut rows[0]);
             let along = special.next_if(|(e, _)| *e as usize == edge).map(|(_, along)| along);
             if along.is_some() {
-                spread(weights, &rows[0], out);
+                level.whole(edge as u32, &mut row);
+                spread(weights, &row, out);
             }
             let sides = level.quads.sides[edge];
             // Where there are not two it is sharp throughout.
@@ -193,10 +205,13 @@ impl<T: Real, const K: usize> Kernel for Edges<'_, T, K> {
             {
                 continue;
             }
-            for (row, side) in rows[1..].iter_mut().zip(sides) {
-                level.beside(side, row);
+            let (ends, places) = (level.quads.ends[edge].map(|v| level.vertex(v)), [0, level.n]);
+            let [first, second] = &mut gathered;
+            let (a, b) = (level.beside(sides[0], first), level.beside(sides[1], second));
+            for k in 0..2 {
+                line[places[k]] = moved(weights, ends[k], [a.0[k], b.0[k]]);
             }
-            between(weights, &rows[0], [&rows[1], &rows[2]], &mut line);
+            between(weights, level.along(edge as u32), [a.1, b.1], &mut line[1..level.n]);
             let Some(along) = along else {
                 spread(weights, &line, out);
                 continue;
@@ -229,11 +244,11 @@ impl<T: Real, const K: usize> Kernel for Faces<'_, T, K> {
         let Self { level, weights, first, out } = self;
         let wide = 2 * level.n - 1;
         let mut line = vec![[T::default(); K]; level.n + 1];
-        let mut borders = Borders([const { Vec::new() }; 4]);
         for (k, out) in out.chunks_exact_mut(wide * wide).enumerate() {
-            let edges = level.quads.edges[first + k];
-            borders.0.iter_mut().zip(edges).for_each(|(border, edge)| level.whole(edge, border));
-            divide(weights, &borders, level.inside(first + k), (&mut line, out));
+            let quads = level.quads;
+            let sides = quads.edges[first + k].map(|edge| level.along(edge));
+            let corners = quads.corners[first + k].map(|v| level.vertex(v));
+            divide(weights, &Borders { sides, corners }, level.inside(first + k), (&mut line, out));
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Rows of grids: loops without branches over what lies in a row in memory. The cubic B-spline's rules are taken along columns and
 //! then along rows, which is the same surface for a quarter of the sums.
-use super::values::Real;
+use super::values::{Real, mid};
 
 /// The shares of a point itself and of each of its two neighbours along a line.
 pub(super) type Weights<T> = [T; 2];
@@ -31,47 +31,64 @@ pub(super) fn between<T: Real, const K: usize>(
 
 /// What is between the ends of a row after a round: a middle first.
 #[inline(always)]
-pub(super) fn spread<T: Real, const K: usize>([own, side]: Weights<T>, row: &[[T; K]], out: &mut [[T; K]]) {
-    let half = T::of(0.5);
-    let mid = |a: &[T; K], b: &[T; K]| -> [T; K] { std::array::from_fn(|k| half * (a[k] + b[k])) };
+pub(super) fn spread<T: Real, const K: usize>(weights: Weights<T>, row: &[[T; K]], out: &mut [[T; K]]) {
     let Some((first, out)) = out.split_first_mut() else { return };
-    *first = mid(&row[0], &row[1]);
+    *first = mid(row[0], row[1]);
     for (out, row) in out.chunks_exact_mut(2).zip(row.windows(3)) {
-        out[0] = std::array::from_fn(|k| own * row[1][k] + side * (row[0][k] + row[2][k]));
-        out[1] = mid(&row[1], &row[2]);
+        out[0] = moved(weights, row[1], [row[0], row[2]]);
+        out[1] = mid(row[1], row[2]);
     }
 }
 
-/// The borders of a grid, from its first point to its last: row 0, the last column, the last row, column 0.
-pub(super) struct Borders<T, const K: usize>(pub [Vec<[T; K]>; 4]);
+/// A point between two others, after a round.
+#[inline(always)]
+pub(super) fn moved<T: Real, const K: usize>(
+    [own, side]: Weights<T>,
+    p: [T; K],
+    [a, b]: [[T; K]; 2],
+) -> [T; K] {
+    std::array::from_fn(|k| own * p[k] + side * (a[k] + b[k]))
+}
+
+/// The borders of a grid without its corners: row 0, the last column, the last row, column 0; and the corners in the same order.
+pub(super) struct Borders<'a, T, const K: usize> {
+    pub sides: [&'a [[T; K]]; 4],
+    pub corners: [[T; K]; 4],
+}
 
 /// The points inside of a grid after a round, row by row, from those before and its borders before.
 #[inline(always)]
 pub(super) fn divide<T: Real, const K: usize>(
     weights: Weights<T>,
-    Borders([low, right, high, left]): &Borders<T, K>,
+    borders: &Borders<T, K>,
     inside: &[[T; K]],
     (line, out): (&mut [[T; K]], &mut [[T; K]]),
 ) {
-    let n = left.len() - 1;
-    let wide = 2 * n - 1;
-    let (inner, line) = (n - 1, &mut line[..n + 1]);
-    // A row without its ends.
+    let [low, right, high, left] = borders.sides;
+    let inner = low.len();
+    let (n, wide) = (inner + 1, 2 * inner + 1);
+    let line = &mut line[..n + 1];
     let row = |r: usize| match r {
-        0 => &low[1..n],
-        _ if r == n => &high[1..n],
+        0 => low,
+        _ if r == n => high,
         _ => &inside[(r - 1) * inner..][..inner],
     };
+    let at = |column: &[[T; K]], ends: [usize; 2], r: usize| match r {
+        0 => borders.corners[ends[0]],
+        _ if r == n => borders.corners[ends[1]],
+        _ => column[r - 1],
+    };
+    let (first, last) = (|r| at(left, [0, 3], r), |r| at(right, [1, 2], r));
     for (y, out) in out.chunks_exact_mut(wide).enumerate() {
         let r = y / 2;
         if y % 2 == 0 {
+            line[0] = mid(first(r), first(r + 1));
             middles(row(r), row(r + 1), &mut line[1..n]);
-            middles(&left[r..=r], &left[r + 1..=r + 1], &mut line[..1]);
-            middles(&right[r..=r], &right[r + 1..=r + 1], &mut line[n..]);
+            line[n] = mid(last(r), last(r + 1));
         } else {
+            line[0] = moved(weights, first(r + 1), [first(r), first(r + 2)]);
             between(weights, row(r + 1), [row(r), row(r + 2)], &mut line[1..n]);
-            between(weights, &left[r + 1..=r + 1], [&left[r..=r], &left[r + 2..]], &mut line[..1]);
-            between(weights, &right[r + 1..=r + 1], [&right[r..=r], &right[r + 2..]], &mut line[n..]);
+            line[n] = moved(weights, last(r + 1), [last(r), last(r + 2)]);
         }
         spread(weights, line, out);
     }
