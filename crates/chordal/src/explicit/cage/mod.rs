@@ -9,10 +9,12 @@ mod refinement;
 mod round;
 mod rows;
 mod rules;
+mod sizes;
 mod values;
 
 use edges::Edges;
 pub use refinement::Refinement;
+use sizes::Sizes;
 use std::fmt;
 pub use values::Real;
 
@@ -76,8 +78,8 @@ pub const INFINITELY_SHARP: f64 = 10.0;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cage {
     positions: Vec<[f64; 3]>,
-    /// Where the corners of each face end.
-    ends: Vec<u32>,
+    /// How many corners each face has.
+    sizes: Sizes,
     corners: Vec<u32>,
     scheme: Scheme,
     boundary: Boundary,
@@ -116,7 +118,7 @@ impl Cage {
         if let Some(row) = positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
             return Err(InvalidCage::NotFinite { row });
         }
-        let cage = Self { positions, ends, corners, ..Self::default() };
+        let cage = Self { positions, sizes: Sizes::of(ends), corners, ..Self::default() };
         let mut last = vec![u32::MAX; cage.positions.len()];
         for (face, of) in cage.faces().enumerate() {
             if of.len() < 3 {
@@ -220,7 +222,7 @@ impl Cage {
     /// How many faces there are, with holes.
     #[must_use]
     pub fn n_faces(&self) -> usize {
-        self.ends.len()
+        self.sizes.len()
     }
 
     /// The vertices of one face.
@@ -229,12 +231,12 @@ impl Cage {
     /// When there is no such face.
     #[must_use]
     pub fn face(&self, face: usize) -> &[u32] {
-        &self.corners[self.begin(face)..self.ends[face] as usize]
+        &self.corners[self.sizes.range(face)]
     }
 
     /// Where the corners of a face begin.
     pub(crate) fn begin(&self, face: usize) -> usize {
-        if face == 0 { 0 } else { self.ends[face - 1] as usize }
+        self.sizes.range(face).start
     }
 
     /// All faces, with holes, in order.

@@ -2,7 +2,7 @@
 use super::super::Sets;
 use super::edges::{Around, Edges};
 use super::rules::{Point, Vertex, less, less_at, middle, plus};
-use super::{Boundary, Cage, Creasing, INFINITELY_SHARP, InvalidCage, MOST, Scheme};
+use super::{Boundary, Cage, Creasing, INFINITELY_SHARP, InvalidCage, MOST, Scheme, Sizes};
 
 impl Cage {
     /// The cage after one round: the same limit surface, about four times as many faces.
@@ -35,8 +35,8 @@ impl Cage {
         if let Some(row) = positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
             return Err(InvalidCage::NotFinite { row });
         }
-        let (ends, corners) = round.faces();
-        Ok(Self { positions, ends, corners, ..round.tags() })
+        let (sizes, corners) = round.faces();
+        Ok(Self { positions, sizes, corners, ..round.tags() })
     }
 
     /// What is known of the next round without positions and faces.
@@ -47,10 +47,10 @@ impl Cage {
     /// The next round with its vertices at zero.
     pub(super) fn next_topology(&self, edges: &Edges, around: &Around, sharp: &Sharp) -> Self {
         let round = Round { cage: self, edges, around, sharp };
-        let (ends, corners) = round.faces();
+        let (sizes, corners) = round.faces();
         let middles = if self.scheme == Scheme::Loop { 0 } else { self.n_faces() };
         let n = self.positions.len() + edges.ends.len() + middles;
-        Self { positions: vec![[0.0; 3]; n], ends, corners, ..round.tags() }
+        Self { positions: vec![[0.0; 3]; n], sizes, corners, ..round.tags() }
     }
 }
 
@@ -205,8 +205,8 @@ impl Round<'_> {
         self.edges.ends[edge].map(|v| self.half_at(edge, v as usize))
     }
 
-    /// The ends of faces, and their corners.
-    fn faces(&self) -> (Vec<u32>, Vec<u32>) {
+    /// The sizes of faces, and their corners.
+    fn faces(&self) -> (Sizes, Vec<u32>) {
         let (n_vertices, n_edges) = (self.cage.positions.len() as u32, self.edges.ends.len() as u32);
         let is_loop = self.cage.scheme == Scheme::Loop;
         let size = if is_loop { 3 } else { 4 };
@@ -228,8 +228,7 @@ impl Round<'_> {
             }
             first += n;
         }
-        let ends = (1..=corners.len() / size).map(|k| (k * size) as u32).collect();
-        (ends, corners)
+        (Sizes::even(size, corners.len() / size), corners)
     }
 
     /// All but positions and faces.
@@ -237,7 +236,7 @@ impl Round<'_> {
         let cage = self.cage;
         Cage {
             positions: Vec::new(),
-            ends: Vec::new(),
+            sizes: Sizes::default(),
             corners: Vec::new(),
             holes: self.holes(),
             creases: self.creases(),

@@ -6,7 +6,7 @@ use super::quads::Quads;
 use super::refine::Sharp;
 use super::round::Round;
 use super::values::{Real, chunks};
-use super::{Cage, InvalidCage, MOST, Scheme};
+use super::{Cage, InvalidCage, MOST, Scheme, Sizes};
 use crate::budget::{Job, par_map_owned};
 
 /// Faces of the result that one task of a thread numbers, about. Chosen.
@@ -22,7 +22,7 @@ impl Cage {
     ///
     /// It runs on all threads; [`Cage::refinement`] and [`Refinement::refined`] take a job.
     ///
-    /// *Cost.* As for [`Refinement::evaluate`], and 20 bytes for the indices of a face of the result.
+    /// *Cost.* As for [`Refinement::evaluate`], and 16 bytes for the indices of a face of the result.
     ///
     /// # Errors
     /// As for [`Cage::refined`].
@@ -259,7 +259,6 @@ impl Refinement {
             return Ok(Cage { positions, ..self.result.clone() });
         }
         let corners = self.corners(job);
-        let ends = (1..=self.n_faces() as u32).map(|k| 4 * k).collect();
-        Ok(Cage { positions, ends, corners, ..self.result.clone() })
+        Ok(Cage { positions, sizes: Sizes::even(4, self.n_faces()), corners, ..self.result.clone() })
     }
 }

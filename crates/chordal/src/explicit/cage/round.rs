@@ -3,7 +3,7 @@ use super::edges::{Around, Edges};
 use super::refine::{Sharp, loop_share};
 use super::rules::{Mix, Rule, halves_left};
 use super::values::{Real, Sum, add, chunks, mid, scaled};
-use super::{Cage, Scheme};
+use super::{Cage, Scheme, Sizes};
 use crate::budget::{Job, par_map_owned};
 
 /// Vertices, edges or faces that one task of a thread does: enough to be worth one. Chosen.
@@ -44,9 +44,9 @@ pub(super) struct Round {
     n_vertices: usize,
     edges: Edges,
     around: Around,
-    /// For each corner its vertex; and where those of each face end.
+    /// For each corner its vertex; and how many each face has.
     corners: Vec<u32>,
-    ends: Vec<u32>,
+    sizes: Sizes,
     /// Vertices that are not smooth throughout, in ascending order.
     special: Vec<(u32, Shares)>,
     /// Edges that are not, with the share of their middle.
@@ -81,7 +81,7 @@ impl Round {
             edges,
             around,
             corners: cage.corners.clone(),
-            ends: cage.ends.clone(),
+            sizes: cage.sizes.clone(),
             special,
             creased,
         }
@@ -92,7 +92,7 @@ impl Round {
     }
 
     pub fn n_after(&self) -> usize {
-        let middles = if self.scheme == Scheme::Loop { 0 } else { self.ends.len() };
+        let middles = if self.scheme == Scheme::Loop { 0 } else { self.sizes.len() };
         self.n_vertices + self.edges.ends.len() + middles
     }
 
@@ -111,7 +111,7 @@ impl Round {
     }
 
     fn face(&self, face: usize) -> &[u32] {
-        super::edges::part(&self.ends, &self.corners, face)
+        &self.corners[self.sizes.range(face)]
     }
 
     fn middle<T: Real, const K: usize>(&self, values: &[[T; K]], face: usize) -> [T; K] {
