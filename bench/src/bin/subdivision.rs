@@ -131,7 +131,7 @@ fn off(ours: &[[f64; 3]], theirs: &[[f64; 3]]) -> f64 {
         from.iter().map(worst).fold(0.0, f64::max)
     };
     let both = one_way(ours, theirs).max(one_way(theirs, ours)) / diagonal;
-    if both <= 1e-6 { both } else { f64::INFINITY }
+    if both <= near / diagonal { both } else { f64::INFINITY }
 }
 
 fn points(path: &str) -> Vec<[f64; 3]> {

@@ -130,7 +130,7 @@ fn what_cannot_be_evaluated_is_refused_by_name() {
 #[test]
 fn points_and_faces_of_nothing_are_nothing() {
     let empty = Cage::new(Vec::new(), std::iter::empty::<[u32; 4]>()).unwrap();
-    for rounds in [0, 1, 2, 5] {
+    for rounds in [0, 1, 2, 5, 100, u32::MAX] {
         let refined = empty.refined_times(rounds).unwrap();
         assert_eq!((refined.positions().len(), refined.n_faces()), (0, 0));
     }

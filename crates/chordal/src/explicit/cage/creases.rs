@@ -1,13 +1,13 @@
 //! Sharpness over the rounds of grids: which points follow which rule, with which shares. Nothing here has a position.
 use super::edges::{listed, part};
-use super::quads::{NONE, Quads};
+use super::quads::NONE;
 use super::round::Shares;
 use super::rules::{Mix, halves_left, less, less_at};
 use super::{Creasing, INFINITELY_SHARP};
 use std::collections::BTreeMap;
 
 /// The shares of one round.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Rules {
     /// Vertices of quads that are not smooth throughout, in ascending order.
     pub vertices: Vec<(u32, Shares)>,
@@ -16,6 +16,7 @@ pub(super) struct Rules {
 }
 
 /// The share of the crease in what comes to lie along an edge.
+#[derive(Clone, Debug)]
 pub(super) enum Along {
     /// In points between parts, and in the middles of parts.
     Even { points: f64, middles: f64 },
@@ -40,7 +41,8 @@ impl Parts {
 
 /// How sharp everything is, at some round.
 pub(super) struct Creases<'a> {
-    quads: &'a Quads,
+    /// Of edges of the first round, or, for Loop, of the cage: where they begin and end.
+    ends: &'a [[u32; 2]],
     creasing: Creasing,
     /// Parts of an edge.
     n: usize,
@@ -53,20 +55,27 @@ pub(super) struct Creases<'a> {
 }
 
 impl<'a> Creases<'a> {
-    /// From edges and vertices after the first round, with a sharpness above 0.
-    pub fn new(quads: &'a Quads, creasing: Creasing, edges: &[(u32, f64)], vertices: &[(u32, f64)]) -> Self {
-        let ends = edges.iter().flat_map(|(e, _)| quads.ends[*e as usize]);
-        let bare = (0..quads.n_vertices as u32).filter(|v| quads.around(*v as usize).is_empty());
+    /// From edges and vertices with a sharpness above 0, of so many vertices and edges with these ends.
+    pub fn new(
+        creasing: Creasing,
+        (n_vertices, all_ends): (usize, &'a [[u32; 2]]),
+        edges: &[(u32, f64)],
+        vertices: &[(u32, f64)],
+    ) -> Self {
+        let ends = edges.iter().flat_map(|(e, _)| all_ends[*e as usize]);
+        let mut is_bare = vec![true; n_vertices];
+        all_ends.iter().flatten().for_each(|v| is_bare[*v as usize] = false);
+        let bare = (0..n_vertices as u32).filter(|v| is_bare[*v as usize]);
         let mut special: Vec<u32> = ends.chain(vertices.iter().map(|(v, _)| *v)).chain(bare).collect();
         special.sort_unstable();
         special.dedup();
-        let mut places = vec![NONE; quads.n_vertices];
+        let mut places = vec![NONE; n_vertices];
         special.iter().enumerate().for_each(|(place, v)| places[*v as usize] = place as u32);
-        let at_ends = quads.ends.iter().enumerate().flat_map(|(e, ends)| ends.map(|v| (v, e as u32)));
+        let at_ends = all_ends.iter().enumerate().flat_map(|(e, ends)| ends.map(|v| (v, e as u32)));
         let places = at_ends.map(|(v, e)| (places[v as usize], e)).filter(|(place, _)| *place != NONE);
         let (around_ends, around) = listed(special.len(), places);
         Self {
-            quads,
+            ends: all_ends,
             creasing,
             n: 1,
             edges: edges.iter().map(|(e, sharp)| (*e, Parts::Even(*sharp))).collect(),
@@ -81,7 +90,7 @@ impl<'a> Creases<'a> {
     fn around(&self, place: usize) -> impl Iterator<Item = (u32, f64)> + Clone {
         let vertex = self.special[place];
         part(&self.around_ends, &self.around, place).iter().map(move |e| {
-            let at = if self.quads.ends[*e as usize][0] == vertex { 0 } else { self.n - 1 };
+            let at = if self.ends[*e as usize][0] == vertex { 0 } else { self.n - 1 };
             (*e, self.edges.get(e).map_or(0.0, |parts| parts.at(at)))
         })
     }
@@ -92,7 +101,7 @@ impl<'a> Creases<'a> {
         for (place, vertex) in self.special.iter().enumerate() {
             let of = self.around(place);
             let own = self.vertices.get(vertex).copied().unwrap_or(0.0);
-            let is_bare = self.quads.around(*vertex as usize).is_empty();
+            let is_bare = part(&self.around_ends, &self.around, place).is_empty();
             let shares = if is_bare { Shares::CORNER } else { Shares::of(Mix::of(self.creasing, own, of)) };
             if shares.smooth < 1.0 {
                 rules.vertices.push((*vertex, shares));
@@ -133,7 +142,7 @@ impl<'a> Creases<'a> {
         let left = |part: usize, place: usize| {
             let sharp = parts.at(part);
             if place == 0 || place == self.n {
-                let vertex = self.quads.ends[edge as usize][place / self.n];
+                let vertex = self.ends[edge as usize][place / self.n];
                 let place = self.special.binary_search(&vertex).unwrap_or(0);
                 less_at(self.creasing, sharp, self.around(place).map(|(_, sharp)| sharp))
             } else {

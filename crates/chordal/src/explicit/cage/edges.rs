@@ -2,6 +2,7 @@
 use super::Cage;
 
 /// Edges, with the faces on them.
+#[derive(Clone, Debug)]
 pub(crate) struct Edges {
     /// The lower vertex first.
     pub ends: Vec<[u32; 2]>,
@@ -119,6 +120,7 @@ fn face_of_corners(cage: &Cage) -> Vec<u32> {
 }
 
 /// Edges around each vertex, and faces around it.
+#[derive(Clone, Debug)]
 pub(super) struct Around {
     edge_ends: Vec<u32>,
     edges: Vec<u32>,

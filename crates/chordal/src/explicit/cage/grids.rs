@@ -135,22 +135,14 @@ impl<T: Real, const K: usize> Level<'_, T, K> {
         let mut special = all[all.partition_point(|(v, _)| (*v as usize) < first)..].iter().peekable();
         for (k, out) in out.iter_mut().enumerate() {
             let vertex = first + k;
-            let Some((_, shares)) = special.next_if(|(v, _)| *v as usize == vertex) else {
-                *out = self.smooth(vertex);
-                continue;
+            *out = match special.next_if(|(v, _)| *v as usize == vertex) {
+                None => self.smooth(vertex),
+                Some((_, shares)) => shares.mixed(
+                    self.values[vertex],
+                    |edge| self.next_to(vertex, edge),
+                    || self.smooth(vertex),
+                ),
             };
-            let here = self.values[vertex];
-            let mut sum = scaled(T::of(shares.corner + 0.75 * shares.crease), here);
-            if shares.crease > 0.0 {
-                let share = T::of(0.125 * shares.crease);
-                for edge in shares.edges {
-                    sum = add(sum, share, self.next_to(vertex, edge));
-                }
-            }
-            if shares.smooth > 0.0 {
-                sum = add(sum, T::of(shares.smooth), self.smooth(vertex));
-            }
-            *out = sum;
         }
     }
 

@@ -10,6 +10,7 @@ mod round;
 mod rows;
 mod rules;
 mod sizes;
+mod triangles;
 mod values;
 
 use edges::Edges;

@@ -8,6 +8,7 @@ pub(super) const NONE: u32 = u32::MAX;
 
 /// Quads. Row 0 of a grid runs from a vertex of the cage to the middle of an edge, its column 0 to that of the edge before it, and
 /// the last point of its last row is the middle of the face.
+#[derive(Clone, Debug)]
 pub(super) struct Quads {
     pub n_vertices: usize,
     /// The vertices of each, counter-clockwise from that of the cage.

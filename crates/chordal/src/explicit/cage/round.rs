@@ -1,6 +1,6 @@
-//! One round over any polygons, made ready: who is averaged with which shares, whatever stands at the vertices.
+//! One round of Catmull–Clark over any polygons, or of bilinear ones, made ready: who is averaged with which shares, whatever stands at the vertices.
 use super::edges::{Around, Edges};
-use super::refine::{Sharp, loop_share};
+use super::refine::Sharp;
 use super::rules::{Mix, Rule, halves_left};
 use super::values::{Real, Sum, add, chunks, mid, scaled};
 use super::{Cage, Scheme, Sizes};
@@ -38,9 +38,29 @@ impl Shares {
     }
 }
 
+impl Shares {
+    /// What becomes of a vertex, from where it is, the next point along an edge of it, and where the smooth rule takes it.
+    #[inline(always)]
+    pub fn mixed<T: Real, const K: usize>(
+        &self,
+        here: [T; K],
+        next_to: impl Fn(u32) -> [T; K],
+        smooth: impl FnOnce() -> [T; K],
+    ) -> [T; K] {
+        let mut sum = scaled(T::of(self.corner + 0.75 * self.crease), here);
+        if self.crease > 0.0 {
+            let share = T::of(0.125 * self.crease);
+            for edge in self.edges {
+                sum = add(sum, share, next_to(edge));
+            }
+        }
+        if self.smooth > 0.0 { add(sum, T::of(self.smooth), smooth()) } else { sum }
+    }
+}
+
 /// The topology of a round and its shares.
+#[derive(Clone, Debug)]
 pub(super) struct Round {
-    scheme: Scheme,
     n_vertices: usize,
     edges: Edges,
     around: Around,
@@ -76,7 +96,6 @@ impl Round {
             }
         }
         Self {
-            scheme: cage.scheme,
             n_vertices: cage.positions.len(),
             edges,
             around,
@@ -92,11 +111,10 @@ impl Round {
     }
 
     pub fn n_after(&self) -> usize {
-        let middles = if self.scheme == Scheme::Loop { 0 } else { self.sizes.len() };
-        self.n_vertices + self.edges.ends.len() + middles
+        self.n_vertices + self.edges.ends.len() + self.sizes.len()
     }
 
-    /// What stands at the vertices after the round: those of vertices, edges, and, but for Loop, faces.
+    /// What stands at the vertices after the round: those of vertices, edges and faces.
     pub fn apply<T: Real, const K: usize>(&self, values: &[[T; K]], job: &Job, out: &mut [[T; K]]) {
         let (vertices, rest) = out.split_at_mut(self.n_vertices);
         let (edges, middles) = rest.split_at_mut(self.edges.ends.len());
@@ -126,35 +144,20 @@ impl Round {
         middles: &[[T; K]],
         (first, out): (usize, &mut [[T; K]]),
     ) {
-        let mut creased = self.creased[self.creased.partition_point(|(e, _)| (*e as usize) < first)..].iter();
-        let mut next = creased.next();
+        let start = self.creased.partition_point(|(e, _)| (*e as usize) < first);
+        let mut creased = self.creased[start..].iter().peekable();
         for (k, out) in out.iter_mut().enumerate() {
             let edge = first + k;
             let [a, b] = self.edges.ends[edge].map(|v| values[v as usize]);
-            let share = match next {
-                Some((e, share)) if *e as usize == edge => {
-                    next = creased.next();
-                    *share
-                }
-                _ => 0.0,
-            };
+            let share = creased.next_if(|(e, _)| *e as usize == edge).map_or(0.0, |(_, share)| *share);
             let middle = mid(a, b);
             if share >= 1.0 {
                 *out = middle;
                 continue;
             }
-            let smooth = if self.scheme == Scheme::Loop {
-                let across = self.edges.faces(edge).iter().map(|face| {
-                    let of = self.face(*face as usize);
-                    of.iter().copied().find(|v| !self.edges.ends[edge].contains(v)).unwrap_or(of[0])
-                });
-                let start = scaled(T::of(0.75), middle);
-                across.fold(start, |sum, v| add(sum, T::of(0.125), values[v as usize]))
-            } else {
-                let start = scaled(T::of(0.5), middle);
-                let faces = self.edges.faces(edge).iter();
-                faces.fold(start, |sum, face| add(sum, T::of(0.25), middles[*face as usize]))
-            };
+            let start = scaled(T::of(0.5), middle);
+            let faces = self.edges.faces(edge).iter();
+            let smooth = faces.fold(start, |sum, face| add(sum, T::of(0.25), middles[*face as usize]));
             *out = add(scaled(T::of(share), middle), T::of(1.0 - share), smooth);
         }
     }
@@ -165,28 +168,18 @@ impl Round {
         middles: &[[T; K]],
         (first, out): (usize, &mut [[T; K]]),
     ) {
-        let mut special = self.special[self.special.partition_point(|(v, _)| (*v as usize) < first)..].iter();
-        let mut next = special.next();
+        let start = self.special.partition_point(|(v, _)| (*v as usize) < first);
+        let mut special = self.special[start..].iter().peekable();
         for (k, out) in out.iter_mut().enumerate() {
             let vertex = first + k;
-            match next {
-                Some((v, shares)) if *v as usize == vertex => {
-                    next = special.next();
-                    let here = values[vertex];
-                    let mut sum = scaled(T::of(shares.corner + 0.75 * shares.crease), here);
-                    if shares.crease > 0.0 {
-                        for edge in shares.edges {
-                            let end = self.other_end(values, edge, vertex);
-                            sum = add(sum, T::of(0.125 * shares.crease), end);
-                        }
-                    }
-                    if shares.smooth > 0.0 {
-                        sum = add(sum, T::of(shares.smooth), self.smooth(values, middles, vertex));
-                    }
-                    *out = sum;
-                }
-                _ => *out = self.smooth(values, middles, vertex),
-            }
+            *out = match special.next_if(|(v, _)| *v as usize == vertex) {
+                None => self.smooth(values, middles, vertex),
+                Some((_, shares)) => shares.mixed(
+                    values[vertex],
+                    |edge| self.other_end(values, edge, vertex),
+                    || self.smooth(values, middles, vertex),
+                ),
+            };
         }
     }
 
@@ -203,14 +196,9 @@ impl Round {
     ) -> [T; K] {
         let edges = self.around.edges(vertex);
         let n = edges.len() as f64;
-        let is_loop = self.scheme == Scheme::Loop;
-        let share = if is_loop { loop_share(edges.len()) } else { 1.0 / (n * n) };
-        let own = if is_loop { 1.0 - n * share } else { (n - 2.0) / n };
+        let (own, share) = ((n - 2.0) / n, 1.0 / (n * n));
         let ends = edges.iter().map(|e| self.other_end(values, *e, vertex));
         let sum = ends.fold(Sum::ZERO.plus(own, values[vertex]), |sum, p| sum.plus(share, p));
-        if is_loop {
-            return sum.value();
-        }
         let faces = self.around.faces(vertex).iter();
         faces.fold(sum, |sum, face| sum.plus(share, middles[*face as usize])).value()
     }

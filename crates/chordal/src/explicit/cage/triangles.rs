@@ -1,0 +1,321 @@
+//! Rounds of Loop's scheme over triangles as grids: all that is sharp or irregular lies on their borders, as for quads.
+use super::creases::{Along, Rules};
+use super::edges::{Around, Edges};
+use super::refine::loop_share;
+use super::values::{Real, Sum, add, chunks, mid, scaled};
+use crate::budget::{Job, par_map_owned};
+
+/// Points that one task of a thread makes, about: enough to be worth one, few enough to share out evenly. Chosen.
+const TASK: usize = 1 << 14;
+
+/// No face.
+const NONE: u32 = u32::MAX;
+
+/// Triangles by their edges.
+#[derive(Clone, Debug)]
+pub(super) struct Triangles {
+    pub n_vertices: usize,
+    corners: Vec<[u32; 3]>,
+    /// From each corner to the next.
+    edges: Vec<[u32; 3]>,
+    /// The lower vertex first.
+    pub ends: Vec<[u32; 2]>,
+    /// Of each edge the first two sides that it is, as 3 × triangle + side.
+    sides: Vec<[u32; 2]>,
+    around: Around,
+    /// The share of a neighbour by the number of neighbours.
+    shares: Vec<f64>,
+}
+
+impl Triangles {
+    pub fn of(corners: &[u32], n_vertices: usize, edges: Edges, around: Around) -> Self {
+        let mut sides = vec![[NONE; 2]; edges.ends.len()];
+        for (side, edge) in edges.of_corner.iter().enumerate() {
+            let of = &mut sides[*edge as usize];
+            let place = usize::from(of[0] != NONE);
+            if of[place] == NONE {
+                of[place] = side as u32;
+            }
+        }
+        let most = (0..n_vertices).map(|v| around.edges(v).len()).max().unwrap_or(0);
+        Self {
+            n_vertices,
+            corners: corners.as_chunks().0.to_vec(),
+            edges: edges.of_corner.as_chunks().0.to_vec(),
+            ends: edges.ends,
+            sides,
+            around,
+            // One edge alone is never smooth; none has no share.
+            shares: (0..=most).map(|n| if n == 0 { 0.0 } else { loop_share(n) }).collect(),
+        }
+    }
+
+    pub fn n_faces(&self) -> usize {
+        self.corners.len()
+    }
+
+    /// How many points there are with n parts along an edge.
+    pub fn n_points(&self, n: usize) -> usize {
+        self.n_vertices + self.ends.len() * (n - 1) + self.corners.len() * n_inside(n)
+    }
+
+    /// The number of a point of a side, so many parts from where the side begins.
+    fn on_side(&self, (face, side): (usize, usize), n: usize, part: usize) -> usize {
+        let edge = self.edges[face][side] as usize;
+        let ends = self.ends[edge];
+        let part = if ends[0] == self.corners[face][side] { part } else { n - part };
+        match part {
+            0 => ends[0] as usize,
+            _ if part == n => ends[1] as usize,
+            _ => self.n_vertices + edge * (n - 1) + part - 1,
+        }
+    }
+
+    /// The number of a point of a grid: so many steps along the first side, and rows from it.
+    fn index(&self, face: usize, n: usize, (column, row): (usize, usize)) -> usize {
+        if row == 0 {
+            self.on_side((face, 0), n, column)
+        } else if column == 0 {
+            self.on_side((face, 2), n, n - row)
+        } else if column + row == n {
+            self.on_side((face, 1), n, row)
+        } else {
+            // Rows of n − 2, n − 3, … points.
+            let before = (row - 1) * (n - 2) - (row - 1) * row.saturating_sub(2) / 2;
+            let start = self.n_vertices + self.ends.len() * (n - 1) + face * n_inside(n);
+            start + before + column - 1
+        }
+    }
+
+    /// The corners of the faces of some triangles: row by row, those that stand on a row in turn with those that hang between them.
+    pub fn faces(&self, n: usize, (first, out): (usize, &mut [u32])) {
+        let (mut low, mut high) = (vec![0; n + 1], vec![0; n + 1]);
+        for (k, mut out) in out.chunks_exact_mut(3 * n * n).enumerate() {
+            let fill = |row: usize, line: &mut [u32]| {
+                let count = n + 1 - row;
+                let mut at = |c: usize| line[c] = self.index(first + k, n, (c, row)) as u32;
+                at(0);
+                at(count - 1);
+                if row == 0 {
+                    (1..count - 1).for_each(at);
+                } else if count > 2 {
+                    at(1);
+                    let start = line[1];
+                    line[1..count - 1].iter_mut().zip(start..).for_each(|(out, index)| *out = index);
+                }
+            };
+            fill(0, &mut low);
+            for row in 0..n {
+                fill(row + 1, &mut high);
+                let (of_row, rest) = out.split_at_mut(3 * (2 * (n - row) - 1));
+                for (c, out) in of_row.chunks_mut(6).enumerate() {
+                    out[..3].copy_from_slice(&[low[c], low[c + 1], high[c]]);
+                    if out.len() == 6 {
+                        out[3..].copy_from_slice(&[low[c + 1], high[c + 1], high[c]]);
+                    }
+                }
+                out = rest;
+                std::mem::swap(&mut low, &mut high);
+            }
+        }
+    }
+}
+
+/// Points inside of a triangle with n parts along an edge.
+fn n_inside(n: usize) -> usize {
+    (n - 1) * n.saturating_sub(2) / 2
+}
+
+/// What stands at the points: vertices, n − 1 along each edge, and those inside of each triangle, row by row.
+pub(super) struct Level<'a, T, const K: usize> {
+    pub triangles: &'a Triangles,
+    pub n: usize,
+    pub values: &'a [[T; K]],
+}
+
+impl<T: Real, const K: usize> Level<'_, T, K> {
+    /// The points after a round: twice as many parts along each edge.
+    pub fn divide(&self, rules: &Rules, job: &Job, out: &mut [[T; K]]) {
+        let (vertices, rest) = out.split_at_mut(self.triangles.n_vertices);
+        let wide = 2 * self.n - 1;
+        let (along, inside) = rest.split_at_mut(self.triangles.ends.len() * wide);
+        par_map_owned(job, chunks(vertices, TASK / 4), |(first, out)| self.vertices(rules, first, out));
+        par_map_owned(job, chunks(along, TASK.div_ceil(wide) * wide), |(first, out)| {
+            self.edges(rules, first / wide, out);
+        });
+        let each = n_inside(2 * self.n);
+        if each > 0 {
+            par_map_owned(job, chunks(inside, TASK.div_ceil(each) * each), |(first, out)| {
+                self.faces(first / each, out);
+            });
+        }
+    }
+
+    fn next_to(&self, vertex: usize, edge: u32) -> [T; K] {
+        let ends = self.triangles.ends[edge as usize];
+        let begins = ends[0] as usize == vertex;
+        self.values[match self.n {
+            1 => ends[usize::from(begins)] as usize,
+            n => self.triangles.n_vertices + edge as usize * (n - 1) + if begins { 0 } else { n - 2 },
+        }]
+    }
+
+    fn vertices(&self, rules: &Rules, first: usize, out: &mut [[T; K]]) {
+        let all = &rules.vertices;
+        let mut special = all[all.partition_point(|(v, _)| (*v as usize) < first)..].iter().peekable();
+        for (k, out) in out.iter_mut().enumerate() {
+            let vertex = first + k;
+            let here = self.values[vertex];
+            *out = match special.next_if(|(v, _)| *v as usize == vertex) {
+                None => self.smooth(vertex),
+                Some((_, shares)) => {
+                    shares.mixed(here, |edge| self.next_to(vertex, edge), || self.smooth(vertex))
+                }
+            };
+        }
+    }
+
+    fn smooth(&self, vertex: usize) -> [T; K] {
+        let edges = self.triangles.around.edges(vertex);
+        let share = self.triangles.shares[edges.len()];
+        let sum = edges.iter().fold(Sum::ZERO, |sum, edge| sum.plus(1.0, self.next_to(vertex, *edge)));
+        Sum::ZERO.plus(1.0 - edges.len() as f64 * share, self.values[vertex]).plus(share, sum.0).value()
+    }
+
+    /// The points along some edges.
+    fn edges(&self, rules: &Rules, first: usize, out: &mut [[T; K]]) {
+        let (n, triangles) = (self.n, self.triangles);
+        let all = &rules.edges;
+        let mut special = all[all.partition_point(|(e, _)| (*e as usize) < first)..].iter().peekable();
+        let mut line = Vec::new();
+        let mut beside = [Vec::new(), Vec::new()];
+        for (k, out) in out.chunks_exact_mut(2 * n - 1).enumerate() {
+            let edge = first + k;
+            let along = special.next_if(|(e, _)| *e as usize == edge).map(|(_, along)| along);
+            let ends = triangles.ends[edge].map(|v| self.values[v as usize]);
+            line.clear();
+            line.push(ends[0]);
+            line.extend_from_slice(&self.values[triangles.n_vertices + edge * (n - 1)..][..n - 1]);
+            line.push(ends[1]);
+            let sides = triangles.sides[edge];
+            let is_alone = sides[1] == NONE;
+            if !is_alone {
+                sides.into_iter().zip(&mut beside).for_each(|(side, row)| self.beside(side, row));
+            }
+            let [a, b] = &beside;
+            for (place, out) in out.iter_mut().enumerate() {
+                let i = place / 2 + place % 2;
+                // Where there are not two sides it is sharp throughout.
+                let share = match along {
+                    None => 0.0,
+                    Some(_) if is_alone => 1.0,
+                    Some(Along::Even { middles, .. }) if place % 2 == 0 => *middles,
+                    Some(Along::Even { points, .. }) => *points,
+                    Some(Along::Each(shares)) => shares[place],
+                };
+                let crease = || match place % 2 {
+                    0 => mid(line[i], line[i + 1]),
+                    _ => add(scaled(T::of(0.75), line[i]), T::of(0.25), mid(line[i - 1], line[i + 1])),
+                };
+                if share >= 1.0 {
+                    *out = crease();
+                    continue;
+                }
+                let smooth = match place % 2 {
+                    0 => middle([line[i], line[i + 1]], [a[i], b[i]]),
+                    _ => point(line[i], [line[i - 1], line[i + 1], a[i - 1], a[i], b[i - 1], b[i]]),
+                };
+                *out = match share > 0.0 {
+                    true => add(scaled(T::of(share), crease()), T::of(1.0 - share), smooth),
+                    false => smooth,
+                };
+            }
+        }
+    }
+
+    /// The n points beside a side, the way in which its edge runs.
+    fn beside(&self, side: u32, out: &mut Vec<[T; K]>) {
+        let (face, k, n) = (side as usize / 3, side as usize % 3, self.n);
+        let triangles = self.triangles;
+        out.clear();
+        out.extend((0..n).map(|part| {
+            let at = match k {
+                0 => (part, 1),
+                1 => (n - 1 - part, part),
+                _ => (1, n - 1 - part),
+            };
+            self.values[triangles.index(face, n, at)]
+        }));
+        if triangles.ends[triangles.edges[face][k] as usize][0] != triangles.corners[face][k] {
+            out.reverse();
+        }
+    }
+
+    /// The points inside of some triangles.
+    fn faces(&self, first: usize, out: &mut [[T; K]]) {
+        let (n, triangles) = (self.n, self.triangles);
+        let mut rows: [Vec<[T; K]>; 3] = [const { Vec::new() }; 3];
+        for (k, mut out) in out.chunks_exact_mut(n_inside(2 * n)).enumerate() {
+            let fill = |row: usize, line: &mut Vec<[T; K]>| {
+                line.clear();
+                let value = |column: usize| self.values[triangles.index(first + k, n, (column, row))];
+                match n - row {
+                    _ if row == 0 => line.extend((0..=n).map(value)),
+                    0 => line.push(value(0)),
+                    1 => line.extend([value(0), value(1)]),
+                    last => {
+                        line.push(value(0));
+                        let start = triangles.index(first + k, n, (1, row));
+                        line.extend_from_slice(&self.values[start..][..last - 1]);
+                        line.push(value(last));
+                    }
+                }
+            };
+            let [below, low, high] = &mut rows;
+            fill(0, low);
+            fill(1, high);
+            for y in 1..2 * n - 1 {
+                let (of_row, rest) = out.split_at_mut(2 * n - 1 - y);
+                out = rest;
+                if y % 2 == 0 {
+                    std::mem::swap(below, low);
+                    std::mem::swap(low, high);
+                    fill(y / 2 + 1, high);
+                    // Along the row `low`, middles first.
+                    for (k, out) in of_row.iter_mut().enumerate() {
+                        let c = k / 2 + k % 2;
+                        *out = match k % 2 {
+                            0 => middle([low[c], low[c + 1]], [high[c], below[c + 1]]),
+                            _ => point(
+                                low[c],
+                                [low[c - 1], low[c + 1], high[c - 1], high[c], below[c], below[c + 1]],
+                            ),
+                        };
+                    }
+                } else {
+                    // Between `low` and `high`.
+                    for (k, out) in of_row.iter_mut().enumerate() {
+                        let c = k / 2 + k % 2;
+                        *out = match k % 2 {
+                            0 => middle([low[c + 1], high[c]], [low[c], high[c + 1]]),
+                            _ => middle([low[c], high[c]], [low[c + 1], high[c - 1]]),
+                        };
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The new point on an edge between two, with those across.
+#[inline(always)]
+fn middle<T: Real, const K: usize>(ends: [[T; K]; 2], across: [[T; K]; 2]) -> [T; K] {
+    add(scaled(T::of(0.75), mid(ends[0], ends[1])), T::of(0.25), mid(across[0], across[1]))
+}
+
+/// A point with six around it after a round.
+#[inline(always)]
+fn point<T: Real, const K: usize>(here: [T; K], [a, b, c, d, e, f]: [[T; K]; 6]) -> [T; K] {
+    let sum = std::array::from_fn(|k| (a[k] + b[k]) + (c[k] + d[k]) + (e[k] + f[k]));
+    add(scaled(T::of(0.625), here), T::of(0.0625), sum)
+}
