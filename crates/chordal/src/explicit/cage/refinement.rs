@@ -242,7 +242,11 @@ impl Refinement {
         if let Some(row) = values.iter().position(|p| !is_finite(p)) {
             return Err(InvalidCage::NotFinite { row });
         }
-        job.run(|| self.rounds_of(values, job, out));
+        // A pool is entered once for all rounds, but not for one thread, which needs none.
+        match job.threads {
+            1 => self.rounds_of(values, job, out),
+            _ => job.run(|| self.rounds_of(values, job, out)),
+        }
         // Shares are from 0 to 1 and add up to 1, so that what is far from the largest number stays so.
         if !values.iter().all(|p| p.iter().all(|x| x.is_calm()))
             && let Some(row) = out.iter().position(|p| !is_finite(p))
