@@ -2,7 +2,7 @@
 use super::super::edges::{Around, Edges};
 use super::super::refine::{Sharp, is_hole};
 use super::super::rules::Point;
-use super::super::{Boundary, Cage, INFINITELY_SHARP, InvalidCage};
+use super::super::{Boundary, Cage, INFINITELY_SHARP, InvalidCage, Sizes};
 
 /// A cage with what is found out about it once.
 pub(in super::super) struct Parts {
@@ -97,7 +97,7 @@ impl Ring {
         let positions = vertices.iter().map(|v| cage.positions[*v as usize]).collect();
         let cage = Cage {
             positions,
-            ends,
+            sizes: Sizes::of(ends),
             corners,
             scheme: cage.scheme,
             boundary: Boundary::EdgeOnly,
@@ -130,7 +130,7 @@ impl Ring {
 
     /// The corners of its face.
     pub(crate) fn n_corners(&self) -> usize {
-        self.cage.ends[0] as usize
+        self.cage.sizes.range(0).end
     }
 
     pub(super) fn cage(&self) -> &Cage {
