@@ -87,7 +87,7 @@ fn drop_nonfinite(raw: &mut Raw, warnings: &mut Warnings) -> Result<(), ReadErro
     Ok(())
 }
 
-fn check_extent<'a>(positions: impl IntoIterator<Item = &'a [f64; 3]>) -> Result<(), ReadError> {
+pub(crate) fn check_extent<'a>(positions: impl IntoIterator<Item = &'a [f64; 3]>) -> Result<(), ReadError> {
     let Box3 { min, max } = Box3::around(positions);
     let Some(k) = (0..3).find(|k| max[*k] - min[*k] == f64::INFINITY) else { return Ok(()) };
     let message = format!(
@@ -103,7 +103,7 @@ fn check_extent<'a>(positions: impl IntoIterator<Item = &'a [f64; 3]>) -> Result
 /// writers print, cost 0.005·√3 ≈ 0.0087.
 const UNIT_SLACK: f64 = 0.01;
 
-fn clean(attribute: &mut Attribute, warnings: &mut Warnings) {
+pub(crate) fn clean(attribute: &mut Attribute, warnings: &mut Warnings) {
     let mut bad = 0;
     for value in attribute.values.iter_mut().filter(|v| !v.is_finite()) {
         *value = 0.0;

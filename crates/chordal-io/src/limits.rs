@@ -1,4 +1,5 @@
 //! `Limits`: how much a file may make a reader do.
+use crate::PolygonSurface;
 
 /// Caps on what one file may ask for; a file past a cap is refused before the memory is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +19,9 @@ pub struct Limits {
     pub drop_nonfinite: bool,
     /// Which volume of a file that holds several, counted from 0; none where there is one only.
     pub index: Option<u64>,
+    /// What the polygons of an OBJ stand for; without it they are a Catmull–Clark cage where the file has subdivision tags, else
+    /// triangles.
+    pub surface: Option<PolygonSurface>,
 }
 
 impl Default for Limits {
@@ -30,6 +34,7 @@ impl Default for Limits {
             lenient: false,
             drop_nonfinite: false,
             index: None,
+            surface: None,
         }
     }
 }

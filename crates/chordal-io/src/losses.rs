@@ -1,8 +1,8 @@
 //! `losses`: what a format cannot hold of a scene.
 use crate::obj::colors_agree;
 use crate::placed::placed;
-use crate::{Format, Place, Scene, Warning, WriteError};
-use chordal::explicit::{Attribute, Domain, Semantic};
+use crate::{Format, Place, Polygons, Scene, Warning, WriteError};
+use chordal::explicit::{Attribute, Boundary, Cage, Domain, Scheme, Semantic};
 
 /// What writing a scene in a format leaves out, counted in parts: so that nothing is lost silently. Rounding is not
 /// counted here. GLB writes what it can and tells by itself.
@@ -46,6 +46,45 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
         }
     }
     Ok(lost)
+}
+
+/// What writing a cage as polygons leaves out. OBJ holds all of it.
+///
+/// ```
+/// use chordal::explicit::Cage;
+/// use chordal_io::{Format, Frame, Polygons, losses_of_polygons};
+/// let square = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let cage = Cage::new(square, [[0, 1, 2, 3]])?.with_creases(&[([0, 1], 2.5)])?;
+/// let polygons = Polygons::of(cage, Frame::default());
+/// assert!(losses_of_polygons(&polygons, Format::Obj).is_empty());
+/// assert_eq!(losses_of_polygons(&polygons, Format::Ply)[0].message, "PLY holds no subdivision tags");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[must_use]
+pub fn losses_of_polygons(polygons: &Polygons, format: Format) -> Vec<Warning> {
+    if format == Format::Obj {
+        return Vec::new();
+    }
+    let title = format.to_string().to_uppercase();
+    let mut lost = Vec::new();
+    let mut count = |what: String| {
+        let message = format!("{title} holds no {what}");
+        lost.push(Warning { code: "not-written", count: 1, place: Place::File, message });
+    };
+    if has_tags(&polygons.cage) {
+        count("subdivision tags".to_owned());
+    }
+    if polygons.texcoords.is_some() {
+        count("texture coordinates of corners of polygons".to_owned());
+    }
+    polygons.attributes.iter().for_each(|attribute| count(describe(attribute)));
+    lost
+}
+
+/// Whether anything but its polygons shapes the surface of a cage.
+fn has_tags(cage: &Cage) -> bool {
+    let is_plain = cage.scheme() == Scheme::CatmullClark && cage.boundary() == Boundary::EdgeOnly;
+    !is_plain || !cage.creases().is_empty() || !cage.sharp_vertices().is_empty() || !cage.holes().is_empty()
 }
 
 fn holds(format: Format, attribute: &Attribute, first_rows: &[u32]) -> bool {

@@ -1,5 +1,5 @@
 //! `Scene`: what a file says: parts, where they stand, and the frame they are in.
-use crate::{Curves, Drawing, Volume, Warning};
+use crate::{Curves, Drawing, Polygons, Volume, Warning};
 use chordal::implicit::Field;
 use chordal::math::Box3;
 use chordal::{Mesh, Patch};
@@ -74,6 +74,8 @@ pub enum Content {
     Patches(Vec<Patch>, Frame),
     /// Meshes.
     Scene(Scene),
+    /// A polygon cage.
+    Polygons(Polygons),
     /// Curves in the plane.
     Drawing(Drawing),
     /// Curves in space.

@@ -159,7 +159,11 @@ impl Found {
         match &mut content {
             Content::Drawing(drawing) => drawing.certificate = found,
             Content::Curves(curves) => curves.certificate = found,
-            Content::Patches(..) | Content::Scene(_) | Content::Field { .. } | Content::Volume(_) => {}
+            Content::Patches(..)
+            | Content::Scene(_)
+            | Content::Polygons(_)
+            | Content::Field { .. }
+            | Content::Volume(_) => {}
         }
         Ok(Loaded { content, warnings: self.warnings.into_list() })
     }

@@ -198,7 +198,7 @@ fn h25_geometry_and_names_of_materials_are_kept_without_their_library() {
 #[test]
 fn what_is_not_read_is_counted() {
     let text = format!(
-        "{SQUARE}l 1 2\nl 2 3\np 1\nt crease 2/1/0 0 1 2.5\ncstype bezier\ncurv 0 1 1 2\nlod 3\ncall x.sh\ncsh rm -rf\nfoo 1\n\
+        "{SQUARE}l 1 2\nl 2 3\np 1\nt line 2/1/0 0 1 2.5\ncstype bezier\ncurv 0 1 1 2\nlod 3\ncall x.sh\ncsh rm -rf\nfoo 1\n\
          v 9 9 9 0.5\nvt 0 0 1\nf 1 2 3\nf 1 2\ns smooth\n"
     );
     let (mesh, warnings) = load(text.as_bytes(), Format::Obj);

@@ -1,5 +1,6 @@
 //! Reads Wavefront OBJ.
 use super::CERTIFICATE;
+use super::cage::CageRows;
 use super::index::{index, optional};
 use super::kind::{SKIPPED, leaves_the_folder, refuse_others};
 use super::rows::{Corner, Rows};
@@ -10,16 +11,21 @@ use crate::groups::Groups;
 use crate::grow::{push, push_many, with_room};
 use crate::text::{Tokens, integer, not_finite, number, show, text_of, why_no_number};
 use crate::warnings::Warnings;
-use crate::{Content, Frame, Limits, Loaded, Place, ReadError, Scene};
-use chordal::explicit::{Attribute, Domain, Semantic};
+use crate::{Content, Frame, Limits, Loaded, Place, PolygonSurface, ReadError, Scene};
+use chordal::explicit::{Attribute, Domain, Scheme, Semantic};
 use serde_json::Value;
+use std::collections::BTreeMap;
 
-/// The mesh of an OBJ file, as one part.
+/// The mesh of an OBJ file, as one part; or its polygons as one cage, where it has subdivision tags or `limits.surface` says so.
 ///
 /// The first rows of the mesh are the `v` lines in order. A position whose faces use several normals or texture
 /// coordinates gets further rows after them, tied to it by `position_id`. Polygons are cut into triangles. `usemtl`,
 /// `g`, `o` and `s` become face attributes [`Semantic::Group`], with their names in [`Scene::groups`]. Colours after
 /// a position become [`Semantic::Color`]. Material libraries are never opened.
+///
+/// A cage has one row for each `v` line and one face for each polygon of three corners or more, both in the order of the file. It
+/// keeps texture coordinates by their own indices, and no normals. Its tags are those of OpenSubdiv's shapes, and those that
+/// [`super::write_polygons`] adds.
 ///
 /// # Errors
 /// [`ReadError`] at the line.
@@ -46,6 +52,33 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
 /// The kinds of groups, in the order of `Reader::groups`.
 const GROUPS: [&str; 4] = ["usemtl", "g", "o", "s"];
 
+/// By which rules the polygons are refined, if they are those of a cage.
+fn scheme(counts: &Counts, surface: Option<PolygonSurface>) -> Option<Scheme> {
+    match surface {
+        Some(PolygonSurface::Faceted) => None,
+        Some(PolygonSurface::CatmullClark) => Some(Scheme::CatmullClark),
+        Some(PolygonSurface::Loop) => Some(Scheme::Loop),
+        Some(PolygonSurface::Bilinear) => Some(Scheme::Bilinear),
+        None => (counts.tags > 0).then_some(counts.scheme),
+    }
+}
+
+/// The groups of faces, and their names by kind.
+fn named(groups: [Groups; 4], n_faces: usize) -> Result<Named, ReadError> {
+    let (mut attributes, mut names) = (Vec::new(), BTreeMap::new());
+    for (kind, groups) in GROUPS.into_iter().zip(groups) {
+        if let Some(attribute) = groups.attribute(kind, n_faces)? {
+            attributes.push(attribute);
+            if kind != "s" {
+                names.insert(kind.to_owned(), groups.into_names());
+            }
+        }
+    }
+    Ok((attributes, names))
+}
+
+type Named = (Vec<Attribute>, BTreeMap<String, Vec<String>>);
+
 struct Reader<'a> {
     limits: &'a Limits,
     counts: Counts,
@@ -59,6 +92,8 @@ struct Reader<'a> {
     normals: Vec<[f64; 3]>,
     rows: Rows,
     faces: Faces,
+    /// The faces where they are those of a cage.
+    cage: Option<CageRows>,
     groups: [Groups; 4],
     corners: Vec<u32>,
     certificate: Option<Value>,
@@ -68,6 +103,8 @@ struct Reader<'a> {
 impl<'a> Reader<'a> {
     fn new(counts: Counts, limits: &'a Limits) -> Result<Self, ReadError> {
         counts.check(limits)?;
+        let scheme = scheme(&counts, limits.surface);
+        let of_triangles = |n: usize| if scheme.is_none() { n } else { 0 };
         Ok(Self {
             limits,
             counts,
@@ -78,8 +115,9 @@ impl<'a> Reader<'a> {
             has_alpha: false,
             texcoords: with_room(counts.texcoords)?,
             normals: with_room(counts.normals)?,
-            rows: Rows::new(counts.positions)?,
-            faces: Faces::with_room(counts.faces)?,
+            rows: Rows::new(of_triangles(counts.positions))?,
+            faces: Faces::with_room(of_triangles(counts.faces))?,
+            cage: scheme.map(|scheme| CageRows::new(scheme, counts.faces)).transpose()?,
             groups: Default::default(),
             corners: Vec::new(),
             certificate: None,
@@ -99,6 +137,9 @@ impl<'a> Reader<'a> {
             return Ok(());
         }
         self.n_known += 1;
+        if let (b"t", Some(cage)) = (word, &mut self.cage) {
+            return cage.tags.read((line, tokens), &self.counts, &mut self.warnings);
+        }
         match word {
             b"v" => self.position(line, tokens),
             b"vt" => self.texcoord(line, tokens),
@@ -195,6 +236,9 @@ impl<'a> Reader<'a> {
 
     #[inline]
     fn face(&mut self, line: u64, tokens: Tokens) -> Result<(), ReadError> {
+        if self.cage.is_some() {
+            return self.polygon(line, tokens);
+        }
         let mut corners = std::mem::take(&mut self.corners);
         corners.clear();
         for token in tokens {
@@ -212,6 +256,20 @@ impl<'a> Reader<'a> {
             return Err(too_many_rows(Place::Line(line), "triangles", n, self.limits.rows));
         }
         Ok(())
+    }
+
+    /// A face of a cage.
+    fn polygon(&mut self, line: u64, tokens: Tokens) -> Result<(), ReadError> {
+        for token in tokens {
+            let corner = self.corner(line, token)?;
+            self.cage.iter_mut().try_for_each(|cage| cage.corner(corner))?;
+        }
+        self.cage.iter_mut().try_for_each(|cage| cage.end_face(line, &mut self.warnings))
+    }
+
+    /// Triangles so far, or faces of the cage.
+    fn n_faces(&self) -> usize {
+        self.cage.as_ref().map_or(self.faces.n_triangles(), CageRows::n_faces)
     }
 
     /// `v`, `v/vt`, `v//vn` or `v/vt/vn`; what is left empty is none.
@@ -248,7 +306,8 @@ impl<'a> Reader<'a> {
                 (Place::Line(line), format!("names that are not UTF-8 were changed, {} first", show(name)))
             });
         }
-        self.groups[kind].name(&text, self.faces.n_triangles())
+        let n_faces = self.n_faces();
+        self.groups[kind].name(&text, n_faces)
     }
 
     fn smoothing(&mut self, line: u64, text: &[u8]) -> Result<(), ReadError> {
@@ -268,7 +327,8 @@ impl<'a> Reader<'a> {
                 0
             }
         };
-        self.groups[3].number(number, self.faces.n_triangles())
+        let n_faces = self.n_faces();
+        self.groups[3].number(number, n_faces)
     }
 
     /// Statements that are counted and skipped.
@@ -309,6 +369,9 @@ impl<'a> Reader<'a> {
             let message = "not Wavefront OBJ: there is no v, f or any other of its statements";
             return Err(ReadError::new("not-wavefront", Place::File, message));
         }
+        if let Some(cage) = self.cage.take() {
+            return self.finish_cage(cage);
+        }
         let mut raw = Raw { attributes: self.vertex_attributes()?, ..Raw::default() };
         if self.rows.has_splits() {
             let mut id = with_room(self.rows.len())?;
@@ -325,20 +388,30 @@ impl<'a> Reader<'a> {
         raw.positions = self.positions;
         drop((self.corners, self.rows));
         raw.faces = self.faces.cut(&raw.positions, Place::Line, &mut self.warnings);
-        let mut names = Vec::new();
-        for (kind, groups) in GROUPS.into_iter().zip(self.groups) {
-            if let Some(attribute) = groups.attribute(kind, raw.faces.len())? {
-                raw.attributes.push(attribute);
-                if kind != "s" {
-                    names.push((kind.to_owned(), groups.into_names()));
-                }
-            }
-        }
+        let (groups, names) = named(self.groups, raw.faces.len())?;
+        raw.attributes.extend(groups);
         let mesh = assemble::mesh(raw, &mut self.warnings)?;
         let mut scene = Scene::of("", mesh, true, Frame::default());
         scene.certificate = self.certificate;
-        scene.groups = names.into_iter().collect();
+        scene.groups = names;
         Ok(Loaded { content: Content::Scene(scene), warnings: self.warnings.into_list() })
+    }
+
+    fn finish_cage(mut self, cage: CageRows) -> Result<Loaded, ReadError> {
+        let n_faces = cage.n_faces();
+        let (positions, texcoords) =
+            (std::mem::take(&mut self.positions), std::mem::take(&mut self.texcoords));
+        let n_positions = positions.len();
+        let mut polygons = cage.finish(positions, texcoords, &mut self.warnings)?;
+        polygons.attributes.extend(self.color(n_positions, |row| row)?);
+        let (groups, names) = named(self.groups, n_faces)?;
+        polygons.attributes.extend(groups);
+        for attribute in &mut polygons.attributes {
+            assemble::clean(attribute, &mut self.warnings);
+        }
+        polygons.groups = names;
+        polygons.certificate = self.certificate;
+        Ok(Loaded { content: Content::Polygons(polygons), warnings: self.warnings.into_list() })
     }
 
     fn vertex_attributes(&mut self) -> Result<Vec<Attribute>, ReadError> {
@@ -351,16 +424,29 @@ impl<'a> Reader<'a> {
         attributes.extend(normal.map(|values| vertex(Semantic::Normal, 3, values)));
         attributes.extend(texcoord.map(|values| vertex(Semantic::TexCoord(0), 2, values)));
         if self.n_colored > 0 {
-            let white = (self.positions.len() - self.n_colored) as u64;
-            self.warnings.count_all("colors-missing", white, "vertices without a colour are white");
-            let width = if self.has_alpha { 4 } else { 3 };
-            let mut values = with_room(self.rows.len() * width)?;
-            for corner in self.rows.corners() {
-                values.extend_from_slice(&self.colors[corner.position as usize][..width]);
-            }
-            attributes.push(vertex(Semantic::Color(0), width, values));
+            let rows: Vec<u32> = self.rows.corners().map(|corner| corner.position).collect();
+            attributes.extend(self.color(rows.len(), |row| rows[row] as usize)?);
         }
         Ok(attributes)
+    }
+
+    /// One colour a row, that of the position of the row; none where no position has one.
+    fn color(
+        &mut self,
+        n_rows: usize,
+        position: impl Fn(usize) -> usize,
+    ) -> Result<Option<Attribute>, ReadError> {
+        if self.n_colored == 0 {
+            return Ok(None);
+        }
+        let white = (self.colors.len() - self.n_colored) as u64;
+        self.warnings.count_all("colors-missing", white, "vertices without a colour are white");
+        let width = if self.has_alpha { 4 } else { 3 };
+        let mut values = with_room(n_rows * width)?;
+        for row in 0..n_rows {
+            values.extend_from_slice(&self.colors[position(row)][..width]);
+        }
+        Ok(Some(Attribute { semantic: Semantic::Color(0), domain: Domain::Vertex, width, values }))
     }
 
     /// One value a row, zeros where a corner names none; `None` when no corner names one.

@@ -1,7 +1,9 @@
 //! `Statements`: the lines of an OBJ as statements, and how many there are of each kind.
+use super::tags::{is_tag, scheme_of};
 use crate::assemble::too_many_rows;
 use crate::text::{Lines, Tokens};
 use crate::{Limits, Place, ReadError};
+use chordal::explicit::Scheme;
 
 /// Statements: lines, joined with the next one where a backslash ends them.
 pub(super) struct Statements<'a> {
@@ -40,6 +42,10 @@ pub(super) struct Counts {
     pub(super) texcoords: usize,
     pub(super) normals: usize,
     pub(super) faces: usize,
+    /// Subdivision tags.
+    pub(super) tags: usize,
+    /// The scheme that one of them names.
+    pub(super) scheme: Scheme,
 }
 
 impl Counts {
@@ -47,11 +53,16 @@ impl Counts {
         let mut counts = Self::default();
         let mut statements = Statements::new(text);
         while let Some((_, statement)) = statements.next() {
-            match Tokens::new(statement).next() {
+            let mut words = Tokens::new(statement);
+            match words.next() {
                 Some(b"v") => counts.positions += 1,
                 Some(b"vt") => counts.texcoords += 1,
                 Some(b"vn") => counts.normals += 1,
                 Some(b"f" | b"fo") => counts.faces += 1,
+                Some(b"t") if is_tag(words.clone()) => {
+                    counts.tags += 1;
+                    counts.scheme = scheme_of(words).unwrap_or(counts.scheme);
+                }
                 _ => {}
             }
         }

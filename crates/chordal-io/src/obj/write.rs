@@ -4,6 +4,7 @@ use crate::placed::{Placed, placed};
 use crate::{Scene, WriteError};
 use chordal::explicit::{Attribute, Domain, Semantic};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::io::{BufWriter, Write};
 
 /// Writes a scene as OBJ.
@@ -44,13 +45,15 @@ pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) ->
 }
 
 /// The kinds of groups that have a statement, and the statement.
-const GROUPS: [(&str, &str); 5] = [("usemtl", "usemtl"), ("g", "g"), ("solid", "g"), ("o", "o"), ("s", "s")];
+pub(super) const GROUPS: [(&str, &str); 5] =
+    [("usemtl", "usemtl"), ("g", "g"), ("solid", "g"), ("o", "o"), ("s", "s")];
 
-struct Writer<'a> {
-    out: BufWriter<&'a mut dyn Write>,
-    line: Vec<u8>,
+pub(super) struct Writer<'a> {
+    pub(super) out: BufWriter<&'a mut dyn Write>,
+    /// The line that is being made.
+    pub(super) line: Vec<u8>,
     /// `v`, `vt` and `vn` lines so far.
-    written: [u64; 3],
+    pub(super) written: [u64; 3],
 }
 
 /// A stream of `vt` or `vn` lines, one a row: which line a corner names.
@@ -71,7 +74,7 @@ impl Stream {
 }
 
 impl Writer<'_> {
-    fn statement(&mut self, keyword: &str, name: &str) -> Result<(), WriteError> {
+    pub(super) fn statement(&mut self, keyword: &str, name: &str) -> Result<(), WriteError> {
         // A name is one line, and a backslash at its end would join it with the next.
         let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
         let name = name.trim().trim_end_matches('\\');
@@ -83,13 +86,22 @@ impl Writer<'_> {
     }
 
     /// A line of a keyword and numbers.
-    fn numbers(&mut self, keyword: &str, numbers: impl IntoIterator<Item = f64>) -> Result<(), WriteError> {
+    pub(super) fn numbers(
+        &mut self,
+        keyword: &str,
+        numbers: impl IntoIterator<Item = f64>,
+    ) -> Result<(), WriteError> {
         self.line.clear();
         self.line.extend_from_slice(keyword.as_bytes());
         for number in numbers {
             self.line.push(b' ');
             put(&mut self.line, number)?;
         }
+        self.end_line()
+    }
+
+    /// Writes the line.
+    pub(super) fn end_line(&mut self) -> Result<(), WriteError> {
         self.line.push(b'\n');
         Ok(self.out.write_all(&self.line)?)
     }
@@ -114,7 +126,7 @@ impl Writer<'_> {
                 let value = attribute.row(face_idx)[0];
                 if value != *current {
                     *current = value;
-                    self.statement(keyword, &group_name(scene, kind, value))?;
+                    self.statement(keyword, &group_name(&scene.groups, kind, value))?;
                 }
             }
             self.line.clear();
@@ -130,8 +142,7 @@ impl Writer<'_> {
                     (Some(t), Some(n)) => write!(self.line, "/{t}/{n}")?,
                 }
             }
-            self.line.push(b'\n');
-            self.out.write_all(&self.line)?;
+            self.end_line()?;
         }
         Ok(())
     }
@@ -181,14 +192,13 @@ impl Writer<'_> {
             self.line.push(b' ');
             put(&mut self.line, x as f32)?;
         }
-        self.line.push(b'\n');
-        Ok(self.out.write_all(&self.line)?)
+        self.end_line()
     }
 }
 
 /// The shortest decimal that reads back to the same number; whole numbers without a point, very large and very small
 /// ones with an exponent.
-fn put(line: &mut Vec<u8>, number: impl std::fmt::Debug) -> std::io::Result<()> {
+pub(super) fn put(line: &mut Vec<u8>, number: impl std::fmt::Debug) -> std::io::Result<()> {
     write!(line, "{number:?}")?;
     if line.ends_with(b".0") {
         line.truncate(line.len() - 2);
@@ -196,12 +206,12 @@ fn put(line: &mut Vec<u8>, number: impl std::fmt::Debug) -> std::io::Result<()> 
     Ok(())
 }
 
-fn group_name(scene: &Scene, kind: &str, value: f64) -> String {
+pub(super) fn group_name(groups: &BTreeMap<String, Vec<String>>, kind: &str, value: f64) -> String {
     if kind == "s" {
         return if value == 0.0 { "off".to_owned() } else { value.to_string() };
     }
     // A value that is no index, or has no name, is named by itself.
-    let known = scene.groups.get(kind).and_then(|names| names.get(value as usize));
+    let known = groups.get(kind).and_then(|names| names.get(value as usize));
     match known {
         Some(name) => name.clone(),
         None if value == 0.0 => String::new(),

@@ -214,6 +214,19 @@ impl Cage {
         Ok(self)
     }
 
+    /// The same cage as one that came from a round: what is a corner by nature is one where it is listed, and only there.
+    #[must_use]
+    pub fn with_corners_listed(mut self) -> Self {
+        self.is_refined = true;
+        self
+    }
+
+    /// Whether what is a corner by nature is one only where it is listed, as in a cage that came from a round.
+    #[must_use]
+    pub fn lists_corners(&self) -> bool {
+        self.is_refined
+    }
+
     /// n × 3.
     #[must_use]
     pub fn positions(&self) -> &[[f64; 3]] {

@@ -1,0 +1,189 @@
+//! `CageRows`: the polygons of an OBJ as they are, for a cage.
+use super::rows::Corner;
+use super::tags::Tags;
+use crate::assemble::check_extent;
+use crate::faces::SHORT_FACES;
+use crate::grow::{push, with_room};
+use crate::polygons::{CornerTexcoords, Polygons};
+use crate::text::{grouped, not_finite};
+use crate::warnings::Warnings;
+use crate::{Frame, Place, ReadError};
+use chordal::explicit::{Cage, InvalidCage, Scheme};
+
+/// Polygons so far.
+#[derive(Debug)]
+pub(super) struct CageRows {
+    scheme: Scheme,
+    pub(super) tags: Tags,
+    /// Where the corners of each face end.
+    ends: Vec<u32>,
+    corners: Vec<u32>,
+    /// One a corner once one has some, and none before.
+    texcoords: Vec<u32>,
+    n_normals: u64,
+    /// Faces in the count of the file that are too short to be any.
+    short: Vec<u32>,
+    /// A face's vertices in order, to see whether one comes twice.
+    sorted: Vec<u32>,
+}
+
+impl CageRows {
+    pub(super) fn new(scheme: Scheme, n_faces: usize) -> Result<Self, ReadError> {
+        Ok(Self {
+            scheme,
+            tags: Tags::default(),
+            ends: with_room(n_faces)?,
+            corners: Vec::new(),
+            texcoords: Vec::new(),
+            n_normals: 0,
+            short: Vec::new(),
+            sorted: Vec::new(),
+        })
+    }
+
+    /// Faces so far.
+    pub(super) fn n_faces(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// A corner of the face that is being read.
+    #[inline]
+    pub(super) fn corner(&mut self, corner: Corner) -> Result<(), ReadError> {
+        if corner.texcoord > 0 && self.texcoords.is_empty() {
+            self.texcoords = with_room(self.corners.len())?;
+            self.texcoords.resize(self.corners.len(), CornerTexcoords::NONE);
+        }
+        push(&mut self.corners, corner.position)?;
+        if corner.texcoord > 0 || !self.texcoords.is_empty() {
+            push(&mut self.texcoords, corner.texcoord.wrapping_sub(1))?;
+        }
+        self.n_normals += u64::from(corner.normal > 0);
+        Ok(())
+    }
+
+    /// The face has all its corners.
+    pub(super) fn end_face(&mut self, line: u64, warnings: &mut Warnings) -> Result<(), ReadError> {
+        let start = self.ends.last().map_or(0, |end| *end as usize);
+        let place = Place::Line(line);
+        let Ok(end) = u32::try_from(self.corners.len()) else {
+            return Err(crate::grow::out_of_memory(self.corners.len()));
+        };
+        let n = self.corners.len() - start;
+        if n == 0 {
+            return Err(ReadError::new("too-few-corners", place, "a face has no corners"));
+        }
+        if n < 3 {
+            let number = self.ends.len() + self.short.len();
+            push(&mut self.short, number as u32)?;
+            self.corners.truncate(start);
+            self.texcoords.truncate(start);
+            warnings.count("short-faces", || (place, SHORT_FACES.to_owned()));
+            return Ok(());
+        }
+        if self.scheme == Scheme::Loop && n != 3 {
+            let message = format!(
+                "Loop subdivision takes triangles alone, and this face has {n} corners: \
+                 --surface catmull-clark takes any"
+            );
+            return Err(ReadError::new("not-triangles", place, message));
+        }
+        self.sorted.clear();
+        self.sorted.extend_from_slice(&self.corners[start..]);
+        self.sorted.sort_unstable();
+        if let Some(pair) = self.sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+            let message = format!(
+                "a face uses vertex {} twice, which no cage can refine: --surface faceted takes it as triangles",
+                pair[0] + 1
+            );
+            return Err(ReadError::new("vertex-twice", place, message));
+        }
+        push(&mut self.ends, end)
+    }
+
+    /// The cage, with the texture coordinates that its corners name.
+    pub(super) fn finish(
+        self,
+        positions: Vec<[f64; 3]>,
+        texcoords: Vec<[f64; 2]>,
+        warnings: &mut Warnings,
+    ) -> Result<Polygons, ReadError> {
+        if let Some(row) = positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+            let error = not_finite(b"of a cage", Place::Row { list: "vertex", row: row as u64 });
+            let message =
+                format!("{}: only triangles are taken apart, with --surface faceted", error.message);
+            return Err(ReadError { message, ..error });
+        }
+        check_extent(&positions)?;
+        self.count_oddities(positions.len(), warnings)?;
+        let Self { tags, ends, corners, texcoords: rows, short, scheme, .. } = self;
+        let holes = kept_holes(&tags.holes, &short, warnings)?;
+        let starts = std::iter::once(0).chain(ends.iter().copied());
+        let faces = starts.zip(&ends).map(|(start, end)| &corners[start as usize..*end as usize]);
+        let built = Cage::new(positions, faces)
+            .and_then(|cage| cage.with_scheme(scheme))
+            .map(|cage| cage.with_boundary(tags.boundary).with_creasing(tags.creasing))
+            .and_then(
+                |cage| if tags.creases.is_empty() { Ok(cage) } else { cage.with_creases(&tags.creases) },
+            )
+            .and_then(|cage| cage.with_sharp_vertices(&tags.corners))
+            .and_then(|cage| cage.with_holes(&holes))
+            .map(|cage| if tags.is_refined { cage.with_corners_listed() } else { cage });
+        let cage = built.map_err(|error| invalid(&error, &tags))?;
+        let mut polygons = Polygons::of(cage, Frame::default());
+        let has_rows = !rows.is_empty();
+        if !has_rows {
+            let message = "texcoords that no face names were dropped";
+            warnings.count_all("texcoords-unused", texcoords.len() as u64, message);
+        }
+        polygons.texcoords =
+            has_rows.then_some(CornerTexcoords { values: texcoords, corners: rows, linear: tags.linear });
+        Ok(polygons)
+    }
+
+    /// Counts what is legal but seldom meant, and what a cage has no use for. Nothing is changed.
+    fn count_oddities(&self, n_vertices: usize, warnings: &mut Warnings) -> Result<(), ReadError> {
+        warnings.count_all("no-vertices", u64::from(n_vertices == 0), "the file has no vertices");
+        warnings.count_all("no-faces", u64::from(self.ends.is_empty()), "the file has no faces");
+        let mut used = with_room(n_vertices)?;
+        used.resize(n_vertices, false);
+        self.corners.iter().for_each(|vertex| used[*vertex as usize] = true);
+        let isolated = used.iter().filter(|used| !**used).count() as u64;
+        if !self.ends.is_empty() {
+            warnings.count_all("isolated-vertices", isolated, "vertices belong to no face");
+        }
+        let message = "normals at corners of a cage were skipped: its surface has its own";
+        warnings.count_all("normals-skipped", self.n_normals, message);
+        Ok(())
+    }
+}
+
+/// Holes in the count of the faces that were kept.
+fn kept_holes(holes: &[u32], short: &[u32], warnings: &mut Warnings) -> Result<Vec<u32>, ReadError> {
+    let mut kept = with_room(holes.len())?;
+    for hole in holes {
+        match short.binary_search(hole) {
+            Ok(_) => {
+                warnings.count_all("holes-skipped", 1, "holes in faces that were skipped were skipped too")
+            }
+            Err(before) => kept.push(hole - before as u32),
+        }
+    }
+    Ok(kept)
+}
+
+/// What the rows alone do not tell: creases where there is no edge.
+fn invalid(error: &InvalidCage, tags: &Tags) -> ReadError {
+    match error {
+        InvalidCage::NoSuchEdge { ends: [a, b] } => {
+            let crease = tags.creases.iter().position(|(ends, _)| ends == &[*a, *b]);
+            let line = tags.line_of(crease.unwrap_or_default());
+            let message = format!(
+                "there is no edge between vertices {} and {}, counted from 0, to be sharp",
+                grouped(u64::from(*a)),
+                grouped(u64::from(*b))
+            );
+            ReadError::new("no-such-edge", Place::Line(line), message)
+        }
+        other => ReadError::new("invalid-cage", Place::File, other.to_string()),
+    }
+}

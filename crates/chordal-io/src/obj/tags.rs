@@ -1,0 +1,265 @@
+//! `Tags`: the subdivision tags of an OBJ, as OpenSubdiv's shapes have them.
+//!
+//! `t NAME INTS/FLOATS/STRINGS …`, then as many words of each kind. Vertices and faces are counted from 0 over the whole
+//! file, other than in its faces.
+use super::statements::Counts;
+use crate::grow::push;
+use crate::polygons::LinearTexcoords;
+use crate::text::{Tokens, grouped, integer, number, show, why_no_number};
+use crate::warnings::Warnings;
+use crate::{Place, ReadError};
+use chordal::explicit::{Boundary, Creasing, Scheme};
+
+/// Tags that say that polygons are a cage, whether all of what they say is understood or not.
+const KNOWN: [&str; 13] = [
+    "crease",
+    "corner",
+    "hole",
+    "interpolateboundary",
+    "creasemethod",
+    "facevaryinginterpolateboundary",
+    "facevaryingpropagatecorners",
+    "smoothtriangles",
+    "vertexedit",
+    "edgeedit",
+    "faceedit",
+    SCHEME,
+    REFINED,
+];
+
+/// The tag of our own that names a scheme, since OBJ has no place for it.
+pub(super) const SCHEME: &str = "scheme";
+
+/// The tag of our own for a cage that came from a round of refinement, in which corners by nature are listed.
+pub(super) const REFINED: &str = "refined";
+
+/// Schemes with their names in that tag.
+pub(super) const SCHEMES: [(Scheme, &str); 3] =
+    [(Scheme::CatmullClark, "catmull-clark"), (Scheme::Loop, "loop"), (Scheme::Bilinear, "bilinear")];
+
+/// Whether the words after `t` start with the name of a tag.
+pub(super) fn is_tag(mut words: Tokens) -> bool {
+    words.next().is_some_and(|name| KNOWN.iter().any(|known| known.as_bytes() == name))
+}
+
+/// The scheme that the words after `t` name, if they are that tag.
+pub(super) fn scheme_of(mut words: Tokens) -> Option<Scheme> {
+    let name = words.next().filter(|name| *name == SCHEME.as_bytes()).and_then(|_| words.nth(1))?;
+    SCHEMES.iter().find(|(_, known)| known.as_bytes() == name).map(|(scheme, _)| *scheme)
+}
+
+/// Border rules with their numbers in `interpolateboundary`.
+pub(super) const BOUNDARIES: [(Boundary, u32); 3] =
+    [(Boundary::None, 0), (Boundary::EdgeAndCorner, 1), (Boundary::EdgeOnly, 2)];
+
+/// What tags say, with vertices and faces that are there.
+#[derive(Debug, Default)]
+pub(super) struct Tags {
+    pub(super) creases: Vec<([u32; 2], f64)>,
+    /// From which crease on, which line.
+    lines: Vec<(usize, u64)>,
+    pub(super) corners: Vec<(u32, f64)>,
+    /// Faces in the count of the file.
+    pub(super) holes: Vec<u32>,
+    pub(super) boundary: Boundary,
+    pub(super) creasing: Creasing,
+    pub(super) linear: LinearTexcoords,
+    pub(super) is_refined: bool,
+}
+
+/// One tag, taken apart.
+struct Tag<'a> {
+    line: u64,
+    name: &'a str,
+    ints: Vec<u32>,
+    floats: Vec<f64>,
+    strings: Vec<&'a [u8]>,
+}
+
+impl Tags {
+    /// Takes what follows `t` on a line.
+    pub(super) fn read(
+        &mut self,
+        (line, mut words): (u64, Tokens),
+        counts: &Counts,
+        warnings: &mut Warnings,
+    ) -> Result<(), ReadError> {
+        let name = words.next().unwrap_or_default();
+        let Some(name) = KNOWN.into_iter().find(|known| known.as_bytes() == name) else {
+            warnings.count("tags-skipped", || {
+                (Place::Line(line), format!("tags (t) of no known name were skipped, {} first", show(name)))
+            });
+            return Ok(());
+        };
+        if name.ends_with("edit") {
+            warnings.count("edits-skipped", || {
+                let message = format!(
+                    "hierarchical edits were skipped, {name} first: the cage is refined without them"
+                );
+                (Place::Line(line), message)
+            });
+            return Ok(());
+        }
+        let tag = Tag::parse(line, name, words)?;
+        match name {
+            "crease" => self.crease(&tag, counts, warnings),
+            "corner" => {
+                for (i, vertex) in tag.ints.iter().enumerate() {
+                    let vertex = tag.within(*vertex, counts.positions, ["vertex", "vertices"])?;
+                    push(&mut self.corners, (vertex, tag.sharpness(i, tag.ints.len(), warnings)?))?;
+                }
+                Ok(())
+            }
+            "hole" => tag.ints.iter().try_for_each(|face| {
+                push(&mut self.holes, tag.within(*face, counts.faces, ["face", "faces"])?)
+            }),
+            _ => {
+                if !self.rule(&tag) {
+                    warnings.count("tag-values-skipped", || {
+                        (
+                            Place::Line(line),
+                            format!("tags whose value means nothing were skipped, {name} first"),
+                        )
+                    });
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// The line of a crease.
+    pub(super) fn line_of(&self, crease: usize) -> u64 {
+        let after = self.lines.partition_point(|(first, _)| *first <= crease);
+        self.lines.get(after.wrapping_sub(1)).map_or(0, |(_, line)| *line)
+    }
+
+    /// Pairs of vertices.
+    fn crease(&mut self, tag: &Tag, counts: &Counts, warnings: &mut Warnings) -> Result<(), ReadError> {
+        if !tag.ints.len().is_multiple_of(2) {
+            let message = format!("a crease names pairs of vertices, not {}", tag.ints.len());
+            return Err(tag.error(message));
+        }
+        push(&mut self.lines, (self.creases.len(), tag.line))?;
+        for (i, pair) in tag.ints.chunks_exact(2).enumerate() {
+            let vertex = |k: usize| tag.within(pair[k], counts.positions, ["vertex", "vertices"]);
+            let ends = [vertex(0)?, vertex(1)?];
+            push(&mut self.creases, (ends, tag.sharpness(i, tag.ints.len() / 2, warnings)?))?;
+        }
+        Ok(())
+    }
+
+    /// A tag that holds for the whole cage; false where its value means nothing.
+    fn rule(&mut self, tag: &Tag) -> bool {
+        match (tag.name, &tag.ints[..], &tag.strings[..]) {
+            ("interpolateboundary", [rule], _) => {
+                let known = BOUNDARIES.iter().find(|(_, number)| number == rule);
+                known.inspect(|(boundary, _)| self.boundary = *boundary).is_some()
+            }
+            ("creasemethod", _, [b"normal"]) => {
+                self.creasing = Creasing::Uniform;
+                true
+            }
+            ("creasemethod", _, [b"chaikin"]) => {
+                self.creasing = Creasing::Chaikin;
+                true
+            }
+            ("facevaryinginterpolateboundary", [rule], _) => {
+                let known = LinearTexcoords::ALL.get(*rule as usize);
+                known.inspect(|linear| self.linear = **linear).is_some()
+            }
+            // Triangles of a Catmull–Clark cage by its own rules is what there is.
+            ("smoothtriangles", _, [b"catmark"]) => true,
+            // Taken with the counts of the file, before its faces.
+            (SCHEME, _, [name]) => SCHEMES.iter().any(|(_, known)| known.as_bytes() == *name),
+            (REFINED, [], []) => {
+                self.is_refined = true;
+                true
+            }
+            _ => false,
+        }
+    }
+}
+
+impl<'a> Tag<'a> {
+    fn parse(line: u64, name: &'a str, mut words: Tokens<'a>) -> Result<Self, ReadError> {
+        let mut tag = Self { line, name, ints: Vec::new(), floats: Vec::new(), strings: Vec::new() };
+        let counts = words.next().unwrap_or_default();
+        let mut parts = counts.split(|b| *b == b'/');
+        let mut count = || match parts.next() {
+            // Whole numbers and floats alone are a habit of some writers.
+            None => Some(0),
+            Some(part) => integer(part).ok().and_then(|n| u64::try_from(n).ok()),
+        };
+        let (ints, floats, strings) = (count(), count(), count());
+        let (Some(ints), Some(floats), Some(strings), None) = (ints, floats, strings, parts.next()) else {
+            let message = format!("{name} says how many words follow as in 2/1/0, not {}", show(counts));
+            return Err(tag.error(message));
+        };
+        let (said, given) =
+            (ints.saturating_add(floats).saturating_add(strings), words.clone().count() as u64);
+        if said != given {
+            let message =
+                format!("{name} says that {} words follow, and there are {}", grouped(said), grouped(given));
+            return Err(tag.error(message));
+        }
+        // No more than there are words on the line.
+        for word in words.by_ref().take(ints as usize) {
+            let value = integer(word).ok().and_then(|value| u32::try_from(value).ok());
+            let value = value.ok_or_else(|| {
+                let message = format!("{} is no number of {name}, which are counted from 0", show(word));
+                ReadError::new("index-out-of-range", Place::Line(line), message)
+            })?;
+            push(&mut tag.ints, value)?;
+        }
+        for word in words.by_ref().take(floats as usize) {
+            let value = number(word).filter(|value| !value.is_nan());
+            let value = value
+                .ok_or_else(|| ReadError::new("not-a-number", Place::Line(line), why_no_number(word)))?;
+            push(&mut tag.floats, value)?;
+        }
+        for word in words {
+            push(&mut tag.strings, word)?;
+        }
+        Ok(tag)
+    }
+
+    fn error(&self, message: String) -> ReadError {
+        ReadError::new("bad-tag", Place::Line(self.line), message)
+    }
+
+    /// The index, if that many things have it.
+    fn within(&self, index: u32, n: usize, [one, many]: [&str; 2]) -> Result<u32, ReadError> {
+        if (index as usize) < n {
+            return Ok(index);
+        }
+        let message = format!(
+            "{} names {one} {index}, counted from 0, and the file has {} {many}",
+            self.name,
+            grouped(n as u64)
+        );
+        Err(ReadError::new("index-out-of-range", Place::Line(self.line), message))
+    }
+
+    /// The sharpness of one of `n`: there is one number for all or one for each.
+    fn sharpness(&self, i: usize, n: usize, warnings: &mut Warnings) -> Result<f64, ReadError> {
+        let sharp = match &self.floats[..] {
+            [all] => *all,
+            each if each.len() == n => each[i],
+            other => {
+                let message = format!(
+                    "{} has {} numbers for {n}: one for all or one for each is needed",
+                    self.name,
+                    other.len()
+                );
+                return Err(self.error(message));
+            }
+        };
+        if sharp < 0.0 {
+            warnings.count("sharpness-negative", || {
+                (Place::Line(self.line), "negative sharpnesses were taken as 0".to_owned())
+            });
+            return Ok(0.0);
+        }
+        Ok(sharp)
+    }
+}

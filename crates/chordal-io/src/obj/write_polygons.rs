@@ -1,0 +1,145 @@
+//! Writes polygons with their subdivision tags as Wavefront OBJ.
+use super::CERTIFICATE;
+use super::tags::{BOUNDARIES, REFINED, SCHEME, SCHEMES};
+use super::write::{GROUPS, Writer, group_name, put};
+use crate::{CornerTexcoords, LinearTexcoords, Polygons, WriteError};
+use chordal::explicit::{Attribute, Creasing, Domain, Scheme, Semantic};
+use serde_json::Value;
+use std::io::{BufWriter, Write};
+
+/// Writes a cage as OBJ: vertices and polygons in their order, texture coordinates by their own indices, colours, groups, and
+/// everything that shapes its surface as subdivision tags, so that the file reads back as the same cage.
+///
+/// The rule of the border is always written: the file has a tag, and so is a cage wherever it is read. A scheme other than
+/// Catmull–Clark is the tag `t scheme 0/0/1 loop`, or `bilinear`, and a cage that came from a round of refinement has `t refined
+/// 0/0/0`; both are Chordal's own. Numbers are the shortest
+/// decimals that read back to the same f64. What OBJ cannot hold is told by [`crate::losses_of_polygons`].
+///
+/// # Errors
+/// [`WriteError`] when the sink fails, or the certificate is too long for a line.
+///
+/// ```
+/// use chordal::explicit::Cage;
+/// use chordal_io::{Content, Frame, Limits, Polygons, obj};
+/// let square = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let cage = Cage::new(square, [[0, 1, 2, 3]])?.with_creases(&[([0, 1], 2.5)])?;
+/// let mut file = Vec::new();
+/// obj::write_polygons(&Polygons::of(cage.clone(), Frame::default()), None, &mut file)?;
+/// assert!(file.ends_with(b"f 1 2 3 4\nt interpolateboundary 1/0/0 2\nt crease 2/1/0 0 1 2.5\n"));
+/// let Content::Polygons(read) = obj::read(&file, &Limits::default())?.content else { unreachable!() };
+/// assert_eq!(read.cage, cage);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write_polygons(
+    polygons: &Polygons,
+    certificate: Option<&Value>,
+    out: &mut dyn Write,
+) -> Result<(), WriteError> {
+    let mut writer = Writer { out: BufWriter::new(out), line: Vec::new(), written: [0; 3] };
+    if let Some(line) = certificate.map(crate::certificate::line).transpose()? {
+        writer.out.write_all(CERTIFICATE)?;
+        writeln!(writer.out, "{line}")?;
+    }
+    vertices(&mut writer, polygons)?;
+    faces(&mut writer, polygons)?;
+    tags(&mut writer, polygons)?;
+    writer.out.flush()?;
+    Ok(())
+}
+
+fn vertices(writer: &mut Writer, polygons: &Polygons) -> Result<(), WriteError> {
+    let n = polygons.cage.positions().len();
+    let is_color =
+        |a: &&Attribute| a.semantic == Semantic::Color(0) && a.domain == Domain::Vertex && a.width >= 3;
+    let color = polygons.attributes.iter().find(is_color).filter(|a| a.values.len() == n * a.width);
+    for (vertex, position) in polygons.cage.positions().iter().enumerate() {
+        let color = color.map_or(&[][..], |a| &a.row(vertex)[..a.width.min(4)]);
+        writer.numbers("v", position.iter().chain(color).copied())?;
+    }
+    let texcoords = polygons.texcoords.iter().flat_map(|texcoords| &texcoords.values);
+    texcoords.into_iter().try_for_each(|texcoord| writer.numbers("vt", texcoord.iter().copied()))
+}
+
+fn faces(writer: &mut Writer, polygons: &Polygons) -> Result<(), WriteError> {
+    let rows = polygons.texcoords.as_ref().map(|texcoords| &texcoords.corners[..]);
+    let of_kind = |kind: &str| {
+        let semantic = Semantic::Group(kind.to_owned());
+        polygons
+            .attributes
+            .iter()
+            .find(|a| a.semantic == semantic && a.domain == Domain::Face && a.width == 1)
+    };
+    let mut groups: Vec<(&Attribute, &str, &str, f64)> = Vec::new();
+    for (kind, keyword) in GROUPS {
+        groups.extend(of_kind(kind).map(|attribute| (attribute, kind, keyword, 0.0)));
+    }
+    let mut corner = 0;
+    for (face, of) in polygons.cage.faces().enumerate() {
+        for (attribute, kind, keyword, current) in &mut groups {
+            let value = attribute.values.get(face).copied().unwrap_or(0.0);
+            if value != *current {
+                *current = value;
+                let name = group_name(&polygons.groups, kind, value);
+                writer.statement(keyword, &name)?;
+            }
+        }
+        writer.line.clear();
+        writer.line.push(b'f');
+        for vertex in of {
+            write!(writer.line, " {}", u64::from(*vertex) + 1)?;
+            let row = rows.and_then(|rows| rows.get(corner)).filter(|row| **row != CornerTexcoords::NONE);
+            if let Some(row) = row {
+                write!(writer.line, "/{}", u64::from(*row) + 1)?;
+            }
+            corner += 1;
+        }
+        writer.end_line()?;
+    }
+    Ok(())
+}
+
+/// Holes in one tag: few enough for the 256 bytes that some readers take of a line.
+const HOLES: usize = 16;
+
+fn tags(writer: &mut Writer, polygons: &Polygons) -> Result<(), WriteError> {
+    let cage = &polygons.cage;
+    let boundary = BOUNDARIES.iter().find(|(rule, _)| *rule == cage.boundary());
+    if let Some((_, number)) = boundary {
+        writeln!(writer.out, "t interpolateboundary 1/0/0 {number}")?;
+    }
+    if cage.scheme() != Scheme::CatmullClark
+        && let Some((_, name)) = SCHEMES.iter().find(|(scheme, _)| *scheme == cage.scheme())
+    {
+        writeln!(writer.out, "t {SCHEME} 0/0/1 {name}")?;
+    }
+    if cage.lists_corners() {
+        writeln!(writer.out, "t {REFINED} 0/0/0")?;
+    }
+    if cage.creasing() == Creasing::Chaikin {
+        writeln!(writer.out, "t creasemethod 0/0/1 chaikin")?;
+    }
+    let linear = polygons.texcoords.as_ref().map_or(LinearTexcoords::default(), |texcoords| texcoords.linear);
+    if linear != LinearTexcoords::default()
+        && let Some(number) = LinearTexcoords::ALL.iter().position(|rule| *rule == linear)
+    {
+        writeln!(writer.out, "t facevaryinginterpolateboundary 1/0/0 {number}")?;
+    }
+    for ([a, b], sharp) in cage.creases() {
+        writer.line.clear();
+        write!(writer.line, "t crease 2/1/0 {a} {b} ")?;
+        put(&mut writer.line, sharp)?;
+        writer.end_line()?;
+    }
+    for (vertex, sharp) in cage.sharp_vertices() {
+        writer.line.clear();
+        write!(writer.line, "t corner 1/1/0 {vertex} ")?;
+        put(&mut writer.line, sharp)?;
+        writer.end_line()?;
+    }
+    for some in cage.holes().chunks(HOLES) {
+        write!(writer.out, "t hole {}/0/0", some.len())?;
+        some.iter().try_for_each(|face| write!(writer.out, " {face}"))?;
+        writeln!(writer.out)?;
+    }
+    Ok(())
+}
