@@ -2,7 +2,7 @@
 use crate::require::Requirement;
 use chordal::budget::{InvalidLength, Length, Pixels, Unit, View};
 use chordal::math::Box3;
-use chordal_io::{Axis, Format};
+use chordal_io::{Axis, Format, PolygonSurface};
 use chordal_verbs::Normals;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
@@ -98,6 +98,10 @@ pub struct InputArgs {
     #[arg(long, value_name = "BOX", value_parser = region, allow_hyphen_values = true)]
     pub region: Option<Box3>,
 
+    /// What the polygons of an .obj stand for; unless said, catmull-clark where the file has subdivision tags, else faceted
+    #[arg(long, value_name = "WHICH")]
+    pub surface: Option<Surface>,
+
     /// Only warn of what is wrong in a glTF file without touching its geometry, and of bytes after a volume
     #[arg(long)]
     pub lenient: bool,
@@ -105,6 +109,30 @@ pub struct InputArgs {
     /// Drop vertices that are not finite numbers, with their faces, and count them, instead of refusing the file
     #[arg(long)]
     pub drop_nonfinite: bool,
+}
+
+/// Which surface polygons stand for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Surface {
+    /// The limit of Catmull-Clark subdivision
+    CatmullClark,
+    /// The limit of Loop subdivision, of triangles
+    Loop,
+    /// Each quad bilinear, each other polygon cut into quads
+    Bilinear,
+    /// The polygons as they are, cut into triangles
+    Faceted,
+}
+
+impl From<Surface> for PolygonSurface {
+    fn from(surface: Surface) -> Self {
+        match surface {
+            Surface::CatmullClark => Self::CatmullClark,
+            Surface::Loop => Self::Loop,
+            Surface::Bilinear => Self::Bilinear,
+            Surface::Faceted => Self::Faceted,
+        }
+    }
 }
 
 /// Arguments about what is said while working and afterwards.
@@ -150,7 +178,8 @@ Examples:
   chordal mesh drawing.svg --tol 0.25 -o drawing.json
   chordal mesh drawing.svg --tol 0.25 -o drawing.glb
   chordal mesh brain.nii.gz --iso 60 -o brain.glb
-  chordal mesh organs.nii.gz --labels all -o organs.glb")]
+  chordal mesh organs.nii.gz --labels all -o organs.glb
+  chordal mesh cage.obj --level 2 -o refined.obj")]
 pub struct MeshArgs {
     #[command(flatten)]
     pub input: InputArgs,
@@ -191,6 +220,10 @@ pub struct MeshArgs {
     /// are added; flat; smooth; crease=ANGLE, smooth up to that angle; groups, by the smoothing groups of an .obj
     #[arg(long, value_name = "HOW", default_value = "auto")]
     pub normals: Normals,
+
+    /// For a polygon cage (.obj): write its polygons after N rounds of refinement instead of its smooth surface; 0 keeps them
+    #[arg(long, value_name = "N", conflicts_with = "budget")]
+    pub level: Option<u32>,
 
     #[command(flatten)]
     pub volume: crate::volume::VolumeArgs,

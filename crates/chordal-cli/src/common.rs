@@ -14,7 +14,14 @@ pub fn read(args: &InputArgs, talk: &Talk) -> Result<Input, Fault> {
     Bytes::of(args)?.load(args, talk)
 }
 
-/// Reads the two shapes of a verb that compares. What is said of fields holds for those of the two that are fields, and
+/// Reads another shape with the arguments of the first: what is said of fields or polygons holds if it is such.
+pub fn read_other(args: &InputArgs, talk: &Talk) -> Result<Input, Fault> {
+    let bytes = Bytes::of(args)?;
+    let format = bytes.format(args);
+    bytes.load(&only_what_holds(args, format), talk)
+}
+
+/// Reads the two shapes of a verb that compares. What is said of fields or polygons holds for those of the two that are such, and
 /// everything else for both.
 ///
 /// # Errors
@@ -32,6 +39,9 @@ pub fn read_both(args: [&InputArgs; 2], talk: &Talk) -> Result<[Input; 2], Fault
     if first.region.is_some() && !has_field && !formats.contains(&None) {
         return Err(Fault::usage("--region is for fields, and neither of the two is one"));
     }
+    if first.surface.is_some() && !formats.contains(&Some(Format::Obj)) && !formats.contains(&None) {
+        return Err(Fault::usage("--surface is for polygons (.obj), and neither of the two has any"));
+    }
     let [a, b] = bytes;
     Ok([
         a.load(&only_what_holds(first, formats[0]), talk)?,
@@ -39,13 +49,14 @@ pub fn read_both(args: [&InputArgs; 2], talk: &Talk) -> Result<[Input; 2], Fault
     ])
 }
 
-/// Without what is for fields, where this is none.
+/// Without what is for fields or for polygons, where this has none.
 fn only_what_holds(args: &InputArgs, format: Option<Format>) -> InputArgs {
     let mut args = args.clone();
     if format != Some(Format::Star) {
         args.set.clear();
         args.region = args.region.filter(|_| format == Some(Format::Vm));
     }
+    args.surface = args.surface.filter(|_| format == Some(Format::Obj));
     args
 }
 
@@ -91,6 +102,7 @@ fn limits(args: &InputArgs) -> Limits {
     limits.lenient = args.lenient;
     limits.drop_nonfinite = args.drop_nonfinite;
     limits.index = args.index;
+    limits.surface = args.surface.map(Into::into);
     limits
 }
 

@@ -2,9 +2,10 @@
 use crate::numbers::{Toward, grouped, point, short, size};
 use crate::summary::{Lines, made, one_way, plural};
 use chordal_verbs::report::{
-    Anatomy, ComponentFacts, DrawingFacts, FieldFacts, FindingFacts, Found, Inspection, KinkFacts, Report,
-    Valid, WitnessFacts, cures_of_all,
+    Anatomy, CageFacts, ComponentFacts, DrawingFacts, FieldFacts, FindingFacts, Found, Inspection, KinkFacts,
+    Report, SharpFacts, Valid, WitnessFacts, cures_of_all,
 };
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// What `inspect` found. `argument` is the input as the command line names it.
@@ -54,6 +55,9 @@ fn holds(lines: &mut Lines, inspection: &Inspection) {
     if let Some(drawing) = &inspection.drawing {
         curves(lines, drawing);
     }
+    if let Some(facts) = &inspection.cage {
+        cage(lines, facts);
+    }
     if let Some(volume) = &inspection.volume {
         crate::volume_letter::samples(lines, volume);
     }
@@ -65,6 +69,52 @@ fn holds(lines: &mut Lines, inspection: &Inspection) {
         lines.add("parts", format!("{} in {} places", grouped(parts.len() as u64), grouped(instances)));
     }
     lines.add_if("box", inspection.bounds.map(|[low, high]| format!("{} to {}", point(low), point(high))));
+}
+
+/// What a cage is.
+fn cage(lines: &mut Lines, facts: &CageFacts) {
+    lines.add("scheme", facts.scheme);
+    lines.add("border", format!("{}, {}", facts.boundary, plural(facts.border_edges, "edge")));
+    let names = |n: u64| match n {
+        3 => "triangle".to_owned(),
+        4 => "quad".to_owned(),
+        n => format!("{n}-gon"),
+    };
+    let faces = facts.faces_by_corners.iter().map(|(corners, n)| plural(*n, &names(*corners)));
+    lines.add("polygons", listed(faces, "none"));
+    let valences = |n: &BTreeMap<u64, u64>| {
+        listed(n.iter().map(|(valence, n)| format!("{} of {valence}", grouped(*n))), "")
+    };
+    let (inner, border) = (valences(&facts.irregular), valences(&facts.irregular_border));
+    lines.add_if("valences", (!inner.is_empty()).then(|| format!("irregular within: {inner} edges")));
+    lines.add_if("", (!border.is_empty()).then(|| format!("irregular on the border: {border} edges")));
+    lines.add_if("creases", sharp(&facts.creases, "edge").map(|text| format!("{text}, {}", facts.creasing)));
+    lines.add_if("corners", sharp(&facts.corners, "vertex"));
+    lines.add_if("holes", (facts.holes > 0).then(|| plural(facts.holes, "face")));
+    lines.add_if(
+        "crowded",
+        (facts.crowded_edges > 0)
+            .then(|| plural(facts.crowded_edges, "edge of other than two faces that agree")),
+    );
+    lines
+        .add_if("isolated", (facts.isolated_vertices > 0).then(|| plural(facts.isolated_vertices, "vertex")));
+    lines.add_if("texcoords", facts.texcoords.map(grouped));
+}
+
+fn listed(items: impl Iterator<Item = String>, none: &str) -> String {
+    let all = items.collect::<Vec<_>>().join(", ");
+    if all.is_empty() { none.to_owned() } else { all }
+}
+
+/// `12 edges: 4 for ever, 8 from 0.5 to 3`
+fn sharp(facts: &SharpFacts, what: &str) -> Option<String> {
+    let forever = (facts.infinite > 0).then(|| format!("{} for ever", grouped(facts.infinite)));
+    let fading = facts.range.map(|[low, high]| {
+        let range = if low == high { format!("{low}") } else { format!("{low} to {high}") };
+        format!("{} of sharpness {range}", grouped(facts.count - facts.infinite))
+    });
+    let parts = listed(forever.into_iter().chain(fading), "");
+    (facts.count > 0).then(|| format!("{}: {parts}", plural(facts.count, what)))
 }
 
 /// What a field is, and what can be set of it.

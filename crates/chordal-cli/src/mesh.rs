@@ -6,11 +6,11 @@ use crate::fault::Fault;
 use crate::input::Source;
 use crate::output::Target;
 use crate::summary;
-use crate::talk::Talk;
+use crate::talk::{Stdout, Talk};
 use chordal::budget::PixelBudget;
 use chordal_io::Format;
-use chordal_verbs::report::{Report, Run};
-use chordal_verbs::{BudgetSpec, MeshFailure, Shape, Spacing, extension, formats, mesh};
+use chordal_verbs::report::{Certificate, Report, Run};
+use chordal_verbs::{BudgetSpec, MeshFailure, Shape, Spacing, extension, formats, mesh, refine};
 use std::path::Path;
 
 /// Reads, meshes, writes, reports.
@@ -25,8 +25,20 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let target = Target::prepare(&args.output.output, common::existing(&args.output), &source)?;
     let mut input = common::read(&args.input, &talk)?;
     args.volume.apply(&mut input.shape)?;
+    if let Some(level) = args.level {
+        let made = refine(input, (level, args.normals), to, &job);
+        let outcome = made.map_err(|failure| common::fault(&source.name(), &failure, ""))?;
+        let bytes = target.write(&mut |out| outcome.write(out))?;
+        let run = Run {
+            input: Some(source.name()),
+            output: Some(target.name()),
+            bytes: Some(bytes),
+            ..Run::default()
+        };
+        return told(outcome.certificate, clock.fill(run, &job), (&talk, stdout));
+    }
     if !spec.has_limit() && !matches!(input.shape, Shape::Volume(_)) {
-        return Err(Fault::usage(NO_BUDGET));
+        return Err(Fault::usage(if matches!(input.shape, Shape::Cage(_)) { NO_LEVEL } else { NO_BUDGET }));
     }
 
     let name = source.name();
@@ -43,22 +55,25 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     };
     let bytes = target.write(&mut |out| outcome.write(out))?;
 
-    let run = Run {
-        verb: "mesh",
-        input: Some(name),
-        output: Some(target.name()),
-        bytes: Some(bytes),
-        ..Run::default()
-    };
-    let report = Report::new(outcome.certificate, clock.fill(run, &job));
-    report.certificate.notes.iter().for_each(|note| talk.detail(note));
-    talk.result(&report.to_value(), &summary::mesh(&report), stdout)?;
+    let run = Run { input: Some(name), output: Some(target.name()), bytes: Some(bytes), ..Run::default() };
+    told(outcome.certificate, clock.fill(run, &job), (&talk, stdout))?;
     unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
+}
+
+/// Tells what was made.
+fn told(certificate: Certificate, run: Run, (talk, stdout): (&Talk, Stdout)) -> Result<(), Fault> {
+    let report = Report::new(certificate, Run { verb: "mesh", ..run });
+    report.certificate.notes.iter().for_each(|note| talk.detail(note));
+    talk.result(&report.to_value(), &summary::mesh(&report), stdout)
 }
 
 /// What is said where nothing limits what may be lost. Volumes alone have a resolution of their own.
 const NO_BUDGET: &str = "the following required arguments were not provided: \
     <--tol <LENGTH>|--px <PIXELS>|--triangles <N>|--segments <N>> (see --help)";
+
+/// The same for a cage, whose polygons need none.
+const NO_LEVEL: &str = "a cage becomes triangles within a budget (--tol, --px or --triangles), or polygons with --level N \
+    (see --help)";
 
 /// The budget, as far as it makes sense before the shape is known.
 fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {

@@ -71,7 +71,7 @@ fn against(args: &RenderArgs, talk: &Talk) -> Result<Option<Input>, Fault> {
     match (args.show, &args.against) {
         (Show::Deviation, Some(file)) => {
             let args = InputArgs { input: file.clone(), ..args.input.clone() };
-            common::read(&args, talk).map(Some)
+            common::read_other(&args, talk).map(Some)
         }
         (Show::Deviation, None) => Err(Fault::usage("--show deviation needs --against FILE to measure from")),
         (_, Some(_)) => Err(Fault::usage("--against is for --show deviation")),

@@ -36,6 +36,14 @@ pub fn mesh(report: &Report) -> String {
     if let Some(output) = &certificate.output {
         made(&mut lines, output);
     }
+    if let Some(refined) = &certificate.refined {
+        let left =
+            format!("{} and {} left", plural(refined.creases, "crease"), plural(refined.corners, "corner"));
+        lines.add(
+            "refined",
+            format!("{} of {}, {left}", plural(u64::from(refined.levels), "round"), refined.scheme),
+        );
+    }
     if let Some(facts) = &certificate.bound {
         lines.add("bound", bound(facts));
         let view = certificate.budget.as_ref().and_then(|budget| budget.view.as_ref());
@@ -77,6 +85,10 @@ pub fn render(report: &Report, picture: &str, back_share: Option<f64>) -> String
 pub(crate) fn made(lines: &mut Lines, output: &Output) {
     match output {
         Output::Triangles(output) => triangles(lines, output),
+        Output::Polygons(output) => {
+            lines.add("faces", grouped(output.faces));
+            lines.add("vertices", grouped(output.vertices));
+        }
         Output::Polylines(output) => {
             lines.add("polylines", grouped(output.polylines));
             lines.add(

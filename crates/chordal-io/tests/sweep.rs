@@ -72,6 +72,12 @@ fn check(name: &str, bytes: &[u8], format: Format) {
             assert!(mesh.positions().iter().flatten().all(|x| x.is_finite()), "{name}");
             assert!(mesh.attributes().iter().flat_map(|a| &a.values).all(|x| x.is_finite()), "{name}");
         }
+        Ok(Loaded { content: Content::Polygons(polygons), .. }) => {
+            assert!(polygons.cage.positions().iter().flatten().all(|x| x.is_finite()), "{name}");
+            assert!(polygons.attributes.iter().flat_map(|a| &a.values).all(|x| x.is_finite()), "{name}");
+            let n_corners: usize = polygons.cage.faces().map(<[u32]>::len).sum();
+            assert!(polygons.texcoords.is_none_or(|t| t.corners.len() == n_corners), "{name}");
+        }
         Ok(Loaded { content: Content::Volume(volume), .. }) => {
             let n: usize = volume.grid.size().iter().product();
             assert!(volume.grid.samples().len() == n && n >= 8, "{name}");
@@ -393,6 +399,36 @@ fn large_hostile_files_stay_within_the_promised_memory() {
         ("one polygon", Format::Obj, format!("{square}f{}\n", " 1 2 3 4".repeat(n / 2)).into_bytes()),
         ("quads", Format::Obj, format!("{square}{}", "f 1 2 3 4\n".repeat(n)).into_bytes()),
         ("splits", Format::Obj, format!("{square}{texcoords}f{splits}\n").into_bytes()),
+        (
+            "a cage with a crease",
+            Format::Obj,
+            format!("{square}{}t crease 2/1/0 0 1 1\n", "f 1 2 3\n".repeat(n)).into_bytes(),
+        ),
+        (
+            "a cage of quads",
+            Format::Obj,
+            format!("{square}vt 0\n{}t hole 0/0/0\n", "f 1/1 2/1 3/1 4/1\n".repeat(n / 2)).into_bytes(),
+        ),
+        (
+            "creases",
+            Format::Obj,
+            format!("{square}f 1 2 3\n{}", "t crease 2/1/0 0 1 1\n".repeat(n / 4)).into_bytes(),
+        ),
+        (
+            "a tag of creases",
+            Format::Obj,
+            format!("{square}f 1 2 3\nt crease {}/1/0{} 1\n", 2 * n, " 0 1".repeat(n)).into_bytes(),
+        ),
+        (
+            "a tag of holes",
+            Format::Obj,
+            format!("{square}f 1 2 3\nt hole {}/0/0{}\n", 2 * n, " 0 0".repeat(n)).into_bytes(),
+        ),
+        (
+            "a tag of corners",
+            Format::Obj,
+            format!("{square}f 1 2 3\nt corner {n}/{n}/0{}{}\n", " 0".repeat(n), " 1".repeat(n)).into_bytes(),
+        ),
         (
             "groups",
             Format::Obj,

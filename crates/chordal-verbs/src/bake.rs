@@ -1,7 +1,7 @@
 //! `bake`: distances to triangles on a lattice.
 use crate::mesh::refused;
 use crate::report::{BakedFacts, Certificate};
-use crate::{Input, MeshFailure, Shape, placed};
+use crate::{Input, MeshFailure, Shape, formats, placed};
 use chordal::Mesh;
 use chordal::budget::{Code, Job, Stopped, par_map};
 use chordal::convert::{Baked, mesh_to_grid};
@@ -66,8 +66,7 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
     let mut certificate = Certificate::of(&input);
     let (kind, frame) = (input.shape.kind(), *input.shape.frame());
     let Shape::Scene(scene) = input.shape else {
-        let message = format!("only triangles can be baked, and these are {kind}: mesh them first");
-        return Err(MeshFailure::Usage(message));
+        return Err(MeshFailure::Usage(formats::only_triangles("baked", kind)));
     };
     let placed = placed::flattened(scene)?;
     if placed.left_out > 0 {

@@ -1,8 +1,9 @@
 //! `deviation`: how far two shapes are apart, certified from both sides.
 use crate::report::{BoundFacts, Certificate, DeviationFacts, Report, Run, Verdict};
-use crate::{Input, MeshFailure, Shape, implicit, placed};
+use crate::{Input, MeshFailure, Shape, cage, implicit, placed};
 use chordal::budget::{Bound, Code, Failure, Length, Reference, Refusal, Stopped, Tolerance};
 use chordal::check::{self, Goal, OneSided};
+use chordal::explicit::Cage;
 use chordal::math::{add_up, sub_down};
 use chordal::{Budget, Job, Mesh, convert};
 use std::borrow::Cow;
@@ -94,7 +95,7 @@ fn measure(
         (a, b) => return Pair::of(a, b, certificate)?.measure(goal, job),
     };
     let Surface::Triangles(mesh, off) = Surface::of(other, certificate)? else {
-        let message = "only triangles are measured against a field: mesh the patches first".to_owned();
+        let message = "only triangles are measured against a field: mesh the other shape first".to_owned();
         return Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }));
     };
     let found = implicit::deviation_of(&mesh, &field, goal, job)?;
@@ -127,9 +128,14 @@ fn frames_differ(a: &Input, b: &Input) -> Option<String> {
 enum Surface {
     /// Triangles, and how far they may be from where they belong.
     Triangles(Mesh, f64),
-    /// Patches and a length that is small for them.
+    /// Patches and their diagonal.
     Patches(Vec<chordal::Patch>, f64),
+    /// A cage and its diagonal.
+    Cage(Box<Cage>, f64),
 }
+
+/// Triangles, how far they are from the true surface at most, and which that is.
+type Within<'a> = (Cow<'a, Mesh>, f64, Reference);
 
 impl Surface {
     fn of(shape: Shape, certificate: &mut Certificate) -> Result<Self, MeshFailure> {
@@ -145,6 +151,7 @@ impl Surface {
                 Ok(Self::Triangles(mesh, placed.moved_at_most))
             }
             Shape::Patches { patches, .. } => Ok(Self::Patches(patches, diagonal)),
+            Shape::Cage(polygons) => Ok(Self::Cage(Box::new(polygons.cage), diagonal)),
             Shape::Volume(_) => {
                 let message = "a volume has no triangles to measure: mesh it first".to_owned();
                 Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }))
@@ -160,36 +167,39 @@ impl Surface {
         }
     }
 
-    /// The triangles, and how far they are from the true surface at most.
-    fn within(&self, share: f64, job: &Job) -> Result<(Cow<'_, Mesh>, f64), MeshFailure> {
+    /// The triangles, how far they are from the true surface at most, and which that is.
+    fn within(&self, share: f64, job: &Job) -> Result<Within<'_>, MeshFailure> {
         match self {
-            Self::Triangles(mesh, off) => Ok((Cow::Borrowed(mesh), *off)),
-            Self::Patches(patches, diagonal) => {
+            Self::Triangles(mesh, off) => Ok((Cow::Borrowed(mesh), *off, Reference::InputTriangles)),
+            Self::Patches(_, diagonal) | Self::Cage(_, diagonal) => {
                 let tolerance = Tolerance::new(share * diagonal).map_err(|_| {
-                    let message = "the patches have no size".to_owned();
+                    let message = "the shape has no size".to_owned();
                     MeshFailure::Refused(Refusal { code: Code::Empty, message })
                 })?;
-                let made = convert::patches_to_mesh(patches, &Budget::length(tolerance), job);
+                let budget = Budget::length(tolerance);
+                let made = match self {
+                    Self::Cage(cage, _) => cage::cage_to_mesh(cage, &budget, job),
+                    Self::Patches(patches, _) => convert::patches_to_mesh(patches, &budget, job),
+                    Self::Triangles(mesh, off) => {
+                        return Ok((Cow::Borrowed(mesh), *off, Reference::InputTriangles));
+                    }
+                };
                 let made = made.map_err(|failure| match failure {
                     Failure::Refused(refusal) => MeshFailure::Refused(refusal),
                     Failure::Cancelled => MeshFailure::Cancelled,
                     Failure::Unmet(best) => MeshFailure::Refused(Refusal {
                         code: Code::Budget,
-                        message: format!("the patches cannot be meshed finely enough: {}", best.bound),
+                        message: format!("the shape cannot be meshed finely enough: {}", best.bound),
                     }),
                 })?;
                 let off = made.bound.at_most().unwrap_or(f64::INFINITY);
-                Ok((Cow::Owned(made.shape), off))
+                Ok((Cow::Owned(made.shape), off, made.bound.reference))
             }
         }
     }
 
     fn is_exact(&self) -> bool {
         matches!(self, Self::Triangles(..))
-    }
-
-    fn reference(&self) -> Reference {
-        if self.is_exact() { Reference::InputTriangles } else { Reference::BezierPatches }
     }
 }
 
@@ -228,7 +238,8 @@ impl Pair {
         let exact = surfaces.iter().all(Surface::is_exact);
         let mut share = FIRST;
         loop {
-            let [(a, a_off), (b, b_off)] = [surfaces[0].within(share, job)?, surfaces[1].within(share, job)?];
+            let [(a, a_off, _), (b, b_off, reference)] =
+                [surfaces[0].within(share, job)?, surfaces[1].within(share, job)?];
             let off = if a_off + b_off == 0.0 { 0.0 } else { add_up(a_off, b_off) };
             let inner = if exact { *goal } else { inside(goal, off) };
             let found = check::deviation(&a, &b, &inner, job).map_err(|stopped| match stopped {
@@ -243,7 +254,7 @@ impl Pair {
                 || goal.absolute.is_some_and(|length| most <= least + length.get());
             let decided = goal.max.is_some_and(|max| least > max.get() || most <= max.get());
             if exact || decided || near && goal.max.is_none() || share <= FINEST {
-                let mut bound = Bound::proved(least, most, surfaces[1].reference());
+                let mut bound = Bound::proved(least, most, reference);
                 bound.at = found.bound.at;
                 let reached = if exact { found.reached } else { near || decided };
                 return Ok(Found { bound, forward, backward, reached, share });

@@ -64,6 +64,7 @@ impl fmt::Display for MeshFailure {
             Self::Unmet(best) => {
                 let made = match best.certificate.output {
                     Some(Output::Polylines(lines)) => format!("{} segments", lines.segments),
+                    Some(Output::Polygons(output)) => format!("{} faces", output.faces),
                     Some(Output::Triangles(output)) => format!("{} triangles", output.triangles),
                     None => "nothing".to_owned(),
                 };

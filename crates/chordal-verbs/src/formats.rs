@@ -15,6 +15,12 @@ pub fn holds_triangles(format: Format) -> bool {
     matches!(format, Format::Obj | Format::Ply | Format::Stl | Format::Glb)
 }
 
+/// Whether polygons of any number of corners can be written in that format.
+#[must_use]
+pub fn holds_polygons(format: Format) -> bool {
+    matches!(format, Format::Obj | Format::Ply)
+}
+
 /// The names of the formats that triangles can be written in, as in "obj, ply, stl, glb".
 #[must_use]
 pub fn mesh_names() -> String {
@@ -49,6 +55,9 @@ pub(crate) fn check_output(shape: &Shape, to: Format) -> Result<(), String> {
             "fields that depend on z become triangles, which {to} does not hold; {} do",
             mesh_names()
         )),
+        Shape::Cage(_) if !holds_triangles(to) => {
+            Err(format!("cages become polygons or triangles, which {to} does not hold; {} do", mesh_names()))
+        }
         Shape::Volume(_) if !holds_triangles(to) => {
             Err(format!("volumes become triangles, which {to} does not hold; {} do", mesh_names()))
         }
@@ -57,6 +66,15 @@ pub(crate) fn check_output(shape: &Shape, to: Format) -> Result<(), String> {
         )),
         _ => Ok(()),
     }
+}
+
+/// Why something that is not triangles cannot be treated so, in a sentence with what to do instead. `done` is what cannot be done.
+pub(crate) fn only_triangles(done: &str, kind: &str) -> String {
+    let instead = match kind {
+        "cage" => "; --surface faceted takes the polygons as triangles",
+        _ => "",
+    };
+    format!("only triangles can be {done}, and these are {kind}: mesh them first{instead}")
 }
 
 /// What makes two vertices of such a file one position: the file's own indices where it has some, else their bits.

@@ -1,5 +1,7 @@
 //! `inspect`: what a file holds and whether it is sound.
-use crate::report::{Certificate, Counted, Inspection, LineFacts, Look, Output, Report, Run, Uncounted};
+use crate::report::{
+    Certificate, Counted, Inspection, LineFacts, Look, Output, PolygonFacts, Report, Run, Uncounted,
+};
 use crate::{Input, Shape};
 use chordal::Job;
 use chordal::budget::Stopped;
@@ -52,6 +54,9 @@ fn report(input: &Input, counted: Option<Counted>) -> Report {
     if let Some(lines) = polylines_of(&input.shape) {
         certificate.output = Some(Output::Polylines(lines));
     }
+    if let Shape::Cage(polygons) = &input.shape {
+        certificate.output = Some(Output::Polygons(PolygonFacts::of(&polygons.cage)));
+    }
     let inspection = Inspection::of(input, &certificate);
     if inspection.found.as_ref().is_some_and(|found| !found.differs.is_empty()) {
         certificate.notes.push(DIFFERS.to_owned());
@@ -68,6 +73,6 @@ fn polylines_of(shape: &Shape) -> Option<LineFacts> {
     match shape {
         Shape::Drawing(drawing) => LineFacts::of_straight(&drawing.lines),
         Shape::Curves(curves) => LineFacts::of_straight(&curves.lines),
-        Shape::Patches { .. } | Shape::Scene(_) | Shape::Field(_) | Shape::Volume(_) => None,
+        Shape::Patches { .. } | Shape::Scene(_) | Shape::Cage(_) | Shape::Field(_) | Shape::Volume(_) => None,
     }
 }

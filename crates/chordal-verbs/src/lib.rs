@@ -18,6 +18,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 mod bake;
+mod cage;
 mod deviation;
 mod digest;
 mod export;
@@ -43,9 +44,10 @@ mod surfaces;
 mod written;
 
 pub use bake::{BakeOutcome, BakeSpec, bake};
+pub use cage::{Control, RefineOutcome, refine};
 pub use chordal::convert::{Border, Inside, Spacing};
 pub use chordal::mend::{Duplicates, Holes};
-pub use chordal_io::{Axis, Curves, Drawing, Frame, Polylines, Scene};
+pub use chordal_io::{Axis, Curves, Drawing, Frame, PolygonSurface, Polygons, Polylines, Scene};
 pub use deviation::{DeviationSpec, deviation};
 pub use digest::sha256;
 pub use export::{write, write_polylines};

@@ -2,7 +2,7 @@
 use crate::digest::sha256;
 use crate::{Shape, script};
 use chordal::math::Box3;
-use chordal_io::{Format, Limits, Place, ReadError, Warning};
+use chordal_io::{Format, Limits, Place, PolygonSurface, ReadError, Warning};
 
 /// How the format of some bytes is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -58,6 +58,9 @@ pub struct Input {
 /// ```
 pub fn load(bytes: &[u8], hint: Hint, limits: &Limits) -> Result<Input, ReadError> {
     let format = format_of(bytes, hint)?;
+    if let Some(surface) = limits.surface {
+        check_surface(surface, format)?;
+    }
     let (mut shape, warnings) = if format == Format::Star {
         (script::shape(bytes, hint.set, limits)?, Vec::new())
     } else {
@@ -77,6 +80,16 @@ pub fn load(bytes: &[u8], hint: Hint, limits: &Limits) -> Result<Input, ReadErro
         }
     }
     Ok(Input { shape, format, n_bytes: bytes.len() as u64, sha256: sha256(bytes), warnings })
+}
+
+/// Only OBJ keeps polygons; triangles of other files are faceted as they are.
+fn check_surface(surface: PolygonSurface, format: Format) -> Result<(), ReadError> {
+    let is_triangles = matches!(format, Format::Ply | Format::Stl | Format::Glb);
+    if format == Format::Obj || surface == PolygonSurface::Faceted && is_triangles {
+        return Ok(());
+    }
+    let message = format!("only the polygons of an .obj can be a cage: --surface says nothing of {format}");
+    Err(ReadError::new("no-cage", Place::File, message))
 }
 
 fn format_of(bytes: &[u8], hint: Hint) -> Result<Format, ReadError> {

@@ -91,8 +91,7 @@ pub fn mend(input: Input, spec: &MendSpec, to: Format, job: &Job) -> Result<Mesh
     let place = input.shape.hull()?;
     let kind = input.shape.kind();
     let Shape::Scene(mut scene) = input.shape else {
-        let message = format!("only triangles can be mended, and these are {kind}: mesh them first");
-        return Err(MeshFailure::Usage(message));
+        return Err(MeshFailure::Usage(formats::only_triangles("mended", kind)));
     };
     certificate.valid_before = Some(Counted::of(&scene, input.format)?.valid);
     let mut bound = Bound::exact(Reference::InputTriangles);

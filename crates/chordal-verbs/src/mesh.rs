@@ -4,7 +4,7 @@ use crate::polylines::{self, Asked};
 use crate::report::{BoundFacts, BudgetFacts, Certificate, Counted, Output};
 use crate::written::as_written;
 use crate::{
-    BudgetSpec, Input, MeshFailure, Shape, filled, formats, implicit, surfaces, write, write_polylines,
+    BudgetSpec, Input, MeshFailure, Shape, cage, filled, formats, implicit, surfaces, write, write_polylines,
 };
 use chordal::budget::{Bound, Budget, Code, Failure, PixelBudget, Pixels, Reference, Refusal, Tolerance};
 use chordal::math::{Box3, add_up, sub_down};
@@ -118,6 +118,10 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
         Shape::Patches { patches, frame } => {
             let source = Source { patches, frame, place };
             tessellate(&source, &budget, to, job)?
+        }
+        Shape::Cage(polygons) => {
+            certificate.notes.extend(cage::left_out(&polygons));
+            cage::smooth(&polygons, &Asked { spec, budget, to, place }, job)?
         }
         Shape::Volume(sampled) => {
             let asked = Asked { spec, budget, to, place: widened(&place) };

@@ -3,7 +3,7 @@ use crate::Implicit;
 use crate::deviation::Pair;
 use crate::filled::Filling;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OutputFacts};
-use crate::{BudgetSpec, Input, MeshFailure, Shape, placed};
+use crate::{BudgetSpec, Input, MeshFailure, Shape, cage, placed};
 use chordal::budget::{Camera, Code, Failure, Length, Pixels, Projection, Refusal, Screen, Stopped, View};
 use chordal::check::Goal;
 use chordal::explicit::{Topology, facing};
@@ -13,7 +13,7 @@ use chordal::render::{
     Against, NotDrawn, Options, Picture, Up, Viewpoint, frame, render as trace,
     render_against as trace_against, render_field,
 };
-use chordal::{Bounded, Budget, Job, Mesh, Patch, Tolerance, convert};
+use chordal::{Bounded, Budget, Job, Mesh, Tolerance, convert};
 use chordal_io::{Axis, Drawing, Frame, WriteError, png};
 use std::io::Write;
 
@@ -97,10 +97,9 @@ pub fn render(
             let asked = Asked { options, fineness, shape: &input.shape };
             shoot_drawing(drawing, &asked, certificate, job)
         }
-        Shape::Patches { patches, .. } => {
-            let camera = camera_for(patches, &input.shape, &options, job)?;
-            let Meshed { made, budget, note } =
-                mesh_for(&input.shape, patches, fineness, &Shot { camera, job })?;
+        Shape::Patches { .. } | Shape::Cage(_) => {
+            let camera = camera_for(&input.shape, &options, job)?;
+            let Meshed { made, budget, note } = mesh_for(&input.shape, fineness, &Shot { camera, job })?;
             certificate.notes.extend(note);
             certificate.budget = Some(BudgetFacts::of(&budget));
             certificate.bound = Some(BoundFacts::of(&made.bound));
@@ -273,8 +272,17 @@ fn shoot(
     Ok(RenderOutcome { picture, camera, certificate, darkest: None, back_share })
 }
 
-fn tessellate(patches: &[Patch], budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, MeshFailure> {
-    convert::patches_to_mesh(patches, budget, job).map_err(unmet)
+/// Triangles of patches or of the limit surface of a cage.
+fn tessellate(shape: &Shape, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, MeshFailure> {
+    let made = match shape {
+        Shape::Patches { patches, .. } => convert::patches_to_mesh(patches, budget, job),
+        Shape::Cage(polygons) => cage::cage_to_mesh(&polygons.cage, budget, job),
+        other => {
+            let message = format!("{} have no patches", other.kind());
+            Err(Failure::refused(Code::Unsupported, message))
+        }
+    };
+    made.map_err(unmet)
 }
 
 /// Why there is no mesh for a picture, for which a worse one would not do.
@@ -289,13 +297,13 @@ fn unmet(failure: Failure<Mesh>) -> MeshFailure {
     }
 }
 
-/// The camera of the options, or one that frames a coarse mesh of the patches.
-fn camera_for(patches: &[Patch], shape: &Shape, options: &Options, job: &Job) -> Result<Camera, MeshFailure> {
+/// The camera of the options, or one that frames a coarse mesh of the shape.
+fn camera_for(shape: &Shape, options: &Options, job: &Job) -> Result<Camera, MeshFailure> {
     let screen = match options.viewpoint {
         Viewpoint::Camera(camera) => return Ok(camera),
         Viewpoint::Automatic(screen) => screen,
     };
-    let mesh = tessellate(patches, &share_of(shape, COARSE)?, job)?.shape;
+    let mesh = tessellate(shape, &share_of(shape, COARSE)?, job)?.shape;
     Ok(frame(&mesh, options.up, screen))
 }
 
@@ -321,14 +329,9 @@ struct Shot<'a> {
     job: &'a Job,
 }
 
-fn mesh_for(
-    shape: &Shape,
-    patches: &[Patch],
-    fineness: Option<Fineness>,
-    shot: &Shot,
-) -> Result<Meshed, MeshFailure> {
+fn mesh_for(shape: &Shape, fineness: Option<Fineness>, shot: &Shot) -> Result<Meshed, MeshFailure> {
     let made = |(budget, note): (Budget, Option<String>)| {
-        Ok(Meshed { made: tessellate(patches, &budget, shot.job)?, budget, note })
+        Ok(Meshed { made: tessellate(shape, &budget, shot.job)?, budget, note })
     };
     let at_camera = |pixels| Budget::pixels(pixels, View::Camera(shot.camera));
     match fineness {

@@ -1,10 +1,10 @@
 //! `Shape`: anything that a verb can be applied to, in its frame.
 use crate::implicit::Implicit;
-use crate::{Sampled, SurfaceSpec};
+use crate::{Sampled, SurfaceSpec, cage};
 use chordal::Patch;
 use chordal::explicit::{Curve, Piece};
 use chordal::math::{Box3, add_up, mul_down, mul_up, sqrt_down, sub_down};
-use chordal_io::{Content, Curves, Drawing, Frame, Scene, WriteError};
+use chordal_io::{Content, Curves, Drawing, Frame, Polygons, Scene, WriteError};
 
 /// Any shape that a file can hold.
 #[derive(Clone, Debug)]
@@ -19,6 +19,8 @@ pub enum Shape {
     },
     /// Triangle meshes with their places.
     Scene(Scene),
+    /// A polygon cage, for the smooth surface that it stands for.
+    Cage(Polygons),
     /// Curves in the plane.
     Drawing(Drawing),
     /// Curves in space.
@@ -34,6 +36,7 @@ impl From<Content> for Shape {
         match content {
             Content::Patches(patches, frame) => Self::Patches { patches, frame },
             Content::Scene(scene) => Self::Scene(scene),
+            Content::Polygons(polygons) => Self::Cage(polygons),
             Content::Drawing(drawing) => Self::Drawing(drawing),
             Content::Curves(curves) => Self::Curves(curves),
             Content::Field { field, region, frame } => {
@@ -51,6 +54,7 @@ impl Shape {
         match self {
             Self::Patches { .. } => "patches",
             Self::Scene(_) => "triangles",
+            Self::Cage(_) => "cage",
             Self::Drawing(_) => "drawing",
             Self::Curves(_) => "curves",
             Self::Field(_) => "field",
@@ -64,6 +68,7 @@ impl Shape {
         match self {
             Self::Patches { frame, .. } => frame,
             Self::Scene(scene) => &scene.frame,
+            Self::Cage(polygons) => &polygons.frame,
             Self::Drawing(drawing) => &drawing.frame,
             Self::Curves(curves) => &curves.frame,
             Self::Field(field) => &field.frame,
@@ -76,6 +81,7 @@ impl Shape {
         match self {
             Self::Patches { frame, .. } => frame,
             Self::Scene(scene) => &mut scene.frame,
+            Self::Cage(polygons) => &mut polygons.frame,
             Self::Drawing(drawing) => &mut drawing.frame,
             Self::Curves(curves) => &mut curves.frame,
             Self::Field(field) => &mut field.frame,
@@ -97,6 +103,8 @@ impl Shape {
                 let meshes = scene.world_meshes()?;
                 Ok(meshes.iter().fold(Box3::EMPTY, |hull, (_, mesh)| hull.union(mesh.bounds())))
             }
+            // Every point of the surface is a mean of control points.
+            Self::Cage(polygons) => Ok(Box3::around(polygons.cage.positions())),
             Self::Drawing(drawing) => Ok(hull_of(&drawing.lines)),
             Self::Curves(curves) => Ok(hull_of(&curves.lines)),
             Self::Field(field) => Ok(field.place()),
@@ -121,6 +129,7 @@ impl Shape {
                 Ok(diagonal_below(&sampled_box(patches), mul_up(16.0 * f64::EPSILON, reach)))
             }
             Self::Scene(_) => Ok(diagonal_below(&self.hull()?, 0.0)),
+            Self::Cage(polygons) => Ok(diagonal_below(&cage::inner_box(polygons), 0.0)),
             Self::Drawing(drawing) => Ok(diagonal_of(&drawing.lines)),
             Self::Curves(curves) => Ok(diagonal_of(&curves.lines)),
             // The box may be larger than the shape. What its surface spans is known once it is meshed.

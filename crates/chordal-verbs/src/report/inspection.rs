@@ -1,5 +1,7 @@
 //! What an input is: only `inspect` says it.
-use super::{Certificate, DrawingFacts, FieldFacts, FindingFacts, OutputFacts, VolumeFacts, to_value};
+use super::{
+    CageFacts, Certificate, DrawingFacts, FieldFacts, FindingFacts, OutputFacts, VolumeFacts, to_value,
+};
 use crate::formats::topology;
 use crate::written::rows_of;
 use crate::{Input, Shape};
@@ -26,6 +28,9 @@ pub struct Inspection {
     pub parts: Option<Vec<PartFacts>>,
     /// What there is of curves; none for other shapes.
     pub drawing: Option<DrawingFacts>,
+    /// What there is of a cage; not there for other shapes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cage: Option<CageFacts>,
     /// What there is of samples; not there for other shapes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub volume: Option<VolumeFacts>,
@@ -89,6 +94,7 @@ impl Inspection {
         let scene = match &input.shape {
             Shape::Scene(scene) => Some(scene),
             Shape::Patches { .. }
+            | Shape::Cage(_)
             | Shape::Drawing(_)
             | Shape::Curves(_)
             | Shape::Field(_)
@@ -97,18 +103,22 @@ impl Inspection {
         let drawing = match &input.shape {
             Shape::Drawing(drawing) => Some(DrawingFacts::of(drawing)),
             Shape::Curves(curves) => Some(DrawingFacts::of(curves)),
-            Shape::Patches { .. } | Shape::Scene(_) | Shape::Field(_) | Shape::Volume(_) => None,
+            Shape::Patches { .. } | Shape::Scene(_) | Shape::Cage(_) | Shape::Field(_) | Shape::Volume(_) => {
+                None
+            }
         };
         let field = match &input.shape {
             Shape::Field(implicit) => Some(FieldFacts::of(implicit)),
             Shape::Patches { .. }
             | Shape::Scene(_)
+            | Shape::Cage(_)
             | Shape::Drawing(_)
             | Shape::Curves(_)
             | Shape::Volume(_) => None,
         };
         let certificate = match &input.shape {
             Shape::Scene(scene) => scene.certificate.clone(),
+            Shape::Cage(polygons) => polygons.certificate.clone(),
             Shape::Drawing(drawing) => drawing.certificate.clone(),
             Shape::Curves(curves) => curves.certificate.clone(),
             Shape::Volume(sampled) => sampled.volume.certificate.clone(),
@@ -116,9 +126,12 @@ impl Inspection {
         };
         let patches = match &input.shape {
             Shape::Patches { patches, .. } => Some(patches.len() as u64),
-            Shape::Scene(_) | Shape::Drawing(_) | Shape::Curves(_) | Shape::Field(_) | Shape::Volume(_) => {
-                None
-            }
+            Shape::Scene(_)
+            | Shape::Cage(_)
+            | Shape::Drawing(_)
+            | Shape::Curves(_)
+            | Shape::Field(_)
+            | Shape::Volume(_) => None,
         };
         Self {
             bytes: input.n_bytes,
@@ -126,6 +139,7 @@ impl Inspection {
             patches,
             parts: scene.map(|scene| PartFacts::of_all(scene, input.format)),
             drawing,
+            cage: if let Shape::Cage(polygons) = &input.shape { Some(CageFacts::of(polygons)) } else { None },
             volume: if let Shape::Volume(sampled) = &input.shape {
                 Some(VolumeFacts::of(sampled))
             } else {

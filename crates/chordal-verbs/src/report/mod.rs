@@ -6,6 +6,7 @@ mod anatomy;
 mod baked;
 mod bound;
 mod budget;
+mod cage;
 mod checked;
 mod deviation;
 mod drawing;
@@ -20,6 +21,7 @@ pub use anatomy::{Anatomy, ComponentFacts, FindingFacts, MOST_COMPONENTS, cures_
 pub use baked::{BakedFacts, SolidFacts};
 pub use bound::BoundFacts;
 pub use budget::{BudgetFacts, ViewFacts};
+pub use cage::{CageFacts, PolygonFacts, RefinedFacts, SharpFacts};
 use checked::witness_facts;
 pub use deviation::{DeviationFacts, OneSidedFacts, Verdict};
 pub use drawing::{DrawingFacts, JoinCounts, KinkFacts, PieceCounts};
@@ -80,6 +82,9 @@ pub struct Certificate {
     /// What was mended, in the order in which it was; only from `mend`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub mended: Vec<MendedFacts>,
+    /// How a cage was refined; only where its polygons were.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refined: Option<RefinedFacts>,
     /// The lattice that was made; only from `bake`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub baked: Option<BakedFacts>,
@@ -101,6 +106,7 @@ impl Certificate {
             valid: None,
             valid_before: None,
             mended: Vec::new(),
+            refined: None,
             baked: None,
             notes: assumed_region(input).map(str::to_owned).into_iter().collect(),
         }
@@ -217,6 +223,8 @@ pub enum Output {
     Triangles(OutputFacts),
     /// Polylines.
     Polylines(LineFacts),
+    /// Polygons.
+    Polygons(PolygonFacts),
 }
 
 impl Output {
@@ -225,7 +233,7 @@ impl Output {
     pub fn triangles(&self) -> Option<&OutputFacts> {
         match self {
             Self::Triangles(facts) => Some(facts),
-            Self::Polylines(_) => None,
+            Self::Polylines(_) | Self::Polygons(_) => None,
         }
     }
 
@@ -233,8 +241,17 @@ impl Output {
     #[must_use]
     pub fn polylines(&self) -> Option<&LineFacts> {
         match self {
-            Self::Triangles(_) => None,
+            Self::Triangles(_) | Self::Polygons(_) => None,
             Self::Polylines(facts) => Some(facts),
+        }
+    }
+
+    /// The counts of polygons, where there are some.
+    #[must_use]
+    pub fn polygons(&self) -> Option<&PolygonFacts> {
+        match self {
+            Self::Polygons(facts) => Some(facts),
+            Self::Triangles(_) | Self::Polylines(_) => None,
         }
     }
 }

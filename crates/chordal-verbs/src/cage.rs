@@ -1,0 +1,311 @@
+//! Cages: their smooth surface within a budget, and their refined control meshes.
+use crate::mesh::{refused, set_aside, snapped, widened};
+use crate::polylines::Asked;
+use crate::report::{Certificate, Counted, Output, PolygonFacts, RefinedFacts};
+use crate::written::as_written;
+use crate::{Input, MeshFailure, Normals, Shape, formats, write};
+use chordal::budget::{Bound, Code, Failure};
+use chordal::explicit::triangulate::Triangulator;
+use chordal::explicit::{Cage, Scheme};
+use chordal::math::{Box3, add_up, sub_down};
+use chordal::{Bounded, Budget, Job, Mesh, Tolerance};
+use chordal_io::{
+    Format, Polygons, Scene, WriteError, losses, losses_of_polygons, obj, ply, snap, worst_snap,
+};
+use std::io::Write;
+
+/// The limit surface of a cage within a budget: the only call of that arrow.
+///
+/// STAND-IN: becomes `chordal::convert::cage_to_mesh(cage, budget, job)` as soon as that is there.
+pub(crate) fn cage_to_mesh(
+    _cage: &Cage,
+    _budget: &Budget,
+    _job: &Job,
+) -> Result<Bounded<Mesh>, Failure<Mesh>> {
+    let message = "the smooth surface of a cage is not in this version: --level N refines its polygons, \
+                   --surface faceted takes them as they are";
+    Err(Failure::refused(Code::Unsupported, message))
+}
+
+/// How far the polygons of a refined cage are from its limit surface: the only place that says so.
+///
+/// STAND-IN: nobody says it yet.
+fn bound_to_limit(_cage: &Cage) -> Option<Bound> {
+    None
+}
+
+/// The smooth surface at the precision of the format, with its bound.
+pub(crate) fn smooth(polygons: &Polygons, asked: &Asked, job: &Job) -> Result<(Scene, Bound), MeshFailure> {
+    let Asked { budget, to, place, .. } = asked;
+    let inner = set_aside(budget, worst_snap(&widened(place), *to), place, *to)?;
+    let made = match cage_to_mesh(&polygons.cage, &inner, job) {
+        Ok(made) => made,
+        Err(Failure::Unmet(best)) => *best,
+        Err(Failure::Refused(refusal)) => return Err(MeshFailure::Refused(refusal)),
+        Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
+    };
+    let Bounded { shape, bound } = made;
+    let (mesh, bound) = snapped(&shape, bound, budget, *to)?;
+    // A name that says what it is; no file name, which would tie the bytes to a place.
+    Ok((Scene::of("cage", mesh, true, polygons.frame), bound))
+}
+
+/// What is lost where a cage loses something without its surface being wrong.
+pub(crate) fn left_out(polygons: &Polygons) -> Option<String> {
+    let texcoords = polygons.texcoords.as_ref().map(|_| "texture coordinates");
+    let attributes = polygons.attributes.first().map(|_| "colours and groups");
+    let all: Vec<&str> = texcoords.into_iter().chain(attributes).collect();
+    let all = all.join(", ");
+    (!all.is_empty())
+        .then(|| format!("{all} of the cage were left out: its surface has none in this version"))
+}
+
+/// Of the diagonal of the control points, how well the size of the surface is known: chosen, quick to mesh and fine enough for
+/// a percentage.
+const SIZE_SHARE: f64 = 1e-3;
+
+/// The box that the surface is certain to reach, 0 wide where none is known: that of a mesh of it, less what the mesh may be off.
+pub(crate) fn inner_box(polygons: &Polygons) -> Box3 {
+    let control = Box3::around(polygons.cage.positions());
+    let Ok(tolerance) = Tolerance::new(SIZE_SHARE * control.diagonal()) else { return Box3::EMPTY };
+    let made = match cage_to_mesh(&polygons.cage, &Budget::length(tolerance), &Job::default()) {
+        Ok(made) => made,
+        Err(Failure::Unmet(best)) => *best,
+        Err(Failure::Refused(_) | Failure::Cancelled) => return Box3::EMPTY,
+    };
+    let Some(off) = made.bound.at_most() else { return Box3::EMPTY };
+    let Box3 { min, max } = made.shape.bounds();
+    let low = min.map(|x| add_up(x, off));
+    let high = max.map(|x| sub_down(x, off));
+    if (0..3).any(|k| low[k] > high[k]) {
+        // Thinner than the mesh is sure of: along that axis nothing is certain.
+        let middle = |k: usize| 0.5 * min[k] + 0.5 * max[k];
+        let flat = |k: usize| low[k] > high[k];
+        return Box3 {
+            min: [0, 1, 2].map(|k| if flat(k) { middle(k) } else { low[k] }),
+            max: [0, 1, 2].map(|k| if flat(k) { middle(k) } else { high[k] }),
+        };
+    }
+    Box3 { min: low, max: high }
+}
+
+/// Polygons, or triangles of them, for a file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Control {
+    /// For formats that hold polygons.
+    Polygons(Polygons),
+    /// The same cut into triangles, for formats that hold nothing else.
+    Triangles(Scene),
+}
+
+/// The control mesh of a cage after some rounds of refinement, with what is known of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RefineOutcome {
+    /// What will be written.
+    pub made: Control,
+    /// The format that it is for.
+    pub format: Format,
+    /// What is known of it, for the file and the report.
+    pub certificate: Certificate,
+}
+
+impl RefineOutcome {
+    /// Writes what was made, and the certificate where the format can carry it.
+    ///
+    /// # Errors
+    /// When the sink fails.
+    pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
+        let certificate = self.certificate.to_value();
+        match &self.made {
+            Control::Polygons(polygons) if self.format == Format::Ply => {
+                ply::write_polygons(polygons, Some(&certificate), out)
+            }
+            Control::Polygons(polygons) => obj::write_polygons(polygons, Some(&certificate), out),
+            Control::Triangles(scene) => write(scene, Some(&certificate), self.format, out),
+        }
+    }
+}
+
+/// Refines a cage by some rounds, in the order of [`Cage::refined_times`]; none keeps it as it is.
+///
+/// OBJ and PLY hold its polygons; OBJ also what is left of its creases, so that the file has the same limit surface. For
+/// other formats quads are cut into triangles, along the diagonal that the reader of polygons takes, and get `normals`. Groups
+/// of faces go to the parts of each face; texture coordinates and colours are kept where there is no round, else left out, and a note says
+/// so.
+///
+/// Cost: as [`Cage::refined_times`]; four times as much a round.
+///
+/// # Errors
+/// When the shape is no cage or the format holds no triangles; before the work when the faces, or what they take, are over the
+/// limits of the job; when a coordinate overflows or does not fit the format.
+///
+/// ```
+/// use chordal_io::Format;
+/// use chordal_verbs::{Hint, Normals, load, refine};
+/// let obj = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nt interpolateboundary 1/0/0 1\n";
+/// let input = load(obj, Hint { name: Some("square.obj"), ..Hint::default() }, &Default::default())?;
+/// let outcome = refine(input, (2, Normals::Auto), Format::Obj, &Default::default())?;
+/// assert_eq!(outcome.certificate.output.unwrap().polygons().unwrap().faces, 16);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn refine(
+    input: Input,
+    (levels, normals): (u32, Normals),
+    to: Format,
+    job: &Job,
+) -> Result<RefineOutcome, MeshFailure> {
+    formats::check_output(&input.shape, to).map_err(MeshFailure::Usage)?;
+    let mut certificate = Certificate::of(&input);
+    let Shape::Cage(polygons) = input.shape else {
+        return Err(MeshFailure::Usage(no_cage(&input.shape, input.format)));
+    };
+    let as_polygons = formats::holds_polygons(to);
+    if as_polygons && !matches!(normals, Normals::Auto | Normals::Keep) {
+        let message = "polygons are written without normals: the smooth surface has its own";
+        return Err(MeshFailure::Usage(message.to_owned()));
+    }
+    check_size(&polygons.cage, levels, to, job)?;
+    let refined = refined(polygons, levels, &mut certificate.notes)?;
+    if job.is_cancelled() {
+        return Err(MeshFailure::Cancelled);
+    }
+    certificate.refined = Some(RefinedFacts::of(&refined.cage, levels));
+    certificate.bound = bound_to_limit(&refined.cage).map(|bound| crate::report::BoundFacts::of(&bound));
+    if as_polygons {
+        certificate.notes.extend(losses_of_polygons(&refined, to).iter().map(ToString::to_string));
+        certificate.output = Some(Output::Polygons(PolygonFacts::of(&refined.cage)));
+        return Ok(RefineOutcome { made: Control::Polygons(refined), format: to, certificate });
+    }
+    certificate.notes.push(format!("{to} holds triangles alone: polygons were cut into them"));
+    let scene = triangles(&refined, [input.format, to], normals, &mut certificate.notes)?;
+    let counted = Counted::of(&scene, to)?;
+    certificate.output = Some(Output::Triangles(counted.output));
+    certificate.valid = Some(counted.valid);
+    Ok(RefineOutcome { made: Control::Triangles(scene), format: to, certificate })
+}
+
+fn no_cage(shape: &Shape, format: Format) -> String {
+    if format == Format::Obj {
+        "the polygons were read as triangles, and only those of a cage are refined: --surface catmull-clark makes \
+         them one"
+            .to_owned()
+    } else {
+        format!("--level is for polygon cages (.obj), and the input holds {}", shape.kind())
+    }
+}
+
+/// Bytes that a face of the result takes at the most while it is made and written, rounded up from what was measured for a cube
+/// and a tetrahedron of a million faces: 72 for quads, 82 for triangles of Loop's scheme.
+const BYTES_A_QUAD: u64 = 96;
+const BYTES_A_TRIANGLE: u64 = 112;
+
+/// Refuses what would be too large, before anything is made.
+fn check_size(cage: &Cage, levels: u32, to: Format, job: &Job) -> Result<(), MeshFailure> {
+    let n_corners: usize = cage.faces().map(<[u32]>::len).sum();
+    let is_loop = cage.scheme() == Scheme::Loop;
+    let first = if is_loop { 4 * cage.n_faces() as u64 } else { n_corners as u64 };
+    let of_rounds = |rounds: u32| 4_u64.checked_pow(rounds).and_then(|parts| first.checked_mul(parts));
+    let n_faces = if levels == 0 { Some(cage.n_faces() as u64) } else { of_rounds(levels - 1) };
+    let Some(n_faces) = n_faces else {
+        let message = format!("{levels} rounds would give more faces than can be counted");
+        return Err(refused(Code::TooManyTriangles, message));
+    };
+    let a_face = if is_loop { BYTES_A_TRIANGLE } else { BYTES_A_QUAD };
+    let bytes = n_faces.saturating_mul(a_face);
+    let cut = !formats::holds_polygons(to) && !is_loop;
+    let n_triangles = n_faces.saturating_mul(if cut { 2 } else { 1 });
+    if n_triangles > job.triangle_limit {
+        let message = format!(
+            "{levels} rounds would give {n_faces} faces; the limit is {} triangles",
+            job.triangle_limit
+        );
+        return Err(refused(Code::TooManyTriangles, message));
+    }
+    if bytes > job.memory_limit {
+        let message = format!(
+            "{levels} rounds would give {n_faces} faces, which take {bytes} bytes; the limit is {} (--max-memory)",
+            job.memory_limit
+        );
+        return Err(refused(Code::TooMuchMemory, message));
+    }
+    Ok(())
+}
+
+/// The refined cage with the groups of its faces.
+fn refined(polygons: Polygons, levels: u32, notes: &mut Vec<String>) -> Result<Polygons, MeshFailure> {
+    if levels == 0 {
+        return Ok(Polygons { certificate: None, ..polygons });
+    }
+    let cage =
+        polygons.cage.refined_times(levels).map_err(|error| refused(Code::NotFinite, error.to_string()))?;
+    let mut refined = Polygons { groups: polygons.groups, ..Polygons::of(cage, polygons.frame) };
+    let parts = parts_of_faces(&polygons.cage, levels);
+    for attribute in polygons.attributes {
+        if attribute.domain != chordal::explicit::Domain::Face {
+            notes.push("colours of the cage's vertices were left out: they are not refined".to_owned());
+            continue;
+        }
+        let rows = attribute.values.chunks_exact(attribute.width).zip(&parts);
+        let values = rows.flat_map(|(row, n)| std::iter::repeat_n(row, *n).flatten().copied()).collect();
+        refined.attributes.push(chordal::explicit::Attribute { values, ..attribute });
+    }
+    if polygons.texcoords.is_some() {
+        notes.push(
+            "texture coordinates of the cage were left out: they are not refined in this version".to_owned(),
+        );
+    }
+    Ok(refined)
+}
+
+/// How many faces each face of the cage becomes: they follow each other.
+fn parts_of_faces(cage: &Cage, levels: u32) -> Vec<usize> {
+    let of_rounds = |rounds: u32| 4_usize.saturating_pow(rounds);
+    let parts = |face: &[u32]| match cage.scheme() {
+        Scheme::Loop => of_rounds(levels),
+        Scheme::CatmullClark | Scheme::Bilinear => face.len() * of_rounds(levels - 1),
+    };
+    cage.faces().map(parts).collect()
+}
+
+/// Triangles of the polygons at the precision of the format. Holes have none.
+fn triangles(
+    polygons: &Polygons,
+    formats: [Format; 2],
+    normals: Normals,
+    notes: &mut Vec<String>,
+) -> Result<Scene, MeshFailure> {
+    let cage = &polygons.cage;
+    let (mut faces, mut points, mut cut) = (Vec::new(), Vec::new(), Vec::new());
+    let mut triangulator = Triangulator::default();
+    for (number, face) in cage.faces().enumerate() {
+        if cage.holes().binary_search(&(number as u32)).is_ok() {
+            continue;
+        }
+        points.clear();
+        points.extend(face.iter().map(|vertex| cage.positions()[*vertex as usize]));
+        cut.clear();
+        triangulator.polygon(&points, &mut cut);
+        faces.extend(cut.iter().map(|local| local.map(|corner| face[corner as usize])));
+    }
+    let n_holes = cage.holes().len();
+    if n_holes > 0 {
+        notes.push(format!("holes of the cage have no triangles ({n_holes}x)"));
+    }
+    if !polygons.attributes.is_empty() || polygons.texcoords.is_some() {
+        notes.push(
+            "texture coordinates, colours and groups are written with polygons alone: to .obj".to_owned(),
+        );
+    }
+    let mesh = Mesh::new(cage.positions().to_vec(), faces).map_err(crate::written::unsupported)?;
+    let snapped = snap(&mesh, formats[1]).map_err(MeshFailure::TooWide)?;
+    if snapped.moved_at_most > 0.0 {
+        notes.push(format!(
+            "rounding to {} moved no vertex further than {}",
+            formats[1], snapped.moved_at_most
+        ));
+    }
+    let mut scene = Scene::of("cage", snapped.mesh, true, polygons.frame);
+    normals.apply(&mut scene, formats, notes)?;
+    notes.extend(losses(&scene, formats[1])?.iter().map(ToString::to_string));
+    Ok(as_written(scene, formats[1])?)
+}

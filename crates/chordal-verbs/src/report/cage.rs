@@ -1,0 +1,177 @@
+//! What a cage is, and what refining it gave.
+use chordal::explicit::{Boundary, Cage, Creasing, INFINITELY_SHARP, Scheme};
+use chordal_io::Polygons;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// What there is of polygons.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct PolygonFacts {
+    /// Polygons, with holes.
+    pub faces: u64,
+    /// Vertices.
+    pub vertices: u64,
+}
+
+impl PolygonFacts {
+    /// The counts of a cage.
+    #[must_use]
+    pub fn of(cage: &Cage) -> Self {
+        Self { faces: cage.n_faces() as u64, vertices: cage.positions().len() as u64 }
+    }
+}
+
+/// How a cage was refined.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct RefinedFacts {
+    /// Rounds.
+    pub levels: u32,
+    /// By which rules.
+    pub scheme: &'static str,
+    /// Edges that are still sharp.
+    pub creases: u64,
+    /// Vertices that are.
+    pub corners: u64,
+}
+
+impl RefinedFacts {
+    pub(crate) fn of(cage: &Cage, levels: u32) -> Self {
+        let (creases, corners) = (cage.creases().len() as u64, cage.sharp_vertices().len() as u64);
+        Self { levels, scheme: scheme(cage), creases, corners }
+    }
+}
+
+/// What a cage is: only `inspect` says it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CageFacts {
+    /// The scheme, as in "catmull-clark".
+    pub scheme: &'static str,
+    /// The rule for its border: "none", "edge-only" or "edge-and-corner".
+    pub boundary: &'static str,
+    /// How sharpness falls: "uniform" or "chaikin".
+    pub creasing: &'static str,
+    /// How many faces there are of so many corners.
+    pub faces_by_corners: BTreeMap<u64, u64>,
+    /// Edges.
+    pub edges: u64,
+    /// Those that one face alone has.
+    pub border_edges: u64,
+    /// Those that more than two have, or two that are wound against each other.
+    pub crowded_edges: u64,
+    /// Vertices of no face.
+    pub isolated_vertices: u64,
+    /// How many vertices within the surface have so many edges, other than the regular number: 4, or 6 for Loop.
+    pub irregular: BTreeMap<u64, u64>,
+    /// The same on the border, where 3 is regular, or 4 for Loop.
+    pub irregular_border: BTreeMap<u64, u64>,
+    /// Sharp edges.
+    pub creases: SharpFacts,
+    /// Sharp vertices.
+    pub corners: SharpFacts,
+    /// Faces without surface.
+    pub holes: u64,
+    /// Rows of texture coordinates that corners name; none where there are none.
+    pub texcoords: Option<u64>,
+}
+
+/// What is sharp.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct SharpFacts {
+    /// How many.
+    pub count: u64,
+    /// Those that stay sharp for ever.
+    pub infinite: u64,
+    /// The least and the greatest sharpness of the others; none where there are none.
+    pub range: Option<[f64; 2]>,
+}
+
+impl SharpFacts {
+    fn of(sharp: impl Iterator<Item = f64>) -> Self {
+        let mut facts = Self::default();
+        for sharp in sharp {
+            facts.count += 1;
+            if sharp >= INFINITELY_SHARP {
+                facts.infinite += 1;
+                continue;
+            }
+            let [low, high] = facts.range.unwrap_or([sharp; 2]);
+            facts.range =
+                Some([if sharp < low { sharp } else { low }, if sharp > high { sharp } else { high }]);
+        }
+        facts
+    }
+}
+
+impl CageFacts {
+    pub(super) fn of(polygons: &Polygons) -> Self {
+        let cage = &polygons.cage;
+        let mut faces_by_corners = BTreeMap::new();
+        cage.faces().for_each(|face| *faces_by_corners.entry(face.len() as u64).or_default() += 1);
+        let mut facts = Self {
+            scheme: scheme(cage),
+            boundary: match cage.boundary() {
+                Boundary::None => "none",
+                Boundary::EdgeOnly => "edge-only",
+                Boundary::EdgeAndCorner => "edge-and-corner",
+            },
+            creasing: match cage.creasing() {
+                Creasing::Uniform => "uniform",
+                Creasing::Chaikin => "chaikin",
+            },
+            faces_by_corners,
+            edges: 0,
+            border_edges: 0,
+            crowded_edges: 0,
+            isolated_vertices: 0,
+            irregular: BTreeMap::new(),
+            irregular_border: BTreeMap::new(),
+            creases: SharpFacts::of(cage.creases().iter().map(|(_, sharp)| *sharp)),
+            corners: SharpFacts::of(cage.sharp_vertices().iter().map(|(_, sharp)| *sharp)),
+            holes: cage.holes().len() as u64,
+            texcoords: polygons.texcoords.as_ref().map(|texcoords| texcoords.values.len() as u64),
+        };
+        facts.count_edges(cage);
+        facts
+    }
+
+    fn count_edges(&mut self, cage: &Cage) {
+        // The lower vertex first, and which way a face runs.
+        let mut halves: Vec<([u32; 2], bool)> = Vec::new();
+        for face in cage.faces() {
+            for (k, &a) in face.iter().enumerate() {
+                let b = face[(k + 1) % face.len()];
+                halves.push((if a < b { [a, b] } else { [b, a] }, a < b));
+            }
+        }
+        halves.sort_unstable();
+        let mut valence = vec![0_u64; cage.positions().len()];
+        let mut on_border = vec![false; cage.positions().len()];
+        for edge in halves.chunk_by(|a, b| a.0 == b.0) {
+            self.edges += 1;
+            let is_border = edge.len() == 1;
+            self.border_edges += u64::from(is_border);
+            self.crowded_edges += u64::from(edge.len() > 2 || edge.len() == 2 && edge[0].1 == edge[1].1);
+            for vertex in edge[0].0 {
+                valence[vertex as usize] += 1;
+                on_border[vertex as usize] |= is_border;
+            }
+        }
+        let [inner, border] = if cage.scheme() == Scheme::Loop { [6, 4] } else { [4, 3] };
+        for (n, on_border) in valence.into_iter().zip(on_border) {
+            match (n, on_border) {
+                (0, _) => self.isolated_vertices += 1,
+                (n, true) if n != border => *self.irregular_border.entry(n).or_default() += 1,
+                (n, false) if n != inner => *self.irregular.entry(n).or_default() += 1,
+                _ => {}
+            }
+        }
+    }
+}
+
+fn scheme(cage: &Cage) -> &'static str {
+    match cage.scheme() {
+        Scheme::CatmullClark => "catmull-clark",
+        Scheme::Loop => "loop",
+        Scheme::Bilinear => "bilinear",
+    }
+}
