@@ -14,6 +14,7 @@ True
 """
 
 from chordal._bound import Bound
+from chordal._cage import Cage
 from chordal._chordal import VERSION as __version__
 from chordal._curve import Curve, bezier
 from chordal._deviation import Deviation, OneSided
@@ -103,6 +104,7 @@ __all__ = [
     "Bound",
     "BudgetError",
     "BudgetUnmet",
+    "Cage",
     "Curve",
     "Deviation",
     "Error",

@@ -5,7 +5,7 @@ from typing import Any, Final, TypedDict, final, type_check_only
 
 from chordal._budget import Wanted
 
-__all__ = ["Array", "MOST_BYTES", "Outcome", "Rule", "Source", "VERSION", "command", "language", "script", "view"]
+__all__ = ["Array", "Cage", "MOST_BYTES", "Outcome", "Rule", "Source", "VERSION", "command", "language", "script", "view"]
 
 VERSION: Final[str]
 MOST_BYTES: Final[int]
@@ -18,6 +18,16 @@ class Reading(TypedDict):
     up: str | None
     lenient: bool
     drop_nonfinite: bool
+    surface: str | None
+
+@type_check_only
+class Tags(TypedDict):
+    creases: Sequence[tuple[int, int, float]]
+    corners: Sequence[tuple[int, float]]
+    holes: Sequence[int]
+    scheme: str
+    boundary: str
+    creasing: str
 
 @type_check_only
 class Asked(TypedDict):
@@ -38,6 +48,23 @@ class Array:
     def __array_interface__(self) -> dict[str, Any]: ...
 
 @final
+class Cage:
+    def __new__(
+        cls, numbers: bytes | bytearray, indices: bytes | bytearray, ends: bytes | bytearray, tags: Tags
+    ) -> Cage: ...
+    def refined(self, levels: int) -> Cage: ...
+    def array(self, name: str) -> Array: ...
+    @property
+    def creases(self) -> list[tuple[int, int, float]]: ...
+    @property
+    def corners(self) -> list[tuple[int, float]]: ...
+    @property
+    def holes(self) -> list[int]: ...
+    @property
+    def rules(self) -> tuple[str, str, str]: ...
+    def source(self, unit: str | None) -> Source: ...
+
+@final
 class Source:
     def __new__(cls, bytes: bytes | bytearray, reading: Reading) -> Source: ...
     @staticmethod
@@ -55,6 +82,7 @@ class Source:
         self, other: Source | Outcome, asked: Asked, progress: Callable[[str, int, int], object] | None
     ) -> str: ...
     def surface(self, meant: Meant) -> Source: ...
+    def cage(self) -> Cage: ...
     def bake(self, cells: int, band: float | None) -> tuple[Source, str]: ...
     def mesh(
         self, wanted: Wanted, format: str, progress: Callable[[str, int, int], object] | None

@@ -21,6 +21,7 @@ from chordal._view import View
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from chordal._cage import Cage
     from chordal._volume import Volume
 
 #: Told about progress: the name of the stage, the steps that are done, and those in all.
@@ -35,13 +36,15 @@ def load(
     up: str | None = None,
     lenient: bool = False,
     drop_nonfinite: bool = False,
+    surface: Literal["catmull-clark", "loop", "bilinear", "faceted"] | None = None,
 ) -> Shape:
     """Read a shape from a file, or from the bytes of one.
 
     `format` is an extension, as in "bpt" or "glb"; without it the file's own extension counts, then its content.
     `unit` is the unit of the coordinates: um, mm, cm, m, km, in or ft. `up` is the axis that is up: "y" or "z".
     `lenient` only warns of what is wrong in a glTF file without touching its geometry. `drop_nonfinite` drops
-    vertices that are not finite numbers, with their faces, and counts them.
+    vertices that are not finite numbers, with their faces, and counts them. `surface` is what the polygons of an .obj
+    stand for; without it they are a Catmull–Clark cage where the file has subdivision tags, else triangles.
 
     Raises `ReadError` with the place where the bytes are wrong, and `OSError` where there are none to read.
 
@@ -63,6 +66,7 @@ def load(
         "up": text("up", up),
         "lenient": bool(lenient),
         "drop_nonfinite": bool(drop_nonfinite),
+        "surface": text("surface", surface),
     }
     source_of = _chordal.Source(content, reading)
     if source_of.kind == "volume":
@@ -99,7 +103,7 @@ class Shape:
 
     @property
     def kind(self) -> str:
-        """What it is: "patches", "triangles", "drawing" or "curves"."""
+        """What it is: "patches", "triangles", "cage", "drawing" or "curves"."""
         return self._source.kind
 
     @property
@@ -171,6 +175,18 @@ class Shape:
         if self.kind == "curves":
             raise Refused("unsupported", "curves in space enclose no area to fill with triangles: flatten them")
         return Mesh.of(self._source.mesh(budget, "ply", function("progress", progress)))
+
+    def cage(self) -> Cage:
+        """The polygons of a cage. Raises `Refused` for anything else.
+
+        >>> import chordal
+        >>> square = b"v 0 0 0\\nv 1 0 0\\nv 1 1 0\\nv 0 1 0\\nf 1 2 3 4\\n"
+        >>> chordal.load(square, format="obj", surface="catmull-clark").cage()
+        <Cage: 1 face, 4 vertices, catmull-clark>
+        """
+        from chordal._cage import Cage
+
+        return Cage._of(self._source.cage())
 
     def bake(self, *, cells: SupportsIndex, band: SupportsFloat | None = None) -> Volume:
         """The distance to the triangles on a lattice of cubes, negative inside: `cells` along the longest side.

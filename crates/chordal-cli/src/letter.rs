@@ -87,7 +87,8 @@ fn cage(lines: &mut Lines, facts: &CageFacts) {
     };
     let (inner, border) = (valences(&facts.irregular), valences(&facts.irregular_border));
     lines.add_if("valences", (!inner.is_empty()).then(|| format!("irregular within: {inner} edges")));
-    lines.add_if("", (!border.is_empty()).then(|| format!("irregular on the border: {border} edges")));
+    let name = if inner.is_empty() { "valences" } else { "" };
+    lines.add_if(name, (!border.is_empty()).then(|| format!("irregular on the border: {border} edges")));
     lines.add_if("creases", sharp(&facts.creases, "edge").map(|text| format!("{text}, {}", facts.creasing)));
     lines.add_if("corners", sharp(&facts.corners, "vertex"));
     lines.add_if("holes", (facts.holes > 0).then(|| plural(facts.holes, "face")));

@@ -215,7 +215,7 @@ fn inspect_says_what_a_cage_is() {
         "scheme      catmull-clark",
         "border      edge-only, 5 edges",
         "polygons    5 triangles",
-        "irregular on the border: 1 of 2, 2 of 4 edges",
+        "valences    irregular on the border: 1 of 2, 2 of 4 edges",
         "creases     2 edges: 1 for ever, 1 of sharpness 0.5, chaikin",
         "corners     2 vertices: 2 of sharpness 3",
         "holes       1 face",
@@ -223,6 +223,18 @@ fn inspect_says_what_a_cage_is() {
     ] {
         assert!(letter.contains(words), "no '{words}' in\n{letter}");
     }
+}
+
+#[test]
+fn the_page_shows_what_is_printed() {
+    let folder = Folder::new("cage-page");
+    let page = include_str!("../../../docs/cages.md");
+    let (_, example) = page.split_once("$ cat sheet.obj\n").unwrap();
+    let (sheet, said) = example.split_once("$ chordal inspect sheet.obj\n").unwrap();
+    let (said, _) = said.split_once("$ chordal mesh").unwrap();
+    folder.file("sheet.obj", sheet);
+    let printed = common::chordal(&["inspect", "sheet.obj"]).current_dir(folder.path("")).output().unwrap();
+    assert_eq!(String::from_utf8(printed.stdout).unwrap(), said);
 }
 
 #[test]

@@ -1,4 +1,5 @@
 //! Mutations of small files, and large hostile ones: no panic, no hang, no more memory than promised.
+// Long because the hostile files stand beside the allocator that measures them.
 mod common;
 
 use chordal::Mesh;

@@ -58,11 +58,13 @@ pub(crate) fn mesh(py: Python<'_>, failure: &MeshFailure) -> PyErr {
 
 /// Sentences of the library name the command's options; here the same things are arguments.
 fn in_python(message: &str) -> String {
-    const NAMES: [(&str, &str); 4] = [
+    const NAMES: [(&str, &str); 6] = [
         ("--from", "format="),
         ("--unit", "unit="),
         ("--triangles", "triangles="),
         ("--segments", "segments="),
+        ("--surface ", "surface="),
+        ("--level N", "Cage.refined"),
     ];
     NAMES.iter().fold(message.to_owned(), |text, (option, argument)| text.replace(option, argument))
 }

@@ -3,6 +3,7 @@
 //! `python/chordal` is the other part: the names that people use, their documentation, and all that Python says best.
 //! What crosses between the two is plain: numbers, texts, bytes, JSON, and a few frozen objects that hold shapes.
 mod array;
+mod cage;
 mod callable;
 mod command;
 mod curve;
@@ -27,7 +28,7 @@ mod _chordal {
     #[pymodule_export]
     use super::rule::{Rule, language, script};
     #[pymodule_export]
-    use super::{array::Array, command::command, outcome::Outcome, source::Source, view::view};
+    use super::{array::Array, cage::Cage, command::command, outcome::Outcome, source::Source, view::view};
     use chordal_io::Limits;
     use pyo3::prelude::*;
 

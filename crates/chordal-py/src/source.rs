@@ -1,4 +1,5 @@
 //! `Source`: a shape as it was read.
+use crate::cage::Cage;
 use crate::callable::Raised;
 use crate::curve::curves;
 use crate::deviation::{self, Asked, Named, Other};
@@ -8,8 +9,8 @@ use crate::spec::{Wanted, parsed};
 use crate::triangles::triangles;
 use crate::volume::{Meant, baked};
 use crate::{failure, work};
-use chordal::budget::Unit;
-use chordal_io::{Axis, Format, Frame, Limits, ReadError, UnknownFormat};
+use chordal::budget::{Code, Refusal, Unit};
+use chordal_io::{Axis, Format, Frame, Limits, PolygonSurface, ReadError, UnknownFormat};
 use chordal_verbs::{BakeSpec, Hint, Input, Shape, inspect, load};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
@@ -35,12 +36,17 @@ pub(crate) struct Reading {
     up: Option<String>,
     lenient: bool,
     drop_nonfinite: bool,
+    surface: Option<String>,
 }
 
 impl Reading {
-    fn read(self, bytes: &[u8], format: Option<Format>) -> Result<(Input, Option<String>), Unread> {
-        let limits =
-            Limits { lenient: self.lenient, drop_nonfinite: self.drop_nonfinite, ..Limits::default() };
+    fn read(
+        self,
+        bytes: &[u8],
+        (format, surface): (Option<Format>, Option<PolygonSurface>),
+    ) -> Result<(Input, Option<String>), Unread> {
+        let (lenient, drop_nonfinite) = (self.lenient, self.drop_nonfinite);
+        let limits = Limits { lenient, drop_nonfinite, surface, ..Limits::default() };
         let loaded = load(bytes, Hint { name: self.name.as_deref(), format, ..Hint::default() }, &limits);
         match loaded {
             Ok(input) => Ok((input, self.name)),
@@ -63,7 +69,8 @@ impl Source {
         let format = parsed::<Format>("format", reading.format.as_deref())?;
         let unit = parsed::<Unit>("unit", reading.unit.as_deref())?;
         let up = reading.up.as_deref().map(axis).transpose()?;
-        let read = work::run(py, None, move |_| reading.read(&bytes, format))?;
+        let surface = reading.surface.as_deref().map(polygon_surface).transpose()?;
+        let read = work::run(py, None, move |_| reading.read(&bytes, (format, surface)))?;
         let (mut input, name) =
             read.map_err(|unread| failure::read(py, &unread.error, unread.name.as_deref()))?;
         let frame = input.shape.frame_mut();
@@ -152,6 +159,18 @@ impl Source {
         Ok(Self { input: Arc::new(input), name: self.name.clone(), raised: Vec::new() })
     }
 
+    /// The polygons of a cage.
+    fn cage(&self, py: Python<'_>) -> PyResult<Cage> {
+        match &self.input.shape {
+            Shape::Cage(polygons) => Ok(Cage::of(polygons.cage.clone())),
+            other => {
+                let message =
+                    format!("{} are no cage: surface= takes the polygons of an .obj as one", other.kind());
+                Err(failure::refused(py, &Refusal { code: Code::Unsupported, message }))
+            }
+        }
+    }
+
     /// Distances to the triangles on a lattice, and the report.
     fn bake(&self, py: Python<'_>, cells: usize, band: Option<f64>) -> PyResult<(Self, String)> {
         baked(py, self.named(), BakeSpec { cells, band })
@@ -180,6 +199,19 @@ impl Source {
 
     pub(crate) fn named(&self) -> Named {
         Named { input: Arc::clone(&self.input), name: self.name.clone() }
+    }
+}
+
+fn polygon_surface(text: &str) -> PyResult<PolygonSurface> {
+    match text {
+        "catmull-clark" => Ok(PolygonSurface::CatmullClark),
+        "loop" => Ok(PolygonSurface::Loop),
+        "bilinear" => Ok(PolygonSurface::Bilinear),
+        "faceted" => Ok(PolygonSurface::Faceted),
+        _ => Err(failure::argument(
+            "surface",
+            format!("'catmull-clark', 'loop', 'bilinear' or 'faceted', not '{text}'"),
+        )),
     }
 }
 

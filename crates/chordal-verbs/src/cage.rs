@@ -184,6 +184,25 @@ pub fn refine(
     Ok(RefineOutcome { made: Control::Triangles(scene), format: to, certificate })
 }
 
+/// The cage after some rounds, in the order of [`Cage::refined_times`].
+///
+/// # Errors
+/// As [`refine`].
+///
+/// ```
+/// use chordal::explicit::Cage;
+/// let square = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let cage = Cage::new(square, [[0, 1, 2, 3]])?;
+/// let refined = chordal_verbs::refined_cage(&cage, 3, &Default::default())?;
+/// assert_eq!((refined.n_faces(), refined.positions().len()), (64, 81));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn refined_cage(cage: &Cage, levels: u32, job: &Job) -> Result<Cage, MeshFailure> {
+    check_size(cage, levels, Format::Obj, job)?;
+    let refined = cage.refined_times(levels).map_err(|error| refused(Code::NotFinite, error.to_string()))?;
+    if job.is_cancelled() { Err(MeshFailure::Cancelled) } else { Ok(refined) }
+}
+
 fn no_cage(shape: &Shape, format: Format) -> String {
     if format == Format::Obj {
         "the polygons were read as triangles, and only those of a cage are refined: --surface catmull-clark makes \

@@ -44,7 +44,7 @@ mod surfaces;
 mod written;
 
 pub use bake::{BakeOutcome, BakeSpec, bake};
-pub use cage::{Control, RefineOutcome, refine};
+pub use cage::{Control, RefineOutcome, refine, refined_cage};
 pub use chordal::convert::{Border, Inside, Spacing};
 pub use chordal::mend::{Duplicates, Holes};
 pub use chordal_io::{Axis, Curves, Drawing, Frame, PolygonSurface, Polygons, Polylines, Scene};
@@ -67,3 +67,8 @@ pub use spec::BudgetSpec;
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/volumes.md")]
 struct Volumes;
+
+/// The same for cages.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/cages.md")]
+struct Cages;

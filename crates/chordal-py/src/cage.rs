@@ -1,0 +1,203 @@
+//! Cages for Python: polygons with what subdivision asks of them, and their refinement.
+use crate::array::{Array, Rows};
+use crate::source::Source;
+use crate::{failure, work};
+use chordal::explicit::{Boundary, Cage as Polygon, Creasing, InvalidCage, Scheme};
+use chordal_io::{Format, Frame, Polygons, obj};
+use chordal_verbs::{Input, Shape, refined_cage, sha256};
+use pyo3::prelude::*;
+use pyo3::pybacked::PyBackedBytes;
+use std::sync::Arc;
+
+/// What a cage is besides its polygons, in Python's words.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Tags {
+    creases: Vec<(u32, u32, f64)>,
+    corners: Vec<(u32, f64)>,
+    holes: Vec<u32>,
+    scheme: String,
+    boundary: String,
+    creasing: String,
+}
+
+const SCHEMES: [(Scheme, &str); 3] =
+    [(Scheme::CatmullClark, "catmull-clark"), (Scheme::Loop, "loop"), (Scheme::Bilinear, "bilinear")];
+const BOUNDARIES: [(Boundary, &str); 3] = [
+    (Boundary::None, "none"),
+    (Boundary::EdgeOnly, "edge-only"),
+    (Boundary::EdgeAndCorner, "edge-and-corner"),
+];
+const CREASINGS: [(Creasing, &str); 2] = [(Creasing::Uniform, "uniform"), (Creasing::Chaikin, "chaikin")];
+
+/// What has that name.
+fn of_name<T: Copy>(argument: &str, name: &str, all: &[(T, &str)]) -> PyResult<T> {
+    let found = all.iter().find(|(_, known)| *known == name).map(|(value, _)| *value);
+    found.ok_or_else(|| {
+        let names: Vec<String> = all.iter().map(|(_, known)| format!("'{known}'")).collect();
+        failure::argument(argument, format!("one of {}, not '{name}'", names.join(", ")))
+    })
+}
+
+/// The name of that.
+fn name_of<T: PartialEq>(value: &T, all: &[(T, &'static str)]) -> &'static str {
+    all.iter().find(|(known, _)| known == value).map_or("", |(_, name)| name)
+}
+
+/// The parts of a cage in one list each, as numpy sees them.
+struct Flat {
+    cage: Polygon,
+    /// Where each face begins, and the number of all corners at the end.
+    offsets: Vec<i64>,
+    indices: Vec<u32>,
+}
+
+/// A polygon cage.
+#[pyclass(frozen, module = "chordal._chordal")]
+pub(crate) struct Cage(Arc<Flat>);
+
+impl Cage {
+    /// A cage that was read or made.
+    pub(crate) fn of(cage: Polygon) -> Self {
+        let (mut offsets, mut indices) = (vec![0], Vec::new());
+        for face in cage.faces() {
+            indices.extend_from_slice(face);
+            offsets.push(indices.len() as i64);
+        }
+        Self(Arc::new(Flat { cage, offsets, indices }))
+    }
+}
+
+#[pymethods]
+impl Cage {
+    /// `numbers` are three coordinates a vertex in double precision, `indices` the vertices of all faces in 32 bits, `ends`
+    /// where those of each face end, in 64, all in the byte order of the machine.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        numbers: PyBackedBytes,
+        indices: PyBackedBytes,
+        ends: PyBackedBytes,
+        tags: Tags,
+    ) -> PyResult<Self> {
+        let scheme = of_name("scheme", &tags.scheme, &SCHEMES)?;
+        let boundary = of_name("boundary", &tags.boundary, &BOUNDARIES)?;
+        let creasing = of_name("creasing", &tags.creasing, &CREASINGS)?;
+        let made = work::run(py, None, move |_| {
+            let creases: Vec<_> = tags.creases.iter().map(|(a, b, sharp)| ([*a, *b], *sharp)).collect();
+            polygons(&numbers, &indices, &ends)?
+                .with_scheme(scheme)
+                .map(|cage| cage.with_boundary(boundary).with_creasing(creasing))
+                .and_then(|cage| cage.with_creases(&creases))
+                .and_then(|cage| cage.with_sharp_vertices(&tags.corners))
+                .and_then(|cage| cage.with_holes(&tags.holes))
+                .map(Self::of)
+        })?;
+        made.map_err(|error| failure::argument(argument_of(&error), error))
+    }
+
+    /// The cage after some rounds.
+    fn refined(&self, py: Python<'_>, levels: u32) -> PyResult<Self> {
+        let flat = Arc::clone(&self.0);
+        let made = work::run(py, None, move |job| refined_cage(&flat.cage, levels, job).map(Self::of))?;
+        made.map_err(|error| failure::mesh(py, &error))
+    }
+
+    /// The numbers of that name: "positions", "indices" or "offsets".
+    fn array(&self, py: Python<'_>, name: &str) -> PyResult<Array> {
+        Ok(match name {
+            "positions" => Array::new(&self.0, |flat| Rows::of_f64(flat.cage.positions().as_flattened(), 3)),
+            // A cage has fewer vertices than 2³¹.
+            "indices" => Array::new(&self.0, |flat| Rows::of_u32_below_sign(&flat.indices, 1)),
+            "offsets" => Array::new(&self.0, |flat| Rows::of_i64(&flat.offsets)),
+            _ => return Err(failure::internal(py, &format!("there are no {name}"))),
+        })
+    }
+
+    /// Sharp edges with their sharpness.
+    #[getter]
+    fn creases(&self) -> Vec<(u32, u32, f64)> {
+        self.0.cage.creases().iter().map(|([a, b], sharp)| (*a, *b, *sharp)).collect()
+    }
+
+    /// Sharp vertices with theirs.
+    #[getter]
+    fn corners(&self) -> Vec<(u32, f64)> {
+        self.0.cage.sharp_vertices().to_vec()
+    }
+
+    /// Faces without surface.
+    #[getter]
+    fn holes(&self) -> Vec<u32> {
+        self.0.cage.holes().to_vec()
+    }
+
+    /// The names of the scheme, of the rule for the border, and of how sharpness falls.
+    #[getter]
+    fn rules(&self) -> (&'static str, &'static str, &'static str) {
+        let cage = &self.0.cage;
+        (
+            name_of(&cage.scheme(), &SCHEMES),
+            name_of(&cage.boundary(), &BOUNDARIES),
+            name_of(&cage.creasing(), &CREASINGS),
+        )
+    }
+
+    /// What a file of it would hold.
+    fn source(&self, py: Python<'_>, unit: Option<&str>) -> PyResult<Source> {
+        let metres_per_unit =
+            crate::spec::parsed::<chordal::budget::Unit>("unit", unit)?.map(|unit| unit.metres());
+        let flat = Arc::clone(&self.0);
+        let made = work::run(py, None, move |_| {
+            let polygons = Polygons::of(flat.cage.clone(), Frame { up: None, metres_per_unit });
+            let mut bytes = Vec::new();
+            obj::write_polygons(&polygons, None, &mut bytes)?;
+            let (n_bytes, sha256) = (bytes.len() as u64, sha256(&bytes));
+            Ok(Input {
+                shape: Shape::Cage(polygons),
+                format: Format::Obj,
+                n_bytes,
+                sha256,
+                warnings: Vec::new(),
+            })
+        })?;
+        made.map(|input| Source::made(input, Vec::new())).map_err(|error| failure::write(py, &error))
+    }
+}
+
+/// The polygons of some bytes. What is no number is left out, so that it cannot be: Python counts them.
+fn polygons(numbers: &[u8], indices: &[u8], ends: &[u8]) -> Result<Polygon, InvalidCage> {
+    let numbers =
+        numbers.as_chunks::<{ size_of::<f64>() }>().0.iter().map(|bytes| f64::from_ne_bytes(*bytes));
+    let numbers: Vec<f64> = numbers.collect();
+    let indices =
+        indices.as_chunks::<{ size_of::<u32>() }>().0.iter().map(|bytes| u32::from_ne_bytes(*bytes));
+    let indices: Vec<u32> = indices.collect();
+    let mut rest = &indices[..];
+    let mut start = 0;
+    let faces = ends.as_chunks::<{ size_of::<i64>() }>().0.iter().map(|bytes| {
+        let end = i64::from_ne_bytes(*bytes);
+        let n = usize::try_from(end.saturating_sub(start)).unwrap_or(0);
+        start = end;
+        let (face, after) = rest.split_at(if n < rest.len() { n } else { rest.len() });
+        rest = after;
+        face
+    });
+    Polygon::new(numbers.as_chunks::<3>().0.to_vec(), faces)
+}
+
+/// The argument that an error is about.
+fn argument_of(error: &InvalidCage) -> &'static str {
+    match error {
+        InvalidCage::NotFinite { .. } => "positions",
+        InvalidCage::NoSuchEdge { .. } => "creases",
+        InvalidCage::NoSuchVertex { .. } => "corners",
+        InvalidCage::NoSuchFace { .. } => "holes",
+        InvalidCage::Sharpness { .. } => "creases or corners",
+        InvalidCage::NotTriangles { .. }
+        | InvalidCage::IndexOutOfRange { .. }
+        | InvalidCage::ShortFace { .. }
+        | InvalidCage::VertexTwice { .. }
+        | InvalidCage::TooMany { .. } => "faces",
+    }
+}
