@@ -16,10 +16,6 @@ if TYPE_CHECKING:
 
     from chordal._shape import Shape
 
-Scheme = Literal["catmull-clark", "loop", "bilinear"]
-Boundary = Literal["none", "edge-only", "edge-and-corner"]
-Creasing = Literal["uniform", "chaikin"]
-
 
 class Cage:
     """A polygon cage: a mesh that refining makes smooth. It does not change.
@@ -31,11 +27,12 @@ class Cage:
     Raises `ValueError` where that is no cage, and says why.
 
     >>> import chordal
-    >>> square = chordal.Cage([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)], creases=[(0, 1, 2.5)])
-    >>> square.refined(2)
-    <Cage: 16 faces, 25 vertices, catmull-clark>
-    >>> square.refined(1).creases
-    [(0, 4, 1.5), (1, 4, 1.5)]
+    >>> points = [(0, 0, 0), (1, 0, 0), (2, 0, 1), (0, 1, 0), (1, 1, 0), (2, 1, 1)]
+    >>> sheet = chordal.Cage(points, [(0, 1, 4, 3), (1, 2, 5, 4)], creases=[(1, 4, 2.5)])
+    >>> sheet.refined(2)
+    <Cage: 32 faces, 45 vertices, catmull-clark>
+    >>> sheet.refined(1).creases
+    [(1, 7, 1.5), (4, 7, 1.5)]
     """
 
     __slots__ = ("_cage",)
@@ -48,9 +45,9 @@ class Cage:
         creases: Iterable[tuple[SupportsIndex, SupportsIndex, SupportsFloat]] = (),
         corners: Iterable[tuple[SupportsIndex, SupportsFloat]] = (),
         holes: Iterable[SupportsIndex] = (),
-        scheme: Scheme = "catmull-clark",
-        boundary: Boundary = "edge-only",
-        creasing: Creasing = "uniform",
+        scheme: Literal["catmull-clark", "loop", "bilinear"] = "catmull-clark",
+        boundary: Literal["none", "edge-only", "edge-and-corner"] = "edge-only",
+        creasing: Literal["uniform", "chaikin"] = "uniform",
     ) -> None:
         points = coordinates("positions", positions)
         if points.ndim != 2 or points.shape[1] != 3:
@@ -174,7 +171,7 @@ def _flattened(faces: ArrayLike | Iterable[Sequence[int]]) -> tuple[NDArray[np.u
         if rows.ndim != 2:
             raise ValueError(f"faces: m × k indices, or a list of lists, not {rows.shape}")
         return rows.reshape(-1), np.arange(1, len(rows) + 1, dtype=np.int64) * rows.shape[1]
-    lists = [indices("faces", face) for face in faces]  # type: ignore[union-attr, arg-type]
+    lists = [indices("faces", face) for face in faces]  # type: ignore[union-attr]
     for number, face in enumerate(lists):
         if face.ndim != 1 and face.size:
             raise ValueError(f"faces: face {number} is no list of indices")

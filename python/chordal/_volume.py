@@ -142,6 +142,7 @@ def volume(
         "up": None,
         "lenient": False,
         "drop_nonfinite": False,
+        "surface": None,
     }
     return Volume(_chordal.Source(header.encode() + samples, reading))
 
