@@ -5,6 +5,8 @@ use crate::report::{Certificate, Counted, Output, PolygonFacts, RefinedFacts};
 use crate::written::as_written;
 use crate::{Input, MeshFailure, Normals, Shape, formats, write};
 use chordal::budget::{Bound, Code, Failure};
+use chordal::check;
+use chordal::convert::cage_to_mesh;
 use chordal::explicit::triangulate::Triangulator;
 use chordal::explicit::{Cage, Scheme};
 use chordal::math::{Box3, add_up, sub_down};
@@ -14,24 +16,9 @@ use chordal_io::{
 };
 use std::io::Write;
 
-/// The limit surface of a cage within a budget: the only call of that arrow.
-///
-/// STAND-IN: becomes `chordal::convert::cage_to_mesh(cage, budget, job)` as soon as that is there.
-pub(crate) fn cage_to_mesh(
-    _cage: &Cage,
-    _budget: &Budget,
-    _job: &Job,
-) -> Result<Bounded<Mesh>, Failure<Mesh>> {
-    let message = "the smooth surface of a cage is not in this version: --level N refines its polygons, \
-                   --surface faceted takes them as they are";
-    Err(Failure::refused(Code::Unsupported, message))
-}
-
-/// How far the polygons of a refined cage are from its limit surface: the only place that says so.
-///
-/// STAND-IN: nobody says it yet.
-fn bound_to_limit(_cage: &Cage) -> Option<Bound> {
-    None
+/// How far the polygons of a refined cage are from its limit surface; `None` where that is not known.
+fn bound_to_limit(cage: &Cage, job: &Job) -> Option<Bound> {
+    check::limit_deviation(cage, job).ok()
 }
 
 /// The smooth surface at the precision of the format, with its bound.
@@ -170,8 +157,9 @@ pub fn refine(
         return Err(MeshFailure::Cancelled);
     }
     certificate.refined = Some(RefinedFacts::of(&refined.cage, levels));
-    certificate.bound = bound_to_limit(&refined.cage).map(|bound| crate::report::BoundFacts::of(&bound));
     if as_polygons {
+        let bound = bound_to_limit(&refined.cage, job);
+        certificate.bound = bound.map(|bound| crate::report::BoundFacts::of(&bound));
         certificate.notes.extend(losses_of_polygons(&refined, to).iter().map(ToString::to_string));
         certificate.output = Some(Output::Polygons(PolygonFacts::of(&refined.cage)));
         return Ok(RefineOutcome { made: Control::Polygons(refined), format: to, certificate });

@@ -178,7 +178,7 @@ impl Surface {
                 })?;
                 let budget = Budget::length(tolerance);
                 let made = match self {
-                    Self::Cage(cage, _) => cage::cage_to_mesh(cage, &budget, job),
+                    Self::Cage(cage, _) => chordal::convert::cage_to_mesh(cage, &budget, job),
                     Self::Patches(patches, _) => convert::patches_to_mesh(patches, &budget, job),
                     Self::Triangles(mesh, off) => {
                         return Ok((Cow::Borrowed(mesh), *off, Reference::InputTriangles));

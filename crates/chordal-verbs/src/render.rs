@@ -276,7 +276,7 @@ fn shoot(
 fn tessellate(shape: &Shape, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, MeshFailure> {
     let made = match shape {
         Shape::Patches { patches, .. } => convert::patches_to_mesh(patches, budget, job),
-        Shape::Cage(polygons) => cage::cage_to_mesh(&polygons.cage, budget, job),
+        Shape::Cage(polygons) => chordal::convert::cage_to_mesh(&polygons.cage, budget, job),
         other => {
             let message = format!("{} have no patches", other.kind());
             Err(Failure::refused(Code::Unsupported, message))
