@@ -189,7 +189,8 @@ fn polygons(numbers: &[u8], indices: &[u8], ends: &[u8]) -> Result<Polygon, Inva
 /// The argument that an error is about.
 fn argument_of(error: &InvalidCage) -> &'static str {
     match error {
-        InvalidCage::NotFinite { .. } => "positions",
+        InvalidCage::NotFinite { .. } | InvalidCage::WrongCount { .. } => "positions",
+        InvalidCage::NoLimit { .. } => "scheme",
         InvalidCage::NoSuchEdge { .. } => "creases",
         InvalidCage::NoSuchVertex { .. } => "corners",
         InvalidCage::NoSuchFace { .. } => "holes",

@@ -1,6 +1,6 @@
 //! `deviation`: how far two shapes are apart, certified from both sides.
 use crate::report::{BoundFacts, Certificate, DeviationFacts, Report, Run, Verdict};
-use crate::{Input, MeshFailure, Shape, cage, implicit, placed};
+use crate::{Input, MeshFailure, Shape, implicit, placed};
 use chordal::budget::{Bound, Code, Failure, Length, Reference, Refusal, Stopped, Tolerance};
 use chordal::check::{self, Goal, OneSided};
 use chordal::explicit::Cage;

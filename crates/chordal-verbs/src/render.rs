@@ -3,7 +3,7 @@ use crate::Implicit;
 use crate::deviation::Pair;
 use crate::filled::Filling;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OutputFacts};
-use crate::{BudgetSpec, Input, MeshFailure, Shape, cage, placed};
+use crate::{BudgetSpec, Input, MeshFailure, Shape, placed};
 use chordal::budget::{Camera, Code, Failure, Length, Pixels, Projection, Refusal, Screen, Stopped, View};
 use chordal::check::Goal;
 use chordal::explicit::{Topology, facing};

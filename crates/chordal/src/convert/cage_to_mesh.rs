@@ -228,7 +228,7 @@ impl Sheets for CageSheets {
                     for piece in &patches.pieces {
                         let whole = (piece.patch, on(piece.u, u), on(piece.v, v));
                         for (patch, u, v) in cut_in_middle(whole, halved) {
-                            let shape = Shape::Bezier(patch);
+                            let shape = Shape::Bezier(Box::new(patch));
                             grounds.push(Ground { sheet: sheet as u32, u, v, shape, off: patches.off });
                         }
                     }

@@ -35,9 +35,8 @@ pub(crate) struct Ground<'a> {
     pub(crate) off: f64,
 }
 
-#[derive(Clone, Copy)]
 pub(crate) enum Shape<'a> {
-    Bezier(Patch),
+    Bezier(Box<Patch>),
     Rough(&'a Rough),
 }
 
@@ -97,7 +96,13 @@ impl Sheets for Patches<'_> {
 
     fn grounds(&self, sheet: usize, _: (&Allowance, f64)) -> Result<Vec<Ground<'_>>, Obstacle> {
         let (u, v) = ([0.0, 1.0], [0.0, 1.0]);
-        Ok(vec![Ground { sheet: sheet as u32, u, v, shape: Shape::Bezier(self.0[sheet]), off: 0.0 }])
+        Ok(vec![Ground {
+            sheet: sheet as u32,
+            u,
+            v,
+            shape: Shape::Bezier(Box::new(self.0[sheet])),
+            off: 0.0,
+        }])
     }
 
     fn quilt(&self) -> Quilt {

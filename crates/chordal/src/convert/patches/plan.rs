@@ -117,7 +117,7 @@ pub(crate) fn cut(ground: &Ground<'_>, allowance: &Allowance) -> Result<Vec<Tile
     let mut tiles = Vec::new();
     let context = (allowance, ground.lost());
     let patch = match &ground.shape {
-        Shape::Bezier(patch) => *patch,
+        Shape::Bezier(patch) => **patch,
         Shape::Rough(rough) => {
             let tolerance = tolerance(Box3::around(rough.ring().hull()), context)?;
             return Ok(vec![Tile::one(ground, tolerance)]);
@@ -142,7 +142,7 @@ pub(crate) fn cut(ground: &Ground<'_>, allowance: &Allowance) -> Result<Vec<Tile
 pub(crate) fn estimate(ground: &Ground<'_>, allowance: &Allowance) -> Result<f64, Obstacle> {
     let context = (allowance, ground.lost());
     let Shape::Bezier(patch) = &ground.shape else { return Ok(2.0) };
-    let mut open = vec![Open::new(*patch, ground.u, ground.v, context)?];
+    let mut open = vec![Open::new(**patch, ground.u, ground.v, context)?];
     let (mut cells, mut looked_at) = (0.0, 0);
     while let Some(rectangle) = open.pop() {
         looked_at += 1;
