@@ -378,13 +378,13 @@ impl<'a> Graph<'a> {
                 most.max(from.dot(face.normal).abs())
             }) / face.cosine
         };
-        let touched = self.faces.iter().filter(|face| touches(face.flat, low, high));
-        let over = touched.fold(0.0_f64, |most, face| most.max(heights(face)));
+        let touched: Vec<&Face> = self.faces.iter().filter(|face| touches(face.flat, low, high)).collect();
+        let over = touched.iter().fold(0.0_f64, |most, face| most.max(heights(face)));
         if self.is_inside(low, high) {
             return over;
         }
         let local: Vec<[f64; 3]> = hull.iter().map(|point| self.local(point).into()).collect();
-        let beside = self.faces.iter().fold(f64::INFINITY, |least: f64, face| {
+        let farthest = |least: f64, face: &Face| {
             let mut most = 0.0_f64;
             for point in &local {
                 most = most.max(distance_up(*point, &face.corners));
@@ -393,7 +393,12 @@ impl<'a> Graph<'a> {
                 }
             }
             most
-        });
+        };
+        // One that it touches is the nearest, but for what sticks out.
+        let beside = match touched.is_empty() {
+            true => self.faces.iter().fold(f64::INFINITY, farthest),
+            false => touched.into_iter().fold(f64::INFINITY, farthest),
+        };
         over.max(beside)
     }
 
