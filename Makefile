@@ -119,6 +119,8 @@ pictures: need-rust ## take the pictures of the docs again
 	for name in block bracket gyroid blobs; do \
 		$(CHORDAL) render examples/$$name.star --size 480x360 -o docs/pictures/$$name.png --force -q; \
 	done
+	$(CHORDAL) render examples/cube.obj --show zebra --size 480x360 -o docs/pictures/zebra.png --force -q
+	$(CHORDAL) render examples/cube.obj --show wire --tol 1% --size 480x360 -o docs/pictures/cube.png --force -q
 
 install: need-rust ## put chordal where cargo puts programs
 	$(CARGO) install --path crates/chordal-cli --locked

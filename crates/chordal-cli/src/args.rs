@@ -358,6 +358,8 @@ pub enum Show {
     Wire,
     /// The direction of the normal as a colour
     Normals,
+    /// Stripes as the surface mirrors them: kinks in its curvature show as kinks
+    Zebra,
     /// The distance from the shape of --against as a colour, from light through yellow and red to dark
     Deviation,
 }

@@ -102,6 +102,7 @@ fn shown(show: Show) -> Shown {
         Show::Flat => Shown::Flat,
         Show::Wire => Shown::Wire,
         Show::Normals => Shown::Normals,
+        Show::Zebra => Shown::Zebra,
         // Colours over light.
         Show::Deviation => Shown::Shaded,
     }

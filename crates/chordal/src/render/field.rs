@@ -7,6 +7,7 @@ use super::options::{Cull, Options, Show, Up, Viewpoint};
 use super::pattern::Pattern;
 use super::surface::{Spot, towards};
 use super::trace::{Look, Sample, backdrop, behind, ready};
+use super::zebra::stripe;
 use crate::budget::{Camera, Code, Job, Progress, Projection, Refusal, Screen, Stopped, par_map};
 use crate::explicit::Ray;
 use crate::implicit::query::{Beam, Cells, Counts, Record, Tracer, Unbounded};
@@ -369,10 +370,11 @@ impl Shot<'_> {
 
     fn sample(&self, shadows: &mut impl Shadows, look: &Look, spot: Option<&Spot>) -> Sample {
         let Some(spot) = spot else { return behind(&self.studio, self.options, shadows, look) };
-        let color = if self.options.show == Show::Normals {
-            spot.normal_as_color()
-        } else {
-            self.studio.shade(shadows, spot, DVec3::from(look.ray.direction), look.rays)
+        let direction = DVec3::from(look.ray.direction);
+        let color = match self.options.show {
+            Show::Normals => spot.normal_as_color(),
+            Show::Zebra => stripe(spot.normal, direction, DVec3::from(self.options.up.direction())),
+            _ => self.studio.shade(shadows, spot, direction, look.rays),
         };
         Sample { color, alpha: 1.0 }
     }

@@ -11,6 +11,7 @@ mod pattern;
 mod picture;
 mod surface;
 mod trace;
+mod zebra;
 
 pub use eye::frame;
 pub use field::{FieldPicture, NotDrawn, frame_field, render_field};

@@ -13,6 +13,9 @@ pub enum Show {
     Wire,
     /// The direction of the normal as a colour: −1 … 1 of x, y, z as 0 … 255 of red, green, blue, not gamma-corrected.
     Normals,
+    /// Stripes of a room as the surface mirrors them: they jump at edges, bend where only tangent planes agree, and run on smoothly where
+    /// curvatures agree. By the mesh's own normals, as [`Show::Shaded`].
+    Zebra,
 }
 
 /// Which sides of triangles are left out of a picture, as graphics processors do.

@@ -42,7 +42,7 @@ impl<'a> Surface<'a> {
         let bvh = Bvh::build(mesh, job)?;
         let normals = match options.show {
             Show::Flat | Show::Wire => Normals::Flat,
-            Show::Shaded | Show::Normals => Normals::of(mesh),
+            Show::Shaded | Show::Normals | Show::Zebra => Normals::of(mesh),
         };
         // Rays leave a surface this far out: above the rounding of hits, below what a picture of 10^5 pixels shows.
         let lift = 1e-6 * bvh.bounds().diagonal();

@@ -6,6 +6,7 @@ use super::light::{Material, Rays, Shadows, Studio};
 use super::options::{Background, Options, Show, Viewpoint};
 use super::pattern::Pattern;
 use super::surface::Surface;
+use super::zebra::stripe;
 use super::{Picture, frame};
 use crate::budget::{Camera, Code, Job, Progress, Refusal, Screen, Stopped, View, par_map};
 use crate::explicit::{Mesh, Ray};
@@ -219,6 +220,7 @@ impl Tracer<'_> {
         let direction = DVec3::from(ray.direction);
         let color = match self.options.show {
             Show::Normals => spot.normal_as_color(),
+            Show::Zebra => stripe(spot.normal, direction, DVec3::from(self.options.up.direction())),
             Show::Shaded | Show::Flat => {
                 let lit = self.studio.shade(&mut &self.surface, &spot, direction, rays);
                 match &self.heat {
