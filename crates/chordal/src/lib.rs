@@ -38,6 +38,7 @@ pub use explicit::{Bezier, Curve, Mesh, Patch, Polyline};
 #[doc = include_str!("../../../README.md")]
 #[doc = include_str!("../../../docs/bound.md")]
 #[doc = include_str!("../../../docs/budget.md")]
+#[doc = include_str!("../../../docs/cage_to_mesh.md")]
 #[doc = include_str!("../../../docs/curve_to_polyline.md")]
 #[doc = include_str!("../../../docs/deviation.md")]
 #[doc = include_str!("../../../docs/enclosure.md")]
