@@ -2,7 +2,7 @@
 use super::super::edges::{Around, Edges};
 use super::super::refine::{Sharp, is_hole};
 use super::super::rules::Point;
-use super::super::{Boundary, Cage, INFINITELY_SHARP, InvalidCage, Sizes};
+use super::super::{Boundary, Cage, Creasing, INFINITELY_SHARP, InvalidCage, Sizes};
 
 /// A cage with what is found out about it once.
 pub(in super::super) struct Parts {
@@ -44,12 +44,17 @@ impl Ring {
     fn turned(cage: &Cage, parts: &Parts, (face, turn): (usize, usize)) -> Self {
         let middle = cage.face(face);
         let mut sectors: Vec<Sector> =
-            middle.iter().map(|vertex| Sector::of(parts, *vertex, face as u32)).collect();
+            middle.iter().map(|vertex| Sector::of((parts, cage.creasing), *vertex, face as u32)).collect();
         let mut faces: Vec<u32> = Vec::with_capacity(16);
         // A vertex that has some of the faces beyond a cut, for the sake of another vertex, needs all of them.
         loop {
             faces.clear();
             sectors.iter().for_each(|sector| faces.extend_from_slice(&sector.faces));
+            if cage.creasing == Creasing::Chaikin {
+                sectors.iter().zip(middle).for_each(|(sector, vertex)| {
+                    faces.extend(sector.faces_at_far_ends(parts, *vertex));
+                });
+            }
             faces.sort_unstable();
             faces.dedup();
             let is_torn = |sector: &&mut Sector, vertex: u32| {
@@ -161,7 +166,7 @@ struct Sector {
 }
 
 impl Sector {
-    fn of(parts: &Parts, vertex: u32, face: u32) -> Self {
+    fn of((parts, creasing): (&Parts, Creasing), vertex: u32, face: u32) -> Self {
         let own = parts.sharp.vertices[vertex as usize];
         let around = parts.around.edges(vertex as usize);
         let sharpness = |edge: u32| parts.sharp.edges[edge as usize];
@@ -186,12 +191,33 @@ impl Sector {
                 }
             }
         }
-        if own >= INFINITELY_SHARP || n_infinite > 2 {
-            return Self { faces, sharpness: INFINITELY_SHARP };
-        }
-        // A crease that ends on the other side makes a corner of the vertex for some rounds.
+        // A crease that ends on the other side makes a corner of the vertex for some rounds, and by Chaikin's rule shapes how the
+        // creases on this side end.
         let is_beyond = |edge: &u32| parts.edges.faces(*edge as usize).iter().all(|f| !faces.contains(f));
-        let is_shaped = around.iter().any(|edge| is_beyond(edge) && sharpness(*edge) > 0.0);
-        Self { faces: if is_shaped { all() } else { faces }, sharpness: own }
+        let has_beyond = around.iter().any(|edge| {
+            let sharpness = sharpness(*edge);
+            sharpness > 0.0 && sharpness < INFINITELY_SHARP && is_beyond(edge)
+        });
+        let is_corner = own >= INFINITELY_SHARP || n_infinite > 2;
+        let is_shaped = has_beyond && (!is_corner || creasing == Creasing::Chaikin);
+        Self {
+            faces: if is_shaped { all() } else { faces },
+            sharpness: if is_corner { INFINITELY_SHARP } else { own },
+        }
+    }
+
+    /// The faces around the other ends of the vertex's creases: by Chaikin's rule the sharpness there shapes how these end.
+    fn faces_at_far_ends(&self, parts: &Parts, vertex: u32) -> Vec<u32> {
+        let is_crease = |edge: &&u32| {
+            let sharpness = parts.sharp.edges[**edge as usize];
+            let is_near = || parts.edges.faces(**edge as usize).iter().any(|face| self.faces.contains(face));
+            sharpness > 0.0 && sharpness < INFINITELY_SHARP && is_near()
+        };
+        let creases = parts.around.edges(vertex as usize).iter().filter(is_crease);
+        let far = creases.map(move |edge| {
+            let [a, b] = parts.edges.ends[*edge as usize];
+            if a == vertex { b } else { a }
+        });
+        far.flat_map(|end| parts.around.faces(end as usize).iter().copied()).collect()
     }
 }

@@ -115,7 +115,9 @@ impl Ring {
                     let sharp = if is_cut_here { edge[k] } else { edge[before] };
                     let others = around.iter().filter(|e| **e != onward && **e != sharp);
                     let fits = |edge: &u32| sharpness(*edge) == 0.0 || sharpness(*edge) == other;
-                    let is_one_line = sharpness(onward) >= INFINITELY_SHARP && others.clone().all(fits);
+                    // Between two faces with two sides in common the line does not go on but ends.
+                    let goes_on = onward != sharp && sharpness(onward) >= INFINITELY_SHARP;
+                    let is_one_line = goes_on && others.clone().all(fits);
                     let is_mixed = other > 0.0 && self.cage().creasing == Creasing::Chaikin;
                     if own > 0.0 || !is_one_line || is_mixed {
                         return None;
