@@ -21,6 +21,8 @@ enum Kind {
     Dart(usize),
     /// The first and the last edge are sharp.
     Crease,
+    /// It is on a crease to these neighbours, with other faces around it than these: where surfaces meet in a seam.
+    Seam([Point; 2]),
     Corner,
 }
 
@@ -84,12 +86,24 @@ impl Fan {
             own: 0,
         };
         let at = |v: u32| cage.positions[v as usize];
-        let (mut face, mut dart) = (begin.0, None);
+        // The neighbours along a crease that is not the first and the last edge.
+        let seam = |ends: Option<[u32; 2]>| {
+            let cut: Vec<u32> = around.iter().copied().filter(|edge| is_cut(*edge)).collect();
+            let &[a, b] = &cut[..] else { return None };
+            let is_own = ends.is_some_and(|ends| ends == [a, b] || ends == [b, a]);
+            let other = |edge: u32| {
+                let ends = parts.edges.ends[edge as usize];
+                at(if ends[0] == vertex { ends[1] } else { ends[0] })
+            };
+            (!is_own).then(|| Kind::Seam([other(a), other(b)]))
+        };
+        let (mut face, mut dart, mut first) = (begin.0, None, None);
         for _ in 0..=around.len() {
             let (next, last, after, corner, before) = sides(face)?;
             if face == 0 {
                 fan.own = fan.faces.len();
             }
+            first = first.or(Some(next));
             if is_cut(next) {
                 dart = Some(fan.edges.len());
             }
@@ -97,7 +111,8 @@ impl Fan {
             fan.faces.push(at(corner));
             if is_cut(last) && !is_dart {
                 fan.edges.push(at(before));
-                fan.kind = if own > 0.0 || n_cut > 2 { Kind::Corner } else { Kind::Crease };
+                let seam = || seam(first.map(|first| [first, last])).unwrap_or(Kind::Crease);
+                fan.kind = if own > 0.0 || n_cut > 2 { Kind::Corner } else { seam() };
                 return Some(fan);
             }
             face = across(last, face)?;
@@ -105,7 +120,7 @@ impl Fan {
                 fan.kind = match dart.filter(|_| is_dart) {
                     _ if own > 0.0 => Kind::Corner,
                     Some(edge) => Kind::Dart(edge),
-                    None => Kind::Smooth,
+                    None => seam(None).unwrap_or(Kind::Smooth),
                 };
                 return Some(fan);
             }
@@ -131,9 +146,11 @@ impl Fan {
             }
             mean(&[self.here, edge(k), centres[(k + n_faces - 1) % n_faces], centres[k % n_faces]])
         });
+        let crease = |a: Point, b: Point| plus(plus(self.here.map(|x| 0.75 * x), 0.125, a), 0.125, b);
         let here = match self.kind {
             Kind::Corner => self.here,
-            Kind::Crease => plus(plus(self.here.map(|x| 0.75 * x), 0.125, edge(0)), 0.125, edge(n_edges - 1)),
+            Kind::Crease => crease(edge(0), edge(n_edges - 1)),
+            Kind::Seam([a, b]) => crease(a, b),
             Kind::Smooth | Kind::Dart(_) => {
                 let n = n_edges as f64;
                 let share = 1.0 / (n * n);
@@ -141,17 +158,20 @@ impl Fan {
                 self.edges.iter().chain(&centres).fold(start, |sum, p| plus(sum, share, *p))
             }
         };
-        Self { here, edges: edges.collect(), faces: centres, ..*self }
+        let kind = match self.kind {
+            Kind::Seam(ends) => Kind::Seam(ends.map(|end| mean(&[self.here, end]))),
+            kind => kind,
+        };
+        Self { here, edges: edges.collect(), faces: centres, kind, ..*self }
     }
 
     /// Where the vertex is on the limit surface.
     pub fn limit(&self) -> Point {
+        let crease = |[a, b]: [Point; 2]| [0, 1, 2].map(|k| (4.0 * self.here[k] + (a[k] + b[k])) / 6.0);
         match self.kind {
             Kind::Corner => self.here,
-            Kind::Crease => {
-                let [a, b] = [self.edges[0], self.edges[self.edges.len() - 1]];
-                [0, 1, 2].map(|k| (4.0 * self.here[k] + (a[k] + b[k])) / 6.0)
-            }
+            Kind::Crease => crease([self.edges[0], self.edges[self.edges.len() - 1]]),
+            Kind::Seam(ends) => crease(ends),
             Kind::Smooth => {
                 let n = self.edges.len() as f64;
                 let share = 1.0 / (n * (n + 5.0));
@@ -167,7 +187,12 @@ impl Fan {
     fn centred(&self) -> Self {
         let limit = self.limit();
         let about = |p: &Point| [0, 1, 2].map(|k| p[k] - limit[k]);
+        let kind = match self.kind {
+            Kind::Seam(ends) => Kind::Seam(ends.map(|end| about(&end))),
+            kind => kind,
+        };
         Self {
+            kind,
             here: about(&self.here),
             edges: self.edges.iter().map(about).collect(),
             faces: self.faces.iter().map(about).collect(),
@@ -222,7 +247,11 @@ impl Fan {
                     fan = fan.next();
                     // Doubled, so that nothing gets too small.
                     fan.here = fan.here.map(|x| 2.0 * x);
-                    fan.edges.iter_mut().chain(&mut fan.faces).for_each(|p| *p = p.map(|x| 2.0 * x));
+                    let twice = |p: &mut Point| *p = p.map(|x| 2.0 * x);
+                    fan.edges.iter_mut().chain(&mut fan.faces).for_each(twice);
+                    if let Kind::Seam(ends) = &mut fan.kind {
+                        ends.iter_mut().for_each(twice);
+                    }
                     if self.kind != Kind::Corner && round % ROUNDS_TO_CENTRE == 0 {
                         fan = fan.centred();
                     }

@@ -191,15 +191,16 @@ impl Sector {
                 }
             }
         }
-        // A crease that ends on the other side makes a corner of the vertex for some rounds, and by Chaikin's rule shapes how the
-        // creases on this side end.
         let is_beyond = |edge: &u32| parts.edges.faces(*edge as usize).iter().all(|f| !faces.contains(f));
-        let has_beyond = around.iter().any(|edge| {
-            let sharpness = sharpness(*edge);
-            sharpness > 0.0 && sharpness < INFINITELY_SHARP && is_beyond(edge)
-        });
         let is_corner = own >= INFINITELY_SHARP || n_infinite > 2;
-        let is_shaped = has_beyond && (!is_corner || creasing == Creasing::Chaikin);
+        let shapes = |sharpness: f64| match creasing {
+            // By Chaikin's rule creases beyond shape how those on this side end.
+            Creasing::Chaikin if is_corner => sharpness > 0.0 && sharpness < INFINITELY_SHARP,
+            _ if is_corner => false,
+            // A crease that ends there makes a corner of the vertex for some rounds; one that does not end is that of the vertex.
+            _ => sharpness > 0.0,
+        };
+        let is_shaped = around.iter().any(|edge| is_beyond(edge) && shapes(sharpness(*edge)));
         Self {
             faces: if is_shaped { all() } else { faces },
             sharpness: if is_corner { INFINITELY_SHARP } else { own },
