@@ -1,4 +1,5 @@
 //! Cages: refined like the reference, and by laws that need none.
+mod attack;
 mod corpus;
 mod laws;
 mod limit;
