@@ -1,6 +1,6 @@
 //! Cages that once had a limit surface other than the one their rounds converge to.
 use chordal::check;
-use chordal::explicit::{Boundary, Cage, Creasing, INFINITELY_SHARP};
+use chordal::explicit::{Boundary, Cage, Creasing, INFINITELY_SHARP, InvalidCage};
 use chordal::{Budget, Job, Tolerance, convert};
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -106,5 +106,27 @@ fn seams_shape_faces_that_have_one_of_their_edges() {
     for boundary in [Boundary::EdgeOnly, Boundary::EdgeAndCorner] {
         let cage = cage.clone().with_boundary(boundary);
         assert!(off(&cage, 3) < 1e-13, "{}", off(&cage, 3));
+    }
+}
+
+/// A cube of that half an edge.
+fn cube(half: f64) -> Cage {
+    let corner = |i: u32| [0, 1, 2].map(|k| if i >> k & 1 == 0 { -half } else { half });
+    let sides: [&[u32]; 6] =
+        [&[0, 2, 3, 1], &[4, 5, 7, 6], &[0, 1, 5, 4], &[2, 6, 7, 3], &[0, 4, 6, 2], &[1, 3, 7, 5]];
+    Cage::new((0..8).map(corner).collect(), sides).unwrap()
+}
+
+/// Where squares of lengths are no numbers any more, or 0.
+#[test]
+fn the_distance_of_polygons_is_proved_at_every_scale_or_refused() {
+    // A corner of the cube goes to half of itself: it is √3/2 away.
+    for half in [1e-300, 1e-160, 1e-153, 1e-100, 1.0, 1e100, 1e149] {
+        let bound = check::limit_deviation(&cube(half), &Job::default()).unwrap();
+        assert!(bound.at_most().unwrap() >= 0.866 * half, "{half}: {bound:?}");
+    }
+    for half in [1e151, 1e160, 1e300, 1.7e308] {
+        let refused = check::limit_deviation(&cube(half), &Job::default());
+        assert_eq!(refused.unwrap_err(), InvalidCage::NotFinite { row: 0 }, "{half}");
     }
 }
