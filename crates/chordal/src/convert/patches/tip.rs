@@ -369,8 +369,10 @@ impl<'a> Graph<'a> {
             let flat = self.flat(self.local(point));
             (low, high) = (low.min(flat), high.max(flat));
         }
-        // As far as rounding may have moved them.
-        let slack = DVec2::splat(1e-9 * (high - low).length()); // chosen far above it; a larger box only makes the bound worse
+        // As far as rounding may have moved them: a dot product of three has five roundings of at most the largest term. The other share
+        // is chosen, far above the rounding of what is done with the box; a larger box only makes the bound worse.
+        let reach = low.abs().max(high.abs()).max_element();
+        let slack = DVec2::splat(1e-9 * (high - low).length() + 64.0 * f64::EPSILON * reach);
         let (low, high) = (low - slack, high + slack);
         let heights = |face: &Face| {
             hull.iter().fold(0.0_f64, |most, point| {
