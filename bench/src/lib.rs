@@ -1,4 +1,5 @@
 //! What the programs of the bench share: the corpora, dumped meshes, and the referees' samplers and shapes.
+pub mod cages;
 mod corpus;
 pub mod curves;
 mod dump;

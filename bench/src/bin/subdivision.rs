@@ -4,7 +4,7 @@
 //! - `subdivision run CAGE LEVEL RUNS THREADS THEIRS` prints a line of JSON with medians in seconds, and how far the points are from
 //!   those of the file THEIRS (f64, three by three, in any order), as a share of the diagonal.
 use chordal::budget::Job;
-use chordal::explicit::{Boundary, Cage, Creasing, Scheme};
+use chordal_bench::cages::read;
 use std::fmt::Write;
 use std::time::Instant;
 
@@ -29,46 +29,6 @@ fn torus() -> String {
         }
     }
     text
-}
-
-fn read(path: &str) -> Cage {
-    let text = std::fs::read_to_string(path).expect("a cage");
-    let (mut positions, mut faces) = (Vec::new(), Vec::<Vec<u32>>::new());
-    let (mut creases, mut corners, mut holes) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut boundary, mut creasing) = (Boundary::EdgeOnly, Creasing::Uniform);
-    for line in text.lines() {
-        let words: Vec<&str> = line.split_whitespace().collect();
-        let float = |k: usize| words[k].parse::<f64>().expect("a number");
-        match words.first() {
-            Some(&"v") => positions.push([float(1), float(2), float(3)]),
-            Some(&"f") => {
-                let index = |word: &&str| word.split('/').next().and_then(|i| i.parse::<u32>().ok());
-                faces.push(words[1..].iter().map(|word| index(word).expect("an index") - 1).collect());
-            }
-            Some(&"t") => {
-                let n: usize = words[2].split('/').next().and_then(|n| n.parse().ok()).expect("a count");
-                let ints: Vec<u32> = words[3..3 + n].iter().map(|i| i.parse().expect("an index")).collect();
-                match words[1] {
-                    "crease" => creases.extend(ints.chunks_exact(2).map(|e| ([e[0], e[1]], float(3 + n)))),
-                    "corner" => corners.extend(ints.iter().map(|v| (*v, float(3 + n)))),
-                    "hole" => holes.extend(ints),
-                    "creasemethod" if words.last() == Some(&"chaikin") => creasing = Creasing::Chaikin,
-                    // In these files 1 is edges and corners.
-                    "interpolateboundary" => {
-                        boundary =
-                            [Boundary::None, Boundary::EdgeAndCorner, Boundary::EdgeOnly][ints[0] as usize];
-                    }
-                    _ => {}
-                }
-            }
-            _ => {}
-        }
-    }
-    let cage = Cage::new(positions, faces).expect("a cage").with_boundary(boundary).with_creasing(creasing);
-    let cage = cage.with_creases(&creases).and_then(|cage| cage.with_sharp_vertices(&corners));
-    let cage = cage.and_then(|cage| cage.with_holes(&holes)).expect("tags of the cage");
-    let is_loop = path.rsplit('/').next().is_some_and(|name| name.starts_with("loop"));
-    if is_loop { cage.with_scheme(Scheme::Loop).expect("triangles") } else { cage }
 }
 
 fn median(runs: usize, mut run: impl FnMut()) -> f64 {
@@ -147,7 +107,7 @@ fn run(args: &[String]) {
     let number = |text: &String| text.parse::<usize>().expect("a number");
     let (level, runs) = (number(level) as u32, number(runs));
     let job = Job::default().with_threads(number(threads));
-    let cage = read(path);
+    let cage = read(path).expect("a cage");
     let refine =
         || cage.refinement(level).and_then(|made| made.refined(cage.positions(), &job)).expect("refined");
     let refined = refine();

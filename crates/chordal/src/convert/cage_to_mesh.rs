@@ -38,7 +38,7 @@ use crate::math::{Box3, flushes_subnormals};
 /// let budget = Budget::length(Tolerance::new(1e-2)?);
 /// let mesh = convert::cage_to_mesh(&cube, &budget, &Job::default()).unwrap();
 /// assert!(mesh.bound.at_most().unwrap() <= 1e-2);
-/// assert!(mesh.shape.faces().len() < 500);
+/// assert!(mesh.shape.faces().len() < 1500);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
