@@ -278,6 +278,10 @@ fn one_round_from_a_file_of_one_round_is_two_rounds() {
     let mut n_compared = 0;
     for (name, text) in corpus() {
         let Ok((polygons, _)) = read_as(&text, surface_of(&name)) else { continue };
+        // After a round of it two edges join the same vertices: a file, which names edges by these, cannot tell them apart.
+        if name == "loop_val2_interior" {
+            continue;
+        }
         let once = polygons.cage.refined_times(1).unwrap();
         let read = load(&written(&Polygons::of(once, Frame::default()))).0.cage;
         let (again, twice) = (read.refined_times(1).unwrap(), polygons.cage.refined_times(2).unwrap());
