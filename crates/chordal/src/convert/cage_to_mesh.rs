@@ -2,12 +2,12 @@
 use super::patches::ground::{Ground, Shape, Sheets};
 use super::patches::mesher::Failed;
 use super::patches::plan::{self, Allowance, Obstacle};
-use super::patches::quilt::{Classes, Edge, Quilt, Seam, Use, corners_of, meetings};
+use super::patches::quilt::{Edge, Quilt, Seam, Use, corners_of, meetings};
 use super::patches::tip;
 use super::patches::within::mesh_within;
 use crate::budget::{Bounded, Budget, Code, Failure, Job, Reference, par_map};
 use crate::explicit::cage::limit::Square;
-use crate::explicit::{Cage, LimitSurface, Mesh, Patch, Scheme, Sheet, Side};
+use crate::explicit::{Cage, LimitSurface, Mesh, Patch, Scheme, Sets, Sheet, Side};
 use crate::math::{Box3, flushes_subnormals};
 
 /// Meshes the limit surface of a cage so that nothing is farther from it than the budget allows.
@@ -24,7 +24,8 @@ use crate::math::{Box3, flushes_subnormals};
 /// **Budgets.** As for [`patches_to_mesh`](super::patches_to_mesh).
 ///
 /// **Cost.** O(triangles) time and about 200 bytes a triangle; before that some microseconds a regular face and about a millisecond for
-/// each face beside an irregular vertex.
+/// each face beside an irregular vertex of few edges; at one of hundreds each face has all others in its ring, so that the time grows with
+/// the square of their number (8 s for two of 360 at a thousandth of the size).
 ///
 /// # Errors
 /// [`Failure::Refused`]: as for [`patches_to_mesh`](super::patches_to_mesh), and for Loop's scheme ([`Code::Unsupported`]).
@@ -95,9 +96,9 @@ struct CageSheets {
     /// By sheet and side.
     seams: Vec<[Seam; 4]>,
     /// Uses of each edge, and the corners at its ends as far as a sheet has one there.
-    edges: Vec<(Vec<Use>, [Option<usize>; 2])>,
+    edges: Vec<(Vec<Use>, [Option<u32>; 2])>,
     /// Corners that are one, by sheet and corner.
-    same: Vec<[usize; 2]>,
+    same: Vec<[u32; 2]>,
 }
 
 impl CageSheets {
@@ -151,7 +152,7 @@ impl CageSheets {
 
     /// Gives edges that are used numbers in a row, and lists their uses.
     fn number_edges(&mut self) {
-        let mut uses: Vec<(u32, Use, [Option<usize>; 2])> = Vec::new();
+        let mut uses: Vec<(u32, Use, [Option<u32>; 2])> = Vec::new();
         for (sheet, seams) in self.seams.iter().enumerate() {
             for (side, seam) in Side::ALL.into_iter().zip(seams) {
                 let [start, end] = corners_of(sheet as u32, side).map(Some);
@@ -268,7 +269,7 @@ impl Sheets for CageSheets {
 
     fn quilt(&self) -> Quilt {
         let n = self.sheets.len();
-        let mut classes = Classes::new(4 * n);
+        let mut classes = Sets::new(4 * n);
         self.same.iter().for_each(|[a, b]| classes.join(*a, *b));
         let (number, count) = classes.numbered();
         let corners: Vec<[u32; 4]> = (0..n).map(|s| std::array::from_fn(|k| number[4 * s + k])).collect();
@@ -282,8 +283,8 @@ impl Sheets for CageSheets {
                 }
             }
         }
-        let edge = |(uses, ends): &(Vec<Use>, [Option<usize>; 2])| Edge {
-            ends: ends.map(|end| end.map_or(0, |end| number[end])),
+        let edge = |(uses, ends): &(Vec<Use>, [Option<u32>; 2])| Edge {
+            ends: ends.map(|end| end.map_or(0, |end| number[end as usize])),
             uses: uses.clone(),
             least: 1,
         };

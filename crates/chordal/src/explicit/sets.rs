@@ -36,6 +36,21 @@ impl Sets {
         }
     }
 
+    /// A number for every member's set, in the order of their earliest members, and how many sets there are.
+    pub fn numbered(mut self) -> (Vec<u32>, usize) {
+        let mut number = vec![u32::MAX; self.parent.len()];
+        let mut next = 0;
+        for member in 0..self.parent.len() {
+            let root = self.root(member as u32) as usize;
+            if number[root] == u32::MAX {
+                number[root] = next;
+                next += 1;
+            }
+            number[member] = number[root];
+        }
+        (number, next as usize)
+    }
+
     /// How many sets there are fewer than members.
     pub fn joined(&self) -> u64 {
         self.joined

@@ -5,6 +5,7 @@ pub mod elementary;
 mod interval;
 mod predicates;
 mod probe;
+mod ranked;
 mod rounding;
 pub mod simd;
 mod vector;
@@ -16,6 +17,7 @@ pub(crate) use interval::ends::Ends;
 pub use interval::{Interval, InvalidInterval};
 pub use predicates::{Orientation, Position, orient2d, orient3d, triangle_contains};
 pub use probe::flushes_subnormals;
+pub(crate) use ranked::Ranked;
 pub(crate) use rounding::length_up;
 pub use rounding::{
     add_down, add_up, div_down, div_up, mul_down, mul_up, sqrt_down, sqrt_up, sub_down, sub_up,

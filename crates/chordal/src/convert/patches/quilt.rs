@@ -3,7 +3,7 @@
 //! Two sides are the same curve when their four control points are equal, run forwards or backwards. Corners are
 //! joined only along shared curves (and along sides that are one point): patches that merely touch in a point stay
 //! apart, so that no vertex becomes non-manifold.
-use crate::explicit::{Bezier, Patch, Side};
+use crate::explicit::{Bezier, Patch, Sets, Side};
 use std::cmp::Ordering;
 
 /// One boundary curve, in one of its directions.
@@ -65,7 +65,7 @@ impl Quilt {
     pub(crate) fn new(patches: &[Patch]) -> Self {
         let mut edges = collect_edges(patches);
         let mut seams = vec![[Seam::Point; 4]; patches.len()];
-        let mut classes = Classes::new(4 * patches.len());
+        let mut classes = Sets::new(4 * patches.len());
         for (index, edge) in edges.iter().enumerate() {
             let first = ends_of(edge.uses[0]);
             for &used in &edge.uses {
@@ -94,7 +94,7 @@ impl Quilt {
             }
         }
         for edge in &mut edges {
-            edge.ends = ends_of(edge.uses[0]).map(|corner| number[corner]);
+            edge.ends = ends_of(edge.uses[0]).map(|corner| number[corner as usize]);
         }
         let meetings = meetings(&seams);
         let mut quilt = Self { edges, seams, corners, meetings, corner_positions };
@@ -181,51 +181,13 @@ fn compare(a: &Bezier<3>, b: &Bezier<3>) -> Ordering {
 }
 
 /// The flat corner indices at the start and end of a side.
-pub(crate) fn corners_of(patch: u32, side: Side) -> [usize; 2] {
-    let start = side as usize;
-    [4 * patch as usize + start, 4 * patch as usize + (start + 1) % 4]
+pub(crate) fn corners_of(sheet: u32, side: Side) -> [u32; 2] {
+    let start = side as u32;
+    [4 * sheet + start, 4 * sheet + (start + 1) % 4]
 }
 
 /// The flat corner indices at the start and end of the curve that a side uses.
-fn ends_of(used: Use) -> [usize; 2] {
+fn ends_of(used: Use) -> [u32; 2] {
     let [a, b] = corners_of(used.sheet, used.side);
     if used.reversed { [b, a] } else { [a, b] }
-}
-
-/// Disjoint sets with path halving.
-pub(crate) struct Classes(Vec<u32>);
-
-impl Classes {
-    pub(crate) fn new(count: usize) -> Self {
-        Self((0..count as u32).collect())
-    }
-
-    fn find(&mut self, mut i: usize) -> usize {
-        while self.0[i] as usize != i {
-            self.0[i] = self.0[self.0[i] as usize];
-            i = self.0[i] as usize;
-        }
-        i
-    }
-
-    pub(crate) fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.find(a), self.find(b));
-        let (low, high) = if a < b { (a, b) } else { (b, a) };
-        self.0[high] = low as u32;
-    }
-
-    /// A number for every element's set, in the order of first members, and how many sets there are.
-    pub(crate) fn numbered(mut self) -> (Vec<u32>, usize) {
-        let mut number = vec![u32::MAX; self.0.len()];
-        let mut next = 0;
-        for i in 0..self.0.len() {
-            let root = self.find(i);
-            if number[root] == u32::MAX {
-                number[root] = next;
-                next += 1;
-            }
-            number[i] = number[root];
-        }
-        (number, next as usize)
-    }
 }

@@ -31,7 +31,7 @@ use super::tile::{BorderVertex, Done, walk_side};
 use crate::check::distance_up;
 use crate::explicit::cage::limit::{Patches, Square};
 use crate::explicit::{Bezier, Patch, Side};
-use crate::math::Box3;
+use crate::math::{Box3, Ranked};
 use glam::{DVec2, DVec3};
 use std::collections::BinaryHeap;
 
@@ -324,11 +324,11 @@ impl<'a> Graph<'a> {
         for round in 0..MOST_PIECES {
             let worst = open.pop()?;
             let fits = worst.bound <= tolerance;
-            if fits && (round >= tip.pieces || worst.bound <= 0.5 * tolerance) || worst.depth > DEEPEST {
+            if fits && (round >= tip.pieces || worst.bound <= 0.5 * tolerance) || worst.item.depth > DEEPEST {
                 return Some(worst.bound);
             }
-            let depth = worst.depth + 1;
-            match worst.piece {
+            let depth = worst.item.depth + 1;
+            match worst.item.piece {
                 Piece::Patch(patch, off) => {
                     for half in patch.halves_u() {
                         for quarter in half.halves_v() {
@@ -354,12 +354,12 @@ impl<'a> Graph<'a> {
         open.pop().map(|worst| worst.bound)
     }
 
-    fn part<'b>(&self, piece: Piece<'b>, depth: usize) -> Part<'b> {
+    fn part<'b>(&self, piece: Piece<'b>, depth: usize) -> Ranked<Part<'b>> {
         let bound = match &piece {
             Piece::Patch(patch, off) => self.distance(patch.control.as_flattened()) + off,
             Piece::Rough(rough) => self.distance(rough.ring().hull()) + 2.0 * rough.ring().off(),
         };
-        Part { bound, depth, piece }
+        Ranked { bound, item: Part { depth, piece } }
     }
 
     /// A bound for what lies in the hull of these points.
@@ -509,29 +509,8 @@ enum Piece<'a> {
     Rough(&'a Rough),
 }
 
-/// A piece of the surface with its bound; the largest bound is the greatest.
+/// A piece of the surface, and how often it was divided.
 struct Part<'a> {
-    bound: f64,
     depth: usize,
     piece: Piece<'a>,
-}
-
-impl PartialEq for Part<'_> {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Part<'_> {}
-
-impl PartialOrd for Part<'_> {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Part<'_> {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.bound.total_cmp(&other.bound)
-    }
 }
