@@ -1,17 +1,23 @@
 //! `Bend`: how strongly a patch bends over one tile, and the bound on triangles that follows from it.
 //!
 //! **The bound.** Let `S` be the patch over a triangle of its parameter plane with corners `p_i`, `T` the linear
-//! map with `T(p_i) = S(p_i)`, `λ` barycentric coordinates, `d_ij = p_j − p_i`, `H` the second derivative of `S`
-//! (a symmetric bilinear map into space), `H_c` any fixed such map. With Taylor's formula around `x` and
-//! `Σ λ_i (p_i − x) = 0`,
+//! map with `T(p_i) = S(p_i)`, `λ` barycentric coordinates, `d_ij = p_j − p_i`. Let `Q` be the polynomial of degree three that has the
+//! derivatives of `S` up to the third at the middle of the triangle's box, `H` its second derivative (a symmetric bilinear map into space) and `C` its
+//! third. On a side, `Q` is a cubic, which is off its chord by `μ(1−μ)` times half its second derivative in the middle and `(2μ−1)/12` of its third;
+//! inside only a multiple of `λ_1 λ_2 λ_3` is left, which the value at the centroid tells. With `m_ij` the middle of a side and `q_i` the corners as
+//! seen from the centroid,
 //!
 //! ```text
-//! T(x) − S(x) = ½ Σ λ_i H̄_i[p_i−x, p_i−x] = Σ_{i<j} λ_i λ_j W_ij + R,    W_ij = ½ H_c[d_ij, d_ij],
-//! |R| ≤ (du²·δ_uu + 2·du·dv·δ_uv + dv²·δ_vv) / 8,
+//! T(x) − S(x) = Σ_{i<j} λ_i λ_j W_ij + t(x) + R,    W_ij = ½ H(m_ij)[d_ij, d_ij],
+//! t(x) = Σ_{i<j} λ_i λ_j (λ_j − λ_i) C[d_ij, d_ij, d_ij] / 12 − 9/4 · λ_1 λ_2 λ_3 C[q_1, q_2, q_3],
+//! |R| ≤ (du²·δ_uu + 2·du·dv·δ_uv + dv²·δ_vv) / 8 ≤ (4·du³·dv·|S_uuuv| + 6·du²·dv²·|S_uuvv| + 4·du·dv³·|S_uvvv|) / 64,
 //! ```
 //!
-//! where `H̄_i` averages `H` over the segment from `x` to `p_i`, `du × dv` is the box of the triangle and `δ`
-//! bounds `|H − H_c|` over it: `Σ λ_i (u_i−u)² ≤ du²/4` by Popoviciu, the mixed term by Cauchy and Schwarz.
+//! `du × dv` the box of the triangle. For the remainder take Taylor's formula for `E = S − Q` around `x`; since `Σ λ_i (p_i − x) = 0`, the triangle is off `E`
+//! by `½ Σ λ_i H̄_i[p_i−x, p_i−x]`, `H̄_i` a mean of the second derivative of `E` over the segment from `x` to `p_i`. `δ` bounds that; `Σ λ_i (u_i−u)² ≤ du²/4` by
+//! Popoviciu, the mixed term by Cauchy and Schwarz. `E` has no derivatives up to the third in the middle, so `δ` is half of the largest fourth ones along
+//! two steps of at most half the box (those by u or v four times are 0). `t` is at most the sum of the `|C[d, d, d]|` times `1/(72√3)`, and a twelfth of
+//! `|C[q_1, q_2, q_3]|`.
 //!
 //! **Sliding.** A distance between sets allows any pairing of points that covers both. Pair `S(x)` with
 //! `T(ψ(x))`, `ψ(λ)_k = λ_k (1 + Σ_j ±s_kj λ_j)`, which moves `T` by `Σ λ_i λ_j s_ij (V_j − V_i)`. For
@@ -30,19 +36,19 @@
 //!
 //! **Rounding.** Let `P` be the largest coordinate of the patch, `u = 2⁻⁵³`; errors in units of `u·P`, the worst case
 //! being a tile of one cell. A control point of a part is six interpolations deep, 12. A second derivative's control
-//! vectors have coordinates up to 24 (`uu`, `vv`) and 36 (`uv`) and are off by 360 and 540, its values by 624 and 972.
-//! Hence half of it along a side of the cell is off by 360 and along a diagonal by 1956, a coordinate; as lengths across the
-//! chord, by 716 and 3772. `worst_mix` makes at most a quarter of that, 943, and rounds by 144. Third derivatives have
-//! lengths up to 48·√3 (`uuu`) and 144·√3 (`uuv`) and are off by 1538 and 4864, the remainder by 2016, and it rounds by
-//! 623. A vertex (Bernstein form of a part, and a parameter off by `u`, at up to `6·√3·P` a unit) is off by 70, the sum
-//! by 131. Together 3927, less than [`ROUNDING`] = 4096·u. A curve's vertex is off by as much of the *curve's* size, so
-//! it is good for all patches that share it. Below the normal numbers a length, the root of a sum of squares, loses
+//! vectors have coordinates up to 24 (`uu`, `vv`) and 36 (`uv`) and are off by 360 and 540, its values by 624 and 972. Third derivatives have
+//! lengths up to 48·√3 (`uuu`) and 144·√3 (`uuv`) and are off by 1538 and 4864; fourth by 9300 (`uuuv`) and 19,700 (`uuvv`).
+//! Hence half a second derivative along a diagonal is off by 1956 a coordinate, and in the middle of a side, half the box away, by a quarter of the third
+//! derivative along it more, 8100: as a length across the chord by less than 17,500, of which `worst_mix` makes at most a third. `t` is off by
+//! 0.00802·35,400 + 10,000/12 < 1200, `R` by (8·9300 + 6·19,700)/64 < 3000, and both round by less than 1000. A vertex (Bernstein form of a part, and a parameter off
+//! by `u`, at up to `6·√3·P` a unit) is off by 70, the sum by 200. Together less than [`ROUNDING`] = 16,384·u. A curve's vertex is off by as much of the
+//! *curve's* size, so it is good for all patches that share it. Below the normal numbers a length, the root of a sum of squares, loses
 //! at most `√(3·2⁻¹⁰⁷⁵) < 2⁻⁵³⁶`, a few of which are less than [`UNDERFLOW`].
 use crate::explicit::Patch;
 use glam::DVec3;
 
 /// Rounding of a certified bound, as a share of the largest coordinate; derived above.
-pub(super) const ROUNDING: f64 = 2048.0 * f64::EPSILON;
+pub(super) const ROUNDING: f64 = 8192.0 * f64::EPSILON;
 
 /// What underflow adds to it, a length: the root of the smallest normal number, 2⁻⁵¹¹; derived above.
 pub(super) const UNDERFLOW: f64 = f64::from_bits(512 << 52);
@@ -101,13 +107,17 @@ pub(crate) fn worst_mix(a: f64, b: f64, c: f64) -> f64 {
     if inside < a / 3.0 { inside } else { a / 3.0 }
 }
 
-/// The second derivatives of one tile's part as polynomials over its unit square, with bounds on the third.
+/// The second and third derivatives of one tile's part as polynomials over its unit square, with bounds on the fourth.
 pub(crate) struct Bend {
     uu: [[DVec3; 2]; 4],
     uv: [[DVec3; 3]; 3],
     vv: [[DVec3; 4]; 2],
-    /// Bounds on |S_uuu|, |S_uuv|, |S_uvv|, |S_vvv|.
-    third: [f64; 4],
+    uuu: [DVec3; 4],
+    uuv: [[DVec3; 2]; 3],
+    uvv: [[DVec3; 3]; 2],
+    vvv: [DVec3; 4],
+    /// Bounds on |S_uuuv|, |S_uuvv|, |S_uvvv|.
+    fourth: [f64; 3],
 }
 
 /// One row of [`Bend`]: fixed `v`, polynomials in `u`.
@@ -115,7 +125,55 @@ pub(crate) struct BendRow {
     uu: [DVec3; 2],
     uv: [DVec3; 3],
     vv: [DVec3; 4],
+    uuu: DVec3,
+    uuv: [DVec3; 2],
+    uvv: [DVec3; 3],
+    vvv: [DVec3; 4],
 }
+
+/// The second and third derivatives at one place.
+#[derive(Clone, Copy)]
+pub(crate) struct Jet {
+    pub(crate) second: Hessian,
+    uuu: DVec3,
+    uuv: DVec3,
+    uvv: DVec3,
+    vvv: DVec3,
+}
+
+impl Jet {
+    /// Half the second derivative along a step, at a place that is `m` away.
+    #[inline]
+    pub(crate) fn half_along(&self, [du, dv]: [f64; 2], [mu, mv]: [f64; 2]) -> DVec3 {
+        let uu = self.second.uu + (self.uuu * mu + self.uuv * mv);
+        let uv = self.second.uv + (self.uuv * mu + self.uvv * mv);
+        let vv = self.second.vv + (self.uvv * mu + self.vvv * mv);
+        Hessian { uu, uv, vv }.half_along(du, dv)
+    }
+
+    /// The third derivative along three steps.
+    #[inline]
+    fn third(&self, [a, b, c]: [[f64; 2]; 3]) -> DVec3 {
+        self.uuu * (a[0] * b[0] * c[0])
+            + self.uuv * (a[0] * b[0] * c[1] + a[0] * b[1] * c[0] + a[1] * b[0] * c[0])
+            + self.uvv * (a[0] * b[1] * c[1] + a[1] * b[0] * c[1] + a[1] * b[1] * c[0])
+            + self.vvv * (a[1] * b[1] * c[1])
+    }
+
+    /// What third derivatives add in a triangle, with corners that are so far away, to what the bends in the middles of its sides say.
+    #[inline]
+    pub(crate) fn twist(&self, corners: [[f64; 2]; 3]) -> f64 {
+        let [a, b, c] = corners;
+        let step = |p: [f64; 2], q: [f64; 2]| [q[0] - p[0], q[1] - p[1]];
+        let along = |d: [f64; 2]| self.third([d, d, d]).length();
+        let middle = [(a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0];
+        let inside = self.third(corners.map(|corner| step(middle, corner))).length();
+        CUBIC * (along(step(a, b)) + along(step(b, c)) + along(step(c, a))) + inside / 12.0
+    }
+}
+
+/// A little more than 1/(72·√3), the largest `μ(1−μ)|1−2μ|/12`.
+const CUBIC: f64 = 0.008_02;
 
 impl Bend {
     /// From the control points of the part.
@@ -123,18 +181,24 @@ impl Bend {
         let q: [[DVec3; 4]; 4] = part.control.map(|row| row.map(DVec3::from));
         let second = |a: DVec3, b: DVec3, c: DVec3| 6.0 * ((a - b) - (b - c));
         let uu = q.map(|r| [second(r[0], r[1], r[2]), second(r[1], r[2], r[3])]);
-        let vv = [0, 1].map(|i| std::array::from_fn(|j| second(q[i][j], q[i + 1][j], q[i + 2][j])));
+        let vv: [[DVec3; 4]; 2] =
+            [0, 1].map(|i| std::array::from_fn(|j| second(q[i][j], q[i + 1][j], q[i + 2][j])));
         let uv = std::array::from_fn(|i| {
             std::array::from_fn(|j| 9.0 * ((q[i + 1][j + 1] - q[i + 1][j]) - (q[i][j + 1] - q[i][j])))
         });
+        let uuu = uu.map(|r| r[1] - r[0]);
+        let uuv: [[DVec3; 2]; 3] =
+            std::array::from_fn(|i| std::array::from_fn(|j| 3.0 * (uu[i + 1][j] - uu[i][j])));
+        let uvv: [[DVec3; 3]; 2] =
+            std::array::from_fn(|i| std::array::from_fn(|j| 3.0 * (vv[i][j + 1] - vv[i][j])));
+        let vvv: [DVec3; 4] = std::array::from_fn(|j| vv[1][j] - vv[0][j]);
         let longest = |most: f64, d: DVec3| if d.length() > most { d.length() } else { most };
-        let uuu = uu.iter().fold(0.0, |most, r| longest(most, r[1] - r[0]));
-        let uuv = (0..3)
-            .fold(0.0, |most, i| (0..2).fold(most, |most, j| longest(most, 3.0 * (uu[i + 1][j] - uu[i][j]))));
-        let uvv = (0..2)
-            .fold(0.0, |most, i| (0..3).fold(most, |most, j| longest(most, 3.0 * (vv[i][j + 1] - vv[i][j]))));
-        let vvv = (0..4).fold(0.0, |most, j| longest(most, vv[1][j] - vv[0][j]));
-        Self { uu, uv, vv, third: [uuu, uuv, uvv, vvv] }
+        let uuuv = (0..3).fold(0.0, |most, i| longest(most, 3.0 * (uuu[i + 1] - uuu[i])));
+        let uuvv = (0..2).fold(0.0, |most, i| {
+            (0..2).fold(most, |most, j| longest(most, 2.0 * (uuv[i + 1][j] - uuv[i][j])))
+        });
+        let uvvv = (0..3).fold(0.0, |most, j| longest(most, 3.0 * (vvv[j + 1] - vvv[j])));
+        Self { uu, uv, vv, uuu, uuv, uvv, vvv, fourth: [uuuv, uuvv, uvvv] }
     }
 
     /// The polynomials in `u` at `v`.
@@ -148,33 +212,46 @@ impl Bend {
             }),
             uv: std::array::from_fn(|j| self.uv[0][j] * c0 + self.uv[1][j] * c1 + self.uv[2][j] * c2),
             vv: std::array::from_fn(|j| self.vv[0][j] * s + self.vv[1][j] * v),
+            uuu: (self.uuu[0] * b0 + self.uuu[1] * b1) + (self.uuu[2] * b2 + self.uuu[3] * b3),
+            uuv: std::array::from_fn(|j| self.uuv[0][j] * c0 + self.uuv[1][j] * c1 + self.uuv[2][j] * c2),
+            uvv: std::array::from_fn(|j| self.uvv[0][j] * s + self.uvv[1][j] * v),
+            vvv: self.vvv,
         }
     }
 
-    /// The second derivatives at `(u, v)` of the part.
-    pub(crate) fn at(&self, u: f64, v: f64) -> Hessian {
+    /// The derivatives at `(u, v)` of the part.
+    pub(crate) fn at(&self, u: f64, v: f64) -> Jet {
         self.row(v).at(u)
     }
 
-    /// The remainder `R` for a triangle whose box is `du × dv`, when `H_c` is taken at the middle of the box.
+    /// The remainder `R` for a triangle whose box is `du × dv`, when the derivatives are taken in its middle.
     #[inline]
     pub(crate) fn remainder(&self, du: f64, dv: f64) -> f64 {
-        let [uuu, uuv, uvv, vvv] = self.third;
-        let (uu, uv, vv) = (du * uuu + dv * uuv, du * uuv + dv * uvv, du * uvv + dv * vvv);
-        (du * du * uu + 2.0 * du * dv * uv + dv * dv * vv) * 0.0625
+        let [uuuv, uuvv, uvvv] = self.fourth;
+        let (square, product) = (du * du * uuuv + dv * dv * uvvv, du * dv);
+        (4.0 * square * product + 6.0 * (product * product) * uuvv) / 64.0
     }
 }
 
 impl BendRow {
-    /// The second derivatives at `u`.
+    /// The derivatives at `u`.
     #[inline]
-    pub(crate) fn at(&self, u: f64) -> Hessian {
+    pub(crate) fn at(&self, u: f64) -> Jet {
         let s = 1.0 - u;
         let [b0, b1, b2, b3] = crate::explicit::bernstein(u);
-        Hessian {
-            uu: self.uu[0] * s + self.uu[1] * u,
-            uv: self.uv[0] * (s * s) + self.uv[1] * (2.0 * s * u) + self.uv[2] * (u * u),
-            vv: (self.vv[0] * b0 + self.vv[1] * b1) + (self.vv[2] * b2 + self.vv[3] * b3),
+        let (c0, c1, c2) = (s * s, 2.0 * s * u, u * u);
+        let cubic = |q: &[DVec3; 4]| (q[0] * b0 + q[1] * b1) + (q[2] * b2 + q[3] * b3);
+        let square = |q: &[DVec3; 3]| q[0] * c0 + q[1] * c1 + q[2] * c2;
+        Jet {
+            second: Hessian {
+                uu: self.uu[0] * s + self.uu[1] * u,
+                uv: square(&self.uv),
+                vv: cubic(&self.vv),
+            },
+            uuu: self.uuu,
+            uuv: self.uuv[0] * s + self.uuv[1] * u,
+            uvv: square(&self.uvv),
+            vvv: cubic(&self.vvv),
         }
     }
 }

@@ -1,5 +1,5 @@
 //! One tile: its triangles, and the proof of their distance.
-use super::bend::{Bend, Hessian, across, worst_mix};
+use super::bend::{Bend, Jet, across, worst_mix};
 use super::ground::{Ground, Shape};
 use super::plan::Tile;
 use super::quilt::Corner;
@@ -297,10 +297,10 @@ impl Work<'_> {
             let high: Vec<u32> = (i[0]..=i[1]).map(|i| self.grid_id(i, row + 1)).collect();
             let bend = self.bend.row((row as f64 + 0.5) * dv);
             for k in 0..i[1] - i[0] {
-                let hessian = bend.at(((i[0] + k) as f64 + 0.5) * du);
+                let jet = bend.at(((i[0] + k) as f64 + 0.5) * du);
                 let rising = self.is_rising(i[0] + k, row);
                 let corners = [low[k], low[k + 1], high[k + 1], high[k]];
-                self.cell(corners, &CellBend { hessian, remainder, rising });
+                self.cell(corners, &CellBend { jet, remainder, rising });
             }
             low = high;
         }
@@ -358,25 +358,27 @@ impl Work<'_> {
     }
 
     /// The two triangles of one cell, corners counter-clockwise.
-    fn cell(&mut self, corners: [u32; 4], CellBend { hessian, remainder, rising }: &CellBend) {
+    fn cell(&mut self, corners: [u32; 4], CellBend { jet, remainder, rising }: &CellBend) {
         let [a, b, c, d] = corners.map(|id| self.knot(id));
         let (du, dv) = (b.u - a.u, d.v - a.v);
-        let along_u = hessian.half_along(du, 0.0);
-        let along_v = hessian.half_along(0.0, dv);
-        let sign = if *rising { 1.0 } else { -1.0 };
-        let bend = hessian.half_along(du, sign * dv);
-        let (bottom, top) = (across(along_u, b.at - a.at), across(along_u, c.at - d.at));
-        let (left, right) = (across(along_v, d.at - a.at), across(along_v, c.at - b.at));
+        let (u, v) = (0.5 * du, 0.5 * dv);
+        let bottom = across(jet.half_along([du, 0.0], [0.0, -v]), b.at - a.at);
+        let top = across(jet.half_along([du, 0.0], [0.0, v]), c.at - d.at);
+        let left = across(jet.half_along([0.0, dv], [-u, 0.0]), d.at - a.at);
+        let right = across(jet.half_along([0.0, dv], [u, 0.0]), c.at - b.at);
         let [ia, ib, ic, id] = corners;
-        let (first, second, bounds) = if *rising {
-            let diagonal = across(bend, c.at - a.at);
-            ([ia, ib, ic], [ia, ic, id], [worst_mix(bottom, right, diagonal), worst_mix(top, left, diagonal)])
+        let [pa, pb, pc, pd] = [[-u, -v], [u, -v], [u, v], [-u, v]];
+        let (first, second, bounds, twists) = if *rising {
+            let diagonal = across(jet.second.half_along(du, dv), c.at - a.at);
+            let bounds = [worst_mix(bottom, right, diagonal), worst_mix(top, left, diagonal)];
+            ([ia, ib, ic], [ia, ic, id], bounds, [[pa, pb, pc], [pa, pc, pd]])
         } else {
-            let diagonal = across(bend, d.at - b.at);
-            ([ia, ib, id], [ib, ic, id], [worst_mix(bottom, left, diagonal), worst_mix(top, right, diagonal)])
+            let diagonal = across(jet.second.half_along(du, -dv), d.at - b.at);
+            let bounds = [worst_mix(bottom, left, diagonal), worst_mix(top, right, diagonal)];
+            ([ia, ib, id], [ib, ic, id], bounds, [[pa, pb, pd], [pb, pc, pd]])
         };
-        self.emit(first, bounds[0] + remainder);
-        self.emit(second, bounds[1] + remainder);
+        self.emit(first, bounds[0] + jet.twist(twists[0]) + remainder);
+        self.emit(second, bounds[1] + jet.twist(twists[1]) + remainder);
     }
 
     /// Triangles between two chains that run the same way, the second on the left of the first: at every step the
@@ -423,25 +425,30 @@ impl Work<'_> {
     fn cross_edge(&self, a: u32, b: u32) -> (f64, f64) {
         let (a, b) = (self.knot(a), self.knot(b));
         let (du, dv) = (b.u - a.u, b.v - a.v);
-        let hessian = self.bend.at(0.5 * (a.u + b.u), 0.5 * (a.v + b.v));
-        (
-            across(hessian.half_along(du, dv), b.at - a.at) + self.bend.remainder(du.abs(), dv.abs()),
-            du * du + dv * dv,
-        )
+        let jet = self.bend.at(0.5 * (a.u + b.u), 0.5 * (a.v + b.v));
+        (across(jet.second.half_along(du, dv), b.at - a.at), du * du + dv * dv)
     }
 
-    /// The bound of one triangle by the second derivatives at the middle of its box.
+    /// The bound of one triangle by the derivatives at the middle of its box.
     fn prove(&self, triangle: [u32; 3]) -> f64 {
-        let [a, b, c] = triangle.map(|id| self.knot(id));
+        let knots = triangle.map(|id| self.knot(id));
+        let [a, b, c] = knots;
         let range = |x: f64, y: f64, z: f64| {
             let (low, high) = if x < y { (x, y) } else { (y, x) };
             (if z < low { z } else { low }, if z > high { z } else { high })
         };
         let (u, v) = (range(a.u, b.u, c.u), range(a.v, b.v, c.v));
-        let hessian = self.bend.at(0.5 * (u.0 + u.1), 0.5 * (v.0 + v.1));
-        let side = |p: Knot, q: Knot| across(hessian.half_along(q.u - p.u, q.v - p.v), q.at - p.at);
+        let middle = [0.5 * (u.0 + u.1), 0.5 * (v.0 + v.1)];
+        let jet = self.bend.at(middle[0], middle[1]);
+        let corners = knots.map(|knot| [knot.u - middle[0], knot.v - middle[1]]);
+        let side = |i: usize, j: usize| {
+            let ([pu, pv], [qu, qv]) = (corners[i], corners[j]);
+            let bend = jet.half_along([qu - pu, qv - pv], [0.5 * (pu + qu), 0.5 * (pv + qv)]);
+            across(bend, knots[j].at - knots[i].at)
+        };
         let slack = 4.0 * f64::EPSILON; // a parameter is off by at most an ulp of 1 at each end
-        worst_mix(side(a, b), side(b, c), side(c, a))
+        worst_mix(side(0, 1), side(1, 2), side(2, 0))
+            + jet.twist(corners)
             + self.bend.remainder(u.1 - u.0 + slack, v.1 - v.0 + slack)
     }
 
@@ -494,9 +501,9 @@ impl Work<'_> {
     }
 }
 
-/// How one cell is cut, and the second derivatives at its middle.
+/// How one cell is cut, and the derivatives at its middle.
 struct CellBend {
-    hessian: Hessian,
+    jet: Jet,
     remainder: f64,
     rising: bool,
 }
