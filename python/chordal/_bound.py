@@ -30,6 +30,8 @@ class Bound:
     reference: str
     #: The distance on the screen is at most this many device pixels; None without a view.
     pixels: float | None = None
+    #: The largest angle that was found between a triangle's normal and the shape's, in degrees, where one was asked for.
+    angle_deg: float | None = None
     #: Where the loss is worst, as far as is known.
     at: tuple[float, ...] | None = None
     #: What a proof rests on, for "proved-if".
@@ -65,6 +67,7 @@ def bound_of(facts: Mapping[str, Any]) -> Bound:
         metric=facts["metric"],
         reference=facts["reference"],
         pixels=None if facts["pixels"] is None else float(facts["pixels"]),
+        angle_deg=facts.get("angle_deg"),
         at=None if facts["at"] is None else tuple(float(x) for x in facts["at"]),
         assumptions=tuple(facts.get("assumptions", ())),
         samples=facts.get("samples"),

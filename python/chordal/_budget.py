@@ -20,6 +20,7 @@ class Wanted(TypedDict):
 
     length: tuple[str, str] | None
     pixels: tuple[float, str] | None
+    angle_deg: float | None
     triangles: int | None
     segments: int | None
     spacing: str
@@ -31,6 +32,7 @@ def wanted(
     rel: Share | None,
     pixels: SupportsFloat | None,
     view: str | View | None,
+    angle: SupportsFloat | None = None,
     triangles: SupportsIndex | None = None,
     segments: SupportsIndex | None = None,
     spacing: str = "fewest",
@@ -42,6 +44,7 @@ def wanted(
     found: Wanted = {
         "length": _tol(tol) or _rel(rel),
         "pixels": _pixels(pixels, view),
+        "angle_deg": None if angle is None else number("angle", angle),
         "triangles": None if triangles is None else positive("triangles", triangles),
         "segments": None if segments is None else positive("segments", segments),
         "spacing": text("spacing", spacing) or "",

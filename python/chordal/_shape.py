@@ -151,6 +151,7 @@ class Shape:
         rel: Share | None = None,
         pixels: SupportsFloat | None = None,
         view: str | View | None = None,
+        angle: SupportsFloat | None = None,
         triangles: SupportsIndex | None = None,
         progress: Progress | None = None,
     ) -> Mesh:
@@ -158,7 +159,8 @@ class Shape:
 
         `tol` is the largest distance to the true shape, in units or as a text with a unit; `rel` the same as a share
         of the diagonal of the shape's box. `pixels` is the largest distance on the screen of `view`. `triangles` is
-        the most triangles: the best mesh with no more than these. All that are given hold.
+        the most triangles: the best mesh with no more than these. `angle`, beside one of them and for smooth surfaces, is the
+        largest angle between the triangles' normals and the shape's, in degrees. All that are given hold.
 
         Other Python threads run meanwhile. Ctrl-C ends it within a tenth of a second. `progress` is called with the
         name of a stage, the steps done and those in all; what it raises ends the work and comes back unchanged.
@@ -171,7 +173,9 @@ class Shape:
         >>> shape.mesh(rel="0.1%")
         <Mesh: 1 triangle, 3 vertices; between 0 and 0, proved; hausdorff distance to the input triangles>
         """
-        budget = wanted(tol=tol, rel=rel, pixels=pixels, view=view, triangles=triangles, counted="triangles")
+        budget = wanted(
+            tol=tol, rel=rel, pixels=pixels, view=view, angle=angle, triangles=triangles, counted="triangles"
+        )
         if self.kind == "curves":
             raise Refused("unsupported", "curves in space enclose no area to fill with triangles: flatten them")
         return Mesh.of(self._source.mesh(budget, "ply", function("progress", progress)))

@@ -204,6 +204,10 @@ pub struct MeshArgs {
     #[arg(long, value_name = "VIEW")]
     pub view: Option<View>,
 
+    /// For smooth surfaces, beside one of the others: the largest angle between the normals of the triangles and those of the shape, as in 5deg
+    #[arg(long, value_name = "ANGLE", value_parser = angle, requires = "budget", allow_hyphen_values = true)]
+    pub angle: Option<f64>,
+
     /// The most triangles: the best mesh with no more than these
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_hyphen_values = true)]
     pub triangles: Option<u64>,
@@ -370,6 +374,14 @@ pub(crate) fn length(text: &str) -> Result<Length, String> {
         let said = error.to_string();
         said.strip_prefix(&format!("'{}': ", text.trim())).unwrap_or(&said).to_owned()
     })
+}
+
+fn angle(text: &str) -> Result<f64, String> {
+    let number = text.strip_suffix("deg").unwrap_or(text).trim().parse();
+    match number {
+        Ok(angle) if angle > 0.0 && angle <= 180.0 => Ok(angle),
+        _ => Err("an angle is above 0 and at most 180 degrees, as in 5deg".into()),
+    }
 }
 
 fn axis(text: &str) -> Result<Axis, String> {

@@ -94,6 +94,7 @@ fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {
     Ok(BudgetSpec {
         length: args.tol,
         pixels,
+        angle_deg: args.angle,
         triangles: args.triangles,
         segments: args.segments,
         spacing,

@@ -55,6 +55,11 @@ pub fn mesh(report: &Report) -> String {
                 .map(|(pixels, view)| format!("at most {} at {}", short(pixels, Toward::Up), view.text)),
         );
     }
+    let angle = certificate.bound.as_ref().and_then(|facts| facts.angle_deg);
+    lines.add_if(
+        "angle",
+        angle.map(|angle| format!("{} degrees between normals, measured", short(angle, Toward::Up))),
+    );
     if let Some(valid) = &certificate.valid {
         soundness(&mut lines, valid);
     }

@@ -13,6 +13,8 @@ pub(crate) struct Wanted {
     length: Option<(String, String)>,
     /// Device pixels, and the view.
     pixels: Option<(f64, String)>,
+    /// Degrees between normals.
+    angle_deg: Option<f64>,
     /// The most triangles.
     triangles: Option<u64>,
     /// The most segments.
@@ -36,6 +38,7 @@ impl Wanted {
         Ok(BudgetSpec {
             length: length.transpose()?,
             pixels: pixels.transpose()?,
+            angle_deg: self.angle_deg,
             triangles: self.triangles,
             segments: self.segments,
             spacing: parse_spacing(&self.spacing)?,

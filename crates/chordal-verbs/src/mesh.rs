@@ -160,6 +160,7 @@ pub(crate) fn finish(
     let budget = &asked.budget;
     let met = within(bound.at_most(), budget.length.map(Tolerance::get))
         && within(bound.pixels, budget.pixels.map(|px| px.pixels.get()))
+        && bound.angle_deg.zip(budget.angle_deg).is_none_or(|(found, asked)| found <= asked)
         && budget.triangles.is_none_or(|most| triangles <= most);
     if !met {
         certificate.notes.push(NOT_MET.to_owned());
@@ -219,6 +220,8 @@ pub(crate) fn snapped(
     let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
     let moved_px = budget.pixels.and_then(|px| px.view.pixels_of(snapped.moved_at_most, &mesh.bounds()));
     let mut chain = bound.then(&step);
+    // What rounding to the format does to normals is not seen at angles that make sense.
+    chain.angle_deg = bound.angle_deg;
     chain.pixels = bound.pixels.zip(moved_px).map(|(made, moved)| add_up(made, moved));
     Ok((snapped.mesh, chain))
 }

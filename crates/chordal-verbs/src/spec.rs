@@ -17,6 +17,8 @@ pub struct BudgetSpec {
     pub length: Option<Length>,
     /// The largest distance on the screen of a view.
     pub pixels: Option<PixelBudget>,
+    /// The largest angle between the normals of the triangles and those of the shape, in degrees.
+    pub angle_deg: Option<f64>,
     /// The most triangles.
     pub triangles: Option<u64>,
     /// The most segments of polylines, all together.
@@ -56,6 +58,7 @@ impl BudgetSpec {
     pub fn resolve(&self, shape: &Shape) -> Result<(Budget, Option<String>), MeshFailure> {
         let mut budget = Budget {
             pixels: self.pixels,
+            angle_deg: self.angle_deg,
             triangles: self.triangles,
             segments: self.segments,
             ..Budget::default()

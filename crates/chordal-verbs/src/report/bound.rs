@@ -11,6 +11,9 @@ pub struct BoundFacts {
     pub at_most: Option<f64>,
     /// The distance on the screen is at most this many pixels; none without a view.
     pub pixels: Option<f64>,
+    /// The largest angle that was found between a triangle's normal and the shape's, in degrees; there where one was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle_deg: Option<f64>,
     /// "proved", "proved-if", "measured" or "estimated".
     pub evidence: &'static str,
     /// What a proof rests on, for "proved-if".
@@ -40,6 +43,7 @@ impl BoundFacts {
             at_least: bound.at_least(),
             at_most: bound.at_most(),
             pixels: bound.pixels,
+            angle_deg: bound.angle_deg,
             evidence: bound.evidence().as_str(),
             assumptions,
             samples,

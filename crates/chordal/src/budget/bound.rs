@@ -141,6 +141,9 @@ pub struct Bound {
     pub at: Option<[f64; 3]>,
     /// The largest distance on the screen in pixels, where a view was given and the evidence bounds from above.
     pub pixels: Option<f64>,
+    /// The largest angle that was found between a triangle's normal and the shape's at its corners and in its middle, in degrees, where an
+    /// angle was asked for. It is measured, whatever the evidence of the distance.
+    pub angle_deg: Option<f64>,
 }
 
 impl Bound {
@@ -178,7 +181,16 @@ impl Bound {
         );
         assert!(at_least >= 0.0 && at_least.is_finite(), "at_least is {at_least}");
         assert!(at_most.is_none_or(|most| at_least <= most && most.is_finite()), "{at_least} > {at_most:?}");
-        Self { at_least, at_most, evidence, reference, metric: Metric::Hausdorff, at: None, pixels: None }
+        Self {
+            at_least,
+            at_most,
+            evidence,
+            reference,
+            metric: Metric::Hausdorff,
+            at: None,
+            pixels: None,
+            angle_deg: None,
+        }
     }
 
     /// The distance is at least this.
@@ -205,7 +217,7 @@ impl Bound {
     /// evidence is [`Evidence::Estimated`]. The lower end is what the triangle inequality leaves: `at_least` of one
     /// step minus `at_most` of the other. That step must speak the metric of the result (a parametric distance of at
     /// least 1 does not keep the shapes 1 apart), and the other must bound both directions. Pixels do not add here:
-    /// they belong to a view and the caller converts the length again.
+    /// they belong to a view and the caller converts the length again; nor do angles.
     #[must_use]
     pub fn then(&self, next: &Self) -> Self {
         let metric = self.metric.weaker(next.metric);
@@ -229,6 +241,7 @@ impl Bound {
             metric,
             at,
             pixels: None,
+            angle_deg: None,
         }
     }
 

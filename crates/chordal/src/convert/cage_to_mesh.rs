@@ -4,7 +4,7 @@ use super::patches::mesher::Failed;
 use super::patches::plan::{self, Allowance, Obstacle};
 use super::patches::quilt::{Edge, Quilt, Seam, Use, corners_of, meetings};
 use super::patches::tip;
-use super::patches::within::mesh_within;
+use super::patches::within::{check_angle, mesh_within};
 use crate::budget::{Bounded, Budget, Code, Failure, Job, Reference, par_map};
 use crate::explicit::cage::limit::Square;
 use crate::explicit::{Cage, LimitSurface, Mesh, Patch, Scheme, Sets, Sheet, Side};
@@ -69,10 +69,7 @@ fn check_input(cage: &Cage, budget: &Budget) -> Result<(), Failed> {
         let message = "a budget needs a length, pixels at a view, or a number of triangles";
         return Err(Failure::refused(Code::Budget, message));
     }
-    if budget.angle_deg.is_some() {
-        let message = "cages cannot be meshed to an angle yet; give a length or pixels";
-        return Err(Failure::refused(Code::Unsupported, message));
-    }
+    check_angle(budget)?;
     if cage.scheme() == Scheme::Loop {
         let message = "the limit surface of Loop's scheme cannot be meshed yet; refine it by rounds";
         return Err(Failure::refused(Code::Unsupported, message));

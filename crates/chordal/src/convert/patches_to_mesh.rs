@@ -1,7 +1,7 @@
 //! Bicubic Bézier patches to triangles: adaptive, crack-free by shared index, proved.
 use super::patches::ground::Patches;
 use super::patches::mesher::Failed;
-use super::patches::within::mesh_within;
+use super::patches::within::{check_angle, mesh_within};
 use crate::budget::{Bounded, Budget, Code, Failure, Job};
 use crate::explicit::{Mesh, Patch};
 use crate::math::flushes_subnormals;
@@ -57,12 +57,7 @@ fn check_input(patches: &[Patch], budget: &Budget) -> Result<(), Failed> {
             "a budget needs a length, pixels at a view, or a number of triangles",
         ));
     }
-    if budget.angle_deg.is_some() {
-        return Err(Failure::refused(
-            Code::Unsupported,
-            "patches cannot be meshed to an angle yet; give a length or pixels",
-        ));
-    }
+    check_angle(budget)?;
     if patches.is_empty() {
         return Err(Failure::refused(Code::Empty, "there are no patches"));
     }

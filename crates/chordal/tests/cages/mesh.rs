@@ -2,7 +2,7 @@
 //! creases and corners.
 use super::corpus::cages;
 use chordal::check::{self, Goal};
-use chordal::explicit::{Cage, INFINITELY_SHARP, Scheme, Topology};
+use chordal::explicit::{Cage, INFINITELY_SHARP, Scheme, Semantic, Topology};
 use chordal::{Budget, Job, Mesh, Tolerance, convert};
 use std::collections::BTreeMap;
 
@@ -202,5 +202,62 @@ fn threads_do_not_change_a_byte() {
         };
         let (one, two) = (by(1), by(2));
         assert!(one.shape == two.shape && one.bound == two.bound, "{name}");
+    }
+}
+
+/// The angle between two vectors in degrees.
+fn angle_deg(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    dot(cross, cross).sqrt().atan2(dot(a, b)).to_degrees()
+}
+
+#[test]
+fn keeps_an_angle_beside_a_length() {
+    for (name, cage) in cages().into_iter().filter(|(name, _)| {
+        ["catmark_cube", "catmark_cube_creases1", "catmark_torus", "catmark_inf_crease0", "catmark_tent"]
+            .contains(&name.as_str())
+    }) {
+        let length = 1e-2 * diagonal(&cage);
+        let made = |angle_deg: Option<f64>| {
+            let budget = Budget { angle_deg, ..Budget::length(Tolerance::new(length).unwrap()) };
+            convert::cage_to_mesh(&cage, &budget, &Job::default()).unwrap_or_else(|e| panic!("{name}: {e}"))
+        };
+        let plain = made(None);
+        assert_eq!(plain.bound.angle_deg, None);
+        let mut last = plain.shape.faces().len();
+        for asked in [8.0, 4.0] {
+            let mesh = made(Some(asked));
+            let found = mesh.bound.angle_deg.unwrap();
+            assert!(found <= asked, "{name}: {found} of {asked}");
+            // Half the angle takes about four times the triangles, and never fewer.
+            assert!(mesh.shape.faces().len() > last, "{name}: {last}");
+            last = mesh.shape.faces().len();
+            let normals = mesh.shape.attribute(&Semantic::Normal).unwrap();
+            let mut worst = 0.0_f64;
+            for face in mesh.shape.faces() {
+                let [a, b, c] = face.map(|k| mesh.shape.positions()[k as usize]);
+                let minus = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+                let (u, v) = (minus(b, a), minus(c, a));
+                let normal =
+                    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+                let long = |p: [f64; 3]| (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]).sqrt() > length;
+                if long(u) || long(v) || long(minus(b, c)) {
+                    for k in face {
+                        worst = worst.max(angle_deg(normal, normals.row(*k as usize).try_into().unwrap()));
+                    }
+                }
+            }
+            // Normals of two sides that differ by less than a degree are one in the mesh.
+            assert!(worst <= asked + 1.0, "{name}: {worst} of {asked}");
+            // What was measured is what is seen.
+            assert!(worst >= 0.5 * found, "{name}: {worst}, said to be {found}");
+        }
+    }
+    let cage =
+        Cage::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]], [[0, 1, 2, 3]]).unwrap();
+    for angle in [0.0, -1.0, 181.0, f64::NAN] {
+        let budget = Budget { angle_deg: Some(angle), ..Budget::triangles(10) };
+        assert!(convert::cage_to_mesh(&cage, &budget, &Job::default()).is_err(), "{angle}");
     }
 }

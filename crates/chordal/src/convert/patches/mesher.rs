@@ -9,8 +9,9 @@ use super::tile::{self, Done};
 use super::tip;
 use crate::budget::{Bound, Bounded, Code, Failure, Job, Progress, par_map};
 use crate::check;
-use crate::explicit::{Mesh, Side};
+use crate::explicit::{Mesh, Patch, Side};
 use crate::math::{Box3, sub_down};
+use glam::DVec3;
 
 pub(crate) type Failed = Failure<Mesh>;
 
@@ -42,7 +43,8 @@ pub(crate) struct Proved<'a> {
 /// Rounds of asking for more cells; three are usual, and every round adds cells where they lack.
 const MOST_ROUNDS: usize = 64;
 
-/// A proof that came out this much worse than its probe will not come out.
+/// A proof that came out this much worse than its probe will not come out. Its square, where an angle is asked: a triangle that is a millionth as long as
+/// another is off by that much less.
 const MOST_STRAIN: f64 = 1e6;
 
 /// Tiles at which the distance is measured from below, at two places each: 20 ns a triangle.
@@ -117,6 +119,11 @@ impl<'a> Mesher<'a> {
             grounds.extend(own);
             tiles.extend(cut.into_iter().map(|tile| Tile { ground: begin + tile.ground, ..tile }));
         }
+        Ok(self.lay(grounds, tiles, strains))
+    }
+
+    /// Tiles with the seams between them.
+    fn lay(&self, grounds: Vec<Ground<'a>>, mut tiles: Vec<Tile>, strains: Vec<f64>) -> Planned<'a> {
         for tile in &mut tiles {
             let ends = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| (tile.u[i], tile.v[j]));
             let known = self.quilt.meetings[tile.sheet as usize];
@@ -132,7 +139,26 @@ impl<'a> Mesher<'a> {
         let mut seams = Seams::new(&self.quilt, &tiles);
         seams.set_rates(&tiles, &grounds, &self.quilt);
         let least = vec![1; self.sheets.count()];
-        Ok(Planned { grounds, tiles, seams, least, strains })
+        Planned { grounds, tiles, seams, least, strains }
+    }
+
+    /// The tiles, those cut whose normals still miss what is allowed although they have many cells: they turn in one place of it. `None` where there is
+    /// none.
+    fn cut_where_normals_turn(
+        &self,
+        planned: &Planned<'a>,
+        done: &[Option<Done>],
+        allowance: &Allowance,
+    ) -> Option<Vec<Tile>> {
+        let is_odd = |(tile, done): (&Tile, &Option<Done>)| {
+            let misses = done.as_ref().is_some_and(|done| over_turn(done, allowance) > 0.0);
+            misses && plan::parts(tile).len() > 1
+        };
+        let odd: Vec<bool> = planned.tiles.iter().zip(done).map(is_odd).collect();
+        odd.contains(&true).then(|| {
+            let cut = |(tile, is_odd): (&Tile, bool)| if is_odd { plan::parts(tile) } else { vec![*tile] };
+            planned.tiles.iter().zip(odd).flat_map(cut).collect()
+        })
     }
 
     /// Builds and proves every tile; a tile that misses its tolerance gets more cells, and it and its neighbours are
@@ -146,14 +172,24 @@ impl<'a> Mesher<'a> {
         let mut done: Vec<Option<Done>> = vec![None; planned.tiles.len()];
         for round in 0..MOST_ROUNDS {
             self.check_cells(&planned.tiles)?;
-            self.build_open(&planned, &mut done)?;
-            if strain_rough(&mut planned, &done) {
+            self.build_open(&planned, &mut done, allowance)?;
+            if strain_rough(&mut planned, &done, allowance) {
                 planned = self.plan_strained(allowance, planned.strains)?;
                 done = vec![None; planned.tiles.len()];
                 continue;
             }
-            let missed = ask_for_more(&mut planned, &mut done, round);
-            if planned.tiles.iter().any(|tile| tile.strain > MOST_STRAIN) {
+            if let Some(tiles) = self.cut_where_normals_turn(&planned, &done, allowance) {
+                planned = self.lay(planned.grounds, tiles, planned.strains);
+                done = vec![None; planned.tiles.len()];
+                continue;
+            }
+            let missed = ask_for_more(&mut planned, &mut done, (round, allowance));
+            let most = if allowance.turn.is_some() { MOST_STRAIN * MOST_STRAIN } else { MOST_STRAIN };
+            if let Some(tile) = planned.tiles.iter().find(|tile| tile.strain > most) {
+                let ground = &planned.grounds[tile.ground as usize];
+                if allowance.turn.is_some() {
+                    return Err(refuse(Obstacle::Endless(ground.hull(tile))));
+                }
                 break;
             }
             let cells: f64 = planned.tiles.iter().map(|tile| f64::from(tile.n) * f64::from(tile.m)).sum();
@@ -195,12 +231,21 @@ impl<'a> Mesher<'a> {
         Ok(())
     }
 
-    fn build_open(&self, planned: &Planned<'_>, done: &mut [Option<Done>]) -> Result<(), Failed> {
+    fn build_open(
+        &self,
+        planned: &Planned<'_>,
+        done: &mut [Option<Done>],
+        allowance: &Allowance,
+    ) -> Result<(), Failed> {
         let Planned { grounds, tiles, seams, .. } = planned;
         let open: Vec<usize> = (0..tiles.len()).filter(|i| done[*i].is_none()).collect();
         let built = par_map(self.job, &open, |_, &i| {
             let ground = &grounds[tiles[i].ground as usize];
-            (!self.job.is_cancelled()).then(|| tile::build(i, &tiles[i], ground, seams))
+            (!self.job.is_cancelled()).then(|| {
+                let done = tile::build(i, &tiles[i], ground, seams);
+                let turn = allowance.turn.map(|_| tile::turn((i, &tiles[i]), ground, seams, &done));
+                Done { turn, ..done }
+            })
         });
         for (i, built) in open.iter().zip(built) {
             done[*i] = Some(built.ok_or(Failure::Cancelled)?);
@@ -269,6 +314,14 @@ impl<'a> Mesher<'a> {
         let least = if least < most { least } else { most };
         let mut bound = Bound::proved(least, most, self.sheets.reference());
         bound.at = at;
+        bound.angle_deg = allowance.turn.map(|_| {
+            let turns = tiles.iter().enumerate().map(|(i, (tile, done))| {
+                let ground = &grounds[tile.ground as usize];
+                done.turn.unwrap_or_else(|| tile::turn((i, tile), ground, seams, done))
+            });
+            let most = turns.fold(0.0, |most, turn| if turn > most { turn } else { most });
+            2.0 * libm::asin(if most < 2.0 { 0.5 * most } else { 1.0 }).to_degrees()
+        });
         bound.pixels = allowance.pixels.and_then(|(_, lens)| {
             tiles.iter().try_fold(0.0, |worst, (tile, done)| {
                 let place = grounds[tile.ground as usize].hull(tile);
@@ -338,21 +391,39 @@ fn measure(grounds: &[Ground<'_>], tiles: &[(Tile, Done)], mesh: &Mesh) -> (f64,
 
 /// More cells for every tile that misses its tolerance: as many as would have met it if the probe had been
 /// wrong by as much everywhere, and at least one row or column. Whether there was any.
-fn ask_for_more(planned: &mut Planned<'_>, done: &mut [Option<Done>], round: usize) -> bool {
+fn ask_for_more(
+    planned: &mut Planned<'_>,
+    done: &mut [Option<Done>],
+    (round, allowance): (usize, &Allowance),
+) -> bool {
     let Planned { grounds, tiles, .. } = planned;
     let mut missed = false;
     for (tile, slot) in tiles.iter_mut().zip(done) {
         let ground = &grounds[tile.ground as usize];
         let Shape::Bezier(patch) = &ground.shape else { continue };
         let rounding = ground.lost();
-        let allowed = tile.tolerance + rounding;
-        let Some(bound) = slot.as_ref().map(|done| done.bound).filter(|bound| *bound > allowed) else {
-            continue;
+        let Some(done) = slot else { continue };
+        let by_bound = match done.bound > tile.tolerance + rounding {
+            true => (done.bound - rounding) / tile.tolerance,
+            false => 0.0,
         };
+        let by_turn = over_turn(done, allowance);
+        let ratio = if by_bound > by_turn { by_bound } else { by_turn };
+        if ratio == 0.0 {
+            continue;
+        }
         missed = true;
         *slot = None;
-        tile.strain *= (bound - rounding) / tile.tolerance * if round < 3 { 1.01 } else { 1.1 };
-        let probe = Probe::new(&ground.part(patch, tile));
+        let part = ground.part(patch, tile);
+        if by_turn > 0.0 && tile.strain > LARGEST_STRAIN_BY_TURN {
+            let [long, tall] = cell(&part, tile);
+            // The longer side of cells twice as fine, or both.
+            tile.n *= if tall > 2.0 * long { 1 } else { 2 };
+            tile.m *= if long > 2.0 * tall { 1 } else { 2 };
+            continue;
+        }
+        tile.strain *= ratio * if round < 3 { 1.01 } else { 1.1 };
+        let probe = Probe::new(&part);
         let wanted = tile.tolerance / tile.strain;
         let rates = probe.rates(&probe.need(wanted), wanted);
         let before = (tile.n, tile.m);
@@ -364,17 +435,42 @@ fn ask_for_more(planned: &mut Planned<'_>, done: &mut [Option<Done>], round: usi
     missed
 }
 
+/// Where a tile strained so much still misses the angle, its cells are of the wrong shape for it: the probe only knows of distances. Chosen.
+const LARGEST_STRAIN_BY_TURN: f64 = 16.0;
+
+/// How long and how tall the cells of a tile are, from its corners.
+fn cell(part: &Patch, tile: &Tile) -> [f64; 2] {
+    let corner = |i: usize, j: usize| DVec3::from(part.control[j][i]);
+    let [a, b, c, d] = [corner(0, 0), corner(3, 0), corner(3, 3), corner(0, 3)];
+    let along = |x: f64, y: f64, n: u32| (x + y) / f64::from(n);
+    [along((b - a).length(), (c - d).length(), tile.n), along((d - a).length(), (c - b).length(), tile.m)]
+}
+
+/// By how much less a tile whose normals miss what is allowed has to lose; 0 where they do not. A triangle's distance falls with the square of its
+/// normal's; not more than twice as many cells each way at once, since in folds normals do not settle.
+fn over_turn(done: &Done, allowance: &Allowance) -> f64 {
+    match (done.turn, allowance.turn) {
+        (Some(turn), Some(allowed)) if turn > allowed => {
+            let ratio = turn / allowed;
+            if ratio < 2.0 { ratio * ratio } else { 4.0 }
+        }
+        _ => 0.0,
+    }
+}
+
 /// Strains sheets with rough grounds that miss their tolerance, so that those are divided. Whether there was any.
-fn strain_rough(planned: &mut Planned<'_>, done: &[Option<Done>]) -> bool {
+fn strain_rough(planned: &mut Planned<'_>, done: &[Option<Done>], allowance: &Allowance) -> bool {
     let Planned { grounds, tiles, strains, .. } = planned;
     let mut missed = false;
     for (tile, done) in tiles.iter().zip(done) {
         let ground = &grounds[tile.ground as usize];
         let Some(done) = done.as_ref().filter(|_| matches!(ground.shape, Shape::Rough(_))) else { continue };
         let (rounding, bound) = (ground.lost(), done.bound);
-        if bound > tile.tolerance + rounding {
+        let by_turn = over_turn(done, allowance);
+        if bound > tile.tolerance + rounding || by_turn > 0.0 {
             missed = true;
-            let ratio = (bound - rounding) / tile.tolerance;
+            let by_bound = (bound - rounding) / tile.tolerance;
+            let ratio = if by_bound > by_turn { by_bound } else { by_turn };
             // Not by much at once: a corner that is cut off is off by far more than the next smaller one.
             strains[tile.sheet as usize] *=
                 if ratio < LEAST_STRAIN { LEAST_STRAIN } else { MOST_STRAIN_AT_ONCE };
@@ -452,6 +548,13 @@ fn refuse(obstacle: Obstacle) -> Failed {
                 "the eye is too close to the shape near ({place}) for any bound in pixels; a camera can be given near=LENGTH"
             );
             Failure::refused(Code::TooClose, message)
+        }
+        Obstacle::Endless(place) => {
+            let place = centre(place);
+            let message = format!(
+                "near ({place}) no number of triangles seems to do: the angle is too small for how the surface turns there"
+            );
+            Failure::refused(Code::BelowPrecision, message)
         }
         Obstacle::BelowRounding(place, rounding) => {
             let place = centre(place);

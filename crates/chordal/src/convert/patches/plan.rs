@@ -15,6 +15,8 @@ use crate::math::{Box3, sub_down};
 pub(crate) struct Allowance {
     pub(crate) length: Option<f64>,
     pub(crate) pixels: Option<(Pixels, Lens)>,
+    /// How far the triangles' unit normals may be from the shape's.
+    pub(crate) turn: Option<f64>,
 }
 
 impl Allowance {
@@ -34,6 +36,8 @@ impl Allowance {
 pub(crate) enum Obstacle {
     /// The eye is so near that no length is small enough.
     TooClose(Box3),
+    /// More and more cells bring no end.
+    Endless(Box3),
     /// Rounding alone loses this length.
     BelowRounding(Box3, f64),
 }
@@ -102,6 +106,25 @@ const NARROWEST: f64 = 1.0 / (1 << 30) as f64;
 
 fn is_broad([from, to]: [f64; 2]) -> bool {
     to - from > NARROWEST
+}
+
+/// Cells one way from which on a tile whose normals turn in one place of it is halved that way; chosen.
+const CELLS_TO_HALVE: u32 = 8;
+
+/// The parts of a tile that is halved each way in which it has many cells.
+pub(crate) fn parts(tile: &Tile) -> Vec<Tile> {
+    let halves = |[from, to]: [f64; 2], n: u32| {
+        let middle = 0.5 * (from + to);
+        match n >= CELLS_TO_HALVE && is_broad([from, to]) {
+            true => vec![([from, middle], n.div_ceil(2)), ([middle, to], n.div_ceil(2))],
+            false => vec![([from, to], n)],
+        }
+    };
+    let mut parts = Vec::new();
+    for (v, m) in halves(tile.v, tile.m) {
+        parts.extend(halves(tile.u, tile.n).into_iter().map(|(u, n)| Tile { u, v, n, m, ..*tile }));
+    }
+    parts
 }
 
 /// What a part may lose, rounding taken off.

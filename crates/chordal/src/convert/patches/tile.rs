@@ -5,7 +5,7 @@ use super::plan::Tile;
 use super::quilt::Corner;
 use super::seams::{Line, Seams};
 use super::tip;
-use crate::explicit::{Patch, Side, bernstein};
+use crate::explicit::{Patch, Side, bernstein, face_normal};
 use glam::DVec3;
 
 /// A vertex of a tile: where it is in the tile's unit square and in space.
@@ -28,6 +28,8 @@ pub(crate) struct Done {
     pub(crate) bound: f64,
     /// The triangle with the largest bound: the patch's parameters at its corners.
     pub(crate) worst: [[f64; 2]; 3],
+    /// How far the triangles' unit normals are from the surface's, if that is asked: the most that was found.
+    pub(crate) turn: Option<f64>,
     /// Whether there are too few cells: a triangle has the same vertex twice although no pole explains it, or one that
     /// a pole makes a segment is left out and no other has that segment.
     pub(crate) too_few: bool,
@@ -96,8 +98,45 @@ pub(crate) fn build(index: usize, tile: &Tile, ground: &Ground<'_>, seams: &Seam
         inner_normals: work.normals,
         bound: (work.bound + ground.lost()).next_up(),
         worst: work.worst,
+        turn: None,
         too_few,
     }
+}
+
+/// The largest distance between the unit normal of a triangle of a finished tile and that of the surface at one of its corners or in its middle. Triangles
+/// no longer than what the place may lose are left out: nothing of them is seen, and where a surface folds or comes to a point normals never settle.
+pub(crate) fn turn((index, tile): (usize, &Tile), ground: &Ground<'_>, seams: &Seams, done: &Done) -> f64 {
+    let mut knots: Vec<Knot> = Vec::new();
+    for side in Side::ALL {
+        walk_side(index, tile, (side, seams), |u, v, vertex| {
+            knots.push(Knot { u, v, at: DVec3::from(seams.positions[vertex.id as usize]) });
+        });
+    }
+    let [n, m] = match &ground.shape {
+        Shape::Rough(_) => [2, 2],
+        Shape::Bezier(_) => cells(tile, Side::ALL.map(|side| seams.count(index, side))),
+    };
+    let places = (1..m).flat_map(|j| (1..n).map(move |i| (i, j)));
+    knots.extend(places.zip(&done.inner).map(|((i, j), at)| Knot {
+        u: f64::from(i) / f64::from(n),
+        v: f64::from(j) / f64::from(m),
+        at: DVec3::from(*at),
+    }));
+    let within = |x: f64, [from, to]: [f64; 2]| from + (to - from) * x;
+    let normal = |u: f64, v: f64| ground.normal(within(u, tile.u), within(v, tile.v)).map(DVec3::from);
+    let at_knots: Vec<Option<DVec3>> = knots.iter().map(|knot| normal(knot.u, knot.v)).collect();
+    let mut most = 0.0;
+    for t in &done.triangles {
+        let [a, b, c] = t.map(|k| knots[k as usize]);
+        let is_seen =
+            [a.at - b.at, b.at - c.at, c.at - a.at].iter().any(|side| side.length() > tile.tolerance);
+        let own = is_seen.then(|| face_normal([a.at, b.at, c.at].map(Into::into))).flatten();
+        let Some(own) = own.map(DVec3::from) else { continue };
+        let middle = normal((a.u + b.u + c.u) / 3.0, (a.v + b.v + c.v) / 3.0);
+        let seen = t.iter().map(|k| at_knots[*k as usize]).chain([middle]).flatten();
+        most = seen.map(|normal| (normal - own).length()).fold(most, |a, b| if a > b { a } else { b });
+    }
+    most
 }
 
 /// The number of triangles of a tile with `counts` segments on its sides, of which `poles` have no length:

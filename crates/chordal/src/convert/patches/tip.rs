@@ -84,6 +84,7 @@ pub(crate) fn build(index: usize, tile: &Tile, rough: &Rough, seams: &Seams) -> 
         inner,
         too_few: triangles.iter().any(has_twice),
         bound: (bound + rough.lost()).next_up(),
+        turn: None,
         triangles,
     }
 }

@@ -12,9 +12,11 @@ pub(crate) fn mesh_within(sheets: &dyn Sheets, budget: &Budget, job: &Job) -> Re
         let allowance = Allowance {
             length: budget.length.map(Tolerance::get),
             pixels: budget.pixels.map(|p| (p.pixels, p.view.lens())),
+            turn: budget.angle_deg.map(|angle| 2.0 * libm::sin(0.5 * angle.to_radians())),
         };
         if allowance.length.is_none() && allowance.pixels.is_none() {
-            return by_count(&mesher, &allowance, budget.triangles.unwrap_or(u64::MAX), job);
+            let best = by_count(&mesher, &allowance, budget.triangles.unwrap_or(u64::MAX), job)?;
+            return if meets(&best, budget) { Ok(best) } else { Err(Failure::Unmet(Box::new(best))) };
         }
         check_size(&mesher, &allowance, job)?;
         let planned = mesher.plan(&allowance)?;
@@ -37,11 +39,25 @@ pub(crate) fn mesh_within(sheets: &dyn Sheets, budget: &Budget, job: &Job) -> Re
     })
 }
 
+/// Refuses an angle that is none.
+pub(crate) fn check_angle(budget: &Budget) -> Result<(), Failed> {
+    match budget.angle_deg {
+        Some(angle) if !(angle > 0.0 && angle <= 180.0) => {
+            let message = format!("an angle is above 0 degrees and at most 180, not {angle}");
+            Err(Failure::refused(Code::Budget, message))
+        }
+        _ => Ok(()),
+    }
+}
+
 fn meets(mesh: &Bounded<Mesh>, budget: &Budget) -> bool {
     let Some(most) = mesh.bound.at_most() else { return false };
     let by_length = budget.length.is_none_or(|length| most <= length.get());
     let by_pixels = |asked: f64| mesh.bound.pixels.is_some_and(|pixels| pixels <= asked);
-    by_length && budget.pixels.is_none_or(|asked| by_pixels(asked.pixels.get()))
+    let by_angle = |asked: f64| mesh.bound.angle_deg.is_some_and(|angle| angle <= asked);
+    by_length
+        && budget.pixels.is_none_or(|asked| by_pixels(asked.pixels.get()))
+        && budget.angle_deg.is_none_or(by_angle)
 }
 
 /// Bytes a triangle, everything counted, at the peak; measured on the teapot at 1e6 triangles.
@@ -82,7 +98,11 @@ fn by_count(mesher: &Mesher<'_>, asked: &Allowance, most: u64, job: &Job) -> Res
     // The length of a rung: exact powers of two, times one of as many fixed factors as an octave has rungs.
     let rung = |k: u32| {
         let step = libm::exp2(-f64::from(k % RUNGS) / f64::from(RUNGS));
-        Allowance { length: Some(4.0 * size * step * libm::exp2(-f64::from(k / RUNGS))), pixels: None }
+        Allowance {
+            length: Some(4.0 * size * step * libm::exp2(-f64::from(k / RUNGS))),
+            pixels: None,
+            turn: None,
+        }
     };
     let count = |k: u32| -> Result<u64, Failed> {
         match mesher.plan(&rung(k)) {
