@@ -38,9 +38,9 @@ fn along_the_normals_of_a_saddle() {
     let tree = tree(saddle());
     let mut numbers = Random(12);
     for _ in 0..500 {
-        let (x, y) = (0.9 * numbers.next(), 0.9 * numbers.next());
+        let (x, y) = (0.9 * numbers.signed(), 0.9 * numbers.signed());
         // Its radii of curvature are 1 at least.
-        let (off, length) = (0.3 * numbers.next(), (1.0 + x * x + y * y).sqrt());
+        let (off, length) = (0.3 * numbers.signed(), (1.0 + x * x + y * y).sqrt());
         let normal = [-y / length, -x / length, 1.0 / length];
         let foot = [x, y, x * y];
         holds(&tree, [0, 1, 2].map(|k| foot[k] + off * normal[k]), off.abs());

@@ -20,7 +20,12 @@ pub fn samples(patch: &Patch, n: usize) -> Vec<Point> {
 
 fn random(numbers: &mut Random, rough: f64) -> Patch {
     let mut patch = Patch::flat([-1.5, -1.5, 0.0], [3.0, 0.0, 0.0], [0.0, 3.0, 0.0]);
-    patch.control.as_flattened_mut().as_flattened_mut().iter_mut().for_each(|x| *x += rough * numbers.next());
+    patch
+        .control
+        .as_flattened_mut()
+        .as_flattened_mut()
+        .iter_mut()
+        .for_each(|x| *x += rough * numbers.signed());
     patch
 }
 
@@ -40,7 +45,7 @@ fn no_enclosure_of_ten_thousand_is_broken() {
         for query in 0..40 {
             // Near, farther, far, and on the surface.
             let p = match query % 8 {
-                0 => at(&patches[0], 0.5 + 0.5 * numbers.next(), 0.5 + 0.5 * numbers.next()),
+                0 => at(&patches[0], 0.5 + 0.5 * numbers.signed(), 0.5 + 0.5 * numbers.signed()),
                 1 => samples[(query * 37) % samples.len()],
                 2 => numbers.point(1e3),
                 3 => numbers.point(1e9),

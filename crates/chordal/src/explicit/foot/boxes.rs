@@ -58,14 +58,18 @@ impl Boxes {
     }
 }
 
-/// The distance of a point to a box, from below: differences rounded down, a sum of squares and a root of at most four roundings.
-pub(super) fn distance_down(p: [f64; 3], bounds: &Box3) -> f64 {
-    let mut square = 0.0;
-    for k in 0..3 {
+/// How far a point is outside of a box along each axis, rounded down.
+pub(super) fn gaps_down(p: [f64; 3], bounds: &Box3) -> [f64; 3] {
+    std::array::from_fn(|k| {
         let (below, above) = (sub_down(bounds.min[k], p[k]), sub_down(p[k], bounds.max[k]));
         let gap = if below > above { below } else { above };
-        square += if gap > 0.0 { gap * gap } else { 0.0 };
-    }
+        if gap > 0.0 { gap } else { 0.0 }
+    })
+}
+
+/// The distance of a point to a box, from below: a sum of squares and a root, of four roundings at most after the differences.
+pub(super) fn distance_down(p: [f64; 3], bounds: &Box3) -> f64 {
+    let square = gaps_down(p, bounds).iter().fold(0.0, |sum, gap| sum + gap * gap);
     let down = mul_down(square.sqrt(), 1.0 - 4.0 * f64::EPSILON);
     if down > 0.0 { down } else { 0.0 }
 }
