@@ -444,9 +444,11 @@ impl Wanted<'_> {
         let gap = self.goal.max.map_or(self.gap(least), Tolerance::get);
         let wanted = larger(OF_GOAL * gap, self.floor);
         // Where nothing is known, as they are.
-        let is_known = gap > 0.0;
-        let rounds = (0..DEEPEST).find(|k| off * f64::powi(0.25, *k as i32) <= wanted).unwrap_or(DEEPEST);
-        if is_known { rounds } else { 0 }
+        let (mut left, mut rounds) = (if gap > 0.0 { off } else { 0.0 }, 0);
+        while left > wanted && rounds < DEEPEST {
+            (left, rounds) = (0.25 * left, rounds + 1);
+        }
+        rounds
     }
 
     /// The goal for cuts that are up to `off` away from what they stand for: what that leaves of the way between the ends, and no less than a part
