@@ -31,6 +31,17 @@ use std::collections::BinaryHeap;
 /// # Ok::<(), chordal::explicit::InvalidCage>(())
 /// ```
 pub fn limit_deviation(cage: &Cage, job: &Job) -> Result<Bound, InvalidCage> {
+    let sheets = sheet_deviations(cage, |_| true, job)?;
+    let most = sheets.into_iter().flatten().fold(0.0, |most, off| if off > most { off } else { most });
+    Ok(Bound::proved(0.0, most, Reference::LimitSurface))
+}
+
+/// The same for each sheet, in order; none for those that are not asked for.
+pub(super) fn sheet_deviations(
+    cage: &Cage,
+    is_asked: impl Fn(&Square) -> bool + Sync,
+    job: &Job,
+) -> Result<Vec<Option<f64>>, InvalidCage> {
     let limit = cage.limit()?;
     if let Some(row) = cage.positions().iter().position(|p| p.iter().any(|x| x.abs() > LARGEST)) {
         return Err(InvalidCage::NotFinite { row });
@@ -48,14 +59,11 @@ pub fn limit_deviation(cage: &Cage, job: &Job) -> Result<Bound, InvalidCage> {
             let half = |a: usize, b: usize| 0.5 * (at(a) + at(b));
             [at(corner), half(corner, corner + 1), middle, half(corner + n - 1, corner)]
         };
-        apart(limit.sheet(sheet)?.square(), corners)
+        let sheet = limit.sheet(sheet)?;
+        let off = is_asked(sheet.square()).then(|| apart(sheet.square(), corners)).transpose()?;
+        Ok(off.map(|off| off + UNDERFLOW))
     };
-    let parts = par_map(job, &numbers, |_, sheet| of_sheet(*sheet));
-    let most = parts
-        .into_iter()
-        .try_fold(0.0, |most, part| part.map(|part| if part > most { part } else { most }))?;
-    let most = if limit.n_sheets() > 0 { most + UNDERFLOW } else { most };
-    Ok(Bound::proved(0.0, most, Reference::LimitSurface))
+    par_map(job, &numbers, |_, sheet| of_sheet(*sheet)).into_iter().collect()
 }
 
 /// Beyond it squares leave the range of numbers; chosen, as for meshes.

@@ -7,6 +7,7 @@ mod clusters;
 mod continuation;
 mod curve;
 pub(crate) mod fill;
+mod foot;
 pub mod laws;
 mod mesh;
 mod normals;
@@ -36,6 +37,7 @@ pub use cage::{Boundary, Cage, Creasing, INFINITELY_SHARP, InvalidCage, Real, Re
 pub use clusters::{Cluster, FacingCounts, clusters, facing};
 pub use continuation::Smoothness;
 pub use curve::{Curve, InvalidCurve};
+pub use foot::{Foot, SurfaceTree};
 pub use mesh::{Attribute, Domain, InvalidMesh, Mesh, Semantic};
 pub(crate) use normals::with_vertex_normals;
 pub use normals::{Shading, Weight, face_normal, smooth_normals, vertex_normals, with_normals};

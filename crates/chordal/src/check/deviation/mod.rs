@@ -14,7 +14,7 @@ use crate::explicit::{Bvh, Mesh};
 use crate::math::{Box3, add_up, flushes_subnormals, sub_down};
 use common::{Common, Vertices};
 use frame::Frame;
-use piece::larger;
+pub(super) use piece::larger;
 use rounds::{Asked, Direction, Limit, Wanted, search};
 use side::Side;
 
@@ -183,7 +183,7 @@ pub fn vertex_deviation(mesh: &Mesh, against: &Mesh, job: &Job) -> Result<Vec<f6
     if job.is_cancelled() { Err(Stopped::Cancelled) } else { Ok(parts.concat()) }
 }
 
-fn refused<T>(code: Code, message: impl Into<String>) -> Result<T, Stopped> {
+pub(super) fn refused<T>(code: Code, message: impl Into<String>) -> Result<T, Stopped> {
     Err(Stopped::Refused(Refusal { code, message: message.into() }))
 }
 
@@ -206,7 +206,7 @@ fn one_sided(direction: &Direction, other: &Side, frame: &Frame, moved: f64) -> 
     }
 }
 
-fn two_sided(forward: &OneSided, backward: &OneSided) -> Bound {
+pub(super) fn two_sided(forward: &OneSided, backward: &OneSided) -> Bound {
     let at_least = larger(forward.at_least, backward.at_least);
     let at_most = larger(forward.at_most, backward.at_most);
     let mut bound = Bound::proved(at_least, at_most, Reference::InputTriangles);

@@ -95,7 +95,7 @@ impl Piece {
     }
 }
 
-pub(super) fn larger(a: f64, b: f64) -> f64 {
+pub(in super::super) fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
