@@ -206,7 +206,7 @@ fn inspect_says_what_a_cage_is() {
         "irregular": {}, "irregular_border": {"2": 1, "4": 2},
         "creases": {"count": 2, "infinite": 1, "range": [0.5, 0.5]},
         "corners": {"count": 2, "infinite": 0, "range": [3.0, 3.0]},
-        "holes": 1, "texcoords": null
+        "holes": 1, "texcoords": null, "texcoords_linear": null
     });
     assert_eq!(facts, &expected);
     let letter = run(&["inspect", &cage, "-q"]).stdout + &run(&["inspect", &cage]).stdout;

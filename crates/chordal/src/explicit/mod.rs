@@ -33,7 +33,8 @@ pub use bvh::{Bvh, Closest, Containment, Enclosure, Hit, Ray, Sides, Whereabouts
 pub(crate) use bvh::{Soundings, nearest_on_triangle};
 pub use cage::limit::{Jet, LimitSurface, Sheet};
 pub use cage::{
-    Boundary, Cage, Chart, CornerTexcoords, Creasing, INFINITELY_SHARP, InvalidCage, LinearTexcoords, Real, Refinement, Scheme,
+    Boundary, Cage, Chart, CornerTexcoords, Creasing, INFINITELY_SHARP, InvalidCage, LinearTexcoords, Real,
+    Refinement, Scheme,
 };
 pub use clusters::{Cluster, FacingCounts, clusters, facing};
 pub use continuation::Smoothness;

@@ -129,8 +129,9 @@ impl Cage {
     ///
     /// Edges and vertices of the chart are as sharp as those of the cage where the two have the same; seams and the border are sharp for
     /// ever, as a border is; a vertex that the cage keeps where it is, is kept by the chart. Which others are, the rule says.
-    /// It is as OpenSubdiv does it but where edges of more than two faces are cut, by what the chart itself is there; where a seam
-    /// ends on the border, which parts the chart; and by [`Creasing::Chaikin`](super::Creasing::Chaikin), which evens sharpness out within the chart.
+    /// It is as OpenSubdiv does it, but for what would not outlive a round (of two pieces that keep each other, where both are
+    /// creased) and for what is no surface there: where edges of more than two faces are cut, or pieces come back to a vertex, the chart decides. By
+    /// [`Creasing::Chaikin`](super::Creasing::Chaikin) sharpness evens out within the chart.
     ///
     /// *Cost.* As for [`Cage::refined`].
     #[must_use]
@@ -202,7 +203,8 @@ impl Chart {
             _ => {
                 let own = Edges::of(&flat);
                 let around_own = Around::of(&flat, &own);
-                let both = Both { cage, edges, around, sharp, flat: &flat, own: &own, around_own: &around_own };
+                let both =
+                    Both { cage, edges, around, sharp, flat: &flat, own: &own, around_own: &around_own };
                 let sharp_edges = both.edges();
                 let sharp_vertices = both.vertices(linear, &sharp_edges);
                 flat.creases = own.sharp(&both.creases(linear, sharp_edges));
@@ -376,11 +378,18 @@ impl Both<'_> {
                 found.push((span.vertex, INFINITELY_SHARP));
                 continue;
             }
-            // Of two pieces, where creases keep one of them the other is kept as well.
-            let other = match spans {
-                [a, b] if is_tied && span.rounds == 0.0 => a.rounds + b.rounds,
+            // Of two pieces, as long as creases keep one of them the other is kept as well.
+            let longest = match spans {
+                [a, b] if is_tied => {
+                    if a.rounds > b.rounds {
+                        a.rounds
+                    } else {
+                        b.rounds
+                    }
+                }
                 _ => 0.0,
             };
+            let other = if longest > span.rounds { longest } else { 0.0 };
             let own = self.sharp.vertices[vertex];
             let sharpness = if own > other { own } else { other };
             if sharpness > 0.0 {
