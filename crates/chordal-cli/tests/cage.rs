@@ -299,22 +299,22 @@ const CUT: &str = "v 0 0 0\nv 1 0 0\nv 2 0 1\nv 0 1 0\nv 1 1 0\nv 2 1 1\nvt 0 0\
 fn texture_coordinates_are_refined_and_meshed() {
     let folder = Folder::new("cage-texture");
     let cage = folder.file("cut.obj", CUT);
-    let once = folder.path("once.obj");
+    let once = folder.text("once.obj");
     let made = report(&run(&["mesh", &cage, "--level", "1", "-o", &once, "--json"]));
     assert!(!made["certificate"]["notes"].to_string().contains("texture"), "{made}");
-    let text = std::fs::read_to_string(&once).unwrap();
+    let text = fs::read_to_string(&once).unwrap();
     // Of each face its corners, the middles of its sides and its own.
     assert_eq!(text.lines().filter(|line| line.starts_with("vt ")).count(), 18);
     assert!(text.contains("\nt facevaryinginterpolateboundary 1/0/0 1\n"));
     assert!(text.lines().filter(|line| line.starts_with("f ")).all(|line| line.matches('/').count() == 4));
-    let twice = folder.path("twice.obj");
+    let twice = folder.text("twice.obj");
     run(&["mesh", &once, "--level", "1", "-o", &twice, "-q"]).succeeds();
     let said = run(&["inspect", &twice]).stdout;
     assert!(said.contains("texcoords   50, linear: corners-only"), "{said}");
     for (name, seam) in [("smooth.glb", &["--tol", "0.01"]), ("polygons.glb", &["--level", "2"])] {
-        let out = folder.path(name);
+        let out = folder.text(name);
         let made = report(&run(&["mesh", &cage, seam[0], seam[1], "-o", &out, "--json"]));
-        let file = std::fs::read(&out).unwrap();
+        let file = fs::read(&out).unwrap();
         assert!(file.windows(10).any(|window| window == b"TEXCOORD_0"), "{name}");
         let output = &made["certificate"]["output"];
         assert!(output["vertices"].as_u64() > output["positions"].as_u64(), "{name} {output}");

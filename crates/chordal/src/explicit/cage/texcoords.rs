@@ -241,22 +241,18 @@ impl Chart {
 
 /// Drops rows that no corner names.
 fn keep_named(values: &mut Vec<[f64; 2]>, corners: &mut [u32]) {
+    let mut is_named = vec![false; values.len()];
+    for row in corners.iter() {
+        if let Some(is_named) = is_named.get_mut(*row as usize) {
+            *is_named = true;
+        }
+    }
     let mut number = vec![CornerTexcoords::NONE; values.len()];
-    for row in corners.iter().filter(|row| **row != CornerTexcoords::NONE) {
-        number[*row as usize] = 0;
-    }
-    let mut next = 0;
-    for number in number.iter_mut().filter(|number| **number == 0) {
-        *number = next;
-        next += 1;
-    }
-    let mut row = 0;
-    values.retain(|_| {
-        row += 1;
-        number[row - 1] != CornerTexcoords::NONE
-    });
-    for row in corners.iter_mut().filter(|row| **row != CornerTexcoords::NONE) {
-        *row = number[*row as usize];
+    let named: Vec<usize> = (0..values.len()).filter(|row| is_named[*row]).collect();
+    named.iter().enumerate().for_each(|(new, row)| number[*row] = new as u32);
+    *values = named.iter().map(|row| values[*row]).collect();
+    for row in corners.iter_mut() {
+        *row = number.get(*row as usize).copied().unwrap_or(CornerTexcoords::NONE);
     }
 }
 
