@@ -129,7 +129,7 @@ impl CageRows {
             .and_then(|cage| cage.with_holes(&holes))
             .map(|cage| if tags.is_refined { cage.with_corners_listed() } else { cage });
         let cage = built.map_err(|error| invalid(&error, &tags))?;
-        if rows.is_empty() {
+        if rows.iter().all(|row| *row == CornerTexcoords::NONE) {
             let message = "texcoords that no face names were dropped";
             warnings.count_all("texcoords-unused", texcoords.len() as u64, message);
             return Ok(Polygons::of(cage, Frame::default()));

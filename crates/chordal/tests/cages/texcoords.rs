@@ -380,8 +380,8 @@ fn a_mesh_is_split_along_the_seam_and_stays_closed() {
     let rows = rows_of(&mesh);
     // No triangle reaches around.
     for face in mesh.faces() {
-        for k in 0..2 {
-            let of = face.map(|vertex| rows[vertex as usize][k]);
+        let of = face.map(|vertex| rows[vertex as usize]);
+        for of in [of.map(|[u, _]| u), of.map(|[_, v]| v)] {
             let (low, high) = (of[0].min(of[1]).min(of[2]), of[0].max(of[1]).max(of[2]));
             assert!(low >= -1e-12 && high <= 1.0 + 1e-12 && high - low <= 0.126, "{of:?}");
         }
