@@ -99,7 +99,8 @@ fn cage(lines: &mut Lines, facts: &CageFacts) {
     );
     lines
         .add_if("isolated", (facts.isolated_vertices > 0).then(|| plural(facts.isolated_vertices, "vertex")));
-    lines.add_if("texcoords", facts.texcoords.map(grouped));
+    let linear = facts.texcoords_linear.unwrap_or_default();
+    lines.add_if("texcoords", facts.texcoords.map(|n| format!("{}, linear: {linear}", grouped(n))));
 }
 
 fn listed(items: impl Iterator<Item = String>, none: &str) -> String {

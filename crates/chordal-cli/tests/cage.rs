@@ -206,7 +206,7 @@ fn inspect_says_what_a_cage_is() {
         "irregular": {}, "irregular_border": {"2": 1, "4": 2},
         "creases": {"count": 2, "infinite": 1, "range": [0.5, 0.5]},
         "corners": {"count": 2, "infinite": 0, "range": [3.0, 3.0]},
-        "holes": 1, "texcoords": null
+        "holes": 1, "texcoords": null, "texcoords_linear": null
     });
     assert_eq!(facts, &expected);
     let letter = run(&["inspect", &cage, "-q"]).stdout + &run(&["inspect", &cage]).stdout;
@@ -288,4 +288,35 @@ fn what_makes_no_sense_is_refused_in_one_sentence() {
     );
     fails(&["mend", &cage, "--drop-degenerate"], 2, &["--surface faceted takes the polygons as triangles"]);
     assert!(!folder.names().contains(&"out.obj".to_owned()));
+}
+
+/// A square of two quads whose texture is cut between them.
+const CUT: &str = "v 0 0 0\nv 1 0 0\nv 2 0 1\nv 0 1 0\nv 1 1 0\nv 2 1 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+    vt 2 0\nvt 3 0\nvt 3 1\nvt 2 1\nf 1/1 2/2 5/3 4/4\nf 2/5 3/6 6/7 5/8\nt interpolateboundary 1/0/0 1\n\
+    t facevaryinginterpolateboundary 1/0/0 1\n";
+
+#[test]
+fn texture_coordinates_are_refined_and_meshed() {
+    let folder = Folder::new("cage-texture");
+    let cage = folder.file("cut.obj", CUT);
+    let once = folder.text("once.obj");
+    let made = report(&run(&["mesh", &cage, "--level", "1", "-o", &once, "--json"]));
+    assert!(!made["certificate"]["notes"].to_string().contains("texture"), "{made}");
+    let text = fs::read_to_string(&once).unwrap();
+    // Of each face its corners, the middles of its sides and its own.
+    assert_eq!(text.lines().filter(|line| line.starts_with("vt ")).count(), 18);
+    assert!(text.contains("\nt facevaryinginterpolateboundary 1/0/0 1\n"));
+    assert!(text.lines().filter(|line| line.starts_with("f ")).all(|line| line.matches('/').count() == 4));
+    let twice = folder.text("twice.obj");
+    run(&["mesh", &once, "--level", "1", "-o", &twice, "-q"]).succeeds();
+    let said = run(&["inspect", &twice]).stdout;
+    assert!(said.contains("texcoords   50, linear: corners-only"), "{said}");
+    for (name, seam) in [("smooth.glb", &["--tol", "0.01"]), ("polygons.glb", &["--level", "2"])] {
+        let out = folder.text(name);
+        let made = report(&run(&["mesh", &cage, seam[0], seam[1], "-o", &out, "--json"]));
+        let file = fs::read(&out).unwrap();
+        assert!(file.windows(10).any(|window| window == b"TEXCOORD_0"), "{name}");
+        let output = &made["certificate"]["output"];
+        assert!(output["vertices"].as_u64() > output["positions"].as_u64(), "{name} {output}");
+    }
 }

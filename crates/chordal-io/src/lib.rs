@@ -40,7 +40,7 @@ pub use error::{Place, ReadError, Warning, WriteError};
 pub use format::{Format, UnknownFormat};
 pub use limits::Limits;
 pub use losses::{losses, losses_of_polygons};
-pub use polygons::{CornerTexcoords, LinearTexcoords, PolygonSurface, Polygons};
+pub use polygons::{PolygonSurface, Polygons};
 pub use read::read;
 pub use scene::{Axis, Content, Frame, Loaded, Node, Part, Scene};
 pub use snap::{Snapped, TooWide, snap, worst_snap};

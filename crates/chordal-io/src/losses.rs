@@ -74,7 +74,7 @@ pub fn losses_of_polygons(polygons: &Polygons, format: Format) -> Vec<Warning> {
     if has_tags(&polygons.cage) {
         count("subdivision tags".to_owned());
     }
-    if polygons.texcoords.is_some() {
+    if polygons.cage.texcoords().is_some() {
         count("texture coordinates of corners of polygons".to_owned());
     }
     polygons.attributes.iter().for_each(|attribute| count(describe(attribute)));

@@ -1,10 +1,12 @@
 //! Polygon cages: from an OBJ with subdivision tags and back, and what a hostile one may try.
 mod common;
 
-use chordal::explicit::{Boundary, Cage, Creasing, INFINITELY_SHARP, Scheme, Semantic};
+use chordal::explicit::{
+    Boundary, Cage, CornerTexcoords, Creasing, INFINITELY_SHARP, LinearTexcoords, Scheme, Semantic,
+};
 use chordal_io::{
-    Content, CornerTexcoords, Format, Frame, Limits, LinearTexcoords, Loaded, Place, PolygonSurface,
-    Polygons, ReadError, Warning, obj, ply, read,
+    Content, Format, Frame, Limits, Loaded, Place, PolygonSurface, Polygons, ReadError, Warning, obj, ply,
+    read,
 };
 use common::{Random, count, data, files, load_scene};
 
@@ -100,14 +102,14 @@ fn texture_coordinates_keep_their_own_topology() {
     let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nvt 0 0\nvt 1 0 0\nvt 1 1\nvt 0 1\nvt 9 9\n\
         vn 0 0 1\nf 1 2 3 4\nf 2/1/1 5/2/1 6/-3/1 3/4/1\nf 1//1 2/1/1 4\nt facevaryinginterpolateboundary 1/0/0 1\n";
     let (read, warnings) = load(text);
-    let texcoords = read.texcoords.unwrap();
+    let texcoords = read.cage.texcoords().unwrap();
     const NONE: u32 = CornerTexcoords::NONE;
     assert_eq!(texcoords.corners, [NONE, NONE, NONE, NONE, 0, 1, 2, 3, NONE, 0, NONE]);
     assert_eq!(texcoords.values.len(), 5);
     assert_eq!(texcoords.linear, LinearTexcoords::CornersOnly);
     assert_eq!(count(&warnings, "normals-skipped"), 6);
     let again = load(&written(&load(text).0)).0;
-    assert_eq!(again.texcoords.unwrap(), texcoords);
+    assert_eq!(again.cage.texcoords().unwrap(), texcoords);
     assert_eq!(again.cage, read.cage);
 }
 
@@ -217,7 +219,7 @@ fn cages_of_the_corpus_survive_a_round_trip() {
             Ok((polygons, _)) => {
                 let again = load(&written(&polygons)).0;
                 assert_eq!(again.cage, polygons.cage, "{name}");
-                assert_eq!(again.texcoords, polygons.texcoords, "{name}");
+                assert_eq!(again.cage.texcoords(), polygons.cage.texcoords(), "{name}");
             }
             Err(error) => {
                 assert_eq!(error.code, "vertex-twice", "{name}: {error}");

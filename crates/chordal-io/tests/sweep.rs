@@ -77,7 +77,7 @@ fn check(name: &str, bytes: &[u8], format: Format) {
             assert!(polygons.cage.positions().iter().flatten().all(|x| x.is_finite()), "{name}");
             assert!(polygons.attributes.iter().flat_map(|a| &a.values).all(|x| x.is_finite()), "{name}");
             let n_corners: usize = polygons.cage.faces().map(<[u32]>::len).sum();
-            assert!(polygons.texcoords.is_none_or(|t| t.corners.len() == n_corners), "{name}");
+            assert!(polygons.cage.texcoords().is_none_or(|t| t.corners.len() == n_corners), "{name}");
         }
         Ok(Loaded { content: Content::Volume(volume), .. }) => {
             let n: usize = volume.grid.size().iter().product();

@@ -200,5 +200,8 @@ fn argument_of(error: &InvalidCage) -> &'static str {
         | InvalidCage::ShortFace { .. }
         | InvalidCage::VertexTwice { .. }
         | InvalidCage::TooMany { .. } => "faces",
+        InvalidCage::WrongCorners { .. }
+        | InvalidCage::NoSuchTexcoord { .. }
+        | InvalidCage::TexcoordNotFinite { .. } => "texcoords",
     }
 }

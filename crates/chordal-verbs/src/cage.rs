@@ -1,14 +1,14 @@
 //! Cages: their smooth surface within a budget, and their refined control meshes.
 use crate::mesh::{refused, set_aside, snapped, widened};
 use crate::polylines::Asked;
-use crate::report::{Certificate, Counted, Output, PolygonFacts, RefinedFacts};
+use crate::report::{Certificate, Counted, Output, PolygonFacts, RefinedFacts, linear_name};
 use crate::written::as_written;
 use crate::{Input, MeshFailure, Normals, Shape, formats, write};
 use chordal::budget::{Bound, Code, Failure};
 use chordal::check;
 use chordal::convert::cage_to_mesh;
 use chordal::explicit::triangulate::Triangulator;
-use chordal::explicit::{Cage, Scheme};
+use chordal::explicit::{Attribute, Cage, CornerTexcoords, Domain, Scheme, Semantic};
 use chordal::math::{Box3, add_up, sub_down};
 use chordal::{Bounded, Budget, Job, Mesh, Tolerance};
 use chordal_io::{
@@ -37,14 +37,34 @@ pub(crate) fn smooth(polygons: &Polygons, asked: &Asked, job: &Job) -> Result<(S
     Ok((Scene::of("cage", mesh, true, polygons.frame), bound))
 }
 
-/// What is lost where a cage loses something without its surface being wrong.
-pub(crate) fn left_out(polygons: &Polygons) -> Option<String> {
-    let texcoords = polygons.texcoords.as_ref().map(|_| "texture coordinates");
-    let attributes = polygons.attributes.first().map(|_| "colours and groups");
-    let all: Vec<&str> = texcoords.into_iter().chain(attributes).collect();
-    let all = all.join(", ");
-    (!all.is_empty())
-        .then(|| format!("{all} of the cage were left out: its surface has none in this version"))
+/// What becomes of what stands beside the surface of a cage when that is meshed.
+pub(crate) fn notes_of_mesh(polygons: &Polygons) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some(texcoords) = polygons.cage.texcoords() {
+        notes.push(format!(
+            "texture coordinates are those of their own limit surface (linear: {}); the bound is not about them",
+            linear_name(texcoords.linear)
+        ));
+        notes.extend(faces_without(&polygons.cage));
+    }
+    if !polygons.attributes.is_empty() {
+        let message = "colours and groups of the cage were left out: its surface has none in this version";
+        notes.push(message.to_owned());
+    }
+    notes
+}
+
+/// What faces without texture coordinates get where others have some.
+fn faces_without(cage: &Cage) -> Option<String> {
+    let texcoords = cage.texcoords()?;
+    let mut rest = &texcoords.corners[..];
+    let n = cage.faces().filter(|face| {
+        let (of, after) = rest.split_at(face.len());
+        rest = after;
+        of.contains(&CornerTexcoords::NONE)
+    });
+    let n = n.count();
+    (n > 0).then(|| format!("faces without texture coordinates at all of their corners have 0, 0 ({n}x)"))
 }
 
 /// Of the diagonal of the control points, how well the size of the surface is known: chosen, quick to mesh and fine enough for
@@ -117,8 +137,8 @@ impl RefineOutcome {
 ///
 /// OBJ and PLY hold its polygons; OBJ also what is left of its creases, so that the file has the same limit surface. For
 /// other formats quads are cut into triangles, along the diagonal that the reader of polygons takes, and get `normals`. Groups
-/// of faces go to the parts of each face; texture coordinates and colours are kept where there is no round, else left out, and a note says
-/// so.
+/// of faces go to the parts of each face, texture coordinates are refined by their own rule; colours are kept where there is no round,
+/// else left out, and a note says so.
 ///
 /// Cost: as [`Cage::refined_times`]; four times as much a round.
 ///
@@ -206,6 +226,9 @@ fn no_cage(shape: &Shape, format: Format) -> String {
 const BYTES_A_QUAD: u64 = 96;
 const BYTES_A_TRIANGLE: u64 = 112;
 
+/// Bytes more a face for texture coordinates: four rows of 4, two numbers of 8, a third of these for the round before; rounded up.
+const BYTES_OF_TEXCOORDS: u64 = 48;
+
 /// Refuses what would be too large, before anything is made.
 fn check_size(cage: &Cage, levels: u32, to: Format, job: &Job) -> Result<(), MeshFailure> {
     let n_corners: usize = cage.faces().map(<[u32]>::len).sum();
@@ -218,7 +241,8 @@ fn check_size(cage: &Cage, levels: u32, to: Format, job: &Job) -> Result<(), Mes
         return Err(refused(Code::TooManyTriangles, message));
     };
     let a_face = if is_loop { BYTES_A_TRIANGLE } else { BYTES_A_QUAD };
-    let bytes = n_faces.saturating_mul(a_face);
+    let beside = if cage.texcoords().is_some() { BYTES_OF_TEXCOORDS } else { 0 };
+    let bytes = n_faces.saturating_mul(a_face + beside);
     let cut = !formats::holds_polygons(to) && !is_loop;
     let n_triangles = n_faces.saturating_mul(if cut { 2 } else { 1 });
     if n_triangles > job.triangle_limit {
@@ -248,18 +272,13 @@ fn refined(polygons: Polygons, levels: u32, notes: &mut Vec<String>) -> Result<P
     let mut refined = Polygons { groups: polygons.groups, ..Polygons::of(cage, polygons.frame) };
     let parts = parts_of_faces(&polygons.cage, levels);
     for attribute in polygons.attributes {
-        if attribute.domain != chordal::explicit::Domain::Face {
+        if attribute.domain != Domain::Face {
             notes.push("colours of the cage's vertices were left out: they are not refined".to_owned());
             continue;
         }
         let rows = attribute.values.chunks_exact(attribute.width).zip(&parts);
         let values = rows.flat_map(|(row, n)| std::iter::repeat_n(row, *n).flatten().copied()).collect();
-        refined.attributes.push(chordal::explicit::Attribute { values, ..attribute });
-    }
-    if polygons.texcoords.is_some() {
-        notes.push(
-            "texture coordinates of the cage were left out: they are not refined in this version".to_owned(),
-        );
+        refined.attributes.push(Attribute { values, ..attribute });
     }
     Ok(refined)
 }
@@ -284,7 +303,14 @@ fn triangles(
     let cage = &polygons.cage;
     let (mut faces, mut points, mut cut) = (Vec::new(), Vec::new(), Vec::new());
     let mut triangulator = Triangulator::default();
+    let mut rows = cage.texcoords().map(|texcoords| (texcoords, &texcoords.corners[..]));
+    let mut texcoords = Vec::new();
     for (number, face) in cage.faces().enumerate() {
+        let of_face = rows.as_mut().map(|(texcoords, rest)| {
+            let (of, after) = rest.split_at(face.len());
+            *rest = after;
+            (*texcoords, of)
+        });
         if cage.holes().binary_search(&(number as u32)).is_ok() {
             continue;
         }
@@ -293,17 +319,25 @@ fn triangles(
         cut.clear();
         triangulator.polygon(&points, &mut cut);
         faces.extend(cut.iter().map(|local| local.map(|corner| face[corner as usize])));
+        if let Some((values, of)) = of_face {
+            let value = |corner: &u32| values.values.get(of[*corner as usize] as usize).copied();
+            texcoords.extend(cut.as_flattened().iter().flat_map(|corner| value(corner).unwrap_or_default()));
+        }
     }
     let n_holes = cage.holes().len();
     if n_holes > 0 {
         notes.push(format!("holes of the cage have no triangles ({n_holes}x)"));
     }
-    if !polygons.attributes.is_empty() || polygons.texcoords.is_some() {
-        notes.push(
-            "texture coordinates, colours and groups are written with polygons alone: to .obj".to_owned(),
-        );
+    if !polygons.attributes.is_empty() {
+        notes.push("colours and groups are written with polygons alone: to .obj".to_owned());
     }
-    let mesh = Mesh::new(cage.positions().to_vec(), faces).map_err(crate::written::unsupported)?;
+    let mut mesh = Mesh::new(cage.positions().to_vec(), faces).map_err(crate::written::unsupported)?;
+    if cage.texcoords().is_some() {
+        let (semantic, domain) = (Semantic::TexCoord(0), Domain::Corner);
+        let attribute = Attribute { semantic, domain, width: 2, values: texcoords };
+        mesh = mesh.with_attribute(attribute).map_err(crate::written::unsupported)?;
+        notes.extend(faces_without(cage));
+    }
     let snapped = snap(&mesh, formats[1]).map_err(MeshFailure::TooWide)?;
     if snapped.moved_at_most > 0.0 {
         notes.push(format!(

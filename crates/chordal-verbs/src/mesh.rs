@@ -120,7 +120,7 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
             tessellate(&source, &budget, to, job)?
         }
         Shape::Cage(polygons) => {
-            certificate.notes.extend(cage::left_out(&polygons));
+            certificate.notes.extend(cage::notes_of_mesh(&polygons));
             cage::smooth(&polygons, &Asked { spec, budget, to, place }, job)?
         }
         Shape::Volume(sampled) => {

@@ -4,11 +4,11 @@ use super::tags::Tags;
 use crate::assemble::check_extent;
 use crate::faces::SHORT_FACES;
 use crate::grow::{push, with_room};
-use crate::polygons::{CornerTexcoords, Polygons};
+use crate::polygons::Polygons;
 use crate::text::{grouped, not_finite};
 use crate::warnings::Warnings;
 use crate::{Frame, Place, ReadError};
-use chordal::explicit::{Cage, InvalidCage, Scheme};
+use chordal::explicit::{Cage, CornerTexcoords, InvalidCage, Scheme};
 
 /// Polygons so far.
 #[derive(Debug)]
@@ -129,15 +129,15 @@ impl CageRows {
             .and_then(|cage| cage.with_holes(&holes))
             .map(|cage| if tags.is_refined { cage.with_corners_listed() } else { cage });
         let cage = built.map_err(|error| invalid(&error, &tags))?;
-        let mut polygons = Polygons::of(cage, Frame::default());
-        let has_rows = !rows.is_empty();
-        if !has_rows {
+        if rows.iter().all(|row| *row == CornerTexcoords::NONE) {
             let message = "texcoords that no face names were dropped";
             warnings.count_all("texcoords-unused", texcoords.len() as u64, message);
+            return Ok(Polygons::of(cage, Frame::default()));
         }
-        polygons.texcoords =
-            has_rows.then_some(CornerTexcoords { values: texcoords, corners: rows, linear: tags.linear });
-        Ok(polygons)
+        let texcoords =
+            finite(CornerTexcoords { values: texcoords, corners: rows, linear: tags.linear }, warnings);
+        let cage = cage.with_texcoords(texcoords).map_err(|error| invalid(&error, &tags))?;
+        Ok(Polygons::of(cage, Frame::default()))
     }
 
     /// Counts what is legal but seldom meant, and what a cage has no use for. Nothing is changed.
@@ -155,6 +155,25 @@ impl CageRows {
         warnings.count_all("normals-skipped", self.n_normals, message);
         Ok(())
     }
+}
+
+/// The same without what is no number: corners that name it name none.
+fn finite(mut texcoords: CornerTexcoords, warnings: &mut Warnings) -> CornerTexcoords {
+    let is_finite = |p: &[f64; 2]| p.iter().all(|x| x.is_finite());
+    if texcoords.values.iter().all(is_finite) {
+        return texcoords;
+    }
+    let values = &texcoords.values;
+    let is_wrong = |row: &&mut u32| values.get(**row as usize).is_some_and(|p| !is_finite(p));
+    let mut n_corners = 0;
+    for row in texcoords.corners.iter_mut().filter(is_wrong) {
+        *row = CornerTexcoords::NONE;
+        n_corners += 1;
+    }
+    texcoords.values.iter_mut().filter(|p| !is_finite(p)).for_each(|p| *p = [0.0; 2]);
+    let message = "corners whose texture coordinates are not finite have none";
+    warnings.count_all("attribute-not-finite", n_corners, message);
+    texcoords
 }
 
 /// Holes in the count of the faces that were kept.

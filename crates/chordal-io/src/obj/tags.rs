@@ -4,11 +4,10 @@
 //! file, other than in its faces.
 use super::statements::Counts;
 use crate::grow::push;
-use crate::polygons::LinearTexcoords;
 use crate::text::{Tokens, grouped, integer, number, show, why_no_number};
 use crate::warnings::Warnings;
 use crate::{Place, ReadError};
-use chordal::explicit::{Boundary, Creasing, Scheme};
+use chordal::explicit::{Boundary, Creasing, LinearTexcoords, Scheme};
 
 /// Tags that say that polygons are a cage, whether all of what they say is understood or not.
 const KNOWN: [&str; 13] = [

@@ -2,8 +2,8 @@
 use super::CERTIFICATE;
 use super::tags::{BOUNDARIES, REFINED, SCHEME, SCHEMES};
 use super::write::{GROUPS, Writer, group_name, put};
-use crate::{CornerTexcoords, LinearTexcoords, Polygons, WriteError};
-use chordal::explicit::{Attribute, Creasing, Domain, Scheme, Semantic};
+use crate::{Polygons, WriteError};
+use chordal::explicit::{Attribute, CornerTexcoords, Creasing, Domain, LinearTexcoords, Scheme, Semantic};
 use serde_json::Value;
 use std::io::{BufWriter, Write};
 
@@ -56,12 +56,12 @@ fn vertices(writer: &mut Writer, polygons: &Polygons) -> Result<(), WriteError> 
         let color = color.map_or(&[][..], |a| &a.row(vertex)[..a.width.min(4)]);
         writer.numbers("v", position.iter().chain(color).copied())?;
     }
-    let texcoords = polygons.texcoords.iter().flat_map(|texcoords| &texcoords.values);
+    let texcoords = polygons.cage.texcoords().into_iter().flat_map(|texcoords| &texcoords.values);
     texcoords.into_iter().try_for_each(|texcoord| writer.numbers("vt", texcoord.iter().copied()))
 }
 
 fn faces(writer: &mut Writer, polygons: &Polygons) -> Result<(), WriteError> {
-    let rows = polygons.texcoords.as_ref().map(|texcoords| &texcoords.corners[..]);
+    let rows = polygons.cage.texcoords().map(|texcoords| &texcoords.corners[..]);
     let of_kind = |kind: &str| {
         let semantic = Semantic::Group(kind.to_owned());
         polygons
@@ -118,7 +118,7 @@ fn tags(writer: &mut Writer, polygons: &Polygons) -> Result<(), WriteError> {
     if cage.creasing() == Creasing::Chaikin {
         writeln!(writer.out, "t creasemethod 0/0/1 chaikin")?;
     }
-    let linear = polygons.texcoords.as_ref().map_or(LinearTexcoords::default(), |texcoords| texcoords.linear);
+    let linear = cage.texcoords().map_or(LinearTexcoords::default(), |texcoords| texcoords.linear);
     if linear != LinearTexcoords::default()
         && let Some(number) = LinearTexcoords::ALL.iter().position(|rule| *rule == linear)
     {

@@ -1,5 +1,5 @@
 //! What a cage is, and what refining it gave.
-use chordal::explicit::{Boundary, Cage, Creasing, INFINITELY_SHARP, Scheme};
+use chordal::explicit::{Boundary, Cage, Creasing, INFINITELY_SHARP, LinearTexcoords, Scheme};
 use chordal_io::Polygons;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -72,6 +72,9 @@ pub struct CageFacts {
     pub holes: u64,
     /// Rows of texture coordinates that corners name; none where there are none.
     pub texcoords: Option<u64>,
+    /// Where refinement interpolates them linearly: "none", "corners-only", "corners-plus-1", "corners-plus-2", "boundaries" or
+    /// "all"; none where there are none.
+    pub texcoords_linear: Option<&'static str>,
 }
 
 /// What is sharp.
@@ -128,7 +131,8 @@ impl CageFacts {
             creases: SharpFacts::of(cage.creases().iter().map(|(_, sharp)| *sharp)),
             corners: SharpFacts::of(cage.sharp_vertices().iter().map(|(_, sharp)| *sharp)),
             holes: cage.holes().len() as u64,
-            texcoords: polygons.texcoords.as_ref().map(|texcoords| texcoords.values.len() as u64),
+            texcoords: cage.texcoords().map(|texcoords| texcoords.values.len() as u64),
+            texcoords_linear: cage.texcoords().map(|texcoords| linear_name(texcoords.linear)),
         };
         facts.count_edges(cage);
         facts
@@ -165,6 +169,18 @@ impl CageFacts {
                 _ => {}
             }
         }
+    }
+}
+
+/// The name of a rule for texture coordinates.
+pub(crate) fn linear_name(linear: LinearTexcoords) -> &'static str {
+    match linear {
+        LinearTexcoords::None => "none",
+        LinearTexcoords::CornersOnly => "corners-only",
+        LinearTexcoords::CornersPlus1 => "corners-plus-1",
+        LinearTexcoords::CornersPlus2 => "corners-plus-2",
+        LinearTexcoords::Boundaries => "boundaries",
+        LinearTexcoords::All => "all",
     }
 }
 

@@ -21,6 +21,7 @@ pub use anatomy::{Anatomy, ComponentFacts, FindingFacts, MOST_COMPONENTS, cures_
 pub use baked::{BakedFacts, SolidFacts};
 pub use bound::BoundFacts;
 pub use budget::{BudgetFacts, ViewFacts};
+pub(crate) use cage::linear_name;
 pub use cage::{CageFacts, PolygonFacts, RefinedFacts, SharpFacts};
 use checked::witness_facts;
 pub use deviation::{DeviationFacts, OneSidedFacts, Verdict};

@@ -7,7 +7,7 @@ use super::patches::tip;
 use super::patches::within::{check_angle, mesh_within};
 use crate::budget::{Bounded, Budget, Code, Failure, Job, Reference, par_map};
 use crate::explicit::cage::limit::Square;
-use crate::explicit::{Cage, LimitSurface, Mesh, Patch, Scheme, Sets, Sheet, Side};
+use crate::explicit::{Cage, Chart, LimitSurface, Mesh, Patch, Scheme, Sets, Sheet, Side};
 use crate::math::{Box3, flushes_subnormals};
 
 /// Meshes the limit surface of a cage so that nothing is farther from it than the budget allows.
@@ -56,7 +56,10 @@ pub fn cage_to_mesh(cage: &Cage, budget: &Budget, job: &Job) -> Result<Bounded<M
         let sheets = par_map(job, &numbers, |_, sheet| limit.sheet(*sheet));
         let sheets: Result<Vec<Sheet>, _> = sheets.into_iter().collect();
         let sheets = sheets.map_err(|error| Failure::refused(Code::NotFinite, error.to_string()))?;
-        let sheets = CageSheets::new(&limit, sheets);
+        let chart = cage.chart();
+        // It has the sheets of the cage.
+        let texcoords = chart.as_ref().and_then(|chart| Some((chart, chart.cage().limit().ok()?)));
+        let sheets = CageSheets { texcoords, ..CageSheets::new(&limit, sheets) };
         mesh_within(&sheets, budget, job)
     })
 }
@@ -88,8 +91,10 @@ fn check_input(cage: &Cage, budget: &Budget) -> Result<(), Failed> {
 }
 
 /// The sheets of a limit surface as the mesher takes them.
-struct CageSheets {
+struct CageSheets<'a> {
     sheets: Vec<Sheet>,
+    /// The same sheets in the plane of textures.
+    texcoords: Option<(&'a Chart, LimitSurface<'a>)>,
     /// By sheet and side.
     seams: Vec<[Seam; 4]>,
     /// Uses of each edge, and the corners at its ends as far as a sheet has one there.
@@ -98,7 +103,7 @@ struct CageSheets {
     same: Vec<[u32; 2]>,
 }
 
-impl CageSheets {
+impl CageSheets<'_> {
     fn new(limit: &LimitSurface<'_>, sheets: Vec<Sheet>) -> Self {
         let (cage, table) = (limit.cage(), limit.edges());
         let n_edges = table.ends.len();
@@ -142,7 +147,7 @@ impl CageSheets {
                 Seam::Halves(if k < 2 { halves } else { [halves[1], halves[0]] })
             }));
         }
-        let mut made = Self { sheets, seams, edges: Vec::new(), same: Vec::new() };
+        let mut made = Self { sheets, texcoords: None, seams, edges: Vec::new(), same: Vec::new() };
         made.number_edges();
         made
     }
@@ -205,7 +210,7 @@ impl CageSheets {
 /// Halvings of a sheet on the way to an irregular vertex; places of tiles stay exact, and 2⁻³⁰ of a face is no tolerance that anybody has.
 const DEEPEST: u32 = 30;
 
-impl Sheets for CageSheets {
+impl Sheets for CageSheets<'_> {
     fn count(&self) -> usize {
         self.sheets.len()
     }
@@ -313,6 +318,16 @@ impl Sheets for CageSheets {
 
     fn reference(&self) -> Reference {
         Reference::LimitSurface
+    }
+
+    fn has_texcoords(&self) -> bool {
+        self.texcoords.is_some()
+    }
+
+    fn texcoords(&self, sheet: usize) -> Option<Sheet> {
+        let (chart, limit) = self.texcoords.as_ref()?;
+        // Where they overflow there are none.
+        chart.has(limit.face_of(sheet).0).then(|| limit.sheet(sheet).ok()).flatten()
     }
 }
 

@@ -33,7 +33,10 @@ pub use bezier::{Bezier, Levels, bernstein};
 pub use bvh::{Bvh, Closest, Containment, Enclosure, Hit, Ray, Sides, Whereabouts, Winding};
 pub(crate) use bvh::{Soundings, nearest_on_triangle};
 pub use cage::limit::{Jet, LimitSurface, Sheet};
-pub use cage::{Boundary, Cage, Creasing, INFINITELY_SHARP, InvalidCage, Real, Refinement, Scheme};
+pub use cage::{
+    Boundary, Cage, Chart, CornerTexcoords, Creasing, INFINITELY_SHARP, InvalidCage, LinearTexcoords, Real,
+    Refinement, Scheme,
+};
 pub use clusters::{Cluster, FacingCounts, clusters, facing};
 pub use continuation::Smoothness;
 pub use curve::{Curve, InvalidCurve};

@@ -6,3 +6,4 @@ mod limit;
 mod mesh;
 mod reference;
 mod refinement;
+mod texcoords;

@@ -4,7 +4,7 @@ use super::plan::{Allowance, Obstacle, Tile};
 use super::quilt::Quilt;
 use super::rough::Rough;
 use crate::budget::Reference;
-use crate::explicit::Patch;
+use crate::explicit::{Patch, Sheet};
 use crate::math::Box3;
 
 /// A surface as sheets over unit squares that meet along their sides.
@@ -23,6 +23,16 @@ pub(crate) trait Sheets: Sync {
 
     /// What a bound is against.
     fn reference(&self) -> Reference;
+
+    /// Whether some sheets have texture coordinates.
+    fn has_texcoords(&self) -> bool {
+        false
+    }
+
+    /// The texture coordinates of a sheet, as x and y over the same square.
+    fn texcoords(&self, _sheet: usize) -> Option<Sheet> {
+        None
+    }
 }
 
 /// A rectangle of a sheet and the surface over it.

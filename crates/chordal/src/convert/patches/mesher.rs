@@ -5,6 +5,7 @@ use super::plan::{self, Allowance, Obstacle, Tile};
 use super::probe::Probe;
 use super::quilt::{Corner, Quilt, Seam};
 use super::seams::{Line, Piece, Seams};
+use super::texcoords;
 use super::tile::{self, Done};
 use super::tip;
 use crate::budget::{Bound, Bounded, Code, Failure, Job, Progress, par_map};
@@ -310,6 +311,7 @@ impl<'a> Mesher<'a> {
         let most =
             tiles.iter().fold(0.0, |most, (_, done)| if done.bound > most { done.bound } else { most });
         let mesh = assemble::assemble(grounds, &self.quilt, seams, tiles);
+        let mesh = texcoords::with_texcoords(mesh, self.sheets, (grounds, seams, tiles), self.job);
         let (least, at) = measure(grounds, tiles, &mesh);
         let least = if least < most { least } else { most };
         let mut bound = Bound::proved(least, most, self.sheets.reference());

@@ -159,6 +159,13 @@ fn cells(tile: &Tile, [bottom, right, top, left]: [u32; 4]) -> [u32; 2] {
     }
 }
 
+/// Where the inner vertices are in the tile's unit square, with so many segments on its sides.
+pub(super) fn inner_places(tile: &Tile, counts: [u32; 4]) -> impl Iterator<Item = [f64; 2]> {
+    let [n, m] = cells(tile, counts);
+    let at = |k: u32, n: u32| f64::from(k) / f64::from(n);
+    (1..m).flat_map(move |j| (1..n).map(move |i| [at(i, n), at(j, m)]))
+}
+
 /// The vertices on the border of a tile, counter-clockwise from its corner (0, 0).
 pub(crate) fn border(index: usize, tile: &Tile, seams: &Seams) -> Vec<BorderVertex> {
     let mut list = Vec::new();

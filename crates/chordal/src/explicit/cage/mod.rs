@@ -10,6 +10,7 @@ mod round;
 mod rows;
 mod rules;
 mod sizes;
+mod texcoords;
 mod triangles;
 mod values;
 
@@ -17,6 +18,7 @@ use edges::Edges;
 pub use refinement::Refinement;
 use sizes::Sizes;
 use std::fmt;
+pub use texcoords::{Chart, CornerTexcoords, LinearTexcoords};
 pub use values::Real;
 
 /// By which rules a cage is refined.
@@ -93,6 +95,7 @@ pub struct Cage {
     holes: Vec<u32>,
     /// Whether it came from a round, in which what is a corner by nature was listed as one.
     is_refined: bool,
+    texcoords: Option<CornerTexcoords>,
 }
 
 impl Cage {
@@ -368,6 +371,23 @@ pub enum InvalidCage {
         /// How many there are.
         found: usize,
     },
+    /// Not as many rows of texture coordinates as corners.
+    WrongCorners {
+        /// How many corners there are.
+        expected: usize,
+        /// How many rows.
+        found: usize,
+    },
+    /// A corner names texture coordinates that there are not.
+    NoSuchTexcoord {
+        /// The row.
+        row: u32,
+    },
+    /// Texture coordinates that are NaN or infinite.
+    TexcoordNotFinite {
+        /// The row.
+        row: usize,
+    },
     /// More than can be counted.
     TooMany {
         /// Of what.
@@ -398,6 +418,13 @@ impl fmt::Display for InvalidCage {
             Self::NoLimit { scheme } => write!(f, "the limit surface of the {scheme:?} scheme is not known"),
             Self::WrongCount { expected, found } => {
                 write!(f, "there are {found} values for {expected} vertices")
+            }
+            Self::WrongCorners { expected, found } => {
+                write!(f, "there are rows of texture coordinates for {found} corners, but {expected} corners")
+            }
+            Self::NoSuchTexcoord { row } => write!(f, "there are no texture coordinates in row {row}"),
+            Self::TexcoordNotFinite { row } => {
+                write!(f, "texture coordinates in row {row} are not finite")
             }
             Self::TooMany { what, most } => write!(f, "there are more than {most} {what}"),
         }

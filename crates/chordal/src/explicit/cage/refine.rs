@@ -2,7 +2,7 @@
 use super::super::Sets;
 use super::edges::{Around, Edges};
 use super::rules::{Point, Vertex, less, less_at, middle, plus};
-use super::{Boundary, Cage, Creasing, INFINITELY_SHARP, InvalidCage, MOST, Scheme, Sizes};
+use super::{Boundary, Cage, Chart, Creasing, INFINITELY_SHARP, InvalidCage, MOST, Scheme, Sizes};
 
 impl Cage {
     /// The cage after one round: the same limit surface, about four times as many faces.
@@ -36,7 +36,13 @@ impl Cage {
             return Err(InvalidCage::NotFinite { row });
         }
         let (sizes, corners) = round.faces();
-        Ok(Self { positions, sizes, corners, ..round.tags() })
+        let texcoords = self.texcoords.as_ref().map(|texcoords| {
+            let chart = Chart::of(self, texcoords, (&edges, &around, &sharp));
+            let refined = chart.cage().refined().map_err(of_texcoords)?;
+            let values = refined.positions.iter().map(|p| [p[0], p[1]]).collect();
+            Ok(chart.texcoords(1, values, refined.corners))
+        });
+        Ok(Self { positions, sizes, corners, texcoords: texcoords.transpose()?, ..round.tags() })
     }
 
     /// What is known of the next round without positions and faces.
@@ -51,6 +57,14 @@ impl Cage {
         let middles = if self.scheme == Scheme::Loop { 0 } else { self.n_faces() };
         let n = self.positions.len() + edges.ends.len() + middles;
         Self { positions: vec![[0.0; 3]; n], sizes, corners, ..round.tags() }
+    }
+}
+
+/// An error of a chart as one of its cage.
+pub(super) fn of_texcoords(error: InvalidCage) -> InvalidCage {
+    match error {
+        InvalidCage::NotFinite { row } => InvalidCage::TexcoordNotFinite { row },
+        other => other,
     }
 }
 
@@ -111,7 +125,7 @@ pub(super) fn is_hole(cage: &Cage, (edges, around): (&Edges, &Around), face: usi
 }
 
 /// How many groups of faces there are around a vertex that hang together by edges at it.
-fn n_fans(edges: &Edges, around: &Around, vertex: usize) -> usize {
+pub(super) fn n_fans(edges: &Edges, around: &Around, vertex: usize) -> usize {
     let faces = around.faces(vertex);
     // They are in ascending order.
     let place = |face: u32| faces.binary_search(&face).unwrap_or(0) as u32;
@@ -244,6 +258,7 @@ impl Round<'_> {
             // Those that carry none are holes now.
             boundary: if cage.boundary == Boundary::None { Boundary::EdgeOnly } else { cage.boundary },
             is_refined: true,
+            texcoords: None,
             ..*cage
         }
     }

@@ -3,11 +3,11 @@ use super::creases::{Creases, Rules};
 use super::edges::{Around, Edges};
 use super::grids::{Level, corners, n_points};
 use super::quads::Quads;
-use super::refine::Sharp;
+use super::refine::{Sharp, of_texcoords};
 use super::round::Round;
 use super::triangles::{self, Triangles};
 use super::values::{Real, chunks};
-use super::{Cage, InvalidCage, MOST, Scheme, Sizes};
+use super::{Cage, Chart, CornerTexcoords, InvalidCage, MOST, Scheme, Sizes};
 use crate::budget::{Job, par_map_owned};
 
 /// Faces of the result that one task of a thread numbers, about. Chosen.
@@ -75,6 +75,8 @@ pub struct Refinement {
     rounds: Rounds,
     /// The result, without positions, and without faces where there are grids; of no round, the cage.
     result: Cage,
+    /// The chart of the cage with rounds of its own, and how many.
+    chart: Option<Box<(Chart, Refinement, u32)>>,
 }
 
 /// What is ready, by what comes after the other.
@@ -98,28 +100,40 @@ impl Refinement {
             return Err(InvalidCage::TooMany { what: "corners", most: MOST });
         }
         if rounds == 0 {
-            return Ok(Self { rounds: Rounds::None, result: cage.clone() });
+            return Ok(Self { rounds: Rounds::None, result: cage.clone(), chart: None });
         }
         let edges = Edges::of(cage);
         let around = Around::of(cage, &edges);
         let sharp = Sharp::of(cage, &edges, &around);
+        let chart = cage.texcoords.as_ref().map(|texcoords| {
+            let chart = Chart::of(cage, texcoords, (&edges, &around, &sharp));
+            let own = Self::of(chart.cage(), rounds)?;
+            Ok(Box::new((chart, own, rounds)))
+        });
+        let chart = chart.transpose()?;
+        let of_cage = Self::of_cage(cage, rounds, (edges, around), &sharp);
+        Ok(Self { chart, ..of_cage })
+    }
+
+    /// Without texture coordinates.
+    fn of_cage(cage: &Cage, rounds: u32, (edges, around): (Edges, Around), sharp: &Sharp) -> Self {
         if cage.scheme == Scheme::Loop {
-            return Ok(Self::of_triangles(cage, rounds, (edges, around), &sharp));
+            return Self::of_triangles(cage, rounds, (edges, around), sharp);
         }
         if rounds == 1 {
-            let mut result = cage.next_topology(&edges, &around, &sharp);
+            let mut result = cage.next_topology(&edges, &around, sharp);
             result.positions = Vec::new();
-            return Ok(Self { rounds: Rounds::One(Round::of(cage, edges, around, &sharp)), result });
+            return Self { rounds: Rounds::One(Round::of(cage, edges, around, sharp)), result, chart: None };
         }
         let quads = Quads::of(cage, &edges);
-        let tags = cage.next_tags(&edges, &around, &sharp);
+        let tags = cage.next_tags(&edges, &around, sharp);
         let mut of_edges: Vec<(u32, f64)> = Vec::new();
         for (e, halves) in quads.halves.iter().enumerate().filter(|(e, _)| sharp.edges[*e] > 0.0) {
             let left = edges.ends[e].map(|v| sharp.left(cage.creasing, &around, (e, v as usize)));
             of_edges.extend(halves.iter().copied().zip(left).filter(|(_, left)| *left > 0.0));
         }
         let listed: Vec<u32> = cage.creases.iter().filter_map(|([a, b], _)| edges.between(*a, *b)).collect();
-        let first = Round::of(cage, edges, around, &sharp);
+        let first = Round::of(cage, edges, around, sharp);
         let all = (quads.n_vertices, &*quads.ends);
         let mut creases = Creases::new(cage.creasing, all, &of_edges, &tags.sharp_vertices);
         let rules = (1..rounds).map(|_| creases.next()).collect();
@@ -128,7 +142,7 @@ impl Refinement {
         let creased = creased(&creases, n, all, halves);
         let holes = tags.holes.iter().flat_map(|face| parts(*face, n)).collect();
         let result = Cage { creases: creased, sharp_vertices: creases.vertices(), holes, ..tags };
-        Ok(Self { rounds: Rounds::Quads(first, quads, rules), result })
+        Self { rounds: Rounds::Quads(first, quads, rules), result, chart: None }
     }
 
     fn of_triangles(cage: &Cage, rounds: u32, (edges, around): (Edges, Around), sharp: &Sharp) -> Self {
@@ -147,7 +161,7 @@ impl Refinement {
         // Of the next round there are four parts of each hole.
         let holes = tags.holes.iter().step_by(4).flat_map(|part| parts(part / 4, n)).collect();
         let result = Cage { creases: creased, sharp_vertices: creases.vertices(), holes, ..tags };
-        Self { rounds: Rounds::Triangles(triangles, rules), result }
+        Self { rounds: Rounds::Triangles(triangles, rules), result, chart: None }
     }
 
     /// How many vertices the cage has.
@@ -280,19 +294,33 @@ impl Refinement {
         }
     }
 
-    /// The cage after the rounds, where its vertices are here.
+    /// The texture coordinates of the result, if the cage has any. They do not change as the cage moves.
+    ///
+    /// *Cost.* As for [`Refinement::evaluate`] and [`Refinement::corners`].
+    ///
+    /// # Errors
+    /// [`InvalidCage::TexcoordNotFinite`] where one grows beyond the range of numbers on the way.
+    pub fn texcoords(&self, job: &Job) -> Result<Option<CornerTexcoords>, InvalidCage> {
+        let Some(chart) = &self.chart else { return Ok(self.result.texcoords.clone()) };
+        let (chart, own, rounds) = &**chart;
+        let values = own.evaluate(&chart.values(), job).map_err(of_texcoords)?;
+        Ok(Some(chart.texcoords(*rounds, values, own.corners(job))))
+    }
+
+    /// The cage after the rounds, where its vertices are here, with its texture coordinates.
     ///
     /// # Errors
     /// As for [`Refinement::evaluate`].
     pub fn refined(&self, positions: &[[f64; 3]], job: &Job) -> Result<Cage, InvalidCage> {
         let positions = self.evaluate(positions, job)?;
+        let texcoords = self.texcoords(job)?;
         let size = match &self.rounds {
-            Rounds::None | Rounds::One(_) => return Ok(Cage { positions, ..self.result.clone() }),
+            Rounds::None | Rounds::One(_) => return Ok(Cage { positions, texcoords, ..self.result.clone() }),
             Rounds::Quads(..) => 4,
             Rounds::Triangles(..) => 3,
         };
         let sizes = Sizes::even(size, self.n_faces());
-        Ok(Cage { positions, sizes, corners: self.corners(job), ..self.result.clone() })
+        Ok(Cage { positions, sizes, corners: self.corners(job), texcoords, ..self.result.clone() })
     }
 }
 

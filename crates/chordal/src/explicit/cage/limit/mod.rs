@@ -140,6 +140,11 @@ impl Sheet {
         self.square.at(clamp(u), clamp(v))
     }
 
+    /// The point alone, for less.
+    pub(crate) fn point(&self, u: f64, v: f64) -> Result<[f64; 3], InvalidCage> {
+        self.square.point(u, v)
+    }
+
     pub(crate) fn square(&self) -> &Square {
         &self.square
     }

@@ -111,6 +111,7 @@ impl Ring {
             sharp_vertices,
             holes: Vec::new(),
             is_refined: true,
+            texcoords: None,
         };
         Self { cage, off: 0.0 }
     }

@@ -20,6 +20,14 @@ pub(crate) struct Piece {
     pub patch: Patch,
 }
 
+impl Piece {
+    /// Where a place of the face is in the patch's unit square.
+    pub(super) fn local(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let local = |x: f64, [from, to]: [f64; 2]| (x - from) / (to - from);
+        [local(u, self.u), local(v, self.v)]
+    }
+}
+
 /// The control points of a product of cubic splines, and how sharp its lines are, where that ends.
 struct Spline {
     /// Rows along u.

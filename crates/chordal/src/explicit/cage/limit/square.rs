@@ -3,6 +3,7 @@ use super::ring::Parts;
 use super::spline::Piece;
 use super::{Fan, Jet, Ring, fan, middle};
 use crate::explicit::cage::InvalidCage;
+use crate::explicit::cage::rules::Point;
 use crate::explicit::patch::{front, largest};
 use std::sync::OnceLock;
 
@@ -49,17 +50,48 @@ impl Square {
             Self::Rough(rough) => rough.at(u, v),
         }
     }
+
+    /// The point alone.
+    pub(super) fn point(&self, u: f64, v: f64) -> Result<Point, InvalidCage> {
+        let rough = match self {
+            Self::Patches(patches) => return Ok(patches.point([u, v])),
+            Self::Rough(rough) => rough,
+        };
+        match rough.part_at([u, v])? {
+            Part::Patches(patches, place, _) => Ok(patches.point(place)),
+            Part::Vertex(rough, corner) => {
+                with_fan(&rough.ring, corner, Fan::limit).map(|found| found.unwrap_or_else(|point| point))
+            }
+        }
+    }
+}
+
+/// What a rough square is at a place.
+enum Part<'a> {
+    /// These patches, there in them, by how much smaller they are.
+    Patches(&'a Patches, [f64; 2], f64),
+    /// A corner of a square.
+    Vertex(&'a Rough, usize),
 }
 
 impl Patches {
     /// Derivatives are multiplied by a scale.
-    fn at(&self, [u, v]: [f64; 2], scale: f64) -> Jet {
+    fn at(&self, place: [f64; 2], scale: f64) -> Jet {
+        jet(self.piece(place), place, scale)
+    }
+
+    fn point(&self, place: [f64; 2]) -> Point {
+        let piece = self.piece(place);
+        let [s, t] = piece.local(place);
+        piece.patch.at(s, t)
+    }
+
+    fn piece(&self, [u, v]: [f64; 2]) -> &Piece {
         let holds = |piece: &&Piece| {
             let is_in = |x: f64, [from, to]: [f64; 2]| x >= from && (x < to || x <= to && to == 1.0);
             is_in(u, piece.u) && is_in(v, piece.v)
         };
-        let piece = self.pieces.iter().find(holds).unwrap_or(&self.pieces[0]);
-        jet(piece, [u, v], scale)
+        self.pieces.iter().find(holds).unwrap_or(&self.pieces[0])
     }
 }
 
@@ -78,21 +110,28 @@ impl Rough {
         self.quarters.get_or_init(divide).as_deref().map_err(Clone::clone)
     }
 
-    pub(crate) fn at(&self, mut u: f64, mut v: f64) -> Result<Jet, InvalidCage> {
+    pub(crate) fn at(&self, u: f64, v: f64) -> Result<Jet, InvalidCage> {
+        match self.part_at([u, v])? {
+            Part::Patches(patches, place, scale) => Ok(patches.at(place, scale)),
+            Part::Vertex(rough, corner) => vertex(&rough.ring, corner),
+        }
+    }
+
+    fn part_at(&self, [mut u, mut v]: [f64; 2]) -> Result<Part<'_>, InvalidCage> {
         let (mut rough, mut scale) = (self, 1.0);
         for _ in 0..MOST_ROUNDS {
             if let Some(corner) = corner_at(u, v) {
-                return vertex(&rough.ring, corner);
+                return Ok(Part::Vertex(rough, corner));
             }
             let quarter = nearest_corner(u, v);
             let shift = |x: f64| if x >= 0.5 { 2.0 * x - 1.0 } else { 2.0 * x };
             (u, v, scale) = (shift(u), shift(v), 2.0 * scale);
             match &rough.quarters()?[quarter] {
-                Square::Patches(patches) => return Ok(patches.at([u, v], scale)),
+                Square::Patches(patches) => return Ok(Part::Patches(patches, [u, v], scale)),
                 Square::Rough(quarter) => rough = quarter,
             }
         }
-        vertex(&rough.ring, nearest_corner(u, v))
+        Ok(Part::Vertex(rough, nearest_corner(u, v)))
     }
 }
 
@@ -113,8 +152,7 @@ fn nearest_corner(u: f64, v: f64) -> usize {
 
 fn jet(piece: &Piece, [u, v]: [f64; 2], scale: f64) -> Jet {
     let wide = [piece.u, piece.v].map(|[from, to]| to - from);
-    let local = |x: f64, [from, to]: [f64; 2]| (x - from) / (to - from);
-    let (s, t) = (local(u, piece.u), local(v, piece.v));
+    let [s, t] = piece.local([u, v]);
     let scale = wide.map(|wide| scale / wide);
     let [by_u, by_v] = piece.patch.tangents(s, t);
     let [uu, uv, vv] = piece.patch.second_derivatives(s, t);
@@ -132,19 +170,32 @@ fn jet(piece: &Piece, [u, v]: [f64; 2], scale: f64) -> Jet {
 
 /// At a corner of a ring's face that may be irregular.
 fn vertex(ring: &Ring, corner: usize) -> Result<Jet, InvalidCage> {
+    let found = with_fan(ring, corner, |fan| {
+        let [a, b] = fan.tangents();
+        let (unit, length) = front(a, b);
+        let least = fan::LEAST_AREA * largest(a) * largest(b);
+        let normal = (length > least && length.is_finite()).then_some(unit);
+        Jet { point: fan.limit(), first: None, second: None, normal }
+    })?;
+    Ok(found.unwrap_or_else(|point| Jet { point, first: None, second: None, normal: None }))
+}
+
+/// What follows from the fan around a corner of a ring's face, once its surroundings do not change any more; where they always do, a
+/// point near it.
+fn with_fan<T>(
+    ring: &Ring,
+    corner: usize,
+    of: impl FnOnce(&Fan) -> T,
+) -> Result<Result<T, Point>, InvalidCage> {
     let mut held;
     let mut ring = ring;
     // Sharpness that ends does so within ten rounds.
     for _ in 0..MOST_ROUNDS {
         if let Some(fan) = Fan::of(ring, &Parts::of(ring.cage()), corner) {
-            let [a, b] = fan.tangents();
-            let (unit, length) = front(a, b);
-            let least = fan::LEAST_AREA * largest(a) * largest(b);
-            let normal = (length > least && length.is_finite()).then_some(unit);
-            return Ok(Jet { point: fan.limit(), first: None, second: None, normal });
+            return Ok(Ok(of(&fan)));
         }
         held = ring.divided()?.swap_remove(corner);
         ring = &held;
     }
-    Ok(Jet { point: middle(ring.hull()), first: None, second: None, normal: None })
+    Ok(Err(middle(ring.hull())))
 }

@@ -1,0 +1,101 @@
+//! Texture coordinates of a finished mesh: of each vertex those of its place on its sheet, and a row for each side of a seam.
+use super::ground::{Ground, Shape, Sheets};
+use super::plan::Tile;
+use super::seams::Seams;
+use super::tile::{self, Done};
+use crate::budget::{Job, par_map};
+use crate::explicit::{Attribute, Domain, Mesh, Semantic, Side};
+use std::collections::BTreeMap;
+
+/// Texture coordinates at one vertex that differ by no more than this share of the largest are one: chosen, far above the rounding of two
+/// sheets that meet (1e-14) and below what single precision tells apart (6e-8).
+const SAME: f64 = 1e-10;
+
+/// The mesh of all tiles, in their order, with the texture coordinates of its sheets.
+pub(crate) fn with_texcoords(
+    mesh: Mesh,
+    sheets: &dyn Sheets,
+    (grounds, seams, tiles): (&[Ground<'_>], &Seams, &[(Tile, Done)]),
+    job: &Job,
+) -> Mesh {
+    if !sheets.has_texcoords() {
+        return mesh;
+    }
+    // Tiles of a sheet follow each other.
+    let mut first = 0;
+    let runs = tiles.chunk_by(|a, b| a.0.sheet == b.0.sheet).map(|run| {
+        first += run.len();
+        (first - run.len(), run)
+    });
+    let runs: Vec<(usize, &[(Tile, Done)])> = runs.collect();
+    let corners = par_map(job, &runs, |_, (first, run)| {
+        let mut out = Vec::new();
+        let sheet = run.first().and_then(|(tile, _)| sheets.texcoords(tile.sheet as usize));
+        for (k, (tile, done)) in run.iter().enumerate() {
+            let point = |[u, v]: [f64; 2]| {
+                let within = |x: f64, [from, to]: [f64; 2]| from + (to - from) * x;
+                let of = sheet.as_ref().map(|sheet| sheet.point(within(u, tile.u), within(v, tile.v)));
+                of.and_then(Result::ok).map_or([0.0; 2], |[x, y, _]| [x, y])
+            };
+            let mut local = Vec::new();
+            for side in Side::ALL {
+                tile::walk_side(first + k, tile, (side, seams), |u, v, _| local.push(point([u, v])));
+            }
+            match grounds[tile.ground as usize].shape {
+                Shape::Bezier(_) => {
+                    let counts = Side::ALL.map(|side| seams.count(first + k, side));
+                    local.extend(tile::inner_places(tile, counts).map(point));
+                }
+                Shape::Rough(_) => local.extend(done.inner.iter().map(|_| point([0.5, 0.5]))),
+            }
+            out.extend(done.triangles.as_flattened().iter().map(|vertex| local[*vertex as usize]));
+        }
+        out
+    });
+    split(mesh, &corners.concat())
+}
+
+/// The mesh with a row for each of the texture coordinates that its corners have at a vertex, three a triangle: the first keep the vertex,
+/// others get one of their own, tied by `position_id`.
+fn split(mesh: Mesh, corners: &[[f64; 2]]) -> Mesh {
+    let largest =
+        corners.as_flattened().iter().fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
+    let is_same = |a: [f64; 2], b: [f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() <= SAME * largest);
+    let n = mesh.positions().len();
+    let mut rows: Vec<Option<[f64; 2]>> = vec![None; n];
+    // Of vertices with more than one: the others.
+    let mut more: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    let mut faces = mesh.faces().to_vec();
+    let mut source: Vec<u32> = (0..n as u32).collect();
+    for (vertex, &value) in faces.as_flattened_mut().iter_mut().zip(corners) {
+        let own = *rows[*vertex as usize].get_or_insert(value);
+        if is_same(own, value) {
+            continue;
+        }
+        let others = more.entry(*vertex).or_default();
+        let known = others.iter().find(|other| rows[**other as usize].is_some_and(|row| is_same(row, value)));
+        if let Some(other) = known {
+            *vertex = *other;
+            continue;
+        }
+        let other = source.len() as u32;
+        others.push(other);
+        source.push(*vertex);
+        rows.push(Some(value));
+        *vertex = other;
+    }
+    let values: Vec<f64> = rows.into_iter().flat_map(Option::unwrap_or_default).collect();
+    let texcoords = Attribute { semantic: Semantic::TexCoord(0), domain: Domain::Vertex, width: 2, values };
+    if source.len() == n {
+        return mesh.with_attribute(texcoords).expect("there is a row for each vertex");
+    }
+    let positions = source.iter().map(|vertex| mesh.positions()[*vertex as usize]).collect();
+    let ids = source.iter().map(|vertex| mesh.position_of(*vertex)).collect();
+    let split = Mesh::new(positions, faces).and_then(|split| split.with_position_id(ids));
+    let with_all = mesh.attributes().iter().fold(split, |split, attribute| {
+        let values = source.iter().flat_map(|vertex| attribute.row(*vertex as usize)).copied().collect();
+        split?.with_attribute(Attribute { values, ..attribute.clone() })
+    });
+    let done = with_all.and_then(|split| split.with_attribute(texcoords));
+    done.expect("rows are those of a mesh, and there is one for each vertex")
+}

@@ -1,0 +1,413 @@
+//! `CornerTexcoords`: texture coordinates at the corners of a cage's faces, and `Chart`: the same as a cage of their own.
+//!
+//! Their topology is their own: two faces hang together across an edge where their corners name the same rows at both ends of it, and are
+//! parted by a seam elsewhere. So they are a second cage, flat, with the faces of the first over other vertices: one for each pair of a vertex and
+//! a row that a corner there names. Its border is the border of the first and the seams. What is sharp in the first is so in the second
+//! where they agree, and a rule says which vertices of the second's border stay where they are.
+//!
+//! Source: the rules are those of OpenSubdiv for face-varying data (its `Sdc::Options::FVarLinearInterpolation`, and
+//! `vtr/fvarLevel.cpp` for what they mean).
+use super::edges::{Around, Edges, listed, part};
+use super::refine::{Sharp, is_hole, n_fans};
+use super::{Boundary, Cage, INFINITELY_SHARP, InvalidCage, Scheme};
+
+/// Texture coordinates with a topology of their own: corners of neighbouring faces that name the same row hang together there,
+/// others are parted by a seam.
+///
+/// ```
+/// use chordal::explicit::{Cage, CornerTexcoords, LinearTexcoords};
+/// let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let values = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+/// let linear = LinearTexcoords::CornersOnly;
+/// let cage = Cage::new(points, [[0, 1, 2, 3]])?
+///     .with_texcoords(CornerTexcoords { values, corners: vec![0, 1, 2, 3], linear })?;
+/// let once = cage.refined()?;
+/// let texcoords = once.texcoords().unwrap();
+/// // Corners of the border stay, the middle of the face is theirs.
+/// assert_eq!((texcoords.values[0], texcoords.values[8]), ([0.0, 0.0], [0.5, 0.5]));
+/// assert_eq!(texcoords.corners.len(), 16);
+/// # Ok::<(), chordal::explicit::InvalidCage>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct CornerTexcoords {
+    /// n × 2, finite.
+    pub values: Vec<[f64; 2]>,
+    /// One a corner of the cage, face by face: a row of `values`, or [`CornerTexcoords::NONE`].
+    pub corners: Vec<u32>,
+    /// Where they are interpolated linearly when they are refined.
+    pub linear: LinearTexcoords,
+}
+
+impl CornerTexcoords {
+    /// The row of a corner that names none. A face with such a corner has no texture coordinates after a round.
+    pub const NONE: u32 = u32::MAX;
+
+    fn check(&self, n_corners: usize) -> Result<(), InvalidCage> {
+        if self.corners.len() != n_corners {
+            return Err(InvalidCage::WrongCorners { expected: n_corners, found: self.corners.len() });
+        }
+        if let Some(row) = self.values.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+            return Err(InvalidCage::TexcoordNotFinite { row });
+        }
+        let is_wrong = |row: &u32| *row != Self::NONE && *row as usize >= self.values.len();
+        match self.corners.iter().find(|row| is_wrong(row)) {
+            Some(&row) => Err(InvalidCage::NoSuchTexcoord { row }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Where refinement interpolates texture coordinates linearly, so that they stay where they are: the rules of OpenSubdiv's
+/// `Sdc::Options::FVarLinearInterpolation`, in the numbers of the tag `facevaryinginterpolateboundary`.
+///
+/// The *border* is that of the texture coordinates: seams and the border of the cage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LinearTexcoords {
+    /// 0: nowhere.
+    None,
+    /// 1: at corners of their borders, which one face alone has.
+    CornersOnly,
+    /// 2: also where more than two pieces meet, or a piece comes back to one vertex.
+    CornersPlus1,
+    /// 3: also where a seam ends within the surface, and on the other side of a corner.
+    CornersPlus2,
+    /// 4: along all borders.
+    Boundaries,
+    /// 5: everywhere.
+    #[default]
+    All,
+}
+
+impl LinearTexcoords {
+    /// All, by their numbers.
+    pub const ALL: [Self; 6] =
+        [Self::None, Self::CornersOnly, Self::CornersPlus1, Self::CornersPlus2, Self::Boundaries, Self::All];
+}
+
+/// The texture coordinates of a cage as a cage of their own in the plane z = 0, with the same faces.
+///
+/// Its limit surface has a sheet for each of the cage's, in the same order, whose points are the texture coordinates there.
+///
+/// ```
+/// use chordal::explicit::{Cage, CornerTexcoords, LinearTexcoords};
+/// let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 2.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let values = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+/// let linear = LinearTexcoords::Boundaries;
+/// let cage = Cage::new(points, [[0, 1, 2, 3]])?
+///     .with_texcoords(CornerTexcoords { values, corners: vec![0, 1, 2, 3], linear })?;
+/// let chart = cage.chart().unwrap();
+/// let jet = chart.cage().limit()?.sheet(0)?.at(0.25, 0.5)?;
+/// assert!((jet.point[0] - 0.25).abs() < 1e-12 && (jet.point[1] - 0.5).abs() < 1e-12);
+/// # Ok::<(), chordal::explicit::InvalidCage>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chart {
+    cage: Cage,
+    linear: LinearTexcoords,
+    /// Faces that have none, in ascending order.
+    bare: Vec<u32>,
+}
+
+impl Cage {
+    /// The same cage with texture coordinates at its corners instead of any that it had.
+    ///
+    /// # Errors
+    /// [`InvalidCage::WrongCorners`], [`InvalidCage::NoSuchTexcoord`] and [`InvalidCage::TexcoordNotFinite`].
+    pub fn with_texcoords(mut self, texcoords: CornerTexcoords) -> Result<Self, InvalidCage> {
+        texcoords.check(self.corners.len())?;
+        self.texcoords = Some(texcoords);
+        Ok(self)
+    }
+
+    /// Texture coordinates at its corners.
+    #[must_use]
+    pub fn texcoords(&self) -> Option<&CornerTexcoords> {
+        self.texcoords.as_ref()
+    }
+
+    /// Its texture coordinates as a cage of their own, if it has any.
+    ///
+    /// Edges and vertices of the chart are as sharp as those of the cage where the two have the same; seams and the border are sharp for
+    /// ever, as a border is; a vertex that the cage keeps where it is, is kept by the chart. Which others are, the rule says.
+    /// It is as OpenSubdiv does it, but for what would not outlive a round (of two pieces that keep each other, where both are
+    /// creased) and for what is no surface there: where edges of more than two faces are cut, or pieces come back to a vertex, the chart decides. By
+    /// [`Creasing::Chaikin`](super::Creasing::Chaikin) sharpness evens out within the chart.
+    ///
+    /// *Cost.* As for [`Cage::refined`].
+    #[must_use]
+    pub fn chart(&self) -> Option<Chart> {
+        let texcoords = self.texcoords.as_ref()?;
+        let edges = Edges::of(self);
+        let around = Around::of(self, &edges);
+        let sharp = Sharp::of(self, &edges, &around);
+        Some(Chart::of(self, texcoords, (&edges, &around, &sharp)))
+    }
+}
+
+impl Chart {
+    /// The vertices of the chart, as x and y, and its faces in the order of the cage's.
+    #[must_use]
+    pub fn cage(&self) -> &Cage {
+        &self.cage
+    }
+
+    /// Whether a face has texture coordinates, at all of its corners: where not, what stands in the chart means nothing.
+    #[must_use]
+    pub fn has(&self, face: usize) -> bool {
+        self.bare.binary_search(&(face as u32)).is_err()
+    }
+
+    pub(super) fn of(
+        cage: &Cage,
+        texcoords: &CornerTexcoords,
+        (edges, around, sharp): (&Edges, &Around, &Sharp),
+    ) -> Self {
+        let mut rows = texcoords.corners.clone();
+        let mut bare = Vec::new();
+        for face in 0..cage.n_faces() {
+            let of = &mut rows[cage.sizes.range(face)];
+            if of.contains(&CornerTexcoords::NONE) {
+                of.fill(CornerTexcoords::NONE);
+                bare.push(face as u32);
+            }
+        }
+        // A vertex for each pair, so that a row which several vertices name comes apart.
+        let pairs = || rows.iter().copied().zip(cage.corners.iter().copied());
+        let mut vertices: Vec<(u32, u32)> = pairs().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let number = |pair| vertices.binary_search(&pair).unwrap_or_default() as u32;
+        let corners: Vec<u32> = pairs().map(number).collect();
+        let position = |(row, _): &(u32, u32)| {
+            texcoords.values.get(*row as usize).map_or([0.0; 3], |[u, v]| [*u, *v, 0.0])
+        };
+        let is_hole = |face: &u32| is_hole(cage, (edges, around), *face as usize);
+        let mut flat = Cage {
+            positions: vertices.iter().map(position).collect(),
+            sizes: cage.sizes.clone(),
+            corners,
+            scheme: cage.scheme,
+            boundary: Boundary::EdgeOnly,
+            creasing: cage.creasing,
+            creases: Vec::new(),
+            sharp_vertices: Vec::new(),
+            holes: (0..cage.n_faces() as u32).filter(is_hole).collect(),
+            // What stays by nature is listed here, once for all rounds.
+            is_refined: true,
+            texcoords: None,
+        };
+        let linear = texcoords.linear;
+        match (linear, cage.scheme) {
+            (LinearTexcoords::All, Scheme::CatmullClark) => flat.scheme = Scheme::Bilinear,
+            (_, Scheme::Bilinear) => {}
+            _ => {
+                let own = Edges::of(&flat);
+                let around_own = Around::of(&flat, &own);
+                let both =
+                    Both { cage, edges, around, sharp, flat: &flat, own: &own, around_own: &around_own };
+                let sharp_edges = both.edges();
+                let sharp_vertices = both.vertices(linear, &sharp_edges);
+                flat.creases = own.sharp(&both.creases(linear, sharp_edges));
+                flat.sharp_vertices = sharp_vertices;
+            }
+        }
+        Self { cage: flat, linear, bare }
+    }
+
+    /// As texture coordinates again, after some rounds: from what stands at the vertices of the refined chart and from its corners.
+    pub(super) fn texcoords(
+        &self,
+        rounds: u32,
+        mut values: Vec<[f64; 2]>,
+        mut corners: Vec<u32>,
+    ) -> CornerTexcoords {
+        if !self.bare.is_empty() {
+            // Each corner becomes four in each round, and those of a face follow each other.
+            let grown = |corner: usize| corner << (2 * rounds);
+            for face in &self.bare {
+                let of = self.cage.sizes.range(*face as usize);
+                corners[grown(of.start)..grown(of.end)].fill(CornerTexcoords::NONE);
+            }
+            keep_named(&mut values, &mut corners);
+        }
+        CornerTexcoords { values, corners, linear: self.linear }
+    }
+
+    /// What stands at its vertices.
+    pub(super) fn values(&self) -> Vec<[f64; 2]> {
+        self.cage.positions.iter().map(|p| [p[0], p[1]]).collect()
+    }
+}
+
+/// Drops rows that no corner names.
+fn keep_named(values: &mut Vec<[f64; 2]>, corners: &mut [u32]) {
+    let mut is_named = vec![false; values.len()];
+    for row in corners.iter() {
+        if let Some(is_named) = is_named.get_mut(*row as usize) {
+            *is_named = true;
+        }
+    }
+    let mut number = vec![CornerTexcoords::NONE; values.len()];
+    let named: Vec<usize> = (0..values.len()).filter(|row| is_named[*row]).collect();
+    named.iter().enumerate().for_each(|(new, row)| number[*row] = new as u32);
+    *values = named.iter().map(|row| values[*row]).collect();
+    for row in corners.iter_mut() {
+        *row = number.get(*row as usize).copied().unwrap_or(CornerTexcoords::NONE);
+    }
+}
+
+/// A cage and its chart.
+struct Both<'a> {
+    cage: &'a Cage,
+    edges: &'a Edges,
+    around: &'a Around,
+    sharp: &'a Sharp,
+    flat: &'a Cage,
+    own: &'a Edges,
+    around_own: &'a Around,
+}
+
+/// What is around a vertex of the chart.
+struct Span {
+    vertex: u32,
+    n_faces: usize,
+    /// It has faces that do not hang together, or are parted by an edge that is sharp for ever.
+    is_parted: bool,
+    /// Faces that do not hang together.
+    is_many: bool,
+    /// For how many rounds edges between its faces keep it, 0 for none.
+    rounds: f64,
+}
+
+impl Both<'_> {
+    /// How sharp the edges of the chart are that are no border of it: as sharp as those of the cage.
+    fn edges(&self) -> Vec<f64> {
+        let mut sharp = vec![0.0; self.own.ends.len()];
+        for (edge, own) in self.edges.of_corner.iter().zip(&self.own.of_corner) {
+            if self.own.faces(*own as usize).len() > 1 {
+                sharp[*own as usize] = self.sharp.edges[*edge as usize];
+            }
+        }
+        sharp
+    }
+
+    fn creases(&self, linear: LinearTexcoords, sharp: Vec<f64>) -> Vec<f64> {
+        // In triangles that stay as they are nothing moves.
+        if linear == LinearTexcoords::All { vec![INFINITELY_SHARP; sharp.len()] } else { sharp }
+    }
+
+    /// Edges of the cage that are seams at one end or both.
+    fn seams(&self) -> Vec<bool> {
+        let mut first = vec![u32::MAX; self.edges.ends.len()];
+        let mut is_seam = vec![false; first.len()];
+        for (edge, own) in self.edges.of_corner.iter().zip(&self.own.of_corner) {
+            let first = &mut first[*edge as usize];
+            if *first == u32::MAX {
+                *first = *own;
+            }
+            is_seam[*edge as usize] |= *first != *own;
+        }
+        is_seam
+    }
+
+    /// Vertices of the chart with their sharpness, where it is above 0.
+    fn vertices(&self, linear: LinearTexcoords, sharp_edges: &[f64]) -> Vec<(u32, f64)> {
+        if linear == LinearTexcoords::All {
+            return (0..self.flat.positions.len() as u32).map(|v| (v, INFINITELY_SHARP)).collect();
+        }
+        let is_seam = self.seams();
+        let pairs = self.cage.corners.iter().copied().zip(self.flat.corners.iter().copied());
+        let (ends, all) = listed(self.cage.positions.len(), pairs);
+        let mut found = Vec::new();
+        let (mut here, mut spans): (Vec<u32>, Vec<Span>) = (Vec::new(), Vec::new());
+        for vertex in 0..self.cage.positions.len() {
+            here.clear();
+            here.extend_from_slice(part(&ends, &all, vertex));
+            here.sort_unstable();
+            here.dedup();
+            spans.clear();
+            spans.extend(here.iter().map(|own| self.span(*own, sharp_edges)));
+            self.keep(vertex, (linear, &is_seam), &spans, &mut found);
+        }
+        found.sort_unstable_by_key(|(vertex, _)| *vertex);
+        found
+    }
+
+    fn span(&self, vertex: u32, sharp_edges: &[f64]) -> Span {
+        let of_edges = self.around_own.edges(vertex as usize);
+        let sharp = of_edges.iter().map(|edge| sharp_edges[*edge as usize]);
+        let is_many = n_fans(self.own, self.around_own, vertex as usize) > 1;
+        Span {
+            vertex,
+            n_faces: self.around_own.faces(vertex as usize).len(),
+            is_parted: is_many || sharp.clone().any(|sharp| sharp >= INFINITELY_SHARP),
+            is_many,
+            rounds: lasting(sharp),
+        }
+    }
+
+    /// Adds those of a vertex of the cage that stay where they are.
+    fn keep(
+        &self,
+        vertex: usize,
+        (linear, is_seam): (LinearTexcoords, &[bool]),
+        spans: &[Span],
+        found: &mut Vec<(u32, f64)>,
+    ) {
+        let of_edges = self.around.edges(vertex);
+        let has_seam = of_edges.iter().any(|edge| is_seam[*edge as usize]);
+        let is_border = of_edges.iter().any(|edge| self.edges.faces(*edge as usize).len() == 1);
+        let on_border = has_seam || is_border;
+        let plus2 = linear == LinearTexcoords::CornersPlus2;
+        let is_tied = plus2 || linear == LinearTexcoords::CornersPlus1;
+        let stays = match (linear, spans) {
+            (LinearTexcoords::Boundaries, _) => on_border,
+            (_, [one]) => plus2 && has_seam && !is_border && one.n_faces > 0,
+            (_, [a, b]) if is_tied => {
+                a.is_parted || b.is_parted || plus2 && (a.n_faces == 1 || b.n_faces == 1)
+            }
+            _ => is_tied && spans.len() > 2,
+        };
+        for span in spans {
+            let is_corner = on_border && span.n_faces == 1 && linear != LinearTexcoords::None;
+            if stays || is_corner || has_seam && span.is_many {
+                found.push((span.vertex, INFINITELY_SHARP));
+                continue;
+            }
+            // Of two pieces, as long as creases keep one of them the other is kept as well.
+            let longest = match spans {
+                [a, b] if is_tied => {
+                    if a.rounds > b.rounds {
+                        a.rounds
+                    } else {
+                        b.rounds
+                    }
+                }
+                _ => 0.0,
+            };
+            let other = if longest > span.rounds { longest } else { 0.0 };
+            let own = self.sharp.vertices[vertex];
+            let sharpness = if own > other { own } else { other };
+            if sharpness > 0.0 {
+                found.push((span.vertex, sharpness));
+            }
+        }
+    }
+}
+
+/// The sharpness of a vertex that stays for as long as some edges of these sharpnesses are left: the rounds before the last, and
+/// the mean of what is left for that one.
+fn lasting(sharp: impl Iterator<Item = f64> + Clone) -> f64 {
+    let ends = sharp.filter(|sharp| *sharp > 0.0 && *sharp < INFINITELY_SHARP);
+    let most = ends.clone().fold(0.0, |most, sharp| if sharp > most { sharp } else { most });
+    if most <= 0.0 {
+        return 0.0;
+    }
+    let before = most.ceil() - 1.0;
+    let (mut sum, mut count) = (0.0, 0);
+    for sharp in ends.filter(|sharp| *sharp > before) {
+        sum += sharp - before;
+        count += 1;
+    }
+    before + sum / f64::from(count)
+}
