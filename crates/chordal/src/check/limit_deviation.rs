@@ -48,7 +48,9 @@ pub fn limit_deviation(cage: &Cage, job: &Job) -> Result<Bound, InvalidCage> {
             let half = |a: usize, b: usize| 0.5 * (at(a) + at(b));
             [at(corner), half(corner, corner + 1), middle, half(corner + n - 1, corner)]
         };
-        apart(limit.sheet(sheet)?.square(), corners)
+        let sheet = limit.sheet(sheet)?;
+        let Some(square) = sheet.square() else { return Err(InvalidCage::NoLimit { scheme: cage.scheme() }) };
+        apart(square, corners)
     };
     let parts = par_map(job, &numbers, |_, sheet| of_sheet(*sheet));
     let most = parts

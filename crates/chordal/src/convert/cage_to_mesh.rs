@@ -220,7 +220,8 @@ impl Sheets for CageSheets {
     ) -> Result<Vec<Ground<'_>>, Obstacle> {
         let mut grounds = Vec::new();
         let halved = self.is_halved(sheet);
-        let mut open = vec![(self.sheets[sheet].square(), [0.0, 0.0], 0)];
+        let Some(square) = self.sheets[sheet].square() else { return Ok(grounds) };
+        let mut open = vec![(square, [0.0, 0.0], 0)];
         while let Some((square, [u, v], depth)) = open.pop() {
             let width = 1.0 / f64::from(1_u32 << depth);
             match square {
@@ -302,8 +303,9 @@ impl Sheets for CageSheets {
     fn longest_diagonal(&self) -> f64 {
         let own = |sheet: &Sheet| {
             let (hull, lost) = match sheet.square() {
-                Square::Rough(rough) => (Box3::around(rough.ring().hull()), rough.lost()),
-                Square::Patches(patches) => {
+                Some(Square::Rough(rough)) => (Box3::around(rough.ring().hull()), rough.lost()),
+                None => return 0.0,
+                Some(Square::Patches(patches)) => {
                     let points = patches.pieces.iter().flat_map(|piece| piece.patch.control.iter().flatten());
                     (Box3::around(points), patches.off)
                 }

@@ -1,5 +1,4 @@
 //! `Square`: a square of a sheet as patches, or divided, as deep as anybody has asked.
-use super::ring::Parts;
 use super::spline::Piece;
 use super::{Fan, Jet, Ring, fan, middle};
 use crate::explicit::cage::InvalidCage;
@@ -29,7 +28,7 @@ pub(crate) struct Rough {
 }
 
 /// Rounds after which a place that is still beside an irregular vertex counts as the vertex: 0.66⁹⁰ < 2⁻⁵³ of the face's size.
-const MOST_ROUNDS: usize = 90;
+pub(super) const MOST_ROUNDS: usize = 90;
 
 impl Square {
     pub(super) fn of(ring: Ring) -> Self {
@@ -131,12 +130,12 @@ fn jet(piece: &Piece, [u, v]: [f64; 2], scale: f64) -> Jet {
 }
 
 /// At a corner of a ring's face that may be irregular.
-fn vertex(ring: &Ring, corner: usize) -> Result<Jet, InvalidCage> {
+pub(super) fn vertex(ring: &Ring, corner: usize) -> Result<Jet, InvalidCage> {
     let mut held;
     let mut ring = ring;
     // Sharpness that ends does so within ten rounds.
     for _ in 0..MOST_ROUNDS {
-        if let Some(fan) = Fan::of(ring, &Parts::of(ring.cage()), corner) {
+        if let Some(fan) = Fan::of(ring, &ring.parts(), corner) {
             let [a, b] = fan.tangents();
             let (unit, length) = front(a, b);
             let least = fan::LEAST_AREA * largest(a) * largest(b);
