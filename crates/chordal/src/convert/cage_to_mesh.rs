@@ -5,6 +5,7 @@ use super::patches::plan::{self, Allowance, Obstacle};
 use super::patches::quilt::{Edge, Quilt, Seam, Use, corners_of, meetings};
 use super::patches::tip;
 use super::patches::within::mesh_within;
+use super::triangles::{self, mesher::Mesher};
 use crate::budget::{Bounded, Budget, Code, Failure, Job, Reference, par_map};
 use crate::explicit::cage::limit::Square;
 use crate::explicit::{Cage, LimitSurface, Mesh, Patch, Scheme, Sets, Sheet, Side};
@@ -56,6 +57,9 @@ pub fn cage_to_mesh(cage: &Cage, budget: &Budget, job: &Job) -> Result<Bounded<M
         let sheets = par_map(job, &numbers, |_, sheet| limit.sheet(*sheet));
         let sheets: Result<Vec<Sheet>, _> = sheets.into_iter().collect();
         let sheets = sheets.map_err(|error| Failure::refused(Code::NotFinite, error.to_string()))?;
+        if cage.scheme() == Scheme::Loop {
+            return triangles::within::mesh_within(&Mesher::new(&limit, &sheets, job), budget, job);
+        }
         let sheets = CageSheets::new(&limit, sheets);
         mesh_within(&sheets, budget, job)
     })
@@ -71,10 +75,6 @@ fn check_input(cage: &Cage, budget: &Budget) -> Result<(), Failed> {
     }
     if budget.angle_deg.is_some() {
         let message = "cages cannot be meshed to an angle yet; give a length or pixels";
-        return Err(Failure::refused(Code::Unsupported, message));
-    }
-    if cage.scheme() == Scheme::Loop {
-        let message = "the limit surface of Loop's scheme cannot be meshed yet; refine it by rounds";
         return Err(Failure::refused(Code::Unsupported, message));
     }
     if let Some(row) = cage.positions().iter().position(|p| p.iter().any(|x| x.abs() > LARGEST)) {

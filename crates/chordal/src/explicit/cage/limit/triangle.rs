@@ -50,7 +50,7 @@ impl Triangle {
 
 impl Polynomial {
     /// Derivatives are multiplied by a scale, which is negative where the triangle is turned by half.
-    fn at(&self, [u, v]: [f64; 2], scale: f64) -> Jet {
+    pub(crate) fn at(&self, [u, v]: [f64; 2], scale: f64) -> Jet {
         let (point, [by_u, by_v], second) = self.quartic.at(u, v);
         let (unit, length) = front(by_u, by_v);
         let least = fan::LEAST_AREA * largest(by_u) * largest(by_v);
@@ -78,7 +78,8 @@ impl RoughTriangle {
         self.quarters.get_or_init(divide).as_deref().map_err(Clone::clone)
     }
 
-    fn at(&self, mut u: f64, mut v: f64) -> Result<Jet, InvalidCage> {
+    /// At a place of it.
+    pub(crate) fn at(&self, mut u: f64, mut v: f64) -> Result<Jet, InvalidCage> {
         let (mut rough, mut scale) = (self, 1.0);
         for _ in 0..MOST_ROUNDS {
             if let Some(corner) = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].iter().position(|at| *at == (u, v)) {
