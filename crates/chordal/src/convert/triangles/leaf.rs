@@ -37,8 +37,8 @@ pub(crate) struct Found {
     pub(crate) place: Box3,
 }
 
-/// A bound by second derivatives that is missed by more than this factor will hardly be met by heights; measured.
-const WORTH_A_LOOK: f64 = 2.5;
+/// A bound by second derivatives that is missed by more than this factor will hardly be met by heights; chosen.
+const WORTH_A_LOOK: f64 = 30.0;
 
 impl Leaf {
     /// All of a cell.
@@ -67,6 +67,13 @@ impl Leaf {
         extent(0).max(extent(1)) * cell.width
     }
 
+    /// How far it is from its part of a polynomial by second derivatives, without rounding.
+    pub(crate) fn bend(&self, cell: &Cell<'_>, vertices: &[Vertex]) -> f64 {
+        let Shape::Polynomial(polynomial) = cell.shape else { return 0.0 };
+        let corners = self.vertices.map(|vertex| vertices[vertex as usize].at);
+        Bend::of(&polynomial.quartic.part(self.places), &corners).bound
+    }
+
     /// How far it is from its part of the surface, and whether that is within an allowance.
     pub(crate) fn prove(
         &self,
@@ -91,9 +98,8 @@ impl Leaf {
                 if !found.is_met && bend.bound <= WORTH_A_LOOK * tolerance {
                     let flat = Flat::new(corners, tolerance);
                     let bound = flat.bound(Piece::Quartic(Box::new(part), polynomial.off));
-                    if bound <= tolerance {
-                        (found.bound, found.is_met) = (bound + lost, true);
-                    }
+                    found.is_met = bound <= tolerance;
+                    found.bound = if bound < bend.bound { bound + lost } else { found.bound };
                 }
                 Ok(found)
             }

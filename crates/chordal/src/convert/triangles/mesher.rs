@@ -5,7 +5,8 @@ use crate::budget::{Code, Failure, Job, Progress, par_map};
 use crate::convert::patches::mesher::{Failed, refuse};
 use crate::convert::patches::plan::{Allowance, Obstacle};
 use crate::explicit::{LimitSurface, Sheet};
-use std::collections::BTreeMap;
+use crate::math::{Orientation, orient2d};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A limit surface over triangles, with the leaves that are one for each sheet.
 pub(crate) struct Mesher<'a> {
@@ -28,12 +29,16 @@ pub(crate) struct Proved<'a> {
 const MOST_PASSES: usize = 400;
 /// Leaves are no narrower, so that their places are exact; 2⁻⁴⁰ of a sheet is no length that anybody has.
 const NARROWEST: f64 = 1.0 / (1_u64 << 40) as f64;
+/// Times that diagonals between new leaves are changed after each pass; more gain nothing, measured.
+const FLIPS: usize = 2;
+/// A diagonal is changed where the worse of both leaves comes out better by this factor; chosen.
+const WORTH_A_FLIP: f64 = 0.97;
 /// Of a leaf that misses its tolerance by this factor, more sides than the worst are split at once; chosen.
-const FAR_OFF: f64 = 4.0;
+const FAR_OFF: f64 = 8.0;
 /// Those that bend at least by this share of the worst; chosen.
 const ALSO_BENT: f64 = 0.6;
-/// Sides that bend alike but for rounding and chance are split together; chosen.
-const ALIKE: f64 = 0.95;
+/// A side that is also that of a leaf that is no polynomial counts for so much less: all of that leaf's sides would be split; chosen.
+const UNWANTED: f64 = 0.5;
 
 impl<'a> Mesher<'a> {
     pub(crate) fn new(limit: &LimitSurface<'_>, sheets: &'a [Sheet], job: &'a Job) -> Self {
@@ -121,6 +126,9 @@ impl<'a> Mesher<'a> {
                 return Ok(Some(Proved { cells, vertices, leaves: leaves.collect() }));
             }
             work.split(marked, self.job);
+            for _ in 0..FLIPS {
+                work.flip(self.job);
+            }
         }
         Err(too_small())
     }
@@ -169,21 +177,31 @@ impl<'a> Work<'a> {
         Ok(())
     }
 
-    /// The sides to be split: of leaves that are not near enough those that bend most; and of those that are split and are no
-    /// polynomial all.
+    /// The sides to be split. Of leaves that are no polynomial all or none; of others that are far from near enough those that bend most. Of the rest
+    /// one side each, the worst first, and no other side of its neighbour's in the same pass: that may be enough for both.
     fn marked(&self, allowance: &Allowance) -> Marked {
         let mut marked = Marked::new();
-        for (leaf, found) in &self.leaves {
+        let is_rough = |leaf: &Leaf| matches!(self.cells[leaf.cell as usize].shape, Shape::Rough(_));
+        let rough: Vec<&Leaf> = self.leaves.iter().map(|(leaf, _)| leaf).filter(|leaf| is_rough(leaf)).collect();
+        let rough_sides: BTreeSet<[u32; 3]> =
+            rough.iter().flat_map(|leaf| [0, 1, 2].map(|side| leaf.side(side))).collect();
+        // By how much, from whom, and which side.
+        let mut wanted: Vec<(f64, usize, [u32; 3])> = Vec::new();
+        for (index, (leaf, found)) in self.leaves.iter().enumerate() {
             let Some(found) = found.as_ref().filter(|found| !found.is_met) else { continue };
-            let worst = found.sides.iter().fold(0.0_f64, |most, bend| most.max(*bend));
+            let is_shared = [0, 1, 2].map(|side| rough_sides.contains(&leaf.side(side)));
+            let bends = [0, 1, 2].map(|side| found.sides[side] * if is_shared[side] { UNWANTED } else { 1.0 });
+            let worst = (1..3).fold(0, |worst, side| if bends[side] > bends[worst] { side } else { worst });
             let is_far = allowance.at(&found.place).is_none_or(|allowed| found.bound > FAR_OFF * allowed);
-            let share = if is_far { ALSO_BENT } else { ALIKE };
-            for side in (0..3).filter(|side| found.sides[*side] >= share * worst) {
-                marked.insert(leaf.side(side), u32::MAX);
+            if is_far || is_rough(leaf) {
+                let split = (0..3).filter(|side| bends[*side] >= ALSO_BENT * bends[worst] || is_rough(leaf));
+                split.for_each(|side| _ = marked.insert(leaf.side(side), u32::MAX));
+            } else if is_shared[worst] {
+                marked.insert(leaf.side(worst), u32::MAX);
+            } else {
+                wanted.push((bends[worst], index, leaf.side(worst)));
             }
         }
-        let is_rough = |leaf: &&Leaf| matches!(self.cells[leaf.cell as usize].shape, Shape::Rough(_));
-        let rough: Vec<&Leaf> = self.leaves.iter().map(|(leaf, _)| leaf).filter(is_rough).collect();
         loop {
             let before = marked.len();
             for leaf in &rough {
@@ -193,9 +211,30 @@ impl<'a> Work<'a> {
                 }
             }
             if marked.len() == before {
-                return marked;
+                break;
             }
         }
+        let mut owners: BTreeMap<[u32; 3], Vec<usize>> =
+            wanted.iter().map(|(_, _, side)| (*side, Vec::new())).collect();
+        let mut is_busy = vec![false; self.leaves.len()];
+        for (index, (leaf, _)) in self.leaves.iter().enumerate() {
+            for side in 0..3 {
+                let side = leaf.side(side);
+                is_busy[index] |= marked.contains_key(&side);
+                if let Some(owners) = owners.get_mut(&side) {
+                    owners.push(index);
+                }
+            }
+        }
+        wanted.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        for (_, _, side) in wanted {
+            let owners = &owners[&side];
+            if owners.iter().all(|owner| !is_busy[*owner]) {
+                owners.iter().for_each(|owner| is_busy[*owner] = true);
+                marked.insert(side, u32::MAX);
+            }
+        }
+        marked
     }
 
     /// Splits these sides in the middle.
@@ -233,6 +272,71 @@ impl<'a> Work<'a> {
                 }
             }
         }
+    }
+
+    /// Changes diagonals between new leaves of one cell where that brings them nearer to the surface.
+    fn flip(&mut self, job: &Job) {
+        let mut owners: BTreeMap<[u32; 3], Vec<(usize, usize)>> = BTreeMap::new();
+        for (index, (leaf, found)) in self.leaves.iter().enumerate() {
+            if found.is_none() && matches!(self.cells[leaf.cell as usize].shape, Shape::Polynomial(_)) {
+                let inside = self.inside(leaf);
+                for side in (0..3).filter(|side| leaf.lines[*side] == inside) {
+                    owners.entry(leaf.side(side)).or_default().push((index, side));
+                }
+            }
+        }
+        let pairs: Vec<[(usize, usize); 2]> = owners
+            .into_values()
+            .filter_map(|owners| <[_; 2]>::try_from(owners).ok())
+            .filter(|[a, b]| self.leaves[a.0].0.cell == self.leaves[b.0].0.cell)
+            .collect();
+        let flipped = par_map(job, &pairs, |_, pair| self.flipped(*pair));
+        let mut better: Vec<(f64, usize, [Leaf; 2])> = Vec::new();
+        for (k, flipped) in flipped.into_iter().enumerate() {
+            better.extend(flipped.map(|(gain, leaves)| (gain, k, leaves)));
+        }
+        better.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut is_done = vec![false; self.leaves.len()];
+        for (_, k, leaves) in better {
+            let [(a, _), (b, _)] = pairs[k];
+            if !is_done[a] && !is_done[b] {
+                (is_done[a], is_done[b]) = (true, true);
+                (self.leaves[a].0, self.leaves[b].0) = (leaves[0], leaves[1]);
+            }
+        }
+    }
+
+    /// Two leaves with the other diagonal between them, where that is better, and by which factor.
+    fn flipped(&self, [(first, s), (second, t)]: [(usize, usize); 2]) -> Option<(f64, [Leaf; 2])> {
+        let (one, two) = (&self.leaves[first].0, &self.leaves[second].0);
+        let inside = self.inside(one);
+        // Counter-clockwise a, d, b, c, with the diagonal from a to b.
+        let [(a, b), (c, d)] = [(s, (s + 1) % 3), ((s + 2) % 3, (t + 2) % 3)];
+        let part = |places: [[f64; 2]; 3], vertices: [u32; 3], lines: [u32; 3]| Leaf {
+            cell: one.cell,
+            places,
+            vertices,
+            lines,
+        };
+        let (at, ids) = (one.places, one.vertices);
+        let (far, far_id) = (two.places[d], two.vertices[d]);
+        let made = [
+            part([at[a], far, at[c]], [ids[a], far_id, ids[c]], [two.lines[(t + 1) % 3], inside, one.lines[(s + 2) % 3]]),
+            part([far, at[b], at[c]], [far_id, ids[b], ids[c]], [two.lines[(t + 2) % 3], one.lines[(s + 1) % 3], inside]),
+        ];
+        let is_turned = |leaf: &Leaf| {
+            let [p, q, r] = leaf.places;
+            orient2d(p, q, r) == Orientation::Front
+        };
+        if !made.iter().all(is_turned) {
+            return None;
+        }
+        let worse = |leaves: [&Leaf; 2]| {
+            let [a, b] = leaves.map(|leaf| leaf.bend(&self.cells[leaf.cell as usize], &self.vertices));
+            if a > b { a } else { b }
+        };
+        let (before, after) = (worse([one, two]), worse([&made[0], &made[1]]));
+        (after < WORTH_A_FLIP * before).then_some((after / before, made))
     }
 
     fn inside(&self, leaf: &Leaf) -> u32 {
