@@ -1,4 +1,5 @@
 //! How far the polygons of a cage are from the surface that they stand for.
+use super::limit_triangles;
 use crate::budget::{Bound, Job, Reference, par_map};
 use crate::explicit::cage::limit::{Patches, Rough, Square};
 use crate::explicit::{Cage, InvalidCage, Patch};
@@ -8,7 +9,7 @@ use std::collections::BinaryHeap;
 
 /// How far the polygons of a cage are from its limit surface.
 ///
-/// A quad is taken as the bilinear surface between its corners, another polygon as those of the quads between its corners, the middles of
+/// A triangle of Loop's scheme is flat. A quad is taken as the bilinear surface between its corners, another polygon as those of the quads between its corners, the middles of
 /// its edges and its own. **Bound:** the two-sided Hausdorff distance is at most this, *proved*, rounding included: each point of a face
 /// is paired with that of the limit surface for the same parameters, and the difference of both is bounded by its control points, divided until that is
 /// within a tenth of what it must be at least, or down to rounding. `at_least` is 0.
@@ -17,7 +18,7 @@ use std::collections::BinaryHeap;
 /// beside one of many.
 ///
 /// # Errors
-/// [`InvalidCage::NoLimit`] for Loop's scheme, [`InvalidCage::NotFinite`] where coordinates overflow, or their squares do.
+/// [`InvalidCage::NotFinite`] where coordinates overflow, or their squares do.
 ///
 /// ```
 /// use chordal::{Job, check, explicit::Cage};
@@ -49,8 +50,11 @@ pub fn limit_deviation(cage: &Cage, job: &Job) -> Result<Bound, InvalidCage> {
             [at(corner), half(corner, corner + 1), middle, half(corner + n - 1, corner)]
         };
         let sheet = limit.sheet(sheet)?;
-        let Some(square) = sheet.square() else { return Err(InvalidCage::NoLimit { scheme: cage.scheme() }) };
-        apart(square, corners)
+        match (sheet.square(), sheet.triangle()) {
+            (Some(square), _) => apart(square, corners),
+            (_, Some(triangle)) => limit_triangles::apart(triangle, [at(0), at(1), at(2)]),
+            _ => Ok(0.0),
+        }
     };
     let parts = par_map(job, &numbers, |_, sheet| of_sheet(*sheet));
     let most = parts
@@ -81,13 +85,13 @@ enum Piece<'a> {
 }
 
 /// A bound that is within this factor of the distance at some place is near enough; chosen.
-const NEAR: f64 = 1.1;
+pub(super) const NEAR: f64 = 1.1;
 /// Nor does it pay to divide what is within this many times its rounding; chosen.
-const ROUNDINGS: f64 = 4.0;
+pub(super) const ROUNDINGS: f64 = 4.0;
 /// Pieces after which it is what it is; chosen.
-const MOST_PIECES: usize = 400;
+pub(super) const MOST_PIECES: usize = 400;
 /// Divisions after which hulls are below rounding.
-const DEEPEST: usize = 45;
+pub(super) const DEEPEST: usize = 45;
 
 fn apart(square: &Square, corners: [DVec3; 4]) -> Result<f64, InvalidCage> {
     let mut open = BinaryHeap::new();

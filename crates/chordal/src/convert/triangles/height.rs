@@ -78,9 +78,7 @@ impl Flat {
         let mut most = 0.0_f64;
         for side in 0..3 {
             most = most.max(match &piece {
-                Piece::Quartic(quartic, off) => {
-                    self.side(side, Curve::Quartic(quartic.side(side), *off))
-                }
+                Piece::Quartic(quartic, off) => self.side(side, Curve::Quartic(quartic.side(side), *off)),
                 Piece::Rough(shape) => self.side(side, Curve::Rough(*shape)),
             });
             if most > self.tolerance {
@@ -155,7 +153,11 @@ impl Flat {
                 Curve::Quartic(points, off) => {
                     // Divided until little is left to gain.
                     if depth > HALVINGS {
-                        take(&Part { piece: (Curve::Quartic(points, off), item.piece.1), ..item }, &mut space, &mut plane);
+                        take(
+                            &Part { piece: (Curve::Quartic(points, off), item.piece.1), ..item },
+                            &mut space,
+                            &mut plane,
+                        );
                         continue;
                     }
                     for half in halves(&points) {
@@ -178,25 +180,20 @@ impl Flat {
         space + plane
     }
 
-    fn along<'a>(
-        &self,
-        side: usize,
-        curve: Curve<'a>,
-        depth: usize,
-    ) -> Ranked<Part<(Curve<'a>, [f64; 2])>> {
+    fn along<'a>(&self, side: usize, curve: Curve<'a>, depth: usize) -> Ranked<Part<(Curve<'a>, [f64; 2])>> {
         let (far, off, least) = match &curve {
             Curve::Quartic(points, off) => {
-                let ends = self.from_side(side, &[points[0], points[4]]);
-                (self.from_side(side, points), *off, ALMOST * ends[0] - off)
+                let ends = self.off_side(side, &[points[0], points[4]]);
+                (self.off_side(side, points), *off, ALMOST * ends[0] - off)
             }
-            Curve::Rough(shape) => (self.from_side(side, shape.hull()), off_of(*shape), 0.0),
+            Curve::Rough(shape) => (self.off_side(side, shape.hull()), off_of(*shape), 0.0),
         };
         let far = far.map(|far| far + off);
         Ranked { bound: far[0] + far[1], item: Part { piece: (curve, far), depth, least } }
     }
 
     /// The largest distance of points from a side, in space and in the plane.
-    fn from_side(&self, side: usize, points: &[[f64; 3]]) -> [f64; 2] {
+    fn off_side(&self, side: usize, points: &[[f64; 3]]) -> [f64; 2] {
         let [a, b] = [side, (side + 1) % 3].map(|k| DVec3::from(self.corners[k]));
         let to_segment = |p: DVec3, along: DVec3| {
             let length_sq = along.length_squared();

@@ -38,7 +38,7 @@ pub(crate) struct Found {
 }
 
 /// A bound by second derivatives that is missed by more than this factor will hardly be met by heights; chosen.
-const WORTH_A_LOOK: f64 = 30.0;
+const WORTH_A_LOOK: f64 = 4.0;
 
 impl Leaf {
     /// All of a cell.
@@ -74,13 +74,13 @@ impl Leaf {
         Bend::of(&polynomial.quartic.part(self.places), &corners).bound
     }
 
-    /// How far it is from its part of the surface, and whether that is within an allowance.
+    /// How far it is from its part of the surface, and whether that is within an allowance; where no mesh can be, what is known all the same.
     pub(crate) fn prove(
         &self,
         cell: &Cell<'_>,
         vertices: &[Vertex],
         allowance: &Allowance,
-    ) -> Result<Found, (Obstacle, Found)> {
+    ) -> Result<Found, Box<(Obstacle, Found)>> {
         let own = self.vertices.map(|vertex| vertices[vertex as usize]);
         let off = own.iter().fold(0.0_f64, |most, vertex| most.max(vertex.off));
         // The proofs say where each of these comes from.
@@ -91,9 +91,9 @@ impl Leaf {
                 let part = polynomial.quartic.part(self.places);
                 let place = Box3::around(part.control.iter().chain(&corners));
                 let bend = Bend::of(&part, &corners);
-                let mut found =
-                    Found { bound: bend.bound + lost, is_met: false, sides: bend.sides, place };
-                let tolerance = tolerance(place, (allowance, lost)).map_err(|obstacle| (obstacle, found))?;
+                let mut found = Found { bound: bend.bound + lost, is_met: false, sides: bend.sides, place };
+                let tolerance =
+                    tolerance(place, (allowance, lost)).map_err(|obstacle| Box::new((obstacle, found)))?;
                 found.is_met = bend.bound <= tolerance;
                 if !found.is_met && bend.bound <= WORTH_A_LOOK * tolerance {
                     let flat = Flat::new(corners, tolerance);
@@ -107,7 +107,8 @@ impl Leaf {
                 let place = cell.place();
                 let reach = place.diagonal();
                 let mut found = Found { bound: reach + lost, is_met: false, sides: [1.0; 3], place };
-                let tolerance = tolerance(place, (allowance, lost)).map_err(|obstacle| (obstacle, found))?;
+                let tolerance =
+                    tolerance(place, (allowance, lost)).map_err(|obstacle| Box::new((obstacle, found)))?;
                 // The surface and its vertices are in the hull.
                 if reach > tolerance {
                     let bound = Flat::new(corners, tolerance).bound(Piece::Rough(cell.shape));

@@ -69,9 +69,10 @@ impl<'a> Mesher<'a> {
 
     /// The longest diagonal of a sheet's hull, and no less than what rounding may lose; 1 where all sheets are points.
     pub(crate) fn longest_diagonal(&self) -> f64 {
-        let longest = self.cells.iter().fold(0.0_f64, |most, cell| {
-            most.max(cell.place().diagonal()).max(cell.shape.lost())
-        });
+        let longest = self
+            .cells
+            .iter()
+            .fold(0.0_f64, |most, cell| most.max(cell.place().diagonal()).max(cell.shape.lost()));
         if longest > 0.0 { longest } else { 1.0 }
     }
 
@@ -81,8 +82,10 @@ impl<'a> Mesher<'a> {
             let cell = &self.cells[leaf.cell as usize];
             let (found, sides) = match leaf.prove(cell, &self.vertices, allowance) {
                 Ok(found) => (found, found.sides),
-                Err((Obstacle::TooClose(_), _)) => return Ok(1.0),
-                Err((obstacle, _)) => return Err(obstacle),
+                Err(refused) => match refused.0 {
+                    Obstacle::TooClose(_) => return Ok(1.0),
+                    obstacle => return Err(obstacle),
+                },
             };
             let Some(allowed) = allowance.at(&found.place).filter(|_| !found.is_met) else { return Ok(1.0) };
             if matches!(cell.shape, Shape::Rough(_)) {
@@ -116,7 +119,8 @@ impl<'a> Mesher<'a> {
             work.prove(allowance, self.job)?;
             self.job.report(Progress {
                 stage: "tessellate",
-                done: work.leaves.iter().filter(|(_, found)| found.is_some_and(|found| found.is_met)).count() as u64,
+                done: work.leaves.iter().filter(|(_, found)| found.is_some_and(|found| found.is_met)).count()
+                    as u64,
                 total: work.leaves.len() as u64,
             });
             let marked = work.marked(allowance);
@@ -165,9 +169,11 @@ impl<'a> Work<'a> {
             let is_narrow = leaf.width(cell) < NARROWEST;
             match leaf.prove(cell, &self.vertices, allowance) {
                 Ok(found) if !found.is_met && is_narrow => Err(too_small()),
-                // Smaller ones may be farther from the eye.
-                Err((Obstacle::TooClose(_), found)) if !is_narrow => Ok(found),
-                Err((obstacle, _)) => Err(refuse(obstacle)),
+                Err(refused) => match *refused {
+                    // Smaller ones may be farther from the eye.
+                    (Obstacle::TooClose(_), found) if !is_narrow => Ok(found),
+                    (obstacle, _) => Err(refuse(obstacle)),
+                },
                 Ok(found) => Ok(found),
             }
         });
@@ -182,7 +188,8 @@ impl<'a> Work<'a> {
     fn marked(&self, allowance: &Allowance) -> Marked {
         let mut marked = Marked::new();
         let is_rough = |leaf: &Leaf| matches!(self.cells[leaf.cell as usize].shape, Shape::Rough(_));
-        let rough: Vec<&Leaf> = self.leaves.iter().map(|(leaf, _)| leaf).filter(|leaf| is_rough(leaf)).collect();
+        let rough: Vec<&Leaf> =
+            self.leaves.iter().map(|(leaf, _)| leaf).filter(|leaf| is_rough(leaf)).collect();
         let rough_sides: BTreeSet<[u32; 3]> =
             rough.iter().flat_map(|leaf| [0, 1, 2].map(|side| leaf.side(side))).collect();
         // By how much, from whom, and which side.
@@ -190,7 +197,8 @@ impl<'a> Work<'a> {
         for (index, (leaf, found)) in self.leaves.iter().enumerate() {
             let Some(found) = found.as_ref().filter(|found| !found.is_met) else { continue };
             let is_shared = [0, 1, 2].map(|side| rough_sides.contains(&leaf.side(side)));
-            let bends = [0, 1, 2].map(|side| found.sides[side] * if is_shared[side] { UNWANTED } else { 1.0 });
+            let bends =
+                [0, 1, 2].map(|side| found.sides[side] * if is_shared[side] { UNWANTED } else { 1.0 });
             let worst = (1..3).fold(0, |worst, side| if bends[side] > bends[worst] { side } else { worst });
             let is_far = allowance.at(&found.place).is_none_or(|allowed| found.bound > FAR_OFF * allowed);
             if is_far || is_rough(leaf) {
@@ -321,8 +329,16 @@ impl<'a> Work<'a> {
         let (at, ids) = (one.places, one.vertices);
         let (far, far_id) = (two.places[d], two.vertices[d]);
         let made = [
-            part([at[a], far, at[c]], [ids[a], far_id, ids[c]], [two.lines[(t + 1) % 3], inside, one.lines[(s + 2) % 3]]),
-            part([far, at[b], at[c]], [far_id, ids[b], ids[c]], [two.lines[(t + 2) % 3], one.lines[(s + 1) % 3], inside]),
+            part(
+                [at[a], far, at[c]],
+                [ids[a], far_id, ids[c]],
+                [two.lines[(t + 1) % 3], inside, one.lines[(s + 2) % 3]],
+            ),
+            part(
+                [far, at[b], at[c]],
+                [far_id, ids[b], ids[c]],
+                [two.lines[(t + 2) % 3], one.lines[(s + 1) % 3], inside],
+            ),
         ];
         let is_turned = |leaf: &Leaf| {
             let [p, q, r] = leaf.places;
@@ -362,7 +378,8 @@ impl<'a> Work<'a> {
 
     /// Halves a leaf at the middle of the side that bends most, and its halves where they have to be.
     fn halve(&mut self, leaf: Leaf, new: [Option<u32>; 3], bends: [f64; 3]) {
-        let worst = (0..3).filter(|side| new[*side].is_some()).reduce(|a, b| if bends[b] > bends[a] { b } else { a });
+        let worst =
+            (0..3).filter(|side| new[*side].is_some()).reduce(|a, b| if bends[b] > bends[a] { b } else { a });
         let Some((side, vertex)) = worst.and_then(|side| Some((side, new[side]?))) else {
             self.leaves.push((leaf, None));
             return;
@@ -379,4 +396,3 @@ impl<'a> Work<'a> {
         self.halve(second, of_second, bends);
     }
 }
-

@@ -111,10 +111,7 @@ impl Halves {
     }
 
     /// Halves of one edge, with the lower of its ends, in ascending order.
-    fn runs(
-        &self,
-        class: impl Fn(u32) -> u32 + Copy,
-    ) -> impl Iterator<Item = (u32, &[(u32, u32, bool)])> {
+    fn runs(&self, class: impl Fn(u32) -> u32 + Copy) -> impl Iterator<Item = (u32, &[(u32, u32, bool)])> {
         let of = move |low: usize| {
             part(&self.ends, &self.all, low).chunk_by(move |a, b| a.0 == b.0 && class(a.1) == class(b.1))
         };

@@ -27,7 +27,12 @@ impl Cage {
     }
 
     /// The same from what is known of its edges.
-    pub(super) fn refined_by(&self, edges: &Edges, around: &Around, sharp: &Sharp) -> Result<Self, InvalidCage> {
+    pub(super) fn refined_by(
+        &self,
+        edges: &Edges,
+        around: &Around,
+        sharp: &Sharp,
+    ) -> Result<Self, InvalidCage> {
         let round = Round { cage: self, sharp, edges, around };
         let mut positions =
             Vec::with_capacity(self.positions.len() + round.edges.ends.len() + self.n_faces());

@@ -13,20 +13,8 @@ use super::quartic::Quartic;
 use super::ring::{Parts, Ring};
 
 /// The points of the lattice that shape a triangle between `(0, 0)`, `(1, 0)` and `(0, 1)`.
-const LATTICE: [[i32; 2]; 12] = [
-    [0, 0],
-    [1, 0],
-    [0, 1],
-    [1, 1],
-    [-1, 1],
-    [1, -1],
-    [-1, 0],
-    [0, -1],
-    [2, -1],
-    [2, 0],
-    [0, 2],
-    [-1, 2],
-];
+const LATTICE: [[i32; 2]; 12] =
+    [[0, 0], [1, 0], [0, 1], [1, 1], [-1, 1], [1, -1], [-1, 0], [0, -1], [2, -1], [2, 0], [0, 2], [-1, 2]];
 
 /// The six directions of the lattice, counter-clockwise.
 const DIRECTIONS: [[i32; 2]; 6] = [[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]];

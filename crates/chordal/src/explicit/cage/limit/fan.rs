@@ -156,7 +156,9 @@ impl Fan {
             }
         };
         let kind = match self.kind {
-            Kind::Seam(ends) => Kind::Seam(ends.map(|end| [0, 1, 2].map(|k| 0.5 * self.here[k] + 0.5 * end[k]))),
+            Kind::Seam(ends) => {
+                Kind::Seam(ends.map(|end| [0, 1, 2].map(|k| 0.5 * self.here[k] + 0.5 * end[k])))
+            }
             kind => kind,
         };
         Self { here, edges, faces, kind, ..*self }

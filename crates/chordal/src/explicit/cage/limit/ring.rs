@@ -170,8 +170,8 @@ impl Ring {
                 let edge = edges.of_corner[3 * face + k];
                 2 * edge + u32::from(edges.ends[edge as usize][0] != vertex)
             };
-            for k in 0..3 {
-                classes.extend([half(k, of[k]), inside(k), half((k + 2) % 3, of[k])]);
+            for (k, vertex) in of.iter().enumerate() {
+                classes.extend([half(k, *vertex), inside(k), half((k + 2) % 3, *vertex)]);
             }
             classes.extend([inside(1), inside(2), inside(0)]);
         }

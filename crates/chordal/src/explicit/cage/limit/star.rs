@@ -19,9 +19,7 @@ impl Fan {
                 return [0, 1, 2].map(|i| 0.5 * self.here[i] + 0.5 * self.edges[k][i]);
             }
             let (before, after) = (self.edges[(k + n - 1) % n], self.edges[(k + 1) % n]);
-            [0, 1, 2].map(|i| {
-                0.375 * (self.here[i] + self.edges[k][i]) + 0.125 * (before[i] + after[i])
-            })
+            [0, 1, 2].map(|i| 0.375 * (self.here[i] + self.edges[k][i]) + 0.125 * (before[i] + after[i]))
         };
         (0..n).map(next).collect()
     }
