@@ -48,7 +48,7 @@ pub struct LimitSurface<'a> {
 }
 
 impl Cage {
-    /// The limit surface.
+    /// The limit surface. By Loop's scheme edges of a round that end alike stay two, as for [`Cage::refined_times`].
     ///
     /// *Cost.* A table of edges: some hundred bytes a corner.
     ///
