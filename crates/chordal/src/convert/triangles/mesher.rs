@@ -92,7 +92,10 @@ impl<'a> Mesher<'a> {
                 return Ok(1.0);
             }
             // A side that bends by w is cut into √(w / 4 tolerances); two ways are enough to count.
-            let cuts = sides.map(|bend| (0.25 * bend / allowed).sqrt().max(1.0));
+            let cuts = sides.map(|bend| {
+                let cuts = (0.25 * bend / allowed).sqrt();
+                if cuts > 1.0 { cuts } else { 1.0 }
+            });
             let most = cuts.iter().fold(1.0_f64, |most, x| most.max(*x));
             let least = cuts.iter().fold(most, |least, x| least.min(*x));
             Ok(most * least)
