@@ -25,7 +25,7 @@ use crate::math::{Box3, flushes_subnormals};
 ///
 /// **Budgets.** As for [`patches_to_mesh`](super::patches_to_mesh).
 ///
-/// **Cost.** O(triangles) time and about 200 bytes a triangle, by Loop's scheme some 20 µs and 700 bytes; before that some microseconds a regular face and about a millisecond for
+/// **Cost.** O(triangles) time and about 200 bytes a triangle, by Loop's scheme some 50 µs and 700 bytes; before that some microseconds a regular face and about a millisecond for
 /// each face beside an irregular vertex of few edges; at one of hundreds each face has all others in its ring, so that the time grows with
 /// the square of their number (8 s for two of 360 at a thousandth of the size).
 ///

@@ -29,7 +29,7 @@ pub(crate) struct Proved<'a> {
 const MOST_PASSES: usize = 400;
 /// Leaves are no narrower, so that their places are exact; 2⁻⁴⁰ of a sheet is no length that anybody has.
 const NARROWEST: f64 = 1.0 / (1_u64 << 40) as f64;
-/// Times that diagonals between new leaves are changed after each pass; more gain nothing, measured.
+/// Times that diagonals between new leaves are changed after each pass; chosen.
 const FLIPS: usize = 2;
 /// A diagonal is changed where the worse of both leaves comes out better by this factor; chosen.
 const WORTH_A_FLIP: f64 = 0.97;
