@@ -1,14 +1,15 @@
 //! How far the polygons of a cage are from the surface that they stand for.
+use super::limit_triangles;
 use crate::budget::{Bound, Job, Reference, par_map};
 use crate::explicit::cage::limit::{Patches, Rough, Square};
-use crate::explicit::{Cage, InvalidCage, Patch};
+use crate::explicit::{Cage, InvalidCage, Patch, Sheet};
 use crate::math::Ranked;
 use glam::DVec3;
 use std::collections::BinaryHeap;
 
 /// How far the polygons of a cage are from its limit surface.
 ///
-/// A quad is taken as the bilinear surface between its corners, another polygon as those of the quads between its corners, the middles of
+/// A triangle of Loop's scheme is flat. A quad is taken as the bilinear surface between its corners, another polygon as those of the quads between its corners, the middles of
 /// its edges and its own. **Bound:** the two-sided Hausdorff distance is at most this, *proved*, rounding included: each point of a face
 /// is paired with that of the limit surface for the same parameters, and the difference of both is bounded by its control points, divided until that is
 /// within a tenth of what it must be at least, or down to rounding. `at_least` is 0.
@@ -17,7 +18,7 @@ use std::collections::BinaryHeap;
 /// beside one of many.
 ///
 /// # Errors
-/// [`InvalidCage::NoLimit`] for Loop's scheme, [`InvalidCage::NotFinite`] where coordinates overflow, or their squares do.
+/// [`InvalidCage::NotFinite`] where coordinates overflow, or their squares do.
 ///
 /// ```
 /// use chordal::{Job, check, explicit::Cage};
@@ -39,7 +40,7 @@ pub fn limit_deviation(cage: &Cage, job: &Job) -> Result<Bound, InvalidCage> {
 /// The same for each sheet, in order; none for those that are not asked for.
 pub(super) fn sheet_deviations(
     cage: &Cage,
-    is_asked: impl Fn(&Square) -> bool + Sync,
+    is_asked: impl Fn(&Sheet) -> bool + Sync,
     job: &Job,
 ) -> Result<Vec<Option<f64>>, InvalidCage> {
     let limit = cage.limit()?;
@@ -60,8 +61,12 @@ pub(super) fn sheet_deviations(
             [at(corner), half(corner, corner + 1), middle, half(corner + n - 1, corner)]
         };
         let sheet = limit.sheet(sheet)?;
-        let off = is_asked(sheet.square()).then(|| apart(sheet.square(), corners)).transpose()?;
-        Ok(off.map(|off| off + UNDERFLOW))
+        let off = is_asked(&sheet).then(|| match (sheet.square(), sheet.triangle()) {
+            (Some(square), _) => apart(square, corners),
+            (_, Some(triangle)) => limit_triangles::apart(triangle, [at(0), at(1), at(2)]),
+            _ => Ok(0.0),
+        });
+        Ok(off.transpose()?.map(|off| off + UNDERFLOW))
     };
     par_map(job, &numbers, |_, sheet| of_sheet(*sheet)).into_iter().collect()
 }
@@ -87,13 +92,13 @@ enum Piece<'a> {
 }
 
 /// A bound that is within this factor of the distance at some place is near enough; chosen.
-const NEAR: f64 = 1.1;
+pub(super) const NEAR: f64 = 1.1;
 /// Nor does it pay to divide what is within this many times its rounding; chosen.
-const ROUNDINGS: f64 = 4.0;
+pub(super) const ROUNDINGS: f64 = 4.0;
 /// Pieces after which it is what it is; chosen.
-const MOST_PIECES: usize = 400;
+pub(super) const MOST_PIECES: usize = 400;
 /// Divisions after which hulls are below rounding.
-const DEEPEST: usize = 45;
+pub(super) const DEEPEST: usize = 45;
 
 fn apart(square: &Square, corners: [DVec3; 4]) -> Result<f64, InvalidCage> {
     let mut open = BinaryHeap::new();

@@ -13,6 +13,7 @@ mod gap;
 mod joins;
 mod lattice;
 mod limit_deviation;
+mod limit_triangles;
 mod measure;
 mod meeting;
 mod nesting;

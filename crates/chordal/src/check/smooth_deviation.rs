@@ -246,7 +246,8 @@ fn cut_cage(cage: &Cage, level: u32, job: &Job) -> Result<(Mesh, f64), Stopped> 
     let limit = fine.limit().or_else(no_surface)?;
     let quads: Vec<usize> = (0..limit.n_sheets()).map(|sheet| limit.face_of(sheet).0).collect();
     let is_smooth = |square: &Square| matches!(square, Square::Patches(_));
-    let by_parameters = sheet_deviations(&fine, is_smooth, job).or_else(no_surface)?;
+    let by_parameters =
+        sheet_deviations(&fine, |sheet| sheet.square().is_some_and(is_smooth), job).or_else(no_surface)?;
     let of_sheets = || quads.iter().copied().zip(&by_parameters);
     // The next ones as well, where parameters slide alike.
     let irregular = of_sheets().filter(|(_, off)| off.is_none()).map(|(quad, _)| quad);

@@ -21,6 +21,7 @@ mod outline_to_field;
 mod outlines_to_mesh;
 mod patches;
 mod patches_to_mesh;
+mod triangles;
 
 pub use cage_to_mesh::cage_to_mesh;
 pub use cubes::march::Coordinate;

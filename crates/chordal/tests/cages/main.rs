@@ -3,6 +3,7 @@ mod attack;
 mod corpus;
 mod laws;
 mod limit;
+mod loop_limit;
 mod mesh;
 mod reference;
 mod refinement;

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 /// Normals of two patches at one vertex that differ by less than this are one: 1°, far above the rounding of a
 /// smooth joint (1e-8°) and below what shading shows as an edge. cos 1° = 0.99984769….
-const COS_SAME_NORMAL: f64 = 0.999_847_695_156_391;
+pub(crate) const COS_SAME_NORMAL: f64 = 0.999_847_695_156_391;
 
 /// A vertex on the border of a sheet as one of its sides sees it.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
@@ -168,7 +168,7 @@ impl Splits {
 }
 
 /// Gives vertices where the surface has no normal the sum of their faces' normals, or up where that vanishes too.
-fn fill_missing(positions: &[[f64; 3]], faces: &[[u32; 3]], normals: &mut [[f64; 3]]) {
+pub(crate) fn fill_missing(positions: &[[f64; 3]], faces: &[[u32; 3]], normals: &mut [[f64; 3]]) {
     if normals.iter().all(|n| *n != [0.0; 3]) {
         return;
     }
@@ -218,7 +218,8 @@ fn drop_unused(
     finish(kept(positions), faces, kept(normals), ids)
 }
 
-fn finish(
+/// The mesh with its normals and what ties its vertices.
+pub(crate) fn finish(
     positions: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
     normals: Vec<[f64; 3]>,

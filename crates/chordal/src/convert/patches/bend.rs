@@ -51,7 +51,7 @@ use glam::DVec3;
 pub(super) const ROUNDING: f64 = 8192.0 * f64::EPSILON;
 
 /// What underflow adds to it, a length: the root of the smallest normal number, 2⁻⁵¹¹; derived above.
-pub(super) const UNDERFLOW: f64 = f64::from_bits(512 << 52);
+pub(crate) const UNDERFLOW: f64 = f64::from_bits(512 << 52);
 
 /// The length that rounding may add to the distance of a patch from its triangles.
 pub(crate) fn rounding(patch: &Patch) -> f64 {

@@ -541,7 +541,7 @@ fn total(parts: Vec<Result<f64, Obstacle>>) -> Result<f64, Failed> {
     parts.into_iter().try_fold(0.0, |sum, part| Ok(sum + part.map_err(refuse)?))
 }
 
-fn refuse(obstacle: Obstacle) -> Failed {
+pub(crate) fn refuse(obstacle: Obstacle) -> Failed {
     let centre = |place: Box3| place.centre().map(|x| format!("{x:.4}")).join(", ");
     match obstacle {
         Obstacle::TooClose(place) => {

@@ -11,7 +11,7 @@ pub(super) mod probe;
 pub(super) mod quilt;
 pub(super) mod rough;
 pub(super) mod seams;
-mod texcoords;
+pub(super) mod texcoords;
 pub(super) mod tile;
 pub(super) mod tip;
 pub(super) mod within;

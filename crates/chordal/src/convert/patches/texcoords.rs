@@ -4,12 +4,35 @@ use super::plan::Tile;
 use super::seams::Seams;
 use super::tile::{self, Done};
 use crate::budget::{Job, par_map};
-use crate::explicit::{Attribute, Domain, Mesh, Semantic, Side};
+use crate::explicit::{Attribute, Chart, Domain, LimitSurface, Mesh, Semantic, Sheet, Side};
 use std::collections::BTreeMap;
 
 /// Texture coordinates at one vertex that differ by no more than this share of the largest are one: chosen, far above the rounding of two
 /// sheets that meet (1e-14) and below what single precision tells apart (6e-8).
 const SAME: f64 = 1e-10;
+
+/// The sheets of a surface in the plane of textures.
+pub(crate) struct Texcoords<'a> {
+    chart: &'a Chart,
+    limit: LimitSurface<'a>,
+}
+
+impl<'a> Texcoords<'a> {
+    /// Those of a cage with that chart: it has the cage's sheets.
+    pub(crate) fn of(chart: &'a Chart) -> Option<Self> {
+        Some(Self { chart, limit: chart.cage().limit().ok()? })
+    }
+
+    /// One sheet; `None` where coordinates overflow or the face has none.
+    pub(crate) fn sheet(&self, sheet: usize) -> Option<Sheet> {
+        self.chart.has(self.limit.face_of(sheet).0).then(|| self.limit.sheet(sheet).ok()).flatten()
+    }
+}
+
+/// The texture coordinates at a place of a sheet.
+pub(crate) fn at(sheet: Option<&Sheet>, [u, v]: [f64; 2]) -> [f64; 2] {
+    sheet.and_then(|sheet| sheet.point(u, v).ok()).map_or([0.0; 2], |[x, y, _]| [x, y])
+}
 
 /// The mesh of all tiles, in their order, with the texture coordinates of its sheets.
 pub(crate) fn with_texcoords(
@@ -34,8 +57,7 @@ pub(crate) fn with_texcoords(
         for (k, (tile, done)) in run.iter().enumerate() {
             let point = |[u, v]: [f64; 2]| {
                 let within = |x: f64, [from, to]: [f64; 2]| from + (to - from) * x;
-                let of = sheet.as_ref().map(|sheet| sheet.point(within(u, tile.u), within(v, tile.v)));
-                of.and_then(Result::ok).map_or([0.0; 2], |[x, y, _]| [x, y])
+                at(sheet.as_ref(), [within(u, tile.u), within(v, tile.v)])
             };
             let mut local = Vec::new();
             for side in Side::ALL {
@@ -57,7 +79,7 @@ pub(crate) fn with_texcoords(
 
 /// The mesh with a row for each of the texture coordinates that its corners have at a vertex, three a triangle: the first keep the vertex,
 /// others get one of their own, tied by `position_id`.
-fn split(mesh: Mesh, corners: &[[f64; 2]]) -> Mesh {
+pub(crate) fn split(mesh: Mesh, corners: &[[f64; 2]]) -> Mesh {
     let largest =
         corners.as_flattened().iter().fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
     let is_same = |a: [f64; 2], b: [f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() <= SAME * largest);

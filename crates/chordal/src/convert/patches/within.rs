@@ -50,7 +50,7 @@ pub(crate) fn check_angle(budget: &Budget) -> Result<(), Failed> {
     }
 }
 
-fn meets(mesh: &Bounded<Mesh>, budget: &Budget) -> bool {
+pub(crate) fn meets(mesh: &Bounded<Mesh>, budget: &Budget) -> bool {
     let Some(most) = mesh.bound.at_most() else { return false };
     let by_length = budget.length.is_none_or(|length| most <= length.get());
     let by_pixels = |asked: f64| mesh.bound.pixels.is_some_and(|pixels| pixels <= asked);

@@ -20,10 +20,16 @@ pub(crate) struct Edges {
 
 impl Edges {
     pub fn of(cage: &Cage) -> Self {
-        let halves = Halves::of(cage);
+        Self::apart(cage, |_| 0)
+    }
+
+    /// Where sides with the same ends are one edge only when what is said of their corners is the same: in a round of Loop's scheme
+    /// two edges may end alike.
+    pub fn apart(cage: &Cage, class: impl Fn(u32) -> u32 + Copy) -> Self {
+        let halves = Halves::of(cage, class);
         // Numbers in the order of the first corner.
         let mut counts = vec![0_u32; cage.corners.len()];
-        halves.runs().for_each(|(_, run)| counts[run[0].1 as usize] = run.len() as u32);
+        halves.runs(class).for_each(|(_, run)| counts[run[0].1 as usize] = run.len() as u32);
         let mut number_of = vec![0; cage.corners.len()];
         let mut face_ends = Vec::with_capacity(cage.corners.len() / 2);
         let mut end = 0;
@@ -42,7 +48,7 @@ impl Edges {
             sorted: Vec::with_capacity(n),
         };
         let face_of = face_of_corners(cage);
-        for (low, run) in halves.runs() {
+        for (low, run) in halves.runs(class) {
             let number = number_of[run[0].1 as usize];
             let first = edges.face_ends[number as usize] as usize - run.len();
             let mut up = 0;
@@ -64,7 +70,7 @@ impl Edges {
         &self.faces[start as usize..self.face_ends[edge] as usize]
     }
 
-    /// The edge between two vertices.
+    /// The edge between two vertices; one of them where there are several.
     pub fn between(&self, a: u32, b: u32) -> Option<u32> {
         let ends = if a < b { [a, b] } else { [b, a] };
         self.sorted.binary_search_by_key(&ends, |entry| entry.0).ok().map(|k| self.sorted[k].1)
@@ -85,7 +91,7 @@ struct Halves {
 }
 
 impl Halves {
-    fn of(cage: &Cage) -> Self {
+    fn of(cage: &Cage, class: impl Fn(u32) -> u32) -> Self {
         let corners = || cage.faces().flat_map(|face| (0..face.len()).map(move |k| (face, k)));
         let ends_of =
             |(face, k): (&[u32], usize)| (face[k], face[if k + 1 < face.len() { k + 1 } else { 0 }]);
@@ -97,15 +103,18 @@ impl Halves {
         let (ends, mut all) = listed(cage.positions.len(), pairs);
         let mut start = 0;
         for end in &ends {
-            all[start..*end as usize].sort_unstable();
+            let order = |(high, corner, _): &(u32, u32, bool)| (*high, class(*corner), *corner);
+            all[start..*end as usize].sort_unstable_by_key(order);
             start = *end as usize;
         }
         Self { ends, all }
     }
 
-    /// Halves with the same ends, with the lower of these, in ascending order.
-    fn runs(&self) -> impl Iterator<Item = (u32, &[(u32, u32, bool)])> {
-        let of = |low: usize| part(&self.ends, &self.all, low).chunk_by(|a, b| a.0 == b.0);
+    /// Halves of one edge, with the lower of its ends, in ascending order.
+    fn runs(&self, class: impl Fn(u32) -> u32 + Copy) -> impl Iterator<Item = (u32, &[(u32, u32, bool)])> {
+        let of = move |low: usize| {
+            part(&self.ends, &self.all, low).chunk_by(move |a, b| a.0 == b.0 && class(a.1) == class(b.1))
+        };
         (0..self.ends.len()).flat_map(move |low| of(low).map(move |run| (low as u32, run)))
     }
 }

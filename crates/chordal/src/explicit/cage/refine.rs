@@ -23,7 +23,17 @@ impl Cage {
         let edges = Edges::of(self);
         let around = Around::of(self, &edges);
         let sharp = Sharp::of(self, &edges, &around);
-        let round = Round { cage: self, sharp: &sharp, edges: &edges, around: &around };
+        self.refined_by(&edges, &around, &sharp)
+    }
+
+    /// The same from what is known of its edges.
+    pub(super) fn refined_by(
+        &self,
+        edges: &Edges,
+        around: &Around,
+        sharp: &Sharp,
+    ) -> Result<Self, InvalidCage> {
+        let round = Round { cage: self, sharp, edges, around };
         let mut positions =
             Vec::with_capacity(self.positions.len() + round.edges.ends.len() + self.n_faces());
         let middles = round.face_points();
@@ -37,7 +47,7 @@ impl Cage {
         }
         let (sizes, corners) = round.faces();
         let texcoords = self.texcoords.as_ref().map(|texcoords| {
-            let chart = Chart::of(self, texcoords, (&edges, &around, &sharp));
+            let chart = Chart::of(self, texcoords, (edges, around, sharp));
             let refined = chart.cage().refined().map_err(of_texcoords)?;
             let values = refined.positions.iter().map(|p| [p[0], p[1]]).collect();
             Ok(chart.texcoords(1, values, refined.corners))

@@ -155,7 +155,7 @@ impl SurfaceTree {
         let mut parts = Vec::with_capacity(sheets.len());
         for (number, sheet) in sheets.iter().enumerate() {
             match sheet.square() {
-                Square::Patches(patches) => parts.extend(patches.pieces.iter().map(|piece| Part {
+                Some(Square::Patches(patches)) => parts.extend(patches.pieces.iter().map(|piece| Part {
                     hull: piece.patch.control.as_flattened().to_vec(),
                     item: Item::Patch {
                         control: Box::new(piece.patch.control),
@@ -164,11 +164,12 @@ impl SurfaceTree {
                     },
                     off: patches.off,
                 })),
-                Square::Rough(rough) => parts.push(Part {
+                Some(Square::Rough(rough)) => parts.push(Part {
                     hull: rough.ring().hull().to_vec(),
                     item: Item::Sheet(number as u32),
                     off: 2.0 * rough.ring().off(),
                 }),
+                None => {}
             }
         }
         Self::over(parts, sheets)

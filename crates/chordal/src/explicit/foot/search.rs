@@ -111,7 +111,9 @@ impl<'t> Search<'t> {
                 }
                 Item::Sheet(sheet) => {
                     let place = Place { sheet: *sheet, u: [0.0, 1.0], v: [0.0, 1.0] };
-                    self.square(self.tree.sheets[*sheet as usize].square(), (place, down));
+                    if let Some(square) = self.tree.sheets[*sheet as usize].square() {
+                        self.square(square, (place, down));
+                    }
                 }
             },
         }

@@ -1,12 +1,12 @@
-//! `Fan`: the quads around a vertex whose surroundings look the same after every round, and what follows from it: the vertex's
-//! place on the limit surface and the surface's tangents there.
+//! `Fan`: the quads, or for Loop's scheme the triangles, around a vertex whose surroundings look the same after every round, and what
+//! follows from it: the vertex's place on the limit surface and the surface's tangents there. What is Loop's is in [`super::star`].
 //!
 //! Sources: M. Halstead, M. Kass, T. DeRose, *Efficient, fair interpolation using Catmull-Clark surfaces*, 1993 (the limit of a
 //! smooth vertex: n² of it, 4 of each neighbour, 1 of each vertex across); H. Biermann, A. Levin, D. Zorin, *Piecewise smooth
 //! subdivision surfaces with normal control*, 2000 (tangents on creases; but theirs are for rules changed so that all shrinks by a
 //! half, and are re-derived here for the usual ones).
-use super::super::INFINITELY_SHARP;
 use super::super::rules::{Point, plus};
+use super::super::{INFINITELY_SHARP, Scheme};
 use super::ring::{Parts, Ring};
 use crate::explicit::patch::{front, largest};
 use crate::math::dot;
@@ -15,7 +15,7 @@ use std::f64::consts::{PI, TAU};
 
 /// By what the vertex is shaped, in every round.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
+pub(super) enum Kind {
     Smooth,
     /// The edge of that place is sharp and ends here.
     Dart(usize),
@@ -29,17 +29,20 @@ enum Kind {
 /// A vertex and, counter-clockwise, its neighbours and the vertices across its quads.
 #[derive(Clone, Debug)]
 pub(super) struct Fan {
-    kind: Kind,
-    here: Point,
+    pub(super) kind: Kind,
+    /// By Loop's scheme.
+    is_loop: bool,
+    pub(super) here: Point,
     /// As many as quads where they close around it, else one more.
-    edges: Vec<Point>,
-    faces: Vec<Point>,
+    pub(super) edges: Vec<Point>,
+    /// One for each quad, or triangle, of which none counts.
+    pub(super) faces: Vec<Point>,
     /// Which of the quads is that of the ring.
     own: usize,
 }
 
 impl Fan {
-    /// Around a corner of a ring's face; `None` where its surroundings will change: faces that are no quads, or sharpness that ends.
+    /// Around a corner of a ring's face; `None` where its surroundings will change: faces of another size, or sharpness that ends.
     pub fn of(ring: &Ring, parts: &Parts, corner: usize) -> Option<Self> {
         let cage = ring.cage();
         let vertex = cage.corners[corner];
@@ -51,13 +54,16 @@ impl Fan {
         if ends(own) || others_end {
             return None;
         }
+        let is_loop = cage.scheme == Scheme::Loop;
+        let n = if is_loop { 3 } else { 4 };
         // The edges of a face before and after the vertex, and the vertices there.
         let sides = |face: u32| {
             let of = cage.face(face as usize);
-            let k = of.iter().position(|v| *v == vertex).filter(|_| of.len() == 4)?;
+            let k = of.iter().position(|v| *v == vertex).filter(|_| of.len() == n)?;
             let begin = cage.begin(face as usize);
-            let (next, last) = (parts.edges.of_corner[begin + k], parts.edges.of_corner[begin + (k + 3) % 4]);
-            Some((next, last, of[(k + 1) % 4], of[(k + 2) % 4], of[(k + 3) % 4]))
+            let before = (k + n - 1) % n;
+            let (next, last) = (parts.edges.of_corner[begin + k], parts.edges.of_corner[begin + before]);
+            Some((next, last, of[(k + 1) % n], of[(k + 2) % n], of[before]))
         };
         let across = |edge: u32, face: u32| {
             let on = parts.edges.faces(edge as usize);
@@ -80,6 +86,7 @@ impl Fan {
         }
         let mut fan = Self {
             kind: Kind::Smooth,
+            is_loop,
             here: cage.positions[vertex as usize],
             edges: vec![],
             faces: vec![],
@@ -130,6 +137,35 @@ impl Fan {
 
     /// After a round.
     fn next(&self) -> Self {
+        let (edges, faces) = if self.is_loop {
+            (self.next_edges_of_triangles(), self.faces.clone())
+        } else {
+            self.next_around()
+        };
+        let crease = |[a, b]: [Point; 2]| plus(plus(self.here.map(|x| 0.75 * x), 0.125, a), 0.125, b);
+        let here = match self.kind {
+            Kind::Corner => self.here,
+            Kind::Crease => crease([self.edges[0], self.edges[self.edges.len() - 1]]),
+            Kind::Seam(ends) => crease(ends),
+            Kind::Smooth | Kind::Dart(_) if self.is_loop => self.smooth_of_triangles(),
+            Kind::Smooth | Kind::Dart(_) => {
+                let n = self.edges.len() as f64;
+                let share = 1.0 / (n * n);
+                let start = self.here.map(|x| (n - 2.0) / n * x);
+                self.edges.iter().chain(&faces).fold(start, |sum, p| plus(sum, share, *p))
+            }
+        };
+        let kind = match self.kind {
+            Kind::Seam(ends) => {
+                Kind::Seam(ends.map(|end| [0, 1, 2].map(|k| 0.5 * self.here[k] + 0.5 * end[k])))
+            }
+            kind => kind,
+        };
+        Self { here, edges, faces, kind, ..*self }
+    }
+
+    /// The neighbours and the vertices across quads after a round.
+    fn next_around(&self) -> (Vec<Point>, Vec<Point>) {
         let mean = |points: &[Point]| {
             let share = 1.0 / points.len() as f64;
             points.iter().fold([0.0; 3], |sum, p| plus(sum, share, *p))
@@ -146,23 +182,7 @@ impl Fan {
             }
             mean(&[self.here, edge(k), centres[(k + n_faces - 1) % n_faces], centres[k % n_faces]])
         });
-        let crease = |a: Point, b: Point| plus(plus(self.here.map(|x| 0.75 * x), 0.125, a), 0.125, b);
-        let here = match self.kind {
-            Kind::Corner => self.here,
-            Kind::Crease => crease(edge(0), edge(n_edges - 1)),
-            Kind::Seam([a, b]) => crease(a, b),
-            Kind::Smooth | Kind::Dart(_) => {
-                let n = n_edges as f64;
-                let share = 1.0 / (n * n);
-                let start = self.here.map(|x| (n - 2.0) / n * x);
-                self.edges.iter().chain(&centres).fold(start, |sum, p| plus(sum, share, *p))
-            }
-        };
-        let kind = match self.kind {
-            Kind::Seam(ends) => Kind::Seam(ends.map(|end| mean(&[self.here, end]))),
-            kind => kind,
-        };
-        Self { here, edges: edges.collect(), faces: centres, kind, ..*self }
+        (edges.collect(), centres)
     }
 
     /// Where the vertex is on the limit surface.
@@ -172,6 +192,7 @@ impl Fan {
             Kind::Corner => self.here,
             Kind::Crease => crease([self.edges[0], self.edges[self.edges.len() - 1]]),
             Kind::Seam(ends) => crease(ends),
+            Kind::Smooth if self.is_loop => self.limit_of_triangles(),
             Kind::Smooth => {
                 let n = self.edges.len() as f64;
                 let share = 1.0 / (n * (n + 5.0));
@@ -203,6 +224,9 @@ impl Fan {
     /// Two tangents of the limit surface at the vertex, so that their product points to its front; `None` where nothing is known.
     /// At the end of a crease to about six digits, as at corners of several quads.
     pub fn tangents(&self) -> [Point; 2] {
+        if let Some(tangents) = self.is_loop.then(|| self.tangents_of_triangles()).flatten() {
+            return tangents;
+        }
         let sum = |of: &[Point], weight: &dyn Fn(usize) -> f64| {
             of.iter().enumerate().fold([0.0; 3], |sum, (k, p)| plus(sum, weight(k), *p))
         };

@@ -1,20 +1,27 @@
 //! The limit surface of a cage, evaluated exactly anywhere.
+mod box_spline;
 mod fan;
+mod quartic;
 mod ring;
 mod spline;
 mod square;
+mod star;
+mod triangle;
 
 use super::rules::Point;
 use super::{Cage, InvalidCage, Scheme};
 use fan::Fan;
+pub(crate) use quartic::{QUARTERS, Quartic};
 pub(super) use ring::Parts;
 pub(crate) use ring::Ring;
 pub(crate) use square::{Patches, Rough, Square};
+pub(crate) use triangle::{Polynomial, RoughTriangle, Triangle};
 
-/// The smooth surface to which refining a cage converges, as sheets over unit squares.
+/// The smooth surface to which refining a cage converges, as sheets over unit squares, or over triangles for Loop's scheme.
 ///
 /// A quad is one sheet: u runs from its first vertex to its second, v from its first to its last. Another polygon is as many
-/// as it has vertices, each with its origin at one of them and the polygon's middle across. Sheets follow faces. Holes have none, nor
+/// as it has vertices, each with its origin at one of them and the polygon's middle across. By Loop's scheme a triangle is one sheet, over u ≥ 0, v ≥ 0, u + v ≤ 1: u runs from its first vertex to
+/// its second, v to its third. Sheets follow faces. Holes have none, nor
 /// has a face on the border under [`Boundary::None`](super::Boundary::None).
 ///
 /// ```
@@ -41,21 +48,19 @@ pub struct LimitSurface<'a> {
 }
 
 impl Cage {
-    /// The limit surface.
+    /// The limit surface. By Loop's scheme edges of a round that end alike stay two, as for [`Cage::refined_times`].
     ///
     /// *Cost.* A table of edges: some hundred bytes a corner.
     ///
     /// # Errors
-    /// [`InvalidCage::NoLimit`] for Loop's scheme.
+    /// None yet: every scheme has one.
     pub fn limit(&self) -> Result<LimitSurface<'_>, InvalidCage> {
-        if self.scheme == Scheme::Loop {
-            return Err(InvalidCage::NoLimit { scheme: self.scheme });
-        }
         let parts = Parts::of(self);
         let with_surface = (0..self.n_faces()).filter(|face| !parts.is_hole(self, *face));
         let sheets = with_surface.flat_map(|face| {
             let n = self.face(face).len();
-            (0..if n == 4 { 1 } else { n }).map(move |part| (face as u32, part as u32))
+            let is_one = n == 4 || self.scheme == Scheme::Loop;
+            (0..if is_one { 1 } else { n }).map(move |part| (face as u32, part as u32))
         });
         Ok(LimitSurface { cage: self, sheets: sheets.collect(), parts: std::sync::Arc::new(parts) })
     }
@@ -88,11 +93,14 @@ impl LimitSurface<'_> {
     pub fn sheet(&self, sheet: usize) -> Result<Sheet, InvalidCage> {
         let (face, corner) = self.face_of(sheet);
         let ring = Ring::of(self.cage, &self.parts, face);
+        if self.cage.scheme == Scheme::Loop {
+            return Ok(Sheet { domain: Domain::Triangle(Triangle::of(ring)) });
+        }
         if ring.n_corners() == 4 {
-            return Ok(Sheet { square: Square::of(ring) });
+            return Ok(Sheet { domain: Domain::Square(Square::of(ring)) });
         }
         let mut rings = ring.divided()?;
-        Ok(Sheet { square: Square::of(rings.swap_remove(corner)) })
+        Ok(Sheet { domain: Domain::Square(Square::of(rings.swap_remove(corner))) })
     }
 
     pub(crate) fn cage(&self) -> &Cage {
@@ -107,7 +115,13 @@ impl LimitSurface<'_> {
 /// One sheet of a limit surface.
 #[derive(Clone, Debug)]
 pub struct Sheet {
-    square: Square,
+    domain: Domain,
+}
+
+#[derive(Clone, Debug)]
+enum Domain {
+    Square(Square),
+    Triangle(Triangle),
 }
 
 /// What is known of a surface at one place of it.
@@ -124,7 +138,8 @@ pub struct Jet {
 }
 
 impl Sheet {
-    /// The limit surface at a place of the unit square, its derivatives and its normal.
+    /// The limit surface at a place of the unit square, or of the triangle u + v ≤ 1 for Loop's scheme, its derivatives and its normal. A
+    /// place outside counts as one on the border.
     ///
     /// On an infinitely sharp edge, whose two sides differ, everything is as seen from this sheet; where the surface is made of
     /// pieces, as from the one after u and v, or the last.
@@ -137,16 +152,35 @@ impl Sheet {
     /// [`InvalidCage::NotFinite`] where coordinates overflow.
     pub fn at(&self, u: f64, v: f64) -> Result<Jet, InvalidCage> {
         let clamp = |x: f64| if x > 0.0 { if x < 1.0 { x } else { 1.0 } } else { 0.0 };
-        self.square.at(clamp(u), clamp(v))
+        let (u, v) = (clamp(u), clamp(v));
+        match &self.domain {
+            Domain::Square(square) => square.at(u, v),
+            Domain::Triangle(triangle) => triangle.at(u, if u + v > 1.0 { 1.0 - u } else { v }),
+        }
     }
 
     /// The point alone, for less.
     pub(crate) fn point(&self, u: f64, v: f64) -> Result<[f64; 3], InvalidCage> {
-        self.square.point(u, v)
+        match &self.domain {
+            Domain::Square(square) => square.point(u, v),
+            Domain::Triangle(_) => self.at(u, v).map(|jet| jet.point),
+        }
     }
 
-    pub(crate) fn square(&self) -> &Square {
-        &self.square
+    /// Its square; `None` for Loop's scheme.
+    pub(crate) fn square(&self) -> Option<&Square> {
+        match &self.domain {
+            Domain::Square(square) => Some(square),
+            Domain::Triangle(_) => None,
+        }
+    }
+
+    /// Its triangle, for Loop's scheme.
+    pub(crate) fn triangle(&self) -> Option<&Triangle> {
+        match &self.domain {
+            Domain::Square(_) => None,
+            Domain::Triangle(triangle) => Some(triangle),
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 use super::super::edges::{Around, Edges};
 use super::super::refine::{Sharp, is_hole};
 use super::super::rules::Point;
-use super::super::{Boundary, Cage, Creasing, INFINITELY_SHARP, InvalidCage, Sizes};
+use super::super::{Boundary, Cage, Creasing, INFINITELY_SHARP, InvalidCage, Scheme, Sizes};
 
 /// A cage with what is found out about it once.
 pub(in super::super) struct Parts {
@@ -13,7 +13,10 @@ pub(in super::super) struct Parts {
 
 impl Parts {
     pub fn of(cage: &Cage) -> Self {
-        let edges = Edges::of(cage);
+        Self::with(cage, Edges::of(cage))
+    }
+
+    fn with(cage: &Cage, edges: Edges) -> Self {
         let around = Around::of(cage, &edges);
         let sharp = Sharp::of(cage, &edges, &around);
         Self { edges, around, sharp }
@@ -31,17 +34,24 @@ impl Parts {
 #[derive(Clone, Debug)]
 pub(crate) struct Ring {
     cage: Cage,
+    /// Of Loop's scheme: which edge the one from each corner is, where some end alike; else empty.
+    classes: Vec<u32>,
     /// By how much its positions may be off by rounding, each coordinate.
     off: f64,
 }
 
 impl Ring {
     pub(in super::super) fn of(cage: &Cage, parts: &Parts, face: usize) -> Self {
-        Self::turned(cage, parts, (face, 0))
+        Self::turned((cage, &[]), parts, (face, 0))
+    }
+
+    /// What is found out about it.
+    pub(super) fn parts(&self) -> Parts {
+        Parts::with(&self.cage, edges_of(&self.cage, &self.classes))
     }
 
     /// The ring of a face that begins so many corners later.
-    fn turned(cage: &Cage, parts: &Parts, (face, turn): (usize, usize)) -> Self {
+    fn turned((cage, all): (&Cage, &[u32]), parts: &Parts, (face, turn): (usize, usize)) -> Self {
         let middle = cage.face(face);
         let mut sectors: Vec<Sector> =
             middle.iter().map(|vertex| Sector::of((parts, cage.creasing), *vertex, face as u32)).collect();
@@ -81,6 +91,12 @@ impl Ring {
         let mut corners: Vec<u32> = Vec::with_capacity(4 * faces.len() + middle.len());
         corners.extend((0..middle.len()).map(|k| local(middle[(k + turn) % middle.len()])));
         let mut ends = vec![corners.len() as u32];
+        let mut classes: Vec<u32> = Vec::new();
+        if !all.is_empty() {
+            let n = middle.len();
+            classes.extend((0..n).map(|k| all[cage.begin(face) + (k + turn) % n]));
+            faces.iter().for_each(|face| classes.extend_from_slice(&all[cage.sizes.range(*face as usize)]));
+        }
         let mut creases: Vec<([u32; 2], f64)> = Vec::new();
         for &of in std::iter::once(&(face as u32)).chain(&faces) {
             let (begin, face) = (cage.begin(of as usize), cage.face(of as usize));
@@ -113,25 +129,54 @@ impl Ring {
             is_refined: true,
             texcoords: None,
         };
-        Self { cage, off: 0.0 }
+        Self { cage, classes, off: 0.0 }
     }
 
     /// The rings of the parts of its face: one for each corner. Those of a quad begin where it does, at its lower left, so
-    /// that all have their sides in the same directions; those of another face begin at their corner of it.
+    /// that all have their sides in the same directions; those of another face begin at their corner of it. By Loop's scheme they
+    /// have their sides in the directions of the triangle as well, and the last one is that between, turned by half.
     pub(crate) fn divided(&self) -> Result<Vec<Self>, InvalidCage> {
-        let refined = self.cage.refined()?;
-        let parts = Parts::of(&refined);
+        let before = self.parts();
+        let refined = self.cage.refined_by(&before.edges, &before.around, &before.sharp)?;
+        let classes = self.classes_after(&before.edges);
+        let parts = Parts::with(&refined, edges_of(&refined, &classes));
         let n = self.n_corners();
         // A mean of k points in a row is off by k roundings, weights included; means do not widen what was off before.
         let most =
             (0..n).map(|k| parts.around.edges(self.cage.corners[k] as usize).len()).fold(0, usize::max);
         let round = (4 * most + 4 * n + 16) as f64 * f64::EPSILON * self.size();
-        let turn = |corner: usize| if n == 4 { (4 - corner) % 4 } else { 0 };
-        let part = |corner: usize| Self {
-            off: self.off + round,
-            ..Self::turned(&refined, &parts, (corner, turn(corner)))
+        let is_loop = self.cage.scheme == Scheme::Loop;
+        let n_parts = if is_loop { 4 } else { n };
+        let turn = |part: usize| match (is_loop, n) {
+            (true, _) => [0, 2, 1, 1][part],
+            (_, 4) => (4 - part) % 4,
+            _ => 0,
         };
-        Ok((0..n).map(part).collect())
+        let part = |part: usize| Self {
+            off: self.off + round,
+            ..Self::turned((&refined, &classes), &parts, (part, turn(part)))
+        };
+        Ok((0..n_parts).map(part).collect())
+    }
+
+    /// Which edge is which after a round of Loop's scheme: halves by their edge, those inside of triangles by their corner.
+    fn classes_after(&self, edges: &Edges) -> Vec<u32> {
+        if self.cage.scheme != Scheme::Loop {
+            return Vec::new();
+        }
+        let mut classes = Vec::with_capacity(4 * self.cage.corners.len());
+        for (face, of) in self.cage.faces().enumerate() {
+            let inside = |k: usize| (2 * edges.ends.len() + 3 * face + k) as u32;
+            let half = |k: usize, vertex: u32| {
+                let edge = edges.of_corner[3 * face + k];
+                2 * edge + u32::from(edges.ends[edge as usize][0] != vertex)
+            };
+            for (k, vertex) in of.iter().enumerate() {
+                classes.extend([half(k, *vertex), inside(k), half((k + 2) % 3, *vertex)]);
+            }
+            classes.extend([inside(1), inside(2), inside(0)]);
+        }
+        classes
     }
 
     /// The corners of its face.
@@ -158,6 +203,10 @@ impl Ring {
     pub(crate) fn off(&self) -> f64 {
         self.off
     }
+}
+
+fn edges_of(cage: &Cage, classes: &[u32]) -> Edges {
+    if classes.is_empty() { Edges::of(cage) } else { Edges::apart(cage, |corner| classes[corner as usize]) }
 }
 
 /// The faces around a vertex that shape a face there, and how sharp the vertex is for them.

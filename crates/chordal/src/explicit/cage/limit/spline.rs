@@ -46,7 +46,7 @@ impl Ring {
         if self.cage().scheme == Scheme::Bilinear {
             return Some(vec![self.bilinear()]);
         }
-        let spline = self.spline(&Parts::of(self.cage()))?;
+        let spline = self.spline(&self.parts())?;
         let (along_u, along_v) = (parts(spline.u), parts(spline.v));
         let mut pieces = Vec::with_capacity(along_u.len() * along_v.len());
         for v in &along_v {

@@ -1,5 +1,4 @@
 //! `Square`: a square of a sheet as patches, or divided, as deep as anybody has asked.
-use super::ring::Parts;
 use super::spline::Piece;
 use super::{Fan, Jet, Ring, fan, middle};
 use crate::explicit::cage::InvalidCage;
@@ -30,7 +29,7 @@ pub(crate) struct Rough {
 }
 
 /// Rounds after which a place that is still beside an irregular vertex counts as the vertex: 0.66⁹⁰ < 2⁻⁵³ of the face's size.
-const MOST_ROUNDS: usize = 90;
+pub(super) const MOST_ROUNDS: usize = 90;
 
 impl Square {
     pub(super) fn of(ring: Ring) -> Self {
@@ -169,7 +168,7 @@ fn jet(piece: &Piece, [u, v]: [f64; 2], scale: f64) -> Jet {
 }
 
 /// At a corner of a ring's face that may be irregular.
-fn vertex(ring: &Ring, corner: usize) -> Result<Jet, InvalidCage> {
+pub(super) fn vertex(ring: &Ring, corner: usize) -> Result<Jet, InvalidCage> {
     let found = with_fan(ring, corner, |fan| {
         let [a, b] = fan.tangents();
         let (unit, length) = front(a, b);
@@ -191,7 +190,7 @@ fn with_fan<T>(
     let mut ring = ring;
     // Sharpness that ends does so within ten rounds.
     for _ in 0..MOST_ROUNDS {
-        if let Some(fan) = Fan::of(ring, &Parts::of(ring.cage()), corner) {
+        if let Some(fan) = Fan::of(ring, &ring.parts(), corner) {
             return Ok(Ok(of(&fan)));
         }
         held = ring.divided()?.swap_remove(corner);

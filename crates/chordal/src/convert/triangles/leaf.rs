@@ -1,0 +1,122 @@
+//! `Leaf`: a triangle of the mesh, the part of a cell that it stands for, and the proof of how far both are apart.
+use super::bend::Bend;
+use super::cell::{Cell, Shape};
+use super::height::{Flat, Piece};
+use crate::convert::patches::plan::{Allowance, Obstacle, tolerance};
+use crate::math::Box3;
+
+/// A vertex of the mesh.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Vertex {
+    pub(crate) at: [f64; 3],
+    /// How far it may be from its place of the surface.
+    pub(crate) off: f64,
+}
+
+#[derive(Clone, Copy)]
+pub(crate) struct Leaf {
+    /// Its number.
+    pub(crate) cell: u32,
+    /// Its corners in the cell.
+    pub(crate) places: [[f64; 2]; 3],
+    pub(crate) vertices: [u32; 3],
+    /// Which line each side is on, the first from the first corner to the second: an edge of the cage, or the inside of a sheet. Two lines may
+    /// have parts between the same vertices.
+    pub(crate) lines: [u32; 3],
+}
+
+/// What is found out about a leaf.
+#[derive(Clone, Copy)]
+pub(crate) struct Found {
+    /// How far the surface and the triangle are apart at most.
+    pub(crate) bound: f64,
+    pub(crate) is_met: bool,
+    /// How much each side bends.
+    pub(crate) sides: [f64; 3],
+    /// Where it is.
+    pub(crate) place: Box3,
+}
+
+/// A bound by second derivatives that is missed by more than this factor will hardly be met by heights; chosen.
+const WORTH_A_LOOK: f64 = 4.0;
+
+impl Leaf {
+    /// All of a cell.
+    pub(crate) fn whole(cell: u32, vertices: [u32; 3], lines: [u32; 3]) -> Self {
+        Self { cell, places: [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], vertices, lines }
+    }
+
+    /// A side's middle.
+    pub(crate) fn middle(&self, side: usize) -> [f64; 2] {
+        let ([a, b], [c, d]) = (self.places[side], self.places[(side + 1) % 3]);
+        [0.5 * (a + c), 0.5 * (b + d)]
+    }
+
+    /// The side by its line and its vertices, the lower first.
+    pub(crate) fn side(&self, side: usize) -> [u32; 3] {
+        let (a, b) = (self.vertices[side], self.vertices[(side + 1) % 3]);
+        if a < b { [self.lines[side], a, b] } else { [self.lines[side], b, a] }
+    }
+
+    /// How wide it is in its sheet, by its longer extent.
+    pub(crate) fn width(&self, cell: &Cell<'_>) -> f64 {
+        let extent = |k: usize| {
+            let all = self.places.map(|place| place[k]);
+            all.iter().fold(0.0_f64, |most, x| most.max((x - all[0]).abs()))
+        };
+        extent(0).max(extent(1)) * cell.scale.abs()
+    }
+
+    /// How far it is from its part of a polynomial by second derivatives, without rounding.
+    pub(crate) fn bend(&self, cell: &Cell<'_>, vertices: &[Vertex]) -> f64 {
+        let Shape::Polynomial(polynomial) = cell.shape else { return 0.0 };
+        let corners = self.vertices.map(|vertex| vertices[vertex as usize].at);
+        Bend::of(&polynomial.quartic.part(self.places), &corners).bound
+    }
+
+    /// How far it is from its part of the surface, and whether that is within an allowance; where no mesh can be, what is known all the same.
+    pub(crate) fn prove(
+        &self,
+        cell: &Cell<'_>,
+        vertices: &[Vertex],
+        allowance: &Allowance,
+    ) -> Result<Found, Box<(Obstacle, Found)>> {
+        let own = self.vertices.map(|vertex| vertices[vertex as usize]);
+        let off = own.iter().fold(0.0_f64, |most, vertex| most.max(vertex.off));
+        // The proofs say where each of these comes from.
+        let lost = 2.0 * cell.shape.lost() + 4.0 * off;
+        let corners = own.map(|vertex| vertex.at);
+        match cell.shape {
+            Shape::Polynomial(polynomial) => {
+                let part = polynomial.quartic.part(self.places);
+                let place = Box3::around(part.control.iter().chain(&corners));
+                let bend = Bend::of(&part, &corners);
+                let mut found = Found { bound: bend.bound + lost, is_met: false, sides: bend.sides, place };
+                let tolerance =
+                    tolerance(place, (allowance, lost)).map_err(|obstacle| Box::new((obstacle, found)))?;
+                found.is_met = bend.bound <= tolerance;
+                if !found.is_met && bend.bound <= WORTH_A_LOOK * tolerance {
+                    let flat = Flat::new(corners, tolerance);
+                    let bound = flat.bound(Piece::Quartic(Box::new(part), polynomial.off));
+                    found.is_met = bound <= tolerance;
+                    found.bound = if bound < bend.bound { bound + lost } else { found.bound };
+                }
+                Ok(found)
+            }
+            Shape::Rough(_) => {
+                let place = cell.place();
+                let reach = place.diagonal();
+                let mut found = Found { bound: reach + lost, is_met: false, sides: [1.0; 3], place };
+                let tolerance =
+                    tolerance(place, (allowance, lost)).map_err(|obstacle| Box::new((obstacle, found)))?;
+                // The surface and its vertices are in the hull.
+                if reach > tolerance {
+                    let bound = Flat::new(corners, tolerance).bound(Piece::Rough(cell.shape));
+                    found.bound = if bound < reach { bound + lost } else { found.bound };
+                }
+                found.is_met = found.bound <= tolerance + lost;
+                Ok(found)
+            }
+        }
+    }
+}

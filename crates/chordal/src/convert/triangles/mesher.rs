@@ -1,0 +1,410 @@
+//! `Mesher`: splits sides until every leaf is within its allowance.
+use super::cell::{Cell, Shape};
+use super::leaf::{Found, Leaf, Vertex};
+use crate::budget::{Code, Failure, Job, Progress, par_map};
+use crate::convert::patches::mesher::{Failed, refuse};
+use crate::convert::patches::plan::{Allowance, Obstacle};
+use crate::convert::patches::texcoords::Texcoords;
+use crate::explicit::{LimitSurface, Sheet};
+use crate::math::{Orientation, orient2d};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A limit surface over triangles, with the leaves that are one for each sheet.
+pub(crate) struct Mesher<'a> {
+    cells: Vec<Cell<'a>>,
+    leaves: Vec<Leaf>,
+    vertices: Vec<Vertex>,
+    /// Lines up to this one are edges of the cage.
+    pub(crate) n_edges: u32,
+    job: &'a Job,
+    /// The same sheets in the plane of textures.
+    pub(crate) texcoords: Option<&'a Texcoords<'a>>,
+}
+
+/// Leaves that are proved to be within their allowance.
+pub(crate) struct Proved<'a> {
+    pub(crate) cells: Vec<Cell<'a>>,
+    pub(crate) vertices: Vec<Vertex>,
+    pub(crate) leaves: Vec<(Leaf, Found)>,
+    pub(crate) texcoords: Option<&'a Texcoords<'a>>,
+}
+
+/// Passes after which nothing more will come; each makes the worst leaf half as wide, one way or the other.
+const MOST_PASSES: usize = 400;
+/// Leaves are no narrower, so that their places are exact; 2⁻⁴⁰ of a sheet is no length that anybody has.
+const NARROWEST: f64 = 1.0 / (1_u64 << 40) as f64;
+/// Times that diagonals between new leaves are changed after each pass; chosen.
+const FLIPS: usize = 2;
+/// A diagonal is changed where the worse of both leaves comes out better by this factor; chosen.
+const WORTH_A_FLIP: f64 = 0.97;
+/// Of a leaf that misses its tolerance by this factor, more sides than the worst are split at once; chosen.
+const FAR_OFF: f64 = 8.0;
+/// Those that bend at least by this share of the worst; chosen.
+const ALSO_BENT: f64 = 0.6;
+/// A side that is also that of a leaf that is no polynomial counts for so much less: all of that leaf's sides would be split; chosen.
+const UNWANTED: f64 = 0.5;
+
+impl<'a> Mesher<'a> {
+    pub(crate) fn new(limit: &LimitSurface<'_>, sheets: &'a [Sheet], job: &'a Job) -> Self {
+        let (cage, table) = (limit.cage(), limit.edges());
+        let n_edges = table.ends.len() as u32;
+        let mut number = vec![u32::MAX; cage.positions().len()];
+        let (mut cells, mut leaves, mut vertices) = (Vec::new(), Vec::new(), Vec::new());
+        for (index, sheet) in sheets.iter().enumerate() {
+            let Some(triangle) = sheet.triangle() else { continue };
+            let (face, _) = limit.face_of(index);
+            let cell = Cell { sheet: index as u32, shape: Shape::of(triangle), begin: [0.0; 2], scale: 1.0 };
+            let mut own = [0; 3];
+            for (k, vertex) in cage.face(face).iter().enumerate() {
+                let number = &mut number[*vertex as usize];
+                if *number == u32::MAX {
+                    *number = vertices.len() as u32;
+                    let place = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]][k];
+                    vertices.push(Vertex { at: cell.shape.point(place), off: cell.shape.lost() });
+                }
+                own[k] = *number;
+            }
+            let lines = [0, 1, 2].map(|k| table.of_corner[cage.begin(face) + k]);
+            leaves.push(Leaf::whole(cells.len() as u32, own, lines));
+            cells.push(cell);
+        }
+        Self { cells, leaves, vertices, texcoords: None, n_edges, job }
+    }
+
+    /// The longest diagonal of a sheet's hull, and no less than what rounding may lose; 1 where all sheets are points.
+    pub(crate) fn longest_diagonal(&self) -> f64 {
+        let longest = self
+            .cells
+            .iter()
+            .fold(0.0_f64, |most, cell| most.max(cell.place().diagonal()).max(cell.shape.lost()));
+        if longest > 0.0 { longest } else { 1.0 }
+    }
+
+    /// About how many triangles an allowance needs at least, as far as that is seen from the sheets as wholes.
+    pub(crate) fn estimate(&self, allowance: &Allowance) -> Result<f64, Failed> {
+        let of_leaf = |leaf: &Leaf| -> Result<f64, Obstacle> {
+            let cell = &self.cells[leaf.cell as usize];
+            let (found, sides) = match leaf.prove(cell, &self.vertices, allowance) {
+                Ok(found) => (found, found.sides),
+                Err(refused) => match refused.0 {
+                    Obstacle::TooClose(_) => return Ok(1.0),
+                    obstacle => return Err(obstacle),
+                },
+            };
+            let Some(allowed) = allowance.at(&found.place).filter(|_| !found.is_met) else { return Ok(1.0) };
+            if matches!(cell.shape, Shape::Rough(_)) {
+                return Ok(1.0);
+            }
+            // A side that bends by w is cut into √(w / 4 tolerances); two ways are enough to count.
+            let cuts = sides.map(|bend| {
+                let cuts = (0.25 * bend / allowed).sqrt();
+                if cuts > 1.0 { cuts } else { 1.0 }
+            });
+            let most = cuts.iter().fold(1.0_f64, |most, x| most.max(*x));
+            let least = cuts.iter().fold(most, |least, x| least.min(*x));
+            Ok(most * least)
+        };
+        let parts = par_map(self.job, &self.leaves, |_, leaf| of_leaf(leaf));
+        parts.into_iter().try_fold(0.0, |sum, part| Ok(sum + part.map_err(refuse)?))
+    }
+
+    /// Splits sides until every leaf is within its allowance; `None` where that takes more than `most` triangles.
+    pub(crate) fn prove(&self, allowance: &Allowance, most: u64) -> Result<Option<Proved<'a>>, Failed> {
+        let mut work = Work {
+            cells: self.cells.clone(),
+            vertices: self.vertices.clone(),
+            leaves: self.leaves.iter().map(|leaf| (*leaf, None)).collect(),
+            n_edges: self.n_edges,
+        };
+        for _ in 0..MOST_PASSES {
+            if self.job.is_cancelled() {
+                return Err(Failure::Cancelled);
+            }
+            if work.leaves.len() as u64 > most {
+                return Ok(None);
+            }
+            work.prove(allowance, self.job)?;
+            self.job.report(Progress {
+                stage: "tessellate",
+                done: work.leaves.iter().filter(|(_, found)| found.is_some_and(|found| found.is_met)).count()
+                    as u64,
+                total: work.leaves.len() as u64,
+            });
+            let marked = work.marked(allowance);
+            if marked.is_empty() {
+                let leaves = work.leaves.into_iter().filter_map(|(leaf, found)| Some((leaf, found?)));
+                let (cells, vertices) = (work.cells, work.vertices);
+                return Ok(Some(Proved {
+                    cells,
+                    vertices,
+                    leaves: leaves.collect(),
+                    texcoords: self.texcoords,
+                }));
+            }
+            work.split(marked, self.job);
+            for _ in 0..FLIPS {
+                work.flip(self.job);
+            }
+        }
+        Err(too_small())
+    }
+}
+
+impl Proved<'_> {
+    pub(crate) fn bound(&self) -> f64 {
+        self.leaves.iter().fold(0.0, |most, (_, found)| if found.bound > most { found.bound } else { most })
+    }
+}
+
+fn too_small() -> Failed {
+    let message = "the budget is so small that rounding hides whether it is met";
+    Failure::refused(Code::BelowPrecision, message)
+}
+
+/// Sides that are to be split, by line and vertices, and the vertex that comes there.
+type Marked = BTreeMap<[u32; 3], u32>;
+
+struct Work<'a> {
+    cells: Vec<Cell<'a>>,
+    vertices: Vec<Vertex>,
+    leaves: Vec<(Leaf, Option<Found>)>,
+    n_edges: u32,
+}
+
+impl<'a> Work<'a> {
+    /// Finds out about leaves that are new.
+    fn prove(&mut self, allowance: &Allowance, job: &Job) -> Result<(), Failed> {
+        let open: Vec<usize> = (0..self.leaves.len()).filter(|i| self.leaves[*i].1.is_none()).collect();
+        let found = par_map(job, &open, |_, i| {
+            let leaf = &self.leaves[*i].0;
+            let cell = &self.cells[leaf.cell as usize];
+            let is_narrow = leaf.width(cell) < NARROWEST;
+            match leaf.prove(cell, &self.vertices, allowance) {
+                Ok(found) if !found.is_met && is_narrow => Err(too_small()),
+                Err(refused) => match *refused {
+                    // Smaller ones may be farther from the eye.
+                    (Obstacle::TooClose(_), found) if !is_narrow => Ok(found),
+                    (obstacle, _) => Err(refuse(obstacle)),
+                },
+                Ok(found) => Ok(found),
+            }
+        });
+        for (i, found) in open.into_iter().zip(found) {
+            self.leaves[i].1 = Some(found?);
+        }
+        Ok(())
+    }
+
+    /// The sides to be split. Of leaves that are no polynomial all or none; of others that are far from near enough those that bend most. Of the rest
+    /// one side each, the worst first, and no other side of its neighbour's in the same pass: that may be enough for both.
+    fn marked(&self, allowance: &Allowance) -> Marked {
+        let mut marked = Marked::new();
+        let is_rough = |leaf: &Leaf| matches!(self.cells[leaf.cell as usize].shape, Shape::Rough(_));
+        let rough: Vec<&Leaf> =
+            self.leaves.iter().map(|(leaf, _)| leaf).filter(|leaf| is_rough(leaf)).collect();
+        let rough_sides: BTreeSet<[u32; 3]> =
+            rough.iter().flat_map(|leaf| [0, 1, 2].map(|side| leaf.side(side))).collect();
+        // By how much, from whom, and which side.
+        let mut wanted: Vec<(f64, usize, [u32; 3])> = Vec::new();
+        for (index, (leaf, found)) in self.leaves.iter().enumerate() {
+            let Some(found) = found.as_ref().filter(|found| !found.is_met) else { continue };
+            let is_shared = [0, 1, 2].map(|side| rough_sides.contains(&leaf.side(side)));
+            let bends =
+                [0, 1, 2].map(|side| found.sides[side] * if is_shared[side] { UNWANTED } else { 1.0 });
+            let worst = (1..3).fold(0, |worst, side| if bends[side] > bends[worst] { side } else { worst });
+            let is_far = allowance.at(&found.place).is_none_or(|allowed| found.bound > FAR_OFF * allowed);
+            if is_far || is_rough(leaf) {
+                let split = (0..3).filter(|side| bends[*side] >= ALSO_BENT * bends[worst] || is_rough(leaf));
+                split.for_each(|side| _ = marked.insert(leaf.side(side), u32::MAX));
+            } else if is_shared[worst] {
+                marked.insert(leaf.side(worst), u32::MAX);
+            } else {
+                wanted.push((bends[worst], index, leaf.side(worst)));
+            }
+        }
+        loop {
+            let before = marked.len();
+            for leaf in &rough {
+                let sides = [0, 1, 2].map(|side| leaf.side(side));
+                if sides.iter().any(|side| marked.contains_key(side)) {
+                    sides.iter().for_each(|side| _ = marked.entry(*side).or_insert(u32::MAX));
+                }
+            }
+            if marked.len() == before {
+                break;
+            }
+        }
+        let mut owners: BTreeMap<[u32; 3], Vec<usize>> =
+            wanted.iter().map(|(_, _, side)| (*side, Vec::new())).collect();
+        let mut is_busy = vec![false; self.leaves.len()];
+        for (index, (leaf, _)) in self.leaves.iter().enumerate() {
+            for side in 0..3 {
+                let side = leaf.side(side);
+                is_busy[index] |= marked.contains_key(&side);
+                if let Some(owners) = owners.get_mut(&side) {
+                    owners.push(index);
+                }
+            }
+        }
+        wanted.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        for (_, _, side) in wanted {
+            let owners = &owners[&side];
+            if owners.iter().all(|owner| !is_busy[*owner]) {
+                owners.iter().for_each(|owner| is_busy[*owner] = true);
+                marked.insert(side, u32::MAX);
+            }
+        }
+        marked
+    }
+
+    /// Splits these sides in the middle.
+    fn split(&mut self, mut marked: Marked, job: &Job) {
+        // Each vertex from the first leaf that has its side.
+        let mut made: Vec<(usize, usize)> = Vec::with_capacity(marked.len());
+        for (index, (leaf, _)) in self.leaves.iter().enumerate() {
+            for side in 0..3 {
+                if let Some(vertex) = marked.get_mut(&leaf.side(side)).filter(|vertex| **vertex == u32::MAX) {
+                    *vertex = (self.vertices.len() + made.len()) as u32;
+                    made.push((index, side));
+                }
+            }
+        }
+        let made = par_map(job, &made, |_, (index, side)| {
+            let leaf = &self.leaves[*index].0;
+            let shape = &self.cells[leaf.cell as usize].shape;
+            Vertex { at: shape.point(leaf.middle(*side)), off: shape.lost() }
+        });
+        self.vertices.extend(made);
+        let leaves = std::mem::take(&mut self.leaves);
+        self.leaves.reserve(leaves.len() + 2 * marked.len());
+        for (leaf, found) in leaves {
+            let new = [0, 1, 2].map(|side| marked.get(&leaf.side(side)).copied());
+            match (new, found) {
+                ([None, None, None], _) => self.leaves.push((leaf, found)),
+                ([Some(a), Some(b), Some(c)], _)
+                    if matches!(self.cells[leaf.cell as usize].shape, Shape::Rough(_)) =>
+                {
+                    self.quarter(&leaf, [a, b, c]);
+                }
+                (_, found) => {
+                    let bends = found.map_or([1.0; 3], |found| found.sides);
+                    self.halve(leaf, new, bends);
+                }
+            }
+        }
+    }
+
+    /// Changes diagonals between new leaves of one cell where that brings them nearer to the surface.
+    fn flip(&mut self, job: &Job) {
+        let mut owners: BTreeMap<[u32; 3], Vec<(usize, usize)>> = BTreeMap::new();
+        for (index, (leaf, found)) in self.leaves.iter().enumerate() {
+            if found.is_none() && matches!(self.cells[leaf.cell as usize].shape, Shape::Polynomial(_)) {
+                let inside = self.inside(leaf);
+                for side in (0..3).filter(|side| leaf.lines[*side] == inside) {
+                    owners.entry(leaf.side(side)).or_default().push((index, side));
+                }
+            }
+        }
+        let pairs: Vec<[(usize, usize); 2]> = owners
+            .into_values()
+            .filter_map(|owners| <[_; 2]>::try_from(owners).ok())
+            .filter(|[a, b]| self.leaves[a.0].0.cell == self.leaves[b.0].0.cell)
+            .collect();
+        let flipped = par_map(job, &pairs, |_, pair| self.flipped(*pair));
+        let mut better: Vec<(f64, usize, [Leaf; 2])> = Vec::new();
+        for (k, flipped) in flipped.into_iter().enumerate() {
+            better.extend(flipped.map(|(gain, leaves)| (gain, k, leaves)));
+        }
+        better.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut is_done = vec![false; self.leaves.len()];
+        for (_, k, leaves) in better {
+            let [(a, _), (b, _)] = pairs[k];
+            if !is_done[a] && !is_done[b] {
+                (is_done[a], is_done[b]) = (true, true);
+                (self.leaves[a].0, self.leaves[b].0) = (leaves[0], leaves[1]);
+            }
+        }
+    }
+
+    /// Two leaves with the other diagonal between them, where that is better, and by which factor.
+    fn flipped(&self, [(first, s), (second, t)]: [(usize, usize); 2]) -> Option<(f64, [Leaf; 2])> {
+        let (one, two) = (&self.leaves[first].0, &self.leaves[second].0);
+        let inside = self.inside(one);
+        // Counter-clockwise a, d, b, c, with the diagonal from a to b.
+        let [(a, b), (c, d)] = [(s, (s + 1) % 3), ((s + 2) % 3, (t + 2) % 3)];
+        let part = |places: [[f64; 2]; 3], vertices: [u32; 3], lines: [u32; 3]| Leaf {
+            cell: one.cell,
+            places,
+            vertices,
+            lines,
+        };
+        let (at, ids) = (one.places, one.vertices);
+        let (far, far_id) = (two.places[d], two.vertices[d]);
+        let made = [
+            part(
+                [at[a], far, at[c]],
+                [ids[a], far_id, ids[c]],
+                [two.lines[(t + 1) % 3], inside, one.lines[(s + 2) % 3]],
+            ),
+            part(
+                [far, at[b], at[c]],
+                [far_id, ids[b], ids[c]],
+                [two.lines[(t + 2) % 3], one.lines[(s + 1) % 3], inside],
+            ),
+        ];
+        let is_turned = |leaf: &Leaf| {
+            let [p, q, r] = leaf.places;
+            orient2d(p, q, r) == Orientation::Front
+        };
+        if !made.iter().all(is_turned) {
+            return None;
+        }
+        let worse = |leaves: [&Leaf; 2]| {
+            let [a, b] = leaves.map(|leaf| leaf.bend(&self.cells[leaf.cell as usize], &self.vertices));
+            if a > b { a } else { b }
+        };
+        let (before, after) = (worse([one, two]), worse([&made[0], &made[1]]));
+        (after < WORTH_A_FLIP * before).then_some((after / before, made))
+    }
+
+    fn inside(&self, leaf: &Leaf) -> u32 {
+        self.n_edges + self.cells[leaf.cell as usize].sheet
+    }
+
+    /// The quarters of a leaf that is all of a cell that is no polynomial.
+    fn quarter(&mut self, leaf: &Leaf, [ab, bc, ca]: [u32; 3]) {
+        let ([a, b, c], [l, m, n]) = (leaf.vertices, leaf.lines);
+        let i = self.inside(leaf);
+        let parts = [
+            ([a, ab, ca], [l, i, n]),
+            ([ab, b, bc], [l, m, i]),
+            ([ca, bc, c], [i, m, n]),
+            ([bc, ca, ab], [i, i, i]),
+        ];
+        let cells = self.cells[leaf.cell as usize].quarters();
+        for (cell, (vertices, lines)) in cells.into_iter().zip(parts) {
+            self.leaves.push((Leaf::whole(self.cells.len() as u32, vertices, lines), None));
+            self.cells.push(cell);
+        }
+    }
+
+    /// Halves a leaf at the middle of the side that bends most, and its halves where they have to be.
+    fn halve(&mut self, leaf: Leaf, new: [Option<u32>; 3], bends: [f64; 3]) {
+        let worst =
+            (0..3).filter(|side| new[*side].is_some()).reduce(|a, b| if bends[b] > bends[a] { b } else { a });
+        let Some((side, vertex)) = worst.and_then(|side| Some((side, new[side]?))) else {
+            self.leaves.push((leaf, None));
+            return;
+        };
+        let (next, last) = ((side + 1) % 3, (side + 2) % 3);
+        let (place, inside) = (leaf.middle(side), self.inside(&leaf));
+        let (mut first, mut second) = (leaf, leaf);
+        (first.vertices[next], first.places[next], first.lines[next]) = (vertex, place, inside);
+        (second.vertices[side], second.places[side], second.lines[last]) = (vertex, place, inside);
+        let (mut of_first, mut of_second) = ([None; 3], [None; 3]);
+        of_first[last] = new[last];
+        of_second[next] = new[next];
+        self.halve(first, of_first, bends);
+        self.halve(second, of_second, bends);
+    }
+}

@@ -1,0 +1,210 @@
+//! Triangles whose limit surface is one polynomial: six triangles around each corner, or fewer where a border or an infinitely sharp line
+//! cuts the rest off.
+//!
+//! Loop's rules for six triangles around a vertex are those of the quartic box spline. Along a border they are as well, with points beyond it that
+//! complete parallelograms: with `p = a + b − c` for each triangle `a, b, c` whose side `a, b` is on the border, the rules for smooth
+//! vertices and edges are those for creases. So they are at a corner of one triangle, with the points opposite to its neighbours.
+//!
+//! Source: M.-J. Lai, *Fortran subroutines for B-nets of box splines on three- and four-directional meshes*, 1992, for the control points; J.
+//! Schweitzer, *Analysis and application of subdivision surfaces*, 1996, for the points beyond borders.
+use super::super::INFINITELY_SHARP;
+use super::super::rules::{Point, plus};
+use super::quartic::Quartic;
+use super::ring::{Parts, Ring};
+
+/// The points of the lattice that shape a triangle between `(0, 0)`, `(1, 0)` and `(0, 1)`.
+const LATTICE: [[i32; 2]; 12] =
+    [[0, 0], [1, 0], [0, 1], [1, 1], [-1, 1], [1, -1], [-1, 0], [0, -1], [2, -1], [2, 0], [0, 2], [-1, 2]];
+
+/// The six directions of the lattice, counter-clockwise.
+const DIRECTIONS: [[i32; 2]; 6] = [[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]];
+
+/// Shares of points in the control point of `λ₀ⁱλ₁ʲλ₂ᵏ`, in 24ths: that of the corner 0.
+fn own(i: usize, j: usize, k: usize) -> f64 {
+    let (low, high) = if j < k { (j, k) } else { (k, j) };
+    match (i, low, high) {
+        (4, ..) | (3, ..) => 12.0,
+        (2, 1, 1) => 10.0,
+        (2, ..) => 8.0,
+        (1, 0, 3) => 4.0,
+        (1, ..) => 6.0,
+        (_, 0, 4) => 2.0,
+        (_, 1, 3) => 3.0,
+        _ => 4.0,
+    }
+}
+
+/// That of the point across the side between the corners 1 and 2.
+fn across(i: usize, j: usize, k: usize) -> f64 {
+    let (low, high) = if j < k { (j, k) } else { (k, j) };
+    match (i, low, high) {
+        (0, 0, 4) => 2.0,
+        (0, 1, 3) => 3.0,
+        (0, 2, 2) => 4.0,
+        (1, ..) => 1.0,
+        _ => 0.0,
+    }
+}
+
+/// That of a point beyond a corner, opposite to another, by how often the corner is named and the third one.
+fn beyond(corner: usize, third: usize) -> f64 {
+    match (corner, third) {
+        (4, 0) => 2.0,
+        (3, 1) => 1.0,
+        _ => 0.0,
+    }
+}
+
+impl Ring {
+    /// The polynomial that the limit surface of its triangle is, where it is one.
+    pub(super) fn quartic(&self) -> Option<Quartic> {
+        let p = self.lattice(&self.parts())?;
+        let mut control = [[0.0; 3]; 15];
+        let mut place = 0;
+        for k in 0..5_usize {
+            for j in 0..5 - k {
+                let i = 4 - j - k;
+                let shares = [
+                    own(i, j, k),
+                    own(j, k, i),
+                    own(k, i, j),
+                    across(i, j, k),
+                    across(j, k, i),
+                    across(k, i, j),
+                    beyond(i, k),
+                    beyond(i, j),
+                    beyond(j, i),
+                    beyond(j, k),
+                    beyond(k, j),
+                    beyond(k, i),
+                ];
+                let sum = p.iter().zip(shares).fold([0.0; 3], |sum, (p, share)| plus(sum, share, *p));
+                control[place] = sum.map(|x| x / 24.0);
+                place += 1;
+            }
+        }
+        Some(Quartic { control })
+    }
+
+    /// The points of the lattice, those beyond cuts made up.
+    fn lattice(&self, parts: &Parts) -> Option<[Point; 12]> {
+        let mut points: [Option<Point>; 12] = [None; 12];
+        // The vertices of the triangle, and in which direction the first edge of it leaves each.
+        for (k, direction) in [0, 2, 4].into_iter().enumerate() {
+            let around = self.six(parts, k)?;
+            let own = &mut points[k];
+            *own = own.or(Some(self.cage().positions[self.cage().corners[k] as usize]));
+            for (turn, point) in around.into_iter().enumerate() {
+                let step = DIRECTIONS[(direction + turn) % 6];
+                let at = [0, 1].map(|i| LATTICE[k][i] + step[i]);
+                let place = LATTICE.iter().position(|place| *place == at)?;
+                points[place] = points[place].or(Some(point));
+            }
+        }
+        let mut all = [[0.0; 3]; 12];
+        for (all, point) in all.iter_mut().zip(points) {
+            *all = point?;
+        }
+        Some(all)
+    }
+
+    /// The six points around a corner of its triangle, counter-clockwise from the end of the edge that begins there.
+    fn six(&self, parts: &Parts, corner: usize) -> Option<[Point; 6]> {
+        let cage = self.cage();
+        let vertex = cage.corners[corner];
+        let own = parts.sharp.vertices[vertex as usize];
+        let around = parts.around.edges(vertex as usize);
+        let sharpness = |edge: u32| parts.sharp.edges[edge as usize];
+        let is_cut = |edge: u32| sharpness(edge) >= INFINITELY_SHARP;
+        let ends = |x: f64| x > 0.0 && x < INFINITELY_SHARP;
+        if ends(own) || around.iter().any(|edge| ends(sharpness(*edge))) {
+            return None;
+        }
+        let n_cut = around.iter().filter(|edge| is_cut(**edge)).count();
+        // The edges of a face that leave the vertex and come to it, and where from.
+        let sides = |face: u32| {
+            let of = cage.face(face as usize);
+            let k = of.iter().position(|v| *v == vertex)?;
+            let begin = cage.begin(face as usize);
+            let edge = |k: usize| parts.edges.of_corner[begin + k % 3];
+            Some(([edge(k), edge(k + 2)], [of[(k + 1) % 3], of[(k + 2) % 3]]))
+        };
+        let next = |face: u32, edge: u32| {
+            let on = parts.edges.faces(edge as usize);
+            (on.len() == 2).then(|| if on[0] == face { on[1] } else { on[0] })
+        };
+        let at = |v: u32| cage.positions[v as usize];
+        // Forth until it closes or is cut, then back.
+        let mut known: [Option<Point>; 6] = [None; 6];
+        let (edges, neighbours) = sides(0)?;
+        (known[0], known[1]) = (Some(at(neighbours[0])), Some(at(neighbours[1])));
+        let (mut face, mut edge, mut last) = (0, edges[1], 1);
+        let is_closed = loop {
+            if is_cut(edge) {
+                break false;
+            }
+            face = next(face, edge)?;
+            let (edges, neighbours) = sides(face)?;
+            if edges[0] != edge {
+                return None;
+            }
+            if face == 0 {
+                break true;
+            }
+            last += 1;
+            // The last face around leads back to the first neighbour.
+            if last > 6 {
+                return None;
+            }
+            if last < 6 {
+                known[last] = Some(at(neighbours[1]));
+            }
+            edge = edges[1];
+        };
+        if is_closed {
+            let is_regular = last == 6 && n_cut == 0 && own == 0.0 && around.len() == 6;
+            return if is_regular { all_of(known) } else { None };
+        }
+        let end = edge;
+        let (mut face, mut edge, mut first) = (0, edges[0], 0);
+        while !is_cut(edge) {
+            face = next(face, edge)?;
+            let (edges, neighbours) = sides(face)?;
+            first += 1;
+            if edges[1] != edge || last + first > 3 {
+                return None;
+            }
+            known[6 - first] = Some(at(neighbours[0]));
+            edge = edges[0];
+        }
+        let here = at(vertex);
+        let is_corner = own >= INFINITELY_SHARP || n_cut > 2;
+        let point = |k: usize| known[(k + 6 - first) % 6];
+        // Completes a parallelogram, or goes as far to the other side.
+        let mirror = |a: Point, b: Point| [0, 1, 2].map(|k| (here[k] + a[k]) - b[k]);
+        let made: Vec<Point> = match (last + first, is_corner) {
+            // From one cut to the other; around a cut to itself the vertex is on a crease to somewhere else.
+            (3, false) if n_cut == 2 && edge != end => {
+                vec![mirror(point(3)?, point(2)?), mirror(point(0)?, point(1)?)]
+            }
+            (1, true) => {
+                let (a, b) = (point(0)?, point(1)?);
+                vec![mirror(b, a), mirror(here, a), mirror(here, b), mirror(a, b)]
+            }
+            _ => return None,
+        };
+        let n_known = 6 - made.len();
+        for (k, made) in made.into_iter().enumerate() {
+            known[(n_known + k + 6 - first) % 6] = Some(made);
+        }
+        all_of(known)
+    }
+}
+
+fn all_of(points: [Option<Point>; 6]) -> Option<[Point; 6]> {
+    let mut all = [[0.0; 3]; 6];
+    for (all, point) in all.iter_mut().zip(points) {
+        *all = point?;
+    }
+    Some(all)
+}
