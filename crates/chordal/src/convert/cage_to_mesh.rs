@@ -9,7 +9,7 @@ use super::patches::within::{check_angle, mesh_within};
 use super::triangles::{self, mesher::Mesher};
 use crate::budget::{Bounded, Budget, Code, Failure, Job, Reference, par_map};
 use crate::explicit::cage::limit::Square;
-use crate::explicit::{Cage, LimitSurface, Mesh, Patch, Scheme, Sets, Sheet, Side};
+use crate::explicit::{Cage, Chart, LimitSurface, Mesh, Patch, Scheme, Sets, Sheet, Side};
 use crate::math::{Box3, flushes_subnormals};
 
 /// Meshes the limit surface of a cage so that nothing is farther from it than the budget allows.
@@ -49,32 +49,81 @@ use crate::math::{Box3, flushes_subnormals};
 /// Source: D. Filip, R. Magedson, R. Markot, *Surface algorithms using bounds on derivatives*, 1986, for patches; around
 /// irregular vertices the proof is Chordal's own.
 pub fn cage_to_mesh(cage: &Cage, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, Failed> {
-    check_input(cage, budget)?;
-    let limit = cage.limit().map_err(|error| Failure::refused(Code::Unsupported, error.to_string()))?;
-    if limit.n_sheets() == 0 {
-        return Err(Failure::refused(Code::Empty, "the cage has no face with a surface"));
-    }
-    job.run(|| {
-        let numbers: Vec<usize> = (0..limit.n_sheets()).collect();
-        let sheets = par_map(job, &numbers, |_, sheet| limit.sheet(*sheet));
-        let sheets: Result<Vec<Sheet>, _> = sheets.into_iter().collect();
-        let sheets = sheets.map_err(|error| Failure::refused(Code::NotFinite, error.to_string()))?;
-        let chart = cage.chart();
-        let texcoords = chart.as_ref().and_then(Texcoords::of);
-        if cage.scheme() == Scheme::Loop {
-            let mut mesher = Mesher::new(&limit, &sheets, job);
-            mesher.texcoords = texcoords.as_ref();
-            return triangles::within::mesh_within(&mesher, budget, job);
+    check_budget(cage, budget)?;
+    CageMesher::new(cage, job)?.mesh(budget, job)
+}
+
+/// A cage that is meshed again and again, for a camera that moves.
+///
+/// What does not hang on the budget is kept: the sheets of the limit surface and, of those that are divided around irregular vertices, all that was
+/// divided so far. Every mesh is bit for bit that of [`cage_to_mesh()`].
+///
+/// *Cost.* The first mesh takes as long as with [`cage_to_mesh()`]; others no time for the limit surface, as far as it was divided before. Some hundred bytes
+/// a regular face, and up to some hundred thousand for each beside an irregular vertex.
+///
+/// ```
+/// use chordal::{Budget, Job, View, budget::Pixels, convert, explicit::Cage};
+/// let corner = |i: u32| [0, 1, 2].map(|k| if i >> k & 1 == 0 { -1.0 } else { 1.0 });
+/// let sides: [&[u32]; 6] = [&[0, 2, 3, 1], &[4, 5, 7, 6], &[0, 1, 5, 4], &[2, 6, 7, 3], &[0, 4, 6, 2], &[1, 3, 7, 5]];
+/// let cube = Cage::new((0..8).map(corner).collect(), sides)?;
+/// let mesher = convert::CageMesher::new(&cube, &Job::default()).unwrap();
+/// for x in [3.0, 4.0, 5.0] {
+///     let view: View = format!("640x480 fov=45 eye={x},2,1 target=0,0,0").parse()?;
+///     let budget = Budget::pixels(Pixels::new(1.0)?, view);
+///     let frame = mesher.mesh(&budget, &Job::default()).unwrap();
+///     assert!(frame.bound.pixels.unwrap() <= 1.0);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct CageMesher<'a> {
+    limit: LimitSurface<'a>,
+    sheets: Vec<Sheet>,
+    chart: Option<Chart>,
+}
+
+impl<'a> CageMesher<'a> {
+    /// The limit surface of a cage, ready to be meshed.
+    ///
+    /// # Errors
+    /// [`Failure::Refused`], as far as the cage is the cause, and [`Failure::Cancelled`].
+    pub fn new(cage: &'a Cage, job: &Job) -> Result<Self, Failed> {
+        check_cage(cage)?;
+        let limit = cage.limit().map_err(|error| Failure::refused(Code::Unsupported, error.to_string()))?;
+        if limit.n_sheets() == 0 {
+            return Err(Failure::refused(Code::Empty, "the cage has no face with a surface"));
         }
-        let sheets = CageSheets { texcoords, ..CageSheets::new(&limit, sheets) };
-        mesh_within(&sheets, budget, job)
-    })
+        let numbers: Vec<usize> = (0..limit.n_sheets()).collect();
+        let sheets =
+            job.run(|| par_map(job, &numbers, |_, sheet| (!job.is_cancelled()).then(|| limit.sheet(*sheet))));
+        let sheets: Option<Result<Vec<Sheet>, _>> = sheets.into_iter().collect();
+        let sheets = sheets.ok_or(Failure::Cancelled)?;
+        let sheets = sheets.map_err(|error| Failure::refused(Code::NotFinite, error.to_string()))?;
+        Ok(Self { limit, sheets, chart: cage.chart() })
+    }
+
+    /// Its mesh within a budget; see [`cage_to_mesh()`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn mesh(&self, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, Failed> {
+        check_budget(self.limit.cage(), budget)?;
+        job.run(|| {
+            let texcoords = self.chart.as_ref().and_then(Texcoords::of);
+            if self.limit.cage().scheme() == Scheme::Loop {
+                let mut mesher = Mesher::new(&self.limit, &self.sheets, job);
+                mesher.texcoords = texcoords.as_ref();
+                return triangles::within::mesh_within(&mesher, budget, job);
+            }
+            let sheets = CageSheets { texcoords, ..CageSheets::new(&self.limit, &self.sheets) };
+            mesh_within(&sheets, budget, job)
+        })
+    }
 }
 
 /// Derivatives multiply coordinates by less than 1e3, and squares of those must stay below 1e308.
 const LARGEST: f64 = 1e150;
 
-fn check_input(cage: &Cage, budget: &Budget) -> Result<(), Failed> {
+fn check_budget(cage: &Cage, budget: &Budget) -> Result<(), Failed> {
     if !budget.has_limit() {
         let message = "a budget needs a length, pixels at a view, or a number of triangles";
         return Err(Failure::refused(Code::Budget, message));
@@ -84,6 +133,10 @@ fn check_input(cage: &Cage, budget: &Budget) -> Result<(), Failed> {
         let message = "limits of Loop's scheme cannot be meshed to an angle yet; give a length or pixels";
         return Err(Failure::refused(Code::Unsupported, message));
     }
+    Ok(())
+}
+
+fn check_cage(cage: &Cage) -> Result<(), Failed> {
     if let Some(row) = cage.positions().iter().position(|p| p.iter().any(|x| x.abs() > LARGEST)) {
         let message = format!(
             "vertex {row} has a coordinate beyond {LARGEST:e}, where squares leave the range of numbers"
@@ -99,7 +152,7 @@ fn check_input(cage: &Cage, budget: &Budget) -> Result<(), Failed> {
 
 /// The sheets of a limit surface as the mesher takes them.
 struct CageSheets<'a> {
-    sheets: Vec<Sheet>,
+    sheets: &'a [Sheet],
     /// The same sheets in the plane of textures.
     texcoords: Option<Texcoords<'a>>,
     /// By sheet and side.
@@ -110,8 +163,8 @@ struct CageSheets<'a> {
     same: Vec<[u32; 2]>,
 }
 
-impl CageSheets<'_> {
-    fn new(limit: &LimitSurface<'_>, sheets: Vec<Sheet>) -> Self {
+impl<'a> CageSheets<'a> {
+    fn new(limit: &LimitSurface<'_>, sheets: &'a [Sheet]) -> Self {
         let (cage, table) = (limit.cage(), limit.edges());
         let n_edges = table.ends.len();
         // An edge beside a face that is no quad has a vertex in its middle.

@@ -23,7 +23,7 @@ mod patches;
 mod patches_to_mesh;
 mod triangles;
 
-pub use cage_to_mesh::cage_to_mesh;
+pub use cage_to_mesh::{CageMesher, cage_to_mesh};
 pub use cubes::march::Coordinate;
 pub use cubes::rule::{Border, Inside, Normals, Polygonize};
 pub use curve_to_field::curve_to_field;

@@ -1,6 +1,7 @@
 //! Meshes of limit surfaces keep their bound, as a referee sees it that has only plain rounds and the masks of smooth vertices,
 //! creases and corners.
 use super::corpus::cages;
+use chordal::budget::Pixels;
 use chordal::check::{self, Goal};
 use chordal::explicit::{Cage, INFINITELY_SHARP, Scheme, Semantic, Topology};
 use chordal::{Budget, Job, Mesh, Tolerance, convert};
@@ -259,5 +260,28 @@ fn keeps_an_angle_beside_a_length() {
     for angle in [0.0, -1.0, 181.0, f64::NAN] {
         let budget = Budget { angle_deg: Some(angle), ..Budget::triangles(10) };
         assert!(convert::cage_to_mesh(&cage, &budget, &Job::default()).is_err(), "{angle}");
+    }
+}
+
+#[test]
+fn a_mesher_that_is_kept_makes_the_meshes_that_a_new_one_makes() {
+    for (name, cage) in cages().into_iter().filter(|(name, _)| {
+        ["catmark_cube_creases1", "catmark_pole64", "bilinear_nonquads1", "loop_cube_creases0"]
+            .contains(&name.as_str())
+    }) {
+        let mesher = convert::CageMesher::new(&cage, &Job::default()).unwrap();
+        for step in [0, 7, 3, 7, 1] {
+            let eye = [6.0 - 0.3 * f64::from(step), 4.0, 2.0 + 0.2 * f64::from(step)]
+                .map(|x| x * diagonal(&cage) / 4.0);
+            let text = format!("640x480 fov=45 eye={},{},{} target=0,0,0", eye[0], eye[1], eye[2]);
+            let budget = Budget::pixels(Pixels::new(1.0).unwrap(), text.parse().unwrap());
+            let (kept, new) = (
+                mesher.mesh(&budget, &Job::default()),
+                convert::cage_to_mesh(&cage, &budget, &Job::default()),
+            );
+            let (kept, new) = (kept.unwrap(), new.unwrap());
+            assert_eq!(kept.shape, new.shape, "{name}, {step}");
+            assert_eq!(kept.bound, new.bound, "{name}, {step}");
+        }
     }
 }

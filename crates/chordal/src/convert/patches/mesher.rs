@@ -93,15 +93,42 @@ impl<'a> Mesher<'a> {
 
     /// Tiles and rates for an allowance.
     pub(crate) fn plan(&self, allowance: &Allowance) -> Result<Planned<'a>, Failed> {
-        self.plan_strained(allowance, vec![1.0; self.sheets.count()])
+        self.plan_strained(allowance, vec![1.0; self.sheets.count()], None)
     }
 
-    fn plan_strained(&self, allowance: &Allowance, strains: Vec<f64>) -> Result<Planned<'a>, Failed> {
-        let cut = par_map(self.job, &strains, |sheet, strain| {
+    /// Sheets of the plan before that are strained as much as they were are taken from it.
+    fn plan_strained(
+        &self,
+        allowance: &Allowance,
+        strains: Vec<f64>,
+        before: Option<Planned<'a>>,
+    ) -> Result<Planned<'a>, Failed> {
+        type Cut<'a> = (Vec<Ground<'a>>, Vec<Tile>);
+        let mut cut: Vec<Cut<'a>> = (0..strains.len()).map(|_| Default::default()).collect();
+        if let Some(before) = before {
+            let is_kept = |sheet: u32| before.strains[sheet as usize] == strains[sheet as usize];
+            // Their grounds follow each other, sheet by sheet.
+            let mut begin = vec![0; strains.len()];
+            for (index, ground) in before.grounds.into_iter().enumerate() {
+                let own = &mut cut[ground.sheet as usize].0;
+                if own.is_empty() {
+                    begin[ground.sheet as usize] = index as u32;
+                }
+                if is_kept(ground.sheet) {
+                    own.push(ground);
+                }
+            }
+            for tile in before.tiles.into_iter().filter(|tile| is_kept(tile.sheet)) {
+                let ground = tile.ground - begin[tile.sheet as usize];
+                cut[tile.sheet as usize].1.push(Tile { ground, ..tile });
+            }
+        }
+        let open: Vec<usize> = (0..strains.len()).filter(|sheet| cut[*sheet].0.is_empty()).collect();
+        let made = par_map(self.job, &open, |_, &sheet| {
             if self.job.is_cancelled() {
                 return Ok((Vec::new(), Vec::new()));
             }
-            let grounds = self.sheets.grounds(sheet, (allowance, *strain))?;
+            let grounds = self.sheets.grounds(sheet, (allowance, strains[sheet]))?;
             let mut tiles = Vec::new();
             for (index, ground) in grounds.iter().enumerate() {
                 let begin = tiles.len();
@@ -113,9 +140,11 @@ impl<'a> Mesher<'a> {
         if self.job.is_cancelled() {
             return Err(Failure::Cancelled);
         }
+        for (sheet, made) in open.into_iter().zip(made) {
+            cut[sheet] = made.map_err(refuse)?;
+        }
         let (mut grounds, mut tiles) = (Vec::new(), Vec::new());
-        for list in cut {
-            let (own, cut) = list.map_err(refuse)?;
+        for (own, cut) in cut {
             let begin = grounds.len() as u32;
             grounds.extend(own);
             tiles.extend(cut.into_iter().map(|tile| Tile { ground: begin + tile.ground, ..tile }));
@@ -173,12 +202,14 @@ impl<'a> Mesher<'a> {
         let mut done: Vec<Option<Done>> = vec![None; planned.tiles.len()];
         for round in 0..MOST_ROUNDS {
             self.check_cells(&planned.tiles)?;
-            self.build_open(&planned, &mut done, allowance)?;
-            if strain_rough(&mut planned, &done, allowance) {
-                planned = self.plan_strained(allowance, planned.strains)?;
+            // Those that are no patches first: while one of them has to be divided, the others would be built for nothing.
+            self.build_open(&planned, &mut done, (allowance, Kind::Rough))?;
+            if let Some(strains) = strained(&planned, &done, allowance) {
+                planned = self.plan_strained(allowance, strains, Some(planned))?;
                 done = vec![None; planned.tiles.len()];
                 continue;
             }
+            self.build_open(&planned, &mut done, (allowance, Kind::Bezier))?;
             if let Some(tiles) = self.cut_where_normals_turn(&planned, &done, allowance) {
                 planned = self.lay(planned.grounds, tiles, planned.strains);
                 done = vec![None; planned.tiles.len()];
@@ -236,10 +267,11 @@ impl<'a> Mesher<'a> {
         &self,
         planned: &Planned<'_>,
         done: &mut [Option<Done>],
-        allowance: &Allowance,
+        (allowance, kind): (&Allowance, Kind),
     ) -> Result<(), Failed> {
         let Planned { grounds, tiles, seams, .. } = planned;
-        let open: Vec<usize> = (0..tiles.len()).filter(|i| done[*i].is_none()).collect();
+        let is_open = |i: &usize| done[*i].is_none() && Kind::of(&grounds[tiles[*i].ground as usize]) == kind;
+        let open: Vec<usize> = (0..tiles.len()).filter(is_open).collect();
         let built = par_map(self.job, &open, |_, &i| {
             let ground = &grounds[tiles[i].ground as usize];
             (!self.job.is_cancelled()).then(|| {
@@ -460,13 +492,29 @@ fn over_turn(done: &Done, allowance: &Allowance) -> f64 {
     }
 }
 
-/// Strains sheets with rough grounds that miss their tolerance, so that those are divided. Whether there was any.
-fn strain_rough(planned: &mut Planned<'_>, done: &[Option<Done>], allowance: &Allowance) -> bool {
+/// What a tile lies on.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Bezier,
+    Rough,
+}
+
+impl Kind {
+    fn of(ground: &Ground<'_>) -> Self {
+        match ground.shape {
+            Shape::Bezier(_) => Self::Bezier,
+            Shape::Rough(_) => Self::Rough,
+        }
+    }
+}
+
+/// The strains, more for sheets with rough grounds that miss their tolerance, so that those are divided; `None` where there are none.
+fn strained(planned: &Planned<'_>, done: &[Option<Done>], allowance: &Allowance) -> Option<Vec<f64>> {
     let Planned { grounds, tiles, strains, .. } = planned;
-    let mut missed = false;
+    let (mut strains, mut missed) = (strains.clone(), false);
     for (tile, done) in tiles.iter().zip(done) {
         let ground = &grounds[tile.ground as usize];
-        let Some(done) = done.as_ref().filter(|_| matches!(ground.shape, Shape::Rough(_))) else { continue };
+        let Some(done) = done.as_ref().filter(|_| Kind::of(ground) == Kind::Rough) else { continue };
         let (rounding, bound) = (ground.lost(), done.bound);
         let by_turn = over_turn(done, allowance);
         if bound > tile.tolerance + rounding || by_turn > 0.0 {
@@ -478,7 +526,7 @@ fn strain_rough(planned: &mut Planned<'_>, done: &[Option<Done>], allowance: &Al
                 if ratio < LEAST_STRAIN { LEAST_STRAIN } else { MOST_STRAIN_AT_ONCE };
         }
     }
-    missed
+    missed.then_some(strains)
 }
 
 /// By how much a sheet is strained whose rough ground missed by little, and otherwise; chosen: a halving brings a factor of 4.

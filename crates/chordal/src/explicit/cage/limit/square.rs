@@ -26,6 +26,7 @@ pub(crate) struct Patches {
 pub(crate) struct Rough {
     ring: Ring,
     quarters: OnceLock<Result<Box<[Square; 4]>, InvalidCage>>,
+    corners: [OnceLock<Result<Jet, InvalidCage>>; 4],
 }
 
 /// Rounds after which a place that is still beside an irregular vertex counts as the vertex: 0.66⁹⁰ < 2⁻⁵³ of the face's size.
@@ -39,7 +40,9 @@ impl Square {
                 let off = 18.0 * ring.off() + 1024.0 * f64::EPSILON * ring.size();
                 Self::Patches(Patches { pieces, off })
             }
-            None => Self::Rough(Box::new(Rough { ring, quarters: OnceLock::new() })),
+            None => {
+                Self::Rough(Box::new(Rough { ring, quarters: OnceLock::new(), corners: Default::default() }))
+            }
         }
     }
 
@@ -112,8 +115,13 @@ impl Rough {
     pub(crate) fn at(&self, u: f64, v: f64) -> Result<Jet, InvalidCage> {
         match self.part_at([u, v])? {
             Part::Patches(patches, place, scale) => Ok(patches.at(place, scale)),
-            Part::Vertex(rough, corner) => vertex(&rough.ring, corner),
+            Part::Vertex(rough, corner) => rough.corner(corner),
         }
+    }
+
+    /// What is at a corner: found out when it is first asked for, and kept.
+    fn corner(&self, corner: usize) -> Result<Jet, InvalidCage> {
+        self.corners[corner].get_or_init(|| vertex(&self.ring, corner)).clone()
     }
 
     fn part_at(&self, [mut u, mut v]: [f64; 2]) -> Result<Part<'_>, InvalidCage> {
