@@ -38,17 +38,17 @@
 //! being a tile of one cell. A control point of a part is six interpolations deep, 12. A second derivative's control
 //! vectors have coordinates up to 24 (`uu`, `vv`) and 36 (`uv`) and are off by 360 and 540, its values by 624 and 972. Third derivatives have
 //! lengths up to 48·√3 (`uuu`) and 144·√3 (`uuv`) and are off by 1538 and 4864; fourth by 9300 (`uuuv`) and 19,700 (`uuvv`).
-//! Hence half a second derivative along a diagonal is off by 1956 a coordinate, and in the middle of a side, half the box away, by a quarter of the third
-//! derivative along it more, 8100: as a length across the chord by less than 17,500, of which `worst_mix` makes at most a third. `t` is off by
-//! 0.00802·35,400 + 10,000/12 < 1200, `R` by (8·9300 + 6·19,700)/64 < 3000, and both round by less than 1000. A vertex (Bernstein form of a part, and a parameter off
-//! by `u`, at up to `6·√3·P` a unit) is off by 70, the sum by 200. Together less than [`ROUNDING`] = 16,384·u. A curve's vertex is off by as much of the
+//! Hence half a second derivative along a side is off by less than 3772 as a length, wherever the side lies in the box: along a diagonal of the box its middle is the box's, a
+//! side along the box is half of it away and has only a quarter of `uuv` more, and between those both shrink. `worst_mix` makes at most a third of that, 1258, and
+//! rounds by 144. `t` is off by 0.00802·35,400 + 7200/12 < 900, `R` by (8·9300 + 6·19,700)/64 < 3010, and they round by 200 and 1000. A vertex (Bernstein form
+//! of a part, and a parameter off by `u`, at up to `6·√3·P` a unit) is off by 70, the sum by 200. Together 6782, less than [`ROUNDING`] = 8192·u. A curve's vertex is off by as much of the
 //! *curve's* size, so it is good for all patches that share it. Below the normal numbers a length, the root of a sum of squares, loses
 //! at most `√(3·2⁻¹⁰⁷⁵) < 2⁻⁵³⁶`, a few of which are less than [`UNDERFLOW`].
 use crate::explicit::Patch;
 use glam::DVec3;
 
 /// Rounding of a certified bound, as a share of the largest coordinate; derived above.
-pub(super) const ROUNDING: f64 = 8192.0 * f64::EPSILON;
+pub(super) const ROUNDING: f64 = 4096.0 * f64::EPSILON;
 
 /// What underflow adds to it, a length: the root of the smallest normal number, 2⁻⁵¹¹; derived above.
 pub(crate) const UNDERFLOW: f64 = f64::from_bits(512 << 52);
