@@ -18,7 +18,7 @@
 //! that shows it covers the triangle, so that both directions are bounded.
 //!
 //! **Rounding.** With `P` the largest coordinate and errors in units of `2⁻⁵³ P`: a control point of a part is four means of three deep, 16; a second
-//! difference times 12 is off by 12·(4·16 + 8) < 900 a coordinate, 1600 as a length; the half of it, across a side, by 950, of which the mix takes a third
+//! difference times 12 is off by 12·(4·16 + 8) + 48 = 912 a coordinate, 1600 as a length; the half of it, across a side, by 950, of which the mix takes a third
 //! of each, and `ε` by 3200, of which an eighth of three counts, 1200. Vertices are off by 40. Together below 4096, half of what
 //! [`Shape::lost`](super::cell::Shape::lost) takes.
 use crate::convert::patches::bend::{across, worst_mix};

@@ -28,7 +28,7 @@ pub(crate) struct Leaf {
 /// What is found out about a leaf.
 #[derive(Clone, Copy)]
 pub(crate) struct Found {
-    /// How far the surface and the triangle are apart at most.
+    /// How far the surface and the triangle are apart at most; where the tolerance is not met, perhaps only what made that sure.
     pub(crate) bound: f64,
     pub(crate) is_met: bool,
     /// How much each side bends.
@@ -110,11 +110,13 @@ impl Leaf {
                 let tolerance =
                     tolerance(place, (allowance, lost)).map_err(|obstacle| Box::new((obstacle, found)))?;
                 // The surface and its vertices are in the hull.
-                if reach > tolerance {
+                found.is_met = reach <= tolerance;
+                if !found.is_met {
                     let bound = Flat::new(corners, tolerance).bound(Piece::Rough(cell.shape));
+                    // Before rounding is added: a bound above the tolerance need not cover all.
+                    found.is_met = bound <= tolerance;
                     found.bound = if bound < reach { bound + lost } else { found.bound };
                 }
-                found.is_met = found.bound <= tolerance + lost;
                 Ok(found)
             }
         }

@@ -31,7 +31,7 @@ pub(crate) struct Proved<'a> {
 
 /// Passes after which nothing more will come; each makes the worst leaf half as wide, one way or the other.
 const MOST_PASSES: usize = 400;
-/// Leaves are no narrower, so that their places are exact; 2⁻⁴⁰ of a sheet is no length that anybody has.
+/// Leaves are no narrower the longer way: 2⁻⁴⁰ of a sheet is no length that anybody has. The other way places may round in the end, by less than is allowed for.
 const NARROWEST: f64 = 1.0 / (1_u64 << 40) as f64;
 /// Times that diagonals between new leaves are changed after each pass; chosen.
 const FLIPS: usize = 2;
