@@ -1,5 +1,6 @@
 //! `Mesher`: plans tiles for an allowance, proves them, and asks for more cells until all hold.
 use super::assemble;
+use super::demand::{Kind, ask_for_more, over_turn, strained};
 use super::ground::{Ground, Shape, Sheets};
 use super::plan::{self, Allowance, Obstacle, Tile};
 use super::probe::Probe;
@@ -10,9 +11,8 @@ use super::tile::{self, Done};
 use super::tip;
 use crate::budget::{Bound, Bounded, Code, Failure, Job, Progress, par_map};
 use crate::check;
-use crate::explicit::{Mesh, Patch, Side};
+use crate::explicit::{Mesh, Side};
 use crate::math::{Box3, sub_down};
-use glam::DVec3;
 
 pub(crate) type Failed = Failure<Mesh>;
 
@@ -25,13 +25,13 @@ pub(crate) struct Mesher<'a> {
 
 /// Tiles with their seams, not yet proved.
 pub(crate) struct Planned<'a> {
-    grounds: Vec<Ground<'a>>,
-    tiles: Vec<Tile>,
-    seams: Seams,
+    pub(crate) grounds: Vec<Ground<'a>>,
+    pub(crate) tiles: Vec<Tile>,
+    pub(crate) seams: Seams,
     /// Fewest cells each way, by sheet, that keep edges of different curves apart.
-    least: Vec<u32>,
+    pub(crate) least: Vec<u32>,
     /// By how much the proof of rough grounds came out worse than expected, by sheet, 1 at first.
-    strains: Vec<f64>,
+    pub(crate) strains: Vec<f64>,
 }
 
 /// Tiles that are proved to be within their tolerance.
@@ -422,116 +422,6 @@ fn measure(grounds: &[Ground<'_>], tiles: &[(Tile, Done)], mesh: &Mesh) -> (f64,
         None => (0.0, samples.first().copied()),
     }
 }
-
-/// More cells for every tile that misses its tolerance: as many as would have met it if the probe had been
-/// wrong by as much everywhere, and at least one row or column. Whether there was any.
-fn ask_for_more(
-    planned: &mut Planned<'_>,
-    done: &mut [Option<Done>],
-    (round, allowance): (usize, &Allowance),
-) -> bool {
-    let Planned { grounds, tiles, .. } = planned;
-    let mut missed = false;
-    for (tile, slot) in tiles.iter_mut().zip(done) {
-        let ground = &grounds[tile.ground as usize];
-        let Shape::Bezier(patch) = &ground.shape else { continue };
-        let rounding = ground.lost();
-        let Some(done) = slot else { continue };
-        let by_bound = match done.bound > tile.tolerance + rounding {
-            true => (done.bound - rounding) / tile.tolerance,
-            false => 0.0,
-        };
-        let by_turn = over_turn(done, allowance);
-        let ratio = if by_bound > by_turn { by_bound } else { by_turn };
-        if ratio == 0.0 {
-            continue;
-        }
-        missed = true;
-        *slot = None;
-        let part = ground.part(patch, tile);
-        if by_turn > 0.0 && tile.strain > LARGEST_STRAIN_BY_TURN {
-            let [long, tall] = cell(&part, tile);
-            // The longer side of cells twice as fine, or both.
-            tile.n *= if tall > 2.0 * long { 1 } else { 2 };
-            tile.m *= if long > 2.0 * tall { 1 } else { 2 };
-            continue;
-        }
-        tile.strain *= ratio * if round < 3 { 1.01 } else { 1.1 };
-        let probe = Probe::new(&part);
-        let wanted = tile.tolerance / tile.strain;
-        let rates = probe.rates(&probe.need(wanted), wanted);
-        let before = (tile.n, tile.m);
-        (tile.n, tile.m, tile.rising) = (rates.n.max(tile.n), rates.m.max(tile.m), rates.rising);
-        if (tile.n, tile.m) == before {
-            *(if tile.n < tile.m { &mut tile.m } else { &mut tile.n }) += 1;
-        }
-    }
-    missed
-}
-
-/// Where a tile strained so much still misses the angle, its cells are of the wrong shape for it: the probe only knows of distances. Chosen.
-const LARGEST_STRAIN_BY_TURN: f64 = 16.0;
-
-/// How long and how tall the cells of a tile are, from its corners.
-fn cell(part: &Patch, tile: &Tile) -> [f64; 2] {
-    let corner = |i: usize, j: usize| DVec3::from(part.control[j][i]);
-    let [a, b, c, d] = [corner(0, 0), corner(3, 0), corner(3, 3), corner(0, 3)];
-    let along = |x: f64, y: f64, n: u32| (x + y) / f64::from(n);
-    [along((b - a).length(), (c - d).length(), tile.n), along((d - a).length(), (c - b).length(), tile.m)]
-}
-
-/// By how much less a tile whose normals miss what is allowed has to lose; 0 where they do not. A triangle's distance falls with the square of its
-/// normal's; not more than twice as many cells each way at once, since in folds normals do not settle.
-fn over_turn(done: &Done, allowance: &Allowance) -> f64 {
-    match (done.turn, allowance.turn) {
-        (Some(turn), Some(allowed)) if turn > allowed => {
-            let ratio = turn / allowed;
-            if ratio < 2.0 { ratio * ratio } else { 4.0 }
-        }
-        _ => 0.0,
-    }
-}
-
-/// What a tile lies on.
-#[derive(Clone, Copy, PartialEq)]
-enum Kind {
-    Bezier,
-    Rough,
-}
-
-impl Kind {
-    fn of(ground: &Ground<'_>) -> Self {
-        match ground.shape {
-            Shape::Bezier(_) => Self::Bezier,
-            Shape::Rough(_) => Self::Rough,
-        }
-    }
-}
-
-/// The strains, more for sheets with rough grounds that miss their tolerance, so that those are divided; `None` where there are none.
-fn strained(planned: &Planned<'_>, done: &[Option<Done>], allowance: &Allowance) -> Option<Vec<f64>> {
-    let Planned { grounds, tiles, strains, .. } = planned;
-    let (mut strains, mut missed) = (strains.clone(), false);
-    for (tile, done) in tiles.iter().zip(done) {
-        let ground = &grounds[tile.ground as usize];
-        let Some(done) = done.as_ref().filter(|_| Kind::of(ground) == Kind::Rough) else { continue };
-        let (rounding, bound) = (ground.lost(), done.bound);
-        let by_turn = over_turn(done, allowance);
-        if bound > tile.tolerance + rounding || by_turn > 0.0 {
-            missed = true;
-            let by_bound = (bound - rounding) / tile.tolerance;
-            let ratio = if by_bound > by_turn { by_bound } else { by_turn };
-            // Not by much at once: a corner that is cut off is off by far more than the next smaller one.
-            strains[tile.sheet as usize] *=
-                if ratio < LEAST_STRAIN { LEAST_STRAIN } else { MOST_STRAIN_AT_ONCE };
-        }
-    }
-    missed.then_some(strains)
-}
-
-/// By how much a sheet is strained whose rough ground missed by little, and otherwise; chosen: a halving brings a factor of 4.
-const LEAST_STRAIN: f64 = 1.25;
-const MOST_STRAIN_AT_ONCE: f64 = 2.0;
 
 /// Whether a tile has so few cells that its edges may fall together.
 fn is_coarse(tile: &Tile) -> bool {
