@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex
 from chordal import _chordal
 from chordal._arguments import function, text
 from chordal._arrays import coordinates
-from chordal._budget import Length, Share, wanted
+from chordal._budget import Length, Share, Wanted, wanted
 from chordal._mesh import Mesh
 from chordal._shape import Shape
 
@@ -47,6 +47,7 @@ class Volume(Shape):
         rel: Share | None = None,
         pixels: SupportsFloat | None = None,
         view: str | View | None = None,
+        angle: SupportsFloat | None = None,
         triangles: SupportsIndex | None = None,
         progress: Callable[[str, int, int], object] | None = None,
     ) -> Mesh:
@@ -70,16 +71,31 @@ class Volume(Shape):
             "labels": None if labels is None else [] if labels == "all" else _labels(labels),
         }
         source = self._source.surface(meant)
-        nothing = all(limit is None for limit in (tol, rel, pixels, view, triangles))
+        nothing = all(limit is None for limit in (tol, rel, pixels, view, angle, triangles))
         budget = (
             _NO_BUDGET
             if nothing
-            else wanted(tol=tol, rel=rel, pixels=pixels, view=view, triangles=triangles, counted="triangles")
+            else wanted(
+                tol=tol,
+                rel=rel,
+                pixels=pixels,
+                view=view,
+                angle=angle,
+                triangles=triangles,
+                counted="triangles",
+            )
         )
         return Mesh.of(source.mesh(budget, "ply", function("progress", progress)))
 
 
-_NO_BUDGET: Any = {"length": None, "pixels": None, "triangles": None, "segments": None, "spacing": "fewest"}
+_NO_BUDGET: Wanted = {
+    "length": None,
+    "pixels": None,
+    "angle_deg": None,
+    "triangles": None,
+    "segments": None,
+    "spacing": "fewest",
+}
 
 
 def _labels(labels: Sequence[int] | str) -> list[int]:
