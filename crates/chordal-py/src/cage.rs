@@ -190,7 +190,6 @@ fn polygons(numbers: &[u8], indices: &[u8], ends: &[u8]) -> Result<Polygon, Inva
 fn argument_of(error: &InvalidCage) -> &'static str {
     match error {
         InvalidCage::NotFinite { .. } | InvalidCage::WrongCount { .. } => "positions",
-        InvalidCage::NoLimit { .. } => "scheme",
         InvalidCage::NoSuchEdge { .. } => "creases",
         InvalidCage::NoSuchVertex { .. } => "corners",
         InvalidCage::NoSuchFace { .. } => "holes",

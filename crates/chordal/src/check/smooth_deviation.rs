@@ -82,7 +82,6 @@ pub fn cage_deviation(mesh: &Mesh, cage: &Cage, goal: &Goal, job: &Job) -> Resul
 
 fn no_surface<T>(error: InvalidCage) -> Result<T, Stopped> {
     let code = match error {
-        InvalidCage::NoLimit { .. } => Code::Unsupported,
         InvalidCage::TooMany { .. } => Code::TooManyTriangles,
         _ => Code::NotFinite,
     };

@@ -31,7 +31,7 @@ mod twins;
 pub use arc::{Arc, InvalidArc, Through};
 pub use bezier::{Bezier, Levels, bernstein};
 pub use bvh::{Bvh, Closest, Containment, Enclosure, Hit, Ray, Sides, Whereabouts, Winding};
-pub(crate) use bvh::{Soundings, nearest_on_triangle};
+pub(crate) use bvh::{Soundings, nearest_on_triangle, nearest_with_distance};
 pub use cage::limit::{Jet, LimitSurface, Sheet};
 pub use cage::{
     Boundary, Cage, Chart, CornerTexcoords, Creasing, INFINITELY_SHARP, InvalidCage, LinearTexcoords, Real,

@@ -2,6 +2,7 @@
 mod box3;
 mod double_double;
 pub mod elementary;
+mod exponent;
 mod interval;
 mod predicates;
 mod probe;
@@ -13,6 +14,7 @@ mod wide;
 
 pub use box3::Box3;
 pub(crate) use double_double::DoubleDouble;
+pub(crate) use exponent::{exponent, power_of_two};
 pub(crate) use interval::ends::Ends;
 pub use interval::{Interval, InvalidInterval};
 pub use predicates::{Orientation, Position, orient2d, orient3d, triangle_contains};

@@ -20,6 +20,14 @@ pub(crate) struct Allowance {
 }
 
 impl Allowance {
+    /// A rung, by its number, of a ladder of lengths from four sizes down with so many an octave: exact powers of two, times one of as many
+    /// fixed factors.
+    pub(crate) fn rung(size: f64, (k, an_octave): (u32, u32)) -> Self {
+        let step = libm::exp2(-f64::from(k % an_octave) / f64::from(an_octave));
+        let length = 4.0 * size * step * libm::exp2(-f64::from(k / an_octave));
+        Self { length: Some(length), pixels: None, turn: None }
+    }
+
     /// The length that may be lost in `place`; `None` where the eye is too close for any.
     pub(crate) fn at(&self, place: &Box3) -> Option<f64> {
         let by_view = match &self.pixels {

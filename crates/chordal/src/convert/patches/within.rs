@@ -95,15 +95,7 @@ const SMALL: u64 = 2000;
 fn by_count(mesher: &Mesher<'_>, asked: &Allowance, most: u64, job: &Job) -> Result<Bounded<Mesh>, Failed> {
     let most = most.min(job.triangle_limit).min((job.memory_limit as f64 / BYTES_PER_TRIANGLE) as u64);
     let size = mesher.longest_diagonal();
-    // The length of a rung: exact powers of two, times one of as many fixed factors as an octave has rungs.
-    let rung = |k: u32| {
-        let step = libm::exp2(-f64::from(k % RUNGS) / f64::from(RUNGS));
-        Allowance {
-            length: Some(4.0 * size * step * libm::exp2(-f64::from(k / RUNGS))),
-            pixels: None,
-            turn: None,
-        }
-    };
+    let rung = |k: u32| Allowance::rung(size, (k, RUNGS));
     let count = |k: u32| -> Result<u64, Failed> {
         match mesher.plan(&rung(k)) {
             Ok(planned) => Ok(planned.count(mesher)),

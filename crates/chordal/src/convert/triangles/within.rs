@@ -72,15 +72,7 @@ const MOST_RUNGS: u32 = 100 * RUNGS;
 fn by_count(mesher: &Mesher<'_>, asked: &Allowance, most: u64, job: &Job) -> Result<Bounded<Mesh>, Failed> {
     let most = most.min(limit_of(job));
     let size = mesher.longest_diagonal();
-    // Exact powers of two, times one of as many fixed factors as an octave has rungs.
-    let rung = |k: u32| {
-        let step = libm::exp2(-f64::from(k % RUNGS) / f64::from(RUNGS));
-        Allowance {
-            length: Some(4.0 * size * step * libm::exp2(-f64::from(k / RUNGS))),
-            pixels: None,
-            turn: None,
-        }
-    };
+    let rung = |k: u32| Allowance::rung(size, (k, RUNGS));
     let on = |k: u32| match mesher.prove(&rung(k), most) {
         Err(Failure::Refused(refusal)) if refusal.code == Code::BelowPrecision => Ok(None),
         other => other,

@@ -1,8 +1,8 @@
 //! The nearest triangle to a point.
-use super::frame::{Frame, down, exponent, power_of_two, up};
+use super::frame::{Frame, down, up};
 use super::triangle;
 use super::{Bvh, LAST, LEAF, Node, STACK, Triangle, WIDTH};
-use crate::math::{add_up, div_down, div_up, sub_down};
+use crate::math::{add_up, div_down, div_up, exponent, power_of_two, sub_down};
 
 /// The point of a mesh that is nearest to another.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,5 +1,5 @@
 //! `Frame`: the coordinates in which a [`Bvh`](super::Bvh) keeps its boxes.
-use crate::math::{Box3, sub_down, sub_up};
+use crate::math::{Box3, exponent, power_of_two, sub_down, sub_up};
 
 /// World → scaled: times a power of two, which changes no digit. Scaled → local: minus the middle of the mesh.
 /// In local coordinates the mesh lies within `[−1, 1]³`, wherever and however large it is.
@@ -9,17 +9,6 @@ pub(super) struct Frame {
     pub scale: f64,
     /// The middle of the mesh in scaled coordinates.
     pub middle: [f64; 3],
-}
-
-/// The exponent `e` with `2^(e−1) ≤ |x| < 2^e`; that of the smallest normal number for 0 and below.
-pub(super) fn exponent(x: f64) -> i32 {
-    let bits = (x.to_bits() >> 52 & 0x7ff) as i32;
-    if bits == 0 { -1021 } else { bits - 1022 }
-}
-
-/// `2^e` for `−1022 ≤ e ≤ 1023`; outside, the nearest of those.
-pub(super) fn power_of_two(e: i32) -> f64 {
-    f64::from_bits(((e.clamp(-1022, 1023) + 1023) as u64) << 52)
 }
 
 impl Frame {

@@ -29,6 +29,12 @@ pub(crate) fn nearest_on_triangle(q: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 
     triangle::nearest(q, corners).barycentric
 }
 
+/// The square of the distance from a point to a triangle, up to rounding.
+#[inline]
+pub(crate) fn nearest_with_distance(q: [f64; 3], corners: [[f64; 3]; 3]) -> f64 {
+    triangle::nearest(q, corners).distance_sq
+}
+
 /// Children of a node. Four f32 fill one SSE, NEON or WASM register.
 const WIDTH: usize = 4;
 /// Marks a child that is a run of triangles.

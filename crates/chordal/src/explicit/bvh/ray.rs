@@ -1,7 +1,7 @@
 //! The first triangle that a ray meets, without gaps between triangles that share an edge or a corner.
-use super::frame::{down, exponent, power_of_two, up};
+use super::frame::{down, up};
 use super::{Bvh, LAST, LEAF, Node, STACK, Triangle, WIDTH};
-use crate::math::Box3;
+use crate::math::{Box3, exponent, power_of_two};
 
 /// The points `origin + t · direction` for `t_min ≤ t ≤ t_max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +57,7 @@ pub enum Sides {
 
 impl Sides {
     #[inline]
-    fn has(self, front: bool) -> bool {
+    pub(crate) fn has(self, front: bool) -> bool {
         match self {
             Self::Both => true,
             Self::Front => front,

@@ -1,6 +1,7 @@
 //! The point of one triangle that is nearest to a query, and bounds on its distance that hold whatever the rounding.
-use super::frame::{exponent, power_of_two};
-use crate::math::{add_down, add_up, div_down, div_up, mul_down, mul_up, sqrt_up, sub_down, sub_up};
+use crate::math::{
+    add_down, add_up, div_down, div_up, exponent, mul_down, mul_up, power_of_two, sqrt_up, sub_down, sub_up,
+};
 use glam::DVec3;
 
 /// Nearest point of a triangle.

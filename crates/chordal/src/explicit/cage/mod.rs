@@ -359,11 +359,6 @@ pub enum InvalidCage {
         /// It.
         sharp: f64,
     },
-    /// The limit surface is asked for and not known for the scheme.
-    NoLimit {
-        /// It.
-        scheme: Scheme,
-    },
     /// Not as many values as vertices.
     WrongCount {
         /// How many there are to be.
@@ -415,7 +410,6 @@ impl fmt::Display for InvalidCage {
             Self::NoSuchVertex { index } => write!(f, "there is no vertex {index} to be sharp"),
             Self::NoSuchFace { face } => write!(f, "there is no face {face} to be a hole"),
             Self::Sharpness { sharp } => write!(f, "a sharpness is 0 or more, not {sharp}"),
-            Self::NoLimit { scheme } => write!(f, "the limit surface of the {scheme:?} scheme is not known"),
             Self::WrongCount { expected, found } => {
                 write!(f, "there are {found} values for {expected} vertices")
             }

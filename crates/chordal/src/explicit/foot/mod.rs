@@ -7,8 +7,8 @@ use super::cage::limit::{Sheet, Square};
 use super::{LimitSurface, Patch, Scheme};
 use crate::budget::{Code, Job, Refusal, Stopped, Tolerance, par_map};
 use crate::math::{
-    Box3, add_down, add_up, div_down, div_up, flushes_subnormals, length_up, mul_down, mul_up, sqrt_down,
-    sub_down, sub_up,
+    Box3, add_down, add_up, div_down, div_up, exponent, flushes_subnormals, length_up, mul_down, mul_up,
+    power_of_two, sqrt_down, sub_down, sub_up,
 };
 use boxes::{Boxes, gaps_down};
 use glam::DVec3;
@@ -314,17 +314,6 @@ fn box_up(p: [f64; 3], bounds: &Box3) -> f64 {
     length_up(std::array::from_fn::<f64, 3, _>(|k| {
         larger(sub_up(p[k], bounds.min[k]), sub_up(bounds.max[k], p[k]))
     }))
-}
-
-/// The exponent `e` with `2^(e−1) ≤ x < 2^e`; that of the smallest normal number for 0 and below.
-fn exponent(x: f64) -> i32 {
-    let bits = (x.to_bits() >> 52 & 0x7ff) as i32;
-    if bits == 0 { -1021 } else { bits - 1022 }
-}
-
-/// `2^e`, or the nearest that is a normal number.
-fn power_of_two(e: i32) -> f64 {
-    f64::from_bits(((e.clamp(-1022, 1023) + 1023) as u64) << 52)
 }
 
 fn check_memory(count: usize, bytes: u64, job: &Job) -> Result<(), Stopped> {
