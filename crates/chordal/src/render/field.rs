@@ -88,15 +88,15 @@ pub(super) fn refused(message: String) -> NotDrawn {
 ///
 /// The light is that of [`super::render`]. The surface is where the sign of the field changes, found on each ray to
 /// 2⁻⁴² of the size, and its normal is the gradient. A field that does not depend on z is drawn as a drawing in the plane:
-/// dark inside, seen from straight above unless a camera is given. Of what [`Show`] offers, edges of triangles are
-/// refused, and flat is what shaded is.
+/// dark inside, seen from straight above unless a camera is given. Of what [`Show`] offers, edges of triangles and
+/// lanes launched for them are refused, and flat is what shaded is.
 ///
 /// The bytes are the same on any number of threads and every target.
 ///
 /// Cost: cells around the surface once; then as for a mesh, with some 5 values of the field a ray.
 ///
 /// # Errors
-/// [`NotDrawn`]: as for [`super::render`]; when the field has no finite box; for edges; and when a leaf fails.
+/// [`NotDrawn`]: as for [`super::render`]; when the field has no finite box; for edges and lanes; and when a leaf fails.
 ///
 /// ```
 /// use chordal::implicit::{Distance, Expr, Field};
@@ -115,6 +115,9 @@ pub(super) fn refused(message: String) -> NotDrawn {
 pub fn render_field(field: &Field, options: &Options, job: &Job) -> Result<FieldPicture, NotDrawn> {
     if options.show == Show::Wire {
         return Err(refused("a field has no edges to show; wire is for meshes".to_owned()));
+    }
+    if options.show == Show::Overshade {
+        return Err(refused("a field has no triangles to shade: mesh it first".to_owned()));
     }
     if !Tape::of(field.sign()).axes()[2] {
         return draw(field, options, job);

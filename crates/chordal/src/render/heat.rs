@@ -20,13 +20,13 @@ const COLORS: [[u8; 3]; 5] = [[240, 242, 243], [250, 213, 92], [237, 122, 46], [
 pub(super) struct Heat {
     bvh: Bvh,
     most: f64,
-    colors: [DVec3; COLORS.len()],
+    ramp: Ramp,
 }
 
 impl Heat {
     pub fn new(against: Against, job: &Job) -> Result<Self, Stopped> {
         let bvh = Bvh::build(against.mesh, job)?;
-        Ok(Self { bvh, most: against.most, colors: COLORS.map(light) })
+        Ok(Self { bvh, most: against.most, ramp: Ramp::new() })
     }
 
     /// The colour of a place.
@@ -35,9 +35,23 @@ impl Heat {
         let share = off / self.most;
         // 0/0 is no distance on a scale without extent.
         let share = if share < 1.0 || off == 0.0 { if share > 0.0 { share } else { 0.0 } } else { 1.0 };
+        self.ramp.at(share)
+    }
+}
+
+/// The colours as light.
+pub(super) struct Ramp([DVec3; COLORS.len()]);
+
+impl Ramp {
+    pub fn new() -> Self {
+        Self(COLORS.map(light))
+    }
+
+    /// The colour at a share of the way from the first to the last, 0 to 1.
+    pub fn at(&self, share: f64) -> DVec3 {
         let step = share * (COLORS.len() - 1) as f64;
         let below = (step as usize).min(COLORS.len() - 2);
-        self.colors[below].lerp(self.colors[below + 1], step - below as f64)
+        self.0[below].lerp(self.0[below + 1], step - below as f64)
     }
 }
 

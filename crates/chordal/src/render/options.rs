@@ -16,6 +16,8 @@ pub enum Show {
     /// Stripes of a room as the surface mirrors them: they jump at edges, bend where only tangent planes agree, and run on smoothly where
     /// curvatures agree. By the mesh's own normals, as [`Show::Shaded`].
     Zebra,
+    /// How many lanes a graphics processor launches for each pixel: see [`super::render_overshade`].
+    Overshade,
 }
 
 /// Which sides of triangles are left out of a picture, as graphics processors do.

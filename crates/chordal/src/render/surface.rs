@@ -41,7 +41,7 @@ impl<'a> Surface<'a> {
     pub fn new(mesh: &'a Mesh, options: &Options, job: &Job) -> Result<Self, Stopped> {
         let bvh = Bvh::build(mesh, job)?;
         let normals = match options.show {
-            Show::Flat | Show::Wire => Normals::Flat,
+            Show::Flat | Show::Wire | Show::Overshade => Normals::Flat,
             Show::Shaded | Show::Normals | Show::Zebra => Normals::of(mesh),
         };
         // Rays leave a surface this far out: above the rounding of hits, below what a picture of 10^5 pixels shows.

@@ -7,7 +7,7 @@ use super::options::{Background, Options, Show, Viewpoint};
 use super::pattern::Pattern;
 use super::surface::Surface;
 use super::zebra::stripe;
-use super::{Picture, frame};
+use super::{Picture, frame, render_overshade};
 use crate::budget::{Camera, Code, Job, Progress, Refusal, Screen, Stopped, View, par_map};
 use crate::explicit::{Mesh, Ray};
 use glam::DVec3;
@@ -46,6 +46,9 @@ const MOST_SAMPLES: u32 = 16;
 /// # Ok::<(), chordal::budget::Stopped>(())
 /// ```
 pub fn render(mesh: &Mesh, options: &Options, job: &Job) -> Result<Picture, Stopped> {
+    if options.show == Show::Overshade {
+        return Ok(render_overshade(mesh, options, job)?.0);
+    }
     shoot(mesh, options, None, job)
 }
 
@@ -221,7 +224,7 @@ impl Tracer<'_> {
         let color = match self.options.show {
             Show::Normals => spot.normal_as_color(),
             Show::Zebra => stripe(spot.normal, direction, DVec3::from(self.options.up.direction())),
-            Show::Shaded | Show::Flat => {
+            Show::Shaded | Show::Flat | Show::Overshade => {
                 let lit = self.studio.shade(&mut &self.surface, &spot, direction, rays);
                 match &self.heat {
                     Some(heat) => self.studio.tinted(lit, &spot, heat.at(ray.at(hit.t))),

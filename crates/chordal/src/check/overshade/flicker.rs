@@ -1,0 +1,100 @@
+//! `Flicker`: how much the picture changes when the view moves by less than a pixel.
+use super::banded::{Band, Banded, MOST_SHIFT, NOBODY};
+use super::over_bands;
+use super::projected::{CHUNK, Projected};
+use crate::budget::{Camera, Job, Stopped, par_map};
+use crate::explicit::{Mesh, Sides, face_normal};
+use glam::DVec3;
+
+/// Shifts along an axis, in steps of 1/256 of a pixel: a quarter of a pixel apart, about the pixel's centre.
+const SHIFTS: [i64; 4] = [-96, -32, 32, 96];
+const _: () = assert!(SHIFTS[3] <= MOST_SHIFT);
+/// Shifts in all.
+const N: usize = SHIFTS.len() * SHIFTS.len();
+/// Where the light comes from: the viewer's left shoulder, in the directions of the screen and of the eye.
+const LIGHT: [f64; 3] = [-1.0, 1.0, 2.0];
+
+/// How much the picture of a mesh changes when the view moves by less than a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Flicker {
+    /// The root of the mean square of how far a pixel's shade is from its own mean over the shifts, 0 to 1/2, where 1 is
+    /// the way from black to white; 0 when no pixel is looked at.
+    pub rms: f64,
+    /// The pixels that are looked at: those that are covered at every shift, so that outlines do not count.
+    pub n_pixels: u64,
+}
+
+/// Draws the mesh with a depth test at 16 shifts of the view, ±1/8 and ±3/8 of a pixel along both axes, and compares.
+///
+/// The shade of a triangle is `½ + ½·n·l`: `n` is its unit normal on the side that is seen (0 for one without area), and `l`
+/// the unit vector in the direction of (−1, 1, 2) to the right of the screen, up on it and towards the eye. So a smooth
+/// surface that is cut finely has the little that its shade changes within a pixel, and a mesh that hides detail
+/// smaller than a pixel has all of that detail. The rest is as for [`super::overshade`]; so are errors. Cost: 16 times
+/// as much.
+///
+/// # Errors
+/// As for [`super::overshade`].
+///
+/// ```
+/// use chordal::{Job, Mesh, View, check::flicker, explicit::Sides};
+/// let flat = Mesh::new(vec![[-4., -4., 0.], [4., -4., 0.], [-4., 4., 0.]], vec![[0, 1, 2]]).unwrap();
+/// let View::Camera(camera) = "8x8 height=8 eye=0,0,1 target=0,0,0".parse()? else { unreachable!() };
+/// let found = flicker(&flat, &camera, Sides::Both, &Job::default()).unwrap();
+/// assert_eq!((found.rms, found.n_pixels), (0.0, 28)); // one shade, wherever it is seen
+/// # Ok::<(), chordal::budget::InvalidView>(())
+/// ```
+pub fn flicker(mesh: &Mesh, camera: &Camera, sides: Sides, job: &Job) -> Result<Flicker, Stopped> {
+    let banded = Banded::new(mesh, camera, sides, job)?;
+    let shades = shades(&banded.projected, job);
+    let bands = over_bands(&banded, job, |band| of_band(&banded, band, &shades, job))?;
+    let (mut sum, mut n_pixels) = (0.0, 0);
+    for (changed, n) in bands {
+        sum += changed;
+        n_pixels += n;
+    }
+    let rms = if n_pixels == 0 { 0.0 } else { (sum / (n_pixels as f64 * N as f64)).sqrt() };
+    Ok(Flicker { rms, n_pixels })
+}
+
+/// The shade of every triangle.
+fn shades(projected: &Projected, job: &Job) -> Vec<f32> {
+    let [right, up, back] = projected.axes();
+    let light = (right * LIGHT[0] + up * LIGHT[1] + back * LIGHT[2]).normalize_or_zero();
+    let n_faces = projected.mesh.faces().len();
+    let starts: Vec<usize> = (0..n_faces).step_by(CHUNK).collect();
+    let shade = |face: usize| {
+        let corners = projected.mesh.corners(face);
+        let normal = face_normal(corners).map_or(DVec3::ZERO, DVec3::from);
+        let seen = if projected.sees_front(corners[0], normal) { normal } else { -normal };
+        (0.5 + 0.5 * seen.dot(light)) as f32
+    };
+    let chunks = par_map(job, &starts, |_, start| -> Vec<f32> {
+        (*start..n_faces.min(start + CHUNK)).map(shade).collect()
+    });
+    chunks.concat()
+}
+
+/// The sum of the squares of all changes in a band, and how many pixels were looked at.
+fn of_band(banded: &Banded, band: &Band, shades: &[f32], job: &Job) -> (f64, u64) {
+    let n = (banded.projected.size[0] * (band.rows[1] - band.rows[0])) as usize;
+    let (mut sums, mut squares, mut hits) = (vec![0.0; n], vec![0.0; n], vec![0_u8; n]);
+    for shift in SHIFTS.iter().flat_map(|y| SHIFTS.map(|x| [x, *y])) {
+        if job.is_cancelled() {
+            return (0.0, 0);
+        }
+        for (at, face) in banded.nearest(band, shift).into_iter().enumerate() {
+            if face != NOBODY {
+                // Single precision: 16 equal shades and their squares add up without rounding, so they change by 0.
+                let shade = f64::from(shades[face as usize]);
+                sums[at] += shade;
+                squares[at] += shade * shade;
+                hits[at] += 1;
+            }
+        }
+    }
+    let all = (0..n).filter(|at| usize::from(hits[*at]) == N);
+    all.fold((0.0, 0), |(changed, n_pixels), at| {
+        let change = squares[at] - sums[at] * sums[at] / N as f64;
+        (changed + if change > 0.0 { change } else { 0.0 }, n_pixels + 1)
+    })
+}

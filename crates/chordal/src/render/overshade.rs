@@ -1,0 +1,126 @@
+//! The picture of what a graphics processor shades: how many lanes are launched for each pixel.
+use super::color::srgb;
+use super::frame;
+use super::heat::Ramp;
+use super::options::{Background, Cull, Options, Viewpoint};
+use super::picture::Picture;
+use super::trace::backdrop;
+use crate::budget::{Camera, Job, Stopped};
+use crate::check::{Overshade, overshade};
+use crate::explicit::{Mesh, Sides};
+
+/// Lanes a pixel at which the last colour is reached.
+pub const DARKEST_LANES: u32 = 16;
+
+/// The figures of a mesh at the camera of the options, and a picture of them: light where one lane is launched for a
+/// pixel, over yellow for two, orange for four and red for eight to dark violet for 16 and more. All lanes count, those
+/// of hidden triangles too; `options.cull` says which sides are left out. Pixels without a lane show the background.
+/// One sample a pixel: what else the options say is left out.
+///
+/// # Errors
+/// As for [`overshade`].
+///
+/// ```
+/// use chordal::{Job, Mesh, render::{Options, render_overshade}};
+/// let mesh = Mesh::new(vec![[0., 0., 0.], [1., 0., 0.], [0., 0., 1.]], vec![[0, 1, 2]]).unwrap();
+/// let (picture, found) = render_overshade(&mesh, &Options::sized(40, 30), &Job::default())?;
+/// assert_eq!((picture.width, picture.height), (40, 30));
+/// assert!(found.ratio() > 1.0 && found.ratio() < 2.0);
+/// # Ok::<(), chordal::budget::Stopped>(())
+/// ```
+pub fn render_overshade(mesh: &Mesh, options: &Options, job: &Job) -> Result<(Picture, Overshade), Stopped> {
+    let camera = match options.viewpoint {
+        Viewpoint::Automatic(screen) => frame(mesh, options.up, screen),
+        Viewpoint::Camera(camera) => camera,
+    };
+    let sides = match options.cull {
+        Cull::None => Sides::Both,
+        Cull::Back => Sides::Front,
+        Cull::Front => Sides::Back,
+    };
+    let found = overshade(mesh, &camera, sides, job)?;
+    let picture = picture(&found, &camera, options.background);
+    Ok((picture, found))
+}
+
+fn picture(found: &Overshade, camera: &Camera, background: Background) -> Picture {
+    let [width, height] = [camera.screen.width_px, camera.screen.height_px];
+    let columns = found.quad_columns as usize;
+    let ramp = Ramp::new();
+    let doublings = f64::from(DARKEST_LANES.ilog2());
+    // The scale doubles; between two doublings it is straight.
+    let colors: Vec<[u8; 4]> = (0..=DARKEST_LANES)
+        .map(|lanes| {
+            let whole = lanes.max(1).ilog2();
+            let rest = f64::from(lanes.max(1)) / f64::from(1_u32 << whole) - 1.0;
+            let [r, g, b] = ramp.at((f64::from(whole) + rest) / doublings).to_array().map(srgb);
+            [r, g, b, 255]
+        })
+        .collect();
+    let mut rgba = Vec::with_capacity(4 * width as usize * height as usize);
+    for y in 0..height {
+        let empty = match background {
+            Background::Studio => {
+                let [r, g, b] = backdrop(y, height).to_array().map(srgb);
+                [r, g, b, 255]
+            }
+            Background::Shadow | Background::Transparent => [0; 4],
+        };
+        for x in 0..width {
+            let lanes = found.launches[(y / 2) as usize * columns + (x / 2) as usize];
+            rgba.extend(if lanes == 0 { empty } else { colors[lanes.min(DARKEST_LANES) as usize] });
+        }
+    }
+    Picture { width, height, rgba }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::budget::{Projection, Screen};
+
+    #[test]
+    fn each_quad_has_the_colour_of_its_launches() {
+        // Two triangles over the upper left corner of the screen, of which the second lies over one quad alone.
+        let mesh = Mesh::new(
+            vec![
+                [0.0, 0.0, 0.0],
+                [0.0, -7.5, 0.0],
+                [7.5, 0.0, 0.0],
+                [1.9, -0.1, 1.0],
+                [0.1, -0.1, 1.0],
+                [0.1, -1.9, 1.0],
+            ],
+            vec![[0, 1, 2], [3, 4, 5]],
+        );
+        let screen = Screen { width_px: 12, height_px: 12 };
+        let camera = Camera {
+            eye: [6.0, -6.0, 9.0],
+            target: [6.0, -6.0, 0.0],
+            up: [0.0, 1.0, 0.0],
+            near: 0.0,
+            projection: Projection::Orthographic { height: 12.0 },
+            screen,
+        };
+        let options = Options {
+            viewpoint: Viewpoint::Camera(camera),
+            background: Background::Transparent,
+            ..Options::default()
+        };
+        let (picture, found) = render_overshade(&mesh.unwrap(), &options, &Job::default()).unwrap();
+        let color = |share: f64| {
+            let [r, g, b] = Ramp::new().at(share).to_array().map(srgb);
+            [r, g, b, 255]
+        };
+        for (x, y) in (0..12).flat_map(|y| (0..12).map(move |x| (x, y))) {
+            let (column, row) = (x / 2, y / 2);
+            let expected = match (column, row) {
+                (0, 0) => color(0.25),
+                _ if column + row <= 3 => color(0.0),
+                _ => [0; 4],
+            };
+            assert_eq!(picture.pixel(x, y), expected, "({x}, {y})");
+        }
+        assert_eq!(found.launches.iter().sum::<u32>(), 11);
+    }
+}
