@@ -19,13 +19,14 @@
 //!
 //! The rooms, lowest first; imports only go down: [`math`], [`budget`], [`explicit`] and
 //! [`implicit`], [`check`],
-//! [`convert`], [`mend`], [`render`]. ARCHITECTURE.md has the picture.
+//! [`convert`], [`lod`], [`mend`], [`render`]. ARCHITECTURE.md has the picture.
 
 pub mod budget;
 pub mod check;
 pub mod convert;
 pub mod explicit;
 pub mod implicit;
+pub mod lod;
 pub mod math;
 pub mod mend;
 pub mod render;
@@ -47,13 +48,16 @@ pub use explicit::{Bezier, Curve, Mesh, Patch, Polyline};
 #[doc = include_str!("../../../docs/formats.md")]
 #[doc = include_str!("../../../docs/grid_to_mesh.md")]
 #[doc = include_str!("../../../docs/inspect.md")]
+#[doc = include_str!("../../../docs/lod.md")]
 #[doc = include_str!("../../../docs/mend.md")]
 #[doc = include_str!("../../../docs/normals.md")]
 #[doc = include_str!("../../../docs/gpu_buffers.md")]
 #[doc = include_str!("../../../docs/outlines_to_mesh.md")]
+#[doc = include_str!("../../../docs/overshade.md")]
 #[doc = include_str!("../../../docs/patches_to_mesh.md")]
 #[doc = include_str!("../../../docs/polygons.md")]
 #[doc = include_str!("../../../docs/segments.md")]
+#[doc = include_str!("../../../docs/simplify.md")]
 #[doc = include_str!("../../../docs/splines.md")]
 #[doc = include_str!("../../../docs/triangle.md")]
 #[doc = include_str!("../../../docs/view.md")]

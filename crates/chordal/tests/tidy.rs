@@ -209,10 +209,18 @@ const MACHINE: [&str; 5] = [
     concat!(r"C:\Us", r"ers\"),
 ];
 
+/// What follows the first of them in a JSON pointer into a tileset, whose first tile has that name.
+const TILE_KEYS: [&str; 7] =
+    ["boundingVolume", "children", "content", "geometricError", "implicitTiling", "refine", "transform"];
+
 /// Lines of a text that name a folder of one machine. `~`, `$HOME` and the system's temporary folder by name are the
 /// ways to say it.
 fn machine_paths(path: &str, text: &str) -> Vec<String> {
-    let named = |line: &str| MACHINE.iter().find(|folder| line.contains(*folder)).copied();
+    let is_pointer = |rest: &str| TILE_KEYS.iter().any(|key| rest.starts_with(key));
+    let names = |line: &str, folder: &str| {
+        line.split(folder).skip(1).any(|rest| folder != MACHINE[0] || !is_pointer(rest))
+    };
+    let named = |line: &str| MACHINE.iter().find(|folder| names(line, folder)).copied();
     text.lines()
         .enumerate()
         .filter_map(|(n, line)| {
@@ -369,6 +377,9 @@ fn machine_paths_and_dead_links_are_found() {
         assert_eq!(machine_paths("a.md", &format!("see\n{folder}x\n")).len(), 1, "{folder}");
     }
     assert!(machine_paths("a.md", "see ../shared/data, ~/x and /etc/passwd").is_empty());
+    let pointer = format!("{}children/0", MACHINE[0]);
+    assert!(machine_paths("a.md", &format!("tile {pointer}")).is_empty());
+    assert_eq!(machine_paths("a.md", &format!("{pointer} {}child", MACHINE[0])).len(), 1);
     let exists = |path: &Path| path == Path::new("docs/view.md") || path == Path::new("docs/../README.md");
     let page = "[a](view.md) [b](../README.md#top) [c](https://example.org/x) [d](#here)";
     assert!(dead_links("docs/budget.md", page, &exists).is_empty());

@@ -109,6 +109,24 @@ impl View {
     }
 }
 
+impl Closest {
+    /// Pixels a unit of length at depth 1 in the middle of the picture, `height/(2·tan(fov/2))`, rounded up; none for parallel
+    /// rays.
+    ///
+    /// ```
+    /// use chordal::View;
+    /// let View::Closest(view) = "1000x1000 fov=90 dist=1".parse::<View>()? else { panic!() };
+    /// assert!((view.focal_px().unwrap() - 500.0).abs() < 1e-9);
+    /// # Ok::<(), chordal::budget::InvalidView>(())
+    /// ```
+    #[must_use]
+    pub fn focal_px(&self) -> Option<f64> {
+        let Projection::Perspective { fov_y_deg } = self.projection else { return None };
+        let (low, _) = half_tan(fov_y_deg);
+        (low > 0.0).then(|| div_up(f64::from(self.screen.height_px), mul_down(2.0, low)))
+    }
+}
+
 impl Lens {
     fn new(projection: Projection, screen: Screen, seat: Seat) -> Self {
         let (w, h) = (f64::from(screen.width_px), f64::from(screen.height_px));

@@ -51,6 +51,11 @@ impl Limit {
         // Twice, for the roundings on the way back.
         Self { within: sub_down(limit, 2.0 * moved), beyond: add_up(limit, 2.0 * moved) }
     }
+
+    /// What is at most this is within the limit, rounding included.
+    pub fn within(&self) -> f64 {
+        self.within
+    }
 }
 
 impl Wanted {

@@ -38,6 +38,11 @@ impl<'a> Side<'a> {
         }
     }
 
+    /// The square of the distance of a point to this surface, up to rounding.
+    pub fn distance_sq(&self, at: [f64; 3]) -> f64 {
+        self.bvh.closest_point(at).map_or(f64::INFINITY, |closest| closest.distance_sq)
+    }
+
     /// The distance of a point to this surface, from below.
     pub fn at_least(&self, at: [f64; 3]) -> f64 {
         self.bvh.closest_distance_down(at).unwrap_or(0.0)

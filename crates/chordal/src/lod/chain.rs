@@ -1,0 +1,169 @@
+//! `chain`: a shape as levels with ever larger errors and ever fewer triangles, each with its own bound.
+use super::reduction::Kept;
+use super::simplify::simplify;
+use crate::budget::{Bound, Bounded, Budget, Code, Failure, Job, Reference, Refusal, Stopped, Tolerance};
+use crate::explicit::{Mesh, Topology};
+use crate::math::sub_down;
+use std::borrow::Cow;
+
+/// One level of detail.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    /// The triangles.
+    pub mesh: Mesh,
+    /// How far they are from the true shape: proved.
+    pub bound: Bound,
+    /// What could not shrink, and what went altogether.
+    pub kept: Kept,
+}
+
+impl Level {
+    /// The error that is proved.
+    #[must_use]
+    pub fn error(&self) -> f64 {
+        self.bound.at_most().unwrap_or(f64::INFINITY)
+    }
+}
+
+/// A shape from which levels are made.
+pub enum Source<'a> {
+    /// Triangles, which are the truth.
+    Triangles(&'a Mesh, Topology),
+    /// Something smooth: makes triangles within a length of it, with a proof.
+    Smooth(&'a mut dyn FnMut(Tolerance) -> Result<Bounded<Mesh>, Stopped>),
+}
+
+/// Which levels to make.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steps {
+    /// What the finest level may lose.
+    pub finest: Tolerance,
+    /// By how much each level may lose more than the one before, > 1. 2 halves the triangles of a smooth surface.
+    pub factor: f64,
+    /// A level with at most so many triangles is the last.
+    pub enough: usize,
+}
+
+impl Steps {
+    /// Levels from `finest` on, each twice as coarse, until 64 triangles or fewer.
+    #[must_use]
+    pub fn from(finest: Tolerance) -> Self {
+        Self { finest, factor: 2.0, enough: 64 }
+    }
+}
+
+/// The share of the finest level's error that making triangles of something smooth may use; what is left goes to
+/// simplifying them, which spends it better. Chosen: less takes long to make and prove.
+const SHARE_OF_SOURCE: f64 = 0.5;
+/// A level that has more than this share of the triangles of the one before is left out.
+const WORTH_IT: f64 = 0.8;
+/// Steps in a row without a level before the chain ends: nothing gets coarser any more.
+const IDLE_STEPS: u32 = 4;
+/// Levels at most: 2⁴⁸ between the finest and the coarsest error.
+const MOST_STEPS: u32 = 48;
+
+/// Levels of a shape, the finest first. Errors grow strictly from level to level, and triangles become fewer.
+///
+/// No level is made from the level before, and each bound is against the source. Triangles are simplified for each level
+/// by themselves. Something smooth is turned into triangles once, within half of the finest error; each level has fewer of
+/// those, and the two proofs are added. The first level is within `steps.finest`; the chain ends where `steps.enough`
+/// triangles are left or where larger errors bring no fewer.
+///
+/// Cost: one [`simplify`] a level; for something smooth its own triangles once as well.
+///
+/// # Errors
+/// As for [`simplify`], and those of the source; [`Code::Budget`] for a factor that is not larger than 1;
+/// [`Code::Unsupported`] where a source gives triangles without a bound from above.
+///
+/// ```
+/// use chordal::{Job, Mesh, Tolerance, explicit::Topology, lod::{Source, Steps, chain}};
+/// // A roof over a square of 32 × 32 cells.
+/// let at = |i: u32, j: u32| [f64::from(i), f64::from(j), 16.0 - (f64::from(i) - 16.0).powi(2) / 16.0];
+/// let positions = (0..33).flat_map(|i| (0..33).map(move |j| at(i, j))).collect();
+/// let cell = |i: u32, j: u32| { let a = 33 * i + j; [[a, a + 33, a + 34], [a, a + 34, a + 1]] };
+/// let roof = Mesh::new(positions, (0..32).flat_map(|i| (0..32).flat_map(move |j| cell(i, j))).collect())?;
+/// let source = Source::Triangles(&roof, Topology::Indices);
+/// let steps = Steps { enough: 4, ..Steps::from(Tolerance::new(0.1)?) };
+/// let levels = chain(source, &steps, &Job::default()).expect("proved");
+/// assert!(levels.len() > 3 && levels[0].error() <= 0.1);
+/// assert!(levels.windows(2).all(|w| w[0].error() < w[1].error()));
+/// assert!(levels.windows(2).all(|w| w[0].mesh.faces().len() > w[1].mesh.faces().len()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn chain(mut source: Source<'_>, steps: &Steps, job: &Job) -> Result<Vec<Level>, Stopped> {
+    if steps.factor.is_nan() || steps.factor <= 1.0 {
+        return refused(Code::Budget, format!("errors grow by a factor larger than 1, not {}", steps.factor));
+    }
+    let (made, topology): (Bounded<Cow<'_, Mesh>>, Topology) = match &mut source {
+        Source::Triangles(mesh, topology) => {
+            let bound = Bound::proved(0.0, 0.0, Reference::InputTriangles);
+            (Bounded { shape: Cow::Borrowed(*mesh), bound }, *topology)
+        }
+        Source::Smooth(make) => {
+            let share = Tolerance::new(steps.finest.get() * SHARE_OF_SOURCE).unwrap_or(steps.finest);
+            (make(share)?.map(Cow::Owned), Topology::Indices)
+        }
+    };
+    if made.bound.at_most().is_none() {
+        return refused(
+            Code::Unsupported,
+            "levels need a bound that is proved, and this shape has none at that error",
+        );
+    }
+    let mut levels: Vec<Level> = Vec::new();
+    let (mut error, mut idle) = (steps.finest, 0);
+    for _ in 0..MOST_STEPS {
+        let level = level_within(&made, (topology, error), job)?;
+        let is_new = levels.last().is_none_or(|finer| {
+            let fewer = level.mesh.faces().len() as f64 <= WORTH_IT * finer.mesh.faces().len() as f64;
+            fewer && level.error() > finer.error()
+        });
+        idle = if is_new { 0 } else { idle + 1 };
+        if is_new {
+            levels.push(level);
+        }
+        let few = levels.last().is_some_and(|level| level.mesh.faces().len() <= steps.enough);
+        let coarser = Tolerance::new(error.get() * steps.factor);
+        match coarser {
+            Ok(coarser) if !few && idle < IDLE_STEPS => error = coarser,
+            _ => break,
+        }
+    }
+    Ok(levels)
+}
+
+/// One level: fewer of the triangles that were made, within what their own bound leaves.
+fn level_within(
+    made: &Bounded<Cow<'_, Mesh>>,
+    (topology, error): (Topology, Tolerance),
+    job: &Job,
+) -> Result<Level, Stopped> {
+    let used = made.bound.at_most().unwrap_or(f64::INFINITY);
+    let left = if used == 0.0 { error.get() } else { sub_down(error.get(), used) };
+    let Ok(left) = Tolerance::new(left) else {
+        return Ok(Level {
+            mesh: made.shape.clone().into_owned(),
+            bound: made.bound.clone(),
+            kept: Kept::default(),
+        });
+    };
+    let fewer = stopped(simplify(&made.shape, &Budget::length(left), topology, job))?;
+    let bound = if used == 0.0 { fewer.bound } else { made.bound.then(&fewer.bound) };
+    Ok(Level { mesh: fewer.shape.mesh, bound, kept: fewer.shape.kept })
+}
+
+/// A length alone is never unmet.
+fn stopped<T>(made: Result<T, Failure<super::Simplified>>) -> Result<T, Stopped> {
+    made.map_err(|failure| match failure {
+        Failure::Refused(refusal) => Stopped::Refused(refusal),
+        Failure::Cancelled => Stopped::Cancelled,
+        Failure::Unmet(best) => {
+            let message = format!("no simpler mesh was found within the length: {}", best.bound);
+            Stopped::Refused(Refusal { code: Code::BelowPrecision, message })
+        }
+    })
+}
+
+fn refused<T>(code: Code, message: impl Into<String>) -> Result<T, Stopped> {
+    Err(Stopped::Refused(Refusal { code, message: message.into() }))
+}

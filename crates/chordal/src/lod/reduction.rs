@@ -1,0 +1,415 @@
+//! `Reduction`: a mesh on its way to fewer triangles, from the first look at it to each mesh that is taken out.
+use super::engine::{Engine, Kind, Until};
+use super::flat::{is_flat, normal_now};
+use super::surface::{NONE, Surface, Taken};
+use super::watch::{Care, Watch};
+use super::wedges::{Wedges, is_carried};
+use crate::budget::{Job, Stopped};
+use crate::check::{Judge, Places};
+use crate::explicit::{Attribute, Domain, InvalidMesh, Mesh, Sets, Topology};
+use crate::math::{Box3, difference, exponent, length, power_of_two};
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// World → local: minus the middle of the mesh, times a power of two that brings the extent to 1 or less.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    origin: [f64; 3],
+    scale: f64,
+}
+
+impl Frame {
+    fn of(bounds: &Box3) -> Self {
+        // Halved before the difference, which might overflow.
+        let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
+        let half = half.fold(0.0, |most, x| if x > most { x } else { most });
+        // A scale and its inverse are normal numbers.
+        Self { origin: bounds.centre(), scale: power_of_two(-exponent(half).clamp(-1000, 1000)) }
+    }
+
+    fn local(&self, p: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|k| (p[k] - self.origin[k]) * self.scale)
+    }
+
+    fn world(&self, p: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|k| p[k] / self.scale + self.origin[k])
+    }
+}
+
+/// What was found where the mesh is not a surface that shrinks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Kept {
+    /// Vertices that stayed where they are, because edges with three faces, faces wound against each other or several fans meet there.
+    pub tied_vertices: u64,
+    /// Faces with two corners at one position, which are left out.
+    pub collapsed_faces: u64,
+    /// Separate pieces that were so small or so close to others that the budget covers their absence.
+    pub vanished_components: u64,
+}
+
+pub(super) struct Reduction<'a> {
+    mesh: &'a Mesh,
+    frame: Frame,
+    engine: Engine,
+    row: Vec<u32>,
+    /// Whether it is a part of a larger mesh: where it is tied, something else may hang on it.
+    is_part: bool,
+    pub kept: Kept,
+}
+
+impl<'a> Reduction<'a> {
+    pub fn of(mesh: &'a Mesh, topology: Topology) -> Self {
+        Self::of_part(mesh, topology, &[])
+    }
+
+    /// A part of a larger mesh, whose rows that `stays` says stay where they are, with all edges and values between
+    /// them. Rows of one position stay together; an empty list is a whole mesh.
+    pub fn of_part(mesh: &'a Mesh, topology: Topology, stays: &[bool]) -> Self {
+        let is_part = !stays.is_empty();
+        let ids = topology.ids(mesh);
+        let Taken { surface, place, mut is_tied, row, collapsed } = Surface::of(mesh, ids.as_deref());
+        let used = mesh.faces().as_flattened().iter().map(|row| &mesh.positions()[*row as usize]);
+        let frame = Frame::of(&Box3::around(used));
+        let at: Vec<[f64; 3]> = row.iter().map(|row| frame.local(mesh.positions()[*row as usize])).collect();
+        let tied_vertices = is_tied.iter().filter(|tied| **tied).count() as u64;
+        let stays = |row: u32| stays.get(row as usize).copied().unwrap_or(false);
+        is_tied.iter_mut().zip(&row).for_each(|(tied, row)| *tied |= stays(*row));
+        let (wedges, is_line) = Wedges::of(mesh, &surface, stays);
+        let kind = kinds(&surface, &is_line, &is_tied);
+        let mut engine = Engine::new(surface, at, kind, is_line);
+        engine.wedges = wedges;
+        engine.place = place;
+        let kept = Kept { tied_vertices, collapsed_faces: collapsed as u64, ..Kept::default() };
+        Self { mesh, frame, engine, row, is_part, kept }
+    }
+
+    /// Whether every face has two corners at one position, so that there is no surface.
+    pub fn is_empty(&self) -> bool {
+        self.engine.surface.n_faces == 0
+    }
+
+    /// Watches the distance from now on: before anything shrinks.
+    pub fn watch(&mut self, job: &Job) -> Result<(), Stopped> {
+        let surface = &self.engine.surface;
+        let edges = || {
+            (0..surface.start.len() as u32)
+                .filter(|h| surface.start[*h as usize] != NONE && *h < surface.twin[*h as usize])
+                .map(|h| (h, [surface.start[h as usize], surface.end(h)].map(|v| self.engine.at[v as usize])))
+        };
+        // Long edges get points of their own, as many as keep the gaps to about the mean edge.
+        let (sum, n) =
+            edges().fold((0.0, 0.0), |(sum, n), (_, [p, q])| (sum + length(difference(q, p)), n + 1.0));
+        let mut points = Vec::new();
+        for (h, [p, q]) in edges() {
+            let gaps = length(difference(q, p)) * n / sum;
+            let more = if gaps < f64::from(MOST_ON_EDGE) { gaps as u32 } else { MOST_ON_EDGE };
+            for i in 1..=more {
+                let t = f64::from(i) / f64::from(more + 1);
+                points.push((std::array::from_fn(|k| p[k] + t * (q[k] - p[k])), h / 3));
+            }
+        }
+        self.engine.watch = Some(Watch::new(surface, &self.engine.at, &points, job)?);
+        Ok(())
+    }
+
+    /// Takes more care from now on where the mesh that was taken out of `tried`, an earlier attempt, was too far from
+    /// the original: `more` says how much, after a change of some cost.
+    pub fn take_care(&mut self, tried: &Self, places: &Places, more: impl Fn(Care, f32) -> Care) {
+        let (Some(watch), Some(then)) = (&mut self.engine.watch, &tried.engine.watch) else { return };
+        let mut care = then.care.clone();
+        let mut mark = |sample: u32, cost: f32| {
+            let known = &mut care[sample as usize];
+            *known = known.or(more(then.care[sample as usize], cost));
+        };
+        let made_at = |face: u32| tried.engine.made_at[face as usize];
+        for far in &places.beyond[0] {
+            let corners = self.engine.surface.corners(far.face);
+            // A face that was left out from the start has no vertices here.
+            if corners[0] != NONE {
+                let costs = corners.map(|v| made_at(then.samples.holder(v)));
+                let cost =
+                    costs.into_iter().fold(f32::INFINITY, |least, x| if x < least { x } else { least });
+                corners.into_iter().for_each(|v| mark(v, cost));
+            }
+        }
+        let surface = &tried.engine.surface;
+        let faces = tried.faces();
+        for far in &places.beyond[1] {
+            let face = faces[far.face as usize];
+            let mut here: Vec<u32> = then.samples.of(face).collect();
+            if here.is_empty() {
+                let around = surface.corners(face).into_iter().flat_map(|v| surface.around(v));
+                here = around.flat_map(|h| then.samples.of(h / 3)).collect();
+            }
+            here.into_iter().for_each(|sample| mark(sample, made_at(face)));
+        }
+        watch.care = care;
+    }
+
+    /// Shrinks until there are so many faces, or nothing more fits within a length of the world.
+    pub fn run(&mut self, faces: usize, within: f64, job: &Job) -> Result<(), Stopped> {
+        let within = within * self.frame.scale;
+        let until = Until { faces, within };
+        if self.engine.run(&until, job) { Ok(()) } else { Err(Stopped::Cancelled) }
+    }
+
+    /// Leaves out small pieces that are separate from all others and within a length of what is left: their absence is
+    /// no larger loss than that.
+    pub fn let_vanish(&mut self, within: f64, job: &Job) -> Result<(), Stopped> {
+        let within = within * self.frame.scale;
+        let faces = self.faces();
+        let engine = &self.engine;
+        let mut sets = Sets::new(engine.at.len());
+        for face in &faces {
+            let [a, b, c] = engine.surface.corners(*face);
+            sets.join(a, b);
+            sets.join(b, c);
+        }
+        // What is tied together in the mesh is one piece.
+        for (v, place) in self.engine.place.iter().enumerate() {
+            sets.join(v as u32, *place);
+        }
+        let mut bounds: BTreeMap<u32, Box3> = BTreeMap::new();
+        for face in &faces {
+            let [a, b, c] = engine.surface.corners(*face);
+            let corners = Box3::around(&[a, b, c].map(|v| engine.at[v as usize]));
+            let known = bounds.entry(sets.root(a)).or_insert(Box3::EMPTY);
+            *known = known.union(corners);
+        }
+        // No piece is within a length of another one unless it is that thin, and a thin one that is long is no dust.
+        let small = |b: &Box3| b.diagonal() <= SMALL * within;
+        let mut dust: BTreeSet<u32> =
+            bounds.iter().filter(|(_, b)| small(b)).map(|(root, _)| *root).collect();
+        // Nor is what goes on outside of this part.
+        let tied = |v: &u32| self.is_part && engine.kind[*v as usize] == Kind::Tied;
+        for v in faces.iter().flat_map(|face| engine.surface.corners(*face)).filter(tied) {
+            dust.remove(&sets.root(v));
+        }
+        if dust.is_empty() || dust.len() == bounds.len() {
+            return Ok(());
+        }
+        let is_dust = |sets: &mut Sets, face: u32| dust.contains(&sets.root(engine.surface.corners(face)[0]));
+        let (small, rest): (Vec<u32>, Vec<u32>) =
+            faces.into_iter().partition(|face| is_dust(&mut sets, *face));
+        let rest = rest.iter().map(|face| engine.surface.corners(*face)).collect();
+        let mut rest = Judge::new(Cow::Owned(Mesh::by_construction(engine.at.clone(), rest)), job)?;
+        let mut near: BTreeMap<u32, bool> = BTreeMap::new();
+        for face in &small {
+            let corners = engine.surface.corners(*face);
+            let is_near = near.entry(sets.root(corners[0])).or_insert(true);
+            let samples = engine
+                .watch
+                .iter()
+                .flat_map(|watch| watch.samples.of(*face).map(|s| watch.samples.at[s as usize]));
+            let mut points = samples.chain(corners.map(|v| engine.at[v as usize]));
+            // Where an earlier attempt was too far, nothing vanishes.
+            let closely = engine.watch.as_ref().is_some_and(|watch| watch.care_of(&[*face]) != Care::Quick);
+            *is_near = *is_near && !closely && points.all(|p| rest.distance_sq(p) <= within * within);
+            *is_near = *is_near && rest.has_near(corners.map(|v| engine.at[v as usize]), within);
+        }
+        self.kept.vanished_components = near.values().filter(|near| **near).count() as u64;
+        for face in small {
+            if near.get(&sets.root(self.engine.surface.corners(face)[0])) == Some(&true) {
+                self.engine.surface.remove(face);
+            }
+        }
+        Ok(())
+    }
+
+    /// The faces that are there, in the order in which they are taken out.
+    fn faces(&self) -> Vec<u32> {
+        let surface = &self.engine.surface;
+        (0..(surface.start.len() / 3) as u32).filter(|f| surface.corners(*f)[0] != NONE).collect()
+    }
+
+    /// The mesh as it is now.
+    pub fn mesh(&self) -> Mesh {
+        let surface = &self.engine.surface;
+        let mut rows = Rows::new(self);
+        let (mut faces, mut origin) = (Vec::with_capacity(surface.n_faces), Vec::new());
+        for face in self.faces() {
+            let normal = rows.flat.map_or([0.0; 3], |flat| self.normal(flat, face));
+            faces.push([0, 1, 2].map(|k| rows.of(self, 3 * face + k, normal)));
+            origin.push(face);
+        }
+        let mut mesh = Mesh::by_construction(rows.positions, faces);
+        if rows.id.iter().enumerate().any(|(row, id)| row as u32 != *id) {
+            mesh = mesh.with_position_id(rows.id).unwrap_or_else(broken);
+        }
+        for (attribute, column) in self.mesh.attributes().iter().zip(self.columns()) {
+            let values = match (column, attribute.domain) {
+                (Column::Made, Domain::Vertex) => rows.normal.as_flattened().to_vec(),
+                (Column::Made, domain) => {
+                    let n = if domain == Domain::Corner { 3 } else { 1 };
+                    let normals = origin.iter().flat_map(|f| [self.normal(attribute, *f)].repeat(n));
+                    normals.flatten().collect()
+                }
+                (Column::OfFaces, _) => {
+                    origin.iter().flat_map(|face| attribute.row(*face as usize)).copied().collect()
+                }
+                (Column::From(from), Domain::Vertex) => {
+                    self.taken(rows.wedge.iter().copied(), (from, attribute.width))
+                }
+                (Column::From(from), _) => {
+                    let wedges = self.engine.wedges.as_ref();
+                    let of =
+                        |face: &u32| [0, 1, 2].map(|k| wedges.map_or(0, |w| w.of[3 * *face as usize + k]));
+                    self.taken(origin.iter().flat_map(of), (from, attribute.width))
+                }
+            };
+            let same = Attribute { values, ..clone_without_values(attribute) };
+            mesh = mesh.with_attribute(same).unwrap_or_else(broken);
+        }
+        mesh
+    }
+
+    /// By attribute: where its values come from.
+    fn columns(&self) -> Vec<Column> {
+        let mut next = 0;
+        let mut column = |attribute: &Attribute| {
+            if is_carried(self.mesh, attribute) {
+                next += attribute.width;
+                Column::From(next - attribute.width)
+            } else if is_flat(self.mesh, attribute) {
+                Column::Made
+            } else {
+                Column::OfFaces
+            }
+        };
+        self.mesh.attributes().iter().map(&mut column).collect()
+    }
+
+    /// The normal of a face as it is now, for flat shading.
+    fn normal(&self, attribute: &Attribute, face: u32) -> [f64; 3] {
+        let corners = self.engine.surface.corners(face).map(|v| self.engine.at[v as usize]);
+        normal_now(corners, (self.mesh, attribute), face)
+    }
+
+    fn taken(&self, wedges: impl Iterator<Item = u32>, (from, width): (usize, usize)) -> Vec<f64> {
+        let Some(all) = &self.engine.wedges else { return Vec::new() };
+        wedges.flat_map(|wedge| all.row(wedge)[from..from + width].iter().copied()).collect()
+    }
+}
+
+/// What cannot be: rows and values are counted by the same lists.
+fn broken(error: InvalidMesh) -> Mesh {
+    debug_assert!(false, "{error}");
+    Mesh::default()
+}
+
+/// Where the values of an attribute come from.
+#[derive(Clone, Copy, Debug)]
+enum Column {
+    /// The rows of the wedges, from that column on.
+    From(usize),
+    /// The faces of the mesh.
+    OfFaces,
+    /// The faces as they are now: normals of flat shading.
+    Made,
+}
+
+fn clone_without_values(attribute: &Attribute) -> Attribute {
+    Attribute {
+        semantic: attribute.semantic.clone(),
+        domain: attribute.domain,
+        width: attribute.width,
+        values: Vec::new(),
+    }
+}
+
+/// How large a separate piece may be that is left out, as a multiple of what may be lost. Chosen: a ball of that size
+/// that touches what is left is twice as high as it may be.
+const SMALL: f64 = 4.0;
+/// Points on a long edge, at most: a mesh of few large faces gets 7 to 49 on each.
+const MOST_ON_EDGE: u32 = 7;
+
+fn kinds(surface: &Surface, is_line: &[bool], is_tied: &[bool]) -> Vec<Kind> {
+    let of = |(v, tied): (usize, &bool)| {
+        if *tied {
+            return Kind::Tied;
+        }
+        let v = v as u32;
+        let lines =
+            surface.around(v).filter(|h| surface.twin[*h as usize] != NONE && is_line[*h as usize]).count();
+        let borders = if surface.is_border(v) { 2 } else { 0 };
+        match lines + borders {
+            0 => Kind::Smooth,
+            2 => Kind::Line,
+            _ => Kind::Fixed,
+        }
+    };
+    is_tied.iter().enumerate().map(of).collect()
+}
+
+/// The rows of the mesh that is taken out: one for each vertex, or for each row of values around it.
+struct Rows<'a> {
+    positions: Vec<[f64; 3]>,
+    /// By row: the first of the same position.
+    id: Vec<u32>,
+    wedge: Vec<u32>,
+    /// By the key of a place, its first row; by row, the next of the same place.
+    first: Vec<u32>,
+    next: Vec<u32>,
+    by_wedge: bool,
+    /// Normals of flat shading that vertices carry, and by row its normal.
+    flat: Option<&'a Attribute>,
+    normal: Vec<[f64; 3]>,
+}
+
+impl<'a> Rows<'a> {
+    fn new(reduction: &Reduction<'a>) -> Self {
+        let mesh = reduction.mesh;
+        let mut of_vertices = mesh.attributes().iter().filter(|a| a.domain == Domain::Vertex);
+        let by_wedge = of_vertices.clone().any(|a| is_carried(mesh, a));
+        let flat = of_vertices.find(|a| is_flat(mesh, a));
+        Self {
+            positions: Vec::new(),
+            id: Vec::new(),
+            wedge: Vec::new(),
+            first: vec![NONE; reduction.engine.at.len()],
+            next: Vec::new(),
+            by_wedge,
+            flat,
+            normal: Vec::new(),
+        }
+    }
+
+    /// The row of a corner, which is made where there is none yet.
+    fn of(&mut self, reduction: &Reduction<'_>, corner: u32, normal: [f64; 3]) -> u32 {
+        let engine = &reduction.engine;
+        let v = engine.surface.start[corner as usize];
+        // Fans of one position are put together again: only what stays has more than one.
+        let key = reduction.engine.place[engine.name[v as usize] as usize] as usize;
+        let wedge = engine.wedges.as_ref().filter(|_| self.by_wedge).map_or(0, |w| w.of[corner as usize]);
+        let mut row = self.first[key];
+        let is_other = |this: &Self, row: usize| this.wedge[row] != wedge || this.normal[row] != normal;
+        while row != NONE && is_other(self, row as usize) {
+            row = self.next[row as usize];
+        }
+        if row != NONE {
+            return row;
+        }
+        let row = self.positions.len() as u32;
+        let head = self.first[key];
+        self.id.push(if head == NONE { row } else { self.id[head as usize] });
+        self.positions.push(reduction.place(v));
+        self.wedge.push(wedge);
+        self.normal.push(normal);
+        self.next.push(head);
+        self.first[key] = row;
+        row
+    }
+}
+
+impl Reduction<'_> {
+    /// Where a vertex is in the world: bit for bit where it was, unless it moved.
+    fn place(&self, v: u32) -> [f64; 3] {
+        if self.engine.is_original[v as usize] {
+            // One row for all fans of a position: zeros may differ in their signs.
+            let first = self.engine.place[self.engine.name[v as usize] as usize];
+            self.mesh.positions()[self.row[first as usize] as usize]
+        } else {
+            self.frame.world(self.engine.at[v as usize])
+        }
+    }
+}

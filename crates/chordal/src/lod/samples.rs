@@ -1,0 +1,108 @@
+//! `Samples`: points of the original surface, each held by the face that answers for it.
+use super::surface::NONE;
+use crate::explicit::nearest_with_distance;
+
+/// Points that have to stay within the tolerance of the surface, in lists by face.
+///
+/// They watch the way, and prove nothing: what is between them is proved at the end, by `check::deviation`.
+pub(super) struct Samples {
+    pub at: Vec<[f64; 3]>,
+    /// By sample: the next one of its face.
+    next: Vec<u32>,
+    /// By face: the first.
+    first: Vec<u32>,
+    /// By sample: the face that holds it.
+    holder: Vec<u32>,
+    /// By sample: the round of questions in which it was asked last, and the face that would hold it then.
+    asked: Vec<(u32, u32)>,
+    round: u32,
+    /// What an edge in question would change, until it is carried out: samples with their new faces.
+    moves: Vec<(u32, u32)>,
+}
+
+impl Samples {
+    /// Without any yet.
+    pub fn new(n_faces: usize) -> Self {
+        Self {
+            at: Vec::new(),
+            next: Vec::new(),
+            first: vec![NONE; n_faces],
+            holder: Vec::new(),
+            asked: Vec::new(),
+            round: 0,
+            moves: Vec::new(),
+        }
+    }
+
+    pub fn add(&mut self, at: [f64; 3], face: u32) {
+        let sample = self.at.len() as u32;
+        self.at.push(at);
+        self.holder.push(face);
+        self.asked.push((0, NONE));
+        self.next.push(self.first[face as usize]);
+        self.first[face as usize] = sample;
+    }
+
+    /// The samples of a face.
+    pub fn of(&self, face: u32) -> impl Iterator<Item = u32> + '_ {
+        let first = self.first[face as usize];
+        std::iter::successors((first != NONE).then_some(first), |s| {
+            let next = self.next[*s as usize];
+            (next != NONE).then_some(next)
+        })
+    }
+
+    /// Whether all samples of `old` faces are within a distance of the `new` triangles; remembers which is nearest.
+    pub fn fit(&mut self, old: &[u32], new: &[(u32, [[f64; 3]; 3])], within_sq: f64) -> bool {
+        self.moves.clear();
+        self.round += 1;
+        for &face in old {
+            let mut sample = self.first[face as usize];
+            while sample != NONE {
+                let p = self.at[sample as usize];
+                let mut best = (f64::INFINITY, NONE);
+                for (face, corners) in new {
+                    let d = nearest_with_distance(p, *corners);
+                    if d < best.0 {
+                        best = (d, *face);
+                    }
+                }
+                if best.0.is_nan() || best.0 > within_sq {
+                    return false;
+                }
+                self.moves.push((sample, best.1));
+                self.asked[sample as usize] = (self.round, best.1);
+                sample = self.next[sample as usize];
+            }
+        }
+        true
+    }
+
+    /// Carries out what [`Samples::fit`] found, for the same old faces.
+    pub fn settle(&mut self, old: &[u32]) {
+        for face in old {
+            self.first[*face as usize] = NONE;
+        }
+        for &(sample, face) in &self.moves {
+            self.next[sample as usize] = self.first[face as usize];
+            self.first[face as usize] = sample;
+            self.holder[sample as usize] = face;
+        }
+    }
+
+    /// The samples that [`Samples::fit`] looked at, with the faces that would hold them.
+    pub fn moves(&self) -> &[(u32, u32)] {
+        &self.moves
+    }
+
+    /// The face that holds a sample.
+    pub fn holder(&self, sample: u32) -> u32 {
+        self.holder[sample as usize]
+    }
+
+    /// The face that would hold a sample.
+    pub fn holder_after(&self, sample: u32) -> u32 {
+        let (round, face) = self.asked[sample as usize];
+        if round == self.round { face } else { self.holder[sample as usize] }
+    }
+}

@@ -1,0 +1,216 @@
+//! `Surface`: triangles as fans around vertices, made for edges that shrink to points.
+use crate::explicit::{Mesh, Sets, Twin, Twins, next_in_face, previous_in_face};
+
+/// No half-edge, no vertex.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// A surface in which the faces around every vertex are one fan, open or closed.
+///
+/// Where the mesh is not like that, vertices are taken apart: one for each fan. Those stay where they are and stay there,
+/// so that the mesh is put together again as it was.
+pub(super) struct Surface {
+    /// By half-edge: the vertex that it starts from; [`NONE`] for the three of a face that is gone.
+    pub start: Vec<u32>,
+    /// By half-edge: the other one of its edge, [`NONE`] where the surface ends.
+    pub twin: Vec<u32>,
+    /// By vertex: a half-edge that starts there, at a border the one whose own edge is the border; [`NONE`] for a vertex
+    /// that is gone.
+    pub out: Vec<u32>,
+    /// Faces that are there.
+    pub n_faces: usize,
+}
+
+/// What a mesh became.
+pub(super) struct Taken {
+    pub surface: Surface,
+    /// By vertex: the first one at the same position of the mesh.
+    pub place: Vec<u32>,
+    /// By vertex: whether it has to stay, because the mesh is not a manifold there.
+    pub is_tied: Vec<bool>,
+    /// By vertex: the row of one of its corners.
+    pub row: Vec<u32>,
+    /// Faces that have two corners at one position, and were left out.
+    pub collapsed: usize,
+}
+
+impl Surface {
+    pub fn of(mesh: &Mesh, ids: Option<&[u32]>) -> Taken {
+        let twins = Twins::with_ids(mesh, ids);
+        let n = 3 * mesh.faces().len();
+        let id = |row: u32| ids.map_or(row, |ids| ids[row as usize]);
+        let rows = mesh.faces().as_flattened();
+        let (mut twin, mut start) = (vec![NONE; n], vec![NONE; n]);
+        let mut tied = vec![false; mesh.positions().len()];
+        let mut collapsed = 0;
+        for h in 0..n as u32 {
+            match twins.get(h) {
+                Twin::Pair(other) => twin[h as usize] = other,
+                Twin::Boundary => {}
+                Twin::Collapsed => {
+                    collapsed += usize::from(h % 3 == 0);
+                    continue;
+                }
+                // The two ends of an edge that is none of a manifold.
+                Twin::Flipped(_) | Twin::Crowded => {
+                    tied[id(rows[h as usize]) as usize] = true;
+                    tied[id(rows[next_in_face(h) as usize]) as usize] = true;
+                }
+            }
+            start[h as usize] = h;
+        }
+        // One vertex for each fan: corners joined across the half-edges that leave them.
+        let mut fans = Sets::new(n);
+        for h in 0..n as u32 {
+            if start[h as usize] != NONE && twin[h as usize] != NONE {
+                fans.join(h, next_in_face(twin[h as usize]));
+            }
+        }
+        let mut surface = Self { start, twin, out: Vec::new(), n_faces: mesh.faces().len() - collapsed };
+        let (mut position, mut place, mut row) = (Vec::new(), Vec::new(), Vec::new());
+        let mut vertex_of = vec![NONE; n];
+        let mut fan_of = vec![NONE; mesh.positions().len()];
+        for h in 0..n as u32 {
+            if surface.start[h as usize] == NONE {
+                continue;
+            }
+            let root = fans.root(h) as usize;
+            if vertex_of[root] == NONE {
+                vertex_of[root] = position.len() as u32;
+                let at = id(rows[h as usize]);
+                // A second fan at one position.
+                if fan_of[at as usize] == NONE {
+                    fan_of[at as usize] = vertex_of[root];
+                } else {
+                    tied[at as usize] = true;
+                }
+                place.push(fan_of[at as usize]);
+                position.push(at);
+                row.push(rows[h as usize]);
+                surface.out.push(h);
+            }
+            let v = vertex_of[root];
+            surface.start[h as usize] = v;
+            if surface.twin[h as usize] == NONE {
+                surface.out[v as usize] = h;
+            }
+        }
+        let is_tied = position.iter().map(|at: &u32| tied[*at as usize]).collect();
+        Taken { surface, place, is_tied, row, collapsed }
+    }
+
+    #[inline]
+    pub fn end(&self, h: u32) -> u32 {
+        self.start[next_in_face(h) as usize]
+    }
+
+    #[inline]
+    pub fn is_border(&self, v: u32) -> bool {
+        self.twin[self.out[v as usize] as usize] == NONE
+    }
+
+    /// The half-edges that start at a vertex, counter-clockwise, one for each face of its fan.
+    #[inline]
+    pub fn around(&self, v: u32) -> Around<'_> {
+        let first = self.out[v as usize];
+        Around { surface: self, first, next: first }
+    }
+
+    /// The vertices of a face.
+    #[inline]
+    pub fn corners(&self, face: u32) -> [u32; 3] {
+        let at = 3 * face as usize;
+        [self.start[at], self.start[at + 1], self.start[at + 2]]
+    }
+
+    /// Shrinks the edge of `h` to its end: the start, its face and the one across are gone. The caller made sure that
+    /// what is left is a surface again.
+    pub fn collapse(&mut self, h: u32) {
+        let (a, b) = (self.start[h as usize], self.end(h));
+        let across = self.twin[h as usize];
+        let left = self.twin[previous_in_face(h) as usize];
+        // The half-edge that b keeps: where the border leaves, or any. One in a face that goes has a neighbour which
+        // takes its place.
+        let mut keep = match (self.is_border(a), self.is_border(b)) {
+            (_, true) => self.out[b as usize],
+            (true, false) => self.out[a as usize],
+            (false, false) => left,
+        };
+        if keep / 3 == h / 3 {
+            keep = left;
+        } else if across != NONE && keep / 3 == across / 3 {
+            keep = self.twin[previous_in_face(across) as usize];
+        }
+        let first = self.out[a as usize];
+        let mut fan = first;
+        while fan != NONE {
+            self.start[fan as usize] = b;
+            fan = self.twin[previous_in_face(fan) as usize];
+            fan = if fan == first { NONE } else { fan };
+        }
+        for side in [h, across] {
+            if side != NONE {
+                self.drop_face(side);
+            }
+        }
+        self.out[a as usize] = NONE;
+        self.out[b as usize] = keep;
+    }
+
+    /// Takes away a face of a piece that goes altogether.
+    pub fn remove(&mut self, face: u32) {
+        for h in 3 * face as usize..3 * face as usize + 3 {
+            self.out[self.start[h] as usize] = NONE;
+        }
+        for h in 3 * face as usize..3 * face as usize + 3 {
+            self.start[h] = NONE;
+            self.twin[h] = NONE;
+        }
+        self.n_faces -= 1;
+    }
+
+    /// Takes away the face of `side`, whose ends are one vertex now, and joins what was on its other two edges.
+    fn drop_face(&mut self, side: u32) {
+        let (next, previous) = (next_in_face(side), previous_in_face(side));
+        let apex = self.start[previous as usize];
+        let (x, y) = (self.twin[next as usize], self.twin[previous as usize]);
+        // x starts at the apex, y ends there; the other ends of both are one vertex.
+        if x != NONE {
+            self.twin[x as usize] = y;
+        }
+        if y != NONE {
+            self.twin[y as usize] = x;
+        }
+        // What starts at the apex inside of this face is its third edge; if that is its border, x is now.
+        if self.out[apex as usize] == previous {
+            self.out[apex as usize] = x;
+        }
+        let first = 3 * (side / 3);
+        for h in first..first + 3 {
+            self.start[h as usize] = NONE;
+            self.twin[h as usize] = NONE;
+        }
+        self.n_faces -= 1;
+    }
+}
+
+/// See [`Surface::around`].
+pub(super) struct Around<'a> {
+    surface: &'a Surface,
+    first: u32,
+    next: u32,
+}
+
+impl Iterator for Around<'_> {
+    type Item = u32;
+
+    #[inline]
+    fn next(&mut self) -> Option<u32> {
+        if self.next == NONE {
+            return None;
+        }
+        let h = self.next;
+        let t = self.surface.twin[previous_in_face(h) as usize];
+        self.next = if t == self.first { NONE } else { t };
+        Some(h)
+    }
+}

@@ -1,0 +1,296 @@
+//! `tree`: a large mesh as tiles that take each other's place, region by region, without a crack.
+use super::part::Parts;
+use super::simplify::{Asked, within};
+use crate::budget::{Bound, Bounded, Code, Job, Refusal, Stopped, Tolerance, par_map};
+use crate::explicit::{Mesh, Topology};
+use std::collections::BTreeMap;
+
+/// Triangles for one region of a surface, shown in place of those of its children.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tile {
+    /// The triangles, with all attributes.
+    pub mesh: Mesh,
+    /// How far they are from the true shape.
+    pub bound: Bound,
+    /// How many tiles are above it.
+    pub depth: u32,
+    /// The tiles that show the same region finer, by their places in [`Tree::tiles`], which come after this one; none
+    /// for a leaf.
+    pub children: Vec<usize>,
+}
+
+impl Tile {
+    /// The error that is proved.
+    #[must_use]
+    pub fn error(&self) -> f64 {
+        self.bound.at_most().unwrap_or(f64::INFINITY)
+    }
+}
+
+/// Tiles over the regions of a surface. See [`tree`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tree {
+    /// All tiles, by depth.
+    pub tiles: Vec<Tile>,
+    /// The tiles that together are the coarsest picture: the first one alone, unless the surface does not shrink into one.
+    pub roots: Vec<usize>,
+}
+
+/// Into which tiles to cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cuts {
+    /// What the tiles above the finest may lose beside what those lost.
+    pub step: Tolerance,
+    /// By how much those of each further step may lose more, > 1.
+    pub factor: f64,
+    /// Triangles a tile may have, ≥ 1.
+    pub most: usize,
+    /// One tile for all with at most so many triangles is the root.
+    pub enough: usize,
+}
+
+impl Cuts {
+    /// Tiles of up to 65,536 triangles, losses from `step` on that double, until 64 triangles or fewer.
+    #[must_use]
+    pub fn from(step: Tolerance) -> Self {
+        Self { step, factor: 2.0, most: 1 << 16, enough: 64 }
+    }
+}
+
+/// One tile in place of one other that has more than this share of its triangles is left out.
+const WORTH_IT: f64 = 0.8;
+/// Steps in a row without a tile before a tree of one root ends: nothing gets coarser any more.
+const IDLE_STEPS: u32 = 4;
+/// Steps at most: 2⁴⁸ between the finest and the coarsest loss.
+const MOST_STEPS: u32 = 48;
+
+/// A mesh as a tree of tiles, each of which stands for the same part of the surface as its children together, with fewer
+/// triangles.
+///
+/// The leaves are the triangles of `finest`, cut into regions by position; no triangle is cut. A tile above is made from
+/// the triangles of `finest` in its region by [`simplify`](super::simplify()), within a length that grows by
+/// `cuts.factor` from step to step. Two regions become one as soon as their triangles fit into one tile; a
+/// region that is alone gets coarser by itself. A tile that is proved to be the very same surface as its leaves takes
+/// their place.
+///
+/// *What may be shown together.* Any tiles of which each region has exactly one: a root, or in its place its children,
+/// and so on, whatever the neighbours do. Where a region meets another, positions, edges and values (but the normals of
+/// flat shading, which are those of the faces that are left) stay as they are in `finest`, and no tile gets an edge of its own between two such positions. Hence there are no cracks, and such a mixture
+/// of a closed manifold is one.
+///
+/// *What the bound covers.* The two-sided Hausdorff distance of all points, proved where that of `finest` is: to that
+/// the deviation of a tile from the triangles of `finest` in its own region is added. The regions
+/// part `finest` without rest. Hence every point of `finest` is near the tile that is shown for its region, and every
+/// point that is shown is near `finest`: any mixture is within the largest bound of its tiles. Errors fall strictly
+/// from a tile to its children.
+///
+/// *Cost.* One [`simplify`](super::simplify()) of the whole a step, parallel over regions: 14 steps for 10⁶
+/// triangles and 64 at the root.
+///
+/// # Errors
+/// [`Code::Budget`] for a factor that is not larger than 1 and for tiles of no triangle; [`Code::Empty`] without a
+/// triangle; [`Code::Unsupported`] where `finest` has no bound from above; the refusals of
+/// [`check::deviation`](crate::check::deviation).
+///
+/// ```
+/// use chordal::{Bounded, Bound, Job, Mesh, Tolerance, budget::Reference, explicit::Topology, lod::{Cuts, tree}};
+/// // A roof over a square of 32 × 32 cells.
+/// let at = |i: u32, j: u32| [f64::from(i), f64::from(j), 16.0 - (f64::from(i) - 16.0).powi(2) / 16.0];
+/// let positions = (0..33).flat_map(|i| (0..33).map(move |j| at(i, j))).collect();
+/// let cell = |i: u32, j: u32| { let a = 33 * i + j; [[a, a + 33, a + 34], [a, a + 34, a + 1]] };
+/// let roof = Mesh::new(positions, (0..32).flat_map(|i| (0..32).flat_map(move |j| cell(i, j))).collect())?;
+/// let roof = Bounded { shape: roof, bound: Bound::exact(Reference::InputTriangles) };
+/// let cuts = Cuts { most: 600, ..Cuts::from(Tolerance::new(0.1)?) };
+/// let made = tree(&roof, Topology::Indices, &cuts, &Job::default())?;
+/// let leaves = made.tiles.iter().filter(|tile| tile.children.is_empty());
+/// assert_eq!(leaves.map(|tile| tile.mesh.faces().len()).sum::<usize>(), 2048);
+/// assert!(made.roots == [0] && made.tiles[0].mesh.faces().len() <= 64);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn tree(finest: &Bounded<Mesh>, topology: Topology, cuts: &Cuts, job: &Job) -> Result<Tree, Stopped> {
+    if cuts.factor.is_nan() || cuts.factor <= 1.0 {
+        return refused(Code::Budget, format!("errors grow by a factor larger than 1, not {}", cuts.factor));
+    }
+    if cuts.most == 0 {
+        return refused(Code::Budget, "a tile holds at least one triangle");
+    }
+    if finest.shape.faces().is_empty() {
+        return refused(Code::Empty, "there is no triangle to put into tiles");
+    }
+    if finest.bound.at_most().is_none() {
+        return refused(Code::Unsupported, "tiles need a bound that is proved, and the finest mesh has none");
+    }
+    job.run(|| {
+        let parts = Parts::of(&finest.shape, topology, cuts.most);
+        let mut growing = Growing::new(Given { parts, bound: &finest.bound, topology, cuts, job })?;
+        growing.run()?;
+        Ok(growing.tree())
+    })
+}
+
+/// What does not change while a tree grows.
+struct Given<'a> {
+    parts: Parts<'a>,
+    bound: &'a Bound,
+    topology: Topology,
+    cuts: &'a Cuts,
+    job: &'a Job,
+}
+
+/// Fewer triangles for a region, and how far they are from those of the finest mesh.
+type Fewer = Option<Bounded<Mesh>>;
+
+impl Given<'_> {
+    /// Regions made fewer within a length.
+    fn fewer(&self, regions: &[usize], length: Tolerance) -> Result<Vec<Fewer>, Stopped> {
+        par_map(self.job, regions, |_, region| self.fewer_of(*region, length)).into_iter().collect()
+    }
+
+    fn fewer_of(&self, region: usize, length: Tolerance) -> Result<Fewer, Stopped> {
+        // Of triangles that have lost their area altogether nothing can be left out.
+        if !self.parts.has_surface(region) {
+            return Ok(None);
+        }
+        let (mesh, stays) = self.parts.mesh(region);
+        let asked = Asked {
+            mesh: &mesh,
+            topology: self.topology,
+            stays: &stays,
+            length: length.get(),
+            job: self.job,
+        };
+        Ok(Some(within(&asked)?.map(|made| made.mesh)))
+    }
+}
+
+/// A tree from its leaves upwards.
+struct Growing<'a> {
+    given: Given<'a>,
+    /// All tiles, those that were left out again included; children before parents.
+    tiles: Vec<Tile>,
+    /// By region that nothing above was made of so far: the coarsest tiles for it.
+    tops: BTreeMap<usize, Vec<usize>>,
+}
+
+impl<'a> Growing<'a> {
+    fn new(given: Given<'a>) -> Result<Self, Stopped> {
+        let regions = given.parts.regions.iter().enumerate();
+        let leaves: Vec<usize> =
+            regions.filter(|(_, region)| region.halves.is_none()).map(|(at, _)| at).collect();
+        let meshes = par_map(given.job, &leaves, |_, region| given.parts.mesh(*region).0);
+        let leaf = |mesh| Tile { mesh, bound: given.bound.clone(), depth: 0, children: Vec::new() };
+        let tiles = meshes.into_iter().map(leaf).collect();
+        let tops = leaves.into_iter().enumerate().map(|(tile, region)| (region, vec![tile])).collect();
+        if given.job.is_cancelled() {
+            return Err(Stopped::Cancelled);
+        }
+        Ok(Self { given, tiles, tops })
+    }
+
+    fn run(&mut self) -> Result<(), Stopped> {
+        let Cuts { step, factor, enough, .. } = *self.given.cuts;
+        let (mut length, mut idle) = (step, 0);
+        let extent = self.given.parts.extent();
+        for _ in 0..MOST_STEPS {
+            let is_one = self.tops.len() == 1;
+            if is_one && (idle == IDLE_STEPS || self.count(0) <= enough) {
+                break;
+            }
+            idle = if self.step(length)? { 0 } else { idle + 1 };
+            // Nothing is farther away than the extent.
+            match Tolerance::new(length.get() * factor) {
+                Ok(longer) if length.get() < extent => length = longer,
+                _ => break,
+            }
+        }
+        Ok(())
+    }
+
+    /// The triangles that show a region of [`Self::tops`].
+    fn count(&self, region: usize) -> usize {
+        let tiles = self.tops.get(&region).into_iter().flatten();
+        tiles.map(|tile| self.tiles[*tile].mesh.faces().len()).sum()
+    }
+
+    /// Puts a tile above what there is, wherever a length brings fewer triangles; whether it did anywhere.
+    fn step(&mut self, length: Tolerance) -> Result<bool, Stopped> {
+        let most = self.given.cuts.most;
+        let mut did = false;
+        // Two halves that are likely to fit into one tile, since each step leaves about half.
+        let halves = |region: &usize| self.given.parts.regions[*region].halves;
+        let fit = |[a, b]: [usize; 2]| {
+            let there = self.tops.contains_key(&a) && self.tops.contains_key(&b);
+            there && self.count(a).saturating_add(self.count(b)) <= most.saturating_mul(2)
+        };
+        let parents = self.tops.keys().map(|region| self.given.parts.regions[*region].parent);
+        let mut parents: Vec<usize> =
+            parents.filter(|parent| halves(parent).is_some_and(|first| fit([first, first + 1]))).collect();
+        parents.sort_unstable();
+        parents.dedup();
+        let mut tried: Vec<usize> = self.tops.keys().copied().collect();
+        for (parent, fewer) in parents.iter().zip(self.given.fewer(&parents, length)?) {
+            let Some(first) = self.given.parts.regions[*parent].halves else { continue };
+            let n = fewer.as_ref().map_or(usize::MAX, |fewer| fewer.shape.faces().len());
+            if n > most {
+                continue;
+            }
+            let is_fewer = n <= self.count(first) + self.count(first + 1);
+            let below = [first, first + 1].into_iter().filter_map(|half| self.tops.remove(&half)).flatten();
+            let below = below.collect();
+            self.tops.insert(*parent, below);
+            tried.retain(|region| *region != first && *region != first + 1);
+            // Otherwise the region is one from now on, and longer lengths will tell.
+            if is_fewer && let Some(fewer) = fewer {
+                self.put(*parent, fewer);
+            }
+            did = true;
+        }
+        for (region, fewer) in tried.iter().zip(self.given.fewer(&tried, length)?) {
+            let Some(fewer) = fewer else { continue };
+            if fewer.shape.faces().len() as f64 <= WORTH_IT * self.count(*region) as f64 {
+                did |= self.put(*region, fewer);
+            }
+        }
+        Ok(did)
+    }
+
+    /// A tile above those that show a region. Its error is larger than theirs, or those that it beats go.
+    fn put(&mut self, region: usize, fewer: Bounded<Mesh>) -> bool {
+        let bound = self.given.bound.then(&fewer.bound);
+        let Some(error) = bound.at_most() else { return false };
+        let is_same = fewer.bound.at_most() == Some(0.0);
+        let mut below = if is_same { Vec::new() } else { self.tops.remove(&region).unwrap_or_default() };
+        // A leaf has the error of the finest mesh, and this one more, or it would be a leaf itself.
+        while let Some(at) = below.iter().position(|tile| self.tiles[*tile].error() >= error) {
+            let finer = self.tiles[below[at]].children.clone();
+            below.splice(at..=at, finer);
+        }
+        self.tops.insert(region, vec![self.tiles.len()]);
+        self.tiles.push(Tile { mesh: fewer.shape, bound, depth: 0, children: below });
+        true
+    }
+
+    /// The tiles that are left, by depth.
+    fn tree(self) -> Tree {
+        let mut order: Vec<usize> = self.tops.into_values().flatten().collect();
+        let roots = (0..order.len()).collect();
+        let mut from: Vec<Option<Tile>> = self.tiles.into_iter().map(Some).collect();
+        let mut tiles: Vec<Tile> = Vec::new();
+        let mut depths = vec![0; order.len()];
+        while let Some(at) = order.get(tiles.len()) {
+            // A tile has one parent.
+            let Some(mut tile) = from[*at].take() else { break };
+            tile.depth = depths[tiles.len()];
+            let first = order.len();
+            order.append(&mut tile.children);
+            tile.children = (first..order.len()).collect();
+            depths.resize(order.len(), tile.depth + 1);
+            tiles.push(tile);
+        }
+        Tree { tiles, roots }
+    }
+}
+
+fn refused<T>(code: Code, message: impl Into<String>) -> Result<T, Stopped> {
+    Err(Stopped::Refused(Refusal { code, message: message.into() }))
+}

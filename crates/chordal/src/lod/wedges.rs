@@ -1,0 +1,260 @@
+//! `Wedges`: the values at the corners of triangles, shared as long as no line parts them.
+use super::flat::is_flat;
+use super::surface::{NONE, Surface};
+use crate::explicit::{Attribute, Domain, Mesh, Semantic, Sets, next_in_face, previous_in_face};
+use crate::math::dot;
+
+/// One row of values for all corners around a vertex between two lines.
+///
+/// Lines are edges at which values jump: texture seams, creases of normals, borders of materials. Where nothing jumps
+/// the corners around a vertex share their row.
+pub(super) struct Wedges {
+    /// By half-edge: the row of the corner that it starts from.
+    pub of: Vec<u32>,
+    values: Vec<f64>,
+    width: usize,
+    spans: Vec<Span>,
+}
+
+/// The columns of one attribute.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    from: usize,
+    width: usize,
+    how: How,
+}
+
+/// How values come together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum How {
+    /// By weights.
+    Blend,
+    /// By weights, and then the first three numbers are a direction of length 1.
+    Direction,
+    /// Those of the heaviest: numbers that name something.
+    Heaviest,
+}
+
+/// Normals that are farther apart than 30° make a crease, as they do where a mesh has none of its own.
+const CREASE_COSINE: f64 = 0.866_025_403_784_438_6;
+/// Colours that are no farther apart are one: two steps of eight bits.
+const COLOR_STEP: f64 = 2.0 / 255.0;
+
+fn how(semantic: &Semantic) -> How {
+    match semantic {
+        Semantic::Normal | Semantic::Tangent => How::Direction,
+        Semantic::TexCoord(_) | Semantic::Color(_) => How::Blend,
+        Semantic::Group(_) | Semantic::Custom(_) => How::Heaviest,
+    }
+}
+
+/// The attributes that corners carry along: those of vertices and corners. Normals of flat shading are made again.
+pub(super) fn is_carried(mesh: &Mesh, attribute: &Attribute) -> bool {
+    attribute.domain != Domain::Face && !is_flat(mesh, attribute)
+}
+
+impl Wedges {
+    /// The values of a mesh, and for each half-edge whether its edge is a line; `None` where there are no values and
+    /// only attributes of faces make lines. Rows of the mesh that `stays` says keep their values: a neighbour has them too.
+    pub fn of(mesh: &Mesh, surface: &Surface, stays: impl Fn(u32) -> bool) -> (Option<Self>, Vec<bool>) {
+        let mut is_line = lines_of_faces(mesh, surface);
+        let carried: Vec<&Attribute> = mesh.attributes().iter().filter(|a| is_carried(mesh, a)).collect();
+        if carried.is_empty() {
+            return (None, is_line);
+        }
+        let mut wedges = Self::of_corners(mesh, &carried);
+        let mut joined = Sets::new(wedges.values.len() / wedges.width);
+        for h in 0..surface.start.len() as u32 {
+            let t = surface.twin[h as usize];
+            if t == NONE || t < h {
+                continue;
+            }
+            let [a, b, c, d] =
+                [h, next_in_face(t), next_in_face(h), t].map(|corner| wedges.of[corner as usize]);
+            if wedges.jumps(a, b) || wedges.jumps(c, d) {
+                is_line[h as usize] = true;
+                is_line[t as usize] = true;
+            }
+        }
+        let rows = mesh.faces().as_flattened();
+        for h in 0..surface.start.len() as u32 {
+            let t = surface.twin[h as usize];
+            if t != NONE && !is_line[h as usize] && !stays(rows[h as usize]) {
+                joined.join(wedges.of[h as usize], wedges.of[next_in_face(t) as usize]);
+            }
+        }
+        wedges.join(joined);
+        (Some(wedges), is_line)
+    }
+
+    /// A row for every vertex, or for every corner where some attribute belongs to corners.
+    fn of_corners(mesh: &Mesh, carried: &[&Attribute]) -> Self {
+        let mut spans = Vec::new();
+        let mut width = 0;
+        for a in carried {
+            spans.push(Span { from: width, width: a.width, how: how(&a.semantic) });
+            width += a.width;
+        }
+        let rows = mesh.faces().as_flattened();
+        let by_vertex = carried.iter().all(|a| a.domain == Domain::Vertex);
+        let n_rows = if by_vertex { mesh.positions().len() } else { rows.len() };
+        let mut values = Vec::with_capacity(n_rows * width);
+        if by_vertex {
+            (0..n_rows).for_each(|row| carried.iter().for_each(|a| values.extend_from_slice(a.row(row))));
+        } else {
+            for (corner, row) in rows.iter().enumerate() {
+                for a in carried {
+                    values.extend_from_slice(a.row(if a.domain == Domain::Vertex {
+                        *row as usize
+                    } else {
+                        corner
+                    }));
+                }
+            }
+        }
+        let of = if by_vertex { rows.to_vec() } else { (0..rows.len() as u32).collect() };
+        Self { of, values, width, spans }
+    }
+
+    pub fn row(&self, wedge: u32) -> &[f64] {
+        &self.values[wedge as usize * self.width..][..self.width]
+    }
+
+    /// Whether two rows are so far apart that the edge between them is a line.
+    fn jumps(&self, a: u32, b: u32) -> bool {
+        if a == b {
+            return false;
+        }
+        let (a, b) = (self.row(a), self.row(b));
+        self.spans.iter().any(|span| {
+            let columns = span.from..span.from + span.width;
+            let (a, b) = (&a[columns.clone()], &b[columns]);
+            match span.how {
+                How::Heaviest => a != b,
+                How::Direction if span.width >= 3 => {
+                    let [p, q] = [a, b].map(|v| [v[0], v[1], v[2]]);
+                    let turned = dot(p, q) < CREASE_COSINE * (dot(p, p) * dot(q, q)).sqrt();
+                    turned || (span.width == 4 && a[3] != b[3])
+                }
+                // Texture coordinates are two wide, colours three or four.
+                _ if span.width == 2 => a != b,
+                _ => (0..span.width).any(|k| (a[k] - b[k]).abs() > COLOR_STEP),
+            }
+        })
+    }
+
+    /// Rows that no line parts become one: their first, with the sum of directions.
+    fn join(&mut self, mut sets: Sets) {
+        for wedge in 0..(self.values.len() / self.width) as u32 {
+            let root = sets.root(wedge);
+            if root == wedge {
+                continue;
+            }
+            for span in self.spans.clone() {
+                if span.how == How::Direction {
+                    for k in 0..if span.width < 3 { span.width } else { 3 } {
+                        let more = self.values[wedge as usize * self.width + span.from + k];
+                        self.values[root as usize * self.width + span.from + k] += more;
+                    }
+                }
+            }
+        }
+        for wedge in &mut self.of {
+            *wedge = sets.root(*wedge);
+        }
+        for wedge in 0..(self.values.len() / self.width) as u32 {
+            if sets.root(wedge) == wedge {
+                self.straighten(wedge);
+            }
+        }
+    }
+
+    /// Directions of length 1 again; what has none stays as it is.
+    fn straighten(&mut self, wedge: u32) {
+        let row = &mut self.values[wedge as usize * self.width..][..self.width];
+        for span in self.spans.iter().filter(|span| span.how == How::Direction && span.width >= 3) {
+            let v = &mut row[span.from..span.from + 3];
+            let size = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+            if size > 0.0 && size.is_finite() {
+                v.iter_mut().for_each(|x| *x /= size);
+            }
+        }
+    }
+
+    /// What rows become together, by weights.
+    pub fn blend(&self, parts: &[(u32, f64)]) -> Vec<f64> {
+        let mut out = vec![0.0; self.width];
+        let heaviest = parts.iter().fold(None, |best: Option<&(u32, f64)>, part| {
+            if best.is_some_and(|best| best.1 >= part.1) { best } else { Some(part) }
+        });
+        for span in &self.spans {
+            for (k, out) in out.iter_mut().enumerate().skip(span.from).take(span.width) {
+                *out = match (span.how, heaviest) {
+                    (How::Heaviest, Some((wedge, _))) => self.row(*wedge)[k],
+                    (How::Direction, Some((wedge, _))) if k == span.from + 3 => self.row(*wedge)[k],
+                    _ => parts.iter().fold(0.0, |sum, (wedge, weight)| sum + weight * self.row(*wedge)[k]),
+                };
+            }
+        }
+        out
+    }
+
+    /// Sets a row.
+    pub fn put(&mut self, wedge: u32, values: &[f64]) {
+        self.values[wedge as usize * self.width..][..self.width].copy_from_slice(values);
+        self.straighten(wedge);
+    }
+
+    /// Gives the corners at one end of an edge that shrinks the rows of the other end: those left of the edge the row of
+    /// the corner `left`, those right of it that of `right`. Lines part left from right.
+    pub fn hand_over(&mut self, surface: &Surface, is_line: &[bool], end: &Handed) {
+        let Handed { h, at_start, left, right } = *end;
+        let across = surface.twin[h as usize];
+        // Left of the edge, away from it, until the next line; then right of it.
+        let first_left = if at_start { h } else { next_in_face(h) };
+        self.sweep(surface, is_line, (first_left, at_start, left));
+        if across != NONE {
+            let first_right = if at_start { next_in_face(across) } else { across };
+            self.sweep(surface, is_line, (first_right, !at_start, right));
+        }
+    }
+
+    fn sweep(&mut self, surface: &Surface, is_line: &[bool], (first, ccw, row): (u32, bool, u32)) {
+        let mut g = first;
+        loop {
+            self.of[g as usize] = row;
+            // Around the vertex: counter-clockwise across the edge that arrives, clockwise across the one that leaves.
+            let edge = if ccw { previous_in_face(g) } else { g };
+            let t = surface.twin[edge as usize];
+            if t == NONE || is_line[edge as usize] {
+                break;
+            }
+            g = if ccw { t } else { next_in_face(t) };
+            if g == first {
+                break;
+            }
+        }
+    }
+}
+
+/// See [`Wedges::hand_over`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Handed {
+    pub h: u32,
+    /// Whether it is the start of the half-edge whose corners change.
+    pub at_start: bool,
+    pub left: u32,
+    pub right: u32,
+}
+
+/// Lines between faces with different attributes of their own. Normals of faces say nothing that the faces do not.
+fn lines_of_faces(mesh: &Mesh, surface: &Surface) -> Vec<bool> {
+    let mut is_line = vec![false; surface.start.len()];
+    let of_faces = |a: &&Attribute| a.domain == Domain::Face && how(&a.semantic) != How::Direction;
+    for attribute in mesh.attributes().iter().filter(of_faces) {
+        for (h, (is_line, t)) in is_line.iter_mut().zip(&surface.twin).enumerate() {
+            *is_line |= *t != NONE && attribute.row(h / 3) != attribute.row(*t as usize / 3);
+        }
+    }
+    is_line
+}

@@ -1,0 +1,114 @@
+//! Frames and threads: the same mesh larger, elsewhere, twice, on more threads.
+use crate::random::Random;
+use crate::{bounds, length, made, made_on, n_faces, shapes};
+use chordal::{Budget, Job, Mesh};
+
+fn mapped(mesh: &Mesh, map: impl Fn([f64; 3]) -> [f64; 3]) -> Mesh {
+    mesh.with_positions(mesh.positions().iter().map(|p| map(*p)).collect()).expect("finite")
+}
+
+fn some() -> [(&'static str, Mesh); 4] {
+    [
+        ("bumps", shapes::torus([80, 40], 0.1)),
+        ("gear", shapes::gear(2, 7)),
+        ("heights", shapes::heights([40, 40], 0.002)),
+        ("mobius", shapes::mobius([60, 8])),
+    ]
+}
+
+#[test]
+fn a_mesh_scaled_by_a_power_of_two_gives_the_same_triangles() {
+    for (name, mesh) in some() {
+        for scale in [1024.0, 1.0 / 1024.0, 2_f64.powi(300), 2_f64.powi(-300)] {
+            let scaled = mapped(&mesh, |p| p.map(|x| x * scale));
+            for (plain, large) in
+                [(Budget::triangles(300), Budget::triangles(300)), (length(0.01), length(0.01 * scale))]
+            {
+                let (a, b) = (made(&mesh, &plain), made(&scaled, &large));
+                assert!(n_faces(&a) < mesh.faces().len() / 2);
+                assert_eq!(a.shape.mesh.faces(), b.shape.mesh.faces(), "{name} × {scale}");
+                assert_eq!(
+                    *b.shape.mesh.positions(),
+                    *mapped(&a.shape.mesh, |p| p.map(|x| x * scale)).positions()
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_mesh_far_from_zero_gives_as_many_triangles() {
+    for (name, mesh) in some() {
+        let moved = mapped(&mesh, |p| [p[0] + 1e6, p[1] - 1e6, p[2] + 1e6]);
+        let (a, b) = (made(&mesh, &length(0.01)), made(&moved, &length(0.01)));
+        let (n, m) = (n_faces(&a) as f64, n_faces(&b) as f64);
+        assert!((n - m).abs() <= 0.01 * n, "{name}: {n} became {m}");
+        assert!(b.bound.at_most().expect("proved") <= 0.01);
+        // Held in coordinates around zero, so that the sampler's rounding does not count: 1e6 is taken off without any.
+        let back = |mesh: &Mesh| mapped(mesh, |p| [p[0] - 1e6, p[1] + 1e6, p[2] - 1e6]);
+        let mut near = b.clone();
+        near.shape.mesh = back(&b.shape.mesh);
+        near.shape.worst = None;
+        let seen = crate::sampler::apart(&back(&moved), &near.shape.mesh, &mut Random::new(1));
+        assert!(seen <= b.bound.at_most().expect("proved") * (1.0 + 1e-9), "{name}: {seen}");
+    }
+}
+
+/// Itself again, 64 away: without rounding, since coordinates are those of f32.
+fn twice(mesh: &Mesh) -> Mesh {
+    let n = mesh.positions().len() as u32;
+    let moved = mesh.positions().iter().map(|p| [p[0] + 64.0, p[1], p[2]]);
+    let again = mesh.faces().iter().map(|face| face.map(|i| i + n));
+    let positions = mesh.positions().iter().copied().chain(moved).collect();
+    Mesh::new(positions, mesh.faces().iter().copied().chain(again).collect()).expect("valid")
+}
+
+#[test]
+fn two_of_a_kind_far_apart_are_simplified_alike() {
+    for (name, one) in [
+        ("plate", shapes::plate(16)),
+        ("torus", shapes::torus([60, 30], 0.0)),
+        ("tray", shapes::tray(12, 0.01)),
+    ] {
+        let two = twice(&one);
+        for budget in [length(0.01), Budget::triangles(two.faces().len() as u64 / 4)] {
+            let out = made(&two, &budget).shape.mesh;
+            let left = out.faces().iter().filter(|f| out.positions()[f[0] as usize][0] < 32.0).count();
+            let right = out.faces().len() - left;
+            // Quadrics about one origin are rounded there, which decides between edges of flat sides that cost the same.
+            let off = left.abs_diff(right) as f64;
+            assert!(off <= 0.08 * left as f64 + 2.0, "{name}: {left} and {right}");
+        }
+    }
+}
+
+#[test]
+fn a_thin_tray_keeps_its_walls() {
+    let mesh = shapes::tray(20, 0.002);
+    // Five times as much as the walls are thick, and less.
+    for asked in [0.01, 0.001, 0.0001] {
+        let made = made(&mesh, &length(asked));
+        bounds::holds("tray", &mesh, &made, &mut Random::new(1));
+        let found = chordal::check::validity(&made.shape.mesh, chordal::explicit::Topology::Positions);
+        assert!(found.closed && found.manifold() && found.genus == Some(0), "{asked}: {found:?}");
+        assert!(n_faces(&made) < 200, "{asked}: {} triangles", n_faces(&made));
+        if asked < 0.002 {
+            let off = (found.measure.signed_volume - 0.1 + 0.996 * 0.996 * 0.098).abs();
+            assert!(off < asked * 2.8, "{asked}: volume is off by {off}");
+        }
+    }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    for (name, mesh) in some() {
+        for budget in [Budget::triangles(200), length(0.003)] {
+            let on = |threads| made_on(&mesh, &budget, &Job::default().with_threads(threads));
+            let one = on(1);
+            for threads in [2, 3] {
+                let more = on(threads);
+                assert!(one.shape == more.shape && one.bound == more.bound, "{name} on {threads}");
+            }
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! Simplification held against its promises: bounds by a sampler that shares no code with the library, topology, seams,
+//! frames, pieces, and input that nobody would draw.
+mod bounds;
+mod data;
+mod flat;
+mod frames;
+mod odd;
+mod pieces;
+#[allow(dead_code, reason = "the referee of curves uses all of it")]
+#[path = "../curve_referee/random.rs"]
+mod random;
+mod sampler;
+mod seams;
+#[path = "../solids/shapes.rs"]
+mod shapes;
+mod topology;
+mod wild;
+
+use chordal::explicit::Topology;
+use chordal::lod::{Simplified, simplify};
+use chordal::{Bounded, Budget, Failure, Job, Mesh, Tolerance};
+
+fn length(length: f64) -> Budget {
+    Budget::length(Tolerance::new(length).expect("a length"))
+}
+
+/// A mesh within a budget; where a count cannot be reached, the best.
+fn made(mesh: &Mesh, budget: &Budget) -> Bounded<Simplified> {
+    made_on(mesh, budget, &Job::default().with_threads(2))
+}
+
+fn made_on(mesh: &Mesh, budget: &Budget, job: &Job) -> Bounded<Simplified> {
+    match simplify(mesh, budget, Topology::Positions, job) {
+        Ok(made) => made,
+        Err(Failure::Unmet(best)) => *best,
+        Err(other) => panic!("{other}"),
+    }
+}
+
+fn n_faces(made: &Bounded<Simplified>) -> usize {
+    made.shape.mesh.faces().len()
+}
