@@ -30,6 +30,7 @@ pub mod stl;
 pub mod svg;
 pub mod teaset;
 mod text;
+pub mod tiles;
 pub mod vm;
 mod volume;
 mod warnings;
@@ -45,3 +46,8 @@ pub use read::read;
 pub use scene::{Axis, Content, Frame, Loaded, Node, Part, Scene};
 pub use snap::{Snapped, TooWide, snap, worst_snap};
 pub use volume::Volume;
+
+/// The example of the page in `docs/` runs with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/tiles.md")]
+struct Tiles;

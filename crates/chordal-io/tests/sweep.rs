@@ -5,7 +5,7 @@ mod common;
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
 use chordal::explicit::{Curve, Piece};
-use chordal_io::{Content, Format, Frame, Limits, Loaded, ReadError, Scene, obj, ply, read, stl};
+use chordal_io::{Content, Format, Frame, Limits, Loaded, ReadError, Scene, obj, ply, read, stl, tiles};
 use common::Random;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -45,12 +45,16 @@ static ALLOCATOR: Counting = Counting;
 
 /// Reads and returns the most that was held on the way, in bytes.
 fn measured(bytes: &[u8], format: Format) -> (Result<Loaded, ReadError>, u64) {
+    held_by(|| read(bytes, format, &Limits::default()))
+}
+
+fn held_by<T>(work: impl FnOnce() -> T) -> (T, u64) {
     let before = HELD.with(|cell| {
         let (held, _) = cell.get();
         cell.set((held, held));
         held
     });
-    let result = read(bytes, format, &Limits::default());
+    let result = work();
     let (_, most) = HELD.with(Cell::get);
     (result, (most - before) as u64)
 }
@@ -605,4 +609,30 @@ fn h77_packed_paths_stay_within_the_promise_for_what_they_decode_to() {
     let text = format!("{{\"polylines\":[{{\"points\":[{}[0,0]]}}]}}", "[0,0],".repeat(n as usize));
     let (result, most) = measured(text.as_bytes(), Format::Json);
     assert!(result.is_ok() && most <= promised(16 * n), "{most}");
+}
+
+#[test]
+fn h75_tilesets_stay_within_the_promise() {
+    let n = 400_000;
+    let tile = |more: &str| {
+        format!(r#"{{"boundingVolume":{{"box":[0,0,0,1,0,0,0,1,0,0,0,1]}},"geometricError":0{more}}}"#)
+    };
+    let list = |child: &str| {
+        let children = vec![child; n].join(",");
+        let root = tile(&format!(r#","refine":"ADD","children":[{children}]"#));
+        format!(r#"{{"asset":{{"version":"1.1"}},"geometricError":1,"root":{root}}}"#)
+    };
+    let nested = tile(&format!(r#","children":[{}]"#, tile(r#","content":{"uri":"a"}"#)));
+    let several = tile(r#","contents":[{"uri":"a"},{"uri":"b"},{"uri":"c"}]"#);
+    let extras = tile(r#","extras":[0,0,0,0,0,0,0,0]"#);
+    let ball = r#"{"boundingVolume":{"sphere":[0,0,0,0]},"geometricError":0}"#.to_owned();
+    for (name, child) in [("flat", ball), ("nested", nested), ("several", several), ("extras", extras)] {
+        let text = list(&child);
+        let read = || tiles::read(text.as_bytes(), &mut |_| Err(String::new()), &Limits::default());
+        let (result, most) = held_by(read);
+        assert_eq!(result.expect("read").0.root.children.len(), n);
+        println!("{name}: {} bytes, held {most}, {:.1} a byte", text.len(), most as f64 / text.len() as f64);
+        // The allowance for extras aside, what a tile takes stays below 16 times its text.
+        assert!(most <= (18 << 20) + 16 * text.len() as u64, "{name}: {most} bytes for {}", text.len());
+    }
 }

@@ -107,9 +107,13 @@ impl<'a> Document<'a> {
         })
     }
 
-    /// The JSON chunk's content for a scene whose parts were all added.
-    pub fn json(&self, scene: &Scene, certificate: Option<&Value>) -> Result<Value, WriteError> {
-        let nodes = place::nodes(scene, &self.shown)?;
+    /// The nodes of a scene whose parts were the last to be added, after `n_before` others.
+    pub fn nodes(&self, scene: &Scene, n_before: usize) -> Result<place::Nodes, WriteError> {
+        place::nodes(scene, &self.shown[self.shown.len() - scene.parts.len()..], n_before)
+    }
+
+    /// The JSON chunk's content, of which `certificate` becomes an extra.
+    pub fn json(&self, nodes: &place::Nodes, certificate: Option<&Value>) -> Map<String, Value> {
         let mut root = Map::new();
         let mut asset =
             json!({ "version": "2.0", "generator": concat!("Chordal ", env!("CARGO_PKG_VERSION")) });
@@ -133,7 +137,7 @@ impl<'a> Document<'a> {
                 root.insert(name.to_owned(), json!(list));
             }
         }
-        Ok(Value::Object(root))
+        root
     }
 }
 

@@ -3,7 +3,9 @@ mod container;
 mod document;
 mod format;
 mod json;
+mod levels;
 mod lint;
+mod lower;
 mod model;
 mod parts;
 mod place;
@@ -17,6 +19,7 @@ mod transform;
 mod triangles;
 mod write;
 
+pub use levels::{Level, write_levels};
 pub use read::read;
 pub use split::split;
 pub use write::write;
@@ -27,3 +30,5 @@ pub(crate) const MAGIC: u32 = 0x4654_6C67;
 pub(crate) const JSON_CHUNK: u32 = 0x4E4F_534A;
 /// The type of the chunk that holds buffers, `BIN\0`.
 pub(crate) const BIN_CHUNK: u32 = 0x004E_4942;
+/// The extension by which a node names its lower levels of detail.
+const LOD: &str = "MSFT_lod";

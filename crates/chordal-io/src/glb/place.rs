@@ -13,15 +13,15 @@ pub(super) struct Nodes {
 }
 
 /// One node a node of the scene in the same order, after the nodes that turn and scale the scene's frame, and before those that
-/// place a mesh about its origin where its node cannot.
-pub(super) fn nodes(scene: &Scene, shown: &[Shown]) -> Result<Nodes, WriteError> {
+/// place a mesh about its origin where its node cannot. In the file they come after `n_before` others.
+pub(super) fn nodes(scene: &Scene, shown: &[Shown], n_before: usize) -> Result<Nodes, WriteError> {
     check_forest(scene)?;
     let mut frame = frame_nodes(scene.frame)?;
     // A frame around nothing would be an empty node.
     if scene.roots.is_empty() {
         frame.clear();
     }
-    let first = frame.len();
+    let first = n_before + frame.len();
     let mut extra = Vec::new();
     let mut list = Vec::with_capacity(scene.nodes.len());
     for (i, node) in scene.nodes.iter().enumerate() {
@@ -35,7 +35,7 @@ pub(super) fn nodes(scene: &Scene, shown: &[Shown]) -> Result<Nodes, WriteError>
     }
     let mut roots = scene.roots.iter().map(|r| first + r).collect();
     for (i, node) in frame.iter_mut().enumerate().rev() {
-        node["children"] = json!(std::mem::replace(&mut roots, vec![i]));
+        node["children"] = json!(std::mem::replace(&mut roots, vec![n_before + i]));
     }
     Ok(Nodes { list: [frame, list, extra].concat(), roots })
 }

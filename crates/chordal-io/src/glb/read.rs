@@ -1,12 +1,14 @@
 //! The GLB reader.
 use super::json::{self, Json};
 use super::lint::{self, Lint};
+use super::lower::Lower;
 use super::model::{Model, item};
 use super::parts::Parts;
 use super::report::Report;
-use super::{container, transform};
+use super::{LOD, container, transform};
 use crate::scene::IDENTITY;
 use crate::{Axis, Content, Frame, Limits, Loaded, Node, Place, ReadError, Scene};
+use serde_json::Value;
 
 /// Bytes that one object of the JSON may take once it is read: a node with its transform takes the most.
 const OBJECT_BYTES: u64 = 512;
@@ -15,7 +17,7 @@ const OBJECT_BYTES: u64 = 512;
 const FOREST: [&str; 3] = ["NODE_LOOP", "NODE_PARENT_OVERRIDE", "SCENE_NON_ROOT_NODE"];
 
 /// Extensions that do not change the triangles; `*` stands for any ending.
-const HARMLESS: [&str; 13] = [
+const HARMLESS: [&str; 14] = [
     "KHR_mesh_quantization",
     "KHR_materials_*",
     "KHR_texture_*",
@@ -27,6 +29,7 @@ const HARMLESS: [&str; 13] = [
     "EXT_materials_*",
     "EXT_mesh_manifold",
     "MSFT_texture_dds",
+    LOD,
     "ADOBE_materials_*",
     "AGI_*",
 ];
@@ -42,7 +45,8 @@ const HARMLESS: [&str; 13] = [
 ///
 /// Lists, strips and fans are read with any accessor that the format knows, sparse and quantized ones too. Points,
 /// lines, morph targets, skins, animations, cameras, materials and pictures are counted as warnings. Other files and
-/// the network are never looked at.
+/// the network are never looked at. Of levels of detail by `MSFT_lod` the first is read, and the others are counted; the
+/// certificate is that of the first, where [`super::write_levels`] wrote one for each.
 ///
 /// Linear in the size of the file and of what is decoded from it; the latter stays below [`Limits::bytes`].
 ///
@@ -81,13 +85,17 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
     check_zeros(&model, (limits, budget))?;
     lint::link(&mut lint, &mut model);
     judge(lint, limits, &mut report)?;
+    let lower = Lower::of(&json, &model)?;
+    let mut placing = Report::default();
+    let mut scene = places(&model, &lower, &mut placing);
+    let kept = keep_first_levels(&mut scene, &model, &lower);
+    count_unseen(&scene, &kept, &mut placing);
     let mut parts = Parts::new(&model, limits, budget);
-    let meshes = (0..model.meshes.len()).map(|m| parts.part(m)).collect::<Result<Vec<_>, _>>()?;
+    scene.parts = kept.into_iter().map(|mesh| parts.part(mesh)).collect::<Result<Vec<_>, _>>()?;
     report.append(parts.report);
-    let mut scene = Scene { parts: meshes, ..places(&model, &mut report) };
+    report.append(placing);
     scene.frame = Frame { up: Some(Axis::Y), metres_per_unit: Some(1.0) };
-    let extras = json.get("asset").and_then(|asset| asset.get("extras"));
-    scene.certificate = extras.and_then(|extras| extras.get("chordal")).map(Json::to_value);
+    scene.certificate = certificate(&json, &lower);
     count_dropped(&json, &mut report);
     Ok(Loaded { content: Content::Scene(scene), warnings: report.warnings })
 }
@@ -193,7 +201,7 @@ fn judge(lint: Lint<'_>, limits: &Limits, report: &mut Report) -> Result<(), Rea
 
 /// The nodes and the roots of the scene that is shown: the default one, else the first, else all nodes without
 /// parents.
-fn places(model: &Model<'_>, report: &mut Report) -> Scene {
+fn places(model: &Model<'_>, lower: &Lower, report: &mut Report) -> Scene {
     let n = model.nodes.len();
     let mut nodes = Vec::with_capacity(n);
     let mut has_parent = vec![false; n];
@@ -224,23 +232,70 @@ fn places(model: &Model<'_>, report: &mut Report) -> Scene {
     let shown = model.scene.or(if model.scenes.is_empty() { None } else { Some(0) });
     let roots = match item(&model.scenes, shown) {
         Some(scene) => scene.nodes.iter().flatten().flatten().copied().filter(|node| *node < n).collect(),
-        None => (0..n).filter(|i| !has_parent[*i]).collect::<Vec<_>>(),
+        None => (0..n).filter(|i| !has_parent[*i] && !lower.is_named(*i)).collect::<Vec<_>>(),
     };
-    count_unseen(&nodes, &roots, (model, report));
+    if let Some(first) = lower.first {
+        let place = Place::Pointer(format!("/nodes/{first}/extensions/{LOD}"));
+        let what = "lower levels of detail were left out: the first one was read";
+        report.add_many("lower-levels-skipped", lower.n_levels, (place, what));
+    }
     Scene { nodes, roots, ..Scene::default() }
 }
 
-/// Counts meshes that no node of the scene shows.
-fn count_unseen(nodes: &[Node], roots: &[usize], (model, report): (&Model<'_>, &mut Report)) {
-    let mut is_shown = vec![false; model.meshes.len()];
-    let mut open = roots.to_vec();
+/// Takes the nodes out that are lower levels of detail. Returns the meshes that become parts: all but those that only such
+/// nodes show.
+fn keep_first_levels(scene: &mut Scene, model: &Model<'_>, lower: &Lower) -> Vec<usize> {
+    let n_meshes = model.meshes.len();
+    if lower.first.is_none() {
+        return (0..n_meshes).collect();
+    }
+    let hidden = lower.hidden(model, &scene.roots);
+    let (mut is_lower, mut is_seen) = (vec![false; n_meshes], vec![false; n_meshes]);
+    for (node, hidden) in scene.nodes.iter().zip(&hidden) {
+        if let Some(mesh) = node.part {
+            let list = if *hidden { &mut is_lower } else { &mut is_seen };
+            list[mesh] = true;
+        }
+    }
+    let kept: Vec<usize> = (0..n_meshes).filter(|mesh| is_seen[*mesh] || !is_lower[*mesh]).collect();
+    let mut part_of = vec![None; n_meshes];
+    kept.iter().enumerate().for_each(|(part, mesh)| part_of[*mesh] = Some(part));
+    let mut number = vec![None; scene.nodes.len()];
+    let shown = (0..hidden.len()).filter(|node| !hidden[*node]);
+    shown.enumerate().for_each(|(new, old)| number[old] = Some(new));
+    let renumber = |list: &[usize]| list.iter().filter_map(|node| number[*node]).collect();
+    scene.roots = renumber(&scene.roots);
+    let nodes = std::mem::take(&mut scene.nodes).into_iter().zip(&hidden).filter(|(_, hidden)| !**hidden);
+    scene.nodes = nodes
+        .map(|(node, _)| Node {
+            children: renumber(&node.children),
+            part: node.part.and_then(|mesh| part_of[mesh]),
+            ..node
+        })
+        .collect();
+    kept
+}
+
+/// The certificate in a file: that of the first level, where there are several.
+fn certificate(json: &Json, lower: &Lower) -> Option<Value> {
+    let extras = json.get("asset").and_then(|asset| asset.get("extras"));
+    let found = extras.and_then(|extras| extras.get("chordal"))?;
+    let levels = found.get("levels").and_then(Json::items).filter(|_| lower.first.is_some());
+    let found = levels.map_or(Some(found), <[_]>::first)?;
+    (*found != Json::Null).then(|| found.to_value())
+}
+
+/// Counts meshes that no node of the scene shows; each part is one of these meshes.
+fn count_unseen(scene: &Scene, meshes: &[usize], report: &mut Report) {
+    let mut is_shown = vec![false; meshes.len()];
+    let mut open = scene.roots.clone();
     while let Some(i) = open.pop() {
-        if let Some(part) = nodes[i].part {
+        if let Some(part) = scene.nodes[i].part {
             is_shown[part] = true;
         }
-        open.extend(&nodes[i].children);
+        open.extend(&scene.nodes[i].children);
     }
-    for mesh in (0..is_shown.len()).filter(|mesh| !is_shown[*mesh]) {
+    for (mesh, _) in meshes.iter().zip(&is_shown).filter(|(_, shown)| !**shown) {
         let place = Place::Pointer(format!("/meshes/{mesh}"));
         report.add("meshes-not-shown", place, "the scene does not show all meshes");
     }

@@ -2,7 +2,7 @@
 use super::document::{Document, Shape};
 use super::{BIN_CHUNK, JSON_CHUNK, MAGIC};
 use crate::{Scene, TooWide, WriteError};
-use serde_json::Value;
+use serde_json::{Map, Value};
 use std::io::Write;
 
 /// Writes a scene as GLB 2.0, the same bytes for the same scene.
@@ -40,7 +40,17 @@ pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) ->
     for (part, shape) in scene.parts.iter().zip(&shapes) {
         document.add_part(part, shape)?;
     }
-    let json = document.json(scene, certificate)?.to_string().into_bytes();
+    let json = document.json(&document.nodes(scene, 0)?, certificate);
+    write_file(&document, json, out)
+}
+
+/// Writes the header, the JSON chunk and the streams.
+pub(super) fn write_file(
+    document: &Document<'_>,
+    json: Map<String, Value>,
+    out: &mut dyn Write,
+) -> Result<(), WriteError> {
+    let json = Value::Object(json).to_string().into_bytes();
     let n_bin: u64 = document.streams.iter().map(|s| s.n_padded()).sum();
     let n_json = (json.len() as u64).div_ceil(4) * 4;
     let total = 12 + 8 + n_json + if n_bin == 0 { 0 } else { 8 + n_bin };

@@ -4,6 +4,7 @@ mod data;
 mod errors;
 mod hostile_container;
 mod hostile_objects;
+mod levels;
 mod mutations;
 mod reader;
 mod round_trip;

@@ -1,0 +1,15 @@
+//! 3D Tiles 1.1: a tree of tiles, each with a box, an error in metres and a file that shows it.
+mod bounds;
+mod content;
+mod parse;
+mod read;
+mod subtree;
+mod tileset;
+mod uri;
+mod write;
+
+pub use bounds::{aligned_box, content_bounds};
+pub use content::content;
+pub use read::{Open, read};
+pub use tileset::{BoundingVolume, Implicit, Refine, Subdivision, Tile, Tileset};
+pub use write::{InvalidTileset, TileFault, write};

@@ -1,0 +1,264 @@
+//! The tileset reader: the tree of one file, and of those that it names.
+use super::parse::{self, Parsed, Pending};
+use super::subtree::{self, At};
+use super::{Implicit, Refine, Tile, Tileset, uri};
+use crate::warnings::Warnings;
+use crate::{Limits, Place, ReadError, Warning};
+use std::collections::BTreeSet;
+
+/// Gives the bytes of a file by its path below the tileset's folder, or says why not. Such a path has no `..`, no scheme and no
+/// leading `/`; whoever opens it looks after links that lead out of the folder.
+pub type Open<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
+
+/// Reads a tileset, 1.0 or 1.1, with the tilesets that its tiles name and the subtrees of its implicit tilings; `open` gives
+/// those files. Contents other than tilesets are not opened.
+///
+/// Paths in the result are relative to the first file's folder. A tile whose content is a tileset has that one's root as its last
+/// child; one that is named a second time is not opened again, and counted. Errors must not grow towards the leaves, which
+/// [`Limits::lenient`] turns into a warning. What a tileset says beside its tree (metadata, styles, tighter volumes of contents,
+/// request volumes) is counted, not kept.
+///
+/// Linear in the bytes of all files, which together stay below [`Limits::bytes`]; nesting is limited by [`Limits::depth`].
+///
+/// # Errors
+/// [`ReadError`] with the byte or JSON pointer, and the file's name where it is not the first: no tileset, errors that grow, a
+/// URI with a scheme or one that leads out of the folder, tilesets that contain themselves, a file that is missing or
+/// compressed, a subtree with the wrong number of bits, an extension that is required.
+///
+/// ```
+/// use chordal_io::{Limits, tiles};
+/// let cube = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+/// let tileset = tiles::Tileset { geometric_error: 1.0, root: tiles::Tile::leaf(cube, "a.glb"), extras: None };
+/// let bytes = tiles::write(&tileset)?;
+/// let (read, warnings) = tiles::read(&bytes, &mut |path| Err(format!("no {path}")), &Limits::default())?;
+/// assert_eq!((read, warnings.len()), (tileset, 0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read(
+    bytes: &[u8],
+    open: &mut Open<'_>,
+    limits: &Limits,
+) -> Result<(Tileset, Vec<Warning>), ReadError> {
+    let mut reader = Reader {
+        open,
+        limits,
+        warnings: Warnings::default(),
+        chain: Vec::new(),
+        seen: BTreeSet::new(),
+        left: limits.bytes,
+        n_tiles: 0,
+    };
+    reader.take(bytes.len() as u64)?;
+    let tileset = reader.tileset(bytes, "", None)?;
+    Ok((tileset, reader.warnings.into_list()))
+}
+
+struct Reader<'r, 'o> {
+    open: &'r mut Open<'o>,
+    limits: &'r Limits,
+    warnings: Warnings,
+    /// The tilesets within which this is, by their paths; the first has none.
+    chain: Vec<String>,
+    /// Tilesets that were opened.
+    seen: BTreeSet<String>,
+    /// Bytes that may still be read.
+    left: u64,
+    /// Tiles of all files.
+    n_tiles: u64,
+}
+
+/// A tile's surroundings.
+#[derive(Clone, Copy)]
+struct Above<'a> {
+    error: f64,
+    refine: Refine,
+    /// The folder of the file.
+    folder: &'a str,
+}
+
+type Outcome<T> = Result<T, ReadError>;
+
+impl Reader<'_, '_> {
+    /// Counts bytes that are about to be looked at.
+    fn take(&mut self, n: u64) -> Outcome<()> {
+        match self.left.checked_sub(n) {
+            Some(left) => {
+                self.left = left;
+                Ok(())
+            }
+            None => {
+                let what = format!("the files of the tileset pass the limit of {} bytes", self.limits.bytes);
+                Err(ReadError::new("too-large", Place::File, what))
+            }
+        }
+    }
+
+    /// One file, whose path is empty for the first, below a tile of an error.
+    fn tileset(&mut self, bytes: &[u8], path: &str, above: Option<f64>) -> Outcome<Tileset> {
+        let Parsed { mut tileset, pending } = parse::parse(bytes, self.limits, &mut self.warnings)?;
+        self.n_tiles += pending.len() as u64;
+        if self.n_tiles > self.limits.rows {
+            let what = format!("more tiles than the limit of {}", self.limits.rows);
+            return Err(ReadError::new("too-many-rows", Place::File, what));
+        }
+        let own = tileset.geometric_error;
+        if let Some(error) = above.filter(|error| own > *error) {
+            self.rising(own, error, "/geometricError")?;
+        }
+        if pending.first().is_some_and(|root| root.refine.is_none()) {
+            self.warnings.count("refine-missing", || {
+                let what = "the root does not say how it is refined; it is taken to be replaced".to_owned();
+                (Place::Pointer("/root".to_owned()), what)
+            });
+        }
+        let above = Above { error: own, refine: Refine::Replace, folder: uri::folder(path) };
+        self.tile(&mut tileset.root, &mut pending.into_iter(), above, &mut "/root".to_owned())?;
+        Ok(tileset)
+    }
+
+    /// Refuses an error that grows towards the leaves, or counts it.
+    fn rising(&mut self, error: f64, above: f64, pointer: &str) -> Outcome<()> {
+        let what = format!("the error of {error} m is above that of the tile before it, {above} m");
+        let place = Place::Pointer(pointer.to_owned());
+        if !self.limits.lenient {
+            return Err(ReadError::new("error-increases", place, what));
+        }
+        self.warnings.count("error-increases", || (place, what));
+        Ok(())
+    }
+
+    /// Settles a tile and what is below it.
+    fn tile(
+        &mut self,
+        tile: &mut Tile,
+        pending: &mut std::vec::IntoIter<Pending>,
+        above: Above<'_>,
+        pointer: &mut String,
+    ) -> Outcome<()> {
+        let Pending { rule, refine } = pending.next().unwrap_or_default();
+        tile.refine = refine.unwrap_or(above.refine);
+        if tile.geometric_error > above.error {
+            self.rising(tile.geometric_error, above.error, &format!("{pointer}/geometricError"))?;
+        }
+        let below = Above { error: tile.geometric_error, refine: tile.refine, ..above };
+        let length = pointer.len();
+        for i in 0..tile.children.len() {
+            pointer.push_str(&format!("/children/{i}"));
+            self.tile(&mut tile.children[i], pending, below, pointer)?;
+            pointer.truncate(length);
+        }
+        let is_list = tile.contents.len() > 1;
+        let mut tilesets = Vec::new();
+        for (i, content) in tile.contents.iter_mut().enumerate() {
+            let key = if is_list {
+                format!("{pointer}/contents/{i}/uri")
+            } else {
+                format!("{pointer}/content/uri")
+            };
+            let written = if rule.is_some() { at_root(content) } else { content.clone() };
+            let path = resolved(above.folder, &written, &key)?;
+            if rule.is_some() {
+                // The template stays; that what it stands for is below the folder is known.
+                continue;
+            }
+            *content = path;
+            if content.ends_with(".json") {
+                tilesets.extend(self.external(content, tile.geometric_error, &key)?);
+            }
+        }
+        tile.children.extend(tilesets);
+        if let Some(rule) = rule {
+            let key = format!("{pointer}/implicitTiling/subtrees/uri");
+            tile.implicit = Some(self.implicit(&rule, above.folder, &key)?);
+        }
+        Ok(())
+    }
+
+    /// The root of a tileset that a tile shows, unless it was opened before.
+    fn external(&mut self, path: &str, error: f64, pointer: &str) -> Outcome<Option<Tile>> {
+        let place = || Place::Pointer(pointer.to_owned());
+        if self.chain.iter().any(|file| file == path) {
+            let what = format!("the tileset '{path}' contains itself");
+            return Err(ReadError::new("tileset-cycle", place(), what));
+        }
+        // A chain of files costs stack as nesting does.
+        if self.chain.len() >= MOST_FILES.min(self.limits.depth) {
+            let what = format!("tilesets in tilesets, {} deep, pass the limit", self.chain.len() + 1);
+            return Err(ReadError::new("too-deep", place(), what));
+        }
+        if !self.seen.insert(path.to_owned()) {
+            self.warnings.count("tileset-named-again", || {
+                (place(), "tilesets that several tiles name were looked at once".to_owned())
+            });
+            return Ok(None);
+        }
+        let bytes = self.file(path).map_err(|error| ReadError { place: place(), ..error })?;
+        self.chain.push(path.to_owned());
+        let tileset = self.tileset(&bytes, path, Some(error)).map_err(|error| in_file(path, error))?;
+        self.chain.pop();
+        Ok(Some(tileset.root))
+    }
+
+    fn file(&mut self, path: &str) -> Outcome<Vec<u8>> {
+        let bytes = (self.open)(path).map_err(|why| {
+            ReadError::new("file-missing", Place::File, format!("'{path}' cannot be read: {why}"))
+        })?;
+        self.take(bytes.len() as u64)?;
+        Ok(bytes)
+    }
+
+    /// What the subtrees of an implicit tiling say.
+    fn implicit(&mut self, rule: &parse::Rule, folder: &str, pointer: &str) -> Outcome<Implicit> {
+        let place = || Place::Pointer(pointer.to_owned());
+        let axes: &[&str] = match rule.subdivision {
+            super::Subdivision::Quadtree => &["{level}", "{x}", "{y}"],
+            super::Subdivision::Octree => &["{level}", "{x}", "{y}", "{z}"],
+        };
+        // Without one of them many subtrees would be one file, and a small one could be read without end.
+        if let Some(name) = axes.iter().find(|name| !rule.template.contains(**name)) {
+            return Err(ReadError::new("bad-template", place(), format!("the template has no {name}")));
+        }
+        let n_levels = rule.available_levels as usize;
+        let mut found = Implicit {
+            subdivision: rule.subdivision,
+            subtree_levels: rule.subtree_levels,
+            n_subtrees: 0,
+            n_tiles: vec![0; n_levels],
+            n_contents: vec![0; n_levels],
+        };
+        let mut open = vec![At { level: 0, place: [0; 3] }];
+        while let Some(at) = open.pop() {
+            let path = resolved(folder, &at.uri(&rule.template), pointer)?;
+            let bytes = self.file(&path).map_err(|error| ReadError { place: place(), ..error })?;
+            let limits = self.limits;
+            let mut other = |uri: &str| {
+                let path = resolved(self::uri::folder(&path), uri, "")?;
+                self.file(&path)
+            };
+            let below = subtree::read(&bytes, (rule, at), &mut found, (limits, &mut other));
+            open.extend(below.map_err(|error| in_file(&path, error))?.into_iter().rev());
+        }
+        Ok(found)
+    }
+}
+
+/// Tilesets within tilesets that are read. Chosen: far more than are nested in practice, and a few hundred kilobytes of stack.
+const MOST_FILES: usize = 16;
+
+/// The path that a URI names.
+fn resolved(folder: &str, written: &str, pointer: &str) -> Outcome<String> {
+    uri::resolve(folder, written).map_err(|outside| {
+        let place = Place::Pointer(pointer.to_owned());
+        ReadError::new(outside.code(), place, format!("'{written}' {}", outside.reason()))
+    })
+}
+
+/// A template for the first tile.
+fn at_root(template: &str) -> String {
+    At { level: 0, place: [0; 3] }.uri(template)
+}
+
+/// An error within a file that another one names.
+fn in_file(path: &str, error: ReadError) -> ReadError {
+    ReadError { message: format!("{} (in '{path}')", error.message), ..error }
+}

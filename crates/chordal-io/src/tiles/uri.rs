@@ -1,0 +1,115 @@
+//! Paths of files below a tileset's folder: what a relative URI names, and nothing else.
+
+/// Why a URI names no file below the folder.
+pub(super) enum Outside {
+    /// It has a scheme, as in `https:`.
+    Scheme,
+    /// It begins at the root of a server or disk.
+    Absolute,
+    /// It climbs above the folder.
+    Above,
+    /// It is empty, names a folder, or has an escape that is none.
+    NoFile,
+}
+
+impl Outside {
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Scheme => "no-network",
+            Self::Absolute | Self::Above => "outside-folder",
+            Self::NoFile => "bad-uri",
+        }
+    }
+
+    pub fn reason(&self) -> &'static str {
+        match self {
+            Self::Scheme => "has a scheme: only files below the tileset's folder are read, never the network",
+            Self::Absolute => "is absolute: only files below the tileset's folder are read",
+            Self::Above => "leads out of the tileset's folder",
+            Self::NoFile => "names no file",
+        }
+    }
+}
+
+/// The path below the top folder that a URI names in `folder`, which is itself such a path; without query and fragment.
+///
+/// Escapes are decoded first, so that none of them hides a dot or a slash.
+pub(super) fn resolve(folder: &str, uri: &str) -> Result<String, Outside> {
+    let end = uri.find(['?', '#']).unwrap_or(uri.len());
+    let path = decoded(&uri[..end]).ok_or(Outside::NoFile)?;
+    if path.starts_with(['/', '\\']) {
+        return Err(Outside::Absolute);
+    }
+    // A colon in the first segment ends a scheme, or names a disk.
+    if path.split(['/', '\\']).next().is_some_and(|first| first.contains(':')) {
+        return Err(Outside::Scheme);
+    }
+    if path.contains(['\\', '\0']) || path.ends_with('/') {
+        return Err(Outside::NoFile);
+    }
+    let mut segments: Vec<&str> = folder.split('/').filter(|segment| !segment.is_empty()).collect();
+    for segment in path.split('/') {
+        match segment {
+            "" | "." => {}
+            ".." => {
+                segments.pop().ok_or(Outside::Above)?;
+            }
+            name => segments.push(name),
+        }
+    }
+    let last = path.rsplit('/').next().unwrap_or_default();
+    if matches!(last, "" | "." | "..") || segments.is_empty() {
+        return Err(Outside::NoFile);
+    }
+    Ok(segments.join("/"))
+}
+
+/// The folder of a path.
+pub(super) fn folder(path: &str) -> &str {
+    path.rsplit_once('/').map_or("", |(folder, _)| folder)
+}
+
+fn decoded(text: &str) -> Option<String> {
+    if !text.contains('%') {
+        return Some(text.to_owned());
+    }
+    let bytes = text.as_bytes();
+    let mut out = Vec::with_capacity(bytes.len());
+    let mut at = 0;
+    while at < bytes.len() {
+        if bytes[at] == b'%' {
+            let digit = |k: usize| bytes.get(at + k).and_then(|b| char::from(*b).to_digit(16));
+            // Two hexadecimal digits make one byte.
+            out.push((16 * digit(1)? + digit(2)?) as u8);
+            at += 3;
+        } else {
+            out.push(bytes[at]);
+            at += 1;
+        }
+    }
+    String::from_utf8(out).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stays_below_the_folder() {
+        let resolved = |folder, uri| resolve(folder, uri).map_err(|outside| outside.code());
+        assert_eq!(resolved("", "a/b.glb"), Ok("a/b.glb".to_owned()));
+        assert_eq!(resolved("a", "./b%20c.glb?v=1#x"), Ok("a/b c.glb".to_owned()));
+        assert_eq!(resolved("a/b", "../c.glb"), Ok("a/c.glb".to_owned()));
+        for uri in
+            ["../a.glb", "a/../../b.glb", "/etc/passwd", "//host/a", "%2e%2e/a.glb", "%2Fetc/passwd", "\\a"]
+        {
+            assert_eq!(resolved("", uri), Err("outside-folder"), "{uri}");
+        }
+        for uri in ["http://a/b.glb", "data:,x", "file:///etc/passwd", "C:\\a.glb", "http%3A//a/b"] {
+            assert_eq!(resolved("", uri), Err("no-network"), "{uri}");
+        }
+        for uri in ["", ".", "a/", "a/..", "#x", "a%2", "a%zz", "%ff", "a\\..\\..\\b", "a%00b"] {
+            assert_eq!(resolved("", uri), Err("bad-uri"), "{uri}");
+        }
+    }
+}

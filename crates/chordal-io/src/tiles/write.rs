@@ -1,0 +1,224 @@
+//! The tileset writer.
+use super::{BoundingVolume, Refine, Tile, Tileset, uri};
+use serde_json::{Map, Value, json};
+use std::fmt;
+
+/// Levels of children that are written. Chosen: a tree of halves that deep tells the width of an atom on Earth, and readers that stop
+/// at 128 levels of JSON, as ours does, still have 27 for what stands in the deepest tile.
+const MOST_LEVELS: usize = 50;
+
+/// How far a child's box may stick out of its parent's, relative to where and how large they are: each half axis and centre was
+/// rounded once or twice, and so was what is computed of them here. Derived: eight roundings of half a step.
+const SLACK: f64 = 4.0 * f64::EPSILON;
+
+/// Why a tileset is not written: the tile and what is wrong with it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InvalidTileset {
+    /// A JSON pointer to the tile in what would have been written; empty for the tileset as a whole.
+    pub tile: String,
+    /// What is wrong.
+    pub fault: TileFault,
+}
+
+/// What can be wrong with a tile.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TileFault {
+    /// An error is negative, infinite or NaN.
+    BadError(f64),
+    /// The error of a tile without children is not 0: what is left there belongs into the extras.
+    LeafError(f64),
+    /// The error is not below the parent's.
+    NotDecreasing {
+        /// The tile's.
+        error: f64,
+        /// The parent's.
+        parent: f64,
+    },
+    /// The error of the tileset is 0 or below the root's, so that a viewer would show nothing or not begin.
+    BadTilesetError {
+        /// The tileset's.
+        error: f64,
+        /// The root's.
+        root: f64,
+    },
+    /// The volume is no box of finite numbers along the axes, with half axes that are not negative.
+    NoBox,
+    /// The box sticks out of the parent's.
+    BoxOutside,
+    /// The URI is no plain relative path of a file below the tileset: letters, digits, `-`, `.`, `_`, `~` and `/`.
+    BadUri(String),
+    /// The tree is deeper than 50 levels.
+    TooDeep,
+    /// Something that is only read is there: a transform of its own, or tiles that follow a rule.
+    OnlyRead(&'static str),
+}
+
+impl fmt::Display for TileFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::BadError(error) => write!(f, "an error of {error} m is not finite or negative"),
+            Self::LeafError(error) => write!(f, "a tile without children has an error of {error} m, not 0"),
+            Self::NotDecreasing { error, parent } => {
+                write!(f, "the error of {error} m is not below that of the parent, {parent} m")
+            }
+            Self::BadTilesetError { error, root } => {
+                write!(f, "the tileset's error of {error} m is 0 or below that of its root, {root} m")
+            }
+            Self::NoBox => f.write_str("the volume is no box of finite numbers along the axes"),
+            Self::BoxOutside => f.write_str("the box sticks out of that of the parent"),
+            Self::BadUri(uri) => write!(f, "'{uri}' is no plain relative path of a file"),
+            Self::TooDeep => write!(f, "the tree is deeper than {MOST_LEVELS} levels"),
+            Self::OnlyRead(what) => write!(f, "{what} can be read and not written"),
+        }
+    }
+}
+
+impl fmt::Display for InvalidTileset {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.tile.is_empty() { self.fault.fmt(f) } else { write!(f, "{}: {}", self.tile, self.fault) }
+    }
+}
+
+impl std::error::Error for InvalidTileset {}
+
+/// The `tileset.json` of a tileset, version 1.1, the same bytes for the same tileset.
+///
+/// What is demanded of it: errors are finite, 0 for tiles without children, and below the parent's for all others; the tileset's
+/// is above 0 and not below the root's. Volumes are boxes
+/// along the axes, and a child's is in its parent's but for rounding. Names of files are
+/// plain relative paths. So a viewer that shows a tile where its error takes at most so many pixels always has an answer, and
+/// every way down the tree is finer by each step.
+///
+/// Linear in the number of tiles.
+///
+/// # Errors
+/// [`InvalidTileset`] with the first tile that does not comply.
+///
+/// ```
+/// use chordal::math::Box3;
+/// use chordal_io::tiles::{Tile, Tileset, aligned_box, write};
+/// let volume = aligned_box(&Box3 { min: [-1.0; 3], max: [1.0; 3] });
+/// let fine = Tile::leaf(volume, "1.glb");
+/// let root = Tile { geometric_error: 0.25, children: vec![fine], ..Tile::leaf(volume, "0.glb") };
+/// let mut tileset = Tileset { geometric_error: 4.0, root, extras: None };
+/// let text = String::from_utf8(write(&tileset)?)?;
+/// assert!(text.starts_with(r#"{"asset":{"version":"1.1","generator":"Chordal"#));
+///
+/// tileset.root.children[0].geometric_error = 0.25;
+/// assert_eq!(write(&tileset).unwrap_err().tile, "/root/children/0");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// Source: Open Geospatial Consortium, 3D Tiles Specification 1.1 (22-025r4), 2023.
+pub fn write(tileset: &Tileset) -> Result<Vec<u8>, InvalidTileset> {
+    let whole = |fault| InvalidTileset { tile: String::new(), fault };
+    let (error, root) = (tileset.geometric_error, tileset.root.geometric_error);
+    if !(error.is_finite() && error >= 0.0) {
+        return Err(whole(TileFault::BadError(error)));
+    }
+    let root_tile = Writer { at: "/root".to_owned() }.tile(&tileset.root, None, 0)?;
+    if !(error > 0.0 && error >= root) {
+        return Err(whole(TileFault::BadTilesetError { error, root }));
+    }
+    let mut json = Map::new();
+    let generator = concat!("Chordal ", env!("CARGO_PKG_VERSION"));
+    json.insert("asset".to_owned(), json!({ "version": "1.1", "generator": generator }));
+    json.insert("geometricError".to_owned(), json!(error));
+    json.insert("root".to_owned(), root_tile);
+    if let Some(extras) = &tileset.extras {
+        json.insert("extras".to_owned(), extras.clone());
+    }
+    Ok(Value::Object(json).to_string().into_bytes())
+}
+
+/// The place in the tree.
+struct Writer {
+    at: String,
+}
+
+impl Writer {
+    fn tile(&mut self, tile: &Tile, parent: Option<&Tile>, depth: usize) -> Result<Value, InvalidTileset> {
+        let volume =
+            check(tile, parent, depth).map_err(|fault| InvalidTileset { tile: self.at.clone(), fault })?;
+        let mut json = Map::new();
+        // Adding zero takes the sign from −0, which JSON would show.
+        json.insert("boundingVolume".to_owned(), json!({ "box": volume.map(|x| x + 0.0) }));
+        json.insert("geometricError".to_owned(), json!(tile.geometric_error + 0.0));
+        if parent.is_none_or(|parent| parent.refine != tile.refine) {
+            let refine = if tile.refine == Refine::Replace { "REPLACE" } else { "ADD" };
+            json.insert("refine".to_owned(), json!(refine));
+        }
+        match &tile.contents[..] {
+            [] => {}
+            [uri] => {
+                json.insert("content".to_owned(), json!({ "uri": uri }));
+            }
+            many => {
+                let many: Vec<Value> = many.iter().map(|uri| json!({ "uri": uri })).collect();
+                json.insert("contents".to_owned(), json!(many));
+            }
+        }
+        let mut children = Vec::with_capacity(tile.children.len());
+        for (i, child) in tile.children.iter().enumerate() {
+            let length = self.at.len();
+            self.at.push_str(&format!("/children/{i}"));
+            children.push(self.tile(child, Some(tile), depth + 1)?);
+            self.at.truncate(length);
+        }
+        if !children.is_empty() {
+            json.insert("children".to_owned(), Value::Array(children));
+        }
+        if let Some(extras) = &tile.extras {
+            json.insert("extras".to_owned(), extras.clone());
+        }
+        Ok(Value::Object(json))
+    }
+}
+
+/// The box of a tile that complies.
+fn check(tile: &Tile, parent: Option<&Tile>, depth: usize) -> Result<[f64; 12], TileFault> {
+    let error = tile.geometric_error;
+    if depth > MOST_LEVELS {
+        return Err(TileFault::TooDeep);
+    }
+    if !(error.is_finite() && error >= 0.0) {
+        return Err(TileFault::BadError(error));
+    }
+    if let Some(parent) = parent.filter(|parent| error >= parent.geometric_error) {
+        return Err(TileFault::NotDecreasing { error, parent: parent.geometric_error });
+    }
+    if tile.children.is_empty() && error != 0.0 {
+        return Err(TileFault::LeafError(error));
+    }
+    for (is_there, what) in
+        [(tile.transform.is_some(), "a transform of a tile"), (tile.implicit.is_some(), "implicit tiling")]
+    {
+        if is_there {
+            return Err(TileFault::OnlyRead(what));
+        }
+    }
+    let volume = aligned(tile).ok_or(TileFault::NoBox)?;
+    if parent.and_then(aligned).is_some_and(|outer| !is_inside(&volume, &outer)) {
+        return Err(TileFault::BoxOutside);
+    }
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-._~/".contains(c);
+    match tile.contents.iter().find(|uri| !uri.chars().all(plain) || uri::resolve("", uri).is_err()) {
+        Some(uri) => Err(TileFault::BadUri(uri.clone())),
+        None => Ok(volume),
+    }
+}
+
+/// The box of a tile, if it is one along the axes.
+fn aligned(tile: &Tile) -> Option<[f64; 12]> {
+    let BoundingVolume::Box(volume) = tile.volume else { return None };
+    let is_diagonal = (0..9).all(|i| if i % 4 == 0 { volume[3 + i] >= 0.0 } else { volume[3 + i] == 0.0 });
+    (is_diagonal && volume.iter().all(|x| x.is_finite())).then_some(volume)
+}
+
+fn is_inside(inner: &[f64; 12], outer: &[f64; 12]) -> bool {
+    (0..3).all(|k| {
+        let (a, b) = (inner[k], outer[k]);
+        let (half, room) = (inner[3 + 4 * k], outer[3 + 4 * k]);
+        (a - b).abs() + half <= room + SLACK * (a.abs() + b.abs() + half + room)
+    })
+}

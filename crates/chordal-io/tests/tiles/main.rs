@@ -1,0 +1,7 @@
+//! Tilesets: what is written reads back and complies, what is broken is refused.
+mod bounds;
+mod build;
+mod data;
+mod hostile;
+mod implicit;
+mod write;
