@@ -38,6 +38,8 @@ Messages go to stderr, data to stdout. '-' is stdin or stdout. Colours obey NO_C
 pub enum Verb {
     /// Turn any shape into triangles, or curves into polylines, within a budget
     Mesh(MeshArgs),
+    /// Make levels of detail, each with its own proved error, as one .glb or as a folder of 3D Tiles
+    Lod(crate::lod::LodArgs),
     /// Say what a file holds and whether it is sound
     Inspect(InspectArgs),
     /// Say how far two shapes are apart, proved from both sides
@@ -364,6 +366,9 @@ pub enum Show {
     Normals,
     /// Stripes as the surface mirrors them: kinks in its curvature show as kinks
     Zebra,
+    /// How many lanes a graphics processor launches for each pixel, from light for one to dark for 16 and more; the report
+    /// counts quads, helper lanes, triangles too small to be seen, and flicker
+    Overshade,
     /// The distance from the shape of --against as a colour, from light through yellow and red to dark
     Deviation,
 }

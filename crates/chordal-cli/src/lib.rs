@@ -11,6 +11,7 @@ mod fault;
 mod input;
 mod inspect;
 mod letter;
+mod lod;
 mod mend;
 mod mesh;
 mod numbers;
@@ -44,6 +45,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     let json = wants_json(&cli.verb);
     let done = match cli.verb {
         Verb::Mesh(args) => mesh::run(&args),
+        Verb::Lod(args) => lod::run(&args),
         Verb::Inspect(args) => inspect::run(&args),
         Verb::Deviation(args) => deviation::run(&args),
         Verb::Mend(args) => mend::run(&args),
@@ -62,6 +64,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
 fn wants_json(verb: &Verb) -> bool {
     match verb {
         Verb::Mesh(args) => args.talk.json,
+        Verb::Lod(args) => args.talk.json,
         Verb::Inspect(args) => args.talk.json,
         Verb::Deviation(args) => args.talk.json,
         Verb::Mend(args) => args.talk.json,

@@ -54,6 +54,21 @@ impl Target {
         Ok(Self::File { path: arg.to_owned(), existing })
     }
 
+    /// A file in a folder that is the output of a verb; the folder is made if it is missing.
+    ///
+    /// # Errors
+    /// When the folder cannot be made, or the file should not be written.
+    pub fn prepare_in(folder: &Path, name: &str, existing: Existing) -> Result<Self, Fault> {
+        let failed = |error: io::Error| {
+            Fault::output("unwritable", format!("{}: {}", folder.display(), plainly(&error)))
+        };
+        fs::create_dir_all(folder).map_err(failed)?;
+        let path = folder.join(name);
+        refuse_occupied(&path, existing)?;
+        drop(Aside::create(&path)?);
+        Ok(Self::File { path, existing })
+    }
+
     /// The name in messages and reports.
     pub fn name(&self) -> String {
         match self {

@@ -9,7 +9,7 @@ use crate::output::Target;
 use crate::summary;
 use crate::talk::Talk;
 use chordal::budget::{Screen, View};
-use chordal::render::{Cull as Culled, Options, Show as Shown, Viewpoint};
+use chordal::render::{Cull as Culled, DARKEST_LANES, Options, Show as Shown, Viewpoint};
 use chordal_verbs::report::{Report, Run};
 use chordal_verbs::{Fineness, Input, USUAL_SCREEN, render, render_against};
 use clap::ValueEnum;
@@ -62,7 +62,10 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let scale = outcome
         .darkest
         .map(|most| format!("distances, light at 0, darkest at {}", short(most, Toward::Nearest)));
-    let picture = scale.map_or(picture.clone(), |scale| format!("{picture}: {scale}"));
+    let lanes = report.certificate.overshade.as_ref().map(|_| {
+        format!("lanes a pixel, light at 1, yellow 2, orange 4, red 8, darkest at {DARKEST_LANES} and more")
+    });
+    let picture = scale.or(lanes).map_or(picture.clone(), |scale| format!("{picture}: {scale}"));
     talk.result(&report.to_value(), &summary::render(&report, &picture, outcome.back_share), stdout)
 }
 
@@ -103,6 +106,7 @@ fn shown(show: Show) -> Shown {
         Show::Wire => Shown::Wire,
         Show::Normals => Shown::Normals,
         Show::Zebra => Shown::Zebra,
+        Show::Overshade => Shown::Overshade,
         // Colours over light.
         Show::Deviation => Shown::Shaded,
     }

@@ -1,6 +1,6 @@
 //! Reports for people: a few aligned lines.
 use crate::numbers::{Toward, grouped, short, size};
-use chordal_verbs::report::{BoundFacts, Output, OutputFacts, Report, Valid};
+use chordal_verbs::report::{BoundFacts, Output, OutputFacts, OvershadeFacts, Report, ShadedFacts, Valid};
 use std::fmt::Write;
 
 /// Lines of a name and a value, the values below each other.
@@ -79,12 +79,31 @@ pub fn render(report: &Report, picture: &str, back_share: Option<f64>) -> String
     }
     lines
         .add_if("backs", back_share.map(|share| format!("{:.0}% of the triangles face away", 100.0 * share)));
+    if let Some(facts) = &certificate.overshade {
+        overshade(&mut lines, facts);
+    }
     if let Some(facts) = &certificate.bound {
         lines.add("bound", bound(facts));
     }
     lines.add_if("size", run.bytes.map(size));
     lines.add_if("seconds", run.seconds.map(|seconds| format!("{seconds:.2}")));
     lines.0
+}
+
+fn overshade(lines: &mut Lines, facts: &OvershadeFacts) {
+    let share = |part: u64, of: u64| if of == 0 { 0.0 } else { 100.0 * part as f64 / of as f64 };
+    let [in_view, missed, micro] = [facts.in_view, facts.missed, facts.micro];
+    lines.add("in view", plural(in_view, "triangle"));
+    lines.add("tiny", format!("{:.1}% are smaller than a pixel", share(micro, in_view)));
+    lines.add("missed", format!("{:.1}% cover no pixel's centre", share(missed, in_view)));
+    lines.add("covered", plural(facts.covered_px, "pixel"));
+    let shaded = |shaded: &ShadedFacts| {
+        let quads = plural(shaded.quads, "quad");
+        format!("{quads}, {:.1}% of their lanes are helpers", 100.0 * shaded.helper_share)
+    };
+    lines.add("visible", format!("{}; {:.2} lanes a covered pixel", shaded(&facts.visible), facts.ratio));
+    lines.add("with hidden", shaded(&facts.every));
+    lines.add("flicker", format!("{:.2}% of the way from black to white", 100.0 * facts.flicker));
 }
 
 pub(crate) fn made(lines: &mut Lines, output: &Output) {

@@ -109,3 +109,45 @@ fn backs_and_fronts_can_be_left_out() {
     assert!(pictures[0] != pictures[1] && pictures[1] != pictures[2] && pictures[0] != pictures[2]);
     run(&["render", &input, "-o", &output, "--cull", "sides"]).fails_with(2, &["sides"]);
 }
+
+#[test]
+fn overshade_counts_lanes_and_shows_them() {
+    let folder = Folder::new("overshade");
+    let schema = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/schema/report.schema.json");
+    let schema: serde_json::Value = serde_json::from_str(&fs::read_to_string(schema).unwrap()).unwrap();
+    let schema = jsonschema::validator_for(&schema).unwrap();
+    // The lower left half of a screen of 8 × 8 pixels, as in the library's own example, and its back behind it.
+    let front = "v -4 -4 0\nv 4 -4 0\nv -4 4 0\nv -4 -4 -1\nv 4 -4 -1\nv -4 4 -1\nf 1 2 3\nf 4 6 5\n";
+    let input = folder.file("half.obj", front);
+    let view = "8x8 height=8 eye=0,0,1 target=0,0,0";
+    let output = folder.text("a.png");
+    let shot = |more: &[&str]| {
+        let args = ["render", &input, "-o", &output, "--show", "overshade", "--view", view, "--force"];
+        let made = run(&[&args, more].concat());
+        made.succeeds();
+        made
+    };
+    let both = shot(&["--json"]).report();
+    let wrong: Vec<_> = schema.iter_errors(&both).map(|e| e.to_string()).collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    let facts = &both["certificate"]["overshade"];
+    assert_eq!((&facts["covered_px"], &facts["in_view"]), (&28.into(), &2.into()), "{facts}");
+    assert_eq!((&facts["visible"]["quads"], &facts["every"]["quads"]), (&10.into(), &20.into()), "{facts}");
+    assert_eq!((&facts["flicker"], &facts["culled"]), (&0.0.into(), &"none".into()), "{facts}");
+    let pictures = [&[][..], &["--cull", "back"]].map(|cull| {
+        let made = shot(cull);
+        assert!(
+            made.stdout.contains("visible     10 quads, 30.0% of their lanes are helpers"),
+            "{}",
+            made.stdout
+        );
+        fs::read(&output).unwrap()
+    });
+    assert!(pictures[0] != pictures[1], "two lanes a pixel and one");
+    let one = shot(&["--cull", "back", "--json"]).report();
+    assert_eq!(one["certificate"]["overshade"]["every"]["quads"], 10);
+
+    let field = folder.file("ball.star", "sphere(1)\n");
+    run(&["render", &field, "-o", &output, "--show", "overshade", "--force"])
+        .fails_with(3, &["no triangles to shade", "mesh it first"]);
+}

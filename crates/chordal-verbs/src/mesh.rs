@@ -2,11 +2,16 @@
 use crate::placed::{self, Placed};
 use crate::polylines::{self, Asked};
 use crate::report::{BoundFacts, BudgetFacts, Certificate, Counted, Output};
+use crate::simplified::{simplified, without_normals};
 use crate::written::as_written;
 use crate::{
-    BudgetSpec, Input, MeshFailure, Shape, cage, filled, formats, implicit, surfaces, write, write_polylines,
+    BudgetSpec, Input, MeshFailure, Normals, Shape, cage, filled, formats, implicit, surfaces, write,
+    write_polylines,
 };
-use chordal::budget::{Bound, Budget, Code, Failure, PixelBudget, Pixels, Reference, Refusal, Tolerance};
+use chordal::budget::{
+    Bound, Budget, Code, Failure, PixelBudget, Pixels, Reference, Refusal, Stopped, Tolerance, View,
+};
+use chordal::check::{self, MicroTriangles};
 use chordal::math::{Box3, add_up, sub_down};
 use chordal::{Bounded, Job, Mesh, Patch, convert};
 use chordal_io::{Format, Frame, Polylines, Scene, WriteError, losses, snap, worst_snap};
@@ -70,7 +75,7 @@ impl MeshOutcome {
 ///
 /// The bound covers the whole way from the parsed numbers to the triangles as they read back from a file of the
 /// format `to`: what rounding to that format will cost is set aside from the budget first, and what it did cost is
-/// added to the bound. Triangles pass through as they are; to make them fewer is not in this version. A drawing for a
+/// added to the bound. Triangles become fewer, part by part; see `chordal::lod::simplify`. A drawing for a
 /// format of triangles is filled: what its outlines enclose, in the plane z = 0.
 ///
 /// # Errors
@@ -84,7 +89,7 @@ impl MeshOutcome {
 /// let input = load(obj, Hint { name: Some("triangle.obj"), ..Hint::default() }, &Default::default())?;
 /// let spec = BudgetSpec { length: Some("1%".parse()?), ..BudgetSpec::default() };
 /// let outcome = mesh(input, &spec, Format::Ply, &Default::default())?;
-/// assert_eq!(outcome.bound.at_most(), Some(0.0)); // triangles pass through
+/// assert_eq!(outcome.bound.at_most(), Some(0.0)); // one triangle cannot become fewer
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<MeshOutcome, MeshFailure> {
@@ -131,13 +136,16 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
             let asked = Asked { spec, budget, to, place: widened(&place) };
             implicit::of_field(&implicit, &asked, &mut certificate.notes, job)?
         }
-        Shape::Scene(scene) => {
-            certificate.notes.push(PASSED_THROUGH.to_owned());
-            pass_through(scene, to, &mut certificate.notes)?
+        Shape::Scene(mut scene) => {
+            if !matches!(spec.normals, Normals::Auto | Normals::Keep) {
+                without_normals(&mut scene)?;
+            }
+            simplified(scene, &Asked { spec, budget, to, place }, &mut certificate.notes, job)?
         }
     };
     // At the positions that will be written, and before rows are counted: hard edges double some.
     spec.normals.apply(&mut scene, [input.format, to], &mut certificate.notes)?;
+    certificate.notes.extend(too_fine(&scene, &budget, job)?);
     finish(scene, bound, &Asked { spec, budget, to, place }, certificate)
 }
 
@@ -169,8 +177,30 @@ pub(crate) fn finish(
     if met { Ok(outcome) } else { Err(MeshFailure::Unmet(Box::new(outcome))) }
 }
 
-const PASSED_THROUGH: &str =
-    "the input is triangles already and passes through as it is: simplification is not in this version";
+/// A note where most triangles are smaller than a pixel at the view of the budget: more than half, since every mesh has some
+/// at its poles and seams.
+fn too_fine(scene: &Scene, budget: &Budget, job: &Job) -> Result<Option<String>, MeshFailure> {
+    let Some(PixelBudget { view, .. }) = budget.pixels else { return Ok(None) };
+    // What cannot be put together, or is too large to look at: nothing is known, and nothing is said.
+    let Ok(mesh) = placed::one_mesh(scene) else { return Ok(None) };
+    let found = match check::micro_triangles(&mesh, &view, job) {
+        Ok(found) => found,
+        Err(Stopped::Cancelled) => return Err(MeshFailure::Cancelled),
+        Err(Stopped::Refused(_)) => return Ok(None),
+    };
+    let MicroTriangles { n_micro, n_triangles } = found;
+    let most = n_micro > n_triangles / 2;
+    let (of, at) = match view {
+        View::Camera(_) => ("triangles in view", "there"),
+        View::Closest(_) => ("triangles", "even where the eye is nearest and faces them"),
+    };
+    Ok(most.then(|| {
+        format!(
+            "{n_micro} of {n_triangles} {of} are smaller than a pixel {at}: more than the screen can show"
+        )
+    }))
+}
+
 pub(crate) const NOT_MET: &str = "the budget was not met: this is the best that was reached";
 
 pub(crate) fn refused(code: Code, message: impl Into<String>) -> MeshFailure {

@@ -2,16 +2,16 @@
 use crate::Implicit;
 use crate::deviation::Pair;
 use crate::filled::Filling;
-use crate::report::{BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OutputFacts};
+use crate::report::{BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OutputFacts, OvershadeFacts};
 use crate::{BudgetSpec, Input, MeshFailure, Shape, placed};
 use chordal::budget::{Camera, Code, Failure, Length, Pixels, Projection, Refusal, Screen, Stopped, View};
-use chordal::check::Goal;
-use chordal::explicit::{Topology, facing};
+use chordal::check::{self, Goal};
+use chordal::explicit::{Sides, Topology, facing};
 use chordal::implicit::query::Counts;
 use chordal::math::Box3;
 use chordal::render::{
-    Against, NotDrawn, Options, Picture, Up, Viewpoint, frame, render as trace,
-    render_against as trace_against, render_field,
+    Against, Cull, NotDrawn, Options, Picture, Show, Up, Viewpoint, frame, render as trace,
+    render_against as trace_against, render_field, render_overshade,
 };
 use chordal::{Bounded, Budget, Job, Mesh, Tolerance, convert};
 use chordal_io::{Axis, Drawing, Frame, WriteError, png};
@@ -54,6 +54,8 @@ pub enum Fineness {
 }
 
 /// Takes a picture of a shape. Which way is up comes from the shape's frame, and is z where that does not say.
+///
+/// [`Show::Overshade`] also counts what a graphics processor shades, for the certificate; a field has no triangles to count.
 ///
 /// A smooth shape is meshed as finely as `fineness` says or, if it says nothing, to half a pixel of this very picture,
 /// and the certificate says how far the triangles are from the true shape. Where then the eye is so close that no
@@ -267,7 +269,19 @@ fn shoot(
         Viewpoint::Automatic(screen) => frame(mesh, options.up, screen),
         Viewpoint::Camera(camera) => camera,
     };
-    let picture = trace(mesh, options, job).map_err(stopped)?;
+    let picture = if options.show == Show::Overshade {
+        let (picture, found) = render_overshade(mesh, options, job).map_err(stopped)?;
+        let sides = match options.cull {
+            Cull::None => Sides::Both,
+            Cull::Back => Sides::Front,
+            Cull::Front => Sides::Back,
+        };
+        let flicker = check::flicker(mesh, &camera, sides, job).map_err(stopped)?;
+        certificate.overshade = Some(OvershadeFacts::of(&found, &flicker, &camera, sides));
+        picture
+    } else {
+        trace(mesh, options, job).map_err(stopped)?
+    };
     let back_share = back_share(mesh, &camera);
     Ok(RenderOutcome { picture, camera, certificate, darkest: None, back_share })
 }

@@ -204,3 +204,24 @@ fn a_report_says_of_each_evidence_what_it_rests_on() {
     let facts = BoundFacts::of(&Bound::with_evidence(0.1, None, measured, Reference::InputTriangles));
     assert_eq!((facts.evidence, facts.at_most, facts.samples), ("measured", None, Some(7)));
 }
+
+#[test]
+fn triangles_finer_than_the_screen_shows_are_said() {
+    let notes = |pixels: &str, view: &str| {
+        let pixels = PixelBudget { pixels: pixels.parse().unwrap(), view: view.parse().unwrap() };
+        let spec = BudgetSpec { pixels: Some(pixels), ..BudgetSpec::default() };
+        let made = mesh(patch_at([0.0; 3]), &spec, Format::Ply, &Job::default()).unwrap();
+        let said =
+            made.certificate.notes.iter().filter(|note| note.contains("smaller than a pixel")).cloned();
+        (said.collect::<Vec<String>>(), made.certificate.output.unwrap().triangles().unwrap().triangles)
+    };
+    for view in ["64x48 fov=45 dist=3", "64x48 fov=45 eye=0.5,0.5,3 target=0.5,0.5,0"] {
+        assert_eq!(notes("0.5px", view).0, [""; 0]);
+        let (said, n_triangles) = notes("0.002px", view);
+        // Half of a picture 48 pixels high: more triangles than pixels.
+        assert!(n_triangles > 4000, "{n_triangles}");
+        assert_eq!(said.len(), 1, "{view}");
+        let counts: Vec<u64> = said[0].split(' ').filter_map(|word| word.parse().ok()).collect();
+        assert!(counts[0] > counts[1] / 2 && counts[0] <= counts[1] && counts[1] == n_triangles, "{said:?}");
+    }
+}

@@ -12,7 +12,9 @@ mod deviation;
 mod drawing;
 mod field;
 mod inspection;
+mod levels;
 mod mended;
+mod overshade;
 mod together;
 mod valid;
 mod volume;
@@ -28,7 +30,9 @@ pub use deviation::{DeviationFacts, OneSidedFacts, Verdict};
 pub use drawing::{DrawingFacts, JoinCounts, KinkFacts, PieceCounts};
 pub use field::FieldFacts;
 pub use inspection::{Found, Inspection, PartFacts, Sizes};
+pub use levels::{LevelFacts, LevelsFacts, ShownFacts};
 pub use mended::{ChangeFacts, MendedFacts};
+pub use overshade::{OvershadeFacts, ShadedFacts};
 pub(crate) use valid::{Counted, Look, Uncounted};
 pub use valid::{Counts, OtherCounts, PartValid, Valid, WitnessFacts};
 pub use volume::{LabelFacts, MOST_LABELS, SuggestedFacts, VolumeFacts};
@@ -89,6 +93,12 @@ pub struct Certificate {
     /// The lattice that was made; only from `bake`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub baked: Option<BakedFacts>,
+    /// The levels of detail that were made; only from `lod`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub levels: Option<LevelsFacts>,
+    /// What a graphics processor shades; only from `render --show overshade`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub overshade: Option<OvershadeFacts>,
     /// What else a reader should know, in sentences.
     pub notes: Vec<String>,
 }
@@ -109,6 +119,8 @@ impl Certificate {
             mended: Vec::new(),
             refined: None,
             baked: None,
+            levels: None,
+            overshade: None,
             notes: assumed_region(input).map(str::to_owned).into_iter().collect(),
         }
     }

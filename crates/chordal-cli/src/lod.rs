@@ -1,0 +1,231 @@
+//! `chordal lod`
+use crate::args::{InputArgs, OutputArgs, TalkArgs, length};
+use crate::clock::Clock;
+use crate::common;
+use crate::fault::Fault;
+use crate::input::Source;
+use crate::numbers::{Toward, grouped, short, size};
+use crate::output::Target;
+use crate::summary::Lines;
+use crate::talk::Talk;
+use chordal::Job;
+use chordal::budget::{Closest, Length, Pixels, View};
+use chordal_verbs::report::{LevelsFacts, Report, Run};
+use chordal_verbs::{LodOutcome, LodSpec, Normals, TileErrors, extension, lod};
+use clap::{Args, ValueEnum};
+use std::path::Path;
+
+/// `chordal lod`
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Each level is proved against the shape itself. Distances are those from the eye to the shape's box, in its own units.
+
+Examples:
+  chordal lod scan.ply --px 1 -o scan.glb
+  chordal lod cage.obj --px 1 --nearest 2 -o tiles/
+  chordal lod model.star --px 1 --tol 0.01% --view \"3840x2160 fov=60\" -o tiles/ --json")]
+pub struct LodArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+
+    #[command(flatten)]
+    pub output: OutputArgs,
+
+    /// The most that may be lost on the screen, in device pixels: what viewers of the tiles are to be set to
+    #[arg(long, value_name = "PIXELS", default_value = "1", allow_hyphen_values = true)]
+    pub px: Pixels,
+
+    /// The screen and the lens that distances are for, as in "1920x1080 fov=60"; dist=LENGTH says the same as --nearest
+    #[arg(long, value_name = "VIEW", default_value = "1920x1080 fov=60", value_parser = lens)]
+    pub view: Lens,
+
+    /// The nearest that the eye comes to the shape's box: the finest level is fine enough there. Unless said: where the box fills the height
+    /// of the screen
+    #[arg(long, value_name = "LENGTH", value_parser = distance, allow_hyphen_values = true)]
+    pub nearest: Option<f64>,
+
+    /// What the finest level may lose, instead of what --nearest says: 0.1, 0.1mm, or 0.05% of the diagonal of the box
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, conflicts_with = "nearest")]
+    pub tol: Option<Length>,
+
+    /// More distances for the table of what is shown from where, as in 1,10,100
+    #[arg(long, value_name = "LENGTHS", value_delimiter = ',', value_parser = distance)]
+    pub distances: Vec<f64>,
+
+    /// What tiles say of their errors: scaled, so that the formula of viewers, which holds in the middle of the screen, keeps the pixels
+    /// everywhere on it; or plain, the proved errors
+    #[arg(long, value_name = "WHICH", default_value = "scaled")]
+    pub errors: Errors,
+
+    /// For tiles: the most triangles of one; a finest level with more is cut in space, with borders that match
+    #[arg(long, value_name = "N", default_value_t = 65536, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    pub tile_triangles: u64,
+
+    /// Normals of triangles, as for mesh
+    #[arg(long, value_name = "HOW", default_value = "auto")]
+    pub normals: Normals,
+
+    #[command(flatten)]
+    pub volume: crate::volume::VolumeArgs,
+
+    #[command(flatten)]
+    pub talk: TalkArgs,
+}
+
+/// What tiles say of their errors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Errors {
+    /// For the whole screen.
+    Scaled,
+    /// As proved.
+    Plain,
+}
+
+/// A screen and a lens, and a distance where one was given.
+#[derive(Clone, Copy, Debug)]
+pub struct Lens {
+    closest: Closest,
+    has_distance: bool,
+}
+
+/// A view from any side; without a distance, which is then nobody's.
+fn lens(text: &str) -> Result<Lens, String> {
+    let has_distance = text.split_whitespace().any(|word| word.starts_with("dist="));
+    let is_parallel = text.split_whitespace().any(|word| word.starts_with("height="));
+    let whole = if has_distance || is_parallel { text.to_owned() } else { format!("{text} dist=1") };
+    match whole.parse::<View>().map_err(|error| error.to_string())? {
+        View::Closest(closest) => Ok(Lens { closest, has_distance }),
+        View::Camera(_) => {
+            Err("levels of detail are for every direction: leave out eye and target".to_owned())
+        }
+    }
+}
+
+fn distance(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(distance) if distance > 0.0 && distance.is_finite() => Ok(distance),
+        _ => Err("a distance is a finite number greater than 0".to_owned()),
+    }
+}
+
+/// Reads, makes levels, writes, reports.
+pub fn run(args: &LodArgs) -> Result<(), Fault> {
+    let clock = Clock::start();
+    let talk = Talk::new(&args.talk);
+    let as_tiles = as_tiles(&args.output.output)?;
+    let stdout = common::stdout(&args.output, &args.talk)?;
+    let source = Source::from_arg(&args.input.input);
+    let job = common::job(&args.input, Some(&args.output), &talk);
+    let existing = common::existing(&args.output);
+    let target = if as_tiles {
+        Target::prepare_in(&args.output.output, LIST, existing)?
+    } else {
+        Target::prepare(&args.output.output, existing, &source)?
+    };
+    let mut input = common::read(&args.input, &talk)?;
+    args.volume.apply(&mut input.shape)?;
+    let own = args.view.has_distance.then_some(args.view.closest.distance);
+    let spec = LodSpec {
+        pixels: args.px,
+        lens: args.view.closest,
+        nearest: args.nearest.or(own),
+        length: args.tol,
+        distances: args.distances.clone(),
+        normals: args.normals,
+        errors: match args.errors {
+            Errors::Scaled => TileErrors::Scaled,
+            Errors::Plain => TileErrors::Plain,
+        },
+        tile_triangles: args.tile_triangles,
+    };
+    let name = source.name();
+    let outcome = lod(input, &spec, &job).map_err(|failure| common::fault(&name, &failure, ""))?;
+    let bytes = if as_tiles {
+        written(&outcome, (args, &job), &target)?
+    } else {
+        target.write(&mut |out| outcome.write(out))?
+    };
+    let run = Run {
+        verb: "lod",
+        input: Some(name),
+        output: Some(target.name()),
+        bytes: Some(bytes),
+        ..Run::default()
+    };
+    let report = Report::new(outcome.certificate, clock.fill(run, &job));
+    report.certificate.notes.iter().for_each(|note| talk.detail(note));
+    talk.result(&report.to_value(), &told(&report), stdout)
+}
+
+/// The file of a tileset that names all others.
+const LIST: &str = "tileset.json";
+
+/// Whether the output is a folder of tiles and not one GLB.
+fn as_tiles(output: &Path) -> Result<bool, Fault> {
+    let name = output.display().to_string();
+    let is_folder = name.ends_with(std::path::is_separator) || output.is_dir();
+    match extension(&name) {
+        _ if is_folder => Ok(true),
+        Some(extension) if extension.eq_ignore_ascii_case("glb") => Ok(false),
+        _ if name == "-" => Ok(false),
+        None => Ok(true),
+        Some(_) => Err(Fault::usage(format!(
+            "{name}: levels of detail are written as .glb, or into a folder as 3D Tiles: end its name with /"
+        ))),
+    }
+}
+
+/// Writes all tiles, the list of them last: until then an older list holds.
+fn written(outcome: &LodOutcome, (args, job): (&LodArgs, &Job), list: &Target) -> Result<u64, Fault> {
+    let name = args.input.input.display().to_string();
+    let files = outcome.tileset(job).map_err(|failure| common::fault(&name, &failure, ""))?;
+    let mut bytes = 0;
+    for (name, content) in files {
+        let target = if name == LIST {
+            list.clone()
+        } else {
+            Target::prepare_in(&args.output.output, &name, common::existing(&args.output))?
+        };
+        bytes += target.write(&mut |out| Ok(out.write_all(&content)?))?;
+    }
+    Ok(bytes)
+}
+
+fn told(report: &Report) -> String {
+    let run = &report.run;
+    let name = |name: &Option<String>| name.clone().unwrap_or_default();
+    let mut lines = Lines::titled(&format!("{} -> {}", name(&run.input), name(&run.output)));
+    if let Some(facts) = &report.certificate.levels {
+        levels(&mut lines, facts);
+    }
+    lines.add_if("size", run.bytes.map(size));
+    lines.add_if("seconds", run.seconds.map(|seconds| format!("{seconds:.2}")));
+    lines.finish()
+}
+
+fn levels(lines: &mut Lines, facts: &LevelsFacts) {
+    for (k, level) in facts.levels.iter().enumerate() {
+        let from = level.distance.map_or("never".to_owned(), |d| format!("from {} on", short(d, Toward::Up)));
+        lines.add(
+            &format!("level {k}"),
+            format!(
+                "{} triangles, off by at most {} (proved), {from}",
+                grouped(level.triangles),
+                short(level.at_most, Toward::Up)
+            ),
+        );
+    }
+    for shown in &facts.shown {
+        let pixels = shown.pixels.map_or("no bound".to_owned(), |px| format!("{} px", short(px, Toward::Up)));
+        lines.add(
+            "at distance",
+            format!(
+                "{}: {} px across, level {}, {} triangles, at most {pixels}",
+                short(shown.distance, Toward::Nearest),
+                short(shown.covers_px, Toward::Nearest),
+                shown.level,
+                grouped(shown.triangles),
+            ),
+        );
+    }
+}

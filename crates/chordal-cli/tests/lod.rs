@@ -1,0 +1,199 @@
+//! `chordal lod`: levels of detail in one file or as tiles.
+mod common;
+use common::{Folder, PATCH, TEAPOT, run};
+use serde_json::Value;
+
+/// The report, which keeps to its schema.
+fn checked(report: Value) -> Value {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/schema/report.schema.json");
+    let schema: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    let schema = jsonschema::validator_for(&schema).unwrap();
+    let errors: Vec<String> = schema.iter_errors(&report).map(|error| error.to_string()).collect();
+    assert!(errors.is_empty(), "{errors:?}");
+    report
+}
+
+/// A ball of 5,120 triangles as an .obj.
+fn ball() -> String {
+    let t = (1.0 + 5_f64.sqrt()) / 2.0;
+    let mut points: Vec<[f64; 3]> = Vec::new();
+    for (a, b) in [(-1.0, t), (1.0, t), (-1.0, -t), (1.0, -t)] {
+        points.push([a, b, 0.0]);
+    }
+    for (a, b) in [(-1.0, t), (1.0, t), (-1.0, -t), (1.0, -t)] {
+        points.push([0.0, a, b]);
+    }
+    for (a, b) in [(-1.0, t), (1.0, t), (-1.0, -t), (1.0, -t)] {
+        points.push([b, 0.0, a]);
+    }
+    let mut faces = [
+        [0, 11, 5],
+        [0, 5, 1],
+        [0, 1, 7],
+        [0, 7, 10],
+        [0, 10, 11],
+        [1, 5, 9],
+        [5, 11, 4],
+        [11, 10, 2],
+        [10, 7, 6],
+        [7, 1, 8],
+        [3, 9, 4],
+        [3, 4, 2],
+        [3, 2, 6],
+        [3, 6, 8],
+        [3, 8, 9],
+        [4, 9, 5],
+        [2, 4, 11],
+        [6, 2, 10],
+        [8, 6, 7],
+        [9, 8, 1],
+    ]
+    .to_vec();
+    for _ in 0..4 {
+        let mut middles = std::collections::BTreeMap::new();
+        let mut finer = Vec::new();
+        for [a, b, c] in faces {
+            let [x, y, z] = [(a, b), (b, c), (c, a)].map(|(p, q): (usize, usize)| {
+                *middles.entry((p.min(q), p.max(q))).or_insert_with(|| {
+                    let (p, q) = (points[p], points[q]);
+                    points.push([0, 1, 2].map(|k| (p[k] + q[k]) / 2.0));
+                    points.len() - 1
+                })
+            });
+            finer.extend([[a, x, z], [b, y, x], [c, z, y], [x, y, z]]);
+        }
+        faces = finer;
+    }
+    let mut text = String::new();
+    for p in &points {
+        let size = p.iter().map(|x| x * x).sum::<f64>().sqrt();
+        text += &format!("v {} {} {}\n", p[0] / size, p[1] / size, p[2] / size);
+    }
+    for [a, b, c] in faces {
+        text += &format!("f {} {} {}\n", a + 1, b + 1, c + 1);
+    }
+    text
+}
+
+fn numbers<'a>(list: &'a Value, key: &'a str) -> impl Iterator<Item = f64> + 'a {
+    list.as_array().unwrap().iter().map(move |item| item[key].as_f64().unwrap())
+}
+
+#[test]
+fn levels_of_a_mesh_grow_in_error_and_fall_in_triangles() {
+    let folder = Folder::new("lod-mesh");
+    let (input, output) = (folder.file("ball.obj", ball()), folder.text("ball.glb"));
+    let made = run(&["lod", &input, "-o", &output, "--px", "1", "--nearest", "3", "--json"]);
+    made.succeeds();
+    let report = checked(made.report());
+    let levels = &report["certificate"]["levels"]["levels"];
+    let errors: Vec<f64> = numbers(levels, "at_most").collect();
+    let triangles: Vec<f64> = numbers(levels, "triangles").collect();
+    assert!(errors.len() >= 4, "{levels}");
+    assert!(errors.windows(2).all(|w| w[0] < w[1]), "{errors:?}");
+    assert!(triangles.windows(2).all(|w| w[0] > w[1]), "{triangles:?}");
+    assert!(triangles[0] < 5120.0 && *triangles.last().unwrap() <= 64.0);
+    // At the nearest distance the finest level is fine enough, everywhere on the screen.
+    let distances: Vec<f64> = numbers(levels, "distance").collect();
+    assert!(distances[0] <= 3.0 && distances[0] > 2.0, "{distances:?}");
+    // Rows for the shape at 1000, 200, 20 and 2 pixels, and no row that is off by more than a pixel beyond the first distance.
+    let shown = report["certificate"]["levels"]["shown"].as_array().unwrap();
+    for covered in [1000.0, 200.0, 20.0, 2.0] {
+        assert!(
+            shown.iter().any(|row| (row["covers_px"].as_f64().unwrap() - covered).abs() < 1e-6 * covered)
+        );
+    }
+    for row in shown.iter().filter(|row| row["distance"].as_f64().unwrap() >= 3.0) {
+        assert!(row["pixels"].as_f64().unwrap() <= 1.0, "{row}");
+    }
+    // The file reads back as its finest level.
+    let inspected = run(&["inspect", &output, "--json"]);
+    assert_eq!(inspected.code, 0, "{inspected:?}");
+    assert_eq!(inspected.report()["certificate"]["output"]["triangles"].as_f64(), Some(triangles[0]));
+}
+
+#[test]
+fn tiles_of_patches_say_errors_by_which_viewers_keep_the_pixel() {
+    let folder = Folder::new("lod-tiles");
+    let output = folder.text("tiles");
+    let made = run(&["lod", TEAPOT, "-o", &format!("{output}/"), "--px", "1", "--nearest", "20", "--json"]);
+    made.succeeds();
+    let report = checked(made.report());
+    let levels = report["certificate"]["levels"]["levels"].as_array().unwrap();
+    let list: Value =
+        serde_json::from_slice(&std::fs::read(folder.path("tiles/tileset.json")).unwrap()).unwrap();
+    assert_eq!(list["asset"]["version"], "1.1");
+    let mut tile = &list["root"];
+    let mut depth = 0;
+    loop {
+        let level = &levels[levels.len() - 1 - depth];
+        let said = tile["geometricError"].as_f64().unwrap();
+        let name = tile["content"]["uri"].as_str().unwrap();
+        assert!(folder.path("tiles").join(name).is_file(), "{name}");
+        let Some(child) = tile["children"].as_array().and_then(|children| children.first()) else {
+            assert_eq!(said, 0.0);
+            assert_eq!(tile["extras"]["chordal"]["at_most"], level["at_most"]);
+            break;
+        };
+        // The formula of viewers shows it from the proved distance on, and not nearer.
+        let focal = 540.0 / (30_f64.to_radians().tan());
+        let distance = said * focal;
+        let proved = level["distance"].as_f64().unwrap();
+        assert!((distance / proved - 1.0).abs() < 1e-9, "{distance} {proved}");
+        assert!(
+            said > level["at_most"].as_f64().unwrap() && child["geometricError"].as_f64().unwrap() < said
+        );
+        (tile, depth) = (child, depth + 1);
+    }
+    assert_eq!(depth + 1, levels.len());
+    // Plain errors are the proved ones.
+    let plain = folder.text("plain/");
+    run(&["lod", TEAPOT, "-o", &plain, "--nearest", "20", "--errors", "plain", "-q"]).succeeds();
+    let list: Value =
+        serde_json::from_slice(&std::fs::read(folder.path("plain/tileset.json")).unwrap()).unwrap();
+    assert_eq!(list["root"]["geometricError"], levels.last().unwrap()["at_most"]);
+}
+
+#[test]
+fn one_patch_in_one_file_is_within_a_tolerance() {
+    let folder = Folder::new("lod-patch");
+    let (input, output) = (folder.file("a.bpt", PATCH), folder.text("a.glb"));
+    let made = run(&["lod", &input, "-o", &output, "--tol", "0.001", "--distances", "10,1000", "--json"]);
+    made.succeeds();
+    let report = checked(made.report());
+    let levels = &report["certificate"]["levels"];
+    assert!(numbers(&levels["levels"], "at_most").next().unwrap() <= 0.001);
+    assert!(numbers(&levels["shown"], "distance").any(|d| d == 1000.0));
+}
+
+#[test]
+fn what_makes_no_sense_is_said_before_work() {
+    let folder = Folder::new("lod-usage");
+    let input = folder.file("a.bpt", PATCH);
+    let out = folder.text("a.glb");
+    run(&["lod", &input, "-o", &folder.text("a.obj")]).fails_with(2, &["a.obj", ".glb", "3D Tiles"]);
+    for (flag, value) in [
+        ("--px", "0"),
+        ("--px", "-1"),
+        ("--px", "nan"),
+        ("--nearest", "0"),
+        ("--nearest", "inf"),
+        ("--tol", "0"),
+        ("--tol", "-1"),
+        ("--view", "1920x1080 fov=180"),
+        ("--view", "1920x1080 fov=60 eye=0,0,1 target=0,0,0"),
+        ("--distances", "1,-2"),
+    ] {
+        let run = run(&["lod", &input, "-o", &out, &format!("{flag}={value}")]);
+        assert_eq!(run.code, 2, "{flag} {value}: {run:?}");
+    }
+    // So little that triangles would be too many is refused before the work.
+    let run_tiny = run(&["lod", &input, "-o", &out, "--tol", "1e-30"]);
+    assert_eq!(run_tiny.code, 5, "{run_tiny:?}");
+    let svg = folder.file("a.svg", "<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0L1 1'/></svg>");
+    run(&["lod", &svg, "-o", &out]).fails_with(2, &["curves"]);
+    assert_eq!(folder.names(), ["a.bpt", "a.svg"]);
+    // Nothing is replaced without a word.
+    run(&["lod", &input, "-o", &out, "--tol", "0.1", "-q"]).succeeds();
+    run(&["lod", &input, "-o", &out, "--tol", "0.1"]).fails_with(4, &["a.glb"]);
+}
