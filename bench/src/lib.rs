@@ -11,6 +11,8 @@ pub mod models;
 mod random;
 #[path = "../../crates/chordal/tests/referee/sampler/mod.rs"]
 pub mod sampler;
+#[path = "../../crates/chordal/tests/solids/shapes.rs"]
+pub mod shapes;
 mod torus;
 
 /// What the families of cubics know of the referee's types.
