@@ -3,7 +3,8 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo studio test test-long bench pictures install clean fmt-check lint test-rust test-web test-studio test-python
+.PHONY: help demo studio test test-long bench pictures install clean fmt-check lint test-rust test-web test-tiles test-studio test-python
+.PHONY: tilesets test-viewers
 .PHONY: studio-page need-rust need-wasm need-node need-node-20 need-chromium need-python
 
 CARGO ?= cargo
@@ -53,7 +54,7 @@ studio-page: need-rust need-wasm need-node need-node-20
 	cd studio && npm run --silent build
 
 # The studio's page is built before the command is, and so is in it wherever the later tests use it.
-test: fmt-check lint test-rust test-studio test-web test-python ## everything that CI runs
+test: fmt-check lint test-rust test-studio test-web test-tiles test-python ## everything that CI runs
 	@echo "All tests passed."
 
 fmt-check: need-rust
@@ -87,6 +88,40 @@ test-web: need-rust need-wasm need-node
 	node tests/web/wasm.mjs $(WASM) $(TARGET)/web/drawing.json examples/drawing.svg
 	node tests/web/validate.mjs $(TARGET)/web/*.glb
 
+# Two shapes as tilesets, and one of them cut so that levels do not match, which the judges of viewers have to see.
+TILESETS := $(TARGET)/web/tilesets
+tilesets: need-rust need-node need-chromium
+	$(CARGO) build --release --locked -p chordal-cli
+	$(CARGO) build --release --locked -p chordal-io --example tileset_of_levels
+	cd tests/web && npm ci --no-audit --no-fund --loglevel=error
+	rm -rf $(TILESETS) && mkdir -p $(TILESETS)
+	for tol in 0.3 0.1 0.03 0.005; do \
+		$(CHORDAL) mesh examples/teapot.bpt --tol $$tol -o $(TILESETS)/teapot-$$tol.glb -q; \
+	done
+	for tol in 0.1 0.03 0.01 0.001; do \
+		$(CHORDAL) mesh examples/cube.obj --surface catmull-clark --tol $$tol -o $(TILESETS)/cube-$$tol.glb -q; \
+	done
+	levels=$(abspath $(TARGET))/release/examples/tileset_of_levels && cd $(TILESETS) && \
+		$$levels teapot teapot-{0.3,0.1,0.03,0.005}.glb && \
+		$$levels cube cube-{0.1,0.03,0.01,0.001}.glb && \
+		$$levels --split cut cube-{0.1,0.03,0.01,0.001}.glb
+
+# Tilesets by the text of the specification, their GLBs by Khronos' validator, and both in a viewer.
+test-tiles: tilesets
+	node tests/web/tileset.mjs $(TILESETS)/{teapot,cube,cut}
+	node tests/web/validate.mjs $(TILESETS)/*/*.glb
+	CHROMIUM=$(CHROMIUM) node tests/web/tiles.mjs $(TILESETS)/teapot
+	CHROMIUM=$(CHROMIUM) node tests/web/tiles.mjs --closed $(TILESETS)/cube
+	CHROMIUM=$(CHROMIUM) node tests/web/tiles.mjs --cracks $(TILESETS)/cut
+
+# The same in a second viewer, and what a third program makes of the tree. Some 200 MB of packages.
+test-viewers: tilesets
+	cd tests/viewers && npm ci --no-audit --no-fund --loglevel=error --ignore-scripts
+	node tests/viewers/tools.mjs $(TILESETS)/{teapot,cube,cut}
+	CHROMIUM=$(CHROMIUM) node tests/viewers/cesium.mjs $(TILESETS)/teapot
+	CHROMIUM=$(CHROMIUM) node tests/viewers/cesium.mjs --closed $(TILESETS)/cube
+	CHROMIUM=$(CHROMIUM) node tests/viewers/cesium.mjs --cracks $(TILESETS)/cut
+
 # Types, texts and state; then the page as readers meet it, in a real browser and behind the real server.
 test-studio: studio-page need-chromium
 	$(CARGO) build --release --locked -p chordal-cli
@@ -107,7 +142,7 @@ test-python: need-rust need-python
 	export MYPY_CACHE_DIR=$(TARGET)/python/mypy && $(VENV)/bin/python -m mypy tests/python \
 		&& $(VENV)/bin/python -m mypy -p chordal && $(VENV)/bin/python -m mypy.stubtest chordal
 
-test-long: need-rust ## the tests with many more random cases; minutes to hours
+test-long: need-rust test-viewers ## the tests with many more random cases, and a second viewer of tilesets; minutes to hours
 	PROPTEST_CASES=100000 $(CARGO) test --workspace --locked --release
 
 bench: need-rust need-python ## side by side with other programs; writes bench/RESULTS.md
@@ -120,13 +155,14 @@ pictures: need-rust ## take the pictures of the docs again
 		$(CHORDAL) render examples/$$name.star --size 480x360 -o docs/pictures/$$name.png --force -q; \
 	done
 	$(CHORDAL) render examples/cube.obj --show zebra --size 480x360 -o docs/pictures/zebra.png --force -q
+	$(CHORDAL) render examples/teapot.bpt --show overshade --cull back --size 480x360 -o docs/pictures/overshade.png --force -q
 	$(CHORDAL) render examples/cube.obj --show wire --tol 1% --size 480x360 -o docs/pictures/cube.png --force -q
 
 install: need-rust ## put chordal where cargo puts programs
 	$(CARGO) install --path crates/chordal-cli --locked
 
 clean: ## remove what was built
-	rm -rf out $(TARGET) tests/web/node_modules studio/node_modules studio/wasm studio/dist/page
+	rm -rf out $(TARGET) tests/web/node_modules tests/viewers/node_modules studio/node_modules studio/wasm studio/dist/page
 
 # at-least FOUND WANTED: whether version FOUND is WANTED or newer.
 at-least = [ "$$(printf '%s\n' $(2) "$(1)" | sort -V | head -n 1)" = $(2) ]
@@ -159,7 +195,7 @@ need-node-20: need-node
 need-chromium:
 	@[ -x $(CHROMIUM) ] \
 		|| { [ "$$(id -u)" = 0 ] && command -v apt-get && apt-get update && apt-get install -y --no-install-recommends chromium; } > /dev/null 2>&1 \
-		|| { echo "The studio's tests need Chromium: install it (on Debian: apt install chromium), or name it with CHROMIUM=PATH." >&2; exit 1; }
+		|| { echo "The tests in a browser need Chromium: install it (on Debian: apt install chromium), or name it with CHROMIUM=PATH." >&2; exit 1; }
 
 need-python:
 	@command -v python3 > /dev/null \

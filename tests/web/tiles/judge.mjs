@@ -1,0 +1,273 @@
+// What judges a viewer's picture of a tileset: which tiles it shows against the formula, and its silhouette against that of the
+// finest tiles. Shares no code with what writes tilesets.
+import { existsSync } from "node:fs";
+import { mkdir, readFile } from "node:fs/promises";
+import { createServer } from "node:http";
+import { basename, extname, join, normalize, resolve } from "node:path";
+import { chromium } from "playwright-core";
+
+const TYPES = {
+  ".html": "text/html",
+  ".js": "text/javascript",
+  ".mjs": "text/javascript",
+  ".json": "application/json",
+  ".glb": "model/gltf-binary",
+  ".wasm": "application/wasm",
+  ".css": "text/css",
+};
+const FLAGS = [
+  "--headless",
+  "--no-sandbox",
+  "--disable-gpu",
+  "--disable-quic",
+  "--no-first-run",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+  "--enable-unsafe-swiftshader",
+];
+export const WIDTH = 320;
+export const HEIGHT = 240;
+export const FOV_Y_DEG = 45;
+/** Samples along a pixel, which viewers take by a larger canvas for the same picture: cracks are often less than a pixel wide. */
+export const SCALE = 4;
+const [COLUMNS, ROWS] = [WIDTH * SCALE, HEIGHT * SCALE];
+const TAN = Math.tan((FOV_Y_DEG * Math.PI) / 360);
+
+/** Serves folders on loopback: `{ "/prefix/": "folder" }`. GLBs of closed shapes are made one-sided, so that the inside of one hides no crack. */
+async function serve(folders, isClosed) {
+  const server = createServer(async (request, response) => {
+    const path = decodeURIComponent(new URL(request.url, "http://x").pathname);
+    const prefix = Object.keys(folders).find((prefix) => path.startsWith(prefix));
+    try {
+      const file = normalize(join(folders[prefix], path.slice(prefix.length)));
+      if (!file.startsWith(normalize(folders[prefix]))) throw new Error("outside");
+      let body = await readFile(file);
+      if (isClosed && extname(file) === ".glb") body = Buffer.from(body.toString("latin1").replace('"doubleSided":true', '"doubleSidex":true'), "latin1");
+      response.setHeader("content-type", TYPES[extname(file)] ?? "application/octet-stream");
+      response.end(body);
+    } catch {
+      response.statusCode = 404;
+      response.end();
+    }
+  });
+  await new Promise((done) => server.listen(0, "127.0.0.1", done));
+  return server;
+}
+
+const sub = (a, b) => a.map((x, i) => x - b[i]);
+const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0);
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const unit = (a) => a.map((x) => x / Math.hypot(...a));
+
+/** The axis-aligned box of a tile, and the distance of a point to it, 0 inside. */
+const half = (box) => [box[3], box[7], box[11]];
+const distance = (box, p) => Math.hypot(...p.map((x, k) => Math.max(Math.abs(x - box[k]) - half(box)[k], 0)));
+
+/** Pixels that a tile's error may take: the formula of 3D Tiles for a tile in the middle of the picture. */
+const pixels = (tile, eye) => (tile.geometricError * HEIGHT) / (2 * distance(tile.boundingVolume.box, eye) * TAN);
+
+/** The contents that the formula asks for, if all is in view: down from the root until the error fits. */
+export function chosen(tile, eye, target) {
+  const fits = !tile.children || pixels(tile, eye) <= target;
+  if (!fits) return tile.children.flatMap((child) => chosen(child, eye, target));
+  return tile.content ? [tile] : [];
+}
+
+/** Where a point is in the picture, or nothing where it is beside or behind the eye. */
+function project(camera, point) {
+  const forward = unit(sub(camera.target, camera.position));
+  const right = unit(cross(forward, camera.up));
+  const up = cross(right, forward);
+  const way = sub(point, camera.position);
+  const depth = dot(way, forward);
+  if (depth <= 0) return undefined;
+  const scale = HEIGHT / 2 / TAN / depth;
+  return [WIDTH / 2 + dot(way, right) * scale, HEIGHT / 2 - dot(way, up) * scale];
+}
+
+const corners = (box) => [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [0, 1, 2].map((k) => box[k] + (i & (1 << k) ? 1 : -1) * half(box)[k]));
+
+/** Whether the middle of a tile is in the picture, and so the tile shown for sure. */
+function isCentral(camera, box) {
+  const at = project(camera, box.slice(0, 3));
+  return at && at[0] > 0 && at[0] < WIDTH && at[1] > 0 && at[1] < HEIGHT;
+}
+
+/** A mask without the samples within `r` of one that is not in it. */
+function eroded(mask, r) {
+  const pass = (from, step, n, other, m) => {
+    const to = new Uint8Array(from.length);
+    for (let j = 0; j < m; j++)
+      for (let i = 0; i < n; i++) {
+        let all = 1;
+        for (let k = Math.max(i - r, 0); all && k <= Math.min(i + r, n - 1); k++) all = from[j * other + k * step];
+        to[j * other + i * step] = all;
+      }
+    return to;
+  };
+  return pass(pass(mask, 1, COLUMNS, COLUMNS, ROWS), COLUMNS, ROWS, 1, COLUMNS);
+}
+
+/** How many samples at least `r` inside one silhouette the other does not cover. */
+function uncovered(inner, outer, r) {
+  return eroded(inner, r).reduce((n, inside, i) => n + (inside && !outer[i] ? 1 : 0), 0);
+}
+
+/** How many samples of one silhouette are farther than `r` from all of the other. */
+function farther(from, to, r) {
+  const reach = Math.floor(r);
+  let n = 0;
+  for (let j = 0; j < ROWS; j++)
+    for (let i = 0; i < COLUMNS; i++) {
+      if (!from[j * COLUMNS + i]) continue;
+      let near = to[j * COLUMNS + i];
+      for (let y = Math.max(j - reach, 0); !near && y <= Math.min(j + reach, ROWS - 1); y++)
+        for (let x = Math.max(i - reach, 0); !near && x <= Math.min(i + reach, COLUMNS - 1); x++)
+          near = (x - i) ** 2 + (y - j) ** 2 <= r * r && to[y * COLUMNS + x];
+      n += near ? 0 : 1;
+    }
+  return n;
+}
+
+/** Cameras about the box, at distances between those at which its tiles are switched, and at them, where near tiles are finer. */
+export function cameras(tileset, target) {
+  const box = tileset.root.boundingVolume.box;
+  const centre = box.slice(0, 3);
+  const radius = Math.hypot(...half(box));
+  const errors = new Set();
+  const collect = (tile) => (errors.add(tile.geometricError), (tile.children ?? []).forEach(collect));
+  collect(tileset.root);
+  const switches = [...errors].filter((error) => error > 0).map((error) => (error * HEIGHT) / (2 * target * TAN));
+  // Near enough to be seen, and not within the box.
+  const inSight = (d) => d > 1.2 * radius && d < (radius * HEIGHT) / 8;
+  const view = (d, direction) => ({
+    position: centre.map((c, k) => c + unit(direction)[k] * d),
+    target: centre,
+    up: [0, 0, 1],
+    fovYDeg: FOV_Y_DEG,
+  });
+  const about = [
+    [0.3, -1, 0.4],
+    [1, 0.2, 0.1],
+    [-0.6, 0.5, 0.9],
+  ];
+  const between = switches.flatMap((d) => [0.75 * d + radius, 1.3 * d + radius]).filter(inSight);
+  const along = [
+    [1, 0.1, 0.15],
+    [-0.1, -1, 0.15],
+    [0.15, 0.1, 1],
+  ];
+  const at = switches.map((d) => 1.02 * d).filter(inSight);
+  return [...between.map((d, i) => view(d, about[i % about.length])), ...at.flatMap((d) => along.map((way) => view(d, way)))];
+}
+
+/**
+ * Opens a viewer's page on a tileset and looks at it from all cameras. Returns complaints, one line each.
+ *
+ * @param options.isClosed whether the shape has no border, so that background within its silhouette is a crack
+ * @param options.folders what is served: the viewer, its page, and the tileset below /tiles/
+ * @param options.page the address of the page, which has `openTileset` and `look`
+ */
+export async function judge({ name, folder, isClosed, folders, page: address, targets, pictures }) {
+  const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";
+  if (!existsSync(executablePath)) throw new Error(`there is no chromium at ${executablePath}`);
+  const tileset = JSON.parse(await readFile(join(folder, "tileset.json"), "utf8"));
+  const server = await serve({ "/tiles/": folder, ...folders }, isClosed);
+  const browser = await chromium.launch({ executablePath, args: FLAGS });
+  const complaints = [];
+  const seen = { views: 0, cracks: 0, mixed: 0, contents: new Set() };
+  try {
+    const page = await browser.newPage({ viewport: { width: WIDTH, height: HEIGHT }, deviceScaleFactor: 1 });
+    page.on("console", (message) => message.type() === "error" && complaints.push(`${name}: console: ${message.text()}`));
+    page.on("pageerror", (error) => complaints.push(`${name}: ${error}`));
+    // Nothing but this server is asked for.
+    const base = `http://127.0.0.1:${server.address().port}`;
+    await page.route("**/*", (route) =>
+      /^(blob|data):/.test(route.request().url()) || route.request().url().startsWith(`${base}/`)
+        ? route.continue()
+        : (complaints.push(`${name}: asked for ${route.request().url()}`), route.abort()),
+    );
+    await page.goto(`${base}${address}?scale=${SCALE}`);
+    await page.waitForFunction("window.look !== undefined");
+    await page.evaluate((url) => window.openTileset(url), "/tiles/tileset.json");
+    const look = async (camera, target) => {
+      const { shown, mask } = await page.evaluate(([camera, target]) => window.look(camera, target), [camera, target]);
+      return { shown: shown.map((url) => decodeURIComponent(url.replace(/^.*\/tiles\//, "").replace(/[?#].*/, ""))), mask: Uint8Array.from(Buffer.from(mask, "base64")) };
+    };
+    for (const target of targets)
+      for (const [i, camera] of cameras(tileset, target).entries()) {
+        const here = `${name}: error target ${target}, view ${i}`;
+        const found = await look(camera, target);
+        if (pictures) {
+          await mkdir(pictures, { recursive: true });
+          await page.screenshot({ path: join(pictures, `${name}-${target}-${i}.png`) });
+        }
+        seen.views += 1;
+        const wanted = chosen(tileset.root, camera.position, target);
+        const names = wanted.map((tile) => tile.content.uri);
+        const extra = found.shown.filter((uri) => !names.includes(uri));
+        const missing = wanted.filter((tile) => isCentral(camera, tile.boundingVolume.box) && !found.shown.includes(tile.content.uri));
+        if (extra.length) complaints.push(`${here}: shows ${extra}, where the formula asks for ${names}`);
+        if (missing.length) complaints.push(`${here}: does not show ${missing.map((tile) => tile.content.uri)}`);
+        found.shown.forEach((uri) => seen.contents.add(uri));
+        seen.mixed += new Set(wanted.map((tile) => tile.geometricError)).size > 1 ? 1 : 0;
+
+        const outline = corners(tileset.root.boundingVolume.box).map((corner) => project(camera, corner));
+        const sides = [0, 1].map((axis) => [Math.min, Math.max].map((end) => end(...outline.map((at) => at?.[axis]))));
+        const covered = [];
+        found.mask.forEach((is, k) => is && covered.push(k));
+        if (covered.length < 20 * SCALE ** 2) complaints.push(`${here}: only ${covered.length} samples are covered`);
+        if (outline.every((at) => at)) {
+          const outside = covered.filter((k) => {
+            const at = [(k % COLUMNS) + 0.5, Math.floor(k / COLUMNS) + 0.5].map((x) => x / SCALE);
+            return sides.some(([low, high], axis) => at[axis] < low - 1 || at[axis] > high + 1);
+          });
+          if (outside.length) complaints.push(`${here}: ${outside.length} samples lie outside the box`);
+        }
+        const finest = await look(camera, 1e-9);
+        // What moved by the target covers a sample within the diagonal of one of that.
+        const r = target * SCALE + Math.SQRT2;
+        const off = farther(finest.mask, found.mask, r) + farther(found.mask, finest.mask, r);
+        if (off) complaints.push(`${here}: ${off} samples are farther than ${target} pixels from the silhouette of the finest tiles`);
+        const cracks = isClosed ? uncovered(finest.mask, found.mask, Math.ceil(target + 1) * SCALE) : 0;
+        seen.cracks += cracks;
+        if (cracks) complaints.push(`${here}: the background shows through at ${cracks} samples (${found.shown})`);
+      }
+  } finally {
+    await browser.close();
+    server.close();
+  }
+  if (seen.views === 0) complaints.push(`${name}: there is no distance to look from`);
+  return { complaints, seen: { ...seen, contents: seen.contents.size } };
+}
+
+/** Judges the folders that the command line names, and ends with its exit code. */
+export async function judgeAll(viewer, { folders, page }) {
+  const flags = process.argv.slice(2).filter((arg) => arg.startsWith("--"));
+  const names = process.argv.slice(2).filter((arg) => !arg.startsWith("--"));
+  const wantCracks = flags.includes("--cracks");
+  if (names.length === 0 || flags.some((flag) => !["--closed", "--cracks"].includes(flag))) {
+    console.error(`usage: node ${basename(process.argv[1])} [--closed | --cracks] FOLDER …`);
+    process.exit(2);
+  }
+  let failed = false;
+  for (const folder of names.map((name) => resolve(name))) {
+    const name = `${viewer}-${basename(folder)}`;
+    const { complaints, seen } = await judge({
+      name,
+      folder,
+      isClosed: flags.length > 0,
+      folders,
+      page,
+      targets: wantCracks ? [8] : [1, 4],
+      pictures: process.env.PICTURES,
+    });
+    const real = complaints.filter((line) => !wantCracks || !line.includes("shows through"));
+    if (wantCracks && seen.cracks === 0) real.push(`${name}: no crack was found where there are some`);
+    real.forEach((line) => console.error(line));
+    failed ||= real.length > 0;
+    console.log(`${name}: ${seen.views} views, ${seen.contents} contents, ${seen.mixed} views of several levels, ${seen.cracks} samples of cracks`);
+  }
+  process.exit(failed ? 1 : 0);
+}
