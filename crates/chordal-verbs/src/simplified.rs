@@ -96,17 +96,15 @@ pub(crate) fn without_normals(scene: &mut Scene) -> Result<(), MeshFailure> {
     Ok(())
 }
 
-/// The length that both a length and pixels allow everywhere.
+/// The length that the budget allows everywhere.
 fn length_for_all(budget: &Budget, place: &Box3) -> Result<Option<Tolerance>, MeshFailure> {
-    let Some(pixels) = budget.pixels else { return Ok(budget.length) };
     let close =
         || refused(Code::TooClose, "the shape comes so close to the eye that there is no bound in pixels");
-    let by_view = pixels.view.length_of(pixels.pixels, place).ok_or_else(close)?;
-    let by_view = Tolerance::new(by_view).map_err(|_| close())?;
-    Ok(Some(match budget.length {
-        Some(length) if length.get() < by_view.get() => length,
-        _ => by_view,
-    }))
+    let length = budget.length_in(place).ok_or_else(close)?;
+    if length == f64::INFINITY {
+        return Ok(None);
+    }
+    Tolerance::new(length).map(Some).map_err(|_| close())
 }
 
 /// One part with fewer triangles, or `None` where there is nothing to do.

@@ -219,9 +219,9 @@ mod tests {
 
     #[test]
     fn keeps_the_best_only_when_told_to() {
-        let square = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
-        let kept = call(square, r#"{"name": "s.obj", "to": "ply", "triangles": 1, "keep_best": true}"#);
-        let lost = call(square, r#"{"name": "s.obj", "to": "ply", "triangles": 1}"#);
+        let solid = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+        let kept = call(solid, r#"{"name": "s.obj", "to": "ply", "triangles": 3, "keep_best": true}"#);
+        let lost = call(solid, r#"{"name": "s.obj", "to": "ply", "triangles": 3}"#);
         assert_eq!((kept.0, lost.0), (5, 5));
         assert!(!kept.1.is_empty() && lost.1.is_empty());
     }

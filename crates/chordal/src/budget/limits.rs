@@ -1,5 +1,6 @@
 //! `Budget`: how much may be lost, in units, in pixels at a view, in degrees, or as a number of triangles.
 use super::{Pixels, Tolerance, View};
+use crate::math::Box3;
 
 /// What kind of evidence the result must carry.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -66,6 +67,27 @@ impl Budget {
     #[must_use]
     pub fn segments(most: u64) -> Self {
         Self { segments: Some(most), ..Self::default() }
+    }
+
+    /// The length that the budget's length and its pixels allow everywhere in `place`: infinite where it has neither, `None` where
+    /// `place` comes so close to the eye that no length is small enough.
+    ///
+    /// ```
+    /// use chordal::{Budget, math::Box3};
+    /// let place = Box3 { min: [-1.0; 3], max: [1.0; 3] };
+    /// let budget = Budget::pixels("1px".parse()?, "1000x1000 fov=90 eye=0,0,6 target=0,0,0".parse()?);
+    /// let length = budget.length_in(&place).unwrap(); // a pixel at a distance of 5, and in the corner of the picture
+    /// assert!(length > 0.005 && length < 0.01);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn length_in(&self, place: &Box3) -> Option<f64> {
+        let by_view = match &self.pixels {
+            Some(PixelBudget { pixels, view }) => view.length_of(*pixels, place)?,
+            None => f64::INFINITY,
+        };
+        let by_length = self.length.map_or(f64::INFINITY, Tolerance::get);
+        Some(if by_length < by_view { by_length } else { by_view })
     }
 
     /// Whether it limits anything that a mesh can be built for.

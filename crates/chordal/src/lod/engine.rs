@@ -30,6 +30,7 @@ pub(super) struct Until {
     pub within: f64,
 }
 
+#[derive(Clone)]
 pub(super) struct Engine {
     pub surface: Surface,
     pub at: Vec<[f64; 3]>,
@@ -78,10 +79,9 @@ enum Anchor {
     End,
 }
 
-/// The least cosine between the normal of a face before and after. Measured: between a fifth and a half the results are
-/// alike; without it thin parts fold.
+/// The least cosine between the normal of a face before and after. Chosen: without one thin parts fold.
 const LEAST_TURN: f64 = 0.25;
-/// What the square of an edge's length adds to its cost, as a share of its weight: decides where planes do not.
+/// What the square of an edge's length adds to its cost, as a share of its weight: decides where planes do not. Chosen.
 const SHORT: f64 = 1e-9;
 
 impl Engine {
@@ -508,8 +508,7 @@ fn blend_around(
     wedges.blend(&parts)
 }
 
-/// The weight of planes along lines, for the square of an edge's length. Measured: at a tenth borders round off, at a
-/// hundred they keep what could go.
+/// The weight of planes along lines, for the square of an edge's length. Chosen: above the weight of a face that has the edge.
 const LINE_WEIGHT: f64 = 2.0;
 /// How far from the middle of an edge its point may lie, as a multiple of its length, squared.
 const FAR: f64 = 4.0;

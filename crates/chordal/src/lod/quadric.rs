@@ -14,7 +14,8 @@ pub(super) struct Quadric {
 }
 
 /// What pulls the best point to the middle of an edge, as a share of the trace: where planes leave a direction open, the
-/// middle decides. Measured on the corpus: a hundredth rounds edges off, a millionth lets points wander along them.
+/// middle decides. Measured on a
+/// torus and on scanned shapes: a hundred times more or less makes no difference that can be told.
 const PULL: f64 = 1e-5;
 
 impl Quadric {

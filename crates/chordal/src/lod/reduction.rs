@@ -47,6 +47,7 @@ pub struct Kept {
     pub vanished_components: u64,
 }
 
+#[derive(Clone)]
 pub(super) struct Reduction<'a> {
     mesh: &'a Mesh,
     frame: Frame,
@@ -110,6 +111,13 @@ impl<'a> Reduction<'a> {
         }
         self.engine.watch = Some(Watch::new(surface, &self.engine.at, &points, job)?);
         Ok(())
+    }
+
+    /// Looks at all places alike again: for a larger length.
+    pub fn forget_care(&mut self) {
+        if let Some(watch) = &mut self.engine.watch {
+            watch.care.fill(Care::Quick);
+        }
     }
 
     /// Takes more care from now on where the mesh that was taken out of `tried`, an earlier attempt, was too far from
@@ -192,7 +200,7 @@ impl<'a> Reduction<'a> {
         let (small, rest): (Vec<u32>, Vec<u32>) =
             faces.into_iter().partition(|face| is_dust(&mut sets, *face));
         let rest = rest.iter().map(|face| engine.surface.corners(*face)).collect();
-        let mut rest = Judge::new(Cow::Owned(Mesh::by_construction(engine.at.clone(), rest)), job)?;
+        let rest = Judge::new(Cow::Owned(Mesh::by_construction(engine.at.clone(), rest)), job)?;
         let mut near: BTreeMap<u32, bool> = BTreeMap::new();
         for face in &small {
             let corners = engine.surface.corners(*face);
@@ -207,7 +215,7 @@ impl<'a> Reduction<'a> {
             *is_near = *is_near && !closely && points.all(|p| rest.distance_sq(p) <= within * within);
             *is_near = *is_near && rest.has_near(corners.map(|v| engine.at[v as usize]), within);
         }
-        self.kept.vanished_components = near.values().filter(|near| **near).count() as u64;
+        self.kept.vanished_components += near.values().filter(|near| **near).count() as u64;
         for face in small {
             if near.get(&sets.root(self.engine.surface.corners(face)[0])) == Some(&true) {
                 self.engine.surface.remove(face);

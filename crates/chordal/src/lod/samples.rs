@@ -5,6 +5,7 @@ use crate::explicit::nearest_with_distance;
 /// Points that have to stay within the tolerance of the surface, in lists by face.
 ///
 /// They watch the way, and prove nothing: what is between them is proved at the end, by `check::deviation`.
+#[derive(Clone)]
 pub(super) struct Samples {
     pub at: Vec<[f64; 3]>,
     /// By sample: the next one of its face.

@@ -1,7 +1,7 @@
 //! `simplify`: a mesh with fewer triangles, within a budget.
 use super::reduction::{Kept, Reduction};
 use super::watch::Care;
-use crate::budget::{Bound, Bounded, Budget, Code, Failure, Job, Reference, Stopped, Tolerance};
+use crate::budget::{Bound, Bounded, Budget, Code, Failure, Job, Reference, Stopped};
 use crate::check::{Deviation, Goal, OneSided, Places, deviation, places_beyond};
 use crate::explicit::{Mesh, Topology};
 
@@ -77,8 +77,11 @@ pub fn simplify(
     if mesh.faces().is_empty() {
         return Err(Failure::refused(Code::Empty, "there is no triangle to simplify"));
     }
-    let length = allowed(mesh, budget)?;
-    let made = match length {
+    let Some(length) = budget.length_in(&mesh.bounds()) else {
+        let message = "the mesh comes so close to the eye that there is no bound in pixels";
+        return Err(Failure::refused(Code::TooClose, message));
+    };
+    let made = match Some(length).filter(|length| *length < f64::INFINITY) {
         Some(length) => within(&Asked { mesh, topology, stays: &[], length, job })?,
         None => match budget.triangles {
             Some(most) => by_count(mesh, (most, topology), job)?,
@@ -94,24 +97,6 @@ pub fn simplify(
         return Err(Failure::Unmet(Box::new(made)));
     }
     Ok(made)
-}
-
-/// The length that may be lost everywhere.
-fn allowed(mesh: &Mesh, budget: &Budget) -> Result<Option<f64>, Failed> {
-    let by_view = match budget.pixels {
-        None => None,
-        Some(pixels) => Some(pixels.view.length_of(pixels.pixels, &mesh.bounds()).ok_or_else(|| {
-            Failure::refused(
-                Code::TooClose,
-                "the mesh comes so close to the eye that there is no bound in pixels",
-            )
-        })?),
-    };
-    let by_length = budget.length.map(Tolerance::get);
-    Ok(match (by_length, by_view) {
-        (Some(a), Some(b)) => Some(if a < b { a } else { b }),
-        (a, b) => a.or(b),
-    })
 }
 
 /// As few triangles as a count says, each step the one that costs least.
@@ -140,7 +125,7 @@ pub(super) struct Asked<'a> {
     pub job: &'a Job,
 }
 
-/// What is set aside for rounding and for what the last proof knows less well than the close looks before. Measured.
+/// What is set aside for rounding and for what the last proof knows less well than the close looks before. Chosen.
 const SHARE: f64 = 0.99;
 /// Attempts, each with more care where the one before was too far. Measured: up to 6 are needed.
 const ATTEMPTS: u32 = 14;
@@ -149,42 +134,72 @@ const LAST_LOOK: u32 = 8;
 
 /// As few triangles as fit within a length.
 pub(super) fn within(asked: &Asked<'_>) -> Result<Bounded<Simplified>, Stopped> {
-    let Asked { mesh, topology, stays, length, job } = *asked;
-    let mut tried: Option<(Reduction<'_>, Places)> = None;
-    for attempt in 1..=ATTEMPTS {
-        let mut reduction = Reduction::of_part(mesh, topology, stays);
-        if reduction.is_empty() {
-            return Ok(unchanged(mesh, Kept::default()));
-        }
-        reduction.watch(job)?;
-        if let Some((tried, places)) = &tried {
-            reduction.take_care(tried, places, if attempt < LAST_LOOK { Care::more } else { Care::most });
-        }
-        reduction.run(0, SHARE * length, job)?;
-        reduction.let_vanish(SHARE * length, job)?;
-        let made = reduction.mesh();
-        let places = places_beyond(mesh, &made, length, job)?;
-        if places.is_empty() {
-            let found = deviation(mesh, &made, &Goal::default(), job)?;
-            return Ok(bounded(made, (&found, places.at_most), reduction.kept));
-        }
-        tried = Some((reduction, places));
-    }
-    Ok(unchanged(mesh, Kept::default()))
+    let found = Progress::of(asked)?.within(asked.length, asked.job)?;
+    Ok(found.unwrap_or_else(|| unchanged(asked.mesh, Kept::default())))
 }
 
-fn unchanged(mesh: &Mesh, kept: Kept) -> Bounded<Simplified> {
+/// A mesh on its way to ever fewer triangles, within ever larger lengths. Each is proved against the mesh itself.
+pub(super) struct Progress<'a> {
+    mesh: &'a Mesh,
+    /// As it was when it was last proved to be near.
+    proved: Reduction<'a>,
+}
+
+impl<'a> Progress<'a> {
+    pub fn of(asked: &Asked<'a>) -> Result<Self, Stopped> {
+        let Asked { mesh, topology, stays, job, .. } = *asked;
+        let mut proved = Reduction::of_part(mesh, topology, stays);
+        if !proved.is_empty() {
+            proved.watch(job)?;
+        }
+        Ok(Self { mesh, proved })
+    }
+
+    /// As few triangles as fit within a length that is not smaller than the one before; `None` where none were found.
+    pub fn within(&mut self, length: f64, job: &Job) -> Result<Option<Bounded<Simplified>>, Stopped> {
+        if self.proved.is_empty() {
+            return Ok(None);
+        }
+        let mesh = self.mesh;
+        let mut tried: Option<(Reduction<'_>, Places)> = None;
+        for attempt in 1..=ATTEMPTS {
+            let mut reduction = self.proved.clone();
+            match &tried {
+                None => reduction.forget_care(),
+                Some((tried, places)) => {
+                    let more = if attempt < LAST_LOOK { Care::more } else { Care::most };
+                    reduction.take_care(tried, places, more);
+                }
+            }
+            reduction.run(0, SHARE * length, job)?;
+            reduction.let_vanish(SHARE * length, job)?;
+            let made = reduction.mesh();
+            let places = places_beyond(mesh, &made, length, job)?;
+            if places.is_empty() {
+                let found = deviation(mesh, &made, &Goal::default(), job)?;
+                let found = bounded(made, (&found, places.at_most), reduction.kept);
+                self.proved = reduction;
+                return Ok(Some(found));
+            }
+            tried = Some((reduction, places));
+        }
+        Ok(None)
+    }
+}
+
+pub(super) fn unchanged(mesh: &Mesh, kept: Kept) -> Bounded<Simplified> {
     let bound = Bound::proved(0.0, 0.0, Reference::InputTriangles);
     Bounded { shape: Simplified { mesh: mesh.clone(), worst: None, kept }, bound }
 }
 
+/// The bound by [`deviation`], whose greater end another proof of the same distance may lower. Two proofs that contradict each other
+/// prove nothing of the kind, so that one below what is certainly lost is not taken.
 fn bounded(mesh: Mesh, (found, at_most): (&Deviation, f64), kept: Kept) -> Bounded<Simplified> {
     let worst = (found.bound.at_least() > 0.0).then(|| *found.worst());
-    let most = found.bound.at_most().unwrap_or(at_most);
     let least = found.bound.at_least();
-    // Two proofs of one distance: each end from the better one.
-    let most = if at_most < most { at_most } else { most };
-    let mut bound = Bound::proved(if least < most { least } else { most }, most, Reference::InputTriangles);
+    let most = found.bound.at_most().unwrap_or(f64::INFINITY);
+    let most = if least <= at_most && at_most < most { at_most } else { most };
+    let mut bound = Bound::proved(least, most, Reference::InputTriangles);
     bound.at = found.bound.at;
     Bounded { shape: Simplified { mesh, worst, kept }, bound }
 }

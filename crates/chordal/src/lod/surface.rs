@@ -8,6 +8,7 @@ pub(super) const NONE: u32 = u32::MAX;
 ///
 /// Where the mesh is not like that, vertices are taken apart: one for each fan. Those stay where they are and stay there,
 /// so that the mesh is put together again as it was.
+#[derive(Clone)]
 pub(super) struct Surface {
     /// By half-edge: the vertex that it starts from; [`NONE`] for the three of a face that is gone.
     pub start: Vec<u32>,

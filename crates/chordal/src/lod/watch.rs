@@ -5,21 +5,23 @@ use crate::budget::{Job, Stopped};
 use crate::check::Judge;
 use crate::explicit::Mesh;
 use std::borrow::Cow;
+use std::rc::Rc;
 
 /// The original, points of it, and how closely each place is looked at.
 ///
 /// A quick look asks about points: those of the original that faces answer for, the new point, and the middles of its
 /// edges. A close look proves for each new face, and for each face of the original there, that all of it is near.
 /// Neither replaces the proof for the whole at the end.
+#[derive(Clone)]
 pub(super) struct Watch {
     pub samples: Samples,
     /// The original, in the coordinates of the engine.
-    judge: Judge<'static>,
+    judge: Rc<Judge<'static>>,
     /// The faces of the original around each of its vertices: `around[first[v]..first[v + 1]]`.
-    around: Vec<u32>,
-    first: Vec<u32>,
+    around: Rc<[u32]>,
+    first: Rc<[u32]>,
     /// By face of the original: its vertices.
-    corners: Vec<[u32; 3]>,
+    corners: Rc<[[u32; 3]]>,
     /// By sample: how closely changes of the faces that hold it are looked at.
     pub care: Vec<Care>,
     /// Marks of faces of the original that were looked at in this round.
@@ -127,9 +129,10 @@ impl Watch {
         }
         let faces = there().map(|(_, c)| *c).collect();
         let mesh = Mesh::by_construction(at.to_vec(), faces);
-        let judge = Judge::new(Cow::Owned(mesh), job)?;
+        let judge = Rc::new(Judge::new(Cow::Owned(mesh), job)?);
         let seen = vec![0; n_faces];
         let care = vec![Care::Quick; samples.at.len()];
+        let (around, first, corners) = (around.into(), first.into(), corners.into());
         Ok(Self { samples, judge, around, first, corners, care, seen, round: 0 })
     }
 
@@ -197,7 +200,7 @@ impl Watch {
                 if local.is_none() {
                     local = neighbourhood(change);
                 }
-                if !local.as_mut().is_some_and(|local| local.has_near(triangle, within)) {
+                if !local.as_ref().is_some_and(|local| local.has_near(triangle, within)) {
                     return false;
                 }
             }

@@ -8,6 +8,7 @@ use crate::math::dot;
 ///
 /// Lines are edges at which values jump: texture seams, creases of normals, borders of materials. Where nothing jumps
 /// the corners around a vertex share their row.
+#[derive(Clone)]
 pub(super) struct Wedges {
     /// By half-edge: the row of the corner that it starts from.
     pub of: Vec<u32>,

@@ -1,15 +1,13 @@
 //! `places_beyond`: where two surfaces are farther apart than a length, face by face.
-use super::common::{Common, Vertices};
+use super::Pair;
 use super::cover::{Cover, Scratch, Terms, cover};
-use super::frame::Frame;
 use super::piece::{Piece, larger};
-use super::rounds::Limit;
 use super::side::Side;
-use super::{refused, used};
-use crate::budget::{Code, Job, Stopped, par_map};
+use crate::budget::{Job, Stopped, par_map};
 use crate::explicit::Mesh;
-use crate::math::{Box3, add_up};
+use crate::math::add_up;
 use std::borrow::Cow;
+use std::cell::RefCell;
 
 /// A point of a face that is farther from the other surface than was asked, or may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,20 +53,12 @@ impl Places {
 /// As for [`super::deviation`].
 pub(crate) fn places_beyond(a: &Mesh, b: &Mesh, length: f64, job: &Job) -> Result<Places, Stopped> {
     job.run(|| {
-        let bounds = used(a).union(used(b));
-        let frame = Frame::of(&bounds);
-        let common = Common::of([a, b]);
-        let (Some((a, a_moved)), Some((b, b_moved))) = (frame.local(a), frame.local(b)) else {
-            return refused(Code::NotFinite, "the extent of the two meshes overflows");
-        };
-        let reach = Box3::around(a.positions().iter().chain(b.positions()));
-        let reach = reach.min.iter().chain(&reach.max).fold(0.0, |most, x| larger(most, x.abs()));
-        let enough = Limit::around(frame.local_length(length), a_moved + b_moved).within();
-        let (a, b) = (Side::new(a, job)?, Side::new(b, job)?);
-        let terms = Terms { enough, most_faces: MOST_FACES, reach };
+        let pair = Pair::of([a, b], job)?;
+        let Pair { frame, sides: [a, b], moved, reach, .. } = &pair;
+        let terms = Terms { enough: pair.limit(length).within(), most_faces: MOST_FACES, reach: *reach };
         let mut at_most = 0.0;
-        let beyond = [(&a, &b, 0), (&b, &a, 1)].map(|(own, other, which)| {
-            let vertices = Vertices::ask(&common, [&a, &b], which, job);
+        let beyond = [(a, b, 0), (b, a, 1)].map(|(own, other, which)| {
+            let vertices = pair.ask(which, job);
             let chunks: Vec<&[u32]> = vertices.faces.chunks(CHUNK).collect();
             let found = par_map(job, &chunks, |_, faces| {
                 let mut scratch = Scratch::default();
@@ -90,12 +80,12 @@ pub(crate) fn places_beyond(a: &Mesh, b: &Mesh, length: f64, job: &Job) -> Resul
                     if job.is_cancelled() { Vec::new() } else { faces.iter().filter_map(&mut one).collect() };
                 (found, most)
             });
-            at_most = found.iter().fold(at_most, |most, (_, up)| larger(most, *up));
+            let most = found.iter().fold(0.0, |most, (_, up)| larger(most, *up));
+            // Faces that both surfaces have were not asked, and nothing of them was rounded.
+            let rounded = !vertices.faces.is_empty() && *moved > 0.0;
+            at_most = larger(at_most, if rounded { add_up(most, *moved) } else { most });
             found.into_iter().flat_map(|(found, _)| found).collect()
         });
-        // Where every face is shared nothing was rounded.
-        let moved = add_up(a_moved, b_moved);
-        let at_most = if at_most == 0.0 || moved == 0.0 { at_most } else { add_up(at_most, moved) };
         let places = Places { beyond, at_most: frame.length_up(at_most) };
         if job.is_cancelled() { Err(Stopped::Cancelled) } else { Ok(places) }
     })
@@ -176,7 +166,7 @@ fn look(piece: Piece, other: &Side, (terms, find): (Terms, Find), scratch: &mut 
 /// A surface against which others are held, many times: one piece of them after the other.
 pub(crate) struct Judge<'a> {
     side: Side<'a>,
-    scratch: Scratch,
+    scratch: RefCell<Scratch>,
     reach: f64,
 }
 
@@ -187,7 +177,7 @@ impl<'a> Judge<'a> {
     /// As for [`crate::explicit::Bvh::build`].
     pub fn new(mesh: Cow<'a, Mesh>, job: &Job) -> Result<Self, Stopped> {
         let reach = mesh.positions().as_flattened().iter().fold(0.0, |most, x| larger(most, x.abs()));
-        Ok(Self { side: Side::new(mesh, job)?, scratch: Scratch::default(), reach })
+        Ok(Self { side: Side::new(mesh, job)?, scratch: RefCell::default(), reach })
     }
 
     /// A judge by a surface of a few faces, which nothing can stop.
@@ -202,11 +192,11 @@ impl<'a> Judge<'a> {
     }
 
     /// Whether all points of a triangle are within `length` of the surface, proved; `false` where it is not known.
-    pub fn has_near(&mut self, triangle: [[f64; 3]; 3], length: f64) -> bool {
+    pub fn has_near(&self, triangle: [[f64; 3]; 3], length: f64) -> bool {
         let corners = triangle.map(|at| self.side.ask(at));
         let reach = triangle.as_flattened().iter().fold(self.reach, |most, x| larger(most, x.abs()));
         let terms = Terms { enough: length, most_faces: FEW_FACES, reach };
         let piece = Piece { corners, off: 0.0, known: f64::INFINITY };
-        matches!(look(piece, &self.side, (terms, Find::Any), &mut self.scratch), Look::Within(_))
+        matches!(look(piece, &self.side, (terms, Find::Any), &mut self.scratch.borrow_mut()), Look::Within(_))
     }
 }

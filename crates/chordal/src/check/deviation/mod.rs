@@ -104,48 +104,23 @@ const FLOOR: f64 = 14.0 * f64::EPSILON; // measured: covers cut in rounded numbe
 /// covers by projection are of our own, derived in `check/deviation/cover.rs`.
 pub fn deviation(a: &Mesh, b: &Mesh, goal: &Goal, job: &Job) -> Result<Deviation, Stopped> {
     job.run(|| {
-        if flushes_subnormals() {
-            let message =
-                "the floating-point environment flushes subnormal numbers, so that nothing can be proved";
-            return refused(Code::FlushesSubnormals, message);
-        }
-        for (which, mesh) in [("first", a), ("second", b)] {
-            if mesh.faces().is_empty() {
-                return refused(
-                    Code::Empty,
-                    format!("the {which} mesh has no triangle, so nothing is near it"),
-                );
-            }
-        }
-        let bounds = used(a).union(used(b));
-        if bounds.diagonal() == f64::INFINITY {
-            return refused(Code::NotFinite, "the extent of the two meshes overflows");
-        }
-        let frame = Frame::of(&bounds);
-        // Of the meshes as they are: what a frame rounds to the same number need not be the same.
-        let common = Common::of([a, b]);
-        let (Some((a, a_moved)), Some((b, b_moved))) = (frame.local(a), frame.local(b)) else {
-            return refused(Code::NotFinite, "the extent of the two meshes overflows");
-        };
-        let reach = Box3::around(a.positions().iter().chain(b.positions()));
-        let reach = reach.min.iter().chain(&reach.max).fold(0.0, |most, x| larger(most, x.abs()));
+        let pair = Pair::of([a, b], job)?;
+        let Pair { frame, sides: [a, b], moved, reach, .. } = &pair;
         let wanted = Wanted {
             relative: if goal.relative > 0.0 { goal.relative } else { 0.0 },
             absolute: goal.absolute.map_or(0.0, |length| frame.local_length(length.get())),
-            floor: FLOOR * used(&a).union(used(&b)).diagonal(),
-            max: goal.max.map(|length| Limit::around(frame.local_length(length.get()), a_moved + b_moved)),
+            floor: FLOOR * used(a.mesh()).union(used(b.mesh())).diagonal(),
+            max: goal.max.map(|length| pair.limit(length.get())),
         };
-        let (a, b) = (Side::new(a, job)?, Side::new(b, job)?);
-        let vertices = [Vertices::ask(&common, [&a, &b], 0, job), Vertices::ask(&common, [&a, &b], 1, job)];
-        let mut both = [Direction::new(&a, &b, &vertices[0]), Direction::new(&b, &a, &vertices[1])];
-        let reached = search(&mut both, &vertices, &Asked { wanted, reach }, job);
+        let vertices = [0, 1].map(|which| pair.ask(which, job));
+        let mut both = [Direction::new(a, b, &vertices[0]), Direction::new(b, a, &vertices[1])];
+        let reached = search(&mut both, &vertices, &Asked { wanted, reach: *reach }, job);
         if job.is_cancelled() {
             return Err(Stopped::Cancelled);
         }
-        let [forward, backward] = [(0, &b), (1, &a)].map(|(k, other)| {
-            // Where the other surface has every face as well, nothing was rounded.
-            let same = vertices[k].faces.is_empty() || a_moved + b_moved == 0.0;
-            one_sided(&both[k], other, &frame, if same { 0.0 } else { add_up(a_moved, b_moved) })
+        let [forward, backward] = [(0, b), (1, a)].map(|(k, other)| {
+            let moved = if vertices[k].faces.is_empty() { 0.0 } else { *moved };
+            one_sided(&both[k], other, frame, moved)
         });
         let bound = two_sided(&forward, &backward);
         // Rounding may leave open what was decided in the frame.
@@ -154,6 +129,62 @@ pub fn deviation(a: &Mesh, b: &Mesh, goal: &Goal, job: &Job) -> Result<Deviation
         });
         Ok(Deviation { bound, forward, backward, reached: reached && decided })
     })
+}
+
+/// Two surfaces in one frame, ready to be held against each other.
+struct Pair<'a> {
+    frame: Frame,
+    common: Common,
+    sides: [Side<'a>; 2],
+    /// How far both surfaces together stand from where they belong, at most, in the frame. Faces that both have stand where they
+    /// belong to each other.
+    moved: f64,
+    /// The largest coordinate of either in the world.
+    reach: f64,
+}
+
+impl<'a> Pair<'a> {
+    fn of(meshes: [&'a Mesh; 2], job: &Job) -> Result<Self, Stopped> {
+        if flushes_subnormals() {
+            let message =
+                "the floating-point environment flushes subnormal numbers, so that nothing can be proved";
+            return refused(Code::FlushesSubnormals, message);
+        }
+        for (which, mesh) in ["first", "second"].iter().zip(meshes) {
+            if mesh.faces().is_empty() {
+                let message = format!("the {which} mesh has no triangle, so nothing is near it");
+                return refused(Code::Empty, message);
+            }
+        }
+        let [a, b] = meshes;
+        let overflows = || refused(Code::NotFinite, "the extent of the two meshes overflows");
+        let bounds = used(a).union(used(b));
+        if bounds.diagonal() == f64::INFINITY {
+            return overflows();
+        }
+        let frame = Frame::of(&bounds);
+        // Of the meshes as they are: what a frame rounds to the same number need not be the same.
+        let common = Common::of(meshes);
+        let (Some((local_a, a_moved)), Some((local_b, b_moved))) = (frame.local(a), frame.local(b)) else {
+            return overflows();
+        };
+        let moved = if a_moved + b_moved == 0.0 { 0.0 } else { add_up(a_moved, b_moved) };
+        let reach = Box3::around(a.positions().iter().chain(b.positions()));
+        let reach = reach.min.iter().chain(&reach.max).fold(0.0, |most, x| larger(most, x.abs()));
+        let sides = [Side::new(local_a, job)?, Side::new(local_b, job)?];
+        Ok(Self { frame, common, sides, moved, reach })
+    }
+
+    /// A length of the world as a limit in the frame.
+    fn limit(&self, length: f64) -> Limit {
+        Limit::around(self.frame.local_length(length), self.moved)
+    }
+
+    /// The vertices of a side, each with its distance to the other.
+    fn ask(&self, which: usize, job: &Job) -> Vertices {
+        let [a, b] = &self.sides;
+        Vertices::ask(&self.common, [a, b], which, job)
+    }
 }
 
 /// The distance of every vertex of `mesh` to the surface of `against`, rounded up by a few units in the last place: what
