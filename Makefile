@@ -88,38 +88,43 @@ test-web: need-rust need-wasm need-node
 	node tests/web/wasm.mjs $(WASM) $(TARGET)/web/drawing.json examples/drawing.svg
 	node tests/web/validate.mjs $(TARGET)/web/*.glb
 
-# Two shapes as tilesets, and one of them cut so that levels do not match, which the judges of viewers have to see.
+# Patches, a cage and a mesh that is cut in space as tilesets, and one that is cut so that levels do not match, which the
+# judges of viewers have to see.
 TILESETS := $(TARGET)/web/tilesets
 tilesets: need-rust need-node need-chromium
 	$(CARGO) build --release --locked -p chordal-cli
 	$(CARGO) build --release --locked -p chordal-io --example tileset_of_levels
 	cd tests/web && npm ci --no-audit --no-fund --loglevel=error
 	rm -rf $(TILESETS) && mkdir -p $(TILESETS)
-	for tol in 0.3 0.1 0.03 0.005; do \
-		$(CHORDAL) mesh examples/teapot.bpt --tol $$tol -o $(TILESETS)/teapot-$$tol.glb -q; \
-	done
+	$(CHORDAL) lod examples/teapot.bpt --px 1 --nearest 12 -o $(TILESETS)/teapot/ -q
+	$(CHORDAL) lod examples/cube.obj --px 1 -o $(TILESETS)/cube/ -q
+	$(CHORDAL) mesh examples/cube.obj --tol 0.0005 -o $(TILESETS)/cube.ply -q
+	$(CHORDAL) lod $(TILESETS)/cube.ply --tol 0.0005 --tile-triangles 500 -o $(TILESETS)/parts/ -q
 	for tol in 0.1 0.03 0.01 0.001; do \
 		$(CHORDAL) mesh examples/cube.obj --surface catmull-clark --tol $$tol -o $(TILESETS)/cube-$$tol.glb -q; \
 	done
 	levels=$(abspath $(TARGET))/release/examples/tileset_of_levels && cd $(TILESETS) && \
-		$$levels teapot teapot-{0.3,0.1,0.03,0.005}.glb && \
-		$$levels cube cube-{0.1,0.03,0.01,0.001}.glb && \
 		$$levels --split cut cube-{0.1,0.03,0.01,0.001}.glb
 
 # Tilesets by the text of the specification, their GLBs by Khronos' validator, and both in a viewer.
 test-tiles: tilesets
-	node tests/web/tileset.mjs $(TILESETS)/{teapot,cube,cut}
+	node tests/web/tileset.mjs $(TILESETS)/{teapot,cube,parts,cut}
 	node tests/web/validate.mjs $(TILESETS)/*/*.glb
 	CHROMIUM=$(CHROMIUM) node tests/web/tiles.mjs $(TILESETS)/teapot
-	CHROMIUM=$(CHROMIUM) node tests/web/tiles.mjs --closed $(TILESETS)/cube
+	CHROMIUM=$(CHROMIUM) node tests/web/tiles.mjs --closed $(TILESETS)/cube $(TILESETS)/parts
 	CHROMIUM=$(CHROMIUM) node tests/web/tiles.mjs --cracks $(TILESETS)/cut
 
-# The same in a second viewer, and what a third program makes of the tree. Some 200 MB of packages.
+# The same in a second viewer, with a field and a large mesh too, and what a third program makes of the tree. Some 200 MB of packages.
 test-viewers: tilesets
 	cd tests/viewers && npm ci --no-audit --no-fund --loglevel=error --ignore-scripts
-	node tests/viewers/tools.mjs $(TILESETS)/{teapot,cube,cut}
-	CHROMIUM=$(CHROMIUM) node tests/viewers/cesium.mjs $(TILESETS)/teapot
-	CHROMIUM=$(CHROMIUM) node tests/viewers/cesium.mjs --closed $(TILESETS)/cube
+	$(CHORDAL) lod examples/block.star --tol 0.1% -o $(TILESETS)/block/ -q
+	$(CHORDAL) mesh examples/teapot.bpt --tol 0.0002 -o $(TILESETS)/teapot.ply -q
+	$(CHORDAL) lod $(TILESETS)/teapot.ply --tol 0.0005 --tile-triangles 5000 -o $(TILESETS)/large/ -q
+	node tests/viewers/tools.mjs $(TILESETS)/{teapot,cube,parts,cut,block,large}
+	CHROMIUM=$(CHROMIUM) node tests/web/tiles.mjs --closed $(TILESETS)/block
+	CHROMIUM=$(CHROMIUM) node tests/web/tiles.mjs $(TILESETS)/large
+	CHROMIUM=$(CHROMIUM) node tests/viewers/cesium.mjs $(TILESETS)/teapot $(TILESETS)/large
+	CHROMIUM=$(CHROMIUM) node tests/viewers/cesium.mjs --closed $(TILESETS)/cube $(TILESETS)/parts $(TILESETS)/block
 	CHROMIUM=$(CHROMIUM) node tests/viewers/cesium.mjs --cracks $(TILESETS)/cut
 
 # Types, texts and state; then the page as readers meet it, in a real browser and behind the real server.

@@ -8,7 +8,6 @@ use crate::numbers::{Toward, grouped, short, size};
 use crate::output::Target;
 use crate::summary::Lines;
 use crate::talk::Talk;
-use chordal::Job;
 use chordal::budget::{Closest, Length, Pixels, View};
 use chordal_verbs::report::{LevelsFacts, Report, Run};
 use chordal_verbs::{LodOutcome, LodSpec, Normals, TileErrors, extension, lod};
@@ -136,12 +135,12 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
             Errors::Scaled => TileErrors::Scaled,
             Errors::Plain => TileErrors::Plain,
         },
-        tile_triangles: args.tile_triangles,
+        tile_triangles: as_tiles.then_some(args.tile_triangles),
     };
     let name = source.name();
     let outcome = lod(input, &spec, &job).map_err(|failure| common::fault(&name, &failure, ""))?;
     let bytes = if as_tiles {
-        written(&outcome, (args, &job), &target)?
+        written(&outcome, args, &target)?
     } else {
         target.write(&mut |out| outcome.write(out))?
     };
@@ -176,9 +175,9 @@ fn as_tiles(output: &Path) -> Result<bool, Fault> {
 }
 
 /// Writes all tiles, the list of them last: until then an older list holds.
-fn written(outcome: &LodOutcome, (args, job): (&LodArgs, &Job), list: &Target) -> Result<u64, Fault> {
+fn written(outcome: &LodOutcome, args: &LodArgs, list: &Target) -> Result<u64, Fault> {
     let name = args.input.input.display().to_string();
-    let files = outcome.tileset(job).map_err(|failure| common::fault(&name, &failure, ""))?;
+    let files = outcome.tileset().map_err(|failure| common::fault(&name, &failure, ""))?;
     let mut bytes = 0;
     for (name, content) in files {
         let target = if name == LIST {
@@ -209,8 +208,9 @@ fn levels(lines: &mut Lines, facts: &LevelsFacts) {
         lines.add(
             &format!("level {k}"),
             format!(
-                "{} triangles, off by at most {} (proved), {from}",
+                "{} triangles{}, off by at most {} (proved), {from}",
                 grouped(level.triangles),
+                if level.tiles == 1 { String::new() } else { format!(" in {} tiles", level.tiles) },
                 short(level.at_most, Toward::Up)
             ),
         );

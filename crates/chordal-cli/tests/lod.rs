@@ -155,6 +155,54 @@ fn tiles_of_patches_say_errors_by_which_viewers_keep_the_pixel() {
 }
 
 #[test]
+fn a_large_mesh_is_cut_into_tiles_and_the_table_counts_them() {
+    let folder = Folder::new("lod-cut");
+    // Far from the origin, where coordinates of tiles cannot be about zero.
+    let far: String = ball()
+        .lines()
+        .map(|line| match line.strip_prefix("v ") {
+            Some(numbers) => {
+                let numbers: Vec<f64> = numbers.split(' ').map(|x| x.parse::<f64>().unwrap() + 1e6).collect();
+                format!("v {} {} {}\n", numbers[0], numbers[1], numbers[2])
+            }
+            None => format!("{line}\n"),
+        })
+        .collect();
+    let input = folder.file("ball.obj", far);
+    let output = folder.text("tiles/");
+    let made = run(&["lod", &input, "-o", &output, "--tol", "0.0005", "--tile-triangles", "300", "--json"]);
+    made.succeeds();
+    let report = checked(made.report());
+    let levels = report["certificate"]["levels"]["levels"].as_array().unwrap();
+    assert!(levels[0]["tiles"].as_u64().unwrap() > 4 && levels[0]["at_most"].as_f64().unwrap() <= 0.0005);
+    assert_eq!(levels.last().unwrap()["tiles"], 1);
+    let list: Value =
+        serde_json::from_slice(&std::fs::read(folder.path("tiles/tileset.json")).unwrap()).unwrap();
+    let place = list["root"]["transform"].as_array().unwrap();
+    assert!((place[12].as_f64().unwrap() - 1e6).abs() < 2.0, "{place:?}");
+    // What is shown for an error, by the tree in the file.
+    fn shown(tile: &Value, error: f64, tiles: &mut Vec<f64>) {
+        let facts = &tile["extras"]["chordal"];
+        match tile["children"].as_array() {
+            Some(children) if facts["at_most"].as_f64().unwrap() > error => {
+                children.iter().for_each(|child| shown(child, error, tiles));
+            }
+            _ => tiles.push(facts["triangles"].as_f64().unwrap()),
+        }
+    }
+    for level in levels {
+        let mut tiles = Vec::new();
+        shown(&list["root"], level["at_most"].as_f64().unwrap(), &mut tiles);
+        assert!(tiles.iter().all(|n| *n <= 300.0));
+        assert_eq!(Some(tiles.len() as u64), level["tiles"].as_u64());
+        assert_eq!(Some(tiles.iter().sum::<f64>()), level["triangles"].as_f64());
+    }
+    // In one file nothing is cut.
+    let one = folder.text("one.glb");
+    run(&["lod", &input, "-o", &one, "--tol", "0.0005", "--tile-triangles", "300", "-q"]).succeeds();
+}
+
+#[test]
 fn one_patch_in_one_file_is_within_a_tolerance() {
     let folder = Folder::new("lod-patch");
     let (input, output) = (folder.file("a.bpt", PATCH), folder.text("a.glb"));

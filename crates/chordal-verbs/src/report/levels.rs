@@ -17,7 +17,7 @@ pub struct LevelsFacts {
     pub shown: Vec<ShownFacts>,
 }
 
-/// One level.
+/// One level: what is shown of the whole where it is fine enough.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LevelFacts {
     /// Its triangles.
@@ -30,6 +30,8 @@ pub struct LevelFacts {
     pub at_most: f64,
     /// From this distance to the box on it may be shown, anywhere on the screen; none where no distance is far enough.
     pub distance: Option<f64>,
+    /// In how many files it is.
+    pub tiles: u64,
 }
 
 /// What is shown at a distance.

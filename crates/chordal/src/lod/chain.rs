@@ -42,19 +42,23 @@ pub struct Steps {
     pub factor: f64,
     /// A level with at most so many triangles is the last.
     pub enough: usize,
+    /// A finest level with more triangles is the only one: it is to be cut in space by [`tree`](super::tree()), which makes
+    /// coarser ones of its own.
+    pub whole: usize,
+    /// The share of the finest error that making triangles of something smooth may use, between 0 and 1; simplifying them has the rest,
+    /// and spends it better.
+    pub share: f64,
 }
 
 impl Steps {
-    /// Levels from `finest` on, each twice as coarse, until 64 triangles or fewer.
+    /// Levels from `finest` on, each twice as coarse, until 64 triangles or fewer; none is too large. Triangles of something smooth have
+    /// half of the finest error.
     #[must_use]
     pub fn from(finest: Tolerance) -> Self {
-        Self { finest, factor: 2.0, enough: 64 }
+        Self { finest, factor: 2.0, enough: 64, whole: usize::MAX, share: 0.5 }
     }
 }
 
-/// The share of the finest level's error that making triangles of something smooth may use; what is left goes to
-/// simplifying them, which spends it better. Chosen: less takes long to make and prove.
-const SHARE_OF_SOURCE: f64 = 0.5;
 /// A level that has more than this share of the triangles of the one before is left out.
 const WORTH_IT: f64 = 0.8;
 /// Steps in a row without a level before the chain ends: nothing gets coarser any more.
@@ -64,7 +68,7 @@ const MOST_STEPS: u32 = 48;
 
 /// Levels of a shape, the finest first. Errors grow strictly from level to level, and triangles become fewer.
 ///
-/// Something smooth is turned into triangles once, within half of the finest error, and those are simplified; the two
+/// Something smooth is turned into triangles once, within a share of the finest error, and those are simplified; the two
 /// proofs are added. Simplifying goes on from level to level, so that all levels together take little longer than the
 /// coarsest alone, and what is measured and proved for each is the distance to the triangles at the start, never to the level
 /// before. The first level is within `steps.finest`; the chain ends where `steps.enough` triangles are left or where larger
@@ -75,7 +79,7 @@ const MOST_STEPS: u32 = 48;
 ///
 /// # Errors
 /// As for [`simplify`](super::simplify()), and those of the source; [`Code::Budget`] for a factor that is not larger than
-/// 1; [`Code::Unsupported`] where a source gives triangles without a bound from above; [`Code::BelowPrecision`] where a
+/// 1 and a share that is none; [`Code::Unsupported`] where a source gives triangles without a bound from above; [`Code::BelowPrecision`] where a
 /// source does not come as near as `steps.finest`.
 ///
 /// ```
@@ -97,13 +101,18 @@ pub fn chain(mut source: Source<'_>, steps: &Steps, job: &Job) -> Result<Vec<Lev
     if steps.factor.is_nan() || steps.factor <= 1.0 {
         return refused(Code::Budget, format!("errors grow by a factor larger than 1, not {}", steps.factor));
     }
+    if !(steps.share > 0.0 && steps.share < 1.0) {
+        let message =
+            format!("triangles of something smooth have a share between 0 and 1, not {}", steps.share);
+        return refused(Code::Budget, message);
+    }
     let (made, topology): (Bounded<Cow<'_, Mesh>>, Topology) = match &mut source {
         Source::Triangles(mesh, topology) => {
             let bound = Bound::proved(0.0, 0.0, Reference::InputTriangles);
             (Bounded { shape: Cow::Borrowed(*mesh), bound }, *topology)
         }
         Source::Smooth(make) => {
-            let share = Tolerance::new(steps.finest.get() * SHARE_OF_SOURCE).unwrap_or(steps.finest);
+            let share = Tolerance::new(steps.finest.get() * steps.share).unwrap_or(steps.finest);
             (make(share)?.map(Cow::Owned), Topology::Indices)
         }
     };
@@ -146,7 +155,11 @@ pub fn chain(mut source: Source<'_>, steps: &Steps, job: &Job) -> Result<Vec<Lev
             let level = level.filter(is_new);
             idle = if level.is_some() { 0 } else { idle + 1 };
             levels.extend(level);
-            let few = levels.last().is_some_and(|level| level.mesh.faces().len() <= steps.enough);
+            let is_last = |level: &Level| {
+                let n = level.mesh.faces().len();
+                n <= steps.enough || (n > steps.whole && levels.len() == 1)
+            };
+            let few = levels.last().is_some_and(is_last);
             match Tolerance::new(error.get() * steps.factor) {
                 Ok(coarser) if !few && idle < IDLE_STEPS => error = coarser,
                 _ => break,

@@ -1,23 +1,25 @@
 //! `lod`: any surface into levels of detail, each with its own bound, as one GLB or as 3D Tiles.
+mod tileset;
+
 use crate::mesh::{refused, set_aside, snapped, widened};
 use crate::placed::{self, Assembled, Placed};
 use crate::polylines::Asked;
 use crate::report::{
     BoundFacts, BudgetFacts, Certificate, Counted, LevelFacts, LevelsFacts, Output, ShownFacts, ViewFacts,
 };
-use crate::written::{as_written, unsupported};
+use crate::written::as_written;
 use crate::{BudgetSpec, Input, MeshFailure, Normals, Shape, cage, implicit, surfaces};
 use chordal::budget::{
     Bound, Budget, Closest, Code, Failure, Length, Pixels, Reference, Refusal, Stopped, Tolerance, View,
 };
 use chordal::explicit::Topology;
-use chordal::lod::{self, Cuts, HYSTERESIS, Source, Steps, Switches};
-use chordal::math::{Box3, add_up, mul_up};
+use chordal::lod::{self, HYSTERESIS, Source, Steps, Switches};
+use chordal::math::Box3;
 use chordal::{Bounded, Job, Mesh, convert};
-use chordal_io::tiles::{self, Tile, Tileset};
-use chordal_io::{Axis, Format, Frame, Scene, WriteError, glb, snap, worst_snap};
+use chordal_io::{Format, Frame, Scene, WriteError, glb, worst_snap};
 use serde_json::{Value, json};
 use std::io::Write;
+use tileset::Cut;
 
 /// Which levels are wanted.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,8 +38,8 @@ pub struct LodSpec {
     pub normals: Normals,
     /// What tiles say of their errors.
     pub errors: TileErrors,
-    /// Triangles that a tile may have; a finest level with more is cut in space.
-    pub tile_triangles: u64,
+    /// Triangles that a tile may have: a finest level with more is cut in space. `None` where there are to be no tiles.
+    pub tile_triangles: Option<u64>,
 }
 
 /// What tiles say of their errors, by which viewers choose.
@@ -50,9 +52,18 @@ pub enum TileErrors {
     Plain,
 }
 
+/// What was made.
+#[derive(Clone, Debug, PartialEq)]
+enum Made {
+    /// One mesh a level, the finest first.
+    Levels(Vec<OneLevel>),
+    /// Tiles over regions.
+    Cut(Cut),
+}
+
 /// One level as it will be written.
 #[derive(Clone, Debug, PartialEq)]
-struct Made {
+struct OneLevel {
     scene: Scene,
     bound: Bound,
     triangles: u64,
@@ -62,7 +73,7 @@ struct Made {
 /// Levels of detail with everything that is known of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LodOutcome {
-    levels: Vec<Made>,
+    made: Made,
     switches: Switches,
     spec: LodSpec,
     diagonal: f64,
@@ -100,7 +111,11 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     if let Some((_, moved, _)) = &triangles {
         inner = set_aside(&inner, *moved, &place, Format::Glb)?;
     }
-    let steps = Steps::from(inner.length.unwrap_or(finest));
+    let whole = spec.tile_triangles.map_or(usize::MAX, |most| usize::try_from(most).unwrap_or(usize::MAX));
+    let mut steps = Steps { whole, ..Steps::from(inner.length.unwrap_or(finest)) };
+    if matches!(maker.shape, Shape::Field(_) | Shape::Volume(_)) {
+        steps.share = SHARE_OF_FIELDS;
+    }
     let (chain, moved) = match &triangles {
         Some((mesh, moved, topology)) => {
             (lod::chain(Source::Triangles(mesh, *topology), &steps, job), *moved)
@@ -116,39 +131,73 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     })?;
     certificate.notes.append(&mut maker.notes);
     certificate.notes.dedup();
-    let mut levels: Vec<Made> = Vec::new();
-    for level in chain {
-        let (mesh, mut bound) = snapped(&level.mesh, level.bound, &Budget::default(), Format::Glb)?;
-        if moved > 0.0 {
-            bound = bound.then(&Bound::proved(0.0, moved, Reference::InputTriangles));
+    let more = Bound::proved(0.0, moved, Reference::InputTriangles);
+    let moved = |bound: Bound| if moved > 0.0 { bound.then(&more) } else { bound };
+    let looks = Looks { normals: spec.normals, from: normals_by(from), frame };
+    let is_cut = chain.first().is_some_and(|finest| finest.mesh.faces().len() > whole);
+    let made = if is_cut {
+        let finest = chain.into_iter().next().map(|level| (level.mesh, moved(level.bound)));
+        let (mesh, bound) = finest.ok_or_else(|| refused(Code::Empty, "there is no triangle to show"))?;
+        Made::Cut(Cut::of(Bounded { shape: mesh, bound }, &looks, (whole, &mut certificate.notes), job)?)
+    } else {
+        let mut levels: Vec<OneLevel> = Vec::new();
+        for level in chain {
+            let mut notes = Vec::new();
+            let level = OneLevel::of(&level.mesh, moved(level.bound), &looks, &mut notes)?;
+            certificate.notes.extend(notes.into_iter().filter(|_| levels.is_empty()));
+            // Rounding may leave two levels alike.
+            if levels.last().is_none_or(|finer| level.error() > finer.error()) {
+                levels.push(level);
+            }
         }
-        let mut scene = Scene::of(NAME, mesh, true, frame);
-        let mut notes = Vec::new();
-        spec.normals.apply(&mut scene, [normals_by(from), Format::Glb], &mut notes)?;
-        certificate.notes.extend(notes.into_iter().filter(|_| levels.is_empty()));
-        let scene = as_written(scene, Format::Glb)?;
-        let (triangles, vertices) = scene.parts.iter().fold((0, 0), |(t, v), part| {
-            (t + part.mesh.faces().len() as u64, v + part.mesh.positions().len() as u64)
-        });
-        // Rounding may leave two levels alike.
-        if levels.last().is_none_or(|finer| bound.at_most() > finer.bound.at_most()) {
-            levels.push(Made { scene, bound, triangles, vertices });
-        }
-    }
-    let Some(first) = levels.first() else {
+        Made::Levels(levels)
+    };
+    let Some(first) = made.finest() else {
         return Err(refused(Code::Empty, "there is no triangle to show"));
     };
     certificate.bound = Some(BoundFacts::of(&first.bound));
     let counted = Counted::of(&first.scene, Format::Glb)?;
     certificate.output = Some(Output::Triangles(counted.output));
     certificate.valid = Some(counted.valid);
-    let errors: Vec<f64> =
-        levels.iter().map(|level| level.bound.at_most().unwrap_or(f64::INFINITY)).collect();
+    let levels = made.counts();
+    let errors: Vec<f64> = levels.iter().map(|level| level.at_most).collect();
     let switches = Switches::new(&errors, spec.lens, spec.pixels);
-    let mut outcome = LodOutcome { levels, switches, spec: spec.clone(), diagonal, certificate };
-    outcome.certificate.levels = Some(outcome.facts());
+    let mut outcome = LodOutcome { made, switches, spec: spec.clone(), diagonal, certificate };
+    outcome.certificate.levels = Some(outcome.facts(levels));
     Ok(outcome)
 }
+
+/// How triangles are to look.
+struct Looks {
+    normals: Normals,
+    from: Format,
+    frame: Frame,
+}
+
+impl OneLevel {
+    fn of(mesh: &Mesh, bound: Bound, looks: &Looks, notes: &mut Vec<String>) -> Result<Self, MeshFailure> {
+        let (mesh, bound) = snapped(mesh, bound, &Budget::default(), Format::Glb)?;
+        let mut scene = Scene::of(NAME, mesh, true, looks.frame);
+        looks.normals.apply(&mut scene, [looks.from, Format::Glb], notes)?;
+        let scene = as_written(scene, Format::Glb)?;
+        let (triangles, vertices) = counts(&scene);
+        Ok(Self { scene, bound, triangles, vertices })
+    }
+
+    fn error(&self) -> f64 {
+        self.bound.at_most().unwrap_or(f64::INFINITY)
+    }
+}
+
+/// Triangles, and rows of positions.
+fn counts(scene: &Scene) -> (u64, u64) {
+    scene.parts.iter().fold((0, 0), |(t, v), part| {
+        (t + part.mesh.faces().len() as u64, v + part.mesh.positions().len() as u64)
+    })
+}
+
+/// What triangles of fields may use of the finest error. Chosen: half of it takes several times as long to make and to prove.
+const SHARE_OF_FIELDS: f64 = 0.8;
 
 /// The name of what is shown: no file name, which would tie the bytes to a place.
 const NAME: &str = "level";
@@ -259,33 +308,46 @@ impl Maker<'_> {
     }
 }
 
-impl LodOutcome {
-    /// How many levels there are.
-    #[must_use]
-    pub fn n_levels(&self) -> usize {
-        self.levels.len()
+impl Made {
+    /// The finest level, as it will be written where it is one mesh.
+    fn finest(&self) -> Option<&OneLevel> {
+        match self {
+            Self::Levels(levels) => levels.first(),
+            Self::Cut(cut) => Some(&cut.finest),
+        }
     }
 
-    /// A level as it will be written, the finest first, with its bound.
+    /// What there is to choose from.
+    fn counts(&self) -> Vec<LevelFacts> {
+        let of = |level: &OneLevel| LevelFacts {
+            triangles: level.triangles,
+            vertices: level.vertices,
+            at_least: level.bound.at_least(),
+            at_most: level.error(),
+            distance: None,
+            tiles: 1,
+        };
+        match self {
+            Self::Levels(levels) => levels.iter().map(of).collect(),
+            Self::Cut(cut) => cut.counts(),
+        }
+    }
+}
+
+impl LodOutcome {
+    /// A level as it will be written, the finest first, with its bound; `None` where the finest level is cut in space, and beyond the last
+    /// one.
     #[must_use]
     pub fn level(&self, k: usize) -> Option<(&Scene, &Bound)> {
-        self.levels.get(k).map(|level| (&level.scene, &level.bound))
+        let Made::Levels(levels) = &self.made else { return None };
+        levels.get(k).map(|level| (&level.scene, &level.bound))
     }
 
-    fn facts(&self) -> LevelsFacts {
+    fn facts(&self, mut levels: Vec<LevelFacts>) -> LevelsFacts {
         let lens = &self.spec.lens;
-        let levels: Vec<LevelFacts> = self
-            .levels
-            .iter()
-            .enumerate()
-            .map(|(k, level)| LevelFacts {
-                triangles: level.triangles,
-                vertices: level.vertices,
-                at_least: level.bound.at_least(),
-                at_most: level.bound.at_most().unwrap_or(f64::INFINITY),
-                distance: self.switches.distance(k).filter(|distance| distance.is_finite()),
-            })
-            .collect();
+        for (k, level) in levels.iter_mut().enumerate() {
+            level.distance = self.switches.distance(k).filter(|distance| distance.is_finite());
+        }
         let covers = |distance: f64| lens.focal_px().map_or(0.0, |focal| self.diagonal * focal / distance);
         let mut distances: Vec<f64> = self.spec.distances.clone();
         distances.extend(levels.iter().filter_map(|level| level.distance));
@@ -303,7 +365,7 @@ impl LodOutcome {
                     distance,
                     covers_px: covers(distance),
                     level: shown.level,
-                    triangles: self.levels[shown.level].triangles,
+                    triangles: levels[shown.level].triangles,
                     pixels: shown.pixels,
                 }
             })
@@ -314,29 +376,22 @@ impl LodOutcome {
         LevelsFacts { pixels: self.spec.pixels.get(), view, hysteresis: HYSTERESIS, levels, shown }
     }
 
-    /// What is said of one level in its file.
-    fn certificate_of(&self, k: usize) -> Value {
-        let facts = BoundFacts::of(&self.levels[k].bound);
-        json!({
-            "version": self.certificate.version,
-            "input": self.certificate.input,
-            "bound": facts,
-            "output": { "triangles": self.levels[k].triangles, "vertices": self.levels[k].vertices },
-        })
-    }
-
     /// Writes all levels as one GLB with `MSFT_lod`.
     ///
     /// # Errors
-    /// As for [`glb::write_levels`].
+    /// As for [`glb::write_levels`]; [`WriteError::Unsupported`] where the finest level is cut in space.
     pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
-        let certificates: Vec<Value> = (0..self.levels.len()).map(|k| self.certificate_of(k)).collect();
-        let coverages = self.coverages();
-        let levels: Vec<glb::Level<'_>> = self
-            .levels
+        let Made::Levels(made) = &self.made else {
+            return Err(WriteError::Unsupported(
+                "what is cut in space is a tileset, not one file".to_owned(),
+            ));
+        };
+        let certificates: Vec<Value> =
+            made.iter().map(|level| said_of_file(&self.certificate, level)).collect();
+        let levels: Vec<glb::Level<'_>> = made
             .iter()
             .zip(&certificates)
-            .zip(coverages)
+            .zip(self.coverages(made.len()))
             .map(|((level, certificate), coverage)| glb::Level {
                 scene: &level.scene,
                 certificate: Some(certificate),
@@ -347,11 +402,11 @@ impl LodOutcome {
     }
 
     /// The share of the screen that a ball around the shape covers where each level gives way to the next.
-    fn coverages(&self) -> Vec<f64> {
+    fn coverages(&self, n_levels: usize) -> Vec<f64> {
         let lens = &self.spec.lens;
         let pixels = f64::from(lens.screen.width_px) * f64::from(lens.screen.height_px);
         let mut before = f64::INFINITY;
-        (0..self.levels.len())
+        (0..n_levels)
             .map(|k| {
                 let next = self.switches.distance(k + 1).filter(|d| d.is_finite());
                 let Some((distance, focal)) = next.zip(lens.focal_px()) else { return 0.0 };
@@ -364,187 +419,14 @@ impl LodOutcome {
             })
             .collect()
     }
-
-    /// The files of a tileset of 3D Tiles 1.1 by their names, `tileset.json` the last. Up to `spec.tile_triangles` in the
-    /// finest level it has one tile a level, each the child of the next coarser one; above, the finest level is cut in
-    /// space ([`chordal::lod::tree`]), and tiles meet without cracks whichever are shown.
-    ///
-    /// # Errors
-    /// As for [`glb::write`], [`tiles::write`] and [`chordal::lod::tree`].
-    pub fn tileset(&self, job: &Job) -> Result<Vec<(String, Vec<u8>)>, MeshFailure> {
-        let mut files = Vec::new();
-        let root = if self.levels[0].triangles > self.spec.tile_triangles {
-            self.cut_in_space(&mut files, job)?
-        } else {
-            self.one_below_the_other(&mut files)?
-        };
-        let tileset = self.listed(root);
-        let bytes = tiles::write(&tileset).map_err(|error| WriteError::Unsupported(error.to_string()))?;
-        files.push(("tileset.json".to_owned(), bytes));
-        Ok(files)
-    }
-
-    /// One tile a level.
-    fn one_below_the_other(&self, files: &mut Files) -> Result<Tile, MeshFailure> {
-        let metres = self.metres();
-        let mut bounds = Box3::EMPTY;
-        let mut tree: Option<Tile> = None;
-        for (k, level) in self.levels.iter().enumerate() {
-            let name = format!("level_{k}.glb");
-            let mut bytes = Vec::new();
-            glb::write(&level.scene, Some(&self.certificate_of(k)), &mut bytes)?;
-            files.push((name.clone(), bytes));
-            bounds = bounds.union(tiles::content_bounds(&level.scene)?);
-            let mut tile = Tile::leaf(tiles::aligned_box(&bounds), &name);
-            tile.extras = Some(said_of(&level.bound, level.triangles, metres));
-            if let Some(finer) = tree.take() {
-                tile.geometric_error = self.said(&level.bound, metres, finer.geometric_error);
-                tile.children = vec![finer];
-            }
-            tree = Some(tile);
-        }
-        tree.ok_or_else(|| refused(Code::Empty, "there is no level"))
-    }
-
-    /// The finest level cut in space. Coordinates are those of single precision about one point for all tiles, so that what
-    /// two of them share is one number.
-    fn cut_in_space(&self, files: &mut Files, job: &Job) -> Result<Tile, MeshFailure> {
-        let finest = &self.levels[0];
-        let Some(part) = finest.scene.parts.first() else {
-            return Err(refused(Code::Empty, "there is no triangle to cut"));
-        };
-        let origin = snap(&part.mesh, Format::Glb).map_err(MeshFailure::TooWide)?.origin;
-        let about = |p: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|k| p[k] - origin[k]) };
-        let local = part.mesh.positions().iter().map(about).collect();
-        let local = part.mesh.with_positions(local).map_err(unsupported)?;
-        let step = finest.bound.at_most().and_then(|most| Tolerance::new(most).ok());
-        // A finest level that lost nothing starts at about what single precision tells apart.
-        let step = step.or_else(|| Tolerance::new(f64::from(f32::EPSILON) * self.diagonal).ok());
-        let step = step.ok_or_else(|| refused(Code::Empty, "the shape has no size"))?;
-        let cuts = Cuts { most: self.spec.tile_triangles as usize, ..Cuts::from(step) };
-        let made = Bounded { shape: local, bound: finest.bound.clone() };
-        let made = lod::tree(&made, Topology::Positions, &cuts, job).map_err(|stopped| match stopped {
-            Stopped::Refused(refusal) => MeshFailure::Refused(refusal),
-            Stopped::Cancelled => MeshFailure::Cancelled,
-        })?;
-        let metres = self.metres();
-        // Children come after their parents, so that backwards every tile finds its children made.
-        let mut done: Vec<Option<(Tile, Box3)>> = made.tiles.iter().map(|_| None).collect();
-        for (k, tile) in made.tiles.iter().enumerate().rev() {
-            let name = format!("tile_{k}.glb");
-            // About zero, which all tiles share.
-            let snapped = snap(&tile.mesh, Format::Stl).map_err(MeshFailure::TooWide)?;
-            let moved = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
-            let bound = tile.bound.then(&moved);
-            let n = snapped.mesh.faces().len() as u64;
-            let scene = Scene::of(NAME, snapped.mesh, true, finest.scene.frame);
-            let mut bytes = Vec::new();
-            let certificate = json!({ "version": self.certificate.version, "input": self.certificate.input,
-                "bound": BoundFacts::of(&bound), "output": { "triangles": n } });
-            glb::write(&scene, Some(&certificate), &mut bytes)?;
-            files.push((name.clone(), bytes));
-            let mut bounds = tiles::content_bounds(&scene)?;
-            let (mut children, mut finer) = (Vec::new(), 0.0);
-            for child in &tile.children {
-                if let Some((child, inner)) = done[*child].take() {
-                    bounds = bounds.union(inner);
-                    finer = if child.geometric_error > finer { child.geometric_error } else { finer };
-                    children.push(child);
-                }
-            }
-            let mut made = Tile::leaf(tiles::aligned_box(&bounds), &name);
-            made.extras = Some(said_of(&bound, n, metres));
-            if !children.is_empty() {
-                made.geometric_error = self.said(&bound, metres, finer);
-                made.children = children;
-            }
-            done[k] = Some((made, bounds));
-        }
-        let mut roots: Vec<(Tile, Box3)> = made.roots.iter().filter_map(|root| done[*root].take()).collect();
-        let mut root = if roots.len() == 1 {
-            roots.remove(0).0
-        } else {
-            // Nothing coarser than several tiles together: an empty one above them.
-            let bounds = roots.iter().fold(Box3::EMPTY, |all, (_, bounds)| all.union(*bounds));
-            let finer =
-                roots.iter().fold(
-                    0.0,
-                    |m: f64, (tile, _)| if tile.geometric_error > m { tile.geometric_error } else { m },
-                );
-            let mut above = Tile::leaf(tiles::aligned_box(&bounds), "");
-            above.contents.clear();
-            above.geometric_error = add_up(finer, bounds.diagonal());
-            above.children = roots.into_iter().map(|(tile, _)| tile).collect();
-            above
-        };
-        root.transform = placed_at(origin, &finest.scene.frame);
-        Ok(root)
-    }
-
-    fn metres(&self) -> f64 {
-        self.levels[0].scene.frame.metres_per_unit.unwrap_or(1.0)
-    }
-
-    fn listed(&self, root: Tile) -> Tileset {
-        let scaled = self.spec.errors == TileErrors::Scaled;
-        let pixels = self.spec.pixels.get();
-        let said = if scaled {
-            "scaled so that the viewers' formula keeps the pixels everywhere on the screen"
-        } else {
-            "the proved error"
-        };
-        Tileset {
-            geometric_error: add_up(mul_up(self.diagonal, self.metres()), root.geometric_error),
-            root,
-            extras: Some(json!({ "chordal": {
-                "certificate": self.certificate,
-                "geometricError": said,
-                "viewer": {
-                    "3d-tiles-renderer": { "errorTarget": pixels },
-                    "CesiumJS": { "maximumScreenSpaceError": pixels, "dynamicScreenSpaceError": false },
-                },
-            }})),
-        }
-    }
-
-    /// What a tile says of its error: viewers show it from where this is the wanted pixels in the middle of the screen. More
-    /// than its children say, as the specification wants it.
-    fn said(&self, bound: &Bound, metres: f64, finer: f64) -> f64 {
-        let lens = &self.spec.lens;
-        let own = bound.at_most().unwrap_or(f64::INFINITY);
-        let error = placed::scaled_up(own, metres);
-        let far = Switches::new(&[own], *lens, self.spec.pixels).distance(0).filter(|d| d.is_finite());
-        let said = match (self.spec.errors, far.zip(lens.focal_px())) {
-            (TileErrors::Scaled, Some((distance, focal))) => {
-                // Four roundings here and two in the viewer, up.
-                let scaled = self.spec.pixels.get() * distance * metres / focal * (1.0 + 8.0 * f64::EPSILON); // as said
-                if scaled > error { scaled } else { error }
-            }
-            _ => error,
-        };
-        let least = finer.next_up();
-        if said > least { said } else { least }
-    }
 }
 
-/// Files by their names.
-type Files = Vec<(String, Vec<u8>)>;
-
-/// What is said of a tile beside its error.
-fn said_of(bound: &Bound, triangles: u64, metres: f64) -> Value {
-    json!({ "chordal": {
-        "at_most": placed::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), metres), "triangles": triangles,
-        "evidence": bound.evidence().as_str(), "reference": bound.reference.as_str(),
-    }})
-}
-
-/// The matrix that brings coordinates about a point back, in the space of tiles: z-up and in metres.
-fn placed_at(origin: [f64; 3], frame: &Frame) -> Option<Box<[f64; 16]>> {
-    if origin == [0.0; 3] {
-        return None;
-    }
-    let metres = frame.metres_per_unit.unwrap_or(1.0);
-    let [x, y, z] = origin.map(|x| x * metres);
-    let [x, y, z] = if frame.up == Some(Axis::Z) { [x, y, z] } else { [x, -z, y] };
-    Some(Box::new([1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, x, y, z, 1.0]))
+/// What is said of one mesh in its file.
+fn said_of_file(certificate: &Certificate, made: &OneLevel) -> Value {
+    json!({
+        "version": certificate.version,
+        "input": certificate.input,
+        "bound": BoundFacts::of(&made.bound),
+        "output": { "triangles": made.triangles, "vertices": made.vertices },
+    })
 }

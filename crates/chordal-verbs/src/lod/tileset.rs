@@ -1,0 +1,293 @@
+//! Levels as 3D Tiles: one below the other, or as a tree of regions.
+use super::{LodOutcome, Looks, Made, NAME, OneLevel, TileErrors, counts, said_of_file};
+use crate::MeshFailure;
+use crate::mesh::refused;
+use crate::placed;
+use crate::report::LevelFacts;
+use crate::written::{as_written, unsupported};
+use chordal::budget::{Bound, Code, Reference, Stopped, Tolerance};
+use chordal::explicit::Topology;
+use chordal::lod::{self, Cuts, Switches};
+use chordal::math::{Box3, add_up, mul_up};
+use chordal::{Bounded, Job, Mesh};
+use chordal_io::tiles::{self, Tile, Tileset};
+use chordal_io::{Axis, Format, Frame, Scene, WriteError, glb, snap};
+use serde_json::{Value, json};
+
+/// A finest level that is cut in space, with everything above it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Cut {
+    /// All of it in one piece, as it is shown from near.
+    pub finest: OneLevel,
+    /// Tiles as they will be written, parents before children.
+    tiles: Vec<OneLevel>,
+    /// By tile: those that show the same region finer.
+    children: Vec<Vec<usize>>,
+    roots: Vec<usize>,
+    /// The point that all coordinates are about.
+    origin: [f64; 3],
+}
+
+impl Cut {
+    /// Cuts a mesh into tiles of at most so many triangles. Coordinates are those of single precision about one point for all of
+    /// them, so that what two tiles share is one number.
+    pub fn of(
+        finest: Bounded<Mesh>,
+        looks: &Looks,
+        (most, notes): (usize, &mut Vec<String>),
+        job: &Job,
+    ) -> Result<Self, MeshFailure> {
+        let Bounded { shape: mesh, bound } = finest;
+        let origin = snap(&mesh, Format::Glb).map_err(MeshFailure::TooWide)?.origin;
+        let local = mesh.positions().iter().map(|p| std::array::from_fn(|k| p[k] - origin[k])).collect();
+        let local = mesh.with_positions(local).map_err(unsupported)?;
+        // Half a unit in the last place of each of three differences, and of each coordinate of the origin in metres: less than two
+        // units of the largest number.
+        let largest = reach(local.positions().as_flattened());
+        let room = mul_up(2.0 * f64::EPSILON, add_up(largest, reach(&origin)));
+        let room = if origin == [0.0; 3] { 0.0 } else { room };
+        let snapped = snap(&local, Format::Stl).map_err(MeshFailure::TooWide)?;
+        let bound =
+            bound.then(&Bound::proved(0.0, up(snapped.moved_at_most, room), Reference::InputTriangles));
+        let mut scene = Scene::of(NAME, snapped.mesh, true, looks.frame);
+        looks.normals.apply(&mut scene, [looks.from, Format::Glb], notes)?;
+        let scene = as_written(scene, Format::Glb)?;
+        let Some(part) = scene.parts.first() else {
+            return Err(refused(Code::Empty, "there is no triangle to cut"));
+        };
+        // A finest level that lost nothing starts at about what single precision tells apart.
+        let step = bound.at_most().and_then(|most| Tolerance::new(most).ok());
+        let step =
+            step.or_else(|| Tolerance::new(f64::from(f32::EPSILON) * part.mesh.bounds().diagonal()).ok());
+        let step = step.ok_or_else(|| refused(Code::Empty, "the shape has no size"))?;
+        let cuts = Cuts { most, ..Cuts::from(step) };
+        let made = Bounded { shape: part.mesh.clone(), bound: bound.clone() };
+        let made = lod::tree(&made, Topology::Positions, &cuts, job).map_err(|stopped| match stopped {
+            Stopped::Refused(refusal) => MeshFailure::Refused(refusal),
+            Stopped::Cancelled => MeshFailure::Cancelled,
+        })?;
+        let (mut tiles, mut children) = (Vec::new(), Vec::new());
+        for tile in made.tiles {
+            let snapped = snap(&tile.mesh, Format::Stl).map_err(MeshFailure::TooWide)?;
+            let moved = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
+            let bound = if snapped.moved_at_most > 0.0 { tile.bound.then(&moved) } else { tile.bound };
+            let scene = as_written(Scene::of(NAME, snapped.mesh, true, looks.frame), Format::Glb)?;
+            let (triangles, vertices) = counts(&scene);
+            tiles.push(OneLevel { scene, bound, triangles, vertices });
+            children.push(tile.children);
+        }
+        let (triangles, vertices) = counts(&scene);
+        let finest = OneLevel { scene, bound, triangles, vertices };
+        Ok(Self { finest, tiles, children, roots: made.roots, origin })
+    }
+
+    /// The tiles that are shown where an error may be: the coarsest that have no larger one, and leaves.
+    fn shown(&self, error: f64) -> Vec<usize> {
+        let mut open = self.roots.clone();
+        let mut shown = Vec::new();
+        while let Some(tile) = open.pop() {
+            if self.children[tile].is_empty() || self.tiles[tile].error() <= error {
+                shown.push(tile);
+            } else {
+                open.extend(&self.children[tile]);
+            }
+        }
+        shown
+    }
+
+    /// What is shown wherever all of the shape is equally far away, for each error that a tile has.
+    pub fn counts(&self) -> Vec<LevelFacts> {
+        let mut errors: Vec<f64> = self.tiles.iter().map(OneLevel::error).collect();
+        errors.sort_by(f64::total_cmp);
+        errors.dedup();
+        let mut levels: Vec<LevelFacts> = Vec::new();
+        for error in errors {
+            let shown = self.shown(error);
+            let sum = |of: fn(&OneLevel) -> u64| shown.iter().map(|tile| of(&self.tiles[*tile])).sum();
+            let at_most = shown.iter().fold(0.0, |most, tile| larger(most, self.tiles[*tile].error()));
+            // What one tile is off another may make up for.
+            let at_least = if let [one] = shown[..] { self.tiles[one].bound.at_least() } else { 0.0 };
+            let tiles = shown.len() as u64;
+            let level = LevelFacts {
+                triangles: sum(|tile| tile.triangles),
+                vertices: sum(|tile| tile.vertices),
+                at_least,
+                at_most,
+                distance: None,
+                tiles,
+            };
+            if levels.last().is_none_or(|finer| at_most > finer.at_most && level.triangles < finer.triangles)
+            {
+                levels.push(level);
+            }
+        }
+        levels
+    }
+}
+
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
+fn up(a: f64, b: f64) -> f64 {
+    if a == 0.0 || b == 0.0 { a + b } else { add_up(a, b) }
+}
+
+fn reach(numbers: &[f64]) -> f64 {
+    numbers.iter().fold(0.0, |most, x| larger(most, x.abs()))
+}
+
+impl LodOutcome {
+    /// The files of a tileset of 3D Tiles 1.1 by their names, `tileset.json` the last. Up to `spec.tile_triangles` in the
+    /// finest level it has one tile a level, each the child of the next coarser one; above, the finest level is cut in
+    /// space ([`chordal::lod::tree`]), and tiles meet without cracks whichever are shown.
+    ///
+    /// # Errors
+    /// As for [`glb::write`] and [`tiles::write`].
+    pub fn tileset(&self) -> Result<Vec<(String, Vec<u8>)>, MeshFailure> {
+        let mut files = Vec::new();
+        let root = match &self.made {
+            Made::Levels(levels) => self.one_below_the_other(levels, &mut files)?,
+            Made::Cut(cut) => self.as_tree(cut, &mut files)?,
+        };
+        let tileset = self.listed(root);
+        let bytes = tiles::write(&tileset).map_err(|error| WriteError::Unsupported(error.to_string()))?;
+        files.push(("tileset.json".to_owned(), bytes));
+        Ok(files)
+    }
+
+    /// One tile a level.
+    fn one_below_the_other(&self, levels: &[OneLevel], files: &mut Files) -> Result<Tile, MeshFailure> {
+        let mut bounds = Box3::EMPTY;
+        let mut tree: Option<Tile> = None;
+        for (k, level) in levels.iter().enumerate() {
+            let name = format!("level_{k}.glb");
+            bounds = bounds.union(self.put(level, &name, files)?);
+            tree = Some(self.tile(level, (&bounds, &name), tree.take().into_iter().collect()));
+        }
+        tree.ok_or_else(|| refused(Code::Empty, "there is no level"))
+    }
+
+    /// One tile a region.
+    fn as_tree(&self, cut: &Cut, files: &mut Files) -> Result<Tile, MeshFailure> {
+        // Children come after their parents, so that backwards every tile finds its children made.
+        let mut done: Vec<Option<(Tile, Box3)>> = cut.tiles.iter().map(|_| None).collect();
+        for (k, tile) in cut.tiles.iter().enumerate().rev() {
+            let name = format!("tile_{k}.glb");
+            let mut bounds = self.put(tile, &name, files)?;
+            let mut children = Vec::new();
+            for (child, inner) in cut.children[k].iter().filter_map(|child| done[*child].take()) {
+                bounds = bounds.union(inner);
+                children.push(child);
+            }
+            done[k] = Some((self.tile(tile, (&bounds, &name), children), bounds));
+        }
+        let mut roots: Vec<(Tile, Box3)> = cut.roots.iter().filter_map(|root| done[*root].take()).collect();
+        let mut root = if roots.len() == 1 {
+            roots.remove(0).0
+        } else {
+            // Nothing coarser than several tiles together: an empty one above them.
+            let bounds = roots.iter().fold(Box3::EMPTY, |all, (_, bounds)| all.union(*bounds));
+            let children: Vec<Tile> = roots.into_iter().map(|(tile, _)| tile).collect();
+            let mut above = Tile::leaf(tiles::aligned_box(&bounds), "");
+            above.contents.clear();
+            above.geometric_error = add_up(largest_error(&children), bounds.diagonal());
+            above.children = children;
+            above
+        };
+        root.transform = placed_at(cut.origin, &cut.finest.scene.frame);
+        Ok(root)
+    }
+
+    /// Writes one mesh as a file. Returns its box, in the space of tiles.
+    fn put(&self, level: &OneLevel, name: &str, files: &mut Files) -> Result<Box3, MeshFailure> {
+        let mut bytes = Vec::new();
+        glb::write(&level.scene, Some(&said_of_file(&self.certificate, level)), &mut bytes)?;
+        files.push((name.to_owned(), bytes));
+        Ok(tiles::content_bounds(&level.scene)?)
+    }
+
+    /// A tile for a file, above finer ones.
+    fn tile(&self, level: &OneLevel, (bounds, name): (&Box3, &str), children: Vec<Tile>) -> Tile {
+        let metres = self.metres();
+        let mut tile = Tile::leaf(tiles::aligned_box(bounds), name);
+        tile.extras = Some(said_of_tile(&level.bound, level.triangles, metres));
+        if !children.is_empty() {
+            tile.geometric_error = self.said(&level.bound, metres, largest_error(&children));
+            tile.children = children;
+        }
+        tile
+    }
+
+    fn metres(&self) -> f64 {
+        self.made.finest().and_then(|level| level.scene.frame.metres_per_unit).unwrap_or(1.0)
+    }
+
+    fn listed(&self, root: Tile) -> Tileset {
+        let scaled = self.spec.errors == TileErrors::Scaled;
+        let pixels = self.spec.pixels.get();
+        let said = if scaled {
+            "scaled so that the viewers' formula keeps the pixels everywhere on the screen"
+        } else {
+            "the proved error"
+        };
+        Tileset {
+            geometric_error: add_up(mul_up(self.diagonal, self.metres()), root.geometric_error),
+            root,
+            extras: Some(json!({ "chordal": {
+                "certificate": self.certificate,
+                "geometricError": said,
+                "viewer": {
+                    "3d-tiles-renderer": { "errorTarget": pixels },
+                    "CesiumJS": { "maximumScreenSpaceError": pixels, "dynamicScreenSpaceError": false },
+                },
+            }})),
+        }
+    }
+
+    /// What a tile says of its error: viewers show it from where this is the wanted pixels in the middle of the screen. More
+    /// than its children say, as the specification wants it.
+    fn said(&self, bound: &Bound, metres: f64, finer: f64) -> f64 {
+        let lens = &self.spec.lens;
+        let own = bound.at_most().unwrap_or(f64::INFINITY);
+        let error = placed::scaled_up(own, metres);
+        let far = Switches::new(&[own], *lens, self.spec.pixels).distance(0).filter(|d| d.is_finite());
+        let said = match (self.spec.errors, far.zip(lens.focal_px())) {
+            (TileErrors::Scaled, Some((distance, focal))) => {
+                // Four roundings here and two in the viewer, up.
+                let scaled = self.spec.pixels.get() * distance * metres / focal * (1.0 + 8.0 * f64::EPSILON); // as said
+                if scaled > error { scaled } else { error }
+            }
+            _ => error,
+        };
+        let least = finer.next_up();
+        if said > least { said } else { least }
+    }
+}
+
+/// Files by their names.
+type Files = Vec<(String, Vec<u8>)>;
+
+/// The largest error that one of several tiles says.
+fn largest_error(tiles: &[Tile]) -> f64 {
+    tiles.iter().fold(0.0, |most, tile| larger(most, tile.geometric_error))
+}
+
+/// What is said of a tile beside its error.
+fn said_of_tile(bound: &Bound, triangles: u64, metres: f64) -> Value {
+    json!({ "chordal": {
+        "at_most": placed::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), metres), "triangles": triangles,
+        "evidence": bound.evidence().as_str(), "reference": bound.reference.as_str(),
+    }})
+}
+
+/// The matrix that brings coordinates about a point back, in the space of tiles: z-up and in metres.
+fn placed_at(origin: [f64; 3], frame: &Frame) -> Option<Box<[f64; 16]>> {
+    if origin == [0.0; 3] {
+        return None;
+    }
+    let metres = frame.metres_per_unit.unwrap_or(1.0);
+    let [x, y, z] = origin.map(|x| x * metres);
+    let [x, y, z] = if frame.up == Some(Axis::Z) { [x, y, z] } else { [x, -z, y] };
+    Some(Box::new([1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, x, y, z, 1.0]))
+}
