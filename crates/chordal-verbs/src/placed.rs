@@ -2,7 +2,7 @@
 use crate::written::unsupported;
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic, Topology, position_id_by_bits};
-use chordal::math::{add_up, mul_up, sqrt_up};
+use chordal::math::{Box3, add_up, mul_up, sqrt_up, sub_down};
 use chordal_io::{Node, Part, Scene, WriteError};
 use std::borrow::Cow;
 
@@ -177,6 +177,36 @@ pub(crate) fn stretch_of_parts(scene: &Scene) -> Vec<f64> {
         *most = if place.stretch > *most { place.stretch } else { *most };
     }
     stretch
+}
+
+/// By part: around each of its places in the scene's coordinates, rounding included, and whether that is one place
+/// where its own coordinates are the scene's.
+///
+/// # Errors
+/// As [`one_mesh`].
+pub(crate) fn boxes_of_parts(scene: &Scene) -> Result<Vec<(Vec<Box3>, bool)>, WriteError> {
+    let mut found = vec![(Vec::new(), true); scene.parts.len()];
+    for ((_, mesh), part) in scene.world_meshes()?.into_iter().zip(parts_in_order(scene)) {
+        found[part].0.push(mesh.bounds());
+    }
+    for place in places(scene) {
+        let (boxes, is_as_it_is) = &mut found[place.part];
+        *is_as_it_is &= place.is_identity && boxes.len() == 1;
+        if !place.is_identity {
+            // All places of a part, since they come in another order; a box may only be too large.
+            let off = place.rounding(&scene.parts[place.part]);
+            boxes.iter_mut().for_each(|place| *place = with_room(place, off));
+        }
+    }
+    Ok(found)
+}
+
+/// A box around all that is within a length of another, from outside.
+pub(crate) fn with_room(place: &Box3, off: f64) -> Box3 {
+    if off == 0.0 {
+        return *place;
+    }
+    Box3 { min: place.min.map(|x| sub_down(x, off)), max: place.max.map(|x| add_up(x, off)) }
 }
 
 /// A length times a stretch, from above; a length of 0 stays 0 and a stretch of 1 changes nothing.

@@ -4,7 +4,7 @@ use crate::mesh::{refused, set_aside};
 use crate::placed::{self, Assembled, Placed};
 use crate::polylines::Asked;
 use crate::written::unsupported;
-use chordal::budget::{Bound, Budget, Code, Failure, Reference, Tolerance};
+use chordal::budget::{Bound, Budget, Code, Failure, Reference, Tolerance, View};
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::lod::{Kept, Simplified, simplify};
 use chordal::math::{Box3, add_up, div_down};
@@ -18,7 +18,7 @@ pub(crate) fn simplified(
     notes: &mut Vec<String>,
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
-    let Asked { budget, to, place, .. } = asked;
+    let Asked { budget, to, .. } = asked;
     let Placed { mut scene, moved_at_most: placed, left_out } =
         if *to == Format::Glb { Placed::as_it_is(scene) } else { placed::flattened(scene)? };
     if left_out > 0 {
@@ -29,33 +29,25 @@ pub(crate) fn simplified(
     }
     let stretch = placed::stretch_of_parts(&scene);
     // 1. What each part may lose, in its own coordinates: what is left when places and rounding took theirs.
-    let length = length_for_all(budget, place)?;
-    let lost = scene.parts.iter().zip(&stretch).fold(0.0, |most, (part, stretch)| {
-        let lost = placed::scaled_up(worst_snap(&part.mesh.bounds(), *to), *stretch);
-        if lost > most { lost } else { most }
-    });
-    let lost = if placed == 0.0 || lost == 0.0 { lost + placed } else { add_up(lost, placed) };
-    let left = match length {
-        Some(length) => set_aside(&Budget::length(length), lost, place, *to)?.length.map(Tolerance::get),
-        None => None,
-    };
-    let counts = match budget.triangles {
-        Some(most) if length.is_none() => Some(shares(&scene, most, job)?),
-        _ => None,
+    let eye = budget.pixels.filter(|pixels| matches!(pixels.view, View::Camera(_)));
+    let shares: Vec<Share> = match &eye {
+        Some(_) => by_view(&scene, &stretch, (asked, placed))?,
+        None => alike(&scene, &stretch, (asked, placed), job)?,
     };
     // 2. Part by part.
     let before: usize = scene.parts.iter().map(|part| part.mesh.faces().len()).sum();
     let is_alone = placed::n_places(&scene) == 1;
     let mut all = Kept::default();
     let mut worst: Option<Bound> = None;
-    for (k, (part, stretch)) in scene.parts.iter_mut().zip(&stretch).enumerate() {
-        let count = counts.as_ref().map(|counts| counts[k]);
-        let own = left.filter(|_| *stretch > 0.0).map(|length| div_down(length, *stretch));
-        let Some(made) = one(part, (own, count), job)? else { continue };
+    let mut pixels = eye.map(|_| 0.0);
+    for ((part, stretch), share) in scene.parts.iter_mut().zip(&stretch).zip(&shares) {
+        let Some(made) = one(part, &share.budget, job)? else { continue };
         add(&mut all, made.shape.kept);
         let snapped = snap(&made.shape.mesh, *to).map_err(MeshFailure::TooWide)?;
         let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
         part.mesh = snapped.mesh;
+        let snapped = placed::scaled_up(snapped.moved_at_most, *stretch);
+        let seen = eye.and_then(|eye| share.pixels_of(&made, (snapped, placed), &eye.view));
         let bound = made.bound.then(&step);
         let most = placed::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), *stretch);
         let most = if placed == 0.0 { most } else { add_up(most, placed) };
@@ -63,6 +55,8 @@ pub(crate) fn simplified(
             let message = "the transforms of the scene take its coordinates out of range";
             return Err(refused(Code::NotFinite, message));
         }
+        let seen = seen.or_else(|| eye.and_then(|eye| pixels_at(&share.boxes, most, &eye.view)));
+        pixels = pixels.zip(seen).map(|(most, seen)| if seen > most { seen } else { most });
         if worst.as_ref().is_none_or(|worst| worst.at_most() < Some(most)) {
             // What one part is off may be made up for by another, so that only one alone is known from below.
             let alone = is_alone && *stretch == 1.0 && placed == 0.0;
@@ -76,7 +70,124 @@ pub(crate) fn simplified(
     let after: usize = scene.parts.iter().map(|part| part.mesh.faces().len()).sum();
     notes.push(format!("{before} triangles were simplified to {after}"));
     notes.extend(told(&all));
-    Ok((scene, worst.unwrap_or_else(|| Bound::proved(0.0, 0.0, Reference::InputTriangles))))
+    let mut worst = worst.unwrap_or_else(|| Bound::proved(0.0, 0.0, Reference::InputTriangles));
+    worst.pixels = pixels;
+    Ok((scene, worst))
+}
+
+/// What one part may lose.
+struct Share {
+    /// In its own coordinates: without any limit it stays as it is.
+    budget: Budget,
+    /// Where an eye sees it: around its places in the scene.
+    boxes: Vec<Box3>,
+}
+
+impl Share {
+    /// How far a part is off on the screen that was simplified by place, or not at all: by that, by rounding to the format
+    /// and by rounding in its place. Pixels add as lengths do.
+    fn pixels_of(
+        &self,
+        made: &Bounded<Simplified>,
+        (snapped, placed): (f64, f64),
+        view: &View,
+    ) -> Option<f64> {
+        let simplified = made.bound.pixels?;
+        // What was made may reach out of where the part was.
+        let own = [made.shape.mesh.bounds()];
+        let now = if self.budget.pixels.is_some() { &own } else { self.boxes.as_slice() };
+        let steps = [simplified, pixels_at(now, snapped, view)?, pixels_at(&self.boxes, placed, view)?];
+        let steps = steps.into_iter().filter(|step| *step > 0.0);
+        Some(steps.fold(0.0, |sum, step| if sum == 0.0 { step } else { add_up(sum, step) }))
+    }
+}
+
+/// How much a length of the scene is on the screen, in all of some places.
+fn pixels_at(places: &[Box3], length: f64, view: &View) -> Option<f64> {
+    let mut most = 0.0;
+    for place in places {
+        let seen = view.pixels_of(length, place)?;
+        most = if seen > most { seen } else { most };
+    }
+    Some(most)
+}
+
+/// Shares where all places are alike: the same length for all parts, or a number of triangles for each.
+fn alike(
+    scene: &Scene,
+    stretch: &[f64],
+    (asked, placed): (&Asked, f64),
+    job: &Job,
+) -> Result<Vec<Share>, MeshFailure> {
+    let Asked { budget, to, place, .. } = asked;
+    let length = length_for_all(budget, place)?;
+    let lost = scene.parts.iter().zip(stretch).fold(0.0, |most, (part, stretch)| {
+        let lost = placed::scaled_up(worst_snap(&part.mesh.bounds(), *to), *stretch);
+        if lost > most { lost } else { most }
+    });
+    let lost = if placed == 0.0 || lost == 0.0 { lost + placed } else { add_up(lost, placed) };
+    let left = match length {
+        Some(length) => set_aside(&Budget::length(length), lost, place, *to)?.length.map(Tolerance::get),
+        None => None,
+    };
+    let counts = match budget.triangles {
+        Some(most) if length.is_none() => Some(shares(scene, most, job)?),
+        _ => None,
+    };
+    let share = |(part, stretch): (usize, &f64)| {
+        let triangles = counts.as_ref().map(|counts| counts[part]);
+        Share { budget: Budget { triangles, ..own(left, *stretch) }, boxes: Vec::new() }
+    };
+    Ok(stretch.iter().enumerate().map(share).collect())
+}
+
+/// Shares where one eye sees the scene: each part what its own places allow. In a part whose coordinates are the
+/// scene's, each place of it for itself.
+fn by_view(
+    scene: &Scene,
+    stretch: &[f64],
+    (asked, placed): (&Asked, f64),
+) -> Result<Vec<Share>, MeshFailure> {
+    let Asked { budget, to, .. } = asked;
+    let limits = Budget { length: budget.length, pixels: budget.pixels, ..Budget::default() };
+    let boxes = placed::boxes_of_parts(scene)?;
+    let mut shares = Vec::with_capacity(boxes.len());
+    for ((part, stretch), (boxes, is_as_it_is)) in scene.parts.iter().zip(stretch).zip(boxes) {
+        let boxes: Vec<Box3> = boxes.iter().map(|place| placed::with_room(place, placed)).collect();
+        let lost = placed::scaled_up(worst_snap(&part.mesh.bounds(), *to), *stretch);
+        let lost = if placed == 0.0 || lost == 0.0 { lost + placed } else { add_up(lost, placed) };
+        let mut left = Budget::default();
+        for place in boxes.iter().filter(|place| !place.is_empty()) {
+            let here = set_aside(&limits, ROOM_TO_THE_EYE * lost, place, *to)?;
+            if is_as_it_is {
+                left = here;
+                continue;
+            }
+            // A part that comes too close in one of its places stays as it is.
+            let length = here.length_in(place).unwrap_or(0.0);
+            let least = left.length.map_or(f64::INFINITY, Tolerance::get);
+            left = own(Some(if length < least { length } else { least }), 1.0);
+            if left.length.is_none() {
+                break;
+            }
+        }
+        if !is_as_it_is {
+            left = own(left.length.map(Tolerance::get), *stretch);
+        }
+        shares.push(Share { budget: left, boxes });
+    }
+    Ok(shares)
+}
+
+/// What is set aside for rounding where an eye sees it, as a multiple: what is made may stand nearer to the eye than
+/// what was given, by the pixels' share of half the picture. Chosen: enough for 8 % of it.
+const ROOM_TO_THE_EYE: f64 = 1.125;
+
+/// A length of the scene as a budget of a part that is stretched there; none where nothing is left of it.
+fn own(length: Option<f64>, stretch: f64) -> Budget {
+    let own = length.filter(|_| stretch > 0.0).map(|length| div_down(length, stretch));
+    let length = own.filter(|own| *own > 0.0).and_then(|own| Tolerance::new(own).ok());
+    Budget { length, ..Budget::default() }
 }
 
 /// The scene without the normals that it has, which will be computed anew: they are no reason to keep an edge.
@@ -108,23 +219,23 @@ fn length_for_all(budget: &Budget, place: &Box3) -> Result<Option<Tolerance>, Me
 }
 
 /// One part with fewer triangles, or `None` where there is nothing to do.
-fn one(
-    part: &Part,
-    (length, count): (Option<f64>, Option<u64>),
-    job: &Job,
-) -> Result<Option<Bounded<Simplified>>, MeshFailure> {
+fn one(part: &Part, budget: &Budget, job: &Job) -> Result<Option<Bounded<Simplified>>, MeshFailure> {
     let n_faces = part.mesh.faces().len() as u64;
-    let length = length.filter(|length| *length > 0.0).and_then(|length| Tolerance::new(length).ok());
-    let enough = count.is_none_or(|count| count >= n_faces);
-    if n_faces == 0 || (length.is_none() && enough) {
-        let bound = Bound::proved(0.0, 0.0, Reference::InputTriangles);
+    let unchanged = || {
+        let mut bound = Bound::proved(0.0, 0.0, Reference::InputTriangles);
+        bound.pixels = Some(0.0);
         let shape = Simplified { mesh: part.mesh.clone(), worst: None, kept: Kept::default() };
-        return Ok((n_faces > 0).then_some(Bounded { shape, bound }));
+        (n_faces > 0).then_some(Bounded { shape, bound })
+    };
+    let enough = budget.triangles.is_none_or(|count| count >= n_faces);
+    if n_faces == 0 || (budget.length.is_none() && budget.pixels.is_none() && enough) {
+        return Ok(unchanged());
     }
-    let budget = Budget { length, triangles: count, ..Budget::default() };
     let topology = if part.indexed { Topology::Indices } else { Topology::Positions };
-    match simplify(&part.mesh, &budget, topology, job) {
+    match simplify(&part.mesh, budget, topology, job) {
         Ok(made) => Ok(Some(made)),
+        // The eye is close to all of this part, and perhaps not to others.
+        Err(Failure::Refused(refusal)) if refusal.code == Code::TooClose => Ok(unchanged()),
         // Whether the whole is within the budget is judged for the whole.
         Err(Failure::Unmet(best)) => Ok(Some(*best)),
         Err(Failure::Refused(refusal)) => Err(MeshFailure::Refused(refusal)),

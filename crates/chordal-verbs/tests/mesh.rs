@@ -225,3 +225,91 @@ fn triangles_finer_than_the_screen_shows_are_said() {
         assert!(counts[0] > counts[1] / 2 && counts[0] <= counts[1] && counts[1] == n_triangles, "{said:?}");
     }
 }
+
+/// A field of `n` × `n` unevenly high cells of that size, about a point.
+fn field(at: [f64; 3], (n, size): (usize, f64)) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let height = |i: usize, j: usize| 0.1 * size * ((1.3 * i as f64).sin() * (0.9 * j as f64).cos());
+    let row = |i: usize| {
+        (0..=n).map(move |j| {
+            [
+                at[0] + size * (i as f64 - 0.5 * n as f64),
+                at[1] + size * (j as f64 - 0.5 * n as f64),
+                at[2] + height(i, j),
+            ]
+        })
+    };
+    let m = n as u32 + 1;
+    let cell = |i: u32, j: u32| {
+        [[i * m + j, (i + 1) * m + j, (i + 1) * m + j + 1], [i * m + j, (i + 1) * m + j + 1, i * m + j + 1]]
+    };
+    let faces = (0..n as u32).flat_map(|i| (0..n as u32).flat_map(move |j| cell(i, j))).collect();
+    ((0..=n).flat_map(row).collect(), faces)
+}
+
+/// Two fields as an OBJ file, one near the origin and one 1000 away.
+fn near_and_far() -> String {
+    let mut text = String::new();
+    let mut first = 1;
+    for (name, at) in [("near", [4.0, 0.0, -1.0]), ("far", [1000.0, 0.0, -1.0])] {
+        let (positions, faces) = field(at, (24, 0.1));
+        text += &format!("o {name}\n");
+        positions.iter().for_each(|[x, y, z]| text += &format!("v {x} {y} {z}\n"));
+        faces.iter().for_each(|[a, b, c]| text += &format!("f {} {} {}\n", a + first, b + first, c + first));
+        first += positions.len() as u32;
+    }
+    text
+}
+
+fn at_an_eye(pixels: &str, view: &str) -> BudgetSpec {
+    let pixels = PixelBudget { pixels: pixels.parse().unwrap(), view: view.parse().unwrap() };
+    BudgetSpec { pixels: Some(pixels), ..BudgetSpec::default() }
+}
+
+#[test]
+fn each_part_of_a_scene_has_the_pixels_of_its_own_places() {
+    let text = near_and_far();
+    let hint = Hint { name: Some("fields.obj"), ..Hint::default() };
+    let input = load(text.as_bytes(), hint, &Limits::default()).unwrap();
+    let spec = at_an_eye("1px", "1920x1080 fov=45 eye=0,0,0 target=1000,0,-1");
+    for (format, name) in FORMATS {
+        let outcome = mesh(input.clone(), &spec, format, &Job::default()).unwrap();
+        let found = outcome.bound.pixels.unwrap();
+        assert!(found > 0.3 && found <= 1.0, "{name}: {found}");
+        let counts: Vec<usize> =
+            outcome.scene().unwrap().parts.iter().map(|part| part.mesh.faces().len()).collect();
+        let all: usize = counts.iter().sum();
+        // 1152 each; the far one is smaller than 4 pixels.
+        assert!(all > 300 && all < 1152, "{name}: {counts:?}");
+        if counts.len() == 2 {
+            assert!(counts[1] <= 8, "{name}: {counts:?}");
+        }
+    }
+}
+
+#[test]
+fn a_part_in_two_places_has_what_the_nearer_one_allows() {
+    let (positions, faces) = field([0.0; 3], (24, 0.1));
+    let count = |places: &[f64]| {
+        let one = chordal::Mesh::new(positions.clone(), faces.clone()).unwrap();
+        let mut scene = Scene::of("field", one, true, Frame::default());
+        scene.nodes.clear();
+        scene.roots.clear();
+        for x in places {
+            let mut matrix = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+            (matrix[12], matrix[14]) = (*x, -1.0);
+            scene.roots.push(scene.nodes.len());
+            scene.nodes.push(Node { name: String::new(), matrix, children: Vec::new(), part: Some(0) });
+        }
+        let mut glb = Vec::new();
+        chordal_verbs::write(&scene, None, Format::Glb, &mut glb).unwrap();
+        let hint = Hint { name: Some("field.glb"), ..Hint::default() };
+        let input = load(&glb, hint, &Limits::default()).unwrap();
+        let spec = at_an_eye("1px", "1920x1080 fov=45 eye=0,0,0 target=1000,0,-1");
+        let outcome = mesh(input, &spec, Format::Glb, &Job::default()).unwrap();
+        assert!(outcome.bound.pixels.unwrap() <= 1.0);
+        outcome.scene().unwrap().parts[0].mesh.faces().len()
+    };
+    let (near, far, both) = (count(&[4.0]), count(&[1000.0]), count(&[4.0, 1000.0]));
+    assert!(near > 20 * far, "{near} {far}");
+    assert_eq!(near, both);
+}

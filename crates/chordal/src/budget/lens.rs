@@ -237,7 +237,9 @@ impl Extent {
     fn of(place: &Box3, eye: [f64; 3], forward: [f64; 3]) -> Self {
         let mut extent = Self { near: f64::INFINITY, far: f64::NEG_INFINITY, tan: 0.0 };
         let forward = glam::DVec3::from(forward);
-        for corner in 0..8 {
+        // A single point is all of its corners.
+        let n_corners = if place.min == place.max { 1 } else { 8 };
+        for corner in 0..n_corners {
             let pick = |k: usize| (if corner >> k & 1 == 0 { place.min[k] } else { place.max[k] }) - eye[k];
             let to = glam::DVec3::new(pick(0), pick(1), pick(2));
             // Relative to |to|, in halves of EPSILON: 1 for the difference, 8 for the axis, 3 for the depth's

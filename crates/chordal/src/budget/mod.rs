@@ -1,4 +1,5 @@
 //! The toll: what may be lost ([`Budget`]), what was lost ([`Bound`]), and under which conditions work runs ([`Job`]).
+mod allowed;
 mod bound;
 mod bounded;
 mod job;
@@ -10,6 +11,7 @@ mod stopped;
 mod tolerance;
 mod view;
 
+pub(crate) use allowed::Allowed;
 pub use bound::{Bound, Evidence, Metric, Reference};
 pub use bounded::{Bounded, Code, Failure, Refusal};
 pub use job::{Job, Progress};

@@ -34,7 +34,7 @@ pub use components::{Component, Facing, components, inside_out, outward};
 pub use defect::{CURES, Defect, Weight};
 pub(crate) use deviation::distance::distance_up;
 pub use deviation::{Deviation, Goal, OneSided, deviation, vertex_deviation};
-pub(crate) use deviation::{Judge, Places, places_beyond};
+pub(crate) use deviation::{Here, Judge, Near, Places, places_beyond};
 pub use distance::surface_at_least;
 pub(crate) use distance::triangle_at_least;
 pub use duplicates::duplicate_vertices;

@@ -1,7 +1,7 @@
 //! `chain`: a shape as levels with ever larger errors and ever fewer triangles, each with its own bound.
 use super::reduction::Kept;
 use super::simplify::{Asked, Progress, Simplified, unchanged};
-use crate::budget::{Bound, Bounded, Code, Job, Reference, Refusal, Stopped, Tolerance};
+use crate::budget::{Allowed, Bound, Bounded, Code, Job, Reference, Refusal, Stopped, Tolerance};
 use crate::explicit::{Mesh, Topology};
 use crate::math::sub_down;
 use std::borrow::Cow;
@@ -135,14 +135,15 @@ pub fn chain(mut source: Source<'_>, steps: &Steps, job: &Job) -> Result<Vec<Lev
         return refused(Code::Empty, "there is no triangle to simplify");
     }
     job.run(|| {
-        let asked = Asked { mesh, topology, stays: &[], length: steps.finest.get(), job };
+        let asked =
+            Asked { mesh, topology, stays: &[], allowed: Allowed::everywhere(steps.finest.get()), job };
         let mut progress = Progress::of(&asked)?;
         let mut levels: Vec<Level> = Vec::new();
         let (mut error, mut idle) = (steps.finest, 0);
         for _ in 0..MOST_STEPS {
             // What the source's own bound leaves.
             let left = if used == 0.0 { error.get() } else { sub_down(error.get(), used) };
-            let fewer = if left > 0.0 { progress.within(left, job)? } else { None };
+            let fewer = if left > 0.0 { progress.within(&Allowed::everywhere(left), job)? } else { None };
             // The finest level is there even if nothing could go.
             let fewer = fewer.or_else(|| levels.is_empty().then(|| unchanged(mesh, Kept::default())));
             let level = fewer.map(|fewer| level_of(fewer, &made.bound));

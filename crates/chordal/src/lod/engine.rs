@@ -1,12 +1,13 @@
 //! `Engine`: edges shrink to points, the cheapest first, as long as the surface stays one and nothing turns over.
 use super::quadric::Quadric;
 use super::queue::Queue;
+use super::room::Room;
 use super::surface::{NONE, Surface};
 use super::watch::{Change, Watch};
 use super::wedges::{Handed, Wedges};
 use crate::budget::Job;
 use crate::explicit::{nearest_on_triangle, nearest_with_distance, next_in_face, previous_in_face};
-use crate::math::{cross, difference, dot};
+use crate::math::{Box3, cross, difference, dot};
 
 /// What a vertex may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,12 +23,12 @@ pub(super) enum Kind {
 }
 
 /// How far to go.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Until {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Until<'a> {
     /// Stop at so many faces.
     pub faces: usize,
-    /// Nothing may be farther than this from the original.
-    pub within: f64,
+    /// How far from the original what is where may be.
+    pub room: &'a Room,
 }
 
 #[derive(Clone)]
@@ -209,7 +210,7 @@ impl Engine {
     }
 
     /// Shrinks edges until there are few enough faces or nothing more may be done. `false` where the job was cancelled.
-    pub fn run(&mut self, until: &Until, job: &Job) -> bool {
+    pub fn run(&mut self, until: &Until<'_>, job: &Job) -> bool {
         self.ask_all();
         let mut steps = 0_u32;
         while self.surface.n_faces > until.faces {
@@ -381,16 +382,24 @@ impl Engine {
         most + (if step[0] > step[1] { step[0] } else { step[1] }).sqrt()
     }
 
+    /// The box around the faces that change, and what they become.
+    fn place_of_change(&self, shrink: &Shrink) -> Box3 {
+        let corners = self.before.iter().flat_map(|face| self.surface.corners(*face));
+        Box3::around(corners.map(|v| &self.at[v as usize]).chain([&shrink.to]))
+    }
+
     /// Whether the surface stays near to the original, as far as somebody watches.
-    fn stays_near(&mut self, shrink: &Shrink, until: &Until) -> bool {
-        if self.watch.is_some() && self.line_off(shrink) > until.within {
+    fn stays_near(&mut self, shrink: &Shrink, until: &Until<'_>) -> bool {
+        if self.watch.is_some()
+            && !until.room.holds_around(|| self.place_of_change(shrink), self.line_off(shrink))
+        {
             return false;
         }
         let Some(watch) = &mut self.watch else { return true };
         let (before, after) = (&self.before, &self.after);
         watch.allows(
             Change { before, after, to: shrink.to, surface: &self.surface, at: &self.at, cost: shrink.cost },
-            until.within,
+            until.room,
         )
     }
 

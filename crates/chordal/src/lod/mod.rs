@@ -6,6 +6,7 @@ mod part;
 mod quadric;
 mod queue;
 mod reduction;
+mod room;
 mod samples;
 mod select;
 mod simplify;

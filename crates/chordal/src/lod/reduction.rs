@@ -1,10 +1,11 @@
 //! `Reduction`: a mesh on its way to fewer triangles, from the first look at it to each mesh that is taken out.
 use super::engine::{Engine, Kind, Until};
 use super::flat::{is_flat, normal_now};
+use super::room::Room;
 use super::surface::{NONE, Surface, Taken};
 use super::watch::{Care, Watch};
 use super::wedges::{Wedges, is_carried};
-use crate::budget::{Job, Stopped};
+use crate::budget::{Allowed, Job, Stopped};
 use crate::check::{Judge, Places};
 use crate::explicit::{Attribute, Domain, InvalidMesh, Mesh, Sets, Topology};
 use crate::math::{Box3, difference, exponent, length, power_of_two};
@@ -13,7 +14,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// World → local: minus the middle of the mesh, times a power of two that brings the extent to 1 or less.
 #[derive(Clone, Copy, Debug)]
-struct Frame {
+pub(super) struct Frame {
     origin: [f64; 3],
     scale: f64,
 }
@@ -33,6 +34,16 @@ impl Frame {
 
     fn world(&self, p: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|k| p[k] / self.scale + self.origin[k])
+    }
+
+    /// A box in the world, rounded.
+    pub fn world_box(&self, local: &Box3) -> Box3 {
+        Box3 { min: self.world(local.min), max: self.world(local.max) }
+    }
+
+    /// A length of the world in this frame.
+    pub fn local_length(&self, world: f64) -> f64 {
+        world * self.scale
     }
 }
 
@@ -154,17 +165,38 @@ impl<'a> Reduction<'a> {
         watch.care = care;
     }
 
-    /// Shrinks until there are so many faces, or nothing more fits within a length of the world.
-    pub fn run(&mut self, faces: usize, within: f64, job: &Job) -> Result<(), Stopped> {
-        let within = within * self.frame.scale;
-        let until = Until { faces, within };
+    /// A share of what is allowed in the world.
+    pub fn room(&self, allowed: &Allowed, share: f64) -> Room {
+        match (allowed.constant(), &self.engine.watch) {
+            (Some(length), _) => Room::everywhere(self.frame.local_length(share * length)),
+            (None, Some(watch)) => Room::by_place(allowed, (self.frame, share), &watch.samples.at),
+            (None, None) => Room::by_place(allowed, (self.frame, share), &self.engine.at),
+        }
+    }
+
+    /// Lets nothing change around faces whose place the eye is too close to: no proof would let it pass.
+    pub fn shut(&mut self, room: &Room) {
+        if room.is_constant() {
+            return;
+        }
+        let Engine { surface, at, watch: Some(watch), .. } = &mut self.engine else { return };
+        for face in 0..(surface.start.len() / 3) as u32 {
+            let corners = surface.corners(face);
+            if corners[0] != NONE && room.is_shut(&Box3::around(&corners.map(|v| at[v as usize]))) {
+                corners.into_iter().for_each(|v| watch.care[v as usize] = Care::Frozen);
+            }
+        }
+    }
+
+    /// Shrinks until there are so many faces, or nothing more fits into the room.
+    pub fn run(&mut self, faces: usize, room: &Room, job: &Job) -> Result<(), Stopped> {
+        let until = Until { faces, room };
         if self.engine.run(&until, job) { Ok(()) } else { Err(Stopped::Cancelled) }
     }
 
-    /// Leaves out small pieces that are separate from all others and within a length of what is left: their absence is
+    /// Leaves out small pieces that are separate from all others and near enough to what is left: their absence is
     /// no larger loss than that.
-    pub fn let_vanish(&mut self, within: f64, job: &Job) -> Result<(), Stopped> {
-        let within = within * self.frame.scale;
+    pub fn let_vanish(&mut self, room: &Room, job: &Job) -> Result<(), Stopped> {
         let faces = self.faces();
         let engine = &self.engine;
         let mut sets = Sets::new(engine.at.len());
@@ -185,7 +217,7 @@ impl<'a> Reduction<'a> {
             *known = known.union(corners);
         }
         // No piece is within a length of another one unless it is that thin, and a thin one that is long is no dust.
-        let small = |b: &Box3| b.diagonal() <= SMALL * within;
+        let small = |b: &Box3| b.diagonal() <= SMALL * room.around(b);
         let mut dust: BTreeSet<u32> =
             bounds.iter().filter(|(_, b)| small(b)).map(|(root, _)| *root).collect();
         // Nor is what goes on outside of this part.
@@ -212,8 +244,8 @@ impl<'a> Reduction<'a> {
             let mut points = samples.chain(corners.map(|v| engine.at[v as usize]));
             // Where an earlier attempt was too far, nothing vanishes.
             let closely = engine.watch.as_ref().is_some_and(|watch| watch.care_of(&[*face]) != Care::Quick);
-            *is_near = *is_near && !closely && points.all(|p| rest.distance_sq(p) <= within * within);
-            *is_near = *is_near && rest.has_near(corners.map(|v| engine.at[v as usize]), within);
+            *is_near = *is_near && !closely && points.all(|p| room.holds(p, rest.distance_sq(p)));
+            *is_near = *is_near && rest.has_near(corners.map(|v| engine.at[v as usize]), room);
         }
         self.kept.vanished_components += near.values().filter(|near| **near).count() as u64;
         for face in small {

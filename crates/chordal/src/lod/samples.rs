@@ -1,4 +1,5 @@
 //! `Samples`: points of the original surface, each held by the face that answers for it.
+use super::room::Room;
 use super::surface::NONE;
 use crate::explicit::nearest_with_distance;
 
@@ -53,8 +54,8 @@ impl Samples {
         })
     }
 
-    /// Whether all samples of `old` faces are within a distance of the `new` triangles; remembers which is nearest.
-    pub fn fit(&mut self, old: &[u32], new: &[(u32, [[f64; 3]; 3])], within_sq: f64) -> bool {
+    /// Whether all samples of `old` faces are near enough to the `new` triangles; remembers which is nearest.
+    pub fn fit(&mut self, old: &[u32], new: &[(u32, [[f64; 3]; 3])], room: &Room) -> bool {
         self.moves.clear();
         self.round += 1;
         for &face in old {
@@ -68,7 +69,7 @@ impl Samples {
                         best = (d, *face);
                     }
                 }
-                if best.0.is_nan() || best.0 > within_sq {
+                if !room.holds_sample(sample, best.0) {
                     return false;
                 }
                 self.moves.push((sample, best.1));

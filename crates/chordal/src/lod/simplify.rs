@@ -1,9 +1,11 @@
 //! `simplify`: a mesh with fewer triangles, within a budget.
 use super::reduction::{Kept, Reduction};
+use super::room::Room;
 use super::watch::Care;
-use crate::budget::{Bound, Bounded, Budget, Code, Failure, Job, Reference, Stopped};
+use crate::budget::{Allowed, Bound, Bounded, Budget, Code, Failure, Job, PixelBudget, Reference, Stopped};
 use crate::check::{Deviation, Goal, OneSided, Places, deviation, places_beyond};
 use crate::explicit::{Mesh, Topology};
+use crate::math::Box3;
 
 /// A mesh with fewer triangles, and what is known of it beside the bound.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,8 +28,15 @@ type Failed = Failure<Simplified>;
 ///
 /// *What the bound covers.* The two-sided Hausdorff distance between all points of both surfaces, proved, rounding
 /// included, by [`check::deviation`](crate::check::deviation) on the triangles that are returned. Not covered: the
-/// angles of normals, and what values of attributes do between the points of a line. For a camera the length is that of
-/// the worst place.
+/// angles of normals, and what values of attributes do between the points of a line.
+///
+/// *Pixels.* For an eye anywhere ([`View::Closest`](crate::View::Closest)) they are one length. For a camera each place
+/// has its own: far away, behind the eye and off the axis a pixel is more of a length. The proof goes piece by piece: of
+/// a piece of a face of either surface, with the box `B` around it, every point has a point of the other within a
+/// proved length `l`, so that on the screen the two are at most [`View::pixels_of`](crate::View::pixels_of)`(l, B)`
+/// apart, if either is there. `bound.pixels` is the largest such number over the pieces of all faces of both surfaces; the
+/// length of the bound is still the largest of all lengths. Faces that both surfaces have lose nothing. Where a
+/// face reaches the plane of the eye there is no bound for any length, and it stays as it is.
 ///
 /// *What is kept.* A closed manifold stays one: an edge shrinks only where the surface is one afterwards (link
 /// condition) and no face turns over. Borders, and lines at which texture coordinates, colours, materials or normals (by
@@ -43,7 +52,7 @@ type Failed = Failure<Simplified>;
 ///
 /// # Errors
 /// [`Failure::Unmet`] with the best when a count cannot be reached; [`Code::Budget`] without a limit or with an angle;
-/// [`Code::Empty`] without a triangle; [`Code::TooClose`] when the mesh comes so close to the eye that no pixel bound
+/// [`Code::Empty`] without a triangle; [`Code::TooClose`] when all faces come so close to the eye that no pixel bound
 /// exists; the refusals of [`check::deviation`](crate::check::deviation).
 ///
 /// ```
@@ -77,13 +86,13 @@ pub fn simplify(
     if mesh.faces().is_empty() {
         return Err(Failure::refused(Code::Empty, "there is no triangle to simplify"));
     }
-    let Some(length) = budget.length_in(&mesh.bounds()) else {
+    let bounds = mesh.bounds();
+    let Some(allowed) = Allowed::of(budget, &bounds).filter(|allowed| is_anywhere(allowed, mesh)) else {
         let message = "the mesh comes so close to the eye that there is no bound in pixels";
         return Err(Failure::refused(Code::TooClose, message));
     };
-    let made = match Some(length).filter(|length| *length < f64::INFINITY) {
-        Some(length) => within(&Asked { mesh, topology, stays: &[], length, job })?,
-        None => match budget.triangles {
+    let mut made = if allowed.constant() == Some(f64::INFINITY) {
+        match budget.triangles {
             Some(most) => by_count(mesh, (most, topology), job)?,
             None => {
                 return Err(Failure::refused(
@@ -91,12 +100,28 @@ pub fn simplify(
                     "the budget has no limit: no length, no pixels, no triangles",
                 ));
             }
-        },
+        }
+    } else {
+        within(&Asked { mesh, topology, stays: &[], allowed, job })?
     };
+    if let Some(PixelBudget { view, .. }) = &budget.pixels {
+        // Each is proved: that of every piece in its place, and that of the longest way in all of it.
+        let of_length = made.bound.at_most().and_then(|most| view.pixels_of(most, &bounds));
+        made.bound.pixels = match (made.bound.pixels, of_length) {
+            (Some(a), Some(b)) => Some(if a < b { a } else { b }),
+            (a, b) => a.or(b),
+        };
+    }
     if budget.triangles.is_some_and(|most| made.shape.mesh.faces().len() as u64 > most) {
         return Err(Failure::Unmet(Box::new(made)));
     }
     Ok(made)
+}
+
+/// Whether there is a face whose place may lose anything.
+fn is_anywhere(allowed: &Allowed, mesh: &Mesh) -> bool {
+    let face = |face: usize| allowed.at(&Box3::around(&mesh.corners(face))).is_some();
+    allowed.at(&mesh.bounds()).is_some() || (0..mesh.faces().len()).any(face)
 }
 
 /// As few triangles as a count says, each step the one that costs least.
@@ -109,7 +134,7 @@ fn by_count(
     if reduction.is_empty() {
         return Ok(unchanged(mesh, Kept::default()));
     }
-    reduction.run(usize::try_from(most).unwrap_or(usize::MAX), f64::INFINITY, job)?;
+    reduction.run(usize::try_from(most).unwrap_or(usize::MAX), &Room::everywhere(f64::INFINITY), job)?;
     let made = reduction.mesh();
     let found = deviation(mesh, &made, &Goal::default(), job)?;
     Ok(bounded(made, (&found, f64::INFINITY), reduction.kept))
@@ -121,7 +146,7 @@ pub(super) struct Asked<'a> {
     pub topology: Topology,
     /// By row, for a part of a larger mesh: whether it stays, since other parts have it too. Empty for a whole mesh.
     pub stays: &'a [bool],
-    pub length: f64,
+    pub allowed: Allowed,
     pub job: &'a Job,
 }
 
@@ -134,7 +159,7 @@ const LAST_LOOK: u32 = 8;
 
 /// As few triangles as fit within a length.
 pub(super) fn within(asked: &Asked<'_>) -> Result<Bounded<Simplified>, Stopped> {
-    let found = Progress::of(asked)?.within(asked.length, asked.job)?;
+    let found = Progress::of(asked)?.within(&asked.allowed, asked.job)?;
     Ok(found.unwrap_or_else(|| unchanged(asked.mesh, Kept::default())))
 }
 
@@ -155,29 +180,35 @@ impl<'a> Progress<'a> {
         Ok(Self { mesh, proved })
     }
 
-    /// As few triangles as fit within a length that is not smaller than the one before; `None` where none were found.
-    pub fn within(&mut self, length: f64, job: &Job) -> Result<Option<Bounded<Simplified>>, Stopped> {
+    /// As few triangles as fit within what is allowed, nowhere less than before; `None` where none were found.
+    pub fn within(&mut self, allowed: &Allowed, job: &Job) -> Result<Option<Bounded<Simplified>>, Stopped> {
         if self.proved.is_empty() {
             return Ok(None);
         }
         let mesh = self.mesh;
+        let room = self.proved.room(allowed, SHARE);
         let mut tried: Option<(Reduction<'_>, Places)> = None;
         for attempt in 1..=ATTEMPTS {
             let mut reduction = self.proved.clone();
             match &tried {
-                None => reduction.forget_care(),
+                None => {
+                    reduction.forget_care();
+                    reduction.shut(&room);
+                }
                 Some((tried, places)) => {
                     let more = if attempt < LAST_LOOK { Care::more } else { Care::most };
                     reduction.take_care(tried, places, more);
                 }
             }
-            reduction.run(0, SHARE * length, job)?;
-            reduction.let_vanish(SHARE * length, job)?;
+            reduction.run(0, &room, job)?;
+            reduction.let_vanish(&room, job)?;
             let made = reduction.mesh();
-            let places = places_beyond(mesh, &made, length, job)?;
+            let places = places_beyond(mesh, &made, allowed, job)?;
             if places.is_empty() {
                 let found = deviation(mesh, &made, &Goal::default(), job)?;
-                let found = bounded(made, (&found, places.at_most), reduction.kept);
+                let mut found = bounded(made, (&found, places.at_most), reduction.kept);
+                let by_place = allowed.constant().is_none() && places.pixels.is_finite();
+                found.bound.pixels = by_place.then_some(places.pixels);
                 self.proved = reduction;
                 return Ok(Some(found));
             }

@@ -1,7 +1,7 @@
 //! `tree`: a large mesh as tiles that take each other's place, region by region, without a crack.
 use super::part::Parts;
 use super::simplify::{Asked, within};
-use crate::budget::{Bound, Bounded, Code, Job, Refusal, Stopped, Tolerance, par_map};
+use crate::budget::{Allowed, Bound, Bounded, Code, Job, Refusal, Stopped, Tolerance, par_map};
 use crate::explicit::{Mesh, Topology};
 use std::collections::BTreeMap;
 
@@ -156,7 +156,7 @@ impl Given<'_> {
             mesh: &mesh,
             topology: self.topology,
             stays: &stays,
-            length: length.get(),
+            allowed: Allowed::everywhere(length.get()),
             job: self.job,
         };
         Ok(Some(within(&asked)?.map(|made| made.mesh)))

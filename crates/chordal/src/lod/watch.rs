@@ -1,4 +1,5 @@
 //! `Watch`: keeps an eye on how far a surface that shrinks is from the original.
+use super::room::Room;
 use super::samples::Samples;
 use super::surface::{NONE, Surface};
 use crate::budget::{Job, Stopped};
@@ -136,24 +137,23 @@ impl Watch {
         Ok(Self { samples, judge, around, first, corners, care, seen, round: 0 })
     }
 
-    /// Whether a change keeps the surface within a length of the original, as far as a look tells; what it finds out of
+    /// Whether a change keeps the surface near enough to the original, as far as a look tells; what it finds out of
     /// the samples is kept for [`Samples::settle`].
-    pub fn allows(&mut self, change: Change<'_>, within: f64) -> bool {
+    pub fn allows(&mut self, change: Change<'_>, room: &Room) -> bool {
         let care = self.care_of(change.before);
         if care == Care::Frozen {
             return false;
         }
-        let within_sq = within * within;
-        let near = |q: [f64; 3]| self.judge.distance_sq(q) <= within_sq;
+        let near = |q: [f64; 3]| room.holds(q, self.judge.distance_sq(q));
         let quick = near(change.to)
-            && self.samples.fit(change.before, change.after, within_sq)
+            && self.samples.fit(change.before, change.after, room)
             && change.after.iter().all(|(_, [p, x, _])| near(std::array::from_fn(|k| 0.5 * (p[k] + x[k]))));
         let is_close = match care {
             Care::Quick => false,
             Care::CloseFrom(cost) => change.cost >= cost,
             Care::Close | Care::Frozen => true,
         };
-        quick && (!is_close || self.proves(change, within))
+        quick && (!is_close || self.proves(change, room))
     }
 
     /// The most care that a sample of some faces asks for.
@@ -163,9 +163,9 @@ impl Watch {
     }
 
     /// The close look.
-    fn proves(&mut self, change: Change<'_>, within: f64) -> bool {
+    fn proves(&mut self, change: Change<'_>, room: &Room) -> bool {
         // 1. Points where it is often too far, which cost less than a proof.
-        let near = |q: [f64; 3]| self.judge.distance_sq(q) <= within * within;
+        let near = |q: [f64; 3]| room.holds(q, self.judge.distance_sq(q));
         let more = [[0.25, 0.75, 0.0], [0.75, 0.25, 0.0], [0.375, 0.375, 0.25], [0.0, 0.5, 0.5]];
         let point = |t: &[[f64; 3]; 3], w: [f64; 3]| -> [f64; 3] {
             std::array::from_fn(|k| w[0] * t[0][k] + w[1] * t[1][k] + w[2] * t[2][k])
@@ -174,7 +174,7 @@ impl Watch {
             return false;
         }
         // 2. All points of the new faces.
-        if !change.after.iter().all(|(_, triangle)| self.judge.has_near(*triangle, within)) {
+        if !change.after.iter().all(|(_, triangle)| self.judge.has_near(*triangle, room)) {
             return false;
         }
         // 3. All points of the original's faces there.
@@ -200,7 +200,7 @@ impl Watch {
                 if local.is_none() {
                     local = neighbourhood(change);
                 }
-                if !local.as_ref().is_some_and(|local| local.has_near(triangle, within)) {
+                if !local.as_ref().is_some_and(|local| local.has_near(triangle, room)) {
                     return false;
                 }
             }

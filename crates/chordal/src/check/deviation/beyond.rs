@@ -1,9 +1,10 @@
 //! `places_beyond`: where two surfaces are farther apart than a length, face by face.
 use super::Pair;
+use super::common::Vertices;
 use super::cover::{Cover, Scratch, Terms, cover};
 use super::piece::{Piece, larger};
 use super::side::Side;
-use crate::budget::{Job, Stopped, par_map};
+use crate::budget::{Allowed, Job, Sight, Stopped, par_map};
 use crate::explicit::Mesh;
 use crate::math::add_up;
 use std::borrow::Cow;
@@ -34,61 +35,154 @@ pub(crate) struct Places {
     pub beyond: [Vec<Beyond>; 2],
     /// Where there are none: no point of either surface is farther than this from the other, proved.
     pub at_most: f64,
+    /// Where there are none and an eye sees them: nor than so many pixels on the screen, proved; infinite where no
+    /// number is.
+    pub pixels: f64,
 }
 
 impl Places {
+    /// Nothing is apart.
+    const NONE: Self = Self { beyond: [Vec::new(), Vec::new()], at_most: 0.0, pixels: 0.0 };
+
     /// Whether no face is too far.
     pub fn is_empty(&self) -> bool {
         self.beyond.iter().all(Vec::is_empty)
     }
 }
 
-/// For each face of `a` that has a point farther than `length` from `b` the farthest such point that was seen, and
-/// the same from `b` to `a`, each in the order of the faces. Where both lists are empty the two-sided distance is at most
-/// `length`, proved as by [`super::deviation`]; a face that could not be decided is in its list.
+/// How near is near enough, by place.
+pub(crate) trait Near {
+    /// For all points at most `off` from a triangle.
+    fn around(&self, triangle: [[f64; 3]; 3], off: f64) -> Here;
+
+    /// For one point.
+    fn at(&self, point: [f64; 3]) -> f64 {
+        self.around([point; 3], 0.0).enough
+    }
+
+    /// How many pixels a distance is on the screen there, where there is one; rounded up.
+    fn pixels_of(&self, _here: &Here, _distance: f64) -> f64 {
+        0.0
+    }
+}
+
+/// How near is near enough at one place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Here {
+    /// What is at most this far.
+    pub enough: f64,
+    /// The place as it is seen, where there is an eye.
+    pub sight: Option<Sight>,
+}
+
+/// The same everywhere.
+impl Near for f64 {
+    fn around(&self, _: [[f64; 3]; 3], _: f64) -> Here {
+        Here { enough: *self, sight: None }
+    }
+
+    fn at(&self, _: [f64; 3]) -> f64 {
+        *self
+    }
+}
+
+/// What is allowed in the world, for two surfaces in their common frame.
+struct InWorld<'a> {
+    allowed: &'a Allowed,
+    pair: &'a Pair<'a>,
+}
+
+impl Near for InWorld<'_> {
+    /// Points of the world are where the frame has them but for what it moved. Where the eye is too close for any length
+    /// only what has not moved at all is near enough.
+    fn around(&self, triangle: [[f64; 3]; 3], off: f64) -> Here {
+        let Pair { frame, moved, .. } = self.pair;
+        let off = if off == 0.0 || *moved == 0.0 { off + *moved } else { add_up(off, *moved) };
+        let (length, sight) = self.allowed.seen(&frame.world_box(&triangle, off));
+        Here { enough: self.pair.limit(length.unwrap_or(0.0)).within(), sight }
+    }
+
+    fn pixels_of(&self, here: &Here, distance: f64) -> f64 {
+        let Pair { frame, moved, .. } = self.pair;
+        let distance = if *moved == 0.0 { distance } else { add_up(distance, *moved) };
+        let seen = here.sight.and_then(|sight| sight.pixels_of(frame.length_up(distance)));
+        seen.unwrap_or(f64::INFINITY)
+    }
+}
+
+/// For each face of `a` that has a point farther from `b` than is allowed the farthest such point that was seen, and
+/// the same from `b` to `a`, each in the order of the faces. Where both lists are empty every point is as near as is
+/// allowed at its own place, proved as by [`super::deviation`]; a face that could not be decided is in its list.
+///
+/// What is allowed by place is asked for every piece of a face that is looked at, around all of it: a face that is near
+/// the eye and reaches far away is cut until its pieces are either near enough where they are, or found too far.
 ///
 /// Cost: less than [`super::deviation`], since nothing is sought that is nearer.
 ///
 /// # Errors
 /// As for [`super::deviation`].
-pub(crate) fn places_beyond(a: &Mesh, b: &Mesh, length: f64, job: &Job) -> Result<Places, Stopped> {
+pub(crate) fn places_beyond(a: &Mesh, b: &Mesh, allowed: &Allowed, job: &Job) -> Result<Places, Stopped> {
     job.run(|| {
         let pair = Pair::of([a, b], job)?;
-        let Pair { frame, sides: [a, b], moved, reach, .. } = &pair;
-        let terms = Terms { enough: pair.limit(length).within(), most_faces: MOST_FACES, reach: *reach };
-        let mut at_most = 0.0;
-        let beyond = [(a, b, 0), (b, a, 1)].map(|(own, other, which)| {
-            let vertices = pair.ask(which, job);
-            let chunks: Vec<&[u32]> = vertices.faces.chunks(CHUNK).collect();
-            let found = par_map(job, &chunks, |_, faces| {
-                let mut scratch = Scratch::default();
-                let mut most = 0.0;
-                let mut one = |face: &u32| {
-                    let corners = own.mesh().faces()[*face as usize].map(|row| vertices.corner(row));
-                    let piece = Piece { corners, off: 0.0, known: f64::INFINITY };
-                    match look(piece, other, (terms, Find::Farthest), &mut scratch) {
-                        Look::Within(up) => {
-                            most = larger(most, up);
-                            None
-                        }
-                        Look::Beyond(at, up) => {
-                            Some(Beyond { face: *face, at: frame.world(at), distance: frame.length_up(up) })
-                        }
-                    }
-                };
-                let found: Vec<Beyond> =
-                    if job.is_cancelled() { Vec::new() } else { faces.iter().filter_map(&mut one).collect() };
-                (found, most)
-            });
-            let most = found.iter().fold(0.0, |most, (_, up)| larger(most, *up));
-            // Faces that both surfaces have were not asked, and nothing of them was rounded.
-            let rounded = !vertices.faces.is_empty() && *moved > 0.0;
-            at_most = larger(at_most, if rounded { add_up(most, *moved) } else { most });
-            found.into_iter().flat_map(|(found, _)| found).collect()
-        });
-        let places = Places { beyond, at_most: frame.length_up(at_most) };
+        let places = match allowed.constant() {
+            Some(length) => beyond(&pair, &pair.limit(length).within(), job),
+            None => beyond(&pair, &InWorld { allowed, pair: &pair }, job),
+        };
         if job.is_cancelled() { Err(Stopped::Cancelled) } else { Ok(places) }
     })
+}
+
+fn beyond(pair: &Pair<'_>, near: &(impl Near + Sync), job: &Job) -> Places {
+    let Pair { frame, sides: [a, b], moved, .. } = pair;
+    let (mut at_most, mut pixels) = (0.0, 0.0);
+    let beyond = [(a, b, 0), (b, a, 1)].map(|(own, other, which)| {
+        let vertices = pair.ask(which, job);
+        let chunks: Vec<&[u32]> = vertices.faces.chunks(CHUNK).collect();
+        let found = par_map(job, &chunks, |_, faces| {
+            let asked = Faces { pair, own, other, vertices: &vertices };
+            if job.is_cancelled() { Places::NONE } else { asked.beyond(faces, which, near) }
+        });
+        let most = found.iter().fold(0.0, |most, found| larger(most, found.at_most));
+        pixels = found.iter().fold(pixels, |most, found| larger(most, found.pixels));
+        // Faces that both surfaces have were not asked, and nothing of them was rounded.
+        let rounded = !vertices.faces.is_empty() && *moved > 0.0;
+        at_most = larger(at_most, if rounded { add_up(most, *moved) } else { most });
+        found.into_iter().flat_map(|found| found.beyond).flatten().collect()
+    });
+    Places { beyond, at_most: frame.length_up(at_most), pixels }
+}
+
+/// Some faces of one surface against the other.
+struct Faces<'a> {
+    pair: &'a Pair<'a>,
+    own: &'a Side<'a>,
+    other: &'a Side<'a>,
+    vertices: &'a Vertices,
+}
+
+impl Faces<'_> {
+    /// What is too far, as side `which`; distances at most are of the frame.
+    fn beyond(&self, faces: &[u32], which: usize, near: &impl Near) -> Places {
+        let frame = &self.pair.frame;
+        let terms = Terms { enough: 0.0, most_faces: MOST_FACES, reach: self.pair.reach };
+        let mut scratch = Scratch::default();
+        let mut found = Places::NONE;
+        for face in faces {
+            let corners = self.own.mesh().faces()[*face as usize].map(|row| self.vertices.corner(row));
+            let piece = Piece { corners, off: 0.0, known: f64::INFINITY };
+            match look(piece, self.other, (terms, Find::Farthest, near), &mut scratch) {
+                Look::Within { up, pixels } => {
+                    found.at_most = larger(found.at_most, up);
+                    found.pixels = larger(found.pixels, pixels);
+                }
+                Look::Beyond(at, up) => {
+                    let (at, distance) = (frame.world(at), frame.length_up(up));
+                    found.beyond[which].push(Beyond { face: *face, at, distance });
+                }
+            }
+        }
+        found
+    }
 }
 
 /// Faces of the other surface under one piece where a quick answer is worth more.
@@ -104,42 +198,66 @@ enum Find {
 
 /// What is known of a piece.
 enum Look {
-    /// No point is farther than this, which is near enough.
-    Within(f64),
+    /// No point is farther than this, which is near enough, nor so many pixels away.
+    Within { up: f64, pixels: f64 },
     /// A point that is too far, or may be, and how far that may be.
     Beyond([f64; 3], f64),
 }
 
-/// Whether all of a piece is proved to be near enough.
-fn look(piece: Piece, other: &Side, (terms, find): (Terms, Find), scratch: &mut Scratch) -> Look {
-    let mut worst: Option<([f64; 3], f64)> = None;
-    let see = |worst: &mut Option<([f64; 3], f64)>, at: [f64; 3], up: f64| {
-        if up > terms.enough && worst.is_none_or(|worst| up > worst.1) {
-            *worst = Some((at, up));
+/// The point that is too far and farthest.
+#[derive(Default)]
+struct Worst(Option<([f64; 3], f64)>);
+
+impl Worst {
+    /// Takes note of a point of a place `here`, where that is too far.
+    fn see(&mut self, (at, up): ([f64; 3], f64), here: &Here, near: &impl Near) {
+        if up > here.enough && up > near.at(at) {
+            self.take(at, up);
         }
-    };
-    piece.corners.iter().for_each(|corner| see(&mut worst, corner.at, corner.up));
-    let mut open = vec![piece];
-    let (mut cuts, mut most) = (0, 0.0);
-    while let Some(mut piece) = open.pop() {
-        if find == Find::Any && worst.is_some() {
+    }
+
+    fn take(&mut self, at: [f64; 3], up: f64) {
+        if self.0.is_none_or(|worst| up > worst.1) {
+            self.0 = Some((at, up));
+        }
+    }
+}
+
+/// Whether all of a piece is proved to be near enough.
+fn look(
+    piece: Piece,
+    other: &Side,
+    (terms, find, near): (Terms, Find, &impl Near),
+    scratch: &mut Scratch,
+) -> Look {
+    let mut worst = Worst::default();
+    let place = |piece: &Piece| near.around(piece.corners.map(|corner| corner.at), piece.off);
+    let here = place(&piece);
+    piece.corners.iter().for_each(|corner| worst.see((corner.at, corner.up), &here, near));
+    let mut open = vec![(piece, here)];
+    let (mut cuts, mut most, mut pixels) = (0, 0.0, 0.0);
+    while let Some((mut piece, here)) = open.pop() {
+        if find == Find::Any && worst.0.is_some() {
             break;
         }
+        let terms = Terms { enough: here.enough, ..terms };
         piece.known = piece.bound_by_corners(other, terms.enough);
         if piece.known <= terms.enough {
             most = larger(most, piece.known);
+            pixels = larger(pixels, near.pixels_of(&here, piece.known));
             continue;
         }
         match cover(&piece, other, terms, scratch) {
             Cover::Within(up) if up <= terms.enough => {
                 most = larger(most, up);
+                pixels = larger(pixels, near.pixels_of(&here, up));
                 continue;
             }
             // What a border of the other surface leaves open adds to it: halves are nearer.
             Cover::Within(_) => {}
             Cover::TooFar(at) => {
                 let corner = other.ask(at);
-                see(&mut worst, at, corner.up);
+                worst.see((at, corner.up), &here, near);
             }
             Cover::None => {}
         }
@@ -147,8 +265,12 @@ fn look(piece: Piece, other: &Side, (terms, find): (Terms, Find), scratch: &mut 
         match halves {
             Some(halves) => {
                 cuts += 1;
-                see(&mut worst, halves[0].corners[1].at, halves[0].corners[1].up);
-                open.extend(halves);
+                let middle = halves[0].corners[1];
+                worst.see((middle.at, middle.up), &here, near);
+                open.extend(halves.map(|half| {
+                    let here = place(&half);
+                    (half, here)
+                }));
             }
             // Too small, or too many: undecided, so it counts.
             None => {
@@ -156,11 +278,11 @@ fn look(piece: Piece, other: &Side, (terms, find): (Terms, Find), scratch: &mut 
                     .corners
                     .iter()
                     .fold(piece.corners[0], |far, c| if c.up > far.up { *c } else { far });
-                see(&mut worst, far.at, piece.known);
+                worst.take(far.at, piece.known);
             }
         }
     }
-    worst.map_or(Look::Within(most), |(at, up)| Look::Beyond(at, up))
+    worst.0.map_or(Look::Within { up: most, pixels }, |(at, up)| Look::Beyond(at, up))
 }
 
 /// A surface against which others are held, many times: one piece of them after the other.
@@ -191,12 +313,13 @@ impl<'a> Judge<'a> {
         self.side.distance_sq(at)
     }
 
-    /// Whether all points of a triangle are within `length` of the surface, proved; `false` where it is not known.
-    pub fn has_near(&self, triangle: [[f64; 3]; 3], length: f64) -> bool {
+    /// Whether all points of a triangle are near enough to the surface, proved; `false` where it is not known.
+    pub fn has_near(&self, triangle: [[f64; 3]; 3], near: &impl Near) -> bool {
         let corners = triangle.map(|at| self.side.ask(at));
         let reach = triangle.as_flattened().iter().fold(self.reach, |most, x| larger(most, x.abs()));
-        let terms = Terms { enough: length, most_faces: FEW_FACES, reach };
+        let terms = Terms { enough: 0.0, most_faces: FEW_FACES, reach };
         let piece = Piece { corners, off: 0.0, known: f64::INFINITY };
-        matches!(look(piece, &self.side, (terms, Find::Any), &mut self.scratch.borrow_mut()), Look::Within(_))
+        let look = look(piece, &self.side, (terms, Find::Any, near), &mut self.scratch.borrow_mut());
+        matches!(look, Look::Within { .. })
     }
 }

@@ -1,7 +1,7 @@
 //! `Frame`: coordinates in which two meshes lie around zero with an extent near 1, and what bringing them there costs.
 use super::piece::smaller;
 use crate::explicit::Mesh;
-use crate::math::{Box3, DoubleDouble, add_up, mul_up, sqrt_up};
+use crate::math::{Box3, DoubleDouble, add_down, add_up, div_down, div_up, mul_up, sqrt_up, sub_down};
 use std::borrow::Cow;
 
 /// World → local: minus the origin, times a power of two.
@@ -84,6 +84,17 @@ impl Frame {
     /// A length of the world in this frame.
     pub fn local_length(&self, world: f64) -> f64 {
         world * self.scale
+    }
+
+    /// A box of the world around all that is within `off` of the box of some points of this frame, from outside.
+    pub fn world_box(&self, points: &[[f64; 3]], off: f64) -> Box3 {
+        let local = Box3::around(points);
+        if self.is_world() && off == 0.0 {
+            return local;
+        }
+        let low = |k: usize| add_down(self.origin[k], div_down(sub_down(local.min[k], off), self.scale));
+        let high = |k: usize| add_up(self.origin[k], div_up(add_up(local.max[k], off), self.scale));
+        Box3 { min: std::array::from_fn(low), max: std::array::from_fn(high) }
     }
 
     /// A point of this frame in the world, rounded.

@@ -13,7 +13,7 @@ mod view;
 use crate::budget::{Bound, Code, Job, Reference, Refusal, Stopped, Tolerance, par_map};
 use crate::explicit::{Bvh, Mesh};
 use crate::math::{Box3, add_up, flushes_subnormals, sub_down};
-pub(crate) use beyond::{Judge, Places, places_beyond};
+pub(crate) use beyond::{Here, Judge, Near, Places, places_beyond};
 use common::{Common, Vertices};
 use frame::Frame;
 pub(super) use piece::larger;
