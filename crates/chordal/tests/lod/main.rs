@@ -1,6 +1,7 @@
 //! Simplification held against its promises: bounds by a sampler that shares no code with the library, topology, seams,
 //! frames, pieces, and input that nobody would draw.
 mod bounds;
+mod chains;
 mod data;
 mod flat;
 mod frames;
