@@ -1,6 +1,8 @@
 //! Reports for people: a few aligned lines.
 use crate::numbers::{Toward, grouped, short, size};
-use chordal_verbs::report::{BoundFacts, Output, OutputFacts, OvershadeFacts, Report, ShadedFacts, Valid};
+use chordal_verbs::report::{
+    AttributeFacts, BoundFacts, Output, OutputFacts, OvershadeFacts, Report, ShadedFacts, Valid,
+};
 use std::fmt::Write;
 
 /// Lines of a name and a value, the values below each other.
@@ -60,6 +62,7 @@ pub fn mesh(report: &Report) -> String {
         "angle",
         angle.map(|angle| format!("{} degrees between normals, measured", short(angle, Toward::Up))),
     );
+    certificate.attributes.iter().for_each(|facts| lines.add("attribute", attribute(facts)));
     if let Some(valid) = &certificate.valid {
         soundness(&mut lines, valid);
     }
@@ -165,6 +168,15 @@ pub(crate) fn plural(count: u64, what: &str) -> String {
         (_, None) => format!("{noun}s"),
     };
     format!("{} {noun}{rest}", grouped(count))
+}
+
+/// How far one attribute went off.
+fn attribute(facts: &AttributeFacts) -> String {
+    let unit = if facts.unit == "degrees" { " degrees" } else { "" };
+    let off = facts.largest.zip(facts.rms).map_or("by what is no number".to_owned(), |(largest, rms)| {
+        format!("up to {}{unit}, {} root mean square", short(largest, Toward::Up), short(rms, Toward::Up))
+    });
+    format!("{} off {off} (measured)", facts.name)
 }
 
 /// Of which side a bound is, where it is not of both: what was added, as by filling a hole, is not near anything of the

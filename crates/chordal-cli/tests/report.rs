@@ -53,6 +53,35 @@ fn every_report_follows_the_schema() {
 }
 
 #[test]
+fn a_texture_that_slides_is_said() {
+    let folder = Folder::new("slides");
+    let at = |i: u32| f64::from(i) / 20.0;
+    let places: Vec<[f64; 2]> = (0..21).flat_map(|i| (0..21).map(move |j| [at(i), at(j)])).collect();
+    let mut obj = String::new();
+    for [x, y] in &places {
+        obj += &format!("v {x} {y} {}\nvt {} {}\n", 0.1 * x * x, x * x, y * y);
+    }
+    for (i, j) in (0..20).flat_map(|i| (0..20).map(move |j| (i, j))) {
+        let [a, b, c, d] = [0, 21, 22, 1].map(|step| 21 * i + j + step + 1);
+        obj += &format!("f {a}/{a} {b}/{b} {c}/{c}\nf {a}/{a} {c}/{c} {d}/{d}\n");
+    }
+    let (input, output) = (folder.file("a.obj", &obj), folder.text("b.glb"));
+    let args = ["mesh", &input, "-o", &output, "--tol", "1%", "--force"];
+    let made = run(&[&args[..], &["--json"]].concat());
+    made.succeeds();
+    follows(&schema(), &made.report());
+    let facts = &made.report()["certificate"]["attributes"][0];
+    assert_eq!((&facts["name"], &facts["unit"]), (&"texcoord 0".into(), &"value".into()));
+    assert!(facts["largest"].as_f64().is_some_and(|largest| largest > 0.01 && largest < 0.5), "{facts}");
+    let told = run(&args);
+    told.succeeds();
+    assert!(
+        told.stderr.contains("texcoord 0 off up to 0.") || told.stdout.contains("texcoord 0 off up to 0."),
+        "{told:?}"
+    );
+}
+
+#[test]
 fn the_schema_refuses_what_is_no_report() {
     let folder = Folder::new("refuses");
     let schema = schema();

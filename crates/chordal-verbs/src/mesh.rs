@@ -140,7 +140,7 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
             if !matches!(spec.normals, Normals::Auto | Normals::Keep) {
                 without_normals(&mut scene)?;
             }
-            simplified(scene, &Asked { spec, budget, to, place }, &mut certificate.notes, job)?
+            simplified(scene, &Asked { spec, budget, to, place }, &mut certificate, job)?
         }
     };
     // At the positions that will be written, and before rows are counted: hard edges double some.

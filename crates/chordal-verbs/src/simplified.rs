@@ -3,21 +3,25 @@ use crate::MeshFailure;
 use crate::mesh::{refused, set_aside};
 use crate::placed::{self, Assembled, Placed};
 use crate::polylines::Asked;
+use crate::report::{AttributeFacts, Certificate};
 use crate::written::unsupported;
-use chordal::budget::{Bound, Budget, Code, Failure, Reference, Tolerance, View};
+use chordal::budget::{Bound, Budget, Code, Failure, Reference, Stopped, Tolerance, View};
+use chordal::check::attribute_deviation;
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::lod::{Kept, Simplified, simplify};
 use chordal::math::{Box3, add_up, div_down};
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::{Format, Part, Scene, snap, worst_snap};
 
-/// The scene with fewer triangles within the budget, as it will be written, and the bound for all of it.
+/// The scene with fewer triangles within the budget, as it will be written, and the bound for all of it. What else is known
+/// goes to the certificate.
 pub(crate) fn simplified(
     scene: Scene,
     asked: &Asked,
-    notes: &mut Vec<String>,
+    certificate: &mut Certificate,
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
+    let Certificate { notes, attributes, .. } = certificate;
     let Asked { budget, to, .. } = asked;
     let Placed { mut scene, moved_at_most: placed, left_out } =
         if *to == Format::Glb { Placed::as_it_is(scene) } else { placed::flattened(scene)? };
@@ -45,10 +49,13 @@ pub(crate) fn simplified(
         add(&mut all, made.shape.kept);
         let snapped = snap(&made.shape.mesh, *to).map_err(MeshFailure::TooWide)?;
         let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
-        part.mesh = snapped.mesh;
+        let before = std::mem::replace(&mut part.mesh, snapped.mesh);
         let snapped = placed::scaled_up(snapped.moved_at_most, *stretch);
         let seen = eye.and_then(|eye| share.pixels_of(&made, (snapped, placed), &eye.view));
         let bound = made.bound.then(&step);
+        if part.mesh.faces().len() < before.faces().len() {
+            notes.extend(measured(attributes, [&before, &part.mesh], &bound, job)?);
+        }
         let most = placed::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), *stretch);
         let most = if placed == 0.0 { most } else { add_up(most, placed) };
         if !most.is_finite() {
@@ -205,6 +212,27 @@ pub(crate) fn without_normals(scene: &mut Scene) -> Result<(), MeshFailure> {
         part.mesh = bare;
     }
     Ok(())
+}
+
+/// Adds how far attributes went off on the way from one mesh to the other; a note where that is not known. Lines between
+/// charts are within the bound of where they were.
+fn measured(
+    attributes: &mut Vec<AttributeFacts>,
+    [before, after]: [&Mesh; 2],
+    bound: &Bound,
+    job: &Job,
+) -> Result<Option<String>, MeshFailure> {
+    let moved = bound.at_most().and_then(|most| Tolerance::new(most).ok());
+    match attribute_deviation(before, after, moved, job) {
+        Ok(found) => {
+            found.iter().for_each(|found| AttributeFacts::add(attributes, found));
+            Ok(None)
+        }
+        Err(Stopped::Cancelled) => Err(MeshFailure::Cancelled),
+        Err(Stopped::Refused(refusal)) => {
+            Ok(Some(format!("how far attributes went off was not measured: {}", refusal.message)))
+        }
+    }
 }
 
 /// The length that the budget allows everywhere.

@@ -1,5 +1,6 @@
 //! The verb `mesh`: the chain from the parsed numbers to the triangles in the file.
 use chordal::budget::{PixelBudget, Reference};
+use chordal::explicit::{Attribute, Domain, Semantic};
 use chordal::{Bound, Evidence, Job, Mesh, Patch};
 use chordal_io::{Format, Frame, Limits, Node, Scene};
 use chordal_verbs::report::BoundFacts;
@@ -312,4 +313,49 @@ fn a_part_in_two_places_has_what_the_nearer_one_allows() {
     let (near, far, both) = (count(&[4.0]), count(&[1000.0]), count(&[4.0, 1000.0]));
     assert!(near > 20 * far, "{near} {far}");
     assert_eq!(near, both);
+}
+
+/// Hills of 30 × 30 cells with the place on them as texture coordinates, whose last row of vertices has them off by `off`.
+fn textured(off: f64) -> Mesh {
+    let at = |i: u32| f64::from(i) / 30.0;
+    let places: Vec<[f64; 2]> = (0..31).flat_map(|i| (0..31).map(move |j| [at(i), at(j)])).collect();
+    let hill = |[x, y]: &[f64; 2]| [*x, *y, 0.4 * (x - x * x) * (y - y * y)];
+    let cell = |i: u32, j: u32| [31 * i + j, 31 * i + 31 + j, 31 * i + 32 + j, 31 * i + 1 + j];
+    let cells = (0..30).flat_map(|i| (0..30).map(move |j| cell(i, j)));
+    let faces = cells.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let values = places.iter().flat_map(|[x, y]| [*x, if *x == 1.0 { y + off } else { *y }]).collect();
+    let uv = Attribute { semantic: Semantic::TexCoord(0), domain: Domain::Vertex, width: 2, values };
+    Mesh::new(places.iter().map(hill).collect(), faces).unwrap().with_attribute(uv).unwrap()
+}
+
+#[test]
+fn simplified_attributes_are_measured_part_by_part() {
+    let scene = |mesh| Scene::of("hill", mesh, true, Frame::default());
+    let made = |scene, asked: &str| {
+        mesh(input(Shape::Scene(scene)), &length(asked), Format::Ply, &Job::default()).unwrap().certificate
+    };
+    let simple = made(scene(textured(0.0)), "0.5%");
+    let [facts] = &simple.attributes[..] else { panic!("one attribute, not {:?}", simple.attributes) };
+    assert_eq!((facts.semantic, facts.name.as_str()), ("texcoord", "texcoord 0"));
+    assert_eq!((facts.unit, facts.evidence), ("value", "measured"));
+    // Coordinates are the place, so that only hills that were straightened and rounding shift them.
+    let (largest, rms) = (facts.largest.unwrap(), facts.rms.unwrap());
+    assert!(largest > 1e-6 && largest < 0.02 && rms < 0.5 * largest, "{facts:?}");
+    // Four samples a face of both.
+    let n_after = simple.output.unwrap().triangles().unwrap().triangles;
+    assert_eq!(facts.samples, 4 * (1800 + n_after));
+    // Of two parts the worse counts: a last row that is off gets lost within the cells beside it.
+    let mut two = scene(textured(0.0));
+    two.parts.extend(scene(textured(3.0)).parts);
+    two.nodes.push(Node { name: String::new(), part: Some(1), ..two.nodes[0].clone() });
+    two.roots.push(1);
+    let both = made(two, "0.5%");
+    assert_eq!(both.attributes.len(), 1);
+    assert!(both.attributes[0].largest.unwrap() > 0.3, "{:?}", both.attributes);
+    assert!(both.attributes[0].samples > facts.samples);
+    // Where nothing went nothing is measured, and nothing where there are no attributes.
+    assert!(made(scene(textured(0.0)), "1e-12").attributes.is_empty());
+    let bare = textured(0.0);
+    let bare = Mesh::new(bare.positions().to_vec(), bare.faces().to_vec()).unwrap();
+    assert!(made(scene(bare), "0.5%").attributes.is_empty());
 }

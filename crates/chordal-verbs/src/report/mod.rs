@@ -3,6 +3,7 @@
 //! The *certificate* is deterministic: same input, version and budget give the same bytes, so it holds no clock, no
 //! path and no count of threads, and can travel in the file. *Run* is for the reader of the moment.
 mod anatomy;
+mod attributes;
 mod baked;
 mod bound;
 mod budget;
@@ -20,6 +21,7 @@ mod valid;
 mod volume;
 
 pub use anatomy::{Anatomy, ComponentFacts, FindingFacts, MOST_COMPONENTS, cures_of_all};
+pub use attributes::AttributeFacts;
 pub use baked::{BakedFacts, SolidFacts};
 pub use bound::BoundFacts;
 pub use budget::{BudgetFacts, ViewFacts};
@@ -93,6 +95,9 @@ pub struct Certificate {
     /// The lattice that was made; only from `bake`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub baked: Option<BakedFacts>,
+    /// How far attributes went off where triangles were simplified; only from `mesh`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub attributes: Vec<AttributeFacts>,
     /// The levels of detail that were made; only from `lod`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub levels: Option<LevelsFacts>,
@@ -119,6 +124,7 @@ impl Certificate {
             mended: Vec::new(),
             refined: None,
             baked: None,
+            attributes: Vec::new(),
             levels: None,
             overshade: None,
             notes: assumed_region(input).map(str::to_owned).into_iter().collect(),

@@ -1,4 +1,5 @@
 //! The judge: measures and proves, builds nothing.
+mod attributes;
 mod comb;
 mod components;
 mod defect;
@@ -29,6 +30,7 @@ mod thin;
 mod validity;
 mod winding;
 
+pub use attributes::{AttributeDeviation, attribute_deviation};
 pub use comb::{Tooth, curvature_comb};
 pub use components::{Component, Facing, components, inside_out, outward};
 pub use defect::{CURES, Defect, Weight};

@@ -2,6 +2,7 @@
 //! frames, pieces, and input that nobody would draw.
 mod bounds;
 mod by_view;
+mod chains;
 mod data;
 mod flat;
 mod frames;

@@ -1,0 +1,64 @@
+//! How far attributes went off, as a report says it.
+use chordal::check::AttributeDeviation;
+use chordal::explicit::Semantic;
+use serde::Serialize;
+
+/// How far the values of one attribute are from those of the input at the nearest points, both ways: the worst part.
+/// Measured, so that between samples there may be more.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AttributeFacts {
+    /// "normal", "tangent", "texcoord", "color" or "custom".
+    pub semantic: &'static str,
+    /// Which of them, as in "texcoord 0"; of "custom" the file's own name.
+    pub name: String,
+    /// The largest difference that was found; none where a value is not a number.
+    pub largest: Option<f64>,
+    /// The root of the mean square over the area; none where a value is not a number.
+    pub rms: Option<f64>,
+    /// "degrees" for directions, "value" for lengths in the attribute's own numbers.
+    pub unit: &'static str,
+    /// How that is known: "measured".
+    pub evidence: &'static str,
+    /// Samples, over all parts.
+    pub samples: u64,
+}
+
+impl AttributeFacts {
+    fn of(found: &AttributeDeviation) -> Self {
+        let (semantic, name) = match &found.semantic {
+            Semantic::Normal => ("normal", "normal".to_owned()),
+            Semantic::Tangent => ("tangent", "tangent".to_owned()),
+            Semantic::TexCoord(set) => ("texcoord", format!("texcoord {set}")),
+            Semantic::Color(set) => ("color", format!("color {set}")),
+            Semantic::Group(name) | Semantic::Custom(name) => ("custom", name.clone()),
+        };
+        let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+        Self {
+            semantic,
+            name,
+            largest: finite(found.largest),
+            rms: finite(found.rms),
+            unit: if found.is_angle() { "degrees" } else { "value" },
+            evidence: "measured",
+            samples: found.samples,
+        }
+    }
+
+    /// Takes in what was found of one more part.
+    pub(crate) fn add(all: &mut Vec<Self>, found: &AttributeDeviation) {
+        let new = Self::of(found);
+        let Some(known) =
+            all.iter_mut().find(|known| known.semantic == new.semantic && known.name == new.name)
+        else {
+            return all.push(new);
+        };
+        // What is no number is worse than any.
+        let worse = |a: Option<f64>, b: Option<f64>| {
+            let (a, b) = (a?, b?);
+            Some(if a > b { a } else { b })
+        };
+        known.largest = worse(known.largest, new.largest);
+        known.rms = worse(known.rms, new.rms);
+        known.samples += new.samples;
+    }
+}

@@ -1,0 +1,71 @@
+//! Chains: every level held against the source by the sampler.
+use crate::random::Random;
+use crate::sampler::farthest;
+use crate::{data, shapes};
+use chordal::budget::Evidence;
+use chordal::explicit::Topology;
+use chordal::lod::{Source, Steps, chain};
+use chordal::{Job, Mesh, Tolerance};
+
+/// The bound holds up to this share, and up to roundings of the coordinates: of points, and of their feet on needles.
+const SLACK: f64 = 1e-9;
+const ROUNDED: f64 = 1e-12;
+/// What the sampler finds at least of a bound: the worst place may be small.
+const FOUND: f64 = 0.8;
+/// Samples by area each way; corners, middles and centres come on top.
+const N_SAMPLES: usize = 3_000;
+
+fn levels_hold(meshes: Vec<(&str, Mesh)>) {
+    let mut random = Random::new(31);
+    for (name, mesh) in meshes {
+        let finest = Tolerance::new(5e-4 * mesh.bounds().diagonal()).expect("a length");
+        let source = Source::Triangles(&mesh, Topology::Positions);
+        let levels = chain(source, &Steps::from(finest), &Job::default().with_threads(2)).expect("levels");
+        assert!(!levels.is_empty(), "{name}");
+        let reach = mesh.positions().as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let rounded = ROUNDED * reach;
+        let mut ratios = Vec::new();
+        for (k, level) in levels.iter().enumerate() {
+            let said = format!("{name}, level {k} of {} triangles", level.mesh.faces().len());
+            assert_eq!(*level.bound.evidence(), Evidence::Proved, "{said}");
+            let [there, back] = [[&mesh, &level.mesh], [&level.mesh, &mesh]]
+                .map(|[from, to]| farthest(from, to, (N_SAMPLES, &mut random)));
+            let seen = there.max(back);
+            assert!(
+                seen <= level.error() * (1.0 + SLACK) + rounded,
+                "{said}: {seen:e} of {:e}",
+                level.error()
+            );
+            assert!(
+                seen >= FOUND * level.error() - rounded,
+                "{said}: only {seen:e} of {:e} found",
+                level.error()
+            );
+            ratios.push(format!("{:.3}", if seen <= rounded { 0.0 } else { seen / level.error() }));
+        }
+        println!("{name}: {} triangles, found of the bounds: {}", mesh.faces().len(), ratios.join(" "));
+    }
+}
+
+#[test]
+fn every_level_of_solids_is_within_its_bound() {
+    levels_hold(vec![
+        ("torus", shapes::torus([60, 30], 0.0)),
+        ("lobes", shapes::lobes(4)),
+        ("gear", shapes::gear(2, 7)),
+        ("heights", shapes::heights([40, 40], 0.002)),
+        ("mobius", shapes::mobius([60, 8])),
+    ]);
+}
+
+#[test]
+fn every_level_of_drawn_meshes_is_within_its_bound() {
+    let names = [
+        "common/data/spot.obj",
+        "common/data/suzanne.obj",
+        "common/data/beetle.obj",
+        "common/data/teapot.obj",
+        "trimesh/models/quadknot.obj",
+    ];
+    levels_hold(names.into_iter().filter_map(|name| data::obj(name).map(|mesh| (name, mesh))).collect());
+}
