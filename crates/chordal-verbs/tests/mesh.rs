@@ -133,9 +133,9 @@ fn what_is_written_is_what_was_certified() {
                 all
             };
             assert_eq!(corners(&read), corners(outcome.scene().unwrap()), "{name}");
+            let more = BudgetSpec { triangles: Some(1_000_000), ..BudgetSpec::default() };
             let again =
-                mesh(Input { format, ..input(Shape::Scene(read)) }, &length("1"), format, &Job::default())
-                    .unwrap();
+                mesh(Input { format, ..input(Shape::Scene(read)) }, &more, format, &Job::default()).unwrap();
             assert_eq!(again.bound.at_most(), Some(0.0), "{name}: the second time nothing moves");
             let counts = |outcome: &MeshOutcome| outcome.certificate.valid.clone().unwrap().counts;
             assert_eq!(counts(&again), counts(&outcome), "{name}");
