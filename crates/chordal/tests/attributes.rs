@@ -160,6 +160,29 @@ fn a_seam_may_have_moved_as_far_as_is_said() {
     assert!(largest < 0.006 && rms < 0.001, "{largest} {rms}");
 }
 
+/// A square from above and from below, so far apart, the lower one with other values.
+fn sheet(low: f64, thick: f64) -> Mesh {
+    let top = flat([6, 6]);
+    let n = top.positions().len() as u32;
+    let at = |z: f64| top.positions().iter().map(move |p| [p[0], p[1], z]);
+    let backs = top.faces().iter().map(|[a, b, c]| [c + n, b + n, a + n]);
+    let faces = top.faces().iter().copied().chain(backs).collect();
+    let mesh = Mesh::new(at(low + thick).chain(at(low)).collect(), faces).expect("valid");
+    let corners: Vec<_> = (0..mesh.faces().len()).map(|f| mesh.corners(f)).collect();
+    let half = mesh.faces().len() / 2;
+    at_corners(mesh, TEXTURE, move |f, k| vec![corners[f][k][0] + if f < half { 0.0 } else { 2.0 }, 0.0])
+}
+
+#[test]
+fn the_back_of_a_sheet_is_not_taken_for_its_front() {
+    // Both sides at one place.
+    assert!(of_one(&sheet(0.0, 0.0), &sheet(0.0, 0.0), None).0 < 1e-12);
+    // Moved by more than it is thick: its front is beside the other's back.
+    let (here, moved) = (sheet(0.0, 0.01), sheet(0.012, 0.01));
+    assert!(of_one(&here, &moved, None).0 > 1.0);
+    assert!(of_one(&here, &moved, Some(0.013)).0 < 1e-12);
+}
+
 #[test]
 fn one_value_that_is_off_is_found() {
     let mesh = at_vertices(flat([30, 30]), Semantic::Color(0), |p| vec![p[0], p[1], 0.5]);
