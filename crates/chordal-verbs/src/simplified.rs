@@ -11,7 +11,7 @@ use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::lod::{Kept, Simplified, simplify};
 use chordal::math::{Box3, add_up, div_down};
 use chordal::{Bounded, Job, Mesh};
-use chordal_io::{Format, Part, Scene, snap, worst_snap};
+use chordal_io::{Format, Part, Scene, TooWide, snap, worst_snap};
 
 /// The scene with fewer triangles within the budget, as it will be written, and the bound for all of it. What else is known
 /// goes to the certificate.
@@ -30,6 +30,14 @@ pub(crate) fn simplified(
     }
     if scene.parts.iter().all(|part| part.mesh.faces().is_empty()) {
         return Err(refused(Code::Empty, "there is no triangle to simplify"));
+    }
+    for part in &scene.parts {
+        let bounds = part.mesh.bounds();
+        if worst_snap(&bounds, *to) == f64::INFINITY {
+            let farthest = |most: f64, x: &f64| if x.abs() > most.abs() { *x } else { most };
+            let value = bounds.min.iter().chain(&bounds.max).fold(0.0, farthest);
+            return Err(MeshFailure::TooWide(TooWide { value }));
+        }
     }
     let stretch = placed::stretch_of_parts(&scene);
     // 1. What each part may lose, in its own coordinates: what is left when places and rounding took theirs.
