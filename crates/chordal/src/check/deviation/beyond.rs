@@ -25,6 +25,8 @@ pub struct Beyond {
 const CHUNK: usize = 512;
 /// Halvings of one face before it counts as too far where that is not known.
 const MOST_CUTS: u32 = 64;
+/// The same where no point was seen that is too far: large faces along edges of the other surface need more than a hundred.
+const MOST_CUTS_UNSEEN: u32 = 1 << 12; // chosen
 /// Faces of the other surface under one piece.
 const MOST_FACES: usize = 1 << 14;
 
@@ -261,7 +263,10 @@ fn look(
             }
             Cover::None => {}
         }
-        let halves = if cuts < MOST_CUTS { piece.halves(|at| other.ask(at)) } else { None };
+        // As long as nothing was seen that is too far, it may well be near.
+        let most_cuts =
+            if find == Find::Farthest && worst.0.is_none() { MOST_CUTS_UNSEEN } else { MOST_CUTS };
+        let halves = if cuts < most_cuts { piece.halves(|at| other.ask(at)) } else { None };
         match halves {
             Some(halves) => {
                 cuts += 1;
