@@ -58,7 +58,7 @@ enum Made {
     /// One mesh a level, the finest first.
     Levels(Vec<OneLevel>),
     /// Tiles over regions.
-    Cut(Cut),
+    Cut(Box<Cut>),
 }
 
 /// One level as it will be written.
@@ -138,7 +138,8 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     let made = if is_cut {
         let finest = chain.into_iter().next().map(|level| (level.mesh, moved(level.bound)));
         let (mesh, bound) = finest.ok_or_else(|| refused(Code::Empty, "there is no triangle to show"))?;
-        Made::Cut(Cut::of(Bounded { shape: mesh, bound }, &looks, (whole, &mut certificate.notes), job)?)
+        let cut = Cut::of(Bounded { shape: mesh, bound }, &looks, (whole, &mut certificate.notes), job)?;
+        Made::Cut(Box::new(cut))
     } else {
         let mut levels: Vec<OneLevel> = Vec::new();
         for level in chain {
