@@ -64,7 +64,7 @@ def test_export_replaces_a_file_as_a_whole_and_keeps_its_mode(tmp_path: Path) ->
     path = tmp_path / "a.obj"
     path.write_text("old")
     path.chmod(0o640)
-    mesh = chordal.load(SQUARE, format="obj").mesh(tol=1)
+    mesh = chordal.load(SQUARE, format="obj").mesh(tol=0.1)
     mesh.export(path)
     assert path.read_bytes() == mesh.to_bytes("obj")
     assert stat.S_IMODE(path.stat().st_mode) == 0o640
@@ -97,5 +97,5 @@ def test_a_write_that_fails_half_way_leaves_the_old_file(tmp_path: Path, monkeyp
 
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(OSError, match="No space"):
-        chordal.load(SQUARE, format="obj").mesh(tol=1).export(path)
+        chordal.load(SQUARE, format="obj").mesh(tol=0.1).export(path)
     assert path.read_text() == "old" and len(list(tmp_path.iterdir())) == 1

@@ -71,11 +71,11 @@ def test_a_file_is_that_of_the_command_byte_for_byte(
 
 def test_a_shape_of_several_parts_has_the_rows_of_its_file(cargo_chordal: Command, tmp_path: Path) -> None:
     parts = b"o one\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no two\nv 0 0 1\nv 1 0 1\nv 0 1 1\nf 4 5 6\n"
-    glb = chordal.load(parts, format="obj").mesh(tol=1).to_bytes("glb")
-    done = cargo_chordal("mesh", "-", "--from", "glb", "--tol", "1", "-o", tmp_path / "a.ply", stdin=glb)
+    glb = chordal.load(parts, format="obj").mesh(tol=0.01).to_bytes("glb")
+    done = cargo_chordal("mesh", "-", "--from", "glb", "--tol", "0.01", "-o", tmp_path / "a.ply", stdin=glb)
     assert done.returncode == 0, done.stderr
     vertices, faces = read_ply((tmp_path / "a.ply").read_bytes())
-    mesh = chordal.load(glb).mesh(tol=1)
+    mesh = chordal.load(glb).mesh(tol=0.01)
     assert np.array_equal(mesh.vertices, vertices)
     assert np.array_equal(mesh.faces, faces)
 
@@ -120,7 +120,7 @@ def test_a_bound_is_shown_wider_than_it_is() -> None:
 
 
 def test_nothing_about_a_mesh_changes() -> None:
-    mesh = chordal.load(SQUARE).mesh(tol=1)
+    mesh = chordal.load(SQUARE).mesh(tol=0.1)
     mesh.report["certificate"]["bound"] = None
     assert mesh.report["certificate"]["bound"] is not None
     for thing, name in ((mesh, "bound"), (mesh, "vertices"), (mesh.bound, "at_most"), (chordal.View(VIEW), "_text")):
@@ -129,11 +129,12 @@ def test_nothing_about_a_mesh_changes() -> None:
 
 
 def test_a_budget_that_is_not_met_brings_the_best() -> None:
-    shape = chordal.load(SQUARE, format="obj")
-    with pytest.raises(chordal.BudgetUnmet, match="2 triangles") as caught:
-        shape.mesh(triangles=1)
+    solid = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+    shape = chordal.load(solid, format="obj")
+    with pytest.raises(chordal.BudgetUnmet, match="4 triangles") as caught:
+        shape.mesh(triangles=3)
     best = caught.value.best
-    assert isinstance(best, chordal.Mesh) and len(best.faces) == 2
+    assert isinstance(best, chordal.Mesh) and len(best.faces) == 4
     assert caught.value.bound == best.bound
     assert best.to_bytes("ply").startswith(b"ply\n"), "who has the best in hand may write it"
 
@@ -172,7 +173,7 @@ def test_inspect_is_the_command_s(cargo_chordal: Command) -> None:
 
 
 def test_what_is_shown_is_short_and_escaped() -> None:
-    mesh = chordal.load(SQUARE, format="obj").mesh(tol=1)
+    mesh = chordal.load(SQUARE, format="obj").mesh(tol=0.1)
     assert repr(mesh).startswith("<Mesh: 2 triangles, 4 vertices; between 0 and 0, proved")
     assert mesh._repr_html_().count("<tr>") == 2 and len(mesh._repr_html_()) < 300
     assert repr(chordal.load(TEAPOT)).startswith("<Shape: patches, from bpt")

@@ -54,7 +54,7 @@ def test_a_cube_comes_back_from_its_distances() -> None:
     corners = np.indices((2, 2, 2)).reshape(3, -1).T * 2.0 - 1
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     cube = chordal.triangles(corners, [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
-    for made in (cube, cube.mesh(tol=1)):
+    for made in (cube, cube.mesh(tol=0.1)):
         baked = made.bake(cells=20)
         facts = baked.report["certificate"]["baked"]  # type: ignore[index]
         assert facts["solid"]["is_solid"] and facts["off_at_most"] < 1e-12 and facts["evidence"] == "proved"

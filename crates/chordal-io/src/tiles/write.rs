@@ -49,7 +49,7 @@ pub enum TileFault {
     BadUri(String),
     /// The tree is deeper than 50 levels.
     TooDeep,
-    /// Something that is only read is there: a transform of its own, or tiles that follow a rule.
+    /// Something that is only read is there: a transform that is no shift of the root, or tiles that follow a rule.
     OnlyRead(&'static str),
 }
 
@@ -85,7 +85,7 @@ impl std::error::Error for InvalidTileset {}
 ///
 /// What is demanded of it: errors are finite, 0 for tiles without children, and below the parent's for all others; the tileset's
 /// is above 0 and not below the root's. Volumes are boxes
-/// along the axes, and a child's is in its parent's but for rounding. Names of files are
+/// along the axes, and a child's is in its parent's but for rounding; the root may be shifted as a whole. Names of files are
 /// plain relative paths. So a viewer that shows a tile where its error takes at most so many pixels always has an answer, and
 /// every way down the tree is finer by each step.
 ///
@@ -141,6 +141,9 @@ impl Writer {
         let volume =
             check(tile, parent, depth).map_err(|fault| InvalidTileset { tile: self.at.clone(), fault })?;
         let mut json = Map::new();
+        if let Some(matrix) = tile.transform.as_deref() {
+            json.insert("transform".to_owned(), json!(matrix.map(|x| x + 0.0)));
+        }
         // Adding zero takes the sign from −0, which JSON would show.
         json.insert("boundingVolume".to_owned(), json!({ "box": volume.map(|x| x + 0.0) }));
         json.insert("geometricError".to_owned(), json!(tile.geometric_error + 0.0));
@@ -190,8 +193,9 @@ fn check(tile: &Tile, parent: Option<&Tile>, depth: usize) -> Result<[f64; 12], 
     if tile.children.is_empty() && error != 0.0 {
         return Err(TileFault::LeafError(error));
     }
+    let turns = tile.transform.as_deref().is_some_and(|matrix| parent.is_some() || !is_shift(matrix));
     for (is_there, what) in
-        [(tile.transform.is_some(), "a transform of a tile"), (tile.implicit.is_some(), "implicit tiling")]
+        [(turns, "a transform other than a shift of the root"), (tile.implicit.is_some(), "implicit tiling")]
     {
         if is_there {
             return Err(TileFault::OnlyRead(what));
@@ -206,6 +210,15 @@ fn check(tile: &Tile, parent: Option<&Tile>, depth: usize) -> Result<[f64; 12], 
         Some(uri) => Err(TileFault::BadUri(uri.clone())),
         None => Ok(volume),
     }
+}
+
+/// Whether a column-major matrix moves everything alike.
+fn is_shift(matrix: &[f64; 16]) -> bool {
+    (0..16).all(|i| match i {
+        0 | 5 | 10 | 15 => matrix[i] == 1.0,
+        12..=14 => matrix[i].is_finite(),
+        _ => matrix[i] == 0.0,
+    })
 }
 
 /// The box of a tile, if it is one along the axes.

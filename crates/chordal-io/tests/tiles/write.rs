@@ -138,5 +138,15 @@ fn trees_that_are_too_deep_for_readers_are_refused() {
 fn what_is_only_read_is_not_written() {
     let mut tileset = tileset(&[0.5, 0.0]);
     tileset.root.transform = Some(Box::new([0.0; 16]));
-    assert_eq!(fault(&tileset), ("/root".to_owned(), TileFault::OnlyRead("a transform of a tile")));
+    let only_read = TileFault::OnlyRead("a transform other than a shift of the root");
+    assert_eq!(fault(&tileset), ("/root".to_owned(), only_read.clone()));
+    let mut shift = Box::new([0.0; 16]);
+    [0, 5, 10, 15].iter().for_each(|i| shift[*i] = 1.0);
+    (shift[12], shift[13]) = (1e6, -2.5);
+    tileset.root.transform = Some(shift.clone());
+    let (read, _) = read_in(&Folder::new(), &write(&tileset).expect("written")).expect("read");
+    assert_eq!(read, tileset);
+    // A child's box is in the space of its own transform, which nothing here takes back.
+    tileset.root.children[0].transform = tileset.root.transform.take();
+    assert_eq!(fault(&tileset), ("/root/children/0".to_owned(), only_read));
 }
