@@ -68,7 +68,8 @@ def test_a_budget_of_another_type_is_a_type_error(shape: chordal.Shape, budget: 
 
 def test_numbers_of_numpy_will_do(shape: chordal.Shape) -> None:
     for tol in (np.float32(0.5), np.int64(1), np.float64(0.5), 1):
-        assert shape.mesh(tol=tol).bound.at_most <= tol
+        at_most = shape.mesh(tol=tol).bound.at_most
+        assert at_most is not None and at_most <= float(tol)
     assert len(shape.mesh(triangles=np.int32(2)).faces) == 2
 
 
