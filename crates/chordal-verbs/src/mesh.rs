@@ -12,7 +12,7 @@ use chordal::budget::{
     Bound, Budget, Code, Failure, PixelBudget, Pixels, Reference, Refusal, Stopped, Tolerance, View,
 };
 use chordal::check::{self, MicroTriangles};
-use chordal::math::{Box3, add_up, sub_down};
+use chordal::math::{Box3, add_up, sub_down, sub_up};
 use chordal::{Bounded, Job, Mesh, Patch, convert};
 use chordal_io::{Format, Frame, Polylines, Scene, WriteError, losses, snap, worst_snap};
 use std::io::Write;
@@ -179,7 +179,7 @@ pub(crate) fn finish(
 
 /// A note where most triangles are smaller than a pixel at the view of the budget: more than half, since every mesh has some
 /// at its poles and seams.
-fn too_fine(scene: &Scene, budget: &Budget, job: &Job) -> Result<Option<String>, MeshFailure> {
+pub(crate) fn too_fine(scene: &Scene, budget: &Budget, job: &Job) -> Result<Option<String>, MeshFailure> {
     let Some(PixelBudget { view, .. }) = budget.pixels else { return Ok(None) };
     // What cannot be put together, or is too large to look at: nothing is known, and nothing is said.
     let Ok(mesh) = placed::one_mesh(scene) else { return Ok(None) };
@@ -252,7 +252,8 @@ pub(crate) fn snapped(
     let mut chain = bound.then(&step);
     // What rounding to the format does to normals is not seen at angles that make sense.
     chain.angle_deg = bound.angle_deg;
-    chain.pixels = bound.pixels.zip(moved_px).map(|(made, moved)| add_up(made, moved));
+    let both = |px: PixelBudget| px.view.pixels_of_both(bound.pixels?, moved_px?);
+    chain.pixels = budget.pixels.and_then(both);
     Ok((snapped.mesh, chain))
 }
 
@@ -278,7 +279,9 @@ pub(crate) fn set_aside(budget: &Budget, lost: f64, place: &Box3, to: Format) ->
         let lost_px = view.pixels_of(lost, place).ok_or_else(|| {
             refused(Code::TooClose, "the shape comes so close to the eye that there is no bound in pixels")
         })?;
-        let left = Pixels::new(sub_down(pixels.get(), lost_px));
+        // What is left may be less than what is lost, where the sum is more than theirs.
+        let both = view.pixels_of_both(pixels.get(), lost_px).unwrap_or(f64::INFINITY);
+        let left = Pixels::new(sub_down(pixels.get(), sub_up(both, pixels.get())));
         let pixels = left.map_err(|_| too_small(pixels.to_string(), format!("{lost_px:.3e}px")))?;
         inner.pixels = Some(PixelBudget { pixels, view });
     }

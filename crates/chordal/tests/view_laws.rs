@@ -261,6 +261,54 @@ fn no_visible_point_of_any_eye_that_keeps_its_distance_moves_further_than_the_bo
     assert!(tested > 5_000 && tight > 0.999, "{tested} {tight}");
 }
 
+/// The ends of two steps are apart by at most what the pixels of both say, wherever the point between them is; and by more than
+/// their sum where that point is off the screen.
+#[test]
+fn two_steps_are_no_more_than_both_together() {
+    let (mut tested, mut beyond_the_sum) = (0_u64, 0_u64);
+    for seed in 0..12_000 {
+        let mut dice = Dice(seed);
+        let (view, referee, scale) = camera(&mut dice);
+        let off = 1.0 + dice.between(-1.0, 1.0) * dice.magnitude(1e-6, 0.3);
+        let across = [off, dice.one_of([off, -off, 0.0])];
+        let depth =
+            dice.one_of([1.0, 1.0, 1.01, 3.0]) * if referee.near > 0.0 { referee.near } else { scale };
+        let middle = referee.place(across, depth);
+        let errors = [0, 1].map(|_| depth * dice.magnitude(1e-6, 0.3));
+        let p = referee.seen_from(middle - referee.eye);
+        let [right, up, forward] = referee.axes;
+        let out = p.truncate().normalize_or(glam::DVec2::X);
+        let out = right * out.x + up * out.y;
+        let mut directions = vec![out, -out, forward, -forward];
+        directions.extend((0..6).map(|_| {
+            let angle = dice.between(0.0, std::f64::consts::TAU);
+            out * angle.cos() - forward * angle.sin()
+        }));
+        for d in &directions {
+            let first = middle + *d * errors[0];
+            for e in &directions {
+                let last = middle + *e * errors[1];
+                // As far as they are apart after rounding.
+                let apart = |p: DVec3| (p - middle).length() * (1.0 + 1e-14);
+                let at =
+                    |points: &[DVec3]| Box3::around(&points.iter().map(|p| p.to_array()).collect::<Vec<_>>());
+                let steps = [
+                    view.pixels_of(apart(first), &at(&[first, middle])),
+                    view.pixels_of(apart(last), &at(&[middle, last])),
+                ];
+                let [Some(a), Some(b)] = steps else { continue };
+                let Some(both) = view.pixels_of_both(a, b) else { continue };
+                let Some(apart) = referee.pixels(first, last - first) else { continue };
+                assert!(apart <= both, "seed {seed}: {apart} px > {both} px of {a} and {b}, {view}");
+                beyond_the_sum += u64::from(apart > a + b);
+                tested += 1;
+            }
+        }
+    }
+    eprintln!("two steps: {tested} pairs, {beyond_the_sum} beyond the sum");
+    assert!(tested > 100_000 && beyond_the_sum > 0, "{tested} {beyond_the_sum}");
+}
+
 #[test]
 fn a_length_from_pixels_keeps_them_and_wastes_nothing() {
     let (mut found, mut none) = (0, 0);

@@ -27,7 +27,7 @@
 //!
 //! The shorter formula `ε·F/z` that viewers use is its first order on the axis and is low by `1/cos²θ` at the
 //! corner of the screen: 1.71 at a vertical field of view of 45° and 16:9.
-use super::view::{Closest, Pixels, Projection, Screen, View};
+use super::view::{Camera, Closest, Pixels, Projection, Screen, View};
 use crate::math::{Box3, add_up, div_down, div_up, mul_down, mul_up, sqrt_up, sub_down};
 
 /// A view, prepared: build it once with [`View::lens`] and look at many places through it.
@@ -99,6 +99,43 @@ impl View {
     #[must_use]
     pub fn pixels_of(&self, error: f64, place: &Box3) -> Option<f64> {
         self.lens().sight(place).pixels_of(error)
+    }
+
+    /// How far apart the ends of two steps are on the screen when one of the two ends is seen: of steps that are
+    /// `first` and `second` pixels by [`View::pixels_of`], each with a point of its place. Up to the pixels of the shorter one that is their sum;
+    /// what it is more comes from the point between the two, which may be seen by nobody, and nearer to the eye. `None`
+    /// when there is no bound.
+    ///
+    /// *Why.* In units of `F` let `a` and `b` be the two, so that the lengths are at most `a/(1+a)` and `b/(1+b)` of the depth `D` of the
+    /// place. If the end of the first step is seen, the point between is off the axis by at most the corner's tangent and `a` more, its
+    /// secant is that of the corner times `1+a` at most, and the far end is at least `D` less both lengths deep: the second
+    /// step is at most `b·(1+a)·(1 + a·(1+b)/(1−ab))`. So it is the other way round. Errors that a near plane hides altogether are
+    /// shorter than the other step.
+    #[must_use]
+    pub fn pixels_of_both(&self, first: f64, second: f64) -> Option<f64> {
+        if second == 0.0 {
+            return Some(first);
+        }
+        let (projection, screen, near) = match self {
+            Self::Closest(Closest { projection, screen, .. }) => (projection, screen, 0.0),
+            Self::Camera(Camera { projection, screen, near, .. }) => (projection, screen, *near),
+        };
+        let hidden = if near > 0.0 && first < second { second } else { first };
+        if hidden == 0.0 {
+            return Some(second);
+        }
+        let Projection::Perspective { fov_y_deg } = projection else { return Some(add_up(hidden, second)) };
+        let (_, high) = half_tan(*fov_y_deg);
+        let focal = div_down(f64::from(screen.height_px), mul_up(2.0, high));
+        let after = |near: f64, far: f64| {
+            let (a, b) = (div_up(near, focal), div_up(far, focal));
+            let rest = sub_down(1.0, mul_up(a, b));
+            let deeper = add_up(1.0, div_up(mul_up(a, add_up(1.0, b)), rest));
+            let sum = add_up(near, mul_up(far, mul_up(add_up(1.0, a), deeper)));
+            (rest > 0.0 && sum.is_finite()).then_some(sum)
+        };
+        let (forth, back) = (after(first, second)?, after(second, hidden)?);
+        Some(if forth > back { forth } else { back })
     }
 
     /// The largest length (up to rounding) of which [`View::pixels_of`] at `place` is at most `pixels`. `None` when
