@@ -1,6 +1,6 @@
 //! `chain`: a shape as levels with ever larger errors and ever fewer triangles, each with its own bound.
 use super::reduction::Kept;
-use super::simplify::{Asked, Progress, Simplified, unchanged};
+use super::simplify::{Asked, Progress, Simplified};
 use crate::budget::{Allowed, Bound, Bounded, Code, Job, Reference, Refusal, Stopped, Tolerance};
 use crate::explicit::{Mesh, Topology};
 use crate::math::sub_down;
@@ -61,8 +61,6 @@ impl Steps {
 
 /// A level that has more than this share of the triangles of the one before is left out.
 const WORTH_IT: f64 = 0.8;
-/// Steps in a row without a level before the chain ends: nothing gets coarser any more.
-const IDLE_STEPS: u32 = 4;
 /// Levels at most: 2⁴⁸ between the finest and the coarsest error.
 const MOST_STEPS: u32 = 48;
 
@@ -71,8 +69,8 @@ const MOST_STEPS: u32 = 48;
 /// Something smooth is turned into triangles once, within a share of the finest error, and those are simplified; the two
 /// proofs are added. Simplifying goes on from level to level, so that all levels together take little longer than the
 /// coarsest alone, and what is measured and proved for each is the distance to the triangles at the start, never to the level
-/// before. The first level is within `steps.finest`; the chain ends where `steps.enough` triangles are left or where larger
-/// errors bring no fewer.
+/// before. The first level is within `steps.finest`; the chain ends where `steps.enough` triangles are left, or where the error is
+/// the extent of the shape: seen from where that is one pixel the shape is one, too.
 ///
 /// Cost: that of one [`simplify`](super::simplify()), and the proof for each level, 3.5 µs a triangle of the finest; for
 /// something smooth its own triangles as well.
@@ -131,6 +129,7 @@ pub fn chain(mut source: Source<'_>, steps: &Steps, job: &Job) -> Result<Vec<Lev
         return refused(Code::BelowPrecision, message);
     }
     let mesh: &Mesh = &made.shape;
+    let is_smooth = matches!(source, Source::Smooth(_));
     if mesh.faces().is_empty() {
         return refused(Code::Empty, "there is no triangle to simplify");
     }
@@ -139,30 +138,29 @@ pub fn chain(mut source: Source<'_>, steps: &Steps, job: &Job) -> Result<Vec<Lev
             Asked { mesh, topology, stays: &[], allowed: Allowed::everywhere(steps.finest.get()), job };
         let mut progress = Progress::of(&asked)?;
         let mut levels: Vec<Level> = Vec::new();
-        let (mut error, mut idle) = (steps.finest, 0);
+        let mut error = steps.finest;
+        let extent = mesh.bounds().diagonal();
         for _ in 0..MOST_STEPS {
             // What the source's own bound leaves.
             let left = if used == 0.0 { error.get() } else { sub_down(error.get(), used) };
             let fewer = if left > 0.0 { progress.within(&Allowed::everywhere(left), job)? } else { None };
             // The finest level is there even if nothing could go.
-            let fewer = fewer.or_else(|| levels.is_empty().then(|| unchanged(mesh, Kept::default())));
-            let level = fewer.map(|fewer| level_of(fewer, &made.bound));
+            let fewer = fewer.or_else(|| levels.is_empty().then(|| progress.unchanged()));
+            let level = fewer.map(|fewer| level_of(fewer, is_smooth.then_some(&made.bound)));
             let is_new = |level: &Level| {
                 levels.last().is_none_or(|finer| {
                     let fewer = level.mesh.faces().len() as f64 <= WORTH_IT * finer.mesh.faces().len() as f64;
                     fewer && level.error() > finer.error()
                 })
             };
-            let level = level.filter(is_new);
-            idle = if level.is_some() { 0 } else { idle + 1 };
-            levels.extend(level);
+            levels.extend(level.filter(is_new));
             let is_last = |level: &Level| {
                 let n = level.mesh.faces().len();
                 n <= steps.enough || (n > steps.whole && levels.len() == 1)
             };
             let few = levels.last().is_some_and(is_last);
             match Tolerance::new(error.get() * steps.factor) {
-                Ok(coarser) if !few && idle < IDLE_STEPS => error = coarser,
+                Ok(coarser) if !few && error.get() < extent => error = coarser,
                 _ => break,
             }
         }
@@ -170,9 +168,9 @@ pub fn chain(mut source: Source<'_>, steps: &Steps, job: &Job) -> Result<Vec<Lev
     })
 }
 
-/// A level of triangles that were made with a bound of their own, and then simplified.
-fn level_of(fewer: Bounded<Simplified>, made: &Bound) -> Level {
-    let bound = if made.at_most() == Some(0.0) { fewer.bound } else { made.then(&fewer.bound) };
+/// A level, whose triangles were made of something smooth within a bound of their own, and then simplified.
+fn level_of(fewer: Bounded<Simplified>, made: Option<&Bound>) -> Level {
+    let bound = made.map_or(fewer.bound.clone(), |made| made.then(&fewer.bound));
     Level { mesh: fewer.shape.mesh, bound, kept: fewer.shape.kept }
 }
 

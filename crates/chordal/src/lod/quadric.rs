@@ -15,8 +15,9 @@ pub(super) struct Quadric {
 
 /// What pulls the best point to the middle of an edge, as a share of the trace: where planes leave a direction open, the
 /// middle decides. Measured on a
-/// torus and on scanned shapes: a hundred times more or less makes no difference that can be told.
-const PULL: f64 = 1e-5;
+/// torus and on scanned shapes: a hundred times more or less makes no difference that can be told. Small, so that planes of little weight
+/// decide too.
+const PULL: f64 = 1e-6;
 
 impl Quadric {
     /// That of one plane through `p` with a unit `normal`.
@@ -82,7 +83,6 @@ impl Quadric {
         let [xx, yy, zz, xy, xz, yz] = self.a;
         let pull = PULL * (xx + yy + zz);
         let (x, y, z) = (xx + pull, yy + pull, zz + pull);
-        let g = self.slope(middle);
         // The adjugate of the matrix, which is positive definite by the pull unless everything is 0.
         let (m00, m01, m02) = (y * z - yz * yz, xz * yz - xy * z, xy * yz - xz * y);
         let (m11, m12, m22) = (x * z - xz * xz, xy * xz - x * yz, x * y - xy * xy);
@@ -91,12 +91,16 @@ impl Quadric {
             return (middle, self.at(middle));
         }
         let over = -1.0 / det;
-        let step = [
-            (m00 * g[0] + m01 * g[1] + m02 * g[2]) * over,
-            (m01 * g[0] + m11 * g[1] + m12 * g[2]) * over,
-            (m02 * g[0] + m12 * g[1] + m22 * g[2]) * over,
-        ];
-        let p: [f64; 3] = std::array::from_fn(|k| middle[k] + step[k]);
+        let step = |from: [f64; 3]| -> [f64; 3] {
+            let g = self.slope(from);
+            [
+                from[0] + (m00 * g[0] + m01 * g[1] + m02 * g[2]) * over,
+                from[1] + (m01 * g[0] + m11 * g[1] + m12 * g[2]) * over,
+                from[2] + (m02 * g[0] + m12 * g[1] + m22 * g[2]) * over,
+            ]
+        };
+        // Again from there, so that the pull leaves next to nothing of the way to where planes do meet.
+        let p = step(step(step(middle)));
         if p.iter().any(|x| !x.is_finite()) {
             return (middle, self.at(middle));
         }

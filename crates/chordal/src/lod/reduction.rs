@@ -95,9 +95,14 @@ impl<'a> Reduction<'a> {
         Self { mesh, frame, engine, row, is_part, kept }
     }
 
+    /// Faces that are there.
+    pub fn n_faces(&self) -> usize {
+        self.engine.surface.n_faces
+    }
+
     /// Whether every face has two corners at one position, so that there is no surface.
     pub fn is_empty(&self) -> bool {
-        self.engine.surface.n_faces == 0
+        self.n_faces() == 0
     }
 
     /// Watches the distance from now on: before anything shrinks.

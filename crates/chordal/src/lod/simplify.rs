@@ -136,9 +136,11 @@ fn by_count(
         return Ok(unchanged(mesh, Kept::default()));
     }
     reduction.run(usize::try_from(most).unwrap_or(usize::MAX), &Room::everywhere(f64::INFINITY), job)?;
-    let made = reduction.mesh();
+    let (made, kept) = (reduction.mesh(), reduction.kept);
+    // The proof needs as much room again.
+    drop(reduction);
     let found = deviation(mesh, &made, &Goal::default(), job)?;
-    Ok(bounded(made, (&found, f64::INFINITY), reduction.kept))
+    Ok(bounded(made, (&found, f64::INFINITY), kept))
 }
 
 /// A mesh, and the length within which it becomes one of fewer triangles.
@@ -160,8 +162,9 @@ const LAST_LOOK: u32 = 8;
 
 /// As few triangles as fit within a length.
 pub(super) fn within(asked: &Asked<'_>) -> Result<Bounded<Simplified>, Stopped> {
-    let found = Progress::of(asked)?.within(&asked.allowed, asked.job)?;
-    Ok(found.unwrap_or_else(|| unchanged(asked.mesh, Kept::default())))
+    let mut progress = Progress::of(asked)?;
+    let found = progress.within(&asked.allowed, asked.job)?;
+    Ok(found.unwrap_or_else(|| progress.unchanged()))
 }
 
 /// A mesh on its way to ever fewer triangles, within ever larger lengths. Each is proved against the mesh itself.
@@ -169,6 +172,8 @@ pub(super) struct Progress<'a> {
     mesh: &'a Mesh,
     /// As it was when it was last proved to be near.
     proved: Reduction<'a>,
+    /// Whether it ever was.
+    is_proved: bool,
 }
 
 impl<'a> Progress<'a> {
@@ -178,10 +183,16 @@ impl<'a> Progress<'a> {
         if !proved.is_empty() {
             proved.watch(job)?;
         }
-        Ok(Self { mesh, proved })
+        Ok(Self { mesh, proved, is_proved: false })
     }
 
-    /// As few triangles as fit within what is allowed, nowhere less than before; `None` where none were found.
+    /// The mesh as it was given.
+    pub fn unchanged(&self) -> Bounded<Simplified> {
+        unchanged(self.mesh, Kept { collapsed_faces: 0, ..self.proved.kept })
+    }
+
+    /// As few triangles as fit within what is allowed, nowhere less than before; `None` where none were found, or no
+    /// fewer than the last time.
     pub fn within(&mut self, allowed: &Allowed, job: &Job) -> Result<Option<Bounded<Simplified>>, Stopped> {
         if self.proved.is_empty() {
             return Ok(None);
@@ -203,6 +214,9 @@ impl<'a> Progress<'a> {
             }
             reduction.run(0, &room, job)?;
             reduction.let_vanish(&room, job)?;
+            if self.is_proved && reduction.n_faces() == self.proved.n_faces() {
+                return Ok(None);
+            }
             let made = reduction.mesh();
             let places = places_beyond(mesh, &made, allowed, job)?;
             if places.is_empty() {
@@ -210,7 +224,7 @@ impl<'a> Progress<'a> {
                 let mut found = bounded(made, (&found, places.at_most), reduction.kept);
                 let by_place = allowed.constant().is_none() && places.pixels.is_finite();
                 found.bound.pixels = by_place.then_some(places.pixels);
-                self.proved = reduction;
+                (self.proved, self.is_proved) = (reduction, true);
                 return Ok(Some(found));
             }
             tried = Some((reduction, places));
@@ -219,7 +233,7 @@ impl<'a> Progress<'a> {
     }
 }
 
-pub(super) fn unchanged(mesh: &Mesh, kept: Kept) -> Bounded<Simplified> {
+fn unchanged(mesh: &Mesh, kept: Kept) -> Bounded<Simplified> {
     let bound = Bound::proved(0.0, 0.0, Reference::InputTriangles);
     Bounded { shape: Simplified { mesh: mesh.clone(), worst: None, kept }, bound }
 }

@@ -1,6 +1,7 @@
 //! `tree`: a large mesh as tiles that take each other's place, region by region, without a crack.
 use super::part::Parts;
-use super::simplify::{Asked, within};
+use super::reduction::Kept;
+use super::simplify::{Asked, Simplified, within};
 use crate::budget::{Allowed, Bound, Bounded, Code, Job, Refusal, Stopped, Tolerance, par_map};
 use crate::explicit::{Mesh, Topology};
 use std::collections::BTreeMap;
@@ -12,6 +13,8 @@ pub struct Tile {
     pub mesh: Mesh,
     /// How far they are from the true shape.
     pub bound: Bound,
+    /// What could not shrink there, and what went altogether.
+    pub kept: Kept,
     /// How many tiles are above it.
     pub depth: u32,
     /// The tiles that show the same region finer, by their places in [`Tree::tiles`], which come after this one; none
@@ -59,8 +62,6 @@ impl Cuts {
 
 /// One tile in place of one other that has more than this share of its triangles is left out.
 const WORTH_IT: f64 = 0.8;
-/// Steps in a row without a tile before a tree of one root ends: nothing gets coarser any more.
-const IDLE_STEPS: u32 = 4;
 /// Steps at most: 2⁴⁸ between the finest and the coarsest loss.
 const MOST_STEPS: u32 = 48;
 
@@ -138,7 +139,7 @@ struct Given<'a> {
 }
 
 /// Fewer triangles for a region, and how far they are from those of the finest mesh.
-type Fewer = Option<Bounded<Mesh>>;
+type Fewer = Option<Bounded<Simplified>>;
 
 impl Given<'_> {
     /// Regions made fewer within a length.
@@ -159,7 +160,7 @@ impl Given<'_> {
             allowed: Allowed::everywhere(length.get()),
             job: self.job,
         };
-        Ok(Some(within(&asked)?.map(|made| made.mesh)))
+        within(&asked).map(Some)
     }
 }
 
@@ -178,7 +179,10 @@ impl<'a> Growing<'a> {
         let leaves: Vec<usize> =
             regions.filter(|(_, region)| region.halves.is_none()).map(|(at, _)| at).collect();
         let meshes = par_map(given.job, &leaves, |_, region| given.parts.mesh(*region).0);
-        let leaf = |mesh| Tile { mesh, bound: given.bound.clone(), depth: 0, children: Vec::new() };
+        let leaf = |mesh| {
+            let bound = given.bound.clone();
+            Tile { mesh, bound, kept: Kept::default(), depth: 0, children: Vec::new() }
+        };
         let tiles = meshes.into_iter().map(leaf).collect();
         let tops = leaves.into_iter().enumerate().map(|(tile, region)| (region, vec![tile])).collect();
         if given.job.is_cancelled() {
@@ -189,14 +193,13 @@ impl<'a> Growing<'a> {
 
     fn run(&mut self) -> Result<(), Stopped> {
         let Cuts { step, factor, enough, .. } = *self.given.cuts;
-        let (mut length, mut idle) = (step, 0);
+        let mut length = step;
         let extent = self.given.parts.extent();
         for _ in 0..MOST_STEPS {
-            let is_one = self.tops.len() == 1;
-            if is_one && (idle == IDLE_STEPS || self.count(0) <= enough) {
+            if self.tops.len() == 1 && self.count(0) <= enough {
                 break;
             }
-            idle = if self.step(length)? { 0 } else { idle + 1 };
+            self.step(length)?;
             // Nothing is farther away than the extent.
             match Tolerance::new(length.get() * factor) {
                 Ok(longer) if length.get() < extent => length = longer,
@@ -212,10 +215,9 @@ impl<'a> Growing<'a> {
         tiles.map(|tile| self.tiles[*tile].mesh.faces().len()).sum()
     }
 
-    /// Puts a tile above what there is, wherever a length brings fewer triangles; whether it did anywhere.
-    fn step(&mut self, length: Tolerance) -> Result<bool, Stopped> {
+    /// Puts a tile above what there is, wherever a length brings fewer triangles.
+    fn step(&mut self, length: Tolerance) -> Result<(), Stopped> {
         let most = self.given.cuts.most;
-        let mut did = false;
         // Two halves that are likely to fit into one tile, since each step leaves about half.
         let halves = |region: &usize| self.given.parts.regions[*region].halves;
         let fit = |[a, b]: [usize; 2]| {
@@ -230,7 +232,7 @@ impl<'a> Growing<'a> {
         let mut tried: Vec<usize> = self.tops.keys().copied().collect();
         for (parent, fewer) in parents.iter().zip(self.given.fewer(&parents, length)?) {
             let Some(first) = self.given.parts.regions[*parent].halves else { continue };
-            let n = fewer.as_ref().map_or(usize::MAX, |fewer| fewer.shape.faces().len());
+            let n = fewer.as_ref().map_or(usize::MAX, |fewer| fewer.shape.mesh.faces().len());
             if n > most {
                 continue;
             }
@@ -243,21 +245,20 @@ impl<'a> Growing<'a> {
             if is_fewer && let Some(fewer) = fewer {
                 self.put(*parent, fewer);
             }
-            did = true;
         }
         for (region, fewer) in tried.iter().zip(self.given.fewer(&tried, length)?) {
             let Some(fewer) = fewer else { continue };
-            if fewer.shape.faces().len() as f64 <= WORTH_IT * self.count(*region) as f64 {
-                did |= self.put(*region, fewer);
+            if fewer.shape.mesh.faces().len() as f64 <= WORTH_IT * self.count(*region) as f64 {
+                self.put(*region, fewer);
             }
         }
-        Ok(did)
+        Ok(())
     }
 
     /// A tile above those that show a region. Its error is larger than theirs, or those that it beats go.
-    fn put(&mut self, region: usize, fewer: Bounded<Mesh>) -> bool {
+    fn put(&mut self, region: usize, fewer: Bounded<Simplified>) {
         let bound = self.given.bound.then(&fewer.bound);
-        let Some(error) = bound.at_most() else { return false };
+        let Some(error) = bound.at_most() else { return };
         let is_same = fewer.bound.at_most() == Some(0.0);
         let mut below = if is_same { Vec::new() } else { self.tops.remove(&region).unwrap_or_default() };
         // A leaf has the error of the finest mesh, and this one more, or it would be a leaf itself.
@@ -266,8 +267,8 @@ impl<'a> Growing<'a> {
             below.splice(at..=at, finer);
         }
         self.tops.insert(region, vec![self.tiles.len()]);
-        self.tiles.push(Tile { mesh: fewer.shape, bound, depth: 0, children: below });
-        true
+        let Simplified { mesh, kept, .. } = fewer.shape;
+        self.tiles.push(Tile { mesh, bound, kept, depth: 0, children: below });
     }
 
     /// The tiles that are left, by depth.
