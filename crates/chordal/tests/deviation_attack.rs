@@ -1,34 +1,14 @@
 //! Attacks on what is called proved: `check::deviation`, the bounds of `mend`, and `check::self_intersections`.
 //! Each test is named after what once went wrong, or after the weak place that it leans on.
+#[path = "solids/random.rs"]
+mod random;
+
 use chordal::check::{Deviation, Goal, deviation, self_intersections};
 use chordal::explicit::Topology;
 use chordal::{Job, Mesh, Tolerance, budget::Metric, mend};
+use random::Random;
 
 type P = [f64; 3];
-
-/// Random numbers that are the same everywhere: splitmix64.
-struct Random(u64);
-
-impl Random {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.bits() % n as u64) as usize
-    }
-
-    fn point(&mut self) -> P {
-        std::array::from_fn(|_| self.unit())
-    }
-}
 
 fn mesh(positions: &[P], faces: &[[u32; 3]]) -> Mesh {
     Mesh::new(positions.to_vec(), faces.to_vec()).expect("finite")

@@ -1,6 +1,6 @@
 //! Pixels at a camera: what is far away may lose more, and on the screen nothing moves farther than promised.
 use crate::random::Random;
-use crate::sampler::{Point, Tree, cross, dot, nearest, norm, on, sub, weights};
+use crate::sampler::{FIXED, Point, Tree, cross, dot, nearest, norm, on, sub, weights};
 use crate::{length, made, n_faces, shapes};
 use chordal::budget::{Camera, Code, Projection, View};
 use chordal::explicit::Topology;
@@ -89,16 +89,8 @@ fn one_way(from: &Mesh, to: &Mesh, (screen, random): (&Screen, &mut Random)) -> 
     let (mut most, mut n_seen) = (0.0_f64, 0);
     for face in 0..from.faces().len() {
         let t = from.corners(face);
-        let fixed = [
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, 0.0, 1.0],
-            [0.5, 0.5, 0.0],
-            [0.0, 0.5, 0.5],
-            [0.5, 0.0, 0.5],
-        ];
         let more: Vec<_> = (0..200_000 / from.faces().len() + 4).map(|_| weights(random)).collect();
-        for w in fixed.into_iter().chain(more) {
+        for w in FIXED.into_iter().chain(more) {
             let p = on(t, w);
             let other = to.corners(tree.distance(p).1 as usize);
             let q = on(other, nearest(p, other));

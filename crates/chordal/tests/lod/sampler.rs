@@ -165,6 +165,17 @@ pub fn weights(random: &mut Random) -> [f64; 3] {
     if a + b < 1.0 { [a, b, 1.0 - a - b] } else { [1.0 - a, 1.0 - b, a + b - 1.0] }
 }
 
+/// Points of a face that are always looked at, by their weights: corners, the middles of edges, and the middle.
+pub const FIXED: [Point; 7] = [
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [0.5, 0.5, 0.0],
+    [0.0, 0.5, 0.5],
+    [0.5, 0.0, 0.5],
+    [1.0 / 3.0; 3],
+];
+
 /// The farthest of many points of one surface from another: corners, middles, and random points by area, `n` of them
 /// about.
 pub fn farthest(from: &Mesh, to: &Mesh, (n, random): (usize, &mut Random)) -> f64 {
@@ -174,16 +185,7 @@ pub fn farthest(from: &Mesh, to: &Mesh, (n, random): (usize, &mut Random)) -> f6
     let whole: f64 = triangles.iter().map(area).sum();
     let mut most = 0.0_f64;
     for t in &triangles {
-        let fixed = [
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, 0.0, 1.0],
-            [0.5, 0.5, 0.0],
-            [0.0, 0.5, 0.5],
-            [0.5, 0.0, 0.5],
-            [1.0 / 3.0; 3],
-        ];
-        fixed.iter().for_each(|w| most = most.max(tree.distance(on(*t, *w)).0));
+        FIXED.iter().for_each(|w| most = most.max(tree.distance(on(*t, *w)).0));
         for _ in 0..(n as f64 * area(t) / whole).ceil() as usize {
             most = most.max(tree.distance(on(*t, weights(random))).0);
         }

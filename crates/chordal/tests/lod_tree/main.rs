@@ -1,4 +1,6 @@
 //! Trees of tiles: the leaves are the mesh, any mixture of depths is one surface, and its bound holds.
+#[path = "../solids/random.rs"]
+mod random;
 #[path = "../solids/shapes.rs"]
 mod shapes;
 
@@ -7,24 +9,8 @@ use chordal::check::{Goal, Validity, deviation, validity};
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::lod::{Cuts, Tile, Tree, tree};
 use chordal::{Bound, Bounded, Job, Mesh, Tolerance};
+use random::Random;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// A generator with a printed seed (Steele, Lea and Flood, *SplitMix*, 2014).
-struct Random(u64);
-
-impl Random {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// −1 … 1.
-    fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-}
 
 /// Tiles of so many triangles, the first above the leaves within a share of the diagonal.
 fn cuts(mesh: &Mesh, most: usize, share: f64) -> Cuts {
@@ -94,10 +80,10 @@ fn leaves_are(made: &Tree, mesh: &Mesh) {
 fn mixture<'a>(made: &'a Tree, random: &mut Random) -> Vec<&'a Tile> {
     let mut open = made.roots.clone();
     let mut shown = Vec::new();
-    let go_on = random.unit();
+    let go_on = random.signed();
     while let Some(at) = open.pop() {
         let tile = &made.tiles[at];
-        if tile.children.is_empty() || random.unit() < go_on {
+        if tile.children.is_empty() || random.signed() < go_on {
             shown.push(tile);
         } else {
             open.extend(&tile.children);
@@ -364,7 +350,7 @@ fn soups_keep_their_bounds() {
         let mut random = Random(seed);
         let n = 40;
         // Lattice points, so that many corners, edges and whole triangles meet, and some have no area.
-        let mut coordinate = || (2.5 * random.unit()).round();
+        let mut coordinate = || (2.5 * random.signed()).round();
         let positions: Vec<[f64; 3]> = (0..n).map(|_| std::array::from_fn(|_| coordinate())).collect();
         let mut row = || (random.bits() % n) as u32;
         let faces = (0..60).map(|_| [row(), row(), row()]).collect();

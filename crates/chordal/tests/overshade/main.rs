@@ -1,32 +1,14 @@
 //! What a graphics processor would shade: closed forms, a naive rasterizer that shares no code, and hostile input.
 mod naive;
+#[path = "../solids/random.rs"]
+mod random;
 
 use chordal::budget::{Camera, Code, Projection, Screen, Stopped};
 use chordal::check::{Overshade, flicker, micro_triangles, overshade};
 use chordal::explicit::Sides;
 use chordal::{Job, Mesh, View};
 use naive::{Naive, naive};
-
-/// A generator with a printed seed (Steele, Lea and Flood, *SplitMix*, 2014).
-struct Random(u64);
-
-impl Random {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// −1 … 1.
-    fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    fn below(&mut self, n: u64) -> u64 {
-        self.bits() % n
-    }
-}
+use random::Random;
 
 fn camera(projection: Projection, [width_px, height_px]: [u32; 2]) -> Camera {
     let screen = Screen { width_px, height_px };
@@ -82,9 +64,9 @@ fn sphere(n: u32) -> Mesh {
 fn soup(n: u32, random: &mut Random) -> Mesh {
     let mut positions = Vec::new();
     for _ in 0..n {
-        let size = [8.0, 1.0, 0.1, 0.01][random.below(4) as usize];
-        let at = [5.0 * random.unit(), 5.0 * random.unit(), 6.0 * random.unit()];
-        positions.extend((0..3).map(|_| at.map(|x| x + size * random.unit())));
+        let size = [8.0, 1.0, 0.1, 0.01][random.below(4)];
+        let at = [5.0 * random.signed(), 5.0 * random.signed(), 6.0 * random.signed()];
+        positions.extend((0..3).map(|_| at.map(|x| x + size * random.signed())));
     }
     mesh(positions, (0..n).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect())
 }
@@ -161,7 +143,7 @@ fn a_triangle_that_covers_the_screen_wastes_nothing() {
 fn a_triangle_wastes_lanes_only_where_its_edges_pass() {
     let mut random = Random(7);
     for _ in 0..50 {
-        let corner = |random: &mut Random| [40.0 * random.unit(), 40.0 * random.unit(), 0.0];
+        let corner = |random: &mut Random| [40.0 * random.signed(), 40.0 * random.signed(), 0.0];
         let corners = vec![corner(&mut random), corner(&mut random), corner(&mut random)];
         let found = seen(&mesh(corners.clone(), vec![[0, 1, 2]]), &by_pixels([64, 64]));
         // An edge passes at most two quads for each row of quads that it spans and two for each column.
@@ -212,7 +194,7 @@ fn every_pixel_of_a_tiling_belongs_to_one_triangle() {
         let flat = grid([n; 2], step, [-40.0, -40.0]);
         // Moved within their cells, so that none turns over, and some on to pixel centres.
         let move_by = |p: &[f64; 3], random: &mut Random| {
-            let moved = [p[0] + 0.2 * step * random.unit(), p[1] + 0.2 * step * random.unit()];
+            let moved = [p[0] + 0.2 * step * random.signed(), p[1] + 0.2 * step * random.signed()];
             let [x, y] =
                 if step > 8.0 && random.below(2) == 0 { moved.map(|x| x.floor() + 0.5) } else { moved };
             [x, y, 0.0]
@@ -361,8 +343,8 @@ fn no_finite_mesh_breaks_it() {
     for round in 0..40 {
         let corner = |random: &mut Random| {
             [0, 1, 2].map(|_| {
-                let x = extremes[random.below(extremes.len() as u64) as usize];
-                if round % 2 == 0 { x } else { x * random.unit() }
+                let x = extremes[random.below(extremes.len())];
+                if round % 2 == 0 { x } else { x * random.signed() }
             })
         };
         let positions = (0..30).map(|_| corner(&mut random)).collect();
@@ -467,7 +449,7 @@ fn detail_below_the_pixel_flickers_as_chance_would_and_a_smooth_surface_hardly()
         let mut random = Random(9);
         // As steep at every size.
         let high = 30.0 / f64::from(n);
-        let lift = |p: &[f64; 3]| [p[0], p[1], high * random.unit()];
+        let lift = |p: &[f64; 3]| [p[0], p[1], high * random.signed()];
         mesh(flat.positions().iter().map(lift).collect(), flat.faces().to_vec())
     };
     let rms = |mesh: &Mesh| flicker(mesh, &by_pixels([60, 60]), Sides::Both, &Job::default()).unwrap().rms;
