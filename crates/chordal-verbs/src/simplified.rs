@@ -99,8 +99,8 @@ struct Share {
 }
 
 impl Share {
-    /// How far a part is off on the screen that was simplified by place, or not at all: by that, by rounding to the format
-    /// and by rounding in its place. Pixels add as lengths do.
+    /// How far a part is off on the screen that was simplified by place, or not at all: by that, and by rounding to the format
+    /// and in its place.
     fn pixels_of(
         &self,
         made: &Bounded<Simplified>,
@@ -111,9 +111,9 @@ impl Share {
         // What was made may reach out of where the part was.
         let own = [made.shape.mesh.bounds()];
         let now = if self.budget.pixels.is_some() { &own } else { self.boxes.as_slice() };
-        let steps = [simplified, pixels_at(now, snapped, view)?, pixels_at(&self.boxes, placed, view)?];
-        let steps = steps.into_iter().filter(|step| *step > 0.0);
-        Some(steps.fold(0.0, |sum, step| if sum == 0.0 { step } else { add_up(sum, step) }))
+        let rounded =
+            if snapped == 0.0 || placed == 0.0 { snapped + placed } else { add_up(snapped, placed) };
+        view.pixels_of_both(simplified, pixels_at(now, rounded, view)?)
     }
 }
 
@@ -320,14 +320,14 @@ fn shares(scene: &Scene, most: u64, job: &Job) -> Result<Vec<u64>, MeshFailure> 
 /// The name of the attribute that says of which place a triangle is.
 const PLACE: &str = "place";
 
-fn add(all: &mut Kept, one: Kept) {
+pub(crate) fn add(all: &mut Kept, one: Kept) {
     all.tied_vertices += one.tied_vertices;
     all.collapsed_faces += one.collapsed_faces;
     all.vanished_components += one.vanished_components;
 }
 
 /// What a reader should know of how it went.
-fn told(kept: &Kept) -> Vec<String> {
+pub(crate) fn told(kept: &Kept) -> Vec<String> {
     let mut notes = Vec::new();
     if kept.tied_vertices > 0 {
         notes.push(format!(

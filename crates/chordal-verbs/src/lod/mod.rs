@@ -1,12 +1,13 @@
 //! `lod`: any surface into levels of detail, each with its own bound, as one GLB or as 3D Tiles.
 mod tileset;
 
-use crate::mesh::{refused, set_aside, snapped, widened};
+use crate::mesh::{refused, set_aside, snapped, too_fine, widened};
 use crate::placed::{self, Assembled, Placed};
 use crate::polylines::Asked;
 use crate::report::{
     BoundFacts, BudgetFacts, Certificate, Counted, LevelFacts, LevelsFacts, Output, ShownFacts, ViewFacts,
 };
+use crate::simplified::{told, without_normals};
 use crate::written::as_written;
 use crate::{BudgetSpec, Input, MeshFailure, Normals, Shape, cage, implicit, surfaces};
 use chordal::budget::{
@@ -91,10 +92,16 @@ const COVERED: [f64; 4] = [1000.0, 200.0, 20.0, 2.0];
 /// written: positions in single precision.
 ///
 /// # Errors
-/// As for [`crate::mesh()`]; [`MeshFailure::Usage`] for curves, which have no levels.
+/// As for [`crate::mesh()`]; [`MeshFailure::Usage`] for curves, which have no levels, for parallel rays, and where tiles would be
+/// more than 20,000.
 pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFailure> {
     if matches!(input.shape, Shape::Drawing(_) | Shape::Curves(_)) {
         return Err(MeshFailure::Usage("levels of detail are for surfaces, and these are curves".to_owned()));
+    }
+    if spec.lens.focal_px().is_none() {
+        let message =
+            "levels change with the distance, which parallel rays do not see: give the view a field of view";
+        return Err(MeshFailure::Usage(message.to_owned()));
     }
     let mut certificate = Certificate::of(&input);
     let place = input.shape.hull()?;
@@ -106,7 +113,8 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     // Rounding to single precision is the same for every level, about.
     let lost = worst_snap(&widened(&place), Format::Glb);
     let mut inner = set_aside(&Budget::length(finest), lost, &place, Format::Glb)?;
-    let mut maker = Maker { shape: input.shape, notes: Vec::new(), place, job };
+    let has_new_normals = !matches!(spec.normals, Normals::Auto | Normals::Keep);
+    let mut maker = Maker { shape: input.shape, notes: Vec::new(), place, has_new_normals, job };
     let triangles = maker.triangles(&mut certificate.notes)?;
     if let Some((_, moved, _)) = &triangles {
         inner = set_aside(&inner, *moved, &place, Format::Glb)?;
@@ -131,6 +139,9 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     })?;
     certificate.notes.append(&mut maker.notes);
     certificate.notes.dedup();
+    if let Some(coarsest) = chain.last() {
+        certificate.notes.extend(told(&coarsest.kept));
+    }
     let more = Bound::proved(0.0, moved, Reference::InputTriangles);
     let moved = |bound: Bound| if moved > 0.0 { bound.then(&more) } else { bound };
     let looks = Looks { normals: spec.normals, from: normals_by(from), frame };
@@ -138,6 +149,13 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     let made = if is_cut {
         let finest = chain.into_iter().next().map(|level| (level.mesh, moved(level.bound)));
         let (mesh, bound) = finest.ok_or_else(|| refused(Code::Empty, "there is no triangle to show"))?;
+        if mesh.faces().len() / whole > MOST_TILES {
+            let message = format!(
+                "{} triangles in tiles of {whole} are more than {MOST_TILES} files: let --tile-triangles be larger",
+                mesh.faces().len()
+            );
+            return Err(MeshFailure::Usage(message));
+        }
         let cut = Cut::of(Bounded { shape: mesh, bound }, &looks, (whole, &mut certificate.notes), job)?;
         Made::Cut(Box::new(cut))
     } else {
@@ -163,6 +181,10 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
     let levels = made.counts();
     let errors: Vec<f64> = levels.iter().map(|level| level.at_most).collect();
     let switches = Switches::new(&errors, spec.lens, spec.pixels);
+    if let Some(distance) = switches.distance(0).filter(|d| *d > 0.0 && d.is_finite()) {
+        let seen = Budget::pixels(spec.pixels, View::Closest(Closest { distance, ..spec.lens }));
+        certificate.notes.extend(too_fine(&first.scene, &seen, job)?);
+    }
     let mut outcome = LodOutcome { made, switches, spec: spec.clone(), diagonal, certificate };
     outcome.certificate.levels = Some(outcome.facts(levels));
     Ok(outcome)
@@ -197,6 +219,9 @@ fn counts(scene: &Scene) -> (u64, u64) {
     })
 }
 
+/// Leaves of a tree of tiles, at most. Chosen: each is a file, and all are in memory at once.
+const MOST_TILES: usize = 20_000;
+
 /// What triangles of fields may use of the finest error. Chosen: half of it takes several times as long to make and to prove.
 const SHARE_OF_FIELDS: f64 = 0.8;
 
@@ -217,10 +242,8 @@ fn finest(shape: &Shape, spec: &LodSpec, certificate: &mut Certificate) -> Resul
         return budget.length.ok_or_else(|| refused(Code::Budget, "the budget has no length"));
     }
     let diagonal = shape.diagonal()?;
-    let distance = spec.nearest.unwrap_or_else(|| match spec.lens.focal_px() {
-        Some(focal) => diagonal * focal / f64::from(spec.lens.screen.height_px),
-        None => 1.0,
-    });
+    let focal = spec.lens.focal_px().unwrap_or(f64::INFINITY);
+    let distance = spec.nearest.unwrap_or(diagonal * focal / f64::from(spec.lens.screen.height_px));
     if spec.nearest.is_none() {
         certificate.notes.push(format!(
             "nothing says how near the eye comes: the finest level is for {distance:.6}, where the box fills the height of \
@@ -242,6 +265,8 @@ struct Maker<'a> {
     shape: Shape,
     notes: Vec<String>,
     place: Box3,
+    /// Whether normals are made anew, so that those that came along keep no edge.
+    has_new_normals: bool,
     job: &'a Job,
 }
 
@@ -249,7 +274,10 @@ impl Maker<'_> {
     /// The triangles of a shape that is triangles, as one mesh, how far its places moved it, and how rows are tied.
     fn triangles(&mut self, notes: &mut Vec<String>) -> Result<Option<(Mesh, f64, Topology)>, MeshFailure> {
         let Shape::Scene(scene) = &mut self.shape else { return Ok(None) };
-        let Placed { scene, moved_at_most, left_out } = placed::flattened(std::mem::take(scene))?;
+        let Placed { mut scene, moved_at_most, left_out } = placed::flattened(std::mem::take(scene))?;
+        if self.has_new_normals {
+            without_normals(&mut scene)?;
+        }
         if left_out > 0 {
             notes.push(format!("parts that stand nowhere in the scene were left out ({left_out}x)"));
         }
@@ -325,6 +353,7 @@ impl Made {
             vertices: level.vertices,
             at_least: level.bound.at_least(),
             at_most: level.error(),
+            evidence: level.bound.evidence().as_str(),
             distance: None,
             tiles: 1,
         };
@@ -402,7 +431,8 @@ impl LodOutcome {
         glb::write_levels(&levels, out)
     }
 
-    /// The share of the screen that a ball around the shape covers where each level gives way to the next.
+    /// The share of the screen that a ball around the shape covers where each level gives way to the next: viewers see its middle, which may be
+    /// half a diagonal behind the side of the box.
     fn coverages(&self, n_levels: usize) -> Vec<f64> {
         let lens = &self.spec.lens;
         let pixels = f64::from(lens.screen.width_px) * f64::from(lens.screen.height_px);
@@ -411,10 +441,10 @@ impl LodOutcome {
             .map(|k| {
                 let next = self.switches.distance(k + 1).filter(|d| d.is_finite());
                 let Some((distance, focal)) = next.zip(lens.focal_px()) else { return 0.0 };
-                let across = self.diagonal * focal / distance;
+                let across = self.diagonal * focal / (distance + 0.5 * self.diagonal);
                 let share = 0.25 * std::f64::consts::PI * across * across / pixels;
                 // Shares fall from level to level, also where the shape is larger than the screen.
-                let most = if before < 1.0 { 0.99 * before } else { 1.0 };
+                let most = if before <= 1.0 { 0.99 * before } else { 1.0 };
                 before = if share < most { share } else { most };
                 before
             })

@@ -4,10 +4,11 @@ use crate::MeshFailure;
 use crate::mesh::refused;
 use crate::placed;
 use crate::report::LevelFacts;
+use crate::simplified::{add, told};
 use crate::written::{as_written, unsupported};
 use chordal::budget::{Bound, Code, Reference, Stopped, Tolerance};
 use chordal::explicit::Topology;
-use chordal::lod::{self, Cuts, Switches};
+use chordal::lod::{self, Cuts, Kept, Switches};
 use chordal::math::{Box3, add_up, mul_up};
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::tiles::{self, Tile, Tileset};
@@ -66,6 +67,9 @@ impl Cut {
             Stopped::Refused(refusal) => MeshFailure::Refused(refusal),
             Stopped::Cancelled => MeshFailure::Cancelled,
         })?;
+        let mut kept = Kept::default();
+        made.roots.iter().for_each(|root| add(&mut kept, made.tiles[*root].kept));
+        notes.extend(told(&kept));
         let (mut tiles, mut children) = (Vec::new(), Vec::new());
         for tile in made.tiles {
             let snapped = snap(&tile.mesh, Format::Stl).map_err(MeshFailure::TooWide)?;
@@ -113,6 +117,7 @@ impl Cut {
                 vertices: sum(|tile| tile.vertices),
                 at_least,
                 at_most,
+                evidence: self.finest.bound.evidence().as_str(),
                 distance: None,
                 tiles,
             };

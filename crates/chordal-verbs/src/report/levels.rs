@@ -26,8 +26,10 @@ pub struct LevelFacts {
     pub vertices: u64,
     /// It is at least this far from the true shape.
     pub at_least: f64,
-    /// It is at most this far, proved.
+    /// It is at most this far.
     pub at_most: f64,
+    /// How that is known: proved, or proved on what the bound of the whole assumes.
+    pub evidence: &'static str,
     /// From this distance to the box on it may be shown, anywhere on the screen; none where no distance is far enough.
     pub distance: Option<f64>,
     /// In how many files it is.
