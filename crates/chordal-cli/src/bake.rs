@@ -4,12 +4,12 @@ use crate::clock::Clock;
 use crate::common;
 use crate::fault::Fault;
 use crate::input::Source;
-use crate::numbers::{Toward, grouped, point, short, size};
+use crate::numbers::{Toward, grouped, point, short};
 use crate::output::Target;
 use crate::summary::Lines;
 use crate::talk::Talk;
 use chordal_io::Format;
-use chordal_verbs::report::{BakedFacts, Report, Run};
+use chordal_verbs::report::{BakedFacts, Report};
 use chordal_verbs::{BakeSpec, bake, extension};
 use clap::Args;
 use std::path::Path;
@@ -70,13 +70,7 @@ pub fn run(args: &BakeArgs) -> Result<(), Fault> {
         talk.warn(&name, &[&facts.solid.sentence]);
     }
     let bytes = target.write(&mut |out| outcome.write(out))?;
-    let run = Run {
-        verb: "bake",
-        input: Some(name),
-        output: Some(target.name()),
-        bytes: Some(bytes),
-        ..Run::default()
-    };
+    let run = common::run("bake", name, &target, bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| talk.detail(note));
     talk.result(&report.to_value(), &told(&report), stdout)
@@ -96,15 +90,11 @@ fn format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
 }
 
 fn told(report: &Report) -> String {
-    let run = &report.run;
-    let name = |name: &Option<String>| name.clone().unwrap_or_default();
-    let mut lines = Lines::titled(&format!("{} -> {}", name(&run.input), name(&run.output)));
+    let mut lines = Lines::of_run(&report.run);
     if let Some(facts) = &report.certificate.baked {
         baked(&mut lines, facts);
     }
-    lines.add_if("size", run.bytes.map(size));
-    lines.add_if("seconds", run.seconds.map(|seconds| format!("{seconds:.2}")));
-    lines.finish()
+    lines.finish_run(&report.run)
 }
 
 fn baked(lines: &mut Lines, facts: &BakedFacts) {

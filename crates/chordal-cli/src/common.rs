@@ -2,11 +2,12 @@
 use crate::args::{InputArgs, OutputArgs, TalkArgs};
 use crate::fault::{Exit, Fault};
 use crate::input::Source;
-use crate::output::Existing;
+use crate::output::{Existing, Target};
 use crate::signal;
 use crate::talk::{Stdout, Talk};
 use chordal::Job;
 use chordal_io::{Format, Limits};
+use chordal_verbs::report::Run;
 use chordal_verbs::{Hint, Input, MeshFailure, load};
 
 /// Reads what `args` name, tells its warnings, and adds what the user knows of its space.
@@ -117,6 +118,11 @@ pub fn job(input: &InputArgs, output: Option<&OutputArgs>, talk: &Talk) -> Job {
 /// What `--force` says.
 pub fn existing(args: &OutputArgs) -> Existing {
     if args.force { Existing::Replace } else { Existing::Keep }
+}
+
+/// A run of a verb that made one thing of another and wrote it.
+pub fn run(verb: &'static str, input: String, target: &Target, bytes: u64) -> Run {
+    Run { verb, input: Some(input), output: Some(target.name()), bytes: Some(bytes), ..Run::default() }
 }
 
 /// Whether a summary can go to stdout.

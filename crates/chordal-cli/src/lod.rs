@@ -4,12 +4,12 @@ use crate::clock::Clock;
 use crate::common;
 use crate::fault::Fault;
 use crate::input::Source;
-use crate::numbers::{Toward, grouped, short, size};
-use crate::output::Target;
+use crate::numbers::{Toward, grouped, short};
+use crate::output::{Existing, Target};
 use crate::summary::Lines;
 use crate::talk::Talk;
 use chordal::budget::{Closest, Length, Pixels, View};
-use chordal_verbs::report::{LevelsFacts, Report, Run};
+use chordal_verbs::report::{LevelFacts, LevelsFacts, Report};
 use chordal_verbs::{LodOutcome, LodSpec, Normals, TileErrors, extension, lod};
 use clap::{Args, ValueEnum};
 use std::path::Path;
@@ -89,14 +89,21 @@ pub struct Lens {
 
 /// A view from any side; without a distance, which is then nobody's.
 fn lens(text: &str) -> Result<Lens, String> {
-    let has_distance = text.split_whitespace().any(|word| word.starts_with("dist="));
-    let is_parallel = text.split_whitespace().any(|word| word.starts_with("height="));
-    let whole = if has_distance || is_parallel { text.to_owned() } else { format!("{text} dist=1") };
+    let says = |key: &str| text.split_whitespace().any(|word| word.starts_with(key));
+    if says("eye=") || says("target=") {
+        return Err("levels of detail are for every direction: leave out eye and target".to_owned());
+    }
+    if says("height=") {
+        return Err(
+            "levels change with the distance, which parallel rays do not see: say fov instead of height"
+                .to_owned(),
+        );
+    }
+    let has_distance = says("dist=");
+    let whole = if has_distance { text.to_owned() } else { format!("{text} dist=1") };
     match whole.parse::<View>().map_err(|error| error.to_string())? {
         View::Closest(closest) => Ok(Lens { closest, has_distance }),
-        View::Camera(_) => {
-            Err("levels of detail are for every direction: leave out eye and target".to_owned())
-        }
+        View::Camera(_) => Err("levels of detail are for every direction".to_owned()),
     }
 }
 
@@ -116,13 +123,24 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let source = Source::from_arg(&args.input.input);
     let job = common::job(&args.input, Some(&args.output), &talk);
     let existing = common::existing(&args.output);
-    let target = if as_tiles {
-        Target::prepare_in(&args.output.output, LIST, existing)?
-    } else {
-        Target::prepare(&args.output.output, existing, &source)?
+    if as_tiles {
+        check_folder(&args.output.output, &source, existing)?;
+    }
+    let one_file = match as_tiles {
+        true => None,
+        false => Some(Target::prepare(&args.output.output, existing, &source)?),
     };
     let mut input = common::read(&args.input, &talk)?;
     args.volume.apply(&mut input.shape)?;
+    // The folder is made when there is something to put into it.
+    let target = match one_file {
+        Some(target) => target,
+        None => Target::prepare_in(&args.output.output, LIST, existing)?,
+    };
+    if args.view.has_distance && (args.nearest.is_some() || args.tol.is_some()) {
+        let message = "--view says a distance, and so does --nearest, or --tol in its place: say one of them";
+        return Err(Fault::usage(message.to_owned()));
+    }
     let own = args.view.has_distance.then_some(args.view.closest.distance);
     let spec = LodSpec {
         pixels: args.px,
@@ -144,13 +162,7 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     } else {
         target.write(&mut |out| outcome.write(out))?
     };
-    let run = Run {
-        verb: "lod",
-        input: Some(name),
-        output: Some(target.name()),
-        bytes: Some(bytes),
-        ..Run::default()
-    };
+    let run = common::run("lod", name, &target, bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| talk.detail(note));
     talk.result(&report.to_value(), &told(&report), stdout)
@@ -174,10 +186,11 @@ fn as_tiles(output: &Path) -> Result<bool, Fault> {
     }
 }
 
-/// Writes all tiles, the list of them last: until then an older list holds.
+/// Writes all tiles, the list of them last. An older list goes first: its tiles would no longer be what it says.
 fn written(outcome: &LodOutcome, args: &LodArgs, list: &Target) -> Result<u64, Fault> {
     let name = args.input.input.display().to_string();
     let files = outcome.tileset().map_err(|failure| common::fault(&name, &failure, ""))?;
+    list.clear()?;
     let mut bytes = 0;
     for (name, content) in files {
         let target = if name == LIST {
@@ -190,32 +203,98 @@ fn written(outcome: &LodOutcome, args: &LodArgs, list: &Target) -> Result<u64, F
     Ok(bytes)
 }
 
+/// The folder for tiles: not that of the input, and, unless files may be replaced, without an older tileset or what one left.
+fn check_folder(folder: &Path, source: &Source, existing: Existing) -> Result<(), Fault> {
+    let name = folder.display();
+    if let Source::File(input) = source
+        && let (Some(Ok(at)), Ok(to)) =
+            (input.parent().map(|at| folder_or_here(at).canonicalize()), folder.canonicalize())
+        && at == to
+        && is_tile(input)
+    {
+        return Err(Fault::output(
+            "output-is-input",
+            format!(
+                "{name}: the input is a tile of this folder, which would be replaced; choose another folder"
+            ),
+        ));
+    }
+    let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
+    let older = entries.flatten().map(|entry| entry.path()).find(|path| is_tile(path));
+    match (older, existing) {
+        (Some(path), Existing::Keep) => Err(Fault::output(
+            "output-exists",
+            format!("{}: a tile is there already; --force replaces those of the same names", path.display()),
+        )),
+        _ => Ok(()),
+    }
+}
+
+fn folder_or_here(folder: &Path) -> &Path {
+    if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
+}
+
+/// Whether a name is one that tiles get.
+fn is_tile(path: &Path) -> bool {
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    let number = |start: &str| name.strip_prefix(start)?.strip_suffix(".glb");
+    [number("level_"), number("tile_")]
+        .into_iter()
+        .flatten()
+        .any(|number| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit()))
+}
+
 fn told(report: &Report) -> String {
-    let run = &report.run;
-    let name = |name: &Option<String>| name.clone().unwrap_or_default();
-    let mut lines = Lines::titled(&format!("{} -> {}", name(&run.input), name(&run.output)));
+    let mut lines = Lines::of_run(&report.run);
     if let Some(facts) = &report.certificate.levels {
         levels(&mut lines, facts);
     }
-    lines.add_if("size", run.bytes.map(size));
-    lines.add_if("seconds", run.seconds.map(|seconds| format!("{seconds:.2}")));
-    lines.finish()
+    lines.finish_run(&report.run)
+}
+
+/// A level with more than this share of the triangles of the one above it is not listed. Chosen: a tree of regions has dozens of them.
+const WORTH_A_LINE: f64 = 0.8;
+
+/// Which levels are listed: those that differ, and the last.
+fn listed(facts: &LevelsFacts) -> Vec<bool> {
+    let mut last = f64::INFINITY;
+    let n = facts.levels.len();
+    let of = |(k, level): (usize, &LevelFacts)| {
+        let is_listed = k + 1 == n || level.triangles as f64 <= WORTH_A_LINE * last;
+        last = if is_listed { level.triangles as f64 } else { last };
+        is_listed
+    };
+    facts.levels.iter().enumerate().map(of).collect()
 }
 
 fn levels(lines: &mut Lines, facts: &LevelsFacts) {
-    for (k, level) in facts.levels.iter().enumerate() {
+    let listed = listed(facts);
+    for (k, level) in facts.levels.iter().enumerate().filter(|(k, _)| listed[*k]) {
         let from = level.distance.map_or("never".to_owned(), |d| format!("from {} on", short(d, Toward::Up)));
         lines.add(
             &format!("level {k}"),
             format!(
-                "{} triangles{}, off by at most {} (proved), {from}",
+                "{} triangles{}, off by at most {} ({}), {from}",
                 grouped(level.triangles),
                 if level.tiles == 1 { String::new() } else { format!(" in {} tiles", level.tiles) },
-                short(level.at_most, Toward::Up)
+                short(level.at_most, Toward::Up),
+                level.evidence,
             ),
         );
     }
-    for shown in &facts.shown {
+    let left_out = listed.iter().filter(|is_listed| !**is_listed).count();
+    lines.add_if(
+        "more",
+        (left_out > 0).then(|| {
+            format!(
+                "{left_out} levels between these, each with little less than the one above; --json lists all"
+            )
+        }),
+    );
+    let is_of_one_left_out = |distance: f64| {
+        facts.levels.iter().zip(&listed).any(|(level, listed)| !listed && level.distance == Some(distance))
+    };
+    for shown in facts.shown.iter().filter(|shown| !is_of_one_left_out(shown.distance)) {
         let pixels = shown.pixels.map_or("no bound".to_owned(), |px| format!("{} px", short(px, Toward::Up)));
         lines.add(
             "at distance",

@@ -11,7 +11,7 @@ use crate::summary::{self, plural};
 use crate::talk::Talk;
 use chordal::budget::Length;
 use chordal_io::Format;
-use chordal_verbs::report::{FindingFacts, MendedFacts, Report, Run, Valid};
+use chordal_verbs::report::{FindingFacts, MendedFacts, Report, Valid};
 use chordal_verbs::{Closeness, Duplicates, Holes, MendSpec, mend};
 use clap::{ArgGroup, Args, ValueEnum};
 use std::fmt::Write;
@@ -99,13 +99,7 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let outcome =
         mend(input, &args.spec(), to, &job).map_err(|failure| common::fault(&name, &failure, ""))?;
     let bytes = target.write(&mut |out| outcome.write(out))?;
-    let run = Run {
-        verb: "mend",
-        input: Some(name),
-        output: Some(target.name()),
-        bytes: Some(bytes),
-        ..Run::default()
-    };
+    let run = common::run("mend", name, &target, bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| talk.detail(note));
     talk.result(&report.to_value(), &told(&report), stdout)

@@ -29,12 +29,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
         let made = refine(input, (level, args.normals), to, &job);
         let outcome = made.map_err(|failure| common::fault(&source.name(), &failure, ""))?;
         let bytes = target.write(&mut |out| outcome.write(out))?;
-        let run = Run {
-            input: Some(source.name()),
-            output: Some(target.name()),
-            bytes: Some(bytes),
-            ..Run::default()
-        };
+        let run = common::run("mesh", source.name(), &target, bytes);
         return told(outcome.certificate, clock.fill(run, &job), (&talk, stdout));
     }
     if !spec.has_limit() && !matches!(input.shape, Shape::Volume(_)) {
@@ -55,7 +50,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     };
     let bytes = target.write(&mut |out| outcome.write(out))?;
 
-    let run = Run { input: Some(name), output: Some(target.name()), bytes: Some(bytes), ..Run::default() };
+    let run = common::run("mesh", name, &target, bytes);
     told(outcome.certificate, clock.fill(run, &job), (&talk, stdout))?;
     unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
 }

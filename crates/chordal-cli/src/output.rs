@@ -69,6 +69,21 @@ impl Target {
         Ok(Self::File { path, existing })
     }
 
+    /// Takes away what has the name, where it may be replaced: because others that it speaks of will be, before it is.
+    ///
+    /// # Errors
+    /// When the system fails, or it may not be replaced.
+    pub fn clear(&self) -> Result<(), Fault> {
+        let Self::File { path, existing } = self else { return Ok(()) };
+        refuse_occupied(path, *existing)?;
+        match fs::remove_file(path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                Err(Fault::output("unwritable", format!("{}: {}", path.display(), plainly(&error))))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The name in messages and reports.
     pub fn name(&self) -> String {
         match self {

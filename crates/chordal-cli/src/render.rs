@@ -10,7 +10,7 @@ use crate::summary;
 use crate::talk::Talk;
 use chordal::budget::{Screen, View};
 use chordal::render::{Cull as Culled, DARKEST_LANES, Options, Show as Shown, Viewpoint};
-use chordal_verbs::report::{Report, Run};
+use chordal_verbs::report::Report;
 use chordal_verbs::{Fineness, Input, USUAL_SCREEN, render, render_against};
 use clap::ValueEnum;
 
@@ -47,13 +47,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let outcome = outcome.map_err(|failure| common::fault(&name, &failure, ""))?;
     let bytes = target.write(&mut |out| outcome.write(out))?;
 
-    let run = Run {
-        verb: "render",
-        input: Some(name),
-        output: Some(target.name()),
-        bytes: Some(bytes),
-        ..Run::default()
-    };
+    let run = common::run("render", name, &target, bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| talk.detail(note));
     let Screen { width_px, height_px } = outcome.camera.screen;

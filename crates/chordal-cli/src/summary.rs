@@ -1,7 +1,7 @@
 //! Reports for people: a few aligned lines.
 use crate::numbers::{Toward, grouped, short, size};
 use chordal_verbs::report::{
-    AttributeFacts, BoundFacts, Output, OutputFacts, OvershadeFacts, Report, ShadedFacts, Valid,
+    AttributeFacts, BoundFacts, Output, OutputFacts, OvershadeFacts, Report, Run, ShadedFacts, Valid,
 };
 use std::fmt::Write;
 
@@ -11,6 +11,12 @@ pub(crate) struct Lines(pub String);
 impl Lines {
     pub fn titled(title: &str) -> Self {
         Self(format!("{title}\n"))
+    }
+
+    /// What was made of what.
+    pub fn of_run(run: &Run) -> Self {
+        let name = |name: &Option<String>| name.clone().unwrap_or_default();
+        Self::titled(&format!("{} -> {}", name(&run.input), name(&run.output)))
     }
 
     pub fn add(&mut self, name: &str, value: impl AsRef<str>) {
@@ -28,13 +34,19 @@ impl Lines {
     pub fn finish(self) -> String {
         self.0
     }
+
+    /// The text, with how much was written and how long it took.
+    pub fn finish_run(mut self, run: &Run) -> String {
+        self.add_if("size", run.bytes.map(size));
+        self.add_if("seconds", run.seconds.map(|seconds| format!("{seconds:.2}")));
+        self.0
+    }
 }
 
 /// What `mesh` did.
 pub fn mesh(report: &Report) -> String {
     let (certificate, run) = (&report.certificate, &report.run);
-    let name = |name: &Option<String>| name.clone().unwrap_or_default();
-    let mut lines = Lines::titled(&format!("{} -> {}", name(&run.input), name(&run.output)));
+    let mut lines = Lines::of_run(run);
     if let Some(output) = &certificate.output {
         made(&mut lines, output);
     }
@@ -66,16 +78,13 @@ pub fn mesh(report: &Report) -> String {
     if let Some(valid) = &certificate.valid {
         soundness(&mut lines, valid);
     }
-    lines.add_if("size", run.bytes.map(size));
-    lines.add_if("seconds", run.seconds.map(|seconds| format!("{seconds:.2}")));
-    lines.0
+    lines.finish_run(run)
 }
 
 /// What a picture shows.
 pub fn render(report: &Report, picture: &str, back_share: Option<f64>) -> String {
     let (certificate, run) = (&report.certificate, &report.run);
-    let name = |name: &Option<String>| name.clone().unwrap_or_default();
-    let mut lines = Lines::titled(&format!("{} -> {}", name(&run.input), name(&run.output)));
+    let mut lines = Lines::of_run(run);
     lines.add("picture", picture);
     if let Some(output) = &certificate.output {
         made(&mut lines, output);
@@ -88,9 +97,7 @@ pub fn render(report: &Report, picture: &str, back_share: Option<f64>) -> String
     if let Some(facts) = &certificate.bound {
         lines.add("bound", bound(facts));
     }
-    lines.add_if("size", run.bytes.map(size));
-    lines.add_if("seconds", run.seconds.map(|seconds| format!("{seconds:.2}")));
-    lines.0
+    lines.finish_run(run)
 }
 
 fn overshade(lines: &mut Lines, facts: &OvershadeFacts) {

@@ -214,6 +214,77 @@ fn one_patch_in_one_file_is_within_a_tolerance() {
     assert!(numbers(&levels["shown"], "distance").any(|d| d == 1000.0));
 }
 
+/// Errors far below what the mesh is made of bring nothing for many steps, and then the levels come all the same.
+#[test]
+fn a_very_fine_budget_still_ends_in_few_triangles() {
+    let folder = Folder::new("lod-fine");
+    let (input, output) = (folder.file("ball.obj", ball()), folder.text("ball.glb"));
+    let made = run(&["lod", &input, "-o", &output, "--tol", "1e-6", "--json"]);
+    made.succeeds();
+    let report = checked(made.report());
+    let levels = &report["certificate"]["levels"]["levels"];
+    let triangles: Vec<f64> = numbers(levels, "triangles").collect();
+    assert!(triangles[0] == 5120.0 && triangles.len() > 4, "{triangles:?}");
+    assert!(*triangles.last().unwrap() <= 64.0);
+    assert!(levels.as_array().unwrap().iter().all(|level| level["evidence"] == "proved"));
+}
+
+/// Where several levels are only shown from nearer than the whole fits on the screen, shares of it still fall from one to the next.
+#[test]
+fn shares_of_the_screen_fall_from_level_to_level() {
+    let folder = Folder::new("lod-shares");
+    let (input, output) = (folder.file("a.bpt", PATCH), folder.text("a.glb"));
+    run(&["lod", &input, "-o", &output, "--tol", "0.00003", "-q"]).succeeds();
+    let bytes = std::fs::read(&output).unwrap();
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    let json: Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
+    let shares = json["nodes"].as_array().unwrap().iter().find_map(|node| {
+        let all = node["extras"]["MSFT_screencoverage"].as_array()?;
+        Some(all.iter().map(|x| x.as_f64().unwrap()).collect::<Vec<_>>())
+    });
+    let shares = shares.expect("shares");
+    assert!(shares[..2] == [1.0, 0.99] && shares.windows(2).all(|w| w[0] > w[1]), "{shares:?}");
+}
+
+#[test]
+fn what_stays_and_what_goes_is_said() {
+    let folder = Folder::new("lod-kept");
+    let speck = "v 1.5 0 0\nv 1.500001 0 0\nv 1.5 0.000001 0\nf 2563 2564 2565\n";
+    let input = folder.file("ball.obj", ball() + speck);
+    let made = run(&["lod", &input, "-o", &folder.text("a.glb"), "--tol", "0.001", "--verbose"]);
+    made.succeeds();
+    assert!(made.stderr.contains("left out"), "{made:?}");
+}
+
+#[test]
+fn a_folder_of_tiles_is_made_late_and_not_mixed() {
+    let folder = Folder::new("lod-folder");
+    let (input, tiles) = (folder.file("a.bpt", PATCH), folder.text("tiles/"));
+    run(&["lod", &folder.text("none.obj"), "-o", &tiles]).fails_with(3, &["none.obj"]);
+    assert_eq!(folder.names(), ["a.bpt"]);
+    run(&["lod", &input, "-o", &tiles, "--tol", "0.01", "-q"]).succeeds();
+    run(&["lod", &input, "-o", &tiles, "--tol", "0.01"]).fails_with(4, &["--force"]);
+    // What a run left that was broken off.
+    std::fs::remove_file(folder.path("tiles/tileset.json")).unwrap();
+    run(&["lod", &input, "-o", &tiles, "--tol", "0.01"]).fails_with(4, &["level_", "--force"]);
+    run(&["lod", &input, "-o", &tiles, "--tol", "0.01", "--force", "-q"]).succeeds();
+    let own = folder.text("tiles/level_0.glb");
+    run(&["lod", &own, "-o", &tiles, "--force"]).fails_with(4, &["level", "input"]);
+    assert!(folder.path("tiles/tileset.json").is_file());
+    let many = [
+        "lod",
+        &folder.file("b.obj", ball()),
+        "-o",
+        &tiles,
+        "--force",
+        "--tol",
+        "1e-9",
+        "--tile-triangles",
+        "1",
+    ];
+    run(&many).succeeds();
+}
+
 #[test]
 fn what_makes_no_sense_is_said_before_work() {
     let folder = Folder::new("lod-usage");
@@ -229,12 +300,16 @@ fn what_makes_no_sense_is_said_before_work() {
         ("--tol", "0"),
         ("--tol", "-1"),
         ("--view", "1920x1080 fov=180"),
-        ("--view", "1920x1080 fov=60 eye=0,0,1 target=0,0,0"),
         ("--distances", "1,-2"),
     ] {
         let run = run(&["lod", &input, "-o", &out, &format!("{flag}={value}")]);
         assert_eq!(run.code, 2, "{flag} {value}: {run:?}");
     }
+    let view = |text: &str| run(&["lod", &input, "-o", &out, "--view", text]);
+    view("1920x1080 fov=60 eye=0,0,1 target=0,0,0").fails_with(2, &["every direction", "eye and target"]);
+    view("1920x1080 height=2").fails_with(2, &["parallel rays", "fov"]);
+    let both = ["lod", &input, "-o", &out, "--view", "1920x1080 fov=60 dist=2", "--nearest", "3"];
+    run(&both).fails_with(2, &["--view", "--nearest"]);
     // So little that triangles would be too many is refused before the work.
     let run_tiny = run(&["lod", &input, "-o", &out, "--tol", "1e-30"]);
     assert_eq!(run_tiny.code, 5, "{run_tiny:?}");
