@@ -239,6 +239,9 @@ export async function judge({ name, folder, isClosed, folders, page: address, ta
     server.close();
   }
   if (seen.views === 0) complaints.push(`${name}: there is no distance to look from`);
+  // Where regions take each other's place one by one, borders between levels are what is judged.
+  const branches = (tile) => (tile.children?.length ?? 0) > 1 || (tile.children ?? []).some(branches);
+  if (branches(tileset.root) && seen.mixed === 0) complaints.push(`${name}: no view shows several levels at once`);
   return { complaints, seen: { ...seen, contents: seen.contents.size } };
 }
 
