@@ -1,14 +1,14 @@
 //! Simplifying meshes, timed: `simplify make DIR` writes the inputs. `simplify run SIDE THREADS MESH OUT AIM TIMES` makes one
 //! mesh coarser, so many times, and prints the median of the times; SIDE is `ours`, `meshopt` or `meshopt-update`, AIM
 //! `count=N` or `error=LENGTH`. `simplify chain SIDE THREADS MESH FROM` makes levels of half the triangles each, FROM the
-//! `source` or the `last` one. `simplify judge MESH OTHER [MAX]` proves how far two meshes are apart, and looks at the second.
-use chordal::budget::Tolerance;
+//! `source` or the `last` one; for `ours` also `errors`: levels by their errors. `simplify judge MESH OTHER [MAX]` proves how far two meshes are apart, and looks at the second.
+use chordal::budget::{Failure, Tolerance};
 use chordal::check::{Goal, deviation, validity};
 use chordal::explicit::Topology;
-use chordal::{Job, Mesh};
+use chordal::lod::{self, Source, Steps};
+use chordal::{Budget, Job, Mesh};
 use chordal_bench::{read, shapes, write};
 use meshopt::{SimplifyOptions, VertexDataAdapter, simplify, simplify_with_update, typed_to_bytes};
-use plug::{our_chain, ours};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;
@@ -27,56 +27,30 @@ struct Made {
     declared: Option<f64>,
 }
 
-/// THE PLUG: everything that is asked of Chordal, in one place; the clock runs around that alone. The feature goes when
-/// `chordal::lod` is there for good; without it every row of Chordal's says "not there yet".
-#[cfg(feature = "lod")]
-mod plug {
-    use super::{Aim, LEAST, Made};
-    use chordal::budget::{Failure, Tolerance};
-    use chordal::explicit::Topology;
-    use chordal::{Budget, Job, Mesh};
-    use std::time::Instant;
-
-    pub fn ours(mesh: &Mesh, aim: Aim, job: &Job) -> Option<Made> {
-        let budget = match aim {
-            Aim::Count(count) => Budget::triangles(count as u64),
-            Aim::Length(length) => Budget::length(Tolerance::new(length).expect("a length")),
-        };
-        let start = Instant::now();
-        let made = match chordal::lod::simplify(mesh, &budget, Topology::Indices, job) {
-            Ok(made) => made,
-            Err(Failure::Unmet(best)) => *best,
-            Err(_) => return None,
-        };
-        let seconds = start.elapsed().as_secs_f64();
-        Some(Made { mesh: made.shape.mesh, seconds, declared: made.bound.at_most() })
-    }
-
-    /// Levels of half the triangles each until there are [`LEAST`], each from the mesh itself.
-    pub fn our_chain(mesh: &Mesh, job: &Job) -> Option<(f64, Vec<Mesh>)> {
-        let (mut seconds, mut all, mut count) = (0.0, Vec::new(), mesh.faces().len());
-        while count > LEAST {
-            count /= 2;
-            let level = ours(mesh, Aim::Count(count), job)?;
-            seconds += level.seconds;
-            all.push(level.mesh);
-        }
-        Some((seconds, all))
-    }
+/// Chordal: the clock runs around the one call, its proof included.
+fn ours(mesh: &Mesh, aim: Aim, job: &Job) -> Made {
+    let budget = match aim {
+        Aim::Count(count) => Budget::triangles(count as u64),
+        Aim::Length(length) => Budget::length(Tolerance::new(length).expect("a length")),
+    };
+    let start = Instant::now();
+    let made = match chordal::lod::simplify(mesh, &budget, Topology::Indices, job) {
+        Ok(made) => made,
+        Err(Failure::Unmet(best)) => *best,
+        Err(other) => panic!("{other:?}"),
+    };
+    let seconds = start.elapsed().as_secs_f64();
+    Made { mesh: made.shape.mesh, seconds, declared: made.bound.at_most() }
 }
 
-#[cfg(not(feature = "lod"))]
-mod plug {
-    use super::{Aim, Made};
-    use chordal::{Job, Mesh};
-
-    pub fn ours(_: &Mesh, _: Aim, _: &Job) -> Option<Made> {
-        None
-    }
-
-    pub fn our_chain(_: &Mesh, _: &Job) -> Option<(f64, Vec<Mesh>)> {
-        None
-    }
+/// Chordal's own levels: from the error of half the triangles on, which is found before the clock starts, each twice as far off,
+/// until [`LEAST`].
+fn our_levels(mesh: &Mesh, job: &Job) -> (f64, Vec<Mesh>) {
+    let half = ours(mesh, Aim::Count(mesh.faces().len() / 2), job).declared.expect("proved");
+    let steps = Steps { enough: LEAST, ..Steps::from(Tolerance::new(half).expect("a length")) };
+    let start = Instant::now();
+    let levels = lod::chain(Source::Triangles(mesh, Topology::Indices), &steps, job).expect("proved");
+    (start.elapsed().as_secs_f64(), levels.into_iter().map(|level| level.mesh).collect())
 }
 
 /// A chain ends at the first level with so many triangles or fewer; chosen, so that a million makes ten levels.
@@ -157,18 +131,13 @@ fn meshopt(mesh: &Mesh, aim: Aim, update: bool) -> Made {
     Made { mesh: compact(&positions, indices.as_chunks().0), seconds, declared: Some(f64::from(error)) }
 }
 
-fn made(side: &str, mesh: &Mesh, aim: Aim, job: &Job) -> Option<Made> {
+fn made(side: &str, mesh: &Mesh, aim: Aim, job: &Job) -> Made {
     match side {
         "ours" => ours(mesh, aim, job),
-        "meshopt" => Some(meshopt(mesh, aim, false)),
-        "meshopt-update" => Some(meshopt(mesh, aim, true)),
+        "meshopt" => meshopt(mesh, aim, false),
+        "meshopt-update" => meshopt(mesh, aim, true),
         _ => panic!("nobody is called {side}"),
     }
-}
-
-/// The answer for a side that cannot do it.
-fn missing() -> Value {
-    json!({ "seconds": null, "why": "not there yet" })
 }
 
 fn run([side, threads, from, to, aim, times]: [&str; 6]) -> Value {
@@ -181,8 +150,7 @@ fn run([side, threads, from, to, aim, times]: [&str; 6]) -> Value {
     let mesh = open(from);
     let mut all = Vec::new();
     for _ in 0..times.parse().expect("a number") {
-        let Some(one) = made(side, &mesh, aim, &job) else { return missing() };
-        all.push(one);
+        all.push(made(side, &mesh, aim, &job));
     }
     all.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
     let middle = &all[all.len() / 2];
@@ -201,12 +169,13 @@ fn bytes(mesh: &Mesh) -> u64 {
     (24 * mesh.positions().len() + 12 * mesh.faces().len()) as u64
 }
 
-fn levels(mesh: &Mesh, update: bool, last: bool) -> (f64, Vec<Mesh>) {
+/// Levels of half the triangles each until there are [`LEAST`].
+fn levels(side: &str, mesh: &Mesh, last: bool, job: &Job) -> (f64, Vec<Mesh>) {
     let (mut seconds, mut all, mut count) = (0.0, Vec::<Mesh>::new(), mesh.faces().len());
     while count > LEAST {
         count /= 2;
         let from = all.last().filter(|_| last).unwrap_or(mesh);
-        let level = meshopt(from, Aim::Count(count), update);
+        let level = made(side, from, Aim::Count(count), job);
         seconds += level.seconds;
         all.push(level.mesh);
     }
@@ -220,11 +189,10 @@ fn chain([side, threads, path, from]: [&str; 4]) -> Value {
     // Linux: 5 sets the peak to what is held now.
     std::fs::write("/proc/self/clear_refs", "5").expect("Linux");
     let before = status("VmRSS");
-    let made = match side {
-        "ours" => our_chain(&mesh, &job),
-        _ => Some(levels(&mesh, side == "meshopt-update", from == "last")),
+    let (seconds, levels) = match (side, from) {
+        ("ours", "errors") => our_levels(&mesh, &job),
+        _ => levels(side, &mesh, from == "last", &job),
     };
-    let Some((seconds, levels)) = made else { return missing() };
     let peak = status("VmHWM").saturating_sub(before) + bytes(&mesh);
     let whole = bytes(&mesh) + levels.iter().map(bytes).sum::<u64>();
     let triangles: Vec<_> = levels.iter().map(|level| level.faces().len()).collect();
