@@ -259,6 +259,19 @@ JOBS = {
 }
 
 
+def publish(only):
+    """Writes what the last run of each job found."""
+    text = [ABOUT, "", "Inputs that are made here: " + "; ".join(f"`{name}`, {what}" for name, what in MADE.items()) + ".", ""]
+    for job, (_, table) in JOBS.items():
+        if rows := saved(job):
+            text += [*table(rows), ""]
+    text.append(f"Measured on {section.machine()}.")
+    if only:
+        (BENCH / "out" / "simplify.md").write_text("\n".join(text) + "\n")
+    else:
+        section.put("Fewer triangles, against meshoptimizer, VTK, fast-simplification, Open3D and MeshLib", "\n".join(text))
+
+
 def main():
     words = argparse.ArgumentParser()
     words.add_argument("--only", type=lambda text: text.split(","))
@@ -277,15 +290,7 @@ def main():
         inputs = [name for name in inputs if name in (given.only or USUAL)]
     for job in given.jobs:
         JOBS[job][0](inputs)
-    text = [ABOUT, "", "Inputs that are made here: " + "; ".join(f"`{name}`, {what}" for name, what in MADE.items()) + ".", ""]
-    for job, (_, table) in JOBS.items():
-        if rows := saved(job):
-            text += [*table(rows), ""]
-    text.append(f"Measured on {section.machine()}.")
-    if given.only:
-        (BENCH / "out" / "simplify.md").write_text("\n".join(text) + "\n")
-    else:
-        section.put("Fewer triangles, against meshoptimizer, VTK, fast-simplification, Open3D and MeshLib", "\n".join(text))
+    publish(given.only)
 
 
 main()
