@@ -60,11 +60,16 @@ def test_other_threads_run_meanwhile(teapot: chordal.Shape) -> None:
 
 @pytest.fixture
 def soon() -> Iterator[None]:
-    """Sends SIGINT to this process in a moment: the work takes a hundred times as long, so it comes in the middle."""
+    """Sends SIGINT to this process in a moment: the work takes a hundred times as long, so it comes in the middle.
+
+    What shells start in the background ignores it, and so would Python.
+    """
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
     yield
     timer.join()
+    signal.signal(signal.SIGINT, before)
 
 
 def test_ctrl_c_ends_the_work_and_frees_the_threads(teapot: chordal.Shape, soon: None) -> None:

@@ -94,14 +94,14 @@ function isCentral(camera, box) {
   return at && at[0] > 0 && at[0] < WIDTH && at[1] > 0 && at[1] < HEIGHT;
 }
 
-/** A mask without the samples within `r` of one that is not in it. */
+/** A mask without the samples within `r` of one that is not in it, or of the border of the picture, beyond which nobody looked. */
 function eroded(mask, r) {
   const pass = (from, step, n, other, m) => {
     const to = new Uint8Array(from.length);
     for (let j = 0; j < m; j++)
       for (let i = 0; i < n; i++) {
-        let all = 1;
-        for (let k = Math.max(i - r, 0); all && k <= Math.min(i + r, n - 1); k++) all = from[j * other + k * step];
+        let all = i >= r && i + r < n ? 1 : 0;
+        for (let k = i - r; all && k <= i + r; k++) all = from[j * other + k * step];
         to[j * other + i * step] = all;
       }
     return to;
