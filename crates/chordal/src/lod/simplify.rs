@@ -2,7 +2,7 @@
 use super::reduction::{Kept, Reduction};
 use super::room::Room;
 use super::watch::Care;
-use crate::budget::{Allowed, Bound, Bounded, Budget, Code, Failure, Job, PixelBudget, Reference, Stopped, Tolerance};
+use crate::budget::{Allowed, Bound, Bounded, Budget, Code, Failure, Job, PixelBudget, Reference, Stopped};
 use crate::check::{Deviation, Goal, OneSided, Places, deviation, places_beyond};
 use crate::explicit::{Mesh, Topology};
 use crate::math::Box3;
@@ -139,14 +139,9 @@ fn by_count(
     let (made, kept) = (reduction.mesh(), reduction.kept);
     // The proof needs as much room again.
     drop(reduction);
-    let goal = Goal { absolute: Tolerance::new(NOTHING * mesh.bounds().diagonal()).ok(), ..Goal::default() };
-    let found = deviation(mesh, &made, &goal, job)?;
+    let found = deviation(mesh, &made, &Goal::default(), job)?;
     Ok(bounded(made, (&found, f64::INFINITY), kept))
 }
-
-/// What is nothing, as a share of the diagonal: where a flat surface lost only roundings, a closer look at how many would take most of the
-/// time. Chosen.
-const NOTHING: f64 = 1e-12;
 
 /// A mesh, and the length within which it becomes one of fewer triangles.
 pub(super) struct Asked<'a> {
