@@ -101,16 +101,15 @@ impl View {
         self.lens().sight(place).pixels_of(error)
     }
 
-    /// How far apart the ends of two steps are on the screen when one of the two ends is seen: of steps that are
-    /// `first` and `second` pixels by [`View::pixels_of`], each with a point of its place. Up to the pixels of the shorter one that is their sum;
-    /// what it is more comes from the point between the two, which may be seen by nobody, and nearer to the eye. `None`
-    /// when there is no bound.
+    /// How far apart the ends of two steps are on the screen when one of the two ends is seen, for steps that are `first` and
+    /// `second` pixels by [`View::pixels_of`], each with a point of its place. A little more than their sum, since the point between
+    /// the two may be off the screen and nearer to the eye. `None` when there is no bound.
     ///
-    /// *Why.* In units of `F` let `a` and `b` be the two, so that the lengths are at most `a/(1+a)` and `b/(1+b)` of the depth `D` of the
-    /// place. If the end of the first step is seen, the point between is off the axis by at most the corner's tangent and `a` more, its
-    /// secant is that of the corner times `1+a` at most, and the far end is at least `D` less both lengths deep: the second
-    /// step is at most `b·(1+a)·(1 + a·(1+b)/(1−ab))`. So it is the other way round. Errors that a near plane hides altogether are
-    /// shorter than the other step.
+    /// *Why.* Let `p` and `q` be the two, and `a = p/F` and `b = q/F`, so that the lengths are at most `a/(1+a)` and `b/(1+b)` of the depth
+    /// `D` of the place. If the end of the first step is seen, the secant of the point between is at most `1+a` times that of the
+    /// corner, and the far end is at least `D` less both lengths deep: the second step is at most `q·(1+a)²/(1−ab)`, and the sum
+    /// `(p + q + 2pq/F)/(1 − ab)`. That is the same the other way round. An error that a near plane hides altogether is
+    /// shorter than the other step, and counts as that.
     #[must_use]
     pub fn pixels_of_both(&self, first: f64, second: f64) -> Option<f64> {
         if second == 0.0 {
@@ -120,22 +119,18 @@ impl View {
             Self::Closest(Closest { projection, screen, .. }) => (projection, screen, 0.0),
             Self::Camera(Camera { projection, screen, near, .. }) => (projection, screen, *near),
         };
-        let hidden = if near > 0.0 && first < second { second } else { first };
-        if hidden == 0.0 {
+        let first = if near > 0.0 && first < second { second } else { first };
+        if first == 0.0 {
             return Some(second);
         }
-        let Projection::Perspective { fov_y_deg } = projection else { return Some(add_up(hidden, second)) };
+        let sum = add_up(first, second);
+        let Projection::Perspective { fov_y_deg } = projection else { return Some(sum) };
         let (_, high) = half_tan(*fov_y_deg);
         let focal = div_down(f64::from(screen.height_px), mul_up(2.0, high));
-        let after = |near: f64, far: f64| {
-            let (a, b) = (div_up(near, focal), div_up(far, focal));
-            let rest = sub_down(1.0, mul_up(a, b));
-            let deeper = add_up(1.0, div_up(mul_up(a, add_up(1.0, b)), rest));
-            let sum = add_up(near, mul_up(far, mul_up(add_up(1.0, a), deeper)));
-            (rest > 0.0 && sum.is_finite()).then_some(sum)
-        };
-        let (forth, back) = (after(first, second)?, after(second, hidden)?);
-        Some(if forth > back { forth } else { back })
+        let product = div_up(mul_up(first, second), focal);
+        let rest = sub_down(1.0, div_up(product, focal));
+        let both = div_up(add_up(sum, mul_up(2.0, product)), rest);
+        (rest > 0.0 && both.is_finite()).then_some(both)
     }
 
     /// The largest length (up to rounding) of which [`View::pixels_of`] at `place` is at most `pixels`. `None` when
