@@ -90,20 +90,18 @@ pub struct Lens {
 /// A view from any side; without a distance, which is then nobody's.
 fn lens(text: &str) -> Result<Lens, String> {
     let says = |key: &str| text.split_whitespace().any(|word| word.starts_with(key));
-    if says("eye=") || says("target=") {
-        return Err("levels of detail are for every direction: leave out eye and target".to_owned());
-    }
-    if says("height=") {
-        return Err(
-            "levels change with the distance, which parallel rays do not see: say fov instead of height"
-                .to_owned(),
-        );
-    }
     let has_distance = says("dist=");
-    let whole = if has_distance { text.to_owned() } else { format!("{text} dist=1") };
+    let is_whole = has_distance || says("eye=") || says("target=") || says("height=");
+    let whole = if is_whole { text.to_owned() } else { format!("{text} dist=1") };
     match whole.parse::<View>().map_err(|error| error.to_string())? {
+        View::Closest(closest) if closest.focal_px().is_none() => {
+            Err("levels change with the distance, which parallel rays do not see: say fov instead of height"
+                .to_owned())
+        }
         View::Closest(closest) => Ok(Lens { closest, has_distance }),
-        View::Camera(_) => Err("levels of detail are for every direction".to_owned()),
+        View::Camera(_) => {
+            Err("levels of detail are for every direction: leave out eye and target".to_owned())
+        }
     }
 }
 
@@ -118,6 +116,10 @@ fn distance(text: &str) -> Result<f64, String> {
 pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let clock = Clock::start();
     let talk = Talk::new(&args.talk);
+    if args.view.has_distance && (args.nearest.is_some() || args.tol.is_some()) {
+        let message = "--view says a distance, and so does --nearest, or --tol in its place: say one of them";
+        return Err(Fault::usage(message.to_owned()));
+    }
     let as_tiles = as_tiles(&args.output.output)?;
     let stdout = common::stdout(&args.output, &args.talk)?;
     let source = Source::from_arg(&args.input.input);
@@ -126,21 +128,12 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
     if as_tiles {
         check_folder(&args.output.output, &source, existing)?;
     }
-    let one_file = match as_tiles {
-        true => None,
-        false => Some(Target::prepare(&args.output.output, existing, &source)?),
-    };
+    let prepare = || Target::prepare(&args.output.output, existing, &source);
+    let one_file = (!as_tiles).then(prepare).transpose()?;
     let mut input = common::read(&args.input, &talk)?;
     args.volume.apply(&mut input.shape)?;
-    // The folder is made when there is something to put into it.
-    let target = match one_file {
-        Some(target) => target,
-        None => Target::prepare_in(&args.output.output, LIST, existing)?,
-    };
-    if args.view.has_distance && (args.nearest.is_some() || args.tol.is_some()) {
-        let message = "--view says a distance, and so does --nearest, or --tol in its place: say one of them";
-        return Err(Fault::usage(message.to_owned()));
-    }
+    // A folder is made when there is an input.
+    let target = one_file.map_or_else(|| Target::prepare_in(&args.output.output, LIST, existing), Ok)?;
     let own = args.view.has_distance.then_some(args.view.closest.distance);
     let spec = LodSpec {
         pixels: args.px,
