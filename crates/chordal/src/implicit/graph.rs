@@ -252,7 +252,7 @@ fn reachable(terms: Vec<Term>, root: u32) -> Vec<Term> {
     kept
 }
 
-fn parts(term: &Term) -> impl Iterator<Item = u32> {
+pub(super) fn parts(term: &Term) -> impl Iterator<Item = u32> {
     let (parts, n) = match term {
         Term::Const(_) | Term::Axis(_) => ([0; 3], 0),
         Term::Unary(_, a) => ([*a, 0, 0], 1),

@@ -2,6 +2,7 @@
 mod affine;
 mod block;
 mod combine;
+mod csg;
 mod distance;
 mod expr;
 mod field;
@@ -24,6 +25,7 @@ mod trilinear;
 
 pub use affine::{Affine, InvalidAffine};
 pub use combine::Repeat;
+pub use csg::{Csg, CsgNode, CsgTree, Membership, Primitive, PrimitiveEvaluator, Restricted, SlopeRange};
 pub use distance::{Distance, Quality};
 pub use expr::Expr;
 pub use field::Field;

@@ -1,0 +1,338 @@
+//! `PrimitiveEvaluator`: the primitives of a CSG tree, asked for many points or boxes at once.
+use super::{Csg, Primitive};
+use crate::budget::{Job, par_map};
+use crate::implicit::op::Binary;
+use crate::implicit::{LeafError, Slope, Tape, Term};
+use crate::math::{Box3, Interval};
+
+/// What is known of a primitive in a box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlopeRange {
+    /// All values lie from the first to the second, which are infinite where nothing is known. Where a point has no value, nothing is.
+    pub value: [f64; 2],
+    /// Where the primitive is Lipschitz in the box: ranges of its generalized gradients (Clarke's), so that the mean value theorem holds
+    /// with them.
+    pub gradient: Option<[Interval; 3]>,
+}
+
+impl SlopeRange {
+    /// Nothing is known.
+    pub const UNKNOWN: Self = Self { value: [f64::NEG_INFINITY, f64::INFINITY], gradient: None };
+
+    fn of(primitive: &Primitive, slope: &Slope<Interval>) -> Self {
+        let bounded = |d: &Interval| d.is_defined() && d.lo() > f64::NEG_INFINITY && d.hi() < f64::INFINITY;
+        let is_lipschitz = slope.value.is_defined() && slope.gradient.iter().all(bounded);
+        let gradient = is_lipschitz.then_some(slope.gradient);
+        Self { value: values(primitive, slope.value), gradient }
+    }
+}
+
+/// The ends of a range of values, if it holds them all.
+fn values(primitive: &Primitive, range: Interval) -> [f64; 2] {
+    let holds_all = range.is_defined() || primitive.is_total && !range.is_empty();
+    if holds_all { [range.lo(), range.hi()] } else { SlopeRange::UNKNOWN.value }
+}
+
+/// Rows in one call of a primitive: several blocks of registers, and small enough to share among threads.
+const CHUNK: usize = 1024;
+/// Tapes of fewer steps are not shortened by region. Chosen: shortening takes about as long as some hundred evaluations of a step.
+const LONG: usize = 48;
+/// A region gets a tape of its own for so many questions. Measured on 100 blended balls: making a tape costs as much as some 20 ranges.
+const WORTH: usize = 32;
+/// Halvings of the domain at most. Measured on 100 blended balls: tapes are not shorter after 9.
+const DEEPEST: u32 = 9;
+/// Bytes that a step takes in a tape, about: its term, its step of the program, and the space around.
+const BYTES_A_STEP: u64 = 160;
+
+/// A region of the domain with the steps of a primitive that matter in it and around it.
+#[derive(Debug)]
+pub(super) struct Region {
+    /// The cell itself; the tape holds for half a cell around it too.
+    cell: Box3,
+    level: u32,
+    pub(super) tape: Tape,
+    children: [Option<u32>; 8],
+}
+
+/// The primitives of a CSG tree over a domain, evaluated for many questions at once, on the threads of a job.
+///
+/// Long primitives, such as chains of blends, are shortened for each region of the domain that many questions fall into. Values are those of
+/// the whole primitive, bit for bit; ranges hold them, and are tighter.
+#[derive(Debug)]
+pub struct PrimitiveEvaluator<'a> {
+    csg: &'a Csg,
+    job: &'a Job,
+    /// By primitive: its regions, the first of which is all of the domain.
+    pub(super) regions: Vec<Vec<Region>>,
+    steps_left: u64,
+    n_points: u64,
+    n_boxes: u64,
+}
+
+/// Questions for one tape.
+struct Batch {
+    primitive: u32,
+    tape: Tape,
+    rows: Vec<u32>,
+}
+
+/// What can be asked for: where it is, and what it is asked for by tapes.
+trait Question: Copy + Sync {
+    fn bounds(&self) -> Box3;
+}
+
+impl Question for [f64; 3] {
+    fn bounds(&self) -> Box3 {
+        Box3 { min: *self, max: *self }
+    }
+}
+
+impl Question for Box3 {
+    fn bounds(&self) -> Box3 {
+        *self
+    }
+}
+
+impl<'a> PrimitiveEvaluator<'a> {
+    /// Over a domain; points outside of it can be asked for too, at the cost of the whole tapes.
+    #[must_use]
+    pub fn new(csg: &'a Csg, domain: &Box3, job: &'a Job) -> Self {
+        let centre = domain.centre();
+        let half = 0.5 * domain.diagonal();
+        let cell = Box3 { min: centre.map(|x| x - half), max: centre.map(|x| x + half) };
+        let root = |primitive: &Primitive| {
+            vec![Region { cell, level: 0, tape: primitive.tape.clone(), children: [None; 8] }]
+        };
+        Self {
+            csg,
+            job,
+            regions: csg.primitives.iter().map(root).collect(),
+            steps_left: job.memory_limit / 8 / BYTES_A_STEP,
+            n_points: 0,
+            n_boxes: 0,
+        }
+    }
+
+    /// The tree whose primitives are evaluated.
+    #[must_use]
+    pub fn csg(&self) -> &'a Csg {
+        self.csg
+    }
+
+    /// How many points were evaluated so far.
+    #[must_use]
+    pub fn n_points(&self) -> u64 {
+        self.n_points
+    }
+
+    /// How many boxes were evaluated so far.
+    #[must_use]
+    pub fn n_boxes(&self) -> u64 {
+        self.n_boxes
+    }
+
+    /// The value of a primitive at a point, for each question.
+    ///
+    /// # Errors
+    /// What a leaf says.
+    pub fn values(&mut self, questions: &[(u32, [f64; 3])]) -> Result<Vec<f64>, LeafError> {
+        self.n_points += questions.len() as u64;
+        self.answer(questions, 0.0, |batch, at, out: &mut [f64]| batch.tape.at(at, out))
+    }
+
+    /// The value and gradient of a primitive at a point, for each question.
+    ///
+    /// # Errors
+    /// What a leaf says.
+    pub fn slopes(&mut self, questions: &[(u32, [f64; 3])]) -> Result<Vec<Slope<f64>>, LeafError> {
+        self.n_points += questions.len() as u64;
+        let none = Slope { value: 0.0, gradient: [0.0; 3] };
+        self.answer(questions, none, |batch, at, out: &mut [Slope<f64>]| batch.tape.gradient_at(at, out))
+    }
+
+    /// A range `[low, high]` of all values of a primitive in a box, rounded outward, for each question; see [`SlopeRange::value`].
+    ///
+    /// # Errors
+    /// What a leaf says.
+    pub fn ranges(&mut self, questions: &[(u32, Box3)]) -> Result<Vec<[f64; 2]>, LeafError> {
+        self.n_boxes += questions.len() as u64;
+        let primitives = &self.csg.primitives;
+        self.answer(questions, SlopeRange::UNKNOWN.value, |batch, at, out: &mut [[f64; 2]]| {
+            let mut found = vec![Interval::UNKNOWN; at.len()];
+            batch.tape.over(at, &mut found)?;
+            let primitive = &primitives[batch.primitive as usize];
+            out.iter_mut().zip(found).for_each(|(out, range)| *out = values(primitive, range));
+            Ok(())
+        })
+    }
+
+    /// Ranges of the values and of the gradient of a primitive in a box, for each question.
+    ///
+    /// # Errors
+    /// What a leaf says.
+    pub fn slope_ranges(&mut self, questions: &[(u32, Box3)]) -> Result<Vec<SlopeRange>, LeafError> {
+        self.n_boxes += questions.len() as u64;
+        let primitives = &self.csg.primitives;
+        self.answer(questions, SlopeRange::UNKNOWN, |batch, at, out: &mut [SlopeRange]| {
+            let unknown = Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
+            let mut found = vec![unknown; at.len()];
+            batch.tape.gradient_over(at, &mut found)?;
+            let primitive = &primitives[batch.primitive as usize];
+            out.iter_mut().zip(found).for_each(|(out, slope)| *out = SlopeRange::of(primitive, &slope));
+            Ok(())
+        })
+    }
+
+    /// Answers in the order of the questions, whatever the batches.
+    fn answer<Q: Question, R: Copy + Send + Sync>(
+        &mut self,
+        questions: &[(u32, Q)],
+        none: R,
+        ask: impl Fn(&Batch, &[Q], &mut [R]) -> Result<(), LeafError> + Sync,
+    ) -> Result<Vec<R>, LeafError> {
+        let batches = self.batches(questions)?;
+        let answers = par_map(self.job, &batches, |_, batch| {
+            let at: Vec<Q> = batch.rows.iter().map(|row| questions[*row as usize].1).collect();
+            let mut out = vec![none; at.len()];
+            ask(batch, &at, &mut out).map(|()| out)
+        });
+        let mut all = vec![none; questions.len()];
+        for (batch, answers) in batches.iter().zip(answers) {
+            batch.rows.iter().zip(answers?).for_each(|(row, answer)| all[*row as usize] = answer);
+        }
+        Ok(all)
+    }
+
+    /// The questions by tape, each batch of one chunk. A leaf is asked for everything at once, by chunks of its own.
+    fn batches<Q: Question>(&mut self, questions: &[(u32, Q)]) -> Result<Vec<Batch>, LeafError> {
+        let mut by_primitive: Vec<Vec<u32>> = vec![Vec::new(); self.regions.len()];
+        questions.iter().enumerate().for_each(|(row, (p, _))| by_primitive[*p as usize].push(row as u32));
+        let mut batches = Vec::new();
+        for (primitive, rows) in by_primitive.into_iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
+            let number = primitive as u32;
+            let tape = &self.regions[primitive][0].tape;
+            if !is_shortened(tape) || rows.len() < WORTH && self.regions[primitive].len() == 1 {
+                let size = if tape.has_leaves() { rows.len() } else { CHUNK };
+                batches.extend(rows.chunks(size).map(|rows| Batch {
+                    primitive: number,
+                    tape: tape.clone(),
+                    rows: rows.to_vec(),
+                }));
+                continue;
+            }
+            self.route(number, questions, rows, &mut batches)?;
+        }
+        Ok(batches)
+    }
+
+    /// Sends questions down the regions of a primitive, level by level, making those that are worth it.
+    fn route<Q: Question>(
+        &mut self,
+        primitive: u32,
+        questions: &[(u32, Q)],
+        rows: Vec<u32>,
+        batches: &mut Vec<Batch>,
+    ) -> Result<(), LeafError> {
+        let mut open = vec![(0_u32, rows)];
+        while !open.is_empty() {
+            let mut below: Vec<(u32, usize, Vec<u32>)> = Vec::new();
+            for (number, rows) in open {
+                let region = &self.regions[primitive as usize][number as usize];
+                let mut here = Vec::new();
+                let mut parts: [Vec<u32>; 8] = Default::default();
+                let ends = region.level == DEEPEST || !is_shortened(&region.tape);
+                for row in rows {
+                    let octant = if ends { None } else { region.octant(&questions[row as usize].1.bounds()) };
+                    octant.map_or(&mut here, |octant| &mut parts[octant]).push(row);
+                }
+                for (octant, rows) in parts.into_iter().enumerate() {
+                    let exists = region.children[octant].is_some();
+                    if exists || rows.len() >= WORTH && self.steps_left > region.tape.len() as u64 {
+                        below.push((number, octant, rows));
+                    } else {
+                        here.extend(rows);
+                    }
+                }
+                let tape = &region.tape;
+                batches.extend(here.chunks(CHUNK).map(|rows| Batch {
+                    primitive,
+                    tape: tape.clone(),
+                    rows: rows.to_vec(),
+                }));
+            }
+            let children = self.children(primitive, &below)?;
+            open = children.into_iter().zip(below).map(|(child, (_, _, rows))| (child, rows)).collect();
+            open.retain(|(_, rows)| !rows.is_empty());
+        }
+        Ok(())
+    }
+
+    /// The numbers of child regions, made where they are not there yet.
+    fn children(&mut self, primitive: u32, wanted: &[(u32, usize, Vec<u32>)]) -> Result<Vec<u32>, LeafError> {
+        let regions = &self.regions[primitive as usize];
+        let new: Vec<(u32, usize)> = wanted
+            .iter()
+            .map(|(parent, octant, _)| (*parent, *octant))
+            .filter(|(parent, octant)| regions[*parent as usize].children[*octant].is_none())
+            .collect();
+        let made = par_map(self.job, &new, |_, (parent, octant)| regions[*parent as usize].child(*octant));
+        for ((parent, octant), child) in new.iter().zip(made) {
+            let child = child?;
+            self.steps_left = self.steps_left.saturating_sub(child.tape.len() as u64);
+            let regions = &mut self.regions[primitive as usize];
+            regions[*parent as usize].children[*octant] = Some(regions.len() as u32);
+            regions.push(child);
+        }
+        let regions = &self.regions[primitive as usize];
+        let child =
+            |(parent, octant, _): &(u32, usize, Vec<u32>)| regions[*parent as usize].children[*octant];
+        Ok(wanted.iter().map(|one| child(one).expect("it was made")).collect())
+    }
+}
+
+/// Whether a region may have fewer steps: there are many, and some of them choose. Leaves want to be asked for much at once.
+fn is_shortened(tape: &Tape) -> bool {
+    let chooses = |term: &Term| {
+        matches!(
+            term,
+            Term::Binary(Binary::Min | Binary::Max | Binary::SmoothMin | Binary::And | Binary::Or, ..)
+        )
+    };
+    tape.len() >= LONG && !tape.has_leaves() && tape.graph().terms().iter().any(chooses)
+}
+
+impl Region {
+    /// The octant whose region holds a box, which is the one of its middle, if any.
+    fn octant(&self, bounds: &Box3) -> Option<usize> {
+        let (centre, middle) = (bounds.centre(), self.cell.centre());
+        let octant = (0..3).fold(0, |octant, k| octant | usize::from(centre[k] >= middle[k]) << k);
+        let around = around(&self.octant_cell(octant));
+        let fits = (0..3).all(|k| around.min[k] <= bounds.min[k] && bounds.max[k] <= around.max[k]);
+        fits.then_some(octant)
+    }
+
+    fn octant_cell(&self, octant: usize) -> Box3 {
+        let middle = self.cell.centre();
+        let high = |k: usize| octant >> k & 1 == 1;
+        Box3 {
+            min: std::array::from_fn(|k| if high(k) { middle[k] } else { self.cell.min[k] }),
+            max: std::array::from_fn(|k| if high(k) { self.cell.max[k] } else { middle[k] }),
+        }
+    }
+
+    fn child(&self, octant: usize) -> Result<Self, LeafError> {
+        let cell = self.octant_cell(octant);
+        let (_, shorter) = self.tape.shortened(&around(&cell))?;
+        let tape = shorter.unwrap_or_else(|| self.tape.clone());
+        Ok(Self { cell, level: self.level + 1, tape, children: [None; 8] })
+    }
+}
+
+/// A cell with half of its size on every side.
+fn around(cell: &Box3) -> Box3 {
+    let half = |k: usize| 0.5 * (cell.max[k] - cell.min[k]);
+    Box3 {
+        min: std::array::from_fn(|k| cell.min[k] - half(k)),
+        max: std::array::from_fn(|k| cell.max[k] + half(k)),
+    }
+}

@@ -1,0 +1,457 @@
+//! `Csg`: the sign of a field as a CSG tree of primitives.
+//!
+//! Where a field's surface is, only its sign decides. The sign of `min(a, b)` is that of the union of `a` and `b`, of `max(a, b)` that of
+//! the intersection, of `−a` that of the complement. So minima, maxima, negations, absolute values and sums and products with constants are
+//! opened from the root down; what is left below them are the primitives. Each is smooth on its own in most models, its zero set crosses
+//! others at creases and corners, and it is measured in its own units.
+mod evaluator;
+mod tree;
+
+pub use evaluator::{PrimitiveEvaluator, SlopeRange};
+pub use tree::{CsgNode, CsgTree, Membership, Restricted};
+
+use super::graph::{Graph, Term};
+use super::op::{Binary, Unary};
+use super::tape::Tape;
+use crate::budget::Evidence;
+use crate::math::{exponent, power_of_two};
+use std::collections::HashMap;
+
+/// A field's sign as unions and intersections of primitives and their complements.
+///
+/// The set that it describes is `{F < 0}` with its boundary regularized: where `a` and its exact complement `−a` meet, as two stacked
+/// boxes do in their common face, there is nothing between them.
+///
+/// ```
+/// use chordal::implicit::{Csg, CsgNode, shapes};
+/// let block = shapes::cuboid([2.0, 2.0, 1.0])?.difference(&shapes::cylinder(0.4, 2.0)?);
+/// let csg = Csg::of(block.sign());
+/// // Six planes of the box; the side of the cylinder and its two ends.
+/// assert_eq!(csg.primitives().len(), 9);
+/// # Ok::<(), chordal::implicit::shapes::InvalidShape>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Csg {
+    primitives: Vec<Primitive>,
+    tree: CsgTree,
+}
+
+/// A function whose sign is used on its own.
+#[derive(Clone, Debug)]
+pub struct Primitive {
+    tape: Tape,
+    is_total: bool,
+    /// The term of the whole that it is `± base − level` of, where that holds without rounding.
+    base: Option<(u32, f64)>,
+}
+
+impl Primitive {
+    /// The function.
+    #[must_use]
+    pub fn tape(&self) -> &Tape {
+        &self.tape
+    }
+
+    /// Whether it has a value at every point. Then a range is one of all values even where it is not continuous.
+    #[must_use]
+    pub fn is_total(&self) -> bool {
+        self.is_total
+    }
+
+    /// Whether the zero sets of both never meet, since they are two different levels of one function.
+    #[must_use]
+    pub fn is_parallel_to(&self, other: &Self) -> bool {
+        matches!((self.base, other.base), (Some((a, s)), Some((b, t))) if a == b && s != t)
+    }
+}
+
+/// Nodes that a tree has at most; what would have more is one primitive. Defined: some megabytes.
+const MOST_NODES: usize = 1 << 16;
+/// Terms that all primitives have together at most, for each term of the whole, beside [`MOST_NODES`]: shared parts are copied into each.
+const MOST_COPIES: usize = 32;
+
+impl Csg {
+    /// The tree of an expression. Cost: linear in its terms, and in their copies where primitives share them.
+    #[must_use]
+    pub fn of(sign: &super::Expr) -> Self {
+        Self::of_graph(&Graph::of(sign))
+    }
+
+    /// The tree of the terms of an expression.
+    #[must_use]
+    pub fn of_graph(graph: &Graph) -> Self {
+        Opener::new(graph.terms()).open().unwrap_or_else(|| Self::single(graph))
+    }
+
+    /// The whole as one primitive.
+    fn single(graph: &Graph) -> Self {
+        let is_total = is_total(graph.terms());
+        let tape = Tape::of_graph(graph.clone());
+        let primitives = vec![Primitive { tape, is_total, base: None }];
+        Self { primitives, tree: CsgTree::new(vec![CsgNode::Primitive(0)]) }
+    }
+
+    /// The primitives, by number.
+    #[must_use]
+    pub fn primitives(&self) -> &[Primitive] {
+        &self.primitives
+    }
+
+    /// How they are joined.
+    #[must_use]
+    pub fn tree(&self) -> &CsgTree {
+        &self.tree
+    }
+
+    /// What proofs by ranges of the primitives are worth: the weakest of all.
+    #[must_use]
+    pub fn evidence(&self) -> Evidence {
+        self.primitives.iter().fold(Evidence::Proved, |all, one| all.weaker(&one.tape.evidence()))
+    }
+}
+
+/// An operation with a constant above a term; its result grows or falls with the term.
+#[derive(Clone, Copy, Debug)]
+enum Monotone {
+    Neg,
+    Add(f64),
+    /// `constant − a`.
+    From(f64),
+    Mul(f64),
+    Div(f64),
+}
+
+/// The operations above a term, innermost first when followed to the root: a list that shares its tails.
+#[derive(Clone, Copy, Debug)]
+struct ChainLink {
+    op: Monotone,
+    /// The rest; [`NOTHING`] at the root.
+    next: u32,
+}
+
+const NOTHING: u32 = u32::MAX;
+
+/// A term with the operations above it.
+#[derive(Clone, Copy, Debug)]
+struct Operand {
+    term: u32,
+    above: u32,
+    falls: bool,
+}
+
+enum OpenStep {
+    Visit(Operand),
+    Emit(CsgNode),
+}
+
+/// Two primitives are one, or complements, where these are equal.
+#[derive(PartialEq, Eq, Hash)]
+enum PrimitiveKey {
+    /// A term and the level of it that is the boundary, by its bits.
+    Level(u32, u64),
+    /// A term and the operations above it.
+    Chain(u32, u32),
+}
+
+struct Opener<'a> {
+    terms: &'a [Term],
+    above: Vec<ChainLink>,
+    chains: HashMap<(u8, u64, u32), u32>,      // No order depends on it.
+    known: HashMap<PrimitiveKey, (u32, bool)>, // No order depends on it.
+    primitives: Vec<Primitive>,
+    nodes: Vec<CsgNode>,
+    n_copied: usize,
+}
+
+impl<'a> Opener<'a> {
+    fn new(terms: &'a [Term]) -> Self {
+        Self {
+            terms,
+            above: Vec::new(),
+            chains: HashMap::new(),
+            known: HashMap::new(),
+            primitives: Vec::new(),
+            nodes: Vec::new(),
+            n_copied: 0,
+        }
+    }
+
+    /// None where the tree or its primitives would be too large.
+    fn open(mut self) -> Option<Csg> {
+        let root = Operand { term: self.terms.len() as u32 - 1, above: NOTHING, falls: false };
+        let mut steps = vec![OpenStep::Visit(root)];
+        while let Some(step) = steps.pop() {
+            if self.nodes.len() + steps.len() > MOST_NODES
+                || self.n_copied > MOST_NODES + MOST_COPIES * self.terms.len()
+            {
+                return None;
+            }
+            match step {
+                OpenStep::Emit(node) => self.nodes.push(node),
+                OpenStep::Visit(place) => match self.operands(place) {
+                    Some((operands, is_union)) => {
+                        let n = operands.len() as u32;
+                        let node = if is_union { CsgNode::Union(n) } else { CsgNode::Intersection(n) };
+                        steps.push(OpenStep::Emit(node));
+                        steps.extend(operands.into_iter().rev().map(OpenStep::Visit));
+                    }
+                    None => {
+                        let node = self.literal(place);
+                        self.nodes.push(node);
+                    }
+                },
+            }
+        }
+        Some(Csg { primitives: self.primitives, tree: CsgTree::new(self.nodes) })
+    }
+
+    /// What a place is the union or intersection of, operators of one kind below each other taken together; none for a primitive.
+    fn operands(&mut self, place: Operand) -> Option<(Vec<Operand>, bool)> {
+        let ([a, b], is_union) = self.split(place)?;
+        let mut open = vec![b, a];
+        let mut operands = Vec::new();
+        while let Some(next) = open.pop() {
+            match self.split(next) {
+                Some(([a, b], same)) if same == is_union && operands.len() < MOST_NODES => {
+                    open.extend([b, a]);
+                }
+                _ => operands.push(next),
+            }
+        }
+        Some((operands, is_union))
+    }
+
+    /// The two operands of a minimum or maximum below operations with constants.
+    fn split(&mut self, mut place: Operand) -> Option<([Operand; 2], bool)> {
+        loop {
+            let (op, term) = match self.terms[place.term as usize] {
+                Term::Binary(op @ (Binary::Min | Binary::Max), a, b) => {
+                    let is_union = (op == Binary::Min) != place.falls;
+                    return Some(([a, b].map(|term| Operand { term, ..place }), is_union));
+                }
+                Term::Unary(Unary::Abs, a) => {
+                    let mirrored = Operand {
+                        above: self.push(Monotone::Neg, place.above),
+                        falls: !place.falls,
+                        term: a,
+                    };
+                    return Some(([Operand { term: a, ..place }, mirrored], place.falls));
+                }
+                Term::Unary(Unary::Neg, a) => (Monotone::Neg, a),
+                Term::Binary(op, a, b) => self.with_constant(op, a, b)?,
+                _ => return None,
+            };
+            let falls = match op {
+                Monotone::Neg | Monotone::From(_) => true,
+                Monotone::Add(_) => false,
+                Monotone::Mul(k) | Monotone::Div(k) => k < 0.0,
+            };
+            place = Operand { term, above: self.push(op, place.above), falls: place.falls != falls };
+        }
+    }
+
+    /// An operation of which one operand is a constant that keeps it monotone.
+    fn with_constant(&self, op: Binary, a: u32, b: u32) -> Option<(Monotone, u32)> {
+        let constant = |term: u32| match self.terms[term as usize] {
+            Term::Const(value) if value.is_finite() => Some(value),
+            _ => None,
+        };
+        match (op, constant(a), constant(b)) {
+            (Binary::Add, Some(k), None) => Some((Monotone::Add(k), b)),
+            (Binary::Add, None, Some(k)) => Some((Monotone::Add(k), a)),
+            (Binary::Sub, Some(k), None) => Some((Monotone::From(k), b)),
+            (Binary::Sub, None, Some(k)) => Some((Monotone::Add(-k), a)),
+            (Binary::Mul, Some(k), None) if k != 0.0 => Some((Monotone::Mul(k), b)),
+            (Binary::Mul, None, Some(k)) if k != 0.0 => Some((Monotone::Mul(k), a)),
+            (Binary::Div, None, Some(k)) if k != 0.0 => Some((Monotone::Div(k), a)),
+            _ => None,
+        }
+    }
+
+    /// The chain with one more operation at its inner end; equal chains are one.
+    fn push(&mut self, op: Monotone, next: u32) -> u32 {
+        let (kind, constant) = match op {
+            Monotone::Neg => (0, 0.0),
+            Monotone::Add(k) => (1, k),
+            Monotone::From(k) => (2, k),
+            Monotone::Mul(k) => (3, k),
+            Monotone::Div(k) => (4, k),
+        };
+        let number = self.above.len() as u32;
+        let number = *self.chains.entry((kind, constant.to_bits(), next)).or_insert(number);
+        if number as usize == self.above.len() {
+            self.above.push(ChainLink { op, next });
+        }
+        number
+    }
+
+    /// The node of a primitive: a new one, a known one or the complement of one.
+    fn literal(&mut self, place: Operand) -> CsgNode {
+        let level = self.level(place);
+        let key = match level {
+            Some((base, level, _)) => PrimitiveKey::Level(base, level.to_bits()),
+            None => PrimitiveKey::Chain(place.term, place.above),
+        };
+        let falls = level.is_some_and(|(_, _, falls)| falls);
+        if let Some((number, known_falls)) = self.known.get(&key) {
+            let is_same = falls == *known_falls;
+            return if is_same { CsgNode::Primitive(*number) } else { CsgNode::Complement(*number) };
+        }
+        let graph = self.graph_of(place);
+        self.n_copied += graph.terms().len();
+        let number = self.primitives.len() as u32;
+        let is_total = is_total(graph.terms());
+        let base = level.map(|(base, level, _)| (base, level));
+        self.primitives.push(Primitive { tape: Tape::of_graph(graph), is_total, base });
+        self.known.insert(key, (number, falls));
+        CsgNode::Primitive(number)
+    }
+
+    /// The place as a level of a term below it, `{base < level}`, or `{base > level}` where it falls with it, if that is so without any
+    /// rounding.
+    fn level(&self, place: Operand) -> Option<(u32, f64, bool)> {
+        // The chain applied to `base` is `scale · base + offset`, with a scale that is a power of 2 or its negative.
+        let (mut base, mut below) = (place.term, Vec::new());
+        loop {
+            let (op, term) = match self.terms[base as usize] {
+                Term::Unary(Unary::Neg, a) => (Monotone::Neg, a),
+                Term::Binary(op, a, b) => match self.with_constant(op, a, b) {
+                    Some(found) => found,
+                    None => break,
+                },
+                _ => break,
+            };
+            below.push(op);
+            base = term;
+        }
+        let (mut scale, mut offset) = (1.0_f64, 0.0_f64);
+        let mut exact = true;
+        let mut apply = |op: Monotone| {
+            let add = |a: f64, b: f64, exact: &mut bool| {
+                let sum = a + b;
+                // The error of a sum, exactly (Knuth's two-sum).
+                let part = sum - a;
+                *exact &= (a - (sum - part)) + (b - part) == 0.0;
+                sum
+            };
+            let by = |k: f64, exact: &mut bool| {
+                let size = k.abs();
+                *exact &= power_of_two(exponent(size) - 1) == size;
+            };
+            match op {
+                Monotone::Neg => (scale, offset) = (-scale, -offset),
+                Monotone::Add(k) => offset = add(offset, k, &mut exact),
+                Monotone::From(k) => (scale, offset) = (-scale, add(k, -offset, &mut exact)),
+                Monotone::Mul(k) => {
+                    by(k, &mut exact);
+                    (scale, offset) = (scale * k, offset * k);
+                }
+                Monotone::Div(k) => {
+                    by(k, &mut exact);
+                    (scale, offset) = (scale / k, offset / k);
+                }
+            }
+        };
+        below.into_iter().rev().for_each(&mut apply);
+        let mut above = place.above;
+        while above != NOTHING {
+            let ChainLink { op, next } = self.above[above as usize];
+            apply(op);
+            above = next;
+        }
+        let level = -offset / scale;
+        let sound = exact && level.is_finite() && scale.is_normal() && (level != 0.0 || offset == 0.0);
+        // One zero: −0 and 0 are one level.
+        sound.then_some((base, level + 0.0, scale < 0.0))
+    }
+
+    /// The terms of a primitive.
+    fn graph_of(&self, place: Operand) -> Graph {
+        let mut terms = self.part(place.term);
+        let mut above = place.above;
+        while above != NOTHING {
+            let ChainLink { op, next } = self.above[above as usize];
+            let last = terms.len() as u32 - 1;
+            let (constant, term): (Option<f64>, fn(u32, u32) -> Term) = match op {
+                Monotone::Neg => (None, |a, _| Term::Unary(Unary::Neg, a)),
+                Monotone::Add(k) => (Some(k), |a, k| Term::Binary(Binary::Add, a, k)),
+                Monotone::From(k) => (Some(k), |a, k| Term::Binary(Binary::Sub, k, a)),
+                Monotone::Mul(k) => (Some(k), |a, k| Term::Binary(Binary::Mul, a, k)),
+                Monotone::Div(k) => (Some(k), |a, k| Term::Binary(Binary::Div, a, k)),
+            };
+            terms.extend(constant.map(Term::Const));
+            let number = terms.len() as u32 - 1;
+            terms.push(term(last, number));
+            above = next;
+        }
+        Graph::of_terms(terms)
+    }
+
+    /// The terms that one needs, itself last.
+    fn part(&self, root: u32) -> Vec<Term> {
+        let mut number: HashMap<u32, u32> = HashMap::new(); // No order depends on it.
+        let mut needed = vec![root];
+        let mut open = vec![root];
+        number.insert(root, 0);
+        while let Some(term) = open.pop() {
+            for part in super::graph::parts(&self.terms[term as usize]) {
+                if number.insert(part, 0).is_none() {
+                    needed.push(part);
+                    open.push(part);
+                }
+            }
+        }
+        needed.sort_unstable();
+        needed.iter().enumerate().for_each(|(new, old)| {
+            number.insert(*old, new as u32);
+        });
+        let new = |old: &u32| number[old];
+        let copy = |old: &u32| match &self.terms[*old as usize] {
+            Term::Const(value) => Term::Const(*value),
+            Term::Axis(axis) => Term::Axis(*axis),
+            Term::Unary(op, a) => Term::Unary(*op, new(a)),
+            Term::Binary(op, a, b) => Term::Binary(*op, new(a), new(b)),
+            Term::Leaf(leaf, at) => Term::Leaf(leaf.clone(), at.each_ref().map(new)),
+        };
+        needed.iter().map(copy).collect()
+    }
+}
+
+/// Whether every term has a value at every point: none divides by what may be 0, takes roots of what may be negative and so on. Leaves
+/// have values by their own word.
+fn is_total(terms: &[Term]) -> bool {
+    let mut not_negative = vec![false; terms.len()];
+    for (k, term) in terms.iter().enumerate() {
+        let of = |part: &u32| not_negative[*part as usize];
+        let constant = |part: &u32| match terms[*part as usize] {
+            Term::Const(value) => Some(value),
+            _ => None,
+        };
+        let has_value = match term {
+            Term::Const(value) => value.is_finite(),
+            Term::Axis(_) | Term::Leaf(..) => true,
+            Term::Unary(Unary::Sqrt, a) => of(a),
+            Term::Unary(Unary::Recip | Unary::Tan | Unary::Asin | Unary::Acos | Unary::Ln, _) => false,
+            Term::Unary(..) => true,
+            Term::Binary(Binary::Div | Binary::Mod, _, b) => constant(b).is_some_and(|k| k != 0.0),
+            Term::Binary(Binary::Atan2, ..) => false,
+            Term::Binary(..) => true,
+        };
+        if !has_value {
+            return false;
+        }
+        not_negative[k] = match term {
+            Term::Const(value) => *value >= 0.0,
+            Term::Unary(Unary::Square | Unary::Abs | Unary::Exp | Unary::Sqrt | Unary::Not, _) => true,
+            Term::Binary(Binary::Add | Binary::Mul | Binary::Min, a, b) => of(a) && of(b),
+            Term::Binary(Binary::Max, a, b) => of(a) || of(b),
+            Term::Binary(Binary::Div, a, b) => of(a) && of(b),
+            Term::Binary(Binary::Mod, ..) => true,
+            _ => false,
+        };
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,317 @@
+//! `CsgTree`: unions and intersections of primitives and their complements, as a list of nodes in postfix order.
+
+/// Whether all points of a region are inside a solid, as far as is known.
+///
+/// Source of the word: R. Tilove, *Set membership classification*, 1980.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Membership {
+    /// All of them are inside: values below 0.
+    Inside,
+    /// All of them are outside: values of 0 and above, or none.
+    Outside,
+    /// Not known.
+    Unknown,
+}
+
+impl Membership {
+    /// That of the complement.
+    #[inline]
+    #[must_use]
+    pub fn complement(self) -> Self {
+        match self {
+            Self::Inside => Self::Outside,
+            Self::Outside => Self::Inside,
+            Self::Unknown => Self::Unknown,
+        }
+    }
+
+    /// That of a point with this value.
+    #[inline]
+    #[must_use]
+    pub fn of(value: f64) -> Self {
+        if value < 0.0 { Self::Inside } else { Self::Outside }
+    }
+}
+
+/// A node of a [`CsgTree`]; operators take their operands from the nodes before them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CsgNode {
+    /// The solid of a primitive.
+    Primitive(u32),
+    /// The complement of that solid.
+    Complement(u32),
+    /// The union of the last so many results.
+    Union(u32),
+    /// The intersection of the last so many results.
+    Intersection(u32),
+}
+
+/// Unions and intersections of primitives and their complements.
+///
+/// The nodes are in postfix order: operands come before their operator, and the last node is the whole. Trees of any depth are walked
+/// without recursion. As a value a union is the minimum of its operands, an intersection the maximum, and a
+/// complement the negation.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CsgTree {
+    nodes: Vec<CsgNode>,
+}
+
+/// What is left of a tree in a region.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Restricted {
+    /// All of the region is inside, or all of it outside.
+    Decided(Membership),
+    /// The primitives that still decide there.
+    Open(CsgTree),
+}
+
+impl CsgTree {
+    /// A tree from nodes in postfix order.
+    ///
+    /// # Panics
+    /// When they do not leave exactly one result.
+    #[must_use]
+    pub fn new(nodes: Vec<CsgNode>) -> Self {
+        let mut depth = 0_u64;
+        for node in &nodes {
+            match node {
+                CsgNode::Primitive(_) | CsgNode::Complement(_) => depth += 1,
+                CsgNode::Union(n) | CsgNode::Intersection(n) => {
+                    assert!(*n > 0 && u64::from(*n) <= depth, "an operator lacks operands");
+                    depth -= u64::from(*n) - 1;
+                }
+            }
+        }
+        assert_eq!(depth, 1, "a tree has one result");
+        Self { nodes }
+    }
+
+    /// The nodes in postfix order.
+    #[must_use]
+    pub fn nodes(&self) -> &[CsgNode] {
+        &self.nodes
+    }
+
+    /// The distinct primitives, ascending.
+    #[must_use]
+    pub fn primitives(&self) -> Vec<u32> {
+        let of = |node: &CsgNode| match node {
+            CsgNode::Primitive(p) | CsgNode::Complement(p) => Some(*p),
+            CsgNode::Union(_) | CsgNode::Intersection(_) => None,
+        };
+        let mut all: Vec<u32> = self.nodes.iter().filter_map(of).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    /// Membership in the whole from that in the primitives: three-valued logic.
+    #[must_use]
+    pub fn membership(&self, mut of: impl FnMut(u32) -> Membership) -> Membership {
+        self.fold(
+            |p, complemented| if complemented { of(p).complement() } else { of(p) },
+            |sides, is_union| joined(sides.iter().copied(), is_union),
+        )
+    }
+
+    /// Whether the whole is inside, from the primitives that are.
+    #[must_use]
+    pub fn contains(&self, mut of: impl FnMut(u32) -> bool) -> bool {
+        self.fold(
+            |p, complemented| of(p) != complemented,
+            |sides, is_union| if is_union { sides.contains(&true) } else { !sides.contains(&false) },
+        )
+    }
+
+    /// The value of the whole: minimum of unions, maximum of intersections.
+    #[must_use]
+    pub fn value(&self, mut of: impl FnMut(u32) -> f64) -> f64 {
+        let pick = |a: f64, b: f64, is_union: bool| if (b < a) == is_union { b } else { a };
+        self.fold(
+            |p, complemented| if complemented { -of(p) } else { of(p) },
+            |values, is_union| values[1..].iter().fold(values[0], |a, b| pick(a, *b, is_union)),
+        )
+    }
+
+    /// A range `[low, high]` of the value of the whole from ranges of the primitives.
+    #[must_use]
+    pub fn range(&self, mut of: impl FnMut(u32) -> [f64; 2]) -> [f64; 2] {
+        self.fold(
+            |p, complemented| {
+                let [low, high] = of(p);
+                if complemented { [-high, -low] } else { [low, high] }
+            },
+            |ranges, is_union| {
+                let pick = |a: f64, b: f64| if (b < a) == is_union { b } else { a };
+                ranges[1..].iter().fold(ranges[0], |[a, b], [c, d]| [pick(a, *c), pick(b, *d)])
+            },
+        )
+    }
+
+    /// The tree without what is decided: `of` classifies a region against each primitive.
+    #[must_use]
+    pub fn restricted(&self, mut of: impl FnMut(u32) -> Membership) -> Restricted {
+        // The stack holds, for each result, its side and where its nodes begin in `kept`.
+        let mut kept: Vec<CsgNode> = Vec::with_capacity(self.nodes.len());
+        let mut stack: Vec<(Membership, usize)> = Vec::new();
+        for node in &self.nodes {
+            let start = kept.len();
+            match *node {
+                CsgNode::Primitive(p) | CsgNode::Complement(p) => {
+                    let complemented = matches!(node, CsgNode::Complement(_));
+                    let side = if complemented { of(p).complement() } else { of(p) };
+                    if side == Membership::Unknown {
+                        kept.push(*node);
+                    }
+                    stack.push((side, start));
+                }
+                CsgNode::Union(n) | CsgNode::Intersection(n) => {
+                    let is_union = matches!(node, CsgNode::Union(_));
+                    let first = stack.len() - n as usize;
+                    let side = joined(stack[first..].iter().map(|(side, _)| *side), is_union);
+                    let start = stack[first].1;
+                    let n_open =
+                        stack[first..].iter().filter(|(side, _)| *side == Membership::Unknown).count();
+                    stack.truncate(first);
+                    if side != Membership::Unknown {
+                        kept.truncate(start);
+                    } else if n_open > 1 {
+                        let n = n_open as u32;
+                        kept.push(if is_union { CsgNode::Union(n) } else { CsgNode::Intersection(n) });
+                    }
+                    stack.push((side, start));
+                }
+            }
+        }
+        match stack.first() {
+            Some((Membership::Unknown, _)) | None => Restricted::Open(Self { nodes: kept }),
+            Some((side, _)) => Restricted::Decided(*side),
+        }
+    }
+
+    /// Adds to `into` the primitives in undecided parts: only these can change the whole.
+    pub fn undecided(&self, of: impl FnMut(u32) -> Membership, into: &mut Vec<u32>) {
+        if let Restricted::Open(rest) = self.restricted(of) {
+            into.extend(rest.primitives());
+        }
+    }
+
+    /// The primitives that can have the value of the whole somewhere in a region, from ranges of all, each with whether it stands there as
+    /// its complement: where `min(a, b)` has `a < b` throughout, `b` never has the value.
+    #[must_use]
+    pub fn active(&self, mut of: impl FnMut(u32) -> [f64; 2]) -> Vec<(u32, bool)> {
+        // Each result: its range, and where its active primitives begin in `found`.
+        let mut found: Vec<(u32, bool)> = Vec::new();
+        let mut stack: Vec<([f64; 2], Vec<(u32, bool)>)> = Vec::new();
+        for node in &self.nodes {
+            match *node {
+                CsgNode::Primitive(p) => stack.push((of(p), vec![(p, false)])),
+                CsgNode::Complement(p) => {
+                    let [low, high] = of(p);
+                    stack.push(([-high, -low], vec![(p, true)]));
+                }
+                CsgNode::Union(n) | CsgNode::Intersection(n) => {
+                    let is_union = matches!(node, CsgNode::Union(_));
+                    let operands = stack.split_off(stack.len() - n as usize);
+                    let pick = |a: f64, b: f64| if (b < a) == is_union { b } else { a };
+                    let range = operands[1..]
+                        .iter()
+                        .fold(operands[0].0, |[a, b], ([c, d], _)| [pick(a, *c), pick(b, *d)]);
+                    // Of a minimum the ones that are never above its high end.
+                    let may = |[low, high]: [f64; 2]| {
+                        if is_union { low <= range[1] } else { high >= range[0] }
+                    };
+                    let active = operands.into_iter().filter(|(r, _)| may(*r)).flat_map(|(_, active)| active);
+                    stack.push((range, active.collect()));
+                }
+            }
+        }
+        if let Some((_, active)) = stack.pop() {
+            found = active;
+        }
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    /// Evaluates from the primitives up. `join` takes the operands and whether they are united.
+    fn fold<T>(&self, mut of: impl FnMut(u32, bool) -> T, join: impl Fn(&[T], bool) -> T) -> T {
+        let mut stack: Vec<T> = Vec::with_capacity(16);
+        for node in &self.nodes {
+            let result = match *node {
+                CsgNode::Primitive(p) => of(p, false),
+                CsgNode::Complement(p) => of(p, true),
+                CsgNode::Union(n) | CsgNode::Intersection(n) => {
+                    let first = stack.len() - n as usize;
+                    let result = join(&stack[first..], matches!(node, CsgNode::Union(_)));
+                    stack.truncate(first);
+                    result
+                }
+            };
+            stack.push(result);
+        }
+        stack.pop().expect("a tree has one result")
+    }
+}
+
+fn joined(sides: impl Iterator<Item = Membership>, is_union: bool) -> Membership {
+    let (decides, otherwise) = if is_union {
+        (Membership::Inside, Membership::Outside)
+    } else {
+        (Membership::Outside, Membership::Inside)
+    };
+    let mut all = otherwise;
+    for side in sides {
+        if side == decides {
+            return decides;
+        }
+        if side == Membership::Unknown {
+            all = Membership::Unknown;
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `(a ∪ ¬b) ∩ c`.
+    fn sample() -> CsgTree {
+        CsgTree::new(vec![
+            CsgNode::Primitive(0),
+            CsgNode::Complement(1),
+            CsgNode::Union(2),
+            CsgNode::Primitive(2),
+            CsgNode::Intersection(2),
+        ])
+    }
+
+    #[test]
+    fn memberships_values_and_ranges_agree() {
+        let tree = sample();
+        for bits in 0..8_u32 {
+            let value = |p: u32| if bits >> p & 1 == 1 { -1.0 - f64::from(p) } else { 1.0 + f64::from(p) };
+            let expected = tree.value(value);
+            assert_eq!(tree.membership(|p| Membership::of(value(p))), Membership::of(expected));
+            assert_eq!(tree.contains(|p| value(p) < 0.0), expected < 0.0);
+            assert_eq!(tree.range(|p| [value(p); 2]), [expected; 2]);
+            let active = tree.active(|p| [value(p); 2]);
+            assert!(active.iter().any(|(p, not)| expected == if *not { -value(*p) } else { value(*p) }));
+        }
+    }
+
+    #[test]
+    fn restricting_keeps_what_still_decides() {
+        let tree = sample();
+        let unknown = |_| Membership::Unknown;
+        assert_eq!(tree.restricted(unknown), Restricted::Open(tree.clone()));
+        let c_outside = |p| if p == 2 { Membership::Outside } else { Membership::Unknown };
+        assert_eq!(tree.restricted(c_outside), Restricted::Decided(Membership::Outside));
+        let b_inside = |p| if p == 1 { Membership::Inside } else { Membership::Unknown };
+        let left = CsgTree::new(vec![CsgNode::Primitive(0), CsgNode::Primitive(2), CsgNode::Intersection(2)]);
+        assert_eq!(tree.restricted(b_inside), Restricted::Open(left));
+        let b_outside = |p| if p == 1 { Membership::Outside } else { Membership::Unknown };
+        assert_eq!(tree.restricted(b_outside), Restricted::Open(CsgTree::new(vec![CsgNode::Primitive(2)])));
+    }
+}
