@@ -168,8 +168,8 @@ impl<'a> Opener<'a> {
         Self {
             terms,
             above: Vec::new(),
-            chains: HashMap::new(),
-            known: HashMap::new(),
+            chains: HashMap::new(), // No order depends on it.
+            known: HashMap::new(),  // No order depends on it.
             primitives: Vec::new(),
             nodes: Vec::new(),
             n_copied: 0,
