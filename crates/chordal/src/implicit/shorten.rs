@@ -1,10 +1,16 @@
 //! Fewer terms for a region: where one branch of a minimum, smooth or not, or maximum always wins, the other is left out.
+//!
+//! A first pass, from the leaves to the root, finds the range of every term. A second one, from the root, finds for every term above and below
+//! which values it has no say: in a chain of blends each ball is so compared with the nearest one of all, not only with its neighbours in the
+//! chain. Let a value of `m = smin(a, b)` of `T` and above have no say in the whole. Then `a` has none where it is at least `T + 5/4`: where
+//! `b < T + 1/4` it is 1 above `b`, so that `m = b`; elsewhere `m ≥ min(a, b) − 1/4 ≥ T` with it and, being `b`, without it. And it
+//! has none from `max b + 1` on.
 use super::graph::{Graph, Term};
 use super::leaf::LeafError;
 use super::number::Number;
-use super::op::Binary;
+use super::op::{Binary, Unary};
 use super::sources::{Source, boxed};
-use crate::math::{Box3, Interval, sub_down};
+use crate::math::{Box3, Interval, add_up, div_down, div_up, mul_down, mul_up, sub_down, sub_up};
 
 /// What is known of a term in the region.
 #[derive(Clone, Copy, PartialEq)]
@@ -20,19 +26,13 @@ impl Graph {
     pub(super) fn shortened(&self, bounds: &Box3) -> Result<(Interval, Option<Self>), LeafError> {
         let terms = self.terms();
         let mut ranges: Vec<Interval> = Vec::with_capacity(terms.len());
-        let mut choices = vec![Choice::Itself; terms.len()];
-        let mut chosen = false;
-        for (k, term) in terms.iter().enumerate() {
+        for term in terms {
             let of = |number: &u32| ranges[*number as usize];
             let range = match term {
                 Term::Const(value) => Interval::constant(*value),
                 Term::Axis(axis) => boxed(bounds, usize::from(*axis)),
                 Term::Unary(op, a) => Interval::unary(*op, of(a)),
-                Term::Binary(op, a, b) => {
-                    choices[k] = choice(*op, of(a), of(b));
-                    chosen |= choices[k] != Choice::Itself;
-                    Interval::binary(*op, of(a), of(b))
-                }
+                Term::Binary(op, a, b) => Interval::binary(*op, of(a), of(b)),
                 Term::Leaf(leaf, at) => {
                     let range = Interval::of_leaf(&**leaf, &[at.each_ref().map(of)])?;
                     range.first().copied().unwrap_or(Interval::UNKNOWN)
@@ -41,6 +41,8 @@ impl Graph {
             ranges.push(range);
         }
         let value = ranges.last().copied().unwrap_or(Interval::UNKNOWN);
+        let choices = choices(terms, &ranges);
+        let chosen = choices.iter().any(|choice| *choice != Choice::Itself);
         Ok((value, if chosen { self.without_losers(&choices) } else { None }))
     }
 
@@ -100,24 +102,226 @@ impl Graph {
     }
 }
 
+/// Values of a term that have no say in the whole: those from `above` on, and those up to `below`.
+#[derive(Clone, Copy)]
+struct Silence {
+    above: f64,
+    below: f64,
+}
+
+impl Silence {
+    /// Every value counts.
+    const NONE: Self = Self { above: f64::INFINITY, below: f64::NEG_INFINITY };
+    /// Nobody has asked yet.
+    const UNUSED: Self = Self { above: f64::NEG_INFINITY, below: f64::INFINITY };
+
+    /// What is silent for both of two uses.
+    fn both(self, other: Self) -> Self {
+        Self {
+            above: if self.above > other.above { self.above } else { other.above },
+            below: if self.below < other.below { self.below } else { other.below },
+        }
+    }
+
+    fn mirrored(self) -> Self {
+        Self { above: -self.below, below: -self.above }
+    }
+
+    /// With values from there on silent as well.
+    fn from(self, above: f64) -> Self {
+        Self { above: if above < self.above { above } else { self.above }, ..self }
+    }
+
+    /// Whether the operand with this range can be left out: of a minimum what is silent above, of a maximum what is silent below.
+    fn leaves_out(self, op: Binary, range: Interval) -> bool {
+        match op {
+            Binary::Min | Binary::SmoothMin => range.lo() >= self.above,
+            Binary::Max => range.hi() <= self.below,
+            _ => false,
+        }
+    }
+}
+
+/// For each term which operand is enough, from the root down.
+fn choices(terms: &[Term], ranges: &[Interval]) -> Vec<Choice> {
+    let mut choices = vec![Choice::Itself; terms.len()];
+    let mut silences = vec![Silence::UNUSED; terms.len()];
+    if let Some(root) = silences.last_mut() {
+        *root = Silence::NONE;
+    }
+    for (k, term) in terms.iter().enumerate().rev() {
+        let silence = silences[k];
+        let mut use_of = |part: &u32, silence: Silence| {
+            let known = &mut silences[*part as usize];
+            *known = known.both(silence);
+        };
+        let constant = |part: &u32| match terms[*part as usize] {
+            Term::Const(value) if value.is_finite() => Some(value),
+            _ => None,
+        };
+        match term {
+            Term::Const(_) | Term::Axis(_) => {}
+            Term::Unary(Unary::Neg, a) => use_of(a, silence.mirrored()),
+            Term::Unary(_, a) => use_of(a, Silence::NONE),
+            Term::Leaf(_, at) => at.iter().for_each(|a| use_of(a, Silence::NONE)),
+            Term::Binary(op, a, b) => {
+                let of = [ranges[*a as usize], ranges[*b as usize]];
+                let [of_a, of_b] = operand_silences(*op, silence, of, [constant(a), constant(b)]);
+                choices[k] = choice(*op, of, [of_a, of_b]);
+                match choices[k] {
+                    Choice::Itself => {
+                        use_of(a, of_a);
+                        use_of(b, of_b);
+                    }
+                    // The node is its operand then.
+                    Choice::First => use_of(a, silence),
+                    Choice::Second => use_of(b, silence),
+                }
+            }
+        }
+    }
+    choices
+}
+
+/// Which values of the operands have no say, from those of the result that have none.
+fn operand_silences(
+    op: Binary,
+    silence: Silence,
+    [a, b]: [Interval; 2],
+    constants: [Option<f64>; 2],
+) -> [Silence; 2] {
+    if !(a.is_defined() && b.is_defined()) {
+        return [Silence::NONE; 2];
+    }
+    let Silence { above, below } = silence;
+    match (op, constants) {
+        // Strictly beyond: of equal numbers the second is taken, which may be the other zero.
+        (Binary::Min, _) => [b, a].map(|other| silence.from(other.hi().next_up())),
+        (Binary::Max, _) => [b, a].map(|other| silence.mirrored().from((-other.lo()).next_up()).mirrored()),
+        // From below `smin` is at most the minimum, so what is silent below stays so.
+        (Binary::SmoothMin, _) => {
+            [b, a].map(|other| Silence { above: add_up(above, 1.25), below }.from(add_up(other.hi(), 1.0)))
+        }
+        (Binary::Add, [None, Some(k)]) => [shifted(silence, k), Silence::NONE],
+        (Binary::Add, [Some(k), None]) => [Silence::NONE, shifted(silence, k)],
+        (Binary::Sub, [None, Some(k)]) => [shifted(silence, -k), Silence::NONE],
+        (Binary::Sub, [Some(k), None]) => [Silence::NONE, shifted(silence.mirrored(), -k)],
+        (Binary::Mul, [None, Some(k)]) if k > 0.0 => [scaled(silence, k), Silence::NONE],
+        (Binary::Mul, [Some(k), None]) if k > 0.0 => [Silence::NONE, scaled(silence, k)],
+        (Binary::Div, [None, Some(k)]) if k > 0.0 => {
+            [Silence { above: mul_up(above, k), below: mul_down(below, k) }, Silence::NONE]
+        }
+        _ => [Silence::NONE; 2],
+    }
+}
+
+/// That of `a` from that of `a + k`; one step outward covers the rounding of the sum too.
+fn shifted(silence: Silence, k: f64) -> Silence {
+    Silence { above: sub_up(silence.above, k).next_up(), below: sub_down(silence.below, k).next_down() }
+}
+
+/// That of `a` from that of `k · a`.
+fn scaled(silence: Silence, k: f64) -> Silence {
+    Silence { above: div_up(silence.above, k).next_up(), below: div_down(silence.below, k).next_down() }
+}
+
 /// Which operand alone decides, if both have a value everywhere.
-fn choice(op: Binary, a: Interval, b: Interval) -> Choice {
+fn choice(op: Binary, [a, b]: [Interval; 2], [of_a, of_b]: [Silence; 2]) -> Choice {
     if !(a.is_defined() && b.is_defined()) {
         return Choice::Itself;
     }
     let (is_zero, never) = (a.lo() == 0.0 && a.hi() == 0.0, a.lo() > 0.0 || a.hi() < 0.0);
     match op {
-        Binary::Min if a.hi() < b.lo() => Choice::First,
-        Binary::Min if b.hi() < a.lo() => Choice::Second,
-        Binary::Max if a.lo() > b.hi() => Choice::First,
-        Binary::Max if b.lo() > a.hi() => Choice::Second,
-        // Exact numbers between the ends are 1 apart as well, so that nothing is taken off.
-        Binary::SmoothMin if sub_down(b.lo(), a.hi()) >= 1.0 => Choice::First,
-        Binary::SmoothMin if sub_down(a.lo(), b.hi()) >= 1.0 => Choice::Second,
+        // One of them stays where both are silent.
+        _ if of_b.leaves_out(op, b) => Choice::First,
+        _ if of_a.leaves_out(op, a) => Choice::Second,
         Binary::And if never => Choice::Second,
         Binary::And if is_zero => Choice::First,
         Binary::Or if never => Choice::First,
         Binary::Or if is_zero => Choice::Second,
         _ => Choice::Itself,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::implicit::{Expr, Slope, Tape};
+    use crate::math::Box3;
+
+    struct Random(u64);
+
+    impl Random {
+        fn unit(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+        }
+
+        fn point(&mut self, half: f64) -> [f64; 3] {
+            [0; 3].map(|_| half * (2.0 * self.unit() - 1.0))
+        }
+
+        fn ball(&mut self) -> Expr {
+            let ([x, y, z], [a, b, c]) = (Expr::axes(), self.point(1.0));
+            ((x - a).square() + (y - b).square() + (z - c).square()).sqrt() - 0.1
+        }
+
+        /// Balls in a chain of unions, blends, intersections with complements, offsets and scales.
+        fn chain(&mut self, n: usize, blends_only: bool) -> Expr {
+            let mut whole = self.ball();
+            for _ in 0..n {
+                let ball = self.ball();
+                whole = match if blends_only { 0.0 } else { 8.0 * self.unit() } {
+                    0.0..3.0 => whole.smooth_min(&ball, 0.05),
+                    3.0..4.0 => -((-whole).smooth_min(&ball, 0.05)),
+                    4.0..5.0 => whole.min(&ball),
+                    5.0..6.0 => whole.max(&-ball),
+                    6.0..7.0 => Expr::constant(0.02) - (ball.max(&(whole * -1.25)) / 1.25),
+                    _ => (whole + 0.3).min(&(ball + 0.3)) - 0.3,
+                };
+            }
+            whole
+        }
+    }
+
+    /// Values and gradients of the shortened tape are those of the whole, bit for bit, wherever it is asked for.
+    fn same_in(tape: &Tape, bounds: &Box3, random: &mut Random) -> Option<usize> {
+        let shorter = tape.shortened(bounds).unwrap().1?;
+        let points: Vec<[f64; 3]> = (0..60)
+            .map(|_| [0, 1, 2].map(|k| bounds.min[k] + random.unit() * (bounds.max[k] - bounds.min[k])))
+            .collect();
+        let none = Slope { value: 0.0, gradient: [0.0; 3] };
+        let (mut whole, mut part) = (vec![none; 60], vec![none; 60]);
+        tape.gradient_at(&points, &mut whole).unwrap();
+        shorter.gradient_at(&points, &mut part).unwrap();
+        assert_eq!(whole, part);
+        Some(shorter.len())
+    }
+
+    #[test]
+    fn what_has_no_say_changes_no_value() {
+        let mut random = Random(5);
+        let mut n_shorter = 0;
+        for case in 0..300 {
+            let tape = Tape::of(&random.chain(20, false));
+            let half = [0.5, 0.1, 0.02][case % 3];
+            let middle = random.point(1.0);
+            let bounds = Box3 { min: middle.map(|x| x - half), max: middle.map(|x| x + half) };
+            n_shorter += usize::from(same_in(&tape, &bounds, &mut random).is_some());
+        }
+        assert!(n_shorter > 150, "{n_shorter}");
+    }
+
+    #[test]
+    fn a_ball_of_a_chain_of_blends_is_compared_with_the_nearest_of_all() {
+        let mut random = Random(9);
+        let tape = Tape::of(&random.chain(200, true));
+        let mut steps = 0;
+        for _ in 0..20 {
+            let middle = random.point(0.8);
+            let bounds = Box3 { min: middle.map(|x| x - 0.05), max: middle.map(|x| x + 0.05) };
+            steps += same_in(&tape, &bounds, &mut random).expect("most balls are far");
+        }
+        // 200 balls of 17 steps; a box and the balls' own reach hold some ten of them.
+        assert!(steps / 20 < tape.len() / 6, "{} of {}", steps / 20, tape.len());
     }
 }
