@@ -17,6 +17,7 @@ pub(crate) use double_double::DoubleDouble;
 pub(crate) use exponent::{exponent, power_of_two};
 pub(crate) use interval::ends::Ends;
 pub use interval::{Interval, InvalidInterval};
+pub(crate) use predicates::dot_sign;
 pub use predicates::{Orientation, Position, orient2d, orient3d, triangle_contains};
 pub use probe::flushes_subnormals;
 pub(crate) use ranked::Ranked;

@@ -141,6 +141,21 @@ pub fn triangle_contains([a, b, c]: [[f64; 2]; 3], point: [f64; 2]) -> Position 
     }
 }
 
+/// The sign of `v · (b − a)`, exactly: how the points compare along a direction. Coordinates must be finite.
+pub(crate) fn dot_sign(v: [f64; 2], a: [f64; 2], b: [f64; 2]) -> Ordering {
+    let terms = [v[0] * b[0], v[1] * b[1], -(v[0] * a[0]), -(v[1] * a[1])];
+    let sum = (terms[0] + terms[2]) + (terms[1] + terms[3]);
+    // Each product and each of three sums is off by half a unit of the sizes: less than 4 ε of their sum, and it is rounded by less.
+    let size: f64 = terms.iter().map(|term| term.abs()).sum();
+    let clear = (1e-280..1e280).contains(&size);
+    if clear && sum.abs() > 8.0 * f64::EPSILON * size {
+        return if sum > 0.0 { Ordering::Greater } else { Ordering::Less };
+    }
+    let [v, a, b] = [v, a, b].map(|p| p.map(Wide::of));
+    let along = |k: usize| &v[k] * &(&b[k] - &a[k]);
+    (&along(0) - &-along(1)).sign()
+}
+
 /// Whether each number is 0 or has an absolute value in `[2^low, 2^high)`.
 #[inline]
 fn within(coordinates: &[f64], low: i32, high: i32) -> bool {

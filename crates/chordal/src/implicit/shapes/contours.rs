@@ -1,6 +1,7 @@
 //! `Contours`: the exact signed distance to closed contours of straight edges in the plane, as a leaf.
 use super::contours_build;
 use super::flat::endless;
+use super::half_planes;
 use super::{InvalidShape, finite_point};
 use crate::budget::Evidence;
 use crate::implicit::{Answer, Distance, Expr, Field, Leaf, LeafError, Lipschitz};
@@ -119,7 +120,9 @@ impl Contours {
     pub fn into_field(self) -> Field {
         let (distance, [min, max]) = (self.distance, self.bounds);
         let [x, y, _] = Expr::axes();
-        Field::new(self.expr([x, y])).with_distance(distance).with_bounds(endless(min, max))
+        let sign = half_planes::inside(&self.edges, [&x, &y]);
+        let field = Field::new(self.expr([x, y])).with_distance(distance).with_bounds(endless(min, max));
+        sign.map_or(field.clone(), |sign| field.with_sign(sign))
     }
 
     /// How often the contours wind around `p`, counter-clockwise; those for which `counts` says no are left out. Exact,

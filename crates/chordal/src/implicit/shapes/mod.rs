@@ -22,6 +22,7 @@ mod contours;
 mod contours_build;
 mod contours_slope;
 mod flat;
+mod half_planes;
 mod periodic;
 mod platonic;
 mod round;

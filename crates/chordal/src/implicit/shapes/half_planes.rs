@@ -1,0 +1,345 @@
+//! The inside of simple contours as unions and intersections of half-planes, one for each edge.
+//!
+//! A distance to contours has kinks where the nearest edge changes, also on the contours' corners. As a sign it can be written without any: a
+//! simple chain of edges whose first and last are rays is split at a corner `v` of its convex hull. Both parts, with the edges at `v`
+//! made rays, are simple chains again, since these rays leave the hull. What is left of the chain is the intersection of what is left of
+//! the parts where the chain turns left at `v`, else the union. So every edge stands in the formula once.
+//!
+//! Source: D. Dobkin, L. Guibas, J. Hershberger, J. Snoeyink, *An efficient algorithm for finding the CSG representation of a simple
+//! polygon*, 1988. How the corner is found is derived here: in a direction that both rays leave in, the lowest one.
+use super::contours::Edge;
+use crate::implicit::Expr;
+use crate::math::{Orientation, dot_sign, orient2d};
+use std::cmp::Ordering;
+
+/// Edges of a contour at most. Defined: finding the corners takes the square of their number at worst.
+const MOST_EDGES: usize = 1024;
+/// Two edges are taken for one line, seen from both sides, where they are parallel and near to this share of their size. Defined: far above
+/// rounding. The half-planes of such edges would leave a crack between them that no edge is on.
+const NEAR: f64 = 1.0 / (1_u64 << 30) as f64;
+
+type Point = [f64; 2];
+
+/// An expression in two coordinates that is negative where the contours of these edges enclose a point, with the inside of each edge on the
+/// side opposite to [`Edge::outside`]. None where that cannot be written within the limits, or not without cracks.
+pub(super) fn inside(edges: &[Edge], [x, y]: [&Expr; 2]) -> Option<Expr> {
+    if edges.len() > MOST_EDGES || edges.iter().any(|edge| edge.outside == 0) || has_cracks(edges) {
+        return None;
+    }
+    let mut loops: Vec<Loop> = Vec::new();
+    let mut start = 0;
+    while start < edges.len() {
+        let n = edges[start..].iter().take_while(|edge| edge.contour == edges[start].contour).count();
+        loops.push(Loop::of(&edges[start..start + n]));
+        start += n;
+    }
+    let inside: Vec<Expr> = loops.iter().map(|one| one.inside([x, y])).collect::<Option<_>>()?;
+    // A loop that runs clockwise is a hole in the smallest one around it.
+    let outer_of = |hole: &Loop| {
+        let around = |k: &usize| loops[*k].is_outer && loops[*k].encloses(hole.corners[0]);
+        (0..loops.len()).filter(around).min_by(|a, b| loops[*a].area().total_cmp(&loops[*b].area()))
+    };
+    let outer: Vec<Option<usize>> =
+        loops.iter().map(|one| if one.is_outer { None } else { outer_of(one) }).collect();
+    let mut whole: Option<Expr> = None;
+    for (k, solid) in inside.iter().enumerate().filter(|(k, _)| loops[*k].is_outer) {
+        let holes = (0..loops.len()).filter(|hole| outer[*hole] == Some(k));
+        let solid = holes.fold(solid.clone(), |solid, hole| solid.max(&inside[hole]));
+        whole = Some(whole.map_or(solid.clone(), |whole| whole.min(&solid)));
+    }
+    whole
+}
+
+/// Whether two edges lie on one line with opposite insides, but for rounding, where that line is not along an axis: of those along an axis the
+/// half-planes are exact complements.
+fn has_cracks(edges: &[Edge]) -> bool {
+    edges.iter().enumerate().any(|(k, e)| {
+        let along = [e.b[0] - e.a[0], e.b[1] - e.a[1]];
+        let size = along[0].abs() + along[1].abs();
+        along[0] != 0.0
+            && along[1] != 0.0
+            && edges[..k].iter().any(|f| {
+                let off = |p: Point| along[0] * (p[1] - e.a[1]) - along[1] * (p[0] - e.a[0]);
+                let reach = |p: Point| (p[0] - e.a[0]).abs() + (p[1] - e.a[1]).abs();
+                let near = |p: Point| off(p).abs() <= NEAR * size * (size + reach(p));
+                let same = (along[0] * (f.b[0] - f.a[0]) + along[1] * (f.b[1] - f.a[1]) > 0.0)
+                    == (e.outside == f.outside);
+                !same && near(f.a) && near(f.b)
+            })
+    })
+}
+
+/// A closed contour with the inside on its left.
+struct Loop {
+    corners: Vec<Point>,
+    is_outer: bool,
+}
+
+impl Loop {
+    fn of(edges: &[Edge]) -> Self {
+        let mut corners: Vec<Point> = edges.iter().map(|edge| edge.a).collect();
+        if edges.iter().any(|edge| edge.outside < 0) {
+            corners.reverse();
+        }
+        // Edges in line are one edge.
+        let n = corners.len();
+        let bends: Vec<bool> = (0..n).map(|k| turn_at(&corners, k) != Orientation::Flat).collect();
+        let mut bends = bends.into_iter();
+        corners.retain(|_| bends.next() == Some(true));
+        let is_outer = turn_at(&corners, least(&corners)) == Orientation::Front;
+        Self { corners, is_outer }
+    }
+
+    /// Whether a point off the contour is within it, whichever way it runs.
+    fn encloses(&self, p: Point) -> bool {
+        let n = self.corners.len();
+        let crosses = |k: &usize| {
+            let (a, b) = (self.corners[*k], self.corners[(*k + 1) % n]);
+            let up = a[1] <= p[1] && b[1] > p[1];
+            let down = b[1] <= p[1] && a[1] > p[1];
+            up && orient2d(a, b, p) == Orientation::Front || down && orient2d(a, b, p) == Orientation::Back
+        };
+        (0..n).filter(crosses).count() % 2 == 1
+    }
+
+    fn area(&self) -> f64 {
+        let n = self.corners.len();
+        let parts = (0..n).map(|k| {
+            let (a, b) = (self.corners[k], self.corners[(k + 1) % n]);
+            a[0] * b[1] - a[1] * b[0]
+        });
+        (0.5 * parts.sum::<f64>()).abs()
+    }
+
+    /// Split at its least and its greatest corner, which are on the hull.
+    fn inside(&self, at: [&Expr; 2]) -> Option<Expr> {
+        let n = self.corners.len();
+        let from = least(&self.corners);
+        let corners: Vec<Point> = (0..=n).map(|k| self.corners[(from + k) % n]).collect();
+        let far = (1..n).reduce(|best, k| if corners[k] > corners[best] { k } else { best })?;
+        let chain = Chain { corners: &corners, at };
+        let (there, back) = (chain.left(0, far)?, chain.left(far, n)?);
+        Some(if self.is_outer { there.max(&back) } else { there.min(&back) })
+    }
+}
+
+/// The lexicographically least corner.
+fn least(corners: &[Point]) -> usize {
+    (1..corners.len()).fold(0, |best, k| if corners[k] < corners[best] { k } else { best })
+}
+
+fn turn_at(corners: &[Point], k: usize) -> Orientation {
+    let n = corners.len();
+    orient2d(corners[(k + n - 1) % n], corners[k], corners[(k + 1) % n])
+}
+
+struct Chain<'a> {
+    corners: &'a [Point],
+    /// The two coordinates.
+    at: [&'a Expr; 2],
+}
+
+impl Chain<'_> {
+    /// What is left of the edges from one corner to another, the first and last taken as rays.
+    fn left(&self, first: usize, last: usize) -> Option<Expr> {
+        let mut parts = vec![(first, last)];
+        // Where each part is split, in the order in which a formula is read, without recursion; none for an edge.
+        let mut splits: Vec<Option<Orientation>> = Vec::new();
+        while let Some((from, to)) = parts.pop() {
+            if to - from == 1 {
+                splits.push(None);
+                continue;
+            }
+            let corner = self.hull_corner(from, to)?;
+            let [a, b, c] = [corner - 1, corner, corner + 1].map(|k| self.corners[k]);
+            splits.push(Some(orient2d(a, b, c)));
+            parts.extend([(corner, to), (from, corner)]);
+        }
+        // Read backwards, operands come before what joins them, and edges from the last on.
+        let mut formulas: Vec<Expr> = Vec::new();
+        let mut edge = last;
+        for split in splits.into_iter().rev() {
+            let formula = match split {
+                None => {
+                    edge -= 1;
+                    half_plane([self.corners[edge], self.corners[edge + 1]], self.at)
+                }
+                Some(turn) => {
+                    let (a, b) = (formulas.pop()?, formulas.pop()?);
+                    match turn {
+                        Orientation::Front => a.max(&b),
+                        Orientation::Back => a.min(&b),
+                        Orientation::Flat => return None,
+                    }
+                }
+            };
+            formulas.push(formula);
+        }
+        formulas.pop()
+    }
+
+    /// A corner of the hull between two corners of the chain.
+    fn hull_corner(&self, from: usize, to: usize) -> Option<usize> {
+        let edge = |k: usize| {
+            let (a, b) = (self.corners[k], self.corners[k + 1]);
+            let along = [b[0] - a[0], b[1] - a[1]];
+            let length = (along[0] * along[0] + along[1] * along[1]).sqrt();
+            along.map(|x| x / length)
+        };
+        let (first, last) = (edge(from), edge(to - 1));
+        // Both rays run upward, seen along this; the tie goes to the first along `first`, which is a corner of the hull.
+        let up = [last[0] - first[0], last[1] - first[1]];
+        let rises = |k: usize, sign: f64| {
+            dot_sign(up.map(|x| sign * x), self.corners[k], self.corners[k + 1]) == Ordering::Greater
+        };
+        if up != [0.0; 2] && rises(from, -1.0) && rises(to - 1, 1.0) {
+            let low = self.lowest((from, to), up, [-up[1], up[0]]);
+            return Some(low);
+        }
+        // Rays of one direction: below them, or above.
+        let across = [-first[1], first[0]];
+        [across, across.map(|x| -x)].into_iter().find_map(|up| {
+            let low = self.lowest((from, to), up, first);
+            (dot_sign(up, self.corners[from + 1], self.corners[low]) == Ordering::Less
+                && dot_sign(up, self.corners[from], self.corners[low]) == Ordering::Less)
+                .then_some(low)
+        })
+    }
+
+    /// The lowest inner corner along `up`; of those that are equally low the first along `then`.
+    fn lowest(&self, (from, to): (usize, usize), up: Point, then: Point) -> usize {
+        (from + 2..to).fold(from + 1, |best, k| {
+            let (a, b) = (self.corners[best], self.corners[k]);
+            let order = dot_sign(up, a, b).then_with(|| dot_sign(then, a, b));
+            if order == Ordering::Less { k } else { best }
+        })
+    }
+}
+
+/// Negative on the left of the line from `a` to `b`; the distance to it, but for rounding.
+fn half_plane([a, b]: [Point; 2], [x, y]: [&Expr; 2]) -> Expr {
+    let along = [b[0] - a[0], b[1] - a[1]];
+    if along[0] == 0.0 {
+        return if along[1] > 0.0 { x - a[0] } else { Expr::constant(a[0]) - x };
+    }
+    if along[1] == 0.0 {
+        return if along[0] > 0.0 { Expr::constant(a[1]) - y } else { y - a[1] };
+    }
+    let length = (along[0] * along[0] + along[1] * along[1]).sqrt();
+    let normal = [along[1] / length, -along[0] / length];
+    (x - a[0]) * normal[0] + (y - a[1]) * normal[1]
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::implicit::shapes::{Contours, Fill};
+    use crate::implicit::{Csg, Tape};
+
+    struct Random(u64);
+
+    impl Random {
+        fn below(&mut self, n: u64) -> u64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 33) % n
+        }
+
+        fn unit(&mut self) -> f64 {
+            self.below(1 << 30) as f64 / (1_u64 << 30) as f64
+        }
+    }
+
+    /// Points are on the same side by half-planes as by the distance, off the contour. Says whether there are half-planes.
+    fn agrees(contours: &[Vec<[f64; 2]>], random: &mut Random) -> bool {
+        let Ok(made) = Contours::new(contours, Fill::EvenOdd) else { return false };
+        let n_edges = made.edges.len();
+        let [min, max] = made.bounds;
+        let field = made.into_field();
+        if !field.has_sign() {
+            return false;
+        }
+        let csg = Csg::of(field.sign());
+        assert!(csg.primitives().len() <= n_edges, "each edge stands in the formula once at most");
+        let points: Vec<[f64; 3]> = (0..400)
+            .map(|_| {
+                let at = |k: usize, t: f64| min[k] - 0.5 + t * (max[k] - min[k] + 1.0);
+                [at(0, random.unit()), at(1, random.unit()), 0.0]
+            })
+            .collect();
+        let (mut distances, mut signs) = (vec![0.0; 400], vec![0.0; 400]);
+        field.tape().at(&points, &mut distances).unwrap();
+        Tape::of(field.sign()).at(&points, &mut signs).unwrap();
+        for ((distance, sign), p) in distances.iter().zip(&signs).zip(&points) {
+            assert!(distance.abs() < 1e-9 || (*distance < 0.0) == (*sign < 0.0), "{p:?} of {contours:?}");
+        }
+        true
+    }
+
+    /// Cells of a square lattice that hang together, as one contour: many collinear edges and equal coordinates.
+    fn staircase(random: &mut Random, n: usize) -> Vec<[f64; 2]> {
+        let (mut low, mut high) = (Vec::new(), Vec::new());
+        for k in 0..n {
+            let (a, b) = (random.below(4) as f64, 5.0 + random.below(4) as f64);
+            low.extend([[k as f64, a], [k as f64 + 1.0, a]]);
+            high.extend([[k as f64, b], [k as f64 + 1.0, b]]);
+        }
+        high.reverse();
+        low.extend(high);
+        low
+    }
+
+    #[test]
+    fn stars_combs_and_staircases_are_formulas_of_half_planes() {
+        let mut random = Random(11);
+        let mut n_made = 0;
+        for case in 0..300_usize {
+            let n = 3 + random.below(40) as usize;
+            let outline: Vec<[f64; 2]> = match case % 3 {
+                // A star about the origin: simple whatever the radii.
+                0 => (0..n)
+                    .map(|k| {
+                        let angle = std::f64::consts::TAU * k as f64 / n as f64;
+                        let r = 0.2 + 2.0 * random.unit();
+                        [r * libm::cos(angle), r * libm::sin(angle)]
+                    })
+                    .collect(),
+                // A star of whole numbers, often collinear and sometimes degenerate.
+                1 => (0..n)
+                    .map(|k| {
+                        let angle = std::f64::consts::TAU * k as f64 / n as f64;
+                        let r = 3.0 + 9.0 * random.unit();
+                        [(r * libm::cos(angle)).round(), (r * libm::sin(angle)).round()]
+                    })
+                    .collect(),
+                _ => staircase(&mut random, n),
+            };
+            n_made += usize::from(agrees(&[outline], &mut random));
+        }
+        assert!(n_made > 200, "{n_made}");
+    }
+
+    #[test]
+    fn a_spiral_is_a_formula_of_half_planes() {
+        let mut random = Random(3);
+        let arm = |r: f64| {
+            move |k: u32| {
+                let angle = 0.4 * f64::from(k);
+                let r = r + 0.1 * angle;
+                [r * libm::cos(angle), r * libm::sin(angle)]
+            }
+        };
+        let mut outline: Vec<[f64; 2]> = (0..60).map(arm(0.5)).collect();
+        outline.extend((0..60).rev().map(arm(0.2)));
+        assert!(agrees(&[outline], &mut random));
+    }
+
+    #[test]
+    fn holes_and_islands_are_in_the_formula() {
+        let mut random = Random(4);
+        let square = |half: f64, x: f64| {
+            vec![[x - half, -half], [x + half, -half], [x + half, half], [x - half, half]]
+        };
+        let contours =
+            [square(5.0, 0.0), square(3.0, 1.0), square(1.0, 1.5), square(0.5, -3.5), square(1.0, 8.0)];
+        assert!(agrees(&contours, &mut random));
+    }
+}
