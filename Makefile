@@ -156,9 +156,14 @@ bench: need-rust need-python ## side by side with other programs; writes bench/R
 pictures: need-rust ## take the pictures of the docs again
 	$(CARGO) build --release --locked -p chordal-cli
 	mkdir -p docs/pictures
-	for name in block bracket gyroid blobs; do \
+	for name in block bracket gyroid blobs angle_bracket creature gyroid_cube; do \
 		$(CHORDAL) render examples/$$name.star --size 480x360 -o docs/pictures/$$name.png --force -q; \
 	done
+	part() { $(CHORDAL) render examples/$$1.star --view "480x360 $$2" -o docs/pictures/$$1.png --force -q; }; \
+		part twisted_bolt "fov=30 eye=60,-80,25 target=0,0,-17"; \
+		part gear "fov=35 eye=25,-55,70 target=0,0,0"; \
+		part enclosure "fov=35 eye=-25,-62,110 target=0,0,9"; \
+		part vase "fov=35 eye=70,-140,130 target=0,0,44"
 	$(CHORDAL) render examples/cube.obj --show zebra --size 480x360 -o docs/pictures/zebra.png --force -q
 	$(CHORDAL) render examples/teapot.bpt --show overshade --cull back --size 480x360 -o docs/pictures/overshade.png --force -q
 	$(CHORDAL) render examples/cube.obj --show wire --tol 1% --size 480x360 -o docs/pictures/cube.png --force -q
