@@ -147,8 +147,9 @@ test-python: need-rust need-python
 	export MYPY_CACHE_DIR=$(TARGET)/python/mypy && $(VENV)/bin/python -m mypy tests/python \
 		&& $(VENV)/bin/python -m mypy -p chordal && $(VENV)/bin/python -m mypy.stubtest chordal
 
-test-long: need-rust test-viewers ## the tests with many more random cases, and a second viewer of tilesets; minutes to hours
+test-long: need-rust test-viewers test-python ## the tests with many more random cases, and a second viewer of tilesets; minutes to hours
 	PROPTEST_CASES=100000 $(CARGO) test --workspace --locked --release
+	CHORDAL_LONG=1 CHORDAL=$(abspath $(CHORDAL)) $(VENV)/bin/python -m pytest -q tests/python/test_field_referee.py
 
 bench: need-rust need-python ## side by side with other programs; writes bench/RESULTS.md
 	$(MAKE) -C bench
