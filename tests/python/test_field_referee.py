@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from field_referee.judge import Verdict, crease_gap, judge
-from field_referee.mesh import Mesh, crossing_pairs, topology
+from field_referee.mesh import Mesh, crossing_pairs, folded_edges, topology
 from field_referee.random_scripts import Case, case
 from field_referee.run import mesh_of
 from field_referee.script import solid_of
@@ -19,8 +19,9 @@ import chordal
 
 Array = npt.NDArray[np.float64]
 LONG = bool(os.environ.get("CHORDAL_LONG"))
-#: Random scripts, and the seconds that the command has for each: one of each kind, or all that `make test-long` takes.
-N_CASES, SECONDS = (240, 60.0) if LONG else (9, 6.0)
+#: Random scripts, and the seconds of the processor that the command has for each: one of each kind, or all that
+#: `make test-long` takes.
+N_CASES, SECONDS = (240, 60) if LONG else (9, 6)
 #: What a lattice may cost in the short tests, where meshes have few triangles.
 WORK = 1e8
 
@@ -99,8 +100,11 @@ def test_sound_meshes_pass() -> None:
     assert complaint("sphere(1) | move(sphere(1), 5, 0)", two, BALL_ERROR) == ""
 
 
-def test_a_bound_cut_by_five_percent_is_seen() -> None:
-    found = complaint("sphere(1)", BALL, 0.95 * BALL_ERROR)
+@pytest.mark.parametrize("size", [1.0, 1e-6, 1e6])
+def test_a_bound_cut_by_five_percent_is_seen(size: float) -> None:
+    text, mesh = f"scale(sphere(1), {size})", Mesh(size * BALL.points, BALL.faces)
+    assert complaint(text, mesh, size * BALL_ERROR) == ""
+    found = complaint(text, mesh, 0.95 * size * BALL_ERROR)
     assert "of the surface are farther" in found
     assert "have no surface within" in found
 
@@ -147,6 +151,13 @@ def test_crossing_triangles_are_seen() -> None:
     points = BALL.points.copy()
     points[0] = [-1.1, 0.03, 0.02]
     assert len(crossing_pairs(Mesh(points, BALL.faces))) > 0
+
+
+def test_faces_that_lie_on_each_other_are_seen() -> None:
+    flat = Mesh(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.3, 0.3, 0]]), np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]))
+    assert topology(flat) == []
+    assert folded_edges(flat) == 3
+    assert [folded_edges(mesh) for mesh in (BALL, CUBE, prism([(0, 0), (1, 0), (1, 1e-3)], 1))] == [0, 0, 0]
 
 
 def test_a_vertex_that_joins_two_fans_is_seen() -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from . import surface
-from .mesh import Grid, Mesh, crossing_pairs, topology, true_distances
+from .mesh import Grid, Mesh, crossing_pairs, folded_edges, topology, true_distances, twins
 from .ranges import Array
 from .words import Solid
 
@@ -45,6 +45,9 @@ def judge(solid: Solid, mesh: Mesh, at_most: float, seed: int = 1, work: float =
     """Everything that can be held against a mesh."""
     verdict = Verdict()
     verdict.wrong += topology(mesh)
+    n_folded = 0 if verdict.wrong else folded_edges(mesh)
+    if n_folded:
+        verdict.wrong.append(f"the faces of {n_folded} edges lie on each other")
     n_crossing = len(crossing_pairs(mesh))
     if n_crossing:
         verdict.wrong.append(f"{n_crossing} pairs of triangles cross")
@@ -58,13 +61,9 @@ def judge(solid: Solid, mesh: Mesh, at_most: float, seed: int = 1, work: float =
 
 def crease_gap(mesh: Mesh, creases: Array, least_deg: float) -> float:
     """How far points of creases are at most from an edge of the mesh at which its faces turn by so many degrees."""
-    n = len(mesh.points)
     start, end = mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
-    key, back = start * n + end, end * n + start
-    order = np.argsort(key)
     across = mesh.normals() / np.sqrt((mesh.normals() ** 2).sum(axis=1, keepdims=True))
-    face = np.arange(len(key)) // 3
-    other = order[np.searchsorted(key[order], back)] // 3
+    face, other = np.arange(len(start)) // 3, twins(mesh) // 3
     sharp = (across[face] * across[other]).sum(axis=1) < np.cos(np.radians(least_deg))
     if not sharp.any():
         return float("inf")

@@ -193,8 +193,7 @@ def topology(mesh: Mesh) -> list[str]:
     if wrong:
         return wrong
     # Around a vertex: from the corner at which a half-edge starts to that of the edge before it, turned around.
-    order = np.argsort(key)
-    twin = order[np.searchsorted(key[order], back)]
+    twin = twins(mesh)
     before = np.arange(len(key)) // 3 * 3 + (np.arange(len(key)) + 2) % 3
     following = twin[before]
     label, jump = np.arange(len(key)), following
@@ -207,6 +206,34 @@ def topology(mesh: Mesh) -> list[str]:
     if pinched:
         wrong.append(f"{pinched} vertices join fans that share no edge")
     return wrong
+
+
+def twins(mesh: Mesh) -> Indices:
+    """The half-edge that runs against each, of a mesh that is closed."""
+    n = len(mesh.points)
+    start, end = mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
+    key = start * n + end
+    order = np.argsort(key)
+    return np.asarray(order[np.searchsorted(key[order], end * n + start)], np.int64)
+
+
+def folded_edges(mesh: Mesh) -> int:
+    """Edges of a closed mesh whose two faces lie on each other, to rounding; slivers have no say."""
+    twin, half = twins(mesh), np.arange(mesh.faces.size)
+    u, v = mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
+    opposite = np.roll(mesh.faces, -2, axis=1).ravel()
+    n = mesh.normals()[half // 3]
+    area = np.sqrt(dot(n, n))
+    start, along = mesh.points[u], mesh.points[v] - mesh.points[u]
+    mine, other = mesh.points[opposite] - start, mesh.points[opposite[twin]] - start
+    longest = np.sqrt(np.maximum(np.maximum(dot(along, along), dot(mine, mine)), dot(other, other)))
+    with np.errstate(all="ignore"):
+        margin = 64 * EPS * (mesh.size() + longest * longest * longest / area)
+        inward = np.cross(n, along) / (area * np.sqrt(dot(along, along)))[:, None]
+        flat = np.abs(dot(other, n)) / area <= margin
+        # A sliver is one whose rounding would hide an angle of a thousandth.
+        same = (dot(other, inward) > 1000 * margin) & (margin < 1e-3 * dot(mine, inward))
+    return int((flat & same).sum()) // 2
 
 
 def crossing_pairs(mesh: Mesh) -> Indices:
