@@ -11,6 +11,7 @@ pub mod models;
 mod random;
 #[path = "../../crates/chordal/tests/referee/sampler/mod.rs"]
 pub mod sampler;
+pub mod scripts;
 #[path = "../../crates/chordal/tests/solids/shapes.rs"]
 pub mod shapes;
 mod torus;

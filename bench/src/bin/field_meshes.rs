@@ -1,13 +1,14 @@
 //! The bench of fields to triangles: each call prints one line of JSON.
 //!
 //! `ours MODEL THREADS LENGTH OUT` meshes within the length, proved; `fidget MODEL THREADS DEPTH OUT` runs its mesher with machine code;
-//! `judge MODEL MESH` measures a mesh that anybody wrote, by samples that share nothing with the proof.
+//! `text MODEL` gives its op list;
+//! `judge MODEL MESH` measures a mesh that anybody wrote, by samples that share nothing with the proof. A model is a name or a file.
 use chordal::budget::{Failure, Tolerance};
 use chordal::explicit::{Bvh, Topology};
-use chordal::implicit::{Field, Slope, Tape};
-use chordal::math::Box3;
+use chordal::implicit::{Slope, Tape};
 use chordal::{Budget, Job, Mesh, check, convert};
-use chordal_bench::{models, read, write};
+use chordal_bench::scripts::Model;
+use chordal_bench::{read, write};
 use fidget::context::Context;
 use fidget::jit::JitShape;
 use fidget::mesh::{Octree, Settings};
@@ -19,28 +20,17 @@ use std::time::Instant;
 
 type Point = [f64; 3];
 
-/// Points of the surface that a mesh is measured from: crossings of a lattice of so many steps along a side.
-const LATTICE: usize = 160;
+/// Points of the surface that a mesh is measured from: crossings of a lattice of so many steps along a side; fewer for
+/// long expressions, so that measuring does not take minutes.
+const LATTICES: [usize; 2] = [160, 64];
+/// Steps of a tape from which on it is long.
+const LONG_TAPE: usize = 1000;
 /// Halvings of a step that holds a crossing: to the last place of the step.
 const HALVINGS: usize = 50;
 /// Runs whose median is told, of those that are short.
 const RUNS: usize = 3;
 /// Seconds of a run that is not repeated.
 const LONG: f64 = 5.0;
-/// Half the side of the box around the origin that holds all models.
-const HALF: f64 = 1.25;
-
-fn model(name: &str) -> String {
-    match name {
-        "ball" => models::ball(),
-        "torus" => models::torus(),
-        "cube-ball" => models::cube_without_ball(),
-        "csg6" => models::csg(6),
-        "gyroid-ball" => models::gyroid_in_ball(),
-        "blobs" => models::blobs(),
-        _ => panic!("no model is called {name}"),
-    }
-}
 
 fn timed<T>(mut work: impl FnMut() -> T) -> (f64, T) {
     let mut seconds = Vec::new();
@@ -60,12 +50,10 @@ fn keep(path: &str, positions: &[Point], faces: &[[u32; 3]]) {
     write(&mut file, positions, faces).expect("room on the disk");
 }
 
-fn ours(text: &str, threads: usize, length: f64, out: &str) -> Value {
-    let whole = Box3 { min: [-HALF; 3], max: [HALF; 3] };
-    let field = Field::new(models::expression(text)).with_bounds(whole);
+fn ours(model: &Model, threads: usize, length: f64, out: &str) -> Value {
     let budget = Budget::length(Tolerance::new(length).expect("a length"));
     let job = Job::default().with_threads(threads);
-    let (seconds, made) = timed(|| convert::field_to_mesh(&field, &budget, &job));
+    let (seconds, made) = timed(|| convert::field_to_mesh(&model.field, &budget, &job));
     match made {
         Ok(made) => {
             keep(out, made.shape.positions(), made.shape.faces());
@@ -82,14 +70,19 @@ fn ours(text: &str, threads: usize, length: f64, out: &str) -> Value {
     }
 }
 
-fn fidget(text: &str, threads: usize, depth: u8, out: &str) -> Value {
+fn fidget(model: &Model, threads: usize, depth: u8, out: &str) -> Value {
+    let Some(text) = &model.text else {
+        return json!({ "seconds": null, "triangles": null, "failure": "no op list" });
+    };
     let (context, root) = Context::from_text(text.as_bytes()).expect("an op list");
+    let (middle, half) = model.cube;
     let (seconds, mesh) = timed(|| {
         // Compiling is part of the job: it is done once for a shape.
         let shape =
             JitShape::new(&context, root).expect("a shape").try_into().expect("no variables but the axes");
         let pool = ThreadPool::Global;
-        let world_to_model = Matrix4::new_scaling(HALF as f32);
+        let world_to_model =
+            Matrix4::new_translation(&middle.map(|x| x as f32).into()) * Matrix4::new_scaling(half as f32);
         let settings = Settings {
             depth,
             world_to_model,
@@ -127,15 +120,16 @@ fn crossings(tape: &Tape, mut ends: Vec<[Point; 2]>) -> Vec<Point> {
 }
 
 /// Points of the surface on the edges of a lattice.
-fn surface_points(tape: &Tape) -> Vec<Point> {
-    let at = |i: usize| HALF * (2.0 * i as f64 / LATTICE as f64 - 1.0);
+fn surface_points(tape: &Tape, (middle, half): (Point, f64)) -> Vec<Point> {
+    let steps = LATTICES[usize::from(tape.len() >= LONG_TAPE)];
+    let at = |k: usize, i: usize| middle[k] + half * (2.0 * i as f64 / steps as f64 - 1.0);
     let layer = |z: usize| -> Vec<Point> {
-        (0..=LATTICE).flat_map(|y| (0..=LATTICE).map(move |x| [at(x), at(y), at(z)])).collect()
+        (0..=steps).flat_map(|y| (0..=steps).map(move |x| [at(0, x), at(1, y), at(2, z)])).collect()
     };
-    let row = LATTICE + 1;
+    let row = steps + 1;
     let mut ends = Vec::new();
     let mut below: Option<(Vec<Point>, Vec<f64>)> = None;
-    for z in 0..=LATTICE {
+    for z in 0..=steps {
         let points = layer(z);
         let here = values(tape, &points);
         for k in 0..points.len() {
@@ -217,13 +211,13 @@ fn apart(a: Point, b: Point) -> f64 {
     (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
 }
 
-fn judge(text: &str, path: &str) -> Value {
+fn judge(model: &Model, path: &str) -> Value {
     let (positions, faces) = read(Path::new(path)).expect("a mesh").swap_remove(0);
     let mesh = Mesh::new(positions, faces).expect("valid");
-    let tape = Tape::of(&models::expression(text));
+    let tape = Tape::of(model.field.sign());
     let job = Job::default();
     let bvh = Bvh::build(&mesh, &job).expect("small");
-    let surface = surface_points(&tape);
+    let surface = surface_points(&tape, model.cube);
     let found = bvh.closest_points(&surface, &job);
     let to_mesh = found.iter().zip(&surface).fold(0.0, |most, (c, p)| {
         let far = c.as_ref().map_or(f64::INFINITY, |c| apart(c.point, *p));
@@ -265,23 +259,23 @@ fn main() {
     let number = |text: &str| text.parse::<f64>().expect("a number");
     let said = match words[..] {
         ["ours", name, threads, length, out] => {
-            ours(&model(name), number(threads) as usize, number(length), out)
+            ours(&Model::named(name), number(threads) as usize, number(length), out)
         }
         ["fidget", name, threads, depth, out] => {
-            fidget(&model(name), number(threads) as usize, number(depth) as u8, out)
+            fidget(&Model::named(name), number(threads) as usize, number(depth) as u8, out)
         }
         ["prove", name, path] => {
             let (positions, faces) = read(Path::new(path)).expect("a mesh").swap_remove(0);
             let mesh = Mesh::new(positions, faces).expect("valid");
-            let whole = Box3 { min: [-HALF; 3], max: [HALF; 3] };
-            let field = Field::new(models::expression(&model(name))).with_bounds(whole);
+            let field = Model::named(name).field;
             let max = Some(Tolerance::new(0.01).expect("a length"));
             let goal = check::Goal { max, ..check::Goal::default() };
             let found = check::field_deviation(&mesh, &field, &goal, &Job::default()).expect("answers");
             json!(format!("{found:?}"))
         }
-        ["judge", name, path] => judge(&model(name), path),
-        _ => panic!("field_meshes ours|fidget|judge MODEL ..."),
+        ["text", name] => json!({ "text": Model::named(name).text }),
+        ["judge", name, path] => judge(&Model::named(name), path),
+        _ => panic!("field_meshes ours|fidget|text|judge MODEL ..."),
     };
     println!("{said}");
 }
