@@ -1,5 +1,7 @@
 //! Numbers that know no shape: outward rounding, [`Interval`], [`Box3`], exact predicates, SIMD dispatch.
 mod box3;
+#[cfg_attr(not(test), allow(dead_code))]
+pub(crate) mod determinants;
 mod double_double;
 pub mod elementary;
 mod exponent;

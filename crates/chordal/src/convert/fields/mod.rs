@@ -8,5 +8,23 @@ mod refine;
 mod search;
 mod sharpen;
 
+// Adaptive cells and the arrangement of primitives in them; so far only their tests run them.
+#[cfg_attr(not(test), allow(dead_code))]
+mod arrangement;
+#[cfg_attr(not(test), allow(dead_code))]
+mod cells;
+#[cfg_attr(not(test), allow(dead_code))]
+pub(super) mod extract;
+#[cfg_attr(not(test), allow(dead_code))]
+mod fan;
+#[cfg_attr(not(test), allow(dead_code))]
+pub(super) mod grid;
+#[cfg_attr(not(test), allow(dead_code))]
+mod growth;
+#[cfg_attr(not(test), allow(dead_code))]
+mod tetrahedra;
+#[cfg_attr(not(test), allow(dead_code))]
+mod vertex_values;
+
 pub(super) use ask::Ask;
 pub(super) use search::{Wanted, search};

@@ -1,0 +1,523 @@
+//! The boundary of a solid in one tetrahedron, where the primitives are linear functions: the arrangement of their planes.
+//!
+//! Each plane's part of the tetrahedron is cut by all the others; a piece is boundary where membership flips with its plane. A corner of a
+//! piece is known by what it lies on, never by coordinates, and which side of a plane it is on by the exact sign of a determinant. Planes are
+//! moved by infinitesimals, so no four of them meet in a point, and no three in a line.
+//!
+//! Only what can be seen in the boundary goes out: a corner where two planes cross is left out where one of them has no say. So
+//! neighbours agree in their common face, even if one of them no longer knows of that plane.
+//!
+//! Source of the idea: X. Du, Q. Zhou, N. Carr, T. Ju, *Robust Computation of Implicit Surface Networks for Piecewise Linear Functions*, 2022.
+use crate::implicit::CsgTree;
+use crate::math::determinants::{perturbed, sign2, sign3, sign4};
+use std::cmp::Ordering;
+
+/// A primitive whose sign changes in a cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LivePrimitive {
+    pub primitive: u32,
+    /// Whole values at the corners, none of them 0.
+    pub values: [i64; 4],
+    /// Where infinitesimals move it.
+    pub sense: i64,
+}
+
+/// A tetrahedron, seen as one with positive volume.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LinearCell<'a> {
+    pub corners: [u32; 4],
+    /// Ascending.
+    pub live: &'a [LivePrimitive],
+    pub tree: &'a CsgTree,
+}
+
+/// No vertex, no primitive.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// What a vertex of the boundary lies on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct VertexKey {
+    /// The corners of the smallest simplex that it is in, ascending, and none after them.
+    pub simplex: [u32; 4],
+    /// The primitives that are 0 there, ascending, and none after them.
+    pub primitives: [u32; 3],
+    /// Which of the sheets that touch there it belongs to.
+    pub sheet: u32,
+    /// For the middle between two corners on one crease: the third primitive of the other corner.
+    pub other: u32,
+}
+
+/// Parts of the boundary in some cells, each in one plane.
+#[derive(Debug, Default)]
+pub(super) struct Patches {
+    pub corners: Vec<VertexKey>,
+    /// Where each loop ends in `corners`. They run counter-clockwise as seen from outside of the solid.
+    pub loop_ends: Vec<u32>,
+    /// By patch: its label, and where its loops end in `loop_ends`.
+    pub patches: Vec<(u32, u32)>,
+}
+
+/// The label of what belongs to a primitive, or its complement.
+pub(super) fn label_of(primitive: u32, is_complemented: bool) -> u32 {
+    primitive << 1 | u32::from(is_complemented)
+}
+
+/// Sides by place in the live primitives: whether they are negative.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+struct Signs {
+    first: u128,
+    /// Those after the first 128; nearly always none.
+    rest: Vec<u128>,
+}
+
+impl Signs {
+    fn with(mut self, k: usize, is_negative: bool) -> Self {
+        let word = match k / 128 {
+            0 => &mut self.first,
+            n => {
+                if self.rest.len() < n {
+                    self.rest.resize(n, 0);
+                }
+                &mut self.rest[n - 1]
+            }
+        };
+        let bit = 1 << (k % 128);
+        *word = if is_negative { *word | bit } else { *word & !bit };
+        self
+    }
+
+    fn get(&self, k: usize) -> bool {
+        let word = if k < 128 { self.first } else { self.rest.get(k / 128 - 1).copied().unwrap_or(0) };
+        word >> (k % 128) & 1 == 1
+    }
+}
+
+/// Primitives of which a table of all cases is made. Defined: 2⁶ bits are a word.
+const TABLE: usize = 6;
+
+/// Membership from sides.
+enum Truth<'a> {
+    Table(u64),
+    Tree(&'a CsgTree, Vec<u32>),
+}
+
+/// A side of a piece: on the facet across a corner, or on the plane of a live primitive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    Facet(u8),
+    Plane(u32),
+}
+
+/// A convex part of a plane. Corner `t` is between side `t − 1` and side `t`.
+#[derive(Clone, Debug)]
+struct Piece {
+    sides: Vec<Side>,
+    /// Of the other planes.
+    negative: Signs,
+}
+
+/// What a corner lies on, in the cell's own numbers: facets that it is not on have their bits, planes ascend.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct LocalCorner {
+    simplex: u8,
+    planes: [u32; 3],
+    sheet: u32,
+    is_seen: bool,
+}
+
+impl LinearCell<'_> {
+    /// Adds the boundary in this cell. The others of the tree's primitives have the same side throughout: `is_negative` says which.
+    pub fn boundary(&self, is_negative: impl Fn(u32) -> bool, into: &mut Patches) {
+        let truth = self.truth(is_negative);
+        for i in 0..self.live.len() as u32 {
+            if self.live.len() == 1 {
+                let piece = Piece { sides: self.section(i), negative: Signs::default() };
+                self.emit(&truth, i, vec![piece], into);
+                continue;
+            }
+            let mut pieces = vec![Piece { sides: self.section(i), negative: Signs::default() }];
+            for j in (0..self.live.len() as u32).filter(|j| *j != i) {
+                let mut parts = Vec::with_capacity(pieces.len() + 1);
+                pieces.into_iter().for_each(|piece| self.cut(i, j, piece, &mut parts));
+                pieces = parts;
+            }
+            self.emit(&truth, i, pieces, into);
+        }
+    }
+
+    fn truth(&self, is_negative: impl Fn(u32) -> bool) -> Truth<'_> {
+        let place = |p: u32| self.live.binary_search_by_key(&p, |one| one.primitive).ok();
+        if self.live.len() <= TABLE {
+            let inside = |sides: u64| {
+                self.tree.contains(|p| place(p).map_or_else(|| is_negative(p), |k| sides >> k & 1 == 1))
+            };
+            return Truth::Table(
+                (0..1 << self.live.len()).fold(0, |all, sides| all | u64::from(inside(sides)) << sides),
+            );
+        }
+        // Primitives that are negative throughout.
+        let negative =
+            self.tree.primitives().into_iter().filter(|p| place(*p).is_none() && is_negative(*p)).collect();
+        Truth::Tree(self.tree, negative)
+    }
+
+    fn is_inside(&self, truth: &Truth, signs: &Signs) -> bool {
+        match truth {
+            Truth::Table(table) => table >> (signs.first as u64) & 1 == 1,
+            Truth::Tree(tree, negative) => {
+                tree.contains(|p| match self.live.binary_search_by_key(&p, |one| one.primitive) {
+                    Ok(k) => signs.get(k),
+                    Err(_) => negative.binary_search(&p).is_ok(),
+                })
+            }
+        }
+    }
+
+    /// The part of a plane in the cell, seen from where the primitive is positive.
+    fn section(&self, i: u32) -> Vec<Side> {
+        let negative = self.live[i as usize].values.map(|x| x < 0);
+        let code = (0..4).fold(0, |code, k| code | usize::from(negative[k]) << k);
+        SECTIONS[code].iter().filter(|f| **f < 4).map(|f| Side::Facet(*f)).collect()
+    }
+
+    /// Cuts a piece of plane `i` by plane `j`.
+    fn cut(&self, i: u32, j: u32, piece: Piece, into: &mut Vec<Piece>) {
+        let n = piece.sides.len();
+        let negative: Vec<bool> =
+            (0..n).map(|t| self.is_negative([piece.sides[(t + n - 1) % n], piece.sides[t]], i, j)).collect();
+        if negative.iter().all(|x| *x == negative[0]) {
+            into.push(Piece { negative: piece.negative.with(j as usize, negative[0]), sides: piece.sides });
+            return;
+        }
+        for wanted in [true, false] {
+            let mut sides = Vec::with_capacity(n + 1);
+            for t in 0..n {
+                let (here, there) = (negative[t] == wanted, negative[(t + 1) % n] == wanted);
+                if here || there {
+                    sides.push(piece.sides[t]);
+                }
+                if here && !there {
+                    sides.push(Side::Plane(j));
+                }
+            }
+            into.push(Piece { sides, negative: piece.negative.clone().with(j as usize, wanted) });
+        }
+    }
+
+    /// Whether primitive `j` is negative at the corner of plane `i` between two sides.
+    fn is_negative(&self, sides: [Side; 2], i: u32, j: u32) -> bool {
+        let row = |k: u32| &self.live[k as usize].values;
+        let sense = |k: u32| self.live[k as usize].sense;
+        let sign = match sides {
+            [Side::Facet(f), Side::Facet(g)] => {
+                let [a, b] = rest([f, g]);
+                let pick = |k: u32| [row(k)[a], row(k)[b]];
+                let sign = perturbed([pick(i), pick(j)], [i, j], [sense(i), sense(j)], sign2);
+                if row(i)[a] < 0 { sign.reverse() } else { sign }
+            }
+            [Side::Facet(f), Side::Plane(k)] | [Side::Plane(k), Side::Facet(f)] => {
+                let corners = rest([f]);
+                let pick = |k: u32| corners.map(|c: usize| row(k)[c]);
+                let rows = [pick(i), pick(k), pick(j)];
+                let sign = perturbed(rows, [i, k, j], [i, k, j].map(sense), sign3);
+                by(sign, sign3([rows[0], rows[1], [1; 3]]))
+            }
+            [Side::Plane(k), Side::Plane(l)] => {
+                let rows = [i, k, l, j].map(|k| *row(k));
+                let sign = perturbed(rows, [i, k, l, j], [i, k, l, j].map(sense), sign4);
+                by(sign, sign4([rows[0], rows[1], rows[2], [1; 4]]))
+            }
+        };
+        sign == Ordering::Less
+    }
+
+    /// Adds the pieces of plane `i` that are boundary, those that hang together as one.
+    fn emit(&self, truth: &Truth, i: u32, pieces: Vec<Piece>, into: &mut Patches) {
+        let mut kept: [Vec<Piece>; 2] = Default::default();
+        for piece in pieces {
+            let inside =
+                |is_negative| self.is_inside(truth, &piece.negative.clone().with(i as usize, is_negative));
+            let (below, above) = (inside(true), inside(false));
+            if below != above {
+                kept[usize::from(above)].push(piece);
+            }
+        }
+        for (above, kept) in kept.into_iter().enumerate() {
+            let corners: Vec<Vec<LocalCorner>> =
+                kept.iter().map(|piece| self.corners(truth, i, piece, above == 1)).collect();
+            for loops in joined(&corners) {
+                for mut ring in loops {
+                    ring.retain(|corner| corner.is_seen);
+                    if above == 1 {
+                        ring.reverse();
+                    }
+                    self.push_ring(truth, i, &ring, &kept, into);
+                    into.loop_ends.push(into.corners.len() as u32);
+                }
+                let label = label_of(self.live[i as usize].primitive, above == 1);
+                into.patches.push((label, into.loop_ends.len() as u32));
+            }
+        }
+    }
+
+    fn push_ring(&self, truth: &Truth, i: u32, ring: &[LocalCorner], kept: &[Piece], into: &mut Patches) {
+        for (t, corner) in ring.iter().enumerate() {
+            into.corners.push(self.key(corner));
+            let next = &ring[(t + 1) % ring.len()];
+            if corner.planes[2] != NONE && next.planes[2] != NONE {
+                into.corners.extend(self.middle(truth, i, [corner, next], kept));
+            }
+        }
+    }
+
+    /// The corners of a piece.
+    fn corners(&self, truth: &Truth, i: u32, piece: &Piece, is_complemented: bool) -> Vec<LocalCorner> {
+        let n = piece.sides.len();
+        let corner = |t: usize| {
+            let (mut simplex, mut planes) = (15_u8, [i, NONE, NONE]);
+            let mut n_planes = 1;
+            for side in [piece.sides[(t + n - 1) % n], piece.sides[t]] {
+                match side {
+                    Side::Facet(f) => simplex &= !(1 << f),
+                    Side::Plane(k) => {
+                        planes[n_planes] = k;
+                        n_planes += 1;
+                    }
+                }
+            }
+            planes[..n_planes].sort_unstable();
+            let (sheet, is_seen) = self.sheet(truth, &planes[..n_planes], i, piece, is_complemented);
+            LocalCorner { simplex, planes, sheet, is_seen }
+        };
+        (0..n).map(corner).collect()
+    }
+
+    /// Which of the sheets around a corner the piece belongs to, and whether all planes have a say there.
+    fn sheet(
+        &self,
+        truth: &Truth,
+        planes: &[u32],
+        i: u32,
+        piece: &Piece,
+        is_complemented: bool,
+    ) -> (u32, bool) {
+        if planes.len() == 1 {
+            return (0, true);
+        }
+        let pattern = self.pattern(truth, planes, &piece.negative);
+        let has_say = |r: usize| (0..1 << planes.len()).any(|o| pattern.at(o) != pattern.at(o ^ 1 << r));
+        let is_seen = (0..planes.len()).all(has_say);
+        let plane = planes.iter().position(|k| *k == i).expect("it is on its own plane");
+        let negative = |k: u32| if k == i { !is_complemented } else { piece.negative.get(k as usize) };
+        let solid = planes.iter().enumerate().fold(0, |o, (r, k)| o | usize::from(negative(*k)) << r);
+        let sheet = match planes.len() {
+            // Both wedges of a solid meet in the crease.
+            2 if pattern.is_crossed() => 1 + (solid as u32 & 1),
+            2 => 0,
+            _ => pattern.sheet(plane, solid & !(1 << plane)),
+        };
+        (sheet, is_seen)
+    }
+
+    /// Membership around a point where planes cross.
+    fn pattern(&self, truth: &Truth, planes: &[u32], signs: &Signs) -> Pattern {
+        let inside = |octant: usize| {
+            let signs = planes
+                .iter()
+                .enumerate()
+                .fold(signs.clone(), |signs, (r, k)| signs.with(*k as usize, octant >> r & 1 == 1));
+            self.is_inside(truth, &signs)
+        };
+        Pattern((0..1 << planes.len()).fold(0, |all, octant| all | u8::from(inside(octant)) << octant))
+    }
+
+    /// A vertex between two corners of a crease along which the solid touches itself, since both wedges may have the same ends.
+    fn middle(&self, truth: &Truth, i: u32, ends: [&LocalCorner; 2], kept: &[Piece]) -> Option<VertexKey> {
+        let [a, b] = ends.map(|end| end.planes);
+        let common: Vec<u32> = a.into_iter().filter(|k| b.contains(k)).collect();
+        let [p, q] = common[..] else { return None };
+        let j = if p == i { q } else { p };
+        let third =
+            |planes: [u32; 3]| planes.into_iter().find(|k| !common.contains(k)).expect("three differ");
+        let (a, b) = (third(a), third(b));
+        // The piece with that side.
+        let has_side = |piece: &&Piece| {
+            let n = piece.sides.len();
+            let is_end = |t: usize, k: u32| piece.sides[t % n] == Side::Plane(k);
+            (0..n).any(|t| {
+                piece.sides[t] == Side::Plane(j)
+                    && (is_end(t + 1, b) && is_end(t + n - 1, a) || is_end(t + 1, a) && is_end(t + n - 1, b))
+            })
+        };
+        let piece = kept.iter().find(has_side)?;
+        let pattern = self.pattern(truth, &[p, q], &piece.negative);
+        if !pattern.is_crossed() {
+            return None;
+        }
+        let inside =
+            |is_negative| self.is_inside(truth, &piece.negative.clone().with(i as usize, is_negative));
+        let first_negative = if p == i { inside(true) } else { piece.negative.get(p as usize) };
+        let [p, q, a, b] = [p, q, a.min(b), a.max(b)].map(|k| self.live[k as usize].primitive);
+        let mut simplex = self.corners;
+        simplex.sort_unstable();
+        Some(VertexKey { simplex, primitives: [p, q, a], sheet: 1 + u32::from(first_negative), other: b })
+    }
+
+    fn key(&self, corner: &LocalCorner) -> VertexKey {
+        let mut simplex: [u32; 4] =
+            std::array::from_fn(|k| if corner.simplex >> k & 1 == 1 { self.corners[k] } else { NONE });
+        simplex.sort_unstable();
+        let primitives =
+            corner.planes.map(|k| if k == NONE { NONE } else { self.live[k as usize].primitive });
+        VertexKey { simplex, primitives, sheet: corner.sheet, other: NONE }
+    }
+}
+
+/// Membership by octant around a point where two or three planes cross: bit `r` of an octant is set where plane `r` is negative.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Pattern(u8);
+
+impl Pattern {
+    fn at(self, octant: usize) -> bool {
+        self.0 >> octant & 1 == 1
+    }
+
+    /// Whether, of two planes, opposite wedges are solid and the others are not.
+    fn is_crossed(self) -> bool {
+        matches!(self.0 & 15, 0b0110 | 0b1001)
+    }
+
+    /// The sheet of three planes' quarters that has the quarter of plane `r` beside an octant on whose bit `r` nothing depends: the least number
+    /// of its quarters. Around a half-line with four of them two belong together where they are sides of one solid wedge.
+    fn sheet(self, r: usize, octant: usize) -> u32 {
+        let number = |r: usize, octant: usize| (8 * r + octant) as u32;
+        let is_boundary = |r: usize, octant: usize| self.at(octant) != self.at(octant | 1 << r);
+        let mut least = number(r, octant);
+        let mut seen = 1_u32 << least;
+        let mut open = vec![(r, octant)];
+        while let Some((r, octant)) = open.pop() {
+            least = least.min(number(r, octant));
+            // The two half-lines at its rim, on which plane s keeps its side, and in which it meets plane t.
+            for (s, t) in [((r + 1) % 3, (r + 2) % 3), ((r + 2) % 3, (r + 1) % 3)] {
+                let fixed = octant & 1 << s;
+                let candidates =
+                    [(r, (fixed | !octant & 1 << t) & !(1 << r)), (t, fixed), (t, fixed | 1 << r)];
+                let n_boundary = candidates.iter().filter(|(r, octant)| is_boundary(*r, *octant)).count();
+                let solid = if self.at(octant) { octant } else { octant | 1 << r };
+                for (r, octant) in candidates.into_iter().filter(|(r, octant)| is_boundary(*r, *octant)) {
+                    let is_next = n_boundary == 1 || r == t && (octant == solid || octant | 1 << t == solid);
+                    let bit = 1 << number(r, octant);
+                    if is_next && seen & bit == 0 {
+                        seen |= bit;
+                        open.push((r, octant));
+                    }
+                }
+            }
+        }
+        least
+    }
+}
+
+/// The other corners of a tetrahedron.
+fn rest<const F: usize, const N: usize>(facets: [u8; F]) -> [usize; N] {
+    let mut all = (0..4).filter(|k| !facets.contains(&(*k as u8)));
+    std::array::from_fn(|_| all.next().expect("facets differ"))
+}
+
+fn by(sign: Ordering, denominator: Ordering) -> Ordering {
+    if denominator == Ordering::Less { sign.reverse() } else { sign }
+}
+
+/// The loops around pieces of one plane, by what hangs together.
+fn joined(pieces: &[Vec<LocalCorner>]) -> Vec<Vec<Vec<LocalCorner>>> {
+    if let [] | [_] = pieces {
+        return pieces.iter().map(|ring| vec![ring.clone()]).collect();
+    }
+    let mut edges: Vec<(LocalCorner, LocalCorner, u32, u32)> = Vec::new();
+    for (number, ring) in pieces.iter().enumerate() {
+        for t in 0..ring.len() {
+            edges.push((ring[t], ring[(t + 1) % ring.len()], number as u32, t as u32));
+        }
+    }
+    edges.sort_unstable();
+    let find = |a: &LocalCorner, b: &LocalCorner| {
+        edges.binary_search_by(|edge| (edge.0, edge.1).cmp(&(*a, *b))).ok()
+    };
+    // The same edge of the piece on its other side.
+    let twin: Vec<Option<usize>> = edges.iter().map(|(a, b, ..)| find(b, a)).collect();
+    let index = |piece: u32, t: u32| {
+        let ring = &pieces[piece as usize];
+        let t = t as usize % ring.len();
+        find(&ring[t], &ring[(t + 1) % ring.len()]).expect("it is one of the edges")
+    };
+    let mut groups: Vec<usize> = (0..pieces.len()).collect();
+    let root = |groups: &[usize], mut k: usize| {
+        while groups[k] != k {
+            k = groups[k];
+        }
+        k
+    };
+    for (edge, twin) in edges.iter().zip(&twin) {
+        if let Some(twin) = twin {
+            let (a, b) = (root(&groups, edge.2 as usize), root(&groups, edges[*twin].2 as usize));
+            groups[a.max(b)] = a.min(b);
+        }
+    }
+    let mut loops: Vec<Vec<Vec<LocalCorner>>> = vec![Vec::new(); pieces.len()];
+    let mut is_done = vec![false; edges.len()];
+    for (piece, ring) in pieces.iter().enumerate() {
+        for t in 0..ring.len() {
+            let start = index(piece as u32, t as u32);
+            if is_done[start] || twin[start].is_some() {
+                continue;
+            }
+            let mut found = Vec::new();
+            let mut edge = start;
+            loop {
+                is_done[edge] = true;
+                found.push(edges[edge].0);
+                let (_, _, piece, t) = edges[edge];
+                edge = index(piece, t + 1);
+                while let Some(across) = twin[edge] {
+                    let (_, _, piece, t) = edges[across];
+                    edge = index(piece, t + 1);
+                }
+                if edge == start {
+                    break;
+                }
+            }
+            loops[root(&groups, piece)].push(found);
+        }
+    }
+    loops.retain(|group| !group.is_empty());
+    loops
+}
+
+/// By which corners are negative (bit `k` for corner `k`): the facets that the section's sides are on, in turn, 4 for none. The tetrahedron is
+/// (0, x, y, z), and the section is seen counter-clockwise from where the function is positive.
+const SECTIONS: [[u8; 4]; 16] = sections();
+
+const fn sections() -> [[u8; 4]; 16] {
+    // Even permutations of the corners, by which of them comes first.
+    const FIRST: [[u8; 4]; 4] = [[0, 1, 2, 3], [1, 0, 3, 2], [2, 3, 0, 1], [3, 2, 1, 0]];
+    // And by which two do.
+    const TWO: [[u8; 4]; 6] =
+        [[0, 1, 2, 3], [0, 2, 3, 1], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 2, 0], [2, 3, 0, 1]];
+    let mut all = [[4; 4]; 16];
+    let mut k = 0;
+    while k < 4 {
+        let [v, a, b, c] = FIRST[k];
+        // Corners on va, vb, vc: between va and vb it is the facet across c.
+        all[1 << v] = [c, a, b, 4];
+        all[15 - (1 << v)] = [b, a, c, 4];
+        k += 1;
+    }
+    k = 0;
+    while k < 6 {
+        // Corners on ac, ad, bd, bc.
+        let [a, b, c, d] = TWO[k];
+        all[1 << a | 1 << b] = [b, c, a, d];
+        k += 1;
+    }
+    all
+}

@@ -1,0 +1,283 @@
+//! The test of one cell: whether its part of the solid's boundary is that of linear functions.
+use super::growth::{GradientBox, grow_together};
+use crate::implicit::{Csg, CsgNode, CsgTree, Membership, Primitive, Restricted, SlopeRange};
+use crate::math::{cross, dot};
+use std::sync::Arc;
+
+/// A CSG tree restricted to a region, with its primitives.
+#[derive(Debug)]
+pub(super) struct OpenTree {
+    pub tree: CsgTree,
+    /// Ascending.
+    pub primitives: Vec<u32>,
+    /// By place in `primitives`: how they stand in the tree.
+    pub polarity: Vec<Polarity>,
+}
+
+/// How a primitive stands in a tree.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Polarity {
+    pub plain: bool,
+    pub complemented: bool,
+}
+
+impl OpenTree {
+    pub fn of(tree: CsgTree) -> Self {
+        let primitives = tree.primitives();
+        let mut polarity = vec![Polarity::default(); primitives.len()];
+        for node in tree.nodes() {
+            match node {
+                CsgNode::Primitive(p) => polarity[place(&primitives, *p)].plain = true,
+                CsgNode::Complement(p) => polarity[place(&primitives, *p)].complemented = true,
+                CsgNode::Union(_) | CsgNode::Intersection(_) => {}
+            }
+        }
+        Self { tree, primitives, polarity }
+    }
+}
+
+/// Where a primitive is in an ascending list that has it.
+pub(super) fn place(primitives: &[u32], p: u32) -> usize {
+    if primitives.len() == 1 {
+        0
+    } else {
+        primitives.binary_search(&p).expect("it is a primitive of the tree")
+    }
+}
+
+/// On which side a value of 0 is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Zero {
+    Outside,
+    /// The primitive stands in the tree as its complement only, and 0 is outside of that.
+    Inside,
+}
+
+/// On which side of a primitive all values are.
+pub(super) fn side([low, high]: [f64; 2], zero: Zero) -> Membership {
+    match zero {
+        Zero::Outside if low >= 0.0 => Membership::Outside,
+        Zero::Outside if high < 0.0 => Membership::Inside,
+        Zero::Inside if low > 0.0 => Membership::Outside,
+        Zero::Inside if high <= 0.0 => Membership::Inside,
+        Zero::Outside | Zero::Inside => Membership::Unknown,
+    }
+}
+
+/// What is left of a tree when primitives have sides; none where it is decided.
+pub(super) fn restricted(open: &Arc<OpenTree>, sides: &[Membership]) -> Option<Arc<OpenTree>> {
+    if sides.iter().all(|side| *side == Membership::Unknown) {
+        return Some(Arc::clone(open));
+    }
+    match open.tree.restricted(|p| sides[place(&open.primitives, p)]) {
+        Restricted::Decided(_) => None,
+        Restricted::Open(tree) => Some(Arc::new(OpenTree::of(tree))),
+    }
+}
+
+/// What is known of a cell.
+pub(super) struct CellFacts<'a> {
+    pub csg: &'a Csg,
+    pub open: &'a OpenTree,
+    /// By place in the tree's primitives.
+    pub ranges: &'a [SlopeRange],
+    /// Values at the cell's corners.
+    pub values: &'a [[f64; 4]],
+    /// The sides of its box.
+    pub widths: [f64; 3],
+    pub longest: f64,
+}
+
+/// The radius of the smallest ball around a tetrahedron, by its longest edge. Derived: that of a regular one, which is the worst,
+/// is √6/4.
+const ENCLOSING: f64 = 0.612_372_5;
+/// A primitive is to grow by this share of its middle gradient along its best direction, throughout. Measured on the models of the tests:
+/// smaller shares make meshes that need many splits for few cells less.
+const GROWTH: f64 = 0.3;
+/// Ranges of gradients are taken so many times as wide where primitives are compared, so that linear functions have their creases near the
+/// true ones. Measured likewise.
+const WIDER: f64 = 1.25;
+/// A corner of three linear functions whose barycentric coordinates are below this is taken to be outside of the cell. Chosen: 0 is its rim.
+const OUTSIDE: f64 = -0.75;
+/// A tree with more primitives is cut, as long as that helps. Chosen: twice as many as meet in common corners.
+const MOST: usize = 16;
+/// Truth tables are asked for with so many other primitives.
+const MOST_OTHERS: usize = 6;
+/// What values may be off by through rounding, as a share of themselves. Chosen: far above the rounding of formulas that do not
+/// cancel, far below what matters.
+const SLACK: f64 = 1e-10;
+
+impl CellFacts<'_> {
+    /// How far values in the cell are from the linear interpolant of those at its corners, by the mean value theorem with gradients in a box:
+    /// off from its middle by no more than half its diagonal in length, and half its sides by axis.
+    pub fn stray(&self, at: usize) -> f64 {
+        let Some(gradient) = &self.ranges[at].gradient else { return f64::INFINITY };
+        let half = gradient.each_ref().map(|d| 0.5 * (d.hi() - d.lo()));
+        let by_axis = 0.5 * dot(half, self.widths);
+        let by_length = dot(half, half).sqrt() * ENCLOSING * self.longest;
+        if by_axis < by_length { by_axis } else { by_length }
+    }
+
+    /// A range of values in the cell, tighter by those at the corners.
+    pub fn tightened(&self, at: usize) -> [f64; 2] {
+        let [low, high] = self.ranges[at].value;
+        let [a, b] = ends(&self.values[at]);
+        let size = if -a > b { -a } else { b };
+        let stray = self.stray(at);
+        let stray = stray + SLACK * (stray + size);
+        if stray.is_nan() || stray.is_infinite() {
+            return [low, high];
+        }
+        let (a, b) = (a - stray, b + stray);
+        [if a > low { a } else { low }, if b < high { b } else { high }]
+    }
+
+    /// Whether all undecided primitives that can vanish together grow along a common direction.
+    pub fn is_done(&self) -> bool {
+        let mut entries: Vec<Entry> = Vec::with_capacity(self.open.primitives.len());
+        for (at, range) in self.ranges.iter().enumerate() {
+            let Some(gradient) = range.gradient.as_ref().and_then(GradientBox::of) else { return false };
+            if gradient.growth() < GROWTH {
+                return false;
+            }
+            let gradient = gradient.widened(WIDER);
+            let polarity = self.open.polarity[at];
+            if polarity.plain {
+                entries.push(Entry { at, gradient });
+            }
+            if polarity.complemented {
+                entries.push(Entry { at, gradient: gradient.negated() });
+            }
+        }
+        if entries.len() == 1 {
+            return true;
+        }
+        let gradients: Vec<GradientBox> = entries.iter().map(|e| e.gradient).collect();
+        if grow_together(&gradients) {
+            return true;
+        }
+        if self.open.primitives.len() > MOST {
+            return false;
+        }
+        self.pairs_and_triples_are_done(&entries)
+    }
+
+    fn pairs_and_triples_are_done(&self, entries: &[Entry]) -> bool {
+        // Pairs that never meet, or have no say together.
+        let n = entries.len();
+        let mut apart = vec![false; n * n];
+        for a in 0..n {
+            for b in 0..a {
+                let (x, y) = (&entries[a], &entries[b]);
+                if x.at == y.at
+                    || self.primitive(x).is_parallel_to(self.primitive(y))
+                    || self.is_separated(x, y)
+                {
+                    apart[a * n + b] = true;
+                } else if !grow_together(&[x.gradient, y.gradient]) {
+                    if self.decide_together(x.at, y.at) {
+                        return false;
+                    }
+                    apart[a * n + b] = true;
+                }
+            }
+        }
+        for a in 0..n {
+            for b in (0..a).filter(|b| !apart[a * n + b]) {
+                for c in (0..b).filter(|c| !apart[a * n + c] && !apart[b * n + c]) {
+                    let triple = [a, b, c].map(|k| entries[k]);
+                    if !grow_together(&triple.map(|e| e.gradient)) && !self.meet_outside(&triple) {
+                        return false;
+                    }
+                }
+            }
+        }
+        true
+    }
+
+    fn primitive(&self, entry: &Entry) -> &Primitive {
+        &self.csg.primitives()[self.open.primitives[entry.at] as usize]
+    }
+
+    /// Whether one of them is above the other, or above its negation, in all of the cell, both scaled to gradients of one length.
+    fn is_separated(&self, x: &Entry, y: &Entry) -> bool {
+        let size = |e: &Entry| {
+            let gradient = self.ranges[e.at].gradient.as_ref().expect("entries have gradients");
+            let middle = gradient.each_ref().map(|d| 0.5 * (d.lo() + d.hi()));
+            dot(middle, middle).sqrt()
+        };
+        // Signs as functions, whatever the polarity: their zero sets are to be apart.
+        let sign = |e: &Entry| {
+            let gradient = self.ranges[e.at].gradient.as_ref().expect("entries have gradients");
+            if dot(e.gradient.middle, gradient.each_ref().map(|d| 0.5 * (d.lo() + d.hi()))) < 0.0 {
+                -1.0
+            } else {
+                1.0
+            }
+        };
+        let same =
+            sign(x) * sign(y) * if dot(x.gradient.middle, y.gradient.middle) > 0.0 { 1.0 } else { -1.0 };
+        let scale = size(x) / size(y);
+        let (p, q) = (&self.values[x.at], &self.values[y.at]);
+        let reach = (1.0 + SLACK) * (self.stray(x.at) + scale * self.stray(y.at));
+        let [low, high] = ends(&std::array::from_fn(|k| p[k] - same * scale * q[k]));
+        low > reach || high < -reach
+    }
+
+    /// Whether some sides of the others make the solid's boundary follow both.
+    fn decide_together(&self, x: usize, y: usize) -> bool {
+        let primitives = &self.open.primitives;
+        let others: Vec<usize> = (0..primitives.len()).filter(|k| *k != x && *k != y).collect();
+        if others.len() > MOST_OTHERS {
+            return true;
+        }
+        (0..1_u32 << others.len()).any(|sides| {
+            let inside = |in_x: bool, in_y: bool| {
+                self.open.tree.contains(|p| {
+                    let at = place(primitives, p);
+                    if at == x {
+                        in_x
+                    } else if at == y {
+                        in_y
+                    } else {
+                        sides >> place_of(&others, at) & 1 == 1
+                    }
+                })
+            };
+            let [p, q, r, s] =
+                [(false, false), (false, true), (true, false), (true, true)].map(|(a, b)| inside(a, b));
+            (p != r || q != s) && (p != q || r != s)
+        })
+    }
+
+    /// Whether the linear functions meet in a point far outside of the cell.
+    fn meet_outside(&self, triple: &[Entry; 3]) -> bool {
+        let [p, q, r] = triple.map(|e| self.values[e.at]);
+        let without = |v: &[f64; 4], k: usize| -> [f64; 3] {
+            std::array::from_fn(|i| v[if i < k { i } else { i + 1 }])
+        };
+        let weights: [f64; 4] = std::array::from_fn(|k| {
+            let minor = dot(without(&p, k), cross(without(&q, k), without(&r, k)));
+            if k % 2 == 0 { minor } else { -minor }
+        });
+        let sum: f64 = weights.iter().sum();
+        weights.iter().any(|w| w / sum < OUTSIDE)
+    }
+}
+
+/// A primitive, or its complement, that has a say.
+#[derive(Clone, Copy)]
+struct Entry {
+    at: usize,
+    gradient: GradientBox,
+}
+
+fn place_of(all: &[usize], one: usize) -> usize {
+    all.iter().position(|k| *k == one).expect("it is one of the others")
+}
+
+fn ends(values: &[f64; 4]) -> [f64; 2] {
+    values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+        [if *v < low { *v } else { low }, if *v > high { *v } else { high }]
+    })
+}

@@ -1,0 +1,306 @@
+//! A solid's boundary from a grid: in each cell that of linear functions, joined without a look at coordinates.
+//!
+//! Values at vertices become whole numbers, so that signs are exact; each primitive is moved outward by a small odd number, so that none is 0
+//! at a vertex and sheets with equal values stay apart. The result is closed, oriented and manifold whatever the values are, and embedded up
+//! to the rounding of coordinates.
+use super::arrangement::{LinearCell, LivePrimitive, NONE, Patches, VertexKey};
+use super::cells::Zero;
+use super::fan::triangulate;
+use super::grid::{FieldGrid, GridCell, Place};
+use super::tetrahedra::FewNumbersMap;
+use crate::budget::{Job, par_map};
+use crate::math::determinants::{meeting3, meeting4};
+
+/// A closed oriented manifold that the boundary of a solid is near to: exact for functions that are linear in each cell.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::convert) struct RawSurface {
+    pub positions: Vec<[f64; 3]>,
+    /// Counter-clockwise as seen from outside.
+    pub faces: Vec<[u32; 3]>,
+    /// By face: twice the number of its primitive, and one more where the solid is on the positive side of it.
+    pub labels: Vec<u32>,
+    /// By vertex: the primitives that it is on, ascending, and [`RawSurface::NO_PRIMITIVE`] after them: one on a face, two on a crease, three in a corner.
+    pub vertex_primitives: Vec<[u32; 3]>,
+    /// By vertex: the longest edge of the largest cell that it is in.
+    pub cell_sizes: Vec<f64>,
+    /// Cells that would have to be smaller: what is there may have another shape.
+    pub unresolved: Vec<Place>,
+}
+
+impl RawSurface {
+    /// What is no primitive.
+    pub const NO_PRIMITIVE: u32 = NONE;
+}
+
+/// Bits of a value. Chosen: rounding is far below any tolerance, and together with [`SHIFT_BITS`] entries of determinants are exact.
+const VALUE_BITS: i32 = 40;
+/// Bits of the shift of a primitive.
+const SHIFT_BITS: u32 = 12;
+/// Cells in one task.
+const CHUNK: usize = 256;
+/// Vertices or patches in one task.
+const LARGE_CHUNK: usize = 2048;
+
+/// The boundary in all cells of a grid.
+pub(in crate::convert) fn extract(grid: &FieldGrid, job: &Job) -> RawSurface {
+    let cells: Vec<&GridCell> = grid.cells().collect();
+    let whole = WholeValues::of(grid, &cells);
+    let chunks: Vec<&[&GridCell]> = cells.chunks(CHUNK).collect();
+    let parts: Vec<(Patches, Vec<f64>)> = par_map(job, &chunks, |_, cells| boundary(grid, &whole, cells));
+    let mut joined = Joined::default();
+    parts.iter().for_each(|(patches, sizes)| joined.push(patches, sizes));
+    let positions = positions(&whole, &joined.keys, job);
+    let (faces, labels) = faces(&joined, &positions, job);
+    let vertex_primitives = joined.keys.iter().map(VertexKey::lies_on).collect();
+    RawSurface {
+        positions,
+        faces,
+        labels,
+        vertex_primitives,
+        cell_sizes: joined.sizes,
+        unresolved: grid.unresolved(),
+    }
+}
+
+/// Values as whole numbers.
+struct WholeValues<'a> {
+    grid: &'a FieldGrid<'a>,
+    /// By primitive: what values are multiplied by.
+    scale: Vec<f64>,
+}
+
+impl<'a> WholeValues<'a> {
+    fn of(grid: &'a FieldGrid<'a>, cells: &[&GridCell]) -> Self {
+        let mut largest = vec![0.0_f64; grid.csg().primitives().len()];
+        for cell in cells {
+            for p in &cell.open.primitives {
+                let values =
+                    cell.tetrahedron.corners.map(|v| grid.values.get(v, *p).expect("it was asked for"));
+                // Only where it changes its sign.
+                if values.iter().all(|x| *x < 0.0) || values.iter().all(|x| *x > 0.0) {
+                    continue;
+                }
+                let most = &mut largest[*p as usize];
+                for size in values.map(f64::abs) {
+                    if size > *most && size.is_finite() {
+                        *most = size;
+                    }
+                }
+            }
+        }
+        Self { grid, scale: largest.into_iter().map(scale).collect() }
+    }
+
+    /// The value with the sign that it has, 0 taken as outside of the solid, and away from 0 by the primitive's shift.
+    fn at(&self, vertex: u32, primitive: u32) -> i64 {
+        let value = self.grid.values.get(vertex, primitive).expect("it was asked for");
+        /// 2 to the power of [`VALUE_BITS`].
+        const MOST: f64 = (1_u64 << VALUE_BITS) as f64;
+        let scaled = value * self.scale[primitive as usize];
+        let outside = match self.grid.zero[primitive as usize] {
+            Zero::Outside => 1.0,
+            Zero::Inside => -1.0,
+        };
+        // Rounded towards the inside of the literal: below 0 stays below.
+        let floor = (outside * scaled).floor();
+        let floor = if outside * value < 0.0 && floor > -1.0 { -1.0 } else { floor };
+        let floor = if floor < MOST { floor } else { MOST };
+        let floor = if floor > -MOST { floor } else { -MOST };
+        let shifted = ((floor as i64) << SHIFT_BITS) + shift(primitive);
+        if outside < 0.0 { -shifted } else { shifted }
+    }
+
+    /// Where infinitesimals move a primitive: outward.
+    fn sense(&self, primitive: u32) -> i64 {
+        match self.grid.zero[primitive as usize] {
+            Zero::Outside => 1,
+            Zero::Inside => -1,
+        }
+    }
+}
+
+/// What makes values up to `largest` whole numbers of [`VALUE_BITS`] bits: a power of 2.
+fn scale(largest: f64) -> f64 {
+    /// The largest power that has a reciprocal, with room for [`VALUE_BITS`].
+    const FARTHEST: i32 = 900;
+    let mut exponent = 0;
+    let mut size = largest;
+    // Exact, one bit at a time where it is near 1.
+    while size >= 1.0 && exponent < FARTHEST {
+        size *= 0.5;
+        exponent += 1;
+    }
+    while size < 0.5 && size > 0.0 && exponent > -FARTHEST {
+        size *= 2.0;
+        exponent -= 1;
+    }
+    let power = VALUE_BITS - exponent;
+    // The bits of a double that is a power of 2: its exponent is stored with 1023 added.
+    f64::from_bits(((1023 + power) as u64) << 52)
+}
+
+/// An odd number of [`SHIFT_BITS`] bits.
+fn shift(primitive: u32) -> i64 {
+    // Defined: 2⁶⁴ over the golden ratio; neighbours in number get numbers that are far apart.
+    let mixed = (u64::from(primitive) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    (mixed >> (64 - SHIFT_BITS)) as i64 | 1
+}
+
+/// The boundary in some cells; for each of its corners the longest edge of the cell.
+fn boundary(grid: &FieldGrid, whole: &WholeValues, cells: &[&GridCell]) -> (Patches, Vec<f64>) {
+    let (mut patches, mut sizes) = (Patches::default(), Vec::new());
+    let mut live = Vec::new();
+    for cell in cells {
+        let mut corners = cell.tetrahedron.corners;
+        if !grid.tetrahedra.is_positive(corners) {
+            corners.swap(2, 3);
+        }
+        live.clear();
+        for p in &cell.open.primitives {
+            let values = corners.map(|v| whole.at(v, *p));
+            if values.iter().any(|x| (*x < 0) != (values[0] < 0)) {
+                live.push(LivePrimitive { primitive: *p, values, sense: whole.sense(*p) });
+            }
+        }
+        if live.is_empty() {
+            continue;
+        }
+        let is_negative = |p: u32| whole.at(corners[0], p) < 0;
+        LinearCell { corners, live: &live, tree: &cell.open.tree }.boundary(is_negative, &mut patches);
+        sizes.resize(patches.corners.len(), grid.tetrahedra.longest(corners));
+    }
+    (patches, sizes)
+}
+
+impl VertexKey {
+    /// The primitives that the vertex is on.
+    fn lies_on(&self) -> [u32; 3] {
+        if self.other == NONE { self.primitives } else { [self.primitives[0], self.primitives[1], NONE] }
+    }
+
+    fn n_corners(&self) -> usize {
+        self.simplex.iter().filter(|v| **v != NONE).count()
+    }
+}
+
+/// Patches of all cells with their common vertices.
+#[derive(Default)]
+struct Joined {
+    ids: FewNumbersMap<VertexKey, u32>, // No order depends on it.
+    keys: Vec<VertexKey>,
+    sizes: Vec<f64>,
+    /// By corner.
+    vertices: Vec<u32>,
+    loop_ends: Vec<u32>,
+    patches: Vec<(u32, u32)>,
+}
+
+impl Joined {
+    fn push(&mut self, patches: &Patches, sizes: &[f64]) {
+        let (n_corners, n_loops) = (self.vertices.len() as u32, self.loop_ends.len() as u32);
+        for (key, size) in patches.corners.iter().zip(sizes) {
+            let new = self.keys.len() as u32;
+            let id = *self.ids.entry(*key).or_insert(new);
+            if id == new {
+                self.keys.push(*key);
+                self.sizes.push(*size);
+            }
+            let largest = &mut self.sizes[id as usize];
+            *largest = if *size > *largest { *size } else { *largest };
+            self.vertices.push(id);
+        }
+        self.loop_ends.extend(patches.loop_ends.iter().map(|end| n_corners + end));
+        self.patches.extend(patches.patches.iter().map(|(label, end)| (*label, n_loops + end)));
+    }
+}
+
+/// Where the linear functions vanish.
+fn positions(whole: &WholeValues, keys: &[VertexKey], job: &Job) -> Vec<[f64; 3]> {
+    let chunks: Vec<&[VertexKey]> = keys.chunks(LARGE_CHUNK).collect();
+    par_map(job, &chunks, |_, keys| keys.iter().map(|key| position(whole, key)).collect::<Vec<_>>()).concat()
+}
+
+fn position(whole: &WholeValues, key: &VertexKey) -> [f64; 3] {
+    if key.other != NONE {
+        let [p, q, a] = key.primitives;
+        let end = |third: u32| {
+            let mut primitives = [p, q, third];
+            primitives.sort_unstable();
+            position(whole, &VertexKey { primitives, other: NONE, ..*key })
+        };
+        let (a, b) = (end(a), end(key.other));
+        return std::array::from_fn(|k| 0.5 * (a[k] + b[k]));
+    }
+    let at = |v: u32| whole.grid.tetrahedra.position(v);
+    let value = |v: u32, p: u32| whole.at(v, p);
+    let [a, b, c, d] = key.simplex;
+    let [p, q, r] = key.primitives;
+    match key.n_corners() {
+        2 => {
+            let (x, y) = (value(a, p), value(b, p));
+            // Both are below 2⁵³, and so is their difference, since it is the sum of their sizes below 2⁵² each.
+            let part = x as f64 / (x - y) as f64;
+            weighted([at(a), at(b)], [1.0 - part, part])
+        }
+        3 => {
+            let corners = [a, b, c];
+            let weights = meeting3([p, q].map(|p| corners.map(|v| value(v, p)))).unwrap_or([1.0 / 3.0; 3]);
+            weighted(corners.map(at), weights)
+        }
+        _ => {
+            let corners = [a, b, c, d];
+            let weights = meeting4([p, q, r].map(|p| corners.map(|v| value(v, p)))).unwrap_or([0.25; 4]);
+            weighted(corners.map(at), weights)
+        }
+    }
+}
+
+/// The point with these barycentric coordinates.
+fn weighted<const N: usize>(corners: [[f64; 3]; N], weights: [f64; N]) -> [f64; 3] {
+    // From the first corner on, so that what all have in common is not rounded.
+    let first = corners[0];
+    std::array::from_fn(|k| first[k] + (1..N).map(|i| weights[i] * (corners[i][k] - first[k])).sum::<f64>())
+}
+
+/// Triangles and their labels.
+fn faces(joined: &Joined, positions: &[[f64; 3]], job: &Job) -> (Vec<[u32; 3]>, Vec<u32>) {
+    let numbers: Vec<usize> = (0..joined.patches.len()).collect();
+    let chunks: Vec<&[usize]> = numbers.chunks(LARGE_CHUNK).collect();
+    let parts = par_map(job, &chunks, |_, part| {
+        let (mut faces, mut labels) = (Vec::new(), Vec::new());
+        part.iter().for_each(|n| patch_faces(joined, positions, *n, (&mut faces, &mut labels)));
+        (faces, labels)
+    });
+    let (mut faces, mut labels) = (Vec::new(), Vec::new());
+    for (some_faces, some_labels) in parts {
+        faces.extend(some_faces);
+        labels.extend(some_labels);
+    }
+    (faces, labels)
+}
+
+fn patch_faces(
+    joined: &Joined,
+    positions: &[[f64; 3]],
+    number: usize,
+    (faces, labels): (&mut Vec<[u32; 3]>, &mut Vec<u32>),
+) {
+    let before = |ends: &dyn Fn(usize) -> u32, k: usize| if k == 0 { 0 } else { ends(k - 1) } as usize;
+    let (label, loops_end) = joined.patches[number];
+    let loops = before(&|k| joined.patches[k].1, number)..loops_end as usize;
+    let corners = |one: usize| before(&|k| joined.loop_ends[k], one)..joined.loop_ends[one] as usize;
+    let vertices = &joined.vertices[corners(loops.start).start..corners(loops.end - 1).end];
+    if let [a, b, c] = *vertices {
+        faces.push([a, b, c]);
+        labels.push(label);
+        return;
+    }
+    let rings: Vec<Vec<[f64; 3]>> = loops
+        .map(|one| joined.vertices[corners(one)].iter().map(|v| positions[*v as usize]).collect())
+        .collect();
+    let rings: Vec<&[[f64; 3]]> = rings.iter().map(Vec::as_slice).collect();
+    let mut triangles = Vec::with_capacity(vertices.len());
+    triangulate(&rings, &mut triangles);
+    labels.resize(labels.len() + triangles.len(), label);
+    faces.extend(triangles.into_iter().map(|t| t.map(|k| vertices[k as usize])));
+}

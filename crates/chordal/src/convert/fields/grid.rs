@@ -1,0 +1,481 @@
+//! `FieldGrid`: tetrahedra that are small only where a solid's boundary is not that of linear functions.
+//!
+//! A cube around the solid is bisected until in each tetrahedron either membership is decided, or the primitives that still decide have a
+//! common direction in which they grow. Decided ones are forgotten: nothing of the boundary is in them, whatever their neighbours look
+//! like. All others conform.
+use super::cells::{CellFacts, OpenTree, Zero, place, restricted, side};
+use super::tetrahedra::{FewNumbersMap, Tetrahedra, Tetrahedron, WholeBox};
+use super::vertex_values::VertexValues;
+use crate::budget::{Job, par_map};
+use crate::implicit::{Csg, CsgNode, LeafError, Membership, PrimitiveEvaluator, SlopeRange};
+use crate::math::Box3;
+use std::sync::Arc;
+
+/// What a grid is to be.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::convert) struct GridOptions {
+    /// What the solid is in.
+    pub bounds: Box3,
+    /// Cells whose longest edge is no longer than this are not cut, but for what is asked of [`FieldGrid::refine`].
+    pub floor: f64,
+    /// Cells with a longer edge are cut wherever the boundary may be.
+    pub coarsest: f64,
+}
+
+/// A place where cells are to be smaller.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::convert) struct Place {
+    /// Where.
+    pub at: [f64; 3],
+    /// The longest edge of the cell there; a cell whose longest edge is longer is cut.
+    pub size: f64,
+}
+
+/// Why there is no grid.
+#[derive(Clone, Debug)]
+pub(in crate::convert) enum GridHalt {
+    /// A leaf could not be evaluated.
+    Leaf(LeafError),
+    /// The job was asked to stop.
+    Cancelled,
+}
+
+impl From<LeafError> for GridHalt {
+    fn from(error: LeafError) -> Self {
+        Self::Leaf(error)
+    }
+}
+
+/// A cell that the boundary may run through.
+#[derive(Clone, Debug)]
+pub(super) struct GridCell {
+    pub tetrahedron: Tetrahedron,
+    pub open: Arc<OpenTree>,
+    pub is_resolved: bool,
+    is_alive: bool,
+}
+
+/// A conforming set of tetrahedra around the boundary of a solid.
+#[derive(Debug)]
+pub(in crate::convert) struct FieldGrid<'a> {
+    csg: &'a Csg,
+    job: &'a Job,
+    options: GridOptions,
+    pub(super) tetrahedra: Tetrahedra,
+    pub(super) values: VertexValues,
+    /// By primitive.
+    pub(super) zero: Vec<Zero>,
+    cells: Vec<GridCell>,
+    n_alive: usize,
+    around: Incidence,
+}
+
+/// The cells at each vertex, as lists that share one store.
+#[derive(Debug, Default)]
+struct Incidence {
+    first: Vec<u32>,
+    nodes: Vec<(u32, u32)>,
+}
+
+const NONE: u32 = u32::MAX;
+
+impl Incidence {
+    fn push(&mut self, vertex: u32, cell: u32) {
+        let vertex = vertex as usize;
+        if self.first.len() <= vertex {
+            self.first.resize(vertex + 1, NONE);
+        }
+        self.nodes.push((cell, self.first[vertex]));
+        self.first[vertex] = self.nodes.len() as u32 - 1;
+    }
+
+    fn of(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
+        let mut node = self.first.get(vertex as usize).copied().unwrap_or(NONE);
+        std::iter::from_fn(move || {
+            let (cell, next) = *self.nodes.get(node as usize)?;
+            node = next;
+            Some(cell)
+        })
+    }
+}
+
+/// What is to be done with a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Verdict {
+    Done,
+    Cut,
+    /// It would be cut if it were not too small.
+    TooSmall,
+}
+
+/// A cell that was not looked at yet.
+struct Pending {
+    tetrahedron: Tetrahedron,
+    open: Arc<OpenTree>,
+}
+
+/// The pending cells of one level, by their boxes, with the answers for these.
+struct Level {
+    boxes: Vec<WholeBox>,
+    /// By cell: its box.
+    box_of: Vec<u32>,
+    /// By box: which questions are about it.
+    asked: Vec<[u32; 2]>,
+    primitives: Vec<u32>,
+    ranges: Vec<SlopeRange>,
+}
+
+/// The cube is larger than the bounds by this. Chosen: cells at the rim see the boundary from outside.
+const MARGIN: f64 = 1.05;
+/// The cube's middle is off that of the bounds by these shares of their size, so that planes of symmetric models are not in its own planes.
+/// Chosen: nothing but small and odd.
+const OFFSET: [f64; 3] = [0.008_5, 0.011_55, 0.006_35];
+/// Bytes that a cell takes with its share of vertices and values, about: counted.
+const BYTES_A_CELL: u64 = 400;
+/// The share of the job's memory that cells may take.
+const SHARE: u64 = 4;
+/// Cells in one task.
+const CHUNK: usize = 128;
+
+impl<'a> FieldGrid<'a> {
+    /// A grid for the solid whose primitives are evaluated. The work is that of the shape, not of its size over the floor.
+    ///
+    /// # Errors
+    /// What a leaf says, and where the job is cancelled.
+    pub fn build(
+        evaluator: &mut PrimitiveEvaluator<'a>,
+        options: GridOptions,
+        job: &'a Job,
+    ) -> Result<Self, GridHalt> {
+        let (centre, sides) = (options.bounds.centre(), options.bounds);
+        let longest = (0..3).map(|k| sides.max[k] - sides.min[k]).fold(0.0, |a, b| if b > a { b } else { a });
+        let side = MARGIN * longest;
+        let origin = std::array::from_fn(|k| centre[k] - 0.5 * side + OFFSET[k] * longest);
+        let (tetrahedra, all) = Tetrahedra::new(origin, side);
+        let csg = evaluator.csg();
+        let mut grid = Self {
+            csg,
+            job,
+            options,
+            tetrahedra,
+            values: VertexValues::default(),
+            zero: zeros(csg),
+            cells: Vec::new(),
+            n_alive: 0,
+            around: Incidence::default(),
+        };
+        (0..grid.tetrahedra.n_vertices()).for_each(|_| grid.values.push_vertex());
+        let open = Arc::new(OpenTree::of(csg.tree().clone()));
+        let pending = all.into_iter().map(|tetrahedron| Pending { tetrahedron, open: Arc::clone(&open) });
+        grid.settle(evaluator, pending.collect(), &[])?;
+        Ok(grid)
+    }
+
+    /// Cuts cells that have a place within them until they are as small as it asks for. The others stay, but for what conforming takes.
+    ///
+    /// # Errors
+    /// Those of [`FieldGrid::build`].
+    pub fn refine(
+        &mut self,
+        evaluator: &mut PrimitiveEvaluator<'a>,
+        places: &[Place],
+    ) -> Result<(), GridHalt> {
+        let pending: Vec<u32> = (0..self.cells.len() as u32)
+            .filter(|c| {
+                let cell = &self.cells[*c as usize];
+                cell.is_alive && self.is_asked_for(&cell.tetrahedron, places)
+            })
+            .collect();
+        let pending = pending.into_iter().map(|c| self.take(c)).collect();
+        self.settle(evaluator, pending, places)
+    }
+
+    /// The solid.
+    pub fn csg(&self) -> &'a Csg {
+        self.csg
+    }
+
+    /// How many cells there are.
+    pub fn n_cells(&self) -> usize {
+        self.n_alive
+    }
+
+    /// The cells in the order in which they were made.
+    pub(super) fn cells(&self) -> impl Iterator<Item = &GridCell> {
+        self.cells.iter().filter(|cell| cell.is_alive)
+    }
+
+    /// Where cells are that would have to be smaller than the floor.
+    pub fn unresolved(&self) -> Vec<Place> {
+        self.cells().filter(|cell| !cell.is_resolved).map(|cell| self.place_of(&cell.tetrahedron)).collect()
+    }
+
+    fn place_of(&self, one: &Tetrahedron) -> Place {
+        let corners = one.corners.map(|v| self.tetrahedra.position(v));
+        let at = std::array::from_fn(|k| 0.25 * corners.iter().map(|p| p[k]).sum::<f64>());
+        Place { at, size: self.tetrahedra.longest(one.corners) }
+    }
+
+    fn is_asked_for(&self, one: &Tetrahedron, places: &[Place]) -> bool {
+        if places.is_empty() {
+            return false;
+        }
+        let bounds = self.space(self.tetrahedra.box_of(one.corners));
+        let longest = self.tetrahedra.longest(one.corners);
+        places.iter().any(|place| longest > place.size && bounds.contains(place.at))
+    }
+
+    fn space(&self, [min, max]: WholeBox) -> Box3 {
+        Box3 { min: self.tetrahedra.position_of(min), max: self.tetrahedra.position_of(max) }
+    }
+
+    fn take(&mut self, cell: u32) -> Pending {
+        let cell = &mut self.cells[cell as usize];
+        cell.is_alive = false;
+        self.n_alive -= 1;
+        Pending { tetrahedron: cell.tetrahedron, open: Arc::clone(&cell.open) }
+    }
+
+    /// Cuts level by level until all cells are done, too small or gone.
+    fn settle(
+        &mut self,
+        evaluator: &mut PrimitiveEvaluator<'a>,
+        mut pending: Vec<Pending>,
+        places: &[Place],
+    ) -> Result<(), GridHalt> {
+        let most = self.job.memory_limit / SHARE / BYTES_A_CELL;
+        while !pending.is_empty() {
+            if self.job.is_cancelled() {
+                return Err(GridHalt::Cancelled);
+            }
+            // Every cut makes one cell more, and others by conforming.
+            let is_full = (self.n_alive + 2 * pending.len()) as u64 > most;
+            let judged = self.judge(evaluator, pending, places)?;
+            let mut cut = Vec::new();
+            for (one, verdict) in judged {
+                let may_be_cut = !is_full && self.tetrahedra.next_edge(&one.tetrahedron).is_some();
+                if verdict == Verdict::Cut && may_be_cut
+                    || self.tetrahedra.has_middle(one.tetrahedron.corners)
+                {
+                    cut.push(one);
+                } else {
+                    self.keep(one, verdict == Verdict::Done);
+                }
+            }
+            pending = self.bisect(cut);
+        }
+        Ok(())
+    }
+
+    fn keep(&mut self, Pending { tetrahedron, open }: Pending, is_resolved: bool) {
+        let number = self.cells.len() as u32;
+        tetrahedron.corners.iter().for_each(|v| self.around.push(*v, number));
+        self.cells.push(GridCell { tetrahedron, open, is_resolved, is_alive: true });
+        self.n_alive += 1;
+    }
+
+    /// Bisects cells, and those around the edges that were cut for them.
+    fn bisect(&mut self, cut: Vec<Pending>) -> Vec<Pending> {
+        let mut halves = Vec::with_capacity(2 * cut.len());
+        let mut open = cut;
+        while !open.is_empty() {
+            let mut edges = Vec::new();
+            for one in open {
+                let (parts, edge) = self.tetrahedra.bisect(&one.tetrahedron);
+                halves.extend(parts.map(|tetrahedron| Pending { tetrahedron, open: Arc::clone(&one.open) }));
+                if let Some(edge) = edge {
+                    self.values.push_vertex();
+                    edges.push(edge);
+                }
+            }
+            // Those that were kept and have one of the edges.
+            open = Vec::new();
+            for [a, b] in edges {
+                let cells = &self.cells;
+                let has_both = |c: &u32| {
+                    let cell = &cells[*c as usize];
+                    cell.is_alive && cell.tetrahedron.corners.contains(&a)
+                };
+                // The younger end has fewer cells around it.
+                let found: Vec<u32> = self.around.of(b).filter(has_both).collect();
+                open.extend(found.into_iter().map(|c| self.take(c)));
+            }
+        }
+        halves
+    }
+
+    /// Drops cells that are decided, and says what becomes of the others.
+    fn judge(
+        &mut self,
+        evaluator: &mut PrimitiveEvaluator<'a>,
+        pending: Vec<Pending>,
+        places: &[Place],
+    ) -> Result<Vec<(Pending, Verdict)>, GridHalt> {
+        let level = self.ask_ranges(evaluator, &pending)?;
+        let numbers: Vec<u32> = (0..pending.len() as u32).collect();
+        let chunks: Vec<&[u32]> = numbers.chunks(CHUNK).collect();
+        let sift = |n: &u32| {
+            let one = &pending[*n as usize];
+            let sides: Vec<Membership> = one
+                .open
+                .primitives
+                .iter()
+                .map(|p| side(level.range(*n, *p).value, self.zero[*p as usize]))
+                .collect();
+            restricted(&one.open, &sides)
+        };
+        let sifted: Vec<Option<Arc<OpenTree>>> =
+            par_map(self.job, &chunks, |_, part| part.iter().map(sift).collect::<Vec<_>>()).concat();
+        self.ask_values(evaluator, &pending, &sifted)?;
+        let view = &*self;
+        let decide = |n: &u32| {
+            let open = sifted[*n as usize].as_ref()?;
+            view.verdict(&level, *n, &pending[*n as usize].tetrahedron, open, places)
+        };
+        let verdicts: Vec<Option<(Arc<OpenTree>, Verdict)>> =
+            par_map(self.job, &chunks, |_, part| part.iter().map(decide).collect::<Vec<_>>()).concat();
+        let judged = pending.into_iter().zip(verdicts).filter_map(|(one, verdict)| {
+            verdict.map(|(open, verdict)| (Pending { open, tetrahedron: one.tetrahedron }, verdict))
+        });
+        Ok(judged.collect())
+    }
+
+    /// None for a cell that is decided.
+    fn verdict(
+        &self,
+        level: &Level,
+        number: u32,
+        one: &Tetrahedron,
+        open: &Arc<OpenTree>,
+        places: &[Place],
+    ) -> Option<(Arc<OpenTree>, Verdict)> {
+        let [min, max] = level.boxes[level.box_of[number as usize] as usize];
+        let widths = std::array::from_fn(|k| self.tetrahedra.length_of((max[k] - min[k]) as f64));
+        let longest = self.tetrahedra.longest(one.corners);
+        let facts_of = |open: &Arc<OpenTree>| {
+            let ranges: Vec<SlopeRange> = open.primitives.iter().map(|p| *level.range(number, *p)).collect();
+            let value = |v: u32, p: u32| self.values.get(v, p).expect("it was asked for");
+            let values: Vec<[f64; 4]> =
+                open.primitives.iter().map(|p| one.corners.map(|v| value(v, *p))).collect();
+            (ranges, values)
+        };
+        let (ranges, values) = facts_of(open);
+        let facts = CellFacts { csg: self.csg, open, ranges: &ranges, values: &values, widths, longest };
+        let zero = |at: usize| self.zero[open.primitives[at] as usize];
+        let sides: Vec<Membership> =
+            (0..open.primitives.len()).map(|at| side(facts.tightened(at), zero(at))).collect();
+        let left = restricted(open, &sides)?;
+        if longest > self.options.coarsest || self.is_asked_for(one, places) {
+            return Some((left, Verdict::Cut));
+        }
+        let is_done = if Arc::ptr_eq(&left, open) {
+            facts.is_done()
+        } else {
+            let (ranges, values) = facts_of(&left);
+            CellFacts { open: &left, ranges: &ranges, values: &values, ..facts }.is_done()
+        };
+        let verdict = match (is_done, longest <= self.options.floor) {
+            (true, _) => Verdict::Done,
+            (false, true) => Verdict::TooSmall,
+            (false, false) => Verdict::Cut,
+        };
+        Some((left, verdict))
+    }
+
+    /// Asks for ranges, once for each box: several tetrahedra have the same.
+    fn ask_ranges(
+        &self,
+        evaluator: &mut PrimitiveEvaluator<'a>,
+        pending: &[Pending],
+    ) -> Result<Level, GridHalt> {
+        let mut boxes: Vec<WholeBox> = Vec::new();
+        let mut numbers: FewNumbersMap<WholeBox, u32> = FewNumbersMap::default(); // No order depends on it.
+        let box_of: Vec<u32> = pending
+            .iter()
+            .map(|one| {
+                let whole = self.tetrahedra.box_of(one.tetrahedron.corners);
+                *numbers.entry(whole).or_insert_with(|| {
+                    boxes.push(whole);
+                    boxes.len() as u32 - 1
+                })
+            })
+            .collect();
+        // The first tree of each box, and whether another one is about it too.
+        let mut first: Vec<Option<&Arc<OpenTree>>> = vec![None; boxes.len()];
+        let mut others: Vec<(u32, u32)> = Vec::new();
+        for (one, number) in pending.iter().zip(&box_of) {
+            match first[*number as usize] {
+                None => first[*number as usize] = Some(&one.open),
+                Some(open) if Arc::ptr_eq(open, &one.open) => {}
+                Some(_) => others.extend(one.open.primitives.iter().map(|p| (*number, *p))),
+            }
+        }
+        others.sort_unstable();
+        let mut others = others.as_slice();
+        let (mut asked, mut primitives) = (Vec::with_capacity(boxes.len()), Vec::new());
+        for (number, open) in first.iter().enumerate() {
+            let start = primitives.len();
+            primitives.extend_from_slice(&open.expect("each box has a cell").primitives);
+            let n_more = others.iter().take_while(|(other, _)| *other as usize == number).count();
+            if n_more > 0 {
+                primitives.extend(others[..n_more].iter().map(|(_, p)| *p));
+                others = &others[n_more..];
+                primitives[start..].sort_unstable();
+                let mut distinct = primitives.split_off(start);
+                distinct.dedup();
+                primitives.extend(distinct);
+            }
+            asked.push([start as u32, primitives.len() as u32]);
+        }
+        let mut questions = Vec::with_capacity(primitives.len());
+        for (whole, [start, end]) in boxes.iter().zip(&asked) {
+            let bounds = self.space(*whole);
+            questions.extend(primitives[*start as usize..*end as usize].iter().map(|p| (*p, bounds)));
+        }
+        let ranges = evaluator.slope_ranges(&questions)?;
+        Ok(Level { boxes, box_of, asked, primitives, ranges })
+    }
+
+    /// Asks for values at the corners of cells that are not decided, where they are not known yet.
+    fn ask_values(
+        &mut self,
+        evaluator: &mut PrimitiveEvaluator<'a>,
+        pending: &[Pending],
+        sifted: &[Option<Arc<OpenTree>>],
+    ) -> Result<(), GridHalt> {
+        let mut wanted: Vec<(u32, u32)> = Vec::new();
+        for (one, open) in pending.iter().zip(sifted) {
+            let Some(open) = open else { continue };
+            for v in one.tetrahedron.corners {
+                let unknown = open.primitives.iter().filter(|p| self.values.get(v, **p).is_none());
+                wanted.extend(unknown.map(|p| (v, *p)));
+            }
+        }
+        wanted.sort_unstable();
+        wanted.dedup();
+        let questions: Vec<(u32, [f64; 3])> =
+            wanted.iter().map(|(v, p)| (*p, self.tetrahedra.position(*v))).collect();
+        let values = evaluator.values(&questions)?;
+        self.values.extend(&wanted, &values);
+        Ok(())
+    }
+}
+
+impl Level {
+    fn range(&self, cell: u32, primitive: u32) -> &SlopeRange {
+        let [start, end] = self.asked[self.box_of[cell as usize] as usize];
+        let part = start as usize..end as usize;
+        &self.ranges[start as usize + place(&self.primitives[part], primitive)]
+    }
+}
+
+/// On which side 0 is, by primitive.
+fn zeros(csg: &Csg) -> Vec<Zero> {
+    let mut all = vec![Zero::Inside; csg.primitives().len()];
+    for node in csg.tree().nodes() {
+        if let CsgNode::Primitive(p) = node {
+            all[*p as usize] = Zero::Outside;
+        }
+    }
+    all
+}
