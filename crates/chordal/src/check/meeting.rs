@@ -45,7 +45,7 @@ impl Exact for lattice::Point {
 /// triangles lie in one plane, both on the same side of the common edge. With three they are the same, which has a
 /// finding of its own.
 #[inline]
-pub(super) fn meet(ids: [[u32; 3]; 2], [a, b]: [Corners; 2]) -> bool {
+pub(crate) fn meet(ids: [[u32; 3]; 2], [a, b]: [Corners; 2]) -> bool {
     let (mut n, mut of_a, mut of_b) = (0, [0; 3], [0; 3]);
     for i in 0..3 {
         for j in 0..3 {

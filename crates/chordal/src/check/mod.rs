@@ -48,6 +48,7 @@ pub use gap::{Gap, distance_to_polyline, largest_gap};
 pub use joins::{Join, join, joins};
 pub use limit_deviation::limit_deviation;
 pub use measure::{Measure, measure};
+pub(crate) use meeting::meet as triangles_meet;
 pub use overshade::{Flicker, MicroTriangles, Overshade, Shaded, flicker, micro_triangles, overshade};
 pub(crate) use point_tree::PointTree;
 pub use self_intersections::{intersections_between, self_intersections};

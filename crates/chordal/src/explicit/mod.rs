@@ -8,6 +8,7 @@ mod continuation;
 mod curve;
 pub(crate) mod fill;
 mod foot;
+mod half_edges;
 pub mod laws;
 mod mesh;
 mod normals;
@@ -41,6 +42,8 @@ pub use clusters::{Cluster, FacingCounts, clusters, facing};
 pub use continuation::Smoothness;
 pub use curve::{Curve, InvalidCurve};
 pub use foot::{Foot, SurfaceTree};
+#[allow(unused_imports, reason = "used by what is not called yet")]
+pub(crate) use half_edges::HalfEdges;
 pub use mesh::{Attribute, Domain, InvalidMesh, Mesh, Semantic};
 pub(crate) use normals::with_vertex_normals;
 pub use normals::{Shading, Weight, face_normal, smooth_normals, vertex_normals, with_normals};

@@ -1,0 +1,250 @@
+//! Rounds of edge collapses: vertices go into neighbours as long as all that changes stays within the aim.
+use super::sample::Sample;
+use super::{FaceLabel, SurfaceImprover, Unimproved};
+use crate::explicit::{next_in_face, previous_in_face};
+use glam::DVec3;
+
+/// Rounds at most: an independent set holds a tenth of the vertices and more, so that this is far more than any surface takes.
+const MOST_ROUNDS: usize = 400;
+/// Fans of more faces are left alone. Chosen: a vertex of that many looks at all of them for each of its edges.
+const MOST_FACES: usize = 64;
+/// Costs below this share of the aim are alike: then the length decides.
+const ALIKE: f64 = 0.05;
+
+/// A vertex with the half-edge into which it goes.
+struct Collapse {
+    h: u32,
+    cost: f64,
+    length: f64,
+}
+
+/// What is around a vertex that goes along a half-edge: the other ends of its edges from that on, and its half-edges.
+#[derive(Default)]
+struct Star {
+    sides: Vec<u32>,
+    ring: Vec<u32>,
+}
+
+impl SurfaceImprover<'_, '_> {
+    /// Collapses until no vertex can go.
+    pub(super) fn collapse_all(&mut self) -> Result<(), Unimproved> {
+        let mut star = Star::default();
+        for _ in 0..MOST_ROUNDS {
+            self.next_round()?;
+            let mut list: Vec<Collapse> = Vec::new();
+            for v in 0..self.surface.vertex_slots() as u32 {
+                if self.is_open[v as usize] && self.surface.has_vertex(v) {
+                    match self.best_collapse(v, &mut star) {
+                        Some(one) => list.push(one),
+                        None => self.is_open[v as usize] = false,
+                    }
+                }
+            }
+            list.sort_unstable_by(|x, y| {
+                x.cost.total_cmp(&y.cost).then(x.length.total_cmp(&y.length)).then(x.h.cmp(&y.h))
+            });
+            let mut faces = Vec::new();
+            list.retain(|one| {
+                faces.clear();
+                faces.extend(self.surface.around(self.surface.start(one.h)).map(|h| h / 3));
+                self.take(&faces)
+            });
+            if list.is_empty() {
+                break;
+            }
+            self.collapse_edges(&list, &mut star)?;
+        }
+        Ok(())
+    }
+
+    fn fill(&self, h: u32, star: &mut Star) {
+        star.sides.clear();
+        star.ring.clear();
+        let mut side = h;
+        loop {
+            star.sides.push(side);
+            star.ring.push(self.surface.end(side));
+            side = self.surface.twin(previous_in_face(side));
+            if side == h {
+                break;
+            }
+        }
+    }
+
+    /// The edge into which a vertex goes best, by estimates.
+    fn best_collapse(&self, v: u32, star: &mut Star) -> Option<Collapse> {
+        let labels = self.labels_of(v);
+        if labels.len() > 2 {
+            return None;
+        }
+        let mut n_creases = 0;
+        let mut n_faces = 0;
+        for h in self.surface.around(v) {
+            n_creases += usize::from(self.is_crease(h));
+            n_faces += 1;
+        }
+        if n_faces > MOST_FACES || n_creases != if labels.len() == 2 { 2 } else { 0 } {
+            return None;
+        }
+        let mut best: Option<Collapse> = None;
+        for h in self.surface.around(v) {
+            if n_creases == 2 && !self.is_crease(h) {
+                continue;
+            }
+            self.fill(h, star);
+            let most = best.as_ref().map_or(1.0, |one| one.cost);
+            let Some(cost) = self.estimated_cost(star, most) else { continue };
+            let length = (self.at(star.ring[0]) - self.at(v)).length_squared();
+            let is_better =
+                best.as_ref().is_none_or(|one| cost < one.cost || cost == one.cost && length < one.length);
+            if is_better {
+                best = Some(Collapse { h, cost, length });
+            }
+        }
+        best
+    }
+
+    /// What the faces that come are off by estimates, over what they may be; nothing if that is more than `most`.
+    fn estimated_cost(&self, star: &Star, most: f64) -> Option<f64> {
+        let (ring, n) = (&star.ring, star.ring.len());
+        let b = ring[0];
+        let mut cost = ALIKE;
+        for i in 1..n - 1 {
+            let label = self.label_of(star.sides[i]);
+            let points = [b, ring[i], ring[i + 1]].map(|v| self.at(v));
+            let normal = self.on(b, label)?.normal
+                + self.on(ring[i], label)?.normal
+                + self.on(ring[i + 1], label)?.normal;
+            if !self.faces_along(points, normal.normalize_or_zero()) {
+                return None;
+            }
+            if i + 1 < n - 1 {
+                let after = self.label_of(star.sides[i + 1]);
+                let distance = self.estimate(b, ring[i + 1], label);
+                let off = if label == after {
+                    distance.abs() / self.aim
+                } else {
+                    let other = self.estimate(b, ring[i + 1], after);
+                    self.crease_excess([b, ring[i + 1]], [label, after], [distance, other])
+                };
+                if !(off <= most) {
+                    return None;
+                }
+                cost = if off > cost { off } else { cost };
+            }
+        }
+        Some(cost)
+    }
+
+    /// Samples collapses, and makes those that stay within the aim.
+    fn collapse_edges(&mut self, list: &[Collapse], star: &mut Star) -> Result<(), Unimproved> {
+        let mut asks: Vec<(FaceLabel, DVec3)> = Vec::new();
+        for one in list {
+            self.fill(one.h, star);
+            self.each_ask(star, |label, at| asks.push((label, at)));
+        }
+        let samples = self.sample(&asks)?;
+        let mut from = 0;
+        for one in list {
+            self.fill(one.h, star);
+            let mut n = 0;
+            self.each_ask(star, |_, _| n += 1);
+            let samples = &samples[from..from + n];
+            from += n;
+            let a = self.surface.start(one.h);
+            // Opened again when something changes about it.
+            self.is_open[a as usize] = false;
+            if self.surface.may_collapse(one.h) && self.stays_near(star, samples) && !self.meets_others(star)
+            {
+                self.collapse(star, samples);
+            }
+        }
+        Ok(())
+    }
+
+    /// The samples of a collapse: by face that stays its centroid, then the middles of new edges, for both sides of a crease.
+    fn each_ask(&self, star: &Star, mut ask: impl FnMut(FaceLabel, DVec3)) {
+        let (ring, n) = (&star.ring, star.ring.len());
+        let b = self.at(ring[0]);
+        for i in 1..n - 1 {
+            let centroid = (b + self.at(ring[i]) + self.at(ring[i + 1])) / 3.0;
+            ask(self.label_of(star.sides[i]), centroid);
+        }
+        for i in 2..n - 1 {
+            let (before, after) = (self.label_of(star.sides[i - 1]), self.label_of(star.sides[i]));
+            let middle = 0.5 * (b + self.at(ring[i]));
+            ask(before, middle);
+            if before != after {
+                ask(after, middle);
+            }
+        }
+    }
+
+    /// The signed distances of the new edges' middles from the primitives before and after them, by position in the ring.
+    fn spokes(&self, star: &Star, samples: &[Sample]) -> Vec<[f64; 2]> {
+        let n = star.ring.len();
+        let mut spokes = vec![[f64::NAN; 2]; n];
+        let t = self.surface.twin(star.sides[0]);
+        // The first and the last are edges that were there.
+        let first = self.middle_of(next_in_face(star.sides[0]));
+        let last = self.middle_of(previous_in_face(t));
+        spokes[1] = [first; 2];
+        spokes[n - 1] = [last; 2];
+        let mut next = n - 2;
+        for i in 2..n - 1 {
+            let is_crease = self.label_of(star.sides[i - 1]) != self.label_of(star.sides[i]);
+            spokes[i] = [samples[next].distance, samples[next + usize::from(is_crease)].distance];
+            next += 1 + usize::from(is_crease);
+        }
+        spokes
+    }
+
+    /// Whether all that comes is within the aim and faces along its primitive.
+    fn stays_near(&self, star: &Star, samples: &[Sample]) -> bool {
+        let (ring, n) = (&star.ring, star.ring.len());
+        let b = ring[0];
+        let spokes = self.spokes(star, samples);
+        for i in 1..n - 1 {
+            let label = self.label_of(star.sides[i]);
+            let corners = [b, ring[i], ring[i + 1]];
+            let sample = samples[i - 1];
+            let middles = [spokes[i][1], self.middle_of(next_in_face(star.sides[i])), spokes[i + 1][0]];
+            let off = self.off(corners, label, middles, sample.distance);
+            if !self.is_near(off) || !self.faces_along(corners.map(|v| self.at(v)), sample.normal) {
+                return false;
+            }
+        }
+        (2..n - 1).all(|i| {
+            let labels = [self.label_of(star.sides[i - 1]), self.label_of(star.sides[i])];
+            labels[0] == labels[1] || self.crease_excess([b, ring[i]], labels, spokes[i]) <= 1.0
+        })
+    }
+
+    fn meets_others(&mut self, star: &Star) -> bool {
+        let (ring, n) = (&star.ring, star.ring.len());
+        let new: Vec<([u32; 3], [DVec3; 3])> = (1..n - 1)
+            .map(|i| [ring[0], ring[i], ring[i + 1]])
+            .map(|face| (face, face.map(|v| self.at(v))))
+            .collect();
+        let gone: Vec<u32> = star.sides.iter().map(|h| h / 3).collect();
+        self.crosses(&new, &gone)
+    }
+
+    fn collapse(&mut self, star: &Star, samples: &[Sample]) {
+        let n = star.ring.len();
+        let t = self.surface.twin(star.sides[0]);
+        let mut spokes = self.spokes(star, samples);
+        spokes[1] = [self.middle[next_in_face(star.sides[0]) as usize]; 2];
+        spokes[n - 1] = [self.middle[previous_in_face(t) as usize]; 2];
+        self.surface.collapse(star.sides[0]);
+        for i in 1..n - 1 {
+            let side = star.sides[i];
+            self.middle[side as usize] = spokes[i][1];
+            self.middle[previous_in_face(side) as usize] = spokes[i + 1][0];
+            self.centre[side as usize / 3] = samples[i - 1].distance;
+            self.grow_tree(side / 3);
+            self.open_around(side / 3);
+        }
+        self.counts.collapses += 1;
+    }
+}

@@ -1,0 +1,234 @@
+//! How far edges and faces are from their primitives: by samples where there are some, else from the normals at their ends.
+use super::{FaceLabel, SurfaceImprover, VertexLabel, area_normal, sides};
+use glam::DVec3;
+
+/// A crease may be off by this share of what a face may, times the sine of half its angle. Measured in proofs.
+const CREASE: f64 = 0.8;
+/// The least such sine: below it, edges would have to be split without end.
+const SHARPEST: f64 = 0.05;
+
+/// Estimates are asked where normals are within 30°: beyond, the terms that they leave out are as large as what they say.
+const ALIKE: f64 = 0.866;
+/// Weights of the samples inside of a face beside its corners, its centroid and the middles of its edges: quarters of the edges, and halfway
+/// from the centroid to the corners.
+const INSIDE: [[f64; 3]; 9] = {
+    const A: f64 = 2.0 / 3.0;
+    const B: f64 = 1.0 / 6.0;
+    [
+        [A, B, B],
+        [B, A, B],
+        [B, B, A],
+        [0.75, 0.25, 0.0],
+        [0.25, 0.75, 0.0],
+        [0.0, 0.75, 0.25],
+        [0.0, 0.25, 0.75],
+        [0.25, 0.0, 0.75],
+        [0.75, 0.0, 0.25],
+    ]
+};
+
+/// Faces whose samples are held at once: some megabytes.
+const CHECKED_TOGETHER: usize = 1 << 14;
+
+/// Signed distances over an edge or a face.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Off {
+    pub low: f64,
+    pub high: f64,
+}
+
+impl Off {
+    pub const NONE: Self = Self { low: 0.0, high: 0.0 };
+
+    /// With one more; NaN counts as infinitely far.
+    #[inline]
+    pub fn with(self, distance: f64) -> Self {
+        if distance.is_nan() {
+            return Self { low: f64::NEG_INFINITY, high: f64::INFINITY };
+        }
+        Self {
+            low: if distance < self.low { distance } else { self.low },
+            high: if distance > self.high { distance } else { self.high },
+        }
+    }
+
+    #[inline]
+    pub fn most(self) -> f64 {
+        if -self.low > self.high { -self.low } else { self.high }
+    }
+}
+
+impl SurfaceImprover<'_, '_> {
+    /// A vertex on one of its primitives.
+    #[inline]
+    pub(super) fn on(&self, v: u32, label: FaceLabel) -> Option<&VertexLabel> {
+        self.labels_of(v).iter().find(|on| on.label == label)
+    }
+
+    /// The distance of the middle of two vertices from a primitive, from its normals there: off by their fourth derivatives.
+    #[inline]
+    pub(super) fn estimate(&self, a: u32, b: u32, label: FaceLabel) -> f64 {
+        let (Some(p), Some(q)) = (self.on(a, label), self.on(b, label)) else { return f64::NAN };
+        0.5 * (p.distance + q.distance) + 0.125 * (p.normal - q.normal).dot(self.at(b) - self.at(a))
+    }
+
+    /// The distance of the middle of a half-edge from the primitive of its face.
+    #[inline]
+    pub(super) fn middle_of(&self, h: u32) -> f64 {
+        let known = self.middle[h as usize];
+        if !known.is_nan() {
+            return known;
+        }
+        let (a, b, label) = (self.surface.start(h), self.surface.end(h), self.label_of(h));
+        match (self.on(a, label), self.on(b, label)) {
+            (Some(p), Some(q)) if p.normal.dot(q.normal) > ALIKE => self.estimate(a, b, label),
+            _ => f64::NAN,
+        }
+    }
+
+    /// What an edge is off, over what it may be.
+    pub(super) fn edge_excess(&self, h: u32) -> f64 {
+        let t = self.surface.twin(h);
+        let distances = [self.middle_of(h), self.middle_of(t)];
+        if self.is_crease(h) {
+            let labels = [self.label_of(h), self.label_of(t)];
+            self.crease_excess([self.surface.start(h), self.surface.end(h)], labels, distances)
+        } else {
+            let off = distances[0].abs() / self.aim;
+            if off.is_nan() { f64::INFINITY } else { off }
+        }
+    }
+
+    /// The same for an edge between two primitives, from the distances of its middle from both.
+    pub(super) fn crease_excess(&self, [a, b]: [u32; 2], labels: [FaceLabel; 2], distances: [f64; 2]) -> f64 {
+        let normal = |label: FaceLabel| {
+            let at = |v: u32| self.on(v, label).map_or(DVec3::ZERO, |on| on.normal);
+            (at(a) + at(b)).normalize_or_zero()
+        };
+        let on: [VertexLabel; 2] = std::array::from_fn(|k| VertexLabel {
+            label: labels[k],
+            distance: distances[k],
+            normal: normal(labels[k]),
+        });
+        let off = super::newton::shortest_step(&on).length();
+        // Half the sum of unit normals is the sine of half the angle between the faces.
+        let sine = 0.5 * (on[0].normal + on[1].normal).length();
+        let sine = if sine < SHARPEST { SHARPEST } else { sine };
+        let excess = off / (CREASE * self.aim * sine);
+        if excess.is_nan() { f64::INFINITY } else { excess }
+    }
+
+    /// The distances over a face, from those at corners, middles and centroid.
+    pub(super) fn face_off(&self, face: u32) -> Off {
+        let [u, v, w] = sides(3 * face);
+        let middles = [self.middle_of(u), self.middle_of(v), self.middle_of(w)];
+        self.off(self.surface.corners(face), self.label[face as usize], middles, self.centre[face as usize])
+    }
+
+    /// The same for a face that may come: `middles` by edge from the first corner on; a centroid that is NaN is estimated.
+    pub(super) fn off(&self, corners: [u32; 3], label: FaceLabel, middles: [f64; 3], centre: f64) -> Off {
+        let corner = corners.map(|v| self.on(v, label).map_or(f64::NAN, |on| on.distance));
+        let centre = if centre.is_nan() {
+            // Of the quadratic through corners and middles.
+            (4.0 * (middles[0] + middles[1] + middles[2]) - (corner[0] + corner[1] + corner[2])) / 9.0
+        } else {
+            centre
+        };
+        corner.into_iter().chain(middles).fold(Off::NONE.with(centre), Off::with)
+    }
+
+    /// Whether a triangle has an area and does not turn away from a normal: within 60°.
+    #[inline]
+    pub(super) fn faces_along(&self, points: [DVec3; 3], normal: DVec3) -> bool {
+        let area = area_normal(points);
+        let size = area.length();
+        let [a, b, c] = points;
+        let longest_sq = [b - a, c - b, a - c]
+            .map(DVec3::length_squared)
+            .into_iter()
+            .fold(0.0, |m, x| if x > m { x } else { m });
+        // Thinner ones have no direction that rounding leaves alone.
+        const THINNEST: f64 = 1e-6; // Chosen: a tenth of a millimetre on a hundred metres.
+        size > THINNEST * longest_sq && area.dot(normal) > 0.5 * size
+    }
+
+    /// Forgets the samples of a face and of the other sides of its edges.
+    pub(super) fn forget(&mut self, face: u32) {
+        self.centre[face as usize] = f64::NAN;
+        for h in sides(3 * face) {
+            self.middle[h as usize] = f64::NAN;
+            self.middle[self.surface.twin(h) as usize] = f64::NAN;
+        }
+    }
+
+    /// The middle of an edge.
+    #[inline]
+    pub(super) fn middle_point(&self, a: u32, b: u32) -> DVec3 {
+        0.5 * (self.at(a) + self.at(b))
+    }
+
+    /// Samples the middles of edges that are not known.
+    pub(super) fn sample_middles(&mut self, edges: &[u32]) -> Result<(), super::Unimproved> {
+        let (mut asks, mut of) = (Vec::new(), Vec::new());
+        for h in edges {
+            if !self.middle[*h as usize].is_nan() {
+                continue;
+            }
+            let t = self.surface.twin(*h);
+            let at = self.middle_point(self.surface.start(*h), self.surface.end(*h));
+            asks.push((self.label_of(*h), at));
+            of.push(*h);
+            if self.is_crease(*h) {
+                asks.push((self.label_of(t), at));
+                of.push(t);
+            }
+        }
+        let samples = self.sample(&asks)?;
+        for (h, sample) in of.into_iter().zip(samples) {
+            self.middle[h as usize] = sample.distance;
+            if !self.is_crease(h) {
+                let t = self.surface.twin(h);
+                self.middle[t as usize] = sample.distance;
+            }
+        }
+        Ok(())
+    }
+
+    /// Samples the centroids of faces that are not known.
+    pub(super) fn sample_centres(&mut self, faces: &[u32]) -> Result<(), super::Unimproved> {
+        let unknown: Vec<u32> = faces.iter().copied().filter(|f| self.centre[*f as usize].is_nan()).collect();
+        let at = |f: &u32| {
+            let [a, b, c] = self.points(*f);
+            (self.label[*f as usize], (a + b + c) / 3.0)
+        };
+        let asks: Vec<_> = unknown.iter().map(at).collect();
+        let samples = self.sample(&asks)?;
+        unknown.iter().zip(samples).for_each(|(f, sample)| self.centre[*f as usize] = sample.distance);
+        Ok(())
+    }
+
+    /// The faces of a list that are off somewhere by more than the aim, by all samples; the others are verified.
+    pub(super) fn refuted(&mut self, faces: &[u32]) -> Result<Vec<u32>, super::Unimproved> {
+        let edges: Vec<u32> = faces.iter().flat_map(|f| sides(3 * *f)).collect();
+        self.sample_middles(&edges)?;
+        self.sample_centres(faces)?;
+        let mut refuted = Vec::new();
+        for part in faces.chunks(CHECKED_TOGETHER) {
+            let mut asks = Vec::with_capacity(INSIDE.len() * part.len());
+            for f in part {
+                let [a, b, c] = self.points(*f);
+                asks.extend(INSIDE.map(|[u, v, w]| (self.label[*f as usize], u * a + v * b + w * c)));
+            }
+            let samples = self.sample(&asks)?;
+            for (f, samples) in part.iter().zip(samples.chunks(INSIDE.len())) {
+                let off = samples.iter().fold(self.face_off(*f), |off, sample| off.with(sample.distance));
+                let is_near = self.is_near(off);
+                self.is_verified[*f as usize] = is_near;
+                if !is_near {
+                    refuted.push(*f);
+                }
+            }
+        }
+        Ok(refuted)
+    }
+}

@@ -1,0 +1,160 @@
+//! Rounds of edge flips: for smaller errors, and where those are small for better angles.
+use super::{SurfaceImprover, Unimproved, area_normal, sides};
+use crate::explicit::{next_in_face, previous_in_face};
+use glam::DVec3;
+
+/// Rounds at most; each takes most of what is there.
+const MOST_ROUNDS: usize = 6;
+
+/// An edge with what is gained by turning it.
+struct Flip {
+    h: u32,
+    gain: f64,
+}
+
+impl SurfaceImprover<'_, '_> {
+    pub(super) fn flip_all(&mut self) -> Result<(), Unimproved> {
+        for _ in 0..MOST_ROUNDS {
+            let open = self.changed_edges();
+            if open.is_empty() {
+                break;
+            }
+            self.next_round()?;
+            let mut flips: Vec<Flip> = open.iter().filter_map(|h| self.flip_of(*h)).collect();
+            flips.sort_unstable_by(|x, y| y.gain.total_cmp(&x.gain).then(x.h.cmp(&y.h)));
+            flips.retain(|flip| self.take(&[flip.h / 3, self.surface.twin(flip.h) / 3]));
+            self.flip_edges(&flips)?;
+        }
+        Ok(())
+    }
+
+    /// The edges of faces that have changed since they were last asked for.
+    fn changed_edges(&mut self) -> Vec<u32> {
+        let mut faces = std::mem::take(&mut self.changed);
+        faces.sort_unstable();
+        faces.dedup();
+        let mut edges = Vec::with_capacity(2 * faces.len());
+        for face in faces.into_iter().filter(|f| self.surface.has_face(*f)) {
+            edges.extend(sides(3 * face).map(|h| {
+                let t = self.surface.twin(h);
+                if h < t { h } else { t }
+            }));
+        }
+        edges.sort_unstable();
+        edges.dedup();
+        edges
+    }
+
+    /// The flip of an edge, if by estimates it is one to make.
+    fn flip_of(&self, h: u32) -> Option<Flip> {
+        let t = self.surface.twin(h);
+        let label = self.label_of(h);
+        if label != self.label_of(t) {
+            return None;
+        }
+        let (a, b, c, d) =
+            (self.surface.start(h), self.surface.end(h), self.surface.apex(h), self.surface.apex(t));
+        let [pa, pb, pc, pd] = [a, b, c, d].map(|v| self.at(v));
+        let (old, new) = (self.middle_of(h).abs(), self.estimate(c, d, label).abs());
+        let before = worse(quality([pa, pb, pc]), quality([pb, pa, pd]));
+        let after = worse(quality([pa, pd, pc]), quality([pd, pb, pc]));
+        let small = 0.25 * self.aim; // Below that angles count.
+        let gain = if old > small || new > small {
+            // Thin triangles are fine where they bring much.
+            if !(new < 0.9 * old && after > 0.0) {
+                return None;
+            }
+            (old - new) / self.aim
+        } else {
+            if !(after > 1.05 * before) {
+                return None;
+            }
+            0.1 * (after - before)
+        };
+        let normal = self.on(a, label)?.normal + self.on(b, label)?.normal;
+        let normal = normal.normalize_or_zero();
+        let fits = self.faces_along([pa, pd, pc], normal) && self.faces_along([pd, pb, pc], normal);
+        (fits && self.surface.may_flip(h)).then_some(Flip { h, gain })
+    }
+
+    /// Samples flips, and makes those that are as good as they looked.
+    fn flip_edges(&mut self, flips: &[Flip]) -> Result<(), Unimproved> {
+        let mut asks = Vec::with_capacity(3 * flips.len());
+        for Flip { h, .. } in flips {
+            let label = self.label_of(*h);
+            let [a, b, c, d] = self.diamond(*h).map(|v| self.at(v));
+            asks.extend([(label, 0.5 * (c + d)), (label, (a + d + c) / 3.0), (label, (d + b + c) / 3.0)]);
+        }
+        let samples = self.sample(&asks)?;
+        for (Flip { h, .. }, samples) in flips.iter().zip(samples.chunks(3)) {
+            let t = self.surface.twin(*h);
+            let label = self.label_of(*h);
+            let [a, b, c, d] = self.diamond(*h);
+            let middles = [next_in_face(*h), previous_in_face(*h), next_in_face(t), previous_in_face(t)]
+                .map(|side| self.middle_of(side));
+            let [bc, ca, ad, db] = middles;
+            let middle = samples[0].distance;
+            let faces = [[a, d, c], [d, b, c]];
+            let off = [
+                self.off(faces[0], label, [ad, middle, ca], samples[1].distance).most(),
+                self.off(faces[1], label, [db, bc, middle], samples[2].distance).most(),
+            ];
+            let (before, after) =
+                (greater(self.face_off(*h / 3).most(), self.face_off(t / 3).most()), greater(off[0], off[1]));
+            let improves = after <= 0.25 * self.aim || after < before;
+            let points = faces.map(|face| face.map(|v| self.at(v)));
+            let fits = self.faces_along(points[0], samples[1].normal)
+                && self.faces_along(points[1], samples[2].normal);
+            if !(improves && fits && self.surface.may_flip(*h)) {
+                continue;
+            }
+            let new = [(faces[0], points[0]), (faces[1], points[1])];
+            if self.crosses(&new, &[*h / 3, t / 3]) {
+                continue;
+            }
+            let kept = [next_in_face(*h), previous_in_face(*h), next_in_face(t), previous_in_face(t)]
+                .map(|side| self.middle[side as usize]);
+            self.surface.flip(*h);
+            // After it the half-edge's face is d→c→a, and the twin's c→d→b.
+            let slots = [
+                (*h, middle),
+                (next_in_face(*h), kept[1]),
+                (previous_in_face(*h), kept[2]),
+                (t, middle),
+                (next_in_face(t), kept[3]),
+                (previous_in_face(t), kept[0]),
+            ];
+            slots.into_iter().for_each(|(side, known)| self.middle[side as usize] = known);
+            self.centre[*h as usize / 3] = samples[1].distance;
+            self.centre[t as usize / 3] = samples[2].distance;
+            for face in [*h / 3, t / 3] {
+                self.grow_tree(face);
+                self.open_around(face);
+            }
+            self.counts.flips += 1;
+        }
+        Ok(())
+    }
+
+    /// The ends of an edge, and the corners across on its own side and on the other.
+    fn diamond(&self, h: u32) -> [u32; 4] {
+        let t = self.surface.twin(h);
+        [self.surface.start(h), self.surface.end(h), self.surface.apex(h), self.surface.apex(t)]
+    }
+}
+
+/// `4√3 · area / (sum of the squared edges)`: 1 for three equal edges, 0 for corners on one line.
+fn quality(points: [DVec3; 3]) -> f64 {
+    let [a, b, c] = points;
+    let sum = (b - a).length_squared() + (c - b).length_squared() + (a - c).length_squared();
+    let size = 2.0 * 3.0_f64.sqrt() * area_normal(points).length();
+    if sum > 0.0 { size / sum } else { 0.0 }
+}
+
+fn worse(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}

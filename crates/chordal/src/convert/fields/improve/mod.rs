@@ -1,0 +1,296 @@
+//! `SurfaceImprover`: from a closed surface near that of a CSG tree to one on it, of few triangles.
+//!
+//! Vertices move onto their primitives by Newton steps, onto creases where two meet and onto corners where three do. Then edges are split,
+//! flipped and collapsed until every edge and face lies within the aimed distance of its primitive, by samples. Operations whose faces do
+//! not overlap are taken together, so that all their samples are one call of the primitives.
+mod collapse;
+mod error;
+mod flip;
+mod newton;
+mod sample;
+mod sheets;
+mod split;
+
+use crate::budget::Job;
+use crate::explicit::{HalfEdges, next_in_face, previous_in_face};
+use crate::implicit::{LeafError, PrimitiveEvaluator};
+use glam::DVec3;
+use sample::Sample;
+use sheets::FaceTree;
+
+/// A primitive and the side of it that is outside: twice its number, plus one where it stands as its complement.
+pub(crate) type FaceLabel = u32;
+
+/// A closed, oriented, embedded 2-manifold whose faces each belong to a primitive.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RawSurface {
+    pub positions: Vec<[f64; 3]>,
+    pub faces: Vec<[u32; 3]>,
+    /// By face.
+    pub labels: Vec<FaceLabel>,
+}
+
+/// Why a surface was not improved.
+#[derive(Debug)]
+pub(crate) enum Unimproved {
+    /// It is no closed, oriented 2-manifold.
+    NotManifold,
+    Leaf(LeafError),
+    Cancelled,
+}
+
+impl From<LeafError> for Unimproved {
+    fn from(error: LeafError) -> Self {
+        Self::Leaf(error)
+    }
+}
+
+/// Where a vertex could not go to its place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct HeldVertex {
+    pub at: [f64; 3],
+    /// The longest edge about it.
+    pub size: f64,
+}
+
+/// A vertex on one of its primitives.
+#[derive(Clone, Copy, Debug)]
+struct VertexLabel {
+    label: FaceLabel,
+    /// The signed distance from it, positive outside, to first order.
+    distance: f64,
+    /// Outward.
+    normal: DVec3,
+}
+
+/// What was done, for reports.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Counts {
+    pub splits: usize,
+    pub flips: usize,
+    pub collapses: usize,
+    pub sheet_tests: usize,
+    pub sheet_refusals: usize,
+}
+
+/// See the [module](self).
+pub(crate) struct SurfaceImprover<'e, 'a> {
+    evaluator: &'e mut PrimitiveEvaluator<'a>,
+    job: &'e Job,
+    tol: f64,
+    /// What edges and faces may be off.
+    aim: f64,
+    surface: HalfEdges,
+    /// By face.
+    label: Vec<FaceLabel>,
+    /// By vertex.
+    position: Vec<DVec3>,
+    /// By vertex: where its labels begin, and how many there are.
+    place: Vec<(u32, u32)>,
+    vertex_label: Vec<VertexLabel>,
+    /// By half-edge: the signed distance of its middle from the primitive of its face; NaN where it was not sampled.
+    middle: Vec<f64>,
+    /// By face: the same for its centroid.
+    centre: Vec<f64>,
+    /// By vertex: whether its collapse is to be tried.
+    is_open: Vec<bool>,
+    /// By face: whether all samples of it are within the aim.
+    is_verified: Vec<bool>,
+    /// Faces whose edges may want to be flipped.
+    changed: Vec<u32>,
+    /// By face: the round in which it was taken.
+    taken: Vec<u32>,
+    round: u32,
+    tree: FaceTree,
+    held: Vec<HeldVertex>,
+    pub counts: Counts,
+}
+
+/// What edges and faces may be off, as a share of the tolerance: the rest is for what samples miss. Measured: with it proofs end after 0 to 2
+/// rounds of splits on most models.
+const AIM: f64 = 0.85;
+
+impl<'e, 'a> SurfaceImprover<'e, 'a> {
+    pub fn new(
+        raw: &RawSurface,
+        evaluator: &'e mut PrimitiveEvaluator<'a>,
+        tol: f64,
+        job: &'e Job,
+    ) -> Result<Self, Unimproved> {
+        let surface = HalfEdges::of(&raw.faces, raw.positions.len()).ok_or(Unimproved::NotManifold)?;
+        let n_faces = raw.faces.len();
+        let mut this = Self {
+            evaluator,
+            job,
+            tol,
+            aim: AIM * tol,
+            surface,
+            label: raw.labels.clone(),
+            position: raw.positions.iter().map(|p| DVec3::from(*p)).collect(),
+            place: Vec::with_capacity(raw.positions.len()),
+            vertex_label: Vec::with_capacity(raw.positions.len() + raw.positions.len() / 2),
+            middle: vec![f64::NAN; 3 * n_faces],
+            centre: vec![f64::NAN; n_faces],
+            is_open: vec![true; raw.positions.len()],
+            is_verified: vec![false; n_faces],
+            changed: (0..n_faces as u32).collect(),
+            taken: vec![0; n_faces],
+            round: 0,
+            tree: FaceTree::default(),
+            held: Vec::new(),
+            counts: Counts::default(),
+        };
+        let mut labels = Vec::new();
+        for v in 0..raw.positions.len() as u32 {
+            labels.clear();
+            labels.extend(this.surface.around(v).map(|h| this.label[h as usize / 3]));
+            this.add_place(&mut labels);
+        }
+        this.place_vertices()?;
+        Ok(this)
+    }
+
+    /// Splits, flips and collapses until every edge and face is within the aim and few are left.
+    pub fn improve(&mut self) -> Result<(), Unimproved> {
+        let mut last = self.surface.n_faces();
+        for cycle in 0..MOST_CYCLES {
+            self.split_far()?;
+            self.collapse_all()?;
+            self.flip_all()?;
+            let now = self.surface.n_faces();
+            // Less than 3 % in a cycle: the next ones bring less.
+            if cycle > 0 && now * 100 > last * 97 {
+                break;
+            }
+            last = now;
+        }
+        for _ in 0..MOST_CHECKS {
+            self.split_far()?;
+            if self.split_edges_of_refuted()? == 0 {
+                break;
+            }
+            self.flip_all()?;
+        }
+        Ok(())
+    }
+
+    /// Vertices that could not go to their place, at first.
+    pub fn held(&self) -> &[HeldVertex] {
+        &self.held
+    }
+
+    pub fn n_faces(&self) -> usize {
+        self.surface.n_faces()
+    }
+
+    /// The surface with vertices and faces in the order in which they were made, and the face's number here of each.
+    pub fn mesh(&self) -> (RawSurface, Vec<u32>) {
+        let mut number = vec![u32::MAX; self.position.len()];
+        let mut positions = Vec::new();
+        for v in 0..self.position.len() {
+            if self.surface.has_vertex(v as u32) {
+                number[v] = positions.len() as u32;
+                positions.push(self.position[v].to_array());
+            }
+        }
+        let there: Vec<u32> =
+            (0..self.surface.face_slots() as u32).filter(|f| self.surface.has_face(*f)).collect();
+        let faces = there.iter().map(|f| self.surface.corners(*f).map(|v| number[v as usize])).collect();
+        let labels = there.iter().map(|f| self.label[*f as usize]).collect();
+        (RawSurface { positions, faces, labels }, there)
+    }
+
+    /// Adds the place of the next vertex.
+    fn add_place(&mut self, labels: &mut Vec<FaceLabel>) {
+        labels.sort_unstable();
+        labels.dedup();
+        self.place.push((self.vertex_label.len() as u32, labels.len() as u32));
+        let at = |label: &FaceLabel| VertexLabel { label: *label, distance: f64::NAN, normal: DVec3::ZERO };
+        self.vertex_label.extend(labels.iter().map(at));
+    }
+
+    /// A vertex on each of its primitives.
+    #[inline]
+    fn labels_of(&self, v: u32) -> &[VertexLabel] {
+        let (first, n) = self.place[v as usize];
+        &self.vertex_label[first as usize..(first + n) as usize]
+    }
+
+    fn labels_of_mut(&mut self, v: u32) -> &mut [VertexLabel] {
+        let (first, n) = self.place[v as usize];
+        &mut self.vertex_label[first as usize..(first + n) as usize]
+    }
+
+    #[inline]
+    fn at(&self, v: u32) -> DVec3 {
+        self.position[v as usize]
+    }
+
+    #[inline]
+    fn label_of(&self, h: u32) -> FaceLabel {
+        self.label[h as usize / 3]
+    }
+
+    /// Whether the faces of an edge belong to different primitives.
+    #[inline]
+    fn is_crease(&self, h: u32) -> bool {
+        self.label_of(h) != self.label_of(self.surface.twin(h))
+    }
+
+    #[inline]
+    fn points(&self, face: u32) -> [DVec3; 3] {
+        self.surface.corners(face).map(|v| self.at(v))
+    }
+
+    /// One of each pair of half-edges.
+    fn edges(&self) -> impl Iterator<Item = u32> + '_ {
+        let n = 3 * self.surface.face_slots() as u32;
+        (0..n).filter(|h| self.surface.has_face(*h / 3) && *h < self.surface.twin(*h))
+    }
+
+    /// A new round, in which no face is taken.
+    fn next_round(&mut self) -> Result<(), Unimproved> {
+        self.round += 1;
+        if self.job.is_cancelled() { Err(Unimproved::Cancelled) } else { Ok(()) }
+    }
+
+    /// Whether no face of a list is taken in this round; then it takes them.
+    fn take(&mut self, faces: &[u32]) -> bool {
+        let free = faces.iter().all(|f| self.taken[*f as usize] != self.round);
+        if free {
+            faces.iter().for_each(|f| self.taken[*f as usize] = self.round);
+        }
+        free
+    }
+
+    /// Opens what may be done about a face that has changed.
+    fn open_around(&mut self, face: u32) {
+        self.changed.push(face);
+        self.is_verified[face as usize] = false;
+        for v in self.surface.corners(face) {
+            self.is_open[v as usize] = true;
+        }
+    }
+
+    /// Samples of the primitives with these labels.
+    fn sample(&mut self, asks: &[(FaceLabel, DVec3)]) -> Result<Vec<Sample>, LeafError> {
+        sample::sample(self.evaluator, asks)
+    }
+}
+
+/// Checks by all samples at most; what is off then is named by the proof.
+const MOST_CHECKS: usize = 12;
+/// Cycles of splits, flips and collapses at most; the first two do nearly all.
+const MOST_CYCLES: usize = 4;
+
+/// Twice the area of a triangle times its normal.
+#[inline]
+fn area_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a)
+}
+
+/// The half-edges of a face, from one of them on.
+#[inline]
+fn sides(h: u32) -> [u32; 3] {
+    [h, next_in_face(h), previous_in_face(h)]
+}

@@ -1,0 +1,259 @@
+//! Newton steps of points onto the surfaces, creases and corners of their primitives.
+use super::{FaceLabel, HeldVertex, SurfaceImprover, Unimproved, VertexLabel, sample};
+use crate::implicit::{LeafError, PrimitiveEvaluator};
+use glam::DVec3;
+
+/// Steps at most: they double the digits each.
+const MOST_STEPS: usize = 5;
+/// A step of this share of the tolerance ends it. Chosen: far below what anything is measured to, and above the rounding of coordinates.
+const AT_REST: f64 = 1e-9;
+/// Added to the squares of unit normals, so that parallel ones give a step: far below the square of the sine of a degree, 3e-4.
+const DAMPING: f64 = 1e-9;
+
+/// Points with the labels of the primitives onto which they go.
+#[derive(Debug, Default)]
+pub(super) struct Targets {
+    pub at: Vec<DVec3>,
+    /// By point: where its labels begin, and how many there are.
+    pub place: Vec<(u32, u32)>,
+    pub on: Vec<VertexLabel>,
+}
+
+impl Targets {
+    pub fn push(&mut self, at: DVec3, labels: impl Iterator<Item = FaceLabel>) {
+        let first = self.on.len() as u32;
+        let none = |label| VertexLabel { label, distance: f64::NAN, normal: DVec3::ZERO };
+        self.on.extend(labels.map(none));
+        self.at.push(at);
+        self.place.push((first, self.on.len() as u32 - first));
+    }
+
+    pub fn labels_of(&self, k: usize) -> &[VertexLabel] {
+        let (first, n) = self.place[k];
+        &self.on[first as usize..(first + n) as usize]
+    }
+
+    /// Moves each point by the shortest steps onto all of its primitives at once. Distances and normals are those at the end.
+    pub fn project(&mut self, evaluator: &mut PrimitiveEvaluator, tol: f64) -> Result<(), LeafError> {
+        let mut open: Vec<u32> = (0..self.at.len() as u32).collect();
+        for step in 0..=MOST_STEPS {
+            self.measure(evaluator, &open)?;
+            if step == MOST_STEPS {
+                break;
+            }
+            open.retain(|k| {
+                let move_by = shortest_step(self.labels_of(*k as usize));
+                let at = self.at[*k as usize] + move_by;
+                let moves = move_by.length_squared() > (AT_REST * tol) * (AT_REST * tol) && at.is_finite();
+                if moves {
+                    self.at[*k as usize] = at;
+                }
+                moves
+            });
+            if open.is_empty() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn measure(&mut self, evaluator: &mut PrimitiveEvaluator, open: &[u32]) -> Result<(), LeafError> {
+        let mut asks = Vec::with_capacity(open.len());
+        for k in open {
+            asks.extend(self.labels_of(*k as usize).iter().map(|on| (on.label, self.at[*k as usize])));
+        }
+        let mut samples = sample::sample(evaluator, &asks)?.into_iter();
+        for k in open {
+            let (first, n) = self.place[*k as usize];
+            for (on, sample) in self.on[first as usize..(first + n) as usize].iter_mut().zip(&mut samples) {
+                (on.distance, on.normal) = (sample.distance, sample.normal);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The shortest vector that takes a point onto the tangent planes of all: `−Nᵀ (N Nᵀ)⁻¹ r`.
+pub(super) fn shortest_step(on: &[VertexLabel]) -> DVec3 {
+    match on {
+        [] => DVec3::ZERO,
+        [one] => -one.distance * one.normal,
+        [a, b] => {
+            let cos = a.normal.dot(b.normal);
+            let square = 1.0 + DAMPING;
+            let det = square * square - cos * cos;
+            let u = (-a.distance * square + b.distance * cos) / det;
+            let v = (-b.distance * square + a.distance * cos) / det;
+            u * a.normal + v * b.normal
+        }
+        _ => {
+            // (NᵀN + damping)⁻¹ Nᵀ r, which is the same.
+            let (mut rows, mut right) = ([DVec3::ZERO; 3], DVec3::ZERO);
+            for one in on {
+                for k in 0..3 {
+                    rows[k] += one.normal[k] * one.normal;
+                }
+                right -= one.distance * one.normal;
+            }
+            (0..3).for_each(|k| rows[k][k] += DAMPING);
+            let inverse = [rows[1].cross(rows[2]), rows[2].cross(rows[0]), rows[0].cross(rows[1])];
+            let det = rows[0].dot(inverse[0]);
+            (inverse[0] * right.x + inverse[1] * right.y + inverse[2] * right.z) / det
+        }
+    }
+}
+
+impl SurfaceImprover<'_, '_> {
+    /// Moves all vertices to their places: together first; those in crossings go back, and then one by one as far as they can.
+    pub(super) fn place_vertices(&mut self) -> Result<(), Unimproved> {
+        let mut targets = Targets {
+            at: self.position.clone(),
+            place: self.place.clone(),
+            on: std::mem::take(&mut self.vertex_label),
+        };
+        let before = targets.on.clone();
+        targets.project(self.evaluator, self.tol)?;
+        let mut is_away = vec![false; self.position.len()];
+        let raw = self.position.clone();
+        self.vertex_label = before;
+        for v in 0..raw.len() as u32 {
+            let (from, to) = (raw[v as usize], targets.at[v as usize]);
+            let reach = self.size_around(v, &raw);
+            let reach = if reach > 4.0 * self.tol { reach } else { 4.0 * self.tol };
+            if (to - from).length() <= reach {
+                self.position[v as usize] = to;
+            } else {
+                is_away[v as usize] = true;
+            }
+        }
+        self.vertex_label = targets.on;
+        let away: Vec<u32> = (0..raw.len() as u32).filter(|v| is_away[*v as usize]).collect();
+        self.measure_vertices(&away)?;
+        self.rebuild_tree();
+        self.untangle(&raw, &mut is_away)?;
+        let held = (0..raw.len() as u32).filter(|v| is_away[*v as usize]);
+        self.held = held
+            .map(|v| HeldVertex { at: raw[v as usize].to_array(), size: self.size_around(v, &raw) })
+            .collect();
+        Ok(())
+    }
+
+    /// The longest edge about a vertex.
+    fn size_around(&self, v: u32, at: &[DVec3]) -> f64 {
+        let length = |h: u32| (at[self.surface.end(h) as usize] - at[v as usize]).length();
+        self.surface.around(v).map(length).fold(0.0, |m, x| if x > m { x } else { m })
+    }
+
+    /// Samples vertices where they are.
+    pub(super) fn measure_vertices(&mut self, vertices: &[u32]) -> Result<(), LeafError> {
+        let mut asks = Vec::new();
+        for v in vertices {
+            asks.extend(self.labels_of(*v).iter().map(|on| (on.label, self.at(*v))));
+        }
+        let mut samples = self.sample(&asks)?.into_iter();
+        for v in vertices {
+            for (on, sample) in self.labels_of_mut(*v).iter_mut().zip(&mut samples) {
+                (on.distance, on.normal) = (sample.distance, sample.normal);
+            }
+        }
+        Ok(())
+    }
+
+    /// Sends vertices in crossings back until there are none, then moves those as far as they can go.
+    fn untangle(&mut self, raw: &[DVec3], is_away: &mut [bool]) -> Result<(), Unimproved> {
+        let mut suspects: Vec<u32> = (0..self.surface.face_slots() as u32).collect();
+        let mut back: Vec<u32> = Vec::new();
+        while !suspects.is_empty() {
+            self.next_round()?;
+            let crossing: Vec<u32> = suspects.iter().copied().filter(|f| self.face_crosses(*f)).collect();
+            let mut moved: Vec<u32> = crossing.iter().flat_map(|f| self.surface.corners(*f)).collect();
+            moved.sort_unstable();
+            moved.dedup();
+            moved.retain(|v| self.position[*v as usize] != raw[*v as usize]);
+            suspects.clear();
+            for v in &moved {
+                self.position[*v as usize] = raw[*v as usize];
+                is_away[*v as usize] = true;
+            }
+            for v in &moved {
+                suspects.extend(self.surface.around(*v).map(|h| h / 3));
+            }
+            suspects.sort_unstable();
+            suspects.dedup();
+            suspects.iter().for_each(|f| self.grow_tree(*f));
+            back.extend(moved);
+        }
+        back.sort_unstable();
+        back.dedup();
+        self.measure_vertices(&back)?;
+        self.settle(&back)?;
+        for v in back {
+            let off = self.labels_of(v).iter().any(|on| !(on.distance.abs() <= SETTLED * self.aim));
+            is_away[v as usize] = off;
+        }
+        Ok(())
+    }
+
+    /// Moves vertices to their places one by one, all the way or by parts, as long as no sheet is in the way.
+    pub(super) fn settle(&mut self, vertices: &[u32]) -> Result<(), Unimproved> {
+        let mut left = vertices.to_vec();
+        for _ in 0..3 {
+            if left.is_empty() {
+                break;
+            }
+            let mut targets = Targets::default();
+            left.iter().for_each(|v| targets.push(self.at(*v), self.labels_of(*v).iter().map(|on| on.label)));
+            targets.project(self.evaluator, self.tol)?;
+            let mut moved = Vec::new();
+            let mut next = Vec::new();
+            for (k, v) in left.iter().enumerate() {
+                let (from, to) = (self.at(*v), targets.at[k]);
+                let reach = self.size_around(*v, &self.position);
+                let reach = if reach > 4.0 * self.tol { reach } else { 4.0 * self.tol };
+                if !((to - from).length() <= reach) {
+                    continue;
+                }
+                for part in [1.0, 0.5, 0.25] {
+                    if self.may_move(*v, from + part * (to - from)) {
+                        self.move_vertex(*v, from + part * (to - from));
+                        moved.push(*v);
+                        break;
+                    }
+                }
+                if self.at(*v) != to {
+                    next.push(*v);
+                }
+            }
+            self.measure_vertices(&moved)?;
+            left = next;
+            if moved.is_empty() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn may_move(&mut self, v: u32, to: DVec3) -> bool {
+        let mut new = Vec::new();
+        for h in self.surface.around(v) {
+            let corners = self.surface.corners(h / 3);
+            let points = corners.map(|w| if w == v { to } else { self.at(w) });
+            new.push((corners, points));
+        }
+        let gone: Vec<u32> = self.surface.around(v).map(|h| h / 3).collect();
+        !self.crosses(&new, &gone)
+    }
+
+    /// Moves a vertex; what was known of its faces is forgotten.
+    pub(super) fn move_vertex(&mut self, v: u32, to: DVec3) {
+        self.position[v as usize] = to;
+        let faces: Vec<u32> = self.surface.around(v).map(|h| h / 3).collect();
+        for face in faces {
+            self.forget(face);
+            self.grow_tree(face);
+        }
+    }
+}
+
+/// A vertex is at its place where it is off by less than this share of the aim.
+pub(super) const SETTLED: f64 = 0.02;

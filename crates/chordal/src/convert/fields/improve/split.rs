@@ -1,0 +1,163 @@
+//! Rounds of edge splits: new vertices on the primitives where edges or faces are too far from them.
+use super::error::Off;
+use super::newton::Targets;
+use super::{FaceLabel, SurfaceImprover, Unimproved, area_normal, sides};
+use crate::explicit::next_in_face;
+use glam::DVec3;
+
+/// Rounds at most: edges get half as long in each, and the error a quarter.
+const MOST_ROUNDS: usize = 40;
+/// Edges shorter than this share of the aim are not split. Chosen: nothing of the surface that the tolerance asks for is that small.
+const SHORTEST: f64 = 0.25;
+
+impl SurfaceImprover<'_, '_> {
+    /// Splits edges, then faces, until none is off by more than the aim.
+    pub(super) fn split_far(&mut self) -> Result<(), Unimproved> {
+        for _ in 0..MOST_ROUNDS {
+            self.next_round()?;
+            let mut far = self.far_edges()?;
+            if far.is_empty() {
+                far = self.edges_of_far_faces()?;
+            }
+            let n = self.split_edges(far)?;
+            if n == 0 {
+                break;
+            }
+            self.flip_all()?;
+        }
+        Ok(())
+    }
+
+    /// Edges that are too far off, worst first. What is near the limit by its estimate is sampled.
+    fn far_edges(&mut self) -> Result<Vec<u32>, Unimproved> {
+        let close: Vec<u32> = self.edges().filter(|h| self.edge_excess(*h) > 0.5).collect();
+        self.sample_middles(&close)?;
+        let mut far: Vec<(f64, u32)> =
+            close.into_iter().map(|h| (self.edge_excess(h), h)).filter(|(excess, _)| *excess > 1.0).collect();
+        far.sort_unstable_by(|(x, h), (y, g)| y.total_cmp(x).then(h.cmp(g)));
+        Ok(far.into_iter().map(|(_, h)| h).collect())
+    }
+
+    /// The longest edges of faces that are too far off.
+    fn edges_of_far_faces(&mut self) -> Result<Vec<u32>, Unimproved> {
+        let faces = (0..self.surface.face_slots() as u32).filter(|f| self.surface.has_face(*f));
+        let close: Vec<u32> = faces.filter(|f| !(self.face_off(*f).most() <= 0.5 * self.aim)).collect();
+        self.sample_centres(&close)?;
+        let mut far: Vec<(f64, u32)> = close
+            .into_iter()
+            .map(|f| (self.face_off(f).most(), f))
+            .filter(|(off, _)| !(*off <= self.aim))
+            .collect();
+        far.sort_unstable_by(|(x, f), (y, g)| y.total_cmp(x).then(f.cmp(g)));
+        Ok(far.into_iter().map(|(_, f)| self.longest_side(f)).collect())
+    }
+
+    /// Splits faces that are off at one of the samples inside of them.
+    pub(super) fn split_edges_of_refuted(&mut self) -> Result<usize, Unimproved> {
+        self.next_round()?;
+        let open: Vec<u32> = (0..self.surface.face_slots() as u32)
+            .filter(|f| self.surface.has_face(*f) && !self.is_verified[*f as usize])
+            .collect();
+        let refuted = self.refuted(&open)?;
+        let edges = refuted.into_iter().map(|f| self.longest_side(f)).collect();
+        self.split_edges(edges)
+    }
+
+    fn longest_side(&self, face: u32) -> u32 {
+        let length =
+            |h: u32| (self.at(self.surface.end(h)) - self.at(self.surface.start(h))).length_squared();
+        let [a, b, c] = sides(3 * face);
+        [b, c].into_iter().fold(a, |best, h| if length(h) > length(best) { h } else { best })
+    }
+
+    /// Splits those of a list whose faces do not overlap, and for which there is a place.
+    pub(super) fn split_edges(&mut self, list: Vec<u32>) -> Result<usize, Unimproved> {
+        let mut targets = Targets::default();
+        let mut chosen = Vec::new();
+        for h in list {
+            let t = self.surface.twin(h);
+            let (a, b) = (self.surface.start(h), self.surface.end(h));
+            let too_short = (self.at(b) - self.at(a)).length() < SHORTEST * self.aim;
+            if too_short || !self.take(&[h / 3, t / 3]) {
+                continue;
+            }
+            let labels = [self.label_of(h), self.label_of(t)];
+            let both = if labels[0] == labels[1] { &labels[..1] } else { &labels[..] };
+            targets.push(self.middle_point(a, b), both.iter().copied());
+            chosen.push(h);
+        }
+        targets.project(self.evaluator, self.tol)?;
+        let mut n = 0;
+        for (k, h) in chosen.into_iter().enumerate() {
+            let (a, b) = (self.surface.start(h), self.surface.end(h));
+            let (middle, to) = (self.middle_point(a, b), targets.at[k]);
+            // Beyond that it is another part of the surface.
+            let reach = 0.7 * (self.at(b) - self.at(a)).length();
+            if (to - middle).length() <= reach && self.may_split(h, to) {
+                self.split(h, (to, &targets, k));
+                n += 1;
+            }
+        }
+        self.counts.splits += n;
+        Ok(n)
+    }
+
+    fn new_faces(&self, h: u32, to: DVec3) -> [([u32; 3], [DVec3; 3]); 4] {
+        // The new vertex has the next number.
+        let z = self.surface.vertex_slots() as u32;
+        let t = self.surface.twin(h);
+        let (a, b) = (self.surface.start(h), self.surface.end(h));
+        let (c, d) = (self.surface.apex(h), self.surface.apex(t));
+        let at = |v: u32| if v == z { to } else { self.at(v) };
+        [[a, z, c], [z, b, c], [b, z, d], [z, a, d]].map(|face| (face, face.map(at)))
+    }
+
+    /// No fold, no other sheet.
+    fn may_split(&mut self, h: u32, to: DVec3) -> bool {
+        let t = self.surface.twin(h);
+        let new = self.new_faces(h, to);
+        let old = [h / 3, h / 3, t / 3, t / 3].map(|f| area_normal(self.points(f)));
+        let folds = new.iter().zip(old).any(|((_, points), old)| {
+            let area = area_normal(*points);
+            !(area.dot(old) > 0.0) && old.length_squared() > 0.0
+        });
+        !folds && !self.crosses(&new, &[h / 3, t / 3])
+    }
+
+    fn split(&mut self, h: u32, (to, targets, k): (DVec3, &Targets, usize)) {
+        let t = self.surface.twin(h);
+        let (f, g) = (h / 3, t / 3);
+        self.surface.split(h);
+        self.position.push(to);
+        let on = targets.labels_of(k);
+        self.place.push((self.vertex_label.len() as u32, on.len() as u32));
+        self.vertex_label.extend_from_slice(on);
+        self.is_open.push(true);
+        let new = self.label.len() as u32;
+        let labels: [FaceLabel; 2] = [self.label[f as usize], self.label[g as usize]];
+        self.label.extend(labels);
+        self.centre.extend([f64::NAN; 2]);
+        self.taken.extend([self.round; 2]);
+        self.is_verified.extend([false; 2]);
+        // The sides away from the edge stay what they are.
+        let (hn, tn) = (next_in_face(h), next_in_face(t));
+        let (beyond_f, beyond_g) = (self.middle[hn as usize], self.middle[tn as usize]);
+        self.middle.extend([f64::NAN, beyond_f, f64::NAN, f64::NAN, beyond_g, f64::NAN]);
+        for side in [h, hn, t, tn] {
+            self.middle[side as usize] = f64::NAN;
+        }
+        self.centre[f as usize] = f64::NAN;
+        self.centre[g as usize] = f64::NAN;
+        self.add_to_tree(new, f);
+        self.add_to_tree(new + 1, g);
+        for face in [f, g, new, new + 1] {
+            self.grow_tree(face);
+            self.open_around(face);
+        }
+    }
+
+    /// Whether a face is within the aim.
+    pub(super) fn is_near(&self, off: Off) -> bool {
+        off.most() <= self.aim
+    }
+}
