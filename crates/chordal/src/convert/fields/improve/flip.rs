@@ -22,7 +22,14 @@ impl SurfaceImprover<'_, '_> {
             self.next_round()?;
             let mut flips: Vec<Flip> = open.iter().filter_map(|h| self.flip_of(*h)).collect();
             flips.sort_unstable_by(|x, y| y.gain.total_cmp(&x.gain).then(x.h.cmp(&y.h)));
-            flips.retain(|flip| self.take(&[flip.h / 3, self.surface.twin(flip.h) / 3]));
+            flips.retain(|flip| {
+                let takes = self.take(&[flip.h / 3, self.surface.twin(flip.h) / 3]);
+                if !takes {
+                    // In the next round, whatever comes of those that were first.
+                    self.changed.push(flip.h / 3);
+                }
+                takes
+            });
             self.flip_edges(&flips)?;
         }
         Ok(())
@@ -55,7 +62,9 @@ impl SurfaceImprover<'_, '_> {
         let (a, b, c, d) =
             (self.surface.start(h), self.surface.end(h), self.surface.apex(h), self.surface.apex(t));
         let [pa, pb, pc, pd] = [a, b, c, d].map(|v| self.at(v));
-        let (old, new) = (self.middle_of(h).abs(), self.estimate(c, d, label).abs());
+        let known = self.middle[h as usize];
+        let old = if known.is_nan() { self.estimate(a, b, label).abs() } else { known.abs() };
+        let new = self.estimate(c, d, label).abs();
         let before = worse(quality([pa, pb, pc]), quality([pb, pa, pd]));
         let after = worse(quality([pa, pd, pc]), quality([pd, pb, pc]));
         let small = 0.25 * self.aim; // Below that angles count.

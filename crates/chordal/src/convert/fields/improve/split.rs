@@ -1,7 +1,7 @@
 //! Rounds of edge splits: new vertices on the primitives where edges or faces are too far from them.
 use super::error::Off;
 use super::newton::Targets;
-use super::{FaceLabel, SurfaceImprover, Unimproved, area_normal, sides};
+use super::{FaceLabel, SurfaceImprover, Unimproved, VertexLabel, area_normal, sides};
 use crate::explicit::next_in_face;
 use glam::DVec3;
 
@@ -93,7 +93,7 @@ impl SurfaceImprover<'_, '_> {
             let (middle, to) = (self.middle_point(a, b), targets.at[k]);
             // Beyond that it is another part of the surface.
             let reach = 0.7 * (self.at(b) - self.at(a)).length();
-            if (to - middle).length() <= reach && self.may_split(h, to) {
+            if (to - middle).length() <= reach && self.may_split(h, to, targets.labels_of(k)) {
                 self.split(h, (to, &targets, k));
                 n += 1;
             }
@@ -113,13 +113,15 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// No fold, no other sheet.
-    fn may_split(&mut self, h: u32, to: DVec3) -> bool {
+    fn may_split(&mut self, h: u32, to: DVec3, on: &[VertexLabel]) -> bool {
         let t = self.surface.twin(h);
         let new = self.new_faces(h, to);
-        let old = [h / 3, h / 3, t / 3, t / 3].map(|f| area_normal(self.points(f)));
-        let folds = new.iter().zip(old).any(|((_, points), old)| {
-            let area = area_normal(*points);
-            !(area.dot(old) > 0.0) && old.length_squared() > 0.0
+        let folds = new.iter().zip([h / 3, h / 3, t / 3, t / 3]).any(|((_, points), face)| {
+            let (area, old) = (area_normal(*points), area_normal(self.points(face)));
+            let label = self.label[face as usize];
+            let normal = on.iter().find(|on| on.label == label).map_or(DVec3::ZERO, |on| on.normal);
+            // A face that was turned over before may be put right.
+            !(area.dot(old) > 0.0 || area.dot(normal) > 0.0)
         });
         !folds && !self.crosses(&new, &[h / 3, t / 3])
     }
