@@ -12,6 +12,7 @@ const MOST_FACES: usize = 64;
 const ALIKE: f64 = 0.05;
 
 /// A vertex with the half-edge into which it goes.
+#[derive(Clone, Copy, Debug)]
 struct Collapse {
     h: u32,
     cost: f64,
@@ -27,36 +28,41 @@ struct Star {
 
 impl SurfaceImprover<'_, '_> {
     /// Collapses until no vertex can go.
+    #[inline(never)]
     pub(super) fn collapse_all(&mut self) -> Result<(), Unimproved> {
         let mut star = Star::default();
+        let mut list: Vec<Collapse> = Vec::new();
         for _ in 0..MOST_ROUNDS {
             self.next_round()?;
-            let mut list: Vec<Collapse> = Vec::new();
+            // Those of the last round about which nothing has changed stay what they are.
+            list.retain(|one| {
+                self.surface.has_face(one.h / 3) && !self.is_open[self.surface.start(one.h) as usize]
+            });
             for v in 0..self.surface.vertex_slots() as u32 {
-                if self.is_open[v as usize] && self.surface.has_vertex(v) {
-                    match self.best_collapse(v, &mut star) {
-                        Some(one) => list.push(one),
-                        None => self.is_open[v as usize] = false,
-                    }
+                if std::mem::take(&mut self.is_open[v as usize]) && self.surface.has_vertex(v) {
+                    list.extend(self.best_collapse(v, &mut star));
                 }
             }
             list.sort_unstable_by(|x, y| {
                 x.cost.total_cmp(&y.cost).then(x.length.total_cmp(&y.length)).then(x.h.cmp(&y.h))
             });
             let mut faces = Vec::new();
-            list.retain(|one| {
+            let (mut chosen, mut rest) = (Vec::new(), Vec::new());
+            for one in list.drain(..) {
                 faces.clear();
                 faces.extend(self.surface.around(self.surface.start(one.h)).map(|h| h / 3));
-                self.take(&faces)
-            });
-            if list.is_empty() {
+                if self.take(&faces) { chosen.push(one) } else { rest.push(one) }
+            }
+            if chosen.is_empty() {
                 break;
             }
-            self.collapse_edges(&list, &mut star)?;
+            self.collapse_edges(&chosen, &mut star)?;
+            list = rest;
         }
         Ok(())
     }
 
+    #[inline(never)]
     fn fill(&self, h: u32, star: &mut Star) {
         star.sides.clear();
         star.ring.clear();
@@ -72,6 +78,7 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// The edge into which a vertex goes best, by estimates.
+    #[inline(never)]
     fn best_collapse(&self, v: u32, star: &mut Star) -> Option<Collapse> {
         let labels = self.labels_of(v);
         if labels.len() > 2 {
@@ -105,6 +112,7 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// What the faces that come are off by estimates, over what they may be; nothing if that is more than `most`.
+    #[inline(never)]
     fn estimated_cost(&self, star: &Star, most: f64) -> Option<f64> {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = ring[0];
@@ -137,6 +145,7 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// Samples collapses, and makes those that stay within the aim.
+    #[inline(never)]
     fn collapse_edges(&mut self, list: &[Collapse], star: &mut Star) -> Result<(), Unimproved> {
         let mut asks: Vec<(FaceLabel, DVec3)> = Vec::new();
         for one in list {
@@ -151,9 +160,6 @@ impl SurfaceImprover<'_, '_> {
             self.each_ask(star, |_, _| n += 1);
             let samples = &samples[from..from + n];
             from += n;
-            let a = self.surface.start(one.h);
-            // Opened again when something changes about it.
-            self.is_open[a as usize] = false;
             if self.surface.may_collapse(one.h) && self.stays_near(star, samples) && !self.meets_others(star)
             {
                 self.collapse(star, samples);
@@ -163,6 +169,7 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// The samples of a collapse: by face that stays its centroid, then the middles of new edges, for both sides of a crease.
+    #[inline(never)]
     fn each_ask(&self, star: &Star, mut ask: impl FnMut(FaceLabel, DVec3)) {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = self.at(ring[0]);
@@ -181,6 +188,7 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// The signed distances of the new edges' middles from the primitives before and after them, by position in the ring.
+    #[inline(never)]
     fn spokes(&self, star: &Star, samples: &[Sample]) -> Vec<[f64; 2]> {
         let n = star.ring.len();
         let mut spokes = vec![[f64::NAN; 2]; n];
@@ -200,6 +208,7 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// Whether all that comes is within the aim and faces along its primitive.
+    #[inline(never)]
     fn stays_near(&self, star: &Star, samples: &[Sample]) -> bool {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = ring[0];
@@ -230,12 +239,14 @@ impl SurfaceImprover<'_, '_> {
         self.crosses(&new, &gone)
     }
 
+    #[inline(never)]
     fn collapse(&mut self, star: &Star, samples: &[Sample]) {
         let n = star.ring.len();
         let t = self.surface.twin(star.sides[0]);
         let mut spokes = self.spokes(star, samples);
         spokes[1] = [self.middle[next_in_face(star.sides[0]) as usize]; 2];
         spokes[n - 1] = [self.middle[previous_in_face(t) as usize]; 2];
+        [star.sides[0], t].iter().for_each(|h| self.tree.remove(*h / 3));
         self.surface.collapse(star.sides[0]);
         for i in 1..n - 1 {
             let side = star.sides[i];

@@ -168,6 +168,7 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// Samples the middles of edges that are not known.
+    #[inline(never)]
     pub(super) fn sample_middles(&mut self, edges: &[u32]) -> Result<(), super::Unimproved> {
         let (mut asks, mut of) = (Vec::new(), Vec::new());
         for h in edges {
@@ -208,6 +209,7 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// The faces of a list that are off somewhere by more than the aim, by all samples; the others are verified.
+    #[inline(never)]
     pub(super) fn refuted(&mut self, faces: &[u32]) -> Result<Vec<u32>, super::Unimproved> {
         let edges: Vec<u32> = faces.iter().flat_map(|f| sides(3 * *f)).collect();
         self.sample_middles(&edges)?;

@@ -36,6 +36,7 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// The edges of faces that have changed since they were last asked for.
+    #[inline(never)]
     fn changed_edges(&mut self) -> Vec<u32> {
         let mut faces = std::mem::take(&mut self.changed);
         faces.sort_unstable();
@@ -53,6 +54,7 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// The flip of an edge, if by estimates it is one to make.
+    #[inline(never)]
     fn flip_of(&self, h: u32) -> Option<Flip> {
         let t = self.surface.twin(h);
         let label = self.label_of(h);
@@ -87,6 +89,7 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// Samples flips, and makes those that are as good as they looked.
+    #[inline(never)]
     fn flip_edges(&mut self, flips: &[Flip]) -> Result<(), Unimproved> {
         let mut asks = Vec::with_capacity(3 * flips.len());
         for Flip { h, .. } in flips {

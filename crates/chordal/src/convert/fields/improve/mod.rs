@@ -5,6 +5,7 @@
 //! not overlap are taken together, so that all their samples are one call of the primitives.
 mod collapse;
 mod error;
+mod face_tree;
 mod flip;
 mod newton;
 mod sample;
@@ -16,7 +17,7 @@ use crate::explicit::{HalfEdges, next_in_face, previous_in_face};
 use crate::implicit::{LeafError, PrimitiveEvaluator};
 use glam::DVec3;
 use sample::Sample;
-use sheets::FaceTree;
+use face_tree::FaceTree;
 
 /// A primitive and the side of it that is outside: twice its number, plus one where it stands as its complement.
 pub(crate) type FaceLabel = u32;
@@ -101,6 +102,9 @@ pub(crate) struct SurfaceImprover<'e, 'a> {
     /// By face: the round in which it was taken.
     taken: Vec<u32>,
     round: u32,
+    /// By vertex: the last test of crossings in which it was a corner of what comes.
+    mark: Vec<u32>,
+    stamp: u32,
     tree: FaceTree,
     held: Vec<HeldVertex>,
     pub counts: Counts,
@@ -136,6 +140,8 @@ impl<'e, 'a> SurfaceImprover<'e, 'a> {
             changed: (0..n_faces as u32).collect(),
             taken: vec![0; n_faces],
             round: 0,
+            mark: vec![0; raw.positions.len()],
+            stamp: 0,
             tree: FaceTree::default(),
             held: Vec::new(),
             counts: Counts::default(),
@@ -172,6 +178,22 @@ impl<'e, 'a> SurfaceImprover<'e, 'a> {
             self.flip_all()?;
         }
         Ok(())
+    }
+
+    /// Splits faces, by the numbers that [`Self::mesh`] gives with them, and puts right what is around them. Gives how many were split: none
+    /// where their edges are as short as any may be, or where other sheets are in the way.
+    pub fn split_faces(&mut self, faces: &[u32]) -> Result<usize, Unimproved> {
+        self.next_round()?;
+        let there: Vec<u32> = faces.iter().copied().filter(|f| self.surface.has_face(*f)).collect();
+        let edges: Vec<u32> = there.iter().flat_map(|f| sides(3 * *f)).collect();
+        self.sample_middles(&edges)?;
+        let worst = there.iter().map(|f| self.worst_side(*f)).collect();
+        let n = self.split_edges(worst)?;
+        self.flip_all()?;
+        self.split_far()?;
+        let off = self.unsettled();
+        self.settle(&off)?;
+        Ok(n)
     }
 
     /// Vertices that could not go to their place, at first.
@@ -251,6 +273,7 @@ impl<'e, 'a> SurfaceImprover<'e, 'a> {
     /// A new round, in which no face is taken.
     fn next_round(&mut self) -> Result<(), Unimproved> {
         self.round += 1;
+        self.refresh_tree();
         if self.job.is_cancelled() { Err(Unimproved::Cancelled) } else { Ok(()) }
     }
 

@@ -1,0 +1,299 @@
+//! `FaceTree`: boxes around faces, eight to a node, that follow the faces as they change.
+use glam::DVec3;
+
+/// No node, no face.
+const NONE: u32 = u32::MAX;
+/// Set in a child that is a node; else it is a face.
+const NODE: u32 = 1 << 31;
+/// Children of a node: so many are compared at once.
+const WIDE: usize = 8;
+
+/// An axis-aligned box.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bounds {
+    pub min: DVec3,
+    pub max: DVec3,
+}
+
+impl Bounds {
+    pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
+
+    #[inline]
+    pub fn of(points: &[DVec3; 3]) -> Self {
+        let [a, b, c] = *points;
+        Self { min: a.min(b).min(c), max: a.max(b).max(c) }
+    }
+
+    #[inline]
+    pub fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    #[inline]
+    pub fn meets(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+}
+
+/// A box in the frame of the tree, rounded outward. Its ends stand as `[min x, min y, min z, −max x, −max y, −max z]`, so that all of them
+/// grow downward.
+type Ends = [f32; 6];
+
+const NOTHING: Ends = [f32::INFINITY; 6];
+
+#[derive(Clone, Debug)]
+struct Node {
+    /// By end, then by child.
+    ends: [[f32; WIDE]; 6],
+    children: [u32; WIDE],
+    /// The node above, and which of its children this is.
+    parent: (u32, u32),
+}
+
+impl Node {
+    fn new(parent: (u32, u32)) -> Self {
+        Self { ends: [[f32::INFINITY; WIDE]; 6], children: [NONE; WIDE], parent }
+    }
+
+    fn set(&mut self, k: usize, ends: &Ends) {
+        (0..6).for_each(|e| self.ends[e][k] = ends[e]);
+    }
+
+    /// Whether the box of a child had to grow.
+    fn grow(&mut self, k: usize, ends: &Ends) -> bool {
+        let mut grew = false;
+        for e in 0..6 {
+            if ends[e] < self.ends[e][k] {
+                self.ends[e][k] = ends[e];
+                grew = true;
+            }
+        }
+        grew
+    }
+}
+
+/// See the [module](self). Boxes of nodes only grow until the tree is built again.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FaceTree {
+    nodes: Vec<Node>,
+    /// By face: its node, and which child of it.
+    place: Vec<(u32, u32)>,
+    origin: DVec3,
+    scale: f64,
+    n_built: usize,
+}
+
+impl FaceTree {
+    /// Of faces with their boxes; others up to `n_slots` are not there.
+    pub fn build(faces: &mut [(u32, Bounds)], n_slots: usize) -> Self {
+        let whole = faces.iter().fold(Bounds::EMPTY, |all, (_, one)| all.union(*one));
+        let size = (whole.max - whole.min).max_element();
+        let mut tree = Self {
+            nodes: Vec::with_capacity(faces.len() / 4 + 1),
+            place: vec![(NONE, 0); n_slots],
+            origin: if faces.is_empty() { DVec3::ZERO } else { whole.min },
+            scale: if size > 0.0 { 1.0 / size } else { 1.0 },
+            n_built: faces.len(),
+        };
+        tree.nodes.push(Node::new((NONE, 0)));
+        let mut open = vec![(0_u32, 0_usize, faces.len())];
+        while let Some((node, from, to)) = open.pop() {
+            if to - from <= WIDE {
+                for (k, (face, bounds)) in faces[from..to].iter().enumerate() {
+                    let ends = tree.ends(bounds);
+                    let at = &mut tree.nodes[node as usize];
+                    at.set(k, &ends);
+                    at.children[k] = *face;
+                    tree.place[*face as usize] = (node, k as u32);
+                }
+                continue;
+            }
+            let mut cuts = [from, 0, 0, 0, 0, 0, 0, 0, to];
+            for step in [WIDE, WIDE / 2, WIDE / 4] {
+                for at in (0..WIDE).step_by(step) {
+                    cuts[at + step / 2] = halve(&mut faces[cuts[at]..cuts[at + step]]) + cuts[at];
+                }
+            }
+            for k in 0..WIDE {
+                let (from, to) = (cuts[k], cuts[k + 1]);
+                let child = tree.nodes.len() as u32;
+                tree.nodes.push(Node::new((node, k as u32)));
+                let bounds = faces[from..to].iter().fold(Bounds::EMPTY, |all, (_, one)| all.union(*one));
+                let ends = tree.ends(&bounds);
+                let at = &mut tree.nodes[node as usize];
+                at.set(k, &ends);
+                at.children[k] = NODE | child;
+                open.push((child, from, to));
+            }
+        }
+        tree
+    }
+
+    /// Faces there when it was built.
+    pub fn n_built(&self) -> usize {
+        self.n_built
+    }
+
+    #[inline]
+    fn ends(&self, bounds: &Bounds) -> Ends {
+        // Coordinates in the frame are about 1 and less: moved by more than their rounding to f32, 2⁻²⁴, and that of the frame.
+        const OUTWARD: f64 = 1.0 / (1 << 22) as f64;
+        let low = (bounds.min - self.origin) * self.scale;
+        let high = (bounds.max - self.origin) * self.scale;
+        let end = |x: f64| (x - OUTWARD * (1.0 + x.abs())) as f32;
+        [end(low.x), end(low.y), end(low.z), end(-high.x), end(-high.y), end(-high.z)]
+    }
+
+    /// After a face has changed.
+    pub fn update(&mut self, face: u32, bounds: &Bounds) {
+        let (node, k) = self.place[face as usize];
+        let ends = self.ends(bounds);
+        let at = &mut self.nodes[node as usize];
+        at.set(k as usize, &ends);
+        self.grow(at_parent(&self.nodes, node), &ends);
+    }
+
+    fn grow(&mut self, mut at: (u32, u32), ends: &Ends) {
+        while at.0 != NONE && self.nodes[at.0 as usize].grow(at.1 as usize, ends) {
+            at = self.nodes[at.0 as usize].parent;
+        }
+    }
+
+    /// Takes away a face.
+    pub fn remove(&mut self, face: u32) {
+        let (node, k) = self.place[face as usize];
+        self.nodes[node as usize].set(k as usize, &NOTHING);
+    }
+
+    /// Adds the face of the next number beside another.
+    pub fn add(&mut self, beside: u32, bounds: &Bounds) {
+        let face = self.place.len() as u32;
+        let (node, k) = self.place[beside as usize];
+        let ends = self.ends(bounds);
+        let free = self.nodes[node as usize].children.iter().position(|child| *child == NONE);
+        let place = if let Some(free) = free {
+            (node, free as u32)
+        } else {
+            // Both go into a new node at the place of the other.
+            let child = self.nodes.len() as u32;
+            let mut new = Node::new((node, k));
+            let at = &mut self.nodes[node as usize];
+            (0..6).for_each(|e| new.ends[e][0] = at.ends[e][k as usize]);
+            new.children[0] = beside;
+            at.children[k as usize] = NODE | child;
+            self.nodes.push(new);
+            self.place[beside as usize] = (child, 0);
+            (child, 1)
+        };
+        self.place.push(place);
+        let at = &mut self.nodes[place.0 as usize];
+        at.children[place.1 as usize] = face;
+        at.set(place.1 as usize, &ends);
+        self.grow(at_parent(&self.nodes, place.0), &ends);
+    }
+
+    /// Faces whose boxes may meet a box.
+    #[inline]
+    pub fn each_near(&self, bounds: &Bounds, mut near: impl FnMut(u32)) {
+        let [a, b, c, d, e, f] = self.ends(bounds);
+        // Each low end against the other's high end.
+        let against = [-d, -e, -f, -a, -b, -c];
+        let mut open: Vec<u32> = Vec::with_capacity(64);
+        open.extend((!self.nodes.is_empty()).then_some(0));
+        while let Some(number) = open.pop() {
+            let node = &self.nodes[number as usize];
+            let mut meets = [true; WIDE];
+            for (ends, against) in node.ends.iter().zip(against) {
+                for k in 0..WIDE {
+                    meets[k] &= ends[k] <= against;
+                }
+            }
+            for k in 0..WIDE {
+                if meets[k] {
+                    let child = node.children[k];
+                    if child & NODE == 0 {
+                        near(child);
+                    } else if child != NONE {
+                        open.push(child & !NODE);
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn at_parent(nodes: &[Node], node: u32) -> (u32, u32) {
+    nodes[node as usize].parent
+}
+
+/// Parts boxes at the middle of their longest axis; gives where.
+fn halve(faces: &mut [(u32, Bounds)]) -> usize {
+    let middle = faces.len() / 2;
+    if faces.len() < 2 {
+        return middle;
+    }
+    let empty = Bounds::EMPTY;
+    let centres = faces.iter().fold(empty, |all, (_, b)| {
+        let centre = 0.5 * b.min + 0.5 * b.max;
+        all.union(Bounds { min: centre, max: centre })
+    });
+    let size = centres.max - centres.min;
+    let axis = (1..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
+    faces.select_nth_unstable_by(middle, |(f, a), (g, b)| {
+        (a.min[axis] + a.max[axis]).total_cmp(&(b.min[axis] + b.max[axis])).then(f.cmp(g))
+    });
+    middle
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_what_looking_at_all_finds() {
+        let mut state = 9_u64;
+        let mut unit = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let mut any = |size: f64| {
+            let corner = DVec3::new(unit(), unit(), unit()) * 1e6;
+            Bounds { min: corner, max: corner + size * 1e6 * DVec3::new(unit(), unit(), unit()) }
+        };
+        let mut boxes: Vec<Option<Bounds>> = (0..500).map(|_| Some(any(0.05))).collect();
+        let mut faces: Vec<(u32, Bounds)> = (0..500).map(|f| (f, boxes[f as usize].unwrap())).collect();
+        let mut tree = FaceTree::build(&mut faces, 500);
+        for step in 0..3000_usize {
+            let face = step * 7919 % boxes.len();
+            match step % 5 {
+                0 => {
+                    boxes.push(Some(any(0.1)));
+                    let beside = if boxes[face].is_some() { face } else { boxes.len() - 2 };
+                    tree.add(beside as u32, &boxes.last().unwrap().unwrap());
+                }
+                1 if boxes[face].is_some() && step % 3 == 0 => {
+                    boxes[face] = None;
+                    tree.remove(face as u32);
+                }
+                2 if boxes[face].is_some() => {
+                    boxes[face] = Some(any(0.2));
+                    tree.update(face as u32, &boxes[face].unwrap());
+                }
+                _ => {
+                    let query = any(0.3);
+                    let mut found = Vec::new();
+                    tree.each_near(&query, |f| {
+                        if boxes[f as usize].is_some_and(|b| b.meets(&query)) {
+                            found.push(f as usize);
+                        }
+                    });
+                    found.sort_unstable();
+                    let all = boxes.iter().enumerate();
+                    let expected: Vec<usize> =
+                        all.filter(|(_, b)| b.is_some_and(|b| b.meets(&query))).map(|(f, _)| f).collect();
+                    assert_eq!(found, expected);
+                }
+            }
+        }
+    }
+}
