@@ -28,7 +28,6 @@ struct Star {
 
 impl SurfaceImprover<'_, '_> {
     /// Collapses until no vertex can go.
-    #[inline(never)]
     pub(super) fn collapse_all(&mut self) -> Result<(), Unimproved> {
         let mut star = Star::default();
         let mut list: Vec<Collapse> = Vec::new();
@@ -62,7 +61,6 @@ impl SurfaceImprover<'_, '_> {
         Ok(())
     }
 
-    #[inline(never)]
     fn fill(&self, h: u32, star: &mut Star) {
         star.sides.clear();
         star.ring.clear();
@@ -78,7 +76,6 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// The edge into which a vertex goes best, by estimates.
-    #[inline(never)]
     fn best_collapse(&self, v: u32, star: &mut Star) -> Option<Collapse> {
         let labels = self.labels_of(v);
         if labels.len() > 2 {
@@ -99,7 +96,7 @@ impl SurfaceImprover<'_, '_> {
                 continue;
             }
             self.fill(h, star);
-            let most = best.as_ref().map_or(1.0, |one| one.cost);
+            let most = best.as_ref().map_or(self.limit, |one| one.cost);
             let Some(cost) = self.estimated_cost(star, most) else { continue };
             let length = (self.at(star.ring[0]) - self.at(v)).length_squared();
             let is_better =
@@ -112,7 +109,6 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// What the faces that come are off by estimates, over what they may be; nothing if that is more than `most`.
-    #[inline(never)]
     fn estimated_cost(&self, star: &Star, most: f64) -> Option<f64> {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = ring[0];
@@ -145,7 +141,6 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// Samples collapses, and makes those that stay within the aim.
-    #[inline(never)]
     fn collapse_edges(&mut self, list: &[Collapse], star: &mut Star) -> Result<(), Unimproved> {
         let mut asks: Vec<(FaceLabel, DVec3)> = Vec::new();
         for one in list {
@@ -169,7 +164,6 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// The samples of a collapse: by face that stays its centroid, then the middles of new edges, for both sides of a crease.
-    #[inline(never)]
     fn each_ask(&self, star: &Star, mut ask: impl FnMut(FaceLabel, DVec3)) {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = self.at(ring[0]);
@@ -185,10 +179,29 @@ impl SurfaceImprover<'_, '_> {
                 ask(after, middle);
             }
         }
+        for (i, label) in self.sides_that_change(star).into_iter().flatten() {
+            ask(label, 0.5 * (b + self.at(ring[i])));
+        }
+    }
+
+    /// The first and the last of the ring are joined to the end already; where the face that goes there belongs to another primitive than
+    /// the one that takes its place, the edge becomes a crease or ceases to be one: the position in the ring, and the new label.
+    fn sides_that_change(&self, star: &Star) -> [Option<(usize, FaceLabel)>; 2] {
+        let n = star.ring.len();
+        let label = |i: usize| self.label_of(star.sides[i]);
+        [
+            (label(0) != label(1)).then(|| (1, label(1))),
+            (label(n - 1) != label(n - 2)).then(|| (n - 1, label(n - 2))),
+        ]
+    }
+
+    /// The half-edges outside of the two faces that go, across from the vertex that goes.
+    fn outer(&self, star: &Star) -> [u32; 2] {
+        let t = self.surface.twin(star.sides[0]);
+        [next_in_face(star.sides[0]), previous_in_face(t)].map(|h| self.surface.twin(h))
     }
 
     /// The signed distances of the new edges' middles from the primitives before and after them, by position in the ring.
-    #[inline(never)]
     fn spokes(&self, star: &Star, samples: &[Sample]) -> Vec<[f64; 2]> {
         let n = star.ring.len();
         let mut spokes = vec![[f64::NAN; 2]; n];
@@ -196,19 +209,22 @@ impl SurfaceImprover<'_, '_> {
         // The first and the last are edges that were there.
         let first = self.middle_of(next_in_face(star.sides[0]));
         let last = self.middle_of(previous_in_face(t));
-        spokes[1] = [first; 2];
-        spokes[n - 1] = [last; 2];
+        let outer = self.outer(star).map(|h| self.middle_of(h));
+        spokes[1] = [outer[0], first];
+        spokes[n - 1] = [last, outer[1]];
         let mut next = n - 2;
         for i in 2..n - 1 {
             let is_crease = self.label_of(star.sides[i - 1]) != self.label_of(star.sides[i]);
             spokes[i] = [samples[next].distance, samples[next + usize::from(is_crease)].distance];
             next += 1 + usize::from(is_crease);
         }
+        for (k, (i, _)) in self.sides_that_change(star).into_iter().flatten().enumerate() {
+            spokes[i][usize::from(i == 1)] = samples[next + k].distance;
+        }
         spokes
     }
 
     /// Whether all that comes is within the aim and faces along its primitive.
-    #[inline(never)]
     fn stays_near(&self, star: &Star, samples: &[Sample]) -> bool {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = ring[0];
@@ -223,9 +239,16 @@ impl SurfaceImprover<'_, '_> {
                 return false;
             }
         }
-        (2..n - 1).all(|i| {
-            let labels = [self.label_of(star.sides[i - 1]), self.label_of(star.sides[i])];
-            labels[0] == labels[1] || self.crease_excess([b, ring[i]], labels, spokes[i]) <= 1.0
+        let outer = self.outer(star).map(|h| self.label_of(h));
+        (1..n).all(|i| {
+            let mut labels = [self.label_of(star.sides[i - 1]), self.label_of(star.sides[i])];
+            if i == 1 {
+                labels[0] = outer[0];
+            }
+            if i == n - 1 {
+                labels[1] = outer[1];
+            }
+            labels[0] == labels[1] || self.crease_excess([b, ring[i]], labels, spokes[i]) <= self.limit
         })
     }
 
@@ -239,13 +262,18 @@ impl SurfaceImprover<'_, '_> {
         self.crosses(&new, &gone)
     }
 
-    #[inline(never)]
     fn collapse(&mut self, star: &Star, samples: &[Sample]) {
         let n = star.ring.len();
         let t = self.surface.twin(star.sides[0]);
         let mut spokes = self.spokes(star, samples);
-        spokes[1] = [self.middle[next_in_face(star.sides[0]) as usize]; 2];
-        spokes[n - 1] = [self.middle[previous_in_face(t) as usize]; 2];
+        // What was not sampled stays so.
+        let changes = self.sides_that_change(star);
+        if changes[0].is_none() {
+            spokes[1][1] = self.middle[next_in_face(star.sides[0]) as usize];
+        }
+        if changes[1].is_none() {
+            spokes[n - 1][0] = self.middle[previous_in_face(t) as usize];
+        }
         [star.sides[0], t].iter().for_each(|h| self.tree.remove(*h / 3));
         self.surface.collapse(star.sides[0]);
         for i in 1..n - 1 {

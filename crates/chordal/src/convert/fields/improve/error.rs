@@ -168,7 +168,6 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// Samples the middles of edges that are not known.
-    #[inline(never)]
     pub(super) fn sample_middles(&mut self, edges: &[u32]) -> Result<(), super::Unimproved> {
         let (mut asks, mut of) = (Vec::new(), Vec::new());
         for h in edges {
@@ -209,7 +208,6 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// The faces of a list that are off somewhere by more than the aim, by all samples; the others are verified.
-    #[inline(never)]
     pub(super) fn refuted(&mut self, faces: &[u32]) -> Result<Vec<u32>, super::Unimproved> {
         let edges: Vec<u32> = faces.iter().flat_map(|f| sides(3 * *f)).collect();
         self.sample_middles(&edges)?;
@@ -224,7 +222,7 @@ impl SurfaceImprover<'_, '_> {
             let samples = self.sample(&asks)?;
             for (f, samples) in part.iter().zip(samples.chunks(INSIDE.len())) {
                 let off = samples.iter().fold(self.face_off(*f), |off, sample| off.with(sample.distance));
-                let is_near = self.is_near(off);
+                let is_near = off.most() <= self.aim;
                 self.is_verified[*f as usize] = is_near;
                 if !is_near {
                     refuted.push(*f);
@@ -232,5 +230,20 @@ impl SurfaceImprover<'_, '_> {
             }
         }
         Ok(refuted)
+    }
+}
+
+#[cfg(test)]
+impl SurfaceImprover<'_, '_> {
+    /// How many kept samples are not what the primitives say, or off by more than the aim.
+    pub(super) fn count_wrong_samples(&mut self) -> usize {
+        let edges: Vec<u32> = self.edges().collect();
+        let kept = std::mem::replace(&mut self.middle, vec![f64::NAN; 3 * self.surface.face_slots()]);
+        self.sample_middles(&edges).unwrap();
+        let is_wrong = |h: u32| (kept[h as usize] - self.middle[h as usize]).abs() > 1e-6 * self.aim;
+        let wrong = |h: &&u32| {
+            is_wrong(**h) || is_wrong(self.surface.twin(**h)) || !(self.edge_excess(**h) <= 1.0 + 1e-9)
+        };
+        edges.iter().filter(wrong).count()
     }
 }

@@ -10,6 +10,8 @@ const MOST_ROUNDS: usize = 6;
 struct Flip {
     h: u32,
     gain: f64,
+    /// Whether one of its triangles stands on the surface and those that come do not, or much is gained: then samples need not agree.
+    is_urgent: bool,
 }
 
 impl SurfaceImprover<'_, '_> {
@@ -36,7 +38,6 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// The edges of faces that have changed since they were last asked for.
-    #[inline(never)]
     fn changed_edges(&mut self) -> Vec<u32> {
         let mut faces = std::mem::take(&mut self.changed);
         faces.sort_unstable();
@@ -54,7 +55,6 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// The flip of an edge, if by estimates it is one to make.
-    #[inline(never)]
     fn flip_of(&self, h: u32) -> Option<Flip> {
         let t = self.surface.twin(h);
         let label = self.label_of(h);
@@ -69,8 +69,15 @@ impl SurfaceImprover<'_, '_> {
         let new = self.estimate(c, d, label).abs();
         let before = worse(quality([pa, pb, pc]), quality([pb, pa, pd]));
         let after = worse(quality([pa, pd, pc]), quality([pd, pb, pc]));
+        let normal = self.on(a, label)?.normal + self.on(b, label)?.normal;
+        let normal = normal.normalize_or_zero();
+        let fits = |points: [[DVec3; 3]; 2]| points.iter().all(|one| self.faces_along(*one, normal));
         let small = 0.25 * self.aim; // Below that angles count.
-        let gain = if old > small || new > small {
+        // A triangle that stands on the surface is worse than any that is off.
+        let rights = !fits([[pa, pb, pc], [pb, pa, pd]]);
+        let gain = if rights {
+            1.0 + old / self.aim
+        } else if old > small || new > small {
             // Thin triangles are fine where they bring much.
             if !(new < 0.9 * old && after > 0.0) {
                 return None;
@@ -82,14 +89,11 @@ impl SurfaceImprover<'_, '_> {
             }
             0.1 * (after - before)
         };
-        let normal = self.on(a, label)?.normal + self.on(b, label)?.normal;
-        let normal = normal.normalize_or_zero();
-        let fits = self.faces_along([pa, pd, pc], normal) && self.faces_along([pd, pb, pc], normal);
-        (fits && self.surface.may_flip(h)).then_some(Flip { h, gain })
+        let fits = fits([[pa, pd, pc], [pd, pb, pc]]);
+        (fits && self.surface.may_flip(h)).then_some(Flip { h, gain, is_urgent: rights || gain > 1.0 })
     }
 
     /// Samples flips, and makes those that are as good as they looked.
-    #[inline(never)]
     fn flip_edges(&mut self, flips: &[Flip]) -> Result<(), Unimproved> {
         let mut asks = Vec::with_capacity(3 * flips.len());
         for Flip { h, .. } in flips {
@@ -98,7 +102,7 @@ impl SurfaceImprover<'_, '_> {
             asks.extend([(label, 0.5 * (c + d)), (label, (a + d + c) / 3.0), (label, (d + b + c) / 3.0)]);
         }
         let samples = self.sample(&asks)?;
-        for (Flip { h, .. }, samples) in flips.iter().zip(samples.chunks(3)) {
+        for (Flip { h, is_urgent, .. }, samples) in flips.iter().zip(samples.chunks(3)) {
             let t = self.surface.twin(*h);
             let label = self.label_of(*h);
             let [a, b, c, d] = self.diamond(*h);
@@ -113,7 +117,7 @@ impl SurfaceImprover<'_, '_> {
             ];
             let (before, after) =
                 (greater(self.face_off(*h / 3).most(), self.face_off(t / 3).most()), greater(off[0], off[1]));
-            let improves = after <= 0.25 * self.aim || after < before;
+            let improves = *is_urgent || after <= 0.25 * self.aim || after < before;
             let points = faces.map(|face| face.map(|v| self.at(v)));
             let fits = self.faces_along(points[0], samples[1].normal)
                 && self.faces_along(points[1], samples[2].normal);

@@ -15,9 +15,9 @@ mod split;
 use crate::budget::Job;
 use crate::explicit::{HalfEdges, next_in_face, previous_in_face};
 use crate::implicit::{LeafError, PrimitiveEvaluator};
+use face_tree::FaceTree;
 use glam::DVec3;
 use sample::Sample;
-use face_tree::FaceTree;
 
 /// A primitive and the side of it that is outside: twice its number, plus one where it stands as its complement.
 pub(crate) type FaceLabel = u32;
@@ -95,6 +95,8 @@ pub(crate) struct SurfaceImprover<'e, 'a> {
     centre: Vec<f64>,
     /// By vertex: whether its collapse is to be tried.
     is_open: Vec<bool>,
+    /// What collapses may leave, over the aim.
+    limit: f64,
     /// By face: whether all samples of it are within the aim.
     is_verified: Vec<bool>,
     /// Faces whose edges may want to be flipped.
@@ -136,6 +138,7 @@ impl<'e, 'a> SurfaceImprover<'e, 'a> {
             middle: vec![f64::NAN; 3 * n_faces],
             centre: vec![f64::NAN; n_faces],
             is_open: vec![true; raw.positions.len()],
+            limit: 1.0,
             is_verified: vec![false; n_faces],
             changed: (0..n_faces as u32).collect(),
             taken: vec![0; n_faces],

@@ -34,7 +34,6 @@ impl Targets {
     }
 
     /// Moves each point by the shortest steps onto all of its primitives at once. Distances and normals are those at the end.
-    #[inline(never)]
     pub fn project(&mut self, evaluator: &mut PrimitiveEvaluator, tol: f64) -> Result<(), LeafError> {
         let mut open: Vec<u32> = (0..self.at.len() as u32).collect();
         for step in 0..=MOST_STEPS {
@@ -58,7 +57,6 @@ impl Targets {
         Ok(())
     }
 
-    #[inline(never)]
     fn measure(&mut self, evaluator: &mut PrimitiveEvaluator, open: &[u32]) -> Result<(), LeafError> {
         let mut asks = Vec::with_capacity(open.len());
         for k in open {
@@ -107,7 +105,6 @@ pub(super) fn shortest_step(on: &[VertexLabel]) -> DVec3 {
 
 impl SurfaceImprover<'_, '_> {
     /// Moves all vertices to their places: together first; those in crossings go back, and then one by one as far as they can.
-    #[inline(never)]
     pub(super) fn place_vertices(&mut self) -> Result<(), Unimproved> {
         let mut targets = Targets {
             at: self.position.clone(),
@@ -163,7 +160,6 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// Sends vertices in crossings back until there are none, then moves those as far as they can go.
-    #[inline(never)]
     fn untangle(&mut self, raw: &[DVec3], is_away: &mut [bool]) -> Result<(), Unimproved> {
         let mut suspects: Vec<u32> = (0..self.surface.face_slots() as u32).collect();
         let mut back: Vec<u32> = Vec::new();

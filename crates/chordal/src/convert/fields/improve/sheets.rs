@@ -11,7 +11,6 @@ pub(super) type Triangles = [([u32; 3], [DVec3; 3])];
 const ALONG: f64 = 0.3;
 
 impl SurfaceImprover<'_, '_> {
-    #[inline(never)]
     pub(super) fn rebuild_tree(&mut self) {
         let mut faces: Vec<(u32, Bounds)> = (0..self.surface.face_slots() as u32)
             .filter(|f| self.surface.has_face(*f))
@@ -47,7 +46,6 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// Whether triangles that come would meet faces that stay, or each other. Exact, but for neighbours whose normals are alike.
-    #[inline(never)]
     pub(super) fn crosses(&mut self, new: &Triangles, gone: &[u32]) -> bool {
         self.counts.sheet_tests += 1;
         self.stamp += 1;
@@ -62,7 +60,6 @@ impl SurfaceImprover<'_, '_> {
         refused
     }
 
-    #[inline(never)]
     fn meets_any(&self, new: &Triangles, gone: &[u32]) -> bool {
         let boxes: Vec<Bounds> = new.iter().map(|(_, points)| Bounds::of(points)).collect();
         let whole = boxes.iter().fold(Bounds::EMPTY, |all, one| all.union(*one));

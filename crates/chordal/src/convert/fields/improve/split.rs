@@ -7,30 +7,66 @@ use glam::DVec3;
 
 /// Rounds at most: edges get half as long in each, and the error a quarter.
 const MOST_ROUNDS: usize = 40;
+/// Repairs at most in one go.
+const MOST_REPAIRS: usize = 3;
+/// What a repair leaves is off by this share of what was. Chosen: less would be undone by the splits that follow.
+const REPAIRED: f64 = 0.7;
 /// Edges shorter than this share of the aim are not split. Chosen: nothing of the surface that the tolerance asks for is that small.
 const SHORTEST: f64 = 0.25;
 
 impl SurfaceImprover<'_, '_> {
     /// Splits edges, then faces, until none is off by more than the aim.
-    #[inline(never)]
     pub(super) fn split_far(&mut self) -> Result<(), Unimproved> {
+        let mut n_repairs = 0;
         for _ in 0..MOST_ROUNDS {
             self.next_round()?;
             let mut far = self.far_edges()?;
             if far.is_empty() {
                 far = self.edges_of_far_faces()?;
             }
-            let n = self.split_edges(far)?;
-            if n == 0 {
+            if far.is_empty() {
                 break;
+            }
+            if self.split_edges(far.clone())? == 0 {
+                n_repairs += 1;
+                if n_repairs > MOST_REPAIRS {
+                    break;
+                }
+                self.repair(&far)?;
             }
             self.flip_all()?;
         }
         Ok(())
     }
 
+    /// Where splits would fold the surface its triangles stand on edge: flips and collapses that make it better, if not good, take them
+    /// away.
+    fn repair(&mut self, far: &[u32]) -> Result<(), Unimproved> {
+        let excess = far.iter().fold(1.0, |most, h| {
+            let one = self.edge_excess(*h);
+            if one > most && one.is_finite() { one } else { most }
+        });
+        for h in far {
+            self.changed.extend([*h / 3, self.surface.twin(*h) / 3]);
+        }
+        self.flip_all()?;
+        self.is_open.fill(false);
+        for h in far {
+            if !self.surface.has_face(*h / 3) {
+                continue;
+            }
+            for face in [*h / 3, self.surface.twin(*h) / 3] {
+                self.open_around(face);
+            }
+        }
+        self.limit = REPAIRED * excess;
+        let done = self.collapse_all();
+        self.limit = 1.0;
+        self.is_open.fill(true);
+        done
+    }
+
     /// Edges that are too far off, worst first. What is near the limit by its estimate is sampled.
-    #[inline(never)]
     fn far_edges(&mut self) -> Result<Vec<u32>, Unimproved> {
         let close: Vec<u32> = self.edges().filter(|h| self.edge_excess(*h) > 0.5).collect();
         self.sample_middles(&close)?;
@@ -41,7 +77,6 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// The longest edges of faces that are too far off.
-    #[inline(never)]
     fn edges_of_far_faces(&mut self) -> Result<Vec<u32>, Unimproved> {
         let faces = (0..self.surface.face_slots() as u32).filter(|f| self.surface.has_face(*f));
         let close: Vec<u32> = faces.filter(|f| !(self.face_off(*f).most() <= 0.5 * self.aim)).collect();
@@ -84,7 +119,6 @@ impl SurfaceImprover<'_, '_> {
     }
 
     /// Splits those of a list whose faces do not overlap, and for which there is a place.
-    #[inline(never)]
     pub(super) fn split_edges(&mut self, list: Vec<u32>) -> Result<usize, Unimproved> {
         let mut targets = Targets::default();
         let mut chosen = Vec::new();
@@ -175,6 +209,6 @@ impl SurfaceImprover<'_, '_> {
 
     /// Whether a face is within the aim.
     pub(super) fn is_near(&self, off: Off) -> bool {
-        off.most() <= self.aim
+        off.most() <= self.limit * self.aim
     }
 }
