@@ -126,7 +126,7 @@ impl SurfaceImprover<'_, '_> {
                 let after = self.label_of(star.sides[i + 1]);
                 let distance = self.estimate(b, ring[i + 1], label);
                 let off = if label == after {
-                    distance.abs() / self.aim
+                    distance.abs() / self.aim_of([b, ring[i + 1]])
                 } else {
                     let other = self.estimate(b, ring[i + 1], after);
                     self.crease_excess([b, ring[i + 1]], [label, after], [distance, other])
@@ -235,7 +235,9 @@ impl SurfaceImprover<'_, '_> {
             let sample = samples[i - 1];
             let middles = [spokes[i][1], self.middle_of(next_in_face(star.sides[i])), spokes[i + 1][0]];
             let off = self.off(corners, label, middles, sample.distance);
-            if !self.is_near(off) || !self.faces_along(corners.map(|v| self.at(v)), sample.normal) {
+            if !(off.most() <= self.limit * self.aim_of(corners))
+                || !self.faces_along(corners.map(|v| self.at(v)), sample.normal)
+            {
                 return false;
             }
         }

@@ -86,6 +86,13 @@ impl SurfaceImprover<'_, '_> {
         }
     }
 
+    /// What may be off between these vertices.
+    #[inline]
+    pub(super) fn aim_of<const N: usize>(&self, vertices: [u32; N]) -> f64 {
+        let aims = vertices.map(|v| self.aim_at[v as usize]);
+        aims[1..].iter().fold(aims[0], |least, aim| if *aim < least { *aim } else { least })
+    }
+
     /// What an edge is off, over what it may be.
     pub(super) fn edge_excess(&self, h: u32) -> f64 {
         let t = self.surface.twin(h);
@@ -94,7 +101,7 @@ impl SurfaceImprover<'_, '_> {
             let labels = [self.label_of(h), self.label_of(t)];
             self.crease_excess([self.surface.start(h), self.surface.end(h)], labels, distances)
         } else {
-            let off = distances[0].abs() / self.aim;
+            let off = distances[0].abs() / self.aim_of([self.surface.start(h), self.surface.end(h)]);
             if off.is_nan() { f64::INFINITY } else { off }
         }
     }
@@ -114,7 +121,7 @@ impl SurfaceImprover<'_, '_> {
         // Half the sum of unit normals is the sine of half the angle between the faces.
         let sine = 0.5 * (on[0].normal + on[1].normal).length();
         let sine = if sine < SHARPEST { SHARPEST } else { sine };
-        let excess = off / (CREASE * self.aim * sine);
+        let excess = off / (CREASE * self.aim_of([a, b]) * sine);
         if excess.is_nan() { f64::INFINITY } else { excess }
     }
 
@@ -123,6 +130,11 @@ impl SurfaceImprover<'_, '_> {
         let [u, v, w] = sides(3 * face);
         let middles = [self.middle_of(u), self.middle_of(v), self.middle_of(w)];
         self.off(self.surface.corners(face), self.label[face as usize], middles, self.centre[face as usize])
+    }
+
+    /// What a face is off, over what it may be.
+    pub(super) fn face_excess(&self, face: u32) -> f64 {
+        self.face_off(face).most() / self.aim_of(self.surface.corners(face))
     }
 
     /// The same for a face that may come: `middles` by edge from the first corner on; a centroid that is NaN is estimated.
@@ -222,7 +234,7 @@ impl SurfaceImprover<'_, '_> {
             let samples = self.sample(&asks)?;
             for (f, samples) in part.iter().zip(samples.chunks(INSIDE.len())) {
                 let off = samples.iter().fold(self.face_off(*f), |off, sample| off.with(sample.distance));
-                let is_near = off.most() <= self.aim;
+                let is_near = off.most() <= self.aim_of(self.surface.corners(*f));
                 self.is_verified[*f as usize] = is_near;
                 if !is_near {
                     refuted.push(*f);

@@ -72,17 +72,18 @@ impl SurfaceImprover<'_, '_> {
         let normal = self.on(a, label)?.normal + self.on(b, label)?.normal;
         let normal = normal.normalize_or_zero();
         let fits = |points: [[DVec3; 3]; 2]| points.iter().all(|one| self.faces_along(*one, normal));
-        let small = 0.25 * self.aim; // Below that angles count.
+        let aim = self.aim_of([a, b, c, d]);
+        let small = 0.25 * aim; // Below that angles count.
         // A triangle that stands on the surface is worse than any that is off.
         let rights = !fits([[pa, pb, pc], [pb, pa, pd]]);
         let gain = if rights {
-            1.0 + old / self.aim
+            1.0 + old / aim
         } else if old > small || new > small {
             // Thin triangles are fine where they bring much.
             if !(new < 0.9 * old && after > 0.0) {
                 return None;
             }
-            (old - new) / self.aim
+            (old - new) / aim
         } else {
             if !(after > 1.05 * before) {
                 return None;
@@ -117,7 +118,7 @@ impl SurfaceImprover<'_, '_> {
             ];
             let (before, after) =
                 (greater(self.face_off(*h / 3).most(), self.face_off(t / 3).most()), greater(off[0], off[1]));
-            let improves = *is_urgent || after <= 0.25 * self.aim || after < before;
+            let improves = *is_urgent || after <= 0.25 * self.aim_of([a, b, c, d]) || after < before;
             let points = faces.map(|face| face.map(|v| self.at(v)));
             let fits = self.faces_along(points[0], samples[1].normal)
                 && self.faces_along(points[1], samples[2].normal);

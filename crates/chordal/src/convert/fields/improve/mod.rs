@@ -11,6 +11,7 @@ mod newton;
 mod sample;
 mod sheets;
 mod split;
+mod walls;
 
 use crate::budget::Job;
 use crate::explicit::{HalfEdges, next_in_face, previous_in_face};
@@ -86,6 +87,8 @@ pub(crate) struct SurfaceImprover<'e, 'a> {
     label: Vec<FaceLabel>,
     /// By vertex.
     position: Vec<DVec3>,
+    /// By vertex: what its faces may be off.
+    aim_at: Vec<f64>,
     /// By vertex: where its labels begin, and how many there are.
     place: Vec<(u32, u32)>,
     vertex_label: Vec<VertexLabel>,
@@ -133,6 +136,7 @@ impl<'e, 'a> SurfaceImprover<'e, 'a> {
             surface,
             label: raw.labels.clone(),
             position: raw.positions.iter().map(|p| DVec3::from(*p)).collect(),
+            aim_at: vec![AIM * tol; raw.positions.len()],
             place: Vec::with_capacity(raw.positions.len()),
             vertex_label: Vec::with_capacity(raw.positions.len() + raw.positions.len() / 2),
             middle: vec![f64::NAN; 3 * n_faces],
@@ -156,6 +160,7 @@ impl<'e, 'a> SurfaceImprover<'e, 'a> {
             this.add_place(&mut labels);
         }
         this.place_vertices()?;
+        this.aim_at_walls()?;
         Ok(this)
     }
 

@@ -1,5 +1,4 @@
 //! Rounds of edge splits: new vertices on the primitives where edges or faces are too far from them.
-use super::error::Off;
 use super::newton::Targets;
 use super::{FaceLabel, SurfaceImprover, Unimproved, VertexLabel, area_normal, sides};
 use crate::explicit::next_in_face;
@@ -79,12 +78,12 @@ impl SurfaceImprover<'_, '_> {
     /// The longest edges of faces that are too far off.
     fn edges_of_far_faces(&mut self) -> Result<Vec<u32>, Unimproved> {
         let faces = (0..self.surface.face_slots() as u32).filter(|f| self.surface.has_face(*f));
-        let close: Vec<u32> = faces.filter(|f| !(self.face_off(*f).most() <= 0.5 * self.aim)).collect();
+        let close: Vec<u32> = faces.filter(|f| !(self.face_excess(*f) <= 0.5)).collect();
         self.sample_centres(&close)?;
         let mut far: Vec<(f64, u32)> = close
             .into_iter()
-            .map(|f| (self.face_off(f).most(), f))
-            .filter(|(off, _)| !(*off <= self.aim))
+            .map(|f| (self.face_excess(f), f))
+            .filter(|(excess, _)| !(*excess <= 1.0))
             .collect();
         far.sort_unstable_by(|(x, f), (y, g)| y.total_cmp(x).then(f.cmp(g)));
         Ok(far.into_iter().map(|(_, f)| self.longest_side(f)).collect())
@@ -125,7 +124,7 @@ impl SurfaceImprover<'_, '_> {
         for h in list {
             let t = self.surface.twin(h);
             let (a, b) = (self.surface.start(h), self.surface.end(h));
-            let too_short = (self.at(b) - self.at(a)).length() < SHORTEST * self.aim;
+            let too_short = (self.at(b) - self.at(a)).length() < SHORTEST * self.aim_of([a, b]);
             if too_short || !self.take(&[h / 3, t / 3]) {
                 continue;
             }
@@ -183,6 +182,8 @@ impl SurfaceImprover<'_, '_> {
         self.place.push((self.vertex_label.len() as u32, on.len() as u32));
         self.vertex_label.extend_from_slice(on);
         self.is_open.push(true);
+        let aim = self.aim_of([self.surface.start(h), self.surface.start(t)]);
+        self.aim_at.push(aim);
         self.mark.push(0);
         let new = self.label.len() as u32;
         let labels: [FaceLabel; 2] = [self.label[f as usize], self.label[g as usize]];
@@ -205,10 +206,5 @@ impl SurfaceImprover<'_, '_> {
             self.grow_tree(face);
             self.open_around(face);
         }
-    }
-
-    /// Whether a face is within the aim.
-    pub(super) fn is_near(&self, off: Off) -> bool {
-        off.most() <= self.limit * self.aim
     }
 }
