@@ -8,8 +8,10 @@
 //! neighbours agree in their common face, even if one of them no longer knows of that plane.
 //!
 //! Source of the idea: X. Du, Q. Zhou, N. Carr, T. Ju, *Robust Computation of Implicit Surface Networks for Piecewise Linear Functions*, 2022.
-use crate::implicit::CsgTree;
+use super::tetrahedra::FewNumbersMap;
+use crate::implicit::{CsgTree, Membership, Restricted};
 use crate::math::determinants::{perturbed, sign2, sign3, sign4};
+use std::cell::RefCell;
 use std::cmp::Ordering;
 
 /// A primitive whose sign changes in a cell.
@@ -96,9 +98,10 @@ impl Signs {
 const TABLE: usize = 6;
 
 /// Membership from sides.
-enum Truth<'a> {
+enum Truth {
     Table(u64),
-    Tree(&'a CsgTree, Vec<u32>),
+    /// With what was found so far.
+    Tree(CsgTree, RefCell<FewNumbersMap<u128, bool>>), // No order depends on it.
 }
 
 /// A side of a piece: on the facet across a corner, or on the plane of a live primitive.
@@ -128,7 +131,7 @@ struct LocalCorner {
 impl LinearCell<'_> {
     /// Adds the boundary in this cell. The others of the tree's primitives have the same side throughout: `is_negative` says which.
     pub fn boundary(&self, is_negative: impl Fn(u32) -> bool, into: &mut Patches) {
-        let truth = self.truth(is_negative);
+        let Some(truth) = self.truth(is_negative) else { return };
         for i in 0..self.live.len() as u32 {
             if self.live.len() == 1 {
                 let piece = Piece { sides: self.section(i), negative: Signs::default() };
@@ -145,30 +148,39 @@ impl LinearCell<'_> {
         }
     }
 
-    fn truth(&self, is_negative: impl Fn(u32) -> bool) -> Truth<'_> {
+    /// None where membership is the same throughout.
+    fn truth(&self, is_negative: impl Fn(u32) -> bool) -> Option<Truth> {
         let place = |p: u32| self.live.binary_search_by_key(&p, |one| one.primitive).ok();
         if self.live.len() <= TABLE {
             let inside = |sides: u64| {
                 self.tree.contains(|p| place(p).map_or_else(|| is_negative(p), |k| sides >> k & 1 == 1))
             };
-            return Truth::Table(
-                (0..1 << self.live.len()).fold(0, |all, sides| all | u64::from(inside(sides)) << sides),
-            );
+            let n = 1 << self.live.len();
+            let table = (0..n).fold(0, |all, sides| all | u64::from(inside(sides)) << sides);
+            let all = if n == 64 { u64::MAX } else { (1 << n) - 1 };
+            return (table != 0 && table != all).then_some(Truth::Table(table));
         }
-        // Primitives that are negative throughout.
-        let negative =
-            self.tree.primitives().into_iter().filter(|p| place(*p).is_none() && is_negative(*p)).collect();
-        Truth::Tree(self.tree, negative)
+        let side = |p: u32| match (place(p), is_negative(p)) {
+            (Some(_), _) => Membership::Unknown,
+            (None, true) => Membership::Inside,
+            (None, false) => Membership::Outside,
+        };
+        match self.tree.restricted(side) {
+            Restricted::Decided(_) => None,
+            Restricted::Open(tree) => Some(Truth::Tree(tree, RefCell::default())),
+        }
     }
 
     fn is_inside(&self, truth: &Truth, signs: &Signs) -> bool {
         match truth {
             Truth::Table(table) => table >> (signs.first as u64) & 1 == 1,
-            Truth::Tree(tree, negative) => {
-                tree.contains(|p| match self.live.binary_search_by_key(&p, |one| one.primitive) {
-                    Ok(k) => signs.get(k),
-                    Err(_) => negative.binary_search(&p).is_ok(),
-                })
+            Truth::Tree(tree, known) => {
+                let place = |p: u32| self.live.binary_search_by_key(&p, |one| one.primitive);
+                let contains = || tree.contains(|p| signs.get(place(p).expect("only live ones are left")));
+                if !signs.rest.is_empty() {
+                    return contains();
+                }
+                *known.borrow_mut().entry(signs.first).or_insert_with(contains)
             }
         }
     }

@@ -33,9 +33,9 @@ impl RawSurface {
 }
 
 /// Bits of a value. Chosen: rounding is far below any tolerance, and together with [`SHIFT_BITS`] entries of determinants are exact.
-const VALUE_BITS: i32 = 40;
+const VALUE_BITS: i32 = 36;
 /// Bits of the shift of a primitive.
-const SHIFT_BITS: u32 = 12;
+const SHIFT_BITS: u32 = 16;
 /// Cells in one task.
 const CHUNK: usize = 256;
 /// Vertices or patches in one task.
@@ -65,8 +65,8 @@ pub(in crate::convert) fn extract(grid: &FieldGrid, job: &Job) -> RawSurface {
 /// Values as whole numbers.
 struct WholeValues<'a> {
     grid: &'a FieldGrid<'a>,
-    /// By primitive: what values are multiplied by.
-    scale: Vec<f64>,
+    /// As the grid has its values.
+    whole: Vec<i64>,
 }
 
 impl<'a> WholeValues<'a> {
@@ -88,26 +88,19 @@ impl<'a> WholeValues<'a> {
                 }
             }
         }
-        Self { grid, scale: largest.into_iter().map(scale).collect() }
+        let scales: Vec<f64> = largest.into_iter().map(scale).collect();
+        let whole = |(p, value): (u32, f64)| {
+            let shift = shift(p);
+            match grid.zero[p as usize] {
+                Zero::Outside => whole(value, scales[p as usize], shift),
+                Zero::Inside => -whole(-value, scales[p as usize], shift),
+            }
+        };
+        Self { grid, whole: grid.values.all().map(whole).collect() }
     }
 
-    /// The value with the sign that it has, 0 taken as outside of the solid, and away from 0 by the primitive's shift.
     fn at(&self, vertex: u32, primitive: u32) -> i64 {
-        let value = self.grid.values.get(vertex, primitive).expect("it was asked for");
-        /// 2 to the power of [`VALUE_BITS`].
-        const MOST: f64 = (1_u64 << VALUE_BITS) as f64;
-        let scaled = value * self.scale[primitive as usize];
-        let outside = match self.grid.zero[primitive as usize] {
-            Zero::Outside => 1.0,
-            Zero::Inside => -1.0,
-        };
-        // Rounded towards the inside of the literal: below 0 stays below.
-        let floor = (outside * scaled).floor();
-        let floor = if outside * value < 0.0 && floor > -1.0 { -1.0 } else { floor };
-        let floor = if floor < MOST { floor } else { MOST };
-        let floor = if floor > -MOST { floor } else { -MOST };
-        let shifted = ((floor as i64) << SHIFT_BITS) + shift(primitive);
-        if outside < 0.0 { -shifted } else { shifted }
+        self.whole[self.grid.values.index(vertex, primitive).expect("it was asked for")]
     }
 
     /// Where infinitesimals move a primitive: outward.
@@ -117,6 +110,18 @@ impl<'a> WholeValues<'a> {
             Zero::Inside => -1,
         }
     }
+}
+
+/// The value with the sign that it has, 0 and what is no value taken as positive, and away from 0 by the shift.
+fn whole(value: f64, scale: f64, shift: i64) -> i64 {
+    /// 2 to the power of [`VALUE_BITS`].
+    const MOST: f64 = (1_u64 << VALUE_BITS) as f64;
+    // Rounded down, so that below 0 stays below, even if it is so little that the product is 0.
+    let floor = (value * scale).floor();
+    let floor = if value < 0.0 && floor > -1.0 { -1.0 } else { floor };
+    let floor = if floor < MOST { floor } else { MOST };
+    let floor = if floor > -MOST { floor } else { -MOST };
+    ((floor as i64) << SHIFT_BITS) + shift
 }
 
 /// What makes values up to `largest` whole numbers of [`VALUE_BITS`] bits: a power of 2.
@@ -300,7 +305,8 @@ fn patch_faces(
         .collect();
     let rings: Vec<&[[f64; 3]]> = rings.iter().map(Vec::as_slice).collect();
     let mut triangles = Vec::with_capacity(vertices.len());
-    triangulate(&rings, &mut triangles);
+    let is_straight: Vec<bool> = vertices.iter().map(|v| joined.keys[*v as usize].other != NONE).collect();
+    triangulate(&rings, &is_straight, &mut triangles);
     labels.resize(labels.len() + triangles.len(), label);
     faces.extend(triangles.into_iter().map(|t| t.map(|k| vertices[k as usize])));
 }

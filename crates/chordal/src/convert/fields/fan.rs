@@ -2,8 +2,9 @@
 use crate::math::{cross, difference, dot, length};
 
 /// The triangles of a polygon, by places in its loops one after the other. The first loop or another one is the outer one; all have the
-/// polygon on their left. Polygons of a few corners; cost is the third power.
-pub(super) fn triangulate(loops: &[&[[f64; 3]]], into: &mut Vec<[u32; 3]>) {
+/// polygon on their left. No triangle has a corner that is in a line with its two neighbours, and these two: `is_straight` says which, by
+/// place. For polygons of a few corners; cost is the third power.
+pub(super) fn triangulate(loops: &[&[[f64; 3]]], is_straight: &[bool], into: &mut Vec<[u32; 3]>) {
     let n: usize = loops.iter().map(|one| one.len()).sum();
     if loops.len() == 1 && n == 3 {
         into.push([0, 1, 2]);
@@ -15,10 +16,12 @@ pub(super) fn triangulate(loops: &[&[[f64; 3]]], into: &mut Vec<[u32; 3]>) {
     let mut start = loops[0].len() as u32;
     for one in &loops[1..] {
         let inner: Vec<u32> = (start..start + one.len() as u32).collect();
-        ring = bridged(&ring, &inner, &corners, normal);
+        let candidate =
+            |ring: &[u32]| Polygon { ring, corners: &corners, is_straight, normal }.best(&mut Vec::new());
+        ring = bridged(&ring, &inner, candidate);
         start += one.len() as u32;
     }
-    Polygon { ring: &ring, corners: &corners, normal }.best(into);
+    Polygon { ring: &ring, corners: &corners, is_straight, normal }.best(into);
 }
 
 /// The sum of the loops' vector areas, twice.
@@ -34,7 +37,7 @@ fn normal(loops: &[&[[f64; 3]]]) -> [f64; 3] {
 }
 
 /// Two loops as one, along the way there and back that makes the best triangles.
-fn bridged(outer: &[u32], inner: &[u32], corners: &[[f64; 3]], normal: [f64; 3]) -> Vec<u32> {
+fn bridged(outer: &[u32], inner: &[u32], quality: impl Fn(&[u32]) -> f64) -> Vec<u32> {
     let mut best: Option<(f64, Vec<u32>)> = None;
     for a in 0..outer.len() {
         for b in 0..inner.len() {
@@ -45,7 +48,7 @@ fn bridged(outer: &[u32], inner: &[u32], corners: &[[f64; 3]], normal: [f64; 3])
                 .chain(&outer[a..])
                 .copied()
                 .collect();
-            let worst = Polygon { ring: &ring, corners, normal }.best(&mut Vec::new());
+            let worst = quality(&ring);
             if best.as_ref().is_none_or(|(other, _)| worst > *other) {
                 best = Some((worst, ring));
             }
@@ -57,12 +60,27 @@ fn bridged(outer: &[u32], inner: &[u32], corners: &[[f64; 3]], normal: [f64; 3])
 struct Polygon<'a> {
     ring: &'a [u32],
     corners: &'a [[f64; 3]],
+    is_straight: &'a [bool],
     normal: [f64; 3],
 }
+
+/// The quality of a triangle that must not be. Defined: below all others, which are above −2/√3.
+const FORBIDDEN: f64 = -9.0;
 
 impl Polygon<'_> {
     /// Twice the signed area over the square of the longest side. Where all are positive the triangles cover the polygon once.
     fn quality(&self, triangle: [usize; 3]) -> f64 {
+        let n = self.ring.len();
+        let is_flat = |k: usize| {
+            let neighbours = [triangle[(k + 1) % 3], triangle[(k + 2) % 3]];
+            let at = triangle[k];
+            self.is_straight[self.ring[at] as usize]
+                && neighbours.contains(&((at + 1) % n))
+                && neighbours.contains(&((at + n - 1) % n))
+        };
+        if (0..3).any(is_flat) {
+            return FORBIDDEN;
+        }
         let [a, b, c] = triangle.map(|k| self.corners[self.ring[k] as usize]);
         let (ab, ac, bc) = (difference(b, a), difference(c, a), difference(c, b));
         let longest =
@@ -129,7 +147,7 @@ mod tests {
         // A triangle with a corner in the middle of two of its sides.
         let ring = at(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [1.0, 1.0], [0.0, 2.0]]);
         let mut found = Vec::new();
-        triangulate(&[&ring], &mut found);
+        triangulate(&[&ring], &[false, true, false, false, false], &mut found);
         let (sum, least) = area(&[&ring], &found);
         assert!(found.len() == 3 && sum == 2.0 && least > 0.2);
     }
@@ -140,7 +158,7 @@ mod tests {
         let hole = at(&[[1.0, 1.0], [1.0, 2.0], [2.0, 2.0], [2.0, 1.0]]);
         for loops in [[&outer[..], &hole[..]], [&hole[..], &outer[..]]] {
             let mut found = Vec::new();
-            triangulate(&loops, &mut found);
+            triangulate(&loops, &[false; 9], &mut found);
             let (sum, least) = area(&loops, &found);
             assert!(found.len() == 9 && (sum - 13.0).abs() < 1e-12 && least > 0.0, "{sum} {least}");
         }

@@ -314,26 +314,32 @@ impl<'a> FieldGrid<'a> {
         let level = self.ask_ranges(evaluator, &pending)?;
         let numbers: Vec<u32> = (0..pending.len() as u32).collect();
         let chunks: Vec<&[u32]> = numbers.chunks(CHUNK).collect();
-        let sift = |n: &u32| {
-            let one = &pending[*n as usize];
-            let sides: Vec<Membership> = one
-                .open
-                .primitives
-                .iter()
-                .map(|p| side(level.range(*n, *p).value, self.zero[*p as usize]))
-                .collect();
-            restricted(&one.open, &sides)
+        let sift = |part: &[u32]| {
+            let mut sides = Vec::new();
+            let sift = |n: &u32| {
+                let one = &pending[*n as usize];
+                let ranges = level.ranges_of(*n, &one.open);
+                let zeros = one.open.primitives.iter().map(|p| self.zero[*p as usize]);
+                sides.clear();
+                sides.extend(ranges.zip(zeros).map(|(range, zero)| side(range.value, zero)));
+                restricted(&one.open, &sides)
+            };
+            part.iter().map(sift).collect::<Vec<_>>()
         };
-        let sifted: Vec<Option<Arc<OpenTree>>> =
-            par_map(self.job, &chunks, |_, part| part.iter().map(sift).collect::<Vec<_>>()).concat();
+        let sifted: Vec<Option<Arc<OpenTree>>> = par_map(self.job, &chunks, |_, part| sift(part)).concat();
         self.ask_values(evaluator, &pending, &sifted)?;
         let view = &*self;
-        let decide = |n: &u32| {
-            let open = sifted[*n as usize].as_ref()?;
-            view.verdict(&level, *n, &pending[*n as usize].tetrahedron, open, places)
+        let decide = |part: &[u32]| {
+            let mut buffers = Buffers::default();
+            let decide = |n: &u32| {
+                let open = sifted[*n as usize].as_ref()?;
+                let cell = CellAsked { level: &level, number: *n, one: pending[*n as usize].tetrahedron };
+                view.verdict(&cell, open, places, &mut buffers)
+            };
+            part.iter().map(decide).collect::<Vec<_>>()
         };
         let verdicts: Vec<Option<(Arc<OpenTree>, Verdict)>> =
-            par_map(self.job, &chunks, |_, part| part.iter().map(decide).collect::<Vec<_>>()).concat();
+            par_map(self.job, &chunks, |_, part| decide(part)).concat();
         let judged = pending.into_iter().zip(verdicts).filter_map(|(one, verdict)| {
             verdict.map(|(open, verdict)| (Pending { open, tetrahedron: one.tetrahedron }, verdict))
         });
@@ -343,43 +349,45 @@ impl<'a> FieldGrid<'a> {
     /// None for a cell that is decided.
     fn verdict(
         &self,
-        level: &Level,
-        number: u32,
-        one: &Tetrahedron,
+        cell: &CellAsked,
         open: &Arc<OpenTree>,
         places: &[Place],
+        buffers: &mut Buffers,
     ) -> Option<(Arc<OpenTree>, Verdict)> {
-        let [min, max] = level.boxes[level.box_of[number as usize] as usize];
+        let [min, max] = cell.level.boxes[cell.level.box_of[cell.number as usize] as usize];
         let widths = std::array::from_fn(|k| self.tetrahedra.length_of((max[k] - min[k]) as f64));
-        let longest = self.tetrahedra.longest(one.corners);
-        let facts_of = |open: &Arc<OpenTree>| {
-            let ranges: Vec<SlopeRange> = open.primitives.iter().map(|p| *level.range(number, *p)).collect();
-            let value = |v: u32, p: u32| self.values.get(v, p).expect("it was asked for");
-            let values: Vec<[f64; 4]> =
-                open.primitives.iter().map(|p| one.corners.map(|v| value(v, *p))).collect();
-            (ranges, values)
-        };
-        let (ranges, values) = facts_of(open);
-        let facts = CellFacts { csg: self.csg, open, ranges: &ranges, values: &values, widths, longest };
-        let zero = |at: usize| self.zero[open.primitives[at] as usize];
-        let sides: Vec<Membership> =
-            (0..open.primitives.len()).map(|at| side(facts.tightened(at), zero(at))).collect();
-        let left = restricted(open, &sides)?;
-        if longest > self.options.coarsest || self.is_asked_for(one, places) {
+        let longest = self.tetrahedra.longest(cell.one.corners);
+        self.fill(cell, open, buffers);
+        let Buffers { ranges, values, sides } = buffers;
+        let facts = CellFacts { csg: self.csg, open, ranges, values, widths, longest };
+        sides.clear();
+        sides.extend(
+            (0..values.len()).map(|k| side(facts.tightened(k), self.zero[open.primitives[k] as usize])),
+        );
+        let left = restricted(open, sides)?;
+        if longest > self.options.coarsest || self.is_asked_for(&cell.one, places) {
             return Some((left, Verdict::Cut));
         }
-        let is_done = if Arc::ptr_eq(&left, open) {
-            facts.is_done()
-        } else {
-            let (ranges, values) = facts_of(&left);
-            CellFacts { open: &left, ranges: &ranges, values: &values, ..facts }.is_done()
-        };
-        let verdict = match (is_done, longest <= self.options.floor) {
+        if !Arc::ptr_eq(&left, open) {
+            self.fill(cell, &left, buffers);
+        }
+        let Buffers { ranges, values, .. } = buffers;
+        let facts = CellFacts { csg: self.csg, open: &left, ranges, values, widths, longest };
+        let verdict = match (facts.is_done(), longest <= self.options.floor) {
             (true, _) => Verdict::Done,
             (false, true) => Verdict::TooSmall,
             (false, false) => Verdict::Cut,
         };
         Some((left, verdict))
+    }
+
+    /// Collects the answers about a cell.
+    fn fill(&self, cell: &CellAsked, open: &OpenTree, buffers: &mut Buffers) {
+        buffers.ranges.clear();
+        buffers.ranges.extend(cell.level.ranges_of(cell.number, open));
+        buffers.values.clear();
+        let value = |v: u32, p: u32| self.values.get(v, p).expect("it was asked for");
+        buffers.values.extend(open.primitives.iter().map(|p| cell.one.corners.map(|v| value(v, *p))));
     }
 
     /// Asks for ranges, once for each box: several tetrahedra have the same.
@@ -462,11 +470,30 @@ impl<'a> FieldGrid<'a> {
 }
 
 impl Level {
-    fn range(&self, cell: u32, primitive: u32) -> &SlopeRange {
+    /// The ranges of a tree's primitives in the box of a cell.
+    fn ranges_of<'l>(&'l self, cell: u32, open: &'l OpenTree) -> impl Iterator<Item = SlopeRange> + 'l {
         let [start, end] = self.asked[self.box_of[cell as usize] as usize];
         let part = start as usize..end as usize;
-        &self.ranges[start as usize + place(&self.primitives[part], primitive)]
+        let (primitives, ranges) = (&self.primitives[part.clone()], &self.ranges[part]);
+        let is_same = primitives.len() == open.primitives.len();
+        let of = move |(k, p): (usize, &u32)| ranges[if is_same { k } else { place(primitives, *p) }];
+        open.primitives.iter().enumerate().map(of)
     }
+}
+
+/// A cell with the answers for its level.
+struct CellAsked<'l> {
+    level: &'l Level,
+    number: u32,
+    one: Tetrahedron,
+}
+
+/// What is filled for one cell after the other.
+#[derive(Default)]
+struct Buffers {
+    ranges: Vec<SlopeRange>,
+    values: Vec<[f64; 4]>,
+    sides: Vec<Membership>,
 }
 
 /// On which side 0 is, by primitive.

@@ -33,11 +33,6 @@ impl GradientBox {
         Self { middle: self.middle.map(|x| -x), ..*self }
     }
 
-    /// With gradients around that are farther from the middle by a factor.
-    pub fn widened(&self, factor: f64) -> Self {
-        Self { half: self.half.map(|x| factor * x), ..*self }
-    }
-
     /// The least growth along the best direction of all, as a share of the middle's.
     pub fn growth(&self) -> f64 {
         length::<3>(std::array::from_fn(|k| {

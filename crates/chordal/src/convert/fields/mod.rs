@@ -28,5 +28,8 @@ mod tetrahedra;
 #[cfg_attr(not(test), allow(dead_code))]
 mod vertex_values;
 
+#[cfg(test)]
+mod tests;
+
 pub(super) use ask::Ask;
 pub(super) use search::{Wanted, search};

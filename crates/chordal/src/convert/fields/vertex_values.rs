@@ -27,7 +27,8 @@ impl VertexValues {
         self.first.push(NONE);
     }
 
-    pub fn get(&self, vertex: u32, primitive: u32) -> Option<f64> {
+    /// Where the value is among all.
+    pub fn index(&self, vertex: u32, primitive: u32) -> Option<usize> {
         let mut segment = self.first[vertex as usize];
         while segment != NONE {
             let Segment { start, len, next } = self.segments[segment as usize];
@@ -37,11 +38,20 @@ impl VertexValues {
                 several => several.binary_search(&primitive).ok(),
             };
             if let Some(k) = found {
-                return Some(self.values[part.start + k]);
+                return Some(part.start + k);
             }
             segment = next;
         }
         None
+    }
+
+    pub fn get(&self, vertex: u32, primitive: u32) -> Option<f64> {
+        self.index(vertex, primitive).map(|k| self.values[k])
+    }
+
+    /// All values, each with its primitive.
+    pub fn all(&self) -> impl Iterator<Item = (u32, f64)> + '_ {
+        self.primitives.iter().copied().zip(self.values.iter().copied())
     }
 
     /// Adds values that are not there yet; questions ascend by vertex and primitive.
