@@ -86,6 +86,8 @@ pub(super) struct CellFacts<'a> {
     pub ranges: &'a [SlopeRange],
     /// Values at the cell's corners.
     pub values: &'a [[f64; 4]],
+    /// Primitives that are taken to have one side throughout; none where the list is empty.
+    pub idle: &'a [bool],
     /// The sides of its box.
     pub widths: [f64; 3],
     pub longest: f64,
@@ -136,6 +138,9 @@ impl CellFacts<'_> {
     pub fn is_done(&self) -> bool {
         let mut entries: Vec<Entry> = Vec::with_capacity(self.open.primitives.len());
         for (at, range) in self.ranges.iter().enumerate() {
+            if self.idle.get(at) == Some(&true) {
+                continue;
+            }
             let Some(gradient) = range.gradient.as_ref().and_then(GradientBox::of) else { return false };
             if gradient.growth() < GROWTH {
                 return false;
@@ -148,7 +153,7 @@ impl CellFacts<'_> {
                 entries.push(Entry { at, gradient: gradient.negated() });
             }
         }
-        if entries.len() == 1 {
+        if entries.len() <= 1 {
             return true;
         }
         let gradients: Vec<GradientBox> = entries.iter().map(|e| e.gradient).collect();

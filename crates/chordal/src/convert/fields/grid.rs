@@ -8,7 +8,7 @@ use super::tetrahedra::{FewNumbersMap, Tetrahedra, Tetrahedron, WholeBox};
 use super::vertex_values::VertexValues;
 use crate::budget::{Job, par_map};
 use crate::implicit::{Csg, CsgNode, LeafError, Membership, PrimitiveEvaluator, SlopeRange};
-use crate::math::Box3;
+use crate::math::{Box3, Interval};
 use std::sync::Arc;
 
 /// What a grid is to be.
@@ -18,7 +18,8 @@ pub(in crate::convert) struct GridOptions {
     pub bounds: Box3,
     /// Cells whose longest edge is no longer than this are not cut, but for what is asked of [`FieldGrid::refine`].
     pub floor: f64,
-    /// Cells with a longer edge are cut wherever the boundary may be.
+    /// Cells with a longer edge are cut wherever the boundary may be. Of a function that is known at points only, this is how far apart they are
+    /// at first: what is smaller may be missed.
     pub coarsest: f64,
 }
 
@@ -65,6 +66,8 @@ pub(in crate::convert) struct FieldGrid<'a> {
     pub(super) values: VertexValues,
     /// By primitive.
     pub(super) zero: Vec<Zero>,
+    /// By primitive: whether functions of the user are in it, whose gradients may be known at points only.
+    has_leaves: Vec<bool>,
     cells: Vec<GridCell>,
     n_alive: usize,
     around: Incidence,
@@ -160,6 +163,7 @@ impl<'a> FieldGrid<'a> {
             tetrahedra,
             values: VertexValues::default(),
             zero: zeros(csg),
+            has_leaves: csg.primitives().iter().map(|p| p.tape().has_leaves()).collect(),
             cells: Vec::new(),
             n_alive: 0,
             around: Incidence::default(),
@@ -358,8 +362,8 @@ impl<'a> FieldGrid<'a> {
         let widths = std::array::from_fn(|k| self.tetrahedra.length_of((max[k] - min[k]) as f64));
         let longest = self.tetrahedra.longest(cell.one.corners);
         self.fill(cell, open, buffers);
-        let Buffers { ranges, values, sides } = buffers;
-        let facts = CellFacts { csg: self.csg, open, ranges, values, widths, longest };
+        let Buffers { ranges, values, sides, .. } = buffers;
+        let facts = CellFacts { csg: self.csg, open, ranges, values, idle: &[], widths, longest };
         sides.clear();
         sides.extend(
             (0..values.len()).map(|k| side(facts.tightened(k), self.zero[open.primitives[k] as usize])),
@@ -371,14 +375,35 @@ impl<'a> FieldGrid<'a> {
         if !Arc::ptr_eq(&left, open) {
             self.fill(cell, &left, buffers);
         }
-        let Buffers { ranges, values, .. } = buffers;
-        let facts = CellFacts { csg: self.csg, open: &left, ranges, values, widths, longest };
+        self.sample(cell, &left, buffers);
+        let Buffers { ranges, values, idle, .. } = buffers;
+        let facts = CellFacts { csg: self.csg, open: &left, ranges, values, idle, widths, longest };
         let verdict = match (facts.is_done(), longest <= self.options.floor) {
             (true, _) => Verdict::Done,
             (false, true) => Verdict::TooSmall,
             (false, false) => Verdict::Cut,
         };
         Some((left, verdict))
+    }
+
+    /// Takes gradients at the corners for the range of all where no other is known. A function whose values are not known in between either has
+    /// a say only where its sign changes among the corners.
+    fn sample(&self, cell: &CellAsked, open: &OpenTree, buffers: &mut Buffers) {
+        let Buffers { ranges, values, idle, .. } = buffers;
+        idle.clear();
+        idle.resize(values.len(), false);
+        for (k, p) in open.primitives.iter().enumerate() {
+            if !self.has_leaves[*p as usize] || ranges[k].gradient.is_some() {
+                continue;
+            }
+            let is_unknown = ranges[k].value == SlopeRange::UNKNOWN.value;
+            if is_unknown && values[k].iter().all(|x| (*x < 0.0) == (values[k][0] < 0.0)) {
+                idle[k] = true;
+                continue;
+            }
+            let at = cell.one.corners.map(|v| self.values.gradient(v, *p).unwrap_or([f64::NAN; 3]));
+            ranges[k].gradient = hull(&at);
+        }
     }
 
     /// Collects the answers about a cell.
@@ -463,8 +488,11 @@ impl<'a> FieldGrid<'a> {
         wanted.dedup();
         let questions: Vec<(u32, [f64; 3])> =
             wanted.iter().map(|(v, p)| (*p, self.tetrahedra.position(*v))).collect();
-        let values = evaluator.values(&questions)?;
-        self.values.extend(&wanted, &values);
+        if self.has_leaves.contains(&true) {
+            self.values.extend_slopes(&wanted, &evaluator.slopes(&questions)?);
+        } else {
+            self.values.extend(&wanted, &evaluator.values(&questions)?);
+        }
         Ok(())
     }
 }
@@ -494,6 +522,21 @@ struct Buffers {
     ranges: Vec<SlopeRange>,
     values: Vec<[f64; 4]>,
     sides: Vec<Membership>,
+    idle: Vec<bool>,
+}
+
+/// The least box that has all of the vectors.
+fn hull(vectors: &[[f64; 3]]) -> Option<[Interval; 3]> {
+    let mut all = [Interval::UNKNOWN; 3];
+    for (k, range) in all.iter_mut().enumerate() {
+        let (mut low, mut high) = (vectors[0][k], vectors[0][k]);
+        for v in vectors {
+            low = if v[k] < low { v[k] } else { low };
+            high = if v[k] > high { v[k] } else { high };
+        }
+        *range = Interval::new(low, high).ok()?;
+    }
+    Some(all)
 }
 
 /// On which side 0 is, by primitive.

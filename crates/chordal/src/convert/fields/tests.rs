@@ -1,11 +1,12 @@
 //! Grids and extracted surfaces of models whose truth is known, and of random ones that are as degenerate as can be.
 use super::extract::{RawSurface, extract};
 use super::grid::{FieldGrid, GridOptions, Place};
-use crate::budget::Job;
+use crate::budget::{Evidence, Job};
 use crate::check::{self_intersections, validity};
 use crate::explicit::{Mesh, Topology};
-use crate::implicit::{Csg, Expr, PrimitiveEvaluator, Unary};
+use crate::implicit::{Csg, Expr, Leaf, LeafError, Lipschitz, PrimitiveEvaluator, Unary};
 use crate::math::{Box3, cross, difference, dot, length};
+use std::sync::Arc;
 
 fn ball(centre: [f64; 3], radius: f64) -> Expr {
     let [x, y, z] = Expr::axes();
@@ -238,6 +239,44 @@ fn little_memory_ends_in_a_closed_mesh_all_the_same() {
     let grid = FieldGrid::build(&mut evaluator, options, &job).unwrap();
     assert!(grid.n_cells() < 6000 && !grid.unresolved().is_empty());
     assert_eq!(sound(&extract(&grid, &job), "gyroid in little memory"), 0);
+}
+
+/// A torus that is known at points only, or by its slope besides.
+#[derive(Debug)]
+struct Opaque {
+    lipschitz: Option<Lipschitz>,
+}
+
+impl Leaf for Opaque {
+    fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
+        for ([x, y, z], value) in points.iter().zip(out) {
+            let around = (x * x + y * y).sqrt() - 0.7;
+            *value = (around * around + z * z).sqrt() - 0.25;
+        }
+        Ok(())
+    }
+
+    fn lipschitz(&self) -> Option<Lipschitz> {
+        self.lipschitz
+    }
+
+    fn evidence(&self) -> Evidence {
+        Evidence::Measured { samples: 0 }
+    }
+}
+
+#[test]
+fn functions_known_at_points_are_meshed_by_samples() {
+    let slope = Lipschitz { constant: 1.0, error: 0.0 };
+    for (lipschitz, coarsest) in [(None, 0.3), (Some(slope), f64::INFINITY)] {
+        let torus = Expr::leaf(Arc::new(Opaque { lipschitz }), Expr::axes());
+        let [_, _, z] = Expr::axes();
+        let made = make(&torus.max(&(z - 0.1)), 1.0, [1e-2, coarsest], 1);
+        assert_eq!(sound(&made.surface, "half a torus"), 0);
+        let found = validity(&mesh(&made.surface), Topology::Indices);
+        assert_eq!((found.components, found.genus), (1, Some(1)));
+        assert!(made.surface.unresolved.is_empty() && made.n_cells < 30_000, "{}", made.n_cells);
+    }
 }
 
 /// Parts with small whole numbers, so that planes coincide, and four meet in a point; some with values that are whole numbers.

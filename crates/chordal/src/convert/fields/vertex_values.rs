@@ -1,5 +1,7 @@
 //! Values of primitives at vertices, each asked for once.
 
+use crate::implicit::Slope;
+
 /// No segment.
 const NONE: u32 = u32::MAX;
 
@@ -20,6 +22,8 @@ pub(super) struct VertexValues {
     /// Ascending in each segment.
     primitives: Vec<u32>,
     values: Vec<f64>,
+    /// As the values, where they are asked for at all.
+    gradients: Vec<[f64; 3]>,
 }
 
 impl VertexValues {
@@ -49,9 +53,21 @@ impl VertexValues {
         self.index(vertex, primitive).map(|k| self.values[k])
     }
 
+    /// The gradient there, if gradients were asked for.
+    pub fn gradient(&self, vertex: u32, primitive: u32) -> Option<[f64; 3]> {
+        self.index(vertex, primitive).and_then(|k| self.gradients.get(k).copied())
+    }
+
     /// All values, each with its primitive.
     pub fn all(&self) -> impl Iterator<Item = (u32, f64)> + '_ {
         self.primitives.iter().copied().zip(self.values.iter().copied())
+    }
+
+    /// As [`VertexValues::extend`], with gradients; a table has them for all of its values or for none.
+    pub fn extend_slopes(&mut self, questions: &[(u32, u32)], slopes: &[Slope<f64>]) {
+        let values: Vec<f64> = slopes.iter().map(|slope| slope.value).collect();
+        self.extend(questions, &values);
+        self.gradients.extend(slopes.iter().map(|slope| slope.gradient));
     }
 
     /// Adds values that are not there yet; questions ascend by vertex and primitive.
