@@ -86,6 +86,8 @@ pub(super) struct CellFacts<'a> {
     pub ranges: &'a [SlopeRange],
     /// Values at the cell's corners.
     pub values: &'a [[f64; 4]],
+    /// How far rounding may have moved these.
+    pub noise: &'a [f64],
     /// Primitives that are taken to have one side throughout; none where the list is empty.
     pub idle: &'a [bool],
     /// The sides of its box.
@@ -105,9 +107,12 @@ const OUTSIDE: f64 = -0.75;
 const MOST: usize = 16;
 /// Truth tables are asked for with so many other primitives.
 const MOST_OTHERS: usize = 6;
-/// What values may be off by through rounding, as a share of themselves. Chosen: far above the rounding of formulas that do not
-/// cancel, far below what matters.
-const SLACK: f64 = 1e-10;
+/// What a bound by the mean value theorem may be off by through its own rounding, as a share of what is added. Derived: some tens of
+/// roundings, with room.
+const SLACK: f64 = 1e-13;
+/// Values in the cell may be moved by rounding so many times as far as those at its corners. Chosen: a decided cell whose neighbour finds
+/// the other sign on their common face would leave a hole.
+const NOISE: f64 = 16.0;
 
 impl CellFacts<'_> {
     /// How far values in the cell are from the linear interpolant of those at its corners, by the mean value theorem with gradients in a box:
@@ -126,7 +131,7 @@ impl CellFacts<'_> {
         let [a, b] = ends(&self.values[at]);
         let size = if -a > b { -a } else { b };
         let stray = self.stray(at);
-        let stray = stray + SLACK * (stray + size);
+        let stray = stray + SLACK * (stray + size) + NOISE * self.noise[at];
         if stray.is_nan() || stray.is_infinite() {
             return [low, high];
         }

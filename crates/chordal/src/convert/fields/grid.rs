@@ -362,8 +362,8 @@ impl<'a> FieldGrid<'a> {
         let widths = std::array::from_fn(|k| self.tetrahedra.length_of((max[k] - min[k]) as f64));
         let longest = self.tetrahedra.longest(cell.one.corners);
         self.fill(cell, open, buffers);
-        let Buffers { ranges, values, sides, .. } = buffers;
-        let facts = CellFacts { csg: self.csg, open, ranges, values, idle: &[], widths, longest };
+        let Buffers { ranges, values, noise, sides, .. } = buffers;
+        let facts = CellFacts { csg: self.csg, open, ranges, values, noise, idle: &[], widths, longest };
         sides.clear();
         sides.extend(
             (0..values.len()).map(|k| side(facts.tightened(k), self.zero[open.primitives[k] as usize])),
@@ -376,8 +376,8 @@ impl<'a> FieldGrid<'a> {
             self.fill(cell, &left, buffers);
         }
         self.sample(cell, &left, buffers);
-        let Buffers { ranges, values, idle, .. } = buffers;
-        let facts = CellFacts { csg: self.csg, open: &left, ranges, values, idle, widths, longest };
+        let Buffers { ranges, values, noise, idle, .. } = buffers;
+        let facts = CellFacts { csg: self.csg, open: &left, ranges, values, noise, idle, widths, longest };
         let verdict = match (facts.is_done(), longest <= self.options.floor) {
             (true, _) => Verdict::Done,
             (false, true) => Verdict::TooSmall,
@@ -411,8 +411,14 @@ impl<'a> FieldGrid<'a> {
         buffers.ranges.clear();
         buffers.ranges.extend(cell.level.ranges_of(cell.number, open));
         buffers.values.clear();
-        let value = |v: u32, p: u32| self.values.get(v, p).expect("it was asked for");
-        buffers.values.extend(open.primitives.iter().map(|p| cell.one.corners.map(|v| value(v, *p))));
+        buffers.noise.clear();
+        for p in &open.primitives {
+            let at = cell.one.corners.map(|v| self.values.with_noise(v, *p).expect("it was asked for"));
+            buffers.values.push(at.map(|[value, _]| value));
+            buffers
+                .noise
+                .push(at.iter().fold(0.0, |most, [_, noise]| if *noise > most { *noise } else { most }));
+        }
     }
 
     /// Asks for ranges, once for each box: several tetrahedra have the same.
@@ -488,10 +494,13 @@ impl<'a> FieldGrid<'a> {
         wanted.dedup();
         let questions: Vec<(u32, [f64; 3])> =
             wanted.iter().map(|(v, p)| (*p, self.tetrahedra.position(*v))).collect();
+        let points: Vec<(u32, Box3)> =
+            questions.iter().map(|(p, at)| (*p, Box3 { min: *at, max: *at })).collect();
+        let noise: Vec<f64> = evaluator.ranges(&points)?.iter().map(width).collect();
         if self.has_leaves.contains(&true) {
-            self.values.extend_slopes(&wanted, &evaluator.slopes(&questions)?);
+            self.values.extend_slopes(&wanted, &evaluator.slopes(&questions)?, &noise);
         } else {
-            self.values.extend(&wanted, &evaluator.values(&questions)?);
+            self.values.extend(&wanted, &evaluator.values(&questions)?, &noise);
         }
         Ok(())
     }
@@ -521,8 +530,15 @@ struct CellAsked<'l> {
 struct Buffers {
     ranges: Vec<SlopeRange>,
     values: Vec<[f64; 4]>,
+    noise: Vec<f64>,
     sides: Vec<Membership>,
     idle: Vec<bool>,
+}
+
+/// Infinite where an end is not known.
+fn width([low, high]: &[f64; 2]) -> f64 {
+    let width = high - low;
+    if width.is_nan() { f64::INFINITY } else { width }
 }
 
 /// The least box that has all of the vectors.

@@ -194,6 +194,18 @@ fn flat_models_are_exact() {
 }
 
 #[test]
+fn values_full_of_rounding_leave_no_holes() {
+    let [x, y, z] = Expr::axes();
+    // A double cone whose values are off by some 1e-9, in cells whose values are far below that.
+    let cone = (x.square() - y.square() - z.square() + 1e7) - 1e7;
+    for floor in [1e-3, 1e-6, 1e-9] {
+        let made = make(&cone.max(&ball([0.0; 3], 1.0)), 1.25, [floor, f64::INFINITY], 1);
+        sound(&made.surface, "noisy cone");
+        assert!(!made.surface.unresolved.is_empty());
+    }
+}
+
+#[test]
 fn cells_do_not_depend_on_the_floor() {
     let coarse = make(&csg6(), 1.25, [1e-2, f64::INFINITY], 1);
     let fine = make(&csg6(), 1.25, [1e-6, f64::INFINITY], 1);

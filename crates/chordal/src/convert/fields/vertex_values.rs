@@ -22,6 +22,8 @@ pub(super) struct VertexValues {
     /// Ascending in each segment.
     primitives: Vec<u32>,
     values: Vec<f64>,
+    /// As the values: how far rounding may have moved each.
+    noise: Vec<f64>,
     /// As the values, where they are asked for at all.
     gradients: Vec<[f64; 3]>,
 }
@@ -53,6 +55,11 @@ impl VertexValues {
         self.index(vertex, primitive).map(|k| self.values[k])
     }
 
+    /// The value, and how far rounding may have moved it.
+    pub fn with_noise(&self, vertex: u32, primitive: u32) -> Option<[f64; 2]> {
+        self.index(vertex, primitive).map(|k| [self.values[k], self.noise[k]])
+    }
+
     /// The gradient there, if gradients were asked for.
     pub fn gradient(&self, vertex: u32, primitive: u32) -> Option<[f64; 3]> {
         self.index(vertex, primitive).and_then(|k| self.gradients.get(k).copied())
@@ -64,14 +71,14 @@ impl VertexValues {
     }
 
     /// As [`VertexValues::extend`], with gradients; a table has them for all of its values or for none.
-    pub fn extend_slopes(&mut self, questions: &[(u32, u32)], slopes: &[Slope<f64>]) {
+    pub fn extend_slopes(&mut self, questions: &[(u32, u32)], slopes: &[Slope<f64>], noise: &[f64]) {
         let values: Vec<f64> = slopes.iter().map(|slope| slope.value).collect();
-        self.extend(questions, &values);
+        self.extend(questions, &values, noise);
         self.gradients.extend(slopes.iter().map(|slope| slope.gradient));
     }
 
     /// Adds values that are not there yet; questions ascend by vertex and primitive.
-    pub fn extend(&mut self, questions: &[(u32, u32)], values: &[f64]) {
+    pub fn extend(&mut self, questions: &[(u32, u32)], values: &[f64], noise: &[f64]) {
         for same in questions.chunk_by(|a, b| a.0 == b.0) {
             let start = self.primitives.len() as u32;
             self.primitives.extend(same.iter().map(|(_, primitive)| *primitive));
@@ -80,6 +87,7 @@ impl VertexValues {
             *first = self.segments.len() as u32 - 1;
         }
         self.values.extend_from_slice(values);
+        self.noise.extend_from_slice(noise);
     }
 }
 
@@ -91,12 +99,13 @@ mod tests {
     fn values_are_found_where_they_were_put() {
         let mut table = VertexValues::default();
         (0..3).for_each(|_| table.push_vertex());
-        table.extend(&[(0, 4), (2, 1), (2, 7)], &[0.5, 1.5, 2.5]);
-        table.extend(&[(0, 2), (0, 9)], &[3.5, 4.5]);
+        table.extend(&[(0, 4), (2, 1), (2, 7)], &[0.5, 1.5, 2.5], &[0.0; 3]);
+        table.extend(&[(0, 2), (0, 9)], &[3.5, 4.5], &[0.25; 2]);
         assert_eq!(
             [(0, 4), (2, 1), (2, 7), (0, 2), (0, 9)].map(|(v, p)| table.get(v, p)),
             [0.5, 1.5, 2.5, 3.5, 4.5].map(Some)
         );
+        assert_eq!(table.with_noise(0, 9), Some([4.5, 0.25]));
         assert_eq!([(1, 4), (2, 2), (0, 3)].map(|(v, p)| table.get(v, p)), [None; 3]);
     }
 }
