@@ -1,10 +1,20 @@
 //! `field_deviation`: how far a mesh is from the surface of a field, certified from both sides.
+mod apart;
 mod backward;
+mod cover;
 mod forward;
 mod from_field;
 mod from_mesh;
+mod growth;
+mod judge;
+mod judged;
+mod lift;
+mod local_trees;
 mod measured;
+mod pieces;
 mod probe;
+mod regions;
+mod sandwich;
 mod slope;
 mod witness;
 
@@ -103,6 +113,11 @@ pub fn field_deviation(
         let floor = FLOOR * reach(mesh, &bounds);
         let search = Search { mesh, tape, bounds, goal, job, floor };
         let enclosure = Enclosure::new(mesh, &bvh);
+        if enclosure.is_closed() {
+            if let Some(found) = judged::judged(&search, &bvh)? {
+                return Ok(found);
+            }
+        }
         let (forward, backward) = search.both(&bvh, &enclosure)?;
         Ok(search.conclusion(&forward, &backward, &bvh))
     })

@@ -13,8 +13,8 @@ use crate::math::{Box3, Interval, add_up, mul_up};
 /// A ball with a point of the surface in it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Witness {
-    at: [f64; 3],
-    within: f64,
+    pub at: [f64; 3],
+    pub within: f64,
 }
 
 impl Witness {
@@ -107,8 +107,10 @@ pub(super) fn certified(
     let ends: Vec<Box3> = ways.iter().flatten().map(|p| Box3 { min: *p, max: *p }).collect();
     let mut signs = vec![Interval::UNKNOWN; ends.len()];
     tape.over(&ends, &mut signs)?;
+    // A point where F is 0 may be in a closed crack, with nothing of the surface about it.
+    let is_above = |sign: Interval| is_outside(sign) && sign.lo() > 0.0;
     let sure = |signs: &[Interval]| {
-        is_inside(signs[0]) && is_outside(signs[1]) || is_outside(signs[0]) && is_inside(signs[1])
+        is_inside(signs[0]) && is_above(signs[1]) || is_above(signs[0]) && is_inside(signs[1])
     };
     let ball = |way: &[[f64; 3]; 2]| {
         let at = middle(way);

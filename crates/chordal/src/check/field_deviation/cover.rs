@@ -1,0 +1,360 @@
+//! `FieldCover`: cells over a field's domain which show that no part of its surface is hidden from a mesh.
+//!
+//! **Lemma (cover).** Let closed cells cover a cube about the field's bounds, so that those which meet the cube's boundary do not meet the
+//! bounds. Let each be
+//! - *decided*: F < 0 on all of it but for cracks, or F ≥ 0 on all of it,
+//! - *growing*: with a direction n and a rate g > 0 so that n·γ ≥ g for every generalized gradient γ, in a box that holds the cell in its
+//!   interior, of every literal that can have the value of F there; the literals are Lipschitz in that box, or
+//! - *terminal*: known to be seen in another way ([`super::walls`], [`super::judge`]).
+//!
+//! Then each component of A* (the interior of the closure of {F < 0}) meets a decided inner or a terminal cell, and each component of B*
+//! (the interior of {F ≥ 0}) a decided outer or a terminal one.
+//!
+//! *Proof.* Let x(0) lie in A* and, as A is dense there, in A. While x(t) lies in growing cells only, let x' be in −conv{n_C : C holds x}.
+//! This set is convex and upper semicontinuous in x, as cells are closed and locally finite, so there is a solution (Filippov), until a cell of another kind is
+//! met. Along it F changes at a rate in {γ·x' : γ in ∂F(x)} almost everywhere (Clarke's chain rule), and ∂F(x) lies in the hull of the
+//! gradients of the literals that have the value F(x) at x. For each C that holds x these are among the literals of C, as a literal
+//! is left out only where it never has the value, and x is in the interior of C's box. So F falls at the least rate of all cells
+//! at least, and it is bounded below, so in finite time another cell is met. The way there is connected and lies in A. A decided cell there
+//! is an inner one since F < 0. Upwards from B* likewise: F > 0 on the way, but for its start. Outside of the cube there is nothing of A by the word of the bounds, and what is
+//! of B* there is joined to the cells on the cube's boundary, which are decided by the same word. ∎
+//!
+//! A decided cell lies in the closure of A*, or of B*, with its interior in it, and so does the interior of two such cells of one side that share a part of a
+//! side. So decided cells are joined across sides, and one point of each set is enough.
+//!
+//! *By value, not by sign*: with the literals that may vanish in place of those that may have the value there are fewer cells, but the flow may run
+//! in circles, and then nothing is shown.
+//!
+//! Cells share their sides bit for bit. Ranges are taken over boxes that are a little larger, so that cells lie in their interiors. The
+//! cover depends on the field alone. Cells that are none of these at a floor are *open*: [`FieldCover::refine`] divides them further.
+//!
+//! Sources: F. Clarke, *Optimization and nonsmooth analysis*, 1983, 2.3 and 2.6; A. Filippov, *Differential equations with discontinuous
+//! righthand sides*, 1988.
+use super::growth::direction;
+use super::local_trees::LocalTrees;
+use super::regions::side_of;
+use crate::implicit::{LeafError, Membership, PrimitiveEvaluator, SlopeRange};
+use crate::math::{Box3, Interval, add_down, add_up, mul_up, sub_up};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum CellState {
+    /// Decided.
+    Decided(Membership),
+    /// The field grows along a direction.
+    Grows,
+    /// A terminal cell, seen through walls.
+    Walls,
+    /// None of these.
+    Open,
+    /// Divided; its children follow each other from here.
+    Divided(u32),
+}
+
+/// A cell of the octree.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CoverCell {
+    /// Its lowest corner, in cells of its level.
+    corner: [u32; 3],
+    level: u32,
+    pub state: CellState,
+    /// The tree that has the value of the whole in it.
+    pub tree: u32,
+}
+
+/// A point of a set that the mesh has to wind around in the right way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SeenPoint {
+    pub at: [f64; 3],
+    pub side: Membership,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct FieldCover {
+    /// The cube is `origin + [0, 2^DEEPEST·unit]³`.
+    origin: [f64; 3],
+    unit: f64,
+    bounds: Box3,
+    pub cells: Vec<CoverCell>,
+    trees: LocalTrees,
+    pub open: Vec<u32>,
+}
+
+/// Halvings at most: corners are whole numbers of u32, and a cell of this level is 2⁻³⁰ of the cube.
+const DEEPEST: u32 = 30;
+/// The cube's side as a multiple of the longest side of the bounds, and where its middle is off theirs: cells of level 2 on the rim do
+/// not meet the bounds, and planes of symmetry do not run along sides of cells. Chosen.
+const ROOM: f64 = 2.25;
+const OFF_CENTRE: [f64; 3] = [0.0137, 0.0071, -0.0113];
+/// The first level whose cells are looked at: those on the rim do not meet the bounds.
+const FIRST: u32 = 2;
+/// Boxes that are looked at are larger than cells by this share of the largest coordinate.
+const PAD: f64 = 8.0 * f64::EPSILON;
+/// Cells at most. Defined: half a gigabyte with their trees.
+const MOST_CELLS: usize = 1 << 22;
+
+/// What is known of a cell that is looked at.
+struct CellRanges {
+    bounds: Box3,
+    slopes: Vec<SlopeRange>,
+}
+
+impl FieldCover {
+    /// A cover of which nothing is looked at yet.
+    pub fn new(evaluator: &PrimitiveEvaluator, bounds: &Box3) -> Self {
+        let longest =
+            (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, |a: f64, b| if b > a { b } else { a });
+        let reach =
+            bounds.min.iter().chain(&bounds.max).fold(0.0, |a: f64, b| if b.abs() > a { b.abs() } else { a });
+        // A box that is nearly a point gets a cube that is larger than the padding of its cells.
+        let least = reach * f64::EPSILON * f64::from(1 << 20);
+        let longest = if longest > least { longest } else { least };
+        let longest =
+            if longest > 0.0 { longest } else { f64::MIN_POSITIVE * f64::from(1 << 30) * f64::from(1 << 20) };
+        let side = ROOM * longest;
+        let unit = side / f64::from(1 << DEEPEST);
+        let centre = bounds.centre();
+        let origin = std::array::from_fn(|k| centre[k] + OFF_CENTRE[k] * longest - 0.5 * side);
+        let root = CoverCell { corner: [0; 3], level: 0, state: CellState::Open, tree: 0 };
+        let trees = LocalTrees::new(evaluator.csg().tree());
+        Self { origin, unit, bounds: *bounds, cells: vec![root], trees, open: vec![0] }
+    }
+
+    /// The cube.
+    pub fn domain(&self) -> Box3 {
+        self.bounds_of(&self.cells[0])
+    }
+
+    pub fn size_of(&self, cell: u32) -> f64 {
+        f64::from(1_u32 << (DEEPEST - self.cells[cell as usize].level)) * self.unit
+    }
+
+    pub fn bounds_of(&self, cell: &CoverCell) -> Box3 {
+        let side = 1_u32 << (DEEPEST - cell.level);
+        let at = |k: usize, i: u32| self.origin[k] + f64::from(i) * self.unit;
+        Box3 {
+            min: std::array::from_fn(|k| at(k, cell.corner[k] * side)),
+            max: std::array::from_fn(|k| at(k, (cell.corner[k] + 1) * side)),
+        }
+    }
+
+    /// Divides open cells that are larger than a floor, and what is still open of them, until none is left or there are too many.
+    /// `is_worth` says which ones.
+    pub fn refine(
+        &mut self,
+        evaluator: &mut PrimitiveEvaluator,
+        floor: f64,
+        mut is_worth: impl FnMut(&Box3) -> bool,
+    ) -> Result<(), LeafError> {
+        loop {
+            let (mut now, mut later) = (Vec::new(), Vec::new());
+            for cell in std::mem::take(&mut self.open) {
+                let bounds = self.bounds_of(&self.cells[cell as usize]);
+                let level = self.cells[cell as usize].level;
+                let is_large = self.size_of(cell) > floor && level < DEEPEST;
+                let has_room = self.cells.len() + 8 * now.len() < MOST_CELLS;
+                let is_divided = level < FIRST || is_large && has_room && is_worth(&bounds);
+                if is_divided { now.push(cell) } else { later.push(cell) }
+            }
+            self.open = later;
+            if now.is_empty() {
+                return Ok(());
+            }
+            let parts: Vec<u32> = now.iter().flat_map(|cell| self.divide(*cell)).collect();
+            self.look(evaluator, &parts)?;
+        }
+    }
+
+    /// The children of a cell.
+    fn divide(&mut self, cell: u32) -> std::ops::Range<u32> {
+        let CoverCell { corner, level, tree, .. } = self.cells[cell as usize];
+        let first = self.cells.len() as u32;
+        self.cells[cell as usize].state = CellState::Divided(first);
+        self.cells.extend((0..8_u32).map(|octant| CoverCell {
+            corner: std::array::from_fn(|k| 2 * corner[k] + (octant >> k & 1)),
+            level: level + 1,
+            state: CellState::Open,
+            tree,
+        }));
+        first..first + 8
+    }
+
+    /// Looks at cells. What stays open is added to the list.
+    fn look(&mut self, evaluator: &mut PrimitiveEvaluator, cells: &[u32]) -> Result<(), LeafError> {
+        let mut asked = Vec::with_capacity(cells.len());
+        for cell in cells {
+            let bounds = self.bounds_of(&self.cells[*cell as usize]);
+            let meets =
+                (0..3).all(|k| bounds.min[k] <= self.bounds.max[k] && bounds.max[k] >= self.bounds.min[k]);
+            if !meets {
+                self.cells[*cell as usize].state = CellState::Decided(Membership::Outside);
+            } else if self.cells[*cell as usize].level < FIRST {
+                self.open.push(*cell);
+            } else {
+                asked.push((*cell, padded(&bounds)));
+            }
+        }
+        let primitives =
+            |cover: &Self, cell: u32| cover.trees.get(cover.cells[cell as usize].tree).primitives.clone();
+        let questions: Vec<(u32, Box3)> = asked
+            .iter()
+            .flat_map(|(cell, bounds)| primitives(self, *cell).into_iter().map(|p| (p, *bounds)))
+            .collect();
+        let slopes = evaluator.slope_ranges(&questions)?;
+        let mut rest = slopes.as_slice();
+        let mut left: Vec<(u32, CellRanges)> = Vec::new();
+        for (cell, bounds) in asked {
+            let (own, after) = rest.split_at(primitives(self, cell).len());
+            rest = after;
+            let ranges = CellRanges { bounds, slopes: own.to_vec() };
+            if !self.decide(cell, &ranges) {
+                left.push((cell, ranges));
+            }
+        }
+        self.sharpen(evaluator, &mut left)?;
+        for (cell, ranges) in left {
+            if !self.decide(cell, &ranges) {
+                self.direct(cell, &ranges);
+                if self.cells[cell as usize].state == CellState::Open {
+                    self.open.push(cell);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a cell is on one side.
+    fn decide(&mut self, cell: u32, ranges: &CellRanges) -> bool {
+        let local = self.trees.get(self.cells[cell as usize].tree);
+        let sides: Vec<Membership> = ranges.slopes.iter().map(|slope| side_of(&slope.value)).collect();
+        let side = local.membership(&sides, &ranges.slopes);
+        if side != Membership::Unknown {
+            self.cells[cell as usize].state = CellState::Decided(side);
+        }
+        side != Membership::Unknown
+    }
+
+    /// Ranges of values by the mean value theorem about the middles of cells.
+    fn sharpen(
+        &self,
+        evaluator: &mut PrimitiveEvaluator,
+        left: &mut [(u32, CellRanges)],
+    ) -> Result<(), LeafError> {
+        let mut questions = Vec::new();
+        for (cell, ranges) in left.iter() {
+            let local = self.trees.get(self.cells[*cell as usize].tree);
+            let centre = ranges.bounds.centre();
+            questions.extend(local.primitives.iter().map(|p| (*p, Box3 { min: centre, max: centre })));
+        }
+        let middles = evaluator.ranges(&questions)?;
+        let mut rest = middles.as_slice();
+        for (_, ranges) in left {
+            let (own, after) = rest.split_at(ranges.slopes.len());
+            rest = after;
+            let centre = ranges.bounds.centre();
+            for (slope, middle) in ranges.slopes.iter_mut().zip(own) {
+                let Some(gradient) = slope.gradient else { continue };
+                let stray = (0..3).fold(0.0, |sum, k| {
+                    let (low, high) =
+                        (sub_up(centre[k], ranges.bounds.min[k]), sub_up(ranges.bounds.max[k], centre[k]));
+                    add_up(sum, mul_up(gradient[k].magnitude(), if low > high { low } else { high }))
+                });
+                let (low, high) = (add_down(middle[0], -stray), add_up(middle[1], stray));
+                let [a, b] = &mut slope.value;
+                *a = if low > *a { low } else { *a };
+                *b = if high < *b { high } else { *b };
+            }
+        }
+        Ok(())
+    }
+
+    /// Leaves out the literals that never have the value, and looks for a direction in which all others grow.
+    fn direct(&mut self, cell: u32, ranges: &CellRanges) {
+        let before = self.cells[cell as usize].tree;
+        let values: Vec<[f64; 2]> = ranges.slopes.iter().map(|slope| slope.value).collect();
+        let tree = self.trees.by_value(before, &values);
+        let (old, local) = (self.trees.get(before), self.trees.get(tree));
+        let gradients: Option<Vec<[Interval; 3]>> = local
+            .literals()
+            .map(|(p, falls)| {
+                let gradient = ranges.slopes[old.place(p)].gradient?;
+                Some(if falls { gradient.map(|d| -d) } else { gradient })
+            })
+            .collect();
+        let grows = gradients.is_some_and(|gradients| direction(&gradients).is_some());
+        self.cells[cell as usize].tree = tree;
+        if grows {
+            self.cells[cell as usize].state = CellState::Grows;
+        }
+    }
+
+    /// Which leaf holds a cell of a level, if it is of that level or larger.
+    fn leaf(&self, corner: [u32; 3], level: u32) -> Option<u32> {
+        let mut cell = 0_u32;
+        loop {
+            let of = &self.cells[cell as usize];
+            let CellState::Divided(first) = of.state else { return Some(cell) };
+            if of.level == level {
+                return None;
+            }
+            let shift = level - of.level - 1;
+            let octant = (0..3).fold(0, |octant, k| octant | (corner[k] >> shift & 1) << k);
+            cell = first + octant;
+        }
+    }
+
+    /// A point of each set of decided cells of one side that are joined across sides: the middle of its largest cell.
+    pub fn decided_sets(&self) -> Vec<SeenPoint> {
+        let n = self.cells.len();
+        let mut sets: Vec<u32> = (0..n as u32).collect();
+        for (number, cell) in self.cells.iter().enumerate() {
+            if !matches!(cell.state, CellState::Decided(_)) {
+                continue;
+            }
+            for (axis, step) in [(0, 1_i64), (1, 1), (2, 1), (0, -1), (1, -1), (2, -1)] {
+                let moved = i64::from(cell.corner[axis]) + step;
+                if moved < 0 || moved >= 1 << cell.level {
+                    continue;
+                }
+                let mut corner = cell.corner;
+                corner[axis] = moved as u32;
+                let Some(other) = self.leaf(corner, cell.level) else { continue };
+                if self.cells[other as usize].state == cell.state {
+                    let (a, b) = (root(&mut sets, number as u32), root(&mut sets, other));
+                    // The lower number stays, whatever the order.
+                    let (low, high) = if a < b { (a, b) } else { (b, a) };
+                    sets[high as usize] = low;
+                }
+            }
+        }
+        let mut largest: Vec<Option<u32>> = vec![None; n];
+        for (number, cell) in self.cells.iter().enumerate() {
+            if matches!(cell.state, CellState::Decided(_)) {
+                let best = &mut largest[root(&mut sets, number as u32) as usize];
+                if best.is_none_or(|best| self.cells[best as usize].level > cell.level) {
+                    *best = Some(number as u32);
+                }
+            }
+        }
+        let point = |number: u32| {
+            let cell = &self.cells[number as usize];
+            let CellState::Decided(side) = cell.state else { unreachable!("only decided cells are in sets") };
+            SeenPoint { at: self.bounds_of(cell).centre(), side }
+        };
+        largest.into_iter().flatten().map(point).collect()
+    }
+}
+
+fn root(sets: &mut [u32], mut of: u32) -> u32 {
+    while sets[of as usize] != of {
+        sets[of as usize] = sets[sets[of as usize] as usize];
+        of = sets[of as usize];
+    }
+    of
+}
+
+fn padded(bounds: &Box3) -> Box3 {
+    let reach =
+        bounds.min.iter().chain(&bounds.max).fold(0.0, |a: f64, b| if b.abs() > a { b.abs() } else { a });
+    let pad = PAD * reach;
+    Box3 { min: bounds.min.map(|x| (x - pad).next_down()), max: bounds.max.map(|x| (x + pad).next_up()) }
+}

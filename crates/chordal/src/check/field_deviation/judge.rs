@@ -1,0 +1,125 @@
+//! `FieldJudge`: judges meshes against one field, from both sides at once.
+//!
+//! A [`Sandwich`] of two displaced copies of the mesh bounds both directions, provided that each component of the inside and of the
+//! outside is seen: that the outer copy winds once around a point of each inner one, and the inner copy not at all around one of each
+//! outer one. The cells of a [`FieldCover`] list such points.
+//!
+//! **Open cells.** A cell that the cover leaves open is as good as decided where the outer copy misses it and winds once around it, and the inner
+//! copy misses it and does not wind around it: a flow that ends in the cell ends in a component of A* around which the outer
+//! copy winds once, since it misses A*; likewise for B*. So where solids touch, cells between both copies settle it.
+use super::apart::is_apart;
+use super::cover::{FieldCover, SeenPoint};
+use super::failed;
+use super::regions::SignRegions;
+use super::sandwich::{Sandwich, SandwichGoal};
+use crate::budget::{Job, Stopped};
+use crate::explicit::{Bvh, Enclosure, Mesh};
+use crate::implicit::{Csg, LeafError, Membership, PrimitiveEvaluator};
+use crate::math::Box3;
+
+/// What was found out about a mesh.
+#[derive(Clone, Debug)]
+pub(crate) struct Verdict {
+    /// Faces that were not proved to be within the limit, or any, for want of a copy of them outside, and inside; ascending.
+    pub open: [Vec<u32>; 2],
+    /// By face, how far its points are from the surface at most, where it is not open.
+    pub bounds: Vec<f64>,
+    /// The largest of them.
+    pub bound: f64,
+    /// Points inside that the mesh does not wind around once, and points outside that it winds around.
+    pub wrong: Vec<SeenPoint>,
+    /// Places where a part of the surface could be hidden from the mesh.
+    pub unresolved: Vec<Box3>,
+}
+
+impl Verdict {
+    /// Whether the mesh and the surface are within the bound of each other.
+    pub fn is_proved(&self) -> bool {
+        self.open.iter().all(Vec::is_empty) && self.wrong.is_empty() && self.unresolved.is_empty()
+    }
+}
+
+/// Judges meshes against one field; the more, the cheaper each.
+pub(crate) struct FieldJudge<'a> {
+    evaluator: PrimitiveEvaluator<'a>,
+    cover: FieldCover,
+    regions: SignRegions,
+    job: &'a Job,
+}
+
+/// The first cover's cells are no smaller than this share of its cube: what is still open is looked at with the mesh. Chosen.
+const FIRST_FLOOR: f64 = 1.0 / 128.0;
+/// Cells between both copies are this share of their distance, which is up to twice the bound. Chosen: a cell of a quarter fits if it
+/// is not unlucky.
+const CELL_SHARE: f64 = 0.125;
+
+impl<'a> FieldJudge<'a> {
+    /// Looks at the field.
+    pub fn new(csg: &'a Csg, bounds: &Box3, job: &'a Job) -> Result<Self, LeafError> {
+        let evaluator = PrimitiveEvaluator::new(csg, bounds, job);
+        let mut cover = FieldCover::new(&evaluator, bounds);
+        let domain = cover.domain();
+        let mut evaluator = PrimitiveEvaluator::new(csg, &domain, job);
+        let floor = FIRST_FLOOR * (domain.max[0] - domain.min[0]);
+        cover.refine(&mut evaluator, floor, |_| true)?;
+        let regions = SignRegions::new(&evaluator, &domain);
+        Ok(Self { evaluator, cover, regions, job })
+    }
+
+    /// Judges a closed mesh.
+    pub fn look(&mut self, mesh: &Mesh, goal: &SandwichGoal) -> Result<Verdict, Stopped> {
+        let sandwich = Sandwich::of(&mut self.regions, &mut self.evaluator, mesh, goal).map_err(failed)?;
+        let bound = sandwich.bounds.iter().fold(0.0, |most: f64, x| if *x > most { *x } else { most });
+        let copies: Vec<Mesh> = sandwich
+            .copies
+            .into_iter()
+            .map(|positions| Mesh::new(positions, mesh.faces().to_vec()).expect("displacements are finite"))
+            .collect();
+        let bvhs = [Bvh::build(&copies[0], self.job)?, Bvh::build(&copies[1], self.job)?];
+        let seen = SeenCopies {
+            meshes: [&copies[0], &copies[1]],
+            bvhs: [&bvhs[0], &bvhs[1]],
+            enclosures: [Enclosure::new(&copies[0], &bvhs[0]), Enclosure::new(&copies[1], &bvhs[1])],
+        };
+        let is_closed = sandwich.open.iter().all(Vec::is_empty);
+        let floor = if is_closed { CELL_SHARE * bound } else { f64::INFINITY };
+        self.cover.refine(&mut self.evaluator, floor, |bounds| !seen.settles(bounds)).map_err(failed)?;
+        let open = self.cover.open.iter().map(|cell| self.cover.bounds_of(&self.cover.cells[*cell as usize]));
+        let unresolved = open.filter(|bounds| !seen.settles(bounds)).collect();
+        let wrong = self.cover.decided_sets().into_iter().filter(|point| !seen.is_right(point)).collect();
+        Ok(Verdict { open: sandwich.open, bounds: sandwich.bounds, bound, wrong, unresolved })
+    }
+}
+
+/// The outer and the inner copy.
+struct SeenCopies<'a> {
+    meshes: [&'a Mesh; 2],
+    bvhs: [&'a Bvh; 2],
+    enclosures: [Enclosure<'a>; 2],
+}
+
+/// How often the outer copy winds around what is inside, and the inner one around what is outside.
+const WINDINGS: [f64; 2] = [1.0, 0.0];
+
+impl SeenCopies<'_> {
+    fn winding(&self, copy: usize, at: [f64; 3]) -> f64 {
+        self.enclosures[copy].inside(at).winding.value
+    }
+
+    fn is_right(&self, point: &SeenPoint) -> bool {
+        let copy = usize::from(point.side == Membership::Outside);
+        self.winding(copy, point.at) == WINDINGS[copy]
+    }
+
+    /// Whether a cell is between both copies.
+    fn settles(&self, bounds: &Box3) -> bool {
+        let centre = bounds.centre();
+        (0..2).all(|copy| {
+            let mut is_free = true;
+            self.bvhs[copy].about(bounds, |face| {
+                is_free = is_free && is_apart(bounds, &self.meshes[copy].corners(face as usize));
+            });
+            is_free && self.winding(copy, centre) == WINDINGS[copy]
+        })
+    }
+}

@@ -1,0 +1,345 @@
+//! How far the vertices of a mesh are to be displaced so that it lies on one side of a field's surface: a guess from samples.
+//!
+//! On a face each primitive that decides is taken as a distance, value by gradient, at some points. The CSG tree says at each point which
+//! of them have to be on a side so that the whole is: of an intersection that is to be outside the one that is nearest to it, of a
+//! union all. A primitive that has to be raised is asked to be above 0 at the three corners, by what it lacks there and by how much its
+//! samples lie below the plane through the corners. Displacements are linear over a face, so then it is above 0 at all samples.
+//!
+//! Nothing here is proved, nor has to be: whatever the displacements are, signs on the displaced faces are.
+use super::local_trees::LocalTree;
+use super::regions::SignRegions;
+use crate::explicit::Mesh;
+use crate::implicit::{CsgNode, LeafError, PrimitiveEvaluator, Slope};
+use crate::math::{Box3, dot, length};
+
+/// What a face asks of its corners: `direction · displacement ≥ lack + share · margin` at each.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Demand {
+    pub directions: [[f64; 3]; 3],
+    pub lacks: [f64; 3],
+    /// 1 where the primitive is near, 0 where it is as far as a displacement is long.
+    pub shares: [f64; 3],
+}
+
+/// The demands of all faces for one side.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Demands {
+    all: Vec<Demand>,
+    /// Where those of a face begin; one more than there are faces.
+    starts: Vec<u32>,
+}
+
+impl Demands {
+    pub fn of_face(&self, face: u32) -> &[Demand] {
+        &self.all[self.starts[face as usize] as usize..self.starts[face as usize + 1] as usize]
+    }
+}
+
+/// Barycentric coordinates of the samples: the corners; beside them, for gradients, since primitives may have a kink at a vertex; beside the
+/// middles of the sides; and the middle.
+const BESIDE: f64 = 1.0 / 16.0;
+const SAMPLES: [[f64; 3]; 10] = [
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [1.0 - 2.0 * BESIDE, BESIDE, BESIDE],
+    [BESIDE, 1.0 - 2.0 * BESIDE, BESIDE],
+    [BESIDE, BESIDE, 1.0 - 2.0 * BESIDE],
+    [0.5 - BESIDE, 0.5 - BESIDE, 2.0 * BESIDE],
+    [2.0 * BESIDE, 0.5 - BESIDE, 0.5 - BESIDE],
+    [0.5 - BESIDE, 2.0 * BESIDE, 0.5 - BESIDE],
+    [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
+];
+
+/// Primitives at the samples of faces.
+struct FaceSamples {
+    /// By face, the number of its tree; none for faces that the sign of no primitive decides.
+    trees: Vec<Option<u32>>,
+    slopes: Vec<Slope<f64>>,
+    /// Where those of a face begin.
+    starts: Vec<usize>,
+}
+
+impl FaceSamples {
+    /// Of all faces, each with the primitives that decide within a distance of it.
+    fn of(
+        regions: &mut SignRegions,
+        evaluator: &mut PrimitiveEvaluator,
+        mesh: &Mesh,
+        bands: &[f64],
+    ) -> Result<Self, LeafError> {
+        let boxes: Vec<Box3> =
+            (0..bands.len()).map(|face| inflated(&mesh.corners(face), bands[face])).collect();
+        let trees: Vec<Option<u32>> =
+            regions.trees_of(evaluator, &boxes)?.into_iter().map(Result::ok).collect();
+        let mut questions = Vec::new();
+        let mut starts = Vec::with_capacity(trees.len());
+        for (face, tree) in trees.iter().enumerate() {
+            starts.push(questions.len());
+            let Some(tree) = tree else { continue };
+            let corners = mesh.corners(face);
+            for p in &regions.trees.get(*tree).primitives {
+                questions.extend(SAMPLES.map(|weights| (*p, mixed(&corners, &weights))));
+            }
+        }
+        let slopes = evaluator.slopes(&questions)?;
+        Ok(Self { trees, slopes, starts })
+    }
+}
+
+/// By face, about how far it is from the surface.
+pub(super) fn deviations(
+    regions: &mut SignRegions,
+    evaluator: &mut PrimitiveEvaluator,
+    mesh: &Mesh,
+) -> Result<Vec<f64>, LeafError> {
+    let samples = FaceSamples::of(regions, evaluator, mesh, &vec![0.0; mesh.faces().len()])?;
+    let of_face = |face: usize| {
+        let Some(tree) = samples.trees[face] else { return longest(&mesh.corners(face)) };
+        let local = regions.trees.get(tree);
+        let value = |p: u32, sample: usize| {
+            distance(&samples.slopes[samples.starts[face] + local.place(p) * SAMPLES.len() + sample])
+        };
+        let far = (0..SAMPLES.len()).map(|sample| local.tree.value(|p| value(p, sample)).abs());
+        far.fold(0.0, |most: f64, far| if far > most { far } else { most })
+    };
+    Ok((0..mesh.faces().len()).map(of_face).collect())
+}
+
+/// The demands of the faces of a mesh: to be outside, and to be inside. `reaches` says, by face, how far its corners are displaced about:
+/// primitives that are farther than twice as far are taken to stay on their side.
+pub(super) fn demands(
+    regions: &mut SignRegions,
+    evaluator: &mut PrimitiveEvaluator,
+    mesh: &Mesh,
+    reaches: &[f64],
+) -> Result<[Demands; 2], LeafError> {
+    let bands: Vec<f64> = reaches.iter().map(|reach| 2.0 * reach).collect();
+    let samples = FaceSamples::of(regions, evaluator, mesh, &bands)?;
+    let mut found = [Demands::default(), Demands::default()];
+    for (face, tree) in samples.trees.iter().enumerate() {
+        found.iter_mut().for_each(|demands| demands.starts.push(demands.all.len() as u32));
+        let Some(tree) = tree else { continue };
+        let local = regions.trees.get(*tree);
+        let own = &samples.slopes[samples.starts[face]..][..local.primitives.len() * SAMPLES.len()];
+        let distances: Vec<f64> = own.iter().map(distance).collect();
+        for (side, demands) in found.iter_mut().enumerate() {
+            let raised = raised(local, &distances, side == 1, bands[face]);
+            let demand = |literal| demand(own, &distances, literal, reaches[face]);
+            demands.all.extend(raised.iter().filter_map(demand));
+        }
+    }
+    found.iter_mut().for_each(|demands| demands.starts.push(demands.all.len() as u32));
+    Ok(found)
+}
+
+fn distance(slope: &Slope<f64>) -> f64 {
+    let far = slope.value / length(slope.gradient);
+    if far.is_finite() { far } else { f64::INFINITY.copysign(slope.value) }
+}
+
+/// A primitive that has to be raised, or lowered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct RaisedLiteral {
+    place: u32,
+    falls: bool,
+    /// At which samples, by bit.
+    samples: u16,
+}
+
+/// What a node has at the samples, and what has to be raised for it.
+struct NodeSamples {
+    values: [f64; SAMPLES.len()],
+    literals: Vec<RaisedLiteral>,
+}
+
+impl NodeSamples {
+    /// The least value but for the corners, where several primitives may be equal of which most have nothing to do with the face.
+    fn least(&self) -> f64 {
+        self.values[3..].iter().fold(f64::INFINITY, |a, b| if *b < a { *b } else { a })
+    }
+
+    /// Of several the one that lacks the least; where that lacks more than can be raised, the largest one at each sample.
+    fn any_of(mut operands: Vec<Self>, band: f64) -> Self {
+        let best = (0..operands.len())
+            .reduce(|a, b| if operands[b].least() > operands[a].least() { b } else { a })
+            .expect("an operator has operands");
+        if operands[best].least() >= -band {
+            return operands.swap_remove(best);
+        }
+        let largest: [usize; SAMPLES.len()] = std::array::from_fn(|k| {
+            let value = |i: usize| operands[i].values[k];
+            (0..operands.len()).fold(0, |a, b| if value(b) > value(a) { b } else { a })
+        });
+        let values = std::array::from_fn(|k| operands[largest[k]].values[k]);
+        let mut literals = Vec::new();
+        for (number, operand) in operands.into_iter().enumerate() {
+            let its = (0..SAMPLES.len()).filter(|k| largest[*k] == number).fold(0, |all, k| all | 1 << k);
+            let kept =
+                operand.literals.into_iter().map(|of| RaisedLiteral { samples: of.samples & its, ..of });
+            literals.extend(kept.filter(|of| of.samples != 0));
+        }
+        Self { values, literals }
+    }
+}
+
+/// The literals that have to be on a side for the whole face. To be inside is for the complement to be outside, so with `inward` all signs are
+/// turned, and so are unions and intersections. Of an intersection that is to be outside it is the operand that lacks the least.
+fn raised(local: &LocalTree, distances: &[f64], inward: bool, band: f64) -> Vec<RaisedLiteral> {
+    let mut stack: Vec<NodeSamples> = Vec::new();
+    for node in local.tree.nodes() {
+        let result = match *node {
+            CsgNode::Primitive(p) | CsgNode::Complement(p) => {
+                let place = local.place(p);
+                let falls = matches!(node, CsgNode::Complement(_)) != inward;
+                let values: [f64; SAMPLES.len()] = std::array::from_fn(|sample| {
+                    let value = distances[place * SAMPLES.len() + sample];
+                    if falls { -value } else { value }
+                });
+                let near = (3..SAMPLES.len()).filter(|k| values[*k] < band);
+                let samples = near.fold(0, |all, k| all | 1 << k);
+                let literal = RaisedLiteral { place: place as u32, falls, samples };
+                NodeSamples { values, literals: if samples == 0 { Vec::new() } else { vec![literal] } }
+            }
+            CsgNode::Union(n) | CsgNode::Intersection(n) => {
+                let operands = stack.split_off(stack.len() - n as usize).into_iter();
+                let needs_all = matches!(node, CsgNode::Union(_)) != inward;
+                let whole = if needs_all {
+                    operands.reduce(|mut a, b| {
+                        a.values.iter_mut().zip(b.values).for_each(|(a, b)| *a = if b < *a { b } else { *a });
+                        a.literals.extend(b.literals);
+                        a
+                    })
+                } else {
+                    let operands: Vec<NodeSamples> = operands.collect();
+                    Some(NodeSamples::any_of(operands, band))
+                };
+                whole.expect("an operator has operands")
+            }
+        };
+        stack.push(result);
+    }
+    let mut all = stack.pop().expect("a tree has one result").literals;
+    all.sort_unstable();
+    all.dedup_by(|next, kept| {
+        let is_same = next.place == kept.place && next.falls == kept.falls;
+        kept.samples |= if is_same { next.samples } else { 0 };
+        is_same
+    });
+    all
+}
+
+/// What a literal asks of the corners of a face; nothing where its gradient says nothing.
+fn demand(slopes: &[Slope<f64>], distances: &[f64], literal: &RaisedLiteral, reach: f64) -> Option<Demand> {
+    let first = literal.place as usize * SAMPLES.len();
+    let sign = if literal.falls { -1.0 } else { 1.0 };
+    let far: [f64; SAMPLES.len()] = std::array::from_fn(|k| sign * distances[first + k]);
+    let beside: [[f64; 3]; 3] = std::array::from_fn(|k| slopes[first + 3 + k].gradient);
+    // A corner that is farther than it can be displaced does not help the others more than one at that distance.
+    let at_corners: [f64; 3] = std::array::from_fn(|k| {
+        let far = sign * slopes[first + k].value / length(beside[k]);
+        if far > reach { reach } else { far }
+    });
+    let mut bulge = 0.0;
+    for (k, weights) in SAMPLES.iter().enumerate().filter(|(k, _)| literal.samples >> k & 1 == 1) {
+        let below = dot(at_corners, *weights) - far[k];
+        bulge = if below > bulge { below } else { bulge };
+    }
+    let lacks = at_corners.map(|far| bulge - far);
+    let directions: [[f64; 3]; 3] = std::array::from_fn(|k| beside[k].map(|x| sign * x / length(beside[k])));
+    let is_finite = lacks.iter().chain(directions.as_flattened()).all(|x| x.is_finite());
+    let shares = at_corners.map(|far| if far > 0.0 { 1.0 - far / reach } else { 1.0 });
+    is_finite.then_some(Demand { directions, lacks, shares })
+}
+
+fn longest(corners: &[[f64; 3]; 3]) -> f64 {
+    let box_of = Box3::around(corners);
+    box_of.diagonal()
+}
+
+fn inflated(corners: &[[f64; 3]; 3], by: f64) -> Box3 {
+    let bare = Box3::around(corners);
+    Box3 { min: bare.min.map(|x| x - by), max: bare.max.map(|x| x + by) }
+}
+
+fn mixed(corners: &[[f64; 3]; 3], weights: &[f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| (0..3).fold(0.0, |sum, i| sum + weights[i] * corners[i][k]))
+}
+
+/// A constraint on a displacement: `direction · displacement ≥ least`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HalfSpace {
+    pub direction: [f64; 3],
+    pub least: f64,
+    /// How much of a margin is added to `least`.
+    pub share: f64,
+}
+
+/// What rounding leaves of a constraint that holds, as a share of the displacement: chosen, it only decides which guess is tried.
+const ROUNDING: f64 = 1e-11;
+
+impl HalfSpace {
+    fn holds(&self, d: [f64; 3]) -> bool {
+        dot(self.direction, d) >= self.least - ROUNDING * (self.least.abs() + length(d))
+    }
+}
+
+/// The shortest displacement that meets all constraints, if any does.
+///
+/// Source: R. Seidel, *Small-dimensional linear programming and convex hulls made easy*, 1991, here for the norm.
+pub(super) fn shortest(constraints: &[HalfSpace]) -> Option<[f64; 3]> {
+    let mut d = [0.0; 3];
+    for (i, first) in constraints.iter().enumerate() {
+        if first.holds(d) {
+            continue;
+        }
+        d = first.direction.map(|x| x * first.least);
+        for (j, second) in constraints[..i].iter().enumerate() {
+            if !second.holds(d) {
+                d = on_line([first, second], &constraints[..j])?;
+            }
+        }
+    }
+    Some(d)
+}
+
+/// The shortest displacement on the line where two constraints hold exactly, that meets some others.
+fn on_line([a, b]: [&HalfSpace; 2], others: &[HalfSpace]) -> Option<[f64; 3]> {
+    let cosine = dot(a.direction, b.direction);
+    let det = 1.0 - cosine * cosine;
+    let along = crate::math::cross(a.direction, b.direction);
+    // Parallel but for rounding: nothing is between, or one of both is not needed.
+    if det < ROUNDING {
+        return None;
+    }
+    let (x, y) = ((a.least - cosine * b.least) / det, (b.least - cosine * a.least) / det);
+    let foot: [f64; 3] = std::array::from_fn(|k| x * a.direction[k] + y * b.direction[k]);
+    let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+    for other in others {
+        let (rate, lack) = (dot(other.direction, along), other.least - dot(other.direction, foot));
+        if rate.abs() < ROUNDING {
+            if other.holds(foot) {
+                continue;
+            }
+            return None;
+        }
+        let end = lack / rate;
+        if rate > 0.0 {
+            low = if end > low { end } else { low };
+        } else {
+            high = if end < high { end } else { high };
+        }
+    }
+    let is_empty = low > high + ROUNDING * (low.abs() + high.abs());
+    if is_empty {
+        return None;
+    }
+    let t = if low > 0.0 {
+        low
+    } else if high < 0.0 {
+        high
+    } else {
+        0.0
+    };
+    Some(std::array::from_fn(|k| foot[k] + t * along[k]))
+}

@@ -1,0 +1,176 @@
+//! CSG trees that hold in a part of space: few of them, shared by many cells and pieces.
+//!
+//! **Closed cracks.** Where a primitive p and its complement are joined, as by two boxes that are stacked, `{F < 0}` lacks the zero set of p
+//! though both sides of it are inside. Let f be continuous near a set X, and let the tree say *inside* on X with p taken as inside, and
+//! *inside* with p taken as outside. Then X without {f = 0} is inside, and if {f = 0} has no interior, X lies in the closure of {F < 0}.
+//! If the tree says *outside* with either, X is outside, {f = 0} included: a tree is monotone in its literals, and where f = 0 both
+//! p and its complement are outside. So for a few such primitives all cases are gone through.
+use crate::implicit::{CsgNode, CsgTree, Membership, Restricted, SlopeRange};
+
+/// A tree with its primitives.
+#[derive(Clone, Debug)]
+pub(super) struct LocalTree {
+    pub tree: CsgTree,
+    /// Ascending.
+    pub primitives: Vec<u32>,
+    /// Of each, whether it stands in the tree as itself (1), and as its complement (2).
+    kinds: Vec<u8>,
+    /// Places in `primitives` of those that stand in the tree as themselves and as their complements.
+    mixed: Vec<u32>,
+}
+
+/// Primitives of both kinds whose cases are gone through at most: 2⁴ evaluations of a tree.
+const MOST_CASES: usize = 4;
+
+impl LocalTree {
+    pub fn new(tree: CsgTree) -> Self {
+        let primitives = tree.primitives();
+        let mut kinds = vec![0_u8; primitives.len()];
+        for node in tree.nodes() {
+            let (p, kind) = match node {
+                CsgNode::Primitive(p) => (p, 1),
+                CsgNode::Complement(p) => (p, 2),
+                CsgNode::Union(_) | CsgNode::Intersection(_) => continue,
+            };
+            kinds[primitives.binary_search(p).expect("all are listed")] |= kind;
+        }
+        let mixed = (0..primitives.len() as u32).filter(|k| kinds[*k as usize] == 3).collect();
+        Self { tree, primitives, kinds, mixed }
+    }
+
+    /// The distinct literals: primitives, and whether they stand as their complements.
+    pub fn literals(&self) -> impl Iterator<Item = (u32, bool)> + use<'_> {
+        let both = self.primitives.iter().zip(&self.kinds);
+        both.flat_map(|(p, kinds)| {
+            [(*p, false), (*p, true)].into_iter().filter(move |(_, falls)| kinds >> u8::from(*falls) & 1 == 1)
+        })
+    }
+
+    /// Where a primitive stands in the list.
+    pub fn place(&self, primitive: u32) -> usize {
+        self.primitives.binary_search(&primitive).expect("a primitive of the tree")
+    }
+
+    /// On which side a set is, up to closed cracks, from the sides of the primitives in the order of the list.
+    pub fn membership(&self, sides: &[Membership], slopes: &[SlopeRange]) -> Membership {
+        let plain = self.tree.membership(|p| sides[self.place(p)]);
+        if plain != Membership::Unknown || self.mixed.is_empty() {
+            return plain;
+        }
+        let is_open = |k: &&u32| sides[**k as usize] == Membership::Unknown;
+        let open: Vec<usize> = self.mixed.iter().filter(is_open).map(|k| *k as usize).collect();
+        if open.is_empty() || open.len() > MOST_CASES {
+            return Membership::Unknown;
+        }
+        let mut of_case = sides.to_vec();
+        let mut all = None;
+        for case in 0..1_u32 << open.len() {
+            for (bit, k) in open.iter().enumerate() {
+                of_case[*k] = if case >> bit & 1 == 1 { Membership::Inside } else { Membership::Outside };
+            }
+            let side = self.tree.membership(|p| of_case[self.place(p)]);
+            if side == Membership::Unknown || all.is_some_and(|all| all != side) {
+                return Membership::Unknown;
+            }
+            all = Some(side);
+        }
+        match all {
+            Some(Membership::Inside) if !open.iter().all(|k| has_thin_zeros(&slopes[*k])) => {
+                Membership::Unknown
+            }
+            Some(side) => side,
+            None => Membership::Unknown,
+        }
+    }
+}
+
+/// Whether the zero set has no interior: along some axis the function grows everywhere, or falls.
+fn has_thin_zeros(slope: &SlopeRange) -> bool {
+    slope.gradient.is_some_and(|g| g.iter().any(|d| d.lo() > 0.0 || d.hi() < 0.0))
+}
+
+/// Trees by number.
+#[derive(Clone, Debug)]
+pub(super) struct LocalTrees(Vec<LocalTree>);
+
+impl LocalTrees {
+    /// The whole is number 0.
+    pub fn new(whole: &CsgTree) -> Self {
+        Self(vec![LocalTree::new(whole.clone())])
+    }
+
+    pub fn get(&self, number: u32) -> &LocalTree {
+        &self.0[number as usize]
+    }
+
+    /// The number of what is left of a tree: its own if all is.
+    pub fn restricted(&mut self, number: u32, sides: &[Membership]) -> Result<u32, Membership> {
+        if sides.iter().all(|side| *side == Membership::Unknown) {
+            return Ok(number);
+        }
+        let local = self.get(number);
+        match local.tree.restricted(|p| sides[local.place(p)]) {
+            Restricted::Decided(side) => Err(side),
+            Restricted::Open(tree) => Ok(self.push(tree)),
+        }
+    }
+
+    /// The number of the tree without operands that never have its value, from ranges in the order of the list.
+    pub fn by_value(&mut self, number: u32, ranges: &[[f64; 2]]) -> u32 {
+        let local = self.get(number);
+        let tree = by_value(&local.tree, |p| ranges[local.place(p)]);
+        if tree.nodes().len() == local.tree.nodes().len() { number } else { self.push(tree) }
+    }
+
+    fn push(&mut self, tree: CsgTree) -> u32 {
+        self.0.push(LocalTree::new(tree));
+        self.0.len() as u32 - 1
+    }
+
+    /// Forgets all but the first `n`.
+    pub fn truncate(&mut self, n: usize) {
+        self.0.truncate(n);
+    }
+
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+}
+
+/// A tree that has the same value at every point of a region, from ranges of its primitives there: without the operands of minima that
+/// are above another one throughout, and those of maxima that are below.
+fn by_value(tree: &CsgTree, mut of: impl FnMut(u32) -> [f64; 2]) -> CsgTree {
+    let mut stack: Vec<([f64; 2], Vec<CsgNode>)> = Vec::new();
+    for node in tree.nodes() {
+        let result = match *node {
+            CsgNode::Primitive(p) => (of(p), vec![*node]),
+            CsgNode::Complement(p) => {
+                let [low, high] = of(p);
+                ([-high, -low], vec![*node])
+            }
+            CsgNode::Union(n) | CsgNode::Intersection(n) => {
+                let is_union = matches!(node, CsgNode::Union(_));
+                let operands = stack.split_off(stack.len() - n as usize);
+                let pick = |a: f64, b: f64| if (b < a) == is_union { b } else { a };
+                let range = operands[1..]
+                    .iter()
+                    .fold(operands[0].0, |[a, b], ([c, d], _)| [pick(a, *c), pick(b, *d)]);
+                let may = |[low, high]: [f64; 2]| if is_union { low <= range[1] } else { high >= range[0] };
+                let mut kept = 0;
+                let mut nodes = Vec::new();
+                for (own, below) in operands {
+                    if may(own) {
+                        kept += 1;
+                        nodes.extend(below);
+                    }
+                }
+                if kept > 1 {
+                    nodes.push(if is_union { CsgNode::Union(kept) } else { CsgNode::Intersection(kept) });
+                }
+                (range, nodes)
+            }
+        };
+        stack.push(result);
+    }
+    CsgTree::new(stack.pop().expect("a tree has one result").1)
+}

@@ -1,0 +1,293 @@
+//! Whether whole triangles are on one side of a field's surface.
+//!
+//! **Signs on a piece.** Let f be a primitive that is Lipschitz in a box E with generalized gradients in the box G, let T be a triangle in
+//! E with corners vᵢ, and L the linear function with f's values there. For x = Σλᵢvᵢ in T
+//! `f(x) − L(x) = Σλᵢ(f(x) − f(vᵢ)) = Σλᵢ γᵢ·(x − vᵢ)` with γᵢ in G (Lebourg's mean value theorem), and since Σλᵢ(x − vᵢ) = 0 the middle
+//! of G may be taken off each γᵢ. With r the half widths of G, |f − L| is so at most `Σλᵢ Σₖ rₖ|x − vᵢ|ₖ`, and that is
+//! - at most ‖r‖·R, where R is the radius of any ball that holds T: `Σλᵢ|x − vᵢ|² = Σλᵢ|vᵢ − o|² − |x − o|² ≤ R²` for its centre o,
+//! - at most ½Σ rₖwₖ, where wₖ are the sides of the box around T: a mean absolute deviation is at most half of the range.
+//!
+//! The values at the corners are ranges over points. Every piece is cut at rounded middles, so that a point of the triangle that is asked
+//! about may be off the nearest point of its piece, along each axis, by [`OFF`] of the largest coordinate. E has that much room, and f is
+//! given `Σₖ |G|ₖ·off` more. So a sign that is proved holds in a neighbourhood of the triangle: by the range over E, which holds the piece in its interior,
+//! or strictly, for a function that is continuous there.
+//!
+//! The sides of the primitives give the side of the whole ([`LocalTree::membership`]); halves of a piece inherit what is decided.
+//!
+//! Source: G. Lebourg, *Valeur moyenne pour gradient généralisé*, 1975.
+use super::regions::{SignRegions, side_of};
+use crate::implicit::{LeafError, Membership, PrimitiveEvaluator, SlopeRange};
+use crate::math::{Box3, add_down, add_up, difference, dot, length_up, mul_up, sub_down, sub_up};
+
+/// How far a point of a triangle may be off its piece, as a share of the largest coordinate: derived, each of up to [`MOST_CUTS`] middles
+/// is rounded by half of ε at most; taken three times, so that E holds the piece in its interior.
+const OFF: f64 = 24.0 * f64::EPSILON;
+/// So often a triangle is cut at most: OFF rests on it.
+pub(super) const MOST_CUTS: u32 = 14;
+
+/// Triangles that are to be on one side.
+pub(super) struct SideQuestion<'a> {
+    pub positions: &'a [[f64; 3]],
+    pub faces: &'a [[u32; 3]],
+    pub side: Membership,
+    /// Cuts at most.
+    pub cuts: u32,
+}
+
+/// What was found out about a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FaceSide {
+    /// All of it is on the side that was asked for.
+    Proved,
+    /// Not proved.
+    Open,
+    /// A part of it is surely on the other side.
+    Wrong,
+}
+
+struct SignPiece {
+    corners: [[f64; 3]; 3],
+    face: u32,
+    tree: u32,
+    /// Where its values at the corners begin, by primitive of the tree.
+    values: usize,
+}
+
+type CornerValues = [[f64; 2]; 3];
+
+/// Looks at every triangle.
+pub(super) fn sides(
+    regions: &mut SignRegions,
+    evaluator: &mut PrimitiveEvaluator,
+    question: &SideQuestion,
+) -> Result<Vec<FaceSide>, LeafError> {
+    debug_assert!(question.cuts <= MOST_CUTS);
+    let mut found = vec![FaceSide::Proved; question.faces.len()];
+    let (mut pieces, mut values) = whole(regions, evaluator, question, &mut found)?;
+    let n_kept = regions.trees.len();
+    for cuts in 0..=question.cuts {
+        if pieces.is_empty() {
+            break;
+        }
+        let boxes: Vec<Box3> = pieces.iter().map(|piece| piece.bounds()).collect();
+        let questions: Vec<(u32, Box3)> = pieces
+            .iter()
+            .zip(&boxes)
+            .flat_map(|(piece, bounds)| {
+                regions.trees.get(piece.tree).primitives.iter().map(|p| (*p, *bounds))
+            })
+            .collect();
+        let slopes = evaluator.slope_ranges(&questions)?;
+        let mut rest = slopes.as_slice();
+        let mut split: Vec<(usize, u32)> = Vec::new();
+        for (k, piece) in pieces.iter().enumerate() {
+            let local = regions.trees.get(piece.tree);
+            let (own, after) = rest.split_at(local.primitives.len());
+            rest = after;
+            let face = &mut found[piece.face as usize];
+            if *face != FaceSide::Proved {
+                continue;
+            }
+            let shape = PieceShape::of(&piece.corners);
+            let at_corners = &values[piece.values..];
+            let sides: Vec<Membership> =
+                own.iter().zip(at_corners).map(|(slope, at_corners)| shape.side(slope, at_corners)).collect();
+            let side = local.membership(&sides, own);
+            if side == question.side {
+                continue;
+            }
+            if side != Membership::Unknown {
+                *face = FaceSide::Wrong;
+            } else if cuts == question.cuts {
+                *face = FaceSide::Open;
+            } else {
+                match regions.trees.restricted(piece.tree, &sides) {
+                    Ok(tree) => split.push((k, tree)),
+                    Err(_) => *face = FaceSide::Wrong,
+                }
+            }
+        }
+        split.retain(|(k, _)| found[pieces[*k].face as usize] == FaceSide::Proved);
+        (pieces, values) = halves(regions, evaluator, (&pieces, &values), &split)?;
+    }
+    regions.trees.truncate(n_kept);
+    Ok(found)
+}
+
+/// The triangles as pieces, and the values at their corners; those that are decided as a whole are not among them.
+fn whole(
+    regions: &mut SignRegions,
+    evaluator: &mut PrimitiveEvaluator,
+    question: &SideQuestion,
+    found: &mut [FaceSide],
+) -> Result<(Vec<SignPiece>, Vec<CornerValues>), LeafError> {
+    let corners_of = |face: &[u32; 3]| face.map(|v| question.positions[v as usize]);
+    let boxes: Vec<Box3> = question.faces.iter().map(|face| roomy(&corners_of(face))).collect();
+    let trees = regions.trees_of(evaluator, &boxes)?;
+    let mut pairs: Vec<(u32, u32)> = Vec::new();
+    let mut pieces = Vec::new();
+    let mut n_values = 0;
+    for (number, (face, tree)) in question.faces.iter().zip(trees).enumerate() {
+        let tree = match tree {
+            Ok(tree) => tree,
+            Err(side) => {
+                if side != question.side {
+                    found[number] = FaceSide::Wrong;
+                }
+                continue;
+            }
+        };
+        let primitives = &regions.trees.get(tree).primitives;
+        pairs.extend(primitives.iter().flat_map(|p| face.map(|v| (*p, v))));
+        pieces.push(SignPiece { corners: corners_of(face), face: number as u32, tree, values: n_values });
+        n_values += primitives.len();
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    let point = |p: [f64; 3]| Box3 { min: p, max: p };
+    let questions: Vec<(u32, Box3)> =
+        pairs.iter().map(|(p, v)| (*p, point(question.positions[*v as usize]))).collect();
+    let answers = evaluator.ranges(&questions)?;
+    let value = |p: u32, v: u32| answers[pairs.binary_search(&(p, v)).expect("all were asked for")];
+    let mut values = Vec::with_capacity(n_values);
+    for piece in &pieces {
+        let face = question.faces[piece.face as usize];
+        values.extend(regions.trees.get(piece.tree).primitives.iter().map(|p| face.map(|v| value(*p, v))));
+    }
+    Ok((pieces, values))
+}
+
+/// Both halves of some pieces, each with a tree, and the values at their corners.
+fn halves(
+    regions: &SignRegions,
+    evaluator: &mut PrimitiveEvaluator,
+    (pieces, values): (&[SignPiece], &[CornerValues]),
+    split: &[(usize, u32)],
+) -> Result<(Vec<SignPiece>, Vec<CornerValues>), LeafError> {
+    let mut questions = Vec::new();
+    let mut cuts = Vec::with_capacity(split.len());
+    for (k, tree) in split {
+        let cut = longest_side(&pieces[*k].corners);
+        let [a, b] = [0, 1].map(|i| pieces[*k].corners[(cut + i) % 3]);
+        let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * a[i] + 0.5 * b[i]);
+        let point = Box3 { min: middle, max: middle };
+        questions.extend(regions.trees.get(*tree).primitives.iter().map(|p| (*p, point)));
+        cuts.push((cut, middle));
+    }
+    let answers = evaluator.ranges(&questions)?;
+    let (mut parts, mut part_values) = (Vec::with_capacity(2 * split.len()), Vec::new());
+    let mut rest = answers.as_slice();
+    for ((k, tree), (cut, middle)) in split.iter().zip(cuts) {
+        let piece = &pieces[*k];
+        let (old, new) = (regions.trees.get(piece.tree), regions.trees.get(*tree));
+        let (at_middle, after) = rest.split_at(new.primitives.len());
+        rest = after;
+        // The first half has the middle in the place of the side's second end, the other in that of the first.
+        for replaced in [(cut + 1) % 3, cut] {
+            let mut corners = piece.corners;
+            corners[replaced] = middle;
+            parts.push(SignPiece { corners, face: piece.face, tree: *tree, values: part_values.len() });
+            for (p, at_middle) in new.primitives.iter().zip(at_middle) {
+                let mut at_corners = values[piece.values + old.place(*p)];
+                at_corners[replaced] = *at_middle;
+                part_values.push(at_corners);
+            }
+        }
+    }
+    Ok((parts, part_values))
+}
+
+fn longest_side(corners: &[[f64; 3]; 3]) -> usize {
+    let side = |k: usize| {
+        let d = difference(corners[k], corners[(k + 1) % 3]);
+        dot(d, d)
+    };
+    (0..3).fold(0, |best, k| if side(k) > side(best) { k } else { best })
+}
+
+/// How far points of the triangle may be off a piece with these corners.
+fn off(corners: &[[f64; 3]; 3]) -> f64 {
+    let most =
+        corners.as_flattened().iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+    mul_up(OFF, most)
+}
+
+/// E.
+fn roomy(corners: &[[f64; 3]; 3]) -> Box3 {
+    let off = off(corners);
+    let bare = Box3::around(corners);
+    Box3 { min: bare.min.map(|x| sub_down(x, off)), max: bare.max.map(|x| add_up(x, off)) }
+}
+
+impl SignPiece {
+    fn bounds(&self) -> Box3 {
+        roomy(&self.corners)
+    }
+}
+
+/// What the bound on strays needs of a piece.
+struct PieceShape {
+    /// R.
+    radius: f64,
+    /// wₖ.
+    widths: [f64; 3],
+    off: f64,
+}
+
+impl PieceShape {
+    fn of(corners: &[[f64; 3]; 3]) -> Self {
+        let centre = centre(corners);
+        let radius = corners.iter().fold(0.0, |most, corner| {
+            let far =
+                length_up(std::array::from_fn::<_, 3, _>(|k| sub_up(corner[k], centre[k]).abs().next_up()));
+            if far > most { far } else { most }
+        });
+        let bare = Box3::around(corners);
+        let widths = std::array::from_fn(|k| sub_up(bare.max[k], bare.min[k]));
+        Self { radius, widths, off: off(corners) }
+    }
+
+    /// On which side of a primitive the piece is.
+    fn side(&self, slope: &SlopeRange, at_corners: &CornerValues) -> Membership {
+        let by_range = side_of(&slope.value);
+        if by_range != Membership::Unknown {
+            return by_range;
+        }
+        let Some(gradient) = slope.gradient else { return Membership::Unknown };
+        let half_widths = gradient.map(|d| mul_up(0.5, sub_up(d.hi(), d.lo())));
+        let by_radius = mul_up(length_up(half_widths), self.radius);
+        let sum = (0..3).fold(0.0, |sum, k| add_up(sum, mul_up(half_widths[k], self.widths[k])));
+        let by_widths = mul_up(0.5, sum);
+        let stray = if by_widths < by_radius { by_widths } else { by_radius };
+        let steep = gradient.iter().fold(0.0, |sum, d| add_up(sum, d.magnitude()));
+        let stray = add_up(stray, mul_up(steep, self.off));
+        let low = at_corners.iter().fold(f64::INFINITY, |low, [a, _]| if *a < low { *a } else { low });
+        let high =
+            at_corners.iter().fold(f64::NEG_INFINITY, |high, [_, b]| if *b > high { *b } else { high });
+        if add_down(low, -stray) > 0.0 {
+            Membership::Outside
+        } else if add_up(high, stray) < 0.0 {
+            Membership::Inside
+        } else {
+            Membership::Unknown
+        }
+    }
+}
+
+/// About the centre of the smallest ball around a triangle.
+fn centre(corners: &[[f64; 3]; 3]) -> [f64; 3] {
+    let squares: [f64; 3] = std::array::from_fn(|k| {
+        let d = difference(corners[(k + 1) % 3], corners[(k + 2) % 3]);
+        dot(d, d)
+    });
+    // Barycentric coordinates of the circumcentre; one is negative where the angle is obtuse.
+    let weights: [f64; 3] =
+        std::array::from_fn(|k| squares[k] * (squares[(k + 1) % 3] + squares[(k + 2) % 3] - squares[k]));
+    let sum = weights[0] + weights[1] + weights[2];
+    if weights.iter().all(|w| *w > 0.0) && sum.is_normal() {
+        let weights = weights.map(|w| w / sum);
+        return std::array::from_fn(|k| (0..3).fold(0.0, |x, i| x + weights[i] * corners[i][k]));
+    }
+    let cut = longest_side(corners);
+    std::array::from_fn(|k| 0.5 * corners[cut][k] + 0.5 * corners[(cut + 1) % 3][k])
+}

@@ -1,0 +1,347 @@
+//! `Sandwich`: two displaced copies of a mesh, one outside of a field's surface, one inside.
+//!
+//! **Lemma (sandwich).** Let A = {F < 0}, A* the interior of its closure, B* the interior of its complement, and S what is left of space,
+//! the boundary of A*: the field's surface with cracks closed. Let M be a closed oriented triangle mesh, M⁺ and M⁻ copies of it whose
+//! vertices are displaced by t at most. If
+//! 1. M⁺ lies in B* and M⁻ in A*,
+//! 2. each component of A* holds a point around which M⁺ winds once, and each of B* one around which M⁻ does not wind,
+//!
+//! then every point of a face of M has a point of S within the largest displacement of the face's corners, and every point of S has one of
+//! M within t.
+//!
+//! *Proof.* Displacements are linear over a face, so no point's is longer than the longest of its corners'. From a point of M⁻ in A* to
+//! that of M in between to that of M⁺ in B* go two straight ways; together they are connected, A* and B* are open and have no point in common, so the ways meet S, on one of
+//! the two, within its length of M. For the other direction let p in S have no point of M within t. The straight motion M⁻ → M → M⁺ misses p, by compactness it misses a ball
+//! around p, and so all three wind alike, w times, around each point of the ball. The ball meets A* and B*, as p is in the boundary of
+//! A*. M⁺ misses A*, so its winding number is constant on components of A*, and w = 1; likewise M⁻ misses B*, and w = 0. ∎
+//!
+//! M need not be embedded, nor need its copies. Where the first condition holds is proved by [`super::pieces`]. Vertices of the copies
+//! are f64 numbers, taken exactly; lengths of displacements are rounded up. How vertices are displaced is a guess
+//! ([`super::lift`]): as little as the samples ask for plus a margin, which grows where the proof needs it.
+use super::lift::{Demands, HalfSpace, demands, deviations, shortest};
+use super::pieces::{FaceSide, SideQuestion, sides};
+use super::regions::SignRegions;
+use crate::explicit::{Mesh, Topology};
+use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
+use crate::math::{length, length_up};
+
+/// The copies: the one that is to be outside, and the one that is to be inside.
+pub(super) const SIDES: [Membership; 2] = [Membership::Outside, Membership::Inside];
+
+/// Two displaced copies of a mesh.
+#[derive(Clone, Debug)]
+pub(super) struct Sandwich {
+    /// Vertices of the copies, by side.
+    pub copies: [Vec<[f64; 3]>; 2],
+    /// Faces that are not proved to be on their side, ascending.
+    pub open: [Vec<u32>; 2],
+    /// By face, the largest displacement of its corners to either side.
+    pub bounds: Vec<f64>,
+}
+
+/// What a sandwich is asked for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SandwichGoal {
+    /// No displacement is longer.
+    pub limit: Option<f64>,
+    /// The first margin as a share of what samples ask for.
+    pub margin: f64,
+}
+
+/// Rounds at most: margins grow to 4⁶ times their first size.
+const ROUNDS: usize = 4;
+/// With what is still open after the rounds, displacements are chosen once more for longer ones, so often.
+const ATTEMPTS: usize = 3;
+/// By this they are longer. Chosen: as much as margins grow in the rounds.
+const FARTHER: f64 = 16.0;
+/// By this a margin grows where the proof fails. Chosen: strays of pieces fall to a quarter by two cuts.
+const GROWTH: f64 = 4.0;
+/// The first margin is at least this share of a limit: strays of flat faces end at once, and bounds of flat parts are small. Chosen.
+const LIMIT_SHARE: f64 = 1.0 / 64.0;
+/// At least this share of the largest coordinate, 2⁻⁴⁴: some hundred roundings.
+const LEAST_SHARE: f64 = 256.0 * f64::EPSILON;
+/// After a first failure a margin is at least this share of the face, derived from nothing but the number of rounds: it grows to the face's size.
+const FACE_SHARE: f64 = 1.0 / 4096.0;
+/// Displacements are this much of a limit at most, so that their lengths rounded up are within it.
+const REACH: f64 = 1.0 - 1.0 / (1 << 20) as f64;
+/// A displacement may be longer than what samples ask for by this much of the allowance: more than it where it is at an angle to what
+/// has to be raised. Chosen.
+const ALLOWED: f64 = 1.25;
+/// Halvings in the search for the largest margin within a limit.
+const HALVINGS: usize = 12;
+/// Cuts of a face in the first round, and in later ones.
+const CUTS: [u32; 2] = [9, 12];
+
+/// A vertex on its way to a side.
+#[derive(Clone, Copy, Debug)]
+struct VertexMargin {
+    /// What its displacement may be longer than what samples ask for.
+    allowance: f64,
+    /// No longer displacement is possible.
+    is_at_limit: bool,
+}
+
+impl Sandwich {
+    pub fn of(
+        regions: &mut SignRegions,
+        evaluator: &mut PrimitiveEvaluator,
+        mesh: &Mesh,
+        goal: &SandwichGoal,
+    ) -> Result<Self, LeafError> {
+        let ids = Topology::Positions.ids(mesh);
+        let ids: Vec<u32> =
+            ids.map_or_else(|| (0..mesh.positions().len() as u32).collect(), |ids| ids.to_vec());
+        let around = Incidence::new(mesh, &ids);
+        let mut reaches = around.reaches(mesh, &ids, &deviations(regions, evaluator, mesh)?);
+        let mut builder = SandwichBuilder {
+            mesh,
+            ids: &ids,
+            demands: Default::default(),
+            around: &around,
+            goal,
+            copies: [mesh.positions().to_vec(), mesh.positions().to_vec()],
+            margins: Default::default(),
+        };
+        let mut open: [Vec<u32>; 2] = [0, 1].map(|_| (0..mesh.faces().len() as u32).collect());
+        for _ in 0..ATTEMPTS {
+            let is_limited = |reach: f64| goal.limit.is_some_and(|limit| reach >= limit);
+            for reach in &mut reaches {
+                *reach = goal.limit.filter(|limit| *reach > *limit).unwrap_or(*reach);
+            }
+            builder.demands = demands(regions, evaluator, mesh, &reaches)?;
+            builder.start(&open);
+            for side in 0..2 {
+                open[side] = builder.close(side, &open[side], regions, evaluator)?;
+            }
+            let still: Vec<u32> = open.iter().flatten().copied().collect();
+            if still.iter().all(|face| is_limited(reaches[*face as usize])) {
+                break;
+            }
+            reaches.iter_mut().for_each(|reach| *reach *= FARTHER);
+        }
+        let bounds = builder.bounds();
+        Ok(Self { copies: builder.copies, open, bounds })
+    }
+}
+
+struct SandwichBuilder<'a> {
+    mesh: &'a Mesh,
+    ids: &'a [u32],
+    demands: [Demands; 2],
+    around: &'a Incidence,
+    goal: &'a SandwichGoal,
+    copies: [Vec<[f64; 3]>; 2],
+    margins: [Vec<VertexMargin>; 2],
+}
+
+impl SandwichBuilder<'_> {
+    /// The first margins, of all vertices or of those of open faces.
+    fn start(&mut self, open: &[Vec<u32>; 2]) {
+        for side in 0..2 {
+            let none = VertexMargin { allowance: 0.0, is_at_limit: false };
+            self.margins[side].resize(self.mesh.positions().len(), none);
+            for v in self.vertices_of(&open[side]) {
+                let allowance = self.first_allowance(v);
+                self.margins[side][v as usize] = VertexMargin { allowance, is_at_limit: false };
+            }
+        }
+    }
+
+    fn first_allowance(&self, vertex: u32) -> f64 {
+        let all = (0..2).flat_map(|side| self.constraints(vertex, side));
+        let lack = all.fold(0.0, |lack: f64, c| if c.least > lack { c.least } else { lack });
+        let p = self.mesh.positions()[vertex as usize];
+        let reach = p.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+        let least = LEAST_SHARE * reach;
+        let of_limit = self.goal.limit.map_or(0.0, |limit| LIMIT_SHARE * limit);
+        self.goal.margin * lack + if of_limit > least { of_limit } else { least }
+    }
+
+    /// The positions that some faces use, ascending.
+    fn vertices_of(&self, faces: &[u32]) -> Vec<u32> {
+        let corners = faces.iter().flat_map(|face| self.mesh.faces()[*face as usize]);
+        let mut all: Vec<u32> = corners.map(|v| self.ids[v as usize]).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    fn constraints(&self, vertex: u32, side: usize) -> Vec<HalfSpace> {
+        let mut constraints = Vec::new();
+        for (face, corner) in self.around.of(vertex) {
+            for demand in self.demands[side].of_face(face) {
+                constraints.push(HalfSpace {
+                    direction: demand.directions[corner],
+                    least: demand.lacks[corner],
+                    share: demand.shares[corner],
+                });
+            }
+        }
+        constraints
+    }
+
+    /// Displaces a vertex by its margin, or by as much of it as the limit allows.
+    fn displace(&mut self, vertex: u32, side: usize) {
+        let of = self.margins[side][vertex as usize];
+        let base = self.constraints(vertex, side);
+        // First what samples ask for, a share of it at least, then a share of the margin.
+        let with = |lack: f64, margin: f64| {
+            let raised = |c: &HalfSpace| if c.least > 0.0 { lack * c.least } else { c.least };
+            let least = |c: &HalfSpace| raised(c) + c.share * margin;
+            shortest(&base.iter().map(|c| HalfSpace { least: least(c), ..*c }).collect::<Vec<_>>())
+        };
+        let limit = self.goal.limit.map_or(f64::INFINITY, |limit| REACH * limit);
+        let asked = with(1.0, 0.0).filter(|d| length(*d) <= limit);
+        let reach = asked.map_or(limit, |d| length(d) + ALLOWED * of.allowance);
+        let is_at_limit = reach >= limit;
+        let reach = if is_at_limit { limit } else { reach };
+        let largest = |of_share: &dyn Fn(f64) -> Option<[f64; 3]>| {
+            let fits = |share: f64| of_share(share).filter(|d| length(*d) <= reach);
+            let (mut low, mut high, mut found) = (0.0, 1.0, fits(1.0));
+            if found.is_none() {
+                for _ in 0..HALVINGS {
+                    let middle = 0.5 * (low + high);
+                    match fits(middle) {
+                        Some(d) => (low, found) = (middle, Some(d)),
+                        None => high = middle,
+                    }
+                }
+            }
+            found
+        };
+        let d = match asked {
+            Some(asked) => largest(&|share| with(1.0, share * of.allowance)).unwrap_or(asked),
+            None => largest(&|share| with(share, 0.0)).unwrap_or([0.0; 3]),
+        };
+        self.margins[side][vertex as usize].is_at_limit = is_at_limit;
+        let p = self.mesh.positions()[vertex as usize];
+        self.copies[side][vertex as usize] = std::array::from_fn(|k| p[k] + d[k]);
+    }
+
+    /// Displaces until all faces are on a side, or nothing helps; the faces that are not.
+    fn close(
+        &mut self,
+        side: usize,
+        open: &[u32],
+        regions: &mut SignRegions,
+        evaluator: &mut PrimitiveEvaluator,
+    ) -> Result<Vec<u32>, LeafError> {
+        let n = self.mesh.faces().len() as u32;
+        let mut todo = self.vertices_of(open);
+        let mut is_open = vec![false; n as usize];
+        for round in 0..ROUNDS {
+            todo.iter().for_each(|v| self.displace(*v, side));
+            self.spread(side);
+            let mut look: Vec<u32> =
+                todo.iter().flat_map(|v| self.around.of(*v).map(|(face, _)| face)).collect();
+            look.sort_unstable();
+            look.dedup();
+            let faces: Vec<[u32; 3]> = look.iter().map(|face| self.mesh.faces()[*face as usize]).collect();
+            let cuts = CUTS[usize::from(round > 0)];
+            let question =
+                SideQuestion { positions: &self.copies[side], faces: &faces, side: SIDES[side], cuts };
+            let found = sides(regions, evaluator, &question)?;
+            look.iter()
+                .zip(found)
+                .for_each(|(face, found)| is_open[*face as usize] = found != FaceSide::Proved);
+            let open: Vec<u32> = (0..n).filter(|face| is_open[*face as usize]).collect();
+            if open.is_empty() || round + 1 == ROUNDS {
+                return Ok(open);
+            }
+            todo = self.grow(&open, side);
+            if todo.is_empty() {
+                return Ok(open);
+            }
+        }
+        Ok(Vec::new())
+    }
+
+    /// Larger margins about open faces; the vertices that can still be moved.
+    fn grow(&mut self, open: &[u32], side: usize) -> Vec<u32> {
+        let mut todo: Vec<u32> = Vec::new();
+        for face in open {
+            let corners = self.mesh.corners(*face as usize);
+            let size = crate::math::Box3::around(&corners).diagonal();
+            for v in self.mesh.faces()[*face as usize] {
+                let v = self.ids[v as usize];
+                let of = &mut self.margins[side][v as usize];
+                if of.is_at_limit {
+                    continue;
+                }
+                todo.push(v);
+                of.allowance =
+                    if of.allowance < FACE_SHARE * size { FACE_SHARE * size } else { of.allowance };
+            }
+        }
+        todo.sort_unstable();
+        todo.dedup();
+        todo.iter().for_each(|v| self.margins[side][*v as usize].allowance *= GROWTH);
+        todo
+    }
+
+    /// Rows of one position go together.
+    fn spread(&mut self, side: usize) {
+        for (row, id) in self.ids.iter().enumerate() {
+            self.copies[side][row] = self.copies[side][*id as usize];
+        }
+    }
+
+    fn bounds(&self) -> Vec<f64> {
+        let far = |side: usize, v: u32| {
+            let (p, q) = (self.mesh.positions()[v as usize], self.copies[side][v as usize]);
+            if p == q {
+                0.0
+            } else {
+                length_up(std::array::from_fn::<_, 3, _>(|k| (q[k] - p[k]).abs().next_up()))
+            }
+        };
+        let of_face = |face: &[u32; 3]| {
+            let all = [0, 1].map(|side| face.map(|v| far(side, v)));
+            all.as_flattened().iter().fold(0.0, |most: f64, x| if *x > most { *x } else { most })
+        };
+        self.mesh.faces().iter().map(of_face).collect()
+    }
+}
+
+/// The faces around each position.
+struct Incidence {
+    corners: Vec<(u32, u8)>,
+    starts: Vec<u32>,
+}
+
+impl Incidence {
+    fn new(mesh: &Mesh, ids: &[u32]) -> Self {
+        let mut starts = vec![0_u32; mesh.positions().len() + 1];
+        let corners =
+            || mesh.faces().iter().enumerate().flat_map(|(f, face)| (0..3).map(move |k| (f, k, face[k])));
+        corners().for_each(|(_, _, v)| starts[ids[v as usize] as usize + 1] += 1);
+        (1..starts.len()).for_each(|k| starts[k] += starts[k - 1]);
+        let mut at = starts.clone();
+        let mut all = vec![(0, 0); 3 * mesh.faces().len()];
+        for (face, corner, v) in corners() {
+            let slot = &mut at[ids[v as usize] as usize];
+            all[*slot as usize] = (face as u32, corner as u8);
+            *slot += 1;
+        }
+        Self { corners: all, starts }
+    }
+
+    fn of(&self, position: u32) -> impl Iterator<Item = (u32, usize)> + use<'_> {
+        let range = self.starts[position as usize] as usize..self.starts[position as usize + 1] as usize;
+        self.corners[range].iter().map(|(face, corner)| (*face, *corner as usize))
+    }
+
+    /// By face, about how far its corners have to be displaced: twice as far as any face about them is from the surface.
+    fn reaches(&self, mesh: &Mesh, ids: &[u32], deviations: &[f64]) -> Vec<f64> {
+        let larger = |a: f64, b: f64| if b > a { b } else { a };
+        let n = mesh.positions().len() as u32;
+        let of_vertex: Vec<f64> = (0..n)
+            .map(|v| self.of(v).fold(0.0, |most, (face, _)| larger(most, deviations[face as usize])))
+            .collect();
+        let of_face = |(number, face): (usize, &[u32; 3])| {
+            let least = FACE_SHARE * crate::math::Box3::around(&mesh.corners(number)).diagonal();
+            face.iter().fold(least, |most, v| larger(most, 2.0 * of_vertex[ids[*v as usize] as usize]))
+        };
+        mesh.faces().iter().enumerate().map(of_face).collect()
+    }
+}
