@@ -32,7 +32,8 @@
 //! righthand sides*, 1988.
 use super::growth::direction;
 use super::local_trees::LocalTrees;
-use super::regions::side_of;
+use super::regions::{SignRegions, side_of};
+use super::walls;
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator, SlopeRange};
 use crate::math::{Box3, Interval, add_down, add_up, mul_up, sub_up};
 
@@ -77,6 +78,8 @@ pub(super) struct FieldCover {
     pub cells: Vec<CoverCell>,
     trees: LocalTrees,
     pub open: Vec<u32>,
+    /// Points of the parts of cells that are seen through walls.
+    wall_points: Vec<SeenPoint>,
 }
 
 /// Halvings at most: corners are whole numbers of u32, and a cell of this level is 2⁻³⁰ of the cube.
@@ -91,6 +94,9 @@ const FIRST: u32 = 2;
 const PAD: f64 = 8.0 * f64::EPSILON;
 /// Cells at most. Defined: half a gigabyte with their trees.
 const MOST_CELLS: usize = 1 << 22;
+
+/// Primitives of a cell among which walls are looked for. Chosen.
+const FEW: usize = 12;
 
 /// What is known of a cell that is looked at.
 struct CellRanges {
@@ -116,7 +122,15 @@ impl FieldCover {
         let origin = std::array::from_fn(|k| centre[k] + OFF_CENTRE[k] * longest - 0.5 * side);
         let root = CoverCell { corner: [0; 3], level: 0, state: CellState::Open, tree: 0 };
         let trees = LocalTrees::new(evaluator.csg().tree());
-        Self { origin, unit, bounds: *bounds, cells: vec![root], trees, open: vec![0] }
+        Self {
+            origin,
+            unit,
+            bounds: *bounds,
+            cells: vec![root],
+            trees,
+            open: vec![0],
+            wall_points: Vec::new(),
+        }
     }
 
     /// The cube.
@@ -137,22 +151,22 @@ impl FieldCover {
         }
     }
 
-    /// Divides open cells that are larger than a floor, and what is still open of them, until none is left or there are too many.
-    /// `is_worth` says which ones.
+    /// Divides open cells, and what is still open of them, until none is left or there are too many. `is_worth` says which ones, by box
+    /// and size.
     pub fn refine(
         &mut self,
         evaluator: &mut PrimitiveEvaluator,
-        floor: f64,
-        mut is_worth: impl FnMut(&Box3) -> bool,
+        regions: &mut SignRegions,
+        mut is_worth: impl FnMut(&Box3, f64) -> bool,
     ) -> Result<(), LeafError> {
         loop {
             let (mut now, mut later) = (Vec::new(), Vec::new());
             for cell in std::mem::take(&mut self.open) {
                 let bounds = self.bounds_of(&self.cells[cell as usize]);
                 let level = self.cells[cell as usize].level;
-                let is_large = self.size_of(cell) > floor && level < DEEPEST;
                 let has_room = self.cells.len() + 8 * now.len() < MOST_CELLS;
-                let is_divided = level < FIRST || is_large && has_room && is_worth(&bounds);
+                let is_divided =
+                    level < FIRST || level < DEEPEST && has_room && is_worth(&bounds, self.size_of(cell));
                 if is_divided { now.push(cell) } else { later.push(cell) }
             }
             self.open = later;
@@ -160,7 +174,9 @@ impl FieldCover {
                 return Ok(());
             }
             let parts: Vec<u32> = now.iter().flat_map(|cell| self.divide(*cell)).collect();
+            let first_open = self.open.len();
             self.look(evaluator, &parts)?;
+            self.look_through(evaluator, regions, first_open)?;
         }
     }
 
@@ -219,6 +235,36 @@ impl FieldCover {
                 }
             }
         }
+        Ok(())
+    }
+
+    /// Looks for walls in cells that were just left open.
+    fn look_through(
+        &mut self,
+        evaluator: &mut PrimitiveEvaluator,
+        regions: &mut SignRegions,
+        first_open: usize,
+    ) -> Result<(), LeafError> {
+        let primitives = evaluator.csg().primitives();
+        let has_walls = |cell: u32| {
+            let all = &self.trees.get(self.cells[cell as usize].tree).primitives;
+            let is_parallel = |a: u32, b: u32| primitives[a as usize].is_parallel_to(&primitives[b as usize]);
+            // With many primitives in a cell walls are not all that is in the way.
+            let some = &all[..all.len().min(FEW)];
+            some.iter().enumerate().any(|(k, a)| some[..k].iter().any(|b| is_parallel(*a, *b)))
+        };
+        let cells: Vec<u32> =
+            self.open[first_open..].iter().copied().filter(|cell| has_walls(*cell)).collect();
+        let all: Vec<(u32, usize)> = cells.iter().flat_map(|cell| (0..3).map(|axis| (*cell, axis))).collect();
+        for (cell, points) in walls::seen(self, regions, evaluator, &all)? {
+            let state = &mut self.cells[cell as usize].state;
+            if *state == CellState::Open {
+                *state = CellState::Walls;
+                self.wall_points.extend(points);
+            }
+        }
+        let cells = &self.cells;
+        self.open.retain(|cell| cells[*cell as usize].state == CellState::Open);
         Ok(())
     }
 
@@ -302,8 +348,16 @@ impl FieldCover {
         }
     }
 
-    /// A point of each set of decided cells of one side that are joined across sides: the middle of its largest cell.
-    pub fn decided_sets(&self) -> Vec<SeenPoint> {
+    /// The points that a mesh has to wind around in the right way: one of each set of decided cells of one side that are joined across sides,
+    /// and those of the parts of cells with walls.
+    pub fn seen_points(&self) -> Vec<SeenPoint> {
+        let mut points = self.decided_sets();
+        points.extend(&self.wall_points);
+        points
+    }
+
+    /// The middle of the largest cell of each set.
+    fn decided_sets(&self) -> Vec<SeenPoint> {
         let n = self.cells.len();
         let mut sets: Vec<u32> = (0..n as u32).collect();
         for (number, cell) in self.cells.iter().enumerate() {
@@ -352,7 +406,7 @@ fn root(sets: &mut [u32], mut of: u32) -> u32 {
     of
 }
 
-fn padded(bounds: &Box3) -> Box3 {
+pub(super) fn padded(bounds: &Box3) -> Box3 {
     let reach =
         bounds.min.iter().chain(&bounds.max).fold(0.0, |a: f64, b| if b.abs() > a { b.abs() } else { a });
     let pad = PAD * reach;

@@ -13,7 +13,7 @@ use super::failed;
 use super::regions::SignRegions;
 use super::sandwich::{Sandwich, SandwichGoal};
 use crate::budget::{Job, Stopped};
-use crate::explicit::{Bvh, Enclosure, Mesh};
+use crate::explicit::{Bvh, Enclosure, Mesh, Topology};
 use crate::implicit::{Csg, LeafError, Membership, PrimitiveEvaluator};
 use crate::math::Box3;
 
@@ -54,6 +54,12 @@ const FIRST_FLOOR: f64 = 1.0 / 128.0;
 const CELL_SHARE: f64 = 0.125;
 
 impl<'a> FieldJudge<'a> {
+    /// Ranges of primitives that were asked for so far.
+    #[cfg(test)]
+    pub fn n_boxes(&self) -> u64 {
+        self.evaluator.n_boxes()
+    }
+
     /// Looks at the field.
     pub fn new(csg: &'a Csg, bounds: &Box3, job: &'a Job) -> Result<Self, LeafError> {
         let evaluator = PrimitiveEvaluator::new(csg, bounds, job);
@@ -61,13 +67,26 @@ impl<'a> FieldJudge<'a> {
         let domain = cover.domain();
         let mut evaluator = PrimitiveEvaluator::new(csg, &domain, job);
         let floor = FIRST_FLOOR * (domain.max[0] - domain.min[0]);
-        cover.refine(&mut evaluator, floor, |_| true)?;
-        let regions = SignRegions::new(&evaluator, &domain);
+        let mut regions = SignRegions::new(&evaluator, &domain);
+        cover.refine(&mut evaluator, &mut regions, |_, size| size > floor)?;
         Ok(Self { evaluator, cover, regions, job })
     }
 
-    /// Judges a closed mesh.
+    /// Judges a mesh. All faces of one that is not closed are open: at each edge, by position, as many half-edges have to run one way as the
+    /// other.
     pub fn look(&mut self, mesh: &Mesh, goal: &SandwichGoal) -> Result<Verdict, Stopped> {
+        if !is_cycle(mesh) {
+            let all: Vec<u32> = (0..mesh.faces().len() as u32).collect();
+            let bounds = vec![f64::INFINITY; all.len()];
+            let open = [all.clone(), all];
+            return Ok(Verdict {
+                open,
+                bounds,
+                bound: f64::INFINITY,
+                wrong: Vec::new(),
+                unresolved: Vec::new(),
+            });
+        }
         let sandwich = Sandwich::of(&mut self.regions, &mut self.evaluator, mesh, goal).map_err(failed)?;
         let bound = sandwich.bounds.iter().fold(0.0, |most: f64, x| if *x > most { *x } else { most });
         let copies: Vec<Mesh> = sandwich
@@ -83,12 +102,29 @@ impl<'a> FieldJudge<'a> {
         };
         let is_closed = sandwich.open.iter().all(Vec::is_empty);
         let floor = if is_closed { CELL_SHARE * bound } else { f64::INFINITY };
-        self.cover.refine(&mut self.evaluator, floor, |bounds| !seen.settles(bounds)).map_err(failed)?;
+        let is_worth = |bounds: &Box3, size: f64| size > floor && !seen.settles(bounds);
+        self.cover.refine(&mut self.evaluator, &mut self.regions, is_worth).map_err(failed)?;
         let open = self.cover.open.iter().map(|cell| self.cover.bounds_of(&self.cover.cells[*cell as usize]));
         let unresolved = open.filter(|bounds| !seen.settles(bounds)).collect();
-        let wrong = self.cover.decided_sets().into_iter().filter(|point| !seen.is_right(point)).collect();
+        let wrong = self.cover.seen_points().into_iter().filter(|point| !seen.is_right(point)).collect();
         Ok(Verdict { open: sandwich.open, bounds: sandwich.bounds, bound, wrong, unresolved })
     }
+}
+
+/// Whether the boundaries of all triangles cancel out.
+fn is_cycle(mesh: &Mesh) -> bool {
+    let Some(ids) = Topology::Positions.ids(mesh) else { return false };
+    let mut sides: Vec<([u32; 2], i32)> = Vec::with_capacity(3 * mesh.faces().len());
+    for face in mesh.faces() {
+        for k in 0..3 {
+            let (a, b) = (ids[face[k] as usize], ids[face[(k + 1) % 3] as usize]);
+            if a != b {
+                sides.push(if a < b { ([a, b], 1) } else { ([b, a], -1) });
+            }
+        }
+    }
+    sides.sort_unstable();
+    sides.chunk_by(|a, b| a.0 == b.0).all(|edge| edge.iter().map(|(_, way)| way).sum::<i32>() == 0)
 }
 
 /// The outer and the inner copy.

@@ -105,9 +105,8 @@ impl Sandwich {
         let mut open: [Vec<u32>; 2] = [0, 1].map(|_| (0..mesh.faces().len() as u32).collect());
         for _ in 0..ATTEMPTS {
             let is_limited = |reach: f64| goal.limit.is_some_and(|limit| reach >= limit);
-            for reach in &mut reaches {
-                *reach = goal.limit.filter(|limit| *reach > *limit).unwrap_or(*reach);
-            }
+            let most = goal.limit.unwrap_or(f64::MAX);
+            reaches.iter_mut().for_each(|reach| *reach = if *reach < most { *reach } else { most });
             builder.demands = demands(regions, evaluator, mesh, &reaches)?;
             builder.start(&open);
             for side in 0..2 {
@@ -215,7 +214,8 @@ impl SandwichBuilder<'_> {
         };
         self.margins[side][vertex as usize].is_at_limit = is_at_limit;
         let p = self.mesh.positions()[vertex as usize];
-        self.copies[side][vertex as usize] = std::array::from_fn(|k| p[k] + d[k]);
+        let q: [f64; 3] = std::array::from_fn(|k| p[k] + d[k]);
+        self.copies[side][vertex as usize] = if q.iter().all(|x| x.is_finite()) { q } else { p };
     }
 
     /// Displaces until all faces are on a side, or nothing helps; the faces that are not.

@@ -1,0 +1,225 @@
+//! The judge against meshes whose truth is known, and against planted faults.
+use super::judge::{FieldJudge, Verdict};
+use super::sandwich::SandwichGoal;
+use crate::budget::Job;
+use crate::explicit::Mesh;
+use crate::implicit::{Csg, Expr, Field, shapes};
+use crate::math::Box3;
+use std::collections::BTreeMap;
+
+/// A geodesic sphere: an octahedron, divided so often.
+fn ball(centre: [f64; 3], radius: f64, cuts: u32) -> Mesh {
+    let mut at: Vec<[f64; 3]> =
+        vec![[1., 0., 0.], [-1., 0., 0.], [0., 1., 0.], [0., -1., 0.], [0., 0., 1.], [0., 0., -1.]];
+    let mut faces: Vec<[u32; 3]> =
+        vec![[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+    for _ in 0..cuts {
+        let mut middles: BTreeMap<[u32; 2], u32> = BTreeMap::new();
+        let mut parts = Vec::new();
+        for [a, b, c] in faces {
+            let mut middle = |a: u32, b: u32| {
+                *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+                    let p: [f64; 3] = std::array::from_fn(|k| at[a as usize][k] + at[b as usize][k]);
+                    let norm = p.iter().map(|x| x * x).sum::<f64>().sqrt();
+                    at.push(p.map(|x| x / norm));
+                    at.len() as u32 - 1
+                })
+            };
+            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+            parts.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+        }
+        faces = parts;
+    }
+    let at = at.iter().map(|p| std::array::from_fn(|k| centre[k] + radius * p[k])).collect();
+    Mesh::new(at, faces).unwrap()
+}
+
+/// The box from one corner to the other.
+fn cuboid(min: [f64; 3], max: [f64; 3]) -> Mesh {
+    let at = (0..8_usize).map(|i| std::array::from_fn(|k| if i >> k & 1 == 1 { max[k] } else { min[k] }));
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let faces = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    Mesh::new(at.collect(), faces).unwrap()
+}
+
+fn both(a: &Mesh, b: &Mesh) -> Mesh {
+    let n = a.positions().len() as u32;
+    let faces = b.faces().iter().map(|face| face.map(|v| v + n));
+    let faces: Vec<[u32; 3]> = a.faces().iter().copied().chain(faces).collect();
+    Mesh::new([a.positions(), b.positions()].concat(), faces).unwrap()
+}
+
+fn turned(mesh: &Mesh) -> Mesh {
+    let faces = mesh.faces().iter().map(|[a, b, c]| [*b, *a, *c]).collect();
+    Mesh::new(mesh.positions().to_vec(), faces).unwrap()
+}
+
+fn sphere(radius: f64) -> Field {
+    shapes::sphere(radius).unwrap()
+}
+
+fn moved(field: &Field, by: [f64; 3]) -> Field {
+    field.moved(by).unwrap()
+}
+
+fn look(field: &Field, mesh: &Mesh, limit: Option<f64>) -> Verdict {
+    on_threads(field, mesh, limit, 1)
+}
+
+fn on_threads(field: &Field, mesh: &Mesh, limit: Option<f64>, threads: usize) -> Verdict {
+    let job = Job::default().with_threads(threads);
+    let csg = Csg::of(field.sign());
+    let mut judge = FieldJudge::new(&csg, &field.bounds(), &job).unwrap();
+    judge.look(mesh, &SandwichGoal { limit, margin: 0.25 }).unwrap()
+}
+
+/// How far the flattest point of any face is below a sphere, exactly but for rounding.
+fn sagitta(mesh: &Mesh, radius: f64) -> f64 {
+    let depth = |corners: [[f64; 3]; 3]| {
+        let [a, b, c] = corners;
+        let (u, v) = (crate::math::difference(b, a), crate::math::difference(c, a));
+        let n = crate::math::cross(u, v);
+        radius - crate::math::dot(a, n).abs() / crate::math::length(n)
+    };
+    (0..mesh.faces().len()).map(|face| depth(mesh.corners(face))).fold(0.0, f64::max)
+}
+
+#[test]
+fn the_bound_of_a_ball_is_tight_at_every_scale() {
+    for scale in [1e-6, 1e-3, 1.0, 1e3, 1e6] {
+        let mesh = ball([0.0; 3], scale, 4);
+        let found = look(&sphere(scale), &mesh, None);
+        let truth = sagitta(&mesh, scale);
+        assert!(found.is_proved(), "{scale:e}: {:?} {:?}", found.open, found.wrong);
+        assert!(
+            truth <= found.bound && found.bound <= 1.35 * truth,
+            "{scale:e}: {truth:e} {:e}",
+            found.bound
+        );
+        // A bound that is cut by a quarter would be wrong, and is not found.
+        let cut = look(&sphere(scale), &mesh, Some(0.95 * truth));
+        assert!(!cut.is_proved(), "{scale:e}");
+        assert!(look(&sphere(scale), &mesh, Some(1.2 * truth)).is_proved(), "{scale:e}");
+    }
+}
+
+#[test]
+fn work_follows_the_faces() {
+    let job = Job::default().with_threads(1);
+    let mesh = ball([0.0; 3], 1.0, 4);
+    let field = sphere(1.0);
+    let csg = Csg::of(field.sign());
+    let mut judge = FieldJudge::new(&csg, &field.bounds(), &job).unwrap();
+    let limit = Some(1.25 * sagitta(&mesh, 1.0));
+    judge.look(&mesh, &SandwichGoal { limit, margin: 0.5 }).unwrap();
+    let first = judge.n_boxes();
+    assert!(first <= 90 * mesh.faces().len() as u64, "{first}");
+}
+
+#[test]
+fn a_cube_is_proved_to_the_last_digits() {
+    let field = shapes::cuboid([2.0, 2.0, 2.0]).unwrap();
+    let found = look(&field, &cuboid([-1.0; 3], [1.0; 3]), None);
+    assert!(found.is_proved() && found.bound < 1e-9, "{found:?}");
+    let larger = look(&field, &cuboid([-1.125; 3], [1.125; 3]), None);
+    let truth = 0.125 * 3.0_f64.sqrt();
+    assert!(larger.is_proved() && larger.bound >= truth && larger.bound < 1.5 * truth, "{larger:?}");
+}
+
+#[test]
+fn a_missing_ball_is_seen() {
+    let (large, small) = ([0.0; 3], [0.9, 0.3, 0.1]);
+    let field = sphere(0.6).union(&moved(&sphere(0.004), small));
+    let whole = both(&ball(large, 0.6, 4), &ball(small, 0.004, 2));
+    assert!(look(&field, &whole, Some(5e-3)).is_proved());
+    let found = look(&field, &ball(large, 0.6, 4), Some(5e-3));
+    assert!(found.open.iter().all(Vec::is_empty), "its faces are near the surface");
+    assert!(!found.is_proved() && found.wrong.len() == 1, "{:?}", found.wrong);
+}
+
+#[test]
+fn a_missing_inner_sheet_is_seen() {
+    let field = sphere(1.0).difference(&sphere(0.5));
+    let outer = ball([0.0; 3], 1.0, 4);
+    let inner = turned(&ball([0.0; 3], 0.5, 4));
+    assert!(look(&field, &both(&outer, &inner), Some(5e-3)).is_proved());
+    let found = look(&field, &outer, Some(5e-3));
+    assert!(!found.is_proved() && !found.wrong.is_empty());
+    // An inner sheet that is turned is none.
+    assert!(!look(&field, &both(&outer, &turned(&inner)), Some(5e-3)).is_proved());
+}
+
+#[test]
+fn turned_faces_prove_nothing() {
+    let mesh = turned(&ball([0.0; 3], 1.0, 3));
+    assert!(!look(&sphere(1.0), &mesh, Some(0.05)).is_proved());
+    assert!(!look(&sphere(1.0), &mesh, None).is_proved());
+    let twice = both(&ball([0.0; 3], 1.0, 3), &ball([0.0; 3], 1.0, 3));
+    assert!(!look(&sphere(1.0), &twice, Some(0.05)).is_proved(), "it winds twice");
+}
+
+#[test]
+fn a_blunt_edge_is_open_though_its_faces_are_near_the_surface() {
+    // A wedge of 5 degrees, as long as 1, cut off 0.05 before its edge, where it is 0.0044 thick.
+    let slope = 2.5_f64.to_radians().tan();
+    let [x, y, z] = Expr::axes();
+    let flanks = (z.clone() - &x * slope).max(&(-z - &x * slope));
+    let rest = (&x - 1.0).max(&(y.abs() - 0.5));
+    let bounds = Box3 { min: [0.0, -0.5, -0.1], max: [1.0, 0.5, 0.1] };
+    let field = Field::new(flanks.max(&rest)).with_bounds(bounds);
+    let prism = |from: f64| {
+        let ends =
+            |y: f64| [[from, y, -from * slope], [1.0, y, -slope], [1.0, y, slope], [from, y, from * slope]];
+        let at: Vec<[f64; 3]> = [ends(-0.5), ends(0.5)].concat();
+        let quads = [[0, 1, 2, 3], [7, 6, 5, 4], [0, 4, 5, 1], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 4, 0]];
+        let faces = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+        Mesh::new(at, faces).unwrap()
+    };
+    assert!(look(&field, &prism(1e-4), Some(5e-3)).is_proved());
+    assert!(!look(&field, &prism(0.05), Some(5e-3)).is_proved());
+    let loose = look(&field, &prism(0.05), Some(0.08));
+    assert!(loose.is_proved() && loose.bound >= 0.05, "{loose:?}");
+}
+
+#[test]
+fn stacked_boxes_have_no_wall_between_them() {
+    let lower = shapes::cuboid([2.0, 2.0, 2.0]).unwrap();
+    let whole = lower.union(&moved(&lower, [0.0, 0.0, 2.0]));
+    let found = look(&whole, &cuboid([-1.0; 3], [1.0, 1.0, 3.0]), Some(0.01));
+    assert!(found.is_proved(), "{:?} {:?} {}", found.open, found.wrong, found.unresolved.len());
+    // With the wall the mesh winds around both boxes too, but the two copies of its common face have nowhere to go.
+    let apart = both(&cuboid([-1.0; 3], [1.0; 3]), &cuboid([-1.0, -1.0, 1.0], [1.0, 1.0, 3.0]));
+    assert!(!look(&whole, &apart, Some(0.01)).is_proved());
+}
+
+#[test]
+fn solids_that_touch_are_settled_between_the_copies() {
+    let pair = moved(&sphere(0.5), [-0.5, 0.0, 0.0]).union(&moved(&sphere(0.5), [0.5, 0.0, 0.0]));
+    let mesh = both(&ball([-0.5, 0.0, 0.0], 0.5, 4), &ball([0.5, 0.0, 0.0], 0.5, 4));
+    let found = look(&pair, &mesh, Some(0.01));
+    assert!(found.is_proved(), "{:?} {:?} {:?}", found.open, found.wrong, found.unresolved);
+}
+
+#[test]
+fn a_thin_wall_takes_few_cells() {
+    let [x, y, z] = Expr::axes();
+    let norm = (x.square() + y.square() + z.square()).sqrt();
+    let bounds = Box3 { min: [-1.0; 3], max: [1.0; 3] };
+    let field = Field::new((&norm - 1.0).max(&(0.9990234375 - &norm))).with_bounds(bounds);
+    let job = Job::default().with_threads(1);
+    let csg = Csg::of(field.sign());
+    let mut judge = FieldJudge::new(&csg, &bounds, &job).unwrap();
+    assert!(judge.n_boxes() < 20_000, "{}", judge.n_boxes());
+    // Both sheets are needed: a cover that looked past the wall would be content with none.
+    let outer = ball([0.0; 3], 1.0, 3);
+    let found = judge.look(&outer, &SandwichGoal { limit: None, margin: 0.25 }).unwrap();
+    assert!(found.unresolved.is_empty() && !found.wrong.is_empty());
+}
+
+#[test]
+fn threads_change_nothing() {
+    let field = sphere(1.0).difference(&moved(&sphere(0.7), [0.6, 0.0, 0.0]));
+    let mesh = ball([0.0; 3], 1.0, 3);
+    let [a, b] = [1, 2].map(|threads| on_threads(&field, &mesh, None, threads));
+    assert_eq!(format!("{a:?}"), format!("{b:?}"));
+}

@@ -1,0 +1,226 @@
+//! Cells that hold several levels of one function, such as both sides of a thin wall.
+//!
+//! Where both sides of a wall can have the value no direction of growth exists, and without more cells would have to be as small as the wall
+//! is thin. But between two levels of one function a wall has no holes:
+//!
+//! **Lemma (walls).** Let P be a box that holds a cell, longer than it along an axis. Let the sign of F on P depend on some primitives
+//! only, all of them different levels of one function up to sign and scale, each with a derivative of one sign along the axis, all over P.
+//! Let each be negative on one lid of P across the axis and positive on the other. Then the zero sets of the primitives cut P into
+//! parts, one more than there are primitives, each connected, and F has one sign on each.
+//!
+//! *Proof.* On each line along the axis every primitive has one zero, by monotony and its signs on the lids; it depends continuously on
+//! the line. The order of the zeros is the same on all lines, as levels of one function do not meet. So each part is the set between two graphs
+//! over the base of P, which is connected, and no primitive changes its sign there. ∎
+//!
+//! So a flow that ends in the cell ends in a part, and a point of each part is one that the mesh has to wind around in the right way.
+use super::cover::{FieldCover, SeenPoint, padded};
+use super::regions::{SignRegions, side_of};
+use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
+use crate::math::Box3;
+
+/// How far P reaches beyond the cell at both ends, in sides of the cell: a sheet whose steepest derivative is along the axis rises
+/// by no more than two sides across the cell.
+const REACH: f64 = 2.25;
+/// Halvings in the search for zeros on the middle line.
+const HALVINGS: usize = 40;
+
+/// P for a cell.
+struct WallPrism {
+    cell: u32,
+    axis: usize,
+    bounds: Box3,
+    /// The tree, and the sides of its primitives in P.
+    tree: u32,
+    sides: Vec<Membership>,
+    /// The primitives that change their sign, and whether they grow along the axis.
+    levels: Vec<(u32, bool)>,
+}
+
+/// Cells of a list that are seen through walls, with the points of their parts.
+pub(super) fn seen(
+    cover: &FieldCover,
+    regions: &mut SignRegions,
+    evaluator: &mut PrimitiveEvaluator,
+    cells: &[(u32, usize)],
+) -> Result<Vec<(u32, Vec<SeenPoint>)>, LeafError> {
+    let boxes: Vec<Box3> = cells.iter().map(|(cell, axis)| long_box(cover, *cell, *axis)).collect();
+    let trees = regions.trees_of(evaluator, &boxes)?;
+    let mut prisms = Vec::new();
+    for (((cell, axis), bounds), tree) in cells.iter().zip(&boxes).zip(trees) {
+        if let Ok(tree) = tree {
+            let (sides, levels) = (Vec::new(), Vec::new());
+            prisms.push(WallPrism { cell: *cell, axis: *axis, bounds: *bounds, tree, sides, levels });
+        }
+    }
+    monotone(regions, evaluator, &mut prisms)?;
+    crossed(evaluator, &mut prisms)?;
+    points(regions, evaluator, &prisms)
+}
+
+fn long_box(cover: &FieldCover, cell: u32, axis: usize) -> Box3 {
+    let mut bounds = cover.bounds_of(&cover.cells[cell as usize]);
+    let by = REACH * cover.size_of(cell);
+    bounds.min[axis] -= by;
+    bounds.max[axis] += by;
+    padded(&bounds)
+}
+
+/// Keeps the prisms on which only levels of one function change sign, and those along the axis.
+fn monotone(
+    regions: &SignRegions,
+    evaluator: &mut PrimitiveEvaluator,
+    prisms: &mut Vec<WallPrism>,
+) -> Result<(), LeafError> {
+    let list = |prism: &WallPrism| regions.trees.get(prism.tree).primitives.iter();
+    let questions: Vec<(u32, Box3)> =
+        prisms.iter().flat_map(|prism| list(prism).map(|p| (*p, prism.bounds))).collect();
+    let slopes = evaluator.slope_ranges(&questions)?;
+    let primitives = evaluator.csg().primitives();
+    let mut rest = slopes.as_slice();
+    prisms.retain_mut(|prism| {
+        let local = regions.trees.get(prism.tree);
+        let (own, after) = rest.split_at(local.primitives.len());
+        rest = after;
+        prism.sides = own.iter().map(|slope| side_of(&slope.value)).collect();
+        for (p, slope) in local.primitives.iter().zip(own) {
+            if side_of(&slope.value) != Membership::Unknown {
+                continue;
+            }
+            let Some(gradient) = slope.gradient else { return false };
+            let along = gradient[prism.axis];
+            if along.lo() <= 0.0 && along.hi() >= 0.0 {
+                return false;
+            }
+            prism.levels.push((*p, along.lo() > 0.0));
+        }
+        let of = |level: &(u32, bool)| &primitives[level.0 as usize];
+        let Some((first, others)) = prism.levels.split_first() else { return false };
+        !others.is_empty() && others.iter().all(|other| of(first).is_parallel_to(of(other)))
+    });
+    Ok(())
+}
+
+/// Keeps the prisms on whose lids all levels have their signs.
+fn crossed(evaluator: &mut PrimitiveEvaluator, prisms: &mut Vec<WallPrism>) -> Result<(), LeafError> {
+    let lids = |prism: &WallPrism| {
+        let (mut low, mut high) = (prism.bounds, prism.bounds);
+        low.max[prism.axis] = low.min[prism.axis];
+        high.min[prism.axis] = high.max[prism.axis];
+        [low, high]
+    };
+    let questions: Vec<(u32, Box3)> = prisms
+        .iter()
+        .flat_map(|prism| prism.levels.iter().flat_map(|(p, _)| lids(prism).map(|lid| (*p, lid))))
+        .collect();
+    let ranges = evaluator.ranges(&questions)?;
+    let mut rest = ranges.as_slice();
+    prisms.retain(|prism| {
+        let (own, after) = rest.split_at(2 * prism.levels.len());
+        rest = after;
+        prism.levels.iter().zip(own.chunks_exact(2)).all(|((_, grows), lids)| {
+            let [below, above] = if *grows { [lids[0], lids[1]] } else { [lids[1], lids[0]] };
+            below[1] < 0.0 && above[0] > 0.0
+        })
+    });
+    Ok(())
+}
+
+/// A point of each part of the prisms, where one was found and its side proved.
+fn points(
+    regions: &SignRegions,
+    evaluator: &mut PrimitiveEvaluator,
+    prisms: &[WallPrism],
+) -> Result<Vec<(u32, Vec<SeenPoint>)>, LeafError> {
+    let at = |prism: &WallPrism, along: f64| {
+        let mut p = prism.bounds.centre();
+        p[prism.axis] = along;
+        p
+    };
+    let zeros = zeros(evaluator, prisms, &at)?;
+    let mut rest = zeros.as_slice();
+    let mut all: Vec<Vec<[f64; 3]>> = Vec::new();
+    for prism in prisms {
+        let (own, after) = rest.split_at(prism.levels.len());
+        rest = after;
+        let mut cuts = own.to_vec();
+        cuts.extend([prism.bounds.min[prism.axis], prism.bounds.max[prism.axis]]);
+        cuts.sort_unstable_by(f64::total_cmp);
+        all.push(cuts.windows(2).map(|pair| at(prism, 0.5 * pair[0] + 0.5 * pair[1])).collect());
+    }
+    let point = |p: [f64; 3]| Box3 { min: p, max: p };
+    let questions: Vec<(u32, Box3)> = prisms
+        .iter()
+        .zip(&all)
+        .flat_map(|(prism, points)| {
+            points.iter().flat_map(|at| prism.levels.iter().map(|(p, _)| (*p, point(*at))))
+        })
+        .collect();
+    let ranges = evaluator.ranges(&questions)?;
+    let mut rest = ranges.as_slice();
+    let mut found = Vec::new();
+    for (prism, points) in prisms.iter().zip(all) {
+        let (own, after) = rest.split_at(prism.levels.len() * points.len());
+        rest = after;
+        if let Some(seen) = parts(regions, prism, &points, own) {
+            found.push((prism.cell, seen));
+        }
+    }
+    Ok(found)
+}
+
+/// Where each level is 0 on the middle line, about.
+fn zeros(
+    evaluator: &mut PrimitiveEvaluator,
+    prisms: &[WallPrism],
+    at: &impl Fn(&WallPrism, f64) -> [f64; 3],
+) -> Result<Vec<f64>, LeafError> {
+    let levels: Vec<(&WallPrism, u32, bool)> = prisms
+        .iter()
+        .flat_map(|prism| prism.levels.iter().map(move |(p, grows)| (prism, *p, *grows)))
+        .collect();
+    let mut ends: Vec<[f64; 2]> = levels
+        .iter()
+        .map(|(prism, ..)| [prism.bounds.min[prism.axis], prism.bounds.max[prism.axis]])
+        .collect();
+    let middle = |[low, high]: &[f64; 2]| 0.5 * low + 0.5 * high;
+    for _ in 0..HALVINGS {
+        let questions: Vec<(u32, [f64; 3])> =
+            levels.iter().zip(&ends).map(|((prism, p, _), ends)| (*p, at(prism, middle(ends)))).collect();
+        let values = evaluator.values(&questions)?;
+        for ((ends, value), (_, _, grows)) in ends.iter_mut().zip(values).zip(&levels) {
+            let is_before = (value < 0.0) == *grows;
+            ends[usize::from(!is_before)] = middle(ends);
+        }
+    }
+    Ok(ends.iter().map(middle).collect())
+}
+
+/// The points with their sides, if they are in different parts.
+fn parts(
+    regions: &SignRegions,
+    prism: &WallPrism,
+    points: &[[f64; 3]],
+    ranges: &[[f64; 2]],
+) -> Option<Vec<SeenPoint>> {
+    let local = regions.trees.get(prism.tree);
+    let mut before: Option<Vec<Membership>> = None;
+    let mut seen = Vec::with_capacity(points.len());
+    for (at, ranges) in points.iter().zip(ranges.chunks_exact(prism.levels.len())) {
+        let mut sides = prism.sides.clone();
+        for ((p, _), range) in prism.levels.iter().zip(ranges) {
+            let side = if range[1] < 0.0 { Membership::Inside } else { Membership::Outside };
+            // A part is where no level is 0.
+            if range[0] <= 0.0 && range[1] >= 0.0 {
+                return None;
+            }
+            sides[local.place(*p)] = side;
+        }
+        let side = local.tree.membership(|p| sides[local.place(p)]);
+        if side == Membership::Unknown || before.as_ref() == Some(&sides) {
+            return None;
+        }
+        seen.push(SeenPoint { at: *at, side });
+        before = Some(sides);
+    }
+    Some(seen)
+}
