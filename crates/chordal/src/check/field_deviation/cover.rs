@@ -64,7 +64,7 @@ pub(super) struct CoverCell {
 
 /// A point of a set that the mesh has to wind around in the right way.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SeenPoint {
+pub(crate) struct SeenPoint {
     pub at: [f64; 3],
     pub side: Membership,
 }

@@ -11,9 +11,9 @@ use super::apart::is_apart;
 use super::cover::{FieldCover, SeenPoint};
 use super::failed;
 use super::regions::SignRegions;
-use super::sandwich::{Sandwich, SandwichGoal};
+use super::sandwich::{Sandwich, SandwichGoal, TiedMesh};
 use crate::budget::{Job, Stopped};
-use crate::explicit::{Bvh, Enclosure, Mesh, Topology};
+use crate::explicit::{Bvh, Enclosure, Mesh};
 use crate::implicit::{Csg, LeafError, Membership, PrimitiveEvaluator};
 use crate::math::Box3;
 
@@ -72,10 +72,10 @@ impl<'a> FieldJudge<'a> {
         Ok(Self { evaluator, cover, regions, job })
     }
 
-    /// Judges a mesh. All faces of one that is not closed are open: at each edge, by position, as many half-edges have to run one way as the
-    /// other.
+    /// Judges a mesh. All faces of one that is not closed are open: at each edge, by index or by position, as many half-edges have to run
+    /// one way as the other.
     pub fn look(&mut self, mesh: &Mesh, goal: &SandwichGoal) -> Result<Verdict, Stopped> {
-        if !is_cycle(mesh) {
+        let Some(tied) = TiedMesh::closed(mesh) else {
             let all: Vec<u32> = (0..mesh.faces().len() as u32).collect();
             let bounds = vec![f64::INFINITY; all.len()];
             let open = [all.clone(), all];
@@ -86,8 +86,8 @@ impl<'a> FieldJudge<'a> {
                 wrong: Vec::new(),
                 unresolved: Vec::new(),
             });
-        }
-        let sandwich = Sandwich::of(&mut self.regions, &mut self.evaluator, mesh, goal).map_err(failed)?;
+        };
+        let sandwich = Sandwich::of(&mut self.regions, &mut self.evaluator, &tied, goal).map_err(failed)?;
         let bound = sandwich.bounds.iter().fold(0.0, |most: f64, x| if *x > most { *x } else { most });
         let copies: Vec<Mesh> = sandwich
             .copies
@@ -109,22 +109,6 @@ impl<'a> FieldJudge<'a> {
         let wrong = self.cover.seen_points().into_iter().filter(|point| !seen.is_right(point)).collect();
         Ok(Verdict { open: sandwich.open, bounds: sandwich.bounds, bound, wrong, unresolved })
     }
-}
-
-/// Whether the boundaries of all triangles cancel out.
-fn is_cycle(mesh: &Mesh) -> bool {
-    let Some(ids) = Topology::Positions.ids(mesh) else { return false };
-    let mut sides: Vec<([u32; 2], i32)> = Vec::with_capacity(3 * mesh.faces().len());
-    for face in mesh.faces() {
-        for k in 0..3 {
-            let (a, b) = (ids[face[k] as usize], ids[face[(k + 1) % 3] as usize]);
-            if a != b {
-                sides.push(if a < b { ([a, b], 1) } else { ([b, a], -1) });
-            }
-        }
-    }
-    sides.sort_unstable();
-    sides.chunk_by(|a, b| a.0 == b.0).all(|edge| edge.iter().map(|(_, way)| way).sum::<i32>() == 0)
 }
 
 /// The outer and the inner copy.

@@ -41,7 +41,7 @@ pub(super) struct Sandwich {
 
 /// What a sandwich is asked for.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SandwichGoal {
+pub(crate) struct SandwichGoal {
     /// No displacement is longer.
     pub limit: Option<f64>,
     /// The first margin as a share of what samples ask for.
@@ -81,21 +81,54 @@ struct VertexMargin {
     is_at_limit: bool,
 }
 
+/// A closed mesh, and which of its vertices go together.
+#[derive(Clone, Debug)]
+pub(super) struct TiedMesh<'a> {
+    mesh: &'a Mesh,
+    /// By vertex the first one that it is tied to.
+    ids: Vec<u32>,
+}
+
+impl<'a> TiedMesh<'a> {
+    /// By index if the mesh is closed so, since vertices of two parts that touch need not go the same way; else by position. None where it
+    /// is closed in neither way.
+    pub fn closed(mesh: &'a Mesh) -> Option<Self> {
+        let n = mesh.positions().len() as u32;
+        let by_index = || Some((0..n).collect::<Vec<u32>>());
+        let by_position = || Topology::Positions.ids(mesh).map(|ids| ids.to_vec());
+        let tied = |ids: Vec<u32>| Self { mesh, ids };
+        by_index().map(tied).filter(Self::is_cycle).or_else(|| by_position().map(tied).filter(Self::is_cycle))
+    }
+
+    /// Whether the boundaries of all triangles cancel out.
+    fn is_cycle(&self) -> bool {
+        let mut sides: Vec<([u32; 2], i32)> = Vec::with_capacity(3 * self.mesh.faces().len());
+        for face in self.mesh.faces() {
+            for k in 0..3 {
+                let (a, b) = (self.ids[face[k] as usize], self.ids[face[(k + 1) % 3] as usize]);
+                if a != b {
+                    sides.push(if a < b { ([a, b], 1) } else { ([b, a], -1) });
+                }
+            }
+        }
+        sides.sort_unstable();
+        sides.chunk_by(|a, b| a.0 == b.0).all(|edge| edge.iter().map(|(_, way)| way).sum::<i32>() == 0)
+    }
+}
+
 impl Sandwich {
     pub fn of(
         regions: &mut SignRegions,
         evaluator: &mut PrimitiveEvaluator,
-        mesh: &Mesh,
+        tied: &TiedMesh,
         goal: &SandwichGoal,
     ) -> Result<Self, LeafError> {
-        let ids = Topology::Positions.ids(mesh);
-        let ids: Vec<u32> =
-            ids.map_or_else(|| (0..mesh.positions().len() as u32).collect(), |ids| ids.to_vec());
-        let around = Incidence::new(mesh, &ids);
-        let mut reaches = around.reaches(mesh, &ids, &deviations(regions, evaluator, mesh)?);
+        let TiedMesh { mesh, ids } = tied;
+        let around = Incidence::new(mesh, ids);
+        let mut reaches = around.reaches(mesh, ids, &deviations(regions, evaluator, mesh)?);
         let mut builder = SandwichBuilder {
             mesh,
-            ids: &ids,
+            ids,
             demands: Default::default(),
             around: &around,
             goal,

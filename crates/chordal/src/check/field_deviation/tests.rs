@@ -2,7 +2,7 @@
 use super::judge::{FieldJudge, Verdict};
 use super::sandwich::SandwichGoal;
 use crate::budget::Job;
-use crate::explicit::Mesh;
+use crate::explicit::{Bvh, Mesh};
 use crate::implicit::{Csg, Expr, Field, shapes};
 use crate::math::Box3;
 use std::collections::BTreeMap;
@@ -193,11 +193,37 @@ fn stacked_boxes_have_no_wall_between_them() {
 }
 
 #[test]
-fn solids_that_touch_are_settled_between_the_copies() {
+fn where_solids_touch_faces_are_open_and_nowhere_else() {
+    // No copy comes between the two: what is inside of both meets in a point.
     let pair = moved(&sphere(0.5), [-0.5, 0.0, 0.0]).union(&moved(&sphere(0.5), [0.5, 0.0, 0.0]));
     let mesh = both(&ball([-0.5, 0.0, 0.0], 0.5, 4), &ball([0.5, 0.0, 0.0], 0.5, 4));
     let found = look(&pair, &mesh, Some(0.01));
-    assert!(found.is_proved(), "{:?} {:?} {:?}", found.open, found.wrong, found.unresolved);
+    assert!(!found.is_proved() && found.wrong.is_empty());
+    for face in found.open.iter().flatten() {
+        let far = mesh.corners(*face as usize).map(crate::math::length);
+        assert!(far.iter().any(|far| *far < 0.05), "{far:?}");
+    }
+    assert!(found.unresolved.iter().all(|place| place.contains([0.0; 3])), "{:?}", found.unresolved);
+    let apart = moved(&sphere(0.5), [-0.53, 0.0, 0.0]).union(&moved(&sphere(0.5), [0.53, 0.0, 0.0]));
+    let mesh = both(&ball([-0.53, 0.0, 0.0], 0.5, 4), &ball([0.53, 0.0, 0.0], 0.5, 4));
+    assert!(look(&apart, &mesh, Some(0.01)).is_proved());
+}
+
+#[test]
+fn an_open_mesh_and_one_with_a_flipped_face_prove_nothing() {
+    let whole = ball([0.0; 3], 1.0, 3);
+    let with = |faces: Vec<[u32; 3]>| Mesh::new(whole.positions().to_vec(), faces).unwrap();
+    let open = with(whole.faces()[1..].to_vec());
+    let mut faces = whole.faces().to_vec();
+    faces[7].swap(0, 1);
+    for mesh in [open, with(faces)] {
+        assert!(!look(&sphere(1.0), &mesh, Some(0.05)).is_proved());
+    }
+    // Rows of one position are tied: a soup is as closed as the mesh that it came from.
+    let at: Vec<[f64; 3]> = (0..whole.faces().len()).flat_map(|face| whole.corners(face)).collect();
+    let soup =
+        Mesh::new(at, (0..whole.faces().len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect());
+    assert!(look(&sphere(1.0), &soup.unwrap(), Some(0.05)).is_proved());
 }
 
 #[test]
@@ -205,15 +231,81 @@ fn a_thin_wall_takes_few_cells() {
     let [x, y, z] = Expr::axes();
     let norm = (x.square() + y.square() + z.square()).sqrt();
     let bounds = Box3 { min: [-1.0; 3], max: [1.0; 3] };
-    let field = Field::new((&norm - 1.0).max(&(0.9990234375 - &norm))).with_bounds(bounds);
+    let field = Field::new((&norm - 1.0).max(&(-&norm + 0.999_023_437_5))).with_bounds(bounds);
     let job = Job::default().with_threads(1);
     let csg = Csg::of(field.sign());
     let mut judge = FieldJudge::new(&csg, &bounds, &job).unwrap();
-    assert!(judge.n_boxes() < 20_000, "{}", judge.n_boxes());
+    // Cells as small as the wall would be a million and more.
+    assert!(judge.n_boxes() < 30_000, "{}", judge.n_boxes());
     // Both sheets are needed: a cover that looked past the wall would be content with none.
     let outer = ball([0.0; 3], 1.0, 3);
     let found = judge.look(&outer, &SandwichGoal { limit: None, margin: 0.25 }).unwrap();
     assert!(found.unresolved.is_empty() && !found.wrong.is_empty());
+}
+
+fn random(state: &mut u64) -> f64 {
+    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*state >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// A point of the boundary of a union or difference of balls, on the way from one point to another.
+fn crossing(is_inside: impl Fn([f64; 3]) -> bool, mut ends: [[f64; 3]; 2]) -> Option<[f64; 3]> {
+    let first = is_inside(ends[0]);
+    if first == is_inside(ends[1]) {
+        return None;
+    }
+    for _ in 0..60 {
+        let middle: [f64; 3] = std::array::from_fn(|k| 0.5 * ends[0][k] + 0.5 * ends[1][k]);
+        ends[usize::from(is_inside(middle) != first)] = middle;
+    }
+    Some(ends[0])
+}
+
+#[test]
+fn no_sample_is_beyond_a_bound_whatever_was_done_to_the_mesh() {
+    let mut n_proved = 0;
+    for seed in 0..60_u64 {
+        let mut state = 2 * seed + 1;
+        // A ball with a bite or a bump; the mesh is that of the ball, its vertices moved about, so that it misses what is small.
+        let at = [0; 3].map(|_| 2.0 * random(&mut state) - 1.0);
+        let far = at.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let at = at.map(|x| x / far);
+        let radius = 0.4 * random(&mut state) * random(&mut state);
+        let is_bump = seed % 2 == 0;
+        let other = moved(&sphere(radius), at);
+        let field = if is_bump { sphere(1.0).union(&other) } else { sphere(1.0).difference(&other) };
+        let within =
+            |p: [f64; 3], c: [f64; 3], r: f64| crate::math::length(crate::math::difference(p, c)) < r;
+        let is_inside = |p: [f64; 3]| {
+            if is_bump {
+                within(p, [0.0; 3], 1.0) || within(p, at, radius)
+            } else {
+                within(p, [0.0; 3], 1.0) && !within(p, at, radius)
+            }
+        };
+        let whole = ball([0.0; 3], 1.0, 3);
+        let noise = 0.05 * random(&mut state);
+        let positions =
+            whole.positions().iter().map(|p| p.map(|x| x + noise * (2.0 * random(&mut state) - 1.0)));
+        let mesh = Mesh::new(positions.collect(), whole.faces().to_vec()).unwrap();
+        let limit = if seed % 3 == 0 { Some(0.02 + 0.2 * random(&mut state)) } else { None };
+        let found = look(&field, &mesh, limit);
+        if !found.is_proved() {
+            continue;
+        }
+        n_proved += 1;
+        let bvh = Bvh::build(&mesh, &Job::default()).unwrap();
+        for sample in 0..4000 {
+            // Half of the ways are about the other ball.
+            let (centre, size) = if sample % 2 == 0 { ([0.0; 3], 1.5) } else { (at, 2.0 * radius) };
+            let ends = [0; 2].map(|_| centre.map(|x| x + size * (2.0 * random(&mut state) - 1.0)));
+            if let Some(p) = crossing(is_inside, ends) {
+                let far = bvh.closest_distance_down(p).unwrap();
+                assert!(far <= found.bound + 1e-12, "seed {seed}: {p:?} is {far} of {}", found.bound);
+            }
+        }
+    }
+    assert!(n_proved > 20, "{n_proved}");
 }
 
 #[test]
