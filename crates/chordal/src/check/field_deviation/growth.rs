@@ -40,8 +40,7 @@ pub(super) fn direction(gradients: &[[Interval; 3]]) -> Option<[f64; 3]> {
         let step: [f64; 3] = std::array::from_fn(|k| p[k] - at[k]);
         let share = -dot(at, step) / dot(step, step);
         let share = if share > 1.0 { 1.0 } else { share };
-        // NaN, too.
-        if !(share > f64::EPSILON) {
+        if share.is_nan() || share <= f64::EPSILON {
             return None;
         }
         (0..3).for_each(|k| at[k] += share * step[k]);

@@ -36,11 +36,11 @@ pub(super) fn judged(search: &Search, bvh: &Bvh) -> Result<Option<FieldDeviation
         let verdict = judge.look(search.mesh, &SandwichGoal { limit, margin })?;
         Ok(verdict.is_proved().then_some(verdict))
     };
-    if let Some(max) = search.goal.max {
-        if let Some(verdict) = look(Some(max.get()), WITH_LIMIT)? {
-            let ends = lower_ends(search, &verdict, bvh, PROBED[0])?;
-            return Ok(Some(conclusion(search, &csg, &verdict, &ends, bvh)));
-        }
+    if let Some(max) = search.goal.max
+        && let Some(verdict) = look(Some(max.get()), WITH_LIMIT)?
+    {
+        let ends = lower_ends(search, &verdict, bvh, PROBED[0])?;
+        return Ok(Some(conclusion(search, &csg, &verdict, &ends, bvh)));
     }
     let mut best: Option<(Verdict, LowerEnds)> = None;
     for margin in WITHOUT {

@@ -120,10 +120,10 @@ pub fn field_deviation(
         let floor = FLOOR * reach(mesh, &bounds);
         let search = Search { mesh, tape, bounds, goal, job, floor };
         let enclosure = Enclosure::new(mesh, &bvh);
-        if enclosure.is_closed() {
-            if let Some(found) = judged::judged(&search, &bvh)? {
-                return Ok(found);
-            }
+        if enclosure.is_closed()
+            && let Some(found) = judged::judged(&search, &bvh)?
+        {
+            return Ok(found);
         }
         let (forward, backward) = search.both(&bvh, &enclosure)?;
         Ok(search.conclusion(&forward, &backward, &bvh))

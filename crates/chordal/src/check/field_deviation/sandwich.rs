@@ -142,8 +142,8 @@ impl Sandwich {
             reaches.iter_mut().for_each(|reach| *reach = if *reach < most { *reach } else { most });
             builder.demands = demands(regions, evaluator, mesh, &reaches)?;
             builder.start(&open);
-            for side in 0..2 {
-                open[side] = builder.close(side, &open[side], regions, evaluator)?;
+            for (side, open) in open.iter_mut().enumerate() {
+                *open = builder.close(side, open, regions, evaluator)?;
             }
             let still: Vec<u32> = open.iter().flatten().copied().collect();
             if still.iter().all(|face| is_limited(reaches[*face as usize])) {
@@ -169,10 +169,10 @@ struct SandwichBuilder<'a> {
 impl SandwichBuilder<'_> {
     /// The first margins, of all vertices or of those of open faces.
     fn start(&mut self, open: &[Vec<u32>; 2]) {
-        for side in 0..2 {
+        for (side, open) in open.iter().enumerate() {
             let none = VertexMargin { allowance: 0.0, is_at_limit: false };
             self.margins[side].resize(self.mesh.positions().len(), none);
-            for v in self.vertices_of(&open[side]) {
+            for v in self.vertices_of(open) {
                 let allowance = self.first_allowance(v);
                 self.margins[side][v as usize] = VertexMargin { allowance, is_at_limit: false };
             }
