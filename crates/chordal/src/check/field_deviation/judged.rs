@@ -62,6 +62,13 @@ pub(super) fn judged(search: &Search, bvh: &Bvh) -> Result<Option<FieldDeviation
     Ok(best.map(|(verdict, ends)| conclusion(search, &csg, &verdict, &ends, bvh)))
 }
 
+/// The bound of a mesh that is proved.
+pub(super) fn bound_of(search: &Search, verdict: &Verdict, bvh: &Bvh) -> Result<Bound, Stopped> {
+    let csg = Csg::of_graph(search.tape.graph());
+    let ends = lower_ends(search, verdict, bvh, PROBED[0])?;
+    Ok(conclusion(search, &csg, verdict, &ends, bvh).bound)
+}
+
 /// How far points of the worst faces are from the surface at least, and points of the surface beside them from the mesh.
 fn lower_ends(search: &Search, verdict: &Verdict, bvh: &Bvh, n: usize) -> Result<LowerEnds, Stopped> {
     let mut worst: Vec<usize> = (0..verdict.bounds.len()).collect();

@@ -24,6 +24,9 @@ use crate::budget::{Bound, Code, Evidence, Job, Reference, Refusal, Stopped};
 use crate::explicit::{Bvh, Enclosure, Mesh};
 use crate::implicit::{Field, LeafError, Tape};
 use crate::math::{Box3, flushes_subnormals};
+pub(crate) use judge::{FieldJudge, Verdict};
+pub(crate) use sandwich::SandwichGoal;
+
 use backward::Backward;
 use forward::Forward;
 use from_field::Target;
@@ -128,6 +131,29 @@ pub fn field_deviation(
         let (forward, backward) = search.both(&bvh, &enclosure)?;
         Ok(search.conclusion(&forward, &backward, &bvh))
     })
+}
+
+/// The bound of a mesh from its verdict, which is proved, with a lower end from a few of the worst faces.
+pub(crate) fn judged_bound(
+    mesh: &Mesh,
+    field: &Field,
+    verdict: &Verdict,
+    job: &Job,
+) -> Result<Bound, Stopped> {
+    let (tape, bounds) = (Tape::of(field.sign()), field.bounds());
+    let goal = Goal::default();
+    let bvh = Bvh::build(mesh, job)?;
+    let floor = FLOOR * reach(mesh, &bounds);
+    judged::bound_of(&Search { mesh, tape, bounds, goal: &goal, job, floor }, verdict, &bvh)
+}
+
+/// How far a mesh is from the surface of a field by samples alone, whatever there is to prove with.
+pub(crate) fn measured_field_deviation(
+    mesh: &Mesh,
+    field: &Field,
+    job: &Job,
+) -> Result<FieldDeviation, Stopped> {
+    measured::measured(mesh, field, &Tape::of(field.sign()), job)
 }
 
 fn refused<T>(code: Code, message: impl Into<String>) -> Result<T, Stopped> {

@@ -1,35 +1,20 @@
-//! How a field becomes triangles: a lattice, its bricks that matter, marching cubes on them, and the size of cells.
-mod ask;
-mod bricks;
-#[allow(dead_code, reason = "the extraction that gives its input comes next")]
-pub(crate) mod improve;
-mod lattice;
-mod planes;
-mod polygonize;
-mod refine;
-mod search;
-mod sharpen;
-
-// Adaptive cells and the arrangement of primitives in them; so far only their tests run them.
-#[cfg_attr(not(test), allow(dead_code))]
+//! How a field becomes triangles: adaptive cells, the boundary of a CSG tree in them, its improvement, and the proof.
 mod arrangement;
-#[cfg_attr(not(test), allow(dead_code))]
+mod ask;
 mod cells;
-#[cfg_attr(not(test), allow(dead_code))]
-pub(super) mod extract;
-#[cfg_attr(not(test), allow(dead_code))]
+mod extract;
 mod fan;
-#[cfg_attr(not(test), allow(dead_code))]
-pub(super) mod grid;
-#[cfg_attr(not(test), allow(dead_code))]
+mod grid;
 mod growth;
-#[cfg_attr(not(test), allow(dead_code))]
+mod improve;
+mod mesher;
+mod search;
 mod tetrahedra;
-#[cfg_attr(not(test), allow(dead_code))]
 mod vertex_values;
 
 #[cfg(test)]
 mod tests;
 
 pub(super) use ask::Ask;
-pub(super) use search::{Wanted, search};
+pub(super) use mesher::Wanted;
+pub(super) use search::search;

@@ -1,0 +1,144 @@
+//! `FieldMesher`: from a field to triangles, step by step: adaptive cells, their boundary, its improvement, its proof.
+use super::extract::extract;
+use super::grid::{FieldGrid, GridHalt, GridOptions, Place};
+use super::improve::{RawSurface, SurfaceImprover, Unimproved};
+use crate::budget::{Code, Failure, Job, Progress, Tolerance};
+use crate::explicit::Mesh;
+use crate::implicit::{Expr, Field, LeafError, PrimitiveEvaluator};
+use crate::math::Box3;
+
+/// Times that cells are cut again where vertices cannot go to their places. Measured: twice was enough on all models of the tests.
+const MOST_CUTS: usize = 3;
+/// Cells have edges of at most this share of the longest side of the bounds. Chosen: an eighth sees most shapes at once; what is smaller is seen
+/// by ranges.
+const COARSEST: f64 = 0.5;
+/// Cells are not cut below this share of the tolerance.
+const FLOOR: f64 = 0.5;
+/// The box that closes what the bounds do not hold is larger than these by this share of their size. Chosen: within the cube of the grid.
+const AROUND: f64 = 1.0 / 64.0;
+
+/// Bytes that a face takes while it is improved and judged, about: half-edges, samples, both copies and their trees.
+const BYTES_A_FACE: u64 = 800;
+
+/// What a mesh of a field is to be.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::convert) struct Wanted {
+    /// No farther from the surface than this.
+    pub length: Option<Tolerance>,
+    /// No more triangles than these.
+    pub triangles: Option<u64>,
+    /// Whether a measurement is enough.
+    pub measured: bool,
+}
+
+/// Where a field is meshed, and for whom.
+pub(super) struct FieldMesher<'a> {
+    pub bounds: Box3,
+    pub job: &'a Job,
+}
+
+/// A surface of few triangles near that of a field, by samples.
+pub(super) struct Improved<'e, 'a> {
+    pub surface: SurfaceImprover<'e, 'a>,
+    /// Cells that are as small as they may be and would have to be smaller.
+    pub unresolved: Vec<Place>,
+}
+
+impl From<GridHalt> for Failure<Mesh> {
+    fn from(halt: GridHalt) -> Self {
+        match halt {
+            GridHalt::Leaf(error) => leaf_failed(error),
+            GridHalt::Cancelled => Self::Cancelled,
+        }
+    }
+}
+
+impl From<Unimproved> for Failure<Mesh> {
+    fn from(error: Unimproved) -> Self {
+        match error {
+            Unimproved::Leaf(error) => leaf_failed(error),
+            Unimproved::Cancelled => Self::Cancelled,
+            Unimproved::NotManifold => panic!("the extraction makes manifolds"),
+        }
+    }
+}
+
+pub(super) fn leaf_failed(error: LeafError) -> Failure<Mesh> {
+    Failure::refused(Code::LeafFailed, error.message)
+}
+
+/// The solid of a field within a box somewhat larger than its bounds: where these are not kept, it is cut off.
+pub(super) fn closed(field: &Field) -> Expr {
+    let Box3 { min, max } = field.bounds();
+    let mut sign = field.sign().clone();
+    for (k, axis) in Expr::axes().iter().enumerate() {
+        let room = AROUND * (max[k] - min[k]);
+        sign = (Expr::constant(min[k] - room) - axis).max(&sign);
+        sign = (axis - (max[k] + room)).max(&sign);
+    }
+    sign
+}
+
+impl<'a> FieldMesher<'a> {
+    /// Cells, their boundary and its improvement; cells are cut again where vertices are held off their places by other sheets.
+    pub fn improved<'e>(
+        &self,
+        evaluator: &'e mut PrimitiveEvaluator<'a>,
+        tol: f64,
+    ) -> Result<Improved<'e, 'a>, Failure<Mesh>> {
+        self.job.report(Progress { stage: "mesh", done: 0, total: 3 });
+        let options =
+            GridOptions { bounds: self.bounds, floor: FLOOR * tol, coarsest: COARSEST * self.longest() };
+        let mut grid = FieldGrid::build(evaluator, options, self.job)?;
+        let mut cuts = 0;
+        loop {
+            let raw = extract(&grid, self.job);
+            if raw.faces.is_empty() {
+                return Err(Failure::refused(Code::Empty, "there is no surface to mesh"));
+            }
+            let start = RawSurface { positions: raw.positions, faces: raw.faces, labels: raw.labels };
+            let surface = SurfaceImprover::new(&start, evaluator, tol, self.job)?;
+            let held: Vec<Place> =
+                surface.held().iter().map(|held| Place { at: held.at, size: 0.5 * held.size }).collect();
+            if held.is_empty() || cuts == MOST_CUTS {
+                break;
+            }
+            cuts += 1;
+            drop(surface);
+            grid.refine(evaluator, &held)?;
+        }
+        let raw = extract(&grid, self.job);
+        let unresolved = raw.unresolved.clone();
+        let start = RawSurface { positions: raw.positions, faces: raw.faces, labels: raw.labels };
+        let mut surface = SurfaceImprover::new(&start, evaluator, tol, self.job)?;
+        surface.improve()?;
+        Ok(Improved { surface, unresolved })
+    }
+
+    /// The longest side of the bounds.
+    pub fn longest(&self) -> f64 {
+        (0..3).map(|k| self.bounds.max[k] - self.bounds.min[k]).fold(0.0, |a, b| if b > a { b } else { a })
+    }
+
+    /// Faces that the job has room for.
+    pub fn most_faces(&self) -> u64 {
+        self.job.triangle_limit.min(self.job.memory_limit / BYTES_A_FACE)
+    }
+
+    /// Whether there is room for so many faces.
+    pub fn check_size(&self, needs: f64) -> Result<(), Failure<Mesh>> {
+        let limit = self.job.triangle_limit as f64;
+        if needs > limit {
+            let message = format!("the budget needs about {needs:.1e} triangles; the limit is {limit:.1e}");
+            return Err(Failure::refused(Code::TooManyTriangles, message));
+        }
+        let (bytes, limit) = (BYTES_A_FACE as f64 * needs, self.job.memory_limit as f64);
+        if bytes > limit {
+            let message = format!(
+                "the budget needs about {needs:.1e} triangles and {bytes:.1e} bytes; the limit is {limit:.1e}"
+            );
+            return Err(Failure::refused(Code::TooMuchMemory, message));
+        }
+        Ok(())
+    }
+}
