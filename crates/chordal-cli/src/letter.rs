@@ -125,6 +125,7 @@ fn field(lines: &mut Lines, facts: &FieldFacts) {
     lines.add("terms", grouped(facts.terms));
     lines.add("value", format!("outside {}, inside {}", facts.outside, facts.inside));
     lines.add_if("evidence", (facts.evidence != "proved").then(|| facts.evidence.to_owned()));
+    facts.assumptions.iter().for_each(|sentence| lines.add("if", sentence));
     lines.add_if("region", facts.region.map(|[low, high]| format!("{} to {}", point(low), point(high))));
     for parameter in &facts.parameters {
         let set = parameter.value.to_bits() != parameter.default.to_bits();

@@ -60,6 +60,7 @@ pub fn mesh(report: &Report) -> String {
     }
     if let Some(facts) = &certificate.bound {
         lines.add("bound", bound(facts));
+        facts.assumptions.iter().for_each(|sentence| lines.add("if", sentence));
         let view = certificate.budget.as_ref().and_then(|budget| budget.view.as_ref());
         lines.add_if(
             "pixels",

@@ -5,6 +5,8 @@ mod hostile;
 mod leaves;
 #[path = "fields/models.rs"]
 mod models;
+#[path = "fields/promises.rs"]
+mod promises;
 #[path = "fields/soundness.rs"]
 mod soundness;
 #[path = "fields/tape_laws.rs"]

@@ -78,7 +78,7 @@ fn field<const D: usize>(
         (bounds.min[2], bounds.max[2]) = (f64::NEG_INFINITY, f64::INFINITY);
     }
     let field = Field::new(Expr::leaf(Arc::new(leaf), at) - radius)
-        .with_distance(Distance { outside: Quality::Exact, inside: Quality::Bound })
-        .with_bounds(bounds);
+        .known_distance(Distance { outside: Quality::Exact, inside: Quality::Bound })
+        .known_bounds(bounds);
     Ok(made.map(|_| field))
 }

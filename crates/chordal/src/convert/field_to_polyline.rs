@@ -74,7 +74,7 @@ pub fn field_to_polyline(
         return refused(Code::Budget, "the budget leaves no length, and no number of segments");
     }
     let wanted = Wanted { length, segments: budget.segments, measured: budget.require == Require::Measured };
-    let mut made = job.run(|| search(&field.clone().with_bounds(bounds), &wanted, job))?;
+    let mut made = job.run(|| search(&field.clone().known_bounds(bounds), &wanted, job))?;
     if let (Some(px), Some(most)) = (budget.pixels, made.bound.at_most()) {
         let about = Box3 { min: bounds.min.map(|x| x - most), max: bounds.max.map(|x| x + most) };
         made.bound.pixels = px.view.pixels_of(most, &about);

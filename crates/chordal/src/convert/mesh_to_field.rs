@@ -146,6 +146,6 @@ pub fn mesh_to_field(mesh: &Mesh, job: &Job) -> Result<MeshField, Stopped> {
     };
     let bounds = mesh.bounds();
     let field =
-        Field::new(Expr::leaf(Arc::new(leaf), Expr::axes())).with_distance(distance).with_bounds(bounds);
+        Field::new(Expr::leaf(Arc::new(leaf), Expr::axes())).known_distance(distance).known_bounds(bounds);
     Ok(MeshField { field, solid })
 }

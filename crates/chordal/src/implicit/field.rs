@@ -1,13 +1,17 @@
 //! `Field`: a signed number for every point, negative inside, with what is known of it.
 use super::distance::Distance;
 use super::expr::Expr;
+use super::outside::is_empty_outside;
+use super::promises::Promises;
 use super::tape::Tape;
-use crate::math::Box3;
+use crate::budget::Evidence;
+use crate::math::{Box3, add_up, sub_down};
 
 /// A shape as a rule: the points where its expression is negative.
 ///
 /// Beside the expression it carries what proofs and queries need to know: what the value is worth as a distance, and a
-/// box outside of which nothing is inside.
+/// box outside of which nothing is inside. What of that rests on the word of whoever made the field and could not be checked
+/// is kept as well, in sentences, and [`Field::evidence`] lists it.
 ///
 /// ```
 /// use chordal::implicit::{Distance, Expr, Field};
@@ -27,6 +31,9 @@ pub struct Field {
     sign: Option<Expr>,
     distance: Distance,
     bounds: Box3,
+    promises: Promises,
+    /// Promises about what the value is worth as a distance: nothing rests on them until an operation uses the distance.
+    distance_promises: Promises,
 }
 
 impl Field {
@@ -36,29 +43,115 @@ impl Field {
     /// The field of an expression of which nothing is known.
     #[must_use]
     pub fn new(expr: Expr) -> Self {
-        Self { expr, sign: None, distance: Distance::SIGN, bounds: Self::EVERYWHERE }
+        Self {
+            expr,
+            sign: None,
+            distance: Distance::SIGN,
+            bounds: Self::EVERYWHERE,
+            promises: Promises::default(),
+            distance_promises: Promises::default(),
+        }
     }
 
-    /// The same, with the caller's word for what the value is worth as a distance.
+    /// The field of an expression made of other fields, with what was promised of them.
+    pub(super) fn of_parts(expr: Expr, parts: &[&Self]) -> Self {
+        let mut field = Self::new(expr);
+        for part in parts {
+            field.promises.extend(&part.promises);
+            field.distance_promises.extend(&part.distance_promises);
+        }
+        field
+    }
+
+    /// The same, with the caller's word for what the value is worth as a distance. Proofs rest on it once an operation uses
+    /// the distance, such as [`Field::offset`].
     #[must_use]
-    pub fn with_distance(self, distance: Distance) -> Self {
-        Self { distance, ..self }
+    pub fn with_distance(mut self, distance: Distance) -> Self {
+        if distance != Distance::SIGN {
+            let (outside, inside) = (distance.outside.as_str(), distance.inside.as_str());
+            let sentence = format!(
+                "the value of a given field is worth what is said of it as a distance: outside {outside}, inside {inside}"
+            );
+            self.distance_promises.add(sentence.into());
+        }
+        self.known_distance(distance)
     }
 
     /// The same, with the caller's word that nothing outside of the box is inside the shape.
+    ///
+    /// Where ranges show that the word holds nothing rests on it any more: they are asked for the sides of the box, and for
+    /// those of one that is larger by a 2⁻⁴⁰th of its size, which then is the box, since ranges are rounded outward. Otherwise
+    /// it is a promise that [`Field::evidence`] lists. Cost: some hundredths of a second at most.
     #[must_use]
-    pub fn with_bounds(self, bounds: Box3) -> Self {
-        Self { bounds, ..self }
+    pub fn with_bounds(mut self, bounds: Box3) -> Self {
+        let tape = Tape::of(self.sign());
+        if is_empty_outside(&tape, &bounds) {
+            return self.known_bounds(bounds);
+        }
+        let roomy = with_room(&bounds);
+        if is_empty_outside(&tape, &roomy) {
+            return self.known_bounds(roomy);
+        }
+        let Box3 { min, max } = bounds;
+        self.promise(format!("nothing of a given field is inside beyond the box from {min:?} to {max:?}"));
+        self.known_bounds(bounds)
     }
 
-    /// The same, with the caller's word that `sign` is negative exactly where the value is, and positive exactly where that is.
+    /// The same, with the caller's word that `sign` is negative exactly where the value is, and positive exactly where that is:
+    /// a promise that [`Field::evidence`] lists.
     ///
     /// A distance often has kinks on the surface itself (that of a box is made of an outer and an inner part which meet
     /// there), where ranges of its gradient say little. An expression that runs smoothly through 0, such as a maximum of
     /// planes, has the same shape, and lets proofs through.
     #[must_use]
-    pub fn with_sign(self, sign: Expr) -> Self {
+    pub fn with_sign(mut self, sign: Expr) -> Self {
+        self.promise("the second expression of a given field has the sign of its value everywhere".into());
+        self.known_sign(sign)
+    }
+
+    /// One more thing that is taken at somebody's word.
+    pub(super) fn promise(&mut self, sentence: String) {
+        self.promises.add(sentence.into());
+    }
+
+    /// The same, for an operation that uses what the value is worth as a distance: from now on proofs rest on that too.
+    pub(super) fn as_distance(&self) -> Self {
+        let mut field = self.clone();
+        field.promises.extend(&self.distance_promises);
+        field
+    }
+
+    /// What the value is worth as a distance, where that is known and not promised.
+    pub(crate) fn known_distance(self, distance: Distance) -> Self {
+        Self { distance, ..self }
+    }
+
+    /// A box that holds the shape, where that is known and not promised.
+    pub(crate) fn known_bounds(self, bounds: Box3) -> Self {
+        Self { bounds, ..self }
+    }
+
+    /// Another expression of the same sign, where that is known and not promised.
+    pub(crate) fn known_sign(self, sign: Expr) -> Self {
         Self { sign: Some(sign), ..self }
+    }
+
+    /// What a proof about the surface is worth: the weakest of the leaves of [`Field::sign`], and of what was promised where the
+    /// field was made. Cost: linear in the distinct parts of the expression.
+    ///
+    /// ```
+    /// use chordal::budget::Evidence;
+    /// use chordal::implicit::{Expr, Field};
+    /// use chordal::math::Box3;
+    /// let [x, y, z] = Expr::axes();
+    /// let ball = Field::new(x.square() + y.square() + z.square() - 1.0);
+    /// let cube = |half: f64| Box3 { min: [-half; 3], max: [half; 3] };
+    /// assert_eq!(ball.clone().with_bounds(cube(1.0)).evidence(), Evidence::Proved); // ranges show it
+    /// assert!(matches!(ball.with_bounds(cube(0.5)).evidence(), Evidence::ProvedIf(_)));
+    /// ```
+    #[must_use]
+    pub fn evidence(&self) -> Evidence {
+        Tape::of(self.sign()).evidence().weaker(&self.promises.evidence())
     }
 
     /// An expression that is negative exactly where the value is, for what needs the surface and not the distance:
@@ -102,4 +195,13 @@ impl Field {
     pub fn tape(&self) -> Tape {
         Tape::of(&self.expr)
     }
+}
+
+/// The box with room for the rounding of ranges at its sides.
+fn with_room(bounds: &Box3) -> Box3 {
+    /// Derived: a range of some thousand steps is off by less than 2⁻⁴⁰ of its numbers.
+    const ROOM: f64 = 1.0 / (1_u64 << 40) as f64;
+    let ends = bounds.min.iter().chain(&bounds.max).map(|x| x.abs()).filter(|x| x.is_finite());
+    let room = ROOM * ends.fold(0.0, |most, x| if x > most { x } else { most });
+    Box3 { min: bounds.min.map(|x| sub_down(x, room)), max: bounds.max.map(|x| add_up(x, room)) }
 }

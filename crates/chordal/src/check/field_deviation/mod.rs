@@ -116,12 +116,12 @@ pub fn field_deviation(
             return refused(Code::Unsupported, message);
         }
         let tape = Tape::of(field.sign());
-        if !tape.evidence().bounds_above() {
+        if !field.evidence().bounds_above() {
             return measured::measured(mesh, field, &tape, job);
         }
         let bvh = Bvh::build(mesh, job)?;
         let floor = FLOOR * reach(mesh, &bounds);
-        let search = Search { mesh, tape, bounds, goal, job, floor };
+        let search = Search { mesh, tape, evidence: field.evidence(), bounds, goal, job, floor };
         let enclosure = Enclosure::new(mesh, &bvh);
         if enclosure.is_closed()
             && let Some(found) = judged::judged(&search, &bvh)?
@@ -203,6 +203,7 @@ const ROUGH_SHARE: f64 = 10.0;
 struct Search<'a> {
     mesh: &'a Mesh,
     tape: Tape,
+    evidence: Evidence,
     bounds: Box3,
     goal: &'a Goal,
     job: &'a Job,
@@ -285,7 +286,7 @@ impl Search<'_> {
         let most = larger(ahead.at_most, back.at_most);
         let known = forward.unresolved == 0 && most.is_finite();
         let evidence = if known {
-            self.tape.evidence()
+            self.evidence.clone()
         } else {
             Evidence::Measured { samples: self.mesh.faces().len() as u64 }
         };

@@ -40,7 +40,7 @@ pub(in crate::convert) fn search(
     let bounds = field.bounds();
     let sides = [0, 1].map(|k| bounds.max[k] - bounds.min[k]);
     let longest = if sides[0] > sides[1] { sides[0] } else { sides[1] };
-    let search = Search { tape, bounds, wanted, job };
+    let search = Search { tape, evidence: field.evidence(), bounds, wanted, job };
     let mut step = longest / FIRST;
     let mut best: Option<Bounded<Lines>> = None;
     // With a count alone lines are as fine as it allows, and what they are worth is found afterwards.
@@ -66,7 +66,7 @@ pub(in crate::convert) fn search(
             step *= if part < 0.25 { 0.25 } else { part };
             continue;
         }
-        if !search.tape.evidence().bounds_above() {
+        if !search.evidence.bounds_above() {
             let made = search.made(&traced, None, seen);
             return if wanted.measured { search.counted(made) } else { Err(Failure::Unmet(Box::new(made))) };
         }
@@ -109,6 +109,7 @@ fn failed(error: crate::implicit::LeafError) -> Failure<Lines> {
 
 struct Search<'a> {
     tape: Tape,
+    evidence: Evidence,
     bounds: Box3,
     wanted: &'a Wanted,
     job: &'a Job,
@@ -153,7 +154,7 @@ impl Search<'_> {
         };
         let most = most.filter(|most| *most < f64::INFINITY);
         let evidence = match most {
-            Some(_) => self.tape.evidence(),
+            Some(_) => self.evidence.clone(),
             None => Evidence::Measured { samples: count(traced) },
         };
         let least = if most.is_some_and(|most| least > most) { 0.0 } else { least };
@@ -194,7 +195,7 @@ impl Search<'_> {
         loop {
             let traced = self.traced(step, aim)?;
             let seen = estimate(&traced, self.job).map_err(failed)?;
-            if !self.tape.evidence().bounds_above() {
+            if !self.evidence.bounds_above() {
                 return Ok(self.made(&traced, None, seen));
             }
             let far = prove(&traced, &self.bounds, aim, self.job).map_err(failed)?;

@@ -48,7 +48,7 @@ impl Field {
             Box3 { min: [-reach, -reach, min[2]], max: [reach, reach, max[2]] }
         };
         if !reach.is_finite() || reach == 0.0 || self.bounds().is_empty() {
-            return plain.with_distance(Distance::SIGN).with_bounds(bounds);
+            return plain.known_distance(Distance::SIGN).known_bounds(bounds);
         }
         // Just beyond the box, where nothing is inside; a twist keeps points as far from the axis as they are.
         let rim = add_up(reach, mul_up(reach, 1.0 / 1024.0));
@@ -68,9 +68,9 @@ impl Field {
         // The nearest point within the rim is no farther from any other such point.
         let near = self.at(&back(onto, angle));
         let value = (near.expr() / stretch).max(&(off - rim));
-        Self::new(value)
-            .with_sign(plain.sign().clone())
-            .with_distance(bounds_at_most(self.distance()))
-            .with_bounds(bounds)
+        Self::of_parts(value, &[self])
+            .known_sign(plain.sign().clone())
+            .known_distance(bounds_at_most(self.distance()))
+            .known_bounds(bounds)
     }
 }

@@ -24,18 +24,18 @@ impl Field {
         let value = a.smooth_min(b, radius);
         let inside = self.distance().union(other.distance()).inside;
         let bounds = first.bounds().union(second.bounds());
-        let blend = Self::new(value.clone());
+        let blend = Self::of_parts(value.clone(), &[&first, &second]);
         // Where a and b are `radius` apart the blend is one of them, with its kinks on the surface, for which there are signs
         // without; a half of what they are farther apart keeps the blend's own surface away from there.
         let blend = if self.has_own_sign() || other.has_own_sign() {
             let beyond = ((a - b).abs() - radius).max(&0.0.into()) * 0.5;
-            blend.with_sign(self.sign().min(other.sign()).min(&(value + beyond)))
+            blend.known_sign(self.sign().min(other.sign()).min(&(value + beyond)))
         } else {
             blend
         };
         Ok(blend
-            .with_distance(Distance { outside: Quality::Bound, inside })
-            .with_bounds(grown(bounds, 0.25 * radius)))
+            .known_distance(Distance { outside: Quality::Bound, inside })
+            .known_bounds(grown(bounds, 0.25 * radius)))
     }
 
     /// The intersection with its edge rounded off: the complement of the [`Field::smooth_union`] of the complements.
@@ -46,7 +46,7 @@ impl Field {
     pub fn smooth_intersection(&self, other: &Self, radius: f64) -> Result<Self, InvalidShape> {
         let both = self.complement().smooth_union(&other.complement(), radius).map_err(turned)?.complement();
         // It only takes away.
-        Ok(both.with_bounds(self.intersection(other).bounds()))
+        Ok(both.known_bounds(self.intersection(other).bounds()))
     }
 
     /// The difference with its edge rounded off: the [`Field::smooth_intersection`] with the complement.

@@ -32,10 +32,10 @@ impl Field {
         };
         let Box3 { min, max } = self.bounds();
         let endless = Box3 { min: [min[0], min[1], f64::NEG_INFINITY], max: [max[0], max[1], f64::INFINITY] };
-        Ok(Self::new(value)
-            .with_sign(flat.sign().max(&cap))
-            .with_distance(sliced(self))
-            .with_bounds(common(endless, slab)))
+        Ok(Self::of_parts(value, &[self])
+            .known_sign(flat.sign().max(&cap))
+            .known_distance(sliced(self))
+            .known_bounds(common(endless, slab)))
     }
 
     /// A shape of the plane turned about its y axis, which then stands along z: the point (x, y) becomes the circle of
@@ -64,7 +64,8 @@ impl Field {
         } else {
             Box3 { min: [-max[0], -max[0], min[1]], max: [max[0], max[0], max[1]] }
         };
-        Self::new(turned.expr().clone()).with_sign(sign).with_distance(distance).with_bounds(bounds)
+        let turned = Self::of_parts(turned.expr().clone(), &[self]);
+        turned.known_sign(sign).known_distance(distance).known_bounds(bounds)
     }
 }
 

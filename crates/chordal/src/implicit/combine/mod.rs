@@ -1,10 +1,11 @@
 //! Shapes made of shapes: union, intersection, difference; blends; transforms; offsets; repetition.
 //!
-//! Every operation carries four things through: the value, the expression for the sign, what the value is worth as a
-//! distance, and the box. What needs a distance refuses a field that has only a sign
+//! Every operation carries five things through: the value, the expression for the sign, what the value is worth as a
+//! distance, the box, and what was promised of the parts. What needs a distance refuses a field that has only a sign
 //! ([`InvalidShape::NeedsDistance`](super::shapes::InvalidShape)).
 mod bend;
 mod blend;
+mod clip;
 mod lift;
 mod offset;
 mod place;
@@ -28,19 +29,27 @@ impl Field {
     /// ```
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
-        let both = Self::new(self.expr().min(other.expr()))
-            .with_distance(self.distance().union(other.distance()))
-            .with_bounds(self.bounds().union(other.bounds()));
-        if self.has_sign() || other.has_sign() { both.with_sign(self.sign().min(other.sign())) } else { both }
+        let both = Self::of_parts(self.expr().min(other.expr()), &[self, other])
+            .known_distance(self.distance().union(other.distance()))
+            .known_bounds(self.bounds().union(other.bounds()));
+        if self.has_sign() || other.has_sign() {
+            both.known_sign(self.sign().min(other.sign()))
+        } else {
+            both
+        }
     }
 
     /// All points of both at once: `max(a, b)`. Inside it is as good a distance as both are, outside a bound.
     #[must_use]
     pub fn intersection(&self, other: &Self) -> Self {
-        let both = Self::new(self.expr().max(other.expr()))
-            .with_distance(self.distance().intersection(other.distance()))
-            .with_bounds(common(self.bounds(), other.bounds()));
-        if self.has_sign() || other.has_sign() { both.with_sign(self.sign().max(other.sign())) } else { both }
+        let both = Self::of_parts(self.expr().max(other.expr()), &[self, other])
+            .known_distance(self.distance().intersection(other.distance()))
+            .known_bounds(common(self.bounds(), other.bounds()));
+        if self.has_sign() || other.has_sign() {
+            both.known_sign(self.sign().max(other.sign()))
+        } else {
+            both
+        }
     }
 
     /// The points of this that are not of the other: `max(a, −b)`.
@@ -52,8 +61,8 @@ impl Field {
     /// All other points: `−a`. (A point of the surface itself belongs to neither.)
     #[must_use]
     pub fn complement(&self) -> Self {
-        let other = Self::new(-self.expr()).with_distance(self.distance().complement());
-        if self.has_sign() { other.with_sign(-self.sign()) } else { other }
+        let other = Self::of_parts(-self.expr(), &[self]).known_distance(self.distance().complement());
+        if self.has_sign() { other.known_sign(-self.sign()) } else { other }
     }
 
     /// The points of one of both, not of both: `max(min(a, b), −max(a, b))`.
@@ -79,12 +88,12 @@ impl Field {
     #[must_use]
     pub fn nothing() -> Self {
         // Any number is a bound on a distance that does not end; the largest serves as well as infinity.
-        Self::new(Expr::constant(f64::MAX)).with_distance(super::Distance::BOUND).with_bounds(Box3::EMPTY)
+        Self::new(Expr::constant(f64::MAX)).known_distance(super::Distance::BOUND).known_bounds(Box3::EMPTY)
     }
 
     /// The same value and everything else with another expression of a sign, if there was one.
     fn map_sign(self, from: &Self, map: impl FnOnce(&Expr) -> Expr) -> Self {
-        if from.has_sign() { self.with_sign(map(from.sign())) } else { self }
+        if from.has_sign() { self.known_sign(map(from.sign())) } else { self }
     }
 }
 

@@ -20,7 +20,7 @@ impl Field {
             min: std::array::from_fn(|k| shift(bounds.min[k], by[k], add_down)),
             max: std::array::from_fn(|k| shift(bounds.max[k], by[k], add_up)),
         };
-        Ok(self.at(&at).with_distance(self.distance()).with_bounds(bounds))
+        Ok(self.at(&at).known_distance(self.distance()).known_bounds(bounds))
     }
 
     /// The shape turned counter-clockwise around an axis through the origin, seen from its tip. The rounded sine and
@@ -68,12 +68,12 @@ impl Field {
         let distance = if even { self.distance() } else { bounds_at_most(self.distance()) };
         let scaled = self.at(&at);
         let value = scaled.expr() * least;
-        let field = Self::new(value).map_sign(&scaled, |sign| sign * least);
+        let field = Self::of_parts(value, &[self]).map_sign(&scaled, |sign| sign * least);
         let (min, max) = (self.bounds().min, self.bounds().max);
         let ends = |k: usize| side(min[k], max[k]) * Interval::point(by[k]);
         let bounds = Box3 { min: [0, 1, 2].map(|k| ends(k).lo()), max: [0, 1, 2].map(|k| ends(k).hi()) };
         let bounds = if self.bounds().is_empty() { Box3::EMPTY } else { bounds };
-        Ok(field.with_distance(distance).with_bounds(bounds))
+        Ok(field.known_distance(distance).known_bounds(bounds))
     }
 
     /// The mirror image in the plane through the origin across `normal`.
@@ -120,14 +120,15 @@ impl Field {
             placed
         } else {
             let value = placed.expr() / stretch;
-            Self::new(value).map_sign(&placed, |sign| sign / stretch)
+            Self::of_parts(value, &[self]).map_sign(&placed, |sign| sign / stretch)
         };
-        field.with_distance(distance).with_bounds(preimage(self.bounds(), rows, shift))
+        field.known_distance(distance).known_bounds(preimage(self.bounds(), rows, shift))
     }
 
     /// The value and the sign of other points.
     pub(super) fn at(&self, at: &[Expr; 3]) -> Self {
-        Self::new(self.expr().with_axes(at.clone())).map_sign(self, |sign| sign.with_axes(at.clone()))
+        let value = self.expr().with_axes(at.clone());
+        Self::of_parts(value, &[self]).map_sign(self, |sign| sign.with_axes(at.clone()))
     }
 }
 

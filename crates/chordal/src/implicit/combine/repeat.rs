@@ -61,8 +61,8 @@ impl Field {
         for (k, window) in windows.iter().enumerate() {
             (bounds.min[k], bounds.max[k]) = window.bounds(self.bounds().min[k], self.bounds().max[k]);
         }
-        let all = Self::union_of(&copies).with_distance(Distance { outside, ..distance });
-        Ok(all.with_bounds(common(bounds, Field::EVERYWHERE)))
+        let all = Self::union_of(&copies).known_distance(Distance { outside, ..distance });
+        Ok(all.known_bounds(common(bounds, Field::EVERYWHERE)))
     }
 }
 

@@ -121,8 +121,8 @@ impl Contours {
         let (distance, [min, max]) = (self.distance, self.bounds);
         let [x, y, _] = Expr::axes();
         let sign = half_planes::inside(&self.edges, [&x, &y]);
-        let field = Field::new(self.expr([x, y])).with_distance(distance).with_bounds(endless(min, max));
-        sign.map_or(field.clone(), |sign| field.with_sign(sign))
+        let field = Field::new(self.expr([x, y])).known_distance(distance).known_bounds(endless(min, max));
+        sign.map_or(field.clone(), |sign| field.known_sign(sign))
     }
 
     /// How often the contours wind around `p`, counter-clockwise; those for which `counts` says no are left out. Exact,

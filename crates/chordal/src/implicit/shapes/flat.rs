@@ -17,7 +17,7 @@ pub fn circle(radius: f64) -> Result<Field, InvalidShape> {
     let radius = positive("a circle's radius", radius)?;
     let [x, y, _] = Expr::axes();
     let field = Field::new(length_of(&[&x, &y]) - radius);
-    Ok(field.with_distance(Distance::EXACT).with_bounds(endless([-radius; 2], [radius; 2])))
+    Ok(field.known_distance(Distance::EXACT).known_bounds(endless([-radius; 2], [radius; 2])))
 }
 
 /// The rectangle of these full sizes. The value is the exact distance.
@@ -27,8 +27,8 @@ pub fn circle(radius: f64) -> Result<Field, InvalidShape> {
 pub fn rectangle(sizes: [f64; 2]) -> Result<Field, InvalidShape> {
     let half = halves("a rectangle's size", sizes)?;
     let q = walls(half);
-    let field = Field::new(slabs(&q)).with_sign(largest(&q));
-    Ok(field.with_distance(Distance::EXACT).with_bounds(endless(half.map(|h| -h), half)))
+    let field = Field::new(slabs(&q)).known_sign(largest(&q));
+    Ok(field.known_distance(Distance::EXACT).known_bounds(endless(half.map(|h| -h), half)))
 }
 
 /// The rectangle of these full sizes with its corners rounded to `radius`. The value is the exact distance.
@@ -44,7 +44,7 @@ pub fn rounded_rectangle(sizes: [f64; 2], radius: f64) -> Result<Field, InvalidS
     let inner = half.map(|h| h - radius);
     let outer = inner.map(|h| add_up(h, radius));
     let field = Field::new(slabs(&walls(inner)) - radius);
-    Ok(field.with_distance(Distance::EXACT).with_bounds(endless(outer.map(|h| -h), outer)))
+    Ok(field.known_distance(Distance::EXACT).known_bounds(endless(outer.map(|h| -h), outer)))
 }
 
 /// All points of the plane nearer than `radius` to the segment from `a` to `b`. The value is the exact distance.
@@ -56,7 +56,7 @@ pub fn segment(a: [f64; 2], b: [f64; 2], radius: f64) -> Result<Field, InvalidSh
     let [x, y, _] = Expr::axes();
     let Box3 { min, max } = solid.bounds();
     let field = Field::new(solid.expr().with_axes([x, y, Expr::constant(0.0)]));
-    Ok(field.with_distance(Distance::EXACT).with_bounds(endless([min[0], min[1]], [max[0], max[1]])))
+    Ok(field.known_distance(Distance::EXACT).known_bounds(endless([min[0], min[1]], [max[0], max[1]])))
 }
 
 /// The polygon through these corners, which are joined in order and back to the first; where it crosses itself a point

@@ -66,5 +66,5 @@ fn scaled(sum: Expr, period: f64, level: f64) -> Result<Field, InvalidShape> {
     let level = finite("a level", level)?;
     let steepest = mul_up(frequency(period), sqrt_up(3.0));
     let value = (sum - level) * div_down(1.0, steepest);
-    Ok(Field::new(value).with_distance(Distance::BOUND))
+    Ok(Field::new(value).known_distance(Distance::BOUND))
 }

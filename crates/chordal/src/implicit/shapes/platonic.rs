@@ -18,7 +18,7 @@ pub fn octahedron(radius: f64) -> Result<Field, InvalidShape> {
     let radius = positive("an octahedron's radius", radius)?;
     let [x, y, z] = Expr::axes();
     let value = (x.abs() + y.abs() + z.abs() - radius) * THIRD;
-    Ok(Field::new(value).with_distance(PLANES).with_bounds(centred([radius; 3])))
+    Ok(Field::new(value).known_distance(PLANES).known_bounds(centred([radius; 3])))
 }
 
 /// The regular tetrahedron with its corners at `radius` from the origin, in the directions (1, 1, 1), (1, −1, −1),
@@ -34,5 +34,5 @@ pub fn tetrahedron(radius: f64) -> Result<Field, InvalidShape> {
     let value = largest(&sides) * THIRD - radius / 3.0;
     // The corners' coordinates are √3 · radius/3; four roundings are allowed for.
     let reach = div_up(radius, sqrt_down(3.0)) * (1.0 + 4.0 * f64::EPSILON);
-    Ok(Field::new(value).with_distance(PLANES).with_bounds(centred([reach; 3])))
+    Ok(Field::new(value).known_distance(PLANES).known_bounds(centred([reach; 3])))
 }

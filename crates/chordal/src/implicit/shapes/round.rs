@@ -18,7 +18,7 @@ pub fn sphere(radius: f64) -> Result<Field, InvalidShape> {
     let radius = positive("a sphere's radius", radius)?;
     let [x, y, z] = Expr::axes();
     let field = Field::new(length_of(&[&x, &y, &z]) - radius);
-    Ok(field.with_distance(Distance::EXACT).with_bounds(centred([radius; 3])))
+    Ok(field.known_distance(Distance::EXACT).known_bounds(centred([radius; 3])))
 }
 
 /// All points that are nearer than `radius` to the segment from `a` to `b`. The value is the exact distance.
@@ -50,7 +50,7 @@ pub fn capsule(a: [f64; 3], b: [f64; 3], radius: f64) -> Result<Field, InvalidSh
         bounds.min[k] = sub_down(sub_down(if a[k] < b[k] { a[k] } else { b[k] }, slack), radius);
         bounds.max[k] = add_up(add_up(if a[k] > b[k] { a[k] } else { b[k] }, slack), radius);
     }
-    Ok(field.with_distance(Distance::EXACT).with_bounds(bounds))
+    Ok(field.known_distance(Distance::EXACT).known_bounds(bounds))
 }
 
 /// All points that are nearer than `minor` to the circle of radius `major` around the z axis. The value is the exact
@@ -67,7 +67,7 @@ pub fn torus(major: f64, minor: f64) -> Result<Field, InvalidShape> {
     let inside = if minor <= major { Quality::Exact } else { Quality::Bound };
     let reach = add_up(major, minor);
     let distance = Distance { outside: Quality::Exact, inside };
-    Ok(field.with_distance(distance).with_bounds(centred([reach, reach, minor])))
+    Ok(field.known_distance(distance).known_bounds(centred([reach, reach, minor])))
 }
 
 /// The ellipsoid of three radii. The value is a bound: with `s = √(Σ (x/r)²)` it is the larger one of `(s − 1)` times
@@ -85,6 +85,6 @@ pub fn ellipsoid(radii: [f64; 3]) -> Result<Field, InvalidShape> {
     let scaled: [Expr; 3] = std::array::from_fn(|k| &axes[k] / radii[k]);
     let sign = (length_of(&[&scaled[0], &scaled[1], &scaled[2]]) - 1.0) * least;
     let ball = length_of(&[&axes[0], &axes[1], &axes[2]]) - most;
-    let field = Field::new(sign.max(&ball)).with_sign(sign);
-    Ok(field.with_distance(Distance::BOUND).with_bounds(centred(radii)))
+    let field = Field::new(sign.max(&ball)).known_sign(sign);
+    Ok(field.known_distance(Distance::BOUND).known_bounds(centred(radii)))
 }

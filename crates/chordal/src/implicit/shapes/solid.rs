@@ -25,7 +25,7 @@ pub fn plane(normal: [f64; 3], offset: f64) -> Result<Field, InvalidShape> {
             bounds.min[k] = -offset;
         }
     }
-    Ok(field.with_distance(Distance::EXACT).with_bounds(bounds))
+    Ok(field.known_distance(Distance::EXACT).known_bounds(bounds))
 }
 
 /// The vector at length 1, rounded.
@@ -54,8 +54,8 @@ pub(in crate::implicit) fn unit(name: &str, v: [f64; 3]) -> Result<[f64; 3], Inv
 pub fn cuboid(sizes: [f64; 3]) -> Result<Field, InvalidShape> {
     let half = halves("a box's size", sizes)?;
     let q = walls(half);
-    let field = Field::new(slabs(&q)).with_sign(largest(&q));
-    Ok(field.with_distance(Distance::EXACT).with_bounds(centred(half)))
+    let field = Field::new(slabs(&q)).known_sign(largest(&q));
+    Ok(field.known_distance(Distance::EXACT).known_bounds(centred(half)))
 }
 
 /// The box of these full sizes with its edges and corners rounded to `radius`. The value is the exact distance.
@@ -70,7 +70,7 @@ pub fn rounded_cuboid(sizes: [f64; 3], radius: f64) -> Result<Field, InvalidShap
     }
     let inner = half.map(|h| h - radius);
     let field = Field::new(slabs(&walls(inner)) - radius);
-    Ok(field.with_distance(Distance::EXACT).with_bounds(centred(inner.map(|h| add_up(h, radius)))))
+    Ok(field.known_distance(Distance::EXACT).known_bounds(centred(inner.map(|h| add_up(h, radius)))))
 }
 
 /// The cylinder of a radius and a full height, centred along z. The value is the exact distance.
@@ -83,8 +83,8 @@ pub fn cylinder(radius: f64, height: f64) -> Result<Field, InvalidShape> {
     let [x, y, z] = Expr::axes();
     let half = halved(height);
     let q = [length_of(&[&x, &y]) - radius, z.abs() - half];
-    let field = Field::new(slabs(&q)).with_sign(largest(&q));
-    Ok(field.with_distance(Distance::EXACT).with_bounds(centred([radius, radius, half])))
+    let field = Field::new(slabs(&q)).known_sign(largest(&q));
+    Ok(field.known_distance(Distance::EXACT).known_bounds(centred([radius, radius, half])))
 }
 
 /// The cone of a full height centred along z, with the radius `bottom` at its low end and `top` at its high end; one of
@@ -108,8 +108,8 @@ pub fn capped_cone(bottom: f64, top: f64, height: f64) -> Result<Field, InvalidS
     let distance = profile.distance();
     let value = profile.expr([length_of(&[&x, &y]), z]);
     let widest = if bottom > top { bottom } else { top };
-    let field = Field::new(value).with_distance(distance);
-    Ok(field.with_bounds(Box3 { min: [-widest, -widest, -half], max: [widest, widest, half] }))
+    let field = Field::new(value).known_distance(distance);
+    Ok(field.known_bounds(Box3 { min: [-widest, -widest, -half], max: [widest, widest, half] }))
 }
 
 /// Half of a full size; a size that has no half is taken whole.

@@ -29,7 +29,7 @@ pub fn triangle(corners: [[f64; 3]; 3], thickness: f64) -> Result<Field, Invalid
     let largest = corners.iter().flatten().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
     let leaf = Arc::new(Flat { corners, largest });
     let field = Field::new(Expr::leaf(leaf, Expr::axes()) - radius);
-    Ok(field.with_distance(Distance::EXACT).with_bounds(bounds))
+    Ok(field.known_distance(Distance::EXACT).known_bounds(bounds))
 }
 
 /// The distance to a triangle.

@@ -1,0 +1,67 @@
+//! `Promises`: what a field's maker said of it and nobody checked.
+use crate::budget::Evidence;
+use std::sync::Arc;
+
+/// Sentences that are kept of one field, at most. Chosen: more than anybody reads, and few enough to be copied with every
+/// operation on the field.
+const MOST: usize = 32;
+/// What stands for those that are left out.
+const FURTHER: &str = "further promises about parts of the field hold, which are too many to be listed";
+
+/// The sentences that proofs about a field rest on, each once, in the order of the alphabet.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Promises(Vec<Arc<str>>);
+
+impl Promises {
+    /// One more.
+    pub fn add(&mut self, sentence: Arc<str>) {
+        if let Err(place) = self.0.binary_search(&sentence) {
+            self.0.insert(place, sentence);
+            self.limit();
+        }
+    }
+
+    /// Those of another field too.
+    pub fn extend(&mut self, other: &Self) {
+        other.0.iter().for_each(|sentence| self.add(Arc::clone(sentence)));
+    }
+
+    /// Leaves out the last ones where there are too many, and says so.
+    fn limit(&mut self) {
+        if self.0.len() > MOST {
+            self.0.retain(|sentence| **sentence != *FURTHER);
+            self.0.truncate(MOST - 1);
+            let place = self.0.binary_search_by(|sentence| (**sentence).cmp(FURTHER)).unwrap_or_else(|at| at);
+            self.0.insert(place, FURTHER.into());
+        }
+    }
+
+    /// What a proof that rests on them is worth.
+    pub fn evidence(&self) -> Evidence {
+        if self.0.is_empty() {
+            return Evidence::Proved;
+        }
+        Evidence::ProvedIf(self.0.iter().map(ToString::to_string).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_each_promise_once_and_says_when_there_are_more() {
+        let mut all = Promises::default();
+        assert_eq!(all.evidence(), Evidence::Proved);
+        for sentence in ["b holds", "a holds", "b holds"] {
+            all.add(sentence.into());
+        }
+        assert_eq!(all.evidence(), Evidence::ProvedIf(vec!["a holds".into(), "b holds".into()]));
+        let mut many = Promises::default();
+        (0..100).for_each(|k| many.add(format!("number {k:03} holds").into()));
+        all.extend(&many);
+        let Evidence::ProvedIf(sentences) = all.evidence() else { panic!("there are promises") };
+        assert_eq!(sentences.len(), MOST);
+        assert!(sentences.iter().any(|sentence| sentence == FURTHER));
+    }
+}
