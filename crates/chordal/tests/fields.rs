@@ -5,6 +5,8 @@ mod hostile;
 mod leaves;
 #[path = "fields/models.rs"]
 mod models;
+#[path = "fields/profiles.rs"]
+mod profiles;
 #[path = "fields/promises.rs"]
 mod promises;
 #[path = "fields/soundness.rs"]

@@ -1,6 +1,8 @@
 //! `Budget`: how much may be lost, in units, in pixels at a view, in degrees, or as a number of triangles.
 use super::{Pixels, Tolerance, View};
 use crate::math::Box3;
+use std::fmt;
+use std::str::FromStr;
 
 /// What kind of evidence the result must carry.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -10,6 +12,39 @@ pub enum Require {
     Proved,
     /// A measurement is enough.
     Measured,
+}
+
+impl Require {
+    /// The name in a command and in a report.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Proved => "proved",
+            Self::Measured => "measured",
+        }
+    }
+}
+
+/// No name of a kind of evidence that can be asked for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnknownRequirement(String);
+
+impl fmt::Display for UnknownRequirement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "'{}' is neither proved nor measured", self.0)
+    }
+}
+
+impl std::error::Error for UnknownRequirement {}
+
+impl FromStr for Require {
+    type Err = UnknownRequirement;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let all = [Self::Proved, Self::Measured];
+        let named = all.into_iter().find(|require| require.as_str() == text);
+        named.ok_or_else(|| UnknownRequirement(text.chars().take(40).collect())) // 40: as much as a message shows
+    }
 }
 
 /// An error on the screen, at a view.

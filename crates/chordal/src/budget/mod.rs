@@ -17,7 +17,7 @@ pub use bounded::{Bounded, Code, Failure, Refusal};
 pub use job::{Job, Progress};
 pub use length::{InvalidLength, Length, Unit};
 pub use lens::{Lens, Sight};
-pub use limits::{Budget, PixelBudget, Require};
+pub use limits::{Budget, PixelBudget, Require, UnknownRequirement};
 pub use parallel::par_map;
 pub(crate) use parallel::par_map_owned;
 pub use stopped::Stopped;

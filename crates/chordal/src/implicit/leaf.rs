@@ -87,6 +87,12 @@ pub trait Leaf: Send + Sync + fmt::Debug {
     /// the user's word holds, or only measured because there is nothing to prove with.
     fn evidence(&self) -> Evidence;
 
+    /// Where the function is that of a region at `x ≥ axis` with a part of its boundary at `x = axis`: a function of the region
+    /// and its mirror image together, which that part of the boundary does not end any more. For profiles that are revolved.
+    fn without_axis(&self, _axis: f64) -> Option<Arc<dyn Leaf>> {
+        None
+    }
+
     /// A number for the material at each point, if the leaf has materials.
     ///
     /// # Errors

@@ -1,11 +1,10 @@
 //! From the plane into space: extrusion and revolution.
 use super::common;
 use super::place::bounds_at_most;
-use crate::budget::Evidence;
-use crate::implicit::shapes::{InvalidShape, positive, slabs};
-use crate::implicit::{Answer, Distance, Expr, Field, Leaf, LeafError, Lipschitz, Quality};
-use crate::math::{Box3, Interval, add_up, sqrt_down, sqrt_up};
-use std::sync::Arc;
+use super::profile::without_axis;
+use crate::implicit::shapes::{InvalidShape, positive, radius, slabs};
+use crate::implicit::{Distance, Expr, Field, Quality};
+use crate::math::{Box3, Interval, add_up, sqrt_up};
 
 impl Field {
     /// The part of a shape of the plane (one that does not depend on z) within half of `height` above and below 0, as a
@@ -41,17 +40,20 @@ impl Field {
     /// A shape of the plane turned about its y axis, which then stands along z: the point (x, y) becomes the circle of
     /// radius x at the height y. What lies at negative x plays no part.
     ///
+    /// Where the profile ends at the axis alone, by a side of a polygon or of a rectangle on it, the solid goes on there: it holds
+    /// the axis, which a profile with a side on it does not.
+    ///
     /// Exact distances stay exact for shapes that keep off the axis by their box; one that touches it is exact outside
     /// only; one that crosses it is a bound.
     #[must_use]
     pub fn revolved(&self) -> Self {
         let [x, y, z] = Expr::axes();
         let zero = Expr::constant(0.0);
-        let radius = (x.square() + y.square()).sqrt();
-        let turned = self.at(&[radius, z.clone(), zero.clone()]);
-        // The root's slope is unknown to ranges on the axis, where a surface may well be; the leaf knows it.
-        let smooth = Expr::leaf(Arc::new(Radius), [x, y, zero.clone()]);
-        let sign = self.sign().with_axes([smooth, z, zero]);
+        let profile = without_axis(self.sign());
+        // The leaf of a profile without an expression of its own for the sign serves for both.
+        let value = if self.has_own_sign() { self.expr() } else { &profile };
+        let value = value.with_axes([(x.square() + y.square()).sqrt(), z.clone(), zero.clone()]);
+        let sign = profile.with_axes([radius(), z, zero]);
         let Box3 { min, max } = self.bounds();
         let weak = |q: Quality| if q < Quality::Bound { q } else { Quality::Bound };
         let Distance { outside, inside } = sliced(self);
@@ -64,7 +66,7 @@ impl Field {
         } else {
             Box3 { min: [-max[0], -max[0], min[1]], max: [max[0], max[0], max[1]] }
         };
-        let turned = Self::of_parts(turned.expr().clone(), &[self]);
+        let turned = Self::of_parts(value, &[self]);
         turned.known_sign(sign).known_distance(distance).known_bounds(bounds)
     }
 }
@@ -72,60 +74,6 @@ impl Field {
 /// What the value is worth as a distance in the plane z = 0: that of a solid is a bound there.
 fn sliced(field: &Field) -> Distance {
     if field.tape().axes()[2] { bounds_at_most(field.distance()) } else { field.distance() }
-}
-
-/// `√(x² + y²)` with a range of its slope on the axis too.
-#[derive(Clone, Copy, Debug)]
-struct Radius;
-
-impl Leaf for Radius {
-    fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
-        points.iter().zip(out).for_each(|([x, y, _], value)| *value = (x * x + y * y).sqrt());
-        Ok(())
-    }
-
-    fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<Answer, LeafError> {
-        for ([x, y, _], gradient) in points.iter().zip(out) {
-            let r = (x * x + y * y).sqrt();
-            *gradient = if r > 0.0 { [x / r, y / r, 0.0] } else { [0.0; 3] };
-        }
-        Ok(Answer::Given)
-    }
-
-    fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<Answer, LeafError> {
-        for (bounds, range) in boxes.iter().zip(out) {
-            let [x, y] = sides(bounds);
-            let square = x.square() + y.square();
-            let low = if square.lo() > 0.0 { sqrt_down(square.lo()) } else { 0.0 };
-            *range = Interval::new(low, sqrt_up(square.hi())).unwrap_or(Interval::ENTIRE);
-        }
-        Ok(Answer::Given)
-    }
-
-    fn gradient_over(&self, boxes: &[Box3], out: &mut [[Interval; 3]]) -> Result<Answer, LeafError> {
-        let unit = Interval::new(-1.0, 1.0).unwrap_or(Interval::ENTIRE);
-        for (bounds, gradient) in boxes.iter().zip(out) {
-            let [x, y] = sides(bounds);
-            let square = x.square() + y.square();
-            let share = |t: Interval| {
-                if square.lo() > 0.0 { (t / square.sqrt()).intersection(unit) } else { unit }
-            };
-            *gradient = [share(x), share(y), Interval::point(0.0)];
-        }
-        Ok(Answer::Given)
-    }
-
-    fn lipschitz(&self) -> Option<Lipschitz> {
-        None
-    }
-
-    fn evidence(&self) -> Evidence {
-        Evidence::Proved
-    }
-}
-
-fn sides(bounds: &Box3) -> [Interval; 2] {
-    [0, 1].map(|k| Interval::new(bounds.min[k], bounds.max[k]).unwrap_or(Interval::ENTIRE))
 }
 
 /// The farthest that a box reaches from the z axis, from above.

@@ -9,6 +9,7 @@ mod clip;
 mod lift;
 mod offset;
 mod place;
+mod profile;
 mod repeat;
 
 pub use repeat::Repeat;

@@ -309,6 +309,11 @@ impl Leaf for Contours {
         Ok(Answer::Given)
     }
 
+    fn without_axis(&self, axis: f64) -> Option<Arc<dyn Leaf>> {
+        let whole = contours_build::with_mirror_image(self, axis)?;
+        Some(Arc::new(whole))
+    }
+
     fn lipschitz(&self) -> Option<Lipschitz> {
         Some(Lipschitz { constant: 1.0, error: self.rounding([self.largest; 2]) })
     }

@@ -150,6 +150,43 @@ fn meet(contours: &Contours, row: u32, other: u32) -> bool {
     !(apart(0) || apart(1) || beside(e, f) || beside(f, e))
 }
 
+/// The contours and their mirror image in `x = axis` as one, without the edges on that line; none where there are no such edges,
+/// or contours reach beyond it.
+///
+/// Each run of edges from the line back to it becomes a contour with its own mirror image: as chains of edges those are all edges and
+/// their images, less the ones on the line, which cancel. So points off the line are wound around as before.
+pub(super) fn with_mirror_image(contours: &Contours, axis: f64) -> Option<Contours> {
+    let edges = &contours.edges;
+    let is_on = |edge: &Edge| edge.a[0] == axis && edge.b[0] == axis;
+    if contours.bounds[0][0] != axis || !edges.iter().any(is_on) {
+        return None;
+    }
+    // Its rounding moves nothing of the contours themselves, and points beyond the line are not asked for.
+    let mirrored = |p: &[f64; 2]| [axis - (p[0] - axis), p[1]];
+    let mut whole = Vec::new();
+    let mut row = 0;
+    while row < edges.len() {
+        let run =
+            &edges[row..row + edges[row..].iter().take_while(|e| e.contour == edges[row].contour).count()];
+        row += run.len();
+        let Some(first) = run.iter().position(is_on) else {
+            let points: Vec<[f64; 2]> = run.iter().map(|edge| edge.a).collect();
+            whole.push(points.iter().rev().map(mirrored).collect());
+            whole.push(points);
+            continue;
+        };
+        let turned: Vec<&Edge> = run[first..].iter().chain(&run[..first]).collect();
+        for path in turned.split(|edge| is_on(edge)).filter(|path| !path.is_empty()) {
+            let mut points = vec![path[0].a];
+            points.extend(path.iter().map(|edge| edge.b));
+            let image: Vec<[f64; 2]> = points[1..points.len() - 1].iter().rev().map(mirrored).collect();
+            points.extend(image);
+            whole.push(points);
+        }
+    }
+    Contours::new(&whole, contours.fill).ok()
+}
+
 impl Contours {
     /// Contours to ask for windings only.
     fn of_parts((edges, nodes, order): (Vec<Edge>, Vec<Node>, Vec<u32>), fill: Fill) -> Self {

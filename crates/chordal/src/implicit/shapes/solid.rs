@@ -2,7 +2,7 @@
 use super::{
     Contours, Fill, InvalidShape, centred, finite, finite_point, largest, length_of, not_negative, positive,
 };
-use super::{slabs, sum};
+use super::{radius, slabs, sum};
 use crate::implicit::{Distance, Expr, Field};
 use crate::math::{Box3, add_up};
 
@@ -106,9 +106,12 @@ pub fn capped_cone(bottom: f64, top: f64, height: f64) -> Result<Field, InvalidS
     let profile = Contours::new(&[outline], Fill::EvenOdd)?;
     let [x, y, z] = Expr::axes();
     let distance = profile.distance();
-    let value = profile.expr([length_of(&[&x, &y]), z]);
+    let value = profile.expr([length_of(&[&x, &y]), z.clone()]);
     let widest = if bottom > top { bottom } else { top };
-    let field = Field::new(value).known_distance(distance);
+    // The side runs through (bottom, -half) and (top, half), in exact arithmetic: nothing is divided. Its slope is known on the
+    // axis too, where a tip is.
+    let side = radius() * (2.0 * half) - (Expr::constant(half) - &z) * bottom - (&z + half) * top;
+    let field = Field::new(value).known_sign(side.max(&(z.abs() - half))).known_distance(distance);
     Ok(field.known_bounds(Box3 { min: [-widest, -widest, -half], max: [widest, widest, half] }))
 }
 
