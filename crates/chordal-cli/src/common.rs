@@ -2,6 +2,7 @@
 use crate::args::{InputArgs, OutputArgs, TalkArgs};
 use crate::fault::{Exit, Fault};
 use crate::input::Source;
+use crate::memory;
 use crate::output::{Existing, Target};
 use crate::signal;
 use crate::talk::{Stdout, Talk};
@@ -97,9 +98,14 @@ impl Bytes {
     }
 }
 
+/// The most memory: what was said, else a share of what there is.
+fn most_memory(args: &InputArgs) -> Option<u64> {
+    args.max_memory.or_else(memory::share)
+}
+
 fn limits(args: &InputArgs) -> Limits {
     let mut limits = Limits::default();
-    limits.bytes = args.max_memory.map_or(limits.bytes, |most| most.min(limits.bytes));
+    limits.bytes = most_memory(args).map_or(limits.bytes, |most| most.min(limits.bytes));
     limits.lenient = args.lenient;
     limits.drop_nonfinite = args.drop_nonfinite;
     limits.index = args.index;
@@ -110,7 +116,7 @@ fn limits(args: &InputArgs) -> Limits {
 /// A job that obeys the command line and signals.
 pub fn job(input: &InputArgs, output: Option<&OutputArgs>, talk: &Talk) -> Job {
     let mut job = Job::default().with_threads(output.map_or(0, |args| args.threads));
-    job.memory_limit = input.max_memory.unwrap_or(job.memory_limit);
+    job.memory_limit = most_memory(input).unwrap_or(job.memory_limit);
     signal::install(job.cancel_flag());
     talk.progress(job)
 }

@@ -12,6 +12,7 @@ mod input;
 mod inspect;
 mod letter;
 mod lod;
+pub mod memory;
 mod mend;
 mod mesh;
 mod numbers;

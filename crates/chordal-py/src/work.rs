@@ -3,6 +3,7 @@ use crate::failure;
 use crate::pool::pool;
 use chordal::Job;
 use chordal::budget::Progress;
+use chordal_cli::memory;
 use pyo3::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError, channel};
@@ -31,13 +32,13 @@ pub(crate) fn run<T: Send + 'static>(
 ) -> PyResult<T> {
     let pool = pool(py).map_err(|error| failure::internal(py, &format!("no threads: {error}")))?;
     let (sender, receiver) = channel();
-    let job = if progress.is_some() {
+    let mut job = Job::default();
+    job.memory_limit = memory::share().unwrap_or(job.memory_limit);
+    if progress.is_some() {
         let sender = sender.clone();
         // Nobody listens any more once a caller has left.
-        Job::default().with_progress(move |progress| drop(sender.send(Message::Progress(progress))))
-    } else {
-        Job::default()
-    };
+        job = job.with_progress(move |progress| drop(sender.send(Message::Progress(progress))));
+    }
     let on_leaving = Cancel(&job);
     let own = job.clone();
     pool.spawn(move || {
