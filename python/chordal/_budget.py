@@ -24,6 +24,7 @@ class Wanted(TypedDict):
     triangles: int | None
     segments: int | None
     spacing: str
+    require: str | None
 
 
 def wanted(
@@ -36,6 +37,7 @@ def wanted(
     triangles: SupportsIndex | None = None,
     segments: SupportsIndex | None = None,
     spacing: str = "fewest",
+    require: str | None = None,
     counted: str,
 ) -> Wanted:
     """The budget of these arguments, if they belong together. `counted` names the count that the caller has."""
@@ -48,6 +50,7 @@ def wanted(
         "triangles": None if triangles is None else positive("triangles", triangles),
         "segments": None if segments is None else positive("segments", segments),
         "spacing": text("spacing", spacing) or "",
+        "require": None if require is None else text("require", require),
     }
     if not (found["length"] or found["pixels"] or found["triangles"] or found["segments"]):
         raise BudgetError(

@@ -112,7 +112,10 @@ class Rule:
     def axis(k: int) -> Rule: ...
     @staticmethod
     def callable(
-        call: Callable[[bytes], bytes], bounds: Sequence[Sequence[float]] | None, lipschitz: float | None
+        call: Callable[[bytes], bytes],
+        gradient: Callable[[bytes], bytes] | None,
+        bounds: Sequence[Sequence[float]] | None,
+        lipschitz: float | None,
     ) -> Rule: ...
     @property
     def is_shape(self) -> bool: ...

@@ -153,6 +153,7 @@ class Shape:
         view: str | View | None = None,
         angle: SupportsFloat | None = None,
         triangles: SupportsIndex | None = None,
+        require: Literal["proved", "measured"] | None = None,
         progress: Progress | None = None,
     ) -> Mesh:
         """Triangles within a budget, with the bound that was reached. A drawing is filled.
@@ -160,7 +161,9 @@ class Shape:
         `tol` is the largest distance to the true shape, in units or as a text with a unit; `rel` the same as a share
         of the diagonal of the shape's box. `pixels` is the largest distance on the screen of `view`. `triangles` is
         the most triangles: the best mesh with no more than these. `angle`, beside one of them and for smooth surfaces, is the
-        largest angle between the triangles' normals and the shape's, in degrees. All that are given hold.
+        largest angle between the triangles' normals and the shape's, in degrees. All that are given hold. `require` is the
+        evidence that a field's mesh needs, "proved", or "measured", which is sooner there; unless it is said, a proof
+        where there is anything to prove with, and a measurement for functions without a Lipschitz constant.
 
         Other Python threads run meanwhile. Ctrl-C ends it within a tenth of a second. `progress` is called with the
         name of a stage, the steps done and those in all; what it raises ends the work and comes back unchanged.
@@ -174,7 +177,14 @@ class Shape:
         <Mesh: 1 triangle, 3 vertices; between 0 and 0, proved; hausdorff distance to the input triangles>
         """
         budget = wanted(
-            tol=tol, rel=rel, pixels=pixels, view=view, angle=angle, triangles=triangles, counted="triangles"
+            tol=tol,
+            rel=rel,
+            pixels=pixels,
+            view=view,
+            angle=angle,
+            triangles=triangles,
+            require=require,
+            counted="triangles",
         )
         if self.kind == "curves":
             raise Refused("unsupported", "curves in space enclose no area to fill with triangles: flatten them")

@@ -95,6 +95,7 @@ _NO_BUDGET: Wanted = {
     "triangles": None,
     "segments": None,
     "spacing": "fewest",
+    "require": None,
 }
 
 

@@ -87,6 +87,32 @@ def test_a_function_of_points_is_called_with_many_at_once() -> None:
     assert np.allclose(field.gradient([[3, 0, 0]]), [[1, 0, 0]], atol=1e-6)
 
 
+def test_a_function_without_a_slope_is_measured_and_its_calls_are_counted() -> None:
+    asked = {"values": 0, "gradients": 0}
+
+    def ball(points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        asked["values"] += len(points)
+        return np.asarray(np.linalg.norm(points, axis=1) - 1, dtype=np.float64)
+
+    def gradient(points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        asked["gradients"] += len(points)
+        return np.asarray(points / np.linalg.norm(points, axis=1)[:, None], dtype=np.float64)
+
+    field = chordal.field(ball, bounds=((-1.25, -1.25, -1.25), (1.25, 1.25, 1.25)), gradient=gradient)
+    mesh = field.mesh(tol=0.1)
+    assert mesh.bound.evidence == "measured"
+    assert mesh.bound.at_most is None and mesh.bound.at_least <= 0.1
+    assert asked["gradients"] > 0
+    assert mesh.report["run"]["evaluations"] == asked["values"] + asked["gradients"]
+    assert np.allclose(field.gradient([[3, 0, 0]]), [[1, 0, 0]])
+    with pytest.raises(chordal.BudgetUnmet):
+        field.mesh(tol=0.1, require="proved")
+    with pytest.raises(ValueError, match="require"):
+        field.mesh(tol=0.1, require="sure")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="the gradient gave back"):
+        chordal.field(ball, gradient=ball).gradient(POINTS)
+
+
 def test_what_a_function_raises_comes_back_as_it_is() -> None:
     class Mine(Exception):
         pass

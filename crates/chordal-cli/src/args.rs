@@ -1,6 +1,6 @@
 //! The command line: names, values and their help.
 use crate::require::Requirement;
-use chordal::budget::{InvalidLength, Length, Pixels, Unit, View};
+use chordal::budget::{InvalidLength, Length, Pixels, Require, Unit, View};
 use chordal::math::Box3;
 use chordal_io::{Axis, Format, PolygonSurface};
 use chordal_verbs::Normals;
@@ -84,7 +84,7 @@ pub struct InputArgs {
     #[arg(long, value_name = "AXIS", value_parser = axis)]
     pub up: Option<Axis>,
 
-    /// The most memory that a file may take and a job may build, as in 512M or 8G
+    /// The most memory that a file may take and a job may build, as in 512M or 8G; half of what the machine has unless said
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub max_memory: Option<u64>,
 
@@ -233,6 +233,11 @@ pub struct MeshArgs {
 
     #[command(flatten)]
     pub volume: crate::volume::VolumeArgs,
+
+    /// How a field's distance is known: proved, or measured, which is sooner there. Unless said, proved where there is anything to
+    /// prove with. Other shapes are proved either way
+    #[arg(long, value_name = "EVIDENCE")]
+    pub require: Option<Require>,
 
     /// Write the best result even where the budget was not reached; the exit code is 5 all the same
     #[arg(long)]

@@ -94,6 +94,7 @@ fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {
         segments: args.segments,
         spacing,
         normals: args.normals,
+        require: args.require,
     })
 }
 

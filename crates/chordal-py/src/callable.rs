@@ -1,35 +1,52 @@
 //! `Callable`: a Python function as a part of a field.
 use chordal::budget::Evidence;
-use chordal::implicit::{Leaf, LeafError, Lipschitz};
+use chordal::implicit::{Answer, Leaf, LeafError, Lipschitz};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::fmt;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
-/// What a function raised, until somebody passes it on.
-pub(crate) type Raised = Arc<Mutex<Option<PyErr>>>;
+/// What is kept of the calls of a function.
+#[derive(Debug, Default)]
+pub(crate) struct Calls {
+    /// What it raised, until somebody passes it on.
+    raised: Mutex<Option<PyErr>>,
+    /// Points that it was asked for.
+    points: AtomicU64,
+}
+
+impl Calls {
+    /// The exception, once.
+    pub fn take(&self) -> Option<PyErr> {
+        self.raised.lock().ok().and_then(|mut slot| slot.take())
+    }
+
+    /// How many points it was asked for so far.
+    pub fn points(&self) -> u64 {
+        self.points.load(Ordering::Relaxed)
+    }
+}
 
 /// A function from the bytes of points to the bytes of values. It is called from threads of our own, with Python's lock.
 pub(crate) struct Callable {
     pub call: Py<PyAny>,
+    /// The same for the bytes of gradients.
+    pub gradient: Option<Py<PyAny>>,
     pub lipschitz: Option<f64>,
-    pub raised: Raised,
+    pub calls: Arc<Calls>,
 }
 
-impl fmt::Debug for Callable {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a Python function")
-    }
-}
-
-impl Leaf for Callable {
-    fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
+impl Callable {
+    /// Calls one of the functions, for so many numbers.
+    fn ask(&self, call: &Py<PyAny>, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
         if points.is_empty() {
             return Ok(());
         }
+        self.calls.points.fetch_add(points.len() as u64, Ordering::Relaxed);
         let asked: Vec<u8> = points.as_flattened().iter().flat_map(|x| x.to_ne_bytes()).collect();
         let values = Python::attach(|py| -> PyResult<Vec<u8>> {
-            self.call.bind(py).call1((PyBytes::new(py, &asked),))?.extract()
+            call.bind(py).call1((PyBytes::new(py, &asked),))?.extract()
         });
         match values {
             Ok(values) if values.len() == 8 * out.len() => {
@@ -41,12 +58,29 @@ impl Leaf for Callable {
             Ok(_) => Err(LeafError::new("the function gave back another number of values than points")),
             Err(error) => {
                 let message = format!("the function raised {error}");
-                if let Ok(mut slot) = self.raised.lock() {
+                if let Ok(mut slot) = self.calls.raised.lock() {
                     slot.get_or_insert(error);
                 }
                 Err(LeafError::new(message))
             }
         }
+    }
+}
+
+impl fmt::Debug for Callable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a Python function")
+    }
+}
+
+impl Leaf for Callable {
+    fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
+        self.ask(&self.call, points, out)
+    }
+
+    fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<Answer, LeafError> {
+        let Some(gradient) = &self.gradient else { return Ok(Answer::None) };
+        self.ask(gradient, points, out.as_flattened_mut()).map(|()| Answer::Given)
     }
 
     fn lipschitz(&self) -> Option<Lipschitz> {

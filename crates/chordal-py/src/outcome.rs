@@ -1,5 +1,6 @@
 //! `Outcome`: triangles or polylines with all that is known of them, and the way back to their source.
 use crate::array::Array;
+use crate::callable::Calls;
 use crate::deviation::{self, Asked, Named, Other};
 use crate::rows::{Lines, Triangles};
 use crate::source::Source;
@@ -21,6 +22,8 @@ pub(crate) struct Order {
     /// The file that it was read from.
     pub name: Option<String>,
     pub spec: BudgetSpec,
+    /// The calls of the Python functions in it.
+    pub calls: Vec<Arc<Calls>>,
 }
 
 /// What came of it.
@@ -31,6 +34,8 @@ struct Filled {
     /// Why it misses the budget, in a sentence, if it does.
     unmet: Option<String>,
     took: Duration,
+    /// Points that the Python functions were asked for meanwhile, if there are any.
+    evaluations: Option<u64>,
 }
 
 /// The numbers that Python sees.
@@ -43,6 +48,8 @@ enum Rows {
 impl Order {
     fn fill(&self, to: Format, job: &Job) -> Result<Filled, MeshFailure> {
         let start = Instant::now();
+        let asked = || self.calls.iter().map(|calls| calls.points()).sum::<u64>();
+        let before = asked();
         let (outcome, unmet) = match mesh(Input::clone(&self.input), &self.spec, to, job) {
             Ok(outcome) => (outcome, None),
             Err(failure) => match (failure.to_string(), failure) {
@@ -51,12 +58,13 @@ impl Order {
             },
         };
         let took = start.elapsed();
+        let evaluations = (!self.calls.is_empty()).then(|| asked() - before);
         let outcome = Arc::new(outcome);
         let rows = match &outcome.made {
             Made::Triangles(_) => Rows::Triangles(Arc::new(Triangles::of(&outcome)?)),
             Made::Polylines(lines) => Rows::Lines(Arc::new(Lines::of(lines))),
         };
-        Ok(Filled { outcome, rows, unmet, took })
+        Ok(Filled { outcome, rows, unmet, took, evaluations })
     }
 }
 
@@ -110,9 +118,9 @@ impl Outcome {
     /// The report, as JSON.
     #[getter]
     fn report(&self) -> String {
-        let Filled { outcome, took, .. } = &self.filled;
+        let Filled { outcome, took, evaluations, .. } = &self.filled;
         let (input, seconds) = (self.order.name.clone(), Some(took.as_secs_f64()));
-        let run = Run { verb: "mesh", input, seconds, ..Run::default() };
+        let run = Run { verb: "mesh", input, seconds, evaluations: *evaluations, ..Run::default() };
         Report::new(outcome.certificate.clone(), run).to_value().to_string()
     }
 

@@ -1,5 +1,5 @@
 //! `Rule`: a shape or a formula of the language of shape scripts, as Python holds it.
-use crate::callable::{Callable, Raised};
+use crate::callable::{Callable, Calls};
 use crate::source::Source;
 use crate::{failure, work};
 use chordal::budget::Evidence;
@@ -18,8 +18,8 @@ use std::sync::Arc;
 #[pyclass(frozen, module = "chordal._chordal")]
 pub(crate) struct Rule {
     arg: Arg,
-    /// What Python functions in it raised.
-    raised: Vec<Raised>,
+    /// The calls of the Python functions in it.
+    calls: Vec<Arc<Calls>>,
 }
 
 /// What a call of the language gives back.
@@ -33,11 +33,11 @@ fn refused(fault: Fault) -> PyErr {
     PyValueError::new_err(fault.0)
 }
 
-/// A value for the language; the functions that it rests on are added to `raised`.
-fn arg_of(value: &Bound<'_, PyAny>, raised: &mut Vec<Raised>, lists: u32) -> PyResult<Arg> {
+/// A value for the language; the functions that it rests on are added to `calls`.
+fn arg_of(value: &Bound<'_, PyAny>, calls: &mut Vec<Arc<Calls>>, lists: u32) -> PyResult<Arg> {
     let other = |name: &str| Ok(Arg::Other(name.to_owned()));
     if let Ok(rule) = value.cast::<Rule>() {
-        raised.extend(rule.get().raised.iter().cloned());
+        calls.extend(rule.get().calls.iter().cloned());
         return Ok(rule.get().arg.clone());
     }
     if value.is_none() {
@@ -50,7 +50,7 @@ fn arg_of(value: &Bound<'_, PyAny>, raised: &mut Vec<Raised>, lists: u32) -> PyR
         return Ok(Arg::Text(text.to_string_lossy().into_owned()));
     }
     if (value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>()) && lists > 0 {
-        let items = value.try_iter()?.map(|item| arg_of(&item?, raised, lists - 1));
+        let items = value.try_iter()?.map(|item| arg_of(&item?, calls, lists - 1));
         return Ok(Arg::List(items.collect::<PyResult<_>>()?));
     }
     match value.extract::<f64>() {
@@ -60,12 +60,12 @@ fn arg_of(value: &Bound<'_, PyAny>, raised: &mut Vec<Raised>, lists: u32) -> PyR
 }
 
 impl Rule {
-    fn made(made: Arg, mut raised: Vec<Raised>) -> PyResult<Made> {
-        raised.sort_by_key(|one| Arc::as_ptr(one) as usize);
-        raised.dedup_by(|a, b| Arc::ptr_eq(a, b));
+    fn made(made: Arg, mut calls: Vec<Arc<Calls>>) -> PyResult<Made> {
+        calls.sort_by_key(|one| Arc::as_ptr(one) as usize);
+        calls.dedup_by(|a, b| Arc::ptr_eq(a, b));
         match made {
             Arg::Number(value) => Ok(Made::Number(value)),
-            arg => Ok(Made::Rule(Self { arg, raised })),
+            arg => Ok(Made::Rule(Self { arg, calls })),
         }
     }
 
@@ -86,13 +86,13 @@ impl Rule {
 }
 
 /// The exception of a Python function where there is one, else a leaf's own sentence.
-pub(crate) fn leaf_failure(error: &LeafError, raised: &[Raised]) -> PyErr {
-    taken(raised).unwrap_or_else(|| PyRuntimeError::new_err(error.to_string()))
+pub(crate) fn leaf_failure(error: &LeafError, calls: &[Arc<Calls>]) -> PyErr {
+    taken(calls).unwrap_or_else(|| PyRuntimeError::new_err(error.to_string()))
 }
 
 /// The first exception that a Python function raised.
-pub(crate) fn taken(raised: &[Raised]) -> Option<PyErr> {
-    raised.iter().find_map(|slot| slot.lock().ok().and_then(|mut slot| slot.take()))
+pub(crate) fn taken(calls: &[Arc<Calls>]) -> Option<PyErr> {
+    calls.iter().find_map(|calls| calls.take())
 }
 
 fn points_of(bytes: &[u8]) -> Vec<[f64; 3]> {
@@ -116,27 +116,27 @@ impl Rule {
         named: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Made> {
         let function = function(name).ok_or_else(|| failure::internal(py, "no such function"))?;
-        let mut raised = Vec::new();
-        let by_position = args.iter().map(|arg| arg_of(&arg, &mut raised, 2)).collect::<PyResult<_>>()?;
+        let mut calls = Vec::new();
+        let by_position = args.iter().map(|arg| arg_of(&arg, &mut calls, 2)).collect::<PyResult<_>>()?;
         let by_name = named.map_or_else(
             || Ok(Vec::new()),
             |named| {
                 named
                     .iter()
-                    .map(|(name, arg)| Ok((name.extract()?, arg_of(&arg, &mut raised, 2)?)))
+                    .map(|(name, arg)| Ok((name.extract()?, arg_of(&arg, &mut calls, 2)?)))
                     .collect::<PyResult<_>>()
             },
         )?;
-        Self::made(function.call(by_position, by_name).map_err(refused)?, raised)
+        Self::made(function.call(by_position, by_name).map_err(refused)?, calls)
     }
 
     /// What an operator makes; nothing where it has no meaning.
     #[staticmethod]
     fn operate(operator: &str, a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>) -> PyResult<Option<Made>> {
-        let mut raised = Vec::new();
-        let (a, b) = (arg_of(a, &mut raised, 0)?, arg_of(b, &mut raised, 0)?);
+        let mut calls = Vec::new();
+        let (a, b) = (arg_of(a, &mut calls, 0)?, arg_of(b, &mut calls, 0)?);
         match operate(operator, &a, &b) {
-            Some(made) => Self::made(made.map_err(refused)?, raised).map(Some),
+            Some(made) => Self::made(made.map_err(refused)?, calls).map(Some),
             None => Ok(None),
         }
     }
@@ -144,15 +144,20 @@ impl Rule {
     /// The coordinate of that number.
     #[staticmethod]
     fn axis(k: usize) -> PyResult<Self> {
-        let found = Arg::axes().into_iter().nth(k).map(|(_, arg)| Self { arg, raised: Vec::new() });
+        let found = Arg::axes().into_iter().nth(k).map(|(_, arg)| Self { arg, calls: Vec::new() });
         found.ok_or_else(|| PyValueError::new_err("there are three axes"))
     }
 
-    /// The shape of a function from the bytes of points to the bytes of values.
+    /// The shape of a function from the bytes of points to the bytes of values, and one to those of gradients.
     #[staticmethod]
-    fn callable(call: Py<PyAny>, bounds: Option<[[f64; 3]; 2]>, lipschitz: Option<f64>) -> Self {
-        let raised = Raised::default();
-        let leaf = Callable { call, lipschitz, raised: Arc::clone(&raised) };
+    fn callable(
+        call: Py<PyAny>,
+        gradient: Option<Py<PyAny>>,
+        bounds: Option<[[f64; 3]; 2]>,
+        lipschitz: Option<f64>,
+    ) -> Self {
+        let calls = Arc::<Calls>::default();
+        let leaf = Callable { call, gradient, lipschitz, calls: Arc::clone(&calls) };
         let mut field = Field::new(Expr::leaf(Arc::new(leaf), Expr::axes()));
         if let Some([min, max]) = bounds {
             field = field.with_bounds(Box3 { min, max });
@@ -161,7 +166,7 @@ impl Rule {
         if lipschitz.is_some_and(|slope| slope <= 1.0) {
             field = field.with_distance(Distance { outside: Quality::Bound, inside: Quality::Bound });
         }
-        Self { arg: Arg::shape(field), raised: vec![raised] }
+        Self { arg: Arg::shape(field), calls: vec![calls] }
     }
 
     /// Whether it is a shape and no formula.
@@ -180,7 +185,7 @@ impl Rule {
     /// What proofs about it are worth, and under which assumptions.
     #[getter]
     fn evidence(&self) -> PyResult<(&'static str, Vec<String>)> {
-        let evidence = self.field()?.tape().evidence();
+        let evidence = self.field()?.evidence();
         let kind = evidence.as_str();
         Ok((kind, if let Evidence::ProvedIf(sentences) = evidence { sentences } else { Vec::new() }))
     }
@@ -206,7 +211,7 @@ impl Rule {
             let mut values = vec![0.0; points.len()];
             field.tape().at(&points, &mut values).map(|()| bytes_of(values.into_iter()))
         })?;
-        Ok(PyBytes::new(py, &values.map_err(|error| leaf_failure(&error, &self.raised))?))
+        Ok(PyBytes::new(py, &values.map_err(|error| leaf_failure(&error, &self.calls))?))
     }
 
     /// The gradients at points, in the same form.
@@ -218,7 +223,7 @@ impl Rule {
             let done = field.tape().gradient_at(&points, &mut slopes);
             done.map(|()| bytes_of(slopes.into_iter().flat_map(|slope| slope.gradient)))
         })?;
-        Ok(PyBytes::new(py, &gradients.map_err(|error| leaf_failure(&error, &self.raised))?))
+        Ok(PyBytes::new(py, &gradients.map_err(|error| leaf_failure(&error, &self.calls))?))
     }
 
     /// The shape as one that was read, cut off at a box.
@@ -236,7 +241,7 @@ impl Rule {
             sha256: sha256(&[]),
             warnings: Vec::new(),
         };
-        Ok(Source::made(input, self.raised.clone()))
+        Ok(Source::made(input, self.calls.clone()))
     }
 }
 
@@ -265,5 +270,5 @@ pub(crate) fn script(
         failure::read(py, &chordal_io::ReadError::new(error.code, place, error.message), None)
     })?;
     let parameters = made.parameters.into_iter().map(|p| (p.name, p.default, p.value)).collect();
-    Ok((Rule { arg: Arg::shape(made.field), raised: Vec::new() }, parameters))
+    Ok((Rule { arg: Arg::shape(made.field), calls: Vec::new() }, parameters))
 }

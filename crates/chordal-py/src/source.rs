@@ -1,6 +1,6 @@
 //! `Source`: a shape as it was read.
 use crate::cage::Cage;
-use crate::callable::Raised;
+use crate::callable::Calls;
 use crate::curve::curves;
 use crate::deviation::{self, Asked, Named, Other};
 use crate::outcome::{Order, Outcome};
@@ -21,8 +21,8 @@ use std::sync::Arc;
 pub(crate) struct Source {
     input: Arc<Input>,
     name: Option<String>,
-    /// What Python functions in it raised.
-    raised: Vec<Raised>,
+    /// The calls of the Python functions in it.
+    calls: Vec<Arc<Calls>>,
 }
 
 /// How to read some bytes.
@@ -76,7 +76,7 @@ impl Source {
         let frame = input.shape.frame_mut();
         frame.metres_per_unit = unit.map(Unit::metres).or(frame.metres_per_unit);
         frame.up = up.or(frame.up);
-        Ok(Self { input: Arc::new(input), name, raised: Vec::new() })
+        Ok(Self { input: Arc::new(input), name, calls: Vec::new() })
     }
 
     /// Curves by their control points: `numbers` are all coordinates in double precision and the byte order of the
@@ -156,7 +156,7 @@ impl Source {
             return Err(failure::internal(py, "this is no volume"));
         };
         sampled.surface = spec;
-        Ok(Self { input: Arc::new(input), name: self.name.clone(), raised: Vec::new() })
+        Ok(Self { input: Arc::new(input), name: self.name.clone(), calls: Vec::new() })
     }
 
     /// The polygons of a cage.
@@ -186,15 +186,20 @@ impl Source {
     ) -> PyResult<Outcome> {
         let to = format.parse().map_err(|error: UnknownFormat| failure::argument("format", error))?;
         let spec = wanted.spec(py)?;
-        let order = Order { input: Arc::clone(&self.input), name: self.name.clone(), spec };
-        Outcome::new(py, order, to, progress).map_err(|error| taken(&self.raised).unwrap_or(error))
+        let order = Order {
+            input: Arc::clone(&self.input),
+            name: self.name.clone(),
+            spec,
+            calls: self.calls.clone(),
+        };
+        Outcome::new(py, order, to, progress).map_err(|error| taken(&self.calls).unwrap_or(error))
     }
 }
 
 impl Source {
-    /// A shape that was made, and what the functions in it raise.
-    pub(crate) fn made(input: Input, raised: Vec<Raised>) -> Self {
-        Self { input: Arc::new(input), name: None, raised }
+    /// A shape that was made, and the calls of the functions in it.
+    pub(crate) fn made(input: Input, calls: Vec<Arc<Calls>>) -> Self {
+        Self { input: Arc::new(input), name: None, calls }
     }
 
     pub(crate) fn named(&self) -> Named {

@@ -21,6 +21,8 @@ pub(crate) struct Wanted {
     segments: Option<u64>,
     /// Where the ends of segments are placed: "fewest" or "even".
     spacing: String,
+    /// "proved" or "measured", if one is asked for.
+    require: Option<String>,
 }
 
 impl Wanted {
@@ -43,6 +45,7 @@ impl Wanted {
             segments: self.segments,
             spacing: parse_spacing(&self.spacing)?,
             normals: Normals::default(),
+            require: parsed("require", self.require.as_deref())?,
         })
     }
 }

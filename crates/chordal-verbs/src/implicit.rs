@@ -2,9 +2,9 @@
 use crate::MeshFailure;
 use crate::mesh::{refused, set_aside, snapped};
 use crate::polylines::Asked;
-use chordal::budget::{Bound, Budget, Code, Failure, Require, Stopped};
+use chordal::budget::{Bound, Code, Failure, Stopped};
 use chordal::check::{self, FieldDeviation, Goal};
-use chordal::implicit::{Expr, Field};
+use chordal::implicit::Field;
 use chordal::math::Box3;
 use chordal::{Bounded, Job, Mesh, convert};
 use chordal_io::{Format, Frame, Scene, worst_snap};
@@ -53,22 +53,7 @@ impl Implicit {
     /// The field with what the region leaves of it, closed by its sides.
     #[must_use]
     pub fn whole(&self) -> Field {
-        let Some(region) = self.region else { return self.field.clone() };
-        let known = self.field.bounds();
-        let axes = Expr::axes();
-        let flat = !self.field.tape().axes()[2];
-        let mut sign = self.field.sign().clone();
-        for (k, axis) in axes.iter().enumerate().take(if flat { 2 } else { 3 }) {
-            // The field comes second, so that where it has no value there is none, which is outside.
-            if region.min[k] > known.min[k] {
-                sign = (Expr::constant(region.min[k]) - axis).max(&sign);
-            }
-            if region.max[k] < known.max[k] {
-                sign = (axis - region.max[k]).max(&sign);
-            }
-        }
-        // What the value was worth as a distance is not asked of it any more.
-        Field::new(sign).with_bounds(self.place())
+        self.region.map_or_else(|| self.field.clone(), |region| self.field.clipped(region))
     }
 }
 
@@ -85,9 +70,6 @@ pub(crate) fn of_field(
     let field = finite(implicit)?;
     let Asked { budget, to, place, .. } = asked;
     let inner = set_aside(budget, worst_snap(place, *to), place, *to)?;
-    // A field with nothing to prove with is measured, and the report says so.
-    let provable = field.tape().evidence().bounds_above();
-    let inner = Budget { require: if provable { Require::Proved } else { Require::Measured }, ..inner };
     let made = match convert::field_to_mesh(&field, &inner, job) {
         Ok(made) => made,
         Err(Failure::Unmet(best)) => *best,
@@ -107,13 +89,22 @@ pub(crate) fn of_field(
     Ok((Scene::of("field", mesh, true, implicit.frame), bound))
 }
 
+/// Coordinates up to this have squares, and sums of them, that are finite: derived, 2^1024 is the end of the numbers.
+const LARGEST: f64 = 1e150;
+
 /// The field cut off at its region.
 ///
 /// # Errors
-/// When it has no end in some direction.
+/// When it has no end in some direction, or reaches so far that numbers overflow.
 pub(crate) fn finite(implicit: &Implicit) -> Result<Field, MeshFailure> {
     let field = implicit.whole();
     let bounds = field.bounds();
+    if let Some(far) = bounds.min.iter().chain(&bounds.max).find(|x| x.is_finite() && x.abs() > LARGEST) {
+        let message = format!(
+            "the shape reaches to {far}, and squares of coordinates beyond {LARGEST:e} are no numbers any more: scale it down"
+        );
+        return Err(refused(Code::NotFinite, message));
+    }
     if bounds.is_empty() {
         return Err(refused(Code::Empty, "there is no surface: nothing of the shape is within its box"));
     }

@@ -9,7 +9,7 @@ use crate::{
     write_polylines,
 };
 use chordal::budget::{
-    Bound, Budget, Code, Failure, PixelBudget, Pixels, Reference, Refusal, Stopped, Tolerance, View,
+    Bound, Budget, Code, Failure, PixelBudget, Pixels, Reference, Refusal, Require, Stopped, Tolerance, View,
 };
 use chordal::check::{self, MicroTriangles};
 use chordal::math::{Box3, add_up, sub_down, sub_up};
@@ -166,8 +166,7 @@ pub(crate) fn finish(
     certificate.output = Some(Output::Triangles(counted.output));
     certificate.valid = Some(counted.valid);
     let budget = &asked.budget;
-    let met = within(bound.at_most(), budget.length.map(Tolerance::get))
-        && within(bound.pixels, budget.pixels.map(|px| px.pixels.get()))
+    let met = lengths_are_met(budget, &bound, &asked.place)
         && bound.angle_deg.zip(budget.angle_deg).is_none_or(|(found, asked)| found <= asked)
         && budget.triangles.is_none_or(|most| triangles <= most);
     if !met {
@@ -336,7 +335,18 @@ pub(crate) fn on_screen(budget: &Budget, bound: &Bound, place: &Box3) -> Option<
     }
 }
 
-/// Whether a limit holds of what is certified.
-pub(crate) fn within(most: Option<f64>, limit: Option<f64>) -> bool {
-    limit.is_none_or(|limit| most.is_some_and(|most| most <= limit))
+/// Whether the length and the pixels of a budget hold of what is certified; where a measurement is enough and there is nothing
+/// else, of what was measured.
+pub(crate) fn lengths_are_met(budget: &Budget, bound: &Bound, place: &Box3) -> bool {
+    let measured = budget.require == Require::Measured && bound.at_most().is_none();
+    let length = if measured { Some(bound.at_least()) } else { bound.at_most() };
+    let pixels = match budget.pixels {
+        Some(PixelBudget { view, .. }) if measured => view.pixels_of(bound.at_least(), place),
+        _ => bound.pixels,
+    };
+    let within = |most: Option<f64>, limit: Option<f64>| {
+        limit.is_none_or(|limit| most.is_some_and(|most| most <= limit))
+    };
+    within(length, budget.length.map(Tolerance::get))
+        && within(pixels, budget.pixels.map(|px| px.pixels.get()))
 }

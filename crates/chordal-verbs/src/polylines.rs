@@ -1,9 +1,9 @@
 //! Curves into polylines within a budget, for formats that hold polylines.
 use crate::implicit::Implicit;
-use crate::mesh::{Made, MeshOutcome, NOT_MET, on_screen, refused, within};
+use crate::mesh::{Made, MeshOutcome, NOT_MET, lengths_are_met, on_screen, refused};
 use crate::report::{BoundFacts, BudgetFacts, Certificate, LineFacts, Output};
 use crate::{BudgetSpec, MeshFailure};
-use chordal::budget::{Bounded, Budget, Code, Failure, Require};
+use chordal::budget::{Bounded, Budget, Code, Failure};
 use chordal::convert;
 use chordal::explicit::{Curve, Polyline};
 use chordal::math::Box3;
@@ -58,11 +58,7 @@ pub(crate) fn of_field(
     if !(0..2).all(|k| min[k].is_finite() && max[k].is_finite()) {
         return Err(refused(Code::Unsupported, ENDLESS));
     }
-    // A field with nothing to prove with is measured, and the report says so.
-    let provable = field.tape().evidence().bounds_above();
-    let require = if provable { Require::Proved } else { Require::Measured };
-    let budget = Budget { require, ..asked.budget };
-    let made = match convert::field_to_polyline(&field, &budget, job) {
+    let made = match convert::field_to_polyline(&field, &asked.budget, job) {
         Ok(made) => made,
         Err(Failure::Unmet(best)) => *best,
         Err(Failure::Refused(refusal)) => return Err(MeshFailure::Refused(refusal)),
@@ -125,8 +121,7 @@ fn finish(
     certificate.bound = Some(BoundFacts::of(&bound));
     let facts = LineFacts::of(&polylines);
     certificate.output = Some(Output::Polylines(facts));
-    let met = within(bound.at_most(), asked.budget.length.map(|length| length.get()))
-        && within(bound.pixels, asked.budget.pixels.map(|px| px.pixels.get()))
+    let met = lengths_are_met(&asked.budget, &bound, &asked.place)
         && asked.budget.segments.is_none_or(|most| facts.segments <= most);
     if !met {
         certificate.notes.push(NOT_MET.to_owned());

@@ -1,6 +1,6 @@
 //! `BudgetSpec`: a budget as a person asks for it, before the shape is known.
 use crate::{MeshFailure, Normals, Shape};
-use chordal::budget::{Budget, Code, Length, PixelBudget, Refusal};
+use chordal::budget::{Budget, Code, Length, PixelBudget, Refusal, Require};
 use chordal::convert::Spacing;
 
 /// What may be lost, with a length that can be a percentage or have a unit.
@@ -27,6 +27,9 @@ pub struct BudgetSpec {
     pub spacing: Spacing,
     /// Which normals triangles get.
     pub normals: Normals,
+    /// The evidence that is asked for. Where nothing is said that is a proof, and for a field with a part of which no ranges are
+    /// known, a function of the user's without a Lipschitz constant, a measurement.
+    pub require: Option<Require>,
 }
 
 impl BudgetSpec {
@@ -51,6 +54,15 @@ impl BudgetSpec {
         Err(wrong)
     }
 
+    /// The evidence that a mesh or polylines of this shape need.
+    fn required_of(&self, shape: &Shape) -> Require {
+        let provable = match shape {
+            Shape::Field(implicit) => implicit.field.evidence().bounds_above(),
+            _ => true,
+        };
+        self.require.unwrap_or(if provable { Require::Proved } else { Require::Measured })
+    }
+
     /// The budget for one shape, and what was made of the length, in a sentence where it had to be converted.
     ///
     /// # Errors
@@ -61,6 +73,7 @@ impl BudgetSpec {
             angle_deg: self.angle_deg,
             triangles: self.triangles,
             segments: self.segments,
+            require: self.required_of(shape),
             ..Budget::default()
         };
         let Some(length) = self.length else { return Ok((budget, None)) };

@@ -1,10 +1,13 @@
 //! The verb `mesh`: the chain from the parsed numbers to the triangles in the file.
-use chordal::budget::{PixelBudget, Reference};
+use chordal::budget::{Code, PixelBudget, Reference, Require};
 use chordal::explicit::{Attribute, Domain, Semantic};
+use chordal::implicit::{Expr, Field, Leaf, LeafError};
+use chordal::math::Box3;
 use chordal::{Bound, Evidence, Job, Mesh, Patch};
 use chordal_io::{Format, Frame, Limits, Node, Scene};
 use chordal_verbs::report::BoundFacts;
-use chordal_verbs::{BudgetSpec, Hint, Input, MeshFailure, MeshOutcome, Shape, load, mesh};
+use chordal_verbs::{BudgetSpec, Hint, Implicit, Input, MeshFailure, MeshOutcome, Shape, load, mesh};
+use std::sync::Arc;
 
 const FORMATS: [(Format, &str); 4] =
     [(Format::Obj, "obj"), (Format::Ply, "ply"), (Format::Stl, "stl"), (Format::Glb, "glb")];
@@ -358,4 +361,71 @@ fn simplified_attributes_are_measured_part_by_part() {
     let bare = textured(0.0);
     let bare = Mesh::new(bare.positions().to_vec(), bare.faces().to_vec()).unwrap();
     assert!(made(scene(bare), "0.5%").attributes.is_empty());
+}
+
+fn script(text: &str) -> Input {
+    load(text.as_bytes(), Hint { name: Some("a.star"), ..Hint::default() }, &Limits::default()).unwrap()
+}
+
+fn meshed(input: Input, spec: &BudgetSpec) -> Result<MeshOutcome, MeshFailure> {
+    mesh(input, spec, Format::Ply, &Job::default())
+}
+
+#[test]
+fn what_a_displacement_promises_stands_in_the_report() {
+    // A dent outside of the amplitude, which the formula itself shows: the whole shape is there, and proved.
+    let dent = "displace(sphere(0.75), -0.5 * exp(-25 * ((x - 1.1) * (x - 1.1) + y * y + z * z)), 0.02)";
+    let found = meshed(script(dent), &length("0.1")).unwrap();
+    assert_eq!(*found.bound.evidence(), Evidence::Proved);
+    let reach = found.scene().unwrap().parts[0].mesh.bounds().max[0];
+    assert!(reach > 1.1, "the blob around 1.1 is missing: the mesh ends at {reach}");
+    // A formula without a lowest value: the amplitude is a promise.
+    let found = meshed(script("displace(sphere(0.75), (x + y) / 20, 0.2)"), &length("0.1")).unwrap();
+    let facts = BoundFacts::of(&found.bound);
+    assert_eq!(facts.evidence, "proved-if");
+    assert_eq!(facts.assumptions, ["a displacement takes off no more than its amplitude, 0.2"]);
+}
+
+#[test]
+fn numbers_that_overflow_are_said_to() {
+    for text in ["sphere(1e300)", "box(1, 1, 1e200)", "move(sphere(1), 1e160, 0)"] {
+        let Err(MeshFailure::Refused(refusal)) = meshed(script(text), &length("5%")) else {
+            panic!("{text}")
+        };
+        assert_eq!(refusal.code, Code::NotFinite, "{text}");
+        assert!(refusal.message.contains("no numbers any more"), "{}", refusal.message);
+    }
+}
+
+/// The distance to a ball, as somebody's function of points: nothing is known of it.
+#[derive(Debug)]
+struct Opaque;
+
+impl Leaf for Opaque {
+    fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
+        points.iter().zip(out).for_each(|([x, y, z], v)| *v = (x * x + y * y + z * z).sqrt() - 1.0);
+        Ok(())
+    }
+
+    fn evidence(&self) -> Evidence {
+        Evidence::Measured { samples: 0 }
+    }
+}
+
+#[test]
+fn what_nothing_is_known_of_is_measured_unless_a_proof_is_asked_for() {
+    let field = Field::new(Expr::leaf(Arc::new(Opaque), Expr::axes()));
+    let region = Some(Box3 { min: [-1.25; 3], max: [1.25; 3] });
+    let implicit = Implicit { field, region, frame: Frame::default(), parameters: Vec::new() };
+    let ask = |require| {
+        let spec = BudgetSpec { require, ..length("0.1") };
+        meshed(input(Shape::Field(implicit.clone())), &spec)
+    };
+    for require in [None, Some(Require::Measured)] {
+        let found = ask(require).unwrap();
+        assert!(matches!(found.bound.evidence(), Evidence::Measured { .. }), "{:?}", found.bound);
+        assert!(found.bound.at_least() <= 0.1 && found.bound.at_most().is_none());
+        assert!(found.scene().unwrap().parts[0].mesh.faces().len() > 20);
+    }
+    assert!(matches!(ask(Some(Require::Proved)), Err(MeshFailure::Unmet(_))));
 }

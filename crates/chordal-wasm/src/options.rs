@@ -1,5 +1,5 @@
 //! What a caller asks for, from its JSON.
-use chordal::budget::{Length, PixelBudget, Pixels, Unit, View};
+use chordal::budget::{Length, PixelBudget, Pixels, Require, Unit, View};
 use chordal_io::{Axis, Format};
 use chordal_verbs::{BudgetSpec, Normals, formats};
 use serde_json::{Map, Value};
@@ -17,7 +17,7 @@ pub(crate) struct Options {
     pub keep_best: bool,
 }
 
-const KEYS: [&str; 12] = [
+const KEYS: [&str; 13] = [
     "name",
     "from",
     "to",
@@ -29,6 +29,7 @@ const KEYS: [&str; 12] = [
     "triangles",
     "segments",
     "normals",
+    "require",
     "keep_best",
 ];
 
@@ -53,6 +54,7 @@ impl Options {
             triangles: all.count("triangles")?,
             segments: all.count("segments")?,
             normals: all.parsed::<Normals>("normals")?.unwrap_or_default(),
+            require: all.parsed::<Require>("require")?,
             ..BudgetSpec::default()
         };
         if !spec.has_limit() {

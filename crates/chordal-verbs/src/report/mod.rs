@@ -356,4 +356,7 @@ pub struct Run {
     pub peak_bytes: Option<u64>,
     /// Threads that were used.
     pub threads: Option<u64>,
+    /// Points at which functions of the user's were evaluated; none where there is no such function.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub evaluations: Option<u64>,
 }
