@@ -50,9 +50,17 @@ impl Implicit {
         }
     }
 
-    /// The field with what the region leaves of it, closed by its sides.
+    /// The field with what the region leaves of it, closed by its sides; a shape of the plane stays one.
     #[must_use]
     pub fn whole(&self) -> Field {
+        let Some(region) = self.region else { return self.field.clone() };
+        let flat = !self.field.tape().axes()[2];
+        if flat { self.field.cropped(region) } else { self.field.clipped(region) }
+    }
+
+    /// The same as a solid: a shape of the plane goes from the bottom of the region to its top.
+    #[must_use]
+    pub fn solid(&self) -> Field {
         self.region.map_or_else(|| self.field.clone(), |region| self.field.clipped(region))
     }
 }
@@ -97,7 +105,7 @@ const LARGEST: f64 = 1e150;
 /// # Errors
 /// When it has no end in some direction, or reaches so far that numbers overflow.
 pub(crate) fn finite(implicit: &Implicit) -> Result<Field, MeshFailure> {
-    let field = implicit.whole();
+    let field = implicit.solid();
     let bounds = field.bounds();
     if let Some(far) = bounds.min.iter().chain(&bounds.max).find(|x| x.is_finite() && x.abs() > LARGEST) {
         let message = format!(

@@ -429,3 +429,18 @@ fn what_nothing_is_known_of_is_measured_unless_a_proof_is_asked_for() {
     }
     assert!(matches!(ask(Some(Require::Proved)), Err(MeshFailure::Unmet(_))));
 }
+
+#[test]
+fn a_shape_of_the_plane_is_closed_at_the_ends_of_its_region() {
+    // Without walls across z it had a rim there, and no mesh was ever fine enough.
+    for text in
+        ["a const -1\n", "x var-x\ny var-y\na square x\nb square y\nc add a b\nd const 0.5\ne sub c d\n"]
+    {
+        let hint = Hint { name: Some("a.vm"), ..Hint::default() };
+        let input = load(text.as_bytes(), hint, &Limits::default()).unwrap();
+        let found = meshed(input, &length("5%")).unwrap();
+        assert_eq!(*found.bound.evidence(), Evidence::Proved, "{text}");
+        let bounds = found.scene().unwrap().parts[0].mesh.bounds();
+        assert!((bounds.max[2] - 1.0).abs() < 0.2 && (bounds.min[2] + 1.0).abs() < 0.2, "{bounds:?}");
+    }
+}

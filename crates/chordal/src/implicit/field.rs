@@ -81,7 +81,7 @@ impl Field {
     ///
     /// Where ranges show that the word holds nothing rests on it any more: they are asked for the sides of the box, and for
     /// those of one that is larger by a 2⁻⁴⁰th of its size, which then is the box, since ranges are rounded outward. Otherwise
-    /// it is a promise that [`Field::evidence`] lists. Cost: some hundredths of a second at most.
+    /// it is a promise that [`Field::evidence`] lists. Cost: ranges in a thousand boxes at most.
     #[must_use]
     pub fn with_bounds(mut self, bounds: Box3) -> Self {
         let tape = Tape::of(self.sign());

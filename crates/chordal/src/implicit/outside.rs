@@ -5,11 +5,11 @@ use crate::math::{Box3, Interval};
 
 /// Boxes that are looked at, at most. Chosen: a question that some dozen do not answer is seldom answered at all.
 const MOST_BOXES: usize = 1 << 10;
-/// Steps of ranges, at most: a fiftieth of a second, measured.
+/// Steps of ranges, at most. Chosen: as many as ranges of a hundred terms take in ten thousand boxes, far less than a mesh takes.
 const MOST_STEPS: usize = 1 << 20;
 
 /// Whether the value is shown to be defined and nowhere negative outside of `bounds`. `false` says nothing. Cost: at most
-/// some hundredths of a second; leaves are not asked, for they may be a user's functions and know no endless boxes.
+/// so many steps; leaves are not asked, for they may be a user's functions and know no endless boxes.
 pub(super) fn is_empty_outside(tape: &Tape, bounds: &Box3) -> bool {
     let mut waiting = slabs(bounds);
     if bounds.is_empty() || tape.has_leaves() && !waiting.is_empty() {

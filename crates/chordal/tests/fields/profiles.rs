@@ -9,7 +9,9 @@ const LEVELS: u32 = 7;
 fn cube_around(bounds: &Box3) -> Box3 {
     let c = bounds.centre();
     // Odd, so that no cut is where something else is.
-    let half = 0.5 * (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, f64::max) * 1.037;
+    let half = 0.5
+        * (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, |a, b| if b > a { b } else { a })
+        * 1.037;
     Box3 { min: c.map(|x| x - half * 1.01), max: c.map(|x| x + half) }
 }
 
