@@ -1,18 +1,18 @@
-//! Exact signs of small determinants of whole numbers, and which sign a determinant that is 0 has after a symbolic perturbation.
+//! Exact signs of small determinants of whole numbers, and which sign a determinant that is 0 has after a
+//! symbolic perturbation.
 //!
-//! Entries are below 2⁵³ in absolute value, so that they are doubles too. Signs come from doubles where their rounding cannot change
-//! them, and from whole numbers of 256 bits otherwise.
+//! Entries are below 2⁵³ in absolute value, so that they are doubles too. Signs come from doubles where their
+//! rounding cannot change them, and from whole numbers of 256 bits otherwise.
 use std::cmp::Ordering;
 
-/// Entries are below 2 to this power.
-pub(crate) const ENTRY_BITS: u32 = 53;
 /// Half the distance from 1 to the next double.
 const U: f64 = f64::EPSILON / 2.0;
-/// The relative error of a determinant of rank 3, to the sum of its absolute terms. Derived: each term has 2 products, 1 difference and
-/// 2 sums, so 5 roundings, and as many in the sum that it is compared with; 12 is more than both together.
+/// The relative error of a determinant of rank 3, to the sum of its absolute terms. Derived: each term has 2
+/// products, 1 difference and 2 sums, so 5 roundings, and as many in the sum that it is compared with; 12 is
+/// more than both together.
 const ERROR_3: f64 = 12.0 * U;
-/// The same for rank 4. Derived: by pairs of rows a term has 2 roundings in either factor, a product and 5 sums, so 10; 24 is more than
-/// those and as many in the sum that it is compared with.
+/// The same for rank 4. Derived: by pairs of rows a term has 2 roundings in either factor, a product and 5
+/// sums, so 10; 24 is more than those and as many in the sum that it is compared with.
 const ERROR_4: f64 = 24.0 * U;
 
 /// A whole number of 256 bits in two's complement.
@@ -139,8 +139,8 @@ fn clear(sum: f64, error: f64) -> Option<Ordering> {
     }
 }
 
-/// The barycentric coordinates at which two functions that are linear on a triangle vanish, from their values at its corners; each off
-/// by some roundings. None where they do not meet in one point.
+/// The barycentric coordinates at which two functions that are linear on a triangle vanish, from their values
+/// at its corners; each off by some roundings. None where they do not meet in one point.
 pub(crate) fn meeting3([a, b]: [[i64; 3]; 2]) -> Option<[f64; 3]> {
     let minor = |i: usize, j: usize| determinant2([a[i], a[j]], [b[i], b[j]]);
     let weights = [minor(1, 2), minor(2, 0), minor(0, 1)];
@@ -160,10 +160,12 @@ pub(crate) fn meeting4(rows: [[i64; 4]; 3]) -> Option<[f64; 4]> {
     (sum != Int256::ZERO).then(|| weights.map(|w| w.to_f64() / sum.to_f64()))
 }
 
-/// The sign of a determinant whose rows are moved by constants: row `k` by `sense[k]`·ε`[order[k]]`, with 1 ≫ ε₀ ≫ ε₁ ≫ … > 0.
+/// The sign of a determinant whose rows are moved by constants: row `k` by `sense[k]`·ε`[order[k]]`, with 1 ≫
+/// ε₀ ≫ ε₁ ≫ … > 0.
 ///
-/// Terms with two of the constants vanish, since their rows are equal. So where the determinant is 0, the first in the order decides whose
-/// replacement by its sense gives another one. It is 0 only where the functions have no directions enough to meet in one point.
+/// Terms with two of the constants vanish, since their rows are equal. So where the determinant is 0, the
+/// first in the order decides whose replacement by its sense gives another one. It is 0 only where the
+/// functions have no directions enough to meet in one point.
 pub(crate) fn perturbed<const N: usize>(
     rows: [[i64; N]; N],
     order: [u32; N],
@@ -191,6 +193,9 @@ pub(crate) fn perturbed<const N: usize>(
 mod tests {
     use super::*;
     use crate::math::wide::Wide;
+
+    /// Entries are below 2 to this power.
+    const ENTRY_BITS: u32 = 53;
 
     fn random(state: &mut u64) -> u64 {
         *state ^= *state << 13;

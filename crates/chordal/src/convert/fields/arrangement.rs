@@ -1,13 +1,17 @@
-//! The boundary of a solid in one tetrahedron, where the primitives are linear functions: the arrangement of their planes.
+//! The boundary of a solid in one tetrahedron, where the primitives are linear functions: the arrangement of
+//! their planes.
 //!
-//! Each plane's part of the tetrahedron is cut by all the others; a piece is boundary where membership flips with its plane. A corner of a
-//! piece is known by what it lies on, never by coordinates, and which side of a plane it is on by the exact sign of a determinant. Planes are
-//! moved by infinitesimals, so no four of them meet in a point, and no three in a line.
+//! Each plane's part of the tetrahedron is cut by all the others; a piece is boundary where membership flips
+//! with its plane. A corner of a piece is known by what it lies on, never by coordinates, and which side of a
+//! plane it is on by the exact sign of a determinant. Planes are moved by infinitesimals, so no four of them
+//! meet in a point, and no three in a line.
 //!
-//! Only what can be seen in the boundary goes out: a corner where two planes cross is left out where one of them has no say. So
-//! neighbours agree in their common face, even if one of them no longer knows of that plane.
+//! Only what can be seen in the boundary goes out: a corner where two planes cross is left out where one of
+//! them has no say. So neighbours agree in their common face, even if one of them no longer knows of that
+//! plane.
 //!
-//! Source of the idea: X. Du, Q. Zhou, N. Carr, T. Ju, *Robust Computation of Implicit Surface Networks for Piecewise Linear Functions*, 2022.
+//! Source of the idea: X. Du, Q. Zhou, N. Carr, T. Ju, *Robust Computation of Implicit Surface Networks for
+//! Piecewise Linear Functions*, 2022.
 use super::tetrahedra::FewNumbersMap;
 use crate::implicit::{CsgTree, Membership, Restricted};
 use crate::math::determinants::{perturbed, sign2, sign3, sign4};
@@ -129,7 +133,8 @@ struct LocalCorner {
 }
 
 impl LinearCell<'_> {
-    /// Adds the boundary in this cell. The others of the tree's primitives have the same side throughout: `is_negative` says which.
+    /// Adds the boundary in this cell. The others of the tree's primitives have the same side throughout:
+    /// `is_negative` says which.
     pub fn boundary(&self, is_negative: impl Fn(u32) -> bool, into: &mut Patches) {
         let Some(truth) = self.truth(is_negative) else { return };
         for i in 0..self.live.len() as u32 {
@@ -343,7 +348,8 @@ impl LinearCell<'_> {
         Pattern((0..1 << planes.len()).fold(0, |all, octant| all | u8::from(inside(octant)) << octant))
     }
 
-    /// A vertex between two corners of a crease along which the solid touches itself, since both wedges may have the same ends.
+    /// A vertex between two corners of a crease along which the solid touches itself, since both wedges may
+    /// have the same ends.
     fn middle(&self, truth: &Truth, i: u32, ends: [&LocalCorner; 2], kept: &[Piece]) -> Option<VertexKey> {
         let [a, b] = ends.map(|end| end.planes);
         let common: Vec<u32> = a.into_iter().filter(|k| b.contains(k)).collect();
@@ -385,7 +391,8 @@ impl LinearCell<'_> {
     }
 }
 
-/// Membership by octant around a point where two or three planes cross: bit `r` of an octant is set where plane `r` is negative.
+/// Membership by octant around a point where two or three planes cross: bit `r` of an octant is set where
+/// plane `r` is negative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Pattern(u8);
 
@@ -399,8 +406,9 @@ impl Pattern {
         matches!(self.0 & 15, 0b0110 | 0b1001)
     }
 
-    /// The sheet of three planes' quarters that has the quarter of plane `r` beside an octant on whose bit `r` nothing depends: the least number
-    /// of its quarters. Around a half-line with four of them two belong together where they are sides of one solid wedge.
+    /// The sheet of three planes' quarters that has the quarter of plane `r` beside an octant on whose bit
+    /// `r` nothing depends: the least number of its quarters. Around a half-line with four of them two belong
+    /// together where they are sides of one solid wedge.
     fn sheet(self, r: usize, octant: usize) -> u32 {
         let number = |r: usize, octant: usize| (8 * r + octant) as u32;
         let is_boundary = |r: usize, octant: usize| self.at(octant) != self.at(octant | 1 << r);
@@ -505,8 +513,9 @@ fn joined(pieces: &[Vec<LocalCorner>]) -> Vec<Vec<Vec<LocalCorner>>> {
     loops
 }
 
-/// By which corners are negative (bit `k` for corner `k`): the facets that the section's sides are on, in turn, 4 for none. The tetrahedron is
-/// (0, x, y, z), and the section is seen counter-clockwise from where the function is positive.
+/// By which corners are negative (bit `k` for corner `k`): the facets that the section's sides are on, in
+/// turn, 4 for none. The tetrahedron is (0, x, y, z), and the section is seen counter-clockwise from where
+/// the function is positive.
 const SECTIONS: [[u8; 4]; 16] = sections();
 
 const fn sections() -> [[u8; 4]; 16] {

@@ -95,28 +95,32 @@ pub(super) struct CellFacts<'a> {
     pub longest: f64,
 }
 
-/// The radius of the smallest ball around a tetrahedron, by its longest edge. Derived: that of a regular one, which is the worst,
-/// is √6/4.
+/// The radius of the smallest ball around a tetrahedron, by its longest edge. Derived: that of a regular one,
+/// which is the worst, is √6/4.
 const ENCLOSING: f64 = 0.612_372_5;
-/// A primitive is to grow by this share of its middle gradient along its best direction, throughout. Measured on the models of the tests:
-/// with 0.3 there are a third more cells, with 0.2 hardly fewer, and what is coarser is split later.
+/// A primitive is to grow by this share of its middle gradient along its best direction, throughout. Measured
+/// on the models of the tests: with 0.3 there are a third more cells, with 0.2 hardly fewer, and what is
+/// coarser is split later.
 const GROWTH: f64 = 0.25;
-/// A corner of three linear functions whose barycentric coordinates are below this is taken to be outside of the cell. Chosen: 0 is its rim.
+/// A corner of three linear functions whose barycentric coordinates are below this is taken to be outside of
+/// the cell. Chosen: 0 is its rim.
 const OUTSIDE: f64 = -0.75;
-/// A tree with more primitives is cut, as long as that helps. Chosen: twice as many as meet in common corners.
+/// A tree with more primitives is cut, as long as that helps. Chosen: twice as many as meet in common
+/// corners.
 const MOST: usize = 16;
 /// Truth tables are asked for with so many other primitives.
 const MOST_OTHERS: usize = 6;
-/// What a bound by the mean value theorem may be off by through its own rounding, as a share of what is added. Derived: some tens of
-/// roundings, with room.
+/// What a bound by the mean value theorem may be off by through its own rounding, as a share of what is
+/// added. Derived: some tens of roundings, with room.
 const SLACK: f64 = 1e-13;
-/// Values in the cell may be moved by rounding so many times as far as those at its corners. Chosen: a decided cell whose neighbour finds
-/// the other sign on their common face would leave a hole.
+/// Values in the cell may be moved by rounding so many times as far as those at its corners. Chosen: a
+/// decided cell whose neighbour finds the other sign on their common face would leave a hole.
 const NOISE: f64 = 16.0;
 
 impl CellFacts<'_> {
-    /// How far values in the cell are from the linear interpolant of those at its corners, by the mean value theorem with gradients in a box:
-    /// off from its middle by no more than half its diagonal in length, and half its sides by axis.
+    /// How far values in the cell are from the linear interpolant of those at its corners, by the mean value
+    /// theorem with gradients in a box: off from its middle by no more than half its diagonal in length, and
+    /// half its sides by axis.
     pub fn stray(&self, at: usize) -> f64 {
         let Some(gradient) = &self.ranges[at].gradient else { return f64::INFINITY };
         let half = gradient.each_ref().map(|d| 0.5 * (d.hi() - d.lo()));
@@ -208,7 +212,8 @@ impl CellFacts<'_> {
         &self.csg.primitives()[self.open.primitives[entry.at] as usize]
     }
 
-    /// Whether one of them is above the other, or above its negation, in all of the cell, both scaled to gradients of one length.
+    /// Whether one of them is above the other, or above its negation, in all of the cell, both scaled to
+    /// gradients of one length.
     fn is_separated(&self, x: &Entry, y: &Entry) -> bool {
         let size = |e: &Entry| {
             let gradient = self.ranges[e.at].gradient.as_ref().expect("entries have gradients");

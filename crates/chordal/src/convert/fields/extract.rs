@@ -1,8 +1,9 @@
-//! A solid's boundary from a grid: in each cell that of linear functions, joined without a look at coordinates.
+//! A solid's boundary from a grid: in each cell that of linear functions, joined without a look at
+//! coordinates.
 //!
-//! Values at vertices become whole numbers, so that signs are exact; each primitive is moved outward by a small odd number, so that none is 0
-//! at a vertex and sheets with equal values stay apart. The result is closed, oriented and manifold whatever the values are, and embedded up
-//! to the rounding of coordinates.
+//! Values at vertices become whole numbers, so that signs are exact; each primitive is moved outward by a
+//! small odd number, so that none is 0 at a vertex and sheets with equal values stay apart. The result is
+//! closed, oriented and manifold whatever the values are, and embedded up to the rounding of coordinates.
 use super::arrangement::{LinearCell, LivePrimitive, NONE, Patches, VertexKey};
 use super::cells::Zero;
 use super::fan::triangulate;
@@ -11,15 +12,18 @@ use super::tetrahedra::FewNumbersMap;
 use crate::budget::{Job, par_map};
 use crate::math::determinants::{meeting3, meeting4};
 
-/// A closed oriented manifold that the boundary of a solid is near to: exact for functions that are linear in each cell.
+/// A closed oriented manifold that the boundary of a solid is near to: exact for functions that are linear in
+/// each cell.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::convert) struct RawSurface {
     pub positions: Vec<[f64; 3]>,
     /// Counter-clockwise as seen from outside.
     pub faces: Vec<[u32; 3]>,
-    /// By face: twice the number of its primitive, and one more where the solid is on the positive side of it.
+    /// By face: twice the number of its primitive, and one more where the solid is on the positive side of
+    /// it.
     pub labels: Vec<u32>,
-    /// By vertex: the primitives that it is on, ascending, and [`RawSurface::NO_PRIMITIVE`] after them: one on a face, two on a crease, three in a corner.
+    /// By vertex: the primitives that it is on, ascending, and [`RawSurface::NO_PRIMITIVE`] after them: one
+    /// on a face, two on a crease, three in a corner.
     pub vertex_primitives: Vec<[u32; 3]>,
     /// By vertex: the longest edge of the largest cell that it is in.
     pub cell_sizes: Vec<f64>,
@@ -32,7 +36,8 @@ impl RawSurface {
     pub const NO_PRIMITIVE: u32 = NONE;
 }
 
-/// Bits of a value. Chosen: rounding is far below any tolerance, and together with [`SHIFT_BITS`] entries of determinants are exact.
+/// Bits of a value. Chosen: rounding is far below any tolerance, and together with [`SHIFT_BITS`] entries of
+/// determinants are exact.
 const VALUE_BITS: i32 = 36;
 /// Bits of the shift of a primitive.
 const SHIFT_BITS: u32 = 16;
@@ -41,7 +46,8 @@ const CHUNK: usize = 256;
 /// Vertices or patches in one task.
 const LARGE_CHUNK: usize = 2048;
 
-/// Shifts that are tried. Measured: of 3,000 random solids whose planes coincide one or two have vertices in one place with the first ones.
+/// Shifts that are tried. Measured: of 3,000 random solids whose planes coincide one or two have vertices in
+/// one place with the first ones.
 const TRIALS: u64 = 4;
 
 /// The boundary in all cells of a grid.
@@ -57,7 +63,8 @@ pub(in crate::convert) fn extract(grid: &FieldGrid, job: &Job) -> RawSurface {
         .unwrap_or(first)
 }
 
-/// Whether some face has two corners in one place: sheets are nearer to each other there than coordinates are exact.
+/// Whether some face has two corners in one place: sheets are nearer to each other there than coordinates are
+/// exact.
 fn has_collapsed(surface: &RawSurface) -> bool {
     surface.faces.iter().any(|face| {
         let [a, b, c] = face.map(|v| surface.positions[v as usize]);
@@ -135,7 +142,8 @@ impl<'a> WholeValues<'a> {
     }
 }
 
-/// The value with the sign that it has, 0 and what is no value taken as positive, and away from 0 by the shift.
+/// The value with the sign that it has, 0 and what is no value taken as positive, and away from 0 by the
+/// shift.
 fn whole(value: f64, scale: f64, shift: i64) -> i64 {
     /// 2 to the power of [`VALUE_BITS`].
     const MOST: f64 = (1_u64 << VALUE_BITS) as f64;
@@ -169,7 +177,8 @@ fn scale(largest: f64) -> f64 {
 
 /// An odd number of [`SHIFT_BITS`] bits.
 fn shift(primitive: u32, trial: u64) -> i64 {
-    // Defined: the finalizer of SplitMix64 (Steele, Lea and Flood, 2014), of which equal differences of numbers make no equal differences.
+    // Defined: the finalizer of SplitMix64 (Steele, Lea and Flood, 2014), of which equal differences of
+    // numbers make no equal differences.
     let seed = (u64::from(primitive) + 1 + (trial << 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let mixed = (seed ^ seed >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -268,7 +277,7 @@ fn position(whole: &WholeValues, key: &VertexKey) -> [f64; 3] {
     match key.n_corners() {
         2 => {
             let (x, y) = (value(a, p), value(b, p));
-            // Both are below 2⁵³, and so is their difference, since it is the sum of their sizes below 2⁵² each.
+            // Both are below 2⁵³ in size; their difference may be rounded once.
             let part = x as f64 / (x - y) as f64;
             weighted([at(a), at(b)], [1.0 - part, part])
         }

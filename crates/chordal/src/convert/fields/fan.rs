@@ -1,9 +1,11 @@
-//! Triangles for a small flat polygon, with or without holes, such that the worst of them is as good as can be.
+//! Triangles for a small flat polygon, with or without holes, such that the worst of them is as good as can
+//! be.
 use crate::math::{cross, difference, dot, length};
 
-/// The triangles of a polygon, by places in its loops one after the other. The first loop or another one is the outer one; all have the
-/// polygon on their left. No triangle has a corner that is in a line with its two neighbours, and these two: `is_straight` says which, by
-/// place. For polygons of a few corners; cost is the third power.
+/// The triangles of a polygon, by places in its loops one after the other. The first loop or another one is
+/// the outer one; all have the polygon on their left. No triangle has a corner that is in a line with its two
+/// neighbours, and these two: `is_straight` says which, by place. For polygons of a few corners; cost is the
+/// third power.
 pub(super) fn triangulate(loops: &[&[[f64; 3]]], is_straight: &[bool], into: &mut Vec<[u32; 3]>) {
     let n: usize = loops.iter().map(|one| one.len()).sum();
     if loops.len() == 1 && n == 3 {
@@ -68,7 +70,8 @@ struct Polygon<'a> {
 const FORBIDDEN: f64 = -9.0;
 
 impl Polygon<'_> {
-    /// Twice the signed area over the square of the longest side. Where all are positive the triangles cover the polygon once.
+    /// Twice the signed area over the square of the longest side. Where all are positive the triangles cover
+    /// the polygon once.
     fn quality(&self, triangle: [usize; 3]) -> f64 {
         let n = self.ring.len();
         let is_flat = |k: usize| {

@@ -1,8 +1,8 @@
 //! `FieldGrid`: tetrahedra that are small only where a solid's boundary is not that of linear functions.
 //!
-//! A cube around the solid is bisected until in each tetrahedron either membership is decided, or the primitives that still decide have a
-//! common direction in which they grow. Decided ones are forgotten: nothing of the boundary is in them, whatever their neighbours look
-//! like. All others conform.
+//! A cube around the solid is bisected until in each tetrahedron either membership is decided, or the
+//! primitives that still decide have a common direction in which they grow. Decided ones are forgotten:
+//! nothing of the boundary is in them, whatever their neighbours look like. All others conform.
 use super::cells::{CellFacts, OpenTree, Zero, place, restricted, side};
 use super::tetrahedra::{FewNumbersMap, Tetrahedra, Tetrahedron, WholeBox};
 use super::vertex_values::VertexValues;
@@ -16,10 +16,11 @@ use std::sync::Arc;
 pub(in crate::convert) struct GridOptions {
     /// What the solid is in.
     pub bounds: Box3,
-    /// Cells whose longest edge is no longer than this are not cut, but for what is asked of [`FieldGrid::refine`].
+    /// Cells whose longest edge is no longer than this are not cut, but for what is asked of
+    /// [`FieldGrid::refine`].
     pub floor: f64,
-    /// Cells with a longer edge are cut wherever the boundary may be. Of a function that is known at points only, this is how far apart they are
-    /// at first: what is smaller may be missed.
+    /// Cells with a longer edge are cut wherever the boundary may be. Of a function that is known at points
+    /// only, this is how far apart they are at first: what is smaller may be missed.
     pub coarsest: f64,
 }
 
@@ -130,8 +131,8 @@ struct Level {
 
 /// The cube is larger than the bounds by this. Chosen: cells at the rim see the boundary from outside.
 const MARGIN: f64 = 1.05;
-/// The cube's middle is off that of the bounds by these shares of their size, so that planes of symmetric models are not in its own planes.
-/// Chosen: nothing but small and odd.
+/// The cube's middle is off that of the bounds by these shares of their size, so that planes of symmetric
+/// models are not in its own planes. Chosen: nothing but small and odd.
 const OFFSET: [f64; 3] = [0.008_5, 0.011_55, 0.006_35];
 /// Bytes that a cell takes with its share of vertices and values, about: counted.
 const BYTES_A_CELL: u64 = 400;
@@ -141,7 +142,8 @@ const SHARE: u64 = 4;
 const CHUNK: usize = 128;
 
 impl<'a> FieldGrid<'a> {
-    /// A grid for the solid whose primitives are evaluated. The work is that of the shape, not of its size over the floor.
+    /// A grid for the solid whose primitives are evaluated. The work is that of the shape, not of its size
+    /// over the floor.
     ///
     /// # Errors
     /// What a leaf says, and where the job is cancelled.
@@ -175,7 +177,8 @@ impl<'a> FieldGrid<'a> {
         Ok(grid)
     }
 
-    /// Cuts cells that have a place within them until they are as small as it asks for. The others stay, but for what conforming takes.
+    /// Cuts cells that have a place within them until they are as small as it asks for. The others stay, but
+    /// for what conforming takes.
     ///
     /// # Errors
     /// Those of [`FieldGrid::build`].
@@ -386,8 +389,8 @@ impl<'a> FieldGrid<'a> {
         Some((left, verdict))
     }
 
-    /// Takes gradients at the corners for the range of all where no other is known. A function whose values are not known in between either has
-    /// a say only where its sign changes among the corners.
+    /// Takes gradients at the corners for the range of all where no other is known. A function whose values
+    /// are not known in between either has a say only where its sign changes among the corners.
     fn sample(&self, cell: &CellAsked, open: &OpenTree, buffers: &mut Buffers) {
         let Buffers { ranges, values, idle, .. } = buffers;
         idle.clear();

@@ -1,4 +1,5 @@
-//! Common growth directions: along which functions grow together throughout a cell, from ranges of their gradients.
+//! Common growth directions: along which functions grow together throughout a cell, from ranges of their
+//! gradients.
 use crate::math::{Interval, dot, length};
 
 /// A range of gradients, scaled so that its middle has length 1.
@@ -8,10 +9,11 @@ pub(super) struct GradientBox {
     pub half: [f64; 3],
 }
 
-/// Steps of Gilbert's method. Measured on the models of the tests: more than 24 bring no direction that was not found before.
+/// Steps of Gilbert's method. Measured on the models of the tests: more than 24 bring no direction that was
+/// not found before.
 const STEPS: usize = 24;
-/// Directions along which the growth is a smaller share of the gradient than this are none. Defined: three roundings of a double are
-/// far below, the angle of a wedge of 10⁻⁵ degrees is far above.
+/// Directions along which the growth is a smaller share of the gradient than this are none. Defined: three
+/// roundings of a double are far below, the angle of a wedge of 10⁻⁵ degrees is far above.
 const LEAST: f64 = 1e-7;
 
 impl GradientBox {
@@ -49,9 +51,11 @@ impl GradientBox {
     }
 }
 
-/// Whether there is a direction along which all of them grow throughout: the hull of all boxes has a point nearest to 0 that is not 0.
+/// Whether there is a direction along which all of them grow throughout: the hull of all boxes has a point
+/// nearest to 0 that is not 0.
 ///
-/// Source: E. Gilbert, *An Iterative Procedure for Computing the Minimum of a Quadratic Form on a Convex Set*, 1966.
+/// Source: E. Gilbert, *An Iterative Procedure for Computing the Minimum of a Quadratic Form on a Convex
+/// Set*, 1966.
 pub(super) fn grow_together(boxes: &[GradientBox]) -> bool {
     let mut x = [0.0; 3];
     for part in boxes {

@@ -1,4 +1,5 @@
-//! Grids and extracted surfaces of models whose truth is known, and of random ones that are as degenerate as can be.
+//! Grids and extracted surfaces of models whose truth is known, and of random ones that are as degenerate as
+//! can be.
 use super::extract::{RawSurface, extract};
 use super::grid::{FieldGrid, GridOptions, Place};
 use crate::budget::{Evidence, Job};
@@ -99,7 +100,8 @@ fn sound(surface: &RawSurface, name: &str) -> u64 {
     self_intersections(&mesh, &Job::default()).unwrap().count
 }
 
-/// Vertices are on what they are said to be on, as near as cells are small, and faces look where their primitive grows.
+/// Vertices are on what they are said to be on, as near as cells are small, and faces look where their
+/// primitive grows.
 fn labelled(made: &Made, name: &str) {
     let Made { csg, surface, .. } = made;
     let job = Job::default();
@@ -291,7 +293,8 @@ fn functions_known_at_points_are_meshed_by_samples() {
     }
 }
 
-/// Parts with small whole numbers, so that planes coincide, and four meet in a point; some with values that are whole numbers.
+/// Parts with small whole numbers, so that planes coincide, and four meet in a point; some with values that
+/// are whole numbers.
 fn random_part(state: &mut u64) -> Expr {
     let [x, y, z] = Expr::axes();
     let mut whole = || (random(state) % 5) as f64 - 2.0;
@@ -343,6 +346,7 @@ fn random_solids_are_closed_however_degenerate_they_are() {
         }
     }
     assert!(n_faces > 100_000);
-    // Sheets that are nearer than coordinates are exact may cross; with shifts of 16 bits about one in 3,000 of such solids has some.
+    // Sheets that are nearer than coordinates are exact may cross; with shifts of 16 bits about one in 3,000
+    // of such solids has some.
     assert!(n_crossed <= 1, "{n_crossed}");
 }
