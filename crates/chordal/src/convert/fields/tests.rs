@@ -5,7 +5,7 @@ use super::grid::{FieldGrid, GridOptions, Place};
 use crate::budget::{Evidence, Job};
 use crate::check::{self_intersections, validity};
 use crate::explicit::{Mesh, Topology};
-use crate::implicit::{Csg, Expr, Leaf, LeafError, Lipschitz, PrimitiveEvaluator, Unary};
+use crate::implicit::{Csg, Expr, Leaf, LeafError, Lipschitz, PrimitiveEvaluator, Unary, shapes};
 use crate::math::{Box3, cross, difference, dot, length};
 use std::sync::Arc;
 
@@ -44,8 +44,8 @@ fn csg6() -> Expr {
 }
 
 fn gyroid_in_ball() -> Expr {
-    let [x, y, z] = Expr::axes().map(|a| a * 8.0);
-    let gyroid = x.sin() * y.cos() + y.sin() * z.cos() + z.sin() * x.cos();
+    // The period of sines of eight times the coordinates.
+    let gyroid = shapes::gyroid(0.785_398_163_397_448_3, 0.0).unwrap().sign().clone();
     gyroid.max(&ball([0.0; 3], 0.8))
 }
 
@@ -125,7 +125,10 @@ fn labelled(made: &Made, name: &str) {
         }
         let sign = if label & 1 == 1 { -1.0 } else { 1.0 };
         let slopes = &slopes[3 * k..3 * k + 3];
-        let along = slopes.iter().map(|slope| sign * dot(slope.gradient, normal)).fold(f64::MIN, f64::max);
+        let along = slopes
+            .iter()
+            .map(|slope| sign * dot(slope.gradient, normal))
+            .fold(f64::MIN, |a, b| if b > a { b } else { a });
         assert!(along > 0.0, "{name}: a face looks the wrong way");
         for (slope, vertex) in slopes.iter().zip(face) {
             let size = surface.cell_sizes[*vertex as usize];
