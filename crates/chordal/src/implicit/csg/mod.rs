@@ -41,8 +41,8 @@ pub struct Csg {
 pub struct Primitive {
     tape: Tape,
     is_total: bool,
-    /// The term of the whole that it is `± base − level` of, where that holds without rounding.
-    base: Option<(u32, f64)>,
+    /// The level of a term of the whole that it vanishes at.
+    level: Option<Level>,
 }
 
 impl Primitive {
@@ -61,9 +61,32 @@ impl Primitive {
     /// Whether the zero sets of both never meet, since they are two different levels of one function.
     #[must_use]
     pub fn is_parallel_to(&self, other: &Self) -> bool {
-        matches!((self.base, other.base), (Some((a, s)), Some((b, t))) if a == b && s != t)
+        let (Some(a), Some(b)) = (self.level, other.level) else { return false };
+        // Levels are off by some roundings of their sizes, one an operation: far less than this share.
+        let clear = CLEAR * (a.size + b.size);
+        let is_apart = if a.is_exact && b.is_exact { a.at != b.at } else { (a.at - b.at).abs() > clear };
+        a.base == b.base && is_apart
     }
 }
+
+/// Where a primitive vanishes: where a term of the whole has a value.
+#[derive(Clone, Copy, Debug)]
+struct Level {
+    base: u32,
+    at: f64,
+    /// The largest number that it was computed from.
+    size: f64,
+    /// Whether nothing was rounded.
+    is_exact: bool,
+    /// Whether the primitive falls where the term grows.
+    falls: bool,
+}
+
+/// Two levels that differ by more than this share of their sizes do so without rounding. Derived: a chain of thousands of roundings is off by
+/// less than 2⁻⁴⁰ of them.
+const CLEAR: f64 = 1.0 / (1_u64 << 40) as f64;
+/// Operations with constants above a base at most; beyond, what rounding may have done is not counted.
+const MOST_ROUNDINGS: usize = 1024;
 
 /// Nodes that a tree has at most; what would have more is one primitive. Defined: some megabytes.
 const MOST_NODES: usize = 1 << 16;
@@ -87,7 +110,7 @@ impl Csg {
     fn single(graph: &Graph) -> Self {
         let is_total = is_total(graph.terms());
         let tape = Tape::of_graph(graph.clone());
-        let primitives = vec![Primitive { tape, is_total, base: None }];
+        let primitives = vec![Primitive { tape, is_total, level: None }];
         Self { primitives, tree: CsgTree::new(vec![CsgNode::Primitive(0)]) }
     }
 
@@ -288,11 +311,12 @@ impl<'a> Opener<'a> {
     /// The node of a primitive: a new one, a known one or the complement of one.
     fn literal(&mut self, place: Operand) -> CsgNode {
         let level = self.level(place);
-        let key = match level {
-            Some((base, level, _)) => PrimitiveKey::Level(base, level.to_bits()),
+        let exact = level.filter(|level| level.is_exact);
+        let key = match exact {
+            Some(level) => PrimitiveKey::Level(level.base, level.at.to_bits()),
             None => PrimitiveKey::Chain(place.term, place.above),
         };
-        let falls = level.is_some_and(|(_, _, falls)| falls);
+        let falls = exact.is_some_and(|level| level.falls);
         if let Some((number, known_falls)) = self.known.get(&key) {
             let is_same = falls == *known_falls;
             return if is_same { CsgNode::Primitive(*number) } else { CsgNode::Complement(*number) };
@@ -301,15 +325,13 @@ impl<'a> Opener<'a> {
         self.n_copied += graph.terms().len();
         let number = self.primitives.len() as u32;
         let is_total = is_total(graph.terms());
-        let base = level.map(|(base, level, _)| (base, level));
-        self.primitives.push(Primitive { tape: Tape::of_graph(graph), is_total, base });
+        self.primitives.push(Primitive { tape: Tape::of_graph(graph), is_total, level });
         self.known.insert(key, (number, falls));
         CsgNode::Primitive(number)
     }
 
-    /// The place as a level of a term below it, `{base < level}`, or `{base > level}` where it falls with it, if that is so without any
-    /// rounding.
-    fn level(&self, place: Operand) -> Option<(u32, f64, bool)> {
+    /// The place as a level of a term below it.
+    fn level(&self, place: Operand) -> Option<Level> {
         // The chain applied to `base` is `scale · base + offset`, with a scale that is a power of 2 or its negative.
         let (mut base, mut below) = (place.term, Vec::new());
         loop {
@@ -324,45 +346,24 @@ impl<'a> Opener<'a> {
             below.push(op);
             base = term;
         }
-        let (mut scale, mut offset) = (1.0_f64, 0.0_f64);
-        let mut exact = true;
-        let mut apply = |op: Monotone| {
-            let add = |a: f64, b: f64, exact: &mut bool| {
-                let sum = a + b;
-                // The error of a sum, exactly (Knuth's two-sum).
-                let part = sum - a;
-                *exact &= (a - (sum - part)) + (b - part) == 0.0;
-                sum
-            };
-            let by = |k: f64, exact: &mut bool| {
-                let size = k.abs();
-                *exact &= power_of_two(exponent(size) - 1) == size;
-            };
-            match op {
-                Monotone::Neg => (scale, offset) = (-scale, -offset),
-                Monotone::Add(k) => offset = add(offset, k, &mut exact),
-                Monotone::From(k) => (scale, offset) = (-scale, add(k, -offset, &mut exact)),
-                Monotone::Mul(k) => {
-                    by(k, &mut exact);
-                    (scale, offset) = (scale * k, offset * k);
-                }
-                Monotone::Div(k) => {
-                    by(k, &mut exact);
-                    (scale, offset) = (scale / k, offset / k);
-                }
-            }
-        };
-        below.into_iter().rev().for_each(&mut apply);
+        let mut shift = Shift { scale: 1.0, offset: 0.0, size: 0.0, is_exact: true };
+        let mut n_steps = below.len();
+        below.into_iter().rev().for_each(|op| shift.apply(op));
         let mut above = place.above;
         while above != NOTHING {
             let ChainLink { op, next } = self.above[above as usize];
-            apply(op);
-            above = next;
+            shift.apply(op);
+            (above, n_steps) = (next, n_steps + 1);
         }
-        let level = -offset / scale;
-        let sound = exact && level.is_finite() && scale.is_normal() && (level != 0.0 || offset == 0.0);
+        let Shift { scale, offset, size, is_exact } = shift;
         // One zero: −0 and 0 are one level.
-        sound.then_some((base, level + 0.0, scale < 0.0))
+        let at = -offset / scale + 0.0;
+        let is_sound = at.is_finite()
+            && size.is_finite()
+            && scale.is_normal()
+            && (at != 0.0 || offset == 0.0)
+            && n_steps <= MOST_ROUNDINGS;
+        is_sound.then_some(Level { base, at, size, is_exact, falls: scale < 0.0 })
     }
 
     /// The terms of a primitive.
@@ -415,6 +416,52 @@ impl<'a> Opener<'a> {
         };
         needed.iter().map(copy).collect()
     }
+}
+
+/// A chain of operations applied to a term `t`: `scale · t + offset`.
+struct Shift {
+    scale: f64,
+    offset: f64,
+    /// The largest offset so far, over the scale.
+    size: f64,
+    is_exact: bool,
+}
+
+impl Shift {
+    fn apply(&mut self, op: Monotone) {
+        match op {
+            Monotone::Neg => (self.scale, self.offset) = (-self.scale, -self.offset),
+            Monotone::Add(k) => self.add(k),
+            Monotone::From(k) => {
+                (self.scale, self.offset) = (-self.scale, -self.offset);
+                self.add(k);
+            }
+            Monotone::Mul(k) => {
+                self.is_exact &= is_power_of_two(k);
+                (self.scale, self.offset) = (self.scale * k, self.offset * k);
+            }
+            Monotone::Div(k) => {
+                self.is_exact &= is_power_of_two(k);
+                (self.scale, self.offset) = (self.scale / k, self.offset / k);
+            }
+        }
+        let size = (self.offset / self.scale).abs();
+        self.size = if size > self.size || size.is_nan() { size } else { self.size };
+    }
+
+    fn add(&mut self, k: f64) {
+        let sum = self.offset + k;
+        // The error of a sum, exactly (Knuth's two-sum).
+        let part = sum - self.offset;
+        self.is_exact &= (self.offset - (sum - part)) + (k - part) == 0.0;
+        let size = (k / self.scale).abs();
+        self.size = if size > self.size || size.is_nan() { size } else { self.size };
+        self.offset = sum;
+    }
+}
+
+fn is_power_of_two(k: f64) -> bool {
+    power_of_two(exponent(k.abs()) - 1) == k.abs()
 }
 
 /// Whether every term has a value at every point: none divides by what may be 0, takes roots of what may be negative and so on. Leaves

@@ -1,3 +1,4 @@
+//! The tree of a field's sign: what is opened, what is one primitive, and that no value changes.
 use super::*;
 use crate::budget::Job;
 use crate::implicit::{Expr, Field, shapes};
@@ -66,6 +67,17 @@ fn the_two_sides_of_a_shell_are_parallel() {
     let csg = Csg::of(shapes::sphere(1.0).unwrap().shell(0.125).unwrap().sign());
     let [a, b] = csg.primitives() else { panic!("two primitives") };
     assert!(a.is_parallel_to(b));
+}
+
+#[test]
+fn levels_that_were_rounded_are_parallel_where_they_are_clearly_apart() {
+    let parallel = |thickness: f64| {
+        let csg = Csg::of(shapes::sphere(1.0).unwrap().shell(thickness).unwrap().sign());
+        let [a, b] = csg.primitives() else { panic!("two primitives") };
+        a.is_parallel_to(b)
+    };
+    // 1 + 0.00025 is rounded.
+    assert!(parallel(0.0005) && parallel(1e-9) && !parallel(1e-16));
 }
 
 #[test]

@@ -200,35 +200,22 @@ impl CsgTree {
     /// its complement: where `min(a, b)` has `a < b` throughout, `b` never has the value.
     #[must_use]
     pub fn active(&self, mut of: impl FnMut(u32) -> [f64; 2]) -> Vec<(u32, bool)> {
-        // Each result: its range, and where its active primitives begin in `found`.
-        let mut found: Vec<(u32, bool)> = Vec::new();
-        let mut stack: Vec<([f64; 2], Vec<(u32, bool)>)> = Vec::new();
+        let mut stack: Vec<ActiveResult> = Vec::new();
         for node in &self.nodes {
             match *node {
-                CsgNode::Primitive(p) => stack.push((of(p), vec![(p, false)])),
+                CsgNode::Primitive(p) => stack.push(ActiveResult { range: of(p), active: vec![(p, false)] }),
                 CsgNode::Complement(p) => {
                     let [low, high] = of(p);
-                    stack.push(([-high, -low], vec![(p, true)]));
+                    stack.push(ActiveResult { range: [-high, -low], active: vec![(p, true)] });
                 }
                 CsgNode::Union(n) | CsgNode::Intersection(n) => {
                     let is_union = matches!(node, CsgNode::Union(_));
                     let operands = stack.split_off(stack.len() - n as usize);
-                    let pick = |a: f64, b: f64| if (b < a) == is_union { b } else { a };
-                    let range = operands[1..]
-                        .iter()
-                        .fold(operands[0].0, |[a, b], ([c, d], _)| [pick(a, *c), pick(b, *d)]);
-                    // Of a minimum the ones that are never above its high end.
-                    let may = |[low, high]: [f64; 2]| {
-                        if is_union { low <= range[1] } else { high >= range[0] }
-                    };
-                    let active = operands.into_iter().filter(|(r, _)| may(*r)).flat_map(|(_, active)| active);
-                    stack.push((range, active.collect()));
+                    stack.push(ActiveResult::joined(operands, is_union));
                 }
             }
         }
-        if let Some((_, active)) = stack.pop() {
-            found = active;
-        }
+        let mut found = stack.pop().map_or_else(Vec::new, |whole| whole.active);
         found.sort_unstable();
         found.dedup();
         found
@@ -251,6 +238,25 @@ impl CsgTree {
             stack.push(result);
         }
         stack.pop().expect("a tree has one result")
+    }
+}
+
+/// A part of a tree in a region: the range of its value, and the primitives that can have it.
+struct ActiveResult {
+    range: [f64; 2],
+    active: Vec<(u32, bool)>,
+}
+
+impl ActiveResult {
+    fn joined(operands: Vec<Self>, is_union: bool) -> Self {
+        let pick = |a: f64, b: f64| if (b < a) == is_union { b } else { a };
+        let range = operands[1..]
+            .iter()
+            .fold(operands[0].range, |[a, b], other| [pick(a, other.range[0]), pick(b, other.range[1])]);
+        // Of a minimum those that are not above its high end throughout.
+        let may = |[low, high]: [f64; 2]| if is_union { low <= range[1] } else { high >= range[0] };
+        let active = operands.into_iter().filter(|one| may(one.range)).flat_map(|one| one.active).collect();
+        Self { range, active }
     }
 }
 
