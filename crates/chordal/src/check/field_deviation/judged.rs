@@ -125,7 +125,7 @@ fn conclusion(search: &Search, csg: &Csg, verdict: &Verdict, ends: &LowerEnds, b
     let backward = one_sided(ends.backward, ends.from_field, nearest(ends.from_field));
     let least = larger(ends.forward, ends.backward);
     let most = larger(verdict.bound, least);
-    let evidence = search.tape.evidence().weaker(&csg.evidence());
+    let evidence = search.evidence.weaker(&csg.evidence());
     let mut bound = Bound::with_evidence(least, Some(most), evidence, Reference::Field);
     bound.at = Some(if ends.backward > ends.forward { ends.from_field } else { ends.from_mesh });
     let beyond = search.goal.max.is_some_and(|max| least > max.get());

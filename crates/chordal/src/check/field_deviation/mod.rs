@@ -144,7 +144,8 @@ pub(crate) fn judged_bound(
     let goal = Goal::default();
     let bvh = Bvh::build(mesh, job)?;
     let floor = FLOOR * reach(mesh, &bounds);
-    judged::bound_of(&Search { mesh, tape, bounds, goal: &goal, job, floor }, verdict, &bvh)
+    let evidence = field.evidence();
+    judged::bound_of(&Search { mesh, tape, bounds, goal: &goal, job, floor, evidence }, verdict, &bvh)
 }
 
 /// How far a mesh is from the surface of a field by samples alone, whatever there is to prove with.

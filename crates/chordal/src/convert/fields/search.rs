@@ -23,7 +23,7 @@ pub(in crate::convert) fn search(field: &Field, wanted: &Wanted, job: &Job) -> O
     let solid = Csg::of(&closed(field));
     let mesher = FieldMesher { bounds: field.bounds(), job };
     let mut evaluator = PrimitiveEvaluator::new(&solid, &field.bounds(), job);
-    let is_measured = wanted.measured || !solid.evidence().bounds_above();
+    let is_measured = wanted.measured || !field.evidence().bounds_above();
     let search = Search { field, mesher: &mesher, wanted, is_measured, job };
     match (wanted.length, wanted.triangles) {
         (None, Some(most)) => search.by_count(&mut evaluator, most),
