@@ -81,7 +81,9 @@ fn sagitta(mesh: &Mesh, radius: f64) -> f64 {
         let n = crate::math::cross(u, v);
         radius - crate::math::dot(a, n).abs() / crate::math::length(n)
     };
-    (0..mesh.faces().len()).map(|face| depth(mesh.corners(face))).fold(0.0, f64::max)
+    (0..mesh.faces().len())
+        .map(|face| depth(mesh.corners(face)))
+        .fold(0.0, |most, far| if far > most { far } else { most })
 }
 
 #[test]
