@@ -38,6 +38,8 @@ pub(crate) enum Unimproved {
     /// It is no closed, oriented 2-manifold.
     NotManifold,
     Leaf(LeafError),
+    /// More triangles, or bytes for them, than the job allows.
+    TooMany,
     Cancelled,
 }
 
@@ -282,7 +284,16 @@ impl<'e, 'a> SurfaceImprover<'e, 'a> {
     fn next_round(&mut self) -> Result<(), Unimproved> {
         self.round += 1;
         self.refresh_tree();
-        if self.job.is_cancelled() { Err(Unimproved::Cancelled) } else { Ok(()) }
+        let n_slots = self.surface.face_slots() as u64;
+        if self.job.is_cancelled() {
+            Err(Unimproved::Cancelled)
+        } else if self.surface.n_faces() as u64 > self.job.triangle_limit
+            || n_slots > self.job.memory_limit / BYTES_A_FACE
+        {
+            Err(Unimproved::TooMany)
+        } else {
+            Ok(())
+        }
     }
 
     /// Whether no face of a list is taken in this round; then it takes them.
@@ -309,6 +320,8 @@ impl<'e, 'a> SurfaceImprover<'e, 'a> {
     }
 }
 
+/// Bytes that a face takes here, about: half-edges with their middles, half a vertex with its labels, its place in the tree and in lists.
+const BYTES_A_FACE: u64 = 320;
 /// Checks by all samples at most; what is off then is named by the proof.
 const MOST_CHECKS: usize = 12;
 /// Cycles of splits, flips and collapses at most; the first two do nearly all.
@@ -325,3 +338,6 @@ fn area_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
 fn sides(h: u32) -> [u32; 3] {
     [h, next_in_face(h), previous_in_face(h)]
 }
+
+#[cfg(test)]
+mod tests;

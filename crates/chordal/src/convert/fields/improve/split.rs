@@ -1,5 +1,5 @@
 //! Rounds of edge splits: new vertices on the primitives where edges or faces are too far from them.
-use super::newton::Targets;
+use super::newton::{SETTLED, Targets};
 use super::{FaceLabel, SurfaceImprover, Unimproved, VertexLabel, area_normal, sides};
 use crate::explicit::next_in_face;
 use glam::DVec3;
@@ -140,7 +140,10 @@ impl SurfaceImprover<'_, '_> {
             let (middle, to) = (self.middle_point(a, b), targets.at[k]);
             // Beyond that it is another part of the surface.
             let reach = 0.7 * (self.at(b) - self.at(a)).length();
-            if (to - middle).length() <= reach && self.may_split(h, to, targets.labels_of(k)) {
+            // Where there is no such place a split brings nothing.
+            let aim = self.aim_of([a, b]);
+            let is_placed = targets.labels_of(k).iter().all(|on| on.distance.abs() <= SETTLED * aim);
+            if is_placed && (to - middle).length() <= reach && self.may_split(h, to, targets.labels_of(k)) {
                 self.split(h, (to, &targets, k));
                 n += 1;
             }
