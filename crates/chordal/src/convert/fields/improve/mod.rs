@@ -3,6 +3,8 @@
 //! Vertices move onto their primitives by Newton steps, onto creases where two meet and onto corners where three do. Then edges are split,
 //! flipped and collapsed until every edge and face lies within the aimed distance of its primitive, by samples. Operations whose faces do
 //! not overlap are taken together, so that all their samples are one call of the primitives.
+#![allow(clippy::neg_cmp_op_on_partial_ord, reason = "what is no number counts as too far")]
+#![allow(clippy::needless_range_loop, reason = "positions in a ring name its edges and its faces alike")]
 mod collapse;
 mod error;
 mod face_tree;
@@ -219,10 +221,10 @@ impl<'e, 'a> SurfaceImprover<'e, 'a> {
     pub fn mesh(&self) -> (RawSurface, Vec<u32>) {
         let mut number = vec![u32::MAX; self.position.len()];
         let mut positions = Vec::new();
-        for v in 0..self.position.len() {
+        for (v, (number, at)) in number.iter_mut().zip(&self.position).enumerate() {
             if self.surface.has_vertex(v as u32) {
-                number[v] = positions.len() as u32;
-                positions.push(self.position[v].to_array());
+                *number = positions.len() as u32;
+                positions.push(at.to_array());
             }
         }
         let there: Vec<u32> =
