@@ -158,8 +158,8 @@ fn reached(made: &Bounded<Mesh>) -> f64 {
 
 /// The mesh of a finer lattice. Where its values are rounded, either the proof holds for all values that they may stand for,
 /// or it is under the promise that they are taken as they are.
-fn finer_mesh<S: Source>(
-    finer: &Finer<'_, S>,
+fn finer_mesh(
+    finer: &Finer<'_>,
     affine: &Affine,
     rule: &Polygonize,
     (length, job): (f64, &Job),

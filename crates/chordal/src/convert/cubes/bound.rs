@@ -59,8 +59,8 @@ pub(crate) struct Farthest {
 }
 
 /// What the proof needs of the lattice.
-pub(crate) struct Proof<'a, S> {
-    local: Local<'a, S>,
+pub(crate) struct Proof<'a> {
+    local: Local<'a>,
     size: [usize; 3],
     /// The lengths of the three steps in space, rounded up.
     lengths: [f64; 3],
@@ -90,9 +90,9 @@ struct Bounded {
     number: u32,
 }
 
-impl<'a, S: Source> Proof<'a, S> {
+impl<'a> Proof<'a> {
     pub fn new(
-        source: &'a S,
+        source: &'a dyn Source,
         affine: &'a Affine,
         rule: &'a Polygonize,
         (moved, rounding): (f64, f64),
@@ -249,16 +249,16 @@ impl<'a, S: Source> Proof<'a, S> {
 }
 
 /// The cells of a slab, a few at a time.
-struct Rows<'a, S> {
-    proof: &'a Proof<'a, S>,
+struct Rows<'a> {
+    proof: &'a Proof<'a>,
     at: Vec<[usize; 3]>,
     corners: Box<[Lane; 8]>,
     planes: Box<[[Lane; 4]; 4]>,
     out: Vec<f32>,
 }
 
-impl<'a, S: Source> Rows<'a, S> {
-    fn new(proof: &'a Proof<'a, S>) -> Self {
+impl<'a> Rows<'a> {
+    fn new(proof: &'a Proof<'a>) -> Self {
         let at = Vec::with_capacity(LANES);
         Self {
             proof,

@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 ///
 /// A value between the source's samples is three means of two, rounded, and kept between the two: where the corners of
 /// a cell of the source are on one side, so is all of it. On the source's lattice values are the source's.
-pub(crate) struct Finer<'a, S> {
-    coarse: &'a S,
+pub(crate) struct Finer<'a> {
+    coarse: &'a dyn Source,
     rule: Polygonize,
     parts: usize,
     /// How far a value may be off; 0 where all are exact.
@@ -18,10 +18,15 @@ pub(crate) struct Finer<'a, S> {
     pub unsure: AtomicBool,
 }
 
-impl<'a, S: Source> Finer<'a, S> {
+impl<'a> Finer<'a> {
     /// Cells halved `halvings` times. `largest` is the largest size of a sample, `bits` how many bits samples have if they are
     /// whole numbers.
-    pub fn new(coarse: &'a S, rule: &Polygonize, halvings: u32, (largest, bits): (f64, Option<u32>)) -> Self {
+    pub fn new(
+        coarse: &'a dyn Source,
+        rule: &Polygonize,
+        halvings: u32,
+        (largest, bits): (f64, Option<u32>),
+    ) -> Self {
         // Each mean multiplies by whole numbers of `halvings` bits: nothing is rounded while all fit in 53 bits.
         let exact = bits.is_some_and(|bits| bits + 3 * halvings < 53);
         let largest = if largest > rule.level.abs() { largest } else { rule.level.abs() };
@@ -72,7 +77,7 @@ fn mean(a: f64, b: f64, part: f64) -> f64 {
     }
 }
 
-impl<S: Source> Source for Finer<'_, S> {
+impl Source for Finer<'_> {
     fn size(&self) -> [usize; 3] {
         self.coarse.size().map(|n| (n - 1) * self.parts + 1)
     }

@@ -29,8 +29,10 @@ use crate::math::{add_up, cross, dot, length, mul_up, sub_down};
 type Triangle = [[f64; 3]; 3];
 
 /// The lattice, its surface and its mesh, by cells.
-pub(super) struct Local<'a, S> {
-    pub source: &'a S,
+pub(super) struct Local<'a> {
+    /// Without a type: this and the proof, compiled for each type of samples and for the finer lattice of each, were a sixth
+    /// of the crate's functions.
+    pub source: &'a dyn Source,
     pub rule: &'a Polygonize,
     pub affine: &'a Affine,
     /// The longest diagonal of a cell, rounded up.
@@ -92,7 +94,7 @@ impl Corners {
     }
 }
 
-impl<S: Source> Local<'_, S> {
+impl Local<'_> {
     fn corners(&self, [i, j, k]: [usize; 3]) -> Corners {
         let flip = if self.rule.inside == Inside::High { -1.0 } else { 1.0 };
         let g: [f64; 8] = std::array::from_fn(|c| {

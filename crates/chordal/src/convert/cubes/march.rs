@@ -310,7 +310,7 @@ impl<P: Coordinate, S: Source> Kernel for Write<'_, P, S> {
 
 /// Where a vertex is.
 #[inline(always)]
-pub(super) fn vertex_at<S: Source>(
+pub(super) fn vertex_at<S: Source + ?Sized>(
     source: &S,
     rule: &Polygonize,
     place: &Place,
