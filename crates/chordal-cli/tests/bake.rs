@@ -1,5 +1,5 @@
 //! Baking through the command: a closed mesh and back, one with a hole, what is refused.
-mod common;
+use crate::common;
 
 use common::{CLOSED_OBJ, Folder, OPEN_OBJ, Run, run};
 use serde_json::Value;

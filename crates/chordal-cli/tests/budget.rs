@@ -1,5 +1,5 @@
 //! Budgets that make no sense, that cannot be had, and that are not reached.
-mod common;
+use crate::common;
 
 use common::{CLOSED_OBJ, Folder, PATCH, run};
 

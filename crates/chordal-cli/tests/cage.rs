@@ -1,5 +1,5 @@
 //! Polygon cages through the command: what is taken for one, refining, inspecting, and what is refused.
-mod common;
+use crate::common;
 
 use common::{CLOSED_OBJ, Folder, PATCH, Run, run};
 use serde_json::Value;

@@ -1,5 +1,5 @@
 //! `chordal deviation`: what it says, in both forms, and when it fails.
-mod common;
+use crate::common;
 
 use common::{CLOSED_OBJ, Folder, OPEN_OBJ, PATCH, TEAPOT, run};
 use serde_json::Value;

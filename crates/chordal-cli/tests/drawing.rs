@@ -1,5 +1,5 @@
 //! `chordal mesh drawing.svg` and its neighbours, from end to end.
-mod common;
+use crate::common;
 
 use common::{Folder, run};
 use serde_json::Value;

@@ -1,5 +1,5 @@
 //! Inputs that are no files, and files that are wrong.
-mod common;
+use crate::common;
 
 use common::{Folder, PATCH, Run, chordal, run};
 use std::io::Write;

@@ -1,5 +1,5 @@
 //! `chordal inspect` on sick files: each finding with its count, its place by number, and its cure.
-mod common;
+use crate::common;
 
 use common::{CLOSED_OBJ, Folder, run};
 use serde_json::{Value, json};

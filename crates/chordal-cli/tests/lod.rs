@@ -1,5 +1,5 @@
 //! `chordal lod`: levels of detail in one file or as tiles.
-mod common;
+use crate::common;
 use common::{Folder, PATCH, TEAPOT, run};
 use serde_json::Value;
 

@@ -1,5 +1,5 @@
 //! `chordal mend`: what was asked for is mended, and the report says what.
-mod common;
+use crate::common;
 
 use common::{CLOSED_OBJ, Folder, OPEN_OBJ, PATCH, run};
 use serde_json::{Value, json};

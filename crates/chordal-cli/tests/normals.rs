@@ -1,5 +1,5 @@
 //! `chordal mesh --normals`: which rows a file has, and that it stays closed.
-mod common;
+use crate::common;
 
 use common::{CLOSED_OBJ, Folder, run};
 

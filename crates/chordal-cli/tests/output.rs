@@ -1,5 +1,5 @@
 //! Outputs that cannot or should not be written: whatever was there before is still there, and nothing else.
-mod common;
+use crate::common;
 
 use common::{CLOSED_OBJ, Folder, PATCH, chordal, names, run};
 use std::fs;

@@ -1,5 +1,5 @@
 //! Pictures from the command line.
-mod common;
+use crate::common;
 
 use common::{CLOSED_OBJ, Folder, PATCH, run};
 use std::fs;

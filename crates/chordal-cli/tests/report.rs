@@ -1,5 +1,5 @@
 //! Reports: every one follows the schema, and a certificate depends on nothing but input, version and budget.
-mod common;
+use crate::common;
 
 use common::{CLOSED_OBJ, Folder, OPEN_OBJ, PATCH, TEAPOT, run};
 use serde_json::Value;

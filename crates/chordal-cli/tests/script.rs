@@ -1,5 +1,5 @@
 //! Shape scripts and op lists on the command line.
-mod common;
+use crate::common;
 
 use common::{Folder, chordal, run};
 use std::io::Write;

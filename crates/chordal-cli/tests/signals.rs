@@ -1,6 +1,6 @@
 //! Signals at any moment: the output is the old file or the whole new one.
 #![cfg(unix)]
-mod common;
+use crate::common;
 
 use common::{Folder, TEAPOT, chordal, run};
 use std::fs;

@@ -1,5 +1,5 @@
 //! `chordal studio` as a browser, a foreign page and a foreign machine meet it: raw requests over a socket.
-mod common;
+use crate::common;
 
 use common::{Folder, chordal, run};
 use std::io::{BufRead, BufReader, Read, Write};

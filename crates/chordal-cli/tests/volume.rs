@@ -1,5 +1,5 @@
 //! Volumes through the command: which surface, where it stands, what is refused, and real ones.
-mod common;
+use crate::common;
 
 use common::{CLOSED_OBJ, Folder, Run, run};
 use serde_json::Value;

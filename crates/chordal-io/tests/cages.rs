@@ -1,5 +1,5 @@
 //! Polygon cages: from an OBJ with subdivision tags and back, and what a hostile one may try.
-mod common;
+use crate::common;
 
 use chordal::explicit::{
     Boundary, Cage, CornerTexcoords, Creasing, INFINITELY_SHARP, LinearTexcoords, Scheme, Semantic,

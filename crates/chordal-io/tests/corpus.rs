@@ -1,5 +1,5 @@
 //! Real files: each ends in a shape, a shape with warnings, or one error that names its place.
-mod common;
+use crate::common;
 
 use chordal::Mesh;
 use chordal_io::{Content, Format, Limits, read};

@@ -1,5 +1,5 @@
 //! What a hostile OBJ may try, row by row of the list that the project keeps, and what must happen.
-mod common;
+use crate::common;
 
 use chordal::explicit::Semantic;
 use chordal_io::{Content, Format, Limits, Place, read};

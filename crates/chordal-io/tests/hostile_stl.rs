@@ -1,5 +1,5 @@
 //! What a hostile STL may try, row by row of the list that the project keeps, and what must happen.
-mod common;
+use crate::common;
 
 use chordal_io::{Format, Limits, Place, read};
 use common::{count, load, load_scene, refuse};

@@ -1,5 +1,5 @@
 //! The three readers of patches: what they read, and what a hostile file may try.
-mod common;
+use crate::common;
 
 use chordal::Patch;
 use chordal_io::{Axis, Content, Format, Frame, Limits, Place, Warning, read};

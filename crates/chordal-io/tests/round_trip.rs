@@ -1,5 +1,5 @@
 //! What is written reads back: the same positions to the last bit, the same faces, normals at the format's precision.
-mod common;
+use crate::common;
 
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic, face_normal};

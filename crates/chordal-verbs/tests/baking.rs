@@ -1,5 +1,5 @@
 //! Baking the corpus: no wrong sign on closed meshes by a vote of rays, and distances as a plain loop finds them.
-mod common;
+use crate::common;
 
 use chordal::convert::{mesh_to_field, mesh_to_grid};
 use chordal::{Job, Mesh};

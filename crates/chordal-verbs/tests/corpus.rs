@@ -1,5 +1,5 @@
 //! `inspect` on every file of the corpus: the counts by sorting, the report by its schema, every finding with its place.
-mod common;
+use crate::common;
 
 use chordal::Mesh;
 use chordal::check::Defect;

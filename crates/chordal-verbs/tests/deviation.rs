@@ -1,12 +1,10 @@
 //! Deviations of real files: the ends are as close as was asked for, each file is 0 away from itself.
-mod common;
-#[allow(dead_code, reason = "the referee uses all of it")]
-#[path = "../../chordal/tests/curve_referee/random.rs"]
-mod random;
+use crate::common;
 #[allow(dead_code, reason = "the referee uses all of it")]
 #[path = "../../chordal/tests/deviation_referee/sampler.rs"]
 mod sampler;
 
+use crate::random;
 use chordal::Job;
 use chordal::explicit::Topology;
 use chordal::{Mesh, check};

@@ -1,12 +1,10 @@
 //! Levels as they stand in the files of a tileset, read back and held against the true shape by a sampler that shares no code with the
 //! library: no point of either is farther from the other than the file says.
-#[allow(dead_code, reason = "the referee of curves uses all of it")]
-#[path = "../../chordal/tests/curve_referee/random.rs"]
-mod random;
 #[allow(dead_code, reason = "the tests of the library use all of it")]
 #[path = "../../chordal/tests/lod/sampler.rs"]
 mod sampler;
 
+use crate::random;
 use chordal::{Job, Mesh};
 use chordal_io::{Format, Limits};
 use chordal_verbs::{Hint, LodSpec, Normals, Shape, TileErrors, load, lod};

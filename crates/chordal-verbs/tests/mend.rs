@@ -1,5 +1,5 @@
 //! `mend` on every file of the corpus, and on scenes whose nodes move and stretch their parts.
-mod common;
+use crate::common;
 
 use chordal::budget::Length;
 use chordal::{Job, Mesh};

@@ -1,5 +1,5 @@
 //! What `inspect` prescribes helps, makes nothing sick that was sound, and ends.
-mod common;
+use crate::common;
 
 use chordal::Job;
 use chordal::check::Defect;

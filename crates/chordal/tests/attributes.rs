@@ -1,6 +1,5 @@
 //! What is measured of attributes, held against values that are known in closed form, seams that moved, and planted errors.
-#[path = "solids/shapes.rs"]
-mod shapes;
+use crate::solids::shapes;
 
 use chordal::budget::Stopped;
 use chordal::check::{AttributeDeviation, attribute_deviation};

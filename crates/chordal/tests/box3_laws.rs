@@ -1,5 +1,5 @@
 //! Laws of `Box3`.
-mod exact;
+use crate::exact;
 use chordal::math::Box3;
 use exact::{at_most, cases, exact, number};
 use proptest::prelude::*;

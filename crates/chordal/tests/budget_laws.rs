@@ -1,6 +1,6 @@
 //! Laws of the nouns of `budget`: a chain of bounds holds for real point sets and claims no more than the triangle
 //! inequality leaves; what is shown reads back; what is no budget is refused.
-mod exact;
+use crate::exact;
 use chordal::budget::{
     Bound, Camera, Closest, Evidence, Length, Metric, Pixels, Projection, Reference, Screen, Tolerance, Unit,
     View,

@@ -1,6 +1,6 @@
 //! What the crates of the workspace depend on: each other only downwards, and others only under a licence that
 //! `deny.toml` allows.
-mod gates;
+use crate::gates;
 
 use gates::expect_none;
 use serde_json::Value;

@@ -79,7 +79,7 @@ fn every_set_of_instructions_gives_the_same_points() {
             continue;
         }
         let output = std::process::Command::new(std::env::current_exe().unwrap())
-            .args(["every_set_of_instructions_gives_the_same_points", "--exact", "--nocapture"])
+            .args(["curve_cutter::every_set_of_instructions_gives_the_same_points", "--exact", "--nocapture"])
             .env("CHORDAL_ISA", set.as_str())
             .output()
             .unwrap();

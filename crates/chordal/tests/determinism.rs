@@ -3,7 +3,7 @@
 //! The library, the readers and writers and the verbs are searched; test code is free. What std says has
 //! "unspecified precision" differs between targets; fused products round once where others round twice; a hash map
 //! has an order of its own in every process; a parallel sum depends on where the work was cut.
-mod gates;
+use crate::gates;
 
 use gates::lines::Lines;
 use gates::{Kind, Source, Token, expect_none};

@@ -1,7 +1,6 @@
 //! Attacks on what is called proved: `check::deviation`, the bounds of `mend`, and `check::self_intersections`.
 //! Each test is named after what once went wrong, or after the weak place that it leans on.
-#[path = "solids/random.rs"]
-mod random;
+use crate::solids::random;
 
 use chordal::check::{Deviation, Goal, deviation, self_intersections};
 use chordal::explicit::Topology;

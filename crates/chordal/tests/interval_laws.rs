@@ -1,5 +1,5 @@
 //! Laws of `Interval`: containment against exact arithmetic, inclusion isotonicity, the flag, and no NaN.
-mod exact;
+use crate::exact;
 use chordal::math::Interval;
 use dashu_float::FBig;
 use exact::{at_least, at_most, cases, exact, number};

@@ -4,7 +4,7 @@
 //! reaches another room only through the root of the crate (`crate`, `$crate`, enough `super`s, or the crate's own
 //! name), so each path that starts so is resolved to the room it names. What cannot be resolved, such as a name for
 //! the whole root, an unknown name at the root, or `crate::$room`, is refused and not skipped.
-mod gates;
+use crate::gates;
 
 use gates::paths::{Leaf, tree};
 use gates::{Kind, Source, Token, expect_none};

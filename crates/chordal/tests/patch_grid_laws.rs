@@ -1,4 +1,5 @@
 //! `PatchGrid` gives the bits of `Patch::at` and `Patch::normal`, on every instruction set.
+use crate::exact;
 use chordal::Patch;
 use chordal::explicit::PatchGrid;
 use chordal::math::simd::{self, Isa};
@@ -34,7 +35,7 @@ fn parameters() -> impl Strategy<Value = Vec<[f64; 2]>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(exact::cases(400))]
 
     #[test]
     fn many_at_once_are_the_bits_of_one_at_a_time(patch in patch(), uv in parameters()) {

@@ -1,5 +1,5 @@
 //! Laws of the predicates: the sign of exact arithmetic, always.
-mod exact;
+use crate::exact;
 use chordal::math::{Orientation, Position, orient2d, orient3d, triangle_contains};
 use dashu_float::FBig;
 use exact::{cases, exact, number};

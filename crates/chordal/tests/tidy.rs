@@ -1,5 +1,5 @@
 //! What STYLE.md asks of every file and a machine can see.
-mod gates;
+use crate::gates;
 
 use gates::lines::{Comment, Lines};
 use gates::paths::tree;

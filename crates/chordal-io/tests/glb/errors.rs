@@ -1,5 +1,5 @@
 //! Verdicts of gltf-validator 2.0.0-dev.3.10 over changes of a document with every kind of object.
-use crate::build::{every_object, glb_of, read};
+use super::build::{every_object, glb_of, read};
 use chordal_io::{Limits, Place, glb};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;

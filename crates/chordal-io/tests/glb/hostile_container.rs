@@ -1,5 +1,5 @@
 //! HOSTILE.md rows 30 to 35: the container, the JSON, and numbers too large for arithmetic.
-use crate::build::{glb_of, put, read, refused, scene_of, triangle, triangle_with};
+use super::build::{glb_of, put, read, refused, scene_of, triangle, triangle_with};
 use chordal_io::{Limits, Place, ReadError, glb};
 use serde_json::json;
 

@@ -1,5 +1,5 @@
 //! HOSTILE.md rows 36 to 47: data, nodes, other files, compression.
-use crate::build::{
+use super::build::{
     every_object, glb_of, loaded, put, read, refused, refused_unless_lenient, scene_of, triangle,
     triangle_with,
 };

@@ -1,5 +1,5 @@
 //! Levels of detail in one GLB: the first is read, the others are counted, and circles of them are refused.
-use crate::build::{glb_of, put, triangle};
+use super::build::{glb_of, put, triangle};
 use chordal::Mesh;
 use chordal_io::glb::{self, Level, write_levels};
 use chordal_io::{Axis, Content, Frame, Limits, Place, ReadError, Scene, Warning};

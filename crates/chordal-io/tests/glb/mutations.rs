@@ -1,6 +1,6 @@
 //! Broken files by the thousand: each ends in a scene or an error, never in a panic.
-use crate::build::{every_object, glb_of, triangle};
-use crate::round_trip::cube;
+use super::build::{every_object, glb_of, triangle};
+use super::round_trip::cube;
 use chordal_io::{Axis, Content, Frame, Limits, Scene, glb};
 use serde_json::{Value, json};
 

@@ -1,5 +1,5 @@
 //! What the reader makes of legal files.
-use crate::build::{every_object, loaded, put, triangle, triangle_with};
+use super::build::{every_object, loaded, put, triangle, triangle_with};
 use chordal::explicit::{Domain, Semantic};
 use chordal_io::{Axis, Frame};
 use serde_json::json;

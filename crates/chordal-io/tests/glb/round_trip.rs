@@ -1,5 +1,5 @@
 //! What is written reads back, bit for bit.
-use crate::build::scene_of;
+use super::build::scene_of;
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic, face_normal, vertex_normals, with_tangents};
 use chordal_io::{Axis, Format, Frame, Limits, Node, Part, Scene, glb, snap};

@@ -1,5 +1,5 @@
 //! What a hostile tileset may try, row by row of the list that the project keeps, and what must happen.
-use crate::build::{Folder, read, read_in, refused, tile_json, tileset_json};
+use super::build::{Folder, read, read_in, refused, tile_json, tileset_json};
 use chordal_io::{Limits, tiles};
 use serde_json::{Value, json};
 

@@ -1,5 +1,5 @@
 //! Implicit tilings: which tiles their bits say are there, and bits that are too few, too many or wrong.
-use crate::build::{Folder, read_in, refused, tile_json, tileset_json};
+use super::build::{Folder, read_in, refused, tile_json, tileset_json};
 use chordal_io::ReadError;
 use chordal_io::tiles::{Implicit, Subdivision};
 use serde_json::{Value, json};

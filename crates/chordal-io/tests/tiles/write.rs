@@ -1,5 +1,5 @@
 //! What the writer writes, and what it refuses.
-use crate::build::{Folder, chain, cube, read_in, tileset};
+use super::build::{Folder, chain, cube, read_in, tileset};
 use chordal_io::tiles::{BoundingVolume, Refine, Tile, TileFault, Tileset, write};
 use serde_json::{Value, json};
 

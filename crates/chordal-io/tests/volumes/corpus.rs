@@ -1,6 +1,6 @@
 //! Real volumes: sizes, places and sums, as nibabel 5 gives them.
+use super::{load, values};
 use crate::common::data;
-use crate::{load, values};
 use chordal_io::Format;
 
 struct Real {

@@ -1,7 +1,7 @@
 //! What a hostile volume may try, row by row of the list that the project keeps, and what must happen.
-use crate::build::{Nii, npy, npy_of, nrrd, pack};
+use super::build::{Nii, npy, npy_of, nrrd, pack};
+use super::{load, load_with, values};
 use crate::common::{count, refuse};
-use crate::{load, load_with, values};
 use chordal_io::{Format, Limits, Place, read};
 
 fn nii(dim: [i64; 8]) -> Nii {

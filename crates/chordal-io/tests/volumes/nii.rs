@@ -1,7 +1,7 @@
 //! NIfTI: both versions and byte orders, where samples stand, how they are scaled, and one volume of several.
-use crate::build::Nii;
+use super::build::Nii;
+use super::{load, load_with, values};
 use crate::common::count;
-use crate::{load, load_with, values};
 use chordal::implicit::Samples;
 use chordal_io::{Axis, Format, Limits};
 

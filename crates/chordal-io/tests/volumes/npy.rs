@@ -1,6 +1,6 @@
 //! NumPy's arrays: every type and order of bytes and indices, and where `a[i, j, k]` stands.
-use crate::build::{npy, npy_of};
-use crate::{load, values};
+use super::build::{npy, npy_of};
+use super::{load, values};
 use chordal::implicit::{Affine, Grid, Samples};
 use chordal_io::{Content, Format, Limits, Volume, npy, read};
 

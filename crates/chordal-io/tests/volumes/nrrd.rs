@@ -1,7 +1,7 @@
 //! NRRD: encodings, where samples stand, spaces and units, one volume of several, and what is written.
-use crate::build::{nrrd, pack};
+use super::build::{nrrd, pack};
+use super::{load, load_with, values};
 use crate::common::{Random, count};
-use crate::{load, load_with, values};
 use chordal::implicit::{Affine, Grid, Samples};
 use chordal_io::{Axis, Format, Frame, Limits, Volume, nrrd};
 

@@ -1,5 +1,5 @@
 //! Laws of refinement.
-use crate::corpus::cages;
+use super::corpus::cages;
 use chordal::explicit::{Cage, InvalidCage, Scheme};
 
 /// Coordinates of integers, so that what is exact stays so.

@@ -1,5 +1,5 @@
 //! The reference: refined control meshes of OpenSubdiv. Its vertices are in another order, so points and faces are compared as sets.
-use crate::corpus::{cage, cages, folder, polygons};
+use super::corpus::{cage, cages, folder, polygons};
 use chordal::explicit::Cage;
 use std::collections::BTreeMap;
 

@@ -1,5 +1,5 @@
 //! `Refinement`: topology once, for positions that move and for whatever else stands at vertices.
-use crate::corpus::cages;
+use super::corpus::cages;
 use chordal::budget::Job;
 use chordal::explicit::{Cage, InvalidCage, Refinement, Scheme};
 

@@ -1,5 +1,5 @@
 //! Texture coordinates of cages: by OpenSubdiv's numbers, and by laws that need none.
-use crate::corpus::{cage as corpus_cage, cages, folder};
+use super::corpus::{cage as corpus_cage, cages, folder};
 use chordal::explicit::{
     Boundary, Cage, CornerTexcoords, InvalidCage, LinearTexcoords, Scheme, Semantic, Topology,
 };

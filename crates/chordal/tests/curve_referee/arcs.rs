@@ -1,8 +1,8 @@
 //! Arcs of circles and ellipses, whose truth is known in closed form, and of every hard shape.
-use crate::lengths::{check, judge};
-use crate::random::Random;
-use crate::truth::{Path, Round};
-use crate::{cases, flatten, for_all, quantile};
+use super::lengths::{check, judge};
+use super::random::Random;
+use super::truth::{Path, Round};
+use super::{cases, flatten, for_all, quantile};
 use chordal::Budget;
 use chordal::convert::Spacing;
 use std::f64::consts::{PI, TAU};

@@ -1,9 +1,9 @@
 //! Paths of many pieces of all kinds, open and closed, and many paths at once.
-use crate::families::shape;
-use crate::lengths::{check, judge};
-use crate::random::Random;
-use crate::truth::{Part, Path, Round};
-use crate::{cases, for_all, length};
+use super::families::shape;
+use super::lengths::{check, judge};
+use super::random::Random;
+use super::truth::{Part, Path, Round};
+use super::{cases, for_all, length};
 use chordal::convert::{Spacing, curves_to_polylines};
 use chordal::{Budget, Job};
 
@@ -74,7 +74,7 @@ fn many_paths_are_each_what_they_are_alone() {
         let together = curves_to_polylines(&curves, &budget, &Job::default(), spacing).expect("within reach");
         let mut most = 0.0_f64;
         for (path, made) in paths.iter().zip(&together.shape) {
-            let alone = crate::flatten(path, &budget, spacing).expect("within reach");
+            let alone = super::flatten(path, &budget, spacing).expect("within reach");
             assert_eq!(&alone.shape, made);
             most = most.max(alone.bound.at_most().expect("proved"));
         }

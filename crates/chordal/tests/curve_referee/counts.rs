@@ -1,10 +1,10 @@
 //! Budgets of segments: never more than asked, and the more the better.
-use crate::chains::chain;
-use crate::families::shape;
-use crate::lengths::check_order;
-use crate::measure::{Look, measure};
-use crate::truth::{Part, Path};
-use crate::{Made, cases, flatten, for_all};
+use super::chains::chain;
+use super::families::shape;
+use super::lengths::check_order;
+use super::measure::{Look, measure};
+use super::truth::{Part, Path};
+use super::{Made, cases, flatten, for_all};
 use chordal::convert::Spacing;
 use chordal::{Budget, Failure, Tolerance};
 
@@ -55,7 +55,7 @@ fn ladder<const D: usize>(name: &str, path: &Path<D>, spacing: Spacing) -> f64 {
 
 #[test]
 fn a_count_is_kept_and_more_segments_are_hardly_ever_worse() {
-    let worse = for_all(cases(400), |seed| {
+    let worse = for_all(cases(100), |seed| {
         let shape = shape::<2>(seed);
         let path = Path::cubic(shape.control);
         let name = format!("{} (seed {seed})", shape.kind);
@@ -120,7 +120,7 @@ fn a_length_and_a_count_hold_together_or_the_best_is_shown() {
                             && best.shape.n_segments() as u64 <= most
                     );
                     // It really cannot be done: with the length alone there are more.
-                    let alone = flatten(&path, &crate::length(length), Spacing::Fewest).expect("a length");
+                    let alone = flatten(&path, &super::length(length), Spacing::Fewest).expect("a length");
                     assert!(alone.shape.n_segments() as u64 > most, "seed {seed}");
                 }
                 Err(failure) => panic!("{failure}"),

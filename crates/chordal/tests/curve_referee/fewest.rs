@@ -1,8 +1,8 @@
 //! How few segments there could be: the library's counts against an optimum by brute force on true distances.
-use crate::families::shape;
-use crate::measure::to_segment;
-use crate::truth::Path;
-use crate::{cases, flatten, for_all, length, quantile};
+use super::families::shape;
+use super::measure::to_segment;
+use super::truth::Path;
+use super::{cases, flatten, for_all, length, quantile};
 use chordal::convert::Spacing;
 
 /// Places that a vertex of the optimum may have.

@@ -1,9 +1,9 @@
 //! Whether the referee can be trusted: closed forms, and polylines that are broken on purpose.
-use crate::families::shape;
-use crate::measure::{Look, measure};
-use crate::random::Random;
-use crate::truth::{Path, Round};
-use crate::{flatten, length};
+use super::families::shape;
+use super::measure::{Look, measure};
+use super::random::Random;
+use super::truth::{Path, Round};
+use super::{flatten, length};
 use chordal::convert::Spacing;
 use chordal::explicit::Polyline;
 

@@ -1,8 +1,8 @@
 //! Bounds in units against the truth, on random cubics of all kinds at every tolerance.
-use crate::families::shape;
-use crate::measure::{Look, distance, measure, witnessed};
-use crate::truth::{Part, Path};
-use crate::{cases, flatten, for_all, length, quantile};
+use super::families::shape;
+use super::measure::{Look, distance, measure, witnessed};
+use super::truth::{Part, Path};
+use super::{cases, flatten, for_all, length, quantile};
 use chordal::budget::Code;
 use chordal::convert::{BezierCutter, Spacing};
 use chordal::explicit::Polyline;
@@ -226,7 +226,7 @@ fn no_polyline_is_further_from_its_cubic_than_its_bound() {
 
 #[test]
 fn no_polyline_of_equal_steps_is_further_from_its_cubic_than_its_bound() {
-    let all = sweep(cases(1_500), Spacing::Even);
+    let all = sweep(cases(150), Spacing::Even);
     let every: Vec<&Case> = all.iter().collect();
     let median = report("equal steps", &every);
     assert!(median <= 1.3, "half of the bounds are more than {median} times the distance");

@@ -4,8 +4,8 @@
 //!    search closes in. What is found there may be nearer to another segment, so the best by that count are held
 //!    against all segments, until none that is left can be better. 2. Points of every segment are held against
 //!    their own range of the path, and those that would count against all of the path.
-use crate::double::Double;
-use crate::truth::{Part, Path};
+use super::double::Double;
+use super::truth::{Part, Path};
 use chordal::explicit::Polyline;
 
 /// The largest distances found, each a lower bound up to rounding.

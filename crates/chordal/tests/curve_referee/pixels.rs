@@ -1,10 +1,10 @@
 //! Bounds in pixels, through cameras of the referee's own.
-use crate::chains::chain;
-use crate::families::shape;
-use crate::measure::distance;
-use crate::random::Random;
-use crate::truth::Path;
-use crate::{cases, flatten, for_all, quantile};
+use super::chains::chain;
+use super::families::shape;
+use super::measure::distance;
+use super::random::Random;
+use super::truth::Path;
+use super::{cases, flatten, for_all, quantile};
 use chordal::budget::{Camera, Closest, Code, Pixels, Projection, Screen};
 use chordal::convert::Spacing;
 use chordal::{Bounded, Budget, Failure, View};

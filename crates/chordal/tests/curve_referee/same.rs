@@ -1,7 +1,7 @@
 //! The same numbers on one thread and on two, and with whatever instructions the machine has.
-use crate::chains::chain;
-use crate::families::shape;
-use crate::truth::Path;
+use super::chains::chain;
+use super::families::shape;
+use super::truth::Path;
 use chordal::convert::{Spacing, curves_to_polylines};
 use chordal::{Budget, Job, Tolerance};
 use std::process::Command;
@@ -54,7 +54,7 @@ fn the_same_with_all_instructions() {
         // The choice is made once in a process, so each has its own.
         let run = |expected: &str| {
             Command::new(std::env::current_exe().expect("a test has a file"))
-                .args(["--exact", "same::the_same_on_every_number_of_threads"])
+                .args(["--exact", "curve_referee::same::the_same_on_every_number_of_threads"])
                 .env("CHORDAL_ISA", isa)
                 .env(EXPECTED, expected)
                 .output()

@@ -1,9 +1,9 @@
 //! Cubics at the edges of what numbers can do: large, small, far away, and all that coincides.
-use crate::families::shape;
-use crate::for_all;
-use crate::lengths::{Case, check, judge};
-use crate::random::Random;
-use crate::truth::{Control, Path};
+use super::families::shape;
+use super::for_all;
+use super::lengths::{Case, check, judge};
+use super::random::Random;
+use super::truth::{Control, Path};
 use chordal::convert::Spacing;
 
 const SPACINGS: [Spacing; 2] = [Spacing::Fewest, Spacing::Even];
@@ -47,7 +47,7 @@ fn the_same_shape_at_another_scale_has_the_same_points() {
         let control = shape::<2>(seed).control.map(|p| p.map(|x| x * scale));
         let path = Path::cubic(control);
         let made =
-            crate::flatten(&path, &crate::length(1e-3 * path.size()), Spacing::Fewest).expect("within reach");
+            super::flatten(&path, &super::length(1e-3 * path.size()), Spacing::Fewest).expect("within reach");
         made.shape.points.iter().map(|p| p.map(|x| x / scale)).collect::<Vec<_>>()
     };
     for seed in (0..150).filter(|seed| Path::cubic(shape::<2>(*seed).control).size() > 0.0) {
@@ -118,7 +118,7 @@ fn a_curve_that_turns_back_on_a_line_reaches_as_far_as_it_goes() {
     let path = Path::cubic([[0.0, 0.0], [2.0, 0.0], [-1.0, 0.0], [1.0, 0.0]]);
     for tolerance in [1e-2, 1e-4, 1e-6] {
         let made =
-            crate::flatten(&path, &crate::length(tolerance), Spacing::Fewest).expect("within reach").shape;
+            super::flatten(&path, &super::length(tolerance), Spacing::Fewest).expect("within reach").shape;
         let at = |t: f64| 6.0 * t * (1.0 - t).powi(2) - 3.0 * t * t * (1.0 - t) + t.powi(3);
         // The derivative 6 − 30t + 30t² vanishes at ½ ± √(1/20).
         let turns = [0.5 - 0.05_f64.sqrt(), 0.5 + 0.05_f64.sqrt()].map(at);

@@ -1,5 +1,5 @@
 //! Paths as the referee knows them: control points, centres and angles, evaluated by its own arithmetic.
-use crate::double::Double;
+use super::double::Double;
 use chordal::Bezier;
 use chordal::explicit::{Arc, Curve, Piece};
 

@@ -1,8 +1,8 @@
 //! Twice the segments, a quarter of the error.
-use crate::families::regular;
-use crate::measure::{Look, measure};
-use crate::truth::Path;
-use crate::{cases, flatten, for_all, quantile};
+use super::families::regular;
+use super::measure::{Look, measure};
+use super::truth::Path;
+use super::{cases, flatten, for_all, quantile};
 use chordal::Budget;
 use chordal::convert::Spacing;
 

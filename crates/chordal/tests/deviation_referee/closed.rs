@@ -1,5 +1,5 @@
 //! Distances that are known in closed form.
-use crate::measured;
+use super::measured;
 use chordal::Mesh;
 use chordal::check::{Deviation, Goal};
 
@@ -29,7 +29,7 @@ fn a_translated_plane_is_as_far_as_it_was_moved() {
         }
     }
     // Moved along itself it sticks out by that at one side.
-    let moved = crate::families::moved(&plate(8, 0.0), |[x, y, z]| [x + 0.125, y, z]);
+    let moved = super::families::moved(&plate(8, 0.0), |[x, y, z]| [x + 0.125, y, z]);
     is(&measured(&plate(8, 0.0), &moved, &Goal::default()), 0.125);
 }
 
@@ -89,7 +89,7 @@ fn a_missing_tooth_is_as_far_as_it_was_high() {
 
 #[test]
 fn a_plate_without_its_margin_is_as_far_as_the_corner_of_the_margin() {
-    let inner = crate::families::moved(&plate(9, 0.0), |[x, y, z]| [0.001 + 0.998 * x, 0.001 + 0.998 * y, z]);
+    let inner = super::families::moved(&plate(9, 0.0), |[x, y, z]| [0.001 + 0.998 * x, 0.001 + 0.998 * y, z]);
     let corner = (2.0_f64 * 0.001 * 0.001).sqrt();
     let found = measured(&plate(1, 0.0), &inner, &Goal { relative: 0.01, ..Goal::default() });
     let (least, most) = (found.bound.at_least(), found.bound.at_most().unwrap());

@@ -1,5 +1,5 @@
 //! Pairs of meshes of many kinds.
-use crate::random::Random;
+use super::random::Random;
 use chordal::Mesh;
 
 type Point = [f64; 3];

@@ -1,8 +1,8 @@
 //! The referee sees what it is there for: bounds that are cut are caught.
-use crate::families::{KINDS, pair};
-use crate::random::Random;
-use crate::sampler::farthest;
-use crate::{measured, soup_of};
+use super::families::{KINDS, pair};
+use super::random::Random;
+use super::sampler::farthest;
+use super::{measured, soup_of};
 use chordal::check::Goal;
 
 #[test]

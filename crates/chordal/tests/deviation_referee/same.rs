@@ -1,7 +1,7 @@
 //! Laws: nothing is 0 away from itself, the order does not matter, nor scale, place or threads; and what a limit does.
-use crate::families::{KINDS, moved, pair};
-use crate::measured;
-use crate::random::Random;
+use super::families::{KINDS, moved, pair};
+use super::measured;
+use super::random::Random;
 use chordal::budget::{Code, Stopped, Tolerance};
 use chordal::check::{Goal, deviation};
 use chordal::{Job, Mesh};

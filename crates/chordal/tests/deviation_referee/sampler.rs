@@ -1,5 +1,5 @@
 //! Distances by plain loops over all triangles, and the farthest point by samples and climbing. Nothing of the library.
-use crate::random::Random;
+use super::random::Random;
 
 pub type Point = [f64; 3];
 /// Triangles by their corners.

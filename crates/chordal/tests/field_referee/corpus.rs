@@ -1,9 +1,9 @@
 //! The corpus of solids: each is meshed within a budget, closed and manifold, and judged by the referee; and the error falls with
 //! the square of the cells where shapes are smooth.
-use crate::measure::{backward, forward, is_good, soup_of, surface};
-use crate::random::Random;
-use crate::shapes::{self, Shape};
-use crate::{SLACK, budget};
+use super::measure::{backward, forward, is_good, soup_of, surface};
+use super::random::Random;
+use super::shapes::{self, Shape};
+use super::{SLACK, budget};
 use chordal::budget::Evidence;
 use chordal::check::validity;
 use chordal::convert::field_to_mesh;

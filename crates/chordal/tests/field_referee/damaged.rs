@@ -1,8 +1,8 @@
 //! Meshes that no polygonizer of this library made: moved, torn, turned, too coarse; and bounds that are cut.
-use crate::measure::{backward, forward, soup_of, surface};
-use crate::random::Random;
-use crate::shapes::{self, Node, Shape};
-use crate::{budget, deviation, judged, made, trees};
+use super::measure::{backward, forward, soup_of, surface};
+use super::random::Random;
+use super::shapes::{self, Node, Shape};
+use super::{budget, deviation, judged, made, trees};
 use chordal::convert::field_to_mesh;
 use chordal::{Job, Mesh};
 
@@ -81,7 +81,7 @@ fn triangles_in_a_sphere_are_known_to_the_last_digits() {
         let soup = soup_of(&mesh);
         let truth = soup.iter().fold(0.0_f64, |most, t| {
             let out = t.iter().map(|p| (p[0].hypot(p[1]).hypot(p[2]) - 1.0).abs()).fold(0.0, f64::max);
-            most.max(out).max(1.0 - crate::sampler::to_triangle([0.0; 3], *t))
+            most.max(out).max(1.0 - super::sampler::to_triangle([0.0; 3], *t))
         });
         let side = &found.forward;
         assert!(side.at_least <= truth + 1e-12 && truth <= side.at_most + 1e-12, "{truth} {side:?}");

@@ -1,6 +1,6 @@
 //! Fields without a surface, leaves without ranges, leaves that lie, numbers without end, and tiny and huge worlds.
-use crate::budget;
-use crate::shapes::cube;
+use super::budget;
+use super::shapes::cube;
 use chordal::budget::{Evidence, Require};
 use chordal::check::{Goal, field_deviation};
 use chordal::convert::field_to_mesh;
@@ -160,7 +160,7 @@ fn an_occupancy_is_measured_and_never_proved() {
     let made = leaf(Word::Nothing, &Budget { require: Require::Measured, ..budget(0.02) }).expect("a mesh");
     assert!(matches!(made.bound.evidence(), Evidence::Measured { .. }), "{:?}", made.bound);
     assert_eq!(made.bound.at_most(), None);
-    crate::measure::is_good(&made.shape).expect("closed");
+    super::measure::is_good(&made.shape).expect("closed");
     // Nobody who asks for a proof gets it for one.
     assert!(leaf(Word::Nothing, &Budget { require: Require::Proved, ..budget(0.02) }).is_err());
 }

@@ -1,7 +1,7 @@
 //! Distances that the referee finds itself: points of triangles by the shape's own function, points of the shape by bisection.
-use crate::random::Random;
-use crate::sampler::{Soup, to_soup};
-use crate::shapes::{Point, Shape};
+use super::random::Random;
+use super::sampler::{Soup, to_soup};
+use super::shapes::{Point, Shape};
 use chordal::Mesh;
 
 pub fn soup_of(mesh: &Mesh) -> Soup {

@@ -1,5 +1,5 @@
 //! The same bytes on any number of threads and with every instruction set.
-use crate::{budget, shapes};
+use super::{budget, shapes};
 use chordal::Job;
 use chordal::convert::field_to_mesh;
 
@@ -38,7 +38,7 @@ fn instruction_sets_change_no_byte() {
     let of = |isa: &str| {
         let exe = std::env::current_exe().expect("this test");
         let output = std::process::Command::new(exe)
-            .args(["--exact", "same::digest_for_another_process", "--nocapture"])
+            .args(["--exact", "field_referee::same::digest_for_another_process", "--nocapture"])
             .env("CHORDAL_ISA", isa)
             .output()
             .expect("a second process");

@@ -1,5 +1,5 @@
 //! Shapes as expressions of the library and, apart from them, as functions of the referee's own.
-use crate::random::Random;
+use super::random::Random;
 use chordal::implicit::{Expr, Field, Unary};
 use chordal::math::Box3;
 

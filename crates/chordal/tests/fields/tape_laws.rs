@@ -89,7 +89,7 @@ fn every_instruction_set_gives_the_same_bits() {
     let this = std::env::current_exe().expect("the test itself");
     for isa in ["plain", "avx2", "avx512"] {
         let done = std::process::Command::new(&this)
-            .args(["--exact", "tape_laws::the_tape_is_the_plain_evaluator_bit_for_bit"])
+            .args(["--exact", "fields::tape_laws::the_tape_is_the_plain_evaluator_bit_for_bit"])
             .env("CHORDAL_ISA", isa)
             .output()
             .expect("the test runs");

@@ -1,5 +1,5 @@
 //! Blocks of one volume join bit for bit, and threads and instruction sets change nothing.
-use crate::shapes::sampled;
+use super::shapes::sampled;
 use chordal::Job;
 use chordal::convert::{Border, Polygonize, VertexKey, grid_to_triangles, vertex_keys};
 use chordal::implicit::{Affine, Grid, Samples};

@@ -1,5 +1,5 @@
 //! Two cells that share a face, with every corner below, at and above the level, along each axis.
-use crate::solid::{flat, flaw, volume6};
+use super::solid::{flat, flaw, volume6};
 use chordal::Job;
 use chordal::convert::{Polygonize, grid_to_triangles};
 use chordal::implicit::{Affine, Grid, Samples};

@@ -1,6 +1,6 @@
 //! HOSTILE.md, rows 63 to 66 and 70: what volumes of other people look like.
-use crate::shapes::sampled;
-use crate::solid::{Random, flat, flaw, volume6};
+use super::shapes::sampled;
+use super::solid::{Random, flat, flaw, volume6};
 use chordal::budget::Code;
 use chordal::convert::{Labels, Polygonize, grid_to_mesh, grid_to_triangles, labels_to_meshes};
 use chordal::implicit::{Affine, Grid, Samples};

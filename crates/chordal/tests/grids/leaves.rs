@@ -1,5 +1,5 @@
 //! The interpolant of a grid as a leaf: against its definition, and its ranges against points.
-use crate::solid::Random;
+use super::solid::Random;
 use chordal::implicit::{Affine, Grid, Leaf, Samples, Trilinear};
 use chordal::math::{Box3, Interval};
 

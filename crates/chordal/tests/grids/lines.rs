@@ -1,5 +1,5 @@
 //! Level curves of planes of samples: each crossed edge once, in lines that are closed or end at the border.
-use crate::solid::Random;
+use super::solid::Random;
 use chordal::Job;
 use chordal::convert::{Polygonize, grid_to_polyline};
 use chordal::implicit::{Affine, Grid, Samples};

@@ -1,14 +1,9 @@
 //! Many small volumes of every type, with ties and without numbers.
-use crate::solid::{Random, flat, flaw, volume6};
+use super::solid::{Random, flat, flaw, volume6};
+use crate::long::cases;
 use chordal::Job;
 use chordal::convert::{Inside, Polygonize, grid_to_triangles};
 use chordal::implicit::{Affine, Grid, Samples};
-
-/// How many volumes: ten for each case that is asked for, so that `make test-long` takes a million.
-fn cases() -> u64 {
-    let asked = std::env::var("PROPTEST_CASES").ok().and_then(|text| text.parse::<u64>().ok());
-    asked.map_or(100_000, |cases| 10 * cases)
-}
 
 fn samples(random: &mut Random, n: usize) -> Samples {
     let kind = random.below(7);
@@ -38,7 +33,8 @@ fn random_volumes_are_closed_and_manifold() {
     let mut random = Random(seed);
     let job = Job::default().with_threads(1);
     let mut with_surface = 0;
-    for case in 0..cases() {
+    let n_cases = cases(100_000) as u64;
+    for case in 0..n_cases {
         let size = [0; 3].map(|_: i32| 2 + random.below(3) as usize);
         let samples = samples(&mut random, size.iter().product());
         let grid = Grid::new(size, samples, Affine::IDENTITY).unwrap();
@@ -53,5 +49,5 @@ fn random_volumes_are_closed_and_manifold() {
         assert!(n == 0 || volume6(&made.positions, &made.faces) > 0.0, "case {case} of seed {seed:x}");
         assert!(made.positions.as_flattened().iter().all(|x| x.is_finite()));
     }
-    assert!(2 * with_surface > cases());
+    assert!(2 * with_surface > n_cases);
 }

@@ -1,5 +1,5 @@
 //! Spheres, tori and gyroids: the bound holds against an independent sampler, and falls with the square of the step.
-use crate::solid::{Random, flaw, volume6};
+use super::solid::{Random, flaw, volume6};
 use chordal::convert::{Border, Normals, Polygonize, grid_to_mesh};
 use chordal::explicit::Semantic;
 use chordal::implicit::{Affine, Grid, Samples};

@@ -1,6 +1,6 @@
 //! Samples in bricks: the same numbers, leaves and meshes as from one array.
-use crate::shapes::sampled;
-use crate::solid::Random;
+use super::shapes::sampled;
+use super::solid::Random;
 use chordal::convert::{
     Lattice, Polygonize, field_to_grid, field_to_sparse_grid, grid_to_mesh, sparse_grid_to_mesh,
 };

@@ -1,7 +1,7 @@
 //! Bounds: no point of either surface is farther than promised, and the worst pair is as far as it is said to be.
-use crate::random::Random;
-use crate::sampler::{Tree, apart, norm, sub};
-use crate::{data, length, made, n_faces, shapes};
+use super::random::Random;
+use super::sampler::{Tree, apart, norm, sub};
+use super::{data, length, made, n_faces, shapes};
 use chordal::budget::Evidence;
 use chordal::lod::Simplified;
 use chordal::{Bounded, Budget, Mesh};

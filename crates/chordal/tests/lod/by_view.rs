@@ -1,7 +1,7 @@
 //! Pixels at a camera: what is far away may lose more, and on the screen nothing moves farther than promised.
-use crate::random::Random;
-use crate::sampler::{FIXED, Point, Tree, cross, dot, nearest, norm, on, sub, weights};
-use crate::{length, made, n_faces, shapes};
+use super::random::Random;
+use super::sampler::{FIXED, Point, Tree, cross, dot, nearest, norm, on, sub, weights};
+use super::{length, made, n_faces, shapes};
 use chordal::budget::{Camera, Code, Projection, View};
 use chordal::explicit::Topology;
 use chordal::lod::{Simplified, simplify};
@@ -224,8 +224,8 @@ fn an_eye_anywhere_and_parallel_rays_are_a_length_for_all() {
 fn threads_change_nothing() {
     let mesh = valley([60, 20]);
     let budget = pixels("1px", "1920x1080 fov=45 eye=0,0,0 target=100,0,-1");
-    let one = crate::made_on(&mesh, &budget, &Job::default().with_threads(1));
-    assert_eq!(one, crate::made_on(&mesh, &budget, &Job::default().with_threads(3)));
+    let one = super::made_on(&mesh, &budget, &Job::default().with_threads(1));
+    assert_eq!(one, super::made_on(&mesh, &budget, &Job::default().with_threads(3)));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Chains: every level held against the source by the sampler.
-use crate::random::Random;
-use crate::sampler::farthest;
-use crate::{data, shapes};
+use super::random::Random;
+use super::sampler::farthest;
+use super::{data, shapes};
 use chordal::budget::Evidence;
 use chordal::explicit::Topology;
 use chordal::lod::{Source, Steps, chain};

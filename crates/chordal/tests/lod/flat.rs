@@ -1,6 +1,6 @@
 //! Flat shading: normals of faces cost nothing, and come out as normals of faces.
-use crate::sampler::{Point, cross, dot, norm, sub};
-use crate::{length, made, n_faces, shapes};
+use super::sampler::{Point, cross, dot, norm, sub};
+use super::{length, made, n_faces, shapes};
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
 

@@ -1,6 +1,6 @@
 //! Frames and threads: the same mesh larger, elsewhere, twice, on more threads.
-use crate::random::Random;
-use crate::{bounds, length, made, made_on, n_faces, shapes};
+use super::random::Random;
+use super::{bounds, length, made, made_on, n_faces, shapes};
 use chordal::{Budget, Job, Mesh};
 
 fn mapped(mesh: &Mesh, map: impl Fn([f64; 3]) -> [f64; 3]) -> Mesh {
@@ -49,7 +49,7 @@ fn a_mesh_far_from_zero_gives_as_many_triangles() {
         let mut near = b.clone();
         near.shape.mesh = back(&b.shape.mesh);
         near.shape.worst = None;
-        let seen = crate::sampler::apart(&back(&moved), &near.shape.mesh, &mut Random::new(1));
+        let seen = super::sampler::apart(&back(&moved), &near.shape.mesh, &mut Random::new(1));
         assert!(seen <= b.bound.at_most().expect("proved") * (1.0 + 1e-9), "{name}: {seen}");
     }
 }

@@ -1,6 +1,6 @@
 //! Pieces: a component goes only where a length covers that, and never for a count.
-use crate::random::Random;
-use crate::{bounds, length, made, n_faces, shapes};
+use super::random::Random;
+use super::{bounds, length, made, n_faces, shapes};
 use chordal::check::validity;
 use chordal::explicit::Topology;
 use chordal::{Budget, Failure, Job, Mesh, lod::simplify};

@@ -1,5 +1,5 @@
 //! Distances by a tree of boxes and plain arithmetic. Nothing of the library.
-use crate::random::Random;
+use super::random::Random;
 use chordal::Mesh;
 
 pub type Point = [f64; 3];

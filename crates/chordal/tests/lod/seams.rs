@@ -1,7 +1,7 @@
 //! Seams: values belong to their chart, and lines between charts stay where they are.
-use crate::random::Random;
-use crate::sampler::{Tree, nearest, norm, on, sub, weights};
-use crate::{length, made, n_faces, shapes};
+use super::random::Random;
+use super::sampler::{Tree, nearest, norm, on, sub, weights};
+use super::{length, made, n_faces, shapes};
 use chordal::explicit::{Attribute, Domain, Semantic};
 use chordal::{Budget, Mesh};
 use std::f64::consts::TAU;
@@ -91,7 +91,7 @@ fn a_seam_around_a_torus_does_not_smear() {
         for (asked, most) in [(0.003, 0.05), (0.01, 0.1)] {
             let made = made(&mesh, &length(asked));
             let out = &made.shape.mesh;
-            let plain = n_faces(&crate::made(&shapes::torus([80, 40], 0.0), &length(asked)));
+            let plain = n_faces(&super::made(&shapes::torus([80, 40], 0.0), &length(asked)));
             assert!(10 * n_faces(&made) < 13 * plain, "{} triangles, {plain} without", n_faces(&made));
             let off = both_ways(&mesh, out, 2.0 * asked);
             assert!(off < most, "{off} within {asked}");
@@ -164,7 +164,7 @@ fn the_border_of_two_materials_stays() {
         let of = |f: usize| {
             let t = mesh.corners(f);
             0.5 * mesh.attributes()[0].row(f)[0]
-                * norm(crate::sampler::cross(sub(t[1], t[0]), sub(t[2], t[0])))
+                * norm(super::sampler::cross(sub(t[1], t[0]), sub(t[2], t[0])))
         };
         (0..mesh.faces().len()).map(of).sum()
     };

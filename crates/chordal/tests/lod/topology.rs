@@ -1,7 +1,7 @@
 //! Topology: a manifold stays one, and what is none stays as it is.
-use crate::random::Random;
-use crate::sampler::{Tree, cross, dot, sub};
-use crate::{bounds, length, made, n_faces, shapes};
+use super::random::Random;
+use super::sampler::{Tree, cross, dot, sub};
+use super::{bounds, length, made, n_faces, shapes};
 use chordal::check::{Validity, validity};
 use chordal::explicit::Topology;
 use chordal::{Budget, Mesh};

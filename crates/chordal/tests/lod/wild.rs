@@ -1,14 +1,10 @@
 //! Meshes by chance: whatever the topology, the bound holds and nothing breaks.
-use crate::random::Random;
-use crate::{bounds, length, made, n_faces, shapes};
+use super::random::Random;
+use super::{bounds, length, made, n_faces, shapes};
+use crate::long::cases;
 use chordal::check::validity;
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::{Budget, Mesh};
-
-/// So many cases, or ten times as many in the long sweep.
-fn cases(n: u64) -> u64 {
-    if std::env::var_os("CHORDAL_LONG").is_some_and(|value| value == "1") { 10 * n } else { n }
-}
 
 /// Faces between rows by chance: edges with many faces, vertices with many fans, faces twice and without area.
 fn soup(random: &mut Random) -> Mesh {
@@ -119,7 +115,7 @@ fn held(seed: u64, mesh: &Mesh, random: &mut Random) {
 
 #[test]
 fn faces_by_chance_are_within_their_bound() {
-    for seed in 0..cases(150) {
+    for seed in 0..cases(150) as u64 {
         let mut random = Random::new(seed);
         let mesh = soup(&mut random);
         let mesh = if random.below(2) == 0 { dressed(mesh, &mut random) } else { mesh };
@@ -129,7 +125,7 @@ fn faces_by_chance_are_within_their_bound() {
 
 #[test]
 fn torn_surfaces_are_within_their_bound() {
-    for seed in 0..cases(120) {
+    for seed in 0..cases(120) as u64 {
         let mut random = Random::new(seed + 1_000_000);
         let mesh = torn(&mut random);
         let mesh = if random.below(2) == 0 { dressed(mesh, &mut random) } else { mesh };

@@ -1,10 +1,10 @@
 //! Budgets of triangles: the best mesh of at most that many, with the bound that it reached.
-use crate::cracks::quilt;
-use crate::length::rounding;
-use crate::sampler::{Control, Surface, Triangles, measure};
-use crate::shapes::{diagonal, shape};
-use crate::teapot::teapot;
-use crate::{library_patches, mesh_within};
+use super::cracks::quilt;
+use super::length::rounding;
+use super::sampler::{Control, Surface, Triangles, measure};
+use super::shapes::{diagonal, shape};
+use super::teapot::teapot;
+use super::{library_patches, mesh_within};
 use chordal::{Bounded, Budget, Job, Mesh, convert};
 
 fn mesh_of(controls: &[Control], most: u64) -> Bounded<Mesh> {

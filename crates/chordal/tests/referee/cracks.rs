@@ -1,9 +1,9 @@
 //! Whether meshes of several patches hold together.
-use crate::mesh_within;
-use crate::naive::naive_mesh;
-use crate::random::Random;
-use crate::sampler::{Control, Point};
-use crate::topology::Topology;
+use super::mesh_within;
+use super::naive::naive_mesh;
+use super::random::Random;
+use super::sampler::{Control, Point};
+use super::topology::Topology;
 
 /// `n × n` patches over one random net of control points, so that neighbours share their sides exactly; each patch
 /// turned and mirrored at random.

@@ -1,6 +1,6 @@
 //! Eyes: where they are, where they look, and where they see a point. No code of the library's views.
-use crate::random::Random;
-use crate::sampler::{
+use super::random::Random;
+use super::sampler::{
     Bounds, Control, Point, add, around, distance, distance_to_bounds, dot, quarters, scale, sub,
 };
 use chordal::budget::{Projection, Screen};

@@ -1,8 +1,8 @@
 //! Bounds in units against the truth, on random patches at every tolerance.
-use crate::cracks::quilt;
-use crate::sampler::{Control, Surface, Triangles, measure};
-use crate::shapes::{KINDS, shape};
-use crate::{for_all, is_long, mesh_within, quantile};
+use super::cracks::quilt;
+use super::sampler::{Control, Surface, Triangles, measure};
+use super::shapes::{KINDS, shape};
+use super::{for_all, is_long, mesh_within, quantile};
 use std::fmt;
 
 /// One mesh, measured.

@@ -1,11 +1,11 @@
 //! Bounds in pixels against true projections, from random and from hostile eyes.
-use crate::eyes::{Eye, Lens, box_of, step_out};
-use crate::random::Random;
-use crate::sampler::{
+use super::eyes::{Eye, Lens, box_of, step_out};
+use super::random::Random;
+use super::sampler::{
     Foot, Point, Surface, Triangles, add, cross, distance, evaluate, length, measure, scale, sub,
 };
-use crate::shapes::{Shape, shape};
-use crate::{for_all, is_long, library_patches, quantile};
+use super::shapes::{Shape, shape};
+use super::{for_all, is_long, library_patches, quantile};
 use chordal::budget::{Camera, Closest, Code, Failure, Pixels, Projection};
 use chordal::{Bounded, Budget, Job, Mesh, View, convert};
 
@@ -53,7 +53,7 @@ fn mesh_to_pixels(shape: &Shape, pixels: f64, view: View) -> Result<Bounded<Mesh
 
 /// The sampler's own rounding on the picture, in pixels: that of the coordinates, of the frame and of the projection.
 fn rounding(shape: &Shape, eye: &Eye, pixels: f64) -> f64 {
-    let coordinates = crate::length::rounding(&shape.control) / shape.size;
+    let coordinates = super::length::rounding(&shape.control) / shape.size;
     let big = f64::from(eye.lens.screen.width_px.max(eye.lens.screen.height_px));
     // As a part of the picture: a shape that fills it, seen at up to 1/cos² of the corner, 20 at 120 degrees.
     1e-9 * pixels + 20.0 * coordinates * big
@@ -180,7 +180,7 @@ fn pixel_bounds_cut_by_30_percent_are_caught() {
     let worst = for_all(n, |seed| {
         let shape = shape(seed as u64);
         let r = &mut Random::new(seed as u64);
-        let made = crate::mesh_within(&[shape.control], 1e-3 * shape.size);
+        let made = super::mesh_within(&[shape.control], 1e-3 * shape.size);
         let pairs = pairs(&shape, &made);
         let mut lens = Lens::pinhole(r);
         lens.projection = Projection::Perspective { fov_y_deg: 5.0 };

@@ -1,5 +1,5 @@
 //! Random numbers that are the same everywhere: splitmix64.
-use crate::sampler::{Point, cross, dot, length, scale, sub};
+use super::sampler::{Point, cross, dot, length, scale, sub};
 
 /// A generator; equal seeds give equal numbers.
 pub struct Random(u64);

@@ -1,6 +1,6 @@
 //! Random bicubic patches of every kind that has ever been trouble, at every scale and place.
-use crate::random::Random;
-use crate::sampler::{Control, Point, add, distance, scale};
+use super::random::Random;
+use super::sampler::{Control, Point, add, distance, scale};
 
 /// A patch with what it is, its size (the diagonal of its control points' box) and its seed.
 #[derive(Clone, Debug)]

@@ -1,8 +1,8 @@
 //! Newell's teapot: 32 patches, some of them with poles, and six open edges.
-use crate::length::rounding;
-use crate::sampler::{Control, Surface, Triangles, measure};
-use crate::topology::Topology;
-use crate::{is_long, library_patches, mesh_within};
+use super::length::rounding;
+use super::sampler::{Control, Surface, Triangles, measure};
+use super::topology::Topology;
+use super::{is_long, library_patches, mesh_within};
 use chordal::{Budget, Job, Tolerance, convert};
 use std::path::Path;
 

@@ -1,5 +1,5 @@
 //! What hangs together: edges, boundary loops, T-junctions and degenerate triangles of a mesh, counted from scratch.
-use crate::sampler::{Point, cross, distance, dot, length, sub};
+use super::sampler::{Point, cross, distance, dot, length, sub};
 use chordal::Mesh;
 use std::collections::{BTreeMap, BTreeSet};
 

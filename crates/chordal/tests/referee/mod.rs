@@ -17,13 +17,9 @@ mod shapes;
 mod teapot;
 mod topology;
 
+use crate::long::is_long;
 use chordal::{Bounded, Budget, Job, Mesh, Patch, Tolerance, convert};
 use sampler::Control;
-
-/// Whether the long sweep was asked for.
-fn is_long() -> bool {
-    std::env::var_os("CHORDAL_LONG").is_some_and(|value| value == "1")
-}
 
 /// The library's patches of bare control points.
 fn library_patches(controls: &[Control]) -> Vec<Patch> {

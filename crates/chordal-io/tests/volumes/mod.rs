@@ -1,7 +1,4 @@
 //! Volumes: what the readers make of files that are written here byte by byte, and what the writers make of volumes.
-#[path = "../common/mod.rs"]
-mod common;
-
 mod build;
 mod corpus;
 mod hostile;

@@ -1,13 +1,11 @@
 //! Nearest points of patches and limit surfaces: enclosures that hold, as plain samples and closed forms see them.
-#[path = "../cages/corpus.rs"]
-#[allow(dead_code)] // what the tests of cages use of it
-mod corpus;
 
 mod cages;
 mod closed;
 mod deviation;
 mod patches;
 
+use crate::cages::corpus;
 use chordal::explicit::Foot;
 
 pub(crate) type Point = [f64; 3];

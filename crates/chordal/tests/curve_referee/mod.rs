@@ -13,26 +13,17 @@ mod honesty;
 mod lengths;
 mod measure;
 mod pixels;
-mod random;
+pub mod random;
 mod same;
 mod special;
 mod truth;
 mod uniform;
 
+use crate::long::cases;
 use chordal::convert::{Spacing, curve_to_polyline, curve_to_polyline_evenly};
 use chordal::explicit::Polyline;
 use chordal::{Bounded, Budget, Failure, Job, Tolerance};
 use truth::Path;
-
-/// Whether the long sweep was asked for.
-fn is_long() -> bool {
-    std::env::var_os("CHORDAL_LONG").is_some_and(|value| value == "1")
-}
-
-/// So many cases, or ten times as many in the long sweep.
-fn cases(n: usize) -> usize {
-    if is_long() { 10 * n } else { n }
-}
 
 /// A polyline with its bound, or why there is none.
 type Made<const D: usize> = Result<Bounded<Polyline<D>>, Failure<Polyline<D>>>;

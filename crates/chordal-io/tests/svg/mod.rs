@@ -1,7 +1,4 @@
 //! SVG files: what they draw, what they may not do, and what is written of them.
-#[path = "../common/mod.rs"]
-mod common;
-
 mod hostile;
 mod paths;
 mod round_trip;

@@ -1,9 +1,7 @@
 //! Trees of tiles: the leaves are the mesh, any mixture of depths is one surface, and its bound holds.
-#[path = "../solids/random.rs"]
-mod random;
-#[path = "../solids/shapes.rs"]
-mod shapes;
 
+use crate::solids::random;
+use crate::solids::shapes;
 use chordal::budget::{Code, Evidence, Reference, Stopped};
 use chordal::check::{Goal, Validity, deviation, validity};
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};

@@ -4,15 +4,12 @@ mod corpus;
 mod damaged;
 mod hostile;
 mod measure;
-#[allow(dead_code, reason = "the referee of curves uses all of it")]
-#[path = "../curve_referee/random.rs"]
-mod random;
 mod same;
-#[allow(dead_code, reason = "the referee of deviations uses all of it")]
-#[path = "../deviation_referee/sampler.rs"]
-mod sampler;
 mod shapes;
 
+use crate::curve_referee::random;
+use crate::deviation_referee::sampler;
+use crate::long::is_long;
 use chordal::budget::Evidence;
 use chordal::check::{FieldDeviation, Goal, field_deviation, validity};
 use chordal::convert::field_to_mesh;
@@ -69,7 +66,7 @@ fn deviation(shape: &Shape, mesh: &Mesh, most: Option<f64>) -> FieldDeviation {
 }
 
 fn trees() -> usize {
-    if std::env::var_os("CHORDAL_LONG").is_some_and(|value| value == "1") { 60 } else { 3 }
+    if is_long() { 60 } else { 3 }
 }
 
 #[test]

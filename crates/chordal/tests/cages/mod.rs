@@ -1,6 +1,6 @@
 //! Cages: refined like the reference, and by laws that need none.
 mod attack;
-mod corpus;
+pub mod corpus;
 mod laws;
 mod limit;
 mod loop_limit;

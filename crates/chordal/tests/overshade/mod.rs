@@ -1,8 +1,7 @@
 //! What a graphics processor would shade: closed forms, a naive rasterizer that shares no code, and hostile input.
 mod naive;
-#[path = "../solids/random.rs"]
-mod random;
 
+use crate::solids::random;
 use chordal::budget::{Camera, Code, Projection, Screen, Stopped};
 use chordal::check::{Overshade, flicker, micro_triangles, overshade};
 use chordal::explicit::Sides;

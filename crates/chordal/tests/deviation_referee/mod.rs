@@ -3,22 +3,16 @@
 mod closed;
 mod families;
 mod honesty;
-#[allow(dead_code, reason = "the referee of curves uses all of it")]
-#[path = "../curve_referee/random.rs"]
-mod random;
 mod same;
-mod sampler;
+pub mod sampler;
 
+use crate::curve_referee::random;
+use crate::long::cases;
 use chordal::check::{Deviation, Goal, deviation};
 use chordal::{Job, Mesh, budget::Evidence};
 use families::{KINDS, pair};
 use random::Random;
 use sampler::{Soup, farthest, to_soup};
-
-/// So many cases, or ten times as many in the long sweep.
-fn cases(n: usize) -> usize {
-    if std::env::var_os("CHORDAL_LONG").is_some_and(|value| value == "1") { 10 * n } else { n }
-}
 
 fn soup_of(mesh: &Mesh) -> Soup {
     (0..mesh.faces().len()).map(|face| mesh.corners(face)).collect()

@@ -3,21 +3,18 @@
 mod bounds;
 mod by_view;
 mod chains;
-mod data;
+pub mod data;
 mod flat;
 mod frames;
 mod odd;
 mod pieces;
-#[allow(dead_code, reason = "the referee of curves uses all of it")]
-#[path = "../curve_referee/random.rs"]
-mod random;
 mod sampler;
 mod seams;
-#[path = "../solids/shapes.rs"]
-mod shapes;
 mod topology;
 mod wild;
 
+use crate::curve_referee::random;
+use crate::solids::shapes;
 use chordal::explicit::Topology;
 use chordal::lod::{Simplified, simplify};
 use chordal::{Bounded, Budget, Failure, Job, Mesh, Tolerance};

@@ -1,15 +1,10 @@
 //! Levels on the screen: each seen from the distance from which it may be shown, beside its source, by a rasterizer that
 //! shares no code with the library.
-#[allow(dead_code, reason = "the tests of simplification use all of it")]
-#[path = "../lod/data.rs"]
-mod data;
 mod picture;
-#[allow(dead_code, reason = "the referee of curves uses all of it")]
-#[path = "../curve_referee/random.rs"]
-mod random;
-#[path = "../solids/shapes.rs"]
-mod shapes;
 
+use crate::curve_referee::random;
+use crate::lod::data;
+use crate::solids::shapes;
 use chordal::budget::{Closest, Pixels};
 use chordal::explicit::Topology;
 use chordal::lod::{Level, Source, Steps, Switches, chain};

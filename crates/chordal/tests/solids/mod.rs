@@ -1,5 +1,6 @@
 //! The surfaces that simplification is tried on are what they are said to be: so many triangles, this topology.
-mod shapes;
+pub mod random;
+pub mod shapes;
 
 use chordal::Mesh;
 use chordal::check::{components, validity};

@@ -1,0 +1,20 @@
+//! The integration tests of chordal-cli, one module a file of this folder, in one program:
+//! the library is linked once and not once a file.
+mod bake;
+mod budget;
+mod cage;
+mod common;
+mod deviation;
+mod drawing;
+mod input;
+mod inspect;
+mod lod;
+mod mend;
+mod normals;
+mod output;
+mod render;
+mod report;
+mod script;
+mod signals;
+mod studio;
+mod volume;

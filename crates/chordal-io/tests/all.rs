@@ -1,0 +1,18 @@
+//! The integration tests of chordal-io, one module a file of this folder, in one program:
+//! the library is linked once and not once a file.
+// `sweep.rs` counts what is allocated and is a program of its own.
+mod cages;
+mod common;
+mod corpus;
+mod glb;
+mod hostile_obj;
+mod hostile_ply;
+mod hostile_stl;
+mod json_schema;
+mod patches;
+mod png;
+mod round_trip;
+mod svg;
+mod tiles;
+mod vm;
+mod volumes;

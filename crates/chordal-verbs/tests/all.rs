@@ -1,0 +1,15 @@
+//! The integration tests of chordal-verbs, one module a file of this folder, in one program:
+//! the library is linked once and not once a file.
+mod baking;
+mod common;
+mod corpus;
+mod deviation;
+mod drawing;
+mod lod_files;
+mod mend;
+mod mesh;
+mod open_scan;
+mod prescribed;
+#[allow(dead_code, reason = "the referee of curves uses all of it")]
+#[path = "../../chordal/tests/curve_referee/random.rs"]
+mod random;
