@@ -2,6 +2,12 @@
 // addresses are relative, so that the files work under any path of any host.
 import { defineConfig } from "vitest/config";
 
+/** Tests of a folder that drive a browser: one file at a time. */
+const inBrowser = (name: string) => ({
+  extends: true as const,
+  test: { name, include: [`tests/${name}/*.test.ts`], fileParallelism: false, testTimeout: 60_000, hookTimeout: 60_000 },
+});
+
 export default defineConfig({
   base: "./",
   build: {
@@ -17,10 +23,8 @@ export default defineConfig({
   test: {
     projects: [
       { extends: true, test: { name: "unit", include: ["tests/unit/*.test.ts"] } },
-      {
-        extends: true,
-        test: { name: "page", include: ["tests/page/*.test.ts"], fileParallelism: false, testTimeout: 60_000, hookTimeout: 60_000 },
-      },
+      inBrowser("page"),
+      inBrowser("bench"),
     ],
   },
 });

@@ -6,6 +6,7 @@ import { Core } from "../../src/core/module";
 import { read } from "../../src/state/fragment";
 import { DEFAULTS, type State } from "../../src/state/state";
 import { Frame } from "../../src/view/frame";
+import { countWork, type Work, wave, workOf } from "./drag";
 import { Site, WASM, digits, seriousFindings, settled, type Visit } from "./site";
 
 let site: Site;
@@ -418,50 +419,23 @@ describe("for everybody", () => {
   test.each([
     ["in a usual window", 900],
     ["with the plot in sight as well", 1700],
-  ])("a drag takes at most 8 ms of the main thread for each move, %s", async (_, height) => {
-    const page = await open("", { viewport: { width: 1200, height } });
+  ])("a move of a drag asks two questions and changes a hundred nodes at the most, %s", async (_, height) => {
+    const page = await open("", { viewport: { width: 1200, height }, prepare: countWork });
     await settled(page);
-    const cost = await dragCost(page);
-    expect(cost.moves).toBeGreaterThan(40);
-    console.log(`main thread per move: median ${cost.median.toFixed(2)} ms, 95 of 100 below ${cost.p95.toFixed(2)} ms`);
-    expect(cost.median).toBeLessThanOrEqual(8);
+    let before = await workOf(page);
+    await wave(page, 1, async () => (before = await workOf(page)));
+    const after = await workOf(page);
+    const done = (what: keyof Work) => after[what] - before[what];
+    const moves = done("moves");
+    expect(moves).toBeGreaterThan(40);
+    // The figure's question and the plot's.
+    expect(done("questions")).toBeLessThanOrEqual(2 * moves);
+    // Where an answer is slow, once without it and once with it; then the plot.
+    expect(done("frames")).toBeLessThanOrEqual(3 * moves);
+    // 83 for each move, measured.
+    expect(done("mutations")).toBeLessThanOrEqual(100 * moves);
   });
 });
-
-/** The time that the processor spends on the page's main thread for each pointer move of a drag, from a trace. */
-async function dragCost(page: Page): Promise<{ moves: number; median: number; p95: number }> {
-  const session = await page.context().newCDPSession(page);
-  const events: { name: string; ph: string; ts: number; tdur?: number; tid: number; pid: number; args: { data?: { type?: string } } }[] = [];
-  session.on("Tracing.dataCollected", ({ value }) => events.push(...(value as unknown as typeof events)));
-  const done = new Promise((resolve) => session.once("Tracing.tracingComplete", resolve));
-  const box = (await handle(page, 1).locator(".dot").boundingBox())!;
-  await page.mouse.move(box.x + 6, box.y + 6);
-  await page.mouse.down();
-  await session.send("Tracing.start", { transferMode: "ReportEvents", traceConfig: { includedCategories: ["toplevel", "devtools.timeline"] } });
-  for (let i = 1; i <= 60; i++) {
-    await page.mouse.move(box.x + 6 + i * 2, box.y + 6 + 30 * Math.sin(i / 6));
-    // Long enough for the answer and the frame that belong to this move; nothing else is asked of the page.
-    await new Promise((next) => setTimeout(next, 40));
-  }
-  await session.send("Tracing.end");
-  await done;
-  await page.mouse.up();
-  const isMove = (event: (typeof events)[number]) => event.name === "EventDispatch" && event.args.data?.type === "pointermove";
-  const moves = events.filter(isMove).sort((a, b) => a.ts - b.ts);
-  const { tid, pid } = moves[0]!;
-  const tasks = events.filter((event) => event.ph === "X" && event.pid === pid && event.tid === tid && event.name.endsWith("RunTask"));
-  const [first, last] = [moves[0]!.ts, moves.at(-1)!.ts];
-  // A task belongs to the newest move before its end: the move's own task began before its event.
-  const cost = moves.slice(0, -1).map(() => 0);
-  for (const task of tasks) {
-    const end = task.ts + (task as { dur?: number }).dur!;
-    if (end <= first || end > last) continue;
-    const owner = moves.findLastIndex((move) => move.ts < end);
-    cost[owner]! += (task.tdur ?? 0) / 1000;
-  }
-  cost.sort((a, b) => a - b);
-  return { moves: cost.length, median: cost[Math.floor(cost.length / 2)]!, p95: cost[Math.floor(cost.length * 0.95)]! };
-}
 
 /** The still page is drawn 720 pixels wide, for one dot a pixel. */
 const QUESTION_OF_STILL = { pixels_per_unit: new Frame(720).scale, pixels: 1, t: 0, near: 1 };

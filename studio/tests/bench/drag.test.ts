@@ -1,0 +1,67 @@
+// How long a drag keeps the page's main thread. A busy machine makes any such number larger, so no test asks for it:
+// `make bench-studio` prints it, beside what the page's design is made for.
+import { afterAll, beforeAll, test } from "vitest";
+import type { Page } from "playwright-core";
+import { wave } from "../page/drag";
+import { Site, settled } from "../page/site";
+
+/** Half of a frame at 60 Hz: the other half is the browser's, for painting. */
+const WANTED_MS = 8;
+
+let site: Site;
+beforeAll(async () => {
+  site = await Site.open();
+});
+afterAll(() => site.close());
+
+test.each([
+  ["in a usual window", 900],
+  ["with the plot in sight as well", 1700],
+])("the main thread for each move of a drag, %s", async (where, height) => {
+  const { page } = await site.ready("", { viewport: { width: 1200, height } });
+  await settled(page);
+  const { median, p95, moves } = await dragCost(page);
+  console.log(
+    `${where}: median ${median.toFixed(2)} ms, 95 of 100 below ${p95.toFixed(2)} ms, of ${moves} moves; wanted: a median of ${WANTED_MS} ms`,
+  );
+  await page.context().close();
+});
+
+interface TraceEvent {
+  name: string;
+  ph: string;
+  ts: number;
+  dur?: number;
+  tdur?: number;
+  tid: number;
+  pid: number;
+  args: { data?: { type?: string } };
+}
+
+/** The time that the processor spends on the page's main thread for each pointer move of a drag, from a trace. */
+async function dragCost(page: Page): Promise<{ moves: number; median: number; p95: number }> {
+  const session = await page.context().newCDPSession(page);
+  const events: TraceEvent[] = [];
+  session.on("Tracing.dataCollected", ({ value }) => events.push(...(value as unknown as TraceEvent[])));
+  const done = new Promise((resolve) => session.once("Tracing.tracingComplete", resolve));
+  const traceConfig = { includedCategories: ["toplevel", "devtools.timeline"] };
+  await wave(page, 1, () => session.send("Tracing.start", { transferMode: "ReportEvents", traceConfig }));
+  await session.send("Tracing.end");
+  await done;
+  await page.mouse.up();
+  const isMove = (event: TraceEvent) => event.name === "EventDispatch" && event.args.data?.type === "pointermove";
+  const moves = events.filter(isMove).sort((a, b) => a.ts - b.ts);
+  const { tid, pid } = moves[0]!;
+  const tasks = events.filter((event) => event.ph === "X" && event.pid === pid && event.tid === tid && event.name.endsWith("RunTask"));
+  const [first, last] = [moves[0]!.ts, moves.at(-1)!.ts];
+  // A task belongs to the newest move before its end: the move's own task began before its event.
+  const cost = moves.slice(0, -1).map(() => 0);
+  for (const task of tasks) {
+    const end = task.ts + task.dur!;
+    if (end <= first || end > last) continue;
+    const owner = moves.findLastIndex((move) => move.ts < end);
+    cost[owner]! += (task.tdur ?? 0) / 1000;
+  }
+  cost.sort((a, b) => a - b);
+  return { moves: cost.length, median: cost[Math.floor(cost.length / 2)]!, p95: cost[Math.floor(cost.length * 0.95)]! };
+}

@@ -1,0 +1,54 @@
+// A drag of sixty moves along a wave, as a hand makes it, for whoever counts or times what the page does meanwhile.
+import type { Page } from "playwright-core";
+
+const MOVES = 60;
+
+/** Drags a handle of the first figure. Each move waits for the answer and the frame that belong to it. */
+export async function wave(page: Page, handle: number, begin: () => Promise<unknown>): Promise<void> {
+  const dot = page.locator("svg[data-figure] [role=slider]").nth(handle).locator(".dot");
+  const box = (await dot.boundingBox())!;
+  await page.mouse.move(box.x + 6, box.y + 6);
+  await page.mouse.down();
+  await begin();
+  for (let i = 1; i <= MOVES; i++) {
+    await page.mouse.move(box.x + 6 + i * 2, box.y + 6 + 30 * Math.sin(i / 6));
+    await new Promise((next) => setTimeout(next, 40));
+  }
+}
+
+/** What the main thread did: pointer moves that arrived, questions to the worker, frames, nodes that were changed. */
+export interface Work {
+  moves: number;
+  questions: number;
+  frames: number;
+  mutations: number;
+}
+
+/** Counts from the page's first script on; `workOf` reads it. */
+export async function countWork(page: Page): Promise<void> {
+  await page.addInitScript(() => {
+    const work = { moves: 0, questions: 0, frames: 0, mutations: 0 };
+    Object.assign(window, { work });
+    addEventListener("pointermove", () => (work.moves += 1), true);
+    const post = Worker.prototype.postMessage;
+    Worker.prototype.postMessage = function (this: Worker, ...sent: [unknown]) {
+      work.questions += 1;
+      return post.apply(this, sent as never);
+    };
+    const request = window.requestAnimationFrame.bind(window);
+    window.requestAnimationFrame = (draw) =>
+      request((time) => {
+        work.frames += 1;
+        draw(time);
+      });
+    new MutationObserver((all) => (work.mutations += all.length)).observe(document, {
+      subtree: true,
+      childList: true,
+      attributes: true,
+      characterData: true,
+    });
+  });
+}
+
+/** What was counted so far. */
+export const workOf = (page: Page): Promise<Work> => page.evaluate(() => ({ ...(window as unknown as { work: Work }).work }));
