@@ -4,7 +4,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help demo studio test test-long bench pictures install clean fmt-check lint test-rust test-web test-tiles test-studio test-python
-.PHONY: tilesets test-viewers
+.PHONY: tested tilesets test-viewers bench-studio
 .PHONY: studio-page need-rust need-wasm need-node need-node-20 need-chromium need-python
 
 CARGO ?= cargo
@@ -12,17 +12,18 @@ CARGO ?= cargo
 export CARGO_INCREMENTAL ?= 0
 TARGET := $(or $(CARGO_TARGET_DIR),target)
 CHORDAL := $(TARGET)/release/chordal
+# The command as test-rust has built it, with its assertions. What users get is tested as the wheel: to link the whole of the
+# library for release takes minutes, and the wheel carries the same command.
+TESTED := $(TARGET)/debug/chordal
 VENV := $(TARGET)/python/venv
 WASM := $(TARGET)/wasm32-unknown-unknown/release/chordal_wasm.wasm
-# The page asks about curves alone, so its module leaves readers and writers out; it has a folder of its own.
-STUDIO_WASM := $(TARGET)/studio/wasm32-unknown-unknown/release/chordal_wasm.wasm
 CHROMIUM ?= /usr/bin/chromium
 VIEW := 1920x1080 fov=45 dist=4
 
 help: ## this list
 	@echo "make demo and make test are all there is to set up; each says what is missing."
 	@echo
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 demo: need-rust ## build chordal and run the main job on the teapot; results in out/
 	$(CARGO) build --release --locked -p chordal-cli
@@ -46,15 +47,17 @@ studio: studio-page ## build the page of 'chordal studio', and the command with 
 	@echo "Run $(CHORDAL) studio and open the link that it prints."
 	@echo "studio/dist/page holds the same page as plain files, for any host; with ?embed=1 for a frame in another page."
 
-studio-page: need-rust need-wasm need-node need-node-20
-	$(CARGO) build --release --locked -p chordal-wasm --no-default-features --target wasm32-unknown-unknown --target-dir $(TARGET)/studio
+# The page asks about curves alone, so its module leaves readers and writers out. The module of test-web is built to the
+# same place from the same library, so this one is copied at once.
+studio-page: need-rust need-wasm need-node need-node-20 studio/node_modules
+	$(CARGO) build --release --locked -p chordal-wasm --no-default-features --target wasm32-unknown-unknown
 	mkdir -p studio/wasm
-	cmp -s $(STUDIO_WASM) studio/wasm/chordal.wasm || cp $(STUDIO_WASM) studio/wasm/chordal.wasm
-	cd studio && npm ci --no-audit --no-fund --loglevel=error
+	cmp -s $(WASM) studio/wasm/chordal.wasm || cp $(WASM) studio/wasm/chordal.wasm
 	cd studio && npm run --silent build
 
-# The studio's page is built before the command is, and so is in it wherever the later tests use it.
-test: fmt-check lint test-rust test-studio test-web test-tiles test-python ## everything that CI runs
+# The studio's page is built before the command is, and so is in it wherever the tests use it. The module for the page is
+# the library without threads.
+test: fmt-check lint studio-page test-rust test-studio test-web test-tiles test-python ## everything that CI runs
 	@echo "All tests passed."
 
 fmt-check: need-rust
@@ -63,47 +66,45 @@ fmt-check: need-rust
 lint: need-rust need-python
 	$(CARGO) clippy --workspace --all-targets --locked -- -D warnings
 
-# The tests of the workspace, doctests included; then the library as it is built for the web, without threads.
+# The tests of the workspace, doctests included.
 test-rust: need-rust need-python
 	$(CARGO) test --workspace --locked --no-fail-fast
-	$(CARGO) check -p chordal --no-default-features --locked
 	@[ -d "$${CHORDAL_DATA:-../shared/data}" ] \
 		|| echo "SKIPPED: the tests on foreign files, because there is no folder $${CHORDAL_DATA:-../shared/data}."
 
+# The command and the example for test-tiles in the profile and with the features of test-rust, which leaves nothing to do.
+tested: need-rust
+	$(CARGO) build --profile test --workspace --locked --bin chordal --example tileset_of_levels
+
 # The same bytes in WASM as natively, and no complaint of Khronos' validator about any GLB that we write.
-test-web: need-rust need-wasm need-node
-	$(CARGO) build --release --locked -p chordal-cli
+test-web: tested need-wasm need-node tests/web/node_modules
 	$(CARGO) build --release --locked -p chordal-wasm --target wasm32-unknown-unknown
-	cd tests/web && npm ci --no-audit --no-fund --loglevel=error
 	mkdir -p $(TARGET)/web
-	$(CHORDAL) mesh examples/teapot.bpt --tol 0.001 -o $(TARGET)/web/tol.glb --force -q
-	$(CHORDAL) mesh examples/teapot.bpt --px 1 --view "$(VIEW)" -o $(TARGET)/web/px.glb --force -q
-	$(CHORDAL) mesh examples/teapot.bpt --triangles 1000 -o $(TARGET)/web/triangles.glb --force -q
+	$(TESTED) mesh examples/teapot.bpt --tol 0.001 -o $(TARGET)/web/tol.glb --force -q
+	$(TESTED) mesh examples/teapot.bpt --px 1 --view "$(VIEW)" -o $(TARGET)/web/px.glb --force -q
+	$(TESTED) mesh examples/teapot.bpt --triangles 1000 -o $(TARGET)/web/triangles.glb --force -q
 	for isa in plain avx2 avx512; do \
-		CHORDAL_ISA=$$isa $(CHORDAL) mesh examples/teapot.bpt --tol 0.001 -o $(TARGET)/web/isa.glb --force -q; \
+		CHORDAL_ISA=$$isa $(TESTED) mesh examples/teapot.bpt --tol 0.001 -o $(TARGET)/web/isa.glb --force -q; \
 		cmp $(TARGET)/web/tol.glb $(TARGET)/web/isa.glb; \
 	done
 	node tests/web/wasm.mjs $(WASM) $(TARGET)/web/tol.glb examples/teapot.bpt
-	$(CHORDAL) mesh examples/drawing.svg --tol 0.001 -o $(TARGET)/web/drawing.json --force -q
+	$(TESTED) mesh examples/drawing.svg --tol 0.001 -o $(TARGET)/web/drawing.json --force -q
 	node tests/web/wasm.mjs $(WASM) $(TARGET)/web/drawing.json examples/drawing.svg
 	node tests/web/validate.mjs $(TARGET)/web/*.glb
 
 # Patches, a cage and a mesh that is cut in space as tilesets, and one that is cut so that levels do not match, which the
 # judges of viewers have to see.
 TILESETS := $(TARGET)/web/tilesets
-tilesets: need-rust need-node need-chromium
-	$(CARGO) build --release --locked -p chordal-cli
-	$(CARGO) build --release --locked -p chordal-io --example tileset_of_levels
-	cd tests/web && npm ci --no-audit --no-fund --loglevel=error
+tilesets: tested need-node need-chromium tests/web/node_modules
 	rm -rf $(TILESETS) && mkdir -p $(TILESETS)
-	$(CHORDAL) lod examples/teapot.bpt --px 1 --nearest 12 -o $(TILESETS)/teapot/ -q
-	$(CHORDAL) lod examples/cube.obj --px 1 -o $(TILESETS)/cube/ -q
-	$(CHORDAL) mesh examples/cube.obj --tol 0.0005 -o $(TILESETS)/cube.ply -q
-	$(CHORDAL) lod $(TILESETS)/cube.ply --tol 0.0005 --tile-triangles 500 -o $(TILESETS)/parts/ -q
+	$(TESTED) lod examples/teapot.bpt --px 1 --nearest 12 -o $(TILESETS)/teapot/ -q
+	$(TESTED) lod examples/cube.obj --px 1 -o $(TILESETS)/cube/ -q
+	$(TESTED) mesh examples/cube.obj --tol 0.0005 -o $(TILESETS)/cube.ply -q
+	$(TESTED) lod $(TILESETS)/cube.ply --tol 0.0005 --tile-triangles 500 -o $(TILESETS)/parts/ -q
 	for tol in 0.1 0.03 0.01 0.001; do \
-		$(CHORDAL) mesh examples/cube.obj --surface catmull-clark --tol $$tol -o $(TILESETS)/cube-$$tol.glb -q; \
+		$(TESTED) mesh examples/cube.obj --surface catmull-clark --tol $$tol -o $(TILESETS)/cube-$$tol.glb -q; \
 	done
-	levels=$(abspath $(TARGET))/release/examples/tileset_of_levels && cd $(TILESETS) && \
+	levels=$(abspath $(TARGET))/debug/examples/tileset_of_levels && cd $(TILESETS) && \
 		$$levels --split cut cube-{0.1,0.03,0.01,0.001}.glb
 
 # Tilesets by the text of the specification, their GLBs by Khronos' validator, and both in a viewer.
@@ -115,11 +116,10 @@ test-tiles: tilesets
 	CHROMIUM=$(CHROMIUM) node tests/web/tiles.mjs --cracks $(TILESETS)/cut
 
 # The same in a second viewer, with a field and a large mesh too, and what a third program makes of the tree. Some 200 MB of packages.
-test-viewers: tilesets
-	cd tests/viewers && npm ci --no-audit --no-fund --loglevel=error --ignore-scripts
-	$(CHORDAL) lod examples/block.star --tol 0.1% -o $(TILESETS)/block/ -q
-	$(CHORDAL) mesh examples/teapot.bpt --tol 0.0002 -o $(TILESETS)/teapot.ply -q
-	$(CHORDAL) lod $(TILESETS)/teapot.ply --tol 0.0005 --tile-triangles 5000 -o $(TILESETS)/large/ -q
+test-viewers: tilesets tests/viewers/node_modules
+	$(TESTED) lod examples/block.star --tol 0.1% -o $(TILESETS)/block/ -q
+	$(TESTED) mesh examples/teapot.bpt --tol 0.0002 -o $(TILESETS)/teapot.ply -q
+	$(TESTED) lod $(TILESETS)/teapot.ply --tol 0.0005 --tile-triangles 5000 -o $(TILESETS)/large/ -q
 	node tests/viewers/tools.mjs $(TILESETS)/{teapot,cube,parts,cut,block,large}
 	CHROMIUM=$(CHROMIUM) node tests/web/tiles.mjs --closed $(TILESETS)/block
 	CHROMIUM=$(CHROMIUM) node tests/web/tiles.mjs $(TILESETS)/large
@@ -127,32 +127,40 @@ test-viewers: tilesets
 	CHROMIUM=$(CHROMIUM) node tests/viewers/cesium.mjs --closed $(TILESETS)/cube $(TILESETS)/parts $(TILESETS)/block
 	CHROMIUM=$(CHROMIUM) node tests/viewers/cesium.mjs --cracks $(TILESETS)/cut
 
-# Types, texts and state; then the page as readers meet it, in a real browser and behind the real server.
-test-studio: studio-page need-chromium
-	$(CARGO) build --release --locked -p chordal-cli
-	cd studio && npm run --silent check && npm run --silent test
-	cd studio && CHROMIUM=$(CHROMIUM) CHORDAL=$(abspath $(CHORDAL)) npm run --silent test:page
+# The packages of a lock file, once for each lock file.
+%/node_modules: %/package-lock.json
+	cd $* && npm ci --no-audit --no-fund --loglevel=error $(if $(filter tests/viewers,$*),--ignore-scripts)
+	touch $@
 
-# The wheel is built and installed as `pip install .` does it, and then judged from outside: by its tests, by the
+# Types, texts and state; then the page as readers meet it, in a real browser and behind the real server.
+test-studio: studio-page tested need-chromium
+	cd studio && npm run --silent check && npm run --silent test
+	cd studio && CHROMIUM=$(CHROMIUM) CHORDAL=$(abspath $(TESTED)) npm run --silent test:page
+
+# The wheel is built and installed as `pip install .` does it, for release, and then judged from outside: by its tests, by the
 # examples in its documentation, and by mypy, which also compares the stubs with what is there.
-test-python: need-rust need-python
-	$(CARGO) build --release --locked -p chordal-cli
+test-python: tested need-python
 	@cmp -s tests/python/requirements.txt $(VENV)/requirements.txt || { rm -rf $(VENV) \
 		&& python3 -m venv $(VENV) && $(VENV)/bin/python -m pip install -q -r tests/python/requirements.txt \
 		&& cp tests/python/requirements.txt $(VENV)/; }
 	rm -rf $(TARGET)/python/wheel
 	PATH="$(abspath $(VENV))/bin:$$PATH" $(VENV)/bin/python -m pip wheel -q --no-deps --no-build-isolation -w $(TARGET)/python/wheel .
 	$(VENV)/bin/python -m pip install -q --no-deps --force-reinstall $(TARGET)/python/wheel/*.whl
-	CHORDAL=$(abspath $(CHORDAL)) $(VENV)/bin/python -m pytest -q
+	CHORDAL=$(abspath $(TESTED)) $(VENV)/bin/python -m pytest -q
 	export MYPY_CACHE_DIR=$(TARGET)/python/mypy && $(VENV)/bin/python -m mypy tests/python \
 		&& $(VENV)/bin/python -m mypy -p chordal && $(VENV)/bin/python -m mypy.stubtest chordal
 
+# What `make test` leaves to this, so that it takes twenty minutes: nine of ten random cases of every sweep that asks
+# crates/chordal/tests/long.rs, and what that file's `is_long` guards. PROPTEST_CASES is for the sweeps at proptest's own number.
 test-long: need-rust test-viewers test-python ## the tests with many more random cases, and a second viewer of tilesets; minutes to hours
-	PROPTEST_CASES=100000 $(CARGO) test --workspace --locked --release
+	CHORDAL_LONG=1 PROPTEST_CASES=100000 $(CARGO) test --workspace --locked --release
 	CHORDAL_LONG=1 CHORDAL=$(abspath $(CHORDAL)) $(VENV)/bin/python -m pytest -q tests/python/test_field_referee.py
 
 bench: need-rust need-python ## side by side with other programs; writes bench/RESULTS.md
 	$(MAKE) -C bench
+
+bench-studio: studio-page need-chromium ## how long a drag on the studio's page keeps the browser busy
+	cd studio && CHROMIUM=$(CHROMIUM) npm run --silent bench
 
 pictures: need-rust ## take the pictures of the docs again
 	$(CARGO) build --release --locked -p chordal-cli
