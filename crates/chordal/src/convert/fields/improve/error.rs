@@ -179,6 +179,31 @@ impl SurfaceImprover<'_, '_> {
         0.5 * (self.at(a) + self.at(b))
     }
 
+    /// About how many faces the aim takes: errors fall with the square of edges, so a face is cut into as many as its error is over the aim, and
+    /// a crease into the root of that.
+    pub fn estimated_faces(&mut self) -> Result<f64, super::Unimproved> {
+        let edges: Vec<u32> = self.edges().collect();
+        self.sample_middles(&edges)?;
+        let mut parts = vec![1.0_f64; self.surface.face_slots()];
+        let mut along_creases = 0.0;
+        for h in edges {
+            let excess = self.edge_excess(h);
+            if !excess.is_finite() {
+                continue;
+            }
+            if self.is_crease(h) {
+                along_creases += 2.0 * excess.sqrt();
+                continue;
+            }
+            for face in [h / 3, self.surface.twin(h) / 3] {
+                let parts = &mut parts[face as usize];
+                *parts = if excess > *parts { excess } else { *parts };
+            }
+        }
+        let faces = (0..parts.len()).filter(|face| self.surface.has_face(*face as u32));
+        Ok(along_creases + faces.map(|face| parts[face]).sum::<f64>())
+    }
+
     /// Samples the middles of edges that are not known.
     pub(super) fn sample_middles(&mut self, edges: &[u32]) -> Result<(), super::Unimproved> {
         let (mut asks, mut of) = (Vec::new(), Vec::new());
