@@ -137,7 +137,7 @@ fn a_ball_is_within_the_tolerance_at_any_scale() {
     for scale in [1e-6, 1.0, 1e6] {
         let csg = ball(0.6 * scale);
         for levels in [0, 2, 5] {
-            let raw = labelled(&csg, octahedron(levels, |p| 0.55 * scale * p.normalize()));
+            let raw = labelled(&csg, octahedron(levels, |p| 0.595 * scale * p.normalize()));
             let found = improved(&csg, &raw, (3e-3 * scale, 1));
             check(&csg, &found.surface, 3e-3 * scale);
             let n = found.surface.faces.len();
