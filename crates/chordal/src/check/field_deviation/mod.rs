@@ -123,13 +123,15 @@ pub fn field_deviation(
         let floor = FLOOR * reach(mesh, &bounds);
         let search = Search { mesh, tape, evidence: field.evidence(), bounds, goal, job, floor };
         let enclosure = Enclosure::new(mesh, &bvh);
-        if enclosure.is_closed()
-            && let Some(found) = judged::judged(&search, &bvh)?
+        let judged = if enclosure.is_closed() { judged::judged(&search, &bvh)? } else { None };
+        if let Some(found) = &judged
+            && found.reached
         {
-            return Ok(found);
+            return Ok(found.clone());
         }
         let (forward, backward) = search.both(&bvh, &enclosure)?;
-        Ok(search.conclusion(&forward, &backward, &bvh))
+        let compared = search.conclusion(&forward, &backward, &bvh);
+        Ok(judged.map_or_else(|| compared.clone(), |judged| search.better_of(&judged, &compared)))
     })
 }
 
@@ -298,6 +300,23 @@ impl Search<'_> {
         let beyond = self.goal.max.is_some_and(|max| least > max.get());
         let reached = known && most <= self.enough(least) || beyond;
         FieldDeviation { bound, forward: ahead, backward: back, reached, unresolved: forward.unresolved }
+    }
+}
+
+impl Search<'_> {
+    /// Both hold, and so does the better one of each end.
+    fn better_of(&self, a: &FieldDeviation, b: &FieldDeviation) -> FieldDeviation {
+        let one_sided = |a: OneSided, b: OneSided| {
+            let farther = if b.at_least > a.at_least { b } else { a };
+            OneSided { at_most: larger(smaller(a.at_most, b.at_most), farther.at_least), ..farther }
+        };
+        let (forward, backward) = (one_sided(a.forward, b.forward), one_sided(a.backward, b.backward));
+        let least = larger(forward.at_least, backward.at_least);
+        let most = larger(forward.at_most, backward.at_most);
+        let mut bound = Bound::with_evidence(least, Some(most), a.bound.evidence().clone(), Reference::Field);
+        bound.at = if b.bound.at_least() > a.bound.at_least() { b.bound.at } else { a.bound.at };
+        let reached = b.reached || most <= self.enough(least);
+        FieldDeviation { bound, forward, backward, reached, unresolved: 0 }
     }
 }
 
