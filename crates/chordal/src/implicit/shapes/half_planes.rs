@@ -14,8 +14,10 @@ use std::cmp::Ordering;
 
 /// Edges of a contour at most. Defined: finding the corners takes the square of their number at worst.
 const MOST_EDGES: usize = 1024;
-/// Two edges are taken for one line, seen from both sides, where they are parallel and near to this share of their size. Defined: far above
-/// rounding. The half-planes of such edges would leave a crack between them that no edge is on.
+/// Edges have one line where they are off it by no more than this share of their size. Derived: some hundred roundings of coordinates.
+/// Two half-planes with one line from both sides are complements then, and leave no crack between them that no edge is on.
+const SAME: f64 = 1.0 / (1_u64 << 45) as f64;
+/// Edges that are off by more than that and less than this would leave such a crack. Defined: far above rounding.
 const NEAR: f64 = 1.0 / (1_u64 << 30) as f64;
 
 type Point = [f64; 2];
@@ -23,7 +25,7 @@ type Point = [f64; 2];
 /// An expression in two coordinates that is negative where the contours of these edges enclose a point, with the inside of each edge on the
 /// side opposite to [`Edge::outside`]. None where that cannot be written within the limits, or not without cracks.
 pub(super) fn inside(edges: &[Edge], [x, y]: [&Expr; 2]) -> Option<Expr> {
-    if edges.len() > MOST_EDGES || edges.iter().any(|edge| edge.outside == 0) || has_cracks(edges) {
+    if edges.len() > MOST_EDGES || edges.iter().any(|edge| edge.outside == 0) {
         return None;
     }
     let mut loops: Vec<Loop> = Vec::new();
@@ -33,7 +35,8 @@ pub(super) fn inside(edges: &[Edge], [x, y]: [&Expr; 2]) -> Option<Expr> {
         loops.push(Loop::of(&edges[start..start + n]));
         start += n;
     }
-    let inside: Vec<Expr> = loops.iter().map(|one| one.inside([x, y])).collect::<Option<_>>()?;
+    let mut lines = Lines { at: [x, y], known: Vec::new() };
+    let inside: Vec<Expr> = loops.iter().map(|one| one.inside(&mut lines)).collect::<Option<_>>()?;
     // A loop that runs clockwise is a hole in the smallest one around it.
     let outer_of = |hole: &Loop| {
         let around = |k: &usize| loops[*k].is_outer && loops[*k].encloses(hole.corners[0]);
@@ -48,25 +51,6 @@ pub(super) fn inside(edges: &[Edge], [x, y]: [&Expr; 2]) -> Option<Expr> {
         whole = Some(whole.map_or(solid.clone(), |whole| whole.min(&solid)));
     }
     whole
-}
-
-/// Whether two edges lie on one line with opposite insides, but for rounding, where that line is not along an axis: of those along an axis the
-/// half-planes are exact complements.
-fn has_cracks(edges: &[Edge]) -> bool {
-    edges.iter().enumerate().any(|(k, e)| {
-        let along = [e.b[0] - e.a[0], e.b[1] - e.a[1]];
-        let size = along[0].abs() + along[1].abs();
-        along[0] != 0.0
-            && along[1] != 0.0
-            && edges[..k].iter().any(|f| {
-                let off = |p: Point| along[0] * (p[1] - e.a[1]) - along[1] * (p[0] - e.a[0]);
-                let reach = |p: Point| (p[0] - e.a[0]).abs() + (p[1] - e.a[1]).abs();
-                let near = |p: Point| off(p).abs() <= NEAR * size * (size + reach(p));
-                let same = (along[0] * (f.b[0] - f.a[0]) + along[1] * (f.b[1] - f.a[1]) > 0.0)
-                    == (e.outside == f.outside);
-                !same && near(f.a) && near(f.b)
-            })
-    })
 }
 
 /// A closed contour with the inside on its left.
@@ -112,13 +96,13 @@ impl Loop {
     }
 
     /// Split at its least and its greatest corner, which are on the hull.
-    fn inside(&self, at: [&Expr; 2]) -> Option<Expr> {
+    fn inside(&self, lines: &mut Lines) -> Option<Expr> {
         let n = self.corners.len();
         let from = least(&self.corners);
         let corners: Vec<Point> = (0..=n).map(|k| self.corners[(from + k) % n]).collect();
         let far = (1..n).reduce(|best, k| if corners[k] > corners[best] { k } else { best })?;
-        let chain = Chain { corners: &corners, at };
-        let (there, back) = (chain.left(0, far)?, chain.left(far, n)?);
+        let chain = Chain { corners: &corners };
+        let (there, back) = (chain.left([0, far], lines)?, chain.left([far, n], lines)?);
         Some(if self.is_outer { there.max(&back) } else { there.min(&back) })
     }
 }
@@ -135,13 +119,11 @@ fn turn_at(corners: &[Point], k: usize) -> Orientation {
 
 struct Chain<'a> {
     corners: &'a [Point],
-    /// The two coordinates.
-    at: [&'a Expr; 2],
 }
 
 impl Chain<'_> {
     /// What is left of the edges from one corner to another, the first and last taken as rays.
-    fn left(&self, first: usize, last: usize) -> Option<Expr> {
+    fn left(&self, [first, last]: [usize; 2], lines: &mut Lines) -> Option<Expr> {
         let mut parts = vec![(first, last)];
         // Where each part is split, in the order in which a formula is read, without recursion; none for an edge.
         let mut splits: Vec<Option<Orientation>> = Vec::new();
@@ -162,7 +144,7 @@ impl Chain<'_> {
             let formula = match split {
                 None => {
                     edge -= 1;
-                    half_plane([self.corners[edge], self.corners[edge + 1]], self.at)
+                    lines.half_plane([self.corners[edge], self.corners[edge + 1]])?
                 }
                 Some(turn) => {
                     let (a, b) = (formulas.pop()?, formulas.pop()?);
@@ -213,6 +195,64 @@ impl Chain<'_> {
             let order = dot_sign(up, a, b).then_with(|| dot_sign(then, a, b));
             if order == Ordering::Less { k } else { best }
         })
+    }
+}
+
+/// The lines of edges that have been asked for.
+struct Lines<'a> {
+    /// The two coordinates.
+    at: [&'a Expr; 2],
+    known: Vec<([Point; 2], Expr)>,
+}
+
+impl Lines<'_> {
+    /// Negative on the left of the line from `a` to `b`. Edges on one line have one expression, or its negation. None where
+    /// an edge is nearly on the line of another.
+    fn half_plane(&mut self, edge: [Point; 2]) -> Option<Expr> {
+        for (other, expr) in &self.known {
+            match meeting(edge, *other) {
+                Meeting::Other => {}
+                Meeting::Near => return None,
+                Meeting::Same => return Some(expr.clone()),
+                Meeting::Opposite => return Some(-expr),
+            }
+        }
+        let expr = half_plane(edge, self.at);
+        self.known.push((edge, expr.clone()));
+        Some(expr)
+    }
+}
+
+/// How the lines of two edges lie to each other.
+enum Meeting {
+    Other,
+    /// Nearly one line, but not within rounding.
+    Near,
+    Same,
+    Opposite,
+}
+
+fn meeting([a, b]: [Point; 2], [p, q]: [Point; 2]) -> Meeting {
+    let (along, line) = ([b[0] - a[0], b[1] - a[1]], [q[0] - p[0], q[1] - p[1]]);
+    let size = line[0].abs() + line[1].abs();
+    // Distances of both ends from the line, as shares of what they are computed from.
+    let share = |c: Point| {
+        let from = [c[0] - p[0], c[1] - p[1]];
+        let off = (line[0] * from[1] - line[1] * from[0]).abs();
+        let coordinates =
+            [a, b, p, q].as_flattened().iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+        off / (size * coordinates)
+    };
+    let (first, second) = (share(a), share(b));
+    let most = if first > second { first } else { second };
+    if most > NEAR {
+        Meeting::Other
+    } else if most > SAME {
+        Meeting::Near
+    } else if along[0] * line[0] + along[1] * line[1] > 0.0 {
+        Meeting::Same
+    } else {
+        Meeting::Opposite
     }
 }
 
