@@ -74,28 +74,40 @@ fn distance(a: &Mesh, b: &Mesh) -> f64 {
     check::deviation(a, b, &Goal::default(), &Job::default()).unwrap().bound.at_least()
 }
 
-/// The bound of a mesh of `share` of the cage's diagonal, and what the referee finds, which may be off by the third number.
-fn judged(cage: &Cage, share: f64, rounds: u32) -> (f64, f64, f64) {
-    let budget = Budget::length(Tolerance::new(share * diagonal(cage)).unwrap());
-    let mesh = convert::cage_to_mesh(cage, &budget, &Job::default()).unwrap();
-    let bound = mesh.bound.at_most().unwrap();
-    assert!(bound <= share * diagonal(cage), "{bound}");
-    let fine = reference(cage, rounds);
-    let off = distance(&fine, &reference(cage, rounds - 1));
-    let found = distance(&mesh.shape, &fine);
-    assert!(mesh.bound.at_least() <= found + off, "{} against {found}", mesh.bound.at_least());
-    (bound, found, off)
+/// What the referee holds for the limit surface: triangles after some rounds, and how far they may be off.
+struct Referee {
+    fine: Mesh,
+    off: f64,
+}
+
+impl Referee {
+    fn new(cage: &Cage, rounds: u32) -> Self {
+        let fine = reference(cage, rounds);
+        let off = distance(&fine, &reference(cage, rounds - 1));
+        Self { fine, off }
+    }
+
+    /// The bound of a mesh of `share` of the cage's diagonal, and what the referee finds.
+    fn judged(&self, cage: &Cage, share: f64) -> (f64, f64) {
+        let budget = Budget::length(Tolerance::new(share * diagonal(cage)).unwrap());
+        let mesh = convert::cage_to_mesh(cage, &budget, &Job::default()).unwrap();
+        let bound = mesh.bound.at_most().unwrap();
+        assert!(bound <= share * diagonal(cage), "{bound}");
+        let found = distance(&mesh.shape, &self.fine);
+        assert!(mesh.bound.at_least() <= found + self.off, "{} against {found}", mesh.bound.at_least());
+        (bound, found)
+    }
 }
 
 #[test]
 fn no_cage_of_the_corpus_is_further_than_its_bound() {
     for (name, cage) in cages().into_iter().filter(|(_, cage)| cage.scheme() != Scheme::Loop) {
         let many = cage.n_faces() > 100;
-        // Each round has four times the faces.
-        let rounds = if is_long() { 5 } else { 4 };
         let shares: &[f64] = if many { &[1e-2] } else { &[5e-2, 1e-2, 2e-3] };
+        let referee = Referee::new(&cage, if many { 2 } else { 5 });
+        let off = referee.off;
         for share in shares {
-            let (bound, found, off) = judged(&cage, *share, if many { 2 } else { rounds });
+            let (bound, found) = referee.judged(&cage, *share);
             eprintln!("{name} {share}: {:.3} of the bound, within {:.3}", found / bound, off / bound);
             assert!(found <= bound + off, "{name} {share}: {found} > {bound} + {off}");
         }
@@ -150,8 +162,11 @@ fn stars_keep_their_bounds_and_bounds_are_near() {
     let mut ratios = Vec::new();
     for n in 3..=12 {
         for seed in 0..if is_long() { 10 } else { 1 } {
+            let star = star(n, seed);
+            let referee = Referee::new(&star, 4);
             for share in [2e-2, 4e-3] {
-                let (bound, found, off) = judged(&star(n, seed), share, 4);
+                let (bound, found) = referee.judged(&star, share);
+                let off = referee.off;
                 assert!(found <= bound + off, "{n} {seed} {share}: {found} > {bound} + {off}");
                 ratios.push(bound / found);
             }

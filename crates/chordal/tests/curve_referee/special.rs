@@ -4,6 +4,7 @@ use super::for_all;
 use super::lengths::{Case, check, judge};
 use super::random::Random;
 use super::truth::{Control, Path};
+use crate::long::{cases, is_long};
 use chordal::convert::Spacing;
 
 const SPACINGS: [Spacing; 2] = [Spacing::Fewest, Spacing::Even];
@@ -96,7 +97,7 @@ fn bounds_hold_where_coordinates_have_few_digits_or_many_sizes() {
         };
         Path::cubic(std::array::from_fn(|_| [coordinate(), coordinate()]))
     };
-    all(1000, path, &[1e-1, 1e-3, 1e-6]);
+    all(cases(100), path, &[1e-1, 1e-3, 1e-6]);
 }
 
 #[test]
@@ -104,12 +105,13 @@ fn bounds_hold_wherever_points_coincide() {
     // Four points of a row of three places and of a square: every way to coincide.
     let row =
         |seed: usize| Path::cubic(std::array::from_fn(|i| [(seed / 3_usize.pow(i as u32) % 3) as f64, 0.0]));
-    all(81, row, &[0.3, 1e-2, 1e-5]);
+    let finest = if is_long() { 1e-5 } else { 1e-4 };
+    all(81, row, &[0.3, 1e-2, finest]);
     let square = |seed: usize| {
         let corner = |i: usize| seed / 4_usize.pow(i as u32) % 4;
         Path::cubic(std::array::from_fn(|i| [(corner(i) % 2) as f64, (corner(i) / 2) as f64]))
     };
-    all(256, square, &[0.3, 1e-2, 1e-5]);
+    all(256, square, &[0.3, 1e-2, finest]);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Limit surfaces beside their own points, at irregular vertices, creases, corners and borders.
 use super::corpus::cages;
 use super::{Point, Random, judge};
+use crate::long::cases;
 use chordal::explicit::{Cage, LimitSurface, Scheme, SurfaceTree};
 use chordal::{Job, Tolerance};
 
@@ -28,7 +29,7 @@ fn no_cage_of_the_corpus_breaks_an_enclosure() {
         let tree = SurfaceTree::of_limit(&limit, &Job::default()).unwrap();
         let size = extent(&samples);
         // Vertices of hundreds of quads take long when they are first met.
-        let (count, tolerance) = if name.contains("pole") { (10, 1e-2) } else { (150, 1e-9) };
+        let (count, tolerance) = if name.contains("pole") { (10, 1e-2) } else { (cases(50), 1e-9) };
         for query in 0..count {
             let p = match query % 3 {
                 // On the surface; every sheet begins at a vertex.
