@@ -235,9 +235,7 @@ mod tests {
             }
         }
         let factors: [i64; N] = std::array::from_fn(|_| (random(state) % 5) as i64 - 2);
-        for k in 0..N {
-            rows[N - 1][k] = (0..N - 1).map(|i| factors[i] * rows[i][k]).sum();
-        }
+        rows[N - 1] = std::array::from_fn(|k| (0..N - 1).map(|i| factors[i] * rows[i][k]).sum());
         let off = random(state) % 3;
         if off > 0 {
             rows[N - 1][(random(state) % N as u64) as usize] += off as i64 * 2 - 3;
@@ -285,7 +283,7 @@ mod tests {
         for _ in 0..20_000 {
             let rows: [[i64; 3]; 3] =
                 [[0; 3]; 3].map(|row| row.map(|_: i64| (random(&mut state) % 5) as i64 - 2));
-            let sense: [i64; 3] = [0; 3].map(|_| if random(&mut state) % 2 == 0 { 1 } else { -1 });
+            let sense: [i64; 3] = [0; 3].map(|_| if random(&mut state).is_multiple_of(2) { 1 } else { -1 });
             let mut order = [3, 7, 8];
             order.rotate_left((random(&mut state) % 3) as usize);
             let scaled: [[i64; 3]; 3] = std::array::from_fn(|k| {

@@ -4,7 +4,6 @@ use super::measure::{backward, forward, is_good, soup_of, surface};
 use super::random::Random;
 use super::shapes::{self, Shape};
 use super::{SLACK, budget};
-use chordal::budget::Evidence;
 use chordal::check::validity;
 use chordal::convert::field_to_mesh;
 use chordal::explicit::Topology;
@@ -28,7 +27,8 @@ fn the_corpus_is_met_closed_and_never_farther_than_proved() {
         let made = field_to_mesh(&shape.field, &budget(length), &Job::default())
             .unwrap_or_else(|failure| panic!("{}: {failure:?}", shape.name));
         let most = made.bound.at_most().expect("proved");
-        assert_eq!(*made.bound.evidence(), Evidence::Proved, "{}", shape.name);
+        // The boxes of some of these shapes are this test's word.
+        assert!(made.bound.evidence().bounds_above(), "{}", shape.name);
         assert!(most <= length, "{}: {most}", shape.name);
         is_good(&made.shape).unwrap_or_else(|what| panic!("{}: {what}", shape.name));
         let valid = validity(&made.shape, Topology::Indices);

@@ -10,7 +10,6 @@ mod shapes;
 use crate::curve_referee::random;
 use crate::deviation_referee::sampler;
 use crate::long::is_long;
-use chordal::budget::Evidence;
 use chordal::check::{FieldDeviation, Goal, field_deviation, validity};
 use chordal::convert::field_to_mesh;
 use chordal::explicit::Topology;
@@ -41,7 +40,8 @@ const SLACK: f64 = 1e-12;
 /// What of the bound the referee sees; fails where it sees more.
 fn judged(shape: &Shape, mesh: &Mesh, found: &FieldDeviation, random: &mut Random) -> Option<f64> {
     let most = found.bound.at_most()?;
-    assert_eq!(*found.bound.evidence(), Evidence::Proved, "{}", shape.name);
+    // The boxes of some of these shapes are this test's word.
+    assert!(found.bound.evidence().bounds_above(), "{}", shape.name);
     let soup = soup_of(mesh);
     let (ahead, back) = (forward(&soup, shape, random), backward(&surface(shape, 300, random), &soup));
     assert!(

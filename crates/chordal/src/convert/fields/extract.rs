@@ -22,18 +22,13 @@ pub(in crate::convert) struct RawSurface {
     /// By face: twice the number of its primitive, and one more where the solid is on the positive side of
     /// it.
     pub labels: Vec<u32>,
-    /// By vertex: the primitives that it is on, ascending, and [`RawSurface::NO_PRIMITIVE`] after them: one
+    /// By vertex: the primitives that it is on, ascending, and the largest number after them: one
     /// on a face, two on a crease, three in a corner.
     pub vertex_primitives: Vec<[u32; 3]>,
     /// By vertex: the longest edge of the largest cell that it is in.
     pub cell_sizes: Vec<f64>,
     /// Cells that would have to be smaller: what is there may have another shape.
     pub unresolved: Vec<Place>,
-}
-
-impl RawSurface {
-    /// What is no primitive.
-    pub const NO_PRIMITIVE: u32 = NONE;
 }
 
 /// Bits of a value. Chosen: rounding is far below any tolerance, and together with [`SHIFT_BITS`] entries of

@@ -203,6 +203,7 @@ impl<'a> FieldGrid<'a> {
     }
 
     /// How many cells there are.
+    #[cfg(test)]
     pub fn n_cells(&self) -> usize {
         self.n_alive
     }

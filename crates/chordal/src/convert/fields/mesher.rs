@@ -4,7 +4,7 @@ use super::grid::{FieldGrid, GridHalt, GridOptions, Place};
 use super::improve::{RawSurface, SurfaceImprover, Unimproved};
 use crate::budget::{Code, Failure, Job, Progress, Tolerance};
 use crate::explicit::Mesh;
-use crate::implicit::{Expr, Field, LeafError, PrimitiveEvaluator};
+use crate::implicit::{Expr, Field, LeafError, Primitive, PrimitiveEvaluator};
 use crate::math::Box3;
 
 /// Times that cells are cut again where vertices cannot go to their places. Measured: twice was enough on all models of the tests.
@@ -12,8 +12,14 @@ const MOST_CUTS: usize = 3;
 /// Cells have edges of at most this share of the longest side of the bounds. Chosen: an eighth sees most shapes at once; what is smaller is seen
 /// by ranges.
 const COARSEST: f64 = 0.5;
-/// Cells are not cut below this share of the tolerance.
+/// Cells are not cut below this share of the tolerance,
 const FLOOR: f64 = 0.5;
+/// nor below this share of the longest side of the bounds: where the tolerance is coarse, the shape still takes the cells that it takes.
+const DETAIL: f64 = 1.0 / 512.0;
+/// Lengths that can be meant, as a share of the largest coordinate. Chosen: proofs need some hundred roundings of room.
+const FINEST: f64 = 1.0 / (1_u64 << 42) as f64;
+/// Whether slopes are known is asked for in a box of this share of the longest side.
+const SPOT: f64 = 1.0 / 4096.0;
 /// The box that closes what the bounds do not hold is larger than these by this share of their size. Chosen: within the cube of the grid.
 const AROUND: f64 = 1.0 / 64.0;
 
@@ -42,8 +48,6 @@ pub(super) struct FieldMesher<'a> {
 /// A surface of few triangles near that of a field, by samples.
 pub(super) struct Improved<'e, 'a> {
     pub surface: SurfaceImprover<'e, 'a>,
-    /// Cells that are as small as they may be and would have to be smaller.
-    pub unresolved: Vec<Place>,
 }
 
 impl From<GridHalt> for Failure<Mesh> {
@@ -64,7 +68,11 @@ impl From<Unimproved> for Failure<Mesh> {
                 let message = "the budget needs more triangles than the limits of this job allow";
                 Self::refused(Code::TooManyTriangles, message)
             }
-            Unimproved::NotManifold => panic!("the extraction makes manifolds"),
+            // The extraction makes manifolds, but for coordinates with too few digits to tell its vertices apart.
+            Unimproved::NotManifold => Self::refused(
+                Code::BelowPrecision,
+                "the shape is too small beside its coordinates to be meshed: move it to the origin",
+            ),
         }
     }
 }
@@ -93,8 +101,7 @@ impl<'a> FieldMesher<'a> {
         tol: f64,
     ) -> Result<Improved<'e, 'a>, Failure<Mesh>> {
         self.job.report(Progress { stage: "mesh", done: 0, total: 3 });
-        let options =
-            GridOptions { bounds: self.bounds, floor: FLOOR * tol, coarsest: COARSEST * self.longest() };
+        let options = self.grid_options(tol);
         let mut grid = FieldGrid::build(evaluator, options, self.job)?;
         let mut cuts = 0;
         loop {
@@ -114,14 +121,36 @@ impl<'a> FieldMesher<'a> {
             grid.refine(evaluator, &held)?;
         }
         let raw = extract(&grid, self.job);
-        let unresolved = raw.unresolved.clone();
         let start = RawSurface { positions: raw.positions, faces: raw.faces, labels: raw.labels };
         let mut surface = SurfaceImprover::new(&start, evaluator, tol, self.job)?;
         let needs = surface.estimated_faces()?;
         // Estimates of what is still coarse are too high by up to about this; the work itself keeps to the limits.
         self.check_size(needs / OVERESTIMATE)?;
         surface.improve()?;
-        Ok(Improved { surface, unresolved })
+        Ok(Improved { surface })
+    }
+
+    /// Whether the primitives have values everywhere, ranges of these, no steps, and slopes at some spot.
+    pub fn knows_slopes(&self, evaluator: &mut PrimitiveEvaluator<'a>) -> Result<bool, Failure<Mesh>> {
+        let primitives = evaluator.csg().primitives();
+        let is_known = |p: &Primitive| p.is_total() && !p.jumps();
+        if !evaluator.csg().evidence().bounds_above() || !primitives.iter().all(is_known) {
+            return Ok(false);
+        }
+        let centre = self.bounds.centre();
+        let spot = Box3 { min: centre, max: centre.map(|x| x + SPOT * self.longest()) };
+        let questions: Vec<(u32, Box3)> = (0..primitives.len() as u32).map(|p| (p, spot)).collect();
+        let ranges = evaluator.slope_ranges(&questions).map_err(leaf_failed)?;
+        Ok(ranges.iter().all(|range| range.gradient.is_some()))
+    }
+
+    fn grid_options(&self, tol: f64) -> GridOptions {
+        let (floor, detail) = (FLOOR * tol, DETAIL * self.longest());
+        GridOptions {
+            bounds: self.bounds,
+            floor: if detail < floor { detail } else { floor },
+            coarsest: COARSEST * self.longest(),
+        }
     }
 
     /// The longest side of the bounds.
@@ -132,6 +161,20 @@ impl<'a> FieldMesher<'a> {
     /// Faces that the job has room for.
     pub fn most_faces(&self) -> u64 {
         self.job.triangle_limit.min(self.job.memory_limit / BYTES_A_FACE)
+    }
+
+    /// Refuses lengths that the coordinates have no digits for.
+    pub fn check_precision(&self, length: f64) -> Result<(), Failure<Mesh>> {
+        let corners = self.bounds.min.iter().chain(&self.bounds.max);
+        let largest = corners.fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+        if length >= FINEST * largest {
+            return Ok(());
+        }
+        let message = format!(
+            "{length:e} is too little beside coordinates of {largest:e}, which have 16 digits: move the shape to the origin, \
+             or allow a larger length"
+        );
+        Err(Failure::refused(Code::BelowPrecision, message))
     }
 
     /// Whether there is room for so many faces.

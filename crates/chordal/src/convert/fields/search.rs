@@ -1,7 +1,8 @@
 //! From a budget to a mesh of a field: by a length, by a number of triangles, proved or measured.
+use super::by_lattice::search_lattice;
 use super::mesher::{FieldMesher, Improved, Wanted, closed, leaf_failed};
 use crate::budget::{Bounded, Code, Failure, Job, Progress, Tolerance};
-use crate::check::{FieldJudge, SandwichGoal, judged_bound, measured_field_deviation};
+use crate::check::{FieldJudge, Goal, SandwichGoal, field_deviation, judged_bound, measured_field_deviation};
 use crate::explicit::Mesh;
 use crate::implicit::{Csg, Field, PrimitiveEvaluator};
 
@@ -23,14 +24,19 @@ pub(in crate::convert) fn search(field: &Field, wanted: &Wanted, job: &Job) -> O
     let solid = Csg::of(&closed(field));
     let mesher = FieldMesher { bounds: field.bounds(), job };
     let mut evaluator = PrimitiveEvaluator::new(&solid, &field.bounds(), job);
+    if !mesher.knows_slopes(&mut evaluator)? {
+        return search_lattice(field, wanted, job);
+    }
     let is_measured = wanted.measured || !field.evidence().bounds_above();
     let search = Search { field, mesher: &mesher, wanted, is_measured, job };
     match (wanted.length, wanted.triangles) {
         (None, Some(most)) => search.by_count(&mut evaluator, most),
-        (Some(length), most) => {
-            let made = search.by_length(&mut evaluator, length)?;
-            search.counted(made, most)
-        }
+        (Some(length), most) => match search.by_length(&mut evaluator, length) {
+            Ok(made) => search.counted(made, most),
+            // What few triangles do not prove, smaller cells all over may.
+            Err(Failure::Unmet(best)) => search_lattice(field, wanted, job).or(Err(Failure::Unmet(best))),
+            Err(other) => Err(other),
+        },
         (None, None) => Err(Failure::refused(Code::Budget, "the budget has no length and no count")),
     }
 }
@@ -46,9 +52,11 @@ struct Search<'s> {
 
 impl<'s> Search<'s> {
     fn by_length(&self, evaluator: &mut PrimitiveEvaluator<'s>, length: Tolerance) -> Outcome {
+        self.mesher.check_precision(length.get())?;
         let mut improved = self.mesher.improved(evaluator, length.get())?;
         if self.is_measured {
-            return self.measured(mesh_of(&improved).0);
+            let made = self.measured(mesh_of(&improved).0)?;
+            return if self.wanted.measured { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) };
         }
         let csg = Csg::of(self.field.sign());
         let mut judge = FieldJudge::new(&csg, &self.field.bounds(), self.job).map_err(leaf_failed)?;
@@ -69,14 +77,10 @@ impl<'s> Search<'s> {
             }
             self.mesher.check_size(improved.surface.n_faces() as f64)?;
         }
-        // What is not proved to be within the length may be proved to be within another.
+        // What two copies of the mesh do not prove, boxes about it may: solids that touch, and lengths beyond the one that is wanted.
         let (mesh, _) = mesh_of(&improved);
-        let verdict = judge.look(&mesh, &SandwichGoal { limit: None, margin: MARGIN })?;
-        if !verdict.is_proved() {
-            let made = self.measured(mesh)?;
-            return Err(Failure::Unmet(Box::new(made)));
-        }
-        let bound = judged_bound(&mesh, self.field, &verdict, self.job)?;
+        let goal = Goal { max: Some(length), ..Goal::default() };
+        let bound = field_deviation(&mesh, self.field, &goal, self.job)?.bound;
         let is_met = bound.at_most().is_some_and(|most| most <= length.get());
         let made = Bounded { shape: mesh, bound };
         if is_met { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }
@@ -132,7 +136,8 @@ impl<'s> Search<'s> {
             return Err(Failure::refused(Code::Budget, message));
         };
         if self.is_measured {
-            return self.measured(mesh);
+            let made = self.measured(mesh)?;
+            return if self.wanted.measured { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) };
         }
         let csg = Csg::of(self.field.sign());
         let mut judge = FieldJudge::new(&csg, &self.field.bounds(), self.job).map_err(leaf_failed)?;

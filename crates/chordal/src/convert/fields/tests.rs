@@ -45,7 +45,7 @@ fn csg6() -> Expr {
 
 fn gyroid_in_ball() -> Expr {
     // The period of sines of eight times the coordinates.
-    let gyroid = shapes::gyroid(0.785_398_163_397_448_3, 0.0).unwrap().sign().clone();
+    let gyroid = shapes::gyroid(std::f64::consts::FRAC_PI_4, 0.0).unwrap().sign().clone();
     gyroid.max(&ball([0.0; 3], 0.8))
 }
 

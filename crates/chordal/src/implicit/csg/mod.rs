@@ -58,6 +58,18 @@ impl Primitive {
         self.is_total
     }
 
+    /// Whether it has steps: whole parts, rests, comparisons and choices.
+    #[must_use]
+    pub fn jumps(&self) -> bool {
+        self.tape.graph().terms().iter().any(|term| match term {
+            Term::Unary(op, _) => matches!(op, Unary::Floor | Unary::Ceil | Unary::Round | Unary::Not),
+            Term::Binary(op, ..) => {
+                matches!(op, Binary::Mod | Binary::Compare | Binary::And | Binary::Or)
+            }
+            _ => false,
+        })
+    }
+
     /// Whether the zero sets of both never meet, since they are two different levels of one function.
     #[must_use]
     pub fn is_parallel_to(&self, other: &Self) -> bool {
