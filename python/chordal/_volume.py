@@ -49,6 +49,7 @@ class Volume(Shape):
         view: str | View | None = None,
         angle: SupportsFloat | None = None,
         triangles: SupportsIndex | None = None,
+        require: Literal["proved", "measured"] | None = None,
         progress: Callable[[str, int, int], object] | None = None,
     ) -> Mesh:
         """The surface of the samples at the level `iso`, with its bound against their trilinear interpolant.
@@ -83,6 +84,7 @@ class Volume(Shape):
                 angle=angle,
                 triangles=triangles,
                 counted="triangles",
+                require=require,
             )
         )
         return Mesh.of(source.mesh(budget, "ply", function("progress", progress)))
