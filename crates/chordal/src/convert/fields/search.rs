@@ -34,7 +34,10 @@ pub(in crate::convert) fn search(field: &Field, wanted: &Wanted, job: &Job) -> O
         (Some(length), most) => match search.by_length(&mut evaluator, length) {
             Ok(made) => search.counted(made, most),
             // What few triangles do not prove, smaller cells all over may.
-            Err(Failure::Unmet(best)) => search_lattice(field, wanted, job).or(Err(Failure::Unmet(best))),
+            Err(Failure::Unmet(best)) => match search_lattice(field, wanted, job) {
+                Err(Failure::Unmet(_) | Failure::Refused(_)) => Err(Failure::Unmet(best)),
+                met_or_cancelled => met_or_cancelled,
+            },
             Err(other) => Err(other),
         },
         (None, None) => Err(Failure::refused(Code::Budget, "the budget has no length and no count")),
