@@ -1,4 +1,5 @@
 //! `Field`: a signed number for every point, negative inside, with what is known of it.
+use super::Csg;
 use super::distance::Distance;
 use super::expr::Expr;
 use super::outside::is_empty_outside;
@@ -170,6 +171,11 @@ impl Field {
     /// Whether [`Field::sign`] is another expression than the value.
     pub(super) fn has_own_sign(&self) -> bool {
         self.sign.as_ref().is_some_and(|sign| sign.address() != self.expr.address())
+    }
+
+    /// Whether the sign is that of several primitives, which may meet in creases.
+    pub(super) fn has_creases(&self) -> bool {
+        self.has_own_sign() && Csg::of(self.sign()).primitives().len() > 1
     }
 
     /// The number of every point.

@@ -229,7 +229,7 @@ impl Builder {
 }
 
 /// The terms that the root needs, with the root last.
-fn reachable(terms: Vec<Term>, root: u32) -> Vec<Term> {
+pub(super) fn reachable(terms: Vec<Term>, root: u32) -> Vec<Term> {
     let mut used = vec![false; terms.len()];
     used[root as usize] = true;
     for k in (0..terms.len()).rev().filter(|k| *k <= root as usize) {

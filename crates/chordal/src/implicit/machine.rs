@@ -154,6 +154,30 @@ impl<N: Lane> Machine<N> {
                 let b = find::<N>(inputs, registers, step.b);
                 binary::<N, _, _>(op, n, spare, claims, (Each::<N>(a), Each::<N>(b)));
             }
+            Code::Length2 => {
+                let b = find::<N>(inputs, registers, step.b);
+                for at in 0..at_most::<N>(n) {
+                    put(N::length([N::load(a, at), N::load(b, at)]), spare, claims, at);
+                }
+            }
+            Code::Length3 => {
+                let [b, c] = [step.b, step.c].map(|of| find::<N>(inputs, registers, of));
+                for at in 0..at_most::<N>(n) {
+                    put(N::length([N::load(a, at), N::load(b, at), N::load(c, at)]), spare, claims, at);
+                }
+            }
+            Code::Box2 => {
+                let b = find::<N>(inputs, registers, step.b);
+                for at in 0..at_most::<N>(n) {
+                    put(N::box_distance([N::load(a, at), N::load(b, at)]), spare, claims, at);
+                }
+            }
+            Code::Box3 => {
+                let [b, c] = [step.b, step.c].map(|of| find::<N>(inputs, registers, of));
+                for at in 0..at_most::<N>(n) {
+                    put(N::box_distance([N::load(a, at), N::load(b, at), N::load(c, at)]), spare, claims, at);
+                }
+            }
             Code::WithConst(op) if !N::IMMEDIATE => {
                 constant_block::<N>(n, number, claims, constant);
                 binary::<N, _, _>(op, n, spare, claims, (Each::<N>(a), Each::<N>(number)));

@@ -20,6 +20,34 @@ pub(super) trait Number: Copy {
 
     /// An operation on two numbers.
     fn binary(op: Binary, a: Self, b: Self) -> Self;
+
+    /// The length of a vector: the root of the sum of the squares, added from the first on.
+    #[inline(always)]
+    fn length<const N: usize>(parts: [Self; N]) -> Self {
+        Self::near(Unary::Sqrt, squares(&parts))
+    }
+
+    /// The distance from a box by the distances from its sides: `|max(v, 0)| + min(max of v, 0)`.
+    #[inline(always)]
+    fn box_distance<const N: usize>(mut sides: [Self; N]) -> Self {
+        let zero = Self::constant(0.0);
+        let mut largest = sides[0];
+        for side in &mut sides {
+            largest = Self::binary(Binary::Max, largest, *side);
+            *side = Self::binary(Binary::Max, *side, zero);
+        }
+        Self::binary(Binary::Add, Self::length(sides), Self::binary(Binary::Min, largest, zero))
+    }
+}
+
+/// The sum of the squares, added from the first on.
+#[inline(always)]
+pub(super) fn squares<N: Number>(parts: &[N]) -> N {
+    let mut sum = N::near(Unary::Square, parts[0]);
+    for part in &parts[1..] {
+        sum = N::binary(Binary::Add, sum, N::near(Unary::Square, *part));
+    }
+    sum
 }
 
 /// Whether the operation turns its operand into an angle's rest, which needs more where that is large.

@@ -13,6 +13,13 @@ pub(super) enum Code {
     WithConst(Binary),
     /// An operation on the number and `a`, in this order.
     ConstWith(Binary),
+    /// The length of the vector of two operands, or of three: a root of a sum of squares in one step, since what is known of the whole gives
+    /// tighter ranges of its slope.
+    Length2,
+    Length3,
+    /// The distance from the box whose sides two operands, or three, are distances from: `|max(v, 0)| + min(max of v, 0)`.
+    Box2,
+    Box3,
 }
 
 /// One step. Operands below the number of inputs are inputs, the others registers.
@@ -23,6 +30,7 @@ pub(super) struct Step {
     pub(super) out: u32,
     pub(super) a: u32,
     pub(super) b: u32,
+    pub(super) c: u32,
     pub(super) number: f64,
 }
 
@@ -98,28 +106,119 @@ fn last_uses(terms: &[Term], outputs: &[u32]) -> Vec<u32> {
                 last[part as usize] = k as u32;
             }
         };
-        match term {
-            Term::Unary(_, a) => need(*a),
-            Term::Binary(_, a, b) => {
-                need(*a);
-                need(*b);
-            }
-            // A leaf's value is an input.
-            Term::Const(_) | Term::Axis(_) | Term::Leaf(..) => {}
-        }
+        operands(terms, term).into_iter().for_each(&mut need);
     }
     last
 }
 
+/// What the step of a term reads.
+fn operands(terms: &[Term], term: &Term) -> Operands {
+    match term {
+        Term::Unary(_, a) => vector(terms, term).unwrap_or(Operands::of([*a])),
+        Term::Binary(_, a, b) => from_sides(terms, term).unwrap_or(Operands::of([*a, *b])),
+        // A leaf's value is an input.
+        Term::Const(_) | Term::Axis(_) | Term::Leaf(..) => Operands::of([]),
+    }
+}
+
+/// Up to three terms.
+#[derive(Clone, Copy)]
+struct Operands {
+    terms: [u32; 3],
+    n: usize,
+}
+
+impl Operands {
+    fn of<const N: usize>(some: [u32; N]) -> Self {
+        Self { terms: std::array::from_fn(|k| some.get(k).copied().unwrap_or(NOWHERE)), n: N }
+    }
+}
+
+impl IntoIterator for Operands {
+    type Item = u32;
+    type IntoIter = std::iter::Take<std::array::IntoIter<u32, 3>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.terms.into_iter().take(self.n)
+    }
+}
+
+/// The coordinates of a vector whose length a term is: a root of a sum of two or three squares.
+fn vector(terms: &[Term], term: &Term) -> Option<Operands> {
+    let Term::Unary(Unary::Sqrt, sum) = term else { return None };
+    let sum_of = |term: u32| match terms[term as usize] {
+        Term::Binary(Binary::Add, a, b) => Some([a, b]),
+        _ => None,
+    };
+    let square_of = |term: u32| match terms[term as usize] {
+        Term::Unary(Unary::Square, a) => Some(a),
+        _ => None,
+    };
+    let [a, b] = sum_of(*sum)?;
+    match (square_of(a), square_of(b)) {
+        (Some(a), Some(b)) => Some(Operands::of([a, b])),
+        (Some(one), None) | (None, Some(one)) => {
+            let [p, q] = sum_of(if square_of(a).is_some() { b } else { a })?;
+            Some(Operands::of([square_of(p)?, square_of(q)?, one]))
+        }
+        (None, None) => None,
+    }
+}
+
+/// The distances from sides whose box a term is the distance from.
+fn from_sides(terms: &[Term], term: &Term) -> Option<Operands> {
+    let Term::Binary(Binary::Add, a, b) = term else { return None };
+    let (outside, inside) = match (&terms[*a as usize], &terms[*b as usize]) {
+        (root @ Term::Unary(Unary::Sqrt, _), inside) => (root, inside),
+        (inside, root @ Term::Unary(Unary::Sqrt, _)) => (root, inside),
+        _ => return None,
+    };
+    let is_zero = |term: u32| matches!(terms[term as usize], Term::Const(k) if k == 0.0);
+    let mut sides = vector(terms, outside)?;
+    for side in &mut sides.terms[..sides.n] {
+        match terms[*side as usize] {
+            Term::Binary(Binary::Max, a, zero) if is_zero(zero) => *side = a,
+            _ => return None,
+        }
+    }
+    let largest = match inside {
+        Term::Binary(Binary::Min, a, zero) if is_zero(*zero) => *a,
+        _ => return None,
+    };
+    let mut found = Vec::with_capacity(3);
+    let mut open = vec![largest];
+    while let Some(term) = open.pop() {
+        match terms[term as usize] {
+            Term::Binary(Binary::Max, a, b) if !sides.into_iter().any(|side| side == term) => {
+                open.extend([a, b]);
+            }
+            _ => found.push(term),
+        }
+        if found.len() + open.len() > sides.n {
+            return None;
+        }
+    }
+    let mut wanted: Vec<u32> = sides.into_iter().collect();
+    found.sort_unstable();
+    wanted.sort_unstable();
+    (found == wanted).then_some(sides)
+}
+
 impl Maker<'_> {
     fn term(&mut self, k: u32, term: &Term, leaf_input: &dyn Fn(u32) -> u32) {
-        let step = |code, a, b, number| Step { code, out: 0, a, b, number };
+        let step = |code, a, b, number| Step { code, out: 0, a, b, c: 0, number };
         let made = match term {
             Term::Const(_) => return,
             Term::Axis(axis) => return self.input(k, u32::from(*axis)),
             Term::Leaf(..) => return self.input(k, leaf_input(k)),
-            Term::Unary(op, a) => step(Code::Unary(*op), self.place(*a), 0, 0.0),
+            Term::Unary(op, a) => match vector(self.terms, term) {
+                Some(parts) => self.fused([Code::Length2, Code::Length3], parts),
+                None => step(Code::Unary(*op), self.place(*a), 0, 0.0),
+            },
             Term::Binary(op, a, b) => match (&self.terms[*a as usize], &self.terms[*b as usize]) {
+                _ if let Some(sides) = from_sides(self.terms, term) => {
+                    self.fused([Code::Box2, Code::Box3], sides)
+                }
                 (Term::Const(number), Term::Const(_)) => {
                     step(Code::ConstWith(*op), self.place(*b), 0, *number)
                 }
@@ -128,19 +227,19 @@ impl Maker<'_> {
                 _ => step(Code::Binary(*op), self.place(*a), self.place(*b), 0.0),
             },
         };
-        match term {
-            Term::Unary(_, a) => self.release(*a, k),
-            Term::Binary(_, a, b) => {
-                self.release(*a, k);
-                if a != b {
-                    self.release(*b, k);
-                }
-            }
-            _ => {}
+        for part in operands(self.terms, term) {
+            self.release(part, k);
         }
         let out = self.register();
         self.place[k as usize] = out + self.program.n_inputs as u32;
         self.program.steps.push(Step { out, ..made });
+    }
+
+    /// The step of two operands, or of three.
+    fn fused(&mut self, codes: [Code; 2], Operands { terms, n }: Operands) -> Step {
+        let [a, b] = [terms[0], terms[1]].map(|part| self.place(part));
+        let c = if n == 3 { self.place(terms[2]) } else { 0 };
+        Step { code: codes[n - 2], out: 0, a, b, c, number: 0.0 }
     }
 
     fn input(&mut self, k: u32, input: u32) {
@@ -160,7 +259,7 @@ impl Maker<'_> {
         if let (NOWHERE, Term::Const(number)) = (self.place[term as usize], &self.terms[term as usize]) {
             let out = self.register();
             self.place[term as usize] = out + self.program.n_inputs as u32;
-            self.program.steps.push(Step { code: Code::Const, out, a: 0, b: 0, number: *number });
+            self.program.steps.push(Step { code: Code::Const, out, a: 0, b: 0, c: 0, number: *number });
         }
         self.place[term as usize]
     }

@@ -1,5 +1,5 @@
 //! `Slope`: a value with its partial derivatives, and what operations do to both.
-use super::number::Number;
+use super::number::{Number, squares};
 use super::op::{Binary, Unary};
 use crate::math::Interval;
 
@@ -41,6 +41,11 @@ pub(super) trait Kinks: Number {
     fn min(a: Slope<Self>, b: Slope<Self>) -> [Self; 3];
     /// The derivatives of the smooth minimum: a weighted mean of both.
     fn smooth_min(a: Slope<Self>, b: Slope<Self>) -> [Self; 3];
+    /// The derivatives of the length of a vector by its coordinates: these over the length. At 0, where there is a tip, one of
+    /// all that are there around.
+    fn shares<const N: usize>(parts: [Self; N], length: Self) -> [Self; N];
+    /// The derivatives of the distance from a box by the distances from its sides.
+    fn box_shares<const N: usize>(sides: [Self; N]) -> [Self; N];
     /// The derivative of a function with steps, which has this value.
     fn flat(value: Self) -> Self;
     /// How many whole `b`s were taken from `a` to leave `value`.
@@ -70,6 +75,30 @@ impl Kinks for f64 {
             let mean = if share < 1.0 { mean } else { da };
             if share > 0.0 { mean } else { db }
         })
+    }
+    #[inline(always)]
+    fn shares<const N: usize>(mut parts: [Self; N], length: Self) -> [Self; N] {
+        for part in &mut parts {
+            *part = if length == 0.0 { 0.0 } else { *part / length };
+        }
+        parts
+    }
+    #[inline(always)]
+    fn box_shares<const N: usize>(mut sides: [Self; N]) -> [Self; N] {
+        let mut largest = 0;
+        for (k, side) in sides.iter().enumerate() {
+            largest = if *side >= sides[largest] { k } else { largest };
+        }
+        if sides[largest] > 0.0 {
+            for side in &mut sides {
+                *side = if *side > 0.0 { *side } else { 0.0 };
+            }
+            return Self::shares(sides, Self::length(sides));
+        }
+        for (k, side) in sides.iter_mut().enumerate() {
+            *side = if k == largest { 1.0 } else { 0.0 };
+        }
+        sides
     }
     #[inline(always)]
     fn flat(_: Self) -> Self {
@@ -119,6 +148,35 @@ impl Kinks for Interval {
             let mean = (low * da + (one - low) * db).hull(high * da + (one - high) * db);
             da.choose(all, db.choose(none, mean))
         })
+    }
+    #[inline(always)]
+    fn shares<const N: usize>(parts: [Self; N], _: Self) -> [Self; N] {
+        let mut shares = parts;
+        for (k, share) in shares.iter_mut().enumerate() {
+            // The squares of the others.
+            let mut rest = Self::point(0.0);
+            for (other, part) in parts.iter().enumerate() {
+                rest = if other == k { rest } else { rest + part.square() };
+            }
+            *share = parts[k].share_beside(rest);
+        }
+        shares
+    }
+    #[inline(always)]
+    fn box_shares<const N: usize>(sides: [Self; N]) -> [Self; N] {
+        let mut shares = sides;
+        for (k, share) in shares.iter_mut().enumerate() {
+            // The squares of the others where they are above 0, and the ends of the largest of them.
+            let (mut rest, mut largest) = (Self::point(0.0), Self::UNKNOWN.ends());
+            largest.hi = f64::NEG_INFINITY;
+            for (other, side) in sides.iter().enumerate() {
+                let with = rest + side.max(Self::point(0.0)).square();
+                let ends = largest.max(side.ends());
+                (rest, largest) = if other == k { (rest, largest) } else { (with, ends) };
+            }
+            *share = sides[k].box_share(rest, largest);
+        }
+        shares
     }
     #[inline(always)]
     fn flat(value: Self) -> Self {
@@ -289,4 +347,39 @@ impl<N: Kinks> Number for Slope<N> {
         };
         N::agree(Self { value, gradient })
     }
+
+    #[inline(always)]
+    fn length<const M: usize>(parts: [Self; M]) -> Self {
+        let values = values_of(&parts);
+        let value = N::near(Unary::Sqrt, squares(&values));
+        weighted(value, N::shares(values, value), &parts)
+    }
+
+    #[inline(always)]
+    fn box_distance<const M: usize>(sides: [Self; M]) -> Self {
+        let values = values_of(&sides);
+        weighted(N::box_distance(values), N::box_shares(values), &sides)
+    }
+}
+
+#[inline(always)]
+fn values_of<N: Number, const M: usize>(parts: &[Slope<N>; M]) -> [N; M] {
+    let mut values = [parts[0].value; M];
+    for (value, part) in values.iter_mut().zip(parts) {
+        *value = part.value;
+    }
+    values
+}
+
+/// A value with the gradient that has these shares of those of its parts.
+#[inline(always)]
+fn weighted<N: Kinks, const M: usize>(value: N, shares: [N; M], parts: &[Slope<N>; M]) -> Slope<N> {
+    let gradient = each_axis!(k => {
+        let mut sum = mul(shares[0], parts[0].gradient[k]);
+        for (share, part) in shares[1..].iter().zip(&parts[1..]) {
+            sum = add(sum, mul(*share, part.gradient[k]));
+        }
+        sum
+    });
+    N::agree(Slope { value, gradient })
 }

@@ -237,6 +237,32 @@ impl Interval {
         Self::from_ends(self.ends().square().unless_empty(self.ends()), self.defined)
     }
 
+    /// `x / √(x² + y²)` where y² is in `rest`: the sine of an angle, which grows with x and is nearer to 0 the larger y² is. Where x and y
+    /// are 0 it is any number that it may be beside them.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn share_beside(self, rest: Self) -> Self {
+        let ends = self.ends().share_beside(rest.ends());
+        self.with(rest, ends)
+    }
+
+    /// The derivative of the distance from a box by the distance from one of its sides: `x / |v|` where some side is passed, v being what is
+    /// above 0 of all; else 1 where x is the largest and 0 where it is not. `rest` has the sum of squares of the others in v, `largest` has
+    /// the largest of the others.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn box_share(self, rest: Self, largest: Ends) -> Self {
+        let outside = self.ends().max(Ends { lo: 0.0, hi: 0.0 }).share_beside(rest.ends());
+        let (is_first, may_be_first) =
+            ((largest.hi <= 0.0) & (largest.hi < self.lo), (largest.lo <= 0.0) & (largest.lo <= self.hi));
+        let inside = Ends { lo: if is_first { 1.0 } else { 0.0 }, hi: if may_be_first { 1.0 } else { 0.0 } };
+        let ends = Ends {
+            lo: if self.lo > 0.0 { outside.lo } else { inside.lo },
+            hi: if self.hi > 0.0 { outside.hi } else { inside.hi },
+        };
+        self.with(rest, ends)
+    }
+
     /// `√x` over the part that is not negative: defined only where there is no other part, empty when there is
     /// nothing else.
     #[inline(always)]

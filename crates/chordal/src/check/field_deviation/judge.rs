@@ -50,8 +50,10 @@ pub(crate) struct FieldJudge<'a> {
 /// The first cover's cells are no smaller than this share of its cube: what is still open is looked at with the mesh. Chosen.
 const FIRST_FLOOR: f64 = 1.0 / 128.0;
 /// Cells between both copies are this share of their distance, which is up to twice the bound. Chosen: a cell of a quarter fits if it
-/// is not unlucky.
-const CELL_SHARE: f64 = 0.125;
+/// is not unlucky. Where few are left, as about points where surfaces nearly touch, smaller ones show more.
+const CELL_SHARES: [f64; 2] = [0.125, 1.0 / 256.0];
+/// These are few.
+const FEW_CELLS: usize = 4096;
 
 impl<'a> FieldJudge<'a> {
     /// Ranges of primitives that were asked for so far.
@@ -101,9 +103,13 @@ impl<'a> FieldJudge<'a> {
             enclosures: [Enclosure::new(&copies[0], &bvhs[0]), Enclosure::new(&copies[1], &bvhs[1])],
         };
         let is_closed = sandwich.open.iter().all(Vec::is_empty);
-        let floor = if is_closed { CELL_SHARE * bound } else { f64::INFINITY };
-        let is_worth = |bounds: &Box3, size: f64| size > floor && !seen.settles(bounds);
-        self.cover.refine(&mut self.evaluator, &mut self.regions, is_worth).map_err(failed)?;
+        for share in CELL_SHARES {
+            if !is_closed || self.cover.open.len() > FEW_CELLS && share < CELL_SHARES[0] {
+                break;
+            }
+            let is_worth = |bounds: &Box3, size: f64| size > share * bound && !seen.settles(bounds);
+            self.cover.refine(&mut self.evaluator, &mut self.regions, is_worth).map_err(failed)?;
+        }
         let open = self.cover.open.iter().map(|cell| self.cover.bounds_of(&self.cover.cells[*cell as usize]));
         let unresolved = open.filter(|bounds| !seen.settles(bounds)).collect();
         let wrong = self.cover.seen_points().into_iter().filter(|point| !seen.is_right(point)).collect();

@@ -18,6 +18,7 @@
 use super::regions::{SignRegions, side_of};
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator, SlopeRange};
 use crate::math::{Box3, add_down, add_up, difference, dot, length_up, mul_up, sub_down, sub_up};
+use std::collections::HashMap;
 
 /// How far a point of a triangle may be off its piece, as a share of the largest coordinate: derived, each of up to [`MOST_CUTS`] middles
 /// is rounded by half of ε at most; taken three times, so that E holds the piece in its interior.
@@ -55,8 +56,60 @@ struct SignPiece {
 
 type CornerValues = [[f64; 2]; 3];
 
+/// Triangles that were looked at before: from one mesh to the next most of them stay.
+#[derive(Clone, Debug, Default)]
+pub(super) struct KnownSides {
+    // Only looked up, never walked through.
+    known: HashMap<[u64; 10], (FaceSide, u32)>, // No order depends on it.
+}
+
+/// Triangles that are remembered at most: some hundred megabytes.
+const MOST_KNOWN: usize = 1 << 20;
+
+impl KnownSides {
+    /// A triangle by the bits of its corners, and by the side that is asked for.
+    fn key(question: &SideQuestion, face: &[u32; 3]) -> [u64; 10] {
+        let corners = face.map(|v| question.positions[v as usize]);
+        let mut key = [0; 10];
+        for (bits, x) in key.iter_mut().zip(corners.as_flattened()) {
+            *bits = x.to_bits();
+        }
+        key[9] = u64::from(question.side == Membership::Inside);
+        key
+    }
+
+    /// What is known with as many cuts.
+    fn get(&self, key: &[u64; 10], cuts: u32) -> Option<FaceSide> {
+        let (side, with) = self.known.get(key)?;
+        (*side != FaceSide::Open || *with >= cuts).then_some(*side)
+    }
+}
+
 /// Looks at every triangle.
 pub(super) fn sides(
+    regions: &mut SignRegions,
+    evaluator: &mut PrimitiveEvaluator,
+    question: &SideQuestion,
+) -> Result<Vec<FaceSide>, LeafError> {
+    let keys: Vec<[u64; 10]> = question.faces.iter().map(|face| KnownSides::key(question, face)).collect();
+    let known: Vec<Option<FaceSide>> = keys.iter().map(|key| regions.known.get(key, question.cuts)).collect();
+    let unknown: Vec<usize> = (0..known.len()).filter(|k| known[*k].is_none()).collect();
+    let faces: Vec<[u32; 3]> = unknown.iter().map(|k| question.faces[*k]).collect();
+    let mut looked = looked_at(regions, evaluator, &SideQuestion { faces: &faces, ..*question })?.into_iter();
+    if regions.known.known.len() + unknown.len() > MOST_KNOWN {
+        regions.known.known.clear();
+    }
+    let mut found = Vec::with_capacity(known.len());
+    for (key, known) in keys.into_iter().zip(known) {
+        found.push(known.or_else(|| looked.next()).expect("what is not known was looked at"));
+        if known.is_none() {
+            regions.known.known.insert(key, (found[found.len() - 1], question.cuts));
+        }
+    }
+    Ok(found)
+}
+
+fn looked_at(
     regions: &mut SignRegions,
     evaluator: &mut PrimitiveEvaluator,
     question: &SideQuestion,

@@ -3,6 +3,7 @@
 //! A region is a cell with half of its size around it, so a box that is smaller than a cell lies in the region of the cell that holds its
 //! middle. Regions are made when enough boxes ask for them; each knows the tree of what its primitives' signs leave open.
 use super::local_trees::LocalTrees;
+use super::pieces::KnownSides;
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
 use crate::math::Box3;
 
@@ -20,6 +21,7 @@ struct SignRegion {
 pub(super) struct SignRegions {
     regions: Vec<SignRegion>,
     pub trees: LocalTrees,
+    pub known: KnownSides,
 }
 
 /// A region with this few primitives is not divided.
@@ -32,7 +34,8 @@ const DEEPEST: u32 = 11;
 impl SignRegions {
     pub fn new(evaluator: &PrimitiveEvaluator, domain: &Box3) -> Self {
         let root = SignRegion { cell: *domain, level: 0, tree: Ok(0), children: [None; 8] };
-        Self { regions: vec![root], trees: LocalTrees::new(evaluator.csg().tree()) }
+        let trees = LocalTrees::new(evaluator.csg().tree());
+        Self { regions: vec![root], trees, known: KnownSides::default() }
     }
 
     /// For each box the smallest region's tree that holds for it.

@@ -4,7 +4,7 @@ use super::grid::{FieldGrid, GridHalt, GridOptions, Place};
 use super::improve::{RawSurface, SurfaceImprover, Unimproved};
 use crate::budget::{Code, Failure, Job, Progress, Tolerance};
 use crate::explicit::Mesh;
-use crate::implicit::{Expr, Field, LeafError, Primitive, PrimitiveEvaluator};
+use crate::implicit::{Expr, Field, LeafError, PrimitiveEvaluator};
 use crate::math::Box3;
 
 /// Times that cells are cut again where vertices cannot go to their places. Measured: twice was enough on all models of the tests.
@@ -18,8 +18,10 @@ const FLOOR: f64 = 0.5;
 const DETAIL: f64 = 1.0 / 512.0;
 /// Lengths that can be meant, as a share of the largest coordinate. Chosen: proofs need some hundred roundings of room.
 const FINEST: f64 = 1.0 / (1_u64 << 42) as f64;
-/// Whether slopes are known is asked for in a box of this share of the longest side.
+/// Whether slopes are known is asked for in boxes of this share of the longest side,
 const SPOT: f64 = 1.0 / 4096.0;
+/// at these shares of the bounds. Chosen: off the axes and planes that shapes are built about, where some primitives have no slope.
+const SPOTS: [[f64; 3]; 3] = [[0.43, 0.61, 0.37], [0.71, 0.29, 0.67], [0.19, 0.83, 0.53]];
 /// The box that closes what the bounds do not hold is larger than these by this share of their size. Chosen: within the cube of the grid.
 const AROUND: f64 = 1.0 / 64.0;
 
@@ -43,11 +45,6 @@ pub(in crate::convert) struct Wanted {
 pub(super) struct FieldMesher<'a> {
     pub bounds: Box3,
     pub job: &'a Job,
-}
-
-/// A surface of few triangles near that of a field, by samples.
-pub(super) struct Improved<'e, 'a> {
-    pub surface: SurfaceImprover<'e, 'a>,
 }
 
 impl From<GridHalt> for Failure<Mesh> {
@@ -94,17 +91,18 @@ pub(super) fn closed(field: &Field) -> Expr {
 }
 
 impl<'a> FieldMesher<'a> {
-    /// Cells, their boundary and its improvement; cells are cut again where vertices are held off their places by other sheets.
-    pub fn improved<'e>(
+    /// Cells, their boundary and its improvement: a surface of few triangles near that of the field, by samples. Cells are cut again where
+    /// vertices are held off their places by other sheets.
+    pub fn improved(
         &self,
-        evaluator: &'e mut PrimitiveEvaluator<'a>,
+        mut evaluator: PrimitiveEvaluator<'a>,
         tol: f64,
-    ) -> Result<Improved<'e, 'a>, Failure<Mesh>> {
+    ) -> Result<SurfaceImprover<'a>, Failure<Mesh>> {
         self.job.report(Progress { stage: "mesh", done: 0, total: 3 });
         let options = self.grid_options(tol);
-        let mut grid = FieldGrid::build(evaluator, options, self.job)?;
+        let mut grid = FieldGrid::build(&mut evaluator, options, self.job)?;
         let mut cuts = 0;
-        loop {
+        let mut surface = loop {
             let raw = extract(&grid, self.job);
             if raw.faces.is_empty() {
                 return Err(Failure::refused(Code::Empty, "there is no surface to mesh"));
@@ -114,34 +112,37 @@ impl<'a> FieldMesher<'a> {
             let held: Vec<Place> =
                 surface.held().iter().map(|held| Place { at: held.at, size: 0.5 * held.size }).collect();
             if held.is_empty() || cuts == MOST_CUTS {
-                break;
+                break surface;
             }
             cuts += 1;
-            drop(surface);
-            grid.refine(evaluator, &held)?;
-        }
-        let raw = extract(&grid, self.job);
-        let start = RawSurface { positions: raw.positions, faces: raw.faces, labels: raw.labels };
-        let mut surface = SurfaceImprover::new(&start, evaluator, tol, self.job)?;
+            evaluator = surface.into_evaluator();
+            grid.refine(&mut evaluator, &held)?;
+        };
+        drop(grid);
         let needs = surface.estimated_faces()?;
         // Estimates of what is still coarse are too high by up to about this; the work itself keeps to the limits.
         self.check_size(needs / OVERESTIMATE)?;
         surface.improve()?;
-        Ok(Improved { surface })
+        Ok(surface)
     }
 
-    /// Whether the primitives have values everywhere, ranges of these, no steps, and slopes at some spot.
+    /// Whether functions of the user have ranges, and slopes at some spot; expressions have.
     pub fn knows_slopes(&self, evaluator: &mut PrimitiveEvaluator<'a>) -> Result<bool, Failure<Mesh>> {
-        let primitives = evaluator.csg().primitives();
-        let is_known = |p: &Primitive| p.is_total() && !p.jumps();
-        if !evaluator.csg().evidence().bounds_above() || !primitives.iter().all(is_known) {
+        if !evaluator.csg().evidence().bounds_above() {
             return Ok(false);
         }
-        let centre = self.bounds.centre();
-        let spot = Box3 { min: centre, max: centre.map(|x| x + SPOT * self.longest()) };
-        let questions: Vec<(u32, Box3)> = (0..primitives.len() as u32).map(|p| (p, spot)).collect();
-        let ranges = evaluator.slope_ranges(&questions).map_err(leaf_failed)?;
-        Ok(ranges.iter().all(|range| range.gradient.is_some()))
+        let primitives = evaluator.csg().primitives();
+        let mut left: Vec<u32> =
+            (0..primitives.len() as u32).filter(|p| primitives[*p as usize].tape().has_leaves()).collect();
+        let Box3 { min, max } = self.bounds;
+        for shares in SPOTS {
+            let corner: [f64; 3] = std::array::from_fn(|k| min[k] + shares[k] * (max[k] - min[k]));
+            let spot = Box3 { min: corner, max: corner.map(|x| x + SPOT * self.longest()) };
+            let questions: Vec<(u32, Box3)> = left.iter().map(|p| (*p, spot)).collect();
+            let mut ranges = evaluator.slope_ranges(&questions).map_err(leaf_failed)?.into_iter();
+            left.retain(|_| ranges.next().is_some_and(|range| range.gradient.is_none()));
+        }
+        Ok(left.is_empty())
     }
 
     fn grid_options(&self, tol: f64) -> GridOptions {

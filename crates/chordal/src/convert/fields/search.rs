@@ -1,6 +1,7 @@
 //! From a budget to a mesh of a field: by a length, by a number of triangles, proved or measured.
 use super::by_lattice::search_lattice;
-use super::mesher::{FieldMesher, Improved, Wanted, closed, leaf_failed};
+use super::improve::SurfaceImprover;
+use super::mesher::{FieldMesher, Wanted, closed, leaf_failed};
 use crate::budget::{Bounded, Code, Failure, Job, Progress, Tolerance};
 use crate::check::{FieldJudge, Goal, SandwichGoal, field_deviation, judged_bound, measured_field_deviation};
 use crate::explicit::Mesh;
@@ -30,8 +31,8 @@ pub(in crate::convert) fn search(field: &Field, wanted: &Wanted, job: &Job) -> O
     let is_measured = wanted.measured || !field.evidence().bounds_above();
     let search = Search { field, mesher: &mesher, wanted, is_measured, job };
     match (wanted.length, wanted.triangles) {
-        (None, Some(most)) => search.by_count(&mut evaluator, most),
-        (Some(length), most) => match search.by_length(&mut evaluator, length) {
+        (None, Some(most)) => search.by_count(evaluator, most),
+        (Some(length), most) => match search.by_length(evaluator, length) {
             Ok(made) => search.counted(made, most),
             // What few triangles do not prove, smaller cells all over may.
             Err(Failure::Unmet(best)) => match search_lattice(field, wanted, job) {
@@ -54,7 +55,7 @@ struct Search<'s> {
 }
 
 impl<'s> Search<'s> {
-    fn by_length(&self, evaluator: &mut PrimitiveEvaluator<'s>, length: Tolerance) -> Outcome {
+    fn by_length(&self, evaluator: PrimitiveEvaluator<'s>, length: Tolerance) -> Outcome {
         self.mesher.check_precision(length.get())?;
         let mut improved = self.mesher.improved(evaluator, length.get())?;
         if self.is_measured {
@@ -75,10 +76,10 @@ impl<'s> Search<'s> {
             let mut open: Vec<u32> = verdict.open.iter().flatten().map(|f| numbers[*f as usize]).collect();
             open.sort_unstable();
             open.dedup();
-            if improved.surface.split_faces(&open)? == 0 {
+            if improved.split_faces(&open)? == 0 {
                 break;
             }
-            self.mesher.check_size(improved.surface.n_faces() as f64)?;
+            self.mesher.check_size(improved.n_faces() as f64)?;
         }
         // What two copies of the mesh do not prove, boxes about it may: solids that touch, and lengths beyond the one that is wanted.
         let (mesh, _) = mesh_of(&improved);
@@ -103,14 +104,16 @@ impl<'s> Search<'s> {
     }
 
     /// The finest mesh found whose triangles are no more than that: their number is as 1 over the tolerance.
-    fn by_count(&self, evaluator: &mut PrimitiveEvaluator<'s>, most: u64) -> Outcome {
+    fn by_count(&self, mut evaluator: PrimitiveEvaluator<'s>, most: u64) -> Outcome {
         let most = most.min(self.mesher.most_faces());
         let mut best: Option<(f64, Mesh)> = None;
         // Too many triangles at this tolerance, and few enough at that.
         let (mut fine, mut coarse) = (0.0_f64, f64::INFINITY);
         let mut tol = FIRST * self.mesher.longest();
         for _ in 0..MOST_TRIALS {
-            let (mesh, _) = mesh_of(&self.mesher.improved(evaluator, tol)?);
+            let improved = self.mesher.improved(evaluator, tol)?;
+            let (mesh, _) = mesh_of(&improved);
+            evaluator = improved.into_evaluator();
             let count = mesh.faces().len() as f64;
             let ratio = count / most as f64;
             if ratio <= 1.0 {
@@ -155,7 +158,7 @@ impl<'s> Search<'s> {
 }
 
 /// The surface as a mesh, with the number of each face in it.
-fn mesh_of(improved: &Improved) -> (Mesh, Vec<u32>) {
-    let (surface, numbers) = improved.surface.mesh();
+fn mesh_of(improved: &SurfaceImprover) -> (Mesh, Vec<u32>) {
+    let (surface, numbers) = improved.mesh();
     (Mesh::new(surface.positions, surface.faces).expect("its positions are finite"), numbers)
 }

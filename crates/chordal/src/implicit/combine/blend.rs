@@ -25,9 +25,9 @@ impl Field {
         let inside = self.distance().union(other.distance()).inside;
         let bounds = first.bounds().union(second.bounds());
         let blend = Self::of_parts(value.clone(), &[&first, &second]);
-        // Where a and b are `radius` apart the blend is one of them, with its kinks on the surface, for which there are signs
-        // without; a half of what they are farther apart keeps the blend's own surface away from there.
-        let blend = if self.has_own_sign() || other.has_own_sign() {
+        // Where a and b are `radius` apart the blend is one of them, with its kinks on the surface. Where these are creases, there are signs
+        // without them; a half of what they are farther apart keeps the blend's own surface away from there.
+        let blend = if self.has_creases() || other.has_creases() {
             let beyond = ((a - b).abs() - radius).max(&0.0.into()) * 0.5;
             blend.known_sign(self.sign().min(other.sign()).min(&(value + beyond)))
         } else {

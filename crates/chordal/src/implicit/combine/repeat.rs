@@ -8,6 +8,10 @@ use crate::math::{add_up, mul_up};
 /// Copies of one cell's neighbourhood, at most: each is an expression of its own.
 const MOST: u64 = 4096;
 
+/// Copies whose union is the sign where their number is limited: it has no steps then, and planes that copies have in common are one. Chosen:
+/// beyond, the steps from cell to cell cost less than the copies.
+const MOST_LISTED: u64 = 1024;
+
 /// How a shape is repeated along one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Repeat {
@@ -45,15 +49,13 @@ impl Field {
             return Err(InvalidShape::Number(format!("{reach}, and must be at most {MOST}")));
         }
         let axes = Expr::axes();
-        let places: Vec<Vec<Expr>> = windows.iter().zip(&axes).map(|(w, axis)| w.places(axis)).collect();
-        let mut copies = Vec::new();
-        for z in &places[2] {
-            for y in &places[1] {
-                for x in &places[0] {
-                    copies.push(self.at(&[x.clone(), y.clone(), z.clone()]));
-                }
-            }
-        }
+        let places = |of: &dyn Fn(&Window, &Expr) -> Vec<Expr>| -> Vec<[Expr; 3]> {
+            let [xs, ys, zs]: [Vec<Expr>; 3] = std::array::from_fn(|k| of(&windows[k], &axes[k]));
+            let along_x = |y: &Expr, z: &Expr| xs.iter().map(|x| [x.clone(), y.clone(), z.clone()]).collect();
+            let plane = |z: &Expr| ys.iter().flat_map(|y| -> Vec<[Expr; 3]> { along_x(y, z) }).collect();
+            zs.iter().flat_map(|z| -> Vec<[Expr; 3]> { plane(z) }).collect()
+        };
+        let copies: Vec<Self> = places(&Window::places).iter().map(|at| self.at(at)).collect();
         let distance = self.distance().union(self.distance());
         let jumps = self.distance().outside != Quality::Exact && windows.iter().any(|w| w.len() > 1);
         let outside = if jumps { Quality::Sign } else { distance.outside };
@@ -62,6 +64,14 @@ impl Field {
             (bounds.min[k], bounds.max[k]) = window.bounds(self.bounds().min[k], self.bounds().max[k]);
         }
         let all = Self::union_of(&copies).known_distance(Distance { outside, ..distance });
+        let n_copies =
+            windows.iter().map(|w| w.count.map_or(u64::MAX, u64::from)).fold(1, u64::saturating_mul);
+        let all = if n < n_copies && n_copies <= MOST_LISTED {
+            let listed: Vec<Self> = places(&Window::all).iter().map(|at| self.at(at)).collect();
+            all.known_sign(Self::union_of(&listed).sign().clone())
+        } else {
+            all
+        };
         Ok(all.known_bounds(common(bounds, Field::EVERYWHERE)))
     }
 }
@@ -115,9 +125,8 @@ impl Window {
     /// The coordinate as each copy sees it.
     fn places(&self, axis: &Expr) -> Vec<Expr> {
         let copy = |number: Expr| axis - number * self.period;
-        if let Some(n) = self.count.filter(|n| u64::from(*n) <= self.len()) {
-            let moved = |k: u32| if k == 0 { axis.clone() } else { axis - f64::from(k) * self.period };
-            return (0..n).map(moved).collect();
+        if self.count.is_some_and(|n| u64::from(n) <= self.len()) {
+            return self.all(axis);
         }
         let own = Expr::unary(Unary::Round, &(axis / self.period));
         let number = |k: i64| {
@@ -128,6 +137,12 @@ impl Window {
             }
         };
         (self.first..=self.last).map(|k| copy(number(k))).collect()
+    }
+
+    /// The coordinate as each copy sees it, where their number is limited.
+    fn all(&self, axis: &Expr) -> Vec<Expr> {
+        let moved = |k: u32| if k == 0 { axis.clone() } else { axis - f64::from(k) * self.period };
+        (0..self.count.unwrap_or(0)).map(moved).collect()
     }
 
     fn bounds(&self, low: f64, high: f64) -> (f64, f64) {

@@ -1,4 +1,5 @@
 //! `PrimitiveEvaluator`: the primitives of a CSG tree, asked for many points or boxes at once.
+use super::branches::Branches;
 use super::{Csg, Primitive};
 use crate::budget::{Job, par_map};
 use crate::implicit::op::Binary;
@@ -64,9 +65,42 @@ pub struct PrimitiveEvaluator<'a> {
     job: &'a Job,
     /// By primitive: its regions, the first of which is all of the domain.
     pub(super) regions: Vec<Vec<Region>>,
+    /// By primitive: its steps, if it has any.
+    branches: Vec<Option<Branches>>,
     steps_left: u64,
     n_points: u64,
     n_boxes: u64,
+}
+
+/// What can be answered.
+trait Answer: Copy + Send + Sync {
+    /// What holds where one of both answers does.
+    fn either(self, other: Self) -> Self;
+}
+
+impl Answer for [f64; 2] {
+    fn either(self, [low, high]: Self) -> Self {
+        [if low < self[0] { low } else { self[0] }, if high > self[1] { high } else { self[1] }]
+    }
+}
+
+impl Answer for SlopeRange {
+    /// It may step from one to the other.
+    fn either(self, other: Self) -> Self {
+        Self { value: self.value.either(other.value), gradient: None }
+    }
+}
+
+impl Answer for f64 {
+    fn either(self, _: Self) -> Self {
+        self
+    }
+}
+
+impl Answer for Slope<f64> {
+    fn either(self, _: Self) -> Self {
+        self
+    }
 }
 
 /// Questions for one tape.
@@ -78,16 +112,22 @@ struct Batch {
 
 /// What can be asked for: where it is, and what it is asked for by tapes.
 trait Question: Copy + Sync {
+    /// Whether steps are looked at by branches: in boxes.
+    const BRANCHES: bool;
     fn bounds(&self) -> Box3;
 }
 
 impl Question for [f64; 3] {
+    const BRANCHES: bool = false;
+
     fn bounds(&self) -> Box3 {
         Box3 { min: *self, max: *self }
     }
 }
 
 impl Question for Box3 {
+    const BRANCHES: bool = true;
+
     fn bounds(&self) -> Box3 {
         *self
     }
@@ -107,6 +147,7 @@ impl<'a> PrimitiveEvaluator<'a> {
             csg,
             job,
             regions: csg.primitives.iter().map(root).collect(),
+            branches: csg.primitives.iter().map(|p| Branches::of(p.tape.graph().terms())).collect(),
             steps_left: job.memory_limit / 8 / BYTES_A_STEP,
             n_points: 0,
             n_boxes: 0,
@@ -184,7 +225,7 @@ impl<'a> PrimitiveEvaluator<'a> {
     }
 
     /// Answers in the order of the questions, whatever the batches.
-    fn answer<Q: Question, R: Copy + Send + Sync>(
+    fn answer<Q: Question, R: Answer>(
         &mut self,
         questions: &[(u32, Q)],
         none: R,
@@ -196,11 +237,14 @@ impl<'a> PrimitiveEvaluator<'a> {
             let mut out = vec![none; at.len()];
             ask(batch, &at, &mut out).map(|()| out)
         });
-        let mut all = vec![none; questions.len()];
+        let mut all: Vec<Option<R>> = vec![None; questions.len()];
         for (batch, answers) in batches.iter().zip(answers) {
-            batch.rows.iter().zip(answers?).for_each(|(row, answer)| all[*row as usize] = answer);
+            for (row, answer) in batch.rows.iter().zip(answers?) {
+                let known = &mut all[*row as usize];
+                *known = Some(known.map_or(answer, |known| known.either(answer)));
+            }
         }
-        Ok(all)
+        Ok(all.into_iter().map(|answer| answer.unwrap_or(none)).collect())
     }
 
     /// The questions by tape, each batch of one chunk. A leaf is asked for everything at once, by chunks of its own.
@@ -210,6 +254,10 @@ impl<'a> PrimitiveEvaluator<'a> {
         let mut batches = Vec::new();
         for (primitive, rows) in by_primitive.into_iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
             let number = primitive as u32;
+            let rows = if Q::BRANCHES { self.branch(number, questions, rows, &mut batches)? } else { rows };
+            if rows.is_empty() {
+                continue;
+            }
             let tape = &self.regions[primitive][0].tape;
             if !is_shortened(tape) || rows.len() < WORTH && self.regions[primitive].len() == 1 {
                 let size = if tape.has_leaves() { rows.len() } else { CHUNK };
@@ -223,6 +271,32 @@ impl<'a> PrimitiveEvaluator<'a> {
             self.route(number, questions, rows, &mut batches)?;
         }
         Ok(batches)
+    }
+
+    /// Asks the functions that a primitive with steps is made of; what is left is to be asked for as a whole.
+    fn branch<Q: Question>(
+        &mut self,
+        primitive: u32,
+        questions: &[(u32, Q)],
+        rows: Vec<u32>,
+        batches: &mut Vec<Batch>,
+    ) -> Result<Vec<u32>, LeafError> {
+        let Some(branches) = &mut self.branches[primitive as usize] else { return Ok(rows) };
+        let boxes: Vec<Box3> = rows.iter().map(|row| questions[*row as usize].1.bounds()).collect();
+        let functions = branches.over(&boxes)?;
+        let mut by_function: Vec<Vec<u32>> = vec![Vec::new(); branches.functions.len()];
+        let mut left = Vec::new();
+        for (row, functions) in rows.into_iter().zip(functions) {
+            match functions {
+                Some(all) => all.into_iter().for_each(|number| by_function[number as usize].push(row)),
+                None => left.push(row),
+            }
+        }
+        for (tape, rows) in branches.functions.iter().zip(&by_function) {
+            let batch = |rows: &[u32]| Batch { primitive, tape: tape.clone(), rows: rows.to_vec() };
+            batches.extend(rows.chunks(CHUNK).map(batch));
+        }
+        Ok(left)
     }
 
     /// Sends questions down the regions of a primitive, level by level, making those that are worth it.

@@ -4,6 +4,7 @@
 //! the intersection, of `−a` that of the complement. So minima, maxima, negations, absolute values and sums and products with constants are
 //! opened from the root down; what is left below them are the primitives. Each is smooth on its own in most models, its zero set crosses
 //! others at creases and corners, and it is measured in its own units.
+mod branches;
 mod evaluator;
 mod tree;
 

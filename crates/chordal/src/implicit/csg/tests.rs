@@ -132,3 +132,139 @@ fn a_tree_that_doubles_stays_small() {
     let csg = Csg::of(&whole);
     assert_eq!(csg.primitives().len(), 1);
 }
+
+/// Pairs of points in random boxes, of which many have 0 in a coordinate: values differ by what the range of gradients allows.
+fn obeys_mean_value_theorem(expr: &Expr, state: &mut u64) {
+    let tape = Tape::of(expr);
+    for _ in 0..400 {
+        let mut pick = || {
+            let at = 2.0 * random(state) - 1.0;
+            if random(state) < 0.3 { 0.0 } else { at }
+        };
+        let (from, size): ([f64; 3], [f64; 3]) =
+            (std::array::from_fn(|_| pick()), std::array::from_fn(|_| pick().abs()));
+        let bounds = Box3 { min: from, max: std::array::from_fn(|k| from[k] + size[k]) };
+        let unknown = crate::math::Interval::UNKNOWN;
+        let mut range = [crate::implicit::Slope { value: unknown, gradient: [unknown; 3] }];
+        tape.gradient_over(&[bounds], &mut range).unwrap();
+        assert!(range[0].value.is_defined());
+        let points: Vec<[f64; 3]> = (0..16)
+            .map(|_| {
+                std::array::from_fn(|k| from[k] + size[k] * (random(state) * 1.5 - 0.25).clamp(0.0, 1.0))
+            })
+            .collect();
+        let mut values = vec![0.0; points.len()];
+        tape.at(&points, &mut values).unwrap();
+        for (p, f) in points.iter().zip(&values) {
+            assert!(range[0].value.contains(*f));
+            for (q, g) in points.iter().zip(&values) {
+                let ends = (0..3).fold([0.0, 0.0], |[low, high], k| {
+                    let [a, b] = [
+                        range[0].gradient[k].lo() * (q[k] - p[k]),
+                        range[0].gradient[k].hi() * (q[k] - p[k]),
+                    ];
+                    [low + a.min(b), high + a.max(b)]
+                });
+                let room = 1e-14;
+                assert!(ends[0] - room <= g - f && g - f <= ends[1] + room, "{p:?} {q:?} in {bounds:?}");
+            }
+        }
+    }
+}
+
+fn box_distance(sides: &[Expr]) -> Expr {
+    let zero = Expr::constant(0.0);
+    let outside = sides.iter().map(|side| side.max(&zero).square()).reduce(|a, b| a + b).unwrap();
+    let inside = sides.iter().cloned().reduce(|a, b| a.max(&b)).unwrap();
+    outside.sqrt() + inside.min(&zero)
+}
+
+#[test]
+fn lengths_and_distances_from_boxes_have_ranges_of_slopes_at_their_tips() {
+    let [x, y, z] = Expr::axes();
+    let length = |parts: &[&Expr]| parts.iter().map(|p| p.square()).reduce(|a, b| a + b).unwrap().sqrt();
+    let mut state = 5;
+    let skew = &x * 0.5 + &y * 2.0 - &z;
+    for expr in [
+        length(&[&x, &y]),
+        length(&[&x, &y, &z]),
+        length(&[&skew, &z, &skew]),
+        length(&[&x.max(&y), &z.abs()]),
+        box_distance(&[x.abs() - 0.5, y.abs() - 0.25]),
+        box_distance(&[x.abs() - 0.5, y.abs() - 0.25, z.abs()]),
+        box_distance(&[&skew - 0.25, y.clone(), &x * &z]),
+        box_distance(&[x.clone(), x.clone() * -1.0]),
+    ] {
+        obeys_mean_value_theorem(&expr, &mut state);
+    }
+}
+
+#[test]
+fn ranges_of_slopes_are_tight_where_coordinates_have_one_sign() {
+    let [x, y, z] = Expr::axes();
+    let over = |expr: &Expr, bounds: Box3| {
+        let unknown = crate::math::Interval::UNKNOWN;
+        let mut range = [crate::implicit::Slope { value: unknown, gradient: [unknown; 3] }];
+        Tape::of(expr).gradient_over(&[bounds], &mut range).unwrap();
+        range[0].gradient
+    };
+    // Beside a face of a box its plane alone counts, also where that is 0.
+    let sides = box_distance(&[x.abs() - 4.0, y.abs() - 4.0, z.clone()]);
+    let across = over(&sides, Box3 { min: [-1.0, -1.0, -0.1], max: [1.0, 1.0, 0.1] });
+    assert!(across[0].magnitude() == 0.0 && across[1].magnitude() == 0.0, "{across:?}");
+    assert!(across[2].lo() > 1.0 - 1e-14 && across[2].hi() < 1.0 + 1e-14, "{across:?}");
+    // A quarter of a circle around the axis, far from it: sines and cosines of the angles, and all of them at the axis.
+    let ring = (x.square() + y.square()).sqrt();
+    let far = over(&ring, Box3 { min: [3.0, 4.0, 0.0], max: [3.0, 4.0, 1.0] });
+    assert!((far[0].lo() - 0.6).abs() < 1e-14 && (far[1].hi() - 0.8).abs() < 1e-14, "{far:?}");
+    let tip = over(&ring, Box3 { min: [0.0, -1.0, 0.0], max: [1.0, 1.0, 1.0] });
+    assert!(tip[0].lo() == 0.0 && tip[0].hi() == 1.0 && tip[1].lo() == -1.0 && tip[1].hi() == 1.0, "{tip:?}");
+}
+
+#[test]
+fn steps_are_looked_at_one_by_one() {
+    let balls = shapes::sphere(0.25).unwrap().repeated([crate::implicit::Repeat::Every(1.0); 3]).unwrap();
+    let [x, y, z] = Expr::axes();
+    let cut = |v: &Expr, how: Unary| v - Expr::unary(how, v);
+    let rest = |v: &Expr| Expr::binary(Binary::Mod, v, &Expr::constant(0.3)) - 0.125;
+    let sum = |parts: [Expr; 3]| parts[0].square() + parts[1].square() + parts[2].square() - 0.01;
+    for sign in [
+        balls.sign().clone(),
+        sum([cut(&x, Unary::Floor), cut(&y, Unary::Ceil), cut(&z, Unary::Round)]),
+        sum([rest(&x), rest(&y), z.clone()]),
+    ] {
+        let csg = Csg::of(&sign);
+        let domain = Box3 { min: [-2.0; 3], max: [2.0; 3] };
+        let job = Job::default();
+        let mut evaluator = PrimitiveEvaluator::new(&csg, &domain, &job);
+        let mut state = 11;
+        let mut tight = 0;
+        for _ in 0..400 {
+            let from: [f64; 3] = std::array::from_fn(|_| 4.0 * random(&mut state) - 2.0);
+            let size = 0.2 * random(&mut state);
+            let bounds = Box3 { min: from, max: from.map(|x| x + size) };
+            let questions: Vec<(u32, Box3)> =
+                (0..csg.primitives().len() as u32).map(|p| (p, bounds)).collect();
+            let ranges = evaluator.slope_ranges(&questions).unwrap();
+            let values = evaluator.ranges(&questions).unwrap();
+            for ((p, _), (slopes, range)) in questions.iter().zip(ranges.iter().zip(&values)) {
+                assert_eq!(slopes.value, *range);
+                tight += usize::from(range[1] - range[0] < 3.0 * size);
+                for _ in 0..8 {
+                    let at: [f64; 3] = std::array::from_fn(|k| from[k] + size * random(&mut state));
+                    let value = evaluator.values(&[(*p, at)]).unwrap()[0];
+                    assert!(range[0] <= value && value <= range[1], "{at:?} in {bounds:?}");
+                }
+            }
+        }
+        assert!(tight > 0);
+    }
+    // Where the steps are not in it, a box has a gradient; where they are, the value is far from 0 on either side of them.
+    let csg = Csg::of(balls.sign());
+    let job = Job::default();
+    let mut evaluator = PrimitiveEvaluator::new(&csg, &Box3 { min: [-2.0; 3], max: [2.0; 3] }, &job);
+    let one = |from: [f64; 3]| vec![(0, Box3 { min: from, max: from.map(|x| x + 0.02) })];
+    assert!(evaluator.slope_ranges(&one([0.2, 0.1, 0.0])).unwrap()[0].gradient.is_some());
+    let on_step = evaluator.slope_ranges(&one([0.49, 0.1, 0.0])).unwrap()[0];
+    assert!(on_step.gradient.is_none() && on_step.value[0] > 0.2);
+}

@@ -76,6 +76,16 @@ fn sign(a: f64, b: f64) -> f64 {
     if a < b { -1.0 } else { not_below }
 }
 
+/// The largest `x / √(x² + y²)` for y² in `rest`.
+#[inline(always)]
+fn most_share(x: f64, rest: Ends) -> f64 {
+    let rest = if x > 0.0 { rest.lo } else { rest.hi };
+    let x = Ends { lo: x, hi: x };
+    let share = x.div(x.square().add(Ends { lo: rest, hi: rest }).sqrt()).hi;
+    // Also where all is 0, or a square overflows.
+    lower(share, if x.hi > 0.0 { 1.0 } else { 0.0 })
+}
+
 impl Ends {
     pub(crate) const EMPTY: Self = Self { lo: f64::INFINITY, hi: f64::NEG_INFINITY };
     pub(crate) const ENTIRE: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
@@ -215,6 +225,12 @@ impl Ends {
         let (lo, hi) = (a.lo * a.lo, a.hi * a.hi);
         let hi = if (hi == 0.0) & (a.hi != 0.0) { TINY } else { above(hi) };
         Self { lo: below(lo), hi }
+    }
+
+    /// `x / √(x² + y²)` for y² in `rest`.
+    #[inline(always)]
+    pub(crate) fn share_beside(self, rest: Self) -> Self {
+        Self { lo: -most_share(-self.lo, rest), hi: most_share(self.hi, rest) }
     }
 
     /// The root of what is not negative.

@@ -26,7 +26,7 @@ struct Star {
     ring: Vec<u32>,
 }
 
-impl SurfaceImprover<'_, '_> {
+impl SurfaceImprover<'_> {
     /// Collapses until no vertex can go.
     pub(super) fn collapse_all(&mut self) -> Result<(), Unimproved> {
         let mut star = Star::default();

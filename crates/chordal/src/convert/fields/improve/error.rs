@@ -58,7 +58,7 @@ impl Off {
     }
 }
 
-impl SurfaceImprover<'_, '_> {
+impl SurfaceImprover<'_> {
     /// A vertex on one of its primitives.
     #[inline]
     pub(super) fn on(&self, v: u32, label: FaceLabel) -> Option<&VertexLabel> {
@@ -271,7 +271,7 @@ impl SurfaceImprover<'_, '_> {
 }
 
 #[cfg(test)]
-impl SurfaceImprover<'_, '_> {
+impl SurfaceImprover<'_> {
     /// How many kept samples are not what the primitives say, or off by more than the aim.
     pub(super) fn count_wrong_samples(&mut self) -> usize {
         let edges: Vec<u32> = self.edges().collect();

@@ -14,7 +14,7 @@ struct Flip {
     is_urgent: bool,
 }
 
-impl SurfaceImprover<'_, '_> {
+impl SurfaceImprover<'_> {
     pub(super) fn flip_all(&mut self) -> Result<(), Unimproved> {
         for _ in 0..MOST_ROUNDS {
             let open = self.changed_edges();
@@ -111,7 +111,8 @@ impl SurfaceImprover<'_, '_> {
                 .map(|side| self.middle_of(side));
             let [bc, ca, ad, db] = middles;
             let middle = samples[0].distance;
-            let faces = [[a, d, c], [d, b, c]];
+            let new = self.flipped(*h);
+            let faces = new.map(|(face, _)| face);
             let off = [
                 self.off(faces[0], label, [ad, middle, ca], samples[1].distance).most(),
                 self.off(faces[1], label, [db, bc, middle], samples[2].distance).most(),
@@ -119,13 +120,11 @@ impl SurfaceImprover<'_, '_> {
             let (before, after) =
                 (greater(self.face_off(*h / 3).most(), self.face_off(t / 3).most()), greater(off[0], off[1]));
             let improves = *is_urgent || after <= 0.25 * self.aim_of([a, b, c, d]) || after < before;
-            let points = faces.map(|face| face.map(|v| self.at(v)));
-            let fits = self.faces_along(points[0], samples[1].normal)
-                && self.faces_along(points[1], samples[2].normal);
+            let fits = self.faces_along(new[0].1, samples[1].normal)
+                && self.faces_along(new[1].1, samples[2].normal);
             if !(improves && fits && self.surface.may_flip(*h)) {
                 continue;
             }
-            let new = [(faces[0], points[0]), (faces[1], points[1])];
             if self.crosses(&new, &[*h / 3, t / 3]) {
                 continue;
             }
@@ -151,6 +150,12 @@ impl SurfaceImprover<'_, '_> {
             self.counts.flips += 1;
         }
         Ok(())
+    }
+
+    /// The faces that come of a flip.
+    pub(super) fn flipped(&self, h: u32) -> [([u32; 3], [DVec3; 3]); 2] {
+        let [a, b, c, d] = self.diamond(h);
+        [[a, d, c], [d, b, c]].map(|face| (face, face.map(|v| self.at(v))))
     }
 
     /// The ends of an edge, and the corners across on its own side and on the other.

@@ -80,9 +80,9 @@ pub(crate) struct Counts {
 }
 
 /// See the [module](self).
-pub(crate) struct SurfaceImprover<'e, 'a> {
-    evaluator: &'e mut PrimitiveEvaluator<'a>,
-    job: &'e Job,
+pub(crate) struct SurfaceImprover<'a> {
+    evaluator: PrimitiveEvaluator<'a>,
+    job: &'a Job,
     tol: f64,
     /// What edges and faces may be off.
     aim: f64,
@@ -111,10 +111,9 @@ pub(crate) struct SurfaceImprover<'e, 'a> {
     /// By face: the round in which it was taken.
     taken: Vec<u32>,
     round: u32,
-    /// By vertex: the last test of crossings in which it was a corner of what comes.
-    mark: Vec<u32>,
-    stamp: u32,
     tree: FaceTree,
+    /// Whether vertices that others are in the way of may stop before.
+    goes_by_parts: bool,
     held: Vec<HeldVertex>,
     pub counts: Counts,
 }
@@ -123,12 +122,12 @@ pub(crate) struct SurfaceImprover<'e, 'a> {
 /// rounds of splits on most models.
 const AIM: f64 = 0.85;
 
-impl<'e, 'a> SurfaceImprover<'e, 'a> {
+impl<'a> SurfaceImprover<'a> {
     pub fn new(
         raw: &RawSurface,
-        evaluator: &'e mut PrimitiveEvaluator<'a>,
+        evaluator: PrimitiveEvaluator<'a>,
         tol: f64,
-        job: &'e Job,
+        job: &'a Job,
     ) -> Result<Self, Unimproved> {
         let surface = HalfEdges::of(&raw.faces, raw.positions.len()).ok_or(Unimproved::NotManifold)?;
         let n_faces = raw.faces.len();
@@ -151,9 +150,8 @@ impl<'e, 'a> SurfaceImprover<'e, 'a> {
             changed: (0..n_faces as u32).collect(),
             taken: vec![0; n_faces],
             round: 0,
-            mark: vec![0; raw.positions.len()],
-            stamp: 0,
             tree: FaceTree::default(),
+            goes_by_parts: false,
             held: Vec::new(),
             counts: Counts::default(),
         };
@@ -164,12 +162,17 @@ impl<'e, 'a> SurfaceImprover<'e, 'a> {
             this.add_place(&mut labels);
         }
         this.place_vertices()?;
-        this.aim_at_walls()?;
         Ok(this)
+    }
+
+    /// What it was asked with.
+    pub fn into_evaluator(self) -> PrimitiveEvaluator<'a> {
+        self.evaluator
     }
 
     /// Splits, flips and collapses until every edge and face is within the aim and few are left.
     pub fn improve(&mut self) -> Result<(), Unimproved> {
+        self.aim_at_walls()?;
         let mut last = self.surface.n_faces();
         for cycle in 0..MOST_CYCLES {
             self.split_far()?;
@@ -200,7 +203,9 @@ impl<'e, 'a> SurfaceImprover<'e, 'a> {
         let edges: Vec<u32> = there.iter().flat_map(|f| sides(3 * *f)).collect();
         self.sample_middles(&edges)?;
         let worst = there.iter().map(|f| self.worst_side(*f)).collect();
+        self.goes_by_parts = true;
         let n = self.split_edges(worst)?;
+        self.goes_by_parts = false;
         self.flip_all()?;
         self.split_far()?;
         let off = self.unsettled();
@@ -318,7 +323,7 @@ impl<'e, 'a> SurfaceImprover<'e, 'a> {
 
     /// Samples of the primitives with these labels.
     fn sample(&mut self, asks: &[(FaceLabel, DVec3)]) -> Result<Vec<Sample>, LeafError> {
-        sample::sample(self.evaluator, asks)
+        sample::sample(&mut self.evaluator, asks)
     }
 }
 

@@ -103,7 +103,7 @@ pub(super) fn shortest_step(on: &[VertexLabel]) -> DVec3 {
     }
 }
 
-impl SurfaceImprover<'_, '_> {
+impl SurfaceImprover<'_> {
     /// Moves all vertices to their places: together first; those in crossings go back, and then one by one as far as they can.
     pub(super) fn place_vertices(&mut self) -> Result<(), Unimproved> {
         let mut targets = Targets {
@@ -112,7 +112,7 @@ impl SurfaceImprover<'_, '_> {
             on: std::mem::take(&mut self.vertex_label),
         };
         let before = targets.on.clone();
-        targets.project(self.evaluator, self.tol)?;
+        targets.project(&mut self.evaluator, self.tol)?;
         let mut is_away = vec![false; self.position.len()];
         let raw = self.position.clone();
         self.vertex_label = before;
@@ -165,7 +165,7 @@ impl SurfaceImprover<'_, '_> {
         let mut back: Vec<u32> = Vec::new();
         while !suspects.is_empty() {
             self.next_round()?;
-            let crossing: Vec<u32> = suspects.iter().copied().filter(|f| self.face_crosses(*f)).collect();
+            let crossing = self.crossing(&suspects);
             let mut moved: Vec<u32> = crossing.iter().flat_map(|f| self.surface.corners(*f)).collect();
             moved.sort_unstable();
             moved.dedup();
@@ -203,7 +203,7 @@ impl SurfaceImprover<'_, '_> {
             }
             let mut targets = Targets::default();
             left.iter().for_each(|v| targets.push(self.at(*v), self.labels_of(*v).iter().map(|on| on.label)));
-            targets.project(self.evaluator, self.tol)?;
+            targets.project(&mut self.evaluator, self.tol)?;
             let mut moved = Vec::new();
             let mut next = Vec::new();
             for (k, v) in left.iter().enumerate() {

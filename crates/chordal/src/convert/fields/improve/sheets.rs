@@ -1,16 +1,17 @@
 //! Whether faces that come would meet others: exact tests of triangles whose boxes meet.
+use super::SurfaceImprover;
 use super::face_tree::{Bounds, FaceTree};
-use super::{SurfaceImprover, area_normal};
+use crate::budget::par_map;
 use crate::check::triangles_meet as meet;
 use glam::DVec3;
+
+/// Faces in one task.
+const CHUNK: usize = 1024;
 
 /// Triangles with the vertices of their corners.
 pub(super) type Triangles = [([u32; 3], [DVec3; 3])];
 
-/// Normals within this cosine of a common direction let neighbours pass: their shadows along it lie beside each other.
-const ALONG: f64 = 0.3;
-
-impl SurfaceImprover<'_, '_> {
+impl SurfaceImprover<'_> {
     pub(super) fn rebuild_tree(&mut self) {
         let mut faces: Vec<(u32, Bounds)> = (0..self.surface.face_slots() as u32)
             .filter(|f| self.surface.has_face(*f))
@@ -39,22 +40,20 @@ impl SurfaceImprover<'_, '_> {
         self.tree.add(beside, &bounds);
     }
 
-    /// Whether a face meets another.
-    pub(super) fn face_crosses(&mut self, face: u32) -> bool {
-        let new = [(self.surface.corners(face), self.points(face))];
-        self.crosses(&new, &[face])
+    /// The faces of a list that meet others.
+    pub(super) fn crossing(&self, faces: &[u32]) -> Vec<u32> {
+        let chunks: Vec<&[u32]> = faces.chunks(CHUNK).collect();
+        let crosses = |face: &u32| {
+            let own = [(self.surface.corners(*face), self.points(*face))];
+            self.meets_any(&own, &[*face])
+        };
+        let of_chunk = |_, part: &&[u32]| part.iter().copied().filter(crosses).collect::<Vec<u32>>();
+        par_map(self.job, &chunks, of_chunk).concat()
     }
 
-    /// Whether triangles that come would meet faces that stay, or each other. Exact, but for neighbours whose normals are alike.
+    /// Whether triangles that come would meet faces that stay, or each other. Exact.
     pub(super) fn crosses(&mut self, new: &Triangles, gone: &[u32]) -> bool {
         self.counts.sheet_tests += 1;
-        self.stamp += 1;
-        for v in new.iter().flat_map(|(ids, _)| ids) {
-            // The vertex of a split has no number yet, and nothing else ends there.
-            if let Some(mark) = self.mark.get_mut(*v as usize) {
-                *mark = self.stamp;
-            }
-        }
         let refused = self.meets_any(new, gone);
         self.counts.sheet_refusals += usize::from(refused);
         refused
@@ -63,34 +62,21 @@ impl SurfaceImprover<'_, '_> {
     fn meets_any(&self, new: &Triangles, gone: &[u32]) -> bool {
         let boxes: Vec<Bounds> = new.iter().map(|(_, points)| Bounds::of(points)).collect();
         let whole = boxes.iter().fold(Bounds::EMPTY, |all, one| all.union(*one));
-        let direction = new.iter().fold(DVec3::ZERO, |sum, (_, points)| sum + area_normal(*points));
-        let direction = direction.normalize_or_zero();
-        let is_along = |points: &[DVec3; 3]| {
-            let normal = area_normal(*points);
-            normal.dot(direction) > ALONG * normal.length()
-        };
-        let along = new.iter().all(|(_, points)| is_along(points));
         let mut found = false;
         self.tree.each_near(&whole, |face| {
             if found || !self.surface.has_face(face) || gone.contains(&face) {
                 return;
             }
             let (ids, points) = (self.surface.corners(face), self.points(face));
-            let is_beside = ids.iter().any(|v| self.mark[*v as usize] == self.stamp);
-            if is_beside && along && is_along(&points) {
-                return;
-            }
             let bounds = Bounds::of(&points);
             for ((new_ids, new_points), new_bounds) in new.iter().zip(&boxes) {
                 found |= new_bounds.meets(&bounds) && triangles_meet([*new_ids, ids], [new_points, &points]);
             }
         });
-        if found || along {
-            return found;
-        }
-        new.iter().enumerate().any(|(k, (ids, points))| {
-            new[..k].iter().any(|(other_ids, other)| triangles_meet([*ids, *other_ids], [points, other]))
-        })
+        found
+            || new.iter().enumerate().any(|(k, (ids, points))| {
+                new[..k].iter().any(|(other_ids, other)| triangles_meet([*ids, *other_ids], [points, other]))
+            })
     }
 }
 

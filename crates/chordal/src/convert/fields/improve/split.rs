@@ -1,7 +1,7 @@
 //! Rounds of edge splits: new vertices on the primitives where edges or faces are too far from them.
 use super::newton::{SETTLED, Targets};
 use super::{FaceLabel, SurfaceImprover, Unimproved, VertexLabel, area_normal, sides};
-use crate::explicit::next_in_face;
+use crate::explicit::{next_in_face, previous_in_face};
 use glam::DVec3;
 
 /// Rounds at most: edges get half as long in each, and the error a quarter.
@@ -10,10 +10,12 @@ const MOST_ROUNDS: usize = 40;
 const MOST_REPAIRS: usize = 3;
 /// What a repair leaves is off by this share of what was. Chosen: less would be undone by the splits that follow.
 const REPAIRED: f64 = 0.7;
+/// Sides that are flipped at most for one split.
+const MOST_FLIPS: usize = 4;
 /// Edges shorter than this share of the aim are not split. Chosen: nothing of the surface that the tolerance asks for is that small.
 const SHORTEST: f64 = 0.25;
 
-impl SurfaceImprover<'_, '_> {
+impl SurfaceImprover<'_> {
     /// Splits edges, then faces, until none is off by more than the aim.
     pub(super) fn split_far(&mut self) -> Result<(), Unimproved> {
         let mut n_repairs = 0;
@@ -133,8 +135,8 @@ impl SurfaceImprover<'_, '_> {
             targets.push(self.middle_point(a, b), both.iter().copied());
             chosen.push(h);
         }
-        targets.project(self.evaluator, self.tol)?;
-        let mut n = 0;
+        targets.project(&mut self.evaluator, self.tol)?;
+        let (mut n, mut on_the_way) = (0, Vec::new());
         for (k, h) in chosen.into_iter().enumerate() {
             let (a, b) = (self.surface.start(h), self.surface.end(h));
             let (middle, to) = (self.middle_point(a, b), targets.at[k]);
@@ -143,11 +145,27 @@ impl SurfaceImprover<'_, '_> {
             // Where there is no such place a split brings nothing.
             let aim = self.aim_of([a, b]);
             let is_placed = targets.labels_of(k).iter().all(|on| on.distance.abs() <= SETTLED * aim);
-            if is_placed && (to - middle).length() <= reach && self.may_split(h, to, targets.labels_of(k)) {
+            if !is_placed || (to - middle).length() > reach {
+                continue;
+            }
+            let on = targets.labels_of(k);
+            if self.may_split(h, to, on) {
                 self.split(h, (to, &targets, k));
+                n += 1;
+            } else if let Some(side) = self.may_split_beyond(h, to, on) {
+                self.split(h, (to, &targets, k));
+                self.flip_side(side);
+                n += 1;
+            } else if let Some(h) = self.make_room(h, to, on) {
+                self.split(h, (to, &targets, k));
+                n += 1;
+            } else if let Some(to) = self.on_the_way(h, [middle, to], on) {
+                self.split(h, (to, &targets, k));
+                on_the_way.push(self.surface.vertex_slots() as u32 - 1);
                 n += 1;
             }
         }
+        self.measure_vertices(&on_the_way)?;
         self.counts.splits += n;
         Ok(n)
     }
@@ -164,16 +182,108 @@ impl SurfaceImprover<'_, '_> {
 
     /// No fold, no other sheet.
     fn may_split(&mut self, h: u32, to: DVec3, on: &[VertexLabel]) -> bool {
-        let t = self.surface.twin(h);
+        self.folded(h, to, on).is_none() && self.splits_apart(h, to)
+    }
+
+    /// Whether the new faces of a split meet no other sheet.
+    fn splits_apart(&mut self, h: u32, to: DVec3) -> bool {
         let new = self.new_faces(h, to);
-        let folds = new.iter().zip([h / 3, h / 3, t / 3, t / 3]).any(|((_, points), face)| {
-            let (area, old) = (area_normal(*points), area_normal(self.points(face)));
-            let label = self.label[face as usize];
+        !self.crosses(&new, &[h / 3, self.surface.twin(h) / 3])
+    }
+
+    /// The side across which a split would fold one of the new faces.
+    fn folded(&self, h: u32, to: DVec3, on: &[VertexLabel]) -> Option<u32> {
+        let t = self.surface.twin(h);
+        let sides = [previous_in_face(h), next_in_face(h), previous_in_face(t), next_in_face(t)];
+        let folds = |((_, points), side): &(([u32; 3], [DVec3; 3]), u32)| {
+            let (area, old) = (area_normal(*points), area_normal(self.points(side / 3)));
+            let label = self.label_of(*side);
             let normal = on.iter().find(|on| on.label == label).map_or(DVec3::ZERO, |on| on.normal);
             // A face that was turned over before may be put right.
             !(area.dot(old) > 0.0 || area.dot(normal) > 0.0)
-        });
-        !folds && !self.crosses(&new, &[h / 3, t / 3])
+        };
+        self.new_faces(h, to).into_iter().zip(sides).find(folds).map(|(_, side)| side)
+    }
+
+    /// How far a new vertex can go where another sheet is in the way, which may have to go the same way: the rest comes when that has gone.
+    fn on_the_way(&mut self, h: u32, [from, to]: [DVec3; 2], on: &[VertexLabel]) -> Option<DVec3> {
+        if !self.goes_by_parts {
+            return None;
+        }
+        [0.5, 0.25, 0.0]
+            .into_iter()
+            .map(|part| from + part * (to - from))
+            .find(|at| self.may_split(h, *at, on))
+    }
+
+    /// Whether an edge can be split at a place beyond one side of its faces, in the triangle there, if that side is flipped afterwards: its ends.
+    fn may_split_beyond(&mut self, h: u32, to: DVec3, on: &[VertexLabel]) -> Option<[u32; 2]> {
+        let side = self.folded(h, to, on)?;
+        let across = self.surface.twin(side);
+        let (x, y, e) = (self.surface.start(side), self.surface.end(side), self.surface.apex(across));
+        if self.is_crease(side) || self.taken[across as usize / 3] == self.round {
+            return None;
+        }
+        let z = self.surface.vertex_slots() as u32;
+        let at = |v: u32| if v == z { to } else { self.at(v) };
+        let beyond = [[z, x, e], [e, y, z]].map(|face| (face, face.map(at)));
+        let folded = self.new_faces(h, to);
+        let kept = folded.iter().filter(|(face, _)| !(face.contains(&x) && face.contains(&y)));
+        let (mut new, mut stands) = (beyond.to_vec(), true);
+        let normal_of = |face: u32| area_normal(self.points(face));
+        let t = self.surface.twin(h);
+        for one in kept {
+            let old = if one.0.contains(&self.surface.apex(h)) { h / 3 } else { t / 3 };
+            stands &= area_normal(one.1).dot(normal_of(old)) > 0.0;
+            new.push(*one);
+        }
+        let normal = normal_of(across / 3);
+        stands &= beyond.iter().all(|(_, points)| area_normal(*points).dot(normal) > 0.0);
+        let is_free = stands
+            && new.len() == 5
+            && !self.crosses(&new, &[h / 3, t / 3, across / 3])
+            && self.take(&[across / 3]);
+        is_free.then_some([x, y])
+    }
+
+    /// Flips the edge between two vertices, whatever comes of it.
+    fn flip_side(&mut self, [x, y]: [u32; 2]) {
+        let Some(side) = self.surface.between(x, y) else { return };
+        let faces = [side / 3, self.surface.twin(side) / 3];
+        self.surface.flip(side);
+        for face in faces {
+            self.forget(face);
+            self.grow_tree(face);
+            self.open_around(face);
+        }
+        self.counts.flips += 1;
+    }
+
+    /// Flips the sides beyond which a new vertex is, so that the edge can be split: a crease beside an edge that runs along it has no room.
+    /// The edge afterwards, if it now can be.
+    fn make_room(&mut self, mut h: u32, to: DVec3, on: &[VertexLabel]) -> Option<u32> {
+        let (a, b) = (self.surface.start(h), self.surface.end(h));
+        for _ in 0..MOST_FLIPS {
+            let Some(side) = self.folded(h, to, on) else { return self.splits_apart(h, to).then_some(h) };
+            let beyond = self.surface.twin(side) / 3;
+            if self.is_crease(side) || !self.surface.may_flip(side) || !self.take(&[beyond]) {
+                return None;
+            }
+            let faces = self.flipped(side);
+            let stands = |points: [DVec3; 3]| {
+                let area = area_normal(points);
+                area.dot(area_normal(self.points(side / 3))) > 0.0
+                    && area.dot(area_normal(self.points(beyond))) > 0.0
+            };
+            if !faces.iter().all(|(_, points)| stands(*points)) || self.crosses(&faces, &[side / 3, beyond]) {
+                return None;
+            }
+            self.flip_side([self.surface.start(side), self.surface.end(side)]);
+            h = self.surface.between(a, b)?;
+            let faces = [h / 3, self.surface.twin(h) / 3];
+            faces.iter().for_each(|face| self.taken[*face as usize] = self.round);
+        }
+        None
     }
 
     fn split(&mut self, h: u32, (to, targets, k): (DVec3, &Targets, usize)) {
@@ -187,7 +297,6 @@ impl SurfaceImprover<'_, '_> {
         self.is_open.push(true);
         let aim = self.aim_of([self.surface.start(h), self.surface.start(t)]);
         self.aim_at.push(aim);
-        self.mark.push(0);
         let new = self.label.len() as u32;
         let labels: [FaceLabel; 2] = [self.label[f as usize], self.label[g as usize]];
         self.label.extend(labels);

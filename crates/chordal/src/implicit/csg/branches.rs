@@ -1,0 +1,198 @@
+//! `Branches`: a primitive with steps as one without for each of the values that its steps have.
+//!
+//! In a box that a step runs through, `round(x)` has two values, k and k + 1, and each of both makes a function without a step. The
+//! primitive has the values of one or the other, so both ranges together hold all of its values; and they are far tighter than one for
+//! all numbers from k to k + 1, as of a shape that is repeated: `x − round(x)` would be any number from −1/2 to 1/2. Where a step has one
+//! value throughout, the primitive is one of these functions, with its gradient.
+use crate::implicit::graph::{parts, reachable};
+use crate::implicit::op::{Binary, Unary};
+use crate::implicit::{Graph, LeafError, Tape, Term};
+use crate::math::{Box3, Interval};
+use std::collections::HashMap;
+
+/// Functions that a box is asked for at most in place of one. Chosen: a corner where steps along all three axes meet.
+const MOST: usize = 8;
+/// Terms of all functions of a primitive at most; boxes beyond are asked for as a whole. Defined: some hundred megabytes.
+const MOST_TERMS: usize = 1 << 20;
+
+/// A primitive's steps.
+#[derive(Clone, Debug)]
+pub(super) struct Branches {
+    terms: Vec<Term>,
+    steps: Vec<StepTerm>,
+    /// The functions that were made so far.
+    pub functions: Vec<Tape>,
+    /// By the values of the steps.
+    numbers: HashMap<Vec<i64>, u32>, // No order depends on it.
+}
+
+/// A term that has steps, and what it rounds.
+#[derive(Clone, Debug)]
+struct StepTerm {
+    term: u32,
+    rounded: Tape,
+    how: Rounding,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Rounding {
+    Down,
+    Up,
+    Nearest,
+    /// Down; the term is what is left of the operand when the number is taken away so often.
+    Rest(f64),
+}
+
+impl Branches {
+    /// None where it has no steps, or others than whole parts and rests that do not depend on each other.
+    pub fn of(terms: &[Term]) -> Option<Self> {
+        let mut steps = Vec::new();
+        let mut depends = vec![false; terms.len()];
+        for (k, term) in terms.iter().enumerate() {
+            let how = match term {
+                Term::Unary(Unary::Floor, _) => Some(Rounding::Down),
+                Term::Unary(Unary::Ceil, _) => Some(Rounding::Up),
+                Term::Unary(Unary::Round, _) => Some(Rounding::Nearest),
+                Term::Binary(Binary::Mod, _, b) => match terms[*b as usize] {
+                    Term::Const(period) if period > 0.0 && period.is_finite() => Some(Rounding::Rest(period)),
+                    _ => return None,
+                },
+                Term::Unary(Unary::Not, _) | Term::Binary(Binary::Compare | Binary::And | Binary::Or, ..) => {
+                    return None;
+                }
+                _ => None,
+            };
+            let is_above = parts(term).any(|part| depends[part as usize]);
+            depends[k] = is_above || how.is_some();
+            if let (Some(how), Some(operand)) = (how, parts(term).next()) {
+                if is_above {
+                    return None;
+                }
+                steps.push(StepTerm { term: k as u32, rounded: how.tape(terms, operand), how });
+            }
+        }
+        let terms = terms.to_vec();
+        let numbers = HashMap::new(); // No order depends on it.
+        (!steps.is_empty()).then_some(Self { terms, steps, functions: Vec::new(), numbers })
+    }
+
+    /// For each box the numbers of the functions of which the primitive is one at each point in it; none where there are too many.
+    pub fn over(&mut self, boxes: &[Box3]) -> Result<Vec<Option<Vec<u32>>>, LeafError> {
+        let mut values: Vec<Vec<[i64; 2]>> = Vec::with_capacity(self.steps.len());
+        for step in &self.steps {
+            let mut ranges = vec![Interval::UNKNOWN; boxes.len()];
+            step.rounded.over(boxes, &mut ranges)?;
+            values.push(ranges.iter().map(|range| step.how.values(*range)).collect());
+        }
+        let of_box = |at: usize| {
+            let ends: Vec<[i64; 2]> = values.iter().map(|of_step| of_step[at]).collect();
+            self.functions_of(&ends)
+        };
+        Ok((0..boxes.len()).map(of_box).collect())
+    }
+
+    fn functions_of(&mut self, ends: &[[i64; 2]]) -> Option<Vec<u32>> {
+        let count = ends.iter().map(|[a, b]| b.saturating_sub(*a).saturating_add(1) as usize);
+        if count.fold(1, usize::saturating_mul) > MOST {
+            return None;
+        }
+        let mut all = Vec::new();
+        let mut at: Vec<i64> = ends.iter().map(|[a, _]| *a).collect();
+        loop {
+            all.push(self.function(&at)?);
+            // The next combination of values.
+            let Some(step) = (0..at.len()).find(|k| at[*k] < ends[*k][1]) else { return Some(all) };
+            at[step] += 1;
+            (0..step).for_each(|k| at[k] = ends[k][0]);
+        }
+    }
+
+    fn function(&mut self, at: &[i64]) -> Option<u32> {
+        if let Some(number) = self.numbers.get(at) {
+            return Some(*number);
+        }
+        if (self.functions.len() + 1) * self.terms.len() > MOST_TERMS {
+            return None;
+        }
+        let number = self.functions.len() as u32;
+        self.functions.push(Tape::of_graph(self.graph(at)));
+        self.numbers.insert(at.to_vec(), number);
+        Some(number)
+    }
+
+    /// The terms with these values of the steps. Only what is exact is carried out, so that ranges hold what the primitive has.
+    fn graph(&self, at: &[i64]) -> Graph {
+        let mut terms: Vec<Term> = Vec::with_capacity(self.terms.len());
+        let mut place: Vec<u32> = Vec::with_capacity(self.terms.len());
+        let mut steps = self.steps.iter().zip(at).peekable();
+        for (k, term) in self.terms.iter().enumerate() {
+            let new = |old: &u32| place[*old as usize];
+            let step = steps.next_if(|(step, _)| step.term == k as u32);
+            let made = match (step.map(|(step, value)| (step.how, *value as f64)), term) {
+                (Some((Rounding::Rest(period), times)), Term::Binary(_, a, _)) => {
+                    let first = terms.len() as u32;
+                    terms.extend([Term::Const(times), Term::Const(period)]);
+                    terms.push(Term::Binary(Binary::Mul, first, first + 1));
+                    Term::Binary(Binary::Sub, new(a), first + 2)
+                }
+                (Some((_, value)), _) => Term::Const(value),
+                (None, Term::Unary(op, a)) => unary(&terms, *op, new(a)),
+                (None, Term::Binary(op, a, b)) => binary(&terms, *op, new(a), new(b)),
+                (None, Term::Leaf(leaf, at)) => Term::Leaf(leaf.clone(), at.each_ref().map(new)),
+                (None, Term::Const(_) | Term::Axis(_)) => term.clone(),
+            };
+            terms.push(made);
+            place.push(terms.len() as u32 - 1);
+        }
+        let root = terms.len() as u32 - 1;
+        Graph::of_terms(reachable(terms, root))
+    }
+}
+
+fn unary(terms: &[Term], op: Unary, a: u32) -> Term {
+    match (op, &terms[a as usize]) {
+        (Unary::Neg | Unary::Abs, Term::Const(value)) => Term::Const(op.of(*value)),
+        _ => Term::Unary(op, a),
+    }
+}
+
+fn binary(terms: &[Term], op: Binary, a: u32, b: u32) -> Term {
+    match (op, &terms[a as usize], &terms[b as usize]) {
+        (Binary::Min | Binary::Max, Term::Const(x), Term::Const(y)) => Term::Const(op.of(*x, *y)),
+        // Whole numbers below 2⁵³.
+        (Binary::Add | Binary::Sub, Term::Const(x), Term::Const(y)) if is_small(*x) && is_small(*y) => {
+            Term::Const(op.of(*x, *y))
+        }
+        _ => Term::Binary(op, a, b),
+    }
+}
+
+fn is_small(x: f64) -> bool {
+    x.fract() == 0.0 && x.abs() < f64::from(1_u32 << 31)
+}
+
+impl Rounding {
+    /// What is rounded to a whole number.
+    fn tape(self, terms: &[Term], operand: u32) -> Tape {
+        let mut terms = terms[..=operand as usize].to_vec();
+        let mut root = operand;
+        if let Self::Rest(period) = self {
+            terms.extend([Term::Const(period), Term::Binary(Binary::Div, operand, operand + 1)]);
+            root = operand + 2;
+        }
+        Tape::of_graph(Graph::of_terms(reachable(terms, root)))
+    }
+
+    /// The first and last whole number over a range; all where that is not known.
+    fn values(self, range: Interval) -> [i64; 2] {
+        if !range.is_defined() {
+            return [i64::MIN, i64::MAX];
+        }
+        let whole = |x: f64| match self {
+            Self::Down | Self::Rest(_) => x.floor(),
+            Self::Up => x.ceil(),
+            Self::Nearest => x.round(),
+        };
+        [range.lo(), range.hi()].map(|x| whole(x) as i64)
+    }
+}
