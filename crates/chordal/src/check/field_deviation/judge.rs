@@ -77,6 +77,18 @@ impl<'a> FieldJudge<'a> {
     /// Judges a mesh. All faces of one that is not closed are open: at each edge, by index or by position, as many half-edges have to run
     /// one way as the other.
     pub fn look(&mut self, mesh: &Mesh, goal: &SandwichGoal) -> Result<Verdict, Stopped> {
+        let verdict = self.look_between(mesh, goal)?;
+        let is_hidden = verdict.open.iter().all(Vec::is_empty) && !verdict.unresolved.is_empty();
+        match goal.wider().filter(|_| is_hidden) {
+            Some(wider) => {
+                let wide = self.look_between(mesh, &wider)?;
+                Ok(if wide.is_proved() { wide } else { verdict })
+            }
+            None => Ok(verdict),
+        }
+    }
+
+    fn look_between(&mut self, mesh: &Mesh, goal: &SandwichGoal) -> Result<Verdict, Stopped> {
         let Some(tied) = TiedMesh::closed(mesh) else {
             let all: Vec<u32> = (0..mesh.faces().len() as u32).collect();
             let bounds = vec![f64::INFINITY; all.len()];

@@ -33,7 +33,7 @@ pub(super) fn judged(search: &Search, bvh: &Bvh) -> Result<Option<FieldDeviation
     let mut judge = FieldJudge::new(&csg, &search.bounds, search.job).map_err(failed)?;
     let mut look = |limit: Option<f64>, margin: f64| -> Result<Option<Verdict>, Stopped> {
         search.cancelled()?;
-        let verdict = judge.look(search.mesh, &SandwichGoal { limit, margin })?;
+        let verdict = judge.look(search.mesh, &SandwichGoal::new(limit, margin))?;
         Ok(verdict.is_proved().then_some(verdict))
     };
     if let Some(max) = search.goal.max

@@ -10,7 +10,7 @@ use super::local_trees::LocalTree;
 use super::regions::SignRegions;
 use crate::explicit::Mesh;
 use crate::implicit::{CsgNode, LeafError, PrimitiveEvaluator, Slope};
-use crate::math::{Box3, dot, length};
+use crate::math::{Box3, cross, difference, dot, length};
 
 /// What a face asks of its corners: `direction · displacement ≥ lack + share · margin` at each.
 #[derive(Clone, Copy, Debug)]
@@ -116,6 +116,7 @@ pub(super) fn demands(
 ) -> Result<[Demands; 2], LeafError> {
     let bands: Vec<f64> = reaches.iter().map(|reach| 2.0 * reach).collect();
     let samples = FaceSamples::of(regions, evaluator, mesh, &bands)?;
+    let normals = normals(mesh);
     let mut found = [Demands::default(), Demands::default()];
     for (face, tree) in samples.trees.iter().enumerate() {
         found.iter_mut().for_each(|demands| demands.starts.push(demands.all.len() as u32));
@@ -124,7 +125,11 @@ pub(super) fn demands(
         let own = &samples.slopes[samples.starts[face]..][..local.primitives.len() * SAMPLES.len()];
         let distances: Vec<f64> = own.iter().map(distance).collect();
         for (side, demands) in found.iter_mut().enumerate() {
-            let raised = raised(local, &distances, side == 1, bands[face]);
+            let mean = sum(mesh.faces()[face].map(|v| normals[v as usize]));
+            let outward = if side == 1 { mean.map(|x| -x) } else { mean };
+            let face_samples =
+                FaceDistances { local, slopes: own, distances: &distances, outward, band: bands[face] };
+            let raised = face_samples.raised(side == 1);
             let demand = |literal| demand(own, &distances, literal, reaches[face]);
             demands.all.extend(raised.iter().filter_map(demand));
         }
@@ -151,7 +156,15 @@ struct RaisedLiteral {
 struct NodeSamples {
     values: [f64; SAMPLES.len()],
     literals: Vec<RaisedLiteral>,
+    /// Whether some of them is raised across the way that the mesh is displaced anyway.
+    is_across: bool,
 }
+
+/// Primitives whose gradients have a smaller cosine with the normal of the mesh are raised across it.
+const ACROSS: f64 = 0.3;
+/// By this share of a band a primitive that is raised across is taken to lack more than it does: what is asked of one face may be the
+/// opposite of what is asked of the next, as on both sides of a face that two solids share. Chosen.
+const DETOUR: f64 = 0.25;
 
 impl NodeSamples {
     /// The least value but for the corners, where several primitives may be equal of which most have nothing to do with the face.
@@ -161,8 +174,9 @@ impl NodeSamples {
 
     /// Of several the one that lacks the least; where that lacks more than can be raised, the largest one at each sample.
     fn any_of(mut operands: Vec<Self>, band: f64) -> Self {
+        let rank = |one: &Self| if one.is_across { one.least() - DETOUR * band } else { one.least() };
         let best = (0..operands.len())
-            .reduce(|a, b| if operands[b].least() > operands[a].least() { b } else { a })
+            .reduce(|a, b| if rank(&operands[b]) > rank(&operands[a]) { b } else { a })
             .expect("an operator has operands");
         if operands[best].least() >= -band {
             return operands.swap_remove(best);
@@ -172,6 +186,7 @@ impl NodeSamples {
             (0..operands.len()).fold(0, |a, b| if value(b) > value(a) { b } else { a })
         });
         let values = std::array::from_fn(|k| operands[largest[k]].values[k]);
+        let is_across = operands.iter().any(|one| one.is_across);
         let mut literals = Vec::new();
         for (number, operand) in operands.into_iter().enumerate() {
             let its = (0..SAMPLES.len()).filter(|k| largest[*k] == number).fold(0, |all, k| all | 1 << k);
@@ -179,54 +194,99 @@ impl NodeSamples {
                 operand.literals.into_iter().map(|of| RaisedLiteral { samples: of.samples & its, ..of });
             literals.extend(kept.filter(|of| of.samples != 0));
         }
-        Self { values, literals }
+        Self { values, literals, is_across }
     }
 }
 
-/// The literals that have to be on a side for the whole face. To be inside is for the complement to be outside, so with `inward` all signs are
-/// turned, and so are unions and intersections. Of an intersection that is to be outside it is the operand that lacks the least.
-fn raised(local: &LocalTree, distances: &[f64], inward: bool, band: f64) -> Vec<RaisedLiteral> {
-    let mut stack: Vec<NodeSamples> = Vec::new();
-    for node in local.tree.nodes() {
-        let result = match *node {
-            CsgNode::Primitive(p) | CsgNode::Complement(p) => {
-                let place = local.place(p);
-                let falls = matches!(node, CsgNode::Complement(_)) != inward;
-                let values: [f64; SAMPLES.len()] = std::array::from_fn(|sample| {
-                    let value = distances[place * SAMPLES.len() + sample];
-                    if falls { -value } else { value }
-                });
-                let near = (3..SAMPLES.len()).filter(|k| values[*k] < band);
-                let samples = near.fold(0, |all, k| all | 1 << k);
-                let literal = RaisedLiteral { place: place as u32, falls, samples };
-                NodeSamples { values, literals: if samples == 0 { Vec::new() } else { vec![literal] } }
-            }
-            CsgNode::Union(n) | CsgNode::Intersection(n) => {
-                let operands = stack.split_off(stack.len() - n as usize).into_iter();
-                let needs_all = matches!(node, CsgNode::Union(_)) != inward;
-                let whole = if needs_all {
-                    operands.reduce(|mut a, b| {
-                        a.values.iter_mut().zip(b.values).for_each(|(a, b)| *a = if b < *a { b } else { *a });
-                        a.literals.extend(b.literals);
-                        a
-                    })
-                } else {
-                    let operands: Vec<NodeSamples> = operands.collect();
-                    Some(NodeSamples::any_of(operands, band))
-                };
-                whole.expect("an operator has operands")
-            }
-        };
-        stack.push(result);
+/// The primitives about a face at its samples.
+struct FaceDistances<'a> {
+    local: &'a LocalTree,
+    slopes: &'a [Slope<f64>],
+    distances: &'a [f64],
+    /// The way that the mesh is displaced here; of any length.
+    outward: [f64; 3],
+    band: f64,
+}
+
+impl FaceDistances<'_> {
+    /// The literals that have to be on a side for the whole face. To be inside is for the complement to be outside, so with `inward` all
+    /// signs are turned, and so are unions and intersections. Of an intersection that is to be outside it is the operand that lacks the
+    /// least.
+    fn raised(&self, inward: bool) -> Vec<RaisedLiteral> {
+        let mut stack: Vec<NodeSamples> = Vec::new();
+        for node in self.local.tree.nodes() {
+            let result = match *node {
+                CsgNode::Primitive(p) | CsgNode::Complement(p) => {
+                    self.literal(p, matches!(node, CsgNode::Complement(_)) != inward)
+                }
+                CsgNode::Union(n) | CsgNode::Intersection(n) => {
+                    let operands = stack.split_off(stack.len() - n as usize).into_iter();
+                    let needs_all = matches!(node, CsgNode::Union(_)) != inward;
+                    let whole = if needs_all {
+                        operands.reduce(|mut a, b| {
+                            a.values
+                                .iter_mut()
+                                .zip(b.values)
+                                .for_each(|(a, b)| *a = if b < *a { b } else { *a });
+                            a.literals.extend(b.literals);
+                            a.is_across |= b.is_across;
+                            a
+                        })
+                    } else {
+                        Some(NodeSamples::any_of(operands.collect(), self.band))
+                    };
+                    whole.expect("an operator has operands")
+                }
+            };
+            stack.push(result);
+        }
+        let mut all = stack.pop().expect("a tree has one result").literals;
+        all.sort_unstable();
+        all.dedup_by(|next, kept| {
+            let is_same = next.place == kept.place && next.falls == kept.falls;
+            kept.samples |= if is_same { next.samples } else { 0 };
+            is_same
+        });
+        all
     }
-    let mut all = stack.pop().expect("a tree has one result").literals;
-    all.sort_unstable();
-    all.dedup_by(|next, kept| {
-        let is_same = next.place == kept.place && next.falls == kept.falls;
-        kept.samples |= if is_same { next.samples } else { 0 };
-        is_same
-    });
-    all
+
+    fn literal(&self, primitive: u32, falls: bool) -> NodeSamples {
+        let place = self.local.place(primitive);
+        let first = place * SAMPLES.len();
+        let values: [f64; SAMPLES.len()] = std::array::from_fn(|sample| {
+            let value = self.distances[first + sample];
+            if falls { -value } else { value }
+        });
+        let near = (3..SAMPLES.len()).filter(|k| values[*k] < self.band);
+        let samples = near.fold(0, |all, k| all | 1 << k);
+        if samples == 0 {
+            return NodeSamples { values, literals: Vec::new(), is_across: false };
+        }
+        let gradient = self.slopes[first + SAMPLES.len() - 1].gradient;
+        let along = dot(gradient, self.outward) * if falls { -1.0 } else { 1.0 };
+        let cosine = along / (length(gradient) * length(self.outward));
+        let is_across = cosine.is_nan() || cosine < ACROSS;
+        let literals = vec![RaisedLiteral { place: place as u32, falls, samples }];
+        NodeSamples { values, literals, is_across }
+    }
+}
+
+/// By vertex the sum of the normals of the faces around it, each as long as twice its area.
+fn normals(mesh: &Mesh) -> Vec<[f64; 3]> {
+    let mut normals = vec![[0.0; 3]; mesh.positions().len()];
+    for (face, corners) in mesh.faces().iter().enumerate() {
+        let [a, b, c] = mesh.corners(face);
+        let normal = cross(difference(b, a), difference(c, a));
+        for v in corners {
+            let of = &mut normals[*v as usize];
+            *of = sum([*of, normal, [0.0; 3]]);
+        }
+    }
+    normals
+}
+
+fn sum(vectors: [[f64; 3]; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| vectors[0][k] + vectors[1][k] + vectors[2][k])
 }
 
 /// What a literal asks of the corners of a face; nothing where its gradient says nothing.

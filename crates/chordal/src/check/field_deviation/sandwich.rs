@@ -46,6 +46,25 @@ pub(crate) struct SandwichGoal {
     pub limit: Option<f64>,
     /// The first margin as a share of what samples ask for.
     pub margin: f64,
+    /// It is at least this share of the limit.
+    pub least_share: f64,
+}
+
+impl SandwichGoal {
+    /// Strays of flat faces end at once, and bounds of flat parts are small. Chosen.
+    const CLOSE: f64 = 1.0 / 64.0;
+    /// There is room between the copies for cells that nothing else settles. Chosen.
+    const WIDE: f64 = 0.25;
+
+    pub fn new(limit: Option<f64>, margin: f64) -> Self {
+        Self { limit, margin, least_share: Self::CLOSE }
+    }
+
+    /// The same with copies farther from each other, if they may be.
+    pub(super) fn wider(&self) -> Option<Self> {
+        let may_be = self.limit.is_some() && self.least_share < Self::WIDE;
+        may_be.then_some(Self { least_share: Self::WIDE, ..*self })
+    }
 }
 
 /// Rounds at most: margins grow to 4⁶ times their first size.
@@ -56,8 +75,6 @@ const ATTEMPTS: usize = 3;
 const FARTHER: f64 = 16.0;
 /// By this a margin grows where the proof fails. Chosen: strays of pieces fall to a quarter by two cuts.
 const GROWTH: f64 = 4.0;
-/// The first margin is at least this share of a limit: strays of flat faces end at once, and bounds of flat parts are small. Chosen.
-const LIMIT_SHARE: f64 = 1.0 / 64.0;
 /// At least this share of the largest coordinate, 2⁻⁴⁴: some hundred roundings.
 const LEAST_SHARE: f64 = 256.0 * f64::EPSILON;
 /// After a first failure a margin is at least this share of the face, derived from nothing but the number of rounds: it grows to the face's size.
@@ -185,7 +202,7 @@ impl SandwichBuilder<'_> {
         let p = self.mesh.positions()[vertex as usize];
         let reach = p.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
         let least = LEAST_SHARE * reach;
-        let of_limit = self.goal.limit.map_or(0.0, |limit| LIMIT_SHARE * limit);
+        let of_limit = self.goal.limit.map_or(0.0, |limit| self.goal.least_share * limit);
         self.goal.margin * lack + if of_limit > least { of_limit } else { least }
     }
 

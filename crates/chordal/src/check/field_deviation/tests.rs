@@ -70,7 +70,7 @@ fn on_threads(field: &Field, mesh: &Mesh, limit: Option<f64>, threads: usize) ->
     let job = Job::default().with_threads(threads);
     let csg = Csg::of(field.sign());
     let mut judge = FieldJudge::new(&csg, &field.bounds(), &job).unwrap();
-    judge.look(mesh, &SandwichGoal { limit, margin: 0.25 }).unwrap()
+    judge.look(mesh, &SandwichGoal::new(limit, 0.25)).unwrap()
 }
 
 /// How far the flattest point of any face is below a sphere, exactly but for rounding.
@@ -113,7 +113,7 @@ fn work_follows_the_faces() {
     let csg = Csg::of(field.sign());
     let mut judge = FieldJudge::new(&csg, &field.bounds(), &job).unwrap();
     let limit = Some(1.25 * sagitta(&mesh, 1.0));
-    judge.look(&mesh, &SandwichGoal { limit, margin: 0.5 }).unwrap();
+    judge.look(&mesh, &SandwichGoal::new(limit, 0.5)).unwrap();
     let first = judge.n_boxes();
     assert!(first <= 90 * mesh.faces().len() as u64, "{first}");
 }
@@ -241,7 +241,7 @@ fn a_thin_wall_takes_few_cells() {
     assert!(judge.n_boxes() < 30_000, "{}", judge.n_boxes());
     // Both sheets are needed: a cover that looked past the wall would be content with none.
     let outer = ball([0.0; 3], 1.0, 3);
-    let found = judge.look(&outer, &SandwichGoal { limit: None, margin: 0.25 }).unwrap();
+    let found = judge.look(&outer, &SandwichGoal::new(None, 0.25)).unwrap();
     assert!(found.unresolved.is_empty() && !found.wrong.is_empty());
 }
 

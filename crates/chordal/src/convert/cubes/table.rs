@@ -57,13 +57,6 @@ pub(in crate::convert) static TABLE: LazyLock<Table> = LazyLock::new(|| {
     Table { upright, mirrored }
 });
 
-/// The loops of all cells, by the bits of their inside corners, in the order of their triangles: crossed edges counter-clockwise
-/// seen from outside of the shape. A loop of n edges has n − 2 triangles.
-pub(in crate::convert) static RINGS: LazyLock<Vec<Vec<Vec<u8>>>> = LazyLock::new(|| {
-    let upright = |signs: u8| loops(signs).into_iter().map(|ring| ring.into_iter().rev().collect()).collect();
-    (0..=255).map(upright).collect()
-});
-
 /// Whether the two ends of an edge differ.
 pub(in crate::convert) fn is_crossed(signs: u8, edge: usize) -> bool {
     let [a, b] = EDGES[edge];

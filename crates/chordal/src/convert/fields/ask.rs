@@ -1,5 +1,4 @@
 //! A field asked for many points at once.
-use super::planes::Plane;
 use crate::budget::{Job, par_map};
 use crate::implicit::{LeafError, Slope, Tape};
 
@@ -23,10 +22,5 @@ impl Ask<'_> {
             self.tape.gradient_at(part, &mut out).map(|()| out)
         });
         Ok(slopes.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
-    }
-
-    /// The planes that the field looks like from the points.
-    pub(super) fn planes(&self, points: &[[f64; 3]]) -> Result<Vec<Option<Plane>>, LeafError> {
-        Ok(self.slopes(points)?.iter().zip(points).map(|(slope, p)| Plane::of(*p, slope)).collect())
     }
 }

@@ -34,6 +34,21 @@ impl OpenTree {
         }
         Self { tree, primitives, polarity }
     }
+
+    /// Whether a primitive that stands in the tree with its complement leaves one side whatever it is: nothing of the boundary is where it
+    /// vanishes, as between two solids that share a face.
+    fn is_cancelled(&self) -> bool {
+        let is_mixed = |polarity: &Polarity| polarity.plain && polarity.complemented;
+        let mixed = self.primitives.iter().zip(&self.polarity).filter(|(_, polarity)| is_mixed(polarity));
+        mixed.map(|(p, _)| *p).any(|p| {
+            let with =
+                |side: Membership| self.tree.restricted(|q| if q == p { side } else { Membership::Unknown });
+            match (with(Membership::Inside), with(Membership::Outside)) {
+                (Restricted::Decided(a), Restricted::Decided(b)) => a == b,
+                _ => false,
+            }
+        })
+    }
 }
 
 /// Where a primitive is in an ascending list that has it.
@@ -67,14 +82,14 @@ pub(super) fn side([low, high]: [f64; 2], zero: Zero) -> Membership {
 /// What is left of a tree when primitives have sides; none where it is decided.
 pub(super) fn restricted(open: &Arc<OpenTree>, sides: &[Membership]) -> Option<Arc<OpenTree>> {
     if sides.iter().all(|side| *side == Membership::Unknown) {
-        return Some(Arc::clone(open));
+        return (!open.is_cancelled()).then(|| Arc::clone(open));
     }
     if open.primitives.len() == 1 {
         return None;
     }
     match open.tree.restricted(|p| sides[place(&open.primitives, p)]) {
         Restricted::Decided(_) => None,
-        Restricted::Open(tree) => Some(Arc::new(OpenTree::of(tree))),
+        Restricted::Open(tree) => Some(Arc::new(OpenTree::of(tree))).filter(|left| !left.is_cancelled()),
     }
 }
 

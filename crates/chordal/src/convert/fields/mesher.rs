@@ -12,6 +12,8 @@ const MOST_CUTS: usize = 3;
 /// Cells have edges of at most this share of the longest side of the bounds. Chosen: an eighth sees most shapes at once; what is smaller is seen
 /// by ranges.
 const COARSEST: f64 = 0.5;
+/// The same where functions are known by samples. Chosen: features of a tenth of the bounds are seen.
+const SAMPLED: f64 = 1.0 / 24.0;
 /// Cells are not cut below this share of the tolerance,
 const FLOOR: f64 = 0.5;
 /// nor below this share of the longest side of the bounds: where the tolerance is coarse, the shape still takes the cells that it takes.
@@ -44,6 +46,8 @@ pub(in crate::convert) struct Wanted {
 /// Where a field is meshed, and for whom.
 pub(super) struct FieldMesher<'a> {
     pub bounds: Box3,
+    /// Whether some function is known by samples, with no ranges of its slopes.
+    pub is_sampled: bool,
     pub job: &'a Job,
 }
 
@@ -74,6 +78,14 @@ impl From<Unimproved> for Failure<Mesh> {
     }
 }
 
+/// What is wrong when neighbours disagree about a face that they share: only what a leaf says can make them.
+fn contradiction() -> LeafError {
+    LeafError::new(
+        "a leaf contradicts itself: a value lies outside of the range that it gave for a box around the point, \
+         or two calls gave different values for one point",
+    )
+}
+
 pub(super) fn leaf_failed(error: LeafError) -> Failure<Mesh> {
     Failure::refused(Code::LeafFailed, error.message)
 }
@@ -88,6 +100,28 @@ pub(super) fn closed(field: &Field) -> Expr {
         sign = (axis - (max[k] + room)).max(&sign);
     }
     sign
+}
+
+/// Whether functions of the user have ranges of slopes at some spot; expressions have.
+pub(super) fn knows_slopes(evaluator: &mut PrimitiveEvaluator, bounds: &Box3) -> Result<bool, Failure<Mesh>> {
+    let primitives = evaluator.csg().primitives();
+    let mut left: Vec<u32> =
+        (0..primitives.len() as u32).filter(|p| primitives[*p as usize].tape().has_leaves()).collect();
+    let Box3 { min, max } = *bounds;
+    let size = SPOT * longest(bounds);
+    for shares in SPOTS {
+        let corner: [f64; 3] = std::array::from_fn(|k| min[k] + shares[k] * (max[k] - min[k]));
+        let spot = Box3 { min: corner, max: corner.map(|x| x + size) };
+        let questions: Vec<(u32, Box3)> = left.iter().map(|p| (*p, spot)).collect();
+        let mut ranges = evaluator.slope_ranges(&questions).map_err(leaf_failed)?.into_iter();
+        left.retain(|_| ranges.next().is_some_and(|range| range.gradient.is_none()));
+    }
+    Ok(left.is_empty())
+}
+
+/// The longest side of a box.
+fn longest(bounds: &Box3) -> f64 {
+    (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, |a, b| if b > a { b } else { a })
 }
 
 impl<'a> FieldMesher<'a> {
@@ -108,7 +142,11 @@ impl<'a> FieldMesher<'a> {
                 return Err(Failure::refused(Code::Empty, "there is no surface to mesh"));
             }
             let start = RawSurface { positions: raw.positions, faces: raw.faces, labels: raw.labels };
-            let surface = SurfaceImprover::new(&start, evaluator, tol, self.job)?;
+            let has_leaves = evaluator.csg().primitives().iter().any(|p| p.tape().has_leaves());
+            let surface = match SurfaceImprover::new(&start, evaluator, tol, self.job) {
+                Err(Unimproved::NotManifold) if has_leaves => return Err(leaf_failed(contradiction())),
+                made_or_failed => made_or_failed?,
+            };
             let held: Vec<Place> =
                 surface.held().iter().map(|held| Place { at: held.at, size: 0.5 * held.size }).collect();
             if held.is_empty() || cuts == MOST_CUTS {
@@ -123,26 +161,8 @@ impl<'a> FieldMesher<'a> {
         // Estimates of what is still coarse are too high by up to about this; the work itself keeps to the limits.
         self.check_size(needs / OVERESTIMATE)?;
         surface.improve()?;
+        self.check_size(surface.n_faces() as f64)?;
         Ok(surface)
-    }
-
-    /// Whether functions of the user have ranges, and slopes at some spot; expressions have.
-    pub fn knows_slopes(&self, evaluator: &mut PrimitiveEvaluator<'a>) -> Result<bool, Failure<Mesh>> {
-        if !evaluator.csg().evidence().bounds_above() {
-            return Ok(false);
-        }
-        let primitives = evaluator.csg().primitives();
-        let mut left: Vec<u32> =
-            (0..primitives.len() as u32).filter(|p| primitives[*p as usize].tape().has_leaves()).collect();
-        let Box3 { min, max } = self.bounds;
-        for shares in SPOTS {
-            let corner: [f64; 3] = std::array::from_fn(|k| min[k] + shares[k] * (max[k] - min[k]));
-            let spot = Box3 { min: corner, max: corner.map(|x| x + SPOT * self.longest()) };
-            let questions: Vec<(u32, Box3)> = left.iter().map(|p| (*p, spot)).collect();
-            let mut ranges = evaluator.slope_ranges(&questions).map_err(leaf_failed)?.into_iter();
-            left.retain(|_| ranges.next().is_some_and(|range| range.gradient.is_none()));
-        }
-        Ok(left.is_empty())
     }
 
     fn grid_options(&self, tol: f64) -> GridOptions {
@@ -150,13 +170,13 @@ impl<'a> FieldMesher<'a> {
         GridOptions {
             bounds: self.bounds,
             floor: if detail < floor { detail } else { floor },
-            coarsest: COARSEST * self.longest(),
+            coarsest: if self.is_sampled { SAMPLED } else { COARSEST } * self.longest(),
         }
     }
 
     /// The longest side of the bounds.
     pub fn longest(&self) -> f64 {
-        (0..3).map(|k| self.bounds.max[k] - self.bounds.min[k]).fold(0.0, |a, b| if b > a { b } else { a })
+        longest(&self.bounds)
     }
 
     /// Faces that the job has room for.

@@ -1,22 +1,14 @@
-//! How a field becomes triangles: adaptive cells, the boundary of a CSG tree in them, its improvement, and the proof. Fields whose slopes are not
-//! known are meshed on a lattice (`by_lattice`).
+//! How a field becomes triangles: adaptive cells, the boundary of a CSG tree in them, its improvement, and the proof.
 mod arrangement;
 mod ask;
-mod bricks;
-mod by_lattice;
 mod cells;
 mod extract;
 mod fan;
 mod grid;
 mod growth;
 mod improve;
-mod lattice;
 mod mesher;
-mod planes;
-mod polygonize;
-mod refine;
 mod search;
-mod sharpen;
 mod tetrahedra;
 mod vertex_values;
 

@@ -1,7 +1,6 @@
 //! From a budget to a mesh of a field: by a length, by a number of triangles, proved or measured.
-use super::by_lattice::search_lattice;
 use super::improve::SurfaceImprover;
-use super::mesher::{FieldMesher, Wanted, closed, leaf_failed};
+use super::mesher::{FieldMesher, Wanted, closed, knows_slopes, leaf_failed};
 use crate::budget::{Bounded, Code, Failure, Job, Progress, Tolerance};
 use crate::check::{FieldJudge, Goal, SandwichGoal, field_deviation, judged_bound, measured_field_deviation};
 use crate::explicit::Mesh;
@@ -9,8 +8,12 @@ use crate::implicit::{Csg, Field, PrimitiveEvaluator};
 
 /// Rounds in which faces that are not proved are split. Measured: 0 to 5 on the models of the tests; what is open then stays so.
 const MOST_ROUNDS: usize = 10;
+/// After so many rounds in a row with more open faces than before nothing will be proved.
+const HOPELESS: usize = 2;
 /// The first margin of a proof with a limit, as a share of what samples ask for. As in [`crate::check::field_deviation`].
 const MARGIN: f64 = 0.5;
+/// What is aimed at, as a share of the length, where a proof has values alone. Chosen: the rest is what a sign is proved with.
+const SAMPLED: f64 = 0.5;
 /// Meshes made at most for a number of triangles.
 const MOST_TRIALS: usize = 10;
 /// A mesh with this share of the triangles that are allowed is good enough.
@@ -23,24 +26,16 @@ type Outcome = Result<Bounded<Mesh>, Failure<Mesh>>;
 /// A mesh within what is wanted, or the best.
 pub(in crate::convert) fn search(field: &Field, wanted: &Wanted, job: &Job) -> Outcome {
     let solid = Csg::of(&closed(field));
-    let mesher = FieldMesher { bounds: field.bounds(), job };
     let mut evaluator = PrimitiveEvaluator::new(&solid, &field.bounds(), job);
-    if !mesher.knows_slopes(&mut evaluator)? {
-        return search_lattice(field, wanted, job);
-    }
+    let is_sampled = !knows_slopes(&mut evaluator, &field.bounds())?;
+    let mesher = FieldMesher { bounds: field.bounds(), is_sampled, job };
     let is_measured = wanted.measured || !field.evidence().bounds_above();
     let search = Search { field, mesher: &mesher, wanted, is_measured, job };
     match (wanted.length, wanted.triangles) {
         (None, Some(most)) => search.by_count(evaluator, most),
-        (Some(length), most) => match search.by_length(evaluator, length) {
-            Ok(made) => search.counted(made, most),
-            // What few triangles do not prove, smaller cells all over may.
-            Err(Failure::Unmet(best)) => match search_lattice(field, wanted, job) {
-                Err(Failure::Unmet(_) | Failure::Refused(_)) => Err(Failure::Unmet(best)),
-                met_or_cancelled => met_or_cancelled,
-            },
-            Err(other) => Err(other),
-        },
+        (Some(length), most) => {
+            search.by_length(evaluator, length).and_then(|made| search.counted(made, most))
+        }
         (None, None) => Err(Failure::refused(Code::Budget, "the budget has no length and no count")),
     }
 }
@@ -57,14 +52,17 @@ struct Search<'s> {
 impl<'s> Search<'s> {
     fn by_length(&self, evaluator: PrimitiveEvaluator<'s>, length: Tolerance) -> Outcome {
         self.mesher.check_precision(length.get())?;
-        let mut improved = self.mesher.improved(evaluator, length.get())?;
+        // Without slopes signs are proved by values alone, on pieces as small as what is left of the length.
+        let share = if self.mesher.is_sampled && !self.is_measured { SAMPLED } else { 1.0 };
+        let mut improved = self.mesher.improved(evaluator, share * length.get())?;
         if self.is_measured {
             let made = self.measured(mesh_of(&improved).0)?;
             return if self.wanted.measured { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) };
         }
         let csg = Csg::of(self.field.sign());
         let mut judge = FieldJudge::new(&csg, &self.field.bounds(), self.job).map_err(leaf_failed)?;
-        let goal = SandwichGoal { limit: Some(length.get()), margin: MARGIN };
+        let goal = SandwichGoal::new(Some(length.get()), MARGIN);
+        let (mut n_open, mut n_worse) = (usize::MAX, 0);
         for round in 0..MOST_ROUNDS {
             self.job.report(Progress { stage: "prove", done: round as u64, total: MOST_ROUNDS as u64 });
             let (mesh, numbers) = mesh_of(&improved);
@@ -76,7 +74,10 @@ impl<'s> Search<'s> {
             let mut open: Vec<u32> = verdict.open.iter().flatten().map(|f| numbers[*f as usize]).collect();
             open.sort_unstable();
             open.dedup();
-            if improved.split_faces(&open)? == 0 {
+            // Where a mesh is not near the surface at all, all of it is open however small its faces are.
+            n_worse = if open.len() > n_open { n_worse + 1 } else { 0 };
+            n_open = open.len();
+            if n_worse == HOPELESS || improved.split_faces(&open)? == 0 {
                 break;
             }
             self.mesher.check_size(improved.n_faces() as f64)?;
@@ -147,7 +148,7 @@ impl<'s> Search<'s> {
         }
         let csg = Csg::of(self.field.sign());
         let mut judge = FieldJudge::new(&csg, &self.field.bounds(), self.job).map_err(leaf_failed)?;
-        let verdict = judge.look(&mesh, &SandwichGoal { limit: None, margin: MARGIN })?;
+        let verdict = judge.look(&mesh, &SandwichGoal::new(None, MARGIN))?;
         if verdict.is_proved() {
             let bound = judged_bound(&mesh, self.field, &verdict, self.job)?;
             return Ok(Bounded { shape: mesh, bound });

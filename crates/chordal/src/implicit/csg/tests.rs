@@ -218,7 +218,9 @@ fn ranges_of_slopes_are_tight_where_coordinates_have_one_sign() {
     let far = over(&ring, Box3 { min: [3.0, 4.0, 0.0], max: [3.0, 4.0, 1.0] });
     assert!((far[0].lo() - 0.6).abs() < 1e-14 && (far[1].hi() - 0.8).abs() < 1e-14, "{far:?}");
     let tip = over(&ring, Box3 { min: [0.0, -1.0, 0.0], max: [1.0, 1.0, 1.0] });
-    assert!(tip[0].lo() == 0.0 && tip[0].hi() == 1.0 && tip[1].lo() == -1.0 && tip[1].hi() == 1.0, "{tip:?}");
+    let is_near = |a: f64, b: f64| (a - b).abs() < 1e-14;
+    assert!(is_near(tip[0].lo(), 0.0) && is_near(tip[0].hi(), 1.0), "{tip:?}");
+    assert!(is_near(tip[1].lo(), -1.0) && is_near(tip[1].hi(), 1.0), "{tip:?}");
 }
 
 #[test]

@@ -21,6 +21,7 @@ use crate::implicit::{LeafError, PrimitiveEvaluator};
 use face_tree::FaceTree;
 use glam::DVec3;
 use sample::Sample;
+use split::MOST_REPAIRS;
 
 /// A primitive and the side of it that is outside: twice its number, plus one where it stands as its complement.
 pub(crate) type FaceLabel = u32;
@@ -112,6 +113,8 @@ pub(crate) struct SurfaceImprover<'a> {
     taken: Vec<u32>,
     round: u32,
     tree: FaceTree,
+    /// The limit of the job, or what there is at first, of which collapses leave few.
+    most_faces: u64,
     /// Whether vertices that others are in the way of may stop before.
     goes_by_parts: bool,
     held: Vec<HeldVertex>,
@@ -152,6 +155,11 @@ impl<'a> SurfaceImprover<'a> {
             round: 0,
             tree: FaceTree::default(),
             goes_by_parts: false,
+            most_faces: if raw.faces.len() as u64 > job.triangle_limit {
+                raw.faces.len() as u64
+            } else {
+                job.triangle_limit
+            },
             held: Vec::new(),
             counts: Counts::default(),
         };
@@ -175,7 +183,7 @@ impl<'a> SurfaceImprover<'a> {
         self.aim_at_walls()?;
         let mut last = self.surface.n_faces();
         for cycle in 0..MOST_CYCLES {
-            self.split_far()?;
+            self.split_far(MOST_REPAIRS)?;
             self.collapse_all()?;
             self.flip_all()?;
             let now = self.surface.n_faces();
@@ -186,7 +194,7 @@ impl<'a> SurfaceImprover<'a> {
             last = now;
         }
         for _ in 0..MOST_CHECKS {
-            self.split_far()?;
+            self.split_far(MOST_REPAIRS)?;
             if self.split_edges_of_refuted()? == 0 {
                 break;
             }
@@ -207,7 +215,8 @@ impl<'a> SurfaceImprover<'a> {
         let n = self.split_edges(worst)?;
         self.goes_by_parts = false;
         self.flip_all()?;
-        self.split_far()?;
+        // A repair may take away what the proof has already.
+        self.split_far(0)?;
         let off = self.unsettled();
         self.settle(&off)?;
         Ok(n)
@@ -294,7 +303,7 @@ impl<'a> SurfaceImprover<'a> {
         let n_slots = self.surface.face_slots() as u64;
         if self.job.is_cancelled() {
             Err(Unimproved::Cancelled)
-        } else if self.surface.n_faces() as u64 > self.job.triangle_limit
+        } else if self.surface.n_faces() as u64 > self.most_faces
             || n_slots > self.job.memory_limit / BYTES_A_FACE
         {
             Err(Unimproved::TooMany)

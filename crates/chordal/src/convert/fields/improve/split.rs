@@ -7,9 +7,11 @@ use glam::DVec3;
 /// Rounds at most: edges get half as long in each, and the error a quarter.
 const MOST_ROUNDS: usize = 40;
 /// Repairs at most in one go.
-const MOST_REPAIRS: usize = 3;
+pub(super) const MOST_REPAIRS: usize = 3;
 /// What a repair leaves is off by this share of what was. Chosen: less would be undone by the splits that follow.
 const REPAIRED: f64 = 0.7;
+/// And by no more than this many times the aim: beyond, whole parts would go. Chosen.
+const MOST_OFF: f64 = 2.0;
 /// Sides that are flipped at most for one split.
 const MOST_FLIPS: usize = 4;
 /// Edges shorter than this share of the aim are not split. Chosen: nothing of the surface that the tolerance asks for is that small.
@@ -17,7 +19,8 @@ const SHORTEST: f64 = 0.25;
 
 impl SurfaceImprover<'_> {
     /// Splits edges, then faces, until none is off by more than the aim.
-    pub(super) fn split_far(&mut self) -> Result<(), Unimproved> {
+    /// Where there is no room for splits, repairs make some, so often.
+    pub(super) fn split_far(&mut self, most_repairs: usize) -> Result<(), Unimproved> {
         let mut n_repairs = 0;
         for _ in 0..MOST_ROUNDS {
             self.next_round()?;
@@ -30,7 +33,7 @@ impl SurfaceImprover<'_> {
             }
             if self.split_edges(far.clone())? == 0 {
                 n_repairs += 1;
-                if n_repairs > MOST_REPAIRS {
+                if n_repairs > most_repairs {
                     break;
                 }
                 self.repair(&far)?;
@@ -60,7 +63,8 @@ impl SurfaceImprover<'_> {
                 self.open_around(face);
             }
         }
-        self.limit = REPAIRED * excess;
+        let limit = REPAIRED * excess;
+        self.limit = if limit < MOST_OFF { limit } else { MOST_OFF };
         let done = self.collapse_all();
         self.limit = 1.0;
         self.is_open.fill(true);
