@@ -133,6 +133,9 @@ fn a_tree_that_doubles_stays_small() {
     assert_eq!(csg.primitives().len(), 1);
 }
 
+/// Chosen: some tens of roundings of values about 1.
+const ROOM: f64 = 64.0 * f64::EPSILON;
+
 /// Pairs of points in random boxes, of which many have 0 in a coordinate: values differ by what the range of gradients allows.
 fn obeys_mean_value_theorem(expr: &Expr, state: &mut u64) {
     let tape = Tape::of(expr);
@@ -165,7 +168,7 @@ fn obeys_mean_value_theorem(expr: &Expr, state: &mut u64) {
                     ];
                     [low + a.min(b), high + a.max(b)]
                 });
-                let room = 1e-14;
+                let room = ROOM;
                 assert!(ends[0] - room <= g - f && g - f <= ends[1] + room, "{p:?} {q:?} in {bounds:?}");
             }
         }
@@ -212,13 +215,13 @@ fn ranges_of_slopes_are_tight_where_coordinates_have_one_sign() {
     let sides = box_distance(&[x.abs() - 4.0, y.abs() - 4.0, z.clone()]);
     let across = over(&sides, Box3 { min: [-1.0, -1.0, -0.1], max: [1.0, 1.0, 0.1] });
     assert!(across[0].magnitude() == 0.0 && across[1].magnitude() == 0.0, "{across:?}");
-    assert!(across[2].lo() > 1.0 - 1e-14 && across[2].hi() < 1.0 + 1e-14, "{across:?}");
+    assert!(across[2].lo() > 1.0 - ROOM && across[2].hi() < 1.0 + ROOM, "{across:?}");
     // A quarter of a circle around the axis, far from it: sines and cosines of the angles, and all of them at the axis.
     let ring = (x.square() + y.square()).sqrt();
     let far = over(&ring, Box3 { min: [3.0, 4.0, 0.0], max: [3.0, 4.0, 1.0] });
-    assert!((far[0].lo() - 0.6).abs() < 1e-14 && (far[1].hi() - 0.8).abs() < 1e-14, "{far:?}");
+    assert!((far[0].lo() - 0.6).abs() < ROOM && (far[1].hi() - 0.8).abs() < ROOM, "{far:?}");
     let tip = over(&ring, Box3 { min: [0.0, -1.0, 0.0], max: [1.0, 1.0, 1.0] });
-    let is_near = |a: f64, b: f64| (a - b).abs() < 1e-14;
+    let is_near = |a: f64, b: f64| (a - b).abs() < ROOM;
     assert!(is_near(tip[0].lo(), 0.0) && is_near(tip[0].hi(), 1.0), "{tip:?}");
     assert!(is_near(tip[1].lo(), -1.0) && is_near(tip[1].hi(), 1.0), "{tip:?}");
 }
