@@ -3,7 +3,7 @@ use crate::mesh::refused;
 use crate::report::{BakedFacts, Certificate};
 use crate::{Input, MeshFailure, Shape, formats, placed};
 use chordal::Mesh;
-use chordal::budget::{Code, Job, Stopped, par_map};
+use chordal::budget::{Code, Job, par_map};
 use chordal::convert::{Baked, mesh_to_grid};
 use chordal::explicit::Bvh;
 use chordal::math::{add_up, sub_up};
@@ -76,7 +76,7 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
     if mesh.faces().is_empty() {
         return Err(refused(Code::Empty, "there are no triangles to be away from"));
     }
-    let baked = mesh_to_grid(&mesh, spec.cells, spec.band, job).map_err(ended)?;
+    let baked = mesh_to_grid(&mesh, spec.cells, spec.band, job).map_err(MeshFailure::from)?;
     let off = add_up(off_at_most(&mesh, &baked, job)?, placed.moved_at_most);
     if !baked.solid.is_solid() {
         certificate.notes.push(baked.solid.to_string());
@@ -88,17 +88,10 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
     Ok(BakeOutcome { volume: Volume { frame, ..Volume::of(baked.grid) }, format: to, certificate })
 }
 
-fn ended(stopped: Stopped) -> MeshFailure {
-    match stopped {
-        Stopped::Refused(refusal) => MeshFailure::Refused(refusal),
-        Stopped::Cancelled => MeshFailure::Cancelled,
-    }
-}
-
 /// How far the samples that are distances are off at most: each is held against a bound from below and one from above
 /// that no rounding can break.
 fn off_at_most(mesh: &Mesh, baked: &Baked, job: &Job) -> Result<f64, MeshFailure> {
-    let bvh = Bvh::build(mesh, job).map_err(ended)?;
+    let bvh = Bvh::build(mesh, job).map_err(MeshFailure::from)?;
     let grid = &baked.grid;
     let [nx, ny, nz] = grid.size();
     let layers: Vec<usize> = (0..nz).collect();

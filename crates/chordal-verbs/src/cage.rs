@@ -1,4 +1,5 @@
 //! Cages: their smooth surface within a budget, and their refined control meshes.
+use crate::failure::best_of;
 use crate::mesh::{refused, set_aside, snapped, widened};
 use crate::polylines::Asked;
 use crate::report::{Certificate, Counted, Output, PolygonFacts, RefinedFacts, linear_name};
@@ -25,14 +26,9 @@ fn bound_to_limit(cage: &Cage, job: &Job) -> Option<Bound> {
 pub(crate) fn smooth(polygons: &Polygons, asked: &Asked, job: &Job) -> Result<(Scene, Bound), MeshFailure> {
     let Asked { budget, to, place, .. } = asked;
     let inner = set_aside(budget, worst_snap(&widened(place), *to), place, *to)?;
-    let made = match cage_to_mesh(&polygons.cage, &inner, job) {
-        Ok(made) => made,
-        Err(Failure::Unmet(best)) => *best,
-        Err(Failure::Refused(refusal)) => return Err(MeshFailure::Refused(refusal)),
-        Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
-    };
+    let made = best_of(cage_to_mesh(&polygons.cage, &inner, job))?;
     let Bounded { shape, bound } = made;
-    let (mesh, bound) = snapped(&shape, bound, budget, *to)?;
+    let (mesh, bound) = snapped(&shape, bound, budget, *to, job)?;
     // A name that says what it is; no file name, which would tie the bytes to a place.
     Ok((Scene::of("cage", mesh, true, polygons.frame), bound))
 }

@@ -1,7 +1,7 @@
 //! `deviation`: how far two shapes are apart, certified from both sides.
 use crate::report::{BoundFacts, Certificate, DeviationFacts, Report, Run, Verdict};
 use crate::{Input, MeshFailure, Shape, implicit, placed};
-use chordal::budget::{Bound, Code, Failure, Length, Reference, Refusal, Stopped, Tolerance};
+use chordal::budget::{Bound, Code, Failure, Length, Reference, Refusal, Tolerance};
 use chordal::check::{self, Goal, OneSided};
 use chordal::explicit::Cage;
 use chordal::math::{add_up, sub_down};
@@ -242,10 +242,7 @@ impl Pair {
                 [surfaces[0].within(share, job)?, surfaces[1].within(share, job)?];
             let off = if a_off + b_off == 0.0 { 0.0 } else { add_up(a_off, b_off) };
             let inner = if exact { *goal } else { inside(goal, off) };
-            let found = check::deviation(&a, &b, &inner, job).map_err(|stopped| match stopped {
-                Stopped::Refused(refusal) => MeshFailure::Refused(refusal),
-                Stopped::Cancelled => MeshFailure::Cancelled,
-            })?;
+            let found = check::deviation(&a, &b, &inner, job)?;
             let [forward, backward] = [found.forward, found.backward].map(|side| widened(side, off));
             let least =
                 if forward.at_least > backward.at_least { forward.at_least } else { backward.at_least };

@@ -1,7 +1,7 @@
 //! `MeshFailure`: why nothing was made within the budget.
 use crate::MeshOutcome;
 use crate::report::Output;
-use chordal::budget::{Code, InvalidLength, Refusal};
+use chordal::budget::{Bounded, Code, Failure, InvalidLength, Refusal, Stopped};
 use chordal_io::{TooWide, WriteError};
 use std::fmt;
 
@@ -53,6 +53,25 @@ impl MeshFailure {
 impl From<WriteError> for MeshFailure {
     fn from(error: WriteError) -> Self {
         Self::Refused(Refusal { code: Code::Unsupported, message: error.to_string() })
+    }
+}
+
+impl From<Stopped> for MeshFailure {
+    fn from(stopped: Stopped) -> Self {
+        match stopped {
+            Stopped::Refused(refusal) => Self::Refused(refusal),
+            Stopped::Cancelled => Self::Cancelled,
+        }
+    }
+}
+
+/// What was made, or the best of it: whether the whole is within the budget is judged for the whole.
+pub(crate) fn best_of<T>(made: Result<Bounded<T>, Failure<T>>) -> Result<Bounded<T>, MeshFailure> {
+    match made {
+        Ok(made) => Ok(made),
+        Err(Failure::Unmet(best)) => Ok(*best),
+        Err(Failure::Refused(refusal)) => Err(MeshFailure::Refused(refusal)),
+        Err(Failure::Cancelled) => Err(MeshFailure::Cancelled),
     }
 }
 

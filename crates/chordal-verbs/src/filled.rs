@@ -1,9 +1,10 @@
 //! Drawings filled with triangles, in the plane z = 0 with y up.
+use crate::failure::best_of;
 use crate::mesh::{refused, set_aside, snapped, widened};
 use crate::polylines::Asked;
 use crate::report::Certificate;
 use crate::{MeshFailure, report::FrameFacts};
-use chordal::budget::{Bounded, Code, Failure};
+use chordal::budget::{Bounded, Code};
 use chordal::explicit::{Affine, Curve, Outline};
 use chordal::math::Box3;
 use chordal::{Bound, Job, Mesh, convert};
@@ -87,15 +88,10 @@ pub(crate) fn fill(
     certificate.frame = FrameFacts::of(&filling.frame);
     let lost = worst_snap(&widened(&filling.place), asked.to);
     let inner = set_aside(&asked.budget, lost, &filling.place, asked.to)?;
-    let Bounded { shape, bound } = match convert::outlines_to_mesh(&filling.outlines, &inner, job) {
-        Ok(made) => made,
-        Err(Failure::Unmet(best)) => *best,
-        Err(Failure::Refused(refusal)) => return Err(MeshFailure::Refused(refusal)),
-        Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
-    };
+    let Bounded { shape, bound } = best_of(convert::outlines_to_mesh(&filling.outlines, &inner, job))?;
     if shape.faces().is_empty() {
         certificate.notes.push(VANISHED.to_owned());
     }
-    let (mesh, bound): (Mesh, Bound) = snapped(&shape, bound, &asked.budget, asked.to)?;
+    let (mesh, bound): (Mesh, Bound) = snapped(&shape, bound, &asked.budget, asked.to, job)?;
     Ok((Scene::of("drawing", mesh, true, filling.frame), bound, filling.place))
 }

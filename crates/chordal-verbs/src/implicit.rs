@@ -1,8 +1,9 @@
 //! Fields as verbs meet them: cut off at a region, meshed within a budget, measured against triangles.
 use crate::MeshFailure;
+use crate::failure::best_of;
 use crate::mesh::{refused, set_aside, snapped};
 use crate::polylines::Asked;
-use chordal::budget::{Bound, Code, Failure, Stopped};
+use chordal::budget::{Bound, Code};
 use chordal::check::{self, FieldDeviation, Goal};
 use chordal::implicit::Field;
 use chordal::math::Box3;
@@ -78,22 +79,16 @@ pub(crate) fn of_field(
     let field = finite(implicit)?;
     let Asked { budget, to, place, .. } = asked;
     let inner = set_aside(budget, worst_snap(place, *to), place, *to)?;
-    let made = match convert::field_to_mesh(&field, &inner, job) {
-        Ok(made) => made,
-        Err(Failure::Unmet(best)) => *best,
-        Err(Failure::Refused(refusal)) => return Err(MeshFailure::Refused(refusal)),
-        Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
-    };
+    let made = best_of(convert::field_to_mesh(&field, &inner, job))?;
     if let Some(region) = implicit.region {
         let [low, high] = [region.min, region.max];
         notes.push(format!("the shape is cut off at the box from {low:?} to {high:?}, and closed there"));
     }
     let Bounded { shape, bound } = made;
-    let (mesh, bound) = snapped(&shape, bound, budget, *to)?;
+    let (mesh, bound) = snapped(&shape, bound, budget, *to, job)?;
     // Where normals are for: other formats keep one row a vertex.
     let shaded = matches!(to, Format::Glb | Format::Obj);
-    let mesh =
-        if shaded { convert::with_gradient_normals(&mesh, &field, job).map_err(stopped)? } else { mesh };
+    let mesh = if shaded { convert::with_gradient_normals(&mesh, &field, job)? } else { mesh };
     Ok((Scene::of("field", mesh, true, implicit.frame), bound))
 }
 
@@ -131,12 +126,5 @@ pub(crate) fn deviation_of(
     goal: &Goal,
     job: &Job,
 ) -> Result<FieldDeviation, MeshFailure> {
-    check::field_deviation(mesh, &finite(implicit)?, goal, job).map_err(stopped)
-}
-
-fn stopped(stopped: Stopped) -> MeshFailure {
-    match stopped {
-        Stopped::Refused(refusal) => MeshFailure::Refused(refusal),
-        Stopped::Cancelled => MeshFailure::Cancelled,
-    }
+    Ok(check::field_deviation(mesh, &finite(implicit)?, goal, job)?)
 }

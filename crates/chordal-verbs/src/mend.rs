@@ -4,7 +4,7 @@ use crate::placed::{scaled_up, stretch_of_parts};
 use crate::polylines::Asked;
 use crate::report::{BoundFacts, Certificate, Counted, MendedFacts};
 use crate::{BudgetSpec, Input, MeshFailure, Shape, formats};
-use chordal::budget::{Bound, Budget, Code, Length, Metric, Reference, Stopped, Tolerance};
+use chordal::budget::{Bound, Budget, Code, Length, Metric, Reference, Tolerance};
 use chordal::explicit::Topology;
 use chordal::math::div_down;
 use chordal::mend::{
@@ -232,10 +232,7 @@ impl Cure {
             Self::FillHoles(holes) => fill_holes(mesh, topology, holes, job),
             Self::DropUnused => drop_unused(mesh, job),
         };
-        mended.map_err(|stopped| match stopped {
-            Stopped::Refused(refusal) => MeshFailure::Refused(refusal),
-            Stopped::Cancelled => MeshFailure::Cancelled,
-        })
+        Ok(mended?)
     }
 }
 

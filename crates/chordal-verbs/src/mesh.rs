@@ -1,4 +1,5 @@
 //! `mesh`: any shape into triangles, or curves into polylines, within a budget, as they will read back from a format.
+use crate::failure::best_of;
 use crate::placed::{self, Placed};
 use crate::polylines::{self, Asked};
 use crate::report::{BoundFacts, BudgetFacts, Certificate, Counted, Output};
@@ -9,11 +10,12 @@ use crate::{
     write_polylines,
 };
 use chordal::budget::{
-    Bound, Budget, Code, Failure, PixelBudget, Pixels, Reference, Refusal, Require, Stopped, Tolerance, View,
+    Bound, Budget, Code, PixelBudget, Pixels, Reference, Refusal, Require, Stopped, Tolerance, View,
 };
 use chordal::check::{self, MicroTriangles};
+use chordal::explicit::Topology;
 use chordal::math::{Box3, add_up, sub_down, sub_up};
-use chordal::{Bounded, Job, Mesh, Patch, convert};
+use chordal::{Bounded, Job, Mesh, Patch, convert, mend};
 use chordal_io::{Format, Frame, Polylines, Scene, WriteError, losses, snap, worst_snap};
 use std::io::Write;
 
@@ -222,38 +224,37 @@ fn tessellate(
 ) -> Result<(Scene, Bound), MeshFailure> {
     let lost = worst_snap(&widened(&source.place), to);
     let inner = set_aside(budget, lost, &source.place, to)?;
-    let made = match convert::patches_to_mesh(&source.patches, &inner, job) {
-        Ok(made) => made,
-        Err(Failure::Unmet(best)) => *best,
-        Err(Failure::Refused(refusal)) => return Err(MeshFailure::Refused(refusal)),
-        Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
-    };
+    let made = best_of(convert::patches_to_mesh(&source.patches, &inner, job))?;
     let Bounded { shape, bound } = made;
-    let (mesh, bound) = snapped(&shape, bound, budget, to)?;
+    let (mesh, bound) = snapped(&shape, bound, budget, to, job)?;
     // A name that says what it is; no file name, which would tie the bytes to a place.
     Ok((Scene::of("patches", mesh, true, source.frame), bound))
 }
 
 /// The mesh at the precision of the format, and the bound with what that moved added. Pixels add as lengths do: a
-/// point of the true shape moves on the screen to its point of the mesh, and from there to the rounded one.
+/// point of the true shape moves on the screen to its point of the mesh, and from there to the rounded one. Faces
+/// whose corners rounding put on one line are dropped, and their neighbours keep the surface closed.
 pub(crate) fn snapped(
     mesh: &Mesh,
     bound: Bound,
     budget: &Budget,
     to: Format,
+    job: &Job,
 ) -> Result<(Mesh, Bound), MeshFailure> {
     let snapped = snap(mesh, to).map_err(MeshFailure::TooWide)?;
     if snapped.moved_at_most == 0.0 {
         return Ok((snapped.mesh, bound));
     }
-    let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
-    let moved_px = budget.pixels.and_then(|px| px.view.pixels_of(snapped.moved_at_most, &mesh.bounds()));
+    let whole = mend::drop_degenerate(&snapped.mesh, Topology::Positions, job)?;
+    let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles).then(&whole.bound);
+    let moved_at_most = step.at_most().unwrap_or(f64::INFINITY);
+    let moved_px = budget.pixels.and_then(|px| px.view.pixels_of(moved_at_most, &mesh.bounds()));
     let mut chain = bound.then(&step);
     // What rounding to the format does to normals is not seen at angles that make sense.
     chain.angle_deg = bound.angle_deg;
     let both = |px: PixelBudget| px.view.pixels_of_both(bound.pixels?, moved_px?);
     chain.pixels = budget.pixels.and_then(both);
-    Ok((snapped.mesh, chain))
+    Ok((whole.mesh, chain))
 }
 
 /// The budget of the arrow: what the user gave, less what rounding to the format may cost.

@@ -1,9 +1,10 @@
 //! Curves into polylines within a budget, for formats that hold polylines.
+use crate::failure::best_of;
 use crate::implicit::Implicit;
 use crate::mesh::{Made, MeshOutcome, NOT_MET, lengths_are_met, on_screen, refused};
 use crate::report::{BoundFacts, BudgetFacts, Certificate, LineFacts, Output};
 use crate::{BudgetSpec, MeshFailure};
-use chordal::budget::{Bounded, Budget, Code, Failure};
+use chordal::budget::{Bounded, Budget, Code};
 use chordal::convert;
 use chordal::explicit::{Curve, Polyline};
 use chordal::math::Box3;
@@ -58,12 +59,7 @@ pub(crate) fn of_field(
     if !(0..2).all(|k| min[k].is_finite() && max[k].is_finite()) {
         return Err(refused(Code::Unsupported, ENDLESS));
     }
-    let made = match convert::field_to_polyline(&field, &asked.budget, job) {
-        Ok(made) => made,
-        Err(Failure::Unmet(best)) => *best,
-        Err(Failure::Refused(refusal)) => return Err(MeshFailure::Refused(refusal)),
-        Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
-    };
+    let made = best_of(convert::field_to_polyline(&field, &asked.budget, job))?;
     if let Some(region) = implicit.region {
         let [low, high] = [region.min, region.max].map(|corner| [corner[0], corner[1]]);
         certificate.notes.push(format!(
@@ -100,12 +96,7 @@ fn cut<const D: usize>(
     asked: &Asked,
     job: &Job,
 ) -> Result<(Drawn<Polyline<D>>, Bound), MeshFailure> {
-    let made = match convert::curves_to_polylines(&drawn.lines, &asked.budget, job, asked.spec.spacing) {
-        Ok(made) => made,
-        Err(Failure::Unmet(best)) => *best,
-        Err(Failure::Refused(refusal)) => return Err(MeshFailure::Refused(refusal)),
-        Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
-    };
+    let made = best_of(convert::curves_to_polylines(&drawn.lines, &asked.budget, job, asked.spec.spacing))?;
     let Bounded { shape, bound } = made;
     Ok((drawn.with_lines(shape), bound))
 }

@@ -4,7 +4,7 @@ use crate::deviation::Pair;
 use crate::filled::Filling;
 use crate::report::{BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OutputFacts, OvershadeFacts};
 use crate::{BudgetSpec, Input, MeshFailure, Shape, placed};
-use chordal::budget::{Camera, Code, Failure, Length, Pixels, Projection, Refusal, Screen, Stopped, View};
+use chordal::budget::{Camera, Code, Failure, Length, Pixels, Projection, Refusal, Screen, View};
 use chordal::check::{self, Goal};
 use chordal::explicit::{Sides, Topology, facing};
 use chordal::implicit::query::Counts;
@@ -120,7 +120,7 @@ fn shoot_field(
 ) -> Result<RenderOutcome, MeshFailure> {
     let field = shape.whole();
     let drawn = render_field(&field, options, job).map_err(|failure| match failure {
-        NotDrawn::Stopped(stop) => stopped(stop),
+        NotDrawn::Stopped(stop) => stop.into(),
         NotDrawn::Leaf(error) => {
             MeshFailure::Refused(Refusal { code: Code::Unsupported, message: error.message })
         }
@@ -174,7 +174,7 @@ pub fn render_against(
         Viewpoint::Automatic(screen) => frame(&mesh, options.up, screen),
         Viewpoint::Camera(camera) => camera,
     };
-    let picture = trace_against(&mesh, Against { mesh: &other, most }, &options, job).map_err(stopped)?;
+    let picture = trace_against(&mesh, Against { mesh: &other, most }, &options, job)?;
     let back_share = back_share(&mesh, &camera);
     Ok(RenderOutcome { picture, camera, certificate, darkest: Some(most), back_share })
 }
@@ -183,13 +183,6 @@ pub fn render_against(
 fn back_share(mesh: &Mesh, camera: &Camera) -> Option<f64> {
     let from_a_point = matches!(camera.projection, Projection::Perspective { .. });
     from_a_point.then(|| facing(mesh, camera.eye).back_share())
-}
-
-fn stopped(stopped: Stopped) -> MeshFailure {
-    match stopped {
-        Stopped::Refused(refusal) => MeshFailure::Refused(refusal),
-        Stopped::Cancelled => MeshFailure::Cancelled,
-    }
 }
 
 /// What is asked of a picture.
@@ -270,17 +263,17 @@ fn shoot(
         Viewpoint::Camera(camera) => camera,
     };
     let picture = if options.show == Show::Overshade {
-        let (picture, found) = render_overshade(mesh, options, job).map_err(stopped)?;
+        let (picture, found) = render_overshade(mesh, options, job)?;
         let sides = match options.cull {
             Cull::None => Sides::Both,
             Cull::Back => Sides::Front,
             Cull::Front => Sides::Back,
         };
-        let flicker = check::flicker(mesh, &camera, sides, job).map_err(stopped)?;
+        let flicker = check::flicker(mesh, &camera, sides, job)?;
         certificate.overshade = Some(OvershadeFacts::of(&found, &flicker, &camera, sides));
         picture
     } else {
-        trace(mesh, options, job).map_err(stopped)?
+        trace(mesh, options, job)?
     };
     let back_share = back_share(mesh, &camera);
     Ok(RenderOutcome { picture, camera, certificate, darkest: None, back_share })

@@ -1,5 +1,6 @@
 //! Triangles into fewer triangles: what `mesh` does with a scene, part by part.
 use crate::MeshFailure;
+use crate::failure::best_of;
 use crate::mesh::{refused, set_aside};
 use crate::placed::{self, Assembled, Placed};
 use crate::polylines::Asked;
@@ -269,13 +270,9 @@ fn one(part: &Part, budget: &Budget, job: &Job) -> Result<Option<Bounded<Simplif
     }
     let topology = if part.indexed { Topology::Indices } else { Topology::Positions };
     match simplify(&part.mesh, budget, topology, job) {
-        Ok(made) => Ok(Some(made)),
         // The eye is close to all of this part, and perhaps not to others.
         Err(Failure::Refused(refusal)) if refusal.code == Code::TooClose => Ok(unchanged()),
-        // Whether the whole is within the budget is judged for the whole.
-        Err(Failure::Unmet(best)) => Ok(Some(*best)),
-        Err(Failure::Refused(refusal)) => Err(MeshFailure::Refused(refusal)),
-        Err(Failure::Cancelled) => Err(MeshFailure::Cancelled),
+        made => best_of(made).map(Some),
     }
 }
 
@@ -299,12 +296,7 @@ fn shares(scene: &Scene, most: u64, job: &Job) -> Result<Vec<u64>, MeshFailure> 
         values: of_face,
     };
     let mesh = mesh.with_attribute(place_of.clone()).map_err(unsupported)?;
-    let made = match simplify(&mesh, &Budget::triangles(most), Topology::Indices, job) {
-        Ok(made) => made.shape.mesh,
-        Err(Failure::Unmet(best)) => best.shape.mesh,
-        Err(Failure::Refused(refusal)) => return Err(MeshFailure::Refused(refusal)),
-        Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
-    };
+    let made = best_of(simplify(&mesh, &Budget::triangles(most), Topology::Indices, job))?.shape.mesh;
     // A part that stands in several places has one number of triangles: the least that one of them got.
     let mut got = vec![0_u64; places.len()];
     if let Some(of_faces) = made.attribute(&place_of.semantic) {

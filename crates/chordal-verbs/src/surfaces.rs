@@ -1,4 +1,5 @@
 //! Surfaces of volumes: one at a level, or one for each label, at the lattice's own resolution or within a budget.
+use crate::failure::best_of;
 use crate::mesh::{refused, set_aside, snapped};
 use crate::polylines::Asked;
 use crate::sampled::{Labels, Range, Sampled, Suggested};
@@ -64,14 +65,9 @@ impl Maker<'_> {
         let inner = set_aside(budget, lost, place, *to)?;
         let rule = Polygonize { margin: margin(&self.sampled.volume.grid, lost), ..*rule };
         let inner = (*budget != Budget::default()).then_some(&inner);
-        let made = match convert::grid_to_mesh(grid, &rule, inner, self.job) {
-            Ok(made) => made,
-            Err(Failure::Unmet(best)) => *best,
-            Err(Failure::Refused(refusal)) => return Err(MeshFailure::Refused(refusal)),
-            Err(Failure::Cancelled) => return Err(MeshFailure::Cancelled),
-        };
+        let made = best_of(convert::grid_to_mesh(grid, &rule, inner, self.job))?;
         let Bounded { shape, bound } = made;
-        let (shape, bound) = snapped(&shape, bound, budget, *to)?;
+        let (shape, bound) = snapped(&shape, bound, budget, *to, self.job)?;
         Ok(Bounded { shape, bound })
     }
 }
@@ -241,7 +237,7 @@ fn of_labels(
     let mut scene = Scene { frame: sampled.volume.frame, ..Scene::default() };
     let mut worst: Option<Bound> = None;
     for (number, Bounded { shape, bound }) in meshes {
-        let (shape, bound) = snapped(&shape, bound, budget, *to)?;
+        let (shape, bound) = snapped(&shape, bound, budget, *to, job)?;
         let label = labels[number as usize - 1];
         let one = Scene::of(&format!("label {label}"), shape, true, scene.frame);
         let at = scene.parts.len();

@@ -162,7 +162,7 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
         let mut levels: Vec<OneLevel> = Vec::new();
         for level in chain {
             let mut notes = Vec::new();
-            let level = OneLevel::of(&level.mesh, moved(level.bound), &looks, &mut notes)?;
+            let level = OneLevel::of(&level.mesh, moved(level.bound), &looks, &mut notes, job)?;
             certificate.notes.extend(notes.into_iter().filter(|_| levels.is_empty()));
             // Rounding may leave two levels alike.
             if levels.last().is_none_or(|finer| level.error() > finer.error()) {
@@ -198,8 +198,14 @@ struct Looks {
 }
 
 impl OneLevel {
-    fn of(mesh: &Mesh, bound: Bound, looks: &Looks, notes: &mut Vec<String>) -> Result<Self, MeshFailure> {
-        let (mesh, bound) = snapped(mesh, bound, &Budget::default(), Format::Glb)?;
+    fn of(
+        mesh: &Mesh,
+        bound: Bound,
+        looks: &Looks,
+        notes: &mut Vec<String>,
+        job: &Job,
+    ) -> Result<Self, MeshFailure> {
+        let (mesh, bound) = snapped(mesh, bound, &Budget::default(), Format::Glb, job)?;
         let mut scene = Scene::of(NAME, mesh, true, looks.frame);
         looks.normals.apply(&mut scene, [looks.from, Format::Glb], notes)?;
         let scene = as_written(scene, Format::Glb)?;
