@@ -162,6 +162,26 @@ impl Expr {
         Ok(value[0])
     }
 
+    /// Whether its zero set is made of those of other expressions: below signs and constants it is a minimum, a
+    /// maximum or an absolute value.
+    pub(super) fn is_choice(&self) -> bool {
+        let mut at = self;
+        loop {
+            at = match at.kind() {
+                Kind::Binary(Binary::Min | Binary::Max, ..) | Kind::Unary(Unary::Abs, _) => return true,
+                Kind::Unary(Unary::Neg, below) | Kind::At(below, _) => below,
+                Kind::Binary(Binary::Add | Binary::Sub | Binary::Mul | Binary::Div, a, b) => {
+                    match (a.kind(), b.kind()) {
+                        (Kind::Const(_), _) => b,
+                        (_, Kind::Const(_)) => a,
+                        _ => return false,
+                    }
+                }
+                _ => return false,
+            };
+        }
+    }
+
     pub(super) fn kind(&self) -> &Kind {
         &self.0.0
     }

@@ -1,5 +1,4 @@
 //! `Field`: a signed number for every point, negative inside, with what is known of it.
-use super::Csg;
 use super::distance::Distance;
 use super::expr::Expr;
 use super::outside::is_empty_outside;
@@ -10,9 +9,9 @@ use crate::math::{Box3, add_up, sub_down};
 
 /// A shape as a rule: the points where its expression is negative.
 ///
-/// Beside the expression it carries what proofs and queries need to know: what the value is worth as a distance, and a
-/// box outside of which nothing is inside. What of that rests on the word of whoever made the field and could not be checked
-/// is kept as well, in sentences, and [`Field::evidence`] lists it.
+/// Beside the expression it carries what proofs and queries need to know: what the value is worth as a
+/// distance, and a box outside of which nothing is inside. What of that rests on the word of whoever made the
+/// field and could not be checked is kept as well, in sentences, and [`Field::evidence`] lists it.
 ///
 /// ```
 /// use chordal::implicit::{Distance, Expr, Field};
@@ -33,7 +32,8 @@ pub struct Field {
     distance: Distance,
     bounds: Box3,
     promises: Promises,
-    /// Promises about what the value is worth as a distance: nothing rests on them until an operation uses the distance.
+    /// Promises about what the value is worth as a distance: nothing rests on them until an operation uses
+    /// the distance.
     distance_promises: Promises,
 }
 
@@ -64,8 +64,8 @@ impl Field {
         field
     }
 
-    /// The same, with the caller's word for what the value is worth as a distance. Proofs rest on it once an operation uses
-    /// the distance, such as [`Field::offset`].
+    /// The same, with the caller's word for what the value is worth as a distance. Proofs rest on it once an
+    /// operation uses the distance, such as [`Field::offset`].
     #[must_use]
     pub fn with_distance(mut self, distance: Distance) -> Self {
         if distance != Distance::SIGN {
@@ -80,9 +80,10 @@ impl Field {
 
     /// The same, with the caller's word that nothing outside of the box is inside the shape.
     ///
-    /// Where ranges show that the word holds nothing rests on it any more: they are asked for the sides of the box, and for
-    /// those of one that is larger by a 2⁻⁴⁰th of its size, which then is the box, since ranges are rounded outward. Otherwise
-    /// it is a promise that [`Field::evidence`] lists. Cost: ranges in a thousand boxes at most.
+    /// Where ranges show that the word holds nothing rests on it any more: they are asked for the sides of
+    /// the box, and for those of one that is larger by a 2⁻⁴⁰th of its size, which then is the box, since
+    /// ranges are rounded outward. Otherwise it is a promise that [`Field::evidence`] lists. Cost: ranges in
+    /// a thousand boxes at most.
     #[must_use]
     pub fn with_bounds(mut self, bounds: Box3) -> Self {
         let tape = Tape::of(self.sign());
@@ -98,12 +99,12 @@ impl Field {
         self.known_bounds(bounds)
     }
 
-    /// The same, with the caller's word that `sign` is negative exactly where the value is, and positive exactly where that is:
-    /// a promise that [`Field::evidence`] lists.
+    /// The same, with the caller's word that `sign` is negative exactly where the value is, and positive
+    /// exactly where that is: a promise that [`Field::evidence`] lists.
     ///
-    /// A distance often has kinks on the surface itself (that of a box is made of an outer and an inner part which meet
-    /// there), where ranges of its gradient say little. An expression that runs smoothly through 0, such as a maximum of
-    /// planes, has the same shape, and lets proofs through.
+    /// A distance often has kinks on the surface itself (that of a box is made of an outer and an inner part
+    /// which meet there), where ranges of its gradient say little. An expression that runs smoothly through
+    /// 0, such as a maximum of planes, has the same shape, and lets proofs through.
     #[must_use]
     pub fn with_sign(mut self, sign: Expr) -> Self {
         self.promise("the second expression of a given field has the sign of its value everywhere".into());
@@ -115,7 +116,8 @@ impl Field {
         self.promises.add(sentence.into());
     }
 
-    /// The same, for an operation that uses what the value is worth as a distance: from now on proofs rest on that too.
+    /// The same, for an operation that uses what the value is worth as a distance: from now on proofs rest on
+    /// that too.
     pub(super) fn as_distance(&self) -> Self {
         let mut field = self.clone();
         field.promises.extend(&self.distance_promises);
@@ -137,8 +139,8 @@ impl Field {
         Self { sign: Some(sign), ..self }
     }
 
-    /// What a proof about the surface is worth: the weakest of the leaves of [`Field::sign`], and of what was promised where the
-    /// field was made. Cost: linear in the distinct parts of the expression.
+    /// What a proof about the surface is worth: the weakest of the leaves of [`Field::sign`], and of what was
+    /// promised where the field was made. Cost: linear in the distinct parts of the expression.
     ///
     /// ```
     /// use chordal::budget::Evidence;
@@ -175,7 +177,7 @@ impl Field {
 
     /// Whether the sign is that of several primitives, which may meet in creases.
     pub(super) fn has_creases(&self) -> bool {
-        self.has_own_sign() && Csg::of(self.sign()).primitives().len() > 1
+        self.has_own_sign() && self.sign().is_choice()
     }
 
     /// The number of every point.

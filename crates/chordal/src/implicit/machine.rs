@@ -2,7 +2,7 @@
 use super::block::{Claims, Lane, MOST_CLAIMS, all_near, at_most, put};
 use super::number::is_periodic;
 use super::op::{Binary, Unary};
-use super::program::{Code, Program, Step};
+use super::program::{Code, Program, Step, VectorOp};
 use crate::math::simd::{self, Kernel};
 use std::any::Any;
 use std::cell::RefCell;
@@ -22,8 +22,8 @@ pub(super) struct Run<'a, N: Lane, F, G> {
 impl<N: Lane, F: Fn(usize, usize) -> N, G: FnMut(usize, usize, N)> Run<'_, N, F, G> {
     /// Runs it, the steps on the processor's best instruction set.
     ///
-    /// Inputs and outputs stay outside of what is compiled for each set: the steps then know of no closure, and there is
-    /// one copy of them for each kind of number and not one for each way of asking.
+    /// Inputs and outputs stay outside of what is compiled for each set: the steps then know of no closure,
+    /// and there is one copy of them for each kind of number and not one for each way of asking.
     pub(super) fn dispatch(mut self) {
         let program = self.program;
         let mut machine = Machine::<N>::of_thread(program);
@@ -111,8 +111,8 @@ struct Machine<N: Lane> {
 }
 
 impl<N: Lane> Machine<N> {
-    /// The thread's last one, with room for a program: calls of a few points would spend most of their time on getting
-    /// memory. What is left in it changes nothing, since programs write before they read.
+    /// The thread's last one, with room for a program: calls of a few points would spend most of their time
+    /// on getting memory. What is left in it changes nothing, since programs write before they read.
     #[inline(never)]
     fn of_thread(program: &Program) -> Box<Self> {
         let kept = KEPT.with_borrow_mut(|kept| {
@@ -154,29 +154,12 @@ impl<N: Lane> Machine<N> {
                 let b = find::<N>(inputs, registers, step.b);
                 binary::<N, _, _>(op, n, spare, claims, (Each::<N>(a), Each::<N>(b)));
             }
-            Code::Length2 => {
-                let b = find::<N>(inputs, registers, step.b);
-                for at in 0..at_most::<N>(n) {
-                    put(N::length([N::load(a, at), N::load(b, at)]), spare, claims, at);
-                }
+            Code::Vector2(op) => {
+                vector::<N, 2>(op, n, spare, claims, [a, find::<N>(inputs, registers, step.b)]);
             }
-            Code::Length3 => {
+            Code::Vector3(op) => {
                 let [b, c] = [step.b, step.c].map(|of| find::<N>(inputs, registers, of));
-                for at in 0..at_most::<N>(n) {
-                    put(N::length([N::load(a, at), N::load(b, at), N::load(c, at)]), spare, claims, at);
-                }
-            }
-            Code::Box2 => {
-                let b = find::<N>(inputs, registers, step.b);
-                for at in 0..at_most::<N>(n) {
-                    put(N::box_distance([N::load(a, at), N::load(b, at)]), spare, claims, at);
-                }
-            }
-            Code::Box3 => {
-                let [b, c] = [step.b, step.c].map(|of| find::<N>(inputs, registers, of));
-                for at in 0..at_most::<N>(n) {
-                    put(N::box_distance([N::load(a, at), N::load(b, at), N::load(c, at)]), spare, claims, at);
-                }
+                vector::<N, 3>(op, n, spare, claims, [a, b, c]);
             }
             Code::WithConst(op) if !N::IMMEDIATE => {
                 constant_block::<N>(n, number, claims, constant);
@@ -205,6 +188,24 @@ fn find<'a, N: Lane>(inputs: &'a [N::Block], registers: &'a [Box<N::Block>], ope
 #[inline(always)]
 fn constant_block<N: Lane>(n: usize, out: &mut N::Block, claims: &mut Claims, value: N) {
     for at in 0..at_most::<N>(n) {
+        put(value, out, claims, at);
+    }
+}
+
+#[inline(always)]
+fn vector<N: Lane, const D: usize>(
+    op: VectorOp,
+    n: usize,
+    out: &mut N::Block,
+    claims: &mut Claims,
+    parts: [&N::Block; D],
+) {
+    for at in 0..at_most::<N>(n) {
+        let coordinates = parts.map(|part| N::load(part, at));
+        let value = match op {
+            VectorOp::Length => N::length(coordinates),
+            VectorOp::BoxDistance => N::box_distance(coordinates),
+        };
         put(value, out, claims, at);
     }
 }

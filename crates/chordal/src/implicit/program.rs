@@ -13,13 +13,20 @@ pub(super) enum Code {
     WithConst(Binary),
     /// An operation on the number and `a`, in this order.
     ConstWith(Binary),
-    /// The length of the vector of two operands, or of three: a root of a sum of squares in one step, since what is known of the whole gives
-    /// tighter ranges of its slope.
-    Length2,
-    Length3,
-    /// The distance from the box whose sides two operands, or three, are distances from: `|max(v, 0)| + min(max of v, 0)`.
-    Box2,
-    Box3,
+    /// An operation on the vector of two operands.
+    Vector2(VectorOp),
+    /// An operation on the vector of three operands.
+    Vector3(VectorOp),
+}
+
+/// What is several terms of an expression and one step, since what is known of the whole gives tighter ranges
+/// of its slope.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum VectorOp {
+    /// The length: a root of a sum of squares.
+    Length,
+    /// The distance from the box whose sides the coordinates are distances from: `|max(v, 0)| + min(max of v, 0)`.
+    BoxDistance,
 }
 
 /// One step. Operands below the number of inputs are inputs, the others registers.
@@ -60,8 +67,8 @@ struct Maker<'a> {
 }
 
 impl Program {
-    /// The program for the terms `outputs`. `leaf_input` says which input holds the value of a leaf's term. Every register is
-    /// given to the next result after its last use (linear scan). Time and memory: linear.
+    /// The program for the terms `outputs`. `leaf_input` says which input holds the value of a leaf's term.
+    /// Every register is given to the next result after its last use (linear scan). Time and memory: linear.
     pub(super) fn of(
         terms: &[Term],
         outputs: &[u32],
@@ -212,12 +219,12 @@ impl Maker<'_> {
             Term::Axis(axis) => return self.input(k, u32::from(*axis)),
             Term::Leaf(..) => return self.input(k, leaf_input(k)),
             Term::Unary(op, a) => match vector(self.terms, term) {
-                Some(parts) => self.fused([Code::Length2, Code::Length3], parts),
+                Some(parts) => self.fused(VectorOp::Length, parts),
                 None => step(Code::Unary(*op), self.place(*a), 0, 0.0),
             },
             Term::Binary(op, a, b) => match (&self.terms[*a as usize], &self.terms[*b as usize]) {
                 _ if let Some(sides) = from_sides(self.terms, term) => {
-                    self.fused([Code::Box2, Code::Box3], sides)
+                    self.fused(VectorOp::BoxDistance, sides)
                 }
                 (Term::Const(number), Term::Const(_)) => {
                     step(Code::ConstWith(*op), self.place(*b), 0, *number)
@@ -236,10 +243,13 @@ impl Maker<'_> {
     }
 
     /// The step of two operands, or of three.
-    fn fused(&mut self, codes: [Code; 2], Operands { terms, n }: Operands) -> Step {
+    fn fused(&mut self, op: VectorOp, Operands { terms, n }: Operands) -> Step {
         let [a, b] = [terms[0], terms[1]].map(|part| self.place(part));
-        let c = if n == 3 { self.place(terms[2]) } else { 0 };
-        Step { code: codes[n - 2], out: 0, a, b, c, number: 0.0 }
+        let (code, c) = match n {
+            3 => (Code::Vector3(op), self.place(terms[2])),
+            _ => (Code::Vector2(op), 0),
+        };
+        Step { code, out: 0, a, b, c, number: 0.0 }
     }
 
     fn input(&mut self, k: u32, input: u32) {

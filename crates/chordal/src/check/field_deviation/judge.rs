@@ -1,12 +1,14 @@
 //! `FieldJudge`: judges meshes against one field, from both sides at once.
 //!
-//! A [`Sandwich`] of two displaced copies of the mesh bounds both directions, provided that each component of the inside and of the
-//! outside is seen: that the outer copy winds once around a point of each inner one, and the inner copy not at all around one of each
-//! outer one. The cells of a [`FieldCover`] list such points.
+//! A [`Sandwich`] of two displaced copies of the mesh bounds both directions, provided that each component of
+//! the inside and of the outside is seen: that the outer copy winds once around a point of each inner one,
+//! and the inner copy not at all around one of each outer one. The cells of a [`FieldCover`] list such
+//! points.
 //!
-//! **Open cells.** A cell that the cover leaves open is as good as decided where the outer copy misses it and winds once around it, and the inner
-//! copy misses it and does not wind around it: a flow that ends in the cell ends in a component of A* around which the outer
-//! copy winds once, since it misses A*; likewise for B*. So where solids touch, cells between both copies settle it.
+//! **Open cells.** A cell that the cover leaves open is as good as decided where the outer copy misses it and
+//! winds once around it, and the inner copy misses it and does not wind around it: a flow that ends in the
+//! cell ends in a component of A* around which the outer copy winds once, since it misses A*; likewise for
+//! B*. So where solids touch, cells between both copies settle it.
 use super::apart::is_apart;
 use super::cover::{FieldCover, SeenPoint};
 use super::failed;
@@ -20,7 +22,8 @@ use crate::math::Box3;
 /// What was found out about a mesh.
 #[derive(Clone, Debug)]
 pub(crate) struct Verdict {
-    /// Faces that were not proved to be within the limit, or any, for want of a copy of them outside, and inside; ascending.
+    /// Faces that were not proved to be within the limit, or any, for want of a copy of them outside, and
+    /// inside; ascending.
     pub open: [Vec<u32>; 2],
     /// By face, how far its points are from the surface at most, where it is not open.
     pub bounds: Vec<f64>,
@@ -47,12 +50,15 @@ pub(crate) struct FieldJudge<'a> {
     job: &'a Job,
 }
 
-/// The first cover's cells are no smaller than this share of its cube: what is still open is looked at with the mesh. Chosen.
+/// The first cover's cells are no smaller than this share of its cube: what is still open is looked at with
+/// the mesh. Chosen.
 const FIRST_FLOOR: f64 = 1.0 / 128.0;
-/// Cells between both copies are this share of their distance, which is up to twice the bound. Chosen: a cell of a quarter fits if it
-/// is not unlucky. Where few are left, as about points where surfaces nearly touch, smaller ones show more.
-const CELL_SHARES: [f64; 2] = [0.125, 1.0 / 256.0];
-/// These are few.
+/// Cells between both copies are this share of their distance, which is up to twice the bound. Chosen: a cell of
+/// a quarter fits if it is not unlucky.
+const CELL_SHARE: f64 = 0.125;
+/// Where few are left, as about points where surfaces nearly touch, smaller ones show more.
+const LEAST_CELL_SHARE: f64 = 1.0 / 256.0;
+/// These are few. Chosen.
 const FEW_CELLS: usize = 4096;
 
 impl<'a> FieldJudge<'a> {
@@ -74,8 +80,8 @@ impl<'a> FieldJudge<'a> {
         Ok(Self { evaluator, cover, regions, job })
     }
 
-    /// Judges a mesh. All faces of one that is not closed are open: at each edge, by index or by position, as many half-edges have to run
-    /// one way as the other.
+    /// Judges a mesh. All faces of one that is not closed are open: at each edge, by index or by position, as
+    /// many half-edges have to run one way as the other.
     pub fn look(&mut self, mesh: &Mesh, goal: &SandwichGoal) -> Result<Verdict, Stopped> {
         let verdict = self.look_between(mesh, goal)?;
         let is_hidden = verdict.open.iter().all(Vec::is_empty) && !verdict.unresolved.is_empty();
@@ -115,12 +121,13 @@ impl<'a> FieldJudge<'a> {
             enclosures: [Enclosure::new(&copies[0], &bvhs[0]), Enclosure::new(&copies[1], &bvhs[1])],
         };
         let is_closed = sandwich.open.iter().all(Vec::is_empty);
-        for share in CELL_SHARES {
-            if !is_closed || self.cover.open.len() > FEW_CELLS && share < CELL_SHARES[0] {
-                break;
-            }
+        let mut refine = |share: f64| {
             let is_worth = |bounds: &Box3, size: f64| size > share * bound && !seen.settles(bounds);
             self.cover.refine(&mut self.evaluator, &mut self.regions, is_worth).map_err(failed)?;
+            Ok::<usize, Stopped>(self.cover.open.len())
+        };
+        if is_closed && refine(CELL_SHARE)? <= FEW_CELLS {
+            refine(LEAST_CELL_SHARE)?;
         }
         let open = self.cover.open.iter().map(|cell| self.cover.bounds_of(&self.cover.cells[*cell as usize]));
         let unresolved = open.filter(|bounds| !seen.settles(bounds)).collect();

@@ -10,12 +10,13 @@ use crate::explicit::Bvh;
 use crate::implicit::Csg;
 use crate::math::sub_down;
 
-/// First margins of a sandwich, as shares of what samples ask for: with a limit, where a looser proof is quicker; and without, each
-/// smaller than the one before, until the goal is reached. Measured on a ball and a torus within a limit: 29 and 68 ranges a face
-/// with 1, 42 and 109 with a half, 63 and 182 with a quarter.
+/// First margins of a sandwich, as shares of what samples ask for: with a limit, where a looser proof is
+/// quicker; and without, each smaller than the one before, until the goal is reached. Measured on a ball and
+/// a torus within a limit: 29 and 68 ranges a face with 1, 42 and 109 with a half, 63 and 182 with a quarter.
 const WITH_LIMIT: f64 = 1.0;
 const WITHOUT: [f64; 3] = [0.25, 1.0 / 16.0, 1.0 / 64.0];
-/// Faces at which lower ends are looked for: the worst ones; with a limit that is kept only a few, as nothing depends on it.
+/// Faces at which lower ends are looked for: the worst ones; with a limit that is kept only a few, as nothing
+/// depends on it.
 const PROBED: [usize; 2] = [4, 32];
 
 /// The lower ends.
@@ -69,7 +70,8 @@ pub(super) fn bound_of(search: &Search, verdict: &Verdict, bvh: &Bvh) -> Result<
     Ok(conclusion(search, &csg, verdict, &ends, bvh).bound)
 }
 
-/// How far points of the worst faces are from the surface at least, and points of the surface beside them from the mesh.
+/// How far points of the worst faces are from the surface at least, and points of the surface beside them
+/// from the mesh.
 fn lower_ends(search: &Search, verdict: &Verdict, bvh: &Bvh, n: usize) -> Result<LowerEnds, Stopped> {
     let mut worst: Vec<usize> = (0..verdict.bounds.len()).collect();
     let order = |a: &usize, b: &usize| verdict.bounds[*b].total_cmp(&verdict.bounds[*a]).then(a.cmp(b));

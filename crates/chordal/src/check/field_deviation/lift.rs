@@ -1,9 +1,11 @@
-//! How far the vertices of a mesh are to be displaced so that it lies on one side of a field's surface: a guess from samples.
+//! How far the vertices of a mesh are to be displaced so that it lies on one side of a field's surface: a
+//! guess from samples.
 //!
-//! On a face each primitive that decides is taken as a distance, value by gradient, at some points. The CSG tree says at each point which
-//! of them have to be on a side so that the whole is: of an intersection that is to be outside the one that is nearest to it, of a
-//! union all. A primitive that has to be raised is asked to be above 0 at the three corners, by what it lacks there and by how much its
-//! samples lie below the plane through the corners. Displacements are linear over a face, so then it is above 0 at all samples.
+//! On a face each primitive that decides is taken as a distance, value by gradient, at some points. The CSG
+//! tree says at each point which of them have to be on a side so that the whole is: of an intersection that
+//! is to be outside the one that is nearest to it, of a union all. A primitive that has to be raised is asked
+//! to be above 0 at the three corners, by what it lacks there and by how much its samples lie below the plane
+//! through the corners. Displacements are linear over a face, so then it is above 0 at all samples.
 //!
 //! Nothing here is proved, nor has to be: whatever the displacements are, signs on the displaced faces are.
 use super::local_trees::LocalTree;
@@ -35,8 +37,8 @@ impl Demands {
     }
 }
 
-/// Barycentric coordinates of the samples: the corners; beside them, for gradients, since primitives may have a kink at a vertex; beside the
-/// middles of the sides; and the middle.
+/// Barycentric coordinates of the samples: the corners; beside them, for gradients, since primitives may have
+/// a kink at a vertex; beside the middles of the sides; and the middle.
 const BESIDE: f64 = 1.0 / 16.0;
 const SAMPLES: [[f64; 3]; 10] = [
     [1.0, 0.0, 0.0],
@@ -106,8 +108,9 @@ pub(super) fn deviations(
     Ok((0..mesh.faces().len()).map(of_face).collect())
 }
 
-/// The demands of the faces of a mesh: to be outside, and to be inside. `reaches` says, by face, how far its corners are displaced about:
-/// primitives that are farther than twice as far are taken to stay on their side.
+/// The demands of the faces of a mesh: to be outside, and to be inside. `reaches` says, by face, how far its
+/// corners are displaced about: primitives that are farther than twice as far are taken to stay on their
+/// side.
 pub(super) fn demands(
     regions: &mut SignRegions,
     evaluator: &mut PrimitiveEvaluator,
@@ -162,17 +165,20 @@ struct NodeSamples {
 
 /// Primitives whose gradients have a smaller cosine with the normal of the mesh are raised across it.
 const ACROSS: f64 = 0.3;
-/// By this share of a band a primitive that is raised across is taken to lack more than it does: what is asked of one face may be the
-/// opposite of what is asked of the next, as on both sides of a face that two solids share. Chosen.
+/// By this share of a band a primitive that is raised across is taken to lack more than it does: what is
+/// asked of one face may be the opposite of what is asked of the next, as on both sides of a face that two
+/// solids share. Chosen.
 const DETOUR: f64 = 0.25;
 
 impl NodeSamples {
-    /// The least value but for the corners, where several primitives may be equal of which most have nothing to do with the face.
+    /// The least value but for the corners, where several primitives may be equal of which most have nothing
+    /// to do with the face.
     fn least(&self) -> f64 {
         self.values[3..].iter().fold(f64::INFINITY, |a, b| if *b < a { *b } else { a })
     }
 
-    /// Of several the one that lacks the least; where that lacks more than can be raised, the largest one at each sample.
+    /// Of several the one that lacks the least; where that lacks more than can be raised, the largest one at
+    /// each sample.
     fn any_of(mut operands: Vec<Self>, band: f64) -> Self {
         let rank = |one: &Self| if one.is_across { one.least() - DETOUR * band } else { one.least() };
         let best = (0..operands.len())
@@ -209,9 +215,9 @@ struct FaceDistances<'a> {
 }
 
 impl FaceDistances<'_> {
-    /// The literals that have to be on a side for the whole face. To be inside is for the complement to be outside, so with `inward` all
-    /// signs are turned, and so are unions and intersections. Of an intersection that is to be outside it is the operand that lacks the
-    /// least.
+    /// The literals that have to be on a side for the whole face. To be inside is for the complement to be
+    /// outside, so with `inward` all signs are turned, and so are unions and intersections. Of an
+    /// intersection that is to be outside it is the operand that lacks the least.
     fn raised(&self, inward: bool) -> Vec<RaisedLiteral> {
         let mut stack: Vec<NodeSamples> = Vec::new();
         for node in self.local.tree.nodes() {
@@ -335,7 +341,8 @@ pub(super) struct HalfSpace {
     pub share: f64,
 }
 
-/// What rounding leaves of a constraint that holds, as a share of the displacement: chosen, it only decides which guess is tried.
+/// What rounding leaves of a constraint that holds, as a share of the displacement: chosen, it only decides
+/// which guess is tried.
 const ROUNDING: f64 = 1e-11;
 
 impl HalfSpace {

@@ -1,18 +1,23 @@
 //! Whether whole triangles are on one side of a field's surface.
 //!
-//! **Signs on a piece.** Let f be a primitive that is Lipschitz in a box E with generalized gradients in the box G, let T be a triangle in
-//! E with corners vᵢ, and L the linear function with f's values there. For x = Σλᵢvᵢ in T
-//! `f(x) − L(x) = Σλᵢ(f(x) − f(vᵢ)) = Σλᵢ γᵢ·(x − vᵢ)` with γᵢ in G (Lebourg's mean value theorem), and since Σλᵢ(x − vᵢ) = 0 the middle
-//! of G may be taken off each γᵢ. With r the half widths of G, |f − L| is so at most `Σλᵢ Σₖ rₖ|x − vᵢ|ₖ`, and that is
-//! - at most ‖r‖·R, where R is the radius of any ball that holds T: `Σλᵢ|x − vᵢ|² = Σλᵢ|vᵢ − o|² − |x − o|² ≤ R²` for its centre o,
-//! - at most ½Σ rₖwₖ, where wₖ are the sides of the box around T: a mean absolute deviation is at most half of the range.
+//! **Signs on a piece.** Let f be a primitive that is Lipschitz in a box E with generalized gradients in the
+//! box G, let T be a triangle in E with corners vᵢ, and L the linear function with f's values there. For x =
+//! Σλᵢvᵢ in T `f(x) − L(x) = Σλᵢ(f(x) − f(vᵢ)) = Σλᵢ γᵢ·(x − vᵢ)` with γᵢ in G (Lebourg's mean value
+//! theorem), and since Σλᵢ(x − vᵢ) = 0 the middle of G may be taken off each γᵢ. With r the half widths of G,
+//! |f − L| is so at most `Σλᵢ Σₖ rₖ|x − vᵢ|ₖ`, and that is
+//! - at most ‖r‖·R, where R is the radius of any ball that holds T: `Σλᵢ|x − vᵢ|² = Σλᵢ|vᵢ − o|² − |x − o|² ≤
+//!   R²` for its centre o,
+//! - at most ½Σ rₖwₖ, where wₖ are the sides of the box around T: a mean absolute deviation is at most half
+//!   of the range.
 //!
-//! The values at the corners are ranges over points. Every piece is cut at rounded middles, so that a point of the triangle that is asked
-//! about may be off the nearest point of its piece, along each axis, by [`OFF`] of the largest coordinate. E has that much room, and f is
-//! given `Σₖ |G|ₖ·off` more. So a sign that is proved holds in a neighbourhood of the triangle: by the range over E, which holds the piece in its interior,
-//! or strictly, for a function that is continuous there.
+//! The values at the corners are ranges over points. Every piece is cut at rounded middles, so that a point
+//! of the triangle that is asked about may be off the nearest point of its piece, along each axis, by [`OFF`]
+//! of the largest coordinate. E has that much room, and f is given `Σₖ |G|ₖ·off` more. So a sign that is
+//! proved holds in a neighbourhood of the triangle: by the range over E, which holds the piece in its
+//! interior, or strictly, for a function that is continuous there.
 //!
-//! The sides of the primitives give the side of the whole ([`LocalTree::membership`]); halves of a piece inherit what is decided.
+//! The sides of the primitives give the side of the whole ([`LocalTree::membership`]); halves of a piece
+//! inherit what is decided.
 //!
 //! Source: G. Lebourg, *Valeur moyenne pour gradient généralisé*, 1975.
 use super::regions::{SignRegions, side_of};
@@ -20,8 +25,9 @@ use crate::implicit::{LeafError, Membership, PrimitiveEvaluator, SlopeRange};
 use crate::math::{Box3, add_down, add_up, difference, dot, length_up, mul_up, sub_down, sub_up};
 use std::collections::HashMap;
 
-/// How far a point of a triangle may be off its piece, as a share of the largest coordinate: derived, each of up to [`MOST_CUTS`] middles
-/// is rounded by half of ε at most; taken three times, so that E holds the piece in its interior.
+/// How far a point of a triangle may be off its piece, as a share of the largest coordinate: derived, each of
+/// up to [`MOST_CUTS`] middles is rounded by half of ε at most; taken three times, so that E holds the piece
+/// in its interior.
 const OFF: f64 = 24.0 * f64::EPSILON;
 /// So often a triangle is cut at most: OFF rests on it.
 pub(super) const MOST_CUTS: u32 = 14;

@@ -1,7 +1,8 @@
 //! The tree that still decides in a region, for many boxes at once: a loose octree over the domain.
 //!
-//! A region is a cell with half of its size around it, so a box that is smaller than a cell lies in the region of the cell that holds its
-//! middle. Regions are made when enough boxes ask for them; each knows the tree of what its primitives' signs leave open.
+//! A region is a cell with half of its size around it, so a box that is smaller than a cell lies in the
+//! region of the cell that holds its middle. Regions are made when enough boxes ask for them; each knows the
+//! tree of what its primitives' signs leave open.
 use super::local_trees::LocalTrees;
 use super::pieces::KnownSides;
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
@@ -26,7 +27,8 @@ pub(super) struct SignRegions {
 
 /// A region with this few primitives is not divided.
 const FEW: usize = 3;
-/// Boxes that pay for a child of a region: it takes as many ranges as a box without it, and its boxes ask for fewer. Chosen.
+/// Boxes that pay for a child of a region: it takes as many ranges as a box without it, and its boxes ask for
+/// fewer. Chosen.
 const WORTH: usize = 6;
 /// Halvings of the domain at most: defined, cells of a 2000th.
 const DEEPEST: u32 = 11;

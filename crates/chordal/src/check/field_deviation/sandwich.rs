@@ -1,23 +1,27 @@
 //! `Sandwich`: two displaced copies of a mesh, one outside of a field's surface, one inside.
 //!
-//! **Lemma (sandwich).** Let A = {F < 0}, A* the interior of its closure, B* the interior of its complement, and S what is left of space,
-//! the boundary of A*: the field's surface with cracks closed. Let M be a closed oriented triangle mesh, M⁺ and M⁻ copies of it whose
-//! vertices are displaced by t at most. If
+//! **Lemma (sandwich).** Let A = {F < 0}, A* the interior of its closure, B* the interior of its complement,
+//! and S what is left of space, the boundary of A*: the field's surface with cracks closed. Let M be a closed
+//! oriented triangle mesh, M⁺ and M⁻ copies of it whose vertices are displaced by t at most. If
 //! 1. M⁺ lies in B* and M⁻ in A*,
-//! 2. each component of A* holds a point around which M⁺ winds once, and each of B* one around which M⁻ does not wind,
+//! 2. each component of A* holds a point around which M⁺ winds once, and each of B* one around which M⁻ does
+//!    not wind,
 //!
-//! then every point of a face of M has a point of S within the largest displacement of the face's corners, and every point of S has one of
-//! M within t.
+//! then every point of a face of M has a point of S within the largest displacement of the face's corners,
+//! and every point of S has one of M within t.
 //!
-//! *Proof.* Displacements are linear over a face, so no point's is longer than the longest of its corners'. From a point of M⁻ in A* to
-//! that of M in between to that of M⁺ in B* go two straight ways; together they are connected, A* and B* are open and have no point in common, so the ways meet S, on one of
-//! the two, within its length of M. For the other direction let p in S have no point of M within t. The straight motion M⁻ → M → M⁺ misses p, by compactness it misses a ball
-//! around p, and so all three wind alike, w times, around each point of the ball. The ball meets A* and B*, as p is in the boundary of
-//! A*. M⁺ misses A*, so its winding number is constant on components of A*, and w = 1; likewise M⁻ misses B*, and w = 0. ∎
+//! *Proof.* Displacements are linear over a face, so no point's is longer than the longest of its corners'.
+//! From a point of M⁻ in A* to that of M in between to that of M⁺ in B* go two straight ways; together they
+//! are connected, A* and B* are open and have no point in common, so the ways meet S, on one of the two,
+//! within its length of M. For the other direction let p in S have no point of M within t. The straight
+//! motion M⁻ → M → M⁺ misses p, by compactness it misses a ball around p, and so all three wind alike, w
+//! times, around each point of the ball. The ball meets A* and B*, as p is in the boundary of A*. M⁺ misses
+//! A*, so its winding number is constant on components of A*, and w = 1; likewise M⁻ misses B*, and w = 0. ∎
 //!
-//! M need not be embedded, nor need its copies. Where the first condition holds is proved by [`super::pieces`]. Vertices of the copies
-//! are f64 numbers, taken exactly; lengths of displacements are rounded up. How vertices are displaced is a guess
-//! ([`super::lift`]): as little as the samples ask for plus a margin, which grows where the proof needs it.
+//! M need not be embedded, nor need its copies. Where the first condition holds is proved by
+//! [`super::pieces`]. Vertices of the copies are f64 numbers, taken exactly; lengths of displacements are
+//! rounded up. How vertices are displaced is a guess ([`super::lift`]): as little as the samples ask for plus
+//! a margin, which grows where the proof needs it.
 use super::lift::{Demands, HalfSpace, demands, deviations, shortest};
 use super::pieces::{FaceSide, SideQuestion, sides};
 use super::regions::SignRegions;
@@ -77,12 +81,13 @@ const FARTHER: f64 = 16.0;
 const GROWTH: f64 = 4.0;
 /// At least this share of the largest coordinate, 2⁻⁴⁴: some hundred roundings.
 const LEAST_SHARE: f64 = 256.0 * f64::EPSILON;
-/// After a first failure a margin is at least this share of the face, derived from nothing but the number of rounds: it grows to the face's size.
+/// After a first failure a margin is at least this share of the face, derived from nothing but the number of
+/// rounds: it grows to the face's size.
 const FACE_SHARE: f64 = 1.0 / 4096.0;
 /// Displacements are this much of a limit at most, so that their lengths rounded up are within it.
 const REACH: f64 = 1.0 - 1.0 / (1 << 20) as f64;
-/// A displacement may be longer than what samples ask for by this much of the allowance: more than it where it is at an angle to what
-/// has to be raised. Chosen.
+/// A displacement may be longer than what samples ask for by this much of the allowance: more than it where
+/// it is at an angle to what has to be raised. Chosen.
 const ALLOWED: f64 = 1.25;
 /// Halvings in the search for the largest margin within a limit.
 const HALVINGS: usize = 12;
@@ -107,8 +112,8 @@ pub(super) struct TiedMesh<'a> {
 }
 
 impl<'a> TiedMesh<'a> {
-    /// By index if the mesh is closed so, since vertices of two parts that touch need not go the same way; else by position. None where it
-    /// is closed in neither way.
+    /// By index if the mesh is closed so, since vertices of two parts that touch need not go the same way;
+    /// else by position. None where it is closed in neither way.
     pub fn closed(mesh: &'a Mesh) -> Option<Self> {
         let n = mesh.positions().len() as u32;
         let by_index = || Some((0..n).collect::<Vec<u32>>());
@@ -381,7 +386,8 @@ impl Incidence {
         self.corners[range].iter().map(|(face, corner)| (*face, *corner as usize))
     }
 
-    /// By face, about how far its corners have to be displaced: twice as far as any face about them is from the surface.
+    /// By face, about how far its corners have to be displaced: twice as far as any face about them is from
+    /// the surface.
     fn reaches(&self, mesh: &Mesh, ids: &[u32], deviations: &[f64]) -> Vec<f64> {
         let larger = |a: f64, b: f64| if b > a { b } else { a };
         let n = mesh.positions().len() as u32;

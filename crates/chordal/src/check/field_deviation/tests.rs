@@ -268,7 +268,8 @@ fn no_sample_is_beyond_a_bound_whatever_was_done_to_the_mesh() {
     let mut n_proved = 0;
     for seed in 0..60_u64 {
         let mut state = 2 * seed + 1;
-        // A ball with a bite or a bump; the mesh is that of the ball, its vertices moved about, so that it misses what is small.
+        // A ball with a bite or a bump; the mesh is that of the ball, its vertices moved about, so that it
+        // misses what is small.
         let at = [0; 3].map(|_| 2.0 * random(&mut state) - 1.0);
         let far = at.iter().map(|x| x * x).sum::<f64>().sqrt();
         let at = at.map(|x| x / far);

@@ -1,19 +1,21 @@
 //! The 256 cells of marching cubes, made from one rule for faces.
 //!
-//! Corners of a cell are numbered by bits (x 1, y 2, z 4), edges 0–3 run along x, 4–7 along y, 8–11 along z, each group
-//! in the order of its lower corner. On each face the surface is cut by segments that depend on the four signs of that
-//! face alone: **every run of inside corners is cut off by itself**, so two inside corners across a face's diagonal are
-//! not joined. Both cells at a face see the same signs, hence the same segments, and each segment ends on two crossed
-//! edges. So
+//! Corners of a cell are numbered by bits (x 1, y 2, z 4), edges 0–3 run along x, 4–7 along y, 8–11 along z,
+//! each group in the order of its lower corner. On each face the surface is cut by segments that depend on
+//! the four signs of that face alone: **every run of inside corners is cut off by itself**, so two inside
+//! corners across a face's diagonal are not joined. Both cells at a face see the same signs, hence the same
+//! segments, and each segment ends on two crossed edges. So
 //! 1. in a cell each crossed edge belongs to two faces with one segment each: segments form closed loops, and every
 //!    crossed edge is in exactly one loop;
-//! 2. a loop is filled by triangles whose diagonals have no face in common. There are such for all loops of all cells
-//!    (found by search when the table is made, which panics if there were none). So a diagonal lies in the inside
-//!    of the cell, belongs to one loop, and no other cell makes the same edge;
-//! 3. hence every edge has two triangles, except segments on faces that only one cell has; and around the vertex of a
-//!    lattice edge each of its cells adds one fan, from one of its faces to the next: a disc, or a half disc at the border.
+//! 2. a loop is filled by triangles whose diagonals have no face in common. There are such for all loops of
+//!    all cells (found by search when the table is made, which panics if there were none). So a diagonal lies
+//!    in the inside of the cell, belongs to one loop, and no other cell makes the same edge;
+//! 3. hence every edge has two triangles, except segments on faces that only one cell has; and around the
+//!    vertex of a lattice edge each of its cells adds one fan, from one of its faces to the next: a disc, or
+//!    a half disc at the border.
 //!
-//! That is: a closed manifold up to the border of the lattice, from combinatorics alone. Positions play no part in it.
+//! That is: a closed manifold up to the border of the lattice, from combinatorics alone. Positions play no
+//! part in it.
 use std::sync::LazyLock;
 
 /// The two corners of each edge, the lower one first.
@@ -41,7 +43,8 @@ pub(in crate::convert) struct Case {
     pub grows: [u32; 12],
 }
 
-/// All cells by the bits of their inside corners; the second with every triangle turned around, for mirrored lattices.
+/// All cells by the bits of their inside corners; the second with every triangle turned around, for mirrored
+/// lattices.
 pub(in crate::convert) struct Table {
     pub upright: [Case; 256],
     pub mirrored: [Case; 256],

@@ -35,8 +35,8 @@ impl OpenTree {
         Self { tree, primitives, polarity }
     }
 
-    /// Whether a primitive that stands in the tree with its complement leaves one side whatever it is: nothing of the boundary is where it
-    /// vanishes, as between two solids that share a face.
+    /// Whether a primitive that stands in the tree with its complement leaves one side whatever it is:
+    /// nothing of the boundary is where it vanishes, as between two solids that share a face.
     fn is_cancelled(&self) -> bool {
         let is_mixed = |polarity: &Polarity| polarity.plain && polarity.complemented;
         let mixed = self.primitives.iter().zip(&self.polarity).filter(|(_, polarity)| is_mixed(polarity));

@@ -1,4 +1,5 @@
-//! `FieldMesher`: from a field to triangles, step by step: adaptive cells, their boundary, its improvement, its proof.
+//! `FieldMesher`: from a field to triangles, step by step: adaptive cells, their boundary, its improvement,
+//! its proof.
 use super::extract::extract;
 use super::grid::{FieldGrid, GridHalt, GridOptions, Place};
 use super::improve::{RawSurface, SurfaceImprover, Unimproved};
@@ -7,29 +8,36 @@ use crate::explicit::Mesh;
 use crate::implicit::{Expr, Field, LeafError, PrimitiveEvaluator};
 use crate::math::Box3;
 
-/// Times that cells are cut again where vertices cannot go to their places. Measured: twice was enough on all models of the tests.
+/// Times that cells are cut again where vertices cannot go to their places. Measured: twice was enough on all
+/// models of the tests.
 const MOST_CUTS: usize = 3;
-/// Cells have edges of at most this share of the longest side of the bounds. Chosen: an eighth sees most shapes at once; what is smaller is seen
-/// by ranges.
+/// Cells have edges of at most this share of the longest side of the bounds. Chosen: ranges say where cells are cut, so that large
+/// ones cost nothing.
 const COARSEST: f64 = 0.5;
 /// The same where functions are known by samples. Chosen: features of a tenth of the bounds are seen.
 const SAMPLED: f64 = 1.0 / 24.0;
 /// Cells are not cut below this share of the tolerance,
 const FLOOR: f64 = 0.5;
-/// nor below this share of the longest side of the bounds: where the tolerance is coarse, the shape still takes the cells that it takes.
+/// nor below this share of the longest side of the bounds: where the tolerance is coarse, the shape still
+/// takes the cells that it takes.
 const DETAIL: f64 = 1.0 / 512.0;
-/// Lengths that can be meant, as a share of the largest coordinate. Chosen: proofs need some hundred roundings of room.
+/// Lengths that can be meant, as a share of the largest coordinate. Chosen: proofs need some hundred
+/// roundings of room.
 const FINEST: f64 = 1.0 / (1_u64 << 42) as f64;
 /// Whether slopes are known is asked for in boxes of this share of the longest side,
 const SPOT: f64 = 1.0 / 4096.0;
-/// at these shares of the bounds. Chosen: off the axes and planes that shapes are built about, where some primitives have no slope.
+/// at these shares of the bounds. Chosen: off the axes and planes that shapes are built about, where some
+/// primitives have no slope.
 const SPOTS: [[f64; 3]; 3] = [[0.43, 0.61, 0.37], [0.71, 0.29, 0.67], [0.19, 0.83, 0.53]];
-/// The box that closes what the bounds do not hold is larger than these by this share of their size. Chosen: within the cube of the grid.
+/// The box that closes what the bounds do not hold is larger than these by this share of their size. Chosen:
+/// within the cube of the grid.
 const AROUND: f64 = 1.0 / 64.0;
 
-/// Errors of coarse faces are estimated too high. Measured on the models of the tests: by 1.2 to 3 where most faces have to be split.
+/// Errors of coarse faces are estimated too high. Measured on the models of the tests: by 1.2 to 3 where most
+/// faces have to be split.
 const OVERESTIMATE: f64 = 4.0;
-/// Bytes that a face takes while it is improved and judged, about: half-edges, samples, both copies and their trees.
+/// Bytes that a face takes while it is improved and judged, about: half-edges, samples, both copies and their
+/// trees.
 const BYTES_A_FACE: u64 = 800;
 
 /// What a mesh of a field is to be.
@@ -125,18 +133,22 @@ fn longest(bounds: &Box3) -> f64 {
 }
 
 impl<'a> FieldMesher<'a> {
-    /// Cells, their boundary and its improvement: a surface of few triangles near that of the field, by samples. Cells are cut again where
-    /// vertices are held off their places by other sheets.
+    /// Cells, their boundary and its improvement: a surface of few triangles near that of the field, by
+    /// samples. Cells are cut again where vertices are held off their places by other sheets.
     pub fn improved(
         &self,
         mut evaluator: PrimitiveEvaluator<'a>,
         tol: f64,
     ) -> Result<SurfaceImprover<'a>, Failure<Mesh>> {
-        self.job.report(Progress { stage: "mesh", done: 0, total: 3 });
+        let report = |stage, done: usize| {
+            self.job.report(Progress { stage, done: done as u64, total: 1 + MOST_CUTS as u64 });
+        };
+        report("cells", 0);
         let options = self.grid_options(tol);
         let mut grid = FieldGrid::build(&mut evaluator, options, self.job)?;
         let mut cuts = 0;
         let mut surface = loop {
+            report("surface", cuts);
             let raw = extract(&grid, self.job);
             if raw.faces.is_empty() {
                 return Err(Failure::refused(Code::Empty, "there is no surface to mesh"));
@@ -153,6 +165,7 @@ impl<'a> FieldMesher<'a> {
                 break surface;
             }
             cuts += 1;
+            report("cells", cuts);
             evaluator = surface.into_evaluator();
             grid.refine(&mut evaluator, &held)?;
         };

@@ -1,4 +1,5 @@
-//! How a field becomes triangles: adaptive cells, the boundary of a CSG tree in them, its improvement, and the proof.
+//! How a field becomes triangles: adaptive cells, the boundary of a CSG tree in them, its improvement, and
+//! the proof.
 mod arrangement;
 mod ask;
 mod cells;

@@ -6,7 +6,8 @@ use crate::check::{FieldJudge, Goal, SandwichGoal, field_deviation, judged_bound
 use crate::explicit::Mesh;
 use crate::implicit::{Csg, Field, PrimitiveEvaluator};
 
-/// Rounds in which faces that are not proved are split. Measured: 0 to 5 on the models of the tests; what is open then stays so.
+/// Rounds in which faces that are not proved are split. Measured: 0 to 5 on the models of the tests; what is
+/// open then stays so.
 const MOST_ROUNDS: usize = 10;
 /// With one face of so many open a mesh is tried once more,
 const FEW: usize = 8;
@@ -14,9 +15,11 @@ const FEW: usize = 8;
 const NEARER: f64 = 0.5;
 /// After so many rounds in a row with more open faces than before nothing will be proved.
 const HOPELESS: usize = 2;
-/// The first margin of a proof with a limit, as a share of what samples ask for. As in [`crate::check::field_deviation`].
+/// The first margin of a proof with a limit, as a share of what samples ask for. As in
+/// [`crate::check::field_deviation`].
 const MARGIN: f64 = 0.5;
-/// What is aimed at, as a share of the length, where a proof has values alone. Chosen: the rest is what a sign is proved with.
+/// What is aimed at, as a share of the length, where a proof has values alone. Chosen: the rest is what a
+/// sign is proved with.
 const SAMPLED: f64 = 0.5;
 /// Meshes made at most for a number of triangles.
 const MOST_TRIALS: usize = 10;
@@ -82,7 +85,8 @@ impl<'s> Search<'s> {
             Attempt::Proved(made) => return Ok(made),
             Attempt::Open { mesh, .. } => mesh,
         };
-        // What two copies of the mesh do not prove, boxes about it may: solids that touch, and lengths beyond the one that is wanted.
+        // What two copies of the mesh do not prove, boxes about it may: solids that touch, and lengths beyond
+        // the one that is wanted.
         let goal = Goal { max: Some(length), ..Goal::default() };
         let bound = field_deviation(&mesh, self.field, &goal, self.job)?.bound;
         let is_met = bound.at_most().is_some_and(|most| most <= length.get());

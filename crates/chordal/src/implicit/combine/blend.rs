@@ -6,8 +6,9 @@ use crate::implicit::{Distance, Field, Quality};
 const BLEND: &str = "a blend";
 
 impl Field {
-    /// The union with its seam filled: `min(a, b) − h²/(4·radius)` with `h = max(radius − |a − b|, 0)`. It holds both
-    /// shapes, reaches at most a quarter of `radius` further, and is their union where they are `radius` apart.
+    /// The union with its seam filled: `min(a, b) − h²/(4·radius)` with `h = max(radius − |a − b|, 0)`. It
+    /// holds both shapes, reaches at most a quarter of `radius` further, and is their union where they are
+    /// `radius` apart.
     ///
     /// The value is a bound: the gradient is a weighted mean of both gradients. That needs both to be distances or
     /// bounds outside.
@@ -25,8 +26,9 @@ impl Field {
         let inside = self.distance().union(other.distance()).inside;
         let bounds = first.bounds().union(second.bounds());
         let blend = Self::of_parts(value.clone(), &[&first, &second]);
-        // Where a and b are `radius` apart the blend is one of them, with its kinks on the surface. Where these are creases, there are signs
-        // without them; a half of what they are farther apart keeps the blend's own surface away from there.
+        // Where a and b are `radius` apart the blend is one of them, with its kinks on the surface. Where
+        // these are creases, there are signs without them; a half of what they are farther apart keeps the
+        // blend's own surface away from there.
         let blend = if self.has_creases() || other.has_creases() {
             let beyond = ((a - b).abs() - radius).max(&0.0.into()) * 0.5;
             blend.known_sign(self.sign().min(other.sign()).min(&(value + beyond)))
@@ -38,8 +40,8 @@ impl Field {
             .known_bounds(grown(bounds, 0.25 * radius)))
     }
 
-    /// The intersection with its edge rounded off: the complement of the [`Field::smooth_union`] of the complements.
-    /// Needs distances or bounds inside.
+    /// The intersection with its edge rounded off: the complement of the [`Field::smooth_union`] of the
+    /// complements. Needs distances or bounds inside.
     ///
     /// # Errors
     /// As for [`Field::smooth_union`], with the inside.

@@ -2,15 +2,16 @@
 use super::common;
 use crate::implicit::op::Unary;
 use crate::implicit::shapes::InvalidShape;
-use crate::implicit::{Distance, Expr, Field, Quality};
+use crate::implicit::{Csg, Distance, Expr, Field, Quality};
 use crate::math::{add_up, mul_up};
 
 /// Copies of one cell's neighbourhood, at most: each is an expression of its own.
 const MOST: u64 = 4096;
 
-/// Copies whose union is the sign where their number is limited: it has no steps then, and planes that copies have in common are one. Chosen:
-/// beyond, the steps from cell to cell cost less than the copies.
-const MOST_LISTED: u64 = 1024;
+/// Primitives of all copies whose union is the sign where their number is limited: it has no steps then, and
+/// planes that copies have in common are one. Chosen: beyond, the steps from cell to cell cost less than the
+/// copies.
+const MOST_LISTED: u64 = 8192;
 
 /// How a shape is repeated along one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,13 +27,14 @@ pub enum Repeat {
 impl Field {
     /// The union of copies of the shape, repeated along x, y and z.
     ///
-    /// Every copy counts: from each cell all copies are looked at that can be nearest there, however far the shape
-    /// reaches beyond its cell. An exact distance stays exact outside and becomes a bound inside. A bound is only a sign
-    /// outside afterwards, since it may jump from cell to cell.
+    /// Every copy counts: from each cell all copies are looked at that can be nearest there, however far the
+    /// shape reaches beyond its cell. An exact distance stays exact outside and becomes a bound inside. A
+    /// bound is only a sign outside afterwards, since it may jump from cell to cell.
     ///
     /// # Errors
-    /// When a period is not a finite number above 0, a count is 0, the shape's box is not finite along a repeated axis, or
-    /// it reaches across so many periods that more than 4,096 copies may be nearest to a point.
+    /// When a period is not a finite number above 0, a count is 0, the shape's box is not finite along a
+    /// repeated axis, or it reaches across so many periods that more than 4,096 copies may be nearest to a
+    /// point.
     pub fn repeated(&self, along: [Repeat; 3]) -> Result<Self, InvalidShape> {
         if self.bounds().is_empty() {
             return Ok(self.clone());
@@ -66,7 +68,8 @@ impl Field {
         let all = Self::union_of(&copies).known_distance(Distance { outside, ..distance });
         let n_copies =
             windows.iter().map(|w| w.count.map_or(u64::MAX, u64::from)).fold(1, u64::saturating_mul);
-        let all = if n < n_copies && n_copies <= MOST_LISTED {
+        let n_primitives = Csg::of(self.sign()).primitives().len() as u64;
+        let all = if n < n_copies && n_copies.saturating_mul(n_primitives) <= MOST_LISTED {
             let listed: Vec<Self> = places(&Window::all).iter().map(|at| self.at(at)).collect();
             all.known_sign(Self::union_of(&listed).sign().clone())
         } else {
@@ -86,9 +89,9 @@ struct Window {
 }
 
 impl Window {
-    /// The nearest copy's nearest point is at most half a period away along the axis: else the next copy would be
-    /// nearer. From a cell's own middle, points are within half a period, so only copies that reach into a period to
-    /// each side matter.
+    /// The nearest copy's nearest point is at most half a period away along the axis: else the next copy
+    /// would be nearer. From a cell's own middle, points are within half a period, so only copies that reach
+    /// into a period to each side matter.
     fn new(repeat: Repeat, low: f64, high: f64) -> Result<Self, InvalidShape> {
         let refused = |sentence: String| Err(InvalidShape::Number(sentence));
         let (period, count) = match repeat {
@@ -107,7 +110,8 @@ impl Window {
         if !(low.is_finite() && high.is_finite()) {
             return refused("a shape without ends cannot be repeated along them".into());
         }
-        // One more on each side than the quotients say would do for any rounding; a thousandth is far more than theirs.
+        // One more on each side than the quotients say would do for any rounding; a thousandth is far more
+        // than theirs.
         let (first, last) = ((-1.001 - high / period).ceil(), (1.001 - low / period).floor());
         if last - first >= MOST as f64 {
             return refused(format!(

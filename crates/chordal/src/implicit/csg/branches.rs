@@ -1,19 +1,25 @@
 //! `Branches`: a primitive with steps as one without for each of the values that its steps have.
 //!
-//! In a box that a step runs through, `round(x)` has two values, k and k + 1, and each of both makes a function without a step. The
-//! primitive has the values of one or the other, so both ranges together hold all of its values; and they are far tighter than one for
-//! all numbers from k to k + 1, as of a shape that is repeated: `x − round(x)` would be any number from −1/2 to 1/2. Where a step has one
-//! value throughout, the primitive is one of these functions, with its gradient.
+//! In a box that a step runs through, `round(x)` has two values, k and k + 1, and each of both makes a
+//! function without a step. The primitive has the values of one or the other, so both ranges together hold
+//! all of its values; and they are far tighter than one for all numbers from k to k + 1, as of a shape that
+//! is repeated: `x − round(x)` would be any number from −1/2 to 1/2. Where a step has one value throughout,
+//! the primitive is one of these functions, with its gradient.
 use crate::implicit::graph::{parts, reachable};
 use crate::implicit::op::{Binary, Unary};
 use crate::implicit::{Graph, LeafError, Tape, Term};
 use crate::math::{Box3, Interval};
 use std::collections::HashMap;
 
-/// Functions that a box is asked for at most in place of one. Chosen: a corner where steps along all three axes meet.
+/// Functions that a box is asked for at most in place of one. Chosen: a corner where steps along all three
+/// axes meet.
 const MOST: usize = 8;
-/// Terms of all functions of a primitive at most; boxes beyond are asked for as a whole. Defined: some hundred megabytes.
+/// Terms of all functions of a primitive at most; boxes beyond are asked for as a whole. Defined: some
+/// hundred megabytes.
 const MOST_TERMS: usize = 1 << 20;
+
+/// Whole numbers below this are the same as floats and as integers.
+const LEAST_INEXACT: f64 = (1_u64 << 53) as f64;
 
 /// A primitive's steps.
 #[derive(Clone, Debug)]
@@ -76,7 +82,8 @@ impl Branches {
         (!steps.is_empty()).then_some(Self { terms, steps, functions: Vec::new(), numbers })
     }
 
-    /// For each box the numbers of the functions of which the primitive is one at each point in it; none where there are too many.
+    /// For each box the numbers of the functions of which the primitive is one at each point in it; none
+    /// where there are too many.
     pub fn over(&mut self, boxes: &[Box3]) -> Result<Vec<Option<Vec<u32>>>, LeafError> {
         let mut values: Vec<Vec<[i64; 2]>> = Vec::with_capacity(self.steps.len());
         for step in &self.steps {
@@ -120,7 +127,8 @@ impl Branches {
         Some(number)
     }
 
-    /// The terms with these values of the steps. Only what is exact is carried out, so that ranges hold what the primitive has.
+    /// The terms with these values of the steps. Only what is exact is carried out, so that ranges hold what
+    /// the primitive has.
     fn graph(&self, at: &[i64]) -> Graph {
         let mut terms: Vec<Term> = Vec::with_capacity(self.terms.len());
         let mut place: Vec<u32> = Vec::with_capacity(self.terms.len());
@@ -193,6 +201,8 @@ impl Rounding {
             Self::Up => x.ceil(),
             Self::Nearest => x.round(),
         };
-        [range.lo(), range.hi()].map(|x| whole(x) as i64)
+        let ends = [range.lo(), range.hi()].map(whole);
+        let is_exact = ends.iter().all(|x| x.abs() < LEAST_INEXACT);
+        if is_exact { ends.map(|x| x as i64) } else { [i64::MIN, i64::MAX] }
     }
 }

@@ -9,10 +9,11 @@ use crate::math::{Box3, Interval};
 /// What is known of a primitive in a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlopeRange {
-    /// All values lie from the first to the second, which are infinite where nothing is known. Where a point has no value, nothing is.
+    /// All values lie from the first to the second, which are infinite where nothing is known. Where a point
+    /// has no value, nothing is.
     pub value: [f64; 2],
-    /// Where the primitive is Lipschitz in the box: ranges of its generalized gradients (Clarke's), so that the mean value theorem holds
-    /// with them.
+    /// Where the primitive is Lipschitz in the box: ranges of its generalized gradients (Clarke's), so that
+    /// the mean value theorem holds with them.
     pub gradient: Option<[Interval; 3]>,
 }
 
@@ -36,9 +37,11 @@ fn values(primitive: &Primitive, range: Interval) -> [f64; 2] {
 
 /// Rows in one call of a primitive: several blocks of registers, and small enough to share among threads.
 const CHUNK: usize = 1024;
-/// Tapes of fewer steps are not shortened by region. Chosen: shortening takes about as long as some hundred evaluations of a step.
+/// Tapes of fewer steps are not shortened by region. Chosen: shortening takes about as long as some hundred
+/// evaluations of a step.
 const LONG: usize = 48;
-/// A region gets a tape of its own for so many questions. Measured on 100 blended balls: making a tape costs as much as some 20 ranges.
+/// A region gets a tape of its own for so many questions. Measured on 100 blended balls: making a tape costs
+/// as much as some 20 ranges.
 const WORTH: usize = 32;
 /// Halvings of the domain at most. Measured on 100 blended balls: tapes are not shorter after 9.
 const DEEPEST: u32 = 9;
@@ -57,8 +60,8 @@ pub(super) struct Region {
 
 /// The primitives of a CSG tree over a domain, evaluated for many questions at once, on the threads of a job.
 ///
-/// Long primitives, such as chains of blends, are shortened for each region of the domain that many questions fall into. Values are those of
-/// the whole primitive, bit for bit; ranges hold them, and are tighter.
+/// Long primitives, such as chains of blends, are shortened for each region of the domain that many questions
+/// fall into. Values are those of the whole primitive, bit for bit; ranges hold them, and are tighter.
 #[derive(Debug)]
 pub struct PrimitiveEvaluator<'a> {
     csg: &'a Csg,
@@ -73,32 +76,34 @@ pub struct PrimitiveEvaluator<'a> {
 }
 
 /// What can be answered.
-trait Answer: Copy + Send + Sync {
+trait Hull: Copy + Send + Sync {
     /// What holds where one of both answers does.
-    fn either(self, other: Self) -> Self;
+    fn hull(self, other: Self) -> Self;
 }
 
-impl Answer for [f64; 2] {
-    fn either(self, [low, high]: Self) -> Self {
+impl Hull for [f64; 2] {
+    fn hull(self, [low, high]: Self) -> Self {
         [if low < self[0] { low } else { self[0] }, if high > self[1] { high } else { self[1] }]
     }
 }
 
-impl Answer for SlopeRange {
+impl Hull for SlopeRange {
     /// It may step from one to the other.
-    fn either(self, other: Self) -> Self {
-        Self { value: self.value.either(other.value), gradient: None }
+    fn hull(self, other: Self) -> Self {
+        Self { value: self.value.hull(other.value), gradient: None }
     }
 }
 
-impl Answer for f64 {
-    fn either(self, _: Self) -> Self {
+impl Hull for f64 {
+    /// A point is asked for once.
+    fn hull(self, _: Self) -> Self {
         self
     }
 }
 
-impl Answer for Slope<f64> {
-    fn either(self, _: Self) -> Self {
+impl Hull for Slope<f64> {
+    /// A point is asked for once.
+    fn hull(self, _: Self) -> Self {
         self
     }
 }
@@ -108,6 +113,15 @@ struct Batch {
     primitive: u32,
     tape: Tape,
     rows: Vec<u32>,
+}
+
+impl Batch {
+    /// A tape's questions, in chunks. A leaf is asked for everything at once, by chunks of its own.
+    fn push_all(primitive: u32, tape: &Tape, rows: &[u32], batches: &mut Vec<Self>) {
+        let size = if tape.has_leaves() { rows.len().max(1) } else { CHUNK };
+        let batch = |rows: &[u32]| Self { primitive, tape: tape.clone(), rows: rows.to_vec() };
+        batches.extend(rows.chunks(size).map(batch));
+    }
 }
 
 /// What can be asked for: where it is, and what it is asked for by tapes.
@@ -191,7 +205,8 @@ impl<'a> PrimitiveEvaluator<'a> {
         self.answer(questions, none, |batch, at, out: &mut [Slope<f64>]| batch.tape.gradient_at(at, out))
     }
 
-    /// A range `[low, high]` of all values of a primitive in a box, rounded outward, for each question; see [`SlopeRange::value`].
+    /// A range `[low, high]` of all values of a primitive in a box, rounded outward, for each question; see
+    /// [`SlopeRange::value`].
     ///
     /// # Errors
     /// What a leaf says.
@@ -225,7 +240,7 @@ impl<'a> PrimitiveEvaluator<'a> {
     }
 
     /// Answers in the order of the questions, whatever the batches.
-    fn answer<Q: Question, R: Answer>(
+    fn answer<Q: Question, R: Hull>(
         &mut self,
         questions: &[(u32, Q)],
         none: R,
@@ -241,13 +256,13 @@ impl<'a> PrimitiveEvaluator<'a> {
         for (batch, answers) in batches.iter().zip(answers) {
             for (row, answer) in batch.rows.iter().zip(answers?) {
                 let known = &mut all[*row as usize];
-                *known = Some(known.map_or(answer, |known| known.either(answer)));
+                *known = Some(known.map_or(answer, |known| known.hull(answer)));
             }
         }
         Ok(all.into_iter().map(|answer| answer.unwrap_or(none)).collect())
     }
 
-    /// The questions by tape, each batch of one chunk. A leaf is asked for everything at once, by chunks of its own.
+    /// The questions by tape.
     fn batches<Q: Question>(&mut self, questions: &[(u32, Q)]) -> Result<Vec<Batch>, LeafError> {
         let mut by_primitive: Vec<Vec<u32>> = vec![Vec::new(); self.regions.len()];
         questions.iter().enumerate().for_each(|(row, (p, _))| by_primitive[*p as usize].push(row as u32));
@@ -260,12 +275,7 @@ impl<'a> PrimitiveEvaluator<'a> {
             }
             let tape = &self.regions[primitive][0].tape;
             if !is_shortened(tape) || rows.len() < WORTH && self.regions[primitive].len() == 1 {
-                let size = if tape.has_leaves() { rows.len() } else { CHUNK };
-                batches.extend(rows.chunks(size).map(|rows| Batch {
-                    primitive: number,
-                    tape: tape.clone(),
-                    rows: rows.to_vec(),
-                }));
+                Batch::push_all(number, tape, &rows, &mut batches);
                 continue;
             }
             self.route(number, questions, rows, &mut batches)?;
@@ -293,8 +303,7 @@ impl<'a> PrimitiveEvaluator<'a> {
             }
         }
         for (tape, rows) in branches.functions.iter().zip(&by_function) {
-            let batch = |rows: &[u32]| Batch { primitive, tape: tape.clone(), rows: rows.to_vec() };
-            batches.extend(rows.chunks(CHUNK).map(batch));
+            Batch::push_all(primitive, tape, rows, batches);
         }
         Ok(left)
     }
@@ -327,12 +336,7 @@ impl<'a> PrimitiveEvaluator<'a> {
                         here.extend(rows);
                     }
                 }
-                let tape = &region.tape;
-                batches.extend(here.chunks(CHUNK).map(|rows| Batch {
-                    primitive,
-                    tape: tape.clone(),
-                    rows: rows.to_vec(),
-                }));
+                Batch::push_all(primitive, &region.tape, &here, batches);
             }
             let children = self.children(primitive, &below)?;
             open = children.into_iter().zip(below).map(|(child, (_, _, rows))| (child, rows)).collect();
@@ -364,7 +368,8 @@ impl<'a> PrimitiveEvaluator<'a> {
     }
 }
 
-/// Whether a region may have fewer steps: there are many, and some of them choose. Leaves want to be asked for much at once.
+/// Whether a region may have fewer steps: there are many, and some of them choose. Leaves want to be asked
+/// for much at once.
 fn is_shortened(tape: &Tape) -> bool {
     let chooses = |term: &Term| {
         matches!(

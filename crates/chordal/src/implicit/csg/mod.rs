@@ -1,9 +1,10 @@
 //! `Csg`: the sign of a field as a CSG tree of primitives.
 //!
-//! Where a field's surface is, only its sign decides. The sign of `min(a, b)` is that of the union of `a` and `b`, of `max(a, b)` that of
-//! the intersection, of `−a` that of the complement. So minima, maxima, negations, absolute values and sums and products with constants are
-//! opened from the root down; what is left below them are the primitives. Each is smooth on its own in most models, its zero set crosses
-//! others at creases and corners, and it is measured in its own units.
+//! Where a field's surface is, only its sign decides. The sign of `min(a, b)` is that of the union of `a` and
+//! `b`, of `max(a, b)` that of the intersection, of `−a` that of the complement. So minima, maxima,
+//! negations, absolute values and sums and products with constants are opened from the root down; what is
+//! left below them are the primitives. Each is smooth on its own in most models, its zero set crosses others
+//! at creases and corners, and it is measured in its own units.
 mod branches;
 mod evaluator;
 mod tree;
@@ -20,8 +21,8 @@ use std::collections::HashMap;
 
 /// A field's sign as unions and intersections of primitives and their complements.
 ///
-/// The set that it describes is `{F < 0}` with its boundary regularized: where `a` and its exact complement `−a` meet, as two stacked
-/// boxes do in their common face, there is nothing between them.
+/// The set that it describes is `{F < 0}` with its boundary regularized: where `a` and its exact complement
+/// `−a` meet, as two stacked boxes do in their common face, there is nothing between them.
 ///
 /// ```
 /// use chordal::implicit::{Csg, CsgNode, shapes};
@@ -59,18 +60,6 @@ impl Primitive {
         self.is_total
     }
 
-    /// Whether it has steps: whole parts, rests, comparisons and choices.
-    #[must_use]
-    pub fn jumps(&self) -> bool {
-        self.tape.graph().terms().iter().any(|term| match term {
-            Term::Unary(op, _) => matches!(op, Unary::Floor | Unary::Ceil | Unary::Round | Unary::Not),
-            Term::Binary(op, ..) => {
-                matches!(op, Binary::Mod | Binary::Compare | Binary::And | Binary::Or)
-            }
-            _ => false,
-        })
-    }
-
     /// Whether the zero sets of both never meet, since they are two different levels of one function.
     #[must_use]
     pub fn is_parallel_to(&self, other: &Self) -> bool {
@@ -95,15 +84,16 @@ struct Level {
     falls: bool,
 }
 
-/// Two levels that differ by more than this share of their sizes do so without rounding. Derived: a chain of thousands of roundings is off by
-/// less than 2⁻⁴⁰ of them.
+/// Two levels that differ by more than this share of their sizes do so without rounding. Derived: a chain of
+/// thousands of roundings is off by less than 2⁻⁴⁰ of them.
 const CLEAR: f64 = 1.0 / (1_u64 << 40) as f64;
 /// Operations with constants above a base at most; beyond, what rounding may have done is not counted.
 const MOST_ROUNDINGS: usize = 1024;
 
 /// Nodes that a tree has at most; what would have more is one primitive. Defined: some megabytes.
 const MOST_NODES: usize = 1 << 16;
-/// Terms that all primitives have together at most, for each term of the whole, beside [`MOST_NODES`]: shared parts are copied into each.
+/// Terms that all primitives have together at most, for each term of the whole, beside [`MOST_NODES`]: shared
+/// parts are copied into each.
 const MOST_COPIES: usize = 32;
 
 impl Csg {
@@ -241,7 +231,8 @@ impl<'a> Opener<'a> {
         Some(Csg { primitives: self.primitives, tree: CsgTree::new(self.nodes) })
     }
 
-    /// What a place is the union or intersection of, operators of one kind below each other taken together; none for a primitive.
+    /// What a place is the union or intersection of, operators of one kind below each other taken together;
+    /// none for a primitive.
     fn operands(&mut self, place: Operand) -> Option<(Vec<Operand>, bool)> {
         let ([a, b], is_union) = self.split(place)?;
         let mut open = vec![b, a];
@@ -345,7 +336,8 @@ impl<'a> Opener<'a> {
 
     /// The place as a level of a term below it.
     fn level(&self, place: Operand) -> Option<Level> {
-        // The chain applied to `base` is `scale · base + offset`, with a scale that is a power of 2 or its negative.
+        // The chain applied to `base` is `scale · base + offset`, with a scale that is a power of 2 or its
+        // negative.
         let (mut base, mut below) = (place.term, Vec::new());
         loop {
             let (op, term) = match self.terms[base as usize] {
@@ -477,8 +469,8 @@ fn is_power_of_two(k: f64) -> bool {
     power_of_two(exponent(k.abs()) - 1) == k.abs()
 }
 
-/// Whether every term has a value at every point: none divides by what may be 0, takes roots of what may be negative and so on. Leaves
-/// have values by their own word.
+/// Whether every term has a value at every point: none divides by what may be 0, takes roots of what may be
+/// negative and so on. Leaves have values by their own word.
 fn is_total(terms: &[Term]) -> bool {
     let mut not_negative = vec![false; terms.len()];
     for (k, term) in terms.iter().enumerate() {

@@ -136,7 +136,8 @@ fn a_tree_that_doubles_stays_small() {
 /// Chosen: some tens of roundings of values about 1.
 const ROOM: f64 = 64.0 * f64::EPSILON;
 
-/// Pairs of points in random boxes, of which many have 0 in a coordinate: values differ by what the range of gradients allows.
+/// Pairs of points in random boxes, of which many have 0 in a coordinate: values differ by what the range of
+/// gradients allows.
 fn obeys_mean_value_theorem(expr: &Expr, state: &mut u64) {
     let tape = Tape::of(expr);
     for _ in 0..400 {
@@ -216,7 +217,8 @@ fn ranges_of_slopes_are_tight_where_coordinates_have_one_sign() {
     let across = over(&sides, Box3 { min: [-1.0, -1.0, -0.1], max: [1.0, 1.0, 0.1] });
     assert!(across[0].magnitude() == 0.0 && across[1].magnitude() == 0.0, "{across:?}");
     assert!(across[2].lo() > 1.0 - ROOM && across[2].hi() < 1.0 + ROOM, "{across:?}");
-    // A quarter of a circle around the axis, far from it: sines and cosines of the angles, and all of them at the axis.
+    // A quarter of a circle around the axis, far from it: sines and cosines of the angles, and all of them at
+    // the axis.
     let ring = (x.square() + y.square()).sqrt();
     let far = over(&ring, Box3 { min: [3.0, 4.0, 0.0], max: [3.0, 4.0, 1.0] });
     assert!((far[0].lo() - 0.6).abs() < ROOM && (far[1].hi() - 0.8).abs() < ROOM, "{far:?}");
@@ -264,7 +266,8 @@ fn steps_are_looked_at_one_by_one() {
         }
         assert!(tight > 0);
     }
-    // Where the steps are not in it, a box has a gradient; where they are, the value is far from 0 on either side of them.
+    // Where the steps are not in it, a box has a gradient; where they are, the value is far from 0 on either
+    // side of them.
     let csg = Csg::of(balls.sign());
     let job = Job::default();
     let mut evaluator = PrimitiveEvaluator::new(&csg, &Box3 { min: [-2.0; 3], max: [2.0; 3] }, &job);
@@ -272,4 +275,18 @@ fn steps_are_looked_at_one_by_one() {
     assert!(evaluator.slope_ranges(&one([0.2, 0.1, 0.0])).unwrap()[0].gradient.is_some());
     let on_step = evaluator.slope_ranges(&one([0.49, 0.1, 0.0])).unwrap()[0];
     assert!(on_step.gradient.is_none() && on_step.value[0] > 0.2);
+}
+
+#[test]
+fn steps_beyond_what_integers_hold_are_one_range() {
+    let [x, y, z] = Expr::axes();
+    let sign = Expr::unary(Unary::Floor, &(x * 1e20)) - 1e19 + y.square() + z.square();
+    let (csg, job) = (Csg::of(&sign), Job::default());
+    let bounds = Box3 { min: [0.5, 0.0, 0.0], max: [0.6, 0.1, 0.1] };
+    let mut evaluator = PrimitiveEvaluator::new(&csg, &bounds, &job);
+    let [low, high] = evaluator.ranges(&[(0, bounds)]).unwrap()[0];
+    for at in [bounds.min, bounds.max, bounds.centre()] {
+        let value = evaluator.values(&[(0, at)]).unwrap()[0];
+        assert!(low <= value && value <= high, "{value} in {low} to {high}");
+    }
 }

@@ -4,7 +4,8 @@ use super::{FaceLabel, SurfaceImprover, Unimproved};
 use crate::explicit::{next_in_face, previous_in_face};
 use glam::DVec3;
 
-/// Rounds at most: an independent set holds a tenth of the vertices and more, so that this is far more than any surface takes.
+/// Rounds at most: an independent set holds a tenth of the vertices and more, so that this is far more than
+/// any surface takes.
 const MOST_ROUNDS: usize = 400;
 /// Fans of more faces are left alone. Chosen: a vertex of that many looks at all of them for each of its edges.
 const MOST_FACES: usize = 64;
@@ -19,7 +20,8 @@ struct Collapse {
     length: f64,
 }
 
-/// What is around a vertex that goes along a half-edge: the other ends of its edges from that on, and its half-edges.
+/// What is around a vertex that goes along a half-edge: the other ends of its edges from that on, and its
+/// half-edges.
 #[derive(Default)]
 struct Star {
     sides: Vec<u32>,
@@ -163,7 +165,8 @@ impl SurfaceImprover<'_> {
         Ok(())
     }
 
-    /// The samples of a collapse: by face that stays its centroid, then the middles of new edges, for both sides of a crease.
+    /// The samples of a collapse: by face that stays its centroid, then the middles of new edges, for both
+    /// sides of a crease.
     fn each_ask(&self, star: &Star, mut ask: impl FnMut(FaceLabel, DVec3)) {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = self.at(ring[0]);
@@ -184,8 +187,9 @@ impl SurfaceImprover<'_> {
         }
     }
 
-    /// The first and the last of the ring are joined to the end already; where the face that goes there belongs to another primitive than
-    /// the one that takes its place, the edge becomes a crease or ceases to be one: the position in the ring, and the new label.
+    /// The first and the last of the ring are joined to the end already; where the face that goes there
+    /// belongs to another primitive than the one that takes its place, the edge becomes a crease or ceases to
+    /// be one: the position in the ring, and the new label.
     fn sides_that_change(&self, star: &Star) -> [Option<(usize, FaceLabel)>; 2] {
         let n = star.ring.len();
         let label = |i: usize| self.label_of(star.sides[i]);
@@ -201,7 +205,8 @@ impl SurfaceImprover<'_> {
         [next_in_face(star.sides[0]), previous_in_face(t)].map(|h| self.surface.twin(h))
     }
 
-    /// The signed distances of the new edges' middles from the primitives before and after them, by position in the ring.
+    /// The signed distances of the new edges' middles from the primitives before and after them, by position
+    /// in the ring.
     fn spokes(&self, star: &Star, samples: &[Sample]) -> Vec<[f64; 2]> {
         let n = star.ring.len();
         let mut spokes = vec![[f64::NAN; 2]; n];

@@ -1,4 +1,5 @@
-//! How far edges and faces are from their primitives: by samples where there are some, else from the normals at their ends.
+//! How far edges and faces are from their primitives: by samples where there are some, else from the normals
+//! at their ends.
 use super::{FaceLabel, SurfaceImprover, VertexLabel, area_normal, sides};
 use glam::DVec3;
 
@@ -7,10 +8,11 @@ const CREASE: f64 = 0.8;
 /// The least such sine: below it, edges would have to be split without end.
 const SHARPEST: f64 = 0.05;
 
-/// Estimates are asked where normals are within 30°: beyond, the terms that they leave out are as large as what they say.
+/// Estimates are asked where normals are within 30°: beyond, the terms that they leave out are as large as
+/// what they say.
 const ALIKE: f64 = 0.866;
-/// Weights of the samples inside of a face beside its corners, its centroid and the middles of its edges: quarters of the edges, and halfway
-/// from the centroid to the corners.
+/// Weights of the samples inside of a face beside its corners, its centroid and the middles of its edges:
+/// quarters of the edges, and halfway from the centroid to the corners.
 const INSIDE: [[f64; 3]; 9] = {
     const A: f64 = 2.0 / 3.0;
     const B: f64 = 1.0 / 6.0;
@@ -65,7 +67,8 @@ impl SurfaceImprover<'_> {
         self.labels_of(v).iter().find(|on| on.label == label)
     }
 
-    /// The distance of the middle of two vertices from a primitive, from its normals there: off by their fourth derivatives.
+    /// The distance of the middle of two vertices from a primitive, from its normals there: off by their
+    /// fourth derivatives.
     #[inline]
     pub(super) fn estimate(&self, a: u32, b: u32, label: FaceLabel) -> f64 {
         let (Some(p), Some(q)) = (self.on(a, label), self.on(b, label)) else { return f64::NAN };
@@ -137,7 +140,8 @@ impl SurfaceImprover<'_> {
         self.face_off(face).most() / self.aim_of(self.surface.corners(face))
     }
 
-    /// The same for a face that may come: `middles` by edge from the first corner on; a centroid that is NaN is estimated.
+    /// The same for a face that may come: `middles` by edge from the first corner on; a centroid that is NaN
+    /// is estimated.
     pub(super) fn off(&self, corners: [u32; 3], label: FaceLabel, middles: [f64; 3], centre: f64) -> Off {
         let corner = corners.map(|v| self.on(v, label).map_or(f64::NAN, |on| on.distance));
         let centre = if centre.is_nan() {
@@ -179,8 +183,8 @@ impl SurfaceImprover<'_> {
         0.5 * (self.at(a) + self.at(b))
     }
 
-    /// About how many faces the aim takes: errors fall with the square of edges, so a face is cut into as many as its error is over the aim, and
-    /// a crease into the root of that.
+    /// About how many faces the aim takes: errors fall with the square of edges, so a face is cut into as
+    /// many as its error is over the aim, and a crease into the root of that.
     pub fn estimated_faces(&mut self) -> Result<f64, super::Unimproved> {
         let edges: Vec<u32> = self.edges().collect();
         self.sample_middles(&edges)?;

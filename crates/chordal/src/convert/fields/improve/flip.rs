@@ -10,7 +10,8 @@ const MOST_ROUNDS: usize = 6;
 struct Flip {
     h: u32,
     gain: f64,
-    /// Whether one of its triangles stands on the surface and those that come do not, or much is gained: then samples need not agree.
+    /// Whether one of its triangles stands on the surface and those that come do not, or much is gained: then
+    /// samples need not agree.
     is_urgent: bool,
 }
 

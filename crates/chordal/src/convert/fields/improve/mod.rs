@@ -1,8 +1,9 @@
 //! `SurfaceImprover`: from a closed surface near that of a CSG tree to one on it, of few triangles.
 //!
-//! Vertices move onto their primitives by Newton steps, onto creases where two meet and onto corners where three do. Then edges are split,
-//! flipped and collapsed until every edge and face lies within the aimed distance of its primitive, by samples. Operations whose faces do
-//! not overlap are taken together, so that all their samples are one call of the primitives.
+//! Vertices move onto their primitives by Newton steps, onto creases where two meet and onto corners where
+//! three do. Then edges are split, flipped and collapsed until every edge and face lies within the aimed
+//! distance of its primitive, by samples. Operations whose faces do not overlap are taken together, so that
+//! all their samples are one call of the primitives.
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "what is no number counts as too far")]
 #![allow(clippy::needless_range_loop, reason = "positions in a ring name its edges and its faces alike")]
 mod collapse;
@@ -15,7 +16,7 @@ mod sheets;
 mod split;
 mod walls;
 
-use crate::budget::Job;
+use crate::budget::{Job, Progress};
 use crate::explicit::{HalfEdges, next_in_face, previous_in_face};
 use crate::implicit::{LeafError, PrimitiveEvaluator};
 use face_tree::FaceTree;
@@ -97,7 +98,8 @@ pub(crate) struct SurfaceImprover<'a> {
     /// By vertex: where its labels begin, and how many there are.
     place: Vec<(u32, u32)>,
     vertex_label: Vec<VertexLabel>,
-    /// By half-edge: the signed distance of its middle from the primitive of its face; NaN where it was not sampled.
+    /// By half-edge: the signed distance of its middle from the primitive of its face; NaN where it was not
+    /// sampled.
     middle: Vec<f64>,
     /// By face: the same for its centroid.
     centre: Vec<f64>,
@@ -121,8 +123,8 @@ pub(crate) struct SurfaceImprover<'a> {
     pub counts: Counts,
 }
 
-/// What edges and faces may be off, as a share of the tolerance: the rest is for what samples miss. Measured: with it proofs end after 0 to 2
-/// rounds of splits on most models.
+/// What edges and faces may be off, as a share of the tolerance: the rest is for what samples miss. Measured:
+/// with it proofs end after 0 to 2 rounds of splits on most models.
 const AIM: f64 = 0.85;
 
 impl<'a> SurfaceImprover<'a> {
@@ -183,6 +185,7 @@ impl<'a> SurfaceImprover<'a> {
         self.aim_at_walls()?;
         let mut last = self.surface.n_faces();
         for cycle in 0..MOST_CYCLES {
+            self.job.report(Progress { stage: "improve", done: cycle as u64, total: MOST_CYCLES as u64 });
             self.split_far(MOST_REPAIRS)?;
             self.collapse_all()?;
             self.flip_all()?;
@@ -203,8 +206,9 @@ impl<'a> SurfaceImprover<'a> {
         Ok(())
     }
 
-    /// Splits faces, by the numbers that [`Self::mesh`] gives with them, and puts right what is around them. Gives how many were split: none
-    /// where their edges are as short as any may be, or where other sheets are in the way.
+    /// Splits faces, by the numbers that [`Self::mesh`] gives with them, and puts right what is around them.
+    /// Gives how many were split: none where their edges are as short as any may be, or where other sheets
+    /// are in the way.
     pub fn split_faces(&mut self, faces: &[u32]) -> Result<usize, Unimproved> {
         self.next_round()?;
         let there: Vec<u32> = faces.iter().copied().filter(|f| self.surface.has_face(*f)).collect();
@@ -231,7 +235,8 @@ impl<'a> SurfaceImprover<'a> {
         self.surface.n_faces()
     }
 
-    /// The surface with vertices and faces in the order in which they were made, and the face's number here of each.
+    /// The surface with vertices and faces in the order in which they were made, and the face's number here
+    /// of each.
     pub fn mesh(&self) -> (RawSurface, Vec<u32>) {
         let mut number = vec![u32::MAX; self.position.len()];
         let mut positions = Vec::new();
@@ -336,7 +341,8 @@ impl<'a> SurfaceImprover<'a> {
     }
 }
 
-/// Bytes that a face takes here, about: half-edges with their middles, half a vertex with its labels, its place in the tree and in lists.
+/// Bytes that a face takes here, about: half-edges with their middles, half a vertex with its labels, its
+/// place in the tree and in lists.
 const BYTES_A_FACE: u64 = 320;
 /// Checks by all samples at most; what is off then is named by the proof.
 const MOST_CHECKS: usize = 12;

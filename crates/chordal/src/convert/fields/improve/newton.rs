@@ -5,9 +5,11 @@ use glam::DVec3;
 
 /// Steps at most: they double the digits each.
 const MOST_STEPS: usize = 5;
-/// A step of this share of the tolerance ends it. Chosen: far below what anything is measured to, and above the rounding of coordinates.
+/// A step of this share of the tolerance ends it. Chosen: far below what anything is measured to, and above
+/// the rounding of coordinates.
 const AT_REST: f64 = 1e-9;
-/// Added to the squares of unit normals, so that parallel ones give a step: far below the square of the sine of a degree, 3e-4.
+/// Added to the squares of unit normals, so that parallel ones give a step: far below the square of the sine
+/// of a degree, 3e-4.
 const DAMPING: f64 = 1e-9;
 
 /// Points with the labels of the primitives onto which they go.
@@ -33,7 +35,8 @@ impl Targets {
         &self.on[first as usize..(first + n) as usize]
     }
 
-    /// Moves each point by the shortest steps onto all of its primitives at once. Distances and normals are those at the end.
+    /// Moves each point by the shortest steps onto all of its primitives at once. Distances and normals are
+    /// those at the end.
     pub fn project(&mut self, evaluator: &mut PrimitiveEvaluator, tol: f64) -> Result<(), LeafError> {
         let mut open: Vec<u32> = (0..self.at.len() as u32).collect();
         for step in 0..=MOST_STEPS {
@@ -104,7 +107,8 @@ pub(super) fn shortest_step(on: &[VertexLabel]) -> DVec3 {
 }
 
 impl SurfaceImprover<'_> {
-    /// Moves all vertices to their places: together first; those in crossings go back, and then one by one as far as they can.
+    /// Moves all vertices to their places: together first; those in crossings go back, and then one by one as
+    /// far as they can.
     pub(super) fn place_vertices(&mut self) -> Result<(), Unimproved> {
         let mut targets = Targets {
             at: self.position.clone(),

@@ -14,7 +14,8 @@ const REPAIRED: f64 = 0.7;
 const MOST_OFF: f64 = 2.0;
 /// Sides that are flipped at most for one split.
 const MOST_FLIPS: usize = 4;
-/// Edges shorter than this share of the aim are not split. Chosen: nothing of the surface that the tolerance asks for is that small.
+/// Edges shorter than this share of the aim are not split. Chosen: nothing of the surface that the tolerance
+/// asks for is that small.
 const SHORTEST: f64 = 0.25;
 
 impl SurfaceImprover<'_> {
@@ -43,8 +44,8 @@ impl SurfaceImprover<'_> {
         Ok(())
     }
 
-    /// Where splits would fold the surface its triangles stand on edge: flips and collapses that make it better, if not good, take them
-    /// away.
+    /// Where splits would fold the surface its triangles stand on edge: flips and collapses that make it
+    /// better, if not good, take them away.
     fn repair(&mut self, far: &[u32]) -> Result<(), Unimproved> {
         let excess = far.iter().fold(1.0, |most, h| {
             let one = self.edge_excess(*h);
@@ -209,7 +210,8 @@ impl SurfaceImprover<'_> {
         self.new_faces(h, to).into_iter().zip(sides).find(folds).map(|(_, side)| side)
     }
 
-    /// How far a new vertex can go where another sheet is in the way, which may have to go the same way: the rest comes when that has gone.
+    /// How far a new vertex can go where another sheet is in the way, which may have to go the same way: the
+    /// rest comes when that has gone.
     fn on_the_way(&mut self, h: u32, [from, to]: [DVec3; 2], on: &[VertexLabel]) -> Option<DVec3> {
         if !self.goes_by_parts {
             return None;
@@ -220,7 +222,8 @@ impl SurfaceImprover<'_> {
             .find(|at| self.may_split(h, *at, on))
     }
 
-    /// Whether an edge can be split at a place beyond one side of its faces, in the triangle there, if that side is flipped afterwards: its ends.
+    /// Whether an edge can be split at a place beyond one side of its faces, in the triangle there, if that
+    /// side is flipped afterwards: its ends.
     fn may_split_beyond(&mut self, h: u32, to: DVec3, on: &[VertexLabel]) -> Option<[u32; 2]> {
         let side = self.folded(h, to, on)?;
         let across = self.surface.twin(side);
@@ -263,8 +266,8 @@ impl SurfaceImprover<'_> {
         self.counts.flips += 1;
     }
 
-    /// Flips the sides beyond which a new vertex is, so that the edge can be split: a crease beside an edge that runs along it has no room.
-    /// The edge afterwards, if it now can be.
+    /// Flips the sides beyond which a new vertex is, so that the edge can be split: a crease beside an edge
+    /// that runs along it has no room. The edge afterwards, if it now can be.
     fn make_room(&mut self, mut h: u32, to: DVec3, on: &[VertexLabel]) -> Option<u32> {
         let (a, b) = (self.surface.start(h), self.surface.end(h));
         for _ in 0..MOST_FLIPS {

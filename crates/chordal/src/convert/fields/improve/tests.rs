@@ -1,4 +1,5 @@
-//! Small closed surfaces near those of fields: what comes of them is closed, embedded, within the tolerance, and of few triangles.
+//! Small closed surfaces near those of fields: what comes of them is closed, embedded, within the tolerance,
+//! and of few triangles.
 use super::{FaceLabel, RawSurface, SurfaceImprover, Unimproved};
 use crate::budget::Job;
 use crate::check::self_intersections;
@@ -60,7 +61,8 @@ fn cuboid(half: DVec3, n: i32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     (positions, faces)
 }
 
-/// The label of each face: the primitive whose value at its middle is nearest to 0 in distance among those whose gradient runs along it.
+/// The label of each face: the primitive whose value at its middle is nearest to 0 in distance among those
+/// whose gradient runs along it.
 fn labelled(csg: &Csg, (positions, faces): (Vec<[f64; 3]>, Vec<[u32; 3]>)) -> RawSurface {
     let label = |face: &[u32; 3]| -> FaceLabel {
         let [a, b, c] = face.map(|v| DVec3::from(positions[v as usize]));

@@ -6,7 +6,8 @@ use crate::implicit::LeafError;
 
 /// The aim as a share of the distance to the other sheet: copies of a surface displaced by as much must not meet.
 const OF_WALL: f64 = 0.4;
-/// Walls are left alone where the aim would be a smaller share of what it is elsewhere: sheets that touch would be split without end.
+/// Walls are left alone where the aim would be a smaller share of what it is elsewhere: sheets that touch
+/// would be split without end.
 const LEAST: f64 = 1.0 / 32.0;
 /// Vertices in one task.
 const CHUNK: usize = 1024;
@@ -14,8 +15,8 @@ const CHUNK: usize = 1024;
 const OPPOSITE: f64 = -0.5;
 
 impl SurfaceImprover<'_> {
-    /// Lowers the aim at vertices where a sheet that faces the other way is near. Sheets that join in a crease are none: they come as near
-    /// as one likes.
+    /// Lowers the aim at vertices where a sheet that faces the other way is near. Sheets that join in a
+    /// crease are none: they come as near as one likes.
     pub(super) fn aim_at_walls(&mut self) -> Result<(), LeafError> {
         let joined = self.joined_labels();
         let reach = self.aim / OF_WALL;
@@ -54,7 +55,8 @@ impl SurfaceImprover<'_> {
         pairs
     }
 
-    /// The primitives of faces within reach of a vertex that face the other way, and do not join its own in creases.
+    /// The primitives of faces within reach of a vertex that face the other way, and do not join its own in
+    /// creases.
     fn labels_across(&self, v: u32, reach: f64, joined: &[[FaceLabel; 2]]) -> Vec<FaceLabel> {
         let mut labels = Vec::new();
         let at = self.at(v);
