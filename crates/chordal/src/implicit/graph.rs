@@ -22,10 +22,12 @@ pub enum Term {
 
 /// The distinct terms of an expression in an order in which they can be evaluated; the last is its value.
 ///
-/// Equal terms are one, whether they were shared or written twice. An operation on constants is carried out, rounded
-/// as f64 is: the true shape has the result, as a number in a text has its value. What is left out otherwise changes no
-/// value where the expression has one: `a + 0`, `1 · a`, `−(−a)`, `| |a| |`, `min(a, a)`; and `a · a` is `a²`, whose
-/// range is known to be positive.
+/// Equal terms are one, whether they were shared or written twice. An operation on constants is carried out,
+/// rounded as f64 is: the true shape has the result, as a number in a text has its value. What is left out
+/// otherwise changes no value where the expression has one: `a + 0`, `1 · a`, `−(−a)`, `| |a| |`, `min(a, a)`;
+/// and `a · a` is `a²`, whose range is known to be positive. The logarithm of a sum of exponentials is
+/// [`Binary::LogSumExp`], the same number but for its rounding: its exponentials do not overflow, and the range
+/// of its slope is that of a mean.
 #[derive(Clone, Debug)]
 pub struct Graph {
     terms: Vec<Term>,
@@ -59,6 +61,9 @@ impl Graph {
     }
 }
 
+/// Exponentials that a sum whose logarithm is one term has at most. Chosen: learned fields have some hundred.
+const MOST_EXPONENTIALS: usize = 1024;
+
 /// What makes two terms one. A leaf is itself alone.
 #[derive(PartialEq, Eq, Hash)]
 enum Key {
@@ -69,7 +74,8 @@ enum Key {
     Leaf(usize, [u32; 3]),
 }
 
-/// What is left to do: look at an expression where x, y and z are the terms of a frame; or finish it, its parts being known.
+/// What is left to do: look at an expression where x, y and z are the terms of a frame; or finish it, its
+/// parts being known.
 enum Task<'a> {
     Visit(&'a Expr, u32),
     Finish(&'a Expr, u32),
@@ -196,6 +202,9 @@ impl Builder {
         if let Some(value) = self.value_of(a) {
             return self.constant(op.of(value));
         }
+        if let (Unary::Ln, Some(log)) = (op, self.log_of(a)) {
+            return log;
+        }
         match (op, &self.terms[a as usize]) {
             (Unary::Neg, Term::Unary(Unary::Neg, inner)) => *inner,
             (Unary::Abs, Term::Unary(Unary::Abs | Unary::Square | Unary::Sqrt | Unary::Exp, _)) => a,
@@ -205,6 +214,24 @@ impl Builder {
             }
             _ => self.term(Key::Unary(op, a), || Term::Unary(op, a)),
         }
+    }
+
+    /// The logarithm of a sum of exponentials.
+    fn log_of(&mut self, sum: u32) -> Option<u32> {
+        let mut open = vec![sum];
+        let mut logs = Vec::new();
+        while let Some(part) = open.pop() {
+            match &self.terms[part as usize] {
+                Term::Unary(Unary::Exp, log) => logs.push(*log),
+                Term::Binary(Binary::Add, a, b) => open.extend([*b, *a]),
+                _ => return None,
+            }
+            // Sums that share their parts would have no end.
+            if logs.len() + open.len() > MOST_EXPONENTIALS {
+                return None;
+            }
+        }
+        logs.into_iter().reduce(|sum, log| self.binary(Binary::LogSumExp, sum, log))
     }
 
     fn binary(&mut self, op: Binary, a: u32, b: u32) -> u32 {
@@ -221,7 +248,8 @@ impl Builder {
             Binary::Mul if a == b => return self.unary(Unary::Square, a),
             _ => {}
         }
-        // Sums and products are the same the other way round. Minima and maxima are not where an operand has no value.
+        // Sums and products are the same the other way round. Minima and maxima are not where an operand has
+        // no value.
         let either = matches!(op, Binary::Add | Binary::Mul);
         let (a, b) = if either && b < a { (b, a) } else { (a, b) };
         self.term(Key::Binary(op, a, b), || Term::Binary(op, a, b))
@@ -260,4 +288,32 @@ pub(super) fn parts(term: &Term) -> impl Iterator<Item = u32> {
         Term::Leaf(_, at) => (*at, 3),
     };
     parts.into_iter().take(n)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::implicit::{
+        Tape,
+        op::Unary::{Exp, Ln},
+    };
+
+    #[test]
+    fn a_logarithm_of_a_sum_of_exponentials_is_one_step_that_does_not_overflow() {
+        let [x, y, z] = Expr::axes();
+        let exp = |a: &Expr| Expr::unary(Exp, a);
+        let sum = Expr::unary(Ln, &(exp(&x) + exp(&y) + exp(&(&z * 2.0))));
+        let graph = Graph::of(&sum);
+        let is_exp = |term: &Term| matches!(term, Term::Unary(Exp | Ln, _));
+        assert!(!graph.terms().iter().any(is_exp), "{graph:?}");
+        let ([a, b, c], tape) = ([0.3_f64, -0.7, 0.2], Tape::of(&sum));
+        let mut found = [0.0; 2];
+        tape.at(&[[a, b, c], [1000.0, 3.0, 500.0]], &mut found).unwrap();
+        let expected = (a.exp() + b.exp() + (2.0 * c).exp()).ln();
+        assert!((found[0] - expected).abs() < 4.0 * f64::EPSILON, "{found:?}");
+        assert!((found[1] - (1000.0 + 2.0_f64.ln())).abs() < 1e-12, "{found:?}");
+        // What is no exponential stays.
+        let other = Graph::of(&Expr::unary(Ln, &(exp(&x) + &y)));
+        assert_eq!(other.terms().iter().filter(|term| is_exp(term)).count(), 2);
+    }
 }

@@ -279,5 +279,5 @@ fn binary<N: Lane, A: Operand<N>, B: Operand<N>>(
             }
         };
     }
-    each!(Add Sub Mul Div Min Max SmoothMin Atan2 Mod Compare And Or);
+    each!(Add Sub Mul Div Min Max SmoothMin LogSumExp Atan2 Mod Compare And Or);
 }

@@ -157,6 +157,7 @@ impl Number for Interval {
             Binary::Min => Self::min(a, b),
             Binary::Max => Self::max(a, b),
             Binary::SmoothMin => Self::smooth_min(a, b),
+            Binary::LogSumExp => Self::log_sum_exp(a, b),
             Binary::Atan2 => Self::atan2(a, b),
             Binary::Mod => Self::rem_euclid(a, b),
             Binary::Compare => a.compare(b),
@@ -189,9 +190,9 @@ fn range(op: Unary, a: Interval, sin_cos: impl Fn(f64) -> (f64, f64)) -> Interva
     }
 }
 
-/// A range while a tape runs: what [`Interval`] is, but that nothing (a range without a number) is remembered beside the
-/// ends, which may then be anything. Every operation on nothing gives nothing, so it is enough to know that there was
-/// one, and the operations themselves need not look.
+/// A range while a tape runs: what [`Interval`] is, but that nothing (a range without a number) is remembered
+/// beside the ends, which may then be anything. Every operation on nothing gives nothing, so it is enough to
+/// know that there was one, and the operations themselves need not look.
 #[derive(Clone, Copy)]
 pub(super) struct Range {
     pub(super) ends: Ends,
@@ -297,6 +298,7 @@ impl Number for Range {
             Binary::Min => both.to(a.min(b), true, true),
             Binary::Max => both.to(a.max(b), true, true),
             Binary::SmoothMin => both.to(a.smooth_min(b), true, true),
+            Binary::LogSumExp => both.to(a.log_sum_exp(b), true, true),
             Binary::Atan2 => both.to(Ends::atan2(a, b), a.is_off_cut(b), true),
             Binary::Mod => both.to(a.rem(b), !a.whole_quotient(b).is_nan(), true),
             Binary::Compare => both.flat(a.compare(b)),

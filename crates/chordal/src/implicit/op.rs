@@ -58,6 +58,8 @@ pub enum Binary {
     /// The smaller of both with its kink rounded off, `min(a, b) − h²/4` with `h = max(1 − |a − b|, 0)`: nowhere above
     /// the minimum, and it where they are 1 apart.
     SmoothMin,
+    /// `ln(eᵃ + eᵇ)`, which is the maximum with its kink rounded off; it overflows only where that does.
+    LogSumExp,
     /// The angle of the point `(b, a)` from the first axis, in (−π, π]; nothing at the origin, a jump at the negative axis.
     Atan2,
     /// What is left of `a` when whole `|b|`s are taken away: in [0, |b|); jumps. Nothing where `b` is 0.
@@ -145,7 +147,7 @@ impl Unary {
 
 impl Binary {
     /// Every one with its name in an op list.
-    pub const ALL: [(Self, &'static str); 12] = [
+    pub const ALL: [(Self, &'static str); 13] = [
         (Self::Add, "add"),
         (Self::Sub, "sub"),
         (Self::Mul, "mul"),
@@ -153,6 +155,7 @@ impl Binary {
         (Self::Min, "min"),
         (Self::Max, "max"),
         (Self::SmoothMin, "smooth-min"),
+        (Self::LogSumExp, "log-sum-exp"),
         (Self::Atan2, "atan2"),
         (Self::Mod, "mod"),
         (Self::Compare, "compare"),
@@ -178,6 +181,11 @@ impl Binary {
                 // Not by the minimum of this function: what calls itself is not inlined.
                 let least = if a < b { a } else { b };
                 least - 0.25 * (near * near)
+            }
+            Self::LogSumExp => {
+                let (least, most) = if a < b { (a, b) } else { (b, a) };
+                let fall = if least == most { 0.0 } else { least - most };
+                most + elementary::ln(1.0 + elementary::exp(fall))
             }
             Self::Atan2 => elementary::atan2(a, b),
             Self::Mod => a.rem_euclid(b),
@@ -219,6 +227,11 @@ impl Binary {
                 let near = if near > 0.0 { near } else { 0.0 };
                 let least = if a < b { a } else { b };
                 least - 0.25 * (near * near)
+            }
+            Self::LogSumExp => {
+                let (least, most) = if a < b { (a, b) } else { (b, a) };
+                let fall = if least == most { 0.0 } else { least - most };
+                most + single::ln(1.0 + single::exp(fall))
             }
             Self::Atan2 => single::atan2(a, b),
             Self::Mod => a.rem_euclid(b),

@@ -12,8 +12,8 @@ pub struct Slope<N> {
     pub gradient: [N; 3],
 }
 
-/// An expression for each of the three axes: an array's `map` takes a closure, which the compiler may leave outside of the
-/// code that it vectorises. So there are no closures in what runs in loops over blocks.
+/// An expression for each of the three axes: an array's `map` takes a closure, which the compiler may leave
+/// outside of the code that it vectorises. So there are no closures in what runs in loops over blocks.
 macro_rules! each_axis {
     ($k:ident => $value:expr) => {{
         let x = {
@@ -39,10 +39,10 @@ pub(super) trait Kinks: Number {
     fn abs(a: Slope<Self>) -> [Self; 3];
     /// The derivatives of the smaller one of both.
     fn min(a: Slope<Self>, b: Slope<Self>) -> [Self; 3];
-    /// The derivatives of the smooth minimum: a weighted mean of both.
-    fn smooth_min(a: Slope<Self>, b: Slope<Self>) -> [Self; 3];
-    /// The derivatives of the length of a vector by its coordinates: these over the length. At 0, where there is a tip, one of
-    /// all that are there around.
+    /// A weighted mean of derivatives, which has this share of the first, cut to [0, 1].
+    fn mean(share: Self, da: [Self; 3], db: [Self; 3]) -> [Self; 3];
+    /// The derivatives of the length of a vector by its coordinates: these over the length. At 0, where there
+    /// is a tip, one of all that are there around.
     fn shares<const N: usize>(parts: [Self; N], length: Self) -> [Self; N];
     /// The derivatives of the distance from a box by the distances from its sides.
     fn box_shares<const N: usize>(sides: [Self; N]) -> [Self; N];
@@ -66,14 +66,12 @@ impl Kinks for f64 {
         each_axis!(k => if a.value < b.value { a.gradient[k] } else { b.gradient[k] })
     }
     #[inline(always)]
-    fn smooth_min(a: Slope<Self>, b: Slope<Self>) -> [Self; 3] {
-        let share = 0.5 - 0.5 * (a.value - b.value);
+    fn mean(share: Self, da: [Self; 3], db: [Self; 3]) -> [Self; 3] {
         each_axis!(k => {
-            let (da, db) = (a.gradient[k], b.gradient[k]);
-            let mean = share * da + (1.0 - share) * db;
+            let mean = share * da[k] + (1.0 - share) * db[k];
             // What has no share has no say, whatever it is.
-            let mean = if share < 1.0 { mean } else { da };
-            if share > 0.0 { mean } else { db }
+            let mean = if share < 1.0 { mean } else { da[k] };
+            if share > 0.0 { mean } else { db[k] }
         })
     }
     #[inline(always)]
@@ -137,14 +135,13 @@ impl Kinks for Interval {
     }
     /// The mean is linear in the share, so its ends are at those of the share.
     #[inline(always)]
-    fn smooth_min(a: Slope<Self>, b: Slope<Self>) -> [Self; 3] {
-        let (one, half) = (Self::point(1.0), Self::point(0.5));
-        let share = half - half * (a.value - b.value);
+    fn mean(share: Self, da: [Self; 3], db: [Self; 3]) -> [Self; 3] {
+        let one = Self::point(1.0);
         let share = share.max(Self::point(0.0)).min(one).ends();
         let (all, none) = (share.lo >= 1.0, share.hi <= 0.0);
         let (low, high) = (Self::point(share.lo), Self::point(share.hi));
         each_axis!(k => {
-            let (da, db) = (a.gradient[k], b.gradient[k]);
+            let (da, db) = (da[k], db[k]);
             let mean = (low * da + (one - low) * db).hull(high * da + (one - high) * db);
             da.choose(all, db.choose(none, mean))
         })
@@ -331,7 +328,14 @@ impl<N: Kinks> Number for Slope<N> {
                 let least = N::min(minus(a), minus(b));
                 each_axis!(k => neg(least[k]))
             }
-            Binary::SmoothMin => N::smooth_min(a, b),
+            Binary::SmoothMin => {
+                let half = N::constant(0.5);
+                N::mean(sub(half, mul(half, sub(a.value, b.value))), da, db)
+            }
+            Binary::LogSumExp => {
+                let ratio = N::near(Unary::Exp, sub(b.value, a.value));
+                N::mean(recip(add(N::constant(1.0), ratio)), da, db)
+            }
             Binary::Atan2 => {
                 let r = add(square(a.value), square(b.value));
                 each_axis!(k => div(sub(mul(b.value, da[k]), mul(a.value, db[k])), r))

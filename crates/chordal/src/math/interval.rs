@@ -9,9 +9,10 @@
 //! Ends are never NaN. An infinite end means that nothing bounds the values there, not that ∞ is one of them, hence
 //! `[0, 0] · [−∞, ∞]` is `[0, 0]`.
 //!
-//! Operations are isotone: from smaller operands comes a range inside the one from larger operands, and the claim
-//! [`Interval::is_defined`] is lost only when growing. The smooth minimum is the one exception: its ends are padded by what
-//! they are, so that a smaller range may reach beyond a larger one by some units in the last place; both hold.
+//! Operations are isotone: from smaller operands comes a range inside the one from larger operands, and the
+//! claim [`Interval::is_defined`] is lost only when growing. The smooth minimum is the one exception: its
+//! ends are padded by what they are, so that a smaller range may reach beyond a larger one by some units in
+//! the last place; both hold.
 //!
 //! Source: IEEE Std 1788-2015, set-based flavour; the flag is its decoration `dac`.
 use super::sub_up;
@@ -223,6 +224,13 @@ impl Interval {
         self.with(other, self.ends().smooth_min(other.ends()))
     }
 
+    /// `ln(eᵃ + eᵇ)`, which grows with both.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn log_sum_exp(self, other: Self) -> Self {
+        self.with(other, self.ends().log_sum_exp(other.ends()))
+    }
+
     /// The larger of a number of each, exactly.
     #[inline(always)]
     #[must_use]
@@ -237,8 +245,8 @@ impl Interval {
         Self::from_ends(self.ends().square().unless_empty(self.ends()), self.defined)
     }
 
-    /// `x / √(x² + y²)` where y² is in `rest`: the sine of an angle, which grows with x and is nearer to 0 the larger y² is. Where x and y
-    /// are 0 it is any number that it may be beside them.
+    /// `x / √(x² + y²)` where y² is in `rest`: the sine of an angle, which grows with x and is nearer to 0
+    /// the larger y² is. Where x and y are 0 it is any number that it may be beside them.
     #[inline(always)]
     #[must_use]
     pub(crate) fn share_beside(self, rest: Self) -> Self {
@@ -246,9 +254,9 @@ impl Interval {
         self.with(rest, ends)
     }
 
-    /// The derivative of the distance from a box by the distance from one of its sides: `x / |v|` where some side is passed, v being what is
-    /// above 0 of all; else 1 where x is the largest and 0 where it is not. `rest` has the sum of squares of the others in v, `largest` has
-    /// the largest of the others.
+    /// The derivative of the distance from a box by the distance from one of its sides: `x / |v|` where some
+    /// side is passed, v being what is above 0 of all; else 1 where x is the largest and 0 where it is not.
+    /// `rest` has the sum of squares of the others in v, `largest` has the largest of the others.
     #[inline(always)]
     #[must_use]
     pub(crate) fn box_share(self, rest: Self, largest: Ends) -> Self {
@@ -349,8 +357,8 @@ impl Div for Interval {
 }
 
 impl fmt::Display for Interval {
-    /// `[1, 2]`, with a `?` behind it where it is not defined everywhere, or `empty`. Reading the numbers back gives
-    /// the same f64 ends.
+    /// `[1, 2]`, with a `?` behind it where it is not defined everywhere, or `empty`. Reading the numbers
+    /// back gives the same f64 ends.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.is_empty() {
             return f.write_str("empty");

@@ -1,8 +1,10 @@
-//! The ends of ranges: every operation of [`super::Interval`], without branches, so that loops over it become vector code.
+//! The ends of ranges: every operation of [`super::Interval`], without branches, so that loops over it become
+//! vector code.
 //!
-//! The ends of a range are never NaN, the low one never ∞ and the high one never −∞, but for the empty range, which is
-//! from ∞ to −∞. What an operation makes of that one is anything: the caller sets it, with [`Ends::unless_empty`] or at
-//! the end of all operations. Whether an operation is defined and continuous over its operands is asked for beside it.
+//! The ends of a range are never NaN, the low one never ∞ and the high one never −∞, but for the empty range,
+//! which is from ∞ to −∞. What an operation makes of that one is anything: the caller sets it, with
+//! [`Ends::unless_empty`] or at the end of all operations. Whether an operation is defined and continuous
+//! over its operands is asked for beside it.
 use super::super::elementary::{self, outward, spread};
 
 /// The smallest number above 0, exactly.
@@ -151,9 +153,9 @@ impl Ends {
         self.add(other.neg())
     }
 
-    /// The smallest and largest of the four products of ends, one step outward. A product of 0 and ∞ is 0: the first
-    /// one is set so, and where another one is, 0 is among the rest as well, or they reach beyond it. A product that
-    /// underflows keeps its sign; an exact 0 stays.
+    /// The smallest and largest of the four products of ends, one step outward. A product of 0 and ∞ is 0:
+    /// the first one is set so, and where another one is, 0 is among the rest as well, or they reach beyond
+    /// it. A product that underflows keeps its sign; an exact 0 stays.
     #[inline(always)]
     pub(crate) fn mul(self, other: Self) -> Self {
         let first = self.lo * other.lo;
@@ -193,10 +195,10 @@ impl Ends {
         folded.or(across, flipped)
     }
 
-    /// `min(a, b) − max(1 − |a − b|, 0)²/4`, which grows with both. Rounding: what is squared is at most 1 and off by at
-    /// most 2u (u = ε/2: half a step of |a − b|, and half of the difference from 1), its quarter square so by at most 1.25u,
-    /// and the last difference by u of itself. The pad is four times as much, for the true value and for those computed
-    /// anywhere between the ends.
+    /// `min(a, b) − max(1 − |a − b|, 0)²/4`, which grows with both. Rounding: what is squared is at most 1
+    /// and off by at most 2u (u = ε/2: half a step of |a − b|, and half of the difference from 1), its
+    /// quarter square so by at most 1.25u, and the last difference by u of itself. The pad is four times as
+    /// much, for the true value and for those computed anywhere between the ends.
     #[inline(always)]
     pub(crate) fn smooth_min(self, other: Self) -> Self {
         let at = |a: f64, b: f64| {
@@ -205,6 +207,22 @@ impl Ends {
             lower(a, b) - 0.25 * (near * near)
         };
         let pad = |x: f64| 4.0 * f64::EPSILON * (1.0 + x.abs());
+        let (lo, hi) = (at(self.lo, other.lo), at(self.hi, other.hi));
+        Self { lo: lo - pad(lo), hi: hi + pad(hi) }
+    }
+
+    /// `ln(eᵃ + eᵇ) = max + ln(1 + e^(min − max))`, which grows with both. Rounding: the difference is off by
+    /// u of itself, so its exponential, which is at most 1, by 0.4u; within [`spread::EXP`], that is 8u; the sum
+    /// with 1 by u; the logarithm, at most ln 2, by that and within [`spread::LN`], together 15u; and the last sum
+    /// by u of itself. The pad is twice as much, for the true value and for those computed between the ends.
+    #[inline(always)]
+    pub(crate) fn log_sum_exp(self, other: Self) -> Self {
+        let at = |a: f64, b: f64| {
+            let (least, most) = (lower(a, b), upper(a, b));
+            let fall = if least == most { 0.0 } else { least - most };
+            most + elementary::ln(1.0 + elementary::exp(fall))
+        };
+        let pad = |x: f64| 16.0 * f64::EPSILON * (1.0 + x.abs());
         let (lo, hi) = (at(self.lo, other.lo), at(self.hi, other.hi));
         Self { lo: lo - pad(lo), hi: hi + pad(hi) }
     }
@@ -256,11 +274,11 @@ impl Ends {
         Self { lo: self.lo.round(), hi: self.hi.round() }
     }
 
-    /// Of a wave from −1 to 1 that has its value `at_lo` at the low end and `at_hi` at the high one, with its maxima
-    /// where x/π − `shift` is even and its minima where that is odd.
+    /// Of a wave from −1 to 1 that has its value `at_lo` at the low end and `at_hi` at the high one, with its
+    /// maxima where x/π − `shift` is even and its minima where that is odd.
     ///
-    /// Which whole numbers lie between is asked with a margin: x/π − shift is rounded within 4 u of 1 more than its size.
-    /// Without a finite end the answer is both.
+    /// Which whole numbers lie between is asked with a margin: x/π − shift is rounded within 4 u of 1 more
+    /// than its size. Without a finite end the answer is both.
     #[inline(always)]
     pub(crate) fn wave(self, shift: f64, at_lo: f64, at_hi: f64) -> Self {
         let (first, last) = self.whole_between(shift);
@@ -352,15 +370,15 @@ impl Ends {
         Self::EMPTY.or(self.hi <= 0.0, Self { lo, hi })
     }
 
-    /// Whether the angle of the points `(other, self)` is sure not to jump: 0 is not among the heights, or all are to the
-    /// right of it.
+    /// Whether the angle of the points `(other, self)` is sure not to jump: 0 is not among the heights, or
+    /// all are to the right of it.
     #[inline(always)]
     pub(crate) fn is_off_cut(self, other: Self) -> bool {
         !self.has_zero() | (other.lo > 0.0)
     }
 
-    /// The angles of the points `(other, self)`. Off the cut they lie between those of the corners: along a side the angle
-    /// only grows or only falls. An angle that underflows keeps its sign.
+    /// The angles of the points `(other, self)`. Off the cut they lie between those of the corners: along a
+    /// side the angle only grows or only falls. An angle that underflows keeps its sign.
     #[inline(always)]
     pub(crate) fn atan2(self, other: Self) -> Self {
         let (a, b) = (elementary::atan2(self.lo, other.lo), elementary::atan2(self.lo, other.hi));
