@@ -109,6 +109,16 @@ impl<'a> FieldJudge<'a> {
         };
         let sandwich = Sandwich::of(&mut self.regions, &mut self.evaluator, &tied, goal).map_err(failed)?;
         let bound = sandwich.bounds.iter().fold(0.0, |most: f64, x| if *x > most { *x } else { most });
+        let is_closed = sandwich.open.iter().all(Vec::is_empty);
+        if !is_closed && goal.faces_first {
+            return Ok(Verdict {
+                open: sandwich.open,
+                bounds: sandwich.bounds,
+                bound,
+                wrong: Vec::new(),
+                unresolved: Vec::new(),
+            });
+        }
         let copies: Vec<Mesh> = sandwich
             .copies
             .into_iter()
@@ -120,7 +130,6 @@ impl<'a> FieldJudge<'a> {
             bvhs: [&bvhs[0], &bvhs[1]],
             enclosures: [Enclosure::new(&copies[0], &bvhs[0]), Enclosure::new(&copies[1], &bvhs[1])],
         };
-        let is_closed = sandwich.open.iter().all(Vec::is_empty);
         let mut refine = |share: f64| {
             let is_worth = |bounds: &Box3, size: f64| size > share * bound && !seen.settles(bounds);
             self.cover.refine(&mut self.evaluator, &mut self.regions, is_worth).map_err(failed)?;

@@ -52,6 +52,8 @@ pub(crate) struct SandwichGoal {
     pub margin: f64,
     /// It is at least this share of the limit.
     pub least_share: f64,
+    /// Whether open faces say enough, for who splits them: what is between copies is looked at where there are two.
+    pub faces_first: bool,
 }
 
 impl SandwichGoal {
@@ -61,7 +63,12 @@ impl SandwichGoal {
     const WIDE: f64 = 0.25;
 
     pub fn new(limit: Option<f64>, margin: f64) -> Self {
-        Self { limit, margin, least_share: Self::CLOSE }
+        Self { limit, margin, least_share: Self::CLOSE, faces_first: false }
+    }
+
+    /// The same, for who splits faces that are open.
+    pub fn faces_first(self) -> Self {
+        Self { faces_first: true, ..self }
     }
 
     /// The same with copies farther from each other, if they may be.

@@ -13,6 +13,8 @@ const MOST_ROUNDS: usize = 10;
 const FEW: usize = 8;
 /// for this share of the length. Chosen: what is proved with is then twice as much.
 const NEARER: f64 = 0.5;
+/// if so many collapses were enough for the first one. Chosen: a second that has to be finer takes some times as long.
+const MOST_COLLAPSES: usize = 1 << 16;
 /// After so many rounds in a row with more open faces than before nothing will be proved.
 const HOPELESS: usize = 2;
 /// The first margin of a proof with a limit, as a share of what samples ask for. As in
@@ -49,7 +51,7 @@ pub(in crate::convert) fn search(field: &Field, wanted: &Wanted, job: &Job) -> O
 
 enum Attempt<'s> {
     Proved(Bounded<Mesh>),
-    /// Near where few faces are not proved.
+    /// Near where few faces are not proved, and another mesh does not take long.
     Open {
         mesh: Mesh,
         is_near: bool,
@@ -104,7 +106,7 @@ impl<'s> Search<'s> {
         let mut improved = self.mesher.improved(evaluator, share * length.get())?;
         let csg = Csg::of(self.field.sign());
         let mut judge = FieldJudge::new(&csg, &self.field.bounds(), self.job).map_err(leaf_failed)?;
-        let goal = SandwichGoal::new(Some(length.get()), MARGIN);
+        let goal = SandwichGoal::new(Some(length.get()), MARGIN).faces_first();
         let (mut n_open, mut n_worse) = (usize::MAX, 0);
         for round in 0..MOST_ROUNDS {
             self.job.report(Progress { stage: "prove", done: round as u64, total: MOST_ROUNDS as u64 });
@@ -126,7 +128,8 @@ impl<'s> Search<'s> {
             self.mesher.check_size(improved.n_faces() as f64)?;
         }
         let (mesh, _) = mesh_of(&improved);
-        let is_near = n_open > 0 && FEW * n_open < improved.n_faces();
+        let is_cheap = improved.counts.collapses < MOST_COLLAPSES;
+        let is_near = is_cheap && n_open > 0 && FEW * n_open < improved.n_faces();
         Ok(Attempt::Open { mesh, is_near, evaluator: improved.into_evaluator() })
     }
 
