@@ -1,8 +1,10 @@
 //! Where another sheet is nearer than the tolerance: there the aim is a share of that distance.
 use super::face_tree::Bounds;
-use super::{FaceLabel, SurfaceImprover, VertexLabel, area_normal};
+use super::{FaceLabel, SurfaceImprover, area_normal};
 use crate::budget::par_map;
 use crate::implicit::LeafError;
+use glam::DVec3;
+use std::collections::HashMap;
 
 /// The aim as a share of the distance to the other sheet: copies of a surface displaced by as much must not meet.
 const OF_WALL: f64 = 0.4;
@@ -13,6 +15,8 @@ const LEAST: f64 = 1.0 / 32.0;
 const CHUNK: usize = 1024;
 /// The cosine of normals that face away from each other.
 const OPPOSITE: f64 = -0.5;
+/// A face in more cubes than this is taken to be near everywhere. Chosen: such faces are few.
+const MANY: i64 = 64;
 
 impl SurfaceImprover<'_> {
     /// Lowers the aim at vertices where a sheet that faces the other way is near. Sheets that join in a
@@ -23,10 +27,13 @@ impl SurfaceImprover<'_> {
         let vertices: Vec<u32> =
             (0..self.surface.vertex_slots() as u32).filter(|v| self.surface.has_vertex(*v)).collect();
         let chunks: Vec<&[u32]> = vertices.chunks(CHUNK).collect();
+        let near = self.labels_by_cube(reach);
         let across = par_map(self.job, &chunks, |_, part| {
             let of = |v: &u32| {
                 let v = *v;
-                self.labels_across(v, reach, &joined).into_iter().map(move |label| (v, label))
+                let is_alone = near.around(self.at(v)).all(|label| self.joins(v, label, &joined));
+                let labels = if is_alone { Vec::new() } else { self.labels_across(v, reach, &joined) };
+                labels.into_iter().map(move |label| (v, label))
             };
             part.iter().flat_map(of).collect::<Vec<(u32, FaceLabel)>>()
         })
@@ -55,6 +62,27 @@ impl SurfaceImprover<'_> {
         pairs
     }
 
+    /// Whether a label is one of a vertex, or joins one in a crease.
+    fn joins(&self, v: u32, label: FaceLabel, joined: &[[FaceLabel; 2]]) -> bool {
+        let joins = |other: FaceLabel| {
+            let pair = if label < other { [label, other] } else { [other, label] };
+            label == other || joined.binary_search(&pair).is_ok()
+        };
+        self.labels_of(v).iter().any(|on| joins(on.label))
+    }
+
+    /// The labels of the faces in each cube of a lattice with this step.
+    fn labels_by_cube(&self, step: f64) -> CubeLabels {
+        let mut all = CubeLabels { step, cubes: HashMap::new(), everywhere: Vec::new() }; // No order depends on it.
+        for face in (0..self.surface.face_slots() as u32).filter(|f| self.surface.has_face(*f)) {
+            let points = self.points(face);
+            let low = all.cube(points[0].min(points[1]).min(points[2]));
+            let high = all.cube(points[0].max(points[1]).max(points[2]));
+            all.add(self.label[face as usize], low, high);
+        }
+        all
+    }
+
     /// The primitives of faces within reach of a vertex that face the other way, and do not join its own in
     /// creases.
     fn labels_across(&self, v: u32, reach: f64, joined: &[[FaceLabel; 2]]) -> Vec<FaceLabel> {
@@ -68,12 +96,7 @@ impl SurfaceImprover<'_> {
             if beside.contains(&label) || labels.contains(&label) {
                 return;
             }
-            let joins = |on: &VertexLabel| {
-                let other = on.label;
-                let pair = if label < other { [label, other] } else { [other, label] };
-                joined.binary_search(&pair).is_ok()
-            };
-            if on.iter().any(joins) {
+            if self.joins(v, label, joined) {
                 beside.push(label);
                 return;
             }
@@ -83,5 +106,48 @@ impl SurfaceImprover<'_> {
             }
         });
         labels
+    }
+}
+
+/// The labels of faces by cubes.
+struct CubeLabels {
+    step: f64,
+    // Only looked up, never walked through.
+    cubes: HashMap<[i64; 3], Vec<FaceLabel>>, // No order depends on it.
+    /// Of faces that are in many.
+    everywhere: Vec<FaceLabel>,
+}
+
+impl CubeLabels {
+    fn cube(&self, at: DVec3) -> [i64; 3] {
+        at.to_array().map(|x| (x / self.step).floor() as i64)
+    }
+
+    fn add(&mut self, label: FaceLabel, low: [i64; 3], high: [i64; 3]) {
+        let n = (0..3).map(|k| high[k].saturating_sub(low[k]).saturating_add(1)).fold(1, i64::saturating_mul);
+        if n > MANY {
+            if !self.everywhere.contains(&label) {
+                self.everywhere.push(label);
+            }
+            return;
+        }
+        for z in low[2]..=high[2] {
+            for y in low[1]..=high[1] {
+                for x in low[0]..=high[0] {
+                    let labels = self.cubes.entry([x, y, z]).or_default();
+                    if !labels.contains(&label) {
+                        labels.push(label);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The labels of all faces that come as near to a point as a step.
+    fn around(&self, at: DVec3) -> impl Iterator<Item = FaceLabel> + '_ {
+        let [x, y, z] = self.cube(at);
+        let beside = (0..27).map(move |k| [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1]);
+        let labels = beside.filter_map(|cube| self.cubes.get(&cube)).flatten();
+        labels.chain(&self.everywhere).copied()
     }
 }
