@@ -29,6 +29,8 @@ use crate::math::{Box3, add_up, sub_down};
 pub struct Field {
     expr: Expr,
     sign: Option<Expr>,
+    /// Whether the sign of a part is another expression that has creases where the value does not show them.
+    has_creases: bool,
     distance: Distance,
     bounds: Box3,
     promises: Promises,
@@ -47,6 +49,7 @@ impl Field {
         Self {
             expr,
             sign: None,
+            has_creases: false,
             distance: Distance::SIGN,
             bounds: Self::EVERYWHERE,
             promises: Promises::default(),
@@ -58,6 +61,7 @@ impl Field {
     pub(super) fn of_parts(expr: Expr, parts: &[&Self]) -> Self {
         let mut field = Self::new(expr);
         for part in parts {
+            field.has_creases |= part.has_creases;
             field.promises.extend(&part.promises);
             field.distance_promises.extend(&part.distance_promises);
         }
@@ -136,6 +140,12 @@ impl Field {
 
     /// Another expression of the same sign, where that is known and not promised.
     pub(crate) fn known_sign(self, sign: Expr) -> Self {
+        let has_creases = self.has_creases || sign.is_choice();
+        Self { has_creases, ..self.of_sign(sign) }
+    }
+
+    /// The same with an expression made of those of the parts, or of the value.
+    pub(super) fn of_sign(self, sign: Expr) -> Self {
         Self { sign: Some(sign), ..self }
     }
 
@@ -177,7 +187,7 @@ impl Field {
 
     /// Whether the sign is that of several primitives, which may meet in creases.
     pub(super) fn has_creases(&self) -> bool {
-        self.has_own_sign() && self.sign().is_choice()
+        self.has_own_sign() && self.has_creases
     }
 
     /// The number of every point.

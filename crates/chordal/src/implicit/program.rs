@@ -211,6 +211,21 @@ fn from_sides(terms: &[Term], term: &Term) -> Option<Operands> {
     (found == wanted).then_some(sides)
 }
 
+/// The terms between the distance from a box and the distances from its sides, which are one step as long as
+/// none of them changes.
+pub(super) fn within_box_step(terms: &[Term], term: &Term) -> Vec<u32> {
+    let (Some(sides), Term::Binary(_, a, b)) = (from_sides(terms, term), term) else { return Vec::new() };
+    let mut found = Vec::new();
+    let mut open = vec![*a, *b];
+    while let Some(part) = open.pop() {
+        if !sides.into_iter().any(|side| side == part) {
+            found.push(part);
+            open.extend(super::graph::parts(&terms[part as usize]));
+        }
+    }
+    found
+}
+
 impl Maker<'_> {
     fn term(&mut self, k: u32, term: &Term, leaf_input: &dyn Fn(u32) -> u32) {
         let step = |code, a, b, number| Step { code, out: 0, a, b, c: 0, number };

@@ -1,14 +1,17 @@
-//! Fewer terms for a region: where one branch of a minimum, smooth or not, or maximum always wins, the other is left out.
+//! Fewer terms for a region: where one branch of a minimum, smooth or not, or maximum always wins, the other
+//! is left out.
 //!
-//! A first pass, from the leaves to the root, finds the range of every term. A second one, from the root, finds for every term above and below
-//! which values it has no say: in a chain of blends each ball is so compared with the nearest one of all, not only with its neighbours in the
-//! chain. Let a value of `m = smin(a, b)` of `T` and above have no say in the whole. Then `a` has none where it is at least `T + 5/4`: where
-//! `b < T + 1/4` it is 1 above `b`, so that `m = b`; elsewhere `m ≥ min(a, b) − 1/4 ≥ T` with it and, being `b`, without it. And it
-//! has none from `max b + 1` on.
+//! A first pass, from the leaves to the root, finds the range of every term. A second one, from the root,
+//! finds for every term above and below which values it has no say: in a chain of blends each ball is so
+//! compared with the nearest one of all, not only with its neighbours in the chain. Let a value of `m =
+//! smin(a, b)` of `T` and above have no say in the whole. Then `a` has none where it is at least `T + 5/4`:
+//! where `b < T + 1/4` it is 1 above `b`, so that `m = b`; elsewhere `m ≥ min(a, b) − 1/4 ≥ T` with it and,
+//! being `b`, without it. And it has none from `max b + 1` on.
 use super::graph::{Graph, Term};
 use super::leaf::LeafError;
 use super::number::Number;
 use super::op::{Binary, Unary};
+use super::program::within_box_step;
 use super::sources::{Source, boxed};
 use crate::math::{Box3, Interval, add_up, div_down, div_up, mul_down, mul_up, sub_down, sub_up};
 
@@ -132,7 +135,8 @@ impl Silence {
         Self { above: if above < self.above { above } else { self.above }, ..self }
     }
 
-    /// Whether the operand with this range can be left out: of a minimum what is silent above, of a maximum what is silent below.
+    /// Whether the operand with this range can be left out: of a minimum what is silent above, of a maximum
+    /// what is silent below.
     fn leaves_out(self, op: Binary, range: Interval) -> bool {
         match op {
             Binary::Min | Binary::SmoothMin => range.lo() >= self.above,
@@ -145,6 +149,11 @@ impl Silence {
 /// For each term which operand is enough, from the root down.
 fn choices(terms: &[Term], ranges: &[Interval]) -> Vec<Choice> {
     let mut choices = vec![Choice::Itself; terms.len()];
+    // What is one step has tighter slopes than what would be left of it.
+    let mut is_within_step = vec![false; terms.len()];
+    for term in terms {
+        within_box_step(terms, term).into_iter().for_each(|part| is_within_step[part as usize] = true);
+    }
     let mut silences = vec![Silence::UNUSED; terms.len()];
     if let Some(root) = silences.last_mut() {
         *root = Silence::NONE;
@@ -167,7 +176,8 @@ fn choices(terms: &[Term], ranges: &[Interval]) -> Vec<Choice> {
             Term::Binary(op, a, b) => {
                 let of = [ranges[*a as usize], ranges[*b as usize]];
                 let [of_a, of_b] = operand_silences(*op, silence, of, [constant(a), constant(b)]);
-                choices[k] = choice(*op, of, [of_a, of_b]);
+                let found = choice(*op, of, [of_a, of_b]);
+                choices[k] = if is_within_step[k] { Choice::Itself } else { found };
                 match choices[k] {
                     Choice::Itself => {
                         use_of(a, of_a);

@@ -1,7 +1,8 @@
 //! Unions, intersections and differences with rounded seams.
 use super::grown;
+use super::pieces::blended;
 use crate::implicit::shapes::{InvalidShape, positive};
-use crate::implicit::{Distance, Field, Quality};
+use crate::implicit::{Distance, Expr, Field, Quality};
 
 const BLEND: &str = "a blend";
 
@@ -25,15 +26,22 @@ impl Field {
         let value = a.smooth_min(b, radius);
         let inside = self.distance().union(other.distance()).inside;
         let bounds = first.bounds().union(second.bounds());
-        let blend = Self::of_parts(value.clone(), &[&first, &second]);
-        // Where a and b are `radius` apart the blend is one of them, with its kinks on the surface. Where
-        // these are creases, there are signs without them; a half of what they are farther apart keeps the
-        // blend's own surface away from there.
-        let blend = if self.has_creases() || other.has_creases() {
-            let beyond = ((a - b).abs() - radius).max(&0.0.into()) * 0.5;
-            blend.known_sign(self.sign().min(other.sign()).min(&(value + beyond)))
-        } else {
-            blend
+        let blend = Self::of_parts(value, &[&first, &second]);
+        // Where a and b are `radius` apart the blend is one of them, with its kinks on the surface. Where these are
+        // creases, there are signs without them, and the blend's own surface is kept away from there: by a half of
+        // what they are farther apart, with a smooth start. Its slope is below theirs, so the sum grows with both.
+        let start = 0.25 * radius;
+        let away = |a: &Expr, b: &Expr| {
+            let beyond = (a - b).abs() - (radius + start);
+            a.smooth_min(b, radius) - (-beyond).smooth_min(&0.0.into(), start) * 0.5
+        };
+        let own = match blended(a, b, &away) {
+            None if self.has_creases() || other.has_creases() => Some(away(a, b)),
+            pieces_or_none => pieces_or_none,
+        };
+        let blend = match own {
+            Some(own) => blend.of_sign(self.sign().min(other.sign()).min(&own)),
+            None => blend,
         };
         Ok(blend
             .known_distance(Distance { outside: Quality::Bound, inside })

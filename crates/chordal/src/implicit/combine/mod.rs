@@ -8,6 +8,7 @@ mod blend;
 mod clip;
 mod lift;
 mod offset;
+mod pieces;
 mod place;
 mod profile;
 mod repeat;
@@ -33,11 +34,7 @@ impl Field {
         let both = Self::of_parts(self.expr().min(other.expr()), &[self, other])
             .known_distance(self.distance().union(other.distance()))
             .known_bounds(self.bounds().union(other.bounds()));
-        if self.has_sign() || other.has_sign() {
-            both.known_sign(self.sign().min(other.sign()))
-        } else {
-            both
-        }
+        if self.has_sign() || other.has_sign() { both.of_sign(self.sign().min(other.sign())) } else { both }
     }
 
     /// All points of both at once: `max(a, b)`. Inside it is as good a distance as both are, outside a bound.
@@ -46,11 +43,7 @@ impl Field {
         let both = Self::of_parts(self.expr().max(other.expr()), &[self, other])
             .known_distance(self.distance().intersection(other.distance()))
             .known_bounds(common(self.bounds(), other.bounds()));
-        if self.has_sign() || other.has_sign() {
-            both.known_sign(self.sign().max(other.sign()))
-        } else {
-            both
-        }
+        if self.has_sign() || other.has_sign() { both.of_sign(self.sign().max(other.sign())) } else { both }
     }
 
     /// The points of this that are not of the other: `max(a, −b)`.
@@ -63,7 +56,7 @@ impl Field {
     #[must_use]
     pub fn complement(&self) -> Self {
         let other = Self::of_parts(-self.expr(), &[self]).known_distance(self.distance().complement());
-        if self.has_sign() { other.known_sign(-self.sign()) } else { other }
+        other.map_sign(self, |sign| -sign)
     }
 
     /// The points of one of both, not of both: `max(min(a, b), −max(a, b))`.
@@ -94,7 +87,7 @@ impl Field {
 
     /// The same value and everything else with another expression of a sign, if there was one.
     fn map_sign(self, from: &Self, map: impl FnOnce(&Expr) -> Expr) -> Self {
-        if from.has_sign() { self.known_sign(map(from.sign())) } else { self }
+        if from.has_sign() { self.of_sign(map(from.sign())) } else { self }
     }
 }
 

@@ -7,9 +7,10 @@ const UNIT: [f64; 2] = [-1.0, 1.0];
 impl Contours {
     /// A range of each partial derivative, of all of Clarke's generalized gradients.
     ///
-    /// The gradient is `±(p − q)/|p − q|` with the nearest point `q`: the normal of an edge where `q` is inside of it, and
-    /// between the normals of two edges where it is their corner. An edge that is nearest for some point of the box is no
-    /// farther from its middle than the nearest one there and the box's diameter.
+    /// The gradient is `±(p − q)/|p − q|` with the nearest point `q`: the normal of an edge where `q` is
+    /// inside of it, and between the normals of two edges where it is their corner. An edge that is nearest
+    /// for some point of the box is no farther from its middle than the nearest one there and the box's
+    /// diameter.
     pub(super) fn slope_over(&self, bounds: &Box3) -> [Interval; 3] {
         let flat =
             Box3 { min: [bounds.min[0], bounds.min[1], 0.0], max: [bounds.max[0], bounds.max[1], 0.0] };
@@ -35,7 +36,7 @@ impl Contours {
             if (dx * dx + dy * dy).sqrt() > reach {
                 return;
             }
-            for part in self.slopes(edge, middle, radius) {
+            for part in self.slopes(edge, &flat, (middle, radius)) {
                 let joined = hull.map_or(part, |all| [all[0].hull(part[0]), all[1].hull(part[1])]);
                 hull = Some(joined);
             }
@@ -45,7 +46,7 @@ impl Contours {
     }
 
     /// The gradients where points around `middle` have their nearest point on an edge.
-    fn slopes(&self, edge: &Edge, middle: [f64; 2], radius: f64) -> Vec<[Interval; 2]> {
+    fn slopes(&self, edge: &Edge, flat: &Box3, (middle, radius): ([f64; 2], f64)) -> Vec<[Interval; 2]> {
         let along = [edge.b[0] - edge.a[0], edge.b[1] - edge.a[1]];
         let length = (along[0] * along[0] + along[1] * along[1]).sqrt();
         let from = [middle[0] - edge.a[0], middle[1] - edge.a[1]];
@@ -62,20 +63,37 @@ impl Contours {
             parts.push(normal.map(near));
         }
         if foot - play <= 0.0 {
-            parts.push(between(outward(&self.edges[edge.before as usize]), normal));
+            parts.extend(about_corner([&self.edges[edge.before as usize], edge], flat));
         }
         if foot + play >= length {
-            parts.push(between(normal, outward(&self.edges[edge.after as usize])));
+            parts.extend(about_corner([edge, &self.edges[edge.after as usize]], flat));
         }
         parts
     }
 }
 
-/// The outward normal of an edge, rounded; components that are exactly 0 stay so.
-fn outward(edge: &Edge) -> [f64; 2] {
-    normal(edge)
+/// The gradients at points of a box whose nearest point is the corner of two edges: between the normals of these,
+/// and the direction from the corner, or to it where it is reentrant. None where no point of the box is such a one.
+fn about_corner(edges: [&Edge; 2], flat: &Box3) -> Option<[Interval; 2]> {
+    let arc = between(normal(edges[0]), normal(edges[1]));
+    let along = edges.map(|edge| [edge.b[0] - edge.a[0], edge.b[1] - edge.a[1]]);
+    let turn = along[0][0] * along[1][1] - along[0][1] * along[1][0];
+    let size = (along[0][0].abs() + along[0][1].abs()) * (along[1][0].abs() + along[1][1].abs());
+    // Where the edges run straight on, or differ about the side, the arc is all that is known.
+    if !(turn.abs() > 1e-9 * size) || edges[0].outside != edges[1].outside {
+        return Some(arc);
+    }
+    let sign = if (turn > 0.0) == (edges[0].outside > 0) { 1.0 } else { -1.0 };
+    let corner = edges[1].a;
+    let from: [Interval; 2] =
+        std::array::from_fn(|k| range([flat.min[k], flat.max[k]]) - Interval::point(corner[k]));
+    let direction = [from[0].share_beside(from[1].square()), from[1].share_beside(from[0].square())];
+    let both: [Interval; 2] =
+        std::array::from_fn(|k| arc[k].intersection(Interval::point(sign) * direction[k]));
+    both.iter().all(|range| !range.is_empty()).then_some(both)
 }
 
+/// The outward normal of an edge, rounded; components that are exactly 0 stay so.
 fn normal(edge: &Edge) -> [f64; 2] {
     let sign = f64::from(edge.outside);
     let n = [sign * (edge.b[1] - edge.a[1]), sign * (edge.a[0] - edge.b[0])];

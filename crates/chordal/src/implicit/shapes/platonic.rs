@@ -17,7 +17,9 @@ const THIRD: f64 = 0.577_350_269_189_625_8;
 pub fn octahedron(radius: f64) -> Result<Field, InvalidShape> {
     let radius = positive("an octahedron's radius", radius)?;
     let [x, y, z] = Expr::axes();
-    let value = (x.abs() + y.abs() + z.abs() - radius) * THIRD;
+    // The largest of these is the sum of all three sizes.
+    let sides = [&x + &y + &z, &x + &y - &z, &x - &y + &z, &y + &z - &x].map(|side| side.abs());
+    let value = (largest(&sides) - radius) * THIRD;
     Ok(Field::new(value).known_distance(PLANES).known_bounds(centred([radius; 3])))
 }
 
