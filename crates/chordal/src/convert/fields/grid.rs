@@ -108,6 +108,8 @@ impl Incidence {
 enum Verdict {
     Done,
     Cut,
+    /// As [`Verdict::Cut`], but no slope is known of some function in it: at steps and poles, and without values.
+    CutBlindly,
     /// It would be cut if it were not too small.
     TooSmall,
 }
@@ -140,6 +142,9 @@ const BYTES_A_CELL: u64 = 400;
 const SHARE: u64 = 4;
 /// Cells in one task.
 const CHUNK: usize = 128;
+/// Cells without slopes are cut as long as there are no more of them. Chosen: steps are seen with a hundredth of their
+/// size then, and a volume without values is left in an instant.
+const MOST_BLIND: usize = 1 << 16;
 
 impl<'a> FieldGrid<'a> {
     /// A grid for the solid whose primitives are evaluated. The work is that of the shape, not of its size
@@ -259,12 +264,16 @@ impl<'a> FieldGrid<'a> {
             // Every cut makes one cell more, and others by conforming.
             let is_full = (self.n_alive + 2 * pending.len()) as u64 > most;
             let judged = self.judge(evaluator, pending, places)?;
+            let n_blind = judged.iter().filter(|(_, verdict)| *verdict == Verdict::CutBlindly).count();
             let mut cut = Vec::new();
             for (one, verdict) in judged {
                 let may_be_cut = !is_full && self.tetrahedra.next_edge(&one.tetrahedron).is_some();
-                if verdict == Verdict::Cut && may_be_cut
-                    || self.tetrahedra.has_middle(one.tetrahedron.corners)
-                {
+                let is_cut = match verdict {
+                    Verdict::Cut => may_be_cut,
+                    Verdict::CutBlindly => may_be_cut && n_blind <= MOST_BLIND,
+                    Verdict::Done | Verdict::TooSmall => false,
+                };
+                if is_cut || self.tetrahedra.has_middle(one.tetrahedron.corners) {
                     cut.push(one);
                 } else {
                     self.keep(one, verdict == Verdict::Done);
@@ -385,9 +394,17 @@ impl<'a> FieldGrid<'a> {
         let verdict = match (facts.is_done(), longest <= self.options.floor) {
             (true, _) => Verdict::Done,
             (false, true) => Verdict::TooSmall,
+            (false, false) if self.is_blind(&left, ranges) => Verdict::CutBlindly,
             (false, false) => Verdict::Cut,
         };
         Some((left, verdict))
+    }
+
+    /// Whether no slope is known of a function that is no leaf.
+    fn is_blind(&self, open: &OpenTree, ranges: &[SlopeRange]) -> bool {
+        let is_unknown =
+            |(p, range): (&u32, &SlopeRange)| !self.has_leaves[*p as usize] && range.gradient.is_none();
+        open.primitives.iter().zip(ranges).any(is_unknown)
     }
 
     /// Takes gradients at the corners for the range of all where no other is known. A function whose values

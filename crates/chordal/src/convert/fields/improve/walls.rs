@@ -10,7 +10,7 @@ use std::collections::HashMap;
 const OF_WALL: f64 = 0.4;
 /// Walls are left alone where the aim would be a smaller share of what it is elsewhere: sheets that touch
 /// would be split without end.
-const LEAST: f64 = 1.0 / 32.0;
+const LEAST: f64 = 1.0 / 256.0;
 /// Vertices in one task.
 const CHUNK: usize = 1024;
 /// The cosine of normals that face away from each other.
