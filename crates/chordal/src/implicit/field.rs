@@ -1,4 +1,5 @@
 //! `Field`: a signed number for every point, negative inside, with what is known of it.
+use super::combine::Pattern;
 use super::distance::Distance;
 use super::expr::Expr;
 use super::outside::is_empty_outside;
@@ -6,6 +7,7 @@ use super::promises::Promises;
 use super::tape::Tape;
 use crate::budget::Evidence;
 use crate::math::{Box3, add_up, sub_down};
+use std::sync::Arc;
 
 /// A shape as a rule: the points where its expression is negative.
 ///
@@ -31,6 +33,8 @@ pub struct Field {
     sign: Option<Expr>,
     /// Whether the sign of a part is another expression that has creases where the value does not show them.
     has_creases: bool,
+    /// Where it is a shape repeated without end, or all but that.
+    pattern: Option<Arc<Pattern>>,
     distance: Distance,
     bounds: Box3,
     promises: Promises,
@@ -50,6 +54,7 @@ impl Field {
             expr,
             sign: None,
             has_creases: false,
+            pattern: None,
             distance: Distance::SIGN,
             bounds: Self::EVERYWHERE,
             promises: Promises::default(),
@@ -172,6 +177,21 @@ impl Field {
     #[must_use]
     pub fn sign(&self) -> &Expr {
         self.sign.as_ref().unwrap_or(&self.expr)
+    }
+
+    /// What it repeats without end, if it does.
+    pub(super) fn pattern(&self) -> Option<&Pattern> {
+        self.pattern.as_deref()
+    }
+
+    pub(super) fn of_pattern(self, pattern: Pattern) -> Self {
+        Self { pattern: Some(Arc::new(pattern)), ..self }
+    }
+
+    /// An expression with the sign in a box.
+    pub(super) fn sign_within(&self, bounds: &Box3) -> Expr {
+        let listed = self.pattern().and_then(|pattern| pattern.sign_within(bounds));
+        listed.unwrap_or_else(|| self.sign().clone())
     }
 
     /// Whether [`Field::sign`] is an expression of its own.

@@ -13,6 +13,7 @@ mod place;
 mod profile;
 mod repeat;
 
+pub(super) use repeat::Pattern;
 pub use repeat::Repeat;
 
 use super::expr::Expr;
@@ -43,7 +44,14 @@ impl Field {
         let both = Self::of_parts(self.expr().max(other.expr()), &[self, other])
             .known_distance(self.distance().intersection(other.distance()))
             .known_bounds(common(self.bounds(), other.bounds()));
-        if self.has_sign() || other.has_sign() { both.of_sign(self.sign().max(other.sign())) } else { both }
+        // Beyond the bounds one of both is not inside, whatever the sign of the other.
+        let sign = |field: &Self| field.sign_within(&both.bounds());
+        if [self, other].iter().any(|field| field.has_sign() || field.pattern().is_some()) {
+            let sign = sign(self).max(&sign(other));
+            both.of_sign(sign)
+        } else {
+            both
+        }
     }
 
     /// The points of this that are not of the other: `max(a, −b)`.
@@ -56,7 +64,8 @@ impl Field {
     #[must_use]
     pub fn complement(&self) -> Self {
         let other = Self::of_parts(-self.expr(), &[self]).known_distance(self.distance().complement());
-        other.map_sign(self, |sign| -sign)
+        let other = other.map_sign(self, |sign| -sign);
+        self.pattern().map_or(other.clone(), |pattern| other.of_pattern(pattern.complement()))
     }
 
     /// The points of one of both, not of both: `max(min(a, b), −max(a, b))`.

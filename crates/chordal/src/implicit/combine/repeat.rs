@@ -3,7 +3,7 @@ use super::common;
 use crate::implicit::op::Unary;
 use crate::implicit::shapes::InvalidShape;
 use crate::implicit::{Csg, Distance, Expr, Field, Quality};
-use crate::math::{add_up, mul_up};
+use crate::math::{Box3, add_up, mul_up};
 
 /// Copies of one cell's neighbourhood, at most: each is an expression of its own.
 const MOST: u64 = 4096;
@@ -75,7 +75,64 @@ impl Field {
         } else {
             all
         };
-        Ok(all.known_bounds(common(bounds, Field::EVERYWHERE)))
+        let all = all.known_bounds(common(bounds, Field::EVERYWHERE));
+        let is_endless = along.iter().any(|repeat| matches!(repeat, Repeat::Every(_)));
+        Ok(if is_endless {
+            all.of_pattern(Pattern { copy: self.clone(), along, is_complement: false })
+        } else {
+            all
+        })
+    }
+}
+
+/// Copies without end, for what is cut out of them.
+#[derive(Clone, Debug)]
+pub(in crate::implicit) struct Pattern {
+    copy: Field,
+    along: [Repeat; 3],
+    /// Whether it is all but the copies.
+    is_complement: bool,
+}
+
+impl Pattern {
+    pub fn complement(&self) -> Self {
+        Self { is_complement: !self.is_complement, ..self.clone() }
+    }
+
+    /// An expression with the sign in a box, which lists the copies that reach into it: no steps then. None where
+    /// these are too many.
+    pub fn sign_within(&self, bounds: &Box3) -> Option<Expr> {
+        let (axes, own) = (Expr::axes(), self.copy.bounds());
+        let mut places: Vec<[Expr; 3]> = vec![axes.clone()];
+        let n_primitives = Csg::of(self.copy.sign()).primitives().len() as u64;
+        for (k, repeat) in self.along.into_iter().enumerate() {
+            let (first, last, period) = match repeat {
+                Repeat::Once => continue,
+                Repeat::Times(count, period) => (0.0, f64::from(count) - 1.0, period),
+                // With one more on each side, which covers any rounding.
+                Repeat::Every(period) => {
+                    let reach = [bounds.min[k] - own.max[k], bounds.max[k] - own.min[k]];
+                    ((reach[0] / period).floor(), (reach[1] / period).ceil(), period)
+                }
+            };
+            let n = last - first + 1.0;
+            if !(n >= 1.0 && n * places.len() as f64 * n_primitives as f64 <= MOST_LISTED as f64) {
+                return None;
+            }
+            let moved = |at: &[Expr; 3], number: f64| {
+                let mut at = at.clone();
+                at[k] = if number == 0.0 { axes[k].clone() } else { &axes[k] - number * period };
+                at
+            };
+            let numbers: Vec<f64> = (0..n as u64).map(|number| first + number as f64).collect();
+            places = places
+                .iter()
+                .flat_map(|at| numbers.iter().map(|n| moved(at, *n)).collect::<Vec<_>>())
+                .collect();
+        }
+        let copies: Vec<Field> = places.iter().map(|at| self.copy.at(at)).collect();
+        let sign = Field::union_of(&copies).sign().clone();
+        Some(if self.is_complement { -sign } else { sign })
     }
 }
 

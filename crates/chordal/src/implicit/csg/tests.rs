@@ -290,3 +290,27 @@ fn steps_beyond_what_integers_hold_are_one_range() {
         assert!(low <= value && value <= high, "{value} in {low} to {high}");
     }
 }
+
+#[test]
+fn copies_without_end_are_listed_where_they_are_cut_off() {
+    use crate::implicit::Repeat::{Every, Once};
+    let bars = shapes::cuboid([0.1, 0.2, 3.0]).unwrap().repeated([Every(0.35), Every(0.35), Once]).unwrap();
+    let ball = shapes::sphere(0.8).unwrap();
+    for (field, half) in [
+        (ball.difference(&bars), 1.0),
+        (bars.intersection(&ball), 1.0),
+        (ball.moved([7.0, -3.0, 0.0]).unwrap().difference(&bars), 9.0),
+    ] {
+        let has_steps = |term: &Term| matches!(term, Term::Unary(Unary::Round, _));
+        assert!(!Tape::of(field.sign()).graph().terms().iter().any(has_steps));
+        let (value, sign) = (Tape::of(field.expr()), Tape::of(field.sign()));
+        let mut state = 3;
+        let at: Vec<[f64; 3]> =
+            (0..2000).map(|_| [0; 3].map(|_| half * (2.0 * random(&mut state) - 1.0))).collect();
+        let (mut values, mut signs) = (vec![0.0; at.len()], vec![0.0; at.len()]);
+        value.at(&at, &mut values).unwrap();
+        sign.at(&at, &mut signs).unwrap();
+        assert!(values.iter().zip(&signs).all(|(v, s)| (*v < 0.0) == (*s < 0.0)));
+        assert!(half > 1.0 || values.iter().any(|v| *v < 0.0));
+    }
+}
