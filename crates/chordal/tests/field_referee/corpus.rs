@@ -14,7 +14,7 @@ fn corpus() -> Vec<(Shape, f64)> {
         (shapes::cube_without_ball(), 0.03),
         (shapes::drilled(), 0.03),
         (shapes::gyroid(), 0.04),
-        (shapes::blobs(100, 60.0, &mut Random::new(9)), 0.04),
+        (shapes::blobs(40, 60.0, &mut Random::new(9)), 0.06),
         (shapes::solid("menger sponge", shapes::menger(), 1.05), 0.06),
         (shapes::solid("touching spheres", shapes::two_balls(), 1.1), 0.08),
     ]

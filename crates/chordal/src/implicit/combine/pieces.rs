@@ -173,7 +173,6 @@ fn largest_side<'a>(root: &'a Expr, inside: &'a Expr) -> Option<&'a Expr> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::implicit::shapes::{cuboid, cylinder, ellipsoid, octahedron, sphere, tetrahedron};
     use crate::implicit::{Csg, Field};
 
