@@ -1,6 +1,6 @@
 //! Rounds of edge collapses: vertices go into neighbours as long as all that changes stays within the aim.
 use super::sample::Sample;
-use super::{FaceLabel, SurfaceImprover, Unimproved};
+use super::{FaceLabel, SurfaceImprover, Unimproved, area_normal};
 use crate::explicit::{next_in_face, previous_in_face};
 use glam::DVec3;
 
@@ -9,6 +9,8 @@ use glam::DVec3;
 const MOST_ROUNDS: usize = 400;
 /// Fans of more faces are left alone. Chosen: a vertex of that many looks at all of them for each of its edges.
 const MOST_FACES: usize = 64;
+/// A crease is shut where the angle between its faces is below a quarter of that between its primitives; by squares.
+const SHUT: f64 = 1.0 / 16.0;
 /// Costs below this share of the aim are alike: then the length decides.
 const ALIKE: f64 = 0.05;
 
@@ -157,7 +159,10 @@ impl SurfaceImprover<'_> {
             self.each_ask(star, |_, _| n += 1);
             let samples = &samples[from..from + n];
             from += n;
-            if self.surface.may_collapse(one.h) && self.stays_near(star, samples) && !self.meets_others(star)
+            if self.surface.may_collapse(one.h)
+                && self.stays_near(star, samples)
+                && !self.shuts(star)
+                && !self.meets_others(star)
             {
                 self.collapse(star, samples);
             }
@@ -257,6 +262,27 @@ impl SurfaceImprover<'_> {
             }
             labels[0] == labels[1] || self.crease_excess([b, ring[i]], labels, spokes[i]) <= self.limit
         })
+    }
+
+    /// Whether faces would lie on each other at a crease: a part of the solid that is thinner than the length there.
+    fn shuts(&self, star: &Star) -> bool {
+        let (ring, n) = (&star.ring, star.ring.len());
+        let b = ring[0];
+        let new = |i: usize| {
+            let points = [b, ring[i], ring[i + 1]].map(|v| self.at(v));
+            (self.label_of(star.sides[i]), area_normal(points).normalize_or_zero())
+        };
+        let old = |h: u32| (self.label_of(h), area_normal(self.points(h / 3)).normalize_or_zero());
+        let is_shut = |x: (FaceLabel, DVec3), y: (FaceLabel, DVec3), v: u32| {
+            let (Some(p), Some(q)) = (self.on(v, x.0), self.on(v, y.0)) else { return false };
+            x.0 != y.0 && 1.0 + x.1.dot(y.1) < SHUT * (1.0 + p.normal.dot(q.normal))
+        };
+        let outer = self.outer(star);
+        (1..n - 1).any(|i| {
+            let beyond = self.surface.twin(next_in_face(star.sides[i]));
+            is_shut(new(i), old(beyond), ring[i]) || i + 1 < n - 1 && is_shut(new(i), new(i + 1), b)
+        }) || is_shut(old(outer[0]), new(1), b)
+            || is_shut(new(n - 2), old(outer[1]), b)
     }
 
     fn meets_others(&mut self, star: &Star) -> bool {
