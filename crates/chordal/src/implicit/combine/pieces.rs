@@ -87,6 +87,10 @@ fn in_pieces([a, b]: [&Expr; 2], blend: &dyn Fn(&Expr, &Expr) -> Expr, left: &mu
 fn choice(expr: &Expr, kept: Kept, looks: &mut usize) -> Option<Choice> {
     *looks = looks.checked_sub(1)?;
     match expr.kind() {
+        // The box or the ball that a bound is held to is beyond its surface, and not worth pieces of its own.
+        Kind::Binary(Binary::Max, a, b) if is_wall(b) => {
+            Some(choice(a, kept, looks)?.map(|part| part.max(b)))
+        }
         Kind::Binary(op @ (Binary::Min | Binary::Max), a, b) => {
             Some(Choice { is_min: *op == Binary::Min, parts: [a.clone(), b.clone()] })
         }
@@ -110,6 +114,15 @@ fn choice(expr: &Expr, kept: Kept, looks: &mut usize) -> Option<Choice> {
         }
         _ => with_constant(expr, kept, looks),
     }
+}
+
+/// Whether it is a coordinate or a length less a number, or a number less a coordinate.
+fn is_wall(expr: &Expr) -> bool {
+    let Kind::Binary(Binary::Sub, a, b) = expr.kind() else { return false };
+    matches!(
+        (a.kind(), b.kind()),
+        (Kind::Axis(_) | Kind::Unary(Unary::Sqrt, _), Kind::Const(_)) | (Kind::Const(_), Kind::Axis(_))
+    )
 }
 
 /// A choice below an operation with a constant.
@@ -217,9 +230,8 @@ mod tests {
     #[test]
     fn polyhedra_are_blended_plane_by_plane() {
         let blend = octahedron(0.7).unwrap().smooth_union(&sphere(0.5).unwrap(), 0.2).unwrap();
-        // Eight planes and the ball, and a blend of it with each plane and with the six sides of their box,
-        // which keep the value from being less than the distance from that.
-        assert_eq!(Csg::of(blend.sign()).primitives().len(), 23);
+        // Eight planes and the ball, and a blend of it with each plane.
+        assert_eq!(Csg::of(blend.sign()).primitives().len(), 17);
         // Where a box is cut, in its inside, its sides are one piece each.
         let cut = cuboid([1.0; 3]).unwrap().smooth_difference(&sphere(0.5).unwrap(), 0.2).unwrap();
         assert_eq!(Csg::of(cut.sign()).primitives().len(), 13);
