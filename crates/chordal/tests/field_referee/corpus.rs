@@ -4,17 +4,19 @@ use super::measure::{backward, forward, is_good, soup_of, surface};
 use super::random::Random;
 use super::shapes::{self, Shape};
 use super::{SLACK, budget};
+use crate::long::is_long;
 use chordal::check::validity;
 use chordal::convert::field_to_mesh;
 use chordal::explicit::Topology;
 use chordal::{Budget, Job, Mesh};
 
 fn corpus() -> Vec<(Shape, f64)> {
+    let (n_bells, within) = if is_long() { (100, 0.04) } else { (40, 0.06) };
     vec![
         (shapes::cube_without_ball(), 0.03),
         (shapes::drilled(), 0.03),
         (shapes::gyroid(), 0.04),
-        (shapes::blobs(40, 60.0, &mut Random::new(9)), 0.06),
+        (shapes::blobs(n_bells, 60.0, &mut Random::new(9)), within),
         (shapes::solid("menger sponge", shapes::menger(), 1.05), 0.06),
         (shapes::solid("touching spheres", shapes::two_balls(), 1.1), 0.08),
     ]

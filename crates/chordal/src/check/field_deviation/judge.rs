@@ -36,6 +36,12 @@ pub(crate) struct Verdict {
 }
 
 impl Verdict {
+    /// Of faces alone: nothing was looked at between copies.
+    fn of_faces(open: [Vec<u32>; 2], bounds: Vec<f64>) -> Self {
+        let bound = largest(&bounds);
+        Self { open, bounds, bound, wrong: Vec::new(), unresolved: Vec::new() }
+    }
+
     /// Whether the mesh and the surface are within the bound of each other.
     pub fn is_proved(&self) -> bool {
         self.open.iter().all(Vec::is_empty) && self.wrong.is_empty() && self.unresolved.is_empty()
@@ -99,26 +105,14 @@ impl<'a> FieldJudge<'a> {
             let all: Vec<u32> = (0..mesh.faces().len() as u32).collect();
             let bounds = vec![f64::INFINITY; all.len()];
             let open = [all.clone(), all];
-            return Ok(Verdict {
-                open,
-                bounds,
-                bound: f64::INFINITY,
-                wrong: Vec::new(),
-                unresolved: Vec::new(),
-            });
+            return Ok(Verdict::of_faces(open, bounds));
         };
         let sandwich = Sandwich::of(&mut self.regions, &mut self.evaluator, &tied, goal).map_err(failed)?;
-        let bound = sandwich.bounds.iter().fold(0.0, |most: f64, x| if *x > most { *x } else { most });
         let is_closed = sandwich.open.iter().all(Vec::is_empty);
         if !is_closed && goal.faces_first {
-            return Ok(Verdict {
-                open: sandwich.open,
-                bounds: sandwich.bounds,
-                bound,
-                wrong: Vec::new(),
-                unresolved: Vec::new(),
-            });
+            return Ok(Verdict::of_faces(sandwich.open, sandwich.bounds));
         }
+        let bound = largest(&sandwich.bounds);
         let copies: Vec<Mesh> = sandwich
             .copies
             .into_iter()
@@ -143,6 +137,10 @@ impl<'a> FieldJudge<'a> {
         let wrong = self.cover.seen_points().into_iter().filter(|point| !seen.is_right(point)).collect();
         Ok(Verdict { open: sandwich.open, bounds: sandwich.bounds, bound, wrong, unresolved })
     }
+}
+
+fn largest(bounds: &[f64]) -> f64 {
+    bounds.iter().fold(0.0, |most, x| if *x > most { *x } else { most })
 }
 
 /// The outer and the inner copy.

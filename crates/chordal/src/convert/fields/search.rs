@@ -13,7 +13,8 @@ const MOST_ROUNDS: usize = 10;
 const FEW: usize = 8;
 /// for this share of the length. Chosen: what is proved with is then twice as much.
 const NEARER: f64 = 0.5;
-/// if so many collapses were enough for the first one. Chosen: a second that has to be finer takes some times as long.
+/// if so many collapses were enough for the first one. Chosen: a second that has to be finer takes some times
+/// as long.
 const MOST_COLLAPSES: usize = 1 << 17;
 /// After so many rounds in a row with more open faces than before nothing will be proved.
 const HOPELESS: usize = 2;

@@ -65,7 +65,10 @@ impl Field {
     pub fn complement(&self) -> Self {
         let other = Self::of_parts(-self.expr(), &[self]).known_distance(self.distance().complement());
         let other = other.map_sign(self, |sign| -sign);
-        self.pattern().map_or(other.clone(), |pattern| other.of_pattern(pattern.complement()))
+        match self.pattern() {
+            Some(pattern) => other.of_pattern(pattern.complement()),
+            None => other,
+        }
     }
 
     /// The points of one of both, not of both: `max(min(a, b), −max(a, b))`.

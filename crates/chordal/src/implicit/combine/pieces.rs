@@ -15,13 +15,13 @@ const MOST_LOOKS: usize = 256;
 
 /// Which values are to stay what they are; of the others the sign is enough.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kept {
+enum ExactWhere {
     Positive,
     Negative,
     All,
 }
 
-impl Kept {
+impl ExactWhere {
     fn mirrored(self) -> Self {
         match self {
             Self::Positive => Self::Negative,
@@ -37,12 +37,12 @@ impl Kept {
 }
 
 /// The smaller or the larger of two.
-struct Choice {
+struct Extremum {
     is_min: bool,
     parts: [Expr; 2],
 }
 
-impl Choice {
+impl Extremum {
     fn map(self, map: impl Fn(&Expr) -> Expr) -> Self {
         let [a, b] = &self.parts;
         Self { parts: [map(a), map(b)], ..self }
@@ -67,7 +67,10 @@ fn in_pieces([a, b]: [&Expr; 2], blend: &dyn Fn(&Expr, &Expr) -> Expr, left: &mu
     if *left == 0 {
         return blend(a, b);
     }
-    let of = |expr: &Expr| choice(expr, Kept::Positive, &mut MOST_LOOKS.clone());
+    let of = |expr: &Expr| {
+        let mut looks = MOST_LOOKS;
+        choice(expr, ExactWhere::Positive, &mut looks)
+    };
     let (choice, is_first) = match of(a) {
         Some(choice) => (choice, true),
         None => match of(b) {
@@ -84,7 +87,7 @@ fn in_pieces([a, b]: [&Expr; 2], blend: &dyn Fn(&Expr, &Expr) -> Expr, left: &mu
 }
 
 /// An expression as a choice whose value it has where that is kept, and whose sign everywhere.
-fn choice(expr: &Expr, kept: Kept, looks: &mut usize) -> Option<Choice> {
+fn choice(expr: &Expr, kept: ExactWhere, looks: &mut usize) -> Option<Extremum> {
     *looks = looks.checked_sub(1)?;
     match expr.kind() {
         // The box or the ball that a bound is held to is beyond its surface, and not worth pieces of its own.
@@ -92,21 +95,21 @@ fn choice(expr: &Expr, kept: Kept, looks: &mut usize) -> Option<Choice> {
             Some(choice(a, kept, looks)?.map(|part| part.max(b)))
         }
         Kind::Binary(op @ (Binary::Min | Binary::Max), a, b) => {
-            Some(Choice { is_min: *op == Binary::Min, parts: [a.clone(), b.clone()] })
+            Some(Extremum { is_min: *op == Binary::Min, parts: [a.clone(), b.clone()] })
         }
-        Kind::Unary(Unary::Abs, a) => Some(Choice { is_min: false, parts: [a.clone(), -a] }),
+        Kind::Unary(Unary::Abs, a) => Some(Extremum { is_min: false, parts: [a.clone(), -a] }),
         Kind::Unary(Unary::Neg, a) => Some(choice(a, kept.mirrored(), looks)?.flipped().map(|part| -part)),
         Kind::At(below, at) => Some(choice(below, kept, looks)?.map(|part| part.with_axes(at.clone()))),
         Kind::Binary(Binary::SmoothMin, a, b) => {
             // It is not above either: where it is above 0 both are.
-            let of_parts = if kept == Kept::Positive { Kept::Positive } else { Kept::All };
+            let of_parts = if kept == ExactWhere::Positive { ExactWhere::Positive } else { ExactWhere::All };
             let blend = |part: &Expr, other: &Expr| Expr::binary(Binary::SmoothMin, part, other);
             match choice(a, of_parts, looks) {
                 Some(of_a) => Some(of_a.map(|part| blend(part, b))),
                 None => Some(choice(b, of_parts, looks)?.map(|part| blend(a, part))),
             }
         }
-        Kind::Binary(Binary::Add, root, inside) if kept == Kept::Negative => {
+        Kind::Binary(Binary::Add, root, inside) if kept == ExactWhere::Negative => {
             match largest_side(root, inside) {
                 Some(largest) => choice(largest, kept, looks),
                 None => with_constant(expr, kept, looks),
@@ -126,7 +129,7 @@ fn is_wall(expr: &Expr) -> bool {
 }
 
 /// A choice below an operation with a constant.
-fn with_constant(expr: &Expr, kept: Kept, looks: &mut usize) -> Option<Choice> {
+fn with_constant(expr: &Expr, kept: ExactWhere, looks: &mut usize) -> Option<Extremum> {
     let Kind::Binary(op, a, b) = expr.kind() else { return None };
     let (op, constant, below, is_first) = match (a.kind(), b.kind()) {
         (_, Kind::Const(k)) => (*op, *k, a, false),
@@ -136,8 +139,8 @@ fn with_constant(expr: &Expr, kept: Kept, looks: &mut usize) -> Option<Choice> {
     let (kept, falls) = match op {
         Binary::Mul if constant != 0.0 => (kept.times(constant), constant < 0.0),
         Binary::Div if constant != 0.0 && !is_first => (kept.times(constant), constant < 0.0),
-        Binary::Add => (Kept::All, false),
-        Binary::Sub => (Kept::All, is_first),
+        Binary::Add => (ExactWhere::All, false),
+        Binary::Sub => (ExactWhere::All, is_first),
         _ => return None,
     };
     let again = |part: &Expr| {

@@ -9,7 +9,8 @@ use glam::DVec3;
 const MOST_ROUNDS: usize = 400;
 /// Fans of more faces are left alone. Chosen: a vertex of that many looks at all of them for each of its edges.
 const MOST_FACES: usize = 64;
-/// A crease is shut where the angle between its faces is below a quarter of that between its primitives; by squares.
+/// A crease is shut where the angle between its faces is below a quarter of that between its primitives; by
+/// squares.
 const SHUT: f64 = 1.0 / 16.0;
 /// Costs below this share of the aim are alike: then the length decides.
 const ALIKE: f64 = 0.05;
@@ -264,7 +265,8 @@ impl SurfaceImprover<'_> {
         })
     }
 
-    /// Whether faces would lie on each other at a crease: a part of the solid that is thinner than the length there.
+    /// Whether faces would lie on each other at a crease: a part of the solid that is thinner than the length
+    /// there.
     fn shuts(&self, star: &Star) -> bool {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = ring[0];
