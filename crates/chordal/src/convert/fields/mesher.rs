@@ -8,11 +8,11 @@ use crate::explicit::Mesh;
 use crate::implicit::{Expr, Field, LeafError, PrimitiveEvaluator};
 use crate::math::Box3;
 
-/// Times that cells are cut again where vertices cannot go to their places. Measured: twice was enough on all
+/// Times that cells are cut again where the surface has no room for vertices. Measured: twice was enough on all
 /// models of the tests.
 const MOST_CUTS: usize = 3;
-/// Cells have edges of at most this share of the longest side of the bounds. Chosen: ranges say where cells are cut, so that large
-/// ones cost nothing.
+/// Cells have edges of at most this share of the longest side of the bounds. Chosen: ranges say where cells
+/// are cut, so that large ones cost nothing.
 const COARSEST: f64 = 0.5;
 /// The same where functions are known by samples. Chosen: features of a tenth of the bounds are seen.
 const SAMPLED: f64 = 1.0 / 24.0;
@@ -134,7 +134,8 @@ fn longest(bounds: &Box3) -> f64 {
 
 impl<'a> FieldMesher<'a> {
     /// Cells, their boundary and its improvement: a surface of few triangles near that of the field, by
-    /// samples. Cells are cut again where vertices are held off their places by other sheets.
+    /// samples. Cells are cut again where other sheets hold vertices off their places, and where edges cannot be
+    /// split.
     pub fn improved(
         &self,
         mut evaluator: PrimitiveEvaluator<'a>,
@@ -155,24 +156,28 @@ impl<'a> FieldMesher<'a> {
             }
             let start = RawSurface { positions: raw.positions, faces: raw.faces, labels: raw.labels };
             let has_leaves = evaluator.csg().primitives().iter().any(|p| p.tape().has_leaves());
-            let surface = match SurfaceImprover::new(&start, evaluator, tol, self.job) {
+            let mut surface = match SurfaceImprover::new(&start, evaluator, tol, self.job) {
                 Err(Unimproved::NotManifold) if has_leaves => return Err(leaf_failed(contradiction())),
                 made_or_failed => made_or_failed?,
             };
-            let held: Vec<Place> =
-                surface.held().iter().map(|held| Place { at: held.at, size: 0.5 * held.size }).collect();
-            if held.is_empty() || cuts == MOST_CUTS {
+            let mut tight = surface.held().to_vec();
+            if tight.is_empty() || cuts == MOST_CUTS {
+                // Estimates of what is still coarse are too high by up to about this; the work itself keeps to
+                // the limits.
+                self.check_size(surface.estimated_faces()? / OVERESTIMATE)?;
+                tight = surface.refine()?;
+            }
+            if tight.is_empty() || cuts == MOST_CUTS {
                 break surface;
             }
+            let places: Vec<Place> =
+                tight.iter().map(|place| Place { at: place.at, size: 0.5 * place.size }).collect();
             cuts += 1;
             report("cells", cuts);
             evaluator = surface.into_evaluator();
-            grid.refine(&mut evaluator, &held)?;
+            grid.refine(&mut evaluator, &places)?;
         };
         drop(grid);
-        let needs = surface.estimated_faces()?;
-        // Estimates of what is still coarse are too high by up to about this; the work itself keeps to the limits.
-        self.check_size(needs / OVERESTIMATE)?;
         surface.improve()?;
         self.check_size(surface.n_faces() as f64)?;
         Ok(surface)

@@ -53,11 +53,11 @@ impl From<LeafError> for Unimproved {
     }
 }
 
-/// Where a vertex could not go to its place.
+/// Where the surface has no room: a vertex that could not go to its place, or an edge that could not be split.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct HeldVertex {
+pub(crate) struct TightPlace {
     pub at: [f64; 3],
-    /// The longest edge about it.
+    /// The longest edge about the vertex, or the length of the edge.
     pub size: f64,
 }
 
@@ -119,7 +119,10 @@ pub(crate) struct SurfaceImprover<'a> {
     most_faces: u64,
     /// Whether vertices that others are in the way of may stop before.
     goes_by_parts: bool,
-    held: Vec<HeldVertex>,
+    /// Vertices that could not go to their places at first.
+    held: Vec<TightPlace>,
+    /// By half-edge: those that the last round of splits was for.
+    stuck: Vec<u32>,
     pub counts: Counts,
 }
 
@@ -163,6 +166,7 @@ impl<'a> SurfaceImprover<'a> {
                 job.triangle_limit
             },
             held: Vec::new(),
+            stuck: Vec::new(),
             counts: Counts::default(),
         };
         let mut labels = Vec::new();
@@ -180,9 +184,21 @@ impl<'a> SurfaceImprover<'a> {
         self.evaluator
     }
 
+    /// Splits until every edge and face is within the aim, but for those without room: where these are.
+    pub fn refine(&mut self) -> Result<Vec<TightPlace>, Unimproved> {
+        self.aim_at_walls()?;
+        self.split_far(MOST_REPAIRS)?;
+        let is_far = |h: u32| self.edge_excess(h) > 1.0 || !(self.face_excess(h / 3) <= 1.0);
+        let there = self.stuck.iter().filter(|h| self.surface.has_face(**h / 3) && is_far(**h));
+        let place = |h: &u32| {
+            let [a, b] = [self.surface.start(*h), self.surface.end(*h)];
+            TightPlace { at: self.middle_point(a, b).to_array(), size: (self.at(b) - self.at(a)).length() }
+        };
+        Ok(there.map(place).collect())
+    }
+
     /// Splits, flips and collapses until every edge and face is within the aim and few are left.
     pub fn improve(&mut self) -> Result<(), Unimproved> {
-        self.aim_at_walls()?;
         let mut last = self.surface.n_faces();
         for cycle in 0..MOST_CYCLES {
             self.job.report(Progress { stage: "improve", done: cycle as u64, total: MOST_CYCLES as u64 });
@@ -227,7 +243,7 @@ impl<'a> SurfaceImprover<'a> {
     }
 
     /// Vertices that could not go to their place, at first.
-    pub fn held(&self) -> &[HeldVertex] {
+    pub fn held(&self) -> &[TightPlace] {
         &self.held
     }
 

@@ -1,5 +1,5 @@
 //! Newton steps of points onto the surfaces, creases and corners of their primitives.
-use super::{FaceLabel, HeldVertex, SurfaceImprover, Unimproved, VertexLabel, sample};
+use super::{FaceLabel, SurfaceImprover, TightPlace, Unimproved, VertexLabel, sample};
 use crate::implicit::{LeafError, PrimitiveEvaluator};
 use glam::DVec3;
 
@@ -137,7 +137,7 @@ impl SurfaceImprover<'_> {
         self.untangle(&raw, &mut is_away)?;
         let held = (0..raw.len() as u32).filter(|v| is_away[*v as usize]);
         self.held = held
-            .map(|v| HeldVertex { at: raw[v as usize].to_array(), size: self.size_around(v, &raw) })
+            .map(|v| TightPlace { at: raw[v as usize].to_array(), size: self.size_around(v, &raw) })
             .collect();
         Ok(())
     }

@@ -12,8 +12,8 @@ pub(super) const MOST_REPAIRS: usize = 3;
 const REPAIRED: f64 = 0.7;
 /// And by no more than this many times the aim: beyond, whole parts would go. Chosen.
 const MOST_OFF: f64 = 2.0;
-/// Sides that are flipped at most for one split.
-const MOST_FLIPS: usize = 4;
+/// Sides that are flipped at most for one split. Chosen: slivers along a crease lie beside each other.
+const MOST_FLIPS: usize = 12;
 /// Edges shorter than this share of the aim are not split. Chosen: nothing of the surface that the tolerance
 /// asks for is that small.
 const SHORTEST: f64 = 0.25;
@@ -29,6 +29,7 @@ impl SurfaceImprover<'_> {
             if far.is_empty() {
                 far = self.edges_of_far_faces()?;
             }
+            self.stuck.clone_from(&far);
             if far.is_empty() {
                 break;
             }
@@ -141,8 +142,13 @@ impl SurfaceImprover<'_> {
             chosen.push(h);
         }
         targets.project(&mut self.evaluator, self.tol)?;
+        // From here on those are taken that do change: a split may need faces that a later one was chosen for.
+        self.round += 1;
         let (mut n, mut on_the_way) = (0, Vec::new());
         for (k, h) in chosen.into_iter().enumerate() {
+            if !self.take(&[h / 3, self.surface.twin(h) / 3]) {
+                continue;
+            }
             let (a, b) = (self.surface.start(h), self.surface.end(h));
             let (middle, to) = (self.middle_point(a, b), targets.at[k]);
             // Beyond that it is another part of the surface.
@@ -154,18 +160,11 @@ impl SurfaceImprover<'_> {
                 continue;
             }
             let on = targets.labels_of(k);
-            if self.may_split(h, to, on) {
-                self.split(h, (to, &targets, k));
+            if let Some(flips) = self.fan(h, to, on) {
+                self.split(h, (to, &targets, k), &flips);
                 n += 1;
-            } else if let Some(side) = self.may_split_beyond(h, to, on) {
-                self.split(h, (to, &targets, k));
-                self.flip_side(side);
-                n += 1;
-            } else if let Some(h) = self.make_room(h, to, on) {
-                self.split(h, (to, &targets, k));
-                n += 1;
-            } else if let Some(to) = self.on_the_way(h, [middle, to], on) {
-                self.split(h, (to, &targets, k));
+            } else if let Some((to, flips)) = self.on_the_way(h, [middle, to], on) {
+                self.split(h, (to, &targets, k), &flips);
                 on_the_way.push(self.surface.vertex_slots() as u32 - 1);
                 n += 1;
             }
@@ -175,82 +174,61 @@ impl SurfaceImprover<'_> {
         Ok(n)
     }
 
-    fn new_faces(&self, h: u32, to: DVec3) -> [([u32; 3], [DVec3; 3]); 4] {
+    /// Whether an edge can be split at a place: the sides, by their ends, that are then to be flipped in turn.
+    ///
+    /// The new vertex is joined to all sides of the edge's two faces. Where such a face would be folded, because the place
+    /// is beyond the side, the face there goes as well, and its other sides come instead.
+    fn fan(&mut self, h: u32, to: DVec3, on: &[VertexLabel]) -> Option<Vec<[u32; 2]>> {
         // The new vertex has the next number.
-        let z = self.surface.vertex_slots() as u32;
-        let t = self.surface.twin(h);
-        let (a, b) = (self.surface.start(h), self.surface.end(h));
-        let (c, d) = (self.surface.apex(h), self.surface.apex(t));
-        let at = |v: u32| if v == z { to } else { self.at(v) };
-        [[a, z, c], [z, b, c], [b, z, d], [z, a, d]].map(|face| (face, face.map(at)))
+        let (z, t) = (self.surface.vertex_slots() as u32, self.surface.twin(h));
+        let ends = [self.surface.start(h), self.surface.end(h)];
+        let mut rim = vec![ends[0], ends[1], self.surface.apex(h), self.surface.apex(t)];
+        let mut sides = vec![next_in_face(t), previous_in_face(t), next_in_face(h), previous_in_face(h)];
+        let (mut new, mut gone, mut flips) = (Vec::new(), vec![h / 3, t / 3], Vec::new());
+        while let Some(side) = sides.pop() {
+            let (x, y) = (self.surface.start(side), self.surface.end(side));
+            let points = [self.at(x), self.at(y), to];
+            if self.stands(points, side, on) {
+                new.push(([x, y, z], points));
+                continue;
+            }
+            let across = self.surface.twin(side);
+            let (beyond, apex) = (across / 3, self.surface.apex(across));
+            let is_shut = self.is_crease(side) || self.taken[beyond as usize] == self.round;
+            if is_shut || flips.len() == MOST_FLIPS || rim.contains(&apex) {
+                return None;
+            }
+            rim.push(apex);
+            gone.push(beyond);
+            flips.push([x, y]);
+            sides.extend([previous_in_face(across), next_in_face(across)]);
+        }
+        let is_free = !self.crosses(&new, &gone) && self.take(&gone[2..]);
+        is_free.then_some(flips)
     }
 
-    /// No fold, no other sheet.
-    fn may_split(&mut self, h: u32, to: DVec3, on: &[VertexLabel]) -> bool {
-        self.folded(h, to, on).is_none() && self.splits_apart(h, to)
-    }
-
-    /// Whether the new faces of a split meet no other sheet.
-    fn splits_apart(&mut self, h: u32, to: DVec3) -> bool {
-        let new = self.new_faces(h, to);
-        !self.crosses(&new, &[h / 3, self.surface.twin(h) / 3])
-    }
-
-    /// The side across which a split would fold one of the new faces.
-    fn folded(&self, h: u32, to: DVec3, on: &[VertexLabel]) -> Option<u32> {
-        let t = self.surface.twin(h);
-        let sides = [previous_in_face(h), next_in_face(h), previous_in_face(t), next_in_face(t)];
-        let folds = |((_, points), side): &(([u32; 3], [DVec3; 3]), u32)| {
-            let (area, old) = (area_normal(*points), area_normal(self.points(side / 3)));
-            let label = self.label_of(*side);
-            let normal = on.iter().find(|on| on.label == label).map_or(DVec3::ZERO, |on| on.normal);
-            // A face that was turned over before may be put right.
-            !(area.dot(old) > 0.0 || area.dot(normal) > 0.0)
-        };
-        self.new_faces(h, to).into_iter().zip(sides).find(folds).map(|(_, side)| side)
+    /// Whether a face that comes at a side lies as its primitive does at the new vertex; what was turned over before,
+    /// or is too coarse for that, is to stay as it is at least.
+    fn stands(&self, points: [DVec3; 3], side: u32, on: &[VertexLabel]) -> bool {
+        let (area, old) = (area_normal(points), area_normal(self.points(side / 3)));
+        let label = self.label_of(side);
+        let normal = on.iter().find(|on| on.label == label).map_or(DVec3::ZERO, |on| on.normal);
+        area.dot(normal) > 0.0 || area.dot(old) > 0.0 && !(old.dot(normal) > 0.0)
     }
 
     /// How far a new vertex can go where another sheet is in the way, which may have to go the same way: the
     /// rest comes when that has gone.
-    fn on_the_way(&mut self, h: u32, [from, to]: [DVec3; 2], on: &[VertexLabel]) -> Option<DVec3> {
+    fn on_the_way(
+        &mut self,
+        h: u32,
+        [from, to]: [DVec3; 2],
+        on: &[VertexLabel],
+    ) -> Option<(DVec3, Vec<[u32; 2]>)> {
         if !self.goes_by_parts {
             return None;
         }
-        [0.5, 0.25, 0.0]
-            .into_iter()
-            .map(|part| from + part * (to - from))
-            .find(|at| self.may_split(h, *at, on))
-    }
-
-    /// Whether an edge can be split at a place beyond one side of its faces, in the triangle there, if that
-    /// side is flipped afterwards: its ends.
-    fn may_split_beyond(&mut self, h: u32, to: DVec3, on: &[VertexLabel]) -> Option<[u32; 2]> {
-        let side = self.folded(h, to, on)?;
-        let across = self.surface.twin(side);
-        let (x, y, e) = (self.surface.start(side), self.surface.end(side), self.surface.apex(across));
-        if self.is_crease(side) || self.taken[across as usize / 3] == self.round {
-            return None;
-        }
-        let z = self.surface.vertex_slots() as u32;
-        let at = |v: u32| if v == z { to } else { self.at(v) };
-        let beyond = [[z, x, e], [e, y, z]].map(|face| (face, face.map(at)));
-        let folded = self.new_faces(h, to);
-        let kept = folded.iter().filter(|(face, _)| !(face.contains(&x) && face.contains(&y)));
-        let (mut new, mut stands) = (beyond.to_vec(), true);
-        let normal_of = |face: u32| area_normal(self.points(face));
-        let t = self.surface.twin(h);
-        for one in kept {
-            let old = if one.0.contains(&self.surface.apex(h)) { h / 3 } else { t / 3 };
-            stands &= area_normal(one.1).dot(normal_of(old)) > 0.0;
-            new.push(*one);
-        }
-        let normal = normal_of(across / 3);
-        stands &= beyond.iter().all(|(_, points)| area_normal(*points).dot(normal) > 0.0);
-        let is_free = stands
-            && new.len() == 5
-            && !self.crosses(&new, &[h / 3, t / 3, across / 3])
-            && self.take(&[across / 3]);
-        is_free.then_some([x, y])
+        let at = |part: f64| from + part * (to - from);
+        [0.5, 0.25, 0.0].into_iter().find_map(|part| self.fan(h, at(part), on).map(|flips| (at(part), flips)))
     }
 
     /// Flips the edge between two vertices, whatever comes of it.
@@ -266,34 +244,7 @@ impl SurfaceImprover<'_> {
         self.counts.flips += 1;
     }
 
-    /// Flips the sides beyond which a new vertex is, so that the edge can be split: a crease beside an edge
-    /// that runs along it has no room. The edge afterwards, if it now can be.
-    fn make_room(&mut self, mut h: u32, to: DVec3, on: &[VertexLabel]) -> Option<u32> {
-        let (a, b) = (self.surface.start(h), self.surface.end(h));
-        for _ in 0..MOST_FLIPS {
-            let Some(side) = self.folded(h, to, on) else { return self.splits_apart(h, to).then_some(h) };
-            let beyond = self.surface.twin(side) / 3;
-            if self.is_crease(side) || !self.surface.may_flip(side) || !self.take(&[beyond]) {
-                return None;
-            }
-            let faces = self.flipped(side);
-            let stands = |points: [DVec3; 3]| {
-                let area = area_normal(points);
-                area.dot(area_normal(self.points(side / 3))) > 0.0
-                    && area.dot(area_normal(self.points(beyond))) > 0.0
-            };
-            if !faces.iter().all(|(_, points)| stands(*points)) || self.crosses(&faces, &[side / 3, beyond]) {
-                return None;
-            }
-            self.flip_side([self.surface.start(side), self.surface.end(side)]);
-            h = self.surface.between(a, b)?;
-            let faces = [h / 3, self.surface.twin(h) / 3];
-            faces.iter().for_each(|face| self.taken[*face as usize] = self.round);
-        }
-        None
-    }
-
-    fn split(&mut self, h: u32, (to, targets, k): (DVec3, &Targets, usize)) {
+    fn split(&mut self, h: u32, (to, targets, k): (DVec3, &Targets, usize), flips: &[[u32; 2]]) {
         let t = self.surface.twin(h);
         let (f, g) = (h / 3, t / 3);
         self.surface.split(h);
@@ -325,5 +276,6 @@ impl SurfaceImprover<'_> {
             self.grow_tree(face);
             self.open_around(face);
         }
+        flips.iter().for_each(|ends| self.flip_side(*ends));
     }
 }

@@ -94,6 +94,7 @@ fn improved(csg: &Csg, raw: &RawSurface, (tol, threads): (f64, usize)) -> Improv
     let evaluator = PrimitiveEvaluator::new(csg, &Box3::around(&raw.positions), &job);
     let mut improver = SurfaceImprover::new(raw, evaluator, tol, &job).unwrap();
     assert!(improver.held().is_empty());
+    improver.refine().unwrap();
     improver.improve().unwrap();
     assert_eq!(improver.count_wrong_samples(), 0);
     let (surface, numbers) = improver.mesh();
@@ -219,7 +220,7 @@ fn random_labels_end_in_a_closed_surface() {
         let evaluator = PrimitiveEvaluator::new(&csg, &Box3::around(&raw.positions), &job);
         let mut improver = SurfaceImprover::new(&raw, evaluator, 0.05, &job).unwrap();
         // It may ask for more triangles than are allowed.
-        let improved = improver.improve();
+        let improved = improver.refine().and_then(|_| improver.improve());
         assert!(matches!(improved, Ok(()) | Err(Unimproved::TooMany)));
         let (surface, _) = improver.mesh();
         let closed = HalfEdges::of(&surface.faces, surface.positions.len()).is_some();
@@ -252,6 +253,7 @@ fn named_faces_are_split() {
     let job = Job::default().with_threads(1);
     let evaluator = PrimitiveEvaluator::new(&csg, &Box3::around(&raw.positions), &job);
     let mut improver = SurfaceImprover::new(&raw, evaluator, 0.02, &job).unwrap();
+    improver.refine().unwrap();
     improver.improve().unwrap();
     let (before, numbers) = improver.mesh();
     let n_split = improver.split_faces(&numbers[..10]).unwrap();
@@ -286,6 +288,7 @@ fn a_field_without_gradients_ends() {
     let job = Job::default().with_threads(1);
     let evaluator = PrimitiveEvaluator::new(&csg, &Box3::around(&raw.positions), &job);
     let mut improver = SurfaceImprover::new(&raw, evaluator, 0.02, &job).unwrap();
+    improver.refine().unwrap();
     improver.improve().unwrap();
     let (surface, _) = improver.mesh();
     assert!(HalfEdges::of(&surface.faces, surface.positions.len()).is_some());
