@@ -147,6 +147,16 @@ enum Monotone {
     Div(f64),
 }
 
+impl Monotone {
+    fn falls(self) -> bool {
+        match self {
+            Self::Neg | Self::From(_) => true,
+            Self::Add(_) => false,
+            Self::Mul(k) | Self::Div(k) => k < 0.0,
+        }
+    }
+}
+
 /// The operations above a term, innermost first when followed to the root: a list that shares its tails.
 #[derive(Clone, Copy, Debug)]
 struct ChainLink {
@@ -175,7 +185,7 @@ enum OpenStep {
 enum PrimitiveKey {
     /// A term and the level of it that is the boundary, by its bits.
     Level(u32, u64),
-    /// A term and the operations above it.
+    /// A term and the operations with constants above it, without their signs.
     Chain(u32, u32),
 }
 
@@ -184,6 +194,8 @@ struct Opener<'a> {
     above: Vec<ChainLink>,
     chains: HashMap<(u8, u64, u32), u32>,      // No order depends on it.
     known: HashMap<PrimitiveKey, (u32, bool)>, // No order depends on it.
+    /// The differences of two terms of which the first is the earlier one.
+    mirrored: HashMap<(u32, u32), u32>, // No order depends on it.
     primitives: Vec<Primitive>,
     nodes: Vec<CsgNode>,
     n_copied: usize,
@@ -191,8 +203,13 @@ struct Opener<'a> {
 
 impl<'a> Opener<'a> {
     fn new(terms: &'a [Term]) -> Self {
+        let difference = |(number, term): (usize, &Term)| match *term {
+            Term::Binary(Binary::Sub, a, b) if a < b => Some(((a, b), number as u32)),
+            _ => None,
+        };
         Self {
             terms,
+            mirrored: terms.iter().enumerate().filter_map(difference).collect(),
             above: Vec::new(),
             chains: HashMap::new(), // No order depends on it.
             known: HashMap::new(),  // No order depends on it.
@@ -268,12 +285,7 @@ impl<'a> Opener<'a> {
                 Term::Binary(op, a, b) => self.with_constant(op, a, b)?,
                 _ => return None,
             };
-            let falls = match op {
-                Monotone::Neg | Monotone::From(_) => true,
-                Monotone::Add(_) => false,
-                Monotone::Mul(k) | Monotone::Div(k) => k < 0.0,
-            };
-            place = Operand { term, above: self.push(op, place.above), falls: place.falls != falls };
+            place = Operand { term, above: self.push(op, place.above), falls: place.falls != op.falls() };
         }
     }
 
@@ -317,10 +329,10 @@ impl<'a> Opener<'a> {
         let level = self.level(place);
         let exact = level.filter(|level| level.is_exact);
         let key = match exact {
-            Some(level) => PrimitiveKey::Level(level.base, level.at.to_bits()),
-            None => PrimitiveKey::Chain(place.term, place.above),
+            Some(level) => (PrimitiveKey::Level(level.base, level.at.to_bits()), level.falls),
+            None => self.chain_key(place),
         };
-        let falls = exact.is_some_and(|level| level.falls);
+        let (key, falls) = key;
         if let Some((number, known_falls)) = self.known.get(&key) {
             let is_same = falls == *known_falls;
             return if is_same { CsgNode::Primitive(*number) } else { CsgNode::Complement(*number) };
@@ -334,32 +346,69 @@ impl<'a> Opener<'a> {
         CsgNode::Primitive(number)
     }
 
+    /// A place by the term below all operations with constants and these, up to their sign: what rounds is symmetric, so
+    /// `k − a` is the negative of `a − k` to the last bit, whatever follows. And whether that sign is a minus.
+    fn chain_key(&mut self, place: Operand) -> (PrimitiveKey, bool) {
+        let (base, ops) = self.chain(place);
+        let mut falls = false;
+        let mut plain = Vec::with_capacity(ops.len());
+        for op in ops {
+            let sign = if falls { -1.0 } else { 1.0 };
+            plain.extend(match op {
+                Monotone::Neg => None,
+                Monotone::Add(k) => Some(Monotone::Add(sign * k)),
+                Monotone::From(k) => Some(Monotone::Add(-sign * k)),
+                Monotone::Mul(k) => Some(Monotone::Mul(k.abs())),
+                Monotone::Div(k) => Some(Monotone::Div(k.abs())),
+            });
+            falls ^= op.falls();
+        }
+        let chain = plain.into_iter().rev().fold(NOTHING, |next, op| self.push(op, next));
+        (PrimitiveKey::Chain(base, chain), falls)
+    }
+
+    /// The term below all operations with constants, and these, from it on.
+    fn chain(&self, place: Operand) -> (u32, Vec<Monotone>) {
+        let (mut base, mut ops) = (place.term, Vec::new());
+        while let Some((op, term)) = self.below(base) {
+            ops.push(op);
+            base = term;
+        }
+        ops.reverse();
+        let mut above = place.above;
+        while above != NOTHING {
+            let ChainLink { op, next } = self.above[above as usize];
+            ops.push(op);
+            above = next;
+        }
+        (base, ops)
+    }
+
+    /// The operation with a constant that a term is, and the term that it is of.
+    fn below(&self, term: u32) -> Option<(Monotone, u32)> {
+        match (self.negated(term), &self.terms[term as usize]) {
+            (Some(negated), _) => Some((Monotone::Neg, negated)),
+            (None, Term::Binary(op, a, b)) => self.with_constant(*op, *a, *b),
+            _ => None,
+        }
+    }
+
+    /// The term whose negative one is, to the last bit.
+    fn negated(&self, term: u32) -> Option<u32> {
+        match self.terms[term as usize] {
+            Term::Unary(Unary::Neg, a) => Some(a),
+            Term::Binary(Binary::Sub, a, b) if b < a => self.mirrored.get(&(b, a)).copied(),
+            _ => None,
+        }
+    }
+
     /// The place as a level of a term below it.
     fn level(&self, place: Operand) -> Option<Level> {
         // The chain applied to `base` is `scale · base + offset`, with a scale that is a power of 2 or its
         // negative.
-        let (mut base, mut below) = (place.term, Vec::new());
-        loop {
-            let (op, term) = match self.terms[base as usize] {
-                Term::Unary(Unary::Neg, a) => (Monotone::Neg, a),
-                Term::Binary(op, a, b) => match self.with_constant(op, a, b) {
-                    Some(found) => found,
-                    None => break,
-                },
-                _ => break,
-            };
-            below.push(op);
-            base = term;
-        }
+        let (base, ops) = self.chain(place);
         let mut shift = Shift { scale: 1.0, offset: 0.0, size: 0.0, is_exact: true };
-        let mut n_steps = below.len();
-        below.into_iter().rev().for_each(|op| shift.apply(op));
-        let mut above = place.above;
-        while above != NOTHING {
-            let ChainLink { op, next } = self.above[above as usize];
-            shift.apply(op);
-            (above, n_steps) = (next, n_steps + 1);
-        }
+        ops.iter().for_each(|op| shift.apply(*op));
         let Shift { scale, offset, size, is_exact } = shift;
         // One zero: −0 and 0 are one level.
         let at = -offset / scale + 0.0;
@@ -367,7 +416,7 @@ impl<'a> Opener<'a> {
             && size.is_finite()
             && scale.is_normal()
             && (at != 0.0 || offset == 0.0)
-            && n_steps <= MOST_ROUNDINGS;
+            && ops.len() <= MOST_ROUNDINGS;
         is_sound.then_some(Level { base, at, size, is_exact, falls: scale < 0.0 })
     }
 

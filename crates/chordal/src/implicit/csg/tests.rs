@@ -314,3 +314,24 @@ fn copies_without_end_are_listed_where_they_are_cut_off() {
         assert!(half > 1.0 || values.iter().any(|v| *v < 0.0));
     }
 }
+
+#[test]
+fn what_differs_by_its_sign_alone_is_one_primitive() {
+    let [x, y, _] = Expr::axes();
+    // Scales that are no powers of 2, so that levels are rounded.
+    let rises = x.clone() * 8.13 - 0.7;
+    let falls = Expr::constant(0.7) - x.clone() * 8.13;
+    let scaled = (Expr::constant(0.7) - x.clone() * 8.13) * -0.3;
+    let one = Csg::of(&rises.min(&falls.max(&y)));
+    assert_eq!(one.primitives().len(), 2);
+    assert!(one.tree().nodes().contains(&CsgNode::Complement(0)));
+    assert_eq!(Csg::of(&(rises.clone() * 0.3).min(&scaled)).primitives().len(), 1);
+    // Another constant is another primitive.
+    assert_eq!(Csg::of(&rises.min(&(Expr::constant(0.8) - x.clone() * 8.13))).primitives().len(), 2);
+    // Differences of two terms, either way round, below other operations.
+    let [a, b] = [x.square() * 0.3, y.square() * 0.7];
+    assert_eq!(Csg::of(&(a.clone() - b.clone()).max(&(b.clone() - a.clone()))).primitives().len(), 1);
+    let both = ((a.clone() - b.clone()) + 0.1).min(&(((b - a) - 0.1) * 0.6));
+    assert_eq!(Csg::of(&both).primitives().len(), 2);
+    agrees(&Field::new(both), 1.0);
+}
