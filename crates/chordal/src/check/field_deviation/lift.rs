@@ -108,6 +108,15 @@ pub(super) fn deviations(
     Ok((0..mesh.faces().len()).map(of_face).collect())
 }
 
+/// Which ways a mesh is taken to be displaced: a primitive that is raised across all of them is avoided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ways {
+    /// By the normals about a face's corners.
+    OfCorners,
+    /// Also by its own, which is another where these turn back about a narrow notch.
+    OfFacesToo,
+}
+
 /// The demands of the faces of a mesh: to be outside, and to be inside. `reaches` says, by face, how far its
 /// corners are displaced about: primitives that are farther than twice as far are taken to stay on their
 /// side.
@@ -116,6 +125,7 @@ pub(super) fn demands(
     evaluator: &mut PrimitiveEvaluator,
     mesh: &Mesh,
     reaches: &[f64],
+    ways: Ways,
 ) -> Result<[Demands; 2], LeafError> {
     let bands: Vec<f64> = reaches.iter().map(|reach| 2.0 * reach).collect();
     let samples = FaceSamples::of(regions, evaluator, mesh, &bands)?;
@@ -128,8 +138,12 @@ pub(super) fn demands(
         let own = &samples.slopes[samples.starts[face]..][..local.primitives.len() * SAMPLES.len()];
         let distances: Vec<f64> = own.iter().map(distance).collect();
         for (side, demands) in found.iter_mut().enumerate() {
-            let mean = sum(mesh.faces()[face].map(|v| normals[v as usize]));
-            let outward = if side == 1 { mean.map(|x| -x) } else { mean };
+            let of_corners = sum(mesh.faces()[face].map(|v| normals[v as usize]));
+            let ways = match ways {
+                Ways::OfCorners => [of_corners; 2],
+                Ways::OfFacesToo => [of_corners, normal(&mesh.corners(face))],
+            };
+            let outward = ways.map(|way| if side == 1 { way.map(|x| -x) } else { way });
             let face_samples =
                 FaceDistances { local, slopes: own, distances: &distances, outward, band: bands[face] };
             let raised = face_samples.raised(side == 1);
@@ -209,8 +223,8 @@ struct FaceDistances<'a> {
     local: &'a LocalTree,
     slopes: &'a [Slope<f64>],
     distances: &'a [f64],
-    /// The way that the mesh is displaced here; of any length.
-    outward: [f64; 3],
+    /// The ways that the mesh is displaced here; of any length.
+    outward: [[f64; 3]; 2],
     band: f64,
 }
 
@@ -269,9 +283,11 @@ impl FaceDistances<'_> {
             return NodeSamples { values, literals: Vec::new(), is_across: false };
         }
         let gradient = self.slopes[first + SAMPLES.len() - 1].gradient;
-        let along = dot(gradient, self.outward) * if falls { -1.0 } else { 1.0 };
-        let cosine = along / (length(gradient) * length(self.outward));
-        let is_across = cosine.is_nan() || cosine < ACROSS;
+        let is_across = self.outward.iter().all(|outward| {
+            let along = dot(gradient, *outward) * if falls { -1.0 } else { 1.0 };
+            let cosine = along / (length(gradient) * length(*outward));
+            cosine.is_nan() || cosine < ACROSS
+        });
         let literals = vec![RaisedLiteral { place: place as u32, falls, samples }];
         NodeSamples { values, literals, is_across }
     }
@@ -281,14 +297,18 @@ impl FaceDistances<'_> {
 fn normals(mesh: &Mesh) -> Vec<[f64; 3]> {
     let mut normals = vec![[0.0; 3]; mesh.positions().len()];
     for (face, corners) in mesh.faces().iter().enumerate() {
-        let [a, b, c] = mesh.corners(face);
-        let normal = cross(difference(b, a), difference(c, a));
+        let normal = normal(&mesh.corners(face));
         for v in corners {
             let of = &mut normals[*v as usize];
             *of = sum([*of, normal, [0.0; 3]]);
         }
     }
     normals
+}
+
+/// Of a triangle, as long as twice its area.
+fn normal([a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
+    cross(difference(*b, *a), difference(*c, *a))
 }
 
 fn sum(vectors: [[f64; 3]; 3]) -> [f64; 3] {

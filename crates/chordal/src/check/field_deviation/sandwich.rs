@@ -22,7 +22,7 @@
 //! [`super::pieces`]. Vertices of the copies are f64 numbers, taken exactly; lengths of displacements are
 //! rounded up. How vertices are displaced is a guess ([`super::lift`]): as little as the samples ask for plus
 //! a margin, which grows where the proof needs it.
-use super::lift::{Demands, HalfSpace, demands, deviations, shortest};
+use super::lift::{Demands, HalfSpace, Ways, demands, deviations, shortest};
 use super::pieces::{FaceSide, SideQuestion, sides};
 use super::regions::SignRegions;
 use crate::explicit::{Mesh, Topology};
@@ -165,11 +165,12 @@ impl Sandwich {
             margins: Default::default(),
         };
         let mut open: [Vec<u32>; 2] = [0, 1].map(|_| (0..mesh.faces().len() as u32).collect());
-        for _ in 0..ATTEMPTS {
+        for attempt in 0..ATTEMPTS {
             let is_limited = |reach: f64| goal.limit.is_some_and(|limit| reach >= limit);
             let most = goal.limit.unwrap_or(f64::MAX);
             reaches.iter_mut().for_each(|reach| *reach = if *reach < most { *reach } else { most });
-            builder.demands = demands(regions, evaluator, mesh, &reaches)?;
+            let ways = if attempt == 0 { Ways::OfCorners } else { Ways::OfFacesToo };
+            builder.demands = demands(regions, evaluator, mesh, &reaches, ways)?;
             builder.start(&open);
             for (side, open) in open.iter_mut().enumerate() {
                 *open = builder.close(side, open, regions, evaluator)?;
