@@ -351,30 +351,3 @@ pub(crate) fn lengths_are_met(budget: &Budget, bound: &Bound, place: &Box3) -> b
     within(length, budget.length.map(Tolerance::get))
         && within(pixels, budget.pixels.map(|px| px.pixels.get()))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use chordal::explicit::Triangle;
-
-    #[test]
-    fn facets_that_rounding_puts_on_a_line_are_dropped_and_nothing_opens() {
-        // A tetrahedron with an edge whose middle is off it by less than single precision holds.
-        let off = 1e-12;
-        let corners =
-            vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.5, -off, -off]];
-        let faces = vec![[0, 2, 1], [0, 1, 4], [0, 4, 3], [4, 1, 3], [0, 3, 2], [1, 2, 3]];
-        let mesh = Mesh::new(corners, faces).unwrap();
-        assert!(check::validity(&mesh, Topology::Indices).closed);
-        let is_flat = |mesh: &Mesh| {
-            (0..mesh.faces().len()).any(|face| Triangle { corners: mesh.corners(face) }.is_degenerate())
-        };
-        let plain = snap(&mesh, Format::Stl).unwrap();
-        assert!(!is_flat(&mesh) && is_flat(&plain.mesh));
-        let bound = Bound::proved(0.0, 0.25, Reference::InputTriangles);
-        let (made, chained) =
-            snapped(&mesh, bound, &Budget::default(), Format::Stl, &Job::default()).unwrap();
-        assert!(!is_flat(&made) && check::validity(&made, Topology::Positions).closed);
-        assert!(chained.at_most().unwrap() >= 0.25 + plain.moved_at_most);
-    }
-}
