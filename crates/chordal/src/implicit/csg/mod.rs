@@ -326,13 +326,12 @@ impl<'a> Opener<'a> {
 
     /// The node of a primitive: a new one, a known one or the complement of one.
     fn literal(&mut self, place: Operand) -> CsgNode {
-        let level = self.level(place);
-        let exact = level.filter(|level| level.is_exact);
-        let key = match exact {
+        let (base, ops) = self.chain(place);
+        let level = level(base, &ops);
+        let (key, falls) = match level.filter(|level| level.is_exact) {
             Some(level) => (PrimitiveKey::Level(level.base, level.at.to_bits()), level.falls),
-            None => self.chain_key(place),
+            None => self.chain_key(base, &ops),
         };
-        let (key, falls) = key;
         if let Some((number, known_falls)) = self.known.get(&key) {
             let is_same = falls == *known_falls;
             return if is_same { CsgNode::Primitive(*number) } else { CsgNode::Complement(*number) };
@@ -346,15 +345,14 @@ impl<'a> Opener<'a> {
         CsgNode::Primitive(number)
     }
 
-    /// A place by the term below all operations with constants and these, up to their sign: what rounds is symmetric, so
-    /// `k − a` is the negative of `a − k` to the last bit, whatever follows. And whether that sign is a minus.
-    fn chain_key(&mut self, place: Operand) -> (PrimitiveKey, bool) {
-        let (base, ops) = self.chain(place);
+    /// A term and the operations above it, up to their sign: what rounds is symmetric, so `k − a` is the
+    /// negative of `a − k` to the last bit, whatever follows. And whether that sign is a minus.
+    fn chain_key(&mut self, base: u32, ops: &[Monotone]) -> (PrimitiveKey, bool) {
         let mut falls = false;
         let mut plain = Vec::with_capacity(ops.len());
         for op in ops {
             let sign = if falls { -1.0 } else { 1.0 };
-            plain.extend(match op {
+            plain.extend(match *op {
                 Monotone::Neg => None,
                 Monotone::Add(k) => Some(Monotone::Add(sign * k)),
                 Monotone::From(k) => Some(Monotone::Add(-sign * k)),
@@ -400,24 +398,6 @@ impl<'a> Opener<'a> {
             Term::Binary(Binary::Sub, a, b) if b < a => self.mirrored.get(&(b, a)).copied(),
             _ => None,
         }
-    }
-
-    /// The place as a level of a term below it.
-    fn level(&self, place: Operand) -> Option<Level> {
-        // The chain applied to `base` is `scale · base + offset`, with a scale that is a power of 2 or its
-        // negative.
-        let (base, ops) = self.chain(place);
-        let mut shift = Shift { scale: 1.0, offset: 0.0, size: 0.0, is_exact: true };
-        ops.iter().for_each(|op| shift.apply(*op));
-        let Shift { scale, offset, size, is_exact } = shift;
-        // One zero: −0 and 0 are one level.
-        let at = -offset / scale + 0.0;
-        let is_sound = at.is_finite()
-            && size.is_finite()
-            && scale.is_normal()
-            && (at != 0.0 || offset == 0.0)
-            && ops.len() <= MOST_ROUNDINGS;
-        is_sound.then_some(Level { base, at, size, is_exact, falls: scale < 0.0 })
     }
 
     /// The terms of a primitive.
@@ -470,6 +450,23 @@ impl<'a> Opener<'a> {
         };
         needed.iter().map(copy).collect()
     }
+}
+
+/// Operations above a term as a level of it.
+fn level(base: u32, ops: &[Monotone]) -> Option<Level> {
+    // The chain applied to `base` is `scale · base + offset`, with a scale that is a power of 2 or its
+    // negative.
+    let mut shift = Shift { scale: 1.0, offset: 0.0, size: 0.0, is_exact: true };
+    ops.iter().for_each(|op| shift.apply(*op));
+    let Shift { scale, offset, size, is_exact } = shift;
+    // One zero: −0 and 0 are one level.
+    let at = -offset / scale + 0.0;
+    let is_sound = at.is_finite()
+        && size.is_finite()
+        && scale.is_normal()
+        && (at != 0.0 || offset == 0.0)
+        && ops.len() <= MOST_ROUNDINGS;
+    is_sound.then_some(Level { base, at, size, is_exact, falls: scale < 0.0 })
 }
 
 /// A chain of operations applied to a term `t`: `scale · t + offset`.

@@ -197,7 +197,8 @@ impl<'a> SurfaceImprover<'a> {
         Ok(there.map(place).collect())
     }
 
-    /// Splits, flips and collapses until every edge and face is within the aim and few are left.
+    /// Splits, flips and collapses what [`Self::refine`] made until every edge and face is within the aim and few
+    /// are left.
     pub fn improve(&mut self) -> Result<(), Unimproved> {
         let mut last = self.surface.n_faces();
         for cycle in 0..MOST_CYCLES {
@@ -230,9 +231,9 @@ impl<'a> SurfaceImprover<'a> {
         let there: Vec<u32> = faces.iter().copied().filter(|f| self.surface.has_face(*f)).collect();
         let edges: Vec<u32> = there.iter().flat_map(|f| sides(3 * *f)).collect();
         self.sample_middles(&edges)?;
-        let worst = there.iter().map(|f| self.worst_side(*f)).collect();
+        let worst: Vec<u32> = there.iter().map(|f| self.worst_side(*f)).collect();
         self.goes_by_parts = true;
-        let n = self.split_edges(worst)?;
+        let n = self.split_edges(&worst)?;
         self.goes_by_parts = false;
         self.flip_all()?;
         // A repair may take away what the proof has already.

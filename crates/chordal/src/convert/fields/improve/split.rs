@@ -29,18 +29,20 @@ impl SurfaceImprover<'_> {
             if far.is_empty() {
                 far = self.edges_of_far_faces()?;
             }
-            self.stuck.clone_from(&far);
             if far.is_empty() {
+                self.stuck.clear();
                 break;
             }
-            if self.split_edges(far.clone())? == 0 {
+            if self.split_edges(&far)? == 0 {
                 n_repairs += 1;
                 if n_repairs > most_repairs {
+                    self.stuck = far;
                     break;
                 }
                 self.repair(&far)?;
             }
             self.flip_all()?;
+            self.stuck = far;
         }
         Ok(())
     }
@@ -104,8 +106,8 @@ impl SurfaceImprover<'_> {
             .filter(|f| self.surface.has_face(*f) && !self.is_verified[*f as usize])
             .collect();
         let refuted = self.refuted(&open)?;
-        let edges = refuted.into_iter().map(|f| self.longest_side(f)).collect();
-        self.split_edges(edges)
+        let edges: Vec<u32> = refuted.into_iter().map(|f| self.longest_side(f)).collect();
+        self.split_edges(&edges)
     }
 
     /// The crease edge that is most off where one is clearly, else the longest edge.
@@ -126,10 +128,10 @@ impl SurfaceImprover<'_> {
     }
 
     /// Splits those of a list whose faces do not overlap, and for which there is a place.
-    pub(super) fn split_edges(&mut self, list: Vec<u32>) -> Result<usize, Unimproved> {
+    pub(super) fn split_edges(&mut self, list: &[u32]) -> Result<usize, Unimproved> {
         let mut targets = Targets::default();
         let mut chosen = Vec::new();
-        for h in list {
+        for h in list.iter().copied() {
             let t = self.surface.twin(h);
             let (a, b) = (self.surface.start(h), self.surface.end(h));
             let too_short = (self.at(b) - self.at(a)).length() < SHORTEST * self.aim_of([a, b]);
@@ -176,8 +178,8 @@ impl SurfaceImprover<'_> {
 
     /// Whether an edge can be split at a place: the sides, by their ends, that are then to be flipped in turn.
     ///
-    /// The new vertex is joined to all sides of the edge's two faces. Where such a face would be folded, because the place
-    /// is beyond the side, the face there goes as well, and its other sides come instead.
+    /// The new vertex is joined to all sides of the edge's two faces. Where such a face would be folded, because
+    /// the place is beyond the side, the face there goes as well, and its other sides come instead.
     fn fan(&mut self, h: u32, to: DVec3, on: &[VertexLabel]) -> Option<Vec<[u32; 2]>> {
         // The new vertex has the next number.
         let (z, t) = (self.surface.vertex_slots() as u32, self.surface.twin(h));
@@ -207,8 +209,8 @@ impl SurfaceImprover<'_> {
         is_free.then_some(flips)
     }
 
-    /// Whether a face that comes at a side lies as its primitive does at the new vertex; what was turned over before,
-    /// or is too coarse for that, is to stay as it is at least.
+    /// Whether a face that comes at a side lies as its primitive does at the new vertex; what was turned over
+    /// before, or is too coarse for that, is to stay as it is at least.
     fn stands(&self, points: [DVec3; 3], side: u32, on: &[VertexLabel]) -> bool {
         let (area, old) = (area_normal(points), area_normal(self.points(side / 3)));
         let label = self.label_of(side);
