@@ -82,6 +82,10 @@ impl SandwichGoal {
 const ROUNDS: usize = 4;
 /// With what is still open after the rounds, displacements are chosen once more for longer ones, so often.
 const ATTEMPTS: usize = 3;
+/// More open faces than these, and more than one of [`FEW`], are not tried again for who splits faces: it is
+/// cheaper to split them. Chosen.
+const MANY: usize = 1024;
+const FEW: usize = 8;
 /// By this they are longer. Chosen: as much as margins grow in the rounds.
 const FARTHER: f64 = 16.0;
 /// By this a margin grows where the proof fails. Chosen: strays of pieces fall to a quarter by two cuts.
@@ -176,7 +180,9 @@ impl Sandwich {
                 *open = builder.close(side, open, regions, evaluator)?;
             }
             let still: Vec<u32> = open.iter().flatten().copied().collect();
-            if still.iter().all(|face| is_limited(reaches[*face as usize])) {
+            let is_hopeless =
+                goal.faces_first && still.len() > MANY && FEW * still.len() > mesh.faces().len();
+            if is_hopeless || still.iter().all(|face| is_limited(reaches[*face as usize])) {
                 break;
             }
             reaches.iter_mut().for_each(|reach| *reach *= FARTHER);
