@@ -8,6 +8,8 @@ use crate::long::is_long;
 use chordal::check::validity;
 use chordal::convert::field_to_mesh;
 use chordal::explicit::Topology;
+use chordal::implicit::{Expr, Field};
+use chordal::math::Box3;
 use chordal::{Budget, Job, Mesh};
 
 fn corpus() -> Vec<(Shape, f64)> {
@@ -46,6 +48,30 @@ fn the_corpus_is_met_closed_and_never_farther_than_proved() {
         );
         assert!(ahead.max(back) <= most + SLACK, "{}: {ahead:e} {back:e} of {most:e}", shape.name);
     }
+}
+
+/// Half a ring upon a leg that has its width: where they abut the arc ends along the leg's side.
+fn arch() -> Expr {
+    let [x, y, z] = Expr::axes();
+    let leg = (&x - 0.55).max(&(-&x + 0.45)).max(&-&y).max(&(&y - 0.275));
+    let far = ((&x - 0.275).square() + (&y - 0.275).square()).sqrt();
+    let ring = (&far - 0.275).max(&(-&far + 0.175)).max(&(-&y + 0.275));
+    leg.min(&ring).max(&(z.abs() - 1.0))
+}
+
+#[test]
+fn parts_that_abut_leave_no_edges_without_length() {
+    let field = Field::new(arch()).with_bounds(Box3 { min: [-0.05, -0.05, -1.05], max: [0.6, 0.6, 1.05] });
+    let made = field_to_mesh(&field, &budget(2e-3), &Job::default()).expect("proved");
+    let mesh = &made.shape;
+    let valid = validity(mesh, Topology::Indices);
+    assert!(valid.closed && valid.manifold() && mesh.faces().len() < 400, "{}", mesh.faces().len());
+    let sides = (0..mesh.faces().len()).flat_map(|face| {
+        let corners = mesh.corners(face);
+        [0, 1, 2].map(|k| (0..3).map(|i| (corners[(k + 1) % 3][i] - corners[k][i]).powi(2)).sum::<f64>())
+    });
+    let shortest = sides.fold(f64::INFINITY, f64::min).sqrt();
+    assert!(shortest > 1e-6, "{shortest:e}");
 }
 
 /// How far the middles of triangles in a ball about the origin are, as a root mean square.

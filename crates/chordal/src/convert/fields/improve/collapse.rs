@@ -26,9 +26,9 @@ struct Collapse {
 /// What is around a vertex that goes along a half-edge: the other ends of its edges from that on, and its
 /// half-edges.
 #[derive(Default)]
-struct Star {
-    sides: Vec<u32>,
-    ring: Vec<u32>,
+pub(super) struct Star {
+    pub sides: Vec<u32>,
+    pub ring: Vec<u32>,
 }
 
 impl SurfaceImprover<'_> {
@@ -66,7 +66,7 @@ impl SurfaceImprover<'_> {
         Ok(())
     }
 
-    fn fill(&self, h: u32, star: &mut Star) {
+    pub(super) fn fill(&self, h: u32, star: &mut Star) {
         star.sides.clear();
         star.ring.clear();
         let mut side = h;
@@ -287,7 +287,7 @@ impl SurfaceImprover<'_> {
             || is_shut(new(n - 2), old(outer[1]), b)
     }
 
-    fn meets_others(&mut self, star: &Star) -> bool {
+    pub(super) fn meets_others(&mut self, star: &Star) -> bool {
         let (ring, n) = (&star.ring, star.ring.len());
         let new: Vec<([u32; 3], [DVec3; 3])> = (1..n - 1)
             .map(|i| [ring[0], ring[i], ring[i + 1]])

@@ -15,6 +15,7 @@ mod sample;
 mod sheets;
 mod split;
 mod walls;
+mod weld;
 
 use crate::budget::{Job, Progress};
 use crate::explicit::{HalfEdges, next_in_face, previous_in_face};
@@ -173,9 +174,11 @@ impl<'a> SurfaceImprover<'a> {
         for v in 0..raw.positions.len() as u32 {
             labels.clear();
             labels.extend(this.surface.around(v).map(|h| this.label[h as usize / 3]));
-            this.add_place(&mut labels);
+            let place = this.new_place(&mut labels);
+            this.place.push(place);
         }
         this.place_vertices()?;
+        this.weld()?;
         Ok(this)
     }
 
@@ -270,13 +273,14 @@ impl<'a> SurfaceImprover<'a> {
         (RawSurface { positions, faces, labels }, there)
     }
 
-    /// Adds the place of the next vertex.
-    fn add_place(&mut self, labels: &mut Vec<FaceLabel>) {
+    /// A place for a vertex on these primitives, which is not measured yet.
+    fn new_place(&mut self, labels: &mut Vec<FaceLabel>) -> (u32, u32) {
         labels.sort_unstable();
         labels.dedup();
-        self.place.push((self.vertex_label.len() as u32, labels.len() as u32));
+        let place = (self.vertex_label.len() as u32, labels.len() as u32);
         let at = |label: &FaceLabel| VertexLabel { label: *label, distance: f64::NAN, normal: DVec3::ZERO };
         self.vertex_label.extend(labels.iter().map(at));
+        place
     }
 
     /// A vertex on each of its primitives.

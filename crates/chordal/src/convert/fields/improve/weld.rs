@@ -1,0 +1,85 @@
+//! Edges without length go: where primitives abut or touch, cells have ledges between them, of which Newton
+//! steps leave faces without a width.
+use super::collapse::Star;
+use super::{SurfaceImprover, Unimproved, area_normal};
+use glam::DVec3;
+
+/// Edges of this share of the tolerance have no length. Chosen: far above what Newton steps leave, far below
+/// what a proof sees.
+const NO_LENGTH: f64 = 1e-6;
+/// Rounds at most; each takes what the last one has brought to light.
+const MOST_ROUNDS: usize = 8;
+
+impl SurfaceImprover<'_> {
+    /// Collapses edges without length, whatever their ends are on, where nothing turns or crosses for it.
+    pub(super) fn weld(&mut self) -> Result<(), Unimproved> {
+        let mut star = Star::default();
+        for _ in 0..MOST_ROUNDS {
+            self.next_round()?;
+            let short: Vec<u32> = self.edges().filter(|h| self.has_no_length(*h)).collect();
+            let mut welded = Vec::new();
+            for h in short {
+                if !self.surface.has_face(h / 3) {
+                    continue;
+                }
+                // What goes should be on fewer primitives.
+                let both = [h, self.surface.twin(h)];
+                let n_labels = both.map(|h| self.labels_of(self.surface.start(h)).len());
+                let order = if n_labels[0] > n_labels[1] { [1, 0] } else { [0, 1] };
+                welded.extend(order.into_iter().find_map(|k| self.weld_edge(both[k], &mut star)));
+            }
+            if welded.is_empty() {
+                break;
+            }
+            welded.retain(|v| self.surface.has_vertex(*v));
+            welded.sort_unstable();
+            welded.dedup();
+            self.measure_vertices(&welded)?;
+        }
+        Ok(())
+    }
+
+    fn has_no_length(&self, h: u32) -> bool {
+        let length = (self.at(self.surface.end(h)) - self.at(self.surface.start(h))).length();
+        length <= NO_LENGTH * self.tol
+    }
+
+    /// Takes a half-edge's start into its end: that, if it may be. The end is then on the primitives of all
+    /// faces around it, and to be measured.
+    fn weld_edge(&mut self, h: u32, star: &mut Star) -> Option<u32> {
+        if !self.has_no_length(h) || !self.surface.may_collapse(h) {
+            return None;
+        }
+        self.fill(h, star);
+        if !self.keeps_directions(star) || self.meets_others(star) {
+            return None;
+        }
+        let [v, t] = [star.ring[0], self.surface.twin(h)];
+        [h, t].iter().for_each(|h| self.tree.remove(*h / 3));
+        self.surface.collapse(h);
+        let mut labels = Vec::new();
+        let faces: Vec<u32> = self.surface.around(v).map(|h| h / 3).collect();
+        for face in faces {
+            labels.push(self.label[face as usize]);
+            self.forget(face);
+            self.grow_tree(face);
+            self.open_around(face);
+        }
+        self.place[v as usize] = self.new_place(&mut labels);
+        self.counts.collapses += 1;
+        Some(v)
+    }
+
+    /// Whether no face that has a width turns by more than 60°.
+    fn keeps_directions(&self, star: &Star) -> bool {
+        (1..star.ring.len() - 1).all(|i| {
+            let before = self.points(star.sides[i] / 3);
+            let after = [star.ring[0], star.ring[i], star.ring[i + 1]].map(|v| self.at(v));
+            let (old, new) = (area_normal(before), area_normal(after));
+            let longest = [0, 1, 2].map(|k| (before[(k + 1) % 3] - before[k]).length());
+            let longest = longest.into_iter().fold(0.0, |m, x| if x > m { x } else { m });
+            let has_width = |area: DVec3| area.length() > 4.0 * NO_LENGTH * self.tol * longest;
+            if has_width(old) { old.dot(new) > 0.5 * old.length() * new.length() } else { !has_width(new) }
+        })
+    }
+}
