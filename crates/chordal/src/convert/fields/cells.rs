@@ -107,7 +107,10 @@ pub(super) struct CellFacts<'a> {
     pub idle: &'a [bool],
     /// The sides of its box.
     pub widths: [f64; 3],
+    /// Before it is stretched.
     pub longest: f64,
+    /// By axis: how many times longer it is along it.
+    pub stretch: [f64; 3],
 }
 
 /// The radius of the smallest ball around a tetrahedron, by its longest edge. Derived: that of a regular one,
@@ -140,7 +143,8 @@ impl CellFacts<'_> {
         let Some(gradient) = &self.ranges[at].gradient else { return f64::INFINITY };
         let half = gradient.each_ref().map(|d| 0.5 * (d.hi() - d.lo()));
         let by_axis = 0.5 * dot(half, self.widths);
-        let by_length = dot(half, half).sqrt() * ENCLOSING * self.longest;
+        let stretched: [f64; 3] = std::array::from_fn(|k| self.stretch[k] * half[k]);
+        let by_length = dot(stretched, stretched).sqrt() * ENCLOSING * self.longest;
         if by_axis < by_length { by_axis } else { by_length }
     }
 

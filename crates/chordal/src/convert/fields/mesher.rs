@@ -59,6 +59,13 @@ pub(super) struct FieldMesher<'a> {
     pub job: &'a Job,
 }
 
+/// What [`FieldMesher::improved`] makes.
+pub(super) struct Improved<'a> {
+    pub surface: SurfaceImprover<'a>,
+    /// Whether cells were to be cut that were not: ranges say too little for a proof.
+    pub is_exhausted: bool,
+}
+
 impl From<GridHalt> for Failure<Mesh> {
     fn from(halt: GridHalt) -> Self {
         match halt {
@@ -140,14 +147,14 @@ impl<'a> FieldMesher<'a> {
         &self,
         mut evaluator: PrimitiveEvaluator<'a>,
         tol: f64,
-    ) -> Result<SurfaceImprover<'a>, Failure<Mesh>> {
+    ) -> Result<Improved<'a>, Failure<Mesh>> {
         let report = |stage, done: usize| {
             self.job.report(Progress { stage, done: done as u64, total: 1 + MOST_CUTS as u64 });
         };
         report("cells", 0);
         let options = self.grid_options(tol);
         let mut grid = FieldGrid::build(&mut evaluator, options, self.job)?;
-        let mut cuts = 0;
+        let mut cuts = if grid.is_exhausted() { MOST_CUTS } else { 0 };
         let mut surface = loop {
             report("surface", cuts);
             let raw = extract(&grid, self.job);
@@ -167,6 +174,7 @@ impl<'a> FieldMesher<'a> {
                 self.check_size(surface.estimated_faces()? / OVERESTIMATE)?;
                 tight = surface.refine()?;
             }
+
             if tight.is_empty() || cuts == MOST_CUTS {
                 break surface;
             }
@@ -177,10 +185,11 @@ impl<'a> FieldMesher<'a> {
             evaluator = surface.into_evaluator();
             grid.refine(&mut evaluator, &places)?;
         };
+        let is_exhausted = grid.is_exhausted();
         drop(grid);
         surface.improve()?;
         self.check_size(surface.n_faces() as f64)?;
-        Ok(surface)
+        Ok(Improved { surface, is_exhausted })
     }
 
     fn grid_options(&self, tol: f64) -> GridOptions {

@@ -1,6 +1,6 @@
 //! From a budget to a mesh of a field: by a length, by a number of triangles, proved or measured.
 use super::improve::SurfaceImprover;
-use super::mesher::{FieldMesher, Wanted, closed, knows_slopes, leaf_failed};
+use super::mesher::{FieldMesher, Improved, Wanted, closed, knows_slopes, leaf_failed};
 use crate::budget::{Bounded, Code, Failure, Job, Progress, Tolerance};
 use crate::check::{FieldJudge, Goal, SandwichGoal, field_deviation, judged_bound, measured_field_deviation};
 use crate::explicit::Mesh;
@@ -18,6 +18,9 @@ const NEARER: f64 = 0.5;
 const MOST_COLLAPSES: usize = 1 << 17;
 /// After so many rounds in a row with more open faces than before nothing will be proved.
 const HOPELESS: usize = 2;
+/// With more open faces than this, and more than one of [`FEW`], one such round is enough, and boxes about the
+/// mesh would take longer than anybody waits. Measured: 4,400 where letters are cut into parts that abut.
+const MANY: usize = 1024;
 /// The first margin of a proof with a limit, as a share of what samples ask for. As in
 /// [`crate::check::field_deviation`].
 const MARGIN: f64 = 0.5;
@@ -56,6 +59,7 @@ enum Attempt<'s> {
     Open {
         mesh: Mesh,
         is_near: bool,
+        is_hopeless: bool,
         evaluator: PrimitiveEvaluator<'s>,
     },
 }
@@ -73,7 +77,7 @@ impl<'s> Search<'s> {
     fn by_length(&self, evaluator: PrimitiveEvaluator<'s>, length: Tolerance) -> Outcome {
         self.mesher.check_precision(length.get())?;
         if self.is_measured {
-            let made = self.measured(mesh_of(&self.mesher.improved(evaluator, length.get())?).0)?;
+            let made = self.measured(mesh_of(&self.mesher.improved(evaluator, length.get())?.surface).0)?;
             return if self.wanted.measured { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) };
         }
         // Without slopes signs are proved by values alone, on pieces as small as what is left of the length.
@@ -86,6 +90,9 @@ impl<'s> Search<'s> {
         };
         let mesh = match attempt {
             Attempt::Proved(made) => return Ok(made),
+            Attempt::Open { mesh, is_hopeless: true, .. } => {
+                return Err(Failure::Unmet(Box::new(self.measured(mesh)?)));
+            }
             Attempt::Open { mesh, .. } => mesh,
         };
         // What two copies of the mesh do not prove, boxes about it may: solids that touch, and lengths beyond
@@ -104,7 +111,13 @@ impl<'s> Search<'s> {
         length: Tolerance,
         share: f64,
     ) -> Result<Attempt<'s>, Failure<Mesh>> {
-        let mut improved = self.mesher.improved(evaluator, share * length.get())?;
+        let Improved { surface: mut improved, is_exhausted } =
+            self.mesher.improved(evaluator, share * length.get())?;
+        if is_exhausted {
+            let (mesh, _) = mesh_of(&improved);
+            let evaluator = improved.into_evaluator();
+            return Ok(Attempt::Open { mesh, is_near: false, is_hopeless: true, evaluator });
+        }
         let csg = Csg::of(self.field.sign());
         let mut judge = FieldJudge::new(&csg, &self.field.bounds(), self.job).map_err(leaf_failed)?;
         let goal = SandwichGoal::new(Some(length.get()), MARGIN).faces_first();
@@ -123,7 +136,9 @@ impl<'s> Search<'s> {
             // Where a mesh is not near the surface at all, all of it is open however small its faces are.
             n_worse = if open.len() > n_open { n_worse + 1 } else { 0 };
             n_open = open.len();
-            if n_worse == HOPELESS || improved.split_faces(&open)? == 0 {
+            let is_hopeless = is_hopeless(n_open, improved.n_faces());
+            let most_worse = if is_hopeless { 1 } else { HOPELESS };
+            if n_worse >= most_worse || improved.split_faces(&open)? == 0 {
                 break;
             }
             self.mesher.check_size(improved.n_faces() as f64)?;
@@ -131,7 +146,8 @@ impl<'s> Search<'s> {
         let (mesh, _) = mesh_of(&improved);
         let is_cheap = improved.counts.collapses < MOST_COLLAPSES;
         let is_near = is_cheap && n_open > 0 && FEW * n_open < improved.n_faces();
-        Ok(Attempt::Open { mesh, is_near, evaluator: improved.into_evaluator() })
+        let is_hopeless = is_hopeless(n_open, improved.n_faces());
+        Ok(Attempt::Open { mesh, is_near, is_hopeless, evaluator: improved.into_evaluator() })
     }
 
     fn measured(&self, mesh: Mesh) -> Outcome {
@@ -155,7 +171,7 @@ impl<'s> Search<'s> {
         let (mut fine, mut coarse) = (0.0_f64, f64::INFINITY);
         let mut tol = FIRST * self.mesher.longest();
         for _ in 0..MOST_TRIALS {
-            let improved = self.mesher.improved(evaluator, tol)?;
+            let improved = self.mesher.improved(evaluator, tol)?.surface;
             let (mesh, _) = mesh_of(&improved);
             evaluator = improved.into_evaluator();
             let count = mesh.faces().len() as f64;
@@ -199,6 +215,11 @@ impl<'s> Search<'s> {
         let made = self.measured(mesh)?;
         Err(Failure::Unmet(Box::new(made)))
     }
+}
+
+/// Whether there are too many open faces for a proof of the rest.
+fn is_hopeless(n_open: usize, n_faces: usize) -> bool {
+    n_open > MANY && FEW * n_open > n_faces
 }
 
 /// The surface as a mesh, with the number of each face in it.

@@ -219,6 +219,21 @@ fn cells_do_not_depend_on_the_floor() {
 }
 
 #[test]
+fn extruded_shapes_take_the_cells_of_their_outlines() {
+    let [x, y, z] = Expr::axes();
+    let disc = |k: u32| {
+        let middle = 0.15 * f64::from(k) - 0.8;
+        ((&x - middle).square() + (&y - 0.3 * middle).square()).sqrt() - 0.06
+    };
+    let outline = (0..12).map(disc).reduce(|a, b| a.min(&b)).expect("there are discs");
+    let made = |height: f64| make(&outline.max(&(z.abs() - height)), 1.25, [1e-3, f64::INFINITY], 1);
+    let (thin, thick) = (made(0.01), made(0.9));
+    assert_eq!((sound(&thin.surface, "thin"), sound(&thick.surface, "thick")), (0, 0));
+    // Some 60 cells a disc; in cubes of its size the thick one has ten layers of them.
+    assert!(thick.n_cells < 1500 && thick.n_cells < 2 * thin.n_cells, "{} {}", thin.n_cells, thick.n_cells);
+}
+
+#[test]
 fn blends_at_a_coarse_floor_are_closed_and_say_where_they_are_unresolved() {
     let made = make(&blobs(), 1.25, [0.1, f64::INFINITY], 0);
     assert_eq!(sound(&made.surface, "blobs"), 0);

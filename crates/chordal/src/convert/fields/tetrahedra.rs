@@ -1,6 +1,6 @@
 //! `Tetrahedra`: a conforming subdivision of a cube by bisection.
 //!
-//! The cube is cut into six tetrahedra along its diagonal. A tetrahedron with its tag says which of its edges
+//! The cube, which may be stretched along its axes, is cut into six tetrahedra along its diagonal. A tetrahedron with its tag says which of its edges
 //! is cut next, so that all that come of it have one of three shapes, however often they are cut. Coordinates
 //! are whole, and every middle is.
 //!
@@ -66,17 +66,19 @@ pub(super) type WholeBox = [[i64; 3]; 2];
 pub(super) struct Tetrahedra {
     origin: [f64; 3],
     unit: f64,
+    stretch: [f64; 3],
     coordinates: Vec<[i64; 3]>,
     middles: FewNumbersMap<[u32; 2], u32>, // No order depends on it.
 }
 
 impl Tetrahedra {
-    /// The cube with this lower corner and side, and its six tetrahedra.
-    pub fn new(origin: [f64; 3], side: f64) -> (Self, Vec<Tetrahedron>) {
+    /// The cube with this lower corner and side, stretched by axis, and its six tetrahedra.
+    pub fn new(origin: [f64; 3], side: f64, stretch: [f64; 3]) -> (Self, Vec<Tetrahedron>) {
         let corner = |bits: usize| std::array::from_fn(|k| if bits >> k & 1 == 1 { TOP } else { 0 });
         let all = Self {
             origin,
             unit: side / TOP as f64,
+            stretch,
             coordinates: (0..8).map(corner).collect(),
             middles: FewNumbersMap::default(),
         };
@@ -98,12 +100,17 @@ impl Tetrahedra {
     }
 
     pub fn position_of(&self, at: [i64; 3]) -> [f64; 3] {
-        std::array::from_fn(|k| self.origin[k] + self.unit * at[k] as f64)
+        std::array::from_fn(|k| self.origin[k] + self.stretch[k] * self.unit * at[k] as f64)
     }
 
-    /// A length in whole units as one in space.
-    pub fn length_of(&self, units: f64) -> f64 {
-        self.unit * units
+    /// By axis: how many times longer the cube is along it.
+    pub fn stretch(&self) -> [f64; 3] {
+        self.stretch
+    }
+
+    /// The sides of a box in space.
+    pub fn sides_of(&self, [min, max]: WholeBox) -> [f64; 3] {
+        std::array::from_fn(|k| self.stretch[k] * self.unit * (max[k] - min[k]) as f64)
     }
 
     pub fn box_of(&self, corners: [u32; 4]) -> WholeBox {
@@ -114,7 +121,7 @@ impl Tetrahedra {
         ]
     }
 
-    /// The longest edge of a tetrahedron.
+    /// The longest edge of a tetrahedron, before it is stretched.
     pub fn longest(&self, corners: [u32; 4]) -> f64 {
         let at = corners.map(|v| self.coordinates[v as usize]);
         let mut most = 0.0;
@@ -124,7 +131,7 @@ impl Tetrahedra {
                 most = length_sq;
             }
         }
-        self.length_of(most.sqrt())
+        self.unit * most.sqrt()
     }
 
     /// Whether the corners run such that the last three are seen counter-clockwise from outside of the first:
