@@ -6,6 +6,7 @@ mod cage;
 mod common;
 mod deviation;
 mod drawing;
+mod hard_fields;
 mod input;
 mod inspect;
 mod lod;

@@ -104,7 +104,7 @@ pub(crate) fn finite(implicit: &Implicit) -> Result<Field, MeshFailure> {
     let bounds = field.bounds();
     if let Some(far) = bounds.min.iter().chain(&bounds.max).find(|x| x.is_finite() && x.abs() > LARGEST) {
         let message = format!(
-            "the shape reaches to {far}, and squares of coordinates beyond {LARGEST:e} are no numbers any more: scale it down"
+            "the shape reaches to {far:e}, and squares of coordinates beyond {LARGEST:e} are no numbers any more: scale it down"
         );
         return Err(refused(Code::NotFinite, message));
     }
