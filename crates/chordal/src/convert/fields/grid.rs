@@ -4,11 +4,12 @@
 //! primitives that still decide have a common direction in which they grow. Decided ones are forgotten:
 //! nothing of the boundary is in them, whatever their neighbours look like. All others conform.
 use super::cells::{CellFacts, OpenTree, Zero, place, restricted, side};
+use super::cells_at_vertices::CellsAtVertices;
 use super::tetrahedra::{FewNumbersMap, Tetrahedra, Tetrahedron, WholeBox};
 use super::vertex_values::VertexValues;
 use crate::budget::{Job, par_map};
 use crate::implicit::{Csg, CsgNode, LeafError, Membership, PrimitiveEvaluator, SlopeRange};
-use crate::math::{Box3, Interval};
+use crate::math::Box3;
 use std::sync::Arc;
 
 /// What a grid is to be.
@@ -22,6 +23,16 @@ pub(in crate::convert) struct GridOptions {
     /// Cells with a longer edge are cut wherever the boundary may be. Of a function that is known at points
     /// only, this is how far apart they are at first: what is smaller may be missed.
     pub coarsest: f64,
+}
+
+/// How far a grid came.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::convert) enum GridExtent {
+    Whole,
+    /// Cells without slopes were left as they are, or there was no memory for more.
+    CutShort,
+    /// Cells were left as they are since ranges say too little of the shape.
+    Exhausted,
 }
 
 /// A place where cells are to be smaller.
@@ -60,56 +71,29 @@ pub(super) struct GridCell {
 /// A conforming set of tetrahedra around the boundary of a solid.
 #[derive(Debug)]
 pub(in crate::convert) struct FieldGrid<'a> {
-    csg: &'a Csg,
-    job: &'a Job,
+    pub(super) csg: &'a Csg,
+    pub(super) job: &'a Job,
     options: GridOptions,
     pub(super) tetrahedra: Tetrahedra,
     pub(super) values: VertexValues,
     /// By primitive.
     pub(super) zero: Vec<Zero>,
     /// By primitive: whether functions of the user are in it, whose gradients may be known at points only.
-    has_leaves: Vec<bool>,
+    pub(super) has_leaves: Vec<bool>,
     cells: Vec<GridCell>,
     /// Whether slopes at corners decide, as ranges say too little.
-    goes_by_samples: bool,
+    pub(super) goes_by_samples: bool,
     /// Whether no more cells are cut, but for what is asked for.
     is_exhausted: bool,
+    /// Whether cells were left that are not decided, as there were too many, or no memory for more.
+    is_cut_short: bool,
     n_alive: usize,
-    around: Incidence,
-}
-
-/// The cells at each vertex, as lists that share one store.
-#[derive(Debug, Default)]
-struct Incidence {
-    first: Vec<u32>,
-    nodes: Vec<(u32, u32)>,
-}
-
-const NONE: u32 = u32::MAX;
-
-impl Incidence {
-    fn push(&mut self, vertex: u32, cell: u32) {
-        let vertex = vertex as usize;
-        if self.first.len() <= vertex {
-            self.first.resize(vertex + 1, NONE);
-        }
-        self.nodes.push((cell, self.first[vertex]));
-        self.first[vertex] = self.nodes.len() as u32 - 1;
-    }
-
-    fn of(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
-        let mut node = self.first.get(vertex as usize).copied().unwrap_or(NONE);
-        std::iter::from_fn(move || {
-            let (cell, next) = *self.nodes.get(node as usize)?;
-            node = next;
-            Some(cell)
-        })
-    }
+    around: CellsAtVertices,
 }
 
 /// What is to be done with a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Verdict {
+pub(super) enum Verdict {
     Done,
     Cut,
     /// As [`Verdict::Cut`], whatever is in it: it is larger than the coarsest, or asked for.
@@ -122,9 +106,9 @@ enum Verdict {
 }
 
 /// A cell that was not looked at yet.
-struct Pending {
-    tetrahedron: Tetrahedron,
-    open: Arc<OpenTree>,
+pub(super) struct Pending {
+    pub tetrahedron: Tetrahedron,
+    pub open: Arc<OpenTree>,
 }
 
 /// The pending cells of one level, by their boxes, with the answers for these.
@@ -152,10 +136,7 @@ const BYTES_A_CELL: u64 = 400;
 /// The share of the job's memory that cells may take.
 const SHARE: u64 = 4;
 /// Cells in one task.
-const CHUNK: usize = 128;
-/// Cells of one level are cut by ranges of slopes as long as there are no more of them; beyond, slopes at
-/// their corners decide. Measured: 51,000 on the cube with gyroid infill.
-const MOST_BY_RANGES: usize = 1 << 17;
+pub(super) const CELLS_A_TASK: usize = 128;
 /// Cells of one level are cut at all as long as there are no more of them. Chosen: a million cells in all, some
 /// seconds.
 const MOST_CUT: usize = 1 << 18;
@@ -192,8 +173,9 @@ impl<'a> FieldGrid<'a> {
             cells: Vec::new(),
             goes_by_samples: false,
             is_exhausted: false,
+            is_cut_short: false,
             n_alive: 0,
-            around: Incidence::default(),
+            around: CellsAtVertices::default(),
         };
         (0..grid.tetrahedra.n_vertices()).for_each(|_| grid.values.push_vertex());
         let open = Arc::new(OpenTree::of(csg.tree().clone()));
@@ -238,9 +220,15 @@ impl<'a> FieldGrid<'a> {
         self.cells.iter().filter(|cell| cell.is_alive)
     }
 
-    /// Whether there were more cells to cut than anybody waits for.
-    pub fn is_exhausted(&self) -> bool {
-        self.is_exhausted
+    /// How far it came.
+    pub fn extent(&self) -> GridExtent {
+        if self.is_exhausted {
+            GridExtent::Exhausted
+        } else if self.is_cut_short {
+            GridExtent::CutShort
+        } else {
+            GridExtent::Whole
+        }
     }
 
     /// Where cells are that would have to be smaller than the floor.
@@ -293,6 +281,7 @@ impl<'a> FieldGrid<'a> {
             let count = |of: Verdict| judged.iter().filter(|(_, verdict)| *verdict == of).count();
             let (n_cut, n_blind) = (count(Verdict::Cut), count(Verdict::CutBlindly));
             self.is_exhausted |= n_cut > MOST_CUT;
+            self.is_cut_short |= self.is_exhausted || n_blind > MOST_BLIND || is_full && n_cut + n_blind > 0;
             let mut cut = Vec::new();
             for (one, verdict) in judged {
                 let may_be_cut = !is_full && self.tetrahedra.next_edge(&one.tetrahedron).is_some();
@@ -311,63 +300,6 @@ impl<'a> FieldGrid<'a> {
             pending = self.bisect(cut);
         }
         Ok(())
-    }
-
-    /// Where too many cells would be cut, ranges say far less than there is to know: then slopes at the corners
-    /// of a cell tell whether it is done. What they overlook is for the proof to find.
-    fn settle_by_samples(
-        &mut self,
-        evaluator: &mut PrimitiveEvaluator<'a>,
-        judged: &mut [(Pending, Verdict)],
-    ) -> Result<(), GridHalt> {
-        let cells: Vec<usize> = (0..judged.len()).filter(|cell| judged[*cell].1 == Verdict::Cut).collect();
-        self.goes_by_samples |= cells.len() > MOST_BY_RANGES;
-        if !self.goes_by_samples {
-            return Ok(());
-        }
-        let mut wanted: Vec<(u32, u32)> = Vec::new();
-        for cell in &cells {
-            let one = &judged[*cell].0;
-            wanted.extend(one.open.primitives.iter().flat_map(|p| one.tetrahedron.corners.map(|v| (*p, v))));
-        }
-        wanted.sort_unstable();
-        wanted.dedup();
-        let questions: Vec<(u32, [f64; 3])> =
-            wanted.iter().map(|(p, v)| (*p, self.tetrahedra.position(*v))).collect();
-        let slopes = evaluator.slopes(&questions)?;
-        let gradient =
-            |p: u32, v: u32| slopes[wanted.binary_search(&(p, v)).expect("it was asked for")].gradient;
-        let chunks: Vec<&[usize]> = cells.chunks(CHUNK).collect();
-        let view = &*self;
-        let is_done = |cell: &usize| view.is_done_by_samples(&judged[*cell].0, gradient);
-        let done =
-            par_map(self.job, &chunks, |_, part| part.iter().map(is_done).collect::<Vec<bool>>()).concat();
-        for (cell, _) in cells.iter().zip(done).filter(|(_, is_done)| *is_done) {
-            judged[*cell].1 = Verdict::Done;
-        }
-        Ok(())
-    }
-
-    /// Whether a cell is done if slopes in it are as at its corners.
-    fn is_done_by_samples(&self, one: &Pending, gradient: impl Fn(u32, u32) -> [f64; 3]) -> bool {
-        let (corners, open) = (one.tetrahedron.corners, &one.open);
-        let range =
-            |p: &u32| SlopeRange { gradient: hull(&corners.map(|v| gradient(*p, v))), ..SlopeRange::UNKNOWN };
-        let ranges: Vec<SlopeRange> = open.primitives.iter().map(range).collect();
-        let value = |p: &u32| corners.map(|v| self.values.get(v, *p).expect("it was asked for"));
-        let values: Vec<[f64; 4]> = open.primitives.iter().map(value).collect();
-        let facts = CellFacts {
-            csg: self.csg,
-            open,
-            ranges: &ranges,
-            values: &values,
-            noise: &vec![0.0; values.len()],
-            idle: &[],
-            widths: self.tetrahedra.sides_of(self.tetrahedra.box_of(corners)),
-            longest: self.tetrahedra.longest(corners),
-            stretch: self.tetrahedra.stretch(),
-        };
-        facts.is_done()
     }
 
     fn keep(&mut self, Pending { tetrahedron, open }: Pending, is_resolved: bool) {
@@ -416,7 +348,7 @@ impl<'a> FieldGrid<'a> {
     ) -> Result<Vec<(Pending, Verdict)>, GridHalt> {
         let level = self.ask_ranges(evaluator, &pending)?;
         let numbers: Vec<u32> = (0..pending.len() as u32).collect();
-        let chunks: Vec<&[u32]> = numbers.chunks(CHUNK).collect();
+        let chunks: Vec<&[u32]> = numbers.chunks(CELLS_A_TASK).collect();
         let sift = |part: &[u32]| {
             let mut sides = Vec::new();
             let sift = |n: &u32| {
@@ -494,26 +426,6 @@ impl<'a> FieldGrid<'a> {
         let is_unknown =
             |(p, range): (&u32, &SlopeRange)| !self.has_leaves[*p as usize] && range.gradient.is_none();
         open.primitives.iter().zip(ranges).any(is_unknown)
-    }
-
-    /// Takes gradients at the corners for the range of all where no other is known. A function whose values
-    /// are not known in between either has a say only where its sign changes among the corners.
-    fn sample(&self, cell: &CellAsked, open: &OpenTree, buffers: &mut Buffers) {
-        let Buffers { ranges, values, idle, .. } = buffers;
-        idle.clear();
-        idle.resize(values.len(), false);
-        for (k, p) in open.primitives.iter().enumerate() {
-            if !self.has_leaves[*p as usize] || ranges[k].gradient.is_some() {
-                continue;
-            }
-            let is_unknown = ranges[k].value == SlopeRange::UNKNOWN.value;
-            if is_unknown && values[k].iter().all(|x| (*x < 0.0) == (values[k][0] < 0.0)) {
-                idle[k] = true;
-                continue;
-            }
-            let at = cell.one.corners.map(|v| self.values.gradient(v, *p).unwrap_or([f64::NAN; 3]));
-            ranges[k].gradient = hull(&at);
-        }
     }
 
     /// Collects the answers about a cell.
@@ -629,40 +541,26 @@ impl Level {
 }
 
 /// A cell with the answers for its level.
-struct CellAsked<'l> {
+pub(super) struct CellAsked<'l> {
     level: &'l Level,
     number: u32,
-    one: Tetrahedron,
+    pub one: Tetrahedron,
 }
 
 /// What is filled for one cell after the other.
 #[derive(Default)]
-struct Buffers {
-    ranges: Vec<SlopeRange>,
-    values: Vec<[f64; 4]>,
-    noise: Vec<f64>,
-    sides: Vec<Membership>,
-    idle: Vec<bool>,
+pub(super) struct Buffers {
+    pub ranges: Vec<SlopeRange>,
+    pub values: Vec<[f64; 4]>,
+    pub noise: Vec<f64>,
+    pub sides: Vec<Membership>,
+    pub idle: Vec<bool>,
 }
 
 /// Infinite where an end is not known.
 fn width([low, high]: &[f64; 2]) -> f64 {
     let width = high - low;
     if width.is_nan() { f64::INFINITY } else { width }
-}
-
-/// The least box that has all of the vectors.
-fn hull(vectors: &[[f64; 3]]) -> Option<[Interval; 3]> {
-    let mut all = [Interval::UNKNOWN; 3];
-    for (k, range) in all.iter_mut().enumerate() {
-        let (mut low, mut high) = (vectors[0][k], vectors[0][k]);
-        for v in vectors {
-            low = if v[k] < low { v[k] } else { low };
-            high = if v[k] > high { v[k] } else { high };
-        }
-        *range = Interval::new(low, high).ok()?;
-    }
-    Some(all)
 }
 
 /// Along which axes shapes are extruded: no primitive depends on that axis and on another one.

@@ -1,7 +1,7 @@
 //! `FieldMesher`: from a field to triangles, step by step: adaptive cells, their boundary, its improvement,
 //! its proof.
 use super::extract::extract;
-use super::grid::{FieldGrid, GridHalt, GridOptions, Place};
+use super::grid::{FieldGrid, GridExtent, GridHalt, GridOptions, Place};
 use super::improve::{RawSurface, SurfaceImprover, Unimproved};
 use crate::budget::{Code, Failure, Job, Progress, Tolerance};
 use crate::explicit::Mesh;
@@ -11,6 +11,9 @@ use crate::math::Box3;
 /// Times that cells are cut again where the surface has no room for vertices. Measured: twice was enough on all
 /// models of the tests.
 const MOST_CUTS: usize = 3;
+/// Cells are not cut again where more places than these have no room: there the function has poles or is noise.
+/// Measured: 750 on a drawing of letters.
+const MOST_TIGHT: usize = 4096;
 /// Cells have edges of at most this share of the longest side of the bounds. Chosen: ranges say where cells
 /// are cut, so that large ones cost nothing.
 const COARSEST: f64 = 0.5;
@@ -62,8 +65,8 @@ pub(super) struct FieldMesher<'a> {
 /// What [`FieldMesher::improved`] makes.
 pub(super) struct Improved<'a> {
     pub surface: SurfaceImprover<'a>,
-    /// Whether cells were to be cut that were not: ranges say too little for a proof.
-    pub is_exhausted: bool,
+    /// How far the cells came that it is from.
+    pub extent: GridExtent,
 }
 
 impl From<GridHalt> for Failure<Mesh> {
@@ -154,12 +157,19 @@ impl<'a> FieldMesher<'a> {
         report("cells", 0);
         let options = self.grid_options(tol);
         let mut grid = FieldGrid::build(&mut evaluator, options, self.job)?;
-        let mut cuts = if grid.is_exhausted() { MOST_CUTS } else { 0 };
+        let mut cuts = if grid.extent() == GridExtent::Whole { 0 } else { MOST_CUTS };
         let mut surface = loop {
             report("surface", cuts);
             let raw = extract(&grid, self.job);
             if raw.faces.is_empty() {
-                return Err(Failure::refused(Code::Empty, "there is no surface to mesh"));
+                return Err(match grid.extent() {
+                    GridExtent::Whole => Failure::refused(Code::Empty, "there is no surface to mesh"),
+                    GridExtent::CutShort | GridExtent::Exhausted => Failure::refused(
+                        Code::TooMuchMemory,
+                        "no surface was found with the cells that this job may have: allow more memory, or set \
+                         tighter bounds",
+                    ),
+                });
             }
             let start = RawSurface { positions: raw.positions, faces: raw.faces, labels: raw.labels };
             let has_leaves = evaluator.csg().primitives().iter().any(|p| p.tape().has_leaves());
@@ -168,14 +178,14 @@ impl<'a> FieldMesher<'a> {
                 made_or_failed => made_or_failed?,
             };
             let mut tight = surface.held().to_vec();
-            if tight.is_empty() || cuts == MOST_CUTS {
+            if tight.is_empty() || tight.len() > MOST_TIGHT || cuts == MOST_CUTS {
                 // Estimates of what is still coarse are too high by up to about this; the work itself keeps to
                 // the limits.
                 self.check_size(surface.estimated_faces()? / OVERESTIMATE)?;
                 tight = surface.refine()?;
             }
 
-            if tight.is_empty() || cuts == MOST_CUTS {
+            if tight.is_empty() || tight.len() > MOST_TIGHT || cuts == MOST_CUTS {
                 break surface;
             }
             let places: Vec<Place> =
@@ -185,11 +195,11 @@ impl<'a> FieldMesher<'a> {
             evaluator = surface.into_evaluator();
             grid.refine(&mut evaluator, &places)?;
         };
-        let is_exhausted = grid.is_exhausted();
+        let extent = grid.extent();
         drop(grid);
         surface.improve()?;
         self.check_size(surface.n_faces() as f64)?;
-        Ok(Improved { surface, is_exhausted })
+        Ok(Improved { surface, extent })
     }
 
     fn grid_options(&self, tol: f64) -> GridOptions {

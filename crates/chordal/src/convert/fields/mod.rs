@@ -3,6 +3,8 @@
 mod arrangement;
 mod ask;
 mod cells;
+mod cells_at_vertices;
+mod corner_slopes;
 mod extract;
 mod fan;
 mod grid;

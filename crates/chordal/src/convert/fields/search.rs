@@ -1,4 +1,5 @@
 //! From a budget to a mesh of a field: by a length, by a number of triangles, proved or measured.
+use super::grid::GridExtent;
 use super::improve::SurfaceImprover;
 use super::mesher::{FieldMesher, Improved, Wanted, closed, knows_slopes, leaf_failed};
 use crate::budget::{Bounded, Code, Failure, Job, Progress, Tolerance};
@@ -111,9 +112,9 @@ impl<'s> Search<'s> {
         length: Tolerance,
         share: f64,
     ) -> Result<Attempt<'s>, Failure<Mesh>> {
-        let Improved { surface: mut improved, is_exhausted } =
+        let Improved { surface: mut improved, extent } =
             self.mesher.improved(evaluator, share * length.get())?;
-        if is_exhausted {
+        if extent == GridExtent::Exhausted || is_hopeless(improved.n_unsettled(), improved.n_faces() / 2) {
             let (mesh, _) = mesh_of(&improved);
             let evaluator = improved.into_evaluator();
             return Ok(Attempt::Open { mesh, is_near: false, is_hopeless: true, evaluator });
@@ -138,7 +139,8 @@ impl<'s> Search<'s> {
             n_open = open.len();
             let is_hopeless = is_hopeless(n_open, improved.n_faces());
             let most_worse = if is_hopeless { 1 } else { HOPELESS };
-            if n_worse >= most_worse || improved.split_faces(&open)? == 0 {
+            // Splits bring nothing where cells had no slopes.
+            if extent != GridExtent::Whole || n_worse >= most_worse || improved.split_faces(&open)? == 0 {
                 break;
             }
             self.mesher.check_size(improved.n_faces() as f64)?;
@@ -146,7 +148,7 @@ impl<'s> Search<'s> {
         let (mesh, _) = mesh_of(&improved);
         let is_cheap = improved.counts.collapses < MOST_COLLAPSES;
         let is_near = is_cheap && n_open > 0 && FEW * n_open < improved.n_faces();
-        let is_hopeless = is_hopeless(n_open, improved.n_faces());
+        let is_hopeless = extent != GridExtent::Whole || is_hopeless(n_open, improved.n_faces());
         Ok(Attempt::Open { mesh, is_near, is_hopeless, evaluator: improved.into_evaluator() })
     }
 
@@ -217,9 +219,9 @@ impl<'s> Search<'s> {
     }
 }
 
-/// Whether there are too many open faces for a proof of the rest.
-fn is_hopeless(n_open: usize, n_faces: usize) -> bool {
-    n_open > MANY && FEW * n_open > n_faces
+/// Whether so many of all are open, or off their places, that nothing will be proved.
+fn is_hopeless(n_open: usize, n_all: usize) -> bool {
+    n_open > MANY && FEW * n_open > n_all
 }
 
 /// The surface as a mesh, with the number of each face in it.

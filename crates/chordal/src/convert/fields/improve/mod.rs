@@ -251,6 +251,11 @@ impl<'a> SurfaceImprover<'a> {
         &self.held
     }
 
+    /// How many vertices are off their primitives, since others are in the way or steps to them do not end.
+    pub fn n_unsettled(&self) -> usize {
+        self.unsettled().len()
+    }
+
     pub fn n_faces(&self) -> usize {
         self.surface.n_faces()
     }
