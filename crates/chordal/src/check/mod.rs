@@ -42,7 +42,9 @@ pub(crate) use distance::triangle_at_least;
 pub use duplicates::duplicate_vertices;
 pub(crate) use fans::boundary_string;
 pub use field_deviation::{FieldDeviation, field_deviation};
-pub(crate) use field_deviation::{FieldJudge, SandwichGoal, judged_bound, measured_field_deviation};
+pub(crate) use field_deviation::{
+    FieldJudge, SandwichGoal, is_hopeless, judged_bound, measured_field_deviation,
+};
 pub use finding::{Finding, MAX_WITNESSES, Place, Witness};
 pub use flat::{has_zero_area, is_collinear};
 pub use gap::{Gap, distance_to_polyline, largest_gap};

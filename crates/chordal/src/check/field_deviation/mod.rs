@@ -25,7 +25,7 @@ use crate::explicit::{Bvh, Enclosure, Mesh};
 use crate::implicit::{Field, LeafError, Tape};
 use crate::math::{Box3, flushes_subnormals};
 pub(crate) use judge::{FieldJudge, Verdict};
-pub(crate) use sandwich::SandwichGoal;
+pub(crate) use sandwich::{SandwichGoal, is_hopeless};
 
 use backward::Backward;
 use forward::Forward;

@@ -52,8 +52,8 @@ pub(super) enum FaceSide {
     Wrong,
 }
 
-/// Pieces at a time at most, for each face, and beside them: with more of them, the faces that have most are open.
-/// Measured on a twisted bolt, whose ranges are wide: with 16 a face the proof is lost, with 128 it is not.
+/// Pieces at a time at most, for each face, and beside them: with more of them, the faces that have most are
+/// open. Measured on a twisted bolt, whose ranges are wide: with 16 a face the proof is lost, with 128 it is not.
 const PIECES_A_FACE: usize = 128;
 const MOST_PIECES: usize = 1 << 14;
 

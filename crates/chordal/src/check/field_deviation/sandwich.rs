@@ -82,8 +82,8 @@ impl SandwichGoal {
 const ROUNDS: usize = 4;
 /// With what is still open after the rounds, displacements are chosen once more for longer ones, so often.
 const ATTEMPTS: usize = 3;
-/// More open faces than these, and more than one of [`FEW`], are not tried again for who splits faces: it is
-/// cheaper to split them. Chosen.
+/// With more open faces than these, and more than one of [`FEW`], there is little to be hoped for. Measured:
+/// 4,400 of 21,000 where letters are cut into parts that abut; one of ten on shells that are proved in the end.
 const MANY: usize = 1024;
 const FEW: usize = 8;
 /// By this they are longer. Chosen: as much as margins grow in the rounds.
@@ -104,6 +104,11 @@ const ALLOWED: f64 = 1.25;
 const HALVINGS: usize = 12;
 /// Cuts of a face in the first round, and in later ones.
 const CUTS: [u32; 2] = [9, 12];
+
+/// Whether so many of all are open, or off their places, that they will hardly be proved.
+pub(crate) fn is_hopeless(n_open: usize, n_all: usize) -> bool {
+    n_open > MANY && FEW * n_open > n_all
+}
 
 /// A vertex on its way to a side.
 #[derive(Clone, Copy, Debug)]
@@ -180,9 +185,9 @@ impl Sandwich {
                 *open = builder.close(side, open, regions, evaluator)?;
             }
             let still: Vec<u32> = open.iter().flatten().copied().collect();
-            let is_hopeless =
-                goal.faces_first && still.len() > MANY && FEW * still.len() > mesh.faces().len();
-            if is_hopeless || still.iter().all(|face| is_limited(reaches[*face as usize])) {
+            // Who splits faces does better to split them.
+            let is_enough = goal.faces_first && is_hopeless(still.len(), mesh.faces().len());
+            if is_enough || still.iter().all(|face| is_limited(reaches[*face as usize])) {
                 break;
             }
             reaches.iter_mut().for_each(|reach| *reach *= FARTHER);

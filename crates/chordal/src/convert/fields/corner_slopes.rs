@@ -1,7 +1,7 @@
 //! Slopes at the corners of cells in the place of ranges: of functions that are known at points only, and where
 //! ranges say too little.
 use super::cells::{CellFacts, OpenTree};
-use super::grid::{Buffers, CELLS_A_TASK, CellAsked, FieldGrid, GridHalt, Pending, Verdict};
+use super::grid::{Buffers, CELLS_A_TASK, CellAsked, CellVerdict, FieldGrid, GridHalt, Pending};
 use crate::budget::par_map;
 use crate::implicit::{PrimitiveEvaluator, SlopeRange};
 use crate::math::Interval;
@@ -16,9 +16,10 @@ impl<'a> FieldGrid<'a> {
     pub(super) fn settle_by_samples(
         &mut self,
         evaluator: &mut PrimitiveEvaluator<'a>,
-        judged: &mut [(Pending, Verdict)],
+        judged: &mut [(Pending, CellVerdict)],
     ) -> Result<(), GridHalt> {
-        let cells: Vec<usize> = (0..judged.len()).filter(|cell| judged[*cell].1 == Verdict::Cut).collect();
+        let cells: Vec<usize> =
+            (0..judged.len()).filter(|cell| judged[*cell].1 == CellVerdict::Cut).collect();
         self.goes_by_samples |= cells.len() > MOST_BY_RANGES;
         if !self.goes_by_samples {
             return Ok(());
@@ -41,7 +42,7 @@ impl<'a> FieldGrid<'a> {
         let done =
             par_map(self.job, &chunks, |_, part| part.iter().map(is_done).collect::<Vec<bool>>()).concat();
         for (cell, _) in cells.iter().zip(done).filter(|(_, is_done)| *is_done) {
-            judged[*cell].1 = Verdict::Done;
+            judged[*cell].1 = CellVerdict::Done;
         }
         Ok(())
     }

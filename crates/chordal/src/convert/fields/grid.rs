@@ -26,12 +26,12 @@ pub(in crate::convert) struct GridOptions {
 }
 
 /// How far a grid came.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::convert) enum GridExtent {
     Whole,
     /// Cells without slopes were left as they are, or there was no memory for more.
     CutShort,
-    /// Cells were left as they are since ranges say too little of the shape.
+    /// Cells were left as they are since ranges say too little of the shape; only what is asked for is cut now.
     Exhausted,
 }
 
@@ -83,22 +83,19 @@ pub(in crate::convert) struct FieldGrid<'a> {
     cells: Vec<GridCell>,
     /// Whether slopes at corners decide, as ranges say too little.
     pub(super) goes_by_samples: bool,
-    /// Whether no more cells are cut, but for what is asked for.
-    is_exhausted: bool,
-    /// Whether cells were left that are not decided, as there were too many, or no memory for more.
-    is_cut_short: bool,
+    extent: GridExtent,
     n_alive: usize,
     around: CellsAtVertices,
 }
 
 /// What is to be done with a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Verdict {
+pub(super) enum CellVerdict {
     Done,
     Cut,
-    /// As [`Verdict::Cut`], whatever is in it: it is larger than the coarsest, or asked for.
+    /// As [`CellVerdict::Cut`], whatever is in it: it is larger than the coarsest, or asked for.
     CutAnyway,
-    /// As [`Verdict::Cut`], but no slope is known of some function in it: at steps and poles, and without
+    /// As [`CellVerdict::Cut`], but no slope is known of some function in it: at steps and poles, and without
     /// values.
     CutBlindly,
     /// It would be cut if it were not too small.
@@ -172,8 +169,7 @@ impl<'a> FieldGrid<'a> {
             has_leaves: csg.primitives().iter().map(|p| p.tape().has_leaves()).collect(),
             cells: Vec::new(),
             goes_by_samples: false,
-            is_exhausted: false,
-            is_cut_short: false,
+            extent: GridExtent::Whole,
             n_alive: 0,
             around: CellsAtVertices::default(),
         };
@@ -222,13 +218,7 @@ impl<'a> FieldGrid<'a> {
 
     /// How far it came.
     pub fn extent(&self) -> GridExtent {
-        if self.is_exhausted {
-            GridExtent::Exhausted
-        } else if self.is_cut_short {
-            GridExtent::CutShort
-        } else {
-            GridExtent::Whole
-        }
+        self.extent
     }
 
     /// Where cells are that would have to be smaller than the floor.
@@ -278,23 +268,26 @@ impl<'a> FieldGrid<'a> {
             let is_full = (self.n_alive + 2 * pending.len()) as u64 > most;
             let mut judged = self.judge(evaluator, pending, places)?;
             self.settle_by_samples(evaluator, &mut judged)?;
-            let count = |of: Verdict| judged.iter().filter(|(_, verdict)| *verdict == of).count();
-            let (n_cut, n_blind) = (count(Verdict::Cut), count(Verdict::CutBlindly));
-            self.is_exhausted |= n_cut > MOST_CUT;
-            self.is_cut_short |= self.is_exhausted || n_blind > MOST_BLIND || is_full && n_cut + n_blind > 0;
+            let count = |of: CellVerdict| judged.iter().filter(|(_, verdict)| *verdict == of).count();
+            let (n_cut, n_blind) = (count(CellVerdict::Cut), count(CellVerdict::CutBlindly));
+            if n_cut > MOST_CUT {
+                self.extent = GridExtent::Exhausted;
+            } else if n_blind > MOST_BLIND || is_full && n_cut + n_blind > 0 {
+                self.extent = self.extent.max(GridExtent::CutShort);
+            }
             let mut cut = Vec::new();
             for (one, verdict) in judged {
                 let may_be_cut = !is_full && self.tetrahedra.next_edge(&one.tetrahedron).is_some();
                 let is_cut = match verdict {
-                    Verdict::CutAnyway => may_be_cut,
-                    Verdict::Cut => may_be_cut && n_cut <= MOST_CUT,
-                    Verdict::CutBlindly => may_be_cut && n_blind <= MOST_BLIND,
-                    Verdict::Done | Verdict::TooSmall => false,
+                    CellVerdict::CutAnyway => may_be_cut,
+                    CellVerdict::Cut => may_be_cut && n_cut <= MOST_CUT,
+                    CellVerdict::CutBlindly => may_be_cut && n_blind <= MOST_BLIND,
+                    CellVerdict::Done | CellVerdict::TooSmall => false,
                 };
                 if is_cut || self.tetrahedra.has_middle(one.tetrahedron.corners) {
                     cut.push(one);
                 } else {
-                    self.keep(one, verdict == Verdict::Done);
+                    self.keep(one, verdict == CellVerdict::Done);
                 }
             }
             pending = self.bisect(cut);
@@ -345,7 +338,7 @@ impl<'a> FieldGrid<'a> {
         evaluator: &mut PrimitiveEvaluator<'a>,
         pending: Vec<Pending>,
         places: &[Place],
-    ) -> Result<Vec<(Pending, Verdict)>, GridHalt> {
+    ) -> Result<Vec<(Pending, CellVerdict)>, GridHalt> {
         let level = self.ask_ranges(evaluator, &pending)?;
         let numbers: Vec<u32> = (0..pending.len() as u32).collect();
         let chunks: Vec<&[u32]> = numbers.chunks(CELLS_A_TASK).collect();
@@ -373,7 +366,7 @@ impl<'a> FieldGrid<'a> {
             };
             part.iter().map(decide).collect::<Vec<_>>()
         };
-        let verdicts: Vec<Option<(Arc<OpenTree>, Verdict)>> =
+        let verdicts: Vec<Option<(Arc<OpenTree>, CellVerdict)>> =
             par_map(self.job, &chunks, |_, part| decide(part)).concat();
         let judged = pending.into_iter().zip(verdicts).filter_map(|(one, verdict)| {
             verdict.map(|(open, verdict)| (Pending { open, tetrahedron: one.tetrahedron }, verdict))
@@ -388,7 +381,7 @@ impl<'a> FieldGrid<'a> {
         open: &Arc<OpenTree>,
         places: &[Place],
         buffers: &mut Buffers,
-    ) -> Option<(Arc<OpenTree>, Verdict)> {
+    ) -> Option<(Arc<OpenTree>, CellVerdict)> {
         let whole = cell.level.boxes[cell.level.box_of[cell.number as usize] as usize];
         let (widths, stretch) = (self.tetrahedra.sides_of(whole), self.tetrahedra.stretch());
         let longest = self.tetrahedra.longest(cell.one.corners);
@@ -402,7 +395,7 @@ impl<'a> FieldGrid<'a> {
         );
         let left = restricted(open, sides)?;
         if longest > self.options.coarsest || self.is_asked_for(&cell.one, places) {
-            return Some((left, Verdict::CutAnyway));
+            return Some((left, CellVerdict::CutAnyway));
         }
         if !Arc::ptr_eq(&left, open) {
             self.fill(cell, &left, buffers);
@@ -412,11 +405,11 @@ impl<'a> FieldGrid<'a> {
         let facts =
             CellFacts { csg: self.csg, open: &left, ranges, values, noise, idle, widths, longest, stretch };
         let verdict = match (facts.is_done(), longest <= self.options.floor) {
-            (true, _) => Verdict::Done,
-            (false, true) => Verdict::TooSmall,
-            (false, false) if self.is_exhausted => Verdict::TooSmall,
-            (false, false) if self.is_blind(&left, ranges) => Verdict::CutBlindly,
-            (false, false) => Verdict::Cut,
+            (true, _) => CellVerdict::Done,
+            (false, true) => CellVerdict::TooSmall,
+            (false, false) if self.extent == GridExtent::Exhausted => CellVerdict::TooSmall,
+            (false, false) if self.is_blind(&left, ranges) => CellVerdict::CutBlindly,
+            (false, false) => CellVerdict::Cut,
         };
         Some((left, verdict))
     }

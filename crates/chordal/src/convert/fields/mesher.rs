@@ -63,7 +63,7 @@ pub(super) struct FieldMesher<'a> {
 }
 
 /// What [`FieldMesher::improved`] makes.
-pub(super) struct Improved<'a> {
+pub(super) struct ImprovedSurface<'a> {
     pub surface: SurfaceImprover<'a>,
     /// How far the cells came that it is from.
     pub extent: GridExtent,
@@ -150,26 +150,26 @@ impl<'a> FieldMesher<'a> {
         &self,
         mut evaluator: PrimitiveEvaluator<'a>,
         tol: f64,
-    ) -> Result<Improved<'a>, Failure<Mesh>> {
+    ) -> Result<ImprovedSurface<'a>, Failure<Mesh>> {
         let report = |stage, done: usize| {
             self.job.report(Progress { stage, done: done as u64, total: 1 + MOST_CUTS as u64 });
         };
         report("cells", 0);
         let options = self.grid_options(tol);
         let mut grid = FieldGrid::build(&mut evaluator, options, self.job)?;
-        let mut cuts = if grid.extent() == GridExtent::Whole { 0 } else { MOST_CUTS };
+        let mut cuts = if grid.extent() == GridExtent::Exhausted { MOST_CUTS } else { 0 };
         let mut surface = loop {
             report("surface", cuts);
             let raw = extract(&grid, self.job);
             if raw.faces.is_empty() {
-                return Err(match grid.extent() {
-                    GridExtent::Whole => Failure::refused(Code::Empty, "there is no surface to mesh"),
-                    GridExtent::CutShort | GridExtent::Exhausted => Failure::refused(
-                        Code::TooMuchMemory,
-                        "no surface was found with the cells that this job may have: allow more memory, or set \
-                         tighter bounds",
-                    ),
-                });
+                let message = match grid.extent() {
+                    GridExtent::Whole => "there is no surface to mesh",
+                    GridExtent::CutShort | GridExtent::Exhausted => {
+                        "no surface was found in as many cells as this job may have: more memory, or tighter bounds, \
+                         may show one"
+                    }
+                };
+                return Err(Failure::refused(Code::Empty, message));
             }
             let start = RawSurface { positions: raw.positions, faces: raw.faces, labels: raw.labels };
             let has_leaves = evaluator.csg().primitives().iter().any(|p| p.tape().has_leaves());
@@ -199,7 +199,7 @@ impl<'a> FieldMesher<'a> {
         drop(grid);
         surface.improve()?;
         self.check_size(surface.n_faces() as f64)?;
-        Ok(Improved { surface, extent })
+        Ok(ImprovedSurface { surface, extent })
     }
 
     fn grid_options(&self, tol: f64) -> GridOptions {

@@ -1,9 +1,11 @@
 //! From a budget to a mesh of a field: by a length, by a number of triangles, proved or measured.
 use super::grid::GridExtent;
 use super::improve::SurfaceImprover;
-use super::mesher::{FieldMesher, Improved, Wanted, closed, knows_slopes, leaf_failed};
+use super::mesher::{FieldMesher, ImprovedSurface, Wanted, closed, knows_slopes, leaf_failed};
 use crate::budget::{Bounded, Code, Failure, Job, Progress, Tolerance};
-use crate::check::{FieldJudge, Goal, SandwichGoal, field_deviation, judged_bound, measured_field_deviation};
+use crate::check::{
+    FieldJudge, Goal, SandwichGoal, field_deviation, is_hopeless, judged_bound, measured_field_deviation,
+};
 use crate::explicit::Mesh;
 use crate::implicit::{Csg, Field, PrimitiveEvaluator};
 
@@ -17,11 +19,9 @@ const NEARER: f64 = 0.5;
 /// if so many collapses were enough for the first one. Chosen: a second that has to be finer takes some times
 /// as long.
 const MOST_COLLAPSES: usize = 1 << 17;
-/// After so many rounds in a row with more open faces than before nothing will be proved.
+/// After so many rounds in a row with more open faces than before nothing will be proved; where it is hopeless
+/// one is enough, and boxes about the mesh would take longer than anybody waits.
 const HOPELESS: usize = 2;
-/// With more open faces than this, and more than one of [`FEW`], one such round is enough, and boxes about the
-/// mesh would take longer than anybody waits. Measured: 4,400 where letters are cut into parts that abut.
-const MANY: usize = 1024;
 /// The first margin of a proof with a limit, as a share of what samples ask for. As in
 /// [`crate::check::field_deviation`].
 const MARGIN: f64 = 0.5;
@@ -56,13 +56,17 @@ pub(in crate::convert) fn search(field: &Field, wanted: &Wanted, job: &Job) -> O
 
 enum Attempt<'s> {
     Proved(Bounded<Mesh>),
-    /// Near where few faces are not proved, and another mesh does not take long.
-    Open {
-        mesh: Mesh,
-        is_near: bool,
-        is_hopeless: bool,
-        evaluator: PrimitiveEvaluator<'s>,
-    },
+    Open { mesh: Mesh, outlook: Outlook, evaluator: PrimitiveEvaluator<'s> },
+}
+
+/// What may still prove a mesh that is open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Outlook {
+    /// A finer mesh: few faces are not proved, and another one does not take long.
+    FinerMesh,
+    /// Boxes about it.
+    Boxes,
+    Nothing,
 }
 
 struct Search<'s> {
@@ -84,14 +88,14 @@ impl<'s> Search<'s> {
         // Without slopes signs are proved by values alone, on pieces as small as what is left of the length.
         let share = if self.mesher.is_sampled { SAMPLED } else { 1.0 };
         let attempt = match self.attempt(evaluator, length, share)? {
-            Attempt::Open { is_near: true, evaluator, .. } => {
+            Attempt::Open { outlook: Outlook::FinerMesh, evaluator, .. } => {
                 self.attempt(evaluator, length, NEARER * share)?
             }
             proved_or_far => proved_or_far,
         };
         let mesh = match attempt {
             Attempt::Proved(made) => return Ok(made),
-            Attempt::Open { mesh, is_hopeless: true, .. } => {
+            Attempt::Open { mesh, outlook: Outlook::Nothing, .. } => {
                 return Err(Failure::Unmet(Box::new(self.measured(mesh)?)));
             }
             Attempt::Open { mesh, .. } => mesh,
@@ -112,12 +116,12 @@ impl<'s> Search<'s> {
         length: Tolerance,
         share: f64,
     ) -> Result<Attempt<'s>, Failure<Mesh>> {
-        let Improved { surface: mut improved, extent } =
+        let ImprovedSurface { surface: mut improved, extent } =
             self.mesher.improved(evaluator, share * length.get())?;
         if extent == GridExtent::Exhausted || is_hopeless(improved.n_unsettled(), improved.n_faces() / 2) {
             let (mesh, _) = mesh_of(&improved);
             let evaluator = improved.into_evaluator();
-            return Ok(Attempt::Open { mesh, is_near: false, is_hopeless: true, evaluator });
+            return Ok(Attempt::Open { mesh, outlook: Outlook::Nothing, evaluator });
         }
         let csg = Csg::of(self.field.sign());
         let mut judge = FieldJudge::new(&csg, &self.field.bounds(), self.job).map_err(leaf_failed)?;
@@ -137,19 +141,22 @@ impl<'s> Search<'s> {
             // Where a mesh is not near the surface at all, all of it is open however small its faces are.
             n_worse = if open.len() > n_open { n_worse + 1 } else { 0 };
             n_open = open.len();
-            let is_hopeless = is_hopeless(n_open, improved.n_faces());
-            let most_worse = if is_hopeless { 1 } else { HOPELESS };
-            // Splits bring nothing where cells had no slopes.
-            if extent != GridExtent::Whole || n_worse >= most_worse || improved.split_faces(&open)? == 0 {
+            let most_worse = if is_hopeless(n_open, improved.n_faces()) { 1 } else { HOPELESS };
+            if n_worse >= most_worse || improved.split_faces(&open)? == 0 {
                 break;
             }
             self.mesher.check_size(improved.n_faces() as f64)?;
         }
         let (mesh, _) = mesh_of(&improved);
         let is_cheap = improved.counts.collapses < MOST_COLLAPSES;
-        let is_near = is_cheap && n_open > 0 && FEW * n_open < improved.n_faces();
-        let is_hopeless = extent != GridExtent::Whole || is_hopeless(n_open, improved.n_faces());
-        Ok(Attempt::Open { mesh, is_near, is_hopeless, evaluator: improved.into_evaluator() })
+        let outlook = if is_cheap && n_open > 0 && FEW * n_open < improved.n_faces() {
+            Outlook::FinerMesh
+        } else if is_hopeless(n_open, improved.n_faces()) {
+            Outlook::Nothing
+        } else {
+            Outlook::Boxes
+        };
+        Ok(Attempt::Open { mesh, outlook, evaluator: improved.into_evaluator() })
     }
 
     fn measured(&self, mesh: Mesh) -> Outcome {
@@ -217,11 +224,6 @@ impl<'s> Search<'s> {
         let made = self.measured(mesh)?;
         Err(Failure::Unmet(Box::new(made)))
     }
-}
-
-/// Whether so many of all are open, or off their places, that nothing will be proved.
-fn is_hopeless(n_open: usize, n_all: usize) -> bool {
-    n_open > MANY && FEW * n_open > n_all
 }
 
 /// The surface as a mesh, with the number of each face in it.
