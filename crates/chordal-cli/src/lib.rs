@@ -77,7 +77,7 @@ fn wants_json(verb: &Verb) -> bool {
 
 /// Says what went wrong on stderr and, for programs, as an object on stdout, unless a report stands there already.
 fn fail(fault: &Fault, json: bool) -> u8 {
-    let _ = write!(std::io::stderr(), "{fault}");
+    let _ = signal::not_within(|| write!(std::io::stderr(), "{fault}"));
     if json && !fault.reported {
         let error = json!({ "code": fault.code, "exit": fault.exit as u8, "messages": fault.lines });
         let report = json!({ "schema": chordal_verbs::report::SCHEMA, "error": error });

@@ -74,6 +74,25 @@ fn parts_that_abut_leave_no_edges_without_length() {
     assert!(shortest > 1e-6, "{shortest:e}");
 }
 
+/// The foot of a slanted stroke, of two parts that abut along a slanted line through its lower left corner.
+fn foot() -> Expr {
+    let [x, y, z] = Expr::axes();
+    let along = |slope: f64, offset: f64| &(&(&y * slope) + offset) - &(&x * 4.5);
+    let (seam, left) = (along(2.6, 3.2), along(1.8, 2.5));
+    let right = -&along(1.8, 2.56);
+    let below = -&(&(&y * 0.8) + 0.7);
+    let parts = below.max(&seam).min(&(-&seam).max(&left)).max(&right);
+    parts.max(&(&y + 0.6)).max(&(&z.abs() - 0.1))
+}
+
+#[test]
+fn parts_that_abut_at_a_sharp_angle_are_proved() {
+    let field = Field::new(foot()).with_bounds(Box3 { min: [0.1, -0.9, -0.11], max: [0.4, -0.55, 0.11] });
+    let made = field_to_mesh(&field, &budget(2.8e-3), &Job::default()).expect("proved");
+    let valid = validity(&made.shape, Topology::Indices);
+    assert!(valid.closed && valid.manifold() && made.shape.faces().len() < 100);
+}
+
 /// How far the middles of triangles in a ball about the origin are, as a root mean square.
 fn stray(mesh: &Mesh, within: f64, far: impl Fn([f64; 3]) -> f64) -> f64 {
     let all: Vec<f64> = soup_of(mesh)

@@ -94,7 +94,9 @@ impl<'a> FieldJudge<'a> {
         match goal.wider().filter(|_| is_hidden) {
             Some(wider) => {
                 let wide = self.look_between(mesh, &wider)?;
-                Ok(if wide.is_proved() { wide } else { verdict })
+                // Who splits faces may split those in the way of copies that are farther from each other.
+                let is_worth = goal.faces_first && !wide.open.iter().all(Vec::is_empty);
+                Ok(if wide.is_proved() || is_worth { wide } else { verdict })
             }
             None => Ok(verdict),
         }

@@ -8,7 +8,7 @@
 //! through the corners. Displacements are linear over a face, so then it is above 0 at all samples.
 //!
 //! Nothing here is proved, nor has to be: whatever the displacements are, signs on the displaced faces are.
-use super::local_trees::LocalTree;
+use super::local_trees::{LocalTree, MOST_CASES};
 use super::regions::SignRegions;
 use crate::explicit::Mesh;
 use crate::implicit::{CsgNode, LeafError, PrimitiveEvaluator, Slope};
@@ -21,6 +21,8 @@ pub(super) struct Demand {
     pub lacks: [f64; 3],
     /// 1 where the primitive is near, 0 where it is as far as a displacement is long.
     pub shares: [f64; 3],
+    /// Whether the face is on the primitive; else it is only near it.
+    pub is_on: bool,
 }
 
 /// The demands of all faces for one side.
@@ -119,12 +121,12 @@ pub(super) enum Ways {
 
 /// The demands of the faces of a mesh: to be outside, and to be inside. `reaches` says, by face, how far its
 /// corners are displaced about: primitives that are farther than twice as far are taken to stay on their
-/// side.
+/// side; and `deviations`, how far it is from the surface at most.
 pub(super) fn demands(
     regions: &mut SignRegions,
     evaluator: &mut PrimitiveEvaluator,
     mesh: &Mesh,
-    reaches: &[f64],
+    [reaches, deviations]: [&[f64]; 2],
     ways: Ways,
 ) -> Result<[Demands; 2], LeafError> {
     let bands: Vec<f64> = reaches.iter().map(|reach| 2.0 * reach).collect();
@@ -147,7 +149,7 @@ pub(super) fn demands(
             let face_samples =
                 FaceDistances { local, slopes: own, distances: &distances, outward, band: bands[face] };
             let raised = face_samples.raised(side == 1);
-            let demand = |literal| demand(own, &distances, literal, reaches[face]);
+            let demand = |literal| demand(own, &distances, literal, [reaches[face], deviations[face]]);
             demands.all.extend(raised.iter().filter_map(demand));
         }
     }
@@ -191,6 +193,20 @@ impl NodeSamples {
         self.values[3..].iter().fold(f64::INFINITY, |a, b| if *b < a { *b } else { a })
     }
 
+    /// Of what is on the side that is asked for everywhere, or nowhere.
+    fn constant(is_there: bool) -> Self {
+        let value = if is_there { f64::INFINITY } else { f64::NEG_INFINITY };
+        Self { values: [value; SAMPLES.len()], literals: Vec::new(), is_across: false }
+    }
+
+    /// Both.
+    fn and(mut self, other: Self) -> Self {
+        self.values.iter_mut().zip(other.values).for_each(|(a, b)| *a = if b < *a { b } else { *a });
+        self.literals.extend(other.literals);
+        self.is_across |= other.is_across;
+        self
+    }
+
     /// Of several the one that lacks the least; where that lacks more than can be raised, the largest one at
     /// each sample.
     fn any_of(mut operands: Vec<Self>, band: f64) -> Self {
@@ -232,35 +248,32 @@ impl FaceDistances<'_> {
     /// The literals that have to be on a side for the whole face. To be inside is for the complement to be
     /// outside, so with `inward` all signs are turned, and so are unions and intersections. Of an
     /// intersection that is to be outside it is the operand that lacks the least.
+    ///
+    /// About a face that two solids share each of them would ask to stay on its own side of it. What is on the
+    /// side that is asked for in all cases of such a primitive need not ([`LocalTree`]).
     fn raised(&self, inward: bool) -> Vec<RaisedLiteral> {
-        let mut stack: Vec<NodeSamples> = Vec::new();
-        for node in self.local.tree.nodes() {
-            let result = match *node {
-                CsgNode::Primitive(p) | CsgNode::Complement(p) => {
-                    self.literal(p, matches!(node, CsgNode::Complement(_)) != inward)
-                }
-                CsgNode::Union(n) | CsgNode::Intersection(n) => {
-                    let operands = stack.split_off(stack.len() - n as usize).into_iter();
-                    let needs_all = matches!(node, CsgNode::Union(_)) != inward;
-                    let whole = if needs_all {
-                        operands.reduce(|mut a, b| {
-                            a.values
-                                .iter_mut()
-                                .zip(b.values)
-                                .for_each(|(a, b)| *a = if b < *a { b } else { *a });
-                            a.literals.extend(b.literals);
-                            a.is_across |= b.is_across;
-                            a
-                        })
-                    } else {
-                        Some(NodeSamples::any_of(operands.collect(), self.band))
-                    };
-                    whole.expect("an operator has operands")
-                }
+        let shared: Vec<u32> = self.local.mixed().filter(|p| self.is_near(*p)).collect();
+        let plain = self.of_tree(|p, falls| self.literal(p, falls), inward);
+        let whole = if shared.is_empty() || shared.len() > MOST_CASES {
+            plain
+        } else {
+            let of_case = |case: u32| {
+                let literal = |p: u32, falls: bool| match shared.iter().position(|q| *q == p) {
+                    Some(bit) => NodeSamples::constant((case >> bit & 1 == 1) != falls),
+                    None => self.literal(p, falls),
+                };
+                self.of_tree(literal, inward)
             };
-            stack.push(result);
-        }
-        let mut all = stack.pop().expect("a tree has one result").literals;
+            let in_all =
+                (0..1 << shared.len()).map(of_case).reduce(NodeSamples::and).expect("there is a case");
+            let least = in_all.least();
+            if least >= -self.band && least + DETOUR * self.band >= plain.least() {
+                in_all
+            } else {
+                NodeSamples::any_of(vec![in_all, plain], self.band)
+            }
+        };
+        let mut all = whole.literals;
         all.sort_unstable();
         all.dedup_by(|next, kept| {
             let is_same = next.place == kept.place && next.falls == kept.falls;
@@ -268,6 +281,34 @@ impl FaceDistances<'_> {
             is_same
         });
         all
+    }
+
+    fn of_tree(&self, literal: impl Fn(u32, bool) -> NodeSamples, inward: bool) -> NodeSamples {
+        let mut stack: Vec<NodeSamples> = Vec::new();
+        for node in self.local.tree.nodes() {
+            let result = match *node {
+                CsgNode::Primitive(p) | CsgNode::Complement(p) => {
+                    literal(p, matches!(node, CsgNode::Complement(_)) != inward)
+                }
+                CsgNode::Union(n) | CsgNode::Intersection(n) => {
+                    let operands = stack.split_off(stack.len() - n as usize);
+                    let needs_all = matches!(node, CsgNode::Union(_)) != inward;
+                    if needs_all {
+                        operands.into_iter().reduce(NodeSamples::and).expect("an operator has operands")
+                    } else {
+                        NodeSamples::any_of(operands, self.band)
+                    }
+                }
+            };
+            stack.push(result);
+        }
+        stack.pop().expect("a tree has one result")
+    }
+
+    /// Whether a primitive may change its sign within the band.
+    fn is_near(&self, primitive: u32) -> bool {
+        let first = self.local.place(primitive) * SAMPLES.len();
+        self.distances[first..first + SAMPLES.len()].iter().any(|far| far.abs() < self.band)
     }
 
     fn literal(&self, primitive: u32, falls: bool) -> NodeSamples {
@@ -316,7 +357,12 @@ fn sum(vectors: [[f64; 3]; 3]) -> [f64; 3] {
 }
 
 /// What a literal asks of the corners of a face; nothing where its gradient says nothing.
-fn demand(slopes: &[Slope<f64>], distances: &[f64], literal: &RaisedLiteral, reach: f64) -> Option<Demand> {
+fn demand(
+    slopes: &[Slope<f64>],
+    distances: &[f64],
+    literal: &RaisedLiteral,
+    [reach, deviation]: [f64; 2],
+) -> Option<Demand> {
     let first = literal.place as usize * SAMPLES.len();
     let sign = if literal.falls { -1.0 } else { 1.0 };
     let far: [f64; SAMPLES.len()] = std::array::from_fn(|k| sign * distances[first + k]);
@@ -335,7 +381,8 @@ fn demand(slopes: &[Slope<f64>], distances: &[f64], literal: &RaisedLiteral, rea
     let directions: [[f64; 3]; 3] = std::array::from_fn(|k| beside[k].map(|x| sign * x / length(beside[k])));
     let is_finite = lacks.iter().chain(directions.as_flattened()).all(|x| x.is_finite());
     let shares = at_corners.map(|far| if far > 0.0 { 1.0 - far / reach } else { 1.0 });
-    is_finite.then_some(Demand { directions, lacks, shares })
+    let is_on = far.iter().all(|far| far.abs() <= deviation);
+    is_finite.then_some(Demand { directions, lacks, shares, is_on })
 }
 
 fn longest(corners: &[[f64; 3]; 3]) -> f64 {

@@ -20,7 +20,7 @@ pub(super) struct LocalTree {
 }
 
 /// Primitives of both kinds whose cases are gone through at most: 2⁴ evaluations of a tree.
-const MOST_CASES: usize = 4;
+pub(super) const MOST_CASES: usize = 4;
 
 impl LocalTree {
     pub fn new(tree: CsgTree) -> Self {
@@ -44,6 +44,11 @@ impl LocalTree {
         both.flat_map(|(p, kinds)| {
             [(*p, false), (*p, true)].into_iter().filter(move |(_, falls)| kinds >> u8::from(*falls) & 1 == 1)
         })
+    }
+
+    /// The primitives that stand in the tree as themselves and as their complements.
+    pub fn mixed(&self) -> impl Iterator<Item = u32> + use<'_> {
+        self.mixed.iter().map(|place| self.primitives[*place as usize])
     }
 
     /// Where a primitive stands in the list.
@@ -85,7 +90,7 @@ impl LocalTree {
 }
 
 /// Whether the zero set has no interior: along some axis the function grows everywhere, or falls.
-fn has_thin_zeros(slope: &SlopeRange) -> bool {
+pub(super) fn has_thin_zeros(slope: &SlopeRange) -> bool {
     slope.gradient.is_some_and(|g| g.iter().any(|d| d.lo() > 0.0 || d.hi() < 0.0))
 }
 
@@ -118,8 +123,12 @@ impl LocalTrees {
     /// The number of the tree without operands that never have its value, from ranges in the order of the list.
     pub fn by_value(&mut self, number: u32, ranges: &[[f64; 2]]) -> u32 {
         let local = self.get(number);
-        let tree = by_value(&local.tree, |p| ranges[local.place(p)]);
-        if tree.nodes().len() == local.tree.nodes().len() { number } else { self.push(tree) }
+        let of = |p: u32, falls: bool| {
+            let [low, high] = ranges[local.place(p)];
+            if falls { [-high, -low] } else { [low, high] }
+        };
+        let (_, nodes) = by_value(&local.tree, of);
+        if nodes.len() == local.tree.nodes().len() { number } else { self.push(CsgTree::new(nodes)) }
     }
 
     fn push(&mut self, tree: CsgTree) -> u32 {
@@ -137,17 +146,15 @@ impl LocalTrees {
     }
 }
 
-/// A tree that has the same value at every point of a region, from ranges of its primitives there: without the operands of minima that
-/// are above another one throughout, and those of maxima that are below.
-fn by_value(tree: &CsgTree, mut of: impl FnMut(u32) -> [f64; 2]) -> CsgTree {
+/// The range of a tree's value in a region, from those of its literals (a primitive, and whether it stands as its complement), and the
+/// nodes of a tree that has the same value at every point: without the operands of minima that are above another one throughout, and
+/// those of maxima that are below.
+pub(super) fn by_value(tree: &CsgTree, of: impl Fn(u32, bool) -> [f64; 2]) -> ([f64; 2], Vec<CsgNode>) {
     let mut stack: Vec<([f64; 2], Vec<CsgNode>)> = Vec::new();
     for node in tree.nodes() {
         let result = match *node {
-            CsgNode::Primitive(p) => (of(p), vec![*node]),
-            CsgNode::Complement(p) => {
-                let [low, high] = of(p);
-                ([-high, -low], vec![*node])
-            }
+            CsgNode::Primitive(p) => (of(p, false), vec![*node]),
+            CsgNode::Complement(p) => (of(p, true), vec![*node]),
             CsgNode::Union(n) | CsgNode::Intersection(n) => {
                 let is_union = matches!(node, CsgNode::Union(_));
                 let operands = stack.split_off(stack.len() - n as usize);
@@ -172,5 +179,5 @@ fn by_value(tree: &CsgTree, mut of: impl FnMut(u32) -> [f64; 2]) -> CsgTree {
         };
         stack.push(result);
     }
-    CsgTree::new(stack.pop().expect("a tree has one result").1)
+    stack.pop().expect("a tree has one result")
 }

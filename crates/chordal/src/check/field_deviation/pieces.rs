@@ -22,15 +22,15 @@
 //! Source: G. Lebourg, *Valeur moyenne pour gradient généralisé*, 1975.
 use super::regions::{SignRegions, side_of};
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator, SlopeRange};
-use crate::math::{Box3, add_down, add_up, difference, dot, length_up, mul_up, sub_down, sub_up};
+use crate::math::{Box3, add_down, add_up, difference, dot, length, length_up, mul_up, sub_down, sub_up};
 use std::collections::HashMap;
 
 /// How far a point of a triangle may be off its piece, as a share of the largest coordinate: derived, each of
 /// up to [`MOST_CUTS`] middles is rounded by half of ε at most; taken three times, so that E holds the piece
 /// in its interior.
-const OFF: f64 = 24.0 * f64::EPSILON;
+const OFF: f64 = 32.0 * f64::EPSILON;
 /// So often a triangle is cut at most: OFF rests on it.
-pub(super) const MOST_CUTS: u32 = 14;
+pub(super) const MOST_CUTS: u32 = 18;
 
 /// Triangles that are to be on one side.
 pub(super) struct SideQuestion<'a> {
@@ -63,6 +63,15 @@ struct SignPiece {
     tree: u32,
     /// Where its values at the corners begin, by primitive of the tree.
     values: usize,
+}
+
+/// A piece that is to be cut.
+struct Split {
+    piece: usize,
+    /// What is left of its tree.
+    tree: u32,
+    /// The side whose middle becomes a corner.
+    side: usize,
 }
 
 type CornerValues = [[f64; 2]; 3];
@@ -143,7 +152,7 @@ fn looked_at(
             .collect();
         let slopes = evaluator.slope_ranges(&questions)?;
         let mut rest = slopes.as_slice();
-        let mut split: Vec<(usize, u32)> = Vec::new();
+        let mut split: Vec<Split> = Vec::new();
         for (k, piece) in pieces.iter().enumerate() {
             let local = regions.trees.get(piece.tree);
             let (own, after) = rest.split_at(local.primitives.len());
@@ -166,12 +175,15 @@ fn looked_at(
                 *face = FaceSide::Open;
             } else {
                 match regions.trees.restricted(piece.tree, &sides) {
-                    Ok(tree) => split.push((k, tree)),
+                    Ok(tree) => {
+                        let side = side_to_cut(&piece.corners, &sides, own);
+                        split.push(Split { piece: k, tree, side });
+                    }
                     Err(_) => *face = FaceSide::Wrong,
                 }
             }
         }
-        split.retain(|(k, _)| found[pieces[*k].face as usize] == FaceSide::Proved);
+        split.retain(|one| found[pieces[one.piece].face as usize] == FaceSide::Proved);
         if split.len() > PIECES_A_FACE * question.faces.len() + MOST_PIECES {
             give_up_most(&pieces, &mut split, &mut found);
         }
@@ -182,13 +194,13 @@ fn looked_at(
 }
 
 /// Leaves faces open that have more pieces than their share.
-fn give_up_most(pieces: &[SignPiece], split: &mut Vec<(usize, u32)>, found: &mut [FaceSide]) {
-    let faces = split.chunk_by(|a, b| pieces[a.0].face == pieces[b.0].face);
+fn give_up_most(pieces: &[SignPiece], split: &mut Vec<Split>, found: &mut [FaceSide]) {
+    let faces = split.chunk_by(|a, b| pieces[a.piece].face == pieces[b.piece].face);
     let share = split.len() / faces.clone().count();
     for of_face in faces.filter(|of_face| of_face.len() > share) {
-        found[pieces[of_face[0].0].face as usize] = FaceSide::Open;
+        found[pieces[of_face[0].piece].face as usize] = FaceSide::Open;
     }
-    split.retain(|(k, _)| found[pieces[*k].face as usize] == FaceSide::Proved);
+    split.retain(|one| found[pieces[one.piece].face as usize] == FaceSide::Proved);
 }
 
 /// The triangles as pieces, and the values at their corners; those that are decided as a whole are not among them.
@@ -239,28 +251,27 @@ fn halves(
     regions: &SignRegions,
     evaluator: &mut PrimitiveEvaluator,
     (pieces, values): (&[SignPiece], &[CornerValues]),
-    split: &[(usize, u32)],
+    split: &[Split],
 ) -> Result<(Vec<SignPiece>, Vec<CornerValues>), LeafError> {
     let mut questions = Vec::new();
-    let mut cuts = Vec::with_capacity(split.len());
-    for (k, tree) in split {
-        let cut = longest_side(&pieces[*k].corners);
-        let [a, b] = [0, 1].map(|i| pieces[*k].corners[(cut + i) % 3]);
+    let mut middles = Vec::with_capacity(split.len());
+    for Split { piece, tree, side } in split {
+        let [a, b] = [0, 1].map(|i| pieces[*piece].corners[(side + i) % 3]);
         let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * a[i] + 0.5 * b[i]);
         let point = Box3 { min: middle, max: middle };
         questions.extend(regions.trees.get(*tree).primitives.iter().map(|p| (*p, point)));
-        cuts.push((cut, middle));
+        middles.push(middle);
     }
     let answers = evaluator.ranges(&questions)?;
     let (mut parts, mut part_values) = (Vec::with_capacity(2 * split.len()), Vec::new());
     let mut rest = answers.as_slice();
-    for ((k, tree), (cut, middle)) in split.iter().zip(cuts) {
-        let piece = &pieces[*k];
+    for (Split { piece, tree, side }, middle) in split.iter().zip(middles) {
+        let piece = &pieces[*piece];
         let (old, new) = (regions.trees.get(piece.tree), regions.trees.get(*tree));
         let (at_middle, after) = rest.split_at(new.primitives.len());
         rest = after;
         // The first half has the middle in the place of the side's second end, the other in that of the first.
-        for replaced in [(cut + 1) % 3, cut] {
+        for replaced in [(side + 1) % 3, *side] {
             let mut corners = piece.corners;
             corners[replaced] = middle;
             parts.push(SignPiece { corners, face: piece.face, tree: *tree, values: part_values.len() });
@@ -272,6 +283,29 @@ fn halves(
         }
     }
     Ok((parts, part_values))
+}
+
+/// The side along which the primitives that leave a piece open change most, each beside its steepest change: along the axis of
+/// an extrusion they do not change.
+fn side_to_cut(corners: &[[f64; 3]; 3], sides: &[Membership], slopes: &[SlopeRange]) -> usize {
+    let along = |k: usize| {
+        let d = difference(corners[(k + 1) % 3], corners[k]);
+        let is_open = |(side, _): &(&Membership, &SlopeRange)| **side == Membership::Unknown;
+        let of_one = |(_, slope): (&Membership, &SlopeRange)| {
+            let Some(gradient) = slope.gradient else { return length(d) };
+            let [low, high] = gradient.iter().zip(d).fold([0.0; 2], |[low, high], (g, x)| {
+                let (a, b) = (g.lo() * x, g.hi() * x);
+                if a < b { [low + a, high + b] } else { [low + b, high + a] }
+            });
+            let most = if -low > high { -low } else { high };
+            most / length(gradient.map(|g| g.magnitude()))
+        };
+        let open = sides.iter().zip(slopes).filter(is_open).map(of_one);
+        open.fold(0.0, |most: f64, one| if one > most { one } else { most })
+    };
+    let changes = [0, 1, 2].map(along);
+    let best = (0..3).fold(0, |best, k| if changes[k] > changes[best] { k } else { best });
+    if changes[best] > 0.0 { best } else { longest_side(corners) }
 }
 
 fn longest_side(corners: &[[f64; 3]; 3]) -> usize {

@@ -22,8 +22,8 @@
 //! [`super::pieces`]. Vertices of the copies are f64 numbers, taken exactly; lengths of displacements are
 //! rounded up. How vertices are displaced is a guess ([`super::lift`]): as little as the samples ask for plus
 //! a margin, which grows where the proof needs it.
-use super::lift::{Demands, HalfSpace, Ways, demands, deviations, shortest};
-use super::pieces::{FaceSide, SideQuestion, sides};
+use super::lift::{Demand, Demands, HalfSpace, Ways, demands, deviations, shortest};
+use super::pieces::{FaceSide, MOST_CUTS, SideQuestion, sides};
 use super::regions::SignRegions;
 use crate::explicit::{Mesh, Topology};
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
@@ -102,8 +102,9 @@ const REACH: f64 = 1.0 - 1.0 / (1 << 20) as f64;
 const ALLOWED: f64 = 1.25;
 /// Halvings in the search for the largest margin within a limit.
 const HALVINGS: usize = 12;
-/// Cuts of a face in the first round, and in later ones.
-const CUTS: [u32; 2] = [9, 12];
+/// Cuts of a face in the first round, and in later ones. Measured: where strokes of letters meet at 10 degrees, pieces of a 64th of a
+/// face, which take 12, are still too large.
+const CUTS: [u32; 2] = [9, MOST_CUTS];
 
 /// Whether so many of all are open, or off their places, that they will hardly be proved.
 pub(crate) fn is_hopeless(n_open: usize, n_all: usize) -> bool {
@@ -117,6 +118,14 @@ struct VertexMargin {
     allowance: f64,
     /// No longer displacement is possible.
     is_at_limit: bool,
+}
+
+struct Displacement {
+    by: [f64; 3],
+    /// No longer one is possible.
+    is_at_limit: bool,
+    /// It is longer than what samples ask for.
+    has_margin: bool,
 }
 
 /// A closed mesh, and which of its vertices go together.
@@ -163,7 +172,8 @@ impl Sandwich {
     ) -> Result<Self, LeafError> {
         let TiedMesh { mesh, ids } = tied;
         let around = Incidence::new(mesh, ids);
-        let mut reaches = around.reaches(mesh, ids, &deviations(regions, evaluator, mesh)?);
+        let far = around.reaches(mesh, ids, &deviations(regions, evaluator, mesh)?);
+        let mut reaches = far.clone();
         let mut builder = SandwichBuilder {
             mesh,
             ids,
@@ -179,7 +189,7 @@ impl Sandwich {
             let most = goal.limit.unwrap_or(f64::MAX);
             reaches.iter_mut().for_each(|reach| *reach = if *reach < most { *reach } else { most });
             let ways = if attempt == 0 { Ways::OfCorners } else { Ways::OfFacesToo };
-            builder.demands = demands(regions, evaluator, mesh, &reaches, ways)?;
+            builder.demands = demands(regions, evaluator, mesh, [&reaches, &far], ways)?;
             builder.start(&open);
             for (side, open) in open.iter_mut().enumerate() {
                 *open = builder.close(side, open, regions, evaluator)?;
@@ -221,7 +231,7 @@ impl SandwichBuilder<'_> {
     }
 
     fn first_allowance(&self, vertex: u32) -> f64 {
-        let all = (0..2).flat_map(|side| self.constraints(vertex, side));
+        let all = (0..2).flat_map(|side| self.constraints(vertex, side, &|_| true));
         let lack = all.fold(0.0, |lack: f64, c| if c.least > lack { c.least } else { lack });
         let p = self.mesh.positions()[vertex as usize];
         let reach = p.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
@@ -239,10 +249,10 @@ impl SandwichBuilder<'_> {
         all
     }
 
-    fn constraints(&self, vertex: u32, side: usize) -> Vec<HalfSpace> {
+    fn constraints(&self, vertex: u32, side: usize, counts: &dyn Fn(&Demand) -> bool) -> Vec<HalfSpace> {
         let mut constraints = Vec::new();
         for (face, corner) in self.around.of(vertex) {
-            for demand in self.demands[side].of_face(face) {
+            for demand in self.demands[side].of_face(face).iter().filter(|demand| counts(demand)) {
                 constraints.push(HalfSpace {
                     direction: demand.directions[corner],
                     least: demand.lacks[corner],
@@ -253,10 +263,24 @@ impl SandwichBuilder<'_> {
         constraints
     }
 
-    /// Displaces a vertex by its margin, or by as much of it as the limit allows.
+    /// Displaces a vertex by its margin, or by as much of it as the limit allows. Where faces ask for what
+    /// cannot be, they are asked for the primitives alone that they are on: beyond those, others take over.
     fn displace(&mut self, vertex: u32, side: usize) {
-        let of = self.margins[side][vertex as usize];
-        let base = self.constraints(vertex, side);
+        let allowance = self.margins[side][vertex as usize].allowance;
+        let all = self.constraints(vertex, side, &|_| true);
+        let mut chosen = self.displacement(&all, allowance);
+        if !chosen.has_margin {
+            let own = self.constraints(vertex, side, &|demand| demand.is_on);
+            let of_own = self.displacement(&own, allowance);
+            chosen = if of_own.has_margin { of_own } else { chosen };
+        }
+        self.margins[side][vertex as usize].is_at_limit = chosen.is_at_limit;
+        let p = self.mesh.positions()[vertex as usize];
+        let q: [f64; 3] = std::array::from_fn(|k| p[k] + chosen.by[k]);
+        self.copies[side][vertex as usize] = if q.iter().all(|x| x.is_finite()) { q } else { p };
+    }
+
+    fn displacement(&self, base: &[HalfSpace], allowance: f64) -> Displacement {
         // First what samples ask for, a share of it at least, then a share of the margin.
         let with = |lack: f64, margin: f64| {
             let raised = |c: &HalfSpace| if c.least > 0.0 { lack * c.least } else { c.least };
@@ -265,7 +289,7 @@ impl SandwichBuilder<'_> {
         };
         let limit = self.goal.limit.map_or(f64::INFINITY, |limit| REACH * limit);
         let asked = with(1.0, 0.0).filter(|d| length(*d) <= limit);
-        let reach = asked.map_or(limit, |d| length(d) + ALLOWED * of.allowance);
+        let reach = asked.map_or(limit, |d| length(d) + ALLOWED * allowance);
         let is_at_limit = reach >= limit;
         let reach = if is_at_limit { limit } else { reach };
         let largest = |of_share: &dyn Fn(f64) -> Option<[f64; 3]>| {
@@ -282,14 +306,9 @@ impl SandwichBuilder<'_> {
             }
             found
         };
-        let d = match asked {
-            Some(asked) => largest(&|share| with(1.0, share * of.allowance)).unwrap_or(asked),
-            None => largest(&|share| with(share, 0.0)).unwrap_or([0.0; 3]),
-        };
-        self.margins[side][vertex as usize].is_at_limit = is_at_limit;
-        let p = self.mesh.positions()[vertex as usize];
-        let q: [f64; 3] = std::array::from_fn(|k| p[k] + d[k]);
-        self.copies[side][vertex as usize] = if q.iter().all(|x| x.is_finite()) { q } else { p };
+        let with_margin = asked.and_then(|_| largest(&|share| with(1.0, share * allowance)));
+        let by = with_margin.or(asked).or_else(|| largest(&|share| with(share, 0.0)));
+        Displacement { by: by.unwrap_or([0.0; 3]), is_at_limit, has_margin: with_margin.is_some() }
     }
 
     /// Displaces until all faces are on a side, or nothing helps; the faces that are not.
