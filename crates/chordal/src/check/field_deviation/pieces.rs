@@ -193,11 +193,11 @@ fn looked_at(
     Ok(found)
 }
 
-/// Leaves faces open that have more pieces than their share.
+/// Leaves faces open that have their share of the pieces or more.
 fn give_up_most(pieces: &[SignPiece], split: &mut Vec<Split>, found: &mut [FaceSide]) {
     let faces = split.chunk_by(|a, b| pieces[a.piece].face == pieces[b.piece].face);
     let share = split.len() / faces.clone().count();
-    for of_face in faces.filter(|of_face| of_face.len() > share) {
+    for of_face in faces.filter(|of_face| of_face.len() >= share) {
         found[pieces[of_face[0].piece].face as usize] = FaceSide::Open;
     }
     split.retain(|one| found[pieces[one.piece].face as usize] == FaceSide::Proved);
