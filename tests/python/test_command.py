@@ -55,7 +55,8 @@ def test_runs_as_a_module() -> None:
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_it_with_130_and_leaves_nothing(tmp_path: Path, number: signal.Signals) -> None:
     # More than any machine has, so that it is not refused for its memory instead.
-    args: list[str | Path] = ["mesh", TEAPOT, "--tol", "2e-7", "--max-memory", "1000G", "-o", tmp_path / "a.ply"]
+    args: list[str | Path] = ["mesh", TEAPOT, "--tol", "2e-7", "--max-memory", "1000G"]
+    args += ["-o", tmp_path / "a.ply"]
     with subprocess.Popen([SCRIPT, *args], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         while not waits_for_signals(process.pid):
             assert process.poll() is None, "it ended before anybody asked"

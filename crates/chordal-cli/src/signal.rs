@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The unfinished file. Whoever holds the lock may rename or remove it; the handler holds it until the exit, so that
-/// no file is committed after "interrupted" was said, and nothing else said.
+/// no file is committed after "interrupted" was said, and no failure told.
 static UNFINISHED: Mutex<Option<PathBuf>> = Mutex::new(None);
 
 fn unfinished() -> MutexGuard<'static, Option<PathBuf>> {

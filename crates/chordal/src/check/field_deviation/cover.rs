@@ -19,11 +19,12 @@
 //! is an inner one since F < 0. Upwards from B* likewise: F > 0 on the way, but for its start. Outside of the cube there is nothing of A by the word of the bounds, and what is
 //! of B* there is joined to the cells on the cube's boundary, which are decided by the same word. ∎
 //!
-//! *Parts.* Let a primitive p stand in the tree together with its complement, and let {p = 0} have no interior in the box. The parts
-//! {p ≤ 0} and {p ≥ 0} of a cell are closed, and may stand in the lemma in place of the cell, each with a direction for flows inward and
-//! one for flows outward. On a flow inward F < 0, so where p ≤ 0 its complement is never the value and counts as positive without end;
-//! on a flow outward F > 0, and p counts as negative without end; likewise where p ≥ 0. At points of {p = 0} neither has the value, and
-//! what has it is among the literals of both parts. (A start of F = 0 is taken off {p = 0}, next to it in B*.) With several such
+//! *Parts.* Let a primitive p stand in the tree together with its complement, and let {p = 0} have no interior in
+//! the box. The parts {p ≤ 0} and {p ≥ 0} of a cell are closed, and may stand in the lemma in place of the cell,
+//! each with a direction for flows inward and one for flows outward. On a flow inward F < 0, so where p ≤ 0 its
+//! complement is never the value and counts as positive without end; on a flow outward F > 0, and p counts as
+//! negative without end; likewise where p ≥ 0. At points of {p = 0} neither has the value, and what has it is
+//! among the literals of both parts. (A start of F = 0 is taken off {p = 0}, next to it in B*.) With several such
 //! primitives all cases of signs are gone through.
 //!
 //! A decided cell lies in the closure of A*, or of B*, with its interior in it, and so does the interior of two such cells of one side that share a part of a
@@ -41,7 +42,7 @@ use super::growth::direction;
 use super::local_trees::{LocalTree, LocalTrees, MOST_CASES, by_value, has_thin_zeros};
 use super::regions::{SignRegions, side_of};
 use super::walls;
-use crate::implicit::{CsgNode, LeafError, Membership, PrimitiveEvaluator, SlopeRange};
+use crate::implicit::{LeafError, Membership, PrimitiveEvaluator, SlopeRange};
 use crate::math::{Box3, Interval, add_down, add_up, mul_up, sub_up};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,41 +112,61 @@ struct CellRanges {
     slopes: Vec<SlopeRange>,
 }
 
-/// The part of a cell in which shared primitives have given signs.
-struct CellPart<'a> {
+/// A tree that has the value in a cell, with what is known of its primitives there.
+struct CellGrowth<'a, S> {
     local: &'a LocalTree,
-    /// Primitives that stand as themselves and as their complements.
-    shared: &'a [u32],
-    /// By bit, which of them are positive.
-    case: u32,
+    /// Of a primitive.
+    slope: S,
 }
 
-impl CellPart<'_> {
-    /// The range of the value on the way of a flow, inward through negative values or outward through positive
-    /// ones, and the tree of what may have it: of a shared primitive and its complement the one with the other
-    /// sign never has.
-    fn by_value(&self, flow: Membership, range: impl Fn(u32) -> [f64; 2]) -> ([f64; 2], Vec<CsgNode>) {
-        by_value(&self.local.tree, |p, falls| {
-            let [low, high] = range(p);
-            let [low, high] = if falls { [-high, -low] } else { [low, high] };
-            let Some(bit) = self.shared.iter().position(|q| *q == p) else { return [low, high] };
-            let is_positive = (self.case >> bit & 1 == 1) != falls;
-            match (is_positive, flow) {
-                (true, Membership::Inside) => [f64::INFINITY; 2],
-                (false, Membership::Outside) => [f64::NEG_INFINITY; 2],
-                (true, _) => [0.0, high],
-                (false, _) => [low, 0.0],
-            }
+impl<'a, S: Fn(u32) -> &'a SlopeRange> CellGrowth<'a, S> {
+    /// Whether there is a direction in which all literals of a tree grow.
+    fn has_direction(&self, tree: &LocalTree) -> bool {
+        let gradient = |(p, falls): (u32, bool)| {
+            let gradient = (self.slope)(p).gradient?;
+            Some(if falls { gradient.map(|d| -d) } else { gradient })
+        };
+        let gradients: Option<Vec<[Interval; 3]>> = tree.literals().map(gradient).collect();
+        gradients.is_some_and(|gradients| direction(&gradients).is_some())
+    }
+
+    /// Whether there are directions for the parts of the cell: for all signs of the primitives that stand as
+    /// themselves and as their complements.
+    fn has_directions_by_part(&self) -> bool {
+        let is_open = |p: &u32| (self.slope)(*p).value[0] < 0.0 && (self.slope)(*p).value[1] > 0.0;
+        let shared: Vec<u32> = self.local.mixed().filter(is_open).collect();
+        if shared.is_empty()
+            || shared.len() > MOST_CASES
+            || !shared.iter().all(|p| has_thin_zeros((self.slope)(*p)))
+        {
+            return false;
+        }
+        let flows = [Membership::Inside, Membership::Outside];
+        (0..1_u32 << shared.len()).all(|case| {
+            let is_positive = |p: u32| shared.iter().position(|q| *q == p).map(|bit| case >> bit & 1 == 1);
+            flows.into_iter().all(|flow| self.flows(flow, is_positive))
         })
     }
-}
 
-fn literals_of(nodes: &[CsgNode]) -> impl Iterator<Item = (u32, bool)> {
-    nodes.iter().filter_map(|node| match node {
-        CsgNode::Primitive(p) => Some((*p, false)),
-        CsgNode::Complement(p) => Some((*p, true)),
-        CsgNode::Union(_) | CsgNode::Intersection(_) => None,
-    })
+    /// Whether there is a direction for a flow inward, through negative values, or outward, through positive
+    /// ones, where some primitives have given signs; or nothing to flow.
+    fn flows(&self, flow: Membership, is_positive: impl Fn(u32) -> Option<bool>) -> bool {
+        let inward = flow == Membership::Inside;
+        let (range, tree) = by_value(&self.local.tree, |p, falls| {
+            let [low, high] = (self.slope)(p).value;
+            let [low, high] = if falls { [-high, -low] } else { [low, high] };
+            match is_positive(p).map(|is_positive| is_positive != falls) {
+                None => [low, high],
+                // With the other sign it never is the value.
+                Some(true) if inward => [f64::INFINITY; 2],
+                Some(false) if !inward => [f64::NEG_INFINITY; 2],
+                Some(true) => [0.0, high],
+                Some(false) => [low, 0.0],
+            }
+        });
+        let is_empty = if inward { range[0] >= 0.0 } else { range[1] < 0.0 };
+        is_empty || self.has_direction(&LocalTree::new(tree))
+    }
 }
 
 impl FieldCover {
@@ -364,32 +385,8 @@ impl FieldCover {
         let values: Vec<[f64; 2]> = ranges.slopes.iter().map(|slope| slope.value).collect();
         let tree = self.trees.by_value(before, &values);
         let (old, local) = (self.trees.get(before), self.trees.get(tree));
-        let grows = |literals: &mut dyn Iterator<Item = (u32, bool)>| {
-            let gradient = |(p, falls): (u32, bool)| {
-                let gradient = ranges.slopes[old.place(p)].gradient?;
-                Some(if falls { gradient.map(|d| -d) } else { gradient })
-            };
-            let gradients: Option<Vec<[Interval; 3]>> = literals.map(gradient).collect();
-            gradients.is_some_and(|gradients| direction(&gradients).is_some())
-        };
-        let slope = |p: u32| &ranges.slopes[old.place(p)];
-        let grows = grows(&mut local.literals()) || {
-            let is_open = |p: &u32| slope(*p).value[0] < 0.0 && slope(*p).value[1] > 0.0;
-            let shared: Vec<u32> = local.mixed().filter(is_open).collect();
-            let can_be_parted = !shared.is_empty()
-                && shared.len() <= MOST_CASES
-                && shared.iter().all(|p| has_thin_zeros(slope(*p)));
-            can_be_parted
-                && (0..1_u32 << shared.len()).all(|case| {
-                    let part = CellPart { local, shared: &shared, case };
-                    [Membership::Inside, Membership::Outside].into_iter().all(|flow| {
-                        let (range, nodes) = part.by_value(flow, |p| slope(p).value);
-                        let is_empty =
-                            if flow == Membership::Inside { range[0] >= 0.0 } else { range[1] < 0.0 };
-                        is_empty || grows(&mut literals_of(&nodes))
-                    })
-                })
-        };
+        let growth = CellGrowth { local, slope: |p: u32| &ranges.slopes[old.place(p)] };
+        let grows = growth.has_direction(local) || growth.has_directions_by_part();
         self.cells[cell as usize].tree = tree;
         if grows {
             self.cells[cell as usize].state = CellState::Grows;

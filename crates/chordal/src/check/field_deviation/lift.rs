@@ -14,6 +14,15 @@ use crate::explicit::Mesh;
 use crate::implicit::{CsgNode, LeafError, PrimitiveEvaluator, Slope};
 use crate::math::{Box3, cross, difference, dot, length};
 
+/// About how far the corners of a face are displaced.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reach {
+    /// As far as samples ask for; the face is on the primitives that are as near throughout.
+    pub at_first: f64,
+    /// In this attempt.
+    pub now: f64,
+}
+
 /// What a face asks of its corners: `direction · displacement ≥ lack + share · margin` at each.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Demand {
@@ -23,6 +32,17 @@ pub(super) struct Demand {
     pub shares: [f64; 3],
     /// Whether the face is on the primitive; else it is only near it.
     pub is_on: bool,
+}
+
+impl Demand {
+    /// What is asked of one corner.
+    pub fn of_corner(&self, corner: usize) -> HalfSpace {
+        HalfSpace {
+            direction: self.directions[corner],
+            least: self.lacks[corner],
+            share: self.shares[corner],
+        }
+    }
 }
 
 /// The demands of all faces for one side.
@@ -119,17 +139,16 @@ pub(super) enum Ways {
     OfFacesToo,
 }
 
-/// The demands of the faces of a mesh: to be outside, and to be inside. `reaches` says, by face, how far its
-/// corners are displaced about: primitives that are farther than twice as far are taken to stay on their
-/// side; and `deviations`, how far it is from the surface at most.
+/// The demands of the faces of a mesh, by face with its reach: to be outside, and to be inside. Primitives that
+/// are farther than twice as far are taken to stay on their side.
 pub(super) fn demands(
     regions: &mut SignRegions,
     evaluator: &mut PrimitiveEvaluator,
     mesh: &Mesh,
-    [reaches, deviations]: [&[f64]; 2],
+    reaches: &[Reach],
     ways: Ways,
 ) -> Result<[Demands; 2], LeafError> {
-    let bands: Vec<f64> = reaches.iter().map(|reach| 2.0 * reach).collect();
+    let bands: Vec<f64> = reaches.iter().map(|reach| 2.0 * reach.now).collect();
     let samples = FaceSamples::of(regions, evaluator, mesh, &bands)?;
     let normals = normals(mesh);
     let mut found = [Demands::default(), Demands::default()];
@@ -149,7 +168,7 @@ pub(super) fn demands(
             let face_samples =
                 FaceDistances { local, slopes: own, distances: &distances, outward, band: bands[face] };
             let raised = face_samples.raised(side == 1);
-            let demand = |literal| demand(own, &distances, literal, [reaches[face], deviations[face]]);
+            let demand = |literal| demand(own, &distances, literal, &reaches[face]);
             demands.all.extend(raised.iter().filter_map(demand));
         }
     }
@@ -361,7 +380,7 @@ fn demand(
     slopes: &[Slope<f64>],
     distances: &[f64],
     literal: &RaisedLiteral,
-    [reach, deviation]: [f64; 2],
+    reach: &Reach,
 ) -> Option<Demand> {
     let first = literal.place as usize * SAMPLES.len();
     let sign = if literal.falls { -1.0 } else { 1.0 };
@@ -370,7 +389,7 @@ fn demand(
     // A corner that is farther than it can be displaced does not help the others more than one at that distance.
     let at_corners: [f64; 3] = std::array::from_fn(|k| {
         let far = sign * slopes[first + k].value / length(beside[k]);
-        if far > reach { reach } else { far }
+        if far > reach.now { reach.now } else { far }
     });
     let mut bulge = 0.0;
     for (k, weights) in SAMPLES.iter().enumerate().filter(|(k, _)| literal.samples >> k & 1 == 1) {
@@ -380,8 +399,8 @@ fn demand(
     let lacks = at_corners.map(|far| bulge - far);
     let directions: [[f64; 3]; 3] = std::array::from_fn(|k| beside[k].map(|x| sign * x / length(beside[k])));
     let is_finite = lacks.iter().chain(directions.as_flattened()).all(|x| x.is_finite());
-    let shares = at_corners.map(|far| if far > 0.0 { 1.0 - far / reach } else { 1.0 });
-    let is_on = far.iter().all(|far| far.abs() <= deviation);
+    let shares = at_corners.map(|far| if far > 0.0 { 1.0 - far / reach.now } else { 1.0 });
+    let is_on = far.iter().all(|far| far.abs() <= reach.at_first);
     is_finite.then_some(Demand { directions, lacks, shares, is_on })
 }
 

@@ -127,8 +127,8 @@ impl LocalTrees {
             let [low, high] = ranges[local.place(p)];
             if falls { [-high, -low] } else { [low, high] }
         };
-        let (_, nodes) = by_value(&local.tree, of);
-        if nodes.len() == local.tree.nodes().len() { number } else { self.push(CsgTree::new(nodes)) }
+        let (_, tree) = by_value(&local.tree, of);
+        if tree.nodes().len() == local.tree.nodes().len() { number } else { self.push(tree) }
     }
 
     fn push(&mut self, tree: CsgTree) -> u32 {
@@ -146,10 +146,10 @@ impl LocalTrees {
     }
 }
 
-/// The range of a tree's value in a region, from those of its literals (a primitive, and whether it stands as its complement), and the
-/// nodes of a tree that has the same value at every point: without the operands of minima that are above another one throughout, and
-/// those of maxima that are below.
-pub(super) fn by_value(tree: &CsgTree, of: impl Fn(u32, bool) -> [f64; 2]) -> ([f64; 2], Vec<CsgNode>) {
+/// The range of a tree's value in a region, from those of its literals (a primitive, and whether it stands as its
+/// complement), and a tree that has the same value at every point: without the operands of minima that are above
+/// another one throughout, and those of maxima that are below.
+pub(super) fn by_value(tree: &CsgTree, of: impl Fn(u32, bool) -> [f64; 2]) -> ([f64; 2], CsgTree) {
     let mut stack: Vec<([f64; 2], Vec<CsgNode>)> = Vec::new();
     for node in tree.nodes() {
         let result = match *node {
@@ -179,5 +179,6 @@ pub(super) fn by_value(tree: &CsgTree, of: impl Fn(u32, bool) -> [f64; 2]) -> ([
         };
         stack.push(result);
     }
-    stack.pop().expect("a tree has one result")
+    let (range, nodes) = stack.pop().expect("a tree has one result");
+    (range, CsgTree::new(nodes))
 }

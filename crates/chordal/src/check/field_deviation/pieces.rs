@@ -285,8 +285,8 @@ fn halves(
     Ok((parts, part_values))
 }
 
-/// The side along which the primitives that leave a piece open change most, each beside its steepest change: along the axis of
-/// an extrusion they do not change.
+/// The side along which the primitives that leave a piece open change most, each beside its steepest change:
+/// along the axis of an extrusion they do not change.
 fn side_to_cut(corners: &[[f64; 3]; 3], sides: &[Membership], slopes: &[SlopeRange]) -> usize {
     let along = |k: usize| {
         let d = difference(corners[(k + 1) % 3], corners[k]);

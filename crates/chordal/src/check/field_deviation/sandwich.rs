@@ -22,7 +22,7 @@
 //! [`super::pieces`]. Vertices of the copies are f64 numbers, taken exactly; lengths of displacements are
 //! rounded up. How vertices are displaced is a guess ([`super::lift`]): as little as the samples ask for plus
 //! a margin, which grows where the proof needs it.
-use super::lift::{Demand, Demands, HalfSpace, Ways, demands, deviations, shortest};
+use super::lift::{Demand, Demands, HalfSpace, Reach, Ways, demands, deviations, shortest};
 use super::pieces::{FaceSide, MOST_CUTS, SideQuestion, sides};
 use super::regions::SignRegions;
 use crate::explicit::{Mesh, Topology};
@@ -102,8 +102,8 @@ const REACH: f64 = 1.0 - 1.0 / (1 << 20) as f64;
 const ALLOWED: f64 = 1.25;
 /// Halvings in the search for the largest margin within a limit.
 const HALVINGS: usize = 12;
-/// Cuts of a face in the first round, and in later ones. Measured: where strokes of letters meet at 10 degrees, pieces of a 64th of a
-/// face, which take 12, are still too large.
+/// Cuts of a face in the first round, and in later ones. Measured: where strokes of letters meet at 10 degrees,
+/// pieces of a 64th of a face, which take 12, are still too large.
 const CUTS: [u32; 2] = [9, MOST_CUTS];
 
 /// Whether so many of all are open, or off their places, that they will hardly be proved.
@@ -172,8 +172,7 @@ impl Sandwich {
     ) -> Result<Self, LeafError> {
         let TiedMesh { mesh, ids } = tied;
         let around = Incidence::new(mesh, ids);
-        let far = around.reaches(mesh, ids, &deviations(regions, evaluator, mesh)?);
-        let mut reaches = far.clone();
+        let mut reaches = around.reaches(mesh, ids, &deviations(regions, evaluator, mesh)?);
         let mut builder = SandwichBuilder {
             mesh,
             ids,
@@ -187,9 +186,9 @@ impl Sandwich {
         for attempt in 0..ATTEMPTS {
             let is_limited = |reach: f64| goal.limit.is_some_and(|limit| reach >= limit);
             let most = goal.limit.unwrap_or(f64::MAX);
-            reaches.iter_mut().for_each(|reach| *reach = if *reach < most { *reach } else { most });
+            reaches.iter_mut().for_each(|reach| reach.now = if reach.now < most { reach.now } else { most });
             let ways = if attempt == 0 { Ways::OfCorners } else { Ways::OfFacesToo };
-            builder.demands = demands(regions, evaluator, mesh, [&reaches, &far], ways)?;
+            builder.demands = demands(regions, evaluator, mesh, &reaches, ways)?;
             builder.start(&open);
             for (side, open) in open.iter_mut().enumerate() {
                 *open = builder.close(side, open, regions, evaluator)?;
@@ -197,10 +196,10 @@ impl Sandwich {
             let still: Vec<u32> = open.iter().flatten().copied().collect();
             // Who splits faces does better to split them.
             let is_enough = goal.faces_first && is_hopeless(still.len(), mesh.faces().len());
-            if is_enough || still.iter().all(|face| is_limited(reaches[*face as usize])) {
+            if is_enough || still.iter().all(|face| is_limited(reaches[*face as usize].now)) {
                 break;
             }
-            reaches.iter_mut().for_each(|reach| *reach *= FARTHER);
+            reaches.iter_mut().for_each(|reach| reach.now *= FARTHER);
         }
         let bounds = builder.bounds();
         Ok(Self { copies: builder.copies, open, bounds })
@@ -231,8 +230,9 @@ impl SandwichBuilder<'_> {
     }
 
     fn first_allowance(&self, vertex: u32) -> f64 {
-        let all = (0..2).flat_map(|side| self.constraints(vertex, side, &|_| true));
-        let lack = all.fold(0.0, |lack: f64, c| if c.least > lack { c.least } else { lack });
+        let all = (0..2).flat_map(|side| self.asked(vertex, side));
+        let lacks = all.map(|(demand, corner)| demand.lacks[corner]);
+        let lack = lacks.fold(0.0, |most: f64, lack| if lack > most { lack } else { most });
         let p = self.mesh.positions()[vertex as usize];
         let reach = p.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
         let least = LEAST_SHARE * reach;
@@ -249,28 +249,24 @@ impl SandwichBuilder<'_> {
         all
     }
 
-    fn constraints(&self, vertex: u32, side: usize, counts: &dyn Fn(&Demand) -> bool) -> Vec<HalfSpace> {
-        let mut constraints = Vec::new();
-        for (face, corner) in self.around.of(vertex) {
-            for demand in self.demands[side].of_face(face).iter().filter(|demand| counts(demand)) {
-                constraints.push(HalfSpace {
-                    direction: demand.directions[corner],
-                    least: demand.lacks[corner],
-                    share: demand.shares[corner],
-                });
-            }
-        }
-        constraints
+    /// What the faces around a vertex ask for, and of which of their corners.
+    fn asked(&self, vertex: u32, side: usize) -> impl Iterator<Item = (&Demand, usize)> {
+        let demands = &self.demands[side];
+        self.around
+            .of(vertex)
+            .flat_map(|(face, corner)| demands.of_face(face).iter().map(move |demand| (demand, corner)))
     }
 
     /// Displaces a vertex by its margin, or by as much of it as the limit allows. Where faces ask for what
     /// cannot be, they are asked for the primitives alone that they are on: beyond those, others take over.
     fn displace(&mut self, vertex: u32, side: usize) {
         let allowance = self.margins[side][vertex as usize].allowance;
-        let all = self.constraints(vertex, side, &|_| true);
+        let all = self.asked(vertex, side);
+        let all: Vec<HalfSpace> = all.map(|(demand, corner)| demand.of_corner(corner)).collect();
         let mut chosen = self.displacement(&all, allowance);
         if !chosen.has_margin {
-            let own = self.constraints(vertex, side, &|demand| demand.is_on);
+            let own = self.asked(vertex, side).filter(|(demand, _)| demand.is_on);
+            let own: Vec<HalfSpace> = own.map(|(demand, corner)| demand.of_corner(corner)).collect();
             let of_own = self.displacement(&own, allowance);
             chosen = if of_own.has_margin { of_own } else { chosen };
         }
@@ -426,7 +422,7 @@ impl Incidence {
 
     /// By face, about how far its corners have to be displaced: twice as far as any face about them is from
     /// the surface.
-    fn reaches(&self, mesh: &Mesh, ids: &[u32], deviations: &[f64]) -> Vec<f64> {
+    fn reaches(&self, mesh: &Mesh, ids: &[u32], deviations: &[f64]) -> Vec<Reach> {
         let larger = |a: f64, b: f64| if b > a { b } else { a };
         let n = mesh.positions().len() as u32;
         let of_vertex: Vec<f64> = (0..n)
@@ -434,7 +430,9 @@ impl Incidence {
             .collect();
         let of_face = |(number, face): (usize, &[u32; 3])| {
             let least = FACE_SHARE * crate::math::Box3::around(&mesh.corners(number)).diagonal();
-            face.iter().fold(least, |most, v| larger(most, 2.0 * of_vertex[ids[*v as usize] as usize]))
+            let far =
+                face.iter().fold(least, |most, v| larger(most, 2.0 * of_vertex[ids[*v as usize] as usize]));
+            Reach { at_first: far, now: far }
         };
         mesh.faces().iter().enumerate().map(of_face).collect()
     }

@@ -194,6 +194,36 @@ fn stacked_boxes_have_no_wall_between_them() {
     assert!(!look(&whole, &apart, Some(0.01)).is_proved());
 }
 
+/// An octahedron of two halves that abut.
+fn halves(centre: [f64; 3], radius: f64) -> Expr {
+    let axes = Expr::axes();
+    let [x, y, z]: [Expr; 3] = std::array::from_fn(|k| &axes[k] - centre[k]);
+    let half = |x: &Expr| {
+        let planes = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)]
+            .map(|(a, b)| &(&(x + &(&y * a)) + &(&z * b)) - radius);
+        planes.iter().fold(-x, |all, plane| all.max(plane))
+    };
+    half(&x).min(&half(&-&x))
+}
+
+#[test]
+fn a_part_or_a_hole_of_two_halves_is_not_missed() {
+    let block = shapes::cuboid([2.0; 3]).unwrap();
+    let bounds = Box3 { min: [-1.1; 3], max: [1.7, 1.1, 1.1] };
+    let hull = cuboid([-1.0; 3], [1.0; 3]);
+    for radius in [0.3, 0.03, 0.011] {
+        let at = [1.35, 0.1, 0.2];
+        let field = Field::new(block.sign().min(&halves(at, radius))).with_bounds(bounds);
+        assert!(!look(&field, &hull, Some(0.01)).is_proved(), "a part of {radius}");
+        assert!(look(&field, &both(&hull, &ball(at, radius, 0)), Some(0.01)).is_proved(), "{radius}");
+        let at = [0.3, 0.1, 0.2];
+        let field = Field::new(block.sign().max(&-&halves(at, radius))).with_bounds(bounds);
+        assert!(!look(&field, &hull, Some(0.01)).is_proved(), "a hole of {radius}");
+        let hollow = both(&hull, &turned(&ball(at, radius, 0)));
+        assert!(look(&field, &hollow, Some(0.01)).is_proved(), "{radius}");
+    }
+}
+
 #[test]
 fn where_solids_touch_faces_are_open_and_nowhere_else() {
     // No copy comes between the two: what is inside of both meets in a point.
