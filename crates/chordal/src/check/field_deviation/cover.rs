@@ -39,8 +39,8 @@
 //! Sources: F. Clarke, *Optimization and nonsmooth analysis*, 1983, 2.3 and 2.6; A. Filippov, *Differential equations with discontinuous
 //! righthand sides*, 1988.
 use super::growth::direction;
-use super::local_trees::{LocalTree, LocalTrees, MOST_CASES, by_value, has_thin_zeros};
-use super::regions::{SignRegions, side_of};
+use super::local_trees::{LiteralSides, LocalTree, LocalTrees, MOST_CASES, by_value, has_thin_zeros};
+use super::regions::SignRegions;
 use super::walls;
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator, SlopeRange};
 use crate::math::{Box3, Interval, add_down, add_up, mul_up, sub_up};
@@ -264,9 +264,9 @@ impl FieldCover {
         let mut asked = Vec::with_capacity(cells.len());
         for cell in cells {
             let bounds = self.bounds_of(&self.cells[*cell as usize]);
-            let meets =
-                (0..3).all(|k| bounds.min[k] <= self.bounds.max[k] && bounds.max[k] >= self.bounds.min[k]);
-            if !meets {
+            let is_apart =
+                (0..3).any(|k| bounds.min[k] > self.bounds.max[k] || bounds.max[k] < self.bounds.min[k]);
+            if is_apart {
                 self.cells[*cell as usize].state = CellState::Decided(Membership::Outside);
             } else if self.cells[*cell as usize].level < FIRST {
                 self.open.push(*cell);
@@ -336,7 +336,8 @@ impl FieldCover {
     /// Whether a cell is on one side.
     fn decide(&mut self, cell: u32, ranges: &CellRanges) -> bool {
         let local = self.trees.get(self.cells[cell as usize].tree);
-        let sides: Vec<Membership> = ranges.slopes.iter().map(|slope| side_of(&slope.value)).collect();
+        let sides: Vec<LiteralSides> =
+            ranges.slopes.iter().map(|slope| LiteralSides::of_range(&slope.value)).collect();
         let side = local.membership(&sides, &ranges.slopes);
         if side != Membership::Unknown {
             self.cells[cell as usize].state = CellState::Decided(side);

@@ -41,7 +41,7 @@ pub(super) fn judged(search: &Search, bvh: &Bvh) -> Result<Option<FieldDeviation
         && let Some(verdict) = look(Some(max.get()), WITH_LIMIT)?
     {
         let ends = lower_ends(search, &verdict, bvh, PROBED[0])?;
-        return Ok(Some(conclusion(search, &csg, &verdict, &ends, bvh)));
+        return Ok(conclusion(search, &csg, &verdict, &ends, bvh));
     }
     let mut best: Option<(Verdict, LowerEnds)> = None;
     for margin in WITHOUT {
@@ -60,14 +60,14 @@ pub(super) fn judged(search: &Search, bvh: &Bvh) -> Result<Option<FieldDeviation
             break;
         }
     }
-    Ok(best.map(|(verdict, ends)| conclusion(search, &csg, &verdict, &ends, bvh)))
+    Ok(best.and_then(|(verdict, ends)| conclusion(search, &csg, &verdict, &ends, bvh)))
 }
 
-/// The bound of a mesh that is proved.
-pub(super) fn bound_of(search: &Search, verdict: &Verdict, bvh: &Bvh) -> Result<Bound, Stopped> {
+/// The bound of a mesh that is proved; none where a lower end contradicts it.
+pub(super) fn bound_of(search: &Search, verdict: &Verdict, bvh: &Bvh) -> Result<Option<Bound>, Stopped> {
     let csg = Csg::of_graph(search.tape.graph());
     let ends = lower_ends(search, verdict, bvh, PROBED[0])?;
-    Ok(conclusion(search, &csg, verdict, &ends, bvh).bound)
+    Ok(conclusion(search, &csg, verdict, &ends, bvh).map(|found| found.bound))
 }
 
 /// How far points of the worst faces are from the surface at least, and points of the surface beside them
@@ -115,22 +115,28 @@ fn middle(corners: &[[f64; 3]; 3]) -> [f64; 3] {
     std::array::from_fn(|k| (corners[0][k] + corners[1][k] + corners[2][k]) / 3.0)
 }
 
-fn conclusion(search: &Search, csg: &Csg, verdict: &Verdict, ends: &LowerEnds, bvh: &Bvh) -> FieldDeviation {
+/// None where a lower end is above the verdict's bound: a promise of the field's was false then.
+fn conclusion(
+    search: &Search,
+    csg: &Csg,
+    verdict: &Verdict,
+    ends: &LowerEnds,
+    bvh: &Bvh,
+) -> Option<FieldDeviation> {
+    let least = larger(ends.forward, ends.backward);
+    if least > verdict.bound {
+        return None;
+    }
     let nearest = |p: [f64; 3]| bvh.closest_point(p).map_or(p, |closest| closest.point);
-    let one_sided = |at_least: f64, from: [f64; 3], to: [f64; 3]| OneSided {
-        at_least,
-        at_most: larger(verdict.bound, at_least),
-        from,
-        to,
-    };
+    let one_sided =
+        |at_least: f64, from: [f64; 3], to: [f64; 3]| OneSided { at_least, at_most: verdict.bound, from, to };
     let forward = one_sided(ends.forward, ends.from_mesh, ends.from_mesh);
     let backward = one_sided(ends.backward, ends.from_field, nearest(ends.from_field));
-    let least = larger(ends.forward, ends.backward);
-    let most = larger(verdict.bound, least);
+    let most = verdict.bound;
     let evidence = search.evidence.weaker(&csg.evidence());
     let mut bound = Bound::with_evidence(least, Some(most), evidence, Reference::Field);
     bound.at = Some(if ends.backward > ends.forward { ends.from_field } else { ends.from_mesh });
     let beyond = search.goal.max.is_some_and(|max| least > max.get());
     let reached = most <= search.enough(least) || beyond;
-    FieldDeviation { bound, forward, backward, reached, unresolved: 0 }
+    Some(FieldDeviation { bound, forward, backward, reached, unresolved: 0 })
 }

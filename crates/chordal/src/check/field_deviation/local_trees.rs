@@ -7,6 +7,39 @@
 //! p and its complement are outside. So for a few such primitives all cases are gone through.
 use crate::implicit::{CsgNode, CsgTree, Membership, Restricted, SlopeRange};
 
+/// On which sides of a primitive and of its complement a set is. Where the primitive is 0, both are outside; what is
+/// at most 0 may so be outside of its complement, without being inside of itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct LiteralSides {
+    plain: Membership,
+    complement: Membership,
+}
+
+impl LiteralSides {
+    pub const INSIDE: Self = Self { plain: Membership::Inside, complement: Membership::Outside };
+    pub const OUTSIDE: Self = Self { plain: Membership::Outside, complement: Membership::Inside };
+    pub const UNKNOWN: Self = Self { plain: Membership::Unknown, complement: Membership::Unknown };
+
+    /// From the range of all values.
+    pub fn of_range([low, high]: &[f64; 2]) -> Self {
+        let side = |is_inside, is_outside| match (is_inside, is_outside) {
+            (true, _) => Membership::Inside,
+            (_, true) => Membership::Outside,
+            _ => Membership::Unknown,
+        };
+        Self { plain: side(*high < 0.0, *low >= 0.0), complement: side(*low > 0.0, *high <= 0.0) }
+    }
+
+    pub fn of(&self, falls: bool) -> Membership {
+        if falls { self.complement } else { self.plain }
+    }
+
+    /// Whether one of them is not known.
+    pub fn is_open(&self) -> bool {
+        self.plain == Membership::Unknown || self.complement == Membership::Unknown
+    }
+}
+
 /// A tree with its primitives.
 #[derive(Clone, Debug)]
 pub(super) struct LocalTree {
@@ -57,12 +90,12 @@ impl LocalTree {
     }
 
     /// On which side a set is, up to closed cracks, from the sides of the primitives in the order of the list.
-    pub fn membership(&self, sides: &[Membership], slopes: &[SlopeRange]) -> Membership {
-        let plain = self.tree.membership(|p| sides[self.place(p)]);
+    pub fn membership(&self, sides: &[LiteralSides], slopes: &[SlopeRange]) -> Membership {
+        let plain = self.membership_without_cracks(sides);
         if plain != Membership::Unknown || self.mixed.is_empty() {
             return plain;
         }
-        let is_open = |k: &&u32| sides[**k as usize] == Membership::Unknown;
+        let is_open = |k: &&u32| sides[**k as usize].is_open();
         let open: Vec<usize> = self.mixed.iter().filter(is_open).map(|k| *k as usize).collect();
         if open.is_empty() || open.len() > MOST_CASES {
             return Membership::Unknown;
@@ -71,9 +104,10 @@ impl LocalTree {
         let mut all = None;
         for case in 0..1_u32 << open.len() {
             for (bit, k) in open.iter().enumerate() {
-                of_case[*k] = if case >> bit & 1 == 1 { Membership::Inside } else { Membership::Outside };
+                let is_inside = case >> bit & 1 == 1;
+                of_case[*k] = if is_inside { LiteralSides::INSIDE } else { LiteralSides::OUTSIDE };
             }
-            let side = self.tree.membership(|p| of_case[self.place(p)]);
+            let side = self.membership_without_cracks(&of_case);
             if side == Membership::Unknown || all.is_some_and(|all| all != side) {
                 return Membership::Unknown;
             }
@@ -86,6 +120,11 @@ impl LocalTree {
             Some(side) => side,
             None => Membership::Unknown,
         }
+    }
+
+    /// The same where nothing is closed.
+    pub fn membership_without_cracks(&self, sides: &[LiteralSides]) -> Membership {
+        self.tree.membership(|p, falls| sides[self.place(p)].of(falls))
     }
 }
 
@@ -109,12 +148,12 @@ impl LocalTrees {
     }
 
     /// The number of what is left of a tree: its own if all is.
-    pub fn restricted(&mut self, number: u32, sides: &[Membership]) -> Result<u32, Membership> {
-        if sides.iter().all(|side| *side == Membership::Unknown) {
+    pub fn restricted(&mut self, number: u32, sides: &[LiteralSides]) -> Result<u32, Membership> {
+        if sides.iter().all(|side| *side == LiteralSides::UNKNOWN) {
             return Ok(number);
         }
         let local = self.get(number);
-        match local.tree.restricted(|p| sides[local.place(p)]) {
+        match local.tree.restricted(|p, falls| sides[local.place(p)].of(falls)) {
             Restricted::Decided(side) => Err(side),
             Restricted::Open(tree) => Ok(self.push(tree)),
         }

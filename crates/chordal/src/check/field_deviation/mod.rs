@@ -135,13 +135,14 @@ pub fn field_deviation(
     })
 }
 
-/// The bound of a mesh from its verdict, which is proved, with a lower end from a few of the worst faces.
+/// The bound of a mesh from its verdict, which is proved, with a lower end from a few of the worst faces; none
+/// where the lower end contradicts the verdict.
 pub(crate) fn judged_bound(
     mesh: &Mesh,
     field: &Field,
     verdict: &Verdict,
     job: &Job,
-) -> Result<Bound, Stopped> {
+) -> Result<Option<Bound>, Stopped> {
     let (tape, bounds) = (Tape::of(field.sign()), field.bounds());
     let goal = Goal::default();
     let bvh = Bvh::build(mesh, job)?;

@@ -12,7 +12,7 @@
 //!
 //! The values at the corners are ranges over points. Every piece is cut at rounded middles, so that a point
 //! of the triangle that is asked about may be off the nearest point of its piece, along each axis, by [`OFF`]
-//! of the largest coordinate. E has that much room, and f is given `Σₖ |G|ₖ·off` more. So a sign that is
+//! of the largest coordinate of the triangle. E has that much room, and f is given `Σₖ |G|ₖ·off` more. So a sign that is
 //! proved holds in a neighbourhood of the triangle: by the range over E, which holds the piece in its
 //! interior, or strictly, for a function that is continuous there.
 //!
@@ -20,12 +20,13 @@
 //! inherit what is decided.
 //!
 //! Source: G. Lebourg, *Valeur moyenne pour gradient généralisé*, 1975.
-use super::regions::{SignRegions, side_of};
+use super::local_trees::LiteralSides;
+use super::regions::SignRegions;
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator, SlopeRange};
 use crate::math::{Box3, add_down, add_up, difference, dot, length, length_up, mul_up, sub_down, sub_up};
 use std::collections::HashMap;
 
-/// How far a point of a triangle may be off its piece, as a share of the largest coordinate: derived, each of
+/// How far a point of a triangle may be off its piece, as a share of its largest coordinate: derived, each of
 /// up to [`MOST_CUTS`] middles is rounded by half of ε at most; taken three times, so that E holds the piece
 /// in its interior.
 const OFF: f64 = 32.0 * f64::EPSILON;
@@ -59,6 +60,8 @@ const MOST_PIECES: usize = 1 << 14;
 
 struct SignPiece {
     corners: [[f64; 3]; 3],
+    /// How far points of the triangle may be off it.
+    off: f64,
     face: u32,
     tree: u32,
     /// Where its values at the corners begin, by primitive of the tree.
@@ -161,10 +164,13 @@ fn looked_at(
             if *face != FaceSide::Proved {
                 continue;
             }
-            let shape = PieceShape::of(&piece.corners);
+            let shape = PieceShape::of(piece);
             let at_corners = &values[piece.values..];
-            let sides: Vec<Membership> =
-                own.iter().zip(at_corners).map(|(slope, at_corners)| shape.side(slope, at_corners)).collect();
+            let sides: Vec<LiteralSides> = own
+                .iter()
+                .zip(at_corners)
+                .map(|(slope, at_corners)| shape.sides(slope, at_corners))
+                .collect();
             let side = local.membership(&sides, own);
             if side == question.side {
                 continue;
@@ -211,7 +217,8 @@ fn whole(
     found: &mut [FaceSide],
 ) -> Result<(Vec<SignPiece>, Vec<CornerValues>), LeafError> {
     let corners_of = |face: &[u32; 3]| face.map(|v| question.positions[v as usize]);
-    let boxes: Vec<Box3> = question.faces.iter().map(|face| roomy(&corners_of(face))).collect();
+    let boxes: Vec<Box3> =
+        question.faces.iter().map(corners_of).map(|corners| roomy(&corners, off(&corners))).collect();
     let trees = regions.trees_of(evaluator, &boxes)?;
     let mut pairs: Vec<(u32, u32)> = Vec::new();
     let mut pieces = Vec::new();
@@ -228,7 +235,9 @@ fn whole(
         };
         let primitives = &regions.trees.get(tree).primitives;
         pairs.extend(primitives.iter().flat_map(|p| face.map(|v| (*p, v))));
-        pieces.push(SignPiece { corners: corners_of(face), face: number as u32, tree, values: n_values });
+        let corners = corners_of(face);
+        let off = off(&corners);
+        pieces.push(SignPiece { corners, off, face: number as u32, tree, values: n_values });
         n_values += primitives.len();
     }
     pairs.sort_unstable();
@@ -274,7 +283,7 @@ fn halves(
         for replaced in [(side + 1) % 3, *side] {
             let mut corners = piece.corners;
             corners[replaced] = middle;
-            parts.push(SignPiece { corners, face: piece.face, tree: *tree, values: part_values.len() });
+            parts.push(SignPiece { corners, tree: *tree, values: part_values.len(), ..*piece });
             for (p, at_middle) in new.primitives.iter().zip(at_middle) {
                 let mut at_corners = values[piece.values + old.place(*p)];
                 at_corners[replaced] = *at_middle;
@@ -287,11 +296,11 @@ fn halves(
 
 /// The side along which the primitives that leave a piece open change most, each beside its steepest change:
 /// along the axis of an extrusion they do not change.
-fn side_to_cut(corners: &[[f64; 3]; 3], sides: &[Membership], slopes: &[SlopeRange]) -> usize {
+fn side_to_cut(corners: &[[f64; 3]; 3], sides: &[LiteralSides], slopes: &[SlopeRange]) -> usize {
     let along = |k: usize| {
         let d = difference(corners[(k + 1) % 3], corners[k]);
-        let is_open = |(side, _): &(&Membership, &SlopeRange)| **side == Membership::Unknown;
-        let of_one = |(_, slope): (&Membership, &SlopeRange)| {
+        let is_open = |(sides, _): &(&LiteralSides, &SlopeRange)| sides.is_open();
+        let of_one = |(_, slope): (&LiteralSides, &SlopeRange)| {
             let Some(gradient) = slope.gradient else { return length(d) };
             let [low, high] = gradient.iter().zip(d).fold([0.0; 2], |[low, high], (g, x)| {
                 let (a, b) = (g.lo() * x, g.hi() * x);
@@ -316,7 +325,7 @@ fn longest_side(corners: &[[f64; 3]; 3]) -> usize {
     (0..3).fold(0, |best, k| if side(k) > side(best) { k } else { best })
 }
 
-/// How far points of the triangle may be off a piece with these corners.
+/// How far points of a triangle with these corners may be off its pieces.
 fn off(corners: &[[f64; 3]; 3]) -> f64 {
     let most =
         corners.as_flattened().iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
@@ -324,15 +333,14 @@ fn off(corners: &[[f64; 3]; 3]) -> f64 {
 }
 
 /// E.
-fn roomy(corners: &[[f64; 3]; 3]) -> Box3 {
-    let off = off(corners);
+fn roomy(corners: &[[f64; 3]; 3], off: f64) -> Box3 {
     let bare = Box3::around(corners);
     Box3 { min: bare.min.map(|x| sub_down(x, off)), max: bare.max.map(|x| add_up(x, off)) }
 }
 
 impl SignPiece {
     fn bounds(&self) -> Box3 {
-        roomy(&self.corners)
+        roomy(&self.corners, self.off)
     }
 }
 
@@ -346,7 +354,8 @@ struct PieceShape {
 }
 
 impl PieceShape {
-    fn of(corners: &[[f64; 3]; 3]) -> Self {
+    fn of(piece: &SignPiece) -> Self {
+        let corners = &piece.corners;
         let centre = centre(corners);
         let radius = corners.iter().fold(0.0, |most, corner| {
             let far =
@@ -355,16 +364,13 @@ impl PieceShape {
         });
         let bare = Box3::around(corners);
         let widths = std::array::from_fn(|k| sub_up(bare.max[k], bare.min[k]));
-        Self { radius, widths, off: off(corners) }
+        Self { radius, widths, off: piece.off }
     }
 
-    /// On which side of a primitive the piece is.
-    fn side(&self, slope: &SlopeRange, at_corners: &CornerValues) -> Membership {
-        let by_range = side_of(&slope.value);
-        if by_range != Membership::Unknown {
-            return by_range;
-        }
-        let Some(gradient) = slope.gradient else { return Membership::Unknown };
+    /// On which sides of a primitive and of its complement the piece is.
+    fn sides(&self, slope: &SlopeRange, at_corners: &CornerValues) -> LiteralSides {
+        let by_range = LiteralSides::of_range(&slope.value);
+        let Some(gradient) = slope.gradient.filter(|_| by_range.is_open()) else { return by_range };
         let half_widths = gradient.map(|d| mul_up(0.5, sub_up(d.hi(), d.lo())));
         let by_radius = mul_up(length_up(half_widths), self.radius);
         let sum = (0..3).fold(0.0, |sum, k| add_up(sum, mul_up(half_widths[k], self.widths[k])));
@@ -376,11 +382,11 @@ impl PieceShape {
         let high =
             at_corners.iter().fold(f64::NEG_INFINITY, |high, [_, b]| if *b > high { *b } else { high });
         if add_down(low, -stray) > 0.0 {
-            Membership::Outside
+            LiteralSides::OUTSIDE
         } else if add_up(high, stray) < 0.0 {
-            Membership::Inside
+            LiteralSides::INSIDE
         } else {
-            Membership::Unknown
+            by_range
         }
     }
 }

@@ -3,7 +3,7 @@
 //! A region is a cell with half of its size around it, so a box that is smaller than a cell lies in the
 //! region of the cell that holds its middle. Regions are made when enough boxes ask for them; each knows the
 //! tree of what its primitives' signs leave open.
-use super::local_trees::LocalTrees;
+use super::local_trees::{LiteralSides, LocalTrees};
 use super::pieces::KnownSides;
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
 use crate::math::Box3;
@@ -105,24 +105,13 @@ impl SignRegions {
         for (parent, octant, cell, tree) in new {
             let (own, after) = rest.split_at(self.trees.get(tree).primitives.len());
             rest = after;
-            let sides: Vec<Membership> = own.iter().map(side_of).collect();
+            let sides: Vec<LiteralSides> = own.iter().map(LiteralSides::of_range).collect();
             let tree = self.trees.restricted(tree, &sides);
             let level = self.regions[parent as usize].level + 1;
             self.regions[parent as usize].children[octant] = Some(self.regions.len() as u32);
             self.regions.push(SignRegion { cell, level, tree, children: [None; 8] });
         }
         Ok(())
-    }
-}
-
-/// The side of all values of a range.
-pub(super) fn side_of(range: &[f64; 2]) -> Membership {
-    if range[1] < 0.0 {
-        Membership::Inside
-    } else if range[0] >= 0.0 {
-        Membership::Outside
-    } else {
-        Membership::Unknown
     }
 }
 

@@ -3,7 +3,7 @@ use super::judge::{FieldJudge, Verdict};
 use super::sandwich::SandwichGoal;
 use crate::budget::Job;
 use crate::explicit::{Bvh, Mesh};
-use crate::implicit::{Csg, Expr, Field, shapes};
+use crate::implicit::{Csg, Expr, Field, Unary, shapes};
 use crate::math::Box3;
 use std::collections::BTreeMap;
 
@@ -222,6 +222,24 @@ fn a_part_or_a_hole_of_two_halves_is_not_missed() {
         let hollow = both(&hull, &turned(&ball(at, radius, 0)));
         assert!(look(&field, &hollow, Some(0.01)).is_proved(), "{radius}");
     }
+}
+
+#[test]
+fn where_a_function_is_zero_its_complement_is_outside_too() {
+    let [x, y, z] = Expr::axes();
+    let round = &(&(&x.square() + &y.square()) + &z.square()) - 1.0;
+    let bounds = Box3 { min: [-1.1; 3], max: [1.1; 3] };
+    let whole = ball([0.0; 3], 1.0, 3);
+    // 0 from -0.5 to 0.5, so that the slice is not there.
+    let steps = Expr::unary(Unary::Floor, &(&x + 0.5));
+    let sliced = Field::new(round.max(&steps.min(&-&steps))).with_bounds(bounds);
+    assert!(!look(&sliced, &whole, Some(0.1)).is_proved());
+    // 0 up to x = 5.
+    let far = (&x - 5.0).max(&Expr::constant(0.0));
+    let flat = &far * &far;
+    let nothing = Field::new(round.max(&flat.min(&(-&flat).max(&(&x - 2.0))))).with_bounds(bounds);
+    assert!(!look(&nothing, &whole, Some(0.1)).is_proved());
+    assert!(look(&Field::new(round).with_bounds(bounds), &whole, Some(0.1)).is_proved());
 }
 
 #[test]

@@ -14,7 +14,8 @@
 //!
 //! So a flow that ends in the cell ends in a part, and a point of each part is one that the mesh has to wind around in the right way.
 use super::cover::{FieldCover, SeenPoint, padded};
-use super::regions::{SignRegions, side_of};
+use super::local_trees::LiteralSides;
+use super::regions::SignRegions;
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
 use crate::math::Box3;
 
@@ -31,7 +32,7 @@ struct WallPrism {
     bounds: Box3,
     /// The tree, and the sides of its primitives in P.
     tree: u32,
-    sides: Vec<Membership>,
+    sides: Vec<LiteralSides>,
     /// The primitives that change their sign, and whether they grow along the axis.
     levels: Vec<(u32, bool)>,
 }
@@ -81,9 +82,9 @@ fn monotone(
         let local = regions.trees.get(prism.tree);
         let (own, after) = rest.split_at(local.primitives.len());
         rest = after;
-        prism.sides = own.iter().map(|slope| side_of(&slope.value)).collect();
-        for (p, slope) in local.primitives.iter().zip(own) {
-            if side_of(&slope.value) != Membership::Unknown {
+        prism.sides = own.iter().map(|slope| LiteralSides::of_range(&slope.value)).collect();
+        for ((p, slope), sides) in local.primitives.iter().zip(own).zip(&prism.sides) {
+            if !sides.is_open() {
                 continue;
             }
             let Some(gradient) = slope.gradient else { return false };
@@ -203,19 +204,19 @@ fn parts(
     ranges: &[[f64; 2]],
 ) -> Option<Vec<SeenPoint>> {
     let local = regions.trees.get(prism.tree);
-    let mut before: Option<Vec<Membership>> = None;
+    let mut before: Option<Vec<LiteralSides>> = None;
     let mut seen = Vec::with_capacity(points.len());
     for (at, ranges) in points.iter().zip(ranges.chunks_exact(prism.levels.len())) {
         let mut sides = prism.sides.clone();
         for ((p, _), range) in prism.levels.iter().zip(ranges) {
-            let side = if range[1] < 0.0 { Membership::Inside } else { Membership::Outside };
+            let of_level = LiteralSides::of_range(range);
             // A part is where no level is 0.
-            if range[0] <= 0.0 && range[1] >= 0.0 {
+            if of_level.is_open() || *range == [0.0; 2] {
                 return None;
             }
-            sides[local.place(*p)] = side;
+            sides[local.place(*p)] = of_level;
         }
-        let side = local.tree.membership(|p| sides[local.place(p)]);
+        let side = local.membership_without_cracks(&sides);
         if side == Membership::Unknown || before.as_ref() == Some(&sides) {
             return None;
         }

@@ -170,7 +170,7 @@ impl LinearCell<'_> {
             (None, true) => Membership::Inside,
             (None, false) => Membership::Outside,
         };
-        match self.tree.restricted(side) {
+        match self.tree.restricted(|p, falls| side(p).of_literal(falls)) {
             Restricted::Decided(_) => None,
             Restricted::Open(tree) => Some(Truth::Tree(tree, RefCell::default())),
         }

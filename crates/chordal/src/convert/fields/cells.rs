@@ -41,8 +41,10 @@ impl OpenTree {
         let is_mixed = |polarity: &Polarity| polarity.plain && polarity.complemented;
         let mixed = self.primitives.iter().zip(&self.polarity).filter(|(_, polarity)| is_mixed(polarity));
         mixed.map(|(p, _)| *p).any(|p| {
-            let with =
-                |side: Membership| self.tree.restricted(|q| if q == p { side } else { Membership::Unknown });
+            let with = |side: Membership| {
+                let of = |q, falls| if q == p { side.of_literal(falls) } else { Membership::Unknown };
+                self.tree.restricted(of)
+            };
             match (with(Membership::Inside), with(Membership::Outside)) {
                 (Restricted::Decided(a), Restricted::Decided(b)) => a == b,
                 _ => false,
@@ -87,7 +89,7 @@ pub(super) fn restricted(open: &Arc<OpenTree>, sides: &[Membership]) -> Option<A
     if open.primitives.len() == 1 {
         return None;
     }
-    match open.tree.restricted(|p| sides[place(&open.primitives, p)]) {
+    match open.tree.restricted(|p, falls| sides[place(&open.primitives, p)].of_literal(falls)) {
         Restricted::Decided(_) => None,
         Restricted::Open(tree) => Some(Arc::new(OpenTree::of(tree))).filter(|left| !left.is_cancelled()),
     }

@@ -132,8 +132,11 @@ impl<'s> Search<'s> {
             let (mesh, numbers) = mesh_of(&improved);
             let verdict = judge.look(&mesh, &goal)?;
             if verdict.is_proved() {
-                let bound = judged_bound(&mesh, self.field, &verdict, self.job)?;
-                return Ok(Attempt::Proved(Bounded { shape: mesh, bound }));
+                if let Some(bound) = judged_bound(&mesh, self.field, &verdict, self.job)? {
+                    return Ok(Attempt::Proved(Bounded { shape: mesh, bound }));
+                }
+                n_open = 0;
+                break;
             }
             let mut open: Vec<u32> = verdict.open.iter().flatten().map(|f| numbers[*f as usize]).collect();
             open.sort_unstable();
@@ -217,8 +220,9 @@ impl<'s> Search<'s> {
         let csg = Csg::of(self.field.sign());
         let mut judge = FieldJudge::new(&csg, &self.field.bounds(), self.job).map_err(leaf_failed)?;
         let verdict = judge.look(&mesh, &SandwichGoal::new(None, MARGIN))?;
-        if verdict.is_proved() {
-            let bound = judged_bound(&mesh, self.field, &verdict, self.job)?;
+        if verdict.is_proved()
+            && let Some(bound) = judged_bound(&mesh, self.field, &verdict, self.job)?
+        {
             return Ok(Bounded { shape: mesh, bound });
         }
         let made = self.measured(mesh)?;

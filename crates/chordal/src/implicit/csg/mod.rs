@@ -464,7 +464,7 @@ fn level(base: u32, ops: &[Monotone]) -> Option<Level> {
     let is_sound = at.is_finite()
         && size.is_finite()
         && scale.is_normal()
-        && (at != 0.0 || offset == 0.0)
+        && (at.is_normal() || offset == 0.0)
         && ops.len() <= MOST_ROUNDINGS;
     is_sound.then_some(Level { base, at, size, is_exact, falls: scale < 0.0 })
 }
@@ -488,16 +488,22 @@ impl Shift {
                 self.add(k);
             }
             Monotone::Mul(k) => {
+                self.scale_by(self.scale * k, self.offset * k);
                 self.is_exact &= is_power_of_two(k);
-                (self.scale, self.offset) = (self.scale * k, self.offset * k);
             }
             Monotone::Div(k) => {
+                self.scale_by(self.scale / k, self.offset / k);
                 self.is_exact &= is_power_of_two(k);
-                (self.scale, self.offset) = (self.scale / k, self.offset / k);
             }
         }
         let size = (self.offset / self.scale).abs();
         self.size = if size > self.size || size.is_nan() { size } else { self.size };
+    }
+
+    fn scale_by(&mut self, scale: f64, offset: f64) {
+        // Digits are lost below the normal numbers.
+        self.is_exact &= offset.is_normal() || self.offset == 0.0;
+        (self.scale, self.offset) = (scale, offset);
     }
 
     fn add(&mut self, k: f64) {

@@ -81,6 +81,19 @@ fn levels_that_were_rounded_are_parallel_where_they_are_clearly_apart() {
 }
 
 #[test]
+fn levels_that_underflow_are_not_one() {
+    let t = &Expr::axes()[0] * &(&Expr::axes()[1] * 0.0).cos();
+    let primitives = |scale: f64| {
+        let moved = &(&t + 1e-300) * scale;
+        Csg::of(&t.max(&-&moved)).primitives().len()
+    };
+    // 2 to the power of −20, and of −1000.
+    assert_eq!([2.0_f64.powi(-20), 2.0_f64.powi(-1000)].map(primitives), [2, 2]);
+    let same = |scale: f64| Csg::of(&t.max(&(&t * -scale))).primitives().len();
+    assert_eq!(same(2.0_f64.powi(-1000)), 1);
+}
+
+#[test]
 fn regions_change_no_value_and_hold_every_value() {
     let mut whole = shapes::sphere(0.3).unwrap();
     for k in 0..24 {

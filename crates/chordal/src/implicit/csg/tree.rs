@@ -14,14 +14,14 @@ pub enum Membership {
 }
 
 impl Membership {
-    /// That of the complement.
+    /// That of a literal of a primitive that is 0 nowhere in the region: of the complement, where it `falls`.
     #[inline]
     #[must_use]
-    pub fn complement(self) -> Self {
-        match self {
-            Self::Inside => Self::Outside,
-            Self::Outside => Self::Inside,
-            Self::Unknown => Self::Unknown,
+    pub fn of_literal(self, falls: bool) -> Self {
+        match (self, falls) {
+            (Self::Inside, true) => Self::Outside,
+            (Self::Outside, true) => Self::Inside,
+            (side, _) => side,
         }
     }
 
@@ -105,13 +105,11 @@ impl CsgTree {
         all
     }
 
-    /// Membership in the whole from that in the primitives: three-valued logic.
+    /// Membership in the whole from that in the literals, each a primitive and whether it stands as its
+    /// complement: three-valued logic. Where a primitive is 0, its complement is outside as well.
     #[must_use]
-    pub fn membership(&self, mut of: impl FnMut(u32) -> Membership) -> Membership {
-        self.fold(
-            |p, complemented| if complemented { of(p).complement() } else { of(p) },
-            |sides, is_union| joined(sides.iter().copied(), is_union),
-        )
+    pub fn membership(&self, of: impl FnMut(u32, bool) -> Membership) -> Membership {
+        self.fold(of, |sides, is_union| joined(sides.iter().copied(), is_union))
     }
 
     /// Whether the whole is inside, from the primitives that are.
@@ -148,9 +146,10 @@ impl CsgTree {
         )
     }
 
-    /// The tree without what is decided: `of` classifies a region against each primitive.
+    /// The tree without what is decided: `of` classifies a region against each literal, a primitive and
+    /// whether it stands as its complement.
     #[must_use]
-    pub fn restricted(&self, mut of: impl FnMut(u32) -> Membership) -> Restricted {
+    pub fn restricted(&self, mut of: impl FnMut(u32, bool) -> Membership) -> Restricted {
         // The stack holds, for each result, its side and where its nodes begin in `kept`.
         let mut kept: Vec<CsgNode> = Vec::with_capacity(self.nodes.len());
         let mut stack: Vec<(Membership, usize)> = Vec::new();
@@ -158,8 +157,7 @@ impl CsgTree {
             let start = kept.len();
             match *node {
                 CsgNode::Primitive(p) | CsgNode::Complement(p) => {
-                    let complemented = matches!(node, CsgNode::Complement(_));
-                    let side = if complemented { of(p).complement() } else { of(p) };
+                    let side = of(p, matches!(node, CsgNode::Complement(_)));
                     if side == Membership::Unknown {
                         kept.push(*node);
                     }
@@ -186,13 +184,6 @@ impl CsgTree {
         match stack.first() {
             Some((Membership::Unknown, _)) | None => Restricted::Open(Self { nodes: kept }),
             Some((side, _)) => Restricted::Decided(*side),
-        }
-    }
-
-    /// Adds to `into` the primitives in undecided parts: only these can change the whole.
-    pub fn undecided(&self, of: impl FnMut(u32) -> Membership, into: &mut Vec<u32>) {
-        if let Restricted::Open(rest) = self.restricted(of) {
-            into.extend(rest.primitives());
         }
     }
 
@@ -299,7 +290,8 @@ mod tests {
         for bits in 0..8_u32 {
             let value = |p: u32| if bits >> p & 1 == 1 { -1.0 - f64::from(p) } else { 1.0 + f64::from(p) };
             let expected = tree.value(value);
-            assert_eq!(tree.membership(|p| Membership::of(value(p))), Membership::of(expected));
+            let side = |p, falls| Membership::of(value(p)).of_literal(falls);
+            assert_eq!(tree.membership(side), Membership::of(expected));
             assert_eq!(tree.contains(|p| value(p) < 0.0), expected < 0.0);
             assert_eq!(tree.range(|p| [value(p); 2]), [expected; 2]);
             let active = tree.active(|p| [value(p); 2]);
@@ -310,14 +302,15 @@ mod tests {
     #[test]
     fn restricting_keeps_what_still_decides() {
         let tree = sample();
+        let restricted = |of: fn(u32) -> Membership| tree.restricted(|p, falls| of(p).of_literal(falls));
         let unknown = |_| Membership::Unknown;
-        assert_eq!(tree.restricted(unknown), Restricted::Open(tree.clone()));
+        assert_eq!(restricted(unknown), Restricted::Open(tree.clone()));
         let c_outside = |p| if p == 2 { Membership::Outside } else { Membership::Unknown };
-        assert_eq!(tree.restricted(c_outside), Restricted::Decided(Membership::Outside));
+        assert_eq!(restricted(c_outside), Restricted::Decided(Membership::Outside));
         let b_inside = |p| if p == 1 { Membership::Inside } else { Membership::Unknown };
         let left = CsgTree::new(vec![CsgNode::Primitive(0), CsgNode::Primitive(2), CsgNode::Intersection(2)]);
-        assert_eq!(tree.restricted(b_inside), Restricted::Open(left));
+        assert_eq!(restricted(b_inside), Restricted::Open(left));
         let b_outside = |p| if p == 1 { Membership::Outside } else { Membership::Unknown };
-        assert_eq!(tree.restricted(b_outside), Restricted::Open(CsgTree::new(vec![CsgNode::Primitive(2)])));
+        assert_eq!(restricted(b_outside), Restricted::Open(CsgTree::new(vec![CsgNode::Primitive(2)])));
     }
 }
