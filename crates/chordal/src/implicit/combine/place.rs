@@ -20,7 +20,8 @@ impl Field {
             min: std::array::from_fn(|k| shift(bounds.min[k], by[k], add_down)),
             max: std::array::from_fn(|k| shift(bounds.max[k], by[k], add_up)),
         };
-        Ok(self.at(&at).known_distance(self.distance()).known_bounds(bounds))
+        let moved = self.at(&at).known_distance(self.distance()).known_bounds(bounds);
+        Ok(moved.of_pattern_at(self, &at))
     }
 
     /// The shape turned counter-clockwise around an axis through the origin, seen from its tip. The rounded sine and
@@ -73,7 +74,7 @@ impl Field {
         let ends = |k: usize| side(min[k], max[k]) * Interval::point(by[k]);
         let bounds = Box3 { min: [0, 1, 2].map(|k| ends(k).lo()), max: [0, 1, 2].map(|k| ends(k).hi()) };
         let bounds = if self.bounds().is_empty() { Box3::EMPTY } else { bounds };
-        Ok(field.known_distance(distance).known_bounds(bounds))
+        Ok(field.known_distance(distance).known_bounds(bounds).of_pattern_at(self, &at))
     }
 
     /// The mirror image in the plane through the origin across `normal`.
@@ -122,7 +123,16 @@ impl Field {
             let value = placed.expr() / stretch;
             Self::of_parts(value, &[self]).map_sign(&placed, |sign| sign / stretch)
         };
-        field.known_distance(distance).known_bounds(preimage(self.bounds(), rows, shift))
+        let field = field.known_distance(distance).known_bounds(preimage(self.bounds(), rows, shift));
+        field.of_pattern_at(self, &at)
+    }
+
+    /// The same with the pattern that another has at other points, if it has one.
+    pub(super) fn of_pattern_at(self, other: &Self, at: &[Expr; 3]) -> Self {
+        match other.pattern() {
+            Some(pattern) => self.of_pattern(pattern.placed(at)),
+            None => self,
+        }
     }
 
     /// The value and the sign of other points.

@@ -2,8 +2,8 @@
 use super::common;
 use crate::implicit::op::Unary;
 use crate::implicit::shapes::InvalidShape;
-use crate::implicit::{Csg, Distance, Expr, Field, Quality};
-use crate::math::{Box3, add_up, mul_up};
+use crate::implicit::{Csg, Distance, Expr, Field, Quality, Tape};
+use crate::math::{Box3, Interval, add_up, mul_up};
 
 /// Copies of one cell's neighbourhood, at most: each is an expression of its own.
 const MOST: u64 = 4096;
@@ -78,7 +78,7 @@ impl Field {
         let all = all.known_bounds(common(bounds, Field::EVERYWHERE));
         let is_endless = along.iter().any(|repeat| matches!(repeat, Repeat::Every(_)));
         Ok(if is_endless {
-            all.of_pattern(Pattern { copy: self.clone(), along, is_complement: false })
+            all.of_pattern(Pattern { copy: self.clone(), along, is_complement: false, at: Vec::new() })
         } else {
             all
         })
@@ -92,6 +92,8 @@ pub(in crate::implicit) struct Pattern {
     along: [Repeat; 3],
     /// Whether it is all but the copies.
     is_complement: bool,
+    /// Where it was placed: which of its points, or of those before, each point of space is; the last one last.
+    at: Vec<[Expr; 3]>,
 }
 
 impl Pattern {
@@ -99,9 +101,22 @@ impl Pattern {
         Self { is_complement: !self.is_complement, ..self.clone() }
     }
 
+    /// The pattern in another place: each point of space is one of its points.
+    pub fn placed(&self, at: &[Expr; 3]) -> Self {
+        let at = self.at.iter().chain([at]).cloned().collect();
+        Self { at, ..self.clone() }
+    }
+
     /// An expression with the sign in a box, which lists the copies that reach into it: no steps then. None where
     /// these are too many.
     pub fn sign_within(&self, bounds: &Box3) -> Option<Expr> {
+        let own = self.at.iter().rev().try_fold(*bounds, |bounds, at| image(at, &bounds))?;
+        let sign = self.own_sign_within(&own)?;
+        Some(self.at.iter().fold(sign, |sign, at| sign.with_axes(at.clone())))
+    }
+
+    /// The same, of the pattern in its own place.
+    fn own_sign_within(&self, bounds: &Box3) -> Option<Expr> {
         let (axes, own) = (Expr::axes(), self.copy.bounds());
         let mut places: Vec<[Expr; 3]> = vec![axes.clone()];
         let n_primitives = Csg::of(self.copy.sign()).primitives().len() as u64;
@@ -134,6 +149,18 @@ impl Pattern {
         let sign = Field::union_of(&copies).sign().clone();
         Some(if self.is_complement { -sign } else { sign })
     }
+}
+
+/// A box that holds the image of a box, if it is finite.
+fn image(map: &[Expr; 3], bounds: &Box3) -> Option<Box3> {
+    let range = |expr: &Expr| {
+        let mut range = [Interval::point(0.0)];
+        Tape::of(expr).over(&[*bounds], &mut range).ok()?;
+        let [range] = range;
+        (range.lo().is_finite() && range.hi().is_finite()).then_some(range)
+    };
+    let [x, y, z] = [range(&map[0])?, range(&map[1])?, range(&map[2])?];
+    Some(Box3 { min: [x.lo(), y.lo(), z.lo()], max: [x.hi(), y.hi(), z.hi()] })
 }
 
 /// The copies along one axis that can be nearest from a cell, counted from the cell's own.

@@ -313,6 +313,8 @@ fn copies_without_end_are_listed_where_they_are_cut_off() {
         (ball.difference(&bars), 1.0),
         (bars.intersection(&ball), 1.0),
         (ball.moved([7.0, -3.0, 0.0]).unwrap().difference(&bars), 9.0),
+        (ball.difference(&bars.rotated_deg([1.0, 2.0, 3.0], 37.0).unwrap()), 1.0),
+        (bars.scaled([1.5, -0.8, 1.0]).unwrap().moved([0.1, 0.2, 0.3]).unwrap().intersection(&ball), 1.0),
     ] {
         let has_steps = |term: &Term| matches!(term, Term::Unary(Unary::Round, _));
         assert!(!Tape::of(field.sign()).graph().terms().iter().any(has_steps));

@@ -143,7 +143,7 @@ impl SurfaceImprover<'_> {
     }
 
     /// The longest edge about a vertex.
-    fn size_around(&self, v: u32, at: &[DVec3]) -> f64 {
+    pub(super) fn size_around(&self, v: u32, at: &[DVec3]) -> f64 {
         let length = |h: u32| (at[self.surface.end(h) as usize] - at[v as usize]).length();
         self.surface.around(v).map(length).fold(0.0, |m, x| if x > m { x } else { m })
     }

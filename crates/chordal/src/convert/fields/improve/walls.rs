@@ -11,6 +11,8 @@ const OF_WALL: f64 = 0.4;
 /// Walls are left alone where the aim would be a smaller share of what it is elsewhere: sheets that touch
 /// would be split without end.
 const LEAST: f64 = 1.0 / 256.0;
+/// Walls are looked for within this share of the reach first, where the faces around a vertex are smaller. Chosen.
+const FIRST: f64 = 1.0 / 64.0;
 /// Vertices in one task.
 const CHUNK: usize = 1024;
 /// The cosine of normals that face away from each other.
@@ -28,23 +30,49 @@ impl SurfaceImprover<'_> {
             (0..self.surface.vertex_slots() as u32).filter(|v| self.surface.has_vertex(*v)).collect();
         let chunks: Vec<&[u32]> = vertices.chunks(CHUNK).collect();
         let near = self.labels_by_cube(reach);
-        let across = par_map(self.job, &chunks, |_, part| {
-            let of = |v: &u32| {
-                let v = *v;
-                let is_alone = near.around(self.at(v)).all(|label| self.joins(v, label, &joined));
-                let labels = if is_alone { Vec::new() } else { self.labels_across(v, reach, &joined) };
-                labels.into_iter().map(move |label| (v, label))
+        let open = par_map(self.job, &chunks, |_, part| {
+            let is_alone = |v: u32| near.around(self.at(v)).all(|label| self.joins(v, label, &joined));
+            let open = part.iter().filter(|v| !is_alone(**v));
+            let first = |v: &u32| {
+                let size = self.size_around(*v, &self.position);
+                (*v, if size > FIRST * reach { size } else { FIRST * reach })
             };
-            part.iter().flat_map(of).collect::<Vec<(u32, FaceLabel)>>()
-        })
-        .concat();
+            open.map(first).collect::<Vec<(u32, f64)>>()
+        });
+        // First about as far as the faces around a vertex reach, then farther, until something is found: within a
+        // coarse tolerance there may be most of the surface.
+        let mut open = open.concat();
+        while !open.is_empty() {
+            let chunks: Vec<&[(u32, f64)]> = open.chunks(CHUNK).collect();
+            let across = par_map(self.job, &chunks, |_, part| {
+                let mut found: Vec<(u32, FaceLabel)> = Vec::new();
+                for (v, size) in *part {
+                    let within = if *size < reach { *size } else { reach };
+                    found
+                        .extend(self.labels_across(*v, within, &joined).into_iter().map(|label| (*v, label)));
+                }
+                found
+            })
+            .concat();
+            self.aim_below(&across)?;
+            open.retain_mut(|(v, size)| {
+                let is_far = *size < reach && self.aim_at[*v as usize] == self.aim;
+                *size *= 2.0;
+                is_far
+            });
+        }
+        Ok(())
+    }
+
+    /// Lowers the aim at vertices to a share of their distance from primitives, where these face away.
+    fn aim_below(&mut self, across: &[(u32, FaceLabel)]) -> Result<(), LeafError> {
         let asks: Vec<_> = across.iter().map(|(v, label)| (*label, self.at(*v))).collect();
         let samples = self.sample(&asks)?;
-        for ((v, _), sample) in across.into_iter().zip(samples) {
-            let faces_away = self.labels_of(v).iter().any(|on| on.normal.dot(sample.normal) < OPPOSITE);
+        for ((v, _), sample) in across.iter().zip(samples) {
+            let faces_away = self.labels_of(*v).iter().any(|on| on.normal.dot(sample.normal) < OPPOSITE);
             let aim = OF_WALL * sample.distance.abs();
-            if faces_away && aim > LEAST * self.aim && aim < self.aim_at[v as usize] {
-                self.aim_at[v as usize] = aim;
+            if faces_away && aim > LEAST * self.aim && aim < self.aim_at[*v as usize] {
+                self.aim_at[*v as usize] = aim;
             }
         }
         Ok(())
