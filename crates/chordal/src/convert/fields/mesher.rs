@@ -90,7 +90,8 @@ impl From<Unimproved> for Failure<Mesh> {
             // The extraction makes manifolds, but for coordinates with too few digits to tell its vertices apart.
             Unimproved::NotManifold => Self::refused(
                 Code::BelowPrecision,
-                "the shape is too small beside its coordinates to be meshed: move it to the origin",
+                "the shape changes within less than its coordinates have digits for: move it to the origin if it is far \
+                 from there; twist and repeat it less often",
             ),
         }
     }

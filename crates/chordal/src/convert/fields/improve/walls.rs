@@ -13,6 +13,9 @@ const OF_WALL: f64 = 0.4;
 const LEAST: f64 = 1.0 / 256.0;
 /// Walls are looked for within this share of the reach first, where the faces around a vertex are smaller. Chosen.
 const FIRST: f64 = 1.0 / 64.0;
+/// Beyond more faces than these no walls are looked for. Chosen: within a coarse tolerance there may be most of the
+/// surface.
+const CROWD: usize = 1024;
 /// Vertices in one task.
 const CHUNK: usize = 1024;
 /// The cosine of normals that face away from each other.
@@ -32,34 +35,30 @@ impl SurfaceImprover<'_> {
         let near = self.labels_by_cube(reach);
         let open = par_map(self.job, &chunks, |_, part| {
             let is_alone = |v: u32| near.around(self.at(v)).all(|label| self.joins(v, label, &joined));
-            let open = part.iter().filter(|v| !is_alone(**v));
             let first = |v: &u32| {
                 let size = self.size_around(*v, &self.position);
                 (*v, if size > FIRST * reach { size } else { FIRST * reach })
             };
-            open.map(first).collect::<Vec<(u32, f64)>>()
+            part.iter().filter(|v| !is_alone(**v)).map(first).collect::<Vec<(u32, f64)>>()
         });
-        // First about as far as the faces around a vertex reach, then farther, until something is found: within a
-        // coarse tolerance there may be most of the surface.
+        // First about as far as the faces around a vertex reach, then farther, until something is found.
         let mut open = open.concat();
         while !open.is_empty() {
             let chunks: Vec<&[(u32, f64)]> = open.chunks(CHUNK).collect();
-            let across = par_map(self.job, &chunks, |_, part| {
-                let mut found: Vec<(u32, FaceLabel)> = Vec::new();
-                for (v, size) in *part {
-                    let within = if *size < reach { *size } else { reach };
-                    found
-                        .extend(self.labels_across(*v, within, &joined).into_iter().map(|label| (*v, label)));
-                }
-                found
+            let found = par_map(self.job, &chunks, |_, part| {
+                let look = |(v, size): &(u32, f64)| {
+                    self.labels_across(*v, if *size < reach { *size } else { reach }, &joined)
+                };
+                part.iter().map(look).collect::<Vec<Across>>()
             })
             .concat();
+            let by_vertex = open.iter().zip(&found);
+            let across: Vec<(u32, FaceLabel)> =
+                by_vertex.flat_map(|((v, _), found)| found.labels.iter().map(|label| (*v, *label))).collect();
             self.aim_below(&across)?;
-            open.retain_mut(|(v, size)| {
-                let is_far = *size < reach && self.aim_at[*v as usize] == self.aim;
-                *size *= 2.0;
-                is_far
-            });
+            let left =
+                open.into_iter().zip(found).filter(|((_, size), found)| *size < reach && !found.is_enough());
+            open = left.map(|((v, size), _)| (v, 2.0 * size)).collect();
         }
         Ok(())
     }
@@ -113,15 +112,16 @@ impl SurfaceImprover<'_> {
 
     /// The primitives of faces within reach of a vertex that face the other way, and do not join its own in
     /// creases.
-    fn labels_across(&self, v: u32, reach: f64, joined: &[[FaceLabel; 2]]) -> Vec<FaceLabel> {
-        let mut labels = Vec::new();
+    fn labels_across(&self, v: u32, reach: f64, joined: &[[FaceLabel; 2]]) -> Across {
+        let mut across = Across { labels: Vec::new(), n_faces: 0 };
         let at = self.at(v);
         let on = self.labels_of(v);
         // Labels that join its own, and need not be looked at again.
         let mut beside: Vec<FaceLabel> = on.iter().map(|on| on.label).collect();
         self.tree.each_near(&Bounds { min: at - reach, max: at + reach }, |face| {
+            across.n_faces += 1;
             let label = self.label[face as usize];
-            if beside.contains(&label) || labels.contains(&label) {
+            if beside.contains(&label) || across.labels.contains(&label) {
                 return;
             }
             if self.joins(v, label, joined) {
@@ -130,10 +130,26 @@ impl SurfaceImprover<'_> {
             }
             let normal = area_normal(self.points(face));
             if on.iter().any(|on| on.normal.dot(normal) < OPPOSITE * normal.length()) {
-                labels.push(label);
+                across.labels.push(label);
             }
         });
-        labels
+        across
+    }
+}
+
+/// What is near a vertex.
+#[derive(Clone)]
+struct Across {
+    /// The labels of sheets that face the other way.
+    labels: Vec<FaceLabel>,
+    /// All faces.
+    n_faces: usize,
+}
+
+impl Across {
+    /// Whether what is farther away is no wall of the vertex.
+    fn is_enough(&self) -> bool {
+        !self.labels.is_empty() || self.n_faces > CROWD
     }
 }
 
