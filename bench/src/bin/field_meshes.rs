@@ -27,6 +27,11 @@ const LATTICES: [usize; 2] = [160, 64];
 const LONG_TAPE: usize = 1000;
 /// Halvings of a step that holds a crossing: to the last place of the step.
 const HALVINGS: usize = 50;
+/// Points about which crossings are looked for all around at most, farthest first, along so many ways, and so often closer
+/// about the best one.
+const MOST_LOOKED_AROUND: usize = 20_000;
+const WAYS: usize = 256;
+const CLOSER: usize = 5;
 /// Runs whose median is told, of those that are short.
 const RUNS: usize = 3;
 /// Seconds of a run that is not repeated.
@@ -153,8 +158,8 @@ fn surface_points(tape: &Tape, (middle, half): (Point, f64)) -> Vec<Point> {
     crossings(tape, ends)
 }
 
-/// How far points are from the surface at most: along the gradient to the next crossing, or to the next of some points
-/// of the surface, whichever is less.
+/// How far the farthest of some points is from the surface: along the gradient to the next crossing, or to the next of
+/// some points of the surface, whichever is less; where that would be the farthest, along many other ways.
 fn distances(tape: &Tape, points: &[Point], surface: &[Point]) -> f64 {
     // A cloud of points is a mesh of triangles without extent.
     let faces = (0..surface.len() as u32).map(|i| [i; 3]).collect();
@@ -204,7 +209,70 @@ fn distances(tape: &Tape, points: &[Point], surface: &[Point]) -> f64 {
         let far = apart(points[k], found);
         most[k] = if far < most[k] { far } else { most[k] };
     }
-    most.into_iter().fold(0.0, |most, far| if far > most { far } else { most })
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_unstable_by(|a, b| most[*b].total_cmp(&most[*a]));
+    let mut farthest = 0.0;
+    for (n, k) in order.into_iter().enumerate() {
+        if most[k] <= farthest || n == MOST_LOOKED_AROUND {
+            farthest = if most[k] > farthest { most[k] } else { farthest };
+            break;
+        }
+        let far = looked_around(tape, points[k], most[k]);
+        farthest = if far > farthest { far } else { farthest };
+    }
+    farthest
+}
+
+/// How far a point is from the next crossing along many ways, if that is less than it seems: first all around, then about the best one.
+fn looked_around(tape: &Tape, p: Point, seems: f64) -> f64 {
+    let (mut best, mut towards): (f64, Option<Point>) = (seems, None);
+    let is_inside = values(tape, &[p])[0] < 0.0;
+    let mut spread = 1.0;
+    for _ in 0..CLOSER {
+        let ways: Vec<Point> = sphere_points(WAYS)
+            .into_iter()
+            .map(|d| match towards {
+                None => d,
+                Some(t) => unit(std::array::from_fn(|k| t[k] + spread * d[k])),
+            })
+            .collect();
+        for share in [0.25, 0.5, 0.75, 1.0] {
+            let far = share * best;
+            let there: Vec<Point> = ways.iter().map(|d| std::array::from_fn(|k| p[k] + far * d[k])).collect();
+            let after = values(tape, &there);
+            let crossed: Vec<usize> = (0..ways.len()).filter(|k| (after[*k] < 0.0) != is_inside).collect();
+            let ends = crossed.iter().map(|k| [p, there[*k]]).collect();
+            let found = crossings(tape, ends);
+            if found.is_empty() {
+                continue;
+            }
+            for (k, at) in crossed.into_iter().zip(found) {
+                if apart(p, at) < best {
+                    (best, towards) = (apart(p, at), Some(ways[k]));
+                }
+            }
+            break;
+        }
+        spread *= if towards.is_some() { 0.25 } else { 1.0 };
+    }
+    best
+}
+
+/// Points about evenly on the unit sphere: Fibonacci's lattice.
+fn sphere_points(n: usize) -> Vec<Point> {
+    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    let of = |i: usize| {
+        let z = 1.0 - (2 * i + 1) as f64 / n as f64;
+        let (sin, cos) = (golden * i as f64).sin_cos();
+        let r = (1.0 - z * z).sqrt();
+        [r * cos, r * sin, z]
+    };
+    (0..n).map(of).collect()
+}
+
+fn unit(d: Point) -> Point {
+    let length = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
+    d.map(|x| x / length)
 }
 
 fn apart(a: Point, b: Point) -> f64 {

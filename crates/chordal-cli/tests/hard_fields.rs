@@ -16,7 +16,7 @@ enum Ending {
 }
 
 /// The file, its length, and how it ends.
-const INPUTS: [(&str, &str, Ending); 15] = [
+const INPUTS: [(&str, &str, Ending); 16] = [
     ("a_1041_mem.star", "5%", Ending::Proved(4000)),
     ("a_1057_mem.star", "5%", Ending::Unmet),
     ("a_1337_mem.star", "5%", Ending::Proved(200)),
@@ -25,6 +25,7 @@ const INPUTS: [(&str, &str, Ending); 15] = [
     ("a_1757_mem.star", "5%", Ending::Proved(200)),
     ("a_461_timeout.star", "5%", Ending::Proved(100)),
     ("a_1393_timeout-mem.vm", "5%", Ending::Unmet),
+    ("pole.vm", "5%", Ending::Unmet),
     ("a_798_timeout-mem.vm", "5%", Ending::Unmet),
     ("bomb_dag.vm", "5%", Ending::Proved(12)),
     ("constneg.vm", "5%", Ending::Proved(12)),

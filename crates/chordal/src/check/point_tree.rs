@@ -1,4 +1,4 @@
-//! A tree over points, to find those near a segment.
+//! A tree over points, to find those in a box or near a segment.
 use crate::math::Box3;
 
 /// Points in nested boxes, halved at the median of the longest side.
@@ -49,6 +49,23 @@ impl<'a> PointTree<'a> {
             self.build(start + middle, end);
         }
         self.nodes[node].skip = self.nodes.len() as u32;
+    }
+
+    /// Whether one of the points in a box, its sides among it, is wanted.
+    pub fn any_in(&self, bounds: &Box3, is_wanted: impl Fn(u32) -> bool) -> bool {
+        let mut next = 0;
+        while let Some(node) = self.nodes.get(next) {
+            let meets =
+                (0..3).all(|k| node.bounds.min[k] <= bounds.max[k] && bounds.min[k] <= node.bounds.max[k]);
+            let is_leaf = next + 1 == node.skip as usize;
+            let of_leaf = &self.order[node.start as usize..node.end as usize];
+            let is_found = |i: &u32| bounds.contains(self.points[*i as usize]) && is_wanted(*i);
+            if meets && is_leaf && of_leaf.iter().any(is_found) {
+                return true;
+            }
+            next = if meets { next + 1 } else { node.skip as usize };
+        }
+        false
     }
 
     /// Calls `visit` with the number of every point that may lie within `reach` of the segment, and some others.
@@ -130,5 +147,20 @@ mod tests {
             assert!(visits < 200 * points.len() / 10, "scale {scale}: {visits} visits");
         }
         PointTree::new(&[]).near_segment([[0.0; 3]; 2], 1.0, |_| unreachable!());
+    }
+
+    #[test]
+    fn the_points_in_a_box_are_found() {
+        let points: Vec<[f64; 3]> =
+            (0..1000_u32).map(|i| [i % 10, i / 10 % 10, i / 100].map(f64::from)).collect();
+        let tree = PointTree::new(&points);
+        for (i, p) in points.iter().enumerate() {
+            let around = |half: f64| Box3 { min: p.map(|x| x - half), max: p.map(|x| x + half) };
+            assert!(tree.any_in(&around(0.0), |j| j as usize == i));
+            assert!(!tree.any_in(&around(0.9), |j| j as usize != i));
+            assert!(tree.any_in(&around(1.0), |j| j as usize != i));
+            assert!(!tree.any_in(&Box3 { min: p.map(|x| x + 0.1), max: p.map(|x| x + 0.9) }, |_| true));
+        }
+        assert!(!PointTree::new(&[]).any_in(&Box3 { min: [0.0; 3], max: [1.0; 3] }, |_| true));
     }
 }

@@ -8,6 +8,7 @@ use super::cells_at_vertices::CellsAtVertices;
 use super::tetrahedra::{FewNumbersMap, Tetrahedra, Tetrahedron, WholeBox};
 use super::vertex_values::VertexValues;
 use crate::budget::{Job, par_map};
+use crate::check::PointTree;
 use crate::implicit::{Csg, CsgNode, LeafError, Membership, PrimitiveEvaluator, SlopeRange};
 use crate::math::Box3;
 use std::sync::Arc;
@@ -42,6 +43,13 @@ pub(in crate::convert) struct Place {
     pub at: [f64; 3],
     /// The longest edge of the cell there before it is stretched; a cell whose longest edge is longer is cut.
     pub size: f64,
+}
+
+/// Places where cells are to be small.
+struct AskedPlaces<'p> {
+    places: &'p [Place],
+    /// Of their points.
+    tree: PointTree<'p>,
 }
 
 /// Why there is no grid.
@@ -176,7 +184,8 @@ impl<'a> FieldGrid<'a> {
         (0..grid.tetrahedra.n_vertices()).for_each(|_| grid.values.push_vertex());
         let open = Arc::new(OpenTree::of(csg.tree().clone()));
         let pending = all.into_iter().map(|tetrahedron| Pending { tetrahedron, open: Arc::clone(&open) });
-        grid.settle(evaluator, pending.collect(), &[])?;
+        let nowhere = AskedPlaces { places: &[], tree: PointTree::new(&[]) };
+        grid.settle(evaluator, pending.collect(), &nowhere)?;
         Ok(grid)
     }
 
@@ -190,14 +199,16 @@ impl<'a> FieldGrid<'a> {
         evaluator: &mut PrimitiveEvaluator<'a>,
         places: &[Place],
     ) -> Result<(), GridHalt> {
+        let points: Vec<[f64; 3]> = places.iter().map(|place| place.at).collect();
+        let asked = AskedPlaces { places, tree: PointTree::new(&points) };
         let pending: Vec<u32> = (0..self.cells.len() as u32)
             .filter(|c| {
                 let cell = &self.cells[*c as usize];
-                cell.is_alive && self.is_asked_for(&cell.tetrahedron, places)
+                cell.is_alive && self.is_asked_for(&cell.tetrahedron, &asked)
             })
             .collect();
         let pending = pending.into_iter().map(|c| self.take(c)).collect();
-        self.settle(evaluator, pending, places)
+        self.settle(evaluator, pending, &asked)
     }
 
     /// The solid.
@@ -232,13 +243,13 @@ impl<'a> FieldGrid<'a> {
         Place { at, size: self.tetrahedra.longest(one.corners) }
     }
 
-    fn is_asked_for(&self, one: &Tetrahedron, places: &[Place]) -> bool {
-        if places.is_empty() {
+    fn is_asked_for(&self, one: &Tetrahedron, asked: &AskedPlaces) -> bool {
+        if asked.places.is_empty() {
             return false;
         }
         let bounds = self.space(self.tetrahedra.box_of(one.corners));
         let longest = self.tetrahedra.longest(one.corners);
-        places.iter().any(|place| longest > place.size && bounds.contains(place.at))
+        asked.tree.any_in(&bounds, |place| longest > asked.places[place as usize].size)
     }
 
     fn space(&self, [min, max]: WholeBox) -> Box3 {
@@ -257,7 +268,7 @@ impl<'a> FieldGrid<'a> {
         &mut self,
         evaluator: &mut PrimitiveEvaluator<'a>,
         mut pending: Vec<Pending>,
-        places: &[Place],
+        asked: &AskedPlaces,
     ) -> Result<(), GridHalt> {
         let most = self.job.memory_limit / SHARE / BYTES_A_CELL;
         while !pending.is_empty() {
@@ -266,7 +277,7 @@ impl<'a> FieldGrid<'a> {
             }
             // Every cut makes one cell more, and others by conforming.
             let is_full = (self.n_alive + 2 * pending.len()) as u64 > most;
-            let mut judged = self.judge(evaluator, pending, places)?;
+            let mut judged = self.judge(evaluator, pending, asked)?;
             self.settle_by_samples(evaluator, &mut judged)?;
             let count = |of: CellVerdict| judged.iter().filter(|(_, verdict)| *verdict == of).count();
             let (n_cut, n_blind) = (count(CellVerdict::Cut), count(CellVerdict::CutBlindly));
@@ -337,7 +348,7 @@ impl<'a> FieldGrid<'a> {
         &mut self,
         evaluator: &mut PrimitiveEvaluator<'a>,
         pending: Vec<Pending>,
-        places: &[Place],
+        asked: &AskedPlaces,
     ) -> Result<Vec<(Pending, CellVerdict)>, GridHalt> {
         let level = self.ask_ranges(evaluator, &pending)?;
         let numbers: Vec<u32> = (0..pending.len() as u32).collect();
@@ -362,7 +373,7 @@ impl<'a> FieldGrid<'a> {
             let decide = |n: &u32| {
                 let open = sifted[*n as usize].as_ref()?;
                 let cell = CellAsked { level: &level, number: *n, one: pending[*n as usize].tetrahedron };
-                view.verdict(&cell, open, places, &mut buffers)
+                view.verdict(&cell, open, asked, &mut buffers)
             };
             part.iter().map(decide).collect::<Vec<_>>()
         };
@@ -379,7 +390,7 @@ impl<'a> FieldGrid<'a> {
         &self,
         cell: &CellAsked,
         open: &Arc<OpenTree>,
-        places: &[Place],
+        asked: &AskedPlaces,
         buffers: &mut Buffers,
     ) -> Option<(Arc<OpenTree>, CellVerdict)> {
         let whole = cell.level.boxes[cell.level.box_of[cell.number as usize] as usize];
@@ -394,7 +405,7 @@ impl<'a> FieldGrid<'a> {
             (0..values.len()).map(|k| side(facts.tightened(k), self.zero[open.primitives[k] as usize])),
         );
         let left = restricted(open, sides)?;
-        if longest > self.options.coarsest || self.is_asked_for(&cell.one, places) {
+        if longest > self.options.coarsest || self.is_asked_for(&cell.one, asked) {
             return Some((left, CellVerdict::CutAnyway));
         }
         if !Arc::ptr_eq(&left, open) {

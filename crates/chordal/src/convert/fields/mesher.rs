@@ -179,14 +179,15 @@ impl<'a> FieldMesher<'a> {
                 made_or_failed => made_or_failed?,
             };
             let mut tight = surface.held().to_vec();
-            if tight.is_empty() || tight.len() > MOST_TIGHT || cuts == MOST_CUTS {
+            // Smaller cells would not help where so many vertices cannot go to their places.
+            let is_last = cuts == MOST_CUTS || tight.len() > MOST_TIGHT;
+            if tight.is_empty() || is_last {
                 // Estimates of what is still coarse are too high by up to about this; the work itself keeps to
                 // the limits.
                 self.check_size(surface.estimated_faces()? / OVERESTIMATE)?;
                 tight = surface.refine()?;
             }
-
-            if tight.is_empty() || tight.len() > MOST_TIGHT || cuts == MOST_CUTS {
+            if tight.is_empty() || tight.len() > MOST_TIGHT || is_last {
                 break surface;
             }
             let places: Vec<Place> =
