@@ -40,8 +40,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let (outcome, unmet) = match mesh(input, &spec, to, &job) {
         Ok(outcome) => (outcome, None),
         Err(failure) => {
-            let hint = if args.keep_best { "" } else { "; --keep-best writes it" };
-            let fault = common::fault(&name, &failure, hint);
+            let fault = common::fault(&name, &failure, &hint(args, &failure));
             match failure {
                 MeshFailure::Unmet(best) if args.keep_best => (*best, Some(fault)),
                 _ => return Err(fault),
@@ -53,6 +52,19 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let run = common::run("mesh", name, &target, bytes);
     told(outcome.certificate, clock.fill(run, &job), (&talk, stdout))?;
     unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
+}
+
+/// What would help where the budget was not met.
+fn hint(args: &MeshArgs, failure: &MeshFailure) -> String {
+    let MeshFailure::Unmet(best) = failure else { return String::new() };
+    let mut hints: Vec<&str> = Vec::new();
+    if !args.keep_best {
+        hints.push("--keep-best writes it");
+    }
+    if best.bound.at_most().is_none() && args.require.is_none() {
+        hints.push("--require measured asks for no proof");
+    }
+    hints.iter().map(|hint| format!("; {hint}")).collect()
 }
 
 /// Tells what was made.

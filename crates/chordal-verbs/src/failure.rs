@@ -87,7 +87,13 @@ impl fmt::Display for MeshFailure {
                     Some(Output::Triangles(output)) => format!("{} triangles", output.triangles),
                     None => "nothing".to_owned(),
                 };
-                write!(f, "the budget was not met; the best reached is {} with {made}", best.bound)
+                write!(f, "the budget was not met; the best reached is {} with {made}", best.bound)?;
+                match best.bound.at {
+                    Some([x, y, z]) => {
+                        write!(f, "; the worst known place is about ({x:.4e}, {y:.4e}, {z:.4e})")
+                    }
+                    None => Ok(()),
+                }
             }
             Self::Refused(refusal) => f.write_str(&refusal.message),
             Self::TooWide(why) => why.fmt(f),

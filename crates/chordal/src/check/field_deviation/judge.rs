@@ -42,6 +42,14 @@ impl Verdict {
         Self { open, bounds, bound, wrong: Vec::new(), unresolved: Vec::new() }
     }
 
+    /// A place where something is not proved, if anything is.
+    pub fn first_place(&self, mesh: &Mesh) -> Option<[f64; 3]> {
+        let face =
+            self.open.iter().flatten().min().map(|face| Box3::around(&mesh.corners(*face as usize)).centre());
+        let unresolved = || self.unresolved.first().map(Box3::centre);
+        face.or_else(|| self.wrong.first().map(|point| point.at)).or_else(unresolved)
+    }
+
     /// Whether the mesh and the surface are within the bound of each other.
     pub fn is_proved(&self) -> bool {
         self.open.iter().all(Vec::is_empty) && self.wrong.is_empty() && self.unresolved.is_empty()

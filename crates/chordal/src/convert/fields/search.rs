@@ -22,8 +22,8 @@ const MOST_COLLAPSES: usize = 1 << 17;
 /// After so many rounds in a row with more open faces than before nothing will be proved; where it is hopeless
 /// one is enough, and boxes about the mesh would take longer than anybody waits.
 const HOPELESS: usize = 2;
-/// The first margin of a proof with a limit, as a share of what samples ask for. As in
-/// [`crate::check::field_deviation`].
+/// The first margin of a proof with a limit, as a share of what samples ask for. Chosen: half of that of a mesh that is
+/// judged alone, where a looser proof is quicker; here what is left of the length saves splits.
 const MARGIN: f64 = 0.5;
 /// What is aimed at, as a share of the length, where a proof has values alone. Chosen: the rest is what a
 /// sign is proved with.
@@ -56,7 +56,13 @@ pub(in crate::convert) fn search(field: &Field, wanted: &Wanted, job: &Job) -> O
 
 enum Attempt<'s> {
     Proved(Bounded<Mesh>),
-    Open { mesh: Mesh, outlook: Outlook, evaluator: PrimitiveEvaluator<'s> },
+    Open {
+        mesh: Mesh,
+        outlook: Outlook,
+        /// Where it is not proved, if that is known.
+        place: Option<[f64; 3]>,
+        evaluator: PrimitiveEvaluator<'s>,
+    },
 }
 
 /// What may still prove a mesh that is open.
@@ -95,8 +101,10 @@ impl<'s> Search<'s> {
         };
         let mesh = match attempt {
             Attempt::Proved(made) => return Ok(made),
-            Attempt::Open { mesh, outlook: Outlook::Nothing, .. } => {
-                return Err(Failure::Unmet(Box::new(self.measured(mesh)?)));
+            Attempt::Open { mesh, outlook: Outlook::Nothing, place, .. } => {
+                let mut made = self.measured(mesh)?;
+                made.bound.at = place.or(made.bound.at);
+                return Err(Failure::Unmet(Box::new(made)));
             }
             Attempt::Open { mesh, .. } => mesh,
         };
@@ -121,12 +129,13 @@ impl<'s> Search<'s> {
         if extent == GridExtent::Exhausted || is_hopeless(improved.n_unsettled(), improved.n_faces() / 2) {
             let (mesh, _) = mesh_of(&improved);
             let evaluator = improved.into_evaluator();
-            return Ok(Attempt::Open { mesh, outlook: Outlook::Nothing, evaluator });
+            return Ok(Attempt::Open { mesh, outlook: Outlook::Nothing, place: None, evaluator });
         }
         let csg = Csg::of(self.field.sign());
         let mut judge = FieldJudge::new(&csg, &self.field.bounds(), self.job).map_err(leaf_failed)?;
         let goal = SandwichGoal::new(Some(length.get()), MARGIN).faces_first();
         let (mut n_open, mut n_worse) = (usize::MAX, 0);
+        let mut place = None;
         for round in 0..MOST_ROUNDS {
             self.job.report(Progress { stage: "prove", done: round as u64, total: MOST_ROUNDS as u64 });
             let (mesh, numbers) = mesh_of(&improved);
@@ -138,6 +147,7 @@ impl<'s> Search<'s> {
                 n_open = 0;
                 break;
             }
+            place = verdict.first_place(&mesh);
             let mut open: Vec<u32> = verdict.open.iter().flatten().map(|f| numbers[*f as usize]).collect();
             open.sort_unstable();
             open.dedup();
@@ -159,7 +169,7 @@ impl<'s> Search<'s> {
         } else {
             Outlook::Boxes
         };
-        Ok(Attempt::Open { mesh, outlook, evaluator: improved.into_evaluator() })
+        Ok(Attempt::Open { mesh, outlook, place, evaluator: improved.into_evaluator() })
     }
 
     fn measured(&self, mesh: Mesh) -> Outcome {
