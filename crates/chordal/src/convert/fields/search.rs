@@ -128,8 +128,9 @@ impl<'s> Search<'s> {
             self.mesher.improved(evaluator, share * length.get())?;
         if extent == GridExtent::Exhausted || is_hopeless(improved.n_unsettled(), improved.n_faces() / 2) {
             let (mesh, _) = mesh_of(&improved);
+            let place = improved.first_unsettled();
             let evaluator = improved.into_evaluator();
-            return Ok(Attempt::Open { mesh, outlook: Outlook::Nothing, place: None, evaluator });
+            return Ok(Attempt::Open { mesh, outlook: Outlook::Nothing, place, evaluator });
         }
         let csg = Csg::of(self.field.sign());
         let mut judge = FieldJudge::new(&csg, &self.field.bounds(), self.job).map_err(leaf_failed)?;

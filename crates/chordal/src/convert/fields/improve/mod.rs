@@ -256,6 +256,11 @@ impl<'a> SurfaceImprover<'a> {
         self.unsettled().len()
     }
 
+    /// One of them.
+    pub fn first_unsettled(&self) -> Option<[f64; 3]> {
+        self.unsettled().first().map(|v| self.at(*v).to_array())
+    }
+
     pub fn n_faces(&self) -> usize {
         self.surface.n_faces()
     }
