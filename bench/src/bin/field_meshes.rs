@@ -223,7 +223,8 @@ fn distances(tape: &Tape, points: &[Point], surface: &[Point]) -> f64 {
     farthest
 }
 
-/// How far a point is from the next crossing along many ways, if that is less than it seems: first all around, then about the best one.
+/// How far a point is from the next crossing along many ways, if that is less than it seems: first all around, then
+/// about the best one.
 fn looked_around(tape: &Tape, p: Point, seems: f64) -> f64 {
     let (mut best, mut towards): (f64, Option<Point>) = (seems, None);
     let is_inside = values(tape, &[p])[0] < 0.0;

@@ -7,7 +7,7 @@ use crate::input::Source;
 use crate::output::Target;
 use crate::summary;
 use crate::talk::{Stdout, Talk};
-use chordal::budget::PixelBudget;
+use chordal::budget::{PixelBudget, Reference};
 use chordal_io::Format;
 use chordal_verbs::report::{Certificate, Report, Run};
 use chordal_verbs::{BudgetSpec, MeshFailure, Shape, Spacing, extension, formats, mesh, refine};
@@ -61,7 +61,8 @@ fn hint(args: &MeshArgs, failure: &MeshFailure) -> String {
     if !args.keep_best {
         hints.push("--keep-best writes it");
     }
-    if best.bound.at_most().is_none() && args.require.is_none() {
+    let is_field = best.bound.reference == Reference::Field;
+    if is_field && best.bound.at_most().is_none() && args.require.is_none() {
         hints.push("--require measured asks for no proof");
     }
     hints.iter().map(|hint| format!("; {hint}")).collect()
