@@ -103,7 +103,7 @@ class Shape:
 
     @property
     def kind(self) -> str:
-        """What it is: "patches", "triangles", "cage", "drawing" or "curves"."""
+        """What it is: "patches", "triangles", "cage", "drawing", "curves", "volume" or "field"."""
         return self._source.kind
 
     @property
