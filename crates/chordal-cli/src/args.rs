@@ -84,7 +84,8 @@ pub struct InputArgs {
     #[arg(long, value_name = "AXIS", value_parser = axis)]
     pub up: Option<Axis>,
 
-    /// The most memory that a file may take and a job may build, as in 512M or 8G; half of what the machine has unless said
+    /// The most memory that a job may take, as in 512M or 8G; half of what the machine or its control group has unless
+    /// said. A file may take no more, and 4 GiB at most
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub max_memory: Option<u64>,
 

@@ -2,7 +2,7 @@
 use crate::MeshFailure;
 use crate::failure::best_of;
 use crate::mesh::{refused, set_aside, snapped};
-use crate::polylines::Asked;
+use crate::polylines::{Asked, ENDLESS};
 use chordal::budget::{Bound, Code};
 use chordal::check::{self, FieldDeviation, Goal};
 use chordal::implicit::Field;
@@ -112,9 +112,7 @@ pub(crate) fn finite(implicit: &Implicit) -> Result<Field, MeshFailure> {
         return Err(refused(Code::Empty, "there is no surface: nothing of the shape is within its box"));
     }
     if !bounds.diagonal().is_finite() {
-        let message =
-            "the shape has no end in some direction: --region \"-1,-1,-1 1,1,1\" cuts it off at a box";
-        return Err(refused(Code::Unsupported, message));
+        return Err(refused(Code::Unsupported, ENDLESS));
     }
     Ok(field)
 }

@@ -88,8 +88,8 @@ pub(crate) fn of_field(
     finish(Polylines::Plane(drawn), made.bound, &Asked { spec, budget, to, place }, certificate)
 }
 
-const ENDLESS: &str =
-    "the shape has no end in some direction: --region \"-1,-1,-1 1,1,1\" cuts it off at a box";
+pub(crate) const ENDLESS: &str = "the shape has no end in some direction: cut it off at a box \
+                                  (--region \"-1,-1,-1 1,1,1\", in Python within())";
 
 fn cut<const D: usize>(
     drawn: Drawn<Curve<D>>,
