@@ -74,6 +74,9 @@ const WITNESSES: usize = 4;
 const AIM: f64 = 1.125;
 /// Of a cell's diagonal: below this cutting up costs more than it brings (measured on a gyroid).
 const FINE: f64 = 1.0 / 32.0;
+/// Bounds are stored in f32, rounded up: what is aimed at is less by two such roundings, so that what is stored is no
+/// more than what was asked for.
+const STORED: f64 = 1.0 - f32::EPSILON as f64;
 /// What is aimed at falls by this from one round to the next.
 const FALL: f64 = 0.6;
 /// One in so many cells may be cut up, and this many in any case.
@@ -159,7 +162,7 @@ impl<'a> Proof<'a> {
             if worst.most <= aim || least > self.enough && self.enough > 0.0 || job.is_cancelled() {
                 break;
             }
-            let goal = larger(aim, FALL * worst.most);
+            let goal = STORED * larger(aim, FALL * worst.most);
             let mut cells = above(plan, &slabs, self.part(goal), job);
             // Those that have no bound yet get one, however many they are.
             let is_open = round == 0 && worst.most >= 0.75 * self.local.diagonal;
