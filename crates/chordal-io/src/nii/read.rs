@@ -2,7 +2,7 @@
 use super::header::{self, Header, wrong};
 use super::orientation::affine;
 use crate::volume::count::{along, size_of};
-use crate::volume::gunzip::{Gunzip, MAGIC};
+use crate::volume::gunzip::{Gunzip, MAGIC, check_ratio};
 use crate::volume::samples::{self, Layout};
 use crate::volume::stream::Stream;
 use crate::warnings::Warnings;
@@ -37,6 +37,9 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
     let n = if is_wide(&first) && n == 348 { n + stream.fill(&mut first[348..])? } else { n };
     let header = Header::read(&first[..n])?;
     let (size, layout) = layout(&header, limits)?;
+    if let Stream::Packed(_) = stream {
+        check_ratio(layout.bytes(), bytes.len() as u64, &Place::Byte(header.dim_at as u64))?;
+    }
     let affine = affine(&header, &mut warnings)?;
     let read = if let Stream::Plain { .. } = stream { 0 } else { n as u64 };
     let gap = header.offset - read;

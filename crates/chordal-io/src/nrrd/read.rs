@@ -5,7 +5,7 @@ use crate::nii::which;
 use crate::text::{grouped, number, why_no_number};
 use crate::volume::count::{along, size_of};
 use crate::volume::element::Endian;
-use crate::volume::gunzip::Gunzip;
+use crate::volume::gunzip::{Gunzip, check_ratio};
 use crate::volume::samples::{self, Layout, Spelled};
 use crate::volume::stream::Stream;
 use crate::warnings::Warnings;
@@ -122,8 +122,7 @@ fn samples_of(
     match found.encoding {
         Encoding::Raw => {
             let mut stream = Stream::plain(bytes, start);
-            let all = layout.inner.saturating_mul(layout.of).saturating_mul(layout.outer);
-            let declared = all.saturating_mul(layout.element.width() as u64);
+            let declared = layout.bytes().unwrap_or(u64::MAX);
             let left = (bytes.len() - start) as u64;
             // Counted from the end where the header says -1.
             let skip = skipped.unwrap_or(left.saturating_sub(declared));
@@ -133,6 +132,7 @@ fn samples_of(
             samples::read(&mut stream, layout, found.limits, warnings)
         }
         Encoding::Gzip => {
+            check_ratio(layout.bytes(), (bytes.len() - start) as u64, &Place::Byte(start as u64))?;
             let mut stream = Stream::Packed(Gunzip::new(&bytes[start..], start as u64));
             let skip = skipped.ok_or_else(|| {
                 let message = "packed samples are not counted from the end: 'byte skip' is 0 or more";

@@ -26,7 +26,7 @@ impl Layout {
     }
 
     /// The bytes of all runs.
-    fn bytes(&self) -> Option<u64> {
+    pub(crate) fn bytes(&self) -> Option<u64> {
         [self.of, self.outer, self.element.width() as u64]
             .into_iter()
             .try_fold(self.inner, |all, n| all.checked_mul(n))
