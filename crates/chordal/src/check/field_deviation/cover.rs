@@ -88,6 +88,8 @@ pub(super) struct FieldCover {
     pub open: Vec<u32>,
     /// Points of the parts of cells that are seen through walls.
     wall_points: Vec<SeenPoint>,
+    /// What it may take in memory.
+    most_bytes: u64,
 }
 
 /// Halvings at most: corners are whole numbers of u32, and a cell of this level is 2⁻³⁰ of the cube.
@@ -100,11 +102,19 @@ const OFF_CENTRE: [f64; 3] = [0.0137, 0.0071, -0.0113];
 const FIRST: u32 = 2;
 /// Boxes that are looked at are larger than cells by this share of the largest coordinate.
 const PAD: f64 = 8.0 * f64::EPSILON;
-/// Cells at most. Defined: half a gigabyte with their trees.
+/// The share of the job's memory that cells and their trees may take: beside them are the mesh, its copies and
+/// what was asked for.
+const MEMORY_SHARE: u64 = 8;
+/// Cells at most: numbers are of u32, and some seconds. Chosen.
 const MOST_CELLS: usize = 1 << 22;
+/// Ranges of primitives that are asked for at once: some tens of megabytes.
+const ASKED_AT_ONCE: usize = 1 << 17;
 
-/// Primitives of a cell among which walls are looked for. Chosen.
-const FEW: usize = 12;
+/// With more primitives in a cell walls are not all that is in the way. Chosen: twice as many as meet in common
+/// corners, with as many copies of them.
+const FEW: usize = 24;
+/// Cells in which walls are looked for at once: some tens of megabytes.
+const WALLS_AT_ONCE: usize = 1 << 11;
 
 /// What is known of a cell that is looked at.
 struct CellRanges {
@@ -171,7 +181,7 @@ impl<'a, S: Fn(u32) -> &'a SlopeRange> CellGrowth<'a, S> {
 
 impl FieldCover {
     /// A cover of which nothing is looked at yet.
-    pub fn new(evaluator: &PrimitiveEvaluator, bounds: &Box3) -> Self {
+    pub fn new(evaluator: &PrimitiveEvaluator, bounds: &Box3, memory_limit: u64) -> Self {
         let longest =
             (0..3).map(|k| bounds.max[k] - bounds.min[k]).fold(0.0, |a: f64, b| if b > a { b } else { a });
         let reach =
@@ -195,6 +205,7 @@ impl FieldCover {
             trees,
             open: vec![0],
             wall_points: Vec::new(),
+            most_bytes: memory_limit / MEMORY_SHARE,
         }
     }
 
@@ -229,7 +240,7 @@ impl FieldCover {
             for cell in std::mem::take(&mut self.open) {
                 let bounds = self.bounds_of(&self.cells[cell as usize]);
                 let level = self.cells[cell as usize].level;
-                let has_room = self.cells.len() + 8 * now.len() < MOST_CELLS;
+                let has_room = self.has_room(8 * (now.len() + 1));
                 let is_divided =
                     level < FIRST || level < DEEPEST && has_room && is_worth(&bounds, self.size_of(cell));
                 if is_divided { now.push(cell) } else { later.push(cell) }
@@ -238,11 +249,36 @@ impl FieldCover {
             if now.is_empty() {
                 return Ok(());
             }
-            let parts: Vec<u32> = now.iter().flat_map(|cell| self.divide(*cell)).collect();
             let first_open = self.open.len();
-            self.look(evaluator, &parts)?;
+            while !now.is_empty() {
+                if !self.has_room(8 * now.len()) {
+                    self.open.extend(now);
+                    break;
+                }
+                let rest = now.split_off(self.n_asked_at_once(&now));
+                let parts: Vec<u32> = now.iter().flat_map(|cell| self.divide(*cell)).collect();
+                self.look(evaluator, &parts)?;
+                now = rest;
+            }
             self.look_through(evaluator, regions, first_open)?;
         }
+    }
+
+    /// Whether so many more cells may be made.
+    fn has_room(&self, n_more: usize) -> bool {
+        let n_cells = self.cells.len() + n_more;
+        n_cells < MOST_CELLS
+            && (n_cells * size_of::<CoverCell>()) as u64 + self.trees.bytes() < self.most_bytes
+    }
+
+    /// How many of some cells are divided at once, at least one.
+    fn n_asked_at_once(&self, cells: &[u32]) -> usize {
+        let mut n_asked = 0;
+        let fits = |cell: &&u32| {
+            n_asked += 8 * self.trees.get(self.cells[**cell as usize].tree).primitives.len();
+            n_asked <= ASKED_AT_ONCE
+        };
+        cells.iter().take_while(fits).count().max(1)
     }
 
     /// The children of a cell.
@@ -314,18 +350,20 @@ impl FieldCover {
         let has_walls = |cell: u32| {
             let all = &self.trees.get(self.cells[cell as usize].tree).primitives;
             let is_parallel = |a: u32, b: u32| primitives[a as usize].is_parallel_to(&primitives[b as usize]);
-            // With many primitives in a cell walls are not all that is in the way.
-            let some = &all[..all.len().min(FEW)];
-            some.iter().enumerate().any(|(k, a)| some[..k].iter().any(|b| is_parallel(*a, *b)))
+            let has_parallel = |k: usize| all[..k].iter().any(|b| is_parallel(all[k], *b));
+            all.len() <= FEW && (0..all.len()).any(has_parallel)
         };
         let cells: Vec<u32> =
             self.open[first_open..].iter().copied().filter(|cell| has_walls(*cell)).collect();
-        let all: Vec<(u32, usize)> = cells.iter().flat_map(|cell| (0..3).map(|axis| (*cell, axis))).collect();
-        for (cell, points) in walls::seen(self, regions, evaluator, &all)? {
-            let state = &mut self.cells[cell as usize].state;
-            if *state == CellState::Open {
-                *state = CellState::Walls;
-                self.wall_points.extend(points);
+        for part in cells.chunks(WALLS_AT_ONCE) {
+            let along: Vec<(u32, usize)> =
+                part.iter().flat_map(|cell| (0..3).map(|axis| (*cell, axis))).collect();
+            for (cell, points) in walls::seen(self, regions, evaluator, &along)? {
+                let state = &mut self.cells[cell as usize].state;
+                if *state == CellState::Open {
+                    *state = CellState::Walls;
+                    self.wall_points.extend(points);
+                }
             }
         }
         let cells = &self.cells;

@@ -85,11 +85,11 @@ impl<'a> FieldJudge<'a> {
     /// Looks at the field.
     pub fn new(csg: &'a Csg, bounds: &Box3, job: &'a Job) -> Result<Self, LeafError> {
         let evaluator = PrimitiveEvaluator::new(csg, bounds, job);
-        let mut cover = FieldCover::new(&evaluator, bounds);
+        let mut cover = FieldCover::new(&evaluator, bounds, job.memory_limit);
         let domain = cover.domain();
         let mut evaluator = PrimitiveEvaluator::new(csg, &domain, job);
         let floor = FIRST_FLOOR * (domain.max[0] - domain.min[0]);
-        let mut regions = SignRegions::new(&evaluator, &domain);
+        let mut regions = SignRegions::new(&evaluator, &domain, job.memory_limit);
         cover.refine(&mut evaluator, &mut regions, |_, size| size > floor)?;
         Ok(Self { evaluator, cover, regions, job })
     }

@@ -8,11 +8,12 @@
 //! through the corners. Displacements are linear over a face, so then it is above 0 at all samples.
 //!
 //! Nothing here is proved, nor has to be: whatever the displacements are, signs on the displaced faces are.
-use super::local_trees::{LocalTree, MOST_CASES};
+use super::local_trees::{LocalTree, LocalTrees, MOST_CASES};
 use super::regions::SignRegions;
 use crate::explicit::Mesh;
 use crate::implicit::{CsgNode, LeafError, PrimitiveEvaluator, Slope};
 use crate::math::{Box3, cross, difference, dot, length};
+use std::ops::Range;
 
 /// About how far the corners of a face are displaced.
 #[derive(Clone, Copy, Debug)]
@@ -75,8 +76,18 @@ const SAMPLES: [[f64; 3]; 10] = [
     [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
 ];
 
-/// Primitives at the samples of faces.
+/// Faces that are sampled at once: some megabytes for each primitive that decides about them.
+const FACES_AT_ONCE: usize = 1 << 12;
+
+/// The faces of a mesh in parts, in order.
+fn parts(mesh: &Mesh) -> impl Iterator<Item = Range<usize>> {
+    let n = mesh.faces().len();
+    (0..n).step_by(FACES_AT_ONCE).map(move |first| first..(first + FACES_AT_ONCE).min(n))
+}
+
+/// Primitives at the samples of some faces.
 struct FaceSamples {
+    first: usize,
     /// By face, the number of its tree; none for faces that the sign of no primitive decides.
     trees: Vec<Option<u32>>,
     slopes: Vec<Slope<f64>>,
@@ -85,30 +96,49 @@ struct FaceSamples {
 }
 
 impl FaceSamples {
-    /// Of all faces, each with the primitives that decide within a distance of it.
+    /// Of some faces, each with the primitives that decide within a distance of it.
     fn of(
         regions: &mut SignRegions,
         evaluator: &mut PrimitiveEvaluator,
         mesh: &Mesh,
-        bands: &[f64],
+        faces: Range<usize>,
+        band: impl Fn(usize) -> f64,
     ) -> Result<Self, LeafError> {
-        let boxes: Vec<Box3> =
-            (0..bands.len()).map(|face| inflated(&mesh.corners(face), bands[face])).collect();
+        let first = faces.start;
+        let boxes: Vec<Box3> = faces.map(|face| inflated(&mesh.corners(face), band(face))).collect();
         let trees: Vec<Option<u32>> =
             regions.trees_of(evaluator, &boxes)?.into_iter().map(Result::ok).collect();
         let mut questions = Vec::new();
         let mut starts = Vec::with_capacity(trees.len());
-        for (face, tree) in trees.iter().enumerate() {
+        for (place, tree) in trees.iter().enumerate() {
             starts.push(questions.len());
             let Some(tree) = tree else { continue };
-            let corners = mesh.corners(face);
+            let corners = mesh.corners(first + place);
             for p in &regions.trees.get(*tree).primitives {
                 questions.extend(SAMPLES.map(|weights| (*p, mixed(&corners, &weights))));
             }
         }
         let slopes = evaluator.slopes(&questions)?;
-        Ok(Self { trees, slopes, starts })
+        Ok(Self { first, trees, slopes, starts })
     }
+
+    /// The faces, each with what is known of it.
+    fn faces<'s>(&'s self, trees: &'s LocalTrees) -> impl Iterator<Item = (usize, Option<SampledFace<'s>>)> {
+        self.trees.iter().zip(&self.starts).enumerate().map(move |(place, (tree, start))| {
+            let sampled = |tree: &u32| {
+                let local = trees.get(*tree);
+                let slopes = &self.slopes[*start..][..local.primitives.len() * SAMPLES.len()];
+                SampledFace { local, slopes }
+            };
+            (self.first + place, tree.as_ref().map(sampled))
+        })
+    }
+}
+
+/// The primitives that decide about a face, at its samples.
+struct SampledFace<'s> {
+    local: &'s LocalTree,
+    slopes: &'s [Slope<f64>],
 }
 
 /// By face, about how far it is from the surface.
@@ -117,17 +147,20 @@ pub(super) fn deviations(
     evaluator: &mut PrimitiveEvaluator,
     mesh: &Mesh,
 ) -> Result<Vec<f64>, LeafError> {
-    let samples = FaceSamples::of(regions, evaluator, mesh, &vec![0.0; mesh.faces().len()])?;
-    let of_face = |face: usize| {
-        let Some(tree) = samples.trees[face] else { return longest(&mesh.corners(face)) };
-        let local = regions.trees.get(tree);
-        let value = |p: u32, sample: usize| {
-            distance(&samples.slopes[samples.starts[face] + local.place(p) * SAMPLES.len() + sample])
-        };
-        let far = (0..SAMPLES.len()).map(|sample| local.tree.value(|p| value(p, sample)).abs());
-        far.fold(0.0, |most: f64, far| if far > most { far } else { most })
-    };
-    Ok((0..mesh.faces().len()).map(of_face).collect())
+    let mut found = Vec::with_capacity(mesh.faces().len());
+    for part in parts(mesh) {
+        let samples = FaceSamples::of(regions, evaluator, mesh, part, |_| 0.0)?;
+        for (face, sampled) in samples.faces(&regions.trees) {
+            let Some(SampledFace { local, slopes }) = sampled else {
+                found.push(longest(&mesh.corners(face)));
+                continue;
+            };
+            let value = |p: u32, sample: usize| distance(&slopes[local.place(p) * SAMPLES.len() + sample]);
+            let far = (0..SAMPLES.len()).map(|sample| local.tree.value(|p| value(p, sample)).abs());
+            found.push(far.fold(0.0, |most: f64, far| if far > most { far } else { most }));
+        }
+    }
+    Ok(found)
 }
 
 /// Which ways a mesh is taken to be displaced: a primitive that is raised across all of them is avoided.
@@ -148,28 +181,28 @@ pub(super) fn demands(
     reaches: &[Reach],
     ways: Ways,
 ) -> Result<[Demands; 2], LeafError> {
-    let bands: Vec<f64> = reaches.iter().map(|reach| 2.0 * reach.now).collect();
-    let samples = FaceSamples::of(regions, evaluator, mesh, &bands)?;
+    let band = |face: usize| 2.0 * reaches[face].now;
     let normals = normals(mesh);
     let mut found = [Demands::default(), Demands::default()];
-    for (face, tree) in samples.trees.iter().enumerate() {
-        found.iter_mut().for_each(|demands| demands.starts.push(demands.all.len() as u32));
-        let Some(tree) = tree else { continue };
-        let local = regions.trees.get(*tree);
-        let own = &samples.slopes[samples.starts[face]..][..local.primitives.len() * SAMPLES.len()];
-        let distances: Vec<f64> = own.iter().map(distance).collect();
-        for (side, demands) in found.iter_mut().enumerate() {
+    for part in parts(mesh) {
+        let samples = FaceSamples::of(regions, evaluator, mesh, part, band)?;
+        for (face, sampled) in samples.faces(&regions.trees) {
+            found.iter_mut().for_each(|demands| demands.starts.push(demands.all.len() as u32));
+            let Some(SampledFace { local, slopes }) = sampled else { continue };
+            let distances: Vec<f64> = slopes.iter().map(distance).collect();
             let of_corners = sum(mesh.faces()[face].map(|v| normals[v as usize]));
             let ways = match ways {
                 Ways::OfCorners => [of_corners; 2],
                 Ways::OfFacesToo => [of_corners, normal(&mesh.corners(face))],
             };
-            let outward = ways.map(|way| if side == 1 { way.map(|x| -x) } else { way });
-            let face_samples =
-                FaceDistances { local, slopes: own, distances: &distances, outward, band: bands[face] };
-            let raised = face_samples.raised(side == 1);
-            let demand = |literal| demand(own, &distances, literal, &reaches[face]);
-            demands.all.extend(raised.iter().filter_map(demand));
+            for (side, demands) in found.iter_mut().enumerate() {
+                let outward = ways.map(|way| if side == 1 { way.map(|x| -x) } else { way });
+                let of_face =
+                    FaceDistances { local, slopes, distances: &distances, outward, band: band(face) };
+                let raised = of_face.raised(side == 1);
+                let demand = |literal| demand(slopes, &distances, literal, &reaches[face]);
+                demands.all.extend(raised.iter().filter_map(demand));
+            }
         }
     }
     found.iter_mut().for_each(|demands| demands.starts.push(demands.all.len() as u32));

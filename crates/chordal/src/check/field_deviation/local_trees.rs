@@ -6,6 +6,8 @@
 //! If the tree says *outside* with either, X is outside, {f = 0} included: a tree is monotone in its literals, and where f = 0 both
 //! p and its complement are outside. So for a few such primitives all cases are gone through.
 use crate::implicit::{CsgNode, CsgTree, Membership, Restricted, SlopeRange};
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// On which sides of a primitive and of its complement a set is. Where the primitive is 0, both are outside; what is
 /// at most 0 may so be outside of its complement, without being inside of itself.
@@ -71,6 +73,15 @@ impl LocalTree {
         Self { tree, primitives, kinds, mixed }
     }
 
+    /// What it takes in memory, about: its lists, and itself with its place in a table.
+    fn bytes(&self) -> u64 {
+        let of_lists = size_of_val(self.tree.nodes())
+            + size_of_val(&*self.primitives)
+            + size_of_val(&*self.kinds)
+            + size_of_val(&*self.mixed);
+        (of_lists + 2 * size_of::<Self>()) as u64
+    }
+
     /// The distinct literals: primitives, and whether they stand as their complements.
     pub fn literals(&self) -> impl Iterator<Item = (u32, bool)> + use<'_> {
         let both = self.primitives.iter().zip(&self.kinds);
@@ -133,18 +144,30 @@ pub(super) fn has_thin_zeros(slope: &SlopeRange) -> bool {
     slope.gradient.is_some_and(|g| g.iter().any(|d| d.lo() > 0.0 || d.hi() < 0.0))
 }
 
-/// Trees by number.
+/// Trees by number, each kept once.
 #[derive(Clone, Debug)]
-pub(super) struct LocalTrees(Vec<LocalTree>);
+pub(super) struct LocalTrees {
+    all: Vec<LocalTree>,
+    /// By the hash of a tree's nodes, one of those that have it.
+    numbers: HashMap<u64, u32>, // No order depends on it.
+    bytes: u64,
+}
 
 impl LocalTrees {
     /// The whole is number 0.
     pub fn new(whole: &CsgTree) -> Self {
-        Self(vec![LocalTree::new(whole.clone())])
+        let mut trees = Self { all: Vec::new(), numbers: HashMap::new(), bytes: 0 }; // No order depends on it.
+        trees.push(whole.clone());
+        trees
     }
 
     pub fn get(&self, number: u32) -> &LocalTree {
-        &self.0[number as usize]
+        &self.all[number as usize]
+    }
+
+    /// What they take in memory.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
     }
 
     /// The number of what is left of a tree: its own if all is.
@@ -171,18 +194,39 @@ impl LocalTrees {
     }
 
     fn push(&mut self, tree: CsgTree) -> u32 {
-        self.0.push(LocalTree::new(tree));
-        self.0.len() as u32 - 1
+        let hash = hash_of(&tree);
+        if let Some(number) = self.numbers.get(&hash).filter(|number| self.get(**number).tree == tree) {
+            return *number;
+        }
+        let local = LocalTree::new(tree);
+        self.bytes += local.bytes();
+        self.all.push(local);
+        let number = self.all.len() as u32 - 1;
+        self.numbers.insert(hash, number);
+        number
     }
 
     /// Forgets all but the first `n`.
     pub fn truncate(&mut self, n: usize) {
-        self.0.truncate(n);
+        for (number, local) in self.all.iter().enumerate().skip(n) {
+            self.bytes -= local.bytes();
+            let hash = hash_of(&local.tree);
+            if self.numbers.get(&hash) == Some(&(number as u32)) {
+                self.numbers.remove(&hash);
+            }
+        }
+        self.all.truncate(n);
     }
 
     pub fn len(&self) -> usize {
-        self.0.len()
+        self.all.len()
     }
+}
+
+fn hash_of(tree: &CsgTree) -> u64 {
+    let mut hasher = DefaultHasher::new(); // No result depends on it: equal trees are compared.
+    tree.nodes().hash(&mut hasher);
+    hasher.finish()
 }
 
 /// The range of a tree's value in a region, from those of its literals (a primitive, and whether it stands as its

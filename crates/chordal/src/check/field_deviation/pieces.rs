@@ -80,16 +80,28 @@ struct Split {
 type CornerValues = [[f64; 2]; 3];
 
 /// Triangles that were looked at before: from one mesh to the next most of them stay.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct KnownSides {
     // Only looked up, never walked through.
     known: HashMap<[u64; 10], (FaceSide, u32)>, // No order depends on it.
+    /// Triangles that are remembered at most.
+    most: usize,
 }
 
-/// Triangles that are remembered at most: some hundred megabytes.
+/// Triangles that are remembered at most, whatever the memory: some hundred megabytes.
 const MOST_KNOWN: usize = 1 << 20;
+/// Bytes that one takes, about: twice its entry, as tables grow by doubling.
+const BYTES_KNOWN: u64 = 200;
+/// The share of the job's memory that they may take.
+const KNOWN_SHARE: u64 = 16;
 
 impl KnownSides {
+    pub fn new(memory_limit: u64) -> Self {
+        let most = memory_limit / KNOWN_SHARE / BYTES_KNOWN;
+        let most = usize::try_from(most).unwrap_or(MOST_KNOWN).min(MOST_KNOWN);
+        Self { known: HashMap::new(), most } // No order depends on it.
+    }
+
     /// A triangle by the bits of its corners, and by the side that is asked for.
     fn key(question: &SideQuestion, face: &[u32; 3]) -> [u64; 10] {
         let corners = face.map(|v| question.positions[v as usize]);
@@ -119,7 +131,7 @@ pub(super) fn sides(
     let unknown: Vec<usize> = (0..known.len()).filter(|k| known[*k].is_none()).collect();
     let faces: Vec<[u32; 3]> = unknown.iter().map(|k| question.faces[*k]).collect();
     let mut looked = looked_at(regions, evaluator, &SideQuestion { faces: &faces, ..*question })?.into_iter();
-    if regions.known.known.len() + unknown.len() > MOST_KNOWN {
+    if regions.known.known.len() + unknown.len() > regions.known.most {
         regions.known.known.clear();
     }
     let mut found = Vec::with_capacity(known.len());

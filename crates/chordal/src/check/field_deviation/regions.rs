@@ -23,6 +23,8 @@ pub(super) struct SignRegions {
     regions: Vec<SignRegion>,
     pub trees: LocalTrees,
     pub known: KnownSides,
+    /// What regions and trees may take in memory.
+    most_bytes: u64,
 }
 
 /// A region with this few primitives is not divided.
@@ -30,14 +32,18 @@ const FEW: usize = 3;
 /// Boxes that pay for a child of a region: it takes as many ranges as a box without it, and its boxes ask for
 /// fewer. Chosen.
 const WORTH: usize = 6;
+/// The share of the job's memory that regions and their trees may take; without one of its own a box has that
+/// of a larger region.
+const MEMORY_SHARE: u64 = 16;
 /// Halvings of the domain at most: defined, cells of a 2000th.
 const DEEPEST: u32 = 11;
 
 impl SignRegions {
-    pub fn new(evaluator: &PrimitiveEvaluator, domain: &Box3) -> Self {
+    pub fn new(evaluator: &PrimitiveEvaluator, domain: &Box3, memory_limit: u64) -> Self {
         let root = SignRegion { cell: *domain, level: 0, tree: Ok(0), children: [None; 8] };
         let trees = LocalTrees::new(evaluator.csg().tree());
-        Self { regions: vec![root], trees, known: KnownSides::default() }
+        let known = KnownSides::new(memory_limit);
+        Self { regions: vec![root], trees, known, most_bytes: memory_limit / MEMORY_SHARE }
     }
 
     /// For each box the smallest region's tree that holds for it.
@@ -90,6 +96,10 @@ impl SignRegions {
         evaluator: &mut PrimitiveEvaluator,
         wanted: &[(u32, usize, Vec<u32>)],
     ) -> Result<(), LeafError> {
+        let taken = size_of_val(&*self.regions) as u64 + self.trees.bytes();
+        if taken > self.most_bytes {
+            return Ok(());
+        }
         let mut questions = Vec::new();
         let mut new = Vec::new();
         for (parent, octant, _) in wanted {

@@ -2,6 +2,9 @@
 use super::growth::{GradientBox, grow_together};
 use crate::implicit::{Csg, CsgNode, CsgTree, Membership, Primitive, Restricted, SlopeRange};
 use crate::math::{cross, dot};
+use std::collections::HashMap;
+use std::collections::hash_map;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
 /// A CSG tree restricted to a region, with its primitives.
@@ -35,6 +38,13 @@ impl OpenTree {
         Self { tree, primitives, polarity }
     }
 
+    /// What it takes in memory, about: its lists, and itself with its place in a table.
+    fn bytes(&self) -> u64 {
+        let of_lists =
+            size_of_val(self.tree.nodes()) + size_of_val(&*self.primitives) + size_of_val(&*self.polarity);
+        (of_lists + 2 * size_of::<Self>()) as u64
+    }
+
     /// Whether a primitive that stands in the tree with its complement leaves one side whatever it is:
     /// nothing of the boundary is where it vanishes, as between two solids that share a face.
     fn is_cancelled(&self) -> bool {
@@ -50,6 +60,46 @@ impl OpenTree {
                 _ => false,
             }
         })
+    }
+}
+
+/// The trees of all cells, each kept once.
+#[derive(Debug, Default)]
+pub(super) struct OpenTrees {
+    /// By the hash of a tree's nodes, one of those that have it.
+    known: HashMap<u64, Arc<OpenTree>>, // No order depends on it.
+    bytes: u64,
+}
+
+impl OpenTrees {
+    /// The tree as it is kept.
+    pub fn shared(&mut self, open: Arc<OpenTree>) -> Arc<OpenTree> {
+        let mut hasher = DefaultHasher::new(); // No result depends on it: equal trees are compared.
+        open.tree.nodes().hash(&mut hasher);
+        match self.known.entry(hasher.finish()) {
+            hash_map::Entry::Occupied(known) if known.get().tree == open.tree => Arc::clone(known.get()),
+            hash_map::Entry::Occupied(_) => open,
+            hash_map::Entry::Vacant(free) => {
+                self.bytes += open.bytes();
+                free.insert(Arc::clone(&open));
+                open
+            }
+        }
+    }
+
+    /// Drops those that no cell has.
+    pub fn forget_unused(&mut self) {
+        let bytes = &mut self.bytes;
+        self.known.retain(|_, open| {
+            let is_used = Arc::strong_count(open) > 1;
+            *bytes -= if is_used { 0 } else { open.bytes() };
+            is_used
+        });
+    }
+
+    /// What they take in memory, about.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
     }
 }
 

@@ -3,7 +3,7 @@
 //! A cube around the solid is bisected until in each tetrahedron either membership is decided, or the
 //! primitives that still decide have a common direction in which they grow. Decided ones are forgotten:
 //! nothing of the boundary is in them, whatever their neighbours look like. All others conform.
-use super::cells::{CellFacts, OpenTree, Zero, place, restricted, side};
+use super::cells::{CellFacts, OpenTree, OpenTrees, Zero, place, restricted, side};
 use super::cells_at_vertices::CellsAtVertices;
 use super::tetrahedra::{FewNumbersMap, Tetrahedra, Tetrahedron, WholeBox};
 use super::vertex_values::VertexValues;
@@ -89,6 +89,8 @@ pub(in crate::convert) struct FieldGrid<'a> {
     /// By primitive: whether functions of the user are in it, whose gradients may be known at points only.
     pub(super) has_leaves: Vec<bool>,
     cells: Vec<GridCell>,
+    /// Those of all cells.
+    trees: OpenTrees,
     /// Whether slopes at corners decide, as ranges say too little.
     pub(super) goes_by_samples: bool,
     extent: GridExtent,
@@ -176,6 +178,7 @@ impl<'a> FieldGrid<'a> {
             zero: zeros(csg),
             has_leaves: csg.primitives().iter().map(|p| p.tape().has_leaves()).collect(),
             cells: Vec::new(),
+            trees: OpenTrees::default(),
             goes_by_samples: false,
             extent: GridExtent::Whole,
             n_alive: 0,
@@ -270,13 +273,14 @@ impl<'a> FieldGrid<'a> {
         mut pending: Vec<Pending>,
         asked: &AskedPlaces,
     ) -> Result<(), GridHalt> {
-        let most = self.job.memory_limit / SHARE / BYTES_A_CELL;
+        let most = self.job.memory_limit / SHARE;
         while !pending.is_empty() {
             if self.job.is_cancelled() {
                 return Err(GridHalt::Cancelled);
             }
             // Every cut makes one cell more, and others by conforming.
-            let is_full = (self.n_alive + 2 * pending.len()) as u64 > most;
+            let of_cells = BYTES_A_CELL * (self.n_alive + 2 * pending.len()) as u64;
+            let is_full = of_cells + self.trees.bytes() > most;
             let mut judged = self.judge(evaluator, pending, asked)?;
             self.settle_by_samples(evaluator, &mut judged)?;
             let count = |of: CellVerdict| judged.iter().filter(|(_, verdict)| *verdict == of).count();
@@ -302,6 +306,7 @@ impl<'a> FieldGrid<'a> {
                 }
             }
             pending = self.bisect(cut);
+            self.trees.forget_unused();
         }
         Ok(())
     }
@@ -379,8 +384,11 @@ impl<'a> FieldGrid<'a> {
         };
         let verdicts: Vec<Option<(Arc<OpenTree>, CellVerdict)>> =
             par_map(self.job, &chunks, |_, part| decide(part)).concat();
+        let trees = &mut self.trees;
         let judged = pending.into_iter().zip(verdicts).filter_map(|(one, verdict)| {
-            verdict.map(|(open, verdict)| (Pending { open, tetrahedron: one.tetrahedron }, verdict))
+            verdict.map(|(open, verdict)| {
+                (Pending { open: trees.shared(open), tetrahedron: one.tetrahedron }, verdict)
+            })
         });
         Ok(judged.collect())
     }

@@ -83,10 +83,11 @@ impl From<Unimproved> for Failure<Mesh> {
         match error {
             Unimproved::Leaf(error) => leaf_failed(error),
             Unimproved::Cancelled => Self::Cancelled,
-            Unimproved::TooMany => {
-                let message = "the budget needs more triangles than the limits of this job allow";
+            Unimproved::TooMany(most) => {
+                let message = format!("the budget needs more than {most} triangles, which is the limit");
                 Self::refused(Code::TooManyTriangles, message)
             }
+            Unimproved::TooLarge(bytes) => Self::refused(Code::TooMuchMemory, too_large(bytes as f64)),
             // The extraction makes manifolds, but for coordinates with too few digits to tell its vertices apart.
             Unimproved::NotManifold => Self::refused(
                 Code::BelowPrecision,
@@ -102,6 +103,16 @@ fn contradiction() -> LeafError {
     LeafError::new(
         "a leaf contradicts itself: a value lies outside of the range that it gave for a box around the point, \
          or two calls gave different values for one point",
+    )
+}
+
+fn too_large(bytes: f64) -> String {
+    /// 2³⁰.
+    const GIB: f64 = (1_u64 << 30) as f64;
+    format!(
+        "the budget needs more than {:.2} GiB of memory, which is more than this job may have: allow a larger error, or \
+         more memory",
+        bytes / GIB
     )
 }
 
@@ -164,7 +175,10 @@ impl<'a> FieldMesher<'a> {
             let raw = extract(&grid, self.job);
             if raw.faces.is_empty() {
                 let message = match grid.extent() {
-                    GridExtent::Whole => "there is no surface to mesh",
+                    GridExtent::Whole => {
+                        "there is no surface to mesh: nothing is inside, the field is nowhere negative within the \
+                         box of the shape"
+                    }
                     GridExtent::CutShort | GridExtent::Exhausted => {
                         "no surface was found in as many cells as this job may have: more memory, or tighter bounds, \
                          may show one"
@@ -178,6 +192,7 @@ impl<'a> FieldMesher<'a> {
                 Err(Unimproved::NotManifold) if has_leaves => return Err(leaf_failed(contradiction())),
                 made_or_failed => made_or_failed?,
             };
+            drop(start);
             let mut tight = surface.held().to_vec();
             // Smaller cells would not help where so many vertices cannot go to their places.
             let is_last = cuts == MOST_CUTS || tight.len() > MOST_TIGHT;
@@ -244,11 +259,9 @@ impl<'a> FieldMesher<'a> {
             let message = format!("the budget needs about {needs:.1e} triangles; the limit is {limit:.1e}");
             return Err(Failure::refused(Code::TooManyTriangles, message));
         }
-        let (bytes, limit) = (BYTES_A_FACE as f64 * needs, self.job.memory_limit as f64);
-        if bytes > limit {
-            let message = format!(
-                "the budget needs about {needs:.1e} triangles and {bytes:.1e} bytes; the limit is {limit:.1e}"
-            );
+        let bytes = BYTES_A_FACE as f64 * needs;
+        if bytes > self.job.memory_limit as f64 {
+            let message = format!("about {needs:.1e} triangles: {}", too_large(bytes));
             return Err(Failure::refused(Code::TooMuchMemory, message));
         }
         Ok(())

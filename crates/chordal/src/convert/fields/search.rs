@@ -135,7 +135,7 @@ impl<'s> Search<'s> {
         let csg = Csg::of(self.field.sign());
         let mut judge = FieldJudge::new(&csg, &self.field.bounds(), self.job).map_err(leaf_failed)?;
         let goal = SandwichGoal::new(Some(length.get()), MARGIN).faces_first();
-        let (mut n_open, mut n_worse) = (usize::MAX, 0);
+        let (mut n_open, mut n_worse, mut is_contradicted) = (usize::MAX, 0, false);
         let mut place = None;
         for round in 0..MOST_ROUNDS {
             self.job.report(Progress { stage: "prove", done: round as u64, total: MOST_ROUNDS as u64 });
@@ -145,7 +145,8 @@ impl<'s> Search<'s> {
                 if let Some(bound) = judged_bound(&mesh, self.field, &verdict, self.job)? {
                     return Ok(Attempt::Proved(Bounded { shape: mesh, bound }));
                 }
-                n_open = 0;
+                // A lower end is above the bound, as where a promise does not hold.
+                is_contradicted = true;
                 break;
             }
             place = verdict.first_place(&mesh);
@@ -163,7 +164,9 @@ impl<'s> Search<'s> {
         }
         let (mesh, _) = mesh_of(&improved);
         let is_cheap = improved.counts.collapses < MOST_COLLAPSES;
-        let outlook = if is_cheap && n_open > 0 && FEW * n_open < improved.n_faces() {
+        let outlook = if is_contradicted {
+            Outlook::Boxes
+        } else if is_cheap && n_open > 0 && FEW * n_open < improved.n_faces() {
             Outlook::FinerMesh
         } else if is_hopeless(n_open, improved.n_faces()) {
             Outlook::Nothing
@@ -193,11 +196,13 @@ impl<'s> Search<'s> {
         // Too many triangles at this tolerance, and few enough at that.
         let (mut fine, mut coarse) = (0.0_f64, f64::INFINITY);
         let mut tol = FIRST * self.mesher.longest();
+        let mut fewest = u64::MAX;
         for _ in 0..MOST_TRIALS {
             let improved = self.mesher.improved(evaluator, tol)?.surface;
             let (mesh, _) = mesh_of(&improved);
             evaluator = improved.into_evaluator();
             let count = mesh.faces().len() as f64;
+            fewest = fewest.min(mesh.faces().len() as u64);
             let ratio = count / most as f64;
             if ratio <= 1.0 {
                 coarse = tol;
@@ -221,7 +226,7 @@ impl<'s> Search<'s> {
         }
         let Some((_, mesh)) = best else {
             let message =
-                format!("{most} triangles are too few: the coarsest mesh that shows the shape has more");
+                format!("{most} triangles are too few: the coarsest mesh that was found has {fewest}");
             return Err(Failure::refused(Code::Budget, message));
         };
         if self.is_measured {

@@ -37,6 +37,8 @@ fn values(primitive: &Primitive, range: Interval) -> [f64; 2] {
 
 /// Rows in one call of a primitive: several blocks of registers, and small enough to share among threads.
 const CHUNK: usize = 1024;
+/// Questions that are answered at once: some tens of megabytes. Leaves are asked for everything in one call.
+const AT_ONCE: usize = 1 << 17;
 /// Tapes of fewer steps are not shortened by region. Chosen: shortening takes about as long as some hundred
 /// evaluations of a step.
 const LONG: usize = 48;
@@ -70,6 +72,7 @@ pub struct PrimitiveEvaluator<'a> {
     pub(super) regions: Vec<Vec<Region>>,
     /// By primitive: its steps, if it has any.
     branches: Vec<Option<Branches>>,
+    has_leaves: bool,
     steps_left: u64,
     n_points: u64,
     n_boxes: u64,
@@ -162,6 +165,7 @@ impl<'a> PrimitiveEvaluator<'a> {
             job,
             regions: csg.primitives.iter().map(root).collect(),
             branches: csg.primitives.iter().map(|p| Branches::of(p.tape.graph().terms())).collect(),
+            has_leaves: csg.primitives.iter().any(|p| p.tape.has_leaves()),
             steps_left: job.memory_limit / 8 / BYTES_A_STEP,
             n_points: 0,
             n_boxes: 0,
@@ -246,20 +250,38 @@ impl<'a> PrimitiveEvaluator<'a> {
         none: R,
         ask: impl Fn(&Batch, &[Q], &mut [R]) -> Result<(), LeafError> + Sync,
     ) -> Result<Vec<R>, LeafError> {
+        let most = if self.has_leaves { questions.len().max(1) } else { AT_ONCE };
+        let mut answers = Vec::with_capacity(questions.len());
+        for part in questions.chunks(most) {
+            self.answer_part(part, none, &ask, &mut answers)?;
+        }
+        Ok(answers)
+    }
+
+    fn answer_part<Q: Question, R: Hull>(
+        &mut self,
+        questions: &[(u32, Q)],
+        none: R,
+        ask: &(impl Fn(&Batch, &[Q], &mut [R]) -> Result<(), LeafError> + Sync),
+        answers: &mut Vec<R>,
+    ) -> Result<(), LeafError> {
         let batches = self.batches(questions)?;
-        let answers = par_map(self.job, &batches, |_, batch| {
+        let found = par_map(self.job, &batches, |_, batch| {
             let at: Vec<Q> = batch.rows.iter().map(|row| questions[*row as usize].1).collect();
             let mut out = vec![none; at.len()];
             ask(batch, &at, &mut out).map(|()| out)
         });
-        let mut all: Vec<Option<R>> = vec![None; questions.len()];
-        for (batch, answers) in batches.iter().zip(answers) {
-            for (row, answer) in batch.rows.iter().zip(answers?) {
-                let known = &mut all[*row as usize];
-                *known = Some(known.map_or(answer, |known| known.hull(answer)));
+        let start = answers.len();
+        answers.resize(start + questions.len(), none);
+        let mut is_known = vec![false; questions.len()];
+        for (batch, found) in batches.iter().zip(found) {
+            for (row, answer) in batch.rows.iter().zip(found?) {
+                let known = &mut answers[start + *row as usize];
+                *known = if is_known[*row as usize] { known.hull(answer) } else { answer };
+                is_known[*row as usize] = true;
             }
         }
-        Ok(all.into_iter().map(|answer| answer.unwrap_or(none)).collect())
+        Ok(())
     }
 
     /// The questions by tape.

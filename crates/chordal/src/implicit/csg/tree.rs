@@ -34,7 +34,7 @@ impl Membership {
 }
 
 /// A node of a [`CsgTree`]; operators take their operands from the nodes before them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CsgNode {
     /// The solid of a primitive.
     Primitive(u32),

@@ -43,8 +43,10 @@ pub(crate) enum Unimproved {
     /// It is no closed, oriented 2-manifold.
     NotManifold,
     Leaf(LeafError),
-    /// More triangles, or bytes for them, than the job allows.
-    TooMany,
+    /// More triangles than these, which the job allows.
+    TooMany(u64),
+    /// More bytes than the job allows, for about so many.
+    TooLarge(u64),
     Cancelled,
 }
 
@@ -339,10 +341,10 @@ impl<'a> SurfaceImprover<'a> {
         let n_slots = self.surface.face_slots() as u64;
         if self.job.is_cancelled() {
             Err(Unimproved::Cancelled)
-        } else if self.surface.n_faces() as u64 > self.most_faces
-            || n_slots > self.job.memory_limit / BYTES_A_FACE
-        {
-            Err(Unimproved::TooMany)
+        } else if self.surface.n_faces() as u64 > self.most_faces {
+            Err(Unimproved::TooMany(self.most_faces))
+        } else if n_slots > self.job.memory_limit / BYTES_A_FACE {
+            Err(Unimproved::TooLarge(n_slots * BYTES_A_FACE))
         } else {
             Ok(())
         }

@@ -221,7 +221,7 @@ fn random_labels_end_in_a_closed_surface() {
         let mut improver = SurfaceImprover::new(&raw, evaluator, 0.05, &job).unwrap();
         // It may ask for more triangles than are allowed.
         let improved = improver.refine().and_then(|_| improver.improve());
-        assert!(matches!(improved, Ok(()) | Err(Unimproved::TooMany)));
+        assert!(matches!(improved, Ok(()) | Err(Unimproved::TooMany(_))));
         let (surface, _) = improver.mesh();
         let closed = HalfEdges::of(&surface.faces, surface.positions.len()).is_some();
         assert!(closed && !surface.faces.is_empty(), "round {round}");
