@@ -1,22 +1,25 @@
 //! Fields that took gigabytes or minutes, or got a wrong answer: each ends, in little memory, as it should.
-use crate::common;
+use crate::{common, long};
 
-use common::{Folder, run};
-use std::path::PathBuf;
+use common::{Folder, Run, repro, run};
+use long::is_long;
+use serde_json::Value;
 
 /// What a run ends with.
 #[derive(Clone, Copy)]
 enum Ending {
     /// A mesh within the length, proved, of this many triangles at most.
     Proved(u64),
-    /// The best mesh, and what it is off.
+    /// The best mesh, with a bound beyond the length or without an upper end.
     Unmet,
     /// An exit code, and a sentence that says this.
     Refused(i32, &'static str),
 }
 
 /// The file, its length, and how it ends.
-const INPUTS: [(&str, &str, Ending); 17] = [
+type Row = (&'static str, &'static str, Ending);
+
+const SCRIPTS: [Row; 11] = [
     ("a_1041_mem.star", "5%", Ending::Proved(4000)),
     ("a_1057_mem.star", "5%", Ending::Unmet),
     ("a_1337_mem.star", "5%", Ending::Proved(200)),
@@ -24,52 +27,117 @@ const INPUTS: [(&str, &str, Ending); 17] = [
     ("a_1617_mem.star", "5%", Ending::Proved(200)),
     ("a_1757_mem.star", "5%", Ending::Proved(200)),
     ("a_461_timeout.star", "5%", Ending::Proved(100)),
-    ("a_1393_timeout-mem.vm", "5%", Ending::Unmet),
-    ("pole.vm", "5%", Ending::Unmet),
-    ("a_798_timeout-mem.vm", "5%", Ending::Unmet),
-    ("bomb_dag.vm", "5%", Ending::Proved(12)),
-    ("constneg.vm", "5%", Ending::Proved(12)),
-    ("q.vm", "5%", Ending::Proved(12)),
     ("displace_promise.star", "0.02", Ending::Proved(1000)),
     ("unmet_csg.star", "0.01", Ending::Proved(1000)),
     ("sphere1e300.star", "5%", Ending::Refused(3, "-1e300")),
     ("twistbig.star", "5%", Ending::Refused(5, "twist and repeat it less often")),
 ];
 
-#[test]
-fn fields_that_went_wrong_end_in_little_memory() {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
-    let root = std::env::var_os("CHORDAL_DATA").map_or_else(|| beside.into(), PathBuf::from).join("repro");
-    if !root.is_dir() {
-        eprintln!("SKIPPED: no test data beside the checkout (or set CHORDAL_DATA)");
-        return;
-    }
-    let folder = Folder::new("hard-fields");
+const OP_LISTS: [Row; 6] = [
+    ("a_1393_timeout-mem.vm", "5%", Ending::Unmet),
+    ("pole.vm", "5%", Ending::Unmet),
+    ("a_798_timeout-mem.vm", "5%", Ending::Unmet),
+    ("bomb_dag.vm", "5%", Ending::Proved(12)),
+    ("constneg.vm", "5%", Ending::Proved(12)),
+    ("q.vm", "5%", Ending::Proved(12)),
+];
+
+/// Menger's sponge and two of its mutants, the cheapest first.
+const SPONGES: [Row; 3] = [
+    ("a_61_timeout-mem.star", "5%", Ending::Proved(40_000)),
+    ("a_1216_timeout-mem.star", "5%", Ending::Proved(40_000)),
+    ("a_2616_timeout-mem.star", "5%", Ending::Proved(40_000)),
+];
+
+/// The most that a process may hold, in bytes: what is passed as `--max-memory`.
+const MOST_MEMORY: u64 = 256 << 20;
+
+/// Meshes a file and judges what it comes to.
+fn ends_as_it_should(folder: &Folder, (name, length, ending): Row) {
+    let Some(input) = repro(name) else { return };
     let output = folder.text("a.ply");
-    for (name, length, ending) in INPUTS {
-        let input = root.join(name).to_str().unwrap().to_owned();
-        let fixed = ["mesh", &input, "-o", &output, "--force", "--json", "--max-memory", "256M"];
-        let made = run(&[&fixed[..], &["--tol", length]].concat());
-        match ending {
-            Ending::Proved(most) => {
-                assert_eq!(made.code, 0, "{name}: {made:?}");
-                let report = made.report();
-                let evidence = report["certificate"]["bound"]["evidence"].as_str().expect("a word");
-                assert!(evidence.starts_with("proved"), "{name}: {evidence}");
-                let triangles = report["certificate"]["output"]["triangles"].as_u64().expect("a count");
-                assert!(triangles <= most, "{name}: {triangles}");
-                // Known on Linux only.
-                let peak = report["run"]["peak_bytes"].as_u64().unwrap_or(0);
-                assert!(peak <= 256 << 20, "{name}: {peak}");
-            }
-            Ending::Unmet => {
-                assert_eq!(made.code, 5, "{name}: {made:?}");
-                assert!(made.stderr.contains("the best reached is"), "{name}: {made:?}");
-            }
-            Ending::Refused(code, what) => {
-                assert_eq!(made.code, code, "{name}: {made:?}");
-                assert!(made.stderr.contains(what), "{name}: {made:?}");
-            }
+    // Each thread takes memory of its own.
+    let within = ["--tol", length, "--max-memory", "256M", "--threads", "2"];
+    let fixed = ["mesh", &input, "-o", &output, "--force", "--json", "--keep-best"];
+    let made = run(&[&fixed[..], &within].concat());
+    match ending {
+        Ending::Proved(most) => {
+            let certificate = closed(name, &made, 0);
+            is_proved_within_its_length(name, &certificate);
+            let triangles = certificate["output"]["triangles"].as_u64().expect("a count");
+            assert!(triangles <= most, "{name}: {triangles}");
         }
+        Ending::Unmet => {
+            let certificate = closed(name, &made, 5);
+            assert!(made.stderr.contains("the best reached is"), "{name}: {made:?}");
+            let wanted = certificate["budget"]["length"].as_f64().expect("a length");
+            let at_most = certificate["bound"]["at_most"].as_f64();
+            assert!(at_most.is_none_or(|at_most| at_most > wanted), "{name}: {certificate:#}");
+        }
+        Ending::Refused(code, what) => made.fails_with(code, &[what]),
+    }
+}
+
+/// The certificate of a mesh that is closed and manifold, made in little memory.
+fn closed(name: &str, made: &Run, code: i32) -> Value {
+    assert_eq!(made.code, code, "{name}: {made:?}");
+    let mut report = made.report();
+    let valid = &report["certificate"]["valid"];
+    assert!(valid["closed"] == true && valid["manifold"] == true, "{name}: {valid:#}");
+    // Known on Linux only.
+    let peak = report["run"]["peak_bytes"].as_u64().unwrap_or(0);
+    assert!(peak <= MOST_MEMORY, "{name}: {peak}");
+    report["certificate"].take()
+}
+
+fn is_proved_within_its_length(name: &str, certificate: &Value) {
+    let evidence = certificate["bound"]["evidence"].as_str().expect("a word");
+    assert!(evidence.starts_with("proved"), "{name}: {evidence}");
+    let wanted = certificate["budget"]["length"].as_f64().expect("a length");
+    let at_most = certificate["bound"]["at_most"].as_f64().expect("an upper end");
+    assert!(at_most <= wanted, "{name}: {at_most} of {wanted}");
+}
+
+#[test]
+fn scripts_that_went_wrong_end_in_little_memory() {
+    let folder = Folder::new("hard-scripts");
+    for row in SCRIPTS {
+        ends_as_it_should(&folder, row);
+    }
+}
+
+#[test]
+fn op_lists_that_went_wrong_end_in_little_memory() {
+    let folder = Folder::new("hard-op-lists");
+    for row in OP_LISTS {
+        ends_as_it_should(&folder, row);
+    }
+}
+
+#[test]
+fn sponges_that_went_wrong_end_in_little_memory() {
+    let folder = Folder::new("hard-sponges");
+    for row in &SPONGES[..if is_long() { SPONGES.len() } else { 1 }] {
+        ends_as_it_should(&folder, *row);
+    }
+}
+
+#[test]
+fn lengths_beyond_the_digits_of_coordinates_are_refused() {
+    let folder = Folder::new("hard-lengths");
+    let output = folder.text("a.ply");
+    let sphere = |radius: &str, length: &str| {
+        let input = folder.file("a.star", format!("sphere({radius})\n"));
+        run(&["mesh", &input, "-o", &output, "--tol", length, "--json", "--force"])
+    };
+    let advice = "move the shape to the origin, or allow a larger length";
+    sphere("1", "1e-30").fails_with(5, &["1e-30 is too little beside coordinates of 1e0", advice]);
+    sphere("1e-30", "1e-46").fails_with(5, &["1e-46 is too little beside coordinates of 1e-30", advice]);
+    sphere("1", "1e-12").fails_with(5, &["triangles", "limit"]);
+    assert_eq!(folder.names(), ["a.star"]);
+    // What is small as a whole has its digits.
+    for length in ["0.1%", "1e-32"] {
+        let made = sphere("1e-30", length);
+        is_proved_within_its_length(length, &closed(length, &made, 0));
     }
 }

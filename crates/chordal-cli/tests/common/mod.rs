@@ -19,6 +19,17 @@ pub const OPEN_OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 4\nf 2 3 4
 /// A tetrahedron.
 pub const CLOSED_OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 
+/// A file of `repro` in the test data: inputs that were handled badly. Nothing where there is no such folder.
+pub fn repro(name: &str) -> Option<String> {
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
+    let root = std::env::var_os("CHORDAL_DATA").map_or_else(|| beside.into(), PathBuf::from).join("repro");
+    if !root.is_dir() {
+        eprintln!("SKIPPED: no test data beside the checkout (or set CHORDAL_DATA)");
+        return None;
+    }
+    Some(root.join(name).to_str().unwrap().to_owned())
+}
+
 /// An empty folder of one test's own, removed when the test is over.
 pub struct Folder(PathBuf);
 
