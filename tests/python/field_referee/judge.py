@@ -42,21 +42,26 @@ class Verdict:
 
 
 def judge(solid: Solid, mesh: Mesh, at_most: float, seed: int = 1, work: float = surface.WORK) -> Verdict:
-    """Everything that can be held against a mesh."""
-    verdict = Verdict()
-    verdict.wrong += topology(mesh)
-    n_folded = 0 if verdict.wrong else folded_edges(mesh)
-    if n_folded:
-        verdict.wrong.append(f"the faces of {n_folded} edges lie on each other")
-    n_crossing = len(crossing_pairs(mesh))
-    if n_crossing:
-        verdict.wrong.append(f"{n_crossing} pairs of triangles cross")
+    """Everything that can be held against a mesh with a bound."""
+    verdict = Verdict(faults_of(mesh))
     from_surface(solid, mesh, at_most, seed, verdict, work)
     from_mesh(solid, mesh, at_most, seed, verdict)
     against = turned_faces(solid, mesh, at_most)
     if against:
         verdict.wrong.append(f"{against} faces point inward")
     return verdict
+
+
+def faults_of(mesh: Mesh) -> list[str]:
+    """What can be held against a mesh whatever it stands for: that it is no closed manifold, or runs through itself."""
+    wrong = topology(mesh)
+    n_folded = 0 if wrong else folded_edges(mesh)
+    if n_folded:
+        wrong.append(f"the faces of {n_folded} edges lie on each other")
+    n_crossing = len(crossing_pairs(mesh))
+    if n_crossing:
+        wrong.append(f"{n_crossing} pairs of triangles cross")
+    return wrong
 
 
 def crease_gap(mesh: Mesh, creases: Array, least_deg: float) -> float:

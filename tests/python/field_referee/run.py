@@ -18,13 +18,19 @@ MEMORY = "2G"
 
 @dataclass(frozen=True)
 class Made:
-    """How it went: `met`, `unmet` (exit code 5), `slow` (stopped), or `refused` with another exit code."""
+    """How it went: `met`, `unmet` (exit code 5, with the best mesh), `slow` (stopped), or `refused` without a mesh."""
 
     how: str
     said: str = ""
     mesh: Mesh | None = None
+    #: What the mesh claims; without an upper end it is infinite.
     at_most: float = float("inf")
     evidence: str = ""
+
+    @property
+    def proved(self) -> bool:
+        """Whether the budget is met by a bound that is proved."""
+        return self.how == "met" and self.evidence.startswith("proved")
 
 
 def mesh_of(command: str, case: Case, folder: Path, seconds: int) -> Made:
@@ -32,13 +38,16 @@ def mesh_of(command: str, case: Case, folder: Path, seconds: int) -> Made:
     what else the machine does."""
     script, out = folder / f"{case.name}.star", folder / f"{case.name}.ply"
     script.write_text(case.text + "\n")
-    asked = ["--tol", repr(case.tol), "--force", "--json", "--max-memory", MEMORY]
+    asked = ["--tol", repr(case.tol), "--keep-best", "--force", "--json", "--max-memory", MEMORY]
     words: list[str | Path] = [command, "mesh", script, "-o", out, *asked]
     limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))  # noqa: E731
     done = subprocess.run(words, capture_output=True, text=True, check=False, preexec_fn=limit)
     if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
         return Made("slow", f"stopped after {seconds} s of the processor")
-    if done.returncode:
-        return Made("unmet" if done.returncode == 5 else "refused", f"exit {done.returncode}: {done.stderr.strip()}")
-    bound = json.loads(done.stdout)["certificate"]["bound"]
-    return Made("met", done.stderr.strip(), read_ply(out), bound["at_most"], bound["evidence"])
+    said = f"exit {done.returncode}: {done.stderr.strip()}"
+    report = json.loads(done.stdout) if done.returncode in (0, 5) else {}
+    if "certificate" not in report:
+        return Made("refused", said)
+    bound = report["certificate"]["bound"]
+    at_most = float("inf") if bound["at_most"] is None else bound["at_most"]
+    return Made("unmet" if done.returncode else "met", said, read_ply(out), at_most, bound["evidence"])
