@@ -90,6 +90,8 @@ test-web: tested need-wasm need-node tests/web/node_modules
 	node tests/web/wasm.mjs $(WASM) $(TARGET)/web/tol.glb examples/teapot.bpt
 	$(TESTED) mesh examples/drawing.svg --tol 0.001 -o $(TARGET)/web/drawing.json --force -q
 	node tests/web/wasm.mjs $(WASM) $(TARGET)/web/drawing.json examples/drawing.svg
+	$(TESTED) mesh tests/web/washer.vm --tol 0.005 -o $(TARGET)/web/washer.glb --force -q
+	node tests/web/wasm.mjs $(WASM) $(TARGET)/web/washer.glb tests/web/washer.vm 0.005
 	node tests/web/validate.mjs $(TARGET)/web/*.glb
 
 # Patches, a cage and a mesh that is cut in space as tilesets, and one that is cut so that levels do not match, which the
@@ -151,7 +153,8 @@ test-python: tested need-python
 		&& $(VENV)/bin/python -m mypy -p chordal && $(VENV)/bin/python -m mypy.stubtest chordal
 
 # What `make test` leaves to this, so that it takes twenty minutes: nine of ten random cases of every sweep that asks
-# crates/chordal/tests/long.rs, and what that file's `is_long` guards. PROPTEST_CASES is for the sweeps at proptest's own number.
+# crates/chordal/tests/long.rs, what `is_long` guards there and in crates/chordal-cli/tests/long.rs, and all but nine of the random
+# scripts of fields. PROPTEST_CASES is for the sweeps at proptest's own number.
 test-long: need-rust test-viewers test-python ## the tests with many more random cases, and a second viewer of tilesets; minutes to hours
 	CHORDAL_LONG=1 PROPTEST_CASES=100000 $(CARGO) test --workspace --locked --release
 	CHORDAL_LONG=1 CHORDAL=$(abspath $(CHORDAL)) $(VENV)/bin/python -m pytest -q tests/python/test_field_referee.py

@@ -1,4 +1,4 @@
-// The WASM module meshes the same shape to the same bytes as the native command: patches to GLB, curves to JSON.
+// The WASM module meshes the same shape to the same bytes as the native command: patches and fields to GLB, curves to JSON.
 //
 //   node wasm.mjs chordal_wasm.wasm native.glb patches.bpt [budget]
 //

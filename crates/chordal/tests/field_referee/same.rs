@@ -13,7 +13,7 @@ fn digest(threads: usize) -> u64 {
     };
     for shape in [shapes::torus(), shapes::gyroid()] {
         let job = Job::default().with_threads(threads);
-        let Ok(made) = field_to_mesh(&shape.field, &budget(0.06), &job) else { continue };
+        let made = field_to_mesh(&shape.field, &budget(0.06), &job).expect("it is proved");
         made.shape.positions().as_flattened().iter().for_each(|x| add(x.to_bits()));
         made.shape.faces().as_flattened().iter().for_each(|i| add(u64::from(*i)));
         add(made.bound.at_least().to_bits());
@@ -25,7 +25,7 @@ fn digest(threads: usize) -> u64 {
 #[test]
 fn threads_change_no_byte() {
     let one = digest(1);
-    assert_eq!([digest(2), digest(3)], [one; 2]);
+    assert_eq!([digest(2), digest(8)], [one; 2]);
 }
 
 #[test]
