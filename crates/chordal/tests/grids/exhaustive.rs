@@ -1,5 +1,6 @@
 //! Two cells that share a face, with every corner below, at and above the level, along each axis.
 use super::solid::{flat, flaw, volume6};
+use crate::long::is_long;
 use chordal::Job;
 use chordal::convert::{Polygonize, grid_to_triangles};
 use chordal::implicit::{Affine, Grid, Samples};
@@ -10,7 +11,8 @@ fn two_cells_are_closed_and_manifold_in_every_pattern() {
     for axis in 0..3 {
         let mut size = [2; 3];
         size[axis] = 3;
-        for pattern in 0..3_u32.pow(12) {
+        // All in the long sweep; 11 is coprime to the number of patterns.
+        for pattern in (0..3_u32.pow(12)).step_by(if is_long() { 1 } else { 11 }) {
             let samples: Vec<i8> =
                 (0..12).map(|corner| (pattern / 3_u32.pow(corner) % 3) as i8 - 1).collect();
             let inside = samples.iter().filter(|v| **v < 0).count();

@@ -148,7 +148,7 @@ fn camera(shape: &Shape, r: &mut Random) -> (Camera, Eye) {
 
 #[test]
 fn no_camera_sees_more_pixels_than_promised() {
-    let n = if is_long() { 4000 } else { 420 };
+    let n = if is_long() { 4000 } else { 84 };
     let worst = for_all(n, |seed| {
         let shape = shape(seed as u64);
         let r = &mut Random::new(seed as u64 + 99);
