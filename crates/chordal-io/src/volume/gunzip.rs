@@ -10,8 +10,8 @@ pub(crate) const MAGIC: [u8; 2] = [0x1f, 0x8b];
 /// Samples take no more than so many times their packed bytes. The format ends at 1,032 (RFC 1951: 258 bytes by two bits),
 /// which only what is nearly constant comes near to;
 const MOST_RATIO: u64 = 1_000;
-/// so smaller volumes are read whatever they hold. Chosen: 512³ labels of a byte.
-const SMALL: u64 = 128 << 20;
+/// so smaller volumes, which a mask of one organ may be, are read whatever they hold. Chosen: 1024³ labels of a byte.
+const SMALL: u64 = 1 << 30;
 
 /// Refuses samples of so many bytes from fewer packed ones than any that were measured take.
 pub(crate) fn check_ratio(declared: Option<u64>, packed: u64, place: &Place) -> Result<(), ReadError> {
@@ -21,7 +21,7 @@ pub(crate) fn check_ratio(declared: Option<u64>, packed: u64, place: &Place) -> 
     }
     let message = format!(
         "the header declares {} bytes of samples, more than {MOST_RATIO} times the {} packed bytes of the file: it is cut off, \
-         or holds nothing but one value",
+         or nearly all of it is one value",
         grouped(declared),
         grouped(packed)
     );
