@@ -7,7 +7,6 @@
 //! p and its complement are outside. So for a few such primitives all cases are gone through.
 use crate::implicit::{CsgNode, CsgTree, Membership, Restricted, SlopeRange};
 use std::collections::HashMap;
-use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// On which sides of a primitive and of its complement a set is. Where the primitive is 0, both are outside; what is
 /// at most 0 may so be outside of its complement, without being inside of itself.
@@ -148,7 +147,7 @@ pub(super) fn has_thin_zeros(slope: &SlopeRange) -> bool {
 #[derive(Clone, Debug)]
 pub(super) struct LocalTrees {
     all: Vec<LocalTree>,
-    /// By the hash of a tree's nodes, one of those that have it.
+    /// By a tree's fingerprint, one of those that have it.
     numbers: HashMap<u64, u32>, // No order depends on it.
     bytes: u64,
 }
@@ -194,7 +193,7 @@ impl LocalTrees {
     }
 
     fn push(&mut self, tree: CsgTree) -> u32 {
-        let hash = hash_of(&tree);
+        let hash = tree.fingerprint();
         if let Some(number) = self.numbers.get(&hash).filter(|number| self.get(**number).tree == tree) {
             return *number;
         }
@@ -210,7 +209,7 @@ impl LocalTrees {
     pub fn truncate(&mut self, n: usize) {
         for (number, local) in self.all.iter().enumerate().skip(n) {
             self.bytes -= local.bytes();
-            let hash = hash_of(&local.tree);
+            let hash = local.tree.fingerprint();
             if self.numbers.get(&hash) == Some(&(number as u32)) {
                 self.numbers.remove(&hash);
             }
@@ -221,12 +220,6 @@ impl LocalTrees {
     pub fn len(&self) -> usize {
         self.all.len()
     }
-}
-
-fn hash_of(tree: &CsgTree) -> u64 {
-    let mut hasher = DefaultHasher::new(); // No result depends on it: equal trees are compared.
-    tree.nodes().hash(&mut hasher);
-    hasher.finish()
 }
 
 /// The range of a tree's value in a region, from those of its literals (a primitive, and whether it stands as its

@@ -4,7 +4,6 @@ use crate::implicit::{Csg, CsgNode, CsgTree, Membership, Primitive, Restricted, 
 use crate::math::{cross, dot};
 use std::collections::HashMap;
 use std::collections::hash_map;
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
 /// A CSG tree restricted to a region, with its primitives.
@@ -66,7 +65,7 @@ impl OpenTree {
 /// The trees of all cells, each kept once.
 #[derive(Debug, Default)]
 pub(super) struct OpenTrees {
-    /// By the hash of a tree's nodes, one of those that have it.
+    /// By a tree's fingerprint, one of those that have it.
     known: HashMap<u64, Arc<OpenTree>>, // No order depends on it.
     bytes: u64,
 }
@@ -74,9 +73,7 @@ pub(super) struct OpenTrees {
 impl OpenTrees {
     /// The tree as it is kept.
     pub fn shared(&mut self, open: Arc<OpenTree>) -> Arc<OpenTree> {
-        let mut hasher = DefaultHasher::new(); // No result depends on it: equal trees are compared.
-        open.tree.nodes().hash(&mut hasher);
-        match self.known.entry(hasher.finish()) {
+        match self.known.entry(open.tree.fingerprint()) {
             hash_map::Entry::Occupied(known) if known.get().tree == open.tree => Arc::clone(known.get()),
             hash_map::Entry::Occupied(_) => open,
             hash_map::Entry::Vacant(free) => {

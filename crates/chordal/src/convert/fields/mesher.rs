@@ -107,12 +107,12 @@ fn contradiction() -> LeafError {
 }
 
 fn too_large(bytes: f64) -> String {
-    /// 2³⁰.
-    const GIB: f64 = (1_u64 << 30) as f64;
+    /// 2²⁰.
+    const MIB: f64 = (1_u64 << 20) as f64;
     format!(
-        "the budget needs more than {:.2} GiB of memory, which is more than this job may have: allow a larger error, or \
+        "the budget needs more than {:.0} MiB of memory, which is more than this job may have: allow a larger error, or \
          more memory",
-        bytes / GIB
+        bytes / MIB
     )
 }
 

@@ -1,4 +1,5 @@
 //! `CsgTree`: unions and intersections of primitives and their complements, as a list of nodes in postfix order.
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// Whether all points of a region are inside a solid, as far as is known.
 ///
@@ -90,6 +91,13 @@ impl CsgTree {
     #[must_use]
     pub fn nodes(&self) -> &[CsgNode] {
         &self.nodes
+    }
+
+    /// A number that equal trees have in common, and others hardly ever, to keep each once.
+    pub(crate) fn fingerprint(&self) -> u64 {
+        let mut hasher = DefaultHasher::new(); // No result depends on it: equal trees are compared.
+        self.nodes.hash(&mut hasher);
+        hasher.finish()
     }
 
     /// The distinct primitives, ascending.
