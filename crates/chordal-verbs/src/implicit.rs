@@ -2,7 +2,7 @@
 use crate::MeshFailure;
 use crate::failure::best_of;
 use crate::mesh::{refused, set_aside, snapped};
-use crate::polylines::{Asked, ENDLESS};
+use crate::polylines::Asked;
 use chordal::budget::{Bound, Code};
 use chordal::check::{self, FieldDeviation, Goal};
 use chordal::implicit::Field;
@@ -94,6 +94,10 @@ pub(crate) fn of_field(
 
 /// Coordinates up to this have squares, and sums of them, that are finite: derived, 2^1024 is the end of the numbers.
 const LARGEST: f64 = 1e150;
+
+/// What is said of a field that cannot be meshed for want of an end.
+pub(crate) const ENDLESS: &str = "the shape has no end in some direction: cut it off at a box \
+                                  (--region \"-1,-1,-1 1,1,1\", in Python within())";
 
 /// The field cut off at its region.
 ///

@@ -1,6 +1,6 @@
 //! Curves into polylines within a budget, for formats that hold polylines.
 use crate::failure::best_of;
-use crate::implicit::Implicit;
+use crate::implicit::{ENDLESS, Implicit};
 use crate::mesh::{Made, MeshOutcome, NOT_MET, lengths_are_met, on_screen, refused};
 use crate::report::{BoundFacts, BudgetFacts, Certificate, LineFacts, Output};
 use crate::{BudgetSpec, MeshFailure};
@@ -87,9 +87,6 @@ pub(crate) fn of_field(
     let Asked { spec, budget, to, .. } = *asked;
     finish(Polylines::Plane(drawn), made.bound, &Asked { spec, budget, to, place }, certificate)
 }
-
-pub(crate) const ENDLESS: &str = "the shape has no end in some direction: cut it off at a box \
-                                  (--region \"-1,-1,-1 1,1,1\", in Python within())";
 
 fn cut<const D: usize>(
     drawn: Drawn<Curve<D>>,
