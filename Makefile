@@ -153,8 +153,8 @@ test-python: tested need-python
 		&& $(VENV)/bin/python -m mypy -p chordal && $(VENV)/bin/python -m mypy.stubtest chordal
 
 # What `make test` leaves to this, so that it takes twenty minutes: nine of ten random cases of every sweep that asks
-# crates/chordal/tests/long.rs, what `is_long` guards there and in crates/chordal-cli/tests/long.rs, and all but nine of the random
-# scripts of fields. PROPTEST_CASES is for the sweeps at proptest's own number.
+# crates/chordal/tests/long.rs, what that file's `is_long` guards, and all but nine of the random scripts of fields.
+# PROPTEST_CASES is for the sweeps at proptest's own number.
 test-long: need-rust test-viewers test-python ## the tests with many more random cases, and a second viewer of tilesets; minutes to hours
 	CHORDAL_LONG=1 PROPTEST_CASES=100000 $(CARGO) test --workspace --locked --release
 	CHORDAL_LONG=1 CHORDAL=$(abspath $(CHORDAL)) $(VENV)/bin/python -m pytest -q tests/python/test_field_referee.py
