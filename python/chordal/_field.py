@@ -193,11 +193,12 @@ def field(
     """A shape from a formula, or from a function of points.
 
     A function is called with an array n × 3 of double precision, all points at a time that are asked for at once: from
-    one to some hundred thousand. It gives back n numbers: negative inside, NaN outside. It is called from other threads. What it raises comes back as
-    it is. `bounds` is a box that holds the shape. With `lipschitz` you promise that values of two points differ by no
-    more than that many times their distance, and what is proved is proved under that promise; without it a mesh is
-    measured, at samples. `gradient` gives back the derivatives along x, y and z, n × 3; without it they come from four
-    values beside each point. `report["run"]["evaluations"]` of a mesh says how many points were asked for.
+    one to some hundred thousand. It gives back n numbers: negative inside, NaN outside. It is called from other threads.
+    What it raises comes back as it is. `bounds` is a box that holds the shape. With `lipschitz` you promise that values
+    of two points differ by no more than that many times their distance, and what is proved is proved under that
+    promise; without it a mesh is measured, at samples. `gradient` gives back the derivatives along x, y and z, n × 3;
+    without it they come from four values beside each point. `report["run"]["evaluations"]` of a mesh says how many
+    points were asked for.
 
     >>> import chordal, numpy
     >>> ball = chordal.field(lambda p: numpy.linalg.norm(p, axis=1) - 1, bounds=((-1, -1, -1), (1, 1, 1)), lipschitz=1)
