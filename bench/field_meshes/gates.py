@@ -1,7 +1,8 @@
 """Fields to triangles against the gates of the design, beside fidget in the same run; writes a section of RESULTS.md.
 
-`gates.py [--limit SECONDS] [--no-results] [MODEL ...]` runs some rows or all. Every run is a process of its own that is
-stopped after the limit, so the program always ends.
+`gates.py [--limit SECONDS] [--alone] [--no-results] [MODEL ...]` runs some rows or all. Every run is a process of its own
+that is stopped after the limit, so the program always ends. With `--alone` fidget is left out: to judge its meshes of
+large models takes minutes.
 """
 
 import argparse
@@ -154,9 +155,10 @@ def milliseconds(got):
     return None if got.get("seconds") is None else 1e3 * got["seconds"]
 
 
-def cells(row, model, limit):
+def cells(row, model, limit, alone):
     """What a row of the table holds."""
-    mine, quick, theirs = (run(model, row.tol, limit) for run in (proved, preview, fidget))
+    mine, quick = (run(model, row.tol, limit) for run in (proved, preview))
+    theirs = {} if alone else fidget(model, row.tol, limit)
     met = mine.get("triangles") is not None
     sound = "–" if not met else ", ".join("yes" if mine.get(key) else "no" for key in ("closed", "manifold"))
     ms = milliseconds(mine) if met else None
@@ -184,6 +186,7 @@ def main():
     """Runs the rows and writes the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--limit", type=float, default=120.0, help="seconds that each process may take")
+    parser.add_argument("--alone", action="store_true", help="leave fidget out")
     parser.add_argument("--no-results", action="store_true", help="print the rows and leave RESULTS.md alone")
     parser.add_argument("models", nargs="*", choices=[[], *ROWS], metavar="MODEL", help=", ".join(ROWS))
     asked = parser.parse_args()
@@ -194,7 +197,7 @@ def main():
         row = ROWS[name]
         model = extruded_prospero() if row.model == "prospero" else row.model
         if model is not None:
-            table.append(cells(row, model, asked.limit))
+            table.append(cells(row, model, asked.limit, asked.alone))
             print(*table[-1], sep=" | ", flush=True)
     if asked.no_results:
         return
