@@ -1,6 +1,6 @@
 //! The command line: names, values and their help.
 use crate::require::Requirement;
-use chordal::budget::{InvalidLength, Length, Pixels, Require, Unit, View};
+use chordal::budget::{InvalidLength, Length, Pixels, RequiredEvidence, Unit, View};
 use chordal::math::Box3;
 use chordal_io::{Axis, Format, PolygonSurface};
 use chordal_verbs::Normals;
@@ -103,7 +103,7 @@ pub struct InputArgs {
 
     /// What the polygons of an .obj stand for; unless said, catmull-clark where the file has subdivision tags, else faceted
     #[arg(long, value_name = "WHICH")]
-    pub surface: Option<Surface>,
+    pub surface: Option<PolygonSurfaceArg>,
 
     /// Only warn of what is wrong in a glTF file without touching its geometry, and of bytes after a volume
     #[arg(long)]
@@ -116,7 +116,7 @@ pub struct InputArgs {
 
 /// Which surface polygons stand for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Surface {
+pub enum PolygonSurfaceArg {
     /// The limit of Catmull-Clark subdivision
     CatmullClark,
     /// The limit of Loop subdivision, of triangles
@@ -127,20 +127,20 @@ pub enum Surface {
     Faceted,
 }
 
-impl From<Surface> for PolygonSurface {
-    fn from(surface: Surface) -> Self {
+impl From<PolygonSurfaceArg> for PolygonSurface {
+    fn from(surface: PolygonSurfaceArg) -> Self {
         match surface {
-            Surface::CatmullClark => Self::CatmullClark,
-            Surface::Loop => Self::Loop,
-            Surface::Bilinear => Self::Bilinear,
-            Surface::Faceted => Self::Faceted,
+            PolygonSurfaceArg::CatmullClark => Self::CatmullClark,
+            PolygonSurfaceArg::Loop => Self::Loop,
+            PolygonSurfaceArg::Bilinear => Self::Bilinear,
+            PolygonSurfaceArg::Faceted => Self::Faceted,
         }
     }
 }
 
 /// Arguments about what is said while working and afterwards.
 #[derive(Args, Debug)]
-pub struct TalkArgs {
+pub struct ConsoleArgs {
     /// Print one report object on stdout
     #[arg(long)]
     pub json: bool,
@@ -221,7 +221,7 @@ pub struct MeshArgs {
 
     /// For curves: as few segments as the budget allows, or equal steps of each piece's parameter
     #[arg(long, value_name = "HOW", default_value = "fewest")]
-    pub spacing: Steps,
+    pub spacing: SpacingArg,
 
     /// Normals of triangles: what the shape has and, for glb and obj, crease=30deg where it has none (auto); keep, none
     /// are added; flat; smooth; crease=ANGLE, smooth up to that angle; groups, by the smoothing groups of an .obj
@@ -238,19 +238,19 @@ pub struct MeshArgs {
     /// How a field's distance is known: proved, or measured, which is sooner there. Unless said, proved where there is anything to
     /// prove with. Other shapes are proved either way
     #[arg(long, value_name = "EVIDENCE")]
-    pub require: Option<Require>,
+    pub require: Option<RequiredEvidence>,
 
     /// Write the best result even where the budget was not reached; the exit code is 5 all the same
     #[arg(long)]
     pub keep_best: bool,
 
     #[command(flatten)]
-    pub talk: TalkArgs,
+    pub console: ConsoleArgs,
 }
 
 /// How the ends of segments are placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Steps {
+pub enum SpacingArg {
     /// Nearly as few segments as can be
     Fewest,
     /// Equal steps of the parameter
@@ -277,7 +277,7 @@ pub struct InspectArgs {
     pub self_intersections: bool,
 
     #[command(flatten)]
-    pub talk: TalkArgs,
+    pub console: ConsoleArgs,
 }
 
 /// `chordal render`
@@ -291,7 +291,7 @@ pub struct RenderArgs {
 
     /// What the picture shows
     #[arg(long, value_name = "WHAT", default_value = "shaded")]
-    pub show: Show,
+    pub show: RenderMode,
 
     /// For --show deviation: the shape that the distance is measured from
     #[arg(long, value_name = "FILE")]
@@ -303,7 +303,7 @@ pub struct RenderArgs {
 
     /// Which sides of triangles are left out, as graphics processors do
     #[arg(long, value_name = "SIDES", default_value = "none")]
-    pub cull: crate::render::Cull,
+    pub cull: crate::render::CullArg,
 
     /// The size of the picture
     #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "view", allow_hyphen_values = true)]
@@ -322,7 +322,7 @@ pub struct RenderArgs {
     pub px: Option<Pixels>,
 
     #[command(flatten)]
-    pub talk: TalkArgs,
+    pub console: ConsoleArgs,
 }
 
 /// `chordal studio`
@@ -361,7 +361,7 @@ pub struct StudioArgs {
 
 /// What a picture can show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Show {
+pub enum RenderMode {
     /// Light on the surface, with the file's normals where it has some
     Shaded,
     /// Light on the triangles

@@ -1,15 +1,15 @@
 //! `chordal bake`
-use crate::args::{InputArgs, OutputArgs, TalkArgs};
+use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
 use crate::clock::Clock;
 use crate::common;
+use crate::console::Console;
 use crate::fault::Fault;
-use crate::input::Source;
-use crate::numbers::{Toward, grouped, point, short};
-use crate::output::Target;
-use crate::summary::Lines;
-use crate::talk::Talk;
+use crate::input::InputSource;
+use crate::numbers::{RoundingDirection, grouped, point, short};
+use crate::output::OutputTarget;
+use crate::summary::SummaryLines;
 use chordal_io::Format;
-use chordal_verbs::report::{BakedFacts, Report};
+use chordal_verbs::report::{DistanceGridFacts, Report};
 use chordal_verbs::{BakeSpec, bake, extension};
 use clap::Args;
 use std::path::Path;
@@ -43,7 +43,7 @@ pub struct BakeArgs {
     pub band: Option<f64>,
 
     #[command(flatten)]
-    pub talk: TalkArgs,
+    pub console: ConsoleArgs,
 }
 
 fn band(text: &str) -> Result<f64, String> {
@@ -56,12 +56,12 @@ fn band(text: &str) -> Result<f64, String> {
 /// Reads, samples, writes, reports.
 pub fn run(args: &BakeArgs) -> Result<(), Fault> {
     let clock = Clock::start();
-    let talk = Talk::new(&args.talk);
+    let talk = Console::new(&args.console);
     let to = format(&args.output.output, args.to)?;
-    let stdout = common::stdout(&args.output, &args.talk)?;
-    let source = Source::from_arg(&args.input.input);
+    let stdout = common::stdout(&args.output, &args.console)?;
+    let source = InputSource::from_arg(&args.input.input);
     let job = common::job(&args.input, Some(&args.output), &talk);
-    let target = Target::prepare(&args.output.output, common::existing(&args.output), &source)?;
+    let target = OutputTarget::prepare(&args.output.output, common::existing(&args.output), &source)?;
     let input = common::read(&args.input, &talk)?;
     let name = source.name();
     let spec = BakeSpec { cells: args.cells as usize, band: args.band };
@@ -73,7 +73,7 @@ pub fn run(args: &BakeArgs) -> Result<(), Fault> {
     let run = common::run("bake", name, &target, bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| talk.detail(note));
-    talk.result(&report.to_value(), &told(&report), stdout)
+    talk.result(&report.to_value(), &summary_text(&report), stdout)
 }
 
 /// The format of a lattice, by what is said or by the name.
@@ -89,23 +89,30 @@ fn format(path: &Path, to: Option<Format>) -> Result<Format, Fault> {
     }
 }
 
-fn told(report: &Report) -> String {
-    let mut lines = Lines::of_run(&report.run);
+fn summary_text(report: &Report) -> String {
+    let mut lines = SummaryLines::of_run(&report.run);
     if let Some(facts) = &report.certificate.baked {
-        baked(&mut lines, facts);
+        add_grid(&mut lines, facts);
     }
     lines.finish_run(&report.run)
 }
 
-fn baked(lines: &mut Lines, facts: &BakedFacts) {
+fn add_grid(lines: &mut SummaryLines, facts: &DistanceGridFacts) {
     let [x, y, z] = facts.size.map(grouped);
-    lines.add("samples", format!("{x} x {y} x {z} of f64, {} apart", short(facts.spacing, Toward::Nearest)));
+    lines.add(
+        "samples",
+        format!("{x} x {y} x {z} of f64, {} apart", short(facts.spacing, RoundingDirection::Nearest)),
+    );
     lines.add("origin", point(facts.origin));
     let band = facts.band.map(|band| {
-        format!("{} samples within {} are distances", grouped(facts.distances), short(band, Toward::Nearest))
+        format!(
+            "{} samples within {} are distances",
+            grouped(facts.distances),
+            short(band, RoundingDirection::Nearest)
+        )
     });
     lines.add_if("band", band);
-    let off = short(facts.off_at_most, Toward::Up);
+    let off = short(facts.off_at_most, RoundingDirection::Up);
     lines.add("distances", format!("off by at most {off} ({})", facts.evidence));
     let sides =
         if facts.solid.closed { "known for sure" } else { "by winding numbers, sure only away from holes" };

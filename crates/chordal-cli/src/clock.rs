@@ -1,6 +1,6 @@
 //! What only this run knows: how long it took and how much memory it held. None of it goes into a certificate.
 use chordal::Job;
-use chordal_verbs::report::Run;
+use chordal_verbs::report::RunFacts;
 use std::time::Instant;
 
 /// Started with the verb.
@@ -14,10 +14,10 @@ impl Clock {
     }
 
     /// Fills in time, memory and threads.
-    pub fn fill(self, run: Run, job: &Job) -> Run {
+    pub fn fill(self, run: RunFacts, job: &Job) -> RunFacts {
         let available = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let threads = if job.threads == 0 { available() } else { job.threads };
-        Run {
+        RunFacts {
             seconds: Some(self.0.elapsed().as_secs_f64()),
             peak_bytes: peak_bytes(),
             threads: Some(threads as u64),

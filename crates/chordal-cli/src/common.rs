@@ -1,26 +1,26 @@
 //! The steps that verbs share: read the input, make the job, say what went wrong.
-use crate::args::{InputArgs, OutputArgs, TalkArgs};
+use crate::args::{ConsoleArgs, InputArgs, OutputArgs};
+use crate::console::{Console, StdoutUse};
 use crate::fault::{Exit, Fault};
-use crate::input::Source;
+use crate::input::InputSource;
 use crate::memory;
-use crate::output::{Existing, Target};
+use crate::output::{OutputTarget, OverwritePolicy};
 use crate::signal;
-use crate::talk::{Stdout, Talk};
 use chordal::Job;
 use chordal_io::{Format, Limits};
-use chordal_verbs::report::Run;
-use chordal_verbs::{Hint, Input, MeshFailure, load};
+use chordal_verbs::report::RunFacts;
+use chordal_verbs::{FormatHint, Input, MeshFailure, load};
 
 /// Reads what `args` name, tells its warnings, and adds what the user knows of its space.
-pub fn read(args: &InputArgs, talk: &Talk) -> Result<Input, Fault> {
-    Bytes::of(args)?.load(args, talk)
+pub fn read(args: &InputArgs, talk: &Console) -> Result<Input, Fault> {
+    RawInput::read(args)?.load(args, talk)
 }
 
 /// Reads another shape with the arguments of the first: what is said of fields or polygons holds if it is such.
-pub fn read_other(args: &InputArgs, talk: &Talk) -> Result<Input, Fault> {
-    let bytes = Bytes::of(args)?;
+pub fn read_other(args: &InputArgs, talk: &Console) -> Result<Input, Fault> {
+    let bytes = RawInput::read(args)?;
     let format = bytes.format(args);
-    bytes.load(&only_what_holds(args, format), talk)
+    bytes.load(&applicable_args(args, format), talk)
 }
 
 /// Reads the two shapes of a verb that compares. What is said of fields or polygons holds for those of the two that are such, and
@@ -28,9 +28,9 @@ pub fn read_other(args: &InputArgs, talk: &Talk) -> Result<Input, Fault> {
 ///
 /// # Errors
 /// When neither of them is what something is said of.
-pub fn read_both(args: [&InputArgs; 2], talk: &Talk) -> Result<[Input; 2], Fault> {
+pub fn read_both(args: [&InputArgs; 2], talk: &Console) -> Result<[Input; 2], Fault> {
     let [first, second] = args;
-    let bytes = [Bytes::of(first)?, Bytes::of(second)?];
+    let bytes = [RawInput::read(first)?, RawInput::read(second)?];
     let formats = [bytes[0].format(first), bytes[1].format(second)];
     let has_script = formats.contains(&Some(Format::Star));
     let has_field = has_script || formats.contains(&Some(Format::Vm));
@@ -46,13 +46,13 @@ pub fn read_both(args: [&InputArgs; 2], talk: &Talk) -> Result<[Input; 2], Fault
     }
     let [a, b] = bytes;
     Ok([
-        a.load(&only_what_holds(first, formats[0]), talk)?,
-        b.load(&only_what_holds(second, formats[1]), talk)?,
+        a.load(&applicable_args(first, formats[0]), talk)?,
+        b.load(&applicable_args(second, formats[1]), talk)?,
     ])
 }
 
 /// Without what is for fields or for polygons, where this has none.
-fn only_what_holds(args: &InputArgs, format: Option<Format>) -> InputArgs {
+fn applicable_args(args: &InputArgs, format: Option<Format>) -> InputArgs {
     let mut args = args.clone();
     if format != Some(Format::Star) {
         args.set.clear();
@@ -63,30 +63,30 @@ fn only_what_holds(args: &InputArgs, format: Option<Format>) -> InputArgs {
 }
 
 /// An input before anybody knows what it is.
-struct Bytes {
+struct RawInput {
     name: String,
     /// Whether the name is one of a file.
     is_named: bool,
     bytes: Vec<u8>,
 }
 
-impl Bytes {
-    fn of(args: &InputArgs) -> Result<Self, Fault> {
-        let source = Source::from_arg(&args.input);
+impl RawInput {
+    fn read(args: &InputArgs) -> Result<Self, Fault> {
+        let source = InputSource::from_arg(&args.input);
         let bytes = source.read(limits(args).bytes)?;
-        Ok(Self { name: source.name(), is_named: matches!(source, Source::File(_)), bytes })
+        Ok(Self { name: source.name(), is_named: matches!(source, InputSource::File(_)), bytes })
     }
 
-    fn hint<'a>(&'a self, args: &'a InputArgs) -> Hint<'a> {
+    fn hint<'a>(&'a self, args: &'a InputArgs) -> FormatHint<'a> {
         let name = self.is_named.then_some(self.name.as_str());
-        Hint { name, format: args.from, set: &args.set, region: args.region }
+        FormatHint { name, format: args.from, set: &args.set, region: args.region }
     }
 
     fn format(&self, args: &InputArgs) -> Option<Format> {
         self.hint(args).format_of(&self.bytes)
     }
 
-    fn load(&self, args: &InputArgs, talk: &Talk) -> Result<Input, Fault> {
+    fn load(&self, args: &InputArgs, talk: &Console) -> Result<Input, Fault> {
         let name = &self.name;
         let mut input = load(&self.bytes, self.hint(args), &limits(args))
             .map_err(|error| Fault::input(error.code, format!("{name}: {error}")))?;
@@ -100,7 +100,7 @@ impl Bytes {
 
 /// The most memory: what was said, else a share of what there is.
 fn most_memory(args: &InputArgs) -> Option<u64> {
-    args.max_memory.or_else(memory::share)
+    args.max_memory.or_else(memory::default_limit)
 }
 
 fn limits(args: &InputArgs) -> Limits {
@@ -114,7 +114,7 @@ fn limits(args: &InputArgs) -> Limits {
 }
 
 /// A job that obeys the command line and signals.
-pub fn job(input: &InputArgs, output: Option<&OutputArgs>, talk: &Talk) -> Job {
+pub fn job(input: &InputArgs, output: Option<&OutputArgs>, talk: &Console) -> Job {
     let mut job = Job::default().with_threads(output.map_or(0, |args| args.threads));
     job.memory_limit = most_memory(input).unwrap_or(job.memory_limit);
     signal::install(job.cancel_flag());
@@ -122,21 +122,27 @@ pub fn job(input: &InputArgs, output: Option<&OutputArgs>, talk: &Talk) -> Job {
 }
 
 /// What `--force` says.
-pub fn existing(args: &OutputArgs) -> Existing {
-    if args.force { Existing::Replace } else { Existing::Keep }
+pub fn existing(args: &OutputArgs) -> OverwritePolicy {
+    if args.force { OverwritePolicy::Replace } else { OverwritePolicy::Keep }
 }
 
 /// A run of a verb that made one thing of another and wrote it.
-pub fn run(verb: &'static str, input: String, target: &Target, bytes: u64) -> Run {
-    Run { verb, input: Some(input), output: Some(target.name()), bytes: Some(bytes), ..Run::default() }
+pub fn run(verb: &'static str, input: String, target: &OutputTarget, bytes: u64) -> RunFacts {
+    RunFacts {
+        verb,
+        input: Some(input),
+        output: Some(target.name()),
+        bytes: Some(bytes),
+        ..RunFacts::default()
+    }
 }
 
 /// Whether a summary can go to stdout.
-pub fn stdout(output: &OutputArgs, talk: &TalkArgs) -> Result<Stdout, Fault> {
+pub fn stdout(output: &OutputArgs, talk: &ConsoleArgs) -> Result<StdoutUse, Fault> {
     match (output.output.as_os_str() == "-", talk.json) {
         (true, true) => Err(Fault::usage("--json and '-o -' both write to stdout: choose one")),
-        (true, false) => Ok(Stdout::HoldsData),
-        (false, _) => Ok(Stdout::Free),
+        (true, false) => Ok(StdoutUse::HoldsData),
+        (false, _) => Ok(StdoutUse::Free),
     }
 }
 

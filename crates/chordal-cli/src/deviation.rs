@@ -1,14 +1,14 @@
 //! `chordal deviation`
-use crate::args::{InputArgs, TalkArgs, length};
+use crate::args::{ConsoleArgs, InputArgs, length};
 use crate::clock::Clock;
 use crate::common;
+use crate::console::{Console, StdoutUse};
 use crate::fault::{Exit, Fault};
-use crate::input::Source;
-use crate::numbers::{Toward, point, short};
-use crate::summary::{self, Lines};
-use crate::talk::{Stdout, Talk};
+use crate::input::InputSource;
+use crate::numbers::{RoundingDirection, point, short};
+use crate::summary::{self, SummaryLines};
 use chordal::budget::Length;
-use chordal_verbs::report::{DeviationFacts, OneSidedFacts, Report, Run, Verdict};
+use chordal_verbs::report::{DeviationFacts, OneSidedFacts, Report, RunFacts, Verdict};
 use chordal_verbs::{DeviationSpec, deviation};
 use clap::Args;
 use std::path::PathBuf;
@@ -47,7 +47,7 @@ pub struct DeviationArgs {
     pub threads: usize,
 
     #[command(flatten)]
-    pub talk: TalkArgs,
+    pub console: ConsoleArgs,
 }
 
 fn share(text: &str) -> Result<f64, String> {
@@ -58,10 +58,10 @@ fn share(text: &str) -> Result<f64, String> {
 /// Reads both, measures, reports, and checks the limit.
 pub fn run(args: &DeviationArgs) -> Result<(), Fault> {
     let clock = Clock::start();
-    let talk = Talk::new(&args.talk);
+    let talk = Console::new(&args.console);
     let job = common::job(&args.input, None, &talk).with_threads(args.threads);
-    let (first, second) = (Source::from_arg(&args.input.input), Source::from_arg(&args.against));
-    if matches!((&first, &second), (Source::Stdin, Source::Stdin)) {
+    let (first, second) = (InputSource::from_arg(&args.input.input), InputSource::from_arg(&args.against));
+    if matches!((&first, &second), (InputSource::Stdin, InputSource::Stdin)) {
         return Err(Fault::usage("stdin can be only one of the two shapes"));
     }
     let against = InputArgs { input: args.against.clone(), ..args.input.clone() };
@@ -69,19 +69,19 @@ pub fn run(args: &DeviationArgs) -> Result<(), Fault> {
     let spec = DeviationSpec { relative: args.relative, absolute: args.absolute, max: args.max };
     let names = format!("{} and {}", first.name(), second.name());
     let mut report = deviation(a, b, &spec, &job).map_err(|failure| common::fault(&names, &failure, ""))?;
-    let run = Run { input: Some(first.name()), ..report.run };
+    let run = RunFacts { input: Some(first.name()), ..report.run };
     report.run = clock.fill(run, &job);
     talk.warn(&names, &report.certificate.notes);
-    talk.result(&report.to_value(), &text(&report, &second.name()), Stdout::Free)?;
+    talk.result(&report.to_value(), &summary_text(&report, &second.name()), StdoutUse::Free)?;
     report.deviation.as_ref().map_or(Ok(()), |facts| check(&names, &report, facts))
 }
 
 fn check(names: &str, report: &Report, facts: &DeviationFacts) -> Result<(), Fault> {
     let (Some(max), Some(bound)) = (facts.max, &report.certificate.bound) else { return Ok(()) };
-    let max = short(max, Toward::Nearest);
+    let max = short(max, RoundingDirection::Nearest);
     let line = match facts.verdict {
         Some(Verdict::Exceeds) => {
-            let least = short(bound.at_least, Toward::Down);
+            let least = short(bound.at_least, RoundingDirection::Down);
             format!("{names}: they are at least {least} apart, which is more than {max}")
         }
         Some(Verdict::Undecided) => {
@@ -93,28 +93,31 @@ fn check(names: &str, report: &Report, facts: &DeviationFacts) -> Result<(), Fau
 }
 
 /// The report for people.
-fn text(report: &Report, against: &str) -> String {
+fn summary_text(report: &Report, against: &str) -> String {
     let name = report.run.input.clone().unwrap_or_default();
-    let mut lines = Lines::titled(&format!("{name} <-> {against}"));
+    let mut lines = SummaryLines::titled(&format!("{name} <-> {against}"));
     if let (Some(bound), Some(facts)) = (&report.certificate.bound, &report.deviation) {
         lines.add("deviation", summary::bound(bound));
         if let Some(most) = bound.at_most.filter(|most| *most > 0.0 && facts.diagonal > 0.0) {
             let percent = 100.0 * most / facts.diagonal;
-            lines.add("", format!("at most {}% of the diagonal of the second", short(percent, Toward::Up)));
+            lines.add(
+                "",
+                format!("at most {}% of the diagonal of the second", short(percent, RoundingDirection::Up)),
+            );
         }
         lines.add("there", one_sided(&facts.forward));
         lines.add("back", one_sided(&facts.backward));
         if !facts.reached {
             lines.add("", "the ends are farther apart than was asked for; they hold all the same");
         }
-        lines.add_if("limit", facts.verdict.zip(facts.max).map(|(verdict, max)| said(verdict, max)));
+        lines.add_if("limit", facts.verdict.zip(facts.max).map(|(verdict, max)| verdict_text(verdict, max)));
     }
     lines.add_if("seconds", report.run.seconds.map(|seconds| format!("{seconds:.2}")));
     lines.finish()
 }
 
-fn said(verdict: Verdict, max: f64) -> String {
-    let max = short(max, Toward::Nearest);
+fn verdict_text(verdict: Verdict, max: f64) -> String {
+    let max = short(max, RoundingDirection::Nearest);
     match verdict {
         Verdict::Within => format!("{max}: kept"),
         Verdict::Exceeds => format!("{max}: exceeded"),
@@ -123,7 +126,8 @@ fn said(verdict: Verdict, max: f64) -> String {
 }
 
 fn one_sided(side: &OneSidedFacts) -> String {
-    let (least, most) = (short(side.at_least, Toward::Down), short(side.at_most, Toward::Up));
+    let (least, most) =
+        (short(side.at_least, RoundingDirection::Down), short(side.at_most, RoundingDirection::Up));
     if side.at_most == 0.0 {
         return "0".to_owned();
     }

@@ -1,7 +1,7 @@
 //! Completions and manual pages, made from the command line's own description.
 use crate::args::Cli;
+use crate::console::print;
 use crate::fault::{Fault, plainly};
-use crate::talk::print;
 use clap::CommandFactory;
 use clap_complete::Shell;
 use std::path::Path;

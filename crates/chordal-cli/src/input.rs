@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 
 /// Where input comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Source {
+pub enum InputSource {
     /// `-`.
     Stdin,
     /// A file.
     File(PathBuf),
 }
 
-impl Source {
+impl InputSource {
     /// `-` is stdin; anything else is a path.
     pub fn from_arg(arg: &Path) -> Self {
         if arg.as_os_str() == "-" { Self::Stdin } else { Self::File(arg.to_owned()) }
@@ -41,7 +41,7 @@ impl Source {
                 if size > limit {
                     return Err(too_large(&name, size, limit));
                 }
-                unchanged(&mut file, &name, |file| read_up_to(file, limit, &name))
+                read_unchanged(&mut file, &name, |file| read_up_to(file, limit, &name))
             }
         }
     }
@@ -68,7 +68,7 @@ fn open_without_waiting(path: &Path) -> std::io::Result<File> {
 
 /// What `read` makes of a file, if that is the same file afterwards: half of one version and half of another would be
 /// a shape that never was.
-fn unchanged<T>(
+fn read_unchanged<T>(
     file: &mut File,
     name: &str,
     read: impl FnOnce(&mut File) -> Result<T, Fault>,
@@ -134,10 +134,10 @@ mod tests {
         let path = std::env::temp_dir().join(format!("chordal-h78-{}", std::process::id()));
         std::fs::write(&path, "v 0 0 0\n").unwrap();
         let mut file = File::open(&path).unwrap();
-        let calm = unchanged(&mut file, "x", |file| read_up_to(file, 100, "x")).unwrap();
+        let calm = read_unchanged(&mut file, "x", |file| read_up_to(file, 100, "x")).unwrap();
         assert_eq!(calm, b"v 0 0 0\n");
         for content in ["v 0 0 0\nv 1", "v"] {
-            let disturbed = unchanged(&mut file, "x", |_| {
+            let disturbed = read_unchanged(&mut file, "x", |_| {
                 std::fs::write(&path, content).unwrap();
                 Ok(())
             });
@@ -148,7 +148,7 @@ mod tests {
 
     #[test]
     fn refuses_a_folder() {
-        let fault = Source::File(std::env::temp_dir()).read(10).unwrap_err();
+        let fault = InputSource::File(std::env::temp_dir()).read(10).unwrap_err();
         assert_eq!((fault.exit, fault.code), (Exit::Input, "not-a-file"));
     }
 }

@@ -5,12 +5,13 @@ mod args;
 mod bake;
 mod clock;
 mod common;
+mod console;
 mod deviation;
 mod docs;
 mod fault;
 mod input;
 mod inspect;
-mod letter;
+mod inspect_text;
 mod lod;
 pub mod memory;
 mod mend;
@@ -22,9 +23,8 @@ mod require;
 mod signal;
 mod studio;
 mod summary;
-mod talk;
 mod volume;
-mod volume_letter;
+mod volume_text;
 
 use args::{Cli, Verb};
 use clap::Parser;
@@ -64,20 +64,20 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
 
 fn wants_json(verb: &Verb) -> bool {
     match verb {
-        Verb::Mesh(args) => args.talk.json,
-        Verb::Lod(args) => args.talk.json,
-        Verb::Inspect(args) => args.talk.json,
-        Verb::Deviation(args) => args.talk.json,
-        Verb::Mend(args) => args.talk.json,
-        Verb::Bake(args) => args.talk.json,
-        Verb::Render(args) => args.talk.json,
+        Verb::Mesh(args) => args.console.json,
+        Verb::Lod(args) => args.console.json,
+        Verb::Inspect(args) => args.console.json,
+        Verb::Deviation(args) => args.console.json,
+        Verb::Mend(args) => args.console.json,
+        Verb::Bake(args) => args.console.json,
+        Verb::Render(args) => args.console.json,
         Verb::Studio(_) | Verb::Completions { .. } | Verb::Man { .. } => false,
     }
 }
 
 /// Says what went wrong on stderr and, for programs, as an object on stdout, unless a report stands there already.
 fn fail(fault: &Fault, json: bool) -> u8 {
-    let _ = signal::not_within(|| write!(std::io::stderr(), "{fault}"));
+    let _ = signal::without_interruption(|| write!(std::io::stderr(), "{fault}"));
     if json && !fault.reported {
         let error = json!({ "code": fault.code, "exit": fault.exit as u8, "messages": fault.lines });
         let report = json!({ "schema": chordal_verbs::report::SCHEMA, "error": error });

@@ -1,14 +1,14 @@
 //! `chordal lod`
-use crate::args::{InputArgs, OutputArgs, TalkArgs, length};
+use crate::args::{ConsoleArgs, InputArgs, OutputArgs, length};
 use crate::clock::Clock;
 use crate::common;
+use crate::console::Console;
 use crate::fault::Fault;
-use crate::input::Source;
-use crate::numbers::{Toward, grouped, short};
-use crate::output::{Existing, Target};
-use crate::summary::Lines;
-use crate::talk::Talk;
-use chordal::budget::{Closest, Length, Pixels, View};
+use crate::input::InputSource;
+use crate::numbers::{RoundingDirection, grouped, short};
+use crate::output::{OutputTarget, OverwritePolicy};
+use crate::summary::SummaryLines;
+use chordal::budget::{Length, MinDistanceView, Pixels, View};
 use chordal_verbs::report::{LevelFacts, LevelsFacts, Report};
 use chordal_verbs::{LodOutcome, LodSpec, Normals, TileErrors, extension, lod};
 use clap::{Args, ValueEnum};
@@ -36,7 +36,7 @@ pub struct LodArgs {
 
     /// The screen and the lens that distances are for, as in "1920x1080 fov=60"; dist=LENGTH says the same as --nearest
     #[arg(long, value_name = "VIEW", default_value = "1920x1080 fov=60", value_parser = lens)]
-    pub view: Lens,
+    pub view: LodLens,
 
     /// The nearest that the eye comes to the shape's box: the finest level is fine enough there. Unless said: where the box fills the height
     /// of the screen
@@ -54,7 +54,7 @@ pub struct LodArgs {
     /// What tiles say of their errors: scaled, so that the formula of viewers, which holds in the middle of the screen, keeps the pixels
     /// everywhere on it; or plain, the proved errors
     #[arg(long, value_name = "WHICH", default_value = "scaled")]
-    pub errors: Errors,
+    pub errors: TileErrorsArg,
 
     /// For tiles: the most triangles of one; a finest level with more is cut in space, with borders that match
     #[arg(long, value_name = "N", default_value_t = 65536, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
@@ -68,12 +68,12 @@ pub struct LodArgs {
     pub volume: crate::volume::VolumeArgs,
 
     #[command(flatten)]
-    pub talk: TalkArgs,
+    pub console: ConsoleArgs,
 }
 
 /// What tiles say of their errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Errors {
+pub enum TileErrorsArg {
     /// For the whole screen.
     Scaled,
     /// As proved.
@@ -82,23 +82,23 @@ pub enum Errors {
 
 /// A screen and a lens, and a distance where one was given.
 #[derive(Clone, Copy, Debug)]
-pub struct Lens {
-    closest: Closest,
+pub struct LodLens {
+    closest: MinDistanceView,
     has_distance: bool,
 }
 
 /// A view from any side; without a distance, which is then nobody's.
-fn lens(text: &str) -> Result<Lens, String> {
+fn lens(text: &str) -> Result<LodLens, String> {
     let says = |key: &str| text.split_whitespace().any(|word| word.starts_with(key));
     let has_distance = says("dist=");
     let is_whole = has_distance || says("eye=") || says("target=") || says("height=");
     let whole = if is_whole { text.to_owned() } else { format!("{text} dist=1") };
     match whole.parse::<View>().map_err(|error| error.to_string())? {
-        View::Closest(closest) if closest.focal_px().is_none() => {
+        View::MinDistance(closest) if closest.focal_px().is_none() => {
             Err("levels change with the distance, which parallel rays do not see: say fov instead of height"
                 .to_owned())
         }
-        View::Closest(closest) => Ok(Lens { closest, has_distance }),
+        View::MinDistance(closest) => Ok(LodLens { closest, has_distance }),
         View::Camera(_) => {
             Err("levels of detail are for every direction: leave out eye and target".to_owned())
         }
@@ -115,25 +115,26 @@ fn distance(text: &str) -> Result<f64, String> {
 /// Reads, makes levels, writes, reports.
 pub fn run(args: &LodArgs) -> Result<(), Fault> {
     let clock = Clock::start();
-    let talk = Talk::new(&args.talk);
+    let talk = Console::new(&args.console);
     if args.view.has_distance && (args.nearest.is_some() || args.tol.is_some()) {
         let message = "--view says a distance, and so does --nearest, or --tol in its place: say one of them";
         return Err(Fault::usage(message.to_owned()));
     }
     let as_tiles = as_tiles(&args.output.output)?;
-    let stdout = common::stdout(&args.output, &args.talk)?;
-    let source = Source::from_arg(&args.input.input);
+    let stdout = common::stdout(&args.output, &args.console)?;
+    let source = InputSource::from_arg(&args.input.input);
     let job = common::job(&args.input, Some(&args.output), &talk);
     let existing = common::existing(&args.output);
     if as_tiles {
         check_folder(&args.output.output, &source, existing)?;
     }
-    let prepare = || Target::prepare(&args.output.output, existing, &source);
+    let prepare = || OutputTarget::prepare(&args.output.output, existing, &source);
     let one_file = (!as_tiles).then(prepare).transpose()?;
     let mut input = common::read(&args.input, &talk)?;
     args.volume.apply(&mut input.shape)?;
     // A folder is made when there is an input.
-    let target = one_file.map_or_else(|| Target::prepare_in(&args.output.output, LIST, existing), Ok)?;
+    let target =
+        one_file.map_or_else(|| OutputTarget::prepare_in(&args.output.output, LIST, existing), Ok)?;
     let own = args.view.has_distance.then_some(args.view.closest.distance);
     let spec = LodSpec {
         pixels: args.px,
@@ -143,22 +144,22 @@ pub fn run(args: &LodArgs) -> Result<(), Fault> {
         distances: args.distances.clone(),
         normals: args.normals,
         errors: match args.errors {
-            Errors::Scaled => TileErrors::Scaled,
-            Errors::Plain => TileErrors::Plain,
+            TileErrorsArg::Scaled => TileErrors::Scaled,
+            TileErrorsArg::Plain => TileErrors::Plain,
         },
         tile_triangles: as_tiles.then_some(args.tile_triangles),
     };
     let name = source.name();
     let outcome = lod(input, &spec, &job).map_err(|failure| common::fault(&name, &failure, ""))?;
     let bytes = if as_tiles {
-        written(&outcome, args, &target)?
+        write_tiles(&outcome, args, &target)?
     } else {
         target.write(&mut |out| outcome.write(out))?
     };
     let run = common::run("lod", name, &target, bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| talk.detail(note));
-    talk.result(&report.to_value(), &told(&report), stdout)
+    talk.result(&report.to_value(), &summary_text(&report), stdout)
 }
 
 /// The file of a tileset that names all others.
@@ -180,7 +181,7 @@ fn as_tiles(output: &Path) -> Result<bool, Fault> {
 }
 
 /// Writes all tiles, the list of them last. An older list goes first: its tiles would no longer be what it says.
-fn written(outcome: &LodOutcome, args: &LodArgs, list: &Target) -> Result<u64, Fault> {
+fn write_tiles(outcome: &LodOutcome, args: &LodArgs, list: &OutputTarget) -> Result<u64, Fault> {
     let name = args.input.input.display().to_string();
     let files = outcome.tileset().map_err(|failure| common::fault(&name, &failure, ""))?;
     list.clear()?;
@@ -189,7 +190,7 @@ fn written(outcome: &LodOutcome, args: &LodArgs, list: &Target) -> Result<u64, F
         let target = if name == LIST {
             list.clone()
         } else {
-            Target::prepare_in(&args.output.output, &name, common::existing(&args.output))?
+            OutputTarget::prepare_in(&args.output.output, &name, common::existing(&args.output))?
         };
         bytes += target.write(&mut |out| Ok(out.write_all(&content)?))?;
     }
@@ -197,9 +198,9 @@ fn written(outcome: &LodOutcome, args: &LodArgs, list: &Target) -> Result<u64, F
 }
 
 /// The folder for tiles: not that of the input, and, unless files may be replaced, without an older tileset or what one left.
-fn check_folder(folder: &Path, source: &Source, existing: Existing) -> Result<(), Fault> {
+fn check_folder(folder: &Path, source: &InputSource, existing: OverwritePolicy) -> Result<(), Fault> {
     let name = folder.display();
-    if let Source::File(input) = source
+    if let InputSource::File(input) = source
         && let (Some(Ok(at)), Ok(to)) =
             (input.parent().map(|at| folder_or_here(at).canonicalize()), folder.canonicalize())
         && at == to
@@ -215,7 +216,7 @@ fn check_folder(folder: &Path, source: &Source, existing: Existing) -> Result<()
     let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
     let older = entries.flatten().map(|entry| entry.path()).find(|path| is_tile(path));
     match (older, existing) {
-        (Some(path), Existing::Keep) => Err(Fault::output(
+        (Some(path), OverwritePolicy::Keep) => Err(Fault::output(
             "output-exists",
             format!("{}: a tile is there already; --force replaces those of the same names", path.display()),
         )),
@@ -237,8 +238,8 @@ fn is_tile(path: &Path) -> bool {
         .any(|number| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit()))
 }
 
-fn told(report: &Report) -> String {
-    let mut lines = Lines::of_run(&report.run);
+fn summary_text(report: &Report) -> String {
+    let mut lines = SummaryLines::of_run(&report.run);
     if let Some(facts) = &report.certificate.levels {
         levels(&mut lines, facts);
     }
@@ -249,7 +250,7 @@ fn told(report: &Report) -> String {
 const WORTH_A_LINE: f64 = 0.8;
 
 /// Which levels are listed: those that differ, and the last.
-fn listed(facts: &LevelsFacts) -> Vec<bool> {
+fn levels_to_list(facts: &LevelsFacts) -> Vec<bool> {
     let mut last = f64::INFINITY;
     let n = facts.levels.len();
     let of = |(k, level): (usize, &LevelFacts)| {
@@ -260,17 +261,19 @@ fn listed(facts: &LevelsFacts) -> Vec<bool> {
     facts.levels.iter().enumerate().map(of).collect()
 }
 
-fn levels(lines: &mut Lines, facts: &LevelsFacts) {
-    let listed = listed(facts);
+fn levels(lines: &mut SummaryLines, facts: &LevelsFacts) {
+    let listed = levels_to_list(facts);
     for (k, level) in facts.levels.iter().enumerate().filter(|(k, _)| listed[*k]) {
-        let from = level.distance.map_or("never".to_owned(), |d| format!("from {} on", short(d, Toward::Up)));
+        let from = level
+            .distance
+            .map_or("never".to_owned(), |d| format!("from {} on", short(d, RoundingDirection::Up)));
         lines.add(
             &format!("level {k}"),
             format!(
                 "{} triangles{}, off by at most {} ({}), {from}",
                 grouped(level.triangles),
                 if level.tiles == 1 { String::new() } else { format!(" in {} tiles", level.tiles) },
-                short(level.at_most, Toward::Up),
+                short(level.at_most, RoundingDirection::Up),
                 level.evidence,
             ),
         );
@@ -288,13 +291,15 @@ fn levels(lines: &mut Lines, facts: &LevelsFacts) {
         facts.levels.iter().zip(&listed).any(|(level, listed)| !listed && level.distance == Some(distance))
     };
     for shown in facts.shown.iter().filter(|shown| !is_of_one_left_out(shown.distance)) {
-        let pixels = shown.pixels.map_or("no bound".to_owned(), |px| format!("{} px", short(px, Toward::Up)));
+        let pixels = shown
+            .pixels
+            .map_or("no bound".to_owned(), |px| format!("{} px", short(px, RoundingDirection::Up)));
         lines.add(
             "at distance",
             format!(
                 "{}: {} px across, level {}, {} triangles, at most {pixels}",
-                short(shown.distance, Toward::Nearest),
-                short(shown.covers_px, Toward::Nearest),
+                short(shown.distance, RoundingDirection::Nearest),
+                short(shown.covers_px, RoundingDirection::Nearest),
                 shown.level,
                 grouped(shown.triangles),
             ),

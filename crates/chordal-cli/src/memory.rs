@@ -7,12 +7,12 @@ const SHARE: u64 = 2;
 /// Half of the memory that this process can have: of the machine's, or of the limit of its control group where that is less.
 /// None where the system does not say.
 #[must_use]
-pub fn share() -> Option<u64> {
-    share_by(&|path| fs::read_to_string(path).ok())
+pub fn default_limit() -> Option<u64> {
+    default_limit_from(&|path| fs::read_to_string(path).ok())
 }
 
 /// The same, where `read` knows the system's files.
-fn share_by(read: &dyn Fn(&str) -> Option<String>) -> Option<u64> {
+fn default_limit_from(read: &dyn Fn(&str) -> Option<String>) -> Option<u64> {
     let machine = read("/proc/meminfo").and_then(|text| total(&text));
     let most = groups(read).into_iter().chain(machine).min()?;
     Some(most / SHARE)
@@ -59,7 +59,7 @@ mod tests {
     fn share_of(files: &[(&str, &str)]) -> Option<u64> {
         let found =
             |path: &str| files.iter().find(|(name, _)| *name == path).map(|(_, text)| (*text).to_owned());
-        share_by(&found)
+        default_limit_from(&found)
     }
 
     const MEMINFO: (&str, &str) = ("/proc/meminfo", "MemTotal:        8388608 kB\nMemFree:  1 kB\n");

@@ -1,18 +1,18 @@
 //! `chordal mend`
-use crate::args::{InputArgs, OutputArgs, TalkArgs, length};
+use crate::args::{ConsoleArgs, InputArgs, OutputArgs, length};
 use crate::clock::Clock;
 use crate::common;
+use crate::console::Console;
 use crate::fault::Fault;
-use crate::input::Source;
+use crate::input::InputSource;
 use crate::mesh::output_format;
 use crate::numbers::grouped;
-use crate::output::Target;
+use crate::output::OutputTarget;
 use crate::summary::{self, plural};
-use crate::talk::Talk;
 use chordal::budget::Length;
 use chordal_io::Format;
-use chordal_verbs::report::{FindingFacts, MendedFacts, Report, Valid};
-use chordal_verbs::{Closeness, Duplicates, Holes, MendSpec, mend};
+use chordal_verbs::report::{FindingFacts, RepairFacts, Report, ValidityFacts};
+use chordal_verbs::{Duplicates, HoleSelection, MendSpec, WeldTolerance, mend};
 use clap::{ArgGroup, Args, ValueEnum};
 use std::fmt::Write;
 
@@ -46,7 +46,7 @@ pub struct MendArgs {
 
     /// Drop faces that repeat the positions of an earlier one, whichever way they are wound, or only those wound alike
     #[arg(long, value_name = "WHICH", num_args = 0..=1, require_equals = true, default_missing_value = "any")]
-    pub drop_duplicates: Option<Repeats>,
+    pub drop_duplicates: Option<DuplicatesArg>,
 
     /// Drop faces without area, so that no crack opens
     #[arg(long)]
@@ -73,12 +73,12 @@ pub struct MendArgs {
     pub drop_unused: bool,
 
     #[command(flatten)]
-    pub talk: TalkArgs,
+    pub console: ConsoleArgs,
 }
 
 /// Which repeated faces are dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Repeats {
+pub enum DuplicatesArg {
     /// Whichever way they are wound
     Any,
     /// Only those that are wound like the earlier one
@@ -88,12 +88,12 @@ pub enum Repeats {
 /// Reads, mends, writes, reports.
 pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let clock = Clock::start();
-    let talk = Talk::new(&args.talk);
+    let talk = Console::new(&args.console);
     let to = output_format(&args.output.output, args.to)?;
-    let stdout = common::stdout(&args.output, &args.talk)?;
-    let source = Source::from_arg(&args.input.input);
+    let stdout = common::stdout(&args.output, &args.console)?;
+    let source = InputSource::from_arg(&args.input.input);
     let job = common::job(&args.input, Some(&args.output), &talk);
-    let target = Target::prepare(&args.output.output, common::existing(&args.output), &source)?;
+    let target = OutputTarget::prepare(&args.output.output, common::existing(&args.output), &source)?;
     let input = common::read(&args.input, &talk)?;
     let name = source.name();
     let outcome =
@@ -102,30 +102,30 @@ pub fn run(args: &MendArgs) -> Result<(), Fault> {
     let run = common::run("mend", name, &target, bytes);
     let report = Report::new(outcome.certificate, clock.fill(run, &job));
     report.certificate.notes.iter().for_each(|note| talk.detail(note));
-    talk.result(&report.to_value(), &told(&report), stdout)
+    talk.result(&report.to_value(), &summary_text(&report), stdout)
 }
 
 impl MendArgs {
     fn spec(&self) -> MendSpec {
-        let closeness = |length: Option<Length>| length.map_or(Closeness::Exact, Closeness::Within);
+        let closeness = |length: Option<Length>| length.map_or(WeldTolerance::Exact, WeldTolerance::Within);
         MendSpec {
             weld: self.weld.map(closeness),
             drop_duplicates: self.drop_duplicates.map(|which| match which {
-                Repeats::Any => Duplicates::EitherWay,
-                Repeats::Alike => Duplicates::SameWay,
+                DuplicatesArg::Any => Duplicates::EitherWay,
+                DuplicatesArg::Alike => Duplicates::SameWay,
             }),
             drop_degenerate: self.drop_degenerate,
             resolve_t_junctions: self.resolve_t_junctions.map(closeness),
             split_non_manifold: self.split_nonmanifold,
             orient: self.orient,
-            fill_holes: self.fill_holes.map(|most| most.map_or(Holes::All, Holes::UpTo)),
+            fill_holes: self.fill_holes.map(|most| most.map_or(HoleSelection::All, HoleSelection::UpTo)),
             drop_unused: self.drop_unused,
         }
     }
 }
 
 /// What was mended, in front of what every verb says of a result.
-fn told(report: &Report) -> String {
+fn summary_text(report: &Report) -> String {
     let certificate = &report.certificate;
     let made = summary::mesh(report);
     let (title, rest) = made.split_once('\n').unwrap_or((&made, ""));
@@ -133,7 +133,7 @@ fn told(report: &Report) -> String {
     let mut name = "mended";
     for facts in &certificate.mended {
         // Writing to a text does not fail.
-        let _ = writeln!(text, "  {name:<11} {}: {}", facts.cure, changes(facts));
+        let _ = writeln!(text, "  {name:<11} {}: {}", facts.cure, changes_text(facts));
         name = "";
     }
     if certificate.mended.iter().any(|facts| facts.cure == "split-nonmanifold" && !facts.changes.is_empty())
@@ -156,13 +156,14 @@ fn told(report: &Report) -> String {
 /// What the lines before and after leave out.
 const NOT_LOOKED_FOR: &str = "not looked for: components inside out, self-intersections";
 
-fn changes(facts: &MendedFacts) -> String {
-    let all: Vec<String> = facts.changes.iter().map(|change| changed(change.what, change.count)).collect();
+fn changes_text(facts: &RepairFacts) -> String {
+    let all: Vec<String> =
+        facts.changes.iter().map(|change| change_text(change.what, change.count)).collect();
     if all.is_empty() { "nothing".to_owned() } else { all.join(", ") }
 }
 
 /// `filled_holes` and 1 as `filled 1 hole`.
-fn changed(what: &str, count: u64) -> String {
+fn change_text(what: &str, count: u64) -> String {
     let (verb, noun) = match what {
         "left_unorientable" => ("left", "piece of one side only"),
         "left_t_junctions" => ("left", "T-junction"),
@@ -177,11 +178,11 @@ fn changed(what: &str, count: u64) -> String {
 }
 
 /// What `inspect` would find, as far as counts tell it.
-fn faults(valid: &Valid) -> String {
+fn faults(valid: &ValidityFacts) -> String {
     if !valid.has_triangles() {
         return "no triangles".to_owned();
     }
-    let met: Vec<String> = FindingFacts::of_all(valid)
+    let met: Vec<String> = FindingFacts::list(valid)
         .iter()
         .map(|finding| format!("{} {}", grouped(finding.count), finding.words))
         .collect();
@@ -194,10 +195,10 @@ mod tests {
 
     #[test]
     fn changes_read_as_sentences() {
-        assert_eq!(changed("filled_holes", 1), "filled 1 hole");
-        assert_eq!(changed("split_vertices", 1), "split 1 vertex");
-        assert_eq!(changed("split_vertices", 2000), "split 2,000 vertices");
-        assert_eq!(changed("left_unorientable", 2), "left 2 pieces of one side only");
-        assert_eq!(changed("resolved_t_junctions", 1), "resolved 1 T-junction");
+        assert_eq!(change_text("filled_holes", 1), "filled 1 hole");
+        assert_eq!(change_text("split_vertices", 1), "split 1 vertex");
+        assert_eq!(change_text("split_vertices", 2000), "split 2,000 vertices");
+        assert_eq!(change_text("left_unorientable", 2), "left 2 pieces of one side only");
+        assert_eq!(change_text("resolved_t_junctions", 1), "resolved 1 T-junction");
     }
 }

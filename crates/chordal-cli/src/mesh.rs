@@ -1,28 +1,28 @@
 //! `chordal mesh`
-use crate::args::{MeshArgs, Steps};
+use crate::args::{MeshArgs, SpacingArg};
 use crate::clock::Clock;
 use crate::common;
+use crate::console::{Console, StdoutUse};
 use crate::fault::Fault;
-use crate::input::Source;
-use crate::output::Target;
+use crate::input::InputSource;
+use crate::output::OutputTarget;
 use crate::summary;
-use crate::talk::{Stdout, Talk};
 use chordal::budget::{PixelBudget, Reference};
 use chordal_io::Format;
-use chordal_verbs::report::{Certificate, Report, Run};
+use chordal_verbs::report::{Certificate, Report, RunFacts};
 use chordal_verbs::{BudgetSpec, MeshFailure, Shape, Spacing, extension, formats, mesh, refine};
 use std::path::Path;
 
 /// Reads, meshes, writes, reports.
 pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let clock = Clock::start();
-    let talk = Talk::new(&args.talk);
+    let talk = Console::new(&args.console);
     let spec = spec(args)?;
     let to = output_format(&args.output.output, args.to)?;
-    let stdout = common::stdout(&args.output, &args.talk)?;
-    let source = Source::from_arg(&args.input.input);
+    let stdout = common::stdout(&args.output, &args.console)?;
+    let source = InputSource::from_arg(&args.input.input);
     let job = common::job(&args.input, Some(&args.output), &talk);
-    let target = Target::prepare(&args.output.output, common::existing(&args.output), &source)?;
+    let target = OutputTarget::prepare(&args.output.output, common::existing(&args.output), &source)?;
     let mut input = common::read(&args.input, &talk)?;
     args.volume.apply(&mut input.shape)?;
     if let Some(level) = args.level {
@@ -30,7 +30,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
         let outcome = made.map_err(|failure| common::fault(&source.name(), &failure, ""))?;
         let bytes = target.write(&mut |out| outcome.write(out))?;
         let run = common::run("mesh", source.name(), &target, bytes);
-        return told(outcome.certificate, clock.fill(run, &job), (&talk, stdout));
+        return print_summary(outcome.certificate, clock.fill(run, &job), (&talk, stdout));
     }
     if !spec.has_limit() && !matches!(input.shape, Shape::Volume(_)) {
         return Err(Fault::usage(if matches!(input.shape, Shape::Cage(_)) { NO_LEVEL } else { NO_BUDGET }));
@@ -50,7 +50,7 @@ pub fn run(args: &MeshArgs) -> Result<(), Fault> {
     let bytes = target.write(&mut |out| outcome.write(out))?;
 
     let run = common::run("mesh", name, &target, bytes);
-    told(outcome.certificate, clock.fill(run, &job), (&talk, stdout))?;
+    print_summary(outcome.certificate, clock.fill(run, &job), (&talk, stdout))?;
     unmet.map_or(Ok(()), |fault| Err(Fault { reported: true, ..fault }))
 }
 
@@ -69,8 +69,12 @@ fn hint(args: &MeshArgs, failure: &MeshFailure) -> String {
 }
 
 /// Tells what was made.
-fn told(certificate: Certificate, run: Run, (talk, stdout): (&Talk, Stdout)) -> Result<(), Fault> {
-    let report = Report::new(certificate, Run { verb: "mesh", ..run });
+fn print_summary(
+    certificate: Certificate,
+    run: RunFacts,
+    (talk, stdout): (&Console, StdoutUse),
+) -> Result<(), Fault> {
+    let report = Report::new(certificate, RunFacts { verb: "mesh", ..run });
     report.certificate.notes.iter().for_each(|note| talk.detail(note));
     talk.result(&report.to_value(), &summary::mesh(&report), stdout)
 }
@@ -96,8 +100,8 @@ fn spec(args: &MeshArgs) -> Result<BudgetSpec, Fault> {
         }
     };
     let spacing = match args.spacing {
-        Steps::Fewest => Spacing::Fewest,
-        Steps::Even => Spacing::Even,
+        SpacingArg::Fewest => Spacing::Fewest,
+        SpacingArg::Even => Spacing::Even,
     };
     Ok(BudgetSpec {
         length: args.tol,

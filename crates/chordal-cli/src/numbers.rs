@@ -2,7 +2,7 @@
 
 /// Which way a number may be off when its last digits are left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Toward {
+pub enum RoundingDirection {
     /// Not below what it stands for: for an upper end.
     Up,
     /// Not above what it stands for: for a lower end.
@@ -12,30 +12,30 @@ pub enum Toward {
 }
 
 /// Three significant digits, without an exponent where that is short.
-pub fn short(number: f64, toward: Toward) -> String {
+pub fn short(number: f64, toward: RoundingDirection) -> String {
     with_digits(number, 3, toward)
 }
 
 /// A point with six significant digits each.
 pub fn point(at: [f64; 3]) -> String {
-    let [x, y, z] = at.map(|x| with_digits(x, 6, Toward::Nearest));
+    let [x, y, z] = at.map(|x| with_digits(x, 6, RoundingDirection::Nearest));
     format!("({x}, {y}, {z})")
 }
 
-fn with_digits(number: f64, digits: usize, toward: Toward) -> String {
+fn with_digits(number: f64, digits: usize, toward: RoundingDirection) -> String {
     let rounded = |number: f64| format!("{number:.*e}", digits - 1);
     let value = |text: &str| text.parse::<f64>().unwrap_or(f64::NAN);
     let near = rounded(number);
     let wrong_side = match toward {
-        Toward::Up => value(&near) < number,
-        Toward::Down => value(&near) > number,
-        Toward::Nearest => false,
+        RoundingDirection::Up => value(&near) < number,
+        RoundingDirection::Down => value(&near) > number,
+        RoundingDirection::Nearest => false,
     };
     let text = if wrong_side {
         // One step of the last digit further lies on the right side.
         let exponent = near.rsplit_once('e').map_or("0", |(_, exponent)| exponent);
         let step = value(&format!("1e{exponent}")) / value(&format!("1e{}", digits - 1));
-        rounded(if toward == Toward::Up { number + step } else { number - step })
+        rounded(if toward == RoundingDirection::Up { number + step } else { number - step })
     } else {
         near
     };
@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn shows_few_digits() {
         assert_eq!([0, 999, 57_249, 3_000_000_000].map(size), ["0 B", "999 B", "57.2 kB", "3.0 GB"]);
-        let shown = [0.0, 0.5, 1.25, 0.001, 0.00098, -2.0, 1e9].map(|x| short(x, Toward::Nearest));
+        let shown = [0.0, 0.5, 1.25, 0.001, 0.00098, -2.0, 1e9].map(|x| short(x, RoundingDirection::Nearest));
         assert_eq!(shown, ["0", "0.5", "1.25", "0.001", "9.8e-4", "-2", "1e9"]);
         assert_eq!(point([1.0, -0.5, 123_456.7]), "(1, -0.5, 123457)");
     }
@@ -98,12 +98,12 @@ mod tests {
     fn never_shows_a_bound_on_the_wrong_side() {
         let mut number = 1.000_000_1e-9;
         while number < 1e9 {
-            let up: f64 = short(number, Toward::Up).parse().unwrap();
-            let down: f64 = short(number, Toward::Down).parse().unwrap();
+            let up: f64 = short(number, RoundingDirection::Up).parse().unwrap();
+            let down: f64 = short(number, RoundingDirection::Down).parse().unwrap();
             assert!(down <= number && number <= up, "{down} {number} {up}");
             assert!(up < number * 1.02 && down > number * 0.98, "{down} {number} {up}");
             number *= 1.037;
         }
-        assert_eq!(short(0.0, Toward::Up), "0");
+        assert_eq!(short(0.0, RoundingDirection::Up), "0");
     }
 }

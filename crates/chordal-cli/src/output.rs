@@ -5,7 +5,7 @@
 //! that is a folder, a device or a symbolic link. A link is refused even with `--force`: replacing it and writing
 //! through it are both surprising, and naming the file itself costs nothing.
 use crate::fault::{Fault, plainly};
-use crate::input::Source;
+use crate::input::InputSource;
 use crate::signal;
 use chordal_io::WriteError;
 use std::fs::{self, File};
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 /// What happens to a file that already has the output's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Existing {
+pub enum OverwritePolicy {
     /// It stays, and the command fails.
     Keep,
     /// It is replaced, as a whole and at the end.
@@ -23,7 +23,7 @@ pub enum Existing {
 
 /// Where output goes.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Target {
+pub enum OutputTarget {
     /// `-`.
     Stdout,
     /// A file.
@@ -31,26 +31,26 @@ pub enum Target {
         /// Its name.
         path: PathBuf,
         /// What happens to a file that already has it.
-        existing: Existing,
+        existing: OverwritePolicy,
     },
 }
 
 /// What fills an output.
-pub type Fill<'a> = &'a mut dyn FnMut(&mut dyn Write) -> Result<(), WriteError>;
+pub type OutputWriter<'a> = &'a mut dyn FnMut(&mut dyn Write) -> Result<(), WriteError>;
 
-impl Target {
+impl OutputTarget {
     /// `-` is stdout; anything else is a path, checked now as far as that is possible: the work may take long, and
     /// a folder that cannot be written should be known before.
     ///
     /// # Errors
     /// When the output cannot, or should not, be written.
-    pub fn prepare(arg: &Path, existing: Existing, input: &Source) -> Result<Self, Fault> {
+    pub fn prepare(arg: &Path, existing: OverwritePolicy, input: &InputSource) -> Result<Self, Fault> {
         if arg.as_os_str() == "-" {
             return Ok(Self::Stdout);
         }
         refuse_input(arg, input)?;
         refuse_occupied(arg, existing)?;
-        drop(Aside::create(arg)?);
+        drop(TempOutput::create(arg)?);
         Ok(Self::File { path: arg.to_owned(), existing })
     }
 
@@ -58,14 +58,14 @@ impl Target {
     ///
     /// # Errors
     /// When the folder cannot be made, or the file should not be written.
-    pub fn prepare_in(folder: &Path, name: &str, existing: Existing) -> Result<Self, Fault> {
+    pub fn prepare_in(folder: &Path, name: &str, existing: OverwritePolicy) -> Result<Self, Fault> {
         let failed = |error: io::Error| {
             Fault::output("unwritable", format!("{}: {}", folder.display(), plainly(&error)))
         };
         fs::create_dir_all(folder).map_err(failed)?;
         let path = folder.join(name);
         refuse_occupied(&path, existing)?;
-        drop(Aside::create(&path)?);
+        drop(TempOutput::create(&path)?);
         Ok(Self::File { path, existing })
     }
 
@@ -96,9 +96,10 @@ impl Target {
     ///
     /// # Errors
     /// When `fill` or the system fails; then whatever had the name before still has it.
-    pub fn write(&self, fill: Fill) -> Result<u64, Fault> {
+    pub fn write(&self, fill: OutputWriter) -> Result<u64, Fault> {
         let name = self.name();
-        let failed = |error: WriteError| Fault::output("unwritable", format!("{name}: {}", said(&error)));
+        let failed =
+            |error: WriteError| Fault::output("unwritable", format!("{name}: {}", write_error_text(&error)));
         match self {
             Self::Stdout => {
                 let mut bytes = Vec::new();
@@ -108,7 +109,7 @@ impl Target {
                 Ok(bytes.len() as u64)
             }
             Self::File { path, existing } => {
-                let mut aside = Aside::create(path)?;
+                let mut aside = TempOutput::create(path)?;
                 let bytes = aside.fill(fill).map_err(failed)?;
                 aside.commit(path, *existing)?;
                 Ok(bytes)
@@ -117,15 +118,15 @@ impl Target {
     }
 }
 
-fn said(error: &WriteError) -> String {
+fn write_error_text(error: &WriteError) -> String {
     match error {
         WriteError::Io(error) => plainly(error),
         WriteError::Unsupported(message) => message.clone(),
     }
 }
 
-fn refuse_input(output: &Path, input: &Source) -> Result<(), Fault> {
-    let Source::File(input) = input else { return Ok(()) };
+fn refuse_input(output: &Path, input: &InputSource) -> Result<(), Fault> {
+    let InputSource::File(input) = input else { return Ok(()) };
     if !is_same_file(input, output) {
         return Ok(());
     }
@@ -144,7 +145,7 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
     matches!((fs::canonicalize(a), fs::canonicalize(b)), (Ok(a), Ok(b)) if a == b)
 }
 
-fn refuse_occupied(path: &Path, existing: Existing) -> Result<(), Fault> {
+fn refuse_occupied(path: &Path, existing: OverwritePolicy) -> Result<(), Fault> {
     let name = path.display();
     let Ok(metadata) = fs::symlink_metadata(path) else { return Ok(()) };
     let kind = metadata.file_type();
@@ -162,8 +163,8 @@ fn refuse_occupied(path: &Path, existing: Existing) -> Result<(), Fault> {
         ));
     }
     match existing {
-        Existing::Replace => Ok(()),
-        Existing::Keep => Err(exists(path)),
+        OverwritePolicy::Replace => Ok(()),
+        OverwritePolicy::Keep => Err(exists(path)),
     }
 }
 
@@ -172,12 +173,12 @@ fn exists(path: &Path) -> Fault {
 }
 
 /// A file beside the output, removed again unless it is committed.
-struct Aside {
+struct TempOutput {
     file: File,
     path: PathBuf,
 }
 
-impl Aside {
+impl TempOutput {
     /// Creates it in the folder of `output`, under a name that nothing has.
     fn create(output: &Path) -> Result<Self, Fault> {
         let folder = match output.parent() {
@@ -200,7 +201,7 @@ impl Aside {
         Err(failed(&io::ErrorKind::AlreadyExists.into()))
     }
 
-    fn fill(&mut self, fill: Fill) -> Result<u64, WriteError> {
+    fn fill(&mut self, fill: OutputWriter) -> Result<u64, WriteError> {
         let mut buffer = BufWriter::with_capacity(1 << 20, &self.file);
         fill(&mut buffer)?;
         buffer.flush()?;
@@ -210,18 +211,18 @@ impl Aside {
     }
 
     /// Gives the file its name, in one step.
-    fn commit(self, output: &Path, existing: Existing) -> Result<(), Fault> {
+    fn commit(self, output: &Path, existing: OverwritePolicy) -> Result<(), Fault> {
         // Asked again: the work may have taken long.
         refuse_occupied(output, existing)?;
-        let renamed = signal::not_within(|| match existing {
-            Existing::Replace => {
+        let renamed = signal::without_interruption(|| match existing {
+            OverwritePolicy::Replace => {
                 if let Ok(old) = fs::metadata(output) {
                     // Who could read the old file can read the new one. Where that cannot be kept, the data still is.
                     let _ = fs::set_permissions(&self.path, old.permissions());
                 }
                 fs::rename(&self.path, output)
             }
-            Existing::Keep => rename_to_new(&self.path, output),
+            OverwritePolicy::Keep => rename_to_new(&self.path, output),
         });
         renamed.map_err(|error| match error.kind() {
             io::ErrorKind::AlreadyExists => exists(output),
@@ -232,7 +233,7 @@ impl Aside {
     }
 }
 
-impl Drop for Aside {
+impl Drop for TempOutput {
     fn drop(&mut self) {
         // After a commit the name is gone and there is nothing to remove.
         let _ = fs::remove_file(&self.path);
@@ -285,7 +286,7 @@ mod tests {
         let folder = folder("fails");
         let path = folder.join("out.bin");
         fs::write(&path, "old").unwrap();
-        let target = Target::prepare(&path, Existing::Replace, &Source::Stdin).unwrap();
+        let target = OutputTarget::prepare(&path, OverwritePolicy::Replace, &InputSource::Stdin).unwrap();
         let fault = target
             .write(&mut |out| {
                 out.write_all(&[1; 100_000])?;
@@ -303,13 +304,14 @@ mod tests {
         let folder = folder("replaces");
         let path = folder.join("out.bin");
         let new = |existing| {
-            Target::prepare(&path, existing, &Source::Stdin)?.write(&mut |out| Ok(out.write_all(b"new")?))
+            OutputTarget::prepare(&path, existing, &InputSource::Stdin)?
+                .write(&mut |out| Ok(out.write_all(b"new")?))
         };
-        assert_eq!(new(Existing::Keep).unwrap(), 3);
+        assert_eq!(new(OverwritePolicy::Keep).unwrap(), 3);
         fs::write(&path, "old").unwrap();
-        assert_eq!(new(Existing::Keep).unwrap_err().code, "output-exists");
+        assert_eq!(new(OverwritePolicy::Keep).unwrap_err().code, "output-exists");
         assert_eq!(fs::read(&path).unwrap(), b"old");
-        assert_eq!(new(Existing::Replace).unwrap(), 3);
+        assert_eq!(new(OverwritePolicy::Replace).unwrap(), 3);
         assert_eq!(fs::read(&path).unwrap(), b"new");
         assert_eq!(names(&folder), ["out.bin"]);
         fs::remove_dir_all(folder).unwrap();
@@ -319,7 +321,7 @@ mod tests {
     fn keeps_a_file_that_appears_during_the_work() {
         let folder = folder("appears");
         let path = folder.join("out.bin");
-        let target = Target::prepare(&path, Existing::Keep, &Source::Stdin).unwrap();
+        let target = OutputTarget::prepare(&path, OverwritePolicy::Keep, &InputSource::Stdin).unwrap();
         let fault = target
             .write(&mut |out| {
                 fs::write(&path, "somebody else's")?;
@@ -335,7 +337,7 @@ mod tests {
     #[test]
     fn an_output_folder_that_is_missing_is_known_before_the_work() {
         let path = std::env::temp_dir().join("chordal-no-such-folder/out.bin");
-        let fault = Target::prepare(&path, Existing::Replace, &Source::Stdin).unwrap_err();
+        let fault = OutputTarget::prepare(&path, OverwritePolicy::Replace, &InputSource::Stdin).unwrap_err();
         assert_eq!(fault.exit, Exit::Output);
         assert!(fault.lines[0].contains("no such file or directory"), "{fault}");
     }

@@ -1,22 +1,22 @@
 //! `chordal render`
-use crate::args::{InputArgs, RenderArgs, Show};
+use crate::args::{InputArgs, RenderArgs, RenderMode};
 use crate::clock::Clock;
 use crate::common;
+use crate::console::Console;
 use crate::fault::Fault;
-use crate::input::Source;
-use crate::numbers::{Toward, point, short};
-use crate::output::Target;
+use crate::input::InputSource;
+use crate::numbers::{RoundingDirection, point, short};
+use crate::output::OutputTarget;
 use crate::summary;
-use crate::talk::Talk;
 use chordal::budget::{Screen, View};
-use chordal::render::{Cull as Culled, DARKEST_LANES, Options, Show as Shown, Viewpoint};
+use chordal::render::{CullMode as Culled, DARKEST_LANES, RenderOptions, RenderStyle as Shown, Viewpoint};
 use chordal_verbs::report::Report;
-use chordal_verbs::{Fineness, Input, USUAL_SCREEN, render, render_against};
+use chordal_verbs::{Input, PictureTolerance, USUAL_SCREEN, render, render_against};
 use clap::ValueEnum;
 
 /// Which sides of triangles a picture leaves out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Cull {
+pub enum CullArg {
     /// Neither: both are shown
     None,
     /// The backs: a triangle wound the wrong way is a hole
@@ -28,17 +28,21 @@ pub enum Cull {
 /// Reads, renders, writes, reports.
 pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let clock = Clock::start();
-    let talk = Talk::new(&args.talk);
+    let talk = Console::new(&args.console);
     let viewpoint = viewpoint(args)?;
-    let stdout = common::stdout(&args.output, &args.talk)?;
-    let source = Source::from_arg(&args.input.input);
+    let stdout = common::stdout(&args.output, &args.console)?;
+    let source = InputSource::from_arg(&args.input.input);
     let job = common::job(&args.input, Some(&args.output), &talk);
-    let target = Target::prepare(&args.output.output, common::existing(&args.output), &source)?;
+    let target = OutputTarget::prepare(&args.output.output, common::existing(&args.output), &source)?;
     let input = common::read(&args.input, &talk)?;
 
     let name = source.name();
-    let options =
-        Options { show: shown(args.show), cull: culled(args.cull), viewpoint, ..Options::default() };
+    let options = RenderOptions {
+        show: shown(args.show),
+        cull: culling(args.cull),
+        viewpoint,
+        ..RenderOptions::default()
+    };
     let against = against(args, &talk)?;
     let outcome = match against {
         Some(against) => render_against(input, against, args.darkest, &options, &job),
@@ -55,7 +59,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     talk.detail(&format!("the picture again: --view \"{}\"", View::Camera(outcome.camera)));
     let scale = outcome
         .darkest
-        .map(|most| format!("distances, light at 0, darkest at {}", short(most, Toward::Nearest)));
+        .map(|most| format!("distances, light at 0, darkest at {}", short(most, RoundingDirection::Nearest)));
     let lanes = report.certificate.overshade.as_ref().map(|_| {
         format!("lanes a pixel, light at 1, yellow 2, orange 4, red 8, darkest at {DARKEST_LANES} and more")
     });
@@ -64,13 +68,15 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
 }
 
 /// The shape of `--against`, which `--show deviation` needs and nothing else takes.
-fn against(args: &RenderArgs, talk: &Talk) -> Result<Option<Input>, Fault> {
+fn against(args: &RenderArgs, talk: &Console) -> Result<Option<Input>, Fault> {
     match (args.show, &args.against) {
-        (Show::Deviation, Some(file)) => {
+        (RenderMode::Deviation, Some(file)) => {
             let args = InputArgs { input: file.clone(), ..args.input.clone() };
             common::read_other(&args, talk).map(Some)
         }
-        (Show::Deviation, None) => Err(Fault::usage("--show deviation needs --against FILE to measure from")),
+        (RenderMode::Deviation, None) => {
+            Err(Fault::usage("--show deviation needs --against FILE to measure from"))
+        }
         (_, Some(_)) => Err(Fault::usage("--against is for --show deviation")),
         (_, None) => Ok(None),
     }
@@ -80,7 +86,7 @@ fn against(args: &RenderArgs, talk: &Talk) -> Result<Option<Input>, Fault> {
 fn viewpoint(args: &RenderArgs) -> Result<Viewpoint, Fault> {
     match args.view {
         Some(View::Camera(camera)) => Ok(Viewpoint::Camera(camera)),
-        Some(View::Closest(_)) => Err(Fault::usage(
+        Some(View::MinDistance(_)) => Err(Fault::usage(
             "a picture is taken from one place: --view \"1280x960 fov=30 eye=4,-6,3 target=0,0,1\"",
         )),
         None => Ok(Viewpoint::Automatic(
@@ -89,27 +95,27 @@ fn viewpoint(args: &RenderArgs) -> Result<Viewpoint, Fault> {
     }
 }
 
-fn fineness(args: &RenderArgs) -> Option<Fineness> {
-    args.px.map(Fineness::Pixels).or(args.tol.map(Fineness::Length))
+fn fineness(args: &RenderArgs) -> Option<PictureTolerance> {
+    args.px.map(PictureTolerance::Pixels).or(args.tol.map(PictureTolerance::Length))
 }
 
-fn shown(show: Show) -> Shown {
+fn shown(show: RenderMode) -> Shown {
     match show {
-        Show::Shaded => Shown::Shaded,
-        Show::Flat => Shown::Flat,
-        Show::Wire => Shown::Wire,
-        Show::Normals => Shown::Normals,
-        Show::Zebra => Shown::Zebra,
-        Show::Overshade => Shown::Overshade,
+        RenderMode::Shaded => Shown::Shaded,
+        RenderMode::Flat => Shown::Flat,
+        RenderMode::Wire => Shown::Wire,
+        RenderMode::Normals => Shown::Normals,
+        RenderMode::Zebra => Shown::Zebra,
+        RenderMode::Overshade => Shown::Overshade,
         // Colours over light.
-        Show::Deviation => Shown::Shaded,
+        RenderMode::Deviation => Shown::Shaded,
     }
 }
 
-fn culled(cull: Cull) -> Culled {
+fn culling(cull: CullArg) -> Culled {
     match cull {
-        Cull::None => Culled::None,
-        Cull::Back => Culled::Back,
-        Cull::Front => Culled::Front,
+        CullArg::None => Culled::None,
+        CullArg::Back => Culled::Back,
+        CullArg::Front => Culled::Front,
     }
 }

@@ -1,8 +1,8 @@
 //! What a mesh can be required to be, and what is said where it is not.
-use crate::letter::places;
+use crate::inspect_text::witness_texts;
 use crate::numbers::grouped;
 use chordal::check::Defect;
-use chordal_verbs::report::Valid;
+use chordal_verbs::report::ValidityFacts;
 use clap::ValueEnum;
 
 /// What a mesh can be required to be.
@@ -42,7 +42,7 @@ pub enum Requirement {
 
 impl Requirement {
     /// Whether it takes the search for self-intersections.
-    pub fn looks_deep(self) -> bool {
+    pub fn needs_deep_check(self) -> bool {
         matches!(self, Self::Solid | Self::NoSelfIntersections)
     }
 
@@ -66,7 +66,7 @@ impl Requirement {
 /// What is wrong, one sentence for each thing that was required, each once.
 ///
 /// Nothing that can be required holds where there is no surface.
-pub fn complaints(valid: &Valid, required: &[Requirement]) -> Vec<String> {
+pub fn failures(valid: &ValidityFacts, required: &[Requirement]) -> Vec<String> {
     if !required.is_empty() && valid.counts.edges == 0 {
         let why = match valid.counts.collapsed_faces {
             0 => "there are no triangles to check",
@@ -79,7 +79,7 @@ pub fn complaints(valid: &Valid, required: &[Requirement]) -> Vec<String> {
         parts => parts.to_vec(),
     });
     let mut lines: Vec<String> = Vec::new();
-    for line in single.flat_map(|requirement| complaint(valid, requirement)) {
+    for line in single.flat_map(|requirement| failure(valid, requirement)) {
         if !lines.contains(&line) {
             lines.push(line);
         }
@@ -87,7 +87,7 @@ pub fn complaints(valid: &Valid, required: &[Requirement]) -> Vec<String> {
     lines
 }
 
-fn complaint(valid: &Valid, required: Requirement) -> Vec<String> {
+fn failure(valid: &ValidityFacts, required: Requirement) -> Vec<String> {
     let (counts, anatomy) = (&valid.counts, valid.anatomy.as_ref());
     let of = |what: &str, defects: &[Defect]| -> Vec<String> {
         defects.iter().filter_map(|defect| counted(valid, what, *defect)).collect()
@@ -134,11 +134,11 @@ fn complaint(valid: &Valid, required: Requirement) -> Vec<String> {
 }
 
 /// `not closed: 3 boundary edges, the first is edge 0-1 of triangle 0 at (0.5, 0, 0)`
-fn counted(valid: &Valid, what: &str, defect: Defect) -> Option<String> {
+fn counted(valid: &ValidityFacts, what: &str, defect: Defect) -> Option<String> {
     let count = valid.count(defect).filter(|count| *count > 0)?;
     let [one, several] = defect.words();
     let words = if count == 1 { one } else { several };
-    let place = match places(defect.name(), valid).next() {
+    let place = match witness_texts(defect.name(), valid).next() {
         Some(place) if count == 1 => format!(", {place}"),
         Some(place) => format!(", the first is {place}"),
         None => String::new(),

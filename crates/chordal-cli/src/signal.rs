@@ -28,7 +28,7 @@ pub fn forget_unfinished() {
 }
 
 /// Runs `commit` such that a signal comes either before it or after it.
-pub fn not_within<T>(commit: impl FnOnce() -> T) -> T {
+pub fn without_interruption<T>(commit: impl FnOnce() -> T) -> T {
     let guard = unfinished();
     let done = commit();
     drop(guard);

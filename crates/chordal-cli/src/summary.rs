@@ -1,20 +1,21 @@
 //! Reports for people: a few aligned lines.
-use crate::numbers::{Toward, grouped, short, size};
+use crate::numbers::{RoundingDirection, grouped, short, size};
 use chordal_verbs::report::{
-    AttributeFacts, BoundFacts, Output, OutputFacts, OvershadeFacts, Report, Run, ShadedFacts, Valid,
+    AttributeFacts, BoundFacts, Output, OvershadeFacts, Report, RunFacts, ShadingFacts, TriangleFacts,
+    ValidityFacts,
 };
 use std::fmt::Write;
 
 /// Lines of a name and a value, the values below each other.
-pub(crate) struct Lines(pub String);
+pub(crate) struct SummaryLines(pub String);
 
-impl Lines {
+impl SummaryLines {
     pub fn titled(title: &str) -> Self {
         Self(format!("{title}\n"))
     }
 
     /// What was made of what.
-    pub fn of_run(run: &Run) -> Self {
+    pub fn of_run(run: &RunFacts) -> Self {
         let name = |name: &Option<String>| name.clone().unwrap_or_default();
         Self::titled(&format!("{} -> {}", name(&run.input), name(&run.output)))
     }
@@ -36,7 +37,7 @@ impl Lines {
     }
 
     /// The text, with how much was written and how long it took.
-    pub fn finish_run(mut self, run: &Run) -> String {
+    pub fn finish_run(mut self, run: &RunFacts) -> String {
         self.add_if("size", run.bytes.map(size));
         self.add_if("seconds", run.seconds.map(|seconds| format!("{seconds:.2}")));
         self.0
@@ -46,9 +47,9 @@ impl Lines {
 /// What `mesh` did.
 pub fn mesh(report: &Report) -> String {
     let (certificate, run) = (&report.certificate, &report.run);
-    let mut lines = Lines::of_run(run);
+    let mut lines = SummaryLines::of_run(run);
     if let Some(output) = &certificate.output {
-        made(&mut lines, output);
+        add_output(&mut lines, output);
     }
     if let Some(refined) = &certificate.refined {
         let left =
@@ -64,16 +65,17 @@ pub fn mesh(report: &Report) -> String {
         let view = certificate.budget.as_ref().and_then(|budget| budget.view.as_ref());
         lines.add_if(
             "pixels",
-            facts
-                .pixels
-                .zip(view)
-                .map(|(pixels, view)| format!("at most {} at {}", short(pixels, Toward::Up), view.text)),
+            facts.pixels.zip(view).map(|(pixels, view)| {
+                format!("at most {} at {}", short(pixels, RoundingDirection::Up), view.text)
+            }),
         );
     }
     let angle = certificate.bound.as_ref().and_then(|facts| facts.angle_deg);
     lines.add_if(
         "angle",
-        angle.map(|angle| format!("{} degrees between normals, measured", short(angle, Toward::Up))),
+        angle.map(|angle| {
+            format!("{} degrees between normals, measured", short(angle, RoundingDirection::Up))
+        }),
     );
     certificate.attributes.iter().for_each(|facts| lines.add("attribute", attribute(facts)));
     if let Some(valid) = &certificate.valid {
@@ -85,10 +87,10 @@ pub fn mesh(report: &Report) -> String {
 /// What a picture shows.
 pub fn render(report: &Report, picture: &str, back_share: Option<f64>) -> String {
     let (certificate, run) = (&report.certificate, &report.run);
-    let mut lines = Lines::of_run(run);
+    let mut lines = SummaryLines::of_run(run);
     lines.add("picture", picture);
     if let Some(output) = &certificate.output {
-        made(&mut lines, output);
+        add_output(&mut lines, output);
     }
     lines
         .add_if("backs", back_share.map(|share| format!("{:.0}% of the triangles face away", 100.0 * share)));
@@ -101,14 +103,14 @@ pub fn render(report: &Report, picture: &str, back_share: Option<f64>) -> String
     lines.finish_run(run)
 }
 
-fn overshade(lines: &mut Lines, facts: &OvershadeFacts) {
+fn overshade(lines: &mut SummaryLines, facts: &OvershadeFacts) {
     let share = |part: u64, of: u64| if of == 0 { 0.0 } else { 100.0 * part as f64 / of as f64 };
     let [in_view, missed, micro] = [facts.in_view, facts.missed, facts.micro];
     lines.add("in view", plural(in_view, "triangle"));
     lines.add("tiny", format!("{:.1}% are smaller than a pixel", share(micro, in_view)));
     lines.add("missed", format!("{:.1}% cover no pixel's centre", share(missed, in_view)));
     lines.add("covered", plural(facts.covered_px, "pixel"));
-    let shaded = |shaded: &ShadedFacts| {
+    let shaded = |shaded: &ShadingFacts| {
         let quads = plural(shaded.quads, "quad");
         format!("{quads}, {:.1}% of their lanes are helpers", 100.0 * shaded.helper_share)
     };
@@ -117,7 +119,7 @@ fn overshade(lines: &mut Lines, facts: &OvershadeFacts) {
     lines.add("flicker", format!("{:.2}% of the way from black to white", 100.0 * facts.flicker));
 }
 
-pub(crate) fn made(lines: &mut Lines, output: &Output) {
+pub(crate) fn add_output(lines: &mut SummaryLines, output: &Output) {
     match output {
         Output::Triangles(output) => triangles(lines, output),
         Output::Polygons(output) => {
@@ -134,14 +136,14 @@ pub(crate) fn made(lines: &mut Lines, output: &Output) {
     }
 }
 
-fn triangles(lines: &mut Lines, output: &OutputFacts) {
+fn triangles(lines: &mut SummaryLines, output: &TriangleFacts) {
     lines.add("triangles", grouped(output.triangles));
     let apart = output.vertices != output.positions;
     let at = if apart { format!(" at {} positions", grouped(output.positions)) } else { String::new() };
     lines.add("vertices", grouped(output.vertices) + &at);
 }
 
-fn soundness(lines: &mut Lines, valid: &Valid) {
+fn soundness(lines: &mut SummaryLines, valid: &ValidityFacts) {
     let counts = &valid.counts;
     lines.add(
         "closed",
@@ -182,23 +184,31 @@ pub(crate) fn plural(count: u64, what: &str) -> String {
 fn attribute(facts: &AttributeFacts) -> String {
     let unit = if facts.unit == "degrees" { " degrees" } else { "" };
     let off = facts.largest.zip(facts.rms).map_or("by what is no number".to_owned(), |(largest, rms)| {
-        format!("up to {}{unit}, {} root mean square", short(largest, Toward::Up), short(rms, Toward::Up))
+        format!(
+            "up to {}{unit}, {} root mean square",
+            short(largest, RoundingDirection::Up),
+            short(rms, RoundingDirection::Up)
+        )
     });
     format!("{} off {off} (measured)", facts.name)
 }
 
 /// Of which side a bound is, where it is not of both: what was added, as by filling a hole, is not near anything of the
 /// source.
-pub(crate) fn one_way(metric: &str) -> &'static str {
+pub(crate) fn one_way_note(metric: &str) -> &'static str {
     if metric == "one-sided" { ", of the source; what was added is not counted" } else { "" }
 }
 
 pub(crate) fn bound(facts: &BoundFacts) -> String {
-    let least = short(facts.at_least, Toward::Down);
-    let one_way = one_way(facts.metric);
+    let least = short(facts.at_least, RoundingDirection::Down);
+    let one_way = one_way_note(facts.metric);
     match facts.at_most {
         Some(most) => {
-            format!("between {least} and {} ({}{one_way})", short(most, Toward::Up), facts.evidence)
+            format!(
+                "between {least} and {} ({}{one_way})",
+                short(most, RoundingDirection::Up),
+                facts.evidence
+            )
         }
         None => format!("at least {least} ({})", facts.evidence),
     }

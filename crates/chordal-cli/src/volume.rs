@@ -1,6 +1,6 @@
 //! What `mesh` takes for volumes: which surface of the samples is meant.
 use crate::fault::Fault;
-use chordal_verbs::{Border, Inside, Labels, Shape, SurfaceSpec};
+use chordal_verbs::{Border, Inside, LabelSelection, Shape, SurfaceSpec};
 use clap::{Args, ValueEnum};
 
 /// Arguments for volumes.
@@ -13,11 +13,11 @@ pub struct VolumeArgs {
 
     /// Which samples are inside: those above the level, or those below it as in distances
     #[arg(long, value_name = "SIDE", conflicts_with = "labels")]
-    pub inside: Option<Side>,
+    pub inside: Option<InsideArg>,
 
     /// Samples are labels: one part for each of "all" but 0, or of a list as in 1,2,10
     #[arg(long, value_name = "LABELS", value_parser = labels, allow_hyphen_values = true)]
-    pub labels: Option<Labels>,
+    pub labels: Option<LabelSelection>,
 
     /// Close a shape that reaches the border of the volume there; it is so unless --open says otherwise
     #[arg(long, conflicts_with = "open")]
@@ -30,7 +30,7 @@ pub struct VolumeArgs {
 
 /// Which samples are inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Side {
+pub enum InsideArg {
     /// Those above the level
     High,
     /// Those below the level
@@ -61,8 +61,8 @@ impl VolumeArgs {
         sampled.surface = SurfaceSpec {
             level: self.iso,
             inside: self.inside.map(|side| match side {
-                Side::High => Inside::High,
-                Side::Low => Inside::Low,
+                InsideArg::High => Inside::High,
+                InsideArg::Low => Inside::Low,
             }),
             border: if self.open { Border::Open } else { Border::Capped },
             labels: self.labels.clone(),
@@ -78,12 +78,12 @@ fn level(text: &str) -> Result<f64, String> {
     }
 }
 
-fn labels(text: &str) -> Result<Labels, String> {
+fn labels(text: &str) -> Result<LabelSelection, String> {
     if text == "all" {
-        return Ok(Labels::All);
+        return Ok(LabelSelection::All);
     }
     let number = |part: &str| part.trim().parse::<i64>().map_err(|_| LABELS.to_owned());
-    text.split(',').map(number).collect::<Result<_, _>>().map(Labels::Listed)
+    text.split(',').map(number).collect::<Result<_, _>>().map(LabelSelection::Listed)
 }
 
 const LABELS: &str = "labels read like 1,2,10, or all";
@@ -96,8 +96,8 @@ mod tests {
     fn reads_levels_and_labels() {
         assert_eq!(level("-0.5"), Ok(-0.5));
         assert!(level("nan").is_err() && level("inf").is_err() && level("x").is_err());
-        assert_eq!(labels("all"), Ok(Labels::All));
-        assert_eq!(labels("3, 1,-2"), Ok(Labels::Listed(vec![3, 1, -2])));
+        assert_eq!(labels("all"), Ok(LabelSelection::All));
+        assert_eq!(labels("3, 1,-2"), Ok(LabelSelection::Listed(vec![3, 1, -2])));
         for text in ["", "1,", "1.5", "none"] {
             assert!(labels(text).is_err(), "{text}");
         }

@@ -1,30 +1,30 @@
-//! `assemble`: from the lists that a reader filled to a mesh, with its oddities counted.
+//! `assemble`: builds a mesh from the lists that a reader filled, and counts its oddities.
 use crate::grow::with_room;
 use crate::text::grouped;
 use crate::warnings::Warnings;
-use crate::{Place, ReadError};
+use crate::{FileLocation, ReadError};
 use chordal::explicit::{Attribute, Domain, Semantic, face_normal};
 use chordal::math::Box3;
 use chordal::{Mesh, Patch};
 
-/// What a reader found, before it is known to make a mesh.
+/// The lists that a reader filled, before they are validated as a mesh.
 #[derive(Debug, Default)]
-pub(crate) struct Raw {
+pub(crate) struct RawMesh {
     pub(crate) positions: Vec<[f64; 3]>,
     pub(crate) position_id: Option<Vec<u32>>,
     pub(crate) faces: Vec<[u32; 3]>,
     pub(crate) attributes: Vec<Attribute>,
 }
 
-/// The mesh. Vertices that are not finite are dropped with their faces; the caller has refused them before unless
-/// the limits ask for that.
+/// Builds the mesh. Vertices that are not finite are dropped with their faces; the reader has refused them
+/// before, unless the limits allow dropping.
 ///
 /// # Errors
 /// `extent-overflow` when the box of the positions has no finite size.
-pub(crate) fn mesh(mut raw: Raw, warnings: &mut Warnings) -> Result<Mesh, ReadError> {
+pub(crate) fn mesh(mut raw: RawMesh, warnings: &mut Warnings) -> Result<Mesh, ReadError> {
     drop_nonfinite(&mut raw, warnings)?;
     check_extent(&raw.positions)?;
-    let invalid = |error| ReadError::new("invalid-mesh", Place::File, format!("{error}"));
+    let invalid = |error| ReadError::new("invalid-mesh", FileLocation::File, format!("{error}"));
     let mut mesh = Mesh::new(raw.positions, raw.faces).map_err(invalid)?;
     if let Some(id) = raw.position_id {
         mesh = mesh.with_position_id(id).map_err(invalid)?;
@@ -37,10 +37,10 @@ pub(crate) fn mesh(mut raw: Raw, warnings: &mut Warnings) -> Result<Mesh, ReadEr
     Ok(mesh)
 }
 
-/// The index of a row that is gone.
+/// The new index of a dropped row.
 const GONE: u32 = u32::MAX;
 
-fn drop_nonfinite(raw: &mut Raw, warnings: &mut Warnings) -> Result<(), ReadError> {
+fn drop_nonfinite(raw: &mut RawMesh, warnings: &mut Warnings) -> Result<(), ReadError> {
     let is_bad = |p: &[f64; 3]| p.iter().any(|x| !x.is_finite());
     if !raw.positions.iter().any(is_bad) {
         return Ok(());
@@ -65,7 +65,7 @@ fn drop_nonfinite(raw: &mut Raw, warnings: &mut Warnings) -> Result<(), ReadErro
             keep((at - 1) / width)
         });
     }
-    // Rows of one position id are equal, so that they are all kept or all gone.
+    // Rows with the same position id are equal, so all of them are kept or all are dropped.
     if let Some(id) = &mut raw.position_id {
         *id = id.iter().map(|i| new_index[*i as usize]).filter(|i| *i != GONE).collect();
     }
@@ -88,7 +88,7 @@ fn drop_nonfinite(raw: &mut Raw, warnings: &mut Warnings) -> Result<(), ReadErro
 }
 
 pub(crate) fn check_extent<'a>(positions: impl IntoIterator<Item = &'a [f64; 3]>) -> Result<(), ReadError> {
-    let Box3 { min, max } = Box3::around(positions);
+    let Box3 { min, max } = Box3::from_points(positions);
     let Some(k) = (0..3).find(|k| max[*k] - min[*k] == f64::INFINITY) else { return Ok(()) };
     let message = format!(
         "the {} coordinates reach from {:e} to {:e}: the distance is over the limit of 1.8e308",
@@ -96,11 +96,11 @@ pub(crate) fn check_extent<'a>(positions: impl IntoIterator<Item = &'a [f64; 3]>
         min[k],
         max[k]
     );
-    Err(ReadError::new("extent-overflow", Place::File, message))
+    Err(ReadError::new("extent-overflow", FileLocation::File, message))
 }
 
-/// How far the length of a normal may be from 1 before it is scaled: two decimals a coordinate, the least that
-/// writers print, cost 0.005·√3 ≈ 0.0087.
+/// How far the length of a normal may be from 1 before it is scaled. Derived: two decimals a coordinate, the
+/// least that writers print, cost 0.005·√3 ≈ 0.0087.
 const UNIT_SLACK: f64 = 0.01;
 
 pub(crate) fn clean(attribute: &mut Attribute, warnings: &mut Warnings) {
@@ -121,7 +121,7 @@ pub(crate) fn clean(attribute: &mut Attribute, warnings: &mut Warnings) {
             missing += 1;
             continue;
         }
-        // Divided first, so that the squares neither overflow nor vanish.
+        // Dividing first keeps the squares from overflowing or vanishing.
         let length = largest * normal.iter().map(|x| (x / largest) * (x / largest)).sum::<f64>().sqrt();
         if (length - 1.0).abs() > UNIT_SLACK {
             let relative = length / largest;
@@ -133,7 +133,7 @@ pub(crate) fn clean(attribute: &mut Attribute, warnings: &mut Warnings) {
     warnings.count_all("normals-zero", missing, "vertices have a normal of length 0, which is none");
 }
 
-/// Counts what is legal but seldom meant. Nothing is changed.
+/// Counts what is legal but rarely intended. Changes nothing.
 fn count_oddities(mesh: &Mesh, warnings: &mut Warnings) -> Result<(), ReadError> {
     let (n_vertices, n_faces) = (mesh.positions().len(), mesh.faces().len());
     if n_vertices == 0 {
@@ -158,8 +158,8 @@ fn is_flat(corners: [[f64; 3]; 3]) -> bool {
     let [a, b, c] = corners;
     let (ab, ac): ([f64; 3], [f64; 3]) =
         (std::array::from_fn(|k| b[k] - a[k]), std::array::from_fn(|k| c[k] - a[k]));
-    // Far above what a product loses when it underflows (2⁻¹⁰⁷⁴), so that a cross product above it needs no scaling to
-    // be told from zero.
+    // Far above what a product loses when it underflows (2⁻¹⁰⁷⁴). A cross product above it is told from zero
+    // without scaling.
     const CLEAR: f64 = f64::from_bits((1023 - 900) << 52);
     let clear = (0..3).any(|k| {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
@@ -169,8 +169,8 @@ fn is_flat(corners: [[f64; 3]; 3]) -> bool {
     !clear && face_normal(corners).is_none()
 }
 
-/// Vertices at bit-identical positions that the file does not tie. Hashes are compared instead of positions: a
-/// collision, one in 10¹⁹, would count one too many.
+/// Counts vertices at bit-identical positions that the file does not tie. Compares hashes instead of
+/// positions: a collision, one in 10¹⁹, would count one too many.
 fn count_duplicate_vertices(mesh: &Mesh, warnings: &mut Warnings) -> Result<(), ReadError> {
     let mut hashes = with_room(mesh.positions().len())?;
     for (i, position) in mesh.positions().iter().enumerate() {
@@ -191,7 +191,7 @@ fn count_duplicate_vertices(mesh: &Mesh, warnings: &mut Warnings) -> Result<(), 
     Ok(())
 }
 
-/// Faces over the same three positions: the same way round, or opposite.
+/// Counts faces over the same three positions, with the same or the opposite orientation.
 fn count_duplicate_faces(mesh: &Mesh, warnings: &mut Warnings) -> Result<(), ReadError> {
     let mut keys: Vec<u128> = with_room(mesh.faces().len())?;
     for face in mesh.faces() {
@@ -220,12 +220,12 @@ fn count_duplicate_faces(mesh: &Mesh, warnings: &mut Warnings) -> Result<(), Rea
 }
 
 /// The error of a list with more rows than the limits allow, or than 32-bit indices can name.
-pub(crate) fn too_many_rows(place: Place, what: &str, rows: u64, limit: u64) -> ReadError {
+pub(crate) fn too_many_rows(place: FileLocation, what: &str, rows: u64, limit: u64) -> ReadError {
     let message = format!("{} {what} are over the limit of {}", grouped(rows), grouped(limit));
     ReadError::new("too-many-rows", place, message)
 }
 
-/// Counts what is odd about patches, and refuses those whose box has no finite size.
+/// Counts oddities of patches, and refuses patches whose box has no finite size.
 pub(crate) fn check_patches(patches: &[Patch], warnings: &mut Warnings) -> Result<(), ReadError> {
     check_extent(patches.iter().flat_map(|p| p.control.as_flattened()))?;
     warnings.count_all("no-patches", u64::from(patches.is_empty()), "the file has no patches");

@@ -1,15 +1,16 @@
-//! `.bpt`: a count, then for every patch a line `3 3` and sixteen points.
+//! `.bpt`: a count, then a line `3 3` and sixteen points for each patch.
 use crate::grow::push;
-use crate::text::{NoInteger, finite, grouped, integer, show, text_of};
+use crate::text::{IntegerError, finite, grouped, integer, show, text_of};
 use crate::warnings::Warnings;
-use crate::words::Words;
-use crate::{Axis, Content, Frame, Limits, Loaded, ReadError};
+use crate::word_reader::WordReader;
+use crate::{Axis, Content, Frame, Limits, ReadError, ReadOutcome};
 use chordal::Patch;
 
-/// The patches of a `.bpt` file. Its first line is their number; each patch is a line with its two degrees, which
-/// must be `3 3`, and then its points row by row, `x y z`. Up is z, as this format has it by tradition.
+/// Reads the patches of a `.bpt` file. The first line is their number. Each patch is a line with its two
+/// degrees, which must be `3 3`, then its points row by row, `x y z`. Up is z, as is customary for this
+/// format.
 ///
-/// Lower degrees are refused as well: to raise them to 3 divides by 3, which is not exact.
+/// Lower degrees are refused too: raising them to 3 divides by 3, which is not exact.
 ///
 /// # Errors
 /// [`ReadError`] at the line: another degree, too few numbers, a coordinate that is not finite.
@@ -21,8 +22,8 @@ use chordal::Patch;
 /// assert_eq!(patches.len(), 1);
 /// # Ok::<(), chordal_io::ReadError>(())
 /// ```
-pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
-    let mut words = Words::new(text_of(bytes)?);
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
+    let mut words = WordReader::new(text_of(bytes)?);
     let mut warnings = Warnings::default();
     let declared = count(&mut words, || "the number of patches".to_owned())?;
     if declared > limits.rows {
@@ -53,21 +54,21 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
     }
     crate::assemble::check_patches(&patches, &mut warnings)?;
     let frame = Frame { up: Some(Axis::Z), metres_per_unit: None };
-    Ok(Loaded { content: Content::Patches(patches, frame), warnings: warnings.into_list() })
+    Ok(ReadOutcome { content: Content::Patches(patches, frame), warnings: warnings.into_list() })
 }
 
-fn count(words: &mut Words, what: impl Fn() -> String) -> Result<u64, ReadError> {
+fn count(words: &mut WordReader, what: impl Fn() -> String) -> Result<u64, ReadError> {
     let token = words.expect(&what)?;
     let wrong =
         |why| ReadError::new("not-a-count", words.place(), format!("{}: {} {why}", what(), show(token)));
     match integer(token) {
         Ok(count) => u64::try_from(count).map_err(|_| wrong("is below 0")),
-        Err(NoInteger::TooLarge) => Err(wrong("is over any limit")),
-        Err(NoInteger::Spelling) => Err(wrong("is not a whole number")),
+        Err(IntegerError::TooLarge) => Err(wrong("is over any limit")),
+        Err(IntegerError::Spelling) => Err(wrong("is not a whole number")),
     }
 }
 
-fn coordinate(words: &mut Words, what: impl Fn() -> String) -> Result<f64, ReadError> {
+fn coordinate(words: &mut WordReader, what: impl Fn() -> String) -> Result<f64, ReadError> {
     let token = words.expect(&what)?;
     finite(token, || words.place()).map_err(|mut error| {
         error.message = format!("{}: {}", what(), error.message);

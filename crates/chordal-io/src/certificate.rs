@@ -1,11 +1,16 @@
-//! A certificate as one line of text: how it travels in formats that have comments.
+//! A certificate as one line of text, for formats that have comments.
 use crate::text::grouped;
 use crate::warnings::Warnings;
-use crate::{Limits, Place, WriteError};
+use crate::{FileLocation, Limits, WriteError};
 use serde_json::Value;
 
-/// The certificate that the rest of a comment spells; counted when it spells none.
-pub(crate) fn read(text: &[u8], limits: &Limits, place: Place, warnings: &mut Warnings) -> Option<Value> {
+/// Parses the certificate from the rest of a comment. Counts a warning where it is not valid.
+pub(crate) fn read(
+    text: &[u8],
+    limits: &Limits,
+    place: FileLocation,
+    warnings: &mut Warnings,
+) -> Option<Value> {
     let parsed = if text.len() > limits.header_line {
         Err(format!("{} bytes are over the limit of {}", grouped(text.len() as u64), limits.header_line))
     } else {
@@ -22,12 +27,12 @@ pub(crate) fn read(text: &[u8], limits: &Limits, place: Place, warnings: &mut Wa
     }
 }
 
-/// The certificate as one line without a line break.
+/// Serialises the certificate as one line without a line break.
 ///
 /// # Errors
-/// [`WriteError::Unsupported`] when readers, by default, refuse a line of that length.
+/// [`WriteError::Unsupported`] when the line is longer than readers accept by default.
 pub(crate) fn line(certificate: &Value) -> Result<String, WriteError> {
-    // The comment's own words stand before it.
+    // The comment's own prefix precedes it.
     let limit = Limits::default().header_line - 32;
     let line = certificate.to_string();
     if line.len() > limit {

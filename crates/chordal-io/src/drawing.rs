@@ -1,57 +1,57 @@
-//! `Drawn`: what a file of curves or polylines says: lines in order, and the elements that they belong to.
+//! `PathSet`: the curves or polylines of a file in order, and the elements that they belong to.
 use crate::Frame;
 use chordal::explicit::{Curve, FillRule, Outline, Polyline};
 use serde_json::Value;
 
 /// One drawn element of a file: a path, a circle, a curve of a list.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Element {
-    /// What it is in the file, as in "path" or "circle".
+pub struct DrawingElement {
+    /// Its kind in the file, as in "path" or "circle".
     pub kind: &'static str,
     /// Its name in the file (the id in SVG), or empty.
     pub name: Box<str>,
-    /// The number that stands for it in a list of polylines: its place among the drawn elements of its file.
+    /// The number that stands for it in a list of polylines: its index among the drawn elements of its file.
     pub source: u64,
-    /// Which points its lines enclose.
+    /// The fill rule: which points its lines enclose.
     pub rule: FillRule,
-    /// Whether the file fills what its lines enclose.
+    /// Whether the file fills it.
     pub filled: bool,
 }
 
-/// Lines of one kind in the file's order, and the elements that they belong to.
+/// Lines of one kind in the file's order, with the elements that they belong to.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Drawn<T> {
+pub struct PathSet<T> {
     /// The lines: one for each subpath.
     pub lines: Vec<T>,
-    /// For each line the index of its element. Never falls: the lines of an element stand together.
+    /// For each line the index of its element. Non-decreasing: the lines of an element are consecutive.
     pub owners: Vec<u32>,
     /// The elements, in the file's order.
-    pub elements: Vec<Element>,
-    /// The lowest x and y, the width and the height of the picture, where the file says.
+    pub elements: Vec<DrawingElement>,
+    /// The lowest x and y, the width and the height of the picture, where the file gives them.
     pub view_box: Option<[f64; 4]>,
     /// Whether y grows downwards, as in SVG.
     pub y_down: bool,
-    /// The space.
+    /// The coordinate frame.
     pub frame: Frame,
-    /// The certificate that travels in the file, if it carries one.
+    /// The certificate in the file, if it carries one.
     pub certificate: Option<Value>,
 }
 
 /// Curves in the plane.
-pub type Drawing = Drawn<Curve<2>>;
+pub type Drawing = PathSet<Curve<2>>;
 /// Curves in space.
-pub type Curves = Drawn<Curve<3>>;
+pub type Curves = PathSet<Curve<3>>;
 
-/// Polylines of the plane or of space.
+/// Polylines in the plane or in space.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Polylines {
     /// In the plane.
-    Plane(Drawn<Polyline<2>>),
+    Plane(PathSet<Polyline<2>>),
     /// In space.
-    Space(Drawn<Polyline<3>>),
+    Space(PathSet<Polyline<3>>),
 }
 
-impl<T> Default for Drawn<T> {
+impl<T> Default for PathSet<T> {
     fn default() -> Self {
         Self {
             lines: Vec::new(),
@@ -65,17 +65,17 @@ impl<T> Default for Drawn<T> {
     }
 }
 
-impl<T> Drawn<T> {
-    /// The lines, and everything else with no line.
+impl<T> PathSet<T> {
+    /// Splits off the lines; the rest has an empty list of lines.
     #[must_use]
-    pub fn take_lines(self) -> (Vec<T>, Drawn<T>) {
+    pub fn take_lines(self) -> (Vec<T>, PathSet<T>) {
         (self.lines, Self { lines: Vec::new(), ..self })
     }
 
-    /// The same drawing with other lines, one for each of those that were there.
+    /// The same drawing with its lines replaced, one for each of the old ones.
     #[must_use]
-    pub fn with_lines<U>(self, lines: Vec<U>) -> Drawn<U> {
-        Drawn {
+    pub fn with_lines<U>(self, lines: Vec<U>) -> PathSet<U> {
+        PathSet {
             lines,
             owners: self.owners,
             elements: self.elements,
@@ -88,12 +88,12 @@ impl<T> Drawn<T> {
 
     /// The element of a line.
     #[must_use]
-    pub fn element_of(&self, line: usize) -> Option<&Element> {
+    pub fn element_of(&self, line: usize) -> Option<&DrawingElement> {
         self.owners.get(line).and_then(|owner| self.elements.get(*owner as usize))
     }
 
-    /// The lines of each element that has some, together.
-    pub fn groups(&self) -> impl Iterator<Item = (&Element, &[T])> {
+    /// The lines of each element that has any.
+    pub fn groups(&self) -> impl Iterator<Item = (&DrawingElement, &[T])> {
         let mut from = 0;
         std::iter::from_fn(move || {
             let owner = *self.owners.get(from)?;
@@ -106,7 +106,7 @@ impl<T> Drawn<T> {
 }
 
 impl Drawing {
-    /// The outline of each element that is filled, with its index.
+    /// The outline of each filled element, with its index.
     pub fn filled(&self) -> impl Iterator<Item = Outline> {
         self.groups()
             .filter(|(element, _)| element.filled)
@@ -124,13 +124,13 @@ impl Polylines {
         }
     }
 
-    /// Whether there is none.
+    /// Whether there are no polylines.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Points and segments of all together.
+    /// The total numbers of points and segments.
     #[must_use]
     pub fn counts(&self) -> [u64; 2] {
         fn sum<const D: usize>(lines: &[Polyline<D>]) -> [u64; 2] {

@@ -1,23 +1,23 @@
-//! What is wrong with a file, and where.
+//! `ReadError`, `Warning` and `WriteError`: what is wrong with a file or a shape, and where.
 use std::fmt;
 
-/// The place in a file.
+/// A location in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum FileLocation {
     /// The file as a whole.
     File,
     /// An offset in bytes from its start.
     Byte(u64),
     /// A line, counted from 1.
     Line(u64),
-    /// A character of a text in which lines can be long.
+    /// A character in a text whose lines can be long.
     LineColumn {
         /// The line, counted from 1.
         line: u64,
         /// The character in it, counted from 1.
         column: u64,
     },
-    /// A row of a named list, counted from 0, at a byte or line where that is known.
+    /// A row of a named list, counted from 0.
     Row {
         /// The list, as in "vertex".
         list: &'static str,
@@ -28,7 +28,7 @@ pub enum Place {
     Pointer(String),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FileLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::File => f.write_str("file"),
@@ -41,20 +41,20 @@ impl fmt::Display for Place {
     }
 }
 
-/// A stable name for what is wrong, a place, and one sentence that gives the value and the limit.
+/// Why a file is refused: a stable code, a location, and one sentence with the value and the limit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReadError {
-    /// Stable, for programs, as in "index-out-of-range".
+    /// Stable code for programs, as in "index-out-of-range".
     pub code: &'static str,
-    /// Where.
-    pub place: Place,
-    /// What, with the value and the limit.
+    /// Where it is wrong.
+    pub place: FileLocation,
+    /// What is wrong, with the value and the limit.
     pub message: String,
 }
 
 impl ReadError {
-    /// An error at a place.
-    pub fn new(code: &'static str, place: Place, message: impl Into<String>) -> Self {
+    /// An error at a location.
+    pub fn new(code: &'static str, place: FileLocation, message: impl Into<String>) -> Self {
         Self { code, place, message: message.into() }
     }
 }
@@ -62,7 +62,7 @@ impl ReadError {
 impl fmt::Display for ReadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.place {
-            Place::File => f.write_str(&self.message),
+            FileLocation::File => f.write_str(&self.message),
             place => write!(f, "{place}: {}", self.message),
         }
     }
@@ -70,15 +70,15 @@ impl fmt::Display for ReadError {
 
 impl std::error::Error for ReadError {}
 
-/// Something in a file that was repaired, skipped or odd: counted, with its first place.
+/// Something in a file that was repaired, skipped or odd: counted, with its first location.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
-    /// Stable, for programs, as in "unused-vertices".
+    /// Stable code for programs, as in "unused-vertices".
     pub code: &'static str,
     /// How often.
     pub count: u64,
-    /// Where it was seen first.
-    pub place: Place,
+    /// The first location.
+    pub place: FileLocation,
     /// One sentence.
     pub message: String,
 }
@@ -86,7 +86,7 @@ pub struct Warning {
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.place {
-            Place::File => write!(f, "{} ({}x)", self.message, self.count),
+            FileLocation::File => write!(f, "{} ({}x)", self.message, self.count),
             place => write!(f, "{} ({}x, first at {place})", self.message, self.count),
         }
     }

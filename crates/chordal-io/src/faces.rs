@@ -1,35 +1,36 @@
-//! `Faces`: polygons in the order of the file, and the triangles that they become.
+//! `Faces`: polygons in the order of the file, and their triangulation.
 use crate::grow::{push, push_many};
 use crate::warnings::Warnings;
-use crate::{Place, ReadError};
+use crate::{FileLocation, ReadError};
 use chordal::explicit::triangulate::Triangulator;
 
-/// What is said of faces that cannot cover anything.
+/// The message for faces of no area.
 pub(crate) const SHORT_FACES: &str = "faces of fewer than 3 corners were skipped";
 
-/// Corners from which on a polygon with far fewer vertices than corners is not looked at: it goes round and round, and
-/// to find out how would take memory out of all proportion to its bytes.
+/// A polygon with more corners than this, and far fewer vertices than corners, is not triangulated. It visits
+/// its vertices again and again, and finding out how would take memory out of all proportion to its bytes.
 const LONG: usize = 1 << 16;
 
-/// A face with more than three corners: its triangles have their places, and wait for all positions to be known.
+/// A face with more than three corners. Its triangles are reserved, and are filled in once all positions are
+/// known.
 #[derive(Debug)]
-struct Polygon {
+struct DeferredPolygon {
     first_triangle: usize,
     first_corner: usize,
     corners: u32,
     at: u64,
 }
 
-/// Faces of three or more corners, which name vertex rows.
+/// Faces of three or more corners, as indices of vertex rows.
 #[derive(Debug, Default)]
 pub(crate) struct Faces {
     triangles: Vec<[u32; 3]>,
-    polygons: Vec<Polygon>,
+    polygons: Vec<DeferredPolygon>,
     corners: Vec<u32>,
 }
 
 impl Faces {
-    /// Room for as many faces as were counted in the bytes of the file.
+    /// Reserves memory for the number of faces that was counted in the bytes of the file.
     pub(crate) fn with_room(rows: usize) -> Result<Self, ReadError> {
         Ok(Self { triangles: crate::grow::with_room(rows)?, ..Self::default() })
     }
@@ -39,13 +40,13 @@ impl Faces {
         self.triangles.len()
     }
 
-    /// Appends a face of at least three corners that stands at line or row `at`.
+    /// Appends a face of at least three corners, from line or row `at`.
     #[inline]
     pub(crate) fn push(&mut self, corners: &[u32], at: u64) -> Result<(), ReadError> {
         if let &[a, b, c] = corners {
             return push(&mut self.triangles, [a, b, c]);
         }
-        let polygon = Polygon {
+        let polygon = DeferredPolygon {
             first_triangle: self.triangles.len(),
             first_corner: self.corners.len(),
             corners: u32::try_from(corners.len()).map_err(|_| crate::grow::out_of_memory(corners.len()))?,
@@ -57,11 +58,11 @@ impl Faces {
         push(&mut self.polygons, polygon)
     }
 
-    /// All faces as triangles, in order; how many were cut and how many overlap themselves is counted.
+    /// Triangulates all faces, in order. Counts how many were cut and how many overlap themselves.
     pub(crate) fn cut(
         mut self,
         positions: &[[f64; 3]],
-        place: fn(u64) -> Place,
+        place: fn(u64) -> FileLocation,
         warnings: &mut Warnings,
     ) -> Vec<[u32; 3]> {
         let mut triangulator = Triangulator::default();
@@ -86,7 +87,7 @@ impl Faces {
             }
             points.clear();
             points.extend(corners.iter().map(|i| positions[*i as usize]));
-            // Faces with a corner that is not finite are dropped later on: no need to look at them.
+            // Faces with a corner that is not finite are dropped later, so their shape is irrelevant.
             points.iter_mut().flatten().for_each(|x| *x = if x.is_finite() { *x } else { 0.0 });
             cut.clear();
             let folded = triangulator.polygon(&points, &mut cut);

@@ -1,5 +1,5 @@
-//! `Format`: what a file is, by its extension or by its content.
-use crate::text::{Lines, Tokens, integer, is_space, number, trim};
+//! `Format`: the format of a file, by its extension or by its content.
+use crate::text::{LineTokens, TextLines, integer, is_space, number, trim};
 use crate::{nii, npy, nrrd, obj, shape_json, stl, svg, vm};
 use std::fmt;
 use std::str::FromStr;
@@ -31,19 +31,19 @@ pub enum Format {
     Glb,
     /// Scalable Vector Graphics.
     Svg,
-    /// The steps that compute a field, as fidget writes them.
+    /// An expression graph as an op list, in fidget's text format.
     Vm,
-    /// NumPy's array of three axes.
+    /// NumPy array with three axes.
     Npy,
     /// NRRD volume.
     Nrrd,
-    /// NIfTI volume, packed by gzip or not.
+    /// NIfTI volume, gzipped or not.
     Nii,
-    /// A shape script, which is run and not read.
+    /// A shape script, which is run instead of read.
     Star,
 }
 
-/// Every format with the name that stands for it in `--from` and `--to`, and as an extension.
+/// Every format with its name, which `--from` and `--to` take and which is also an extension.
 const NAMES: [(Format, &str); 13] = [
     (Format::Bpt, "bpt"),
     (Format::Teaset, "teaset"),
@@ -66,7 +66,7 @@ impl Format {
         NAMES.iter().map(|row| row.0)
     }
 
-    /// The format that an extension stands for, with its dot or without, in any case; `nii.gz` is one too.
+    /// The format of an extension, with or without its dot, in any case; `nii.gz` is one too.
     #[must_use]
     pub fn from_extension(extension: &str) -> Option<Self> {
         let name = extension.strip_prefix('.').unwrap_or(extension);
@@ -76,8 +76,8 @@ impl Format {
         NAMES.iter().find(|row| row.1.eq_ignore_ascii_case(name)).map(|row| row.0)
     }
 
-    /// The format that the content looks like; its extension plays no part. Looks at no more than it must, and
-    /// promises nothing: a reader may still refuse the file.
+    /// The format that the content looks like, whatever its extension. Looks only at as much as it must. A
+    /// reader may still refuse the file.
     #[must_use]
     pub fn sniff(bytes: &[u8]) -> Option<Self> {
         if bytes.starts_with(b"glTF") {
@@ -117,17 +117,17 @@ fn trim_start(bytes: &[u8]) -> &[u8] {
     &bytes[start..]
 }
 
-/// Both patch texts start with a line that holds the number of patches alone; then come two degrees, or sixteen
-/// indices with commas.
+/// Both patch texts start with a line that holds only the number of patches. Then come two degrees, or
+/// sixteen indices with commas.
 fn sniff_patches(text: &[u8]) -> Option<Format> {
-    let mut lines = Lines::new(text).map(|(_, line)| trim(line)).filter(|line| !line.is_empty());
+    let mut lines = TextLines::new(text).map(|(_, line)| trim(line)).filter(|line| !line.is_empty());
     integer(lines.next()?).ok()?;
     let second = lines.next()?;
     if second.contains(&b',') {
         let all = second.split(|b| *b == b',').all(|token| integer(trim(token)).is_ok());
         return all.then_some(Format::Teaset);
     }
-    let degrees: Vec<_> = Tokens::new(second).take(3).collect();
+    let degrees: Vec<_> = LineTokens::new(second).take(3).collect();
     let all = degrees.len() == 2 && degrees.iter().all(|token| number(token).is_some());
     all.then_some(Format::Bpt)
 }
@@ -138,7 +138,7 @@ impl fmt::Display for Format {
     }
 }
 
-/// A name that stands for no format.
+/// A name that is no format.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownFormat(String);
 

@@ -1,23 +1,23 @@
-//! `Groups`: the names that statements give to the faces after them.
+//! `Groups`: named groups of faces, from statements that name the group of the faces after them.
 use crate::ReadError;
 use crate::grow::{push, with_room};
 use chordal::explicit::{Attribute, Domain, Semantic};
 use std::collections::HashMap;
 
-/// The groups of one kind ("usemtl", "g", …): names in the order in which they appear, and where each begins.
-/// Number 0 means that there was no such statement, or that it took the group back.
+/// The groups of one kind ("usemtl", "g", …): names in order of appearance, and where each begins. Number 0
+/// means that there was no such statement, or that it ended the group.
 #[derive(Debug, Default)]
 pub(crate) struct Groups {
     names: Vec<String>,
-    /// Only looked up; numbers are given in the order of the file.
+    /// Only looked up: numbers are given in the order of the file.
     index: HashMap<String, u32>,
     current: u32,
-    /// From which triangle on, which number.
+    /// First triangle and number of each run.
     runs: Vec<(usize, u32)>,
 }
 
 impl Groups {
-    /// The faces after triangle `triangle` belong to the group of that name; none for the empty name.
+    /// Faces from index `triangle` on belong to the group of that name; to none for the empty name.
     pub(crate) fn name(&mut self, name: &str, triangle: usize) -> Result<(), ReadError> {
         if name.is_empty() {
             return self.number(0, triangle);
@@ -30,21 +30,22 @@ impl Groups {
         Ok(())
     }
 
-    /// The faces after triangle `triangle` belong to a group of their own, also when its name was there before.
+    /// Faces from index `triangle` on belong to a new group, even if its name was used before.
     pub(crate) fn begin(&mut self, name: &str, triangle: usize) -> Result<(), ReadError> {
         push(&mut self.names, name.to_owned())?;
-        // Names are fewer than bytes of the file, and more than 2^32 of them would have met the memory limit.
+        // There are fewer names than bytes in the file, and more than 2^32 of them would exceed the memory
+        // limit.
         self.number(u32::try_from(self.names.len()).unwrap_or(u32::MAX), triangle)
     }
 
-    /// The faces after triangle `triangle` belong to group `number`, which needs no name.
+    /// Faces from index `triangle` on belong to group `number`, which needs no name.
     pub(crate) fn number(&mut self, number: u32, triangle: usize) -> Result<(), ReadError> {
         if number == self.current {
             return Ok(());
         }
         self.current = number;
         match self.runs.last_mut() {
-            // Nothing stood under the last statement.
+            // The last statement had no faces.
             Some(last) if last.0 == triangle => last.1 = number,
             _ => push(&mut self.runs, (triangle, number))?,
         }
@@ -70,7 +71,7 @@ impl Groups {
         }))
     }
 
-    /// The names by number; the first, of number 0, is empty.
+    /// The names by number; number 0 has the empty name.
     pub(crate) fn into_names(self) -> Vec<String> {
         std::iter::once(String::new()).chain(self.names).collect()
     }

@@ -1,17 +1,17 @@
-//! `grow`: lists whose length a file decides: they grow with what was read, in small steps, and never abort.
-use crate::{Place, ReadError};
+//! `grow`: lists whose length a file decides. They grow with what was read, in small steps, and never abort.
+use crate::{FileLocation, ReadError};
 
-/// The items that a list starts with.
+/// The capacity that a list starts with.
 const FIRST: usize = 64;
-/// The same for large ones, of which there can be many short lists.
+/// The same for large items, of which there can be many short lists.
 const FIRST_LARGE: usize = 8;
 
 /// The error of a list that does not fit into memory.
 pub(crate) fn out_of_memory(rows: usize) -> ReadError {
-    ReadError::new("out-of-memory", Place::File, format!("no memory for more than {rows} rows"))
+    ReadError::new("out-of-memory", FileLocation::File, format!("no memory for more than {rows} rows"))
 }
 
-/// Appends to a list. It grows by half, so that it holds at most 1.5 times what was read.
+/// Appends to a list. It grows by half, so it holds at most 1.5 times what was read.
 #[inline]
 pub(crate) fn push<T>(list: &mut Vec<T>, item: T) -> Result<(), ReadError> {
     if list.len() == list.capacity() {
@@ -21,8 +21,8 @@ pub(crate) fn push<T>(list: &mut Vec<T>, item: T) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// Appends to a list of large items. It grows by a quarter, so that while it moves, the old and the new list together
-/// are no more than 2.25 times what was read.
+/// Appends to a list of large items. It grows by a quarter, so that the old and the new list together are no
+/// more than 2.25 times what was read while it moves.
 #[inline]
 pub(crate) fn push_large<T>(list: &mut Vec<T>, item: T) -> Result<(), ReadError> {
     if list.len() == list.capacity() {
@@ -48,7 +48,8 @@ fn grow<T>(list: &mut Vec<T>, more: usize) -> Result<(), ReadError> {
     list.try_reserve_exact(step).map_err(|_| out_of_memory(list.len()))
 }
 
-/// An empty list with room for `rows` rows that were counted in the bytes of the file, never declared by it.
+/// An empty list with capacity for `rows` rows that were counted in the bytes of the file, never declared by
+/// it.
 pub(crate) fn with_room<T>(rows: usize) -> Result<Vec<T>, ReadError> {
     let mut list = Vec::new();
     list.try_reserve_exact(rows).map_err(|_| out_of_memory(rows))?;

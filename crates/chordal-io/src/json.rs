@@ -1,14 +1,14 @@
-//! `Json`: reads JSON piece by piece, keeps the pointer to where it is, and builds no tree.
+//! `JsonReader`: a streaming JSON reader that tracks its JSON pointer and builds no tree.
 use crate::text::{number, show};
-use crate::{Limits, Place, ReadError};
+use crate::{FileLocation, Limits, ReadError};
 use std::collections::HashSet;
 
-/// The deepest nesting that is read whatever the limits say: each level takes some of the call stack.
+/// The deepest nesting, whatever the limits allow: each level takes some of the call stack.
 const DEEPEST: usize = 512;
 
-/// What comes next.
+/// The kind of the next value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum JsonKind {
     Object,
     Array,
     String,
@@ -18,45 +18,45 @@ pub(crate) enum Kind {
 }
 
 #[derive(Debug)]
-enum Step {
+enum JsonPathStep {
     Key(String),
     Index(u64),
 }
 
-/// A place in a JSON text.
+/// A position in a JSON text.
 #[derive(Debug)]
-pub(crate) struct Json<'a> {
+pub(crate) struct JsonReader<'a> {
     bytes: &'a [u8],
     at: usize,
     deepest: usize,
-    path: Vec<Step>,
+    path: Vec<JsonPathStep>,
 }
 
-type Outcome<T> = Result<T, ReadError>;
+type JsonResult<T> = Result<T, ReadError>;
 
-impl<'a> Json<'a> {
-    /// At the start of a text.
-    pub(crate) fn new(bytes: &'a [u8], limits: &Limits) -> Outcome<Self> {
+impl<'a> JsonReader<'a> {
+    /// Starts at the beginning of a text.
+    pub(crate) fn new(bytes: &'a [u8], limits: &Limits) -> JsonResult<Self> {
         if let Err(error) = std::str::from_utf8(bytes) {
-            let place = Place::Byte(error.valid_up_to() as u64);
+            let place = FileLocation::Byte(error.valid_up_to() as u64);
             return Err(ReadError::new("not-utf8", place, "the text is not UTF-8"));
         }
         Ok(Self { bytes, at: 0, deepest: limits.depth.min(DEEPEST), path: Vec::new() })
     }
 
-    /// Where this is, as a pointer; the root is the file.
-    pub(crate) fn place(&self) -> Place {
+    /// The current location as a pointer; at the root, the file.
+    pub(crate) fn place(&self) -> FileLocation {
         if self.path.is_empty() {
-            return Place::File;
+            return FileLocation::File;
         }
-        let step = |step: &Step| match step {
-            Step::Key(key) => format!("/{}", key.replace('~', "~0").replace('/', "~1")),
-            Step::Index(index) => format!("/{index}"),
+        let step = |step: &JsonPathStep| match step {
+            JsonPathStep::Key(key) => format!("/{}", key.replace('~', "~0").replace('/', "~1")),
+            JsonPathStep::Index(index) => format!("/{index}"),
         };
-        Place::Pointer(self.path.iter().map(step).collect())
+        FileLocation::Pointer(self.path.iter().map(step).collect())
     }
 
-    /// An error here.
+    /// An error at the current location.
     pub(crate) fn error(&self, code: &'static str, message: impl Into<String>) -> ReadError {
         ReadError::new(code, self.place(), message)
     }
@@ -69,7 +69,7 @@ impl<'a> Json<'a> {
         };
         ReadError::new(
             "not-json",
-            Place::Byte(self.at as u64),
+            FileLocation::Byte(self.at as u64),
             format!("{found} where {expected} should stand"),
         )
     }
@@ -87,20 +87,20 @@ impl<'a> Json<'a> {
         found
     }
 
-    /// What comes next.
-    pub(crate) fn peek(&mut self) -> Outcome<Kind> {
+    /// The kind of the next value, without reading it.
+    pub(crate) fn peek(&mut self) -> JsonResult<JsonKind> {
         self.skip_space();
         match self.bytes.get(self.at) {
-            Some(b'{') => Ok(Kind::Object),
-            Some(b'[') => Ok(Kind::Array),
-            Some(b'"') => Ok(Kind::String),
-            Some(b'-' | b'0'..=b'9') => Ok(Kind::Number),
-            Some(b't' | b'f' | b'n') => Ok(Kind::Word),
+            Some(b'{') => Ok(JsonKind::Object),
+            Some(b'[') => Ok(JsonKind::Array),
+            Some(b'"') => Ok(JsonKind::String),
+            Some(b'-' | b'0'..=b'9') => Ok(JsonKind::Number),
+            Some(b't' | b'f' | b'n') => Ok(JsonKind::Word),
             _ => Err(self.syntax("a value")),
         }
     }
 
-    fn expect(&mut self, kind: Kind, what: &str) -> Outcome<()> {
+    fn expect(&mut self, kind: JsonKind, what: &str) -> JsonResult<()> {
         let found = self.peek()?;
         if found == kind {
             return Ok(());
@@ -111,25 +111,28 @@ impl<'a> Json<'a> {
         ))
     }
 
-    fn enter(&mut self, step: Step) -> Outcome<()> {
+    fn enter(&mut self, step: JsonPathStep) -> JsonResult<()> {
         self.path.push(step);
         if self.path.len() > self.deepest {
             let message = format!("nested deeper than the limit of {} levels", self.deepest);
-            return Err(ReadError::new("too-deep", Place::Byte(self.at as u64), message));
+            return Err(ReadError::new("too-deep", FileLocation::Byte(self.at as u64), message));
         }
         Ok(())
     }
 
-    /// Reads an array: `each` must read one element, whose index it gets. Returns the number of elements.
-    pub(crate) fn array(&mut self, mut each: impl FnMut(&mut Self, u64) -> Outcome<()>) -> Outcome<u64> {
-        self.expect(Kind::Array, "an array")?;
+    /// Reads an array: `each` must read one element, and gets its index. Returns the number of elements.
+    pub(crate) fn array(
+        &mut self,
+        mut each: impl FnMut(&mut Self, u64) -> JsonResult<()>,
+    ) -> JsonResult<u64> {
+        self.expect(JsonKind::Array, "an array")?;
         self.at += 1;
         if self.take(b']') {
             return Ok(0);
         }
         let mut index = 0;
         loop {
-            self.enter(Step::Index(index))?;
+            self.enter(JsonPathStep::Index(index))?;
             each(self, index)?;
             self.path.pop();
             index += 1;
@@ -142,19 +145,22 @@ impl<'a> Json<'a> {
         }
     }
 
-    /// Reads an object: `each` must read one value, whose key it gets.
-    pub(crate) fn object(&mut self, mut each: impl FnMut(&mut Self, &str) -> Outcome<()>) -> Outcome<()> {
-        self.expect(Kind::Object, "an object")?;
+    /// Reads an object: `each` must read one value, and gets its key.
+    pub(crate) fn object(
+        &mut self,
+        mut each: impl FnMut(&mut Self, &str) -> JsonResult<()>,
+    ) -> JsonResult<()> {
+        self.expect(JsonKind::Object, "an object")?;
         self.at += 1;
         if self.take(b'}') {
             return Ok(());
         }
-        // Only asked whether a key was there before: no order depends on it.
+        // Only asked whether it holds a key: no order depends on it.
         let mut seen = HashSet::new();
         loop {
             self.skip_space();
             let key = self.string()?;
-            self.enter(Step::Key(key.clone()))?;
+            self.enter(JsonPathStep::Key(key.clone()))?;
             if !self.take(b':') {
                 return Err(self.syntax("':'"));
             }
@@ -174,8 +180,8 @@ impl<'a> Json<'a> {
     }
 
     /// Reads a number that is finite as an f64.
-    pub(crate) fn number(&mut self) -> Outcome<f64> {
-        self.expect(Kind::Number, "a number")?;
+    pub(crate) fn number(&mut self) -> JsonResult<f64> {
+        self.expect(JsonKind::Number, "a number")?;
         let rest = &self.bytes[self.at..];
         let end = rest
             .iter()
@@ -193,7 +199,7 @@ impl<'a> Json<'a> {
     }
 
     /// Reads a string.
-    pub(crate) fn string(&mut self) -> Outcome<String> {
+    pub(crate) fn string(&mut self) -> JsonResult<String> {
         if !self.take(b'"') {
             return Err(self.syntax("a string"));
         }
@@ -211,11 +217,11 @@ impl<'a> Json<'a> {
             }
         }
         self.at += 1;
-        // The input is UTF-8 and escapes are whole characters, so that nothing is replaced here.
+        // The input is UTF-8 and escapes are whole characters, so nothing is replaced here.
         Ok(String::from_utf8_lossy(&text).into_owned())
     }
 
-    fn escape(&mut self, text: &mut Vec<u8>) -> Outcome<()> {
+    fn escape(&mut self, text: &mut Vec<u8>) -> JsonResult<()> {
         let plain = match self.bytes.get(self.at + 1) {
             Some(b'u') => return self.escape_code(text),
             Some(b'b') => 0x08,
@@ -231,14 +237,14 @@ impl<'a> Json<'a> {
         Ok(())
     }
 
-    fn escape_code(&mut self, text: &mut Vec<u8>) -> Outcome<()> {
+    fn escape_code(&mut self, text: &mut Vec<u8>) -> JsonResult<()> {
         let unit = |at: usize| -> Option<u32> {
             let digits = self.bytes.get(at..at + 6)?.strip_prefix(b"\\u")?;
             digits.iter().try_fold(0, |value, d| Some(16 * value + char::from(*d).to_digit(16)?))
         };
         let first = unit(self.at);
         let (code, length) = match first {
-            // Two halves of one character beyond the basic plane.
+            // A surrogate pair for one character beyond the basic plane.
             Some(high @ 0xd800..0xdc00) => match unit(self.at + 6) {
                 Some(low @ 0xdc00..0xe000) => (Some(0x10000 + ((high - 0xd800) << 10) + (low - 0xdc00)), 12),
                 _ => (None, 0),
@@ -254,7 +260,7 @@ impl<'a> Json<'a> {
     }
 
     /// Reads `true` or `false`.
-    pub(crate) fn flag(&mut self) -> Outcome<bool> {
+    pub(crate) fn flag(&mut self) -> JsonResult<bool> {
         self.skip_space();
         let rest = &self.bytes[self.at..];
         let known = [(&b"true"[..], true), (&b"false"[..], false)];
@@ -267,22 +273,22 @@ impl<'a> Json<'a> {
         }
     }
 
-    /// Reads a value of any kind, as the text that it is.
-    pub(crate) fn raw(&mut self) -> Outcome<&'a [u8]> {
+    /// Reads a value of any kind and returns its text.
+    pub(crate) fn raw(&mut self) -> JsonResult<&'a [u8]> {
         self.skip_space();
         let start = self.at;
         self.skip()?;
         Ok(&self.bytes[start..self.at])
     }
 
-    /// Reads a value of any kind and forgets it.
-    pub(crate) fn skip(&mut self) -> Outcome<()> {
+    /// Skips a value of any kind.
+    pub(crate) fn skip(&mut self) -> JsonResult<()> {
         match self.peek()? {
-            Kind::Object => self.object(|json, _| json.skip()),
-            Kind::Array => self.array(|json, _| json.skip()).map(|_| ()),
-            Kind::String => self.string().map(|_| ()),
-            Kind::Number => self.number().map(|_| ()),
-            Kind::Word => {
+            JsonKind::Object => self.object(|json, _| json.skip()),
+            JsonKind::Array => self.array(|json, _| json.skip()).map(|_| ()),
+            JsonKind::String => self.string().map(|_| ()),
+            JsonKind::Number => self.number().map(|_| ()),
+            JsonKind::Word => {
                 let rest = &self.bytes[self.at..];
                 let words: [&[u8]; 3] = [b"true", b"false", b"null"];
                 let word = words.iter().find(|word| rest.starts_with(word));
@@ -292,14 +298,14 @@ impl<'a> Json<'a> {
         }
     }
 
-    /// Refuses anything but space after the value.
-    pub(crate) fn end(mut self) -> Outcome<()> {
+    /// Refuses anything but white space after the value.
+    pub(crate) fn end(mut self) -> JsonResult<()> {
         self.skip_space();
         if self.at < self.bytes.len() { Err(self.syntax("the end of the file")) } else { Ok(()) }
     }
 }
 
-/// The grammar of RFC 8259, which is narrower than that of Rust: no leading zero, no bare point, no plus.
+/// The grammar of RFC 8259, which is narrower than Rust's: no leading zero, no bare point, no plus.
 fn is_json_number(token: &[u8]) -> bool {
     let rest = token.strip_prefix(b"-").unwrap_or(token);
     let digits = |text: &[u8]| text.iter().take_while(|b| b.is_ascii_digit()).count();

@@ -1,5 +1,5 @@
-//! Bytes to nouns and back: every reader takes [`Limits`] and ends in a shape, a shape with listed warnings, or one
-//! [`ReadError`] that names the place. No paths, no network, no panic.
+//! Readers and writers of shape files. Every reader takes [`Limits`] and returns a shape, a shape with listed
+//! warnings, or one [`ReadError`] with its location. No paths, no network, no panics.
 mod assemble;
 pub mod bpt;
 mod certificate;
@@ -10,6 +10,7 @@ mod format;
 pub mod glb;
 mod groups;
 mod grow;
+mod instances;
 mod json;
 mod limits;
 mod losses;
@@ -18,7 +19,6 @@ pub mod npy;
 pub mod nrrd;
 mod number;
 pub mod obj;
-mod placed;
 pub mod ply;
 pub mod png;
 mod polygons;
@@ -34,20 +34,20 @@ pub mod tiles;
 pub mod vm;
 mod volume;
 mod warnings;
-mod words;
+mod word_reader;
 
-pub use drawing::{Curves, Drawing, Drawn, Element, Polylines};
-pub use error::{Place, ReadError, Warning, WriteError};
+pub use drawing::{Curves, Drawing, DrawingElement, PathSet, Polylines};
+pub use error::{FileLocation, ReadError, Warning, WriteError};
 pub use format::{Format, UnknownFormat};
 pub use limits::Limits;
 pub use losses::{losses, losses_of_polygons};
 pub use polygons::{PolygonSurface, Polygons};
 pub use read::read;
-pub use scene::{Axis, Content, Frame, Loaded, Node, Part, Scene};
-pub use snap::{Snapped, TooWide, snap, worst_snap};
+pub use scene::{Axis, Content, Frame, Node, Part, ReadOutcome, Scene};
+pub use snap::{CoordinateOverflow, SnappedMesh, snap, worst_snap};
 pub use volume::Volume;
 
-/// The example of the page in `docs/` runs with the tests.
+/// Runs the example of the page in `docs/` with the tests.
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/tiles.md")]
 struct Tiles;

@@ -1,26 +1,27 @@
-//! `Limits`: how much a file may make a reader do.
+//! `Limits`: how much work and memory a file may cause.
 use crate::PolygonSurface;
 
-/// Caps on what one file may ask for; a file past a cap is refused before the memory is taken.
+/// Caps on the size of a file and of what is read from it. A file over a cap is refused before memory is
+/// allocated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Bytes of the file, and of anything decoded from it.
     pub bytes: u64,
-    /// Vertices, faces, nodes: rows of any one list.
+    /// Rows of any one list: vertices, faces, nodes.
     pub rows: u64,
     /// Bytes in one line of a text format's header.
     pub header_line: usize,
     /// Nesting of JSON.
     pub depth: usize,
-    /// What gltf-validator calls an error and does not touch geometry becomes a warning; so do bytes that follow the
-    /// samples of a volume.
+    /// Turns into warnings what gltf-validator calls an error and does not affect geometry, and bytes that
+    /// follow the samples of a volume.
     pub lenient: bool,
-    /// Vertices that are NaN or infinite are dropped with their faces and counted, instead of refused.
+    /// Drops and counts vertices that are NaN or infinite, with their faces, instead of refusing the file.
     pub drop_nonfinite: bool,
-    /// Which volume of a file that holds several, counted from 0; none where there is one only.
+    /// Which volume of a file that holds several, counted from 0; `None` where there is only one.
     pub index: Option<u64>,
-    /// What the polygons of an OBJ stand for; without it they are a Catmull–Clark cage where the file has subdivision tags, else
-    /// triangles.
+    /// How the polygons of an OBJ are interpreted. `None`: as a Catmull–Clark cage if the file has
+    /// subdivision tags, else as triangles.
     pub surface: Option<PolygonSurface>,
 }
 

@@ -1,21 +1,21 @@
-//! `losses`: what a format cannot hold of a scene.
+//! `losses`: what of a scene a format cannot hold.
+use crate::instances::part_instances;
 use crate::obj::colors_agree;
-use crate::placed::placed;
-use crate::{Format, Place, Polygons, Scene, Warning, WriteError};
+use crate::{FileLocation, Format, Polygons, Scene, Warning, WriteError};
 use chordal::explicit::{Attribute, Boundary, Cage, Domain, Scheme, Semantic};
 
-/// What writing a scene in a format leaves out, counted in parts: so that nothing is lost silently. Rounding is not
-/// counted here. GLB writes what it can and tells by itself.
+/// What writing a scene in a format leaves out, counted in parts, so that nothing is lost silently. Rounding
+/// is not counted here. For GLB the list is empty: its writer reports for itself what it cannot write.
 ///
 /// # Errors
-/// [`WriteError::Unsupported`] where the writer would say the same.
+/// [`WriteError::Unsupported`] where the writer would report the same.
 ///
 /// ```
 /// use chordal::{Mesh, explicit::Attribute};
 /// use chordal_io::{Format, Frame, Scene, losses};
 /// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?
 ///     .with_attribute(Attribute::vertex_normals(&[[0.0, 0.0, 1.0]; 3]))?;
-/// let scene = Scene::of("", mesh, true, Frame::default());
+/// let scene = Scene::from_mesh("", mesh, true, Frame::default());
 /// assert!(losses(&scene, Format::Obj)?.is_empty());
 /// assert_eq!(losses(&scene, Format::Stl)?[0].message, "STL holds no normals of vertices");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -28,12 +28,12 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
     let title = format.to_string().to_uppercase();
     let mut count = |message: String| match lost.iter_mut().find(|w| w.message == message) {
         Some(known) => known.count += 1,
-        None => lost.push(Warning { code: "not-written", count: 1, place: Place::File, message }),
+        None => lost.push(Warning { code: "not-written", count: 1, place: FileLocation::File, message }),
     };
     if scene.certificate.is_some() && format == Format::Stl {
         count(format!("{title} holds no certificate"));
     }
-    let parts = placed(scene)?;
+    let parts = part_instances(scene)?;
     for part in &parts {
         if parts.len() > 1 && format != Format::Obj {
             count(format!("{title} holds one part: all were joined"));
@@ -48,14 +48,14 @@ pub fn losses(scene: &Scene, format: Format) -> Result<Vec<Warning>, WriteError>
     Ok(lost)
 }
 
-/// What writing a cage as polygons leaves out. OBJ holds all of it.
+/// What writing a cage as polygons leaves out. OBJ holds everything.
 ///
 /// ```
 /// use chordal::explicit::Cage;
 /// use chordal_io::{Format, Frame, Polygons, losses_of_polygons};
 /// let square = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
 /// let cage = Cage::new(square, [[0, 1, 2, 3]])?.with_creases(&[([0, 1], 2.5)])?;
-/// let polygons = Polygons::of(cage, Frame::default());
+/// let polygons = Polygons::from_cage(cage, Frame::default());
 /// assert!(losses_of_polygons(&polygons, Format::Obj).is_empty());
 /// assert_eq!(losses_of_polygons(&polygons, Format::Ply)[0].message, "PLY holds no subdivision tags");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -69,7 +69,7 @@ pub fn losses_of_polygons(polygons: &Polygons, format: Format) -> Vec<Warning> {
     let mut lost = Vec::new();
     let mut count = |what: String| {
         let message = format!("{title} holds no {what}");
-        lost.push(Warning { code: "not-written", count: 1, place: Place::File, message });
+        lost.push(Warning { code: "not-written", count: 1, place: FileLocation::File, message });
     };
     if has_tags(&polygons.cage) {
         count("subdivision tags".to_owned());

@@ -5,13 +5,14 @@ use std::io::Write;
 
 /// Writes a picture as PNG, 8-bit sRGB; without alpha where the picture is opaque.
 ///
-/// `text` are pairs of a keyword and UTF-8 text, kept in `iTXt` chunks before the pixels: a keyword is 1 to 79 printable
-/// characters of Latin-1 without leading, trailing or double spaces, as the PNG specification says ("Software",
-/// "Description", …). The same picture and text give the same bytes as long as the version of the encoder is the same.
+/// `text` holds pairs of a keyword and UTF-8 text, written to `iTXt` chunks before the pixels. A keyword is 1
+/// to 79 printable characters of Latin-1 without leading, trailing or double spaces, as the PNG specification
+/// says ("Software", "Description", …). The same picture and text give the same bytes as long as the version
+/// of the encoder is the same.
 ///
 /// # Errors
-/// [`WriteError::Unsupported`] for a picture without pixels or whose bytes do not fit its size, for a keyword that PNG does
-/// not allow and for text with a NUL; [`WriteError::Io`] when the sink fails.
+/// [`WriteError::Unsupported`] for a picture without pixels or whose bytes do not fit its size, for a keyword
+/// that PNG does not allow, and for text with a NUL; [`WriteError::Io`] when the sink fails.
 ///
 /// ```
 /// use chordal::render::Picture;
@@ -61,7 +62,7 @@ pub fn write(picture: &Picture, text: &[(&str, &str)], out: &mut impl Write) -> 
 /// PNG's limit on columns and rows, 2³¹ − 1.
 const MOST_SIDE: u32 = i32::MAX as u32;
 
-/// Whether PNG allows it: 11.3.3.1 of the specification.
+/// Whether PNG allows the keyword: 11.3.3.1 of the specification.
 fn is_keyword(keyword: &str) -> bool {
     let printable = |c: char| matches!(c, ' '..='~' | '\u{a1}'..='\u{ff}');
     (1..=79).contains(&keyword.chars().count())

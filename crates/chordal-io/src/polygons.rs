@@ -1,23 +1,23 @@
-//! `Polygons`: what a file says of a cage: polygons with their subdivision tags, and what stands beside them.
+//! `Polygons`: a polygon cage of a file, with its subdivision tags, attributes and frame.
 use crate::Frame;
 use chordal::explicit::{Attribute, Cage};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Which surface polygons of a file stand for.
+/// Which surface the polygons of a file define.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PolygonSurface {
     /// The limit of Catmull–Clark subdivision.
     CatmullClark,
-    /// The limit of Loop subdivision, of triangles.
+    /// The limit of Loop subdivision, for triangles.
     Loop,
-    /// Each quad bilinear, each other polygon cut into quads.
+    /// Each quad bilinear; other polygons are first cut into quads.
     Bilinear,
     /// The polygons themselves, cut into triangles.
     Faceted,
 }
 
-/// A cage with what its file says beside it.
+/// A cage with the other data of its file.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, obj};
@@ -31,20 +31,20 @@ pub enum PolygonSurface {
 pub struct Polygons {
     /// The polygons, their tags, the scheme, and texture coordinates at the corners of faces.
     pub cage: Cage,
-    /// Colours, one row a vertex of the cage, and groups, one row a face.
+    /// Colours, one row for each vertex of the cage, and groups, one row for each face.
     pub attributes: Vec<Attribute>,
-    /// What the values of groups stand for, as in [`crate::Scene::groups`].
+    /// The names of group values, as in [`crate::Scene::groups`].
     pub groups: BTreeMap<String, Vec<String>>,
-    /// The space.
+    /// The coordinate frame.
     pub frame: Frame,
-    /// The certificate that travels in the file, if it carries one.
+    /// The certificate in the file, if it carries one.
     pub certificate: Option<Value>,
 }
 
 impl Polygons {
-    /// A cage by itself.
+    /// A cage without other data.
     #[must_use]
-    pub fn of(cage: Cage, frame: Frame) -> Self {
+    pub fn from_cage(cage: Cage, frame: Frame) -> Self {
         let (attributes, groups) = (Vec::new(), BTreeMap::new());
         Self { cage, attributes, groups, frame, certificate: None }
     }

@@ -1,17 +1,18 @@
-//! `read`: bytes of a known format to a shape.
+//! `read`: decodes bytes of a known format into a shape.
 use crate::text::grouped;
-use crate::{Format, Limits, Loaded, Place, ReadError};
+use crate::{FileLocation, Format, Limits, ReadError, ReadOutcome};
 use crate::{bpt, glb, nii, npy, nrrd, obj, ply, shape_json, stl, svg, teaset, vm};
 
-/// The shape that a file of `format` holds, with its oddities counted.
+/// Reads a file of `format` into its shape, and counts its oddities.
 ///
-/// Time and memory grow with the bytes that are there, never with a count that they declare: at most
-/// 64 MiB + 16 times the bytes, or 16 times the 12 bytes of each triangle where a file packs triangles tighter than that
-/// (long polygons, strips of one-byte indices), or 16 times the 16 bytes of each point that a path packs tighter, or 16
-/// times the bytes of the samples that a packed volume unpacks to.
+/// Time and memory grow with the bytes that are there, never with a count that they declare. The bound is 64
+/// MiB + 16 times the bytes; or 16 times the 12 bytes of each triangle where a file packs triangles tighter
+/// than that (long polygons, strips of one-byte indices); or 16 times the 16 bytes of each point that a path
+/// packs tighter; or 16 times the bytes of the samples that a packed volume unpacks to.
 ///
 /// # Errors
-/// One [`ReadError`] with its place. Where the content looks like another format, the message says which.
+/// One [`ReadError`] with its location. Where the content looks like another format, the message names that
+/// format.
 ///
 /// ```
 /// use chordal_io::{Content, Format, Limits, read};
@@ -24,7 +25,7 @@ use crate::{bpt, glb, nii, npy, nrrd, obj, ply, shape_json, stl, svg, teaset, vm
 /// assert!(error.to_string().starts_with("line 2: "));
 /// # Ok::<(), chordal_io::ReadError>(())
 /// ```
-pub fn read(bytes: &[u8], format: Format, limits: &Limits) -> Result<Loaded, ReadError> {
+pub fn read(bytes: &[u8], format: Format, limits: &Limits) -> Result<ReadOutcome, ReadError> {
     check_size(bytes, limits)?;
     let loaded = match format {
         Format::Bpt => bpt::read(bytes, limits),
@@ -39,10 +40,12 @@ pub fn read(bytes: &[u8], format: Format, limits: &Limits) -> Result<Loaded, Rea
         Format::Npy => npy::read(bytes, limits),
         Format::Nrrd => nrrd::read(bytes, limits),
         Format::Nii => nii::read(bytes, limits),
-        // What the text says is known once it has run, which is for those who can.
-        Format::Star => {
-            Err(ReadError::new("script", Place::File, "a shape script is run, and nothing here runs it"))
-        }
+        // A script has a shape only once it has run, which this crate does not do.
+        Format::Star => Err(ReadError::new(
+            "script",
+            FileLocation::File,
+            "a shape script is run, and nothing here runs it",
+        )),
     };
     loaded.map_err(|mut error| {
         if let Some(other) = Format::sniff(bytes).filter(|other| *other != format) {
@@ -52,16 +55,16 @@ pub fn read(bytes: &[u8], format: Format, limits: &Limits) -> Result<Loaded, Rea
     })
 }
 
-/// Refuses what holds nothing, and what is larger than the limit.
+/// Refuses an empty file, and one over the limit.
 fn check_size(bytes: &[u8], limits: &Limits) -> Result<(), ReadError> {
     if bytes.iter().all(|b| crate::text::is_space(*b)) {
         let message = format!("the file is empty: {} bytes, none of them more than space", bytes.len());
-        return Err(ReadError::new("empty", Place::File, message));
+        return Err(ReadError::new("empty", FileLocation::File, message));
     }
     let size = bytes.len() as u64;
     if size > limits.bytes {
         let message = format!("{} bytes are over the limit of {}", grouped(size), grouped(limits.bytes));
-        return Err(ReadError::new("too-large", Place::File, message));
+        return Err(ReadError::new("too-large", FileLocation::File, message));
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! `Scene`: what a file says: parts, where they stand, and the frame they are in.
+//! `Scene`: the content of a mesh file: parts, the nodes that place them, and their coordinate frame.
 use crate::{Curves, Drawing, Polygons, Volume, Warning};
 use chordal::implicit::Field;
 use chordal::math::Box3;
@@ -6,7 +6,7 @@ use chordal::{Mesh, Patch};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// An axis of space.
+/// A coordinate axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
     /// The second axis, as in glTF.
@@ -15,7 +15,7 @@ pub enum Axis {
     Z,
 }
 
-/// What is known of the space that coordinates live in.
+/// What is known of the coordinate space.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Frame {
     /// Which axis is up, if the format or the user says.
@@ -24,19 +24,19 @@ pub struct Frame {
     pub metres_per_unit: Option<f64>,
 }
 
-/// One mesh with its name. Its coordinates are its own; nodes place it.
+/// One mesh with its name, in its own coordinates; nodes place it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// The name in the file, or empty.
     pub name: String,
     /// The triangles.
     pub mesh: Mesh,
-    /// Whether vertices are tied by the file's own position indices (OBJ, PLY); false where the format has none
-    /// (STL, glTF) and bit-identical positions tie them.
+    /// Whether vertices are tied by the file's own position indices (OBJ, PLY). False where the format has
+    /// none (STL, glTF) and bit-identical positions tie them.
     pub indexed: bool,
 }
 
-/// A place in the scene: a transform, children, and maybe a part that is shown there.
+/// A node of the scene graph: a transform, children, and maybe a part that it shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Node {
     /// The name in the file, or empty.
@@ -45,29 +45,30 @@ pub struct Node {
     pub matrix: [f64; 16],
     /// Indices of child nodes.
     pub children: Vec<usize>,
-    /// Index of the part shown here.
+    /// Index of the part that it shows.
     pub part: Option<usize>,
 }
 
-/// Everything a mesh file says. A format without nodes gives one identity node a part.
+/// The content of a mesh file. A format without nodes gets one identity node for each part.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     /// The meshes.
     pub parts: Vec<Part>,
-    /// The places.
+    /// The nodes.
     pub nodes: Vec<Node>,
     /// Nodes without a parent.
     pub roots: Vec<usize>,
-    /// The space.
+    /// The coordinate frame.
     pub frame: Frame,
-    /// The certificate that travels in the file, if it carries one.
+    /// The certificate in the file, if it carries one.
     pub certificate: Option<Value>,
-    /// What the values of a face attribute `Semantic::Group(kind)` stand for: `groups[kind][value]` is a name, for the
-    /// kinds that have names ("usemtl", "g", "o" of OBJ, "solid" of STL). Value 0 is a face without such a group.
+    /// The names of the values of a face attribute `Semantic::Group(kind)`: `groups[kind][value]`, for the
+    /// kinds that have names ("usemtl", "g", "o" of OBJ, "solid" of STL). Value 0 is a face without such a
+    /// group.
     pub groups: BTreeMap<String, Vec<String>>,
 }
 
-/// What a reader found.
+/// The shape that a reader found.
 #[derive(Clone, Debug)]
 pub enum Content {
     /// Bicubic Bézier patches.
@@ -80,36 +81,36 @@ pub enum Content {
     Drawing(Drawing),
     /// Curves in space.
     Curves(Curves),
-    /// A shape as a rule.
+    /// An implicit field.
     Field {
-        /// The rule.
+        /// The field.
         field: Field,
-        /// The box that the format looks at it in, where it has one.
+        /// The box in which the format views it, where it has one.
         region: Option<Box3>,
-        /// The space that it is in.
+        /// The coordinate frame.
         frame: Frame,
     },
     /// Samples on a lattice.
     Volume(Volume),
 }
 
-/// A shape with what was odd about its file.
+/// A shape with the oddities of its file.
 #[derive(Clone, Debug)]
-pub struct Loaded {
+pub struct ReadOutcome {
     /// The shape.
     pub content: Content,
     /// Counted oddities.
     pub warnings: Vec<Warning>,
 }
 
-/// The matrix that changes nothing.
+/// The identity matrix.
 pub(crate) const IDENTITY: [f64; 16] =
     [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
 impl Scene {
-    /// The scene of one mesh that stands where its coordinates say.
+    /// The scene of one mesh with an identity node.
     #[must_use]
-    pub fn of(name: &str, mesh: Mesh, indexed: bool, frame: Frame) -> Self {
+    pub fn from_mesh(name: &str, mesh: Mesh, indexed: bool, frame: Frame) -> Self {
         let part = Part { name: name.to_owned(), mesh, indexed };
         let node = Node { name: name.to_owned(), matrix: IDENTITY, children: Vec::new(), part: Some(0) };
         Self { parts: vec![part], nodes: vec![node], roots: vec![0], frame, ..Self::default() }

@@ -1,29 +1,31 @@
-//! Shapes in JSON: patches, curves and polylines, after `docs/schema/patches.schema.json`, `curves.schema.json` and
-//! `polylines.schema.json`.
+//! Shapes in JSON: patches, curves and polylines, after `docs/schema/patches.schema.json`,
+//! `curves.schema.json` and `polylines.schema.json`.
 mod lines;
 mod write;
 
 use crate::assemble::{check_patches, too_many_rows};
 use crate::grow::{push, with_room};
-use crate::json::{Json, Kind};
+use crate::json::{JsonKind, JsonReader};
 use crate::text::{grouped, show, text_of};
 use crate::warnings::Warnings;
-use crate::{Axis, Content, Frame, Limits, Loaded, Place, ReadError};
+use crate::{Axis, Content, FileLocation, Frame, Limits, ReadError, ReadOutcome};
 use chordal::Patch;
-use lines::{Form, Lines};
+use lines::{CurveForm, CurveList};
 use serde_json::Value;
 pub use write::write;
 
-/// The shape of a JSON file, which is one of
+/// Reads a shape from JSON. The file is one of
 ///
-/// - patches: `{"patches": [[[[x, y, z], …4], …4], …]}`, or `{"points": [[x, y, z], …], "patches": [[i, …16], …]}` with
-///   indices from 0;
-/// - curves: `{"curves": [{"control": [[x, y], …], "closed": false}, …]}` with 3n + 1 control points of n cubics;
-/// - polylines: `{"polylines": [{"points": [[x, y], …], "closed": false, "source": 0}, …]}`, as Chordal writes them.
+/// - patches: `{"patches": [[[[x, y, z], …4], …4], …]}`, or `{"points": [[x, y, z], …], "patches": [[i, …16],
+///   …]}` with indices from 0;
+/// - curves: `{"curves": [{"control": [[x, y], …], "closed": false}, …]}` with 3n + 1 control points of n
+///   cubics;
+/// - polylines: `{"polylines": [{"points": [[x, y], …], "closed": false, "source": 0}, …]}`, as Chordal
+///   writes them.
 ///
-/// Curves and polylines have two numbers a point, or all of them three. Those in a row with the same `"source"` are one
-/// element, which matters where it is filled; `"rule"` says how. `"up": "y" | "z"` and `"metres_per_unit"` are optional
-/// and default to unknown.
+/// The points of curves and polylines have all two numbers, or all three. Consecutive lines with the same
+/// `"source"` are one element, which matters for filling; `"rule"` is the fill rule. `"up": "y" | "z"` and
+/// `"metres_per_unit"` are optional and default to unknown.
 ///
 /// # Errors
 /// [`ReadError`] with the JSON pointer of what is wrong, or the byte where the text is no JSON.
@@ -39,9 +41,9 @@ pub use write::write;
 /// assert_eq!(error.to_string(), "/patches/0/0/0: 2 numbers where 3 are needed");
 /// # Ok::<(), chordal_io::ReadError>(())
 /// ```
-pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
-    let mut json = Json::new(text_of(bytes)?, limits)?;
-    let mut found = Found::default();
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
+    let mut json = JsonReader::new(text_of(bytes)?, limits)?;
+    let mut found = ShapeJsonMembers::default();
     json.object(|json, key| found.member(json, key, limits))?;
     json.end()?;
     if let Some(form) = found.lines.form {
@@ -49,14 +51,14 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
     }
     let patches = found.patches()?;
     check_patches(&patches, &mut found.warnings)?;
-    Ok(Loaded { content: Content::Patches(patches, found.frame), warnings: found.warnings.into_list() })
+    Ok(ReadOutcome { content: Content::Patches(patches, found.frame), warnings: found.warnings.into_list() })
 }
 
 /// Whether the text is a JSON object with shapes.
 pub(crate) fn looks_like(text: &[u8]) -> bool {
-    let Ok(mut json) = Json::new(text, &Limits::default()) else { return false };
+    let Ok(mut json) = JsonReader::new(text, &Limits::default()) else { return false };
     let mut found = false;
-    // Stops with an error at the key that decides, so that the shapes themselves are not read.
+    // Stops with an error at the key that decides, so the shapes themselves are not read.
     let _ = json.object(|json, key| {
         found |= matches!(key, "patches" | "curves" | "polylines");
         if found { Err(json.error("found", "")) } else { json.skip() }
@@ -64,33 +66,33 @@ pub(crate) fn looks_like(text: &[u8]) -> bool {
     found
 }
 
-/// Bytes of a report beyond which it is not kept: those that Chordal writes have a few thousand.
+/// A report of more bytes is not kept: the reports that Chordal writes have a few thousand.
 const LARGEST_REPORT: usize = 256 << 10;
 
-/// Counts a member that nobody asked for.
-fn unknown(json: &Json, key: &str, warnings: &mut Warnings) {
+/// Counts an unknown member.
+fn unknown(json: &JsonReader, key: &str, warnings: &mut Warnings) {
     let message = format!("members that are not known were skipped, {} first", show(key.as_bytes()));
     warnings.count("unknown-member", || (json.place(), message));
 }
 
 const UNUSED: &str = "points that no patch names were dropped";
 
-/// What the members said so far; indices may come before the points that they name.
+/// The members read so far; indices may come before the points that they name.
 #[derive(Default)]
-struct Found {
+struct ShapeJsonMembers {
     points: Option<Vec<[f64; 3]>>,
     by_index: Vec<[u32; 16]>,
     by_value: Vec<Patch>,
     has_patches: bool,
-    lines: Lines,
-    /// The report that travels in the file.
+    lines: CurveList,
+    /// The report in the file.
     report: Option<Value>,
     frame: Frame,
     warnings: Warnings,
 }
 
-impl Found {
-    fn member(&mut self, json: &mut Json, key: &str, limits: &Limits) -> Result<(), ReadError> {
+impl ShapeJsonMembers {
+    fn member(&mut self, json: &mut JsonReader, key: &str, limits: &Limits) -> Result<(), ReadError> {
         match key {
             "patches" => {
                 self.has_patches = true;
@@ -99,11 +101,11 @@ impl Found {
                     self.patch(json)
                 })?;
             }
-            "curves" => self.read_lines(json, Form::Curves, limits)?,
-            "polylines" => self.read_lines(json, Form::Polylines, limits)?,
+            "curves" => self.read_lines(json, CurveForm::Curves, limits)?,
+            "polylines" => self.read_lines(json, CurveForm::Polylines, limits)?,
             "report" => {
                 let text = json.raw()?;
-                // A report that was cut or is no report at all is as good as none.
+                // A truncated or invalid report counts as none.
                 self.report =
                     if text.len() <= LARGEST_REPORT { serde_json::from_slice(text).ok() } else { None };
             }
@@ -116,7 +118,7 @@ impl Found {
                 self.points = Some(points);
             }
             "up" => {
-                let name = if json.peek()? == Kind::String { json.string()? } else { String::new() };
+                let name = if json.peek()? == JsonKind::String { json.string()? } else { String::new() };
                 self.frame.up = Some(match name.as_str() {
                     "y" => Axis::Y,
                     "z" => Axis::Z,
@@ -138,18 +140,23 @@ impl Found {
         Ok(())
     }
 
-    fn read_lines(&mut self, json: &mut Json, form: Form, limits: &Limits) -> Result<(), ReadError> {
+    fn read_lines(
+        &mut self,
+        json: &mut JsonReader,
+        form: CurveForm,
+        limits: &Limits,
+    ) -> Result<(), ReadError> {
         if self.lines.form.is_some() {
             return Err(json.error("mixed-shapes", "a file holds curves or polylines, not both"));
         }
         self.lines.read(json, form, limits, &mut self.warnings)
     }
 
-    /// The curves, once everything is read.
-    fn lines(mut self, form: Form) -> Result<Loaded, ReadError> {
+    /// Builds the curves, once everything is read.
+    fn lines(mut self, form: CurveForm) -> Result<ReadOutcome, ReadError> {
         if self.has_patches {
             let message = format!("a file holds patches or {}, not both", form.list());
-            return Err(ReadError::new("mixed-shapes", Place::File, message));
+            return Err(ReadError::new("mixed-shapes", FileLocation::File, message));
         }
         if let Some(points) = self.points {
             self.warnings.count_all("isolated-points", points.len() as u64, UNUSED);
@@ -165,15 +172,15 @@ impl Found {
             | Content::Field { .. }
             | Content::Volume(_) => {}
         }
-        Ok(Loaded { content, warnings: self.warnings.into_list() })
+        Ok(ReadOutcome { content, warnings: self.warnings.into_list() })
     }
 
-    fn patch(&mut self, json: &mut Json) -> Result<(), ReadError> {
+    fn patch(&mut self, json: &mut JsonReader) -> Result<(), ReadError> {
         let mut indices = [0; 16];
         let mut control = [[[0.0; 3]; 4]; 4];
         let mut is_indices = false;
         let n = json.array(|json, i| {
-            if json.peek()? == Kind::Number {
+            if json.peek()? == JsonKind::Number {
                 is_indices = true;
                 let index = index(json)?;
                 set(&mut indices, i, index);
@@ -202,7 +209,7 @@ impl Found {
         if !self.has_patches {
             return Err(ReadError::new(
                 "no-shapes",
-                Place::File,
+                FileLocation::File,
                 "the object has no member \"patches\", \"curves\" or \"polylines\"",
             ));
         }
@@ -215,7 +222,7 @@ impl Found {
         }
         let Some(points) = points else {
             let message = "patches are given by indices, but the object has no member \"points\"";
-            return Err(ReadError::new("no-points", Place::File, message));
+            return Err(ReadError::new("no-points", FileLocation::File, message));
         };
         let mut used = vec![false; points.len()];
         let mut patches = with_room(self.by_index.len())?;
@@ -228,7 +235,7 @@ impl Found {
                         format!("index {} is out of range: there are {n} points, from 0", indices[i]);
                     ReadError::new(
                         "index-out-of-range",
-                        Place::Pointer(format!("/patches/{row}/{i}")),
+                        FileLocation::Pointer(format!("/patches/{row}/{i}")),
                         message,
                     )
                 })?;
@@ -242,22 +249,23 @@ impl Found {
     }
 }
 
-/// Sets an item if the list is that long; that it is longer is said when all of it has been counted.
+/// Sets an item if the list is long enough. A list that is too long is reported after all of it has been
+/// counted.
 fn set<T>(list: &mut [T], i: u64, item: T) {
     if let Some(slot) = list.get_mut(i as usize) {
         *slot = item;
     }
 }
 
-fn check_rows(json: &Json, what: &str, row: u64, limits: &Limits) -> Result<(), ReadError> {
+fn check_rows(json: &JsonReader, what: &str, row: u64, limits: &Limits) -> Result<(), ReadError> {
     if row >= limits.rows { Err(too_many_rows(json.place(), what, row + 1, limits.rows)) } else { Ok(()) }
 }
 
-fn width(json: &Json, found: u64, what: &str, needed: u64) -> ReadError {
+fn width(json: &JsonReader, found: u64, what: &str, needed: u64) -> ReadError {
     json.error("wrong-width", format!("{found} {what} where {needed} are needed"))
 }
 
-fn index(json: &mut Json) -> Result<u32, ReadError> {
+fn index(json: &mut JsonReader) -> Result<u32, ReadError> {
     let value = json.number()?;
     if value < 0.0 || value.fract() != 0.0 || value > f64::from(u32::MAX) {
         let message = format!("{value} is not an index: a whole number from 0 to {}", u32::MAX);
@@ -266,7 +274,7 @@ fn index(json: &mut Json) -> Result<u32, ReadError> {
     Ok(value as u32)
 }
 
-fn point(json: &mut Json) -> Result<[f64; 3], ReadError> {
+fn point(json: &mut JsonReader) -> Result<[f64; 3], ReadError> {
     let mut point = [0.0; 3];
     let n = json.array(|json, i| {
         let value = json.number()?;
@@ -276,7 +284,7 @@ fn point(json: &mut Json) -> Result<[f64; 3], ReadError> {
     if n == 3 { Ok(point) } else { Err(width(json, n, "numbers", 3)) }
 }
 
-fn row(json: &mut Json) -> Result<[[f64; 3]; 4], ReadError> {
+fn row(json: &mut JsonReader) -> Result<[[f64; 3]; 4], ReadError> {
     let mut row = [[0.0; 3]; 4];
     let n = json.array(|json, i| {
         let point = point(json)?;

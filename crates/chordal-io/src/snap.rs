@@ -1,45 +1,46 @@
-//! `snap`: positions as they will read back from a format. Snap first, then validate and bound what is written.
+//! `snap`: rounds positions to what a format stores. Snap first, then validate and bound what is written.
 use crate::Format;
 use chordal::Mesh;
 use chordal::math::{Box3, add_up, mul_up};
 use std::fmt;
 
-/// A mesh at the precision of a format.
+/// A mesh rounded to the positions that a format stores.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Snapped {
-    /// The mesh that a reader gets, in the coordinates of the mesh that went in.
+pub struct SnappedMesh {
+    /// The mesh that a reader gets, in the coordinates of the input mesh.
     pub mesh: Mesh,
-    /// The point about which the format stores positions: `[0, 0, 0]` for all but GLB, and for GLB too unless
-    /// the part is far away from zero for its size. Every coordinate of it is a single-precision number.
+    /// The point about which the format stores positions. It is `[0, 0, 0]` for all formats but GLB, and for
+    /// GLB too unless the part is far from zero for its size. Each of its coordinates is a single-precision
+    /// number.
     pub origin: [f64; 3],
     /// No vertex moved by more than this, in the mesh's units; 0 when all positions are kept to the last bit.
     pub moved_at_most: f64,
 }
 
-/// A coordinate lies outside what single precision can hold.
+/// A coordinate outside the range of single precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TooWide {
+pub struct CoordinateOverflow {
     /// The coordinate.
     pub value: f64,
 }
 
-impl fmt::Display for TooWide {
+impl fmt::Display for CoordinateOverflow {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "coordinate {:e} is outside single precision, whose limit is {:e}", self.value, f32::MAX)
     }
 }
 
-impl std::error::Error for TooWide {}
+impl std::error::Error for CoordinateOverflow {}
 
-/// The mesh with every position as it reads back from `format`.
+/// Returns the mesh with every position as it reads back from `format`.
 ///
-/// OBJ and PLY hold f64 exactly, STL rounds to f32, GLB rounds to f32 about an origin that it chooses. Snapping
-/// twice moves nothing the second time. `moved_at_most` covers all rounding, that of the reader's sum included.
+/// OBJ and PLY hold f64 exactly, STL rounds to f32, GLB rounds to f32 about an origin that it chooses.
+/// Snapping is idempotent. `moved_at_most` covers all rounding, including that of the reader's sum.
 ///
 /// Linear in the number of vertices.
 ///
 /// # Errors
-/// [`TooWide`] when a coordinate overflows single precision.
+/// [`CoordinateOverflow`] when a coordinate overflows single precision.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -51,7 +52,7 @@ impl std::error::Error for TooWide {}
 /// assert!(snapped.moved_at_most < 2e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn snap(mesh: &Mesh, format: Format) -> Result<Snapped, TooWide> {
+pub fn snap(mesh: &Mesh, format: Format) -> Result<SnappedMesh, CoordinateOverflow> {
     let origin = match format {
         Format::Bpt
         | Format::Teaset
@@ -64,7 +65,7 @@ pub fn snap(mesh: &Mesh, format: Format) -> Result<Snapped, TooWide> {
         | Format::Nrrd
         | Format::Nii
         | Format::Star => {
-            return Ok(Snapped { mesh: mesh.clone(), origin: [0.0; 3], moved_at_most: 0.0 });
+            return Ok(SnappedMesh { mesh: mesh.clone(), origin: [0.0; 3], moved_at_most: 0.0 });
         }
         Format::Stl => [0.0; 3],
         Format::Glb => origin_of(mesh),
@@ -74,14 +75,14 @@ pub fn snap(mesh: &Mesh, format: Format) -> Result<Snapped, TooWide> {
     for &position in mesh.positions() {
         let snapped: [f64; 3] = std::array::from_fn(|k| restore(origin[k], store(origin[k], position[k])));
         if let Some(k) = (0..3).find(|k| !snapped[*k].is_finite()) {
-            return Err(TooWide { value: position[k] });
+            return Err(CoordinateOverflow { value: position[k] });
         }
         moved_at_most = moved_at_most.max(distance_up(position, snapped));
         positions.push(snapped);
     }
-    // The positions are finite and equal where they were equal, so that the mesh cannot refuse them.
-    let mesh = mesh.with_positions(positions).map_err(|_| TooWide { value: f64::INFINITY })?;
-    Ok(Snapped { mesh, origin, moved_at_most })
+    // The positions are finite and equal where they were equal, so the mesh cannot refuse them.
+    let mesh = mesh.with_positions(positions).map_err(|_| CoordinateOverflow { value: f64::INFINITY })?;
+    Ok(SnappedMesh { mesh, origin, moved_at_most })
 }
 
 /// The most that [`snap`] can move a vertex of any mesh inside `bounds`, known before the mesh is built.
@@ -106,14 +107,14 @@ pub fn worst_snap(bounds: &Box3, format: Format) -> f64 {
         if reach > f64::from(f32::MAX) {
             return f64::INFINITY;
         }
-        // The largest number stored: STL stores the coordinates. GLB either stores them too, which it does
-        // where reach ≤ 2·half, or the distances to an origin that is off the centre by at most half / 16 or,
-        // far out, half a single-precision step of the centre, 2⁻²⁴·reach. 2·half + 2⁻²³·reach covers all.
+        // The largest stored number. STL stores the coordinates. GLB stores either them too, where reach ≤
+        // 2·half, or the distances to an origin. The origin is off the centre by at most half / 16 or, far
+        // out, by half a single-precision step of the centre, 2⁻²⁴·reach. 2·half + 2⁻²³·reach covers all.
         let half = add_up(0.5 * bounds.max[k], -0.5 * bounds.min[k]);
         let about_centre = add_up(mul_up(2.0, half), mul_up(F32_STEP, reach));
         let stored = if format == Format::Stl || reach < about_centre { reach } else { about_centre };
-        // Rounding to f32 costs half a step, relative or at the bottom of the range; taking the origin off and
-        // adding it back cost half a step of f64 each, of numbers below 2·reach.
+        // Rounding to f32 costs half a step, relative or at the bottom of the range. Subtracting the origin
+        // and adding it back cost half a step of f64 each, of numbers below 2·reach.
         let single = add_up(mul_up(stored, 0.5 * F32_STEP), F32_BOTTOM);
         add_up(single, mul_up(2.0 * f64::EPSILON, reach))
     };
@@ -127,23 +128,23 @@ const F32_STEP: f64 = f32::EPSILON as f64;
 /// Half the smallest single-precision number above zero, 2⁻¹⁵⁰.
 const F32_BOTTOM: f64 = 0.5 * f32::from_bits(1) as f64;
 
-/// What is stored for a coordinate: its distance to the origin in single precision.
+/// The stored form of a coordinate: its distance to the origin in single precision.
 #[allow(clippy::cast_possible_truncation)]
 pub(crate) fn store(origin: f64, x: f64) -> f32 {
-    // Without an origin nothing is subtracted, so that −0 keeps its sign.
+    // Without an origin nothing is subtracted, so −0 keeps its sign.
     if origin == 0.0 { x as f32 } else { (x - origin) as f32 }
 }
 
-/// What a reader makes of what is stored.
+/// The coordinate that a reader computes from the stored number.
 pub(crate) fn restore(origin: f64, stored: f32) -> f64 {
     if origin == 0.0 { f64::from(stored) } else { origin + f64::from(stored) }
 }
 
 /// The point about which GLB stores a mesh.
 ///
-/// Each axis takes zero unless that costs more than one bit of the extent. It first tries the few origins that
-/// an earlier snap could have chosen, zero before all, and takes one that keeps every coordinate: that makes
-/// snapping idempotent although the bounds change a little by it.
+/// Each axis takes zero unless that costs more than one bit of the extent. It first tries the few origins
+/// that an earlier snap could have chosen, zero before all others, and takes one that keeps every coordinate.
+/// This makes snapping idempotent although it changes the bounds a little.
 pub(crate) fn origin_of(mesh: &Mesh) -> [f64; 3] {
     let bounds = mesh.bounds();
     if bounds.is_empty() {
@@ -160,12 +161,13 @@ pub(crate) fn origin_of(mesh: &Mesh) -> [f64; 3] {
     })
 }
 
-/// The origin for an axis range, and those that a range changed by rounding could have got.
+/// The origin for an axis range, and the origins that the range could have had before rounding.
 #[allow(clippy::cast_possible_truncation)]
 fn candidates(low: f64, high: f64) -> (f64, Vec<f64>) {
     let half = 0.5 * high - 0.5 * low;
     let centre = 0.5 * high + 0.5 * low;
-    // A coarse grid leaves the origin few bits, so that coordinates on a grid of their own stay exact about it.
+    // A coarse grid leaves the origin few bits, so that coordinates on a grid of their own stay exact about
+    // it.
     let coarse = power_of_two_below(half / 8.0);
     let finest = power_of_two_below(centre.abs()) * F32_STEP;
     let step = if coarse > finest { coarse } else { finest };
@@ -184,13 +186,13 @@ fn candidates(low: f64, high: f64) -> (f64, Vec<f64>) {
     (best, likely)
 }
 
-/// The largest power of two that is not above a positive normal number; 0 for numbers below those.
+/// The largest power of two that is not above a positive normal number; 0 for smaller numbers.
 fn power_of_two_below(x: f64) -> f64 {
-    // The exponent without the fraction.
+    // Masks out the fraction and keeps the exponent.
     f64::from_bits(x.to_bits() & 0x7FF0_0000_0000_0000)
 }
 
-/// The distance of two points, bounded from above; 0 for equal points.
+/// An upper bound of the distance of two points; 0 for equal points.
 fn distance_up(a: [f64; 3], b: [f64; 3]) -> f64 {
     let apart: [f64; 3] = std::array::from_fn(|k| (a[k] - b[k]).abs());
     if apart == [0.0; 3] {
@@ -211,7 +213,7 @@ mod tests {
         Mesh::new(positions, Vec::new()).expect("finite")
     }
 
-    /// Unit points, a centre and a size over twelve orders of magnitude each.
+    /// Points in the unit cube, with a centre and a size over twelve orders of magnitude each.
     fn any_cloud() -> impl Strategy<Value = Mesh> {
         let point = prop::array::uniform3(-1.0..1.0_f64);
         let exponent = prop::array::uniform4(-6.0..6.0_f64);
@@ -241,7 +243,7 @@ mod tests {
                 prop_assert!(worst_snap(&mesh.bounds(), format) <= worst_snap(&wider, format));
                 for (a, b) in mesh.positions().iter().zip(snapped.mesh.positions()) {
                     // Differences of neighbours are exact, and the root of their squares has no more than
-                    // three roundings: 2⁻⁵⁰ leaves room for eight.
+                    // three roundings: 2⁻⁵⁰ allows for eight.
                     let d = (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum::<f64>().sqrt();
                     prop_assert!(d * (1.0 - 4.0 * f64::EPSILON) <= snapped.moved_at_most);
                 }
@@ -262,7 +264,8 @@ mod tests {
 
     #[test]
     fn a_part_far_from_zero_keeps_its_detail() {
-        // A cube of 10 mm at UTM coordinates: about zero, single precision would move it by half a metre.
+        // A cube of 10 mm at UTM coordinates: stored about zero, single precision would move it by half a
+        // metre.
         let corners: Vec<_> =
             (0..8).map(|i| std::array::from_fn(|k| if i >> k & 1 == 0 { 0.0 } else { 0.01 })).collect();
         let mesh = cloud([5e6, 4.5e6, 100.0], 1.0, &corners);
@@ -285,7 +288,7 @@ mod tests {
     fn what_overflows_is_refused_and_announced() {
         let mesh = cloud([0.0; 3], 1.0, &[[1e39, 0.0, 0.0]]);
         for format in [Format::Glb, Format::Stl] {
-            assert_eq!(snap(&mesh, format), Err(TooWide { value: 1e39 }));
+            assert_eq!(snap(&mesh, format), Err(CoordinateOverflow { value: 1e39 }));
             assert_eq!(worst_snap(&mesh.bounds(), format), f64::INFINITY);
         }
         assert_eq!(snap(&mesh, Format::Ply).unwrap().moved_at_most, 0.0);

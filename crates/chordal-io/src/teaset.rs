@@ -1,16 +1,16 @@
 //! Newell's teaset text: patches as sixteen indices from 1, then the points, all with commas.
 use crate::grow::{push, with_room};
-use crate::text::{Lines, NoInteger, finite, grouped, integer, show, text_of, trim};
+use crate::text::{IntegerError, TextLines, finite, grouped, integer, show, text_of, trim};
 use crate::warnings::Warnings;
-use crate::{Axis, Content, Frame, Limits, Loaded, Place, ReadError};
+use crate::{Axis, Content, FileLocation, Frame, Limits, ReadError, ReadOutcome};
 use chordal::Patch;
 
-/// The patches of a file of the 1991 teaset: the number of patches, a line of sixteen indices for each, the number
-/// of points, a line `x,y,z` for each. Indices start at 1. Up is z, as the teaset has it.
+/// Reads the patches of a file of the 1991 teaset: the number of patches, a line of sixteen indices for each,
+/// the number of points, a line `x,y,z` for each. Indices start at 1. Up is z, as in the teaset.
 ///
 /// # Errors
-/// [`ReadError`] at the line: a line with another number of values, an index out of range, a coordinate that is
-/// not finite.
+/// [`ReadError`] at the line: another number of values, an index out of range, a coordinate that is not
+/// finite.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, teaset};
@@ -19,8 +19,8 @@ use chordal::Patch;
 /// assert_eq!(patches[0].control[3][3], [1.5, 0.0, 0.0]);
 /// # Ok::<(), chordal_io::ReadError>(())
 /// ```
-pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
-    let mut rows = Rows { lines: Lines::new(text_of(bytes)?), line: 1, limit: limits.rows };
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
+    let mut rows = NonBlankLines { lines: TextLines::new(text_of(bytes)?), line: 1, limit: limits.rows };
     let mut warnings = Warnings::default();
     let mut rows_of_patches: Vec<(u64, [u32; 16])> = Vec::new();
     for row in 0..rows.count("patches")? {
@@ -36,7 +36,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
     }
     while let Some(text) = rows.next() {
         let sentence = format!("lines after the last point, {} first", show(text));
-        warnings.count("trailing-text", || (Place::Line(rows.line), sentence));
+        warnings.count("trailing-text", || (FileLocation::Line(rows.line), sentence));
     }
     let mut patches = with_room(rows_of_patches.len())?;
     for (line, indices) in &rows_of_patches {
@@ -44,7 +44,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
     }
     crate::assemble::check_patches(&patches, &mut warnings)?;
     let frame = Frame { up: Some(Axis::Z), metres_per_unit: None };
-    Ok(Loaded { content: Content::Patches(patches, frame), warnings: warnings.into_list() })
+    Ok(ReadOutcome { content: Content::Patches(patches, frame), warnings: warnings.into_list() })
 }
 
 fn patch(line: u64, indices: &[u32; 16], points: &[[f64; 3]]) -> Result<Patch, ReadError> {
@@ -53,32 +53,32 @@ fn patch(line: u64, indices: &[u32; 16], points: &[[f64; 3]]) -> Result<Patch, R
         *corner = *points.get(index as usize - 1).ok_or_else(|| {
             let n = grouped(points.len() as u64);
             let message = format!("index {index} is out of range: there are {n} points");
-            ReadError::new("index-out-of-range", Place::Line(line), message)
+            ReadError::new("index-out-of-range", FileLocation::Line(line), message)
         })?;
     }
     Ok(Patch { control })
 }
 
 /// An index from 1.
-fn index(token: &[u8], place: Place) -> Result<u32, ReadError> {
+fn index(token: &[u8], place: FileLocation) -> Result<u32, ReadError> {
     let shown = show(token);
     let (code, message) = match integer(token).map(u32::try_from) {
         Ok(Ok(0)) => ("index-out-of-range", "index 0: indices start at 1".to_owned()),
         Ok(Ok(index)) => return Ok(index),
-        Err(NoInteger::Spelling) => ("not-an-index", format!("{shown} is not an index")),
+        Err(IntegerError::Spelling) => ("not-an-index", format!("{shown} is not an index")),
         _ => ("index-out-of-range", format!("index {shown} is out of range: from 1 to 4,294,967,295")),
     };
     Err(ReadError::new(code, place, message))
 }
 
 /// Lines that are not blank.
-struct Rows<'a> {
-    lines: Lines<'a>,
+struct NonBlankLines<'a> {
+    lines: TextLines<'a>,
     line: u64,
     limit: u64,
 }
 
-impl<'a> Rows<'a> {
+impl<'a> NonBlankLines<'a> {
     fn next(&mut self) -> Option<&'a [u8]> {
         loop {
             let (line, text) = self.lines.next()?;
@@ -91,7 +91,11 @@ impl<'a> Rows<'a> {
 
     fn expect(&mut self, what: impl Fn() -> String) -> Result<&'a [u8], ReadError> {
         self.next().ok_or_else(|| {
-            ReadError::new("truncated", Place::Line(self.line), format!("the file ends before {}", what()))
+            ReadError::new(
+                "truncated",
+                FileLocation::Line(self.line),
+                format!("the file ends before {}", what()),
+            )
         })
     }
 
@@ -99,30 +103,35 @@ impl<'a> Rows<'a> {
         let text = self.expect(|| format!("the number of {what}"))?;
         let count = integer(text).ok().and_then(|count| u64::try_from(count).ok()).ok_or_else(|| {
             let message = format!("{} is not a number of {what}", show(text));
-            ReadError::new("not-a-count", Place::Line(self.line), message)
+            ReadError::new("not-a-count", FileLocation::Line(self.line), message)
         })?;
         if count > self.limit {
-            return Err(crate::assemble::too_many_rows(Place::Line(self.line), what, count, self.limit));
+            return Err(crate::assemble::too_many_rows(
+                FileLocation::Line(self.line),
+                what,
+                count,
+                self.limit,
+            ));
         }
         Ok(count)
     }
 
-    /// A line of exactly `N` values with commas between them.
+    /// Parses a line of exactly `N` values with commas between them.
     fn row<T: Default + Copy, const N: usize>(
         &mut self,
         what: impl Fn() -> String,
-        value: impl Fn(&[u8], Place) -> Result<T, ReadError>,
+        value: impl Fn(&[u8], FileLocation) -> Result<T, ReadError>,
     ) -> Result<[T; N], ReadError> {
         let text = self.expect(&what)?;
         let found = text.split(|b| *b == b',').count();
         if found != N {
             let message =
                 format!("{} has {found} values with commas between them where {N} are needed", what());
-            return Err(ReadError::new("wrong-width", Place::Line(self.line), message));
+            return Err(ReadError::new("wrong-width", FileLocation::Line(self.line), message));
         }
         let mut values = [T::default(); N];
         for (slot, token) in values.iter_mut().zip(text.split(|b| *b == b',')) {
-            *slot = value(trim(token), Place::Line(self.line))?;
+            *slot = value(trim(token), FileLocation::Line(self.line))?;
         }
         Ok(values)
     }

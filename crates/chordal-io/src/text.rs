@@ -1,5 +1,5 @@
-//! Text formats: lines, tokens, numbers, and how a token is shown in an error.
-use crate::{Place, ReadError};
+//! Parsing of text formats: lines, tokens, numbers, and how an error shows a token.
+use crate::{FileLocation, ReadError};
 use memchr::{memchr, memchr2};
 
 /// A token as an error shows it: quoted, escaped, and cut where it is long.
@@ -24,24 +24,24 @@ pub(crate) fn grouped(count: u64) -> String {
 
 /// Physical lines, ended by LF, CR LF or CR, counted from 1, without their ends.
 #[derive(Clone, Debug)]
-pub(crate) struct Lines<'a> {
+pub(crate) struct TextLines<'a> {
     bytes: &'a [u8],
     at: usize,
     line: u64,
 }
 
-impl<'a> Lines<'a> {
+impl<'a> TextLines<'a> {
     pub(crate) fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, at: 0, line: 0 }
     }
 
-    /// The offset of the next line.
+    /// The byte offset of the next line.
     pub(crate) fn offset(&self) -> usize {
         self.at
     }
 }
 
-impl<'a> Iterator for Lines<'a> {
+impl<'a> Iterator for TextLines<'a> {
     type Item = (u64, &'a [u8]);
 
     #[inline]
@@ -70,22 +70,22 @@ pub(crate) fn is_space(byte: u8) -> bool {
 
 /// The tokens of one line.
 #[derive(Clone, Debug)]
-pub(crate) struct Tokens<'a> {
+pub(crate) struct LineTokens<'a> {
     rest: &'a [u8],
 }
 
-impl<'a> Tokens<'a> {
+impl<'a> LineTokens<'a> {
     pub(crate) fn new(line: &'a [u8]) -> Self {
         Self { rest: line }
     }
 
-    /// All that is left, without spaces at its ends.
+    /// The rest of the line, trimmed.
     pub(crate) fn rest(&self) -> &'a [u8] {
         trim(self.rest)
     }
 }
 
-impl<'a> Iterator for Tokens<'a> {
+impl<'a> Iterator for LineTokens<'a> {
     type Item = &'a [u8];
 
     #[inline]
@@ -98,7 +98,7 @@ impl<'a> Iterator for Tokens<'a> {
     }
 }
 
-/// Without spaces at its ends.
+/// Removes spaces at both ends.
 pub(crate) fn trim(mut bytes: &[u8]) -> &[u8] {
     while let [first, rest @ ..] = bytes
         && is_space(*first)
@@ -113,8 +113,8 @@ pub(crate) fn trim(mut bytes: &[u8]) -> &[u8] {
     bytes
 }
 
-/// The number that a token spells, or `None`. Too large a number is infinite, as `inf` is; `nan` and what old
-/// Microsoft runtimes print for it (`-1.#IND`) are NaN.
+/// Parses a number, or returns `None`. A number that is too large is infinite, as `inf` is. `nan` and what
+/// old Microsoft runtimes print for it (`-1.#IND`) are NaN.
 #[inline]
 pub(crate) fn number(token: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(token).ok()?;
@@ -128,8 +128,8 @@ pub(crate) fn number(token: &[u8]) -> Option<f64> {
     }
 }
 
-/// Why a token is no number, in a sentence.
-pub(crate) fn why_no_number(token: &[u8]) -> String {
+/// One sentence that says why a token is no number.
+pub(crate) fn number_error(token: &[u8]) -> String {
     let shown = show(token);
     if memchr(b',', token).is_some() {
         return format!("{shown} is not a number; a decimal comma must be a point, as in 1.5");
@@ -137,46 +137,46 @@ pub(crate) fn why_no_number(token: &[u8]) -> String {
     format!("{shown} is not a number")
 }
 
-/// A finite number, or the error at `place`.
-pub(crate) fn finite(token: &[u8], place: impl Fn() -> Place) -> Result<f64, ReadError> {
+/// Parses a finite number, or returns the error at `place`.
+pub(crate) fn finite(token: &[u8], place: impl Fn() -> FileLocation) -> Result<f64, ReadError> {
     match number(token) {
         Some(value) if value.is_finite() => Ok(value),
         Some(_) => Err(not_finite(token, place())),
-        None => Err(ReadError::new("not-a-number", place(), why_no_number(token))),
+        None => Err(ReadError::new("not-a-number", place(), number_error(token))),
     }
 }
 
-/// The error of a coordinate that is NaN, infinite or beyond what an f64 holds.
-pub(crate) fn not_finite(token: &[u8], place: Place) -> ReadError {
+/// The error for a coordinate that is NaN, infinite or beyond the range of f64.
+pub(crate) fn not_finite(token: &[u8], place: FileLocation) -> ReadError {
     let message = format!("coordinate {} is not finite, or over the limit of 1.8e308", show(token));
     ReadError::new("not-finite", place, message)
 }
 
 /// Why a token is no integer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum NoInteger {
+pub(crate) enum IntegerError {
     /// It is not spelled like one.
     Spelling,
     /// It does not fit into an i64.
     TooLarge,
 }
 
-/// The integer that a token spells, with a sign or without.
+/// Parses an integer, with or without a sign.
 #[inline]
-pub(crate) fn integer(token: &[u8]) -> Result<i64, NoInteger> {
+pub(crate) fn integer(token: &[u8]) -> Result<i64, IntegerError> {
     let (digits, negative) = match token {
         [b'-', rest @ ..] => (rest, true),
         [b'+', rest @ ..] => (rest, false),
         all => (all, false),
     };
     if digits.is_empty() {
-        return Err(NoInteger::Spelling);
+        return Err(IntegerError::Spelling);
     }
     let mut value = 0_i64;
     let mut fits = true;
     for &byte in digits {
         if !byte.is_ascii_digit() {
-            return Err(NoInteger::Spelling);
+            return Err(IntegerError::Spelling);
         }
         let digit = i64::from(byte - b'0');
         match value.checked_mul(10).and_then(|v| v.checked_add(digit)) {
@@ -184,24 +184,24 @@ pub(crate) fn integer(token: &[u8]) -> Result<i64, NoInteger> {
             None => fits = false,
         }
     }
-    // The one number whose negative fits while it does not, -2^63, is beyond every limit here anyway.
-    if fits { Ok(if negative { -value } else { value }) } else { Err(NoInteger::TooLarge) }
+    // -2^63 fits although its magnitude does not. It is beyond every limit here anyway.
+    if fits { Ok(if negative { -value } else { value }) } else { Err(IntegerError::TooLarge) }
 }
 
-/// The bytes after a UTF-8 byte order mark, once it is sure that they are text.
+/// The bytes after a UTF-8 byte order mark, checked to be text.
 ///
 /// # Errors
 /// `not-utf8` for UTF-16 and UTF-32, `not-text` at the line of the first NUL byte.
 pub(crate) fn text_of(bytes: &[u8]) -> Result<&[u8], ReadError> {
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
         let message = "the text is UTF-16, not UTF-8: save it as UTF-8 or plain ASCII";
-        return Err(ReadError::new("not-utf8", Place::Byte(0), message));
+        return Err(ReadError::new("not-utf8", FileLocation::Byte(0), message));
     }
     let bytes = bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes);
     let Some(nul) = memchr(0, bytes) else { return Ok(bytes) };
-    let line = Lines::new(&bytes[..=nul]).last().map_or(1, |(line, _)| line);
+    let line = TextLines::new(&bytes[..=nul]).last().map_or(1, |(line, _)| line);
     let message = "a NUL byte: this is no text, or it is UTF-16 (save it as UTF-8)";
-    Err(ReadError::new("not-text", Place::Line(line), message))
+    Err(ReadError::new("not-text", FileLocation::Line(line), message))
 }
 
 #[cfg(test)]
@@ -210,12 +210,12 @@ mod tests {
 
     #[test]
     fn lines_end_with_lf_cr_or_both() {
-        let lines: Vec<_> = Lines::new(b"a\nb\r\nc\rd\n\n\re").collect();
+        let lines: Vec<_> = TextLines::new(b"a\nb\r\nc\rd\n\n\re").collect();
         let expected: [(u64, &[u8]); 7] =
             [(1, b"a"), (2, b"b"), (3, b"c"), (4, b"d"), (5, b""), (6, b""), (7, b"e")];
         assert_eq!(lines, expected);
-        assert_eq!(Lines::new(b"").count(), 0);
-        assert_eq!(Lines::new(b"\n").count(), 1);
+        assert_eq!(TextLines::new(b"").count(), 0);
+        assert_eq!(TextLines::new(b"\n").count(), 1);
     }
 
     #[test]
@@ -234,10 +234,10 @@ mod tests {
     fn integers_do_not_wrap() {
         assert_eq!(integer(b"+12"), Ok(12));
         assert_eq!(integer(b"-9223372036854775807"), Ok(-i64::MAX));
-        assert_eq!(integer(b"9223372036854775808"), Err(NoInteger::TooLarge));
-        assert_eq!(integer(b"99999999999999999999999999"), Err(NoInteger::TooLarge));
+        assert_eq!(integer(b"9223372036854775808"), Err(IntegerError::TooLarge));
+        assert_eq!(integer(b"99999999999999999999999999"), Err(IntegerError::TooLarge));
         for text in ["", "-", "1.0", "1e3", "9999999999999999999999x"] {
-            assert_eq!(integer(text.as_bytes()), Err(NoInteger::Spelling), "{text}");
+            assert_eq!(integer(text.as_bytes()), Err(IntegerError::Spelling), "{text}");
         }
     }
 

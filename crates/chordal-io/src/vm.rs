@@ -1,24 +1,25 @@
-//! Op lists: a field as the steps that compute it, one a line, in the text of fidget's virtual machine.
-use crate::text::{Lines, grouped, number, show, text_of, why_no_number};
+//! Op lists: a field as a list of operations, one on each line, in the text format of fidget's virtual
+//! machine.
+use crate::text::{TextLines, grouped, number, number_error, show, text_of};
 use crate::warnings::Warnings;
-use crate::{Content, Frame, Limits, Loaded, Place, ReadError};
+use crate::{Content, FileLocation, Frame, Limits, ReadError, ReadOutcome};
 use chordal::implicit::{Binary, Expr, Field, Unary};
 use chordal::math::Box3;
 use std::collections::HashMap;
 
-/// The part of space that op lists are drawn for.
+/// The box in which op lists are viewed.
 pub const REGION: Box3 = Box3 { min: [-1.0; 3], max: [1.0; 3] };
 
-/// The field of an op list. A line is `name op argument…`; the last line is the value, negative inside. What starts with
-/// `#` is a comment.
+/// Reads the field of an op list. A line is `name op argument…`. The value is the last line's, negative
+/// inside. Text from `#` on is a comment.
 ///
-/// `const` takes a number, `var-x`, `var-y` and `var-z` nothing, the other operations one or two names of earlier lines.
-/// Nothing is said of what the value is worth as a distance, so it counts as a sign. The format says no size; by fidget's
-/// custom the shape is looked at in [`REGION`].
+/// `const` takes a number, `var-x`, `var-y` and `var-z` take nothing, the other operations one or two names
+/// of earlier lines. The format does not say how the value relates to the distance, so only its sign counts.
+/// It does not give a size either; by fidget's custom the shape is viewed in [`REGION`].
 ///
 /// # Errors
-/// [`ReadError`] at line and column: an operation that there is none of, a name that is unknown or given twice, too many
-/// arguments or too few, a number that is none or not finite; and for a text without any step.
+/// [`ReadError`] at line and column: an unknown operation, a name that is unknown or defined twice, too many
+/// or too few arguments, a number that is invalid or not finite; and for a text without operations.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, vm};
@@ -30,16 +31,16 @@ pub const REGION: Box3 = Box3 { min: [-1.0; 3], max: [1.0; 3] };
 /// # Ok::<(), chordal_io::ReadError>(())
 /// ```
 ///
-/// Source: M. Keeter, "Massively Parallel Rendering of Complex Closed-Form Implicit Surfaces", 2020, and the models of
-/// his fidget.
-pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
+/// Source: M. Keeter, "Massively Parallel Rendering of Complex Closed-Form Implicit Surfaces", 2020, and the
+/// models of his fidget.
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let text = text_of(bytes)?;
     let axes = Expr::axes();
     // Only looked up: no order depends on it.
-    let mut steps: HashMap<&[u8], Step> = HashMap::new();
+    let mut steps: HashMap<&[u8], VmBinding> = HashMap::new();
     let mut last = None;
-    for (line, text) in Lines::new(text) {
-        let mut words = Line::new(line, text);
+    for (line, text) in TextLines::new(text) {
+        let mut words = VmLine::new(line, text);
         let Some((name, at)) = words.next() else { continue };
         if steps.len() as u64 >= limits.rows {
             let message = format!("more steps than the limit of {}", grouped(limits.rows));
@@ -50,7 +51,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
             let message = format!("{} is one argument too many", show(word));
             return Err(ReadError::new("argument-count", at, message));
         }
-        let step = Step { expr: expr.clone(), line, used: false };
+        let step = VmBinding { expr: expr.clone(), line, used: false };
         steps.try_reserve(1).map_err(|_| ReadError::new("memory", at.clone(), "no memory for more steps"))?;
         if let Some(before) = steps.insert(name, step) {
             let message = format!("{} is the name of line {} already", show(name), before.line);
@@ -59,35 +60,43 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
         last = Some((expr, name));
     }
     let Some((value, name)) = last else {
-        return Err(ReadError::new("empty", Place::File, "there is no step: no line is 'name op argument…'"));
+        return Err(ReadError::new(
+            "empty",
+            FileLocation::File,
+            "there is no step: no line is 'name op argument…'",
+        ));
     };
     let mut warnings = Warnings::default();
     let unused =
         || steps.iter().filter(|(other, step)| !step.used && **other != name).map(|(_, step)| step.line);
     let first = unused().min().unwrap_or(0);
     warnings.count_many("unused-steps", unused().count() as u64, || {
-        (Place::Line(first), "steps that nothing uses".to_owned())
+        (FileLocation::Line(first), "steps that nothing uses".to_owned())
     });
     let content = Content::Field { field: Field::new(value), region: Some(REGION), frame: Frame::default() };
-    Ok(Loaded { content, warnings: warnings.into_list() })
+    Ok(ReadOutcome { content, warnings: warnings.into_list() })
 }
 
-/// What a name stands for.
-struct Step {
+/// The expression that a name stands for.
+struct VmBinding {
     expr: Expr,
     line: u64,
     used: bool,
 }
 
-/// The expression that follows a name.
-// Names are only looked up: no order depends on the map.
-fn step(words: &mut Line, axes: &[Expr; 3], steps: &mut HashMap<&[u8], Step>) -> Result<Expr, ReadError> {
+/// Parses the expression that follows a name.
+fn step(
+    words: &mut VmLine,
+    axes: &[Expr; 3],
+    // Names are only looked up: no order depends on the map.
+    steps: &mut HashMap<&[u8], VmBinding>,
+) -> Result<Expr, ReadError> {
     let (op, at) = words.expect(|| "an operation after the name".to_owned())?;
     let name = std::str::from_utf8(op).unwrap_or("");
     if name == "const" {
         let (token, at) = words.expect(|| "a number after 'const'".to_owned())?;
         let value =
-            number(token).ok_or_else(|| ReadError::new("not-a-number", at.clone(), why_no_number(token)))?;
+            number(token).ok_or_else(|| ReadError::new("not-a-number", at.clone(), number_error(token)))?;
         if !value.is_finite() {
             let message = format!("number {} is not finite, or over the limit of 1.8e308", show(token));
             return Err(ReadError::new("not-finite", at, message));
@@ -116,19 +125,19 @@ fn step(words: &mut Line, axes: &[Expr; 3], steps: &mut HashMap<&[u8], Step>) ->
     Err(ReadError::new("unknown-operation", at, format!("{} is no operation", show(op))))
 }
 
-/// The words of one line with their places, up to a comment.
-struct Line<'a> {
+/// The words of one line with their locations, up to a comment.
+struct VmLine<'a> {
     line: u64,
     text: &'a [u8],
     at: usize,
 }
 
-impl<'a> Line<'a> {
+impl<'a> VmLine<'a> {
     fn new(line: u64, text: &'a [u8]) -> Self {
         Self { line, text, at: 0 }
     }
 
-    fn next(&mut self) -> Option<(&'a [u8], Place)> {
+    fn next(&mut self) -> Option<(&'a [u8], FileLocation)> {
         let rest = &self.text[self.at..];
         let start = self.at + rest.iter().position(|b| !crate::text::is_space(*b))?;
         let rest = &self.text[start..];
@@ -140,23 +149,23 @@ impl<'a> Line<'a> {
         Some((&rest[..end], self.place(start)))
     }
 
-    /// The place of a byte of the line. Bytes that continue a character are no column of their own.
-    fn place(&self, offset: usize) -> Place {
+    /// The location of a byte of the line. Continuation bytes of UTF-8 do not count as columns.
+    fn place(&self, offset: usize) -> FileLocation {
         let before = self.text[..offset].iter().filter(|b| **b & 0xc0 != 0x80).count();
-        Place::LineColumn { line: self.line, column: 1 + before as u64 }
+        FileLocation::LineColumn { line: self.line, column: 1 + before as u64 }
     }
 
-    fn expect(&mut self, what: impl FnOnce() -> String) -> Result<(&'a [u8], Place), ReadError> {
+    fn expect(&mut self, what: impl FnOnce() -> String) -> Result<(&'a [u8], FileLocation), ReadError> {
         self.next().ok_or_else(|| {
             ReadError::new("argument-count", self.place(self.at), format!("the line ends before {}", what()))
         })
     }
 }
 
-/// Whether the first line that says anything is a step that needs no other.
+/// Whether the first line that is not blank or a comment is an operation without operands.
 pub(crate) fn looks_like(text: &[u8]) -> bool {
-    let first = Lines::new(text).find_map(|(line, text)| {
-        let mut words = Line::new(line, text);
+    let first = TextLines::new(text).find_map(|(line, text)| {
+        let mut words = VmLine::new(line, text);
         words.next().map(|_| words)
     });
     let Some(mut words) = first else { return false };

@@ -1,15 +1,15 @@
-//! `Warnings`: what a reader collects on its way, one entry a kind.
-use crate::{Place, Warning};
+//! `Warnings`: the warnings of a reader, one entry for each kind.
+use crate::{FileLocation, Warning};
 
-/// Counted oddities in the order in which their kinds were first seen.
+/// Counted oddities in the order in which their kinds first occurred.
 #[derive(Debug, Default)]
 pub(crate) struct Warnings {
     list: Vec<Warning>,
 }
 
 impl Warnings {
-    /// Counts one more of `code`; `first` tells place and sentence and is asked only the first time.
-    pub(crate) fn count(&mut self, code: &'static str, first: impl FnOnce() -> (Place, String)) {
+    /// Counts one more of `code`. `first` gives location and sentence and is called only the first time.
+    pub(crate) fn count(&mut self, code: &'static str, first: impl FnOnce() -> (FileLocation, String)) {
         self.count_many(code, 1, first);
     }
 
@@ -18,7 +18,7 @@ impl Warnings {
         &mut self,
         code: &'static str,
         many: u64,
-        first: impl FnOnce() -> (Place, String),
+        first: impl FnOnce() -> (FileLocation, String),
     ) {
         if many == 0 {
             return;
@@ -31,12 +31,12 @@ impl Warnings {
         self.list.push(Warning { code, count: many, place, message });
     }
 
-    /// Counts `many` of `code` that have no place of their own.
+    /// Counts `many` of `code` that have no location of their own.
     pub(crate) fn count_all(&mut self, code: &'static str, many: u64, message: &str) {
-        self.count_many(code, many, || (Place::File, message.to_owned()));
+        self.count_many(code, many, || (FileLocation::File, message.to_owned()));
     }
 
-    /// What was collected.
+    /// Returns the collected warnings.
     pub(crate) fn into_list(self) -> Vec<Warning> {
         self.list
     }

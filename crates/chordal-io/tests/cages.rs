@@ -2,11 +2,11 @@
 use crate::common;
 
 use chordal::explicit::{
-    Boundary, Cage, CornerTexcoords, Creasing, INFINITELY_SHARP, LinearTexcoords, Scheme, Semantic,
+    Boundary, Cage, CornerTexcoords, CreasingMethod, INFINITELY_SHARP, LinearTexcoords, Scheme, Semantic,
 };
 use chordal_io::{
-    Content, Format, Frame, Limits, Loaded, Place, PolygonSurface, Polygons, ReadError, Warning, obj, ply,
-    read,
+    Content, FileLocation, Format, Frame, Limits, PolygonSurface, Polygons, ReadError, ReadOutcome, Warning,
+    obj, ply, read,
 };
 use common::{Random, count, data, files, load_scene};
 
@@ -15,7 +15,7 @@ const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
 fn read_as(text: &str, surface: Option<PolygonSurface>) -> Result<(Polygons, Vec<Warning>), ReadError> {
     let limits = Limits { surface, ..Limits::default() };
     match read(text.as_bytes(), Format::Obj, &limits)? {
-        Loaded { content: Content::Polygons(polygons), warnings } => Ok((polygons, warnings)),
+        ReadOutcome { content: Content::Polygons(polygons), warnings } => Ok((polygons, warnings)),
         other => panic!("no cage: {other:?}"),
     }
 }
@@ -29,7 +29,7 @@ fn load(text: &str) -> (Polygons, Vec<Warning>) {
 fn refuse_at(text: &str, line: u64, [code, words]: [&str; 2]) {
     let error = read_as(text, Some(PolygonSurface::CatmullClark)).map(|_| ()).unwrap_err();
     assert!(error.message.contains(words), "{error}");
-    assert_eq!((error.code, &error.place), (code, &Place::Line(line)), "{error}");
+    assert_eq!((error.code, &error.place), (code, &FileLocation::Line(line)), "{error}");
 }
 
 fn written(polygons: &Polygons) -> String {
@@ -72,7 +72,7 @@ fn every_tag_is_understood() {
     assert_eq!(read.cage.creases(), expected);
     assert_eq!(read.cage.sharp_vertices(), [(0, INFINITELY_SHARP), (1, 0.5)]);
     assert_eq!(read.cage.holes(), [1]);
-    assert_eq!((read.cage.boundary(), read.cage.creasing()), (Boundary::None, Creasing::Chaikin));
+    assert_eq!((read.cage.boundary(), read.cage.creasing()), (Boundary::None, CreasingMethod::Chaikin));
     assert_eq!(load(&format!("{SQUARE}t interpolateboundary 1/0 2\n")).0.cage.boundary(), Boundary::EdgeOnly);
 }
 
@@ -88,10 +88,10 @@ fn tags_that_are_not_understood_are_counted_with_their_line() {
     assert_eq!(
         places,
         [
-            ("edits-skipped", 2, Place::Line(7)),
-            ("tags-skipped", 1, Place::Line(9)),
-            ("tag-values-skipped", 3, Place::Line(10)),
-            ("sharpness-negative", 1, Place::Line(13)),
+            ("edits-skipped", 2, FileLocation::Line(7)),
+            ("tags-skipped", 1, FileLocation::Line(9)),
+            ("tag-values-skipped", 3, FileLocation::Line(10)),
+            ("sharpness-negative", 1, FileLocation::Line(13)),
         ]
     );
     assert!(read.cage.creases().is_empty());
@@ -148,7 +148,7 @@ fn schemes_have_a_tag_of_their_own() {
         read_as(&format!("{triangle}t scheme 0/0/1 loop\n"), Some(PolygonSurface::CatmullClark)).unwrap();
     assert_eq!(overruled.cage.scheme(), Scheme::CatmullClark);
     let error = read_as(SQUARE, Some(PolygonSurface::Loop)).map(|_| ()).unwrap_err();
-    assert_eq!((error.code, error.place), ("not-triangles", Place::Line(5)));
+    assert_eq!((error.code, error.place), ("not-triangles", FileLocation::Line(5)));
 }
 
 #[test]
@@ -191,7 +191,7 @@ fn a_cage_with_a_vertex_that_is_not_finite_is_refused_even_where_triangles_are_t
     let text = "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\nt hole 0/0/0\n";
     let limits = Limits { drop_nonfinite: true, ..Limits::default() };
     let error = obj::read(text.as_bytes(), &limits).map(|_| ()).unwrap_err();
-    assert_eq!((error.code, error.place), ("not-finite", Place::Row { list: "vertex", row: 1 }));
+    assert_eq!((error.code, error.place), ("not-finite", FileLocation::Row { list: "vertex", row: 1 }));
 }
 
 fn surface_of(name: &str) -> Option<PolygonSurface> {
@@ -234,7 +234,7 @@ fn a_refined_cage_that_was_written_and_read_is_the_same_cage() {
     for (name, text) in corpus() {
         let Ok((polygons, _)) = read_as(&text, surface_of(&name)) else { continue };
         let once = polygons.cage.refined().unwrap();
-        let file = written(&Polygons::of(once.clone(), Frame::default()));
+        let file = written(&Polygons::from_cage(once.clone(), Frame::default()));
         let (read, _) = load(&file);
         assert!(read.cage == once, "{name}");
         assert!(read.cage.refined().unwrap() == once.refined().unwrap(), "{name}");
@@ -285,12 +285,12 @@ fn one_round_from_a_file_of_one_round_is_two_rounds() {
             continue;
         }
         let once = polygons.cage.refined_times(1).unwrap();
-        let read = load(&written(&Polygons::of(once, Frame::default()))).0.cage;
+        let read = load(&written(&Polygons::from_cage(once, Frame::default()))).0.cage;
         let (again, twice) = (read.refined_times(1).unwrap(), polygons.cage.refined_times(2).unwrap());
         assert_eq!(again.positions().len(), twice.positions().len(), "{name}");
         assert_eq!(again.n_faces(), twice.n_faces(), "{name}");
         // Some hundred roundings.
-        let room = 1e-12 * chordal::math::Box3::around(twice.positions()).diagonal();
+        let room = 1e-12 * chordal::math::Box3::from_points(twice.positions()).diagonal();
         let Some(faces) = mapped(&again, &twice, room) else { continue };
         let all: Vec<u32> = (0..twice.positions().len() as u32).collect();
         assert!(faces == faces_of(&twice, &all), "{name}");
@@ -402,7 +402,7 @@ fn files_that_were_cut_or_changed_end_in_a_cage_or_an_error() {
             }
         }
         match read(&bytes, Format::Obj, &Limits::default()) {
-            Ok(Loaded { content: Content::Polygons(polygons), .. }) => {
+            Ok(ReadOutcome { content: Content::Polygons(polygons), .. }) => {
                 let again = load(&written(&polygons)).0;
                 assert_eq!(again.cage, polygons.cage, "{}", String::from_utf8_lossy(&bytes));
                 cages += 1;

@@ -2,7 +2,7 @@
 use crate::common;
 
 use chordal::explicit::Semantic;
-use chordal_io::{Content, Format, Limits, Place, read};
+use chordal_io::{Content, FileLocation, Format, Limits, read};
 use common::{count, load, load_scene, refuse};
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -11,7 +11,7 @@ const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 fn refuse_at(text: &str, line: u64, words: &str) {
     let error = refuse(text.as_bytes(), Format::Obj);
     assert!(error.message.contains(words), "{error}");
-    assert_eq!(error.place, Place::Line(line), "{error}");
+    assert_eq!(error.place, FileLocation::Line(line), "{error}");
 }
 
 #[test]
@@ -54,7 +54,7 @@ fn h19_indices_beyond_32_and_64_bits_do_not_wrap() {
         for corner in [index.to_owned(), format!("1/{index}"), format!("1//{index}")] {
             let text = format!("{SQUARE}vt 0 0\nvn 0 0 1\nf {corner} 2 3\n");
             let error = refuse(text.as_bytes(), Format::Obj);
-            assert_eq!((error.code, &error.place), ("index-out-of-range", &Place::Line(7)), "{error}");
+            assert_eq!((error.code, &error.place), ("index-out-of-range", &FileLocation::Line(7)), "{error}");
             assert!(error.message.contains(index), "{error}");
         }
     }

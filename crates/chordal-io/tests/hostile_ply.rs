@@ -2,7 +2,7 @@
 use crate::common;
 
 use chordal::explicit::Semantic;
-use chordal_io::{Content, Format, Limits, Place, read};
+use chordal_io::{Content, FileLocation, Format, Limits, read};
 use common::{count, load, refuse};
 
 const XYZ: &str = "property float x\nproperty float y\nproperty float z\n";
@@ -65,7 +65,7 @@ fn h08_a_count_of_a_million_millions_without_a_body_is_refused() {
 fn h09_counts_that_are_no_number_are_refused_at_their_line() {
     for count in ["18446744073709551616", "-1", "1e3", "", "0x10", "3.0"] {
         let error = refuse(&text(&format!("element vertex {count}\n{XYZ}"), ""), Format::Ply);
-        assert_eq!((error.code, error.place), ("not-a-count", Place::Line(3)), "{count}");
+        assert_eq!((error.code, error.place), ("not-a-count", FileLocation::Line(3)), "{count}");
     }
 }
 
@@ -75,13 +75,13 @@ fn h10_lists_longer_than_the_file_or_shorter_than_nothing_are_refused() {
     let error = refuse(&binary("little", list, 1, &u32::MAX.to_le_bytes()), Format::Ply);
     assert_eq!(error.code, "list-length");
     assert!(error.message.starts_with("row 0 of 'face': a list of 4,294,967,295 values"), "{error}");
-    assert!(matches!(error.place, Place::Byte(_)));
+    assert!(matches!(error.place, FileLocation::Byte(_)));
 
     let list = "property list char int vertex_indices\n";
     let error = refuse(&binary("little", list, 1, &[0xff, 0, 0, 0, 0]), Format::Ply);
     assert!(error.message.contains("a list of length -1"), "{error}");
     let error = refuse(&triangle(&format!("element face 1\n{list}"), "-1 0 1 2\n"), Format::Ply);
-    assert_eq!(error.place, Place::Line(13), "{error}");
+    assert_eq!(error.place, FileLocation::Line(13), "{error}");
     let error = refuse(&faces("200 0 1 2\n"), Format::Ply);
     assert_eq!(error.code, "list-length", "{error}");
     assert_eq!(refuse(&faces("256 0 1 2\n"), Format::Ply).code, "value-out-of-range");
@@ -94,9 +94,9 @@ fn h11_indices_out_of_range_name_row_index_and_limit() {
         assert_eq!(error.code, "index-out-of-range");
         assert!(error.message.starts_with("row 1 of 'face': "), "{error}");
         assert!(error.message.contains(shown) && error.message.contains("there are 3 vertices"), "{error}");
-        assert_eq!(error.place, Place::Line(14));
+        assert_eq!(error.place, FileLocation::Line(14));
     }
-    // Faces may stand before the vertices that they name.
+    // OfFaces may stand before the vertices that they name.
     let header = format!("element face 1\n{LIST}element vertex 3\n{XYZ}");
     let (mesh, _) = load(&text(&header, "3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n"), Format::Ply);
     assert_eq!(mesh.faces(), [[0, 1, 2]]);
@@ -106,30 +106,30 @@ fn h11_indices_out_of_range_name_row_index_and_limit() {
 #[test]
 fn h12_elements_and_properties_declared_twice_are_refused_at_their_line() {
     let error = refuse(&text(&format!("element vertex 1\n{XYZ}element vertex 1\n"), "0 0 0\n"), Format::Ply);
-    assert_eq!((error.code, error.place), ("duplicate-element", Place::Line(7)));
+    assert_eq!((error.code, error.place), ("duplicate-element", FileLocation::Line(7)));
     let error =
         refuse(&text(&format!("element vertex 1\n{XYZ}property float y\n"), "0 0 0 0\n"), Format::Ply);
-    assert_eq!((error.code, error.place), ("duplicate-property", Place::Line(7)));
+    assert_eq!((error.code, error.place), ("duplicate-property", FileLocation::Line(7)));
     let error = refuse(&text("property float x\n", ""), Format::Ply);
-    assert_eq!((error.code, error.place), ("no-element", Place::Line(3)));
+    assert_eq!((error.code, error.place), ("no-element", FileLocation::Line(3)));
     let error = refuse(b"ply\nformat ascii 1.0\nformat ascii 1.0\nend_header\n", Format::Ply);
-    assert_eq!(error.place, Place::Line(3));
+    assert_eq!(error.place, FileLocation::Line(3));
 }
 
 #[test]
 fn h13_headers_that_never_end_are_refused() {
     let error = refuse(b"ply\nformat ascii 1.0\ncomment and so on\n", Format::Ply);
-    assert_eq!((error.code, error.place), ("truncated", Place::Byte(39)));
+    assert_eq!((error.code, error.place), ("truncated", FileLocation::Byte(39)));
 
     let mut bytes = b"ply\ncomment ".to_vec();
     bytes.resize(100 << 20, b'x');
     let error = refuse(&bytes, Format::Ply);
-    assert_eq!((error.code, &error.place), ("line-too-long", &Place::Line(2)));
+    assert_eq!((error.code, &error.place), ("line-too-long", &FileLocation::Line(2)));
     assert!(error.message.contains("over the limit of 65536"), "{error}");
 
     let many: String = (0..5000).map(|i| format!("property float p{i}\n")).collect();
     let error = refuse(&text(&format!("element vertex 1\n{many}"), ""), Format::Ply);
-    assert_eq!((error.code, error.place), ("too-many-properties", Place::Line(4 + 4096)));
+    assert_eq!((error.code, error.place), ("too-many-properties", FileLocation::Line(4 + 4096)));
     let many: String = (0..300).map(|i| format!("element e{i} 0\n")).collect();
     assert_eq!(refuse(&text(&many, ""), Format::Ply).code, "too-many-elements");
 }
@@ -208,7 +208,7 @@ fn h16_unknown_elements_and_types_are_skipped_where_their_size_is_known() {
     assert_eq!(codes, [("vertex-property-skipped", 2), ("element-skipped", 2), ("face-property-skipped", 1)]);
 
     let error = refuse(&text("element vertex 1\nproperty string name\n", ""), Format::Ply);
-    assert_eq!((error.code, error.place), ("type-unknown", Place::Line(4)));
+    assert_eq!((error.code, error.place), ("type-unknown", FileLocation::Line(4)));
 }
 
 #[test]
@@ -238,7 +238,7 @@ fn h20_positions_that_are_not_finite_are_dropped_only_when_asked() {
         "0 0 0\nnan 0 0\n0 1 0\n1 1 0\n3 0 1 2\n3 0 2 3\n",
     );
     let error = refuse(&bytes, Format::Ply);
-    assert_eq!((error.code, error.place.clone()), ("not-finite", Place::Line(11)));
+    assert_eq!((error.code, error.place.clone()), ("not-finite", FileLocation::Line(11)));
     assert!(error.message.contains("row 1 of 'vertex'"), "{error}");
     let limits = Limits { drop_nonfinite: true, ..Limits::default() };
     let loaded = read(&bytes, Format::Ply, &limits).expect("loads");

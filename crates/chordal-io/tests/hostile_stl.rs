@@ -1,7 +1,7 @@
 //! What a hostile STL may try, row by row of the list that the project keeps, and what must happen.
 use crate::common;
 
-use chordal_io::{Format, Limits, Place, read};
+use chordal_io::{FileLocation, Format, Limits, read};
 use common::{count, load, load_scene, refuse};
 
 const FACET: &str =
@@ -34,7 +34,7 @@ fn h02_one_facet_short_is_refused_and_extra_bytes_are_counted() {
     let mut bytes = binary(b"x", 3, 3);
     bytes.truncate(bytes.len() - 1);
     let error = refuse(&bytes, Format::Stl);
-    assert_eq!((error.code, error.place), ("truncated", Place::Byte(84 + 100)));
+    assert_eq!((error.code, error.place), ("truncated", FileLocation::Byte(84 + 100)));
 
     let mut bytes = binary(b"x", 3, 3);
     bytes.extend(b"1234567");
@@ -42,7 +42,7 @@ fn h02_one_facet_short_is_refused_and_extra_bytes_are_counted() {
     assert_eq!(mesh.faces().len(), 3);
     let warning = warnings.iter().find(|w| w.code == "trailing-bytes").expect("counted");
     assert!(warning.message.starts_with("7 extra bytes"), "{warning}");
-    assert_eq!(warning.place, Place::Byte(84 + 150));
+    assert_eq!(warning.place, FileLocation::Byte(84 + 150));
 }
 
 #[test]
@@ -90,11 +90,11 @@ fn h06_a_facet_that_is_no_triangle_or_has_a_bad_number_is_refused_at_its_line() 
     for (body, line, words) in cases {
         let error = refuse(with(&body).as_bytes(), Format::Stl);
         assert!(error.message.contains(words), "{error}");
-        assert_eq!(error.place, Place::Line(line), "{error}");
+        assert_eq!(error.place, FileLocation::Line(line), "{error}");
     }
     let error = refuse(b"solid s\nfacet normal 0 0 1\nouter loop\nvertex 1 2 3\n", Format::Stl);
     assert_eq!(error.code, "truncated");
-    assert_eq!(error.place, Place::Line(4));
+    assert_eq!(error.place, FileLocation::Line(4));
 }
 
 #[test]
@@ -149,7 +149,7 @@ fn h20_corners_that_are_not_finite_are_dropped_only_when_asked() {
     let mut bytes = binary(b"x", 3, 3);
     bytes[84 + 50 + 12..][..4].copy_from_slice(&f32::NAN.to_le_bytes());
     let error = refuse(&bytes, Format::Stl);
-    assert_eq!((error.code, error.place), ("not-finite", Place::Row { list: "facet", row: 1 }));
+    assert_eq!((error.code, error.place), ("not-finite", FileLocation::Row { list: "facet", row: 1 }));
 
     let limits = Limits { drop_nonfinite: true, ..Limits::default() };
     let loaded = read(&bytes, Format::Stl, &limits).expect("loads");

@@ -2,7 +2,7 @@
 use crate::common;
 
 use chordal::Patch;
-use chordal_io::{Axis, Content, Format, Frame, Limits, Place, Warning, read};
+use chordal_io::{Axis, Content, FileLocation, Format, Frame, Limits, Warning, read};
 use common::{count, data, refuse};
 
 fn load(text: &str, format: Format) -> (Vec<Patch>, Frame, Vec<Warning>) {
@@ -76,7 +76,7 @@ fn json_by_index_and_frame_are_read() {
     assert_eq!(patches, [expected()]);
     assert_eq!(frame, Frame { up: Some(Axis::Y), metres_per_unit: Some(1e-3) });
     assert_eq!(warnings.iter().map(|w| (w.code, w.count)).collect::<Vec<_>>(), [("unknown-member", 1)]);
-    assert_eq!(warnings[0].place, Place::Pointer("/by".into()));
+    assert_eq!(warnings[0].place, FileLocation::Pointer("/by".into()));
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn bpt_errors_name_line_and_what_is_supported() {
     for (text, line, words) in cases {
         let error = refuse(text.as_bytes(), Format::Bpt);
         assert!(error.message.contains(words), "{error}");
-        assert_eq!(error.place, Place::Line(line), "{error}");
+        assert_eq!(error.place, FileLocation::Line(line), "{error}");
     }
     let (_, _, warnings) = load(&format!("{}more words\n", bpt()), Format::Bpt);
     assert_eq!(count(&warnings, "trailing-text"), 2);
@@ -152,7 +152,7 @@ fn teaset_errors_name_line_value_and_limit() {
     for (text, line, words) in cases {
         let error = refuse(text.as_bytes(), Format::Teaset);
         assert!(error.message.contains(words), "{error}");
-        assert_eq!(error.place, Place::Line(line), "{error}");
+        assert_eq!(error.place, FileLocation::Line(line), "{error}");
     }
     let (_, _, warnings) = load(&format!("{}more\n\nwords\n", teaset()), Format::Teaset);
     assert_eq!(count(&warnings, "trailing-text"), 2);
@@ -205,7 +205,8 @@ fn json_errors_name_their_pointer() {
     for (text, pointer, words) in cases {
         let error = refuse(text.as_bytes(), Format::Json);
         assert!(error.message.contains(words), "{error}: {text}");
-        let place = if pointer.is_empty() { Place::File } else { Place::Pointer(pointer.into()) };
+        let place =
+            if pointer.is_empty() { FileLocation::File } else { FileLocation::Pointer(pointer.into()) };
         assert_eq!(error.place, place, "{error}: {text}");
     }
 }
@@ -232,9 +233,9 @@ fn json_that_is_none_is_refused_at_its_byte() {
         ("{\"a\": [1 2]}", 9),
     ] {
         let error = refuse(text.as_bytes(), Format::Json);
-        assert_eq!((error.code, &error.place), ("not-json", &Place::Byte(byte)), "{error}: {text}");
+        assert_eq!((error.code, &error.place), ("not-json", &FileLocation::Byte(byte)), "{error}: {text}");
     }
-    assert_eq!(refuse(b"{\"\xff\": 1}", Format::Json).place, Place::Byte(2));
+    assert_eq!(refuse(b"{\"\xff\": 1}", Format::Json).place, FileLocation::Byte(2));
     assert_eq!(refuse(b"\xff\xfe{\0}\0", Format::Json).code, "not-utf8");
 }
 

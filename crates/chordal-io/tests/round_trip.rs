@@ -4,7 +4,7 @@ use crate::common;
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic, face_normal};
 use chordal_io::{
-    Content, Format, Frame, Limits, Loaded, Node, Part, Scene, WriteError, losses, obj, ply, read, stl,
+    Content, Format, Frame, Limits, Node, Part, ReadOutcome, Scene, WriteError, losses, obj, ply, read, stl,
 };
 use common::{Random, count, load_scene};
 use serde_json::{Value, json};
@@ -22,7 +22,7 @@ fn write(scene: &Scene, format: Format, certificate: Option<&Value>) -> Vec<u8> 
 }
 
 fn scene_of(mesh: Mesh) -> Scene {
-    Scene::of("", mesh, true, Frame::default())
+    Scene::from_mesh("", mesh, true, Frame::default())
 }
 
 /// Writes, checks that the content is recognised, and reads.
@@ -416,7 +416,7 @@ fn normals_of_corners_survive_obj() {
 #[test]
 fn the_reader_of_each_format_gives_identity_nodes() {
     let bytes = write(&scene_of(cube()), Format::Obj, None);
-    let Loaded { content: Content::Scene(scene), .. } =
+    let ReadOutcome { content: Content::Scene(scene), .. } =
         read(&bytes, Format::Obj, &Limits::default()).unwrap()
     else {
         panic!("a scene")

@@ -4,8 +4,8 @@ mod common;
 
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
-use chordal::explicit::{Curve, Piece};
-use chordal_io::{Content, Format, Frame, Limits, Loaded, ReadError, Scene, obj, ply, read, stl, tiles};
+use chordal::explicit::{Curve, CurveSegment};
+use chordal_io::{Content, Format, Frame, Limits, ReadError, ReadOutcome, Scene, obj, ply, read, stl, tiles};
 use common::Random;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -44,7 +44,7 @@ unsafe impl GlobalAlloc for Counting {
 static ALLOCATOR: Counting = Counting;
 
 /// Reads and returns the most that was held on the way, in bytes.
-fn measured(bytes: &[u8], format: Format) -> (Result<Loaded, ReadError>, u64) {
+fn measured(bytes: &[u8], format: Format) -> (Result<ReadOutcome, ReadError>, u64) {
     held_by(|| read(bytes, format, &Limits::default()))
 }
 
@@ -72,31 +72,31 @@ fn check(name: &str, bytes: &[u8], format: Format) {
     assert!(most <= promised(bytes.len() as u64), "{name}: {most} bytes for {}", bytes.len());
     match result {
         Err(error) => assert!(!error.code.is_empty() && !error.message.is_empty(), "{name}"),
-        Ok(Loaded { content: Content::Scene(scene), .. }) => {
+        Ok(ReadOutcome { content: Content::Scene(scene), .. }) => {
             let mesh = &scene.parts[0].mesh;
             assert!(mesh.positions().iter().flatten().all(|x| x.is_finite()), "{name}");
             assert!(mesh.attributes().iter().flat_map(|a| &a.values).all(|x| x.is_finite()), "{name}");
         }
-        Ok(Loaded { content: Content::Polygons(polygons), .. }) => {
+        Ok(ReadOutcome { content: Content::Polygons(polygons), .. }) => {
             assert!(polygons.cage.positions().iter().flatten().all(|x| x.is_finite()), "{name}");
             assert!(polygons.attributes.iter().flat_map(|a| &a.values).all(|x| x.is_finite()), "{name}");
             let n_corners: usize = polygons.cage.faces().map(<[u32]>::len).sum();
             assert!(polygons.cage.texcoords().is_none_or(|t| t.corners.len() == n_corners), "{name}");
         }
-        Ok(Loaded { content: Content::Volume(volume), .. }) => {
+        Ok(ReadOutcome { content: Content::Volume(volume), .. }) => {
             let n: usize = volume.grid.size().iter().product();
             assert!(volume.grid.samples().len() == n && n >= 8, "{name}");
         }
-        Ok(Loaded { content: Content::Patches(patches, _), .. }) => {
+        Ok(ReadOutcome { content: Content::Patches(patches, _), .. }) => {
             assert!(patches.iter().all(chordal::Patch::is_finite), "{name}");
         }
-        Ok(Loaded { content: Content::Drawing(drawing), .. }) => {
+        Ok(ReadOutcome { content: Content::Drawing(drawing), .. }) => {
             assert!(drawing.lines.iter().all(sound) && drawing.owners.len() == drawing.lines.len(), "{name}");
         }
-        Ok(Loaded { content: Content::Curves(curves), .. }) => {
+        Ok(ReadOutcome { content: Content::Curves(curves), .. }) => {
             assert!(curves.lines.iter().all(sound) && curves.owners.len() == curves.lines.len(), "{name}");
         }
-        Ok(Loaded { content: Content::Field { field, .. }, .. }) => {
+        Ok(ReadOutcome { content: Content::Field { field, .. }, .. }) => {
             let mut value = [0.0];
             field.tape().at(&[[0.5, -0.25, 2.0]], &mut value).expect("there is no leaf that could fail");
         }
@@ -104,7 +104,7 @@ fn check(name: &str, bytes: &[u8], format: Format) {
 }
 
 fn sound<const D: usize>(curve: &Curve<D>) -> bool {
-    curve.pieces().iter().all(Piece::is_finite) && curve.slack().is_finite()
+    curve.segments().iter().all(CurveSegment::is_finite) && curve.slack().is_finite()
 }
 
 fn written(scene: &Scene, format: Format) -> Vec<u8> {
@@ -142,7 +142,10 @@ fn seeds() -> Vec<(Format, Vec<u8>)> {
     let mut seeds = Vec::new();
     for mesh in [plain, rich] {
         for format in [Format::Obj, Format::Ply, Format::Stl] {
-            seeds.push((format, written(&Scene::of("a b", mesh.clone(), true, Frame::default()), format)));
+            seeds.push((
+                format,
+                written(&Scene::from_mesh("a b", mesh.clone(), true, Frame::default()), format),
+            ));
         }
     }
     let mut add = |format, text: &str| seeds.push((format, text.as_bytes().to_vec()));
@@ -550,7 +553,7 @@ fn packed_faces_stay_within_the_promise_for_what_they_decode_to() {
             bytes.extend((0..255).map(|i| (i % 4) as u8));
         }
         let (result, most) = measured(&bytes, Format::Ply);
-        let Ok(Loaded { content: Content::Scene(scene), .. }) = result else { panic!("loads") };
+        let Ok(ReadOutcome { content: Content::Scene(scene), .. }) = result else { panic!("loads") };
         let triangles = scene.parts[0].mesh.faces().len() as u64;
         assert_eq!(triangles, 253 * rows);
         println!("{element}: {} bytes, held {most} ({:.1} x)", bytes.len(), most as f64 / bytes.len() as f64);

@@ -60,13 +60,13 @@ fn every_operation_has_its_name() {
     for (op, name) in Unary::ALL {
         let field = load(&format!("x var-x\nv {name} x\n")).unwrap();
         for x in [-1.5, 0.0, 0.25, 3.0] {
-            assert_eq!(bits(value(&field, [x, 9.0, 9.0])), bits(op.of(x)), "{name} {x}");
+            assert_eq!(bits(value(&field, [x, 9.0, 9.0])), bits(op.apply(x)), "{name} {x}");
         }
     }
     for (op, name) in Binary::ALL {
         let field = load(&format!("x var-x\ny var-y\nv {name} x y\n")).unwrap();
         for (x, y) in [(-1.5, 0.5), (0.5, -1.5), (0.0, 2.0), (2.0, 2.0)] {
-            assert_eq!(bits(value(&field, [x, y, 9.0])), bits(op.of(x, y)), "{name} {x} {y}");
+            assert_eq!(bits(value(&field, [x, y, 9.0])), bits(op.apply(x, y)), "{name} {x} {y}");
         }
     }
 }

@@ -8,7 +8,7 @@ use pyo3::types::{PyDict, PyTuple};
 use std::sync::Arc;
 
 /// Numbers in rows, as they lie in memory.
-pub(crate) struct Rows {
+pub(crate) struct ArrayData {
     start: *const u8,
     n_numbers: usize,
     /// Numbers in a row; 1 for a plain list.
@@ -17,17 +17,17 @@ pub(crate) struct Rows {
     kind: &'static str,
 }
 
-impl Rows {
-    pub(crate) fn of_f64(numbers: &[f64], width: usize) -> Self {
+impl ArrayData {
+    pub(crate) fn from_f64(numbers: &[f64], width: usize) -> Self {
         Self { start: numbers.as_ptr().cast(), n_numbers: numbers.len(), width, kind: "f8" }
     }
 
-    pub(crate) fn of_i64(numbers: &[i64]) -> Self {
+    pub(crate) fn from_i64(numbers: &[i64]) -> Self {
         Self { start: numbers.as_ptr().cast(), n_numbers: numbers.len(), width: 1, kind: "i8" }
     }
 
     /// Numbers below 2³¹, whose bits are the same with a sign.
-    pub(crate) fn of_u32_below_sign(numbers: &[u32], width: usize) -> Self {
+    pub(crate) fn from_u32_below_sign(numbers: &[u32], width: usize) -> Self {
         Self { start: numbers.as_ptr().cast(), n_numbers: numbers.len(), width, kind: "i4" }
     }
 
@@ -38,11 +38,11 @@ impl Rows {
 
 /// Numbers that numpy sees in place: `numpy.asarray` copies nothing.
 #[pyclass(frozen, module = "chordal._chordal")]
-pub(crate) struct Array(Box<dyn Fn() -> Rows + Send + Sync>);
+pub(crate) struct Array(Box<dyn Fn() -> ArrayData + Send + Sync>);
 
 impl Array {
     /// Some numbers of an owner that stays as long as the array does. That it is shared keeps it from changing.
-    pub(crate) fn new<T: Send + Sync + 'static>(owner: &Arc<T>, rows: fn(&T) -> Rows) -> Self {
+    pub(crate) fn new<T: Send + Sync + 'static>(owner: &Arc<T>, rows: fn(&T) -> ArrayData) -> Self {
         let owner = Arc::clone(owner);
         Self(Box::new(move || rows(&owner)))
     }

@@ -1,8 +1,8 @@
 //! Cages for Python: polygons with what subdivision asks of them, and their refinement.
-use crate::array::{Array, Rows};
+use crate::array::{Array, ArrayData};
 use crate::source::Source;
 use crate::{failure, work};
-use chordal::explicit::{Boundary, Cage as Polygon, Creasing, InvalidCage, Scheme};
+use chordal::explicit::{Boundary, Cage as Polygon, CreasingMethod, InvalidCage, Scheme};
 use chordal_io::{Format, Frame, Polygons, obj};
 use chordal_verbs::{Input, Shape, refined_cage, sha256};
 use pyo3::prelude::*;
@@ -28,10 +28,11 @@ const BOUNDARIES: [(Boundary, &str); 3] = [
     (Boundary::EdgeOnly, "edge-only"),
     (Boundary::EdgeAndCorner, "edge-and-corner"),
 ];
-const CREASINGS: [(Creasing, &str); 2] = [(Creasing::Uniform, "uniform"), (Creasing::Chaikin, "chaikin")];
+const CREASINGS: [(CreasingMethod, &str); 2] =
+    [(CreasingMethod::Uniform, "uniform"), (CreasingMethod::Chaikin, "chaikin")];
 
 /// What has that name.
-fn of_name<T: Copy>(argument: &str, name: &str, all: &[(T, &str)]) -> PyResult<T> {
+fn from_name<T: Copy>(argument: &str, name: &str, all: &[(T, &str)]) -> PyResult<T> {
     let found = all.iter().find(|(_, known)| *known == name).map(|(value, _)| *value);
     found.ok_or_else(|| {
         let names: Vec<String> = all.iter().map(|(_, known)| format!("'{known}'")).collect();
@@ -45,7 +46,7 @@ fn name_of<T: PartialEq>(value: &T, all: &[(T, &'static str)]) -> &'static str {
 }
 
 /// The parts of a cage in one list each, as numpy sees them.
-struct Flat {
+struct CageArrays {
     cage: Polygon,
     /// Where each face begins, and the number of all corners at the end.
     offsets: Vec<i64>,
@@ -54,17 +55,17 @@ struct Flat {
 
 /// A polygon cage.
 #[pyclass(frozen, module = "chordal._chordal")]
-pub(crate) struct Cage(Arc<Flat>);
+pub(crate) struct Cage(Arc<CageArrays>);
 
 impl Cage {
     /// A cage that was read or made.
-    pub(crate) fn of(cage: Polygon) -> Self {
+    pub(crate) fn from_cage(cage: Polygon) -> Self {
         let (mut offsets, mut indices) = (vec![0], Vec::new());
         for face in cage.faces() {
             indices.extend_from_slice(face);
             offsets.push(indices.len() as i64);
         }
-        Self(Arc::new(Flat { cage, offsets, indices }))
+        Self(Arc::new(CageArrays { cage, offsets, indices }))
     }
 }
 
@@ -80,9 +81,9 @@ impl Cage {
         ends: PyBackedBytes,
         tags: Tags,
     ) -> PyResult<Self> {
-        let scheme = of_name("scheme", &tags.scheme, &SCHEMES)?;
-        let boundary = of_name("boundary", &tags.boundary, &BOUNDARIES)?;
-        let creasing = of_name("creasing", &tags.creasing, &CREASINGS)?;
+        let scheme = from_name("scheme", &tags.scheme, &SCHEMES)?;
+        let boundary = from_name("boundary", &tags.boundary, &BOUNDARIES)?;
+        let creasing = from_name("creasing", &tags.creasing, &CREASINGS)?;
         let made = work::run(py, None, move |_| {
             let creases: Vec<_> = tags.creases.iter().map(|(a, b, sharp)| ([*a, *b], *sharp)).collect();
             polygons(&numbers, &indices, &ends)?
@@ -91,7 +92,7 @@ impl Cage {
                 .and_then(|cage| cage.with_creases(&creases))
                 .and_then(|cage| cage.with_sharp_vertices(&tags.corners))
                 .and_then(|cage| cage.with_holes(&tags.holes))
-                .map(Self::of)
+                .map(Self::from_cage)
         })?;
         made.map_err(|error| failure::argument(argument_of(&error), error))
     }
@@ -99,17 +100,20 @@ impl Cage {
     /// The cage after some rounds.
     fn refined(&self, py: Python<'_>, levels: u32) -> PyResult<Self> {
         let flat = Arc::clone(&self.0);
-        let made = work::run(py, None, move |job| refined_cage(&flat.cage, levels, job).map(Self::of))?;
+        let made =
+            work::run(py, None, move |job| refined_cage(&flat.cage, levels, job).map(Self::from_cage))?;
         made.map_err(|error| failure::mesh(py, &error))
     }
 
     /// The numbers of that name: "positions", "indices" or "offsets".
     fn array(&self, py: Python<'_>, name: &str) -> PyResult<Array> {
         Ok(match name {
-            "positions" => Array::new(&self.0, |flat| Rows::of_f64(flat.cage.positions().as_flattened(), 3)),
+            "positions" => {
+                Array::new(&self.0, |flat| ArrayData::from_f64(flat.cage.positions().as_flattened(), 3))
+            }
             // A cage has fewer vertices than 2³¹.
-            "indices" => Array::new(&self.0, |flat| Rows::of_u32_below_sign(&flat.indices, 1)),
-            "offsets" => Array::new(&self.0, |flat| Rows::of_i64(&flat.offsets)),
+            "indices" => Array::new(&self.0, |flat| ArrayData::from_u32_below_sign(&flat.indices, 1)),
+            "offsets" => Array::new(&self.0, |flat| ArrayData::from_i64(&flat.offsets)),
             _ => return Err(failure::internal(py, &format!("there are no {name}"))),
         })
     }
@@ -126,7 +130,7 @@ impl Cage {
         self.0.cage.sharp_vertices().to_vec()
     }
 
-    /// Faces without surface.
+    /// OfFaces without surface.
     #[getter]
     fn holes(&self) -> Vec<u32> {
         self.0.cage.holes().to_vec()
@@ -146,10 +150,10 @@ impl Cage {
     /// What a file of it would hold.
     fn source(&self, py: Python<'_>, unit: Option<&str>) -> PyResult<Source> {
         let metres_per_unit =
-            crate::spec::parsed::<chordal::budget::Unit>("unit", unit)?.map(|unit| unit.metres());
+            crate::spec::parse_argument::<chordal::budget::Unit>("unit", unit)?.map(|unit| unit.metres());
         let flat = Arc::clone(&self.0);
         let made = work::run(py, None, move |_| {
-            let polygons = Polygons::of(flat.cage.clone(), Frame { up: None, metres_per_unit });
+            let polygons = Polygons::from_cage(flat.cage.clone(), Frame { up: None, metres_per_unit });
             let mut bytes = Vec::new();
             obj::write_polygons(&polygons, None, &mut bytes)?;
             let (n_bytes, sha256) = (bytes.len() as u64, sha256(&bytes));
@@ -161,7 +165,7 @@ impl Cage {
                 warnings: Vec::new(),
             })
         })?;
-        made.map(|input| Source::made(input, Vec::new())).map_err(|error| failure::write(py, &error))
+        made.map(|input| Source::from_input(input, Vec::new())).map_err(|error| failure::write(py, &error))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Curves from control points that Python passes.
 use chordal::Bezier;
-use chordal::explicit::{Curve, Piece};
-use chordal_io::{Drawn, Element, Format, Frame};
+use chordal::explicit::{Curve, CurveSegment};
+use chordal_io::{DrawingElement, Format, Frame, PathSet};
 use chordal_verbs::{Input, Shape, sha256};
 
 /// The shape of `n_points` control points a curve (3n + 1 for n pieces), each of `width` coordinates (2 or 3), all in
@@ -22,7 +22,11 @@ pub(crate) fn curves(numbers: &[u8], n_points: usize, width: usize, frame: Frame
 }
 
 /// One chain of cubics for each `n_points` points.
-fn chains<const D: usize>(numbers: &[u8], n_points: usize, frame: Frame) -> Result<Drawn<Curve<D>>, String> {
+fn chains<const D: usize>(
+    numbers: &[u8],
+    n_points: usize,
+    frame: Frame,
+) -> Result<PathSet<Curve<D>>, String> {
     const WIDTH: usize = size_of::<f64>();
     let (numbers, rest) = numbers.as_chunks::<WIDTH>();
     let numbers: Vec<f64> = numbers.iter().map(|bytes| f64::from_ne_bytes(*bytes)).collect();
@@ -36,13 +40,14 @@ fn chains<const D: usize>(numbers: &[u8], n_points: usize, frame: Frame) -> Resu
     let chain = |chain| Curve::new(cubics(chain), false).map_err(|error| error.to_string());
     let lines: Vec<_> = points.chunks(n_points).map(chain).collect::<Result<_, _>>()?;
     let n = u32::try_from(lines.len()).map_err(|_| format!("{} curves are too many", lines.len()))?;
-    let element = |source| Element { kind: "curve", source, filled: true, ..Element::default() };
+    let element =
+        |source| DrawingElement { kind: "curve", source, filled: true, ..DrawingElement::default() };
     let elements = (0..u64::from(n)).map(element).collect();
-    Ok(Drawn { lines, owners: (0..n).collect(), elements, frame, ..Drawn::default() })
+    Ok(PathSet { lines, owners: (0..n).collect(), elements, frame, ..PathSet::default() })
 }
 
 /// Neighbours share a point.
-fn cubics<const D: usize>(chain: &[[f64; D]]) -> Vec<Piece<D>> {
+fn cubics<const D: usize>(chain: &[[f64; D]]) -> Vec<CurveSegment<D>> {
     let control = |at: usize| [chain[at], chain[at + 1], chain[at + 2], chain[at + 3]];
-    (0..chain.len() - 1).step_by(3).map(|at| Piece::Cubic(Bezier { control: control(at) })).collect()
+    (0..chain.len() - 1).step_by(3).map(|at| CurveSegment::Cubic(Bezier { control: control(at) })).collect()
 }

@@ -1,7 +1,7 @@
 //! How far two shapes are apart, from Python's arguments.
 use crate::outcome::Outcome;
 use crate::source::Source;
-use crate::spec::parsed;
+use crate::spec::parse_argument;
 use crate::{failure, work};
 use chordal::budget::Length;
 use chordal_verbs::{DeviationSpec, Input, deviation};
@@ -25,16 +25,16 @@ pub(crate) struct Asked {
 }
 
 /// A shape and the name of its file.
-pub(crate) struct Named {
+pub(crate) struct NamedInput {
     pub input: Arc<Input>,
     pub name: Option<String>,
 }
 
 impl Other {
-    fn named(&self, py: Python<'_>) -> PyResult<Named> {
+    fn named_input(&self, py: Python<'_>) -> PyResult<NamedInput> {
         match self {
-            Self::Read(source) => Ok(source.get().named()),
-            Self::Made(outcome) => outcome.get().named(py),
+            Self::Read(source) => Ok(source.get().named_input()),
+            Self::Made(outcome) => outcome.get().named_input(py),
         }
     }
 }
@@ -42,16 +42,16 @@ impl Other {
 /// The report of `chordal deviation`, as JSON.
 pub(crate) fn report(
     py: Python<'_>,
-    shape: Named,
+    shape: NamedInput,
     other: &Other,
     asked: Asked,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
-    let other = other.named(py)?;
+    let other = other.named_input(py)?;
     let spec = DeviationSpec {
         relative: asked.relative,
-        absolute: parsed::<Length>("absolute", asked.absolute.as_deref())?,
-        max: parsed::<Length>("max", asked.max.as_deref())?,
+        absolute: parse_argument::<Length>("absolute", asked.absolute.as_deref())?,
+        max: parse_argument::<Length>("max", asked.max.as_deref())?,
     };
     let found = work::run(py, progress, move |job| {
         let (a, b) = (Input::clone(&shape.input), Input::clone(&other.input));

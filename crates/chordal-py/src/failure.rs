@@ -1,63 +1,63 @@
 //! What fails becomes one of Python's exceptions: those of `chordal._errors`, which carry what a program wants to know.
 use chordal::budget::Refusal;
-use chordal_io::{Place, ReadError, WriteError};
+use chordal_io::{FileLocation, ReadError, WriteError};
 use chordal_verbs::MeshFailure;
 use pyo3::call::PyCallArgs;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 /// The exception of that name, or what keeps it from being made.
-fn named<'py>(py: Python<'py>, name: &str, args: impl PyCallArgs<'py>) -> PyErr {
+fn exception<'py>(py: Python<'py>, name: &str, args: impl PyCallArgs<'py>) -> PyErr {
     let made = py.import("chordal._errors").and_then(|errors| errors.getattr(name)?.call1(args));
     made.map_or_else(|error| error, PyErr::from_value)
 }
 
 /// A promise of our own is broken.
 pub(crate) fn internal(py: Python<'_>, message: &str) -> PyErr {
-    named(py, "InternalError", (message,))
+    exception(py, "InternalError", (message,))
 }
 
 /// A budget that makes no sense.
 pub(crate) fn budget(py: Python<'_>, message: &str) -> PyErr {
-    named(py, "BudgetError", (in_python(message),))
+    exception(py, "BudgetError", (with_python_names(message),))
 }
 
 /// An argument of that name that makes no sense.
 pub(crate) fn argument(name: &str, error: impl std::fmt::Display) -> PyErr {
-    PyValueError::new_err(format!("{name}: {}", in_python(&error.to_string())))
+    PyValueError::new_err(format!("{name}: {}", with_python_names(&error.to_string())))
 }
 
 /// Bytes that hold no shape. `source` is their file, if they are from one.
 pub(crate) fn read(py: Python<'_>, error: &ReadError, source: Option<&str>) -> PyErr {
     let place = match &error.place {
-        Place::File => None,
+        FileLocation::File => None,
         place => Some(place.to_string()),
     };
-    named(py, "ReadError", (error.code, place, in_python(&error.message), source))
+    exception(py, "ReadError", (error.code, place, with_python_names(&error.message), source))
 }
 
 /// A shape that a format cannot hold.
 pub(crate) fn write(py: Python<'_>, error: &WriteError) -> PyErr {
-    named(py, "WriteError", (error.to_string(),))
+    exception(py, "WriteError", (error.to_string(),))
 }
 
 /// Work that was not done, for that reason.
-pub(crate) fn refused(py: Python<'_>, refusal: &Refusal) -> PyErr {
-    named(py, "Refused", (refusal.code.as_str(), in_python(&refusal.message)))
+pub(crate) fn refused_error(py: Python<'_>, refusal: &Refusal) -> PyErr {
+    exception(py, "Refused", (refusal.code.as_str(), with_python_names(&refusal.message)))
 }
 
 /// A mesh that was not made. One that misses its budget is none of these: it is a mesh.
 pub(crate) fn mesh(py: Python<'_>, failure: &MeshFailure) -> PyErr {
     match failure {
         MeshFailure::Length(_) => budget(py, &failure.to_string()),
-        MeshFailure::Refused(refusal) => refused(py, refusal),
-        MeshFailure::Usage(why) => named(py, "Refused", ("unsupported", in_python(why))),
-        _ => named(py, "Refused", (failure.code(), in_python(&failure.to_string()))),
+        MeshFailure::Refused(refusal) => refused_error(py, refusal),
+        MeshFailure::Usage(why) => exception(py, "Refused", ("unsupported", with_python_names(why))),
+        _ => exception(py, "Refused", (failure.code(), with_python_names(&failure.to_string()))),
     }
 }
 
 /// Sentences of the library name the command's options; here the same things are arguments.
-fn in_python(message: &str) -> String {
+fn with_python_names(message: &str) -> String {
     const NAMES: [(&str, &str); 6] = [
         ("--from", "format="),
         ("--unit", "unit="),

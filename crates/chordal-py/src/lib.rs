@@ -4,13 +4,13 @@
 //! What crosses between the two is plain: numbers, texts, bytes, JSON, and a few frozen objects that hold shapes.
 mod array;
 mod cage;
-mod callable;
 mod command;
 mod curve;
 mod deviation;
 mod failure;
 mod outcome;
 mod pool;
+mod python_leaf;
 mod rows;
 mod rule;
 mod source;

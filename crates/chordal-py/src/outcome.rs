@@ -1,15 +1,17 @@
 //! `Outcome`: triangles or polylines with all that is known of them, and the way back to their source.
 use crate::array::Array;
-use crate::callable::Calls;
-use crate::deviation::{self, Asked, Named, Other};
-use crate::rows::{Lines, Triangles};
+use crate::deviation::{self, Asked, NamedInput, Other};
+use crate::python_leaf::CallLog;
+use crate::rows::{PolylineRows, TriangleRows};
 use crate::source::Source;
-use crate::volume::baked;
+use crate::volume::bake_input;
 use crate::{failure, work};
 use chordal::Job;
 use chordal_io::Format;
-use chordal_verbs::report::{Report, Run};
-use chordal_verbs::{BakeSpec, BudgetSpec, Input, Made, MeshFailure, MeshOutcome, Shape, mesh, sha256};
+use chordal_verbs::report::{Report, RunFacts};
+use chordal_verbs::{
+    BakeSpec, BudgetSpec, Input, MeshFailure, MeshOutcome, Shape, Tessellation, mesh, sha256,
+};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::sync::Arc;
@@ -17,20 +19,20 @@ use std::time::{Duration, Instant};
 
 /// What is to be made of what.
 #[derive(Clone)]
-pub(crate) struct Order {
+pub(crate) struct MeshOrder {
     pub input: Arc<Input>,
     /// The file that it was read from.
     pub name: Option<String>,
     pub spec: BudgetSpec,
     /// The calls of the Python functions in it.
-    pub calls: Vec<Arc<Calls>>,
+    pub calls: Vec<Arc<CallLog>>,
 }
 
 /// What came of it.
 #[derive(Clone)]
-struct Filled {
+struct MeshRun {
     outcome: Arc<MeshOutcome>,
-    rows: Rows,
+    rows: OutcomeRows,
     /// Why it misses the budget, in a sentence, if it does.
     unmet: Option<String>,
     took: Duration,
@@ -40,13 +42,13 @@ struct Filled {
 
 /// The numbers that Python sees.
 #[derive(Clone)]
-enum Rows {
-    Triangles(Arc<Triangles>),
-    Lines(Arc<Lines>),
+enum OutcomeRows {
+    Triangles(Arc<TriangleRows>),
+    Lines(Arc<PolylineRows>),
 }
 
-impl Order {
-    fn fill(&self, to: Format, job: &Job) -> Result<Filled, MeshFailure> {
+impl MeshOrder {
+    fn run(&self, to: Format, job: &Job) -> Result<MeshRun, MeshFailure> {
         let start = Instant::now();
         let asked = || self.calls.iter().map(|calls| calls.points()).sum::<u64>();
         let before = asked();
@@ -61,30 +63,34 @@ impl Order {
         let evaluations = (!self.calls.is_empty()).then(|| asked() - before);
         let outcome = Arc::new(outcome);
         let rows = match &outcome.made {
-            Made::Triangles(_) => Rows::Triangles(Arc::new(Triangles::of(&outcome)?)),
-            Made::Polylines(lines) => Rows::Lines(Arc::new(Lines::of(lines))),
+            Tessellation::Triangles(_) => {
+                OutcomeRows::Triangles(Arc::new(TriangleRows::from_outcome(&outcome)?))
+            }
+            Tessellation::Polylines(lines) => {
+                OutcomeRows::Lines(Arc::new(PolylineRows::from_polylines(lines)))
+            }
         };
-        Ok(Filled { outcome, rows, unmet, took, evaluations })
+        Ok(MeshRun { outcome, rows, unmet, took, evaluations })
     }
 }
 
 /// Triangles or polylines with all that is known of them, and the way back to their source.
 #[pyclass(frozen, module = "chordal._chordal")]
 pub(crate) struct Outcome {
-    order: Order,
-    filled: Filled,
+    order: MeshOrder,
+    filled: MeshRun,
 }
 
 impl Outcome {
     /// Makes what was ordered, for that format.
     pub(crate) fn new(
         py: Python<'_>,
-        order: Order,
+        order: MeshOrder,
         to: Format,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
         let own = order.clone();
-        let filled = work::run(py, progress, move |job| own.fill(to, job))?;
+        let filled = work::run(py, progress, move |job| own.run(to, job))?;
         let filled = filled.map_err(|error| failure::mesh(py, &error))?;
         Ok(Self { order, filled })
     }
@@ -92,7 +98,7 @@ impl Outcome {
 
 impl Outcome {
     /// The triangles as a shape of their own: what a file of them holds.
-    pub(crate) fn named(&self, py: Python<'_>) -> PyResult<Named> {
+    pub(crate) fn named_input(&self, py: Python<'_>) -> PyResult<NamedInput> {
         let outcome = Arc::clone(&self.filled.outcome);
         let input = work::run(py, None, move |_| {
             let scene = outcome.scene()?.clone();
@@ -103,7 +109,7 @@ impl Outcome {
             Some(Input { shape, format, n_bytes, sha256, warnings: Vec::new() })
         })?;
         let input = input.ok_or_else(|| failure::internal(py, "there are no triangles"))?;
-        Ok(Named { input: Arc::new(input), name: None })
+        Ok(NamedInput { input: Arc::new(input), name: None })
     }
 }
 
@@ -118,9 +124,9 @@ impl Outcome {
     /// The report, as JSON.
     #[getter]
     fn report(&self) -> String {
-        let Filled { outcome, took, evaluations, .. } = &self.filled;
+        let MeshRun { outcome, took, evaluations, .. } = &self.filled;
         let (input, seconds) = (self.order.name.clone(), Some(took.as_secs_f64()));
-        let run = Run { verb: "mesh", input, seconds, evaluations: *evaluations, ..Run::default() };
+        let run = RunFacts { verb: "mesh", input, seconds, evaluations: *evaluations, ..RunFacts::default() };
         Report::new(outcome.certificate.clone(), run).to_value().to_string()
     }
 
@@ -128,8 +134,8 @@ impl Outcome {
     /// "sources" of polylines.
     fn array(&self, py: Python<'_>, name: &str) -> PyResult<Array> {
         let array = match &self.filled.rows {
-            Rows::Triangles(rows) => Triangles::array(rows, name),
-            Rows::Lines(rows) => Lines::array(rows, name),
+            OutcomeRows::Triangles(rows) => TriangleRows::array(rows, name),
+            OutcomeRows::Lines(rows) => PolylineRows::array(rows, name),
         };
         array.ok_or_else(|| failure::internal(py, &format!("there are no {name}, or too many")))
     }
@@ -142,12 +148,12 @@ impl Outcome {
         asked: Asked,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<String> {
-        deviation::report(py, self.named(py)?, &other, asked, progress)
+        deviation::report(py, self.named_input(py)?, &other, asked, progress)
     }
 
     /// Distances to the triangles on a lattice, and the report.
     fn bake(&self, py: Python<'_>, cells: usize, band: Option<f64>) -> PyResult<(Source, String)> {
-        baked(py, self.named(py)?, BakeSpec { cells, band })
+        bake_input(py, self.named_input(py)?, BakeSpec { cells, band })
     }
 
     /// The same shape within the same budget for a file of that format, whose rounding then counts.

@@ -1,22 +1,22 @@
 //! The numbers of triangles and polylines, in the rows that Python sees.
-use crate::array::{Array, Rows};
+use crate::array::{Array, ArrayData};
 use chordal::explicit::Polyline;
-use chordal_io::{Drawn, Polylines, WriteError};
+use chordal_io::{PathSet, Polylines, WriteError};
 use chordal_verbs::{MeshOutcome, Scene};
 use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The rows of a mesh.
-pub(crate) enum Triangles {
+pub(crate) enum TriangleRows {
     /// Those of its only part.
     Only(Arc<MeshOutcome>),
     /// Those of all parts, one after the other.
     Joined { vertices: Vec<[f64; 3]>, faces: Vec<[u32; 3]> },
 }
 
-impl Triangles {
+impl TriangleRows {
     /// All that a scene shows, in its own space and the order of its tree, as the file of such a mesh has it.
-    pub(crate) fn of(outcome: &Arc<MeshOutcome>) -> Result<Self, WriteError> {
+    pub(crate) fn from_outcome(outcome: &Arc<MeshOutcome>) -> Result<Self, WriteError> {
         let (mut vertices, mut faces) = (Vec::new(), Vec::new());
         let Some(scene) = outcome.scene() else { return Ok(Self::Joined { vertices, faces }) };
         let meshes = scene.world_meshes()?;
@@ -34,7 +34,7 @@ impl Triangles {
 
     fn rows(&self) -> (&[[f64; 3]], &[[u32; 3]]) {
         match self {
-            Self::Only(outcome) => only(outcome.scene()),
+            Self::Only(outcome) => single_part(outcome.scene()),
             Self::Joined { vertices, faces } => (vertices, faces),
         }
     }
@@ -42,23 +42,23 @@ impl Triangles {
     /// The numbers of that name. Indices have a sign in Python, which costs the largest half of them.
     pub(crate) fn array(rows: &Arc<Self>, name: &str) -> Option<Array> {
         match name {
-            "vertices" => Some(Array::new(rows, |rows| Rows::of_f64(rows.rows().0.as_flattened(), 3))),
+            "vertices" => Some(Array::new(rows, |rows| ArrayData::from_f64(rows.rows().0.as_flattened(), 3))),
             "faces" => {
                 i32::try_from(rows.rows().0.len()).ok()?;
-                Some(Array::new(rows, |rows| Rows::of_u32_below_sign(rows.rows().1.as_flattened(), 3)))
+                Some(Array::new(rows, |rows| ArrayData::from_u32_below_sign(rows.rows().1.as_flattened(), 3)))
             }
             _ => None,
         }
     }
 }
 
-fn only(scene: Option<&Scene>) -> (&[[f64; 3]], &[[u32; 3]]) {
+fn single_part(scene: Option<&Scene>) -> (&[[f64; 3]], &[[u32; 3]]) {
     let part = scene.and_then(|scene| scene.parts.first());
     part.map_or((&[], &[]), |part| (part.mesh.positions(), part.mesh.faces()))
 }
 
 /// The rows of polylines, one after the other.
-pub(crate) struct Lines {
+pub(crate) struct PolylineRows {
     /// All coordinates.
     points: Vec<f64>,
     /// Coordinates of a point.
@@ -73,15 +73,15 @@ pub(crate) struct Lines {
     sources: Vec<i64>,
 }
 
-impl Lines {
-    pub(crate) fn of(lines: &Polylines) -> Self {
+impl PolylineRows {
+    pub(crate) fn from_polylines(lines: &Polylines) -> Self {
         match lines {
-            Polylines::Plane(drawn) => Self::of_drawn(drawn),
-            Polylines::Space(drawn) => Self::of_drawn(drawn),
+            Polylines::Plane(drawn) => Self::from_paths(drawn),
+            Polylines::Space(drawn) => Self::from_paths(drawn),
         }
     }
 
-    fn of_drawn<const D: usize>(drawn: &Drawn<Polyline<D>>) -> Self {
+    fn from_paths<const D: usize>(drawn: &PathSet<Polyline<D>>) -> Self {
         let n_points = drawn.lines.iter().map(|line| line.points.len()).sum();
         let n_lines = drawn.lines.len();
         let mut rows = Self {
@@ -106,11 +106,11 @@ impl Lines {
     /// The numbers of that name.
     pub(crate) fn array(rows: &Arc<Self>, name: &str) -> Option<Array> {
         Some(match name {
-            "points" => Array::new(rows, |rows| Rows::of_f64(&rows.points, rows.width)),
-            "places" => Array::new(rows, |rows| Rows::of_f64(&rows.places, 1)),
-            "starts" => Array::new(rows, |rows| Rows::of_i64(&rows.starts)),
-            "closed" => Array::new(rows, |rows| Rows::of_i64(&rows.closed)),
-            "sources" => Array::new(rows, |rows| Rows::of_i64(&rows.sources)),
+            "points" => Array::new(rows, |rows| ArrayData::from_f64(&rows.points, rows.width)),
+            "places" => Array::new(rows, |rows| ArrayData::from_f64(&rows.places, 1)),
+            "starts" => Array::new(rows, |rows| ArrayData::from_i64(&rows.starts)),
+            "closed" => Array::new(rows, |rows| ArrayData::from_i64(&rows.closed)),
+            "sources" => Array::new(rows, |rows| ArrayData::from_i64(&rows.sources)),
             _ => return None,
         })
     }

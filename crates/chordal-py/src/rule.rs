@@ -1,13 +1,13 @@
 //! `Rule`: a shape or a formula of the language of shape scripts, as Python holds it.
-use crate::callable::{Callable, Calls};
+use crate::python_leaf::{CallLog, PythonLeaf};
 use crate::source::Source;
 use crate::{failure, work};
 use chordal::budget::Evidence;
-use chordal::implicit::{Distance, Expr, Field, LeafError, Quality, Slope};
+use chordal::implicit::{Distance, DistanceQuality, Dual, Expr, Field, LeafError};
 use chordal::math::Box3;
 use chordal_io::{Format, Frame};
-use chordal_script::language::{Arg, Fault, function, functions, operate};
-use chordal_verbs::{Implicit, Input, Shape, sha256};
+use chordal_script::language::{Arg, CallError, function, functions, operate};
+use chordal_verbs::{ImplicitShape, Input, Shape, sha256};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
@@ -19,22 +19,22 @@ use std::sync::Arc;
 pub(crate) struct Rule {
     arg: Arg,
     /// The calls of the Python functions in it.
-    calls: Vec<Arc<Calls>>,
+    calls: Vec<Arc<CallLog>>,
 }
 
 /// What a call of the language gives back.
 #[derive(IntoPyObject)]
-pub(crate) enum Made {
+pub(crate) enum LanguageValue {
     Number(f64),
     Rule(Rule),
 }
 
-fn refused(fault: Fault) -> PyErr {
+fn value_error(fault: CallError) -> PyErr {
     PyValueError::new_err(fault.0)
 }
 
 /// A value for the language; the functions that it rests on are added to `calls`.
-fn arg_of(value: &Bound<'_, PyAny>, calls: &mut Vec<Arc<Calls>>, lists: u32) -> PyResult<Arg> {
+fn arg_of(value: &Bound<'_, PyAny>, calls: &mut Vec<Arc<CallLog>>, lists: u32) -> PyResult<Arg> {
     let other = |name: &str| Ok(Arg::Other(name.to_owned()));
     if let Ok(rule) = value.cast::<Rule>() {
         calls.extend(rule.get().calls.iter().cloned());
@@ -60,12 +60,12 @@ fn arg_of(value: &Bound<'_, PyAny>, calls: &mut Vec<Arc<Calls>>, lists: u32) -> 
 }
 
 impl Rule {
-    fn made(made: Arg, mut calls: Vec<Arc<Calls>>) -> PyResult<Made> {
+    fn into_value(made: Arg, mut calls: Vec<Arc<CallLog>>) -> PyResult<LanguageValue> {
         calls.sort_by_key(|one| Arc::as_ptr(one) as usize);
         calls.dedup_by(|a, b| Arc::ptr_eq(a, b));
         match made {
-            Arg::Number(value) => Ok(Made::Number(value)),
-            arg => Ok(Made::Rule(Self { arg, calls })),
+            Arg::Number(value) => Ok(LanguageValue::Number(value)),
+            arg => Ok(LanguageValue::Rule(Self { arg, calls })),
         }
     }
 
@@ -76,7 +76,7 @@ impl Rule {
         }
     }
 
-    fn evaluated(&self) -> PyResult<Field> {
+    fn evaluable_field(&self) -> PyResult<Field> {
         match &self.arg {
             Arg::Shape(solid) => Ok(solid.field.clone()),
             Arg::Formula(formula) => Ok(Field::new(formula.expr.clone())),
@@ -86,12 +86,12 @@ impl Rule {
 }
 
 /// The exception of a Python function where there is one, else a leaf's own sentence.
-pub(crate) fn leaf_failure(error: &LeafError, calls: &[Arc<Calls>]) -> PyErr {
-    taken(calls).unwrap_or_else(|| PyRuntimeError::new_err(error.to_string()))
+pub(crate) fn leaf_failure(error: &LeafError, calls: &[Arc<CallLog>]) -> PyErr {
+    take_exception(calls).unwrap_or_else(|| PyRuntimeError::new_err(error.to_string()))
 }
 
 /// The first exception that a Python function raised.
-pub(crate) fn taken(calls: &[Arc<Calls>]) -> Option<PyErr> {
+pub(crate) fn take_exception(calls: &[Arc<CallLog>]) -> Option<PyErr> {
     calls.iter().find_map(|calls| calls.take())
 }
 
@@ -114,7 +114,7 @@ impl Rule {
         name: &str,
         args: &Bound<'_, PyTuple>,
         named: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<Made> {
+    ) -> PyResult<LanguageValue> {
         let function = function(name).ok_or_else(|| failure::internal(py, "no such function"))?;
         let mut calls = Vec::new();
         let by_position = args.iter().map(|arg| arg_of(&arg, &mut calls, 2)).collect::<PyResult<_>>()?;
@@ -127,16 +127,20 @@ impl Rule {
                     .collect::<PyResult<_>>()
             },
         )?;
-        Self::made(function.call(by_position, by_name).map_err(refused)?, calls)
+        Self::into_value(function.call(by_position, by_name).map_err(value_error)?, calls)
     }
 
     /// What an operator makes; nothing where it has no meaning.
     #[staticmethod]
-    fn operate(operator: &str, a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>) -> PyResult<Option<Made>> {
+    fn operate(
+        operator: &str,
+        a: &Bound<'_, PyAny>,
+        b: &Bound<'_, PyAny>,
+    ) -> PyResult<Option<LanguageValue>> {
         let mut calls = Vec::new();
         let (a, b) = (arg_of(a, &mut calls, 0)?, arg_of(b, &mut calls, 0)?);
         match operate(operator, &a, &b) {
-            Some(made) => Self::made(made.map_err(refused)?, calls).map(Some),
+            Some(made) => Self::into_value(made.map_err(value_error)?, calls).map(Some),
             None => Ok(None),
         }
     }
@@ -156,15 +160,16 @@ impl Rule {
         bounds: Option<[[f64; 3]; 2]>,
         lipschitz: Option<f64>,
     ) -> Self {
-        let calls = Arc::<Calls>::default();
-        let leaf = Callable { call, gradient, lipschitz, calls: Arc::clone(&calls) };
+        let calls = Arc::<CallLog>::default();
+        let leaf = PythonLeaf { call, gradient, lipschitz, calls: Arc::clone(&calls) };
         let mut field = Field::new(Expr::leaf(Arc::new(leaf), Expr::axes()));
         if let Some([min, max]) = bounds {
             field = field.with_bounds(Box3 { min, max });
         }
         // With a slope of at most 1 the value is never more than the distance.
         if lipschitz.is_some_and(|slope| slope <= 1.0) {
-            field = field.with_distance(Distance { outside: Quality::Bound, inside: Quality::Bound });
+            field = field
+                .with_distance(Distance { outside: DistanceQuality::Bound, inside: DistanceQuality::Bound });
         }
         Self { arg: Arg::shape(field), calls: vec![calls] }
     }
@@ -200,12 +205,12 @@ impl Rule {
     /// The distinct terms of its expression.
     #[getter]
     fn terms(&self) -> PyResult<usize> {
-        Ok(self.evaluated()?.tape().len())
+        Ok(self.evaluable_field()?.tape().len())
     }
 
     /// The values at points: three coordinates a point in double precision, in the byte order of the machine.
     fn values<'py>(&self, py: Python<'py>, points: PyBackedBytes) -> PyResult<Bound<'py, PyBytes>> {
-        let field = self.evaluated()?;
+        let field = self.evaluable_field()?;
         let values = work::run(py, None, move |_| {
             let points = points_of(&points);
             let mut values = vec![0.0; points.len()];
@@ -216,10 +221,10 @@ impl Rule {
 
     /// The gradients at points, in the same form.
     fn gradients<'py>(&self, py: Python<'py>, points: PyBackedBytes) -> PyResult<Bound<'py, PyBytes>> {
-        let field = self.evaluated()?;
+        let field = self.evaluable_field()?;
         let gradients = work::run(py, None, move |_| {
             let points = points_of(&points);
-            let mut slopes = vec![Slope { value: 0.0, gradient: [0.0; 3] }; points.len()];
+            let mut slopes = vec![Dual { value: 0.0, gradient: [0.0; 3] }; points.len()];
             let done = field.tape().gradient_at(&points, &mut slopes);
             done.map(|()| bytes_of(slopes.into_iter().flat_map(|slope| slope.gradient)))
         })?;
@@ -228,7 +233,7 @@ impl Rule {
 
     /// The shape as one that was read, cut off at a box.
     fn source(&self, region: Option<[[f64; 3]; 2]>) -> PyResult<Source> {
-        let implicit = Implicit {
+        let implicit = ImplicitShape {
             field: self.field()?.clone(),
             region: region.map(|[min, max]| Box3 { min, max }),
             frame: Frame::default(),
@@ -241,7 +246,7 @@ impl Rule {
             sha256: sha256(&[]),
             warnings: Vec::new(),
         };
-        Ok(Source::made(input, self.calls.clone()))
+        Ok(Source::from_input(input, self.calls.clone()))
     }
 }
 
@@ -252,7 +257,7 @@ pub(crate) fn language() -> Vec<(&'static str, String, &'static str, &'static st
 }
 
 /// The name of a parameter, its default, and what it is.
-type Setting = (String, f64, f64);
+type ParameterSetting = (String, f64, f64);
 
 /// What a shape script makes, with its parameters.
 #[pyfunction]
@@ -260,13 +265,13 @@ pub(crate) fn script(
     py: Python<'_>,
     text: String,
     set: Vec<(String, f64)>,
-) -> PyResult<(Rule, Vec<Setting>)> {
-    let options = chordal_script::Options { set: set.into_iter().collect(), ..Default::default() };
+) -> PyResult<(Rule, Vec<ParameterSetting>)> {
+    let options = chordal_script::RunOptions { set: set.into_iter().collect(), ..Default::default() };
     let made = work::run(py, None, move |job| chordal_script::run(&text, &options, job))?;
     let made = made.map_err(|error| {
-        let place = error
-            .place
-            .map_or(chordal_io::Place::File, |(line, column)| chordal_io::Place::LineColumn { line, column });
+        let place = error.place.map_or(chordal_io::FileLocation::File, |(line, column)| {
+            chordal_io::FileLocation::LineColumn { line, column }
+        });
         failure::read(py, &chordal_io::ReadError::new(error.code, place, error.message), None)
     })?;
     let parameters = made.parameters.into_iter().map(|p| (p.name, p.default, p.value)).collect();

@@ -1,17 +1,17 @@
 //! `Source`: a shape as it was read.
 use crate::cage::Cage;
-use crate::callable::Calls;
 use crate::curve::curves;
-use crate::deviation::{self, Asked, Named, Other};
-use crate::outcome::{Order, Outcome};
-use crate::rule::taken;
-use crate::spec::{Wanted, parsed};
+use crate::deviation::{self, Asked, NamedInput, Other};
+use crate::outcome::{MeshOrder, Outcome};
+use crate::python_leaf::CallLog;
+use crate::rule::take_exception;
+use crate::spec::{Wanted, parse_argument};
 use crate::triangles::triangles;
-use crate::volume::{Meant, baked};
+use crate::volume::{Meant, bake_input};
 use crate::{failure, work};
-use chordal::budget::{Code, Refusal, Unit};
+use chordal::budget::{Refusal, RefusalCode, Unit};
 use chordal_io::{Axis, Format, Frame, Limits, PolygonSurface, ReadError, UnknownFormat};
-use chordal_verbs::{BakeSpec, Hint, Input, Shape, inspect, load};
+use chordal_verbs::{BakeSpec, FormatHint, Input, Shape, inspect, load};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ pub(crate) struct Source {
     input: Arc<Input>,
     name: Option<String>,
     /// The calls of the Python functions in it.
-    calls: Vec<Arc<Calls>>,
+    calls: Vec<Arc<CallLog>>,
 }
 
 /// How to read some bytes.
@@ -44,19 +44,20 @@ impl Reading {
         self,
         bytes: &[u8],
         (format, surface): (Option<Format>, Option<PolygonSurface>),
-    ) -> Result<(Input, Option<String>), Unread> {
+    ) -> Result<(Input, Option<String>), ReadFailure> {
         let (lenient, drop_nonfinite) = (self.lenient, self.drop_nonfinite);
         let limits = Limits { lenient, drop_nonfinite, surface, ..Limits::default() };
-        let loaded = load(bytes, Hint { name: self.name.as_deref(), format, ..Hint::default() }, &limits);
+        let loaded =
+            load(bytes, FormatHint { name: self.name.as_deref(), format, ..FormatHint::default() }, &limits);
         match loaded {
             Ok(input) => Ok((input, self.name)),
-            Err(error) => Err(Unread { error, name: self.name }),
+            Err(error) => Err(ReadFailure { error, name: self.name }),
         }
     }
 }
 
 /// Why there is no shape, and the file that it is not in.
-struct Unread {
+struct ReadFailure {
     error: ReadError,
     name: Option<String>,
 }
@@ -66,8 +67,8 @@ impl Source {
     /// The shape that some bytes hold.
     #[new]
     fn new(py: Python<'_>, bytes: PyBackedBytes, reading: Reading) -> PyResult<Self> {
-        let format = parsed::<Format>("format", reading.format.as_deref())?;
-        let unit = parsed::<Unit>("unit", reading.unit.as_deref())?;
+        let format = parse_argument::<Format>("format", reading.format.as_deref())?;
+        let unit = parse_argument::<Unit>("unit", reading.unit.as_deref())?;
         let up = reading.up.as_deref().map(axis).transpose()?;
         let surface = reading.surface.as_deref().map(polygon_surface).transpose()?;
         let read = work::run(py, None, move |_| reading.read(&bytes, (format, surface)))?;
@@ -88,11 +89,11 @@ impl Source {
         shape: (usize, usize, usize),
         unit: Option<&str>,
     ) -> PyResult<Self> {
-        let metres_per_unit = parsed::<Unit>("unit", unit)?.map(Unit::metres);
+        let metres_per_unit = parse_argument::<Unit>("unit", unit)?.map(Unit::metres);
         let frame = Frame { up: None, metres_per_unit };
         let made = work::run(py, None, move |_| curves(&numbers, shape.1, shape.2, frame))?;
         let input = made.map_err(|error| failure::argument("control", error))?;
-        Ok(Self::made(input, Vec::new()))
+        Ok(Self::from_input(input, Vec::new()))
     }
 
     /// Triangles: `numbers` are three coordinates a vertex in double precision, `indices` three vertices a face in 32
@@ -104,11 +105,11 @@ impl Source {
         indices: PyBackedBytes,
         unit: Option<&str>,
     ) -> PyResult<Self> {
-        let metres_per_unit = parsed::<Unit>("unit", unit)?.map(Unit::metres);
+        let metres_per_unit = parse_argument::<Unit>("unit", unit)?.map(Unit::metres);
         let frame = Frame { up: None, metres_per_unit };
         let made = work::run(py, None, move |_| triangles(&numbers, &indices, frame))?;
         let input = made.map_err(|error| failure::argument("faces", error))?;
-        Ok(Self::made(input, Vec::new()))
+        Ok(Self::from_input(input, Vec::new()))
     }
 
     /// The name of the kind, as in "patches".
@@ -145,7 +146,7 @@ impl Source {
         asked: Asked,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<String> {
-        deviation::report(py, self.named(), &other, asked, progress)
+        deviation::report(py, self.named_input(), &other, asked, progress)
     }
 
     /// A volume with the surface of it that is meant.
@@ -162,18 +163,18 @@ impl Source {
     /// The polygons of a cage.
     fn cage(&self, py: Python<'_>) -> PyResult<Cage> {
         match &self.input.shape {
-            Shape::Cage(polygons) => Ok(Cage::of(polygons.cage.clone())),
+            Shape::Cage(polygons) => Ok(Cage::from_cage(polygons.cage.clone())),
             other => {
                 let message =
                     format!("{} are no cage: surface= takes the polygons of an .obj as one", other.kind());
-                Err(failure::refused(py, &Refusal { code: Code::Unsupported, message }))
+                Err(failure::refused_error(py, &Refusal { code: RefusalCode::Unsupported, message }))
             }
         }
     }
 
     /// Distances to the triangles on a lattice, and the report.
     fn bake(&self, py: Python<'_>, cells: usize, band: Option<f64>) -> PyResult<(Self, String)> {
-        baked(py, self.named(), BakeSpec { cells, band })
+        bake_input(py, self.named_input(), BakeSpec { cells, band })
     }
 
     /// Triangles or polylines within a budget, as a file of that format would have them.
@@ -186,24 +187,24 @@ impl Source {
     ) -> PyResult<Outcome> {
         let to = format.parse().map_err(|error: UnknownFormat| failure::argument("format", error))?;
         let spec = wanted.spec(py)?;
-        let order = Order {
+        let order = MeshOrder {
             input: Arc::clone(&self.input),
             name: self.name.clone(),
             spec,
             calls: self.calls.clone(),
         };
-        Outcome::new(py, order, to, progress).map_err(|error| taken(&self.calls).unwrap_or(error))
+        Outcome::new(py, order, to, progress).map_err(|error| take_exception(&self.calls).unwrap_or(error))
     }
 }
 
 impl Source {
     /// A shape that was made, and the calls of the functions in it.
-    pub(crate) fn made(input: Input, calls: Vec<Arc<Calls>>) -> Self {
+    pub(crate) fn from_input(input: Input, calls: Vec<Arc<CallLog>>) -> Self {
         Self { input: Arc::new(input), name: None, calls }
     }
 
-    pub(crate) fn named(&self) -> Named {
-        Named { input: Arc::clone(&self.input), name: self.name.clone() }
+    pub(crate) fn named_input(&self) -> NamedInput {
+        NamedInput { input: Arc::clone(&self.input), name: self.name.clone() }
     }
 }
 

@@ -45,7 +45,7 @@ impl Wanted {
             segments: self.segments,
             spacing: parse_spacing(&self.spacing)?,
             normals: Normals::default(),
-            require: parsed("require", self.require.as_deref())?,
+            require: parse_argument("require", self.require.as_deref())?,
         })
     }
 }
@@ -59,7 +59,7 @@ fn parse_spacing(name: &str) -> PyResult<Spacing> {
 }
 
 /// What a text stands for that was given as the argument of that name.
-pub(crate) fn parsed<T: FromStr<Err: std::fmt::Display>>(
+pub(crate) fn parse_argument<T: FromStr<Err: std::fmt::Display>>(
     name: &str,
     text: Option<&str>,
 ) -> PyResult<Option<T>> {

@@ -1,10 +1,12 @@
 //! Volumes for Python: which surface of the samples is meant, and distances of triangles on a lattice.
-use crate::deviation::Named;
+use crate::deviation::NamedInput;
 use crate::source::Source;
 use crate::{failure, work};
 use chordal_io::Format;
-use chordal_verbs::report::{Report, Run};
-use chordal_verbs::{BakeSpec, Border, Input, Inside, Labels, Sampled, Shape, SurfaceSpec, bake, sha256};
+use chordal_verbs::report::{Report, RunFacts};
+use chordal_verbs::{
+    BakeSpec, Border, Input, Inside, LabelSelection, Shape, SurfaceSpec, VolumeShape, bake, sha256,
+};
 use pyo3::prelude::*;
 
 /// Which surface of a volume is meant, in Python's words.
@@ -36,17 +38,19 @@ impl Meant {
             "open" => Border::Open,
             other => return Err(failure::argument("border", format!("'capped' or 'open', not '{other}'"))),
         };
-        let labels = self.labels.map(|list| if list.is_empty() { Labels::All } else { Labels::Listed(list) });
+        let labels = self
+            .labels
+            .map(|list| if list.is_empty() { LabelSelection::All } else { LabelSelection::Listed(list) });
         Ok(SurfaceSpec { level: self.iso, inside, border, labels })
     }
 }
 
 /// Distances to triangles on a lattice, and the report of `chordal bake` as JSON.
-pub(crate) fn baked(py: Python<'_>, named: Named, spec: BakeSpec) -> PyResult<(Source, String)> {
-    let Named { input, name } = named;
+pub(crate) fn bake_input(py: Python<'_>, named: NamedInput, spec: BakeSpec) -> PyResult<(Source, String)> {
+    let NamedInput { input, name } = named;
     let made = work::run(py, None, move |job| bake(Input::clone(&input), &spec, Format::Nrrd, job))?;
     let outcome = made.map_err(|error| failure::mesh(py, &error))?;
-    let run = Run { verb: "bake", input: name, ..Run::default() };
+    let run = RunFacts { verb: "bake", input: name, ..RunFacts::default() };
     let report = Report::new(outcome.certificate.clone(), run).to_value().to_string();
     let digest = work::run(py, None, {
         let outcome = outcome.clone();
@@ -56,7 +60,7 @@ pub(crate) fn baked(py: Python<'_>, named: Named, spec: BakeSpec) -> PyResult<(S
         }
     })?;
     let (n_bytes, sha256) = digest.map_err(|error| failure::write(py, &error))?;
-    let shape = Shape::Volume(Sampled { volume: outcome.volume, surface: SurfaceSpec::default() });
+    let shape = Shape::Volume(VolumeShape { volume: outcome.volume, surface: SurfaceSpec::default() });
     let input = Input { shape, format: Format::Nrrd, n_bytes, sha256, warnings: Vec::new() };
-    Ok((Source::made(input, Vec::new()), report))
+    Ok((Source::from_input(input, Vec::new()), report))
 }

@@ -14,7 +14,7 @@ use std::time::Duration;
 const LOOK: Duration = Duration::from_millis(20);
 
 /// What comes from the work.
-enum Message<T> {
+enum WorkMessage<T> {
     Progress(Progress),
     Done(T),
     Broken,
@@ -33,17 +33,17 @@ pub(crate) fn run<T: Send + 'static>(
     let pool = pool(py).map_err(|error| failure::internal(py, &format!("no threads: {error}")))?;
     let (sender, receiver) = channel();
     let mut job = Job::default();
-    job.memory_limit = memory::share().unwrap_or(job.memory_limit);
+    job.memory_limit = memory::default_limit().unwrap_or(job.memory_limit);
     if progress.is_some() {
         let sender = sender.clone();
         // Nobody listens any more once a caller has left.
-        job = job.with_progress(move |progress| drop(sender.send(Message::Progress(progress))));
+        job = job.with_progress(move |progress| drop(sender.send(WorkMessage::Progress(progress))));
     }
-    let on_leaving = Cancel(&job);
+    let on_leaving = CancelGuard(&job);
     let own = job.clone();
     pool.spawn(move || {
         let done = catch_unwind(AssertUnwindSafe(|| work(&own)));
-        drop(sender.send(done.map_or(Message::Broken, Message::Done)));
+        drop(sender.send(done.map_or(WorkMessage::Broken, WorkMessage::Done)));
     });
     let done = wait(py, progress, receiver);
     if done.is_ok() {
@@ -53,9 +53,9 @@ pub(crate) fn run<T: Send + 'static>(
 }
 
 /// Cancels the job of whoever leaves before its end.
-struct Cancel<'a>(&'a Job);
+struct CancelGuard<'a>(&'a Job);
 
-impl Drop for Cancel<'_> {
+impl Drop for CancelGuard<'_> {
     fn drop(&mut self) {
         self.0.cancel();
     }
@@ -64,16 +64,16 @@ impl Drop for Cancel<'_> {
 fn wait<T: Send>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,
-    mut messages: Receiver<Message<T>>,
+    mut messages: Receiver<WorkMessage<T>>,
 ) -> PyResult<T> {
     loop {
-        let news = py.detach(|| news(&mut messages));
+        let news = py.detach(|| next_update(&mut messages));
         if let (Some(sink), Some(told)) = (&progress, news.progress) {
             sink.call1(py, (told.stage, told.done, told.total))?;
         }
         match news.end {
             Some(Ok(done)) => return Ok(done),
-            Some(Err(Broken)) => return Err(failure::internal(py, BROKEN)),
+            Some(Err(WorkPanic)) => return Err(failure::internal(py, BROKEN)),
             None => py.check_signals()?,
         }
     }
@@ -83,25 +83,25 @@ const BROKEN: &str =
     "the library broke a promise that it makes to itself; please report what was asked of it";
 
 /// What has come since the last time.
-struct News<T> {
+struct WorkUpdate<T> {
     /// The last that was told of progress.
     progress: Option<Progress>,
     /// The result.
-    end: Option<Result<T, Broken>>,
+    end: Option<Result<T, WorkPanic>>,
 }
 
 /// The work panicked.
-struct Broken;
+struct WorkPanic;
 
 /// Waits for news, but not for long.
-fn news<T>(messages: &mut Receiver<Message<T>>) -> News<T> {
-    let mut news = News { progress: None, end: None };
+fn next_update<T>(messages: &mut Receiver<WorkMessage<T>>) -> WorkUpdate<T> {
+    let mut news = WorkUpdate { progress: None, end: None };
     let mut next = messages.recv_timeout(LOOK).map_err(|error| error == RecvTimeoutError::Disconnected);
     loop {
         match next {
-            Ok(Message::Progress(told)) => news.progress = Some(told),
-            Ok(Message::Done(done)) => news.end = Some(Ok(done)),
-            Ok(Message::Broken) | Err(true) => news.end = Some(Err(Broken)),
+            Ok(WorkMessage::Progress(told)) => news.progress = Some(told),
+            Ok(WorkMessage::Done(done)) => news.end = Some(Ok(done)),
+            Ok(WorkMessage::Broken) | Err(true) => news.end = Some(Err(WorkPanic)),
             Err(false) => return news,
         }
         if news.end.is_some() {

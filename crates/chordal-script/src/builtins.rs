@@ -1,10 +1,10 @@
 //! The functions of every Python that scripts have too, within limits.
 use crate::compare::order;
-use crate::held::{Held, arg_of, elements, fault, given_back, number};
-use crate::language::{Fault, operate};
+use crate::language::{CallError, operate};
 use crate::meter::Meter;
 use crate::operators::of_numbers;
 use crate::script::Parameter;
+use crate::values::{StarlarkShape, arg_of, elements, fault, number, to_starlark};
 use starlark::environment::GlobalsBuilder;
 use starlark::eval::Evaluator;
 use starlark::values::none::NoneType;
@@ -14,26 +14,26 @@ use starlark::{starlark_module, values::list::AllocList, values::tuple::AllocTup
 use std::cmp::Ordering;
 
 /// All values that a loop over `value` would see.
-fn all<'v>(value: Value<'v>, eval: &mut Evaluator<'v, '_, '_>) -> starlark::Result<Vec<Value<'v>>> {
+fn iterate<'v>(value: Value<'v>, eval: &mut Evaluator<'v, '_, '_>) -> starlark::Result<Vec<Value<'v>>> {
     let Some(list) = elements(value) else {
-        return Err(fault(Fault(format!("{} is no list", arg_of(value).kind()))));
+        return Err(fault(CallError(format!("{} is no list", arg_of(value).kind()))));
     };
-    Meter::work(eval, list.len())?;
+    Meter::charge(eval, list.len())?;
     Ok(list.to_vec())
 }
 
 /// The first of all values in an order.
-fn foremost<'v>(
+fn extremum<'v>(
     values: UnpackTuple<Value<'v>>,
     wanted: Ordering,
     eval: &mut Evaluator<'v, '_, '_>,
 ) -> starlark::Result<Value<'v>> {
     let values = match values.items.as_slice() {
-        [one] => all(*one, eval)?,
+        [one] => iterate(*one, eval)?,
         many => many.to_vec(),
     };
     let Some((first, rest)) = values.split_first() else {
-        return Err(fault(Fault("there is nothing to choose from".to_owned())));
+        return Err(fault(CallError("there is nothing to choose from".to_owned())));
     };
     let mut best = *first;
     for value in rest {
@@ -45,10 +45,10 @@ fn foremost<'v>(
 }
 
 /// Where a whole number is needed.
-fn whole(value: Value) -> starlark::Result<i32> {
+fn as_integer(value: Value) -> starlark::Result<i32> {
     value
         .unpack_i32()
-        .ok_or_else(|| fault(Fault(format!("a whole number is needed, not {}", arg_of(value).kind()))))
+        .ok_or_else(|| fault(CallError(format!("a whole number is needed, not {}", arg_of(value).kind()))))
 }
 
 #[starlark_module]
@@ -61,7 +61,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         eval: &mut Evaluator<'v, '_, '_>,
     ) -> starlark::Result<f64> {
         let Some(default) = number(default).filter(|default| default.is_finite()) else {
-            return Err(fault(Fault(format!(
+            return Err(fault(CallError(format!(
                 "param() needs a finite number as its default, not {}",
                 arg_of(default).kind()
             ))));
@@ -69,19 +69,21 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         let name = name.unpack_str().unwrap_or("");
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
         if name.is_empty() || name.len() > 64 || !name.chars().all(plain) {
-            return Err(fault(Fault("param() needs a name of up to 64 letters, digits and '_'".to_owned())));
+            return Err(fault(CallError(
+                "param() needs a name of up to 64 letters, digits and '_'".to_owned(),
+            )));
         }
-        let meter = Meter::of(eval);
+        let meter = Meter::from_eval(eval);
         let value = meter.set.get(name).copied().unwrap_or(default);
         let mut parameters = meter.parameters.borrow_mut();
         match parameters.iter().find(|known| known.name == name) {
             Some(known) if known.default.to_bits() != default.to_bits() => {
                 let message = format!("parameter '{name}' has two defaults, {} and {default}", known.default);
-                return Err(fault(Fault(message)));
+                return Err(fault(CallError(message)));
             }
             Some(_) => {}
             None if parameters.len() >= 1000 => {
-                return Err(fault(Fault("more than 1,000 parameters".to_owned())));
+                return Err(fault(CallError("more than 1,000 parameters".to_owned())));
             }
             None => parameters.push(Parameter { name: name.to_owned(), default, value }),
         }
@@ -92,11 +94,11 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         if function.get_type() == "function" {
             return Ok(function);
         }
-        Err(fault(Fault(format!("{} cannot be called", arg_of(function).kind()))))
+        Err(fault(CallError(format!("{} cannot be called", arg_of(function).kind()))))
     }
 
     fn index__<'v>(#[starlark(require = pos)] index: Value<'v>) -> starlark::Result<Value<'v>> {
-        whole(index).map(|_| index)
+        as_integer(index).map(|_| index)
     }
 
     fn abs<'v>(
@@ -108,8 +110,8 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         }
         let arg = arg_of(value);
         match operate("abs", &arg, &arg) {
-            Some(made) => given_back(made.map_err(fault)?, eval),
-            None => Err(fault(Fault(format!("abs() has no meaning for {}", arg.kind())))),
+            Some(made) => to_starlark(made.map_err(fault)?, eval),
+            None => Err(fault(CallError(format!("abs() has no meaning for {}", arg.kind())))),
         }
     }
 
@@ -119,7 +121,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
 
     fn float(#[starlark(require = pos)] value: Value) -> starlark::Result<f64> {
         number(value)
-            .ok_or_else(|| fault(Fault(format!("float() needs a number, not {}", arg_of(value).kind()))))
+            .ok_or_else(|| fault(CallError(format!("float() needs a number, not {}", arg_of(value).kind()))))
     }
 
     fn int(#[starlark(require = pos)] value: Value) -> starlark::Result<i32> {
@@ -127,7 +129,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         // In range: what is cut off is the part after the point.
         number
             .map(|n| n as i32)
-            .ok_or_else(|| fault(Fault("int() needs a number below 2^31 in size".to_owned())))
+            .ok_or_else(|| fault(CallError("int() needs a number below 2^31 in size".to_owned())))
     }
 
     fn len(#[starlark(require = pos)] value: Value) -> starlark::Result<i32> {
@@ -136,7 +138,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
 
     fn fail(#[starlark(require = pos)] message: Value) -> starlark::Result<NoneType> {
         let message = message.unpack_str().unwrap_or("the script gave up");
-        Err(fault(Fault(message.chars().take(400).collect())))
+        Err(fault(CallError(message.chars().take(400).collect())))
     }
 
     fn range<'v>(
@@ -146,16 +148,16 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         eval: &mut Evaluator<'v, '_, '_>,
     ) -> starlark::Result<Value<'v>> {
         let (start, end) = match end {
-            None => (0, whole(first)?),
-            Some(end) => (whole(first)?, whole(end)?),
+            None => (0, as_integer(first)?),
+            Some(end) => (as_integer(first)?, as_integer(end)?),
         };
-        let step = step.map_or(Ok(1), whole)?;
+        let step = step.map_or(Ok(1), as_integer)?;
         if step == 0 {
-            return Err(fault(Fault("range() needs a step other than 0".to_owned())));
+            return Err(fault(CallError("range() needs a step other than 0".to_owned())));
         }
         let (way, stride) = (i64::from(end) - i64::from(start), i64::from(step));
         let count = if way.signum() == stride.signum() { (way.abs() - 1) / stride.abs() + 1 } else { 0 };
-        Meter::work(eval, usize::try_from(count).unwrap_or(usize::MAX))?;
+        Meter::charge(eval, usize::try_from(count).unwrap_or(usize::MAX))?;
         let numbers = (0..count).map(|k| i64::from(start) + k * stride);
         Ok(eval.heap().alloc(AllocList(numbers)))
     }
@@ -164,7 +166,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         #[starlark(require = pos)] values: Option<Value<'v>>,
         eval: &mut Evaluator<'v, '_, '_>,
     ) -> starlark::Result<Value<'v>> {
-        let values = values.map_or(Ok(Vec::new()), |values| all(values, eval))?;
+        let values = values.map_or(Ok(Vec::new()), |values| iterate(values, eval))?;
         Ok(eval.heap().alloc(AllocList(values)))
     }
 
@@ -172,7 +174,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         #[starlark(require = pos)] values: Option<Value<'v>>,
         eval: &mut Evaluator<'v, '_, '_>,
     ) -> starlark::Result<Value<'v>> {
-        let values = values.map_or(Ok(Vec::new()), |values| all(values, eval))?;
+        let values = values.map_or(Ok(Vec::new()), |values| iterate(values, eval))?;
         Ok(eval.heap().alloc(AllocTuple(values)))
     }
 
@@ -180,8 +182,8 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         #[starlark(require = pos)] values: Value<'v>,
         eval: &mut Evaluator<'v, '_, '_>,
     ) -> starlark::Result<Value<'v>> {
-        let values = all(values, eval)?;
-        Meter::work(eval, 4 * values.len())?;
+        let values = iterate(values, eval)?;
+        Meter::charge(eval, 4 * values.len())?;
         let pairs = values.into_iter().enumerate().map(|(k, value)| (k as i32, value));
         Ok(eval.heap().alloc(AllocList(pairs)))
     }
@@ -190,7 +192,7 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         #[starlark(require = pos)] values: Value<'v>,
         eval: &mut Evaluator<'v, '_, '_>,
     ) -> starlark::Result<Value<'v>> {
-        let values = all(values, eval)?;
+        let values = iterate(values, eval)?;
         Ok(eval.heap().alloc(AllocList(values.into_iter().rev())))
     }
 
@@ -199,9 +201,9 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         eval: &mut Evaluator<'v, '_, '_>,
     ) -> starlark::Result<Value<'v>> {
         let lists =
-            lists.items.into_iter().map(|list| all(list, eval)).collect::<starlark::Result<Vec<_>>>()?;
+            lists.items.into_iter().map(|list| iterate(list, eval)).collect::<starlark::Result<Vec<_>>>()?;
         let count = lists.iter().map(Vec::len).min().unwrap_or(0);
-        Meter::work(eval, (3 + lists.len()).saturating_mul(count))?;
+        Meter::charge(eval, (3 + lists.len()).saturating_mul(count))?;
         let heap = eval.heap();
         let rows =
             (0..count).map(|k| heap.alloc(AllocTuple(lists.iter().map(|list| list[k]).collect::<Vec<_>>())));
@@ -213,18 +215,20 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         eval: &mut Evaluator<'v, '_, '_>,
     ) -> starlark::Result<Value<'v>> {
         let mut sum = eval.heap().alloc(0);
-        for value in all(values, eval)? {
-            if value.downcast_ref::<Held>().is_some() || sum.downcast_ref::<Held>().is_some() {
+        for value in iterate(values, eval)? {
+            if value.downcast_ref::<StarlarkShape>().is_some()
+                || sum.downcast_ref::<StarlarkShape>().is_some()
+            {
                 let Some(made) = operate("+", &arg_of(sum), &arg_of(value)) else {
-                    return Err(fault(Fault(
+                    return Err(fault(CallError(
                         "sum() adds numbers and formulas; union() joins shapes".to_owned(),
                     )));
                 };
-                sum = given_back(made.map_err(fault)?, eval)?;
+                sum = to_starlark(made.map_err(fault)?, eval)?;
             } else if number(value).is_some() {
                 sum = of_numbers("+", sum, value, eval.heap())?;
             } else {
-                return Err(fault(Fault(format!("sum() adds no {}", arg_of(value).kind()))));
+                return Err(fault(CallError(format!("sum() adds no {}", arg_of(value).kind()))));
             }
         }
         Ok(sum)
@@ -234,13 +238,13 @@ pub(crate) fn builtins(builder: &mut GlobalsBuilder) {
         #[starlark(args)] values: UnpackTuple<Value<'v>>,
         eval: &mut Evaluator<'v, '_, '_>,
     ) -> starlark::Result<Value<'v>> {
-        foremost(values, Ordering::Greater, eval)
+        extremum(values, Ordering::Greater, eval)
     }
 
     fn min<'v>(
         #[starlark(args)] values: UnpackTuple<Value<'v>>,
         eval: &mut Evaluator<'v, '_, '_>,
     ) -> starlark::Result<Value<'v>> {
-        foremost(values, Ordering::Less, eval)
+        extremum(values, Ordering::Less, eval)
     }
 }

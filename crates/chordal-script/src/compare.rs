@@ -1,8 +1,8 @@
 //! Comparing values within limits: numbers, texts, and lists of them. Lists of lists are not compared, since lists that
 //! share their parts can stand for more elements than there are atoms.
-use crate::held::{elements, fault, number};
-use crate::language::Fault;
+use crate::language::CallError;
 use crate::meter::Meter;
+use crate::values::{elements, fault, number};
 use starlark::eval::Evaluator;
 use starlark::values::Value;
 use std::cmp::Ordering;
@@ -19,7 +19,7 @@ pub(crate) fn equal<'v>(
     }
     for (a, b) in left.iter().zip(right) {
         if elements(*a).is_some() || elements(*b).is_some() {
-            return Err(fault(Fault("lists of lists are not compared".to_owned())));
+            return Err(fault(CallError("lists of lists are not compared".to_owned())));
         }
         if !equal_simple(*a, *b, eval)? {
             return Ok(false);
@@ -30,7 +30,7 @@ pub(crate) fn equal<'v>(
 
 fn equal_simple<'v>(a: Value<'v>, b: Value<'v>, eval: &mut Evaluator<'v, '_, '_>) -> starlark::Result<bool> {
     let text = a.unpack_str().map_or(0, str::len);
-    Meter::work(eval, 1 + text)?;
+    Meter::charge(eval, 1 + text)?;
     if elements(a).is_some() || elements(b).is_some() {
         return Ok(false);
     }
@@ -48,25 +48,25 @@ pub(crate) fn order<'v>(
     eval: &mut Evaluator<'v, '_, '_>,
 ) -> starlark::Result<Ordering> {
     let texts = a.unpack_str().zip(b.unpack_str());
-    Meter::work(eval, 1 + texts.map_or(0, |(a, _)| a.len()))?;
+    Meter::charge(eval, 1 + texts.map_or(0, |(a, _)| a.len()))?;
     if texts.is_some() || number(a).is_some() && number(b).is_some() {
         return a.compare(b);
     }
-    Err(fault(Fault(format!("{} and {} have no order", a.get_type(), b.get_type()))))
+    Err(fault(CallError(format!("{} and {} have no order", a.get_type(), b.get_type()))))
 }
 
 /// Whether a list or text holds a value.
-pub(crate) fn holds<'v>(
+pub(crate) fn contains<'v>(
     list: Value<'v>,
     value: Value<'v>,
     eval: &mut Evaluator<'v, '_, '_>,
 ) -> starlark::Result<bool> {
     if let Some((text, part)) = list.unpack_str().zip(value.unpack_str()) {
-        Meter::work(eval, text.len() + part.len())?;
+        Meter::charge(eval, text.len() + part.len())?;
         return Ok(text.contains(part));
     }
     let Some(list) = elements(list) else {
-        return Err(fault(Fault(format!("{} holds nothing", list.get_type()))));
+        return Err(fault(CallError(format!("{} holds nothing", list.get_type()))));
     };
     for element in list {
         if equal(*element, value, eval)? {

@@ -12,7 +12,7 @@ use std::collections::HashMap;
 /// A program with the text that it was made of.
 pub(crate) struct Program {
     pub module: AstModule,
-    pub source: Source,
+    pub source: ScriptSource,
 }
 
 /// The program of a text.
@@ -34,23 +34,23 @@ pub(crate) fn parse(text: &str, limits: &Limits) -> Result<Program, ScriptError>
         enable_f_strings: false,
         ..Dialect::Standard
     };
-    let parsed = |source: &Source| {
+    let parsed = |source: &ScriptSource| {
         AstModule::parse("script", source.written.clone(), &dialect)
-            .map_err(|error| source.told("script-syntax", &error))
+            .map_err(|error| source.translate_error("script-syntax", &error))
     };
-    let plain = Source::of(text);
+    let plain = ScriptSource::new(text);
     let module = parsed(&plain)?;
-    let mut search = Search::default();
+    let mut search = ProgramScan::default();
     statement(module.statement(), &mut search);
     module.statement().visit_expr(|expr| expression(expr, &mut search));
     if let Some((span, what)) = search.found {
         return Err(plain.error("script-syntax", what, span));
     }
-    let mut changes: Vec<Change> = search.calls.into_iter().flat_map(Source::call).collect();
+    let mut changes: Vec<TextChange> = search.calls.into_iter().flat_map(ScriptSource::call).collect();
     for (target, operator, value) in search.assignments {
         changes.extend(plain.assignment(&target, &operator, value));
     }
-    let source = plain.with(changes);
+    let source = plain.with_changes(changes);
     let mut module = if source.edits.is_empty() { module } else { parsed(&source)? };
     // Only looked up: no order depends on it. No name of a script can be an operator.
     let functions: HashMap<String, String> = OPERATORS.map(|op| (op.to_owned(), op.to_owned())).into();
@@ -61,22 +61,22 @@ pub(crate) fn parse(text: &str, limits: &Limits) -> Result<Program, ScriptError>
 /// A script's text, and what is parsed instead: `a += b` is written out as `a = a + (b)`, so that every operator can be
 /// called through a function that keeps to the limits.
 #[derive(Debug)]
-pub(crate) struct Source {
+pub(crate) struct ScriptSource {
     text: String,
     written: String,
-    edits: Vec<Edit>,
+    edits: Vec<TextEdit>,
 }
 
 /// Bytes that stand for others.
 #[derive(Debug)]
-struct Edit {
+struct TextEdit {
     old: std::ops::Range<usize>,
     new: std::ops::Range<usize>,
 }
 
 /// Bytes to be put in place of others.
 #[derive(Debug)]
-struct Change {
+struct TextChange {
     old: std::ops::Range<usize>,
     new: String,
     /// Which of several in one place comes first.
@@ -94,29 +94,29 @@ fn range(span: Span) -> std::ops::Range<usize> {
     span.begin().get() as usize..span.end().get() as usize
 }
 
-impl Source {
-    fn of(text: &str) -> Self {
+impl ScriptSource {
+    fn new(text: &str) -> Self {
         Self { text: text.to_owned(), written: text.to_owned(), edits: Vec::new() }
     }
 
     /// The same with other bytes in some places.
-    fn with(self, mut changes: Vec<Change>) -> Self {
+    fn with_changes(self, mut changes: Vec<TextChange>) -> Self {
         // Of two that end in one place the inner one, which starts later, comes first.
         changes.sort_by_key(|change| (change.old.start, change.rank));
         let (mut written, mut edits, mut done) = (String::new(), Vec::new(), 0);
-        for Change { old, new, .. } in changes {
+        for TextChange { old, new, .. } in changes {
             written.push_str(&self.text[done..old.start]);
             let start = written.len();
             written.push_str(&new);
             done = old.end;
-            edits.push(Edit { old, new: start..written.len() });
+            edits.push(TextEdit { old, new: start..written.len() });
         }
         written.push_str(&self.text[done..]);
         Self { written, edits, ..self }
     }
 
     /// What `a += b` is written out as.
-    fn assignment(&self, target: &AstAssignTarget, operator: &str, value: Span) -> [Change; 2] {
+    fn assignment(&self, target: &AstAssignTarget, operator: &str, value: Span) -> [TextChange; 2] {
         let again = match &target.node {
             AssignTargetP::Index(parts) => {
                 let [list, index] = [&parts.0, &parts.1].map(|part| &self.text[range(part.span)]);
@@ -126,23 +126,23 @@ impl Source {
         };
         let (end, value) = (range(target.span).end, range(value));
         [
-            Change { old: end..value.start, new: format!(" = {again} {operator} ("), rank: 0 },
-            Change { old: value.end..value.end, new: ")".to_owned(), rank: i64::MAX },
+            TextChange { old: end..value.start, new: format!(" = {again} {operator} ("), rank: 0 },
+            TextChange { old: value.end..value.end, new: ")".to_owned(), rank: i64::MAX },
         ]
     }
 
     /// What `f(a)` is written out as: starlark shows what is called in its errors, and a list of shared lists would take
     /// it forever.
-    fn call((function, through): (Span, &str)) -> [Change; 2] {
+    fn call((function, through): (Span, &str)) -> [TextChange; 2] {
         let function = range(function);
         [
             // The outer one first, and it closes last.
-            Change {
+            TextChange {
                 old: function.start..function.start,
                 new: format!("{through}("),
                 rank: i64::MAX / 2 - function.end as i64,
             },
-            Change {
+            TextChange {
                 old: function.end..function.end,
                 new: ")".to_owned(),
                 rank: -(function.start as i64) - 1,
@@ -165,7 +165,7 @@ impl Source {
     }
 
     /// An error of the interpreter with its place.
-    pub(crate) fn told(&self, code: &'static str, error: &starlark::Error) -> ScriptError {
+    pub(crate) fn translate_error(&self, code: &'static str, error: &starlark::Error) -> ScriptError {
         let message = error.without_diagnostic().to_string();
         let message: String = message.trim().replace('\n', " ").chars().take(LONGEST_MESSAGE).collect();
         match error.span() {
@@ -180,7 +180,7 @@ const LONGEST_MESSAGE: usize = 500;
 
 /// What a look at a program finds.
 #[derive(Default)]
-struct Search {
+struct ProgramScan {
     /// The first thing that scripts do not have, with its place.
     found: Option<(Span, String)>,
     /// Assignments with an operator: targets, operators and values.
@@ -189,13 +189,13 @@ struct Search {
     calls: Vec<(Span, &'static str)>,
 }
 
-impl Search {
+impl ProgramScan {
     fn refuse(&mut self, span: Span, what: &str) {
         self.found.get_or_insert_with(|| (span, what.to_owned()));
     }
 }
 
-fn statement(stmt: &AstStmt, search: &mut Search) {
+fn statement(stmt: &AstStmt, search: &mut ProgramScan) {
     match &stmt.node {
         StmtP::Load(_) => search.refuse(stmt.span, "a script loads nothing"),
         StmtP::AssignModify(changed, op, value) => {
@@ -211,7 +211,7 @@ fn statement(stmt: &AstStmt, search: &mut Search) {
     stmt.visit_stmt(|inner| statement(inner, search));
 }
 
-fn parameters(parameters: &[AstParameter], search: &mut Search) {
+fn parameters(parameters: &[AstParameter], search: &mut ProgramScan) {
     for parameter in parameters {
         if matches!(parameter.node, ParameterP::Args(..) | ParameterP::KwArgs(..)) {
             search.refuse(parameter.span, "a function takes a list instead of any number of arguments");
@@ -219,7 +219,7 @@ fn parameters(parameters: &[AstParameter], search: &mut Search) {
     }
 }
 
-fn expression(expr: &AstExpr, search: &mut Search) {
+fn expression(expr: &AstExpr, search: &mut ProgramScan) {
     /// Bytes of the longest whole number: 2^60 has 19 digits.
     const LONGEST_NUMBER: u32 = 20;
     let what = match &expr.node {
@@ -261,7 +261,7 @@ fn expression(expr: &AstExpr, search: &mut Search) {
 }
 
 /// Indices of elements that are assigned to, in tuples of targets too.
-fn target(target: &AstAssignTarget, search: &mut Search) {
+fn target(target: &AstAssignTarget, search: &mut ProgramScan) {
     match &target.node {
         AssignTargetP::Index(parts) => search.calls.push((parts.1.span, INDEX)),
         AssignTargetP::Tuple(targets) => targets.iter().for_each(|one| self::target(one, search)),

@@ -4,8 +4,8 @@
 //! and memory is bounded by [`Limits`], and whatever is wrong is one [`ScriptError`] with line and column.
 //!
 //! ```
-//! use chordal_script::{Options, run};
-//! let script = run("r = param('r', 0.4)\nbox(2, 2, 1) - cylinder(r, 2)\n", &Options::default(), &Default::default())?;
+//! use chordal_script::{RunOptions, run};
+//! let script = run("r = param('r', 0.4)\nbox(2, 2, 1) - cylinder(r, 2)\n", &RunOptions::default(), &Default::default())?;
 //! let mut values = [0.0; 2];
 //! script.field.tape().at(&[[0.0; 3], [0.75, 0.0, 0.0]], &mut values)?;
 //! assert_eq!(values, [0.4, -0.25]);
@@ -16,14 +16,14 @@ mod builtins;
 mod compare;
 mod error;
 mod grammar;
-mod held;
 pub mod language;
 mod limits;
 mod meter;
 mod nesting;
 mod operators;
 mod script;
+mod values;
 
 pub use error::ScriptError;
 pub use limits::Limits;
-pub use script::{Options, Parameter, Script, run};
+pub use script::{Parameter, RunOptions, Script, run};

@@ -21,15 +21,15 @@ pub(crate) struct Meter {
 
 /// Why a script is stopped: it used more than it may.
 #[derive(Debug)]
-pub(crate) struct Exceeded(pub String);
+pub(crate) struct LimitError(pub String);
 
-impl fmt::Display for Exceeded {
+impl fmt::Display for LimitError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)
     }
 }
 
-impl std::error::Error for Exceeded {}
+impl std::error::Error for LimitError {}
 
 impl Meter {
     pub fn new(limits: Limits, set: BTreeMap<String, f64>) -> Self {
@@ -37,13 +37,13 @@ impl Meter {
     }
 
     /// The meter of a run.
-    pub fn of<'a>(eval: &Evaluator<'_, 'a, '_>) -> &'a Self {
+    pub fn from_eval<'a>(eval: &Evaluator<'_, 'a, '_>) -> &'a Self {
         eval.extra.and_then(|extra| extra.downcast_ref()).expect("every run has its meter")
     }
 
     /// Allows for looking at, or making, that many elements.
-    pub fn work(eval: &mut Evaluator, elements: usize) -> starlark::Result<()> {
-        let meter = Self::of(eval);
+    pub fn charge(eval: &mut Evaluator, elements: usize) -> starlark::Result<()> {
+        let meter = Self::from_eval(eval);
         let all = meter.work.get().saturating_add(elements as u64);
         meter.work.set(all);
         if all > meter.limits.work {
@@ -55,15 +55,15 @@ impl Meter {
         // What an element takes at most, in a list that grows by doubling.
         const BYTES: usize = 16;
         let heap = eval.heap().peak_allocated_bytes().saturating_add(elements.saturating_mul(BYTES));
-        if heap > Self::of(eval).limits.heap {
-            return Err(heap_exceeded(&Self::of(eval).limits));
+        if heap > Self::from_eval(eval).limits.heap {
+            return Err(heap_exceeded(&Self::from_eval(eval).limits));
         }
         Ok(())
     }
 
     /// Allows for what was made as a value of the language.
-    pub fn made(&self, arg: &Arg) -> starlark::Result<()> {
-        let all = self.made.get().saturating_add(arg.own());
+    pub fn charge_arg(&self, arg: &Arg) -> starlark::Result<()> {
+        let all = self.made.get().saturating_add(arg.step_weight());
         self.made.set(all);
         if arg.weight() > self.limits.terms || all / 4 > self.limits.terms {
             return Err(exceeded(format!("the shape has more than {} terms", self.limits.terms)));
@@ -72,8 +72,8 @@ impl Meter {
     }
 
     /// Looks at the heap between statements, where one statement can double what there is.
-    pub fn between(eval: &mut Evaluator) -> starlark::Result<()> {
-        Self::work(eval, 0)
+    pub fn check_heap(eval: &mut Evaluator) -> starlark::Result<()> {
+        Self::charge(eval, 0)
     }
 }
 
@@ -83,5 +83,5 @@ fn heap_exceeded(limits: &Limits) -> starlark::Error {
 
 /// The error of a limit.
 pub(crate) fn exceeded(message: String) -> starlark::Error {
-    starlark::Error::new_other(Exceeded(message))
+    starlark::Error::new_other(LimitError(message))
 }

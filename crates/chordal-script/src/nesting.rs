@@ -6,7 +6,7 @@ use crate::ScriptError;
 /// bracket, operator, dot and keyword of an expression since the last comma of its bracket, for all open brackets; and
 /// blocks by their indentation.
 pub(crate) fn check(text: &str, most: u32) -> Result<(), ScriptError> {
-    let mut scan = Scan { open: vec![0], depth: 0, indents: vec![0], branches: 0 };
+    let mut scan = NestingScan { open: vec![0], depth: 0, indents: vec![0], branches: 0 };
     let bytes = text.as_bytes();
     let mut at = indentation(bytes, 0, &mut scan);
     while at < bytes.len() {
@@ -22,7 +22,7 @@ pub(crate) fn check(text: &str, most: u32) -> Result<(), ScriptError> {
     Ok(())
 }
 
-struct Scan {
+struct NestingScan {
     /// For every open bracket what was counted since its last comma.
     open: Vec<u32>,
     /// Their sum.
@@ -33,7 +33,7 @@ struct Scan {
     branches: u32,
 }
 
-impl Scan {
+impl NestingScan {
     fn count(&mut self) {
         if let Some(top) = self.open.last_mut() {
             *top += 1;
@@ -50,7 +50,7 @@ impl Scan {
 }
 
 /// What follows one token that starts at `at`.
-fn token(bytes: &[u8], at: usize, scan: &mut Scan) -> usize {
+fn token(bytes: &[u8], at: usize, scan: &mut NestingScan) -> usize {
     match bytes[at] {
         b'(' | b'[' | b'{' => {
             scan.count();
@@ -105,7 +105,7 @@ fn string(bytes: &[u8], at: usize) -> usize {
 }
 
 /// Looks at how far the line that starts at `at` is indented; lines without a statement say nothing.
-fn indentation(bytes: &[u8], at: usize, scan: &mut Scan) -> usize {
+fn indentation(bytes: &[u8], at: usize, scan: &mut NestingScan) -> usize {
     let width = bytes[at..].iter().take_while(|b| matches!(b, b' ' | b'\t')).count();
     if bytes.get(at + width).is_some_and(|b| !matches!(b, b'#' | b'\n' | b'\r')) {
         while scan.indents.last().is_some_and(|last| *last > width) {

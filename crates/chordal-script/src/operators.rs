@@ -1,9 +1,9 @@
 //! Operators that keep to the limits: those of Starlark can make a list of 16 GB in one step, before any limit is looked
 //! at, so that every one of them is called through here.
-use crate::compare::{equal, holds, order};
-use crate::held::{Held, arg_of, elements, fault, given_back, no_meaning, number};
-use crate::language::{Fault, operate};
+use crate::compare::{contains, equal, order};
+use crate::language::{CallError, operate};
 use crate::meter::{Meter, exceeded};
+use crate::values::{StarlarkShape, arg_of, elements, fault, number, to_starlark, undefined_operator};
 use allocative::Allocative;
 use starlark::eval::{Arguments, Evaluator};
 use starlark::values::{
@@ -21,17 +21,17 @@ pub(crate) const OPERATORS: [&str; 19] = [
 
 /// An operator, which the program calls as a function of two values.
 #[derive(Debug, ProvidesStaticType, NoSerialize, StarlarkPagablePanic, Allocative)]
-pub(crate) struct Operator(#[allocative(skip)] pub &'static str);
-starlark::starlark_simple_value!(Operator);
+pub(crate) struct StarlarkOperator(#[allocative(skip)] pub &'static str);
+starlark::starlark_simple_value!(StarlarkOperator);
 
-impl fmt::Display for Operator {
+impl fmt::Display for StarlarkOperator {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.0)
     }
 }
 
 #[starlark_value(type = "operator")]
-impl<'v> StarlarkValue<'v> for Operator {
+impl<'v> StarlarkValue<'v> for StarlarkOperator {
     fn invoke(
         &self,
         _me: Value<'v>,
@@ -46,8 +46,8 @@ impl<'v> StarlarkValue<'v> for Operator {
             ">" => order(a, b, eval)? == Ordering::Greater,
             "<=" => order(a, b, eval)? != Ordering::Greater,
             ">=" => order(a, b, eval)? != Ordering::Less,
-            "in" => holds(b, a, eval)?,
-            "not in" => !holds(b, a, eval)?,
+            "in" => contains(b, a, eval)?,
+            "not in" => !contains(b, a, eval)?,
             operator => return applied(operator, a, b, eval),
         };
         Ok(Value::new_bool(truth))
@@ -60,11 +60,11 @@ fn applied<'v>(
     b: Value<'v>,
     eval: &mut Evaluator<'v, '_, '_>,
 ) -> starlark::Result<Value<'v>> {
-    if a.downcast_ref::<Held>().is_some() || b.downcast_ref::<Held>().is_some() {
+    if a.downcast_ref::<StarlarkShape>().is_some() || b.downcast_ref::<StarlarkShape>().is_some() {
         let (left, right) = (arg_of(a), arg_of(b));
         return match operate(operator, &left, &right) {
-            Some(made) => given_back(made.map_err(fault)?, eval),
-            None => Err(no_meaning(operator, &left, &right)),
+            Some(made) => to_starlark(made.map_err(fault)?, eval),
+            None => Err(undefined_operator(operator, &left, &right)),
         };
     }
     if number(a).is_some() && number(b).is_some() {
@@ -74,16 +74,16 @@ fn applied<'v>(
         |value: Value<'v>| value.unpack_str().map(str::len).or_else(|| elements(value).map(<[_]>::len));
     match (operator, length(a), length(b)) {
         ("+", Some(left), Some(right)) if a.get_type() == b.get_type() => {
-            Meter::work(eval, left.saturating_add(right))?;
+            Meter::charge(eval, left.saturating_add(right))?;
             a.add(b, eval.heap())
         }
         ("*", Some(length), None) | ("*", None, Some(length)) => {
             let times = if length_is_of_b(a) { a.unpack_i32() } else { b.unpack_i32() };
-            let Some(times) = times else { return Err(no_meaning(operator, &arg_of(a), &arg_of(b))) };
-            Meter::work(eval, length.saturating_mul(usize::try_from(times).unwrap_or(0)))?;
+            let Some(times) = times else { return Err(undefined_operator(operator, &arg_of(a), &arg_of(b))) };
+            Meter::charge(eval, length.saturating_mul(usize::try_from(times).unwrap_or(0)))?;
             a.mul(b, eval.heap())
         }
-        _ => Err(no_meaning(operator, &arg_of(a), &arg_of(b))),
+        _ => Err(undefined_operator(operator, &arg_of(a), &arg_of(b))),
     }
 }
 
@@ -111,6 +111,6 @@ pub(crate) fn of_numbers<'v>(
         "/" => a.div(b, heap),
         "//" => a.floor_div(b, heap),
         "%" => a.percent(b, heap),
-        _ => Err(fault(Fault(format!("'{operator}' has no meaning between numbers")))),
+        _ => Err(fault(CallError(format!("'{operator}' has no meaning between numbers")))),
     }
 }

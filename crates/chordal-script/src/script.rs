@@ -1,10 +1,10 @@
 //! `run`: a script to the field that its last expression is.
 use crate::builtins::builtins;
-use crate::grammar::{Program, Source, parse};
-use crate::held::{Callable, Held};
-use crate::language::{Arg, Fault, functions};
-use crate::meter::{Exceeded, Meter};
-use crate::operators::{OPERATORS, Operator};
+use crate::grammar::{Program, ScriptSource, parse};
+use crate::language::{Arg, CallError, functions};
+use crate::meter::{LimitError, Meter};
+use crate::operators::{OPERATORS, StarlarkOperator};
+use crate::values::{StarlarkFunction, StarlarkShape};
 use crate::{Limits, ScriptError};
 use chordal::Job;
 use chordal::implicit::Field;
@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 
 /// What a script is run with.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Options {
+pub struct RunOptions {
     /// What parameters are set to, by name.
     pub set: BTreeMap<String, f64>,
     /// What the script may use.
@@ -51,7 +51,7 @@ pub struct Parameter {
 /// # Errors
 /// When the text is no script, does what no script can, uses more than it may, ends without a shape, or a parameter is set
 /// that it does not have; and when the job is cancelled.
-pub fn run(text: &str, options: &Options, job: &Job) -> Result<Script, ScriptError> {
+pub fn run(text: &str, options: &RunOptions, job: &Job) -> Result<Script, ScriptError> {
     let Program { module, source } = parse(text.strip_prefix('\u{feff}').unwrap_or(text), &options.limits)?;
     if job.is_cancelled() {
         return Err(cancelled());
@@ -69,7 +69,7 @@ pub fn run(text: &str, options: &Options, job: &Job) -> Result<Script, ScriptErr
         set.map_err(|error| ScriptError::new("script-limit", error.to_string()))?;
         eval.disable_gc();
         eval.set_check_cancelled(Box::new(|| job.is_cancelled()));
-        eval.before_stmt_for_dap(BeforeStmtFunc::Dyn(Box::new(BetweenStatements)));
+        eval.before_stmt_for_dap(BeforeStmtFunc::Dyn(Box::new(StatementHook)));
         eval.extra = Some(&meter);
         let value =
             eval.eval_module(module, &globals).map_err(|error| translated(&source, &error, limits, job))?;
@@ -88,16 +88,16 @@ pub fn run(text: &str, options: &Options, job: &Job) -> Result<Script, ScriptErr
 }
 
 /// Looks at the limits between statements.
-struct BetweenStatements;
+struct StatementHook;
 
-impl<'e> BeforeStmtFuncDyn<'e> for BetweenStatements {
+impl<'e> BeforeStmtFuncDyn<'e> for StatementHook {
     fn call<'v>(
         &mut self,
         _span: starlark::codemap::FileSpanRef,
         _continued: bool,
         eval: &mut Evaluator<'v, '_, 'e>,
     ) -> starlark::Result<()> {
-        Meter::between(eval)
+        Meter::check_heap(eval)
     }
 }
 
@@ -105,27 +105,27 @@ impl<'e> BeforeStmtFuncDyn<'e> for BetweenStatements {
 fn globals() -> Globals {
     let mut globals = GlobalsBuilder::new().with(builtins);
     for function in functions() {
-        globals.set(function.name, Callable(function));
+        globals.set(function.name, StarlarkFunction(function));
     }
     for (name, axis) in Arg::axes() {
-        globals.set(name, Held(axis));
+        globals.set(name, StarlarkShape(axis));
     }
     globals.set("True", true);
     globals.set("False", false);
     globals.set("None", NoneType);
     for operator in OPERATORS {
-        globals.set(operator, Operator(operator));
+        globals.set(operator, StarlarkOperator(operator));
     }
     globals.build()
 }
 
 fn field_of(value: Value, limits: &Limits) -> Result<Field, ScriptError> {
-    let hint = match value.downcast_ref::<Held>() {
-        Some(Held(Arg::Shape(solid))) if solid.weight > limits.terms => {
+    let hint = match value.downcast_ref::<StarlarkShape>() {
+        Some(StarlarkShape(Arg::Shape(solid))) if solid.weight > limits.terms => {
             let message = format!("the shape has more than {} terms", limits.terms);
             return Err(ScriptError::new("script-limit", message));
         }
-        Some(Held(Arg::Shape(solid))) => return Ok(solid.field.clone()),
+        Some(StarlarkShape(Arg::Shape(solid))) => return Ok(solid.field.clone()),
         Some(_) => "a formula; field() makes a shape of it",
         None if value.is_none() => "nothing: its last line must be an expression, not an assignment",
         None if value.get_type() == "list" => "a list; union() joins shapes",
@@ -138,14 +138,16 @@ fn cancelled() -> ScriptError {
     ScriptError::new("cancelled", "cancelled")
 }
 
-fn translated(source: &Source, error: &starlark::Error, limits: &Limits, job: &Job) -> ScriptError {
+fn translated(source: &ScriptSource, error: &starlark::Error, limits: &Limits, job: &Job) -> ScriptError {
     if job.is_cancelled() {
         return cancelled();
     }
     let said = error.without_diagnostic().to_string();
     let limit = match error.kind() {
-        ErrorKind::Other(cause) if cause.is::<Exceeded>() => None,
-        ErrorKind::Other(cause) if cause.is::<Fault>() => return source.told("script-error", error),
+        ErrorKind::Other(cause) if cause.is::<LimitError>() => None,
+        ErrorKind::Other(cause) if cause.is::<CallError>() => {
+            return source.translate_error("script-error", error);
+        }
         _ if said.contains("call stack overflow") || said.contains("recursion") => {
             Some(format!("more than {} functions wait for each other", limits.calls))
         }
@@ -155,8 +157,8 @@ fn translated(source: &Source, error: &starlark::Error, limits: &Limits, job: &J
         _ if said.starts_with("Heap memory limit") => {
             Some(format!("the script's values take more than {} bytes", limits.heap))
         }
-        _ => return source.told("script-error", error),
+        _ => return source.translate_error("script-error", error),
     };
-    let told = source.told("script-limit", error);
+    let told = source.translate_error("script-limit", error);
     ScriptError { message: limit.unwrap_or(told.message), ..told }
 }

@@ -1,6 +1,6 @@
 //! Scripts that want too much: each ends with one error, soon, and without taking the machine's memory.
 use chordal::Job;
-use chordal_script::{Limits, Options, ScriptError, run};
+use chordal_script::{Limits, RunOptions, ScriptError, run};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -42,7 +42,7 @@ fn measured(text: &str) -> (Result<(), ScriptError>, isize) {
         cell.set((held, held));
         held
     });
-    let result = run(text, &Options::default(), &Job::default()).map(|_| ());
+    let result = run(text, &RunOptions::default(), &Job::default()).map(|_| ());
     let (_, most) = HELD.with(Cell::get);
     (result, most - before)
 }
@@ -160,22 +160,22 @@ fn what_is_just_within_the_limits_runs() {
         format!("def f(n):\n    return f(n - 1) if n > 0 else sphere(1)\nf({})", 20),
         format!("if 0:\n    0\n{}else:\n    0\nsphere(1)", "elif 0:\n    0\n".repeat(most)),
     ] {
-        let end = run(&text, &Options::default(), &Job::default());
+        let end = run(&text, &RunOptions::default(), &Job::default());
         if let Err(error) = end {
             assert!(["script-error", "script-syntax"].contains(&error.code), "{text}: {error}");
             println!("{error}");
         }
     }
     let wide = format!("union({})", vec!["sphere(1)"; 10_000].join(", "));
-    assert!(run(&wide, &Options::default(), &Job::default()).is_ok());
+    assert!(run(&wide, &RunOptions::default(), &Job::default()).is_ok());
     let long = format!("a = sphere(1)\n{}a", "a = a | sphere(1)\n".repeat(9_000));
-    assert!(run(&long, &Options::default(), &Job::default()).is_ok());
+    assert!(run(&long, &RunOptions::default(), &Job::default()).is_ok());
 }
 
 #[test]
 fn each_limit_is_kept() {
     let refused = |text: &str, limits: Limits| {
-        let error = run(text, &Options { limits, ..Options::default() }, &Job::default()).unwrap_err();
+        let error = run(text, &RunOptions { limits, ..RunOptions::default() }, &Job::default()).unwrap_err();
         assert_eq!(error.code, "script-limit", "{text}: {error}");
         error.message
     };
@@ -193,7 +193,7 @@ fn each_limit_is_kept() {
 fn a_cancelled_job_ends_a_script() {
     let job = Job::default();
     job.cancel();
-    let error = run("sphere(1)", &Options::default(), &job).unwrap_err();
+    let error = run("sphere(1)", &RunOptions::default(), &job).unwrap_err();
     assert_eq!(error.code, "cancelled");
 }
 
@@ -226,7 +226,8 @@ fn broken_texts_end_well() {
             }
         }
         let changed = String::from_utf8_lossy(&changed).into_owned();
-        let outcome = std::panic::catch_unwind(|| run(&changed, &Options::default(), &Job::default()).err());
+        let outcome =
+            std::panic::catch_unwind(|| run(&changed, &RunOptions::default(), &Job::default()).err());
         let Ok(error) = outcome else { panic!("round {round}: {changed:?}") };
         assert!(error.is_none_or(|error| !error.message.is_empty() && !error.code.is_empty()));
     }

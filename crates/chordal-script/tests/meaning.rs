@@ -1,9 +1,9 @@
 //! What scripts mean: shapes, operators, parameters, formulas, and the sentences about what is wrong.
-use chordal::implicit::{Distance, Graph, Quality};
-use chordal_script::{Options, Script, ScriptError, language, run};
+use chordal::implicit::{Distance, DistanceQuality, ExprGraph};
+use chordal_script::{RunOptions, Script, ScriptError, language, run};
 
 fn script(text: &str) -> Result<Script, ScriptError> {
-    run(text, &Options::default(), &Default::default())
+    run(text, &RunOptions::default(), &Default::default())
 }
 
 fn value(script: &Script, p: [f64; 3]) -> f64 {
@@ -78,7 +78,10 @@ fn shapes_have_the_distances_of_their_formulas() {
 #[test]
 fn distances_and_boxes_come_with_the_shape() {
     let drilled = script("box(2, 2, 1) - cylinder(0.4, 2)").unwrap().field;
-    assert_eq!(drilled.distance(), Distance { outside: Quality::Bound, inside: Quality::Exact });
+    assert_eq!(
+        drilled.distance(),
+        Distance { outside: DistanceQuality::Bound, inside: DistanceQuality::Exact }
+    );
     assert_eq!((drilled.bounds().min, drilled.bounds().max), ([-1.0, -1.0, -0.5], [1.0, 1.0, 0.5]));
     assert_eq!(script("field(x + 1)").unwrap().field.distance(), Distance::SIGN);
 }
@@ -89,11 +92,11 @@ fn parameters_have_defaults_and_can_be_set() {
     let found = script(text).unwrap();
     let shown: Vec<_> = found.parameters.iter().map(|p| (p.name.as_str(), p.default, p.value)).collect();
     assert_eq!(shown, [("r", 0.4, 0.4), ("height", 2.0, 2.0)]);
-    let options = Options { set: [("r".to_owned(), 0.5)].into(), ..Options::default() };
+    let options = RunOptions { set: [("r".to_owned(), 0.5)].into(), ..RunOptions::default() };
     let set = run(text, &options, &Default::default()).unwrap();
     assert_eq!(value(&set, [0.0; 3]), 0.5);
     assert_eq!((set.parameters[0].default, set.parameters[0].value), (0.4, 0.5));
-    let options = Options { set: [("q".to_owned(), 0.5)].into(), ..Options::default() };
+    let options = RunOptions { set: [("q".to_owned(), 0.5)].into(), ..RunOptions::default() };
     let error = run(text, &options, &Default::default()).unwrap_err();
     assert_eq!(
         (error.code, error.to_string().as_str()),
@@ -261,10 +264,11 @@ fn no_shape_has_more_terms_than_it_was_counted_with() {
         // Not every change goes with every shape.
         let Ok(found) = script(&text) else { continue };
         shapes += 1;
-        let terms = Graph::of(found.field.expr()).terms().len() + Graph::of(found.field.sign()).terms().len();
+        let terms = ExprGraph::from_expr(found.field.expr()).terms().len()
+            + ExprGraph::from_expr(found.field.sign()).terms().len();
         let counted = (1..60).find(|k| {
             let limits = chordal_script::Limits { terms: 1 << k, ..Default::default() };
-            run(&text, &Options { limits, ..Options::default() }, &Default::default()).is_ok()
+            run(&text, &RunOptions { limits, ..RunOptions::default() }, &Default::default()).is_ok()
         });
         // Counted in powers of two from above, for the value; the sign may take as much again.
         let most = 2_usize << counted.expect("some limit is enough");

@@ -1,10 +1,10 @@
 //! `bake`: distances to triangles on a lattice.
-use crate::mesh::refused;
-use crate::report::{BakedFacts, Certificate};
-use crate::{Input, MeshFailure, Shape, formats, placed};
+use crate::mesh::refusal;
+use crate::report::{Certificate, DistanceGridFacts};
+use crate::{Input, MeshFailure, Shape, flatten, formats};
 use chordal::Mesh;
-use chordal::budget::{Code, Job, par_map};
-use chordal::convert::{Baked, mesh_to_grid};
+use chordal::budget::{Job, RefusalCode, par_map};
+use chordal::convert::{DistanceGrid, mesh_to_grid};
 use chordal::explicit::Bvh;
 use chordal::math::{add_up, sub_up};
 use chordal_io::{Format, Volume, WriteError, npy, nrrd};
@@ -51,9 +51,9 @@ impl BakeOutcome {
 ///
 /// ```
 /// use chordal_io::Format;
-/// use chordal_verbs::{BakeSpec, Hint, bake, load};
+/// use chordal_verbs::{BakeSpec, FormatHint, bake, load};
 /// let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
-/// let input = load(obj, Hint { name: Some("corner.obj"), ..Hint::default() }, &Default::default())?;
+/// let input = load(obj, FormatHint { name: Some("corner.obj"), ..FormatHint::default() }, &Default::default())?;
 /// let outcome = bake(input, &BakeSpec { cells: 8, band: None }, Format::Nrrd, &Default::default())?;
 /// let facts = outcome.certificate.baked.unwrap();
 /// assert!(facts.solid.is_solid && facts.size == [15; 3] && facts.off_at_most < 1e-12);
@@ -63,18 +63,18 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
     if !matches!(to, Format::Npy | Format::Nrrd) {
         return Err(MeshFailure::Usage(format!("{to} holds no lattice; npy and nrrd do")));
     }
-    let mut certificate = Certificate::of(&input);
+    let mut certificate = Certificate::from_input(&input);
     let (kind, frame) = (input.shape.kind(), *input.shape.frame());
     let Shape::Scene(scene) = input.shape else {
         return Err(MeshFailure::Usage(formats::only_triangles("baked", kind)));
     };
-    let placed = placed::flattened(scene)?;
+    let placed = flatten::flatten(scene)?;
     if placed.left_out > 0 {
         certificate.notes.push(format!("parts that stand nowhere were left out ({}x)", placed.left_out));
     }
-    let mesh = placed::one_mesh(&placed.scene)?;
+    let mesh = flatten::one_mesh(&placed.scene)?;
     if mesh.faces().is_empty() {
-        return Err(refused(Code::Empty, "there are no triangles to be away from"));
+        return Err(refusal(RefusalCode::Empty, "there are no triangles to be away from"));
     }
     let baked = mesh_to_grid(&mesh, spec.cells, spec.band, job).map_err(MeshFailure::from)?;
     let off = add_up(off_at_most(&mesh, &baked, job)?, placed.moved_at_most);
@@ -84,13 +84,13 @@ pub fn bake(input: Input, spec: &BakeSpec, to: Format, job: &Job) -> Result<Bake
     if to == Format::Npy {
         certificate.notes.push("npy holds no place and no step: this report has both".to_owned());
     }
-    certificate.baked = Some(BakedFacts::of(&baked, off));
-    Ok(BakeOutcome { volume: Volume { frame, ..Volume::of(baked.grid) }, format: to, certificate })
+    certificate.baked = Some(DistanceGridFacts::new(&baked, off));
+    Ok(BakeOutcome { volume: Volume { frame, ..Volume::from_grid(baked.grid) }, format: to, certificate })
 }
 
 /// How far the samples that are distances are off at most: each is held against a bound from below and one from above
 /// that no rounding can break.
-fn off_at_most(mesh: &Mesh, baked: &Baked, job: &Job) -> Result<f64, MeshFailure> {
+fn off_at_most(mesh: &Mesh, baked: &DistanceGrid, job: &Job) -> Result<f64, MeshFailure> {
     let bvh = Bvh::build(mesh, job).map_err(MeshFailure::from)?;
     let grid = &baked.grid;
     let [nx, ny, nz] = grid.size();

@@ -1,11 +1,11 @@
 //! Cages: their smooth surface within a budget, and their refined control meshes.
 use crate::failure::best_of;
-use crate::mesh::{refused, set_aside, snapped, widened};
-use crate::polylines::Asked;
-use crate::report::{Certificate, Counted, Output, PolygonFacts, RefinedFacts, linear_name};
-use crate::written::as_written;
+use crate::file_rows::to_file_rows;
+use crate::mesh::{refusal, reserve_rounding, snap_to_format, widen_box};
+use crate::polylines::MeshRequest;
+use crate::report::{Certificate, CountedTriangles, Output, PolygonFacts, RefinementFacts, linear_name};
 use crate::{Input, MeshFailure, Normals, Shape, formats, write};
-use chordal::budget::{Bound, Code, Failure};
+use chordal::budget::{Bound, Failure, RefusalCode};
 use chordal::check;
 use chordal::convert::cage_to_mesh;
 use chordal::explicit::triangulate::Triangulator;
@@ -23,14 +23,18 @@ fn bound_to_limit(cage: &Cage, job: &Job) -> Option<Bound> {
 }
 
 /// The smooth surface at the precision of the format, with its bound.
-pub(crate) fn smooth(polygons: &Polygons, asked: &Asked, job: &Job) -> Result<(Scene, Bound), MeshFailure> {
-    let Asked { budget, to, place, .. } = asked;
-    let inner = set_aside(budget, worst_snap(&widened(place), *to), place, *to)?;
+pub(crate) fn limit_surface(
+    polygons: &Polygons,
+    asked: &MeshRequest,
+    job: &Job,
+) -> Result<(Scene, Bound), MeshFailure> {
+    let MeshRequest { budget, to, place, .. } = asked;
+    let inner = reserve_rounding(budget, worst_snap(&widen_box(place), *to), place, *to)?;
     let made = best_of(cage_to_mesh(&polygons.cage, &inner, job))?;
     let Bounded { shape, bound } = made;
-    let (mesh, bound) = snapped(&shape, bound, budget, *to, job)?;
+    let (mesh, bound) = snap_to_format(&shape, bound, budget, *to, job)?;
     // A name that says what it is; no file name, which would tie the bytes to a place.
-    Ok((Scene::of("cage", mesh, true, polygons.frame), bound))
+    Ok((Scene::from_mesh("cage", mesh, true, polygons.frame), bound))
 }
 
 /// What becomes of what stands beside the surface of a cage when that is meshed.
@@ -41,7 +45,7 @@ pub(crate) fn notes_of_mesh(polygons: &Polygons) -> Vec<String> {
             "texture coordinates are those of their own limit surface (linear: {}); the bound is not about them",
             linear_name(texcoords.linear)
         ));
-        notes.extend(faces_without(&polygons.cage));
+        notes.extend(missing_texcoords_note(&polygons.cage));
     }
     if !polygons.attributes.is_empty() {
         let message = "colours and groups of the cage were left out: its surface has none in this version";
@@ -51,7 +55,7 @@ pub(crate) fn notes_of_mesh(polygons: &Polygons) -> Vec<String> {
 }
 
 /// What faces without texture coordinates get where others have some.
-fn faces_without(cage: &Cage) -> Option<String> {
+fn missing_texcoords_note(cage: &Cage) -> Option<String> {
     let texcoords = cage.texcoords()?;
     let mut rest = &texcoords.corners[..];
     let n = cage.faces().filter(|face| {
@@ -69,7 +73,7 @@ const SIZE_SHARE: f64 = 1e-3;
 
 /// The box that the surface is certain to reach, 0 wide where none is known: that of a mesh of it, less what the mesh may be off.
 pub(crate) fn inner_box(polygons: &Polygons) -> Box3 {
-    let control = Box3::around(polygons.cage.positions());
+    let control = Box3::from_points(polygons.cage.positions());
     let Ok(tolerance) = Tolerance::new(SIZE_SHARE * control.diagonal()) else { return Box3::EMPTY };
     let made = match cage_to_mesh(&polygons.cage, &Budget::length(tolerance), &Job::default()) {
         Ok(made) => made,
@@ -94,7 +98,7 @@ pub(crate) fn inner_box(polygons: &Polygons) -> Box3 {
 
 /// Polygons, or triangles of them, for a file.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Control {
+pub enum ControlMesh {
     /// For formats that hold polygons.
     Polygons(Polygons),
     /// The same cut into triangles, for formats that hold nothing else.
@@ -105,7 +109,7 @@ pub enum Control {
 #[derive(Clone, Debug, PartialEq)]
 pub struct RefineOutcome {
     /// What will be written.
-    pub made: Control,
+    pub made: ControlMesh,
     /// The format that it is for.
     pub format: Format,
     /// What is known of it, for the file and the report.
@@ -120,11 +124,11 @@ impl RefineOutcome {
     pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
         let certificate = self.certificate.to_value();
         match &self.made {
-            Control::Polygons(polygons) if self.format == Format::Ply => {
+            ControlMesh::Polygons(polygons) if self.format == Format::Ply => {
                 ply::write_polygons(polygons, Some(&certificate), out)
             }
-            Control::Polygons(polygons) => obj::write_polygons(polygons, Some(&certificate), out),
-            Control::Triangles(scene) => write(scene, Some(&certificate), self.format, out),
+            ControlMesh::Polygons(polygons) => obj::write_polygons(polygons, Some(&certificate), out),
+            ControlMesh::Triangles(scene) => write(scene, Some(&certificate), self.format, out),
         }
     }
 }
@@ -144,9 +148,9 @@ impl RefineOutcome {
 ///
 /// ```
 /// use chordal_io::Format;
-/// use chordal_verbs::{Hint, Normals, load, refine};
+/// use chordal_verbs::{FormatHint, Normals, load, refine};
 /// let obj = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nt interpolateboundary 1/0/0 1\n";
-/// let input = load(obj, Hint { name: Some("square.obj"), ..Hint::default() }, &Default::default())?;
+/// let input = load(obj, FormatHint { name: Some("square.obj"), ..FormatHint::default() }, &Default::default())?;
 /// let outcome = refine(input, (2, Normals::Auto), Format::Obj, &Default::default())?;
 /// assert_eq!(outcome.certificate.output.unwrap().polygons().unwrap().faces, 16);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -158,9 +162,9 @@ pub fn refine(
     job: &Job,
 ) -> Result<RefineOutcome, MeshFailure> {
     formats::check_output(&input.shape, to).map_err(MeshFailure::Usage)?;
-    let mut certificate = Certificate::of(&input);
+    let mut certificate = Certificate::from_input(&input);
     let Shape::Cage(polygons) = input.shape else {
-        return Err(MeshFailure::Usage(no_cage(&input.shape, input.format)));
+        return Err(MeshFailure::Usage(not_a_cage_message(&input.shape, input.format)));
     };
     let as_polygons = formats::holds_polygons(to);
     if as_polygons && !matches!(normals, Normals::Auto | Normals::Keep) {
@@ -172,20 +176,20 @@ pub fn refine(
     if job.is_cancelled() {
         return Err(MeshFailure::Cancelled);
     }
-    certificate.refined = Some(RefinedFacts::of(&refined.cage, levels));
+    certificate.refined = Some(RefinementFacts::new(&refined.cage, levels));
     if as_polygons {
         let bound = bound_to_limit(&refined.cage, job);
-        certificate.bound = bound.map(|bound| crate::report::BoundFacts::of(&bound));
+        certificate.bound = bound.map(|bound| crate::report::BoundFacts::new(&bound));
         certificate.notes.extend(losses_of_polygons(&refined, to).iter().map(ToString::to_string));
-        certificate.output = Some(Output::Polygons(PolygonFacts::of(&refined.cage)));
-        return Ok(RefineOutcome { made: Control::Polygons(refined), format: to, certificate });
+        certificate.output = Some(Output::Polygons(PolygonFacts::from_cage(&refined.cage)));
+        return Ok(RefineOutcome { made: ControlMesh::Polygons(refined), format: to, certificate });
     }
     certificate.notes.push(format!("{to} holds triangles alone: polygons were cut into them"));
     let scene = triangles(&refined, [input.format, to], normals, &mut certificate.notes)?;
-    let counted = Counted::of(&scene, to)?;
+    let counted = CountedTriangles::from_scene(&scene, to)?;
     certificate.output = Some(Output::Triangles(counted.output));
     certificate.valid = Some(counted.valid);
-    Ok(RefineOutcome { made: Control::Triangles(scene), format: to, certificate })
+    Ok(RefineOutcome { made: ControlMesh::Triangles(scene), format: to, certificate })
 }
 
 /// The cage after some rounds, in the order of [`Cage::refined_times`].
@@ -203,11 +207,12 @@ pub fn refine(
 /// ```
 pub fn refined_cage(cage: &Cage, levels: u32, job: &Job) -> Result<Cage, MeshFailure> {
     check_size(cage, levels, Format::Obj, job)?;
-    let refined = cage.refined_times(levels).map_err(|error| refused(Code::NotFinite, error.to_string()))?;
+    let refined =
+        cage.refined_times(levels).map_err(|error| refusal(RefusalCode::NotFinite, error.to_string()))?;
     if job.is_cancelled() { Err(MeshFailure::Cancelled) } else { Ok(refined) }
 }
 
-fn no_cage(shape: &Shape, format: Format) -> String {
+fn not_a_cage_message(shape: &Shape, format: Format) -> String {
     if format == Format::Obj {
         "the polygons were read as triangles, and only those of a cage are refined: --surface catmull-clark makes \
          them one"
@@ -234,7 +239,7 @@ fn check_size(cage: &Cage, levels: u32, to: Format, job: &Job) -> Result<(), Mes
     let n_faces = if levels == 0 { Some(cage.n_faces() as u64) } else { of_rounds(levels - 1) };
     let Some(n_faces) = n_faces else {
         let message = format!("{levels} rounds would give more faces than can be counted");
-        return Err(refused(Code::TooManyTriangles, message));
+        return Err(refusal(RefusalCode::TooManyTriangles, message));
     };
     let a_face = if is_loop { BYTES_A_TRIANGLE } else { BYTES_A_QUAD };
     let beside = if cage.texcoords().is_some() { BYTES_OF_TEXCOORDS } else { 0 };
@@ -246,14 +251,14 @@ fn check_size(cage: &Cage, levels: u32, to: Format, job: &Job) -> Result<(), Mes
             "{levels} rounds would give {n_faces} faces; the limit is {} triangles",
             job.triangle_limit
         );
-        return Err(refused(Code::TooManyTriangles, message));
+        return Err(refusal(RefusalCode::TooManyTriangles, message));
     }
     if bytes > job.memory_limit {
         let message = format!(
             "{levels} rounds would give {n_faces} faces, which take {bytes} bytes; the limit is {} (--max-memory)",
             job.memory_limit
         );
-        return Err(refused(Code::TooMuchMemory, message));
+        return Err(refusal(RefusalCode::TooMuchMemory, message));
     }
     Ok(())
 }
@@ -263,9 +268,11 @@ fn refined(polygons: Polygons, levels: u32, notes: &mut Vec<String>) -> Result<P
     if levels == 0 {
         return Ok(Polygons { certificate: None, ..polygons });
     }
-    let cage =
-        polygons.cage.refined_times(levels).map_err(|error| refused(Code::NotFinite, error.to_string()))?;
-    let mut refined = Polygons { groups: polygons.groups, ..Polygons::of(cage, polygons.frame) };
+    let cage = polygons
+        .cage
+        .refined_times(levels)
+        .map_err(|error| refusal(RefusalCode::NotFinite, error.to_string()))?;
+    let mut refined = Polygons { groups: polygons.groups, ..Polygons::from_cage(cage, polygons.frame) };
     let parts = parts_of_faces(&polygons.cage, levels);
     for attribute in polygons.attributes {
         if attribute.domain != Domain::Face {
@@ -327,12 +334,12 @@ fn triangles(
     if !polygons.attributes.is_empty() {
         notes.push("colours and groups are written with polygons alone: to .obj".to_owned());
     }
-    let mut mesh = Mesh::new(cage.positions().to_vec(), faces).map_err(crate::written::unsupported)?;
+    let mut mesh = Mesh::new(cage.positions().to_vec(), faces).map_err(crate::file_rows::unsupported)?;
     if cage.texcoords().is_some() {
         let (semantic, domain) = (Semantic::TexCoord(0), Domain::Corner);
         let attribute = Attribute { semantic, domain, width: 2, values: texcoords };
-        mesh = mesh.with_attribute(attribute).map_err(crate::written::unsupported)?;
-        notes.extend(faces_without(cage));
+        mesh = mesh.with_attribute(attribute).map_err(crate::file_rows::unsupported)?;
+        notes.extend(missing_texcoords_note(cage));
     }
     let snapped = snap(&mesh, formats[1]).map_err(MeshFailure::TooWide)?;
     if snapped.moved_at_most > 0.0 {
@@ -341,8 +348,8 @@ fn triangles(
             formats[1], snapped.moved_at_most
         ));
     }
-    let mut scene = Scene::of("cage", snapped.mesh, true, polygons.frame);
+    let mut scene = Scene::from_mesh("cage", snapped.mesh, true, polygons.frame);
     normals.apply(&mut scene, formats, notes)?;
     notes.extend(losses(&scene, formats[1])?.iter().map(ToString::to_string));
-    Ok(as_written(scene, formats[1])?)
+    Ok(to_file_rows(scene, formats[1])?)
 }

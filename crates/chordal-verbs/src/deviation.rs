@@ -1,8 +1,8 @@
 //! `deviation`: how far two shapes are apart, certified from both sides.
-use crate::report::{BoundFacts, Certificate, DeviationFacts, Report, Run, Verdict};
-use crate::{Input, MeshFailure, Shape, implicit, placed};
-use chordal::budget::{Bound, Code, Failure, Length, Reference, Refusal, Tolerance};
-use chordal::check::{self, Goal, OneSided};
+use crate::report::{BoundFacts, Certificate, DeviationFacts, Report, RunFacts, Verdict};
+use crate::{Input, MeshFailure, Shape, flatten, implicit};
+use chordal::budget::{Bound, Failure, Length, Reference, Refusal, RefusalCode, Tolerance};
+use chordal::check::{self, Goal, OneSidedDistance};
 use chordal::explicit::Cage;
 use chordal::math::{add_up, sub_down};
 use chordal::{Budget, Job, Mesh, convert};
@@ -40,8 +40,8 @@ impl Default for DeviationSpec {
 /// When a shape has no surface, or a length has no meaning for it; as for [`chordal::check::deviation`].
 ///
 /// ```
-/// use chordal_verbs::{DeviationSpec, Hint, deviation, load};
-/// let read = |text: &str| load(text.as_bytes(), Hint { name: Some("a.obj"), ..Hint::default() }, &Default::default());
+/// use chordal_verbs::{DeviationSpec, FormatHint, deviation, load};
+/// let read = |text: &str| load(text.as_bytes(), FormatHint { name: Some("a.obj"), ..FormatHint::default() }, &Default::default());
 /// let a = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")?;
 /// let b = read("v 0 0 2\nv 1 0 2\nv 0 1 2\nf 1 2 3\n")?;
 /// let report = deviation(a, b, &DeviationSpec::default(), &Default::default())?;
@@ -50,7 +50,7 @@ impl Default for DeviationSpec {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn deviation(a: Input, b: Input, spec: &DeviationSpec, job: &Job) -> Result<Report, MeshFailure> {
-    let mut certificate = Certificate::of(&a);
+    let mut certificate = Certificate::from_input(&a);
     let diagonal = b.shape.diagonal()?;
     let length = |length: Length| -> Result<Tolerance, MeshFailure> {
         length.resolve(diagonal, b.shape.frame().metres_per_unit).map_err(MeshFailure::Length)
@@ -61,10 +61,10 @@ pub fn deviation(a: Input, b: Input, spec: &DeviationSpec, job: &Job) -> Result<
         max: spec.max.map(length).transpose()?,
     };
     certificate.notes.extend(frames_differ(&a, &b));
-    let against = crate::report::InputFacts::of(&b);
+    let against = crate::report::InputFacts::from_input(&b);
     let found = measure(a.shape, b.shape, (&goal, job), &mut certificate)?;
-    certificate.bound = Some(BoundFacts::of(&found.bound));
-    let verdict = goal.max.map(|max| Verdict::of(&found.bound, max));
+    certificate.bound = Some(BoundFacts::new(&found.bound));
+    let verdict = goal.max.map(|max| Verdict::from_bound(&found.bound, max));
     let facts = DeviationFacts {
         against,
         forward: found.forward.into(),
@@ -74,7 +74,7 @@ pub fn deviation(a: Input, b: Input, spec: &DeviationSpec, job: &Job) -> Result<
         max: goal.max.map(Tolerance::get),
         verdict,
     };
-    let run = Run { verb: "deviation", ..Run::default() };
+    let run = RunFacts { verb: "deviation", ..RunFacts::default() };
     Ok(Report { deviation: Some(facts), ..Report::new(certificate, run) })
 }
 
@@ -84,22 +84,22 @@ fn measure(
     b: Shape,
     (goal, job): (&Goal, &Job),
     certificate: &mut Certificate,
-) -> Result<Found, MeshFailure> {
+) -> Result<DeviationBounds, MeshFailure> {
     let (field, other, turned) = match (a, b) {
         (Shape::Field(_), Shape::Field(_)) => {
             let message = "one of the two has to have triangles: mesh a field first".to_owned();
-            return Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }));
+            return Err(MeshFailure::Refused(Refusal { code: RefusalCode::Unsupported, message }));
         }
         (Shape::Field(field), other) => (field, other, true),
         (other, Shape::Field(field)) => (field, other, false),
-        (a, b) => return Pair::of(a, b, certificate)?.measure(goal, job),
+        (a, b) => return ComparedPair::from_shapes(a, b, certificate)?.measure(goal, job),
     };
-    let Surface::Triangles(mesh, off) = Surface::of(other, certificate)? else {
+    let ComparedSurface::Triangles(mesh, off) = ComparedSurface::from_shape(other, certificate)? else {
         let message = "only triangles are measured against a field: mesh the other shape first".to_owned();
-        return Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }));
+        return Err(MeshFailure::Refused(Refusal { code: RefusalCode::Unsupported, message }));
     };
     let found = implicit::deviation_of(&mesh, &field, goal, job)?;
-    let [forward, backward] = [found.forward, found.backward].map(|side| widened(side, off));
+    let [forward, backward] = [found.forward, found.backward].map(|side| widen(side, off));
     let [forward, backward] = if turned { [backward, forward] } else { [forward, backward] };
     let bound = if off == 0.0 {
         found.bound
@@ -107,7 +107,7 @@ fn measure(
         // Triangles that stand a little off where they belong.
         found.bound.then(&Bound::proved(0.0, off, Reference::InputTriangles))
     };
-    Ok(Found { bound, forward, backward, reached: found.reached, share: 0.0 })
+    Ok(DeviationBounds { bound, forward, backward, reached: found.reached, share: 0.0 })
 }
 
 fn frames_differ(a: &Input, b: &Input) -> Option<String> {
@@ -125,7 +125,7 @@ fn frames_differ(a: &Input, b: &Input) -> Option<String> {
 }
 
 /// A shape as something with a surface to measure.
-enum Surface {
+enum ComparedSurface {
     /// Triangles, and how far they may be from where they belong.
     Triangles(Mesh, f64),
     /// Patches and their diagonal.
@@ -135,46 +135,46 @@ enum Surface {
 }
 
 /// Triangles, how far they are from the true surface at most, and which that is.
-type Within<'a> = (Cow<'a, Mesh>, f64, Reference);
+type ApproximateMesh<'a> = (Cow<'a, Mesh>, f64, Reference);
 
-impl Surface {
-    fn of(shape: Shape, certificate: &mut Certificate) -> Result<Self, MeshFailure> {
+impl ComparedSurface {
+    fn from_shape(shape: Shape, certificate: &mut Certificate) -> Result<Self, MeshFailure> {
         let diagonal = shape.diagonal()?;
         match shape {
             Shape::Scene(scene) => {
-                let placed = placed::flattened(scene)?;
+                let placed = flatten::flatten(scene)?;
                 if placed.left_out > 0 {
                     let note = format!("parts that stand nowhere were left out ({}x)", placed.left_out);
                     certificate.notes.push(note);
                 }
-                let mesh = placed::one_mesh(&placed.scene)?.into_owned();
+                let mesh = flatten::one_mesh(&placed.scene)?.into_owned();
                 Ok(Self::Triangles(mesh, placed.moved_at_most))
             }
             Shape::Patches { patches, .. } => Ok(Self::Patches(patches, diagonal)),
             Shape::Cage(polygons) => Ok(Self::Cage(Box::new(polygons.cage), diagonal)),
             Shape::Volume(_) => {
                 let message = "a volume has no triangles to measure: mesh it first".to_owned();
-                Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }))
+                Err(MeshFailure::Refused(Refusal { code: RefusalCode::Unsupported, message }))
             }
             Shape::Field(_) => {
                 let message = "a field has no triangles to measure: mesh it first".to_owned();
-                Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }))
+                Err(MeshFailure::Refused(Refusal { code: RefusalCode::Unsupported, message }))
             }
             Shape::Drawing(_) | Shape::Curves(_) => {
                 let message = "curves have no surface to measure: mesh them first".to_owned();
-                Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }))
+                Err(MeshFailure::Refused(Refusal { code: RefusalCode::Unsupported, message }))
             }
         }
     }
 
     /// The triangles, how far they are from the true surface at most, and which that is.
-    fn within(&self, share: f64, job: &Job) -> Result<Within<'_>, MeshFailure> {
+    fn within(&self, share: f64, job: &Job) -> Result<ApproximateMesh<'_>, MeshFailure> {
         match self {
             Self::Triangles(mesh, off) => Ok((Cow::Borrowed(mesh), *off, Reference::InputTriangles)),
             Self::Patches(_, diagonal) | Self::Cage(_, diagonal) => {
                 let tolerance = Tolerance::new(share * diagonal).map_err(|_| {
                     let message = "the shape has no size".to_owned();
-                    MeshFailure::Refused(Refusal { code: Code::Empty, message })
+                    MeshFailure::Refused(Refusal { code: RefusalCode::Empty, message })
                 })?;
                 let budget = Budget::length(tolerance);
                 let made = match self {
@@ -188,7 +188,7 @@ impl Surface {
                     Failure::Refused(refusal) => MeshFailure::Refused(refusal),
                     Failure::Cancelled => MeshFailure::Cancelled,
                     Failure::Unmet(best) => MeshFailure::Refused(Refusal {
-                        code: Code::Budget,
+                        code: RefusalCode::Budget,
                         message: format!("the shape cannot be meshed finely enough: {}", best.bound),
                     }),
                 })?;
@@ -204,17 +204,17 @@ impl Surface {
 }
 
 /// What was measured, with what meshing on the way lost.
-pub(crate) struct Found {
+pub(crate) struct DeviationBounds {
     pub bound: Bound,
-    pub forward: OneSided,
-    pub backward: OneSided,
+    pub forward: OneSidedDistance,
+    pub backward: OneSidedDistance,
     pub reached: bool,
     /// The share of their diagonals to which smooth shapes were meshed.
     share: f64,
 }
 
 /// Two surfaces.
-pub(crate) struct Pair([Surface; 2]);
+pub(crate) struct ComparedPair([ComparedSurface; 2]);
 
 /// Shares of the diagonal to which patches are meshed: first, and at the finest.
 const FIRST: f64 = 1e-4;
@@ -222,28 +222,28 @@ const FINEST: f64 = 1e-6;
 /// Of the gap between the ends, what meshing may take: at each end, in each surface.
 const OF_GAP: f64 = 0.1;
 
-impl Pair {
+impl ComparedPair {
     /// The surfaces of two shapes; notes of the certificate say what is left out.
-    pub fn of(a: Shape, b: Shape, certificate: &mut Certificate) -> Result<Self, MeshFailure> {
-        Ok(Self([Surface::of(a, certificate)?, Surface::of(b, certificate)?]))
+    pub fn from_shapes(a: Shape, b: Shape, certificate: &mut Certificate) -> Result<Self, MeshFailure> {
+        Ok(Self([ComparedSurface::from_shape(a, certificate)?, ComparedSurface::from_shape(b, certificate)?]))
     }
 
     /// The triangles that were measured.
-    pub fn meshes(&self, found: &Found, job: &Job) -> Result<[Cow<'_, Mesh>; 2], MeshFailure> {
+    pub fn meshes(&self, found: &DeviationBounds, job: &Job) -> Result<[Cow<'_, Mesh>; 2], MeshFailure> {
         Ok([self.0[0].within(found.share, job)?.0, self.0[1].within(found.share, job)?.0])
     }
 
-    pub fn measure(&self, goal: &Goal, job: &Job) -> Result<Found, MeshFailure> {
+    pub fn measure(&self, goal: &Goal, job: &Job) -> Result<DeviationBounds, MeshFailure> {
         let surfaces = &self.0;
-        let exact = surfaces.iter().all(Surface::is_exact);
+        let exact = surfaces.iter().all(ComparedSurface::is_exact);
         let mut share = FIRST;
         loop {
             let [(a, a_off, _), (b, b_off, reference)] =
                 [surfaces[0].within(share, job)?, surfaces[1].within(share, job)?];
             let off = if a_off + b_off == 0.0 { 0.0 } else { add_up(a_off, b_off) };
-            let inner = if exact { *goal } else { inside(goal, off) };
+            let inner = if exact { *goal } else { tighten_goal(goal, off) };
             let found = check::deviation(&a, &b, &inner, job)?;
-            let [forward, backward] = [found.forward, found.backward].map(|side| widened(side, off));
+            let [forward, backward] = [found.forward, found.backward].map(|side| widen(side, off));
             let least =
                 if forward.at_least > backward.at_least { forward.at_least } else { backward.at_least };
             let most = if forward.at_most > backward.at_most { forward.at_most } else { backward.at_most };
@@ -254,7 +254,7 @@ impl Pair {
                 let mut bound = Bound::proved(least, most, reference);
                 bound.at = found.bound.at;
                 let reached = if exact { found.reached } else { near || decided };
-                return Ok(Found { bound, forward, backward, reached, share });
+                return Ok(DeviationBounds { bound, forward, backward, reached, share });
             }
             // The next share is one that should do, if the distance stays what it seems to be.
             let aim = OF_GAP * goal.relative * least / off * share;
@@ -265,16 +265,20 @@ impl Pair {
 }
 
 /// The goal for meshes that are up to `off` away from what they stand for: half the gap is theirs.
-fn inside(goal: &Goal, off: f64) -> Goal {
+fn tighten_goal(goal: &Goal, off: f64) -> Goal {
     let max = goal.max.and_then(|max| Tolerance::new(sub_down(max.get(), off)).ok());
     let absolute = goal.absolute.and_then(|length| Tolerance::new(0.5 * length.get()).ok());
     Goal { relative: 0.5 * goal.relative, absolute, max }
 }
 
-fn widened(side: OneSided, off: f64) -> OneSided {
+fn widen(side: OneSidedDistance, off: f64) -> OneSidedDistance {
     if off == 0.0 {
         return side;
     }
     let least = sub_down(side.at_least, off);
-    OneSided { at_least: if least > 0.0 { least } else { 0.0 }, at_most: add_up(side.at_most, off), ..side }
+    OneSidedDistance {
+        at_least: if least > 0.0 { least } else { 0.0 },
+        at_most: add_up(side.at_most, off),
+        ..side
+    }
 }

@@ -1,8 +1,8 @@
 //! `MeshFailure`: why nothing was made within the budget.
 use crate::MeshOutcome;
 use crate::report::Output;
-use chordal::budget::{Bounded, Code, Failure, InvalidLength, Refusal, Stopped};
-use chordal_io::{TooWide, WriteError};
+use chordal::budget::{Bounded, Failure, InvalidLength, JobError, Refusal, RefusalCode};
+use chordal_io::{CoordinateOverflow, WriteError};
 use std::fmt;
 
 /// Why nothing was made within the budget.
@@ -17,7 +17,7 @@ pub enum MeshFailure {
     /// The work was not started, or not finished, for this reason.
     Refused(Refusal),
     /// A coordinate does not fit the format.
-    TooWide(TooWide),
+    TooWide(CoordinateOverflow),
     /// The job was asked to stop.
     Cancelled,
 }
@@ -41,7 +41,10 @@ impl MeshFailure {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Length(_) | Self::Usage(_) => 2,
-            Self::Refused(Refusal { code: Code::NotFinite | Code::Empty | Code::Unsupported, .. }) => 3,
+            Self::Refused(Refusal {
+                code: RefusalCode::NotFinite | RefusalCode::Empty | RefusalCode::Unsupported,
+                ..
+            }) => 3,
             Self::TooWide(_) => 4,
             Self::Unmet(_) | Self::Refused(_) => 5,
             Self::Cancelled => 130,
@@ -52,15 +55,15 @@ impl MeshFailure {
 /// A scene that cannot be put in one space.
 impl From<WriteError> for MeshFailure {
     fn from(error: WriteError) -> Self {
-        Self::Refused(Refusal { code: Code::Unsupported, message: error.to_string() })
+        Self::Refused(Refusal { code: RefusalCode::Unsupported, message: error.to_string() })
     }
 }
 
-impl From<Stopped> for MeshFailure {
-    fn from(stopped: Stopped) -> Self {
+impl From<JobError> for MeshFailure {
+    fn from(stopped: JobError) -> Self {
         match stopped {
-            Stopped::Refused(refusal) => Self::Refused(refusal),
-            Stopped::Cancelled => Self::Cancelled,
+            JobError::Refused(refusal) => Self::Refused(refusal),
+            JobError::Cancelled => Self::Cancelled,
         }
     }
 }

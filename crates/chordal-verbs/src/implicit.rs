@@ -1,9 +1,9 @@
 //! Fields as verbs meet them: cut off at a region, meshed within a budget, measured against triangles.
 use crate::MeshFailure;
 use crate::failure::best_of;
-use crate::mesh::{refused, set_aside, snapped};
-use crate::polylines::Asked;
-use chordal::budget::{Bound, Code};
+use crate::mesh::{refusal, reserve_rounding, snap_to_format};
+use crate::polylines::MeshRequest;
+use chordal::budget::{Bound, RefusalCode};
 use chordal::check::{self, FieldDeviation, Goal};
 use chordal::implicit::Field;
 use chordal::math::Box3;
@@ -13,7 +13,7 @@ use serde::Serialize;
 
 /// A field with the part of space that it is looked at in.
 #[derive(Clone, Debug)]
-pub struct Implicit {
+pub struct ImplicitShape {
     /// The rule.
     pub field: Field,
     /// The box that the shape is cut off at, where somebody asked for one.
@@ -35,7 +35,7 @@ pub struct Parameter {
     pub value: f64,
 }
 
-impl Implicit {
+impl ImplicitShape {
     /// The box that holds all that there is of the shape: what is known of the field, cut off at the region. Infinite
     /// where neither says.
     #[must_use]
@@ -53,7 +53,7 @@ impl Implicit {
 
     /// The field with what the region leaves of it, closed by its sides; a shape of the plane stays one.
     #[must_use]
-    pub fn whole(&self) -> Field {
+    pub fn clip_to_region(&self) -> Field {
         let Some(region) = self.region else { return self.field.clone() };
         let flat = !self.field.tape().axes()[2];
         if flat { self.field.cropped(region) } else { self.field.clipped(region) }
@@ -70,26 +70,26 @@ impl Implicit {
 ///
 /// # Errors
 /// When the field is endless; as for [`convert::field_to_mesh`].
-pub(crate) fn of_field(
-    implicit: &Implicit,
-    asked: &Asked,
+pub(crate) fn mesh_field(
+    implicit: &ImplicitShape,
+    asked: &MeshRequest,
     notes: &mut Vec<String>,
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
     let field = finite(implicit)?;
-    let Asked { budget, to, place, .. } = asked;
-    let inner = set_aside(budget, worst_snap(place, *to), place, *to)?;
+    let MeshRequest { budget, to, place, .. } = asked;
+    let inner = reserve_rounding(budget, worst_snap(place, *to), place, *to)?;
     let made = best_of(convert::field_to_mesh(&field, &inner, job))?;
     if let Some(region) = implicit.region {
         let [low, high] = [region.min, region.max];
         notes.push(format!("the shape is cut off at the box from {low:?} to {high:?}, and closed there"));
     }
     let Bounded { shape, bound } = made;
-    let (mesh, bound) = snapped(&shape, bound, budget, *to, job)?;
+    let (mesh, bound) = snap_to_format(&shape, bound, budget, *to, job)?;
     // Where normals are for: other formats keep one row a vertex.
     let shaded = matches!(to, Format::Glb | Format::Obj);
     let mesh = if shaded { convert::with_gradient_normals(&mesh, &field, job)? } else { mesh };
-    Ok((Scene::of("field", mesh, true, implicit.frame), bound))
+    Ok((Scene::from_mesh("field", mesh, true, implicit.frame), bound))
 }
 
 /// Coordinates up to this have squares, and sums of them, that are finite: derived, 2^1024 is the end of the numbers.
@@ -103,20 +103,23 @@ pub(crate) const ENDLESS: &str = "the shape has no end in some direction: cut it
 ///
 /// # Errors
 /// When it has no end in some direction, or reaches so far that numbers overflow.
-pub(crate) fn finite(implicit: &Implicit) -> Result<Field, MeshFailure> {
+pub(crate) fn finite(implicit: &ImplicitShape) -> Result<Field, MeshFailure> {
     let field = implicit.solid();
     let bounds = field.bounds();
     if let Some(far) = bounds.min.iter().chain(&bounds.max).find(|x| x.is_finite() && x.abs() > LARGEST) {
         let message = format!(
             "the shape reaches to {far:e}, and squares of coordinates beyond {LARGEST:e} are no numbers any more: scale it down"
         );
-        return Err(refused(Code::NotFinite, message));
+        return Err(refusal(RefusalCode::NotFinite, message));
     }
     if bounds.is_empty() {
-        return Err(refused(Code::Empty, "there is no surface: nothing of the shape is within its box"));
+        return Err(refusal(
+            RefusalCode::Empty,
+            "there is no surface: nothing of the shape is within its box",
+        ));
     }
     if !bounds.diagonal().is_finite() {
-        return Err(refused(Code::Unsupported, ENDLESS));
+        return Err(refusal(RefusalCode::Unsupported, ENDLESS));
     }
     Ok(field)
 }
@@ -124,7 +127,7 @@ pub(crate) fn finite(implicit: &Implicit) -> Result<Field, MeshFailure> {
 /// How far triangles are from the surface of a field.
 pub(crate) fn deviation_of(
     mesh: &Mesh,
-    implicit: &Implicit,
+    implicit: &ImplicitShape,
     goal: &Goal,
     job: &Job,
 ) -> Result<FieldDeviation, MeshFailure> {

@@ -1,10 +1,11 @@
 //! `inspect`: what a file holds and whether it is sound.
 use crate::report::{
-    Certificate, Counted, Inspection, LineFacts, Look, Output, PolygonFacts, Report, Run, Uncounted,
+    Certificate, CheckDepth, CountError, CountedTriangles, Inspection, Output, PolygonFacts, PolylineFacts,
+    Report, RunFacts,
 };
 use crate::{Input, Shape};
 use chordal::Job;
-use chordal::budget::Stopped;
+use chordal::budget::JobError;
 
 /// What the input is, with its validity in full and the certificate that it carries, if it carries one.
 ///
@@ -12,9 +13,9 @@ use chordal::budget::Stopped;
 /// on a copy, so that what is prescribed helps: as long again as each of them takes, and up to three copies of the input.
 ///
 /// ```
-/// use chordal_verbs::{Hint, inspect, load};
+/// use chordal_verbs::{FormatHint, inspect, load};
 /// let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-/// let input = load(obj, Hint { name: Some("triangle.obj"), ..Hint::default() }, &Default::default())?;
+/// let input = load(obj, FormatHint { name: Some("triangle.obj"), ..FormatHint::default() }, &Default::default())?;
 /// let report = inspect(&input);
 /// let valid = report.certificate.valid.unwrap();
 /// assert!(!valid.counts.closed && valid.counts.manifold);
@@ -24,29 +25,29 @@ use chordal::budget::Stopped;
 #[must_use]
 pub fn inspect(input: &Input) -> Report {
     // Only the search for self-intersections can be stopped.
-    examined(input, Look::Full).unwrap_or_else(|_| report(input, None))
+    inspect_to_depth(input, CheckDepth::Full).unwrap_or_else(|_| report(input, None))
 }
 
 /// The same with self-intersections, which take about 1 µs a triangle where there are few.
 ///
 /// # Errors
 /// When the job is cancelled, or its memory is not enough.
-pub fn inspect_deeply(input: &Input, job: &Job) -> Result<Report, Stopped> {
-    examined(input, Look::Deep(job))
+pub fn inspect_deeply(input: &Input, job: &Job) -> Result<Report, JobError> {
+    inspect_to_depth(input, CheckDepth::Deep(job))
 }
 
-fn examined(input: &Input, look: Look) -> Result<Report, Stopped> {
+fn inspect_to_depth(input: &Input, look: CheckDepth) -> Result<Report, JobError> {
     let Shape::Scene(scene) = &input.shape else { return Ok(report(input, None)) };
-    match Counted::in_full(scene, input.format, look) {
+    match CountedTriangles::thorough(scene, input.format, look) {
         Ok(counted) => Ok(report(input, Some(counted))),
         // Merging the rows of a mesh leaves fewer of them, so that it cannot fail.
-        Err(Uncounted::Unwritten) => Ok(report(input, None)),
-        Err(Uncounted::Stopped(stopped)) => Err(stopped),
+        Err(CountError::Unwritten) => Ok(report(input, None)),
+        Err(CountError::Stopped(stopped)) => Err(stopped),
     }
 }
 
-fn report(input: &Input, counted: Option<Counted>) -> Report {
-    let mut certificate = Certificate::of(input);
+fn report(input: &Input, counted: Option<CountedTriangles>) -> Report {
+    let mut certificate = Certificate::from_input(input);
     if let Some(counted) = counted {
         certificate.output = Some(Output::Triangles(counted.output));
         certificate.valid = Some(counted.valid);
@@ -55,13 +56,13 @@ fn report(input: &Input, counted: Option<Counted>) -> Report {
         certificate.output = Some(Output::Polylines(lines));
     }
     if let Shape::Cage(polygons) = &input.shape {
-        certificate.output = Some(Output::Polygons(PolygonFacts::of(&polygons.cage)));
+        certificate.output = Some(Output::Polygons(PolygonFacts::from_cage(&polygons.cage)));
     }
-    let inspection = Inspection::of(input, &certificate);
+    let inspection = Inspection::from_input(input, &certificate);
     if inspection.found.as_ref().is_some_and(|found| !found.differs.is_empty()) {
         certificate.notes.push(DIFFERS.to_owned());
     }
-    let run = Run { verb: "inspect", ..Run::default() };
+    let run = RunFacts { verb: "inspect", ..RunFacts::default() };
     Report { inspection: Some(inspection), ..Report::new(certificate, run) }
 }
 
@@ -69,10 +70,10 @@ const DIFFERS: &str =
     "the certificate in the file speaks of other triangles or polylines than those in the file";
 
 /// What there is of polylines, where a shape is nothing else.
-fn polylines_of(shape: &Shape) -> Option<LineFacts> {
+fn polylines_of(shape: &Shape) -> Option<PolylineFacts> {
     match shape {
-        Shape::Drawing(drawing) => LineFacts::of_straight(&drawing.lines),
-        Shape::Curves(curves) => LineFacts::of_straight(&curves.lines),
+        Shape::Drawing(drawing) => PolylineFacts::from_straight_curves(&drawing.lines),
+        Shape::Curves(curves) => PolylineFacts::from_straight_curves(&curves.lines),
         Shape::Patches { .. } | Shape::Scene(_) | Shape::Cage(_) | Shape::Field(_) | Shape::Volume(_) => None,
     }
 }

@@ -2,13 +2,13 @@
 //!
 //! ```
 //! use chordal_io::Format;
-//! use chordal_verbs::{BudgetSpec, Hint, load, mesh};
+//! use chordal_verbs::{BudgetSpec, FormatHint, load, mesh};
 //!
 //! // One flat patch in Newell's text: the 16 points of a patch as indices, then the points.
 //! let patch = "1\n1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16\n16\n\
 //!     0,0,0\n1,0,0\n2,0,0\n3,0,0\n0,1,0\n1,1,1\n2,1,1\n3,1,0\n\
 //!     0,2,0\n1,2,1\n2,2,1\n3,2,0\n0,3,0\n1,3,0\n2,3,0\n3,3,0\n";
-//! let input = load(patch.as_bytes(), Hint::default(), &Default::default())?;
+//! let input = load(patch.as_bytes(), FormatHint::default(), &Default::default())?;
 //! let spec = BudgetSpec { length: Some("0.1%".parse()?), ..BudgetSpec::default() };
 //! let outcome = mesh(input, &spec, Format::Glb, &Default::default())?;
 //! let budget = outcome.certificate.budget.as_ref().unwrap().length.unwrap();
@@ -23,48 +23,48 @@ mod deviation;
 mod digest;
 mod export;
 mod failure;
-mod filled;
+mod file_rows;
+mod filled_regions;
+mod flatten;
 pub mod formats;
 mod implicit;
 mod inspect;
+mod isosurface;
 mod load;
 mod lod;
 mod mend;
 mod mesh;
 mod normals;
-mod placed;
 mod polylines;
-mod prescribed;
+mod recommend;
 mod render;
 pub mod report;
-mod sampled;
 mod script;
 mod shape;
-mod simplified;
+mod simplify;
 mod spec;
-mod surfaces;
-mod written;
+mod volume;
 
 pub use bake::{BakeOutcome, BakeSpec, bake};
-pub use cage::{Control, RefineOutcome, refine, refined_cage};
+pub use cage::{ControlMesh, RefineOutcome, refine, refined_cage};
 pub use chordal::convert::{Border, Inside, Spacing};
-pub use chordal::mend::{Duplicates, Holes};
+pub use chordal::mend::{Duplicates, HoleSelection};
 pub use chordal_io::{Axis, Curves, Drawing, Frame, PolygonSurface, Polygons, Polylines, Scene};
 pub use deviation::{DeviationSpec, deviation};
 pub use digest::sha256;
 pub use export::{write, write_polylines};
 pub use failure::MeshFailure;
-pub use implicit::{Implicit, Parameter};
+pub use implicit::{ImplicitShape, Parameter};
 pub use inspect::{inspect, inspect_deeply};
-pub use load::{Hint, Input, extension, load};
+pub use load::{FormatHint, Input, extension, load};
 pub use lod::{LodOutcome, LodSpec, TileErrors, lod};
-pub use mend::{Closeness, MendSpec, mend};
-pub use mesh::{Made, MeshOutcome, mesh};
+pub use mend::{MendSpec, WeldTolerance, mend};
+pub use mesh::{MeshOutcome, Tessellation, mesh};
 pub use normals::{InvalidNormals, Normals};
-pub use render::{Fineness, RenderOutcome, USUAL_SCREEN, render, render_against};
-pub use sampled::{Labels, Range, Sampled, Suggested, SurfaceSpec};
+pub use render::{PictureTolerance, RenderOutcome, USUAL_SCREEN, render, render_against};
 pub use shape::Shape;
 pub use spec::BudgetSpec;
+pub use volume::{LabelSelection, SuggestedLevel, SurfaceSpec, ValueRange, VolumeShape};
 
 /// The example of the page in `docs/` runs with the tests.
 #[cfg(doctest)]

@@ -2,11 +2,11 @@
 use crate::digest::sha256;
 use crate::{Shape, script};
 use chordal::math::Box3;
-use chordal_io::{Format, Limits, Place, PolygonSurface, ReadError, Warning};
+use chordal_io::{FileLocation, Format, Limits, PolygonSurface, ReadError, Warning};
 
 /// How the format of some bytes is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Hint<'a> {
+pub struct FormatHint<'a> {
     /// The file's name; its extension counts.
     pub name: Option<&'a str>,
     /// The format, whatever name and content say.
@@ -17,7 +17,7 @@ pub struct Hint<'a> {
     pub region: Option<Box3>,
 }
 
-impl Hint<'_> {
+impl FormatHint<'_> {
     /// The format that is said, else that of the name, else what the content looks like.
     #[must_use]
     pub fn format_of(self, bytes: &[u8]) -> Option<Format> {
@@ -50,13 +50,13 @@ pub struct Input {
 /// When the format cannot be told, or the bytes do not follow it, with the place.
 ///
 /// ```
-/// use chordal_verbs::{Hint, load};
+/// use chordal_verbs::{FormatHint, load};
 /// let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-/// let input = load(obj, Hint { name: Some("triangle.obj"), ..Hint::default() }, &Default::default())?;
+/// let input = load(obj, FormatHint { name: Some("triangle.obj"), ..FormatHint::default() }, &Default::default())?;
 /// assert_eq!(input.shape.kind(), "triangles");
 /// # Ok::<(), chordal_io::ReadError>(())
 /// ```
-pub fn load(bytes: &[u8], hint: Hint, limits: &Limits) -> Result<Input, ReadError> {
+pub fn load(bytes: &[u8], hint: FormatHint, limits: &Limits) -> Result<Input, ReadError> {
     let format = format_of(bytes, hint)?;
     if let Some(surface) = limits.surface {
         check_surface(surface, format)?;
@@ -66,7 +66,7 @@ pub fn load(bytes: &[u8], hint: Hint, limits: &Limits) -> Result<Input, ReadErro
     } else {
         if let Some((name, _)) = hint.set.first() {
             let message = format!("only scripts have parameters: there is no '{name}' to set in {format}");
-            return Err(ReadError::new("unknown-parameter", Place::File, message));
+            return Err(ReadError::new("unknown-parameter", FileLocation::File, message));
         }
         let loaded = chordal_io::read(bytes, format, limits)?;
         (loaded.content.into(), loaded.warnings)
@@ -76,7 +76,7 @@ pub fn load(bytes: &[u8], hint: Hint, limits: &Limits) -> Result<Input, ReadErro
         (Shape::Field(implicit), region) => implicit.region = region,
         (other, Some(_)) => {
             let message = format!("{} have their own size: a region is for fields", other.kind());
-            return Err(ReadError::new("no-field", Place::File, message));
+            return Err(ReadError::new("no-field", FileLocation::File, message));
         }
     }
     Ok(Input { shape, format, n_bytes: bytes.len() as u64, sha256: sha256(bytes), warnings })
@@ -89,13 +89,13 @@ fn check_surface(surface: PolygonSurface, format: Format) -> Result<(), ReadErro
         return Ok(());
     }
     let message = format!("only the polygons of an .obj can be a cage: --surface says nothing of {format}");
-    Err(ReadError::new("no-cage", Place::File, message))
+    Err(ReadError::new("no-cage", FileLocation::File, message))
 }
 
-fn format_of(bytes: &[u8], hint: Hint) -> Result<Format, ReadError> {
+fn format_of(bytes: &[u8], hint: FormatHint) -> Result<Format, ReadError> {
     hint.format_of(bytes).ok_or_else(|| {
         let what = if bytes.is_empty() { "the file is empty" } else { "the content is of no known format" };
-        ReadError::new("unknown-format", Place::File, format!("{what}; --from names the format"))
+        ReadError::new("unknown-format", FileLocation::File, format!("{what}; --from names the format"))
     })
 }
 

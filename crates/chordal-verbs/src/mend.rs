@@ -1,15 +1,15 @@
 //! `mend`: takes away what `inspect` found, cure by cure, as it will read back from a format.
-use crate::mesh::{MeshOutcome, finish, pass_through, refused};
-use crate::placed::{scaled_up, stretch_of_parts};
-use crate::polylines::Asked;
-use crate::report::{BoundFacts, Certificate, Counted, MendedFacts};
+use crate::flatten::{part_scales, scaled_up};
+use crate::mesh::{MeshOutcome, finish, pass_through, refusal};
+use crate::polylines::MeshRequest;
+use crate::report::{BoundFacts, Certificate, CountedTriangles, RepairFacts};
 use crate::{BudgetSpec, Input, MeshFailure, Shape, formats};
-use chordal::budget::{Bound, Budget, Code, Length, Metric, Reference, Tolerance};
+use chordal::budget::{Bound, Budget, Length, Metric, Reference, RefusalCode, Tolerance};
 use chordal::explicit::Topology;
 use chordal::math::div_down;
 use chordal::mend::{
-    Duplicates, Holes, Mended, Weld, drop_degenerate, drop_duplicates, drop_unused, fill_holes, orient,
-    resolve_t_junctions, split_non_manifold, weld,
+    Duplicates, HoleSelection, MendedMesh, Weld, drop_degenerate, drop_duplicates, drop_unused, fill_holes,
+    orient, resolve_t_junctions, split_non_manifold, weld,
 };
 use chordal::{Job, Mesh};
 use chordal_io::{Format, Scene};
@@ -18,26 +18,26 @@ use chordal_io::{Format, Scene};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MendSpec {
     /// Make vertices at one place one position.
-    pub weld: Option<Closeness>,
+    pub weld: Option<WeldTolerance>,
     /// Drop faces that repeat the positions of an earlier one.
     pub drop_duplicates: Option<Duplicates>,
     /// Drop faces without area.
     pub drop_degenerate: bool,
     /// Cut faces where a vertex lies in the middle of their edge.
-    pub resolve_t_junctions: Option<Closeness>,
+    pub resolve_t_junctions: Option<WeldTolerance>,
     /// Take the surface apart where it is not manifold.
     pub split_non_manifold: bool,
     /// Wind faces alike, and outwards where they enclose something.
     pub orient: bool,
     /// Fill what boundary loops leave open.
-    pub fill_holes: Option<Holes>,
+    pub fill_holes: Option<HoleSelection>,
     /// Drop vertices that no face names.
     pub drop_unused: bool,
 }
 
 /// How close is at one place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Closeness {
+pub enum WeldTolerance {
     /// The same numbers.
     Exact,
     /// No further than this length.
@@ -46,14 +46,14 @@ pub enum Closeness {
 
 /// A cure with what it needs, in the order in which cures are applied.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Cure {
+pub(crate) enum RepairStep {
     Weld(Option<Tolerance>),
     DropDuplicates(Duplicates),
     DropDegenerate,
     ResolveTJunctions(Option<Tolerance>),
     SplitNonManifold,
     Orient,
-    FillHoles(Holes),
+    FillHoles(HoleSelection),
     DropUnused,
 }
 
@@ -72,9 +72,9 @@ pub(crate) enum Cure {
 ///
 /// ```
 /// use chordal_io::Format;
-/// use chordal_verbs::{Hint, MendSpec, load, mend};
+/// use chordal_verbs::{FormatHint, MendSpec, load, mend};
 /// let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 9 9 9\nf 1 2 3\n";
-/// let input = load(obj, Hint { name: Some("triangle.obj"), ..Hint::default() }, &Default::default())?;
+/// let input = load(obj, FormatHint { name: Some("triangle.obj"), ..FormatHint::default() }, &Default::default())?;
 /// let spec = MendSpec { drop_unused: true, ..MendSpec::default() };
 /// let outcome = mend(input, &spec, Format::Ply, &Default::default())?;
 /// assert_eq!(outcome.certificate.mended[0].changes[0].what, "dropped_vertices");
@@ -87,13 +87,13 @@ pub fn mend(input: Input, spec: &MendSpec, to: Format, job: &Job) -> Result<Mesh
         return Err(MeshFailure::Usage("no cure is asked for".to_owned()));
     }
     formats::check_output(&input.shape, to).map_err(MeshFailure::Usage)?;
-    let mut certificate = Certificate::of(&input);
+    let mut certificate = Certificate::from_input(&input);
     let place = input.shape.hull()?;
     let kind = input.shape.kind();
     let Shape::Scene(mut scene) = input.shape else {
         return Err(MeshFailure::Usage(formats::only_triangles("mended", kind)));
     };
-    certificate.valid_before = Some(Counted::of(&scene, input.format)?.valid);
+    certificate.valid_before = Some(CountedTriangles::from_scene(&scene, input.format)?.valid);
     let mut bound = Bound::exact(Reference::InputTriangles);
     let mut topologies = vec![formats::topology(input.format); scene.parts.len()];
     for cure in cures {
@@ -109,32 +109,35 @@ pub fn mend(input: Input, spec: &MendSpec, to: Format, job: &Job) -> Result<Mesh
             .push(format!("{to} has no indices of positions: copies on each other are one there again"));
     }
     if scene.parts.iter().all(|part| part.mesh.positions().is_empty()) {
-        return Err(refused(Code::Empty, "nothing would be left: there are no triangles, only points"));
+        return Err(refusal(
+            RefusalCode::Empty,
+            "nothing would be left: there are no triangles, only points",
+        ));
     }
     let (scene, rounded) = pass_through(scene, to, &mut certificate.notes)?;
     let nothing = BudgetSpec::default();
-    let asked = Asked { spec: &nothing, budget: Budget::default(), to, place };
+    let asked = MeshRequest { spec: &nothing, budget: Budget::default(), to, place };
     finish(scene, bound.then(&rounded), &asked, certificate)
 }
 
 impl MendSpec {
     /// Every cure, as it is without a length or a number.
     const ALL: Self = Self {
-        weld: Some(Closeness::Exact),
+        weld: Some(WeldTolerance::Exact),
         drop_duplicates: Some(Duplicates::EitherWay),
         drop_degenerate: true,
-        resolve_t_junctions: Some(Closeness::Exact),
+        resolve_t_junctions: Some(WeldTolerance::Exact),
         split_non_manifold: true,
         orient: true,
-        fill_holes: Some(Holes::All),
+        fill_holes: Some(HoleSelection::All),
         drop_unused: true,
     };
 
     /// The cures in their order.
-    fn cures(&self, shape: &Shape) -> Result<Vec<Cure>, MeshFailure> {
-        let length = |closeness: Closeness| match closeness {
-            Closeness::Exact => Ok(None),
-            Closeness::Within(length) => {
+    fn cures(&self, shape: &Shape) -> Result<Vec<RepairStep>, MeshFailure> {
+        let length = |closeness: WeldTolerance| match closeness {
+            WeldTolerance::Exact => Ok(None),
+            WeldTolerance::Within(length) => {
                 let spec = BudgetSpec { length: Some(length), ..BudgetSpec::default() };
                 spec.resolve(shape).map(|(budget, _)| budget.length)
             }
@@ -149,29 +152,29 @@ impl MendSpec {
         &self,
         weld: Option<Option<Tolerance>>,
         resolve_t_junctions: Option<Option<Tolerance>>,
-    ) -> Vec<Cure> {
-        let asked = |flag: bool, cure: Cure| flag.then_some(cure);
+    ) -> Vec<RepairStep> {
+        let asked = |flag: bool, cure: RepairStep| flag.then_some(cure);
         let all = [
-            weld.map(Cure::Weld),
-            self.drop_duplicates.map(Cure::DropDuplicates),
-            asked(self.drop_degenerate, Cure::DropDegenerate),
-            resolve_t_junctions.map(Cure::ResolveTJunctions),
-            asked(self.split_non_manifold, Cure::SplitNonManifold),
-            asked(self.orient, Cure::Orient),
-            self.fill_holes.map(Cure::FillHoles),
-            asked(self.orient && self.fill_holes.is_some(), Cure::Orient),
-            asked(self.drop_unused, Cure::DropUnused),
+            weld.map(RepairStep::Weld),
+            self.drop_duplicates.map(RepairStep::DropDuplicates),
+            asked(self.drop_degenerate, RepairStep::DropDegenerate),
+            resolve_t_junctions.map(RepairStep::ResolveTJunctions),
+            asked(self.split_non_manifold, RepairStep::SplitNonManifold),
+            asked(self.orient, RepairStep::Orient),
+            self.fill_holes.map(RepairStep::FillHoles),
+            asked(self.orient && self.fill_holes.is_some(), RepairStep::Orient),
+            asked(self.drop_unused, RepairStep::DropUnused),
         ];
         all.into_iter().flatten().collect()
     }
 }
 
 /// All cures by exact positions, in their order.
-pub(crate) fn trial_of() -> Vec<Cure> {
+pub(crate) fn trial_steps() -> Vec<RepairStep> {
     MendSpec::ALL.in_order(Some(None), Some(None))
 }
 
-impl Cure {
+impl RepairStep {
     /// The name on the command line, without its dashes.
     pub fn name(self) -> &'static str {
         match self {
@@ -192,36 +195,37 @@ impl Cure {
         scene: &mut Scene,
         topologies: &mut [Topology],
         job: &Job,
-    ) -> Result<(MendedFacts, Bound), MeshFailure> {
+    ) -> Result<(RepairFacts, Bound), MeshFailure> {
         let within = match self {
             Self::Weld(within) | Self::ResolveTJunctions(within) => within.map(Tolerance::get),
             _ => None,
         };
         let mut bound = Bound::exact(Reference::InputTriangles);
         let mut facts =
-            MendedFacts { cure: self.name(), within, changes: Vec::new(), bound: BoundFacts::of(&bound) };
-        let stretch = stretch_of_parts(scene);
+            RepairFacts { cure: self.name(), within, changes: Vec::new(), bound: BoundFacts::new(&bound) };
+        let stretch = part_scales(scene);
         for (number, part) in scene.parts.iter_mut().enumerate() {
-            let mended = self.of_part(&part.mesh, topologies[number], (stretch[number], job))?;
+            let mended = self.apply_to_part(&part.mesh, topologies[number], (stretch[number], job))?;
             facts.add(number, &mended);
-            bound = wider(bound, &mended.bound, stretch[number])?;
+            bound = max_bound(bound, &mended.bound, stretch[number])?;
             if matches!(self, Self::SplitNonManifold) && !mended.is_unchanged() {
                 // From here on the rows say what is one position: their bits would tie the copies again.
                 topologies[number] = Topology::Indices;
             }
             part.mesh = mended.mesh;
         }
-        facts.bound = BoundFacts::of(&bound);
+        facts.bound = BoundFacts::new(&bound);
         Ok((facts, bound))
     }
 
-    fn of_part(
+    fn apply_to_part(
         self,
         mesh: &Mesh,
         topology: Topology,
         (stretch, job): (f64, &Job),
-    ) -> Result<Mended, MeshFailure> {
-        let own = |within: Option<Tolerance>| within.map(|within| shrunk(within, stretch)).transpose();
+    ) -> Result<MendedMesh, MeshFailure> {
+        let own =
+            |within: Option<Tolerance>| within.map(|within| part_tolerance(within, stretch)).transpose();
         let mended = match self {
             Self::Weld(within) => weld(mesh, own(within)?.map_or(Weld::Exact, Weld::Within), job),
             Self::DropDuplicates(which) => drop_duplicates(mesh, topology, which, job),
@@ -237,28 +241,28 @@ impl Cure {
 }
 
 /// A length of the scene in the coordinates of a part that is shown at most so much larger.
-fn shrunk(within: Tolerance, stretch: f64) -> Result<Tolerance, MeshFailure> {
+fn part_tolerance(within: Tolerance, stretch: f64) -> Result<Tolerance, MeshFailure> {
     if stretch == 0.0 || stretch == 1.0 {
         return Ok(within);
     }
     Tolerance::new(div_down(within.get(), stretch)).map_err(|_| {
-        refused(
-            Code::BelowPrecision,
+        refusal(
+            RefusalCode::BelowPrecision,
             format!("{within} is no length for a part that is shown {stretch} times as large"),
         )
     })
 }
 
 /// The larger of two bounds, of which the second is in the coordinates of a part.
-fn wider(all: Bound, part: &Bound, stretch: f64) -> Result<Bound, MeshFailure> {
+fn max_bound(all: Bound, part: &Bound, stretch: f64) -> Result<Bound, MeshFailure> {
     let one_sided = [&all, part].iter().any(|bound| bound.metric == Metric::OneSided);
     let at_most = all.at_most().zip(part.at_most()).map(|(all, part)| {
         let part = scaled_up(part, stretch);
         if all > part { all } else { part }
     });
     if at_most.is_some_and(|most| !most.is_finite()) {
-        return Err(refused(
-            Code::NotFinite,
+        return Err(refusal(
+            RefusalCode::NotFinite,
             "the transforms of the scene take its coordinates out of range",
         ));
     }
@@ -274,7 +278,7 @@ mod tests {
 
     #[test]
     fn the_order_is_that_of_the_one_list() {
-        let mut names: Vec<String> = trial_of().iter().map(|cure| format!("--{}", cure.name())).collect();
+        let mut names: Vec<String> = trial_steps().iter().map(|cure| format!("--{}", cure.name())).collect();
         assert_eq!(names.remove(7), "--orient");
         assert_eq!(names, chordal::check::CURES);
     }

@@ -1,16 +1,17 @@
 //! `mesh`: any shape into triangles, or curves into polylines, within a budget, as they will read back from a format.
 use crate::failure::best_of;
-use crate::placed::{self, Placed};
-use crate::polylines::{self, Asked};
-use crate::report::{BoundFacts, BudgetFacts, Certificate, Counted, Output};
-use crate::simplified::{simplified, without_normals};
-use crate::written::as_written;
+use crate::file_rows::to_file_rows;
+use crate::flatten::{self, TransformedScene};
+use crate::polylines::{self, MeshRequest};
+use crate::report::{BoundFacts, BudgetFacts, Certificate, CountedTriangles, Output};
+use crate::simplify::{simplify_scene, without_normals};
 use crate::{
-    BudgetSpec, Input, MeshFailure, Normals, Shape, cage, filled, formats, implicit, surfaces, write,
-    write_polylines,
+    BudgetSpec, Input, MeshFailure, Normals, Shape, cage, filled_regions, formats, implicit, isosurface,
+    write, write_polylines,
 };
 use chordal::budget::{
-    Bound, Budget, Code, PixelBudget, Pixels, Reference, Refusal, Require, Stopped, Tolerance, View,
+    Bound, Budget, JobError, PixelBudget, Pixels, Reference, Refusal, RefusalCode, RequiredEvidence,
+    Tolerance, View,
 };
 use chordal::check::{self, MicroTriangles};
 use chordal::explicit::Topology;
@@ -21,7 +22,7 @@ use std::io::Write;
 
 /// What came of a shape, at the precision of its format: what a reader of the file will get.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Made {
+pub enum Tessellation {
     /// Triangles.
     Triangles(Scene),
     /// Polylines, for formats that hold those.
@@ -32,7 +33,7 @@ pub enum Made {
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshOutcome {
     /// What will be written.
-    pub made: Made,
+    pub made: Tessellation,
     /// The format that it is for.
     pub format: Format,
     /// How far it is from the true shape, rounding to the format included.
@@ -46,8 +47,8 @@ impl MeshOutcome {
     #[must_use]
     pub fn scene(&self) -> Option<&Scene> {
         match &self.made {
-            Made::Triangles(scene) => Some(scene),
-            Made::Polylines(_) => None,
+            Tessellation::Triangles(scene) => Some(scene),
+            Tessellation::Polylines(_) => None,
         }
     }
 
@@ -55,8 +56,8 @@ impl MeshOutcome {
     #[must_use]
     pub fn polylines(&self) -> Option<&Polylines> {
         match &self.made {
-            Made::Triangles(_) => None,
-            Made::Polylines(polylines) => Some(polylines),
+            Tessellation::Triangles(_) => None,
+            Tessellation::Polylines(polylines) => Some(polylines),
         }
     }
 
@@ -67,8 +68,10 @@ impl MeshOutcome {
     pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
         let certificate = self.certificate.to_value();
         match &self.made {
-            Made::Triangles(scene) => write(scene, Some(&certificate), self.format, out),
-            Made::Polylines(polylines) => write_polylines(polylines, Some(&certificate), self.format, out),
+            Tessellation::Triangles(scene) => write(scene, Some(&certificate), self.format, out),
+            Tessellation::Polylines(polylines) => {
+                write_polylines(polylines, Some(&certificate), self.format, out)
+            }
         }
     }
 }
@@ -86,9 +89,9 @@ impl MeshOutcome {
 ///
 /// ```
 /// use chordal_io::Format;
-/// use chordal_verbs::{BudgetSpec, Hint, load, mesh};
+/// use chordal_verbs::{BudgetSpec, FormatHint, load, mesh};
 /// let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-/// let input = load(obj, Hint { name: Some("triangle.obj"), ..Hint::default() }, &Default::default())?;
+/// let input = load(obj, FormatHint { name: Some("triangle.obj"), ..FormatHint::default() }, &Default::default())?;
 /// let spec = BudgetSpec { length: Some("1%".parse()?), ..BudgetSpec::default() };
 /// let outcome = mesh(input, &spec, Format::Ply, &Default::default())?;
 /// assert_eq!(outcome.bound.at_most(), Some(0.0)); // one triangle cannot become fewer
@@ -99,71 +102,86 @@ pub fn mesh(input: Input, spec: &BudgetSpec, to: Format, job: &Job) -> Result<Me
     let lines = formats::holds_polylines(to);
     spec.check_counts(lines).map_err(MeshFailure::Usage)?;
     if !spec.has_limit() && !matches!(input.shape, Shape::Volume(_)) {
-        return Err(refused(Code::Budget, "the budget has no limit: no length, no pixels, no count"));
+        return Err(refusal(RefusalCode::Budget, "the budget has no limit: no length, no pixels, no count"));
     }
-    let mut certificate = Certificate::of(&input);
+    let mut certificate = Certificate::from_input(&input);
     let (budget, note) = spec.resolve(&input.shape)?;
-    certificate.budget = spec.has_limit().then(|| BudgetFacts::of(&budget));
+    certificate.budget = spec.has_limit().then(|| BudgetFacts::new(&budget));
     certificate.notes.extend(note);
     let place = input.shape.hull()?;
     let (mut scene, bound) = match input.shape {
         Shape::Drawing(drawing) if lines => {
-            return polylines::of_drawing(drawing, &Asked { spec, budget, to, place }, certificate, job);
+            return polylines::flatten_drawing(
+                drawing,
+                &MeshRequest { spec, budget, to, place },
+                certificate,
+                job,
+            );
         }
         Shape::Curves(curves) => {
-            return polylines::of_curves(curves, &Asked { spec, budget, to, place }, certificate, job);
+            return polylines::flatten_curves(
+                curves,
+                &MeshRequest { spec, budget, to, place },
+                certificate,
+                job,
+            );
         }
         Shape::Field(implicit) if lines => {
-            return polylines::of_field(&implicit, &Asked { spec, budget, to, place }, certificate, job);
+            return polylines::contour_field(
+                &implicit,
+                &MeshRequest { spec, budget, to, place },
+                certificate,
+                job,
+            );
         }
         Shape::Drawing(drawing) => {
-            let asked = Asked { spec, budget, to, place };
-            let (mut scene, bound, place) = filled::fill(&drawing, &asked, &mut certificate, job)?;
+            let asked = MeshRequest { spec, budget, to, place };
+            let (mut scene, bound, place) = filled_regions::fill(&drawing, &asked, &mut certificate, job)?;
             spec.normals.apply(&mut scene, [input.format, to], &mut certificate.notes)?;
-            return finish(scene, bound, &Asked { place, ..asked }, certificate);
+            return finish(scene, bound, &MeshRequest { place, ..asked }, certificate);
         }
         Shape::Patches { patches, frame } => {
-            let source = Source { patches, frame, place };
+            let source = PatchSource { patches, frame, place };
             tessellate(&source, &budget, to, job)?
         }
         Shape::Cage(polygons) => {
             certificate.notes.extend(cage::notes_of_mesh(&polygons));
-            cage::smooth(&polygons, &Asked { spec, budget, to, place }, job)?
+            cage::limit_surface(&polygons, &MeshRequest { spec, budget, to, place }, job)?
         }
         Shape::Volume(sampled) => {
-            let asked = Asked { spec, budget, to, place: widened(&place) };
-            surfaces::of_volume(&sampled, &asked, &mut certificate.notes, job)?
+            let asked = MeshRequest { spec, budget, to, place: widen_box(&place) };
+            isosurface::mesh_volume(&sampled, &asked, &mut certificate.notes, job)?
         }
         Shape::Field(implicit) => {
-            let asked = Asked { spec, budget, to, place: widened(&place) };
-            implicit::of_field(&implicit, &asked, &mut certificate.notes, job)?
+            let asked = MeshRequest { spec, budget, to, place: widen_box(&place) };
+            implicit::mesh_field(&implicit, &asked, &mut certificate.notes, job)?
         }
         Shape::Scene(mut scene) => {
             if !matches!(spec.normals, Normals::Auto | Normals::Keep) {
                 without_normals(&mut scene)?;
             }
-            simplified(scene, &Asked { spec, budget, to, place }, &mut certificate, job)?
+            simplify_scene(scene, &MeshRequest { spec, budget, to, place }, &mut certificate, job)?
         }
     };
     // At the positions that will be written, and before rows are counted: hard edges double some.
     spec.normals.apply(&mut scene, [input.format, to], &mut certificate.notes)?;
     certificate.notes.extend(too_fine(&scene, &budget, job)?);
-    finish(scene, bound, &Asked { spec, budget, to, place }, certificate)
+    finish(scene, bound, &MeshRequest { spec, budget, to, place }, certificate)
 }
 
 /// The triangles as the format has them, judged, with the bound on the screen.
 pub(crate) fn finish(
     scene: Scene,
     mut bound: Bound,
-    asked: &Asked,
+    asked: &MeshRequest,
     mut certificate: Certificate,
 ) -> Result<MeshOutcome, MeshFailure> {
     let to = asked.to;
     certificate.notes.extend(losses(&scene, to)?.iter().map(ToString::to_string));
-    let scene = as_written(scene, to)?;
+    let scene = to_file_rows(scene, to)?;
     bound.pixels = on_screen(&asked.budget, &bound, &asked.place);
-    certificate.bound = Some(BoundFacts::of(&bound));
-    let counted = Counted::of(&scene, to)?;
+    certificate.bound = Some(BoundFacts::new(&bound));
+    let counted = CountedTriangles::from_scene(&scene, to)?;
     let triangles = counted.output.triangles;
     certificate.output = Some(Output::Triangles(counted.output));
     certificate.valid = Some(counted.valid);
@@ -174,7 +192,7 @@ pub(crate) fn finish(
     if !met {
         certificate.notes.push(NOT_MET.to_owned());
     }
-    let outcome = MeshOutcome { made: Made::Triangles(scene), format: to, bound, certificate };
+    let outcome = MeshOutcome { made: Tessellation::Triangles(scene), format: to, bound, certificate };
     if met { Ok(outcome) } else { Err(MeshFailure::Unmet(Box::new(outcome))) }
 }
 
@@ -183,17 +201,17 @@ pub(crate) fn finish(
 pub(crate) fn too_fine(scene: &Scene, budget: &Budget, job: &Job) -> Result<Option<String>, MeshFailure> {
     let Some(PixelBudget { view, .. }) = budget.pixels else { return Ok(None) };
     // What cannot be put together, or is too large to look at: nothing is known, and nothing is said.
-    let Ok(mesh) = placed::one_mesh(scene) else { return Ok(None) };
+    let Ok(mesh) = flatten::one_mesh(scene) else { return Ok(None) };
     let found = match check::micro_triangles(&mesh, &view, job) {
         Ok(found) => found,
-        Err(Stopped::Cancelled) => return Err(MeshFailure::Cancelled),
-        Err(Stopped::Refused(_)) => return Ok(None),
+        Err(JobError::Cancelled) => return Err(MeshFailure::Cancelled),
+        Err(JobError::Refused(_)) => return Ok(None),
     };
     let MicroTriangles { n_micro, n_triangles } = found;
     let most = n_micro > n_triangles / 2;
     let (of, at) = match view {
         View::Camera(_) => ("triangles in view", "there"),
-        View::Closest(_) => ("triangles", "even where the eye is nearest and faces them"),
+        View::MinDistance(_) => ("triangles", "even where the eye is nearest and faces them"),
     };
     Ok(most.then(|| {
         format!(
@@ -204,12 +222,12 @@ pub(crate) fn too_fine(scene: &Scene, budget: &Budget, job: &Job) -> Result<Opti
 
 pub(crate) const NOT_MET: &str = "the budget was not met: this is the best that was reached";
 
-pub(crate) fn refused(code: Code, message: impl Into<String>) -> MeshFailure {
+pub(crate) fn refusal(code: RefusalCode, message: impl Into<String>) -> MeshFailure {
     MeshFailure::Refused(Refusal { code, message: message.into() })
 }
 
 /// What is to be tessellated.
-struct Source {
+struct PatchSource {
     patches: Vec<Patch>,
     frame: Frame,
     /// A box around the patches.
@@ -217,24 +235,24 @@ struct Source {
 }
 
 fn tessellate(
-    source: &Source,
+    source: &PatchSource,
     budget: &Budget,
     to: Format,
     job: &Job,
 ) -> Result<(Scene, Bound), MeshFailure> {
-    let lost = worst_snap(&widened(&source.place), to);
-    let inner = set_aside(budget, lost, &source.place, to)?;
+    let lost = worst_snap(&widen_box(&source.place), to);
+    let inner = reserve_rounding(budget, lost, &source.place, to)?;
     let made = best_of(convert::patches_to_mesh(&source.patches, &inner, job))?;
     let Bounded { shape, bound } = made;
-    let (mesh, bound) = snapped(&shape, bound, budget, to, job)?;
+    let (mesh, bound) = snap_to_format(&shape, bound, budget, to, job)?;
     // A name that says what it is; no file name, which would tie the bytes to a place.
-    Ok((Scene::of("patches", mesh, true, source.frame), bound))
+    Ok((Scene::from_mesh("patches", mesh, true, source.frame), bound))
 }
 
 /// The mesh at the precision of the format, and the bound with what that moved added. Pixels add as lengths do: a
-/// point of the true shape moves on the screen to its point of the mesh, and from there to the rounded one. Faces
+/// point of the true shape moves on the screen to its point of the mesh, and from there to the rounded one. OfFaces
 /// whose corners rounding put on one line are dropped, and their neighbours keep the surface closed.
-pub(crate) fn snapped(
+pub(crate) fn snap_to_format(
     mesh: &Mesh,
     bound: Bound,
     budget: &Budget,
@@ -252,13 +270,18 @@ pub(crate) fn snapped(
     let mut chain = bound.then(&step);
     // What rounding to the format does to normals is not seen at angles that make sense.
     chain.angle_deg = bound.angle_deg;
-    let both = |px: PixelBudget| px.view.pixels_of_both(bound.pixels?, moved_px?);
+    let both = |px: PixelBudget| px.view.pixels_of_two_steps(bound.pixels?, moved_px?);
     chain.pixels = budget.pixels.and_then(both);
     Ok((whole.mesh, chain))
 }
 
 /// The budget of the arrow: what the user gave, less what rounding to the format may cost.
-pub(crate) fn set_aside(budget: &Budget, lost: f64, place: &Box3, to: Format) -> Result<Budget, MeshFailure> {
+pub(crate) fn reserve_rounding(
+    budget: &Budget,
+    lost: f64,
+    place: &Box3,
+    to: Format,
+) -> Result<Budget, MeshFailure> {
     if lost == 0.0 || budget.length.is_none() && budget.pixels.is_none() {
         return Ok(*budget);
     }
@@ -268,7 +291,7 @@ pub(crate) fn set_aside(budget: &Budget, lost: f64, place: &Box3, to: Format) ->
             "{asked} is less than what rounding to the single precision of {name} may cost here, {lost}; \
              obj and ply keep every digit"
         );
-        refused(Code::BelowPrecision, message)
+        refusal(RefusalCode::BelowPrecision, message)
     };
     let mut inner = *budget;
     if let Some(length) = budget.length {
@@ -277,10 +300,13 @@ pub(crate) fn set_aside(budget: &Budget, lost: f64, place: &Box3, to: Format) ->
     }
     if let Some(PixelBudget { pixels, view }) = budget.pixels {
         let lost_px = view.pixels_of(lost, place).ok_or_else(|| {
-            refused(Code::TooClose, "the shape comes so close to the eye that there is no bound in pixels")
+            refusal(
+                RefusalCode::TooClose,
+                "the shape comes so close to the eye that there is no bound in pixels",
+            )
         })?;
         // What is left may be less than what is lost, where the sum is more than theirs.
-        let both = view.pixels_of_both(pixels.get(), lost_px).unwrap_or(f64::INFINITY);
+        let both = view.pixels_of_two_steps(pixels.get(), lost_px).unwrap_or(f64::INFINITY);
         let left = Pixels::new(sub_down(pixels.get(), sub_up(both, pixels.get())));
         let pixels = left.map_err(|_| too_small(pixels.to_string(), format!("{lost_px:.3e}px")))?;
         inner.pixels = Some(PixelBudget { pixels, view });
@@ -290,7 +316,7 @@ pub(crate) fn set_aside(budget: &Budget, lost: f64, place: &Box3, to: Format) ->
 
 /// The box with room for the rounding of evaluated points, which may leave the hull of their control points: an
 /// evaluation has less than 32 roundings of half a step each.
-pub(crate) fn widened(place: &Box3) -> Box3 {
+pub(crate) fn widen_box(place: &Box3) -> Box3 {
     let reach =
         place.min.iter().chain(&place.max).fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
     let room = 16.0 * f64::EPSILON * reach;
@@ -303,23 +329,23 @@ pub(crate) fn pass_through(
     to: Format,
     notes: &mut Vec<String>,
 ) -> Result<(Scene, Bound), MeshFailure> {
-    let Placed { mut scene, moved_at_most: placed, left_out } =
-        if to == Format::Glb { Placed::as_it_is(scene) } else { placed::flattened(scene)? };
+    let TransformedScene { mut scene, moved_at_most: placed, left_out } =
+        if to == Format::Glb { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
     if left_out > 0 {
         notes.push(format!("parts that stand nowhere in the scene were left out ({left_out}x)"));
     }
-    let stretch = placed::stretch_of_parts(&scene);
+    let stretch = flatten::part_scales(&scene);
     let mut moved = 0.0;
     for (part, stretch) in scene.parts.iter_mut().zip(stretch) {
         let snapped = snap(&part.mesh, to).map_err(MeshFailure::TooWide)?;
-        let part_moved = placed::scaled_up(snapped.moved_at_most, stretch);
+        let part_moved = flatten::scaled_up(snapped.moved_at_most, stretch);
         moved = if part_moved > moved { part_moved } else { moved };
         part.mesh = snapped.mesh;
     }
     let all = if moved == 0.0 || placed == 0.0 { moved + placed } else { add_up(moved, placed) };
     if !all.is_finite() {
-        return Err(refused(
-            Code::NotFinite,
+        return Err(refusal(
+            RefusalCode::NotFinite,
             "the transforms of the scene take its coordinates out of range",
         ));
     }
@@ -339,7 +365,7 @@ pub(crate) fn on_screen(budget: &Budget, bound: &Bound, place: &Box3) -> Option<
 /// Whether the length and the pixels of a budget hold of what is certified; where a measurement is enough and there is nothing
 /// else, of what was measured.
 pub(crate) fn lengths_are_met(budget: &Budget, bound: &Bound, place: &Box3) -> bool {
-    let measured = budget.require == Require::Measured && bound.at_most().is_none();
+    let measured = budget.require == RequiredEvidence::Measured && bound.at_most().is_none();
     let length = if measured { Some(bound.at_least()) } else { bound.at_most() };
     let pixels = match budget.pixels {
         Some(PixelBudget { view, .. }) if measured => view.pixels_of(bound.at_least(), place),

@@ -1,8 +1,8 @@
 //! `Normals`: which normals triangles get, as a person asks for it.
 use crate::MeshFailure;
+use crate::file_rows::unsupported;
 use crate::formats::topology;
-use crate::written::unsupported;
-use chordal::explicit::{Semantic, Shading, Weight, with_normals};
+use chordal::explicit::{NormalWeight, Semantic, Shading, with_normals};
 use chordal_io::{Format, Scene};
 use std::fmt;
 use std::str::FromStr;
@@ -63,16 +63,18 @@ impl Normals {
     }
 
     fn shading(self, has_some: bool, to: Format) -> Option<Shading> {
-        let crease =
-            |angle_deg: f64| Shading::Crease { angle_rad: angle_deg.to_radians(), weight: Weight::Angle };
+        let crease = |angle_deg: f64| Shading::Crease {
+            angle_rad: angle_deg.to_radians(),
+            weight: NormalWeight::Angle,
+        };
         match self {
             Self::Keep => None,
             Self::Auto if has_some || !matches!(to, Format::Glb | Format::Obj) => None,
             Self::Auto => Some(crease(USUAL_CREASE_DEG)),
             Self::Flat => Some(Shading::Flat),
-            Self::Smooth => Some(Shading::Smooth(Weight::Angle)),
+            Self::Smooth => Some(Shading::Smooth(NormalWeight::Angle)),
             Self::Crease { angle_deg } => Some(crease(angle_deg)),
-            Self::Groups => Some(Shading::Groups(Weight::Angle)),
+            Self::Groups => Some(Shading::Groups(NormalWeight::Angle)),
         }
     }
 }

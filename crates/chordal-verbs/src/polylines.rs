@@ -1,18 +1,18 @@
 //! Curves into polylines within a budget, for formats that hold polylines.
 use crate::failure::best_of;
-use crate::implicit::{ENDLESS, Implicit};
-use crate::mesh::{Made, MeshOutcome, NOT_MET, lengths_are_met, on_screen, refused};
-use crate::report::{BoundFacts, BudgetFacts, Certificate, LineFacts, Output};
+use crate::implicit::{ENDLESS, ImplicitShape};
+use crate::mesh::{MeshOutcome, NOT_MET, Tessellation, lengths_are_met, on_screen, refusal};
+use crate::report::{BoundFacts, BudgetFacts, Certificate, Output, PolylineFacts};
 use crate::{BudgetSpec, MeshFailure};
-use chordal::budget::{Bounded, Budget, Code};
+use chordal::budget::{Bounded, Budget, RefusalCode};
 use chordal::convert;
 use chordal::explicit::{Curve, Polyline};
 use chordal::math::Box3;
 use chordal::{Bound, Job};
-use chordal_io::{Curves, Drawing, Drawn, Element, Format, Polylines};
+use chordal_io::{Curves, Drawing, DrawingElement, Format, PathSet, Polylines};
 
 /// What polylines are made for.
-pub(crate) struct Asked<'a> {
+pub(crate) struct MeshRequest<'a> {
     pub spec: &'a BudgetSpec,
     pub budget: Budget,
     pub to: Format,
@@ -21,9 +21,9 @@ pub(crate) struct Asked<'a> {
 }
 
 /// Curves of the plane.
-pub(crate) fn of_drawing(
+pub(crate) fn flatten_drawing(
     drawing: Drawing,
-    asked: &Asked,
+    asked: &MeshRequest,
     certificate: Certificate,
     job: &Job,
 ) -> Result<MeshOutcome, MeshFailure> {
@@ -32,9 +32,9 @@ pub(crate) fn of_drawing(
 }
 
 /// Curves of space, which SVG cannot hold.
-pub(crate) fn of_curves(
+pub(crate) fn flatten_curves(
     curves: Curves,
-    asked: &Asked,
+    asked: &MeshRequest,
     certificate: Certificate,
     job: &Job,
 ) -> Result<MeshOutcome, MeshFailure> {
@@ -48,16 +48,16 @@ pub(crate) fn of_curves(
 }
 
 /// The curve of a field of the plane.
-pub(crate) fn of_field(
-    implicit: &Implicit,
-    asked: &Asked,
+pub(crate) fn contour_field(
+    implicit: &ImplicitShape,
+    asked: &MeshRequest,
     mut certificate: Certificate,
     job: &Job,
 ) -> Result<MeshOutcome, MeshFailure> {
-    let field = implicit.whole();
+    let field = implicit.clip_to_region();
     let Box3 { min, max } = field.bounds();
     if !(0..2).all(|k| min[k].is_finite() && max[k].is_finite()) {
-        return Err(refused(Code::Unsupported, ENDLESS));
+        return Err(refusal(RefusalCode::Unsupported, ENDLESS));
     }
     let made = best_of(convert::field_to_polyline(&field, &asked.budget, job))?;
     if let Some(region) = implicit.region {
@@ -73,8 +73,8 @@ pub(crate) fn of_field(
         lines.iter_mut().flat_map(|line| &mut line.points).for_each(|point| point[1] = -point[1]);
         certificate.notes.push("y is negated, for it grows downwards in svg".to_owned());
     }
-    let element = Element { kind: "field", filled: true, ..Element::default() };
-    let drawn = Drawn {
+    let element = DrawingElement { kind: "field", filled: true, ..DrawingElement::default() };
+    let drawn = PathSet {
         owners: vec![0; lines.len()],
         lines,
         elements: vec![element],
@@ -84,15 +84,15 @@ pub(crate) fn of_field(
         certificate: None,
     };
     let place = Box3 { min: [min[0], min[1], 0.0], max: [max[0], max[1], 0.0] };
-    let Asked { spec, budget, to, .. } = *asked;
-    finish(Polylines::Plane(drawn), made.bound, &Asked { spec, budget, to, place }, certificate)
+    let MeshRequest { spec, budget, to, .. } = *asked;
+    finish(Polylines::Plane(drawn), made.bound, &MeshRequest { spec, budget, to, place }, certificate)
 }
 
 fn cut<const D: usize>(
-    drawn: Drawn<Curve<D>>,
-    asked: &Asked,
+    drawn: PathSet<Curve<D>>,
+    asked: &MeshRequest,
     job: &Job,
-) -> Result<(Drawn<Polyline<D>>, Bound), MeshFailure> {
+) -> Result<(PathSet<Polyline<D>>, Bound), MeshFailure> {
     let made = best_of(convert::curves_to_polylines(&drawn.lines, &asked.budget, job, asked.spec.spacing))?;
     let Bounded { shape, bound } = made;
     Ok((drawn.with_lines(shape), bound))
@@ -101,19 +101,20 @@ fn cut<const D: usize>(
 fn finish(
     polylines: Polylines,
     mut bound: Bound,
-    asked: &Asked,
+    asked: &MeshRequest,
     mut certificate: Certificate,
 ) -> Result<MeshOutcome, MeshFailure> {
     bound.pixels = on_screen(&asked.budget, &bound, &asked.place);
-    certificate.budget = Some(BudgetFacts::of(&asked.budget));
-    certificate.bound = Some(BoundFacts::of(&bound));
-    let facts = LineFacts::of(&polylines);
+    certificate.budget = Some(BudgetFacts::new(&asked.budget));
+    certificate.bound = Some(BoundFacts::new(&bound));
+    let facts = PolylineFacts::from_polylines(&polylines);
     certificate.output = Some(Output::Polylines(facts));
     let met = lengths_are_met(&asked.budget, &bound, &asked.place)
         && asked.budget.segments.is_none_or(|most| facts.segments <= most);
     if !met {
         certificate.notes.push(NOT_MET.to_owned());
     }
-    let outcome = MeshOutcome { made: Made::Polylines(polylines), format: asked.to, bound, certificate };
+    let outcome =
+        MeshOutcome { made: Tessellation::Polylines(polylines), format: asked.to, bound, certificate };
     if met { Ok(outcome) } else { Err(MeshFailure::Unmet(Box::new(outcome))) }
 }

@@ -1,17 +1,19 @@
 //! `render`: a picture of any shape; smooth shapes are meshed first, finely enough for it, fields are drawn as they are.
-use crate::Implicit;
-use crate::deviation::Pair;
-use crate::filled::Filling;
-use crate::report::{BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OutputFacts, OvershadeFacts};
-use crate::{BudgetSpec, Input, MeshFailure, Shape, placed};
-use chordal::budget::{Camera, Code, Failure, Length, Pixels, Projection, Refusal, Screen, View};
+use crate::ImplicitShape;
+use crate::deviation::ComparedPair;
+use crate::filled_regions::FilledRegions;
+use crate::report::{
+    BoundFacts, BudgetFacts, Certificate, FrameFacts, Output, OvershadeFacts, TriangleFacts,
+};
+use crate::{BudgetSpec, Input, MeshFailure, Shape, flatten};
+use chordal::budget::{Camera, Failure, Length, Pixels, Projection, Refusal, RefusalCode, Screen, View};
 use chordal::check::{self, Goal};
-use chordal::explicit::{Sides, Topology, facing};
-use chordal::implicit::query::Counts;
+use chordal::explicit::{HitSides, Topology, facing};
+use chordal::implicit::query::BeamCounts;
 use chordal::math::Box3;
 use chordal::render::{
-    Against, Cull, NotDrawn, Options, Picture, Show, Up, Viewpoint, frame, render as trace,
-    render_against as trace_against, render_field, render_overshade,
+    CullMode, FieldRenderError, Picture, ReferenceSurface, RenderOptions, RenderStyle, UpAxis, Viewpoint,
+    frame, render as trace, render_against as trace_against, render_field, render_overshade,
 };
 use chordal::{Bounded, Budget, Job, Mesh, Tolerance, convert};
 use chordal_io::{Axis, Drawing, Frame, WriteError, png};
@@ -46,7 +48,7 @@ impl RenderOutcome {
 
 /// How finely a smooth shape is meshed for a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Fineness {
+pub enum PictureTolerance {
     /// To so many pixels of the picture.
     Pixels(Pixels),
     /// To a length.
@@ -55,7 +57,7 @@ pub enum Fineness {
 
 /// Takes a picture of a shape. Which way is up comes from the shape's frame, and is z where that does not say.
 ///
-/// [`Show::Overshade`] also counts what a graphics processor shades, for the certificate; a field has no triangles to count.
+/// [`RenderStyle::Overshade`] also counts what a graphics processor shades, for the certificate; a field has no triangles to count.
 ///
 /// A smooth shape is meshed as finely as `fineness` says or, if it says nothing, to half a pixel of this very picture,
 /// and the certificate says how far the triangles are from the true shape. Where then the eye is so close that no
@@ -65,67 +67,68 @@ pub enum Fineness {
 /// As for [`crate::mesh`]; also when the camera is none, or picture and triangles need more memory than the job allows.
 ///
 /// ```
-/// use chordal::render::Options;
-/// use chordal_verbs::{Hint, load, render};
+/// use chordal::render::RenderOptions;
+/// use chordal_verbs::{FormatHint, load, render};
 /// let obj = b"v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n";
-/// let input = load(obj, Hint { name: Some("triangle.obj"), ..Hint::default() }, &Default::default())?;
-/// let outcome = render(&input, &Options::sized(40, 30), None, &Default::default())?;
+/// let input = load(obj, FormatHint { name: Some("triangle.obj"), ..FormatHint::default() }, &Default::default())?;
+/// let outcome = render(&input, &RenderOptions::sized(40, 30), None, &Default::default())?;
 /// assert_eq!((outcome.picture.width, outcome.picture.height), (40, 30));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn render(
     input: &Input,
-    options: &Options,
-    fineness: Option<Fineness>,
+    options: &RenderOptions,
+    fineness: Option<PictureTolerance>,
     job: &Job,
 ) -> Result<RenderOutcome, MeshFailure> {
-    let mut certificate = Certificate::of(input);
-    let options = Options { up: up(input.shape.frame()), ..*options };
+    let mut certificate = Certificate::from_input(input);
+    let options = RenderOptions { up: up_axis(input.shape.frame()), ..*options };
     match &input.shape {
         Shape::Scene(scene) => {
-            let mesh = placed::one_mesh(scene)?;
-            shoot(&mesh, &options, certificate, job)
+            let mesh = flatten::one_mesh(scene)?;
+            draw_mesh(&mesh, &options, certificate, job)
         }
-        Shape::Field(field) => shoot_field(field, &options, certificate, job),
+        Shape::Field(field) => draw_field(field, &options, certificate, job),
         Shape::Volume(_) => {
             let message = "a volume has no triangles to take a picture of: mesh it first".to_owned();
-            Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }))
+            Err(MeshFailure::Refused(Refusal { code: RefusalCode::Unsupported, message }))
         }
         Shape::Curves(_) => {
             let message = "curves in space have no surface to take a picture of".to_owned();
-            Err(MeshFailure::Refused(Refusal { code: Code::Unsupported, message }))
+            Err(MeshFailure::Refused(Refusal { code: RefusalCode::Unsupported, message }))
         }
         Shape::Drawing(drawing) => {
-            let asked = Asked { options, fineness, shape: &input.shape };
-            shoot_drawing(drawing, &asked, certificate, job)
+            let asked = RenderRequest { options, fineness, shape: &input.shape };
+            draw_filled_regions(drawing, &asked, certificate, job)
         }
         Shape::Patches { .. } | Shape::Cage(_) => {
             let camera = camera_for(&input.shape, &options, job)?;
-            let Meshed { made, budget, note } = mesh_for(&input.shape, fineness, &Shot { camera, job })?;
+            let PictureMesh { made, budget, note } =
+                mesh_for(&input.shape, fineness, &CameraShot { camera, job })?;
             certificate.notes.extend(note);
-            certificate.budget = Some(BudgetFacts::of(&budget));
-            certificate.bound = Some(BoundFacts::of(&made.bound));
-            let options = Options { viewpoint: Viewpoint::Camera(camera), ..options };
-            shoot(&made.shape, &options, certificate, job)
+            certificate.budget = Some(BudgetFacts::new(&budget));
+            certificate.bound = Some(BoundFacts::new(&made.bound));
+            let options = RenderOptions { viewpoint: Viewpoint::Camera(camera), ..options };
+            draw_mesh(&made.shape, &options, certificate, job)
         }
     }
 }
 
 /// A picture straight from a field, cut off at its region; the certificate's notes say what its rays are worth.
-fn shoot_field(
-    shape: &Implicit,
-    options: &Options,
+fn draw_field(
+    shape: &ImplicitShape,
+    options: &RenderOptions,
     mut certificate: Certificate,
     job: &Job,
 ) -> Result<RenderOutcome, MeshFailure> {
-    let field = shape.whole();
+    let field = shape.clip_to_region();
     let drawn = render_field(&field, options, job).map_err(|failure| match failure {
-        NotDrawn::Stopped(stop) => stop.into(),
-        NotDrawn::Leaf(error) => {
-            MeshFailure::Refused(Refusal { code: Code::Unsupported, message: error.message })
+        FieldRenderError::Stopped(stop) => stop.into(),
+        FieldRenderError::Leaf(error) => {
+            MeshFailure::Refused(Refusal { code: RefusalCode::Unsupported, message: error.message })
         }
     })?;
-    let Counts { beams, uncertain, capped, .. } = drawn.counts;
+    let BeamCounts { beams, uncertain, capped, .. } = drawn.counts;
     certificate.notes.push(format!(
         "the picture is made straight from the field: of {beams} rays {uncertain} passed something that nothing \
          clears, {capped} of them ended at the most steps; hits and misses are measured, not proved"
@@ -151,11 +154,11 @@ pub fn render_against(
     input: Input,
     against: Input,
     darkest: Option<Length>,
-    options: &Options,
+    options: &RenderOptions,
     job: &Job,
 ) -> Result<RenderOutcome, MeshFailure> {
-    let mut certificate = Certificate::of(&input);
-    let options = Options { up: up(input.shape.frame()), ..*options };
+    let mut certificate = Certificate::from_input(&input);
+    let options = RenderOptions { up: up_axis(input.shape.frame()), ..*options };
     let darkest = match darkest {
         Some(length) => Some(
             length
@@ -164,17 +167,17 @@ pub fn render_against(
         ),
         None => None,
     };
-    let pair = Pair::of(input.shape, against.shape, &mut certificate)?;
+    let pair = ComparedPair::from_shapes(input.shape, against.shape, &mut certificate)?;
     let found = pair.measure(&Goal::default(), job)?;
-    certificate.bound = Some(BoundFacts::of(&found.bound));
+    certificate.bound = Some(BoundFacts::new(&found.bound));
     let most = darkest.map_or(found.forward.at_most, Tolerance::get);
     let [mesh, other] = pair.meshes(&found, job)?;
-    certificate.output = Some(Output::Triangles(OutputFacts::of(&mesh, Topology::Indices)));
+    certificate.output = Some(Output::Triangles(TriangleFacts::from_mesh(&mesh, Topology::Indices)));
     let camera = match options.viewpoint {
         Viewpoint::Automatic(screen) => frame(&mesh, options.up, screen),
         Viewpoint::Camera(camera) => camera,
     };
-    let picture = trace_against(&mesh, Against { mesh: &other, most }, &options, job)?;
+    let picture = trace_against(&mesh, ReferenceSurface { mesh: &other, most }, &options, job)?;
     let back_share = back_share(&mesh, &camera);
     Ok(RenderOutcome { picture, camera, certificate, darkest: Some(most), back_share })
 }
@@ -186,48 +189,48 @@ fn back_share(mesh: &Mesh, camera: &Camera) -> Option<f64> {
 }
 
 /// What is asked of a picture.
-struct Asked<'a> {
-    options: Options,
-    fineness: Option<Fineness>,
+struct RenderRequest<'a> {
+    options: RenderOptions,
+    fineness: Option<PictureTolerance>,
     shape: &'a Shape,
 }
 
 /// What a drawing fills, seen from straight above unless a camera is given.
-fn shoot_drawing(
+fn draw_filled_regions(
     drawing: &Drawing,
-    asked: &Asked,
+    asked: &RenderRequest,
     mut certificate: Certificate,
     job: &Job,
 ) -> Result<RenderOutcome, MeshFailure> {
-    let filling = Filling::of(drawing, &mut certificate.notes)?;
+    let filling = FilledRegions::from_drawing(drawing, &mut certificate.notes)?;
     let camera = match asked.options.viewpoint {
         Viewpoint::Camera(camera) => camera,
-        Viewpoint::Automatic(screen) => above(&filling.place, screen),
+        Viewpoint::Automatic(screen) => camera_above(&filling.place, screen),
     };
     let (budget, note) = match asked.fineness {
-        Some(Fineness::Length(length)) => {
+        Some(PictureTolerance::Length(length)) => {
             BudgetSpec { length: Some(length), ..BudgetSpec::default() }.resolve(asked.shape)?
         }
-        Some(Fineness::Pixels(pixels)) => (Budget::pixels(pixels, View::Camera(camera)), None),
+        Some(PictureTolerance::Pixels(pixels)) => (Budget::pixels(pixels, View::Camera(camera)), None),
         None => match Pixels::new(UNSEEN_PX) {
             Ok(pixels) => (Budget::pixels(pixels, View::Camera(camera)), None),
-            Err(_) => (share_of(asked.shape, CLOSE_UP)?, Some(TOO_CLOSE.to_owned())),
+            Err(_) => (fraction_of_diagonal(asked.shape, CLOSE_UP)?, Some(TOO_CLOSE.to_owned())),
         },
     };
     certificate.notes.extend(note);
     let made = convert::outlines_to_mesh(&filling.outlines, &budget, job).map_err(unmet)?;
-    certificate.frame = FrameFacts::of(&filling.frame);
-    certificate.budget = Some(BudgetFacts::of(&budget));
-    certificate.bound = Some(BoundFacts::of(&made.bound));
-    let options = Options { viewpoint: Viewpoint::Camera(camera), up: Up::Y, ..asked.options };
-    shoot(&made.shape, &options, certificate, job)
+    certificate.frame = FrameFacts::new(&filling.frame);
+    certificate.budget = Some(BudgetFacts::new(&budget));
+    certificate.bound = Some(BoundFacts::new(&made.bound));
+    let options = RenderOptions { viewpoint: Viewpoint::Camera(camera), up: UpAxis::Y, ..asked.options };
+    draw_mesh(&made.shape, &options, certificate, job)
 }
 
 /// The share of the picture that a drawing takes.
 const FRAMED: f64 = 0.92;
 
 /// Parallel rays along −z onto the whole box.
-fn above(place: &Box3, screen: Screen) -> Camera {
+fn camera_above(place: &Box3, screen: Screen) -> Camera {
     let middle = |k: usize| place.min[k] / 2.0 + place.max[k] / 2.0;
     let size = |k: usize| place.max[k] - place.min[k];
     let aspect = f64::from(screen.height_px) / f64::from(screen.width_px.max(1));
@@ -244,33 +247,33 @@ fn above(place: &Box3, screen: Screen) -> Camera {
     }
 }
 
-fn up(frame: &Frame) -> Up {
+fn up_axis(frame: &Frame) -> UpAxis {
     match frame.up {
-        Some(Axis::Y) => Up::Y,
-        Some(Axis::Z) | None => Up::Z,
+        Some(Axis::Y) => UpAxis::Y,
+        Some(Axis::Z) | None => UpAxis::Z,
     }
 }
 
-fn shoot(
+fn draw_mesh(
     mesh: &Mesh,
-    options: &Options,
+    options: &RenderOptions,
     mut certificate: Certificate,
     job: &Job,
 ) -> Result<RenderOutcome, MeshFailure> {
-    certificate.output = Some(Output::Triangles(OutputFacts::of(mesh, Topology::Indices)));
+    certificate.output = Some(Output::Triangles(TriangleFacts::from_mesh(mesh, Topology::Indices)));
     let camera = match options.viewpoint {
         Viewpoint::Automatic(screen) => frame(mesh, options.up, screen),
         Viewpoint::Camera(camera) => camera,
     };
-    let picture = if options.show == Show::Overshade {
+    let picture = if options.show == RenderStyle::Overshade {
         let (picture, found) = render_overshade(mesh, options, job)?;
         let sides = match options.cull {
-            Cull::None => Sides::Both,
-            Cull::Back => Sides::Front,
-            Cull::Front => Sides::Back,
+            CullMode::None => HitSides::Both,
+            CullMode::Back => HitSides::Front,
+            CullMode::Front => HitSides::Back,
         };
         let flicker = check::flicker(mesh, &camera, sides, job)?;
-        certificate.overshade = Some(OvershadeFacts::of(&found, &flicker, &camera, sides));
+        certificate.overshade = Some(OvershadeFacts::new(&found, &flicker, &camera, sides));
         picture
     } else {
         trace(mesh, options, job)?
@@ -286,7 +289,7 @@ fn tessellate(shape: &Shape, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>
         Shape::Cage(polygons) => chordal::convert::cage_to_mesh(&polygons.cage, budget, job),
         other => {
             let message = format!("{} have no patches", other.kind());
-            Err(Failure::refused(Code::Unsupported, message))
+            Err(Failure::refused(RefusalCode::Unsupported, message))
         }
     };
     made.map_err(unmet)
@@ -299,18 +302,18 @@ fn unmet(failure: Failure<Mesh>) -> MeshFailure {
         Failure::Cancelled => MeshFailure::Cancelled,
         Failure::Unmet(best) => {
             let message = format!("the budget was not met; the best reached is {}", best.bound);
-            MeshFailure::Refused(Refusal { code: Code::Budget, message })
+            MeshFailure::Refused(Refusal { code: RefusalCode::Budget, message })
         }
     }
 }
 
 /// The camera of the options, or one that frames a coarse mesh of the shape.
-fn camera_for(shape: &Shape, options: &Options, job: &Job) -> Result<Camera, MeshFailure> {
+fn camera_for(shape: &Shape, options: &RenderOptions, job: &Job) -> Result<Camera, MeshFailure> {
     let screen = match options.viewpoint {
         Viewpoint::Camera(camera) => return Ok(camera),
         Viewpoint::Automatic(screen) => screen,
     };
-    let mesh = tessellate(shape, &share_of(shape, COARSE)?, job)?.shape;
+    let mesh = tessellate(shape, &fraction_of_diagonal(shape, COARSE)?, job)?.shape;
     Ok(frame(&mesh, options.up, screen))
 }
 
@@ -324,31 +327,35 @@ const UNSEEN_PX: f64 = 0.5;
 const CLOSE_UP: f64 = 1e-4;
 
 /// Triangles for a picture, the budget that they were made for, and how that came about if that is odd.
-struct Meshed {
+struct PictureMesh {
     made: Bounded<Mesh>,
     budget: Budget,
     note: Option<String>,
 }
 
 /// From where, and under which conditions.
-struct Shot<'a> {
+struct CameraShot<'a> {
     camera: Camera,
     job: &'a Job,
 }
 
-fn mesh_for(shape: &Shape, fineness: Option<Fineness>, shot: &Shot) -> Result<Meshed, MeshFailure> {
+fn mesh_for(
+    shape: &Shape,
+    fineness: Option<PictureTolerance>,
+    shot: &CameraShot,
+) -> Result<PictureMesh, MeshFailure> {
     let made = |(budget, note): (Budget, Option<String>)| {
-        Ok(Meshed { made: tessellate(shape, &budget, shot.job)?, budget, note })
+        Ok(PictureMesh { made: tessellate(shape, &budget, shot.job)?, budget, note })
     };
     let at_camera = |pixels| Budget::pixels(pixels, View::Camera(shot.camera));
     match fineness {
-        Some(Fineness::Pixels(pixels)) => made((at_camera(pixels), None)),
-        Some(Fineness::Length(length)) => {
+        Some(PictureTolerance::Pixels(pixels)) => made((at_camera(pixels), None)),
+        Some(PictureTolerance::Length(length)) => {
             made(BudgetSpec { length: Some(length), ..BudgetSpec::default() }.resolve(shape)?)
         }
         None => match Pixels::new(UNSEEN_PX).map(|pixels| made((at_camera(pixels), None))) {
-            Ok(Err(MeshFailure::Refused(Refusal { code: Code::TooClose, .. }))) | Err(_) => {
-                made((share_of(shape, CLOSE_UP)?, Some(TOO_CLOSE.to_owned())))
+            Ok(Err(MeshFailure::Refused(Refusal { code: RefusalCode::TooClose, .. }))) | Err(_) => {
+                made((fraction_of_diagonal(shape, CLOSE_UP)?, Some(TOO_CLOSE.to_owned())))
             }
             Ok(meshed) => meshed,
         },
@@ -359,7 +366,7 @@ const TOO_CLOSE: &str =
     "the eye is too close for a bound in pixels: the mesh is made to 0.01% of the diagonal instead";
 
 /// A share of the diagonal; a shape so small that it has none gets a few triangles.
-fn share_of(shape: &Shape, share: f64) -> Result<Budget, MeshFailure> {
+fn fraction_of_diagonal(shape: &Shape, share: f64) -> Result<Budget, MeshFailure> {
     Ok(Tolerance::new(shape.diagonal()? * share).map_or(Budget::triangles(FEW), Budget::length))
 }
 

@@ -5,28 +5,30 @@ use chordal_io::{Limits, ReadError};
 /// The shape that a script makes.
 #[cfg(feature = "script")]
 pub(crate) fn shape(bytes: &[u8], set: &[(String, f64)], limits: &Limits) -> Result<Shape, ReadError> {
-    use crate::{Implicit, Parameter};
-    use chordal_io::{Frame, Place};
-    use chordal_script::{Options, run};
+    use crate::{ImplicitShape, Parameter};
+    use chordal_io::{FileLocation, Frame};
+    use chordal_script::{RunOptions, run};
 
     let text = std::str::from_utf8(bytes).map_err(|error| {
-        let place = Place::Byte(error.valid_up_to() as u64);
+        let place = FileLocation::Byte(error.valid_up_to() as u64);
         ReadError::new("not-utf8", place, "the script is not UTF-8: save it as UTF-8 or plain ASCII")
     })?;
-    let mut options = Options { set: set.iter().cloned().collect(), ..Options::default() };
+    let mut options = RunOptions { set: set.iter().cloned().collect(), ..RunOptions::default() };
     let most = usize::try_from(limits.bytes).unwrap_or(usize::MAX);
     if most < options.limits.heap {
         options.limits.heap = most;
     }
     let script = run(text, &options, &Default::default()).map_err(|error| {
-        let place = error.place.map_or(Place::File, |(line, column)| Place::LineColumn { line, column });
+        let place = error
+            .place
+            .map_or(FileLocation::File, |(line, column)| FileLocation::LineColumn { line, column });
         let shown = error.excerpt().map_or_else(String::new, |excerpt| format!("\n{excerpt}"));
         ReadError::new(error.code, place, error.message + &shown)
     })?;
     let parameters = script.parameters.into_iter();
     let parameters =
         parameters.map(|p| Parameter { name: p.name, default: p.default, value: p.value }).collect();
-    Ok(Shape::Field(Implicit { field: script.field, region: None, frame: Frame::default(), parameters }))
+    Ok(Shape::Field(ImplicitShape { field: script.field, region: None, frame: Frame::default(), parameters }))
 }
 
 /// There is none: this build has no interpreter.

@@ -1,8 +1,8 @@
 //! `Shape`: anything that a verb can be applied to, in its frame.
-use crate::implicit::Implicit;
-use crate::{Sampled, SurfaceSpec, cage};
+use crate::implicit::ImplicitShape;
+use crate::{SurfaceSpec, VolumeShape, cage};
 use chordal::Patch;
-use chordal::explicit::{Curve, Piece};
+use chordal::explicit::{Curve, CurveSegment};
 use chordal::math::{Box3, add_up, mul_down, mul_up, sqrt_down, sub_down};
 use chordal_io::{Content, Curves, Drawing, Frame, Polygons, Scene, WriteError};
 
@@ -26,9 +26,9 @@ pub enum Shape {
     /// Curves in space.
     Curves(Curves),
     /// A shape as a rule.
-    Field(Implicit),
+    Field(ImplicitShape),
     /// Samples on a lattice.
-    Volume(Sampled),
+    Volume(VolumeShape),
 }
 
 impl From<Content> for Shape {
@@ -40,9 +40,9 @@ impl From<Content> for Shape {
             Content::Drawing(drawing) => Self::Drawing(drawing),
             Content::Curves(curves) => Self::Curves(curves),
             Content::Field { field, region, frame } => {
-                Self::Field(Implicit { field, region, frame, parameters: Vec::new() })
+                Self::Field(ImplicitShape { field, region, frame, parameters: Vec::new() })
             }
-            Content::Volume(volume) => Self::Volume(Sampled { volume, surface: SurfaceSpec::default() }),
+            Content::Volume(volume) => Self::Volume(VolumeShape { volume, surface: SurfaceSpec::default() }),
         }
     }
 }
@@ -97,14 +97,14 @@ impl Shape {
     pub fn hull(&self) -> Result<Box3, WriteError> {
         match self {
             Self::Patches { patches, .. } => {
-                Ok(patches.iter().fold(Box3::EMPTY, |hull, patch| hull.union(patch.hull())))
+                Ok(patches.iter().fold(Box3::EMPTY, |hull, patch| hull.union(patch.bounds())))
             }
             Self::Scene(scene) => {
                 let meshes = scene.world_meshes()?;
                 Ok(meshes.iter().fold(Box3::EMPTY, |hull, (_, mesh)| hull.union(mesh.bounds())))
             }
             // Every point of the surface is a mean of control points.
-            Self::Cage(polygons) => Ok(Box3::around(polygons.cage.positions())),
+            Self::Cage(polygons) => Ok(Box3::from_points(polygons.cage.positions())),
             Self::Drawing(drawing) => Ok(hull_of(&drawing.lines)),
             Self::Curves(curves) => Ok(hull_of(&curves.lines)),
             Self::Field(field) => Ok(field.place()),
@@ -151,9 +151,9 @@ const SAMPLES: u32 = 16;
 /// The box of points on the patches: all corners, and a lattice on those patches that could reach beyond them.
 fn sampled_box(patches: &[Patch]) -> Box3 {
     let corners = |patch: &Patch| [(0, 0), (0, 3), (3, 0), (3, 3)].map(|(i, j)| patch.control[i][j]);
-    let known = patches.iter().fold(Box3::EMPTY, |all, patch| all.union(Box3::around(&corners(patch))));
+    let known = patches.iter().fold(Box3::EMPTY, |all, patch| all.union(Box3::from_points(&corners(patch))));
     patches.iter().fold(known, |known, patch| {
-        let hull = patch.hull();
+        let hull = patch.bounds();
         if hull.is_empty() || known.contains(hull.min) && known.contains(hull.max) {
             return known;
         }
@@ -170,19 +170,19 @@ pub(crate) fn in_space<const D: usize>(p: [f64; D]) -> [f64; 3] {
 
 fn hull_of<const D: usize>(curves: &[Curve<D>]) -> Box3 {
     curves.iter().fold(Box3::EMPTY, |all, curve| {
-        let [low, high] = curve.hull();
+        let [low, high] = curve.bounds();
         all.union(Box3 { min: in_space(low), max: in_space(high) })
     })
 }
 
 /// The diagonal of the box of points on the curves: the ends of all pieces, and samples of those that could reach beyond.
 fn diagonal_of<const D: usize>(curves: &[Curve<D>]) -> f64 {
-    let pieces = || curves.iter().flat_map(|curve| curve.pieces());
+    let pieces = || curves.iter().flat_map(|curve| curve.segments());
     let known = curves.iter().fold(Box3::EMPTY, |all, curve| all.with(in_space(curve.start())));
     let known = pieces().fold(known, |all, piece| all.with(in_space(piece.end())));
     let sampled = pieces().fold(known, |known, piece| {
-        let [low, high] = piece.hull().map(in_space);
-        if matches!(piece, Piece::Line(_)) || known.contains(low) && known.contains(high) {
+        let [low, high] = piece.bounds().map(in_space);
+        if matches!(piece, CurveSegment::Line(_)) || known.contains(low) && known.contains(high) {
             return known;
         }
         let at = |i: u32| f64::from(i) / f64::from(4 * SAMPLES);
@@ -196,7 +196,7 @@ fn diagonal_of<const D: usize>(curves: &[Curve<D>]) -> f64 {
         .fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
     // An evaluated coordinate is a sum of at most 4 terms with fewer roundings than a patch's; an arc's takes sine and
     // cosine, and is off by less than its own slack and 16 steps of its reach.
-    let slack = |piece: &Piece<D>| if let Piece::Arc(arc) = piece { arc.slack() } else { 0.0 };
+    let slack = |piece: &CurveSegment<D>| if let CurveSegment::Arc(arc) = piece { arc.slack() } else { 0.0 };
     let more = |most: f64, x: f64| if x > most { x } else { most };
     let of_arcs = pieces().map(slack).fold(0.0, more);
     let of_curves = curves.iter().map(Curve::slack).fold(0.0, more);

@@ -1,6 +1,6 @@
 //! `BudgetSpec`: a budget as a person asks for it, before the shape is known.
 use crate::{MeshFailure, Normals, Shape};
-use chordal::budget::{Budget, Code, Length, PixelBudget, Refusal, Require};
+use chordal::budget::{Budget, Length, PixelBudget, Refusal, RefusalCode, RequiredEvidence};
 use chordal::convert::Spacing;
 
 /// What may be lost, with a length that can be a percentage or have a unit.
@@ -29,7 +29,7 @@ pub struct BudgetSpec {
     pub normals: Normals,
     /// The evidence that is asked for. Where nothing is said that is a proof, and for a field with a part of which no ranges are
     /// known, a function of the user's without a Lipschitz constant, a measurement.
-    pub require: Option<Require>,
+    pub require: Option<RequiredEvidence>,
 }
 
 impl BudgetSpec {
@@ -55,12 +55,12 @@ impl BudgetSpec {
     }
 
     /// The evidence that a mesh or polylines of this shape need.
-    fn required_of(&self, shape: &Shape) -> Require {
+    fn required_of(&self, shape: &Shape) -> RequiredEvidence {
         let provable = match shape {
             Shape::Field(implicit) => implicit.field.evidence().bounds_above(),
             _ => true,
         };
-        self.require.unwrap_or(if provable { Require::Proved } else { Require::Measured })
+        self.require.unwrap_or(if provable { RequiredEvidence::Proved } else { RequiredEvidence::Measured })
     }
 
     /// The budget for one shape, and what was made of the length, in a sentence where it had to be converted.
@@ -80,7 +80,7 @@ impl BudgetSpec {
         let diagonal = if matches!(length, Length::Percent(_)) { shape.diagonal()? } else { 0.0 };
         if matches!(length, Length::Percent(_)) && diagonal <= 0.0 {
             let message = format!("the shape has no size, so {length} of it is no length: give one in units");
-            return Err(MeshFailure::Refused(Refusal { code: Code::Empty, message }));
+            return Err(MeshFailure::Refused(Refusal { code: RefusalCode::Empty, message }));
         }
         let tolerance =
             length.resolve(diagonal, shape.frame().metres_per_unit).map_err(MeshFailure::Length)?;

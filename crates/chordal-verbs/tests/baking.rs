@@ -3,7 +3,7 @@ use crate::common;
 
 use chordal::convert::{mesh_to_field, mesh_to_grid};
 use chordal::{Job, Mesh};
-use chordal_verbs::{Hint, Shape, load};
+use chordal_verbs::{FormatHint, Shape, load};
 
 /// Whether the ray from `p` along `d` leaves more often than it enters; `None` where it comes too close to an edge to
 /// tell.
@@ -49,7 +49,8 @@ fn no_sign_of_a_closed_mesh_is_wrong() {
     for path in common::files(400_000) {
         let bytes = std::fs::read(&path).unwrap();
         let name = path.to_string_lossy();
-        let Ok(input) = load(&bytes, Hint { name: Some(&name), ..Hint::default() }, &Default::default())
+        let Ok(input) =
+            load(&bytes, FormatHint { name: Some(&name), ..FormatHint::default() }, &Default::default())
         else {
             continue;
         };
@@ -95,7 +96,8 @@ fn a_scan_with_holes_is_no_solid() {
     };
     let bytes = std::fs::read(&path).unwrap();
     let name = path.to_string_lossy();
-    let input = load(&bytes, Hint { name: Some(&name), ..Hint::default() }, &Default::default()).unwrap();
+    let input =
+        load(&bytes, FormatHint { name: Some(&name), ..FormatHint::default() }, &Default::default()).unwrap();
     let Shape::Scene(scene) = &input.shape else { panic!("a mesh") };
     let made = mesh_to_field(&scene.parts[0].mesh, &Job::default()).unwrap();
     assert!(!made.solid.closed && made.solid.boundary_edges > 0);

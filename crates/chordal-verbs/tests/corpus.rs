@@ -4,8 +4,8 @@ use crate::common;
 use chordal::Mesh;
 use chordal::check::Defect;
 use chordal_io::Format;
-use chordal_verbs::report::{Counts, Report};
-use chordal_verbs::{Hint, Input, Shape, inspect_deeply, load};
+use chordal_verbs::report::{Report, ValidityCounts};
+use chordal_verbs::{FormatHint, Input, Shape, inspect_deeply, load};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -14,7 +14,7 @@ use std::path::Path;
 fn read(path: &Path) -> Option<Input> {
     let bytes = std::fs::read(path).unwrap();
     let name = path.to_string_lossy();
-    load(&bytes, Hint { name: Some(&name), ..Hint::default() }, &Default::default()).ok()
+    load(&bytes, FormatHint { name: Some(&name), ..FormatHint::default() }, &Default::default()).ok()
 }
 
 /// The lower and the higher position of a triangle's side, and whether it runs up.
@@ -64,7 +64,7 @@ fn sorted_counts(mesh: &Mesh, format: Format) -> [u64; 6] {
     ]
 }
 
-fn agree(name: &str, report: &Report, counts: &Counts, sorted: [u64; 6]) {
+fn agree(name: &str, report: &Report, counts: &ValidityCounts, sorted: [u64; 6]) {
     let Some(output) = report.certificate.output.as_ref().and_then(|output| output.triangles()) else {
         panic!("{name}: no triangles")
     };
@@ -118,11 +118,11 @@ fn places_of_moved_parts_are_said_to_be_their_own() {
     let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let mesh = Mesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).unwrap();
     for moved in [0.0, 5.0] {
-        let mut scene = chordal_io::Scene::of("one", mesh.clone(), true, Default::default());
+        let mut scene = chordal_io::Scene::from_mesh("one", mesh.clone(), true, Default::default());
         scene.nodes[0].matrix[12] = moved;
         let mut glb = Vec::new();
         chordal_verbs::write(&scene, None, Format::Glb, &mut glb).unwrap();
-        let input = load(&glb, Hint::default(), &Default::default()).unwrap();
+        let input = load(&glb, FormatHint::default(), &Default::default()).unwrap();
         let report = chordal_verbs::inspect(&input);
         let anatomy = report.certificate.valid.unwrap().anatomy.unwrap();
         let bounds = report.inspection.unwrap().bounds.unwrap();

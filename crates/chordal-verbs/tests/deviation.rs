@@ -8,13 +8,13 @@ use crate::random;
 use chordal::Job;
 use chordal::explicit::Topology;
 use chordal::{Mesh, check};
-use chordal_verbs::{Hint, Input, Shape, load};
+use chordal_verbs::{FormatHint, Input, Shape, load};
 use random::Random;
 
 fn read(path: &std::path::Path) -> Option<Input> {
     let bytes = std::fs::read(path).ok()?;
     let name = path.file_name()?.to_str()?;
-    load(&bytes, Hint { name: Some(name), ..Hint::default() }, &Default::default()).ok()
+    load(&bytes, FormatHint { name: Some(name), ..FormatHint::default() }, &Default::default()).ok()
 }
 
 fn mesh_of(input: Input) -> Option<Mesh> {

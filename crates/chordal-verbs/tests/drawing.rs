@@ -3,18 +3,27 @@ use chordal::budget::{PixelBudget, Reference};
 use chordal::{Job, check};
 use chordal_io::{Axis, Format, Polylines};
 use chordal_verbs::report::{Inspection, Output};
-use chordal_verbs::{BudgetSpec, Hint, Input, MeshFailure, MeshOutcome, Spacing, inspect, load, mesh};
+use chordal_verbs::{BudgetSpec, FormatHint, Input, MeshFailure, MeshOutcome, Spacing, inspect, load, mesh};
 
 const RING: &str = "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 10 10'><path id='ring' fill-rule='evenodd' \
     d='M1 5a4 4 0 0 1 8 0a4 4 0 0 1-8 0M3 5a2 2 0 0 1 4 0a2 2 0 0 1-4 0'/></svg>";
 
 fn drawing(text: &str) -> Input {
-    load(text.as_bytes(), Hint { format: Some(Format::Svg), ..Hint::default() }, &Default::default()).unwrap()
+    load(
+        text.as_bytes(),
+        FormatHint { format: Some(Format::Svg), ..FormatHint::default() },
+        &Default::default(),
+    )
+    .unwrap()
 }
 
 fn json(text: &str) -> Input {
-    load(text.as_bytes(), Hint { format: Some(Format::Json), ..Hint::default() }, &Default::default())
-        .unwrap()
+    load(
+        text.as_bytes(),
+        FormatHint { format: Some(Format::Json), ..FormatHint::default() },
+        &Default::default(),
+    )
+    .unwrap()
 }
 
 fn length(text: &str) -> BudgetSpec {
@@ -112,7 +121,8 @@ fn pixels_at_a_view_are_bounded_in_the_plane_of_the_drawing() {
 fn counts_of_the_wrong_kind_are_usage_errors_with_a_hint() {
     let triangles = BudgetSpec { triangles: Some(5), ..BudgetSpec::default() };
     let some = BudgetSpec { segments: Some(5), ..BudgetSpec::default() };
-    let obj = || load(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Hint::default(), &Default::default()).unwrap();
+    let obj =
+        || load(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", FormatHint::default(), &Default::default()).unwrap();
     let space = || json(r#"{"curves": [{"control": [[0,0,0],[1,0,0],[2,1,0],[3,1,9]]}]}"#);
     for (input, spec, to, part) in [
         (drawing(RING), &triangles, Format::Json, "--segments 5"),
@@ -203,7 +213,7 @@ fn polylines_read_back_with_their_certificate_and_count_the_same() {
         let outcome = MeshOutcome { format: to, ..outcome.clone() };
         let mut bytes = Vec::new();
         outcome.write(&mut bytes).unwrap();
-        let read = load(&bytes, Hint::default(), &Default::default()).unwrap();
+        let read = load(&bytes, FormatHint::default(), &Default::default()).unwrap();
         assert_eq!(read.format, to, "by its content");
         let report = inspect(&read);
         assert_eq!(report.certificate.output, outcome.certificate.output);

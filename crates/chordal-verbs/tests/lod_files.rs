@@ -7,13 +7,13 @@ mod sampler;
 use crate::random;
 use chordal::{Job, Mesh};
 use chordal_io::{Format, Limits};
-use chordal_verbs::{Hint, LodSpec, Normals, Shape, TileErrors, load, lod};
+use chordal_verbs::{FormatHint, LodSpec, Normals, Shape, TileErrors, load, lod};
 use random::Random;
 use sampler::{Point, Tree, norm, on, weights};
 use serde_json::Value;
 
 fn spec(tol: &str, tile_triangles: u64) -> LodSpec {
-    let chordal::View::Closest(lens) = "1920x1080 fov=60 dist=1".parse().unwrap() else { unreachable!() };
+    let chordal::View::MinDistance(lens) = "1920x1080 fov=60 dist=1".parse().unwrap() else { unreachable!() };
     LodSpec {
         pixels: "1px".parse().unwrap(),
         lens,
@@ -27,7 +27,7 @@ fn spec(tol: &str, tile_triangles: u64) -> LodSpec {
 }
 
 fn loaded(bytes: &[u8], format: Format) -> chordal_verbs::Input {
-    let hint = Hint { name: None, format: Some(format), set: &[], region: None };
+    let hint = FormatHint { name: None, format: Some(format), set: &[], region: None };
     load(bytes, hint, &Limits::default()).expect("readable")
 }
 
@@ -161,7 +161,7 @@ fn tiles_of_a_mesh_that_is_cut_are_as_near_as_they_say() {
     let list: Value = serde_json::from_slice(&files.last().unwrap().1).unwrap();
     let mut n_mixed = 0;
     for round in 0..12 {
-        // Children in the place of a tile by chance, more and more often.
+        // Parts in the place of a tile by chance, more and more often.
         let go_on = 0.5 + f64::from(round) / 26.0;
         let (mut open, mut shown) = (vec![&list["root"]], Vec::new());
         while let Some(tile) = open.pop() {

@@ -4,9 +4,10 @@ use crate::common;
 use chordal::budget::Length;
 use chordal::{Job, Mesh};
 use chordal_io::{Format, Frame, Scene};
-use chordal_verbs::report::Counts;
+use chordal_verbs::report::ValidityCounts;
 use chordal_verbs::{
-    Closeness, Duplicates, Hint, Holes, Input, MendSpec, MeshOutcome, Shape, load, mend, write,
+    Duplicates, FormatHint, HoleSelection, Input, MendSpec, MeshOutcome, Shape, WeldTolerance, load, mend,
+    write,
 };
 use std::path::Path;
 
@@ -14,18 +15,19 @@ use std::path::Path;
 fn read(path: &Path) -> Option<Input> {
     let bytes = std::fs::read(path).unwrap();
     let name = path.to_string_lossy();
-    let input = load(&bytes, Hint { name: Some(&name), ..Hint::default() }, &Default::default()).ok()?;
+    let input =
+        load(&bytes, FormatHint { name: Some(&name), ..FormatHint::default() }, &Default::default()).ok()?;
     matches!(input.shape, Shape::Scene(_)).then_some(input)
 }
 
 const ALL: MendSpec = MendSpec {
-    weld: Some(Closeness::Exact),
+    weld: Some(WeldTolerance::Exact),
     drop_duplicates: Some(Duplicates::EitherWay),
     drop_degenerate: true,
-    resolve_t_junctions: Some(Closeness::Exact),
+    resolve_t_junctions: Some(WeldTolerance::Exact),
     split_non_manifold: true,
     orient: true,
-    fill_holes: Some(Holes::All),
+    fill_holes: Some(HoleSelection::All),
     drop_unused: true,
 };
 
@@ -64,7 +66,7 @@ fn all_cures_together_leave_nothing_to_mend_that_they_do_not_name() {
     assert!(n_files == 0 || (n_sick > 20 && n_closed > n_files * 3 / 4));
 }
 
-fn is_sick(counts: &Counts) -> bool {
+fn is_sick(counts: &ValidityCounts) -> bool {
     !(counts.closed && counts.manifold && counts.oriented)
         || counts.duplicate_faces + counts.zero_area_faces > 0
 }
@@ -76,8 +78,8 @@ fn no_cure_alone_makes_a_fault_that_was_not_there() {
         ("orient", MendSpec { orient: true, ..none }),
         ("drop unused", MendSpec { drop_unused: true, ..none }),
         ("split", MendSpec { split_non_manifold: true, ..none }),
-        ("fill", MendSpec { fill_holes: Some(Holes::All), ..none }),
-        ("t-junctions", MendSpec { resolve_t_junctions: Some(Closeness::Exact), ..none }),
+        ("fill", MendSpec { fill_holes: Some(HoleSelection::All), ..none }),
+        ("t-junctions", MendSpec { resolve_t_junctions: Some(WeldTolerance::Exact), ..none }),
         ("degenerate", MendSpec { drop_degenerate: true, ..none }),
     ];
     for path in common::files(8 << 20) {
@@ -96,7 +98,7 @@ fn no_cure_alone_makes_a_fault_that_was_not_there() {
             assert!(is.non_manifold_edges <= was.non_manifold_edges, "{name}");
             // Two of three faces along an edge that are left there together may have been wound against each other.
             let hidden = if cure == "split" { was.non_manifold_edges } else { 0 };
-            // Faces that become neighbours by a cut may turn out to be, too.
+            // OfFaces that become neighbours by a cut may turn out to be, too.
             let met = cure == "t-junctions";
             assert!(met || is.inconsistent_edges <= was.inconsistent_edges + hidden, "{name}");
             assert!(is.duplicate_faces <= was.duplicate_faces, "{name}");
@@ -110,7 +112,7 @@ fn no_cure_alone_makes_a_fault_that_was_not_there() {
 /// A triangle whose parts are shown twice, once as it is and once so many times as large; as the bytes of a GLB.
 fn shown_large(rows: &[[f64; 3]], faces: &[[u32; 3]], times: f64) -> Input {
     let mesh = Mesh::new(rows.to_vec(), faces.to_vec()).unwrap();
-    let mut scene = Scene::of("part", mesh, false, Frame::default());
+    let mut scene = Scene::from_mesh("part", mesh, false, Frame::default());
     let mut node = scene.nodes[0].clone();
     for k in [0, 5, 10] {
         node.matrix[k] = times;
@@ -119,7 +121,7 @@ fn shown_large(rows: &[[f64; 3]], faces: &[[u32; 3]], times: f64) -> Input {
     scene.roots.push(1);
     let mut bytes = Vec::new();
     write(&scene, None, Format::Glb, &mut bytes).unwrap();
-    load(&bytes, Hint { name: Some("a.glb"), ..Hint::default() }, &Default::default()).unwrap()
+    load(&bytes, FormatHint { name: Some("a.glb"), ..FormatHint::default() }, &Default::default()).unwrap()
 }
 
 #[test]
@@ -129,7 +131,7 @@ fn a_length_holds_where_a_part_is_shown_largest() {
         [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.015625, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     let faces = [[0, 1, 2], [3, 4, 5]];
     let within = |length: f64| MendSpec {
-        weld: Some(Closeness::Within(Length::Plain(length.to_string().parse().unwrap()))),
+        weld: Some(WeldTolerance::Within(Length::Plain(length.to_string().parse().unwrap()))),
         ..MendSpec::default()
     };
     let welded = |length: f64| {
@@ -147,8 +149,12 @@ fn a_length_holds_where_a_part_is_shown_largest() {
 #[test]
 fn each_part_is_mended_by_itself() {
     let open = "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
-    let input =
-        load(open.as_bytes(), Hint { name: Some("a.obj"), ..Hint::default() }, &Default::default()).unwrap();
+    let input = load(
+        open.as_bytes(),
+        FormatHint { name: Some("a.obj"), ..FormatHint::default() },
+        &Default::default(),
+    )
+    .unwrap();
     let Shape::Scene(mut scene) = input.shape.clone() else { panic!("triangles") };
     let second = scene.parts[0].clone();
     scene.parts.push(second);

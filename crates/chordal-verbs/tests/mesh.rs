@@ -1,12 +1,14 @@
 //! The verb `mesh`: the chain from the parsed numbers to the triangles in the file.
-use chordal::budget::{Code, PixelBudget, Reference, Require};
+use chordal::budget::{PixelBudget, Reference, RefusalCode, RequiredEvidence};
 use chordal::explicit::{Attribute, Domain, Semantic};
 use chordal::implicit::{Expr, Field, Leaf, LeafError};
 use chordal::math::Box3;
 use chordal::{Bound, Evidence, Job, Mesh, Patch};
 use chordal_io::{Format, Frame, Limits, Node, Scene};
 use chordal_verbs::report::BoundFacts;
-use chordal_verbs::{BudgetSpec, Hint, Implicit, Input, MeshFailure, MeshOutcome, Shape, load, mesh};
+use chordal_verbs::{
+    BudgetSpec, FormatHint, ImplicitShape, Input, MeshFailure, MeshOutcome, Shape, load, mesh,
+};
 use std::sync::Arc;
 
 const FORMATS: [(Format, &str); 4] =
@@ -123,8 +125,12 @@ fn what_is_written_is_what_was_certified() {
             let outcome = mesh(shape, &length("0.01"), format, &Job::default()).unwrap();
             let mut bytes = Vec::new();
             outcome.write(&mut bytes).unwrap();
-            let read =
-                load(&bytes, Hint { format: Some(format), ..Hint::default() }, &Limits::default()).unwrap();
+            let read = load(
+                &bytes,
+                FormatHint { format: Some(format), ..FormatHint::default() },
+                &Limits::default(),
+            )
+            .unwrap();
             let Shape::Scene(read) = read.shape else { panic!("{name} holds triangles") };
             let corners = |scene: &Scene| -> Vec<[[f64; 3]; 3]> {
                 let all = scene.world_meshes().unwrap();
@@ -151,8 +157,8 @@ fn two_parts() -> Scene {
     let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
     let tetrahedron = Mesh::new(corners, faces).unwrap();
-    let mut scene = Scene::of("first", tetrahedron.clone(), true, Frame::default());
-    scene.parts.extend(Scene::of("second", tetrahedron, true, Frame::default()).parts);
+    let mut scene = Scene::from_mesh("first", tetrahedron.clone(), true, Frame::default());
+    scene.parts.extend(Scene::from_mesh("second", tetrahedron, true, Frame::default()).parts);
     let (sin, cos) = (0.6, 0.8);
     let turned = [cos, sin, 0.0, 0.0, -sin, cos, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.1, 0.2, 0.3, 1.0];
     let scaled = [3.0, 0.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 0.0, 3.0, 0.0, 10.0, 0.0, 0.0, 1.0];
@@ -186,7 +192,8 @@ fn rounding_in_transforms_is_in_the_bound() {
 #[test]
 fn a_coordinate_beyond_single_precision_is_refused_by_formats_that_have_no_other() {
     let wide = vec![[0.0; 3], [1e39, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    let scene = |wide| Scene::of("", Mesh::new(wide, vec![[0, 1, 2]]).unwrap(), true, Frame::default());
+    let scene =
+        |wide| Scene::from_mesh("", Mesh::new(wide, vec![[0, 1, 2]]).unwrap(), true, Frame::default());
     for (format, name) in FORMATS {
         let made = mesh(input(Shape::Scene(scene(wide.clone()))), &length("1"), format, &Job::default());
         match (format, made) {
@@ -202,10 +209,10 @@ fn a_coordinate_beyond_single_precision_is_refused_by_formats_that_have_no_other
 #[test]
 fn a_report_says_of_each_evidence_what_it_rests_on() {
     let promised = Evidence::ProvedIf(vec!["the field has slope 1".to_owned()]);
-    let facts = BoundFacts::of(&Bound::with_evidence(0.1, Some(0.2), promised, Reference::InputTriangles));
+    let facts = BoundFacts::new(&Bound::with_evidence(0.1, Some(0.2), promised, Reference::InputTriangles));
     assert_eq!((facts.evidence, facts.assumptions.len(), facts.samples), ("proved-if", 1, None));
     let measured = Evidence::Measured { samples: 7 };
-    let facts = BoundFacts::of(&Bound::with_evidence(0.1, None, measured, Reference::InputTriangles));
+    let facts = BoundFacts::new(&Bound::with_evidence(0.1, None, measured, Reference::InputTriangles));
     assert_eq!((facts.evidence, facts.at_most, facts.samples), ("measured", None, Some(7)));
 }
 
@@ -272,7 +279,7 @@ fn at_an_eye(pixels: &str, view: &str) -> BudgetSpec {
 #[test]
 fn each_part_of_a_scene_has_the_pixels_of_its_own_places() {
     let text = near_and_far();
-    let hint = Hint { name: Some("fields.obj"), ..Hint::default() };
+    let hint = FormatHint { name: Some("fields.obj"), ..FormatHint::default() };
     let input = load(text.as_bytes(), hint, &Limits::default()).unwrap();
     let spec = at_an_eye("1px", "1920x1080 fov=45 eye=0,0,0 target=1000,0,-1");
     for (format, name) in FORMATS {
@@ -295,7 +302,7 @@ fn a_part_in_two_places_has_what_the_nearer_one_allows() {
     let (positions, faces) = field([0.0; 3], (24, 0.1));
     let count = |places: &[f64]| {
         let one = chordal::Mesh::new(positions.clone(), faces.clone()).unwrap();
-        let mut scene = Scene::of("field", one, true, Frame::default());
+        let mut scene = Scene::from_mesh("field", one, true, Frame::default());
         scene.nodes.clear();
         scene.roots.clear();
         for x in places {
@@ -306,7 +313,7 @@ fn a_part_in_two_places_has_what_the_nearer_one_allows() {
         }
         let mut glb = Vec::new();
         chordal_verbs::write(&scene, None, Format::Glb, &mut glb).unwrap();
-        let hint = Hint { name: Some("field.glb"), ..Hint::default() };
+        let hint = FormatHint { name: Some("field.glb"), ..FormatHint::default() };
         let input = load(&glb, hint, &Limits::default()).unwrap();
         let spec = at_an_eye("1px", "1920x1080 fov=45 eye=0,0,0 target=1000,0,-1");
         let outcome = mesh(input, &spec, Format::Glb, &Job::default()).unwrap();
@@ -333,7 +340,7 @@ fn textured(off: f64) -> Mesh {
 
 #[test]
 fn simplified_attributes_are_measured_part_by_part() {
-    let scene = |mesh| Scene::of("hill", mesh, true, Frame::default());
+    let scene = |mesh| Scene::from_mesh("hill", mesh, true, Frame::default());
     let made = |scene, asked: &str| {
         mesh(input(Shape::Scene(scene)), &length(asked), Format::Ply, &Job::default()).unwrap().certificate
     };
@@ -364,7 +371,8 @@ fn simplified_attributes_are_measured_part_by_part() {
 }
 
 fn script(text: &str) -> Input {
-    load(text.as_bytes(), Hint { name: Some("a.star"), ..Hint::default() }, &Limits::default()).unwrap()
+    load(text.as_bytes(), FormatHint { name: Some("a.star"), ..FormatHint::default() }, &Limits::default())
+        .unwrap()
 }
 
 fn meshed(input: Input, spec: &BudgetSpec) -> Result<MeshOutcome, MeshFailure> {
@@ -381,7 +389,7 @@ fn what_a_displacement_promises_stands_in_the_report() {
     assert!(reach > 1.1, "the blob around 1.1 is missing: the mesh ends at {reach}");
     // A formula without a lowest value: the amplitude is a promise.
     let found = meshed(script("displace(sphere(0.75), (x + y) / 20, 0.2)"), &length("0.1")).unwrap();
-    let facts = BoundFacts::of(&found.bound);
+    let facts = BoundFacts::new(&found.bound);
     assert_eq!(facts.evidence, "proved-if");
     assert_eq!(facts.assumptions, ["a displacement takes off no more than its amplitude, 0.2"]);
 }
@@ -392,7 +400,7 @@ fn numbers_that_overflow_are_said_to() {
         let Err(MeshFailure::Refused(refusal)) = meshed(script(text), &length("5%")) else {
             panic!("{text}")
         };
-        assert_eq!(refusal.code, Code::NotFinite, "{text}");
+        assert_eq!(refusal.code, RefusalCode::NotFinite, "{text}");
         assert!(refusal.message.contains("no numbers any more"), "{}", refusal.message);
     }
 }
@@ -416,18 +424,18 @@ impl Leaf for Opaque {
 fn what_nothing_is_known_of_is_measured_unless_a_proof_is_asked_for() {
     let field = Field::new(Expr::leaf(Arc::new(Opaque), Expr::axes()));
     let region = Some(Box3 { min: [-1.25; 3], max: [1.25; 3] });
-    let implicit = Implicit { field, region, frame: Frame::default(), parameters: Vec::new() };
+    let implicit = ImplicitShape { field, region, frame: Frame::default(), parameters: Vec::new() };
     let ask = |require| {
         let spec = BudgetSpec { require, ..length("0.1") };
         meshed(input(Shape::Field(implicit.clone())), &spec)
     };
-    for require in [None, Some(Require::Measured)] {
+    for require in [None, Some(RequiredEvidence::Measured)] {
         let found = ask(require).unwrap();
         assert!(matches!(found.bound.evidence(), Evidence::Measured { .. }), "{:?}", found.bound);
         assert!(found.bound.at_least() <= 0.1 && found.bound.at_most().is_none());
         assert!(found.scene().unwrap().parts[0].mesh.faces().len() > 20);
     }
-    assert!(matches!(ask(Some(Require::Proved)), Err(MeshFailure::Unmet(_))));
+    assert!(matches!(ask(Some(RequiredEvidence::Proved)), Err(MeshFailure::Unmet(_))));
 }
 
 #[test]
@@ -436,7 +444,7 @@ fn a_shape_of_the_plane_is_closed_at_the_ends_of_its_region() {
     for text in
         ["a const -1\n", "x var-x\ny var-y\na square x\nb square y\nc add a b\nd const 0.5\ne sub c d\n"]
     {
-        let hint = Hint { name: Some("a.vm"), ..Hint::default() };
+        let hint = FormatHint { name: Some("a.vm"), ..FormatHint::default() };
         let input = load(text.as_bytes(), hint, &Limits::default()).unwrap();
         let found = meshed(input, &length("5%")).unwrap();
         assert_eq!(*found.bound.evidence(), Evidence::Proved, "{text}");

@@ -1,8 +1,8 @@
 //! Row 59 of the hostile inputs: an open scan has no sign of its own, and is never given a wrong one quietly.
-use chordal::explicit::{Bvh, Containment, Enclosure, Whereabouts};
+use chordal::explicit::{Bvh, Containment, Enclosure, PointLocation};
 use chordal::math::Box3;
 use chordal::{Job, Mesh};
-use chordal_verbs::{Hint, Shape, load};
+use chordal_verbs::{FormatHint, Shape, load};
 use std::path::Path;
 
 /// The unit sphere in `2n` times `n` quads, without the faces that reach above `cut`.
@@ -29,10 +29,10 @@ fn bowl(n: u32, cut: f64) -> Mesh {
 fn is_said_as_it_is(Containment { side, winding }: Containment) -> bool {
     let (least, most) = (winding.value - winding.off_at_most, winding.value + winding.off_at_most);
     match side {
-        Whereabouts::Inside => least > 0.75,
-        Whereabouts::Outside => most < 0.25,
-        Whereabouts::Ambiguous => least <= 0.75 && most >= 0.25,
-        Whereabouts::On => winding.value.is_nan(),
+        PointLocation::Inside => least > 0.75,
+        PointLocation::Outside => most < 0.25,
+        PointLocation::Ambiguous => least <= 0.75 && most >= 0.25,
+        PointLocation::On => winding.value.is_nan(),
     }
 }
 
@@ -59,7 +59,7 @@ fn h59_an_open_sphere_says_inside_outside_or_ambiguous_and_never_the_wrong_one()
     let side = |z: f64| enclosure.inside([0.01, 0.02, z]).side;
     assert_eq!(
         [-0.5, 0.5, 3.0].map(side),
-        [Whereabouts::Inside, Whereabouts::Ambiguous, Whereabouts::Outside]
+        [PointLocation::Inside, PointLocation::Ambiguous, PointLocation::Outside]
     );
     // Against the whole sphere: nobody is told the other side.
     let (mut n_sure, mut n_ambiguous) = (0, 0);
@@ -69,13 +69,13 @@ fn h59_an_open_sphere_says_inside_outside_or_ambiguous_and_never_the_wrong_one()
         let found = enclosure.inside(p);
         assert!(is_said_as_it_is(found), "{p:?}: {found:?}");
         match found.side {
-            Whereabouts::Ambiguous => n_ambiguous += 1,
+            PointLocation::Ambiguous => n_ambiguous += 1,
             // Between the polygon and the sphere, and above the rim, where the wall is missing, there is no truth.
             _ if (0.97..1.01).contains(&r) || p[2] > 0.3 => {}
-            Whereabouts::Inside => assert!(r < 1.0, "{p:?}: {found:?}"),
+            PointLocation::Inside => assert!(r < 1.0, "{p:?}: {found:?}"),
             _ => assert!(r > 0.97, "{p:?}: {found:?}"),
         }
-        n_sure += u32::from(found.side != Whereabouts::Ambiguous);
+        n_sure += u32::from(found.side != PointLocation::Ambiguous);
     }
     assert!(n_ambiguous > 20 && n_sure > 3000, "{n_ambiguous} ambiguous, {n_sure} sure");
 }
@@ -89,7 +89,11 @@ fn h59_an_open_scan_says_inside_outside_or_ambiguous_with_its_winding_number() {
         eprintln!("SKIPPED: no scan at {}; set CHORDAL_DATA to where the corpus is", path.display());
         return;
     };
-    let input = load(&bytes, Hint { name: Some("bun_zipper.ply"), ..Hint::default() }, &Default::default());
+    let input = load(
+        &bytes,
+        FormatHint { name: Some("bun_zipper.ply"), ..FormatHint::default() },
+        &Default::default(),
+    );
     let Shape::Scene(scene) = input.unwrap().shape else { panic!("triangles") };
     let mesh = &scene.parts[0].mesh;
     let bvh = Bvh::build(mesh, &Job::default()).unwrap();
@@ -103,8 +107,8 @@ fn h59_an_open_scan_says_inside_outside_or_ambiguous_with_its_winding_number() {
         let found = enclosure.inside(p);
         assert!(is_said_as_it_is(found), "{p:?}: {found:?}");
         match found.side {
-            Whereabouts::Inside => met[0] += 1,
-            Whereabouts::Outside => met[1] += 1,
+            PointLocation::Inside => met[0] += 1,
+            PointLocation::Outside => met[1] += 1,
             _ => met[2] += 1,
         }
         // The plain sum over all faces says the same number.

@@ -6,11 +6,13 @@ use chordal::check::Defect;
 use chordal_io::Format;
 use chordal_verbs::report::{FindingFacts, Report, cures_of_all};
 use chordal_verbs::{
-    Closeness, Duplicates, Hint, Holes, Input, MendSpec, MeshFailure, Shape, inspect, load, mend,
+    Duplicates, FormatHint, HoleSelection, Input, MendSpec, MeshFailure, Shape, WeldTolerance, inspect, load,
+    mend,
 };
 
 fn read(bytes: &[u8], name: &str) -> Option<Input> {
-    let input = load(bytes, Hint { name: Some(name), ..Hint::default() }, &Default::default()).ok()?;
+    let input =
+        load(bytes, FormatHint { name: Some(name), ..FormatHint::default() }, &Default::default()).ok()?;
     matches!(input.shape, Shape::Scene(_)).then_some(input)
 }
 
@@ -21,13 +23,13 @@ fn findings(report: &Report) -> &[FindingFacts] {
 fn spec(cures: &[&str]) -> MendSpec {
     let asked = |cure: &str| cures.contains(&cure);
     MendSpec {
-        weld: asked("--weld").then_some(Closeness::Exact),
+        weld: asked("--weld").then_some(WeldTolerance::Exact),
         drop_duplicates: asked("--drop-duplicates").then_some(Duplicates::EitherWay),
         drop_degenerate: asked("--drop-degenerate"),
-        resolve_t_junctions: asked("--resolve-t-junctions").then_some(Closeness::Exact),
+        resolve_t_junctions: asked("--resolve-t-junctions").then_some(WeldTolerance::Exact),
         split_non_manifold: asked("--split-nonmanifold"),
         orient: asked("--orient"),
-        fill_holes: asked("--fill-holes").then_some(Holes::All),
+        fill_holes: asked("--fill-holes").then_some(HoleSelection::All),
         drop_unused: asked("--drop-unused"),
     }
 }
@@ -152,7 +154,7 @@ fn points_only_are_left_and_an_empty_result_is_refused() {
     let input = read(points.as_bytes(), "a.obj").unwrap();
     let refused = mend(input, &spec(&["--drop-unused"]), Format::Obj, &Job::default());
     let Err(MeshFailure::Refused(refusal)) = refused else { panic!("{refused:?}") };
-    assert_eq!(refusal.code, chordal::budget::Code::Empty);
+    assert_eq!(refusal.code, chordal::budget::RefusalCode::Empty);
 }
 
 #[test]

@@ -161,7 +161,7 @@ mod tests {
 
     const TRIANGLE: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
-    fn give(bytes: &[u8]) -> (*mut u8, usize) {
+    fn into_raw(bytes: &[u8]) -> (*mut u8, usize) {
         let at = chordal_alloc(bytes.len());
         // SAFETY: room for as many bytes was just made.
         unsafe { std::ptr::copy_nonoverlapping(bytes.as_ptr(), at, bytes.len()) };
@@ -170,7 +170,7 @@ mod tests {
 
     /// Exit code, file, certificate, error.
     fn call(input: &[u8], options: &str) -> (u32, Vec<u8>, String, String) {
-        let (input, options) = (give(input), give(options.as_bytes()));
+        let (input, options) = (into_raw(input), into_raw(options.as_bytes()));
         // SAFETY: everything is from `chordal_alloc` and `chordal_mesh`, and given back once, at the end.
         unsafe {
             let outcome = chordal_mesh(input.0, input.1, options.0, options.1);

@@ -1,17 +1,17 @@
 //! A file in, a file out: any shape into triangles.
-use crate::options::Options;
+use crate::options::MeshOptions;
 use crate::outcome::Outcome;
 use chordal::Job;
 use chordal_io::Limits;
-use chordal_verbs::{Hint, MeshFailure, MeshOutcome, load, mesh as mesh_verb};
+use chordal_verbs::{FormatHint, MeshFailure, MeshOutcome, load, mesh as mesh_verb};
 
 /// Turns the shape in `input` into triangles.
 pub(crate) fn mesh(input: &[u8], options: &[u8]) -> Outcome {
-    let options = match Options::parse(options) {
+    let options = match MeshOptions::parse(options) {
         Ok(options) => options,
         Err(error) => return Outcome::failed(2, error),
     };
-    let hint = Hint { name: options.name.as_deref(), format: options.from, ..Hint::default() };
+    let hint = FormatHint { name: options.name.as_deref(), format: options.from, ..FormatHint::default() };
     let mut input = match load(input, hint, &Limits::default()) {
         Ok(input) => input,
         Err(error) => return Outcome::failed(3, error),
@@ -20,12 +20,12 @@ pub(crate) fn mesh(input: &[u8], options: &[u8]) -> Outcome {
     frame.metres_per_unit = options.unit.map(|unit| unit.metres()).or(frame.metres_per_unit);
     frame.up = options.up.or(frame.up);
     match mesh_verb(input, &options.spec, options.to, &Job::default()) {
-        Ok(made) => written(&made),
+        Ok(made) => mesh_outcome(&made),
         Err(failure) => {
             let error = Outcome::failed(failure.exit_code(), &failure);
             match failure {
                 MeshFailure::Unmet(best) if options.keep_best => {
-                    Outcome { exit: error.exit, error: error.error, ..written(&best) }
+                    Outcome { exit: error.exit, error: error.error, ..mesh_outcome(&best) }
                 }
                 _ => error,
             }
@@ -33,7 +33,7 @@ pub(crate) fn mesh(input: &[u8], options: &[u8]) -> Outcome {
     }
 }
 
-fn written(made: &MeshOutcome) -> Outcome {
+fn mesh_outcome(made: &MeshOutcome) -> Outcome {
     let mut bytes = Vec::new();
     match made.write(&mut bytes) {
         Ok(()) => Outcome {

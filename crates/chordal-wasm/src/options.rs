@@ -1,5 +1,5 @@
 //! What a caller asks for, from its JSON.
-use chordal::budget::{Length, PixelBudget, Pixels, Require, Unit, View};
+use chordal::budget::{Length, PixelBudget, Pixels, RequiredEvidence, Unit, View};
 use chordal_io::{Axis, Format};
 use chordal_verbs::{BudgetSpec, Normals, formats};
 use serde_json::{Map, Value};
@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 /// What a caller asks for.
 #[derive(Clone, Debug)]
-pub(crate) struct Options {
+pub(crate) struct MeshOptions {
     pub name: Option<String>,
     pub from: Option<Format>,
     pub to: Format,
@@ -33,7 +33,7 @@ const KEYS: [&str; 13] = [
     "keep_best",
 ];
 
-impl Options {
+impl MeshOptions {
     /// Reads the JSON object; what is wrong with it comes back in one sentence.
     pub fn parse(bytes: &[u8]) -> Result<Self, String> {
         let value: Value =
@@ -42,7 +42,7 @@ impl Options {
         if let Some(key) = all.keys().find(|key| !KEYS.contains(&key.as_str())) {
             return Err(format!("there is no option '{key}'; there are {}", KEYS.join(", ")));
         }
-        let all = Reader(&all);
+        let all = OptionReader(&all);
         let pixels = match (all.parsed::<Pixels>("px")?, all.parsed::<View>("view")?) {
             (Some(pixels), Some(view)) => Some(PixelBudget { pixels, view }),
             (None, None) => None,
@@ -54,7 +54,7 @@ impl Options {
             triangles: all.count("triangles")?,
             segments: all.count("segments")?,
             normals: all.parsed::<Normals>("normals")?.unwrap_or_default(),
-            require: all.parsed::<Require>("require")?,
+            require: all.parsed::<RequiredEvidence>("require")?,
             ..BudgetSpec::default()
         };
         if !spec.has_limit() {
@@ -77,9 +77,9 @@ impl Options {
 }
 
 /// Reads one value at a time; null is as good as nothing.
-struct Reader<'a>(&'a Map<String, Value>);
+struct OptionReader<'a>(&'a Map<String, Value>);
 
-impl Reader<'_> {
+impl OptionReader<'_> {
     fn get(&self, key: &str) -> Option<&Value> {
         self.0.get(key).filter(|value| !value.is_null())
     }

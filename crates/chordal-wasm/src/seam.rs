@@ -1,40 +1,40 @@
 //! What a page asks about two cubics: made to meet as smoothly as is wished, how they meet, and the comb of their curvature.
-use crate::question::{Leader, Question, Wrong};
+use crate::question::{AnswerError, Leader, Question};
 use chordal::Bezier;
 use chordal::check::{Join, Tooth, curvature_comb, join};
-use chordal::explicit::{Piece, Smoothness};
+use chordal::explicit::{Continuity, CurveSegment};
 use serde_json::{Value, json};
 
 /// Teeth of the comb of each curve.
 const TEETH: usize = 40;
 
 /// Answers `{"first", "second", "smoothness", "leader", "scale"}`.
-pub(crate) fn seam(bytes: &[u8]) -> Result<Value, Wrong> {
+pub(crate) fn seam(bytes: &[u8]) -> Result<Value, AnswerError> {
     let asked = Question::parse(bytes, &["first", "second", "smoothness", "leader", "scale"])?;
     let curves = [asked.cubic("first")?, asked.cubic("second")?];
     let scale = asked.number("scale", [0.0, 1e3])?;
     let curves = match asked.smoothness("smoothness")? {
-        Some(smoothness) => joined(curves, smoothness, asked.leader("leader")?),
+        Some(smoothness) => join_curves(curves, smoothness, asked.leader("leader")?),
         None => curves,
     };
-    let [first, second] = curves.map(Piece::Cubic);
+    let [first, second] = curves.map(CurveSegment::Cubic);
     Ok(json!({
         "first": curves[0].control,
         "second": curves[1].control,
-        "join": how(&join([&first, &second], [1.0; 2], 1)),
+        "join": join_json(&join([&first, &second], [1.0; 2], 1)),
         "comb": curves.map(|curve| comb(curve, scale)),
     }))
 }
 
 /// The curve that does not lead is changed.
-fn joined([first, second]: [Bezier<2>; 2], smoothness: Smoothness, leader: Leader) -> [Bezier<2>; 2] {
+fn join_curves([first, second]: [Bezier<2>; 2], smoothness: Continuity, leader: Leader) -> [Bezier<2>; 2] {
     match leader {
         Leader::First => [first, second.continuing(&first, smoothness)],
         Leader::Second => [first.reversed().continuing(&second.reversed(), smoothness).reversed(), second],
     }
 }
 
-fn how(join: &Join<2>) -> Value {
+fn join_json(join: &Join<2>) -> Value {
     json!({
         "position_gap": join.position_gap,
         "angle_rad": join.angle_rad,

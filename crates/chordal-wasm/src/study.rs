@@ -1,5 +1,5 @@
 //! What a page asks about one cubic: its polylines at a number of segments, and how the error falls with that number.
-use crate::question::{Question, Wrong};
+use crate::question::{AnswerError, Question};
 use chordal::budget::Bounded;
 use chordal::check::{Gap, largest_gap};
 use chordal::convert::{curve_to_polyline, curve_to_polyline_evenly};
@@ -14,17 +14,17 @@ const RAIL: u64 = 96;
 /// The range of pixels per unit, and of a tolerance in pixels.
 const SCALES: [f64; 2] = [1e-3, 1e6]; // defined: far more than any screen shows
 
-type Made = Result<Bounded<Polyline<2>>, Failure<Polyline<2>>>;
+type ChainResult = Result<Bounded<Polyline<2>>, Failure<Polyline<2>>>;
 
 /// How the segments of a chain are placed.
 #[derive(Clone, Copy)]
-enum Chain {
+enum ChainSpacing {
     Even,
     Fewest,
 }
 
-impl Chain {
-    fn make(self, curve: &Curve<2>, budget: &Budget) -> Made {
+impl ChainSpacing {
+    fn approximate(self, curve: &Curve<2>, budget: &Budget) -> ChainResult {
         match self {
             Self::Even => curve_to_polyline_evenly(curve, budget, &Job::default()),
             Self::Fewest => curve_to_polyline(curve, budget, &Job::default()),
@@ -32,13 +32,13 @@ impl Chain {
     }
 
     /// The chain of at most `n` segments, which a single piece always has.
-    fn of(self, curve: &Curve<2>, n: u64) -> Result<Bounded<Polyline<2>>, Wrong> {
-        self.make(curve, &Budget::segments(n)).map_err(|failure| failure.to_string())
+    fn polyline(self, curve: &Curve<2>, n: u64) -> Result<Bounded<Polyline<2>>, AnswerError> {
+        self.approximate(curve, &Budget::segments(n)).map_err(|failure| failure.to_string())
     }
 }
 
 /// Answers `{"control", "segments", "pixels_per_unit", "pixels", "t", "near"}`.
-pub(crate) fn study(bytes: &[u8]) -> Result<Value, Wrong> {
+pub(crate) fn study(bytes: &[u8]) -> Result<Value, AnswerError> {
     let asked = Question::parse(bytes, &["control", "segments", "pixels_per_unit", "pixels", "t", "near"])?;
     let cubic = asked.cubic("control")?;
     let n = asked.segments("segments")?;
@@ -47,28 +47,29 @@ pub(crate) fn study(bytes: &[u8]) -> Result<Value, Wrong> {
     let t = asked.number("t", [0.0, 1.0])?;
     let near = asked.number("near", SCALES)?;
     let curve = Curve::from(cubic);
-    let told = |chain: Chain| chain.of(&curve, n).map(|made| told(&cubic, &made, [scale, near]));
+    let told =
+        |chain: ChainSpacing| chain.polyline(&curve, n).map(|made| chain_json(&cubic, &made, [scale, near]));
     // Rounded down, so that what meets the length meets the pixels.
     let length = Tolerance::new((pixels / scale).next_down()).map_err(|error| error.to_string())?;
     Ok(json!({
         "control": cubic.control,
-        "even": told(Chain::Even)?,
-        "fewest": told(Chain::Fewest)?,
-        "needed": { "even": needed_evenly(&curve, length), "fewest": needed_at_least(&curve, length) },
+        "even": told(ChainSpacing::Even)?,
+        "fewest": told(ChainSpacing::Fewest)?,
+        "needed": { "even": min_even_segments(&curve, length), "fewest": min_segments(&curve, length) },
         "construction": construction(&cubic, t),
     }))
 }
 
 /// Answers `{"control", "counts", "pixels_per_unit"}`.
-pub(crate) fn ladder(bytes: &[u8]) -> Result<Value, Wrong> {
+pub(crate) fn ladder(bytes: &[u8]) -> Result<Value, AnswerError> {
     let asked = Question::parse(bytes, &["control", "counts", "pixels_per_unit"])?;
     let cubic = asked.cubic("control")?;
     let counts = asked.counts("counts")?;
     let scale = asked.number("pixels_per_unit", SCALES)?;
     let curve = Curve::from(cubic);
-    let rungs = |chain: Chain| -> Result<Value, Wrong> {
+    let rungs = |chain: ChainSpacing| -> Result<Value, AnswerError> {
         let rung = |n: &u64| {
-            let made = chain.of(&curve, *n)?;
+            let made = chain.polyline(&curve, *n)?;
             let gap = largest_gap(&curve, &made.shape).map_or(0.0, |gap| gap.distance);
             Ok(
                 json!({ "segments": made.shape.n_segments(), "gap": in_pixels(gap, scale), "bound": bound_in_pixels(&made.bound, scale) }),
@@ -76,12 +77,12 @@ pub(crate) fn ladder(bytes: &[u8]) -> Result<Value, Wrong> {
         };
         counts.iter().map(rung).collect()
     };
-    let rail = Chain::Even.of(&curve, RAIL)?.shape;
+    let rail = ChainSpacing::Even.polyline(&curve, RAIL)?.shape;
     Ok(json!({
         "control": cubic.control,
         "counts": counts,
-        "even": rungs(Chain::Even)?,
-        "fewest": rungs(Chain::Fewest)?,
+        "even": rungs(ChainSpacing::Even)?,
+        "fewest": rungs(ChainSpacing::Fewest)?,
         "rail": { "points": rail.points, "places": rail.places },
     }))
 }
@@ -93,7 +94,7 @@ fn construction(cubic: &Bezier<2>, t: f64) -> Value {
 
 /// A chain with what was lost, measured and proved, and the curve `near` the gap for a magnifying glass. Where the curve is
 /// a point there is no gap.
-fn told(cubic: &Bezier<2>, made: &Bounded<Polyline<2>>, [scale, near]: [f64; 2]) -> Value {
+fn chain_json(cubic: &Bezier<2>, made: &Bounded<Polyline<2>>, [scale, near]: [f64; 2]) -> Value {
     // Of a curve that is one point, only rounding would be measured.
     let found = if cubic.is_point() { None } else { largest_gap(&Curve::from(*cubic), &made.shape) };
     let gap = found.map(|Gap { distance, place, on_curve, on_polyline }| {
@@ -133,21 +134,21 @@ fn bound_in_pixels(bound: &Bound, scale: f64) -> Option<f64> {
 }
 
 /// The smallest number of equal steps that is proved to keep the length; none where [`MOST_TRIED`] do not.
-fn needed_evenly(curve: &Curve<2>, length: Tolerance) -> Option<u64> {
+fn min_even_segments(curve: &Curve<2>, length: Tolerance) -> Option<u64> {
     (1..=MOST_TRIED).find(|n| {
-        let made = Chain::Even.make(curve, &Budget::segments(*n));
+        let made = ChainSpacing::Even.approximate(curve, &Budget::segments(*n));
         made.is_ok_and(|made| made.bound.at_most().is_some_and(|most| most <= length.get()))
     })
 }
 
 /// The smallest number of segments that is proved to keep the length, wherever they are put.
-fn needed_at_least(curve: &Curve<2>, length: Tolerance) -> Option<u64> {
+fn min_segments(curve: &Curve<2>, length: Tolerance) -> Option<u64> {
     let budget = Budget { segments: Some(MOST_TRIED), ..Budget::length(length) };
-    let mut fewest = Chain::Fewest.make(curve, &budget).ok()?.shape.n_segments() as u64;
+    let mut fewest = ChainSpacing::Fewest.approximate(curve, &budget).ok()?.shape.n_segments() as u64;
     // The arrow promises nearly the fewest; whether one less will do is quickly tried.
     while fewest > 1 {
         let fewer = Budget { segments: Some(fewest - 1), ..budget };
-        match Chain::Fewest.make(curve, &fewer) {
+        match ChainSpacing::Fewest.approximate(curve, &fewer) {
             Ok(made) => fewest = made.shape.n_segments() as u64,
             Err(_) => break,
         }
@@ -161,7 +162,7 @@ mod tests {
 
     const ARCH: &str = r#""control": [[0, 0], [0, 1], [1, 1], [1, 0]], "pixels_per_unit": 100"#;
 
-    fn asked(rest: &str) -> Result<Value, Wrong> {
+    fn asked(rest: &str) -> Result<Value, AnswerError> {
         study(format!("{{{ARCH}, {rest}}}").as_bytes())
     }
 

@@ -2,7 +2,7 @@
 //! table for docs/overshade.md: `cargo run --release -p chordal --example overshade`.
 use chordal::budget::{Camera, Projection, Screen};
 use chordal::check::{flicker, overshade};
-use chordal::explicit::Sides;
+use chordal::explicit::HitSides;
 use chordal::{Job, Mesh};
 use std::time::Instant;
 
@@ -65,10 +65,10 @@ fn main() {
         };
         let smooth = of(&|_| 1.0);
         let start = Instant::now();
-        let found = overshade(&smooth, &camera, Sides::Front, &job).expect("fits");
+        let found = overshade(&smooth, &camera, HitSides::Front, &job).expect("fits");
         let seconds = start.elapsed().as_secs_f64();
-        let flickers =
-            [smooth, of(&rough)].map(|mesh| flicker(&mesh, &camera, Sides::Front, &job).expect("fits").rms);
+        let flickers = [smooth, of(&rough)]
+            .map(|mesh| flicker(&mesh, &camera, HitSides::Front, &job).expect("fits").rms);
         println!(
             "| {} | {} | {} | {:.1} % | {:.2} | {:.1} % | {:.1} % | {:.2} % | {:.2} % | {:.3} |",
             found.n_triangles,

@@ -1,6 +1,6 @@
 //! How long it takes to weld a soup of 1,000,000 triangles, to give it normals and to judge it, in CPU time of one
 //! thread: `RAYON_NUM_THREADS=1 cargo run --release --example weld_times`.
-use chordal::explicit::{Shading, Topology, Weight, position_id_by_bits, vertex_normals, with_normals};
+use chordal::explicit::{NormalWeight, Shading, Topology, position_id_by_bits, vertex_normals, with_normals};
 use chordal::mend::{Weld, weld};
 use chordal::{Job, Mesh, Tolerance, check};
 use std::hint::black_box;
@@ -58,7 +58,7 @@ fn main() {
     time("weld, within 1e-6", || weld(&soup, Weld::Within(tolerance), &job));
     let mesh = weld(&soup, Weld::Exact, &job).expect("no limit").mesh;
     time("smooth normals", || vertex_normals(&mesh));
-    let crease = Shading::Crease { angle_rad: 0.5, weight: Weight::Angle };
+    let crease = Shading::Crease { angle_rad: 0.5, weight: NormalWeight::Angle };
     time("creased normals", || with_normals(&mesh, Topology::Indices, crease));
     time("validity", || job.run(|| check::validity(&mesh, Topology::Indices)));
 }

@@ -1,7 +1,7 @@
 //! Chordal: shapes into triangles under one budget, the error that may be seen.
 //!
-//! Every lossy step takes a [`Budget`] and returns a [`Bounded`] shape: the triangles and a [`Bound`] on
-//! how far they are from the true shape, together with how that is known ([`Evidence`]).
+//! Every lossy step takes a [`Budget`] and returns a [`Bounded`] shape: the triangles and a [`Bound`] on how
+//! far they are from the true shape, together with how that is known ([`Evidence`]).
 //!
 //! ```
 //! use chordal::{Budget, Job, Tolerance, convert, explicit::Patch};
@@ -17,9 +17,8 @@
 //! # Ok::<(), chordal::budget::InvalidTolerance>(())
 //! ```
 //!
-//! The rooms, lowest first; imports only go down: [`math`], [`budget`], [`explicit`] and
-//! [`implicit`], [`check`],
-//! [`convert`], [`lod`], [`mend`], [`render`]. ARCHITECTURE.md has the picture.
+//! The modules, lowest first; imports only go down: [`math`], [`budget`], [`explicit`] and [`implicit`],
+//! [`check`], [`convert`], [`lod`], [`mend`], [`render`]. ARCHITECTURE.md has the picture.
 
 pub mod budget;
 pub mod check;

@@ -1,7 +1,7 @@
 //! What is measured of attributes, held against values that are known in closed form, seams that moved, and planted errors.
 use crate::solids::shapes;
 
-use chordal::budget::Stopped;
+use chordal::budget::JobError;
 use chordal::check::{AttributeDeviation, attribute_deviation};
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
 use chordal::lod::simplify;
@@ -267,5 +267,5 @@ fn threads_and_powers_of_two_change_nothing_and_a_cancel_stops() {
     }
     let job = Job::default();
     job.cancel();
-    assert_eq!(attribute_deviation(&mesh, &out, None, &job), Err(Stopped::Cancelled));
+    assert_eq!(attribute_deviation(&mesh, &out, None, &job), Err(JobError::Cancelled));
 }

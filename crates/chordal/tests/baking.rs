@@ -1,10 +1,10 @@
 //! Meshes, outlines and curves as fields and grids, against plain loops over all triangles and closed forms.
 use chordal::convert::{
-    Baked, Lattice, curve_to_field, field_to_grid, mesh_to_field, mesh_to_grid, outline_to_field,
+    DistanceGrid, Lattice, curve_to_field, field_to_grid, mesh_to_field, mesh_to_grid, outline_to_field,
 };
-use chordal::explicit::{Arc, Curve, FillRule, Outline, Piece};
+use chordal::explicit::{Arc, Curve, CurveSegment, FillRule, Outline};
 use chordal::implicit::shapes::{gyroid, sphere, torus};
-use chordal::implicit::{Answer, Distance, Expr, Field, Leaf, LeafError, Quality};
+use chordal::implicit::{Distance, DistanceQuality, Expr, Field, Leaf, LeafAnswer, LeafError};
 use chordal::math::{Box3, Interval};
 use chordal::{Bezier, Budget, Evidence, Job, Mesh, Tolerance};
 
@@ -131,12 +131,12 @@ fn ranges_of_a_mesh_hold_its_values() {
     for round in 0..400 {
         let (p, size) = (random.point(1.6), if round % 2 == 0 { 0.3 } else { 0.02 });
         let bounds = Box3 { min: p, max: p.map(|x| x + size) };
-        let unknown = chordal::implicit::Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
+        let unknown = chordal::implicit::Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
         let mut range = [unknown];
         tape.gradient_over(&[bounds], &mut range).expect("no leaf fails");
         assert!(range[0].value.is_defined());
         let inside: Vec<[f64; 3]> = (0..20).map(|_| p.map(|x| x + size * random.unit())).collect();
-        let mut slopes = vec![chordal::implicit::Slope { value: 0.0, gradient: [0.0; 3] }; inside.len()];
+        let mut slopes = vec![chordal::implicit::Dual { value: 0.0, gradient: [0.0; 3] }; inside.len()];
         tape.gradient_at(&inside, &mut slopes).expect("no leaf fails");
         for slope in slopes {
             assert!(range[0].value.contains(slope.value), "{} in {}", slope.value, range[0].value);
@@ -149,7 +149,7 @@ fn ranges_of_a_mesh_hold_its_values() {
     }
 }
 
-fn bake(mesh: &Mesh, cells: usize, band: Option<f64>) -> Baked {
+fn bake(mesh: &Mesh, cells: usize, band: Option<f64>) -> DistanceGrid {
     mesh_to_grid(mesh, cells, band, &Job::default()).expect("small")
 }
 
@@ -209,8 +209,8 @@ impl Leaf for Broken {
     fn at(&self, _: &[[f64; 3]], _: &mut [f64]) -> Result<(), LeafError> {
         Err(LeafError::new("the disk is full"))
     }
-    fn over(&self, _: &[Box3], _: &mut [Interval]) -> Result<Answer, LeafError> {
-        Ok(Answer::None)
+    fn over(&self, _: &[Box3], _: &mut [Interval]) -> Result<LeafAnswer, LeafError> {
+        Ok(LeafAnswer::None)
     }
     fn evidence(&self) -> Evidence {
         Evidence::Estimated
@@ -349,7 +349,7 @@ fn numbers_out_of_range_are_refused() {
 
 fn circle(r: f64) -> Curve<2> {
     let turn = Arc::new([0.0, 0.0], [[r, 0.0], [0.0, r]], 0.0, std::f64::consts::TAU).expect("an arc");
-    Curve::new(vec![Piece::Arc(turn.with_ends([[r, 0.0]; 2]))], true).expect("a curve")
+    Curve::new(vec![CurveSegment::Arc(turn.with_ends([[r, 0.0]; 2]))], true).expect("a curve")
 }
 
 #[test]
@@ -388,7 +388,10 @@ fn a_tube_is_all_that_is_near_its_curve() {
     let curve = Bezier { control };
     let budget = Budget::length(Tolerance::new(1e-4).expect("above 0"));
     let made = curve_to_field(&curve.into(), 0.2, &budget, &Job::default()).expect("reachable");
-    assert_eq!(made.shape.distance(), Distance { outside: Quality::Exact, inside: Quality::Bound });
+    assert_eq!(
+        made.shape.distance(),
+        Distance { outside: DistanceQuality::Exact, inside: DistanceQuality::Bound }
+    );
     let on = |t: f64| {
         let s = 1.0 - t;
         let w = [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t];

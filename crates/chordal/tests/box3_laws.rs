@@ -17,7 +17,7 @@ proptest! {
 
     #[test]
     fn the_diagonal_bounds_every_distance_inside_and_little_more(points in cloud()) {
-        let place = Box3::around(&points);
+        let place = Box3::from_points(&points);
         let diagonal = place.diagonal();
         let sides: [_; 3] = std::array::from_fn(|k| exact(place.max[k]) - exact(place.min[k]));
         let square = sides.iter().fold(exact(0.0), |sum, side| sum + side * side);
@@ -29,14 +29,14 @@ proptest! {
 
     #[test]
     fn a_box_holds_what_it_is_around_and_grows_by_union(a in cloud(), b in cloud(), stray in point()) {
-        let (box_a, box_b) = (Box3::around(&a), Box3::around(&b));
+        let (box_a, box_b) = (Box3::from_points(&a), Box3::from_points(&b));
         let both = box_a.union(box_b);
         prop_assert!(a.iter().chain(&b).all(|p| both.contains(*p)));
         prop_assert!(!both.is_empty() && box_a.with(stray).contains(stray));
         prop_assert_eq!(both, box_b.union(box_a));
         prop_assert_eq!(both.union(box_a), both);
         prop_assert_eq!(box_a.union(Box3::EMPTY), box_a);
-        prop_assert_eq!(Box3::around(a.iter().chain(&b)), both);
+        prop_assert_eq!(Box3::from_points(a.iter().chain(&b)), both);
         prop_assert!(!box_a.contains(stray) || both.contains(stray));
         prop_assert!(both.diagonal() >= box_a.diagonal());
         // It is the smallest: each face carries a point.
@@ -47,7 +47,7 @@ proptest! {
 
     #[test]
     fn the_centre_is_inside(points in cloud()) {
-        let place = Box3::around(&points);
+        let place = Box3::from_points(&points);
         let centre = place.centre();
         for k in 0..3 {
             let off = exact(2.0) * exact(centre[k]) - (exact(place.min[k]) + exact(place.max[k]));
@@ -62,7 +62,7 @@ proptest! {
 fn the_empty_box_has_nothing() {
     assert!(Box3::EMPTY.is_empty() && !Box3::EMPTY.contains([0.0; 3]));
     assert_eq!(Box3::EMPTY.diagonal(), 0.0);
-    assert!(Box3::around(&[]).is_empty());
+    assert!(Box3::from_points(&[]).is_empty());
 }
 
 #[test]

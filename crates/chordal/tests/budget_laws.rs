@@ -2,8 +2,8 @@
 //! inequality leaves; what is shown reads back; what is no budget is refused.
 use crate::exact;
 use chordal::budget::{
-    Bound, Camera, Closest, Evidence, Length, Metric, Pixels, Projection, Reference, Screen, Tolerance, Unit,
-    View,
+    Bound, Camera, Evidence, Length, Metric, MinDistanceView, Pixels, Projection, Reference, Screen,
+    Tolerance, Unit, View,
 };
 use chordal::math::{add_up, sqrt_down, sqrt_up, sub_down};
 use exact::{at_least, at_most, cases, exact};
@@ -223,7 +223,7 @@ fn view() -> impl Strategy<Value = View> {
     ];
     (projection, screen, pose).prop_map(|(projection, screen, pose)| match pose {
         Ok((eye, target, up, near)) => View::Camera(Camera { eye, target, up, near, projection, screen }),
-        Err(distance) => View::Closest(Closest { distance, projection, screen }),
+        Err(distance) => View::MinDistance(MinDistanceView { distance, projection, screen }),
     })
 }
 

@@ -1,6 +1,6 @@
 //! Laws of `explicit::Bvh`: what it returns is what a plain loop over all triangles finds, its bounds hold in exact
 //! arithmetic, and rays find no gap in a closed mesh.
-use chordal::explicit::{Bvh, Closest, Hit, Ray};
+use chordal::explicit::{Bvh, Hit, MeshClosestPoint, Ray};
 use chordal::{Job, Mesh};
 use dashu_float::FBig;
 
@@ -45,9 +45,10 @@ impl Loop {
         Self((0..mesh.faces().len()).map(|f| tree(&single(f))).collect())
     }
 
-    fn closest(&self, p: [f64; 3]) -> Option<Closest> {
+    fn closest(&self, p: [f64; 3]) -> Option<MeshClosestPoint> {
         let all = self.0.iter().enumerate();
-        let found = all.map(|(face, t)| Closest { face: face as u32, ..t.closest_point(p).expect("one") });
+        let found =
+            all.map(|(face, t)| MeshClosestPoint { face: face as u32, ..t.closest_point(p).expect("one") });
         found.reduce(|a, b| if b.distance_sq < a.distance_sq { b } else { a })
     }
 
@@ -481,5 +482,5 @@ fn refuses_and_stops() {
     assert!(refusal.contains("3072 faces") && refusal.contains("1000"), "{refusal}");
     let job = Job::default();
     job.cancel();
-    assert_eq!(Bvh::build(&mesh, &job).unwrap_err(), chordal::budget::Stopped::Cancelled);
+    assert_eq!(Bvh::build(&mesh, &job).unwrap_err(), chordal::budget::JobError::Cancelled);
 }

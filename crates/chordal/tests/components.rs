@@ -1,6 +1,8 @@
 //! Components: each by itself is what it is alone, and shells within shells face the right way.
-use chordal::budget::Stopped;
-use chordal::check::{Component, Facing, Place, Surface, components, inside_out, outward, validity};
+use chordal::budget::JobError;
+use chordal::check::{
+    Component, Facing, MeshConnectivity, MeshLocation, components, inside_out, outward, validity,
+};
 use chordal::explicit::Topology;
 use chordal::{Job, Mesh};
 
@@ -142,7 +144,7 @@ fn shells_within_shells_alternate_between_solid_and_cavity() {
         let wrong = inside_out(&mesh, &found);
         assert_eq!(wrong.count, (turned ^ 0b0010_i32).count_ones() as u64);
         for witness in &wrong.witnesses {
-            let Place::Face(face) = witness.place else { panic!("{witness:?}") };
+            let MeshLocation::Face(face) = witness.place else { panic!("{witness:?}") };
             assert_eq!(face % 12, 0, "the first face of a shell");
         }
     }
@@ -244,21 +246,21 @@ fn h54_h58_inside_out_is_told_at_every_scale_and_far_away() {
 #[test]
 fn both_ways_are_one_where_no_two_positions_are_at_one_place() {
     let whole = mesh(cube([0.0; 3], 1.0));
-    let seen = Surface::both_ways(&whole);
+    let seen = MeshConnectivity::by_indices_and_positions(&whole);
     assert!(seen.by_positions.is_none() && seen.duplicate_vertices.is_none());
     assert_eq!(seen.by_indices.validity(), validity(&whole, Topology::Indices));
     let soup = whole.faces().iter().flatten().map(|i| whole.positions()[*i as usize]).collect();
     let soup = Mesh::new(soup, (0..12).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect()).unwrap();
-    let seen = Surface::both_ways(&soup);
+    let seen = MeshConnectivity::by_indices_and_positions(&soup);
     assert_eq!(seen.duplicate_vertices.count, 36 - 8);
     assert_eq!(seen.by_positions.unwrap().validity(), validity(&soup, Topology::Positions));
     let witness = &seen.duplicate_vertices.witnesses[0];
-    let Place::RepeatedVertex { vertex, of } = witness.place else { panic!("{witness:?}") };
+    let MeshLocation::RepeatedVertex { vertex, of } = witness.place else { panic!("{witness:?}") };
     assert!(of < vertex && soup.positions()[of as usize] == soup.positions()[vertex as usize]);
     // Tied by a position id, they are no duplicates.
     let ids = chordal::explicit::position_id_by_bits(soup.positions());
     let tied = soup.with_position_id(ids).unwrap();
-    assert!(Surface::both_ways(&tied).by_positions.is_none());
+    assert!(MeshConnectivity::by_indices_and_positions(&tied).by_positions.is_none());
 }
 
 #[test]
@@ -267,16 +269,16 @@ fn a_job_is_heard_where_components_enclose_each_other() {
     add(&mut parts, cube([0.0; 3], 2.0), false);
     add(&mut parts, cube([0.0; 3], 1.0), true);
     let mesh = mesh(parts);
-    let surface = Surface::new(&mesh, Topology::Indices);
+    let surface = MeshConnectivity::new(&mesh, Topology::Indices);
     assert_eq!(surface.components_under(&Job::default().with_threads(1)).unwrap(), surface.components());
     let mut poor = Job::default();
     poor.memory_limit = 1000;
-    assert!(matches!(surface.components_under(&poor), Err(Stopped::Refused(_))));
+    assert!(matches!(surface.components_under(&poor), Err(JobError::Refused(_))));
     let cancelled = Job::default();
     cancelled.cancel();
-    assert!(matches!(surface.components_under(&cancelled), Err(Stopped::Cancelled)));
+    assert!(matches!(surface.components_under(&cancelled), Err(JobError::Cancelled)));
     // One alone takes no tree, and no memory to speak of.
     let one = cube([0.0; 3], 1.0);
     let one = Mesh::new(one.0, one.1).unwrap();
-    assert_eq!(Surface::new(&one, Topology::Indices).components_under(&poor).unwrap().len(), 1);
+    assert_eq!(MeshConnectivity::new(&one, Topology::Indices).components_under(&poor).unwrap().len(), 1);
 }

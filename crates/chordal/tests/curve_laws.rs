@@ -1,5 +1,5 @@
 //! The laws of cubic curves, on curves, on patches along both parameters, and on curves that break them.
-use chordal::explicit::laws::{self, Cubic};
+use chordal::explicit::laws::{self, CubicCurve};
 use chordal::{Bezier, Patch, curve_laws};
 use std::panic::catch_unwind;
 
@@ -24,7 +24,7 @@ impl<const QUARTERS: usize> AlongV<QUARTERS> {
     const U: f64 = QUARTERS as f64 / 4.0;
 }
 
-impl<const QUARTERS: usize> Cubic<3> for AlongU<QUARTERS> {
+impl<const QUARTERS: usize> CubicCurve<3> for AlongU<QUARTERS> {
     fn from_control(control: [[f64; 3]; 4]) -> Self {
         Self(Patch { control: [control; 4] })
     }
@@ -51,7 +51,7 @@ impl<const QUARTERS: usize> Cubic<3> for AlongU<QUARTERS> {
     }
 }
 
-impl<const QUARTERS: usize> Cubic<3> for AlongV<QUARTERS> {
+impl<const QUARTERS: usize> CubicCurve<3> for AlongV<QUARTERS> {
     fn from_control(control: [[f64; 3]; 4]) -> Self {
         Self(Patch { control: control.map(|point| [point; 4]) })
     }
@@ -88,7 +88,7 @@ impl<const MISTAKE: usize> Wrong<MISTAKE> {
     }
 }
 
-impl<const MISTAKE: usize> Cubic<3> for Wrong<MISTAKE> {
+impl<const MISTAKE: usize> CubicCurve<3> for Wrong<MISTAKE> {
     fn from_control(control: [[f64; 3]; 4]) -> Self {
         Self(Bezier { control })
     }

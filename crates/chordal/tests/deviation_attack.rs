@@ -288,7 +288,7 @@ fn where_no_cover_is_the_upper_end_still_comes_down() {
 
 // Cures, measured by `deviation`, which shares no code with them.
 
-fn keeps_its_bound(what: &str, mesh: &Mesh, mended: &mend::Mended) {
+fn keeps_its_bound(what: &str, mesh: &Mesh, mended: &mend::MendedMesh) {
     let Some(bound) = mended.bound.at_most().filter(|_| !mended.mesh.faces().is_empty()) else { return };
     let found = measured(mesh, &mended.mesh, &Goal::default());
     assert!(found.forward.at_least <= bound, "{what}: {:e} > {bound:e}", found.forward.at_least);
@@ -337,7 +337,7 @@ fn no_cure_moves_a_surface_further_than_it_says() {
                 mend::drop_duplicates(&sick, topology, mend::Duplicates::EitherWay, &job),
                 mend::split_non_manifold(&sick, topology, &job),
                 mend::orient(&sick, topology, &job),
-                mend::fill_holes(&sick, topology, mend::Holes::All, &job),
+                mend::fill_holes(&sick, topology, mend::HoleSelection::All, &job),
             ];
             for (k, mended) in made.into_iter().enumerate() {
                 keeps_its_bound(&format!("seed {seed}, cure {k}"), &sick, &mended.expect("mended"));

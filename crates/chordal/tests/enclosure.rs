@@ -1,5 +1,5 @@
 //! The laws of being inside: exact where a mesh is closed, bounded winding numbers where it is not, batches as one by one.
-use chordal::explicit::{Bvh, Enclosure, Ray, Whereabouts};
+use chordal::explicit::{Bvh, Enclosure, PointLocation, Ray};
 use chordal::{Job, Mesh};
 
 /// xorshift64*, so that a printed seed gives the same points everywhere.
@@ -92,13 +92,13 @@ fn points_of_a_lattice_are_inside_on_or_outside_of_a_cube_exactly() {
             let inside = [x, y, z].iter().all(|k| *k > 0 && *k < 2 * n);
             let touches = [x, y, z].iter().all(|k| *k >= 0 && *k <= 2 * n);
             let expected = match (inside, touches) {
-                (true, _) => Whereabouts::Inside,
-                (_, true) => Whereabouts::On,
-                _ => Whereabouts::Outside,
+                (true, _) => PointLocation::Inside,
+                (_, true) => PointLocation::On,
+                _ => PointLocation::Outside,
             };
             let found = enclosure.inside(p);
             assert_eq!(found.side, expected, "{p:?} of {n}");
-            if expected != Whereabouts::On {
+            if expected != PointLocation::On {
                 assert_eq!(
                     (found.winding.value, found.winding.off_at_most),
                     (f64::from(u8::from(inside)), 0.0)
@@ -115,11 +115,11 @@ fn a_hair_beside_the_surface_decides() {
     let enclosure = Enclosure::new(&mesh, &bvh);
     for side in 0..3 {
         for (x, expected) in [
-            (1.0, Whereabouts::On),
-            (1.0_f64.next_up(), Whereabouts::Outside),
-            (1.0_f64.next_down(), Whereabouts::Inside),
-            (1e-300, Whereabouts::Inside),
-            (-1e-300, Whereabouts::Outside),
+            (1.0, PointLocation::On),
+            (1.0_f64.next_up(), PointLocation::Outside),
+            (1.0_f64.next_down(), PointLocation::Inside),
+            (1e-300, PointLocation::Inside),
+            (-1e-300, PointLocation::Outside),
         ] {
             let mut p = [0.3, 0.4, 0.6];
             p[side] = x;
@@ -127,7 +127,7 @@ fn a_hair_beside_the_surface_decides() {
         }
     }
     for bad in [f64::NAN, f64::INFINITY] {
-        assert_eq!(enclosure.inside([0.5, bad, 0.5]).side, Whereabouts::Outside);
+        assert_eq!(enclosure.inside([0.5, bad, 0.5]).side, PointLocation::Outside);
         assert!(enclosure.winding_number([0.5, bad, 0.5], 0.1).is_none());
     }
 }
@@ -149,7 +149,7 @@ fn random_points_are_inside_a_torus_where_its_formula_says_so() {
         let off = (p[0].hypot(p[1]) - 2.0).hypot(p[2]) - 1.0;
         // The triangles leave the torus by less than this.
         if off.abs() > 2e-3 {
-            let expected = if off < 0.0 { Whereabouts::Inside } else { Whereabouts::Outside };
+            let expected = if off < 0.0 { PointLocation::Inside } else { PointLocation::Outside };
             assert_eq!(found.side, expected, "{p:?}");
             inside += usize::from(off < 0.0);
         }
@@ -177,14 +177,14 @@ fn walls_that_overlap_or_face_inward_are_counted() {
         (found.side, found.winding.value)
     };
     let two = twice(1.0, false);
-    assert_eq!(winding(&two, [1.5; 3]), (Whereabouts::Inside, 2.0));
-    assert_eq!(winding(&two, [0.5; 3]), (Whereabouts::Inside, 1.0));
-    assert_eq!(winding(&two, [2.75; 3]), (Whereabouts::Inside, 1.0));
+    assert_eq!(winding(&two, [1.5; 3]), (PointLocation::Inside, 2.0));
+    assert_eq!(winding(&two, [0.5; 3]), (PointLocation::Inside, 1.0));
+    assert_eq!(winding(&two, [2.75; 3]), (PointLocation::Inside, 1.0));
     let less = twice(1.0, true);
-    assert_eq!(winding(&less, [1.5; 3]), (Whereabouts::Outside, 0.0));
-    assert_eq!(winding(&less, [2.75; 3]), (Whereabouts::Outside, -1.0));
+    assert_eq!(winding(&less, [1.5; 3]), (PointLocation::Outside, 0.0));
+    assert_eq!(winding(&less, [2.75; 3]), (PointLocation::Outside, -1.0));
     // Doubled walls that cancel out leave nothing.
-    assert_eq!(winding(&twice(0.0, true), [1.25; 3]), (Whereabouts::Outside, 0.0));
+    assert_eq!(winding(&twice(0.0, true), [1.25; 3]), (PointLocation::Outside, 0.0));
 }
 
 #[test]
@@ -201,10 +201,10 @@ fn a_cube_without_its_bottom_hides_five_sixths_from_its_middle() {
     assert!((exact.value - 5.0 / 6.0).abs() <= exact.off_at_most && exact.off_at_most < 1e-10);
     let found = enclosure.winding_number(middle, 1e-3).expect("it has faces");
     assert!((found.value - 5.0 / 6.0).abs() <= found.off_at_most && found.off_at_most <= 1e-3);
-    assert_eq!(enclosure.inside(middle).side, Whereabouts::Inside);
-    assert_eq!(enclosure.inside([0.5, 0.5, 0.0]).side, Whereabouts::Ambiguous);
-    assert_eq!(enclosure.inside([0.5, 0.5, -2.0]).side, Whereabouts::Outside);
-    assert_eq!(enclosure.inside([0.5, 0.5, 1.0]).side, Whereabouts::On);
+    assert_eq!(enclosure.inside(middle).side, PointLocation::Inside);
+    assert_eq!(enclosure.inside([0.5, 0.5, 0.0]).side, PointLocation::Ambiguous);
+    assert_eq!(enclosure.inside([0.5, 0.5, -2.0]).side, PointLocation::Outside);
+    assert_eq!(enclosure.inside([0.5, 0.5, 1.0]).side, PointLocation::On);
 }
 
 #[test]
@@ -266,7 +266,7 @@ fn scaling_by_powers_of_two_and_a_shift_keep_every_verdict() {
         points.iter().map(|p| enclosure.inside(map(*p))).collect::<Vec<_>>()
     };
     let plain = sides(&|p| p);
-    assert!(plain.iter().any(|found| found.side == Whereabouts::Inside));
+    assert!(plain.iter().any(|found| found.side == PointLocation::Inside));
     for exponent in [-20, 20] {
         assert_eq!(sides(&|p| p.map(|x| libm::ldexp(x, exponent))), plain);
     }

@@ -1,9 +1,11 @@
 //! Rays and fields: hits against closed forms and dense marching, fields that lie, nearest places, and pictures.
 use chordal::Job;
-use chordal::implicit::query::{Beam, Cells, Counts, Record, Tracer, closest, contains, normals};
+use chordal::implicit::query::{
+    Beam, BeamCounts, BeamRecord, FieldOctree, FieldTracer, closest_points, contains, normals,
+};
 use chordal::implicit::{Binary, Distance, Expr, Field, Tape, Unary};
 use chordal::math::Box3;
-use chordal::render::{Background, Options, Show, render_field};
+use chordal::render::{Background, RenderOptions, RenderStyle, render_field};
 
 fn cube(half: f64) -> Box3 {
     Box3 { min: [-half; 3], max: [half; 3] }
@@ -35,9 +37,9 @@ fn beams(n: usize, aim: f64) -> Vec<Beam> {
         .collect()
 }
 
-fn meet(field: &Field, beams: &[Beam]) -> Vec<Record> {
-    let cells = Cells::of(field, &Job::default()).expect("a finite box");
-    Tracer::new(&cells).meet(beams).expect("no leaf fails")
+fn meet(field: &Field, beams: &[Beam]) -> Vec<BeamRecord> {
+    let cells = FieldOctree::build(field, &Job::default()).expect("a finite box");
+    FieldTracer::new(&cells).intersect(beams).expect("no leaf fails")
 }
 
 fn at(beam: &Beam, t: f64) -> [f64; 3] {
@@ -72,7 +74,7 @@ fn hits_a_ball_where_it_is() {
             // measured: so close to the outline anything may be right
             continue;
         }
-        match record.met {
+        match record.hit {
             Some(met) => {
                 let truth = (-b - root.sqrt()) / a;
                 assert!(met.entering && (met.t - truth).abs() < 1e-9, "{} {truth}", met.t); // measured: 1e-12
@@ -103,7 +105,7 @@ fn hits_a_torus_and_a_box_where_marching_does() {
         let beams = beams(400, 1.0);
         for (beam, record) in beams.iter().zip(meet(&field, &beams)) {
             let truth = march(&field.tape(), beam, 6000);
-            match (record.met, truth) {
+            match (record.hit, truth) {
                 (Some(met), Some(truth)) => {
                     // Marching may miss a sliver that the tracer sees, never the other way round.
                     assert!(met.t < truth + 1e-9, "{} {truth} {field:?}", met.t); // measured: 1e-12
@@ -126,7 +128,7 @@ fn thin_shells_of_fields_that_are_signs_are_not_overstepped() {
     let field = Field::new(shell).with_bounds(cube(0.9));
     let beams = beams(3000, 0.5);
     for record in meet(&field, &beams) {
-        let met = record.met.expect("every beam meets the shell");
+        let met = record.hit.expect("every beam meets the shell");
         let radius = met.point.iter().map(|x| x * x).sum::<f64>().sqrt();
         assert!((radius - 0.641_f64.sqrt()).abs() < 1e-9, "{radius}"); // measured: 1e-12
     }
@@ -146,7 +148,7 @@ fn beams_from_inside_look_for_the_way_out() {
     let found: Vec<Option<(bool, bool)>> = records
         .iter()
         .zip([0.5, 0.05, 0.0, 1.0])
-        .map(|(record, t)| record.met.map(|met| (met.entering, (met.t - t).abs() < 1e-9))) // measured: 1e-12
+        .map(|(record, t)| record.hit.map(|met| (met.entering, (met.t - t).abs() < 1e-9))) // measured: 1e-12
         .collect();
     assert_eq!(found, [Some((false, true)), Some((false, true)), None, Some((true, true))]);
 }
@@ -174,25 +176,25 @@ fn h67_fields_that_lie() {
         let field = Field::new(expr).with_bounds(cube(1.0));
         let beams = beams(300, 1.0);
         let records = meet(&field, &beams);
-        let counts = records.iter().fold(Counts::default(), Counts::with);
+        let counts = records.iter().fold(BeamCounts::default(), BeamCounts::add_record);
         assert!(counts.hits > 60 && counts.capped < 30, "{name}: {counts:?}");
         for (beam, record) in beams.iter().zip(&records) {
             let truth = march(&field.tape(), beam, 3000);
-            let overlooked = truth.is_some() && record.met.is_none();
+            let overlooked = truth.is_some() && record.hit.is_none();
             assert!(!overlooked || record.uncertain || record.capped, "{name}: {beam:?}");
-            if let Some(met) = record.met {
+            if let Some(met) = record.hit {
                 assert!(met.point.iter().all(|x| x.is_finite()), "{name}");
             }
         }
     }
     let constant = Field::new(Expr::constant(f64::NAN)).with_bounds(cube(1.0));
-    assert!(meet(&constant, &beams(50, 1.0)).iter().all(|record| record.met.is_none()));
-    assert!(Cells::of(&Field::new(ball()), &Job::default()).is_err());
+    assert!(meet(&constant, &beams(50, 1.0)).iter().all(|record| record.hit.is_none()));
+    assert!(FieldOctree::build(&Field::new(ball()), &Job::default()).is_err());
 }
 
 #[test]
 fn sides_and_normals_of_odd_places() {
-    let tape = Tape::of(&ball());
+    let tape = Tape::new(&ball());
     let odd = [[1.0, 0.0, 0.0], [f64::NAN, 0.0, 0.0], [0.5, 0.0, 0.0], [f64::INFINITY, 0.0, 0.0]];
     assert_eq!(contains(&tape, &odd).unwrap(), [false, false, true, false]);
     let found = normals(&tape, &[[0.0, -2.0, 0.0], [0.0; 3], [f64::NAN; 3]]).unwrap();
@@ -202,10 +204,10 @@ fn sides_and_normals_of_odd_places() {
 #[test]
 fn nearest_places_are_enclosed() {
     let field = Field::new(ball()).with_distance(Distance::EXACT).with_bounds(cube(1.0));
-    let cells = Cells::of(&field, &Job::default()).unwrap();
+    let cells = FieldOctree::build(&field, &Job::default()).unwrap();
     let mut state = 5;
     let points: Vec<[f64; 3]> = (0..40).map(|_| std::array::from_fn(|_| 2.0 * noise(&mut state))).collect();
-    let found = closest(&cells, &points, 5e-3, &Job::default()).unwrap(); // measured: 1e-3 needs more parts than a search has
+    let found = closest_points(&cells, &points, 5e-3, &Job::default()).unwrap(); // measured: 1e-3 needs more parts than a search has
     for (p, found) in points.iter().zip(found) {
         let found = found.expect("there is a surface");
         let truth = (p.iter().map(|x| x * x).sum::<f64>().sqrt() - 1.0).abs();
@@ -216,8 +218,8 @@ fn nearest_places_are_enclosed() {
     let [x, y, z] = Expr::axes();
     let halves = [0.5, 0.75, 0.25];
     let block = (x.abs() - halves[0]).max(&(y.abs() - halves[1])).max(&(z.abs() - halves[2]));
-    let cells = Cells::of(&Field::new(block).with_bounds(cube(0.75)), &Job::default()).unwrap();
-    let found = closest(&cells, &points, 5e-3, &Job::default()).unwrap(); // measured: as above
+    let cells = FieldOctree::build(&Field::new(block).with_bounds(cube(0.75)), &Job::default()).unwrap();
+    let found = closest_points(&cells, &points, 5e-3, &Job::default()).unwrap(); // measured: as above
     for (p, found) in points.iter().zip(found) {
         let found = found.expect("there is a surface");
         let beyond = [0, 1, 2].map(|k| p[k].abs() - halves[k]);
@@ -244,8 +246,8 @@ fn pictures_are_the_same_on_any_number_of_threads() {
         Field::new((x.square() + y.square() - 0.5).max(&-(x.clone() * y + 0.1))).with_bounds(cube(1.0));
     let _ = z;
     for field in [in_space, in_plane] {
-        for show in [Show::Shaded, Show::Normals] {
-            let options = Options { show, ..Options::sized(60, 44) };
+        for show in [RenderStyle::Shaded, RenderStyle::Normals] {
+            let options = RenderOptions { show, ..RenderOptions::sized(60, 44) };
             let on = |n| render_field(&field, &options, &Job::default().with_threads(n)).unwrap();
             let (one, three) = (on(1), on(3));
             assert_eq!(fingerprint(&one.picture.rgba), fingerprint(&three.picture.rgba));
@@ -258,18 +260,18 @@ fn pictures_are_the_same_on_any_number_of_threads() {
 #[test]
 fn pictures_show_the_shape_and_refuse_what_they_cannot() {
     let field = Field::new(ball()).with_distance(Distance::EXACT).with_bounds(cube(1.0));
-    let options = Options { background: Background::Transparent, ..Options::sized(80, 60) };
+    let options = RenderOptions { background: Background::Transparent, ..RenderOptions::sized(80, 60) };
     let drawn = render_field(&field, &options, &Job::default()).unwrap();
     let solid = drawn.picture.rgba.chunks_exact(4).filter(|p| p[3] == 255).count();
     // Measured: a disc that fills 80 % of 60 pixels' height, less its border.
     let disc = std::f64::consts::PI * (0.4_f64 * 60.0).powi(2);
     assert!((solid as f64) < disc && solid as f64 > 0.85 * disc, "{solid} {disc}");
-    let wire = Options { show: Show::Wire, ..options };
+    let wire = RenderOptions { show: RenderStyle::Wire, ..options };
     assert!(render_field(&field, &wire, &Job::default()).unwrap_err().to_string().contains("wire"));
     let endless = render_field(&Field::new(ball()), &options, &Job::default()).unwrap_err();
     assert!(endless.to_string().contains("region"), "{endless}");
     let [x, y, _] = Expr::axes();
     let half = Field::new(x + y * 0.0).with_bounds(cube(1.0));
-    let drawn = render_field(&half, &Options::sized(40, 40), &Job::default()).unwrap();
+    let drawn = render_field(&half, &RenderOptions::sized(40, 40), &Job::default()).unwrap();
     assert!(drawn.picture.pixel(3, 20)[0] < 60 && drawn.picture.pixel(36, 20)[0] > 200);
 }

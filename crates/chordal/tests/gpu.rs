@@ -1,9 +1,9 @@
 //! The laws of what a graphics processor takes: orders lose nothing, bounds hold, cones never hide a front.
-use chordal::budget::{Camera, Code, Projection, Screen};
-use chordal::convert::{Indices, mesh_to_gpu_buffers};
+use chordal::budget::{Camera, Projection, RefusalCode, Screen};
+use chordal::convert::{IndexBuffer, mesh_to_gpu_buffers};
 use chordal::explicit::{acmr, cache_misses, cache_order, clusters, facing, fetch_order};
 use chordal::math::{Orientation, orient3d};
-use chordal::render::{Background, Cull, Options, Picture, Viewpoint, render};
+use chordal::render::{Background, CullMode, Picture, RenderOptions, Viewpoint, render};
 use chordal::{Job, Mesh};
 use std::collections::VecDeque;
 
@@ -164,8 +164,8 @@ fn buffers_hold_the_same_triangles_within_their_bound() {
         }
         let rounding = f64::EPSILON * (scale + offset.abs());
         assert!(worst <= most + rounding && worst >= most * 0.999_999 - rounding, "{worst:e} {most:e}");
-        let is_small = Indices::fit_16_bits(buffers.positions.len());
-        assert_eq!(matches!(buffers.indices, Indices::U16(_)), is_small);
+        let is_small = IndexBuffer::fit_16_bits(buffers.positions.len());
+        assert_eq!(matches!(buffers.indices, IndexBuffer::U16(_)), is_small);
         let (v, t) = (buffers.positions.len() as u64, mesh.faces().len() as u64);
         assert_eq!(buffers.bytes(), 12 * v + if is_small { 6 } else { 12 } * t);
         assert_eq!(buffers.unindexed_bytes(), 36 * t);
@@ -181,12 +181,12 @@ fn indices_have_sixteen_bits_up_to_the_restart_and_unused_vertices_go() {
         let faces = (0..n - 2).map(|i| [i, i + 1, i + 2]).collect();
         let mesh = Mesh::new(positions, faces).expect("valid");
         let made = mesh_to_gpu_buffers(&mesh, &Job::default()).expect("it has triangles").shape;
-        assert_eq!((made.positions.len(), matches!(made.indices, Indices::U16(_))), (n as usize, small));
+        assert_eq!((made.positions.len(), matches!(made.indices, IndexBuffer::U16(_))), (n as usize, small));
     }
     let code = |mesh: &Mesh| mesh_to_gpu_buffers(mesh, &Job::default()).unwrap_err().code();
-    assert_eq!(code(&Mesh::default()), Code::Empty.as_str());
+    assert_eq!(code(&Mesh::default()), RefusalCode::Empty.as_str());
     let huge = vec![[0.0; 3], [1e300, 0.0, 0.0], [0.0, 1e300, 0.0]];
-    assert_eq!(code(&Mesh::new(huge, vec![[0, 1, 2]]).expect("finite")), Code::NotFinite.as_str());
+    assert_eq!(code(&Mesh::new(huge, vec![[0, 1, 2]]).expect("finite")), RefusalCode::NotFinite.as_str());
 }
 
 #[test]
@@ -227,7 +227,7 @@ fn clusters_that_are_called_backward_show_no_front() {
 }
 
 /// A picture of a cube from −1 to 1, of which side `flipped` is wound the wrong way.
-fn shot(flipped: Option<usize>, cull: Cull) -> Picture {
+fn shot(flipped: Option<usize>, cull: CullMode) -> Picture {
     let positions = (0..8).map(|i| [0, 1, 2].map(|k| if i >> k & 1 == 0 { -1.0 } else { 1.0 })).collect();
     let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let mut faces: Vec<[u32; 3]> =
@@ -244,11 +244,11 @@ fn shot(flipped: Option<usize>, cull: Cull) -> Picture {
         projection: Projection::Orthographic { height: 3.0 },
         screen: Screen { width_px: 60, height_px: 60 },
     };
-    let options = Options {
+    let options = RenderOptions {
         cull,
         viewpoint: Viewpoint::Camera(camera),
         background: Background::Transparent,
-        ..Options::default()
+        ..RenderOptions::default()
     };
     render(&mesh, &options, &Job::default()).expect("renders")
 }
@@ -263,15 +263,15 @@ fn covered(picture: &Picture) -> usize {
 #[test]
 fn one_flipped_triangle_opens_a_hole_in_the_culled_picture() {
     // The front side (y = −1) is faces 4 and 5, the back side 6 and 7.
-    let whole = covered(&shot(None, Cull::None));
+    let whole = covered(&shot(None, CullMode::None));
     assert!(whole > 1400, "{whole}");
-    assert_eq!(covered(&shot(None, Cull::Back)), whole);
-    assert_eq!(covered(&shot(None, Cull::Front)), whole);
-    assert_eq!(covered(&shot(Some(4), Cull::None)), whole);
+    assert_eq!(covered(&shot(None, CullMode::Back)), whole);
+    assert_eq!(covered(&shot(None, CullMode::Front)), whole);
+    assert_eq!(covered(&shot(Some(4), CullMode::None)), whole);
     // Through the hole one sees the inside of the back side, which is culled as well.
-    let holed = covered(&shot(Some(4), Cull::Back));
+    let holed = covered(&shot(Some(4), CullMode::Back));
     assert!(holed > whole * 45 / 100 && holed < whole * 55 / 100, "{holed} of {whole}");
     // With fronts culled the front side is open; of the back side the inside is seen.
-    let back = covered(&shot(Some(6), Cull::Front));
+    let back = covered(&shot(Some(6), CullMode::Front));
     assert!(back > whole * 45 / 100 && back < whole * 55 / 100, "{back} of {whole}");
 }

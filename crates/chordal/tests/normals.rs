@@ -2,7 +2,7 @@
 use chordal::Mesh;
 use chordal::check::validity;
 use chordal::explicit::{
-    Attribute, Domain, Semantic, Shading, Topology, Weight, face_normal, smooth_normals, with_normals,
+    Attribute, Domain, NormalWeight, Semantic, Shading, Topology, face_normal, smooth_normals, with_normals,
 };
 use std::collections::BTreeMap;
 
@@ -78,12 +78,12 @@ fn normal_rows(mesh: &Mesh) -> Vec<V> {
     own.values.chunks(3).map(|row| [row[0], row[1], row[2]]).collect()
 }
 
-const CREASE: Shading = Shading::Crease { angle_rad: 0.5, weight: Weight::Angle };
+const CREASE: Shading = Shading::Crease { angle_rad: 0.5, weight: NormalWeight::Angle };
 
 #[test]
 fn a_cube_has_24_vertices_creased_and_8_smooth_and_is_closed_either_way() {
     let creased = with_normals(&cube(), Topology::Indices, CREASE).unwrap();
-    let smooth = with_normals(&cube(), Topology::Indices, Shading::Smooth(Weight::Angle)).unwrap();
+    let smooth = with_normals(&cube(), Topology::Indices, Shading::Smooth(NormalWeight::Angle)).unwrap();
     let flat = with_normals(&cube(), Topology::Indices, Shading::Flat).unwrap();
     assert_eq!([&creased, &smooth, &flat].map(|mesh| mesh.positions().len()), [24, 8, 8]);
     for mesh in [&creased, &smooth, &flat] {
@@ -117,7 +117,7 @@ fn only_hard_edges_double_vertices() {
     let tent = Mesh::new(positions, vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]]).unwrap();
     let creased = with_normals(&tent, Topology::Indices, CREASE).unwrap();
     assert_eq!(creased.positions().len(), 8);
-    let wide = Shading::Crease { angle_rad: 1.6, weight: Weight::Angle };
+    let wide = Shading::Crease { angle_rad: 1.6, weight: NormalWeight::Angle };
     assert_eq!(with_normals(&tent, Topology::Indices, wide).unwrap().positions().len(), 6);
     // Attributes go along with the copies.
     let looks = Attribute {
@@ -142,14 +142,15 @@ fn smoothing_groups_decide_whatever_the_angle() {
         cube().with_attribute(Attribute { semantic, domain: Domain::Face, width: 1, values }).unwrap()
     };
     let rows = |mesh: &Mesh| {
-        with_normals(mesh, Topology::Indices, Shading::Groups(Weight::Angle)).unwrap().positions().len()
+        with_normals(mesh, Topology::Indices, Shading::Groups(NormalWeight::Angle)).unwrap().positions().len()
     };
     assert_eq!(rows(&groups([1.0; 6])), 8, "one group is smooth across 90°");
     assert_eq!(rows(&groups([1.0, 2.0, 3.0, 4.0, 5.0, 6.0])), 24, "six groups have all edges hard");
     // Group 0 is none: its sides are hard, and so is each face by itself.
-    let apart = with_normals(&groups([0.0; 6]), Topology::Indices, Shading::Groups(Weight::Angle)).unwrap();
+    let apart =
+        with_normals(&groups([0.0; 6]), Topology::Indices, Shading::Groups(NormalWeight::Angle)).unwrap();
     assert_eq!(apart.positions().len(), 36);
-    let none = with_normals(&cube(), Topology::Indices, Shading::Groups(Weight::Angle)).unwrap();
+    let none = with_normals(&cube(), Topology::Indices, Shading::Groups(NormalWeight::Angle)).unwrap();
     assert_eq!(none.attribute(&Semantic::Normal).unwrap().domain, Domain::Face);
 }
 
@@ -177,7 +178,7 @@ fn edges_that_are_not_manifold_are_hard() {
 fn against_the_sphere(levels: u32) -> [f64; 4] {
     let sphere = icosphere(levels);
     let (mut worst, mut sum) = (0.0_f64, 0.0);
-    for (p, normal) in sphere.positions().iter().zip(smooth_normals(&sphere, Weight::Angle)) {
+    for (p, normal) in sphere.positions().iter().zip(smooth_normals(&sphere, NormalWeight::Angle)) {
         let off = angle(*p, normal);
         (worst, sum) = (worst.max(off), sum + off * off);
     }
@@ -235,7 +236,7 @@ fn smooth_normals_are_those_of_the_definition() {
         let positions: Vec<V> = (0..12).map(|_| [0; 3].map(|_| random.below(1000) as f64 / 7.0)).collect();
         let faces: Vec<[u32; 3]> = (0..20).map(|_| [0; 3].map(|_| random.below(12) as u32)).collect();
         let mesh = Mesh::new(positions, faces).unwrap();
-        for weight in [Weight::Angle, Weight::Area, Weight::Uniform] {
+        for weight in [NormalWeight::Angle, NormalWeight::Area, NormalWeight::Uniform] {
             let found = smooth_normals(&mesh, weight);
             let mut sums = [[0.0; 3]; 12];
             for (number, face) in mesh.faces().iter().enumerate() {
@@ -244,11 +245,11 @@ fn smooth_normals_are_those_of_the_definition() {
                 for k in 0..3 {
                     let here = corners[k];
                     let weight = match weight {
-                        Weight::Angle => {
+                        NormalWeight::Angle => {
                             angle(sub(corners[(k + 1) % 3], here), sub(corners[(k + 2) % 3], here))
                         }
-                        Weight::Area => dot(whole, whole).sqrt(),
-                        Weight::Uniform => 1.0,
+                        NormalWeight::Area => dot(whole, whole).sqrt(),
+                        NormalWeight::Uniform => 1.0,
                     };
                     let sum = &mut sums[face[k] as usize];
                     let normal = unit(whole);
@@ -267,11 +268,11 @@ fn smooth_normals_are_those_of_the_definition() {
 #[test]
 fn h54_normals_do_not_depend_on_the_size_of_a_mesh() {
     let mesh = icosphere(2);
-    let expected = smooth_normals(&mesh, Weight::Angle);
+    let expected = smooth_normals(&mesh, NormalWeight::Angle);
     for scale in [1e-300, 1e-160, 1e-60, 1e-30, 1e30, 1e100, 1e160, 1e300] {
         let scaled =
             mesh.with_positions(mesh.positions().iter().map(|p| p.map(|x| x * scale)).collect()).unwrap();
-        for weight in [Weight::Angle, Weight::Area, Weight::Uniform] {
+        for weight in [NormalWeight::Angle, NormalWeight::Area, NormalWeight::Uniform] {
             for (a, b) in smooth_normals(&scaled, weight).into_iter().zip(smooth_normals(&mesh, weight)) {
                 assert!(angle(a, b) < 1e-9, "{scale:e} {weight:?}: {a:?} {b:?}");
             }
@@ -281,7 +282,7 @@ fn h54_normals_do_not_depend_on_the_size_of_a_mesh() {
         let scale = libm::ldexp(1.0, power);
         let scaled =
             mesh.with_positions(mesh.positions().iter().map(|p| p.map(|x| x * scale)).collect()).unwrap();
-        assert_eq!(smooth_normals(&scaled, Weight::Angle), expected, "a power of two changes no bit");
+        assert_eq!(smooth_normals(&scaled, NormalWeight::Angle), expected, "a power of two changes no bit");
     }
 }
 
@@ -295,7 +296,7 @@ fn h55_no_normal_is_nan() {
         (&[[1e308, 0.0, 0.0], [-1e308, 0.0, 0.0], [0.0, 1e308, -1e308]], &[[0, 1, 2], [0, 0, 1]]),
         (&[[1e-320, 0.0, 0.0], [0.0, 1e-320, 0.0], [0.0, 0.0, 1e30]], &[[0, 1, 2]]),
     ];
-    let weights = [Weight::Angle, Weight::Area, Weight::Uniform];
+    let weights = [NormalWeight::Angle, NormalWeight::Area, NormalWeight::Uniform];
     let crease = |weight| Shading::Crease { angle_rad: 0.5, weight };
     let kinds = weights.map(Shading::Smooth).into_iter().chain(weights.map(crease)).chain([Shading::Flat]);
     let kinds: Vec<Shading> = kinds.collect();
@@ -313,7 +314,7 @@ fn h55_no_normal_is_nan() {
     }
     // The needle has a direction, and it is found.
     let needle = Mesh::new(sick[2].0.to_vec(), sick[2].1.to_vec()).unwrap();
-    assert_eq!(smooth_normals(&needle, Weight::Angle), [[0.0, 0.0, 1.0]; 3]);
+    assert_eq!(smooth_normals(&needle, NormalWeight::Angle), [[0.0, 0.0, 1.0]; 3]);
 }
 
 #[test]
@@ -321,7 +322,7 @@ fn a_soup_is_smooth_by_positions_and_flat_by_indices() {
     let cube = cube();
     let soup: Vec<V> = (0..12).flat_map(|f| cube.corners(f)).collect();
     let mesh = Mesh::new(soup, (0..12).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect()).unwrap();
-    let smooth = Shading::Smooth(Weight::Angle);
+    let smooth = Shading::Smooth(NormalWeight::Angle);
     let tied = with_normals(&mesh, Topology::Positions, smooth).unwrap();
     for (p, normal) in tied.positions().iter().zip(normal_rows(&tied)) {
         assert!(angle(p.map(|x| x - 0.5), normal) < 1e-9);

@@ -1,7 +1,7 @@
 //! The arrow `outlines_to_mesh`: closed form, the promise about sides, and odd outlines. The referee samples curves and
 //! counts winding by itself.
 use chordal::check::{measure, t_junctions};
-use chordal::explicit::{Arc, Bezier, Curve, FillRule, Outline, Piece, Topology};
+use chordal::explicit::{Arc, Bezier, Curve, CurveSegment, FillRule, Outline, Topology};
 use chordal::{Bounded, Budget, Failure, Job, Mesh, Tolerance, convert};
 use std::f64::consts::PI;
 
@@ -12,12 +12,12 @@ fn made(outlines: &[Outline], tolerance: f64) -> Bounded<Mesh> {
 
 fn circle([x, y]: [f64; 2], r: f64) -> Curve<2> {
     let turn = Arc::new([x, y], [[r, 0.0], [0.0, r]], 0.0, 2.0 * PI).unwrap();
-    Curve::new(vec![Piece::Arc(turn.with_ends([[x + r, y]; 2]))], true).unwrap()
+    Curve::new(vec![CurveSegment::Arc(turn.with_ends([[x + r, y]; 2]))], true).unwrap()
 }
 
 fn polygon(points: &[[f64; 2]]) -> Curve<2> {
     let next = points.iter().cycle().skip(1);
-    Curve::new(points.iter().zip(next).map(|(a, b)| Piece::Line([*a, *b])).collect(), true).unwrap()
+    Curve::new(points.iter().zip(next).map(|(a, b)| CurveSegment::Line([*a, *b])).collect(), true).unwrap()
 }
 
 fn twice_area([a, b, c]: [[f64; 3]; 3]) -> f64 {
@@ -76,11 +76,13 @@ fn holes_nested_contours_and_overlaps_follow_their_rule() {
 
 #[test]
 fn open_contours_are_closed_and_thin_or_empty_ones_vanish() {
-    let open =
-        Curve::new(vec![Piece::Line([[0.0, 0.0], [2.0, 0.0]]), Piece::Line([[2.0, 0.0], [2.0, 2.0]])], false);
+    let open = Curve::new(
+        vec![CurveSegment::Line([[0.0, 0.0], [2.0, 0.0]]), CurveSegment::Line([[2.0, 0.0], [2.0, 2.0]])],
+        false,
+    );
     let outline = |contours| Outline { contours, rule: FillRule::NonZero };
     assert!((measure(&made(&[outline(vec![open.unwrap()])], 0.1).shape).area - 2.0).abs() < 1e-9);
-    let line = Curve::new(vec![Piece::Line([[0.0, 0.0], [2.0, 1.0]])], false).unwrap();
+    let line = Curve::new(vec![CurveSegment::Line([[0.0, 0.0], [2.0, 1.0]])], false).unwrap();
     let all = [outline(vec![line]), outline(vec![Curve::point([1.0, 1.0]).unwrap()]), outline(vec![])];
     assert!(made(&all, 0.1).shape.faces().is_empty());
     assert!(made(&[], 0.1).shape.faces().is_empty());
@@ -136,8 +138,9 @@ impl Random {
     /// A closed path of cubics with loops and crossings.
     fn path(&mut self, n: usize) -> Curve<2> {
         let corners: Vec<_> = (0..n).map(|_| self.point()).collect();
-        let piece =
-            |i: usize, b, c| Piece::Cubic(Bezier { control: [corners[i], b, c, corners[(i + 1) % n]] });
+        let piece = |i: usize, b, c| {
+            CurveSegment::Cubic(Bezier { control: [corners[i], b, c, corners[(i + 1) % n]] })
+        };
         let pieces = (0..n).map(|i| piece(i, self.point(), self.point())).collect();
         Curve::new(pieces, true).unwrap()
     }
@@ -145,7 +148,7 @@ impl Random {
 
 /// Samples of a contour, so close that chords between them are 1e-5 off at most.
 fn sampled(curve: &Curve<2>) -> Vec<[f64; 2]> {
-    let n = 2000 * curve.pieces().len();
+    let n = 2000 * curve.segments().len();
     (0..n).map(|i| curve.at(i as f64 / 2000.0)).collect()
 }
 

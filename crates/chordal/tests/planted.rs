@@ -1,5 +1,5 @@
 //! Planted defects: a healthy torus is spoilt in known places, and exactly those are found.
-use chordal::check::{Defect, Finding, Place, Surface, inside_out, self_intersections};
+use chordal::check::{Defect, Finding, MeshConnectivity, MeshLocation, inside_out, self_intersections};
 use chordal::explicit::Topology;
 use chordal::{Job, Mesh};
 use std::collections::BTreeSet;
@@ -62,8 +62,8 @@ impl Patient {
 
 /// Every defect with its count, without those that were not met.
 fn diagnosis(mesh: &Mesh) -> Vec<(Defect, u64)> {
-    let surface = Surface::new(mesh, Topology::Indices);
-    let (v, both) = (surface.validity(), Surface::both_ways(mesh));
+    let surface = MeshConnectivity::new(mesh, Topology::Indices);
+    let (v, both) = (surface.validity(), MeshConnectivity::by_indices_and_positions(mesh));
     let crossing = self_intersections(mesh, &Job::default()).unwrap();
     let turned = inside_out(mesh, &surface.components());
     let count = |defect: Defect| {
@@ -91,9 +91,9 @@ fn diagnosis(mesh: &Mesh) -> Vec<(Defect, u64)> {
 /// The faces that witnesses name.
 fn named(finding: &Finding) -> BTreeSet<usize> {
     let faces = finding.witnesses.iter().map(|witness| match &witness.place {
-        Place::Face(face) | Place::Repeated { face, .. } => vec![*face as usize],
-        Place::Edge { faces, .. } => faces.iter().map(|face| *face as usize).collect(),
-        Place::Faces(faces) => faces.map(|face| face as usize).to_vec(),
+        MeshLocation::Face(face) | MeshLocation::Repeated { face, .. } => vec![*face as usize],
+        MeshLocation::Edge { faces, .. } => faces.iter().map(|face| *face as usize).collect(),
+        MeshLocation::Faces(faces) => faces.map(|face| face as usize).to_vec(),
         _ => Vec::new(),
     });
     faces.flatten().collect()
@@ -116,7 +116,7 @@ fn removed_faces_are_holes_of_three_edges_each() {
         });
         let mesh = patient.mesh();
         assert_eq!(diagnosis(&mesh), [(Defect::BoundaryEdges, 3 * k as u64)], "seed {seed}");
-        let v = Surface::new(&mesh, Topology::Indices).validity();
+        let v = MeshConnectivity::new(&mesh, Topology::Indices).validity();
         assert_eq!((v.boundary_loops, v.genus), (k as u64, Some(1)), "seed {seed}");
     }
 }
@@ -129,7 +129,7 @@ fn turned_faces_are_named_by_their_three_edges() {
         turned.iter().for_each(|face| patient.faces[*face].swap(0, 1));
         let mesh = patient.mesh();
         assert_eq!(diagnosis(&mesh), [(Defect::InconsistentEdges, 9)], "seed {seed}");
-        let v = Surface::new(&mesh, Topology::Indices).validity();
+        let v = MeshConnectivity::new(&mesh, Topology::Indices).validity();
         assert!(v.orientable);
         assert!(turned.iter().all(|face| named(&v.inconsistent_edges).contains(face)), "seed {seed}");
     }
@@ -172,8 +172,8 @@ fn repeated_collapsed_and_unused_are_counted_and_named() {
             !found.iter().any(|(defect, _)| *defect == Defect::SelfIntersections),
             "a duplicate is no crossing"
         );
-        let v = Surface::new(&mesh, Topology::Indices).validity();
-        let place = Place::Repeated { face: (patient.faces.len() - 1) as u32, of: face as u32 };
+        let v = MeshConnectivity::new(&mesh, Topology::Indices).validity();
+        let place = MeshLocation::Repeated { face: (patient.faces.len() - 1) as u32, of: face as u32 };
         assert_eq!(v.duplicate_faces.witnesses[0].place, place, "seed {seed}");
     }
 }
@@ -196,7 +196,7 @@ fn cut_corners_are_duplicate_vertices_and_open_the_surface_by_index_only() {
             [(Defect::BoundaryEdges, 4 * k), (Defect::DuplicateVertices, k)],
             "seed {seed}"
         );
-        let by_positions = Surface::both_ways(&mesh).by_positions.unwrap().validity();
+        let by_positions = MeshConnectivity::by_indices_and_positions(&mesh).by_positions.unwrap().validity();
         assert!(by_positions.closed && by_positions.genus == Some(1));
     }
 }

@@ -1,6 +1,6 @@
 //! The laws of points in polygons and of convex polygons, on lattices where the judge's own arithmetic is exact.
 use chordal::explicit::{FillRule, fan, is_convex, polygon_contains, winding_number};
-use chordal::math::Position;
+use chordal::math::PointInTriangle;
 
 /// xorshift64*, so that a printed seed gives the same polygons everywhere.
 struct Random(u64);
@@ -74,9 +74,10 @@ fn winding_numbers_are_those_of_the_angles_and_sides_are_the_boundary() {
         let [nonzero, odd] =
             [FillRule::NonZero, FillRule::EvenOdd].map(|rule| polygon_contains(&[&floats], rule, float(p)));
         match expected {
-            None => assert_eq!([nonzero, odd], [Position::Boundary; 2]),
+            None => assert_eq!([nonzero, odd], [PointInTriangle::Boundary; 2]),
             Some(w) => {
-                let position = |inside| if inside { Position::Inside } else { Position::Outside };
+                let position =
+                    |inside| if inside { PointInTriangle::Inside } else { PointInTriangle::Outside };
                 assert_eq!([nonzero, odd], [position(w != 0), position(w % 2 != 0)]);
             }
         }
@@ -85,7 +86,7 @@ fn winding_numbers_are_those_of_the_angles_and_sides_are_the_boundary() {
     }
     assert!(on > 1000 && wound > 50, "{on} on a side, {wound} wound around twice");
     assert_eq!(winding_number(&[], [0.0; 2]), None);
-    assert_eq!(polygon_contains(&[[[0.0; 2]; 0]; 0], FillRule::NonZero, [0.0; 2]), Position::Outside);
+    assert_eq!(polygon_contains(&[[[0.0; 2]; 0]; 0], FillRule::NonZero, [0.0; 2]), PointInTriangle::Outside);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The laws of polygons with holes: everything that the contours enclose is covered once, and what was repaired is said.
 //! The judge has winding numbers, areas and edges of its own.
-use chordal::explicit::triangulate::{Cut, InvalidPolygon, Repair, polygon_with_holes};
+use chordal::explicit::triangulate::{ContourRepair, InvalidPolygon, PolygonTriangles, polygon_with_holes};
 use std::collections::{BTreeMap, BTreeSet};
 
 type Point = [f64; 2];
@@ -21,7 +21,7 @@ impl Random {
     }
 }
 
-fn cut(rings: &[Vec<Point>]) -> Cut<Point> {
+fn cut(rings: &[Vec<Point>]) -> PolygonTriangles<Point> {
     polygon_with_holes(&rings[0], &rings[1..]).unwrap_or_else(|error| panic!("{error}: {rings:?}"))
 }
 
@@ -61,7 +61,7 @@ fn winding(ring: &[Point], p: Point, near: f64) -> Option<i32> {
 }
 
 /// Everything that holds for each cut, whatever the rings do; `rings` run in any direction.
-fn expect_right(name: &str, rings: &[Vec<Point>], random: &mut Random) -> Cut<Point> {
+fn expect_right(name: &str, rings: &[Vec<Point>], random: &mut Random) -> PolygonTriangles<Point> {
     let made = cut(rings);
     let all: Vec<Point> = rings.iter().flatten().chain(&made.added).copied().collect();
     let corners = |t: &[u32; 3]| t.map(|i| all[i as usize]);
@@ -75,7 +75,7 @@ fn expect_right(name: &str, rings: &[Vec<Point>], random: &mut Random) -> Cut<Po
         }
     }
     // 2. Clean: the edges without a twin are those of the rings, all of them, and the number is n + 2h − 2.
-    let crosses = made.repairs.iter().any(|repair| matches!(repair, Repair::Crossing { .. }));
+    let crosses = made.repairs.iter().any(|repair| matches!(repair, ContourRepair::Crossing { .. }));
     if made.is_clean() {
         let is_closed = |ring: &Vec<Point>| ring.len() > 1 && ring.first() == ring.last();
         let lengths: Vec<usize> =
@@ -101,7 +101,8 @@ fn expect_right(name: &str, rings: &[Vec<Point>], random: &mut Random) -> Cut<Po
     let outer = shoelace(&rings[0]).abs();
     let expected = outer - rings[1..].iter().map(|r| shoelace(r).abs()).sum::<f64>();
     // Sides that overlap may run around something twice, which counts once.
-    let stays = |repair: &Repair| matches!(repair, Repair::Touching(_) | Repair::Repeated(_));
+    let stays =
+        |repair: &ContourRepair| matches!(repair, ContourRepair::Touching(_) | ContourRepair::Repeated(_));
     if made.repairs.iter().all(stays) {
         assert!((covered - expected).abs() <= 1e-12 * outer, "{name}: {covered} of {expected}");
     }
@@ -212,7 +213,7 @@ fn simple_polygons_with_holes_are_clean() {
         if name == "circle" {
             // All its corners are one point.
             let nothing = cut(&[ring]);
-            assert_eq!(nothing.repairs, [Repair::Empty(1), Repair::Repeated(2998)]);
+            assert_eq!(nothing.repairs, [ContourRepair::Empty(1), ContourRepair::Repeated(2998)]);
             assert!(nothing.triangles.is_empty());
             continue;
         }
@@ -263,18 +264,21 @@ fn what_is_wrong_is_said_and_the_area_kept() {
     let outer = square(0.0, 0.0, 8.0);
     // A hole that touches the outer contour with a corner, and one with a side.
     let diamond = vec![[0.0, 4.0], [2.0, 2.0], [4.0, 4.0], [2.0, 6.0]];
-    assert_eq!(area_of("corner", &[outer.clone(), diamond]), (vec![Repair::Touching(1)], 56.0));
+    assert_eq!(area_of("corner", &[outer.clone(), diamond]), (vec![ContourRepair::Touching(1)], 56.0));
     let (repairs, area) = area_of("side", &[outer.clone(), square(0.0, 2.0, 4.0)]);
     assert!(
-        matches!(repairs[..], [Repair::Touching(2), Repair::Overlapping(1), Repair::Outside(1)]),
+        matches!(
+            repairs[..],
+            [ContourRepair::Touching(2), ContourRepair::Overlapping(1), ContourRepair::Outside(1)]
+        ),
         "{repairs:?}"
     );
     assert_eq!(area, 48.0);
     // A hole outside, and one in another.
     let outside = area_of("outside", &[outer.clone(), square(9.0, 0.0, 1.0)]);
-    assert_eq!(outside, (vec![Repair::Outside(4)], 64.0));
+    assert_eq!(outside, (vec![ContourRepair::Outside(4)], 64.0));
     let nested = area_of("nested", &[outer.clone(), square(1.0, 1.0, 4.0), square(2.0, 2.0, 1.0)]);
-    assert_eq!(nested, (vec![Repair::Outside(4)], 48.0));
+    assert_eq!(nested, (vec![ContourRepair::Outside(4)], 48.0));
     // Holes that overlap, and one that sticks out.
     for (name, holes, area) in [
         ("overlap", vec![square(1.0, 1.0, 4.0), square(3.0, 3.0, 4.0)], 64.0 - 28.0),
@@ -282,28 +286,28 @@ fn what_is_wrong_is_said_and_the_area_kept() {
     ] {
         let rings: Vec<_> = std::iter::once(outer.clone()).chain(holes).collect();
         let (repairs, found) = area_of(name, &rings);
-        assert!(matches!(repairs[..], [Repair::Crossing { folded: 0, .. }]), "{name}: {repairs:?}");
+        assert!(matches!(repairs[..], [ContourRepair::Crossing { folded: 0, .. }]), "{name}: {repairs:?}");
         assert_eq!(found, area, "{name}");
     }
     // A spike, outwards and inwards, a corner twice in a row, the first corner once more at the end.
     let spiked = vec![[0.0, 0.0], [8.0, 0.0], [8.0, 8.0], [12.0, 12.0], [8.0, 8.0], [0.0, 8.0]];
     let (repairs, area) = area_of("spike", &[spiked]);
-    assert!(repairs.iter().any(|r| matches!(r, Repair::Overlapping(_))), "{repairs:?}");
+    assert!(repairs.iter().any(|r| matches!(r, ContourRepair::Overlapping(_))), "{repairs:?}");
     assert_eq!(area, 64.0);
     let inwards = vec![[0.0, 0.0], [8.0, 0.0], [8.0, 8.0], [4.0, 4.0], [8.0, 8.0], [0.0, 8.0]];
     assert_eq!(area_of("inward spike", &[inwards]).1, 64.0);
     let mut closed = outer.clone();
     closed.push(outer[0]);
     closed.insert(2, outer[1]);
-    assert_eq!(area_of("closed", &[closed]), (vec![Repair::Repeated(1)], 64.0));
+    assert_eq!(area_of("closed", &[closed]), (vec![ContourRepair::Repeated(1)], 64.0));
     // Steiner points and holes that are lines.
     let (repairs, area) =
         area_of("steiner", &[outer.clone(), vec![[4.0, 4.0]], vec![[1.0, 1.0], [2.0, 2.0]]]);
-    assert_eq!(repairs, [Repair::Empty(2), Repair::Overlapping(1)]);
+    assert_eq!(repairs, [ContourRepair::Empty(2), ContourRepair::Overlapping(1)]);
     assert_eq!(area, 64.0);
     // The hole is the outer contour; there is no outer contour.
     assert_eq!(area_of("nothing", &[outer.clone(), outer]).1, 0.0);
-    assert_eq!(cut(&[vec![]]).repairs, [Repair::Empty(1)]);
+    assert_eq!(cut(&[vec![]]).repairs, [ContourRepair::Empty(1)]);
 }
 
 #[test]
@@ -323,7 +327,7 @@ fn random_contours_are_covered_once_whatever_they_do() {
         let made = expect_right(&format!("round {round} {rings:?}"), &rings, &mut random);
         match made.repairs[..] {
             [] => clean += 1,
-            [Repair::Crossing { .. }] => crossing += 1,
+            [ContourRepair::Crossing { .. }] => crossing += 1,
             _ => other += 1,
         }
     }
@@ -407,10 +411,10 @@ fn h76_scribbles_end_and_are_flagged() {
     let mut random = Random(seed);
     let scribble: Vec<Point> = (0..1000).map(|_| [random.unit(), random.unit()]).collect();
     let made = cut(std::slice::from_ref(&scribble));
-    assert!(matches!(made.repairs[..], [Repair::Crossing { .. }]));
+    assert!(matches!(made.repairs[..], [ContourRepair::Crossing { .. }]));
     let few: Vec<Point> = (0..20_001).map(|i: usize| scribble[(i * i + i / 7) % 7]).collect();
     let made = cut(std::slice::from_ref(&few));
-    assert!(matches!(made.repairs[..], [Repair::Crossing { folded: 0, .. }]), "{:?}", made.repairs);
+    assert!(matches!(made.repairs[..], [ContourRepair::Crossing { folded: 0, .. }]), "{:?}", made.repairs);
 }
 
 fn data() -> Option<std::path::PathBuf> {

@@ -1,6 +1,6 @@
 //! Laws of the predicates: the sign of exact arithmetic, always.
 use crate::exact;
-use chordal::math::{Orientation, Position, orient2d, orient3d, triangle_contains};
+use chordal::math::{Orientation, PointInTriangle, orient2d, orient3d, triangle_contains};
 use dashu_float::FBig;
 use exact::{cases, exact, number};
 use proptest::prelude::*;
@@ -108,9 +108,9 @@ proptest! {
             for other in [[b, c, a], [c, a, b], [b, a, c], [a, c, b], [c, b, a]] {
                 prop_assert_eq!(triangle_contains(other, point), position);
             }
-            prop_assert!(position == Position::Outside || inside_box(points, point));
+            prop_assert!(position == PointInTriangle::Outside || inside_box(points, point));
         }
-        prop_assert_eq!(triangle_contains(points, a), Position::Boundary);
+        prop_assert_eq!(triangle_contains(points, a), PointInTriangle::Boundary);
     }
 }
 
@@ -124,11 +124,11 @@ fn a_lattice_is_sorted_into_inside_boundary_and_outside() {
     let mut count = [0; 3];
     for (x, y) in (-1..8).flat_map(|x| (-1..8).map(move |y| (x, y))) {
         let expected = if x < 0 || y < 0 || x + y > 6 {
-            Position::Outside
+            PointInTriangle::Outside
         } else if x == 0 || y == 0 || x + y == 6 {
-            Position::Boundary
+            PointInTriangle::Boundary
         } else {
-            Position::Inside
+            PointInTriangle::Inside
         };
         assert_eq!(triangle_contains(triangle, [f64::from(x), f64::from(y)]), expected, "{x} {y}");
         count[expected as usize] += 1;
@@ -139,11 +139,11 @@ fn a_lattice_is_sorted_into_inside_boundary_and_outside() {
 #[test]
 fn a_triangle_without_area_is_its_own_boundary() {
     let flat = [[0.0, 0.0], [4.0, 2.0], [2.0, 1.0]];
-    assert_eq!(triangle_contains(flat, [3.0, 1.5]), Position::Boundary);
-    assert_eq!(triangle_contains(flat, [6.0, 3.0]), Position::Outside);
-    assert_eq!(triangle_contains(flat, [3.0, 1.4]), Position::Outside);
-    assert_eq!(triangle_contains([[1.0, 1.0]; 3], [1.0, 1.0]), Position::Boundary);
-    assert_eq!(triangle_contains([[1.0, 1.0]; 3], [1.0, 2.0]), Position::Outside);
+    assert_eq!(triangle_contains(flat, [3.0, 1.5]), PointInTriangle::Boundary);
+    assert_eq!(triangle_contains(flat, [6.0, 3.0]), PointInTriangle::Outside);
+    assert_eq!(triangle_contains(flat, [3.0, 1.4]), PointInTriangle::Outside);
+    assert_eq!(triangle_contains([[1.0, 1.0]; 3], [1.0, 1.0]), PointInTriangle::Boundary);
+    assert_eq!(triangle_contains([[1.0, 1.0]; 3], [1.0, 2.0]), PointInTriangle::Outside);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What a picture promises: places, normals, holes, lines, sides, and the same bytes everywhere.
-use chordal::budget::{Camera, Code, Progress, Projection, Screen, Stopped};
+use chordal::budget::{Camera, JobError, Progress, Projection, RefusalCode, Screen};
 use chordal::explicit::{Attribute, Patch};
-use chordal::render::{Background, Options, Picture, Show, Up, Viewpoint, frame, render};
+use chordal::render::{Background, Picture, RenderOptions, RenderStyle, UpAxis, Viewpoint, frame, render};
 use chordal::{Job, Mesh};
 use std::sync::{Arc, Mutex};
 
@@ -47,12 +47,12 @@ fn camera(eye: [f64; 3], projection: Projection, [width_px, height_px]: [u32; 2]
 const PARALLEL: Projection = Projection::Orthographic { height: 3.0 };
 
 /// A picture with nothing behind the mesh.
-fn picture(mesh: &Mesh, camera: Camera, show: Show) -> Picture {
-    let options = Options {
+fn picture(mesh: &Mesh, camera: Camera, show: RenderStyle) -> Picture {
+    let options = RenderOptions {
         show,
         viewpoint: Viewpoint::Camera(camera),
         background: Background::Transparent,
-        ..Options::default()
+        ..RenderOptions::default()
     };
     render(mesh, &options, &Job::default()).expect("renders")
 }
@@ -65,13 +65,13 @@ fn coverage(picture: &Picture) -> f64 {
 fn a_sphere_covers_the_pixels_of_its_disc() {
     let mesh = sphere(128);
     let eye = [1.5, -2.0, 2.5];
-    let area = coverage(&picture(&mesh, camera(eye, PARALLEL, [300, 240]), Show::Flat));
+    let area = coverage(&picture(&mesh, camera(eye, PARALLEL, [300, 240]), RenderStyle::Flat));
     let expected = std::f64::consts::PI * 80.0 * 80.0;
     assert!((area / expected - 1.0).abs() < 0.005, "{area} pixels, not {expected}");
 
     // A pinhole sees a sphere of radius r at distance d under the angle asin(r/d).
     let fov = Projection::Perspective { fov_y_deg: 60.0 };
-    let area = coverage(&picture(&mesh, camera([0.0, -3.0, 0.0], fov, [300, 240]), Show::Flat));
+    let area = coverage(&picture(&mesh, camera([0.0, -3.0, 0.0], fov, [300, 240]), RenderStyle::Flat));
     let radius = 120.0 / libm::tan(libm::asin(0.5)) * libm::tan(libm::asin(1.0 / 3.0));
     let expected = std::f64::consts::PI * radius * radius;
     assert!((area / expected - 1.0).abs() < 0.005, "{area} pixels, not {expected}");
@@ -81,7 +81,7 @@ fn a_sphere_covers_the_pixels_of_its_disc() {
 fn the_normal_in_the_centre_points_at_the_eye() {
     let mesh = sphere(64);
     for eye in [[3.0, 0.0, 0.0], [0.0, 0.0, -4.0], [1.0, 2.0, 2.0], [-2.0, 1.0, -2.0]] {
-        let shown = picture(&mesh, camera(eye, PARALLEL, [201, 201]), Show::Normals);
+        let shown = picture(&mesh, camera(eye, PARALLEL, [201, 201]), RenderStyle::Normals);
         let pixel = shown.pixel(100, 100);
         let length = eye.iter().map(|x| x * x).sum::<f64>().sqrt();
         for k in 0..3 {
@@ -95,7 +95,7 @@ fn the_normal_in_the_centre_points_at_the_eye() {
 fn sharp_edges_stay_sharp_and_given_normals_win() {
     let (mesh, seen_from) = (cube(&[]), camera([3.0, -4.0, 5.0], PARALLEL, [120, 120]));
     // Without normals: three sides, three colours, and mixtures only along the lines between them.
-    let shown = picture(&mesh, seen_from, Show::Normals);
+    let shown = picture(&mesh, seen_from, RenderStyle::Normals);
     let sides = [[255, 128, 128], [128, 0, 128], [128, 128, 255]];
     let pure =
         shown.rgba.chunks_exact(4).filter(|p| p[3] == 255 && sides.contains(&[p[0], p[1], p[2]])).count();
@@ -103,22 +103,22 @@ fn sharp_edges_stay_sharp_and_given_normals_win() {
     assert!(pure * 100 > all * 90, "{pure} of {all}");
 
     let up = Attribute::vertex_normals(&[[0.0, 0.0, 1.0]; 8]);
-    let shown = picture(&mesh.clone().with_attribute(up).unwrap(), seen_from, Show::Normals);
+    let shown = picture(&mesh.clone().with_attribute(up).unwrap(), seen_from, RenderStyle::Normals);
     let top = [128, 128, 255];
     let (x, y) = (60, 90);
     assert_eq!(shown.pixel(x, y)[..3], top, "the side facing the eye, by the mesh's own normals");
     // Normals that say nothing leave the triangle's own.
     let none = Attribute::vertex_normals(&[[0.0, f64::NAN, 0.0]; 8]);
-    let shown = picture(&mesh.with_attribute(none).unwrap(), seen_from, Show::Normals);
+    let shown = picture(&mesh.with_attribute(none).unwrap(), seen_from, RenderStyle::Normals);
     assert!(sides.contains(&shown.pixel(x, y)[..3].try_into().unwrap()));
 }
 
 #[test]
 fn a_hole_opens_where_a_face_is_missing() {
     let from_front = camera([0.0, -5.0, 0.0], PARALLEL, [61, 61]);
-    let whole = picture(&cube(&[]), from_front, Show::Flat).pixel(30, 30);
-    let open = picture(&cube(&[(1, 0)]), from_front, Show::Flat).pixel(30, 30);
-    let through = picture(&cube(&[(1, 0), (1, 1)]), from_front, Show::Flat).pixel(30, 30);
+    let whole = picture(&cube(&[]), from_front, RenderStyle::Flat).pixel(30, 30);
+    let open = picture(&cube(&[(1, 0)]), from_front, RenderStyle::Flat).pixel(30, 30);
+    let through = picture(&cube(&[(1, 0), (1, 1)]), from_front, RenderStyle::Flat).pixel(30, 30);
     assert_eq!((whole[3], open[3], through[3]), (255, 255, 0));
     // Fronts are warm; the back of the far side is cool.
     assert!(whole[0] > whole[2] && open[2] > open[0], "{whole:?} {open:?}");
@@ -127,12 +127,13 @@ fn a_hole_opens_where_a_face_is_missing() {
 #[test]
 fn both_sides_of_a_triangle_are_seen_and_differ() {
     let mesh = Mesh::new(vec![[-1., -1., 0.], [1., -1., 0.], [0., 1., 0.]], vec![[0, 1, 2]]).unwrap();
-    for show in [Show::Shaded, Show::Flat] {
+    for show in [RenderStyle::Shaded, RenderStyle::Flat] {
         let front = picture(&mesh, camera([0.0, 0.0, 3.0], PARALLEL, [31, 31]), show).pixel(15, 15);
         let back = picture(&mesh, camera([0.0, 0.0, -3.0], PARALLEL, [31, 31]), show).pixel(15, 15);
         assert!(front[0] > front[2] && back[2] > back[0], "{front:?} {back:?}");
     }
-    let back = picture(&mesh, camera([0.0, 0.0, -3.0], PARALLEL, [31, 31]), Show::Normals).pixel(15, 15);
+    let back =
+        picture(&mesh, camera([0.0, 0.0, -3.0], PARALLEL, [31, 31]), RenderStyle::Normals).pixel(15, 15);
     assert_eq!(back, [128, 128, 0, 255], "normals are shown towards the eye");
 }
 
@@ -166,7 +167,7 @@ fn wire_shows_every_visible_edge_and_no_hidden_one() {
     let sum = |p: [u8; 4]| p[..3].iter().map(|c| u32::from(*c)).sum::<u32>();
     for projection in [PARALLEL, Projection::Perspective { fov_y_deg: 40.0 }] {
         let seen_from = camera([2.0, -3.0, 2.5], projection, [420, 420]);
-        let shown = picture(&mesh, seen_from, Show::Wire);
+        let shown = picture(&mesh, seen_from, RenderStyle::Wire);
         let bright = |p: [f64; 3]| {
             let [x, y, _] = project(&seen_from, p);
             sum(shown.pixel(x as u32, y as u32))
@@ -224,9 +225,14 @@ fn bitten() -> Mesh {
 fn bytes_are_the_same_on_any_number_of_threads_and_every_machine() {
     let mesh = bitten();
     // These change only when the look of pictures is meant to: every target gives the same.
-    let expected = [(Show::Shaded, SHADED), (Show::Flat, FLAT), (Show::Wire, WIRE), (Show::Normals, NORMALS)];
+    let expected = [
+        (RenderStyle::Shaded, SHADED),
+        (RenderStyle::Flat, FLAT),
+        (RenderStyle::Wire, WIRE),
+        (RenderStyle::Normals, NORMALS),
+    ];
     for (show, expected) in expected {
-        let options = Options { show, samples: 2, ..Options::sized(96, 72) };
+        let options = RenderOptions { show, samples: 2, ..RenderOptions::sized(96, 72) };
         for threads in [1, 2, 5] {
             let shown = render(&mesh, &options, &Job::default().with_threads(threads)).unwrap();
             assert_eq!(
@@ -247,7 +253,7 @@ const NORMALS: u64 = 0x0d94_e397_ee8d_884e;
 #[test]
 fn size_and_place_do_not_matter() {
     let mesh = bitten();
-    let options = Options::sized(80, 60);
+    let options = RenderOptions::sized(80, 60);
     let near = render(&mesh, &options, &Job::default()).unwrap();
     for exponent in [-400, -20, 20, 400] {
         let scale = libm::ldexp(1.0, exponent);
@@ -265,7 +271,7 @@ fn size_and_place_do_not_matter() {
 #[test]
 fn the_automatic_viewpoint_holds_all_and_wastes_little() {
     let shapes = [sphere(12), cube(&[]), mesh_of_points([[0.0, 0.0, 0.0], [9.0, 0.0, 0.1], [0.0, 0.2, 0.0]])];
-    for (mesh, up) in shapes.iter().flat_map(|mesh| [(mesh, Up::Y), (mesh, Up::Z)]) {
+    for (mesh, up) in shapes.iter().flat_map(|mesh| [(mesh, UpAxis::Y), (mesh, UpAxis::Z)]) {
         for [width_px, height_px] in [[640, 480], [300, 900]] {
             let camera = frame(mesh, up, Screen { width_px, height_px });
             let size = [f64::from(width_px), f64::from(height_px)];
@@ -292,7 +298,7 @@ fn mesh_of_points(points: [[f64; 3]; 3]) -> Mesh {
 
 #[test]
 fn the_ground_takes_the_shadow_only_where_asked() {
-    let options = |background| Options { background, ..Options::sized(120, 90) };
+    let options = |background| RenderOptions { background, ..RenderOptions::sized(120, 90) };
     let shadow = render(&sphere(24), &options(Background::Shadow), &Job::default()).unwrap();
     let clear = render(&sphere(24), &options(Background::Transparent), &Job::default()).unwrap();
     let studio = render(&sphere(24), &options(Background::Studio), &Job::default()).unwrap();
@@ -307,7 +313,7 @@ fn the_ground_takes_the_shadow_only_where_asked() {
     assert_eq!(shadow.pixel(0, 0)[3], 0, "no shadow in the sky");
     // Seen from below, there is no ground in between.
     let below = camera([0.0, -3.0, -3.0], PARALLEL, [60, 60]);
-    let from_below = Options { viewpoint: Viewpoint::Camera(below), ..options(Background::Shadow) };
+    let from_below = RenderOptions { viewpoint: Viewpoint::Camera(below), ..options(Background::Shadow) };
     let shown = render(&sphere(24), &from_below, &Job::default()).unwrap();
     assert!(shown.rgba.chunks_exact(4).all(|p| p[3] == 0 || p[0] > 0));
 }
@@ -316,11 +322,14 @@ fn the_ground_takes_the_shadow_only_where_asked() {
 fn pictures_of_nothing_are_background() {
     let empty = Mesh::new(vec![], vec![]).unwrap();
     let point = Mesh::new(vec![[7.0; 3]], vec![[0, 0, 0]]).unwrap();
-    for (mesh, show) in [&empty, &point].into_iter().flat_map(|m| [(m, Show::Shaded), (m, Show::Wire)]) {
-        let options = Options { show, background: Background::Transparent, ..Options::sized(16, 9) };
+    for (mesh, show) in
+        [&empty, &point].into_iter().flat_map(|m| [(m, RenderStyle::Shaded), (m, RenderStyle::Wire)])
+    {
+        let options =
+            RenderOptions { show, background: Background::Transparent, ..RenderOptions::sized(16, 9) };
         let shown = render(mesh, &options, &Job::default()).unwrap();
         assert!(shown.rgba.len() == 16 * 9 * 4 && shown.rgba.iter().all(|b| *b == 0));
-        let studio = Options { background: Background::Studio, ..options };
+        let studio = RenderOptions { background: Background::Studio, ..options };
         assert!(render(mesh, &studio, &Job::default()).unwrap().is_opaque());
     }
 }
@@ -328,13 +337,13 @@ fn pictures_of_nothing_are_background() {
 #[test]
 fn meshes_at_the_ends_of_the_numbers_end_in_a_picture_or_a_refusal() {
     for scale in [f64::MIN_POSITIVE, 1e-300, 1e-200, 1e200, 1e300, 1.7e308] {
-        for show in [Show::Shaded, Show::Wire, Show::Normals] {
+        for show in [RenderStyle::Shaded, RenderStyle::Wire, RenderStyle::Normals] {
             let mesh = cube(&[]);
             let scaled = mesh.positions().iter().map(|p| p.map(|x| x * scale)).collect();
-            let options = Options { show, ..Options::sized(24, 18) };
+            let options = RenderOptions { show, ..RenderOptions::sized(24, 18) };
             match render(&mesh.with_positions(scaled).unwrap(), &options, &Job::default()) {
                 Ok(shown) => assert!(shown.is_opaque()),
-                Err(stopped) => assert!(matches!(stopped, Stopped::Refused(_)), "{stopped}"),
+                Err(stopped) => assert!(matches!(stopped, JobError::Refused(_)), "{stopped}"),
             }
         }
     }
@@ -346,7 +355,7 @@ fn reports_progress_stops_and_refuses() {
     let seen: Arc<Mutex<Vec<Progress>>> = Arc::default();
     let sink = Arc::clone(&seen);
     let job = Job::default().with_progress(move |p| sink.lock().unwrap().push(p)).with_threads(2);
-    render(&mesh, &Options::sized(20, 15), &job).unwrap();
+    render(&mesh, &RenderOptions::sized(20, 15), &job).unwrap();
     let mut done: Vec<u64> = seen.lock().unwrap().iter().map(|p| p.done).collect();
     done.sort_unstable();
     assert!(done.into_iter().eq(1..=15) && seen.lock().unwrap().iter().all(|p| p.total == 15));
@@ -355,25 +364,25 @@ fn reports_progress_stops_and_refuses() {
     let job = Job::default().with_threads(1);
     let flag = job.cancel_flag();
     let job = job.with_progress(move |p| flag.store(p.done >= 3, std::sync::atomic::Ordering::Relaxed));
-    assert_eq!(render(&mesh, &Options::sized(20, 15), &job), Err(Stopped::Cancelled));
+    assert_eq!(render(&mesh, &RenderOptions::sized(20, 15), &job), Err(JobError::Cancelled));
 
-    let refusal = |options: &Options, job: &Job| match render(&mesh, options, job) {
-        Err(Stopped::Refused(refusal)) => refusal,
+    let refusal = |options: &RenderOptions, job: &Job| match render(&mesh, options, job) {
+        Err(JobError::Refused(refusal)) => refusal,
         other => panic!("{other:?}"),
     };
     let mut small = Job::default();
     small.memory_limit = 1 << 20;
-    let refused = refusal(&Options::sized(100_000, 100_000), &small);
-    assert_eq!(refused.code, Code::TooMuchMemory);
+    let refused = refusal(&RenderOptions::sized(100_000, 100_000), &small);
+    assert_eq!(refused.code, RefusalCode::TooMuchMemory);
     assert!(refused.message.contains("100000x100000") && refused.message.contains("1048576"));
-    assert_eq!(refusal(&Options::sized(0, 9), &Job::default()).code, Code::Unsupported);
+    assert_eq!(refusal(&RenderOptions::sized(0, 9), &Job::default()).code, RefusalCode::Unsupported);
     for samples in [0, 17] {
-        let options = Options { samples, ..Options::sized(9, 9) };
+        let options = RenderOptions { samples, ..RenderOptions::sized(9, 9) };
         assert!(refusal(&options, &Job::default()).message.contains(&samples.to_string()));
     }
     let blind = Camera { target: [0.0, -5.0, 0.0], ..camera([0.0, -5.0, 0.0], PARALLEL, [9, 9]) };
-    let options = Options { viewpoint: Viewpoint::Camera(blind), ..Options::default() };
-    assert_eq!(refusal(&options, &Job::default()).code, Code::Unsupported);
+    let options = RenderOptions { viewpoint: Viewpoint::Camera(blind), ..RenderOptions::default() };
+    assert_eq!(refusal(&options, &Job::default()).code, RefusalCode::Unsupported);
 }
 
 /// The original teapot by uniform sampling, with its patches' normals; `None` when the data is not there.
@@ -415,9 +424,9 @@ fn the_teapot_stands_in_the_picture_from_lid_to_bottom() {
         );
         return;
     };
-    let options = Options { background: Background::Transparent, ..Options::sized(320, 240) };
+    let options = RenderOptions { background: Background::Transparent, ..RenderOptions::sized(320, 240) };
     let shown = render(&mesh, &options, &Job::default()).unwrap();
-    let camera = frame(&mesh, Up::Z, Screen { width_px: 320, height_px: 240 });
+    let camera = frame(&mesh, UpAxis::Z, Screen { width_px: 320, height_px: 240 });
     for p in mesh.positions() {
         let [x, y, _] = project(&camera, *p);
         let near = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (x + f64::from(dx), y + f64::from(dy))));

@@ -1,5 +1,5 @@
 //! Self-intersections: every pair against exact fractions, on lattices full of ties; then shapes whose answer is known.
-use chordal::check::{Place, self_intersections, validity};
+use chordal::check::{MeshLocation, self_intersections, validity};
 use chordal::explicit::Topology;
 use chordal::{Job, Mesh};
 
@@ -117,7 +117,7 @@ fn mesh(points: &[Lattice], faces: &[[u32; 3]], place: impl Fn(f64) -> f64) -> M
 fn pairs(mesh: &Mesh) -> (u64, Vec<[u32; 2]>) {
     let found = self_intersections(mesh, &Job::default()).unwrap();
     let faces = found.witnesses.iter().map(|witness| match witness.place {
-        Place::Faces(faces) => faces,
+        MeshLocation::Faces(faces) => faces,
         _ => panic!("{witness:?}"),
     });
     (found.count, faces.collect())
@@ -358,12 +358,12 @@ fn h60_overlapping_solids_are_told_by_the_pairs_that_cross() {
 
 #[test]
 fn a_cancelled_job_stops_and_a_small_limit_is_refused() {
-    use chordal::budget::Stopped;
+    use chordal::budget::JobError;
     let mesh = closed_grid(20, 20, false, |u, v| [u, v, u * v]);
     let job = Job::default();
     job.cancel();
-    assert_eq!(self_intersections(&mesh, &job), Err(Stopped::Cancelled));
+    assert_eq!(self_intersections(&mesh, &job), Err(JobError::Cancelled));
     let mut job = Job::default();
     job.memory_limit = 1000;
-    assert!(matches!(self_intersections(&mesh, &job), Err(Stopped::Refused(_))));
+    assert!(matches!(self_intersections(&mesh, &job), Err(JobError::Refused(_))));
 }

@@ -1,7 +1,7 @@
 //! Splines keep what they promise: through the points or not, how smooth, and how far a moved point is felt.
 use chordal::check::{join, joins};
 use chordal::explicit::spline::{self, InvalidSpline, Knots};
-use chordal::explicit::{Curve, Piece, Polynomial};
+use chordal::explicit::{Curve, CurveSegment, Polynomial};
 
 /// A generator with a printed seed (Knuth's linear congruential constants).
 struct Random(u64);
@@ -17,13 +17,13 @@ impl Random {
     }
 }
 
-fn bits(piece: &Piece<3>) -> Vec<u64> {
-    let Piece::Cubic(cubic) = piece else { panic!("splines are cubics") };
+fn bits(piece: &CurveSegment<3>) -> Vec<u64> {
+    let CurveSegment::Cubic(cubic) = piece else { panic!("splines are cubics") };
     cubic.control.as_flattened().iter().map(|x| x.to_bits()).collect()
 }
 
 fn changed(before: &Curve<3>, after: &Curve<3>) -> Vec<usize> {
-    let pairs = before.pieces().iter().zip(after.pieces()).enumerate();
+    let pairs = before.segments().iter().zip(after.segments()).enumerate();
     pairs.filter(|(_, (a, b))| bits(a) != bits(b)).map(|(i, _)| i).collect()
 }
 
@@ -113,7 +113,7 @@ fn splines_are_as_smooth_as_they_say_and_no_smoother() {
             joins(&centripetal).iter().all(|join| join.parametric == Some(0) && join.geometric == Some(1))
         );
         let widths = spline::widths(&points, Knots::Centripetal, 40).unwrap();
-        for (i, pair) in centripetal.pieces().windows(2).enumerate() {
+        for (i, pair) in centripetal.segments().windows(2).enumerate() {
             assert_eq!(join([&pair[0], &pair[1]], [widths[i], widths[i + 1]], i + 1).parametric, Some(1));
         }
     }
@@ -130,8 +130,8 @@ fn splines_go_through_their_points_and_the_b_spline_stays_in_its_hull() {
         assert!(points.iter().enumerate().all(|(i, p)| path.at(i as f64) == *p));
     }
     let path = spline::b_spline(&points, false).unwrap();
-    for (i, piece) in path.pieces().iter().enumerate() {
-        let [low, high] = piece.hull();
+    for (i, piece) in path.segments().iter().enumerate() {
+        let [low, high] = piece.bounds();
         for k in 0..3 {
             let near = points[i..i + 4].iter().map(|p| p[k]);
             let (least, most) =

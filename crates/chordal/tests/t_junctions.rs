@@ -1,5 +1,5 @@
 //! T-junctions: a seam cut on one side only, and random lattices against every pair of vertex and edge.
-use chordal::check::{Place, t_junctions};
+use chordal::check::{MeshLocation, t_junctions};
 use chordal::explicit::{Topology, Twin, Twins, next_in_face};
 use chordal::{Mesh, Tolerance};
 use std::collections::BTreeSet;
@@ -33,7 +33,7 @@ fn a_seam_cut_on_one_side_shows_every_vertex_that_the_other_lacks() {
     let found = t_junctions(&seam(4, 16, 0.0), Topology::Positions, None);
     assert_eq!((found.count, found.witnesses.len()), (12, 10));
     for witness in &found.witnesses {
-        let Place::OnEdge { edge, .. } = witness.place else { panic!("{witness:?}") };
+        let MeshLocation::OnEdge { edge, .. } = witness.place else { panic!("{witness:?}") };
         assert_eq!(witness.at[0], 0.0);
         assert!(edge.iter().all(|&row| row < 16), "the edge is the long one, on the left: {witness:?}");
     }

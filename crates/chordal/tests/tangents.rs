@@ -1,7 +1,7 @@
 //! Tangents: along u, at right angles to the normal, mirrored where the texture is, and the same from any order.
 use chordal::Mesh;
 use chordal::explicit::{
-    Attribute, Domain, Semantic, Shading, Topology, Weight, with_normals, with_tangents,
+    Attribute, Domain, NormalWeight, Semantic, Shading, Topology, with_normals, with_tangents,
 };
 
 /// A grid over the unit square, bent upwards, with texture coordinates of its vertices.
@@ -20,7 +20,7 @@ fn sheet(n: u32, texture: impl Fn(f64, f64) -> [f64; 2]) -> Mesh {
     let values = grid().flat_map(|(x, y)| texture(x, y)).collect();
     let texture = Attribute { semantic: Semantic::TexCoord(0), domain: Domain::Vertex, width: 2, values };
     let mesh = Mesh::new(positions, faces).unwrap().with_attribute(texture).unwrap();
-    with_normals(&mesh, Topology::Indices, Shading::Smooth(Weight::Angle)).unwrap()
+    with_normals(&mesh, Topology::Indices, Shading::Smooth(NormalWeight::Angle)).unwrap()
 }
 
 fn tangents(mesh: &Mesh) -> Vec<[f64; 4]> {

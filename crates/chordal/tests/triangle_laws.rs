@@ -1,7 +1,7 @@
 //! The laws of triangles and quads: sides, weights, areas, shapes, bends.
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Diagonal, Domain, Quad, Semantic, Triangle, corner_rows, interpolate};
-use chordal::math::Position;
+use chordal::math::PointInTriangle;
 
 /// xorshift64*, so that a printed seed gives the same triangles everywhere.
 struct Random(u64);
@@ -73,7 +73,9 @@ fn a_segment_between_two_inside_points_stays_inside() {
     for _ in 0..20_000 {
         let triangle = Triangle { corners: std::array::from_fn(|_| lattice(&mut random)) };
         let (p, q) = (lattice(&mut random), lattice(&mut random));
-        if triangle.position(p) == Position::Outside || triangle.position(q) == Position::Outside {
+        if triangle.position(p) == PointInTriangle::Outside
+            || triangle.position(q) == PointInTriangle::Outside
+        {
             continue;
         }
         pairs += 1;
@@ -81,12 +83,12 @@ fn a_segment_between_two_inside_points_stays_inside() {
             let t = f64::from(step) / 8.0;
             let between = [0, 1].map(|k| p[k] + t * (q[k] - p[k]));
             let position = triangle.position(between);
-            assert_ne!(position, Position::Outside, "{triangle:?} {p:?} {q:?} {t}");
-            on_edges += usize::from(position == Position::Boundary);
+            assert_ne!(position, PointInTriangle::Outside, "{triangle:?} {p:?} {q:?} {t}");
+            on_edges += usize::from(position == PointInTriangle::Boundary);
             let edges = triangle.edge_functions(between);
             let agree = edges.iter().all(|e| *e >= 0.0) || edges.iter().all(|e| *e <= 0.0);
             assert!(agree, "{edges:?}");
-            assert_eq!(edges.contains(&0.0), position == Position::Boundary, "{edges:?}");
+            assert_eq!(edges.contains(&0.0), position == PointInTriangle::Boundary, "{edges:?}");
             assert_eq!(edges.iter().sum::<f64>(), 2.0 * triangle.signed_area());
         }
     }

@@ -1,6 +1,6 @@
 //! Validity of shapes whose topology is known: laws first, then each fault by itself, then files.
 use chordal::Mesh;
-use chordal::check::{MAX_WITNESSES, Place, Validity, is_collinear, measure, validity};
+use chordal::check::{MAX_WITNESSES, MeshLocation, Validity, is_collinear, measure, validity};
 use chordal::explicit::{Topology, Twin, Twins, position_id_by_bits};
 
 /// A vertex `i` columns along and `j` across.
@@ -134,7 +134,7 @@ fn one_turned_face_is_inconsistent_along_its_edges_but_can_be_turned_back() {
     assert!(v.closed && v.manifold() && !v.oriented && v.orientable);
     assert_eq!(v.inconsistent_edges.count, 3);
     for witness in &v.inconsistent_edges.witnesses {
-        assert!(matches!(&witness.place, Place::Edge { faces, .. } if faces.contains(&4)));
+        assert!(matches!(&witness.place, MeshLocation::Edge { faces, .. } if faces.contains(&4)));
     }
 }
 
@@ -144,7 +144,7 @@ fn two_fans_at_a_vertex_are_a_bow_tie_and_their_loops_stay_two() {
     assert!(v.edge_manifold && !v.vertex_manifold && !v.manifold());
     assert_eq!((v.components, v.boundary_loops, v.boundary_chains), (2, 2, 0));
     assert_eq!(v.non_manifold_vertices.count, 1);
-    assert_eq!(v.non_manifold_vertices.witnesses[0].place, Place::Vertex(0));
+    assert_eq!(v.non_manifold_vertices.witnesses[0].place, MeshLocation::Vertex(0));
     assert_eq!(v.genus, None);
 }
 
@@ -169,11 +169,11 @@ fn an_edge_with_three_faces_is_no_manifold_and_ends_the_boundary() {
     assert_eq!((v.edges, v.components, v.boundary_edges.count), (7, 1, 6));
     assert_eq!((v.boundary_loops, v.boundary_chains), (0, 3));
     assert_eq!(v.non_manifold_edges.count, 1);
-    let place = Place::Edge { vertices: [0, 1], faces: vec![0, 1, 2] };
+    let place = MeshLocation::Edge { vertices: [0, 1], faces: vec![0, 1, 2] };
     assert_eq!(v.non_manifold_edges.witnesses[0].place, place);
     let twins = Twins::new(&mesh, Topology::Indices);
-    assert_eq!(twins.crowded_edges().collect::<Vec<_>>(), [[0, 3, 6]]);
-    assert_eq!([0, 3, 6].map(|h| twins.get(h)), [Twin::Crowded; 3]);
+    assert_eq!(twins.non_manifold_edges().collect::<Vec<_>>(), [[0, 3, 6]]);
+    assert_eq!([0, 3, 6].map(|h| twins.get(h)), [Twin::NonManifold; 3]);
 }
 
 #[test]
@@ -181,8 +181,8 @@ fn repeated_faces_are_named_with_the_face_they_repeat() {
     let mut faces = vec![[0, 1, 2], [2, 1, 3], [1, 2, 0], [0, 2, 1]];
     let v = check(points(4), faces.clone());
     assert_eq!((v.duplicate_faces.count, v.opposite_faces.count), (2, 1));
-    assert_eq!(v.duplicate_faces.witnesses[0].place, Place::Repeated { face: 2, of: 0 });
-    assert_eq!(v.opposite_faces.witnesses[0].place, Place::Repeated { face: 3, of: 0 });
+    assert_eq!(v.duplicate_faces.witnesses[0].place, MeshLocation::Repeated { face: 2, of: 0 });
+    assert_eq!(v.opposite_faces.witnesses[0].place, MeshLocation::Repeated { face: 3, of: 0 });
     // A face and its back make a closed surface: a flat ball.
     faces = vec![[0, 1, 2], [0, 2, 1]];
     let v = check(points(3), faces);
@@ -197,9 +197,9 @@ fn faces_without_area_are_told_from_thin_ones() {
     let v = check(positions, vec![[0, 1, 2], [0, 0, 1], [0, 1, 3], [0, 4, 2]]);
     assert_eq!((v.zero_area_faces.count, v.collapsed_faces.count), (3, 1));
     let flat: Vec<_> = v.zero_area_faces.witnesses.iter().map(|w| w.place.clone()).collect();
-    assert_eq!(flat, [0, 1, 2].map(Place::Face));
+    assert_eq!(flat, [0, 1, 2].map(MeshLocation::Face));
     // The one that has an area is a sliver.
-    assert_eq!((v.slivers.count, &v.slivers.witnesses[0].place), (1, &Place::Face(3)));
+    assert_eq!((v.slivers.count, &v.slivers.witnesses[0].place), (1, &MeshLocation::Face(3)));
 }
 
 #[test]
@@ -220,7 +220,7 @@ fn unused_rows_are_counted_and_witnesses_stop_at_ten() {
     let v = check(points(30), vec![[3, 4, 5]]);
     assert_eq!((v.unused_vertices.count, v.euler), (27, 1));
     assert_eq!(v.unused_vertices.witnesses.len(), MAX_WITNESSES);
-    assert_eq!(v.unused_vertices.witnesses[3].place, Place::Vertex(6));
+    assert_eq!(v.unused_vertices.witnesses[3].place, MeshLocation::Vertex(6));
     let empty = check(Vec::new(), Vec::new());
     assert!(!empty.closed && empty.manifold() && empty.oriented);
     assert_eq!((empty.euler, empty.genus, empty.measure.area), (0, Some(0), 0.0));

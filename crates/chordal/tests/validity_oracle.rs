@@ -197,13 +197,13 @@ fn twins_are_those_of_the_oracle() {
                     (1, _) => Twin::Boundary,
                     (2, Some((t, up))) if up != runs_up => Twin::Pair(t),
                     (2, Some((t, _))) => Twin::Flipped(t),
-                    _ => Twin::Crowded,
+                    _ => Twin::NonManifold,
                 };
             }
         }
         let found: Vec<Twin> = (0..twins.len() as u32).map(|h| twins.get(h)).collect();
         assert_eq!(found, expected, "seed {seed}");
-        let crowded: BTreeSet<Vec<u32>> = twins.crowded_edges().map(<[u32]>::to_vec).collect();
+        let crowded: BTreeSet<Vec<u32>> = twins.non_manifold_edges().map(<[u32]>::to_vec).collect();
         let expected: BTreeSet<Vec<u32>> = naive
             .edges
             .values()
@@ -278,7 +278,7 @@ fn every_face_without_area_is_found_and_no_other() {
 
 #[test]
 fn witnesses_name_what_was_found_where_it_is() {
-    use chordal::check::{Finding, MAX_WITNESSES, Place};
+    use chordal::check::{Finding, MAX_WITNESSES, MeshLocation};
     for seed in 0..2000 {
         let mesh = random_mesh(seed);
         let naive = Naive::new(&mesh);
@@ -290,7 +290,7 @@ fn witnesses_name_what_was_found_where_it_is() {
         for (finding, has_faces) in edges {
             assert_eq!(finding.witnesses.len(), MAX_WITNESSES.min(finding.count as usize), "seed {seed}");
             for witness in &finding.witnesses {
-                let Place::Edge { vertices, faces } = &witness.place else { panic!("{witness:?}") };
+                let MeshLocation::Edge { vertices, faces } = &witness.place else { panic!("{witness:?}") };
                 let [a, b] = vertices.map(|row| mesh.position_of(row));
                 let uses = &naive.edges[&(a.min(b), a.max(b))];
                 assert!(has_faces(uses.len()), "seed {seed}: {witness:?}");
@@ -301,7 +301,7 @@ fn witnesses_name_what_was_found_where_it_is() {
             }
         }
         for witness in &found.non_manifold_vertices.witnesses {
-            let Place::Vertex(row) = witness.place else { panic!("{witness:?}") };
+            let MeshLocation::Vertex(row) = witness.place else { panic!("{witness:?}") };
             assert!(naive.fans()[&mesh.position_of(row)].len() > 1, "seed {seed}: {witness:?}");
             assert_eq!(witness.at, mesh.positions()[row as usize]);
         }

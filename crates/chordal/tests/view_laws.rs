@@ -1,7 +1,7 @@
 //! Laws of `View`, `Lens` and `Sight`, judged by a projection that is written here and shares nothing with them:
 //! no visible point moves on the screen by more than the bound says.
 use chordal::View;
-use chordal::budget::{Camera, Closest, Pixels, Projection, Screen};
+use chordal::budget::{Camera, MinDistanceView, Pixels, Projection, Screen};
 use chordal::math::Box3;
 use glam::DVec3;
 
@@ -193,7 +193,7 @@ fn place(dice: &mut Dice, referee: &Referee, scale: f64) -> (Box3, Vec<[f64; 3]>
     let size = scale * dice.one_of([0.0, 1e-6, 1e-3, 0.1, 1.0]);
     let mut near_by = || (centre + dice.direction() * (size * dice.between(0.0, 1.0))).to_array();
     let mut points = vec![centre.to_array(), near_by(), near_by(), near_by()];
-    let place = Box3::around(&points);
+    let place = Box3::from_points(&points);
     let corner =
         |c: usize| std::array::from_fn(|k| if c >> k & 1 == 0 { place.min[k] } else { place.max[k] });
     points.extend((0..8).map(corner));
@@ -249,9 +249,10 @@ fn no_visible_point_of_any_eye_that_keeps_its_distance_moves_further_than_the_bo
         let across = if dice.bits().is_multiple_of(4) { free } else { [off, dice.one_of([off, -off])] };
         let ray = referee.place(across, 1.0).normalize();
         let closer = dice.one_of([1.0, 1.0, 1.5]);
-        let view = View::Closest(Closest { distance, projection, screen }).checked().expect("a view");
+        let view =
+            View::MinDistance(MinDistanceView { distance, projection, screen }).checked().expect("a view");
         let point = ray * (distance * closer * (1.0 + 4.0 * f64::EPSILON));
-        let Some(bound) = view.pixels_of(error, &Box3::around(&[point.into()])) else { continue };
+        let Some(bound) = view.pixels_of(error, &Box3::from_points(&[point.into()])) else { continue };
         let worst = referee.worst(point, error, &mut dice);
         assert!(worst <= bound, "seed {seed}: {worst} px > {bound} px, {view}, at {point}, error {error:e}");
         tested += 1;
@@ -290,14 +291,15 @@ fn two_steps_are_no_more_than_both_together() {
                 let last = middle + *e * errors[1];
                 // As far as they are apart after rounding.
                 let apart = |p: DVec3| (p - middle).length() * (1.0 + 1e-14);
-                let at =
-                    |points: &[DVec3]| Box3::around(&points.iter().map(|p| p.to_array()).collect::<Vec<_>>());
+                let at = |points: &[DVec3]| {
+                    Box3::from_points(&points.iter().map(|p| p.to_array()).collect::<Vec<_>>())
+                };
                 let steps = [
                     view.pixels_of(apart(first), &at(&[first, middle])),
                     view.pixels_of(apart(last), &at(&[middle, last])),
                 ];
                 let [Some(a), Some(b)] = steps else { continue };
-                let Some(both) = view.pixels_of_both(a, b) else { continue };
+                let Some(both) = view.pixels_of_two_steps(a, b) else { continue };
                 let Some(apart) = referee.pixels(first, last - first) else { continue };
                 assert!(apart <= both, "seed {seed}: {apart} px > {both} px of {a} and {b}, {view}");
                 beyond_the_sum += u64::from(apart > a + b);
@@ -317,10 +319,10 @@ fn a_length_from_pixels_keeps_them_and_wastes_nothing() {
         let (camera, referee, scale) = camera(&mut dice);
         let (place, _) = place(&mut dice, &referee, scale);
         let (projection, screen) = (referee.projection, dice.screen());
-        let closest = View::Closest(Closest { distance: scale, projection, screen });
+        let closest = View::MinDistance(MinDistanceView { distance: scale, projection, screen });
         let pixels = Pixels::new(dice.magnitude(1e-3, 1e3)).unwrap();
         for view in [camera, closest] {
-            let sight = view.lens().sight(&place);
+            let sight = view.lens().scale_at(&place);
             let Some(length) = view.length_of(pixels, &place) else {
                 none += 1;
                 assert!(
@@ -346,7 +348,7 @@ fn the_bound_grows_with_the_error() {
         let mut dice = Dice(seed);
         let (view, referee, scale) = camera(&mut dice);
         let (place, _) = place(&mut dice, &referee, scale);
-        let sight = view.lens().sight(&place);
+        let sight = view.lens().scale_at(&place);
         let mut last = Some(0.0);
         for k in -20..20 {
             let bound = sight.pixels_of(scale * 2_f64.powi(k));
@@ -385,13 +387,19 @@ fn there_is_no_bound_where_the_eye_can_touch() {
     }
     let wide: View = "100x100 fov=179.99999999999997 dist=4".parse().unwrap();
     assert_eq!(wide.pixels_of(1e-9, &around_the_eye), None);
-    let Ok(View::Closest(good)) = "100x100 fov=90 dist=4".parse::<View>() else { unreachable!() };
+    let Ok(View::MinDistance(good)) = "100x100 fov=90 dist=4".parse::<View>() else { unreachable!() };
     for distance in [0.0, -1.0, f64::NAN] {
-        assert_eq!(View::Closest(Closest { distance, ..good }).pixels_of(0.1, &around_the_eye), None);
+        assert_eq!(
+            View::MinDistance(MinDistanceView { distance, ..good }).pixels_of(0.1, &around_the_eye),
+            None
+        );
     }
     let projection = Projection::Orthographic { height: -1.0 };
-    assert_eq!(View::Closest(Closest { projection, ..good }).pixels_of(0.1, &around_the_eye), None);
-    assert_eq!(View::Closest(good).pixels_of(f64::NAN, &around_the_eye), None);
+    assert_eq!(
+        View::MinDistance(MinDistanceView { projection, ..good }).pixels_of(0.1, &around_the_eye),
+        None
+    );
+    assert_eq!(View::MinDistance(good).pixels_of(f64::NAN, &around_the_eye), None);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! `Gate`: who may have the page. Every rule against foreign pages and machines stands here.
+//! `RequestGate`: who may have the page. Every rule against foreign pages and machines stands here.
 use super::secret::Secret;
 use hyper::header::{COOKIE, HOST, HeaderMap, HeaderName, ORIGIN, UPGRADE};
 use hyper::{Method, Request};
@@ -9,7 +9,7 @@ const OWN_NAMES: [&str; 3] = ["localhost", "127.0.0.1", "[::1]"];
 
 /// What the gate says to a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum GateDecision {
     /// Come in.
     Enter,
     /// The token is good: take this cookie and ask again, without the token.
@@ -26,7 +26,7 @@ pub enum Verdict {
 }
 
 /// Checks host, origin and secret, in this order.
-pub struct Gate {
+pub struct RequestGate {
     port: u16,
     names: Vec<String>,
     token: Secret,
@@ -34,7 +34,7 @@ pub struct Gate {
     is_token_spent: AtomicBool,
 }
 
-impl Gate {
+impl RequestGate {
     /// A gate for the server at `port`, which may also be called by each of `names`.
     pub fn new(port: u16, names: &[String], token: Secret, session: Secret) -> Self {
         let own = OWN_NAMES.iter().map(|name| (*name).to_owned());
@@ -43,26 +43,26 @@ impl Gate {
     }
 
     /// What this request gets.
-    pub fn judge<B>(&self, request: &Request<B>) -> Verdict {
+    pub fn judge<B>(&self, request: &Request<B>) -> GateDecision {
         let headers = request.headers();
-        if !only(headers, &HOST).is_some_and(|host| self.is_own(host)) {
-            return Verdict::ForeignHost;
+        if !single_header(headers, &HOST).is_some_and(|host| self.is_own_host(host)) {
+            return GateDecision::ForeignHost;
         }
         let reads = matches!(*request.method(), Method::GET | Method::HEAD) && !headers.contains_key(UPGRADE);
-        if !reads && !only(headers, &ORIGIN).is_some_and(|origin| self.is_own_origin(origin)) {
-            return Verdict::ForeignOrigin;
+        if !reads && !single_header(headers, &ORIGIN).is_some_and(|origin| self.is_own_origin(origin)) {
+            return GateDecision::ForeignOrigin;
         }
         if self.has_cookie(headers) {
-            return Verdict::Enter;
+            return GateDecision::Enter;
         }
         let given = if request.uri().path() == "/" { token_in(request.uri().query()) } else { None };
         // The swap comes last: a wrong token does not spend the right one.
-        if given.is_some_and(|token| self.token.is(token))
+        if given.is_some_and(|token| self.token.matches(token))
             && !self.is_token_spent.swap(true, Ordering::SeqCst)
         {
-            return Verdict::Welcome { cookie: self.cookie() };
+            return GateDecision::Welcome { cookie: self.cookie() };
         }
-        Verdict::Stranger
+        GateDecision::Stranger
     }
 
     /// A cookie belongs to a host on all its ports, so the port is in its name.
@@ -80,11 +80,11 @@ impl Gate {
         lines
             .flat_map(|line| line.split(';'))
             .filter_map(|pair| pair.trim().split_once('='))
-            .any(|(key, value)| key == name && self.session.is(value))
+            .any(|(key, value)| key == name && self.session.matches(value))
     }
 
     /// `name:port`, or the name alone where the port is the protocol's own.
-    fn is_own(&self, host: &str) -> bool {
+    fn is_own_host(&self, host: &str) -> bool {
         let host = host.to_ascii_lowercase();
         let named = self.names.iter().filter_map(|name| host.strip_prefix(name.as_str()));
         let port = format!(":{}", self.port);
@@ -92,12 +92,12 @@ impl Gate {
     }
 
     fn is_own_origin(&self, origin: &str) -> bool {
-        origin.strip_prefix("http://").is_some_and(|host| self.is_own(host))
+        origin.strip_prefix("http://").is_some_and(|host| self.is_own_host(host))
     }
 }
 
 /// A header that is there exactly once, as text.
-fn only<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Option<&'a str> {
+fn single_header<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Option<&'a str> {
     let mut all = headers.get_all(name).iter();
     match (all.next(), all.next()) {
         (Some(value), None) => value.to_str().ok(),
@@ -116,11 +116,16 @@ mod tests {
     const TOKEN: &str = "0123456789abcdef0123456789abcdef";
     const COOKIE_LINE: &str = "chordal-8000=session";
 
-    fn gate() -> Gate {
-        Gate::new(8000, &["studio.test".to_owned()], Secret::given(TOKEN), Secret::given("session"))
+    fn gate() -> RequestGate {
+        RequestGate::new(
+            8000,
+            &["studio.test".to_owned()],
+            Secret::from_text(TOKEN),
+            Secret::from_text("session"),
+        )
     }
 
-    fn ask(gate: &Gate, method: &str, uri: &str, headers: &[(&str, &str)]) -> Verdict {
+    fn ask(gate: &RequestGate, method: &str, uri: &str, headers: &[(&str, &str)]) -> GateDecision {
         let request = Request::builder().method(method).uri(uri);
         let request = headers.iter().fold(request, |request, (name, value)| request.header(*name, *value));
         gate.judge(&request.body(()).unwrap())
@@ -130,13 +135,20 @@ mod tests {
     fn lets_nobody_in_without_token_or_cookie() {
         let gate = gate();
         let host = ("host", "127.0.0.1:8000");
-        assert_eq!(ask(&gate, "GET", "/", &[host]), Verdict::Stranger);
-        assert_eq!(ask(&gate, "GET", "/?token=", &[host]), Verdict::Stranger);
-        assert_eq!(ask(&gate, "GET", "/?token=wrong", &[host]), Verdict::Stranger);
-        assert_eq!(ask(&gate, "GET", &format!("/assets/a.js?token={TOKEN}"), &[host]), Verdict::Stranger);
+        assert_eq!(ask(&gate, "GET", "/", &[host]), GateDecision::Stranger);
+        assert_eq!(ask(&gate, "GET", "/?token=", &[host]), GateDecision::Stranger);
+        assert_eq!(ask(&gate, "GET", "/?token=wrong", &[host]), GateDecision::Stranger);
+        assert_eq!(
+            ask(&gate, "GET", &format!("/assets/a.js?token={TOKEN}"), &[host]),
+            GateDecision::Stranger
+        );
         for cookie in ["chordal-8000=", "chordal-8000=wrong", "chordal-8001=session", "session", "x=session"]
         {
-            assert_eq!(ask(&gate, "GET", "/", &[host, ("cookie", cookie)]), Verdict::Stranger, "{cookie}");
+            assert_eq!(
+                ask(&gate, "GET", "/", &[host, ("cookie", cookie)]),
+                GateDecision::Stranger,
+                "{cookie}"
+            );
         }
     }
 
@@ -144,29 +156,32 @@ mod tests {
     fn exchanges_the_token_once_for_a_cookie_that_scripts_and_other_sites_cannot_use() {
         let gate = gate();
         let host = ("host", "localhost:8000");
-        let Verdict::Welcome { cookie } = ask(&gate, "GET", &format!("/?token={TOKEN}"), &[host]) else {
+        let GateDecision::Welcome { cookie } = ask(&gate, "GET", &format!("/?token={TOKEN}"), &[host]) else {
             panic!("the token is good")
         };
         assert_eq!(cookie, "chordal-8000=session; HttpOnly; SameSite=Strict; Path=/");
-        assert_eq!(ask(&gate, "GET", &format!("/?token={TOKEN}"), &[host]), Verdict::Stranger);
-        assert_eq!(ask(&gate, "GET", "/", &[host, ("cookie", COOKIE_LINE)]), Verdict::Enter);
+        assert_eq!(ask(&gate, "GET", &format!("/?token={TOKEN}"), &[host]), GateDecision::Stranger);
+        assert_eq!(ask(&gate, "GET", "/", &[host, ("cookie", COOKIE_LINE)]), GateDecision::Enter);
         let among_others = ("cookie", "a=b; chordal-8000=session; c=d");
-        assert_eq!(ask(&gate, "GET", "/", &[host, among_others]), Verdict::Enter);
+        assert_eq!(ask(&gate, "GET", "/", &[host, among_others]), GateDecision::Enter);
     }
 
     #[test]
     fn a_wrong_guess_does_not_spend_the_token() {
         let gate = gate();
         let host = ("host", "localhost:8000");
-        assert_eq!(ask(&gate, "GET", "/?token=guess", &[host]), Verdict::Stranger);
-        assert!(matches!(ask(&gate, "GET", &format!("/?token={TOKEN}"), &[host]), Verdict::Welcome { .. }));
+        assert_eq!(ask(&gate, "GET", "/?token=guess", &[host]), GateDecision::Stranger);
+        assert!(matches!(
+            ask(&gate, "GET", &format!("/?token={TOKEN}"), &[host]),
+            GateDecision::Welcome { .. }
+        ));
     }
 
     #[test]
     fn answers_to_its_own_names_only() {
         let cookie = ("cookie", COOKIE_LINE);
         for host in ["localhost:8000", "127.0.0.1:8000", "[::1]:8000", "LOCALHOST:8000", "studio.test:8000"] {
-            assert_eq!(ask(&gate(), "GET", "/", &[("host", host), cookie]), Verdict::Enter, "{host}");
+            assert_eq!(ask(&gate(), "GET", "/", &[("host", host), cookie]), GateDecision::Enter, "{host}");
         }
         for host in [
             "evil.test:8000",
@@ -178,17 +193,21 @@ mod tests {
             "user@localhost:8000",
             "",
         ] {
-            assert_eq!(ask(&gate(), "GET", "/", &[("host", host), cookie]), Verdict::ForeignHost, "{host}");
+            assert_eq!(
+                ask(&gate(), "GET", "/", &[("host", host), cookie]),
+                GateDecision::ForeignHost,
+                "{host}"
+            );
         }
-        assert_eq!(ask(&gate(), "GET", "/", &[cookie]), Verdict::ForeignHost);
+        assert_eq!(ask(&gate(), "GET", "/", &[cookie]), GateDecision::ForeignHost);
         let twice = [("host", "localhost:8000"), ("host", "evil.test"), cookie];
-        assert_eq!(ask(&gate(), "GET", "/", &twice), Verdict::ForeignHost);
+        assert_eq!(ask(&gate(), "GET", "/", &twice), GateDecision::ForeignHost);
     }
 
     #[test]
     fn a_foreign_host_learns_nothing_even_with_the_token() {
         let foreign = [("host", "evil.test:8000")];
-        assert_eq!(ask(&gate(), "GET", &format!("/?token={TOKEN}"), &foreign), Verdict::ForeignHost);
+        assert_eq!(ask(&gate(), "GET", &format!("/?token={TOKEN}"), &foreign), GateDecision::ForeignHost);
     }
 
     #[test]
@@ -196,18 +215,22 @@ mod tests {
         let (host, cookie) = (("host", "localhost:8000"), ("cookie", COOKIE_LINE));
         let own = ("origin", "http://localhost:8000");
         for method in ["POST", "PUT", "DELETE", "OPTIONS", "PATCH"] {
-            assert_eq!(ask(&gate(), method, "/", &[host, cookie]), Verdict::ForeignOrigin, "{method}");
+            assert_eq!(ask(&gate(), method, "/", &[host, cookie]), GateDecision::ForeignOrigin, "{method}");
             for origin in ["null", "http://evil.test", "https://localhost:8000", "http://localhost:8001", ""]
             {
                 let headers = [host, cookie, ("origin", origin)];
-                assert_eq!(ask(&gate(), method, "/", &headers), Verdict::ForeignOrigin, "{method} {origin}");
+                assert_eq!(
+                    ask(&gate(), method, "/", &headers),
+                    GateDecision::ForeignOrigin,
+                    "{method} {origin}"
+                );
             }
-            assert_eq!(ask(&gate(), method, "/", &[host, cookie, own]), Verdict::Enter, "{method}");
+            assert_eq!(ask(&gate(), method, "/", &[host, cookie, own]), GateDecision::Enter, "{method}");
         }
         let socket = ("upgrade", "websocket");
-        assert_eq!(ask(&gate(), "GET", "/", &[host, cookie, socket]), Verdict::ForeignOrigin);
+        assert_eq!(ask(&gate(), "GET", "/", &[host, cookie, socket]), GateDecision::ForeignOrigin);
         let foreign = [host, cookie, socket, ("origin", "http://evil.test")];
-        assert_eq!(ask(&gate(), "GET", "/", &foreign), Verdict::ForeignOrigin);
-        assert_eq!(ask(&gate(), "GET", "/", &[host, cookie, socket, own]), Verdict::Enter);
+        assert_eq!(ask(&gate(), "GET", "/", &foreign), GateDecision::ForeignOrigin);
+        assert_eq!(ask(&gate(), "GET", "/", &[host, cookie, socket, own]), GateDecision::Enter);
     }
 }

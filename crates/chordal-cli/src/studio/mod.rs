@@ -5,11 +5,11 @@ mod secret;
 mod serve;
 
 use crate::args::StudioArgs;
+use crate::console::print;
 use crate::fault::{Exit, Fault, plainly};
 use crate::signal;
-use crate::talk::print;
-use gate::Gate;
-use page::Page;
+use gate::RequestGate;
+use page::StudioPage;
 use secret::Secret;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::sync::Arc;
@@ -21,7 +21,7 @@ const SHORTEST_TOKEN: usize = 32;
 pub fn run(args: &StudioArgs) -> Result<(), Fault> {
     let address = address(args)?;
     let token = token(args)?;
-    let page = Page::find(args.dir.as_deref())?;
+    let page = StudioPage::find(args.dir.as_deref())?;
     let session = Secret::random().map_err(no_random)?;
     // One thread does: the page is a handful of files, read once.
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(|error| {
@@ -31,16 +31,16 @@ pub fn run(args: &StudioArgs) -> Result<(), Fault> {
         let listener = tokio::net::TcpListener::bind(address).await;
         let listener = listener.map_err(|error| cannot_listen(address, &error))?;
         let address = listener.local_addr().map_err(|error| cannot_listen(address, &error))?;
-        let names = names(address.ip(), &args.allow_host);
+        let names = allowed_names(address.ip(), &args.allow_host);
         let name = names.first().map_or("localhost", String::as_str);
         let url = format!("http://{name}:{}/?token={}", address.port(), token.text());
-        let gate = Gate::new(address.port(), &names, token, session);
+        let gate = RequestGate::new(address.port(), &names, token, session);
         signal::install(Arc::default());
         print(&format!("Chordal studio: {url}\nThe link works once, in one browser. Ctrl-C ends it.\n"))?;
         if args.open {
             open(&url)?;
         }
-        serve::forever(listener, Arc::new(gate), Arc::new(page)).await;
+        serve::serve(listener, Arc::new(gate), Arc::new(page)).await;
         Ok(())
     })
 }
@@ -58,7 +58,7 @@ fn address(args: &StudioArgs) -> Result<SocketAddr, Fault> {
 
 /// What browsers may call this machine beside the names that it always has: those that are given, and its address,
 /// which unlike a name cannot be bent to point here by somebody else.
-fn names(address: IpAddr, given: &[String]) -> Vec<String> {
+fn allowed_names(address: IpAddr, given: &[String]) -> Vec<String> {
     let own = match address {
         address if address.is_unspecified() => None,
         IpAddr::V4(address) => Some(address.to_string()),
@@ -76,7 +76,7 @@ fn token(args: &StudioArgs) -> Result<Secret, Fault> {
             "a --token has at least {SHORTEST_TOKEN} letters and digits, chosen by chance, as from 'openssl rand -hex 24'"
         )));
     }
-    Ok(Secret::given(token))
+    Ok(Secret::from_text(token))
 }
 
 fn no_random(error: getrandom::Error) -> Fault {

@@ -1,4 +1,4 @@
-//! `Page`: the files that are served, all of them in memory, each under the one name that it is asked for by.
+//! `StudioPage`: the files that are served, all of them in memory, each under the one name that it is asked for by.
 use crate::fault::{Fault, plainly};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -17,7 +17,7 @@ const MOST_FILES: usize = 64;
 
 /// One file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct File {
+pub struct PageFile {
     /// What it holds.
     pub bytes: Cow<'static, [u8]>,
     /// Its media type.
@@ -27,9 +27,9 @@ pub struct File {
 /// The files by the path of their URL. What is not listed here does not exist: no request ever becomes a path of the
 /// file system.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Page(BTreeMap<String, File>);
+pub struct StudioPage(BTreeMap<String, PageFile>);
 
-impl Page {
+impl StudioPage {
     /// The page in `dir`; else the one built into this command; else one that lies beside it.
     ///
     /// # Errors
@@ -41,7 +41,7 @@ impl Page {
         if !built::FILES.is_empty() {
             return Ok(Self::built());
         }
-        match beside() {
+        match page_folder() {
             Some(dir) => Self::read(&dir),
             None => Err(Fault::input(
                 "no-page",
@@ -51,14 +51,14 @@ impl Page {
     }
 
     /// The file for the path of a URL.
-    pub fn get(&self, path: &str) -> Option<&File> {
+    pub fn get(&self, path: &str) -> Option<&PageFile> {
         self.0.get(if path == "/" { "/index.html" } else { path })
     }
 
     fn built() -> Self {
         let file = |(path, bytes): &(&'static str, &'static [u8])| {
             let name = path.rsplit('/').next().unwrap_or(path);
-            Some((format!("/{path}"), File { bytes: Cow::Borrowed(*bytes), kind: kind(name)? }))
+            Some((format!("/{path}"), PageFile { bytes: Cow::Borrowed(*bytes), kind: kind(name)? }))
         };
         Self(built::FILES.iter().filter_map(file).collect())
     }
@@ -87,7 +87,7 @@ impl Page {
                     return Err(fault(&path, "a page has at most 64 files of 16 MiB each"));
                 }
                 let bytes = fs::read(&path).map_err(|error| fault(&path, &plainly(&error)))?;
-                files.insert(format!("{prefix}{name}"), File { bytes: bytes.into(), kind });
+                files.insert(format!("{prefix}{name}"), PageFile { bytes: bytes.into(), kind });
             }
         }
         if files.contains_key("/index.html") {
@@ -100,7 +100,7 @@ impl Page {
 
 /// Where a page lies that was not built in: beside the command, where programs keep their data, or in the checkout
 /// that the command was built in.
-fn beside() -> Option<PathBuf> {
+fn page_folder() -> Option<PathBuf> {
     let command = std::env::current_exe().ok()?.canonicalize().ok()?;
     let folder = command.parent()?;
     let mut places = vec![folder.join("studio"), folder.join("../share/chordal/studio")];
@@ -133,9 +133,9 @@ fn kind(name: &str) -> Option<&'static str> {
 mod tests {
     use super::*;
 
-    struct Folder(PathBuf);
+    struct TempFolder(PathBuf);
 
-    impl Folder {
+    impl TempFolder {
         fn new(name: &str) -> Self {
             let path = std::env::temp_dir().join(format!("chordal-page-{}-{name}", std::process::id()));
             let _ = fs::remove_dir_all(&path);
@@ -144,7 +144,7 @@ mod tests {
         }
     }
 
-    impl Drop for Folder {
+    impl Drop for TempFolder {
         fn drop(&mut self) {
             let _ = fs::remove_dir_all(&self.0);
         }
@@ -152,14 +152,14 @@ mod tests {
 
     #[test]
     fn lists_its_files_and_knows_no_path() {
-        let folder = Folder::new("list");
+        let folder = TempFolder::new("list");
         fs::write(folder.0.join("index.html"), "<p>").unwrap();
         fs::write(folder.0.join("assets/a-1.js"), "1").unwrap();
         fs::write(folder.0.join(".secret.txt"), "no").unwrap();
         fs::write(folder.0.join("key.pem"), "no").unwrap();
         #[cfg(unix)]
         std::os::unix::fs::symlink("/etc/hostname", folder.0.join("link.txt")).unwrap();
-        let page = Page::find(Some(&folder.0)).unwrap();
+        let page = StudioPage::find(Some(&folder.0)).unwrap();
         let names: Vec<&str> = page.0.keys().map(String::as_str).collect();
         assert_eq!(names, ["/assets/a-1.js", "/index.html"]);
         assert_eq!(page.get("/").unwrap().bytes.as_ref(), b"<p>");
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn every_file_that_is_built_in_is_served() {
-        let page = Page::built();
+        let page = StudioPage::built();
         for (name, bytes) in built::FILES {
             assert_eq!(
                 page.get(&format!("/{name}")).map(|file| file.bytes.len()),
@@ -191,10 +191,10 @@ mod tests {
 
     #[test]
     fn a_folder_without_a_page_is_refused() {
-        let folder = Folder::new("empty");
-        let fault = Page::find(Some(&folder.0)).unwrap_err();
+        let folder = TempFolder::new("empty");
+        let fault = StudioPage::find(Some(&folder.0)).unwrap_err();
         assert!(fault.to_string().contains("index.html"), "{fault}");
-        let fault = Page::find(Some(&folder.0.join("nowhere"))).unwrap_err();
+        let fault = StudioPage::find(Some(&folder.0.join("nowhere"))).unwrap_err();
         assert!(fault.to_string().contains("no such file"), "{fault}");
     }
 }

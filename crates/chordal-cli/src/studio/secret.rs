@@ -19,7 +19,7 @@ impl Secret {
     }
 
     /// The one that the user chose.
-    pub fn given(text: &str) -> Self {
+    pub fn from_text(text: &str) -> Self {
         Self(text.to_owned())
     }
 
@@ -29,7 +29,7 @@ impl Secret {
     }
 
     /// Whether `other` is the same. The time it takes depends on the lengths alone.
-    pub fn is(&self, other: &str) -> bool {
+    pub fn matches(&self, other: &str) -> bool {
         self.0.as_bytes().ct_eq(other.as_bytes()).into()
     }
 }
@@ -48,10 +48,10 @@ mod tests {
 
     #[test]
     fn knows_itself_and_nothing_else() {
-        let secret = Secret::given("abc");
-        assert!(secret.is("abc"));
+        let secret = Secret::from_text("abc");
+        assert!(secret.matches("abc"));
         for other in ["", "ab", "abd", "abcd", "ABC"] {
-            assert!(!secret.is(other), "{other}");
+            assert!(!secret.matches(other), "{other}");
         }
     }
 }

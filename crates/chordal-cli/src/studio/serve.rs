@@ -1,6 +1,6 @@
 //! Answers requests: what the gate lets in gets a file from the list, and every answer carries the same strict headers.
-use super::gate::{Gate, Verdict};
-use super::page::{File, Page};
+use super::gate::{GateDecision, RequestGate};
+use super::page::{PageFile, StudioPage};
 use http_body_util::Full;
 use hyper::body::{Bytes, Incoming};
 use hyper::header::{
@@ -33,7 +33,7 @@ const LIFE: Duration = Duration::from_secs(300);
 const PAUSE: Duration = Duration::from_millis(100);
 
 /// Serves `page` to whom `gate` lets in. It does not end.
-pub async fn forever(listener: TcpListener, gate: Arc<Gate>, page: Arc<Page>) {
+pub async fn serve(listener: TcpListener, gate: Arc<RequestGate>, page: Arc<StudioPage>) {
     let places = Arc::new(Semaphore::new(MOST_CONNECTIONS));
     loop {
         // The semaphore is never closed, so that the permit is always there in the end.
@@ -60,13 +60,13 @@ pub async fn forever(listener: TcpListener, gate: Arc<Gate>, page: Arc<Page>) {
     }
 }
 
-fn answer<B>(gate: &Gate, page: &Page, request: &Request<B>) -> Response<Full<Bytes>> {
+fn answer<B>(gate: &RequestGate, page: &StudioPage, request: &Request<B>) -> Response<Full<Bytes>> {
     let mut response = match gate.judge(request) {
-        Verdict::Enter => file(page, request),
-        Verdict::Welcome { cookie } => welcome(&cookie),
-        Verdict::ForeignHost => text(StatusCode::MISDIRECTED_REQUEST, "This server has another name.\n"),
-        Verdict::ForeignOrigin => text(StatusCode::FORBIDDEN, "Another site's page asks for this.\n"),
-        Verdict::Stranger => text(
+        GateDecision::Enter => file(page, request),
+        GateDecision::Welcome { cookie } => welcome(&cookie),
+        GateDecision::ForeignHost => text(StatusCode::MISDIRECTED_REQUEST, "This server has another name.\n"),
+        GateDecision::ForeignOrigin => text(StatusCode::FORBIDDEN, "Another site's page asks for this.\n"),
+        GateDecision::Stranger => text(
             StatusCode::FORBIDDEN,
             "Open the link that 'chordal studio' printed; it works once. Start it again for a new one.\n",
         ),
@@ -85,14 +85,14 @@ fn answer<B>(gate: &Gate, page: &Page, request: &Request<B>) -> Response<Full<By
     response
 }
 
-fn file<B>(page: &Page, request: &Request<B>) -> Response<Full<Bytes>> {
+fn file<B>(page: &StudioPage, request: &Request<B>) -> Response<Full<Bytes>> {
     if !matches!(*request.method(), Method::GET | Method::HEAD) {
         let mut response = text(StatusCode::METHOD_NOT_ALLOWED, "There is nothing to change here.\n");
         response.headers_mut().insert(ALLOW, HeaderValue::from_static("GET, HEAD"));
         return response;
     }
     match page.get(request.uri().path()) {
-        Some(File { bytes, kind }) => with_type(StatusCode::OK, kind, Bytes::copy_from_slice(bytes)),
+        Some(PageFile { bytes, kind }) => with_type(StatusCode::OK, kind, Bytes::copy_from_slice(bytes)),
         None => text(StatusCode::NOT_FOUND, "There is no such file.\n"),
     }
 }

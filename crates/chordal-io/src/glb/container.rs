@@ -1,9 +1,9 @@
 //! The container: a header, a JSON chunk, and maybe a BIN chunk.
 use super::{BIN_CHUNK, JSON_CHUNK, MAGIC};
-use crate::{Place, ReadError, Warning};
+use crate::{FileLocation, ReadError, Warning};
 
 /// The two chunks that matter.
-pub(super) struct Chunks<'a> {
+pub(super) struct GlbChunks<'a> {
     /// The JSON, and where it begins in the file.
     pub json: &'a [u8],
     /// Its first byte.
@@ -16,9 +16,10 @@ pub(super) struct Chunks<'a> {
 ///
 /// # Errors
 /// With the byte at which the container breaks.
-pub(super) fn chunks<'a>(bytes: &'a [u8], warnings: &mut Vec<Warning>) -> Result<Chunks<'a>, ReadError> {
+pub(super) fn chunks<'a>(bytes: &'a [u8], warnings: &mut Vec<Warning>) -> Result<GlbChunks<'a>, ReadError> {
     let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-    let error = |code, at: usize, what: String| Err(ReadError::new(code, Place::Byte(at as u64), what));
+    let error =
+        |code, at: usize, what: String| Err(ReadError::new(code, FileLocation::Byte(at as u64), what));
     let (Some(magic), Some(version), Some(length)) = (word(0), word(4), word(8)) else {
         let what = format!("{} bytes are too few for the GLB header of 12", bytes.len());
         return error("GLB_UNEXPECTED_END_OF_HEADER", bytes.len(), what);
@@ -92,7 +93,7 @@ pub(super) fn chunks<'a>(bytes: &'a [u8], warnings: &mut Vec<Warning>) -> Result
             _ => warnings.push(Warning {
                 code: "GLB_UNKNOWN_CHUNK_TYPE",
                 count: 1,
-                place: Place::Byte(at as u64),
+                place: FileLocation::Byte(at as u64),
                 message: format!("a chunk of unknown type {kind:#010x} was skipped"),
             }),
         }
@@ -103,7 +104,7 @@ pub(super) fn chunks<'a>(bytes: &'a [u8], warnings: &mut Vec<Warning>) -> Result
         warnings.push(Warning {
             code: "GLB_EXTRA_DATA",
             count: 1,
-            place: Place::Byte(at as u64),
+            place: FileLocation::Byte(at as u64),
             message: format!("{} extra bytes follow the end that the header names", bytes.len() - at),
         });
     } else if at != length {
@@ -113,5 +114,5 @@ pub(super) fn chunks<'a>(bytes: &'a [u8], warnings: &mut Vec<Warning>) -> Result
     let Some((json, json_at)) = json else {
         return error("GLB_UNEXPECTED_END_OF_CHUNK_HEADER", bytes.len(), "there is no JSON chunk".to_owned());
     };
-    Ok(Chunks { json, json_at, bin })
+    Ok(GlbChunks { json, json_at, bin })
 }

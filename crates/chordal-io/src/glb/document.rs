@@ -1,22 +1,22 @@
 //! The JSON of a GLB in the making, and the streams that its accessors speak of.
-use super::place;
+use super::node_list;
 use super::split::split;
-use super::streams::{Stream, stored_bounds};
+use super::streams::{AccessorStream, stored_bounds};
 use crate::snap::origin_of;
-use crate::{Part, Scene, TooWide, WriteError};
+use crate::{CoordinateOverflow, Part, Scene, WriteError};
 use chordal::Mesh;
 use chordal::explicit::Semantic;
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 
 /// A part as glTF can hold it.
-pub(super) struct Shape<'a> {
+pub(super) struct GltfPart<'a> {
     mesh: Cow<'a, Mesh>,
     origin: [f64; 3],
 }
 
-impl<'a> Shape<'a> {
-    pub fn of(part: &'a Part) -> Result<Self, WriteError> {
+impl<'a> GltfPart<'a> {
+    pub fn from_part(part: &'a Part) -> Result<Self, WriteError> {
         let mesh = split(&part.mesh).map_err(|error| WriteError::Unsupported(error.to_string()))?;
         let n_points = mesh.positions().len();
         if mesh.faces().is_empty() && n_points > 0 {
@@ -32,37 +32,37 @@ impl<'a> Shape<'a> {
 
 /// The JSON in the making, and the streams behind its accessors.
 #[derive(Default)]
-pub(super) struct Document<'a> {
+pub(super) struct GltfDocument<'a> {
     accessors: Vec<Value>,
     views: Vec<Value>,
     meshes: Vec<Value>,
     materials: Vec<Value>,
     /// What the BIN chunk holds, in order.
-    pub streams: Vec<Stream<'a>>,
+    pub streams: Vec<AccessorStream<'a>>,
     n_bytes: u64,
     /// For each part its mesh, unless it is empty, and its origin.
-    shown: Vec<place::Shown>,
+    shown: Vec<node_list::PartMesh>,
     /// The materials for meshes without and with a boundary, once they are used.
     material: [Option<usize>; 2],
 }
 
-impl<'a> Document<'a> {
+impl<'a> GltfDocument<'a> {
     /// Adds the mesh of a part, in the order of the scene.
-    pub fn add_part(&mut self, part: &Part, shape: &'a Shape<'_>) -> Result<(), WriteError> {
+    pub fn add_part(&mut self, part: &Part, shape: &'a GltfPart<'_>) -> Result<(), WriteError> {
         let empty = shape.mesh.faces().is_empty();
         let mesh = if empty { None } else { Some(self.add_mesh(part, shape)?) };
         self.shown.push((mesh, shape.origin));
         Ok(())
     }
 
-    fn add_mesh(&mut self, part: &Part, shape: &'a Shape<'_>) -> Result<usize, WriteError> {
+    fn add_mesh(&mut self, part: &Part, shape: &'a GltfPart<'_>) -> Result<usize, WriteError> {
         let mesh: &Mesh = &shape.mesh;
         let bounds = stored_bounds(mesh, shape.origin);
         if let Some(value) = bounds.as_flattened().iter().find(|x| !x.is_finite()) {
-            return Err(TooWide { value: *value }.into());
+            return Err(CoordinateOverflow { value: *value }.into());
         }
         let mut attributes = Map::new();
-        let at = self.add(Stream::positions(mesh, shape.origin));
+        let at = self.add(AccessorStream::positions(mesh, shape.origin));
         self.accessors[at]["min"] = json!(bounds[0]);
         self.accessors[at]["max"] = json!(bounds[1]);
         attributes.insert("POSITION".to_owned(), json!(at));
@@ -73,14 +73,14 @@ impl<'a> Document<'a> {
             }
             attributes.insert(name, json!(self.add(stream)));
         }
-        let indices = self.add(Stream::indices(mesh));
+        let indices = self.add(AccessorStream::indices(mesh));
         let material = self.material(is_open(mesh));
         let primitive = json!({ "attributes": attributes, "indices": indices, "material": material });
-        self.meshes.push(place::named(&part.name, json!({ "primitives": [primitive] })));
+        self.meshes.push(node_list::with_name(&part.name, json!({ "primitives": [primitive] })));
         Ok(self.meshes.len() - 1)
     }
 
-    fn add(&mut self, stream: Stream<'a>) -> usize {
+    fn add(&mut self, stream: AccessorStream<'a>) -> usize {
         self.views.push(json!({
             "buffer": 0, "byteOffset": self.n_bytes, "byteLength": stream.n_bytes(), "target": stream.target()
         }));
@@ -108,12 +108,12 @@ impl<'a> Document<'a> {
     }
 
     /// The nodes of a scene whose parts were the last to be added, after `n_before` others.
-    pub fn nodes(&self, scene: &Scene, n_before: usize) -> Result<place::Nodes, WriteError> {
-        place::nodes(scene, &self.shown[self.shown.len() - scene.parts.len()..], n_before)
+    pub fn nodes(&self, scene: &Scene, n_before: usize) -> Result<node_list::NodeList, WriteError> {
+        node_list::nodes(scene, &self.shown[self.shown.len() - scene.parts.len()..], n_before)
     }
 
     /// The JSON chunk's content, of which `certificate` becomes an extra.
-    pub fn json(&self, nodes: &place::Nodes, certificate: Option<&Value>) -> Map<String, Value> {
+    pub fn json(&self, nodes: &node_list::NodeList, certificate: Option<&Value>) -> Map<String, Value> {
         let mut root = Map::new();
         let mut asset =
             json!({ "version": "2.0", "generator": concat!("Chordal ", env!("CARGO_PKG_VERSION")) });
@@ -142,7 +142,7 @@ impl<'a> Document<'a> {
 }
 
 /// The attributes of a mesh; texture and colour sets are numbered from zero without gaps, as glTF asks.
-fn streams_of(mesh: &Mesh) -> Result<Vec<Stream<'_>>, WriteError> {
+fn streams_of(mesh: &Mesh) -> Result<Vec<AccessorStream<'_>>, WriteError> {
     let mut sorted: Vec<_> = mesh.attributes().iter().collect();
     sorted.sort_by_key(|attribute| match attribute.semantic {
         Semantic::Normal => (0, 0),
@@ -158,7 +158,7 @@ fn streams_of(mesh: &Mesh) -> Result<Vec<Stream<'_>>, WriteError> {
             Semantic::Color(_) => &mut colour_sets,
             _ => &mut texture_sets,
         };
-        streams.push(Stream::attribute(attribute, *counter)?);
+        streams.push(AccessorStream::attribute(attribute, *counter)?);
         if matches!(attribute.semantic, Semantic::Color(_) | Semantic::TexCoord(_)) {
             *counter += 1;
         }

@@ -3,7 +3,7 @@ use std::fmt;
 
 /// The type of one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Component {
+pub(super) enum ComponentType {
     I8,
     U8,
     I16,
@@ -12,7 +12,7 @@ pub(super) enum Component {
     F32,
 }
 
-impl Component {
+impl ComponentType {
     /// From the code that OpenGL gave it.
     pub fn from_code(code: u64) -> Option<Self> {
         Some(match code {
@@ -75,7 +75,7 @@ impl Component {
 
 /// The shape of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum AccessorType {
     Scalar,
     Vec2,
     Vec3,
@@ -85,7 +85,7 @@ pub(super) enum Kind {
     Mat4,
 }
 
-impl Kind {
+impl AccessorType {
     /// From its name.
     pub fn from_name(name: &str) -> Option<Self> {
         Some(match name {
@@ -129,20 +129,20 @@ impl Kind {
 
 /// A row of an accessor: its shape, the type of its numbers, and whether integers stand for fractions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Format {
-    pub kind: Kind,
-    pub component: Component,
+pub(super) struct AccessorFormat {
+    pub kind: AccessorType,
+    pub component: ComponentType,
     pub normalized: bool,
 }
 
-impl Format {
+impl AccessorFormat {
     /// One that is not normalized.
-    pub const fn plain(kind: Kind, component: Component) -> Self {
+    pub const fn plain(kind: AccessorType, component: ComponentType) -> Self {
         Self { kind, component, normalized: false }
     }
 
     /// One that is normalized.
-    pub const fn normalized(kind: Kind, component: Component) -> Self {
+    pub const fn normalized(kind: AccessorType, component: ComponentType) -> Self {
         Self { kind, component, normalized: true }
     }
 
@@ -176,7 +176,7 @@ impl Format {
     }
 }
 
-impl fmt::Display for Format {
+impl fmt::Display for AccessorFormat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let normalized = if self.normalized { " normalized" } else { "" };
         write!(f, "{:?} of {:?}{normalized}", self.kind, self.component)
@@ -190,23 +190,26 @@ mod tests {
     #[test]
     fn matrices_are_padded_to_columns_of_four_bytes() {
         let layout = |kind, component| {
-            let format = Format::plain(kind, component);
+            let format = AccessorFormat::plain(kind, component);
             let places: Vec<_> = (0..kind.n_components()).map(|i| format.place_of(i)).collect();
             (places, format.row_length(), format.natural_stride())
         };
-        assert_eq!(layout(Kind::Mat2, Component::U8), (vec![0, 1, 4, 5], 6, 8));
-        assert_eq!(layout(Kind::Mat3, Component::I8), (vec![0, 1, 2, 4, 5, 6, 8, 9, 10], 11, 12));
-        assert_eq!(layout(Kind::Mat3, Component::U16), (vec![0, 2, 4, 8, 10, 12, 16, 18, 20], 22, 24));
-        assert_eq!(layout(Kind::Mat2, Component::I16), (vec![0, 2, 4, 6], 8, 8));
-        assert_eq!(layout(Kind::Vec3, Component::U8), (vec![0, 1, 2], 3, 3));
-        assert_eq!(layout(Kind::Mat4, Component::F32).1, 64);
+        assert_eq!(layout(AccessorType::Mat2, ComponentType::U8), (vec![0, 1, 4, 5], 6, 8));
+        assert_eq!(layout(AccessorType::Mat3, ComponentType::I8), (vec![0, 1, 2, 4, 5, 6, 8, 9, 10], 11, 12));
+        assert_eq!(
+            layout(AccessorType::Mat3, ComponentType::U16),
+            (vec![0, 2, 4, 8, 10, 12, 16, 18, 20], 22, 24)
+        );
+        assert_eq!(layout(AccessorType::Mat2, ComponentType::I16), (vec![0, 2, 4, 6], 8, 8));
+        assert_eq!(layout(AccessorType::Vec3, ComponentType::U8), (vec![0, 1, 2], 3, 3));
+        assert_eq!(layout(AccessorType::Mat4, ComponentType::F32).1, 64);
     }
 
     #[test]
     fn normalized_integers_span_the_unit_range() {
-        assert_eq!(Component::U8.normalize(255.0), 1.0);
-        assert_eq!(Component::I8.normalize(-128.0), -1.0);
-        assert_eq!(Component::I8.normalize(-127.0), -1.0);
-        assert_eq!(Component::I16.normalize(32767.0), 1.0);
+        assert_eq!(ComponentType::U8.normalize(255.0), 1.0);
+        assert_eq!(ComponentType::I8.normalize(-128.0), -1.0);
+        assert_eq!(ComponentType::I8.normalize(-127.0), -1.0);
+        assert_eq!(ComponentType::I16.normalize(32767.0), 1.0);
     }
 }

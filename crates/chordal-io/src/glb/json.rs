@@ -1,13 +1,13 @@
-//! `Json`: the JSON chunk, parsed within limits.
+//! `JsonValue`: the JSON chunk, parsed within limits.
 //!
-//! An own reader, because a file may not choose the memory or the nesting it takes, two values for one key are
-//! refused instead of one being dropped, and numbers are rounded correctly. A value takes 24 bytes.
-use crate::{Limits, Place, ReadError};
+//! An own reader, because a file may not choose the memory or the nesting it takes, two values for one key
+//! are refused instead of one being dropped, and numbers are rounded correctly. A value takes 24 bytes.
+use crate::{FileLocation, Limits, ReadError};
 use serde_json::Value;
 
 /// A JSON value. Objects keep the order of the file, and no key comes twice.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Json {
+pub(super) enum JsonValue {
     Null,
     Bool(bool),
     /// A number written without point and exponent that fits.
@@ -15,11 +15,11 @@ pub(super) enum Json {
     /// Any other number, finite.
     Float(f64),
     Text(Box<str>),
-    Array(Box<[Json]>),
-    Object(Box<[(Box<str>, Json)]>),
+    Array(Box<[JsonValue]>),
+    Object(Box<[(Box<str>, JsonValue)]>),
 }
 
-impl Json {
+impl JsonValue {
     /// The value of a key; `None` in anything but an object.
     pub fn get(&self, key: &str) -> Option<&Self> {
         self.entries().iter().find(|(k, _)| **k == *key).map(|(_, value)| value)
@@ -86,12 +86,12 @@ impl Json {
     /// With the byte, when the text is no JSON, nests deeper than the limit, or names a key twice.
     pub fn parse(bytes: &[u8], at: u64, limits: &Limits) -> Result<Self, ReadError> {
         let invalid = |offset: usize, what: &str| {
-            ReadError::new("INVALID_JSON", Place::Byte(at + offset as u64), what.to_owned())
+            ReadError::new("INVALID_JSON", FileLocation::Byte(at + offset as u64), what.to_owned())
         };
         let text =
             std::str::from_utf8(bytes).map_err(|e| invalid(e.valid_up_to(), "the JSON is not UTF-8"))?;
         // Nesting costs stack here and wherever the value is walked; a thousand levels fit any thread.
-        let mut parser = Parser { text, at: 0, depth: limits.depth.min(1000) };
+        let mut parser = JsonParser { text, at: 0, depth: limits.depth.min(1000) };
         let value = parser.value(0).and_then(|value| {
             parser.space();
             if parser.at == text.len() { Ok(value) } else { Err("the JSON goes on after its end".to_owned()) }
@@ -103,13 +103,13 @@ impl Json {
 /// How many bytes of JSON are read at most: a tenth of a million nodes take about ten million bytes.
 pub(super) const MAX_BYTES: u64 = 256 << 20;
 
-struct Parser<'a> {
+struct JsonParser<'a> {
     text: &'a str,
     at: usize,
     depth: usize,
 }
 
-impl Parser<'_> {
+impl JsonParser<'_> {
     fn peek(&self) -> u8 {
         self.text.as_bytes().get(self.at).copied().unwrap_or(0)
     }
@@ -126,23 +126,23 @@ impl Parser<'_> {
         found
     }
 
-    fn value(&mut self, depth: usize) -> Result<Json, String> {
+    fn value(&mut self, depth: usize) -> Result<JsonValue, String> {
         self.space();
         match self.peek() {
             b'{' | b'[' if depth >= self.depth => Err(format!("the JSON nests deeper than {}", self.depth)),
             b'{' => self.object(depth + 1),
             b'[' => self.array(depth + 1),
-            b'"' => Ok(Json::Text(self.string()?.into())),
-            b't' => self.word("true", Json::Bool(true)),
-            b'f' => self.word("false", Json::Bool(false)),
-            b'n' => self.word("null", Json::Null),
+            b'"' => Ok(JsonValue::Text(self.string()?.into())),
+            b't' => self.word("true", JsonValue::Bool(true)),
+            b'f' => self.word("false", JsonValue::Bool(false)),
+            b'n' => self.word("null", JsonValue::Null),
             b'-' | b'0'..=b'9' => self.number(),
             _ if self.at >= self.text.len() => Err("the JSON ends too early".to_owned()),
             _ => Err("a JSON value is expected".to_owned()),
         }
     }
 
-    fn word(&mut self, word: &str, value: Json) -> Result<Json, String> {
+    fn word(&mut self, word: &str, value: JsonValue) -> Result<JsonValue, String> {
         if !self.text[self.at..].starts_with(word) {
             return Err("a JSON value is expected".to_owned());
         }
@@ -150,7 +150,7 @@ impl Parser<'_> {
         Ok(value)
     }
 
-    fn array(&mut self, depth: usize) -> Result<Json, String> {
+    fn array(&mut self, depth: usize) -> Result<JsonValue, String> {
         self.at += 1;
         let mut items = Vec::new();
         self.space();
@@ -166,12 +166,12 @@ impl Parser<'_> {
                 }
             }
         }
-        Ok(Json::Array(items.into()))
+        Ok(JsonValue::Array(items.into()))
     }
 
-    fn object(&mut self, depth: usize) -> Result<Json, String> {
+    fn object(&mut self, depth: usize) -> Result<JsonValue, String> {
         self.at += 1;
-        let mut entries: Vec<(Box<str>, Json)> = Vec::new();
+        let mut entries: Vec<(Box<str>, JsonValue)> = Vec::new();
         self.space();
         if !self.eat(b'}') {
             loop {
@@ -200,10 +200,10 @@ impl Parser<'_> {
         if let Some(twice) = keys.windows(2).find(|pair| pair[0] == pair[1]) {
             return Err(format!("key {:?} comes twice in the object that ends here", twice[0]));
         }
-        Ok(Json::Object(entries.into()))
+        Ok(JsonValue::Object(entries.into()))
     }
 
-    fn number(&mut self) -> Result<Json, String> {
+    fn number(&mut self) -> Result<JsonValue, String> {
         let start = self.at;
         self.eat(b'-');
         if !self.eat(b'0') && self.digits() == 0 {
@@ -227,10 +227,10 @@ impl Parser<'_> {
         }
         let text = &self.text[start..self.at];
         if let (true, Ok(i)) = (whole && text != "-0", text.parse()) {
-            return Ok(Json::Int(i));
+            return Ok(JsonValue::Int(i));
         }
         match text.parse::<f64>() {
-            Ok(x) if x.is_finite() => Ok(Json::Float(x)),
+            Ok(x) if x.is_finite() => Ok(JsonValue::Float(x)),
             _ => Err("the number is too large".to_owned()),
         }
     }
@@ -319,13 +319,13 @@ fn push<T>(list: &mut Vec<T>, item: T) -> Result<(), String> {
 mod tests {
     use super::*;
 
-    fn parse(text: &str) -> Result<Json, String> {
-        Json::parse(text.as_bytes(), 0, &Limits::default()).map_err(|e| e.to_string())
+    fn parse(text: &str) -> Result<JsonValue, String> {
+        JsonValue::parse(text.as_bytes(), 0, &Limits::default()).map_err(|e| e.to_string())
     }
 
     #[test]
     fn a_value_takes_24_bytes() {
-        assert_eq!(size_of::<Json>(), 24);
+        assert_eq!(size_of::<JsonValue>(), 24);
     }
 
     #[test]
@@ -359,7 +359,7 @@ mod tests {
             let ours = parse(text);
             assert_eq!(ours.is_ok(), theirs.is_ok(), "{text:?}: {ours:?}, {theirs:?}");
             if let (Ok(ours), Ok(theirs)) = (ours, theirs) {
-                if let (Json::Float(ours), Some(theirs)) = (&ours, theirs.as_f64()) {
+                if let (JsonValue::Float(ours), Some(theirs)) = (&ours, theirs.as_f64()) {
                     assert_eq!(*ours, theirs);
                 } else if !text.contains("1e2") {
                     assert_eq!(ours.to_value(), theirs);

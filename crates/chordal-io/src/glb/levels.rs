@@ -1,44 +1,45 @@
-//! `Level`: several levels of detail in one GLB, by `MSFT_lod`.
-use super::document::{Document, Shape};
+//! `GlbLevel`: several levels of detail in one GLB, by `MSFT_lod`.
+use super::document::{GltfDocument, GltfPart};
 use super::write::write_file;
-use super::{LOD, place};
+use super::{LOD, node_list};
 use crate::{Scene, WriteError};
 use serde_json::{Value, json};
 use std::io::Write;
 
 /// One level of detail.
 #[derive(Clone, Copy, Debug)]
-pub struct Level<'a> {
+pub struct GlbLevel<'a> {
     /// What it shows.
     pub scene: &'a Scene,
     /// What is known of it.
     pub certificate: Option<&'a Value>,
-    /// The least share of the screen, 0 to 1, that the object covers where this level is shown; below it the next is, and
-    /// nothing after the last.
+    /// The least share of the screen, 0 to 1, that the object covers where this level is shown; below it the
+    /// next is, and nothing after the last.
     pub coverage: f64,
 }
 
 /// Writes levels of detail as one GLB 2.0, finest first, the same bytes for the same levels.
 ///
-/// Each level is written as [`super::write`] writes a scene, below a node of its own. The scene of the file shows the first
-/// level; its node names those of the others by the extension `MSFT_lod`, and has the shares of the screen as its extra
-/// `MSFT_screencoverage`. The extension is not required, so that a viewer that does not know it shows the first level. The
-/// certificates go to `asset.extras.chordal.levels`, one for each level, `null` where there is none. A single level is written
-/// as [`super::write`] does.
+/// Each level is written as [`super::write`] writes a scene, below a node of its own. The scene of the file
+/// shows the first level; its node names those of the others by the extension `MSFT_lod`, and has the shares
+/// of the screen as its extra `MSFT_screencoverage`. The extension is not required, so that a viewer that
+/// does not know it shows the first level. The certificates go to `asset.extras.chordal.levels`, one for each
+/// level, `null` where there is none. A single level is written as [`super::write`] does.
 ///
 /// # Errors
-/// As for [`super::write`]; also when there is no level, and for shares that are not from 0 to 1 or do not fall.
+/// As for [`super::write`]; also when there is no level, and for shares that are not from 0 to 1 or do not
+/// fall.
 ///
 /// ```
 /// use chordal::Mesh;
-/// use chordal_io::glb::{Level, write_levels};
+/// use chordal_io::glb::{GlbLevel, write_levels};
 /// use chordal_io::{Frame, Scene};
 /// let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
 /// let fine = Mesh::new(corners.clone(), vec![[0, 1, 2], [0, 2, 3]])?;
 /// let coarse = Mesh::new(corners[..3].to_vec(), vec![[0, 1, 2]])?;
-/// let scenes = [fine, coarse].map(|mesh| Scene::of("", mesh, true, Frame::default()));
+/// let scenes = [fine, coarse].map(|mesh| Scene::from_mesh("", mesh, true, Frame::default()));
 /// let levels = [(0, 0.25), (1, 0.0)]
-///     .map(|(i, coverage)| Level { scene: &scenes[i], certificate: None, coverage });
+///     .map(|(i, coverage)| GlbLevel { scene: &scenes[i], certificate: None, coverage });
 /// let mut bytes = Vec::new();
 /// write_levels(&levels, &mut bytes)?;
 /// assert_eq!(&bytes[..4], b"glTF");
@@ -46,16 +47,16 @@ pub struct Level<'a> {
 /// ```
 ///
 /// Source: Microsoft, MSFT_lod, glTF 2.0 vendor extension, 2017.
-pub fn write_levels(levels: &[Level<'_>], out: &mut dyn Write) -> Result<(), WriteError> {
+pub fn write_levels(levels: &[GlbLevel<'_>], out: &mut dyn Write) -> Result<(), WriteError> {
     check(levels)?;
     if let [only] = levels {
         return super::write(only.scene, only.certificate, out);
     }
     let shapes = levels
         .iter()
-        .map(|level| level.scene.parts.iter().map(Shape::of).collect::<Result<Vec<_>, _>>())
+        .map(|level| level.scene.parts.iter().map(GltfPart::from_part).collect::<Result<Vec<_>, _>>())
         .collect::<Result<Vec<_>, _>>()?;
-    let mut document = Document::default();
+    let mut document = GltfDocument::default();
     let mut list = Vec::new();
     let mut tops = Vec::new();
     for ((i, level), shapes) in levels.iter().enumerate().zip(&shapes) {
@@ -68,7 +69,7 @@ pub fn write_levels(levels: &[Level<'_>], out: &mut dyn Write) -> Result<(), Wri
         if !nodes.roots.is_empty() {
             object["children"] = json!(nodes.roots);
         }
-        list.push(place::named(&format!("level {i}"), object));
+        list.push(node_list::with_name(&format!("level {i}"), object));
         list.extend(nodes.list);
         tops.push(top);
     }
@@ -78,13 +79,13 @@ pub fn write_levels(levels: &[Level<'_>], out: &mut dyn Write) -> Result<(), Wri
     let certificates: Vec<Value> =
         levels.iter().map(|level| level.certificate.cloned().unwrap_or(Value::Null)).collect();
     let certificate = json!({ "levels": certificates });
-    let nodes = place::Nodes { list, roots: vec![0] };
+    let nodes = node_list::NodeList { list, roots: vec![0] };
     let mut json = document.json(&nodes, Some(&certificate));
     json.insert("extensionsUsed".to_owned(), json!([LOD]));
     write_file(&document, json, out)
 }
 
-fn check(levels: &[Level<'_>]) -> Result<(), WriteError> {
+fn check(levels: &[GlbLevel<'_>]) -> Result<(), WriteError> {
     let refused = |what: String| Err(WriteError::Unsupported(what));
     if levels.is_empty() {
         return refused("there is no level to write".to_owned());

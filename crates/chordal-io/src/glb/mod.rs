@@ -1,25 +1,25 @@
 //! Binary glTF 2.0: one file with a JSON chunk that describes and a BIN chunk that holds.
+mod accessor_rows;
+mod attribute_plan;
 mod container;
 mod document;
 mod format;
 mod json;
 mod levels;
 mod lint;
-mod lower;
+mod lod_nodes;
 mod model;
+mod node_list;
 mod parts;
-mod place;
-mod plan;
 mod read;
 mod report;
-mod rows;
 mod split;
 mod streams;
 mod transform;
 mod triangles;
 mod write;
 
-pub use levels::{Level, write_levels};
+pub use levels::{GlbLevel, write_levels};
 pub use read::read;
 pub use split::split;
 pub use write::write;

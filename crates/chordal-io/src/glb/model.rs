@@ -1,20 +1,20 @@
 //! What a glTF file says, parsed: every field is what it should be, or `None` where the file errs.
-use super::format::{Component, Format, Kind};
+use super::format::{AccessorFormat, AccessorType, ComponentType};
 
 /// The objects of a file by their lists; an item that is no object is `None`.
 #[derive(Default)]
-pub(super) struct Model<'a> {
-    pub buffers: Vec<Option<Buffer<'a>>>,
-    pub views: Vec<Option<View>>,
-    pub accessors: Vec<Option<Accessor>>,
-    pub images: Vec<Option<Image<'a>>>,
-    pub textures: Vec<Option<Texture>>,
-    pub materials: Vec<Option<Material>>,
-    pub meshes: Vec<Option<Mesh<'a>>>,
-    pub nodes: Vec<Option<Node<'a>>>,
-    pub skins: Vec<Option<Skin>>,
-    pub animations: Vec<Option<Animation<'a>>>,
-    pub scenes: Vec<Option<Scene>>,
+pub(super) struct GltfModel<'a> {
+    pub buffers: Vec<Option<GltfBuffer<'a>>>,
+    pub views: Vec<Option<GltfBufferView>>,
+    pub accessors: Vec<Option<GltfAccessor>>,
+    pub images: Vec<Option<GltfImage<'a>>>,
+    pub textures: Vec<Option<GltfTexture>>,
+    pub materials: Vec<Option<GltfMaterial>>,
+    pub meshes: Vec<Option<GltfMesh<'a>>>,
+    pub nodes: Vec<Option<GltfNode<'a>>>,
+    pub skins: Vec<Option<GltfSkin>>,
+    pub animations: Vec<Option<GltfAnimation<'a>>>,
+    pub scenes: Vec<Option<GltfScene>>,
     /// The default scene.
     pub scene: Option<usize>,
     pub extensions_used: Vec<&'a str>,
@@ -22,7 +22,7 @@ pub(super) struct Model<'a> {
 }
 
 /// Bytes, and where they come from.
-pub(super) struct Buffer<'a> {
+pub(super) struct GltfBuffer<'a> {
     pub byte_length: Option<u64>,
     /// The `uri`, whatever it says.
     pub uri: Option<&'a str>,
@@ -32,7 +32,7 @@ pub(super) struct Buffer<'a> {
 
 /// A part of a buffer.
 #[derive(Default)]
-pub(super) struct View {
+pub(super) struct GltfBufferView {
     pub buffer: Option<usize>,
     pub offset: Option<u64>,
     pub length: Option<u64>,
@@ -44,37 +44,37 @@ pub(super) struct View {
 
 /// Rows of numbers.
 #[derive(Default)]
-pub(super) struct Accessor {
+pub(super) struct GltfAccessor {
     pub view: Option<usize>,
     pub offset: Option<u64>,
     pub count: Option<u64>,
-    pub component: Option<Component>,
-    pub kind: Option<Kind>,
+    pub component: Option<ComponentType>,
+    pub kind: Option<AccessorType>,
     pub normalized: bool,
     pub min: Option<Box<[f64]>>,
     pub max: Option<Box<[f64]>>,
-    pub sparse: Option<Box<Sparse>>,
+    pub sparse: Option<Box<GltfSparse>>,
 }
 
-impl Accessor {
+impl GltfAccessor {
     /// Its format, where it has one.
-    pub fn format(&self) -> Option<Format> {
-        Some(Format { kind: self.kind?, component: self.component?, normalized: self.normalized })
+    pub fn format(&self) -> Option<AccessorFormat> {
+        Some(AccessorFormat { kind: self.kind?, component: self.component?, normalized: self.normalized })
     }
 }
 
 /// Rows that replace others.
-pub(super) struct Sparse {
+pub(super) struct GltfSparse {
     pub count: u64,
     pub index_view: Option<usize>,
     pub index_offset: Option<u64>,
-    pub index_component: Option<Component>,
+    pub index_component: Option<ComponentType>,
     pub value_view: Option<usize>,
     pub value_offset: Option<u64>,
 }
 
 /// A picture.
-pub(super) struct Image<'a> {
+pub(super) struct GltfImage<'a> {
     pub view: Option<usize>,
     pub mime: Option<&'a str>,
     pub data: Option<Vec<u8>>,
@@ -84,7 +84,7 @@ pub(super) struct Image<'a> {
 }
 
 /// A picture with a sampler.
-pub(super) struct Texture {
+pub(super) struct GltfTexture {
     pub source: Option<usize>,
     /// The source by `EXT_texture_webp`.
     pub webp: Option<usize>,
@@ -92,7 +92,7 @@ pub(super) struct Texture {
 
 /// What a material asks of meshes.
 #[derive(Default)]
-pub(super) struct Material {
+pub(super) struct GltfMaterial {
     pub has_normal_texture: bool,
     pub needs_tangents: bool,
     /// The highest texture coordinate set it reads, and which texture does.
@@ -100,21 +100,21 @@ pub(super) struct Material {
 }
 
 /// Primitives.
-pub(super) struct Mesh<'a> {
+pub(super) struct GltfMesh<'a> {
     pub name: &'a str,
-    pub primitives: Vec<Primitive<'a>>,
+    pub primitives: Vec<GltfPrimitive<'a>>,
 }
 
 /// Named accessors.
-pub(super) type Attributes<'a> = Vec<(&'a str, Option<usize>)>;
+pub(super) type GltfAttributes<'a> = Vec<(&'a str, Option<usize>)>;
 
 /// One drawing.
-pub(super) struct Primitive<'a> {
-    pub attributes: Attributes<'a>,
+pub(super) struct GltfPrimitive<'a> {
+    pub attributes: GltfAttributes<'a>,
     pub indices: Option<usize>,
     pub material: Option<usize>,
     pub mode: Option<u64>,
-    pub targets: Option<Vec<Attributes<'a>>>,
+    pub targets: Option<Vec<GltfAttributes<'a>>>,
     /// Materials by `KHR_materials_variants`, each with its place below the primitive.
     pub variants: Vec<(usize, String)>,
     pub n_joints: u64,
@@ -124,7 +124,7 @@ pub(super) struct Primitive<'a> {
 
 /// A place.
 #[derive(Default)]
-pub(super) struct Node<'a> {
+pub(super) struct GltfNode<'a> {
     pub name: &'a str,
     pub children: Vec<Option<usize>>,
     pub mesh: Option<usize>,
@@ -137,39 +137,39 @@ pub(super) struct Node<'a> {
 }
 
 /// Joints.
-pub(super) struct Skin {
+pub(super) struct GltfSkin {
     pub matrices: Option<usize>,
     pub skeleton: Option<usize>,
     pub joints: Option<Vec<Option<usize>>>,
 }
 
 /// Channels and samplers.
-pub(super) struct Animation<'a> {
-    pub channels: Option<Vec<Channel<'a>>>,
-    pub samplers: Option<Vec<Sampler<'a>>>,
+pub(super) struct GltfAnimation<'a> {
+    pub channels: Option<Vec<GltfChannel<'a>>>,
+    pub samplers: Option<Vec<GltfAnimationSampler<'a>>>,
 }
 
 /// What moves.
-pub(super) struct Channel<'a> {
+pub(super) struct GltfChannel<'a> {
     pub sampler: Option<usize>,
-    pub target: Option<Target<'a>>,
+    pub target: Option<GltfChannelTarget<'a>>,
 }
 
 /// A property of a node.
-pub(super) struct Target<'a> {
+pub(super) struct GltfChannelTarget<'a> {
     pub node: Option<usize>,
     pub path: Option<&'a str>,
 }
 
 /// How it moves.
-pub(super) struct Sampler<'a> {
+pub(super) struct GltfAnimationSampler<'a> {
     pub input: Option<usize>,
     pub output: Option<usize>,
     pub interpolation: &'a str,
 }
 
 /// What is shown.
-pub(super) struct Scene {
+pub(super) struct GltfScene {
     pub nodes: Option<Vec<Option<usize>>>,
 }
 

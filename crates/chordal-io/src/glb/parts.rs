@@ -1,33 +1,34 @@
 //! Meshes of the file into parts: vertices, triangles, attributes.
-use super::model::{Attributes, Model, Primitive, item};
-use super::plan::{Plan, Planned, is_skinning, position_of};
-use super::report::Report;
-use super::rows::{Rows, Unreadable};
-use super::triangles::{Corners, triangles};
-use crate::{Limits, Part, Place, ReadError};
+use super::accessor_rows::{AccessorError, AccessorRows};
+use super::attribute_plan::{AttributePlan, PlannedAttribute, is_skinning, position_of};
+use super::model::{GltfAttributes, GltfModel, GltfPrimitive, item};
+use super::report::GlbWarnings;
+use super::triangles::{PrimitiveIndices, triangles};
+use crate::{FileLocation, Limits, Part, ReadError};
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, Semantic};
 use std::collections::BTreeMap;
 
 /// Turns meshes into parts, within limits.
-pub(super) struct Parts<'m> {
-    model: &'m Model<'m>,
+pub(super) struct PartReader<'m> {
+    model: &'m GltfModel<'m>,
     limits: &'m Limits,
     /// Bytes that may still be decoded.
     left: u64,
-    pub report: Report,
+    pub report: GlbWarnings,
 }
 
 /// A part in the making.
 #[derive(Default)]
-struct Draft<'m> {
+struct PartDraft<'m> {
     positions: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
-    plan: Plan<'m>,
+    plan: AttributePlan<'m>,
     /// The values of the planned attributes.
     streams: Vec<Vec<f64>>,
-    /// The first vertex and the number of those that are there: primitives with the same attributes share them.
-    blocks: BTreeMap<&'m Attributes<'m>, (usize, usize)>,
+    /// The first vertex and the number of those that are there: primitives with the same attributes share
+    /// them.
+    blocks: BTreeMap<&'m GltfAttributes<'m>, (usize, usize)>,
     /// The material of each face, −1 for none.
     materials: Vec<f64>,
 }
@@ -35,10 +36,10 @@ struct Draft<'m> {
 /// What is said of attributes that are left out.
 const SKIPPED: &str = "attributes that not all primitives of their mesh have in one form were skipped";
 
-impl<'m> Parts<'m> {
+impl<'m> PartReader<'m> {
     /// For a file from which so many bytes may be decoded.
-    pub fn new(model: &'m Model<'m>, limits: &'m Limits, left: u64) -> Self {
-        Self { model, limits, left, report: Report::default() }
+    pub fn new(model: &'m GltfModel<'m>, limits: &'m Limits, left: u64) -> Self {
+        Self { model, limits, left, report: GlbWarnings::default() }
     }
 
     /// The part of a mesh; an empty one when the file's mesh is no object.
@@ -46,9 +47,9 @@ impl<'m> Parts<'m> {
         let Some(mesh) = item(&self.model.meshes, Some(mesh_idx)) else {
             return Ok(Part { name: String::new(), mesh: Mesh::default(), indexed: false });
         };
-        let plan = Plan::of(self.model, mesh);
+        let plan = AttributePlan::from_mesh(self.model, mesh);
         let streams = plan.streams.iter().map(|_| Vec::new()).collect();
-        let mut draft = Draft { plan, streams, ..Draft::default() };
+        let mut draft = PartDraft { plan, streams, ..PartDraft::default() };
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let pointer = format!("/meshes/{mesh_idx}/primitives/{p}");
             self.primitive(&mut draft, primitive, &pointer)?;
@@ -60,12 +61,12 @@ impl<'m> Parts<'m> {
 
     fn primitive(
         &mut self,
-        draft: &mut Draft<'m>,
-        primitive: &'m Primitive<'m>,
+        draft: &mut PartDraft<'m>,
+        primitive: &'m GltfPrimitive<'m>,
         pointer: &str,
     ) -> Result<(), ReadError> {
         let position = position_of(&primitive.attributes);
-        let place = || Place::Pointer(pointer.to_owned());
+        let place = || FileLocation::Pointer(pointer.to_owned());
         let Some(mode) = primitive.mode else {
             return Err(ReadError::new("VALUE_NOT_IN_RANGE", place(), "mode is none of 0 to 6"));
         };
@@ -97,7 +98,7 @@ impl<'m> Parts<'m> {
         };
         let corners = self.corners(primitive, (first, count), pointer)?;
         let n = draft.faces.len();
-        self.take(corners.n_triangles() * 12, pointer)?;
+        self.charge(corners.n_triangles() * 12, pointer)?;
         let leftover = triangles(&corners, mode, &mut draft.faces);
         self.report.add_many(
             "MESH_PRIMITIVE_INCOMPATIBLE_MODE",
@@ -117,14 +118,15 @@ impl<'m> Parts<'m> {
     /// Reads the vertices of a primitive.
     fn block(
         &mut self,
-        draft: &mut Draft<'m>,
-        (primitive, position): (&'m Primitive<'m>, usize),
+        draft: &mut PartDraft<'m>,
+        (primitive, position): (&'m GltfPrimitive<'m>, usize),
         pointer: &str,
     ) -> Result<(usize, usize), ReadError> {
         let pointer = format!("{pointer}/attributes");
-        let rows = Rows::of(self.model, position).map_err(|error| at(error, &pointer, "POSITION"))?;
+        let rows =
+            AccessorRows::new(self.model, position).map_err(|error| at(error, &pointer, "POSITION"))?;
         if rows.format.kind.n_components() != 3 {
-            let unreadable = Unreadable {
+            let unreadable = AccessorError {
                 code: "MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_INVALID_FORMAT",
                 what: format!("positions cannot be {}", rows.format),
             };
@@ -139,22 +141,22 @@ impl<'m> Parts<'m> {
                 rows.count,
                 self.limits.rows.min(u64::from(u32::MAX) - 1)
             );
-            return Err(at(Unreadable { code: "too-many-rows", what }, &pointer, "POSITION"));
+            return Err(at(AccessorError { code: "too-many-rows", what }, &pointer, "POSITION"));
         }
-        self.take(rows.count * 24, &pointer)?;
+        self.charge(rows.count * 24, &pointer)?;
         let count = rows.count as usize;
         reserve(&mut draft.positions, count, &pointer)?;
         // Zero has one sign here, so that −0 and 0 tie vertices.
-        rows.each(|_, row| draft.positions.push([0, 1, 2].map(|k| rows.meaning(row[k]) + 0.0)));
+        rows.each(|_, row| draft.positions.push([0, 1, 2].map(|k| rows.decode(row[k]) + 0.0)));
         let mut named: BTreeMap<&str, Option<usize>> = primitive.attributes.iter().copied().collect();
         named.remove("POSITION");
-        let Draft { plan, streams, .. } = draft;
+        let PartDraft { plan, streams, .. } = draft;
         for (planned, values) in plan.streams.iter().zip(streams) {
             let accessor = named.remove(planned.name).flatten();
             self.stream((planned, values), accessor, (count, &pointer))?;
         }
         for name in named.keys() {
-            let place = Place::Pointer(format!("{pointer}/{name}"));
+            let place = FileLocation::Pointer(format!("{pointer}/{name}"));
             if is_skinning(name) {
                 self.report.add("skins-ignored", place, "skins were not applied");
             } else {
@@ -168,23 +170,23 @@ impl<'m> Parts<'m> {
     /// Reads one attribute of new vertices, or fills it where they have none.
     fn stream(
         &mut self,
-        (planned, values): (&Planned<'_>, &mut Vec<f64>),
+        (planned, values): (&PlannedAttribute<'_>, &mut Vec<f64>),
         accessor: Option<usize>,
         (count, pointer): (usize, &str),
     ) -> Result<(), ReadError> {
-        let place = || Place::Pointer(format!("{pointer}/{}", planned.name));
-        self.take(count as u64 * planned.width as u64 * 8, pointer)?;
+        let place = || FileLocation::Pointer(format!("{pointer}/{}", planned.name));
+        self.charge(count as u64 * planned.width as u64 * 8, pointer)?;
         reserve(values, count * planned.width, pointer)?;
         let Some(accessor) = accessor else {
             let what = "vertices lack an attribute that others of their mesh have";
             self.report.add_many("attribute-missing", count as u64, (place(), what));
-            values.resize(values.len() + count * planned.width, planned.blank());
+            values.resize(values.len() + count * planned.width, planned.default_value());
             return Ok(());
         };
-        let rows = match Rows::of(self.model, accessor) {
+        let rows = match AccessorRows::new(self.model, accessor) {
             Ok(rows)
                 if rows.count == count as u64
-                    && planned.takes(rows.format.kind.n_components())
+                    && planned.accepts_width(rows.format.kind.n_components())
                     && check_sparse(&rows).is_ok() =>
             {
                 rows
@@ -192,7 +194,7 @@ impl<'m> Parts<'m> {
             // A file that got here strictly has such attributes by names of its own only.
             _ => {
                 self.report.add("attribute-skipped", place(), SKIPPED);
-                values.resize(values.len() + count * planned.width, planned.blank());
+                values.resize(values.len() + count * planned.width, planned.default_value());
                 return Ok(());
             }
         };
@@ -200,7 +202,7 @@ impl<'m> Parts<'m> {
         rows.each(|_, row| {
             for k in 0..planned.width {
                 // The alpha that a colour without alpha has.
-                let x = row.get(k).map_or(1.0, |x| rows.meaning(*x));
+                let x = row.get(k).map_or(1.0, |x| rows.decode(*x));
                 n_broken += u64::from(!x.is_finite());
                 values.push(if x.is_finite() { x } else { 0.0 });
             }
@@ -213,31 +215,31 @@ impl<'m> Parts<'m> {
     /// The corner indices of a primitive, counted from the first vertex of the part.
     fn corners(
         &mut self,
-        primitive: &Primitive<'_>,
+        primitive: &GltfPrimitive<'_>,
         (first, count): (usize, usize),
         pointer: &str,
-    ) -> Result<Corners, ReadError> {
+    ) -> Result<PrimitiveIndices, ReadError> {
         // Positions were counted to be fewer than 2³².
         let first_idx = first as u32;
         let Some(accessor) = primitive.indices else {
-            return Ok(Corners::Range(first_idx, count as u32));
+            return Ok(PrimitiveIndices::Range(first_idx, count as u32));
         };
-        let rows = Rows::of(self.model, accessor).map_err(|error| at(error, pointer, "indices"))?;
+        let rows = AccessorRows::new(self.model, accessor).map_err(|error| at(error, pointer, "indices"))?;
         check_sparse(&rows).map_err(|error| at(error, pointer, "indices"))?;
         let format = rows.format;
         if format.kind.n_components() != 1 || format.component.range().0 != 0.0 || format.normalized {
             let code = "MESH_PRIMITIVE_INDICES_ACCESSOR_INVALID_FORMAT";
             return Err(at(
-                Unreadable { code, what: format!("indices cannot be {format}") },
+                AccessorError { code, what: format!("indices cannot be {format}") },
                 pointer,
                 "indices",
             ));
         }
         if rows.count > self.limits.rows.saturating_mul(3) {
             let what = format!("{} indices pass the limit of {} triangles", rows.count, self.limits.rows);
-            return Err(at(Unreadable { code: "too-many-rows", what }, pointer, "indices"));
+            return Err(at(AccessorError { code: "too-many-rows", what }, pointer, "indices"));
         }
-        self.take(rows.count * 4, pointer)?;
+        self.charge(rows.count * 4, pointer)?;
         let mut list = Vec::new();
         reserve(&mut list, rows.count as usize, pointer)?;
         let (restart, limit) = (format.component.range().1, count as f64);
@@ -255,13 +257,13 @@ impl<'m> Parts<'m> {
             } else {
                 ("ACCESSOR_INDEX_OOB", format!("index {i} is {index}, there are {count} vertices"))
             };
-            return Err(at(Unreadable { code, what }, pointer, "indices"));
+            return Err(at(AccessorError { code, what }, pointer, "indices"));
         }
-        Ok(Corners::List(list))
+        Ok(PrimitiveIndices::List(list))
     }
 
     /// Counts bytes that are about to be decoded.
-    fn take(&mut self, n: u64, pointer: &str) -> Result<(), ReadError> {
+    fn charge(&mut self, n: u64, pointer: &str) -> Result<(), ReadError> {
         match self.left.checked_sub(n) {
             Some(left) => {
                 self.left = left;
@@ -270,13 +272,13 @@ impl<'m> Parts<'m> {
             None => {
                 let what =
                     format!("what is decoded passes the limits: {n} bytes more, {} are left", self.left);
-                Err(ReadError::new("too-large", Place::Pointer(pointer.to_owned()), what))
+                Err(ReadError::new("too-large", FileLocation::Pointer(pointer.to_owned()), what))
             }
         }
     }
 
-    fn finish(&mut self, mut draft: Draft<'m>, mesh_idx: usize) -> Result<Mesh, ReadError> {
-        let place = || Place::Pointer(format!("/meshes/{mesh_idx}"));
+    fn finish(&mut self, mut draft: PartDraft<'m>, mesh_idx: usize) -> Result<Mesh, ReadError> {
+        let place = || FileLocation::Pointer(format!("/meshes/{mesh_idx}"));
         let broken = draft.positions.iter().position(|p| p.iter().any(|x| !x.is_finite()));
         if let Some(vertex) = broken {
             if !self.limits.drop_nonfinite {
@@ -289,9 +291,13 @@ impl<'m> Parts<'m> {
         }
         let mut materials = draft.materials;
         let is_mixed = materials.iter().any(|m| *m != materials[0]);
-        let ids = ties(&draft.positions);
+        let ids = exact_ties(&draft.positions);
         let refused = |error: chordal::explicit::InvalidMesh| {
-            ReadError::new("invalid-mesh", Place::Pointer(format!("/meshes/{mesh_idx}")), error.to_string())
+            ReadError::new(
+                "invalid-mesh",
+                FileLocation::Pointer(format!("/meshes/{mesh_idx}")),
+                error.to_string(),
+            )
         };
         let mut mesh = Mesh::new(draft.positions, draft.faces).map_err(refused)?;
         if let Some(ids) = ids {
@@ -312,7 +318,7 @@ impl<'m> Parts<'m> {
     }
 }
 
-impl Draft<'_> {
+impl PartDraft<'_> {
     /// Takes out vertices that are not finite, with their faces. Returns how many vertices.
     fn drop_nonfinite(&mut self) -> u64 {
         let keep: Vec<bool> = self.positions.iter().map(|p| p.iter().all(|x| x.is_finite())).collect();
@@ -341,7 +347,7 @@ impl Draft<'_> {
 }
 
 /// For each vertex the first at the same position to the last bit; `None` when no two share one.
-fn ties(positions: &[[f64; 3]]) -> Option<Vec<u32>> {
+fn exact_ties(positions: &[[f64; 3]]) -> Option<Vec<u32>> {
     let bits = |i: u32| positions[i as usize].map(f64::to_bits);
     let mut order: Vec<u32> = (0..positions.len() as u32).collect();
     order.sort_unstable_by(|a, b| bits(*a).cmp(&bits(*b)).then(a.cmp(b)));
@@ -355,24 +361,24 @@ fn ties(positions: &[[f64; 3]]) -> Option<Vec<u32>> {
 }
 
 /// Sparse rows have to be in range and in order, or it is not clear what they replace.
-fn check_sparse(rows: &Rows<'_>) -> Result<(), Unreadable> {
+fn check_sparse(rows: &AccessorRows<'_>) -> Result<(), AccessorError> {
     let mut next = 0;
     for (i, index) in rows.sparse_indices().enumerate() {
         if index < next {
             let what = format!("sparse index {i} is {index}, not above the one before");
-            return Err(Unreadable { code: "ACCESSOR_SPARSE_INDICES_NON_INCREASING", what });
+            return Err(AccessorError { code: "ACCESSOR_SPARSE_INDICES_NON_INCREASING", what });
         }
         if index >= rows.count {
             let what = format!("sparse index {i} is {index}, there are {} rows", rows.count);
-            return Err(Unreadable { code: "ACCESSOR_SPARSE_INDEX_OOB", what });
+            return Err(AccessorError { code: "ACCESSOR_SPARSE_INDEX_OOB", what });
         }
         next = index + 1;
     }
     Ok(())
 }
 
-fn at(error: Unreadable, pointer: &str, key: &str) -> ReadError {
-    ReadError::new(error.code, Place::Pointer(format!("{pointer}/{key}")), error.what)
+fn at(error: AccessorError, pointer: &str, key: &str) -> ReadError {
+    ReadError::new(error.code, FileLocation::Pointer(format!("{pointer}/{key}")), error.what)
 }
 
 /// Room for the rows of a block: what is needed for the first, more in advance for others.
@@ -380,6 +386,6 @@ fn reserve<T>(list: &mut Vec<T>, n: usize, pointer: &str) -> Result<(), ReadErro
     let reserved = if list.is_empty() { list.try_reserve_exact(n) } else { list.try_reserve(n) };
     reserved.map_err(|_| {
         let what = format!("{n} rows take more memory than there is");
-        ReadError::new("out-of-memory", Place::Pointer(pointer.to_owned()), what)
+        ReadError::new("out-of-memory", FileLocation::Pointer(pointer.to_owned()), what)
     })
 }

@@ -1,13 +1,13 @@
 //! The GLB reader.
-use super::json::{self, Json};
-use super::lint::{self, Lint};
-use super::lower::Lower;
-use super::model::{Model, item};
-use super::parts::Parts;
-use super::report::Report;
+use super::json::{self, JsonValue};
+use super::lint::{self, GltfLint};
+use super::lod_nodes::LodNodes;
+use super::model::{GltfModel, item};
+use super::parts::PartReader;
+use super::report::GlbWarnings;
 use super::{LOD, container, transform};
 use crate::scene::IDENTITY;
-use crate::{Axis, Content, Frame, Limits, Loaded, Node, Place, ReadError, Scene};
+use crate::{Axis, Content, FileLocation, Frame, Limits, Node, ReadError, ReadOutcome, Scene};
 use serde_json::Value;
 
 /// Bytes that one object of the JSON may take once it is read: a node with its transform takes the most.
@@ -37,22 +37,24 @@ const HARMLESS: [&str; 14] = [
 /// Reads GLB 2.0.
 ///
 /// Whatever gltf-validator calls an error, anywhere in the file, is refused with its code and JSON pointer;
-/// [`Limits::lenient`] turns into warnings what does not keep the triangles from being read. One part stands for
-/// one mesh of the file, with the triangles of all its primitives; vertices at bit-identical positions are tied.
-/// Positions are the stored numbers exactly, in the mesh's own space; nodes carry the transforms and
-/// [`crate::Scene::world_meshes`] applies them. The frame is y-up and in metres. The certificate comes from
-/// `asset.extras.chordal`.
+/// [`Limits::lenient`] turns into warnings what does not keep the triangles from being read. One part stands
+/// for one mesh of the file, with the triangles of all its primitives; vertices at bit-identical positions
+/// are tied. Positions are the stored numbers exactly, in the mesh's own space; nodes carry the transforms
+/// and [`crate::Scene::world_meshes`] applies them. The frame is y-up and in metres. The certificate comes
+/// from `asset.extras.chordal`.
 ///
-/// Lists, strips and fans are read with any accessor that the format knows, sparse and quantized ones too. Points,
-/// lines, morph targets, skins, animations, cameras, materials and pictures are counted as warnings. Other files and
-/// the network are never looked at. Of levels of detail by `MSFT_lod` the first is read, and the others are counted; the
-/// certificate is that of the first, where [`super::write_levels`] wrote one for each.
+/// Lists, strips and fans are read with any accessor that the format knows, sparse and quantized ones too.
+/// Points, lines, morph targets, skins, animations, cameras, materials and pictures are counted as warnings.
+/// Other files and the network are never looked at. Of levels of detail by `MSFT_lod` the first is read, and
+/// the others are counted; the certificate is that of the first, where [`super::write_levels`] wrote one for
+/// each.
 ///
 /// Linear in the size of the file and of what is decoded from it; the latter stays below [`Limits::bytes`].
 ///
 /// # Errors
-/// [`ReadError`] with the byte or the JSON pointer: the container or the JSON is broken, a limit is passed, an
-/// extension is required that is not known (Draco, meshopt), the triangles need another file, or what is said above.
+/// [`ReadError`] with the byte or the JSON pointer: the container or the JSON is broken, a limit is passed,
+/// an extension is required that is not known (Draco, meshopt), the triangles need another file, or what is
+/// said above.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -60,23 +62,23 @@ const HARMLESS: [&str; 14] = [
 ///
 /// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
 /// let mut bytes = Vec::new();
-/// glb::write(&Scene::of("triangle", mesh.clone(), true, Frame::default()), None, &mut bytes)?;
+/// glb::write(&Scene::from_mesh("triangle", mesh.clone(), true, Frame::default()), None, &mut bytes)?;
 /// let loaded = glb::read(&bytes, &Limits::default())?;
 /// let Content::Scene(scene) = loaded.content else { unreachable!() };
 /// assert_eq!(scene.parts[0].mesh, mesh);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
-    let mut report = Report::default();
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
+    let mut report = GlbWarnings::default();
     if bytes.len() as u64 > limits.bytes {
         let what = format!("the file has {} bytes, the limit is {}", bytes.len(), limits.bytes);
-        return Err(ReadError::new("too-large", Place::File, what));
+        return Err(ReadError::new("too-large", FileLocation::File, what));
     }
     let chunks = container::chunks(bytes, &mut report.warnings)?;
     let json = parse_json(&chunks, limits)?;
     check_rows(&json, limits)?;
     let budget = budget(bytes, limits);
-    let mut lint = Lint::new(&json, budget);
+    let mut lint = GltfLint::new(&json, budget);
     let Some(mut model) = lint::parse(&mut lint, &json, chunks.bin) else {
         let issue = lint.issues.swap_remove(0);
         return Err(ReadError::new(issue.code, issue.place, issue.message));
@@ -84,32 +86,32 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
     check_extensions(&model, &mut report)?;
     check_zeros(&model, (limits, budget))?;
     lint::link(&mut lint, &mut model);
-    judge(lint, limits, &mut report)?;
-    let lower = Lower::of(&json, &model)?;
-    let mut placing = Report::default();
-    let mut scene = places(&model, &lower, &mut placing);
+    apply_issues(lint, limits, &mut report)?;
+    let lower = LodNodes::new(&json, &model)?;
+    let mut placing = GlbWarnings::default();
+    let mut scene = read_scene(&model, &lower, &mut placing);
     let kept = keep_first_levels(&mut scene, &model, &lower);
     count_unseen(&scene, &kept, &mut placing);
-    let mut parts = Parts::new(&model, limits, budget);
+    let mut parts = PartReader::new(&model, limits, budget);
     scene.parts = kept.into_iter().map(|mesh| parts.part(mesh)).collect::<Result<Vec<_>, _>>()?;
     report.append(parts.report);
     report.append(placing);
     scene.frame = Frame { up: Some(Axis::Y), metres_per_unit: Some(1.0) };
     scene.certificate = certificate(&json, &lower);
     count_dropped(&json, &mut report);
-    Ok(Loaded { content: Content::Scene(scene), warnings: report.warnings })
+    Ok(ReadOutcome { content: Content::Scene(scene), warnings: report.warnings })
 }
 
-fn parse_json(chunks: &container::Chunks<'_>, limits: &Limits) -> Result<Json, ReadError> {
+fn parse_json(chunks: &container::GlbChunks<'_>, limits: &Limits) -> Result<JsonValue, ReadError> {
     // A value takes sixteen times the bytes of its text at most, so that this keeps below the limit.
     let most = json::MAX_BYTES.min(limits.bytes / 16);
     if chunks.json.len() as u64 > most {
         let what = format!("the JSON has {} bytes, the limit is {most}", chunks.json.len());
-        return Err(ReadError::new("too-large", Place::Byte(chunks.json_at), what));
+        return Err(ReadError::new("too-large", FileLocation::Byte(chunks.json_at), what));
     }
-    let json = Json::parse(chunks.json, chunks.json_at, limits)?;
-    if !matches!(json, Json::Object(_)) {
-        let place = Place::Pointer("/".to_owned());
+    let json = JsonValue::parse(chunks.json, chunks.json_at, limits)?;
+    if !matches!(json, JsonValue::Object(_)) {
+        let place = FileLocation::Pointer("/".to_owned());
         return Err(ReadError::new("TYPE_MISMATCH", place, "the document is no object"));
     }
     Ok(json)
@@ -117,27 +119,28 @@ fn parse_json(chunks: &container::Chunks<'_>, limits: &Limits) -> Result<Json, R
 
 /// How many bytes may be decoded from a file, and looked at in it.
 ///
-/// A byte of a file becomes eight at most, and few of them are read twice: 64 times the file and a quarter of a GiB
-/// are beyond what an honest file asks for, and keep a small one from asking for hours.
+/// A byte of a file becomes eight at most, and few of them are read twice: 64 times the file and a quarter of
+/// a GiB are beyond what an honest file asks for, and keep a small one from asking for hours.
 fn budget(bytes: &[u8], limits: &Limits) -> u64 {
     limits.bytes.min((1 << 28) + 64 * bytes.len() as u64)
 }
 
 /// Whether the lists are short enough to be held.
-fn check_rows(json: &Json, limits: &Limits) -> Result<(), ReadError> {
+fn check_rows(json: &JsonValue, limits: &Limits) -> Result<(), ReadError> {
     let most = limits.rows.min(limits.bytes / OBJECT_BYTES);
     for (key, value) in json.entries() {
         let n = value.items().map_or(0, <[_]>::len) as u64;
         if n > most {
             let what = format!("{n} objects pass the limit of {most}");
-            return Err(ReadError::new("too-many-rows", Place::Pointer(format!("/{key}")), what));
+            return Err(ReadError::new("too-many-rows", FileLocation::Pointer(format!("/{key}")), what));
         }
     }
     Ok(())
 }
 
-/// Rows that lie in no view are zeros that take no bytes of the file, so that only limits keep them from growing.
-fn check_zeros(model: &Model<'_>, (limits, budget): (&Limits, u64)) -> Result<(), ReadError> {
+/// Rows that lie in no view are zeros that take no bytes of the file, so that only limits keep them from
+/// growing.
+fn check_zeros(model: &GltfModel<'_>, (limits, budget): (&Limits, u64)) -> Result<(), ReadError> {
     let mut left = budget;
     for (i, accessor) in model.accessors.iter().enumerate() {
         let Some((accessor, count)) = accessor.as_ref().and_then(|a| Some((a, a.count?))) else { continue };
@@ -155,7 +158,7 @@ fn check_zeros(model: &Model<'_>, (limits, budget): (&Limits, u64)) -> Result<()
                 );
                 return Err(ReadError::new(
                     "too-many-rows",
-                    Place::Pointer(format!("/accessors/{i}/count")),
+                    FileLocation::Pointer(format!("/accessors/{i}/count")),
                     what,
                 ));
             }
@@ -171,21 +174,21 @@ fn is_harmless(name: &str) -> bool {
 }
 
 /// Refuses extensions without which the triangles cannot be understood; counts others that are ignored.
-fn check_extensions(model: &Model<'_>, report: &mut Report) -> Result<(), ReadError> {
+fn check_extensions(model: &GltfModel<'_>, report: &mut GlbWarnings) -> Result<(), ReadError> {
     if let Some(i) = model.extensions_required.iter().position(|name| !is_harmless(name)) {
-        let place = Place::Pointer(format!("/extensionsRequired/{i}"));
+        let place = FileLocation::Pointer(format!("/extensionsRequired/{i}"));
         let what = format!("extension {} is required and not read", model.extensions_required[i]);
         return Err(ReadError::new("unsupported-extension", place, what));
     }
     for (i, name) in model.extensions_used.iter().enumerate().filter(|(_, name)| !is_harmless(name)) {
-        let place = Place::Pointer(format!("/extensionsUsed/{i}"));
+        let place = FileLocation::Pointer(format!("/extensionsUsed/{i}"));
         report.add("extension-ignored", place, format!("extension {name} was ignored"));
     }
     Ok(())
 }
 
 /// Decides over the issues: the first is the error, or all become warnings.
-fn judge(lint: Lint<'_>, limits: &Limits, report: &mut Report) -> Result<(), ReadError> {
+fn apply_issues(lint: GltfLint<'_>, limits: &Limits, report: &mut GlbWarnings) -> Result<(), ReadError> {
     let is_forgiven = |code: &str| {
         (limits.lenient && !FOREST.contains(&code))
             || (limits.drop_nonfinite && code == "ACCESSOR_INVALID_FLOAT")
@@ -199,9 +202,9 @@ fn judge(lint: Lint<'_>, limits: &Limits, report: &mut Report) -> Result<(), Rea
     Ok(())
 }
 
-/// The nodes and the roots of the scene that is shown: the default one, else the first, else all nodes without
-/// parents.
-fn places(model: &Model<'_>, lower: &Lower, report: &mut Report) -> Scene {
+/// The nodes and the roots of the scene that is shown: the default one, else the first, else all nodes
+/// without parents.
+fn read_scene(model: &GltfModel<'_>, lower: &LodNodes, report: &mut GlbWarnings) -> Scene {
     let n = model.nodes.len();
     let mut nodes = Vec::with_capacity(n);
     let mut has_parent = vec![false; n];
@@ -219,7 +222,7 @@ fn places(model: &Model<'_>, lower: &Lower, report: &mut Report) -> Scene {
         };
         let part = node.mesh.filter(|mesh| *mesh < model.meshes.len());
         if node.skin.is_some() {
-            let place = Place::Pointer(format!("/nodes/{i}/skin"));
+            let place = FileLocation::Pointer(format!("/nodes/{i}/skin"));
             report.add("skins-ignored", place, "skins were not applied");
         }
         nodes.push(Node {
@@ -235,21 +238,21 @@ fn places(model: &Model<'_>, lower: &Lower, report: &mut Report) -> Scene {
         None => (0..n).filter(|i| !has_parent[*i] && !lower.is_named(*i)).collect::<Vec<_>>(),
     };
     if let Some(first) = lower.first {
-        let place = Place::Pointer(format!("/nodes/{first}/extensions/{LOD}"));
+        let place = FileLocation::Pointer(format!("/nodes/{first}/extensions/{LOD}"));
         let what = "lower levels of detail were left out: the first one was read";
         report.add_many("lower-levels-skipped", lower.n_levels, (place, what));
     }
     Scene { nodes, roots, ..Scene::default() }
 }
 
-/// Takes the nodes out that are lower levels of detail. Returns the meshes that become parts: all but those that only such
-/// nodes show.
-fn keep_first_levels(scene: &mut Scene, model: &Model<'_>, lower: &Lower) -> Vec<usize> {
+/// Takes the nodes out that are lower levels of detail. Returns the meshes that become parts: all but those
+/// that only such nodes show.
+fn keep_first_levels(scene: &mut Scene, model: &GltfModel<'_>, lower: &LodNodes) -> Vec<usize> {
     let n_meshes = model.meshes.len();
     if lower.first.is_none() {
         return (0..n_meshes).collect();
     }
-    let hidden = lower.hidden(model, &scene.roots);
+    let hidden = lower.hidden_nodes(model, &scene.roots);
     let (mut is_lower, mut is_seen) = (vec![false; n_meshes], vec![false; n_meshes]);
     for (node, hidden) in scene.nodes.iter().zip(&hidden) {
         if let Some(mesh) = node.part {
@@ -277,16 +280,16 @@ fn keep_first_levels(scene: &mut Scene, model: &Model<'_>, lower: &Lower) -> Vec
 }
 
 /// The certificate in a file: that of the first level, where there are several.
-fn certificate(json: &Json, lower: &Lower) -> Option<Value> {
+fn certificate(json: &JsonValue, lower: &LodNodes) -> Option<Value> {
     let extras = json.get("asset").and_then(|asset| asset.get("extras"));
     let found = extras.and_then(|extras| extras.get("chordal"))?;
-    let levels = found.get("levels").and_then(Json::items).filter(|_| lower.first.is_some());
+    let levels = found.get("levels").and_then(JsonValue::items).filter(|_| lower.first.is_some());
     let found = levels.map_or(Some(found), <[_]>::first)?;
-    (*found != Json::Null).then(|| found.to_value())
+    (*found != JsonValue::Null).then(|| found.to_value())
 }
 
 /// Counts meshes that no node of the scene shows; each part is one of these meshes.
-fn count_unseen(scene: &Scene, meshes: &[usize], report: &mut Report) {
+fn count_unseen(scene: &Scene, meshes: &[usize], report: &mut GlbWarnings) {
     let mut is_shown = vec![false; meshes.len()];
     let mut open = scene.roots.clone();
     while let Some(i) = open.pop() {
@@ -296,26 +299,28 @@ fn count_unseen(scene: &Scene, meshes: &[usize], report: &mut Report) {
         open.extend(&scene.nodes[i].children);
     }
     for (mesh, _) in meshes.iter().zip(&is_shown).filter(|(_, shown)| !**shown) {
-        let place = Place::Pointer(format!("/meshes/{mesh}"));
+        let place = FileLocation::Pointer(format!("/meshes/{mesh}"));
         report.add("meshes-not-shown", place, "the scene does not show all meshes");
     }
 }
 
 /// Counts what a scene cannot hold.
-fn count_dropped(json: &Json, report: &mut Report) {
+fn count_dropped(json: &JsonValue, report: &mut GlbWarnings) {
     for (list, code, what) in [
         ("animations", "animations-dropped", "animations were not kept"),
         ("cameras", "cameras-dropped", "cameras were not kept"),
         ("images", "images-dropped", "pictures were not kept"),
     ] {
-        let n = json.get(list).and_then(Json::items).map_or(0, <[_]>::len);
-        (0..n).for_each(|_| report.add(code, Place::Pointer(format!("/{list}/0")), what));
+        let n = json.get(list).and_then(JsonValue::items).map_or(0, <[_]>::len);
+        (0..n).for_each(|_| report.add(code, FileLocation::Pointer(format!("/{list}/0")), what));
     }
-    for (i, material) in json.get("materials").and_then(Json::items).unwrap_or_default().iter().enumerate() {
+    for (i, material) in
+        json.get("materials").and_then(JsonValue::items).unwrap_or_default().iter().enumerate()
+    {
         let plain = ["name", "doubleSided", "pbrMetallicRoughness", "metallicFactor", "roughnessFactor"];
-        let pbr = material.get("pbrMetallicRoughness").map_or(&[][..], Json::entries);
+        let pbr = material.get("pbrMetallicRoughness").map_or(&[][..], JsonValue::entries);
         if material.entries().iter().chain(pbr).any(|(key, _)| !plain.contains(&&**key)) {
-            let place = Place::Pointer(format!("/materials/{i}"));
+            let place = FileLocation::Pointer(format!("/materials/{i}"));
             report.add("materials-dropped", place, "materials were not kept");
         }
     }

@@ -1,20 +1,25 @@
-//! `Report`: warnings, each kind once with its first place and its count.
-use crate::{Place, Warning};
+//! `GlbWarnings`: warnings, each kind once with its first place and its count.
+use crate::{FileLocation, Warning};
 
 /// What was odd.
 #[derive(Default)]
-pub(super) struct Report {
+pub(super) struct GlbWarnings {
     pub warnings: Vec<Warning>,
 }
 
-impl Report {
+impl GlbWarnings {
     /// Counts one.
-    pub fn add(&mut self, code: &'static str, place: Place, message: impl Into<String>) {
+    pub fn add(&mut self, code: &'static str, place: FileLocation, message: impl Into<String>) {
         self.add_many(code, 1, (place, message));
     }
 
     /// Counts many; nothing when there are none.
-    pub fn add_many(&mut self, code: &'static str, count: u64, (place, message): (Place, impl Into<String>)) {
+    pub fn add_many(
+        &mut self,
+        code: &'static str,
+        count: u64,
+        (place, message): (FileLocation, impl Into<String>),
+    ) {
         if count == 0 {
             return;
         }

@@ -1,4 +1,5 @@
-//! `split`: attributes of corners and faces become attributes of vertices, which are doubled where they differ.
+//! `split`: attributes of corners and faces become attributes of vertices, which are doubled where they
+//! differ.
 use chordal::Mesh;
 use chordal::explicit::{Attribute, Domain, InvalidMesh};
 use std::borrow::Cow;
@@ -7,9 +8,11 @@ use std::cmp::Ordering;
 /// The same triangles with every attribute on vertices, as [`super::write`] writes them.
 ///
 /// glTF knows attributes of vertices only. A vertex whose corners disagree becomes several rows of one
-/// `position_id`: the first keeps its index, the others follow after all old vertices. Triangles keep their order.
+/// `position_id`: the first keeps its index, the others follow after all old vertices. Triangles keep their
+/// order.
 ///
-/// O(m log m) time for m faces, 8 bytes a corner of memory; nothing where all attributes are on vertices already.
+/// O(m log m) time for m faces, 8 bytes a corner of memory; nothing where all attributes are on vertices
+/// already.
 ///
 /// # Errors
 /// [`InvalidMesh`] when there are more vertices afterwards than a mesh can have.
@@ -18,7 +21,7 @@ pub fn split(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
     if loose.is_empty() {
         return Ok(Cow::Borrowed(mesh));
     }
-    let rows = Rows::number(mesh, &loose);
+    let rows = SplitRows::number(mesh, &loose);
     let positions = rows.vertex.iter().map(|v| mesh.positions()[*v as usize]).collect();
     let ids = rows.vertex.iter().map(|v| mesh.position_of(*v)).collect();
     let mut out = Mesh::new(positions, rows.faces)?.with_position_id(ids)?;
@@ -39,13 +42,13 @@ pub fn split(mesh: &Mesh) -> Result<Cow<'_, Mesh>, InvalidMesh> {
 }
 
 /// For each new vertex the old one and a corner that shows its attributes, and the faces over new vertices.
-struct Rows {
+struct SplitRows {
     vertex: Vec<u32>,
     corner: Vec<Option<usize>>,
     faces: Vec<[u32; 3]>,
 }
 
-impl Rows {
+impl SplitRows {
     fn number(mesh: &Mesh, loose: &[&Attribute]) -> Self {
         let vertex_of = |corner: usize| mesh.faces()[corner / 3][corner % 3];
         let order = |a: usize, b: usize| vertex_of(a).cmp(&vertex_of(b)).then_with(|| compare(loose, a, b));

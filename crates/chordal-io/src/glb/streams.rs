@@ -1,8 +1,8 @@
-//! `Stream`: one accessor to be written: what it holds and how its numbers become bytes.
+//! `AccessorStream`: one accessor to be written: what it holds and how its numbers become bytes.
 use crate::WriteError;
 use crate::snap::store;
 use chordal::Mesh;
-use chordal::convert::Indices;
+use chordal::convert::IndexBuffer;
 use chordal::explicit::{Attribute, Semantic};
 use std::io::Write;
 
@@ -10,10 +10,10 @@ use std::io::Write;
 const BATCH: usize = 1 << 16;
 
 /// The rows of one accessor.
-pub(super) enum Rows<'a> {
-    /// Corner indices, two bytes each.
+pub(super) enum AccessorSource<'a> {
+    /// Fixed indices, two bytes each.
     Short(&'a Mesh),
-    /// Corner indices, four bytes each.
+    /// Fixed indices, four bytes each.
     Long(&'a Mesh),
     /// Positions about an origin.
     Positions(&'a Mesh, [f64; 3]),
@@ -24,36 +24,39 @@ pub(super) enum Rows<'a> {
 }
 
 /// One accessor with a buffer view of its own.
-pub(super) struct Stream<'a> {
+pub(super) struct AccessorStream<'a> {
     /// The name of the attribute, or `None` for indices.
     pub name: Option<String>,
     /// Its rows.
-    pub rows: Rows<'a>,
+    pub rows: AccessorSource<'a>,
 }
 
-impl<'a> Stream<'a> {
+impl<'a> AccessorStream<'a> {
     /// The indices of a mesh: two bytes while the largest is below 65535, which would mean "restart".
     pub fn indices(mesh: &'a Mesh) -> Self {
-        let short = Indices::fit_16_bits(mesh.positions().len());
-        Self { name: None, rows: if short { Rows::Short(mesh) } else { Rows::Long(mesh) } }
+        let short = IndexBuffer::fit_16_bits(mesh.positions().len());
+        Self {
+            name: None,
+            rows: if short { AccessorSource::Short(mesh) } else { AccessorSource::Long(mesh) },
+        }
     }
 
     /// The positions of a mesh about an origin.
     pub fn positions(mesh: &'a Mesh, origin: [f64; 3]) -> Self {
-        Self { name: Some("POSITION".to_owned()), rows: Rows::Positions(mesh, origin) }
+        Self { name: Some("POSITION".to_owned()), rows: AccessorSource::Positions(mesh, origin) }
     }
 
     /// An attribute under the name that glTF has for it; texture and colour sets are numbered by the caller.
     pub fn attribute(attribute: &'a Attribute, set: usize) -> Result<Self, WriteError> {
         let (name, widths, rows): (_, &[usize], _) = match &attribute.semantic {
-            Semantic::Normal => ("NORMAL".to_owned(), &[3], Rows::Unit(attribute, 2)),
-            Semantic::Tangent => ("TANGENT".to_owned(), &[4], Rows::Unit(attribute, 0)),
-            Semantic::TexCoord(_) => (format!("TEXCOORD_{set}"), &[2], Rows::Plain(attribute)),
-            Semantic::Color(_) => (format!("COLOR_{set}"), &[3, 4], Rows::Plain(attribute)),
+            Semantic::Normal => ("NORMAL".to_owned(), &[3], AccessorSource::Unit(attribute, 2)),
+            Semantic::Tangent => ("TANGENT".to_owned(), &[4], AccessorSource::Unit(attribute, 0)),
+            Semantic::TexCoord(_) => (format!("TEXCOORD_{set}"), &[2], AccessorSource::Plain(attribute)),
+            Semantic::Color(_) => (format!("COLOR_{set}"), &[3, 4], AccessorSource::Plain(attribute)),
             Semantic::Group(name) | Semantic::Custom(name) => {
                 // Names of one's own start with an underscore.
                 let mark = if name.starts_with('_') { "" } else { "_" };
-                (format!("{mark}{name}"), &[1, 2, 3, 4, 9, 16], Rows::Plain(attribute))
+                (format!("{mark}{name}"), &[1, 2, 3, 4, 9, 16], AccessorSource::Plain(attribute))
             }
         };
         if !widths.contains(&attribute.width) {
@@ -62,7 +65,7 @@ impl<'a> Stream<'a> {
                 attribute.width
             )));
         }
-        if let Rows::Plain(attribute) = rows {
+        if let AccessorSource::Plain(attribute) = rows {
             check_values(&name, attribute)?;
         }
         Ok(Self { name: Some(name), rows })
@@ -76,17 +79,17 @@ impl<'a> Stream<'a> {
     /// `UNSIGNED_SHORT`, `UNSIGNED_INT` or `FLOAT`.
     pub fn component_type(&self) -> u32 {
         match self.rows {
-            Rows::Short(_) => 5123,
-            Rows::Long(_) => 5125,
+            AccessorSource::Short(_) => 5123,
+            AccessorSource::Long(_) => 5125,
             _ => 5126,
         }
     }
 
     fn width(&self) -> usize {
         match &self.rows {
-            Rows::Short(_) | Rows::Long(_) => 1,
-            Rows::Positions(..) => 3,
-            Rows::Unit(attribute, _) | Rows::Plain(attribute) => attribute.width,
+            AccessorSource::Short(_) | AccessorSource::Long(_) => 1,
+            AccessorSource::Positions(..) => 3,
+            AccessorSource::Unit(attribute, _) | AccessorSource::Plain(attribute) => attribute.width,
         }
     }
 
@@ -105,15 +108,17 @@ impl<'a> Stream<'a> {
     /// The number of elements.
     pub fn count(&self) -> usize {
         match &self.rows {
-            Rows::Short(mesh) | Rows::Long(mesh) => 3 * mesh.faces().len(),
-            Rows::Positions(mesh, _) => mesh.positions().len(),
-            Rows::Unit(attribute, _) | Rows::Plain(attribute) => attribute.values.len() / attribute.width,
+            AccessorSource::Short(mesh) | AccessorSource::Long(mesh) => 3 * mesh.faces().len(),
+            AccessorSource::Positions(mesh, _) => mesh.positions().len(),
+            AccessorSource::Unit(attribute, _) | AccessorSource::Plain(attribute) => {
+                attribute.values.len() / attribute.width
+            }
         }
     }
 
     /// The number of bytes without padding.
     pub fn n_bytes(&self) -> u64 {
-        let size = if matches!(self.rows, Rows::Short(_)) { 2 } else { 4 };
+        let size = if matches!(self.rows, AccessorSource::Short(_)) { 2 } else { 4 };
         (self.count() * self.width()) as u64 * size
     }
 
@@ -124,20 +129,20 @@ impl<'a> Stream<'a> {
 
     /// Writes the bytes, padded with zeros to a multiple of four.
     pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
-        let mut sink = Sink { out, bytes: Vec::with_capacity(BATCH + 16) };
+        let mut sink = ByteSink { out, bytes: Vec::with_capacity(BATCH + 16) };
         match &self.rows {
-            Rows::Short(mesh) => {
+            AccessorSource::Short(mesh) => {
                 mesh.faces().as_flattened().iter().try_for_each(|i| sink.put((*i as u16).to_le_bytes()))?;
             }
-            Rows::Long(mesh) => {
+            AccessorSource::Long(mesh) => {
                 mesh.faces().as_flattened().iter().try_for_each(|i| sink.put(i.to_le_bytes()))?;
             }
-            Rows::Positions(mesh, origin) => {
+            AccessorSource::Positions(mesh, origin) => {
                 for position in mesh.positions() {
                     stored(*position, *origin).into_iter().try_for_each(|x| sink.put(x.to_le_bytes()))?;
                 }
             }
-            Rows::Unit(attribute, axis) => {
+            AccessorSource::Unit(attribute, axis) => {
                 for row in attribute.values.chunks_exact(attribute.width) {
                     unit(row, *axis).into_iter().try_for_each(|x| sink.put((x as f32).to_le_bytes()))?;
                     row.get(3).map_or(Ok(()), |w| {
@@ -145,7 +150,7 @@ impl<'a> Stream<'a> {
                     })?;
                 }
             }
-            Rows::Plain(attribute) => {
+            AccessorSource::Plain(attribute) => {
                 attribute.values.iter().try_for_each(|x| sink.put((*x as f32).to_le_bytes()))?;
             }
         }
@@ -198,12 +203,12 @@ fn check_values(name: &str, attribute: &Attribute) -> Result<(), WriteError> {
     Err(WriteError::Unsupported(format!("glTF cannot hold {value} at vertex {row} of attribute {name}")))
 }
 
-struct Sink<'a> {
+struct ByteSink<'a> {
     out: &'a mut dyn Write,
     bytes: Vec<u8>,
 }
 
-impl Sink<'_> {
+impl ByteSink<'_> {
     fn put<const N: usize>(&mut self, bytes: [u8; N]) -> Result<(), WriteError> {
         self.bytes.extend_from_slice(&bytes);
         if self.bytes.len() >= BATCH {

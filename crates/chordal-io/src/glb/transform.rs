@@ -12,9 +12,10 @@ const SHEAR_LIMIT: f64 = 0.00005;
 /// What nodes say for a matrix, outermost first and at least one; `None` when it has shear, no inverse or a
 /// perspective row.
 ///
-/// One node is enough unless the validator, whose limit is an absolute one, would take the rounding of a large
-/// matrix for shear. Then a first node holds translation and a power of two, by which the second is scaled down.
-pub(super) fn properties(matrix: &[f64; 16]) -> Option<Vec<Map<String, Value>>> {
+/// One node is enough unless the validator, whose limit is an absolute one, would take the rounding of a
+/// large matrix for shear. Then a first node holds translation and a power of two, by which the second is
+/// scaled down.
+pub(super) fn node_properties(matrix: &[f64; 16]) -> Option<Vec<Map<String, Value>>> {
     // Adding zero takes the sign from −0, which JSON would show.
     let m = matrix.map(|x| x + 0.0);
     if m.iter().any(|x| !x.is_finite()) {
@@ -63,8 +64,8 @@ pub(super) fn is_identity(matrix: &[f64; 16]) -> bool {
     matrix.map(|x| f64::from(x as f32)) == IDENTITY
 }
 
-/// Whether a matrix is a translation, a rotation and a scale, as gltf-validator sees it: it decomposes the matrix
-/// in single precision and compares the largest column sum of what it composes again.
+/// Whether a matrix is a translation, a rotation and a scale, as gltf-validator sees it: it decomposes the
+/// matrix in single precision and compares the largest column sum of what it composes again.
 ///
 /// Source: glTF-Validator, NODE_MATRIX_NON_TRS.
 #[allow(clippy::cast_possible_truncation)]
@@ -160,7 +161,7 @@ mod tests {
     #[test]
     fn a_large_rotation_becomes_two_exact_nodes() {
         let matrix = compose([5.0, 6.0, 7.0], [0.18, 0.36, 0.54, 0.739_188_744_5], [2500.0, 2500.0, 2500.0]);
-        let nodes = properties(&matrix).expect("no shear");
+        let nodes = node_properties(&matrix).expect("no shear");
         assert_eq!(nodes.len(), 2);
         assert_eq!(nodes[0]["scale"], json!([2048.0, 2048.0, 2048.0]));
         for k in 0..12 {
@@ -172,21 +173,21 @@ mod tests {
     fn shear_and_flat_matrices_have_no_properties() {
         let mut shear = IDENTITY;
         shear[4] = 0.5;
-        assert_eq!(properties(&shear), None);
+        assert_eq!(node_properties(&shear), None);
         let mut flat = IDENTITY;
         flat[10] = 0.0;
-        assert_eq!(properties(&flat), None);
+        assert_eq!(node_properties(&flat), None);
         let mut perspective = IDENTITY;
         perspective[3] = 0.1;
-        assert_eq!(properties(&perspective), None);
+        assert_eq!(node_properties(&perspective), None);
     }
 
     #[test]
     fn the_identity_says_nothing_and_a_mirror_is_a_scale() {
-        assert_eq!(properties(&IDENTITY), Some(vec![Map::new()]));
+        assert_eq!(node_properties(&IDENTITY), Some(vec![Map::new()]));
         let mut mirror = IDENTITY;
         mirror[0] = -1.0;
-        assert_eq!(properties(&mirror).expect("a scale")[0]["scale"], json!([-1.0, 1.0, 1.0]));
+        assert_eq!(node_properties(&mirror).expect("a scale")[0]["scale"], json!([-1.0, 1.0, 1.0]));
         assert!(is_trs(&Z_UP_TO_Y_UP));
     }
 }

@@ -1,14 +1,14 @@
 //! Lists, strips and fans of corners into triangles.
 
 /// The corners of a primitive.
-pub(super) enum Corners {
+pub(super) enum PrimitiveIndices {
     /// So many vertices from this one on.
     Range(u32, u32),
     /// Vertices by their index.
     List(Vec<u32>),
 }
 
-impl Corners {
+impl PrimitiveIndices {
     fn len(&self) -> usize {
         match self {
             Self::Range(_, n) => *n as usize,
@@ -31,7 +31,7 @@ impl Corners {
 
 /// What made no triangle.
 #[derive(Default)]
-pub(super) struct Leftover {
+pub(super) struct SkippedTriangles {
     /// Corners at the end that are too few for one more triangle.
     pub unused: u64,
     /// Triangles of strips and fans with a repeated index, which only join two runs.
@@ -39,9 +39,9 @@ pub(super) struct Leftover {
 }
 
 /// Appends the triangles of a list (mode 4), a strip (5) or a fan (6). Lists keep degenerate triangles.
-pub(super) fn triangles(corners: &Corners, mode: u64, out: &mut Vec<[u32; 3]>) -> Leftover {
+pub(super) fn triangles(corners: &PrimitiveIndices, mode: u64, out: &mut Vec<[u32; 3]>) -> SkippedTriangles {
     let n = corners.len();
-    let mut left = Leftover::default();
+    let mut left = SkippedTriangles::default();
     if mode == 4 {
         out.extend((0..n / 3).map(|t| [0, 1, 2].map(|k| corners.get(3 * t + k))));
         left.unused = (n % 3) as u64;
@@ -71,21 +71,21 @@ pub(super) fn triangles(corners: &Corners, mode: u64, out: &mut Vec<[u32; 3]>) -
 mod tests {
     use super::*;
 
-    fn of(mode: u64, list: &[u32]) -> (Vec<[u32; 3]>, u64, u64) {
+    fn build(mode: u64, list: &[u32]) -> (Vec<[u32; 3]>, u64, u64) {
         let mut out = Vec::new();
-        let left = triangles(&Corners::List(list.to_vec()), mode, &mut out);
+        let left = triangles(&PrimitiveIndices::List(list.to_vec()), mode, &mut out);
         (out, left.unused, left.degenerate)
     }
 
     #[test]
     fn strips_and_fans_face_one_way() {
-        assert_eq!(of(5, &[0, 1, 2, 3, 4]), (vec![[0, 1, 2], [1, 3, 2], [2, 3, 4]], 0, 0));
-        assert_eq!(of(6, &[0, 1, 2, 3]), (vec![[1, 2, 0], [2, 3, 0]], 0, 0));
-        assert_eq!(of(4, &[0, 1, 2, 3, 4]), (vec![[0, 1, 2]], 2, 0));
-        assert_eq!(of(5, &[0, 1]), (vec![], 2, 0));
-        assert_eq!(of(5, &[0, 1, 2, 2, 3, 3, 4, 5]).0, vec![[0, 1, 2], [3, 5, 4]]);
+        assert_eq!(build(5, &[0, 1, 2, 3, 4]), (vec![[0, 1, 2], [1, 3, 2], [2, 3, 4]], 0, 0));
+        assert_eq!(build(6, &[0, 1, 2, 3]), (vec![[1, 2, 0], [2, 3, 0]], 0, 0));
+        assert_eq!(build(4, &[0, 1, 2, 3, 4]), (vec![[0, 1, 2]], 2, 0));
+        assert_eq!(build(5, &[0, 1]), (vec![], 2, 0));
+        assert_eq!(build(5, &[0, 1, 2, 2, 3, 3, 4, 5]).0, vec![[0, 1, 2], [3, 5, 4]]);
         let mut out = Vec::new();
-        triangles(&Corners::Range(10, 3), 4, &mut out);
+        triangles(&PrimitiveIndices::Range(10, 3), 4, &mut out);
         assert_eq!(out, vec![[10, 11, 12]]);
     }
 }

@@ -1,21 +1,21 @@
 //! The GLB writer.
-use super::document::{Document, Shape};
+use super::document::{GltfDocument, GltfPart};
 use super::{BIN_CHUNK, JSON_CHUNK, MAGIC};
-use crate::{Scene, TooWide, WriteError};
+use crate::{CoordinateOverflow, Scene, WriteError};
 use serde_json::{Map, Value};
 use std::io::Write;
 
 /// Writes a scene as GLB 2.0, the same bytes for the same scene.
 ///
-/// Positions are f32 about the part's origin, as [`crate::snap()`] gives them: a mesh that was snapped is kept to the
-/// last bit, another one is rounded by what `snap` says. Indices are u16 up to 65535 vertices, then u32. Vertex
-/// attributes are written as f32; normals and tangents are scaled to unit length, and one without a direction
-/// becomes an axis. Attributes of corners and faces double the vertices where they differ. Meshes with a
-/// boundary get a two-sided material. The certificate goes to `asset.extras.chordal`.
+/// Positions are f32 about the part's origin, as [`crate::snap()`] gives them: a mesh that was snapped is
+/// kept to the last bit, another one is rounded by what `snap` says. Indices are u16 up to 65535 vertices,
+/// then u32. OfCorners attributes are written as f32; normals and tangents are scaled to unit length, and one
+/// without a direction becomes an axis. Attributes of corners and faces double the vertices where they
+/// differ. Meshes with a boundary get a two-sided material. The certificate goes to `asset.extras.chordal`.
 ///
-/// glTF is y-up and in metres: a z-up scene gets a root node with the exact matrix (x, y, z) → (x, z, −y), and a
-/// known unit other than the metre a node that scales. An unknown frame is left alone. A part without any vertex
-/// leaves its node without a mesh.
+/// glTF is y-up and in metres: a z-up scene gets a root node with the exact matrix (x, y, z) → (x, z, −y),
+/// and a known unit other than the metre a node that scales. An unknown frame is left alone. A part without
+/// any vertex leaves its node without a mesh.
 ///
 /// Beside the scene it takes memory for split meshes only.
 ///
@@ -30,13 +30,13 @@ use std::io::Write;
 ///
 /// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
 /// let mut bytes = Vec::new();
-/// glb::write(&Scene::of("triangle", mesh, true, Frame::default()), None, &mut bytes)?;
+/// glb::write(&Scene::from_mesh("triangle", mesh, true, Frame::default()), None, &mut bytes)?;
 /// assert_eq!(&bytes[..4], b"glTF");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) -> Result<(), WriteError> {
-    let shapes = scene.parts.iter().map(Shape::of).collect::<Result<Vec<_>, _>>()?;
-    let mut document = Document::default();
+    let shapes = scene.parts.iter().map(GltfPart::from_part).collect::<Result<Vec<_>, _>>()?;
+    let mut document = GltfDocument::default();
     for (part, shape) in scene.parts.iter().zip(&shapes) {
         document.add_part(part, shape)?;
     }
@@ -46,7 +46,7 @@ pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) ->
 
 /// Writes the header, the JSON chunk and the streams.
 pub(super) fn write_file(
-    document: &Document<'_>,
+    document: &GltfDocument<'_>,
     json: Map<String, Value>,
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
@@ -72,8 +72,8 @@ pub(super) fn write_file(
     Ok(())
 }
 
-impl From<TooWide> for WriteError {
-    fn from(error: TooWide) -> Self {
+impl From<CoordinateOverflow> for WriteError {
+    fn from(error: CoordinateOverflow) -> Self {
         Self::Unsupported(error.to_string())
     }
 }

@@ -1,9 +1,10 @@
 //! The header of a NIfTI file: fields at fixed offsets, of version 1 (348 bytes) or 2 (540 bytes).
 //!
-//! Offsets are those of `nifti1.h` (R. W. Cox, 2003) and `nifti2.h` (2011), as published at nifti.nimh.nih.gov.
-use crate::volume::element::{Element, Endian};
+//! Offsets are those of `nifti1.h` (R. W. Cox, 2003) and `nifti2.h` (2011), as published at
+//! nifti.nimh.nih.gov.
+use crate::volume::element::{Endian, SampleType};
 use crate::volume::name_of;
-use crate::{Place, ReadError};
+use crate::{FileLocation, ReadError};
 
 /// Bytes of the header of version 1 and of version 2.
 const SIZES: [usize; 2] = [348, 540];
@@ -13,9 +14,9 @@ const EXTENDER: usize = 4;
 pub(super) const MOST: usize = SIZES[1];
 
 /// What a header says.
-pub(super) struct Header {
+pub(super) struct NiftiHeader {
     pub endian: Endian,
-    pub element: Element,
+    pub element: SampleType,
     /// `dim`: how many axes there are, then their sizes.
     pub dim: [i64; 8],
     /// The byte at which `dim` stands.
@@ -63,19 +64,19 @@ pub(super) fn looks_like(bytes: &[u8]) -> bool {
     }
 }
 
-pub(super) fn wrong(code: &'static str, at: usize, message: impl Into<String>) -> ReadError {
-    ReadError::new(code, Place::Byte(at as u64), message)
+pub(super) fn header_error(code: &'static str, at: usize, message: impl Into<String>) -> ReadError {
+    ReadError::new(code, FileLocation::Byte(at as u64), message)
 }
 
 /// Fields of a header, whose length was checked.
-struct Fields<'a> {
+struct NiftiFields<'a> {
     bytes: &'a [u8],
     endian: Endian,
     /// Whether it is version 2, whose fields are wider.
     is_wide: bool,
 }
 
-impl Fields<'_> {
+impl NiftiFields<'_> {
     fn i16(&self, at: usize) -> i64 {
         i64::from(i16::from_le_bytes(self.endian.array(&self.bytes[at..])))
     }
@@ -102,7 +103,7 @@ impl Fields<'_> {
     }
 }
 
-impl Header {
+impl NiftiHeader {
     /// The header in the first bytes of an unpacked file.
     ///
     /// # Errors
@@ -110,20 +111,20 @@ impl Header {
     pub(super) fn read(bytes: &[u8]) -> Result<Self, ReadError> {
         let Some((version, endian)) = kind(bytes) else {
             let message = "a NIfTI file starts with the size of its header, 348 or 540, in either byte order";
-            return Err(wrong("bad-magic", 0, message));
+            return Err(header_error("bad-magic", 0, message));
         };
         let size = SIZES[version];
         if bytes.len() < size {
             let message = format!("the file ends in its header: {} bytes of {size}", bytes.len());
-            return Err(ReadError::new("truncated", Place::Byte(bytes.len() as u64), message));
+            return Err(ReadError::new("truncated", FileLocation::Byte(bytes.len() as u64), message));
         }
         check_magic(bytes, version)?;
-        let f = Fields { bytes, endian, is_wide: version == 1 };
+        let f = NiftiFields { bytes, endian, is_wide: version == 1 };
         let header = if f.is_wide { Self::second(&f)? } else { Self::first(&f)? };
         Ok(header)
     }
 
-    fn first(f: &Fields) -> Result<Self, ReadError> {
+    fn first(f: &NiftiFields) -> Result<Self, ReadError> {
         Ok(Self {
             endian: f.endian,
             element: element(f.i16(70), 70)?,
@@ -149,7 +150,7 @@ impl Header {
         })
     }
 
-    fn second(f: &Fields) -> Result<Self, ReadError> {
+    fn second(f: &NiftiFields) -> Result<Self, ReadError> {
         // Offsets that f64 does not hold are beyond any file.
         let start = f.i64(168) as f64;
         Ok(Self {
@@ -182,18 +183,18 @@ fn check_magic(bytes: &[u8], version: usize) -> Result<(), ReadError> {
     let (at, magic) = if version == 0 { (344, &bytes[344..348]) } else { (4, &bytes[4..12]) };
     match (version, magic) {
         (0, b"n+1\0") | (1, b"n+2\0\r\n\x1a\n") => Ok(()),
-        (0, b"ni1\0") | (1, [b'n', b'i', b'2', ..]) => Err(wrong(
+        (0, b"ni1\0") | (1, [b'n', b'i', b'2', ..]) => Err(header_error(
             "detached",
             at,
             "the samples are in an .img file beside this header, and no reader opens a second file; save both as one \
              .nii",
         )),
-        (1, [b'n', b'+', b'2', ..]) => Err(wrong(
+        (1, [b'n', b'+', b'2', ..]) => Err(header_error(
             "bad-magic",
             at,
             "the line ends after n+2 were changed, as by a transfer as text; the samples are not whole either",
         )),
-        _ => Err(wrong(
+        _ => Err(header_error(
             "bad-magic",
             at,
             format!("{} is not the mark of a NIfTI file", crate::text::show(magic)),
@@ -212,24 +213,24 @@ fn offset(start: f64, at: usize, size: usize) -> Result<u64, ReadError> {
     let is_place = start.fract() == 0.0 && start >= least as f64 && start < 9_007_199_254_740_992.0;
     if !is_place {
         let message = format!("samples cannot start at byte {start}: the header takes {least} bytes");
-        return Err(wrong("bad-offset", at, message));
+        return Err(header_error("bad-offset", at, message));
     }
     Ok(start as u64)
 }
 
 /// The type of samples, by its number in the standard.
-fn element(code: i64, at: usize) -> Result<Element, ReadError> {
+fn element(code: i64, at: usize) -> Result<SampleType, ReadError> {
     let name = match code {
-        2 => return Ok(Element::U8),
-        4 => return Ok(Element::I16),
-        8 => return Ok(Element::I32),
-        16 => return Ok(Element::F32),
-        64 => return Ok(Element::F64),
-        256 => return Ok(Element::I8),
-        512 => return Ok(Element::U16),
-        768 => return Ok(Element::U32),
-        1024 => return Ok(Element::I64),
-        1280 => return Ok(Element::U64),
+        2 => return Ok(SampleType::U8),
+        4 => return Ok(SampleType::I16),
+        8 => return Ok(SampleType::I32),
+        16 => return Ok(SampleType::F32),
+        64 => return Ok(SampleType::F64),
+        256 => return Ok(SampleType::I8),
+        512 => return Ok(SampleType::U16),
+        768 => return Ok(SampleType::U32),
+        1024 => return Ok(SampleType::I64),
+        1280 => return Ok(SampleType::U64),
         1 => "single bits",
         32 | 1792 | 2048 => "complex numbers",
         128 | 2304 => "colours",
@@ -239,5 +240,5 @@ fn element(code: i64, at: usize) -> Result<Element, ReadError> {
     let message = format!(
         "samples of type {code}, {name}, are not read: whole numbers of 8 to 64 bits, f32 and f64 are"
     );
-    Err(wrong("unsupported-type", at, message))
+    Err(header_error("unsupported-type", at, message))
 }

@@ -1,54 +1,59 @@
 //! Where the samples of a NIfTI file are: its sform, else its qform, else the steps between its samples.
-use super::header::{Header, wrong};
+use super::header::{NiftiHeader, header_error};
 use crate::warnings::Warnings;
-use crate::{Place, ReadError};
-use chordal::implicit::Affine;
+use crate::{FileLocation, ReadError};
+use chordal::implicit::Affine3;
 
 /// The map from indices to the patient: the first of what the standard offers that the file has.
 ///
 /// # Errors
 /// When it is singular, or a number in it is not finite.
-pub(super) fn affine(header: &Header, warnings: &mut Warnings) -> Result<Affine, ReadError> {
-    let refused = |at: usize, error: &dyn std::fmt::Display| wrong("singular", at, error.to_string());
+pub(super) fn affine(header: &NiftiHeader, warnings: &mut Warnings) -> Result<Affine3, ReadError> {
+    let refused = |at: usize, error: &dyn std::fmt::Display| header_error("singular", at, error.to_string());
     if header.sform > 0 {
-        return Affine::new(header.rows).map_err(|error| refused(header.rows_at, &error));
+        return Affine3::new(header.rows).map_err(|error| refused(header.rows_at, &error));
     }
     let steps = steps(header)?;
     if header.qform > 0 {
         let rows = by_quaternion(header, steps)?;
-        return Affine::new(rows).map_err(|error| refused(header.quaternion_at, &error));
+        return Affine3::new(rows).map_err(|error| refused(header.quaternion_at, &error));
     }
     warnings.count("no-orientation", || {
         let message = "the file does not say how its volume lies in space (neither sform nor qform): \
                        axes run along its indices, and left and right are not known";
-        (Place::Byte(header.pixdim_at as u64), message.to_owned())
+        (FileLocation::Byte(header.pixdim_at as u64), message.to_owned())
     });
     let [x, y, z] = steps;
-    Affine::new([[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], [0.0, 0.0, z, 0.0]])
+    Affine3::new([[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], [0.0, 0.0, z, 0.0]])
         .map_err(|error| refused(header.pixdim_at, &error))
 }
 
 /// The steps between samples, which are lengths.
-fn steps(header: &Header) -> Result<[f64; 3], ReadError> {
+fn steps(header: &NiftiHeader) -> Result<[f64; 3], ReadError> {
     let mut steps = [0.0; 3];
     for (axis, step) in steps.iter_mut().enumerate() {
         *step = header.pixdim[axis + 1];
         if !(*step > 0.0 && step.is_finite()) {
             let message = format!("the step along axis {axis} is {step}, which is no length");
-            return Err(wrong("singular", header.pixdim_at, message));
+            return Err(header_error("singular", header.pixdim_at, message));
         }
     }
     Ok(steps)
 }
 
 /// Rows of the map of a unit quaternion (a, b, c, d), of which a is not stored: "method 2" of `nifti1.h`.
-fn by_quaternion(header: &Header, [x, y, z]: [f64; 3]) -> Result<[[f64; 4]; 3], ReadError> {
+fn by_quaternion(header: &NiftiHeader, [x, y, z]: [f64; 3]) -> Result<[[f64; 4]; 3], ReadError> {
     let [mut b, mut c, mut d] = header.quaternion;
     let squares = b * b + c * c + d * d;
     if !squares.is_finite() {
-        return Err(wrong("singular", header.quaternion_at, "the quaternion of the qform is not finite"));
+        return Err(header_error(
+            "singular",
+            header.quaternion_at,
+            "the quaternion of the qform is not finite",
+        ));
     }
-    // Below this, a is noise of b, c and d, which are single precision: derived, 2⁻²³, as the standard's own code has it.
+    // Below this, a is noise of b, c and d, which are single precision: derived, 2⁻²³, as the standard's own
+    // code has it.
     const NOISE: f64 = 1e-7;
     let mut a = 1.0 - squares;
     if a < NOISE {

@@ -1,33 +1,34 @@
 //! Reads `.nii` and `.nii.gz`.
-use super::header::{self, Header, wrong};
+use super::header::{self, NiftiHeader, header_error};
 use super::orientation::affine;
 use crate::volume::count::{along, size_of};
-use crate::volume::gunzip::{Gunzip, MAGIC, check_ratio};
-use crate::volume::samples::{self, Layout};
-use crate::volume::stream::Stream;
+use crate::volume::gunzip::{GzipReader, MAGIC, check_ratio};
+use crate::volume::samples::{self, SampleLayout};
+use crate::volume::stream::SampleStream;
 use crate::warnings::Warnings;
-use crate::{Axis, Content, Frame, Limits, Loaded, Place, ReadError, Volume};
+use crate::{Axis, Content, FileLocation, Frame, Limits, ReadError, ReadOutcome, Volume};
 use chordal::implicit::{Grid, Samples};
 
-/// The volume of a NIfTI file, packed by gzip or not, in the patient's coordinates: x to the right, y to the front, z to
-/// the head ("RAS"), as the file's affine says: sform before qform before plain steps. Numbers are scaled as the
-/// header says. Of a file of several volumes, [`Limits::index`] names the one to read.
+/// The volume of a NIfTI file, packed by gzip or not, in the patient's coordinates: x to the right, y to the
+/// front, z to the head ("RAS"), as the file's affine says: sform before qform before plain steps. Numbers
+/// are scaled as the header says. Of a file of several volumes, [`Limits::index`] names the one to read.
 ///
 /// Memory grows with what is unpacked, which ends at [`Limits::bytes`] and at what the header declares.
 ///
 /// # Errors
-/// [`ReadError`] at the byte: of the unpacked file for what its header says, of the packed one for its samples.
-pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
+/// [`ReadError`] at the byte: of the unpacked file for what its header says, of the packed one for its
+/// samples.
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let mut warnings = Warnings::default();
     let mut stream = if bytes.starts_with(&MAGIC) {
-        Stream::Packed(Gunzip::new(bytes, 0))
+        SampleStream::Packed(GzipReader::new(bytes, 0))
     } else {
-        Stream::plain(bytes, 0)
+        SampleStream::plain(bytes, 0)
     };
     let mut first = [0; header::MOST];
     // Headers of version 1 are shorter, and samples may follow at once.
     let n = match &mut stream {
-        Stream::Plain { file, .. } => {
+        SampleStream::Plain { file, .. } => {
             let n = file.len().min(header::MOST);
             first[..n].copy_from_slice(&file[..n]);
             n
@@ -35,13 +36,13 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
         packed => packed.fill(&mut first[..348])?,
     };
     let n = if is_wide(&first) && n == 348 { n + stream.fill(&mut first[348..])? } else { n };
-    let header = Header::read(&first[..n])?;
+    let header = NiftiHeader::read(&first[..n])?;
     let (size, layout) = layout(&header, limits)?;
-    if let Stream::Packed(_) = stream {
-        check_ratio(layout.bytes(), bytes.len() as u64, &Place::Byte(header.dim_at as u64))?;
+    if let SampleStream::Packed(_) = stream {
+        check_ratio(layout.bytes(), bytes.len() as u64, &FileLocation::Byte(header.dim_at as u64))?;
     }
     let affine = affine(&header, &mut warnings)?;
-    let read = if let Stream::Plain { .. } = stream { 0 } else { n as u64 };
+    let read = if let SampleStream::Plain { .. } = stream { 0 } else { n as u64 };
     let gap = header.offset - read;
     let skipped = stream.skip(gap)?;
     if skipped < gap {
@@ -53,15 +54,15 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
     let samples = scaled(stored, &header, &mut warnings)?;
     samples::count_not_finite(&samples, &mut warnings);
     let grid = Grid::new(size, samples, affine)
-        .map_err(|error| wrong("bad-size", header.dim_at, error.to_string()))?;
+        .map_err(|error| header_error("bad-size", header.dim_at, error.to_string()))?;
     let metres_per_unit = unit(&header, &mut warnings);
     let volume = Volume {
         frame: Frame { up: Some(Axis::Z), metres_per_unit },
         name: header.name,
         space: Some("RAS".to_owned()),
-        ..Volume::of(grid)
+        ..Volume::from_grid(grid)
     };
-    Ok(Loaded { content: Content::Volume(volume), warnings: warnings.into_list() })
+    Ok(ReadOutcome { content: Content::Volume(volume), warnings: warnings.into_list() })
 }
 
 fn is_wide(first: &[u8; header::MOST]) -> bool {
@@ -70,8 +71,8 @@ fn is_wide(first: &[u8; header::MOST]) -> bool {
 }
 
 /// The size of one volume, and where the one that is wanted stands.
-fn layout(header: &Header, limits: &Limits) -> Result<([usize; 3], Layout), ReadError> {
-    let place = Place::Byte(header.dim_at as u64);
+fn layout(header: &NiftiHeader, limits: &Limits) -> Result<([usize; 3], SampleLayout), ReadError> {
+    let place = FileLocation::Byte(header.dim_at as u64);
     let axes = header.dim[0];
     if !(1..=7).contains(&axes) {
         let message = format!("{axes} axes; a NIfTI file has 1 to 7");
@@ -94,11 +95,14 @@ fn layout(header: &Header, limits: &Limits) -> Result<([usize; 3], Layout), Read
     let size = size_of([sizes[0], sizes[1], sizes[2]], header.element, &place, limits)?;
     let volumes = sizes.get(3).copied().unwrap_or(1) as u64;
     let index = which(volumes, limits, &place)?;
-    Ok((size, Layout { of: volumes, index, ..Layout::volumes(header.element, header.endian, size) }))
+    Ok((
+        size,
+        SampleLayout { of: volumes, index, ..SampleLayout::volumes(header.element, header.endian, size) },
+    ))
 }
 
 /// The volume that is wanted of several.
-pub(crate) fn which(volumes: u64, limits: &Limits, place: &Place) -> Result<u64, ReadError> {
+pub(crate) fn which(volumes: u64, limits: &Limits, place: &FileLocation) -> Result<u64, ReadError> {
     match limits.index {
         None if volumes > 1 => {
             let message =
@@ -113,18 +117,18 @@ pub(crate) fn which(volumes: u64, limits: &Limits, place: &Place) -> Result<u64,
     }
 }
 
-fn check_bits(header: &Header, warnings: &mut Warnings) {
+fn check_bits(header: &NiftiHeader, warnings: &mut Warnings) {
     let bits = 8 * header.element.width() as i64;
     if header.bits != bits {
         warnings.count("bits-differ", || {
             let message = format!("the header says {} bits a sample, its type has {bits}", header.bits);
-            (Place::Byte(header.bits_at as u64), message)
+            (FileLocation::Byte(header.bits_at as u64), message)
         });
     }
 }
 
 /// The samples as the header scales them. A slope of 0 stands for none.
-fn scaled(stored: Samples, header: &Header, warnings: &mut Warnings) -> Result<Samples, ReadError> {
+fn scaled(stored: Samples, header: &NiftiHeader, warnings: &mut Warnings) -> Result<Samples, ReadError> {
     let (slope, inter) = (header.slope, header.inter);
     if slope == 0.0 || (slope == 1.0 && inter == 0.0) {
         return Ok(stored);
@@ -132,7 +136,7 @@ fn scaled(stored: Samples, header: &Header, warnings: &mut Warnings) -> Result<S
     if !slope.is_finite() || !inter.is_finite() {
         warnings.count("scaling-ignored", || {
             let message = format!("a scale of {slope} and {inter} means nothing: samples are as they stand");
-            (Place::Byte(header.slope_at as u64), message)
+            (FileLocation::Byte(header.slope_at as u64), message)
         });
         return Ok(stored);
     }
@@ -140,7 +144,7 @@ fn scaled(stored: Samples, header: &Header, warnings: &mut Warnings) -> Result<S
 }
 
 /// The length of one unit, by the number that the standard has for it.
-fn unit(header: &Header, warnings: &mut Warnings) -> Option<f64> {
+fn unit(header: &NiftiHeader, warnings: &mut Warnings) -> Option<f64> {
     match header.units & 7 {
         1 => Some(1.0),
         2 => Some(0.001),
@@ -149,7 +153,7 @@ fn unit(header: &Header, warnings: &mut Warnings) -> Option<f64> {
         _ => {
             warnings.count("no-unit", || {
                 let message = "the file does not say its unit, which is nearly always the millimetre: --unit mm says so";
-                (Place::File, message.to_owned())
+                (FileLocation::File, message.to_owned())
             });
             None
         }

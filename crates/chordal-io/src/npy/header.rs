@@ -1,27 +1,27 @@
 //! The header of a `.npy` file: a Python dictionary of three entries, read without Python.
 use super::MAGIC;
 use crate::text::{show, trim};
-use crate::volume::element::{Element, Endian};
-use crate::{Limits, Place, ReadError};
+use crate::volume::element::{Endian, SampleType};
+use crate::{FileLocation, Limits, ReadError};
 
 /// What the header says.
-pub(super) struct Header {
-    pub element: Element,
+pub(super) struct NpyHeader {
+    pub element: SampleType,
     pub endian: Endian,
     /// Whether the first index runs fastest.
     pub fortran_order: bool,
     pub shape: Vec<i64>,
     /// Where the shape stands.
-    pub shape_place: Place,
+    pub shape_place: FileLocation,
     /// The byte at which samples start.
     pub end: usize,
 }
 
-fn wrong(at: usize, message: impl Into<String>) -> ReadError {
-    ReadError::new("bad-header", Place::Byte(at as u64), message)
+fn header_error(at: usize, message: impl Into<String>) -> ReadError {
+    ReadError::new("bad-header", FileLocation::Byte(at as u64), message)
 }
 
-impl Header {
+impl NpyHeader {
     /// The header at the start of a file.
     ///
     /// # Errors
@@ -29,41 +29,46 @@ impl Header {
     pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
         let cut = || {
             let message = format!("the file ends in its header, after {} bytes", bytes.len());
-            ReadError::new("truncated", Place::Byte(bytes.len() as u64), message)
+            ReadError::new("truncated", FileLocation::Byte(bytes.len() as u64), message)
         };
         if !bytes.starts_with(MAGIC) {
             let message =
                 format!("a .npy file starts with \\x93NUMPY, not {}", show(&bytes[..bytes.len().min(6)]));
-            return Err(ReadError::new("bad-magic", Place::Byte(0), message));
+            return Err(ReadError::new("bad-magic", FileLocation::Byte(0), message));
         }
         let version = *bytes.get(6).ok_or_else(cut)?;
         let (start, length) = match (version, bytes.get(8..10), bytes.get(8..12)) {
             (1, Some(n), _) => (10, u32::from(u16::from_le_bytes([n[0], n[1]]))),
             (2 | 3, _, Some(n)) => (12, u32::from_le_bytes([n[0], n[1], n[2], n[3]])),
             (1..=3, ..) => return Err(cut()),
-            _ => return Err(wrong(6, format!("version {version} of .npy is not known; 1, 2 and 3 are"))),
+            _ => {
+                return Err(header_error(
+                    6,
+                    format!("version {version} of .npy is not known; 1, 2 and 3 are"),
+                ));
+            }
         };
         let length = length as usize;
         if length > limits.header_line {
             let message = format!("a header of {length} bytes is over the limit of {}", limits.header_line);
-            return Err(wrong(8, message));
+            return Err(header_error(8, message));
         }
         let end = start + length;
         let text = bytes.get(start..end).ok_or_else(cut)?;
-        Dictionary { text, at: 0, start }.read(end)
+        NpyDictionary { text, at: 0, start }.read(end)
     }
 }
 
 /// The dictionary, read from left to right.
-struct Dictionary<'a> {
+struct NpyDictionary<'a> {
     text: &'a [u8],
     at: usize,
     /// Where the text stands in the file.
     start: usize,
 }
 
-impl<'a> Dictionary<'a> {
-    fn read(mut self, end: usize) -> Result<Header, ReadError> {
+impl<'a> NpyDictionary<'a> {
+    fn read(mut self, end: usize) -> Result<NpyHeader, ReadError> {
         let (mut types, mut order, mut shape) = (None, None, None);
         self.expect(b'{')?;
         while !self.takes(b'}') {
@@ -74,8 +79,10 @@ impl<'a> Dictionary<'a> {
             match key {
                 b"descr" => types = Some(self.element()?),
                 b"fortran_order" => order = Some(self.truth()?),
-                b"shape" => shape = Some((self.tuple()?, Place::Byte(value as u64))),
-                other => return Err(wrong(at, format!("{} is no entry of a .npy header", show(other)))),
+                b"shape" => shape = Some((self.tuple()?, FileLocation::Byte(value as u64))),
+                other => {
+                    return Err(header_error(at, format!("{} is no entry of a .npy header", show(other))));
+                }
             }
             if !self.takes(b',') {
                 self.expect(b'}')?;
@@ -83,13 +90,13 @@ impl<'a> Dictionary<'a> {
             }
         }
         if !trim(&self.text[self.at..]).is_empty() {
-            return Err(wrong(self.place(), "something follows the header's closing brace"));
+            return Err(header_error(self.place(), "something follows the header's closing brace"));
         }
-        let missing = |what: &str| wrong(self.start, format!("the header has no '{what}'"));
+        let missing = |what: &str| header_error(self.start, format!("the header has no '{what}'"));
         let (element, endian) = types.ok_or_else(|| missing("descr"))?;
         let fortran_order = order.ok_or_else(|| missing("fortran_order"))?;
         let (shape, shape_place) = shape.ok_or_else(|| missing("shape"))?;
-        Ok(Header { element, endian, fortran_order, shape, shape_place, end })
+        Ok(NpyHeader { element, endian, fortran_order, shape, shape_place, end })
     }
 
     fn place(&self) -> usize {
@@ -113,16 +120,16 @@ impl<'a> Dictionary<'a> {
         if self.takes(byte) {
             return Ok(());
         }
-        Err(wrong(self.place(), format!("'{}' is missing", char::from(byte))))
+        Err(header_error(self.place(), format!("'{}' is missing", char::from(byte))))
     }
 
     fn quoted(&mut self) -> Result<&'a [u8], ReadError> {
         self.skip_spaces();
         let mark = self.text.get(self.at).copied().filter(|b| matches!(b, b'\'' | b'"'));
-        let mark = mark.ok_or_else(|| wrong(self.place(), "a text in quotes is missing"))?;
+        let mark = mark.ok_or_else(|| header_error(self.place(), "a text in quotes is missing"))?;
         let rest = &self.text[self.at + 1..];
         let end = rest.iter().position(|b| *b == mark);
-        let end = end.ok_or_else(|| wrong(self.place(), "a quote is not closed"))?;
+        let end = end.ok_or_else(|| header_error(self.place(), "a quote is not closed"))?;
         self.at += end + 2;
         Ok(&rest[..end])
     }
@@ -142,7 +149,7 @@ impl<'a> Dictionary<'a> {
         match self.word() {
             b"True" => Ok(true),
             b"False" => Ok(false),
-            other => Err(wrong(at, format!("fortran_order is True or False, not {}", show(other)))),
+            other => Err(header_error(at, format!("fortran_order is True or False, not {}", show(other)))),
         }
     }
 
@@ -155,10 +162,10 @@ impl<'a> Dictionary<'a> {
             // Python 2 wrote long numbers with an L.
             let digits = word.strip_suffix(b"L").unwrap_or(word);
             let number = crate::text::integer(digits)
-                .map_err(|_| wrong(at, format!("{} is no number of samples", show(word))))?;
+                .map_err(|_| header_error(at, format!("{} is no number of samples", show(word))))?;
             // No array has more axes than that.
             if all.len() == 64 {
-                return Err(wrong(at, "more than 64 axes"));
+                return Err(header_error(at, "more than 64 axes"));
             }
             all.push(number);
             if !self.takes(b',') {
@@ -169,15 +176,15 @@ impl<'a> Dictionary<'a> {
         Ok(all)
     }
 
-    fn element(&mut self) -> Result<(Element, Endian), ReadError> {
+    fn element(&mut self) -> Result<(SampleType, Endian), ReadError> {
         self.skip_spaces();
         let at = self.place();
         if self.text.get(self.at) == Some(&b'[') {
-            return Err(ReadError::new("unsupported-type", Place::Byte(at as u64), STRUCTURED));
+            return Err(ReadError::new("unsupported-type", FileLocation::Byte(at as u64), STRUCTURED));
         }
         let text = self.quoted()?;
         let unsupported = |why: &str| {
-            ReadError::new("unsupported-type", Place::Byte(at as u64), format!("{} {why}", show(text)))
+            ReadError::new("unsupported-type", FileLocation::Byte(at as u64), format!("{} {why}", show(text)))
         };
         let (endian, rest) = match text {
             [b'>', rest @ ..] => (Endian::Big, rest),
@@ -185,18 +192,18 @@ impl<'a> Dictionary<'a> {
             _ => return Err(unsupported("does not say its byte order: '<', '>' or '|' comes first")),
         };
         let element = match rest {
-            b"b1" => Element::Bool,
-            b"u1" => Element::U8,
-            b"i1" => Element::I8,
-            b"u2" => Element::U16,
-            b"i2" => Element::I16,
-            b"u4" => Element::U32,
-            b"i4" => Element::I32,
-            b"u8" => Element::U64,
-            b"i8" => Element::I64,
-            b"f2" => Element::F16,
-            b"f4" => Element::F32,
-            b"f8" => Element::F64,
+            b"b1" => SampleType::Bool,
+            b"u1" => SampleType::U8,
+            b"i1" => SampleType::I8,
+            b"u2" => SampleType::U16,
+            b"i2" => SampleType::I16,
+            b"u4" => SampleType::U32,
+            b"i4" => SampleType::I32,
+            b"u8" => SampleType::U64,
+            b"i8" => SampleType::I64,
+            b"f2" => SampleType::F16,
+            b"f4" => SampleType::F32,
+            b"f8" => SampleType::F64,
             [b'O', ..] => {
                 return Err(unsupported("holds Python objects: they would have to be run to be read"));
             }

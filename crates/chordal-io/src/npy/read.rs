@@ -1,20 +1,20 @@
 //! Reads `.npy`.
-use super::header::Header;
+use super::header::NpyHeader;
 use crate::volume::count::size_of;
-use crate::volume::samples::{self, Layout};
-use crate::volume::stream::Stream;
+use crate::volume::samples::{self, SampleLayout};
+use crate::volume::stream::SampleStream;
 use crate::warnings::Warnings;
-use crate::{Content, Limits, Loaded, ReadError, Volume};
-use chordal::implicit::{Affine, Grid};
+use crate::{Content, Limits, ReadError, ReadOutcome, Volume};
+use chordal::implicit::{Affine3, Grid};
 
-/// The volume of an array `a[i, j, k]`, whose sample stands at x = i, y = j, z = k: neither turned nor copied, in
-/// whichever order its indices run.
+/// The volume of an array `a[i, j, k]`, whose sample stands at x = i, y = j, z = k: neither turned nor
+/// copied, in whichever order its indices run.
 ///
 /// Numbers of 64 bits become 32 bits where all of them fit, else f64 where that holds all of them exactly.
 ///
 /// # Errors
-/// [`ReadError`] at the byte: for arrays that have not three axes, of records, of complex numbers, or of Python objects, which
-/// nothing here ever runs.
+/// [`ReadError`] at the byte: for arrays that have not three axes, of records, of complex numbers, or of
+/// Python objects, which nothing here ever runs.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, npy};
@@ -27,9 +27,9 @@ use chordal::implicit::{Affine, Grid};
 /// assert_eq!(volume.grid.affine().at([0.0, 0.0, 1.0]), [1.0, 0.0, 0.0]);
 /// # Ok::<(), chordal_io::ReadError>(())
 /// ```
-pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let mut warnings = Warnings::default();
-    let header = Header::read(bytes, limits)?;
+    let header = NpyHeader::read(bytes, limits)?;
     let shape: [i64; 3] = header.shape.as_slice().try_into().map_err(|_| wrong_axes(&header))?;
     let declared = if header.fortran_order { shape } else { [shape[2], shape[1], shape[0]] };
     let size = size_of(declared, header.element, &header.shape_place, limits)?;
@@ -37,24 +37,24 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
         let message = format!("there is one volume, so that index {index} is none");
         return Err(ReadError::new("no-such-volume", header.shape_place, message));
     }
-    let layout = Layout::volumes(header.element, header.endian, size);
-    let mut stream = Stream::plain(bytes, header.end);
+    let layout = SampleLayout::volumes(header.element, header.endian, size);
+    let mut stream = SampleStream::plain(bytes, header.end);
     let samples = samples::read(&mut stream, &layout, limits, &mut warnings)?;
     samples::count_not_finite(&samples, &mut warnings);
-    let affine = if header.fortran_order { Affine::IDENTITY } else { reversed() };
+    let affine = if header.fortran_order { Affine3::IDENTITY } else { reversed() };
     let grid = Grid::new(size, samples, affine)
         .map_err(|error| ReadError::new("bad-size", header.shape_place, error.to_string()))?;
-    Ok(Loaded { content: Content::Volume(Volume::of(grid)), warnings: warnings.into_list() })
+    Ok(ReadOutcome { content: Content::Volume(Volume::from_grid(grid)), warnings: warnings.into_list() })
 }
 
 /// Lattice index (k, j, i) is the point (i, j, k).
-pub(super) fn reversed() -> Affine {
+pub(super) fn reversed() -> Affine3 {
     let rows = [[0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]];
     // A permutation flattens nothing.
-    Affine::new(rows).unwrap_or(Affine::IDENTITY)
+    Affine3::new(rows).unwrap_or(Affine3::IDENTITY)
 }
 
-fn wrong_axes(header: &Header) -> ReadError {
+fn wrong_axes(header: &NpyHeader) -> ReadError {
     let n = header.shape.len();
     let more = match n {
         2 => "; an image is one slice: stack several, as in np.stack(slices)",

@@ -2,21 +2,22 @@
 use super::MAGIC;
 use super::read::reversed;
 use crate::{Volume, WriteError};
-use chordal::implicit::{Affine, Samples};
+use chordal::implicit::{Affine3, Samples};
 use std::io::Write;
 
-/// Writes the samples as an array of version 1, little-endian. `a[i, j, k]` is what stands at x = i, y = j, z = k where
-/// the volume was read from such a file; elsewhere it is the sample of lattice index (i, j, k), in Fortran's order. Spacing,
-/// place and unit are not written: the format has none. Where a volume has some, [`crate::nrrd`] holds them.
+/// Writes the samples as an array of version 1, little-endian. `a[i, j, k]` is what stands at x = i, y = j, z
+/// = k where the volume was read from such a file; elsewhere it is the sample of lattice index (i, j, k), in
+/// Fortran's order. Spacing, place and unit are not written: the format has none. Where a volume has some,
+/// [`crate::nrrd`] holds them.
 ///
 /// # Errors
 /// When the sink fails.
 ///
 /// ```
-/// use chordal::implicit::{Affine, Grid, Samples};
+/// use chordal::implicit::{Affine3, Grid, Samples};
 /// use chordal_io::{Content, Limits, Volume, npy};
-/// let grid = Grid::new([2, 3, 2], Samples::I16((0..12).collect()), Affine::IDENTITY)?;
-/// let (volume, mut file) = (Volume::of(grid), Vec::new());
+/// let grid = Grid::new([2, 3, 2], Samples::I16((0..12).collect()), Affine3::IDENTITY)?;
+/// let (volume, mut file) = (Volume::from_grid(grid), Vec::new());
 /// npy::write(&volume, &mut file)?;
 /// let Content::Volume(read) = npy::read(&file, &Limits::default())?.content else { unreachable!() };
 /// assert_eq!(read, volume);
@@ -53,7 +54,7 @@ pub fn write(volume: &Volume, out: &mut dyn Write) -> Result<(), WriteError> {
 }
 
 /// Whether the axes of two lattices run the same ways, in equal steps or not.
-fn same_axes(a: &Affine, b: &Affine) -> bool {
+fn same_axes(a: &Affine3, b: &Affine3) -> bool {
     let along = |step: [f64; 3]| step.map(|x| if x == 0.0 { 0.0 } else { x.signum() });
     a.steps().map(along) == b.steps().map(along)
 }

@@ -1,20 +1,20 @@
 //! The header of a NRRD file: lines of `field: value`, `key:=value` and `# comment`, up to an empty one.
 use super::{CERTIFICATE, MAGIC};
-use crate::text::{Lines, Tokens, finite, integer, number, show, trim, why_no_number};
-use crate::volume::element::{Element, Endian};
-use crate::{Limits, Place, ReadError};
+use crate::text::{LineTokens, TextLines, finite, integer, number, number_error, show, trim};
+use crate::volume::element::{Endian, SampleType};
+use crate::{FileLocation, Limits, ReadError};
 use serde_json::Value;
 
 /// A value with the line that it stands in.
 #[derive(Clone, Debug)]
-pub(super) struct At<T> {
+pub(super) struct NrrdField<T> {
     pub value: T,
     pub line: u64,
 }
 
 /// How samples are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Encoding {
+pub(super) enum NrrdEncoding {
     Raw,
     Text,
     Gzip,
@@ -22,22 +22,22 @@ pub(super) enum Encoding {
 
 /// What the header says; fields that say nothing of where samples are were skipped.
 #[derive(Default)]
-pub(super) struct Fields {
-    pub element: Option<Element>,
+pub(super) struct NrrdHeader {
+    pub element: Option<SampleType>,
     pub endian: Option<Endian>,
-    pub encoding: Option<Encoding>,
-    pub dimension: Option<At<i64>>,
-    pub sizes: Option<At<Vec<i64>>>,
-    pub space: Option<At<String>>,
-    pub space_dimension: Option<At<i64>>,
+    pub encoding: Option<NrrdEncoding>,
+    pub dimension: Option<NrrdField<i64>>,
+    pub sizes: Option<NrrdField<Vec<i64>>>,
+    pub space: Option<NrrdField<String>>,
+    pub space_dimension: Option<NrrdField<i64>>,
     /// One step for each axis; none for an axis that is not of space.
-    pub directions: Option<At<Vec<Option<[f64; 3]>>>>,
-    pub origin: Option<At<[f64; 3]>>,
+    pub directions: Option<NrrdField<Vec<Option<[f64; 3]>>>>,
+    pub origin: Option<NrrdField<[f64; 3]>>,
     /// NaN for an axis that is not of space.
-    pub spacings: Option<At<Vec<f64>>>,
+    pub spacings: Option<NrrdField<Vec<f64>>>,
     pub mins: Option<u64>,
-    pub kinds: Option<At<Vec<String>>>,
-    pub units: Option<At<Vec<String>>>,
+    pub kinds: Option<NrrdField<Vec<String>>>,
+    pub units: Option<NrrdField<Vec<String>>>,
     pub content: String,
     pub line_skip: u64,
     pub byte_skip: i64,
@@ -48,15 +48,15 @@ pub(super) struct Fields {
     pub end: usize,
 }
 
-fn wrong(line: u64, message: impl Into<String>) -> ReadError {
-    ReadError::new("bad-header", Place::Line(line), message)
+fn header_error(line: u64, message: impl Into<String>) -> ReadError {
+    ReadError::new("bad-header", FileLocation::Line(line), message)
 }
 
 fn unsupported(line: u64, message: impl Into<String>) -> ReadError {
-    ReadError::new("unsupported", Place::Line(line), message)
+    ReadError::new("unsupported", FileLocation::Line(line), message)
 }
 
-impl Fields {
+impl NrrdHeader {
     /// The header at the start of a file.
     ///
     /// # Errors
@@ -66,38 +66,39 @@ impl Fields {
         if !magic.is_some_and(|magic| (b'1'..=b'5').contains(&magic[7])) {
             let found = show(&bytes[..bytes.len().min(8)]);
             let message = format!("a .nrrd file starts with NRRD0001 to NRRD0005, not {found}");
-            return Err(ReadError::new("bad-magic", Place::Line(1), message));
+            return Err(ReadError::new("bad-magic", FileLocation::Line(1), message));
         }
         let mut fields = Self::default();
         let mut seen: Vec<Vec<u8>> = Vec::new();
-        let mut lines = Lines::new(bytes);
+        let mut lines = TextLines::new(bytes);
         while let Some((line, text)) = lines.next() {
             fields.last_line = line;
             if text.len() > limits.header_line {
                 let message = format!("a line of more than {} bytes", limits.header_line);
-                return Err(ReadError::new("line-too-long", Place::Line(line), message));
+                return Err(ReadError::new("line-too-long", FileLocation::Line(line), message));
             }
             if text.is_empty() {
                 fields.end = lines.offset();
                 return Ok(fields);
             }
             if line > 1 {
-                fields.take(line, text, &mut seen)?;
+                fields.set_field(line, text, &mut seen)?;
             }
         }
         Err(ReadError::new(
             "truncated",
-            Place::Line(fields.last_line),
+            FileLocation::Line(fields.last_line),
             "the header has no empty line at its end",
         ))
     }
 
-    fn take(&mut self, line: u64, text: &[u8], seen: &mut Vec<Vec<u8>>) -> Result<(), ReadError> {
+    fn set_field(&mut self, line: u64, text: &[u8], seen: &mut Vec<Vec<u8>>) -> Result<(), ReadError> {
         if text.starts_with(b"#") {
             return Ok(());
         }
         let colon = memchr::memchr(b':', text);
-        let colon = colon.ok_or_else(|| wrong(line, format!("{} is no field of a header", show(text))))?;
+        let colon =
+            colon.ok_or_else(|| header_error(line, format!("{} is no field of a header", show(text))))?;
         let (name, value) = (&text[..colon], &text[colon + 1..]);
         if let Some(value) = value.strip_prefix(b"=") {
             if name == CERTIFICATE.as_bytes() {
@@ -107,11 +108,14 @@ impl Fields {
         }
         let name: Vec<u8> = name.iter().filter(|b| **b != b' ').map(u8::to_ascii_lowercase).collect();
         if name.is_empty() || seen.contains(&name) {
-            return Err(wrong(line, format!("field {} is there twice, or without a name", show(&name))));
+            return Err(header_error(
+                line,
+                format!("field {} is there twice, or without a name", show(&name)),
+            ));
         }
         // There are some thirty fields.
         if seen.len() > 100 {
-            return Err(wrong(line, "more than 100 fields"));
+            return Err(header_error(line, "more than 100 fields"));
         }
         self.field(&name, line, trim(value))?;
         seen.push(name);
@@ -119,65 +123,73 @@ impl Fields {
     }
 
     fn field(&mut self, name: &[u8], line: u64, value: &[u8]) -> Result<(), ReadError> {
-        let whole = || integer(value).map_err(|_| wrong(line, format!("{} is no whole number", show(value))));
+        let whole =
+            || integer(value).map_err(|_| header_error(line, format!("{} is no whole number", show(value))));
         match name {
             b"type" => self.element = Some(element(value, line)?),
             b"endian" => {
                 self.endian = Some(match &value.to_ascii_lowercase()[..] {
                     b"little" => Endian::Little,
                     b"big" => Endian::Big,
-                    _ => return Err(wrong(line, format!("endian is little or big, not {}", show(value)))),
+                    _ => {
+                        return Err(header_error(
+                            line,
+                            format!("endian is little or big, not {}", show(value)),
+                        ));
+                    }
                 });
             }
             b"encoding" => self.encoding = Some(encoding(value, line)?),
-            b"dimension" => self.dimension = Some(At { value: whole()?, line }),
+            b"dimension" => self.dimension = Some(NrrdField { value: whole()?, line }),
             b"sizes" => {
-                let sizes: Result<Vec<i64>, _> = Tokens::new(value)
+                let sizes: Result<Vec<i64>, _> = LineTokens::new(value)
                     .map(|token| {
-                        integer(token).map_err(|_| wrong(line, format!("{} is no size", show(token))))
+                        integer(token).map_err(|_| header_error(line, format!("{} is no size", show(token))))
                     })
                     .collect();
-                self.sizes = Some(At { value: sizes?, line });
+                self.sizes = Some(NrrdField { value: sizes?, line });
             }
-            b"space" => self.space = Some(At { value: String::from_utf8_lossy(value).into_owned(), line }),
-            b"spacedimension" => self.space_dimension = Some(At { value: whole()?, line }),
+            b"space" => {
+                self.space = Some(NrrdField { value: String::from_utf8_lossy(value).into_owned(), line })
+            }
+            b"spacedimension" => self.space_dimension = Some(NrrdField { value: whole()?, line }),
             b"spacedirections" => {
-                self.directions = Some(At { value: directions(value, line)?, line });
+                self.directions = Some(NrrdField { value: directions(value, line)?, line });
             }
             b"spaceorigin" => {
                 let (origin, rest) = vector(value, line)?;
                 if !trim(rest).is_empty() {
-                    return Err(wrong(line, format!("{} follows the origin", show(rest))));
+                    return Err(header_error(line, format!("{} follows the origin", show(rest))));
                 }
-                self.origin = Some(At { value: origin, line });
+                self.origin = Some(NrrdField { value: origin, line });
             }
             b"spacings" => {
-                let spacings: Result<Vec<f64>, _> = Tokens::new(value)
-                    .map(|token| number(token).ok_or_else(|| wrong(line, why_no_number(token))))
+                let spacings: Result<Vec<f64>, _> = LineTokens::new(value)
+                    .map(|token| number(token).ok_or_else(|| header_error(line, number_error(token))))
                     .collect();
-                self.spacings = Some(At { value: spacings?, line });
+                self.spacings = Some(NrrdField { value: spacings?, line });
             }
             b"axismins" | b"axismaxs" => self.mins = Some(line),
             b"kinds" => {
-                let kinds = Tokens::new(value).map(|t| String::from_utf8_lossy(t).to_ascii_lowercase());
-                self.kinds = Some(At { value: kinds.collect(), line });
+                let kinds = LineTokens::new(value).map(|t| String::from_utf8_lossy(t).to_ascii_lowercase());
+                self.kinds = Some(NrrdField { value: kinds.collect(), line });
             }
             b"spaceunits" | b"units" => {
                 let units = quoted(value);
                 // Those of space are the ones that count where both are there.
                 if name == b"spaceunits" || self.units.is_none() {
-                    self.units = Some(At { value: units, line });
+                    self.units = Some(NrrdField { value: units, line });
                 }
             }
             b"content" => self.content = crate::volume::name_of(value),
             b"lineskip" => {
                 self.line_skip =
-                    u64::try_from(whole()?).map_err(|_| wrong(line, "a negative number of lines"))?;
+                    u64::try_from(whole()?).map_err(|_| header_error(line, "a negative number of lines"))?;
             }
             b"byteskip" => {
                 self.byte_skip = whole()?;
                 if self.byte_skip < -1 {
-                    return Err(wrong(
+                    return Err(header_error(
                         line,
                         "bytes to skip are 0 or more, or -1 to count from the file's end",
                     ));
@@ -188,12 +200,12 @@ impl Fields {
                 let message = format!(
                     "the samples are in another file, {name}, and no reader opens a second file; save both as one .nrrd"
                 );
-                return Err(ReadError::new("detached", Place::Line(line), message));
+                return Err(ReadError::new("detached", FileLocation::Line(line), message));
             }
             // Fields that say nothing of where samples are and what they hold.
             b"blocksize" | b"min" | b"max" | b"oldmin" | b"oldmax" | b"number" | b"sampleunits"
             | b"labels" | b"thicknesses" | b"centers" | b"centerings" | b"measurementframe" => {}
-            _ => return Err(wrong(line, format!("{} is no field that is known", show(name)))),
+            _ => return Err(header_error(line, format!("{} is no field that is known", show(name)))),
         }
         Ok(())
     }
@@ -232,7 +244,7 @@ fn directions(value: &[u8], line: u64) -> Result<Vec<Option<[f64; 3]>>, ReadErro
     while !rest.is_empty() {
         // There are no more axes in any file.
         if all.len() == 16 {
-            return Err(wrong(line, "more than 16 axes"));
+            return Err(header_error(line, "more than 16 axes"));
         }
         if let Some(after) = rest.strip_prefix(b"none") {
             all.push(None);
@@ -254,14 +266,14 @@ fn vector(text: &[u8], line: u64) -> Result<([f64; 3], &[u8]), ReadError> {
         Some((&rest[..end], &rest[end + 1..]))
     });
     let (inner, rest) =
-        inner.ok_or_else(|| wrong(line, format!("{} is no vector as (1,0,0)", show(text))))?;
+        inner.ok_or_else(|| header_error(line, format!("{} is no vector as (1,0,0)", show(text))))?;
     let mut vector = [0.0; 3];
     let mut n = 0;
     for part in inner.split(|b| *b == b',') {
         if n == 3 {
             return Err(unsupported(line, "a vector of more than three numbers: space has three axes"));
         }
-        vector[n] = finite(trim(part), || Place::Line(line))?;
+        vector[n] = finite(trim(part), || FileLocation::Line(line))?;
         n += 1;
     }
     if n < 3 {
@@ -270,43 +282,43 @@ fn vector(text: &[u8], line: u64) -> Result<([f64; 3], &[u8]), ReadError> {
     Ok((vector, rest))
 }
 
-fn encoding(value: &[u8], line: u64) -> Result<Encoding, ReadError> {
+fn encoding(value: &[u8], line: u64) -> Result<NrrdEncoding, ReadError> {
     match &value.to_ascii_lowercase()[..] {
-        b"raw" => Ok(Encoding::Raw),
-        b"txt" | b"text" | b"ascii" => Ok(Encoding::Text),
-        b"gz" | b"gzip" => Ok(Encoding::Gzip),
+        b"raw" => Ok(NrrdEncoding::Raw),
+        b"txt" | b"text" | b"ascii" => Ok(NrrdEncoding::Text),
+        b"gz" | b"gzip" => Ok(NrrdEncoding::Gzip),
         _ => Err(unsupported(line, format!("encoding {} is not read: raw, gzip and text are", show(value)))),
     }
 }
 
-fn element(value: &[u8], line: u64) -> Result<Element, ReadError> {
-    let words: Vec<&[u8]> = Tokens::new(value).collect();
+fn element(value: &[u8], line: u64) -> Result<SampleType, ReadError> {
+    let words: Vec<&[u8]> = LineTokens::new(value).collect();
     let name = words.join(&b' ').to_ascii_lowercase();
     Ok(match &name[..] {
-        b"signed char" | b"int8" | b"int8_t" => Element::I8,
-        b"uchar" | b"unsigned char" | b"uint8" | b"uint8_t" => Element::U8,
+        b"signed char" | b"int8" | b"int8_t" => SampleType::I8,
+        b"uchar" | b"unsigned char" | b"uint8" | b"uint8_t" => SampleType::U8,
         b"short" | b"short int" | b"signed short" | b"signed short int" | b"int16" | b"int16_t" => {
-            Element::I16
+            SampleType::I16
         }
-        b"ushort" | b"unsigned short" | b"unsigned short int" | b"uint16" | b"uint16_t" => Element::U16,
-        b"int" | b"signed int" | b"int32" | b"int32_t" => Element::I32,
-        b"uint" | b"unsigned int" | b"uint32" | b"uint32_t" => Element::U32,
+        b"ushort" | b"unsigned short" | b"unsigned short int" | b"uint16" | b"uint16_t" => SampleType::U16,
+        b"int" | b"signed int" | b"int32" | b"int32_t" => SampleType::I32,
+        b"uint" | b"unsigned int" | b"uint32" | b"uint32_t" => SampleType::U32,
         b"longlong"
         | b"long long"
         | b"long long int"
         | b"signed long long"
         | b"signed long long int"
         | b"int64"
-        | b"int64_t" => Element::I64,
+        | b"int64_t" => SampleType::I64,
         b"ulonglong" | b"unsigned long long" | b"unsigned long long int" | b"uint64" | b"uint64_t" => {
-            Element::U64
+            SampleType::U64
         }
-        b"float" => Element::F32,
-        b"double" => Element::F64,
+        b"float" => SampleType::F32,
+        b"double" => SampleType::F64,
         _ => {
             let message =
                 format!("samples of type {} are not read: whole numbers, float and double are", show(value));
-            return Err(ReadError::new("unsupported-type", Place::Line(line), message));
+            return Err(ReadError::new("unsupported-type", FileLocation::Line(line), message));
         }
     })
 }

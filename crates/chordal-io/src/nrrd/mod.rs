@@ -1,4 +1,5 @@
-//! NRRD volumes, `.nrrd`: header and samples in one file, versions 1 to 5; samples raw, packed by gzip, or as text.
+//! NRRD volumes, `.nrrd`: header and samples in one file, versions 1 to 5; samples raw, packed by gzip, or as
+//! text.
 //!
 //! Source: G. Kindlmann, "Definition of NRRD File Format", teem.sourceforge.net/nrrd/format.html (2005).
 mod fields;

@@ -1,11 +1,11 @@
 //! Where the samples of a NRRD file are, and in which space.
-use super::fields::{At, Fields};
+use super::fields::{NrrdField, NrrdHeader};
 use crate::warnings::Warnings;
-use crate::{Axis, Frame, Place, ReadError};
-use chordal::implicit::Affine;
+use crate::{Axis, FileLocation, Frame, ReadError};
+use chordal::implicit::Affine3;
 
 fn singular(line: u64, message: impl Into<String>) -> ReadError {
-    ReadError::new("singular", Place::Line(line), message)
+    ReadError::new("singular", FileLocation::Line(line), message)
 }
 
 /// The map from the indices of the three axes of space: directions and origin, else spacings.
@@ -13,19 +13,19 @@ fn singular(line: u64, message: impl Into<String>) -> ReadError {
 /// # Errors
 /// When it is singular, or does not speak of three axes.
 pub(super) fn affine(
-    fields: &Fields,
+    fields: &NrrdHeader,
     axes: [usize; 3],
     warnings: &mut Warnings,
-) -> Result<Affine, ReadError> {
+) -> Result<Affine3, ReadError> {
     let origin = fields.origin.as_ref().map_or([0.0; 3], |origin| origin.value);
     let (steps, line) = match (&fields.directions, &fields.spacings) {
-        (Some(At { value, line }), _) => {
+        (Some(NrrdField { value, line }), _) => {
             let step = |axis: usize| value.get(axis).copied().flatten();
             let steps: Option<Vec<[f64; 3]>> = axes.iter().map(|axis| step(*axis)).collect();
             let steps = steps.ok_or_else(|| singular(*line, "an axis of space has no direction"))?;
             ([steps[0], steps[1], steps[2]], *line)
         }
-        (None, Some(At { value, line })) => {
+        (None, Some(NrrdField { value, line })) => {
             let mut steps = [[0.0; 3]; 3];
             for (k, axis) in axes.into_iter().enumerate() {
                 let step = value.get(axis).copied().unwrap_or(f64::NAN);
@@ -42,7 +42,7 @@ pub(super) fn affine(
         (None, None) => {
             warnings.count("no-orientation", || {
                 let message = "the file says neither directions nor spacings: its samples are 1 apart";
-                (Place::File, message.to_owned())
+                (FileLocation::File, message.to_owned())
             });
             ([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], 1)
         }
@@ -50,24 +50,27 @@ pub(super) fn affine(
     if let (Some(line), None) = (fields.mins, &fields.directions) {
         warnings.count("axis-mins-ignored", || {
             let message = "axis mins and maxs were not used: directions, or spacings from the origin, place the samples";
-            (Place::Line(line), message.to_owned())
+            (FileLocation::Line(line), message.to_owned())
         });
     }
     let row = |k: usize| [steps[0][k], steps[1][k], steps[2][k], origin[k]];
-    Affine::new([row(0), row(1), row(2)]).map_err(|error| singular(line, error.to_string()))
+    Affine3::new([row(0), row(1), row(2)]).map_err(|error| singular(line, error.to_string()))
 }
 
 /// What is known of the space, and what its axes are called.
 ///
 /// # Errors
 /// When it has other than three axes.
-pub(super) fn space(fields: &Fields, warnings: &mut Warnings) -> Result<(Frame, Option<String>), ReadError> {
-    if let Some(At { value, line }) = fields.space_dimension.as_ref().filter(|n| n.value != 3) {
+pub(super) fn space(
+    fields: &NrrdHeader,
+    warnings: &mut Warnings,
+) -> Result<(Frame, Option<String>), ReadError> {
+    if let Some(NrrdField { value, line }) = fields.space_dimension.as_ref().filter(|n| n.value != 3) {
         let message = format!("a space of {value} axes; three are expected");
-        return Err(ReadError::new("not-3d", Place::Line(*line), message));
+        return Err(ReadError::new("not-3d", FileLocation::Line(*line), message));
     }
     let mut frame = Frame { up: None, metres_per_unit: unit(fields) };
-    let Some(At { value, line }) = &fields.space else { return Ok((frame, None)) };
+    let Some(NrrdField { value, line }) = &fields.space else { return Ok((frame, None)) };
     let known = value.to_ascii_lowercase();
     let (name, is_anatomy, is_left_handed) = match &known[..] {
         "right-anterior-superior" | "ras" => ("RAS", true, false),
@@ -81,7 +84,7 @@ pub(super) fn space(fields: &Fields, warnings: &mut Warnings) -> Result<(Frame, 
                 "space {} is not read: it has to have three axes",
                 crate::text::show(value.as_bytes())
             );
-            return Err(ReadError::new("unsupported", Place::Line(*line), message));
+            return Err(ReadError::new("unsupported", FileLocation::Line(*line), message));
         }
     };
     // The third axis points to the head, whichever way the others point.
@@ -92,14 +95,14 @@ pub(super) fn space(fields: &Fields, warnings: &mut Warnings) -> Result<(Frame, 
                 "space {name} is left-handed: shapes come out as mirror images in programs that take \
                                    it for a right-handed one"
             );
-            (Place::Line(*line), message)
+            (FileLocation::Line(*line), message)
         });
     }
     Ok((frame, Some(name.to_owned())))
 }
 
 /// The length of one unit, where all axes name the same that is known.
-fn unit(fields: &Fields) -> Option<f64> {
+fn unit(fields: &NrrdHeader) -> Option<f64> {
     let units = &fields.units.as_ref()?.value;
     let named: Vec<&String> = units.iter().filter(|unit| !unit.is_empty() && *unit != "???").collect();
     let first = named.first()?;

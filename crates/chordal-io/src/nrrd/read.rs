@@ -1,24 +1,26 @@
 //! Reads `.nrrd`.
-use super::fields::{At, Encoding, Fields};
+use super::fields::{NrrdEncoding, NrrdField, NrrdHeader};
 use super::orientation::{affine, space};
 use crate::nii::which;
-use crate::text::{grouped, number, why_no_number};
+use crate::text::{grouped, number, number_error};
 use crate::volume::count::{along, size_of};
 use crate::volume::element::Endian;
-use crate::volume::gunzip::{Gunzip, check_ratio};
-use crate::volume::samples::{self, Layout, Spelled};
-use crate::volume::stream::Stream;
+use crate::volume::gunzip::{GzipReader, check_ratio};
+use crate::volume::samples::{self, SampleLayout, TextSamples};
+use crate::volume::stream::SampleStream;
 use crate::warnings::Warnings;
-use crate::{Content, Limits, Loaded, Place, ReadError, Volume};
+use crate::{Content, FileLocation, Limits, ReadError, ReadOutcome, Volume};
 use chordal::implicit::{Grid, Samples};
 
-/// The volume of a NRRD file, in the space of the file: its directions and origin place the samples, whichever of RAS, LPS
-/// or another space they are given in. Nothing is turned; [`Volume::space`] says which it is.
+/// The volume of a NRRD file, in the space of the file: its directions and origin place the samples,
+/// whichever of RAS, LPS or another space they are given in. Nothing is turned; [`Volume::space`] says which
+/// it is.
 ///
 /// An axis that is not of space (colours, times) makes several volumes, of which [`Limits::index`] names one.
 ///
 /// # Errors
-/// [`ReadError`] at the line of the header, or at the byte; also for samples in another file, which no reader opens.
+/// [`ReadError`] at the line of the header, or at the byte; also for samples in another file, which no reader
+/// opens.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, nrrd};
@@ -28,16 +30,20 @@ use chordal::implicit::{Grid, Samples};
 /// assert_eq!(volume.grid.affine().at([1.0, 0.0, 1.0]), [14.0, 2.0, 0.0]);
 /// # Ok::<(), chordal_io::ReadError>(())
 /// ```
-pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let mut warnings = Warnings::default();
-    let fields = Fields::read(bytes, limits)?;
+    let fields = NrrdHeader::read(bytes, limits)?;
     let missing = |what: &str| {
-        ReadError::new("bad-header", Place::Line(fields.last_line), format!("the header has no '{what}'"))
+        ReadError::new(
+            "bad-header",
+            FileLocation::Line(fields.last_line),
+            format!("the header has no '{what}'"),
+        )
     };
     let element = fields.element.ok_or_else(|| missing("type"))?;
     let encoding = fields.encoding.ok_or_else(|| missing("encoding"))?;
     let sizes = sizes(&fields)?;
-    let place = Place::Line(sizes.line);
+    let place = FileLocation::Line(sizes.line);
     let (axes, list) = axes(&fields, &sizes.value, &place)?;
     for (axis, n) in sizes.value.iter().enumerate() {
         along(axis, *n, &place)?;
@@ -45,10 +51,10 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
     let size = size_of(axes.map(|axis| sizes.value[axis]), element, &place, limits)?;
     let affine = affine(&fields, axes, &mut warnings)?;
     let (frame, space) = space(&fields, &mut warnings)?;
-    if element.width() > 1 && encoding != Encoding::Text && fields.endian.is_none() {
+    if element.width() > 1 && encoding != NrrdEncoding::Text && fields.endian.is_none() {
         return Err(missing("endian"));
     }
-    let mut layout = Layout::volumes(element, fields.endian.unwrap_or(Endian::Little), size);
+    let mut layout = SampleLayout::volumes(element, fields.endian.unwrap_or(Endian::Little), size);
     if let Some(list) = list {
         let product = |sizes: &[i64]| sizes.iter().map(|n| *n as u64).product();
         layout.inner = product(&sizes.value[..list]);
@@ -56,30 +62,38 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
         layout.of = sizes.value[list] as u64;
     }
     layout.index = which(layout.of, limits, &place)?;
-    let samples = samples_of(bytes, &fields, &layout, &Found { encoding, limits }, &mut warnings)?;
+    let samples = samples_of(bytes, &fields, &layout, &DecodeContext { encoding, limits }, &mut warnings)?;
     samples::count_not_finite(&samples, &mut warnings);
     let grid = Grid::new(size, samples, affine)
         .map_err(|error| ReadError::new("bad-size", place, error.to_string()))?;
     let volume = Volume { grid, frame, name: fields.content, space, certificate: fields.certificate };
-    Ok(Loaded { content: Content::Volume(volume), warnings: warnings.into_list() })
+    Ok(ReadOutcome { content: Content::Volume(volume), warnings: warnings.into_list() })
 }
 
 /// The sizes of all axes, as many as there are said to be.
-fn sizes(fields: &Fields) -> Result<At<Vec<i64>>, ReadError> {
+fn sizes(fields: &NrrdHeader) -> Result<NrrdField<Vec<i64>>, ReadError> {
     let missing = |what: &str| {
-        ReadError::new("bad-header", Place::Line(fields.last_line), format!("the header has no '{what}'"))
+        ReadError::new(
+            "bad-header",
+            FileLocation::Line(fields.last_line),
+            format!("the header has no '{what}'"),
+        )
     };
     let dimension = fields.dimension.as_ref().ok_or_else(|| missing("dimension"))?;
     let sizes = fields.sizes.clone().ok_or_else(|| missing("sizes"))?;
     if sizes.value.len() as i64 != dimension.value {
         let message = format!("{} sizes for dimension {}", sizes.value.len(), dimension.value);
-        return Err(ReadError::new("bad-header", Place::Line(sizes.line), message));
+        return Err(ReadError::new("bad-header", FileLocation::Line(sizes.line), message));
     }
     Ok(sizes)
 }
 
 /// The axes of space, and the one that is not.
-fn axes(fields: &Fields, sizes: &[i64], place: &Place) -> Result<([usize; 3], Option<usize>), ReadError> {
+fn axes(
+    fields: &NrrdHeader,
+    sizes: &[i64],
+    place: &FileLocation,
+) -> Result<([usize; 3], Option<usize>), ReadError> {
     let n = sizes.len();
     if n == 3 {
         return Ok(([0, 1, 2], None));
@@ -105,23 +119,23 @@ fn axes(fields: &Fields, sizes: &[i64], place: &Place) -> Result<([usize; 3], Op
 }
 
 /// How to read on.
-struct Found<'a> {
-    encoding: Encoding,
+struct DecodeContext<'a> {
+    encoding: NrrdEncoding,
     limits: &'a Limits,
 }
 
 fn samples_of(
     bytes: &[u8],
-    fields: &Fields,
-    layout: &Layout,
-    found: &Found,
+    fields: &NrrdHeader,
+    layout: &SampleLayout,
+    found: &DecodeContext,
     warnings: &mut Warnings,
 ) -> Result<Samples, ReadError> {
     let start = after_lines(bytes, fields)?;
     let skipped = u64::try_from(fields.byte_skip).ok();
     match found.encoding {
-        Encoding::Raw => {
-            let mut stream = Stream::plain(bytes, start);
+        NrrdEncoding::Raw => {
+            let mut stream = SampleStream::plain(bytes, start);
             let declared = layout.bytes().unwrap_or(u64::MAX);
             let left = (bytes.len() - start) as u64;
             // Counted from the end where the header says -1.
@@ -131,33 +145,33 @@ fn samples_of(
             }
             samples::read(&mut stream, layout, found.limits, warnings)
         }
-        Encoding::Gzip => {
-            check_ratio(layout.bytes(), (bytes.len() - start) as u64, &Place::Byte(start as u64))?;
-            let mut stream = Stream::Packed(Gunzip::new(&bytes[start..], start as u64));
+        NrrdEncoding::Gzip => {
+            check_ratio(layout.bytes(), (bytes.len() - start) as u64, &FileLocation::Byte(start as u64))?;
+            let mut stream = SampleStream::Packed(GzipReader::new(&bytes[start..], start as u64));
             let skip = skipped.ok_or_else(|| {
                 let message = "packed samples are not counted from the end: 'byte skip' is 0 or more";
-                ReadError::new("bad-header", Place::File, message)
+                ReadError::new("bad-header", FileLocation::File, message)
             })?;
             if stream.skip(skip)? < skip {
                 return Err(stream.truncated(0, skip));
             }
             samples::read(&mut stream, layout, found.limits, warnings)
         }
-        Encoding::Text => {
+        NrrdEncoding::Text => {
             let skip = skipped.map_or(0, |n| usize::try_from(n).unwrap_or(usize::MAX));
             let text = bytes[start..].get(skip..).unwrap_or(&[]);
-            spelled(text, start + (bytes.len() - start - text.len()), layout)
+            parse_text_samples(text, start + (bytes.len() - start - text.len()), layout)
         }
     }
 }
 
 /// The byte after as many lines as the header says to skip.
-fn after_lines(bytes: &[u8], fields: &Fields) -> Result<usize, ReadError> {
+fn after_lines(bytes: &[u8], fields: &NrrdHeader) -> Result<usize, ReadError> {
     let mut at = fields.end;
     for _ in 0..fields.line_skip {
         let Some(end) = memchr::memchr(b'\n', &bytes[at..]) else {
             let message = format!("there are not {} lines to skip", grouped(fields.line_skip));
-            return Err(ReadError::new("truncated", Place::Byte(bytes.len() as u64), message));
+            return Err(ReadError::new("truncated", FileLocation::Byte(bytes.len() as u64), message));
         };
         at += end + 1;
     }
@@ -165,11 +179,12 @@ fn after_lines(bytes: &[u8], fields: &Fields) -> Result<usize, ReadError> {
 }
 
 /// Numbers with spaces or commas between them.
-fn spelled(text: &[u8], start: usize, layout: &Layout) -> Result<Samples, ReadError> {
+fn parse_text_samples(text: &[u8], start: usize, layout: &SampleLayout) -> Result<Samples, ReadError> {
     let declared = layout.inner.saturating_mul(layout.of).saturating_mul(layout.outer);
-    let mut kept = Spelled::new(layout.element);
+    let mut kept = TextSamples::new(layout.element);
     let mut row = 0;
-    let place = |token: &[u8]| Place::Byte((start + token.as_ptr() as usize - text.as_ptr() as usize) as u64);
+    let place =
+        |token: &[u8]| FileLocation::Byte((start + token.as_ptr() as usize - text.as_ptr() as usize) as u64);
     for token in text.split(|b| crate::text::is_space(*b) || *b == b',').filter(|token| !token.is_empty()) {
         if row == declared {
             let message = format!(
@@ -180,7 +195,7 @@ fn spelled(text: &[u8], start: usize, layout: &Layout) -> Result<Samples, ReadEr
             return Err(ReadError::new("trailing-bytes", place(token), message));
         }
         let value =
-            number(token).ok_or_else(|| ReadError::new("bad-number", place(token), why_no_number(token)))?;
+            number(token).ok_or_else(|| ReadError::new("bad-number", place(token), number_error(token)))?;
         let is_wanted = (row / layout.inner) % layout.of == layout.index;
         if is_wanted && !kept.push(value)? {
             let message = format!("{value} is no number of the type that the header names");
@@ -194,7 +209,7 @@ fn spelled(text: &[u8], start: usize, layout: &Layout) -> Result<Samples, ReadEr
             grouped(row),
             grouped(declared)
         );
-        return Err(ReadError::new("truncated", Place::Byte((start + text.len()) as u64), message));
+        return Err(ReadError::new("truncated", FileLocation::Byte((start + text.len()) as u64), message));
     }
     kept.finish()
 }

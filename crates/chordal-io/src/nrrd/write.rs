@@ -1,24 +1,24 @@
 //! Writes `.nrrd`.
 use super::CERTIFICATE;
 use crate::npy::write_samples;
-use crate::number::Shortest;
+use crate::number::ShortestDecimal;
 use crate::{Volume, WriteError};
 use chordal::implicit::Samples;
 use serde_json::Value;
 use std::io::Write;
 
-/// Writes a volume with its directions, origin, unit and certificate: raw, little-endian. Every number reads back to
-/// the last bit.
+/// Writes a volume with its directions, origin, unit and certificate: raw, little-endian. Every number reads
+/// back to the last bit.
 ///
 /// # Errors
 /// When the sink fails.
 ///
 /// ```
-/// use chordal::implicit::{Affine, Grid, Samples};
+/// use chordal::implicit::{Affine3, Grid, Samples};
 /// use chordal_io::{Content, Limits, Volume, nrrd};
-/// let affine = Affine::new([[0.1, 0.5, 0.0, 7.0], [0.0, -0.3, 0.0, 8.0], [0.0, 0.0, 2.0, 9.0]])?;
+/// let affine = Affine3::new([[0.1, 0.5, 0.0, 7.0], [0.0, -0.3, 0.0, 8.0], [0.0, 0.0, 2.0, 9.0]])?;
 /// let grid = Grid::new([2, 2, 2], Samples::F32((0_u8..8).map(f32::from).collect()), affine)?;
-/// let (volume, mut file) = (Volume::of(grid), Vec::new());
+/// let (volume, mut file) = (Volume::from_grid(grid), Vec::new());
 /// nrrd::write(&volume, None, &mut file)?;
 /// let Content::Volume(back) = nrrd::read(&file, &Limits::default())?.content else { unreachable!() };
 /// assert_eq!(back.grid, volume.grid);
@@ -37,7 +37,9 @@ pub fn write(volume: &Volume, certificate: Option<&Value>, out: &mut dyn Write) 
         _ => return Err(WriteError::Unsupported("nrrd holds no samples of that type".to_owned())),
     };
     let [x, y, z] = volume.grid.size();
-    let vector = |v: [f64; 3]| format!("({},{},{})", Shortest(v[0]), Shortest(v[1]), Shortest(v[2]));
+    let vector = |v: [f64; 3]| {
+        format!("({},{},{})", ShortestDecimal(v[0]), ShortestDecimal(v[1]), ShortestDecimal(v[2]))
+    };
     let [a, b, c] = volume.grid.affine().steps().map(vector);
     let rows = volume.grid.affine().rows();
     writeln!(out, "NRRD0004")?;

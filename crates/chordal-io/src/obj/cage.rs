@@ -1,37 +1,37 @@
-//! `CageRows`: the polygons of an OBJ as they are, for a cage.
-use super::rows::Corner;
-use super::tags::Tags;
+//! `CageBuilder`: the polygons of an OBJ as they are, for a cage.
+use super::tags::SubdivTags;
+use super::vertex_table::ObjCorner;
 use crate::assemble::check_extent;
 use crate::faces::SHORT_FACES;
 use crate::grow::{push, with_room};
 use crate::polygons::Polygons;
 use crate::text::{grouped, not_finite};
 use crate::warnings::Warnings;
-use crate::{Frame, Place, ReadError};
+use crate::{FileLocation, Frame, ReadError};
 use chordal::explicit::{Cage, CornerTexcoords, InvalidCage, Scheme};
 
 /// Polygons so far.
 #[derive(Debug)]
-pub(super) struct CageRows {
+pub(super) struct CageBuilder {
     scheme: Scheme,
-    pub(super) tags: Tags,
+    pub(super) tags: SubdivTags,
     /// Where the corners of each face end.
     ends: Vec<u32>,
     corners: Vec<u32>,
     /// One a corner once one has some, and none before.
     texcoords: Vec<u32>,
     n_normals: u64,
-    /// Faces in the count of the file that are too short to be any.
+    /// OfFaces in the count of the file that are too short to be any.
     short: Vec<u32>,
     /// A face's vertices in order, to see whether one comes twice.
     sorted: Vec<u32>,
 }
 
-impl CageRows {
+impl CageBuilder {
     pub(super) fn new(scheme: Scheme, n_faces: usize) -> Result<Self, ReadError> {
         Ok(Self {
             scheme,
-            tags: Tags::default(),
+            tags: SubdivTags::default(),
             ends: with_room(n_faces)?,
             corners: Vec::new(),
             texcoords: Vec::new(),
@@ -41,14 +41,14 @@ impl CageRows {
         })
     }
 
-    /// Faces so far.
+    /// OfFaces so far.
     pub(super) fn n_faces(&self) -> usize {
         self.ends.len()
     }
 
     /// A corner of the face that is being read.
     #[inline]
-    pub(super) fn corner(&mut self, corner: Corner) -> Result<(), ReadError> {
+    pub(super) fn corner(&mut self, corner: ObjCorner) -> Result<(), ReadError> {
         if corner.texcoord > 0 && self.texcoords.is_empty() {
             self.texcoords = with_room(self.corners.len())?;
             self.texcoords.resize(self.corners.len(), CornerTexcoords::NONE);
@@ -64,7 +64,7 @@ impl CageRows {
     /// The face has all its corners.
     pub(super) fn end_face(&mut self, line: u64, warnings: &mut Warnings) -> Result<(), ReadError> {
         let start = self.ends.last().map_or(0, |end| *end as usize);
-        let place = Place::Line(line);
+        let place = FileLocation::Line(line);
         let Ok(end) = u32::try_from(self.corners.len()) else {
             return Err(crate::grow::out_of_memory(self.corners.len()));
         };
@@ -108,7 +108,7 @@ impl CageRows {
         warnings: &mut Warnings,
     ) -> Result<Polygons, ReadError> {
         if let Some(row) = positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
-            let error = not_finite(b"of a cage", Place::Row { list: "vertex", row: row as u64 });
+            let error = not_finite(b"of a cage", FileLocation::Row { list: "vertex", row: row as u64 });
             let message =
                 format!("{}: only triangles are taken apart, with --surface faceted", error.message);
             return Err(ReadError { message, ..error });
@@ -132,12 +132,12 @@ impl CageRows {
         if rows.iter().all(|row| *row == CornerTexcoords::NONE) {
             let message = "texcoords that no face names were dropped";
             warnings.count_all("texcoords-unused", texcoords.len() as u64, message);
-            return Ok(Polygons::of(cage, Frame::default()));
+            return Ok(Polygons::from_cage(cage, Frame::default()));
         }
         let texcoords =
             finite(CornerTexcoords { values: texcoords, corners: rows, linear: tags.linear }, warnings);
         let cage = cage.with_texcoords(texcoords).map_err(|error| invalid(&error, &tags))?;
-        Ok(Polygons::of(cage, Frame::default()))
+        Ok(Polygons::from_cage(cage, Frame::default()))
     }
 
     /// Counts what is legal but seldom meant, and what a cage has no use for. Nothing is changed.
@@ -191,7 +191,7 @@ fn kept_holes(holes: &[u32], short: &[u32], warnings: &mut Warnings) -> Result<V
 }
 
 /// What the rows alone do not tell: creases where there is no edge.
-fn invalid(error: &InvalidCage, tags: &Tags) -> ReadError {
+fn invalid(error: &InvalidCage, tags: &SubdivTags) -> ReadError {
     match error {
         InvalidCage::NoSuchEdge { ends: [a, b] } => {
             let crease = tags.creases.iter().position(|(ends, _)| ends == &[*a, *b]);
@@ -201,8 +201,8 @@ fn invalid(error: &InvalidCage, tags: &Tags) -> ReadError {
                 grouped(u64::from(*a)),
                 grouped(u64::from(*b))
             );
-            ReadError::new("no-such-edge", Place::Line(line), message)
+            ReadError::new("no-such-edge", FileLocation::Line(line), message)
         }
-        other => ReadError::new("invalid-cage", Place::File, other.to_string()),
+        other => ReadError::new("invalid-cage", FileLocation::File, other.to_string()),
     }
 }

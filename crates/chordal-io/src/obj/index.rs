@@ -1,6 +1,6 @@
 //! Indices of OBJ: from 1, or backwards from -1, never wrapped.
-use crate::text::{NoInteger, grouped, integer, show};
-use crate::{Place, ReadError};
+use crate::text::{IntegerError, grouped, integer, show};
+use crate::{FileLocation, ReadError};
 
 /// 0 for what is left empty, else the row from 1.
 #[inline]
@@ -11,8 +11,8 @@ pub(super) fn optional(
     if token.is_empty() { Ok(0) } else { Ok(index()? + 1) }
 }
 
-/// The row from 0 that an index names: from 1 over all `total` rows of the file, or backwards from -1 over the `before`
-/// rows that stand before this line.
+/// The row from 0 that an index names: from 1 over all `total` rows of the file, or backwards from -1 over
+/// the `before` rows that stand before this line.
 #[inline]
 pub(super) fn index(
     line: u64,
@@ -30,7 +30,7 @@ pub(super) fn index(
     row.and_then(|row| u32::try_from(row).ok()).ok_or_else(|| {
         let shown = show(token);
         let (code, message) = match integer(token) {
-            Err(NoInteger::Spelling) => ("not-an-index", format!("{shown} is not an index of a {one}")),
+            Err(IntegerError::Spelling) => ("not-an-index", format!("{shown} is not an index of a {one}")),
             Ok(0) => ("index-out-of-range", format!("index 0 of a {one}: indices start at 1")),
             Ok(..0) => {
                 let n = grouped(before as u64);
@@ -44,6 +44,6 @@ pub(super) fn index(
                 ("index-out-of-range", format!("index {shown} is out of range: the file has {n} {many}"))
             }
         };
-        ReadError::new(code, Place::Line(line), message)
+        ReadError::new(code, FileLocation::Line(line), message)
     })
 }

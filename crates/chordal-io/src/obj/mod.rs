@@ -1,15 +1,15 @@
 //! Wavefront OBJ: polygons with their corners' texture coordinates and normals.
 mod cage;
+mod detect;
 mod index;
-mod kind;
 mod read;
-mod rows;
 mod statements;
 mod tags;
+mod vertex_table;
 mod write;
 mod write_polygons;
 
-pub(crate) use kind::looks_like;
+pub(crate) use detect::looks_like;
 pub use read::read;
 pub(crate) use write::colors_agree;
 pub use write::write;

@@ -1,31 +1,33 @@
 //! Reads Wavefront OBJ.
 use super::CERTIFICATE;
-use super::cage::CageRows;
+use super::cage::CageBuilder;
+use super::detect::{SKIPPED, escapes_folder, refuse_foreign};
 use super::index::{index, optional};
-use super::kind::{SKIPPED, leaves_the_folder, refuse_others};
-use super::rows::{Corner, Rows};
-use super::statements::{Counts, Statements};
-use crate::assemble::{self, Raw, too_many_rows};
+use super::statements::{ObjRowCounts, ObjStatements};
+use super::vertex_table::{ObjCorner, ObjVertexTable};
+use crate::assemble::{self, RawMesh, too_many_rows};
 use crate::faces::{Faces, SHORT_FACES};
 use crate::groups::Groups;
 use crate::grow::{push, push_many, with_room};
-use crate::text::{Tokens, integer, not_finite, number, show, text_of, why_no_number};
+use crate::text::{LineTokens, integer, not_finite, number, number_error, show, text_of};
 use crate::warnings::Warnings;
-use crate::{Content, Frame, Limits, Loaded, Place, PolygonSurface, ReadError, Scene};
+use crate::{Content, FileLocation, Frame, Limits, PolygonSurface, ReadError, ReadOutcome, Scene};
 use chordal::explicit::{Attribute, Domain, Scheme, Semantic};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// The mesh of an OBJ file, as one part; or its polygons as one cage, where it has subdivision tags or `limits.surface` says so.
+/// The mesh of an OBJ file, as one part; or its polygons as one cage, where it has subdivision tags or
+/// `limits.surface` says so.
 ///
-/// The first rows of the mesh are the `v` lines in order. A position whose faces use several normals or texture
-/// coordinates gets further rows after them, tied to it by `position_id`. Polygons are cut into triangles. `usemtl`,
-/// `g`, `o` and `s` become face attributes [`Semantic::Group`], with their names in [`Scene::groups`]. Colours after
-/// a position become [`Semantic::Color`]. Material libraries are never opened.
+/// The first rows of the mesh are the `v` lines in order. A position whose faces use several normals or
+/// texture coordinates gets further rows after them, tied to it by `position_id`. Polygons are cut into
+/// triangles. `usemtl`, `g`, `o` and `s` become face attributes [`Semantic::Group`], with their names in
+/// [`Scene::groups`]. Colours after a position become [`Semantic::Color`]. Material libraries are never
+/// opened.
 ///
-/// A cage has one row for each `v` line and one face for each polygon of three corners or more, both in the order of the file. It
-/// keeps texture coordinates by their own indices, and no normals. Its tags are those of OpenSubdiv's shapes, and those that
-/// [`super::write_polygons`] adds.
+/// A cage has one row for each `v` line and one face for each polygon of three corners or more, both in the
+/// order of the file. It keeps texture coordinates by their own indices, and no normals. Its tags are those
+/// of OpenSubdiv's shapes, and those that [`super::write_polygons`] adds.
 ///
 /// # Errors
 /// [`ReadError`] at the line.
@@ -38,22 +40,22 @@ use std::collections::BTreeMap;
 /// assert_eq!(scene.groups["usemtl"], ["", "red"]);
 /// # Ok::<(), chordal_io::ReadError>(())
 /// ```
-pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
-    refuse_others(bytes)?;
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
+    refuse_foreign(bytes)?;
     let text = text_of(bytes)?;
-    let mut reader = Reader::new(Counts::of(text), limits)?;
-    let mut statements = Statements::new(text);
+    let mut reader = ObjReader::new(ObjRowCounts::scan(text), limits)?;
+    let mut statements = ObjStatements::new(text);
     while let Some((line, statement)) = statements.next() {
         reader.statement(line, statement)?;
     }
     reader.finish()
 }
 
-/// The kinds of groups, in the order of `Reader::groups`.
+/// The kinds of groups, in the order of `ObjReader::groups`.
 const GROUPS: [&str; 4] = ["usemtl", "g", "o", "s"];
 
 /// By which rules the polygons are refined, if they are those of a cage.
-fn scheme(counts: &Counts, surface: Option<PolygonSurface>) -> Option<Scheme> {
+fn scheme(counts: &ObjRowCounts, surface: Option<PolygonSurface>) -> Option<Scheme> {
     match surface {
         Some(PolygonSurface::Faceted) => None,
         Some(PolygonSurface::CatmullClark) => Some(Scheme::CatmullClark),
@@ -64,7 +66,7 @@ fn scheme(counts: &Counts, surface: Option<PolygonSurface>) -> Option<Scheme> {
 }
 
 /// The groups of faces, and their names by kind.
-fn named(groups: [Groups; 4], n_faces: usize) -> Result<Named, ReadError> {
+fn group_attributes(groups: [Groups; 4], n_faces: usize) -> Result<GroupedAttributes, ReadError> {
     let (mut attributes, mut names) = (Vec::new(), BTreeMap::new());
     for (kind, groups) in GROUPS.into_iter().zip(groups) {
         if let Some(attribute) = groups.attribute(kind, n_faces)? {
@@ -77,11 +79,11 @@ fn named(groups: [Groups; 4], n_faces: usize) -> Result<Named, ReadError> {
     Ok((attributes, names))
 }
 
-type Named = (Vec<Attribute>, BTreeMap<String, Vec<String>>);
+type GroupedAttributes = (Vec<Attribute>, BTreeMap<String, Vec<String>>);
 
-struct Reader<'a> {
+struct ObjReader<'a> {
     limits: &'a Limits,
-    counts: Counts,
+    counts: ObjRowCounts,
     warnings: Warnings,
     positions: Vec<[f64; 3]>,
     /// As many as positions once one of them has a colour, and none before.
@@ -90,18 +92,18 @@ struct Reader<'a> {
     has_alpha: bool,
     texcoords: Vec<[f64; 2]>,
     normals: Vec<[f64; 3]>,
-    rows: Rows,
+    rows: ObjVertexTable,
     faces: Faces,
     /// The faces where they are those of a cage.
-    cage: Option<CageRows>,
+    cage: Option<CageBuilder>,
     groups: [Groups; 4],
     corners: Vec<u32>,
     certificate: Option<Value>,
     n_known: u64,
 }
 
-impl<'a> Reader<'a> {
-    fn new(counts: Counts, limits: &'a Limits) -> Result<Self, ReadError> {
+impl<'a> ObjReader<'a> {
+    fn new(counts: ObjRowCounts, limits: &'a Limits) -> Result<Self, ReadError> {
         counts.check(limits)?;
         let scheme = scheme(&counts, limits.surface);
         let of_triangles = |n: usize| if scheme.is_none() { n } else { 0 };
@@ -115,9 +117,9 @@ impl<'a> Reader<'a> {
             has_alpha: false,
             texcoords: with_room(counts.texcoords)?,
             normals: with_room(counts.normals)?,
-            rows: Rows::new(of_triangles(counts.positions))?,
+            rows: ObjVertexTable::new(of_triangles(counts.positions))?,
             faces: Faces::with_room(of_triangles(counts.faces))?,
-            cage: scheme.map(|scheme| CageRows::new(scheme, counts.faces)).transpose()?,
+            cage: scheme.map(|scheme| CageBuilder::new(scheme, counts.faces)).transpose()?,
             groups: Default::default(),
             corners: Vec::new(),
             certificate: None,
@@ -127,12 +129,12 @@ impl<'a> Reader<'a> {
 
     #[inline]
     fn statement(&mut self, line: u64, statement: &[u8]) -> Result<(), ReadError> {
-        let mut tokens = Tokens::new(statement);
+        let mut tokens = LineTokens::new(statement);
         let Some(word) = tokens.next() else { return Ok(()) };
         if word.starts_with(b"#") {
             if let Some(text) = statement.strip_prefix(CERTIFICATE) {
                 self.certificate =
-                    crate::certificate::read(text, self.limits, Place::Line(line), &mut self.warnings);
+                    crate::certificate::read(text, self.limits, FileLocation::Line(line), &mut self.warnings);
             }
             return Ok(());
         }
@@ -161,38 +163,39 @@ impl<'a> Reader<'a> {
     fn numbers<const N: usize>(
         line: u64,
         what: &str,
-        tokens: Tokens,
+        tokens: LineTokens,
     ) -> Result<([f64; N], usize), ReadError> {
         let (mut values, mut n) = ([0.0; N], 0);
         for token in tokens {
             if n == N {
                 let message = format!("{what} has more than {N} numbers");
-                return Err(ReadError::new("wrong-width", Place::Line(line), message));
+                return Err(ReadError::new("wrong-width", FileLocation::Line(line), message));
             }
-            values[n] = number(token)
-                .ok_or_else(|| ReadError::new("not-a-number", Place::Line(line), why_no_number(token)))?;
+            values[n] = number(token).ok_or_else(|| {
+                ReadError::new("not-a-number", FileLocation::Line(line), number_error(token))
+            })?;
             n += 1;
         }
         Ok((values, n))
     }
 
     #[inline]
-    fn position(&mut self, line: u64, tokens: Tokens) -> Result<(), ReadError> {
+    fn position(&mut self, line: u64, tokens: LineTokens) -> Result<(), ReadError> {
         let (values, n) = Self::numbers::<7>(line, "v", tokens.clone())?;
         if !matches!(n, 3 | 4 | 6 | 7) {
             let message = format!("v has {n} numbers; 3 are needed, 4 with a weight, 6 or 7 with a colour");
-            return Err(ReadError::new("wrong-width", Place::Line(line), message));
+            return Err(ReadError::new("wrong-width", FileLocation::Line(line), message));
         }
         let [x, y, z, r, g, b, a] = values;
         if let Some(k) = values[..3].iter().position(|x| !x.is_finite())
             && !self.limits.drop_nonfinite
         {
-            return Err(not_finite(tokens.clone().nth(k).unwrap_or_default(), Place::Line(line)));
+            return Err(not_finite(tokens.clone().nth(k).unwrap_or_default(), FileLocation::Line(line)));
         }
         if n == 4 && values[3] != 1.0 {
             self.warnings.count("weights-skipped", || {
                 (
-                    Place::Line(line),
+                    FileLocation::Line(line),
                     "weights of vertices were skipped; they matter to free-form shapes only".into(),
                 )
             });
@@ -209,33 +212,33 @@ impl<'a> Reader<'a> {
         push(&mut self.positions, [x, y, z])
     }
 
-    fn texcoord(&mut self, line: u64, tokens: Tokens) -> Result<(), ReadError> {
+    fn texcoord(&mut self, line: u64, tokens: LineTokens) -> Result<(), ReadError> {
         let ([u, v, w], n) = Self::numbers::<3>(line, "vt", tokens)?;
         if n == 0 {
             return Err(ReadError::new(
                 "wrong-width",
-                Place::Line(line),
+                FileLocation::Line(line),
                 "vt has no numbers; 1 to 3 are needed",
             ));
         }
         if w != 0.0 {
             let message = "third texture coordinates were skipped";
-            self.warnings.count("texcoord-w-skipped", || (Place::Line(line), message.to_owned()));
+            self.warnings.count("texcoord-w-skipped", || (FileLocation::Line(line), message.to_owned()));
         }
         push(&mut self.texcoords, [u, v])
     }
 
-    fn normal(&mut self, line: u64, tokens: Tokens) -> Result<(), ReadError> {
+    fn normal(&mut self, line: u64, tokens: LineTokens) -> Result<(), ReadError> {
         let (normal, n) = Self::numbers::<3>(line, "vn", tokens)?;
         if n != 3 {
             let message = format!("vn has {n} numbers where 3 are needed");
-            return Err(ReadError::new("wrong-width", Place::Line(line), message));
+            return Err(ReadError::new("wrong-width", FileLocation::Line(line), message));
         }
         push(&mut self.normals, normal)
     }
 
     #[inline]
-    fn face(&mut self, line: u64, tokens: Tokens) -> Result<(), ReadError> {
+    fn face(&mut self, line: u64, tokens: LineTokens) -> Result<(), ReadError> {
         if self.cage.is_some() {
             return self.polygon(line, tokens);
         }
@@ -246,20 +249,28 @@ impl<'a> Reader<'a> {
             push(&mut corners, self.rows.row(corner)?)?;
         }
         match corners.len() {
-            0 => return Err(ReadError::new("too-few-corners", Place::Line(line), "a face has no corners")),
-            1 | 2 => self.warnings.count("short-faces", || (Place::Line(line), SHORT_FACES.to_owned())),
+            0 => {
+                return Err(ReadError::new(
+                    "too-few-corners",
+                    FileLocation::Line(line),
+                    "a face has no corners",
+                ));
+            }
+            1 | 2 => {
+                self.warnings.count("short-faces", || (FileLocation::Line(line), SHORT_FACES.to_owned()))
+            }
             _ => self.faces.push(&corners, line)?,
         }
         self.corners = corners;
         let n = self.faces.n_triangles() as u64;
         if n > self.limits.rows {
-            return Err(too_many_rows(Place::Line(line), "triangles", n, self.limits.rows));
+            return Err(too_many_rows(FileLocation::Line(line), "triangles", n, self.limits.rows));
         }
         Ok(())
     }
 
     /// A face of a cage.
-    fn polygon(&mut self, line: u64, tokens: Tokens) -> Result<(), ReadError> {
+    fn polygon(&mut self, line: u64, tokens: LineTokens) -> Result<(), ReadError> {
         for token in tokens {
             let corner = self.corner(line, token)?;
             self.cage.iter_mut().try_for_each(|cage| cage.corner(corner))?;
@@ -269,21 +280,21 @@ impl<'a> Reader<'a> {
 
     /// Triangles so far, or faces of the cage.
     fn n_faces(&self) -> usize {
-        self.cage.as_ref().map_or(self.faces.n_triangles(), CageRows::n_faces)
+        self.cage.as_ref().map_or(self.faces.n_triangles(), CageBuilder::n_faces)
     }
 
     /// `v`, `v/vt`, `v//vn` or `v/vt/vn`; what is left empty is none.
     #[inline]
-    fn corner(&self, line: u64, token: &[u8]) -> Result<Corner, ReadError> {
+    fn corner(&self, line: u64, token: &[u8]) -> Result<ObjCorner, ReadError> {
         let mut parts = token.split(|b| *b == b'/');
         let position = parts.next().unwrap_or_default();
         let texcoord = parts.next().unwrap_or_default();
         let normal = parts.next().unwrap_or_default();
         if parts.next().is_some() {
             let message = format!("{} has more than three indices", show(token));
-            return Err(ReadError::new("not-an-index", Place::Line(line), message));
+            return Err(ReadError::new("not-an-index", FileLocation::Line(line), message));
         }
-        let Counts { positions, texcoords, normals, .. } = self.counts;
+        let ObjRowCounts { positions, texcoords, normals, .. } = self.counts;
         let position = index(line, position, ["vertex", "vertices"], self.positions.len(), positions)?;
         let texcoord = optional(texcoord, || {
             index(
@@ -296,14 +307,17 @@ impl<'a> Reader<'a> {
         })?;
         let normal =
             optional(normal, || index(line, normal, ["normal", "normals"], self.normals.len(), normals))?;
-        Ok(Corner { position, texcoord, normal })
+        Ok(ObjCorner { position, texcoord, normal })
     }
 
     fn group(&mut self, kind: usize, line: u64, name: &[u8]) -> Result<(), ReadError> {
         let text = String::from_utf8_lossy(name);
         if matches!(text, std::borrow::Cow::Owned(_)) {
             self.warnings.count("name-not-utf8", || {
-                (Place::Line(line), format!("names that are not UTF-8 were changed, {} first", show(name)))
+                (
+                    FileLocation::Line(line),
+                    format!("names that are not UTF-8 were changed, {} first", show(name)),
+                )
             });
         }
         let n_faces = self.n_faces();
@@ -317,7 +331,7 @@ impl<'a> Reader<'a> {
             _ => {
                 self.warnings.count("smoothing-group", || {
                     (
-                        Place::Line(line),
+                        FileLocation::Line(line),
                         format!(
                             "smoothing groups that are no number were taken as off, {} first",
                             show(text)
@@ -333,13 +347,13 @@ impl<'a> Reader<'a> {
 
     /// Statements that are counted and skipped.
     fn other(&mut self, line: u64, word: &[u8], rest: &[u8]) {
-        let place = Place::Line(line);
+        let place = FileLocation::Line(line);
         let count = |code, message: &str| self.warnings.count(code, || (place, message.to_owned()));
         match word {
             b"l" => count("lines-skipped", "lines (l) were skipped"),
             b"p" => count("points-skipped", "points (p) were skipped"),
             b"t" => count("tags-skipped", "subdivision tags (t) were skipped: the faces are taken as flat"),
-            b"mtllib" if leaves_the_folder(rest) => {
+            b"mtllib" if escapes_folder(rest) => {
                 count("mtllib-outside", "material libraries outside the folder were skipped");
             }
             b"mtllib" => {
@@ -364,15 +378,15 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn finish(mut self) -> Result<Loaded, ReadError> {
+    fn finish(mut self) -> Result<ReadOutcome, ReadError> {
         if self.n_known == 0 {
             let message = "not Wavefront OBJ: there is no v, f or any other of its statements";
-            return Err(ReadError::new("not-wavefront", Place::File, message));
+            return Err(ReadError::new("not-wavefront", FileLocation::File, message));
         }
         if let Some(cage) = self.cage.take() {
             return self.finish_cage(cage);
         }
-        let mut raw = Raw { attributes: self.vertex_attributes()?, ..Raw::default() };
+        let mut raw = RawMesh { attributes: self.vertex_attributes()?, ..RawMesh::default() };
         if self.rows.has_splits() {
             let mut id = with_room(self.rows.len())?;
             id.extend(self.rows.corners().map(|corner| corner.position));
@@ -387,31 +401,31 @@ impl<'a> Reader<'a> {
         }
         raw.positions = self.positions;
         drop((self.corners, self.rows));
-        raw.faces = self.faces.cut(&raw.positions, Place::Line, &mut self.warnings);
-        let (groups, names) = named(self.groups, raw.faces.len())?;
+        raw.faces = self.faces.cut(&raw.positions, FileLocation::Line, &mut self.warnings);
+        let (groups, names) = group_attributes(self.groups, raw.faces.len())?;
         raw.attributes.extend(groups);
         let mesh = assemble::mesh(raw, &mut self.warnings)?;
-        let mut scene = Scene::of("", mesh, true, Frame::default());
+        let mut scene = Scene::from_mesh("", mesh, true, Frame::default());
         scene.certificate = self.certificate;
         scene.groups = names;
-        Ok(Loaded { content: Content::Scene(scene), warnings: self.warnings.into_list() })
+        Ok(ReadOutcome { content: Content::Scene(scene), warnings: self.warnings.into_list() })
     }
 
-    fn finish_cage(mut self, cage: CageRows) -> Result<Loaded, ReadError> {
+    fn finish_cage(mut self, cage: CageBuilder) -> Result<ReadOutcome, ReadError> {
         let n_faces = cage.n_faces();
         let (positions, texcoords) =
             (std::mem::take(&mut self.positions), std::mem::take(&mut self.texcoords));
         let n_positions = positions.len();
         let mut polygons = cage.finish(positions, texcoords, &mut self.warnings)?;
         polygons.attributes.extend(self.color(n_positions, |row| row)?);
-        let (groups, names) = named(self.groups, n_faces)?;
+        let (groups, names) = group_attributes(self.groups, n_faces)?;
         polygons.attributes.extend(groups);
         for attribute in &mut polygons.attributes {
             assemble::clean(attribute, &mut self.warnings);
         }
         polygons.groups = names;
         polygons.certificate = self.certificate;
-        Ok(Loaded { content: Content::Polygons(polygons), warnings: self.warnings.into_list() })
+        Ok(ReadOutcome { content: Content::Polygons(polygons), warnings: self.warnings.into_list() })
     }
 
     fn vertex_attributes(&mut self) -> Result<Vec<Attribute>, ReadError> {
@@ -454,7 +468,7 @@ impl<'a> Reader<'a> {
         &mut self,
         list: &[[f64; N]],
         what: &'static str,
-        pick: fn(Corner) -> u32,
+        pick: fn(ObjCorner) -> u32,
     ) -> Result<Option<Vec<f64>>, ReadError> {
         let mut used = vec![false; list.len()];
         self.rows.corners().filter_map(|c| pick(c).checked_sub(1)).for_each(|i| used[i as usize] = true);

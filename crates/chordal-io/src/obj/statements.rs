@@ -1,19 +1,19 @@
-//! `Statements`: the lines of an OBJ as statements, and how many there are of each kind.
+//! `ObjStatements`: the lines of an OBJ as statements, and how many there are of each kind.
 use super::tags::{is_tag, scheme_of};
 use crate::assemble::too_many_rows;
-use crate::text::{Lines, Tokens};
-use crate::{Limits, Place, ReadError};
+use crate::text::{LineTokens, TextLines};
+use crate::{FileLocation, Limits, ReadError};
 use chordal::explicit::Scheme;
 
 /// Statements: lines, joined with the next one where a backslash ends them.
-pub(super) struct Statements<'a> {
-    lines: Lines<'a>,
+pub(super) struct ObjStatements<'a> {
+    lines: TextLines<'a>,
     joined: Vec<u8>,
 }
 
-impl<'a> Statements<'a> {
+impl<'a> ObjStatements<'a> {
     pub(super) fn new(text: &'a [u8]) -> Self {
-        Self { lines: Lines::new(text), joined: Vec::new() }
+        Self { lines: TextLines::new(text), joined: Vec::new() }
     }
 
     /// The next statement, with the number of its first line.
@@ -34,10 +34,10 @@ impl<'a> Statements<'a> {
     }
 }
 
-/// How many rows the file has, by its own lines: so that lists are as long as they must be, and an index is known
-/// to be out of range where it stands.
+/// How many rows the file has, by its own lines: so that lists are as long as they must be, and an index is
+/// known to be out of range where it stands.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Counts {
+pub(super) struct ObjRowCounts {
     pub(super) positions: usize,
     pub(super) texcoords: usize,
     pub(super) normals: usize,
@@ -48,12 +48,12 @@ pub(super) struct Counts {
     pub(super) scheme: Scheme,
 }
 
-impl Counts {
-    pub(super) fn of(text: &[u8]) -> Self {
+impl ObjRowCounts {
+    pub(super) fn scan(text: &[u8]) -> Self {
         let mut counts = Self::default();
-        let mut statements = Statements::new(text);
+        let mut statements = ObjStatements::new(text);
         while let Some((_, statement)) = statements.next() {
-            let mut words = Tokens::new(statement);
+            let mut words = LineTokens::new(statement);
             match words.next() {
                 Some(b"v") => counts.positions += 1,
                 Some(b"vt") => counts.texcoords += 1,
@@ -78,7 +78,7 @@ impl Counts {
             ("faces", self.faces),
         ];
         match lists.iter().find(|(_, rows)| *rows as u64 > most) {
-            Some((what, rows)) => Err(too_many_rows(Place::File, what, *rows as u64, most)),
+            Some((what, rows)) => Err(too_many_rows(FileLocation::File, what, *rows as u64, most)),
             None => Ok(()),
         }
     }

@@ -1,13 +1,13 @@
-//! `Tags`: the subdivision tags of an OBJ, as OpenSubdiv's shapes have them.
+//! `SubdivTags`: the subdivision tags of an OBJ, as OpenSubdiv's shapes have them.
 //!
-//! `t NAME INTS/FLOATS/STRINGS …`, then as many words of each kind. Vertices and faces are counted from 0 over the whole
-//! file, other than in its faces.
-use super::statements::Counts;
+//! `t NAME INTS/FLOATS/STRINGS …`, then as many words of each kind. Vertices and faces are counted from 0
+//! over the whole file, other than in its faces.
+use super::statements::ObjRowCounts;
 use crate::grow::push;
-use crate::text::{Tokens, grouped, integer, number, show, why_no_number};
+use crate::text::{LineTokens, grouped, integer, number, number_error, show};
 use crate::warnings::Warnings;
-use crate::{Place, ReadError};
-use chordal::explicit::{Boundary, Creasing, LinearTexcoords, Scheme};
+use crate::{FileLocation, ReadError};
+use chordal::explicit::{Boundary, CreasingMethod, LinearTexcoords, Scheme};
 
 /// Tags that say that polygons are a cage, whether all of what they say is understood or not.
 const KNOWN: [&str; 13] = [
@@ -37,12 +37,12 @@ pub(super) const SCHEMES: [(Scheme, &str); 3] =
     [(Scheme::CatmullClark, "catmull-clark"), (Scheme::Loop, "loop"), (Scheme::Bilinear, "bilinear")];
 
 /// Whether the words after `t` start with the name of a tag.
-pub(super) fn is_tag(mut words: Tokens) -> bool {
+pub(super) fn is_tag(mut words: LineTokens) -> bool {
     words.next().is_some_and(|name| KNOWN.iter().any(|known| known.as_bytes() == name))
 }
 
 /// The scheme that the words after `t` name, if they are that tag.
-pub(super) fn scheme_of(mut words: Tokens) -> Option<Scheme> {
+pub(super) fn scheme_of(mut words: LineTokens) -> Option<Scheme> {
     let name = words.next().filter(|name| *name == SCHEME.as_bytes()).and_then(|_| words.nth(1))?;
     SCHEMES.iter().find(|(_, known)| known.as_bytes() == name).map(|(scheme, _)| *scheme)
 }
@@ -53,21 +53,21 @@ pub(super) const BOUNDARIES: [(Boundary, u32); 3] =
 
 /// What tags say, with vertices and faces that are there.
 #[derive(Debug, Default)]
-pub(super) struct Tags {
+pub(super) struct SubdivTags {
     pub(super) creases: Vec<([u32; 2], f64)>,
     /// From which crease on, which line.
     lines: Vec<(usize, u64)>,
     pub(super) corners: Vec<(u32, f64)>,
-    /// Faces in the count of the file.
+    /// OfFaces in the count of the file.
     pub(super) holes: Vec<u32>,
     pub(super) boundary: Boundary,
-    pub(super) creasing: Creasing,
+    pub(super) creasing: CreasingMethod,
     pub(super) linear: LinearTexcoords,
     pub(super) is_refined: bool,
 }
 
 /// One tag, taken apart.
-struct Tag<'a> {
+struct SubdivTag<'a> {
     line: u64,
     name: &'a str,
     ints: Vec<u32>,
@@ -75,18 +75,21 @@ struct Tag<'a> {
     strings: Vec<&'a [u8]>,
 }
 
-impl Tags {
+impl SubdivTags {
     /// Takes what follows `t` on a line.
     pub(super) fn read(
         &mut self,
-        (line, mut words): (u64, Tokens),
-        counts: &Counts,
+        (line, mut words): (u64, LineTokens),
+        counts: &ObjRowCounts,
         warnings: &mut Warnings,
     ) -> Result<(), ReadError> {
         let name = words.next().unwrap_or_default();
         let Some(name) = KNOWN.into_iter().find(|known| known.as_bytes() == name) else {
             warnings.count("tags-skipped", || {
-                (Place::Line(line), format!("tags (t) of no known name were skipped, {} first", show(name)))
+                (
+                    FileLocation::Line(line),
+                    format!("tags (t) of no known name were skipped, {} first", show(name)),
+                )
             });
             return Ok(());
         };
@@ -95,28 +98,28 @@ impl Tags {
                 let message = format!(
                     "hierarchical edits were skipped, {name} first: the cage is refined without them"
                 );
-                (Place::Line(line), message)
+                (FileLocation::Line(line), message)
             });
             return Ok(());
         }
-        let tag = Tag::parse(line, name, words)?;
+        let tag = SubdivTag::parse(line, name, words)?;
         match name {
             "crease" => self.crease(&tag, counts, warnings),
             "corner" => {
                 for (i, vertex) in tag.ints.iter().enumerate() {
-                    let vertex = tag.within(*vertex, counts.positions, ["vertex", "vertices"])?;
+                    let vertex = tag.checked_index(*vertex, counts.positions, ["vertex", "vertices"])?;
                     push(&mut self.corners, (vertex, tag.sharpness(i, tag.ints.len(), warnings)?))?;
                 }
                 Ok(())
             }
             "hole" => tag.ints.iter().try_for_each(|face| {
-                push(&mut self.holes, tag.within(*face, counts.faces, ["face", "faces"])?)
+                push(&mut self.holes, tag.checked_index(*face, counts.faces, ["face", "faces"])?)
             }),
             _ => {
                 if !self.rule(&tag) {
                     warnings.count("tag-values-skipped", || {
                         (
-                            Place::Line(line),
+                            FileLocation::Line(line),
                             format!("tags whose value means nothing were skipped, {name} first"),
                         )
                     });
@@ -133,14 +136,19 @@ impl Tags {
     }
 
     /// Pairs of vertices.
-    fn crease(&mut self, tag: &Tag, counts: &Counts, warnings: &mut Warnings) -> Result<(), ReadError> {
+    fn crease(
+        &mut self,
+        tag: &SubdivTag,
+        counts: &ObjRowCounts,
+        warnings: &mut Warnings,
+    ) -> Result<(), ReadError> {
         if !tag.ints.len().is_multiple_of(2) {
             let message = format!("a crease names pairs of vertices, not {}", tag.ints.len());
             return Err(tag.error(message));
         }
         push(&mut self.lines, (self.creases.len(), tag.line))?;
         for (i, pair) in tag.ints.chunks_exact(2).enumerate() {
-            let vertex = |k: usize| tag.within(pair[k], counts.positions, ["vertex", "vertices"]);
+            let vertex = |k: usize| tag.checked_index(pair[k], counts.positions, ["vertex", "vertices"]);
             let ends = [vertex(0)?, vertex(1)?];
             push(&mut self.creases, (ends, tag.sharpness(i, tag.ints.len() / 2, warnings)?))?;
         }
@@ -148,18 +156,18 @@ impl Tags {
     }
 
     /// A tag that holds for the whole cage; false where its value means nothing.
-    fn rule(&mut self, tag: &Tag) -> bool {
+    fn rule(&mut self, tag: &SubdivTag) -> bool {
         match (tag.name, &tag.ints[..], &tag.strings[..]) {
             ("interpolateboundary", [rule], _) => {
                 let known = BOUNDARIES.iter().find(|(_, number)| number == rule);
                 known.inspect(|(boundary, _)| self.boundary = *boundary).is_some()
             }
             ("creasemethod", _, [b"normal"]) => {
-                self.creasing = Creasing::Uniform;
+                self.creasing = CreasingMethod::Uniform;
                 true
             }
             ("creasemethod", _, [b"chaikin"]) => {
-                self.creasing = Creasing::Chaikin;
+                self.creasing = CreasingMethod::Chaikin;
                 true
             }
             ("facevaryinginterpolateboundary", [rule], _) => {
@@ -179,8 +187,8 @@ impl Tags {
     }
 }
 
-impl<'a> Tag<'a> {
-    fn parse(line: u64, name: &'a str, mut words: Tokens<'a>) -> Result<Self, ReadError> {
+impl<'a> SubdivTag<'a> {
+    fn parse(line: u64, name: &'a str, mut words: LineTokens<'a>) -> Result<Self, ReadError> {
         let mut tag = Self { line, name, ints: Vec::new(), floats: Vec::new(), strings: Vec::new() };
         let counts = words.next().unwrap_or_default();
         let mut parts = counts.split(|b| *b == b'/');
@@ -206,14 +214,15 @@ impl<'a> Tag<'a> {
             let value = integer(word).ok().and_then(|value| u32::try_from(value).ok());
             let value = value.ok_or_else(|| {
                 let message = format!("{} is no number of {name}, which are counted from 0", show(word));
-                ReadError::new("index-out-of-range", Place::Line(line), message)
+                ReadError::new("index-out-of-range", FileLocation::Line(line), message)
             })?;
             push(&mut tag.ints, value)?;
         }
         for word in words.by_ref().take(floats as usize) {
             let value = number(word).filter(|value| !value.is_nan());
-            let value = value
-                .ok_or_else(|| ReadError::new("not-a-number", Place::Line(line), why_no_number(word)))?;
+            let value = value.ok_or_else(|| {
+                ReadError::new("not-a-number", FileLocation::Line(line), number_error(word))
+            })?;
             push(&mut tag.floats, value)?;
         }
         for word in words {
@@ -223,11 +232,11 @@ impl<'a> Tag<'a> {
     }
 
     fn error(&self, message: String) -> ReadError {
-        ReadError::new("bad-tag", Place::Line(self.line), message)
+        ReadError::new("bad-tag", FileLocation::Line(self.line), message)
     }
 
     /// The index, if that many things have it.
-    fn within(&self, index: u32, n: usize, [one, many]: [&str; 2]) -> Result<u32, ReadError> {
+    fn checked_index(&self, index: u32, n: usize, [one, many]: [&str; 2]) -> Result<u32, ReadError> {
         if (index as usize) < n {
             return Ok(index);
         }
@@ -236,7 +245,7 @@ impl<'a> Tag<'a> {
             self.name,
             grouped(n as u64)
         );
-        Err(ReadError::new("index-out-of-range", Place::Line(self.line), message))
+        Err(ReadError::new("index-out-of-range", FileLocation::Line(self.line), message))
     }
 
     /// The sharpness of one of `n`: there is one number for all or one for each.
@@ -255,7 +264,7 @@ impl<'a> Tag<'a> {
         };
         if sharp < 0.0 {
             warnings.count("sharpness-negative", || {
-                (Place::Line(self.line), "negative sharpnesses were taken as 0".to_owned())
+                (FileLocation::Line(self.line), "negative sharpnesses were taken as 0".to_owned())
             });
             return Ok(0.0);
         }

@@ -1,6 +1,6 @@
 //! Writes Wavefront OBJ.
 use super::CERTIFICATE;
-use crate::placed::{Placed, placed};
+use crate::instances::{PartInstance, part_instances};
 use crate::{Scene, WriteError};
 use chordal::explicit::{Attribute, Domain, Semantic};
 use serde_json::Value;
@@ -9,10 +9,11 @@ use std::io::{BufWriter, Write};
 
 /// Writes a scene as OBJ.
 ///
-/// Each position is written once: vertices that [`chordal::Mesh::position_id`] ties share their `v` line and differ in their
-/// `vn` and `vt`. Positions and texture coordinates are the shortest decimals that read back to the same f64, normals
-/// to the same f32. Nodes are applied; each becomes an `o`. Group attributes become `usemtl`, `g`, `o` and `s`. The
-/// certificate stands in a comment. What OBJ cannot hold is told by [`crate::losses`].
+/// Each position is written once: vertices that [`chordal::Mesh::position_id`] ties share their `v` line and
+/// differ in their `vn` and `vt`. Positions and texture coordinates are the shortest decimals that read back
+/// to the same f64, normals to the same f32. Nodes are applied; each becomes an `o`. Group attributes become
+/// `usemtl`, `g`, `o` and `s`. The certificate stands in a comment. What OBJ cannot hold is told by
+/// [`crate::losses`].
 ///
 /// # Errors
 /// [`WriteError`] when the sink fails, a node is wrong, or the certificate is too long for a line.
@@ -22,14 +23,14 @@ use std::io::{BufWriter, Write};
 /// use chordal_io::{Frame, Scene, obj};
 /// let mesh = Mesh::new(vec![[0.0; 3], [0.1, 0.0, 0.0], [0.0, 1e300, 0.0]], vec![[0, 1, 2]])?;
 /// let mut file = Vec::new();
-/// obj::write(&Scene::of("", mesh, true, Frame::default()), None, &mut file)?;
+/// obj::write(&Scene::from_mesh("", mesh, true, Frame::default()), None, &mut file)?;
 /// assert_eq!(file, b"v 0 0 0\nv 0.1 0 0\nv 0 1e300 0\nf 1 2 3\n");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) -> Result<(), WriteError> {
     let certificate = certificate.map(crate::certificate::line).transpose()?;
-    let parts = placed(scene)?;
-    let mut writer = Writer { out: BufWriter::new(out), line: Vec::new(), written: [0; 3] };
+    let parts = part_instances(scene)?;
+    let mut writer = ObjWriter { out: BufWriter::new(out), line: Vec::new(), written: [0; 3] };
     if let Some(line) = certificate {
         writer.out.write_all(CERTIFICATE)?;
         writeln!(writer.out, "{line}")?;
@@ -48,7 +49,7 @@ pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) ->
 pub(super) const GROUPS: [(&str, &str); 5] =
     [("usemtl", "usemtl"), ("g", "g"), ("solid", "g"), ("o", "o"), ("s", "s")];
 
-pub(super) struct Writer<'a> {
+pub(super) struct ObjWriter<'a> {
     pub(super) out: BufWriter<&'a mut dyn Write>,
     /// The line that is being made.
     pub(super) line: Vec<u8>,
@@ -57,12 +58,12 @@ pub(super) struct Writer<'a> {
 }
 
 /// A stream of `vt` or `vn` lines, one a row: which line a corner names.
-struct Stream {
+struct ObjStream {
     first: u64,
     domain: Domain,
 }
 
-impl Stream {
+impl ObjStream {
     fn line(&self, face: usize, corner: usize, vertex: u32) -> u64 {
         self.first
             + match self.domain {
@@ -73,7 +74,7 @@ impl Stream {
     }
 }
 
-impl Writer<'_> {
+impl ObjWriter<'_> {
     pub(super) fn statement(&mut self, keyword: &str, name: &str) -> Result<(), WriteError> {
         // A name is one line, and a backslash at its end would join it with the next.
         let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
@@ -106,7 +107,7 @@ impl Writer<'_> {
         Ok(self.out.write_all(&self.line)?)
     }
 
-    fn part(&mut self, part: &Placed, scene: &Scene) -> Result<(), WriteError> {
+    fn part(&mut self, part: &PartInstance, scene: &Scene) -> Result<(), WriteError> {
         let positions = self.positions(part)?;
         let texcoords = self.stream(part, &Semantic::TexCoord(0))?;
         let normals = self.stream(part, &Semantic::Normal)?;
@@ -134,7 +135,7 @@ impl Writer<'_> {
             for corner in order {
                 let vertex = face[corner];
                 write!(self.line, " {}", positions[vertex as usize])?;
-                let line = |stream: &Stream| stream.line(face_idx, corner, vertex);
+                let line = |stream: &ObjStream| stream.line(face_idx, corner, vertex);
                 match (texcoords.as_ref().map(line), normals.as_ref().map(line)) {
                     (None, None) => {}
                     (Some(t), None) => write!(self.line, "/{t}")?,
@@ -148,7 +149,7 @@ impl Writer<'_> {
     }
 
     /// Writes every position once, with its colour, and returns the line for each vertex.
-    fn positions(&mut self, part: &Placed) -> Result<Vec<u64>, WriteError> {
+    fn positions(&mut self, part: &PartInstance) -> Result<Vec<u64>, WriteError> {
         let first_rows = part.first_rows();
         let color = part.vertex_attribute(&Semantic::Color(0), 3).filter(|c| colors_agree(c, &first_rows));
         let width = color.map_or(0, |c| if c.width > 3 && has_alpha(c) { 4 } else { 3 });
@@ -166,7 +167,7 @@ impl Writer<'_> {
         Ok(lines)
     }
 
-    fn stream(&mut self, part: &Placed, semantic: &Semantic) -> Result<Option<Stream>, WriteError> {
+    fn stream(&mut self, part: &PartInstance, semantic: &Semantic) -> Result<Option<ObjStream>, WriteError> {
         let is_normal = *semantic == Semantic::Normal;
         let (keyword, width, count) = if is_normal { ("vn", 3, 2) } else { ("vt", 2, 1) };
         let Some(attribute) = part.part.mesh.attribute(semantic).filter(|a| a.width == width) else {
@@ -181,7 +182,7 @@ impl Writer<'_> {
             }
             self.written[count] += 1;
         }
-        Ok(Some(Stream { first, domain: attribute.domain }))
+        Ok(Some(ObjStream { first, domain: attribute.domain }))
     }
 
     /// A normal needs no more than single precision.
@@ -196,8 +197,8 @@ impl Writer<'_> {
     }
 }
 
-/// The shortest decimal that reads back to the same number; whole numbers without a point, very large and very small
-/// ones with an exponent.
+/// The shortest decimal that reads back to the same number; whole numbers without a point, very large and
+/// very small ones with an exponent.
 pub(super) fn put(line: &mut Vec<u8>, number: impl std::fmt::Debug) -> std::io::Result<()> {
     write!(line, "{number:?}")?;
     if line.ends_with(b".0") {

@@ -1,19 +1,22 @@
 //! Writes polygons with their subdivision tags as Wavefront OBJ.
 use super::CERTIFICATE;
 use super::tags::{BOUNDARIES, REFINED, SCHEME, SCHEMES};
-use super::write::{GROUPS, Writer, group_name, put};
+use super::write::{GROUPS, ObjWriter, group_name, put};
 use crate::{Polygons, WriteError};
-use chordal::explicit::{Attribute, CornerTexcoords, Creasing, Domain, LinearTexcoords, Scheme, Semantic};
+use chordal::explicit::{
+    Attribute, CornerTexcoords, CreasingMethod, Domain, LinearTexcoords, Scheme, Semantic,
+};
 use serde_json::Value;
 use std::io::{BufWriter, Write};
 
-/// Writes a cage as OBJ: vertices and polygons in their order, texture coordinates by their own indices, colours, groups, and
-/// everything that shapes its surface as subdivision tags, so that the file reads back as the same cage.
+/// Writes a cage as OBJ: vertices and polygons in their order, texture coordinates by their own indices,
+/// colours, groups, and everything that shapes its surface as subdivision tags, so that the file reads back
+/// as the same cage.
 ///
-/// The rule of the border is always written: the file has a tag, and so is a cage wherever it is read. A scheme other than
-/// Catmull–Clark is the tag `t scheme 0/0/1 loop`, or `bilinear`, and a cage that came from a round of refinement has `t refined
-/// 0/0/0`; both are Chordal's own. Numbers are the shortest
-/// decimals that read back to the same f64. What OBJ cannot hold is told by [`crate::losses_of_polygons`].
+/// The rule of the border is always written: the file has a tag, and so is a cage wherever it is read. A
+/// scheme other than Catmull–Clark is the tag `t scheme 0/0/1 loop`, or `bilinear`, and a cage that came from
+/// a round of refinement has `t refined 0/0/0`; both are Chordal's own. Numbers are the shortest decimals
+/// that read back to the same f64. What OBJ cannot hold is told by [`crate::losses_of_polygons`].
 ///
 /// # Errors
 /// [`WriteError`] when the sink fails, or the certificate is too long for a line.
@@ -24,7 +27,7 @@ use std::io::{BufWriter, Write};
 /// let square = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
 /// let cage = Cage::new(square, [[0, 1, 2, 3]])?.with_creases(&[([0, 1], 2.5)])?;
 /// let mut file = Vec::new();
-/// obj::write_polygons(&Polygons::of(cage.clone(), Frame::default()), None, &mut file)?;
+/// obj::write_polygons(&Polygons::from_cage(cage.clone(), Frame::default()), None, &mut file)?;
 /// assert!(file.ends_with(b"f 1 2 3 4\nt interpolateboundary 1/0/0 2\nt crease 2/1/0 0 1 2.5\n"));
 /// let Content::Polygons(read) = obj::read(&file, &Limits::default())?.content else { unreachable!() };
 /// assert_eq!(read.cage, cage);
@@ -35,7 +38,7 @@ pub fn write_polygons(
     certificate: Option<&Value>,
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
-    let mut writer = Writer { out: BufWriter::new(out), line: Vec::new(), written: [0; 3] };
+    let mut writer = ObjWriter { out: BufWriter::new(out), line: Vec::new(), written: [0; 3] };
     if let Some(line) = certificate.map(crate::certificate::line).transpose()? {
         writer.out.write_all(CERTIFICATE)?;
         writeln!(writer.out, "{line}")?;
@@ -47,7 +50,7 @@ pub fn write_polygons(
     Ok(())
 }
 
-fn vertices(writer: &mut Writer, polygons: &Polygons) -> Result<(), WriteError> {
+fn vertices(writer: &mut ObjWriter, polygons: &Polygons) -> Result<(), WriteError> {
     let n = polygons.cage.positions().len();
     let is_color =
         |a: &&Attribute| a.semantic == Semantic::Color(0) && a.domain == Domain::Vertex && a.width >= 3;
@@ -60,7 +63,7 @@ fn vertices(writer: &mut Writer, polygons: &Polygons) -> Result<(), WriteError> 
     texcoords.into_iter().try_for_each(|texcoord| writer.numbers("vt", texcoord.iter().copied()))
 }
 
-fn faces(writer: &mut Writer, polygons: &Polygons) -> Result<(), WriteError> {
+fn faces(writer: &mut ObjWriter, polygons: &Polygons) -> Result<(), WriteError> {
     let rows = polygons.cage.texcoords().map(|texcoords| &texcoords.corners[..]);
     let of_kind = |kind: &str| {
         let semantic = Semantic::Group(kind.to_owned());
@@ -101,7 +104,7 @@ fn faces(writer: &mut Writer, polygons: &Polygons) -> Result<(), WriteError> {
 /// Holes in one tag: few enough for the 256 bytes that some readers take of a line.
 const HOLES: usize = 16;
 
-fn tags(writer: &mut Writer, polygons: &Polygons) -> Result<(), WriteError> {
+fn tags(writer: &mut ObjWriter, polygons: &Polygons) -> Result<(), WriteError> {
     let cage = &polygons.cage;
     let boundary = BOUNDARIES.iter().find(|(rule, _)| *rule == cage.boundary());
     if let Some((_, number)) = boundary {
@@ -115,7 +118,7 @@ fn tags(writer: &mut Writer, polygons: &Polygons) -> Result<(), WriteError> {
     if cage.lists_corners() {
         writeln!(writer.out, "t {REFINED} 0/0/0")?;
     }
-    if cage.creasing() == Creasing::Chaikin {
+    if cage.creasing() == CreasingMethod::Chaikin {
         writeln!(writer.out, "t creasemethod 0/0/1 chaikin")?;
     }
     let linear = cage.texcoords().map_or(LinearTexcoords::default(), |texcoords| texcoords.linear);

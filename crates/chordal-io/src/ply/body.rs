@@ -1,67 +1,67 @@
 //! The body of a PLY file: numbers one after the other, as text or binary.
-use super::header::{Element, Encoding, Header, Scalar, Shape};
-use crate::text::{Lines, NoInteger, Tokens, grouped, integer, number, show, trim, why_no_number};
-use crate::{Place, ReadError};
+use super::header::{PlyElement, PlyEncoding, PlyHeader, PlyPropertyType, PlyScalar};
+use crate::text::{IntegerError, LineTokens, TextLines, grouped, integer, number, number_error, show, trim};
+use crate::{FileLocation, ReadError};
 
 /// A cursor over the rows of a body.
-pub(super) struct Body<'a> {
-    encoding: Encoding,
+pub(super) struct PlyBody<'a> {
+    encoding: PlyEncoding,
     bytes: &'a [u8],
     /// Where the body starts.
     body: usize,
     /// The next byte of a binary body.
     at: usize,
-    lines: Lines<'a>,
+    lines: TextLines<'a>,
     first_line: u64,
     line: u64,
-    tokens: Tokens<'a>,
+    tokens: LineTokens<'a>,
     row: u64,
 }
 
-type Outcome<T> = Result<T, ReadError>;
+type PlyResult<T> = Result<T, ReadError>;
 
-impl<'a> Body<'a> {
-    pub(super) fn new(bytes: &'a [u8], header: &Header) -> Self {
+impl<'a> PlyBody<'a> {
+    pub(super) fn new(bytes: &'a [u8], header: &PlyHeader) -> Self {
         Self {
             encoding: header.encoding,
             bytes,
             body: header.body,
             at: header.body,
-            lines: Lines::new(&bytes[header.body..]),
+            lines: TextLines::new(&bytes[header.body..]),
             first_line: header.lines,
             line: header.lines,
-            tokens: Tokens::new(&[]),
+            tokens: LineTokens::new(&[]),
             row: 0,
         }
     }
 
     /// The byte, or in text the line, at which the reader is.
-    pub(super) fn place(&self) -> Place {
+    pub(super) fn place(&self) -> FileLocation {
         match self.encoding {
-            Encoding::Text => Place::Line(self.line),
-            _ => Place::Byte(self.at as u64),
+            PlyEncoding::Text => FileLocation::Line(self.line),
+            _ => FileLocation::Byte(self.at as u64),
         }
     }
 
     /// An error in the current row.
-    pub(super) fn error(&self, element: &Element, code: &'static str, message: &str) -> ReadError {
+    pub(super) fn error(&self, element: &PlyElement, code: &'static str, message: &str) -> ReadError {
         ReadError::new(code, self.place(), format!("row {} of '{}': {message}", self.row, element.name))
     }
 
     /// Refuses an element that cannot be as long as it says, before anything is read of it.
-    pub(super) fn check_size(&self, element: &Element) -> Outcome<()> {
+    pub(super) fn check_size(&self, element: &PlyElement) -> PlyResult<()> {
         let left = match self.encoding {
-            Encoding::Text => self.bytes.len() - self.body - self.lines.offset(),
+            PlyEncoding::Text => self.bytes.len() - self.body - self.lines.offset(),
             _ => self.bytes.len() - self.at,
         } as u64;
-        let least = |shape: Shape| match (self.encoding, shape) {
+        let least = |shape: PlyPropertyType| match (self.encoding, shape) {
             // A digit and what separates it from the next one; the last line of a file needs no end.
-            (Encoding::Text, _) => 2,
-            (_, Shape::One(scalar)) => scalar.size(),
-            (_, Shape::List { length, .. }) => length.size(),
+            (PlyEncoding::Text, _) => 2,
+            (_, PlyPropertyType::One(scalar)) => scalar.size(),
+            (_, PlyPropertyType::List { length, .. }) => length.size(),
         };
         let row: u64 = element.properties.iter().map(|p| least(p.shape)).sum();
-        let slack = u64::from(self.encoding == Encoding::Text);
+        let slack = u64::from(self.encoding == PlyEncoding::Text);
         match row.checked_mul(element.rows) {
             Some(needed) if needed <= left + slack => Ok(()),
             _ => {
@@ -78,9 +78,9 @@ impl<'a> Body<'a> {
 
     /// Goes to row `row`. A text has one row a line; blank lines are skipped.
     #[inline]
-    pub(super) fn start_row(&mut self, element: &Element, row: u64) -> Outcome<()> {
+    pub(super) fn start_row(&mut self, element: &PlyElement, row: u64) -> PlyResult<()> {
         self.row = row;
-        if self.encoding != Encoding::Text {
+        if self.encoding != PlyEncoding::Text {
             return Ok(());
         }
         loop {
@@ -88,7 +88,7 @@ impl<'a> Body<'a> {
                 return Err(self.error(element, "truncated", "the file ends before this row"));
             };
             self.line = self.first_line + line;
-            self.tokens = Tokens::new(text);
+            self.tokens = LineTokens::new(text);
             if !self.tokens.rest().is_empty() {
                 return Ok(());
             }
@@ -97,8 +97,8 @@ impl<'a> Body<'a> {
 
     /// Ends a row: a text must have nothing more on its line.
     #[inline]
-    pub(super) fn end_row(&mut self, element: &Element) -> Outcome<()> {
-        if self.encoding != Encoding::Text {
+    pub(super) fn end_row(&mut self, element: &PlyElement) -> PlyResult<()> {
+        if self.encoding != PlyEncoding::Text {
             return Ok(());
         }
         match self.tokens.next() {
@@ -111,7 +111,7 @@ impl<'a> Body<'a> {
     }
 
     #[inline]
-    fn token(&mut self, element: &Element) -> Outcome<&'a [u8]> {
+    fn token(&mut self, element: &PlyElement) -> PlyResult<&'a [u8]> {
         match self.tokens.next() {
             Some(token) => Ok(token),
             None => Err(self.error(
@@ -123,7 +123,7 @@ impl<'a> Body<'a> {
     }
 
     #[inline]
-    fn take<const N: usize>(&mut self, element: &Element) -> Outcome<[u8; N]> {
+    fn take<const N: usize>(&mut self, element: &PlyElement) -> PlyResult<[u8; N]> {
         match self.bytes[self.at..].first_chunk::<N>() {
             Some(chunk) => {
                 self.at += N;
@@ -135,63 +135,63 @@ impl<'a> Body<'a> {
 
     /// The next number; it may be NaN or infinite.
     #[inline]
-    pub(super) fn number(&mut self, element: &Element, scalar: Scalar) -> Outcome<f64> {
+    pub(super) fn number(&mut self, element: &PlyElement, scalar: PlyScalar) -> PlyResult<f64> {
         if scalar.range().is_some() {
             return self.integer(element, scalar).map(|value| value as f64);
         }
         match (self.encoding, scalar) {
-            (Encoding::Text, Scalar::Opaque(_)) => self.token(element).map(|_| 0.0),
-            (Encoding::Text, _) => {
+            (PlyEncoding::Text, PlyScalar::Opaque(_)) => self.token(element).map(|_| 0.0),
+            (PlyEncoding::Text, _) => {
                 let token = self.token(element)?;
-                number(token).ok_or_else(|| self.error(element, "not-a-number", &why_no_number(token)))
+                number(token).ok_or_else(|| self.error(element, "not-a-number", &number_error(token)))
             }
-            (Encoding::Little, Scalar::F32) => Ok(f64::from(f32::from_le_bytes(self.take(element)?))),
-            (Encoding::Little, Scalar::F64) => Ok(f64::from_le_bytes(self.take(element)?)),
-            (Encoding::Big, Scalar::F32) => Ok(f64::from(f32::from_be_bytes(self.take(element)?))),
-            (Encoding::Big, Scalar::F64) => Ok(f64::from_be_bytes(self.take(element)?)),
+            (PlyEncoding::Little, PlyScalar::F32) => Ok(f64::from(f32::from_le_bytes(self.take(element)?))),
+            (PlyEncoding::Little, PlyScalar::F64) => Ok(f64::from_le_bytes(self.take(element)?)),
+            (PlyEncoding::Big, PlyScalar::F32) => Ok(f64::from(f32::from_be_bytes(self.take(element)?))),
+            (PlyEncoding::Big, PlyScalar::F64) => Ok(f64::from_be_bytes(self.take(element)?)),
             (_, opaque) => self.skip_bytes(element, opaque.size()).map(|()| 0.0),
         }
     }
 
     /// The next number of an integer type.
     #[inline]
-    pub(super) fn integer(&mut self, element: &Element, scalar: Scalar) -> Outcome<i64> {
-        if self.encoding == Encoding::Text {
+    pub(super) fn integer(&mut self, element: &PlyElement, scalar: PlyScalar) -> PlyResult<i64> {
+        if self.encoding == PlyEncoding::Text {
             return self.text_integer(element, scalar);
         }
-        let little = self.encoding == Encoding::Little;
+        let little = self.encoding == PlyEncoding::Little;
         Ok(match scalar {
-            Scalar::I8 => i64::from(i8::from_le_bytes(self.take(element)?)),
-            Scalar::U8 => i64::from(u8::from_le_bytes(self.take(element)?)),
-            Scalar::I16 => {
+            PlyScalar::I8 => i64::from(i8::from_le_bytes(self.take(element)?)),
+            PlyScalar::U8 => i64::from(u8::from_le_bytes(self.take(element)?)),
+            PlyScalar::I16 => {
                 let bytes = self.take(element)?;
                 i64::from(if little { i16::from_le_bytes(bytes) } else { i16::from_be_bytes(bytes) })
             }
-            Scalar::U16 => {
+            PlyScalar::U16 => {
                 let bytes = self.take(element)?;
                 i64::from(if little { u16::from_le_bytes(bytes) } else { u16::from_be_bytes(bytes) })
             }
-            Scalar::I32 => {
+            PlyScalar::I32 => {
                 let bytes = self.take(element)?;
                 i64::from(if little { i32::from_le_bytes(bytes) } else { i32::from_be_bytes(bytes) })
             }
-            Scalar::U32 => {
+            PlyScalar::U32 => {
                 let bytes = self.take(element)?;
                 i64::from(if little { u32::from_le_bytes(bytes) } else { u32::from_be_bytes(bytes) })
             }
             // The header admits integer types only where one is asked for.
-            Scalar::F32 | Scalar::F64 | Scalar::Opaque(_) => {
+            PlyScalar::F32 | PlyScalar::F64 | PlyScalar::Opaque(_) => {
                 return Err(self.error(element, "type-unknown", "an integer should stand here"));
             }
         })
     }
 
-    fn text_integer(&mut self, element: &Element, scalar: Scalar) -> Outcome<i64> {
+    fn text_integer(&mut self, element: &PlyElement, scalar: PlyScalar) -> PlyResult<i64> {
         let token = self.token(element)?;
         let (low, high) = scalar.range().unwrap_or((i64::MIN, i64::MAX));
         match integer(token) {
             Ok(value) if low <= value && value <= high => Ok(value),
-            Err(NoInteger::Spelling) => {
+            Err(IntegerError::Spelling) => {
                 let message = format!("{} is not a whole number", show(token));
                 Err(self.error(element, "not-a-number", &message))
             }
@@ -204,14 +204,19 @@ impl<'a> Body<'a> {
 
     /// The length of a list, once it is sure that its items can follow.
     #[inline]
-    pub(super) fn length(&mut self, element: &Element, length: Scalar, item: Scalar) -> Outcome<u64> {
+    pub(super) fn length(
+        &mut self,
+        element: &PlyElement,
+        length: PlyScalar,
+        item: PlyScalar,
+    ) -> PlyResult<u64> {
         let n = self.integer(element, length)?;
         let Ok(n) = u64::try_from(n) else {
             return Err(self.error(element, "list-length", &format!("a list of length {n}")));
         };
         let left = match self.encoding {
             // Each item is a character and a space at least.
-            Encoding::Text => self.tokens.rest().len() as u64 / 2 + 1,
+            PlyEncoding::Text => self.tokens.rest().len() as u64 / 2 + 1,
             _ => (self.bytes.len() - self.at) as u64 / item.size(),
         };
         if n > left {
@@ -221,7 +226,7 @@ impl<'a> Body<'a> {
         Ok(n)
     }
 
-    fn skip_bytes(&mut self, element: &Element, n: u64) -> Outcome<()> {
+    fn skip_bytes(&mut self, element: &PlyElement, n: u64) -> PlyResult<()> {
         match usize::try_from(n)
             .ok()
             .and_then(|n| self.at.checked_add(n))
@@ -236,12 +241,12 @@ impl<'a> Body<'a> {
     }
 
     /// Goes past a property.
-    pub(super) fn skip(&mut self, element: &Element, shape: Shape) -> Outcome<()> {
+    pub(super) fn skip(&mut self, element: &PlyElement, shape: PlyPropertyType) -> PlyResult<()> {
         match shape {
-            Shape::One(scalar) => self.number(element, scalar).map(|_| ()),
-            Shape::List { length, item } => {
+            PlyPropertyType::One(scalar) => self.number(element, scalar).map(|_| ()),
+            PlyPropertyType::List { length, item } => {
                 let n = self.length(element, length, item)?;
-                if self.encoding != Encoding::Text {
+                if self.encoding != PlyEncoding::Text {
                     // `length` has made sure that the product fits.
                     return self.skip_bytes(element, n * item.size());
                 }
@@ -251,17 +256,17 @@ impl<'a> Body<'a> {
     }
 
     /// Goes past all rows of an element.
-    pub(super) fn skip_element(&mut self, element: &Element) -> Outcome<()> {
+    pub(super) fn skip_element(&mut self, element: &PlyElement) -> PlyResult<()> {
         let fixed = element.properties.iter().map(|p| match p.shape {
-            Shape::One(scalar) => Some(scalar.size()),
-            Shape::List { .. } => None,
+            PlyPropertyType::One(scalar) => Some(scalar.size()),
+            PlyPropertyType::List { .. } => None,
         });
         let size: Option<u64> = fixed.sum();
         match size {
             // A text has no lines for rows without properties.
             _ if element.properties.is_empty() => Ok(()),
             // `check_size` has made sure that the product fits.
-            Some(size) if self.encoding != Encoding::Text => self.skip_bytes(element, size * element.rows),
+            Some(size) if self.encoding != PlyEncoding::Text => self.skip_bytes(element, size * element.rows),
             _ => (0..element.rows).try_for_each(|row| {
                 self.start_row(element, row)?;
                 element.properties.iter().try_for_each(|p| self.skip(element, p.shape))?;
@@ -271,14 +276,14 @@ impl<'a> Body<'a> {
     }
 
     /// How many bytes, or lines of text, stand after the last element, and where.
-    pub(super) fn rest(mut self) -> Option<(Place, u64)> {
-        if self.encoding != Encoding::Text {
+    pub(super) fn rest(mut self) -> Option<(FileLocation, u64)> {
+        if self.encoding != PlyEncoding::Text {
             let n = (self.bytes.len() - self.at) as u64;
             return (n > 0).then(|| (self.place(), n));
         }
         let mut rest = self.lines.by_ref().filter(|(_, text)| !trim(text).is_empty());
         let (line, _) = rest.next()?;
-        let place = Place::Line(self.first_line + line);
+        let place = FileLocation::Line(self.first_line + line);
         Some((place, 1 + rest.count() as u64))
     }
 }

@@ -1,36 +1,36 @@
 //! The faces of a PLY file: polygons and triangle strips.
-use super::body::Body;
-use super::header::{Element, Shape};
+use super::body::PlyBody;
+use super::header::{PlyElement, PlyPropertyType};
 use crate::assemble::too_many_rows;
 use crate::faces::{Faces, SHORT_FACES};
 use crate::grow::push;
 use crate::text::grouped;
 use crate::warnings::Warnings;
-use crate::{Limits, Place, ReadError};
+use crate::{FileLocation, Limits, ReadError};
 
 /// The names under which the corners of a face go.
 const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
 /// Reads faces and strips, whose indices must lie below the number of vertices.
-pub(super) struct FaceReader<'a> {
+pub(super) struct PlyFaceReader<'a> {
     pub(super) faces: Faces,
     n_vertices: u64,
     limits: &'a Limits,
     corners: Vec<u32>,
 }
 
-impl<'a> FaceReader<'a> {
+impl<'a> PlyFaceReader<'a> {
     pub(super) fn new(n_vertices: u64, limits: &'a Limits) -> Self {
         Self { faces: Faces::default(), n_vertices, limits, corners: Vec::new() }
     }
 }
 
-impl FaceReader<'_> {
+impl PlyFaceReader<'_> {
     /// Reads all rows of an element of faces.
     pub(super) fn polygons(
         &mut self,
-        body: &mut Body,
-        element: &Element,
+        body: &mut PlyBody,
+        element: &PlyElement,
         warnings: &mut Warnings,
     ) -> Result<(), ReadError> {
         let list = corner_list(element, warnings)?;
@@ -41,7 +41,9 @@ impl FaceReader<'_> {
                 return Err(self.out_of_range(body, element, *index));
             }
             if corners.len() < 3 {
-                warnings.count("short-faces", || (Place::Row { list: "face", row }, SHORT_FACES.to_owned()));
+                warnings.count("short-faces", || {
+                    (FileLocation::Row { list: "face", row }, SHORT_FACES.to_owned())
+                });
                 continue;
             }
             self.corners.clear();
@@ -57,8 +59,8 @@ impl FaceReader<'_> {
     /// Reads all rows of an element of strips: -1 starts a new one.
     pub(super) fn strips(
         &mut self,
-        body: &mut Body,
-        element: &Element,
+        body: &mut PlyBody,
+        element: &PlyElement,
         warnings: &mut Warnings,
     ) -> Result<(), ReadError> {
         let list = corner_list(element, warnings)?;
@@ -84,7 +86,7 @@ impl FaceReader<'_> {
         }
         let n = self.faces.n_triangles() as u64 - before;
         warnings.count_many("strips-cut", n, || {
-            (Place::Line(element.line), "triangles were read from strips".to_owned())
+            (FileLocation::Line(element.line), "triangles were read from strips".to_owned())
         });
         let message = "triangles of strips that only lead to the next place were dropped";
         warnings.count_all("strip-stitches", n_stitches, message);
@@ -94,14 +96,14 @@ impl FaceReader<'_> {
     /// Reads one row: the indices of the list, none of them beyond the vertices, go to `into`.
     fn row(
         &self,
-        body: &mut Body,
-        element: &Element,
+        body: &mut PlyBody,
+        element: &PlyElement,
         (row, list): (u64, usize),
         into: &mut Vec<i64>,
     ) -> Result<(), ReadError> {
         body.start_row(element, row)?;
         for (i, property) in element.properties.iter().enumerate() {
-            let Shape::List { length, item } = property.shape else {
+            let PlyPropertyType::List { length, item } = property.shape else {
                 body.skip(element, property.shape)?;
                 continue;
             };
@@ -121,13 +123,13 @@ impl FaceReader<'_> {
         body.end_row(element)
     }
 
-    fn out_of_range(&self, body: &Body, element: &Element, index: i64) -> ReadError {
+    fn out_of_range(&self, body: &PlyBody, element: &PlyElement, index: i64) -> ReadError {
         let n = grouped(self.n_vertices);
         let message = format!("index {index} is out of range: there are {n} vertices, from 0");
         body.error(element, "index-out-of-range", &message)
     }
 
-    fn check_rows(&self, body: &Body) -> Result<(), ReadError> {
+    fn check_rows(&self, body: &PlyBody) -> Result<(), ReadError> {
         let n = self.faces.n_triangles() as u64;
         if n > self.limits.rows {
             return Err(too_many_rows(body.place(), "triangles", n, self.limits.rows));
@@ -137,12 +139,12 @@ impl FaceReader<'_> {
 }
 
 /// Which property lists the corners; the others are counted.
-fn corner_list(element: &Element, warnings: &mut Warnings) -> Result<usize, ReadError> {
-    let is_list = |p: &super::header::Property| match p.shape {
-        Shape::List { item, .. } => item.range().is_some() && CORNERS.contains(&p.name.as_str()),
-        Shape::One(_) => false,
+fn corner_list(element: &PlyElement, warnings: &mut Warnings) -> Result<usize, ReadError> {
+    let is_list = |p: &super::header::PlyProperty| match p.shape {
+        PlyPropertyType::List { item, .. } => item.range().is_some() && CORNERS.contains(&p.name.as_str()),
+        PlyPropertyType::One(_) => false,
     };
-    let place = || Place::Line(element.line);
+    let place = || FileLocation::Line(element.line);
     let Some(list) = element.properties.iter().position(is_list) else {
         let message = format!(
             "element '{}' has no list of integers '{}' or '{}'",

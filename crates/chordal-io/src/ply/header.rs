@@ -1,7 +1,7 @@
 //! The header of a PLY file: which elements follow, of which properties.
-use crate::text::{Lines, Tokens, grouped, integer, show};
+use crate::text::{LineTokens, TextLines, grouped, integer, show};
 use crate::warnings::Warnings;
-use crate::{Limits, Place, ReadError};
+use crate::{FileLocation, Limits, ReadError};
 use serde_json::Value;
 
 /// Elements that a header may declare, far more than any writer does.
@@ -11,7 +11,7 @@ const MOST_PROPERTIES: usize = 4096;
 
 /// How the body is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Encoding {
+pub(super) enum PlyEncoding {
     Text,
     Little,
     Big,
@@ -19,7 +19,7 @@ pub(super) enum Encoding {
 
 /// The type of one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Scalar {
+pub(super) enum PlyScalar {
     I8,
     U8,
     I16,
@@ -33,37 +33,37 @@ pub(super) enum Scalar {
 }
 
 /// The names of 1990, those with sizes that came later, and what some tools add to them.
-const NAMES: [(&str, Scalar); 26] = [
-    ("char", Scalar::I8),
-    ("int8", Scalar::I8),
-    ("uchar", Scalar::U8),
-    ("uint8", Scalar::U8),
-    ("short", Scalar::I16),
-    ("int16", Scalar::I16),
-    ("ushort", Scalar::U16),
-    ("uint16", Scalar::U16),
-    ("int", Scalar::I32),
-    ("int32", Scalar::I32),
-    ("uint", Scalar::U32),
-    ("uint32", Scalar::U32),
-    ("float", Scalar::F32),
-    ("float32", Scalar::F32),
-    ("double", Scalar::F64),
-    ("float64", Scalar::F64),
-    ("float16", Scalar::Opaque(2)),
-    ("float128", Scalar::Opaque(16)),
-    ("int64", Scalar::Opaque(8)),
-    ("uint64", Scalar::Opaque(8)),
-    ("int128", Scalar::Opaque(16)),
-    ("uint128", Scalar::Opaque(16)),
-    ("int256", Scalar::Opaque(32)),
-    ("uint256", Scalar::Opaque(32)),
-    ("int512", Scalar::Opaque(64)),
-    ("uint512", Scalar::Opaque(64)),
+const NAMES: [(&str, PlyScalar); 26] = [
+    ("char", PlyScalar::I8),
+    ("int8", PlyScalar::I8),
+    ("uchar", PlyScalar::U8),
+    ("uint8", PlyScalar::U8),
+    ("short", PlyScalar::I16),
+    ("int16", PlyScalar::I16),
+    ("ushort", PlyScalar::U16),
+    ("uint16", PlyScalar::U16),
+    ("int", PlyScalar::I32),
+    ("int32", PlyScalar::I32),
+    ("uint", PlyScalar::U32),
+    ("uint32", PlyScalar::U32),
+    ("float", PlyScalar::F32),
+    ("float32", PlyScalar::F32),
+    ("double", PlyScalar::F64),
+    ("float64", PlyScalar::F64),
+    ("float16", PlyScalar::Opaque(2)),
+    ("float128", PlyScalar::Opaque(16)),
+    ("int64", PlyScalar::Opaque(8)),
+    ("uint64", PlyScalar::Opaque(8)),
+    ("int128", PlyScalar::Opaque(16)),
+    ("uint128", PlyScalar::Opaque(16)),
+    ("int256", PlyScalar::Opaque(32)),
+    ("uint256", PlyScalar::Opaque(32)),
+    ("int512", PlyScalar::Opaque(64)),
+    ("uint512", PlyScalar::Opaque(64)),
 ];
 
-impl Scalar {
-    fn of(name: &[u8]) -> Option<Self> {
+impl PlyScalar {
+    fn from_name(name: &[u8]) -> Option<Self> {
         NAMES.iter().find(|row| row.0.as_bytes() == name).map(|row| row.1)
     }
 
@@ -94,29 +94,29 @@ impl Scalar {
 
 /// One value, or a list with its length before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Shape {
-    One(Scalar),
-    List { length: Scalar, item: Scalar },
+pub(super) enum PlyPropertyType {
+    One(PlyScalar),
+    List { length: PlyScalar, item: PlyScalar },
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Property {
+pub(super) struct PlyProperty {
     pub(super) name: String,
-    pub(super) shape: Shape,
+    pub(super) shape: PlyPropertyType,
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Element {
+pub(super) struct PlyElement {
     pub(super) name: String,
     pub(super) rows: u64,
-    pub(super) properties: Vec<Property>,
+    pub(super) properties: Vec<PlyProperty>,
     pub(super) line: u64,
 }
 
 #[derive(Debug)]
-pub(super) struct Header {
-    pub(super) encoding: Encoding,
-    pub(super) elements: Vec<Element>,
+pub(super) struct PlyHeader {
+    pub(super) encoding: PlyEncoding,
+    pub(super) elements: Vec<PlyElement>,
     pub(super) certificate: Option<Value>,
     /// Where the body starts, and how many lines stand before it.
     pub(super) body: usize,
@@ -124,20 +124,20 @@ pub(super) struct Header {
 }
 
 fn error(line: u64, code: &'static str, message: impl Into<String>) -> ReadError {
-    ReadError::new(code, Place::Line(line), message)
+    ReadError::new(code, FileLocation::Line(line), message)
 }
 
-impl Header {
+impl PlyHeader {
     /// The header at the start of `bytes`; blank lines and a byte order mark may stand before it.
     pub(super) fn read(bytes: &[u8], limits: &Limits, warnings: &mut Warnings) -> Result<Self, ReadError> {
-        let mut reader = HeaderReader::default();
-        let mut lines = Lines::new(bytes);
+        let mut reader = PlyHeaderReader::default();
+        let mut lines = TextLines::new(bytes);
         let mut cr_only = false;
         loop {
             let before = lines.offset();
             let Some((line, text)) = lines.next() else {
                 let message = "the file ends in its header: there is no 'end_header'";
-                return Err(ReadError::new("truncated", Place::Byte(before as u64), message));
+                return Err(ReadError::new("truncated", FileLocation::Byte(before as u64), message));
             };
             if text.len() > limits.header_line {
                 let n = grouped(text.len() as u64);
@@ -161,16 +161,16 @@ impl Header {
 }
 
 #[derive(Default)]
-struct HeaderReader {
+struct PlyHeaderReader {
     has_magic: bool,
-    encoding: Option<Encoding>,
-    elements: Vec<Element>,
+    encoding: Option<PlyEncoding>,
+    elements: Vec<PlyElement>,
     certificate: Option<Value>,
 }
 
-impl HeaderReader {
+impl PlyHeaderReader {
     fn is_binary(&self) -> bool {
-        self.encoding.is_some_and(|e| e != Encoding::Text)
+        self.encoding.is_some_and(|e| e != PlyEncoding::Text)
     }
 
     /// Reads one line; true when it is the last one.
@@ -181,7 +181,7 @@ impl HeaderReader {
         limits: &Limits,
         warnings: &mut Warnings,
     ) -> Result<bool, ReadError> {
-        let mut tokens = Tokens::new(text);
+        let mut tokens = LineTokens::new(text);
         let Some(word) = tokens.next() else { return Ok(false) };
         if !self.has_magic {
             if word != b"ply" {
@@ -195,7 +195,8 @@ impl HeaderReader {
             b"comment" => {
                 let certificate = tokens.rest().strip_prefix(b"chordal ");
                 if let Some(text) = certificate {
-                    self.certificate = crate::certificate::read(text, limits, Place::Line(line), warnings);
+                    self.certificate =
+                        crate::certificate::read(text, limits, FileLocation::Line(line), warnings);
                 }
             }
             b"obj_info" => {}
@@ -213,12 +214,12 @@ impl HeaderReader {
         Ok(false)
     }
 
-    fn format(&mut self, line: u64, mut tokens: Tokens) -> Result<(), ReadError> {
+    fn format(&mut self, line: u64, mut tokens: LineTokens) -> Result<(), ReadError> {
         let name = tokens.next().unwrap_or_default();
         let encoding = match name {
-            b"ascii" => Encoding::Text,
-            b"binary_little_endian" => Encoding::Little,
-            b"binary_big_endian" => Encoding::Big,
+            b"ascii" => PlyEncoding::Text,
+            b"binary_little_endian" => PlyEncoding::Little,
+            b"binary_big_endian" => PlyEncoding::Big,
             _ => {
                 let message =
                     format!("format {} is not ascii, binary_little_endian or binary_big_endian", show(name));
@@ -236,7 +237,7 @@ impl HeaderReader {
         Ok(())
     }
 
-    fn element(&mut self, line: u64, mut tokens: Tokens, limits: &Limits) -> Result<(), ReadError> {
+    fn element(&mut self, line: u64, mut tokens: LineTokens, limits: &Limits) -> Result<(), ReadError> {
         let name = name(line, &mut tokens, "element")?;
         let count = tokens.next().unwrap_or_default();
         let rows = integer(count).ok().and_then(|n| u64::try_from(n).ok()).ok_or_else(|| {
@@ -244,7 +245,7 @@ impl HeaderReader {
             error(line, "not-a-count", message)
         })?;
         if rows > limits.rows {
-            return Err(crate::assemble::too_many_rows(Place::Line(line), "rows", rows, limits.rows));
+            return Err(crate::assemble::too_many_rows(FileLocation::Line(line), "rows", rows, limits.rows));
         }
         if self.elements.iter().any(|e| e.name == name) {
             return Err(error(line, "duplicate-element", format!("element '{name}' is declared twice")));
@@ -253,23 +254,26 @@ impl HeaderReader {
             let message = format!("more elements than the limit of {MOST_ELEMENTS}");
             return Err(error(line, "too-many-elements", message));
         }
-        self.elements.push(Element { name, rows, properties: Vec::new(), line });
+        self.elements.push(PlyElement { name, rows, properties: Vec::new(), line });
         Ok(())
     }
 
-    fn property(&mut self, line: u64, mut tokens: Tokens) -> Result<(), ReadError> {
+    fn property(&mut self, line: u64, mut tokens: LineTokens) -> Result<(), ReadError> {
         let mut scalar = || {
             let name = tokens.next().unwrap_or_default();
             let unknown =
                 || error(line, "type-unknown", format!("{} is no type whose size is known", show(name)));
-            if name == b"list" { Ok(None) } else { Scalar::of(name).map(Some).ok_or_else(unknown) }
+            if name == b"list" { Ok(None) } else { PlyScalar::from_name(name).map(Some).ok_or_else(unknown) }
         };
         let twice = || error(line, "type-unknown", "a list of lists is not supported");
         let shape = match scalar()? {
-            Some(one) => Shape::One(one),
-            None => Shape::List { length: scalar()?.ok_or_else(twice)?, item: scalar()?.ok_or_else(twice)? },
+            Some(one) => PlyPropertyType::One(one),
+            None => PlyPropertyType::List {
+                length: scalar()?.ok_or_else(twice)?,
+                item: scalar()?.ok_or_else(twice)?,
+            },
         };
-        if let Shape::List { length, .. } = shape
+        if let PlyPropertyType::List { length, .. } = shape
             && length.range().is_none()
         {
             return Err(error(
@@ -290,19 +294,19 @@ impl HeaderReader {
             let message = format!("more properties than the limit of {MOST_PROPERTIES}");
             return Err(error(line, "too-many-properties", message));
         }
-        element.properties.push(Property { name, shape });
+        element.properties.push(PlyProperty { name, shape });
         Ok(())
     }
 
-    fn finish(self, lines: u64, body: usize) -> Result<Header, ReadError> {
+    fn finish(self, lines: u64, body: usize) -> Result<PlyHeader, ReadError> {
         let Self { encoding, elements, certificate, .. } = self;
         let encoding = encoding.ok_or_else(|| error(lines, "no-format", "the header names no format"))?;
-        Ok(Header { encoding, elements, certificate, body, lines })
+        Ok(PlyHeader { encoding, elements, certificate, body, lines })
     }
 }
 
 /// The name of an element or property: printable, as everything in a header is.
-fn name(line: u64, tokens: &mut Tokens, what: &str) -> Result<String, ReadError> {
+fn name(line: u64, tokens: &mut LineTokens, what: &str) -> Result<String, ReadError> {
     let token = tokens.next().unwrap_or_default();
     match std::str::from_utf8(token) {
         Ok(name) if !name.is_empty() && !name.chars().any(char::is_control) => Ok(name.to_owned()),

@@ -1,18 +1,19 @@
 //! Reads PLY.
-use super::body::Body;
-use super::faces::FaceReader;
-use super::header::Header;
-use super::vertices::Vertices;
-use crate::assemble::{self, Raw, too_many_rows};
+use super::body::PlyBody;
+use super::faces::PlyFaceReader;
+use super::header::PlyHeader;
+use super::vertices::PlyVertices;
+use crate::assemble::{self, RawMesh, too_many_rows};
 use crate::text::grouped;
 use crate::warnings::Warnings;
-use crate::{Content, Frame, Limits, Loaded, Place, ReadError, Scene};
+use crate::{Content, FileLocation, Frame, Limits, ReadError, ReadOutcome, Scene};
 
 /// The mesh of a PLY file, as one part: text or binary, either byte order.
 ///
-/// `nx ny nz`, texture coordinates and colours of vertices become attributes under the names that tools use for
-/// them, other numbers become [`chordal::explicit::Semantic::Custom`]; colours in bytes are divided by 255.
-/// Polygons and `tristrips` are cut into triangles. Other elements and properties are skipped and counted.
+/// `nx ny nz`, texture coordinates and colours of vertices become attributes under the names that tools use
+/// for them, other numbers become [`chordal::explicit::Semantic::Custom`]; colours in bytes are divided by
+/// 255. Polygons and `tristrips` are cut into triangles. Other elements and properties are skipped and
+/// counted.
 ///
 /// # Errors
 /// [`ReadError`] at the line, or for a binary body at the byte with the row.
@@ -25,28 +26,28 @@ use crate::{Content, Frame, Limits, Loaded, Place, ReadError, Scene};
 /// assert_eq!(scene.parts[0].mesh.faces(), [[0, 1, 2]]);
 /// # Ok::<(), chordal_io::ReadError>(())
 /// ```
-pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let mut warnings = Warnings::default();
-    let header = Header::read(bytes, limits, &mut warnings)?;
+    let header = PlyHeader::read(bytes, limits, &mut warnings)?;
     let n_vertices = header.elements.iter().find(|e| e.name == "vertex").map_or(0, |e| e.rows);
     let most = u64::from(u32::MAX) - 1;
     if n_vertices > most {
-        return Err(too_many_rows(Place::File, "vertices", n_vertices, most));
+        return Err(too_many_rows(FileLocation::File, "vertices", n_vertices, most));
     }
-    let mut body = Body::new(bytes, &header);
-    let mut vertices = Vertices::default();
-    let mut faces = FaceReader::new(n_vertices, limits);
+    let mut body = PlyBody::new(bytes, &header);
+    let mut vertices = PlyVertices::default();
+    let mut faces = PlyFaceReader::new(n_vertices, limits);
     for element in header.elements.iter().filter(|e| e.rows > 0) {
         body.check_size(element)?;
         match element.name.as_str() {
-            "vertex" => vertices = Vertices::read(&mut body, element, limits, &mut warnings)?,
+            "vertex" => vertices = PlyVertices::read(&mut body, element, limits, &mut warnings)?,
             "face" => faces.polygons(&mut body, element, &mut warnings)?,
             "tristrips" => faces.strips(&mut body, element, &mut warnings)?,
             name => {
                 warnings.count_many("element-skipped", element.rows, || {
                     let message =
                         format!("rows of unknown elements were skipped, '{}' first", name.escape_default());
-                    (Place::Line(element.line), message)
+                    (FileLocation::Line(element.line), message)
                 });
                 body.skip_element(element)?;
             }
@@ -57,11 +58,11 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
             (place, format!("bytes or lines after the last element were skipped, {} in all", grouped(n)))
         });
     }
-    let place = |row| Place::Row { list: "face", row };
+    let place = |row| FileLocation::Row { list: "face", row };
     let faces = faces.faces.cut(&vertices.positions, place, &mut warnings);
-    let Vertices { positions, position_id, attributes } = vertices;
-    let mesh = assemble::mesh(Raw { positions, position_id, faces, attributes }, &mut warnings)?;
-    let mut scene = Scene::of("", mesh, true, Frame::default());
+    let PlyVertices { positions, position_id, attributes } = vertices;
+    let mesh = assemble::mesh(RawMesh { positions, position_id, faces, attributes }, &mut warnings)?;
+    let mut scene = Scene::from_mesh("", mesh, true, Frame::default());
     scene.certificate = header.certificate;
-    Ok(Loaded { content: Content::Scene(scene), warnings: warnings.into_list() })
+    Ok(ReadOutcome { content: Content::Scene(scene), warnings: warnings.into_list() })
 }

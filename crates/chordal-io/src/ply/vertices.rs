@@ -1,9 +1,9 @@
 //! The vertices of a PLY file: which property goes into which stream.
-use super::body::Body;
-use super::header::{Element, Scalar, Shape};
+use super::body::PlyBody;
+use super::header::{PlyElement, PlyPropertyType, PlyScalar};
 use crate::grow::{push, with_room};
 use crate::warnings::Warnings;
-use crate::{Limits, Place, ReadError};
+use crate::{FileLocation, Limits, ReadError};
 use chordal::explicit::{Attribute, Domain, Semantic};
 
 /// The names under which components of the known streams go.
@@ -26,7 +26,7 @@ pub(super) const POSITION_ID: &str = "position_id";
 
 /// Where a value goes.
 #[derive(Clone, Copy, Debug)]
-enum Target {
+enum PlyValueTarget {
     Position(usize),
     PositionId,
     /// A stream, a component, and by what the value is divided.
@@ -36,30 +36,30 @@ enum Target {
 
 /// What the vertices hold.
 #[derive(Debug, Default)]
-pub(super) struct Vertices {
+pub(super) struct PlyVertices {
     pub(super) positions: Vec<[f64; 3]>,
     pub(super) position_id: Option<Vec<u32>>,
     pub(super) attributes: Vec<Attribute>,
 }
 
-struct Plan {
-    targets: Vec<Target>,
+struct PlyVertexLayout {
+    targets: Vec<PlyValueTarget>,
     streams: Vec<Attribute>,
     has_id: bool,
 }
 
-impl Plan {
-    fn of(element: &Element, warnings: &mut Warnings) -> Result<Self, ReadError> {
+impl PlyVertexLayout {
+    fn from_element(element: &PlyElement, warnings: &mut Warnings) -> Result<Self, ReadError> {
         let mut plan = Self {
-            targets: vec![Target::Skip; element.properties.len()],
+            targets: vec![PlyValueTarget::Skip; element.properties.len()],
             streams: Vec::new(),
             has_id: false,
         };
-        let place = Place::Line(element.line);
+        let place = FileLocation::Line(element.line);
         for (k, axis) in POSITION.iter().enumerate() {
             match find(element, axis) {
-                Some((i, scalar)) if !matches!(scalar, Scalar::Opaque(_)) => {
-                    plan.targets[i] = Target::Position(k)
+                Some((i, scalar)) if !matches!(scalar, PlyScalar::Opaque(_)) => {
+                    plan.targets[i] = PlyValueTarget::Position(k)
                 }
                 _ => {
                     let message = format!("element 'vertex' has no number '{axis}'");
@@ -75,12 +75,12 @@ impl Plan {
             let width = if has(element, &names[..]) { 4 } else { 3 };
             plan.stream(element, Semantic::Color(set as u32), &names[..width]);
         }
-        plan.others(element, warnings);
+        plan.read_custom(element, warnings);
         Ok(plan)
     }
 
     /// A stream of the properties of these names, if all of them are there.
-    fn stream(&mut self, element: &Element, semantic: Semantic, names: &[&str]) {
+    fn stream(&mut self, element: &PlyElement, semantic: Semantic, names: &[&str]) {
         if !has(element, names) {
             return;
         }
@@ -88,29 +88,29 @@ impl Plan {
         for (k, name) in names.iter().enumerate() {
             let Some((i, scalar)) = find(element, name) else { continue };
             let divisor = match scalar {
-                Scalar::U8 if is_color => 255.0,
-                Scalar::U16 if is_color => 65535.0,
+                PlyScalar::U8 if is_color => 255.0,
+                PlyScalar::U16 if is_color => 65535.0,
                 _ => 1.0,
             };
-            self.targets[i] = Target::Stream(self.streams.len(), k, divisor);
+            self.targets[i] = PlyValueTarget::Stream(self.streams.len(), k, divisor);
         }
         let domain = Domain::Vertex;
         self.streams.push(Attribute { semantic, domain, width: names.len(), values: Vec::new() });
     }
 
     /// Every other number is a stream of its own; lists and numbers that cannot be read are skipped.
-    fn others(&mut self, element: &Element, warnings: &mut Warnings) {
+    fn read_custom(&mut self, element: &PlyElement, warnings: &mut Warnings) {
         for (i, property) in element.properties.iter().enumerate() {
-            if !matches!(self.targets[i], Target::Skip) {
+            if !matches!(self.targets[i], PlyValueTarget::Skip) {
                 continue;
             }
             match property.shape {
-                Shape::One(Scalar::U32 | Scalar::I32) if property.name == POSITION_ID => {
-                    self.targets[i] = Target::PositionId;
+                PlyPropertyType::One(PlyScalar::U32 | PlyScalar::I32) if property.name == POSITION_ID => {
+                    self.targets[i] = PlyValueTarget::PositionId;
                     self.has_id = true;
                 }
-                Shape::One(scalar) if !matches!(scalar, Scalar::Opaque(_)) => {
-                    self.targets[i] = Target::Stream(self.streams.len(), 0, 1.0);
+                PlyPropertyType::One(scalar) if !matches!(scalar, PlyScalar::Opaque(_)) => {
+                    self.targets[i] = PlyValueTarget::Stream(self.streams.len(), 0, 1.0);
                     let semantic = Semantic::Custom(property.name.clone());
                     let domain = Domain::Vertex;
                     self.streams.push(Attribute { semantic, domain, width: 1, values: Vec::new() });
@@ -120,34 +120,36 @@ impl Plan {
                         "properties of vertices were skipped, '{}' first",
                         property.name.escape_default()
                     );
-                    (Place::Line(element.line), message)
+                    (FileLocation::Line(element.line), message)
                 }),
             }
         }
     }
 }
 
-fn find(element: &Element, name: &str) -> Option<(usize, Scalar)> {
+fn find(element: &PlyElement, name: &str) -> Option<(usize, PlyScalar)> {
     element.properties.iter().enumerate().find_map(|(i, p)| match p.shape {
-        Shape::One(scalar) if p.name == name => Some((i, scalar)),
+        PlyPropertyType::One(scalar) if p.name == name => Some((i, scalar)),
         _ => None,
     })
 }
 
-fn has(element: &Element, names: &[&str]) -> bool {
-    names.iter().all(|name| find(element, name).is_some_and(|(_, s)| !matches!(s, Scalar::Opaque(_))))
+fn has(element: &PlyElement, names: &[&str]) -> bool {
+    names.iter().all(|name| find(element, name).is_some_and(|(_, s)| !matches!(s, PlyScalar::Opaque(_))))
 }
 
-impl Vertices {
+impl PlyVertices {
     /// Reads all rows.
     pub(super) fn read(
-        body: &mut Body,
-        element: &Element,
+        body: &mut PlyBody,
+        element: &PlyElement,
         limits: &Limits,
         warnings: &mut Warnings,
     ) -> Result<Self, ReadError> {
-        let Plan { targets, mut streams, has_id } = Plan::of(element, warnings)?;
-        // `Body::check_size` has seen that many rows' bytes, so that room for all of them is in proportion.
+        let PlyVertexLayout { targets, mut streams, has_id } =
+            PlyVertexLayout::from_element(element, warnings)?;
+        // `PlyBody::check_size` has seen that many rows' bytes, so that room for all of them is in
+        // proportion.
         let n_rows = element.rows as usize;
         let mut positions: Vec<[f64; 3]> = with_room(n_rows)?;
         let mut ids: Vec<i64> = with_room(if has_id { n_rows } else { 0 })?;
@@ -161,19 +163,19 @@ impl Vertices {
             }
             let mut position = [0.0; 3];
             for (property, target) in element.properties.iter().zip(&targets) {
-                let Shape::One(scalar) = property.shape else {
+                let PlyPropertyType::One(scalar) = property.shape else {
                     body.skip(element, property.shape)?;
                     continue;
                 };
                 let value = body.number(element, scalar)?;
                 match *target {
-                    Target::Position(k) => position[k] = value,
-                    Target::PositionId => push(&mut ids, value as i64)?,
-                    Target::Stream(stream, k, divisor) => {
+                    PlyValueTarget::Position(k) => position[k] = value,
+                    PlyValueTarget::PositionId => push(&mut ids, value as i64)?,
+                    PlyValueTarget::Stream(stream, k, divisor) => {
                         let Attribute { width, values, .. } = &mut streams[stream];
                         values[row as usize * *width + k] = value / divisor;
                     }
-                    Target::Skip => {}
+                    PlyValueTarget::Skip => {}
                 }
             }
             body.end_row(element)?;
@@ -202,7 +204,7 @@ fn checked_ids(
         if other.map(|p| p.map(f64::to_bits)) != Some(positions[row].map(f64::to_bits)) {
             warnings.count("position-id-skipped", || {
                 let message = format!("position_id {id} names no vertex at the same position; none was used");
-                (Place::Row { list: "vertex", row: row as u64 }, message)
+                (FileLocation::Row { list: "vertex", row: row as u64 }, message)
             });
             return Ok(None);
         }

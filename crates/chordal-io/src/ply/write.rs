@@ -1,38 +1,39 @@
 //! Writes PLY.
 use super::vertices::POSITION_ID;
-use crate::placed::{Placed, placed};
+use crate::instances::{PartInstance, part_instances};
 use crate::text::grouped;
 use crate::{Scene, WriteError};
 use chordal::explicit::{Attribute, Semantic};
 use serde_json::Value;
 use std::io::{BufWriter, Write};
 
-/// Writes a scene as binary little-endian PLY: positions and texture coordinates as doubles, normals as floats,
-/// indices as 32-bit.
+/// Writes a scene as binary little-endian PLY: positions and texture coordinates as doubles, normals as
+/// floats, indices as 32-bit.
 ///
-/// PLY has one row a vertex, so that vertices which differ only in their attributes stay rows of their own; where
-/// the mesh ties them, a property `position_id` names the first row at the same position, which the reader here
-/// understands and others skip. Nodes are applied, and all parts become one. Colours are bytes where that is exact,
-/// else floats. The certificate stands in a comment. What PLY cannot hold is told by [`crate::losses`].
+/// PLY has one row a vertex, so that vertices which differ only in their attributes stay rows of their own;
+/// where the mesh ties them, a property `position_id` names the first row at the same position, which the
+/// reader here understands and others skip. Nodes are applied, and all parts become one. Colours are bytes
+/// where that is exact, else floats. The certificate stands in a comment. What PLY cannot hold is told by
+/// [`crate::losses`].
 ///
 /// # Errors
-/// [`WriteError`] when the sink fails, a node is wrong, there are more than 2³² − 2 vertices, or the certificate is too
-/// long for a header line.
+/// [`WriteError`] when the sink fails, a node is wrong, there are more than 2³² − 2 vertices, or the
+/// certificate is too long for a header line.
 ///
 /// ```
 /// use chordal::Mesh;
 /// use chordal_io::{Content, Frame, Limits, Scene, ply};
 /// let mesh = Mesh::new(vec![[0.1, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
 /// let mut file = Vec::new();
-/// ply::write(&Scene::of("", mesh.clone(), true, Frame::default()), None, &mut file)?;
+/// ply::write(&Scene::from_mesh("", mesh.clone(), true, Frame::default()), None, &mut file)?;
 /// let Content::Scene(scene) = ply::read(&file, &Limits::default())?.content else { unreachable!() };
 /// assert_eq!(scene.parts[0].mesh, mesh);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) -> Result<(), WriteError> {
     let certificate = certificate.map(crate::certificate::line).transpose()?;
-    let parts = placed(scene)?;
-    let plan = Plan::of(&parts)?;
+    let parts = part_instances(scene)?;
+    let plan = PlyFileLayout::from_parts(&parts)?;
     let mut out = BufWriter::new(out);
     plan.header(certificate.as_deref(), &mut out)?;
     let mut first_vertex = 0;
@@ -51,25 +52,25 @@ pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) ->
 
 /// How colours are written.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Colors {
+enum PlyColors {
     None,
     Bytes(usize),
     Floats(usize),
 }
 
 /// What every row of the file has: all that some part has.
-struct Plan {
+struct PlyFileLayout {
     n_vertices: u64,
     n_faces: u64,
     has_normals: bool,
     has_texcoords: bool,
-    colors: Colors,
+    colors: PlyColors,
     has_ids: bool,
 }
 
-impl Plan {
-    fn of(parts: &[Placed]) -> Result<Self, WriteError> {
-        let count = |n: fn(&Placed) -> usize| parts.iter().map(|p| n(p) as u64).sum::<u64>();
+impl PlyFileLayout {
+    fn from_parts(parts: &[PartInstance]) -> Result<Self, WriteError> {
+        let count = |n: fn(&PartInstance) -> usize| parts.iter().map(|p| n(p) as u64).sum::<u64>();
         let n_vertices = count(|p| p.part.mesh.positions().len());
         let n_faces = count(|p| p.part.mesh.faces().len());
         if n_vertices >= u64::from(u32::MAX) {
@@ -84,7 +85,7 @@ impl Plan {
             n_faces,
             has_normals: has(Semantic::Normal, 3),
             has_texcoords: has(Semantic::TexCoord(0), 2),
-            colors: Colors::of(parts),
+            colors: PlyColors::from_parts(parts),
             has_ids: parts.iter().any(|p| p.part.mesh.position_id().is_some()),
         })
     }
@@ -107,9 +108,9 @@ impl Plan {
         }
         let names = ["red", "green", "blue", "alpha"];
         match self.colors {
-            Colors::None => {}
-            Colors::Bytes(width) => property("uchar", &names[..width])?,
-            Colors::Floats(width) => property("float", &names[..width])?,
+            PlyColors::None => {}
+            PlyColors::Bytes(width) => property("uchar", &names[..width])?,
+            PlyColors::Floats(width) => property("float", &names[..width])?,
         }
         if self.has_ids {
             property("uint", &[POSITION_ID])?;
@@ -118,7 +119,12 @@ impl Plan {
         Ok(())
     }
 
-    fn vertices(&self, part: &Placed, first_vertex: u32, out: &mut impl Write) -> Result<(), WriteError> {
+    fn vertices(
+        &self,
+        part: &PartInstance,
+        first_vertex: u32,
+        out: &mut impl Write,
+    ) -> Result<(), WriteError> {
         let normals = part.vertex_attribute(&Semantic::Normal, 3);
         let texcoords = part.vertex_attribute(&Semantic::TexCoord(0), 2);
         let colors = part.vertex_attribute(&Semantic::Color(0), 3);
@@ -137,9 +143,9 @@ impl Plan {
             }
             let channel = |k: usize| colors.map_or(1.0, |a| a.row(vertex).get(k).copied().unwrap_or(1.0));
             match self.colors {
-                Colors::None => {}
-                Colors::Bytes(width) => row.extend((0..width).map(|k| byte(channel(k)).unwrap_or(255))),
-                Colors::Floats(width) => {
+                PlyColors::None => {}
+                PlyColors::Bytes(width) => row.extend((0..width).map(|k| byte(channel(k)).unwrap_or(255))),
+                PlyColors::Floats(width) => {
                     (0..width).for_each(|k| row.extend((channel(k) as f32).to_le_bytes()))
                 }
             }
@@ -152,7 +158,7 @@ impl Plan {
     }
 }
 
-fn faces(part: &Placed, first_vertex: u32, out: &mut impl Write) -> Result<(), WriteError> {
+fn faces(part: &PartInstance, first_vertex: u32, out: &mut impl Write) -> Result<(), WriteError> {
     let order = part.order();
     for face in part.part.mesh.faces() {
         let mut row = [0; 13];
@@ -165,8 +171,8 @@ fn faces(part: &Placed, first_vertex: u32, out: &mut impl Write) -> Result<(), W
     Ok(())
 }
 
-impl Colors {
-    fn of(parts: &[Placed]) -> Self {
+impl PlyColors {
+    fn from_parts(parts: &[PartInstance]) -> Self {
         let colors: Vec<&Attribute> =
             parts.iter().filter_map(|p| p.vertex_attribute(&Semantic::Color(0), 3)).collect();
         let Some(width) = colors.iter().map(|a| a.width.min(4)).max() else { return Self::None };

@@ -3,9 +3,11 @@ use crate::{Polygons, WriteError};
 use serde_json::Value;
 use std::io::{BufWriter, Write};
 
-/// Writes the vertices and polygons of a cage as binary little-endian PLY: positions as doubles, indices as 32-bit.
+/// Writes the vertices and polygons of a cage as binary little-endian PLY: positions as doubles, indices as
+/// 32-bit.
 ///
-/// PLY has no subdivision tags; what is lost is told by [`crate::losses_of_polygons`]. The certificate stands in a comment.
+/// PLY has no subdivision tags; what is lost is told by [`crate::losses_of_polygons`]. The certificate stands
+/// in a comment.
 ///
 /// # Errors
 /// [`WriteError`] when the sink fails, or the certificate is too long for a header line.
@@ -16,7 +18,7 @@ use std::io::{BufWriter, Write};
 /// let square = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
 /// let cage = Cage::new(square, [[0, 1, 2, 3]])?;
 /// let mut file = Vec::new();
-/// ply::write_polygons(&Polygons::of(cage, Frame::default()), None, &mut file)?;
+/// ply::write_polygons(&Polygons::from_cage(cage, Frame::default()), None, &mut file)?;
 /// assert!(file.ends_with(&[4, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0]));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -1,23 +1,23 @@
-//! Curves and polylines in JSON, of the plane or of space.
+//! Curves and polylines in JSON, in the plane or in space.
 use super::{check_rows, set, width};
-use crate::drawing::{Drawn, Element};
+use crate::drawing::{DrawingElement, PathSet};
 use crate::grow::{push, with_room};
-use crate::json::{Json, Kind};
+use crate::json::{JsonKind, JsonReader};
 use crate::text::{grouped, show};
 use crate::warnings::Warnings;
-use crate::{Content, Frame, Limits, Place, ReadError};
-use chordal::explicit::{Bezier, Curve, FillRule, Piece};
+use crate::{Content, FileLocation, Frame, Limits, ReadError};
+use chordal::explicit::{Bezier, Curve, CurveSegment, FillRule};
 
-/// Which list a line stands in, and how its points are meant.
+/// Which list a line belongs to, and how its points are interpreted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Form {
+pub(super) enum CurveForm {
     /// 3n + 1 control points of n cubics.
     Curves,
     /// Points joined by straight segments.
     Polylines,
 }
 
-impl Form {
+impl CurveForm {
     pub fn list(self) -> &'static str {
         match self {
             Self::Curves => "curves",
@@ -40,10 +40,10 @@ impl Form {
     }
 }
 
-/// One line as it stands in the file.
+/// One line of the file.
 #[derive(Debug, Default)]
-struct Line {
-    /// Where its points start in the list of all.
+struct CurveEntry {
+    /// The index of its first point in the list of all points.
     first: usize,
     n: usize,
     closed: bool,
@@ -52,21 +52,21 @@ struct Line {
     name: String,
 }
 
-/// All lines of a file. Points stand in one list, `dimension` numbers each.
+/// All lines of a file. Their points are in one list, with `dimension` numbers each.
 #[derive(Debug, Default)]
-pub(super) struct Lines {
-    pub form: Option<Form>,
+pub(super) struct CurveList {
+    pub form: Option<CurveForm>,
     numbers: Vec<f64>,
-    lines: Vec<Line>,
+    lines: Vec<CurveEntry>,
     dimension: usize,
 }
 
-impl Lines {
+impl CurveList {
     /// Reads the list of lines.
     pub fn read(
         &mut self,
-        json: &mut Json,
-        form: Form,
+        json: &mut JsonReader,
+        form: CurveForm,
         limits: &Limits,
         warnings: &mut Warnings,
     ) -> Result<(), ReadError> {
@@ -80,12 +80,12 @@ impl Lines {
 
     fn line(
         &mut self,
-        json: &mut Json,
-        form: Form,
+        json: &mut JsonReader,
+        form: CurveForm,
         limits: &Limits,
         warnings: &mut Warnings,
     ) -> Result<(), ReadError> {
-        let mut line = Line { first: self.numbers.len(), ..Line::default() };
+        let mut line = CurveEntry { first: self.numbers.len(), ..CurveEntry::default() };
         let mut has_points = false;
         json.object(|json, key| {
             match key {
@@ -94,7 +94,7 @@ impl Lines {
                     line.n = self.points(json, limits)?;
                 }
                 "closed" => line.closed = json.flag()?,
-                "source" => line.source = Some(whole(json)?),
+                "source" => line.source = Some(integer(json)?),
                 "name" => line.name = json.string()?,
                 "rule" => {
                     let word = json.string()?;
@@ -115,7 +115,7 @@ impl Lines {
             return Err(json.error("no-points", format!("there is no member \"{}\"", form.points())));
         }
         let n = line.n;
-        if form == Form::Curves && n % 3 != 1 {
+        if form == CurveForm::Curves && n % 3 != 1 {
             let message = format!(
                 "{} control points, which is not 3n + 1: each cubic takes three more",
                 grouped(n as u64)
@@ -125,13 +125,13 @@ impl Lines {
         if n == 0 {
             return Err(json.error("no-points", "a polyline needs a point"));
         }
-        if form == Form::Curves && line.closed && self.at(&line, 0) != self.at(&line, n - 1) {
+        if form == CurveForm::Curves && line.closed && self.at(&line, 0) != self.at(&line, n - 1) {
             return Err(json.error("not-closed", "a closed curve ends with the point that it starts with"));
         }
         push(&mut self.lines, line)
     }
 
-    fn points(&mut self, json: &mut Json, limits: &Limits) -> Result<usize, ReadError> {
+    fn points(&mut self, json: &mut JsonReader, limits: &Limits) -> Result<usize, ReadError> {
         let n = json.array(|json, row| {
             check_rows(json, "points", row, limits)?;
             let mut point = [0.0; 3];
@@ -154,33 +154,33 @@ impl Lines {
         Ok(n as usize)
     }
 
-    fn at(&self, line: &Line, point: usize) -> &[f64] {
+    fn at(&self, line: &CurveEntry, point: usize) -> &[f64] {
         let start = line.first + point * self.dimension;
         &self.numbers[start..start + self.dimension]
     }
 
-    /// The drawing or the curves of space.
-    pub fn content(self, form: Form, frame: Frame) -> Result<Content, ReadError> {
+    /// Builds the drawing, or the curves in space.
+    pub fn content(self, form: CurveForm, frame: Frame) -> Result<Content, ReadError> {
         if self.dimension == 3 {
             return Ok(Content::Curves(self.drawn(form, frame)?));
         }
         Ok(Content::Drawing(self.drawn(form, frame)?))
     }
 
-    fn drawn<const D: usize>(self, form: Form, frame: Frame) -> Result<Drawn<Curve<D>>, ReadError> {
-        let mut drawn = Drawn { frame, ..Drawn::default() };
+    fn drawn<const D: usize>(self, form: CurveForm, frame: Frame) -> Result<PathSet<Curve<D>>, ReadError> {
+        let mut drawn = PathSet { frame, ..PathSet::default() };
         let mut before = None;
         for (index, line) in self.lines.iter().enumerate() {
             let curve = self.curve(line, form).map_err(|error| {
                 ReadError::new(
                     "not-finite",
-                    Place::Pointer(format!("/{}/{index}", form.list())),
+                    FileLocation::Pointer(format!("/{}/{index}", form.list())),
                     error.to_string(),
                 )
             })?;
-            // Lines in a row with the same source are one element, so that its holes are known.
+            // Consecutive lines with the same source are one element, so that its holes are known.
             if line.source.is_none() || line.source != before {
-                let element = Element {
+                let element = DrawingElement {
                     kind: form.kind(),
                     name: line.name.as_str().into(),
                     source: line.source.unwrap_or(drawn.elements.len() as u64),
@@ -196,7 +196,11 @@ impl Lines {
         Ok(drawn)
     }
 
-    fn curve<const D: usize>(&self, line: &Line, form: Form) -> Result<Curve<D>, Unreal> {
+    fn curve<const D: usize>(
+        &self,
+        line: &CurveEntry,
+        form: CurveForm,
+    ) -> Result<Curve<D>, InvalidCurveEntry> {
         let point = |i: usize| -> [f64; D] {
             let given = self.at(line, i);
             std::array::from_fn(|k| given.get(k).copied().unwrap_or(0.0))
@@ -206,16 +210,18 @@ impl Lines {
         }
         let mut pieces = with_room(line.n)?;
         match form {
-            Form::Curves => {
+            CurveForm::Curves => {
                 let cubic = |i| {
-                    Piece::Cubic(Bezier { control: [point(i), point(i + 1), point(i + 2), point(i + 3)] })
+                    CurveSegment::Cubic(Bezier {
+                        control: [point(i), point(i + 1), point(i + 2), point(i + 3)],
+                    })
                 };
                 pieces.extend((0..line.n - 1).step_by(3).map(cubic));
             }
-            Form::Polylines => {
-                pieces.extend((1..line.n).map(|i| Piece::Line([point(i - 1), point(i)])));
+            CurveForm::Polylines => {
+                pieces.extend((1..line.n).map(|i| CurveSegment::Line([point(i - 1), point(i)])));
                 if line.closed && point(line.n - 1) != point(0) {
-                    pieces.push(Piece::Line([point(line.n - 1), point(0)]));
+                    pieces.push(CurveSegment::Line([point(line.n - 1), point(0)]));
                 }
             }
         }
@@ -223,34 +229,34 @@ impl Lines {
     }
 }
 
-/// What cannot happen to numbers that were read as finite, said all the same.
+/// The error for a case that cannot occur: the numbers were read as finite.
 #[derive(Debug)]
-struct Unreal(String);
+struct InvalidCurveEntry(String);
 
-impl std::fmt::Display for Unreal {
+impl std::fmt::Display for InvalidCurveEntry {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.0)
     }
 }
 
-impl From<chordal::explicit::InvalidCurve> for Unreal {
+impl From<chordal::explicit::InvalidCurve> for InvalidCurveEntry {
     fn from(error: chordal::explicit::InvalidCurve) -> Self {
         Self(error.to_string())
     }
 }
 
-impl From<ReadError> for Unreal {
+impl From<ReadError> for InvalidCurveEntry {
     fn from(error: ReadError) -> Self {
         Self(error.to_string())
     }
 }
 
-fn whole(json: &mut Json) -> Result<u64, ReadError> {
-    if json.peek()? != Kind::Number {
+fn integer(json: &mut JsonReader) -> Result<u64, ReadError> {
+    if json.peek()? != JsonKind::Number {
         return Err(json.error("wrong-type", "a whole number should stand here"));
     }
     let value = json.number()?;
-    // 2^53: beyond it, neighbours cannot be told apart.
+    // 2^53: beyond it, neighbouring integers have the same value.
     if value < 0.0 || value.fract() != 0.0 || value > 9_007_199_254_740_992.0 {
         let message = format!("{} is not a whole number from 0 on", show(value.to_string().as_bytes()));
         return Err(json.error("wrong-value", message));

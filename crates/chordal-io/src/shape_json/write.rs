@@ -1,16 +1,16 @@
 //! Polylines as JSON, after `docs/schema/polylines.schema.json`.
 use crate::WriteError;
-use crate::drawing::{Drawn, Polylines};
-use crate::number::Shortest;
+use crate::drawing::{PathSet, Polylines};
+use crate::number::ShortestDecimal;
 use chordal::explicit::Polyline;
 use serde_json::{Value, json};
 use std::io::Write;
 
-/// The name of the report that stands in the file.
+/// The schema of the report in the file.
 const SCHEMA: &str = "chordal.report/1";
 
-/// Writes `{"polylines": [{"points": [[x, y], …], "closed": false, "source": 0}, …], "report": {…}}`, one polyline a
-/// line, with the fewest digits that read back to the last bit.
+/// Writes `{"polylines": [{"points": [[x, y], …], "closed": false, "source": 0}, …], "report": {…}}`, one
+/// polyline on each line, with the fewest digits that read back to the same bits.
 ///
 /// # Errors
 /// When the sink fails, or a number is not finite.
@@ -33,7 +33,7 @@ pub fn write(
     Ok(())
 }
 
-fn all<const D: usize>(drawn: &Drawn<Polyline<D>>, out: &mut dyn Write) -> Result<(), WriteError> {
+fn all<const D: usize>(drawn: &PathSet<Polyline<D>>, out: &mut dyn Write) -> Result<(), WriteError> {
     for (i, line) in drawn.lines.iter().enumerate() {
         if line.points.as_flattened().iter().any(|x| !x.is_finite()) {
             return Err(WriteError::Unsupported(format!("polyline {i} has a number that is not finite")));
@@ -42,7 +42,7 @@ fn all<const D: usize>(drawn: &Drawn<Polyline<D>>, out: &mut dyn Write) -> Resul
         for (j, point) in line.points.iter().enumerate() {
             out.write_all(if j == 0 { b"[" } else { b", [" })?;
             for (k, x) in point.iter().enumerate() {
-                write!(out, "{}{}", if k == 0 { "" } else { ", " }, Shortest(*x))?;
+                write!(out, "{}{}", if k == 0 { "" } else { ", " }, ShortestDecimal(*x))?;
             }
             out.write_all(b"]")?;
         }

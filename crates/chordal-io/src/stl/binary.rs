@@ -1,23 +1,23 @@
 //! Reads binary STL.
-use super::facets::Facets;
+use super::facets::StlFacets;
 use super::read::{FACET, HEAD, declared, size_of, too_short};
 use crate::text::grouped;
-use crate::{Content, Frame, Limits, Loaded, Place, ReadError, Scene};
+use crate::{Content, FileLocation, Frame, Limits, ReadError, ReadOutcome, Scene};
 
 /// The facets of a file of at least 84 bytes.
-pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
+pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let n_facets = declared(bytes).unwrap_or(0);
     if size_of(n_facets) > bytes.len() as u64 {
         return Err(too_short(bytes, n_facets));
     }
-    let mut facets = Facets::default();
+    let mut facets = StlFacets::default();
     let (records, rest) = bytes[HEAD..].split_at(FACET * n_facets as usize);
     for (row, record) in records.chunks_exact(FACET).enumerate() {
         let number = |at: usize| {
             f64::from(f32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]]))
         };
         let triple = |at: usize| [number(at), number(at + 4), number(at + 8)];
-        let place = || Place::Row { list: "facet", row: row as u64 };
+        let place = || FileLocation::Row { list: "facet", row: row as u64 };
         facets.push([triple(12), triple(24), triple(36)], triple(0), place, limits)?;
         if record[48..] != [0, 0] {
             let message = "attribute bytes of facets (colours, in some tools) were skipped";
@@ -25,10 +25,10 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
         }
     }
     facets.warnings.count_many("trailing-bytes", u64::from(!rest.is_empty()), || {
-        let place = Place::Byte((bytes.len() - rest.len()) as u64);
+        let place = FileLocation::Byte((bytes.len() - rest.len()) as u64);
         (place, format!("{} extra bytes after the last facet were skipped", grouped(rest.len() as u64)))
     });
     let (mesh, warnings) = facets.into_mesh(None)?;
-    let scene = Scene::of("", mesh, false, Frame::default());
-    Ok(Loaded { content: Content::Scene(scene), warnings: warnings.into_list() })
+    let scene = Scene::from_mesh("", mesh, false, Frame::default());
+    Ok(ReadOutcome { content: Content::Scene(scene), warnings: warnings.into_list() })
 }

@@ -1,21 +1,21 @@
-//! `Facets`: triangles with three vertices of their own each, and what is wrong with their normals.
-use crate::assemble::{self, Raw};
+//! `StlFacets`: triangles with three vertices of their own each, and what is wrong with their normals.
+use crate::assemble::{self, RawMesh};
 use crate::grow::{push, with_room};
 use crate::text::not_finite;
 use crate::warnings::Warnings;
-use crate::{Limits, Place, ReadError};
+use crate::{FileLocation, Limits, ReadError};
 use chordal::Mesh;
 use chordal::explicit::{Attribute, face_normal};
 use std::collections::HashMap;
 
 /// The facets so far.
 #[derive(Default)]
-pub(super) struct Facets {
+pub(super) struct StlFacets {
     positions: Vec<[f64; 3]>,
     pub(super) warnings: Warnings,
 }
 
-impl Facets {
+impl StlFacets {
     /// The number of facets.
     pub(super) fn len(&self) -> usize {
         self.positions.len() / 3
@@ -29,7 +29,7 @@ impl Facets {
         &mut self,
         corners: [[f64; 3]; 3],
         normal: [f64; 3],
-        place: impl Fn() -> Place,
+        place: impl Fn() -> FileLocation,
         limits: &Limits,
     ) -> Result<(), ReadError> {
         let n = self.len() as u64;
@@ -53,7 +53,7 @@ impl Facets {
         Ok(())
     }
 
-    fn compare(&mut self, corners: [[f64; 3]; 3], normal: [f64; 3], place: &impl Fn() -> Place) {
+    fn compare(&mut self, corners: [[f64; 3]; 3], normal: [f64; 3], place: &impl Fn() -> FileLocation) {
         let (code, message) = if normal.iter().any(|x| !x.is_finite()) {
             ("normals-not-finite", "normals of facets are not finite")
         } else if normal == [0.0; 3] {
@@ -80,7 +80,7 @@ impl Facets {
         for (row, position) in (0..n).zip(&self.positions) {
             id.push(*first.entry(position.map(f64::to_bits)).or_insert(row));
         }
-        let raw = Raw {
+        let raw = RawMesh {
             positions: self.positions,
             position_id: Some(id),
             faces,

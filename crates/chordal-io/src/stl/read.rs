@@ -1,7 +1,7 @@
 //! Reads STL: decides between text and binary.
 use super::{binary, text};
 use crate::text::{grouped, is_space};
-use crate::{Limits, Loaded, Place, ReadError};
+use crate::{FileLocation, Limits, ReadError, ReadOutcome};
 
 /// The bytes before the first facet of a binary file: 80 of header and a count.
 pub(super) const HEAD: usize = 84;
@@ -10,10 +10,11 @@ pub(super) const FACET: usize = 50;
 
 /// The mesh of an STL file, text or binary, as one part.
 ///
-/// A file whose size is 84 + 50 n for the n that it declares is binary, whatever its header says; else one that
-/// starts with `solid` and holds no NUL is text. Every facet gets three vertices of its own; those with the same
-/// position, bit by bit, are tied by `position_id`. For that, −0 is read as 0 and counted. Facet normals are compared with
-/// the corners and dropped. The solids of a text become a face attribute `Group("solid")` if there are several.
+/// A file whose size is 84 + 50 n for the n that it declares is binary, whatever its header says; else one
+/// that starts with `solid` and holds no NUL is text. Every facet gets three vertices of its own; those with
+/// the same position, bit by bit, are tied by `position_id`. For that, −0 is read as 0 and counted. Facet
+/// normals are compared with the corners and dropped. The solids of a text become a face attribute
+/// `Group("solid")` if there are several.
 ///
 /// # Errors
 /// [`ReadError`] at the byte or line.
@@ -25,7 +26,7 @@ pub(super) const FACET: usize = 50;
 /// assert_eq!(scene.parts[0].mesh.faces(), [[0, 1, 2]]);
 /// # Ok::<(), chordal_io::ReadError>(())
 /// ```
-pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     if !is_exact_binary(bytes) && is_text(bytes) {
         return text::read(bytes, limits);
     }
@@ -34,7 +35,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
             "{} bytes are no STL: binary needs {HEAD} or more, and text starts with 'solid'",
             bytes.len()
         );
-        return Err(ReadError::new("not-stl", Place::File, message));
+        return Err(ReadError::new("not-stl", FileLocation::File, message));
     }
     binary::read(bytes, limits)
 }
@@ -83,5 +84,5 @@ pub(super) fn too_short(bytes: &[u8], facets: u64) -> ReadError {
         grouped(size_of(facets)),
         grouped(whole)
     );
-    ReadError::new("truncated", Place::Byte(size_of(whole)), message)
+    ReadError::new("truncated", FileLocation::Byte(size_of(whole)), message)
 }

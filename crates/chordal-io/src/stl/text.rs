@@ -1,15 +1,15 @@
 //! Reads STL text: solids of facets, in words that may be written in any case.
-use super::facets::Facets;
+use super::facets::StlFacets;
 use crate::groups::Groups;
-use crate::text::{number, show, text_of, why_no_number};
-use crate::words::Words;
-use crate::{Content, Frame, Limits, Loaded, Place, ReadError, Scene};
+use crate::text::{number, number_error, show, text_of};
+use crate::word_reader::WordReader;
+use crate::{Content, FileLocation, Frame, Limits, ReadError, ReadOutcome, Scene};
 
 /// The facets of all solids.
-pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
-    let mut reader = Reader { words: Words::new(text_of(bytes)?), facets: Facets::default() };
+pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
+    let mut reader = StlTextReader { words: WordReader::new(text_of(bytes)?), facets: StlFacets::default() };
     let (mut solids, mut n_solids, mut name) = (Groups::default(), 0_u64, String::new());
-    let mut open: Option<Place> = None;
+    let mut open: Option<FileLocation> = None;
     while let Some(word) = reader.words.next() {
         if is(word, "solid") {
             reader.count_open(open.replace(reader.words.place()));
@@ -30,29 +30,29 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
     let attribute = if n_solids > 1 { solids.attribute("solid", reader.facets.len())? } else { None };
     let has_groups = attribute.is_some();
     let (mesh, warnings) = reader.facets.into_mesh(attribute)?;
-    let mut scene = Scene::of(&name, mesh, false, Frame::default());
+    let mut scene = Scene::from_mesh(&name, mesh, false, Frame::default());
     if has_groups {
         scene.groups.insert("solid".to_owned(), solids.into_names());
     }
-    Ok(Loaded { content: Content::Scene(scene), warnings: warnings.into_list() })
+    Ok(ReadOutcome { content: Content::Scene(scene), warnings: warnings.into_list() })
 }
 
 fn is(word: &[u8], keyword: &str) -> bool {
     word.eq_ignore_ascii_case(keyword.as_bytes())
 }
 
-struct Reader<'a> {
-    words: Words<'a>,
-    facets: Facets,
+struct StlTextReader<'a> {
+    words: WordReader<'a>,
+    facets: StlFacets,
 }
 
-impl Reader<'_> {
+impl StlTextReader<'_> {
     fn unexpected(&self, word: &[u8], expected: &str) -> ReadError {
         let message = format!("{} where {expected} should stand", show(word));
         ReadError::new("unexpected-word", self.words.place(), message)
     }
 
-    fn count_open(&mut self, open: Option<Place>) {
+    fn count_open(&mut self, open: Option<FileLocation>) {
         if let Some(place) = open {
             self.facets
                 .warnings
@@ -70,7 +70,7 @@ impl Reader<'_> {
         for value in &mut values {
             let word = self.words.expect(|| format!("the coordinates of a {what}"))?;
             *value = number(word).or_else(|| other(word)).ok_or_else(|| {
-                ReadError::new("not-a-number", self.words.place(), format!("{what}: {}", why_no_number(word)))
+                ReadError::new("not-a-number", self.words.place(), format!("{what}: {}", number_error(word)))
             })?;
         }
         Ok(values)

@@ -1,32 +1,34 @@
 //! Writes binary STL.
 use super::read::HEAD;
-use crate::placed::placed;
+use crate::instances::part_instances;
 use crate::text::grouped;
 use crate::{Scene, WriteError};
 use chordal::explicit::face_normal;
 use serde_json::Value;
 use std::io::{BufWriter, Write};
 
-/// Writes a scene as binary STL: every corner as three floats, every facet with the normal of its rounded corners.
+/// Writes a scene as binary STL: every corner as three floats, every facet with the normal of its rounded
+/// corners.
 ///
-/// Nodes are applied, and all parts become one. STL has 80 free bytes, too few for a certificate, so that none
-/// travels. What else is lost is told by [`crate::losses`].
+/// Nodes are applied, and all parts become one. STL has 80 free bytes, too few for a certificate, so that
+/// none travels. What else is lost is told by [`crate::losses`].
 ///
 /// # Errors
-/// [`WriteError`] when the sink fails, a node is wrong, a coordinate overflows an f32, or there are 2³² facets or more.
+/// [`WriteError`] when the sink fails, a node is wrong, a coordinate overflows an f32, or there are 2³²
+/// facets or more.
 ///
 /// ```
 /// use chordal::Mesh;
 /// use chordal_io::{Frame, Scene, stl};
 /// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
 /// let mut file = Vec::new();
-/// stl::write(&Scene::of("", mesh, false, Frame::default()), None, &mut file)?;
+/// stl::write(&Scene::from_mesh("", mesh, false, Frame::default()), None, &mut file)?;
 /// assert_eq!(file.len(), 84 + 50);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write(scene: &Scene, certificate: Option<&Value>, out: &mut dyn Write) -> Result<(), WriteError> {
     let _ = certificate;
-    let parts = placed(scene)?;
+    let parts = part_instances(scene)?;
     let n_facets: u64 = parts.iter().map(|p| p.part.mesh.faces().len() as u64).sum();
     let count = u32::try_from(n_facets).map_err(|_| {
         let message =

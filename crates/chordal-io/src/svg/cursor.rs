@@ -1,9 +1,9 @@
-//! `Cursor`: numbers, flags and separators of SVG's attribute texts, with the place of what is wrong.
+//! `TextCursor`: numbers, flags and separators of SVG's attribute texts, with the place of what is wrong.
 use crate::text::show;
 
 /// Where and why a text could not be read on.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Trouble {
+pub(super) struct SvgSyntaxError {
     /// Bytes from the start of the text.
     pub at: usize,
     /// What should stand there, and what does.
@@ -12,11 +12,11 @@ pub(super) struct Trouble {
     pub not_finite: bool,
 }
 
-pub(super) type Outcome<T> = Result<T, Trouble>;
+pub(super) type CursorResult<T> = Result<T, SvgSyntaxError>;
 
 /// A place in an attribute's text.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cursor<'a> {
+pub(super) struct TextCursor<'a> {
     text: &'a [u8],
     at: usize,
 }
@@ -26,7 +26,7 @@ pub(super) fn is_space(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t' | b'\n' | b'\r' | 0x0c)
 }
 
-impl<'a> Cursor<'a> {
+impl<'a> TextCursor<'a> {
     pub fn new(text: &'a str) -> Self {
         Self { text: text.as_bytes(), at: 0 }
     }
@@ -85,7 +85,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// That something else should stand here.
-    pub fn trouble(&self, wanted: &str) -> Trouble {
+    pub fn trouble(&self, wanted: &str) -> SvgSyntaxError {
         let rest = self.rest();
         let found = if rest.is_empty() {
             "the end".to_owned()
@@ -93,7 +93,7 @@ impl<'a> Cursor<'a> {
             let len = rest.iter().take_while(|b| !is_space(**b) && **b != b',').count().clamp(1, 20);
             show(&rest[..len.min(rest.len())])
         };
-        Trouble {
+        SvgSyntaxError {
             at: self.at,
             what: format!("{found} where {wanted} should stand"),
             not_finite: self.is_no_finite_word(),
@@ -120,7 +120,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// A finite number: sign, digits, point, digits, exponent. A point may be first or last.
-    pub fn number(&mut self) -> Outcome<f64> {
+    pub fn number(&mut self) -> CursorResult<f64> {
         let rest = self.rest();
         let mut len = usize::from(matches!(rest.first(), Some(b'+' | b'-')));
         let digits = |from: usize| rest[from..].iter().take_while(|b| b.is_ascii_digit()).count();
@@ -149,20 +149,20 @@ impl<'a> Cursor<'a> {
             }
             Some(_) => {
                 let what = format!("{} is over the limit of 1.8e308", show(token));
-                Err(Trouble { at: self.at, what, not_finite: true })
+                Err(SvgSyntaxError { at: self.at, what, not_finite: true })
             }
             None => Err(self.trouble("a number")),
         }
     }
 
     /// A number with the separator before it.
-    pub fn next_number(&mut self) -> Outcome<f64> {
+    pub fn next_number(&mut self) -> CursorResult<f64> {
         self.skip_comma();
         self.number()
     }
 
     /// `0` or `1`, which needs no separator after it.
-    pub fn flag(&mut self) -> Outcome<bool> {
+    pub fn flag(&mut self) -> CursorResult<bool> {
         self.skip_comma();
         match self.peek() {
             Some(digit @ (b'0' | b'1')) => {
@@ -175,8 +175,8 @@ impl<'a> Cursor<'a> {
 }
 
 /// All numbers of a list, and what stopped the reading if it was not the end.
-pub(super) fn numbers(text: &str) -> (Vec<f64>, Option<Trouble>) {
-    let mut cursor = Cursor::new(text);
+pub(super) fn numbers(text: &str) -> (Vec<f64>, Option<SvgSyntaxError>) {
+    let mut cursor = TextCursor::new(text);
     let mut all = Vec::new();
     cursor.skip_space();
     while !cursor.is_at_end() {

@@ -1,16 +1,16 @@
-//! `Length`: lengths with units or percentages, in user units.
-use super::cursor::{Cursor, Trouble};
+//! `SvgLength`: lengths with units or percentages, in user units.
+use super::cursor::{SvgSyntaxError, TextCursor};
 
 /// A length as it stands in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Length {
+pub(super) struct SvgLength {
     pub value: f64,
-    pub unit: Unit,
+    pub unit: SvgUnit,
 }
 
 /// What a length is counted in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Unit {
+pub(super) enum SvgUnit {
     /// User units, which a unit of its own makes pixels.
     User,
     Px,
@@ -25,14 +25,14 @@ pub(super) enum Unit {
 
 /// Why a length cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum NoLength {
+pub(super) enum LengthError {
     /// It is not spelled like one, or not finite.
-    Wrong(Trouble),
+    Wrong(SvgSyntaxError),
     /// Its unit depends on fonts or windows.
     Unit(String),
 }
 
-impl Unit {
+impl SvgUnit {
     /// User units in one, as a product and a quotient, so that one of both can be exact.
     fn scale(self) -> [f64; 2] {
         // CSS Values and Units 3, 6.2: an inch is 96 pixels and 2.54 cm, 72 points, 6 picas.
@@ -61,41 +61,41 @@ impl Unit {
     }
 }
 
-impl Length {
+impl SvgLength {
     /// # Errors
     /// When the text is no length, or its unit is not supported.
-    pub fn read(text: &str) -> Result<Self, NoLength> {
-        let mut cursor = Cursor::new(text);
+    pub fn read(text: &str) -> Result<Self, LengthError> {
+        let mut cursor = TextCursor::new(text);
         cursor.skip_space();
-        let value = cursor.number().map_err(NoLength::Wrong)?;
+        let value = cursor.number().map_err(LengthError::Wrong)?;
         let unit = if cursor.take(b'%') {
-            Unit::Percent
+            SvgUnit::Percent
         } else {
             let word = String::from_utf8_lossy(cursor.word()).to_ascii_lowercase();
             match word.as_str() {
-                "" => Unit::User,
-                "px" => Unit::Px,
-                "in" => Unit::In,
-                "cm" => Unit::Cm,
-                "mm" => Unit::Mm,
-                "q" => Unit::Q,
-                "pt" => Unit::Pt,
-                "pc" => Unit::Pc,
-                _ => return Err(NoLength::Unit(word)),
+                "" => SvgUnit::User,
+                "px" => SvgUnit::Px,
+                "in" => SvgUnit::In,
+                "cm" => SvgUnit::Cm,
+                "mm" => SvgUnit::Mm,
+                "q" => SvgUnit::Q,
+                "pt" => SvgUnit::Pt,
+                "pc" => SvgUnit::Pc,
+                _ => return Err(LengthError::Unit(word)),
             }
         };
         cursor.skip_space();
         if cursor.is_at_end() {
             Ok(Self { value, unit })
         } else {
-            Err(NoLength::Wrong(cursor.trouble("the end")))
+            Err(LengthError::Wrong(cursor.trouble("the end")))
         }
     }
 
     /// In user units, where a percentage is of `whole`; none where that is not known.
     pub fn resolve(self, whole: Option<f64>) -> Option<f64> {
         match self.unit {
-            Unit::Percent => whole.map(|whole| self.value * whole / 100.0),
+            SvgUnit::Percent => whole.map(|whole| self.value * whole / 100.0),
             unit => {
                 let [times, over] = unit.scale();
                 Some(self.value * times / over)
@@ -105,7 +105,7 @@ impl Length {
 
     /// Whether nothing is rounded.
     pub fn is_exact(self) -> bool {
-        self.unit.scale() == [1.0, 1.0] && self.unit != Unit::Percent
+        self.unit.scale() == [1.0, 1.0] && self.unit != SvgUnit::Percent
     }
 }
 
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn units_are_those_of_css() {
-        let user = |text: &str| Length::read(text).unwrap().resolve(Some(200.0)).unwrap();
+        let user = |text: &str| SvgLength::read(text).unwrap().resolve(Some(200.0)).unwrap();
         for (text, expected) in [
             ("1in", 96.0),
             ("2.54cm", 96.0),
@@ -128,8 +128,11 @@ mod tests {
         ] {
             assert!((user(text) - expected).abs() < 1e-13, "{text}");
         }
-        assert_eq!(Length::read("1em"), Err(NoLength::Unit("em".into())));
-        assert!(matches!(Length::read("1 mm"), Err(NoLength::Wrong(_))));
-        assert!(matches!(Length::read("1e999"), Err(NoLength::Wrong(Trouble { not_finite: true, .. }))));
+        assert_eq!(SvgLength::read("1em"), Err(LengthError::Unit("em".into())));
+        assert!(matches!(SvgLength::read("1 mm"), Err(LengthError::Wrong(_))));
+        assert!(matches!(
+            SvgLength::read("1e999"),
+            Err(LengthError::Wrong(SvgSyntaxError { not_finite: true, .. }))
+        ));
     }
 }

@@ -1,23 +1,23 @@
 //! SVG: drawings as curves in the plane, and polylines as drawings.
 //!
-//! Coordinates are the root's user units, as its `viewBox` says; y grows downwards. What is drawn but not supported is
-//! counted in warnings; `docs/svg.md` lists it.
+//! Coordinates are the root's user units, as its `viewBox` says; y grows downwards. What is drawn but not
+//! supported is counted in warnings; `docs/svg.md` lists it.
 mod cursor;
 mod length;
 mod names;
 mod path;
-mod pen;
+mod path_builder;
 mod shape;
-mod sheet;
 mod style;
+mod stylesheet;
 mod transform;
-mod walk;
+mod walker;
 mod write;
 mod xml;
 
 use crate::text::text_of;
 use crate::warnings::Warnings;
-use crate::{Content, Limits, Loaded, Place, ReadError};
+use crate::{Content, FileLocation, Limits, ReadError, ReadOutcome};
 pub use write::write;
 
 /// The element that holds a certificate, in a namespace of its own.
@@ -25,34 +25,35 @@ const CERTIFICATE: &str = "chordal:certificate";
 
 /// The curves of an SVG file: one for each subpath of each drawn element, in document order.
 ///
-/// Arcs stay arcs, lines lines, and quadratic curves become the cubics that they are; what transforms and relative
-/// coordinates lose to rounding is in the slack of each curve.
+/// Arcs stay arcs, lines lines, and quadratic curves become the cubics that they are; what transforms and
+/// relative coordinates lose to rounding is in the slack of each curve.
 ///
 /// # Errors
-/// [`ReadError`] with line and column: no well-formed XML, a document type with declarations, a number that is not
-/// finite (unless the limits drop such elements), nesting or copies by `use` over the limits, `use` in a circle.
+/// [`ReadError`] with line and column: no well-formed XML, a document type with declarations, a number that
+/// is not finite (unless the limits drop such elements), nesting or copies by `use` over the limits, `use` in
+/// a circle.
 ///
 /// ```
 /// use chordal_io::{Content, Limits, svg};
 /// let file = br#"<svg xmlns="http://www.w3.org/2000/svg"><circle cx="5" cy="5" r="4"/><path d="M0 0h3v4z"/></svg>"#;
 /// let Content::Drawing(drawing) = svg::read(file, &Limits::default())?.content else { unreachable!() };
 /// assert_eq!(drawing.lines[0].at(0.0), [9.0, 5.0]);
-/// assert_eq!(drawing.lines[1].pieces().len(), 3);
+/// assert_eq!(drawing.lines[1].segments().len(), 3);
 /// # Ok::<(), chordal_io::ReadError>(())
 /// ```
 ///
 /// Source: W3C, *Scalable Vector Graphics (SVG) 2*, 2018.
-pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     let text = text_of(bytes)?;
     let text = std::str::from_utf8(text).map_err(|error| {
         ReadError::new(
             "not-utf8",
-            Place::Byte(error.valid_up_to() as u64),
+            FileLocation::Byte(error.valid_up_to() as u64),
             "the text is not UTF-8: save it as UTF-8",
         )
     })?;
     let mut warnings = Warnings::default();
-    let tree = xml::Tree::read(text, limits)?;
+    let tree = xml::XmlTree::read(text, limits)?;
     if let Some(at) = tree.doctype {
         warnings.count("ignored-doctype", || {
             (tree.place_of(at as usize), "the document type was ignored: nothing is fetched".to_owned())
@@ -71,12 +72,13 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
             (tree.place(0), "the root does not say that it is SVG (xmlns), and was taken for it".to_owned())
         });
     }
-    let mut drawing = walk::Walk::new(&tree, limits, &mut warnings).run()?;
+    let mut drawing = walker::SvgWalker::new(&tree, limits, &mut warnings).run()?;
     drawing.certificate = tree.certificate.as_deref().and_then(|text| serde_json::from_str(text).ok());
     if drawing.lines.is_empty() {
-        warnings.count("nothing-drawn", || (Place::File, "the file draws no path or shape".to_owned()));
+        warnings
+            .count("nothing-drawn", || (FileLocation::File, "the file draws no path or shape".to_owned()));
     }
-    Ok(Loaded { content: Content::Drawing(drawing), warnings: warnings.into_list() })
+    Ok(ReadOutcome { content: Content::Drawing(drawing), warnings: warnings.into_list() })
 }
 
 /// Whether a text starts like an SVG file: with the element, or with what XML lets stand before it.

@@ -2,7 +2,7 @@
 
 /// An element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Tag {
+pub(super) enum ElementTag {
     Svg,
     Group,
     Switch,
@@ -19,7 +19,7 @@ pub(super) enum Tag {
     /// Holds things that are drawn only where something refers to them, or describes.
     Silent,
     /// Would be drawn, or would change what is drawn, and is not supported.
-    Unsupported(Unsupported),
+    Unsupported(UnsupportedFeature),
     /// Not of SVG.
     Foreign,
     /// Of SVG's namespace, and not known.
@@ -28,7 +28,7 @@ pub(super) enum Tag {
 
 /// What is not supported, by the code of its warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Unsupported {
+pub(super) enum UnsupportedFeature {
     Text,
     Image,
     ForeignObject,
@@ -37,7 +37,7 @@ pub(super) enum Unsupported {
     Media,
 }
 
-impl Tag {
+impl ElementTag {
     /// The element of SVG's namespace with that name.
     pub fn named(name: &str) -> Self {
         match name {
@@ -59,13 +59,15 @@ impl Tag {
             | "view" | "cursor" | "font" | "font-face" | "glyph" | "missing-glyph" | "color-profile" => {
                 Self::Silent
             }
-            "text" | "tspan" | "textPath" | "tref" | "altGlyph" => Self::Unsupported(Unsupported::Text),
-            "image" => Self::Unsupported(Unsupported::Image),
-            "foreignObject" => Self::Unsupported(Unsupported::ForeignObject),
+            "text" | "tspan" | "textPath" | "tref" | "altGlyph" => {
+                Self::Unsupported(UnsupportedFeature::Text)
+            }
+            "image" => Self::Unsupported(UnsupportedFeature::Image),
+            "foreignObject" => Self::Unsupported(UnsupportedFeature::ForeignObject),
             "animate" | "animateMotion" | "animateTransform" | "animateColor" | "set" | "discard"
-            | "mpath" => Self::Unsupported(Unsupported::Animation),
-            "script" | "handler" | "listener" => Self::Unsupported(Unsupported::Script),
-            "video" | "audio" | "iframe" | "canvas" => Self::Unsupported(Unsupported::Media),
+            | "mpath" => Self::Unsupported(UnsupportedFeature::Animation),
+            "script" | "handler" | "listener" => Self::Unsupported(UnsupportedFeature::Script),
+            "video" | "audio" | "iframe" | "canvas" => Self::Unsupported(UnsupportedFeature::Media),
             // The lights and steps of filters.
             _ if name.starts_with("fe") => Self::Silent,
             _ => Self::Unknown,
@@ -100,7 +102,7 @@ impl Tag {
     }
 }
 
-impl Unsupported {
+impl UnsupportedFeature {
     /// The code of the warning and what it says.
     pub fn warning(self) -> (&'static str, &'static str) {
         match self {

@@ -1,35 +1,36 @@
 //! Path data: the text of `d`, all commands, drawn up to the first thing that is wrong.
-use super::cursor::{Cursor, Trouble};
-use super::pen::{ArcShape, Pen, Stop};
+use super::cursor::{SvgSyntaxError, TextCursor};
+use super::path_builder::{ArcParameters, PathBuilder, PathError};
 
 /// What the last command left for a smooth one.
 #[derive(Clone, Copy)]
-enum Last {
+enum SmoothControl {
     Cubic([f64; 2]),
     Quadratic([f64; 2]),
     Other,
 }
 
 /// One reading of path data.
-struct Path<'a, 'p> {
-    text: Cursor<'a>,
-    pen: &'p mut Pen,
-    last: Last,
+struct PathParser<'a, 'p> {
+    text: TextCursor<'a>,
+    pen: &'p mut PathBuilder,
+    last: SmoothControl,
 }
 
 /// Draws path data.
 ///
 /// # Errors
-/// Where the text cannot be read on: what came before is drawn, as SVG 2 asks (9.5.4, *Error handling in path data*).
-pub(super) fn draw(text: &str, pen: &mut Pen) -> Result<(), Stop> {
-    let mut path = Path { text: Cursor::new(text), pen, last: Last::Other };
+/// Where the text cannot be read on: what came before is drawn, as SVG 2 asks (9.5.4, *Error handling in path
+/// data*).
+pub(super) fn draw(text: &str, pen: &mut PathBuilder) -> Result<(), PathError> {
+    let mut path = PathParser { text: TextCursor::new(text), pen, last: SmoothControl::Other };
     let drawn = path.all();
     path.pen.end()?;
     drawn
 }
 
-impl Path<'_, '_> {
-    fn all(&mut self) -> Result<(), Stop> {
+impl PathParser<'_, '_> {
+    fn all(&mut self) -> Result<(), PathError> {
         self.text.skip_space();
         let mut is_first = true;
         while let Some(command) = self.text.peek() {
@@ -51,14 +52,14 @@ impl Path<'_, '_> {
     }
 
     /// A command with all its repetitions.
-    fn command(&mut self, command: u8) -> Result<(), Stop> {
+    fn command(&mut self, command: u8) -> Result<(), PathError> {
         if matches!(command, b'z' | b'Z') {
-            self.last = Last::Other;
+            self.last = SmoothControl::Other;
             return Ok(self.pen.close()?);
         }
         let mut command = command;
         loop {
-            self.once(command)?;
+            self.draw_command(command)?;
             // Points after the first one of a move are lines.
             command = match command {
                 b'm' => b'l',
@@ -72,15 +73,15 @@ impl Path<'_, '_> {
         }
     }
 
-    fn once(&mut self, command: u8) -> Result<(), Stop> {
+    fn draw_command(&mut self, command: u8) -> Result<(), PathError> {
         let relative = command.is_ascii_lowercase();
-        let last = std::mem::replace(&mut self.last, Last::Other);
+        let last = std::mem::replace(&mut self.last, SmoothControl::Other);
         match command.to_ascii_lowercase() {
             b'm' => {
                 let to = self.point(relative)?;
                 self.pen.move_to(to)?;
                 if !relative {
-                    self.pen.forget_drift();
+                    self.pen.reset_drift();
                 }
             }
             b'l' => {
@@ -96,7 +97,7 @@ impl Path<'_, '_> {
             b's' => {
                 let [c, d] = [self.point(relative)?, self.point(relative)?];
                 let b = match last {
-                    Last::Cubic(before) => self.pen.mirrored(before),
+                    SmoothControl::Cubic(before) => self.pen.mirrored(before),
                     _ => self.pen.at(),
                 };
                 self.cubic([b, c, d])?;
@@ -108,7 +109,7 @@ impl Path<'_, '_> {
             b't' => {
                 let to = self.point(relative)?;
                 let b = match last {
-                    Last::Quadratic(before) => self.pen.mirrored(before),
+                    SmoothControl::Quadratic(before) => self.pen.mirrored(before),
                     _ => self.pen.at(),
                 };
                 self.quadratic([b, to])?;
@@ -119,7 +120,7 @@ impl Path<'_, '_> {
     }
 
     /// A point, with what stands between it and what came before.
-    fn point(&mut self, relative: bool) -> Result<[f64; 2], Stop> {
+    fn point(&mut self, relative: bool) -> Result<[f64; 2], PathError> {
         self.text.skip_comma();
         let at = self.text.at();
         let given = [self.text.number()?, self.text.next_number()?];
@@ -127,7 +128,7 @@ impl Path<'_, '_> {
         finite(point, at)
     }
 
-    fn along(&mut self, axis: usize, relative: bool) -> Result<(), Stop> {
+    fn along(&mut self, axis: usize, relative: bool) -> Result<(), PathError> {
         let at = self.text.at();
         let given = self.text.number()?;
         let mut to = self.pen.at();
@@ -141,19 +142,19 @@ impl Path<'_, '_> {
         Ok(self.pen.line_to(finite(to, at)?)?)
     }
 
-    fn cubic(&mut self, all: [[f64; 2]; 3]) -> Result<(), Stop> {
-        self.last = Last::Cubic(all[1]);
+    fn cubic(&mut self, all: [[f64; 2]; 3]) -> Result<(), PathError> {
+        self.last = SmoothControl::Cubic(all[1]);
         finite(all[0], self.text.at())?;
         Ok(self.pen.cubic_to(all)?)
     }
 
-    fn quadratic(&mut self, all: [[f64; 2]; 2]) -> Result<(), Stop> {
-        self.last = Last::Quadratic(all[0]);
+    fn quadratic(&mut self, all: [[f64; 2]; 2]) -> Result<(), PathError> {
+        self.last = SmoothControl::Quadratic(all[0]);
         finite(all[0], self.text.at())?;
         Ok(self.pen.quadratic_to(all)?)
     }
 
-    fn arc(&mut self, relative: bool) -> Result<(), Stop> {
+    fn arc(&mut self, relative: bool) -> Result<(), PathError> {
         let at = self.text.at();
         let radii = [self.text.number()?, self.text.next_number()?];
         let deg = self.text.next_number()?;
@@ -161,7 +162,7 @@ impl Path<'_, '_> {
         self.text.skip_comma();
         let end_at = self.text.at();
         let given = [self.text.number()?, self.text.next_number()?];
-        let shape = ArcShape { radii, deg, flags };
+        let shape = ArcParameters { radii, deg, flags };
         let drawn = if relative {
             finite([0, 1].map(|k| self.pen.at()[k] + given[k]), end_at)?;
             self.pen.arc_by(&shape, given)?
@@ -172,15 +173,15 @@ impl Path<'_, '_> {
             return Ok(());
         }
         let what = "an arc whose numbers are beyond 1e-140 … 1e140".to_owned();
-        Err(Stop::Text(Trouble { at, what, not_finite: true }))
+        Err(PathError::Text(SvgSyntaxError { at, what, not_finite: true }))
     }
 }
 
 /// Sums of finite numbers can be infinite.
-fn finite(point: [f64; 2], at: usize) -> Result<[f64; 2], Stop> {
+fn finite(point: [f64; 2], at: usize) -> Result<[f64; 2], PathError> {
     if point.iter().all(|x| x.is_finite()) {
         return Ok(point);
     }
     let what = "a coordinate grows over the limit of 1.8e308".to_owned();
-    Err(Stop::Text(Trouble { at, what, not_finite: true }))
+    Err(PathError::Text(SvgSyntaxError { at, what, not_finite: true }))
 }

@@ -1,25 +1,25 @@
 //! The basic shapes, drawn as SVG 2 (chapter 10) says which path each one is.
 use super::cursor::numbers;
-use super::length::{Length, NoLength};
-use super::names::{Key, Tag};
-use super::pen::Pen;
-use super::xml::Tree;
+use super::length::{LengthError, SvgLength};
+use super::names::{ElementTag, Key};
+use super::path_builder::PathBuilder;
+use super::xml::XmlTree;
 use crate::text::show;
 use crate::warnings::Warnings;
-use crate::{Limits, Place, ReadError};
+use crate::{FileLocation, Limits, ReadError};
 use chordal::explicit::Arc;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Why an element draws nothing.
 #[derive(Debug)]
-pub(super) enum Halt {
+pub(super) enum ElementError {
     /// It was counted as a warning, or has no size.
     Skip,
     /// The file is refused.
     Refuse(ReadError),
 }
 
-impl From<ReadError> for Halt {
+impl From<ReadError> for ElementError {
     fn from(error: ReadError) -> Self {
         Self::Refuse(error)
     }
@@ -27,15 +27,15 @@ impl From<ReadError> for Halt {
 
 /// Against what a percentage is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Along {
+pub(super) enum PercentBasis {
     X,
     Y,
     Both,
 }
 
 /// Reads the numbers of one element.
-pub(super) struct Numbers<'w, 'a> {
-    pub tree: &'w Tree<'a>,
+pub(super) struct LengthReader<'w, 'a> {
+    pub tree: &'w XmlTree<'a>,
     pub node: usize,
     /// Width and height of the viewport, where they are known.
     pub viewport: Option<[f64; 2]>,
@@ -45,30 +45,30 @@ pub(super) struct Numbers<'w, 'a> {
     pub lost: f64,
 }
 
-impl Numbers<'_, '_> {
+impl LengthReader<'_, '_> {
     /// A number that is not finite refuses the file, or drops the element where the limits say so.
-    pub fn not_finite(&mut self, place: Place, what: String) -> Halt {
+    pub fn not_finite(&mut self, place: FileLocation, what: String) -> ElementError {
         if !self.limits.drop_nonfinite {
-            return Halt::Refuse(ReadError::new("not-finite", place, what));
+            return ElementError::Refuse(ReadError::new("not-finite", place, what));
         }
         let message = "elements with numbers that are not finite were dropped".to_owned();
         self.warnings.count("not-finite", || (place, message));
-        Halt::Skip
+        ElementError::Skip
     }
 
     /// A length; none where it is not given, is `auto`, or is not spelled like one, which is counted.
-    pub fn length(&mut self, key: Key, along: Along) -> Result<Option<f64>, Halt> {
+    pub fn length(&mut self, key: Key, along: PercentBasis) -> Result<Option<f64>, ElementError> {
         let tree = self.tree;
         let Some((text, start)) = tree.get(self.node, key) else { return Ok(None) };
         if text.trim() == "auto" {
             return Ok(None);
         }
         let whole = self.viewport.map(|[w, h]| match along {
-            Along::X => w,
-            Along::Y => h,
-            Along::Both => ((w * w + h * h) / 2.0).sqrt(),
+            PercentBasis::X => w,
+            PercentBasis::Y => h,
+            PercentBasis::Both => ((w * w + h * h) / 2.0).sqrt(),
         });
-        match Length::read(&text) {
+        match SvgLength::read(&text) {
             Ok(length) => match length.resolve(whole) {
                 Some(value) if value.is_finite() => {
                     // At most six roundings on the way from a percentage.
@@ -81,25 +81,25 @@ impl Numbers<'_, '_> {
                 }
                 None => Err(self.unit(start, "%")),
             },
-            Err(NoLength::Unit(unit)) => Err(self.unit(start, &unit)),
-            Err(NoLength::Wrong(trouble)) if trouble.not_finite => {
+            Err(LengthError::Unit(unit)) => Err(self.unit(start, &unit)),
+            Err(LengthError::Wrong(trouble)) if trouble.not_finite => {
                 Err(self.not_finite(tree.place_in((&text, start), trouble.at), trouble.what))
             }
-            Err(NoLength::Wrong(trouble)) => {
+            Err(LengthError::Wrong(trouble)) => {
                 self.bad(start, &trouble.what);
                 Ok(None)
             }
         }
     }
 
-    fn unit(&mut self, start: usize, unit: &str) -> Halt {
+    fn unit(&mut self, start: usize, unit: &str) -> ElementError {
         let tree = self.tree;
         self.warnings.count("unsupported-unit", || {
             let message =
                 format!("elements with lengths in {unit}, whose size is not known here, were left out");
             (tree.place_of(start), message)
         });
-        Halt::Skip
+        ElementError::Skip
     }
 
     /// Counts an attribute that is ignored.
@@ -111,20 +111,20 @@ impl Numbers<'_, '_> {
     }
 
     /// A size: 0 or none draws nothing, and a negative one is an error that draws nothing.
-    fn size(&mut self, key: Key, along: Along) -> Result<f64, Halt> {
+    fn size(&mut self, key: Key, along: PercentBasis) -> Result<f64, ElementError> {
         match self.length(key, along)? {
             Some(value) if value > 0.0 => Ok(value),
             Some(value) if value < 0.0 => {
                 let start = self.tree.get(self.node, key).map_or(0, |found| found.1);
                 self.bad(start, "a size is negative");
-                Err(Halt::Skip)
+                Err(ElementError::Skip)
             }
-            _ => Err(Halt::Skip),
+            _ => Err(ElementError::Skip),
         }
     }
 
     /// A radius; none where it follows the other one.
-    fn radius(&mut self, key: Key, along: Along) -> Result<Option<f64>, Halt> {
+    fn radius(&mut self, key: Key, along: PercentBasis) -> Result<Option<f64>, ElementError> {
         let radius = self.length(key, along)?;
         if radius.is_some_and(|r| r < 0.0) {
             let start = self.tree.get(self.node, key).map_or(0, |found| found.1);
@@ -135,51 +135,55 @@ impl Numbers<'_, '_> {
     }
 
     /// Draws the shape.
-    pub fn draw(&mut self, tag: Tag, pen: &mut Pen) -> Result<(), Halt> {
+    pub fn draw(&mut self, tag: ElementTag, pen: &mut PathBuilder) -> Result<(), ElementError> {
         match tag {
-            Tag::Rect => self.rect(pen)?,
-            Tag::Circle => {
+            ElementTag::Rect => self.rect(pen)?,
+            ElementTag::Circle => {
                 let centre = self.centre()?;
-                let r = self.size(Key::R, Along::Both)?;
+                let r = self.size(Key::R, PercentBasis::Both)?;
                 ellipse(pen, centre, [r, r])?;
             }
-            Tag::Ellipse => {
+            ElementTag::Ellipse => {
                 let centre = self.centre()?;
-                let [rx, ry] = [self.radius(Key::Rx, Along::X)?, self.radius(Key::Ry, Along::Y)?];
-                let (Some(rx), Some(ry)) = (rx.or(ry), ry.or(rx)) else { return Err(Halt::Skip) };
+                let [rx, ry] =
+                    [self.radius(Key::Rx, PercentBasis::X)?, self.radius(Key::Ry, PercentBasis::Y)?];
+                let (Some(rx), Some(ry)) = (rx.or(ry), ry.or(rx)) else { return Err(ElementError::Skip) };
                 if rx == 0.0 || ry == 0.0 {
-                    return Err(Halt::Skip);
+                    return Err(ElementError::Skip);
                 }
                 ellipse(pen, centre, [rx, ry])?;
             }
-            Tag::Line => {
+            ElementTag::Line => {
                 let mut get = |key, along| self.length(key, along).map(|x| x.unwrap_or(0.0));
-                let from = [get(Key::X1, Along::X)?, get(Key::Y1, Along::Y)?];
-                let to = [get(Key::X2, Along::X)?, get(Key::Y2, Along::Y)?];
+                let from = [get(Key::X1, PercentBasis::X)?, get(Key::Y1, PercentBasis::Y)?];
+                let to = [get(Key::X2, PercentBasis::X)?, get(Key::Y2, PercentBasis::Y)?];
                 pen.move_to(from)?;
                 pen.line_to(to)?;
             }
             _ => self.points(tag, pen)?,
         }
         pen.end()?;
-        pen.lose_everywhere(self.lost);
+        pen.add_error_everywhere(self.lost);
         Ok(())
     }
 
-    fn centre(&mut self) -> Result<[f64; 2], Halt> {
-        Ok([self.length(Key::Cx, Along::X)?.unwrap_or(0.0), self.length(Key::Cy, Along::Y)?.unwrap_or(0.0)])
+    fn centre(&mut self) -> Result<[f64; 2], ElementError> {
+        Ok([
+            self.length(Key::Cx, PercentBasis::X)?.unwrap_or(0.0),
+            self.length(Key::Cy, PercentBasis::Y)?.unwrap_or(0.0),
+        ])
     }
 
-    fn points(&mut self, tag: Tag, pen: &mut Pen) -> Result<(), Halt> {
+    fn points(&mut self, tag: ElementTag, pen: &mut PathBuilder) -> Result<(), ElementError> {
         let tree = self.tree;
-        let Some((text, start)) = tree.get(self.node, Key::Points) else { return Err(Halt::Skip) };
+        let Some((text, start)) = tree.get(self.node, Key::Points) else { return Err(ElementError::Skip) };
         let (all, trouble) = numbers(&text);
         if let Some(trouble) = trouble {
             let place = tree.place_in((&text, start), trouble.at);
             if trouble.not_finite {
                 return Err(self.not_finite(place, trouble.what));
             }
-            self.warnings.count("path-error", || (place, super::walk::cut_short(&trouble.what)));
+            self.warnings.count("path-error", || (place, truncated_path_message(&trouble.what)));
         }
         if all.len() % 2 == 1 {
             self.bad(start, "an odd number of coordinates, of which the last was dropped");
@@ -188,17 +192,19 @@ impl Numbers<'_, '_> {
             let to = [pair[0], pair[1]];
             if i == 0 { pen.move_to(to)? } else { pen.line_to(to)? }
         }
-        if tag == Tag::Polygon && all.len() >= 2 {
+        if tag == ElementTag::Polygon && all.len() >= 2 {
             pen.close()?;
         }
         Ok(())
     }
 
-    fn rect(&mut self, pen: &mut Pen) -> Result<(), Halt> {
-        let [x, y] =
-            [self.length(Key::X, Along::X)?.unwrap_or(0.0), self.length(Key::Y, Along::Y)?.unwrap_or(0.0)];
-        let [w, h] = [self.size(Key::Width, Along::X)?, self.size(Key::Height, Along::Y)?];
-        let [rx, ry] = [self.radius(Key::Rx, Along::X)?, self.radius(Key::Ry, Along::Y)?];
+    fn rect(&mut self, pen: &mut PathBuilder) -> Result<(), ElementError> {
+        let [x, y] = [
+            self.length(Key::X, PercentBasis::X)?.unwrap_or(0.0),
+            self.length(Key::Y, PercentBasis::Y)?.unwrap_or(0.0),
+        ];
+        let [w, h] = [self.size(Key::Width, PercentBasis::X)?, self.size(Key::Height, PercentBasis::Y)?];
+        let [rx, ry] = [self.radius(Key::Rx, PercentBasis::X)?, self.radius(Key::Ry, PercentBasis::Y)?];
         let less = |a: f64, b: f64| if a < b { a } else { b };
         let rx_used = less(rx.or(ry).unwrap_or(0.0), w / 2.0);
         let ry_used = less(ry.or(rx).unwrap_or(0.0), h / 2.0);
@@ -222,10 +228,10 @@ impl Numbers<'_, '_> {
 
 /// Clockwise on the screen from the end of the first corner, as the specification says.
 fn round_rect(
-    pen: &mut Pen,
+    pen: &mut PathBuilder,
     [[x, y], [right, bottom]]: [[f64; 2]; 2],
     [rx, ry]: [f64; 2],
-) -> Result<(), Halt> {
+) -> Result<(), ElementError> {
     let [left_in, right_in] = [pen.sum(x, rx), pen.sum(right, -rx)];
     let [top_in, bottom_in] = [pen.sum(y, ry), pen.sum(bottom, -ry)];
     // Each side runs to where the arc of the corner after it begins.
@@ -249,7 +255,10 @@ fn round_rect(
     Ok(pen.close()?)
 }
 
-fn quarter(pen: &mut Pen, arc: Result<Arc<2>, chordal::explicit::InvalidArc>) -> Result<(), Halt> {
+fn quarter(
+    pen: &mut PathBuilder,
+    arc: Result<Arc<2>, chordal::explicit::InvalidArc>,
+) -> Result<(), ElementError> {
     match arc {
         Ok(arc) => Ok(pen.arc(arc)?),
         // Finite numbers whose sums are not: such a corner is beyond every budget, and its square is drawn.
@@ -258,10 +267,15 @@ fn quarter(pen: &mut Pen, arc: Result<Arc<2>, chordal::explicit::InvalidArc>) ->
 }
 
 /// One turn from the end of the first axis.
-fn ellipse(pen: &mut Pen, centre: [f64; 2], [rx, ry]: [f64; 2]) -> Result<(), Halt> {
+fn ellipse(pen: &mut PathBuilder, centre: [f64; 2], [rx, ry]: [f64; 2]) -> Result<(), ElementError> {
     let start = [pen.sum(centre[0], rx), centre[1]];
-    let whole = Arc::new(centre, [[rx, 0.0], [0.0, ry]], 0.0, 2.0 * PI).map_err(|_| Halt::Skip)?;
+    let whole = Arc::new(centre, [[rx, 0.0], [0.0, ry]], 0.0, 2.0 * PI).map_err(|_| ElementError::Skip)?;
     pen.move_to(start)?;
     pen.arc(whole.with_ends([start, start]))?;
     Ok(pen.close()?)
+}
+
+/// The message of a path that ends before its text does.
+pub(super) fn truncated_path_message(why: &str) -> String {
+    format!("paths were drawn up to an error in their text, as SVG asks: {why}")
 }

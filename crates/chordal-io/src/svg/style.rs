@@ -1,10 +1,11 @@
-//! `Looks`: what of an element's style decides what is drawn: fill, fill rule, whether it shows at all.
+//! `InheritedStyle`: what of an element's style decides what is drawn: fill, fill rule, whether it shows at
+//! all.
 use super::names::Key;
 use chordal::explicit::FillRule;
 
 /// The properties that children take over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Looks {
+pub(super) struct InheritedStyle {
     pub filled: bool,
     pub rule: FillRule,
     pub visible: bool,
@@ -14,7 +15,7 @@ pub(super) struct Looks {
     pub painted: bool,
 }
 
-impl Default for Looks {
+impl Default for InheritedStyle {
     fn default() -> Self {
         Self {
             filled: true,
@@ -29,7 +30,7 @@ impl Default for Looks {
 
 /// The properties of an element alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Own {
+pub(super) struct ElementStyle {
     pub hidden: bool,
     pub clipped: bool,
     pub masked: bool,
@@ -43,7 +44,7 @@ pub(super) struct Own {
 
 /// A property that is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Property {
+pub(super) enum StyleProperty {
     Fill,
     FillRule,
     Display,
@@ -58,9 +59,9 @@ pub(super) enum Property {
     Opacity,
 }
 
-impl Property {
+impl StyleProperty {
     /// By its name in a style sheet.
-    pub fn named(name: &str) -> Option<Self> {
+    pub fn from_name(name: &str) -> Option<Self> {
         Some(match name {
             "fill" => Self::Fill,
             "fill-rule" => Self::FillRule,
@@ -81,7 +82,7 @@ impl Property {
     }
 
     /// By the attribute of the same meaning.
-    pub fn of(key: Key) -> Option<Self> {
+    pub fn from_attribute(key: Key) -> Option<Self> {
         Some(match key {
             Key::Fill => Self::Fill,
             Key::FillRule => Self::FillRule,
@@ -101,19 +102,19 @@ impl Property {
 
 /// The looks of one element, on their way from those of its parent.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cascade {
-    pub looks: Looks,
-    pub own: Own,
-    parent: Looks,
+pub(super) struct StyleCascade {
+    pub inherited: InheritedStyle,
+    pub own: ElementStyle,
+    parent: InheritedStyle,
 }
 
-impl Cascade {
-    pub fn from(parent: Looks) -> Self {
-        Self { looks: parent, own: Own::default(), parent }
+impl StyleCascade {
+    pub fn from(parent: InheritedStyle) -> Self {
+        Self { inherited: parent, own: ElementStyle::default(), parent }
     }
 
     /// One declaration; those that come later win.
-    pub fn set(&mut self, property: Property, value: &str) {
+    pub fn set(&mut self, property: StyleProperty, value: &str) {
         let value = value.trim();
         let (value, important) = match value.rsplit_once('!') {
             Some((before, word)) if word.trim().eq_ignore_ascii_case("important") => (before.trim(), true),
@@ -121,11 +122,11 @@ impl Cascade {
         };
         self.own.important |= important;
         let is = |word: &str| value.eq_ignore_ascii_case(word);
-        let (looks, own) = (&mut self.looks, &mut self.own);
+        let (looks, own) = (&mut self.inherited, &mut self.own);
         let inherits = is("inherit") || is("unset");
-        let initial = Looks::default();
+        let initial = InheritedStyle::default();
         match property {
-            Property::Fill => {
+            StyleProperty::Fill => {
                 let given = (!is("none") && !is("transparent"), value.contains("url("));
                 (looks.filled, looks.painted) = match value {
                     _ if inherits => (self.parent.filled, self.parent.painted),
@@ -133,23 +134,23 @@ impl Cascade {
                     _ => given,
                 };
             }
-            Property::FillRule if inherits => looks.rule = self.parent.rule,
-            Property::FillRule if is("evenodd") => looks.rule = FillRule::EvenOdd,
-            Property::FillRule if is("nonzero") || is("initial") => looks.rule = FillRule::NonZero,
-            Property::Visibility if inherits => looks.visible = self.parent.visible,
-            Property::Visibility if is("hidden") || is("collapse") => looks.visible = false,
-            Property::Visibility if is("visible") || is("initial") => looks.visible = true,
-            Property::FillRule | Property::Visibility => {}
-            Property::Stroke if inherits => looks.stroked = self.parent.stroked,
-            Property::Stroke => looks.stroked = !is("none") && !is("initial") && !is("transparent"),
-            Property::Marker if inherits => looks.marked = self.parent.marked,
-            Property::Marker => looks.marked = !is("none") && !is("initial"),
-            Property::Display => own.hidden = is("none"),
-            Property::ClipPath => own.clipped = !is("none"),
-            Property::Mask => own.masked = !is("none"),
-            Property::Filter => own.filtered = !is("none"),
-            Property::Geometry => own.css_geometry = true,
-            Property::Opacity => {
+            StyleProperty::FillRule if inherits => looks.rule = self.parent.rule,
+            StyleProperty::FillRule if is("evenodd") => looks.rule = FillRule::EvenOdd,
+            StyleProperty::FillRule if is("nonzero") || is("initial") => looks.rule = FillRule::NonZero,
+            StyleProperty::Visibility if inherits => looks.visible = self.parent.visible,
+            StyleProperty::Visibility if is("hidden") || is("collapse") => looks.visible = false,
+            StyleProperty::Visibility if is("visible") || is("initial") => looks.visible = true,
+            StyleProperty::FillRule | StyleProperty::Visibility => {}
+            StyleProperty::Stroke if inherits => looks.stroked = self.parent.stroked,
+            StyleProperty::Stroke => looks.stroked = !is("none") && !is("initial") && !is("transparent"),
+            StyleProperty::Marker if inherits => looks.marked = self.parent.marked,
+            StyleProperty::Marker => looks.marked = !is("none") && !is("initial"),
+            StyleProperty::Display => own.hidden = is("none"),
+            StyleProperty::ClipPath => own.clipped = !is("none"),
+            StyleProperty::Mask => own.masked = !is("none"),
+            StyleProperty::Filter => own.filtered = !is("none"),
+            StyleProperty::Geometry => own.css_geometry = true,
+            StyleProperty::Opacity => {
                 own.sheer = !(is("1") || is("1.0") || is("100%") || inherits || is("initial"))
             }
         }
@@ -158,7 +159,7 @@ impl Cascade {
     /// The declarations of a `style` attribute.
     pub fn set_all(&mut self, text: &str) {
         for (name, value) in declarations(text) {
-            if let Some(property) = Property::named(&name.to_ascii_lowercase()) {
+            if let Some(property) = StyleProperty::from_name(&name.to_ascii_lowercase()) {
                 self.set(property, value);
             }
         }

@@ -1,29 +1,29 @@
-//! `Map`: transforms and view boxes, with what their own rounding may move.
-use super::cursor::{Cursor, Outcome, Trouble};
-use chordal::explicit::{Affine, Curve, InvalidCurve};
+//! `SvgTransform`: transforms and view boxes, with what their own rounding may move.
+use super::cursor::{CursorResult, SvgSyntaxError, TextCursor};
+use chordal::explicit::{AffineMap, Curve, InvalidCurve};
 use chordal::math::{add_up, mul_up};
 use std::f64::consts::PI;
 
 /// An affine map of the plane, and how far each of its numbers may be from what the file means.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Map {
-    affine: Affine<2>,
+pub(super) struct SvgTransform {
+    affine: AffineMap<2>,
     /// Bounds from above, each of the number that stands there in the map.
-    off: Affine<2>,
+    off: AffineMap<2>,
     is_identity: bool,
 }
 
-const NOTHING: Affine<2> = Affine { columns: [[0.0; 2]; 2], offset: [0.0; 2] };
+const NOTHING: AffineMap<2> = AffineMap { columns: [[0.0; 2]; 2], offset: [0.0; 2] };
 
-impl Map {
+impl SvgTransform {
     pub fn identity() -> Self {
-        Self { affine: Affine::identity(), off: NOTHING, is_identity: true }
+        Self { affine: AffineMap::identity(), off: NOTHING, is_identity: true }
     }
 
     /// A map whose numbers are as they stand in the file.
     fn exact(columns: [[f64; 2]; 2], offset: [f64; 2]) -> Self {
-        let affine = Affine { columns, offset };
-        Self { affine, off: NOTHING, is_identity: affine == Affine::identity() }
+        let affine = AffineMap { columns, offset };
+        Self { affine, off: NOTHING, is_identity: affine == AffineMap::identity() }
     }
 
     pub fn translation(by: [f64; 2]) -> Self {
@@ -33,8 +33,8 @@ impl Map {
     /// A map whose numbers were rounded, each by less than `relative` of itself.
     fn rounded(columns: [[f64; 2]; 2], offset: [f64; 2], relative: f64) -> Self {
         let off = |x: f64| mul_up(relative, x.abs());
-        let off = Affine { columns: columns.map(|c| c.map(off)), offset: offset.map(off) };
-        Self { affine: Affine { columns, offset }, off, is_identity: false }
+        let off = AffineMap { columns: columns.map(|c| c.map(off)), offset: offset.map(off) };
+        Self { affine: AffineMap { columns, offset }, off, is_identity: false }
     }
 
     /// A turn by so many degrees from x towards y.
@@ -47,10 +47,11 @@ impl Map {
         }
         let rad = deg * (PI / 180.0);
         let (sin, cos) = libm::sincos(rad);
-        // The angle is rounded twice, each by half a step of it; sine and cosine are off by less than one step more.
+        // The angle is rounded twice, each by half a step of it; sine and cosine are off by less than one
+        // step more.
         let off = 2.0 * f64::EPSILON * (rad.abs() + 1.0);
-        let affine = Affine { columns: [[cos, sin], [-sin, cos]], offset: [0.0; 2] };
-        Self { affine, off: Affine { columns: [[off; 2]; 2], offset: [0.0; 2] }, is_identity: false }
+        let affine = AffineMap { columns: [[cos, sin], [-sin, cos]], offset: [0.0; 2] };
+        Self { affine, off: AffineMap { columns: [[off; 2]; 2], offset: [0.0; 2] }, is_identity: false }
     }
 
     /// The tangent of an angle in degrees, and how far it may be off.
@@ -76,7 +77,7 @@ impl Map {
         if inner.is_identity {
             return *self;
         }
-        let size = |map: &Affine<2>| Affine {
+        let size = |map: &AffineMap<2>| AffineMap {
             columns: map.columns.map(|c| c.map(f64::abs)),
             offset: map.offset.map(f64::abs),
         };
@@ -91,7 +92,7 @@ impl Map {
         let columns = [0, 1].map(|k| whole(of_vector(inner_size.columns[k], inner.off.columns[k])));
         let offset = of_vector(inner_size.offset, inner.off.offset);
         let offset = sum(offset, sum(self.off.offset, outer_size.offset.map(|x| 4.0 * f64::EPSILON * x)));
-        let off = Affine { columns, offset: whole(offset) };
+        let off = AffineMap { columns, offset: whole(offset) };
         Self { affine: self.affine.after(&inner.affine), off, is_identity: false }
     }
 
@@ -99,7 +100,7 @@ impl Map {
     pub fn apply(&self, curve: &Curve<2>) -> Result<Curve<2>, InvalidCurve> {
         let moved = curve.transformed(&self.affine)?;
         let reach = curve
-            .hull()
+            .bounds()
             .iter()
             .flatten()
             .fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
@@ -129,12 +130,12 @@ impl Map {
     }
 
     /// The same map, for which the place and the size that it puts a view box into are off by up to `lost`.
-    pub fn off_by(mut self, lost: f64, view: Option<[f64; 4]>) -> Self {
+    pub fn with_error(mut self, lost: f64, view: Option<[f64; 4]>) -> Self {
         if lost > 0.0 {
             let [x, y, w, h] = view.unwrap_or([0.0, 0.0, 1.0, 1.0]);
             let least = if w < h { w } else { h };
-            // A scale is the quotient of a size by the view's; an offset the place less that of the view's corner, and
-            // half of what the other side leaves.
+            // A scale is the quotient of a size by the view's; an offset the place less that of the view's
+            // corner, and half of what the other side leaves.
             let of_scale = if view.is_some() { mul_up(2.0, lost / least) } else { 0.0 };
             let of_corner = mul_up(of_scale, add_up(add_up(x.abs(), y.abs()), add_up(w, h)));
             let of_offset = add_up(mul_up(2.0, lost), of_corner);
@@ -146,19 +147,19 @@ impl Map {
     }
 
     /// A list of transforms, as in `rotate(30 10 10) scale(2)`.
-    pub fn read(text: &str) -> Outcome<Self> {
-        let mut cursor = Cursor::new(text);
+    pub fn read(text: &str) -> CursorResult<Self> {
+        let mut cursor = TextCursor::new(text);
         let mut map = Self::identity();
         cursor.skip_space();
         while !cursor.is_at_end() {
-            map = map.after(&one(&mut cursor)?);
+            map = map.after(&read_one(&mut cursor)?);
             cursor.skip_comma();
         }
         Ok(map)
     }
 
     /// From a view box into a viewport, both as x, y, width and height.
-    pub fn fit(view: [f64; 4], port: [f64; 4], aspect: Aspect) -> Self {
+    pub fn fit(view: [f64; 4], port: [f64; 4], aspect: PreserveAspectRatio) -> Self {
         let mut scale = [port[2] / view[2], port[3] / view[3]];
         if let Some(slice) = aspect.uniform {
             let least = if scale[0] < scale[1] { scale[0] } else { scale[1] };
@@ -170,7 +171,8 @@ impl Map {
         let offset = [0, 1].map(|k| port[k] + room[k] - view[k] * scale[k]);
         // A quotient is rounded by half a step; offsets follow below.
         let mut map = Self::rounded(columns, offset, 4.0 * f64::EPSILON);
-        // A sum can be smaller than what it is made of: five roundings of half a step each, of no more than its parts.
+        // A sum can be smaller than what it is made of: five roundings of half a step each, of no more than
+        // its parts.
         for k in 0..2 {
             let parts =
                 port[k].abs() + port[2 + k].abs() + (view[k].abs() + view[2 + k].abs()) * scale[k].abs();
@@ -180,7 +182,7 @@ impl Map {
     }
 }
 
-fn one(cursor: &mut Cursor) -> Outcome<Map> {
+fn read_one(cursor: &mut TextCursor) -> CursorResult<SvgTransform> {
     let at = cursor.at();
     let name = cursor.word();
     cursor.skip_space();
@@ -201,20 +203,22 @@ fn one(cursor: &mut Cursor) -> Outcome<Map> {
         }
     }
     let [a, b, c, d, e, f] = all;
-    let wrong = |what: String| Trouble { at, what, not_finite: false };
+    let wrong = |what: String| SvgSyntaxError { at, what, not_finite: false };
     let name = String::from_utf8_lossy(name);
     Ok(match (name.as_ref(), n) {
-        ("matrix", 6) => Map::exact([[a, b], [c, d]], [e, f]),
-        ("translate", 1 | 2) => Map::translation([a, b]),
-        ("scale", 1) => Map::exact([[a, 0.0], [0.0, a]], [0.0; 2]),
-        ("scale", 2) => Map::exact([[a, 0.0], [0.0, b]], [0.0; 2]),
-        ("rotate", 1) => Map::rotation(a),
-        ("rotate", 3) => Map::translation([b, c]).after(&Map::rotation(a)).after(&Map::translation([-b, -c])),
+        ("matrix", 6) => SvgTransform::exact([[a, b], [c, d]], [e, f]),
+        ("translate", 1 | 2) => SvgTransform::translation([a, b]),
+        ("scale", 1) => SvgTransform::exact([[a, 0.0], [0.0, a]], [0.0; 2]),
+        ("scale", 2) => SvgTransform::exact([[a, 0.0], [0.0, b]], [0.0; 2]),
+        ("rotate", 1) => SvgTransform::rotation(a),
+        ("rotate", 3) => SvgTransform::translation([b, c])
+            .after(&SvgTransform::rotation(a))
+            .after(&SvgTransform::translation([-b, -c])),
         ("skewX" | "skewY", 1) => {
-            let (tan, tan_off) =
-                Map::tangent(a).ok_or_else(|| wrong(format!("{name}({a}) takes the plane to infinity")))?;
+            let (tan, tan_off) = SvgTransform::tangent(a)
+                .ok_or_else(|| wrong(format!("{name}({a}) takes the plane to infinity")))?;
             let k = usize::from(name == "skewX");
-            let mut map = Map::identity();
+            let mut map = SvgTransform::identity();
             map.affine.columns[k][1 - k] = tan;
             map.off.columns[k][1 - k] = tan_off;
             map.is_identity = tan == 0.0;
@@ -226,20 +230,20 @@ fn one(cursor: &mut Cursor) -> Outcome<Map> {
 
 /// How a view box sits in a viewport.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Aspect {
+pub(super) struct PreserveAspectRatio {
     /// None for `none`; else whether the viewport is filled (`slice`) instead of everything shown (`meet`).
     uniform: Option<bool>,
     /// How much of the room that is left stands before: 0, a half or 1.
     align: [f64; 2],
 }
 
-impl Default for Aspect {
+impl Default for PreserveAspectRatio {
     fn default() -> Self {
         Self { uniform: Some(false), align: [0.5, 0.5] }
     }
 }
 
-impl Aspect {
+impl PreserveAspectRatio {
     /// The value of `preserveAspectRatio`; none if it is not spelled like one.
     pub fn read(text: &str) -> Option<Self> {
         let mut words = text.split_ascii_whitespace().skip_while(|word| *word == "defer");
@@ -286,7 +290,7 @@ mod tests {
 
     #[test]
     fn transforms_apply_from_the_right() {
-        let to = |text: &str, p: [f64; 2]| Map::read(text).unwrap().affine.point(p);
+        let to = |text: &str, p: [f64; 2]| SvgTransform::read(text).unwrap().affine.point(p);
         near(to("translate(10) scale(2, 3)", [1.0, 1.0]), [12.0, 3.0]);
         near(to("scale(2)translate(1,2)", [0.0, 0.0]), [2.0, 4.0]);
         assert_eq!(to("rotate(90)", [1.0, 0.0]), [0.0, 1.0]);
@@ -295,7 +299,10 @@ mod tests {
         near(to("skewX(45)", [0.0, 1.0]), [1.0, 1.0]);
         near(to("skewY(-45)", [1.0, 0.0]), [1.0, -1.0]);
         assert_eq!(to("matrix(1 2 3 4 5 6)", [1.0, 1.0]), [9.0, 12.0]);
-        assert!(Map::read("").unwrap().is_identity() && Map::read("rotate(360)").unwrap().is_identity());
+        assert!(
+            SvgTransform::read("").unwrap().is_identity()
+                && SvgTransform::read("rotate(360)").unwrap().is_identity()
+        );
     }
 
     #[test]
@@ -310,16 +317,16 @@ mod tests {
             "skewX(90)",
             "matrix(1)",
         ] {
-            assert!(Map::read(text).is_err(), "{text}");
+            assert!(SvgTransform::read(text).is_err(), "{text}");
         }
     }
 
     #[test]
     fn the_error_of_a_chain_covers_what_it_loses() {
         // Eighteen turns of 20 degrees are none.
-        let mut map = Map::identity();
+        let mut map = SvgTransform::identity();
         for _ in 0..18 {
-            map = map.after(&Map::rotation(20.0));
+            map = map.after(&SvgTransform::rotation(20.0));
         }
         let point = Curve::point([3.0, 4.0]).unwrap();
         let moved = map.apply(&point).unwrap();
@@ -339,11 +346,11 @@ mod tests {
             ("xMidYMid slice", [-100.0, 0.0]),
             ("none", [0.0, 0.0]),
         ] {
-            let map = Map::fit(view, port, Aspect::read(text).unwrap());
+            let map = SvgTransform::fit(view, port, PreserveAspectRatio::read(text).unwrap());
             near(map.affine.point([10.0, 20.0]), corner);
         }
         for text in ["", "xMid", "xMidYMid fill", "xMidyMid", "xMidYMid meet x"] {
-            assert_eq!(Aspect::read(text), None, "{text}");
+            assert_eq!(PreserveAspectRatio::read(text), None, "{text}");
         }
     }
 }

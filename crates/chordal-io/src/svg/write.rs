@@ -1,8 +1,8 @@
 //! Polylines as an SVG file: one path an element, with a subpath for each polyline.
 use super::CERTIFICATE;
 use crate::WriteError;
-use crate::drawing::{Element, Polylines};
-use crate::number::Shortest;
+use crate::drawing::{DrawingElement, Polylines};
+use crate::number::ShortestDecimal;
 use chordal::explicit::{FillRule, Polyline};
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -11,8 +11,8 @@ use std::io::Write;
 /// The namespace of the certificate.
 const NAMESPACE: &str = "urn:chordal:certificate:1";
 
-/// Writes polylines with every digit that they need to read back to the last bit. What was filled is filled, all else is
-/// a thin line. The certificate stands in `metadata`.
+/// Writes polylines with every digit that they need to read back to the last bit. What was filled is filled,
+/// all else is a thin line. The certificate stands in `metadata`.
 ///
 /// # Errors
 /// When the sink fails, or the polylines are in space.
@@ -26,10 +26,10 @@ pub fn write(
             "svg holds the plane only; json holds polylines in space".to_owned(),
         ));
     };
-    let [x, y, w, h] = drawn.view_box.unwrap_or_else(|| bounds(&drawn.lines)).map(Shortest);
+    let [x, y, w, h] = drawn.view_box.unwrap_or_else(|| bounds(&drawn.lines)).map(ShortestDecimal);
     write!(out, "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{x} {y} {w} {h}\"")?;
     if let Some(metres) = drawn.frame.metres_per_unit {
-        let mm = |size: Shortest| Shortest(size.0 * metres * 1000.0);
+        let mm = |size: ShortestDecimal| ShortestDecimal(size.0 * metres * 1000.0);
         write!(out, " width=\"{}mm\" height=\"{}mm\"", mm(w), mm(h))?;
     }
     out.write_all(b">\n")?;
@@ -51,7 +51,7 @@ pub fn write(
 }
 
 fn path(
-    element: &Element,
+    element: &DrawingElement,
     id: Option<&str>,
     lines: &[Polyline<2>],
     out: &mut dyn Write,
@@ -73,7 +73,7 @@ fn path(
                 1 => "L",
                 _ => " ",
             };
-            write!(out, "{command}{} {}", Shortest(*x), Shortest(*y))?;
+            write!(out, "{command}{} {}", ShortestDecimal(*x), ShortestDecimal(*y))?;
         }
         // One point is drawn by closing it.
         if line.closed || line.points.len() == 1 {

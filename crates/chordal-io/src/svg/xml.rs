@@ -1,8 +1,9 @@
-//! `Tree`: the elements of an SVG file in document order, in 24 bytes each and 12 for each attribute that is looked at.
-use super::names::{Key, Tag};
+//! `XmlTree`: the elements of an SVG file in document order, in 24 bytes each and 12 for each attribute that
+//! is looked at.
+use super::names::{ElementTag, Key};
 use crate::grow::push;
 use crate::text::{grouped, show};
-use crate::{Limits, Place, ReadError};
+use crate::{FileLocation, Limits, ReadError};
 use quick_xml::Reader;
 use quick_xml::escape::{EscapeError, resolve_predefined_entity, unescape};
 use quick_xml::events::Event;
@@ -12,15 +13,16 @@ use std::collections::BTreeMap;
 
 /// Attributes of one element. The check for one that stands twice is quadratic in them.
 const MOST_ATTRIBUTES: usize = 1000;
-/// The deepest nesting that is read whatever the limits say: each level takes some of the call stack later on.
+/// The deepest nesting that is read whatever the limits say: each level takes some of the call stack later
+/// on.
 const DEEPEST: usize = 256;
 /// The namespace of SVG.
 const SVG: &str = "http://www.w3.org/2000/svg";
 
 /// An element.
 #[derive(Clone, Copy, Debug)]
-struct Node {
-    tag: Tag,
+struct XmlNode {
+    tag: ElementTag,
     n_attributes: u16,
     /// Its first attribute.
     attributes: u32,
@@ -31,7 +33,7 @@ struct Node {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Attribute {
+struct XmlAttribute {
     key: Key,
     at: u32,
     len: u32,
@@ -39,10 +41,10 @@ struct Attribute {
 
 /// The elements of a file.
 #[derive(Debug)]
-pub(super) struct Tree<'a> {
+pub(super) struct XmlTree<'a> {
     text: &'a str,
-    nodes: Vec<Node>,
-    attributes: Vec<Attribute>,
+    nodes: Vec<XmlNode>,
+    attributes: Vec<XmlAttribute>,
     /// Style sheets with the place where each starts.
     pub sheets: Vec<(u32, String)>,
     /// Where a document type stands that nothing was read of.
@@ -56,22 +58,22 @@ pub(super) struct Tree<'a> {
 }
 
 /// Line and column of a byte, both counted from 1; columns in characters.
-pub(super) fn place(text: &str, at: usize) -> Place {
+pub(super) fn place(text: &str, at: usize) -> FileLocation {
     let before = text.get(..at).unwrap_or(text);
     let line = before.bytes().filter(|b| *b == b'\n').count() as u64 + 1;
     let start = before.rfind('\n').map_or(0, |newline| newline + 1);
-    Place::LineColumn { line, column: before[start..].chars().count() as u64 + 1 }
+    FileLocation::LineColumn { line, column: before[start..].chars().count() as u64 + 1 }
 }
 
-impl<'a> Tree<'a> {
+impl<'a> XmlTree<'a> {
     /// # Errors
     /// When the text is no XML, has a document type with declarations, or is larger or deeper than may be.
     pub fn read(text: &'a str, limits: &Limits) -> Result<Self, ReadError> {
         if u32::try_from(text.len()).is_err() {
             let message = format!("{} bytes are over the limit of 4,294,967,295", grouped(text.len() as u64));
-            return Err(ReadError::new("too-large", Place::File, message));
+            return Err(ReadError::new("too-large", FileLocation::File, message));
         }
-        Parser::new(text, limits).all()
+        XmlParser::new(text, limits).all()
     }
 
     /// The number of elements.
@@ -84,7 +86,7 @@ impl<'a> Tree<'a> {
         self.text.len() as u64
     }
 
-    pub fn tag(&self, node: usize) -> Tag {
+    pub fn tag(&self, node: usize) -> ElementTag {
         self.nodes[node].tag
     }
 
@@ -104,7 +106,7 @@ impl<'a> Tree<'a> {
     }
 
     /// Where the element stands.
-    pub fn place(&self, node: usize) -> Place {
+    pub fn place(&self, node: usize) -> FileLocation {
         place(self.text, self.nodes[node].at as usize)
     }
 
@@ -116,7 +118,7 @@ impl<'a> Tree<'a> {
 
     /// The value of an attribute, with its escapes resolved, and the byte where it starts.
     pub fn get(&self, node: usize, key: Key) -> Option<(Cow<'a, str>, usize)> {
-        let Node { attributes, n_attributes, .. } = self.nodes[node];
+        let XmlNode { attributes, n_attributes, .. } = self.nodes[node];
         let own = &self.attributes[attributes as usize..attributes as usize + usize::from(n_attributes)];
         let found = own.iter().find(|a| a.key == key)?;
         Some((self.value(*found), found.at as usize))
@@ -124,35 +126,35 @@ impl<'a> Tree<'a> {
 
     /// All attributes that are looked at.
     pub fn attributes(&self, node: usize) -> impl Iterator<Item = (Key, Cow<'a, str>, usize)> + '_ {
-        let Node { attributes, n_attributes, .. } = self.nodes[node];
+        let XmlNode { attributes, n_attributes, .. } = self.nodes[node];
         let own = &self.attributes[attributes as usize..attributes as usize + usize::from(n_attributes)];
         own.iter().map(|a| (a.key, self.value(*a), a.at as usize))
     }
 
-    fn value(&self, attribute: Attribute) -> Cow<'a, str> {
+    fn value(&self, attribute: XmlAttribute) -> Cow<'a, str> {
         let raw = &self.text[attribute.at as usize..(attribute.at + attribute.len) as usize];
         // That it can be resolved was checked when it was read.
         if raw.contains('&') { unescape(raw).unwrap_or(Cow::Borrowed(raw)) } else { Cow::Borrowed(raw) }
     }
 
     /// Where a byte of an attribute's value stands; with escapes in it, where the value starts.
-    pub fn place_in(&self, (value, start): (&Cow<'_, str>, usize), at: usize) -> Place {
+    pub fn place_in(&self, (value, start): (&Cow<'_, str>, usize), at: usize) -> FileLocation {
         let offset = if matches!(value, Cow::Borrowed(_)) { at } else { 0 };
         place(self.text, start + offset)
     }
 
     /// Where a byte of the file stands.
-    pub fn place_of(&self, at: usize) -> Place {
+    pub fn place_of(&self, at: usize) -> FileLocation {
         place(self.text, at)
     }
 }
 
 /// Reads a tree.
-struct Parser<'a> {
+struct XmlParser<'a> {
     reader: Reader<&'a [u8]>,
     deepest: usize,
     rows: u64,
-    tree: Tree<'a>,
+    tree: XmlTree<'a>,
     /// The open elements.
     open: Vec<u32>,
     /// For each prefix the namespaces that it is bound to, the innermost last: whether that is SVG's.
@@ -161,9 +163,9 @@ struct Parser<'a> {
     binds: Vec<Vec<&'a str>>,
 }
 
-impl<'a> Parser<'a> {
+impl<'a> XmlParser<'a> {
     fn new(text: &'a str, limits: &Limits) -> Self {
-        let tree = Tree {
+        let tree = XmlTree {
             text,
             nodes: Vec::new(),
             attributes: Vec::new(),
@@ -188,7 +190,7 @@ impl<'a> Parser<'a> {
         ReadError::new(code, place(self.tree.text, at), message)
     }
 
-    fn all(mut self) -> Result<Tree<'a>, ReadError> {
+    fn all(mut self) -> Result<XmlTree<'a>, ReadError> {
         loop {
             let at = self.reader.buffer_position() as usize;
             let event = match self.reader.read_event() {
@@ -221,7 +223,7 @@ impl<'a> Parser<'a> {
         self.done()
     }
 
-    fn done(self) -> Result<Tree<'a>, ReadError> {
+    fn done(self) -> Result<XmlTree<'a>, ReadError> {
         if let Some(node) = self.open.last() {
             let name = show(self.tree.name(*node as usize).as_bytes());
             let at = self.tree.nodes[*node as usize].at as usize;
@@ -231,7 +233,7 @@ impl<'a> Parser<'a> {
                 format!("the element {name} is not closed when the file ends"),
             ));
         }
-        let is_svg = self.tree.nodes.first().is_some_and(|node| node.tag == Tag::Svg);
+        let is_svg = self.tree.nodes.first().is_some_and(|node| node.tag == ElementTag::Svg);
         if is_svg {
             return Ok(self.tree);
         }
@@ -239,15 +241,15 @@ impl<'a> Parser<'a> {
             true => "the file has no element".to_owned(),
             false => format!("the root is {}, not 'svg'", show(self.tree.name(0).as_bytes())),
         };
-        Err(ReadError::new("not-svg", Place::File, message))
+        Err(ReadError::new("not-svg", FileLocation::File, message))
     }
 
     fn declaration(&self, at: usize, end: usize) -> Result<(), ReadError> {
         let declared = self.tree.text[at..end].to_ascii_lowercase();
         let Some((_, encoding)) = declared.split_once("encoding") else { return Ok(()) };
         let name = encoding.split(['"', '\'']).nth(1).unwrap_or("");
-        // The bytes are UTF-8, or the text would not be here; of those that only say something else, plain ASCII reads
-        // the same.
+        // The bytes are UTF-8, or the text would not be here; of those that only say something else, plain
+        // ASCII reads the same.
         if matches!(name, "utf-8" | "utf8" | "us-ascii" | "ascii") || self.tree.text.is_ascii() {
             return Ok(());
         }
@@ -282,11 +284,11 @@ impl<'a> Parser<'a> {
             return Err(self.error(at, "not-xml", "text outside the root element"));
         };
         match self.tree.nodes[*node as usize].tag {
-            Tag::Style => match self.tree.sheets.last_mut() {
+            ElementTag::Style => match self.tree.sheets.last_mut() {
                 Some((of, sheet)) if *of == *node => sheet.push_str(text),
                 _ => push(&mut self.tree.sheets, (*node, text.to_owned()))?,
             },
-            Tag::Foreign if self.tree.name(*node as usize) == super::CERTIFICATE => {
+            ElementTag::Foreign if self.tree.name(*node as usize) == super::CERTIFICATE => {
                 self.tree.certificate.get_or_insert_default().push_str(text);
             }
             _ => {}
@@ -322,8 +324,8 @@ impl<'a> Parser<'a> {
         if is_root {
             self.tree.has_namespace = self.bound.get(prefix).is_some_and(|all| all.last() == Some(&true));
         }
-        let tag = if is_svg { Tag::named(local) } else { Tag::Foreign };
-        let node = Node {
+        let tag = if is_svg { ElementTag::named(local) } else { ElementTag::Foreign };
+        let node = XmlNode {
             tag,
             n_attributes: (self.tree.attributes.len() - first) as u16,
             attributes: first as u32,
@@ -384,7 +386,7 @@ impl<'a> Parser<'a> {
                 binds.push(prefix);
             } else if let Some(key) = Key::named(local_of(name)) {
                 let len = value.len() as u32;
-                push(&mut self.tree.attributes, Attribute { key, at: value_at as u32, len })?;
+                push(&mut self.tree.attributes, XmlAttribute { key, at: value_at as u32, len })?;
             }
         }
         Ok(binds)

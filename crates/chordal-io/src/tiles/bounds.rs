@@ -1,34 +1,36 @@
 //! Boxes of tiles: around what a viewer makes of a GLB that we write.
 use crate::scene::IDENTITY;
 use crate::snap::{origin_of, store};
-use crate::{Axis, Part, Scene, TooWide, WriteError};
+use crate::{Axis, CoordinateOverflow, Part, Scene, WriteError};
 use chordal::math::{Box3, Interval, mul_down, mul_up};
 
 /// The box, in the space of tiles, of what [`crate::glb::write`] writes for a scene.
 ///
-/// Tiles are z-up and in metres. GLB is y-up and in metres, and a viewer turns it by (x, y, z) → (x, −z, y). So a z-up scene is
-/// where its coordinates say, any other is turned by that, and a known unit scales both: what the writer's nodes for the frame
-/// do, and a viewer after them. The box holds every stored position, taken exactly, with every rounding outward; where no
-/// node has a transform, no unit is known and parts are not far from zero for their size, it is the smallest such box.
+/// Tiles are z-up and in metres. GLB is y-up and in metres, and a viewer turns it by (x, y, z) → (x, −z, y).
+/// So a z-up scene is where its coordinates say, any other is turned by that, and a known unit scales both:
+/// what the writer's nodes for the frame do, and a viewer after them. The box holds every stored position,
+/// taken exactly, with every rounding outward; where no node has a transform, no unit is known and parts are
+/// not far from zero for their size, it is the smallest such box.
 ///
 /// Linear in the number of vertices. Empty for a scene that shows nothing.
 ///
 /// # Errors
-/// [`WriteError::Unsupported`] where the writer refuses: nodes that are no tree or not affine, a unit that is no length,
-/// coordinates that overflow.
+/// [`WriteError::Unsupported`] where the writer refuses: nodes that are no tree or not affine, a unit that is
+/// no length, coordinates that overflow.
 ///
 /// ```
 /// use chordal::Mesh;
 /// use chordal_io::{Frame, Scene, tiles};
 /// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]], vec![[0, 1, 2]])?;
-/// let bounds = tiles::content_bounds(&Scene::of("flat", mesh, true, Frame::default()))?;
+/// let bounds = tiles::content_bounds(&Scene::from_mesh("flat", mesh, true, Frame::default()))?;
 /// assert_eq!((bounds.min, bounds.max), ([0.0, 0.0, 0.0], [1.0, 0.0, 2.0]));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn content_bounds(scene: &Scene) -> Result<Box3, WriteError> {
     let origins: Vec<[f64; 3]> = scene.parts.iter().map(|part| origin_of(&part.mesh)).collect();
     let mut seen = vec![false; scene.nodes.len()];
-    let mut open: Vec<(usize, Affine)> = scene.roots.iter().map(|root| (*root, Affine::identity())).collect();
+    let mut open: Vec<(usize, IntervalAffine)> =
+        scene.roots.iter().map(|root| (*root, IntervalAffine::identity())).collect();
     let mut bounds = Box3::EMPTY;
     while let Some((index, parent)) = open.pop() {
         let unsupported = |what: &str| WriteError::Unsupported(format!("node {index} {what}"));
@@ -36,7 +38,8 @@ pub fn content_bounds(scene: &Scene) -> Result<Box3, WriteError> {
         if std::mem::replace(&mut seen[index], true) {
             return Err(unsupported("is reached twice: nodes must be a tree"));
         }
-        let own = Affine::of(&node.matrix).ok_or_else(|| unsupported("has a matrix that is not affine"))?;
+        let own = IntervalAffine::from_matrix(&node.matrix)
+            .ok_or_else(|| unsupported("has a matrix that is not affine"))?;
         let place = parent.times(&own);
         if let Some(part) = node.part {
             let shown = scene.parts.get(part).ok_or_else(|| unsupported("shows a part that is not there"))?;
@@ -47,8 +50,8 @@ pub fn content_bounds(scene: &Scene) -> Result<Box3, WriteError> {
     in_tile_space(bounds, scene)
 }
 
-/// A box as a tile's: the centre, then the half axes along x, y and z. Whoever computes centre ± half axis, in double
-/// precision or exactly, gets a box around this one, by about two units in the last place.
+/// A box as a tile's: the centre, then the half axes along x, y and z. Whoever computes centre ± half axis,
+/// in double precision or exactly, gets a box around this one, by about two units in the last place.
 ///
 /// ```
 /// use chordal::math::Box3;
@@ -73,8 +76,8 @@ pub fn aligned_box(bounds: &Box3) -> [f64; 12] {
     volume
 }
 
-/// Whether `a − b` and `a + b` are numbers, so that computing them rounds nothing: the error of a sum is a number itself, and
-/// can be computed.
+/// Whether `a − b` and `a + b` are numbers, so that computing them rounds nothing: the error of a sum is a
+/// number itself, and can be computed.
 ///
 /// Source: Knuth, The Art of Computer Programming, volume 2, 4.2.2, theorem B.
 fn is_sum(a: f64, b: f64) -> bool {
@@ -108,26 +111,26 @@ fn in_tile_space(bounds: Box3, scene: &Scene) -> Result<Box3, WriteError> {
         Box3 { min: turned.min.map(|x| mul_down(x, unit)), max: turned.max.map(|x| mul_up(x, unit)) }
     };
     match scaled.min.iter().chain(&scaled.max).find(|x| !x.is_finite()) {
-        Some(value) => Err(TooWide { value: *value }.into()),
+        Some(value) => Err(CoordinateOverflow { value: *value }.into()),
         None => Ok(scaled),
     }
 }
 
 /// An affine map whose numbers are known up to rounding: three rows of four.
 #[derive(Clone)]
-struct Affine {
+struct IntervalAffine {
     rows: [[Interval; 4]; 3],
     is_identity: bool,
 }
 
-impl Affine {
+impl IntervalAffine {
     fn identity() -> Self {
         let rows =
             std::array::from_fn(|i| std::array::from_fn(|j| Interval::point(if i == j { 1.0 } else { 0.0 })));
         Self { rows, is_identity: true }
     }
 
-    fn of(matrix: &[f64; 16]) -> Option<Self> {
+    fn from_matrix(matrix: &[f64; 16]) -> Option<Self> {
         let is_affine = matrix.iter().all(|x| x.is_finite())
             && [matrix[3], matrix[7], matrix[11], matrix[15]] == [0.0, 0.0, 0.0, 1.0];
         let rows = std::array::from_fn(|i| std::array::from_fn(|j| Interval::point(matrix[4 * j + i])));
@@ -169,7 +172,7 @@ impl Affine {
             if point.iter().any(|x| !(x.lo().is_finite() && x.hi().is_finite())) {
                 let value =
                     position.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
-                return Err(TooWide { value }.into());
+                return Err(CoordinateOverflow { value }.into());
             }
             let ends = Box3 { min: point.map(Interval::lo), max: point.map(Interval::hi) };
             bounds = bounds.union(ends);

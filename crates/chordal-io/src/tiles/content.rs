@@ -1,5 +1,5 @@
 //! Contents of tiles: GLB; what other formats tiles may have is named and refused.
-use crate::{Limits, Loaded, Place, ReadError, glb};
+use crate::{FileLocation, Limits, ReadError, ReadOutcome, glb};
 
 /// Formats by their first four bytes, which 3D Tiles 1.0 had and 1.1 still allows.
 const OLD: [(&[u8; 4], &str); 5] = [
@@ -16,17 +16,17 @@ const GZIP: [u8; 2] = [0x1f, 0x8b];
 /// Reads what a tile shows. It is y-up, as GLB is; a viewer turns it by (x, y, z) → (x, −z, y).
 ///
 /// # Errors
-/// As for [`glb::read`]; `unsupported` for other formats of tiles, by their name, and `compressed` for gzip, which a server
-/// puts around files and a file must not be.
+/// As for [`glb::read`]; `unsupported` for other formats of tiles, by their name, and `compressed` for gzip,
+/// which a server puts around files and a file must not be.
 ///
 /// ```
 /// use chordal_io::{Limits, tiles};
 /// let error = tiles::content(b"b3dm\x01\0\0\0", &Limits::default()).unwrap_err();
 /// assert_eq!(error.code, "unsupported");
 /// ```
-pub fn content(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
+pub fn content(bytes: &[u8], limits: &Limits) -> Result<ReadOutcome, ReadError> {
     refuse_gzip(bytes)?;
-    let error = |what: String| ReadError::new("unsupported", Place::File, what);
+    let error = |what: String| ReadError::new("unsupported", FileLocation::File, what);
     if let Some((_, name)) = OLD.iter().find(|(magic, _)| bytes.starts_with(*magic)) {
         return Err(error(format!("tiles in the format {name} are not read, only GLB is")));
     }
@@ -42,7 +42,7 @@ pub fn content(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
 pub(super) fn refuse_gzip(bytes: &[u8]) -> Result<(), ReadError> {
     if bytes.starts_with(&GZIP) {
         let what = "the file is compressed by gzip, which is for a server to do, not for a file";
-        return Err(ReadError::new("compressed", Place::Byte(0), what));
+        return Err(ReadError::new("compressed", FileLocation::Byte(0), what));
     }
     Ok(())
 }

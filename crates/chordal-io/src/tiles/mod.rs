@@ -10,6 +10,6 @@ mod write;
 
 pub use bounds::{aligned_box, content_bounds};
 pub use content::content;
-pub use read::{Open, read};
-pub use tileset::{BoundingVolume, Implicit, Refine, Subdivision, Tile, Tileset};
+pub use read::{FileOpener, read};
+pub use tileset::{BoundingVolume, ImplicitTiling, Refine, Subdivision, Tile, Tileset};
 pub use write::{InvalidTileset, TileFault, write};

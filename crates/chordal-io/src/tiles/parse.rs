@@ -2,13 +2,13 @@
 use super::content::refuse_gzip;
 use super::{BoundingVolume, Refine, Subdivision, Tile, Tileset};
 use crate::grow::push_large;
-use crate::json::Json;
+use crate::json::JsonReader;
 use crate::warnings::Warnings;
 use crate::{Limits, ReadError};
 use serde_json::Value;
 
 /// A tile's rule for the tiles below it, as it is written.
-pub(super) struct Rule {
+pub(super) struct ImplicitTilingJson {
     pub subdivision: Subdivision,
     pub subtree_levels: u32,
     pub available_levels: u32,
@@ -17,40 +17,42 @@ pub(super) struct Rule {
 
 /// What is not settled by a tile alone.
 #[derive(Default)]
-pub(super) struct Pending {
-    pub rule: Option<Rule>,
+pub(super) struct UnresolvedTile {
+    pub rule: Option<ImplicitTilingJson>,
     /// Without it the parent's counts, which may be written after its children.
     pub refine: Option<Refine>,
 }
 
-/// A tileset whose URIs are as they are written, and what is pending of its tiles, in the order of [`Tileset::tiles`].
-pub(super) struct Parsed {
+/// A tileset whose URIs are as they are written, and what is pending of its tiles, in the order of
+/// [`Tileset::tiles`].
+pub(super) struct RawTileset {
     pub tileset: Tileset,
-    pub pending: Vec<Pending>,
+    pub pending: Vec<UnresolvedTile>,
 }
 
-/// What extras may take while they are held, beside a share of the file: a small text may become a hundred times its size.
+/// What extras may take while they are held, beside a share of the file: a small text may become a hundred
+/// times its size.
 const EXTRAS_BYTES: u64 = 16 << 20;
 
 /// What a value of extras takes at most: itself and its key, in a list with room for as many again.
 const VALUE_BYTES: u64 = 256;
 
-struct Parser<'p> {
+struct TilesetParser<'p> {
     warnings: &'p mut Warnings,
     limits: &'p Limits,
-    pending: Vec<Pending>,
+    pending: Vec<UnresolvedTile>,
     extras_left: u64,
 }
 
-type Outcome<T> = Result<T, ReadError>;
+type TileParseResult<T> = Result<T, ReadError>;
 
 /// # Errors
 /// With the byte or the pointer, when it is no JSON or no tileset.
-pub(super) fn parse(bytes: &[u8], limits: &Limits, warnings: &mut Warnings) -> Outcome<Parsed> {
+pub(super) fn parse(bytes: &[u8], limits: &Limits, warnings: &mut Warnings) -> TileParseResult<RawTileset> {
     refuse_gzip(bytes)?;
     let extras_left = EXTRAS_BYTES + 8 * bytes.len() as u64;
-    let mut parser = Parser { warnings, limits, pending: Vec::new(), extras_left };
-    let mut json = Json::new(bytes, limits)?;
+    let mut parser = TilesetParser { warnings, limits, pending: Vec::new(), extras_left };
+    let mut json = JsonReader::new(bytes, limits)?;
     let (mut version, mut error, mut root, mut extras) = (None, None, None, None);
     json.object(|json, key| {
         match key {
@@ -70,17 +72,18 @@ pub(super) fn parse(bytes: &[u8], limits: &Limits, warnings: &mut Warnings) -> O
         }
         Ok(())
     })?;
-    let missing = |json: &Json<'_>, what: &str| json.error("missing", format!("the tileset has no {what}"));
+    let missing =
+        |json: &JsonReader<'_>, what: &str| json.error("missing", format!("the tileset has no {what}"));
     if version.is_none() {
         return Err(missing(&json, "asset.version"));
     }
     let geometric_error = error.ok_or_else(|| missing(&json, "geometricError"))?;
     let root = root.ok_or_else(|| missing(&json, "root"))?;
     json.end()?;
-    Ok(Parsed { tileset: Tileset { geometric_error, root, extras }, pending: parser.pending })
+    Ok(RawTileset { tileset: Tileset { geometric_error, root, extras }, pending: parser.pending })
 }
 
-fn version_of(json: &mut Json<'_>) -> Outcome<()> {
+fn version_of(json: &mut JsonReader<'_>) -> TileParseResult<()> {
     let version = json.string()?;
     if matches!(version.as_str(), "1.0" | "1.1") {
         return Ok(());
@@ -88,7 +91,7 @@ fn version_of(json: &mut Json<'_>) -> Outcome<()> {
     Err(json.error("unsupported", format!("3D Tiles {version:?} is not read, only 1.0 and 1.1")))
 }
 
-fn error_of(json: &mut Json<'_>) -> Outcome<f64> {
+fn error_of(json: &mut JsonReader<'_>) -> TileParseResult<f64> {
     let error = json.number()?;
     if error >= 0.0 {
         return Ok(error);
@@ -96,7 +99,7 @@ fn error_of(json: &mut Json<'_>) -> Outcome<f64> {
     Err(json.error("out-of-range", format!("an error of {error} m is negative")))
 }
 
-fn refuse_extensions(json: &mut Json<'_>) -> Outcome<()> {
+fn refuse_extensions(json: &mut JsonReader<'_>) -> TileParseResult<()> {
     json.array(|json, _| {
         let name = json.string()?;
         // It only says that contents may be glTF, which 1.1 says of all.
@@ -109,7 +112,7 @@ fn refuse_extensions(json: &mut Json<'_>) -> Outcome<()> {
 }
 
 /// As many numbers as are wanted.
-fn numbers<const N: usize>(json: &mut Json<'_>) -> Outcome<[f64; N]> {
+fn numbers<const N: usize>(json: &mut JsonReader<'_>) -> TileParseResult<[f64; N]> {
     let mut found = [0.0; N];
     let n = json.array(|json, i| {
         let value = json.number()?;
@@ -124,7 +127,7 @@ fn numbers<const N: usize>(json: &mut Json<'_>) -> Outcome<[f64; N]> {
     Ok(found)
 }
 
-fn volume(json: &mut Json<'_>) -> Outcome<BoundingVolume> {
+fn volume(json: &mut JsonReader<'_>) -> TileParseResult<BoundingVolume> {
     let mut found = None;
     json.object(|json, key| {
         match key {
@@ -144,9 +147,9 @@ fn volume(json: &mut Json<'_>) -> Outcome<BoundingVolume> {
     found.ok_or_else(|| json.error("unsupported", "the volume is neither a box, a region nor a sphere"))
 }
 
-impl Parser<'_> {
+impl TilesetParser<'_> {
     /// Counts what is not kept.
-    fn ignore(&mut self, json: &mut Json<'_>) -> Outcome<()> {
+    fn ignore(&mut self, json: &mut JsonReader<'_>) -> TileParseResult<()> {
         let place = json.place();
         self.warnings.count("tiles-metadata-ignored", || {
             (place, "metadata, extensions and other properties of tiles were not kept".to_owned())
@@ -154,7 +157,7 @@ impl Parser<'_> {
         json.skip()
     }
 
-    fn extras(&mut self, json: &mut Json<'_>) -> Outcome<Option<Value>> {
+    fn extras(&mut self, json: &mut JsonReader<'_>) -> TileParseResult<Option<Value>> {
         let place = json.place();
         let text = json.raw()?;
         // Each value but the first comes after one of these; strings only make it more.
@@ -175,14 +178,14 @@ impl Parser<'_> {
         Ok(parsed)
     }
 
-    fn tile(&mut self, json: &mut Json<'_>) -> Outcome<Tile> {
+    fn tile(&mut self, json: &mut JsonReader<'_>) -> TileParseResult<Tile> {
         let at = self.pending.len();
         if at as u64 >= self.limits.rows {
             return Err(
                 json.error("too-many-rows", format!("more tiles than the limit of {}", self.limits.rows))
             );
         }
-        push_large(&mut self.pending, Pending::default())?;
+        push_large(&mut self.pending, UnresolvedTile::default())?;
         let (mut bounds, mut error) = (None, None);
         let (mut transform, mut extras, mut contents) = (None, None, Vec::new());
         let mut children: Vec<Tile> = Vec::new();
@@ -235,7 +238,7 @@ impl Parser<'_> {
         })
     }
 
-    fn content(&mut self, json: &mut Json<'_>) -> Outcome<String> {
+    fn content(&mut self, json: &mut JsonReader<'_>) -> TileParseResult<String> {
         let mut uri = None;
         json.object(|json, key| {
             match key {
@@ -251,7 +254,7 @@ impl Parser<'_> {
     }
 }
 
-fn refine_of(json: &mut Json<'_>) -> Outcome<Refine> {
+fn refine_of(json: &mut JsonReader<'_>) -> TileParseResult<Refine> {
     let text = json.string()?;
     match text.as_str() {
         "REPLACE" => Ok(Refine::Replace),
@@ -260,7 +263,7 @@ fn refine_of(json: &mut Json<'_>) -> Outcome<Refine> {
     }
 }
 
-fn affine(json: &mut Json<'_>) -> Outcome<[f64; 16]> {
+fn affine(json: &mut JsonReader<'_>) -> TileParseResult<[f64; 16]> {
     let matrix: [f64; 16] = numbers(json)?;
     if [matrix[3], matrix[7], matrix[11], matrix[15]] != [0.0, 0.0, 0.0, 1.0] {
         return Err(json.error("bad-value", "the transform is not affine: its last row is not 0 0 0 1"));
@@ -269,7 +272,7 @@ fn affine(json: &mut Json<'_>) -> Outcome<[f64; 16]> {
 }
 
 /// Levels are counted in 32 bits; more than 62 halvings in a file of bits cannot be numbered.
-fn levels(json: &mut Json<'_>) -> Outcome<u32> {
+fn levels(json: &mut JsonReader<'_>) -> TileParseResult<u32> {
     let number = json.number()?;
     if number.fract() != 0.0 || !(1.0..=62.0).contains(&number) {
         return Err(json.error("out-of-range", format!("{number} levels: from 1 to 62 can be read")));
@@ -278,7 +281,7 @@ fn levels(json: &mut Json<'_>) -> Outcome<u32> {
     Ok(number as u32)
 }
 
-fn rule(json: &mut Json<'_>) -> Outcome<Rule> {
+fn rule(json: &mut JsonReader<'_>) -> TileParseResult<ImplicitTilingJson> {
     let (mut subdivision, mut subtree_levels, mut available_levels, mut template) = (None, None, None, None);
     json.object(|json, key| {
         match key {
@@ -304,7 +307,7 @@ fn rule(json: &mut Json<'_>) -> Outcome<Rule> {
         Ok(())
     })?;
     let missing = |what: &str| json.error("missing", format!("implicitTiling has no {what}"));
-    Ok(Rule {
+    Ok(ImplicitTilingJson {
         subdivision: subdivision.ok_or_else(|| missing("subdivisionScheme"))?,
         subtree_levels: subtree_levels.ok_or_else(|| missing("subtreeLevels"))?,
         available_levels: available_levels.ok_or_else(|| missing("availableLevels"))?,

@@ -1,29 +1,31 @@
 //! The tileset reader: the tree of one file, and of those that it names.
-use super::parse::{self, Parsed, Pending};
-use super::subtree::{self, At};
-use super::{Implicit, Refine, Tile, Tileset, uri};
+use super::parse::{self, RawTileset, UnresolvedTile};
+use super::subtree::{self, TileCoordinates};
+use super::{ImplicitTiling, Refine, Tile, Tileset, uri};
 use crate::warnings::Warnings;
-use crate::{Limits, Place, ReadError, Warning};
+use crate::{FileLocation, Limits, ReadError, Warning};
 use std::collections::BTreeSet;
 
-/// Gives the bytes of a file by its path below the tileset's folder, or says why not. Such a path has no `..`, no scheme and no
-/// leading `/`; whoever opens it looks after links that lead out of the folder.
-pub type Open<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
+/// Gives the bytes of a file by its path below the tileset's folder, or says why not. Such a path has no
+/// `..`, no scheme and no leading `/`; whoever opens it looks after links that lead out of the folder.
+pub type FileOpener<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
 
-/// Reads a tileset, 1.0 or 1.1, with the tilesets that its tiles name and the subtrees of its implicit tilings; `open` gives
-/// those files. Contents other than tilesets are not opened.
+/// Reads a tileset, 1.0 or 1.1, with the tilesets that its tiles name and the subtrees of its implicit
+/// tilings; `open` gives those files. Contents other than tilesets are not opened.
 ///
-/// Paths in the result are relative to the first file's folder. A tile whose content is a tileset has that one's root as its last
-/// child; one that is named a second time is not opened again, and counted. Errors must not grow towards the leaves, which
-/// [`Limits::lenient`] turns into a warning. What a tileset says beside its tree (metadata, styles, tighter volumes of contents,
-/// request volumes) is counted, not kept.
+/// Paths in the result are relative to the first file's folder. A tile whose content is a tileset has that
+/// one's root as its last child; one that is named a second time is not opened again, and counted. Errors
+/// must not grow towards the leaves, which [`Limits::lenient`] turns into a warning. What a tileset says
+/// beside its tree (metadata, styles, tighter volumes of contents, request volumes) is counted, not kept.
 ///
-/// Linear in the bytes of all files, which together stay below [`Limits::bytes`]; nesting is limited by [`Limits::depth`].
+/// Linear in the bytes of all files, which together stay below [`Limits::bytes`]; nesting is limited by
+/// [`Limits::depth`].
 ///
 /// # Errors
-/// [`ReadError`] with the byte or JSON pointer, and the file's name where it is not the first: no tileset, errors that grow, a
-/// URI with a scheme or one that leads out of the folder, tilesets that contain themselves, a file that is missing or
-/// compressed, a subtree with the wrong number of bits, an extension that is required.
+/// [`ReadError`] with the byte or JSON pointer, and the file's name where it is not the first: no tileset,
+/// errors that grow, a URI with a scheme or one that leads out of the folder, tilesets that contain
+/// themselves, a file that is missing or compressed, a subtree with the wrong number of bits, an extension
+/// that is required.
 ///
 /// ```
 /// use chordal_io::{Limits, tiles};
@@ -36,10 +38,10 @@ pub type Open<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
 /// ```
 pub fn read(
     bytes: &[u8],
-    open: &mut Open<'_>,
+    open: &mut FileOpener<'_>,
     limits: &Limits,
 ) -> Result<(Tileset, Vec<Warning>), ReadError> {
-    let mut reader = Reader {
+    let mut reader = TilesetReader {
         open,
         limits,
         warnings: Warnings::default(),
@@ -48,13 +50,13 @@ pub fn read(
         left: limits.bytes,
         n_tiles: 0,
     };
-    reader.take(bytes.len() as u64)?;
+    reader.charge(bytes.len() as u64)?;
     let tileset = reader.tileset(bytes, "", None)?;
     Ok((tileset, reader.warnings.into_list()))
 }
 
-struct Reader<'r, 'o> {
-    open: &'r mut Open<'o>,
+struct TilesetReader<'r, 'o> {
+    open: &'r mut FileOpener<'o>,
     limits: &'r Limits,
     warnings: Warnings,
     /// The tilesets within which this is, by their paths; the first has none.
@@ -69,18 +71,18 @@ struct Reader<'r, 'o> {
 
 /// A tile's surroundings.
 #[derive(Clone, Copy)]
-struct Above<'a> {
+struct ParentTile<'a> {
     error: f64,
     refine: Refine,
     /// The folder of the file.
     folder: &'a str,
 }
 
-type Outcome<T> = Result<T, ReadError>;
+type TilesetResult<T> = Result<T, ReadError>;
 
-impl Reader<'_, '_> {
+impl TilesetReader<'_, '_> {
     /// Counts bytes that are about to be looked at.
-    fn take(&mut self, n: u64) -> Outcome<()> {
+    fn charge(&mut self, n: u64) -> TilesetResult<()> {
         match self.left.checked_sub(n) {
             Some(left) => {
                 self.left = left;
@@ -88,38 +90,38 @@ impl Reader<'_, '_> {
             }
             None => {
                 let what = format!("the files of the tileset pass the limit of {} bytes", self.limits.bytes);
-                Err(ReadError::new("too-large", Place::File, what))
+                Err(ReadError::new("too-large", FileLocation::File, what))
             }
         }
     }
 
     /// One file, whose path is empty for the first, below a tile of an error.
-    fn tileset(&mut self, bytes: &[u8], path: &str, above: Option<f64>) -> Outcome<Tileset> {
-        let Parsed { mut tileset, pending } = parse::parse(bytes, self.limits, &mut self.warnings)?;
+    fn tileset(&mut self, bytes: &[u8], path: &str, above: Option<f64>) -> TilesetResult<Tileset> {
+        let RawTileset { mut tileset, pending } = parse::parse(bytes, self.limits, &mut self.warnings)?;
         self.n_tiles += pending.len() as u64;
         if self.n_tiles > self.limits.rows {
             let what = format!("more tiles than the limit of {}", self.limits.rows);
-            return Err(ReadError::new("too-many-rows", Place::File, what));
+            return Err(ReadError::new("too-many-rows", FileLocation::File, what));
         }
         let own = tileset.geometric_error;
         if let Some(error) = above.filter(|error| own > *error) {
-            self.rising(own, error, "/geometricError")?;
+            self.check_error(own, error, "/geometricError")?;
         }
         if pending.first().is_some_and(|root| root.refine.is_none()) {
             self.warnings.count("refine-missing", || {
                 let what = "the root does not say how it is refined; it is taken to be replaced".to_owned();
-                (Place::Pointer("/root".to_owned()), what)
+                (FileLocation::Pointer("/root".to_owned()), what)
             });
         }
-        let above = Above { error: own, refine: Refine::Replace, folder: uri::folder(path) };
+        let above = ParentTile { error: own, refine: Refine::Replace, folder: uri::folder(path) };
         self.tile(&mut tileset.root, &mut pending.into_iter(), above, &mut "/root".to_owned())?;
         Ok(tileset)
     }
 
     /// Refuses an error that grows towards the leaves, or counts it.
-    fn rising(&mut self, error: f64, above: f64, pointer: &str) -> Outcome<()> {
+    fn check_error(&mut self, error: f64, above: f64, pointer: &str) -> TilesetResult<()> {
         let what = format!("the error of {error} m is above that of the tile before it, {above} m");
-        let place = Place::Pointer(pointer.to_owned());
+        let place = FileLocation::Pointer(pointer.to_owned());
         if !self.limits.lenient {
             return Err(ReadError::new("error-increases", place, what));
         }
@@ -131,16 +133,16 @@ impl Reader<'_, '_> {
     fn tile(
         &mut self,
         tile: &mut Tile,
-        pending: &mut std::vec::IntoIter<Pending>,
-        above: Above<'_>,
+        pending: &mut std::vec::IntoIter<UnresolvedTile>,
+        above: ParentTile<'_>,
         pointer: &mut String,
-    ) -> Outcome<()> {
-        let Pending { rule, refine } = pending.next().unwrap_or_default();
+    ) -> TilesetResult<()> {
+        let UnresolvedTile { rule, refine } = pending.next().unwrap_or_default();
         tile.refine = refine.unwrap_or(above.refine);
         if tile.geometric_error > above.error {
-            self.rising(tile.geometric_error, above.error, &format!("{pointer}/geometricError"))?;
+            self.check_error(tile.geometric_error, above.error, &format!("{pointer}/geometricError"))?;
         }
-        let below = Above { error: tile.geometric_error, refine: tile.refine, ..above };
+        let below = ParentTile { error: tile.geometric_error, refine: tile.refine, ..above };
         let length = pointer.len();
         for i in 0..tile.children.len() {
             pointer.push_str(&format!("/children/{i}"));
@@ -155,7 +157,7 @@ impl Reader<'_, '_> {
             } else {
                 format!("{pointer}/content/uri")
             };
-            let written = if rule.is_some() { at_root(content) } else { content.clone() };
+            let written = if rule.is_some() { root_uri(content) } else { content.clone() };
             let path = resolved(above.folder, &written, &key)?;
             if rule.is_some() {
                 // The template stays; that what it stands for is below the folder is known.
@@ -175,8 +177,8 @@ impl Reader<'_, '_> {
     }
 
     /// The root of a tileset that a tile shows, unless it was opened before.
-    fn external(&mut self, path: &str, error: f64, pointer: &str) -> Outcome<Option<Tile>> {
-        let place = || Place::Pointer(pointer.to_owned());
+    fn external(&mut self, path: &str, error: f64, pointer: &str) -> TilesetResult<Option<Tile>> {
+        let place = || FileLocation::Pointer(pointer.to_owned());
         if self.chain.iter().any(|file| file == path) {
             let what = format!("the tileset '{path}' contains itself");
             return Err(ReadError::new("tileset-cycle", place(), what));
@@ -194,22 +196,27 @@ impl Reader<'_, '_> {
         }
         let bytes = self.file(path).map_err(|error| ReadError { place: place(), ..error })?;
         self.chain.push(path.to_owned());
-        let tileset = self.tileset(&bytes, path, Some(error)).map_err(|error| in_file(path, error))?;
+        let tileset = self.tileset(&bytes, path, Some(error)).map_err(|error| error_in_file(path, error))?;
         self.chain.pop();
         Ok(Some(tileset.root))
     }
 
-    fn file(&mut self, path: &str) -> Outcome<Vec<u8>> {
+    fn file(&mut self, path: &str) -> TilesetResult<Vec<u8>> {
         let bytes = (self.open)(path).map_err(|why| {
-            ReadError::new("file-missing", Place::File, format!("'{path}' cannot be read: {why}"))
+            ReadError::new("file-missing", FileLocation::File, format!("'{path}' cannot be read: {why}"))
         })?;
-        self.take(bytes.len() as u64)?;
+        self.charge(bytes.len() as u64)?;
         Ok(bytes)
     }
 
     /// What the subtrees of an implicit tiling say.
-    fn implicit(&mut self, rule: &parse::Rule, folder: &str, pointer: &str) -> Outcome<Implicit> {
-        let place = || Place::Pointer(pointer.to_owned());
+    fn implicit(
+        &mut self,
+        rule: &parse::ImplicitTilingJson,
+        folder: &str,
+        pointer: &str,
+    ) -> TilesetResult<ImplicitTiling> {
+        let place = || FileLocation::Pointer(pointer.to_owned());
         let axes: &[&str] = match rule.subdivision {
             super::Subdivision::Quadtree => &["{level}", "{x}", "{y}"],
             super::Subdivision::Octree => &["{level}", "{x}", "{y}", "{z}"],
@@ -219,14 +226,14 @@ impl Reader<'_, '_> {
             return Err(ReadError::new("bad-template", place(), format!("the template has no {name}")));
         }
         let n_levels = rule.available_levels as usize;
-        let mut found = Implicit {
+        let mut found = ImplicitTiling {
             subdivision: rule.subdivision,
             subtree_levels: rule.subtree_levels,
             n_subtrees: 0,
             n_tiles: vec![0; n_levels],
             n_contents: vec![0; n_levels],
         };
-        let mut open = vec![At { level: 0, place: [0; 3] }];
+        let mut open = vec![TileCoordinates { level: 0, place: [0; 3] }];
         while let Some(at) = open.pop() {
             let path = resolved(folder, &at.uri(&rule.template), pointer)?;
             let bytes = self.file(&path).map_err(|error| ReadError { place: place(), ..error })?;
@@ -236,29 +243,30 @@ impl Reader<'_, '_> {
                 self.file(&path)
             };
             let below = subtree::read(&bytes, (rule, at), &mut found, (limits, &mut other));
-            open.extend(below.map_err(|error| in_file(&path, error))?.into_iter().rev());
+            open.extend(below.map_err(|error| error_in_file(&path, error))?.into_iter().rev());
         }
         Ok(found)
     }
 }
 
-/// Tilesets within tilesets that are read. Chosen: far more than are nested in practice, and a few hundred kilobytes of stack.
+/// Tilesets within tilesets that are read. Chosen: far more than are nested in practice, and a few hundred
+/// kilobytes of stack.
 const MOST_FILES: usize = 16;
 
 /// The path that a URI names.
-fn resolved(folder: &str, written: &str, pointer: &str) -> Outcome<String> {
+fn resolved(folder: &str, written: &str, pointer: &str) -> TilesetResult<String> {
     uri::resolve(folder, written).map_err(|outside| {
-        let place = Place::Pointer(pointer.to_owned());
+        let place = FileLocation::Pointer(pointer.to_owned());
         ReadError::new(outside.code(), place, format!("'{written}' {}", outside.reason()))
     })
 }
 
 /// A template for the first tile.
-fn at_root(template: &str) -> String {
-    At { level: 0, place: [0; 3] }.uri(template)
+fn root_uri(template: &str) -> String {
+    TileCoordinates { level: 0, place: [0; 3] }.uri(template)
 }
 
 /// An error within a file that another one names.
-fn in_file(path: &str, error: ReadError) -> ReadError {
+fn error_in_file(path: &str, error: ReadError) -> ReadError {
     ReadError { message: format!("{} (in '{path}')", error.message), ..error }
 }

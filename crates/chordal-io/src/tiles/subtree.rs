@@ -1,9 +1,9 @@
 //! Subtrees: files of bits that say which tiles of an implicit tiling are there.
 use super::content::refuse_gzip;
-use super::parse::Rule;
-use super::{Implicit, Subdivision};
-use crate::json::Json;
-use crate::{Limits, Place, ReadError};
+use super::parse::ImplicitTilingJson;
+use super::{ImplicitTiling, Subdivision};
+use crate::json::JsonReader;
+use crate::{FileLocation, Limits, ReadError};
 use std::collections::BTreeSet;
 
 /// The first four bytes of a subtree file.
@@ -14,12 +14,12 @@ const HEADER: usize = 24;
 
 /// A tile or subtree by its level and its place in it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct At {
+pub(super) struct TileCoordinates {
     pub level: u32,
     pub place: [u64; 3],
 }
 
-impl At {
+impl TileCoordinates {
     /// The template's URI with the numbers put in.
     pub fn uri(self, template: &str) -> String {
         let [x, y, z] = self.place;
@@ -28,7 +28,7 @@ impl At {
     }
 
     /// The one of number `morton` among those `levels` below this.
-    fn below(self, levels: u32, morton: u64, subdivision: Subdivision) -> Self {
+    fn descendant(self, levels: u32, morton: u64, subdivision: Subdivision) -> Self {
         let axes = if subdivision == Subdivision::Quadtree { 2 } else { 3 };
         let mut place = self.place.map(|x| x << levels);
         for bit in 0..levels {
@@ -41,13 +41,13 @@ impl At {
 }
 
 /// Which of some things are there.
-enum Bits<'b> {
+enum AvailabilityBits<'b> {
     All,
     Nothing,
     Stream(&'b [u8], u64),
 }
 
-impl Bits<'_> {
+impl AvailabilityBits<'_> {
     fn get(&self, i: u64) -> bool {
         match self {
             Self::All => true,
@@ -78,7 +78,7 @@ struct Availability {
 }
 
 #[derive(Clone, Default)]
-struct View {
+struct SubtreeBufferView {
     buffer: u64,
     offset: u64,
     length: u64,
@@ -88,57 +88,63 @@ struct View {
 #[derive(Default)]
 struct Subtree {
     buffers: Vec<(u64, Option<String>)>,
-    views: Vec<View>,
+    views: Vec<SubtreeBufferView>,
     tiles: Option<Availability>,
     contents: Vec<Availability>,
     children: Option<Availability>,
 }
 
-type Outcome<T> = Result<T, ReadError>;
+type SubtreeResult<T> = Result<T, ReadError>;
 
 /// Gives the bytes of a file by the URI that a subtree names it by.
-pub(super) type Files<'f> = dyn FnMut(&str) -> Outcome<Vec<u8>> + 'f;
+pub(super) type SubtreeFileOpener<'f> = dyn FnMut(&str) -> SubtreeResult<Vec<u8>> + 'f;
 
-/// Reads one subtree, counts its tiles into `found`, and returns the subtrees below it. `open` gives other files that it names.
+/// Reads one subtree, counts its tiles into `found`, and returns the subtrees below it. `open` gives other
+/// files that it names.
 ///
 /// # Errors
 /// With the byte or the pointer in this file.
 pub(super) fn read(
     bytes: &[u8],
-    (rule, at): (&Rule, At),
-    found: &mut Implicit,
-    (limits, open): (&Limits, &mut Files<'_>),
-) -> Outcome<Vec<At>> {
+    (rule, at): (&ImplicitTilingJson, TileCoordinates),
+    found: &mut ImplicitTiling,
+    (limits, open): (&Limits, &mut SubtreeFileOpener<'_>),
+) -> SubtreeResult<Vec<TileCoordinates>> {
     refuse_gzip(bytes)?;
     let (text, binary) = chunks(bytes)?;
     let subtree = parse(text, limits)?;
     if subtree.contents.len() > MOST_CONTENTS {
         let what = format!("{} contents a tile pass the limit of {MOST_CONTENTS}", subtree.contents.len());
-        return Err(ReadError::new("unsupported", Place::Pointer("/contentAvailability".to_owned()), what));
+        return Err(ReadError::new(
+            "unsupported",
+            FileLocation::Pointer("/contentAvailability".to_owned()),
+            what,
+        ));
     }
     let buffers = buffers(&subtree, binary, open)?;
     let n = rule.subdivision.n_children();
     let n_last = n.checked_pow(rule.subtree_levels).filter(|_| at.level + rule.subtree_levels <= 64);
     let Some(n_last) = n_last else {
         let what = format!("{} levels in one subtree are more than can be counted", rule.subtree_levels);
-        return Err(ReadError::new("unsupported", Place::File, what));
+        return Err(ReadError::new("unsupported", FileLocation::File, what));
     };
     let n_tiles = (n_last - 1) / (n - 1);
     let look = |name: &str, availability: &Availability, n: u64| {
         bits(&subtree, &buffers, availability, n)
-            .map_err(|(code, what)| ReadError::new(code, Place::Pointer(format!("/{name}")), what))
+            .map_err(|(code, what)| ReadError::new(code, FileLocation::Pointer(format!("/{name}")), what))
     };
-    let absent = |name| ReadError::new("missing", Place::Pointer(format!("/{name}")), "this is not there");
+    let absent =
+        |name| ReadError::new("missing", FileLocation::Pointer(format!("/{name}")), "this is not there");
     let tiles = subtree.tiles.as_ref().ok_or_else(|| absent("tileAvailability"))?;
     let tiles = look("tileAvailability", tiles, n_tiles)?;
     if !tiles.get(0) {
-        let place = Place::Pointer("/tileAvailability".to_owned());
+        let place = FileLocation::Pointer("/tileAvailability".to_owned());
         return Err(ReadError::new("empty-subtree", place, "the first tile of a subtree has to be there"));
     }
     let contents = subtree.contents.iter().enumerate();
     let contents = contents
         .map(|(i, availability)| look(&format!("contentAvailability/{i}"), availability, n_tiles))
-        .collect::<Outcome<Vec<_>>>()?;
+        .collect::<SubtreeResult<Vec<_>>>()?;
     let children = subtree.children.as_ref().ok_or_else(|| absent("childSubtreeAvailability"))?;
     let children = look("childSubtreeAvailability", children, n_last)?;
     check_parents(&tiles, &contents, n)?;
@@ -159,19 +165,24 @@ pub(super) fn read(
         first += many;
     }
     found.n_subtrees += 1;
-    below(&children, n_last, (rule, at))
+    child_subtrees(&children, n_last, (rule, at))
 }
 
-/// The subtrees that a subtree says are below it: no more than its file has bits, or than a single number may stand for.
-fn below(children: &Bits<'_>, n_last: u64, (rule, at): (&Rule, At)) -> Outcome<Vec<At>> {
+/// The subtrees that a subtree says are below it: no more than its file has bits, or than a single number may
+/// stand for.
+fn child_subtrees(
+    children: &AvailabilityBits<'_>,
+    n_last: u64,
+    (rule, at): (&ImplicitTilingJson, TileCoordinates),
+) -> SubtreeResult<Vec<TileCoordinates>> {
     let n_listed = match children {
-        Bits::Nothing => 0,
-        Bits::All if n_last > MOST_CONSTANT => {
-            let place = Place::Pointer("/childSubtreeAvailability/constant".to_owned());
+        AvailabilityBits::Nothing => 0,
+        AvailabilityBits::All if n_last > MOST_CONSTANT => {
+            let place = FileLocation::Pointer("/childSubtreeAvailability/constant".to_owned());
             let what = format!("{n_last} subtrees below one are more than the limit of {MOST_CONSTANT}");
             return Err(ReadError::new("too-many-rows", place, what));
         }
-        Bits::All | Bits::Stream(..) => n_last,
+        AvailabilityBits::All | AvailabilityBits::Stream(..) => n_last,
     };
     let there = (0..n_listed).filter(|i| children.get(*i));
     if at.level + rule.subtree_levels >= rule.available_levels {
@@ -181,25 +192,32 @@ fn below(children: &Bits<'_>, n_last: u64, (rule, at): (&Rule, At)) -> Outcome<V
             Err(too_deep("childSubtreeAvailability", rule))
         };
     }
-    Ok(there.map(|i| at.below(rule.subtree_levels, i, rule.subdivision)).collect())
+    Ok(there.map(|i| at.descendant(rule.subtree_levels, i, rule.subdivision)).collect())
 }
 
-/// Contents of one tile whose bits are looked at. Chosen: several are rare, and all may share one list of bits.
+/// Contents of one tile whose bits are looked at. Chosen: several are rare, and all may share one list of
+/// bits.
 const MOST_CONTENTS: usize = 16;
 
-/// Subtrees below one that a single number may say are there. Chosen: eight levels of a quadtree, 2 MB of list.
+/// Subtrees below one that a single number may say are there. Chosen: eight levels of a quadtree, 2 MB of
+/// list.
 const MOST_CONSTANT: u64 = 1 << 16;
 
-fn too_deep(name: &str, rule: &Rule) -> ReadError {
+fn too_deep(name: &str, rule: &ImplicitTilingJson) -> ReadError {
     let what = format!("tiles are there below the {} levels that the tileset names", rule.available_levels);
-    ReadError::new("beyond-levels", Place::Pointer(format!("/{name}")), what)
+    ReadError::new("beyond-levels", FileLocation::Pointer(format!("/{name}")), what)
 }
 
 /// Whether each tile's parent is there, and each content's tile.
-fn check_parents(tiles: &Bits<'_>, contents: &[Bits<'_>], n: u64) -> Outcome<()> {
-    let error = |name: String, what| Err(ReadError::new("no-such-tile", Place::Pointer(name), what));
-    if let Bits::Stream(_, n_tiles) = tiles {
-        // The first of a level follows the last of the one above, so that the children of tile i are n·i + 1 to n·i + n.
+fn check_parents(
+    tiles: &AvailabilityBits<'_>,
+    contents: &[AvailabilityBits<'_>],
+    n: u64,
+) -> SubtreeResult<()> {
+    let error = |name: String, what| Err(ReadError::new("no-such-tile", FileLocation::Pointer(name), what));
+    if let AvailabilityBits::Stream(_, n_tiles) = tiles {
+        // The first of a level follows the last of the one above, so that the children of tile i are n·i + 1
+        // to n·i + n.
         if let Some(i) = (1..*n_tiles).find(|i| tiles.get(*i) && !tiles.get((i - 1) / n)) {
             return error("/tileAvailability".to_owned(), format!("tile {i} is there and its parent is not"));
         }
@@ -216,8 +234,9 @@ fn check_parents(tiles: &Bits<'_>, contents: &[Bits<'_>], n: u64) -> Outcome<()>
 }
 
 /// The JSON and the buffer of a subtree file.
-fn chunks(bytes: &[u8]) -> Outcome<(&[u8], &[u8])> {
-    let error = |code, at: usize, what: String| Err(ReadError::new(code, Place::Byte(at as u64), what));
+fn chunks(bytes: &[u8]) -> SubtreeResult<(&[u8], &[u8])> {
+    let error =
+        |code, at: usize, what: String| Err(ReadError::new(code, FileLocation::Byte(at as u64), what));
     let word = |at: usize| bytes.get(at..at + 8).and_then(|b| b.try_into().ok()).map(u64::from_le_bytes);
     let (Some(json), Some(binary)) = (word(8), word(16)) else {
         return error("truncated", bytes.len(), format!("{} bytes are too few for a subtree", bytes.len()));
@@ -237,8 +256,8 @@ fn chunks(bytes: &[u8]) -> Outcome<(&[u8], &[u8])> {
     Ok(rest.split_at(json as usize))
 }
 
-fn parse(text: &[u8], limits: &Limits) -> Outcome<Subtree> {
-    let mut json = Json::new(text, limits)?;
+fn parse(text: &[u8], limits: &Limits) -> SubtreeResult<Subtree> {
+    let mut json = JsonReader::new(text, limits)?;
     let mut subtree = Subtree::default();
     json.object(|json, key| {
         match key {
@@ -247,7 +266,7 @@ fn parse(text: &[u8], limits: &Limits) -> Outcome<Subtree> {
                     let (mut length, mut uri) = (None, None);
                     json.object(|json, key| {
                         match key {
-                            "byteLength" => length = Some(whole(json)?),
+                            "byteLength" => length = Some(integer(json)?),
                             "uri" => uri = Some(json.string()?),
                             _ => json.skip()?,
                         }
@@ -261,12 +280,12 @@ fn parse(text: &[u8], limits: &Limits) -> Outcome<Subtree> {
             }
             "bufferViews" => {
                 json.array(|json, _| {
-                    let mut view = View::default();
+                    let mut view = SubtreeBufferView::default();
                     json.object(|json, key| {
                         match key {
-                            "buffer" => view.buffer = whole(json)?,
-                            "byteOffset" => view.offset = whole(json)?,
-                            "byteLength" => view.length = whole(json)?,
+                            "buffer" => view.buffer = integer(json)?,
+                            "byteOffset" => view.offset = integer(json)?,
+                            "byteLength" => view.length = integer(json)?,
                             _ => json.skip()?,
                         }
                         Ok(())
@@ -292,7 +311,7 @@ fn parse(text: &[u8], limits: &Limits) -> Outcome<Subtree> {
 }
 
 /// A whole number that single counts can have.
-fn whole(json: &mut Json<'_>) -> Outcome<u64> {
+fn integer(json: &mut JsonReader<'_>) -> SubtreeResult<u64> {
     let number = json.number()?;
     // 2⁵³: below it each whole number is one.
     if number.fract() != 0.0 || !(0.0..9_007_199_254_740_992.0).contains(&number) {
@@ -301,13 +320,13 @@ fn whole(json: &mut Json<'_>) -> Outcome<u64> {
     Ok(number as u64)
 }
 
-fn availability(json: &mut Json<'_>) -> Outcome<Availability> {
+fn availability(json: &mut JsonReader<'_>) -> SubtreeResult<Availability> {
     let mut found = Availability::default();
     json.object(|json, key| {
         match key {
-            "bitstream" => found.bitstream = Some(whole(json)?),
-            "constant" => found.constant = Some(whole(json)?),
-            "availableCount" => found.count = Some(whole(json)?),
+            "bitstream" => found.bitstream = Some(integer(json)?),
+            "constant" => found.constant = Some(integer(json)?),
+            "availableCount" => found.count = Some(integer(json)?),
             _ => json.skip()?,
         }
         Ok(())
@@ -322,29 +341,33 @@ fn availability(json: &mut Json<'_>) -> Outcome<Availability> {
 }
 
 /// The bytes of a buffer.
-enum Buffer<'b> {
+enum SubtreeBuffer<'b> {
     Here(&'b [u8]),
     Elsewhere(Vec<u8>),
     /// Nothing that is asked for lies in it.
     Unused,
 }
 
-fn buffers<'b>(subtree: &Subtree, binary: &'b [u8], open: &mut Files<'_>) -> Outcome<Vec<Buffer<'b>>> {
+fn buffers<'b>(
+    subtree: &Subtree,
+    binary: &'b [u8],
+    open: &mut SubtreeFileOpener<'_>,
+) -> SubtreeResult<Vec<SubtreeBuffer<'b>>> {
     let streams = subtree.tiles.iter().chain(&subtree.contents).chain(&subtree.children);
     let views = streams.filter_map(|availability| usize::try_from(availability.bitstream?).ok());
     let used: BTreeSet<u64> = views.filter_map(|view| Some(subtree.views.get(view)?.buffer)).collect();
     let mut found = Vec::with_capacity(subtree.buffers.len());
     for (i, (length, uri)) in subtree.buffers.iter().enumerate() {
-        let pointer = |key: &str| Place::Pointer(format!("/buffers/{i}/{key}"));
+        let pointer = |key: &str| FileLocation::Pointer(format!("/buffers/{i}/{key}"));
         if !used.contains(&(i as u64)) {
-            found.push(Buffer::Unused);
+            found.push(SubtreeBuffer::Unused);
             continue;
         }
         let buffer = match uri {
-            Some(uri) => {
-                Buffer::Elsewhere(open(uri).map_err(|error| ReadError { place: pointer("uri"), ..error })?)
-            }
-            None if i == 0 => Buffer::Here(binary),
+            Some(uri) => SubtreeBuffer::Elsewhere(
+                open(uri).map_err(|error| ReadError { place: pointer("uri"), ..error })?,
+            ),
+            None if i == 0 => SubtreeBuffer::Here(binary),
             None => {
                 return Err(ReadError::new(
                     "missing",
@@ -364,7 +387,7 @@ fn buffers<'b>(subtree: &Subtree, binary: &'b [u8], open: &mut Files<'_>) -> Out
     Ok(found)
 }
 
-impl Buffer<'_> {
+impl SubtreeBuffer<'_> {
     fn bytes(&self) -> &[u8] {
         match self {
             Self::Here(bytes) => bytes,
@@ -374,18 +397,18 @@ impl Buffer<'_> {
     }
 }
 
-type Wrong = (&'static str, String);
+type SubtreeError = (&'static str, String);
 
 /// The bits of an availability of `n` things: as many bytes as they take, and as many ones as are said.
 fn bits<'b>(
     subtree: &Subtree,
-    buffers: &'b [Buffer<'_>],
+    buffers: &'b [SubtreeBuffer<'_>],
     availability: &Availability,
     n: u64,
-) -> Result<Bits<'b>, Wrong> {
+) -> Result<AvailabilityBits<'b>, SubtreeError> {
     let bits = match (availability.constant, availability.bitstream) {
-        (Some(1), _) => Bits::All,
-        (_, None) => Bits::Nothing,
+        (Some(1), _) => AvailabilityBits::All,
+        (_, None) => AvailabilityBits::Nothing,
         (_, Some(view)) => stream(subtree, buffers, view, n)?,
     };
     let n_there = bits.count(0, n);
@@ -399,10 +422,10 @@ fn bits<'b>(
 
 fn stream<'b>(
     subtree: &Subtree,
-    buffers: &'b [Buffer<'_>],
+    buffers: &'b [SubtreeBuffer<'_>],
     view_idx: u64,
     n: u64,
-) -> Result<Bits<'b>, Wrong> {
+) -> Result<AvailabilityBits<'b>, SubtreeError> {
     let view = usize::try_from(view_idx).ok().and_then(|i| subtree.views.get(i));
     let Some(view) = view else {
         return Err(("no-such-view", format!("there is no buffer view {view_idx}")));
@@ -419,7 +442,7 @@ fn stream<'b>(
     let end = view.offset.checked_add(view.length).filter(|end| *end <= length);
     // Both ends are within a buffer that is in memory.
     match end.and_then(|end| bytes.get(view.offset as usize..end as usize)) {
-        Some(bytes) => Ok(Bits::Stream(bytes, n)),
+        Some(bytes) => Ok(AvailabilityBits::Stream(bytes, n)),
         None => Err(("view-too-long", format!("buffer view {view_idx} passes the buffer's {length} bytes"))),
     }
 }

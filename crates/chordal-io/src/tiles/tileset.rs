@@ -23,12 +23,13 @@ pub struct Tile {
     pub refine: Refine,
     /// Column-major 4 × 4 matrix from its space to its parent's, where it has one of its own.
     pub transform: Option<Box<[f64; 16]>>,
-    /// The files that show it, by their paths below the tileset's folder. Ours have one; an empty tile has none.
+    /// The files that show it, by their paths below the tileset's folder. Ours have one; an empty tile has
+    /// none.
     pub contents: Vec<String>,
     /// Finer tiles for the same space.
     pub children: Vec<Tile>,
     /// Tiles below it that follow a rule, and that files of bits list.
-    pub implicit: Option<Implicit>,
+    pub implicit: Option<ImplicitTiling>,
     /// Whatever else is said; for ours the certificate of this tile's content.
     pub extras: Option<Value>,
 }
@@ -56,14 +57,15 @@ pub enum Refine {
 
 /// Tiles below one tile that are halves of it in each direction, as far as they are there.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Implicit {
+pub struct ImplicitTiling {
     /// Into how many a tile falls.
     pub subdivision: Subdivision,
     /// Levels of tiles that one file lists.
     pub subtree_levels: u32,
     /// Files that list them.
     pub n_subtrees: u64,
-    /// For each level, the tile itself first, how many tiles are there. The error of a level is half that of the one before.
+    /// For each level, the tile itself first, how many tiles are there. The error of a level is half that of
+    /// the one before.
     pub n_tiles: Vec<u64>,
     /// For each level how many files show its tiles.
     pub n_contents: Vec<u64>,
@@ -96,7 +98,8 @@ impl Tile {
 }
 
 impl Tileset {
-    /// All tiles with their depths, parents before their children; those that follow a rule are not among them.
+    /// All tiles with their depths, parents before their children; those that follow a rule are not among
+    /// them.
     ///
     /// ```
     /// use chordal_io::tiles::{Tile, Tileset};

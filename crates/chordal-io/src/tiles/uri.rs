@@ -1,7 +1,7 @@
 //! Paths of files below a tileset's folder: what a relative URI names, and nothing else.
 
 /// Why a URI names no file below the folder.
-pub(super) enum Outside {
+pub(super) enum UriError {
     /// It has a scheme, as in `https:`.
     Scheme,
     /// It begins at the root of a server or disk.
@@ -12,7 +12,7 @@ pub(super) enum Outside {
     NoFile,
 }
 
-impl Outside {
+impl UriError {
     pub fn code(&self) -> &'static str {
         match self {
             Self::Scheme => "no-network",
@@ -31,35 +31,36 @@ impl Outside {
     }
 }
 
-/// The path below the top folder that a URI names in `folder`, which is itself such a path; without query and fragment.
+/// The path below the top folder that a URI names in `folder`, which is itself such a path; without query and
+/// fragment.
 ///
 /// Escapes are decoded first, so that none of them hides a dot or a slash.
-pub(super) fn resolve(folder: &str, uri: &str) -> Result<String, Outside> {
+pub(super) fn resolve(folder: &str, uri: &str) -> Result<String, UriError> {
     let end = uri.find(['?', '#']).unwrap_or(uri.len());
-    let path = decoded(&uri[..end]).ok_or(Outside::NoFile)?;
+    let path = decoded(&uri[..end]).ok_or(UriError::NoFile)?;
     if path.starts_with(['/', '\\']) {
-        return Err(Outside::Absolute);
+        return Err(UriError::Absolute);
     }
     // A colon in the first segment ends a scheme, or names a disk.
     if path.split(['/', '\\']).next().is_some_and(|first| first.contains(':')) {
-        return Err(Outside::Scheme);
+        return Err(UriError::Scheme);
     }
     if path.contains(['\\', '\0']) || path.ends_with('/') {
-        return Err(Outside::NoFile);
+        return Err(UriError::NoFile);
     }
     let mut segments: Vec<&str> = folder.split('/').filter(|segment| !segment.is_empty()).collect();
     for segment in path.split('/') {
         match segment {
             "" | "." => {}
             ".." => {
-                segments.pop().ok_or(Outside::Above)?;
+                segments.pop().ok_or(UriError::Above)?;
             }
             name => segments.push(name),
         }
     }
     let last = path.rsplit('/').next().unwrap_or_default();
     if matches!(last, "" | "." | "..") || segments.is_empty() {
-        return Err(Outside::NoFile);
+        return Err(UriError::NoFile);
     }
     Ok(segments.join("/"))
 }

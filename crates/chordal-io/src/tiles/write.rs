@@ -3,12 +3,14 @@ use super::{BoundingVolume, Refine, Tile, Tileset, uri};
 use serde_json::{Map, Value, json};
 use std::fmt;
 
-/// Levels of children that are written. Chosen: a tree of halves that deep tells the width of an atom on Earth, and readers that stop
-/// at 128 levels of JSON, as ours does, still have 27 for what stands in the deepest tile.
+/// Levels of children that are written. Chosen: a tree of halves that deep tells the width of an atom on
+/// Earth, and readers that stop at 128 levels of JSON, as ours does, still have 27 for what stands in the
+/// deepest tile.
 const MOST_LEVELS: usize = 50;
 
-/// How far a child's box may stick out of its parent's, relative to where and how large they are: each half axis and centre was
-/// rounded once or twice, and so was what is computed of them here. Derived: eight roundings of half a step.
+/// How far a child's box may stick out of its parent's, relative to where and how large they are: each half
+/// axis and centre was rounded once or twice, and so was what is computed of them here. Derived: eight
+/// roundings of half a step.
 const SLACK: f64 = 4.0 * f64::EPSILON;
 
 /// Why a tileset is not written: the tile and what is wrong with it.
@@ -45,11 +47,13 @@ pub enum TileFault {
     NoBox,
     /// The box sticks out of the parent's.
     BoxOutside,
-    /// The URI is no plain relative path of a file below the tileset: letters, digits, `-`, `.`, `_`, `~` and `/`.
+    /// The URI is no plain relative path of a file below the tileset: letters, digits, `-`, `.`, `_`, `~` and
+    /// `/`.
     BadUri(String),
     /// The tree is deeper than 50 levels.
     TooDeep,
-    /// Something that is only read is there: a transform that is no shift of the root, or tiles that follow a rule.
+    /// Something that is only read is there: a transform that is no shift of the root, or tiles that follow a
+    /// rule.
     OnlyRead(&'static str),
 }
 
@@ -83,11 +87,11 @@ impl std::error::Error for InvalidTileset {}
 
 /// The `tileset.json` of a tileset, version 1.1, the same bytes for the same tileset.
 ///
-/// What is demanded of it: errors are finite, 0 for tiles without children, and below the parent's for all others; the tileset's
-/// is above 0 and not below the root's. Volumes are boxes
-/// along the axes, and a child's is in its parent's but for rounding; the root may be shifted as a whole. Names of files are
-/// plain relative paths. So a viewer that shows a tile where its error takes at most so many pixels always has an answer, and
-/// every way down the tree is finer by each step.
+/// What is demanded of it: errors are finite, 0 for tiles without children, and below the parent's for all
+/// others; the tileset's is above 0 and not below the root's. Volumes are boxes along the axes, and a child's
+/// is in its parent's but for rounding; the root may be shifted as a whole. Names of files are plain relative
+/// paths. So a viewer that shows a tile where its error takes at most so many pixels always has an answer,
+/// and every way down the tree is finer by each step.
 ///
 /// Linear in the number of tiles.
 ///
@@ -116,7 +120,7 @@ pub fn write(tileset: &Tileset) -> Result<Vec<u8>, InvalidTileset> {
     if !(error.is_finite() && error >= 0.0) {
         return Err(whole(TileFault::BadError(error)));
     }
-    let root_tile = Writer { at: "/root".to_owned() }.tile(&tileset.root, None, 0)?;
+    let root_tile = TilesetWriter { at: "/root".to_owned() }.tile(&tileset.root, None, 0)?;
     if !(error > 0.0 && error >= root) {
         return Err(whole(TileFault::BadTilesetError { error, root }));
     }
@@ -132,11 +136,11 @@ pub fn write(tileset: &Tileset) -> Result<Vec<u8>, InvalidTileset> {
 }
 
 /// The place in the tree.
-struct Writer {
+struct TilesetWriter {
     at: String,
 }
 
-impl Writer {
+impl TilesetWriter {
     fn tile(&mut self, tile: &Tile, parent: Option<&Tile>, depth: usize) -> Result<Value, InvalidTileset> {
         let volume =
             check(tile, parent, depth).map_err(|fault| InvalidTileset { tile: self.at.clone(), fault })?;
@@ -193,7 +197,7 @@ fn check(tile: &Tile, parent: Option<&Tile>, depth: usize) -> Result<[f64; 12], 
     if tile.children.is_empty() && error != 0.0 {
         return Err(TileFault::LeafError(error));
     }
-    let turns = tile.transform.as_deref().is_some_and(|matrix| parent.is_some() || !is_shift(matrix));
+    let turns = tile.transform.as_deref().is_some_and(|matrix| parent.is_some() || !is_translation(matrix));
     for (is_there, what) in
         [(turns, "a transform other than a shift of the root"), (tile.implicit.is_some(), "implicit tiling")]
     {
@@ -213,7 +217,7 @@ fn check(tile: &Tile, parent: Option<&Tile>, depth: usize) -> Result<[f64; 12], 
 }
 
 /// Whether a column-major matrix moves everything alike.
-fn is_shift(matrix: &[f64; 16]) -> bool {
+fn is_translation(matrix: &[f64; 16]) -> bool {
     (0..16).all(|i| match i {
         0 | 5 | 10 | 15 => matrix[i] == 1.0,
         12..=14 => matrix[i].is_finite(),

@@ -1,7 +1,7 @@
 //! The number of samples that a header declares, before anything is allocated for them.
-use super::element::Element;
+use super::element::SampleType;
 use crate::text::grouped;
-use crate::{Limits, Place, ReadError};
+use crate::{FileLocation, Limits, ReadError};
 
 /// The most samples along one axis: more are taken for a broken header.
 const MOST_ALONG: u64 = (1 << 31) - 1;
@@ -12,8 +12,8 @@ const MOST_ALONG: u64 = (1 << 31) - 1;
 /// When an axis has no cell or too many, or the samples are more than the limit of bytes.
 pub(crate) fn size_of(
     declared: [i64; 3],
-    element: Element,
-    place: &Place,
+    element: SampleType,
+    place: &FileLocation,
     limits: &Limits,
 ) -> Result<[usize; 3], ReadError> {
     let mut all: u64 = 1;
@@ -26,7 +26,7 @@ pub(crate) fn size_of(
         }
         all = all.checked_mul(n as u64).ok_or_else(|| too_many(declared, place))?;
     }
-    let bytes = all.checked_mul(element.held() as u64).ok_or_else(|| too_many(declared, place))?;
+    let bytes = all.checked_mul(element.bytes_in_memory() as u64).ok_or_else(|| too_many(declared, place))?;
     if bytes > limits.bytes {
         let [x, y, z] = declared;
         let message = format!(
@@ -43,7 +43,7 @@ pub(crate) fn size_of(
 }
 
 /// Whether a header can mean this number of samples along an axis.
-pub(crate) fn along(axis: usize, n: i64, place: &Place) -> Result<u64, ReadError> {
+pub(crate) fn along(axis: usize, n: i64, place: &FileLocation) -> Result<u64, ReadError> {
     let wrong = |why: String| Err(ReadError::new("bad-size", place.clone(), why));
     match n {
         0 => wrong(format!("axis {axis} has 0 samples; a volume has 2 or more along each axis")),
@@ -57,7 +57,7 @@ pub(crate) fn along(axis: usize, n: i64, place: &Place) -> Result<u64, ReadError
     }
 }
 
-fn too_many([x, y, z]: [i64; 3], place: &Place) -> ReadError {
+fn too_many([x, y, z]: [i64; 3], place: &FileLocation) -> ReadError {
     ReadError::new(
         "too-large",
         place.clone(),

@@ -1,8 +1,8 @@
-//! `Element`: the type of one sample in a file, and how its bytes become a number.
+//! `SampleType`: the type of one sample in a file, and how its bytes become a number.
 
 /// The type of a sample in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Element {
+pub(crate) enum SampleType {
     Bool,
     U8,
     I8,
@@ -17,7 +17,7 @@ pub(crate) enum Element {
     F64,
 }
 
-impl Element {
+impl SampleType {
     /// Bytes of one sample.
     pub(crate) fn width(self) -> usize {
         match self {
@@ -29,7 +29,7 @@ impl Element {
     }
 
     /// Bytes of one sample in memory.
-    pub(crate) fn held(self) -> usize {
+    pub(crate) fn bytes_in_memory(self) -> usize {
         match self {
             Self::F16 => 4,
             _ => self.width(),

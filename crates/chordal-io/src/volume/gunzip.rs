@@ -1,20 +1,21 @@
 //! Gzip, decoded piece by piece: nothing is held but what was asked for, however much a file unpacks to.
 use crate::text::grouped;
-use crate::{Place, ReadError};
+use crate::{FileLocation, ReadError};
 use flate2::bufread::MultiGzDecoder;
 use std::io::{ErrorKind, Read};
 
 /// The two bytes that a gzip stream starts with.
 pub(crate) const MAGIC: [u8; 2] = [0x1f, 0x8b];
 
-/// Samples take no more than so many times their packed bytes. The format ends at 1,032 (RFC 1951: 258 bytes by two bits),
-/// which only what is nearly constant comes near to;
+/// Samples take no more than so many times their packed bytes. The format ends at 1,032 (RFC 1951: 258 bytes
+/// by two bits), which only what is nearly constant comes near to;
 const MOST_RATIO: u64 = 1_000;
-/// so smaller volumes, which a mask of one organ may be, are read whatever they hold. Chosen: 1024³ labels of a byte.
+/// so smaller volumes, which a mask of one organ may be, are read whatever they hold. Chosen: 1024³ labels of
+/// a byte.
 const SMALL: u64 = 1 << 30;
 
 /// Refuses samples of so many bytes from fewer packed ones than any that were measured take.
-pub(crate) fn check_ratio(declared: Option<u64>, packed: u64, place: &Place) -> Result<(), ReadError> {
+pub(crate) fn check_ratio(declared: Option<u64>, packed: u64, place: &FileLocation) -> Result<(), ReadError> {
     let declared = declared.unwrap_or(u64::MAX);
     if declared <= SMALL || declared <= MOST_RATIO.saturating_mul(packed) {
         return Ok(());
@@ -29,14 +30,14 @@ pub(crate) fn check_ratio(declared: Option<u64>, packed: u64, place: &Place) -> 
 }
 
 /// A gzip stream in memory.
-pub(crate) struct Gunzip<'a> {
+pub(crate) struct GzipReader<'a> {
     inner: MultiGzDecoder<&'a [u8]>,
     /// The length of the packed bytes, and where they start in the file.
     packed: usize,
     start: u64,
 }
 
-impl<'a> Gunzip<'a> {
+impl<'a> GzipReader<'a> {
     /// The stream in `packed`, which starts at byte `start` of the file.
     pub(crate) fn new(packed: &'a [u8], start: u64) -> Self {
         Self { inner: MultiGzDecoder::new(packed), packed: packed.len(), start }
@@ -57,8 +58,8 @@ impl<'a> Gunzip<'a> {
     }
 
     /// The byte of the file up to which it was read.
-    pub(crate) fn place(&self) -> Place {
-        Place::Byte(self.start + (self.packed - self.inner.get_ref().len()) as u64)
+    pub(crate) fn place(&self) -> FileLocation {
+        FileLocation::Byte(self.start + (self.packed - self.inner.get_ref().len()) as u64)
     }
 
     fn broken(&self, error: &std::io::Error) -> ReadError {
@@ -77,7 +78,7 @@ pub(crate) fn peek(bytes: &[u8], most: usize) -> Vec<u8> {
         return bytes[..bytes.len().min(most)].to_vec();
     }
     let mut first = vec![0; most];
-    let n = Gunzip::new(bytes, 0).fill(&mut first).unwrap_or(0);
+    let n = GzipReader::new(bytes, 0).fill(&mut first).unwrap_or(0);
     first.truncate(n);
     first
 }

@@ -18,8 +18,8 @@ pub struct Volume {
     pub frame: Frame,
     /// What the file calls it, or empty.
     pub name: String,
-    /// What the axes of space are called, where the file says: "RAS" for axes to the patient's right, front and head,
-    /// "LPS" for left, back and head. Coordinates are the file's own: nothing is turned.
+    /// What the axes of space are called, where the file says: "RAS" for axes to the patient's right, front
+    /// and head, "LPS" for left, back and head. Coordinates are the file's own: nothing is turned.
     pub space: Option<String>,
     /// The certificate that travels in the file, if it carries one.
     pub certificate: Option<Value>,
@@ -28,7 +28,7 @@ pub struct Volume {
 impl Volume {
     /// A grid in an unknown space.
     #[must_use]
-    pub fn of(grid: Grid) -> Self {
+    pub fn from_grid(grid: Grid) -> Self {
         Self { grid, frame: Frame::default(), name: String::new(), space: None, certificate: None }
     }
 }

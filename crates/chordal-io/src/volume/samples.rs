@@ -1,16 +1,17 @@
-//! Samples out of a stream: in the type that they came in, of one volume of several, scaled where a header says so.
-use super::element::{Element, Endian, half};
-use super::stream::Stream;
+//! Samples out of a stream: in the type that they came in, of one volume of several, scaled where a header
+//! says so.
+use super::element::{Endian, SampleType, half};
+use super::stream::SampleStream;
 use crate::grow::{out_of_memory, push, with_room};
 use crate::text::grouped;
 use crate::warnings::Warnings;
-use crate::{Limits, Place, ReadError};
+use crate::{FileLocation, Limits, ReadError};
 use chordal::implicit::Samples;
 
 /// How samples stand in a stream: `outer` times `of` runs of `inner` samples, of which run `index` is wanted.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Layout {
-    pub element: Element,
+pub(crate) struct SampleLayout {
+    pub element: SampleType,
     pub endian: Endian,
     pub inner: u64,
     pub of: u64,
@@ -18,9 +19,9 @@ pub(crate) struct Layout {
     pub index: u64,
 }
 
-impl Layout {
+impl SampleLayout {
     /// One volume after the other, of which one is wanted.
-    pub(crate) fn volumes(element: Element, endian: Endian, size: [usize; 3]) -> Self {
+    pub(crate) fn volumes(element: SampleType, endian: Endian, size: [usize; 3]) -> Self {
         let inner = size.iter().map(|n| *n as u64).product();
         Self { element, endian, inner, of: 1, outer: 1, index: 0 }
     }
@@ -41,8 +42,8 @@ const CHUNK: usize = 1 << 15;
 /// # Errors
 /// When it ends before, or goes on after; when 64-bit numbers are too large to be kept exactly.
 pub(crate) fn read(
-    stream: &mut Stream,
-    layout: &Layout,
+    stream: &mut SampleStream,
+    layout: &SampleLayout,
     limits: &Limits,
     warnings: &mut Warnings,
 ) -> Result<Samples, ReadError> {
@@ -56,25 +57,25 @@ pub(crate) fn read(
     }
     let e = layout.endian;
     let samples = match layout.element {
-        Element::Bool => Samples::U8(collect(stream, layout, |b| u8::from(b[0] != 0))?),
-        Element::U8 => Samples::U8(collect(stream, layout, |b| b[0])?),
-        Element::I8 => Samples::I8(collect(stream, layout, |b| b[0] as i8)?),
-        Element::U16 => Samples::U16(collect(stream, layout, |b| u16::from_le_bytes(e.array(b)))?),
-        Element::I16 => Samples::I16(collect(stream, layout, |b| i16::from_le_bytes(e.array(b)))?),
-        Element::U32 => Samples::U32(collect(stream, layout, |b| u32::from_le_bytes(e.array(b)))?),
-        Element::I32 => Samples::I32(collect(stream, layout, |b| i32::from_le_bytes(e.array(b)))?),
-        Element::F16 => Samples::F32(collect(stream, layout, |b| half(u16::from_le_bytes(e.array(b))))?),
-        Element::F32 => Samples::F32(collect(stream, layout, |b| f32::from_le_bytes(e.array(b)))?),
-        Element::F64 => Samples::F64(collect(stream, layout, |b| f64::from_le_bytes(e.array(b)))?),
-        Element::I64 => narrow(&collect(stream, layout, |b| i64::from_le_bytes(e.array(b)))?)?,
-        Element::U64 => narrow(&collect(stream, layout, |b| u64::from_le_bytes(e.array(b)))?)?,
+        SampleType::Bool => Samples::U8(collect(stream, layout, |b| u8::from(b[0] != 0))?),
+        SampleType::U8 => Samples::U8(collect(stream, layout, |b| b[0])?),
+        SampleType::I8 => Samples::I8(collect(stream, layout, |b| b[0] as i8)?),
+        SampleType::U16 => Samples::U16(collect(stream, layout, |b| u16::from_le_bytes(e.array(b)))?),
+        SampleType::I16 => Samples::I16(collect(stream, layout, |b| i16::from_le_bytes(e.array(b)))?),
+        SampleType::U32 => Samples::U32(collect(stream, layout, |b| u32::from_le_bytes(e.array(b)))?),
+        SampleType::I32 => Samples::I32(collect(stream, layout, |b| i32::from_le_bytes(e.array(b)))?),
+        SampleType::F16 => Samples::F32(collect(stream, layout, |b| half(u16::from_le_bytes(e.array(b))))?),
+        SampleType::F32 => Samples::F32(collect(stream, layout, |b| f32::from_le_bytes(e.array(b)))?),
+        SampleType::F64 => Samples::F64(collect(stream, layout, |b| f64::from_le_bytes(e.array(b)))?),
+        SampleType::I64 => narrow(&collect(stream, layout, |b| i64::from_le_bytes(e.array(b)))?)?,
+        SampleType::U64 => narrow(&collect(stream, layout, |b| u64::from_le_bytes(e.array(b)))?)?,
     };
     end(stream, limits, warnings)?;
     Ok(samples)
 }
 
 /// Nothing may follow: more samples than were declared are of another header.
-fn end(stream: &mut Stream, limits: &Limits, warnings: &mut Warnings) -> Result<(), ReadError> {
+fn end(stream: &mut SampleStream, limits: &Limits, warnings: &mut Warnings) -> Result<(), ReadError> {
     let place = stream.place();
     let more = match stream.left() {
         Some(left) => left,
@@ -98,8 +99,8 @@ fn end(stream: &mut Stream, limits: &Limits, warnings: &mut Warnings) -> Result<
 }
 
 fn collect<T: Copy>(
-    stream: &mut Stream,
-    layout: &Layout,
+    stream: &mut SampleStream,
+    layout: &SampleLayout,
     number: impl Fn(&[u8]) -> T,
 ) -> Result<Vec<T>, ReadError> {
     let width = layout.element.width();
@@ -150,12 +151,12 @@ fn append<T>(all: &mut Vec<T>, chunk: impl ExactSizeIterator<Item = T>) -> Resul
 }
 
 /// Whole numbers of 64 bits, of which most files hold none that need them.
-trait Whole: Copy + TryInto<i32> + TryInto<u32> + std::fmt::Display {
+trait WideInteger: Copy + TryInto<i32> + TryInto<u32> + std::fmt::Display {
     /// The number, where f64 has it.
     fn exact(self) -> Option<f64>;
 }
 
-impl Whole for i64 {
+impl WideInteger for i64 {
     fn exact(self) -> Option<f64> {
         let value = self as f64;
         // 2⁶³ would saturate to the largest number, which is another one.
@@ -163,7 +164,7 @@ impl Whole for i64 {
     }
 }
 
-impl Whole for u64 {
+impl WideInteger for u64 {
     fn exact(self) -> Option<f64> {
         let value = self as f64;
         (value < 18_446_744_073_709_551_616.0 && value as u64 == self).then_some(value)
@@ -171,22 +172,22 @@ impl Whole for u64 {
 }
 
 /// The smallest type that holds all: 32 bits with or without sign, else f64.
-fn narrow<T: Whole>(all: &[T]) -> Result<Samples, ReadError> {
-    if let Some(all) = gathered(all, |x| TryInto::<i32>::try_into(x).ok())? {
+fn narrow<T: WideInteger>(all: &[T]) -> Result<Samples, ReadError> {
+    if let Some(all) = convert_all(all, |x| TryInto::<i32>::try_into(x).ok())? {
         return Ok(Samples::I32(all));
     }
-    if let Some(all) = gathered(all, |x| TryInto::<u32>::try_into(x).ok())? {
+    if let Some(all) = convert_all(all, |x| TryInto::<u32>::try_into(x).ok())? {
         return Ok(Samples::U32(all));
     }
-    if let Some(all) = gathered(all, Whole::exact)? {
+    if let Some(all) = convert_all(all, WideInteger::exact)? {
         return Ok(Samples::F64(all));
     }
     let row = all.iter().position(|x| x.exact().is_none()).unwrap_or(0);
     let message = format!("{} is a whole number that f64 does not hold", all[row]);
-    Err(ReadError::new("inexact-integer", Place::Row { list: "sample", row: row as u64 }, message))
+    Err(ReadError::new("inexact-integer", FileLocation::Row { list: "sample", row: row as u64 }, message))
 }
 
-fn gathered<T: Copy, U>(all: &[T], to: impl Fn(T) -> Option<U>) -> Result<Option<Vec<U>>, ReadError> {
+fn convert_all<T: Copy, U>(all: &[T], to: impl Fn(T) -> Option<U>) -> Result<Option<Vec<U>>, ReadError> {
     if !all.iter().all(|x| to(*x).is_some()) {
         return Ok(None);
     }
@@ -214,29 +215,29 @@ pub(crate) fn scaled(samples: &Samples, slope: f64, inter: f64) -> Result<Sample
 }
 
 /// Numbers spelled out, in the type that a header names.
-pub(crate) struct Spelled {
-    element: Element,
+pub(crate) struct TextSamples {
+    element: SampleType,
     values: Vec<f64>,
 }
 
-impl Spelled {
-    pub(crate) fn new(element: Element) -> Self {
+impl TextSamples {
+    pub(crate) fn new(element: SampleType) -> Self {
         Self { element, values: Vec::new() }
     }
 
     /// Appends a number, if its type has it; a type of floating point rounds.
     pub(crate) fn push(&mut self, value: f64) -> Result<bool, ReadError> {
         let range = match self.element {
-            Element::Bool | Element::U8 => Some((0.0, f64::from(u8::MAX))),
-            Element::I8 => Some((f64::from(i8::MIN), f64::from(i8::MAX))),
-            Element::U16 => Some((0.0, f64::from(u16::MAX))),
-            Element::I16 => Some((f64::from(i16::MIN), f64::from(i16::MAX))),
-            Element::U32 => Some((0.0, f64::from(u32::MAX))),
-            Element::I32 => Some((f64::from(i32::MIN), f64::from(i32::MAX))),
+            SampleType::Bool | SampleType::U8 => Some((0.0, f64::from(u8::MAX))),
+            SampleType::I8 => Some((f64::from(i8::MIN), f64::from(i8::MAX))),
+            SampleType::U16 => Some((0.0, f64::from(u16::MAX))),
+            SampleType::I16 => Some((f64::from(i16::MIN), f64::from(i16::MAX))),
+            SampleType::U32 => Some((0.0, f64::from(u32::MAX))),
+            SampleType::I32 => Some((f64::from(i32::MIN), f64::from(i32::MAX))),
             // Whole numbers below 2⁵³ were spelled exactly.
-            Element::U64 => Some((0.0, 9_007_199_254_740_992.0)),
-            Element::I64 => Some((-9_007_199_254_740_992.0, 9_007_199_254_740_992.0)),
-            Element::F16 | Element::F32 | Element::F64 => None,
+            SampleType::U64 => Some((0.0, 9_007_199_254_740_992.0)),
+            SampleType::I64 => Some((-9_007_199_254_740_992.0, 9_007_199_254_740_992.0)),
+            SampleType::F16 | SampleType::F32 | SampleType::F64 => None,
         };
         if range.is_some_and(|(low, high)| !(value >= low && value <= high && value.fract() == 0.0)) {
             return Ok(false);
@@ -254,23 +255,23 @@ impl Spelled {
         }
         let values = &self.values;
         Ok(match self.element {
-            Element::Bool | Element::U8 => Samples::U8(list(values, |x| x as u8)?),
-            Element::I8 => Samples::I8(list(values, |x| x as i8)?),
-            Element::U16 => Samples::U16(list(values, |x| x as u16)?),
-            Element::I16 => Samples::I16(list(values, |x| x as i16)?),
-            Element::U32 => Samples::U32(list(values, |x| x as u32)?),
-            Element::I32 => Samples::I32(list(values, |x| x as i32)?),
-            Element::F16 | Element::F32 => Samples::F32(list(values, |x| x as f32)?),
-            Element::I64 => narrow(&list(values, |x| x as i64)?)?,
-            Element::U64 => narrow(&list(values, |x| x as u64)?)?,
-            Element::F64 => Samples::F64(self.values),
+            SampleType::Bool | SampleType::U8 => Samples::U8(list(values, |x| x as u8)?),
+            SampleType::I8 => Samples::I8(list(values, |x| x as i8)?),
+            SampleType::U16 => Samples::U16(list(values, |x| x as u16)?),
+            SampleType::I16 => Samples::I16(list(values, |x| x as i16)?),
+            SampleType::U32 => Samples::U32(list(values, |x| x as u32)?),
+            SampleType::I32 => Samples::I32(list(values, |x| x as i32)?),
+            SampleType::F16 | SampleType::F32 => Samples::F32(list(values, |x| x as f32)?),
+            SampleType::I64 => narrow(&list(values, |x| x as i64)?)?,
+            SampleType::U64 => narrow(&list(values, |x| x as u64)?)?,
+            SampleType::F64 => Samples::F64(self.values),
         })
     }
 }
 
 /// Counts samples that are no finite numbers.
 pub(crate) fn count_not_finite(samples: &Samples, warnings: &mut Warnings) {
-    let place = |row: usize| Place::Row { list: "sample", row: row as u64 };
+    let place = |row: usize| FileLocation::Row { list: "sample", row: row as u64 };
     let mut count = |code, message: &str, is: &dyn Fn(f64) -> bool| {
         let (mut n, mut first) = (0, None);
         for i in 0..samples.len() {

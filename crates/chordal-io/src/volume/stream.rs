@@ -1,10 +1,10 @@
-//! `Stream`: the bytes of samples, as they stand in a file or packed.
-use super::gunzip::Gunzip;
+//! `SampleStream`: the bytes of samples, as they stand in a file or packed.
+use super::gunzip::GzipReader;
 use crate::text::grouped;
-use crate::{Place, ReadError};
+use crate::{FileLocation, ReadError};
 
 /// Bytes that come one after the other.
-pub(crate) enum Stream<'a> {
+pub(crate) enum SampleStream<'a> {
     /// As they stand in a file, up to its end.
     Plain {
         /// All bytes of the file.
@@ -13,10 +13,10 @@ pub(crate) enum Stream<'a> {
         at: usize,
     },
     /// Packed.
-    Packed(Gunzip<'a>),
+    Packed(GzipReader<'a>),
 }
 
-impl<'a> Stream<'a> {
+impl<'a> SampleStream<'a> {
     /// The file from a byte on, at most its end.
     pub(crate) fn plain(file: &'a [u8], at: usize) -> Self {
         Self::Plain { file, at: at.min(file.len()) }
@@ -64,9 +64,9 @@ impl<'a> Stream<'a> {
     }
 
     /// The byte of the file that is next.
-    pub(crate) fn place(&self) -> Place {
+    pub(crate) fn place(&self) -> FileLocation {
         match self {
-            Self::Plain { at, .. } => Place::Byte(*at as u64),
+            Self::Plain { at, .. } => FileLocation::Byte(*at as u64),
             Self::Packed(gunzip) => gunzip.place(),
         }
     }

@@ -1,7 +1,7 @@
 //! What the tests of the readers and writers share.
 #![allow(dead_code)]
 use chordal::Mesh;
-use chordal_io::{Content, Format, Limits, Loaded, ReadError, Scene, Warning, read};
+use chordal_io::{Content, Format, Limits, ReadError, ReadOutcome, Scene, Warning, read};
 use std::path::{Path, PathBuf};
 
 /// The folder of real files, or `None` with a loud word.
@@ -59,7 +59,7 @@ pub fn load(bytes: &[u8], format: Format) -> (Mesh, Vec<Warning>) {
 #[track_caller]
 pub fn load_scene(bytes: &[u8], format: Format) -> (Scene, Vec<Warning>) {
     match read(bytes, format, &Limits::default()) {
-        Ok(Loaded { content: Content::Scene(scene), warnings }) => (scene, warnings),
+        Ok(ReadOutcome { content: Content::Scene(scene), warnings }) => (scene, warnings),
         Ok(other) => panic!("no scene: {other:?}"),
         Err(error) => panic!("{error}"),
     }

@@ -1,5 +1,5 @@
 //! Files made by hand.
-use chordal_io::{Content, Limits, Loaded, Place, ReadError, Scene, glb};
+use chordal_io::{Content, FileLocation, Limits, ReadError, ReadOutcome, Scene, glb};
 use serde_json::{Value, json};
 
 /// A GLB of a JSON text and a buffer.
@@ -78,7 +78,7 @@ pub fn put(json: &mut Value, at: &str, value: Value) {
     }
 }
 
-pub fn read(json: &Value, bin: &[u8]) -> Result<Loaded, ReadError> {
+pub fn read(json: &Value, bin: &[u8]) -> Result<ReadOutcome, ReadError> {
     glb::read(&glb_of(&json.to_string(), bin), &Limits::default())
 }
 
@@ -88,7 +88,7 @@ pub fn loaded(json: &Value, bin: &[u8]) -> (Scene, Vec<&'static str>) {
     scene_of(loaded)
 }
 
-pub fn scene_of(loaded: Loaded) -> (Scene, Vec<&'static str>) {
+pub fn scene_of(loaded: ReadOutcome) -> (Scene, Vec<&'static str>) {
     let Content::Scene(scene) = loaded.content else { panic!("no scene") };
     (scene, loaded.warnings.iter().map(|warning| warning.code).collect())
 }
@@ -97,7 +97,7 @@ pub fn scene_of(loaded: Loaded) -> (Scene, Vec<&'static str>) {
 #[track_caller]
 pub fn refused(json: &Value, bin: &[u8], code: &str, pointer: &str) -> String {
     let error = read(json, bin).map(|_| ()).expect_err("accepted");
-    assert_eq!((error.code, &error.place), (code, &Place::Pointer(pointer.to_owned())), "{error}");
+    assert_eq!((error.code, &error.place), (code, &FileLocation::Pointer(pointer.to_owned())), "{error}");
     error.to_string()
 }
 

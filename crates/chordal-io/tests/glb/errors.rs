@@ -1,6 +1,6 @@
 //! Verdicts of gltf-validator 2.0.0-dev.3.10 over changes of a document with every kind of object.
 use super::build::{every_object, glb_of, read};
-use chordal_io::{Limits, Place, glb};
+use chordal_io::{FileLocation, Limits, glb};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
@@ -61,7 +61,7 @@ fn changes_are_judged_as_the_validator_judges_them() {
             Ok(_) => assert!(errors.is_empty(), "{changes:?} was accepted, not refused for {:?}", errors[0]),
             Err(error) => {
                 let is_it = |(code, at): &(String, String)| {
-                    *code == error.code && error.place == Place::Pointer(at.clone())
+                    *code == error.code && error.place == FileLocation::Pointer(at.clone())
                 };
                 let found = (error.code, &error.place);
                 assert!(errors.iter().any(is_it), "{changes:?}: {found:?} is none of {errors:?}");

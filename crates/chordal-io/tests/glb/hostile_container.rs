@@ -1,6 +1,6 @@
 //! HOSTILE.md rows 30 to 35: the container, the JSON, and numbers too large for arithmetic.
 use super::build::{glb_of, put, read, refused, scene_of, triangle, triangle_with};
-use chordal_io::{Limits, Place, ReadError, glb};
+use chordal_io::{FileLocation, Limits, ReadError, glb};
 use serde_json::json;
 
 fn error_of(bytes: &[u8]) -> ReadError {
@@ -37,7 +37,7 @@ fn h30_lengths_in_the_header() {
         (patched(&file, 4, 1), "GLB_INVALID_VERSION", 4),
     ] {
         let error = error_of(&bytes);
-        assert_eq!((error.code, error.place), (code, Place::Byte(place)));
+        assert_eq!((error.code, error.place), (code, FileLocation::Byte(place)));
     }
 }
 
@@ -85,12 +85,12 @@ fn h31_chunks() {
 fn h32_json_of_great_depth_and_size_and_with_keys_that_come_twice() {
     let deep = format!("{{\"a\":{}1{}}}", "[".repeat(200_000), "]".repeat(200_000));
     let error = error_of(&glb_of(&deep, &[]));
-    assert_eq!((error.code, error.place), ("INVALID_JSON", Place::Byte(20 + 5 + 127)));
+    assert_eq!((error.code, error.place), ("INVALID_JSON", FileLocation::Byte(20 + 5 + 127)));
     assert!(error.message.contains("deeper than 128"));
     // 300 MB of JSON are refused before they are looked at.
     let large = " ".repeat(300 << 20);
     let error = error_of(&glb_of(&large, &[]));
-    assert_eq!((error.code, error.place), ("too-large", Place::Byte(20)));
+    assert_eq!((error.code, error.place), ("too-large", FileLocation::Byte(20)));
     drop(large);
     let small = Limits { bytes: 4096, ..Limits::default() };
     assert_eq!(
@@ -125,7 +125,7 @@ fn h33_values_of_the_wrong_type() {
         refused(&json, &bin, code, pointer);
     }
     let error = error_of(&glb_of("[1,2]", &[]));
-    assert_eq!((error.code, error.place), ("TYPE_MISMATCH", Place::Pointer("/".to_owned())));
+    assert_eq!((error.code, error.place), ("TYPE_MISMATCH", FileLocation::Pointer("/".to_owned())));
 }
 
 #[test]
@@ -173,7 +173,7 @@ fn h34_accessors_that_read_the_same_bytes_again_and_again() {
     // A hundred times twelve thousand bytes.
     let limits = Limits { bytes: 1_000_000, ..Limits::default() };
     let error = glb::read(&glb_of(&json.to_string(), &bin), &limits).map(|_| ()).expect_err("accepted");
-    assert_eq!((error.code, error.place), ("too-large", Place::Pointer("/accessors/85".to_owned())));
+    assert_eq!((error.code, error.place), ("too-large", FileLocation::Pointer("/accessors/85".to_owned())));
 }
 
 #[test]

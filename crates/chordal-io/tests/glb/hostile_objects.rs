@@ -3,7 +3,7 @@ use super::build::{
     every_object, glb_of, loaded, put, read, refused, refused_unless_lenient, scene_of, triangle,
     triangle_with,
 };
-use chordal_io::{Limits, Place, glb};
+use chordal_io::{FileLocation, Limits, glb};
 use serde_json::{Value, json};
 
 /// The triangle with a sparse accessor over its positions.
@@ -37,7 +37,7 @@ fn h36_sparse_accessors() {
         let (json, bin) = sparse(indices, json!(2));
         refused(&json, &bin, code, "/accessors/0/sparse");
         let error = glb::read(&glb_of(&json.to_string(), &bin), &limits).map(|_| ()).expect_err("accepted");
-        let place = Place::Pointer("/meshes/0/primitives/0/attributes/POSITION".to_owned());
+        let place = FileLocation::Pointer("/meshes/0/primitives/0/attributes/POSITION".to_owned());
         assert_eq!((error.code, error.place), (code, place));
     }
 }
@@ -186,7 +186,7 @@ fn h41_other_files_are_never_opened() {
     for uri in uris {
         let error = external(&uri);
         assert_eq!(error.code, "external-buffer", "{uri}");
-        let place = Place::Pointer("/meshes/0/primitives/0/attributes/POSITION".to_owned());
+        let place = FileLocation::Pointer("/meshes/0/primitives/0/attributes/POSITION".to_owned());
         assert_eq!(error.place, place);
         assert!(error.message.contains("another file") || error.message.contains("no network"), "{error}");
     }

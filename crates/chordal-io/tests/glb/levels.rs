@@ -1,8 +1,8 @@
 //! Levels of detail in one GLB: the first is read, the others are counted, and circles of them are refused.
 use super::build::{glb_of, put, triangle};
 use chordal::Mesh;
-use chordal_io::glb::{self, Level, write_levels};
-use chordal_io::{Axis, Content, Frame, Limits, Place, ReadError, Scene, Warning};
+use chordal_io::glb::{self, GlbLevel, write_levels};
+use chordal_io::{Axis, Content, FileLocation, Frame, Limits, ReadError, Scene, Warning};
 use serde_json::{Value, json};
 
 /// A strip of `n` triangles.
@@ -14,10 +14,10 @@ fn strip(n: u32) -> Mesh {
 
 fn scene(n: u32) -> Scene {
     let frame = Frame { up: Some(Axis::Z), metres_per_unit: Some(0.5) };
-    Scene::of(&format!("strip {n}"), strip(n), true, frame)
+    Scene::from_mesh(&format!("strip {n}"), strip(n), true, frame)
 }
 
-fn written(levels: &[Level<'_>]) -> Vec<u8> {
+fn written(levels: &[GlbLevel<'_>]) -> Vec<u8> {
     let mut bytes = Vec::new();
     write_levels(levels, &mut bytes).expect("written");
     bytes
@@ -39,8 +39,8 @@ fn the_first_level_is_shown_and_the_others_stand_beside_it() {
     let scenes = [scene(40), scene(10), scene(2)];
     let certificates = [json!({ "bound": 0.1 }), json!({ "bound": 0.2 }), Value::Null];
     let coverage = [0.5, 0.125, 0.0];
-    let levels: Vec<Level<'_>> = (0..3)
-        .map(|i| Level {
+    let levels: Vec<GlbLevel<'_>> = (0..3)
+        .map(|i| GlbLevel {
             scene: &scenes[i],
             certificate: Some(&certificates[i]).filter(|c| !c.is_null()),
             coverage: coverage[i],
@@ -88,13 +88,13 @@ fn a_single_level_is_a_plain_file() {
     let certificate = json!({ "bound": 1 });
     let mut plain = Vec::new();
     glb::write(&scene, Some(&certificate), &mut plain).expect("written");
-    assert_eq!(written(&[Level { scene: &scene, certificate: Some(&certificate), coverage: 0.0 }]), plain);
+    assert_eq!(written(&[GlbLevel { scene: &scene, certificate: Some(&certificate), coverage: 0.0 }]), plain);
 }
 
 #[test]
 fn levels_out_of_order_are_refused() {
     let scene = scene(3);
-    let level = |coverage| Level { scene: &scene, certificate: None, coverage };
+    let level = |coverage| GlbLevel { scene: &scene, certificate: None, coverage };
     for (levels, words) in [
         (vec![], "no level"),
         (vec![level(0.5), level(0.5)], "level 1 is not shown on less"),
@@ -124,7 +124,7 @@ fn nodes_with(ids: &[&[usize]]) -> Value {
 #[track_caller]
 fn refused(json: &Value) -> (&'static str, String) {
     let error = read(&glb_of(&json.to_string(), &triangle().1)).expect_err("refused");
-    let Place::Pointer(pointer) = error.place else { panic!("{error}") };
+    let FileLocation::Pointer(pointer) = error.place else { panic!("{error}") };
     (error.code, pointer)
 }
 

@@ -1,7 +1,7 @@
 //! Bad drawings: row 77 of the list of what a file may try, and what XML can be abused for.
 use super::{count, load, svg};
 use crate::common::refuse;
-use chordal_io::{Format, Limits, Place, ReadError, read};
+use chordal_io::{FileLocation, Format, Limits, ReadError, read};
 
 #[track_caller]
 fn fail(text: &str) -> ReadError {
@@ -132,7 +132,7 @@ fn what_is_no_well_formed_xml_is_refused_with_its_place() {
         let error = fail(text);
         assert_eq!(error.code, code, "{text}: {error}");
     }
-    assert_eq!(refuse(b"<svg>\xff</svg>", Format::Svg).place, Place::Byte(5));
+    assert_eq!(refuse(b"<svg>\xff</svg>", Format::Svg).place, FileLocation::Byte(5));
     assert_eq!(refuse(b"\xff\xfe<\0s\0", Format::Svg).code, "not-utf8");
     assert_eq!(refuse(b" \n", Format::Svg).code, "empty");
 }
@@ -157,5 +157,5 @@ fn limits_hold() {
 #[test]
 fn h77_millions_of_segments_in_one_path_load() {
     let (drawing, _) = load(&svg(&format!("<path d='M0 0{}'/>", "l1 1-1 2".repeat(1_000_000))));
-    assert_eq!(drawing.lines[0].pieces().len(), 2_000_000);
+    assert_eq!(drawing.lines[0].segments().len(), 2_000_000);
 }

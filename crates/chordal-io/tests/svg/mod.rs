@@ -5,14 +5,14 @@ mod round_trip;
 mod shapes;
 mod structure;
 
-use chordal::explicit::{Arc, Bezier, Curve, Piece};
-use chordal_io::{Content, Drawing, Format, Limits, Loaded, Warning, read};
+use chordal::explicit::{Arc, Bezier, Curve, CurveSegment};
+use chordal_io::{Content, Drawing, Format, Limits, ReadOutcome, Warning, read};
 
 /// What a file draws, with its warnings.
 #[track_caller]
 fn load(text: &str) -> (Drawing, Vec<Warning>) {
     match read(text.as_bytes(), Format::Svg, &Limits::default()) {
-        Ok(Loaded { content: Content::Drawing(drawing), warnings }) => (drawing, warnings),
+        Ok(ReadOutcome { content: Content::Drawing(drawing), warnings }) => (drawing, warnings),
         Ok(other) => panic!("no drawing: {other:?}"),
         Err(error) => panic!("{error}"),
     }
@@ -40,24 +40,24 @@ fn path(d: &str) -> Vec<Curve<2>> {
 
 /// The pieces of the only subpath of one path.
 #[track_caller]
-fn pieces(d: &str) -> Vec<Piece<2>> {
+fn pieces(d: &str) -> Vec<CurveSegment<2>> {
     let mut all = path(d);
     assert_eq!(all.len(), 1, "{all:?}");
-    all.remove(0).pieces().to_vec()
+    all.remove(0).segments().to_vec()
 }
 
-fn line(a: [f64; 2], b: [f64; 2]) -> Piece<2> {
-    Piece::Line([a, b])
+fn line(a: [f64; 2], b: [f64; 2]) -> CurveSegment<2> {
+    CurveSegment::Line([a, b])
 }
 
-fn cubic(control: [[f64; 2]; 4]) -> Piece<2> {
-    Piece::Cubic(Bezier { control })
+fn cubic(control: [[f64; 2]; 4]) -> CurveSegment<2> {
+    CurveSegment::Cubic(Bezier { control })
 }
 
 #[track_caller]
-fn arc(piece: &Piece<2>) -> &Arc<2> {
+fn arc(piece: &CurveSegment<2>) -> &Arc<2> {
     match piece {
-        Piece::Arc(arc) => arc,
+        CurveSegment::Arc(arc) => arc,
         other => panic!("no arc: {other:?}"),
     }
 }

@@ -1,6 +1,6 @@
 //! Path data: every command against pieces that were worked out by hand.
 use super::{arc, count, cubic, line, load, near, path, pieces, svg};
-use chordal::explicit::Piece;
+use chordal::explicit::CurveSegment;
 
 #[test]
 fn lines_in_all_their_spellings() {
@@ -17,7 +17,7 @@ fn lines_in_all_their_spellings() {
     ] {
         let all = path(d);
         assert_eq!(all.len(), 1, "{d}");
-        assert_eq!((all[0].pieces(), all[0].is_closed()), (&triangle[..], true), "{d}");
+        assert_eq!((all[0].segments(), all[0].is_closed()), (&triangle[..], true), "{d}");
         assert_eq!(all[0].slack(), 0.0, "nothing is rounded in {d}");
     }
 }
@@ -48,7 +48,7 @@ fn cubics_and_smooth_cubics() {
 
 #[test]
 fn quadratics_and_smooth_quadratics() {
-    let quadratic = Piece::quadratic;
+    let quadratic = CurveSegment::quadratic;
     let first = quadratic([[0.0, 0.0], [1.0, 2.0], [2.0, 0.0]]);
     let second = quadratic([[2.0, 0.0], [3.0, -2.0], [4.0, 0.0]]);
     let third = quadratic([[4.0, 0.0], [5.0, 2.0], [6.0, 0.0]]);
@@ -116,12 +116,12 @@ fn subpaths_follow_moves_and_closings() {
     );
     // What follows a closing starts where the subpath did; a move relative to it as well.
     let all = path("M1 1h2v2zl-1-1m4 5h1v1zm1 1h1");
-    assert_eq!(all[1].pieces(), [line([1.0, 1.0], [0.0, 0.0])]);
+    assert_eq!(all[1].segments(), [line([1.0, 1.0], [0.0, 0.0])]);
     assert_eq!((all[2].start(), all[3].start()), ([4.0, 5.0], [5.0, 6.0]));
     // Closing where it already is adds nothing, and closing a point leaves that point.
-    assert_eq!(path("M0 0L1 0L0 0Z")[0].pieces().len(), 2);
+    assert_eq!(path("M0 0L1 0L0 0Z")[0].segments().len(), 2);
     let point = &path("M3 4z")[0];
-    assert_eq!((point.start(), point.pieces().len()), ([3.0, 4.0], 0));
+    assert_eq!((point.start(), point.segments().len()), ([3.0, 4.0], 0));
 }
 
 #[test]
@@ -144,7 +144,7 @@ fn a_path_is_drawn_up_to_the_error_and_the_error_has_a_place() {
     ] {
         let text = svg(&format!("\n<path id='a' d='{d}'/>"));
         let (drawing, warnings) = load(&text);
-        let n: usize = drawing.lines.iter().map(|curve| curve.pieces().len()).sum();
+        let n: usize = drawing.lines.iter().map(|curve| curve.segments().len()).sum();
         assert_eq!(n, drawn, "{d}: {warnings:?}");
         let warning = warnings.iter().find(|w| w.code == "path-error").unwrap_or_else(|| panic!("{d}"));
         assert_eq!(warning.place.to_string(), format!("line 2, column {}", 17 + at), "{d}");
@@ -167,15 +167,15 @@ fn relative_sums_that_are_rounded_are_in_the_slack() {
 fn half_circles_by_rounded_steps_keep_their_centre() {
     let circle = &path("M12.3 4.7l.1.1a1.1 1.1 0 0 1 2.2 0a1.1 1.1 0 0 1-2.2 0")[0];
     let true_centre = [13.5, 4.8];
-    for piece in &circle.pieces()[1..] {
-        let chordal::explicit::Piece::Arc(arc) = piece else { panic!("two arcs") };
+    for piece in &circle.segments()[1..] {
+        let chordal::explicit::CurveSegment::Arc(arc) = piece else { panic!("two arcs") };
         let off = (arc.centre()[0] - true_centre[0]).hypot(arc.centre()[1] - true_centre[1]);
         assert!(off <= circle.slack() + arc.slack() && off < 1e-14, "{off}");
     }
     assert!(circle.slack() < 1e-13, "{}", circle.slack());
     // An absolute end after a relative start: the way between them is rounded, and the centre feels its root.
     let half = &path("M12.3 4.7l.1.1A1.1 1.1 0 0 1 14.6 4.8")[0];
-    let chordal::explicit::Piece::Arc(arc) = &half.pieces()[1] else { panic!("one arc") };
+    let chordal::explicit::CurveSegment::Arc(arc) = &half.segments()[1] else { panic!("one arc") };
     let off = (arc.centre()[0] - 13.5).hypot(arc.centre()[1] - 4.8);
     assert!(off <= half.slack() + arc.slack(), "{off} {}", half.slack());
     assert!(half.slack() > 1e-9 && half.slack() < 1e-6, "{}", half.slack());

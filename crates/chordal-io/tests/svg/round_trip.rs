@@ -1,12 +1,12 @@
 //! What is written reads back to the last bit.
 use super::{inside, load};
 use crate::common::Random;
-use chordal::explicit::{FillRule, Piece, Polyline};
-use chordal_io::{Content, Drawn, Element, Format, Frame, Limits, Polylines, read, shape_json, svg};
+use chordal::explicit::{CurveSegment, FillRule, Polyline};
+use chordal_io::{Content, DrawingElement, Format, Frame, Limits, PathSet, Polylines, read, shape_json, svg};
 use serde_json::{Value, json};
 
 /// Polylines of all kinds with numbers of all sizes.
-fn polylines() -> Drawn<Polyline<2>> {
+fn polylines() -> PathSet<Polyline<2>> {
     let seed = 2026;
     println!("seed {seed}");
     let mut random = Random(seed);
@@ -16,9 +16,14 @@ fn polylines() -> Drawn<Polyline<2>> {
         Polyline { points, places: Vec::new(), closed }
     };
     let lines = vec![line(5, true), line(4, true), line(3, false), line(1, false), line(100, true)];
-    let element =
-        |name: &str, source, rule, filled| Element { kind: "path", name: name.into(), source, rule, filled };
-    Drawn {
+    let element = |name: &str, source, rule, filled| DrawingElement {
+        kind: "path",
+        name: name.into(),
+        source,
+        rule,
+        filled,
+    };
+    PathSet {
         lines,
         owners: vec![0, 0, 1, 2, 3],
         elements: vec![
@@ -29,7 +34,7 @@ fn polylines() -> Drawn<Polyline<2>> {
         ],
         view_box: Some([-1.0, -2.5, 3.0, 4.0]),
         frame: Frame { up: None, metres_per_unit: Some(0.001) },
-        ..Drawn::default()
+        ..PathSet::default()
     }
 }
 
@@ -41,9 +46,9 @@ fn certificate() -> Value {
 fn corners(content: &Content) -> Vec<(Vec<[f64; 2]>, bool)> {
     let Content::Drawing(drawing) = content else { panic!("no drawing") };
     let one = |curve: &chordal::explicit::Curve<2>| {
-        assert!(curve.pieces().iter().all(|piece| matches!(piece, Piece::Line(_))));
+        assert!(curve.segments().iter().all(|piece| matches!(piece, CurveSegment::Line(_))));
         let mut points = vec![curve.start()];
-        points.extend(curve.pieces().iter().map(Piece::end));
+        points.extend(curve.segments().iter().map(CurveSegment::end));
         if curve.is_closed() {
             points.pop();
         }
@@ -81,8 +86,12 @@ fn polylines_read_back_from_svg_and_json_to_the_last_bit() {
 fn the_json_has_exactly_the_promised_form() {
     let mut bytes = Vec::new();
     let line = Polyline { points: vec![[0.1, -2.0], [1e-7, 3.0]], places: vec![0.0, 1.0], closed: false };
-    let drawn =
-        Drawn { lines: vec![line], owners: vec![0], elements: vec![Element::default()], ..Drawn::default() };
+    let drawn = PathSet {
+        lines: vec![line],
+        owners: vec![0],
+        elements: vec![DrawingElement::default()],
+        ..PathSet::default()
+    };
     shape_json::write(&Polylines::Plane(drawn), Some(&certificate()), &mut bytes).unwrap();
     let value: Value = serde_json::from_slice(&bytes).unwrap();
     let report = json!({ "schema": "chordal.report/1", "certificate": certificate() });
@@ -91,15 +100,19 @@ fn the_json_has_exactly_the_promised_form() {
     assert_eq!(value["polylines"].to_string(), json!([line]).to_string());
     assert_eq!(value.as_object().unwrap().len(), 2);
     let mut empty = Vec::new();
-    shape_json::write(&Polylines::Space(Drawn::default()), None, &mut empty).unwrap();
+    shape_json::write(&Polylines::Space(PathSet::default()), None, &mut empty).unwrap();
     assert_eq!(String::from_utf8(empty).unwrap(), "{\"polylines\": []}\n");
 }
 
 #[test]
 fn polylines_in_space_go_to_json_and_not_to_svg() {
     let line = Polyline { points: vec![[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]], places: Vec::new(), closed: false };
-    let drawn =
-        Drawn { lines: vec![line], owners: vec![0], elements: vec![Element::default()], ..Drawn::default() };
+    let drawn = PathSet {
+        lines: vec![line],
+        owners: vec![0],
+        elements: vec![DrawingElement::default()],
+        ..PathSet::default()
+    };
     let all = Polylines::Space(drawn);
     assert!(svg::write(&all, None, &mut Vec::new()).unwrap_err().to_string().contains("plane"));
     let mut bytes = Vec::new();

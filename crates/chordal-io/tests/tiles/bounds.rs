@@ -8,7 +8,7 @@ use proptest::prelude::*;
 fn scene(points: &[[f64; 3]], frame: Frame) -> Scene {
     let n = points.len() as u32;
     let faces = (0..n - 2).map(|i| [i, i + 1, i + 2]).collect();
-    Scene::of("cloud", Mesh::new(points.to_vec(), faces).expect("valid"), true, frame)
+    Scene::from_mesh("cloud", Mesh::new(points.to_vec(), faces).expect("valid"), true, frame)
 }
 
 /// What a viewer shows of the file: its positions, turned to z-up.
@@ -46,7 +46,7 @@ proptest! {
             scene.nodes[0].matrix = [c, s, 0.0, 0.0, -s, c, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, -7.0, 0.1, 1.0];
         }
         let bounds = content_bounds(&scene).unwrap();
-        let seen = Box3::around(&shown(&scene));
+        let seen = Box3::from_points(&shown(&scene));
         // The reader rounds too: by a few units in the last place of the largest number on the way.
         let reach = bounds.min.iter().chain(&bounds.max).fold(10.0 * away * frame.metres_per_unit.unwrap_or(1.0), |m, x| x.abs().max(m));
         for k in 0..3 {

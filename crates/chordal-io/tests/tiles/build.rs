@@ -1,6 +1,6 @@
 //! Tilesets made by hand, and folders in memory.
 use chordal_io::tiles::{self, Tile, Tileset};
-use chordal_io::{Limits, Place, ReadError, Warning};
+use chordal_io::{FileLocation, Limits, ReadError, Warning};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -62,7 +62,7 @@ pub fn refused<T: std::fmt::Debug>(outcome: Result<T, ReadError>) -> (&'static s
         assert!(!text.contains(word), "{text}");
     }
     let place = match error.place {
-        Place::Pointer(pointer) => pointer,
+        FileLocation::Pointer(pointer) => pointer,
         other => other.to_string(),
     };
     (error.code, place)

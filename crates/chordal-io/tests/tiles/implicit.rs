@@ -1,7 +1,7 @@
 //! Implicit tilings: which tiles their bits say are there, and bits that are too few, too many or wrong.
 use super::build::{Folder, read_in, refused, tile_json, tileset_json};
 use chordal_io::ReadError;
-use chordal_io::tiles::{Implicit, Subdivision};
+use chordal_io::tiles::{ImplicitTiling, Subdivision};
 use serde_json::{Value, json};
 
 /// A subtree file.
@@ -54,7 +54,7 @@ fn tileset(subdivision: &str, levels: u32) -> Value {
     tileset_json(root)
 }
 
-fn implicit(tileset: &Value, files: &[(&str, Vec<u8>)]) -> Result<Implicit, ReadError> {
+fn implicit(tileset: &Value, files: &[(&str, Vec<u8>)]) -> Result<ImplicitTiling, ReadError> {
     let folder: Folder = files.iter().map(|(path, bytes)| ((*path).to_owned(), bytes.clone())).collect();
     let (tileset, _) = read_in(&folder, tileset.to_string().as_bytes())?;
     Ok(tileset.root.implicit.expect("implicit"))
@@ -63,7 +63,7 @@ fn implicit(tileset: &Value, files: &[(&str, Vec<u8>)]) -> Result<Implicit, Read
 const FIRST: &str = "s/0.0.0.0.subtree";
 
 /// The first subtree with something changed, and the one below it.
-fn with(change: impl FnOnce(&mut Value, &mut Vec<u8>)) -> Result<Implicit, ReadError> {
+fn with(change: impl FnOnce(&mut Value, &mut Vec<u8>)) -> Result<ImplicitTiling, ReadError> {
     let (mut json, mut binary) = two_levels();
     change(&mut json, &mut binary);
     // Bit 7 of the third level: x = 0b11 & 0b01 | …, which is (3, 1).

@@ -2,7 +2,7 @@
 use super::build::{Nii, npy, npy_of, nrrd, pack};
 use super::{load, load_with, values};
 use crate::common::{count, refuse};
-use chordal_io::{Format, Limits, Place, read};
+use chordal_io::{FileLocation, Format, Limits, read};
 
 fn nii(dim: [i64; 8]) -> Nii {
     Nii { dim, ..Nii::default() }
@@ -23,7 +23,7 @@ fn h61_sizes_that_are_no_sizes_are_refused_at_their_place() {
     ] {
         for bytes in [nii(dim).bytes(), nii(dim).packed()] {
             let error = refuse(&bytes, Format::Nii);
-            assert_eq!((error.code, &error.place), (code, &Place::Byte(40)), "{error}");
+            assert_eq!((error.code, &error.place), (code, &FileLocation::Byte(40)), "{error}");
             assert!(error.message.contains(words), "{error}");
         }
     }
@@ -32,7 +32,7 @@ fn h61_sizes_that_are_no_sizes_are_refused_at_their_place() {
         [(1 << 31, "bad-size"), (i64::MAX, "bad-size"), (i64::MIN, "bad-size"), ((1 << 31) - 1, "too-large")]
     {
         let error = refuse(&wide([3, n, n, n, 1, 1, 1, 1]), Format::Nii);
-        assert_eq!((error.code, error.place), (code, Place::Byte(16)));
+        assert_eq!((error.code, error.place), (code, FileLocation::Byte(16)));
     }
     let limits = Limits { index: Some(3), ..Limits::default() };
     let several = Nii { dim: [4, 2, 2, 2, 3, 1, 1, 1], data: vec![0; 24], ..Nii::default() };
@@ -57,7 +57,7 @@ fn h61_sizes_of_arrays_and_nrrd_are_checked_too() {
     ] {
         let error = refuse(&npy("'|u1'", "False", shape, &[0; 8]), Format::Npy);
         assert_eq!(error.code, code, "{shape}: {error}");
-        assert!(matches!(error.place, Place::Byte(_)), "{error}");
+        assert!(matches!(error.place, FileLocation::Byte(_)), "{error}");
     }
     assert!(refuse(&npy("'|u1'", "False", "(2, 2)", &[0; 4]), Format::Npy).message.contains("np.stack"));
     for (sizes, code) in [
@@ -71,11 +71,11 @@ fn h61_sizes_of_arrays_and_nrrd_are_checked_too() {
     ] {
         let file = format!("NRRD0004\ntype: uchar\ndimension: 3\nsizes: {sizes}\nencoding: raw\n\n12345678");
         let error = refuse(file.as_bytes(), Format::Nrrd);
-        assert_eq!((error.code, error.place), (code, Place::Line(4)), "{sizes}");
+        assert_eq!((error.code, error.place), (code, FileLocation::Line(4)), "{sizes}");
     }
     let file = b"NRRD0004\ntype: uchar\ndimension: 4\nsizes: 2 2 2 2\nencoding: raw\n\n0123456701234567";
     let error = refuse(file, Format::Nrrd);
-    assert_eq!((error.code, error.place), ("several-volumes", Place::Line(4)));
+    assert_eq!((error.code, error.place), ("several-volumes", FileLocation::Line(4)));
     let error = refuse(&file.map(|b| if b == b'4' { b'5' } else { b }), Format::Nrrd);
     assert_eq!(error.code, "bad-header");
 }
@@ -84,10 +84,10 @@ fn h61_sizes_of_arrays_and_nrrd_are_checked_too() {
 fn h62_samples_that_end_too_early_or_too_late_are_refused_at_the_byte() {
     let whole = Nii::default().bytes();
     let error = refuse(&whole[..whole.len() - 1], Format::Nii);
-    assert_eq!((error.code, error.place), ("truncated", Place::Byte(363)));
+    assert_eq!((error.code, error.place), ("truncated", FileLocation::Byte(363)));
     assert!(error.message.contains("11 bytes are there, the header says 12"), "{}", error.message);
     let error = refuse(&[&whole[..], b"xyz"].concat(), Format::Nii);
-    assert_eq!((error.code, error.place), ("trailing-bytes", Place::Byte(364)));
+    assert_eq!((error.code, error.place), ("trailing-bytes", FileLocation::Byte(364)));
     let lenient = Limits { lenient: true, ..Limits::default() };
     for bytes in [[&whole[..], b"xyz"].concat(), pack(&[&whole[..], b"xyz"].concat())] {
         let (volume, warnings) = load_with(&bytes, Format::Nii, &lenient);
@@ -107,7 +107,7 @@ fn h62_samples_that_end_too_early_or_too_late_are_refused_at_the_byte() {
     for number in ["256", "-1", "1.5", "x", "nan"] {
         let error = refuse(&nrrd(text, format!("0 1 {number}").as_bytes()), Format::Nrrd);
         let start = nrrd(text, b"").len() as u64;
-        assert_eq!((error.code, error.place), ("bad-number", Place::Byte(start + 4)), "{number}");
+        assert_eq!((error.code, error.place), ("bad-number", FileLocation::Byte(start + 4)), "{number}");
     }
 }
 
@@ -129,7 +129,7 @@ fn h62_packed_bytes_that_are_cut_damaged_or_too_many_are_refused() {
     for end in 2..packed.len() {
         let error = refuse(&packed[..end], Format::Nii);
         assert_eq!(error.code, "truncated", "{end}: {error}");
-        assert!(matches!(error.place, Place::Byte(at) if at <= end as u64), "{error}");
+        assert!(matches!(error.place, FileLocation::Byte(at) if at <= end as u64), "{error}");
     }
     let mut damaged = packed.clone();
     let crc = damaged.len() - 8;
@@ -153,20 +153,20 @@ fn h62_a_bomb_unpacks_no_further_than_its_header_and_the_limit() {
     assert!(bomb.len() < 400_000);
     let error = refuse(&bomb, Format::Nii);
     assert_eq!(error.code, "trailing-bytes");
-    assert!(matches!(error.place, Place::Byte(at) if at < 100_000), "{error}");
+    assert!(matches!(error.place, FileLocation::Byte(at) if at < 100_000), "{error}");
     // One that declares all of it is refused by the limit before anything is unpacked.
     let dim = [3, 512, 512, 256, 1, 1, 1, 1];
     let bomb = pack(&[&nii(dim).bytes()[..352], &vec![0; 64 << 20]].concat());
     let limits = Limits { bytes: 32 << 20, ..Limits::default() };
     let error = read(&bomb, Format::Nii, &limits).unwrap_err();
-    assert_eq!((error.code, error.place), ("too-large", Place::Byte(40)));
+    assert_eq!((error.code, error.place), ("too-large", FileLocation::Byte(40)));
     // One that declares more than there is allocates what arrives: `sweep.rs` counts the bytes.
     let error = refuse(&pack(&nii([3, 1000, 1000, 1000, 1, 1, 1, 1]).bytes()), Format::Nii);
     assert_eq!(error.code, "truncated");
     assert!(error.message.contains("12 bytes are there, the header says 1,000,000,000"), "{error}");
     // Beyond what any measured volume is packed to it is not even tried.
     let error = refuse(&pack(&nii([3, 2000, 1000, 1000, 1, 1, 1, 1]).bytes()), Format::Nii);
-    assert_eq!((error.code, error.place), ("too-dense", Place::Byte(40)));
+    assert_eq!((error.code, error.place), ("too-dense", FileLocation::Byte(40)));
     let gz = "type: uint8\nencoding: gzip\n";
     let large = String::from_utf8(nrrd(gz, b"")).expect("text").replace("2 3 2", "1430 1430 1430");
     let error = refuse(&[large.as_bytes(), &pack(&[0; 1 << 20])].concat(), Format::Nrrd);
@@ -182,7 +182,7 @@ fn h63_samples_that_are_no_numbers_are_kept_and_counted() {
         load(&Nii { datatype: 16, bitpix: 32, data, ..Nii::default() }.bytes(), Format::Nii);
     assert!(values(&volume)[3].is_nan() && values(&volume)[7] == f64::INFINITY);
     let nan = warnings.iter().find(|w| w.code == "nan-samples").expect("counted");
-    assert_eq!((nan.count, &nan.place), (2, &Place::Row { list: "sample", row: 3 }));
+    assert_eq!((nan.count, &nan.place), (2, &FileLocation::Row { list: "sample", row: 3 }));
     assert!(nan.message.contains("outside"), "the policy is said: {nan}");
     assert_eq!(count(&warnings, "infinite-samples"), 2);
 }
@@ -199,17 +199,17 @@ fn h65_a_place_that_is_flat_or_no_number_is_refused() {
         [x, y, [0.0, 0.0, 1.0, f64::INFINITY]],
     ] {
         let error = refuse(&row(rows), Format::Nii);
-        assert_eq!((error.code, error.place), ("singular", Place::Byte(280)));
+        assert_eq!((error.code, error.place), ("singular", FileLocation::Byte(280)));
     }
     // Mirrored and sheared are places like others.
     assert_eq!(load(&row([y, x, z]), Format::Nii).0.grid.affine().orientation(), -1);
     let quaternion = Nii { sform: 0, qform: 1, quaternion: [f64::NAN; 6], ..Nii::default() };
-    assert_eq!(refuse(&quaternion.bytes(), Format::Nii).place, Place::Byte(256));
+    assert_eq!(refuse(&quaternion.bytes(), Format::Nii).place, FileLocation::Byte(256));
     for step in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let pixdim = [1.0, 1.0, step, 1.0, 0.0, 0.0, 0.0, 0.0];
         for qform in [0, 1] {
             let error = refuse(&Nii { sform: 0, qform, pixdim, ..Nii::default() }.bytes(), Format::Nii);
-            assert_eq!((error.code, error.place), ("singular", Place::Byte(76)));
+            assert_eq!((error.code, error.place), ("singular", FileLocation::Byte(76)));
         }
     }
     let place = |fields: &str| {
@@ -221,7 +221,7 @@ fn h65_a_place_that_is_flat_or_no_number_is_refused() {
     ];
     for fields in singular {
         let error = place(fields);
-        assert_eq!((error.code, error.place), ("singular", Place::Line(8)));
+        assert_eq!((error.code, error.place), ("singular", FileLocation::Line(8)));
     }
     for fields in ["spacings: 1 0 1\n", "spacings: 1 nan 1\n", "spacings: 1 1\n"] {
         assert_eq!(place(fields).code, "singular", "{fields}");
@@ -271,7 +271,7 @@ fn headers_that_are_none_are_refused() {
     assert_eq!(refuse(b"not a volume", Format::Nii).code, "bad-magic");
     for datatype in [0, 1, 32, 128, 1536, 1792, 2304, 7] {
         let error = refuse(&Nii { datatype, ..Nii::default() }.bytes(), Format::Nii);
-        assert_eq!((error.code, error.place), ("unsupported-type", Place::Byte(70)));
+        assert_eq!((error.code, error.place), ("unsupported-type", FileLocation::Byte(70)));
     }
     for offset in [1.0, 351.0, 352.5, -352.0, f64::NAN, f64::INFINITY] {
         assert_eq!(
@@ -301,6 +301,6 @@ fn headers_that_are_none_are_refused() {
     }
     let error =
         refuse(&nrrd("type: uint8\nencoding: raw\ndata file: ../../etc/passwd\n", &[0; 12]), Format::Nrrd);
-    assert_eq!((error.code, error.place), ("detached", Place::Line(7)));
+    assert_eq!((error.code, error.place), ("detached", FileLocation::Line(7)));
     assert!(error.message.contains("'../../etc/passwd'"), "{}", error.message);
 }

@@ -1,7 +1,7 @@
 //! NumPy's arrays: every type and order of bytes and indices, and where `a[i, j, k]` stands.
 use super::build::{npy, npy_of};
 use super::{load, values};
-use chordal::implicit::{Affine, Grid, Samples};
+use chordal::implicit::{Affine3, Grid, Samples};
 use chordal_io::{Content, Format, Limits, Volume, npy, read};
 
 /// What `a[i, j, k]` is, by the point where it stands.
@@ -129,10 +129,10 @@ fn what_is_written_reads_back() {
     ];
     for samples in all {
         for affine in [
-            Affine::IDENTITY,
-            Affine::new([[0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]).unwrap(),
+            Affine3::IDENTITY,
+            Affine3::new([[0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]).unwrap(),
         ] {
-            let volume = Volume::of(Grid::new([2, 3, 4], samples.clone(), affine).unwrap());
+            let volume = Volume::from_grid(Grid::new([2, 3, 4], samples.clone(), affine).unwrap());
             let mut bytes = Vec::new();
             npy::write(&volume, &mut bytes).unwrap();
             assert_eq!(bytes.len() % 64, 24 * samples.width() % 64, "samples start at a multiple of 64");

@@ -2,7 +2,7 @@
 use super::build::{nrrd, pack};
 use super::{load, load_with, values};
 use crate::common::{Random, count};
-use chordal::implicit::{Affine, Grid, Samples};
+use chordal::implicit::{Affine3, Grid, Samples};
 use chordal_io::{Axis, Format, Frame, Limits, Volume, nrrd};
 
 const PLACED: &str = "space: left-posterior-superior\nspace directions: (-2,0,0) (0.5,3,0) (0,0.25,1.5)\n\
@@ -111,7 +111,7 @@ fn what_is_written_reads_back_to_the_last_bit() {
     for round in 0..50 {
         let mut number = || (random.unit() - 0.5) * 10.0_f64.powi(round % 9 - 4);
         let rows: [[f64; 4]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| number()));
-        let Ok(affine) = Affine::new(rows) else { continue };
+        let Ok(affine) = Affine3::new(rows) else { continue };
         let samples = match round % 4 {
             0 => Samples::F64((0..24).map(|_| number()).collect()),
             1 => Samples::F32((0..24).map(|_| number() as f32).collect()),
@@ -124,7 +124,7 @@ fn what_is_written_reads_back_to_the_last_bit() {
             name: "a b".to_owned(),
             space: (round % 3 > 0).then(|| ["RAS", "LPS"][round as usize % 3 - 1].to_owned()),
             certificate: Some(serde_json::json!({"a \\ b\n\"c\"": [1.5, "\\n"]})),
-            ..Volume::of(Grid::new([2, 3, 4], samples, affine).unwrap())
+            ..Volume::from_grid(Grid::new([2, 3, 4], samples, affine).unwrap())
         };
         let mut bytes = Vec::new();
         nrrd::write(&volume, volume.certificate.as_ref(), &mut bytes).unwrap();

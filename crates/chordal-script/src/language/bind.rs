@@ -1,5 +1,5 @@
 //! `Function`: one function of the language, and how its arguments find their places.
-use super::{Arg, Fault, Formula, Solid};
+use super::{Arg, CallError, Formula, Solid};
 use chordal::implicit::shapes::InvalidShape;
 use chordal::implicit::{Expr, Field};
 
@@ -9,17 +9,17 @@ pub struct Function {
     /// Its name.
     pub name: &'static str,
     /// What it takes, in order.
-    pub parameters: &'static [Parameter],
+    pub parameters: &'static [FunctionParameter],
     /// What it makes, in one line.
     pub about: &'static str,
     /// What the value of the result is worth as a distance; nothing where it is no shape.
     pub distance: &'static str,
-    pub(super) make: fn(&Given) -> Result<Arg, Fault>,
+    pub(super) make: fn(&BoundArgs) -> Result<Arg, CallError>,
 }
 
 /// What a function takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameter {
+pub struct FunctionParameter {
     /// Its name.
     pub name: &'static str,
     /// What it is when it is left out.
@@ -29,23 +29,23 @@ pub struct Parameter {
 }
 
 /// An argument that has to be there.
-pub(super) const fn needed(name: &'static str) -> Parameter {
-    Parameter { name, default: None, rest: false }
+pub(super) const fn required(name: &'static str) -> FunctionParameter {
+    FunctionParameter { name, default: None, rest: false }
 }
 
 /// An argument that can be left out.
-pub(super) const fn or(name: &'static str, default: f64) -> Parameter {
-    Parameter { name, default: Some(default), rest: false }
+pub(super) const fn optional(name: &'static str, default: f64) -> FunctionParameter {
+    FunctionParameter { name, default: Some(default), rest: false }
 }
 
 /// Any number of arguments.
-pub(super) const fn rest(name: &'static str) -> Parameter {
-    Parameter { name, default: None, rest: true }
+pub(super) const fn variadic(name: &'static str) -> FunctionParameter {
+    FunctionParameter { name, default: None, rest: true }
 }
 
 /// The arguments of a call in their places.
 #[derive(Debug)]
-pub struct Given {
+pub struct BoundArgs {
     function: &'static Function,
     args: Vec<Arg>,
     rest: Vec<Arg>,
@@ -56,12 +56,16 @@ impl Function {
     ///
     /// # Errors
     /// When an argument is missing, unknown, given twice or of the wrong kind, or the shape does not exist.
-    pub fn call(&'static self, by_position: Vec<Arg>, by_name: Vec<(String, Arg)>) -> Result<Arg, Fault> {
+    pub fn call(&'static self, by_position: Vec<Arg>, by_name: Vec<(String, Arg)>) -> Result<Arg, CallError> {
         let given = self.bind(by_position, by_name)?;
         (self.make)(&given)
     }
 
-    fn bind(&'static self, by_position: Vec<Arg>, by_name: Vec<(String, Arg)>) -> Result<Given, Fault> {
+    fn bind(
+        &'static self,
+        by_position: Vec<Arg>,
+        by_name: Vec<(String, Arg)>,
+    ) -> Result<BoundArgs, CallError> {
         let places = self.parameters.iter().filter(|p| !p.rest).count();
         let takes_rest = places < self.parameters.len();
         let n_given = by_position.len();
@@ -84,11 +88,11 @@ impl Function {
         let found = args.into_iter().zip(self.parameters).map(|(arg, p)| {
             arg.or(p.default.map(Arg::Number)).ok_or_else(|| self.fault(format!("needs '{}'", p.name)))
         });
-        Ok(Given { function: self, args: found.collect::<Result<_, _>>()?, rest })
+        Ok(BoundArgs { function: self, args: found.collect::<Result<_, _>>()?, rest })
     }
 
-    fn fault(&self, what: String) -> Fault {
-        Fault(format!("{}() {what}", self.name))
+    fn fault(&self, what: String) -> CallError {
+        CallError(format!("{}() {what}", self.name))
     }
 
     /// How it is called, as in `gyroid(period, level=0)`.
@@ -103,19 +107,19 @@ impl Function {
     }
 }
 
-impl Given {
+impl BoundArgs {
     /// The name of the function.
     pub(super) fn name(&self) -> &'static str {
         self.function.name
     }
 
-    fn wrong(&self, k: usize, expected: &str, found: &str) -> Fault {
+    fn wrong(&self, k: usize, expected: &str, found: &str) -> CallError {
         let name = self.function.parameters[k].name;
         self.function.fault(format!("needs {expected} for '{name}', not {found}"))
     }
 
     /// The number in place `k`.
-    pub(super) fn number(&self, k: usize) -> Result<f64, Fault> {
+    pub(super) fn number(&self, k: usize) -> Result<f64, CallError> {
         match &self.args[k] {
             Arg::Number(value) => Ok(*value),
             other => Err(self.wrong(k, "a number", other.kind())),
@@ -123,7 +127,7 @@ impl Given {
     }
 
     /// The numbers in these places.
-    pub(super) fn numbers<const N: usize>(&self, first: usize) -> Result<[f64; N], Fault> {
+    pub(super) fn numbers<const N: usize>(&self, first: usize) -> Result<[f64; N], CallError> {
         let mut numbers = [0.0; N];
         for (k, number) in numbers.iter_mut().enumerate() {
             *number = self.number(first + k)?;
@@ -132,7 +136,7 @@ impl Given {
     }
 
     /// The whole number in place `k`, not below 0.
-    pub(super) fn count(&self, k: usize) -> Result<u32, Fault> {
+    pub(super) fn count(&self, k: usize) -> Result<u32, CallError> {
         let value = self.number(k)?;
         if value >= 0.0 && value <= f64::from(u32::MAX) && value.floor() == value {
             // In range and whole: exact.
@@ -143,7 +147,7 @@ impl Given {
     }
 
     /// The shape in place `k`.
-    pub(super) fn shape(&self, k: usize) -> Result<&Solid, Fault> {
+    pub(super) fn shape(&self, k: usize) -> Result<&Solid, CallError> {
         match &self.args[k] {
             Arg::Shape(solid) => Ok(solid),
             other => Err(self.wrong(k, "a shape", other.kind())),
@@ -151,7 +155,7 @@ impl Given {
     }
 
     /// All shapes: the first ones and the rest. A list of shapes stands for the shapes.
-    pub(super) fn shapes(&self) -> Result<Vec<&Solid>, Fault> {
+    pub(super) fn shapes(&self) -> Result<Vec<&Solid>, CallError> {
         let mut all = Vec::new();
         for arg in self.args.iter().chain(&self.rest) {
             let parts = if let Arg::List(parts) = arg { parts.as_slice() } else { std::slice::from_ref(arg) };
@@ -166,7 +170,7 @@ impl Given {
     }
 
     /// The expression in place `k`; a number is one too.
-    pub(super) fn formula(&self, k: usize) -> Result<Formula, Fault> {
+    pub(super) fn formula(&self, k: usize) -> Result<Formula, CallError> {
         match &self.args[k] {
             Arg::Formula(formula) => Ok(formula.clone()),
             Arg::Number(value) => Ok(Formula { expr: Expr::constant(*value), weight: 1 }),
@@ -180,19 +184,19 @@ impl Given {
     }
 
     /// The point in place `k`.
-    pub(super) fn point<const D: usize>(&self, k: usize) -> Result<[f64; D], Fault> {
+    pub(super) fn point<const D: usize>(&self, k: usize) -> Result<[f64; D], CallError> {
         self.point_of(k, &self.args[k])
     }
 
     /// The points in place `k`.
-    pub(super) fn points<const D: usize>(&self, k: usize) -> Result<Vec<[f64; D]>, Fault> {
+    pub(super) fn points<const D: usize>(&self, k: usize) -> Result<Vec<[f64; D]>, CallError> {
         match &self.args[k] {
             Arg::List(points) => points.iter().map(|point| self.point_of(k, point)).collect(),
             other => Err(self.wrong(k, "a list of points", other.kind())),
         }
     }
 
-    fn point_of<const D: usize>(&self, k: usize, arg: &Arg) -> Result<[f64; D], Fault> {
+    fn point_of<const D: usize>(&self, k: usize, arg: &Arg) -> Result<[f64; D], CallError> {
         let wrong = |found: &str| self.wrong(k, &format!("{D} numbers"), found);
         let Arg::List(list) = arg else { return Err(wrong(arg.kind())) };
         let numbers: Vec<f64> =
@@ -204,18 +208,22 @@ impl Given {
     }
 
     /// A shape made of those in the first places, or why there is none.
-    pub(super) fn made(&self, field: Result<Field, InvalidShape>, from: &[&Solid]) -> Result<Arg, Fault> {
-        self.made_with(field, from, 1)
+    pub(super) fn shape_result(
+        &self,
+        field: Result<Field, InvalidShape>,
+        from: &[&Solid],
+    ) -> Result<Arg, CallError> {
+        self.weighted_shape_result(field, from, 1)
     }
 
     /// The same, where each of the others counts so many times.
-    pub(super) fn made_with(
+    pub(super) fn weighted_shape_result(
         &self,
         field: Result<Field, InvalidShape>,
         from: &[&Solid],
         times: u64,
-    ) -> Result<Arg, Fault> {
-        let field = field.map_err(|why| Fault(format!("{}(): {why}", self.function.name)))?;
+    ) -> Result<Arg, CallError> {
+        let field = field.map_err(|why| CallError(format!("{}(): {why}", self.function.name)))?;
         // Lists that became a leaf, and many parts of one union.
         let list = |arg: &Arg| if let Arg::List(list) = arg { list.len() as u64 } else { 0 };
         let own = OWN + self.args.iter().map(list).sum::<u64>() + 2 * from.len() as u64;

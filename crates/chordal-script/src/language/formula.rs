@@ -1,7 +1,7 @@
 //! Formulas: expressions in x, y and z, and what operators and functions of numbers make of them.
-use super::bind::{Function, Given, needed};
-use super::place::RADIANS;
-use super::{Arg, Fault, Formula, Solid};
+use super::bind::{BoundArgs, Function, required};
+use super::transforms::RADIANS;
+use super::{Arg, CallError, Formula, Solid};
 use chordal::implicit::shapes::InvalidShape;
 use chordal::implicit::{Binary, Expr, Field, Unary};
 
@@ -9,7 +9,7 @@ use chordal::implicit::{Binary, Expr, Field, Unary};
 pub(super) const FORMULAS: &[Function] = &[
     Function {
         name: "field",
-        parameters: &[needed("formula")],
+        parameters: &[required("formula")],
         about: "The points where a formula is negative.",
         distance: "a sign",
         make: |given| {
@@ -18,61 +18,67 @@ pub(super) const FORMULAS: &[Function] = &[
             Ok(Arg::Shape(Solid { field: Field::new(formula.expr), weight, own: 1 }))
         },
     },
-    of_one("sqrt", "The square root.", |given| unary(given, Unary::Sqrt)),
-    of_one("exp", "The exponential function.", |given| unary(given, Unary::Exp)),
-    of_one("log", "The natural logarithm.", |given| unary(given, Unary::Ln)),
-    of_one("sin", "The sine of an angle in radians.", |given| unary(given, Unary::Sin)),
-    of_one("cos", "The cosine of an angle in radians.", |given| unary(given, Unary::Cos)),
-    of_one("tan", "The tangent of an angle in radians.", |given| unary(given, Unary::Tan)),
-    of_one("asin", "The angle of a sine.", |given| unary(given, Unary::Asin)),
-    of_one("acos", "The angle of a cosine.", |given| unary(given, Unary::Acos)),
-    of_one("atan", "The angle of a tangent.", |given| unary(given, Unary::Atan)),
-    of_two("atan2", ["y", "x"], "The angle of a point.", |given| binary(given, Binary::Atan2)),
-    of_one("floor", "The largest whole number that is not above.", |given| unary(given, Unary::Floor)),
-    of_one("ceil", "The smallest whole number that is not below.", |given| unary(given, Unary::Ceil)),
-    of_two("minimum", ["a", "b"], "The smaller of two.", |given| binary(given, Binary::Min)),
-    of_two("maximum", ["a", "b"], "The larger of two.", |given| binary(given, Binary::Max)),
-    of_one("radians", "An angle given in degrees.", |given| {
+    unary_function("sqrt", "The square root.", |given| unary(given, Unary::Sqrt)),
+    unary_function("exp", "The exponential function.", |given| unary(given, Unary::Exp)),
+    unary_function("log", "The natural logarithm.", |given| unary(given, Unary::Ln)),
+    unary_function("sin", "The sine of an angle in radians.", |given| unary(given, Unary::Sin)),
+    unary_function("cos", "The cosine of an angle in radians.", |given| unary(given, Unary::Cos)),
+    unary_function("tan", "The tangent of an angle in radians.", |given| unary(given, Unary::Tan)),
+    unary_function("asin", "The angle of a sine.", |given| unary(given, Unary::Asin)),
+    unary_function("acos", "The angle of a cosine.", |given| unary(given, Unary::Acos)),
+    unary_function("atan", "The angle of a tangent.", |given| unary(given, Unary::Atan)),
+    binary_function("atan2", ["y", "x"], "The angle of a point.", |given| binary(given, Binary::Atan2)),
+    unary_function("floor", "The largest whole number that is not above.", |given| {
+        unary(given, Unary::Floor)
+    }),
+    unary_function("ceil", "The smallest whole number that is not below.", |given| unary(given, Unary::Ceil)),
+    binary_function("minimum", ["a", "b"], "The smaller of two.", |given| binary(given, Binary::Min)),
+    binary_function("maximum", ["a", "b"], "The larger of two.", |given| binary(given, Binary::Max)),
+    unary_function("radians", "An angle given in degrees.", |given| {
         operate("*", given.any(0), &Arg::Number(RADIANS))
             .unwrap_or_else(|| Err(given.fault("needs a number or a formula")))
     }),
 ];
 
-const fn of_one(name: &'static str, about: &'static str, make: fn(&Given) -> Result<Arg, Fault>) -> Function {
-    const VALUE: &[super::Parameter] = &[needed("value")];
+const fn unary_function(
+    name: &'static str,
+    about: &'static str,
+    make: fn(&BoundArgs) -> Result<Arg, CallError>,
+) -> Function {
+    const VALUE: &[super::FunctionParameter] = &[required("value")];
     Function { name, parameters: VALUE, about, distance: "", make }
 }
 
-const fn of_two(
+const fn binary_function(
     name: &'static str,
     names: [&'static str; 2],
     about: &'static str,
-    make: fn(&Given) -> Result<Arg, Fault>,
+    make: fn(&BoundArgs) -> Result<Arg, CallError>,
 ) -> Function {
-    const YX: &[super::Parameter] = &[needed("y"), needed("x")];
-    const AB: &[super::Parameter] = &[needed("a"), needed("b")];
+    const YX: &[super::FunctionParameter] = &[required("y"), required("x")];
+    const AB: &[super::FunctionParameter] = &[required("a"), required("b")];
     let parameters = if names[0].len() == 1 && names[0].as_bytes()[0] == b'y' { YX } else { AB };
     Function { name, parameters, about, distance: "", make }
 }
 
-fn unary(given: &Given, op: Unary) -> Result<Arg, Fault> {
+fn unary(given: &BoundArgs, op: Unary) -> Result<Arg, CallError> {
     if let Arg::Number(value) = given.any(0) {
-        return Ok(Arg::Number(op.of(*value)));
+        return Ok(Arg::Number(op.apply(*value)));
     }
     let formula = given.formula(0)?;
-    Ok(formula.then(Expr::unary(op, &formula.expr), None))
+    Ok(formula.with_expr(Expr::unary(op, &formula.expr), None))
 }
 
-fn binary(given: &Given, op: Binary) -> Result<Arg, Fault> {
+fn binary(given: &BoundArgs, op: Binary) -> Result<Arg, CallError> {
     if let (Arg::Number(a), Arg::Number(b)) = (given.any(0), given.any(1)) {
-        return Ok(Arg::Number(op.of(*a, *b)));
+        return Ok(Arg::Number(op.apply(*a, *b)));
     }
     let (a, b) = (given.formula(0)?, given.formula(1)?);
-    Ok(a.then(Expr::binary(op, &a.expr, &b.expr), Some(&b)))
+    Ok(a.with_expr(Expr::binary(op, &a.expr, &b.expr), Some(&b)))
 }
 
 impl Formula {
-    fn of(arg: &Arg) -> Option<Self> {
+    fn from_arg(arg: &Arg) -> Option<Self> {
         match arg {
             Arg::Formula(formula) => Some(formula.clone()),
             Arg::Number(value) => Some(Self { expr: Expr::constant(*value), weight: 1 }),
@@ -80,26 +86,26 @@ impl Formula {
         }
     }
 
-    fn then(&self, expr: Expr, other: Option<&Self>) -> Arg {
+    fn with_expr(&self, expr: Expr, other: Option<&Self>) -> Arg {
         let weight = self.weight.saturating_add(other.map_or(0, |other| other.weight)).saturating_add(1);
         Arg::Formula(Self { expr, weight })
     }
 }
 
-impl Given {
+impl BoundArgs {
     /// A sentence about this call.
-    pub(super) fn fault(&self, what: &str) -> Fault {
-        Fault(format!("{}() {what}", self.name()))
+    pub(super) fn fault(&self, what: &str) -> CallError {
+        CallError(format!("{}() {what}", self.name()))
     }
 
     /// A shape made of one and a formula.
-    pub(super) fn made_of(
+    pub(super) fn formula_result(
         &self,
         field: Result<Field, InvalidShape>,
         solid: &Solid,
         formula: &Formula,
-    ) -> Result<Arg, Fault> {
-        let made = self.made(field, &[solid])?;
+    ) -> Result<Arg, CallError> {
+        let made = self.shape_result(field, &[solid])?;
         Ok(match made {
             Arg::Shape(solid) => {
                 Arg::Shape(Solid { weight: solid.weight.saturating_add(formula.weight), ..solid })
@@ -112,7 +118,7 @@ impl Given {
 /// What an operator makes of two values of which one is a shape or a formula, or both are numbers; nothing where it has no
 /// meaning. `abs` and `neg` look at the first alone.
 #[must_use]
-pub fn operate(operator: &str, a: &Arg, b: &Arg) -> Option<Result<Arg, Fault>> {
+pub fn operate(operator: &str, a: &Arg, b: &Arg) -> Option<Result<Arg, CallError>> {
     if let (Arg::Shape(a), Arg::Shape(b)) = (a, b) {
         let field = match operator {
             "|" => a.field.union(&b.field),
@@ -133,16 +139,16 @@ pub fn operate(operator: &str, a: &Arg, b: &Arg) -> Option<Result<Arg, Fault>> {
         "neg" | "abs" => {
             let op = if operator == "neg" { Unary::Neg } else { Unary::Abs };
             return match a {
-                Arg::Number(value) => Some(Ok(Arg::Number(op.of(*value)))),
-                Arg::Formula(formula) => Some(Ok(formula.then(Expr::unary(op, &formula.expr), None))),
+                Arg::Number(value) => Some(Ok(Arg::Number(op.apply(*value)))),
+                Arg::Formula(formula) => Some(Ok(formula.with_expr(Expr::unary(op, &formula.expr), None))),
                 _ => None,
             };
         }
         _ => return None,
     };
     if let (Arg::Number(a), Arg::Number(b)) = (a, b) {
-        return Some(Ok(Arg::Number(op.of(*a, *b))));
+        return Some(Ok(Arg::Number(op.apply(*a, *b))));
     }
-    let (a, b) = (Formula::of(a)?, Formula::of(b)?);
-    Some(Ok(a.then(Expr::binary(op, &a.expr, &b.expr), Some(&b))))
+    let (a, b) = (Formula::from_arg(a)?, Formula::from_arg(b)?);
+    Some(Ok(a.with_expr(Expr::binary(op, &a.expr, &b.expr), Some(&b))))
 }

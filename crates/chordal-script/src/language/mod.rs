@@ -4,13 +4,13 @@
 mod bind;
 mod combine;
 mod formula;
-mod place;
 mod solids;
+mod transforms;
 
 use chordal::implicit::{Expr, Field};
 use std::fmt;
 
-pub use bind::{Function, Given, Parameter};
+pub use bind::{BoundArgs, Function, FunctionParameter};
 pub use formula::operate;
 
 /// A value that functions of the language take and make.
@@ -87,7 +87,7 @@ impl Arg {
     }
 
     /// What the last step made of that.
-    pub(crate) fn own(&self) -> u64 {
+    pub(crate) fn step_weight(&self) -> u64 {
         match self {
             Self::Shape(solid) => solid.own,
             Self::Formula(_) => 1,
@@ -98,15 +98,15 @@ impl Arg {
 
 /// What is wrong with a call, in one sentence.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Fault(pub String);
+pub struct CallError(pub String);
 
-impl fmt::Display for Fault {
+impl fmt::Display for CallError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)
     }
 }
 
-impl std::error::Error for Fault {}
+impl std::error::Error for CallError {}
 
 /// The groups of functions, as a page on them would show them.
 #[must_use]
@@ -115,8 +115,8 @@ pub fn groups() -> [(&'static str, &'static [Function]); 6] {
         ("Solids", solids::SOLIDS),
         ("Shapes of the plane", solids::FLAT),
         ("Combining", combine::COMBINE),
-        ("Placing", place::PLACE),
-        ("Changing", place::CHANGE),
+        ("Placing", transforms::PLACE),
+        ("Changing", transforms::CHANGE),
         ("Formulas", formula::FORMULAS),
     ]
 }

@@ -1,5 +1,5 @@
 //! Solids and shapes of the plane.
-use super::bind::{Function, needed, or};
+use super::bind::{Function, optional, required};
 use chordal::implicit::shapes;
 
 const EXACT: &str = "exact";
@@ -9,98 +9,102 @@ const BOUND: &str = "lower bound";
 pub(super) const SOLIDS: &[Function] = &[
     Function {
         name: "sphere",
-        parameters: &[needed("radius")],
+        parameters: &[required("radius")],
         about: "A ball around the origin.",
         distance: EXACT,
-        make: |given| given.made(shapes::sphere(given.number(0)?), &[]),
+        make: |given| given.shape_result(shapes::sphere(given.number(0)?), &[]),
     },
     Function {
         name: "box",
-        parameters: &[needed("x"), needed("y"), needed("z")],
+        parameters: &[required("x"), required("y"), required("z")],
         about: "A box of these full sizes around the origin.",
         distance: EXACT,
-        make: |given| given.made(shapes::cuboid(given.numbers(0)?), &[]),
+        make: |given| given.shape_result(shapes::cuboid(given.numbers(0)?), &[]),
     },
     Function {
         name: "rounded_box",
-        parameters: &[needed("x"), needed("y"), needed("z"), needed("radius")],
+        parameters: &[required("x"), required("y"), required("z"), required("radius")],
         about: "A box of these full sizes whose edges are rounded to a radius.",
         distance: EXACT,
-        make: |given| given.made(shapes::rounded_cuboid(given.numbers(0)?, given.number(3)?), &[]),
+        make: |given| given.shape_result(shapes::rounded_cuboid(given.numbers(0)?, given.number(3)?), &[]),
     },
     Function {
         name: "cylinder",
-        parameters: &[needed("radius"), needed("height")],
+        parameters: &[required("radius"), required("height")],
         about: "A cylinder along z, around the origin.",
         distance: EXACT,
-        make: |given| given.made(shapes::cylinder(given.number(0)?, given.number(1)?), &[]),
+        make: |given| given.shape_result(shapes::cylinder(given.number(0)?, given.number(1)?), &[]),
     },
     Function {
         name: "cone",
-        parameters: &[needed("bottom"), needed("top"), needed("height")],
+        parameters: &[required("bottom"), required("top"), required("height")],
         about: "A cone along z with a radius at its bottom and one at its top, either of them 0 if you like.",
         distance: EXACT,
         make: |given| {
             let [bottom, top, height] = given.numbers(0)?;
-            given.made(shapes::capped_cone(bottom, top, height), &[])
+            given.shape_result(shapes::capped_cone(bottom, top, height), &[])
         },
     },
     Function {
         name: "capsule",
-        parameters: &[needed("a"), needed("b"), needed("radius")],
+        parameters: &[required("a"), required("b"), required("radius")],
         about: "All points nearer than a radius to the segment between two points.",
         distance: EXACT,
-        make: |given| given.made(shapes::capsule(given.point(0)?, given.point(1)?, given.number(2)?), &[]),
+        make: |given| {
+            given.shape_result(shapes::capsule(given.point(0)?, given.point(1)?, given.number(2)?), &[])
+        },
     },
     Function {
         name: "torus",
-        parameters: &[needed("major"), needed("minor")],
+        parameters: &[required("major"), required("minor")],
         about: "A ring around z: the radius of its circle, and that of its tube.",
         distance: "exact; lower bound inside where the ring meets itself",
-        make: |given| given.made(shapes::torus(given.number(0)?, given.number(1)?), &[]),
+        make: |given| given.shape_result(shapes::torus(given.number(0)?, given.number(1)?), &[]),
     },
     Function {
         name: "ellipsoid",
-        parameters: &[needed("x"), needed("y"), needed("z")],
+        parameters: &[required("x"), required("y"), required("z")],
         about: "An ellipsoid of these three radii.",
         distance: BOUND,
-        make: |given| given.made(shapes::ellipsoid(given.numbers(0)?), &[]),
+        make: |given| given.shape_result(shapes::ellipsoid(given.numbers(0)?), &[]),
     },
     Function {
         name: "prism",
-        parameters: &[needed("sides"), needed("radius"), needed("height")],
+        parameters: &[required("sides"), required("radius"), required("height")],
         about: "A regular prism along z; the radius is that of its corners, one of which is on the x axis.",
         distance: EXACT,
-        make: |given| given.made(shapes::prism(given.count(0)?, given.number(1)?, given.number(2)?), &[]),
+        make: |given| {
+            given.shape_result(shapes::prism(given.count(0)?, given.number(1)?, given.number(2)?), &[])
+        },
     },
     Function {
         name: "octahedron",
-        parameters: &[needed("radius")],
+        parameters: &[required("radius")],
         about: "A regular octahedron with its corners on the axes.",
         distance: "exact inside, lower bound outside",
-        make: |given| given.made(shapes::octahedron(given.number(0)?), &[]),
+        make: |given| given.shape_result(shapes::octahedron(given.number(0)?), &[]),
     },
     Function {
         name: "tetrahedron",
-        parameters: &[needed("radius")],
+        parameters: &[required("radius")],
         about: "A regular tetrahedron; the radius is that of its corners, one of them towards (1, 1, 1).",
         distance: "exact inside, lower bound outside",
-        make: |given| given.made(shapes::tetrahedron(given.number(0)?), &[]),
+        make: |given| given.shape_result(shapes::tetrahedron(given.number(0)?), &[]),
     },
     Function {
         name: "plane",
-        parameters: &[needed("normal"), or("offset", 0.0)],
+        parameters: &[required("normal"), optional("offset", 0.0)],
         about: "All points below a plane, which is that far from the origin along its normal.",
         distance: EXACT,
-        make: |given| given.made(shapes::plane(given.point(0)?, given.number(1)?), &[]),
+        make: |given| given.shape_result(shapes::plane(given.point(0)?, given.number(1)?), &[]),
     },
     Function {
         name: "triangle",
-        parameters: &[needed("a"), needed("b"), needed("c"), needed("thickness")],
+        parameters: &[required("a"), required("b"), required("c"), required("thickness")],
         about: "All points nearer than half of a thickness to a triangle in space.",
         distance: EXACT,
         make: |given| {
-            given.made(
+            given.shape_result(
                 shapes::triangle([given.point(0)?, given.point(1)?, given.point(2)?], given.number(3)?),
                 &[],
             )
@@ -108,24 +112,24 @@ pub(super) const SOLIDS: &[Function] = &[
     },
     Function {
         name: "gyroid",
-        parameters: &[needed("period"), or("level", 0.0)],
+        parameters: &[required("period"), optional("level", 0.0)],
         about: "One side of the gyroid, without end; with shell() it is a wall.",
         distance: BOUND,
-        make: |given| given.made(shapes::gyroid(given.number(0)?, given.number(1)?), &[]),
+        make: |given| given.shape_result(shapes::gyroid(given.number(0)?, given.number(1)?), &[]),
     },
     Function {
         name: "schwarz_p",
-        parameters: &[needed("period"), or("level", 0.0)],
+        parameters: &[required("period"), optional("level", 0.0)],
         about: "One side of Schwarz' surface P, without end.",
         distance: BOUND,
-        make: |given| given.made(shapes::schwarz_p(given.number(0)?, given.number(1)?), &[]),
+        make: |given| given.shape_result(shapes::schwarz_p(given.number(0)?, given.number(1)?), &[]),
     },
     Function {
         name: "diamond",
-        parameters: &[needed("period"), or("level", 0.0)],
+        parameters: &[required("period"), optional("level", 0.0)],
         about: "One side of Schwarz' surface D, without end.",
         distance: BOUND,
-        make: |given| given.made(shapes::diamond(given.number(0)?, given.number(1)?), &[]),
+        make: |given| given.shape_result(shapes::diamond(given.number(0)?, given.number(1)?), &[]),
     },
 ];
 
@@ -133,44 +137,46 @@ pub(super) const SOLIDS: &[Function] = &[
 pub(super) const FLAT: &[Function] = &[
     Function {
         name: "circle",
-        parameters: &[needed("radius")],
+        parameters: &[required("radius")],
         about: "A disc around the origin.",
         distance: EXACT,
-        make: |given| given.made(shapes::circle(given.number(0)?), &[]),
+        make: |given| given.shape_result(shapes::circle(given.number(0)?), &[]),
     },
     Function {
         name: "rectangle",
-        parameters: &[needed("x"), needed("y")],
+        parameters: &[required("x"), required("y")],
         about: "A rectangle of these full sizes around the origin.",
         distance: EXACT,
-        make: |given| given.made(shapes::rectangle(given.numbers(0)?), &[]),
+        make: |given| given.shape_result(shapes::rectangle(given.numbers(0)?), &[]),
     },
     Function {
         name: "rounded_rectangle",
-        parameters: &[needed("x"), needed("y"), needed("radius")],
+        parameters: &[required("x"), required("y"), required("radius")],
         about: "A rectangle of these full sizes whose corners are rounded to a radius.",
         distance: EXACT,
-        make: |given| given.made(shapes::rounded_rectangle(given.numbers(0)?, given.number(2)?), &[]),
+        make: |given| given.shape_result(shapes::rounded_rectangle(given.numbers(0)?, given.number(2)?), &[]),
     },
     Function {
         name: "segment",
-        parameters: &[needed("a"), needed("b"), needed("radius")],
+        parameters: &[required("a"), required("b"), required("radius")],
         about: "All points nearer than a radius to the segment between two points.",
         distance: EXACT,
-        make: |given| given.made(shapes::segment(given.point(0)?, given.point(1)?, given.number(2)?), &[]),
+        make: |given| {
+            given.shape_result(shapes::segment(given.point(0)?, given.point(1)?, given.number(2)?), &[])
+        },
     },
     Function {
         name: "polygon",
-        parameters: &[needed("points")],
+        parameters: &[required("points")],
         about: "The polygon with these corners, each of two numbers.",
         distance: "exact; lower bound where it crosses itself",
-        make: |given| given.made(shapes::polygon(&given.points(0)?), &[]),
+        make: |given| given.shape_result(shapes::polygon(&given.points(0)?), &[]),
     },
     Function {
         name: "regular_polygon",
-        parameters: &[needed("sides"), needed("radius")],
+        parameters: &[required("sides"), required("radius")],
         about: "A regular polygon; the radius is that of its corners, one of which is on the x axis.",
         distance: EXACT,
-        make: |given| given.made(shapes::regular_polygon(given.count(0)?, given.number(1)?), &[]),
+        make: |given| given.shape_result(shapes::regular_polygon(given.count(0)?, given.number(1)?), &[]),
     },
 ];

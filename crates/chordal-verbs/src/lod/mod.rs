@@ -1,26 +1,28 @@
 //! `lod`: any surface into levels of detail, each with its own bound, as one GLB or as 3D Tiles.
 mod tileset;
 
-use crate::mesh::{refused, set_aside, snapped, too_fine, widened};
-use crate::placed::{self, Assembled, Placed};
-use crate::polylines::Asked;
+use crate::file_rows::to_file_rows;
+use crate::flatten::{self, MergedParts, TransformedScene};
+use crate::mesh::{refusal, reserve_rounding, snap_to_format, too_fine, widen_box};
+use crate::polylines::MeshRequest;
 use crate::report::{
-    BoundFacts, BudgetFacts, Certificate, Counted, LevelFacts, LevelsFacts, Output, ShownFacts, ViewFacts,
+    BoundFacts, BudgetFacts, Certificate, CountedTriangles, LevelChoiceFacts, LevelFacts, LevelsFacts,
+    Output, ViewFacts,
 };
-use crate::simplified::{told, without_normals};
-use crate::written::as_written;
-use crate::{BudgetSpec, Input, MeshFailure, Normals, Shape, cage, implicit, surfaces};
+use crate::simplify::{summary_notes, without_normals};
+use crate::{BudgetSpec, Input, MeshFailure, Normals, Shape, cage, implicit, isosurface};
 use chordal::budget::{
-    Bound, Budget, Closest, Code, Failure, Length, Pixels, Reference, Refusal, Stopped, Tolerance, View,
+    Bound, Budget, Failure, JobError, Length, MinDistanceView, Pixels, Reference, Refusal, RefusalCode,
+    Tolerance, View,
 };
 use chordal::explicit::Topology;
-use chordal::lod::{self, HYSTERESIS, Source, Steps, Switches};
+use chordal::lod::{self, HYSTERESIS, LodSource, LodSteps, SwitchDistances};
 use chordal::math::Box3;
 use chordal::{Bounded, Job, Mesh, convert};
 use chordal_io::{Format, Frame, Scene, WriteError, glb, worst_snap};
 use serde_json::{Value, json};
 use std::io::Write;
-use tileset::Cut;
+use tileset::TileHierarchy;
 
 /// Which levels are wanted.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +30,7 @@ pub struct LodSpec {
     /// The most that may be lost on the screen.
     pub pixels: Pixels,
     /// The lens and the screen for which distances are computed; its own distance does not count.
-    pub lens: Closest,
+    pub lens: MinDistanceView,
     /// The nearest that the eye comes to the box: the finest level is fine enough there.
     pub nearest: Option<f64>,
     /// What the finest level may lose, instead of what `nearest` says.
@@ -55,16 +57,16 @@ pub enum TileErrors {
 
 /// What was made.
 #[derive(Clone, Debug, PartialEq)]
-enum Made {
+enum LodLayout {
     /// One mesh a level, the finest first.
-    Levels(Vec<OneLevel>),
+    Levels(Vec<LevelMesh>),
     /// Tiles over regions.
-    Cut(Box<Cut>),
+    Cut(Box<TileHierarchy>),
 }
 
 /// One level as it will be written.
 #[derive(Clone, Debug, PartialEq)]
-struct OneLevel {
+struct LevelMesh {
     scene: Scene,
     bound: Bound,
     triangles: u64,
@@ -74,8 +76,8 @@ struct OneLevel {
 /// Levels of detail with everything that is known of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LodOutcome {
-    made: Made,
-    switches: Switches,
+    made: LodLayout,
+    switches: SwitchDistances,
     spec: LodSpec,
     diagonal: f64,
     /// For the report, and for the file.
@@ -103,52 +105,53 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
             "levels change with the distance, which parallel rays do not see: give the view a field of view";
         return Err(MeshFailure::Usage(message.to_owned()));
     }
-    let mut certificate = Certificate::of(&input);
+    let mut certificate = Certificate::from_input(&input);
     let place = input.shape.hull()?;
     let diagonal = input.shape.diagonal()?;
     let finest = finest(&input.shape, spec, &mut certificate)?;
-    certificate.budget = Some(BudgetFacts::of(&Budget::length(finest)));
+    certificate.budget = Some(BudgetFacts::new(&Budget::length(finest)));
     let frame = *input.shape.frame();
     let from = input.format;
     // Rounding to single precision is the same for every level, about.
-    let lost = worst_snap(&widened(&place), Format::Glb);
-    let mut inner = set_aside(&Budget::length(finest), lost, &place, Format::Glb)?;
+    let lost = worst_snap(&widen_box(&place), Format::Glb);
+    let mut inner = reserve_rounding(&Budget::length(finest), lost, &place, Format::Glb)?;
     let has_new_normals = !matches!(spec.normals, Normals::Auto | Normals::Keep);
-    let mut maker = Maker { shape: input.shape, notes: Vec::new(), place, has_new_normals, job };
+    let mut maker = LevelMesher { shape: input.shape, notes: Vec::new(), place, has_new_normals, job };
     let triangles = maker.triangles(&mut certificate.notes)?;
     if let Some((_, moved, _)) = &triangles {
-        inner = set_aside(&inner, *moved, &place, Format::Glb)?;
+        inner = reserve_rounding(&inner, *moved, &place, Format::Glb)?;
     }
     let whole = spec.tile_triangles.map_or(usize::MAX, |most| usize::try_from(most).unwrap_or(usize::MAX));
-    let mut steps = Steps { whole, ..Steps::from(inner.length.unwrap_or(finest)) };
+    let mut steps = LodSteps { whole, ..LodSteps::from_finest(inner.length.unwrap_or(finest)) };
     if matches!(maker.shape, Shape::Field(_) | Shape::Volume(_)) {
         steps.share = SHARE_OF_FIELDS;
     }
     let (chain, moved) = match &triangles {
         Some((mesh, moved, topology)) => {
-            (lod::chain(Source::Triangles(mesh, *topology), &steps, job), *moved)
+            (lod::chain(LodSource::Triangles(mesh, *topology), &steps, job), *moved)
         }
         None => {
             let mut make = |length: Tolerance| maker.make(length);
-            (lod::chain(Source::Smooth(&mut make), &steps, job), 0.0)
+            (lod::chain(LodSource::Smooth(&mut make), &steps, job), 0.0)
         }
     };
     let chain = chain.map_err(|stopped| match stopped {
-        Stopped::Refused(refusal) => MeshFailure::Refused(refusal),
-        Stopped::Cancelled => MeshFailure::Cancelled,
+        JobError::Refused(refusal) => MeshFailure::Refused(refusal),
+        JobError::Cancelled => MeshFailure::Cancelled,
     })?;
     certificate.notes.append(&mut maker.notes);
     certificate.notes.dedup();
     if let Some(coarsest) = chain.last() {
-        certificate.notes.extend(told(&coarsest.kept));
+        certificate.notes.extend(summary_notes(&coarsest.stats));
     }
     let more = Bound::proved(0.0, moved, Reference::InputTriangles);
     let moved = |bound: Bound| if moved > 0.0 { bound.then(&more) } else { bound };
-    let looks = Looks { normals: spec.normals, from: normals_by(from), frame };
+    let looks = LevelShading { normals: spec.normals, from: normals_by(from), frame };
     let is_cut = chain.first().is_some_and(|finest| finest.mesh.faces().len() > whole);
     let made = if is_cut {
         let finest = chain.into_iter().next().map(|level| (level.mesh, moved(level.bound)));
-        let (mesh, bound) = finest.ok_or_else(|| refused(Code::Empty, "there is no triangle to show"))?;
+        let (mesh, bound) =
+            finest.ok_or_else(|| refusal(RefusalCode::Empty, "there is no triangle to show"))?;
         if mesh.faces().len() / whole > MOST_TILES {
             let message = format!(
                 "{} triangles in tiles of {whole} are more than {MOST_TILES} files: let --tile-triangles be larger",
@@ -156,33 +159,38 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
             );
             return Err(MeshFailure::Usage(message));
         }
-        let cut = Cut::of(Bounded { shape: mesh, bound }, &looks, (whole, &mut certificate.notes), job)?;
-        Made::Cut(Box::new(cut))
+        let cut = TileHierarchy::build(
+            Bounded { shape: mesh, bound },
+            &looks,
+            (whole, &mut certificate.notes),
+            job,
+        )?;
+        LodLayout::Cut(Box::new(cut))
     } else {
-        let mut levels: Vec<OneLevel> = Vec::new();
+        let mut levels: Vec<LevelMesh> = Vec::new();
         for level in chain {
             let mut notes = Vec::new();
-            let level = OneLevel::of(&level.mesh, moved(level.bound), &looks, &mut notes, job)?;
+            let level = LevelMesh::from_mesh(&level.mesh, moved(level.bound), &looks, &mut notes, job)?;
             certificate.notes.extend(notes.into_iter().filter(|_| levels.is_empty()));
             // Rounding may leave two levels alike.
             if levels.last().is_none_or(|finer| level.error() > finer.error()) {
                 levels.push(level);
             }
         }
-        Made::Levels(levels)
+        LodLayout::Levels(levels)
     };
     let Some(first) = made.finest() else {
-        return Err(refused(Code::Empty, "there is no triangle to show"));
+        return Err(refusal(RefusalCode::Empty, "there is no triangle to show"));
     };
-    certificate.bound = Some(BoundFacts::of(&first.bound));
-    let counted = Counted::of(&first.scene, Format::Glb)?;
+    certificate.bound = Some(BoundFacts::new(&first.bound));
+    let counted = CountedTriangles::from_scene(&first.scene, Format::Glb)?;
     certificate.output = Some(Output::Triangles(counted.output));
     certificate.valid = Some(counted.valid);
     let levels = made.counts();
     let errors: Vec<f64> = levels.iter().map(|level| level.at_most).collect();
-    let switches = Switches::new(&errors, spec.lens, spec.pixels);
+    let switches = SwitchDistances::new(&errors, spec.lens, spec.pixels);
     if let Some(distance) = switches.distance(0).filter(|d| *d > 0.0 && d.is_finite()) {
-        let seen = Budget::pixels(spec.pixels, View::Closest(Closest { distance, ..spec.lens }));
+        let seen = Budget::pixels(spec.pixels, View::MinDistance(MinDistanceView { distance, ..spec.lens }));
         certificate.notes.extend(too_fine(&first.scene, &seen, job)?);
     }
     let mut outcome = LodOutcome { made, switches, spec: spec.clone(), diagonal, certificate };
@@ -191,24 +199,24 @@ pub fn lod(input: Input, spec: &LodSpec, job: &Job) -> Result<LodOutcome, MeshFa
 }
 
 /// How triangles are to look.
-struct Looks {
+struct LevelShading {
     normals: Normals,
     from: Format,
     frame: Frame,
 }
 
-impl OneLevel {
-    fn of(
+impl LevelMesh {
+    fn from_mesh(
         mesh: &Mesh,
         bound: Bound,
-        looks: &Looks,
+        looks: &LevelShading,
         notes: &mut Vec<String>,
         job: &Job,
     ) -> Result<Self, MeshFailure> {
-        let (mesh, bound) = snapped(mesh, bound, &Budget::default(), Format::Glb, job)?;
-        let mut scene = Scene::of(NAME, mesh, true, looks.frame);
+        let (mesh, bound) = snap_to_format(mesh, bound, &Budget::default(), Format::Glb, job)?;
+        let mut scene = Scene::from_mesh(NAME, mesh, true, looks.frame);
         looks.normals.apply(&mut scene, [looks.from, Format::Glb], notes)?;
-        let scene = as_written(scene, Format::Glb)?;
+        let scene = to_file_rows(scene, Format::Glb)?;
         let (triangles, vertices) = counts(&scene);
         Ok(Self { scene, bound, triangles, vertices })
     }
@@ -245,7 +253,7 @@ fn finest(shape: &Shape, spec: &LodSpec, certificate: &mut Certificate) -> Resul
         let asked = BudgetSpec { length: Some(length), ..BudgetSpec::default() };
         let (budget, note) = asked.resolve(shape)?;
         certificate.notes.extend(note);
-        return budget.length.ok_or_else(|| refused(Code::Budget, "the budget has no length"));
+        return budget.length.ok_or_else(|| refusal(RefusalCode::Budget, "the budget has no length"));
     }
     let diagonal = shape.diagonal()?;
     let focal = spec.lens.focal_px().unwrap_or(f64::INFINITY);
@@ -256,18 +264,18 @@ fn finest(shape: &Shape, spec: &LodSpec, certificate: &mut Certificate) -> Resul
              the screen"
         ));
     }
-    let view = View::Closest(Closest { distance, ..spec.lens });
+    let view = View::MinDistance(MinDistanceView { distance, ..spec.lens });
     let length = view.length_of(spec.pixels, &shape.hull()?).and_then(|length| Tolerance::new(length).ok());
     length.ok_or_else(|| {
-        refused(
-            Code::TooClose,
+        refusal(
+            RefusalCode::TooClose,
             "the shape has no size, or the eye is so close that no length is small enough",
         )
     })
 }
 
 /// What makes the triangles of a shape.
-struct Maker<'a> {
+struct LevelMesher<'a> {
     shape: Shape,
     notes: Vec<String>,
     place: Box3,
@@ -276,11 +284,12 @@ struct Maker<'a> {
     job: &'a Job,
 }
 
-impl Maker<'_> {
+impl LevelMesher<'_> {
     /// The triangles of a shape that is triangles, as one mesh, how far its places moved it, and how rows are tied.
     fn triangles(&mut self, notes: &mut Vec<String>) -> Result<Option<(Mesh, f64, Topology)>, MeshFailure> {
         let Shape::Scene(scene) = &mut self.shape else { return Ok(None) };
-        let Placed { mut scene, moved_at_most, left_out } = placed::flattened(std::mem::take(scene))?;
+        let TransformedScene { mut scene, moved_at_most, left_out } =
+            flatten::flatten(std::mem::take(scene))?;
         if self.has_new_normals {
             without_normals(&mut scene)?;
         }
@@ -289,9 +298,9 @@ impl Maker<'_> {
         }
         let shown = scene.parts.iter().filter(|part| !part.mesh.faces().is_empty()).count();
         if shown == 0 {
-            return Err(refused(Code::Empty, "there is no triangle to make levels of"));
+            return Err(refusal(RefusalCode::Empty, "there is no triangle to make levels of"));
         }
-        if scene.parts.len() == 1 && placed::n_places(&scene) == 1 {
+        if scene.parts.len() == 1 && flatten::n_places(&scene) == 1 {
             let part = scene.parts.into_iter().next();
             return Ok(part.map(|part| {
                 let topology = if part.indexed { Topology::Indices } else { Topology::Positions };
@@ -299,12 +308,12 @@ impl Maker<'_> {
             }));
         }
         notes.push(format!("{shown} parts were put together; what their corners carry was left out"));
-        let assembled = Assembled::of(&scene, Topology::Indices)?;
+        let assembled = MergedParts::from_scene(&scene, Topology::Indices)?;
         Ok(Some((assembled.mesh, moved_at_most, Topology::Indices)))
     }
 
     /// Triangles within a length of a shape that is something smooth, at full precision.
-    fn make(&mut self, length: Tolerance) -> Result<Bounded<Mesh>, Stopped> {
+    fn make(&mut self, length: Tolerance) -> Result<Bounded<Mesh>, JobError> {
         let spec = BudgetSpec::default();
         let budget = Budget::length(length);
         // A format that keeps every digit.
@@ -315,37 +324,41 @@ impl Maker<'_> {
                 return match convert::patches_to_mesh(patches, &budget, job) {
                     Ok(made) => Ok(made),
                     Err(Failure::Unmet(best)) => Ok(*best),
-                    Err(Failure::Refused(refusal)) => Err(Stopped::Refused(refusal)),
-                    Err(Failure::Cancelled) => Err(Stopped::Cancelled),
+                    Err(Failure::Refused(refusal)) => Err(JobError::Refused(refusal)),
+                    Err(Failure::Cancelled) => Err(JobError::Cancelled),
                 };
             }
-            Shape::Cage(polygons) => cage::smooth(polygons, &Asked { spec: &spec, budget, to, place }, job),
+            Shape::Cage(polygons) => {
+                cage::limit_surface(polygons, &MeshRequest { spec: &spec, budget, to, place }, job)
+            }
             Shape::Volume(sampled) => {
-                let asked = Asked { spec: &spec, budget, to, place: widened(&place) };
-                surfaces::of_volume(sampled, &asked, &mut self.notes, job)
+                let asked = MeshRequest { spec: &spec, budget, to, place: widen_box(&place) };
+                isosurface::mesh_volume(sampled, &asked, &mut self.notes, job)
             }
             Shape::Field(field) => {
-                let asked = Asked { spec: &spec, budget, to, place: widened(&place) };
-                implicit::of_field(field, &asked, &mut self.notes, job)
+                let asked = MeshRequest { spec: &spec, budget, to, place: widen_box(&place) };
+                implicit::mesh_field(field, &asked, &mut self.notes, job)
             }
-            _ => Err(refused(Code::Unsupported, "this shape has no levels")),
+            _ => Err(refusal(RefusalCode::Unsupported, "this shape has no levels")),
         };
         let (scene, bound) = made.map_err(|failure| match failure {
-            MeshFailure::Cancelled => Stopped::Cancelled,
-            MeshFailure::Refused(refusal) => Stopped::Refused(refusal),
-            other => Stopped::Refused(Refusal { code: Code::Unsupported, message: other.to_string() }),
+            MeshFailure::Cancelled => JobError::Cancelled,
+            MeshFailure::Refused(refusal) => JobError::Refused(refusal),
+            other => {
+                JobError::Refused(Refusal { code: RefusalCode::Unsupported, message: other.to_string() })
+            }
         })?;
-        let mesh = placed::one_mesh(&scene).map(|mesh| mesh.into_owned());
+        let mesh = flatten::one_mesh(&scene).map(|mesh| mesh.into_owned());
         let mesh = mesh.map_err(|error| {
-            Stopped::Refused(Refusal { code: Code::Unsupported, message: error.to_string() })
+            JobError::Refused(Refusal { code: RefusalCode::Unsupported, message: error.to_string() })
         })?;
         Ok(Bounded { shape: mesh, bound })
     }
 }
 
-impl Made {
+impl LodLayout {
     /// The finest level, as it will be written where it is one mesh.
-    fn finest(&self) -> Option<&OneLevel> {
+    fn finest(&self) -> Option<&LevelMesh> {
         match self {
             Self::Levels(levels) => levels.first(),
             Self::Cut(cut) => Some(&cut.finest),
@@ -354,7 +367,7 @@ impl Made {
 
     /// What there is to choose from.
     fn counts(&self) -> Vec<LevelFacts> {
-        let of = |level: &OneLevel| LevelFacts {
+        let of = |level: &LevelMesh| LevelFacts {
             triangles: level.triangles,
             vertices: level.vertices,
             at_least: level.bound.at_least(),
@@ -375,7 +388,7 @@ impl LodOutcome {
     /// one.
     #[must_use]
     pub fn level(&self, k: usize) -> Option<(&Scene, &Bound)> {
-        let Made::Levels(levels) = &self.made else { return None };
+        let LodLayout::Levels(levels) = &self.made else { return None };
         levels.get(k).map(|level| (&level.scene, &level.bound))
     }
 
@@ -397,7 +410,7 @@ impl LodOutcome {
             .into_iter()
             .map(|distance| {
                 let shown = self.switches.at(distance, None);
-                ShownFacts {
+                LevelChoiceFacts {
                     distance,
                     covers_px: covers(distance),
                     level: shown.level,
@@ -408,7 +421,7 @@ impl LodOutcome {
             .collect();
         let nearest =
             self.switches.distance(0).filter(|d| *d > 0.0 && d.is_finite()).unwrap_or(lens.distance);
-        let view = ViewFacts::of(&View::Closest(Closest { distance: nearest, ..*lens }));
+        let view = ViewFacts::new(&View::MinDistance(MinDistanceView { distance: nearest, ..*lens }));
         LevelsFacts { pixels: self.spec.pixels.get(), view, hysteresis: HYSTERESIS, levels, shown }
     }
 
@@ -417,18 +430,18 @@ impl LodOutcome {
     /// # Errors
     /// As for [`glb::write_levels`]; [`WriteError::Unsupported`] where the finest level is cut in space.
     pub fn write(&self, out: &mut dyn Write) -> Result<(), WriteError> {
-        let Made::Levels(made) = &self.made else {
+        let LodLayout::Levels(made) = &self.made else {
             return Err(WriteError::Unsupported(
                 "what is cut in space is a tileset, not one file".to_owned(),
             ));
         };
         let certificates: Vec<Value> =
-            made.iter().map(|level| said_of_file(&self.certificate, level)).collect();
-        let levels: Vec<glb::Level<'_>> = made
+            made.iter().map(|level| file_extras(&self.certificate, level)).collect();
+        let levels: Vec<glb::GlbLevel<'_>> = made
             .iter()
             .zip(&certificates)
             .zip(self.coverages(made.len()))
-            .map(|((level, certificate), coverage)| glb::Level {
+            .map(|((level, certificate), coverage)| glb::GlbLevel {
                 scene: &level.scene,
                 certificate: Some(certificate),
                 coverage,
@@ -459,11 +472,11 @@ impl LodOutcome {
 }
 
 /// What is said of one mesh in its file.
-fn said_of_file(certificate: &Certificate, made: &OneLevel) -> Value {
+fn file_extras(certificate: &Certificate, made: &LevelMesh) -> Value {
     json!({
         "version": certificate.version,
         "input": certificate.input,
-        "bound": BoundFacts::of(&made.bound),
+        "bound": BoundFacts::new(&made.bound),
         "output": { "triangles": made.triangles, "vertices": made.vertices },
     })
 }

@@ -1,14 +1,14 @@
 //! Levels as 3D Tiles: one below the other, or as a tree of regions.
-use super::{LodOutcome, Looks, Made, NAME, OneLevel, TileErrors, counts, said_of_file};
+use super::{LevelMesh, LevelShading, LodLayout, LodOutcome, NAME, TileErrors, counts, file_extras};
 use crate::MeshFailure;
-use crate::mesh::refused;
-use crate::placed;
+use crate::file_rows::{to_file_rows, unsupported};
+use crate::flatten;
+use crate::mesh::refusal;
 use crate::report::LevelFacts;
-use crate::simplified::{add, told};
-use crate::written::{as_written, unsupported};
-use chordal::budget::{Bound, Code, Reference, Stopped, Tolerance};
+use crate::simplify::{add, summary_notes};
+use chordal::budget::{Bound, JobError, Reference, RefusalCode, Tolerance};
 use chordal::explicit::Topology;
-use chordal::lod::{self, Cuts, Kept, Switches};
+use chordal::lod::{self, ReductionStats, SwitchDistances, TilingOptions};
 use chordal::math::{Box3, add_up, mul_up};
 use chordal::{Bounded, Job, Mesh};
 use chordal_io::tiles::{self, Tile, Tileset};
@@ -17,11 +17,11 @@ use serde_json::{Value, json};
 
 /// A finest level that is cut in space, with everything above it.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Cut {
+pub(super) struct TileHierarchy {
     /// All of it in one piece, as it is shown from near.
-    pub finest: OneLevel,
+    pub finest: LevelMesh,
     /// Tiles as they will be written, parents before children.
-    tiles: Vec<OneLevel>,
+    tiles: Vec<LevelMesh>,
     /// By tile: those that show the same region finer.
     children: Vec<Vec<usize>>,
     roots: Vec<usize>,
@@ -29,12 +29,12 @@ pub(super) struct Cut {
     origin: [f64; 3],
 }
 
-impl Cut {
+impl TileHierarchy {
     /// Cuts a mesh into tiles of at most so many triangles. Coordinates are those of single precision about one point for all of
     /// them, so that what two tiles share is one number.
-    pub fn of(
+    pub fn build(
         finest: Bounded<Mesh>,
-        looks: &Looks,
+        looks: &LevelShading,
         (most, notes): (usize, &mut Vec<String>),
         job: &Job,
     ) -> Result<Self, MeshFailure> {
@@ -50,43 +50,43 @@ impl Cut {
         let snapped = snap(&local, Format::Stl).map_err(MeshFailure::TooWide)?;
         let bound =
             bound.then(&Bound::proved(0.0, up(snapped.moved_at_most, room), Reference::InputTriangles));
-        let mut scene = Scene::of(NAME, snapped.mesh, true, looks.frame);
+        let mut scene = Scene::from_mesh(NAME, snapped.mesh, true, looks.frame);
         looks.normals.apply(&mut scene, [looks.from, Format::Glb], notes)?;
-        let scene = as_written(scene, Format::Glb)?;
+        let scene = to_file_rows(scene, Format::Glb)?;
         let Some(part) = scene.parts.first() else {
-            return Err(refused(Code::Empty, "there is no triangle to cut"));
+            return Err(refusal(RefusalCode::Empty, "there is no triangle to cut"));
         };
         // A finest level that lost nothing starts at about what single precision tells apart.
         let step = bound.at_most().and_then(|most| Tolerance::new(most).ok());
         let step =
             step.or_else(|| Tolerance::new(f64::from(f32::EPSILON) * part.mesh.bounds().diagonal()).ok());
-        let step = step.ok_or_else(|| refused(Code::Empty, "the shape has no size"))?;
-        let cuts = Cuts { most, ..Cuts::from(step) };
+        let step = step.ok_or_else(|| refusal(RefusalCode::Empty, "the shape has no size"))?;
+        let cuts = TilingOptions { most, ..TilingOptions::from_step(step) };
         let made = Bounded { shape: part.mesh.clone(), bound: bound.clone() };
         let made = lod::tree(&made, Topology::Positions, &cuts, job).map_err(|stopped| match stopped {
-            Stopped::Refused(refusal) => MeshFailure::Refused(refusal),
-            Stopped::Cancelled => MeshFailure::Cancelled,
+            JobError::Refused(refusal) => MeshFailure::Refused(refusal),
+            JobError::Cancelled => MeshFailure::Cancelled,
         })?;
-        let mut kept = Kept::default();
-        made.roots.iter().for_each(|root| add(&mut kept, made.tiles[*root].kept));
-        notes.extend(told(&kept));
+        let mut kept = ReductionStats::default();
+        made.roots.iter().for_each(|root| add(&mut kept, made.tiles[*root].stats));
+        notes.extend(summary_notes(&kept));
         let (mut tiles, mut children) = (Vec::new(), Vec::new());
         for tile in made.tiles {
             let snapped = snap(&tile.mesh, Format::Stl).map_err(MeshFailure::TooWide)?;
             let moved = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
             let bound = if snapped.moved_at_most > 0.0 { tile.bound.then(&moved) } else { tile.bound };
-            let scene = as_written(Scene::of(NAME, snapped.mesh, true, looks.frame), Format::Glb)?;
+            let scene = to_file_rows(Scene::from_mesh(NAME, snapped.mesh, true, looks.frame), Format::Glb)?;
             let (triangles, vertices) = counts(&scene);
-            tiles.push(OneLevel { scene, bound, triangles, vertices });
+            tiles.push(LevelMesh { scene, bound, triangles, vertices });
             children.push(tile.children);
         }
         let (triangles, vertices) = counts(&scene);
-        let finest = OneLevel { scene, bound, triangles, vertices };
+        let finest = LevelMesh { scene, bound, triangles, vertices };
         Ok(Self { finest, tiles, children, roots: made.roots, origin })
     }
 
     /// The tiles that are shown where an error may be: the coarsest that have no larger one, and leaves.
-    fn shown(&self, error: f64) -> Vec<usize> {
+    fn visible_tiles(&self, error: f64) -> Vec<usize> {
         let mut open = self.roots.clone();
         let mut shown = Vec::new();
         while let Some(tile) = open.pop() {
@@ -101,13 +101,13 @@ impl Cut {
 
     /// What is shown wherever all of the shape is equally far away, for each error that a tile has.
     pub fn counts(&self) -> Vec<LevelFacts> {
-        let mut errors: Vec<f64> = self.tiles.iter().map(OneLevel::error).collect();
+        let mut errors: Vec<f64> = self.tiles.iter().map(LevelMesh::error).collect();
         errors.sort_by(f64::total_cmp);
         errors.dedup();
         let mut levels: Vec<LevelFacts> = Vec::new();
         for error in errors {
-            let shown = self.shown(error);
-            let sum = |of: fn(&OneLevel) -> u64| shown.iter().map(|tile| of(&self.tiles[*tile])).sum();
+            let shown = self.visible_tiles(error);
+            let sum = |of: fn(&LevelMesh) -> u64| shown.iter().map(|tile| of(&self.tiles[*tile])).sum();
             let at_most = shown.iter().fold(0.0, |most, tile| larger(most, self.tiles[*tile].error()));
             // What one tile is off another may make up for.
             let at_least = if let [one] = shown[..] { self.tiles[one].bound.at_least() } else { 0.0 };
@@ -152,34 +152,34 @@ impl LodOutcome {
     pub fn tileset(&self) -> Result<Vec<(String, Vec<u8>)>, MeshFailure> {
         let mut files = Vec::new();
         let root = match &self.made {
-            Made::Levels(levels) => self.one_below_the_other(levels, &mut files)?,
-            Made::Cut(cut) => self.as_tree(cut, &mut files)?,
+            LodLayout::Levels(levels) => self.as_chain(levels, &mut files)?,
+            LodLayout::Cut(cut) => self.as_tree(cut, &mut files)?,
         };
-        let tileset = self.listed(root);
+        let tileset = self.tileset_from_root(root);
         let bytes = tiles::write(&tileset).map_err(|error| WriteError::Unsupported(error.to_string()))?;
         files.push(("tileset.json".to_owned(), bytes));
         Ok(files)
     }
 
     /// One tile a level.
-    fn one_below_the_other(&self, levels: &[OneLevel], files: &mut Files) -> Result<Tile, MeshFailure> {
+    fn as_chain(&self, levels: &[LevelMesh], files: &mut OutputFiles) -> Result<Tile, MeshFailure> {
         let mut bounds = Box3::EMPTY;
         let mut tree: Option<Tile> = None;
         for (k, level) in levels.iter().enumerate() {
             let name = format!("level_{k}.glb");
-            bounds = bounds.union(self.put(level, &name, files)?);
+            bounds = bounds.union(self.write_tile(level, &name, files)?);
             tree = Some(self.tile(level, (&bounds, &name), tree.take().into_iter().collect()));
         }
-        tree.ok_or_else(|| refused(Code::Empty, "there is no level"))
+        tree.ok_or_else(|| refusal(RefusalCode::Empty, "there is no level"))
     }
 
     /// One tile a region.
-    fn as_tree(&self, cut: &Cut, files: &mut Files) -> Result<Tile, MeshFailure> {
-        // Children come after their parents, so that backwards every tile finds its children made.
+    fn as_tree(&self, cut: &TileHierarchy, files: &mut OutputFiles) -> Result<Tile, MeshFailure> {
+        // Parts come after their parents, so that backwards every tile finds its children made.
         let mut done: Vec<Option<(Tile, Box3)>> = cut.tiles.iter().map(|_| None).collect();
         for (k, tile) in cut.tiles.iter().enumerate().rev() {
             let name = format!("tile_{k}.glb");
-            let mut bounds = self.put(tile, &name, files)?;
+            let mut bounds = self.write_tile(tile, &name, files)?;
             let mut children = Vec::new();
             for (child, inner) in cut.children[k].iter().filter_map(|child| done[*child].take()) {
                 bounds = bounds.union(inner);
@@ -200,25 +200,30 @@ impl LodOutcome {
             above.children = children;
             above
         };
-        root.transform = placed_at(cut.origin, &cut.finest.scene.frame);
+        root.transform = placement_matrix(cut.origin, &cut.finest.scene.frame);
         Ok(root)
     }
 
     /// Writes one mesh as a file. Returns its box, in the space of tiles.
-    fn put(&self, level: &OneLevel, name: &str, files: &mut Files) -> Result<Box3, MeshFailure> {
+    fn write_tile(
+        &self,
+        level: &LevelMesh,
+        name: &str,
+        files: &mut OutputFiles,
+    ) -> Result<Box3, MeshFailure> {
         let mut bytes = Vec::new();
-        glb::write(&level.scene, Some(&said_of_file(&self.certificate, level)), &mut bytes)?;
+        glb::write(&level.scene, Some(&file_extras(&self.certificate, level)), &mut bytes)?;
         files.push((name.to_owned(), bytes));
         Ok(tiles::content_bounds(&level.scene)?)
     }
 
     /// A tile for a file, above finer ones.
-    fn tile(&self, level: &OneLevel, (bounds, name): (&Box3, &str), children: Vec<Tile>) -> Tile {
+    fn tile(&self, level: &LevelMesh, (bounds, name): (&Box3, &str), children: Vec<Tile>) -> Tile {
         let metres = self.metres();
         let mut tile = Tile::leaf(tiles::aligned_box(bounds), name);
-        tile.extras = Some(said_of_tile(&level.bound, level.triangles, metres));
+        tile.extras = Some(tile_extras(&level.bound, level.triangles, metres));
         if !children.is_empty() {
-            tile.geometric_error = self.said(&level.bound, metres, largest_error(&children));
+            tile.geometric_error = self.geometric_error(&level.bound, metres, largest_error(&children));
             tile.children = children;
         }
         tile
@@ -228,7 +233,7 @@ impl LodOutcome {
         self.made.finest().and_then(|level| level.scene.frame.metres_per_unit).unwrap_or(1.0)
     }
 
-    fn listed(&self, root: Tile) -> Tileset {
+    fn tileset_from_root(&self, root: Tile) -> Tileset {
         let scaled = self.spec.errors == TileErrors::Scaled;
         let pixels = self.spec.pixels.get();
         let said = if scaled {
@@ -252,11 +257,11 @@ impl LodOutcome {
 
     /// What a tile says of its error: viewers show it from where this is the wanted pixels in the middle of the screen. More
     /// than its children say, as the specification wants it.
-    fn said(&self, bound: &Bound, metres: f64, finer: f64) -> f64 {
+    fn geometric_error(&self, bound: &Bound, metres: f64, finer: f64) -> f64 {
         let lens = &self.spec.lens;
         let own = bound.at_most().unwrap_or(f64::INFINITY);
-        let error = placed::scaled_up(own, metres);
-        let far = Switches::new(&[own], *lens, self.spec.pixels).distance(0).filter(|d| d.is_finite());
+        let error = flatten::scaled_up(own, metres);
+        let far = SwitchDistances::new(&[own], *lens, self.spec.pixels).distance(0).filter(|d| d.is_finite());
         let said = match (self.spec.errors, far.zip(lens.focal_px())) {
             (TileErrors::Scaled, Some((distance, focal))) => {
                 // Four roundings here and two in the viewer, up.
@@ -271,7 +276,7 @@ impl LodOutcome {
 }
 
 /// Files by their names.
-type Files = Vec<(String, Vec<u8>)>;
+type OutputFiles = Vec<(String, Vec<u8>)>;
 
 /// The largest error that one of several tiles says.
 fn largest_error(tiles: &[Tile]) -> f64 {
@@ -279,15 +284,15 @@ fn largest_error(tiles: &[Tile]) -> f64 {
 }
 
 /// What is said of a tile beside its error.
-fn said_of_tile(bound: &Bound, triangles: u64, metres: f64) -> Value {
+fn tile_extras(bound: &Bound, triangles: u64, metres: f64) -> Value {
     json!({ "chordal": {
-        "at_most": placed::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), metres), "triangles": triangles,
+        "at_most": flatten::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), metres), "triangles": triangles,
         "evidence": bound.evidence().as_str(), "reference": bound.reference.as_str(),
     }})
 }
 
 /// The matrix that brings coordinates about a point back, in the space of tiles: z-up and in metres.
-fn placed_at(origin: [f64; 3], frame: &Frame) -> Option<Box<[f64; 16]>> {
+fn placement_matrix(origin: [f64; 3], frame: &Frame) -> Option<Box<[f64; 16]>> {
     if origin == [0.0; 3] {
         return None;
     }

@@ -24,7 +24,7 @@ pub struct AttributeFacts {
 }
 
 impl AttributeFacts {
-    fn of(found: &AttributeDeviation) -> Self {
+    fn from_deviation(found: &AttributeDeviation) -> Self {
         let (semantic, name) = match &found.semantic {
             Semantic::Normal => ("normal", "normal".to_owned()),
             Semantic::Tangent => ("tangent", "tangent".to_owned()),
@@ -46,7 +46,7 @@ impl AttributeFacts {
 
     /// Takes in what was found of one more part.
     pub(crate) fn add(all: &mut Vec<Self>, found: &AttributeDeviation) {
-        let new = Self::of(found);
+        let new = Self::from_deviation(found);
         let Some(known) =
             all.iter_mut().find(|known| known.semantic == new.semantic && known.name == new.name)
         else {

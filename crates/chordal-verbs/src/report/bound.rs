@@ -33,7 +33,7 @@ pub struct BoundFacts {
 impl BoundFacts {
     /// The facts of a bound.
     #[must_use]
-    pub fn of(bound: &Bound) -> Self {
+    pub fn new(bound: &Bound) -> Self {
         let (assumptions, samples) = match bound.evidence() {
             Evidence::ProvedIf(assumptions) => (assumptions.clone(), None),
             Evidence::Measured { samples } => (Vec::new(), Some(*samples)),

@@ -22,11 +22,11 @@ pub struct BudgetFacts {
 impl BudgetFacts {
     /// The facts of a budget.
     #[must_use]
-    pub fn of(budget: &Budget) -> Self {
+    pub fn new(budget: &Budget) -> Self {
         Self {
             length: budget.length.map(|length| length.get()),
             pixels: budget.pixels.map(|pixels| pixels.pixels.get()),
-            view: budget.pixels.map(|pixels| ViewFacts::of(&pixels.view)),
+            view: budget.pixels.map(|pixels| ViewFacts::new(&pixels.view)),
             angle_deg: budget.angle_deg,
             triangles: budget.triangles,
             segments: budget.segments,
@@ -64,10 +64,10 @@ pub struct ViewFacts {
 impl ViewFacts {
     /// The facts of a view.
     #[must_use]
-    pub fn of(view: &View) -> Self {
+    pub fn new(view: &View) -> Self {
         let (projection, screen) = match view {
             View::Camera(camera) => (camera.projection, camera.screen),
-            View::Closest(closest) => (closest.projection, closest.screen),
+            View::MinDistance(closest) => (closest.projection, closest.screen),
         };
         let (fov_y_deg, height) = match projection {
             Projection::Perspective { fov_y_deg } => (Some(fov_y_deg), None),
@@ -75,7 +75,7 @@ impl ViewFacts {
         };
         let (camera, closest) = match view {
             View::Camera(camera) => (Some(camera), None),
-            View::Closest(closest) => (None, Some(closest)),
+            View::MinDistance(closest) => (None, Some(closest)),
         };
         Self {
             text: view.to_string(),

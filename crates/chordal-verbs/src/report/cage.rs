@@ -1,5 +1,5 @@
 //! What a cage is, and what refining it gave.
-use chordal::explicit::{Boundary, Cage, Creasing, INFINITELY_SHARP, LinearTexcoords, Scheme};
+use chordal::explicit::{Boundary, Cage, CreasingMethod, INFINITELY_SHARP, LinearTexcoords, Scheme};
 use chordal_io::Polygons;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -16,14 +16,14 @@ pub struct PolygonFacts {
 impl PolygonFacts {
     /// The counts of a cage.
     #[must_use]
-    pub fn of(cage: &Cage) -> Self {
+    pub fn from_cage(cage: &Cage) -> Self {
         Self { faces: cage.n_faces() as u64, vertices: cage.positions().len() as u64 }
     }
 }
 
 /// How a cage was refined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct RefinedFacts {
+pub struct RefinementFacts {
     /// Rounds.
     pub levels: u32,
     /// By which rules.
@@ -34,8 +34,8 @@ pub struct RefinedFacts {
     pub corners: u64,
 }
 
-impl RefinedFacts {
-    pub(crate) fn of(cage: &Cage, levels: u32) -> Self {
+impl RefinementFacts {
+    pub(crate) fn new(cage: &Cage, levels: u32) -> Self {
         let (creases, corners) = (cage.creases().len() as u64, cage.sharp_vertices().len() as u64);
         Self { levels, scheme: scheme(cage), creases, corners }
     }
@@ -65,10 +65,10 @@ pub struct CageFacts {
     /// The same on the border, where 3 is regular, or 4 for Loop.
     pub irregular_border: BTreeMap<u64, u64>,
     /// Sharp edges.
-    pub creases: SharpFacts,
+    pub creases: SharpnessFacts,
     /// Sharp vertices.
-    pub corners: SharpFacts,
-    /// Faces without surface.
+    pub corners: SharpnessFacts,
+    /// OfFaces without surface.
     pub holes: u64,
     /// Rows of texture coordinates that corners name; none where there are none.
     pub texcoords: Option<u64>,
@@ -79,7 +79,7 @@ pub struct CageFacts {
 
 /// What is sharp.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct SharpFacts {
+pub struct SharpnessFacts {
     /// How many.
     pub count: u64,
     /// Those that stay sharp for ever.
@@ -88,8 +88,8 @@ pub struct SharpFacts {
     pub range: Option<[f64; 2]>,
 }
 
-impl SharpFacts {
-    fn of(sharp: impl Iterator<Item = f64>) -> Self {
+impl SharpnessFacts {
+    fn from_sharpness(sharp: impl Iterator<Item = f64>) -> Self {
         let mut facts = Self::default();
         for sharp in sharp {
             facts.count += 1;
@@ -106,7 +106,7 @@ impl SharpFacts {
 }
 
 impl CageFacts {
-    pub(super) fn of(polygons: &Polygons) -> Self {
+    pub(super) fn new(polygons: &Polygons) -> Self {
         let cage = &polygons.cage;
         let mut faces_by_corners = BTreeMap::new();
         cage.faces().for_each(|face| *faces_by_corners.entry(face.len() as u64).or_default() += 1);
@@ -118,8 +118,8 @@ impl CageFacts {
                 Boundary::EdgeAndCorner => "edge-and-corner",
             },
             creasing: match cage.creasing() {
-                Creasing::Uniform => "uniform",
-                Creasing::Chaikin => "chaikin",
+                CreasingMethod::Uniform => "uniform",
+                CreasingMethod::Chaikin => "chaikin",
             },
             faces_by_corners,
             edges: 0,
@@ -128,8 +128,8 @@ impl CageFacts {
             isolated_vertices: 0,
             irregular: BTreeMap::new(),
             irregular_border: BTreeMap::new(),
-            creases: SharpFacts::of(cage.creases().iter().map(|(_, sharp)| *sharp)),
-            corners: SharpFacts::of(cage.sharp_vertices().iter().map(|(_, sharp)| *sharp)),
+            creases: SharpnessFacts::from_sharpness(cage.creases().iter().map(|(_, sharp)| *sharp)),
+            corners: SharpnessFacts::from_sharpness(cage.sharp_vertices().iter().map(|(_, sharp)| *sharp)),
             holes: cage.holes().len() as u64,
             texcoords: cage.texcoords().map(|texcoords| texcoords.values.len() as u64),
             texcoords_linear: cage.texcoords().map(|texcoords| linear_name(texcoords.linear)),

@@ -2,7 +2,7 @@
 use super::InputFacts;
 use chordal::Bound;
 use chordal::budget::Tolerance;
-use chordal::check::OneSided;
+use chordal::check::OneSidedDistance;
 use serde::Serialize;
 
 /// What `deviation` found beside the bound, which stands in the certificate.
@@ -37,8 +37,8 @@ pub struct OneSidedFacts {
     pub to: [f64; 3],
 }
 
-impl From<OneSided> for OneSidedFacts {
-    fn from(side: OneSided) -> Self {
+impl From<OneSidedDistance> for OneSidedFacts {
+    fn from(side: OneSidedDistance) -> Self {
         Self { at_least: side.at_least, at_most: side.at_most, from: side.from, to: side.to }
     }
 }
@@ -58,7 +58,7 @@ pub enum Verdict {
 impl Verdict {
     /// What a bound says about a limit.
     #[must_use]
-    pub fn of(bound: &Bound, max: Tolerance) -> Self {
+    pub fn from_bound(bound: &Bound, max: Tolerance) -> Self {
         if bound.at_most().is_some_and(|most| most <= max.get()) {
             Self::Within
         } else if bound.at_least() > max.get() {

@@ -2,8 +2,8 @@
 use super::Inspection;
 use crate::shape::in_space;
 use chordal::check::{Join, joins};
-use chordal::explicit::{Curve, Piece};
-use chordal_io::{Drawn, Element};
+use chordal::explicit::{Curve, CurveSegment};
+use chordal_io::{DrawingElement, PathSet};
 use serde::Serialize;
 
 /// What there is of curves.
@@ -80,7 +80,7 @@ const MOST_KINKS: usize = 32;
 impl DrawingFacts {
     /// The facts of curves.
     #[must_use]
-    pub fn of<const D: usize>(drawn: &Drawn<Curve<D>>) -> Self {
+    pub fn from_curves<const D: usize>(drawn: &PathSet<Curve<D>>) -> Self {
         let mut facts = Self {
             elements: drawn.elements.len() as u64,
             filled: drawn.elements.iter().filter(|element| element.filled).count() as u64,
@@ -100,18 +100,18 @@ impl DrawingFacts {
     fn add<const D: usize>(&mut self, curve: &Curve<D>) {
         *(if curve.is_closed() { &mut self.closed } else { &mut self.open }) += 1;
         self.slack = if curve.slack() > self.slack { curve.slack() } else { self.slack };
-        for piece in curve.pieces() {
+        for piece in curve.segments() {
             let count = match piece {
-                Piece::Line(_) => &mut self.pieces.lines,
-                Piece::Cubic(_) => &mut self.pieces.cubics,
-                Piece::Arc(_) => &mut self.pieces.arcs,
+                CurveSegment::Line(_) => &mut self.pieces.lines,
+                CurveSegment::Cubic(_) => &mut self.pieces.cubics,
+                CurveSegment::Arc(_) => &mut self.pieces.arcs,
             };
             *count += 1;
             self.length_estimate += length(piece);
         }
     }
 
-    fn add_join<const D: usize>(&mut self, join: &Join<D>, subpath: usize, element: Option<&Element>) {
+    fn add_join<const D: usize>(&mut self, join: &Join<D>, subpath: usize, element: Option<&DrawingElement>) {
         match join.geometric {
             Some(2) => self.joins.g2 += 1,
             Some(1) => self.joins.g1 += 1,
@@ -142,7 +142,7 @@ impl Inspection {
 }
 
 /// The length by Gauss' quadrature of five points on each quarter of the parameter.
-fn length<const D: usize>(piece: &Piece<D>) -> f64 {
+fn length<const D: usize>(piece: &CurveSegment<D>) -> f64 {
     // Abramowitz and Stegun, Handbook of Mathematical Functions, table 25.4.
     const NODES: [(f64, f64); 5] = [
         (0.0, 0.568_888_888_888_888_9),
@@ -152,7 +152,7 @@ fn length<const D: usize>(piece: &Piece<D>) -> f64 {
         (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
     ];
     let speed = |t: f64| piece.tangent(t).iter().fold(0.0, |sum: f64, x| sum + x * x).sqrt();
-    let parts = if matches!(piece, Piece::Line(_)) { return speed(0.0) } else { 4 };
+    let parts = if matches!(piece, CurveSegment::Line(_)) { return speed(0.0) } else { 4 };
     let width = 1.0 / f64::from(parts);
     (0..parts).fold(0.0, |sum, part| {
         let middle = (f64::from(part) + 0.5) * width;
@@ -171,7 +171,7 @@ mod tests {
     fn the_length_of_a_circle_is_nearly_its_own() {
         let turn = 2.0 * std::f64::consts::PI;
         let circle = Arc::new([5.0, 5.0], [[2.0, 0.0], [0.0, 2.0]], 0.0, turn).unwrap();
-        assert!((length(&Piece::Arc(circle)) - 2.0 * turn).abs() < 1e-12);
-        assert_eq!(length(&Piece::Line([[0.0, 0.0], [3.0, 4.0]])), 5.0);
+        assert!((length(&CurveSegment::Arc(circle)) - 2.0 * turn).abs() < 1e-12);
+        assert_eq!(length(&CurveSegment::Line([[0.0, 0.0], [3.0, 4.0]])), 5.0);
     }
 }

@@ -1,5 +1,5 @@
 //! What a field is: only `inspect` says it.
-use crate::{Implicit, Parameter};
+use crate::{ImplicitShape, Parameter};
 use chordal::budget::Evidence;
 use chordal::math::Box3;
 use serde::Serialize;
@@ -28,7 +28,7 @@ pub struct FieldFacts {
 }
 
 impl FieldFacts {
-    pub(super) fn of(implicit: &Implicit) -> Self {
+    pub(super) fn new(implicit: &ImplicitShape) -> Self {
         let field = &implicit.field;
         let tape = field.tape();
         let Box3 { min, max } = field.bounds();

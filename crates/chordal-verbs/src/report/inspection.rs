@@ -1,12 +1,12 @@
 //! What an input is: only `inspect` says it.
 use super::{
-    CageFacts, Certificate, DrawingFacts, FieldFacts, FindingFacts, OutputFacts, VolumeFacts, to_value,
+    CageFacts, Certificate, DrawingFacts, FieldFacts, FindingFacts, TriangleFacts, VolumeFacts, to_value,
 };
+use crate::file_rows::rows_of;
 use crate::formats::topology;
-use crate::written::rows_of;
 use crate::{Input, Shape};
 use chordal::Mesh;
-use chordal::convert::Indices;
+use chordal::convert::IndexBuffer;
 use chordal::explicit::{cache_misses, cache_order, position_id_by_bits};
 use chordal::math::Box3;
 use chordal_io::{Format, Scene};
@@ -37,11 +37,11 @@ pub struct Inspection {
     /// What there is of a field; none for other shapes.
     pub field: Option<FieldFacts>,
     /// What the triangles take; none for other shapes.
-    pub sizes: Option<Sizes>,
+    pub sizes: Option<GeometrySizes>,
     /// What was found to be wrong with the triangles, the heaviest first; none for other shapes.
     pub findings: Option<Vec<FindingFacts>>,
     /// The certificate that travels in the file, and whether it still fits; none where there is none.
-    pub found: Option<Found>,
+    pub found: Option<EmbeddedCertificate>,
 }
 
 /// One part of a scene.
@@ -51,7 +51,7 @@ pub struct PartFacts {
     pub name: String,
     /// Its triangles.
     #[serde(flatten)]
-    pub counts: OutputFacts,
+    pub counts: TriangleFacts,
     /// In how many places of the scene it stands.
     pub instances: u64,
 }
@@ -59,7 +59,7 @@ pub struct PartFacts {
 /// Bytes of positions and indices, without attributes: three single-precision numbers a position, and indices of
 /// 16 bits while they fit, else of 32.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Sizes {
+pub struct GeometrySizes {
     /// With every vertex once and triangles by index; in a file without indices, equal corners are one vertex.
     pub indexed_bytes: u64,
     /// With three vertices a triangle.
@@ -76,7 +76,7 @@ const CACHE: u32 = 16;
 
 /// A certificate that was found in a file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Found {
+pub struct EmbeddedCertificate {
     /// The certificate, as it stands in the file.
     pub certificate: Value,
     /// Which of its counts do not fit the triangles of the file, as JSON pointers into it; empty for a file that is
@@ -87,7 +87,7 @@ pub struct Found {
 impl Inspection {
     /// What `input` is. The certificate holds what was counted of its triangles.
     #[must_use]
-    pub fn of(input: &Input, counted: &Certificate) -> Self {
+    pub fn from_input(input: &Input, counted: &Certificate) -> Self {
         // A scene that cannot be put in one space has no box.
         let bounds = input.shape.hull().unwrap_or(Box3::EMPTY);
         let endless = bounds.min.iter().chain(&bounds.max).any(|x| !x.is_finite());
@@ -101,14 +101,14 @@ impl Inspection {
             | Shape::Volume(_) => None,
         };
         let drawing = match &input.shape {
-            Shape::Drawing(drawing) => Some(DrawingFacts::of(drawing)),
-            Shape::Curves(curves) => Some(DrawingFacts::of(curves)),
+            Shape::Drawing(drawing) => Some(DrawingFacts::from_curves(drawing)),
+            Shape::Curves(curves) => Some(DrawingFacts::from_curves(curves)),
             Shape::Patches { .. } | Shape::Scene(_) | Shape::Cage(_) | Shape::Field(_) | Shape::Volume(_) => {
                 None
             }
         };
         let field = match &input.shape {
-            Shape::Field(implicit) => Some(FieldFacts::of(implicit)),
+            Shape::Field(implicit) => Some(FieldFacts::new(implicit)),
             Shape::Patches { .. }
             | Shape::Scene(_)
             | Shape::Cage(_)
@@ -137,45 +137,51 @@ impl Inspection {
             bytes: input.n_bytes,
             bounds: (bounds != Box3::EMPTY && !endless).then_some([bounds.min, bounds.max]),
             patches,
-            parts: scene.map(|scene| PartFacts::of_all(scene, input.format)),
+            parts: scene.map(|scene| PartFacts::list(scene, input.format)),
             drawing,
-            cage: if let Shape::Cage(polygons) = &input.shape { Some(CageFacts::of(polygons)) } else { None },
+            cage: if let Shape::Cage(polygons) = &input.shape {
+                Some(CageFacts::new(polygons))
+            } else {
+                None
+            },
             volume: if let Shape::Volume(sampled) = &input.shape {
-                Some(VolumeFacts::of(sampled))
+                Some(VolumeFacts::new(sampled))
             } else {
                 None
             },
             field,
-            sizes: scene.map(|scene| Sizes::of(scene, input.format)),
-            findings: counted.valid.as_ref().map(FindingFacts::of_all),
-            found: certificate.map(|certificate| Found::of(certificate, counted)),
+            sizes: scene.map(|scene| GeometrySizes::from_scene(scene, input.format)),
+            findings: counted.valid.as_ref().map(FindingFacts::list),
+            found: certificate.map(|certificate| EmbeddedCertificate::new(certificate, counted)),
         }
     }
 }
 
 impl PartFacts {
-    fn of_all(scene: &Scene, format: Format) -> Vec<Self> {
+    fn list(scene: &Scene, format: Format) -> Vec<Self> {
         let mut instances = vec![0; scene.parts.len()];
         scene.nodes.iter().filter_map(|node| node.part).for_each(|part| instances[part] += 1);
         let facts = |(part, instances): (&chordal_io::Part, u64)| Self {
             name: part.name.clone(),
             // A mesh whose rows cannot be merged has too many of them in any case.
-            counts: rows_of(&part.mesh, format)
-                .map_or_else(|_| OutputFacts::default(), |rows| OutputFacts::of(&rows, topology(format))),
+            counts: rows_of(&part.mesh, format).map_or_else(
+                |_| TriangleFacts::default(),
+                |rows| TriangleFacts::from_mesh(&rows, topology(format)),
+            ),
             instances,
         };
         scene.parts.iter().zip(instances).map(facts).collect()
     }
 }
 
-impl Sizes {
-    fn of(scene: &Scene, format: Format) -> Self {
+impl GeometrySizes {
+    fn from_scene(scene: &Scene, format: Format) -> Self {
         let mut sizes = Self::default();
         let (mut n_faces, mut misses, mut misses_ordered) = (0, 0, 0);
         for part in &scene.parts {
             let (n_vertices, faces) = rows(&part.mesh, format);
             let (faces, n) = (&faces[..], faces.len() as u64);
-            let index_bytes = if Indices::fit_16_bits(n_vertices) { 2 } else { 4 };
+            let index_bytes = if IndexBuffer::fit_16_bits(n_vertices) { 2 } else { 4 };
             sizes.indexed_bytes += 12 * n_vertices as u64 + 3 * index_bytes * n;
             sizes.unindexed_bytes += 36 * n;
             let ordered: Vec<_> = cache_order(faces).iter().map(|face| faces[*face as usize]).collect();
@@ -201,8 +207,8 @@ fn rows(mesh: &Mesh, format: Format) -> (usize, Cow<'_, [[u32; 3]]>) {
     (n_vertices, faces.into())
 }
 
-impl Found {
-    fn of(certificate: Value, counted: &Certificate) -> Self {
+impl EmbeddedCertificate {
+    fn new(certificate: Value, counted: &Certificate) -> Self {
         let counted = [("/output", to_value(&counted.output)), ("/valid", to_value(&counted.valid))];
         let mut differs = Vec::new();
         for (at, counted) in counted {

@@ -14,7 +14,7 @@ pub struct LevelsFacts {
     /// The finest first.
     pub levels: Vec<LevelFacts>,
     /// What is shown at some distances, the nearest first.
-    pub shown: Vec<ShownFacts>,
+    pub shown: Vec<LevelChoiceFacts>,
 }
 
 /// One level: what is shown of the whole where it is fine enough.
@@ -38,7 +38,7 @@ pub struct LevelFacts {
 
 /// What is shown at a distance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ShownFacts {
+pub struct LevelChoiceFacts {
     /// From the eye to the box.
     pub distance: f64,
     /// The diagonal of the box on the screen, in pixels.

@@ -2,46 +2,46 @@
 //!
 //! The *certificate* is deterministic: same input, version and budget give the same bytes, so it holds no clock, no
 //! path and no count of threads, and can travel in the file. *Run* is for the reader of the moment.
-mod anatomy;
 mod attributes;
-mod baked;
 mod bound;
 mod budget;
 mod cage;
-mod checked;
 mod deviation;
+mod distance_grid;
 mod drawing;
 mod field;
 mod inspection;
 mod levels;
-mod mended;
 mod overshade;
-mod together;
-mod valid;
+mod part_check;
+mod repairs;
+mod scene_check;
+mod surface;
+mod validity;
 mod volume;
 
-pub use anatomy::{Anatomy, ComponentFacts, FindingFacts, MOST_COMPONENTS, cures_of_all};
 pub use attributes::AttributeFacts;
-pub use baked::{BakedFacts, SolidFacts};
 pub use bound::BoundFacts;
 pub use budget::{BudgetFacts, ViewFacts};
 pub(crate) use cage::linear_name;
-pub use cage::{CageFacts, PolygonFacts, RefinedFacts, SharpFacts};
-use checked::witness_facts;
+pub use cage::{CageFacts, PolygonFacts, RefinementFacts, SharpnessFacts};
 pub use deviation::{DeviationFacts, OneSidedFacts, Verdict};
+pub use distance_grid::{DistanceGridFacts, SolidFacts};
 pub use drawing::{DrawingFacts, JoinCounts, KinkFacts, PieceCounts};
 pub use field::FieldFacts;
-pub use inspection::{Found, Inspection, PartFacts, Sizes};
-pub use levels::{LevelFacts, LevelsFacts, ShownFacts};
-pub use mended::{ChangeFacts, MendedFacts};
-pub use overshade::{OvershadeFacts, ShadedFacts};
-pub(crate) use valid::{Counted, Look, Uncounted};
-pub use valid::{Counts, OtherCounts, PartValid, Valid, WitnessFacts};
-pub use volume::{LabelFacts, MOST_LABELS, SuggestedFacts, VolumeFacts};
+pub use inspection::{EmbeddedCertificate, GeometrySizes, Inspection, PartFacts};
+pub use levels::{LevelChoiceFacts, LevelFacts, LevelsFacts};
+pub use overshade::{OvershadeFacts, ShadingFacts};
+use part_check::witness_facts;
+pub use repairs::{ChangeFacts, RepairFacts};
+pub use surface::{ComponentFacts, FindingFacts, MOST_COMPONENTS, SurfaceFacts, cures_of_all};
+pub(crate) use validity::{CheckDepth, CountError, CountedTriangles};
+pub use validity::{OtherCounts, PartValidity, ValidityCounts, ValidityFacts, WitnessFacts};
+pub use volume::{LabelFacts, MOST_LABELS, SuggestedLevelFacts, VolumeFacts};
 
 use crate::{Input, Shape};
 use chordal::Mesh;
-use chordal::explicit::{Curve, Piece, Topology};
+use chordal::explicit::{Curve, CurveSegment, Topology};
 use chordal_io::{Axis, Format, Frame, Polylines, Warning};
 use serde::Serialize;
 use serde_json::Value;
@@ -63,7 +63,7 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub deviation: Option<DeviationFacts>,
     /// This run.
-    pub run: Run,
+    pub run: RunFacts,
 }
 
 /// What holds of a result, wherever and whenever it was made.
@@ -82,19 +82,19 @@ pub struct Certificate {
     /// What came out; none where nothing was made.
     pub output: Option<Output>,
     /// Whether the triangles are sound; none where there are none to be.
-    pub valid: Option<Valid>,
+    pub valid: Option<ValidityFacts>,
     /// Whether those of the input were; only from `mend`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub valid_before: Option<Valid>,
+    pub valid_before: Option<ValidityFacts>,
     /// What was mended, in the order in which it was; only from `mend`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub mended: Vec<MendedFacts>,
+    pub mended: Vec<RepairFacts>,
     /// How a cage was refined; only where its polygons were.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub refined: Option<RefinedFacts>,
+    pub refined: Option<RefinementFacts>,
     /// The lattice that was made; only from `bake`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub baked: Option<BakedFacts>,
+    pub baked: Option<DistanceGridFacts>,
     /// How far attributes went off where triangles were simplified; only from `mesh`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub attributes: Vec<AttributeFacts>,
@@ -111,11 +111,11 @@ pub struct Certificate {
 impl Certificate {
     /// What is known before anything was made.
     #[must_use]
-    pub fn of(input: &Input) -> Self {
+    pub fn from_input(input: &Input) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION"),
-            input: InputFacts::of(input),
-            frame: FrameFacts::of(input.shape.frame()),
+            input: InputFacts::from_input(input),
+            frame: FrameFacts::new(input.shape.frame()),
             budget: None,
             bound: None,
             output: None,
@@ -141,7 +141,7 @@ impl Certificate {
 impl Report {
     /// A report of a run.
     #[must_use]
-    pub fn new(certificate: Certificate, run: Run) -> Self {
+    pub fn new(certificate: Certificate, run: RunFacts) -> Self {
         Self { schema: SCHEMA, certificate, inspection: None, deviation: None, run }
     }
 
@@ -181,12 +181,12 @@ pub struct InputFacts {
 }
 
 impl InputFacts {
-    pub(crate) fn of(input: &Input) -> Self {
+    pub(crate) fn from_input(input: &Input) -> Self {
         Self {
             kind: input.shape.kind(),
             format: input.format.to_string(),
             sha256: input.sha256.clone(),
-            warnings: input.warnings.iter().map(WarningFacts::of).collect(),
+            warnings: input.warnings.iter().map(WarningFacts::new).collect(),
         }
     }
 }
@@ -205,7 +205,7 @@ pub struct WarningFacts {
 }
 
 impl WarningFacts {
-    fn of(warning: &Warning) -> Self {
+    fn new(warning: &Warning) -> Self {
         Self {
             code: warning.code,
             count: warning.count,
@@ -225,7 +225,7 @@ pub struct FrameFacts {
 }
 
 impl FrameFacts {
-    pub(crate) fn of(frame: &Frame) -> Self {
+    pub(crate) fn new(frame: &Frame) -> Self {
         let up = frame.up.map(|axis| match axis {
             Axis::Y => "y",
             Axis::Z => "z",
@@ -239,9 +239,9 @@ impl FrameFacts {
 #[serde(untagged)]
 pub enum Output {
     /// Triangles.
-    Triangles(OutputFacts),
+    Triangles(TriangleFacts),
     /// Polylines.
-    Polylines(LineFacts),
+    Polylines(PolylineFacts),
     /// Polygons.
     Polygons(PolygonFacts),
 }
@@ -249,7 +249,7 @@ pub enum Output {
 impl Output {
     /// The counts of triangles, where there are some.
     #[must_use]
-    pub fn triangles(&self) -> Option<&OutputFacts> {
+    pub fn triangles(&self) -> Option<&TriangleFacts> {
         match self {
             Self::Triangles(facts) => Some(facts),
             Self::Polylines(_) | Self::Polygons(_) => None,
@@ -258,7 +258,7 @@ impl Output {
 
     /// The counts of polylines, where there are some.
     #[must_use]
-    pub fn polylines(&self) -> Option<&LineFacts> {
+    pub fn polylines(&self) -> Option<&PolylineFacts> {
         match self {
             Self::Triangles(_) | Self::Polygons(_) => None,
             Self::Polylines(facts) => Some(facts),
@@ -277,7 +277,7 @@ impl Output {
 
 /// What there is of polylines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct LineFacts {
+pub struct PolylineFacts {
     /// Polylines.
     pub polylines: u64,
     /// Points; the first of a closed polyline once.
@@ -286,23 +286,23 @@ pub struct LineFacts {
     pub segments: u64,
 }
 
-impl LineFacts {
+impl PolylineFacts {
     /// The counts of all polylines.
     #[must_use]
-    pub fn of(polylines: &Polylines) -> Self {
+    pub fn from_polylines(polylines: &Polylines) -> Self {
         let [points, segments] = polylines.counts();
         Self { polylines: polylines.len() as u64, points, segments }
     }
 
     /// The counts of curves that are all straight, as they read back from a file of polylines; none for others.
     #[must_use]
-    pub fn of_straight<const D: usize>(curves: &[Curve<D>]) -> Option<Self> {
+    pub fn from_straight_curves<const D: usize>(curves: &[Curve<D>]) -> Option<Self> {
         let mut facts = Self { polylines: curves.len() as u64, ..Self::default() };
         for curve in curves {
-            if !curve.pieces().iter().all(|piece| matches!(piece, Piece::Line(_))) {
+            if !curve.segments().iter().all(|piece| matches!(piece, CurveSegment::Line(_))) {
                 return None;
             }
-            let segments = curve.pieces().len() as u64;
+            let segments = curve.segments().len() as u64;
             facts.segments += segments;
             facts.points += if curve.is_closed() { segments } else { segments + 1 };
         }
@@ -312,7 +312,7 @@ impl LineFacts {
 
 /// What there is of triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct OutputFacts {
+pub struct TriangleFacts {
     /// Rows of positions; vertices that differ only in attributes count apart.
     pub vertices: u64,
     /// Distinct positions, by the meaning of that word that `valid` has too.
@@ -321,10 +321,10 @@ pub struct OutputFacts {
     pub triangles: u64,
 }
 
-impl OutputFacts {
+impl TriangleFacts {
     /// The counts of one mesh.
     #[must_use]
-    pub fn of(mesh: &Mesh, topology: Topology) -> Self {
+    pub fn from_mesh(mesh: &Mesh, topology: Topology) -> Self {
         let n_vertices = mesh.positions().len();
         let positions = topology.ids(mesh).map_or(n_vertices, |ids| {
             let mut used = vec![false; n_vertices];
@@ -341,7 +341,7 @@ impl OutputFacts {
 
 /// This run of a verb. Shells fill in what only they know.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Run {
+pub struct RunFacts {
     /// The verb.
     pub verb: &'static str,
     /// The name of the input.

@@ -1,8 +1,8 @@
 //! What a graphics processor shades, as a report says it.
 use chordal::View;
 use chordal::budget::Camera;
-use chordal::check::{Flicker, Overshade, Shaded};
-use chordal::explicit::Sides;
+use chordal::check::{Flicker, Overshade, ShadingCounts};
+use chordal::explicit::HitSides;
 use serde::Serialize;
 
 /// What a mesh costs a graphics processor at a view.
@@ -21,9 +21,9 @@ pub struct OvershadeFacts {
     /// Pixels whose centre at least one triangle covers.
     pub covered_px: u64,
     /// What is shaded when every triangle is, hidden or not.
-    pub every: ShadedFacts,
+    pub every: ShadingFacts,
     /// What is shaded after a depth pre-pass.
-    pub visible: ShadedFacts,
+    pub visible: ShadingFacts,
     /// Lanes of the visible a covered pixel.
     pub ratio: f64,
     /// The root of the mean square of what pixels change by when the view moves by less than a pixel, of the way from
@@ -35,7 +35,7 @@ pub struct OvershadeFacts {
 
 /// Quads and their lanes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ShadedFacts {
+pub struct ShadingFacts {
     /// Pairs of a triangle and a pixel that it is shaded at.
     pub fragments: u64,
     /// Pairs of a triangle and a quad of pixels in which it has a fragment.
@@ -48,8 +48,8 @@ pub struct ShadedFacts {
     pub helper_share: f64,
 }
 
-impl ShadedFacts {
-    fn of(shaded: &Shaded) -> Self {
+impl ShadingFacts {
+    fn new(shaded: &ShadingCounts) -> Self {
         Self {
             fragments: shaded.fragments,
             quads: shaded.quads,
@@ -63,20 +63,20 @@ impl ShadedFacts {
 impl OvershadeFacts {
     /// The facts of a mesh at a camera.
     #[must_use]
-    pub fn of(found: &Overshade, flicker: &Flicker, camera: &Camera, sides: Sides) -> Self {
+    pub fn new(found: &Overshade, flicker: &Flicker, camera: &Camera, sides: HitSides) -> Self {
         Self {
             view: View::Camera(*camera).to_string(),
             culled: match sides {
-                Sides::Both => "none",
-                Sides::Front => "back",
-                Sides::Back => "front",
+                HitSides::Both => "none",
+                HitSides::Front => "back",
+                HitSides::Back => "front",
             },
             in_view: found.in_view,
             missed: found.missed,
             micro: found.micro,
             covered_px: found.covered_px,
-            every: ShadedFacts::of(&found.every),
-            visible: ShadedFacts::of(&found.visible),
+            every: ShadingFacts::new(&found.every),
+            visible: ShadingFacts::new(&found.visible),
             ratio: found.ratio(),
             flicker: flicker.rms,
             flicker_px: flicker.n_pixels,

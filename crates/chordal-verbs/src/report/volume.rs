@@ -1,7 +1,7 @@
 //! What a volume is, as `inspect` says it.
-use crate::sampled::{Range, Sampled, type_name};
+use crate::volume::{ValueRange, VolumeShape, type_name};
 use chordal::convert::Inside;
-use chordal::implicit::Affine;
+use chordal::implicit::Affine3;
 use serde::Serialize;
 
 /// What a volume is.
@@ -40,7 +40,7 @@ pub struct VolumeFacts {
     /// The values with the most samples, at most [`MOST_LABELS`], in their order.
     pub label_list: Vec<LabelFacts>,
     /// A level that suits the samples; none where all are equal.
-    pub suggested: Option<SuggestedFacts>,
+    pub suggested: Option<SuggestedLevelFacts>,
 }
 
 /// The most values that are listed.
@@ -57,7 +57,7 @@ pub struct LabelFacts {
 
 /// A level that suits the samples.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct SuggestedFacts {
+pub struct SuggestedLevelFacts {
     /// The level.
     pub level: f64,
     /// "high" where samples above it are inside, "low" where those below it are.
@@ -71,10 +71,10 @@ pub struct SuggestedFacts {
 impl VolumeFacts {
     /// What there is to say of a volume: two passes over its samples.
     #[must_use]
-    pub fn of(sampled: &Sampled) -> Self {
+    pub fn new(sampled: &VolumeShape) -> Self {
         let volume = &sampled.volume;
         let (samples, affine) = (volume.grid.samples(), volume.grid.affine());
-        let range = Range::of(samples);
+        let range = ValueRange::from_samples(samples);
         let steps = affine.steps();
         let mut label_list: Vec<LabelFacts> = range
             .labels
@@ -102,7 +102,7 @@ impl VolumeFacts {
             infinite: range.infinite,
             labels: range.labels.as_ref().map(|labels| labels.len() as u64),
             label_list,
-            suggested: range.suggest(volume).map(|found| SuggestedFacts {
+            suggested: range.suggest(volume).map(|found| SuggestedLevelFacts {
                 level: found.level,
                 inside: if found.inside == Inside::Low { "low" } else { "high" },
                 kind: found.kind,
@@ -128,7 +128,7 @@ fn is_sheared([a, b, c]: [[f64; 3]; 3]) -> bool {
 }
 
 /// To which side each index runs the most: each side once, the clearest index first.
-fn axes(affine: &Affine, space: &str) -> Option<String> {
+fn axes(affine: &Affine3, space: &str) -> Option<String> {
     let letters: [char; 3] = space.chars().collect::<Vec<_>>().try_into().ok()?;
     let steps = affine.steps();
     let mut found = [None; 3];
@@ -147,12 +147,12 @@ fn axes(affine: &Affine, space: &str) -> Option<String> {
         let (_, index, axis) = best;
         taken[axis] = true;
         let letter = letters[axis];
-        found[index] = if steps[index][axis] < 0.0 { opposite(letter) } else { Some(letter) };
+        found[index] = if steps[index][axis] < 0.0 { opposite_direction(letter) } else { Some(letter) };
     }
     found.into_iter().collect()
 }
 
-fn opposite(letter: char) -> Option<char> {
+fn opposite_direction(letter: char) -> Option<char> {
     let pairs = [('R', 'L'), ('A', 'P'), ('S', 'I')];
     pairs.iter().find_map(|(a, b)| match letter {
         _ if letter == *a => Some(*b),
@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn indices_are_named_after_the_side_that_they_run_to() {
-        let affine = |rows| Affine::new(rows).unwrap();
+        let affine = |rows| Affine3::new(rows).unwrap();
         let plain = affine([[-3.0, 0.0, 0.0, 78.0], [0.0, 3.0, 0.0, -112.0], [0.0, 0.0, 3.0, -50.0]]);
         assert_eq!(axes(&plain, "RAS").as_deref(), Some("LAS"));
         assert_eq!(axes(&plain, "LPS").as_deref(), Some("RPS"));

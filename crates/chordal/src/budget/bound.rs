@@ -1,15 +1,15 @@
-//! `Bound`: an enclosure of what was lost, against which truth, in which metric, and how it is known.
+//! `Bound`: an enclosure of the error of a result, with its metric, its reference shape and its evidence.
 use crate::math::{add_up, sub_down};
 use std::fmt;
 
 /// How a bound is known, strongest first.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Evidence {
-    /// Mathematics covers every case that the code can reach, rounding included.
+    /// Proved for every case that the code can reach, rounding included.
     Proved,
-    /// Proved under what the user promised: each assumption in a sentence.
+    /// Proved under assumptions that the user made, each stated in a sentence.
     ProvedIf(Vec<String>),
-    /// Sampled: a bound from below only.
+    /// Sampled: a lower bound only.
     Measured {
         /// How many samples were taken.
         samples: u64,
@@ -19,7 +19,8 @@ pub enum Evidence {
 }
 
 impl Evidence {
-    /// The evidence for a chain of two steps: the weaker one; assumptions add up, sample counts take the smaller.
+    /// The evidence for a chain of two steps: the weaker of the two. Assumptions are joined; the smaller
+    /// sample count is kept.
     #[must_use]
     pub fn weaker(&self, other: &Self) -> Self {
         match (self, other) {
@@ -35,7 +36,7 @@ impl Evidence {
         }
     }
 
-    /// Whether the evidence gives a bound from above.
+    /// Whether the evidence gives an upper bound.
     #[must_use]
     pub fn bounds_above(&self) -> bool {
         matches!(self, Self::Proved | Self::ProvedIf(_))
@@ -53,14 +54,14 @@ impl Evidence {
     }
 }
 
-/// What the length of a bound measures between the true shape and the one that was made.
+/// What a bound measures between the true shape and the result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Metric {
     /// The larger of the two one-sided Hausdorff distances.
     Hausdorff,
-    /// Between points of equal parameter; never smaller than the Hausdorff distance.
+    /// The distance between points of equal parameter; never smaller than the Hausdorff distance.
     Parametric,
-    /// From the true shape to the made one only.
+    /// From the true shape to the result only.
     OneSided,
 }
 
@@ -84,7 +85,7 @@ impl Metric {
     }
 }
 
-/// The true shape that a bound is against: the parsed f64 data, taken exactly.
+/// The true shape that a bound refers to: the parsed f64 data, taken exactly.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Reference {
@@ -92,13 +93,13 @@ pub enum Reference {
     Curves,
     /// Bicubic Bézier patches.
     BezierPatches,
-    /// The surface that refining a cage converges to.
+    /// The limit surface of a control cage.
     LimitSurface,
     /// The triangles of the input.
     InputTriangles,
-    /// The boundary of where a field is negative.
+    /// The boundary of the region where a field is negative.
     Field,
-    /// The level surface of the trilinear interpolant of a volume's samples.
+    /// The isosurface of the trilinear interpolant of a volume's samples.
     Trilinear,
 }
 
@@ -117,9 +118,10 @@ impl Reference {
     }
 }
 
-/// An enclosure of the distance between the true shape and the one that was made.
+/// An enclosure of the distance between the true shape and the result.
 ///
-/// By construction `0 ≤ at_least ≤ at_most`, and `at_most` is there exactly when the evidence bounds from above.
+/// By construction `0 ≤ at_least ≤ at_most`, and `at_most` is set exactly when the evidence gives an upper
+/// bound.
 ///
 /// ```
 /// use chordal::budget::{Bound, Reference};
@@ -137,12 +139,14 @@ pub struct Bound {
     pub reference: Reference,
     /// What is measured.
     pub metric: Metric,
-    /// Where the loss is worst, as far as is known.
+    /// The point where the error is largest, as far as is known.
     pub at: Option<[f64; 3]>,
-    /// The largest distance on the screen in pixels, where a view was given and the evidence bounds from above.
+    /// The largest distance on the screen in pixels, where a view was given and the evidence gives an upper
+    /// bound.
     pub pixels: Option<f64>,
-    /// The largest angle that was found between a triangle's normal and the shape's at its corners and in its middle, in degrees, where an
-    /// angle was asked for. It is measured, whatever the evidence of the distance.
+    /// The largest angle found between a triangle's normal and the shape's normal at its corners and in its
+    /// middle, in degrees. Set where the budget limits an angle. It is measured, whatever the evidence of the
+    /// distance.
     pub angle_deg: Option<f64>,
 }
 
@@ -156,7 +160,7 @@ impl Bound {
     /// A proved two-sided Hausdorff distance in `[at_least, at_most]`.
     ///
     /// # Panics
-    /// When not `0 ≤ at_least ≤ at_most < ∞`: the caller's proof is broken.
+    /// Unless `0 ≤ at_least ≤ at_most < ∞`: otherwise the caller's proof is broken.
     #[must_use]
     pub fn proved(at_least: f64, at_most: f64, reference: Reference) -> Self {
         Self::with_evidence(at_least, Some(at_most), Evidence::Proved, reference)
@@ -165,8 +169,8 @@ impl Bound {
     /// A bound of any evidence.
     ///
     /// # Panics
-    /// When `at_most` is missing although the evidence bounds from above, or is there although it does not, or
-    /// when not `0 ≤ at_least ≤ at_most < ∞`.
+    /// When `at_most` is missing although the evidence gives an upper bound, when it is set although the
+    /// evidence gives none, or unless `0 ≤ at_least ≤ at_most < ∞`.
     #[must_use]
     pub fn with_evidence(
         at_least: f64,
@@ -193,19 +197,19 @@ impl Bound {
         }
     }
 
-    /// The distance is at least this.
+    /// The lower bound of the distance.
     #[must_use]
     pub fn at_least(&self) -> f64 {
         self.at_least
     }
 
-    /// The distance is at most this, where that is proved.
+    /// The upper bound of the distance, where one is proved.
     #[must_use]
     pub fn at_most(&self) -> Option<f64> {
         self.at_most
     }
 
-    /// How it is known.
+    /// How the bound is known.
     #[must_use]
     pub fn evidence(&self) -> &Evidence {
         &self.evidence
@@ -213,16 +217,17 @@ impl Bound {
 
     /// The bound for true shape → A → B from those for true shape → A (`self`) and A → B (`next`).
     ///
-    /// Upper ends add, rounded up, and the weaker evidence wins; where the sum overflows nothing is bounded and the
-    /// evidence is [`Evidence::Estimated`]. The lower end is what the triangle inequality leaves: `at_least` of one
-    /// step minus `at_most` of the other. That step must speak the metric of the result (a parametric distance of at
-    /// least 1 does not keep the shapes 1 apart), and the other must bound both directions. Pixels do not add here:
-    /// they belong to a view and the caller converts the length again; nor do angles.
+    /// Upper bounds add, rounded up, and the weaker evidence is kept; where the sum overflows there is no
+    /// upper bound and the evidence is [`Evidence::Estimated`]. The lower bound follows from the triangle
+    /// inequality: `at_least` of one step minus `at_most` of the other. The metric of that step must be the
+    /// metric of the result (a parametric distance of at least 1 does not keep the shapes 1 apart), and the
+    /// other step must bound both directions. Pixels do not add here, because they belong to a view: the
+    /// caller converts the length again. Angles do not add either.
     #[must_use]
     pub fn then(&self, next: &Self) -> Self {
         let metric = self.metric.weaker(next.metric);
         let evidence = self.evidence.weaker(&next.evidence);
-        // Nothing added to a length leaves it, exactly.
+        // Adding 0 to a length leaves it exact.
         let sum = self
             .at_most
             .zip(next.at_most)
@@ -231,7 +236,8 @@ impl Bound {
             Some(infinite) if !infinite.is_finite() => (None, Evidence::Estimated),
             sum => (sum, evidence),
         };
-        let (first, second) = (self.left_by(next, metric), next.left_by(self, metric));
+        let (first, second) =
+            (self.remaining_lower_bound(next, metric), next.remaining_lower_bound(self, metric));
         let at = if self.at_most >= next.at_most { self.at.or(next.at) } else { next.at.or(self.at) };
         Self {
             at_least: if first > second { first } else { second },
@@ -245,8 +251,8 @@ impl Bound {
         }
     }
 
-    /// What the step `other` cannot take back of this one's lower end, in `metric`.
-    fn left_by(&self, other: &Self, metric: Metric) -> f64 {
+    /// What remains of this step's lower bound, in `metric`, after the step `other`.
+    fn remaining_lower_bound(&self, other: &Self, metric: Metric) -> f64 {
         match other.at_most {
             Some(most) if self.metric == metric && other.metric != Metric::OneSided => {
                 let left = sub_down(self.at_least, most);

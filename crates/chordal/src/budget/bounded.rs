@@ -1,18 +1,18 @@
-//! `Bounded`: a shape with the bound on what was lost, and the ways in which there is none.
+//! `Bounded`: a shape with a bound on its error, and the reasons why there may be none.
 use super::Bound;
 use std::fmt;
 
 /// What every lossy arrow returns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bounded<T> {
-    /// The shape that was made.
+    /// The result.
     pub shape: T,
-    /// How far it is from the true shape.
+    /// How far the result is from the true shape.
     pub bound: Bound,
 }
 
 impl<T> Bounded<T> {
-    /// The same bound on another view of the same points (no loss in `f`).
+    /// Converts the shape and keeps the bound; `f` must not add an error.
     pub fn map<U>(self, f: impl FnOnce(T) -> U) -> Bounded<U> {
         Bounded { shape: f(self.shape), bound: self.bound }
     }
@@ -21,50 +21,50 @@ impl<T> Bounded<T> {
 /// Why there is no result that meets the budget.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Failure<T> {
-    /// The budget was not met; here is the best that was reached.
+    /// The budget was not met; this is the best result that was reached.
     Unmet(Box<Bounded<T>>),
-    /// The work was not started, or not finished, for this reason.
+    /// The work was not started or not finished, for this reason.
     Refused(Refusal),
-    /// The job was asked to stop.
+    /// The job was cancelled.
     Cancelled,
 }
 
-/// A reason with a stable code.
+/// A reason for refusing work, with a stable code.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refusal {
-    /// Stable, for programs.
-    pub code: Code,
+    /// A stable code, for programs.
+    pub code: RefusalCode,
     /// One sentence, for people.
     pub message: String,
 }
 
-/// Stable names of the reasons for a [`Refusal`]. A code, once released, keeps its meaning.
+/// Stable names of the reasons for a [`Refusal`]. A released code keeps its meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
-pub enum Code {
+pub enum RefusalCode {
     /// The budget has no limit, or one that this arrow cannot honour.
     Budget,
     /// The budget needs more triangles than the job allows.
     TooManyTriangles,
     /// The budget needs more memory than the job allows.
     TooMuchMemory,
-    /// A number of the input is NaN or infinite, or grows so on the way.
+    /// A number of the input is NaN or infinite, or becomes so on the way.
     NotFinite,
     /// There is nothing to convert.
     Empty,
-    /// The budget asks for less than what the input's own rounding loses.
+    /// The budget is smaller than the error of the input's own rounding.
     BelowPrecision,
     /// The floating-point environment flushes subnormals, so nothing can be proved.
     FlushesSubnormals,
     /// The shape comes so close to the eye that no pixel bound exists.
     TooClose,
-    /// An operation that the shape's kind does not have.
+    /// The kind of shape lacks the operation.
     Unsupported,
-    /// A function that the user brought failed.
+    /// A function supplied by the user failed.
     LeafFailed,
 }
 
-impl Code {
+impl RefusalCode {
     /// The stable text.
     #[must_use]
     pub fn as_str(self) -> &'static str {
@@ -84,8 +84,8 @@ impl Code {
 }
 
 impl<T> Failure<T> {
-    /// A refusal, said in one sentence.
-    pub fn refused(code: Code, message: impl Into<String>) -> Self {
+    /// A refusal with a message of one sentence.
+    pub fn refused(code: RefusalCode, message: impl Into<String>) -> Self {
         Self::Refused(Refusal { code, message: message.into() })
     }
 

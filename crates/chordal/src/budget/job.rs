@@ -1,9 +1,9 @@
-//! `Job`: the conditions under which long work runs: cancel, progress, threads, memory.
+//! `Job`: the conditions under which long work runs: cancellation, progress, threads, memory.
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// How far a job has come: `done` of `total` steps of the named stage.
+/// The progress of a job: `done` of `total` steps of the named stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
     /// What is being done, as in "tessellate".
@@ -14,21 +14,22 @@ pub struct Progress {
     pub total: u64,
 }
 
-type Sink = Arc<dyn Fn(Progress) + Send + Sync>;
+type ProgressSink = Arc<dyn Fn(Progress) + Send + Sync>;
 
-/// Given to everything that can take long. The default never cancels, reports nothing, uses every thread
-/// and sets no limit below the library's own.
+/// The conditions of a long-running call. The default never cancels, reports nothing, uses every thread and
+/// sets no limit below the library's own.
 ///
 /// The result of a job never depends on `threads`.
 #[derive(Clone)]
 pub struct Job {
     cancel: Arc<AtomicBool>,
-    progress: Option<Sink>,
-    /// Threads to use; 0 means all that the machine offers.
+    progress: Option<ProgressSink>,
+    /// Number of threads; 0 means all that the machine offers.
     pub threads: usize,
-    /// Bytes that the job may hold at once for what it builds, about; work that would need more is refused before it starts.
+    /// Approximate limit on the bytes held at once for what the job builds; work that would need more is
+    /// refused before it starts.
     pub memory_limit: u64,
-    /// Triangles that a result may have; a budget that would need more is refused before it starts.
+    /// Limit on the triangles of a result; a budget that would need more is refused before work starts.
     pub triangle_limit: u64,
 }
 
@@ -59,7 +60,7 @@ impl Job {
         self
     }
 
-    /// Asks the job, on whatever thread it runs, to stop soon.
+    /// Cancels the job, from any thread; it stops soon.
     pub fn cancel(&self) {
         self.cancel.store(true, Ordering::Relaxed);
     }
@@ -70,13 +71,13 @@ impl Job {
         Arc::clone(&self.cancel)
     }
 
-    /// Whether somebody asked for a stop.
+    /// Whether the job was cancelled.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.cancel.load(Ordering::Relaxed)
     }
 
-    /// Tells the sink, if there is one.
+    /// Passes `progress` to the sink, if there is one.
     pub fn report(&self, progress: Progress) {
         if let Some(sink) = &self.progress {
             sink(progress);

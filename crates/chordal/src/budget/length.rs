@@ -1,4 +1,4 @@
-//! `Length`: how a person writes a length: `0.1`, `0.1mm`, `0.05%`.
+//! `Length`: a length as a person writes it: `0.1`, `0.1mm`, `0.05%`.
 use super::Tolerance;
 use std::fmt;
 use std::str::FromStr;
@@ -62,7 +62,7 @@ impl FromStr for Unit {
     }
 }
 
-/// A length as written: in the shape's units, in a named unit, or as a share of the shape's diagonal.
+/// A length as written: in the shape's units, in a named unit, or in percent of the shape's diagonal.
 ///
 /// ```
 /// use chordal::budget::{Length, Unit};
@@ -76,15 +76,15 @@ impl FromStr for Unit {
 pub enum Length {
     /// In the units of the shape.
     Plain(f64),
-    /// In a named unit; needs a shape whose unit is known.
+    /// In a named unit; the shape's unit must be known.
     In(f64, Unit),
-    /// In percent of the diagonal of the shape's box.
+    /// In percent of the diagonal of the shape's bounding box.
     Percent(f64),
 }
 
 impl Length {
-    /// The length in the units of a shape whose box has the diagonal `diagonal` and whose unit, if known, is
-    /// `metres_per_unit` metres.
+    /// The length in the units of a shape. `diagonal` is the diagonal of its bounding box, `metres_per_unit`
+    /// its unit in metres, if known.
     ///
     /// # Errors
     /// A named unit needs `metres_per_unit`; a percentage needs a diagonal greater than zero.
@@ -123,7 +123,7 @@ impl FromStr for Length {
             .find(|c: char| c.is_ascii_alphabetic() && c != 'e' && c != 'E' || c == '%')
             .unwrap_or(text.len());
         let (number, unit) = text.split_at(split);
-        // `nan` and `inf` start with letters, so they land in `unit` and the number is empty.
+        // `nan` and `inf` start with letters, so they end up in `unit` and the number is empty.
         let number: f64 = number
             .trim()
             .parse()

@@ -1,122 +1,125 @@
-//! `Lens`: a view made ready to turn lengths into pixels and back, at many places.
+//! `Lens`: a view prepared to turn lengths into pixels and back, at many places.
 //!
-//! A true point `(X, z)`, `z` its depth and `X` its offset from the axis, and a made point `(X+a, z+b)` with
-//! `a² + b² ≤ ε²` lie on the screen at a distance, in units of `F = H/(2·tan(fov/2))`, of
+//! A true point `(X, z)`, `z` its depth and `X` its offset from the axis, and an approximating point
+//! `(X+a, z+b)` with `a² + b² ≤ ε²` lie on the screen at a distance, in units of `F = H/(2·tan(fov/2))`, of
 //!
 //! `|X/z − (X+a)/(z+b)| = |a·z − b·X| / (z·(z+b)) ≤ ε·√(z²+|X|²) / (z·(z+b)) = ε·sec θ / (z+b)`,
 //!
-//! where `θ` is the angle off the axis of the first point and `z+b` the depth of the second. The two points may
-//! change roles. So for the point that is seen, at an angle of at most `C`, that of the corner of the screen, and
-//! the other one, at least `z − ε` deep: `ε·sec C/(z − ε)`.
+//! where `θ` is the angle off the axis of the first point and `z+b` the depth of the second. The two points
+//! may be exchanged. So if the visible point is at an angle of at most `C`, the angle of the screen's corner,
+//! and the other one is at least `z − ε` deep, the distance is at most `ε·sec C/(z − ε)`.
 //!
-//! *Camera.* Let the place have depths from `z₀` and angles up to `θ₀`, and let `n` be the near plane. Claim: with
-//! `D = max(z₀, n)`, the distance is at most `ε·sec(min(θ₀, C))/(D − ε)`. When `θ₀ ≤ C`, put the true point first: its
-//! angle is at most `θ₀`; the made point is `D − ε` deep at least, because it is seen (`≥ n`) and near the place
-//! (`≥ z₀ − ε`), or its partner is seen and of the place (`≥ D`). When `C < θ₀`, put the seen point first: its angle is
-//! at most `C`; the other one is at least `D − ε` deep, because it is made and its partner is `≥ D` deep, or because it
-//! is true, so `≥ z₀`, and its seen partner is `≥ n`.
+//! *Camera.* Let the place have depths from `z₀` and angles up to `θ₀`, and let `n` be the near plane. Claim:
+//! with `D = max(z₀, n)`, the distance is at most `ε·sec(min(θ₀, C))/(D − ε)`. When `θ₀ ≤ C`, take the true
+//! point first: its angle is at most `θ₀`; the approximating point is at least `D − ε` deep, because it is
+//! visible (`≥ n`) and near the place (`≥ z₀ − ε`), or its partner is visible and in the place (`≥ D`). When
+//! `C < θ₀`, take the visible point first: its angle is at most `C`; the other one is at least `D − ε` deep,
+//! because it is the approximating one and its partner is `≥ D` deep, or because it is the true one, so
+//! `≥ z₀`, and its visible partner is `≥ n`.
 //!
-//! *Closest.* The true point is at least `d` from the eye, which looks anywhere. If the true point is seen, at `θ`, it
-//! is `d·cos θ` deep, and `ε·sec θ/(d·cos θ − ε)` is largest at `θ = C`. If the made point is seen, the true one lies
-//! outside the cone of angle `C` by at most `ε`, so by an angle of at most `asin(ε/d)`, and its depth is at least
-//! `cos C·√(d²−ε²) − ε·sin C`, which is `≥ d·cos C − ε` as long as `ε < d·cos C`. So with `D = d·cos C` the bound is the
-//! same: `ε·sec C/(D − ε)`.
+//! *Minimum distance.* The true point is at least `d` from the eye, which looks anywhere. If the true point
+//! is visible, at `θ`, it is `d·cos θ` deep, and `ε·sec θ/(d·cos θ − ε)` is largest at `θ = C`. If the
+//! approximating point is visible, the true one lies outside the cone of angle `C` by at most `ε`, so by an
+//! angle of at most `asin(ε/d)`, and its depth is at least `cos C·√(d²−ε²) − ε·sin C`, which is
+//! `≥ d·cos C − ε` as long as `ε < d·cos C`. So with `D = d·cos C` the bound is the same: `ε·sec C/(D − ε)`.
 //!
-//! All of these are `s·ε/(D − ε)`, which grows with `ε` and is turned around as `ε = D/(1 + s/p)`. Parallel rays move
-//! on the screen by at most `ε·H/height`.
+//! All of these are `p = s·ε/(D − ε)`, which grows with `ε`; its inverse is `ε = D/(1 + s/p)`. Parallel rays
+//! move on the screen by at most `ε·H/height`.
 //!
-//! The shorter formula `ε·F/z` that viewers use is its first order on the axis and is low by `1/cos²θ` at the
-//! corner of the screen: 1.71 at a vertical field of view of 45° and 16:9.
-use super::view::{Camera, Closest, Pixels, Projection, Screen, View};
+//! The shorter formula `ε·F/z` that viewers use is the first-order term on the axis. It is too low by
+//! `1/cos²θ` at the corner of the screen: 1.71 at a vertical field of view of 45° and 16:9.
+use super::view::{Camera, MinDistanceView, Pixels, Projection, Screen, View};
 use crate::math::{Box3, add_up, div_down, div_up, mul_down, mul_up, sqrt_up, sub_down};
 
-/// A view, prepared: build it once with [`View::lens`] and look at many places through it.
+/// A prepared view: build it once with [`View::lens`] and use it for many places.
 ///
 /// ```
 /// use chordal::{View, math::Box3};
 /// let view: View = "1000x1000 fov=90 eye=0,0,-10 target=0,0,0".parse()?;
-/// let sight = view.lens().sight(&Box3 { min: [0.0; 3], max: [0.0; 3] });
+/// let scale = view.lens().scale_at(&Box3 { min: [0.0; 3], max: [0.0; 3] });
 /// // 500 pixels a unit at depth 1, so 50 at depth 10.
-/// let length = sight.length_of("1px".parse()?).unwrap();
+/// let length = scale.length_of("1px".parse()?).unwrap();
 /// assert!(length < 0.02 && length > 0.0199);
-/// assert!(sight.pixels_of(length).unwrap() <= 1.0);
+/// assert!(scale.pixels_of(length).unwrap() <= 1.0);
 /// # Ok::<(), chordal::budget::InvalidView>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
-    /// Pixels per unit of `X/z`, or per unit of length for parallel rays, from above; ∞ when no bound exists.
+    /// Pixels per unit of `X/z`, or per unit of length for parallel rays, rounded up; ∞ when no bound exists.
     focal: f64,
-    /// `sec C` from above; `None` for parallel rays.
+    /// `sec C`, rounded up; `None` for parallel rays.
     corner_secant: Option<f64>,
-    seat: Seat,
+    eye: EyePosition,
 }
 
 /// Where the eye is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Seat {
+enum EyePosition {
     Anywhere { distance: f64 },
     At { eye: [f64; 3], forward: [f64; 3], near: f64 },
 }
 
-/// A lens turned to one place: what a length there becomes on the screen, and what a pixel becomes there.
+/// The scale of a lens at one place: converts lengths there into pixels and back.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sight {
-    /// `F·sec(min(θ₀, C))` from above.
+pub struct PixelScale {
+    /// `F·sec(min(θ₀, C))`, rounded up.
     scale: f64,
-    /// `D` from below; `None` for parallel rays.
+    /// `D`, rounded down; `None` for parallel rays.
     depth: Option<f64>,
-    /// Errors below this leave everything in front of the near plane, unseen.
+    /// Errors below this leave everything in front of the near plane, so nothing is visible.
     hidden: f64,
 }
 
 impl View {
-    /// The view made ready for many places. One that [`View::checked`] refuses gives no bound anywhere.
+    /// Prepares the view for many places. A view that [`View::checked`] refuses gives no bound anywhere.
     #[must_use]
     pub fn lens(&self) -> Lens {
-        self.prepared().unwrap_or(Lens {
+        self.try_lens().unwrap_or(Lens {
             focal: f64::INFINITY,
             corner_secant: None,
-            seat: Seat::Anywhere { distance: 0.0 },
+            eye: EyePosition::Anywhere { distance: 0.0 },
         })
     }
 
-    fn prepared(&self) -> Option<Lens> {
+    fn try_lens(&self) -> Option<Lens> {
         Some(match self.checked().ok()? {
-            Self::Closest(Closest { distance, projection, screen }) => {
-                Lens::new(projection, screen, Seat::Anywhere { distance })
+            Self::MinDistance(MinDistanceView { distance, projection, screen }) => {
+                Lens::new(projection, screen, EyePosition::Anywhere { distance })
             }
             Self::Camera(camera) => {
                 let [_, _, forward] = camera.axes()?;
-                let seat = Seat::At { eye: camera.eye, forward, near: camera.near };
+                let seat = EyePosition::At { eye: camera.eye, forward, near: camera.near };
                 Lens::new(camera.projection, camera.screen, seat)
             }
         })
     }
 
-    /// The distance on the screen, in pixels and bounded from above, between a point of `place` and one that is at
-    /// most `error` (≥ 0) away from it, when one of the two is on the screen and not in front of the near plane.
-    /// `None` when there is no bound: the eye is too close.
+    /// An upper bound of the screen distance, in pixels, between a point of `place` and a point at most
+    /// `error` (≥ 0) away from it, when one of the two is on the screen and not in front of the near plane.
+    /// `None` when there is no bound because the eye is too close.
     #[must_use]
     pub fn pixels_of(&self, error: f64, place: &Box3) -> Option<f64> {
-        self.lens().sight(place).pixels_of(error)
+        self.lens().scale_at(place).pixels_of(error)
     }
 
-    /// How far apart the ends of two steps are on the screen when one of the two ends is seen, for steps that are `first` and
-    /// `second` pixels by [`View::pixels_of`], each with a point of its place. A little more than their sum, since the point between
-    /// the two may be off the screen and nearer to the eye. `None` when there is no bound.
+    /// An upper bound of the screen distance between the ends of two successive steps, when one of the two
+    /// ends is visible. The steps are `first` and `second` pixels by [`View::pixels_of`], each with a point
+    /// of its place. The bound is a little more than their sum, since the point between the two may be off
+    /// the screen and nearer to the eye. `None` when there is no bound.
     ///
-    /// *Why.* Let `p` and `q` be the two, and `a = p/F` and `b = q/F`, so that the lengths are at most `a/(1+a)` and `b/(1+b)` of the depth
-    /// `D` of the place. If the end of the first step is seen, the secant of the point between is at most `1+a` times that of the
-    /// corner, and the far end is at least `D` less both lengths deep: the second step is at most `q·(1+a)²/(1−ab)`, and the sum
-    /// `(p + q + 2pq/F)/(1 − ab)`. That is the same the other way round. An error that a near plane hides altogether is
-    /// shorter than the other step, and counts as that.
+    /// *Why.* Let `p` and `q` be the two, and `a = p/F` and `b = q/F`, so that the lengths are at most
+    /// `a/(1+a)` and `b/(1+b)` of the depth `D` of the place. If the end of the first step is visible, the
+    /// secant of the point between is at most `1+a` times that of the corner, and the far end is at least `D`
+    /// less both lengths deep. So the second step is at most `q·(1+a)²/(1−ab)`, and the sum is at most
+    /// `(p + q + 2pq/F)/(1 − ab)`. The formula is symmetric, so it also holds when the other end is visible.
+    /// An error that a near plane hides completely is shorter than the other step, and counts as that.
     #[must_use]
-    pub fn pixels_of_both(&self, first: f64, second: f64) -> Option<f64> {
+    pub fn pixels_of_two_steps(&self, first: f64, second: f64) -> Option<f64> {
         if second == 0.0 {
             return Some(first);
         }
         let (projection, screen, near) = match self {
-            Self::Closest(Closest { projection, screen, .. }) => (projection, screen, 0.0),
+            Self::MinDistance(MinDistanceView { projection, screen, .. }) => (projection, screen, 0.0),
             Self::Camera(Camera { projection, screen, near, .. }) => (projection, screen, *near),
         };
         let first = if near > 0.0 && first < second { second } else { first };
@@ -133,21 +136,21 @@ impl View {
         (rest > 0.0 && both.is_finite()).then_some(both)
     }
 
-    /// The largest length (up to rounding) of which [`View::pixels_of`] at `place` is at most `pixels`. `None` when
-    /// there is no such length.
+    /// The largest length, up to rounding, for which [`View::pixels_of`] at `place` is at most `pixels`.
+    /// `None` when there is no such length.
     #[must_use]
     pub fn length_of(&self, pixels: Pixels, place: &Box3) -> Option<f64> {
-        self.lens().sight(place).length_of(pixels)
+        self.lens().scale_at(place).length_of(pixels)
     }
 }
 
-impl Closest {
-    /// Pixels a unit of length at depth 1 in the middle of the picture, `height/(2·tan(fov/2))`, rounded up; none for parallel
-    /// rays.
+impl MinDistanceView {
+    /// Pixels per unit of length at depth 1 in the middle of the picture, `height/(2·tan(fov/2))`, rounded
+    /// up; none for parallel rays.
     ///
     /// ```
     /// use chordal::View;
-    /// let View::Closest(view) = "1000x1000 fov=90 dist=1".parse::<View>()? else { panic!() };
+    /// let View::MinDistance(view) = "1000x1000 fov=90 dist=1".parse::<View>()? else { panic!() };
     /// assert!((view.focal_px().unwrap() - 500.0).abs() < 1e-9);
     /// # Ok::<(), chordal::budget::InvalidView>(())
     /// ```
@@ -160,51 +163,55 @@ impl Closest {
 }
 
 impl Lens {
-    fn new(projection: Projection, screen: Screen, seat: Seat) -> Self {
+    fn new(projection: Projection, screen: Screen, seat: EyePosition) -> Self {
         let (w, h) = (f64::from(screen.width_px), f64::from(screen.height_px));
         match projection {
             Projection::Perspective { fov_y_deg } => {
                 let (low, high) = half_tan(fov_y_deg);
                 let wide = mul_up(high, div_up(w, h));
                 let corner_sq = add_up(mul_up(high, high), mul_up(wide, wide));
-                // So near to 180° that rounding hides how far: no bound.
+                // So close to 180° that rounding hides the difference: no bound.
                 let focal = if low > 0.0 { div_up(h, mul_down(2.0, low)) } else { f64::INFINITY };
-                Self { focal, corner_secant: Some(sqrt_up(add_up(1.0, corner_sq))), seat }
+                Self { focal, corner_secant: Some(sqrt_up(add_up(1.0, corner_sq))), eye: seat }
             }
             Projection::Orthographic { height } => {
-                Self { focal: div_up(h, height), corner_secant: None, seat }
+                Self { focal: div_up(h, height), corner_secant: None, eye: seat }
             }
         }
     }
 
-    /// The lens turned to the points of `place`. For a view [`View::Closest`] all places are alike.
+    /// The pixel scale for the points of `place`. For [`View::MinDistance`] it is the same everywhere.
     #[must_use]
-    pub fn sight(&self, place: &Box3) -> Sight {
+    pub fn scale_at(&self, place: &Box3) -> PixelScale {
         if place.is_empty() {
-            return Sight { scale: 0.0, depth: None, hidden: f64::INFINITY };
+            return PixelScale { scale: 0.0, depth: None, hidden: f64::INFINITY };
         }
-        match (self.seat, self.corner_secant) {
-            (Seat::Anywhere { .. }, None) => Sight { scale: self.focal, depth: None, hidden: 0.0 },
-            (Seat::Anywhere { distance }, Some(secant)) => Sight {
+        match (self.eye, self.corner_secant) {
+            (EyePosition::Anywhere { .. }, None) => {
+                PixelScale { scale: self.focal, depth: None, hidden: 0.0 }
+            }
+            (EyePosition::Anywhere { distance }, Some(secant)) => PixelScale {
                 scale: mul_up(self.focal, secant),
                 depth: Some(div_down(distance, secant)),
                 hidden: 0.0,
             },
-            (Seat::At { eye, forward, near }, corner) => {
-                let extent = Extent::of(place, eye, forward);
+            (EyePosition::At { eye, forward, near }, corner) => {
+                let extent = ViewExtent::from_eye(place, eye, forward);
                 let hidden = if extent.far < near { sub_down(near, extent.far) } else { 0.0 };
-                let Some(corner) = corner else { return Sight { scale: self.focal, depth: None, hidden } };
+                let Some(corner) = corner else {
+                    return PixelScale { scale: self.focal, depth: None, hidden };
+                };
                 let depth = if extent.near > near { extent.near } else { near };
                 let secant = sqrt_up(add_up(1.0, mul_up(extent.tan, extent.tan)));
                 let secant = if secant < corner { secant } else { corner };
-                Sight { scale: mul_up(self.focal, secant), depth: Some(depth), hidden }
+                PixelScale { scale: mul_up(self.focal, secant), depth: Some(depth), hidden }
             }
         }
     }
 }
 
-impl Sight {
-    /// As [`View::pixels_of`], at this place.
+impl PixelScale {
+    /// [`View::pixels_of`] at this place.
     #[must_use]
     pub fn pixels_of(&self, error: f64) -> Option<f64> {
         if error == 0.0 || (0.0 < error && error < self.hidden) {
@@ -221,7 +228,7 @@ impl Sight {
         (error > 0.0 && pixels.is_finite()).then_some(pixels)
     }
 
-    /// As [`View::length_of`], at this place.
+    /// [`View::length_of`] at this place.
     #[must_use]
     pub fn length_of(&self, pixels: Pixels) -> Option<f64> {
         let wanted = pixels.get();
@@ -231,8 +238,8 @@ impl Sight {
         };
         let guess = if guess < f64::MAX { guess } else { f64::MAX };
         let fits = |length: &f64| *length > 0.0 && self.pixels_of(*length).is_some_and(|p| p <= wanted);
-        // `pixels_of` rounds up, so the guess may be a few units in the last place too long, and many where the room
-        // before the eye cancels: shorten it by 0, 1, 2, 4, … such units until it fits.
+        // `pixels_of` rounds up, so the guess may be a few units in the last place too long, and many where
+        // the difference `D − ε` cancels: shorten it by 0, 1, 2, 4, … such units until it fits.
         let shortened = |k: i32| guess - guess * (f64::EPSILON * (1_u64 << k) as f64);
         let seen = std::iter::once(guess).chain((0..52).map(shortened)).find(fits).unwrap_or(0.0);
         let unseen = if self.hidden > 0.0 { self.hidden.next_down() } else { 0.0 };
@@ -242,8 +249,8 @@ impl Sight {
 }
 
 /// `tan(fov/2)` from below and above. `libm::tan` is off by less than one unit in the last place and the
-/// conversion to radians by two more, which `tan` magnifies by `x/(sin x·cos x) ≤ (π/2)/cos x` at most. The low
-/// one is not positive when nothing is left of it.
+/// conversion to radians by two more, which `tan` magnifies by `x/(sin x·cos x) ≤ (π/2)/cos x` at most. The
+/// low one is not positive when nothing is left of it.
 fn half_tan(fov_y_deg: f64) -> (f64, f64) {
     let half = fov_y_deg * (std::f64::consts::PI / 360.0);
     let tan = libm::tan(half);
@@ -251,22 +258,23 @@ fn half_tan(fov_y_deg: f64) -> (f64, f64) {
     (tan * (1.0 - slack), tan * (1.0 + slack))
 }
 
-/// How deep and how far off the axis a place lies.
-struct Extent {
-    /// Smallest depth, from below.
+/// The depths of a place and its largest angle off the axis.
+struct ViewExtent {
+    /// Smallest depth, rounded down.
     near: f64,
-    /// Largest depth, from above.
+    /// Largest depth, rounded up.
     far: f64,
-    /// Largest tangent of the angle off the axis, from above; ∞ when the place reaches the plane of the eye.
+    /// Largest tangent of the angle off the axis, rounded up; ∞ when the place reaches the plane of the eye.
     tan: f64,
 }
 
-impl Extent {
+impl ViewExtent {
     /// Nothing is known.
     const UNBOUNDED: Self = Self { near: f64::NEG_INFINITY, far: f64::INFINITY, tan: f64::INFINITY };
 
-    /// Depth is linear and, before the eye, the cone of an angle is convex: the corners have the extremes.
-    fn of(place: &Box3, eye: [f64; 3], forward: [f64; 3]) -> Self {
+    /// Depth is linear and the cone of an angle in front of the eye is convex, so the extremes are at the
+    /// corners.
+    fn from_eye(place: &Box3, eye: [f64; 3], forward: [f64; 3]) -> Self {
         let mut extent = Self { near: f64::INFINITY, far: f64::NEG_INFINITY, tan: 0.0 };
         let forward = glam::DVec3::from(forward);
         // A single point is all of its corners.
@@ -275,8 +283,8 @@ impl Extent {
             let pick = |k: usize| (if corner >> k & 1 == 0 { place.min[k] } else { place.max[k] }) - eye[k];
             let to = glam::DVec3::new(pick(0), pick(1), pick(2));
             // Relative to |to|, in halves of EPSILON: 1 for the difference, 8 for the axis, 3 for the depth's
-            // products and sums, or 2 for each coordinate of the cross product, √3 · 11 together. Below the normal
-            // numbers, roundings are absolute and far less than the smallest of these.
+            // products and sums, or 2 for each coordinate of the cross product, √3 · 11 together. Below the
+            // normal numbers, roundings are absolute and far less than the smallest of these.
             let slack = add_up(16.0 * f64::EPSILON * to.abs().element_sum(), f64::MIN_POSITIVE);
             if !slack.is_finite() {
                 return Self::UNBOUNDED;
@@ -296,7 +304,7 @@ impl Extent {
     }
 }
 
-/// `|v|` from above.
+/// `|v|`, rounded up.
 fn norm_up(v: glam::DVec3) -> f64 {
     sqrt_up(add_up(add_up(mul_up(v.x, v.x), mul_up(v.y, v.y)), mul_up(v.z, v.z)))
 }

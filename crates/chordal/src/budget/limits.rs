@@ -1,20 +1,20 @@
-//! `Budget`: how much may be lost, in units, in pixels at a view, in degrees, or as a number of triangles.
+//! `Budget`: the allowed error, in units, in pixels at a view, in degrees, or as a number of triangles.
 use super::{Pixels, Tolerance, View};
 use crate::math::Box3;
 use std::fmt;
 use std::str::FromStr;
 
-/// What kind of evidence the result must carry.
+/// The evidence that a result must carry.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Require {
-    /// A bound from above that mathematics covers, rounding included.
+pub enum RequiredEvidence {
+    /// A proved upper bound, rounding included.
     #[default]
     Proved,
     /// A measurement is enough.
     Measured,
 }
 
-impl Require {
+impl RequiredEvidence {
     /// The name in a command and in a report.
     #[must_use]
     pub fn as_str(self) -> &'static str {
@@ -25,7 +25,7 @@ impl Require {
     }
 }
 
-/// No name of a kind of evidence that can be asked for.
+/// The error for a text that names no kind of evidence.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownRequirement(String);
 
@@ -37,26 +37,26 @@ impl fmt::Display for UnknownRequirement {
 
 impl std::error::Error for UnknownRequirement {}
 
-impl FromStr for Require {
+impl FromStr for RequiredEvidence {
     type Err = UnknownRequirement;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let all = [Self::Proved, Self::Measured];
         let named = all.into_iter().find(|require| require.as_str() == text);
-        named.ok_or_else(|| UnknownRequirement(text.chars().take(40).collect())) // 40: as much as a message shows
+        named.ok_or_else(|| UnknownRequirement(text.chars().take(40).collect())) // 40: fits in a message
     }
 }
 
-/// An error on the screen, at a view.
+/// An error limit on the screen, at a view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelBudget {
     /// The largest distance on the screen, in device pixels.
     pub pixels: Pixels,
-    /// From where.
+    /// The view.
     pub view: View,
 }
 
-/// Optional limits, of which at least one of `length`, `pixels` and a count is set; all that are set hold.
+/// Optional limits. At least one of `length`, `pixels` and a count must be set; all that are set must hold.
 ///
 /// ```
 /// use chordal::{Budget, Tolerance};
@@ -71,16 +71,16 @@ pub struct Budget {
     pub pixels: Option<PixelBudget>,
     /// The largest angle between the triangles' normals and the true ones, in degrees.
     pub angle_deg: Option<f64>,
-    /// The most triangles.
+    /// The largest number of triangles.
     pub triangles: Option<u64>,
-    /// The most segments of polylines, all together.
+    /// The largest number of polyline segments, all together.
     pub segments: Option<u64>,
-    /// The evidence that is asked for.
-    pub require: Require,
+    /// The required evidence.
+    pub require: RequiredEvidence,
 }
 
 impl Budget {
-    /// A budget of a length alone.
+    /// A budget with a length limit only.
     #[must_use]
     pub fn length(length: Tolerance) -> Self {
         Self { length: Some(length), ..Self::default() }
@@ -92,20 +92,20 @@ impl Budget {
         Self { pixels: Some(PixelBudget { pixels, view }), ..Self::default() }
     }
 
-    /// A budget of triangles alone.
+    /// A budget with a triangle limit only.
     #[must_use]
     pub fn triangles(most: u64) -> Self {
         Self { triangles: Some(most), ..Self::default() }
     }
 
-    /// A budget of segments alone.
+    /// A budget with a segment limit only.
     #[must_use]
     pub fn segments(most: u64) -> Self {
         Self { segments: Some(most), ..Self::default() }
     }
 
-    /// The length that the budget's length and its pixels allow everywhere in `place`: infinite where it has neither, `None` where
-    /// `place` comes so close to the eye that no length is small enough.
+    /// The length that the budget's length and pixel limits allow everywhere in `place`. Infinite where it
+    /// has neither; `None` where `place` comes so close to the eye that no length is small enough.
     ///
     /// ```
     /// use chordal::{Budget, math::Box3};
@@ -125,13 +125,13 @@ impl Budget {
         Some(if by_length < by_view { by_length } else { by_view })
     }
 
-    /// Whether it limits anything that a mesh can be built for.
+    /// Whether it has a limit that a mesh can be built for.
     #[must_use]
     pub fn has_limit(&self) -> bool {
         self.length.is_some() || self.pixels.is_some() || self.triangles.is_some()
     }
 
-    /// Whether it limits anything that a polyline can be built for.
+    /// Whether it has a limit that a polyline can be built for.
     #[must_use]
     pub fn limits_polylines(&self) -> bool {
         self.length.is_some() || self.pixels.is_some() || self.segments.is_some()

@@ -1,25 +1,26 @@
-//! The toll: what may be lost ([`Budget`]), what was lost ([`Bound`]), and under which conditions work runs ([`Job`]).
-mod allowed;
+//! Error budgets and bounds: the error that is allowed ([`Budget`]), the error that was made ([`Bound`]), and
+//! the conditions of a run ([`Job`]).
 mod bound;
 mod bounded;
+mod error_limit;
 mod job;
+mod job_error;
 mod length;
 mod lens;
 mod limits;
 mod parallel;
-mod stopped;
 mod tolerance;
 mod view;
 
-pub(crate) use allowed::Allowed;
 pub use bound::{Bound, Evidence, Metric, Reference};
-pub use bounded::{Bounded, Code, Failure, Refusal};
+pub use bounded::{Bounded, Failure, Refusal, RefusalCode};
+pub(crate) use error_limit::ErrorLimit;
 pub use job::{Job, Progress};
+pub use job_error::JobError;
 pub use length::{InvalidLength, Length, Unit};
-pub use lens::{Lens, Sight};
-pub use limits::{Budget, PixelBudget, Require, UnknownRequirement};
+pub use lens::{Lens, PixelScale};
+pub use limits::{Budget, PixelBudget, RequiredEvidence, UnknownRequirement};
 pub use parallel::par_map;
 pub(crate) use parallel::par_map_owned;
-pub use stopped::Stopped;
 pub use tolerance::{InvalidTolerance, Tolerance};
-pub use view::{Camera, Closest, InvalidView, Pixels, Projection, Screen, View};
+pub use view::{Camera, InvalidView, MinDistanceView, Pixels, Projection, Screen, View};

@@ -1,14 +1,14 @@
-//! Work on the threads of a [`Job`]: order and results are those of one thread.
+//! Parallel work on the threads of a [`Job`]: order and results are those of one thread.
 use super::Job;
 use std::sync::{Mutex, PoisonError};
 
 /// `f(0, &items[0]), f(1, &items[1]), …` in order, on as many threads as the job allows.
 ///
 /// The result is the same on any number of threads as long as `f` depends on its arguments alone. Without the
-/// feature `threads`, or when the machine grants no thread, the caller's own thread does all of it. A job that is
-/// cancelled still runs `f` for every item: an `f` that takes long asks [`Job::is_cancelled`] and returns early.
+/// feature `threads`, or when the machine grants no thread, the caller's thread does all of it. A cancelled
+/// job still runs `f` for every item: an `f` that takes long checks [`Job::is_cancelled`] and returns early.
 ///
-/// Cost: one task a few items; threads are started once a process for each number of threads.
+/// Cost: one task for every few items; threads are started once per process and number of threads.
 ///
 /// ```
 /// use chordal::budget::{Job, par_map};
@@ -34,7 +34,7 @@ pub fn par_map<T: Sync, R: Send>(job: &Job, items: &[T], f: impl Fn(usize, &T) -
     all
 }
 
-/// [`par_map`] over items that `f` consumes: for the few large parts into which a recursion cuts its input.
+/// [`par_map`] over items that `f` consumes: for the few large parts into which a recursion splits its input.
 pub(crate) fn par_map_owned<T: Send, R: Send>(job: &Job, items: Vec<T>, f: impl Fn(T) -> R + Sync) -> Vec<R> {
     if !is_shared(job, items.len()) {
         return items.into_iter().map(f).collect();
@@ -53,18 +53,19 @@ pub(crate) fn par_map_owned<T: Send, R: Send>(job: &Job, items: Vec<T>, f: impl 
         .collect()
 }
 
-/// Tasks of one call at the most: enough that the threads end at nearly the same time.
+/// The largest number of tasks of one call: enough that the threads end at nearly the same time.
 const MOST_TASKS: usize = 256;
 
-/// Whether so many items go to more than one thread.
+/// Whether `n` items are spread over more than one thread.
 fn is_shared(job: &Job, n: usize) -> bool {
     cfg!(feature = "threads") && job.threads != 1 && n > 1
 }
 
 /// `task(0), …, task(n - 1)` on the threads of a job, in any order.
 ///
-/// All that rayon has to do with a call of [`par_map`] is behind this function, which knows no type: compiled for each of
-/// the hundred closures of this crate, rayon's own was half of the crate's functions and a third of its code.
+/// Everything that a call of [`par_map`] does with rayon is behind this non-generic function: compiled for
+/// each of the hundred closures of this crate, rayon's own code was half of the crate's functions and a third
+/// of its code.
 fn for_each(job: &Job, n: usize, task: &(dyn Fn(usize) + Sync)) {
     #[cfg(feature = "threads")]
     job.enter(&mut || {
@@ -79,8 +80,8 @@ fn for_each(job: &Job, n: usize, task: &(dyn Fn(usize) + Sync)) {
 }
 
 impl Job {
-    /// Runs `work` where every [`par_map`] of the same number of threads shares one set of threads: start them once
-    /// around many small steps.
+    /// Runs `work` with one set of threads that every [`par_map`] of the same number of threads shares: use
+    /// it around many small steps.
     pub fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         let (mut work, mut made) = (Some(work), None);
         self.enter(&mut || made = work.take().map(|work| work()));
@@ -91,13 +92,13 @@ impl Job {
     fn enter(&self, work: &mut (dyn FnMut() + Send)) {
         #[cfg(feature = "threads")]
         {
-            // Without a number of threads the host's own pool is right; inside a pool of this size there is one. No
-            // result depends on it: `par_map` keeps the order.
+            // Without a number of threads the host's own pool is right; inside a pool of this size nothing
+            // has to be done. No result depends on it: `par_map` keeps the order.
             let fits =
                 rayon::current_thread_index().is_some() && rayon::current_num_threads() == self.threads;
             if self.threads != 0 && !fits {
-                // A machine that grants no more threads leaves the work to those that there are.
-                if let Some(pool) = pool_of(self.threads) {
+                // Where the machine grants no more threads, the work runs on the current ones.
+                if let Some(pool) = thread_pool(self.threads) {
                     return pool.install(work);
                 }
             }
@@ -106,10 +107,10 @@ impl Job {
     }
 }
 
-/// The pool with that many threads, started once a process: starting one takes 40 µs, which is as long as a small
-/// mesh takes.
+/// The pool with that many threads, started once per process: starting one takes 40 µs, which is as long as a
+/// small mesh takes.
 #[cfg(feature = "threads")]
-fn pool_of(threads: usize) -> Option<std::sync::Arc<rayon::ThreadPool>> {
+fn thread_pool(threads: usize) -> Option<std::sync::Arc<rayon::ThreadPool>> {
     use std::collections::BTreeMap;
     use std::sync::Arc;
     static POOLS: Mutex<BTreeMap<usize, Arc<rayon::ThreadPool>>> = Mutex::new(BTreeMap::new());

@@ -1,4 +1,4 @@
-//! `Tolerance`: a length that is finite and greater than zero; the only way to say "close enough".
+//! `Tolerance`: a length that is finite and greater than zero.
 use std::fmt;
 use std::str::FromStr;
 
@@ -47,7 +47,7 @@ impl FromStr for Tolerance {
     }
 }
 
-/// The text or number that is no tolerance.
+/// The error for a text or number that is no tolerance.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InvalidTolerance(pub(super) String);
 

@@ -1,8 +1,8 @@
-//! `View`: from where a shape is seen. What a length becomes on that screen is the business of [`super::Lens`].
+//! `View`: how a shape is viewed. [`super::Lens`] converts lengths into pixels of the view.
 use std::fmt;
 use std::str::FromStr;
 
-/// A distance on the screen in device pixels, finite and > 0. Reads and shows as `1px`; a bare `1` reads too.
+/// A distance on the screen in device pixels, finite and > 0. Its text is `1px`; a bare `1` is read too.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct Pixels(f64);
 
@@ -51,50 +51,50 @@ pub struct Screen {
     pub height_px: u32,
 }
 
-/// How space becomes a picture.
+/// How space is projected onto the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
-    /// A pinhole.
+    /// Perspective projection, as of a pinhole camera.
     Perspective {
         /// The vertical field of view in degrees, between 0 and 180.
         fov_y_deg: f64,
     },
-    /// Parallel rays.
+    /// Parallel projection.
     Orthographic {
         /// The height of the picture in the shape's units, > 0.
         height: f64,
     },
 }
 
-/// One eye at one place: for work that depends on the view.
+/// A camera at one position: for work that depends on the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Where the eye is.
+    /// The position of the eye.
     pub eye: [f64; 3],
     /// The point in the middle of the picture.
     pub target: [f64; 3],
-    /// A direction that is up in the picture, not along the line of sight.
+    /// The upward direction in the picture; not parallel to the line of sight.
     pub up: [f64; 3],
-    /// Depth below which nothing is drawn, ≥ 0.
+    /// The near plane's depth, below which nothing is drawn, ≥ 0.
     pub near: f64,
-    /// How space becomes a picture.
+    /// The projection.
     pub projection: Projection,
     /// The picture's size.
     pub screen: Screen,
 }
 
-/// An eye anywhere, looking anywhere, but never nearer than `distance` to the shape: for assets.
+/// An eye at any position and in any direction, but never nearer than `distance` to the shape: for assets.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Closest {
-    /// The nearest distance between the eye and the box of the surface, > 0.
+pub struct MinDistanceView {
+    /// The smallest distance between the eye and the bounding box of the surface, > 0.
     pub distance: f64,
-    /// How space becomes a picture.
+    /// The projection.
     pub projection: Projection,
     /// The picture's size.
     pub screen: Screen,
 }
 
-/// From where a shape is seen.
+/// How a shape is viewed.
 ///
 /// ```
 /// use chordal::View;
@@ -105,10 +105,10 @@ pub struct Closest {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum View {
-    /// One eye at one place.
+    /// A camera at one position.
     Camera(Camera),
-    /// Any eye that keeps its distance.
-    Closest(Closest),
+    /// Any eye that keeps a minimum distance.
+    MinDistance(MinDistanceView),
 }
 
 impl Projection {
@@ -126,21 +126,21 @@ impl Projection {
 }
 
 impl View {
-    /// The same view, checked: sizes and distances finite and positive, the axes independent.
+    /// The same view after checks: sizes and distances are finite and positive, and the axes are independent.
     ///
     /// # Errors
     /// [`InvalidView`] with what is wrong.
     pub fn checked(self) -> Result<Self, InvalidView> {
         let (projection, screen) = match &self {
             Self::Camera(camera) => (camera.projection, camera.screen),
-            Self::Closest(closest) => (closest.projection, closest.screen),
+            Self::MinDistance(closest) => (closest.projection, closest.screen),
         };
         projection.checked()?;
         if screen.width_px == 0 || screen.height_px == 0 {
             return Err(InvalidView("the screen must be at least 1x1 pixels".into()));
         }
         match &self {
-            Self::Closest(c) if !(c.distance > 0.0 && c.distance.is_finite()) => {
+            Self::MinDistance(c) if !(c.distance > 0.0 && c.distance.is_finite()) => {
                 Err(InvalidView(format!("dist is a finite length greater than 0, not '{}'", c.distance)))
             }
             Self::Camera(c) if !(c.near >= 0.0 && c.near.is_finite()) => {
@@ -155,12 +155,13 @@ impl View {
 }
 
 impl Camera {
-    /// The unit vectors to the right, up and forward; `None` when eye, target and up give none. Forward is right to 4
-    /// units in the last place of each coordinate; right and up are as uncertain as `up` is close to forward.
+    /// The unit vectors to the right, up and forward; `None` when eye, target and up give none. The error of
+    /// forward is at most 4 units in the last place of each coordinate; right and up are as uncertain as `up`
+    /// is close to forward.
     pub(crate) fn axes(&self) -> Option<[[f64; 3]; 3]> {
         let forward = unit(glam::DVec3::from(self.target) - glam::DVec3::from(self.eye))?;
         let right = forward.cross(unit(glam::DVec3::from(self.up))?);
-        // Closer to one line than this, rounding alone would decide where up is.
+        // Below this, rounding alone would decide the upward direction.
         if right.length() <= 64.0 * f64::EPSILON {
             return None;
         }
@@ -171,7 +172,7 @@ impl Camera {
 
 /// `v` scaled to length 1; `None` when it is 0 or not finite.
 fn unit(v: glam::DVec3) -> Option<glam::DVec3> {
-    // Scaled first, so that no square overflows or vanishes.
+    // Scaled first, so that no square overflows or underflows.
     let scale = v.abs().max_element();
     let scaled = v / scale;
     (v.is_finite() && scale > 0.0).then(|| scaled / scaled.length())
@@ -181,7 +182,7 @@ impl fmt::Display for View {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (projection, screen) = match self {
             Self::Camera(camera) => (camera.projection, camera.screen),
-            Self::Closest(closest) => (closest.projection, closest.screen),
+            Self::MinDistance(closest) => (closest.projection, closest.screen),
         };
         write!(f, "{}x{}", screen.width_px, screen.height_px)?;
         match projection {
@@ -189,7 +190,7 @@ impl fmt::Display for View {
             Projection::Orthographic { height } => write!(f, " height={height}")?,
         }
         match self {
-            Self::Closest(closest) => write!(f, " dist={}", closest.distance),
+            Self::MinDistance(closest) => write!(f, " dist={}", closest.distance),
             Self::Camera(camera) => {
                 for (name, [x, y, z]) in [("eye", camera.eye), ("target", camera.target), ("up", camera.up)] {
                     write!(f, " {name}={x},{y},{z}")?;
@@ -203,8 +204,9 @@ impl fmt::Display for View {
 impl FromStr for View {
     type Err = InvalidView;
 
-    /// Reads `1920x1080 fov=45 dist=4`, `1920x1080 height=3` (parallel rays) or, with `eye=x,y,z target=x,y,z`
-    /// and optionally `up=x,y,z` (default 0,0,1, or 0,1,0 when the eye looks along z) and `near=n`, a camera.
+    /// Reads `1920x1080 fov=45 dist=4`, `1920x1080 height=3` (parallel rays) or, with
+    /// `eye=x,y,z target=x,y,z` and optionally `up=x,y,z` (default 0,0,1, or 0,1,0 when the eye looks along
+    /// z) and `near=n`, a camera.
     fn from_str(text: &str) -> Result<Self, InvalidView> {
         let mut words = text.split_whitespace();
         let size =
@@ -254,7 +256,7 @@ impl FromStr for View {
             (None, None, dist) if up.is_none() && near.is_none() => {
                 let distance = match (dist, projection) {
                     (Some(dist), _) => number("dist", dist)?,
-                    // Parallel rays look the same from every distance.
+                    // With parallel rays the picture is the same from every distance.
                     (None, Projection::Orthographic { .. }) => 1.0,
                     (None, Projection::Perspective { .. }) => {
                         return Err(InvalidView(
@@ -262,7 +264,7 @@ impl FromStr for View {
                         ));
                     }
                 };
-                Self::Closest(Closest { distance, projection, screen })
+                Self::MinDistance(MinDistanceView { distance, projection, screen })
             }
             _ => return Err(InvalidView("eye, target, up and near belong together and exclude dist".into())),
         };

@@ -1,59 +1,66 @@
-//! How far what two meshes carry is apart, measured: texture coordinates, colours, normals, at points close together.
-use crate::budget::{Job, Stopped, Tolerance, par_map};
+//! Measured differences between the attributes of two meshes: texture coordinates, colours, normals, at
+//! nearest points.
+use crate::budget::{Job, JobError, Tolerance, par_map};
 use crate::explicit::{
-    Attribute, Bvh, Domain, Mesh, Semantic, Topology, nearest_on_triangle, nearest_with_distance,
+    Attribute, Bvh, Domain, Mesh, Semantic, Topology, closest_on_triangle, distance_sq_to_triangle,
 };
 use crate::math::elementary::atan2;
 use crate::math::{Box3, cross, difference, dot, exponent, length, power_of_two};
 
-/// How far one attribute of two meshes is apart. All of it is measured: at samples, and rounded.
+/// The difference of one attribute between two meshes. All of it is measured: at samples, and rounded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AttributeDeviation {
-    /// Which attribute.
+    /// The attribute.
     pub semantic: Semantic,
-    /// The largest difference that was found: between samples there may be larger ones. Infinite where a value is not a
-    /// number.
+    /// The largest difference found; there may be larger ones between samples. Infinite where a value is not
+    /// a number.
     pub largest: f64,
-    /// The root of the mean square of the differences, each sample with its share of the area of both meshes.
+    /// The root mean square of the differences, each sample weighted by its share of the area of both meshes.
     pub rms: f64,
-    /// Where the largest was found: a point of one of the two meshes. `None` where nothing differs.
+    /// The location of the largest difference: a point of one of the two meshes. `None` where nothing
+    /// differs.
     pub at: Option<[f64; 3]>,
-    /// How many samples were taken, on both meshes together.
+    /// The number of samples on both meshes together.
     pub samples: u64,
 }
 
 impl AttributeDeviation {
-    /// Whether differences are angles in degrees, as for directions; else they are lengths in the attribute's own numbers.
+    /// Whether differences are angles in degrees, as for directions; otherwise they are lengths in the
+    /// attribute's units.
     #[must_use]
     pub fn is_angle(&self) -> bool {
-        Kind::of(&self.semantic) == Some(Kind::Direction)
+        AttributeMetric::from_semantic(&self.semantic) == Some(AttributeMetric::Direction)
     }
 }
 
-/// How far values at points of one mesh are from those at the nearest points of the other, both ways, for each attribute of
-/// vertices or corners that both have with one width: a measure, with no promise about what lies between samples.
+/// Measures how far attribute values at points of one mesh are from those at the nearest points of the other,
+/// in both directions, for each vertex or corner attribute that both have with the same width. It promises
+/// nothing about points between samples.
 ///
-/// A difference is the Euclidean length of that of two rows in the attribute's own numbers (a texture coordinate of 0.01 is a
-/// hundredth of the texture); for normals and tangents it is the angle in degrees, and 180 where the sign of the bitangent
-/// differs or only one has a direction. Attributes of faces and names of groups are not interpolated, and left out.
+/// A difference is the Euclidean distance between two rows in the attribute's units (a texture coordinate of
+/// 0.01 is a hundredth of the texture). For normals and tangents it is the angle in degrees, and 180 where
+/// the sign of the bitangent differs or only one has a direction. Face attributes and group names are not
+/// interpolated, and left out.
 ///
-/// *Samples.* Four a face, of both meshes: its middle, and one near each corner, a tenth of the way from either side. They are
-/// inside, so that each has one value also beside a line at which values jump.
+/// *Samples.* Four a face, on both meshes: its centre, and one near each corner, a tenth of the way from
+/// either side. They lie inside the face, so that each has one value even beside a seam.
 ///
-/// *Seams.* Beside such a line (texture coordinates that differ at one position, colours by more than two steps of eight
-/// bits, directions by more than 30°) the nearest point may lie on the line's other side, where values belong to
-/// something else. So beside a line of the other mesh a sample is held against each face that touches the line and is as
-/// near as the nearest, and against those that are farther by at most `moved`, and the least difference counts: `moved` is
-/// how far the line may have moved, as the bound that came with a simplified mesh, and `None` for meshes whose lines are in one place. It
-/// forgives differences of a slide by `moved` beside lines, and nowhere else; a line that went lost is found.
+/// *Seams.* At a seam values jump: texture coordinates differ at one position, colours by more than two steps
+/// of eight bits, directions by more than 30°. Beside a seam the nearest point may lie on its other side,
+/// where the values are unrelated. So beside a seam of the other mesh a sample is compared with every face
+/// that touches the seam and is as near as the nearest or farther by at most `moved`, and the least
+/// difference counts. `moved` is how far the seam may have moved, such as the bound of a simplified mesh, and
+/// `None` for meshes whose seams coincide. It forgives differences of a slide by `moved` beside seams, and
+/// nowhere else; a lost seam is found.
 ///
-/// *Thin walls.* Where the nearest face faces the other way, as on the back of a sheet, the nearest of those that face the same
-/// way counts, if one is as near or farther by at most `moved`. Layers that lie upon each other and face alike are not told apart.
+/// *Thin walls.* Where the nearest face faces the other way, as on the back of a sheet, the nearest face that
+/// faces the same way counts, if it is as near or farther by at most `moved`. Coincident layers that face the
+/// same way are not distinguished.
 ///
-/// Without a face on either side there is nothing to compare, and the list is empty.
+/// Where either mesh has no face there is nothing to compare, and the list is empty.
 ///
-/// *Cost.* A tree over each mesh, 4 queries a face and 130 bytes: about 6 µs a face on one core. The same on any number of
-/// threads.
+/// *Cost.* A bounding volume hierarchy over each mesh, 4 queries a face and 130 bytes: about 6 µs a face on
+/// one core. The result is the same on any number of threads.
 ///
 /// # Errors
 /// As for [`Bvh::build`].
@@ -77,12 +84,15 @@ pub fn attribute_deviation(
     b: &Mesh,
     moved: Option<Tolerance>,
     job: &Job,
-) -> Result<Vec<AttributeDeviation>, Stopped> {
+) -> Result<Vec<AttributeDeviation>, JobError> {
     let pairs: Vec<[&Attribute; 2]> = a
         .attributes()
         .iter()
         .filter_map(|of_a| Some([of_a, b.attribute(&of_a.semantic)?]))
-        .filter(|[p, q]| p.width == q.width && Kind::of(&p.semantic).is_some_and(|kind| kind.fits(p.width)))
+        .filter(|[p, q]| {
+            p.width == q.width
+                && AttributeMetric::from_semantic(&p.semantic).is_some_and(|kind| kind.fits(p.width))
+        })
         .filter(|pair| pair.iter().all(|of| of.domain != Domain::Face))
         .collect();
     if pairs.is_empty() || a.faces().is_empty() || b.faces().is_empty() {
@@ -91,48 +101,53 @@ pub fn attribute_deviation(
     job.run(|| {
         let place = a.bounds().union(b.bounds());
         let sides = [
-            Side::new(a, pairs.iter().map(|pair| pair[0]), job)?,
-            Side::new(b, pairs.iter().map(|pair| pair[1]), job)?,
+            AttributeMesh::new(a, pairs.iter().map(|pair| pair[0]), job)?,
+            AttributeMesh::new(b, pairs.iter().map(|pair| pair[1]), job)?,
         ];
-        let looked = Look { scale: Look::scale_of(&place), reach: moved.map_or(0.0, Tolerance::get), job };
-        let mut all = vec![Tally::default(); pairs.len()];
+        let looked = AttributeComparison {
+            scale: AttributeComparison::scale_of(&place),
+            reach: moved.map_or(0.0, Tolerance::get),
+            job,
+        };
+        let mut all = vec![AttributeErrorStats::default(); pairs.len()];
         for [from, to] in [[&sides[0], &sides[1]], [&sides[1], &sides[0]]] {
-            looked.from(from, to).iter().for_each(|chunk| add(&mut all, chunk));
+            looked.sample(from, to).iter().for_each(|chunk| add(&mut all, chunk));
         }
         if job.is_cancelled() {
-            return Err(Stopped::Cancelled);
+            return Err(JobError::Cancelled);
         }
-        let said = |(pair, tally): (&[&Attribute; 2], &Tally)| tally.said(&pair[0].semantic);
+        let said =
+            |(pair, tally): (&[&Attribute; 2], &AttributeErrorStats)| tally.finished(&pair[0].semantic);
         Ok(pairs.iter().zip(&all).map(said).collect())
     })
 }
 
-/// Weights of the samples of a face. Chosen: a tenth from each side near a corner.
+/// Barycentric weights of the samples of a face. Chosen: a tenth from each side near a corner.
 const SAMPLES: [[f64; 3]; 4] = [[1.0 / 3.0; 3], [0.8, 0.1, 0.1], [0.1, 0.8, 0.1], [0.1, 0.1, 0.8]];
 /// Faces a chunk. Chosen: a millisecond of work.
 const CHUNK: usize = 256;
-/// Faces around that are looked at for one sample at most, so that no mesh of lines alone takes forever; what is cut off only
-/// leaves a difference larger. Chosen.
+/// The most faces tested for one sample, so that a mesh of nothing but seams stays fast; the cutoff can only
+/// make a difference larger. Chosen.
 const MOST_AROUND: usize = 2048;
-/// Directions that are farther apart than 30° make a line: that of a crease, as for meshes without normals.
+/// Directions that are farther apart than 30° make a seam: the crease angle used for meshes without normals.
 const CREASE_COSINE: f64 = 0.866_025_403_784_438_6;
-/// Colours that are no farther apart are one: two steps of eight bits.
+/// Colours that are no farther apart count as equal: two steps of eight bits.
 const COLOR_STEP: f64 = 2.0 / 255.0;
 
 /// How values are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    /// The angle between the first three numbers.
+enum AttributeMetric {
+    /// The angle between the first three components.
     Direction,
-    /// The length of the difference; a line only beyond a step.
+    /// The length of the difference; a seam only beyond [`COLOR_STEP`].
     Color,
-    /// The length of the difference; a line wherever values differ.
+    /// The length of the difference; a seam wherever values differ.
     Value,
 }
 
-impl Kind {
-    /// `None` for numbers that name something.
-    fn of(semantic: &Semantic) -> Option<Self> {
+impl AttributeMetric {
+    /// `None` for values that name something.
+    fn from_semantic(semantic: &Semantic) -> Option<Self> {
         match semantic {
             Semantic::Normal | Semantic::Tangent => Some(Self::Direction),
             Semantic::Color(_) => Some(Self::Color),
@@ -145,8 +160,8 @@ impl Kind {
         if self == Self::Direction { width == 3 || width == 4 } else { width > 0 }
     }
 
-    /// Whether two rows at one position are so far apart that they make a line.
-    fn jumps(self, a: &[f64], b: &[f64]) -> bool {
+    /// Whether two rows at one position are so far apart that they make a seam.
+    fn is_discontinuous(self, a: &[f64], b: &[f64]) -> bool {
         match self {
             Self::Direction => {
                 let [p, q] = [a, b].map(|v| [v[0], v[1], v[2]]);
@@ -159,42 +174,47 @@ impl Kind {
     }
 }
 
-/// One mesh with its tree and what it carries.
-struct Side<'a> {
+/// A mesh with its bounding volume hierarchy and attributes.
+struct AttributeMesh<'a> {
     mesh: &'a Mesh,
     bvh: Bvh,
-    carried: Vec<Carried<'a>>,
+    carried: Vec<SeamedAttribute<'a>>,
 }
 
-impl<'a> Side<'a> {
-    fn new(mesh: &'a Mesh, carried: impl Iterator<Item = &'a Attribute>, job: &Job) -> Result<Self, Stopped> {
+impl<'a> AttributeMesh<'a> {
+    fn new(
+        mesh: &'a Mesh,
+        carried: impl Iterator<Item = &'a Attribute>,
+        job: &Job,
+    ) -> Result<Self, JobError> {
         let bvh = Bvh::build(mesh, job)?;
-        // Rows at one place are one position, whatever the file says: values at a seam are often rows of their own.
+        // Rows with equal coordinates are one position, whatever the indices are: values at a seam often have
+        // rows of their own.
         let ids = Topology::Positions.ids(mesh).unwrap_or_default();
-        let carried = carried.map(|attribute| Carried::new(mesh, attribute, (&ids, job)));
+        let carried = carried.map(|attribute| SeamedAttribute::new(mesh, attribute, (&ids, job)));
         Ok(Self { mesh, bvh, carried: carried.collect::<Result<_, _>>()? })
     }
 }
 
-/// One attribute, and the faces beside its lines.
-struct Carried<'a> {
+/// An attribute and the faces beside its seams.
+struct SeamedAttribute<'a> {
     attribute: &'a Attribute,
-    kind: Kind,
-    beside: Option<Beside>,
+    kind: AttributeMetric,
+    seam: Option<SeamFaces>,
 }
 
-/// The faces that touch a line, in a tree of their own.
-struct Beside {
+/// The faces that touch a seam, in a hierarchy of their own.
+struct SeamFaces {
     bvh: Bvh,
-    /// By the tree's faces: those of the mesh.
+    /// Maps the hierarchy's faces to those of the mesh.
     faces: Vec<u32>,
 }
 
-impl<'a> Carried<'a> {
-    fn new(mesh: &'a Mesh, attribute: &'a Attribute, (ids, job): (&[u32], &Job)) -> Result<Self, Stopped> {
-        let kind = Kind::of(&attribute.semantic).unwrap_or(Kind::Value);
-        let mut carried = Self { attribute, kind, beside: None };
-        // Every corner against the first at its position.
+impl<'a> SeamedAttribute<'a> {
+    fn new(mesh: &'a Mesh, attribute: &'a Attribute, (ids, job): (&[u32], &Job)) -> Result<Self, JobError> {
+        let kind = AttributeMetric::from_semantic(&attribute.semantic).unwrap_or(AttributeMetric::Value);
+        let mut carried = Self { attribute, kind, seam: None };
+        // Compares every corner with the first at its position.
         let mut first = vec![u32::MAX; ids.len()];
         let mut on_line = vec![false; ids.len()];
         let rows = mesh.faces().as_flattened();
@@ -204,7 +224,7 @@ impl<'a> Carried<'a> {
                 first[id] = corner as u32;
             } else if !on_line[id] {
                 let [p, q] = [first[id] as usize, corner].map(|c| carried.row(c, rows[c]));
-                on_line[id] = kind.jumps(p, q);
+                on_line[id] = kind.is_discontinuous(p, q);
             }
         }
         let touches = |face: &[u32; 3]| face.iter().any(|row| on_line[ids[*row as usize] as usize]);
@@ -213,35 +233,36 @@ impl<'a> Carried<'a> {
         if !faces.is_empty() {
             let corners = faces.iter().map(|face| mesh.faces()[*face as usize]).collect();
             let part = Mesh::by_construction(mesh.positions().to_vec(), corners);
-            carried.beside = Some(Beside { bvh: Bvh::build(&part, job)?, faces });
+            carried.seam = Some(SeamFaces { bvh: Bvh::build(&part, job)?, faces });
         }
         Ok(carried)
     }
 
-    /// The row of a corner, which stands at a row of the positions.
+    /// The attribute row of a corner whose position has the given row.
     fn row(&self, corner: usize, position: u32) -> &[f64] {
         self.attribute.row(if self.attribute.domain == Domain::Corner { corner } else { position as usize })
     }
 
-    /// Number `k` of the value at a point of a face. Where all corners have one value, that.
-    fn at(&self, mesh: &Mesh, point: &OnFace, k: usize) -> f64 {
+    /// Component `k` of the value at a point of a face. Exact where all corners have one value.
+    fn at(&self, mesh: &Mesh, point: &BarycentricPoint, k: usize) -> f64 {
         let of = |i: usize| self.row(3 * point.face as usize + i, mesh.faces()[point.face as usize][i])[k];
         let [a, b, c] = [of(0), of(1), of(2)];
         a + point.weights[1] * (b - a) + point.weights[2] * (c - a)
     }
 }
 
-/// A point of a face by its weights.
-struct OnFace {
+/// A point of a face by barycentric weights.
+struct BarycentricPoint {
     face: u32,
     weights: [f64; 3],
 }
 
-/// The difference between the values at a point of each side.
-fn apart([a, b]: [(&Mesh, &Carried, &OnFace); 2]) -> f64 {
-    let at = |(mesh, carried, point): (&Mesh, &Carried, &OnFace), k| carried.at(mesh, point, k);
+/// The difference between the values at a point of each mesh.
+fn value_difference([a, b]: [(&Mesh, &SeamedAttribute, &BarycentricPoint); 2]) -> f64 {
+    let at =
+        |(mesh, carried, point): (&Mesh, &SeamedAttribute, &BarycentricPoint), k| carried.at(mesh, point, k);
     let width = a.1.attribute.width;
-    let found = if a.1.kind == Kind::Direction {
+    let found = if a.1.kind == AttributeMetric::Direction {
         let [p, q] = [a, b].map(|side| std::array::from_fn(|k| at(side, k)));
         let signs_differ = width == 4 && at(a, 3) * at(b, 3) < 0.0;
         angle_deg(p, q, signs_differ)
@@ -262,23 +283,23 @@ fn angle_deg(p: [f64; 3], q: [f64; 3], is_mirrored: bool) -> f64 {
     }
 }
 
-/// What was found of one attribute.
+/// Accumulated differences of one attribute.
 #[derive(Clone, Debug, Default)]
-struct Tally {
+struct AttributeErrorStats {
     largest: f64,
     at: Option<[f64; 3]>,
-    /// Squares times weights, and weights.
+    /// The sum of weighted squares, and of the weights.
     sum: f64,
     weight: f64,
     samples: u64,
 }
 
-impl Tally {
-    fn see(&mut self, off: f64, p: [f64; 3], weight: f64) {
+impl AttributeErrorStats {
+    fn add_sample(&mut self, off: f64, p: [f64; 3], weight: f64) {
         if off > self.largest {
             (self.largest, self.at) = (off, Some(p));
         }
-        // What has no area has no share, whatever it carries.
+        // Faces without area have no weight, whatever their values.
         if weight > 0.0 {
             self.sum += weight * off * off;
             self.weight += weight;
@@ -286,16 +307,16 @@ impl Tally {
         self.samples += 1;
     }
 
-    fn said(&self, semantic: &Semantic) -> AttributeDeviation {
+    fn finished(&self, semantic: &Semantic) -> AttributeDeviation {
         let Self { largest, at, sum, weight, samples } = *self;
         let rms = if weight > 0.0 { (sum / weight).sqrt() } else { largest };
-        // Rounding of the mean takes it past the largest where all differences are one.
+        // Rounding may take the mean beyond the largest where all differences are equal.
         let rms = if rms < largest { rms } else { largest };
         AttributeDeviation { semantic: semantic.clone(), largest, rms, at, samples }
     }
 }
 
-fn add(all: &mut [Tally], more: &[Tally]) {
+fn add(all: &mut [AttributeErrorStats], more: &[AttributeErrorStats]) {
     for (all, more) in all.iter_mut().zip(more) {
         if more.largest > all.largest {
             (all.largest, all.at) = (more.largest, more.at);
@@ -306,80 +327,91 @@ fn add(all: &mut [Tally], more: &[Tally]) {
     }
 }
 
-/// How it is looked.
-struct Look<'a> {
-    /// Brings the extent to about 1, so that no product leaves the range of f64: a power of two.
+/// The parameters of a comparison.
+struct AttributeComparison<'a> {
+    /// A power of two that scales the extent to about 1, so that no product leaves the range of f64.
     scale: f64,
-    /// By how much a line may have moved.
+    /// How far a seam may have moved.
     reach: f64,
     job: &'a Job,
 }
 
-/// Two distances are one if they differ by a share of this of themselves, and by no more than this of the extent: a nearest point is
-/// rounded by some dozens of units in the last place. Chosen: 2⁻⁴⁰, far more than that.
+/// Two distances are equal if they differ by at most this relative to themselves plus this relative to the
+/// extent: a closest point is rounded by some dozens of units in the last place. Chosen: 2⁻⁴⁰, far more than
+/// that.
 const AS_NEAR: f64 = 1.0 / (1_u64 << 40) as f64;
 
-impl Look<'_> {
+impl AttributeComparison<'_> {
     fn scale_of(place: &Box3) -> f64 {
         let largest = place.min.iter().chain(&place.max);
         let largest = largest.fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
-        // A scale and its inverse are normal numbers.
+        // The scale and its inverse are normal numbers.
         power_of_two(-exponent(largest).clamp(-1000, 1000))
     }
 
-    /// What samples of one side find on the other, by chunk and attribute.
-    fn from(&self, from: &Side, to: &Side) -> Vec<Vec<Tally>> {
+    /// Compares the samples of one mesh with the other, by chunk and attribute.
+    fn sample(&self, from: &AttributeMesh, to: &AttributeMesh) -> Vec<Vec<AttributeErrorStats>> {
         let chunks: Vec<&[[u32; 3]]> = from.mesh.faces().chunks(CHUNK).collect();
         par_map(self.job, &chunks, |number, chunk| {
-            let mut found = vec![Tally::default(); from.carried.len()];
+            let mut found = vec![AttributeErrorStats::default(); from.carried.len()];
             if !self.job.is_cancelled() {
                 for i in 0..chunk.len() {
-                    self.face(from, to, ((CHUNK * number + i) as u32, &mut found));
+                    self.sample_face(from, to, ((CHUNK * number + i) as u32, &mut found));
                 }
             }
             found
         })
     }
 
-    fn face(&self, from: &Side, to: &Side, (face, found): (u32, &mut [Tally])) {
+    fn sample_face(
+        &self,
+        from: &AttributeMesh,
+        to: &AttributeMesh,
+        (face, found): (u32, &mut [AttributeErrorStats]),
+    ) {
         let corners = from.mesh.corners(face as usize);
         let normal = self.normal(corners);
         let share = length(normal) / SAMPLES.len() as f64;
         for weights in SAMPLES {
             let p = std::array::from_fn(|k| (0..3).map(|i| weights[i] * corners[i][k]).sum());
-            let here = OnFace { face, weights };
+            let here = BarycentricPoint { face, weights };
             let Some(near) = to.bvh.closest_point(p) else { continue };
             let at = (p, near.distance_sq.sqrt());
-            let mut there = OnFace { face: near.face, weights: near.barycentric };
+            let mut there = BarycentricPoint { face: near.face, weights: near.barycentric };
             if dot(normal, self.normal(to.mesh.corners(near.face as usize))) < 0.0 {
-                there = self.facing(&to.bvh, at, normal).unwrap_or(there);
+                there = self.nearest_facing(&to.bvh, at, normal).unwrap_or(there);
             }
             for ((own, other), found) in from.carried.iter().zip(&to.carried).zip(&mut *found) {
-                let apart_from = |there: &OnFace| apart([(from.mesh, own, &here), (to.mesh, other, there)]);
+                let apart_from = |there: &BarycentricPoint| {
+                    value_difference([(from.mesh, own, &here), (to.mesh, other, there)])
+                };
                 let mut least = apart_from(&there);
-                if let Some(beside) = other.beside.as_ref().filter(|_| least > 0.0) {
-                    self.around(&beside.bvh, at, |near| {
+                if let Some(beside) = other.seam.as_ref().filter(|_| least > 0.0) {
+                    self.faces_about(&beside.bvh, at, |near| {
                         let face = beside.faces[near.face as usize];
-                        let off =
-                            apart_from(&OnFace { face, weights: nearest_on_triangle(near.q, near.corners) });
+                        let off = apart_from(&BarycentricPoint {
+                            face,
+                            weights: closest_on_triangle(near.q, near.corners),
+                        });
                         least = if off < least { off } else { least };
                     });
                 }
-                found.see(least, p, share);
+                found.add_sample(least, p, share);
             }
         }
     }
 
-    /// Twice the area of a triangle along its normal, scaled.
+    /// The normal of a triangle with twice its area as length, scaled.
     fn normal(&self, corners: [[f64; 3]; 3]) -> [f64; 3] {
         let [a, b, c] = corners.map(|p| p.map(|x| x * self.scale));
         cross(difference(b, a), difference(c, a))
     }
 
-    /// The nearest point on faces that face a direction, where one is about as near as the nearest of all.
-    fn facing(&self, bvh: &Bvh, at: ([f64; 3], f64), normal: [f64; 3]) -> Option<OnFace> {
-        let mut best: Option<(f64, OnFace)> = None;
-        self.around(bvh, at, |near| {
+    /// The nearest point on a face that faces the direction `normal`, if it is about as near as the nearest
+    /// of all.
+    fn nearest_facing(&self, bvh: &Bvh, at: ([f64; 3], f64), normal: [f64; 3]) -> Option<BarycentricPoint> {
+        let mut best: Option<(f64, BarycentricPoint)> = None;
+        self.faces_about(bvh, at, |near| {
             let [a, b, c] = near.corners;
             if dot(normal, cross(difference(b, a), difference(c, a))) <= 0.0 {
                 return;
@@ -388,36 +420,37 @@ impl Look<'_> {
                 near.off_sq < *least || (near.off_sq == *least && near.face < known.face)
             });
             if is_better {
-                let weights = nearest_on_triangle(near.q, near.corners);
-                best = Some((near.off_sq, OnFace { face: near.face, weights }));
+                let weights = closest_on_triangle(near.q, near.corners);
+                best = Some((near.off_sq, BarycentricPoint { face: near.face, weights }));
             }
         });
         best.map(|(_, point)| point)
     }
 
-    /// The faces of a tree that are as near to `p` as the nearest of all, at that distance, or may have been.
-    fn around(&self, bvh: &Bvh, (p, distance): ([f64; 3], f64), mut see: impl FnMut(&Near)) {
+    /// Visits the faces of a hierarchy that are about as near to `p` as the nearest of all, at that distance,
+    /// or may have been before seams moved.
+    fn faces_about(&self, bvh: &Bvh, (p, distance): ([f64; 3], f64), mut see: impl FnMut(&NearbyFace)) {
         let radius = distance + AS_NEAR * distance + self.reach + AS_NEAR / self.scale;
         let q = p.map(|x| x * self.scale);
         let limit = (radius * self.scale) * (radius * self.scale);
         let mut n_seen = 0;
-        bvh.around(p, radius, |row| {
+        bvh.rows_near(p, radius, |row| {
             n_seen += 1;
             if n_seen > MOST_AROUND {
                 return;
             }
             let (corners, face) = bvh.triangle_of(row);
             let corners = corners.map(|p| p.map(|x| x * self.scale));
-            let off_sq = nearest_with_distance(q, corners);
+            let off_sq = distance_sq_to_triangle(q, corners);
             if off_sq <= limit {
-                see(&Near { q, corners, face, off_sq });
+                see(&NearbyFace { q, corners, face, off_sq });
             }
         });
     }
 }
 
-/// A face of a tree near a point, scaled.
-struct Near {
+/// A face near a point, scaled.
+struct NearbyFace {
     q: [f64; 3],
     corners: [[f64; 3]; 3],
     face: u32,

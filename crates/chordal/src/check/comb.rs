@@ -1,24 +1,24 @@
-//! The curvature comb of a path in the plane: how strongly it bends, drawn as teeth across it.
-use crate::explicit::{Curve, Piece};
+//! The curvature comb of a planar path: normals with lengths proportional to the curvature.
+use crate::explicit::{Curve, CurveSegment};
 
 /// One tooth of a comb.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tooth {
     /// The parameter on the path (see [`Curve::at`]).
     pub place: f64,
-    /// Where the tooth stands.
+    /// The point of the path where the tooth starts.
     pub on_curve: [f64; 2],
-    /// Where it ends: on the outer side of the bend.
+    /// The end of the tooth: on the outer side of the bend.
     pub tip: [f64; 2],
-    /// One over the radius of the circle that fits best, positive where the path turns left.
+    /// The inverse of the radius of the osculating circle, positive where the path turns left.
     pub curvature: f64,
 }
 
-/// The comb of each piece, in order: `n + 1` teeth at equal steps of the parameter, both ends of the piece included,
-/// each as long as the curvature there times `scale`. Where two pieces meet there are two teeth, and they end in the
-/// same point just where the direction and the curvature are the same.
+/// The comb of each piece, in order: `n + 1` teeth at equal parameter steps, both ends of the piece included,
+/// each as long as the curvature there times `scale`. Two teeth start where two pieces meet; they end in the
+/// same point exactly where direction and curvature are the same.
 ///
-/// A place where the path stands still, as in a cusp, has no curvature and no tooth.
+/// A point with zero speed, as in a cusp, has no curvature and no tooth.
 ///
 /// ```
 /// use chordal::{Bezier, check};
@@ -33,7 +33,7 @@ pub struct Tooth {
 #[must_use]
 pub fn curvature_comb(curve: &Curve<2>, n: usize, scale: f64) -> Vec<Vec<Tooth>> {
     let steps = n.max(1);
-    let of_piece = |(index, piece): (usize, &Piece<2>)| {
+    let of_piece = |(index, piece): (usize, &CurveSegment<2>)| {
         (0..=steps)
             .filter_map(|i| {
                 let t = i as f64 / steps as f64;
@@ -41,17 +41,17 @@ pub fn curvature_comb(curve: &Curve<2>, n: usize, scale: f64) -> Vec<Vec<Tooth>>
             })
             .collect()
     };
-    curve.pieces().iter().enumerate().map(of_piece).collect()
+    curve.segments().iter().enumerate().map(of_piece).collect()
 }
 
-fn tooth(piece: &Piece<2>, t: f64, scale: f64) -> Option<Tooth> {
+fn tooth(piece: &CurveSegment<2>, t: f64, scale: f64) -> Option<Tooth> {
     let (on_curve, first, second) = (piece.at(t), piece.tangent(t), piece.second_derivative(t));
     let speed = (first[0] * first[0] + first[1] * first[1]).sqrt();
     let curvature = (first[0] * second[1] - first[1] * second[0]) / (speed * speed * speed);
     if !curvature.is_finite() {
         return None;
     }
-    // The left normal is (-y', x') / speed; the outer side of a turn to the left is its right.
+    // The left normal is (-y', x') / speed; the outer side of a left turn is on the right.
     let reach = scale * curvature / speed;
     let tip = [on_curve[0] + reach * first[1], on_curve[1] - reach * first[0]];
     tip.iter().all(|x| x.is_finite()).then_some(Tooth { place: t, on_curve, tip, curvature })
@@ -64,8 +64,9 @@ mod tests {
 
     #[test]
     fn an_almost_circle_has_teeth_of_almost_one_length_pointing_outwards() {
-        // The usual cubic for a quarter of the unit circle. Its curvature is least at the ends, where it is two thirds of
-        // the distance of the third control point from the tangent over the square of that of the second: 0.97853.
+        // The usual cubic for a quarter of the unit circle. Its curvature is least at the ends, where it is
+        // two thirds of the distance of the third control point from the tangent over the square of that of
+        // the second: 0.97853.
         let k = 4.0 / 3.0 * (2.0_f64.sqrt() - 1.0);
         let quarter = Bezier { control: [[1.0, 0.0], [1.0, k], [k, 1.0], [0.0, 1.0]] };
         let least = 2.0 / 3.0 * (1.0 - k) / (k * k);
@@ -76,7 +77,7 @@ mod tests {
         for tooth in comb {
             assert!((tooth.curvature - 1.0).abs() <= 1.0 - least + 1e-12, "{tooth:?}");
             let [x, y] = tooth.tip;
-            // The radius of this cubic is right to 3e-4.
+            // The radius of this cubic is accurate to 3e-4.
             assert!(((x * x + y * y).sqrt() - 1.0 - tooth.curvature).abs() < 5e-4, "{tooth:?}");
         }
         let back = &curvature_comb(&quarter.reversed().into(), 16, 1.0)[0];
@@ -87,7 +88,7 @@ mod tests {
 
     #[test]
     fn a_line_has_teeth_without_length_and_a_point_none() {
-        let line = Curve::new(vec![Piece::Line([[0.0, 0.0], [2.0, 1.0]])], false).unwrap();
+        let line = Curve::new(vec![CurveSegment::Line([[0.0, 0.0], [2.0, 1.0]])], false).unwrap();
         let comb = curvature_comb(&line, 4, 3.0);
         assert!(comb[0].len() == 5 && comb[0].iter().all(|tooth| tooth.tip == tooth.on_curve));
         let still = Bezier { control: [[1.0, 1.0]; 4] };

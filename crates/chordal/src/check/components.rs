@@ -1,26 +1,26 @@
-//! `Component`: what holds of each set of faces that hang together by edges.
-use super::fans::{Ending, count_fans, walk_boundary};
+//! `Component`: the properties of each set of faces connected by edges.
+use super::connectivity::MeshConnectivity;
+use super::edge_topology::{connected_faces, find_non_orientable};
+use super::fans::{BoundaryKind, count_fans, walk_boundary};
 use super::finding::{Finding, Witness};
 use super::measure::{Measure, power_of_two_near};
-use super::nesting::{Nested, nest};
-use super::pieces::{find_one_sided, joined_faces};
-use super::surface::Surface;
-use crate::budget::{Job, Stopped};
+use super::nesting::{NestingDepth, nesting_depths};
+use crate::budget::{Job, JobError};
 use crate::explicit::{Mesh, Topology, Twin, next_in_face};
 use crate::math::Box3;
 use glam::DVec3;
 
-/// Which way the front of a component looks.
+/// Which way the front of a component faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Facing {
     /// Away from the material: out of a solid, into a cavity.
     Outward,
     /// Into the material: the component is wound inside out.
     InsideOut,
-    /// There are two sides, but the volume between them is zero up to rounding, or the component lies on the surface
-    /// of another one.
+    /// There are two sides, but the enclosed volume is zero up to rounding, or the component lies on the
+    /// surface of another one.
     Undecided,
-    /// There is no inside: an edge has one face only, or is not run through as often forwards as backwards.
+    /// There is no inside: an edge has only one face, or is not traversed equally often in both directions.
     NoInside,
 }
 
@@ -37,7 +37,7 @@ impl Facing {
     }
 }
 
-/// A set of faces that hang together by edges.
+/// A set of faces connected by edges.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Component {
     /// The lowest of its faces.
@@ -50,53 +50,56 @@ pub struct Component {
     pub positions: u64,
     /// Edges with one face.
     pub boundary_edges: u64,
-    /// Closed strings of them.
+    /// Closed paths of boundary edges.
     pub boundary_loops: u64,
-    /// Every edge has at least two faces.
+    /// Whether every edge has at least two faces.
     pub closed: bool,
-    /// No edge has more than two faces.
+    /// Whether no edge has more than two faces.
     pub edge_manifold: bool,
-    /// Its faces at each position are one fan.
+    /// Whether its faces at each position form one fan.
     pub vertex_manifold: bool,
-    /// Both faces of every edge with two are wound alike.
+    /// Whether the two faces of every edge with two are wound consistently.
     pub oriented: bool,
-    /// They could be.
+    /// Whether they could be wound consistently.
     pub orientable: bool,
-    /// Positions − edges + faces.
+    /// Euler characteristic: positions − edges + faces.
     pub euler: i64,
-    /// Handles, each boundary loop closed by a disc; `None` where the component is no manifold or not orientable.
+    /// Handles, with each boundary loop closed by a disc; `None` where the component is not manifold or not
+    /// orientable.
     pub genus: Option<u64>,
-    /// The box of its corners.
+    /// The bounding box of its corners.
     pub bounds: Box3,
-    /// Its area, and the volume between its sides, which means something where it has an inside.
+    /// Its area, and the enclosed volume, which is meaningful where it has an inside.
     pub measure: Measure,
-    /// How many other components with an inside enclose it; `None` where it or one of them has none that is decided.
+    /// The number of other components with an inside that enclose it; `None` where it has no inside or this
+    /// is undecided.
     pub depth: Option<u32>,
-    /// Which way its front looks.
+    /// Which way its front faces.
     pub facing: Facing,
 }
 
 impl Component {
-    /// Edge- and vertex-manifold.
+    /// Whether it is edge-manifold and vertex-manifold.
     #[must_use]
     pub fn manifold(&self) -> bool {
         self.edge_manifold && self.vertex_manifold
     }
 }
 
-/// What holds of each component of `mesh`, in the order of their first faces, two rows being one position where
-/// `topology` says so. Faces with two corners at one position belong to none.
+/// The connected components of `mesh`, in the order of their first faces, with two rows being one position
+/// where `topology` says so. Faces with two corners at one position belong to no component.
 ///
-/// *Outward* takes nested shells into account. A component with an inside (closed, and every edge run through as often
-/// forwards as backwards) encloses another one when the winding number around it is not 0 at one of seven vertices of
-/// the other, its first and the six outermost, and 0 at none; vertices on its surface are left out. A component within
-/// an even number of others is a solid, and outward when its signed volume is positive; within an odd number it is a
-/// cavity, and outward when that is negative. Winding numbers are exact; the volume is rounded, and decides where it
-/// is farther from 0 than rounding can have moved it. Components that cross each other are taken one by one.
+/// *Outward* accounts for nested shells. A component has an inside if it is closed and every edge is
+/// traversed equally often in both directions. It encloses another component if its winding number is nonzero
+/// around one of seven vertices of the other, its first and the six outermost, and zero around none of them;
+/// vertices on its surface are skipped. A component within an even number of others is a solid, and outward
+/// when its signed volume is positive; within an odd number it is a cavity, and outward when that is
+/// negative. Winding numbers are exact. The volume is rounded, and decides where it is farther from 0 than
+/// the rounding error. Components that cross each other are judged individually.
 ///
-/// Linear time, about 0.1 s per million triangles on one core; with several components that enclose each other, a tree
-/// of boxes and some microseconds a component more, on every thread: [`Surface::components_under`] does the same under
-/// the conditions of a job.
+/// Linear time, about 0.1 s per million triangles on one core. Several components that enclose each other add
+/// a bounding volume hierarchy and some microseconds a component, on all threads.
+/// [`MeshConnectivity::components_under`] does the same under the limits of a job.
 ///
 /// ```
 /// use chordal::{Mesh, check::{Facing, components}, explicit::Topology};
@@ -108,10 +111,10 @@ impl Component {
 /// ```
 #[must_use]
 pub fn components(mesh: &Mesh, topology: Topology) -> Vec<Component> {
-    components_of(&Surface::new(mesh, topology))
+    components_of(&MeshConnectivity::new(mesh, topology))
 }
 
-/// The components that are wound inside out: the place is their first face.
+/// The components that are wound inside out, each located by its first face.
 #[must_use]
 pub fn inside_out(mesh: &Mesh, components: &[Component]) -> Finding {
     let mut found = Finding::default();
@@ -121,7 +124,7 @@ pub fn inside_out(mesh: &Mesh, components: &[Component]) -> Finding {
     found
 }
 
-/// Whether all components are wound outward: false when one is inside out, `None` when it is not decided for one, or
+/// Whether all components are wound outward: false when one is inside out, `None` when one is undecided or
 /// there is none.
 #[must_use]
 pub fn outward(components: &[Component]) -> Option<bool> {
@@ -133,53 +136,53 @@ pub fn outward(components: &[Component]) -> Option<bool> {
     decided.then_some(true)
 }
 
-/// No component.
+/// Label of a face without component.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// [`components`] under the conditions of a job.
-pub(super) fn components_under(surface: &Surface, job: &Job) -> Result<Vec<Component>, Stopped> {
+/// [`components`] under the limits of a job.
+pub(super) fn components_under(surface: &MeshConnectivity, job: &Job) -> Result<Vec<Component>, JobError> {
     if job.is_cancelled() {
-        return Err(Stopped::Cancelled);
+        return Err(JobError::Cancelled);
     }
-    let shapes = Shapes::of(surface);
-    let depths = nest(surface.mesh, &shapes, job)?;
-    Ok(shapes.faced(depths))
+    let shapes = ComponentSet::from_connectivity(surface);
+    let depths = nesting_depths(surface.mesh, &shapes, job)?;
+    Ok(shapes.with_facings(depths))
 }
 
-/// [`components`]: where the tree of boxes is refused, which takes more triangles than it can name, or more memory than
-/// any job is given unasked, what encloses what stays open.
-pub(super) fn components_of(surface: &Surface) -> Vec<Component> {
-    let shapes = Shapes::of(surface);
-    let nested = nest(surface.mesh, &shapes, &Job::default());
-    let depths = nested.unwrap_or_else(|_| vec![Nested::Touching; shapes.found.len()]);
-    shapes.faced(depths)
+/// [`components`]. Nesting stays undecided where the bounding volume hierarchy is refused: for more triangles
+/// than it can number, or more memory than the default job allows.
+pub(super) fn components_of(surface: &MeshConnectivity) -> Vec<Component> {
+    let shapes = ComponentSet::from_connectivity(surface);
+    let nested = nesting_depths(surface.mesh, &shapes, &Job::default());
+    let depths = nested.unwrap_or_else(|_| vec![NestingDepth::Touching; shapes.found.len()]);
+    shapes.with_facings(depths)
 }
 
-/// The components, of which nobody knows yet which side is out.
-pub(super) struct Shapes {
+/// The components before their facing is known.
+pub(super) struct ComponentSet {
     pub found: Vec<Component>,
     /// The component of each face, or [`NONE`].
     pub labels: Vec<u32>,
-    /// The sign of the volume of each with an inside.
+    /// The sign of the volume of each component with an inside.
     pub signs: Vec<Option<i8>>,
 }
 
-impl Shapes {
-    fn of(surface: &Surface) -> Self {
-        let (labels, mut found) = labelled(surface);
+impl ComponentSet {
+    fn from_connectivity(surface: &MeshConnectivity) -> Self {
+        let (labels, mut found) = label_components(surface);
         let inside = count_edges(surface, &labels, &mut found);
         count_positions(surface, &labels, &mut found);
         walk_boundary(&surface.twins, |h, ending| {
-            found[labels[h as usize / 3] as usize].boundary_loops += u64::from(ending == Ending::Loop);
+            found[labels[h as usize / 3] as usize].boundary_loops += u64::from(ending == BoundaryKind::Loop);
         });
         if found.iter().any(|component| !component.oriented) {
-            find_one_sided(surface, |face| found[labels[face as usize] as usize].orientable = false);
+            find_non_orientable(surface, |face| found[labels[face as usize] as usize].orientable = false);
         }
-        let volumes = measure_each(surface.mesh, &labels, &mut found);
+        let volumes = measure_components(surface.mesh, &labels, &mut found);
         for component in &mut found {
             component.closed = component.boundary_edges == 0;
             component.euler = component.positions as i64 - component.edges as i64 + component.faces as i64;
-            // χ = 2 − 2·genus − loops for one piece of an orientable surface with boundary.
+            // χ = 2 − 2·genus − loops for one component of an orientable surface with boundary.
             let twice_genus = 2 - component.euler - component.boundary_loops as i64;
             component.genus =
                 (component.manifold() && component.orientable).then_some(twice_genus as u64 / 2);
@@ -190,13 +193,13 @@ impl Shapes {
         Self { found, labels, signs }
     }
 
-    /// Decides which way each component looks, from the signs of the volumes of those with an inside.
-    fn faced(mut self, depths: Vec<Nested>) -> Vec<Component> {
+    /// Decides the facing of each component with an inside from the sign of its volume.
+    fn with_facings(mut self, depths: Vec<NestingDepth>) -> Vec<Component> {
         for ((component, sign), nested) in self.found.iter_mut().zip(self.signs).zip(depths) {
             let Some(sign) = sign else { continue };
             component.depth = match nested {
-                Nested::Within(depth) => Some(depth),
-                Nested::Touching => None,
+                NestingDepth::Within(depth) => Some(depth),
+                NestingDepth::Touching => None,
             };
             component.facing = match (sign, component.depth) {
                 (0, _) | (_, None) => Facing::Undecided,
@@ -208,17 +211,17 @@ impl Shapes {
     }
 }
 
-/// The component of each face, or [`NONE`], and the components with their faces counted.
-fn labelled(surface: &Surface) -> (Vec<u32>, Vec<Component>) {
-    let mut sets = joined_faces(surface);
+/// Labels each face with its component, or [`NONE`], and counts the faces of each component.
+fn label_components(surface: &MeshConnectivity) -> (Vec<u32>, Vec<Component>) {
+    let mut sets = connected_faces(surface);
     let mut labels = vec![NONE; surface.n_faces() as usize];
     let mut found: Vec<Component> = Vec::new();
     for face in 0..surface.n_faces() {
         if surface.half_edges(face).is_none() {
             continue;
         }
-        let root = sets.root(face);
-        // A set's first face is its root, and comes first.
+        let root = sets.find(face);
+        // The root of a set is its first face, and comes first.
         if root == face {
             labels[face as usize] = found.len() as u32;
             found.push(empty(face));
@@ -252,9 +255,9 @@ fn empty(first_face: u32) -> Component {
     }
 }
 
-/// Counts the edges of each component. Whether its edges with three or more faces have as many that run one way as the
-/// other.
-fn count_edges(surface: &Surface, labels: &[u32], found: &mut [Component]) -> Vec<bool> {
+/// Counts the edges of each component. Returns whether its edges with three or more faces are traversed
+/// equally often in both directions.
+fn count_edges(surface: &MeshConnectivity, labels: &[u32], found: &mut [Component]) -> Vec<bool> {
     for h in 0..surface.twins.len() as u32 {
         let label = labels[h as usize / 3];
         if label == NONE {
@@ -271,11 +274,11 @@ fn count_edges(surface: &Surface, labels: &[u32], found: &mut [Component]) -> Ve
                 component.edges += 1;
                 component.boundary_edges += 1;
             }
-            Twin::Crowded | Twin::Collapsed => {}
+            Twin::NonManifold | Twin::Collapsed => {}
         }
     }
     let mut balanced = vec![true; found.len()];
-    for edge in surface.twins.crowded_edges() {
+    for edge in surface.twins.non_manifold_edges() {
         let label = labels[edge[0] as usize / 3] as usize;
         found[label].edges += 1;
         found[label].edge_manifold = false;
@@ -285,8 +288,8 @@ fn count_edges(surface: &Surface, labels: &[u32], found: &mut [Component]) -> Ve
     balanced
 }
 
-/// Counts the positions of each component, and looks for two fans of it at one.
-fn count_positions(surface: &Surface, labels: &[u32], found: &mut [Component]) {
+/// Counts the positions of each component, and detects positions where it has two fans.
+fn count_positions(surface: &MeshConnectivity, labels: &[u32], found: &mut [Component]) {
     let mut first_at = vec![NONE; surface.mesh.positions().len()];
     let mut further: Vec<(u32, u32)> = Vec::new();
     count_fans(
@@ -313,20 +316,20 @@ fn count_positions(surface: &Surface, labels: &[u32], found: &mut [Component]) {
     }
 }
 
-/// A sum of products with a bound on what rounding can have done to it.
+/// A sum of products with a bound on its rounding error.
 #[derive(Clone, Copy, Default)]
-struct Volume {
+struct SignedVolume {
     sum: f64,
-    /// The sum of the sizes of all products.
+    /// The sum of the absolute values of all products.
     size: f64,
     terms: f64,
 }
 
-impl Volume {
-    /// −1, 1, or 0 where rounding leaves it open.
+impl SignedVolume {
+    /// −1, 1, or 0 where rounding leaves the sign undecided.
     fn sign(&self) -> i8 {
-        // A product of three differences and the sums in a term round fewer than 16 times; each term is then rounded
-        // with every later one. Twice that, since `size` is rounded as well, and what underflows besides.
+        // A product of three differences and the sums in a term round fewer than 16 times; each term is then
+        // rounded with every later one. Twice that, since `size` is rounded as well, and underflow on top.
         let slack = (self.terms + 16.0) * f64::EPSILON * self.size + self.terms * f64::MIN_POSITIVE;
         match self.sum.abs() > slack {
             true if self.sum > 0.0 => 1,
@@ -336,9 +339,9 @@ impl Volume {
     }
 }
 
-/// Area, volume and box of each component, summed in the order of the faces. The tip of the tetrahedra is the first
-/// corner of the component, so that its place in space costs no digits.
-fn measure_each(mesh: &Mesh, labels: &[u32], found: &mut [Component]) -> Vec<Volume> {
+/// Computes area, volume and bounding box of each component, summed in the order of the faces. The apex of
+/// the tetrahedra is the first corner of the component, so that its position in space costs no digits.
+fn measure_components(mesh: &Mesh, labels: &[u32], found: &mut [Component]) -> Vec<SignedVolume> {
     let bounds = mesh.bounds();
     let size = bounds.min.iter().chain(&bounds.max).fold(0.0, |most: f64, x| {
         let x = x.abs();
@@ -347,7 +350,7 @@ fn measure_each(mesh: &Mesh, labels: &[u32], found: &mut [Component]) -> Vec<Vol
     let (down, up) = power_of_two_near(size);
     let at = |row: u32| DVec3::from(mesh.positions()[row as usize]) * down;
     let tips: Vec<DVec3> = found.iter().map(|c| at(mesh.faces()[c.first_face as usize][0])).collect();
-    let mut volumes = vec![Volume::default(); found.len()];
+    let mut volumes = vec![SignedVolume::default(); found.len()];
     for (face, &label) in mesh.faces().iter().zip(labels).filter(|(_, label)| **label != NONE) {
         let (component, volume) = (&mut found[label as usize], &mut volumes[label as usize]);
         let tip = tips[label as usize];

@@ -1,6 +1,6 @@
-//! `Defect`: what can be wrong with a mesh, in words, with what mends it.
+//! `Defect`: the possible defects of a mesh, in words, with the options that repair them.
 
-/// What can be wrong with a mesh: the one table of names, meanings and cures.
+/// A possible defect of a mesh: the one table of names, meanings and cures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Defect {
     /// Edges with one face.
@@ -9,17 +9,17 @@ pub enum Defect {
     NonManifoldEdges,
     /// Positions with two or more fans.
     NonManifoldVertices,
-    /// Vertices inside an edge of others.
+    /// Vertices in the interior of an edge that they do not belong to.
     TJunctions,
-    /// Edges with two faces wound against each other.
+    /// Edges with two faces that are wound inconsistently.
     InconsistentEdges,
-    /// Components whose front looks inward.
+    /// Components whose front faces inward.
     InsideOut,
-    /// Pairs of faces that meet where they should not.
+    /// Pairs of faces that intersect where they should not.
     SelfIntersections,
-    /// Faces with the positions of an earlier one.
+    /// Faces with the same positions as an earlier one.
     DuplicateFaces,
-    /// Positions at the place of an earlier one.
+    /// Positions with the same coordinates as an earlier one.
     DuplicateVertices,
     /// Faces with two corners at one position.
     CollapsedFaces,
@@ -27,21 +27,21 @@ pub enum Defect {
     ZeroAreaFaces,
     /// Faces much longer than high.
     Slivers,
-    /// Rows that no face names.
+    /// Rows that no face uses.
     UnusedVertices,
 }
 
 /// How much a defect matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Weight {
-    /// The surface is not what its kind should be: printers, simulations and booleans stumble.
+pub enum Severity {
+    /// The surface violates what its kind promises: printing, simulation and Boolean operations may fail.
     Fault,
-    /// The surface is what it should be; the triangles could be better.
+    /// The surface is valid; its triangles could be better.
     Remark,
 }
 
-/// The options of `chordal mend` in the order in which it applies them: first what the others rely on.
-/// After `--fill-holes` it orients once more, where that was asked for.
+/// The options of `chordal mend` in the order in which it applies them: first those that the others rely on.
+/// After `--fill-holes` it orients once more, if `--orient` was given.
 pub const CURES: [&str; 8] = [
     "--weld",
     "--drop-duplicates",
@@ -54,7 +54,7 @@ pub const CURES: [&str; 8] = [
 ];
 
 impl Defect {
-    /// All, the heaviest first.
+    /// All defects, the most severe first.
     pub const ALL: [Self; 13] = [
         Self::NonManifoldEdges,
         Self::NonManifoldVertices,
@@ -91,7 +91,7 @@ impl Defect {
         }
     }
 
-    /// One of them and several of them, in words.
+    /// Its name in words, singular and plural.
     #[must_use]
     pub fn words(self) -> [&'static str; 2] {
         match self {
@@ -111,9 +111,9 @@ impl Defect {
         }
     }
 
-    /// What it means for the user, as half a sentence that fits one and several.
+    /// What it means for the user, as a clause that fits singular and plural.
     #[must_use]
-    pub fn means(self) -> &'static str {
+    pub fn meaning(self) -> &'static str {
         match self {
             Self::BoundaryEdges => "the surface ends there, so that it has no inside",
             Self::NonManifoldEdges => "sheets branch there, and no side is the next one",
@@ -133,20 +133,22 @@ impl Defect {
 
     /// How much it matters.
     #[must_use]
-    pub fn weight(self) -> Weight {
+    pub fn severity(self) -> Severity {
         match self {
-            Self::Slivers | Self::UnusedVertices | Self::DuplicateVertices => Weight::Remark,
-            _ => Weight::Fault,
+            Self::Slivers | Self::UnusedVertices | Self::DuplicateVertices => Severity::Remark,
+            _ => Severity::Fault,
         }
     }
 
-    /// The options of `chordal mend` that mend it, in the order in which to try them; none where it has no cure.
+    /// The options of `chordal mend` that repair it, in the order in which to try them; empty where there is
+    /// no cure.
     #[must_use]
     pub fn cures(self) -> &'static [&'static str] {
         match self {
-            // A boundary between equal points is a seam, one along T-junctions a crack, and only the rest is a hole.
+            // A boundary between equal points is a seam, one along T-junctions is a crack, and only the rest
+            // is a hole.
             Self::BoundaryEdges => &["--weld", "--resolve-t-junctions", "--fill-holes"],
-            // Sheets that lie in one place are one sheet too many before they are a branch.
+            // Coincident sheets are duplicates; only after they are dropped is the edge a branch.
             Self::NonManifoldEdges => &["--drop-duplicates", "--split-nonmanifold"],
             Self::NonManifoldVertices => &["--split-nonmanifold"],
             Self::TJunctions => &["--resolve-t-junctions"],
@@ -159,7 +161,7 @@ impl Defect {
         }
     }
 
-    /// What to do where no option mends it.
+    /// What to do where no option repairs it.
     #[must_use]
     pub fn advice(self) -> &'static str {
         match self {

@@ -1,36 +1,42 @@
-//! How far sample points are from a mesh, bounded from below: what a `Bound` can say that a mesh is off *at least*.
+//! The largest distance from sample points to a mesh, bounded from below: the `at_least` of a `Bound`.
 //!
 //! # Why the bound holds
-//! A candidate for the closest point bounds a distance from *above*. From below, a direction does: all of a triangle
-//! lies on the near side of the plane with normal `n` through its corner `v` with the least `n·(p − v)`, hence
+//! A candidate for the closest point bounds a distance from *above*. From below, a direction does: all of a
+//! triangle lies on the near side of the plane with normal `n` through its corner `v` with the least `n·(p −
+//! v)`, hence
 //!
-//! `distance(p, triangle) ≥ min over the corners of n·(p − v) / |n|` for **any** `n ≠ 0`,
+//! with equality where `n` points from the closest point of the triangle to `p`. So the directions below may
+//! be found with rounding, in any way that mostly finds good ones, and only one formula needs care. With `u =
+//! 2⁻⁵³` the sum of the three products takes four roundings a term: the difference, the product, two sums.
+//! Hence, the computed sum `s` and the computed sum `a` of the same terms without signs,
 //!
-//! with equality where `n` points from the closest point of the triangle to `p`. So the directions below may be found
-//! with rounding, in any way that mostly finds good ones, and only one formula needs care. With `u = 2⁻⁵³` the sum of
-//! the three products takes four roundings a term: the difference, the product, two sums. Hence, the computed sum `s`
-//! and the computed sum `a` of the same terms without signs,
+//! with equality where `n` points from the closest point of the triangle to `p`. So the directions below may
+//! be rounded, and found in any way that usually finds good ones; only one formula needs care. With `u =
+//! 2⁻⁵³` the sum of the three products takes four roundings a term: the difference, the product, two sums.
+//! Hence, with the computed sum `s` and the computed sum `a` of the same terms without signs,
 //!
-//! `|s − n·(p − v)| ≤ ((1 + u)⁴ − 1)/(1 − u)⁴·a + what underflows < 5u·a + 2⁻¹⁰⁷⁰`,
+//! which `6u·a + 2⁻¹⁰²²` covers together with the rounding of that product and sum. An overflow makes the
+//! result zero.
 //!
-//! which `6u·a + 2⁻¹⁰²²` covers together with the rounding of that product and sum. An overflow makes the result zero.
+//! which `6u·a + 2⁻¹⁰²²` covers together with the rounding of that product and sum. An overflow makes the
+//! result zero.
 use super::parallel::over_chunks;
 use crate::explicit::Mesh;
 use crate::math::{Box3, add_down, add_up, div_down, mul_down, mul_up, sqrt_up, sub_down};
 use glam::DVec3;
 
-/// Consecutive triangles with one box. Measured on a torus of a million triangles in the order of its grid: 32 to 128
-/// differ by a tenth.
+/// Consecutive triangles with one box. Measured on a torus of a million triangles in the order of its grid:
+/// 32 to 128 differ by a tenth.
 const CHUNK: usize = 64;
 
-/// The largest of the distances from the `points` to the whole of `mesh`, bounded from below with all rounding, and
-/// the number of the point that it was found at. `None` without points or without triangles.
+/// The largest of the distances from the `points` to `mesh`, bounded from below including all rounding, and
+/// the index of the point where it is attained. `None` without points or without triangles.
 ///
-/// When the points, taken exactly, are on the true surface, the mesh is off by at least this.
+/// When the points, taken exactly, are on the true surface, the mesh deviates by at least this.
 ///
-/// One pass over the triangles for their boxes and one over the boxes for each point: meant for a handful of points,
-/// and triangles in an order in which most neighbours are close. Then about 5 ns a triangle for 16 points on one core;
-/// in random order 0.3 µs, since every triangle is looked at for every point.
+/// One pass over the triangles for their boxes and one over the boxes for each point: meant for a handful of
+/// points, and triangles in an order in which most neighbours are close. Then about 5 ns a triangle for 16
+/// points on one core; in random order 0.3 µs, since every triangle is tested for every point.
 ///
 /// ```
 /// use chordal::{Mesh, check::surface_at_least};
@@ -49,7 +55,7 @@ pub fn surface_at_least(points: &[[f64; 3]], mesh: &Mesh) -> Option<(f64, usize)
     let mut best = None;
     for (number, point) in points.iter().enumerate() {
         let known = best.map_or(-1.0, |(off, _)| off);
-        let off = Search { point: *point, mesh, boxes: &boxes, known }.run();
+        let off = PointDistanceSearch { point: *point, mesh, boxes: &boxes, known }.run();
         if off > known {
             best = Some((off, number));
         }
@@ -59,10 +65,10 @@ pub fn surface_at_least(points: &[[f64; 3]], mesh: &Mesh) -> Option<(f64, usize)
 
 /// The box of each chunk of triangles.
 fn chunk_boxes(mesh: &Mesh) -> Vec<Box3> {
-    // Many boxes a task, so that handing tasks out costs nothing.
+    // Many boxes a task, so that scheduling costs nothing.
     let parts = over_chunks(mesh.faces(), 256 * CHUNK, |_, faces| {
         let of_chunk = |chunk: &[[u32; 3]]| {
-            Box3::around(chunk.as_flattened().iter().map(|&row| &mesh.positions()[row as usize]))
+            Box3::from_points(chunk.as_flattened().iter().map(|&row| &mesh.positions()[row as usize]))
         };
         faces.chunks(CHUNK).map(of_chunk).collect::<Vec<_>>()
     });
@@ -70,15 +76,15 @@ fn chunk_boxes(mesh: &Mesh) -> Vec<Box3> {
 }
 
 /// The search for the distance of one point.
-struct Search<'a> {
+struct PointDistanceSearch<'a> {
     point: [f64; 3],
     mesh: &'a Mesh,
     boxes: &'a [Box3],
-    /// A distance that another point has: a smaller one is of no use.
+    /// The distance of another point: a smaller one is of no use.
     known: f64,
 }
 
-impl Search<'_> {
+impl PointDistanceSearch<'_> {
     /// A lower bound on the distance to the mesh; any number up to `known` when that is no more than `known`.
     fn run(&self) -> f64 {
         let squares: Vec<f64> = self.boxes.iter().map(|b| box_distance_sq(self.point, b)).collect();
@@ -88,7 +94,7 @@ impl Search<'_> {
             if off <= self.known {
                 return off;
             }
-            // Farther than what is known of the distance: left out, `off` bounds the distance to it as well.
+            // A chunk farther than `off` is skipped: `off` bounds the distance to it as well.
             if square < mul_up(off, off) {
                 off = self.over_chunk(chunk, off);
             }
@@ -96,13 +102,13 @@ impl Search<'_> {
         off
     }
 
-    /// The smaller one of `off` and the bounds for the triangles of one chunk.
+    /// The minimum of `off` and the bounds for the triangles of one chunk.
     fn over_chunk(&self, chunk: usize, mut off: f64) -> f64 {
         let faces = self.mesh.faces();
         let start = chunk * CHUNK;
         for face in start..faces.len().min(start + CHUNK) {
             let corners = self.mesh.corners(face);
-            if box_distance_sq(self.point, &Box3::around(&corners)) < mul_up(off, off) {
+            if box_distance_sq(self.point, &Box3::from_points(&corners)) < mul_up(off, off) {
                 let bound = triangle_at_least(self.point, corners);
                 off = if bound < off { bound } else { off };
             }
@@ -111,7 +117,7 @@ impl Search<'_> {
     }
 }
 
-/// The square of the distance from a point to a box, bounded from below; 0 for a point that is not finite.
+/// The squared distance from a point to a box, bounded from below; 0 for a point that is not finite.
 fn box_distance_sq(p: [f64; 3], bounds: &Box3) -> f64 {
     let outside = |k: usize| {
         let (below, above) = (sub_down(bounds.min[k], p[k]), sub_down(p[k], bounds.max[k]));
@@ -123,11 +129,11 @@ fn box_distance_sq(p: [f64; 3], bounds: &Box3) -> f64 {
     if sum > 0.0 { sum } else { 0.0 }
 }
 
-/// The distance from a point to a triangle, bounded from below: the best of four directions, from the plane and from
-/// the closest point of each side. One of them belongs to the closest point of the triangle.
+/// The distance from a point to a triangle, bounded from below: the best of four directions, from the plane
+/// and from the closest point of each side. One of them belongs to the closest point of the triangle.
 pub(crate) fn triangle_at_least(p: [f64; 3], corners: [[f64; 3]; 3]) -> f64 {
     let from = corners.map(|v| DVec3::from(p) - DVec3::from(v));
-    // In units of the farthest corner, so that products of directions stay in the range of f64.
+    // In units of the farthest corner's distance, so that products of directions stay in the range of f64.
     let size = from
         .iter()
         .fold(0.0, |most, w| if w.abs().max_element() > most { w.abs().max_element() } else { most });
@@ -148,16 +154,16 @@ pub(crate) fn triangle_at_least(p: [f64; 3], corners: [[f64; 3]; 3]) -> f64 {
     })
 }
 
-/// Across the triangle, to the side of the point that lies `from` its first corner.
+/// The normal of the triangle, towards the point at `from` relative to its first corner.
 fn plane_direction(from: DVec3, sides: [DVec3; 3]) -> DVec3 {
     let squares = sides.map(DVec3::length_squared);
     let longest = (1..3).fold(0, |most, k| if squares[k] > squares[most] { k } else { most });
-    // From the two shorter sides, and once more across the longest: a tilt along that one costs most.
+    // From the two shorter sides, then made perpendicular to the longest: a tilt along that one costs most.
     let normal = across(sides[(longest + 1) % 3].cross(sides[(longest + 2) % 3]), sides[longest]);
     if normal.dot(from) < 0.0 { -normal } else { normal }
 }
 
-/// From the closest point of a side to the point that lies `from` its first corner.
+/// From the closest point of a side to the point at `from` relative to its first corner.
 fn side_direction(from: DVec3, side: DVec3) -> DVec3 {
     let t = from.dot(side) / side.length_squared();
     if t > 0.0 && t < 1.0 {
@@ -170,13 +176,13 @@ fn side_direction(from: DVec3, side: DVec3) -> DVec3 {
     }
 }
 
-/// The part of `n` across `side`.
+/// The component of `n` perpendicular to `side`.
 fn across(n: DVec3, side: DVec3) -> DVec3 {
     n - side * (n.dot(side) / side.length_squared())
 }
 
-/// `min over the corners of n·(p − v)/|n|`, bounded from below as the module says; 0 when that is less or `n` is no
-/// direction.
+/// `min over the corners of n·(p − v)/|n|`, bounded from below as described in the module; 0 when that is
+/// less or `n` is no direction.
 fn support(n: DVec3, p: [f64; 3], corners: [[f64; 3]; 3]) -> f64 {
     let largest = n.abs().max_element();
     if !(largest > 0.0 && largest < f64::INFINITY) {

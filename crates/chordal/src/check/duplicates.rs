@@ -1,18 +1,19 @@
-//! Faces with the same three positions as an earlier one, and positions at the same place as an earlier one.
+//! Faces with the same three positions as an earlier one, and positions with the same coordinates as an
+//! earlier one.
+use super::connectivity::MeshConnectivity;
 use super::finding::{Finding, Witness};
-use super::surface::Surface;
 use crate::explicit::{Mesh, Topology, Twin, next_in_face};
 
-/// A face that repeats an earlier one. The order is that of the faces.
+/// A face that repeats an earlier one; ordered by face.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Repeat {
+struct DuplicateFace {
     face: u32,
     of: u32,
     opposite: bool,
 }
 
-/// The faces that repeat the positions of an earlier one: all, and those of them that are wound the other way.
-pub(super) fn find_duplicates(surface: &Surface) -> (Finding, Finding) {
+/// The faces that repeat the positions of an earlier one: all of them, and those with the opposite winding.
+pub(super) fn find_duplicates(surface: &MeshConnectivity) -> (Finding, Finding) {
     let mut repeats = Vec::new();
     for face in 0..surface.n_faces() {
         for h in surface.half_edges(face).into_iter().flatten() {
@@ -23,11 +24,11 @@ pub(super) fn find_duplicates(surface: &Surface) -> (Finding, Finding) {
             };
             let twice = t < h && may_share(surface.twins.get(next_in_face(h)), t / 3);
             if twice && surface.apex(h) == surface.apex(t) && is_lowest_edge(surface, h) {
-                repeats.push(Repeat { face, of: t / 3, opposite });
+                repeats.push(DuplicateFace { face, of: t / 3, opposite });
             }
         }
     }
-    for edge in surface.twins.crowded_edges() {
+    for edge in surface.twins.non_manifold_edges() {
         repeats_along(surface, edge, &mut repeats);
     }
     repeats.sort_unstable();
@@ -42,8 +43,8 @@ pub(super) fn find_duplicates(surface: &Surface) -> (Finding, Finding) {
     (all, opposite)
 }
 
-/// The positions by index that stand at the same place as an earlier one, `−0.0` and `0.0` taken as equal: what a weld
-/// would merge. Counted once each, with the first row at that place.
+/// Finds the positions by index that have the same coordinates as an earlier one, with `−0.0` equal to `0.0`:
+/// those that vertex welding would merge. Each counts once, with the first row at that point.
 ///
 /// About 25 ns a row.
 ///
@@ -59,7 +60,7 @@ pub fn duplicate_vertices(mesh: &Mesh) -> Finding {
     duplicate_positions(mesh, Topology::Positions.ids(mesh).as_deref().unwrap_or_default())
 }
 
-/// The same for the first row of each place, known already.
+/// The same, given the first row at the point of each row.
 pub(super) fn duplicate_positions(mesh: &Mesh, first_there: &[u32]) -> Finding {
     let mut seen = vec![false; if mesh.position_id().is_some() { first_there.len() } else { 0 }];
     let mut found = Finding::default();
@@ -76,31 +77,32 @@ pub(super) fn duplicate_positions(mesh: &Mesh, first_there: &[u32]) -> Finding {
     found
 }
 
-/// Whether `face` may stand across an edge: looked at first, since two faces that share one edge rarely share another.
+/// Whether `face` may be the face across an edge. Tested first, since two faces that share one edge rarely
+/// share another.
 #[inline]
 fn may_share(across: Twin, face: u32) -> bool {
     match across {
         Twin::Pair(t) | Twin::Flipped(t) => t / 3 == face,
-        Twin::Crowded => true,
+        Twin::NonManifold => true,
         Twin::Boundary | Twin::Collapsed => false,
     }
 }
 
-/// Whether a half-edge joins the two lower positions of its face: two faces with the same positions share all three
-/// edges, and are to be found at one of them only.
-fn is_lowest_edge(surface: &Surface, h: u32) -> bool {
+/// Whether a half-edge joins the two lower positions of its face: two faces with the same positions share all
+/// three edges, and must be found at one of them only.
+fn is_lowest_edge(surface: &MeshConnectivity, h: u32) -> bool {
     let apex = surface.apex(h);
     surface.origin(h) < apex && surface.origin(next_in_face(h)) < apex
 }
 
 /// The faces along one edge whose apex is that of an earlier face there.
-fn repeats_along(surface: &Surface, edge: &[u32], repeats: &mut Vec<Repeat>) {
+fn repeats_along(surface: &MeshConnectivity, edge: &[u32], repeats: &mut Vec<DuplicateFace>) {
     let mut by_apex: Vec<(u32, u32)> =
         edge.iter().filter(|&&h| is_lowest_edge(surface, h)).map(|&h| (surface.apex(h), h)).collect();
     by_apex.sort_unstable();
     for same in by_apex.chunk_by(|a, b| a.0 == b.0) {
         let (_, first) = same[0];
-        repeats.extend(same[1..].iter().map(|&(_, h)| Repeat {
+        repeats.extend(same[1..].iter().map(|&(_, h)| DuplicateFace {
             face: h / 3,
             of: first / 3,
             opposite: surface.origin(h) != surface.origin(first),

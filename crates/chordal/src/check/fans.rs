@@ -1,23 +1,24 @@
-//! Fans: the triangles around a position, each sharing an edge with the next, and the boundary loops that they close.
+//! Triangle fans around a position, each triangle sharing an edge with the next, and the boundary loops of a
+//! mesh.
 use crate::explicit::{Twin, Twins, next_in_face, previous_in_face};
 
-/// A way across an edge around one of its ends: the half-edge, and whether the position is its origin or its end.
+/// A circulator around a position: the half-edge to cross, and whether the position is its origin or its end.
 #[derive(Clone, Copy)]
-enum Way {
+enum FanCirculator {
     /// Around the origin of the half-edge.
     Out(u32),
     /// Around the end of the half-edge.
     In(u32),
 }
 
-impl Way {
+impl FanCirculator {
     fn edge(self) -> u32 {
         match self {
             Self::Out(edge) | Self::In(edge) => edge,
         }
     }
 
-    /// The corner, named by its outgoing half-edge, that is left by this way.
+    /// The corner that the circulator leaves, named by its outgoing half-edge.
     #[inline]
     fn corner(self) -> u32 {
         match self {
@@ -26,8 +27,8 @@ impl Way {
         }
     }
 
-    /// Into the next triangle of the fan and to the edge on its far side; what stands there instead if there is none.
-    /// A pair of ways over an edge belongs together both ways round, so a walk never runs into its own middle.
+    /// Crosses into the next triangle of the fan, to the edge on its far side; returns the kind of the edge
+    /// if there is no next triangle. Crossing an edge is symmetric, so a walk never re-enters its own middle.
     #[inline]
     fn across(self, twins: &Twins) -> Result<Self, Twin> {
         match (self, twins.get(self.edge())) {
@@ -39,7 +40,7 @@ impl Way {
         }
     }
 
-    /// Around the same position up to the edge where its fan ends.
+    /// Circulates around the position to the edge where its fan ends.
     fn to_end_of_fan(mut self, twins: &Twins) -> Self {
         while let Ok(next) = self.across(twins) {
             self = next;
@@ -47,7 +48,7 @@ impl Way {
         self
     }
 
-    /// Having come to a boundary edge at one end: along it to its other end, and on into the triangle there.
+    /// From a boundary edge, reached at one end, moves to its other end and into the triangle there.
     fn along(self) -> Self {
         match self {
             Self::Out(edge) => Self::Out(next_in_face(edge)),
@@ -56,10 +57,10 @@ impl Way {
     }
 }
 
-/// The fans at each position: none where no triangle is, one where the surface is manifold.
+/// Enumerates the fans at each position: none where there is no triangle, one where the surface is manifold.
 ///
-/// Calls `each` with the first half-edge of every fan and its number at the position (0, 1, or 2 for all after), in the
-/// order of the half-edges.
+/// Calls `each` with the first half-edge of every fan and its number at the position (0, 1, or 2 for all
+/// later ones), in the order of the half-edges.
 pub(super) fn count_fans(
     twins: &Twins,
     origin: impl Fn(u32) -> u32,
@@ -72,8 +73,8 @@ pub(super) fn count_fans(
         if seen[corner as usize] || twins.get(corner) == Twin::Collapsed {
             continue;
         }
-        if !mark(Way::Out(corner), twins, &mut seen) {
-            mark(Way::In(previous_in_face(corner)), twins, &mut seen);
+        if !mark_fan(FanCirculator::Out(corner), twins, &mut seen) {
+            mark_fan(FanCirculator::In(previous_in_face(corner)), twins, &mut seen);
         }
         let count = &mut fans[origin(corner) as usize];
         each(corner, *count);
@@ -81,8 +82,8 @@ pub(super) fn count_fans(
     }
 }
 
-/// Marks the corners of a fan in one direction. True when that leads back to the first.
-fn mark(start: Way, twins: &Twins, seen: &mut [bool]) -> bool {
+/// Marks the corners of a fan in one direction. Returns whether that leads back to the first corner.
+fn mark_fan(start: FanCirculator, twins: &Twins, seen: &mut [bool]) -> bool {
     let first = start.corner();
     let mut way = start;
     loop {
@@ -95,44 +96,44 @@ fn mark(start: Way, twins: &Twins, seen: &mut [bool]) -> bool {
     }
 }
 
-/// How a string of boundary edges ends.
+/// How a path of boundary edges ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Ending {
-    /// Where it began.
+pub(super) enum BoundaryKind {
+    /// Where it started.
     Loop,
     /// At edges with three or more faces.
     Chain,
 }
 
-/// Strings the boundary edges together through the fan at each end, so that two loops that touch at a position, one
-/// fan each, stay two. Calls `each` with the first half-edge of every string.
-pub(super) fn walk_boundary(twins: &Twins, mut each: impl FnMut(u32, Ending)) {
+/// Connects the boundary edges into paths through the fan at each end, so two loops that touch at a position,
+/// with one fan each, remain two. Calls `each` with the first half-edge of every path.
+pub(super) fn walk_boundary(twins: &Twins, mut each: impl FnMut(u32, BoundaryKind)) {
     let mut seen = vec![false; twins.len()];
     for start in 0..twins.len() as u32 {
         if seen[start as usize] || twins.get(start) != Twin::Boundary {
             continue;
         }
         let mut see = |h: u32| seen[h as usize] = true;
-        if string(start, Way::Out(start), twins, &mut see) {
-            each(start, Ending::Loop);
+        if follow_boundary(start, FanCirculator::Out(start), twins, &mut see) {
+            each(start, BoundaryKind::Loop);
         } else {
-            string(start, Way::In(start), twins, &mut see);
-            each(start, Ending::Chain);
+            follow_boundary(start, FanCirculator::In(start), twins, &mut see);
+            each(start, BoundaryKind::Chain);
         }
     }
 }
 
-/// All boundary half-edges of the string that `start` is on, as [`walk_boundary`] counts them.
-pub(crate) fn boundary_string(twins: &Twins, start: u32) -> Vec<u32> {
+/// All boundary half-edges of the path that contains `start`, as [`walk_boundary`] counts them.
+pub(crate) fn boundary_path(twins: &Twins, start: u32) -> Vec<u32> {
     let mut all = Vec::new();
-    if !string(start, Way::Out(start), twins, &mut |h| all.push(h)) {
-        string(start, Way::In(start), twins, &mut |h| all.push(h));
+    if !follow_boundary(start, FanCirculator::Out(start), twins, &mut |h| all.push(h)) {
+        follow_boundary(start, FanCirculator::In(start), twins, &mut |h| all.push(h));
     }
     all
 }
 
-/// Follows the boundary from `start`, entering that edge by `way`. True when it comes back.
-fn string(start: u32, way: Way, twins: &Twins, see: &mut impl FnMut(u32)) -> bool {
+/// Follows the boundary from `start`, entered by `way`. Returns whether it comes back to `start`.
+fn follow_boundary(start: u32, way: FanCirculator, twins: &Twins, see: &mut impl FnMut(u32)) -> bool {
     let mut way = way;
     loop {
         see(way.edge());

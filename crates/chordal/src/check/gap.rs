@@ -1,4 +1,4 @@
-//! How far a path and its polyline are apart, measured: the largest gap that is found, and where it is.
+//! The measured deviation between a path and its polyline: the largest gap found, and its location.
 use crate::explicit::{Curve, Polyline};
 use crate::math::{difference, length};
 
@@ -11,22 +11,22 @@ pub struct Gap<const D: usize> {
     pub place: f64,
     /// The point of the path.
     pub on_curve: [f64; D],
-    /// The point of the polyline that is closest to it.
+    /// The closest point of the polyline.
     pub on_polyline: [f64; D],
 }
 
-/// Places looked at between two vertices before the search closes in on the best: a cubic is farthest from its chord at
-/// one or two places.
+/// Samples between two vertices before the search refines the best one: a cubic is farthest from its chord at
+/// one or two parameters.
 const SAMPLES: u32 = 8;
-/// Each step of the search keeps 0.618 of the interval: 30 of them leave a millionth.
+/// Each golden-section step keeps 0.618 of the interval: 30 of them leave a millionth.
 const STEPS: u32 = 30;
 
-/// The largest distance that is found from a point of the path to the segments of its own piece of the polyline: a
+/// The largest distance found from a point of the path to the segment of its own part of the polyline: a
 /// measurement, from below, and correct to about 12 digits for cubics and arcs.
 ///
-/// The polyline carries its places, as those of [`curve_to_polyline`](../convert/fn.curve_to_polyline.html) do; the
-/// point of the path between two vertices is held against the segment between them. `None` when there is no segment
-/// or no places.
+/// The polyline carries its parameters, as those of
+/// [`curve_to_polyline`](../convert/fn.curve_to_polyline.html) do; a point of the path between two vertices
+/// is compared with the segment between them. `None` when there is no segment or no parameters.
 ///
 /// 40 evaluations a segment.
 ///
@@ -40,7 +40,7 @@ const STEPS: u32 = 30;
 /// ```
 #[must_use]
 pub fn largest_gap<const D: usize>(curve: &Curve<D>, polyline: &Polyline<D>) -> Option<Gap<D>> {
-    let end = curve.pieces().len() as f64;
+    let end = curve.segments().len() as f64;
     let mut worst: Option<Gap<D>> = None;
     for (i, segment) in polyline.segments().enumerate() {
         let from = *polyline.places.get(i)?;
@@ -58,7 +58,7 @@ pub fn largest_gap<const D: usize>(curve: &Curve<D>, polyline: &Polyline<D>) -> 
     worst
 }
 
-/// The best of some samples, then closing in around it (golden section; J. Kiefer, 1953).
+/// Takes the best of some samples and refines it by golden-section search (J. Kiefer, 1953).
 fn farthest<const D: usize>(gap_at: impl Fn(f64) -> Gap<D>, from: f64, to: f64) -> Gap<D> {
     let at = |i: u32| from + (to - from) * f64::from(i) / f64::from(SAMPLES);
     let mut best = (1..SAMPLES).map(|i| (i, gap_at(at(i)))).fold((1, gap_at(at(1))), |best, found| {
@@ -82,7 +82,7 @@ fn farthest<const D: usize>(gap_at: impl Fn(f64) -> Gap<D>, from: f64, to: f64) 
     best.1
 }
 
-/// The distance from a point to the nearest place of a polyline; infinite when it has no points.
+/// The distance from a point to the closest point of a polyline; infinite when it has no points.
 #[must_use]
 pub fn distance_to_polyline<const D: usize>(point: [f64; D], polyline: &Polyline<D>) -> f64 {
     let to_first = polyline.points.first().map_or(f64::INFINITY, |first| length(difference(point, *first)));
@@ -99,7 +99,7 @@ fn closest_on_segment<const D: usize>(p: [f64; D], [a, b]: [[f64; D]; 2]) -> [f6
         dot += (p[k] - a[k]) * along[k];
         square += along[k] * along[k];
     }
-    // The second test also catches a segment that is a point.
+    // The second test also catches a segment of length zero.
     if dot >= square {
         b
     } else if dot > 0.0 {

@@ -1,54 +1,59 @@
-//! How smoothly the pieces of a path meet.
-use crate::explicit::{Curve, Piece};
+//! The continuity (Cⁿ, Gⁿ) between the pieces of a path.
+use crate::explicit::{Curve, CurveSegment};
 use crate::math::{difference, dot, length};
 
-/// How two pieces of a path meet.
+/// The continuity between two pieces of a path.
 ///
-/// *Parametric* continuity compares derivatives by the parameter: C1 and C2 depend on how fast each piece runs.
-/// *Geometric* continuity compares what can be seen: G1 the direction, G2 the curvature as well.
+/// *Parametric* continuity compares derivatives by the parameter: C1 and C2 depend on the speed of each
+/// piece. *Geometric* continuity compares what is visible: G1 the direction, G2 the curvature as well.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Join<const D: usize> {
-    /// The piece that starts here; the one before it ends here. 0 is the join of a closed path's last and first piece.
+    /// The piece that starts here; the one before it ends here. 0 is the join between the last and first
+    /// piece of a closed path.
     pub piece: usize,
-    /// Where it starts.
+    /// The point where it starts.
     pub at: [f64; D],
-    /// The distance between the end of one and the start of the other.
+    /// The distance between the end of one piece and the start of the other.
     pub position_gap: f64,
-    /// The angle between their directions, 0 to π; none where a piece has no direction because it is a point.
+    /// The angle between their directions, 0 to π; `None` where a piece has no direction because it is a
+    /// point.
     pub angle_rad: Option<f64>,
-    /// The curvatures before and after (1/radius, ≥ 0); none where a first derivative is zero.
+    /// The curvatures before and after (1/radius, ≥ 0); `None` where a first derivative is zero.
     pub curvatures: [Option<f64>; 2],
-    /// The length of the difference of the curvature vectors; none where one is missing.
+    /// The length of the difference of the curvature vectors; `None` where one is missing.
     pub curvature_gap: Option<f64>,
-    /// Cn: derivatives up to the nth are equal up to the rounding of the control points; none for a gap, at most 2.
+    /// Cn: derivatives up to the nth are equal, up to the rounding of the control points; `None` for a gap,
+    /// at most 2.
     pub parametric: Option<u8>,
     /// Gn: the same for position (0), direction (1) and curvature (2).
     pub geometric: Option<u8>,
 }
 
-/// Derivatives of pieces whose control points are rounded by half a step each: the first is a difference times 3, the
-/// second three terms times 6 that add up to 24. In units of ε times the size, doubled for both sides and for the
-/// control points of splines, which are sums of a few rounded terms themselves.
+/// Rounding of the derivatives of pieces whose control points are rounded by half a step each: the first
+/// derivative is a difference times 3, the second three terms times 6 that add up to 24. In units of ε times
+/// the size, doubled for both sides and for the control points of splines, which are sums of a few rounded
+/// terms themselves.
 const FIRST: f64 = 32.0;
 const SECOND: f64 = 256.0;
 
-/// Every join of a path: between neighbours, and for a closed path of its last piece with its first one too.
+/// All joins of a path: between neighbouring pieces, and for a closed path also between its last and first
+/// piece.
 ///
-/// Directions are those of the first derivative or, where that is zero, of the next that is not: of the path as it is
-/// seen. Lines have no curvature.
+/// A direction is that of the first derivative or, where that is zero, of the next nonzero one: the visible
+/// direction. Lines have zero curvature.
 ///
 /// ```
-/// use chordal::{check, explicit::{Curve, Piece, spline}};
+/// use chordal::{check, explicit::{Curve, CurveSegment, spline}};
 /// let path = spline::natural(&[[0.0, 0.0], [1.0, 2.0], [3.0, 1.0], [4.0, 4.0]])?;
 /// assert!(check::joins(&path).iter().all(|join| join.parametric == Some(2)));
-/// let corner = [Piece::Line([[0.0, 0.0], [1.0, 0.0]]), Piece::Line([[1.0, 0.0], [1.0, 1.0]])];
+/// let corner = [CurveSegment::Line([[0.0, 0.0], [1.0, 0.0]]), CurveSegment::Line([[1.0, 0.0], [1.0, 1.0]])];
 /// let join = check::joins(&Curve::new(corner.to_vec(), false).unwrap())[0];
 /// assert_eq!((join.geometric, join.angle_rad), (Some(0), Some(std::f64::consts::FRAC_PI_2)));
 /// # Ok::<(), chordal::explicit::spline::InvalidSpline>(())
 /// ```
 #[must_use]
 pub fn joins<const D: usize>(curve: &Curve<D>) -> Vec<Join<D>> {
-    let pieces = curve.pieces();
+    let pieces = curve.segments();
     let inner = (1..pieces.len()).map(|i| join([&pieces[i - 1], &pieces[i]], [1.0; 2], i));
     let seam = match pieces {
         [first, .., last] | [first @ last] if curve.is_closed() => Some(join([last, first], [1.0; 2], 0)),
@@ -57,9 +62,13 @@ pub fn joins<const D: usize>(curve: &Curve<D>) -> Vec<Join<D>> {
     seam.into_iter().chain(inner).collect()
 }
 
-/// How `before` and `after` meet, when their parameters run over these `widths`; `piece` is only passed on.
+/// The join of `before` and `after` when their parameters run over these `widths`; `piece` is only passed on.
 #[must_use]
-pub fn join<const D: usize>([before, after]: [&Piece<D>; 2], widths: [f64; 2], piece: usize) -> Join<D> {
+pub fn join<const D: usize>(
+    [before, after]: [&CurveSegment<D>; 2],
+    widths: [f64; 2],
+    piece: usize,
+) -> Join<D> {
     let (end, start) = (before.end(), after.start());
     let size = size_of(before) + size_of(after);
     let scaled = |v: [f64; D], by: f64| v.map(|x| x / by);
@@ -88,7 +97,7 @@ pub fn join<const D: usize>([before, after]: [&Piece<D>; 2], widths: [f64; 2], p
     let bent = [curvature(first[0], second[0]), curvature(first[1], second[1])];
     let curvature_gap = bent[0].zip(bent[1]).map(|(a, b)| length(difference(a, b)));
     let curvatures = bent.map(|bent| bent.map(length));
-    // Angles and curvatures are known as well as the derivatives are, against the speed.
+    // Angles and curvatures are as accurate as the derivatives are, relative to the speed.
     let angle_off = off[0] / slow;
     let curved = curvatures.iter().flatten().fold(0.0, |most, c| if *c > most { *c } else { most });
     let curvature_off = (off[1] / slow + 4.0 * curved * off[0]) / slow;
@@ -106,10 +115,11 @@ pub fn join<const D: usize>([before, after]: [&Piece<D>; 2], widths: [f64; 2], p
     Join { piece, at: start, position_gap, angle_rad, curvatures, curvature_gap, parametric, geometric }
 }
 
-/// The direction in which the piece runs at its end `t`, 0 or 1: towards the first control point that is elsewhere.
-fn direction<const D: usize>(piece: &Piece<D>, t: f64) -> Option<[f64; D]> {
+/// The direction of the piece at its end `t`, 0 or 1: towards the first control point that differs from that
+/// end.
+fn direction<const D: usize>(piece: &CurveSegment<D>, t: f64) -> Option<[f64; D]> {
     let control = match piece {
-        Piece::Cubic(cubic) => cubic.control,
+        CurveSegment::Cubic(cubic) => cubic.control,
         other => {
             let along = other.tangent(t);
             return (length(along) > 0.0).then_some(along);
@@ -122,7 +132,8 @@ fn direction<const D: usize>(piece: &Piece<D>, t: f64) -> Option<[f64; D]> {
     if t == 0.0 { elsewhere([0, 1, 2, 3]) } else { elsewhere([3, 2, 1, 0]).map(|d| d.map(|x| -x)) }
 }
 
-/// The curvature vector: the part of the second derivative across the first, over the square of the speed.
+/// The curvature vector: the component of the second derivative normal to the first, over the square of the
+/// speed.
 fn curvature<const D: usize>(first: [f64; D], second: [f64; D]) -> Option<[f64; D]> {
     let square = dot(first, first);
     if square == 0.0 {
@@ -132,7 +143,7 @@ fn curvature<const D: usize>(first: [f64; D], second: [f64; D]) -> Option<[f64; 
     Some(std::array::from_fn(|k| (second[k] - along * first[k]) / square))
 }
 
-/// The angle between two directions, exact near 0 and near π as well (W. Kahan, 2006).
+/// The angle between two directions, accurate near 0 and near π as well (W. Kahan, 2006).
 fn angle<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
     let (la, lb) = (length(a), length(b));
     let (u, v) = (a.map(|x| x * lb), b.map(|x| x * la));
@@ -140,8 +151,8 @@ fn angle<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
     2.0 * libm::atan2(length(difference(u, v)), length(sum))
 }
 
-fn size_of<const D: usize>(piece: &Piece<D>) -> f64 {
-    piece.hull().as_flattened().iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most })
+fn size_of<const D: usize>(piece: &CurveSegment<D>) -> f64 {
+    piece.bounds().as_flattened().iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most })
 }
 
 #[cfg(test)]
@@ -149,11 +160,11 @@ mod tests {
     use super::*;
     use crate::explicit::{Arc, Bezier};
 
-    fn cubic(control: [[f64; 2]; 4]) -> Piece<2> {
-        Piece::Cubic(Bezier { control })
+    fn cubic(control: [[f64; 2]; 4]) -> CurveSegment<2> {
+        CurveSegment::Cubic(Bezier { control })
     }
 
-    /// An arch, and a second one whose first three control points are to be chosen.
+    /// An arch, and a second one whose first three control points are given.
     fn meets(b: [[f64; 2]; 3]) -> Join<2> {
         let before = cubic([[0.0, 0.0], [0.0, 1.0], [1.0, 2.0], [2.0, 2.0]]);
         join([&before, &cubic([b[0], b[1], b[2], [4.0, 0.0]])], [1.0; 2], 7)
@@ -179,9 +190,9 @@ mod tests {
 
     #[test]
     fn a_line_runs_smoothly_into_a_circle_and_its_curvature_jumps() {
-        let line = Piece::Line([[-1.0, -2.0], [0.0, -2.0]]);
+        let line = CurveSegment::Line([[-1.0, -2.0], [0.0, -2.0]]);
         let arc = Arc::new([0.0, 0.0], [[2.0, 0.0], [0.0, 2.0]], -std::f64::consts::FRAC_PI_2, 1.0).unwrap();
-        let arc = Piece::Arc(arc.with_ends([[0.0, -2.0], arc.ends()[1]]));
+        let arc = CurveSegment::Arc(arc.with_ends([[0.0, -2.0], arc.ends()[1]]));
         let join = join([&line, &arc], [1.0; 2], 1);
         assert_eq!(join.geometric, Some(1));
         assert_eq!(join.curvatures[0], Some(0.0));

@@ -1,19 +1,19 @@
-//! Points of a lattice of whole numbers: exact predicates in some nanoseconds where coordinates have few digits.
+//! Integer lattice points: exact predicates in some nanoseconds where coordinates have few digits.
 use crate::math::Orientation;
 
-/// A point by whole numbers below 2⁶⁰.
-pub(super) type Point = [i64; 3];
+/// A point with integer coordinates below 2⁶⁰.
+pub(super) type LatticePoint = [i64; 3];
 
 /// Bits that coordinates may span: differences then have 61, their products 122 and sums of two 123.
 const SPAN: i32 = 60;
 
-/// The points as whole multiples of one power of two; `None` where they span more digits than fit. Moving all of them
-/// by one factor changes on no side.
+/// The points as integer multiples of one power of two; `None` where they span more than [`SPAN`] bits. A
+/// common factor does not change orientations.
 #[inline]
-pub(super) fn on_lattice<const N: usize>(points: [[f64; 3]; N]) -> Option<[Point; N]> {
+pub(super) fn on_lattice<const N: usize>(points: [[f64; 3]; N]) -> Option<[LatticePoint; N]> {
     let (mut low, mut high) = (i32::MAX, i32::MIN);
     for x in points.as_flattened().iter().filter(|x| **x != 0.0) {
-        let (mantissa, exponent) = whole(*x);
+        let (mantissa, exponent) = decompose(*x);
         let lowest = exponent + mantissa.trailing_zeros() as i32;
         let highest = exponent + 64 - mantissa.leading_zeros() as i32;
         low = if lowest < low { lowest } else { low };
@@ -22,11 +22,11 @@ pub(super) fn on_lattice<const N: usize>(points: [[f64; 3]; N]) -> Option<[Point
     if high > low.saturating_add(SPAN) {
         return None;
     }
-    // Spelled out: `map` of arrays in arrays is not always inlined.
+    // A loop, because `map` of nested arrays is not always inlined.
     let mut on = [[0; 3]; N];
     for (x, on) in points.as_flattened().iter().zip(on.as_flattened_mut()) {
         if *x != 0.0 {
-            let (mantissa, exponent) = whole(*x);
+            let (mantissa, exponent) = decompose(*x);
             let places = exponent - low;
             let size = if places >= 0 { mantissa << places } else { mantissa >> -places } as i64;
             *on = if *x < 0.0 { -size } else { size };
@@ -35,18 +35,18 @@ pub(super) fn on_lattice<const N: usize>(points: [[f64; 3]; N]) -> Option<[Point
     Some(on)
 }
 
-/// The size of a finite number as a whole number times a power of two.
+/// The absolute value of a finite number as an integer times a power of two.
 #[inline]
-fn whole(x: f64) -> (u64, i32) {
+fn decompose(x: f64) -> (u64, i32) {
     let bits = x.to_bits();
     let (fraction, exponent) = (bits & ((1 << 52) - 1), (bits >> 52 & 0x7ff) as i32);
     if exponent == 0 { (fraction, -1074) } else { (fraction | 1 << 52, exponent - 1075) }
 }
 
-/// On which side of the plane through three points the last one lies, as [`crate::math::orient3d`].
+/// The side of the plane through three points on which the last one lies, as [`crate::math::orient3d`].
 #[inline]
-pub(super) fn side([a, b, c]: [Point; 3], d: Point) -> Orientation {
-    let from_a = |p: Point| [p[0] - a[0], p[1] - a[1], p[2] - a[2]];
+pub(super) fn lattice_orient3d([a, b, c]: [LatticePoint; 3], d: LatticePoint) -> Orientation {
+    let from_a = |p: LatticePoint| [p[0] - a[0], p[1] - a[1], p[2] - a[2]];
     let (u, v, w) = (from_a(b), from_a(c), from_a(d));
     let product = |x: i64, y: i64| i128::from(x) * i128::from(y);
     // The normal has 123 bits and w 61: their products are summed in two parts of 64 bits and more.
@@ -60,9 +60,10 @@ pub(super) fn side([a, b, c]: [Point; 3], d: Point) -> Orientation {
     sign(if upper == 0 { i128::from(lower as u64) } else { upper })
 }
 
-/// On which side of the line through two points the last one lies, seen along an axis, as [`crate::math::orient2d`].
+/// The side of the line through two points on which the last one lies, projected along an axis, as
+/// [`crate::math::orient2d`].
 #[inline]
-pub(super) fn turn([a, b, c]: [Point; 3], (x, y): (usize, usize)) -> Orientation {
+pub(super) fn lattice_orient2d([a, b, c]: [LatticePoint; 3], (x, y): (usize, usize)) -> Orientation {
     let product = |p: i64, q: i64| i128::from(p) * i128::from(q);
     sign(product(b[x] - a[x], c[y] - a[y]) - product(b[y] - a[y], c[x] - a[x]))
 }
@@ -103,11 +104,14 @@ mod tests {
             fits += 1;
             let [a, b, c, d] = points;
             let expected = orient3d(a, b, c, d);
-            assert_eq!(side([on[0], on[1], on[2]], on[3]), expected, "{points:?}");
+            assert_eq!(lattice_orient3d([on[0], on[1], on[2]], on[3]), expected, "{points:?}");
             flat += i32::from(expected == Orientation::Flat);
             for (x, y) in [(0, 1), (1, 2), (2, 0)] {
                 let seen = |p: [f64; 3]| [p[x], p[y]];
-                assert_eq!(turn([on[0], on[1], on[2]], (x, y)), orient2d(seen(a), seen(b), seen(c)));
+                assert_eq!(
+                    lattice_orient2d([on[0], on[1], on[2]], (x, y)),
+                    orient2d(seen(a), seen(b), seen(c))
+                );
             }
         }
         assert!(flat > 10_000 && fits > 50_000, "{flat} flat, {fits} on a lattice");
@@ -120,8 +124,8 @@ mod tests {
         let points = [corners[0], corners[1], corners[2], corners[3], [1.0, 0.0, 0.0]];
         let on = on_lattice(points).expect("60 bits");
         let expected = orient3d(corners[0], corners[1], corners[2], corners[3]);
-        assert_eq!(side([on[0], on[1], on[2]], on[3]), expected);
-        assert_eq!(side([on[0], on[2], on[1]], on[3]), expected.flipped());
+        assert_eq!(lattice_orient3d([on[0], on[1], on[2]], on[3]), expected);
+        assert_eq!(lattice_orient3d([on[0], on[2], on[1]], on[3]), expected.flipped());
         assert_eq!(on_lattice([[most, 0.5, 0.0]]), None);
         assert_eq!(on_lattice([[0.0; 3]]), Some([[0; 3]]));
     }

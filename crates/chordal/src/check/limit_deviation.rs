@@ -1,21 +1,23 @@
-//! How far the polygons of a cage are from the surface that they stand for.
-use super::limit_triangles;
+//! The deviation of a control cage's polygons from its limit surface.
+use super::loop_deviation;
 use crate::budget::{Bound, Job, Reference, par_map};
-use crate::explicit::cage::limit::{Patches, Rough, Square};
-use crate::explicit::{Cage, InvalidCage, Patch, Sheet};
-use crate::math::Ranked;
+use crate::explicit::cage::limit::{ExtraordinaryQuad, LimitPatches, QuadPatchTree};
+use crate::explicit::{Cage, InvalidCage, LimitSheet, Patch};
+use crate::math::PriorityItem;
 use glam::DVec3;
 use std::collections::BinaryHeap;
 
-/// How far the polygons of a cage are from its limit surface.
+/// Bounds how far the polygons of a cage are from its limit surface.
 ///
-/// A triangle of Loop's scheme is flat. A quad is taken as the bilinear surface between its corners, another polygon as those of the quads between its corners, the middles of
-/// its edges and its own. **Bound:** the two-sided Hausdorff distance is at most this, *proved*, rounding included: each point of a face
-/// is paired with that of the limit surface for the same parameters, and the difference of both is bounded by its control points, divided until that is
-/// within a tenth of what it must be at least, or down to rounding. `at_least` is 0.
+/// A triangle of Loop's scheme is flat. A quad is the bilinear surface between its corners. Another polygon
+/// consists of such quads, one for each corner, with the midpoints of its edges and its own centre.
+/// **Bound:** the two-sided Hausdorff distance is at most this, *proved*, rounding included. Each point of a
+/// face is paired with the limit surface's point at the same parameters, and their difference is bounded by
+/// its control points. It is subdivided until the bound is within a tenth of the least possible value, or
+/// down to rounding. `at_least` is 0.
 ///
-/// *Cost.* Some microseconds a face, on all threads of the job; about a millisecond beside an irregular vertex of few edges, more
-/// beside one of many.
+/// *Cost.* Some microseconds a face, on all threads of the job; about a millisecond beside an irregular
+/// vertex of few edges, more beside one of many.
 ///
 /// # Errors
 /// [`InvalidCage::NotFinite`] where coordinates overflow, or their squares do.
@@ -37,10 +39,10 @@ pub fn limit_deviation(cage: &Cage, job: &Job) -> Result<Bound, InvalidCage> {
     Ok(Bound::proved(0.0, most, Reference::LimitSurface))
 }
 
-/// The same for each sheet, in order; none for those that are not asked for.
+/// The same for each sheet, in order; `None` for those that `is_asked` rejects.
 pub(super) fn sheet_deviations(
     cage: &Cage,
-    is_asked: impl Fn(&Sheet) -> bool + Sync,
+    is_asked: impl Fn(&LimitSheet) -> bool + Sync,
     job: &Job,
 ) -> Result<Vec<Option<f64>>, InvalidCage> {
     let limit = cage.limit()?;
@@ -62,8 +64,8 @@ pub(super) fn sheet_deviations(
         };
         let sheet = limit.sheet(sheet)?;
         let off = is_asked(&sheet).then(|| match (sheet.square(), sheet.triangle()) {
-            (Some(square), _) => apart(square, corners),
-            (_, Some(triangle)) => limit_triangles::apart(triangle, [at(0), at(1), at(2)]),
+            (Some(square), _) => parametric_distance(square, corners),
+            (_, Some(triangle)) => loop_deviation::parametric_distance(triangle, [at(0), at(1), at(2)]),
             _ => Ok(0.0),
         });
         Ok(off.transpose()?.map(|off| off + UNDERFLOW))
@@ -76,49 +78,49 @@ const LARGEST: f64 = 1e150;
 /// Lengths below it may come out as 0, since their squares do: a little more than √(3·2⁻¹⁰²²).
 const UNDERFLOW: f64 = 1e-153;
 
-/// A piece of the surface and the polygon's corners there.
-struct Part<'a> {
-    /// How much of its bound is for rounding.
+/// A subpatch of the surface and the polygon's corners there.
+struct QuadSubpatch<'a> {
+    /// The part of its bound that is due to rounding.
     off: f64,
     depth: usize,
-    piece: Piece<'a>,
+    piece: QuadSubpatchKind<'a>,
     corners: [DVec3; 4],
 }
 
-enum Piece<'a> {
-    /// What the patch is more than the polygon, and by how much it may be off.
+enum QuadSubpatchKind<'a> {
+    /// The patch minus the polygon, and its rounding error.
     Difference(Box<Patch>, f64),
-    Rough(&'a Rough),
+    Extraordinary(&'a ExtraordinaryQuad),
 }
 
-/// A bound that is within this factor of the distance at some place is near enough; chosen.
+/// A bound within this factor of the distance at some parameter is close enough; chosen.
 pub(super) const NEAR: f64 = 1.1;
-/// Nor does it pay to divide what is within this many times its rounding; chosen.
+/// Bounds within this many times their rounding are not subdivided either; chosen.
 pub(super) const ROUNDINGS: f64 = 4.0;
-/// Pieces after which it is what it is; chosen.
+/// Subdivision stops after this many pieces; chosen.
 pub(super) const MOST_PIECES: usize = 400;
-/// Divisions after which hulls are below rounding.
+/// Subdivisions after which hulls are below rounding.
 pub(super) const DEEPEST: usize = 45;
 
-fn apart(square: &Square, corners: [DVec3; 4]) -> Result<f64, InvalidCage> {
+fn parametric_distance(square: &QuadPatchTree, corners: [DVec3; 4]) -> Result<f64, InvalidCage> {
     let mut open = BinaryHeap::new();
     let mut least = 0.0_f64;
     push(&mut open, square, (corners, 0), &mut least);
     for _ in 0..MOST_PIECES {
         let Some(worst) = open.pop() else { return Ok(0.0) };
-        let Ranked { bound, item: worst } = worst;
+        let PriorityItem { bound, item: worst } = worst;
         if bound <= NEAR * least + ROUNDINGS * worst.off || worst.depth > DEEPEST {
             return Ok(bound);
         }
         match worst.piece {
-            Piece::Difference(patch, off) => {
+            QuadSubpatchKind::Difference(patch, off) => {
                 for half in patch.halves_u() {
                     for quarter in half.halves_v() {
                         open.push(difference(quarter, off, (worst.depth + 1, &mut least)));
                     }
                 }
             }
-            Piece::Rough(rough) => {
+            QuadSubpatchKind::Extraordinary(rough) => {
                 let [a, b, c, d] = worst.corners;
                 let middle = 0.25 * ((a + b) + (c + d));
                 let [ab, bc, cd, da] = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + d), 0.5 * (d + a)];
@@ -134,13 +136,13 @@ fn apart(square: &Square, corners: [DVec3; 4]) -> Result<f64, InvalidCage> {
 }
 
 fn push<'a>(
-    open: &mut BinaryHeap<Ranked<Part<'a>>>,
-    square: &'a Square,
+    open: &mut BinaryHeap<PriorityItem<QuadSubpatch<'a>>>,
+    square: &'a QuadPatchTree,
     (corners, depth): ([DVec3; 4], usize),
     least: &mut f64,
 ) {
     match square {
-        Square::Patches(Patches { pieces, off }) => {
+        QuadPatchTree::Regular(LimitPatches { patches: pieces, off }) => {
             for piece in pieces {
                 let flat = |u: f64, v: f64| {
                     let low = corners[0] + u * (corners[1] - corners[0]);
@@ -148,7 +150,7 @@ fn push<'a>(
                     low + v * (high - low)
                 };
                 let within = |[from, to]: [f64; 2], k: usize| from + (to - from) * (k as f64 / 3.0);
-                // A bilinear surface has its points over thirds as control points.
+                // The control points of a bilinear surface are its points at thirds.
                 let control = std::array::from_fn(|i| {
                     std::array::from_fn(|j| {
                         let at = DVec3::from(piece.patch.control[i][j]);
@@ -161,26 +163,33 @@ fn push<'a>(
                 open.push(difference(Patch { control }, off, (depth, least)));
             }
         }
-        Square::Rough(rough) => {
+        QuadPatchTree::Extraordinary(rough) => {
             let hull = rough.ring().hull();
             let far = |point: &[f64; 3]| {
                 let point = DVec3::from(*point);
                 corners.iter().fold(0.0_f64, |most, corner| most.max((point - *corner).length()))
             };
             let largest = rough.ring().size();
-            let off = 2.0 * rough.ring().off() + 64.0 * f64::EPSILON * largest;
+            let off = 2.0 * rough.ring().rounding() + 64.0 * f64::EPSILON * largest;
             let bound = hull.iter().fold(0.0_f64, |most, point| most.max(far(point))) + off;
             for (place, corner) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].into_iter().zip(corners) {
                 if let Ok(jet) = rough.at(place.0, place.1) {
                     *least = least.max((DVec3::from(jet.point) - corner).length());
                 }
             }
-            open.push(Ranked { bound, item: Part { off, depth, piece: Piece::Rough(rough), corners } });
+            open.push(PriorityItem {
+                bound,
+                item: QuadSubpatch { off, depth, piece: QuadSubpatchKind::Extraordinary(rough), corners },
+            });
         }
     }
 }
 
-fn difference<'a>(patch: Patch, off: f64, (depth, least): (usize, &mut f64)) -> Ranked<Part<'a>> {
+fn difference<'a>(
+    patch: Patch,
+    off: f64,
+    (depth, least): (usize, &mut f64),
+) -> PriorityItem<QuadSubpatch<'a>> {
     let long = |at: [f64; 3]| DVec3::from(at).length();
     let control = patch.control.as_flattened();
     let most = control.iter().fold(0.0_f64, |most, at| most.max(long(*at)));
@@ -189,6 +198,6 @@ fn difference<'a>(patch: Patch, off: f64, (depth, least): (usize, &mut f64)) -> 
         *least = least.max(long(at));
     }
     let bound = most + off;
-    let (piece, corners) = (Piece::Difference(Box::new(patch), off), [DVec3::ZERO; 4]);
-    Ranked { bound, item: Part { off, depth, piece, corners } }
+    let (piece, corners) = (QuadSubpatchKind::Difference(Box::new(patch), off), [DVec3::ZERO; 4]);
+    PriorityItem { bound, item: QuadSubpatch { off, depth, piece, corners } }
 }

@@ -1,23 +1,24 @@
-//! Area and volume, rounded, summed in the order of the faces in fixed chunks: the same on any number of threads.
+//! Area and volume, rounded. Sums run in the order of the faces in fixed chunks: the same on any number of
+//! threads.
 use super::parallel::over_chunks;
 use crate::explicit::Mesh;
 use glam::DVec3;
 
-/// What a surface measures, each rounded (not enclosed), infinite where it exceeds the range of f64.
+/// The area and volume of a surface, each rounded (not enclosed), infinite where it exceeds the range of f64.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measure {
     /// The sum of the areas of the triangles, in squared units of the mesh.
     pub area: f64,
-    /// The sum of the signed volumes of the tetrahedra over the triangles with their tip in the centre of the mesh's
-    /// box, in cubed units. For a closed, oriented surface that is the volume inside, positive when the front is
-    /// outside; else it says little.
+    /// The sum of the signed volumes of the tetrahedra over the triangles with their apex in the centre of
+    /// the mesh's bounding box, in cubed units. For a closed, oriented surface that is the enclosed volume,
+    /// positive when the front is outside; otherwise it has little meaning.
     pub signed_volume: f64,
 }
 
-/// Triangles a chunk: sums of so few lose no more than 12 bits in the worst case.
+/// Triangles a chunk: sums of so few lose at most 12 bits.
 const CHUNK: usize = 4096;
 
-/// Area and signed volume of `mesh`, in one pass.
+/// Computes area and signed volume of `mesh` in one pass.
 ///
 /// ```
 /// use chordal::{Mesh, check::measure};
@@ -50,8 +51,8 @@ pub fn measure(mesh: &Mesh) -> Measure {
     Measure { area: area / 2.0 * up * up, signed_volume: volume / 6.0 * up * up * up }
 }
 
-/// Two powers of two, inverse to each other: the first takes `size` to about 1, so that no product on the way leaves
-/// the range of f64. Both stay normal numbers.
+/// Two powers of two, inverse to each other: the first scales `size` to about 1, so that no intermediate
+/// product leaves the range of f64. Both are normal numbers.
 pub(super) fn power_of_two_near(size: f64) -> (f64, f64) {
     let exponent = ((size.to_bits() >> 52 & 0x7ff) as i64 - 1023).clamp(-1000, 1000);
     let power = |exponent: i64| f64::from_bits(((exponent + 1023) as u64) << 52);

@@ -1,63 +1,65 @@
-//! The judge: measures and proves, builds nothing.
+//! Checks: measures shapes and proves properties and error bounds; builds nothing.
 mod attributes;
 mod comb;
 mod components;
+mod connectivity;
 mod defect;
+mod degenerate;
 mod deviation;
 mod distance;
 mod duplicates;
+mod edge_topology;
 mod fans;
 mod field_deviation;
 mod finding;
-mod flat;
 mod gap;
 mod joins;
 mod lattice;
 mod limit_deviation;
-mod limit_triangles;
+mod loop_deviation;
 mod measure;
-mod meeting;
 mod nesting;
 mod overshade;
 mod parallel;
-mod pieces;
 mod point_tree;
 mod self_intersections;
 mod smooth_deviation;
-mod surface;
 mod t_junctions;
 mod thin;
+mod triangle_intersection;
 mod validity;
 mod winding;
 
 pub use attributes::{AttributeDeviation, attribute_deviation};
 pub use comb::{Tooth, curvature_comb};
 pub use components::{Component, Facing, components, inside_out, outward};
-pub use defect::{CURES, Defect, Weight};
+pub use connectivity::{ConnectivityPair, MeshConnectivity};
+pub use defect::{CURES, Defect, Severity};
+pub use degenerate::{has_zero_area, is_collinear};
 pub(crate) use deviation::distance::distance_up;
-pub use deviation::{Deviation, Goal, OneSided, deviation, vertex_deviation};
-pub(crate) use deviation::{Here, Judge, Near, Places, places_beyond};
+pub use deviation::{Deviation, Goal, OneSidedDistance, deviation, vertex_deviation};
+pub(crate) use deviation::{
+    ProximityChecker, RegionTolerance, ToleranceField, ViolationReport, tolerance_violations,
+};
 pub use distance::surface_at_least;
 pub(crate) use distance::triangle_at_least;
 pub use duplicates::duplicate_vertices;
-pub(crate) use fans::boundary_string;
+pub(crate) use fans::boundary_path;
 pub use field_deviation::{FieldDeviation, field_deviation};
 pub(crate) use field_deviation::{
-    FieldJudge, SandwichGoal, is_hopeless, judged_bound, measured_field_deviation,
+    SandwichGoal, SandwichProver, is_hopeless, measured_field_deviation, sandwich_bound,
 };
-pub use finding::{Finding, MAX_WITNESSES, Place, Witness};
-pub use flat::{has_zero_area, is_collinear};
+pub use finding::{Finding, MAX_WITNESSES, MeshLocation, Witness};
 pub use gap::{Gap, distance_to_polyline, largest_gap};
 pub use joins::{Join, join, joins};
 pub use limit_deviation::limit_deviation;
 pub use measure::{Measure, measure};
-pub(crate) use meeting::meet as triangles_meet;
-pub use overshade::{Flicker, MicroTriangles, Overshade, Shaded, flicker, micro_triangles, overshade};
+pub use overshade::{Flicker, MicroTriangles, Overshade, ShadingCounts, flicker, micro_triangles, overshade};
 pub(crate) use point_tree::PointTree;
 pub use self_intersections::{intersections_between, self_intersections};
 pub use smooth_deviation::{cage_deviation, patch_deviation};
-pub use surface::{BothWays, Surface};
 pub use t_junctions::t_junctions;
 pub(crate) use t_junctions::vertices_in_edges;
 pub use thin::{SLIVER_ASPECT, is_sliver};
+pub(crate) use triangle_intersection::triangles_intersect;
 pub use validity::{Validity, validity};

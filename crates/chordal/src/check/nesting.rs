@@ -1,30 +1,34 @@
-//! Which components lie within which others: exact winding numbers around a few vertices of each.
-use super::components::{Component, NONE, Shapes};
-use super::winding::{Crossing, crossing};
-use crate::budget::{Job, Stopped, par_map};
+//! Nesting of components: exact winding numbers around a few vertices of each.
+use super::components::{Component, ComponentSet, NONE};
+use super::winding::{RayCrossing, crossing};
+use crate::budget::{Job, JobError, par_map};
 use crate::explicit::{Bvh, Mesh};
 use crate::math::Box3;
 
-/// How many others enclose a component.
+/// The number of other components that enclose a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Nested {
-    /// So many.
+pub(super) enum NestingDepth {
+    /// That many.
     Within(u32),
-    /// All vertices looked at lie on the surface of another one; or nobody looked.
+    /// All tested vertices lie on the surface of another component, or none was tested.
     Touching,
 }
 
-/// Pairs of components up to which their boxes are compared one by one.
+/// Up to so many pairs of components, their boxes are compared one by one.
 const FEW_PAIRS: usize = 1 << 16;
 
-/// How many components with an inside enclose each component, of which only those with an inside are looked at.
+/// Counts how many components with an inside enclose each component; only those with an inside are tested.
 ///
 /// # Errors
-/// Those of [`Bvh::build`], and [`Stopped::Cancelled`] when the job was.
-pub(super) fn nest(mesh: &Mesh, shapes: &Shapes, job: &Job) -> Result<Vec<Nested>, Stopped> {
-    let Shapes { found: components, labels, signs } = shapes;
+/// Those of [`Bvh::build`], and [`JobError::Cancelled`] when the job was.
+pub(super) fn nesting_depths(
+    mesh: &Mesh,
+    shapes: &ComponentSet,
+    job: &Job,
+) -> Result<Vec<NestingDepth>, JobError> {
+    let ComponentSet { found: components, labels, signs } = shapes;
     let has_inside = |i: usize| signs[i].is_some();
-    let mut nested = vec![Nested::Within(0); components.len()];
+    let mut nested = vec![NestingDepth::Within(0); components.len()];
     let solid: Vec<usize> = (0..components.len()).filter(|i| has_inside(*i)).collect();
     let encloses = |outer: usize, inner: usize| {
         outer != inner && is_within(&components[inner].bounds, &components[outer].bounds)
@@ -37,18 +41,18 @@ pub(super) fn nest(mesh: &Mesh, shapes: &Shapes, job: &Job) -> Result<Vec<Nested
     }
     let tree = Bvh::build(mesh, job)?;
     let outermost = outermost_rows(mesh, labels, components);
-    let search = Search {
+    let search = NestingSearch {
         mesh,
         tree,
         labels,
         may_enclose: |outer, inner| has_inside(outer) && encloses(outer, inner),
     };
     let depths = par_map(job, &asked, |_, inner| {
-        // A job that was cancelled wants no answer.
-        if job.is_cancelled() { Nested::Touching } else { search.depth(*inner, &outermost[*inner]) }
+        // The result of a cancelled job is discarded.
+        if job.is_cancelled() { NestingDepth::Touching } else { search.depth(*inner, &outermost[*inner]) }
     });
     if job.is_cancelled() {
-        return Err(Stopped::Cancelled);
+        return Err(JobError::Cancelled);
     }
     asked.iter().zip(depths).for_each(|(i, depth)| nested[*i] = depth);
     Ok(nested)
@@ -58,7 +62,7 @@ fn is_within(inner: &Box3, outer: &Box3) -> bool {
     outer.contains(inner.min) && outer.contains(inner.max)
 }
 
-/// The first corner of each component, and the lowest and highest along each axis; the first of those that tie.
+/// The first corner of each component, and its lowest and highest along each axis; ties go to the first.
 fn outermost_rows(mesh: &Mesh, labels: &[u32], components: &[Component]) -> Vec<[u32; 7]> {
     let mut rows: Vec<[u32; 7]> =
         components.iter().map(|c| [mesh.faces()[c.first_face as usize][0]; 7]).collect();
@@ -76,7 +80,7 @@ fn outermost_rows(mesh: &Mesh, labels: &[u32], components: &[Component]) -> Vec<
     rows
 }
 
-struct Search<'a, F> {
+struct NestingSearch<'a, F> {
     mesh: &'a Mesh,
     tree: Bvh,
     labels: &'a [u32],
@@ -84,19 +88,19 @@ struct Search<'a, F> {
     may_enclose: F,
 }
 
-/// Where a point lies with respect to a component.
+/// The position of a point relative to a component.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Side {
+enum BoundedSide {
     Inside,
     On,
     Outside,
 }
 
-impl<F: Fn(usize, usize) -> bool> Search<'_, F> {
-    fn depth(&self, inner: usize, rows: &[u32; 7]) -> Nested {
-        // Whoever encloses it is crossed on the way up from its first corner.
-        let mut outer: Vec<(u32, Side)> = self.sides(inner, rows[0]);
-        outer.retain(|(_, side)| *side != Side::Outside);
+impl<F: Fn(usize, usize) -> bool> NestingSearch<'_, F> {
+    fn depth(&self, inner: usize, rows: &[u32; 7]) -> NestingDepth {
+        // Every enclosing component is crossed by the ray up from the first corner.
+        let mut outer: Vec<(u32, BoundedSide)> = self.sides(inner, rows[0]);
+        outer.retain(|(_, side)| *side != BoundedSide::Outside);
         for &row in &rows[1..] {
             if outer.is_empty() {
                 break;
@@ -104,38 +108,39 @@ impl<F: Fn(usize, usize) -> bool> Search<'_, F> {
             let sides = self.sides(inner, row);
             outer.retain_mut(|(label, known)| {
                 let found = sides.iter().find(|(other, _)| other == label);
-                match found.map_or(Side::Outside, |(_, side)| *side) {
-                    Side::Outside => return false,
-                    Side::Inside => *known = Side::Inside,
-                    Side::On => {}
+                match found.map_or(BoundedSide::Outside, |(_, side)| *side) {
+                    BoundedSide::Outside => return false,
+                    BoundedSide::Inside => *known = BoundedSide::Inside,
+                    BoundedSide::On => {}
                 }
                 true
             });
         }
-        if outer.iter().any(|(_, side)| *side == Side::On) {
-            return Nested::Touching;
+        if outer.iter().any(|(_, side)| *side == BoundedSide::On) {
+            return NestingDepth::Touching;
         }
-        Nested::Within(outer.len() as u32)
+        NestingDepth::Within(outer.len() as u32)
     }
 
-    /// Where a vertex lies with respect to the components above it that may enclose `inner`, by their numbers.
-    fn sides(&self, inner: usize, row: u32) -> Vec<(u32, Side)> {
+    /// The position of a vertex relative to each component above it that may enclose `inner`, by component
+    /// number.
+    fn sides(&self, inner: usize, row: u32) -> Vec<(u32, BoundedSide)> {
         let point = self.mesh.positions()[row as usize];
-        let mut crossings: Vec<(u32, Crossing)> = Vec::new();
-        self.tree.above(point, |face| {
+        let mut crossings: Vec<(u32, RayCrossing)> = Vec::new();
+        self.tree.faces_above(point, |face| {
             let label = self.labels[face as usize];
             if label != NONE && (self.may_enclose)(label as usize, inner) {
                 let met = crossing(point, self.mesh.corners(face as usize));
-                crossings.extend((met != Crossing::None).then_some((label, met)));
+                crossings.extend((met != RayCrossing::None).then_some((label, met)));
             }
         });
         crossings.sort_unstable_by_key(|(label, _)| *label);
-        let side = |met: &[(u32, Crossing)]| {
-            if met.iter().any(|(_, crossing)| *crossing == Crossing::On) {
-                return Side::On;
+        let side = |met: &[(u32, RayCrossing)]| {
+            if met.iter().any(|(_, crossing)| *crossing == RayCrossing::On) {
+                return BoundedSide::On;
             }
-            let upward = met.iter().filter(|(_, crossing)| *crossing == Crossing::FromBehind).count();
-            if 2 * upward == met.len() { Side::Outside } else { Side::Inside }
+            let upward = met.iter().filter(|(_, crossing)| *crossing == RayCrossing::FromBehind).count();
+            if 2 * upward == met.len() { BoundedSide::Outside } else { BoundedSide::Inside }
         };
         crossings.chunk_by(|a, b| a.0 == b.0).map(|met| (met[0].0, side(met))).collect()
     }

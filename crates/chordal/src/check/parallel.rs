@@ -1,4 +1,5 @@
-//! Two things at once, and all chunks of a slice at once, where the host has threads: the results are the same.
+//! Parallel execution of two closures or of all chunks of a slice; the results do not depend on the number of
+//! threads.
 use crate::budget::{Job, par_map};
 
 /// Runs both, in parallel with the feature `threads`.
@@ -13,9 +14,9 @@ pub(super) fn both<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B)
     (a(), b())
 }
 
-/// `f` of every chunk of `size` items with the number of its first item, in the order of the chunks. For counts in
-/// linear time that hold nothing and are not worth a cancel. The threads are those of the job in whose [`Job::run`] the
-/// caller stands, or the host's.
+/// Applies `f` to every chunk of `size` items and the index of its first item; results are in the order of
+/// the chunks. For linear-time counts that hold no memory and need no cancellation. The threads are those of
+/// the job in whose [`Job::run`] the caller is, or the host's.
 pub(super) fn over_chunks<T: Sync, R: Send>(
     items: &[T],
     size: usize,

@@ -1,21 +1,21 @@
-//! A tree over points, to find those in a box or near a segment.
+//! A tree over points that finds those in a box or near a segment.
 use crate::math::Box3;
 
-/// Points in nested boxes, halved at the median of the longest side.
+/// A tree of nested boxes, each split at the median of its longest side.
 pub(crate) struct PointTree<'a> {
     points: &'a [[f64; 3]],
-    /// The numbers of the points, those of one box side by side.
+    /// Point indices; those of one box are contiguous.
     order: Vec<u32>,
-    /// In the order of a walk that goes down before it goes on.
-    nodes: Vec<Node>,
+    /// In depth-first order.
+    nodes: Vec<PointTreeNode>,
 }
 
-struct Node {
+struct PointTreeNode {
     bounds: Box3,
-    /// The part of `order` that it holds.
+    /// The range of `order` that the node holds.
     start: u32,
     end: u32,
-    /// The node to go on with when this one is left out.
+    /// The next node when this one's subtree is skipped.
     skip: u32,
 }
 
@@ -31,12 +31,12 @@ impl<'a> PointTree<'a> {
         tree
     }
 
-    /// Depth is the logarithm of the number of points: every split is in the middle.
+    /// Depth is the logarithm of the number of points: every split is at the median.
     fn build(&mut self, start: usize, end: usize) {
         let (points, part) = (self.points, &mut self.order[start..end]);
-        let bounds = Box3::around(part.iter().map(|&i| &points[i as usize]));
+        let bounds = Box3::from_points(part.iter().map(|&i| &points[i as usize]));
         let node = self.nodes.len();
-        self.nodes.push(Node { bounds, start: start as u32, end: end as u32, skip: 0 });
+        self.nodes.push(PointTreeNode { bounds, start: start as u32, end: end as u32, skip: 0 });
         if part.len() > LEAF {
             // Halved before the difference, which may exceed the range of f64.
             let side = |k: usize| 0.5 * bounds.max[k] - 0.5 * bounds.min[k];
@@ -51,7 +51,7 @@ impl<'a> PointTree<'a> {
         self.nodes[node].skip = self.nodes.len() as u32;
     }
 
-    /// Whether one of the points in a box, its sides among it, is wanted.
+    /// Whether one of the points in a box, including its boundary, is wanted.
     pub fn any_in(&self, bounds: &Box3, is_wanted: impl Fn(u32) -> bool) -> bool {
         let mut next = 0;
         while let Some(node) = self.nodes.get(next) {
@@ -68,7 +68,7 @@ impl<'a> PointTree<'a> {
         false
     }
 
-    /// Calls `visit` with the number of every point that may lie within `reach` of the segment, and some others.
+    /// Calls `visit` with the index of every point within `reach` of the segment, and of some others.
     pub fn near_segment(&self, [a, b]: [[f64; 3]; 2], reach: f64, mut visit: impl FnMut(u32)) {
         let mut next = 0;
         while let Some(node) = self.nodes.get(next) {
@@ -82,7 +82,8 @@ impl<'a> PointTree<'a> {
     }
 }
 
-/// Whether a segment may come within `reach` of a box: false only when one of six planes parts them for certain.
+/// Whether a segment may come within `reach` of a box: false only when one of six planes separates them with
+/// certainty.
 fn may_meet([a, b]: [[f64; 3]; 2], bounds: &Box3, reach: f64) -> bool {
     let largest = [a, b, bounds.min, bounds.max]
         .as_flattened()
@@ -98,15 +99,16 @@ fn may_meet([a, b]: [[f64; 3]; 2], bounds: &Box3, reach: f64) -> bool {
     if (0..3).any(|k| apart[k].abs() > half[k].abs() + room[k]) {
         return false;
     }
-    // Only its direction counts from here; of length about one, it takes no product out of the range of f64.
+    // Only its direction matters from here; with length about one, no product leaves the range of f64.
     let longest = half.iter().fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
     let along = half.map(|x| x / longest);
-    !(0..3).any(|k| parted_across(along, apart, room, ((k + 1) % 3, (k + 2) % 3)))
+    !(0..3).any(|k| is_separating_axis(along, apart, room, ((k + 1) % 3, (k + 2) % 3)))
 }
 
-/// Whether the segment and the box are parted in the projection on the axes `i` and `j`, by a line along the segment.
-/// Five roundings a product and sum, of at most the sizes on the right; the NaN of no direction makes it false.
-fn parted_across(along: [f64; 3], apart: [f64; 3], room: [f64; 3], (i, j): (usize, usize)) -> bool {
+/// Whether a line along the segment separates the segment from the box in the projection on the axes `i` and
+/// `j`. Five roundings a product and sum, of at most the sizes on the right; the NaN of a zero direction
+/// makes it false.
+fn is_separating_axis(along: [f64; 3], apart: [f64; 3], room: [f64; 3], (i, j): (usize, usize)) -> bool {
     let (left, right) = (along[i] * apart[j], along[j] * apart[i]);
     let reach = room[i] * along[j].abs() + room[j] * along[i].abs();
     let slack = 8.0 * f64::EPSILON * (left.abs() + right.abs() + reach) + f64::MIN_POSITIVE;

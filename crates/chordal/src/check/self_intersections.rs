@@ -1,24 +1,23 @@
-//! Self-intersections: pairs of faces that meet where they should not.
-use super::finding::{Finding, MAX_WITNESSES, Place, Witness, centre};
-use super::flat::has_zero_area;
-use super::meeting::{common_point, meet};
+//! Self-intersections: pairs of faces that intersect outside their common corners and edges.
+use super::degenerate::has_zero_area;
+use super::finding::{Finding, MAX_WITNESSES, MeshLocation, Witness, centre};
 use super::parallel::over_chunks;
-use crate::budget::{Job, Stopped};
+use super::triangle_intersection::{common_point, triangles_intersect};
+use crate::budget::{Job, JobError};
 use crate::explicit::{Bvh, Mesh, position_id_by_bits};
 
-/// The pairs of faces that share a point which is not on a corner or an edge of both. So counted are faces that cross,
-/// faces that overlap in one plane, neighbours that are folded onto each other, and faces that only touch: a corner of
-/// one on the other, or edges that cross. Not counted are faces with the same three corners, which
-/// [`super::Validity::duplicate_faces`] has, and faces without area, which are
-/// [`super::Validity::zero_area_faces`]. Corners are the same where their coordinates are, whatever the indices say
-/// (`−0.0` and `0.0` taken as equal).
+/// Finds the pairs of faces that share a point which is not on a common corner or edge. These are faces that
+/// cross, faces that overlap in one plane, neighbours folded onto each other, and faces that only touch: a
+/// corner of one on the other, or edges that cross. Faces with the same three corners do not count, see
+/// [`super::Validity::duplicate_faces`], nor do faces without area, see [`super::Validity::zero_area_faces`].
+/// Corners are the same where their coordinates are equal (`−0.0` equals `0.0`), whatever the indices are.
 ///
-/// Exact for all finite coordinates, and the same on any number of threads. The witnesses are the first pairs in the
-/// order of the faces, each with a rounded point that both have.
+/// Exact for all finite coordinates, and the same on any number of threads. The witnesses are the first pairs
+/// in the order of the faces, each with a rounded common point.
 ///
-/// About 1 µs a triangle on one core for surfaces that are what they should be, the tree of boxes included, which also
-/// says what memory it takes; beside it 28 bytes a position and 36 a face. In the worst case, where all boxes meet, the
-/// square of the number of faces.
+/// About 1 µs a triangle on one core for valid surfaces, including the bounding volume hierarchy, whose
+/// documentation gives its memory; beyond it 28 bytes a position and 36 a face. In the worst case, where all
+/// boxes overlap, quadratic in the number of faces.
 ///
 /// ```
 /// use chordal::{Job, Mesh, check::self_intersections};
@@ -33,16 +32,16 @@ use crate::explicit::{Bvh, Mesh, position_id_by_bits};
 /// ```
 ///
 /// # Errors
-/// [`Stopped::Refused`] where the tree of boxes would be too large for the job ([`Bvh::build`]), and
-/// [`Stopped::Cancelled`] when the job was.
-pub fn self_intersections(mesh: &Mesh, job: &Job) -> Result<Finding, Stopped> {
-    search(mesh, job, |soup, slots| soup.meet(slots))
+/// [`JobError::Refused`] where the hierarchy would be too large for the job ([`Bvh::build`]), and
+/// [`JobError::Cancelled`] when the job was.
+pub fn self_intersections(mesh: &Mesh, job: &Job) -> Result<Finding, JobError> {
+    search(mesh, job, |soup, slots| soup.intersect(slots))
 }
 
-/// The pairs of faces of different groups that share a point which is not on a corner or an edge of both: solids that
-/// cross or touch each other, where each is a group. As [`self_intersections`], but for pairs of one group, which are
-/// not looked at, and for pairs with the same three corners, which count: nothing else tells of them where each group
-/// is looked at alone.
+/// Finds the pairs of faces of different groups that share a point which is not on a common corner or edge:
+/// solids that cross or touch each other, where each is a group. Differs from [`self_intersections`] in two
+/// ways: it ignores pairs within one group, and it counts pairs with the same three corners, since checking
+/// each group alone would miss them.
 ///
 /// ```
 /// use chordal::{Job, Mesh, check::intersections_between};
@@ -59,57 +58,60 @@ pub fn intersections_between(
     mesh: &Mesh,
     group_of: impl Fn(u32) -> u32 + Sync,
     job: &Job,
-) -> Result<Finding, Stopped> {
+) -> Result<Finding, JobError> {
     search(mesh, job, |soup, slots| {
         let [a, b] = slots.map(|slot| group_of(soup.slots[slot as usize].face));
-        a != b && (soup.same(slots) || soup.meet(slots))
+        a != b && (soup.are_duplicates(slots) || soup.intersect(slots))
     })
 }
 
-/// The pairs whose boxes meet and of which `counts` holds.
+/// The pairs whose boxes overlap and that `counts` accepts.
 fn search(
     mesh: &Mesh,
     job: &Job,
-    counts: impl Fn(&Soup, [u32; 2]) -> bool + Sync,
-) -> Result<Finding, Stopped> {
+    counts: impl Fn(&LeafTriangles, [u32; 2]) -> bool + Sync,
+) -> Result<Finding, JobError> {
     let tree = Bvh::build(mesh, job)?;
-    let soup = job.run(|| Soup::new(mesh, &tree));
-    let parts = tree.pairs(job, |found: &mut Found, slots| {
+    let soup = job.run(|| LeafTriangles::new(mesh, &tree));
+    let parts = tree.pairs(job, |found: &mut IntersectingPairs, slots| {
         if counts(&soup, slots) {
             found.add(slots.map(|slot| soup.slots[slot as usize].face));
         }
     });
-    let found = parts.ok_or(Stopped::Cancelled)?.into_iter().fold(Found::default(), Found::merged);
+    let found = parts
+        .ok_or(JobError::Cancelled)?
+        .into_iter()
+        .fold(IntersectingPairs::default(), IntersectingPairs::merged);
     let witnesses = found.first.iter().map(|faces| soup.witness(*faces)).collect();
     Ok(Finding { count: found.count, witnesses })
 }
 
-/// The triangles in the order of the tree's leaves, with their true coordinates.
-struct Soup<'a> {
+/// The triangles in the order of the hierarchy's leaves, with their exact coordinates.
+struct LeafTriangles<'a> {
     mesh: &'a Mesh,
-    slots: Vec<Slot>,
+    slots: Vec<LeafTriangle>,
     points: Vec<[f64; 3]>,
 }
 
-struct Slot {
+struct LeafTriangle {
     /// Rows of `points`, equal for equal coordinates.
     rows: [u32; 3],
     face: u32,
     has_area: bool,
 }
 
-impl<'a> Soup<'a> {
+impl<'a> LeafTriangles<'a> {
     fn new(mesh: &'a Mesh, tree: &Bvh) -> Self {
         let mut points = vec![[0.0; 3]; tree.n_corners()];
-        for (rows, face) in tree.slots() {
+        for (rows, face) in tree.leaf_triangles() {
             for (row, corner) in rows.iter().zip(mesh.corners(face as usize)) {
                 points[*row as usize] = corner;
             }
         }
         let ids = position_id_by_bits(&points);
-        let triangles: Vec<([u32; 3], u32)> = tree.slots().collect();
+        let triangles: Vec<([u32; 3], u32)> = tree.leaf_triangles().collect();
         let slots = over_chunks(&triangles, 4096, |_, triangles| {
-            let slot = |(rows, face): &([u32; 3], u32)| Slot {
+            let slot = |(rows, face): &([u32; 3], u32)| LeafTriangle {
                 rows: rows.map(|row| ids[row as usize]),
                 face: *face,
                 has_area: !has_zero_area(mesh.corners(*face as usize)),
@@ -120,15 +122,15 @@ impl<'a> Soup<'a> {
     }
 
     #[inline]
-    fn meet(&self, [a, b]: [u32; 2]) -> bool {
+    fn intersect(&self, [a, b]: [u32; 2]) -> bool {
         let (a, b) = (&self.slots[a as usize], &self.slots[b as usize]);
         let corners =
             |[p, q, r]: [u32; 3]| [self.points[p as usize], self.points[q as usize], self.points[r as usize]];
-        a.has_area && b.has_area && meet([a.rows, b.rows], [corners(a.rows), corners(b.rows)])
+        a.has_area && b.has_area && triangles_intersect([a.rows, b.rows], [corners(a.rows), corners(b.rows)])
     }
 
     /// Whether both have area and the same three corners.
-    fn same(&self, [a, b]: [u32; 2]) -> bool {
+    fn are_duplicates(&self, [a, b]: [u32; 2]) -> bool {
         let (a, b) = (&self.slots[a as usize], &self.slots[b as usize]);
         a.has_area && b.has_area && a.rows.iter().all(|row| b.rows.contains(row))
     }
@@ -138,19 +140,19 @@ impl<'a> Soup<'a> {
         let ids = position_id_by_bits(corners.as_flattened());
         let ids = [[ids[0], ids[1], ids[2]], [ids[3], ids[4], ids[5]]];
         let at = common_point(ids, corners).unwrap_or_else(|| centre(self.mesh, faces[0]));
-        Witness { place: Place::Faces(faces), at }
+        Witness { place: MeshLocation::Faces(faces), at }
     }
 }
 
-/// How many pairs, and the first in the order of the faces.
+/// The number of pairs, and the first in the order of the faces.
 #[derive(Default)]
-struct Found {
+struct IntersectingPairs {
     count: u64,
     /// Ascending.
     first: Vec<[u32; 2]>,
 }
 
-impl Found {
+impl IntersectingPairs {
     fn add(&mut self, [f, g]: [u32; 2]) {
         self.count += 1;
         self.keep(if f < g { [f, g] } else { [g, f] });

@@ -1,30 +1,35 @@
-//! `patch_deviation`, `cage_deviation`: how far any mesh is from smooth surfaces, certified from both sides.
+//! `patch_deviation`, `cage_deviation`: the deviation of any mesh from smooth surfaces, certified from both
+//! sides.
 //!
-//! The surface is cut into triangles evenly, everywhere alike, so that there are no cracks, and how far those are from it is bounded
-//! without a look at the mesh: that much is added to what [`deviation`](super::deviation()) proves of the two meshes. The cuts are made
-//! finer until that is a small part of the goal. From below nothing of the cuts is left: a point that is far from them is looked
-//! at again by its nearest point on the surface itself.
+//! The surface is tessellated uniformly, so that there are no cracks. The distance between the tessellation
+//! and the surface is bounded without using the mesh, and added to what [`deviation`](super::deviation())
+//! proves of the two meshes. The tessellation is refined until that distance is a small part of the goal. The
+//! lower bound does not suffer from it: a far point is measured again by its closest point on the surface
+//! itself.
 //!
-//! No code of the arrows in `convert` is used, so that this may judge them.
-use super::deviation::{Deviation, Goal, OneSided, deviation, larger, refused, two_sided};
+//! No code of the arrows in `convert` is used, so that this can check them.
+use super::deviation::{Deviation, Goal, OneSidedDistance, deviation, larger, refused, two_sided};
 use super::limit_deviation::{limit_deviation, sheet_deviations};
-use crate::budget::{Code, Job, Reference, Stopped, Tolerance, par_map};
-use crate::explicit::cage::limit::Square;
+use crate::budget::{Job, JobError, Reference, RefusalCode, Tolerance, par_map};
+use crate::explicit::cage::limit::QuadPatchTree;
 use crate::explicit::{Bvh, Cage, InvalidCage, Mesh, Patch, SurfaceTree};
 use crate::math::{add_up, difference, length_up, mul_up, sub_down};
 
-/// The Hausdorff distance between a mesh and Bézier patches, enclosed: the largest distance from any point of either to the nearest point
-/// of the other.
+/// Encloses the Hausdorff distance between a mesh and Bézier patches: the largest distance from any point of
+/// either to the nearest point of the other.
 ///
-/// *What it covers.* Both ends are proved, rounding included, for the exact triangles and the exact patches, whatever made the mesh. `forward`
-/// is from the mesh to the patches. Its worst points are on the patches themselves.
+/// *What it covers.* Both bounds are proved, rounding included, for the exact triangles and the exact
+/// patches, whatever made the mesh. `forward` is from the mesh to the patches. Its worst points are on the
+/// patches themselves.
 ///
-/// *Cost.* That of [`deviation`](super::deviation()) against even cuts of the patches that are some ten times as near to them as the mesh is: the
-/// same everywhere, so more triangles than a mesh within a budget would take. The teapot's 1266 triangles to a hundredth of its size take half a
-/// second on one core, 7964 to a thousandth 4 s. Where four million triangles are too few, the goal is not reached; the ends hold all the same.
+/// *Cost.* That of [`deviation`](super::deviation()) against a uniform tessellation of the patches that is
+/// some ten times as close to them as the mesh is, with more triangles than an adaptive mesh within a budget
+/// would take. The teapot's 1266 triangles to a hundredth of its size take half a second on one core, 7964 to
+/// a thousandth 4 s. Where four million triangles are too few, the goal is not reached; the bounds hold
+/// nevertheless.
 ///
 /// # Errors
-/// As for [`deviation`](super::deviation()), and [`Code::NotFinite`] for patches.
+/// As for [`deviation`](super::deviation()), and [`RefusalCode::NotFinite`] for patches.
 ///
 /// ```
 /// use chordal::{Budget, Job, Patch, Tolerance, check, convert};
@@ -37,25 +42,31 @@ use crate::math::{add_up, difference, length_up, mul_up, sub_down};
 /// assert!(found.reached && found.bound.at_least() <= mesh.bound.at_most().unwrap());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn patch_deviation(mesh: &Mesh, patches: &[Patch], goal: &Goal, job: &Job) -> Result<Deviation, Stopped> {
+pub fn patch_deviation(
+    mesh: &Mesh,
+    patches: &[Patch],
+    goal: &Goal,
+    job: &Job,
+) -> Result<Deviation, JobError> {
     if patches.is_empty() {
-        return refused(Code::Empty, "there is no patch, so nothing is near the mesh");
+        return refused(RefusalCode::Empty, "there is no patch, so nothing is near the mesh");
     }
-    let tree = SurfaceTree::of_patches(patches, job)?;
-    measured(mesh, &Smooth { shape: Shape::Patches(patches), tree }, goal, job)
+    let tree = SurfaceTree::from_patches(patches, job)?;
+    measured(mesh, &SmoothReference { shape: SmoothShape::Patches(patches), tree }, goal, job)
 }
 
-/// The Hausdorff distance between a mesh and the limit surface of a cage, enclosed: the largest distance from any point of either to the
-/// nearest point of the other.
+/// Encloses the Hausdorff distance between a mesh and the limit surface of a cage: the largest distance from
+/// any point of either to the nearest point of the other.
 ///
-/// *What it covers.* As [`patch_deviation`]; creases, borders, holes and irregular vertices included.
+/// *What it covers.* As [`patch_deviation`], including creases, borders, holes and irregular vertices.
 ///
-/// *Cost.* As there, with the polygons of the cage's rounds for the cuts, at some ten microseconds each: a cube at a thousandth of its size takes
-/// some seconds.
+/// *Cost.* As there, with the polygons of the refined cage as tessellation, at some ten microseconds each: a
+/// cube at a thousandth of its size takes some seconds.
 ///
 /// # Errors
-/// As for [`deviation`](super::deviation()); [`Code::Unsupported`] for Loop's scheme, [`Code::Empty`] for a cage without surface,
-/// [`Code::NotFinite`] where coordinates are beyond 1e150.
+/// As for [`deviation`](super::deviation()); [`RefusalCode::Unsupported`] for Loop's scheme,
+/// [`RefusalCode::Empty`] for a cage without surface, [`RefusalCode::NotFinite`] where coordinates are beyond
+/// 1e150.
 ///
 /// ```
 /// use chordal::{Job, Mesh, check, explicit::Cage};
@@ -71,106 +82,111 @@ pub fn patch_deviation(mesh: &Mesh, patches: &[Patch], goal: &Goal, job: &Job) -
 /// assert!(found.forward.at_least > 0.999 * truth);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn cage_deviation(mesh: &Mesh, cage: &Cage, goal: &Goal, job: &Job) -> Result<Deviation, Stopped> {
-    let limit = cage.limit().or_else(no_surface)?;
+pub fn cage_deviation(mesh: &Mesh, cage: &Cage, goal: &Goal, job: &Job) -> Result<Deviation, JobError> {
+    let limit = cage.limit().or_else(invalid_cage)?;
     if limit.n_sheets() == 0 {
-        return refused(Code::Empty, "the cage has no face with a surface, so nothing is near the mesh");
+        return refused(
+            RefusalCode::Empty,
+            "the cage has no face with a surface, so nothing is near the mesh",
+        );
     }
-    let tree = SurfaceTree::of_limit(&limit, job)?;
-    measured(mesh, &Smooth { shape: Shape::Cage(cage), tree }, goal, job)
+    let tree = SurfaceTree::from_limit(&limit, job)?;
+    measured(mesh, &SmoothReference { shape: SmoothShape::Cage(cage), tree }, goal, job)
 }
 
-fn no_surface<T>(error: InvalidCage) -> Result<T, Stopped> {
+fn invalid_cage<T>(error: InvalidCage) -> Result<T, JobError> {
     let code = match error {
-        InvalidCage::TooMany { .. } => Code::TooManyTriangles,
-        _ => Code::NotFinite,
+        InvalidCage::TooMany { .. } => RefusalCode::TooManyTriangles,
+        _ => RefusalCode::NotFinite,
     };
     refused(code, error.to_string())
 }
 
-/// A smooth surface, and what is asked of it.
-struct Smooth<'a> {
-    shape: Shape<'a>,
+/// A smooth surface with its closest-point tree.
+struct SmoothReference<'a> {
+    shape: SmoothShape<'a>,
     tree: SurfaceTree,
 }
 
-enum Shape<'a> {
+enum SmoothShape<'a> {
     Patches(&'a [Patch]),
     Cage(&'a Cage),
 }
 
-/// Triangles that a surface is cut into, at most: about a minute on one core and a gigabyte; chosen.
+/// The most triangles of a tessellation: about a minute on one core and a gigabyte; chosen.
 const MOST_CUTS: u64 = 1 << 22;
-/// Bytes a triangle of the cuts, about: 300 for comparing them, and a hundred for each corner of a quad's tables; derived.
+/// Bytes a triangle of the tessellation, about: 300 for comparing, and a hundred for each corner of a quad's
+/// tables; derived.
 const BYTES_A_CUT: u64 = 500;
-/// Triangles of the first cuts, which tell how fine they have to be; chosen.
+/// Triangles of the first tessellation, from which the necessary fineness is estimated; chosen.
 const FIRST_CUTS: u64 = 1 << 10;
-/// Halvings at most, so that a grid can be indexed.
+/// The most halvings, so that a grid can be indexed.
 const DEEPEST: u32 = 14;
-/// Of the way between the two ends, what the cuts may take; chosen: finer ones cost more than they save.
+/// The share of the gap between the two bounds that the tessellation may take; chosen: finer costs more than
+/// it saves.
 const OF_GOAL: f64 = 0.5;
-/// Triangles whose middles are looked at first, to learn how far the mesh is; chosen.
+/// Triangles whose centroids are sampled first, to estimate the deviation of the mesh; chosen.
 const PILOT: usize = 1 << 10;
 
-impl Smooth<'_> {
+impl SmoothReference<'_> {
     /// The number of triangles after so many halvings.
     fn count(&self, level: u32) -> u64 {
         let quads = match self.shape {
-            Shape::Patches(patches) => patches.len() as u64,
-            // A round makes a quad of each corner of a polygon.
-            Shape::Cage(cage) => cage.faces().map(|face| face.len() as u64).sum::<u64>() / 4 + 1,
+            SmoothShape::Patches(patches) => patches.len() as u64,
+            // A refinement round makes a quad of each corner of a polygon.
+            SmoothShape::Cage(cage) => cage.faces().map(|face| face.len() as u64).sum::<u64>() / 4 + 1,
         };
         2_u64.saturating_mul(quads).saturating_mul(4_u64.saturating_pow(level))
     }
 
-    /// Triangles that a job can hold, and that can be numbered.
+    /// The most triangles that the job can hold and that can be indexed.
     fn limit(&self, job: &Job) -> u64 {
         smaller(smaller(job.triangle_limit, job.memory_limit / BYTES_A_CUT), u64::from(u32::MAX) / 4)
     }
 
-    /// The first cuts that tell something.
-    fn first_level(&self, job: &Job) -> Result<u32, Stopped> {
+    /// The first tessellation level that is informative.
+    fn first_level(&self, job: &Job) -> Result<u32, JobError> {
         let least = match self.shape {
-            Shape::Patches(_) => 0,
-            // Faces that are no quads have to be cut.
-            Shape::Cage(_) => 1,
+            SmoothShape::Patches(_) => 0,
+            // Faces that are not quads must be refined.
+            SmoothShape::Cage(_) => 1,
         };
         let count = self.count(least);
         if count > self.limit(job) {
             let message =
                 format!("cutting the surface takes {count} triangles; the job allows {}", self.limit(job));
-            return refused(Code::TooManyTriangles, message);
+            return refused(RefusalCode::TooManyTriangles, message);
         }
         Ok((least..DEEPEST).find(|level| self.count(*level) >= FIRST_CUTS).unwrap_or(least))
     }
 
-    /// The triangles, and how far they are from the surface at most, both ways.
-    fn cut(&self, level: u32, job: &Job) -> Result<(Mesh, f64), Stopped> {
+    /// The tessellation, and an upper bound on its two-sided distance to the surface.
+    fn cut(&self, level: u32, job: &Job) -> Result<(Mesh, f64), JobError> {
         match self.shape {
-            Shape::Patches(patches) => cut_patches(patches, level, job),
-            Shape::Cage(cage) => cut_cage(cage, level, job),
+            SmoothShape::Patches(patches) => cut_patches(patches, level, job),
+            SmoothShape::Cage(cage) => cut_cage(cage, level, job),
         }
     }
 
     fn reference(&self) -> Reference {
         match self.shape {
-            Shape::Patches(_) => Reference::BezierPatches,
-            Shape::Cage(_) => Reference::LimitSurface,
+            SmoothShape::Patches(_) => Reference::BezierPatches,
+            SmoothShape::Cage(_) => Reference::LimitSurface,
         }
     }
 }
 
 /// A grid on a patch.
-struct Grid {
+struct PatchTessellation {
     points: Vec<[f64; 3]>,
-    /// How far its triangles are from the patch at most.
+    /// An upper bound on the distance between its triangles and the patch.
     off: f64,
 }
 
-fn cut_patches(patches: &[Patch], level: u32, job: &Job) -> Result<(Mesh, f64), Stopped> {
+fn cut_patches(patches: &[Patch], level: u32, job: &Job) -> Result<(Mesh, f64), JobError> {
     let n = 1_usize << level;
     let grids = par_map(job, patches, |_, patch| {
-        let mut grid = Grid { points: vec![[0.0; 3]; (n + 1) * (n + 1)], off: 0.0 };
+        let mut grid = PatchTessellation { points: vec![[0.0; 3]; (n + 1) * (n + 1)], off: 0.0 };
         if !job.is_cancelled() {
             grid.fill(patch, [0, 0, n], n + 1);
         }
@@ -185,16 +201,17 @@ fn cut_patches(patches: &[Patch], level: u32, job: &Job) -> Result<(Mesh, f64), 
     let starts = (0..patches.len() as u32).map(|patch| patch * rows * rows);
     let faces = starts.flat_map(|start| one.iter().map(move |t| t.map(|k| k + start))).collect();
     let points = grids.into_iter().flat_map(|grid| grid.points).collect();
-    Ok((of_cuts(points, faces)?, off))
+    Ok((cut_mesh(points, faces)?, off))
 }
 
-/// What rounding takes of the cuts, as a share of the largest coordinate: a halving rounds each coordinate three times by half an ε, 16 halvings in
-/// both directions make 84 ε of a length; differences of the second order as much again.
+/// Rounding of a tessellation relative to the largest coordinate: a halving rounds each coordinate three
+/// times by half an ε, 16 halvings in both directions make 84 ε of a length; differences of the second order
+/// as much again.
 const OF_CUTS: f64 = 256.0 * f64::EPSILON;
 
-impl Grid {
-    /// Fills the square that begins at a column and a row. Points on a border come from its curve alone, by means that do not know its
-    /// direction, so that patches with a common border have the same.
+impl PatchTessellation {
+    /// Fills the square that starts at a column and a row. Points on a border depend on its curve alone and
+    /// not on its direction, so patches with a common border get the same points.
     fn fill(&mut self, patch: &Patch, [column, row, wide]: [usize; 3], rows: usize) {
         if wide > 1 {
             let half = wide / 2;
@@ -209,14 +226,15 @@ impl Grid {
         for (at, corner) in [(0, c[0][0]), (1, c[0][3]), (rows, c[3][0]), (rows + 1, c[3][3])] {
             self.points[row * rows + column + at] = corner;
         }
-        self.off = larger(self.off, off_triangles(c));
+        self.off = larger(self.off, flatness(c));
     }
 }
 
-/// How far the two triangles between the corners are from a patch, by equal parameters and so both ways: an eighth of the second derivative
-/// along u, along v, and twice the mixed one, whichever diagonal they share. (D. Filip, R. Magedson, R. Markot, *Surface algorithms
-/// using bounds on derivatives*, 1986.)
-fn off_triangles(c: &[[[f64; 3]; 4]; 4]) -> f64 {
+/// A bound on the distance between a patch and the two triangles between its corners, by equal parameters and
+/// so in both directions: an eighth of the second derivative along u, along v, and twice the mixed one,
+/// whichever diagonal they share. (D. Filip, R. Magedson, R. Markot, *Surface algorithms using bounds on
+/// derivatives*, 1986.)
+fn flatness(c: &[[[f64; 3]; 4]; 4]) -> f64 {
     let (mut uu, mut uv, mut vv) = (0.0, 0.0, 0.0);
     for i in 0..4 {
         for j in 0..2 {
@@ -237,20 +255,21 @@ fn off_triangles(c: &[[[f64; 3]; 4]; 4]) -> f64 {
     mul_up(0.125, add_up(mul_up(6.0, add_up(uu, vv)), mul_up(18.0, uv)))
 }
 
-/// The polygons after some rounds. Most are near the limit surface by equal parameters. Beside an irregular vertex parameters slide along
-/// the surface, by a share of the polygons' size, which is far more than these are off: there they are compared, as triangles, with those of
-/// some more rounds, and only these by parameters.
-fn cut_cage(cage: &Cage, level: u32, job: &Job) -> Result<(Mesh, f64), Stopped> {
-    let fine = cage.refined_times(level).or_else(no_surface)?;
-    let limit = fine.limit().or_else(no_surface)?;
+/// The polygons after some refinement rounds. Most are close to the limit surface by equal parameters. Beside
+/// an irregular vertex parameters slide along the surface by a share of the polygons' size, which is far more
+/// than their deviation. There the polygons are compared, as triangles, with those of some more rounds, and
+/// only these by parameters.
+fn cut_cage(cage: &Cage, level: u32, job: &Job) -> Result<(Mesh, f64), JobError> {
+    let fine = cage.refined_times(level).or_else(invalid_cage)?;
+    let limit = fine.limit().or_else(invalid_cage)?;
     let quads: Vec<usize> = (0..limit.n_sheets()).map(|sheet| limit.face_of(sheet).0).collect();
-    let is_smooth = |square: &Square| matches!(square, Square::Patches(_));
+    let is_smooth = |square: &QuadPatchTree| matches!(square, QuadPatchTree::Regular(_));
     let by_parameters =
-        sheet_deviations(&fine, |sheet| sheet.square().is_some_and(is_smooth), job).or_else(no_surface)?;
+        sheet_deviations(&fine, |sheet| sheet.square().is_some_and(is_smooth), job).or_else(invalid_cage)?;
     let of_sheets = || quads.iter().copied().zip(&by_parameters);
-    // The next ones as well, where parameters slide alike.
+    // The one-ring as well, where parameters slide too.
     let irregular = of_sheets().filter(|(_, off)| off.is_none()).map(|(quad, _)| quad);
-    let beside = with_neighbours(&fine, irregular);
+    let beside = one_ring_mask(&fine, irregular);
     let rough_faces: Vec<usize> = quads.iter().copied().filter(|quad| beside[*quad]).collect();
     let smooth = of_sheets().filter(|(quad, _)| !beside[*quad]);
     let mut off = smooth.fold(0.0, |most, (quad, off)| match off {
@@ -260,13 +279,14 @@ fn cut_cage(cage: &Cage, level: u32, job: &Job) -> Result<(Mesh, f64), Stopped> 
     if !rough_faces.is_empty() && !job.is_cancelled() {
         let count = 2 * rough_faces.len() as u64;
         let rounds = (1..MOST_ROUNDS).rev().find(|k| count << (2 * k) <= ROUGH_CUTS).unwrap_or(1);
-        let finest =
-            around(&fine, &rough_faces).and_then(|part| part.refined_times(rounds)).or_else(no_surface)?;
+        let finest = two_ring_cage(&fine, &rough_faces)
+            .and_then(|part| part.refined_times(rounds))
+            .or_else(invalid_cage)?;
         let kept: Vec<usize> = (0..finest.n_faces())
             .filter(|face| finest.holes().binary_search(&(*face as u32)).is_err())
             .collect();
         let by_parameters =
-            limit_deviation(&finest, job).or_else(no_surface)?.at_most().unwrap_or(f64::INFINITY);
+            limit_deviation(&finest, job).or_else(invalid_cage)?.at_most().unwrap_or(f64::INFINITY);
         let by_parameters =
             add_up(by_parameters, kept.iter().fold(0.0, |most, quad| larger(most, twist(&finest, *quad))));
         let (coarse, finest) = (triangles_of(&fine, &rough_faces)?, triangles_of(&finest, &kept)?);
@@ -276,21 +296,23 @@ fn cut_cage(cage: &Cage, level: u32, job: &Job) -> Result<(Mesh, f64), Stopped> 
         off = larger(off, add_up(beside.bound.at_most().unwrap_or(f64::INFINITY), by_parameters));
     }
     let size = cage.positions().as_flattened().iter().fold(0.0, |most, x| larger(most, x.abs()));
-    // A mean of k points in a row is off by k roundings, weights included, and means do not widen what was off before.
+    // A mean of k points in a row is off by k roundings, weights included, and means do not amplify earlier
+    // errors.
     let most_corners = cage.faces().map(<[u32]>::len).fold(4, usize::max);
-    let roundings = 4 * most_around(cage) + 4 * most_corners + 64;
+    let roundings = 4 * max_vertex_degree(cage) + 4 * most_corners + 64;
     let rounding = 2.0 * f64::from(level + MOST_ROUNDS) * roundings as f64 * f64::EPSILON * size;
     Ok((triangles_of(&fine, &quads)?, add_up(off, rounding)))
 }
 
-/// More rounds beside irregular vertices, at most, and so many triangles of them; chosen: distances there shrink by 0.4 to 0.6 a round.
+/// The most additional rounds beside irregular vertices, and their triangles; chosen: distances there shrink
+/// by 0.4 to 0.6 a round.
 const MOST_ROUNDS: u32 = 6;
 const ROUGH_CUTS: u64 = 1 << 17;
 
-/// The faces with two rings of others around them, which shape their limit surface and are holes.
-fn around(cage: &Cage, faces: &[usize]) -> Result<Cage, InvalidCage> {
-    let near = with_neighbours(cage, faces.iter().copied());
-    let chosen = with_neighbours(cage, (0..cage.n_faces()).filter(|face| near[*face]));
+/// The faces with two rings of others around them, which shape their limit surface and are marked as holes.
+fn two_ring_cage(cage: &Cage, faces: &[usize]) -> Result<Cage, InvalidCage> {
+    let near = one_ring_mask(cage, faces.iter().copied());
+    let chosen = one_ring_mask(cage, (0..cage.n_faces()).filter(|face| near[*face]));
     let chosen: Vec<usize> = (0..cage.n_faces()).filter(|face| chosen[*face]).collect();
     let mut vertices: Vec<u32> = chosen.iter().flat_map(|face| cage.face(*face)).copied().collect();
     vertices.sort_unstable();
@@ -322,44 +344,44 @@ fn around(cage: &Cage, faces: &[usize]) -> Result<Cage, InvalidCage> {
     Ok(if cage.lists_corners() { part.with_corners_listed() } else { part })
 }
 
-/// Which faces these are, or have a vertex in common with.
-fn with_neighbours(cage: &Cage, faces: impl Iterator<Item = usize>) -> Vec<bool> {
+/// Marks these faces and all that share a vertex with one of them.
+fn one_ring_mask(cage: &Cage, faces: impl Iterator<Item = usize>) -> Vec<bool> {
     let mut touched = vec![false; cage.positions().len()];
     faces.for_each(|face| cage.face(face).iter().for_each(|vertex| touched[*vertex as usize] = true));
     cage.faces().map(|of| of.iter().any(|vertex| touched[*vertex as usize])).collect()
 }
 
-/// How far the two triangles of a quad are from its bilinear surface: a quarter of the twist.
+/// The distance between the two triangles of a quad and its bilinear surface: a quarter of the twist.
 fn twist(cage: &Cage, quad: usize) -> f64 {
     let &[a, b, c, d] = cage.face(quad) else { return f64::INFINITY };
     let at = |k: u32| cage.positions()[k as usize];
     mul_up(0.25, length_up(difference(difference(at(a), at(b)), difference(at(d), at(c)))))
 }
 
-fn triangles_of(cage: &Cage, quads: &[usize]) -> Result<Mesh, Stopped> {
+fn triangles_of(cage: &Cage, quads: &[usize]) -> Result<Mesh, JobError> {
     let of = quads.iter().filter_map(|quad| <&[u32; 4]>::try_from(cage.face(*quad)).ok());
     let faces = of.flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
-    of_cuts(cage.positions().to_vec(), faces)
+    cut_mesh(cage.positions().to_vec(), faces)
 }
 
-/// The most faces around a vertex, and one more for an open fan's edges.
-fn most_around(cage: &Cage) -> usize {
+/// The largest number of faces around a vertex, doubled for the edges of open fans.
+fn max_vertex_degree(cage: &Cage) -> usize {
     let mut around = vec![0_u32; cage.positions().len()];
     cage.faces().flatten().for_each(|vertex| around[*vertex as usize] += 1);
     2 * around.into_iter().fold(4, u32::max) as usize
 }
 
-fn of_cuts(points: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Result<Mesh, Stopped> {
-    Mesh::new(points, faces).or_else(|error| refused(Code::NotFinite, error.to_string()))
+fn cut_mesh(points: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Result<Mesh, JobError> {
+    Mesh::new(points, faces).or_else(|error| refused(RefusalCode::NotFinite, error.to_string()))
 }
 
-/// What is known of the two directions.
-struct Known {
-    forward: OneSided,
-    backward: OneSided,
+/// The bounds known so far for both directions.
+struct TwoSidedDistance {
+    forward: OneSidedDistance,
+    backward: OneSidedDistance,
 }
 
-impl Known {
+impl TwoSidedDistance {
     fn least(&self) -> f64 {
         larger(self.forward.at_least, self.backward.at_least)
     }
@@ -369,39 +391,44 @@ impl Known {
     }
 }
 
-fn measured(mesh: &Mesh, smooth: &Smooth<'_>, goal: &Goal, job: &Job) -> Result<Deviation, Stopped> {
+fn measured(
+    mesh: &Mesh,
+    smooth: &SmoothReference<'_>,
+    goal: &Goal,
+    job: &Job,
+) -> Result<Deviation, JobError> {
     job.run(|| {
         if mesh.faces().is_empty() {
-            return refused(Code::Empty, "the mesh has no triangle, so nothing is near it");
+            return refused(RefusalCode::Empty, "the mesh has no triangle, so nothing is near it");
         }
         let bvh = Bvh::build(mesh, job)?;
         let bounds = bvh.bounds().union(smooth.tree.bounds());
         let farthest = bounds.diagonal();
         if !farthest.is_finite() {
-            return refused(Code::NotFinite, "the extent of the mesh and the surface overflows");
+            return refused(RefusalCode::NotFinite, "the extent of the mesh and the surface overflows");
         }
         let reach = bounds.min.iter().chain(&bounds.max).fold(0.0, |most, x| larger(most, x.abs()));
-        let wanted = Wanted { goal, floor: FLOOR * reach };
-        let judge = Judge { smooth, bvh: &bvh };
-        let nothing = OneSided { at_least: 0.0, at_most: farthest, from: [0.0; 3], to: [0.0; 3] };
-        let mut known = Known { forward: nothing, backward: nothing };
-        judge.pilot(mesh, &mut known.forward, job);
+        let wanted = SmoothGoal { goal, floor: FLOOR * reach };
+        let judge = SmoothSampler { smooth, bvh: &bvh };
+        let nothing = OneSidedDistance { at_least: 0.0, at_most: farthest, from: [0.0; 3], to: [0.0; 3] };
+        let mut known = TwoSidedDistance { forward: nothing, backward: nothing };
+        judge.probe_some_faces(mesh, &mut known.forward, job);
         let mut level = smooth.first_level(job)?;
         let most_cuts = smaller(MOST_CUTS, smooth.limit(job));
         while !wanted.is_met(&known) {
             let (cuts, off) = smooth.cut(level, job)?;
             if job.is_cancelled() {
-                return Err(Stopped::Cancelled);
+                return Err(JobError::Cancelled);
             }
-            // As fine as the goal asks, as far as is known.
+            // As fine as the goal requires, by the current estimate.
             let aim = level + wanted.rounds(off, known.least());
             if let Some(finer) = (level + 1..=aim).rev().find(|level| smooth.count(*level) <= most_cuts) {
                 level = finer;
                 continue;
             }
-            let found = deviation(mesh, &cuts, &wanted.of_cuts(off, known.least()), job)?;
+            let found = deviation(mesh, &cuts, &wanted.goal_for_cuts(off, known.least()), job)?;
             judge.take(&mut known, &found, off);
-            // It is not the cuts that are too coarse.
+            // The tessellation is not the limiting factor.
             let is_stuck = !found.reached && wanted.rounds(off, known.least()) == 0;
             level += 1;
             if is_stuck || smooth.count(level) > most_cuts {
@@ -415,18 +442,18 @@ fn measured(mesh: &Mesh, smooth: &Smooth<'_>, goal: &Goal, job: &Job) -> Result<
     })
 }
 
-/// What rounding leaves between the two ends, as a share of the largest coordinate: a little more than what the rings of limit
-/// surfaces allow for.
+/// The gap that rounding leaves between the two bounds, relative to the largest coordinate: a little more
+/// than what the rings of limit surfaces allow for.
 const FLOOR: f64 = 8192.0 * f64::EPSILON;
 
-/// The goal, where it is not below rounding.
-struct Wanted<'a> {
+/// The goal, raised to the level of rounding.
+struct SmoothGoal<'a> {
     goal: &'a Goal,
     floor: f64,
 }
 
-impl Wanted<'_> {
-    fn is_met(&self, known: &Known) -> bool {
+impl SmoothGoal<'_> {
+    fn is_met(&self, known: &TwoSidedDistance) -> bool {
         let (least, most) = (known.least(), known.most());
         match self.goal.max {
             Some(max) => least > max.get() || most <= max.get(),
@@ -434,16 +461,17 @@ impl Wanted<'_> {
         }
     }
 
-    /// How far apart the two ends may be.
+    /// The allowed gap between the two bounds.
     fn gap(&self, least: f64) -> f64 {
         larger(self.goal.relative * least, self.goal.absolute.map_or(0.0, Tolerance::get))
     }
 
-    /// Rounds after which cuts that are `off` from the surface are near enough to it, if each leaves a quarter of that.
+    /// The number of rounds after which a tessellation that is `off` from the surface is close enough, if
+    /// each round leaves a quarter of that.
     fn rounds(&self, off: f64, least: f64) -> u32 {
         let gap = self.goal.max.map_or(self.gap(least), Tolerance::get);
         let wanted = larger(OF_GOAL * gap, self.floor);
-        // Where nothing is known, as they are.
+        // Where nothing is known, no further rounds.
         let (mut left, mut rounds) = (if gap > 0.0 { off } else { 0.0 }, 0);
         while left > wanted && rounds < DEEPEST {
             (left, rounds) = (0.25 * left, rounds + 1);
@@ -451,44 +479,45 @@ impl Wanted<'_> {
         rounds
     }
 
-    /// The goal for cuts that are up to `off` away from what they stand for: what that leaves of the way between the ends, and no less than a part
-    /// of `off` itself.
-    fn of_cuts(&self, off: f64, least: f64) -> Goal {
+    /// The goal for a tessellation up to `off` away from the surface: the part of the allowed gap that this
+    /// leaves, and at least a part of `off` itself.
+    fn goal_for_cuts(&self, off: f64, least: f64) -> Goal {
         let max = self.goal.max.and_then(|max| Tolerance::new(sub_down(max.get(), off)).ok());
         let absolute = larger(0.9 * (self.gap(least) - off), 0.25 * off);
         Goal { relative: 0.0, absolute: Tolerance::new(absolute).ok(), max }
     }
 }
 
-/// Looks at points by the surface itself.
-struct Judge<'a> {
-    smooth: &'a Smooth<'a>,
+/// Measures points against the smooth surface itself.
+struct SmoothSampler<'a> {
+    smooth: &'a SmoothReference<'a>,
     bvh: &'a Bvh,
 }
 
-impl Judge<'_> {
-    /// A point of the mesh, or one near it, and how far some point of the mesh beside it is from the surface at least.
-    fn ahead(&self, from: [f64; 3], tolerance: Option<Tolerance>) -> Option<OneSided> {
+impl SmoothSampler<'_> {
+    /// A lower bound on the distance from the mesh to the surface, attained at a mesh point at or near
+    /// `from`.
+    fn forward_at(&self, from: [f64; 3], tolerance: Option<Tolerance>) -> Option<OneSidedDistance> {
         let beside = self.bvh.closest_distance_up(from)?;
         let foot = self.smooth.tree.closest_point(from, tolerance)?;
         let at_least = larger(sub_down(foot.at_least, beside), 0.0);
-        Some(OneSided { at_least, at_most: f64::INFINITY, from, to: foot.point })
+        Some(OneSidedDistance { at_least, at_most: f64::INFINITY, from, to: foot.point })
     }
 
-    /// The same for the point of the surface that is nearest to another.
-    fn back(&self, near: [f64; 3]) -> Option<OneSided> {
+    /// A lower bound on the distance from the surface to the mesh, at the surface point nearest to `near`.
+    fn backward_at(&self, near: [f64; 3]) -> Option<OneSidedDistance> {
         let from = self.smooth.tree.closest_point(near, None)?.point;
         let beside = self.smooth.tree.closest_point(from, None)?.at_most;
         let at_least = larger(sub_down(self.bvh.closest_distance_down(from)?, beside), 0.0);
         let to = self.bvh.closest_point(from)?.point;
-        Some(OneSided { at_least, at_most: f64::INFINITY, from, to })
+        Some(OneSidedDistance { at_least, at_most: f64::INFINITY, from, to })
     }
 
-    /// Looks at the middles of some triangles.
-    fn pilot(&self, mesh: &Mesh, forward: &mut OneSided, job: &Job) {
+    /// Measures the centroids of some triangles.
+    fn probe_some_faces(&self, mesh: &Mesh, forward: &mut OneSidedDistance, job: &Job) {
         let every = mesh.faces().len() / PILOT + 1;
         let faces: Vec<usize> = (0..mesh.faces().len()).step_by(every).collect();
-        // A thousandth of what the mesh measures tells how far it is, or that it is very near.
+        // A thousandth of the mesh's diagonal shows how far it is, or that it is very near.
         let tolerance = Tolerance::new(1e-3 * mesh.bounds().diagonal()).ok();
         let middles = par_map(job, &faces, |_, face| {
             let [a, b, c] = mesh.corners(*face);
@@ -497,38 +526,38 @@ impl Judge<'_> {
             (middle, foot.map_or(0.0, |foot| foot.at_most))
         });
         let far = middles.into_iter().reduce(|far, other| if other.1 > far.1 { other } else { far });
-        if let Some(seen) = far.and_then(|(middle, _)| self.ahead(middle, None)) {
+        if let Some(seen) = far.and_then(|(middle, _)| self.forward_at(middle, None)) {
             improve(forward, seen);
         }
     }
 
-    /// Takes what was found of cuts that are up to `off` from the surface.
-    fn take(&self, known: &mut Known, found: &Deviation, off: f64) {
-        let widened = |side: &OneSided| OneSided {
+    /// Merges the result for a tessellation that is up to `off` from the surface.
+    fn take(&self, known: &mut TwoSidedDistance, found: &Deviation, off: f64) {
+        let widened = |side: &OneSidedDistance| OneSidedDistance {
             at_least: larger(sub_down(side.at_least, off), 0.0),
             at_most: add_up(side.at_most, off),
             ..*side
         };
         improve(&mut known.forward, widened(&found.forward));
         improve(&mut known.backward, widened(&found.backward));
-        if let Some(seen) = self.ahead(found.forward.from, None) {
+        if let Some(seen) = self.forward_at(found.forward.from, None) {
             improve(&mut known.forward, seen);
         }
-        if let Some(seen) = self.back(found.backward.from) {
+        if let Some(seen) = self.backward_at(found.backward.from) {
             improve(&mut known.backward, seen);
         }
     }
 }
 
-/// Both hold, so the better one of each end does.
-fn improve(known: &mut OneSided, other: OneSided) {
+/// Keeps the better of each bound, since both hold.
+fn improve(known: &mut OneSidedDistance, other: OneSidedDistance) {
     if other.at_least >= known.at_least {
         (known.at_least, known.from, known.to) = (other.at_least, other.from, other.to);
     }
     if other.at_most < known.at_most {
         known.at_most = other.at_most;
     }
-    // Both are proved, so that this changes nothing.
+    // Both bounds are proved, so this changes nothing.
     known.at_most = larger(known.at_most, known.at_least);
 }
 

@@ -1,22 +1,24 @@
-//! T-junctions: vertices of the boundary in the middle of an edge of the boundary.
-use super::finding::{Finding, Place, Witness, ends};
-use super::flat::is_collinear;
+//! T-junctions: boundary vertices in the interior of a boundary edge.
+use super::connectivity::MeshConnectivity;
+use super::degenerate::is_collinear;
+use super::finding::{Finding, MeshLocation, Witness, ends};
 use super::point_tree::PointTree;
-use super::surface::Surface;
 use crate::budget::Tolerance;
 use crate::explicit::{Mesh, Topology, Twin, next_in_face};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// The positions of boundary vertices that lie in the interior of a boundary edge of which they are no end: where the
-/// triangles of one side were cut and those of the other were not. Counted once each, with the first such edge.
+/// Finds the positions of boundary vertices that lie in the interior of a boundary edge of which they are no
+/// end: the triangles on one side were split and those on the other were not. Each counts once, with the
+/// first such edge.
 ///
-/// With `within` none, *lie in the interior* is exact: on the line through the two ends, strictly between them. That
-/// finds what was made by halving in place, and misses a vertex that rounding moved off the line by its last bit. With
-/// a tolerance it means: the foot of the perpendicular is farther than the tolerance from both ends, and no longer than
-/// the tolerance; lengths are rounded here, so a vertex at the tolerance to the last bits may fall to either side.
+/// Without `within`, *in the interior* is exact: on the line through the two ends, strictly between them.
+/// That finds vertices made by halving an edge in place, and misses a vertex that rounding moved off the line
+/// by its last bit. With a tolerance it means: the distance to the line is at most the tolerance, and the
+/// projection onto it is farther than the tolerance from both ends. Lengths are rounded here, so a vertex at
+/// the tolerance to the last bits may fall to either side.
 ///
-/// n log n for n boundary edges, that do not all pass through one small place.
+/// n log n for n boundary edges, unless all of them pass through one small region.
 ///
 /// ```
 /// use chordal::{Mesh, check::t_junctions, explicit::Topology};
@@ -28,10 +30,10 @@ use std::collections::BTreeMap;
 /// ```
 #[must_use]
 pub fn t_junctions(mesh: &Mesh, topology: Topology, within: Option<Tolerance>) -> Finding {
-    t_junctions_of(&Surface::new(mesh, topology), within)
+    t_junctions_of(&MeshConnectivity::new(mesh, topology), within)
 }
 
-pub(super) fn t_junctions_of(surface: &Surface, within: Option<Tolerance>) -> Finding {
+pub(super) fn t_junctions_of(surface: &MeshConnectivity, within: Option<Tolerance>) -> Finding {
     let mesh = surface.mesh;
     let mut edge_of: BTreeMap<u32, (u32, u32)> = BTreeMap::new();
     vertices_in_edges(surface, within, |row, h| {
@@ -40,17 +42,17 @@ pub(super) fn t_junctions_of(surface: &Surface, within: Option<Tolerance>) -> Fi
     let mut found = Finding::default();
     for (row, h) in edge_of.into_values() {
         found.add(|| Witness {
-            place: Place::OnEdge { vertex: row, edge: ends(mesh, h), face: h / 3 },
+            place: MeshLocation::OnEdge { vertex: row, edge: ends(mesh, h), face: h / 3 },
             at: mesh.positions()[row as usize],
         });
     }
     found
 }
 
-/// Calls `visit` with the row of a vertex and a half-edge for every T-junction, edge by edge: a vertex in the middle of
-/// several edges comes once for each.
+/// Calls `visit` with the row of a vertex and a half-edge for every T-junction, edge by edge: a vertex in the
+/// interior of several edges is visited once for each.
 pub(crate) fn vertices_in_edges(
-    surface: &Surface,
+    surface: &MeshConnectivity,
     within: Option<Tolerance>,
     mut visit: impl FnMut(u32, u32),
 ) {
@@ -73,8 +75,8 @@ pub(crate) fn vertices_in_edges(
     }
 }
 
-/// One row for each position on the boundary, in the order of the positions.
-fn boundary_rows(surface: &Surface, boundary: &[u32]) -> Vec<u32> {
+/// One row for each boundary position, in the order of the positions.
+fn boundary_rows(surface: &MeshConnectivity, boundary: &[u32]) -> Vec<u32> {
     let both_ends = boundary.iter().flat_map(|&h| [h, next_in_face(h)]);
     let mut rows: Vec<(u32, u32)> = both_ends.map(|h| (surface.origin(h), surface.origin_row(h))).collect();
     rows.sort_unstable();
@@ -89,7 +91,7 @@ fn is_inside(p: [f64; 3], [a, b]: [[f64; 3]; 2], within: Option<Tolerance>) -> b
     }
 }
 
-/// Whether a point, if it is on the line through `a` and `b`, lies strictly between them.
+/// Whether a point on the line through `a` and `b` lies strictly between them.
 fn is_between(p: [f64; 3], [a, b]: [[f64; 3]; 2]) -> bool {
     let strictly = |k: usize| (a[k] < p[k] && p[k] < b[k]) || (b[k] < p[k] && p[k] < a[k]);
     (0..3).all(|k| strictly(k) || (a[k] == p[k] && p[k] == b[k])) && (0..3).any(strictly)
@@ -101,7 +103,7 @@ fn is_near_middle(p: [f64; 3], [a, b]: [[f64; 3]; 2], tolerance: f64) -> bool {
     let (from_a, from_b, edge) = ((p - a) / tolerance, (p - b) / tolerance, (b - a) / tolerance);
     let along = edge / edge.abs().max_element();
     let along = along / along.length();
-    // From the nearer end, so that a far one does not cost digits.
+    // From the nearer end, so that a distant end does not cost digits.
     let (foot, rest) = (from_a.dot(along), -from_b.dot(along));
     let off = if foot < rest { from_a - along * foot } else { from_b + along * rest };
     foot > 1.0 && rest > 1.0 && off.length() <= 1.0

@@ -1,18 +1,18 @@
 //! Triangles that are too thin: without area, exactly, and slivers, by their shape.
+use super::degenerate::has_zero_area;
 use super::finding::{Finding, Witness};
-use super::flat::has_zero_area;
 use super::parallel::over_chunks;
 use crate::explicit::Mesh;
 use glam::DVec3;
 
-/// A sliver's longest side is more than this many times its height on that side. Defined: at 1:100 the smallest angle
-/// is below 1.15°, and a normal computed in single precision has lost two of its seven digits.
+/// A sliver's longest side is more than this many times its height on that side. Defined: at 1:100 the
+/// smallest angle is below 1.15°, and a normal computed in single precision has lost two of its seven digits.
 pub const SLIVER_ASPECT: f64 = 100.0;
 
-/// Whether a triangle is a sliver: it has an area, and its longest side is more than [`SLIVER_ASPECT`] times the
-/// height on that side. That is a matter of shape alone: neither size nor place changes the answer.
+/// Whether a triangle is a sliver: it has an area, and its longest side is more than [`SLIVER_ASPECT`] times
+/// the height on that side. Only the shape matters: the answer does not depend on size or position.
 ///
-/// Lengths are rounded, so that a triangle at the limit to the last bits may fall to either side.
+/// Lengths are rounded, so a triangle at the limit to the last bits may fall to either side.
 ///
 /// ```
 /// use chordal::check::is_sliver;
@@ -25,11 +25,13 @@ pub fn is_sliver(corners: [[f64; 3]; 3]) -> bool {
     is_thin(corners) && !has_zero_area(corners)
 }
 
-/// Whether a triangle is a sliver or has no area. None without area is missed: rounding moves its doubled area by a few
-/// units in the last place of its longest side squared, far less than a hundredth of that.
+/// Whether a triangle is a sliver or has no area. It misses no triangle without area: rounding moves the
+/// doubled area by a few units in the last place of the longest side squared, far less than a hundredth of
+/// that.
 #[inline]
 fn is_thin(corners: [[f64; 3]; 3]) -> bool {
-    /// Between these the fourth power of a side is a normal number, and what underflows beside it does not count.
+    /// Within this range the fourth power of a side is a normal number, and underflow of smaller terms does
+    /// not matter.
     const SAFE: std::ops::Range<f64> = 1e-70..1e70;
     let [a, b, c] = corners.map(DVec3::from);
     let sides = [b - a, c - a, c - b];
@@ -37,7 +39,7 @@ fn is_thin(corners: [[f64; 3]; 3]) -> bool {
     if SAFE.contains(&longest_sq) {
         return thinner_than_limit(sides, longest_sq);
     }
-    let sides = brought_to_one(corners);
+    let sides = scaled_to_unit(corners);
     thinner_than_limit(sides, self::longest_sq(sides))
 }
 
@@ -55,13 +57,13 @@ fn longest_sq(sides: [DVec3; 3]) -> f64 {
     if xy > z { xy } else { z }
 }
 
-/// The sides of a triangle of any size, times the power of two that takes them to about 1.
-fn brought_to_one(corners: [[f64; 3]; 3]) -> [DVec3; 3] {
+/// The sides of a triangle of any size, scaled by the power of two that brings them to about 1.
+fn scaled_to_unit(corners: [[f64; 3]; 3]) -> [DVec3; 3] {
     let sides = |[a, b, c]: [DVec3; 3]| [b - a, c - a, c - b];
     let corners = corners.map(DVec3::from);
     let mut found = sides(corners);
     if !found.iter().all(|side| side.is_finite()) {
-        // Such corners are so large that half of each is exact where it counts.
+        // Corners this large lose no significant digits when halved.
         found = sides(corners.map(|corner| corner * 0.5));
     }
     let largest = found.iter().fold(0.0, |most, side| {
@@ -77,7 +79,7 @@ fn brought_to_one(corners: [[f64; 3]; 3]) -> [DVec3; 3] {
 
 /// The faces without area and the slivers of a mesh.
 pub(super) fn thin_faces(mesh: &Mesh) -> (Finding, Finding) {
-    // Any chunk will do: only the order of the parts counts.
+    // The chunk size is free: only the order of the parts matters.
     let parts = over_chunks(mesh.faces(), 4096, |first, faces| {
         let (mut flat, mut slivers) = (Finding::default(), Finding::default());
         for face in first..first + faces.len() {
@@ -116,7 +118,7 @@ mod tests {
                 let scale = libm::ldexp(1.0, exponent);
                 assert_eq!(is_sliver(triangle.map(|p| p.map(|x| x * scale))), is, "2^{exponent}");
             }
-            // Numbers of 24 bits below 1 stand exactly beside 2²⁰.
+            // Numbers of 24 bits below 1 are represented exactly beside 2²⁰.
             let far = triangle.map(|p| p.map(|x| (x * 16_777_216.0).floor() / 16_777_216.0 + 1_048_576.0));
             let near = far.map(|p| p.map(|x| x - 1_048_576.0));
             assert_eq!(is_sliver(far), is_sliver(near));

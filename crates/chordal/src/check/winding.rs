@@ -1,10 +1,10 @@
-//! Whether the way straight up from a point crosses a triangle, exactly: the sum over a closed surface is its winding
-//! number around the point.
-use crate::math::{Orientation, Position, orient2d, orient3d, triangle_contains};
+//! Exact crossing of the upward ray from a point with a triangle: summed over a closed surface it gives the
+//! winding number around the point.
+use crate::math::{Orientation, PointInTriangle, orient2d, orient3d, triangle_contains};
 
-/// How the half-line from a point along +z meets a triangle.
+/// How the ray from a point along +z meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Crossing {
+pub(super) enum RayCrossing {
     /// Not at all.
     None,
     /// It goes from the back to the front: counts +1.
@@ -15,34 +15,34 @@ pub(super) enum Crossing {
     On,
 }
 
-/// How the half-line from `p` along +z meets a triangle. Exact; where it passes an edge or a corner, it is taken to
-/// pass infinitely little beside, for all triangles to the same side, so that sums over a closed surface are right.
+/// How the ray from `p` along +z meets a triangle. Exact. A ray through an edge or a corner is perturbed by
+/// an infinitesimal amount, to the same side for all triangles, so that sums over a closed surface are right.
 ///
 /// Source of the last step: H. Edelsbrunner, E. P. Mücke, *Simulation of simplicity*, 1990.
-pub(super) fn crossing(p: [f64; 3], corners: [[f64; 3]; 3]) -> Crossing {
+pub(super) fn crossing(p: [f64; 3], corners: [[f64; 3]; 3]) -> RayCrossing {
     let [a, b, c] = corners;
     let reaches = |k: usize, far: fn(f64, f64) -> bool| corners.iter().any(|q| far(q[k], p[k]));
     let above = reaches(2, |q, p| q >= p);
     if !above || !(0..2).all(|k| reaches(k, |q, p| q <= p) && reaches(k, |q, p| q >= p)) {
-        return Crossing::None;
+        return RayCrossing::None;
     }
     let side = orient3d(a, b, c, p);
     if side == Orientation::Flat && contains(corners, p) {
-        return Crossing::On;
+        return RayCrossing::On;
     }
     let flat = |[x, y, _]: [f64; 3]| [x, y];
-    let turns = [(a, b), (b, c), (c, a)].map(|(q, r)| turn(flat(q), flat(r), flat(p)));
+    let turns = [(a, b), (b, c), (c, a)].map(|(q, r)| orient2d_perturbed(flat(q), flat(r), flat(p)));
     let front_up = turns == [Orientation::Front; 3];
     let back_up = turns == [Orientation::Back; 3];
     match side {
-        Orientation::Back if front_up => Crossing::FromBehind,
-        Orientation::Front if back_up => Crossing::FromFront,
-        _ => Crossing::None,
+        Orientation::Back if front_up => RayCrossing::FromBehind,
+        Orientation::Front if back_up => RayCrossing::FromFront,
+        _ => RayCrossing::None,
     }
 }
 
-/// [`orient2d`] with `p` moved by (ε, ε²) for an infinitely small ε: flat only where `a` and `b` are one point.
-fn turn(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> Orientation {
+/// [`orient2d`] with `p` moved by (ε, ε²) for an infinitesimal ε: flat only where `a` and `b` are one point.
+fn orient2d_perturbed(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> Orientation {
     let exact = orient2d(a, b, p);
     let by = |forwards: bool| if forwards { Orientation::Front } else { Orientation::Back };
     if exact != Orientation::Flat {
@@ -56,16 +56,19 @@ fn turn(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> Orientation {
     }
 }
 
-/// Whether a point in the plane of a triangle lies on it, its sides included.
+/// Whether a point in the plane of a triangle lies on it, including its sides.
 fn contains(corners: [[f64; 3]; 3], p: [f64; 3]) -> bool {
     let flat = |x: usize, y: usize| (corners.map(|q| [q[x], q[y]]), [p[x], p[y]]);
-    // Along an axis in which the triangle stays a triangle; one without area is a segment in all three.
+    // Projects along an axis that keeps the triangle's area nonzero; one without area is a segment in all
+    // three projections.
     let seen = [(0, 1), (1, 2), (2, 0)].map(|(x, y)| flat(x, y));
     let of = |&([a, b, c], p): &([[f64; 2]; 3], [f64; 2])| {
-        (orient2d(a, b, c) != Orientation::Flat).then(|| triangle_contains([a, b, c], p) != Position::Outside)
+        (orient2d(a, b, c) != Orientation::Flat)
+            .then(|| triangle_contains([a, b, c], p) != PointInTriangle::Outside)
     };
-    let within =
-        |(corners, p): &([[f64; 2]; 3], [f64; 2])| triangle_contains(*corners, *p) != Position::Outside;
+    let within = |(corners, p): &([[f64; 2]; 3], [f64; 2])| {
+        triangle_contains(*corners, *p) != PointInTriangle::Outside
+    };
     seen.iter().find_map(of).unwrap_or_else(|| seen.iter().all(within))
 }
 
@@ -76,10 +79,10 @@ mod tests {
     /// The winding number of closed triangles around a point; `None` on one of them.
     fn winding(triangles: &[[[f64; 3]; 3]], p: [f64; 3]) -> Option<i32> {
         triangles.iter().try_fold(0, |sum, corners| match crossing(p, *corners) {
-            Crossing::None => Some(sum),
-            Crossing::FromBehind => Some(sum + 1),
-            Crossing::FromFront => Some(sum - 1),
-            Crossing::On => None,
+            RayCrossing::None => Some(sum),
+            RayCrossing::FromBehind => Some(sum + 1),
+            RayCrossing::FromFront => Some(sum - 1),
+            RayCrossing::On => None,
         })
     }
 
@@ -121,10 +124,10 @@ mod tests {
     #[test]
     fn a_point_beside_a_surface_by_its_last_bit_is_not_on_it() {
         let triangle = [[0.0, 0.0, 1.0], [3.0, 0.0, 1.0], [0.0, 3.0, 1.0]];
-        assert_eq!(crossing([1.0, 1.0, 1.0], triangle), Crossing::On);
-        assert_eq!(crossing([1.0, 1.0, 1.0_f64.next_down()], triangle), Crossing::FromBehind);
-        assert_eq!(crossing([1.0, 1.0, 1.0_f64.next_up()], triangle), Crossing::None);
-        assert_eq!(crossing([1.5, 1.5, 1.0], triangle), Crossing::On);
-        assert_eq!(crossing([1.5, 1.5_f64.next_up(), 1.0], triangle), Crossing::None);
+        assert_eq!(crossing([1.0, 1.0, 1.0], triangle), RayCrossing::On);
+        assert_eq!(crossing([1.0, 1.0, 1.0_f64.next_down()], triangle), RayCrossing::FromBehind);
+        assert_eq!(crossing([1.0, 1.0, 1.0_f64.next_up()], triangle), RayCrossing::None);
+        assert_eq!(crossing([1.5, 1.5, 1.0], triangle), RayCrossing::On);
+        assert_eq!(crossing([1.5, 1.5_f64.next_up(), 1.0], triangle), RayCrossing::None);
     }
 }

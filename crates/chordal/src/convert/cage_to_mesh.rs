@@ -1,38 +1,44 @@
-//! The limit surface of a cage to triangles: adaptive, crack-free by shared index, proved.
-use super::patches::ground::{Ground, Shape, Sheets};
-use super::patches::mesher::Failed;
-use super::patches::plan::{self, Allowance, Obstacle};
-use super::patches::quilt::{Edge, Quilt, Seam, Use, corners_of, meetings};
-use super::patches::texcoords::Texcoords;
-use super::patches::tip;
-use super::patches::within::{check_angle, mesh_within};
-use super::triangles::{self, mesher::Mesher};
-use crate::budget::{Bounded, Budget, Code, Failure, Job, Reference, par_map};
-use crate::explicit::cage::limit::Square;
-use crate::explicit::{Cage, Chart, LimitSurface, Mesh, Patch, Scheme, Sets, Sheet, Side};
+//! The arrow from a cage's limit surface to triangles: adaptive, crack-free by shared indices, proved.
+use super::patches::adjacency::{
+    PatchAdjacency, PatchEdge, PatchEdgeUse, SideBoundary, classify_corners, side_corners,
+};
+use super::patches::budget::{check_angle, mesh_within};
+use super::patches::extraordinary_tile;
+use super::patches::mesher::TessellationFailure;
+use super::patches::plan::{self, Allowance, InfeasibleTolerance};
+use super::patches::subpatch::{PatchSurface, Subpatch, SubpatchShape};
+use super::patches::texcoords::SheetTexcoords;
+use super::triangles::{self, mesher::LoopMesher};
+use crate::budget::{Bounded, Budget, Failure, Job, Reference, RefusalCode, par_map};
+use crate::explicit::cage::limit::QuadPatchTree;
+use crate::explicit::{Cage, Chart, DisjointSets, LimitSheet, LimitSurface, Mesh, Patch, PatchSide, Scheme};
 use crate::math::{Box3, flushes_subnormals};
 
-/// Meshes the limit surface of a cage so that nothing is farther from it than the budget allows.
+/// Meshes the limit surface of a cage within a budget.
 ///
-/// **Bound.** Two-sided Hausdorff distance between the limit surface of the cage, taken exactly as given, and the triangles, *proved*,
-/// rounding included, with creases, borders, darts, corners and vertices of any valence. (The mathematics stands in `patches/bend.rs` and
-/// `patches/tip.rs`, for Loop's scheme in `triangles/bend.rs` and `triangles/height.rs`, and in `docs/cage_to_mesh.md`.) `at_least` is a distance that was found. With a budget of pixels the bound also says how many
-/// pixels that is at the view.
+/// **Bound.** Two-sided Hausdorff distance between the limit surface of the cage, taken exactly as given, and
+/// the triangles. It is *proved*, rounding included, with creases, borders, darts, corners and vertices of
+/// any valence. (For the mathematics see `patches/derivative_bound.rs` and `patches/extraordinary_tile.rs`,
+/// for Loop's scheme `triangles/derivative_bound.rs` and `triangles/hull_distance.rs`, and
+/// `docs/cage_to_mesh.md`.) `at_least` is a distance that was found. With a budget of pixels the bound also
+/// says how many pixels that is at the view.
 ///
-/// **Mesh.** Faces share the vertices on their edges by index, so there are no cracks and no T-junctions at any budget. Every vertex lies on the
-/// limit surface (up to rounding) with the surface's own unit normal; along infinitely sharp edges, where it has two, vertices
-/// are split and tied by [`Mesh::position_id`]. A closed manifold cage gives a closed manifold mesh,
-/// but by Loop's scheme edges of two faces with the same three vertices may fall together in coarse ones.
+/// **Mesh.** Faces share the vertices on their edges by index, so there are no cracks and no T-junctions at
+/// any budget. Every vertex lies on the limit surface (up to rounding) with the surface's own unit normal.
+/// Along infinitely sharp edges, where it has two, vertices are split and tied by [`Mesh::position_id`]. A
+/// closed manifold cage gives a closed manifold mesh; but by Loop's scheme, edges of two faces with the same
+/// three vertices may coincide in coarse meshes.
 ///
 /// **Budgets.** As for [`patches_to_mesh`](super::patches_to_mesh).
 ///
-/// **Cost.** O(triangles) time and about 200 bytes a triangle, by Loop's scheme some 50 µs and 700 bytes; before that some microseconds a regular face and about a millisecond for
-/// each face beside an irregular vertex of few edges; at one of hundreds each face has all others in its ring, so that the time grows with
-/// the square of their number (3.5 s for two of 360 at half a pixel).
+/// **Cost.** O(triangles) time and about 200 bytes a triangle, by Loop's scheme some 50 µs and 700 bytes.
+/// Before that, some microseconds a regular face and about a millisecond for each face beside an
+/// extraordinary vertex of few edges. At a vertex of hundreds of edges each face has all others in its
+/// one-ring, so that the time grows with the square of their number (3.5 s for two of 360 at half a pixel).
 ///
 /// # Errors
-/// [`Failure::Refused`]: as for [`patches_to_mesh`](super::patches_to_mesh).
-/// [`Failure::Unmet`] with the best mesh: the length or pixels need more triangles than the budget has. [`Failure::Cancelled`].
+/// [`Failure::Refused`]: as for [`patches_to_mesh`](super::patches_to_mesh). [`Failure::Unmet`] with the best
+/// mesh: the length or pixels need more triangles than the budget has. [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::{Budget, Job, Tolerance, convert, explicit::Cage};
@@ -46,20 +52,21 @@ use crate::math::{Box3, flushes_subnormals};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// Source: D. Filip, R. Magedson, R. Markot, *Surface algorithms using bounds on derivatives*, 1986, for patches; around
-/// irregular vertices the proof is Chordal's own.
-pub fn cage_to_mesh(cage: &Cage, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, Failed> {
+/// Source: D. Filip, R. Magedson, R. Markot, *Surface algorithms using bounds on derivatives*, 1986, for
+/// patches; around extraordinary vertices the proof is Chordal's own.
+pub fn cage_to_mesh(cage: &Cage, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, TessellationFailure> {
     check_budget(cage, budget)?;
     CageMesher::new(cage, job)?.mesh(budget, job)
 }
 
-/// A cage that is meshed again and again, for a camera that moves.
+/// Meshes one cage repeatedly, for a camera that moves.
 ///
-/// What does not hang on the budget is kept: the sheets of the limit surface and, of those that are divided around irregular vertices, all that was
-/// divided so far. Every mesh is bit for bit that of [`cage_to_mesh()`].
+/// It keeps what does not depend on the budget: the sheets of the limit surface and their subdivisions around
+/// extraordinary vertices so far. Every mesh is bit for bit that of [`cage_to_mesh()`].
 ///
-/// *Cost.* The first mesh takes as long as with [`cage_to_mesh()`]; others no time for the limit surface, as far as it was divided before. Some hundred bytes
-/// a regular face, and up to some hundred thousand for each beside an irregular vertex.
+/// *Cost.* The first mesh takes as long as with [`cage_to_mesh()`]; later ones spend no time on the limit
+/// surface where it is subdivided already. Some hundred bytes a regular face, and up to some hundred thousand
+/// for each beside an extraordinary vertex.
 ///
 /// ```
 /// use chordal::{Budget, Job, View, budget::Pixels, convert, explicit::Cage};
@@ -77,42 +84,43 @@ pub fn cage_to_mesh(cage: &Cage, budget: &Budget, job: &Job) -> Result<Bounded<M
 /// ```
 pub struct CageMesher<'a> {
     limit: LimitSurface<'a>,
-    sheets: Vec<Sheet>,
+    sheets: Vec<LimitSheet>,
     chart: Option<Chart>,
 }
 
 impl<'a> CageMesher<'a> {
-    /// The limit surface of a cage, ready to be meshed.
+    /// Prepares the limit surface of a cage for meshing.
     ///
     /// # Errors
     /// [`Failure::Refused`], as far as the cage is the cause, and [`Failure::Cancelled`].
-    pub fn new(cage: &'a Cage, job: &Job) -> Result<Self, Failed> {
+    pub fn new(cage: &'a Cage, job: &Job) -> Result<Self, TessellationFailure> {
         check_cage(cage)?;
-        let limit = cage.limit().map_err(|error| Failure::refused(Code::Unsupported, error.to_string()))?;
+        let limit =
+            cage.limit().map_err(|error| Failure::refused(RefusalCode::Unsupported, error.to_string()))?;
         if limit.n_sheets() == 0 {
-            return Err(Failure::refused(Code::Empty, "the cage has no face with a surface"));
+            return Err(Failure::refused(RefusalCode::Empty, "the cage has no face with a surface"));
         }
         let numbers: Vec<usize> = (0..limit.n_sheets()).collect();
         let sheets =
             job.run(|| par_map(job, &numbers, |_, sheet| (!job.is_cancelled()).then(|| limit.sheet(*sheet))));
-        let sheets: Option<Result<Vec<Sheet>, _>> = sheets.into_iter().collect();
+        let sheets: Option<Result<Vec<LimitSheet>, _>> = sheets.into_iter().collect();
         let sheets = sheets.ok_or(Failure::Cancelled)?;
-        let sheets = sheets.map_err(|error| Failure::refused(Code::NotFinite, error.to_string()))?;
+        let sheets = sheets.map_err(|error| Failure::refused(RefusalCode::NotFinite, error.to_string()))?;
         Ok(Self { limit, sheets, chart: cage.chart() })
     }
 
-    /// Its mesh within a budget; see [`cage_to_mesh()`].
+    /// Meshes the cage within a budget; see [`cage_to_mesh()`].
     ///
     /// # Errors
     /// As there.
-    pub fn mesh(&self, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, Failed> {
+    pub fn mesh(&self, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, TessellationFailure> {
         check_budget(self.limit.cage(), budget)?;
         job.run(|| {
-            let texcoords = self.chart.as_ref().and_then(Texcoords::of);
+            let texcoords = self.chart.as_ref().and_then(SheetTexcoords::from_chart);
             if self.limit.cage().scheme() == Scheme::Loop {
-                let mut mesher = Mesher::new(&self.limit, &self.sheets, job);
+                let mut mesher = LoopMesher::new(&self.limit, &self.sheets, job);
                 mesher.texcoords = texcoords.as_ref();
-                return triangles::within::mesh_within(&mesher, budget, job);
+                return triangles::budget::mesh_within(&mesher, budget, job);
             }
             let sheets = CageSheets { texcoords, ..CageSheets::new(&self.limit, &self.sheets) };
             mesh_within(&sheets, budget, job)
@@ -123,51 +131,51 @@ impl<'a> CageMesher<'a> {
 /// Derivatives multiply coordinates by less than 1e3, and squares of those must stay below 1e308.
 const LARGEST: f64 = 1e150;
 
-fn check_budget(cage: &Cage, budget: &Budget) -> Result<(), Failed> {
+fn check_budget(cage: &Cage, budget: &Budget) -> Result<(), TessellationFailure> {
     if !budget.has_limit() {
         let message = "a budget needs a length, pixels at a view, or a number of triangles";
-        return Err(Failure::refused(Code::Budget, message));
+        return Err(Failure::refused(RefusalCode::Budget, message));
     }
     check_angle(budget)?;
     if budget.angle_deg.is_some() && cage.scheme() == Scheme::Loop {
         let message = "limits of Loop's scheme cannot be meshed to an angle yet; give a length or pixels";
-        return Err(Failure::refused(Code::Unsupported, message));
+        return Err(Failure::refused(RefusalCode::Unsupported, message));
     }
     Ok(())
 }
 
-fn check_cage(cage: &Cage) -> Result<(), Failed> {
+fn check_cage(cage: &Cage) -> Result<(), TessellationFailure> {
     if let Some(row) = cage.positions().iter().position(|p| p.iter().any(|x| x.abs() > LARGEST)) {
         let message = format!(
             "vertex {row} has a coordinate beyond {LARGEST:e}, where squares leave the range of numbers"
         );
-        return Err(Failure::refused(Code::NotFinite, message));
+        return Err(Failure::refused(RefusalCode::NotFinite, message));
     }
     if flushes_subnormals() {
         let message = "this process flushes subnormal numbers to zero, so nothing can be proved in it";
-        return Err(Failure::refused(Code::FlushesSubnormals, message));
+        return Err(Failure::refused(RefusalCode::FlushesSubnormals, message));
     }
     Ok(())
 }
 
-/// The sheets of a limit surface as the mesher takes them.
+/// The sheets of a limit surface as a [`PatchSurface`].
 struct CageSheets<'a> {
-    sheets: &'a [Sheet],
-    /// The same sheets in the plane of textures.
-    texcoords: Option<Texcoords<'a>>,
-    /// By sheet and side.
-    seams: Vec<[Seam; 4]>,
-    /// Uses of each edge, and the corners at its ends as far as a sheet has one there.
-    edges: Vec<(Vec<Use>, [Option<u32>; 2])>,
-    /// Corners that are one, by sheet and corner.
+    sheets: &'a [LimitSheet],
+    /// The same sheets in texture space.
+    texcoords: Option<SheetTexcoords<'a>>,
+    /// The boundary of each side of each sheet.
+    seams: Vec<[SideBoundary; 4]>,
+    /// The uses of each edge, and the sheet corners at its ends where there are any.
+    edges: Vec<(Vec<PatchEdgeUse>, [Option<u32>; 2])>,
+    /// Pairs of corners that are one vertex; a corner is 4 · sheet + corner.
     same: Vec<[u32; 2]>,
 }
 
 impl<'a> CageSheets<'a> {
-    fn new(limit: &LimitSurface<'_>, sheets: &'a [Sheet]) -> Self {
+    fn new(limit: &LimitSurface<'_>, sheets: &'a [LimitSheet]) -> Self {
         let (cage, table) = (limit.cage(), limit.edges());
         let n_edges = table.ends.len();
-        // An edge beside a face that is no quad has a vertex in its middle.
+        // An edge beside a face that is not a quad has a vertex at its midpoint.
         let mut is_halved = vec![false; n_edges];
         for sheet in 0..limit.n_sheets() {
             let (face, _) = limit.face_of(sheet);
@@ -176,7 +184,8 @@ impl<'a> CageSheets<'a> {
                 (0..n).for_each(|k| is_halved[table.of_corner[cage.begin(face) + k] as usize] = true);
             }
         }
-        // Numbers: whole edges and first halves as in the cage, second halves after them, then those inside of polygons by corner.
+        // Edge numbers: whole edges and first halves as in the cage, then second halves, then the edges
+        // inside polygons by corner.
         let inside = |face: usize, k: usize| (2 * n_edges + cage.begin(face) + k) as u32;
         let half = |edge: u32, vertex: u32| {
             if table.ends[edge as usize][0] == vertex { edge } else { n_edges as u32 + edge }
@@ -190,21 +199,21 @@ impl<'a> CageSheets<'a> {
             if n != 4 {
                 let last = k + n - 1;
                 seams.push([
-                    Seam::Edge { edge: half(edge(k), of[k]), reversed: false },
-                    Seam::Edge { edge: inside(face, k), reversed: false },
-                    Seam::Edge { edge: inside(face, last % n), reversed: true },
-                    Seam::Edge { edge: half(edge(last), of[k]), reversed: true },
+                    SideBoundary::Edge { edge: half(edge(k), of[k]), reversed: false },
+                    SideBoundary::Edge { edge: inside(face, k), reversed: false },
+                    SideBoundary::Edge { edge: inside(face, last % n), reversed: true },
+                    SideBoundary::Edge { edge: half(edge(last), of[k]), reversed: true },
                 ]);
                 continue;
             }
             seams.push(std::array::from_fn(|k| {
                 let (edge, from, to) = (edge(k), of[k], of[(k + 1) % 4]);
                 if !is_halved[edge as usize] {
-                    return Seam::Edge { edge, reversed: table.ends[edge as usize][0] != from };
+                    return SideBoundary::Edge { edge, reversed: table.ends[edge as usize][0] != from };
                 }
                 let halves = [(half(edge, from), false), (half(edge, to), true)];
-                // By rising parameter, against which the last two sides run.
-                Seam::Halves(if k < 2 { halves } else { [halves[1], halves[0]] })
+                // By rising parameter; the last two sides run against it.
+                SideBoundary::Halves(if k < 2 { halves } else { [halves[1], halves[0]] })
             }));
         }
         let mut made = Self { sheets, texcoords: None, seams, edges: Vec::new(), same: Vec::new() };
@@ -212,25 +221,25 @@ impl<'a> CageSheets<'a> {
         made
     }
 
-    /// Gives edges that are used numbers in a row, and lists their uses.
+    /// Numbers the used edges consecutively, and lists their uses.
     fn number_edges(&mut self) {
-        let mut uses: Vec<(u32, Use, [Option<u32>; 2])> = Vec::new();
+        let mut uses: Vec<(u32, PatchEdgeUse, [Option<u32>; 2])> = Vec::new();
         for (sheet, seams) in self.seams.iter().enumerate() {
-            for (side, seam) in Side::ALL.into_iter().zip(seams) {
-                let [start, end] = corners_of(sheet as u32, side).map(Some);
+            for (side, seam) in PatchSide::ALL.into_iter().zip(seams) {
+                let [start, end] = side_corners(sheet as u32, side).map(Some);
                 let sheet = sheet as u32;
                 match *seam {
-                    Seam::Edge { edge, reversed } => {
+                    SideBoundary::Edge { edge, reversed } => {
                         let ends = if reversed { [end, start] } else { [start, end] };
-                        uses.push((edge, Use { sheet, side, reversed }, ends));
+                        uses.push((edge, PatchEdgeUse { sheet, side, reversed }, ends));
                     }
-                    Seam::Halves(halves) => {
+                    SideBoundary::Halves(halves) => {
                         for (edge, reversed) in halves {
                             let ends = [if reversed { end } else { start }, None];
-                            uses.push((edge, Use { sheet, side, reversed }, ends));
+                            uses.push((edge, PatchEdgeUse { sheet, side, reversed }, ends));
                         }
                     }
-                    Seam::Point => {}
+                    SideBoundary::Point => {}
                 }
             }
         }
@@ -253,33 +262,34 @@ impl<'a> CageSheets<'a> {
         let number = |edge: &mut u32| *edge = numbers.partition_point(|n| *n < *edge) as u32;
         for seam in self.seams.as_flattened_mut() {
             match seam {
-                Seam::Edge { edge, .. } => number(edge),
-                Seam::Halves(halves) => halves.iter_mut().for_each(|(edge, _)| number(edge)),
-                Seam::Point => {}
+                SideBoundary::Edge { edge, .. } => number(edge),
+                SideBoundary::Halves(halves) => halves.iter_mut().for_each(|(edge, _)| number(edge)),
+                SideBoundary::Point => {}
             }
         }
     }
 
-    /// Whether sides along u, and along v, are in two parts.
+    /// Whether the sides along u, and those along v, are in two parts.
     fn is_halved(&self, sheet: usize) -> [bool; 2] {
-        let is_halved = |side: usize| matches!(self.seams[sheet][side], Seam::Halves(_));
+        let is_halved = |side: usize| matches!(self.seams[sheet][side], SideBoundary::Halves(_));
         [is_halved(0) || is_halved(2), is_halved(1) || is_halved(3)]
     }
 }
 
-/// Halvings of a sheet on the way to an irregular vertex; places of tiles stay exact, and 2⁻³⁰ of a face is no tolerance that anybody has.
+/// The most halvings of a sheet toward an extraordinary vertex. Tile coordinates stay exact, and 2⁻³⁰ of a
+/// face is below any practical tolerance.
 const DEEPEST: u32 = 30;
 
-impl Sheets for CageSheets<'_> {
+impl PatchSurface for CageSheets<'_> {
     fn count(&self) -> usize {
         self.sheets.len()
     }
 
-    fn grounds(
+    fn subpatches(
         &self,
         sheet: usize,
         (allowance, strain): (&Allowance, f64),
-    ) -> Result<Vec<Ground<'_>>, Obstacle> {
+    ) -> Result<Vec<Subpatch<'_>>, InfeasibleTolerance> {
         let mut grounds = Vec::new();
         let halved = self.is_halved(sheet);
         let Some(square) = self.sheets[sheet].square() else { return Ok(grounds) };
@@ -287,33 +297,33 @@ impl Sheets for CageSheets<'_> {
         while let Some((square, [u, v], depth)) = open.pop() {
             let width = 1.0 / f64::from(1_u32 << depth);
             match square {
-                Square::Patches(patches) => {
+                QuadPatchTree::Regular(patches) => {
                     let on = |[from, to]: [f64; 2], begin: f64| [begin + width * from, begin + width * to];
-                    for piece in &patches.pieces {
+                    for piece in &patches.patches {
                         let whole = (piece.patch, on(piece.u, u), on(piece.v, v));
                         for (patch, u, v) in cut_in_middle(whole, halved) {
-                            let shape = Shape::Bezier(Box::new(patch));
-                            grounds.push(Ground { sheet: sheet as u32, u, v, shape, off: patches.off });
+                            let shape = SubpatchShape::Bezier(Box::new(patch));
+                            grounds.push(Subpatch { sheet: sheet as u32, u, v, shape, off: patches.off });
                         }
                     }
                 }
-                Square::Rough(rough) => {
-                    let place = Box3::around(rough.ring().hull());
+                QuadPatchTree::Extraordinary(rough) => {
+                    let place = Box3::from_points(rough.ring().hull());
                     let is_split = depth == 0 && (halved[0] || halved[1]);
-                    let tolerance = plan::tolerance(place, (allowance, rough.lost()));
+                    let tolerance = plan::tolerance(place, (allowance, rough.rounding_error()));
                     let is_last = depth == DEEPEST;
                     let is_flat = match tolerance {
-                        Ok(tolerance) => !is_split && tip::is_flat(rough, tolerance / strain),
+                        Ok(tolerance) => !is_split && extraordinary_tile::is_flat(rough, tolerance / strain),
                         Err(obstacle) if is_last => return Err(obstacle),
                         Err(_) => false,
                     };
                     if is_flat || is_last {
                         let (u, v) = ([u, u + width], [v, v + width]);
-                        grounds.push(Ground {
+                        grounds.push(Subpatch {
                             sheet: sheet as u32,
                             u,
                             v,
-                            shape: Shape::Rough(rough),
+                            shape: SubpatchShape::Extraordinary(rough),
                             off: 0.0,
                         });
                         continue;
@@ -330,11 +340,11 @@ impl Sheets for CageSheets<'_> {
         Ok(grounds)
     }
 
-    fn quilt(&self) -> Quilt {
+    fn adjacency(&self) -> PatchAdjacency {
         let n = self.sheets.len();
-        let mut classes = Sets::new(4 * n);
-        self.same.iter().for_each(|[a, b]| classes.join(*a, *b));
-        let (number, count) = classes.numbered();
+        let mut classes = DisjointSets::new(4 * n);
+        self.same.iter().for_each(|[a, b]| classes.union(*a, *b));
+        let (number, count) = classes.labels();
         let corners: Vec<[u32; 4]> = (0..n).map(|s| std::array::from_fn(|k| number[4 * s + k])).collect();
         let mut positions = vec![None; count];
         for (sheet, ids) in self.sheets.iter().zip(&corners) {
@@ -346,15 +356,15 @@ impl Sheets for CageSheets<'_> {
                 }
             }
         }
-        let edge = |(uses, ends): &(Vec<Use>, [Option<u32>; 2])| Edge {
+        let edge = |(uses, ends): &(Vec<PatchEdgeUse>, [Option<u32>; 2])| PatchEdge {
             ends: ends.map(|end| end.map_or(0, |end| number[end as usize])),
             uses: uses.clone(),
-            least: 1,
+            min_segments: 1,
         };
-        let mut quilt = Quilt {
+        let mut quilt = PatchAdjacency {
             edges: self.edges.iter().map(edge).collect(),
-            seams: self.seams.clone(),
-            meetings: meetings(&self.seams),
+            sides: self.seams.clone(),
+            corner_kinds: classify_corners(&self.seams),
             corners,
             corner_positions: positions.into_iter().map(Option::unwrap_or_default).collect(),
         };
@@ -363,13 +373,16 @@ impl Sheets for CageSheets<'_> {
     }
 
     fn longest_diagonal(&self) -> f64 {
-        let own = |sheet: &Sheet| {
+        let own = |sheet: &LimitSheet| {
             let (hull, lost) = match sheet.square() {
-                Some(Square::Rough(rough)) => (Box3::around(rough.ring().hull()), rough.lost()),
+                Some(QuadPatchTree::Extraordinary(rough)) => {
+                    (Box3::from_points(rough.ring().hull()), rough.rounding_error())
+                }
                 None => return 0.0,
-                Some(Square::Patches(patches)) => {
-                    let points = patches.pieces.iter().flat_map(|piece| piece.patch.control.iter().flatten());
-                    (Box3::around(points), patches.off)
+                Some(QuadPatchTree::Regular(patches)) => {
+                    let points =
+                        patches.patches.iter().flat_map(|piece| piece.patch.control.iter().flatten());
+                    (Box3::from_points(points), patches.off)
                 }
             };
             let diagonal = hull.diagonal();
@@ -386,17 +399,17 @@ impl Sheets for CageSheets<'_> {
         self.texcoords.is_some()
     }
 
-    fn texcoords(&self, sheet: usize) -> Option<Sheet> {
+    fn texcoords(&self, sheet: usize) -> Option<LimitSheet> {
         self.texcoords.as_ref()?.sheet(sheet)
     }
 }
 
-type Rectangle = (Patch, [f64; 2], [f64; 2]);
+type SubpatchDomain = (Patch, [f64; 2], [f64; 2]);
 
-/// Cuts a patch where it reaches over the middle of its sheet, in the directions that ask for it.
-fn cut_in_middle(whole: Rectangle, [in_u, in_v]: [bool; 2]) -> Vec<Rectangle> {
+/// Cuts a patch that reaches over the middle of its sheet, in the directions that are halved.
+fn cut_in_middle(whole: SubpatchDomain, [in_u, in_v]: [bool; 2]) -> Vec<SubpatchDomain> {
     let reaches = |[from, to]: [f64; 2]| from < 0.5 && to > 0.5;
-    // The middle of the sheet is the middle of what reaches over it, but for strips beside creases, whose begin is dyadic.
+    // The cut is the middle of the patch, except for strips beside creases, whose begin is dyadic.
     let share = |[from, to]: [f64; 2]| (0.5 - from) / (to - from);
     let mut parts = vec![whole];
     if in_u && reaches(whole.1) {
@@ -406,7 +419,7 @@ fn cut_in_middle(whole: Rectangle, [in_u, in_v]: [bool; 2]) -> Vec<Rectangle> {
         parts = vec![(left, [u[0], 0.5], v), (right, [0.5, u[1]], v)];
     }
     if in_v && reaches(whole.2) {
-        let cut = |(patch, u, v): Rectangle| {
+        let cut = |(patch, u, v): SubpatchDomain| {
             let at = share(v);
             let (low, high) = (patch.part([0.0, 1.0], [0.0, at]), patch.part([0.0, 1.0], [at, 1.0]));
             [(low, u, [v[0], 0.5]), (high, u, [0.5, v[1]])]

@@ -1,9 +1,9 @@
 //! Curves to fields: tubes around them.
 use super::curve_to_polyline;
 use super::mesh_leaf::MeshLeaf;
-use crate::budget::{Bounded, Budget, Code, Failure, Job, Stopped};
+use crate::budget::{Bounded, Budget, Failure, Job, JobError, RefusalCode};
 use crate::explicit::{Curve, Mesh, Polyline};
-use crate::implicit::{Distance, Expr, Field, Quality};
+use crate::implicit::{Distance, DistanceQuality, Expr, Field};
 use crate::math::{Box3, add_up, sub_down};
 use std::sync::Arc;
 
@@ -39,7 +39,7 @@ pub fn curve_to_field<const D: usize>(
 ) -> Result<Bounded<Field>, Failure<Field>> {
     if !(radius > 0.0 && radius.is_finite()) {
         let message = format!("a tube's radius is {radius}, and must be a finite number above 0");
-        return Err(Failure::refused(Code::Unsupported, message));
+        return Err(Failure::refused(RefusalCode::Unsupported, message));
     }
     match curve_to_polyline(curve, budget, job) {
         Ok(made) => field(made, radius, job),
@@ -65,10 +65,10 @@ fn field<const D: usize>(
         (0..polyline.n_segments() as u32).map(|k| [k, (k + 1) % n, (k + 1) % n]).collect()
     };
     let mesh = Mesh::new(positions, faces)
-        .map_err(|error| Failure::refused(Code::TooManyTriangles, error.to_string()))?;
-    let leaf = MeshLeaf::wire(&mesh, job).map_err(|stopped| match stopped {
-        Stopped::Refused(refusal) => Failure::Refused(refusal),
-        Stopped::Cancelled => Failure::Cancelled,
+        .map_err(|error| Failure::refused(RefusalCode::TooManyTriangles, error.to_string()))?;
+    let leaf = MeshLeaf::unsigned(&mesh, job).map_err(|stopped| match stopped {
+        JobError::Refused(refusal) => Failure::Refused(refusal),
+        JobError::Cancelled => Failure::Cancelled,
     })?;
     let Box3 { min, max } = mesh.bounds();
     let mut bounds = Box3 { min: min.map(|x| sub_down(x, radius)), max: max.map(|x| add_up(x, radius)) };
@@ -78,7 +78,7 @@ fn field<const D: usize>(
         (bounds.min[2], bounds.max[2]) = (f64::NEG_INFINITY, f64::INFINITY);
     }
     let field = Field::new(Expr::leaf(Arc::new(leaf), at) - radius)
-        .known_distance(Distance { outside: Quality::Exact, inside: Quality::Bound })
+        .known_distance(Distance { outside: DistanceQuality::Exact, inside: DistanceQuality::Bound })
         .known_bounds(bounds);
     Ok(made.map(|_| field))
 }

@@ -44,7 +44,7 @@ pub fn curve_to_polyline<const D: usize>(
     budget: &Budget,
     job: &Job,
 ) -> Result<Bounded<Polyline<D>>, Failure<Polyline<D>>> {
-    one(curve, budget, job, Spacing::Fewest)
+    flatten_curve(curve, budget, job, Spacing::Fewest)
 }
 
 /// The same with equal steps of the parameter in each piece: more segments, in less time.
@@ -68,7 +68,7 @@ pub fn curve_to_polyline_evenly<const D: usize>(
     budget: &Budget,
     job: &Job,
 ) -> Result<Bounded<Polyline<D>>, Failure<Polyline<D>>> {
-    one(curve, budget, job, Spacing::Even)
+    flatten_curve(curve, budget, job, Spacing::Even)
 }
 
 /// Many paths at once, each into a polyline of its own, in their order, on all threads of the job.
@@ -86,7 +86,7 @@ pub fn curves_to_polylines<const D: usize>(
     job.run(|| Flattener::new(curves, job, spacing)?.flatten(budget))
 }
 
-fn one<const D: usize>(
+fn flatten_curve<const D: usize>(
     curve: &Curve<D>,
     budget: &Budget,
     job: &Job,

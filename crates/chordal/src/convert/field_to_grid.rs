@@ -1,21 +1,21 @@
-//! Fields to grids of samples, by bricks that ranges prune.
+//! The arrow from fields to grids of samples, by bricks that ranges prune.
 use super::lattice::{BRICK, Lattice};
-use crate::budget::{Code, Job, Refusal, Stopped, par_map, par_map_owned};
-use crate::implicit::{Field, Grid, Layer, LeafError, Samples, SparseGrid, Tape};
+use crate::budget::{Job, JobError, Refusal, RefusalCode, par_map, par_map_owned};
+use crate::implicit::{BrickSlab, Field, Grid, LeafError, Samples, SparseGrid, Tape};
 use crate::math::{Box3, Interval};
 
-/// Samples a field on a lattice. With a `band`, values beyond it are only as good as their side: ±band.
+/// Samples a field on a lattice. With a `band`, values beyond it say only their side: ±band.
 ///
-/// **Values.** Those that [`Tape::at`] has at the places that [`Lattice::at`] computes. With a band, a brick of 8³ samples
-/// in which the range of the value is beyond it is filled without evaluation; the range is proved, so no sample within
-/// the band is missed. (Whether a value within the band is a distance, the field's
-/// [`Distance`](crate::implicit::Distance) says.)
+/// **Values.** Those of [`Tape::at`] at the points that [`Lattice::at`] computes. With a band, a brick of 8³
+/// samples whose range is beyond it is filled without evaluation. The range is proved, so no sample within
+/// the band is missed. (The field's [`Distance`](crate::implicit::Distance) says whether a value within the
+/// band is a distance.)
 ///
-/// **Cost.** Near the surface that of evaluation; elsewhere that of a range a brick. 8 bytes a sample.
+/// **Cost.** Near the surface that of evaluation; elsewhere that of one range a brick. 8 bytes a sample.
 ///
 /// # Errors
-/// [`Stopped::Refused`] when a leaf fails ([`Code::LeafFailed`], with its sentence), the band is not a number above 0, or the samples are more
-/// than the job's memory holds; [`Stopped::Cancelled`].
+/// [`JobError::Refused`] when a leaf fails ([`RefusalCode::LeafFailed`], with its sentence), the band is not
+/// a number above 0, or the samples are more than the job's memory holds; [`JobError::Cancelled`].
 ///
 /// ```
 /// use chordal::{Job, convert::{Lattice, field_to_grid}, implicit::shapes::sphere};
@@ -31,7 +31,7 @@ pub fn field_to_grid(
     lattice: &Lattice,
     band: Option<f64>,
     job: &Job,
-) -> Result<Grid, Stopped> {
+) -> Result<Grid, JobError> {
     check(lattice, band, job, 8 * lattice.len() as u64)?;
     let tape = field.tape();
     let mut samples = vec![0.0; lattice.len()];
@@ -42,18 +42,19 @@ pub fn field_to_grid(
         if job.is_cancelled() { Ok(()) } else { fill_layer(&tape, lattice, band, (number, out)) }
     });
     if job.is_cancelled() {
-        return Err(Stopped::Cancelled);
+        return Err(JobError::Cancelled);
     }
     for result in done {
-        result.map_err(|error| refused(Code::LeafFailed, error.to_string()))?;
+        result.map_err(|error| refusal(RefusalCode::LeafFailed, error.to_string()))?;
     }
     Grid::new(lattice.size, Samples::F64(samples), lattice.affine)
-        .map_err(|error| refused(Code::Empty, error.to_string()))
+        .map_err(|error| refusal(RefusalCode::Empty, error.to_string()))
 }
 
-/// [`field_to_grid`] in bricks: those that lie beyond the band, which has to be finite, are not stored.
+/// Like [`field_to_grid`], in bricks: those beyond the band, which has to be finite, are not stored.
 ///
-/// The samples are those of [`field_to_grid`], bit for bit. Memory: that of the bricks, and eight planes for each thread.
+/// The samples are those of [`field_to_grid`], bit for bit. Memory: that of the bricks, and eight planes for
+/// each thread.
 ///
 /// # Errors
 /// As for [`field_to_grid`].
@@ -72,7 +73,7 @@ pub fn field_to_sparse_grid(
     lattice: &Lattice,
     band: f64,
     job: &Job,
-) -> Result<SparseGrid, Stopped> {
+) -> Result<SparseGrid, JobError> {
     let plane = lattice.size[0] * lattice.size[1];
     check(lattice, Some(band), job, 8 * (plane * BRICK) as u64)?;
     let tape = field.tape();
@@ -83,41 +84,41 @@ pub fn field_to_sparse_grid(
         if !out.is_empty() {
             fill_layer(&tape, lattice, Some(band), (*number, &mut out))?;
         }
-        Ok(Layer::of(&out, lattice.size, band))
+        Ok(BrickSlab::from_samples(&out, lattice.size, band))
     });
-    in_bricks(lattice, band, done, job)
+    sample_bricks(lattice, band, done, job)
 }
 
-/// Layers one after the other.
-fn in_bricks(
+/// Puts the layers into one grid, in order.
+fn sample_bricks(
     lattice: &Lattice,
     band: f64,
-    layers: Vec<Result<Layer, LeafError>>,
+    layers: Vec<Result<BrickSlab, LeafError>>,
     job: &Job,
-) -> Result<SparseGrid, Stopped> {
+) -> Result<SparseGrid, JobError> {
     if job.is_cancelled() {
-        return Err(Stopped::Cancelled);
+        return Err(JobError::Cancelled);
     }
     let mut grid = SparseGrid::empty(lattice.size, lattice.affine, band);
     for layer in layers {
-        grid.push(layer.map_err(|error| refused(Code::LeafFailed, error.to_string()))?);
+        grid.push(layer.map_err(|error| refusal(RefusalCode::LeafFailed, error.to_string()))?);
     }
     Ok(grid)
 }
 
-fn refused(code: Code, message: String) -> Stopped {
-    Stopped::Refused(Refusal { code, message })
+fn refusal(code: RefusalCode, message: String) -> JobError {
+    JobError::Refused(Refusal { code, message })
 }
 
-/// Refuses a band that is none, and what does not fit.
-fn check(lattice: &Lattice, band: Option<f64>, job: &Job, bytes: u64) -> Result<(), Stopped> {
+/// Refuses a band that is not above 0, and samples that exceed the memory limit.
+fn check(lattice: &Lattice, band: Option<f64>, job: &Job, bytes: u64) -> Result<(), JobError> {
     if let Some(width) = band.filter(|width| width.is_nan() || *width <= 0.0) {
-        return Err(refused(Code::Budget, format!("the band is {width}, and must be above 0")));
+        return Err(refusal(RefusalCode::Budget, format!("the band is {width}, and must be above 0")));
     }
     if bytes > job.memory_limit {
         let message =
             format!("{} samples need {bytes} bytes; the limit is {}", lattice.len(), job.memory_limit);
-        return Err(refused(Code::TooMuchMemory, message));
+        return Err(refusal(RefusalCode::TooMuchMemory, message));
     }
     Ok(())
 }
@@ -138,7 +139,7 @@ fn fill_layer(
     let mut points = Vec::new();
     for (brick, range) in bricks.iter().zip(&ranges) {
         let beyond = band.and_then(|band| {
-            // A range may leave out points without a value, which are outside; they are looked at.
+            // A range may leave out points without a value, which are outside; these are evaluated.
             let known = range.is_defined() && !range.is_empty();
             if known && range.lo() > band {
                 Some(band)

@@ -1,34 +1,36 @@
-//! The arrow from a field to triangles.
-use super::fields::{Ask, Wanted, search};
-use crate::budget::{Bounded, Budget, Code, Failure, Job, PixelBudget, Refusal, Require, Stopped, Tolerance};
-use crate::explicit::{Mesh, Semantic, Shading, Topology, Weight, with_normals, with_vertex_normals};
+//! The arrow from a field to a triangle mesh.
+use super::fields::{FieldMeshGoal, FieldSampler, search};
+use crate::budget::{
+    Bounded, Budget, Failure, Job, JobError, PixelBudget, Refusal, RefusalCode, RequiredEvidence, Tolerance,
+};
+use crate::explicit::{Mesh, NormalWeight, Semantic, Shading, Topology, with_normals, with_vertex_normals};
 use crate::implicit::{Field, Tape};
 use crate::math::{Box3, dot, flushes_subnormals, length};
 
-/// The surface of a field, the boundary of where it is negative, as triangles within a budget: adaptive
-/// tetrahedra in which the primitives of the field's sign are cut as linear functions, vertices moved onto
-/// primitives, creases and corners by Newton's method, then edge splits, flips and collapses until few
-/// triangles are left.
+/// Meshes the surface of a field, the boundary of where it is negative, within a budget. Adaptive tetrahedra
+/// cut the primitives of the field's sign as linear functions. Newton's method moves vertices onto
+/// primitives, creases and corners. Edge splits, flips and collapses then leave few triangles.
 ///
 /// *What the bound covers.* The Hausdorff distance between all points of the triangles and all points of the
-/// field's surface, proved by [`crate::check::field_deviation`] for the very numbers of the mesh, with
-/// [`Field::sign`] as the rule and [`Field::bounds`] at its word. Triangles that are not proved are split.
-/// Where a leaf of the field knows no ranges, and with [`Require::Measured`], the mesh is measured: points of
-/// the surface are looked for beside the triangles, and parts of the surface that have no triangles near them
-/// are not seen. Without [`Require::Measured`] such a mesh comes as [`Failure::Unmet`].
+/// field's surface, proved by [`crate::check::field_deviation`] for the exact numbers of the mesh. The rule
+/// is [`Field::sign`], and [`Field::bounds`] is taken at its word. Triangles that are not proved are split.
+/// Where a leaf of the field knows no ranges, and with [`RequiredEvidence::Measured`], the mesh is measured:
+/// points of the surface are searched for near the triangles, so parts of the surface without triangles near
+/// them are missed. Without [`RequiredEvidence::Measured`] such a mesh is returned as [`Failure::Unmet`].
 ///
 /// The mesh is closed, manifold and oriented, and its triangles do not cross. Flat faces take as few
-/// triangles as their outlines need. [`with_gradient_normals`] adds the normals of the surface. A length,
-/// pixels at a view, and a number of triangles can be asked for, also together.
+/// triangles as their outlines need. [`with_gradient_normals`] adds the normals of the surface. The budget is
+/// a length, pixels at a view, a number of triangles, or several of them.
 ///
-/// *Cost.* Cells by the details of the shape, whatever the length; triangles like 1 over the length on what
-/// is curved twice, like its root on what is curved once. The proof takes 30 to 200 interval evaluations of
-/// primitives a triangle.
+/// *Cost.* The number of cells depends on the details of the shape, not on the length. Triangles grow like 1
+/// over the length where the surface is doubly curved, like its root where it is singly curved. The proof
+/// takes 30 to 200 interval evaluations of primitives a triangle.
 ///
 /// # Errors
-/// [`Failure::Unmet`] with the best mesh; refusals with [`Code::Empty`] where the field is nowhere negative, [`Code::Unsupported`] without
-/// finite bounds, [`Code::Budget`], [`Code::TooManyTriangles`] and [`Code::TooMuchMemory`] before the work, [`Code::LeafFailed`];
-/// [`Failure::Cancelled`].
+/// [`Failure::Unmet`] with the best mesh; refusals with [`RefusalCode::Empty`] where the field is nowhere
+/// negative, [`RefusalCode::Unsupported`] without finite bounds, [`RefusalCode::Budget`],
+/// [`RefusalCode::TooManyTriangles`] and [`RefusalCode::TooMuchMemory`] before the work,
+/// [`RefusalCode::LeafFailed`]; [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::implicit::{Expr, Field};
@@ -52,24 +54,27 @@ pub fn field_to_mesh(field: &Field, budget: &Budget, job: &Job) -> Result<Bounde
     if flushes_subnormals() {
         let message =
             "the floating-point environment flushes subnormal numbers, so that nothing can be proved";
-        return Err(Failure::refused(Code::FlushesSubnormals, message));
+        return Err(Failure::refused(RefusalCode::FlushesSubnormals, message));
     }
     if bounds.is_empty() {
         return Err(Failure::refused(
-            Code::Empty,
+            RefusalCode::Empty,
             "there is no surface to mesh: the box of the shape is empty",
         ));
     }
     if !bounds.diagonal().is_finite() {
         let message = "the shape has no finite bounds: cut it off with a box";
-        return Err(Failure::refused(Code::Unsupported, message));
+        return Err(Failure::refused(RefusalCode::Unsupported, message));
     }
     if budget.angle_deg.is_some() {
-        return Err(Failure::refused(Code::Unsupported, "an angle is no budget for fields in this version"));
+        return Err(Failure::refused(
+            RefusalCode::Unsupported,
+            "an angle is no budget for fields in this version",
+        ));
     }
     let seen = match &budget.pixels {
         None => None,
-        Some(px) => Some(length_on(&bounds, px)?),
+        Some(px) => Some(length_from_pixels(&bounds, px)?),
     };
     let length = match (budget.length.map(Tolerance::get), seen) {
         (Some(a), Some(b)) => Some(if a < b { a } else { b }),
@@ -78,10 +83,12 @@ pub fn field_to_mesh(field: &Field, budget: &Budget, job: &Job) -> Result<Bounde
     let length = match length.map(Tolerance::new) {
         None => None,
         Some(Ok(length)) => Some(length),
-        Some(Err(_)) => return Err(Failure::refused(Code::Budget, "the budget in pixels leaves no length")),
+        Some(Err(_)) => {
+            return Err(Failure::refused(RefusalCode::Budget, "the budget in pixels leaves no length"));
+        }
     };
-    let measured = budget.require == Require::Measured;
-    let wanted = Wanted { length, triangles: budget.triangles, measured };
+    let measured = budget.require == RequiredEvidence::Measured;
+    let wanted = FieldMeshGoal { length, triangles: budget.triangles, measured };
     let mut made = job.run(|| search(field, &wanted, job))?;
     if let (Some(px), Some(most)) = (budget.pixels, made.bound.at_most()) {
         made.bound.pixels = px.view.pixels_of(most, &made.shape.bounds().union(bounds));
@@ -89,20 +96,23 @@ pub fn field_to_mesh(field: &Field, budget: &Budget, job: &Job) -> Result<Bounde
     Ok(made)
 }
 
-/// Triangles that turn more than this against each other have a crease between them: 30°, as where triangles are all there is.
+/// Two triangles that meet at a larger angle than this have a crease between them: 30°, the same as for plain
+/// meshes.
 const CREASE_RAD: f64 = std::f64::consts::FRAC_PI_6;
-/// At creases the gradient is asked for this share of the way into the triangles, where it is that of their side.
+/// At creases the gradient is sampled this fraction of the way into the triangles, where it is that of their
+/// side.
 const INTO: f64 = 1.0 / 32.0;
 
-/// A mesh with normals from the gradient of a field: that of [`Field::sign`], which points outward. Vertices at creases of more than 30° are
-/// doubled, tied by [`Mesh::position_id`], and have a normal for each side. Where the gradient has no direction (no value, or
-/// the field stands still) or is more than 30° off, the normal is that of the triangles around.
+/// Gives a mesh normals from the gradient of a field's [`Field::sign`], which points outward. Vertices at
+/// creases of more than 30° are doubled, tied by [`Mesh::position_id`], with a normal for each side. The
+/// normal is that of the triangles around where the gradient has no direction (no value, or zero) or differs
+/// from it by more than 30°.
 ///
-/// On a mesh by [`field_to_mesh`] that is the normal of the true surface, as the vertices lie on it. No bound speaks of normals.
-/// Cost: one gradient a vertex.
+/// On a mesh by [`field_to_mesh`] these are the normals of the true surface, as the vertices lie on it. No
+/// bound covers normals. Cost: one gradient a vertex.
 ///
 /// # Errors
-/// [`Stopped::Refused`] with [`Code::LeafFailed`] when a leaf does; [`Stopped::Cancelled`].
+/// [`JobError::Refused`] with [`RefusalCode::LeafFailed`] when a leaf does; [`JobError::Cancelled`].
 ///
 /// ```
 /// use chordal::explicit::Semantic;
@@ -116,22 +126,22 @@ const INTO: f64 = 1.0 / 32.0;
 /// assert!((0..3).all(|k| (p[k] - n[k]).abs() < 1e-6)); // half a crossing's bracket, measured
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn with_gradient_normals(mesh: &Mesh, field: &Field, job: &Job) -> Result<Mesh, Stopped> {
-    let tape = Tape::of(field.sign());
-    let crease = Shading::Crease { angle_rad: CREASE_RAD, weight: Weight::Angle };
+pub fn with_gradient_normals(mesh: &Mesh, field: &Field, job: &Job) -> Result<Mesh, JobError> {
+    let tape = Tape::new(field.sign());
+    let crease = Shading::Crease { angle_rad: CREASE_RAD, weight: NormalWeight::Angle };
     let too_many = |_| {
-        Stopped::Refused(Refusal {
-            code: Code::TooManyTriangles,
+        JobError::Refused(Refusal {
+            code: RefusalCode::TooManyTriangles,
             message: "the mesh would have more than 2^32 vertices".into(),
         })
     };
     let mesh = with_normals(mesh, Topology::Indices, crease).map_err(too_many)?;
-    let points = sides(&mesh);
-    let slopes = Ask { tape: &tape, job }
-        .slopes(&points)
-        .map_err(|error| Stopped::Refused(Refusal { code: Code::LeafFailed, message: error.message }))?;
+    let points = gradient_points(&mesh);
+    let slopes = FieldSampler { tape: &tape, job }.duals(&points).map_err(|error| {
+        JobError::Refused(Refusal { code: RefusalCode::LeafFailed, message: error.message })
+    })?;
     if job.is_cancelled() {
-        return Err(Stopped::Cancelled);
+        return Err(JobError::Cancelled);
     }
     let old = mesh.attribute(&Semantic::Normal).expect("it was given one");
     let mut normals: Vec<[f64; 3]> =
@@ -148,8 +158,9 @@ pub fn with_gradient_normals(mesh: &Mesh, field: &Field, job: &Job) -> Result<Me
     Ok(with_vertex_normals(&mesh, normals).expect("one finite normal for each vertex"))
 }
 
-/// Where the gradient is asked for: at the vertex, and for one of several rows of a position a little into its triangles.
-fn sides(mesh: &Mesh) -> Vec<[f64; 3]> {
+/// The sample points of the gradient: the vertex itself, or a little into its triangles where a position has
+/// several rows.
+fn gradient_points(mesh: &Mesh) -> Vec<[f64; 3]> {
     let mut points = mesh.positions().to_vec();
     let Some(ids) = mesh.position_id() else { return points };
     let mut rows = vec![0_u32; points.len()];
@@ -170,11 +181,11 @@ fn sides(mesh: &Mesh) -> Vec<[f64; 3]> {
     points
 }
 
-/// What a budget in pixels allows anywhere about the box: the mesh may stick out by as much.
-pub(super) fn length_on<T>(bounds: &Box3, px: &PixelBudget) -> Result<f64, Failure<T>> {
+/// The length that a budget in pixels allows anywhere near the box; the mesh may stick out by as much.
+pub(super) fn length_from_pixels<T>(bounds: &Box3, px: &PixelBudget) -> Result<f64, Failure<T>> {
     let too_close = || {
         Failure::refused(
-            Code::TooClose,
+            RefusalCode::TooClose,
             "the shape comes so close to the eye that there is no bound in pixels",
         )
     };

@@ -1,26 +1,31 @@
 //! The arrow from a field of the plane to its level curve: `field_to_polyline`.
-use super::contours::{Wanted, search};
-use super::field_to_mesh::length_on;
-use crate::budget::{Bounded, Budget, Code, Failure, Job, Require, Tolerance};
+use super::contours::{ContourGoal, search};
+use super::field_to_mesh::length_from_pixels;
+use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode, RequiredEvidence, Tolerance};
 use crate::explicit::Polyline;
 use crate::implicit::Field;
 use crate::math::{Box3, flushes_subnormals};
 
-/// The curve of a field in the plane z = 0, the boundary of where it is negative, as closed polylines within a budget, inside on
-/// their left: marching squares on a lattice that is fine enough.
+/// Traces the curve of a field in the plane z = 0, the boundary of where it is negative, within a budget. The
+/// polylines are closed, with inside on their left: marching squares on a lattice that is fine enough.
 ///
-/// *What the bound covers.* The Hausdorff distance between all points of the lines and all points of the curve, both ways, proved by
-/// ranges for the very numbers of the lines (`convert/contours/prove.rs`), with [`Field::sign`] as the rule and [`Field::bounds`] at
-/// its word. Where a leaf knows no ranges the budget is aimed at and the result measured; that needs [`Require::Measured`].
+/// *What the bound covers.* The Hausdorff distance between all points of the lines and all points of the
+/// curve, both ways, proved by ranges for the exact numbers of the lines (`convert/contours/prove.rs`). The
+/// rule is [`Field::sign`], and [`Field::bounds`] is taken at its word. Where a leaf knows no ranges, the
+/// budget is aimed at and the result measured; that needs [`RequiredEvidence::Measured`].
 ///
-/// Lines never end: what lies outside of the field's bounds counts as outside, so that a shape cut off at a region is closed by its sides. A
-/// length, pixels at a view and a number of segments can be asked for, also together.
+/// Lines never end: points outside of the field's bounds count as outside, so that the sides of a region
+/// close a shape that it cuts off. The budget is a length, pixels at a view, a number of segments, or several
+/// of them.
 ///
-/// *Cost.* Proportional to the length of the curve over the size of squares, times the terms of the expression that matter there.
+/// *Cost.* Proportional to the length of the curve over the size of squares, times the terms of the
+/// expression that matter there.
 ///
 /// # Errors
-/// [`Failure::Unmet`] with the best lines; refusals with [`Code::Empty`] where the field is nowhere negative, [`Code::Unsupported`] without
-/// finite bounds along x and y or for an angle, [`Code::Budget`], [`Code::TooMuchMemory`], [`Code::LeafFailed`]; [`Failure::Cancelled`].
+/// [`Failure::Unmet`] with the best lines; refusals with [`RefusalCode::Empty`] where the field is nowhere
+/// negative, [`RefusalCode::Unsupported`] without finite bounds along x and y or for an angle,
+/// [`RefusalCode::Budget`], [`RefusalCode::TooMuchMemory`], [`RefusalCode::LeafFailed`];
+/// [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::{Budget, Job, Tolerance, convert::field_to_polyline, implicit::{Expr, Field}, math::Box3};
@@ -33,8 +38,9 @@ use crate::math::{Box3, flushes_subnormals};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// Sources: W. Lorensen, H. Cline, *Marching cubes*, 1987, one dimension down; pruning by ranges: T. Duff, *Interval arithmetic and
-/// recursive subdivision for implicit functions and constructive solid geometry*, 1992.
+/// Sources: W. Lorensen, H. Cline, *Marching cubes*, 1987, one dimension down; pruning by ranges: T. Duff,
+/// *Interval arithmetic and recursive subdivision for implicit functions and constructive solid
+/// geometry*, 1992.
 pub fn field_to_polyline(
     field: &Field,
     budget: &Budget,
@@ -45,35 +51,39 @@ pub fn field_to_polyline(
     let bounds = Box3 { min: [min[0], min[1], 0.0], max: [max[0], max[1], 0.0] };
     if flushes_subnormals() {
         return refused(
-            Code::FlushesSubnormals,
+            RefusalCode::FlushesSubnormals,
             "the floating-point environment flushes subnormal numbers, so that nothing can be proved",
         );
     }
     if field.bounds().is_empty() || min[2] > 0.0 || max[2] < 0.0 {
         return refused(
-            Code::Empty,
+            RefusalCode::Empty,
             "there is no curve: the box of the shape is empty, or does not reach z = 0",
         );
     }
     if !bounds.diagonal().is_finite() {
         return refused(
-            Code::Unsupported,
+            RefusalCode::Unsupported,
             "the shape has no finite bounds along x and y: cut it off with a box",
         );
     }
     if budget.angle_deg.is_some() {
-        return refused(Code::Unsupported, "an angle is no budget for fields in this version");
+        return refused(RefusalCode::Unsupported, "an angle is no budget for fields in this version");
     }
-    let seen = budget.pixels.as_ref().map(|px| length_on(&bounds, px)).transpose()?;
+    let seen = budget.pixels.as_ref().map(|px| length_from_pixels(&bounds, px)).transpose()?;
     let length = match (budget.length.map(Tolerance::get), seen) {
         (Some(a), Some(b)) => Some(if a < b { a } else { b }),
         (a, b) => a.or(b),
     };
     let is_length = length.is_none_or(|length| length > 0.0);
     if length.is_none() && budget.segments.is_none() || !is_length {
-        return refused(Code::Budget, "the budget leaves no length, and no number of segments");
+        return refused(RefusalCode::Budget, "the budget leaves no length, and no number of segments");
     }
-    let wanted = Wanted { length, segments: budget.segments, measured: budget.require == Require::Measured };
+    let wanted = ContourGoal {
+        length,
+        segments: budget.segments,
+        measured: budget.require == RequiredEvidence::Measured,
+    };
     let mut made = job.run(|| search(&field.clone().known_bounds(bounds), &wanted, job))?;
     if let (Some(px), Some(most)) = (budget.pixels, made.bound.at_most()) {
         let about = Box3 { min: bounds.min.map(|x| x - most), max: bounds.max.map(|x| x + most) };

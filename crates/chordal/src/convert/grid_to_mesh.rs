@@ -1,57 +1,63 @@
-//! From samples on a lattice to triangles: `grid_to_mesh`.
-use super::cubes::bound::{Farthest, Proof};
-use super::cubes::finer::Finer;
-use super::cubes::march::{Coordinate, Marched, Plan, march, refused};
+//! The arrow from samples on a lattice to triangles: `grid_to_mesh`.
+use super::cubes::bound::{IsosurfaceDistance, IsosurfaceProof};
+use super::cubes::marching_cubes::{Coordinate, Isosurface, MarchingPlan, march, refusal};
 use super::cubes::normals::gradient_normals;
 use super::cubes::rule::{Normals, Polygonize};
-use super::cubes::source::{Bricks, Dense, Source};
-use super::field_to_mesh::length_on;
-use crate::budget::{Bound, Bounded, Budget, Code, Evidence, Failure, Job, Reference, Stopped, Tolerance};
+use super::cubes::source::{BrickSamples, DenseSamples, SampleSource};
+use super::cubes::upsample::UpsampledSource;
+use super::field_to_mesh::length_from_pixels;
+use crate::budget::{
+    Bound, Bounded, Budget, Evidence, Failure, Job, JobError, Reference, RefusalCode, Tolerance,
+};
 use crate::explicit::{Attribute, Mesh};
-use crate::implicit::{Affine, Grid, Samples, SparseGrid, with_samples};
+use crate::implicit::{Affine3, Grid, Samples, SparseGrid, with_samples};
 use crate::math::{Box3, add_up, cross, dot, flushes_subnormals, length, mul_up, sub_down};
 use std::sync::atomic::Ordering;
 
-/// The level surface of a grid's trilinear interpolant, as triangles.
+/// Meshes the isosurface of a grid's trilinear interpolant.
 ///
-/// **Bound.** The two-sided Hausdorff distance between the mesh and the boundary of what is inside of the interpolant, within the
-/// lattice's box; *proved*, rounding included (`convert/cubes/bound.rs`). Where the interpolant runs steadily through a
-/// few cells it falls with the square of the step; a cell where it does not (a thin wall, a saddle, noise) counts with its
-/// diagonal.
+/// **Bound.** The two-sided Hausdorff distance between the mesh and the boundary of the interpolant's inside,
+/// within the lattice's box; *proved*, rounding included (`convert/cubes/bound.rs`). Where the interpolant is
+/// steadily monotone through a few cells, the bound falls with the square of the step. A cell where it is not
+/// (a thin wall, a saddle, noise) counts with its diagonal.
 ///
-/// **Mesh.** Closed and manifold always, from combinatorics alone, but for the border of the lattice where that is
-/// open. One vertex for each edge of the lattice whose samples are on different sides, at least a margin from both: samples
-/// that equal the level are outside and make neither flat triangles nor coinciding ones. The margin, 2⁻²⁰ of an
-/// edge, is in the bound. A mirrored lattice turns the triangles around, so that the front is outside.
+/// **Mesh.** Always closed and manifold, by combinatorics alone, except at an open border of the lattice.
+/// Each edge of the lattice whose samples are on different sides has one vertex, at least a margin away from
+/// both. Samples that equal the level are outside and make neither flat triangles nor coinciding ones. The
+/// margin, 2⁻²⁰ of an edge, is in the bound. On a mirrored lattice the triangles are turned around, so that
+/// the front is outside.
 ///
-/// **Budgets.** Without one the mesh is that of the lattice, with the bound that it has. With a length, cells that the surface passes are
-/// halved on the interpolant until the bound holds. A number of triangles is a limit.
+/// **Budgets.** Without one, the mesh is that of the lattice, with the bound that it has. With a length,
+/// cells that the surface passes are halved on the interpolant until the bound holds. A number of triangles
+/// is a limit.
 ///
-/// **Cost.** O(samples) to compare them and O(triangles) for the rest; a bit a sample and a byte a passed cell beside input
-/// and output. On all threads of the job, with the same bytes on any number.
+/// **Cost.** O(samples) to compare them and O(triangles) for the rest; a bit a sample and a byte a passed
+/// cell beside input and output. It runs on all threads of the job, with the same bytes on any number.
 ///
 /// # Errors
-/// [`Failure::Refused`]: no surface, or an axis of one sample ([`Code::Empty`], with the reason); a level or transform that is not
-/// finite or beyond 1e150 ([`Code::NotFinite`]); steps that are lost beside the coordinates ([`Code::BelowPrecision`]); a
-/// margin outside of 2⁻³⁰ to ¼, or a budget in degrees ([`Code::Unsupported`]); a lattice too close to the eye for pixels
-/// ([`Code::TooClose`]); more triangles or bytes than the
-/// job allows; an environment that flushes subnormals. [`Failure::Unmet`] with the best mesh. [`Failure::Cancelled`].
+/// [`Failure::Refused`]: no surface, or an axis of one sample ([`RefusalCode::Empty`], with the reason); a
+/// level or transform that is not finite or beyond 1e150 ([`RefusalCode::NotFinite`]); steps that are lost
+/// beside the coordinates ([`RefusalCode::BelowPrecision`]); a margin outside of 2⁻³⁰ to ¼, or a budget in
+/// degrees ([`RefusalCode::Unsupported`]); a lattice too close to the eye for pixels
+/// ([`RefusalCode::TooClose`]); more triangles or bytes than the job allows; an environment that flushes
+/// subnormals. [`Failure::Unmet`] with the best mesh. [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::convert::{Polygonize, grid_to_mesh};
-/// use chordal::implicit::{Affine, Grid, Samples};
+/// use chordal::implicit::{Affine3, Grid, Samples};
 /// use chordal::Job;
 /// // One voxel of a mask: an octahedron.
 /// let mut mask = vec![0_u8; 27];
 /// mask[13] = 1;
-/// let grid = Grid::new([3; 3], Samples::U8(mask), Affine::IDENTITY)?;
+/// let grid = Grid::new([3; 3], Samples::U8(mask), Affine3::IDENTITY)?;
 /// let made = grid_to_mesh(&grid, &Polygonize::above(0.5), None, &Job::default()).expect("a surface");
 /// assert_eq!((made.shape.positions().len(), made.shape.faces().len()), (6, 8));
 /// assert!(made.bound.at_most().is_some());
 /// # Ok::<(), chordal::implicit::InvalidGrid>(())
 /// ```
 ///
-/// Source: W. E. Lorensen, H. E. Cline, *Marching cubes*, 1987; W. Schroeder and others, *Flying Edges*, 2015.
+/// Source: W. E. Lorensen, H. E. Cline, *Marching cubes*, 1987; W. Schroeder and others, *Flying
+/// Edges*, 2015.
 pub fn grid_to_mesh(
     grid: &Grid,
     rule: &Polygonize,
@@ -59,12 +65,12 @@ pub fn grid_to_mesh(
     job: &Job,
 ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
     with_samples!(grid.samples(), values => {
-        let source = Dense { values, size: grid.size(), rule: *rule };
-        made(&source, grid.affine(), (rule, budget, numbers(grid.samples())), job)
+        let source = DenseSamples { values, size: grid.size(), rule: *rule };
+        mesh_source(&source, grid.affine(), (rule, budget, sample_precision(grid.samples())), job)
     })
 }
 
-/// [`grid_to_mesh`] of samples in bricks: the same mesh, bit for bit, as from the same samples in one array.
+/// Like [`grid_to_mesh`], of samples in bricks: the mesh is the same, bit for bit, as from one array.
 ///
 /// # Errors
 /// As for [`grid_to_mesh`].
@@ -74,108 +80,116 @@ pub fn sparse_grid_to_mesh(
     budget: Option<&Budget>,
     job: &Job,
 ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
-    made(&Bricks { grid, rule: *rule }, grid.affine(), (rule, budget, (grid.largest(), None)), job)
+    mesh_source(
+        &BrickSamples { grid, rule: *rule },
+        grid.affine(),
+        (rule, budget, (grid.largest(), None)),
+        job,
+    )
 }
 
-/// What is asked for: the rule, the budget, and what the samples are like.
-type Asked<'a> = (&'a Polygonize, Option<&'a Budget>, (f64, Option<u32>));
+/// The rule, the budget, and the largest size and the bits of the samples.
+type PolygonizeInputs<'a> = (&'a Polygonize, Option<&'a Budget>, (f64, Option<u32>));
 
-fn made<S: Source>(
+fn mesh_source<S: SampleSource>(
     source: &S,
-    affine: &Affine,
-    (rule, budget, numbers): Asked,
+    affine: &Affine3,
+    (rule, budget, numbers): PolygonizeInputs,
     job: &Job,
 ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
     check(source.size(), affine, rule)?;
     let bounds = bounds(source.size(), affine, rule);
-    let length = allowed(budget, &bounds)?;
+    let length = allowed_length(budget, &bounds)?;
     let most = budget.and_then(|budget| budget.triangles).unwrap_or(u64::MAX);
-    let wanted = Wanted { length, most, numbers };
-    let mut made = job.run(|| refined(source, affine, (rule, &wanted), job))?;
+    let wanted = GridMeshGoal { length, most, sample_precision: numbers };
+    let mut made = job.run(|| refine_to_budget(source, affine, (rule, &wanted), job))?;
     if let (Some(px), Some(most)) = (budget.and_then(|budget| budget.pixels), made.bound.at_most()) {
         made.bound.pixels = px.view.pixels_of(most, &made.shape.bounds().union(bounds));
     }
     Ok(made)
 }
 
-/// What a mesh is refined for.
-struct Wanted {
+/// The limits that the mesh is refined for.
+struct GridMeshGoal {
     length: f64,
-    /// Triangles.
+    /// The most triangles.
     most: u64,
-    numbers: (f64, Option<u32>),
+    sample_precision: (f64, Option<u32>),
 }
 
 /// The box of a lattice.
-fn bounds(size: [usize; 3], affine: &Affine, rule: &Polygonize) -> Box3 {
+fn bounds(size: [usize; 3], affine: &Affine3, rule: &Polygonize) -> Box3 {
     (0..8).fold(Box3::EMPTY, |all, corner| {
         let last = |k: usize| if corner >> k & 1 == 1 { (size[k] - 1) as f64 } else { 0.0 };
         all.with(affine.at([0, 1, 2].map(|k| rule.offset[k] as f64 + last(k))))
     })
 }
 
-/// Halves cells until the budget's length holds.
-fn refined<S: Source>(
+/// Halves cells until the bound is within the budget's length.
+fn refine_to_budget<S: SampleSource>(
     source: &S,
-    coarse: &Affine,
-    (rule, wanted): (&Polygonize, &Wanted),
+    coarse: &Affine3,
+    (rule, wanted): (&Polygonize, &GridMeshGoal),
     job: &Job,
 ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
-    let Wanted { length, most, numbers } = *wanted;
-    let mut best = meshed(source, coarse, rule, (length, job))?;
+    let GridMeshGoal { length, most, sample_precision: numbers } = *wanted;
+    let mut best = mesh_isosurface(source, coarse, rule, (length, job))?;
     for halvings in 1..=MOST_HALVINGS {
         let triangles = best.shape.faces().len() as u64;
-        if triangles > most || reached(&best) <= length {
+        if triangles > most || upper_bound(&best) <= length {
             break;
         }
-        // Halved cells have four times the triangles, or nearly.
+        // Halved cells have about four times the triangles.
         if 3 * triangles > most.min(job.triangle_limit) {
             break;
         }
-        let finer = Finer::new(source, rule, halvings, numbers);
+        let finer = UpsampledSource::new(source, rule, halvings, numbers);
         let Some(affine) = finer.affine(coarse) else { break };
         let rule = Polygonize { offset: rule.offset.map(|i| i << halvings), ..*rule };
         if check(finer.size(), &affine, &rule).is_err() {
             break;
         }
-        match finer_mesh(&finer, &affine, &rule, (length, job)) {
-            // A cell without a steady slope keeps its diagonal, which halves with it.
-            Ok(next) if reached(&next) < reached(&best) => best = next,
-            Ok(_) | Err(Stopped::Refused(_)) => break,
-            Err(Stopped::Cancelled) => return Err(Failure::Cancelled),
+        match upsampled_mesh(&finer, &affine, &rule, (length, job)) {
+            // A cell without a steady slope counts with its diagonal, which halves with it.
+            Ok(next) if upper_bound(&next) < upper_bound(&best) => best = next,
+            Ok(_) | Err(JobError::Refused(_)) => break,
+            Err(JobError::Cancelled) => return Err(Failure::Cancelled),
         }
     }
-    let fits = best.shape.faces().len() as u64 <= most && reached(&best) <= length;
+    let fits = best.shape.faces().len() as u64 <= most && upper_bound(&best) <= length;
     if fits { Ok(best) } else { Err(Failure::Unmet(Box::new(best))) }
 }
 
-/// How often cells are halved at most: 4,096 for one.
+/// The most halvings of a cell: 4,096 parts along each edge.
 const MOST_HALVINGS: u32 = 12;
 
-fn reached(made: &Bounded<Mesh>) -> f64 {
+fn upper_bound(made: &Bounded<Mesh>) -> f64 {
     made.bound.at_most().unwrap_or(f64::INFINITY)
 }
 
-/// The mesh of a finer lattice. Where its values are rounded, either the proof holds for all values that they may stand for,
-/// or it is under the promise that they are taken as they are.
-fn finer_mesh(
-    finer: &Finer<'_>,
-    affine: &Affine,
+/// The mesh of a finer lattice. Where its values are rounded, the proof holds for all values that they may
+/// stand for, or else under the promise that they are taken as they are.
+fn upsampled_mesh(
+    finer: &UpsampledSource<'_>,
+    affine: &Affine3,
     rule: &Polygonize,
     (length, job): (f64, &Job),
-) -> Result<Bounded<Mesh>, Stopped> {
-    let enough = enough(length, affine, rule, finer.size());
-    let Marched { positions, faces, plan } = march::<f64, _>(finer, affine, rule, job)?;
-    let proof = || Proof::new(finer, affine, rule, lost(affine, rule, finer.size())).with_enough(enough);
-    let farthest = proof().farthest(&plan, job);
+) -> Result<Bounded<Mesh>, JobError> {
+    let enough = sufficient_length(length, affine, rule, finer.size());
+    let Isosurface { positions, faces, plan } = march::<f64, _>(finer, affine, rule, job)?;
+    let proof = || {
+        IsosurfaceProof::new(finer, affine, rule, vertex_errors(affine, rule, finer.size()))
+            .with_enough(enough)
+    };
+    let farthest = proof().max_distance(&plan, job);
     let sure = finer.slack == 0.0 || !finer.unsure.load(Ordering::Relaxed);
     let farthest = if finer.slack == 0.0 || !sure {
         farthest
     } else {
-        proof().with_slack(finer.slack).farthest(&plan, job)
+        proof().with_slack(finer.slack).max_distance(&plan, job)
     };
     if job.is_cancelled() {
-        return Err(Stopped::Cancelled);
+        return Err(JobError::Cancelled);
     }
     let evidence = if sure {
         Evidence::Proved
@@ -188,9 +202,9 @@ fn finer_mesh(
     Ok(Bounded { shape: mesh, bound: bound(farthest, evidence, (affine, rule), finer.size()) })
 }
 
-/// The largest size of a sample, and the bits of samples that are whole numbers.
+/// The largest size of a sample, and the bits of integer samples.
 #[allow(clippy::useless_conversion, reason = "one body for every type of samples")]
-fn numbers(samples: &Samples) -> (f64, Option<u32>) {
+fn sample_precision(samples: &Samples) -> (f64, Option<u32>) {
     let bits = match samples {
         Samples::F32(_) | Samples::F64(_) => None,
         whole => Some(8 * whole.width() as u32),
@@ -201,65 +215,66 @@ fn numbers(samples: &Samples) -> (f64, Option<u32>) {
     (largest, bits)
 }
 
-/// Triangles as plain arrays, without a bound.
+/// A triangle mesh as plain arrays, without a bound.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Surface<P> {
+pub struct TriangleArrays<P> {
     /// n × 3 coordinates.
     pub positions: Vec<[P; 3]>,
     /// m × 3 indices into the positions; counter-clockwise is the front.
     pub faces: Vec<[u32; 3]>,
 }
 
-/// The name of a vertex in the lattice of a whole volume: blocks that share samples give their common vertices the same
-/// name and the same position.
+/// The key of a vertex in the lattice of a whole volume. Blocks that share samples give a common vertex the
+/// same key and the same position.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct VertexKey {
     /// The sample at the vertex, or the lower one of its edge.
     pub lattice: [i64; 3],
     /// How often the lattice was halved.
     pub level: u8,
-    /// 0, 1 and 2 on an edge along that axis, 3 at the sample itself.
+    /// 0, 1 or 2 on an edge along that axis, 3 at the sample itself.
     pub kind: u8,
-    /// The label whose surface it is on, in volumes of labels.
+    /// The label whose surface the vertex is on, in volumes of labels.
     pub sheet: u32,
 }
 
-/// The surface of a grid as plain arrays of f64 or f32: what [`grid_to_mesh`] makes, without its bound.
+/// Meshes a grid into plain arrays of f64 or f32: the mesh of [`grid_to_mesh`], without its bound.
 ///
-/// Closed and manifold by indices, always; in f32 vertices that are closer than its last place may coincide, see
+/// Always closed and manifold by indices. In f32, vertices closer than its last place may coincide, see
 /// [`Polygonize::MARGIN_F32`].
 ///
 /// Cost: as for [`grid_to_mesh`] without the bound.
 ///
 /// # Errors
-/// [`Stopped::Refused`] and [`Stopped::Cancelled`] as for [`grid_to_mesh`].
+/// [`JobError::Refused`] and [`JobError::Cancelled`] as for [`grid_to_mesh`].
 pub fn grid_to_triangles<P: Coordinate>(
     grid: &Grid,
     rule: &Polygonize,
     job: &Job,
-) -> Result<Surface<P>, Stopped> {
+) -> Result<TriangleArrays<P>, JobError> {
     check(grid.size(), grid.affine(), rule)?;
     job.run(|| {
         with_samples!(grid.samples(), values => {
-            let source = Dense { values, size: grid.size(), rule: *rule };
-            let Marched { positions, faces, .. } = march::<P, _>(&source, grid.affine(), rule, job)?;
-            Ok(Surface { positions, faces })
+            let source = DenseSamples { values, size: grid.size(), rule: *rule };
+            let Isosurface { positions, faces, .. } = march::<P, _>(&source, grid.affine(), rule, job)?;
+            Ok(TriangleArrays { positions, faces })
         })
     })
 }
 
-/// The names of the vertices that [`grid_to_mesh`] (without a budget) and [`grid_to_triangles`] make, in their order.
+/// The keys of the vertices that [`grid_to_mesh`] (without a budget) and [`grid_to_triangles`] make, in their
+/// order.
 ///
 /// Cost: O(samples) to compare them, 40 bytes a vertex.
 ///
 /// # Errors
 /// As for [`grid_to_triangles`].
-pub fn vertex_keys(grid: &Grid, rule: &Polygonize, job: &Job) -> Result<Vec<VertexKey>, Stopped> {
+pub fn vertex_keys(grid: &Grid, rule: &Polygonize, job: &Job) -> Result<Vec<VertexKey>, JobError> {
     check(grid.size(), grid.affine(), rule)?;
     job.run(|| {
         with_samples!(grid.samples(), values => {
-            let source = Dense { values, size: grid.size(), rule: *rule };
-            let plan = Plan::new(&source, rule, job)?;
+            let source = DenseSamples { values, size: grid.size(), rule: *rule };
+            let plan = MarchingPlan::new(&source, rule, job)?;
             Ok(plan.for_each_vertex(job, |kind, at| VertexKey {
                 lattice: [0, 1, 2].map(|k| rule.offset[k] + at[k] as i64),
                 level: 0,
@@ -270,33 +285,33 @@ pub fn vertex_keys(grid: &Grid, rule: &Polygonize, job: &Job) -> Result<Vec<Vert
     })
 }
 
-/// The mesh of any source, with its bound.
-pub(super) fn meshed<S: Source>(
+/// Meshes any sample source, with a bound.
+pub(super) fn mesh_isosurface<S: SampleSource>(
     source: &S,
-    affine: &Affine,
+    affine: &Affine3,
     rule: &Polygonize,
     (length, job): (f64, &Job),
-) -> Result<Bounded<Mesh>, Stopped> {
-    let enough = enough(length, affine, rule, source.size());
-    let Marched { positions, faces, plan } = march::<f64, S>(source, affine, rule, job)?;
+) -> Result<Bounded<Mesh>, JobError> {
+    let enough = sufficient_length(length, affine, rule, source.size());
+    let Isosurface { positions, faces, plan } = march::<f64, S>(source, affine, rule, job)?;
     if faces.is_empty() {
-        return Err(refused(Code::Empty, no_surface(source, rule, &plan)));
+        return Err(refusal(RefusalCode::Empty, no_surface(source, rule, &plan)));
     }
-    let farthest = Proof::new(source, affine, rule, lost(affine, rule, source.size()))
+    let farthest = IsosurfaceProof::new(source, affine, rule, vertex_errors(affine, rule, source.size()))
         .with_enough(enough)
-        .farthest(&plan, job);
+        .max_distance(&plan, job);
     if job.is_cancelled() {
-        return Err(Stopped::Cancelled);
+        return Err(JobError::Cancelled);
     }
     let mesh = with_normals(Mesh::by_construction(positions, faces), source, affine, (rule, &plan, job));
     Ok(Bounded { shape: mesh, bound: bound(farthest, Evidence::Proved, (affine, rule), source.size()) })
 }
 
-fn with_normals<S: Source>(
+fn with_normals<S: SampleSource>(
     mesh: Mesh,
     source: &S,
-    affine: &Affine,
-    (rule, plan, job): (&Polygonize, &Plan, &Job),
+    affine: &Affine3,
+    (rule, plan, job): (&Polygonize, &MarchingPlan, &Job),
 ) -> Mesh {
     if rule.normals == Normals::None {
         return mesh;
@@ -305,43 +320,43 @@ fn with_normals<S: Source>(
     mesh.with_attribute(Attribute::vertex_normals(&normals)).expect("one normal for each vertex")
 }
 
-/// What a bound in exact coordinates is for the vertices as written.
+/// Turns a bound in exact coordinates into one for the vertices as written.
 pub(super) fn bound(
-    farthest: Farthest,
+    farthest: IsosurfaceDistance,
     evidence: Evidence,
-    (affine, rule): (&Affine, &Polygonize),
+    (affine, rule): (&Affine3, &Polygonize),
     size: [usize; 3],
 ) -> Bound {
-    let most = add_up(farthest.most, moved(affine, rule, size));
+    let most = add_up(farthest.most, vertex_displacement(affine, rule, size));
     let least = if farthest.least < most { farthest.least } else { most };
     let mut bound = Bound::with_evidence(least, Some(most), evidence, Reference::Trilinear);
     let at = farthest.at.map(|i| i as f64 + 0.5);
     let there = affine.at([0, 1, 2].map(|k| at[k] + rule.offset[k] as f64));
-    bound.at = Some(farthest.seen.unwrap_or(there));
+    bound.at = Some(farthest.witness.unwrap_or(there));
     bound
 }
 
-/// How far the vertices that are written are from the interpolant's own zeros.
-fn moved(affine: &Affine, rule: &Polygonize, size: [usize; 3]) -> f64 {
+/// How far the written vertices are from the interpolant's own zeros.
+fn vertex_displacement(affine: &Affine3, rule: &Polygonize, size: [usize; 3]) -> f64 {
     let edge = affine.steps().map(length).into_iter().fold(0.0, |most, l| if l > most { l } else { most });
-    // A place on an edge has three roundings and the margin; the rest are those of the transform.
+    // A position on an edge has three roundings and the margin; the rest are those of the transform.
     let moved = mul_up(mul_up(edge, 1.0 + 8.0 * f64::EPSILON), add_up(rule.margin, 4.0 * f64::EPSILON));
-    add_up(moved, rounding(affine, rule, size))
+    add_up(moved, rounding_error(affine, rule, size))
 }
 
-fn lost(affine: &Affine, rule: &Polygonize, size: [usize; 3]) -> (f64, f64) {
-    (moved(affine, rule, size), rounding(affine, rule, size))
+fn vertex_errors(affine: &Affine3, rule: &Polygonize, size: [usize; 3]) -> (f64, f64) {
+    (vertex_displacement(affine, rule, size), rounding_error(affine, rule, size))
 }
 
-/// Of a bound no less than this is needed, where a length is asked for.
-fn enough(length: f64, affine: &Affine, rule: &Polygonize, size: [usize; 3]) -> f64 {
-    let left = sub_down(length, moved(affine, rule, size));
+/// The bound in exact coordinates that suffices for `length`; 0 where there is none.
+fn sufficient_length(length: f64, affine: &Affine3, rule: &Polygonize, size: [usize; 3]) -> f64 {
+    let left = sub_down(length, vertex_displacement(affine, rule, size));
     if left > 0.0 && length.is_finite() { left } else { 0.0 }
 }
 
-/// How far rounding moves a vertex: each coordinate is three products and three sums of a place that is rounded once, eight roundings
-/// of no more than the sum of their sizes; √3 of that is below twice.
-fn rounding(affine: &Affine, rule: &Polygonize, size: [usize; 3]) -> f64 {
+/// How far rounding moves a vertex. Each coordinate is three products and three sums of a position that is
+/// rounded once: eight roundings of no more than the sum of their sizes; √3 of that is below twice.
+fn rounding_error(affine: &Affine3, rule: &Polygonize, size: [usize; 3]) -> f64 {
     let far = [0, 1, 2].map(|k| {
         let (low, high) = (rule.offset[k] as f64, rule.offset[k] as f64 + size[k] as f64);
         if low.abs() > high.abs() { low.abs() } else { high.abs() }
@@ -353,8 +368,8 @@ fn rounding(affine: &Affine, rule: &Polygonize, size: [usize; 3]) -> f64 {
     8.0 * f64::EPSILON * most
 }
 
-/// Why there is no triangle.
-fn no_surface<S: Source>(source: &S, rule: &Polygonize, plan: &Plan) -> String {
+/// The message that says why there are no triangles.
+fn no_surface<S: SampleSource>(source: &S, rule: &Polygonize, plan: &MarchingPlan) -> String {
     let [nx, ny, nz] = source.size();
     let side = if rule.inside == super::cubes::rule::Inside::High { "above" } else { "below" };
     if plan.is_inside([0; 3]) {
@@ -383,21 +398,24 @@ fn no_surface<S: Source>(source: &S, rule: &Polygonize, plan: &Plan) -> String {
 /// Numbers beyond this are refused: products of them must stay below 1e308.
 const LARGEST: f64 = 1e150;
 
-pub(super) fn check(size: [usize; 3], affine: &Affine, rule: &Polygonize) -> Result<(), Stopped> {
+pub(super) fn check(size: [usize; 3], affine: &Affine3, rule: &Polygonize) -> Result<(), JobError> {
     if let Some(axis) = size.iter().position(|n| *n < 2) {
         let message =
             format!("index {axis} has one sample, so the lattice has no cells: pad it to give it thickness");
-        return Err(refused(Code::Empty, message));
+        return Err(refusal(RefusalCode::Empty, message));
     }
     // The rounding of the farthest corner, in units of its last place, is eight times its size.
-    let far = rounding(affine, rule, size) / f64::EPSILON;
+    let far = rounding_error(affine, rule, size) / f64::EPSILON;
     if !(rule.level.abs() <= LARGEST && far <= LARGEST) {
-        return Err(refused(Code::NotFinite, format!("a level or a coordinate is beyond {LARGEST:e}")));
+        return Err(refusal(
+            RefusalCode::NotFinite,
+            format!("a level or a coordinate is beyond {LARGEST:e}"),
+        ));
     }
     // Exact: powers of two.
     if !(rule.margin >= 1.0 / 1_073_741_824.0 && rule.margin <= 0.25) {
-        return Err(refused(
-            Code::Unsupported,
+        return Err(refusal(
+            RefusalCode::Unsupported,
             format!("a margin of {} is not between 2^-30 and 1/4", rule.margin),
         ));
     }
@@ -407,27 +425,31 @@ pub(super) fn check(size: [usize; 3], affine: &Affine, rule: &Polygonize) -> Res
         .map(length)
         .into_iter()
         .fold(0.0, |m, l| if l > m { l } else { m });
-    // Half of the flattest triangle that the margin leaves is derived to be wider than an eighth of margin times width.
+    // Half of the flattest triangle that the margin leaves is derived to be wider than an eighth of margin
+    // times width.
     let apart = 0.125 * rule.margin * (volume / widest);
-    if apart.is_nan() || rounding(affine, rule, size) > apart {
+    if apart.is_nan() || rounding_error(affine, rule, size) > apart {
         let message = "the lattice's steps are too small beside its coordinates: vertices would coincide";
-        return Err(refused(Code::BelowPrecision, message.into()));
+        return Err(refusal(RefusalCode::BelowPrecision, message.into()));
     }
     if flushes_subnormals() {
         let message = "this process flushes subnormal numbers to zero, so nothing can be proved in it";
-        return Err(refused(Code::FlushesSubnormals, message.into()));
+        return Err(refusal(RefusalCode::FlushesSubnormals, message.into()));
     }
     Ok(())
 }
 
-/// The length that a budget allows anywhere in the box; infinite where it says none.
-fn allowed(budget: Option<&Budget>, bounds: &Box3) -> Result<f64, Failure<Mesh>> {
+/// The length that a budget allows anywhere in the box; infinite without a length or pixels.
+fn allowed_length(budget: Option<&Budget>, bounds: &Box3) -> Result<f64, Failure<Mesh>> {
     let Some(budget) = budget else { return Ok(f64::INFINITY) };
     if budget.angle_deg.is_some() {
-        return Err(Failure::refused(Code::Unsupported, "an angle is no budget for volumes in this version"));
+        return Err(Failure::refused(
+            RefusalCode::Unsupported,
+            "an angle is no budget for volumes in this version",
+        ));
     }
     let length = budget.length.map_or(f64::INFINITY, Tolerance::get);
     let Some(px) = &budget.pixels else { return Ok(length) };
-    let seen = length_on(bounds, px)?;
+    let seen = length_from_pixels(bounds, px)?;
     Ok(if seen < length { seen } else { length })
 }

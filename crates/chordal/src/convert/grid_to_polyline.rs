@@ -1,32 +1,33 @@
-//! From samples on a plane lattice to level curves: `grid_to_polyline`.
-use super::cubes::march::refused;
-use super::cubes::rule::{Place, Polygonize};
-use super::cubes::squares::lines;
-use crate::budget::{Bound, Bounded, Code, Failure, Job, Reference};
+//! The arrow from samples on a plane lattice to isolines: `grid_to_polyline`.
+use super::cubes::marching_cubes::refusal;
+use super::cubes::marching_squares::isolines;
+use super::cubes::rule::{LatticeTransform, Polygonize};
+use crate::budget::{Bound, Bounded, Failure, Job, Reference, RefusalCode};
 use crate::explicit::Polyline;
 use crate::implicit::Grid;
 use crate::math::{add_up, length, mul_up};
 
-/// The level curves of a grid of one plane of samples: closed polylines, or such that end at the border, with inside on the left
-/// where the lattice is not mirrored.
+/// Traces the level curves of a grid of one plane of samples. The polylines are closed or end at the border,
+/// with inside on the left where the lattice is not mirrored.
 ///
-/// Points are x and y of space; that z stays what it is in the plane is the caller's to know. Of a [`Polygonize`] the level, the
-/// inside, the offset and the margin count.
+/// Points are x and y in space; the caller has to know that z is constant in the plane. Of a [`Polygonize`],
+/// only the level, the inside, the offset and the margin count.
 ///
-/// **Bound.** The two-sided Hausdorff distance to the boundary of what is inside of the bilinear interpolant within the lattice:
-/// the longest diagonal of a square, *proved* as for [`grid_to_mesh`](super::grid_to_mesh).
+/// **Bound.** The two-sided Hausdorff distance to the boundary of the bilinear interpolant's inside within
+/// the lattice: the longest diagonal of a square, *proved* as for [`grid_to_mesh`](super::grid_to_mesh).
 ///
 /// **Cost.** O(samples).
 ///
 /// # Errors
-/// [`Failure::Refused`]: not one plane of samples ([`Code::Unsupported`]), no curve or no square ([`Code::Empty`]), numbers that are not
-/// finite ([`Code::NotFinite`]). [`Failure::Cancelled`].
+/// [`Failure::Refused`]: not one plane of samples ([`RefusalCode::Unsupported`]), no curve or no square
+/// ([`RefusalCode::Empty`]), numbers that are not finite ([`RefusalCode::NotFinite`]).
+/// [`Failure::Cancelled`].
 ///
 /// ```
 /// use chordal::convert::{Polygonize, grid_to_polyline};
-/// use chordal::implicit::{Affine, Grid, Samples};
+/// use chordal::implicit::{Affine3, Grid, Samples};
 /// use chordal::Job;
-/// let grid = Grid::new([3, 3, 1], Samples::U8(vec![0, 0, 0, 0, 1, 0, 0, 0, 0]), Affine::IDENTITY)?;
+/// let grid = Grid::new([3, 3, 1], Samples::U8(vec![0, 0, 0, 0, 1, 0, 0, 0, 0]), Affine3::IDENTITY)?;
 /// let lines = grid_to_polyline(&grid, &Polygonize::above(0.5), &Job::default()).expect("a curve").shape;
 /// assert!(lines.len() == 1 && lines[0].closed && lines[0].points.len() == 4);
 /// # Ok::<(), chordal::implicit::InvalidGrid>(())
@@ -39,26 +40,26 @@ pub fn grid_to_polyline(
     let [nx, ny, nz] = grid.size();
     if nz != 1 {
         let message = format!("level curves are of one plane of samples, and there are {nz}");
-        return Err(Failure::refused(Code::Unsupported, message));
+        return Err(Failure::refused(RefusalCode::Unsupported, message));
     }
-    let place = Place::new(grid.affine(), rule.offset);
+    let place = LatticeTransform::new(grid.affine(), rule.offset);
     let far = [[0.0, 0.0], [nx as f64, 0.0], [0.0, ny as f64], [nx as f64, ny as f64]].map(|[i, j]| {
         let at = place.at([i + rule.offset[0] as f64, j + rule.offset[1] as f64, rule.offset[2] as f64]);
         at[0].abs() + at[1].abs()
     });
     if !(rule.level.is_finite() && far.iter().all(|x| *x < LARGEST)) {
         return Err(Failure::refused(
-            Code::NotFinite,
+            RefusalCode::NotFinite,
             format!("a level or a coordinate is beyond {LARGEST:e}"),
         ));
     }
-    let found = lines([nx, ny], |[i, j]| rule.is_inside(grid.sample([i, j, 0])));
+    let found = isolines([nx, ny], |[i, j]| rule.is_inside(grid.sample([i, j, 0])));
     if job.is_cancelled() {
         return Err(Failure::Cancelled);
     }
     if found.is_empty() {
         let message = format!("all samples are on one side of the level {}: there is no curve", rule.level);
-        return Err(refused(Code::Empty, message).into());
+        return Err(refusal(RefusalCode::Empty, message).into());
     }
     let shape = found.into_iter().map(|(line, closed)| {
         let point = |(axis, [i, j]): (usize, [usize; 2])| {
@@ -74,7 +75,8 @@ pub fn grid_to_polyline(
     let diagonal = |sign: f64| length([a[0] + sign * b[0], a[1] + sign * b[1]]);
     let longest = if diagonal(1.0) > diagonal(-1.0) { diagonal(1.0) } else { diagonal(-1.0) };
     let largest = far.into_iter().fold(0.0, |most, x| if x > most { x } else { most });
-    // A point is moved by the margin, on an edge no longer than the diagonal, and by a few roundings of its coordinates.
+    // A point is moved by the margin, on an edge no longer than the diagonal, and by a few roundings of its
+    // coordinates.
     let moved = add_up(mul_up(longest, rule.margin), mul_up(16.0 * f64::EPSILON, add_up(largest, longest)));
     // The length itself is rounded six times.
     let most = add_up(mul_up(longest, 1.0 + 4.0 * f64::EPSILON), moved);

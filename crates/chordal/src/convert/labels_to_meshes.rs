@@ -1,18 +1,18 @@
 //! From a volume of labels to a mesh for each: `labels_to_meshes`.
-use super::cubes::bound::{Farthest, diagonal};
-use super::cubes::caps::{Spot, triangles};
-use super::cubes::march::refused;
-use super::cubes::rule::{Border, Place, Polygonize};
-use super::cubes::table::{EDGES, TABLE};
+use super::cubes::bound::{IsosurfaceDistance, diagonal};
+use super::cubes::caps::{CapVertex, triangles};
+use super::cubes::case_table::{EDGES, TABLE};
+use super::cubes::marching_cubes::refusal;
+use super::cubes::rule::{Border, LatticeTransform, Polygonize};
 use super::grid_to_mesh::{bound, check};
-use crate::budget::{Bounded, Code, Evidence, Failure, Job, Progress, Stopped};
+use crate::budget::{Bounded, Evidence, Failure, Job, JobError, Progress, RefusalCode};
 use crate::explicit::Mesh;
 use crate::implicit::{Grid, with_samples};
 use std::collections::BTreeMap;
 
 /// How labels become meshes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Labels {
+pub struct LabelOptions {
     /// The label that gets no mesh.
     pub background: Option<u32>,
     /// What happens at the border of the lattice.
@@ -21,7 +21,7 @@ pub struct Labels {
     pub offset: [i64; 3],
 }
 
-impl Default for Labels {
+impl Default for LabelOptions {
     /// Without a mesh for label 0, closed at the border.
     fn default() -> Self {
         Self { background: Some(0), border: [[Border::Capped; 2]; 3], offset: [0; 3] }
@@ -40,37 +40,38 @@ impl Default for Labels {
 /// **Cost.** One pass plane by plane on one thread: a few numbers for each sample of two planes, beside the meshes.
 ///
 /// # Errors
-/// [`Failure::Refused`]: no sample but the background, or an axis of one sample ([`Code::Empty`]); a sample that is no whole
-/// number from 0 to 2³² − 1 ([`Code::Unsupported`], with its place); a transform as for `grid_to_mesh`; more triangles or bytes
+/// [`Failure::Refused`]: no sample but the background, or an axis of one sample ([`RefusalCode::Empty`]); a sample that is no whole
+/// number from 0 to 2³² − 1 ([`RefusalCode::Unsupported`], with its place); a transform as for `grid_to_mesh`; more triangles or bytes
 /// than the job allows. [`Failure::Cancelled`].
 ///
 /// ```
-/// use chordal::convert::{Labels, labels_to_meshes};
-/// use chordal::implicit::{Affine, Grid, Samples};
+/// use chordal::convert::{LabelOptions, labels_to_meshes};
+/// use chordal::implicit::{Affine3, Grid, Samples};
 /// use chordal::Job;
-/// let grid = Grid::new([2, 2, 2], Samples::U16(vec![7, 9, 7, 9, 7, 9, 7, 9]), Affine::IDENTITY)?;
-/// let meshes = labels_to_meshes(&grid, &Labels::default(), &Job::default()).expect("labels");
+/// let grid = Grid::new([2, 2, 2], Samples::U16(vec![7, 9, 7, 9, 7, 9, 7, 9]), Affine3::IDENTITY)?;
+/// let meshes = labels_to_meshes(&grid, &LabelOptions::default(), &Job::default()).expect("labels");
 /// assert_eq!(meshes.iter().map(|(label, _)| *label).collect::<Vec<_>>(), [7, 9]);
 /// # Ok::<(), chordal::implicit::InvalidGrid>(())
 /// ```
 #[allow(clippy::useless_conversion, reason = "one body for every type of samples")]
 pub fn labels_to_meshes(
     grid: &Grid,
-    rule: &Labels,
+    rule: &LabelOptions,
     job: &Job,
 ) -> Result<Vec<(u32, Bounded<Mesh>)>, Failure<Mesh>> {
     let shape = Polygonize { border: rule.border, offset: rule.offset, ..Polygonize::above(0.5) };
     check(grid.size(), grid.affine(), &shape)?;
-    let mut sheets = Sheets::new(grid, rule);
+    let mut sheets = LabelMesher::new(grid, rule);
     with_samples!(grid.samples(), values => sheets.build(|at| label(f64::from(values[at])), job))?;
     if sheets.meshes.is_empty() {
         let only = rule.background.unwrap_or(0);
         return Err(Failure::refused(
-            Code::Empty,
+            RefusalCode::Empty,
             format!("every sample has the label {only}, which is the background"),
         ));
     }
-    let diagonal = Farthest { most: diagonal(grid.affine()), at: [0; 3], least: 0.0, seen: None };
+    let diagonal =
+        IsosurfaceDistance { most: diagonal(grid.affine()), at: [0; 3], least: 0.0, witness: None };
     let of = |mesh: Mesh| {
         let mut bound = bound(diagonal, Evidence::Proved, (grid.affine(), &shape), grid.size());
         bound.at = None;
@@ -87,23 +88,23 @@ fn label(sample: f64) -> Option<u32> {
     (sample >= 0.0 && sample <= f64::from(u32::MAX) && sample.floor() == sample).then_some(sample as u32)
 }
 
-type Soup = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+type LabelMesh = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
 /// One plane of samples, and the vertices that begin in it: for each edge of the lattice the rows in the meshes of its two labels, and
 /// for each sample in a capped border the row in that of its own.
 #[derive(Default)]
-struct Plane {
+struct LabelPlane {
     labels: Vec<u32>,
     edges: [Vec<[u32; 2]>; 3],
     samples: Vec<u32>,
 }
 
-struct Sheets<'a> {
+struct LabelMesher<'a> {
     grid: &'a Grid,
-    rule: &'a Labels,
-    place: Place,
+    rule: &'a LabelOptions,
+    place: LatticeTransform,
     upright: bool,
-    meshes: BTreeMap<u32, Soup>,
+    meshes: BTreeMap<u32, LabelMesh>,
     vertices: u64,
     triangles: u64,
 }
@@ -111,51 +112,51 @@ struct Sheets<'a> {
 /// The row of a vertex that is not there.
 const NONE: u32 = u32::MAX;
 
-impl<'a> Sheets<'a> {
-    fn new(grid: &'a Grid, rule: &'a Labels) -> Self {
-        let place = Place::new(grid.affine(), rule.offset);
+impl<'a> LabelMesher<'a> {
+    fn new(grid: &'a Grid, rule: &'a LabelOptions) -> Self {
+        let place = LatticeTransform::new(grid.affine(), rule.offset);
         let upright = grid.affine().orientation() > 0;
         Self { grid, rule, place, upright, meshes: BTreeMap::new(), vertices: 0, triangles: 0 }
     }
 
-    fn build(&mut self, label_of: impl Fn(usize) -> Option<u32>, job: &Job) -> Result<(), Stopped> {
+    fn build(&mut self, label_of: impl Fn(usize) -> Option<u32>, job: &Job) -> Result<(), JobError> {
         let [nx, ny, nz] = self.grid.size();
         let grid = self.grid;
-        let read = |k: usize| -> Result<Plane, Stopped> {
+        let read = |k: usize| -> Result<LabelPlane, JobError> {
             let labels =
                 (k * nx * ny..(k + 1) * nx * ny).map(|at| label_of(at).ok_or_else(|| no_label(grid, at)));
-            Ok(Plane { labels: labels.collect::<Result<_, _>>()?, ..Plane::default() })
+            Ok(LabelPlane { labels: labels.collect::<Result<_, _>>()?, ..LabelPlane::default() })
         };
         let capped = [0, 1].map(|end| self.rule.border[2][end] == Border::Capped);
         let mut low = read(0)?;
-        self.begin(&mut low, 0);
+        self.add_plane_vertices(&mut low, 0);
         if capped[0] {
-            self.lid(&low, 0);
+            self.cap_end(&low, 0);
         }
         for k in 0..nz - 1 {
             if job.is_cancelled() {
-                return Err(Stopped::Cancelled);
+                return Err(JobError::Cancelled);
             }
             job.report(Progress { stage: "labels", done: k as u64, total: nz as u64 - 1 });
             let mut high = read(k + 1)?;
-            self.begin(&mut high, k + 1);
-            self.join(&mut low, &high, k);
+            self.add_plane_vertices(&mut high, k + 1);
+            self.add_vertices_between(&mut low, &high, k);
             self.cells(&low, &high);
-            self.walls(&low, &high);
+            self.cap_sides(&low, &high);
             self.check(job)?;
             low = high;
         }
         if capped[1] {
-            self.lid(&low, 1);
+            self.cap_end(&low, 1);
         }
         self.check(job)
     }
 
-    fn check(&self, job: &Job) -> Result<(), Stopped> {
+    fn check(&self, job: &Job) -> Result<(), JobError> {
         if self.triangles > job.triangle_limit {
             let message =
                 format!("the labels have more than {} triangles, which is the limit", job.triangle_limit);
-            return Err(refused(Code::TooManyTriangles, message));
+            return Err(refusal(RefusalCode::TooManyTriangles, message));
         }
         // Arrays that grow hold up to twice what is in them.
         if 2 * (24 * self.vertices + 12 * self.triangles) > job.memory_limit {
@@ -163,7 +164,7 @@ impl<'a> Sheets<'a> {
                 "the meshes of the labels need more than {} bytes, which is the limit",
                 job.memory_limit
             );
-            return Err(refused(Code::TooMuchMemory, message));
+            return Err(refusal(RefusalCode::TooMuchMemory, message));
         }
         Ok(())
     }
@@ -197,7 +198,7 @@ impl<'a> Sheets<'a> {
     }
 
     /// Makes the vertices in a plane.
-    fn begin(&mut self, plane: &mut Plane, k: usize) {
+    fn add_plane_vertices(&mut self, plane: &mut LabelPlane, k: usize) {
         let [nx, ny, nz] = self.grid.size();
         let capped = |axis: usize, end: usize| self.rule.border[axis][end] == Border::Capped;
         let border = [0, 1, 2].map(|axis| [capped(axis, 0), capped(axis, 1)]);
@@ -225,19 +226,19 @@ impl<'a> Sheets<'a> {
     }
 
     /// Makes the vertices between two planes.
-    fn join(&mut self, low: &mut Plane, high: &Plane, k: usize) {
+    fn add_vertices_between(&mut self, low: &mut LabelPlane, high: &LabelPlane, k: usize) {
         let nx = self.grid.size()[0];
         for at in 0..low.labels.len() {
             low.edges[2][at] = self.middle([low.labels[at], high.labels[at]], 2, [at % nx, at / nx, k]);
         }
     }
 
-    fn cells(&mut self, low: &Plane, high: &Plane) {
+    fn cells(&mut self, low: &LabelPlane, high: &LabelPlane) {
         let [nx, ny, _] = self.grid.size();
         for j in 0..ny - 1 {
             for i in 0..nx - 1 {
                 let at = i + nx * j;
-                let of = |plane: &Plane| {
+                let of = |plane: &LabelPlane| {
                     [plane.labels[at], plane.labels[at + 1], plane.labels[at + nx], plane.labels[at + nx + 1]]
                 };
                 let (a, b) = (of(low), of(high));
@@ -269,7 +270,7 @@ impl<'a> Sheets<'a> {
     }
 
     /// The caps of the walls between two planes.
-    fn walls(&mut self, low: &Plane, high: &Plane) {
+    fn cap_sides(&mut self, low: &LabelPlane, high: &LabelPlane) {
         let [nx, ny, _] = self.grid.size();
         let border = self.rule.border;
         for (axis, n) in [(0, nx), (1, ny)] {
@@ -286,14 +287,14 @@ impl<'a> Sheets<'a> {
                         corners = [corners[3], corners[2], corners[1], corners[0]];
                         sides = [sides[2], sides[1], sides[0], sides[3]];
                     }
-                    self.square([low, high], corners, sides);
+                    self.cap_square([low, high], corners, sides);
                 }
             }
         }
     }
 
     /// The cap in the first or the last plane.
-    fn lid(&mut self, plane: &Plane, end: usize) {
+    fn cap_end(&mut self, plane: &LabelPlane, end: usize) {
         let [nx, ny, _] = self.grid.size();
         for j in 0..ny - 1 {
             for i in 0..nx - 1 {
@@ -305,23 +306,23 @@ impl<'a> Sheets<'a> {
                     corners = [corners[3], corners[2], corners[1], corners[0]];
                     sides = [sides[2], sides[1], sides[0], sides[3]];
                 }
-                self.square([plane; 2], corners, sides);
+                self.cap_square([plane; 2], corners, sides);
             }
         }
     }
 
     /// The caps of all labels in one square: the plane and the place of each corner, counter-clockwise from outside, and the vertices of the
     /// side after each.
-    fn square(&mut self, planes: [&Plane; 2], corners: [(usize, usize); 4], sides: [[u32; 2]; 4]) {
+    fn cap_square(&mut self, planes: [&LabelPlane; 2], corners: [(usize, usize); 4], sides: [[u32; 2]; 4]) {
         let of = |(plane, at): (usize, usize)| planes[plane].labels[at];
         let labels = corners.map(of);
         for (first, label) in labels.into_iter().enumerate() {
             if labels[..first].contains(&label) || self.rule.background == Some(label) {
                 continue;
             }
-            let number = |spot: Spot| match spot {
-                Spot::Corner(i) => planes[corners[i].0].samples[corners[i].1],
-                Spot::Side(i) => {
+            let number = |spot: CapVertex| match spot {
+                CapVertex::Corner(i) => planes[corners[i].0].samples[corners[i].1],
+                CapVertex::Side(i) => {
                     let (here, there) = (corners[i], corners[(i + 1) % 4]);
                     let lower = if here < there { here } else { there };
                     sides[i][usize::from(of(lower) != label)]
@@ -332,11 +333,11 @@ impl<'a> Sheets<'a> {
     }
 }
 
-fn no_label(grid: &Grid, at: usize) -> Stopped {
+fn no_label(grid: &Grid, at: usize) -> JobError {
     let [nx, ny, _] = grid.size();
     let (i, j, k) = (at % nx, at / nx % ny, at / (nx * ny));
     let found = grid.samples().get(at);
     let message =
         format!("sample ({i}, {j}, {k}) is {found}, and a label is a whole number from 0 to 4294967295");
-    refused(Code::Unsupported, message)
+    refusal(RefusalCode::Unsupported, message)
 }

@@ -1,5 +1,5 @@
 //! Where samples of a field are taken, and the bricks that they are worked on in.
-use crate::implicit::Affine;
+use crate::implicit::Affine3;
 use crate::math::{Box3, add_up};
 
 /// Samples along each side of a brick.
@@ -11,7 +11,7 @@ pub struct Lattice {
     /// Samples along each index.
     pub size: [usize; 3],
     /// From indices to space.
-    pub affine: Affine,
+    pub affine: Affine3,
 }
 
 impl Lattice {
@@ -38,7 +38,7 @@ impl Lattice {
             let slack = counts[k] as f64 * step - sides[k];
             bounds.min[k] - (margin as f64 * step + 0.5 * slack)
         });
-        Some(Self { size, affine: Affine::cubes(origin, step).ok()? })
+        Some(Self { size, affine: Affine3::cubes(origin, step).ok()? })
     }
 
     /// The place of a sample.
@@ -83,7 +83,7 @@ impl Lattice {
         })
     }
 
-    /// A box around all samples of a brick, rounding included: each is where [`Affine::at`] computes it.
+    /// A box around all samples of a brick, rounding included: each is where [`Affine3::at`] computes it.
     pub(super) fn hull(&self, [first, end]: [[usize; 3]; 2]) -> Box3 {
         let mut hull = Box3::EMPTY;
         for corner in 0..8_usize {

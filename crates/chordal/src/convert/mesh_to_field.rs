@@ -1,49 +1,49 @@
-//! Meshes to fields: the distance to the triangles, negative inside.
+//! The arrow from a mesh to a field: the distance to the triangles, negative inside.
 use super::mesh_leaf::MeshLeaf;
-use crate::budget::{Job, Stopped};
+use crate::budget::{Job, JobError};
 use crate::check::{Finding, measure, self_intersections, validity};
 use crate::explicit::{Mesh, Topology};
 use crate::implicit::{Distance, Expr, Field};
 use std::fmt;
 use std::sync::Arc;
 
-/// A mesh as a field, and whether it is a solid at all.
+/// A mesh as a field, with a report whether it is a solid.
 #[derive(Clone, Debug)]
 pub struct MeshField {
     /// The distance to the triangles, negative inside.
     pub field: Field,
-    /// What the mesh is.
-    pub solid: Solid,
+    /// Whether the mesh is a solid.
+    pub solid: SolidReport,
 }
 
-/// Whether a mesh bounds a solid, and what keeps it from that.
+/// Whether a mesh bounds a solid, and the defects that keep it from doing so.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Solid {
-    /// Whether as many triangles run one way as the other along every edge, by position. Only then is a side known for
-    /// sure; otherwise inside is where the generalized winding number is above a half.
+pub struct SolidReport {
+    /// Whether along every edge, by position, as many triangles run one way as the other. Only then is a side
+    /// certain; otherwise inside is where the generalized winding number is above a half.
     pub closed: bool,
-    /// Edges with one triangle only.
+    /// Edges with only one triangle.
     pub boundary_edges: u64,
     /// Edges with more than two triangles.
     pub non_manifold_edges: u64,
     /// Edges whose two triangles run the same way.
     pub inconsistent_edges: u64,
-    /// Whether neighbours can be turned so that all agree; a Möbius strip cannot.
+    /// Whether neighbours can be turned so that all agree; not so for a Möbius strip.
     pub orientable: bool,
-    /// Pairs of triangles that meet where they should not.
+    /// Pairs of triangles that intersect.
     pub self_intersections: u64,
-    /// Whether it is closed and its front is inside: nothing is inside of it then.
+    /// Whether it is closed and its front is inside: then nothing is inside it.
     pub inside_out: bool,
     /// Whether it has no triangles.
     pub empty: bool,
 }
 
-impl Solid {
-    /// What `mesh` is.
+impl SolidReport {
+    /// Examines `mesh`.
     ///
     /// # Errors
     /// As for [`self_intersections`].
-    pub fn of(mesh: &Mesh, closed: bool, job: &Job) -> Result<Self, Stopped> {
+    pub fn from_mesh(mesh: &Mesh, closed: bool, job: &Job) -> Result<Self, JobError> {
         let found = validity(mesh, Topology::Positions);
         let count = |finding: &Finding| finding.count;
         Ok(Self {
@@ -58,14 +58,14 @@ impl Solid {
         })
     }
 
-    /// Whether it is one: closed, right side out, and nowhere through itself.
+    /// Whether the mesh is a solid: closed, right side out, not empty, without self-intersections.
     #[must_use]
     pub fn is_solid(&self) -> bool {
         self.closed && !self.inside_out && !self.empty && self.self_intersections == 0
     }
 }
 
-impl fmt::Display for Solid {
+impl fmt::Display for SolidReport {
     /// One sentence.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.is_solid() {
@@ -101,21 +101,22 @@ impl fmt::Display for Solid {
     }
 }
 
-/// The field of a mesh: at every point the distance to the nearest triangle, negative inside.
+/// Turns a mesh into a field: the distance to the nearest triangle, negative inside.
 ///
-/// **Value.** The distance is that of the nearest triangle and never scaled; it is off by a few units in the last place
-/// of the distance and the mesh's extent. The side comes from the winding number: for closed meshes (see
-/// [`Enclosure`](crate::explicit::Enclosure)) a whole number, counted by exact predicates, and every answer is right
-/// however the mesh goes through itself; for others the generalized winding number, inside being above a half within the
-/// box of the triangles. An exact
-/// distance for solids; a bound for closed meshes that go through themselves, whose inner walls are no surface; for
-/// meshes that are not closed only a sign, since sides change where there is no triangle.
+/// **Value.** The distance is that of the nearest triangle, never scaled, and off by a few units in the last
+/// place of the distance and the mesh's extent. The side comes from the winding number. For closed meshes
+/// (see [`Enclosure`](crate::explicit::Enclosure)) it is a whole number, counted by exact predicates, and
+/// right even where the mesh intersects itself. For others it is the generalized winding number; inside is
+/// above a half within the box of the triangles. The distance is exact for solids. It is a bound for closed
+/// meshes that intersect themselves, whose inner walls are no surface. For meshes that are not closed only
+/// the sign counts, since sides change where there is no triangle.
 ///
-/// **Ranges** are proved for closed meshes: they hold the true distances, whatever was rounded, and leave room for the
-/// rounding of computed ones. For others they are, under the promise that the mesh is meant as the
-/// winding number takes it, and never claim to be continuous.
+/// **Ranges** are proved for closed meshes: they contain the true distances, whatever was rounded, and the
+/// rounding of computed ones. For others they hold under the promise that the mesh is meant as the winding
+/// number takes it, and never claim continuity.
 ///
-/// **Cost.** A tree of boxes and moments, the search for self-intersections; about 1 µs a point near others.
+/// **Cost.** A tree of boxes and moments, and the search for self-intersections; then about 1 µs a point near
+/// others.
 ///
 /// # Errors
 /// As for [`Bvh::build`](crate::explicit::Bvh::build).
@@ -131,14 +132,14 @@ impl fmt::Display for Solid {
 ///
 /// let open = mesh_to_field(&Mesh::new(corners, faces[1..].to_vec()).unwrap(), &Job::default())?;
 /// assert!(open.solid.to_string().starts_with("the mesh is not a solid: 3 edges have one triangle only"));
-/// # Ok::<(), chordal::budget::Stopped>(())
+/// # Ok::<(), chordal::budget::JobError>(())
 /// ```
 ///
-/// Sources: J. Bærentzen, H. Aanæs, *Signed distance computation using the angle weighted pseudonormal*, 2005, for what
-/// a side is; ours is by winding numbers, which need no normals: A. Jacobson et al., 2013.
-pub fn mesh_to_field(mesh: &Mesh, job: &Job) -> Result<MeshField, Stopped> {
+/// Sources: J. Bærentzen, H. Aanæs, *Signed distance computation using the angle weighted pseudonormal*,
+/// 2005, for what a side is; ours is by winding numbers, which need no normals: A. Jacobson et al., 2013.
+pub fn mesh_to_field(mesh: &Mesh, job: &Job) -> Result<MeshField, JobError> {
     let leaf = MeshLeaf::new(mesh, job)?;
-    let solid = Solid::of(mesh, leaf.is_closed(), job)?;
+    let solid = SolidReport::from_mesh(mesh, leaf.is_closed(), job)?;
     let distance = match (solid.is_solid(), solid.closed && !solid.empty) {
         (true, _) => Distance::EXACT,
         (_, true) => Distance::BOUND,

@@ -1,18 +1,18 @@
 //! A mesh to the buffers that a graphics processor takes: single precision about an origin, small indices, good orders.
-use crate::budget::{Bound, Bounded, Code, Failure, Job, Reference};
+use crate::budget::{Bound, Bounded, Failure, Job, Reference, RefusalCode};
 use crate::explicit::{Mesh, acmr, cache_order, fetch_order};
 use crate::math::{Box3, DoubleDouble, add_up, mul_up, sqrt_up};
 
 /// Indices of vertices, as small as they can be.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Indices {
-    /// Where [`Indices::fit_16_bits`].
+pub enum IndexBuffer {
+    /// Where [`IndexBuffer::fit_16_bits`].
     U16(Vec<[u16; 3]>),
     /// Any number of vertices.
     U32(Vec<[u32; 3]>),
 }
 
-impl Indices {
+impl IndexBuffer {
     /// Whether the indices of so many vertices fit 16 bits: up to 65,535 of them, whose last index is 65,534. The last
     /// 16-bit number means "restart" to a graphics processor.
     #[must_use]
@@ -20,7 +20,7 @@ impl Indices {
         n_vertices <= usize::from(u16::MAX)
     }
 
-    fn of(faces: Vec<[u32; 3]>, n_vertices: usize) -> Self {
+    fn new(faces: Vec<[u32; 3]>, n_vertices: usize) -> Self {
         if Self::fit_16_bits(n_vertices) {
             Self::U16(faces.into_iter().map(|face| face.map(|v| v as u16)).collect())
         } else {
@@ -58,7 +58,7 @@ pub struct GpuBuffers {
     /// n × 3, less the origin, in the mesh's unit: 12 bytes a vertex, in the order in which triangles first use them.
     pub positions: Vec<[f32; 3]>,
     /// m × 3: 6 bytes a triangle, or 12.
-    pub indices: Indices,
+    pub indices: IndexBuffer,
     /// For each vertex its row in the mesh, for attributes.
     pub source_vertex: Vec<u32>,
     /// For each triangle its row in the mesh.
@@ -70,8 +70,8 @@ impl GpuBuffers {
     #[must_use]
     pub fn bytes(&self) -> u64 {
         let index = match self.indices {
-            Indices::U16(_) => 6,
-            Indices::U32(_) => 12,
+            IndexBuffer::U16(_) => 6,
+            IndexBuffer::U32(_) => 12,
         };
         12 * self.positions.len() as u64 + index * self.indices.n_triangles() as u64
     }
@@ -114,7 +114,7 @@ impl GpuBuffers {
 /// ```
 pub fn mesh_to_gpu_buffers(mesh: &Mesh, job: &Job) -> Result<Bounded<GpuBuffers>, Failure<GpuBuffers>> {
     if mesh.faces().is_empty() {
-        return Err(Failure::refused(Code::Empty, "the mesh has no triangles"));
+        return Err(Failure::refused(RefusalCode::Empty, "the mesh has no triangles"));
     }
     // 1. Triangles, then vertices.
     let source_face = cache_order(mesh.faces());
@@ -136,11 +136,11 @@ pub fn mesh_to_gpu_buffers(mesh: &Mesh, job: &Job) -> Result<Bounded<GpuBuffers>
         let about: [f32; 3] = std::array::from_fn(|k| (p[k] - origin[k]) as f32);
         if !about.iter().all(|x| x.is_finite()) {
             return Err(Failure::refused(
-                Code::NotFinite,
+                RefusalCode::NotFinite,
                 format!("the corner {p:?} is beyond the range of single precision about {origin:?}"),
             ));
         }
-        let moved = moved(p, origin, about);
+        let moved = displacement(p, origin, about);
         if moved > most {
             (most, at) = (moved, Some(p));
         }
@@ -148,19 +148,19 @@ pub fn mesh_to_gpu_buffers(mesh: &Mesh, job: &Job) -> Result<Bounded<GpuBuffers>
     }
     let mut bound = Bound::proved(0.0, most, Reference::InputTriangles);
     bound.at = at;
-    let indices = Indices::of(faces, positions.len());
+    let indices = IndexBuffer::new(faces, positions.len());
     Ok(Bounded { shape: GpuBuffers { origin, positions, indices, source_vertex, source_face }, bound })
 }
 
 /// How far `origin + about` is from `p`, from above; 0 exactly where nothing moved.
-fn moved(p: [f64; 3], origin: [f64; 3], about: [f32; 3]) -> f64 {
+fn displacement(p: [f64; 3], origin: [f64; 3], about: [f32; 3]) -> f64 {
     // Adding or multiplying nothing rounds nothing.
     let sum = |a: f64, b: f64| if a == 0.0 || b == 0.0 { a + b } else { add_up(a, b) };
     let mut square = 0.0;
     for k in 0..3 {
         // The difference is exact as a sum of two; what is left of it is rounded once more.
-        let d = DoubleDouble::sum(p[k], -origin[k]);
-        let rest = DoubleDouble::sum(d.hi, -f64::from(about[k]));
+        let d = DoubleDouble::two_sum(p[k], -origin[k]);
+        let rest = DoubleDouble::two_sum(d.hi, -f64::from(about[k]));
         let off = sum(sum(rest.hi.abs(), rest.lo.abs()), d.lo.abs());
         if off > 0.0 {
             square = sum(square, mul_up(off, off));

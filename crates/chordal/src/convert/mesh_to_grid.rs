@@ -1,18 +1,18 @@
 //! Meshes to grids of distances.
 use super::lattice::{BRICK, Lattice};
-use super::mesh_leaf::{Last, MeshLeaf};
-use super::mesh_to_field::Solid;
-use crate::budget::{Code, Job, Refusal, Stopped, par_map_owned};
+use super::mesh_leaf::{MeshLeaf, PreviousPoint};
+use super::mesh_to_field::SolidReport;
+use crate::budget::{Job, JobError, Refusal, RefusalCode, par_map_owned};
 use crate::explicit::Mesh;
 use crate::implicit::{Grid, Samples};
 
 /// Distances to a mesh on a lattice, and whether the mesh is a solid.
 #[derive(Clone, Debug)]
-pub struct Baked {
+pub struct DistanceGrid {
     /// The samples, f64, negative inside.
     pub grid: Grid,
     /// What the mesh is.
-    pub solid: Solid,
+    pub solid: SolidReport,
     /// Samples whose value is a distance; all others say only that they are beyond the band, and on which side.
     pub n_within: u64,
     /// The largest distance that samples have; ∞ where all are distances.
@@ -30,8 +30,8 @@ pub struct Baked {
 /// For meshes that are not closed a winding number for every sample, 10 to 100 µs. 8 bytes a sample.
 ///
 /// # Errors
-/// [`Stopped::Refused`] for a mesh without extent, no cells, a band that is not above 0, more samples than the job's
-/// memory holds, and as for [`mesh_to_field`](super::mesh_to_field()); [`Stopped::Cancelled`].
+/// [`JobError::Refused`] for a mesh without extent, no cells, a band that is not above 0, more samples than the job's
+/// memory holds, and as for [`mesh_to_field`](super::mesh_to_field()); [`JobError::Cancelled`].
 ///
 /// ```
 /// use chordal::{Job, Mesh, convert::mesh_to_grid};
@@ -41,32 +41,40 @@ pub struct Baked {
 /// assert!(baked.solid.is_solid());
 /// assert_eq!((baked.grid.size(), baked.band), ([21; 3], 0.125));
 /// assert_eq!(baked.grid.sample([4, 4, 0]), 0.125);
-/// # Ok::<(), chordal::budget::Stopped>(())
+/// # Ok::<(), chordal::budget::JobError>(())
 /// ```
-pub fn mesh_to_grid(mesh: &Mesh, cells: usize, band: Option<f64>, job: &Job) -> Result<Baked, Stopped> {
-    let refused = |code, message: String| Stopped::Refused(Refusal { code, message });
+pub fn mesh_to_grid(
+    mesh: &Mesh,
+    cells: usize,
+    band: Option<f64>,
+    job: &Job,
+) -> Result<DistanceGrid, JobError> {
+    let refused = |code, message: String| JobError::Refused(Refusal { code, message });
     if let Some(width) = band.filter(|width| !(*width > 0.0 && *width <= 1e6)) {
         let message = format!("the band is {width} cells, and must be above 0 and at most 1e6");
-        return Err(refused(Code::Budget, message));
+        return Err(refused(RefusalCode::Budget, message));
     }
     let margin = band.map_or(3, |width| width.ceil() as usize);
     let lattice = Lattice::around(&mesh.bounds(), cells, margin).ok_or_else(|| {
-        refused(Code::Empty, format!("there is no lattice with {cells} cells along the mesh's longest side"))
+        refused(
+            RefusalCode::Empty,
+            format!("there is no lattice with {cells} cells along the mesh's longest side"),
+        )
     })?;
     let bytes = 8 * lattice.len() as u64;
     if bytes > job.memory_limit {
         let message =
             format!("{} samples need {bytes} bytes; the limit is {}", lattice.len(), job.memory_limit);
-        return Err(refused(Code::TooMuchMemory, message));
+        return Err(refused(RefusalCode::TooMuchMemory, message));
     }
     let leaf = MeshLeaf::new(mesh, job)?;
-    let solid = Solid::of(mesh, leaf.is_closed(), job)?;
+    let solid = SolidReport::from_mesh(mesh, leaf.is_closed(), job)?;
     let step = lattice.affine.rows()[0][0];
     let band = band.map_or(f64::INFINITY, |width| width * step);
     let (samples, n_within) = mesh_on_lattice(&leaf, &lattice, band, job)?;
     let grid = Grid::new(lattice.size, Samples::F64(samples), lattice.affine)
-        .map_err(|error| refused(Code::Empty, error.to_string()))?;
-    Ok(Baked { grid, solid, n_within, band })
+        .map_err(|error| refused(RefusalCode::Empty, error.to_string()))?;
+    Ok(DistanceGrid { grid, solid, n_within, band })
 }
 
 /// Samples layer by layer of bricks, and how many are distances.
@@ -75,7 +83,7 @@ fn mesh_on_lattice(
     lattice: &Lattice,
     band: f64,
     job: &Job,
-) -> Result<(Vec<f64>, u64), Stopped> {
+) -> Result<(Vec<f64>, u64), JobError> {
     let mut samples = vec![0.0; lattice.len()];
     let layer = lattice.size[0] * lattice.size[1] * BRICK;
     let tasks: Vec<(usize, &mut [f64])> = samples.chunks_mut(layer).enumerate().collect();
@@ -86,28 +94,28 @@ fn mesh_on_lattice(
             if job.is_cancelled() {
                 break;
             }
-            let mut baking = Baking { leaf, lattice, band, out: &mut *out, last };
+            let mut baking = BrickSampler { leaf, lattice, band, out: &mut *out, last };
             count += baking.brick(brick);
             last = baking.last;
         }
         count
     });
     if job.is_cancelled() {
-        return Err(Stopped::Cancelled);
+        return Err(JobError::Cancelled);
     }
     Ok((samples, counts.into_iter().sum()))
 }
 
 /// One layer being baked.
-struct Baking<'a> {
+struct BrickSampler<'a> {
     leaf: &'a MeshLeaf,
     lattice: &'a Lattice,
     band: f64,
     out: &'a mut [f64],
-    last: Option<Last>,
+    last: Option<PreviousPoint>,
 }
 
-impl Baking<'_> {
+impl BrickSampler<'_> {
     /// The samples of a brick; how many of them are distances.
     fn brick(&mut self, brick: [[usize; 3]; 2]) -> u64 {
         let [first, end] = brick;

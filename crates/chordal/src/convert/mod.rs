@@ -1,4 +1,4 @@
-//! The bridge: one file per arrow `a_to_b`, each lossy one under a budget and with a bound.
+//! The conversions: one file per arrow `a_to_b`. A lossy one takes a budget and reports a bound.
 mod cage_to_mesh;
 mod contours;
 mod cubes;
@@ -24,7 +24,7 @@ mod patches_to_mesh;
 mod triangles;
 
 pub use cage_to_mesh::{CageMesher, cage_to_mesh};
-pub use cubes::march::Coordinate;
+pub use cubes::marching_cubes::Coordinate;
 pub use cubes::rule::{Border, Inside, Normals, Polygonize};
 pub use curve_to_field::curve_to_field;
 pub use curve_to_polyline::{curve_to_polyline, curve_to_polyline_evenly, curves_to_polylines};
@@ -34,14 +34,14 @@ pub use field_to_grid::{field_to_grid, field_to_sparse_grid};
 pub use field_to_mesh::{field_to_mesh, with_gradient_normals};
 pub use field_to_polyline::field_to_polyline;
 pub use grid_to_mesh::{
-    Surface, VertexKey, grid_to_mesh, grid_to_triangles, sparse_grid_to_mesh, vertex_keys,
+    TriangleArrays, VertexKey, grid_to_mesh, grid_to_triangles, sparse_grid_to_mesh, vertex_keys,
 };
 pub use grid_to_polyline::grid_to_polyline;
-pub use labels_to_meshes::{Labels, labels_to_meshes};
+pub use labels_to_meshes::{LabelOptions, labels_to_meshes};
 pub use lattice::Lattice;
-pub use mesh_to_field::{MeshField, Solid, mesh_to_field};
-pub use mesh_to_gpu_buffers::{GpuBuffers, Indices, mesh_to_gpu_buffers};
-pub use mesh_to_grid::{Baked, mesh_to_grid};
+pub use mesh_to_field::{MeshField, SolidReport, mesh_to_field};
+pub use mesh_to_gpu_buffers::{GpuBuffers, IndexBuffer, mesh_to_gpu_buffers};
+pub use mesh_to_grid::{DistanceGrid, mesh_to_grid};
 pub use outline_to_field::outline_to_field;
 pub use outlines_to_mesh::outlines_to_mesh;
 pub use patches_to_mesh::patches_to_mesh;

@@ -1,10 +1,10 @@
 //! Outlines to fields of the plane.
 use super::curves::flatten::Spacing;
 use super::curves_to_polylines;
-use crate::budget::{Bounded, Budget, Code, Failure, Job};
+use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode};
 use crate::explicit::{FillRule, Outline, Polyline};
 use crate::implicit::Field;
-use crate::implicit::shapes::{Contours, Fill};
+use crate::implicit::shapes::{ContourFill, Contours};
 
 /// What an outline encloses as a field of the plane, endless along z: [`Field::extruded`] gives it a height,
 /// [`Field::revolved`] turns it.
@@ -49,11 +49,11 @@ pub fn outline_to_field(
 
 fn field(made: Bounded<Vec<Polyline<2>>>, rule: FillRule) -> Result<Bounded<Field>, Failure<Field>> {
     let fill = match rule {
-        FillRule::EvenOdd => Fill::EvenOdd,
-        FillRule::NonZero => Fill::NonZero,
+        FillRule::EvenOdd => ContourFill::EvenOdd,
+        FillRule::NonZero => ContourFill::NonZero,
     };
     let points: Vec<Vec<[f64; 2]>> = made.shape.iter().map(|polyline| polyline.points.clone()).collect();
-    let contours =
-        Contours::new(&points, fill).map_err(|error| Failure::refused(Code::Empty, error.to_string()))?;
+    let contours = Contours::new(&points, fill)
+        .map_err(|error| Failure::refused(RefusalCode::Empty, error.to_string()))?;
     Ok(made.map(|_| contours.into_field()))
 }

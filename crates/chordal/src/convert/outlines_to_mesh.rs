@@ -1,12 +1,14 @@
 //! Outlines to triangles: what they enclose by their fill rules, in the plane z = 0.
 use super::curves::flatten::Spacing;
 use super::curves_to_polylines;
-use crate::budget::{Bound, Bounded, Budget, Code, Failure, Job, PixelBudget, Pixels, Progress, Tolerance};
-use crate::explicit::fill::arrange::{Contour, Stop, arrange};
-use crate::explicit::fill::grid::Grid;
-use crate::explicit::fill::sweep::Rule;
-use crate::explicit::fill::{Filled, fill};
-use crate::explicit::{Curve, FillRule, Mesh, Outline, Piece, Polyline};
+use crate::budget::{
+    Bound, Bounded, Budget, Failure, Job, PixelBudget, Pixels, Progress, RefusalCode, Tolerance,
+};
+use crate::explicit::fill::arrange::{ArrangeError, GridContour, arrange};
+use crate::explicit::fill::snap_grid::SnapGrid;
+use crate::explicit::fill::sweep::InsideRule;
+use crate::explicit::fill::{FillTriangles, fill};
+use crate::explicit::{Curve, CurveSegment, FillRule, Mesh, Outline, Polyline};
 use crate::math::{Box3, add_up, sub_down};
 
 /// Turns outlines into triangles in the plane z = 0: each encloses what its rule says, whatever its contours do to
@@ -31,10 +33,10 @@ use crate::math::{Box3, add_up, sub_down};
 ///
 /// ```
 /// use chordal::{Budget, Job, Tolerance, convert};
-/// use chordal::explicit::{Arc, Curve, FillRule, Outline, Piece};
+/// use chordal::explicit::{Arc, Curve, FillRule, Outline, CurveSegment};
 /// let circle = |r: f64| {
 ///     let turn = Arc::new([0.0, 0.0], [[r, 0.0], [0.0, r]], 0.0, 2.0 * std::f64::consts::PI).unwrap();
-///     Curve::new(vec![Piece::Arc(turn.with_ends([[r, 0.0]; 2]))], true).unwrap()
+///     Curve::new(vec![CurveSegment::Arc(turn.with_ends([[r, 0.0]; 2]))], true).unwrap()
 /// };
 /// let ring = Outline { contours: vec![circle(2.0), circle(1.0)], rule: FillRule::EvenOdd };
 /// let budget = Budget::length(Tolerance::new(1e-3).unwrap());
@@ -49,16 +51,16 @@ pub fn outlines_to_mesh(
     budget: &Budget,
     job: &Job,
 ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
-    let outlines = Closed::new(outlines)?;
+    let outlines = ClosedOutlines::new(outlines)?;
     job.run(|| match (budget.length.is_some() || budget.pixels.is_some(), budget.triangles) {
         (false, None) => Err(Failure::refused(
-            Code::Budget,
+            RefusalCode::Budget,
             "a budget for outlines needs a length, pixels at a view, or triangles",
         )),
-        (true, None) => outlines.within(budget, job),
+        (true, None) => outlines.mesh_within(budget, job),
         (true, Some(most)) => {
             let alone = Budget { triangles: None, ..*budget };
-            match outlines.within(&alone, job) {
+            match outlines.mesh_within(&alone, job) {
                 Ok(made) if made.shape.faces().len() as u64 <= most => Ok(made),
                 Ok(_) => {
                     let best = outlines.by_count(most, job)?;
@@ -79,19 +81,19 @@ pub fn outlines_to_mesh(
 }
 
 /// Outlines whose contours are all closed.
-struct Closed {
+struct ClosedOutlines {
     contours: Vec<Curve<2>>,
     /// For each outline how many contours are its own, and its rule.
     outlines: Vec<(usize, FillRule)>,
-    grids: Vec<Grid>,
-    place: Box3,
+    grids: Vec<SnapGrid>,
+    bounds: Box3,
 }
 
 /// The part of `x` that a failure of polylines says of meshes.
-fn failure(failure: Failure<Vec<Polyline<2>>>) -> Failure<Mesh> {
+fn mesh_failure(failure: Failure<Vec<Polyline<2>>>) -> Failure<Mesh> {
     match failure {
         Failure::Unmet(best) => Failure::refused(
-            Code::Budget,
+            RefusalCode::Budget,
             format!("the budget was not met; the best outlines are {}", best.bound),
         ),
         Failure::Refused(refusal) => Failure::Refused(refusal),
@@ -104,18 +106,18 @@ const LARGEST: f64 = 1e150;
 /// How often a number of segments is tried for a number of triangles.
 const TRIES: u32 = 32;
 
-impl Closed {
+impl ClosedOutlines {
     fn new(outlines: &[Outline]) -> Result<Self, Failure<Mesh>> {
         let mut closed =
-            Self { contours: Vec::new(), outlines: Vec::new(), grids: Vec::new(), place: Box3::EMPTY };
+            Self { contours: Vec::new(), outlines: Vec::new(), grids: Vec::new(), bounds: Box3::EMPTY };
         for (index, outline) in outlines.iter().enumerate() {
             let mut hull: Option<[[f64; 2]; 2]> = None;
             for contour in &outline.contours {
-                let [low, high] = contour.hull();
+                let [low, high] = contour.bounds();
                 if low.iter().chain(&high).any(|x| x.is_nan() || x.abs() >= LARGEST) {
                     let message =
                         format!("outline {index} has a coordinate that is not finite or beyond {LARGEST:e}");
-                    return Err(Failure::refused(Code::NotFinite, message));
+                    return Err(Failure::refused(RefusalCode::NotFinite, message));
                 }
                 let less = |a: f64, b: f64| if a < b { a } else { b };
                 let more = |a: f64, b: f64| if a > b { a } else { b };
@@ -126,33 +128,33 @@ impl Closed {
             }
             let hull = hull.unwrap_or_default();
             closed.outlines.push((outline.contours.len(), outline.rule));
-            closed.grids.push(Grid::new(hull));
+            closed.grids.push(SnapGrid::new(hull));
             let [low, high] = hull.map(|[x, y]| [x, y, 0.0]);
-            closed.place = closed.place.union(Box3 { min: low, max: high });
+            closed.bounds = closed.bounds.union(Box3 { min: low, max: high });
         }
         Ok(closed)
     }
 
     /// What rounding to the grids may cost.
-    fn lost(&self) -> f64 {
-        let all = self.grids.iter().map(Grid::moved_at_most);
+    fn snapping_error(&self) -> f64 {
+        let all = self.grids.iter().map(SnapGrid::moved_at_most);
         all.fold(0.0, |most: f64, lost| if lost > most { lost } else { most })
     }
 
-    fn within(&self, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, Failure<Mesh>> {
-        let lost = self.lost();
-        let inner = self.set_aside(budget, lost)?;
-        let made = curves_to_polylines(&self.contours, &inner, job, Spacing::Fewest).map_err(failure)?;
+    fn mesh_within(&self, budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, Failure<Mesh>> {
+        let lost = self.snapping_error();
+        let inner = self.polyline_budget(budget, lost)?;
+        let made = curves_to_polylines(&self.contours, &inner, job, Spacing::Fewest).map_err(mesh_failure)?;
         self.fill(made, budget, job)
     }
 
     /// The budget of the polylines: what was given, less what rounding to the grid may cost.
-    fn set_aside(&self, budget: &Budget, lost: f64) -> Result<Budget, Failure<Mesh>> {
+    fn polyline_budget(&self, budget: &Budget, lost: f64) -> Result<Budget, Failure<Mesh>> {
         let too_small = |asked: String| {
             let message = format!(
                 "{asked} is less than what rounding to a grid may cost outlines of this size, {lost:.1e}"
             );
-            Failure::refused(Code::BelowPrecision, message)
+            Failure::refused(RefusalCode::BelowPrecision, message)
         };
         let mut inner = *budget;
         if let Some(length) = budget.length {
@@ -160,7 +162,7 @@ impl Closed {
             inner.length = Some(left.map_err(|_| too_small(length.to_string()))?);
         }
         if let Some(PixelBudget { pixels, view }) = budget.pixels {
-            let lost_px = view.pixels_of(lost, &self.place).ok_or_else(too_close)?;
+            let lost_px = view.pixels_of(lost, &self.bounds).ok_or_else(too_close)?;
             let left = Pixels::new(sub_down(pixels.get(), lost_px));
             inner.pixels =
                 Some(PixelBudget { pixels: left.map_err(|_| too_small(pixels.to_string()))?, view });
@@ -178,7 +180,7 @@ impl Closed {
         ) {
             Err(Failure::Unmet(best)) => Ok((false, *best)),
             Ok(made) => Ok((true, made)),
-            Err(other) => Err(failure(other)),
+            Err(other) => Err(mesh_failure(other)),
         };
         // 1. A polygon of n corners has n − 2 triangles, and two more for each hole: as a start, as many segments.
         let (mut fits, mut fails) = (None, None::<u64>);
@@ -229,7 +231,7 @@ impl Closed {
         budget: &Budget,
         job: &Job,
     ) -> Result<Bounded<Mesh>, Failure<Mesh>> {
-        let lost = self.lost();
+        let lost = self.snapping_error();
         let (mut positions, mut faces) = (Vec::new(), Vec::new());
         let mut rest = made.shape.as_slice();
         let total = self.outlines.len() as u64;
@@ -239,12 +241,12 @@ impl Closed {
             }
             let (own, others) = rest.split_at(*n);
             rest = others;
-            let filled = one(own, *rule, grid, job).map_err(|stop| stopped(stop, index))?;
+            let filled = fill_outline(own, *rule, grid, job).map_err(|stop| fill_failure(stop, index))?;
             append(&filled, grid, (&mut positions, &mut faces))?;
             job.report(Progress { stage: "fill", done: index as u64 + 1, total });
         }
         let mesh = Mesh::new(positions, faces)
-            .map_err(|error| Failure::refused(Code::TooManyTriangles, error.to_string()))?;
+            .map_err(|error| Failure::refused(RefusalCode::TooManyTriangles, error.to_string()))?;
         let before = made.bound;
         let at_most = add_up(before.at_most().unwrap_or(0.0), lost);
         let at_least = sub_down(before.at_least(), lost);
@@ -253,7 +255,7 @@ impl Closed {
         bound.at = before.at;
         bound.pixels = match (budget.pixels, before.pixels) {
             (Some(px), Some(pixels)) => {
-                px.view.pixels_of(lost, &self.place).map(|lost_px| add_up(pixels, lost_px))
+                px.view.pixels_of(lost, &self.bounds).map(|lost_px| add_up(pixels, lost_px))
             }
             _ => None,
         };
@@ -262,34 +264,44 @@ impl Closed {
 }
 
 fn too_close<T>() -> Failure<T> {
-    Failure::refused(Code::TooClose, "the drawing comes so close to the eye that there is no bound in pixels")
+    Failure::refused(
+        RefusalCode::TooClose,
+        "the drawing comes so close to the eye that there is no bound in pixels",
+    )
 }
 
 /// What keeps an outline from being filled.
-enum Fault {
-    Stop(Stop),
+enum OutlineFillError {
+    Stop(ArrangeError),
     Areas,
 }
 
-fn one(polylines: &[Polyline<2>], rule: FillRule, grid: &Grid, job: &Job) -> Result<Filled, Fault> {
-    let snapped =
-        |line: &Polyline<2>| Contour { points: line.points.iter().map(|p| grid.snap(*p)).collect(), kind: 0 };
+fn fill_outline(
+    polylines: &[Polyline<2>],
+    rule: FillRule,
+    grid: &SnapGrid,
+    job: &Job,
+) -> Result<FillTriangles, OutlineFillError> {
+    let snapped = |line: &Polyline<2>| GridContour {
+        points: line.points.iter().map(|p| grid.snap(*p)).collect(),
+        kind: 0,
+    };
     let contours: Vec<_> = polylines.iter().map(snapped).collect();
-    let edges = arrange(&contours, job).map_err(Fault::Stop)?;
-    fill(&edges, Rule::Fill(rule)).ok_or(Fault::Areas)
+    let edges = arrange(&contours, job).map_err(OutlineFillError::Stop)?;
+    fill(&edges, InsideRule::Fill(rule)).ok_or(OutlineFillError::Areas)
 }
 
-fn stopped(fault: Fault, index: usize) -> Failure<Mesh> {
+fn fill_failure(fault: OutlineFillError, index: usize) -> Failure<Mesh> {
     match fault {
-        Fault::Stop(Stop::Cancelled) => Failure::Cancelled,
-        Fault::Stop(Stop::TooManyPairs) => Failure::refused(
-            Code::TooManyTriangles,
+        OutlineFillError::Stop(ArrangeError::Cancelled) => Failure::Cancelled,
+        OutlineFillError::Stop(ArrangeError::TooManyPairs) => Failure::refused(
+            RefusalCode::TooManyTriangles,
             format!(
                 "so many segments of outline {index} lie on each other that their crossings are not counted"
             ),
         ),
-        Fault::Areas => Failure::refused(
-            Code::Unsupported,
+        OutlineFillError::Areas => Failure::refused(
+            RefusalCode::Unsupported,
             format!(
                 "the triangles of outline {index} do not have the area of what it encloses: a fault in the program"
             ),
@@ -299,8 +311,8 @@ fn stopped(fault: Fault, index: usize) -> Failure<Mesh> {
 
 /// Appends the triangles of one outline, with the points that they have.
 fn append(
-    filled: &Filled,
-    grid: &Grid,
+    filled: &FillTriangles,
+    grid: &SnapGrid,
     (positions, faces): (&mut Vec<[f64; 3]>, &mut Vec<[u32; 3]>),
 ) -> Result<(), Failure<Mesh>> {
     const NONE: u32 = u32::MAX;
@@ -310,10 +322,9 @@ fn append(
         for (corner, i) in face.iter_mut().zip(triangle) {
             let known = &mut number[*i as usize];
             if *known == NONE {
-                *known = u32::try_from(positions.len())
-                    .ok()
-                    .filter(|n| *n < NONE)
-                    .ok_or_else(|| Failure::refused(Code::TooManyTriangles, "more vertices than 2^32 - 1"))?;
+                *known = u32::try_from(positions.len()).ok().filter(|n| *n < NONE).ok_or_else(|| {
+                    Failure::refused(RefusalCode::TooManyTriangles, "more vertices than 2^32 - 1")
+                })?;
                 let [x, y] = grid.restore(filled.points[*i as usize]);
                 positions.push([x, y, 0.0]);
             }
@@ -327,12 +338,12 @@ fn append(
 /// The contour with a straight line back to its start, if it needs one.
 fn closed_contour(contour: &Curve<2>) -> Curve<2> {
     let (start, end) = (contour.start(), contour.end());
-    if contour.is_closed() || contour.pieces().is_empty() {
+    if contour.is_closed() || contour.segments().is_empty() {
         return contour.clone();
     }
-    let mut pieces = contour.pieces().to_vec();
+    let mut pieces = contour.segments().to_vec();
     if end != start {
-        pieces.push(Piece::Line([end, start]));
+        pieces.push(CurveSegment::Line([end, start]));
     }
     // The pieces join as they did, and the new one by construction.
     Curve::new(pieces, true).map_or_else(|_| contour.clone(), |closed| closed.with_slack(contour.slack()))

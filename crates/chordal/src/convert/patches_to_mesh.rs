@@ -1,15 +1,15 @@
 //! Bicubic Bézier patches to triangles: adaptive, crack-free by shared index, proved.
-use super::patches::ground::Patches;
-use super::patches::mesher::Failed;
-use super::patches::within::{check_angle, mesh_within};
-use crate::budget::{Bounded, Budget, Code, Failure, Job};
+use super::patches::budget::{check_angle, mesh_within};
+use super::patches::mesher::TessellationFailure;
+use super::patches::subpatch::BezierPatches;
+use crate::budget::{Bounded, Budget, Failure, Job, RefusalCode};
 use crate::explicit::{Mesh, Patch};
 use crate::math::flushes_subnormals;
 
 /// Meshes bicubic Bézier patches so that nothing is farther from them than the budget allows.
 ///
 /// **Bound.** Two-sided Hausdorff distance between the union of the patches, taken exactly as given, and the
-/// triangles, *proved*, rounding included (the mathematics stands in `patches/bend.rs` and in
+/// triangles, *proved*, rounding included (the mathematics stands in `patches/derivative_bound.rs` and in
 /// `docs/patches_to_mesh.md`). `at_least` is a distance that was found. With a budget of pixels the bound also
 /// says how many pixels that is at the view; only distances count, neither normals nor contours inside the shape.
 ///
@@ -25,9 +25,9 @@ use crate::math::flushes_subnormals;
 /// number of threads.
 ///
 /// # Errors
-/// [`Failure::Refused`]: no limit in the budget or an angle ([`Code::Budget`], [`Code::Unsupported`]), no patches,
+/// [`Failure::Refused`]: no limit in the budget or an angle ([`RefusalCode::Budget`], [`RefusalCode::Unsupported`]), no patches,
 /// control points that are not finite or beyond 1e150, more triangles or bytes than the job allows (said before the
-/// work), a budget below rounding ([`Code::BelowPrecision`]), an eye too close ([`Code::TooClose`]), an environment that flushes subnormals.
+/// work), a budget below rounding ([`RefusalCode::BelowPrecision`]), an eye too close ([`RefusalCode::TooClose`]), an environment that flushes subnormals.
 /// [`Failure::Unmet`] with the best mesh: the length or pixels need more triangles than the budget has.
 /// [`Failure::Cancelled`].
 ///
@@ -44,26 +44,30 @@ use crate::math::flushes_subnormals;
 /// ```
 ///
 /// Source: D. Filip, R. Magedson, R. Markot, *Surface algorithms using bounds on derivatives*, 1986, extended.
-pub fn patches_to_mesh(patches: &[Patch], budget: &Budget, job: &Job) -> Result<Bounded<Mesh>, Failed> {
+pub fn patches_to_mesh(
+    patches: &[Patch],
+    budget: &Budget,
+    job: &Job,
+) -> Result<Bounded<Mesh>, TessellationFailure> {
     check_input(patches, budget)?;
     let patches: Vec<Patch> = patches.iter().map(positive_zeros).collect();
-    mesh_within(&Patches(&patches), budget, job)
+    mesh_within(&BezierPatches(&patches), budget, job)
 }
 
-fn check_input(patches: &[Patch], budget: &Budget) -> Result<(), Failed> {
+fn check_input(patches: &[Patch], budget: &Budget) -> Result<(), TessellationFailure> {
     if !budget.has_limit() {
         return Err(Failure::refused(
-            Code::Budget,
+            RefusalCode::Budget,
             "a budget needs a length, pixels at a view, or a number of triangles",
         ));
     }
     check_angle(budget)?;
     if patches.is_empty() {
-        return Err(Failure::refused(Code::Empty, "there are no patches"));
+        return Err(Failure::refused(RefusalCode::Empty, "there are no patches"));
     }
     if let Some(index) = patches.iter().position(|patch| !patch.is_finite()) {
         return Err(Failure::refused(
-            Code::NotFinite,
+            RefusalCode::NotFinite,
             format!("patch {index} has a control point that is not finite"),
         ));
     }
@@ -71,11 +75,11 @@ fn check_input(patches: &[Patch], budget: &Budget) -> Result<(), Failed> {
         let message = format!(
             "patch {index} has a coordinate beyond {LARGEST:e}, where squares leave the range of numbers"
         );
-        return Err(Failure::refused(Code::NotFinite, message));
+        return Err(Failure::refused(RefusalCode::NotFinite, message));
     }
     if flushes_subnormals() {
         let message = "this process flushes subnormal numbers to zero, so nothing can be proved in it";
-        return Err(Failure::refused(Code::FlushesSubnormals, message));
+        return Err(Failure::refused(RefusalCode::FlushesSubnormals, message));
     }
     Ok(())
 }

@@ -1,13 +1,14 @@
 //! `Arc`: an arc of an ellipse in the plane or in space.
-use super::Affine;
+use super::AffineMap;
 use crate::math::{DoubleDouble, add_up, mul_up};
 use std::f64::consts::PI;
 use std::fmt;
 
-/// An arc of an ellipse: `centre + cos(a)·axes[0] + sin(a)·axes[1]`, where `a` runs from `start_rad` over `sweep_rad`.
+/// An arc of an ellipse: `centre + cos(a)·axes[0] + sin(a)·axes[1]`, where `a` runs from `start_rad` over
+/// `sweep_rad`.
 ///
-/// The axes need be neither as long as each other nor at right angles; a circle has axes that are both. Its two ends
-/// are held apart, bit for bit, so that it joins its neighbours.
+/// The axes may differ in length and need not be orthogonal; a circle has orthogonal axes of equal length.
+/// The two ends are stored separately, so that the arc joins its neighbours bit for bit.
 ///
 /// ```
 /// use chordal::explicit::Arc;
@@ -26,24 +27,24 @@ pub struct Arc<const D: usize> {
     slack: f64,
 }
 
-/// The shape of an arc between two points, as SVG says it.
+/// The shape of an arc between two points, with the parameters of SVG.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Through {
-    /// The two half axes of the ellipse; their signs do not count.
+pub struct SvgArcShape {
+    /// The two semi-axes of the ellipse; their signs are ignored.
     pub radii: [f64; 2],
-    /// How far the first one is turned from the first axis towards the second.
+    /// The angle of the first semi-axis, from the first axis of the plane towards the second.
     pub rotation_rad: f64,
     /// Whether the arc takes more than half of the ellipse.
     pub large: bool,
-    /// Whether the angle grows along the arc, from the first axis of the plane towards the second.
+    /// Whether the angle increases along the arc, from the first axis of the plane towards the second.
     pub positive: bool,
 }
 
 impl<const D: usize> Arc<D> {
-    /// An arc by its centre, its axes and its angles.
+    /// An arc by its centre, axes and angles.
     ///
     /// # Errors
-    /// When a number is not finite, or the sweep is beyond a full turn.
+    /// When a number is not finite, or the sweep exceeds a full turn.
     pub fn new(
         centre: [f64; D],
         axes: [[f64; D]; 2],
@@ -52,14 +53,14 @@ impl<const D: usize> Arc<D> {
     ) -> Result<Self, InvalidArc> {
         let mut arc = Self { centre, axes, start_rad, sweep_rad, ends: [centre; 2], slack: 0.0 };
         arc.ends = [arc.round(0.0), arc.round(1.0)];
-        // Two pi rounded to a number is below two pi; the next one is a full turn for all purposes.
+        // 2π rounded to a number is below 2π; it counts as a full turn.
         if !arc.is_finite() || start_rad.abs() > 4.0 * PI || sweep_rad.abs() > 2.0 * PI {
             return Err(InvalidArc);
         }
         Ok(arc)
     }
 
-    /// The same arc, whose ends are exactly these points. They should be within rounding of its own: how far they are
+    /// The same arc with exactly these end points. They should be within rounding of its own: their distance
     /// is added to [`Arc::slack`].
     #[must_use]
     pub fn with_ends(mut self, ends: [[f64; D]; 2]) -> Self {
@@ -69,19 +70,19 @@ impl<const D: usize> Arc<D> {
         self
     }
 
-    /// Where it starts and where it ends.
+    /// The start and the end point.
     #[must_use]
     pub fn ends(&self) -> [[f64; D]; 2] {
         self.ends
     }
 
-    /// The middle of the ellipse.
+    /// The centre of the ellipse.
     #[must_use]
     pub fn centre(&self) -> [f64; D] {
         self.centre
     }
 
-    /// The points of the ellipse at angle 0 and at a right angle, from the centre.
+    /// The vectors from the centre to the points of the ellipse at angle 0 and at a right angle.
     #[must_use]
     pub fn axes(&self) -> [[f64; D]; 2] {
         self.axes
@@ -93,13 +94,13 @@ impl<const D: usize> Arc<D> {
         self.start_rad
     }
 
-    /// The angle from the start to the end; its sign is the direction.
+    /// The angle from the start to the end; its sign gives the direction.
     #[must_use]
     pub fn sweep_rad(&self) -> f64 {
         self.sweep_rad
     }
 
-    /// How far the arc that is meant may be from these numbers.
+    /// The largest distance of the exact arc from these numbers.
     #[must_use]
     pub fn slack(&self) -> f64 {
         self.slack
@@ -127,7 +128,7 @@ impl<const D: usize> Arc<D> {
         self.start_rad + self.sweep_rad * t
     }
 
-    /// From the centre to the point at an angle.
+    /// The vector from the centre to the point at an angle.
     pub(crate) fn direction(&self, angle_rad: f64) -> [f64; D] {
         let (sin, cos) = libm::sincos(angle_rad);
         let [u, v] = self.axes;
@@ -149,26 +150,26 @@ impl<const D: usize> Arc<D> {
         inwards.map(|x| -(self.sweep_rad * self.sweep_rad) * x)
     }
 
-    /// The same arc run backwards.
+    /// The same arc in reverse.
     #[must_use]
     pub fn reversed(&self) -> Self {
         Self {
             start_rad: self.start_rad + self.sweep_rad,
             sweep_rad: -self.sweep_rad,
             ends: [self.ends[1], self.ends[0]],
-            // The sum of the angles is rounded by half a step; a sweep turns that into a length.
+            // The sum of the angles is rounded by half a step; the sweep turns that into a length.
             slack: add_up(self.slack, mul_up(16.0 * f64::EPSILON, self.reach())),
             ..*self
         }
     }
 
-    /// The lowest and highest coordinates of a box that holds the arc: of its ends and of where the tangents at the
-    /// ends of eight equal parts meet.
+    /// The lowest and highest coordinates of a box that contains the arc: the box of its ends and of the
+    /// points where the tangents at the ends of eight equal parts meet.
     #[must_use]
-    pub fn hull(&self) -> [[f64; D]; 2] {
+    pub fn bounds(&self) -> [[f64; D]; 2] {
         let eighth = self.sweep_rad / 8.0;
         let secant = 1.0 / libm::cos(eighth / 2.0);
-        // As for an evaluated point: convert/curves/chord.rs counts less than 16 half steps.
+        // As for an evaluated point: convert/curves/chord.rs derives less than 16 half steps.
         let rounding = 16.0 * f64::EPSILON * self.reach();
         let [mut low, mut high] = [self.ends[0]; 2];
         let mut widen = |p: [f64; D], by: f64| {
@@ -185,7 +186,7 @@ impl<const D: usize> Arc<D> {
         [low, high]
     }
 
-    /// The largest coordinate of the centre plus those of both axes.
+    /// The largest sum of a coordinate of the centre and those of both axes, in absolute values.
     fn reach(&self) -> f64 {
         (0..D).fold(0.0, |most, k| {
             let reach = self.centre[k].abs() + self.axes[0][k].abs() + self.axes[1][k].abs();
@@ -201,7 +202,7 @@ impl<const D: usize> Arc<D> {
 
     /// The arc under an affine map.
     #[must_use]
-    pub fn transformed(&self, map: &Affine<D>) -> Self {
+    pub fn transformed(&self, map: &AffineMap<D>) -> Self {
         Self {
             centre: map.point(self.centre),
             axes: self.axes.map(|axis| map.vector(axis)),
@@ -213,62 +214,69 @@ impl<const D: usize> Arc<D> {
 }
 
 impl Arc<2> {
-    /// The arc between two points of an ellipse whose axes and direction are given, as in SVG. Radii that are too short
-    /// to reach grow until they do. Rounding on the way is in [`Arc::slack`]: it can matter where the arc is nearly
-    /// half of a turned ellipse, whose centre is then ill defined.
+    /// The arc between two points of an ellipse with given axes and direction, as in SVG. Radii that are too
+    /// short are scaled up until they reach. Rounding is included in [`Arc::slack`]: it can matter where the
+    /// arc is nearly half of a rotated ellipse, whose centre is then ill-conditioned.
     ///
     /// # Errors
     /// When a number is not finite, a radius is 0, or the points are equal: SVG draws a line or nothing then.
     ///
     /// Source: W3C, *SVG 2*, appendix B.2, *Elliptical arc implementation notes*.
-    pub fn through(from: [f64; 2], to: [f64; 2], shape: &Through) -> Result<Self, InvalidArc> {
-        let way = [0, 1].map(|k| DoubleDouble::sum(to[k], -from[k]));
+    pub fn through(from: [f64; 2], to: [f64; 2], shape: &SvgArcShape) -> Result<Self, InvalidArc> {
+        let way = [0, 1].map(|k| DoubleDouble::two_sum(to[k], -from[k]));
         Self::spanning([from, to], way, shape)
     }
 
-    /// The same from its start and the step to its end. The sum of the two may be rounded, the shape of the arc is not: near
-    /// half an ellipse its centre would feel that far more than its end does.
+    /// The same arc from its start and the step to its end. The sum of the two may be rounded, the shape of
+    /// the arc is not: near half an ellipse that rounding would move the centre far more than the end.
     ///
     /// # Errors
     /// As for [`Arc::through`].
     ///
     /// ```
-    /// use chordal::explicit::{Arc, Through};
-    /// let half = Through { radii: [1.0, 1.0], rotation_rad: 0.0, large: false, positive: true };
+    /// use chordal::explicit::{Arc, SvgArcShape};
+    /// let half = SvgArcShape { radii: [1.0, 1.0], rotation_rad: 0.0, large: false, positive: true };
     /// let arc = Arc::through_step([0.3, 0.1], [2.0, 0.0], &half)?;
     /// let [x, y] = arc.centre();
     /// assert!((x - 1.3).abs() < 1e-15 && y == 0.1 && arc.slack() < 1e-13);
     /// # Ok::<(), chordal::explicit::InvalidArc>(())
     /// ```
-    pub fn through_step(from: [f64; 2], step: [f64; 2], shape: &Through) -> Result<Self, InvalidArc> {
+    pub fn through_step(from: [f64; 2], step: [f64; 2], shape: &SvgArcShape) -> Result<Self, InvalidArc> {
         let to = [0, 1].map(|k| from[k] + step[k]);
-        Self::spanning([from, to], step.map(DoubleDouble::of), shape)
+        Self::spanning([from, to], step.map(DoubleDouble::from_f64), shape)
     }
 
     fn spanning(
         [from, to]: [[f64; 2]; 2],
         way: [DoubleDouble; 2],
-        shape: &Through,
+        shape: &SvgArcShape,
     ) -> Result<Self, InvalidArc> {
         let radii = shape.radii.map(f64::abs);
-        // A circle has no direction, and its centre is best without one.
+        // A circle has no rotation, and its centre is most exact without one.
         let rotation = if radii[0] == radii[1] { 0.0 } else { shape.rotation_rad };
         let (sin, cos) = if rotation == 0.0 { (0.0, 1.0) } else { libm::sincos(rotation) };
         let finite = [from, to, radii, [sin, cos]].as_flattened().iter().all(|x| x.is_finite());
-        // Beyond these, squares of their ratios leave the range of numbers.
+        // Beyond these, squares of their ratios overflow or underflow.
         let sane = |x: f64| x > 1e-140 && x < 1e140;
         if !finite || way.iter().all(|x| x.hi == 0.0) || !radii.iter().all(|r| sane(*r)) {
             return Err(InvalidArc);
         }
-        // 1. Half the way from the end to the start, in the frame of the axes and in units of the radii.
+        // 1. Half the vector from the end to the start, in the frame of the axes and in units of the radii.
         let half = way.map(|x| DoubleDouble { hi: -x.hi / 2.0, lo: -x.lo / 2.0 });
         let turned = [
-            half[0].times(DoubleDouble::of(cos)).plus(half[1].times(DoubleDouble::of(sin))).over(radii[0]),
-            half[1].times(DoubleDouble::of(cos)).minus(half[0].times(DoubleDouble::of(sin))).over(radii[1]),
+            half[0]
+                .times(DoubleDouble::from_f64(cos))
+                .plus(half[1].times(DoubleDouble::from_f64(sin)))
+                .over(radii[0]),
+            half[1]
+                .times(DoubleDouble::from_f64(cos))
+                .minus(half[0].times(DoubleDouble::from_f64(sin)))
+                .over(radii[1]),
         ];
-        // 2. What is left of the unit circle's square radius: the square of the centre's height over the chord.
+        // 2. The unit circle's squared radius minus its square: the square of the centre's height over the
+        //    chord.
         let square = turned[0].times(turned[0]).plus(turned[1].times(turned[1]));
-        let left = DoubleDouble::of(1.0).minus(square);
+        let left = DoubleDouble::from_f64(1.0).minus(square);
         let (height_sq, grown) = if left.hi > 0.0 { (left.hi, 1.0) } else { (0.0, square.hi.sqrt()) };
         let half_chord = if grown > 1.0 { 1.0 } else { square.hi.sqrt() };
         let p = [turned[0].hi / grown, turned[1].hi / grown];
@@ -280,16 +288,16 @@ impl Arc<2> {
         let towards = if shape.large { -height_sq.sqrt() } else { height_sq.sqrt() };
         let sweep = 2.0 * libm::atan2(half_chord, towards);
         let start = libm::atan2(p[1] - c[1], p[0] - c[0]);
-        // 4. Back into the plane.
+        // 4. Back to the plane.
         let [rx, ry] = radii.map(|r| r * grown);
         let axes = [[cos * rx, sin * rx], [-sin * ry, cos * ry]];
         let centre = [0, 1].map(|k| (from[k] / 2.0 + to[k] / 2.0) + (c[0] * axes[0][k] + c[1] * axes[1][k]));
         let sweep = if shape.positive { sweep } else { -sweep };
         let arc = Self::new(centre, axes, start, sweep)?.with_ends([from, to]);
-        // 5. The square height is known to 2⁻⁹⁶, or, when sine and cosine of the rotation were rounded (each by less than
-        // one unit in the last place), to 8 ε times what they turn, in units of the shorter radius: a flat ellipse
-        // feels a turn most. Its root is off by that over the height, and never by more than its own root. The rest is
-        // plain rounding.
+        // 5. The square height is known to 2⁻⁹⁶, or, when sine and cosine of the rotation were rounded (each
+        //    by less than one unit in the last place), to 8 ε times what they rotate, in units of the shorter
+        //    radius: a flat ellipse is the most sensitive to a rotation. Its root is off by that over the
+        //    height, and never by more than its own root. The rest is plain rounding.
         let shorter = if radii[0] < radii[1] { radii[0] } else { radii[1] };
         let turned_over = (half[0].hi.abs() + half[1].hi.abs()) / shorter;
         let known = if sin == 0.0 {
@@ -306,7 +314,7 @@ impl Arc<2> {
     }
 }
 
-/// Numbers that make no arc.
+/// Numbers that do not form an arc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InvalidArc;
 
@@ -318,7 +326,8 @@ impl fmt::Display for InvalidArc {
 
 impl std::error::Error for InvalidArc {}
 
-/// The distance of two points from above, summed over the axes: for small distances, whose squares could vanish.
+/// An upper bound for the distance of two points, summed over the axes: squares of small distances could
+/// underflow.
 fn distance_up<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
     (0..D).fold(0.0, |sum, k| add_up(sum, (a[k] - b[k]).abs()))
 }
@@ -329,11 +338,11 @@ mod tests {
 
     fn through(from: [f64; 2], to: [f64; 2], radii: [f64; 2], deg: f64, flags: [bool; 2]) -> Arc<2> {
         let [large, positive] = flags;
-        let shape = Through { radii, rotation_rad: deg * PI / 180.0, large, positive };
+        let shape = SvgArcShape { radii, rotation_rad: deg * PI / 180.0, large, positive };
         Arc::through(from, to, &shape).unwrap()
     }
 
-    /// How far a point is off the ellipse, in units of the radii.
+    /// The distance of a point from the ellipse, in units of the radii.
     fn off(arc: &Arc<2>, p: [f64; 2]) -> f64 {
         let [u, v] = arc.axes();
         let d = [p[0] - arc.centre()[0], p[1] - arc.centre()[1]];
@@ -352,7 +361,7 @@ mod tests {
                 assert_eq!(arc.sweep_rad() > 0.0, flags[1]);
                 assert!(arc.slack() < 1e-13, "{}", arc.slack());
                 assert!(off(&arc, arc.ends()[0]) < 1e-14 && off(&arc, arc.ends()[1]) < 1e-14);
-                // The formula's own ends are the ends.
+                // The ends of the formula are the given ends.
                 for (t, end) in [(0.0, [1.0, 2.0]), (1.0, [3.0, 1.0])] {
                     let own = arc.round(t);
                     assert!((own[0] - end[0]).abs() + (own[1] - end[1]).abs() < 1e-13);
@@ -385,7 +394,7 @@ mod tests {
     fn the_hull_holds_the_arc() {
         for (start, sweep) in [(0.0, 0.1), (1.0, 3.0), (2.0, -6.0), (-3.0, 2.0 * PI)] {
             let arc = Arc::new([3.0, 4.0], [[2.0, 1.0], [-0.5, 1.0]], start, sweep).unwrap();
-            let [low, high] = arc.hull();
+            let [low, high] = arc.bounds();
             for i in 0..=1000 {
                 let p = arc.at(f64::from(i) / 1000.0);
                 assert!((0..2).all(|k| low[k] <= p[k] && p[k] <= high[k]));
@@ -396,9 +405,9 @@ mod tests {
 
     #[test]
     fn what_makes_no_arc_is_refused() {
-        let shape = Through { radii: [1.0, 0.0], rotation_rad: 0.0, large: false, positive: true };
+        let shape = SvgArcShape { radii: [1.0, 0.0], rotation_rad: 0.0, large: false, positive: true };
         assert_eq!(Arc::through([0.0; 2], [1.0, 0.0], &shape), Err(InvalidArc));
-        let round = Through { radii: [1.0, 1.0], ..shape };
+        let round = SvgArcShape { radii: [1.0, 1.0], ..shape };
         assert_eq!(Arc::through([0.0; 2], [0.0; 2], &round), Err(InvalidArc));
         assert_eq!(Arc::through([f64::NAN; 2], [0.0; 2], &round), Err(InvalidArc));
         assert_eq!(Arc::<2>::new([0.0; 2], [[1.0, 0.0], [0.0, 1.0]], 0.0, 7.0), Err(InvalidArc));

@@ -1,21 +1,22 @@
-//! Clusters of neighbouring triangles with cones of normals, and how much of a mesh faces away from a viewer.
+//! Clusters of neighbouring triangles with normal cones, and the parts of a mesh that face away from a
+//! viewer.
 use super::{Mesh, Triangle};
 use crate::math::{Orientation, difference, dot, length, orient3d};
 use std::ops::Range;
 
-/// How many triangles a viewer sees from the front, from the back, and on edge.
+/// The numbers of triangles that a viewer sees from the front, from the back, and edge-on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FacingCounts {
-    /// Whose front the eye sees, if nothing is in the way.
+    /// Triangles whose front faces the eye, occluded or not.
     pub front: usize,
-    /// Whose back.
+    /// Triangles whose back faces the eye.
     pub back: usize,
-    /// In whose plane the eye lies, and those without area.
+    /// Triangles whose plane contains the eye, and those without area.
     pub on_edge: usize,
 }
 
 impl FacingCounts {
-    /// The share of all triangles that show their backs: what back-face culling saves. 0 without triangles.
+    /// The fraction of triangles that back-face culling removes; 0 without triangles.
     #[must_use]
     pub fn back_share(&self) -> f64 {
         let all = self.front + self.back + self.on_edge;
@@ -23,7 +24,7 @@ impl FacingCounts {
     }
 }
 
-/// On which side of each triangle an eye is, exactly. Time O(n).
+/// Classifies each triangle by the side on which the eye lies, exactly. Time O(n).
 ///
 /// ```
 /// use chordal::{Mesh, explicit::facing};
@@ -45,31 +46,32 @@ pub fn facing(mesh: &Mesh, eye: [f64; 3]) -> FacingCounts {
     seen
 }
 
-/// Triangles in a row with a ball around them and a cone around their normals.
+/// Consecutive triangles with a bounding sphere and a cone of their normals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cluster {
     /// The faces.
     pub faces: Range<usize>,
-    /// The middle of the ball.
+    /// The centre of the sphere.
     pub centre: [f64; 3],
-    /// No corner is farther from it.
+    /// The radius of the sphere: no corner is farther from the centre.
     pub radius: f64,
-    /// The axis of the cone, of length 1; `None` where normals point all ways.
+    /// The axis of the cone, of length 1; `None` where no cone contains all normals.
     pub axis: Option<[f64; 3]>,
-    /// The cosine of the angle that no normal exceeds with the axis, from below.
+    /// A lower bound for the cosine of the angle between the axis and any normal.
     pub cos_angle: f64,
 }
 
-/// Roundings of lengths and products that the cone and its test allow for, each of half a unit: a dozen for a normal, and
-/// as many for the test.
+/// Roundings of lengths and products that the cone and its test allow for, each of half a unit: a dozen for a
+/// normal, and as many for the test.
 const MARGIN: f64 = 64.0 * f64::EPSILON;
 
 impl Cluster {
-    /// Whether every triangle shows its back, or nothing, to an eye: then the whole cluster need not be drawn with back
-    /// faces culled. Never true where the front of one is seen; false where it cannot be known from ball and cone.
+    /// Whether every triangle faces away from an eye or is edge-on, so that back-face culling can skip the
+    /// whole cluster. Never true where a front is visible; false where sphere and cone cannot decide.
     ///
-    /// A point of the ball and a normal of the cone: with `x` and `y` the parts of `centre − eye` along the axis and across,
-    /// and `α` the cone's angle, the normal points away from the eye by `x·cos α − y·sin α − radius` or more.
+    /// Take a point of the sphere and a normal of the cone: with `x` and `y` the parts of `centre − eye`
+    /// along the axis and across, and `α` the cone's angle, the normal points away from the eye by `x·cos α −
+    /// y·sin α − radius` or more.
     #[must_use]
     pub fn is_backward(&self, eye: [f64; 3]) -> bool {
         let Some(axis) = self.axis else { return false };
@@ -81,16 +83,16 @@ impl Cluster {
         let cos = self.cos_angle;
         let sine_sq = 1.0 - cos * cos;
         let sine = if sine_sq > 0.0 { sine_sq.sqrt() } else { 0.0 };
-        // Roots of differences of squares are off by the root of their rounding at most.
+        // Square roots of differences are off by the root of their rounding at most.
         let slack = (far + self.radius) * MARGIN + far * MARGIN.sqrt();
         cos > 0.0 && along * cos - across * sine - self.radius > slack
     }
 }
 
-/// Cuts triangles, in the order that they have, into clusters of at most `triangles` triangles and `vertices` vertices.
-/// After [`super::cache_order`] neighbours stand together. At least one triangle a cluster. Time O(n).
+/// Splits triangles, in their order, into clusters of at most `triangles` triangles and `vertices` vertices.
+/// After [`super::cache_order`] neighbours are consecutive. A cluster has at least one triangle. Time O(n).
 ///
-/// Source of the sizes that suit processors of today (124 and 64): A. Kapoulkine, *meshoptimizer*.
+/// Source of the sizes that suit current processors (124 and 64): A. Kapoulkine, *meshoptimizer*.
 #[must_use]
 pub fn clusters(mesh: &Mesh, triangles: usize, vertices: usize) -> Vec<Cluster> {
     let mut seen_in = vec![usize::MAX; mesh.positions().len()];
@@ -127,7 +129,7 @@ fn cluster(mesh: &Mesh, faces: Range<usize>) -> Cluster {
     let radius = corners().map(|p| length(difference(p, centre))).fold(0.0, |m, d| if d > m { d } else { m });
     // Triangles without area have no front.
     let normals: Vec<[f64; 3]> =
-        faces.clone().filter_map(|face| Triangle::of_face(mesh, face).normal()).collect();
+        faces.clone().filter_map(|face| Triangle::from_face(mesh, face).normal()).collect();
     let sum = normals.iter().fold([0.0; 3], |sum: [f64; 3], n| std::array::from_fn(|k| sum[k] + n[k]));
     let long = length(sum);
     let axis = (long > 0.0).then(|| sum.map(|x| x / long));

@@ -1,17 +1,17 @@
-//! `Curve`: a path, a chain of smooth pieces, open or closed.
-use super::{Affine, Piece};
+//! `Curve`: a path, an open or closed chain of smooth pieces.
+use super::{AffineMap, CurveSegment};
 use crate::math::{add_up, mul_up};
 use std::fmt;
 
 /// A path in `D` dimensions: smooth pieces, each of which starts, bit for bit, where the one before it ends.
 ///
-/// A closed path ends where it starts. A path may be a single point, with no piece at all.
+/// A closed path ends where it starts. A path may be a single point, without a piece.
 ///
 /// ```
-/// use chordal::explicit::{Bezier, Curve, Piece};
+/// use chordal::explicit::{Bezier, Curve, CurveSegment};
 /// let arch = Bezier { control: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]] };
-/// let back = Piece::Line([[1.0, 0.0], [0.0, 0.0]]);
-/// let path = Curve::new(vec![Piece::Cubic(arch), back], true)?;
+/// let back = CurveSegment::Line([[1.0, 0.0], [0.0, 0.0]]);
+/// let path = Curve::new(vec![CurveSegment::Cubic(arch), back], true)?;
 /// assert_eq!(path.at(0.5), [0.5, 0.75]); // half-way through the first piece
 /// assert_eq!(path.at(1.5), [0.5, 0.0]); // half-way through the second
 /// # Ok::<(), chordal::explicit::InvalidCurve>(())
@@ -19,7 +19,7 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve<const D: usize> {
     start: [f64; D],
-    pieces: Vec<Piece<D>>,
+    segments: Vec<CurveSegment<D>>,
     closed: bool,
     slack: f64,
 }
@@ -28,9 +28,9 @@ impl<const D: usize> Curve<D> {
     /// A path of at least one piece.
     ///
     /// # Errors
-    /// When there is no piece, when a number is not finite, when a piece does not start where the one before it ends,
-    /// or when a closed path does not end where it starts.
-    pub fn new(pieces: Vec<Piece<D>>, closed: bool) -> Result<Self, InvalidCurve> {
+    /// When there is no piece, a number is not finite, a piece does not start where the one before it ends,
+    /// or a closed path does not end where it starts.
+    pub fn new(pieces: Vec<CurveSegment<D>>, closed: bool) -> Result<Self, InvalidCurve> {
         let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else {
             return Err(InvalidCurve::Empty);
         };
@@ -43,51 +43,51 @@ impl<const D: usize> Curve<D> {
         if closed && last.end() != first.start() {
             return Err(InvalidCurve::Gap { piece: 0 });
         }
-        Ok(Self { start: first.start(), pieces, closed, slack: 0.0 })
+        Ok(Self { start: first.start(), segments: pieces, closed, slack: 0.0 })
     }
 
-    /// The path that is one point.
+    /// A path that is a single point.
     ///
     /// # Errors
     /// When the point is not finite.
     pub fn point(start: [f64; D]) -> Result<Self, InvalidCurve> {
         if start.iter().all(|x| x.is_finite()) {
-            Ok(Self { start, pieces: Vec::new(), closed: false, slack: 0.0 })
+            Ok(Self { start, segments: Vec::new(), closed: false, slack: 0.0 })
         } else {
             Err(InvalidCurve::NotFinite { piece: 0 })
         }
     }
 
-    /// The same numbers, of which it is known that the path that is meant may be up to `slack` (≥ 0) away, because
-    /// they were rounded on the way. Every bound against the path includes it.
+    /// The same numbers with a known uncertainty: the exact path may be up to `slack` (≥ 0) away, because the
+    /// numbers were rounded before. Every bound against the path includes it.
     #[must_use]
     pub fn with_slack(mut self, slack: f64) -> Self {
         self.slack = slack;
         self
     }
 
-    /// How far the path that is meant may be from these numbers: what was lost before they got here.
+    /// The largest distance of the exact path from these numbers, which earlier rounding has caused.
     #[must_use]
     pub fn slack(&self) -> f64 {
         self.slack
     }
 
-    /// Where it starts.
+    /// The start point.
     #[must_use]
     pub fn start(&self) -> [f64; D] {
         self.start
     }
 
-    /// Where it ends.
+    /// The end point.
     #[must_use]
     pub fn end(&self) -> [f64; D] {
-        self.pieces.last().map_or(self.start, Piece::end)
+        self.segments.last().map_or(self.start, CurveSegment::end)
     }
 
     /// Its pieces, in order.
     #[must_use]
-    pub fn pieces(&self) -> &[Piece<D>] {
-        &self.pieces
+    pub fn segments(&self) -> &[CurveSegment<D>] {
+        &self.segments
     }
 
     /// Whether it is closed.
@@ -96,29 +96,29 @@ impl<const D: usize> Curve<D> {
         self.closed
     }
 
-    /// The point at `s`, whose whole part is the index of the piece and whose fraction is the parameter in it. The
+    /// The point at `s`: its integer part is the index of the piece, its fraction the parameter there. The
     /// number of pieces is the end.
     #[must_use]
     pub fn at(&self, s: f64) -> [f64; D] {
         let Some((piece, t)) = self.locate(s) else { return self.start };
-        self.pieces[piece].at(t)
+        self.segments[piece].at(t)
     }
 
-    /// The piece at `s` and the parameter in it; none for a path that is one point.
+    /// The piece at `s` and the parameter there; `None` for a path that is a single point.
     #[must_use]
     pub fn locate(&self, s: f64) -> Option<(usize, f64)> {
-        let last = self.pieces.len().checked_sub(1)?;
-        // A cast from float to integer stops at the ends and takes NaN to 0.
+        let last = self.segments.len().checked_sub(1)?;
+        // A cast from float to integer saturates, and takes NaN to 0.
         let piece = (s as usize).min(last);
         let t = s - piece as f64;
         Some((piece, if t > 0.0 { if t < 1.0 { t } else { 1.0 } } else { 0.0 }))
     }
 
-    /// The lowest and highest coordinates of a box that holds the path.
+    /// The lowest and highest coordinates of a box that contains the path.
     #[must_use]
-    pub fn hull(&self) -> [[f64; D]; 2] {
-        self.pieces.iter().fold([self.start; 2], |[low, high], piece| {
-            let [l, h] = piece.hull();
+    pub fn bounds(&self) -> [[f64; D]; 2] {
+        self.segments.iter().fold([self.start; 2], |[low, high], piece| {
+            let [l, h] = piece.bounds();
             [
                 std::array::from_fn(|k| if l[k] < low[k] { l[k] } else { low[k] }),
                 std::array::from_fn(|k| if h[k] > high[k] { h[k] } else { high[k] }),
@@ -126,28 +126,29 @@ impl<const D: usize> Curve<D> {
         })
     }
 
-    /// The same path run backwards.
+    /// The same path in reverse.
     #[must_use]
     pub fn reversed(&self) -> Self {
-        let pieces = self.pieces.iter().rev().map(Piece::reversed).collect();
-        Self { start: self.end(), pieces, closed: self.closed, slack: self.slack }
+        let pieces = self.segments.iter().rev().map(CurveSegment::reversed).collect();
+        Self { start: self.end(), segments: pieces, closed: self.closed, slack: self.slack }
     }
 
-    /// The path under an affine map. Rounding on the way is added to [`Curve::slack`].
+    /// The path under an affine map. Its rounding is added to [`Curve::slack`].
     ///
     /// # Errors
-    /// When a coordinate leaves the range of numbers.
-    pub fn transformed(&self, map: &Affine<D>) -> Result<Self, InvalidCurve> {
-        let [low, high] = self.hull();
+    /// When a coordinate overflows.
+    pub fn transformed(&self, map: &AffineMap<D>) -> Result<Self, InvalidCurve> {
+        let [low, high] = self.bounds();
         let reach =
             low.iter().chain(&high).fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
         let offset = map.offset.iter().fold(0.0, |sum, x| add_up(sum, x.abs()));
-        // A coordinate is a sum of D products and an offset: 2D roundings of half a step of what it passes through,
-        // which is at most stretch·√D·reach + offset; D coordinates of them. 4·D² ε covers it, and the arcs' twice.
+        // A coordinate is a sum of D products and an offset: 2D roundings of half a step of the intermediate
+        // values, which are at most stretch·√D·reach + offset; D coordinates of them. 4·D² ε covers it, and
+        // the arcs' twice.
         let through = add_up(mul_up(map.stretch(), mul_up(D as f64, reach)), offset);
         let rounding = mul_up(8.0 * (D * D) as f64 * f64::EPSILON, through);
         let slack = add_up(mul_up(map.stretch(), self.slack), rounding);
-        let pieces: Vec<_> = self.pieces.iter().map(|piece| piece.transformed(map)).collect();
+        let pieces: Vec<_> = self.segments.iter().map(|piece| piece.transformed(map)).collect();
         let start = map.point(self.start);
         if pieces.is_empty() {
             return Ok(Self { slack, ..Self::point(start)? });
@@ -160,25 +161,30 @@ impl<const D: usize> Curve<D> {
 }
 
 impl<const D: usize> From<super::Bezier<D>> for Curve<D> {
-    /// The path of one piece. Its numbers are taken as they are: arrows refuse those that are not finite.
+    /// The path of one piece. Its numbers are not checked here: arrows refuse those that are not finite.
     fn from(cubic: super::Bezier<D>) -> Self {
-        Self { start: cubic.control[0], pieces: vec![Piece::Cubic(cubic)], closed: false, slack: 0.0 }
+        Self {
+            start: cubic.control[0],
+            segments: vec![CurveSegment::Cubic(cubic)],
+            closed: false,
+            slack: 0.0,
+        }
     }
 }
 
-/// Why pieces are no path.
+/// Why pieces do not form a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InvalidCurve {
     /// There is no piece.
     Empty,
     /// A number is NaN or infinite.
     NotFinite {
-        /// In this piece.
+        /// The index of the piece.
         piece: usize,
     },
     /// A piece does not start where the one before it (for the first: the last of a closed path) ends.
     Gap {
-        /// This piece.
+        /// The index of that piece.
         piece: usize,
     },
 }
@@ -203,8 +209,8 @@ impl std::error::Error for InvalidCurve {}
 mod tests {
     use super::*;
 
-    fn line(a: [f64; 2], b: [f64; 2]) -> Piece<2> {
-        Piece::Line([a, b])
+    fn line(a: [f64; 2], b: [f64; 2]) -> CurveSegment<2> {
+        CurveSegment::Line([a, b])
     }
 
     #[test]
@@ -241,7 +247,7 @@ mod tests {
     #[test]
     fn a_map_takes_the_slack_along() {
         let path = Curve::new(vec![line([1.0, 0.0], [3.0, 0.0])], false).unwrap().with_slack(0.5);
-        let map = Affine { columns: [[2.0, 0.0], [0.0, 2.0]], offset: [1.0, 1.0] };
+        let map = AffineMap { columns: [[2.0, 0.0], [0.0, 2.0]], offset: [1.0, 1.0] };
         let moved = path.transformed(&map).unwrap();
         assert_eq!((moved.start(), moved.end()), ([3.0, 1.0], [7.0, 1.0]));
         assert!(moved.slack() >= 1.0 && moved.slack() < 1.5);

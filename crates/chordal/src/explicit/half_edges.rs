@@ -1,28 +1,29 @@
-//! `HalfEdges`: a closed surface of triangles whose edges can be split, flipped and collapsed.
+//! `HalfEdges`: a closed triangle surface with edge split, flip and collapse.
 use super::{next_in_face, previous_in_face};
 
-/// No half-edge, no vertex.
+/// Marks a missing half-edge or vertex.
 const NONE: u32 = u32::MAX;
 
-/// A closed, oriented 2-manifold of triangles as half-edges, three for each face in a row.
+/// A closed, oriented 2-manifold of triangles as half-edges, three consecutive ones per face.
 ///
-/// Faces and vertices keep their numbers; those that are gone leave holes. Source: K. Weiler, *Edge-based data structures for solid
-/// modeling in curved-surface environments*, 1985; the link condition: T. Dey et al., *Topology preserving edge contraction*, 1999.
+/// Faces and vertices keep their indices; removed ones leave unused slots. Source: K. Weiler, *Edge-based
+/// data structures for solid modeling in curved-surface environments*, 1985; the link condition: T. Dey et
+/// al., *Topology preserving edge contraction*, 1999.
 #[derive(Clone, Debug)]
 pub(crate) struct HalfEdges {
-    /// By half-edge: the vertex that it starts from; [`NONE`] for the three of a face that is gone.
+    /// For each half-edge its start vertex; [`NONE`] for the three of a removed face.
     start: Vec<u32>,
     twin: Vec<u32>,
-    /// By vertex: a half-edge that starts there; [`NONE`] for a vertex that is gone or has no face.
+    /// For each vertex a half-edge that starts there; [`NONE`] for a vertex that is removed or has no face.
     out: Vec<u32>,
     n_faces: usize,
 }
 
 impl HalfEdges {
-    /// `None` where the faces are no closed, oriented 2-manifold.
-    pub fn of(faces: &[[u32; 3]], n_vertices: usize) -> Option<Self> {
+    /// `None` where the faces do not form a closed, oriented 2-manifold.
+    pub fn from_faces(faces: &[[u32; 3]], n_vertices: usize) -> Option<Self> {
         let start: Vec<u32> = faces.as_flattened().to_vec();
-        // Half-edges by their start: buckets as in a counting sort.
+        // Half-edges by start vertex, in buckets as in a counting sort.
         let mut first = vec![0_u32; n_vertices + 1];
         for v in &start {
             *first.get_mut(*v as usize + 1)? += 1;
@@ -48,26 +49,26 @@ impl HalfEdges {
         let mut out = vec![NONE; n_vertices];
         (0..start.len()).rev().for_each(|h| out[start[h] as usize] = h as u32);
         let surface = Self { n_faces: faces.len(), start, twin, out };
-        // Twins are mutual; and all faces of a vertex are one fan.
+        // Twins are mutual, and all faces of a vertex form one fan.
         let mutual = (0..surface.twin.len()).all(|h| surface.twin[surface.twin[h] as usize] as usize == h);
         let one_fan = |v: usize| {
             let degree = (first[v + 1] - first[v]) as usize;
-            degree == 0 || surface.around(v as u32).take(degree + 1).count() == degree
+            degree == 0 || surface.one_ring(v as u32).take(degree + 1).count() == degree
         };
         (mutual && (0..n_vertices).all(one_fan)).then_some(surface)
     }
 
-    /// Numbers of vertices, gone ones included.
+    /// The number of vertex indices, removed vertices included.
     pub fn vertex_slots(&self) -> usize {
         self.out.len()
     }
 
-    /// Numbers of faces, gone ones included.
+    /// The number of face indices, removed faces included.
     pub fn face_slots(&self) -> usize {
         self.start.len() / 3
     }
 
-    /// Faces that are there.
+    /// The number of faces, without removed ones.
     pub fn n_faces(&self) -> usize {
         self.n_faces
     }
@@ -92,7 +93,7 @@ impl HalfEdges {
         self.start[next_in_face(h) as usize]
     }
 
-    /// The vertex of the half-edge's face across from it.
+    /// The vertex of the half-edge's face opposite to it.
     #[inline]
     pub fn apex(&self, h: u32) -> u32 {
         self.start[previous_in_face(h) as usize]
@@ -109,20 +110,20 @@ impl HalfEdges {
         [self.start[at], self.start[at + 1], self.start[at + 2]]
     }
 
-    /// The half-edges that start at a vertex, counter-clockwise, one for each of its faces.
+    /// The half-edges that start at a vertex, counter-clockwise, one per face.
     #[inline]
-    pub fn around(&self, v: u32) -> Around<'_> {
+    pub fn one_ring(&self, v: u32) -> OneRingIter<'_> {
         let first = self.out[v as usize];
-        Around { surface: self, first, next: first }
+        OneRingIter { surface: self, first, next: first }
     }
 
     /// The half-edge from one vertex to another.
     pub fn between(&self, from: u32, to: u32) -> Option<u32> {
-        self.around(from).find(|h| self.end(*h) == to)
+        self.one_ring(from).find(|h| self.end(*h) == to)
     }
 
-    /// Puts a new vertex on an edge; the half-edge and its twin then end there. Gives the vertex; two faces are new, the last two: the one
-    /// that was cut off the half-edge's face, then that of the twin's.
+    /// Splits an edge at a new vertex, where the half-edge and its twin then end. Returns the vertex. The
+    /// last two faces are new: first the one cut off the half-edge's face, then that of the twin's.
     pub fn split(&mut self, h: u32) -> u32 {
         let t = self.twin(h);
         let (hn, tn) = (next_in_face(h), next_in_face(t));
@@ -152,13 +153,13 @@ impl HalfEdges {
         z
     }
 
-    /// Whether an edge can be flipped: its apexes are not joined by an edge yet.
-    pub fn may_flip(&self, h: u32) -> bool {
+    /// Whether an edge can be flipped: no edge joins its apexes yet.
+    pub fn can_flip(&self, h: u32) -> bool {
         let (c, d) = (self.apex(h), self.apex(self.twin(h)));
         c != d && self.between(c, d).is_none()
     }
 
-    /// Turns an edge to join the two apexes: the half-edge then runs from the twin's apex to its own.
+    /// Flips an edge to join the two apexes: the half-edge then runs from the twin's apex to its own.
     pub fn flip(&mut self, h: u32) {
         let t = self.twin(h);
         let (hn, hp, tn, tp) = (next_in_face(h), previous_in_face(h), next_in_face(t), previous_in_face(t));
@@ -175,21 +176,21 @@ impl HalfEdges {
         outs.into_iter().for_each(|(v, side)| self.out[v as usize] = side);
     }
 
-    /// The link condition: whether shrinking an edge to a point leaves the surface what it is.
-    pub fn may_collapse(&self, h: u32) -> bool {
+    /// The link condition: whether collapsing an edge preserves the topology of the surface.
+    pub fn can_collapse(&self, h: u32) -> bool {
         let (a, b) = (self.start(h), self.end(h));
         let (mut n_common, mut n_around) = (0, 0);
-        // The rings are small but for the ends of fans in flat places.
-        for side in self.around(a) {
+        // One-rings are small, except at the centres of large fans in flat regions.
+        for side in self.one_ring(a) {
             let v = self.end(side);
             n_around += 1;
             n_common += usize::from(self.between(b, v).is_some());
         }
-        let n_union = n_around + self.around(b).count() - n_common;
+        let n_union = n_around + self.one_ring(b).count() - n_common;
         n_common == 2 && n_union > 4
     }
 
-    /// Shrinks an edge to its end: its start and its two faces are gone.
+    /// Collapses an edge to its end vertex. Its start vertex and its two faces are removed.
     pub fn collapse(&mut self, h: u32) {
         let (a, b) = (self.start(h), self.end(h));
         let across = self.twin(h);
@@ -209,7 +210,8 @@ impl HalfEdges {
         self.out[b as usize] = keep;
     }
 
-    /// Takes away the face of `side`, whose ends are one vertex now, and joins what was on its other two edges.
+    /// Removes the face of `side`, whose ends are one vertex now, and makes the twins of its other two edges
+    /// each other's twins.
     fn drop_face(&mut self, side: u32) {
         let (next, previous) = (next_in_face(side), previous_in_face(side));
         let apex = self.start(previous);
@@ -232,14 +234,14 @@ impl HalfEdges {
     }
 }
 
-/// See [`HalfEdges::around`].
-pub(crate) struct Around<'a> {
+/// Iterator of [`HalfEdges::one_ring`].
+pub(crate) struct OneRingIter<'a> {
     surface: &'a HalfEdges,
     first: u32,
     next: u32,
 }
 
-impl Iterator for Around<'_> {
+impl Iterator for OneRingIter<'_> {
     type Item = u32;
 
     #[inline]
@@ -266,26 +268,26 @@ mod tests {
         *state >> 33
     }
 
-    /// Everything that holds for a closed surface, from the faces alone.
+    /// Checks all invariants of a closed surface from the faces alone.
     fn check(surface: &HalfEdges) {
         let faces: Vec<[u32; 3]> = (0..surface.face_slots() as u32)
             .filter(|f| surface.has_face(*f))
             .map(|f| surface.corners(f))
             .collect();
         assert_eq!(faces.len(), surface.n_faces());
-        let again = HalfEdges::of(&faces, surface.vertex_slots()).expect("a closed manifold");
+        let again = HalfEdges::from_faces(&faces, surface.vertex_slots()).expect("a closed manifold");
         let n_vertices = (0..surface.vertex_slots() as u32).filter(|v| surface.has_vertex(*v)).count();
         assert_eq!(n_vertices + faces.len() - 3 * faces.len() / 2, 2, "a sphere");
         for v in 0..surface.vertex_slots() as u32 {
             assert_eq!(surface.has_vertex(v), again.has_vertex(v));
-            assert!(surface.around(v).all(|h| surface.start(h) == v));
-            assert_eq!(surface.around(v).count(), again.around(v).count());
+            assert!(surface.one_ring(v).all(|h| surface.start(h) == v));
+            assert_eq!(surface.one_ring(v).count(), again.one_ring(v).count());
         }
     }
 
     #[test]
     fn random_operations_leave_a_sphere() {
-        let mut surface = HalfEdges::of(&OCTAHEDRON, 6).unwrap();
+        let mut surface = HalfEdges::from_faces(&OCTAHEDRON, 6).unwrap();
         check(&surface);
         let mut state = 5;
         let mut done = [0; 3];
@@ -301,13 +303,13 @@ mod tests {
                     assert!(surface.between(z, b).is_some());
                     done[0] += 1;
                 }
-                1 if surface.may_flip(h) => {
+                1 if surface.can_flip(h) => {
                     let ends = [surface.apex(surface.twin(h)), surface.apex(h)];
                     surface.flip(h);
                     assert_eq!([surface.start(h), surface.end(h)], ends);
                     done[1] += 1;
                 }
-                2 if surface.may_collapse(h) => {
+                2 if surface.can_collapse(h) => {
                     surface.collapse(h);
                     done[2] += 1;
                 }
@@ -322,15 +324,15 @@ mod tests {
 
     #[test]
     fn what_is_no_closed_manifold_is_refused() {
-        assert!(HalfEdges::of(&OCTAHEDRON[1..], 6).is_none(), "open");
+        assert!(HalfEdges::from_faces(&OCTAHEDRON[1..], 6).is_none(), "open");
         let mut turned = OCTAHEDRON;
         turned[0] = [0, 4, 2];
-        assert!(HalfEdges::of(&turned, 6).is_none(), "a face turned over");
+        assert!(HalfEdges::from_faces(&turned, 6).is_none(), "a face turned over");
         let two: Vec<[u32; 3]> = OCTAHEDRON
             .into_iter()
             .chain(OCTAHEDRON.map(|f| f.map(|v| if v == 0 { 0 } else { v + 5 })))
             .collect();
-        assert!(HalfEdges::of(&two, 11).is_none(), "two fans about one vertex");
-        assert!(HalfEdges::of(&[[0, 1, 9]], 3).is_none(), "an index beyond the vertices");
+        assert!(HalfEdges::from_faces(&two, 11).is_none(), "two fans about one vertex");
+        assert!(HalfEdges::from_faces(&[[0, 1, 9]], 3).is_none(), "an index beyond the vertices");
     }
 }

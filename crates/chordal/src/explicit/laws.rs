@@ -1,28 +1,30 @@
-//! The laws of cubic curves: one test suite that every implementation must pass, run by [`curve_laws!`](crate::curve_laws).
+//! The laws of cubic curves: one test suite for every implementation, run by
+//! [`curve_laws!`](crate::curve_laws).
 //!
-//! Lengths are compared in units in the last place (ulp) of the curve's size, its largest absolute coordinate. One
-//! evaluation is three levels of `(1−t)·a + t·b`, each four roundings of at most half an ulp, most of which cancel.
+//! Lengths are compared in units in the last place (ulp) of the curve's size, its largest absolute
+//! coordinate. One evaluation is three levels of `(1−t)·a + t·b`, each four roundings of at most half an ulp,
+//! most of which cancel.
 use super::Bezier;
 
-/// What the laws ask of a cubic Bézier curve in `D` dimensions.
-pub trait Cubic<const D: usize>: Sized {
+/// The operations of a cubic Bézier curve in `D` dimensions that the laws need.
+pub trait CubicCurve<const D: usize>: Sized {
     /// The curve with these control points.
     fn from_control(control: [[f64; D]; 4]) -> Self;
     /// The control points.
     fn control(&self) -> [[f64; D]; 4];
     /// The point at `t` by the Bernstein form.
     fn at(&self, t: f64) -> [f64; D];
-    /// The point at `t` by repeated interpolation.
+    /// The point at `t` by repeated linear interpolation.
     fn by_de_casteljau(&self, t: f64) -> [f64; D];
     /// The first derivative at `t`.
     fn tangent(&self, t: f64) -> [f64; D];
     /// The parts left and right of `t`.
     fn split(&self, t: f64) -> [Self; 2];
-    /// The symmetric three-affine form.
+    /// The blossom, symmetric and affine in each of its three arguments.
     fn blossom(&self, a: f64, b: f64, c: f64) -> [f64; D];
 }
 
-impl<const D: usize> Cubic<D> for Bezier<D> {
+impl<const D: usize> CubicCurve<D> for Bezier<D> {
     fn from_control(control: [[f64; D]; 4]) -> Self {
         Self { control }
     }
@@ -46,7 +48,8 @@ impl<const D: usize> Cubic<D> for Bezier<D> {
     }
 }
 
-/// Makes a module of tests, one for each law, that run on random curves of a type that is [`Cubic`](crate::explicit::laws::Cubic).
+/// Makes a module with one test for each law, on random curves of a type that implements
+/// [`CubicCurve`](crate::explicit::laws::CubicCurve).
 ///
 /// ```
 /// chordal::curve_laws!(bezier_in_space, chordal::Bezier<3>, 3);
@@ -73,15 +76,16 @@ macro_rules! curve_laws {
 
 /// Two evaluations of one point differ by at most this many ulp.
 const SAME: f64 = 4.0;
-/// A split before the evaluation adds its own rounding, and that of the parameter: up to 3·eps times the slope, which is at most 2 sizes.
+/// A split before the evaluation adds its own rounding, and that of the parameter: up to 3·eps times the
+/// slope, which is at most 2 sizes.
 const DERIVED: f64 = 16.0;
 
-/// xorshift64*: enough for test data, and the same everywhere.
-struct Random(u64);
+/// xorshift64*: sufficient for test data, and the same on every machine.
+struct XorShift64(u64);
 
 const SEED: u64 = 0x9e37_79b9_7f4a_7c15;
 
-impl Random {
+impl XorShift64 {
     fn unit(&mut self) -> f64 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
@@ -93,9 +97,9 @@ impl Random {
         std::array::from_fn(|_| centre + size * (2.0 * self.unit() - 1.0))
     }
 
-    /// Loose, far from the origin, and pulled together, from 1e-6 to 1e6.
+    /// Control points in general position, far from the origin, or coinciding, at scales from 1e-6 to 1e6.
     fn control<const D: usize>(&mut self, case: usize) -> [[f64; D]; 4] {
-        // The scales that the laws are tried at, six orders of magnitude each way.
+        // The tested scales, six orders of magnitude each way.
         let size = [1e-6, 1e-3, 1.0, 1e3, 1e6][case % 5];
         let centre = [0.0, 100.0 * size][case / 5 % 2];
         let mut control = std::array::from_fn(|_| self.point(centre, size));
@@ -110,9 +114,9 @@ impl Random {
     }
 }
 
-/// Calls `law` with curves, the ulp of the size of each, and parameters; what panics names the seed.
-fn for_curves<C: Cubic<D>, const D: usize>(law: impl Fn(&C, f64, f64) -> Result<(), String>) {
-    let mut random = Random(SEED);
+/// Calls `law` with curves, the ulp of the size of each, and parameters. A failure reports the seed.
+fn for_curves<C: CubicCurve<D>, const D: usize>(law: impl Fn(&C, f64, f64) -> Result<(), String>) {
+    let mut random = XorShift64(SEED);
     for case in 0..500 {
         let control = random.control(case);
         let curve = C::from_control(control);
@@ -140,11 +144,11 @@ fn blend<const D: usize>(a: [f64; D], b: [f64; D], t: f64) -> [f64; D] {
     std::array::from_fn(|k| (1.0 - t) * a[k] + t * b[k])
 }
 
-/// The weight of each control point, found by moving that point alone.
+/// Each control point's weight, found by moving that point alone, is ≥ 0, and the weights sum to 1.
 ///
 /// # Panics
 /// When the law is broken.
-pub fn weights_are_at_least_0_and_sum_to_1<C: Cubic<D>, const D: usize>() {
+pub fn weights_are_at_least_0_and_sum_to_1<C: CubicCurve<D>, const D: usize>() {
     for_curves::<C, D>(|_, _, t| {
         let weight = |i: usize| {
             let control = std::array::from_fn(|j| [if i == j { 1.0 } else { 0.0 }; D]);
@@ -155,7 +159,7 @@ pub fn weights_are_at_least_0_and_sum_to_1<C: Cubic<D>, const D: usize>() {
         if weights.iter().any(|w| *w < 0.0) {
             return Err(format!("a weight is negative: {weights:?}"));
         }
-        // In steps of 1, which is what the sum is near to.
+        // In steps of 1, because the sum is near 1.
         near("the sum of the weights", [[sum], [1.0]], SAME * f64::EPSILON)
     });
 }
@@ -164,7 +168,7 @@ pub fn weights_are_at_least_0_and_sum_to_1<C: Cubic<D>, const D: usize>() {
 ///
 /// # Panics
 /// When the law is broken.
-pub fn starts_and_ends_at_its_end_points<C: Cubic<D>, const D: usize>() {
+pub fn starts_and_ends_at_its_end_points<C: CubicCurve<D>, const D: usize>() {
     for_curves::<C, D>(|curve, _, _| {
         near("the start", [curve.at(0.0), curve.control()[0]], 0.0)?;
         near("the end", [curve.at(1.0), curve.control()[3]], 0.0)
@@ -175,7 +179,7 @@ pub fn starts_and_ends_at_its_end_points<C: Cubic<D>, const D: usize>() {
 ///
 /// # Panics
 /// When the law is broken.
-pub fn leaves_and_arrives_along_its_legs<C: Cubic<D>, const D: usize>() {
+pub fn leaves_and_arrives_along_its_legs<C: CubicCurve<D>, const D: usize>() {
     for_curves::<C, D>(|curve, ulp, _| {
         let [p0, p1, p2, p3] = curve.control();
         let leg = |a: [f64; D], b: [f64; D]| std::array::from_fn(|k| 3.0 * (b[k] - a[k]));
@@ -184,12 +188,12 @@ pub fn leaves_and_arrives_along_its_legs<C: Cubic<D>, const D: usize>() {
     });
 }
 
-/// In every one of some directions, no point of the curve is further out than the furthest control point.
+/// In each of several directions, no point of the curve is farther out than the farthest control point.
 ///
 /// # Panics
 /// When the law is broken.
-pub fn stays_inside_its_hull<C: Cubic<D>, const D: usize>() {
-    let mut random = Random(SEED);
+pub fn stays_inside_its_hull<C: CubicCurve<D>, const D: usize>() {
+    let mut random = XorShift64(SEED);
     let mut directions: Vec<[f64; D]> = (0..16).map(|_| random.point(0.0, 1.0 / D as f64)).collect();
     directions.extend(
         (0..D).flat_map(|k| [1.0, -1.0].map(|s| std::array::from_fn(|j| if j == k { s } else { 0.0 }))),
@@ -212,21 +216,21 @@ pub fn stays_inside_its_hull<C: Cubic<D>, const D: usize>() {
     });
 }
 
-/// Both ways to evaluate agree to 4 ulp of the size.
+/// Both evaluations agree to 4 ulp of the size.
 ///
 /// # Panics
 /// When the law is broken.
-pub fn bernstein_equals_de_casteljau<C: Cubic<D>, const D: usize>() {
+pub fn bernstein_equals_de_casteljau<C: CubicCurve<D>, const D: usize>() {
     for_curves::<C, D>(|curve, ulp, t| {
         near("the point", [curve.at(t), curve.by_de_casteljau(t)], SAME * ulp)
     });
 }
 
-/// The two parts meet, keep the ends, and run through the points of the whole.
+/// The two parts meet, keep the ends, and evaluate to points of the whole curve.
 ///
 /// # Panics
 /// When the law is broken.
-pub fn halves_evaluate_to_the_whole<C: Cubic<D>, const D: usize>() {
+pub fn halves_evaluate_to_the_whole<C: CubicCurve<D>, const D: usize>() {
     for_curves::<C, D>(|curve, ulp, t| {
         for cut in [0.5, t] {
             let [left, right] = curve.split(cut);
@@ -242,12 +246,12 @@ pub fn halves_evaluate_to_the_whole<C: Cubic<D>, const D: usize>() {
     });
 }
 
-/// The blossom is the curve on its diagonal, the control points at 0 and 1, the same in any order of its arguments,
-/// and affine in each.
+/// The blossom equals the curve on its diagonal and the control points at 0 and 1. It is the same in any
+/// order of its arguments, and affine in each.
 ///
 /// # Panics
 /// When the law is broken.
-pub fn blossom_is_symmetric_and_affine<C: Cubic<D>, const D: usize>() {
+pub fn blossom_is_symmetric_and_affine<C: CubicCurve<D>, const D: usize>() {
     for_curves::<C, D>(|curve, ulp, t| {
         let (a, b, c) = (t, 0.3, 0.85);
         let value = curve.blossom(a, b, c);

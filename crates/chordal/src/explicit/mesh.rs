@@ -3,7 +3,7 @@ use super::twins::MAX_HALF_EDGES;
 use crate::math::Box3;
 use std::fmt;
 
-/// What an attribute means.
+/// The meaning of an attribute.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Semantic {
     /// Unit normals, 3 wide.
@@ -16,29 +16,29 @@ pub enum Semantic {
     Color(u32),
     /// The index of a material or smoothing group, 1 wide.
     Group(String),
-    /// Anything else, by the name that the file gave it.
+    /// Anything else, under the name in the file.
     Custom(String),
 }
 
-/// To what the rows of an attribute belong.
+/// The elements that the rows of an attribute belong to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Domain {
-    /// One row a vertex.
+    /// One row per vertex.
     Vertex,
-    /// Three rows a face, in the order of its corners.
+    /// Three rows per face, in the order of its corners.
     Corner,
-    /// One row a face.
+    /// One row per face.
     Face,
 }
 
-/// One stream of values: `width` numbers a row.
+/// A stream of values with `width` numbers per row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attribute {
-    /// What it means.
+    /// Its meaning.
     pub semantic: Semantic,
-    /// To what its rows belong.
+    /// The elements its rows belong to.
     pub domain: Domain,
-    /// Numbers a row, 1 to 16.
+    /// Numbers per row, 1 to 16.
     pub width: usize,
     /// All rows, one after the other.
     pub values: Vec<f64>,
@@ -63,10 +63,10 @@ impl Attribute {
     }
 }
 
-/// Triangles: `faces` is m × 3, indices into `positions`, n × 3, all finite. Counter-clockwise is the front.
+/// Triangles: `faces` is m × 3, indices into `positions`, n × 3, all finite. The front is counter-clockwise.
 ///
-/// Vertices that differ only in their attributes (the two sides of a hard edge) are separate rows tied together by
-/// [`Mesh::position_id`], so that a cube with 24 vertices is still closed.
+/// Vertices that differ only in their attributes (the two sides of a hard edge) are separate rows.
+/// [`Mesh::position_id`] links them, so that a cube with 24 vertices is still closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     positions: Vec<[f64; 3]>,
@@ -79,8 +79,8 @@ impl Mesh {
     /// A mesh without attributes.
     ///
     /// # Errors
-    /// [`InvalidMesh`] when a coordinate is not finite, an index is out of range, or there are more than 2³² − 2
-    /// positions or 715,827,881 faces: half-edges are counted in 31 bits.
+    /// [`InvalidMesh`] when a coordinate is not finite, an index is out of range, or there are more than 2³²
+    /// − 2 positions or 715,827,881 faces: half-edges are counted in 31 bits.
     pub fn new(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Result<Self, InvalidMesh> {
         if let Some(row) = positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
             return Err(InvalidMesh::NotFinite { row, value: positions[row] });
@@ -99,19 +99,19 @@ impl Mesh {
         Ok(Self { positions, faces, position_id: None, attributes: Vec::new() })
     }
 
-    /// A mesh whose maker guarantees that positions are finite, indices in range and counts within limits. Looking again
-    /// takes as long as a third of making the triangles of a volume.
+    /// A mesh whose caller guarantees finite positions, valid indices and counts within the limits. A second
+    /// check would take a third of the time that the triangles of a volume take.
     pub(crate) fn by_construction(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Self {
         debug_assert!(Self::new(positions.clone(), faces.clone()).is_ok(), "the maker's proof is broken");
         Self { positions, faces, position_id: None, attributes: Vec::new() }
     }
 
-    /// The same mesh with vertices tied by position: row i belongs to position `id[i]`, and rows of one id have
-    /// bit-identical positions.
+    /// The same mesh with vertices linked by position: row i belongs to position `id[i]`. Rows with the same
+    /// id have bit-identical positions.
     ///
     /// # Errors
-    /// [`InvalidMesh`] when the length differs from the number of positions, an id is not below that number, or two
-    /// rows of one id differ.
+    /// [`InvalidMesh`] when the length differs from the number of positions, an id is not below that number,
+    /// or two rows of one id differ.
     pub fn with_position_id(mut self, id: Vec<u32>) -> Result<Self, InvalidMesh> {
         if id.len() != self.positions.len() {
             return Err(InvalidMesh::Length {
@@ -132,7 +132,7 @@ impl Mesh {
         Ok(self)
     }
 
-    /// The same mesh with one more attribute.
+    /// The same mesh with another attribute.
     ///
     /// # Errors
     /// [`InvalidMesh::Length`] when the number of values does not fit the domain.
@@ -153,25 +153,25 @@ impl Mesh {
         Ok(self)
     }
 
-    /// n × 3 coordinates.
+    /// The coordinates, n × 3.
     #[must_use]
     pub fn positions(&self) -> &[[f64; 3]] {
         &self.positions
     }
 
-    /// m × 3 indices into the positions.
+    /// The indices into the positions, m × 3.
     #[must_use]
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
     }
 
-    /// Which vertices share a position; `None` when each vertex has its own.
+    /// For each vertex the id of its position; `None` when each vertex has its own.
     #[must_use]
     pub fn position_id(&self) -> Option<&[u32]> {
         self.position_id.as_deref()
     }
 
-    /// The position that vertex `index` belongs to.
+    /// The position of vertex `index`.
     #[inline]
     #[must_use]
     pub fn position_of(&self, index: u32) -> u32 {
@@ -193,7 +193,7 @@ impl Mesh {
         &self.attributes
     }
 
-    /// The first attribute of that meaning.
+    /// The first attribute with this meaning.
     #[must_use]
     pub fn attribute(&self, semantic: &Semantic) -> Option<&Attribute> {
         self.attributes.iter().find(|a| a.semantic == *semantic)
@@ -206,16 +206,17 @@ impl Mesh {
         self.faces[face].map(|i| self.positions[i as usize])
     }
 
-    /// The box of the positions.
+    /// The bounding box of the positions.
     #[must_use]
     pub fn bounds(&self) -> Box3 {
-        Box3::around(&self.positions)
+        Box3::from_points(&self.positions)
     }
 
     /// The same topology and attributes with other positions, as after rounding to the written precision.
     ///
     /// # Errors
-    /// [`InvalidMesh`] when their number differs, one is not finite, or vertices of one position id part.
+    /// [`InvalidMesh`] when their number differs, one is not finite, or vertices with the same position id
+    /// separate.
     pub fn with_positions(&self, positions: Vec<[f64; 3]>) -> Result<Self, InvalidMesh> {
         if positions.len() != self.positions.len() {
             return Err(InvalidMesh::Length {
@@ -233,17 +234,17 @@ impl Mesh {
     }
 }
 
-/// Why arrays make no mesh.
+/// Why arrays do not form a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub enum InvalidMesh {
     /// A coordinate is NaN or infinite.
     NotFinite {
-        /// The row of `positions`.
+        /// Its row in `positions`.
         row: usize,
-        /// What stands there.
+        /// The value in that row.
         value: [f64; 3],
     },
-    /// A face names a position that is not there.
+    /// A face refers to a position that does not exist.
     IndexOutOfRange {
         /// The row of `faces`.
         face: usize,
@@ -252,9 +253,9 @@ pub enum InvalidMesh {
         /// The number of positions.
         limit: u32,
     },
-    /// More positions than u32 indices can name.
+    /// More positions than u32 indices can address.
     TooManyPositions(usize),
-    /// More faces than 31 bits can name the half-edges of.
+    /// More faces than 31-bit half-edge indices can address.
     TooManyFaces(usize),
     /// An array has the wrong length.
     Length {
@@ -262,10 +263,10 @@ pub enum InvalidMesh {
         what: &'static str,
         /// Its length.
         rows: usize,
-        /// The length that fits.
+        /// The expected length.
         expected: usize,
     },
-    /// A row of `position_id` is out of range or ties two different positions.
+    /// A row of `position_id` is out of range or links two different positions.
     PositionId {
         /// The row.
         row: usize,

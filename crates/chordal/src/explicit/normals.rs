@@ -5,7 +5,7 @@ mod smooth;
 
 pub(crate) use shading::with_vertex_normals;
 pub use shading::{Shading, with_normals};
-pub use smooth::{Weight, smooth_normals};
+pub use smooth::{NormalWeight, smooth_normals};
 
 use super::Mesh;
 use glam::DVec3;
@@ -33,10 +33,10 @@ pub fn face_normal(corners: [[f64; 3]; 3]) -> Option<[f64; 3]> {
     (longest > 0.0).then(|| (normal / longest).normalize().into())
 }
 
-/// One unit normal a vertex: [`smooth_normals`] with the faces weighted by their angle at the vertex.
+/// One unit normal per vertex: [`smooth_normals`] with the faces weighted by their angle at the vertex.
 ///
 /// Source: G. Thürmer and C. Wüthrich, *Computing vertex normals from polygonal facets*, 1998.
 #[must_use]
 pub fn vertex_normals(mesh: &Mesh) -> Vec<[f64; 3]> {
-    smooth_normals(mesh, Weight::Angle)
+    smooth_normals(mesh, NormalWeight::Angle)
 }

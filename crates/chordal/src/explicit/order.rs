@@ -1,22 +1,24 @@
-//! The order of triangles and vertices, for processors that keep the last few vertices at hand.
+//! The order of triangles and vertices for graphics processors, which cache the last few vertices.
 //!
-//! A graphics processor computes a vertex once as long as it stays in a small cache. How often it computes one for each
-//! triangle is the average cache miss ratio, ACMR: 3 without any sharing, 0.5 at best on a large closed mesh.
+//! A graphics processor computes a vertex once as long as it stays in a small cache. The number of vertices
+//! computed per triangle is the average cache miss ratio, ACMR: 3 without any sharing, 0.5 at best on a large
+//! closed mesh.
 
-/// The cache that an order is made for: as large as those of most processors, and orders made for it suit smaller ones.
+/// The size of the cache that orders are optimized for: that of most processors. Orders for it suit smaller
+/// ones too.
 const CACHE: usize = 32;
-/// Scores that decide which triangle comes next, as measured by the author of the method: how fast they fall with the
-/// place in the cache, what the three vertices of the last triangle get, and what a vertex gets for having few triangles
-/// left, so that none stays behind alone.
+/// Scores that choose the next triangle, as measured by the author of the method: the exponent of their decay
+/// along the cache, the score of the last triangle's three vertices, and the bonus of vertices with few
+/// triangles left, so that none of these is left isolated.
 const DECAY: f64 = 1.5;
 const LAST: f64 = 0.75;
 const FEW_LEFT: f64 = 2.0;
-/// Triangles left at a vertex up to which their number counts.
+/// The largest number of triangles left at a vertex that the score distinguishes.
 const MOST_LEFT: usize = 64;
 const NONE: u32 = u32::MAX;
 
-/// How many vertices a first-in, first-out cache of `cache` places computes for each triangle, drawn in order; 0 without
-/// triangles. Time O(n).
+/// The number of vertices that a first-in, first-out cache of `cache` entries computes per triangle, drawn in
+/// order; 0 without triangles. Time O(n).
 ///
 /// ```
 /// use chordal::explicit::acmr;
@@ -31,10 +33,10 @@ pub fn acmr(faces: &[[u32; 3]], cache: u32) -> f64 {
     cache_misses(faces, cache) as f64 / faces.len() as f64
 }
 
-/// How many vertices a first-in, first-out cache of `cache` places computes in all.
+/// The total number of vertices that a first-in, first-out cache of `cache` entries computes.
 #[must_use]
 pub fn cache_misses(faces: &[[u32; 3]], cache: u32) -> u64 {
-    // A vertex is in the cache as long as fewer than `cache` others came in after it.
+    // A vertex is in the cache as long as fewer than `cache` others have entered after it.
     let mut came_in = vec![0_u64; n_vertices(faces)];
     let mut misses = 0_u64;
     for &vertex in faces.as_flattened() {
@@ -51,10 +53,10 @@ fn n_vertices(faces: &[[u32; 3]]) -> usize {
     faces.as_flattened().iter().max().map_or(0, |most| *most as usize + 1)
 }
 
-/// The order in which to draw triangles so that vertices are used again while they are in the cache: a permutation of the
-/// rows of `faces`. The corners of a triangle keep their order.
+/// The order of triangles that reuses vertices while they are in the cache: a permutation of the rows of
+/// `faces`. The corners of a triangle keep their order.
 ///
-/// The same on every machine. Time O(n), about 0.2 µs a triangle; memory about 30 bytes a triangle.
+/// The same on every machine. Time O(n), about 0.2 µs per triangle; memory about 30 bytes per triangle.
 ///
 /// ```
 /// use chordal::explicit::{acmr, cache_order};
@@ -72,12 +74,13 @@ pub fn cache_order(faces: &[[u32; 3]]) -> Vec<u32> {
 
 struct Forsyth<'a> {
     faces: &'a [[u32; 3]],
-    scores: Scores,
-    /// For each vertex where its triangles begin in `around`, and how many of them are left, which come first.
+    scores: VertexScores,
+    /// For each vertex the start of its triangles in `around`, and the number of those left, which come
+    /// first.
     first: Vec<u32>,
     left: Vec<u32>,
     around: Vec<u32>,
-    /// The place of each vertex in the cache, or `NONE`.
+    /// The index of each vertex in the cache, or `NONE`.
     place: Vec<u32>,
     vertex_score: Vec<f32>,
     is_drawn: Vec<bool>,
@@ -103,15 +106,15 @@ impl<'a> Forsyth<'a> {
                 *at += 1;
             }
         }
-        let scores = Scores::new();
-        let vertex_score = left.iter().map(|left| scores.of(NONE, *left)).collect();
+        let scores = VertexScores::new();
+        let vertex_score = left.iter().map(|left| scores.score(NONE, *left)).collect();
         let (place, is_drawn) = (vec![NONE; n], vec![false; faces.len()]);
         Self { faces, scores, first, left, around, place, vertex_score, is_drawn }
     }
 
     fn run(mut self) -> Vec<u32> {
         let mut order = Vec::with_capacity(self.faces.len());
-        // The latest first; three more than fit, which leave when they have been seen.
+        // The latest first; with space for three more, which leave after they are scored.
         let mut cache: Vec<u32> = Vec::with_capacity(CACHE + 3);
         let mut before = Vec::with_capacity(CACHE + 3);
         let (mut next, mut cursor) = (None, 0);
@@ -140,7 +143,7 @@ impl<'a> Forsyth<'a> {
         order
     }
 
-    /// Takes a triangle off those that are left at a vertex.
+    /// Removes a triangle from those left at a vertex.
     fn drop_face(&mut self, vertex: u32, face: u32) {
         let from = self.first[vertex as usize] as usize;
         let left = &mut self.left[vertex as usize];
@@ -151,12 +154,13 @@ impl<'a> Forsyth<'a> {
         }
     }
 
-    /// Scores all vertices of the cache anew, lets those go that do not fit, and finds the best triangle of all.
+    /// Updates the scores of all vertices in the cache, evicts those that do not fit, and finds the best
+    /// triangle.
     fn score(&mut self, cache: &mut Vec<u32>) -> Option<u32> {
         for (place, &v) in cache.iter().enumerate() {
             let place = if place < CACHE { place as u32 } else { NONE };
             self.place[v as usize] = place;
-            self.vertex_score[v as usize] = self.scores.of(place, self.left[v as usize]);
+            self.vertex_score[v as usize] = self.scores.score(place, self.left[v as usize]);
         }
         let mut best: Option<(f32, u32)> = None;
         for &v in cache.iter() {
@@ -164,7 +168,7 @@ impl<'a> Forsyth<'a> {
             for &face in &self.around[from..from + self.left[v as usize] as usize] {
                 let [a, b, c] = self.faces[face as usize].map(|v| self.vertex_score[v as usize]);
                 let score = a + b + c;
-                // Of equal ones the first in the file.
+                // Of equal ones the first in the input order.
                 if best.is_none_or(|(most, known)| score > most || (score == most && face < known)) {
                     best = Some((score, face));
                 }
@@ -175,13 +179,13 @@ impl<'a> Forsyth<'a> {
     }
 }
 
-/// Scores by place in the cache and by triangles left.
-struct Scores {
+/// Scores by the index in the cache and by the number of triangles left.
+struct VertexScores {
     by_place: [f32; CACHE],
     by_left: [f32; MOST_LEFT],
 }
 
-impl Scores {
+impl VertexScores {
     fn new() -> Self {
         let by_place = |place: usize| {
             let share = 1.0 - (place as f64 - 3.0) / (CACHE as f64 - 3.0);
@@ -194,7 +198,7 @@ impl Scores {
         }
     }
 
-    fn of(&self, place: u32, left: u32) -> f32 {
+    fn score(&self, place: u32, left: u32) -> f32 {
         if left == 0 {
             return 0.0;
         }
@@ -203,8 +207,8 @@ impl Scores {
     }
 }
 
-/// The order in which triangles first use vertices: old indices by new ones, so that what is drawn together lies together
-/// in memory. Vertices that no triangle uses are not among them. Time O(n).
+/// The order in which triangles first use vertices, as old indices by new ones: vertices drawn together are
+/// close in memory. Vertices that no triangle uses are left out. Time O(n).
 ///
 /// ```
 /// use chordal::explicit::fetch_order;

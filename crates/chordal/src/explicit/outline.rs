@@ -1,18 +1,18 @@
-//! `Outline`: closed paths in the plane that bound a region together, by a fill rule.
+//! `Outline`: closed paths in the plane that together bound a region, by a fill rule.
 use super::Curve;
 
-/// Which points of the plane a set of closed paths encloses.
+/// The rule for which points a set of closed paths encloses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FillRule {
-    /// Those that the paths wind around, counted with their directions.
+    /// Points with a nonzero winding number.
     #[default]
     NonZero,
-    /// Those that a ray leaves through an odd number of crossings.
+    /// Points from which a ray crosses the paths an odd number of times.
     EvenOdd,
 }
 
 impl FillRule {
-    /// Whether a point of this winding number is inside.
+    /// Whether a point with this winding number is inside.
     #[must_use]
     pub fn holds(self, winding: i32) -> bool {
         match self {
@@ -31,7 +31,8 @@ impl FillRule {
     }
 }
 
-/// A region of the plane: what its contours enclose by its rule. A contour that is open is closed by a straight line.
+/// A region of the plane: the points that its contours enclose by its rule. A straight line closes an open
+/// contour.
 ///
 /// ```
 /// use chordal::explicit::{FillRule, Outline};
@@ -42,6 +43,6 @@ impl FillRule {
 pub struct Outline {
     /// The paths.
     pub contours: Vec<Curve<2>>,
-    /// What of the plane they enclose.
+    /// The fill rule.
     pub rule: FillRule,
 }

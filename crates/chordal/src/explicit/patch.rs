@@ -1,11 +1,12 @@
 //! `Patch`: one bicubic Bézier patch.
 use super::Bezier;
-use super::bezier::{bernstein, mix};
+use super::bezier::{bernstein, lerp};
 use crate::math::Box3;
 
-/// A bicubic Bézier patch: `S(u, v) = Σ B_i(v)·B_j(u)·control[i][j]`, `u` along a row, `v` from row to row.
+/// A bicubic Bézier patch: `S(u, v) = Σ B_i(v)·B_j(u)·control[i][j]`, with `u` along a row and `v` from row
+/// to row.
 ///
-/// Its front is where `S_u × S_v` points.
+/// Its front is the side that `S_u × S_v` points to.
 ///
 /// ```
 /// use chordal::Patch;
@@ -19,9 +20,9 @@ pub struct Patch {
     pub control: [[[f64; 3]; 4]; 4],
 }
 
-/// One of the four boundary curves of a patch, in the order in which they run around its front.
+/// One of the four boundary curves of a patch, in their order around its front.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Side {
+pub enum PatchSide {
     /// `v = 0`, from `u = 0` to 1.
     Bottom,
     /// `u = 1`, from `v = 0` to 1.
@@ -32,13 +33,13 @@ pub enum Side {
     Left,
 }
 
-impl Side {
+impl PatchSide {
     /// All four, counter-clockwise.
     pub const ALL: [Self; 4] = [Self::Bottom, Self::Right, Self::Top, Self::Left];
 }
 
 impl Patch {
-    /// The flat patch with corner `origin` and sides `along_u` and `along_v`, evenly parametrized.
+    /// The flat, uniformly parametrized patch with corner `origin` and sides `along_u` and `along_v`.
     #[must_use]
     pub fn flat(origin: [f64; 3], along_u: [f64; 3], along_v: [f64; 3]) -> Self {
         let point = |i: usize, j: usize, k: usize| {
@@ -101,15 +102,15 @@ impl Patch {
         ]
     }
 
-    /// The unit normal of the front at `(u, v)`; at a pole, where one tangent vanishes, its limit from inside the
-    /// patch. `None` where there is none: both tangents vanish or are parallel.
+    /// The unit normal of the front at `(u, v)`; at a pole, where one tangent vanishes, its limit from inside
+    /// the patch. `None` where both tangents vanish or are parallel.
     #[must_use]
     pub fn normal(&self, u: f64, v: f64) -> Option<[f64; 3]> {
         let [by_u, by_v] = self.tangents(u, v);
         let least = self.least_tangent();
         let vanishes = |tangent| largest(tangent) <= least;
         let mixed = || self.second_derivatives(u, v)[1];
-        // Into the patch, S_u grows like ±(v − v0)·S_uv (and S_v like ±(u − u0)·S_uv).
+        // Away from the pole into the patch, S_u grows like ±(v − v0)·S_uv (and S_v like ±(u − u0)·S_uv).
         let inward = |t: f64| if t > 0.5 { -1.0 } else { 1.0 };
         let (unit, scale) = match (vanishes(by_u), vanishes(by_v)) {
             (false, false) => front(by_u, by_v),
@@ -120,20 +121,20 @@ impl Patch {
         (scale > 0.0 && scale.is_finite()).then_some(unit)
     }
 
-    /// A tangent no longer than this is its own rounding error and has no direction: 16 products and sums of the
+    /// A tangent this short is its own rounding error and has no direction: 16 products and sums of the
     /// patch's size.
     pub(super) fn least_tangent(&self) -> f64 {
         64.0 * f64::EPSILON * self.size()
     }
 
-    /// The value of the tensor blossom: `u` and `v` each with three arguments.
+    /// The tensor-product blossom, with three arguments for each of `u` and `v`.
     #[must_use]
     pub fn blossom(&self, u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
         let column = self.control.map(|row| Bezier { control: row }.blossom(u[0], u[1], u[2]));
         Bezier { control: column }.blossom(v[0], v[1], v[2])
     }
 
-    /// The part over `[u0, u1] × [v0, v1]`, over its own unit square.
+    /// The part over `[u0, u1] × [v0, v1]`, reparametrized to the unit square.
     #[must_use]
     pub fn part(&self, [u0, u1]: [f64; 2], [v0, v1]: [f64; 2]) -> Self {
         let rows = self.control.map(|row| Bezier { control: row }.part(u0, u1).control);
@@ -143,18 +144,18 @@ impl Patch {
         Self { control: std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i])) }
     }
 
-    /// The halves left and right of the middle: split in `u`.
+    /// The halves left and right of the middle, split in `u`.
     #[must_use]
     pub fn halves_u(&self) -> [Self; 2] {
         let split = self.control.map(|row| Bezier { control: row }.split(0.5));
         [0, 1].map(|half| Self { control: split.map(|row| row[half].control) })
     }
 
-    /// The halves below and above the middle: split in `v`.
+    /// The halves below and above the middle, split in `v`.
     #[must_use]
     pub fn halves_v(&self) -> [Self; 2] {
         let c = &self.control;
-        let middle = |a: &[[f64; 3]; 4], b: &[[f64; 3]; 4]| std::array::from_fn(|j| mix(a[j], b[j], 0.5));
+        let middle = |a: &[[f64; 3]; 4], b: &[[f64; 3]; 4]| std::array::from_fn(|j| lerp(a[j], b[j], 0.5));
         let first: [[[f64; 3]; 4]; 3] = [middle(&c[0], &c[1]), middle(&c[1], &c[2]), middle(&c[2], &c[3])];
         let second = [middle(&first[0], &first[1]), middle(&first[1], &first[2])];
         let point = middle(&second[0], &second[1]);
@@ -164,23 +165,23 @@ impl Patch {
         ]
     }
 
-    /// The boundary curve of a side, in the side's own direction.
+    /// The boundary curve of a side, in the direction of [`PatchSide`].
     #[must_use]
-    pub fn side(&self, side: Side) -> Bezier<3> {
+    pub fn side(&self, side: PatchSide) -> Bezier<3> {
         let c = &self.control;
         let control = match side {
-            Side::Bottom => c[0],
-            Side::Right => [c[0][3], c[1][3], c[2][3], c[3][3]],
-            Side::Top => [c[3][3], c[3][2], c[3][1], c[3][0]],
-            Side::Left => [c[3][0], c[2][0], c[1][0], c[0][0]],
+            PatchSide::Bottom => c[0],
+            PatchSide::Right => [c[0][3], c[1][3], c[2][3], c[3][3]],
+            PatchSide::Top => [c[3][3], c[3][2], c[3][1], c[3][0]],
+            PatchSide::Left => [c[3][0], c[2][0], c[1][0], c[0][0]],
         };
         Bezier { control }
     }
 
-    /// The box of the control points; the patch lies inside it.
+    /// The bounding box of the control points, which contains the patch.
     #[must_use]
-    pub fn hull(&self) -> Box3 {
-        Box3::around(self.control.iter().flatten())
+    pub fn bounds(&self) -> Box3 {
+        Box3::from_points(self.control.iter().flatten())
     }
 
     /// The largest absolute coordinate of the control points.
@@ -200,12 +201,12 @@ impl Patch {
     }
 }
 
-/// The unit vector along `a × b`, and the largest coordinate of the product; only when that is > 0 and finite, the
-/// vector means anything.
+/// The unit vector along `a × b`, and the largest coordinate of the product. The vector is valid only when
+/// that coordinate is > 0 and finite.
 #[inline(always)]
 pub(super) fn front(a: [f64; 3], b: [f64; 3]) -> ([f64; 3], f64) {
     let cross = [a[1] * b[2] - b[1] * a[2], a[2] * b[0] - b[2] * a[0], a[0] * b[1] - b[0] * a[1]];
-    // Scaled first, so that the squares of tiny patches do not underflow.
+    // Scaled first, so that the squares do not underflow for tiny patches.
     let scale = largest(cross);
     let [x, y, z] = [cross[0] / scale, cross[1] / scale, cross[2] / scale];
     let inverse = 1.0 / (x * x + y * y + z * z).sqrt();

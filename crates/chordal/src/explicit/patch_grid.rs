@@ -1,21 +1,20 @@
-//! `PatchGrid`: one patch at many parameters at once, to the same bits as one at a time.
+//! `PatchGrid`: one patch at many parameters at once, bit-identical to one at a time.
 //!
-//! The kernels are loops over parameters that lie side by side, with a body of plain scalar code that does what
-//! [`Patch::at`] and [`Patch::tangents`] do in the same order. Written out without closures or iterators in the body,
-//! such a loop is vectorised as a whole. Calling `Patch::at` in the loop was tried: it vectorised or not (2 or 14 ns a
-//! point) depending on where the compiler happened to inline. Eight-wide arrays with operators were tried: slower by
-//! 1.4 to 2.7 times.
+//! The kernels are loops over parameters in separate arrays. Their body is plain scalar code that does what
+//! [`Patch::at`] and [`Patch::tangents`] do in the same order. Without closures or iterators in the body such
+//! a loop is vectorised as a whole. Calling `Patch::at` in the loop was tried: it vectorised or not (2 or 14
+//! ns a point) depending on where the compiler happened to inline. Eight-wide arrays with operators were
+//! tried: slower by 1.4 to 2.7 times.
 use super::Patch;
 use super::bezier::bernstein;
 use super::patch::{front, largest};
 use crate::math::simd::{self, Isa, Kernel};
 
-/// Parameters that are laid out side by side at a time: enough for the widest registers to be full, few enough to
-/// stay in the first-level cache.
+/// Parameters per block: enough to fill the widest registers, few enough to stay in the first-level cache.
 const BLOCK: usize = 64;
 
-/// A patch, ready to be evaluated at many parameters on one instruction set. Results are bit-identical to
-/// [`Patch::at`] and [`Patch::normal`], on every set.
+/// A patch that is evaluated at many parameters on one instruction set. Results are bit-identical to
+/// [`Patch::at`] and [`Patch::normal`] on every set.
 ///
 /// ```
 /// use chordal::{Patch, explicit::PatchGrid};
@@ -31,7 +30,7 @@ pub struct PatchGrid<'a> {
 }
 
 impl<'a> PatchGrid<'a> {
-    /// For `patch`, on the set that [`simd::isa`] chose.
+    /// Evaluates `patch` on the instruction set chosen by [`simd::isa`].
     #[must_use]
     pub fn new(patch: &'a Patch) -> Self {
         Self { patch, isa: simd::isa() }
@@ -49,10 +48,10 @@ impl<'a> PatchGrid<'a> {
     /// When `uv` and `points` differ in length.
     pub fn points(&self, uv: &[[f64; 2]], points: &mut [[f64; 3]]) {
         assert_eq!(uv.len(), points.len(), "one point for each parameter");
-        simd::dispatch(self.isa, Points { patch: self.patch, uv, points });
+        simd::dispatch(self.isa, PatchPointsKernel { patch: self.patch, uv, points });
     }
 
-    /// As [`PatchGrid::points`], and `normals[i] = patch.normal(u, v)`.
+    /// Like [`PatchGrid::points`], and `normals[i] = patch.normal(u, v)`.
     ///
     /// # Panics
     /// When `uv`, `points` and `normals` differ in length.
@@ -64,17 +63,17 @@ impl<'a> PatchGrid<'a> {
     ) {
         self.points(uv, points);
         assert_eq!(uv.len(), normals.len(), "one normal for each parameter");
-        simd::dispatch(self.isa, Normals { patch: self.patch, uv, normals });
+        simd::dispatch(self.isa, PatchNormalsKernel { patch: self.patch, uv, normals });
     }
 }
 
-struct Points<'a> {
+struct PatchPointsKernel<'a> {
     patch: &'a Patch,
     uv: &'a [[f64; 2]],
     points: &'a mut [[f64; 3]],
 }
 
-impl Kernel for Points<'_> {
+impl Kernel for PatchPointsKernel<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -93,13 +92,13 @@ impl Kernel for Points<'_> {
     }
 }
 
-struct Normals<'a> {
+struct PatchNormalsKernel<'a> {
     patch: &'a Patch,
     uv: &'a [[f64; 2]],
     normals: &'a mut [Option<[f64; 3]>],
 }
 
-impl Kernel for Normals<'_> {
+impl Kernel for PatchNormalsKernel<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -117,7 +116,7 @@ impl Kernel for Normals<'_> {
                 shorter[i] = if a < b { a } else { b };
             }
             for (i, normal) in normals.iter_mut().enumerate() {
-                // Anything but the plain case, NaN included, is left to the one that knows them all.
+                // Only the plain case is handled here; `patch.normal` handles all others, NaN included.
                 let plain = shorter[i] > least && scale[i] > 0.0 && scale[i] < f64::INFINITY;
                 *normal = if plain { Some([x[i], y[i], z[i]]) } else { patch.normal(u[i], v[i]) };
             }
@@ -125,7 +124,7 @@ impl Kernel for Normals<'_> {
     }
 }
 
-/// Up to [`BLOCK`] parameters side by side; the rest is filled with zeros, evaluated and thrown away.
+/// Up to [`BLOCK`] parameters as separate arrays, padded with zeros whose results are discarded.
 #[inline(always)]
 fn side_by_side(uv: &[[f64; 2]]) -> [[f64; BLOCK]; 2] {
     let (mut us, mut vs) = ([0.0; BLOCK], [0.0; BLOCK]);
@@ -135,7 +134,7 @@ fn side_by_side(uv: &[[f64; 2]]) -> [[f64; BLOCK]; 2] {
     [us, vs]
 }
 
-type Control = [[[f64; 3]; 4]; 4];
+type PatchControl = [[[f64; 3]; 4]; 4];
 
 /// `Σ w_i·p_i`, in the order of [`super::Bezier::at`].
 #[inline(always)]
@@ -145,24 +144,24 @@ fn blend(w: [f64; 4], p: [f64; 4]) -> f64 {
 
 /// Coordinate `k` of row `i` as a curve in `u`.
 #[inline(always)]
-fn row(c: &Control, [i, k]: [usize; 2], w: [f64; 4]) -> f64 {
+fn row(c: &PatchControl, [i, k]: [usize; 2], w: [f64; 4]) -> f64 {
     blend(w, [c[i][0][k], c[i][1][k], c[i][2][k], c[i][3][k]])
 }
 
 /// Coordinate `k` of column `j` as a curve in `v`.
 #[inline(always)]
-fn column(c: &Control, [j, k]: [usize; 2], w: [f64; 4]) -> f64 {
+fn column(c: &PatchControl, [j, k]: [usize; 2], w: [f64; 4]) -> f64 {
     blend(w, [c[0][j][k], c[1][j][k], c[2][j][k], c[3][j][k]])
 }
 
-/// Coordinate `k` of the point, from the weights by `u` and by `v`.
+/// Coordinate `k` of the point, from the weights in `u` and in `v`.
 #[inline(always)]
-fn coordinate(c: &Control, k: usize, [u, v]: [[f64; 4]; 2]) -> f64 {
+fn coordinate(c: &PatchControl, k: usize, [u, v]: [[f64; 4]; 2]) -> f64 {
     blend(v, [row(c, [0, k], u), row(c, [1, k], u), row(c, [2, k], u), row(c, [3, k], u)])
 }
 
 #[inline(always)]
-fn point(c: &Control, u: [f64; 4], v: [f64; 4]) -> [f64; 3] {
+fn point(c: &PatchControl, u: [f64; 4], v: [f64; 4]) -> [f64; 3] {
     [coordinate(c, 0, [u, v]), coordinate(c, 1, [u, v]), coordinate(c, 2, [u, v])]
 }
 
@@ -178,20 +177,20 @@ fn slope(w: [f64; 3], p: [f64; 4]) -> f64 {
     w[0] * (p[1] - p[0]) + w[1] * (p[2] - p[1]) + w[2] * (p[3] - p[2])
 }
 
-/// Coordinate `k` of the derivative by `u`, from its slopes and the weights by `v`.
+/// Coordinate `k` of the derivative by `u`, from its slopes and the weights in `v`.
 #[inline(always)]
-fn slope_u(c: &Control, k: usize, (u, v): ([f64; 3], [f64; 4])) -> f64 {
+fn slope_u(c: &PatchControl, k: usize, (u, v): ([f64; 3], [f64; 4])) -> f64 {
     slope(u, [column(c, [0, k], v), column(c, [1, k], v), column(c, [2, k], v), column(c, [3, k], v)])
 }
 
-/// Coordinate `k` of the derivative by `v`, from the weights by `u` and its slopes.
+/// Coordinate `k` of the derivative by `v`, from the weights in `u` and its slopes.
 #[inline(always)]
-fn slope_v(c: &Control, k: usize, (u, v): ([f64; 4], [f64; 3])) -> f64 {
+fn slope_v(c: &PatchControl, k: usize, (u, v): ([f64; 4], [f64; 3])) -> f64 {
     slope(v, [row(c, [0, k], u), row(c, [1, k], u), row(c, [2, k], u), row(c, [3, k], u)])
 }
 
 #[inline(always)]
-fn tangents(c: &Control, u: f64, v: f64) -> ([f64; 3], [f64; 3]) {
+fn tangents(c: &PatchControl, u: f64, v: f64) -> ([f64; 3], [f64; 3]) {
     let (for_u, for_v) = ((slopes(u), bernstein(v)), (bernstein(u), slopes(v)));
     (
         [slope_u(c, 0, for_u), slope_u(c, 1, for_u), slope_u(c, 2, for_u)],

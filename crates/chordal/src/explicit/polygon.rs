@@ -1,11 +1,11 @@
-//! Questions to polygons in the plane: convex or not, which points are inside. Every answer is exact.
+//! Predicates for polygons in the plane: convexity, winding number, containment. Every answer is exact.
 use super::FillRule;
-use crate::math::{Orientation, Position, orient2d};
+use crate::math::{Orientation, PointInTriangle, orient2d};
 
-/// How often a closed polygon winds around a point, counter-clockwise; `None` where the point lies on a side, and where
-/// there is no corner.
+/// The winding number of a closed polygon around a point, counter-clockwise positive; `None` where the point
+/// lies on a side, and for an empty ring.
 ///
-/// `ring`: finite corners in order, the last one joined to the first. Time O(n).
+/// `ring`: finite corners in order; the last is joined to the first. Time O(n).
 ///
 /// ```
 /// use chordal::explicit::winding_number;
@@ -15,7 +15,7 @@ use crate::math::{Orientation, Position, orient2d};
 /// assert_eq!(winding_number(&square, [2.0, 0.5]), None);
 /// ```
 ///
-/// Source: D. Sunday, *Inclusion of a point in a polygon*, 2001, with exact sides.
+/// Source: D. Sunday, *Inclusion of a point in a polygon*, 2001, with exact predicates.
 #[must_use]
 pub fn winding_number(ring: &[[f64; 2]], point: [f64; 2]) -> Option<i32> {
     let mut winding = 0;
@@ -37,7 +37,7 @@ pub fn winding_number(ring: &[[f64; 2]], point: [f64; 2]) -> Option<i32> {
     Some(winding)
 }
 
-/// Whether the point lies on a side both ends of which are at or below its height, or both above.
+/// Whether the point lies on a side whose ends are both at or below its height, or both above.
 fn is_on_level_or_corner(from: [f64; 2], to: [f64; 2], point: [f64; 2]) -> bool {
     if to == point || from == point {
         return true;
@@ -46,31 +46,36 @@ fn is_on_level_or_corner(from: [f64; 2], to: [f64; 2], point: [f64; 2]) -> bool 
     from[1] == point[1] && to[1] == point[1] && is_between(point[0], from[0], to[0])
 }
 
-/// Where a point lies with respect to what several closed polygons enclose together by a rule; on any side of any of them
-/// it is on the boundary. Time O(n).
+/// The location of a point relative to the region that several closed polygons enclose by a fill rule. A
+/// point on any side of any polygon is on the boundary. Time O(n).
 ///
 /// ```
 /// use chordal::explicit::{FillRule, polygon_contains};
-/// use chordal::math::Position;
+/// use chordal::math::PointInTriangle;
 /// let square = |x: f64, size: f64| vec![[x, x], [x + size, x], [x + size, x + size], [x, x + size]];
 /// let rings = [square(0.0, 3.0), square(1.0, 1.0)];
-/// assert_eq!(polygon_contains(&rings, FillRule::EvenOdd, [1.5, 1.5]), Position::Outside);
-/// assert_eq!(polygon_contains(&rings, FillRule::NonZero, [1.5, 1.5]), Position::Inside);
+/// assert_eq!(polygon_contains(&rings, FillRule::EvenOdd, [1.5, 1.5]), PointInTriangle::Outside);
+/// assert_eq!(polygon_contains(&rings, FillRule::NonZero, [1.5, 1.5]), PointInTriangle::Inside);
 /// ```
 #[must_use]
-pub fn polygon_contains<R: AsRef<[[f64; 2]]>>(rings: &[R], rule: FillRule, point: [f64; 2]) -> Position {
+pub fn polygon_contains<R: AsRef<[[f64; 2]]>>(
+    rings: &[R],
+    rule: FillRule,
+    point: [f64; 2],
+) -> PointInTriangle {
     let mut winding = 0;
     for ring in rings.iter().map(AsRef::as_ref).filter(|ring| !ring.is_empty()) {
         match winding_number(ring, point) {
             Some(number) => winding += number,
-            None => return Position::Boundary,
+            None => return PointInTriangle::Boundary,
         }
     }
-    if rule.holds(winding) { Position::Inside } else { Position::Outside }
+    if rule.holds(winding) { PointInTriangle::Inside } else { PointInTriangle::Outside }
 }
 
-/// Whether a closed polygon is the border of a convex set, in either direction. Corners on a straight side are allowed;
-/// corners that repeat, spikes, a second time around and polygons without area are not. Exact. Time O(n).
+/// Whether a closed polygon is the boundary of a convex set, in either direction. Corners on a straight side
+/// are allowed. Repeated corners, spikes, a second winding and polygons without area are not. Exact. Time
+/// O(n).
 ///
 /// ```
 /// use chordal::explicit::is_convex;
@@ -88,7 +93,8 @@ pub fn is_convex(ring: &[[f64; 2]]) -> bool {
         if b == a {
             return false;
         }
-        // Around a convex polygon the order of corners turns twice: at its leftmost one and at its rightmost.
+        // Along a convex polygon the lexicographic order reverses twice: at its leftmost corner and at its
+        // rightmost.
         let turns_back = is_before(a, b) != is_before(b, c);
         reversals += usize::from(turns_back);
         match orient2d(a, b, c) {
@@ -103,8 +109,8 @@ pub fn is_convex(ring: &[[f64; 2]]) -> bool {
     sense != Orientation::Flat && reversals == 2
 }
 
-/// The n − 2 triangles from the first corner of a convex polygon of n corners to all sides that do not have it; none for
-/// fewer than three corners. The polygon should be convex ([`is_convex`]); a corner on a straight side beside the first
+/// The n − 2 triangles of the fan from the first corner of a polygon of n corners; none for fewer than three
+/// corners. The polygon should be convex ([`is_convex`]). A corner on a straight side next to the first
 /// corner gives a triangle without area.
 ///
 /// ```

@@ -1,9 +1,10 @@
-//! `Polyline`: points in a row, joined by straight segments.
+//! `Polyline`: a sequence of points joined by straight segments.
 
-/// Points joined by straight segments, with the place of each on the curve that it stands for.
+/// Points joined by straight segments, with the parameters of the curve that they approximate.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Polyline<const D: usize> {
-    /// The points, in order. A closed polyline does not repeat its first point: the segment back to it is implied.
+    /// The points, in order. A closed polyline does not repeat its first point; the segment back to it is
+    /// implicit.
     pub points: Vec<[f64; D]>,
     /// For each point its parameter on the curve (see [`Curve::at`](super::Curve::at)); empty when unknown.
     pub places: Vec<f64>,

@@ -1,10 +1,10 @@
-//! `Polynomial`: the one polynomial through all of many points, for comparison: what splines were made to avoid.
+//! `Polynomial`: the single polynomial through many points, for comparison with splines.
 use super::spline::InvalidSpline;
 
 /// The polynomial of least degree through `points` at `nodes`.
 ///
-/// Every point of it depends on every point given, and through equally spaced nodes it swings out of bounds near the
-/// ends (C. Runge, 1901): for 1/(1+25x²) at 11 nodes on [−1, 1] by 1.9 where the function is at most 1.
+/// Every point of it depends on every given point. Through equally spaced nodes it oscillates near the ends
+/// (C. Runge, 1901): for 1/(1+25x²) at 11 nodes on [−1, 1] by 1.9 where the function is at most 1.
 ///
 /// ```
 /// use chordal::explicit::Polynomial;
@@ -22,10 +22,10 @@ pub struct Polynomial<const D: usize> {
 }
 
 impl<const D: usize> Polynomial<D> {
-    /// Quadratic in the number of points.
+    /// The polynomial through `points` at `nodes`, in quadratic time.
     ///
     /// # Errors
-    /// No points, not one node for each, two equal nodes, numbers that are not finite.
+    /// When there is no point, not one node for each, two equal nodes, or numbers that are not finite.
     pub fn through(nodes: &[f64], points: &[[f64; D]]) -> Result<Self, InvalidSpline> {
         if points.is_empty() {
             return Err(InvalidSpline::TooFew(1));
@@ -36,7 +36,7 @@ impl<const D: usize> Polynomial<D> {
         if !nodes.iter().chain(points.as_flattened()).all(|x| x.is_finite()) {
             return Err(InvalidSpline::NotFinite);
         }
-        // Scaled by the width of all nodes, so that products of many differences stay in the range of numbers longer.
+        // Scaled by the width of all nodes, so that products of many differences overflow later.
         let (low, high) = nodes.iter().fold((nodes[0], nodes[0]), |(low, high), x| {
             (if *x < low { *x } else { low }, if *x > high { *x } else { high })
         });

@@ -1,8 +1,8 @@
-//! `Quad`: four corners in space, how far they are from one plane, and its two diagonals.
+//! `Quad`: four corners in space, their deviation from one plane, and the two diagonals.
 use super::Triangle;
 use crate::math::{Orientation, difference, length, orient3d};
 
-/// Four corners in order; counter-clockwise is the front.
+/// Four corners in order; the front is counter-clockwise.
 ///
 /// ```
 /// use chordal::explicit::{Diagonal, Quad};
@@ -17,7 +17,7 @@ pub struct Quad {
     pub corners: [[f64; 3]; 4],
 }
 
-/// The two ways to cut a quad.
+/// One of the two diagonals that split a quad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Diagonal {
     /// From corner 0 to corner 2.
@@ -27,7 +27,7 @@ pub enum Diagonal {
 }
 
 impl Diagonal {
-    /// The triangles on both sides, as places in the quad.
+    /// The two triangles, as indices of the quad's corners.
     #[must_use]
     pub const fn triangles(self) -> [[u32; 3]; 2] {
         match self {
@@ -37,13 +37,13 @@ impl Diagonal {
     }
 }
 
-/// Bends that differ by less count as equal, in radians: normals come with some units of 2⁻⁵³ in each coordinate, and
-/// their products and the arc tangent with as many again; 64 of them are allowed for.
+/// Bends that differ by less count as equal, in radians: normals have an error of some units of 2⁻⁵³ in each
+/// coordinate, and their products and the arc tangent add as many again; 64 of them are allowed for.
 const SAME_BEND: f64 = 32.0 * f64::EPSILON;
 
 impl Quad {
-    /// How far the fourth corner bulges out of the plane of the other three, positive to the front. 0 exactly where all
-    /// lie in one plane; `None` where the first three lie on one line.
+    /// The signed distance of the fourth corner from the plane of the other three, positive to the front. It
+    /// is exactly 0 where all lie in one plane, and `None` where the first three lie on one line.
     #[must_use]
     pub fn bulge(&self) -> Option<f64> {
         let [a, b, c, d] = self.corners;
@@ -57,13 +57,14 @@ impl Quad {
         orient3d(a, b, c, d) == Orientation::Flat
     }
 
-    /// The largest distance of a corner from the plane that is as far from all four: half the distance between the two
-    /// diagonals' lines. It does not depend on which corner comes first. `None` where the diagonals have one direction.
+    /// The largest distance of a corner from the plane that is equally far from all four: half the distance
+    /// between the lines of the diagonals. It does not depend on which corner comes first. `None` where the
+    /// diagonals are parallel.
     #[must_use]
     pub fn warp(&self) -> Option<f64> {
         let [a, b, c, d] = self.corners;
-        // A triangle whose sides run like the diagonals has the normal of both; `b` is as high over the first one's
-        // line as the lines are apart.
+        // A triangle with sides parallel to the diagonals has their common normal. The height of `b` over the
+        // first diagonal's line along it is the distance between the lines.
         let (along, across) = (difference(c, a), difference(d, b));
         let plane = Triangle { corners: [[0.0; 3], along, across] };
         if self.is_flat() {
@@ -72,8 +73,8 @@ impl Quad {
         plane.height_of(difference(b, a)).map(|height| 0.5 * height.abs())
     }
 
-    /// The angle between the normals of the two triangles for each diagonal, 0 where they lie flat, π where one folds
-    /// back on the other; `None` where one has no area.
+    /// For each diagonal the angle between the normals of its two triangles: 0 where they are coplanar, π
+    /// where one folds back onto the other, `None` where one has no area.
     #[must_use]
     pub fn bends_rad(&self) -> [Option<f64>; 2] {
         [Diagonal::First, Diagonal::Second].map(|diagonal| {
@@ -85,8 +86,8 @@ impl Quad {
         })
     }
 
-    /// The diagonal that bends least. The first one where both bend alike, as in a flat convex quad, and where neither
-    /// gives two triangles with area; the one that does where the other does not.
+    /// The diagonal with the smaller bend. The first one where both bend alike, as in a flat convex quad, and
+    /// where neither gives two triangles with area. Where only one does, it is that one.
     ///
     /// In a flat quad with a concave corner this is the diagonal that lies inside.
     #[must_use]
@@ -98,8 +99,8 @@ impl Quad {
         }
     }
 
-    /// How much an attribute differs between the ends of each diagonal: the lengths of the differences of its rows. The
-    /// diagonal with the smaller one shows the attribute with less of a ridge.
+    /// The difference of an attribute between the ends of each diagonal, as the length of the difference of
+    /// its rows. The diagonal with the smaller one shows less of a ridge in the attribute.
     ///
     /// ```
     /// use chordal::explicit::Quad;

@@ -1,41 +1,41 @@
-//! Splines: chains of cubic pieces through points or near them, as paths of Bézier pieces.
+//! Splines: chains of cubic pieces through or near points, as paths of Bézier pieces.
 //!
-//! | spline | through its points | continuity | moving one point changes |
+//! | spline | interpolates | continuity | moving one point changes |
 //! |---|---|---|---|
-//! | [`hermite`] | yes, with the tangents given | C1 | 2 pieces |
+//! | [`hermite`] | yes, with given tangents | C1 | 2 pieces |
 //! | [`catmull_rom`] | yes | C1 | 4 pieces |
 //! | [`natural`] | yes | C2 | all pieces, farther ones less |
 //! | [`b_spline`] | no | C2 | 4 pieces |
 //!
-//! Piece `i` starts at point `i` where the spline goes through its points. No more than one cubic spline can be
-//! C2, local and through its points at once: each of these gives up one of the three.
+//! In an interpolating spline piece `i` starts at point `i`. No cubic spline is C2, local and interpolating
+//! at once: each of these gives up one of the three.
 //!
-//! Sources: G. Farin, *Curves and Surfaces for CAGD*, 5th ed., 2002, ch. 8–9; E. Catmull, R. Rom, *A class of local
-//! interpolating splines*, 1974; C. Yuksel, S. Schaefer, J. Keyser, *Parameterization and applications of Catmull–Rom
-//! curves*, 2011 (centripetal: no cusps and no loops within a piece).
-use super::{Bezier, Curve, InvalidCurve, Piece};
+//! Sources: G. Farin, *Curves and Surfaces for CAGD*, 5th ed., 2002, ch. 8–9; E. Catmull, R. Rom, *A class of
+//! local interpolating splines*, 1974; C. Yuksel, S. Schaefer, J. Keyser, *Parameterization and applications
+//! of Catmull–Rom curves*, 2011 (centripetal: no cusps and no loops within a piece).
+use super::{Bezier, Curve, CurveSegment, InvalidCurve};
 use std::fmt;
 
-/// Where the parameters of the points lie.
+/// The knots, which are the parameters of the points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Knots {
-    /// At whole numbers.
+    /// Whole numbers.
     #[default]
     Uniform,
-    /// Apart by the square root of the distance of the points.
+    /// Knot intervals are the square roots of the distances of the points.
     Centripetal,
 }
 
 /// Why there is no spline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InvalidSpline {
-    /// This many points are needed.
+    /// There are fewer points than this.
     TooFew(usize),
-    /// There is not one tangent for each point.
+    /// The numbers of points and tangents differ.
     Tangents,
-    /// Two points in a row are equal, from this one on, and centripetal knots would be too.
+    /// This point and the next are equal, and so would be their centripetal knots.
     Repeated(usize),
-    /// A number is not finite, or grows so on the way.
+    /// A number is not finite, or an intermediate one overflows.
     NotFinite,
 }
 
@@ -63,7 +63,7 @@ impl From<InvalidCurve> for InvalidSpline {
 /// The path through `points` with these first derivatives (per piece) there.
 ///
 /// # Errors
-/// Fewer than two points, a tangent for each not given, numbers that are not finite.
+/// When there are fewer than two points, not one tangent for each, or numbers that are not finite.
 ///
 /// ```
 /// use chordal::explicit::spline;
@@ -85,12 +85,12 @@ pub fn hermite<const D: usize>(
 
 /// The path through `points` whose tangent at each point is a mean of the slopes of the two chords there.
 ///
-/// With uniform knots it is along the line from the point before to the point after. An open path takes the slope of
-/// its first and of its last chord at its ends.
+/// With uniform knots it is parallel to the line from the previous point to the next. At its ends an open
+/// path takes the slopes of its first and its last chord.
 ///
 /// # Errors
-/// Fewer than two points (three for a closed path), equal points in a row with centripetal knots, numbers that are not
-/// finite.
+/// When there are fewer than two points (three for a closed path), equal points in a row with centripetal
+/// knots, or numbers that are not finite.
 ///
 /// ```
 /// use chordal::explicit::spline::{self, Knots};
@@ -112,7 +112,7 @@ pub fn catmull_rom<const D: usize>(
         let (a, b) = (points[i], points[(i + 1) % n]);
         std::array::from_fn(|k| (b[k] - a[k]) / widths[i])
     };
-    // The derivative at a point, by the parameter of the knots.
+    // The derivative at a point, with respect to the knots.
     let tangent = |i: usize| -> [f64; D] {
         if !closed && i == 0 {
             return slope(0);
@@ -123,7 +123,7 @@ pub fn catmull_rom<const D: usize>(
         let before = (i + n_pieces - 1) % n_pieces;
         let (d0, d1) = (widths[before], widths[i]);
         let (s0, s1) = (slope(before), slope(i));
-        // The parabola through the three points.
+        // The derivative of the parabola through the three points.
         std::array::from_fn(|k| (d1 * s0[k] + d0 * s1[k]) / (d0 + d1))
     };
     let pieces = (0..n_pieces).map(|i| {
@@ -134,10 +134,10 @@ pub fn catmull_rom<const D: usize>(
     path(pieces, closed)
 }
 
-/// The widths of the pieces in the parameter of [`catmull_rom`]: in it the path is C1.
+/// The knot intervals of [`catmull_rom`], with respect to which the path is C1.
 ///
 /// # Errors
-/// When two points in a row are equal and the knots centripetal.
+/// When two points in a row are equal and the knots are centripetal.
 pub fn widths<const D: usize>(
     points: &[[f64; D]],
     knots: Knots,
@@ -157,13 +157,13 @@ pub fn widths<const D: usize>(
     (0..n_pieces).map(width).collect()
 }
 
-/// The smoothest path through `points`: C2, with no second derivative at its two ends.
+/// The smoothest path through `points`: C2, with second derivatives of zero at its two ends.
 ///
-/// Among all paths through the points at whole parameters it has the least integral of the square of the second
-/// derivative. One tridiagonal system, linear time.
+/// Among all paths through the points at whole parameters it has the least integral of the squared second
+/// derivative. It solves one tridiagonal system in linear time.
 ///
 /// # Errors
-/// Fewer than two points, numbers that are not finite.
+/// When there are fewer than two points, or numbers that are not finite.
 ///
 /// ```
 /// use chordal::explicit::spline;
@@ -175,8 +175,8 @@ pub fn widths<const D: usize>(
 pub fn natural<const D: usize>(points: &[[f64; D]]) -> Result<Curve<D>, InvalidSpline> {
     at_least(points, 2)?;
     let n = points.len();
-    // Rows [2 1], [1 4 1] …, [1 2] times the tangents are 3·(next − before). Elimination downwards, then upwards
-    // (L. H. Thomas, 1949); the matrix is diagonally dominant, so it is stable without exchanges.
+    // Rows [2 1], [1 4 1] …, [1 2] times the tangents are 3·(next − before). Elimination downwards, then
+    // upwards (L. H. Thomas, 1949); the matrix is diagonally dominant, so it is stable without pivoting.
     let right = |i: usize| -> [f64; D] {
         let (before, next) = (points[i.saturating_sub(1)], points[(i + 1).min(n - 1)]);
         std::array::from_fn(|k| 3.0 * (next[k] - before[k]))
@@ -205,18 +205,19 @@ pub fn natural<const D: usize>(points: &[[f64; D]]) -> Result<Curve<D>, InvalidS
     hermite(points, &tangents)
 }
 
-/// The uniform cubic B-spline with these control points: C2, near them but not through them, inside their hull.
+/// The uniform cubic B-spline with these control points: C2, near them but not through them, inside their
+/// hull.
 ///
-/// Piece `i` depends on the control points `i` to `i + 3` only, so that one moved point changes four pieces and not a
-/// bit of the others.
+/// Piece `i` depends only on the control points `i` to `i + 3`. So a moved point changes four pieces and
+/// leaves the others identical to the bit.
 ///
 /// # Errors
-/// Fewer than four points (three for a closed path), numbers that are not finite.
+/// When there are fewer than four points (three for a closed path), or numbers that are not finite.
 ///
 /// ```
 /// use chordal::explicit::spline;
 /// let path = spline::b_spline(&[[0.0, 0.0], [6.0, 0.0], [6.0, 6.0], [0.0, 6.0]], false)?;
-/// assert_eq!(path.pieces().len(), 1);
+/// assert_eq!(path.segments().len(), 1);
 /// assert_eq!((path.start(), path.end()), ([5.0, 1.0], [5.0, 5.0]));
 /// # Ok::<(), chordal::explicit::spline::InvalidSpline>(())
 /// ```
@@ -250,5 +251,5 @@ fn path<const D: usize>(
     pieces: impl Iterator<Item = Bezier<D>>,
     closed: bool,
 ) -> Result<Curve<D>, InvalidSpline> {
-    Ok(Curve::new(pieces.map(Piece::Cubic).collect(), closed)?)
+    Ok(Curve::new(pieces.map(CurveSegment::Cubic).collect(), closed)?)
 }

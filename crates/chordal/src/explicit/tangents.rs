@@ -1,25 +1,25 @@
-//! Tangents for normal maps, as every program that bakes or shows them computes them: MikkTSpace.
+//! Tangents for normal maps by MikkTSpace, the method of the programs that bake or render them.
 use super::{Attribute, Domain, InvalidMesh, Mesh, Semantic};
 use bevy_mikktspace::{Geometry, Ops, TangentSpace};
 
-/// The mesh with MikkTSpace tangents for the texture coordinates of a set, instead of any that it had; `None` where it
-/// has no such coordinates (2 wide) or no normals (3 wide), of vertices, corners or faces.
+/// The mesh with MikkTSpace tangents for the texture coordinates of a set, which replace any others. `None`
+/// where it has no such coordinates (2 wide) or no normals (3 wide), of vertices, corners or faces.
 ///
-/// Four numbers for each *corner*: the unit tangent, and the sign of the bitangent `sign · (normal × tangent)`. Corners
-/// of one vertex can differ, as where mirrored halves of a texture meet; written back to the vertices they would be
-/// wrong there. Formats that know attributes of vertices only double such vertices, as GLB does. A corner for which no
-/// tangent can be told, as on faces without area or without extent in the texture, has that of a neighbour or, without
-/// one, (1, 0, 0, 1).
+/// Four numbers for each *corner*: the unit tangent, and the sign of the bitangent `sign · (normal ×
+/// tangent)`. Corners of one vertex can differ, as where mirrored halves of a texture meet; one tangent per
+/// vertex would be wrong there. Formats that have vertex attributes only, such as GLB, duplicate such
+/// vertices. A corner without a defined tangent, as on faces without area or without extent in the texture,
+/// takes that of a neighbour or, without one, (1, 0, 0, 1).
 ///
-/// Single precision inside, about the middle of the mesh and in units of its extent, as the method is defined on floats
-/// and baked maps rely on it; the order of faces does not matter. Square root and arc cosine are `libm`'s, so that the
-/// result is the same on every machine. Texture coordinates are taken with v upwards, as in OBJ; for glTF's, which run
-/// down, the sign is the other one.
+/// The computation is in single precision, relative to the centre of the mesh and in units of its extent,
+/// because the method is defined on floats and baked maps rely on it. The order of faces does not matter.
+/// Square root and arc cosine are `libm`'s, so that the result is the same on every machine. Texture
+/// coordinates have v upwards, as in OBJ; for glTF's, which run down, the sign is the opposite.
 ///
-/// About 1 µs a face.
+/// About 1 µs per face.
 ///
 /// # Errors
-/// None with a mesh that holds together: [`InvalidMesh`] is passed on from building the result.
+/// None for a valid mesh: [`InvalidMesh`] is passed on from building the result.
 ///
 /// ```
 /// use chordal::Mesh;
@@ -38,8 +38,8 @@ use bevy_mikktspace::{Geometry, Ops, TangentSpace};
 /// # Ok::<(), chordal::explicit::InvalidMesh>(())
 /// ```
 ///
-/// Source: M. S. Mikkelsen, *Simulation of wrinkled surfaces revisited*, 2008; crate `bevy_mikktspace`, with both of its
-/// corrections of the sorting in the original.
+/// Source: M. S. Mikkelsen, *Simulation of wrinkled surfaces revisited*, 2008; crate `bevy_mikktspace`, with
+/// both of its corrections of the sorting in the original.
 #[must_use]
 pub fn with_tangents(mesh: &Mesh, set: u32) -> Option<Result<Mesh, InvalidMesh>> {
     let normals = mesh.attribute(&Semantic::Normal).filter(|rows| rows.width == 3)?;
@@ -47,7 +47,7 @@ pub fn with_tangents(mesh: &Mesh, set: u32) -> Option<Result<Mesh, InvalidMesh>>
     let bounds = mesh.bounds();
     let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
     let extent = half.fold(0.0, |most: f64, x| if x > most { x } else { most });
-    let mut corners = Corners {
+    let mut corners = MikktGeometry {
         mesh,
         normals,
         texture,
@@ -55,7 +55,7 @@ pub fn with_tangents(mesh: &Mesh, set: u32) -> Option<Result<Mesh, InvalidMesh>>
         extent: if extent > 0.0 { extent } else { 1.0 },
         values: [1.0, 0.0, 0.0, 1.0].repeat(3 * mesh.faces().len()),
     };
-    // The method has no way to fail: its error type has no value.
+    // The method cannot fail: its error type has no value.
     let _ = bevy_mikktspace::generate_tangents::<_, Libm>(&mut corners);
     let values = corners.values;
     Some(rebuilt(mesh, values))
@@ -72,7 +72,7 @@ fn rebuilt(mesh: &Mesh, values: Vec<f64>) -> Result<Mesh, InvalidMesh> {
     made.with_attribute(Attribute { semantic: Semantic::Tangent, domain: Domain::Corner, width: 4, values })
 }
 
-/// The same functions on every machine.
+/// Functions with the same results on every machine.
 struct Libm;
 
 impl Ops for Libm {
@@ -86,18 +86,18 @@ impl Ops for Libm {
     }
 }
 
-/// A mesh as the method asks for it.
-struct Corners<'a> {
+/// Adapter that gives the method access to a mesh.
+struct MikktGeometry<'a> {
     mesh: &'a Mesh,
     normals: &'a Attribute,
     texture: &'a Attribute,
     centre: [f64; 3],
     extent: f64,
-    /// What it answers: four numbers a corner.
+    /// The output, four numbers per corner.
     values: Vec<f64>,
 }
 
-impl Corners<'_> {
+impl MikktGeometry<'_> {
     fn row<'a>(&self, attribute: &'a Attribute, face: usize, corner: usize) -> &'a [f64] {
         attribute.row(match attribute.domain {
             Domain::Vertex => self.mesh.faces()[face][corner] as usize,
@@ -107,10 +107,11 @@ impl Corners<'_> {
     }
 }
 
-/// A number that no square of is infinite.
+/// The number in single precision, clamped so that its square is finite.
 #[allow(clippy::cast_possible_truncation)]
 fn single(x: f64) -> f32 {
-    // Texture coordinates of a file may be anything; past 2^40 they tell nothing any more, and NaN tells nothing at all.
+    // Texture coordinates in a file may be anything; past 2^40 they have no meaning any more, and NaN has
+    // none at all.
     const MOST: f64 = (1_u64 << 40) as f64;
     if x > MOST {
         MOST as f32
@@ -123,7 +124,7 @@ fn single(x: f64) -> f32 {
     }
 }
 
-impl Geometry<Libm> for Corners<'_> {
+impl Geometry<Libm> for MikktGeometry<'_> {
     fn num_faces(&self) -> usize {
         self.mesh.faces().len()
     }

@@ -1,13 +1,13 @@
-//! `Topology`: which rows of a mesh count as one position.
+//! `Topology`: the rule by which rows of a mesh count as one position.
 use super::Mesh;
 
-/// What makes two rows of a mesh the same position, and so two triangles neighbours.
+/// The rule by which two rows of a mesh are the same position, and so two triangles neighbours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Topology {
-    /// The mesh's own word: equal [`Mesh::position_id`], or equal indices where it has none.
+    /// The ids of the mesh: equal [`Mesh::position_id`], or equal indices where it has none.
     Indices,
-    /// Bit-identical coordinates, `−0.0` and `0.0` taken as equal ([`position_id_by_bits`]): for formats that carry
-    /// no indices of positions, as STL and glTF.
+    /// Bit-identical coordinates, with `−0.0` and `0.0` equal ([`position_id_by_bits`]): for formats without
+    /// position indices, such as STL and glTF.
     Positions,
 }
 
@@ -21,7 +21,7 @@ impl Topology {
         }
     }
 
-    /// The position of every row, n ids below n; `None` when each row is its own.
+    /// The position id of every row, n ids below n; `None` when each row is its own position.
     #[must_use]
     pub fn ids(self, mesh: &Mesh) -> Option<std::borrow::Cow<'_, [u32]>> {
         match self {
@@ -31,11 +31,11 @@ impl Topology {
     }
 }
 
-/// For every row the first row with the same coordinates: n × 1 for n × 3 `positions`. `−0.0` equals `0.0` here, so
-/// the ids may tie rows that [`Mesh::with_position_id`], which wants equal bits, keeps apart.
+/// For every row the first row with the same coordinates: n × 1 for n × 3 `positions`. `−0.0` equals `0.0`
+/// here. So the ids may link rows that [`Mesh::with_position_id`], which requires equal bits, keeps apart.
 ///
-/// About 15 ns a row on one core, 4 bytes a row and 16 to 64 a different one; O(n log n) also against rows chosen to
-/// collide.
+/// About 15 ns per row on one core. Memory: 4 bytes per row and 16 to 64 per distinct one. O(n log n) even
+/// for rows chosen to collide.
 ///
 /// ```
 /// use chordal::explicit::position_id_by_bits;
@@ -47,20 +47,22 @@ pub fn position_id_by_bits(positions: &[[f64; 3]]) -> Vec<u32> {
     hashed(positions).unwrap_or_else(|| sorted(positions))
 }
 
-/// A row as bits in which equal coordinates are equal: adding zero turns `−0.0` into `0.0` and nothing else.
+/// A row as bits that are equal for equal coordinates: adding zero turns `−0.0` into `0.0` and changes
+/// nothing else.
 #[inline]
 fn key(row: [f64; 3]) -> [u64; 3] {
     row.map(|x| (x + 0.0).to_bits())
 }
 
-/// Rows whose places in the table are looked up together, so that their cache misses overlap: measured, flat from 16 on.
+/// Rows whose table slots are looked up together, so that their cache misses overlap: measured, flat from 16
+/// on.
 const BLOCK: usize = 32;
 
-/// By an open table of rows. `None` when the rows collide so often that sorting is the safer way.
+/// Uses a hash table with open addressing. `None` when the rows collide so often that sorting is safer.
 fn hashed(positions: &[[f64; 3]]) -> Option<Vec<u32>> {
-    let mut table = Table::new();
-    // At a load of one half a search takes 1.5 to 2.5 steps on average, and growing takes as many again; eight times
-    // that is no accident.
+    let mut table = PositionTable::new();
+    // At a load of one half a search takes 1.5 to 2.5 steps on average, and growing takes as many again.
+    // Eight times that does not happen by chance.
     let mut steps_left = 16 * positions.len() + 1024;
     let mut ids = Vec::with_capacity(positions.len());
     let mut hashes = [0_u64; BLOCK];
@@ -80,27 +82,27 @@ fn hashed(positions: &[[f64; 3]]) -> Option<Vec<u32>> {
     Some(ids)
 }
 
-/// Rows in an open table that grows with the number of *different* rows: those of a soup are a sixth of all, and a
-/// table of them stays in the cache.
-struct Table {
-    /// The upper half of a hash, and a row plus one; 0 where nothing is.
+/// A table with open addressing that grows with the number of *distinct* rows: in a triangle soup these are a
+/// sixth of all rows, and their table stays in the cache.
+struct PositionTable {
+    /// The upper half of a hash, and a row index plus one; 0 in an empty slot.
     entries: Vec<u64>,
     n_rows: usize,
 }
 
-impl Table {
+impl PositionTable {
     fn new() -> Self {
         Self { entries: vec![0; 1024], n_rows: 0 }
     }
 
-    /// The upper half of the hash chooses the place, so that it can be found again from an entry.
+    /// The slot follows from the upper half of the hash, so that an entry is enough to find it again.
     #[inline]
     fn slot(&self, hash: u64) -> usize {
         (hash >> 32) as usize & (self.entries.len() - 1)
     }
 
-    /// Keeps the load below one half with `more` rows. Past 2³² places, more than the upper half of a hash can tell
-    /// apart, there are no rows for it.
+    /// Grows the table so that its load stays below one half with `more` rows. The upper half of a hash
+    /// distinguishes 2³² slots; there are too few rows for more.
     fn make_room(&mut self, more: usize, steps_left: &mut usize) -> Option<()> {
         if 2 * (self.n_rows + more) <= self.entries.len() {
             return Some(());
@@ -117,7 +119,7 @@ impl Table {
         Some(())
     }
 
-    /// The row that equals this one, which is added if there is none.
+    /// The first row that equals this one; adds it if there is none.
     #[inline]
     fn find_or_add(
         &mut self,
@@ -157,7 +159,7 @@ fn hash([x, y, z]: [u64; 3]) -> u64 {
     h ^ (h >> 29)
 }
 
-/// By sorting the rows: the way that no input can slow down.
+/// Sorts the rows: its running time does not depend on collisions.
 fn sorted(positions: &[[f64; 3]]) -> Vec<u32> {
     let mut rows: Vec<u32> = (0..positions.len() as u32).collect();
     rows.sort_unstable_by_key(|&row| (key(positions[row as usize]), row));
@@ -192,7 +194,7 @@ mod tests {
 
     #[test]
     fn rows_chosen_to_collide_fall_back_to_sorting() {
-        // Rows whose hashes agree in the bits that pick the slot: found by trying, as an attacker would.
+        // Rows whose hashes agree in the bits that select the slot: found by search, as an attacker would.
         let n = 3000;
         let mask = (4 * n as u64).next_power_of_two() - 1;
         let rows: Vec<[f64; 3]> = (0_u32..)

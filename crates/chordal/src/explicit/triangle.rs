@@ -1,12 +1,13 @@
-//! `Triangle`: three corners, in the plane or in space; which side, how much of which corner, how large, how thin.
+//! `Triangle`: three corners in the plane or in space, with orientation, barycentric coordinates, area and
+//! shape.
 //!
-//! Differences of coordinates are exact here, and products have twice the digits of f64, so that the weights and areas
-//! of thin triangles far from the origin keep theirs.
+//! Differences of coordinates are exact here, and products have twice the digits of f64. So the weights and
+//! areas of thin triangles far from the origin keep their digits.
 use super::triangulate::unit_scale;
 use super::{Attribute, Domain, Mesh, face_normal};
-use crate::math::{DoubleDouble, Orientation, Position, orient2d, orient3d, triangle_contains};
+use crate::math::{DoubleDouble, Orientation, PointInTriangle, orient2d, orient3d, triangle_contains};
 
-/// Three corners in D dimensions; counter-clockwise is the front.
+/// Three corners in D dimensions; the front is counter-clockwise.
 ///
 /// ```
 /// use chordal::explicit::Triangle;
@@ -21,19 +22,19 @@ pub struct Triangle<const D: usize> {
     pub corners: [[f64; D]; 3],
 }
 
-/// A vector with twice the digits.
+/// A vector in double-double arithmetic.
 type Wide3 = [DoubleDouble; 3];
 
 const ZERO: DoubleDouble = DoubleDouble { hi: 0.0, lo: 0.0 };
 
 impl<const D: usize> Triangle<D> {
-    /// The same with the largest coordinate near 1, and the power of two that brings it there.
+    /// The triangle scaled so that its largest coordinate is near 1, and that scale, a power of two.
     fn scaled(&self) -> (Self, f64) {
         let scale = unit_scale(&self.corners);
         (Self { corners: self.corners.map(|p| p.map(|x| x * scale)) }, scale)
     }
 
-    /// The squares of the edges opposite to the corners.
+    /// The squared lengths of the edges opposite to the corners.
     fn edges_sq(&self) -> [f64; 3] {
         let [a, b, c] = self.corners;
         [[b, c], [c, a], [a, b]].map(|[p, q]| (0..D).fold(0.0, |sum, k| sum + (q[k] - p[k]) * (q[k] - p[k])))
@@ -41,11 +42,11 @@ impl<const D: usize> Triangle<D> {
 }
 
 impl Triangle<2> {
-    /// The three edge functions: twice the signed areas that `point` spans with the edges opposite to the corners. All
-    /// are positive inside a counter-clockwise triangle, and they add up to twice its area.
+    /// The three edge functions: twice the signed areas that `point` spans with the edges opposite to the
+    /// corners. All are positive inside a counter-clockwise triangle, and they add up to twice its area.
     ///
-    /// The signs are exact, and exactly 0 on the lines of the edges; the sizes are rounded, and where they leave the
-    /// range of f64 only the signs count.
+    /// The signs are exact, and exactly 0 on the lines of the edges. The sizes are rounded; where they leave
+    /// the range of f64, only the signs are meaningful.
     ///
     /// ```
     /// use chordal::explicit::Triangle;
@@ -62,13 +63,13 @@ impl Triangle<2> {
         })
     }
 
-    /// Where `point` lies, exactly: [`triangle_contains`].
+    /// The exact location of `point`: [`triangle_contains`].
     #[must_use]
-    pub fn position(&self, point: [f64; 2]) -> Position {
+    pub fn position(&self, point: [f64; 2]) -> PointInTriangle {
         triangle_contains(self.corners, point)
     }
 
-    /// The area, positive where the corners run counter-clockwise. The sign is exact.
+    /// The area, positive for counter-clockwise corners. The sign is exact.
     #[must_use]
     pub fn signed_area(&self) -> f64 {
         let (scaled, scale) = self.scaled();
@@ -77,7 +78,7 @@ impl Triangle<2> {
         with_sign(0.5 * cross2(a, b, c).hi / scale / scale, orient2d(p, q, r))
     }
 
-    /// The weights of the corners whose mean is `point`: see [`Triangle::barycentric`] in space.
+    /// The barycentric coordinates of `point`: see [`Triangle::barycentric`] in space.
     #[must_use]
     pub fn barycentric(&self, point: [f64; 2]) -> Option<[f64; 3]> {
         let [a, b, c] = self.corners;
@@ -97,17 +98,18 @@ impl Triangle<3> {
     /// # Panics
     /// When the mesh has no such face.
     #[must_use]
-    pub fn of_face(mesh: &Mesh, face: usize) -> Self {
+    pub fn from_face(mesh: &Mesh, face: usize) -> Self {
         Self { corners: mesh.corners(face) }
     }
 
-    /// The unit normal: [`face_normal`]. Two corners swapped, it points the other way.
+    /// The unit normal: [`face_normal`]. Swapping two corners reverses it.
     #[must_use]
     pub fn normal(&self) -> Option<[f64; 3]> {
         face_normal(self.corners)
     }
 
-    /// Whether the corners lie on one line, exactly: its shadows on all three planes of the axes have no area.
+    /// Whether the corners lie on one line, exactly: the projections onto all three coordinate planes have no
+    /// area.
     #[must_use]
     pub fn is_degenerate(&self) -> bool {
         (0..3).all(|k| {
@@ -116,7 +118,7 @@ impl Triangle<3> {
         })
     }
 
-    /// The area, with the error of a few units in its last place however thin the triangle is.
+    /// The area, with an error of a few units in the last place however thin the triangle is.
     #[must_use]
     pub fn area(&self) -> f64 {
         let (scaled, scale) = self.scaled();
@@ -129,11 +131,11 @@ impl Triangle<3> {
         cross3(difference(b, a), difference(c, a))
     }
 
-    /// The weights of the corners whose mean is the foot of `point` on the triangle's plane: together 1, and all ≥ 0
-    /// where the foot lies inside. `None` for a triangle without area.
+    /// The barycentric coordinates of the projection of `point` onto the triangle's plane: their sum is 1,
+    /// and all are ≥ 0 where the projection lies inside. `None` for a triangle without area.
     ///
-    /// The weights come from areas with twice the digits of f64. So they are right to a few units in the last place of
-    /// the largest one, unless the triangle is thinner than 1 in 10¹⁵.
+    /// The weights come from areas with twice the digits of f64. So they are right to a few units in the last
+    /// place of the largest one, unless the triangle is thinner than 1 in 10¹⁵.
     #[must_use]
     pub fn barycentric(&self, point: [f64; 3]) -> Option<[f64; 3]> {
         if self.is_degenerate() {
@@ -147,8 +149,8 @@ impl Triangle<3> {
         weights([[b, c], [c, a], [a, b]].map(share))
     }
 
-    /// How far `point` is from the triangle's plane, positive in front of it; `None` without area. It is 0 exactly where
-    /// the four points lie in one plane, and its sign is exact.
+    /// The signed distance of `point` from the triangle's plane, positive in front of it; `None` without
+    /// area. It is 0 exactly where the four points lie in one plane, and its sign is exact.
     #[must_use]
     pub fn height_of(&self, point: [f64; 3]) -> Option<f64> {
         let [a, b, c] = self.corners;
@@ -161,11 +163,11 @@ impl Triangle<3> {
         Some(with_sign(along.hi / size(normal) / scale, orient3d(a, b, c, point)))
     }
 
-    /// The shape: `4√3 · area / (sum of the squared edges)`, from 0 for corners on one line to 1 for three equal edges.
-    /// It has no unit, and does not change when the triangle is moved, turned, mirrored or scaled.
+    /// The shape quality: `4√3 · area / (sum of the squared edges)`, from 0 for corners on one line to 1 for
+    /// three equal edges. It has no unit. Translation, rotation, reflection and scaling leave it unchanged.
     ///
-    /// Source: R. Bank, A. Weiser, *Some a posteriori error estimators for elliptic partial differential equations*,
-    /// 1985.
+    /// Source: R. Bank, A. Weiser, *Some a posteriori error estimators for elliptic partial differential
+    /// equations*, 1985.
     ///
     /// ```
     /// use chordal::explicit::Triangle;
@@ -178,25 +180,25 @@ impl Triangle<3> {
         let edges = scaled.edges_sq();
         let sum = edges[0] + edges[1] + edges[2];
         let share = 2.0 * 3.0_f64.sqrt() * size(scaled.doubled_area()) / sum;
-        // NaN, where all corners coincide, is no quality.
+        // The ratio is NaN where all corners coincide; the quality is 0 then.
         if share > 0.0 { if share < 1.0 { share } else { 1.0 } } else { 0.0 }
     }
 
-    /// How thin it is: its least height over its longest edge, from 0 for corners on one line to `√3/2` for three equal
-    /// edges. A sliver is a triangle where this is below some threshold: 1/100 is a needle or a cap of 1 : 100.
-    /// It has no unit, and does not change when the triangle is moved, turned, mirrored or scaled.
+    /// The ratio of the least height to the longest edge, from 0 for corners on one line to `√3/2` for three
+    /// equal edges. Below some threshold the triangle is a sliver: 1/100 is a needle or a cap of 1 : 100. It
+    /// has no unit. Translation, rotation, reflection and scaling leave it unchanged.
     #[must_use]
     pub fn slenderness(&self) -> f64 {
         let (scaled, _) = self.scaled();
         let longest_sq = scaled.edges_sq().into_iter().fold(0.0, |m, e| if e > m { e } else { m });
         let share = size(scaled.doubled_area()) / longest_sq;
-        // NaN, where all corners coincide, is as thin as it gets.
+        // The ratio is NaN where all corners coincide; the slenderness is 0 then.
         if share > 0.0 { share } else { 0.0 }
     }
 }
 
-/// The mean of three rows of an attribute by `weights`, into `out`: linear over the triangle, exact at its corners, and
-/// exact where the three rows are equal.
+/// Writes the mean of three rows of an attribute by `weights` to `out`: linear over the triangle, exact at
+/// its corners, and exact where the three rows are equal.
 ///
 /// ```
 /// use chordal::explicit::interpolate;
@@ -205,7 +207,7 @@ impl Triangle<3> {
 /// assert_eq!(colour, [0.75, 7.0]);
 /// ```
 pub fn interpolate(rows: [&[f64]; 3], weights: [f64; 3], out: &mut [f64]) {
-    // From the row that weighs most: differences to it vanish at its corner.
+    // Start at the row with the largest weight: the differences vanish at its corner.
     let base = (1..3).fold(0, |most, k| if weights[k] > weights[most] { k } else { most });
     let (next, last) = ((base + 1) % 3, (base + 2) % 3);
     for (k, value) in out.iter_mut().enumerate() {
@@ -214,10 +216,10 @@ pub fn interpolate(rows: [&[f64]; 3], weights: [f64; 3], out: &mut [f64]) {
     }
 }
 
-/// The rows of an attribute at the three corners of a face, whatever they belong to.
+/// The rows of an attribute at the three corners of a face, for any domain.
 ///
 /// # Panics
-/// When the mesh has no such face, or the attribute is that of another mesh.
+/// When the mesh has no such face, or the attribute belongs to another mesh.
 #[must_use]
 pub fn corner_rows<'a>(mesh: &Mesh, attribute: &'a Attribute, face: usize) -> [&'a [f64]; 3] {
     std::array::from_fn(|k| {
@@ -231,12 +233,12 @@ pub fn corner_rows<'a>(mesh: &Mesh, attribute: &'a Attribute, face: usize) -> [&
 
 /// `(to − from) × (point − from)`, to about 2⁻¹⁰⁰ of its products.
 fn cross2(from: [f64; 2], to: [f64; 2], point: [f64; 2]) -> DoubleDouble {
-    let d = |p: [f64; 2], k: usize| DoubleDouble::sum(p[k], -from[k]);
+    let d = |p: [f64; 2], k: usize| DoubleDouble::two_sum(p[k], -from[k]);
     d(to, 0).times(d(point, 1)).minus(d(to, 1).times(d(point, 0)))
 }
 
 fn difference(a: [f64; 3], b: [f64; 3]) -> Wide3 {
-    std::array::from_fn(|k| DoubleDouble::sum(a[k], -b[k]))
+    std::array::from_fn(|k| DoubleDouble::two_sum(a[k], -b[k]))
 }
 
 fn cross3(a: Wide3, b: Wide3) -> Wide3 {
@@ -253,12 +255,12 @@ fn size(v: Wide3) -> f64 {
     if most == 0.0 {
         return 0.0;
     }
-    // Divided by the largest, so that no square underflows.
+    // Divided by the largest coordinate, so that no square underflows.
     let [x, y, z] = [x / most, y / most, z / most];
     most * ((x * x + y * y) + z * z).sqrt()
 }
 
-/// Shares of the whole; the largest is what the others leave, so that they add up to 1.
+/// The fractions of the sum; the largest is 1 minus the others, so that they add up to 1.
 fn weights(parts: [DoubleDouble; 3]) -> Option<[f64; 3]> {
     let whole = parts[0].plus(parts[1]).plus(parts[2]);
     let mut weights = parts.map(|part| part.hi / whole.hi);
@@ -270,7 +272,7 @@ fn weights(parts: [DoubleDouble; 3]) -> Option<[f64; 3]> {
     Some(weights)
 }
 
-/// `size`, or what is nearest to it on the side that an exact predicate says.
+/// `size`, or the nearest number with the sign from an exact predicate.
 fn with_sign(size: f64, side: Orientation) -> f64 {
     match side {
         Orientation::Flat => 0.0,

@@ -1,27 +1,28 @@
 //! Polygons into triangles: every corner is kept, every decision is exact, the work is bounded.
 //!
-//! A polygon of n corners always gives n − 2 triangles that form a disc with exactly the polygon's edges as its
-//! border. So neighbours that share an edge still share it afterwards, also where corners lie on a straight line
-//! or repeat. That is why the crate `earcut` is only the oracle of the tests: it leaves such corners out (which
-//! opens T-junctions), decides in rounded arithmetic, and takes cubic time on polygons that cross themselves.
+//! A polygon of n corners always gives n − 2 triangles that form a disc with exactly the polygon's edges as
+//! its border. So neighbours that share an edge still share it afterwards, also where corners lie on a
+//! straight line or repeat. That is why the crate `earcut` is only the oracle of the tests: it leaves such
+//! corners out (which opens T-junctions), decides in rounded arithmetic, and takes cubic time on polygons
+//! that cross themselves.
 mod blockers;
 mod ears;
 mod holes;
 
 use crate::explicit::{Diagonal, Quad};
 use crate::math::cross;
-use ears::Ears;
+use ears::EarClipper;
 use robust::{Coord, orient2d};
 
-pub use holes::{Corner, Cut, InvalidPolygon, Repair, polygon_with_holes};
+pub use holes::{ContourCorner, ContourRepair, InvalidPolygon, PolygonTriangles, polygon_with_holes};
 
 /// The triangles of one polygon.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Triangulation {
     /// Indices into the polygon's corners; n − 2 rows, none for fewer than 3 corners.
     pub triangles: Vec<[u32; 3]>,
-    /// How many triangles lie face down. 0 proves that their areas add up to the polygon's area; a polygon that
-    /// crosses itself has no triangulation without such folds.
+    /// How many triangles lie face down. 0 proves that their areas add up to the polygon's area; a polygon
+    /// that crosses itself has no triangulation without such folds.
     pub folded: usize,
 }
 
@@ -37,13 +38,13 @@ impl Triangulation {
 ///
 /// The polygon is seen along the largest axis of its Newell normal, which changes no coordinate, so that all
 /// decisions are exact for polygons within 1e-75 … 1e75 (beyond, coordinates are scaled by a power of two).
-/// All triangles together have the polygon's signed area, because they form a disc with its border; so they have
-/// its area when none is face down. For a polygon that is not flat this holds in that view, or, where something folds
-/// in it and less does along the normal itself, in that one (rounded). A quadrilateral that is not flat is cut along the
-/// diagonal that bends least ([`Quad::flattest`]), if both may be taken.
+/// All triangles together have the polygon's signed area, because they form a disc with its border; so they
+/// have its area when none is face down. For a polygon that is not flat this holds in that view, or, where
+/// something folds in it and less does along the normal itself, in that one (rounded). A quadrilateral that
+/// is not flat is cut along the diagonal that bends least ([`Quad::flattest`]), if both may be taken.
 ///
-/// `points`: finite corners in order, the last one joined to the first, fewer than 2³¹. Time O(n log n) as long as
-/// corners block few ears, and never more than 1,024 steps a corner; memory O(n).
+/// `points`: finite corners in order, the last one joined to the first, fewer than 2³¹. Time O(n log n) as
+/// long as corners block few ears, and never more than 1,024 steps a corner; memory O(n).
 ///
 /// ```
 /// use chordal::explicit::triangulate::polygon;
@@ -55,8 +56,8 @@ impl Triangulation {
 /// assert!(cut.is_exact());
 /// ```
 ///
-/// Source: G. H. Meisters, *Polygons have ears*, 1975; M. Held, *FIST: fast industrial-strength triangulation of
-/// polygons*, 2001, for what to do when there are none.
+/// Source: G. H. Meisters, *Polygons have ears*, 1975; M. Held, *FIST: fast industrial-strength triangulation
+/// of polygons*, 2001, for what to do when there are none.
 #[must_use]
 pub fn polygon(points: &[[f64; 3]]) -> Triangulation {
     let mut triangles = Vec::new();
@@ -69,7 +70,7 @@ pub fn polygon(points: &[[f64; 3]]) -> Triangulation {
 pub struct Triangulator {
     flat: Vec<[f64; 2]>,
     second: Vec<[u32; 3]>,
-    ears: Ears,
+    ears: EarClipper,
 }
 
 impl Triangulator {
@@ -109,7 +110,7 @@ impl Triangulator {
     }
 }
 
-fn cut(flat: &[[f64; 2]], ears: &mut Ears, out: &mut Vec<[u32; 3]>) -> usize {
+fn cut(flat: &[[f64; 2]], ears: &mut EarClipper, out: &mut Vec<[u32; 3]>) -> usize {
     match *flat {
         [a, b, c, d] => quad([a, b, c, d], out),
         _ => ears.cut(flat, out),
@@ -148,8 +149,8 @@ fn along_axis(points: &[[f64; 3]], scale: f64, normal: [f64; 3], flat: &mut Vec<
     flat.extend(points.iter().map(|p| [p[u] * scale, p[v] * scale]));
 }
 
-/// The axes that become x and y where one looks against a normal, along its largest axis; without a normal, along the axis
-/// on which the points differ least.
+/// The axes that become x and y where one looks against a normal, along its largest axis; without a normal,
+/// along the axis on which the points differ least.
 fn seen_axes(points: &[[f64; 3]], normal: [f64; 3]) -> [usize; 2] {
     let mut drop = largest_axis(normal);
     if normal[drop].is_nan() || normal[drop] == 0.0 {

@@ -1,24 +1,26 @@
-//! `Twins`: for every half-edge the one that runs along the same edge in the neighbouring triangle.
+//! `Twins`: for every half-edge its twin along the same edge in the neighbouring triangle.
 use super::{Mesh, Topology};
 
-/// The half-edges a mesh may have: the upper half of `u32` holds flags and states.
+/// The most half-edges that a mesh may have: the upper half of `u32` is used for flags and states.
 pub(super) const MAX_HALF_EDGES: usize = (1 << 31) - 4;
 
-/// What stands across a half-edge.
+/// The neighbour across a half-edge.
 ///
 /// Half-edge `3·face + k` runs from corner `k` of the face to corner `k + 1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Twin {
-    /// The one other half-edge of the edge, running the opposite way: both triangles are wound alike.
+    /// The only other half-edge of the edge, in the opposite direction: both triangles have the same
+    /// orientation.
     Pair(u32),
-    /// The one other half-edge of the edge, running the same way: the two triangles are wound against each other.
+    /// The only other half-edge of the edge, in the same direction: the two triangles have opposite
+    /// orientations.
     Flipped(u32),
-    /// Nothing: the surface ends here.
+    /// None: the half-edge is on the boundary.
     Boundary,
-    /// Two or more other half-edges; [`Twins::crowded_edges`] lists them.
-    Crowded,
-    /// The half-edge belongs to a triangle with two corners at one position. Such a triangle covers a segment or a
-    /// point, so it takes no part: its neighbours are each other's twins.
+    /// Two or more other half-edges; [`Twins::non_manifold_edges`] lists them.
+    NonManifold,
+    /// The half-edge belongs to a triangle with two corners at one position. Such a triangle covers a segment
+    /// or a point, so it is ignored: its neighbours are each other's twins.
     Collapsed,
 }
 
@@ -36,12 +38,12 @@ pub enum Twin {
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Twins {
-    /// A half-edge, with the top bit when it runs the same way, or one of the states below.
+    /// A half-edge, with the top bit set when it has the same direction, or one of the states below.
     raw: Vec<u32>,
     /// The half-edges of the edges with three or more, edge by edge.
-    crowded: Vec<u32>,
-    /// Where each of those edges ends in `crowded`.
-    crowded_ends: Vec<u32>,
+    non_manifold: Vec<u32>,
+    /// The end of each of those edges in `non_manifold`.
+    non_manifold_ends: Vec<u32>,
 }
 
 const SAME_WAY: u32 = 1 << 31;
@@ -64,16 +66,16 @@ pub fn previous_in_face(half_edge: u32) -> u32 {
 }
 
 impl Twins {
-    /// Matches the half-edges of `mesh`, two rows being one position where `topology` says so.
+    /// Matches the half-edges of `mesh`; `topology` decides which rows are one position.
     ///
-    /// Linear time and memory (a sort in the buckets of vertices with many edges): about 45 bytes a triangle while
-    /// it runs, 12 afterwards.
+    /// Linear time and memory (a sort in the buckets of vertices with many edges): about 45 bytes per
+    /// triangle at the peak, 12 afterwards.
     #[must_use]
     pub fn new(mesh: &Mesh, topology: Topology) -> Self {
         Self::with_ids(mesh, topology.ids(mesh).as_deref())
     }
 
-    /// The same for ids that are known already, as from [`Topology::ids`]: one below the number of rows for each row.
+    /// The same for known ids, as from [`Topology::ids`]: for each row an id below the number of rows.
     #[must_use]
     pub fn with_ids(mesh: &Mesh, ids: Option<&[u32]>) -> Self {
         let (faces, n) = (mesh.faces(), mesh.positions().len());
@@ -84,14 +86,17 @@ impl Twins {
     }
 
     fn match_edges(faces: &[[u32; 3]], n_rows: usize, id: impl Fn(u32) -> u32) -> Self {
-        let buckets = Buckets::fill(faces, n_rows, id);
-        let mut twins =
-            Self { raw: vec![COLLAPSED; 3 * faces.len()], crowded: Vec::new(), crowded_ends: Vec::new() };
+        let buckets = HalfEdgeBuckets::fill(faces, n_rows, id);
+        let mut twins = Self {
+            raw: vec![COLLAPSED; 3 * faces.len()],
+            non_manifold: Vec::new(),
+            non_manifold_ends: Vec::new(),
+        };
         buckets.match_all(&mut twins);
         twins
     }
 
-    /// What stands across `half_edge`.
+    /// The neighbour across `half_edge`.
     ///
     /// # Panics
     /// When there is no such half-edge.
@@ -100,14 +105,14 @@ impl Twins {
     pub fn get(&self, half_edge: u32) -> Twin {
         match self.raw[half_edge as usize] {
             BOUNDARY => Twin::Boundary,
-            CROWDED => Twin::Crowded,
+            CROWDED => Twin::NonManifold,
             COLLAPSED => Twin::Collapsed,
             raw if raw & SAME_WAY == 0 => Twin::Pair(raw),
             raw => Twin::Flipped(raw ^ SAME_WAY),
         }
     }
 
-    /// The number of half-edges: three a face.
+    /// The number of half-edges, three per face.
     #[must_use]
     pub fn len(&self) -> usize {
         self.raw.len()
@@ -120,23 +125,26 @@ impl Twins {
     }
 
     /// The edges with three or more half-edges, each as its half-edges in ascending order.
-    pub fn crowded_edges(&self) -> impl Iterator<Item = &[u32]> {
-        let starts = std::iter::once(&0).chain(&self.crowded_ends);
-        starts.zip(&self.crowded_ends).map(|(&start, &end)| &self.crowded[start as usize..end as usize])
+    pub fn non_manifold_edges(&self) -> impl Iterator<Item = &[u32]> {
+        let starts = std::iter::once(&0).chain(&self.non_manifold_ends);
+        starts
+            .zip(&self.non_manifold_ends)
+            .map(|(&start, &end)| &self.non_manifold[start as usize..end as usize])
     }
 
-    /// Records the half-edges of one edge: those from its lower to its higher position, and those back.
+    /// Records the half-edges of one edge: those from its lower to its higher position, and those in the
+    /// other direction.
     fn record(&mut self, up: &[u64], down: &[u64]) {
         match (up, down) {
             (&[a], &[b]) => self.pair(half_edge(a), half_edge(b), 0),
             (&[a, b], &[]) | (&[], &[a, b]) => self.pair(half_edge(a), half_edge(b), SAME_WAY),
             (&[a], &[]) | (&[], &[a]) => self.raw[half_edge(a) as usize] = BOUNDARY,
             _ => {
-                let start = self.crowded.len();
-                self.crowded.extend(up.iter().chain(down).map(|&entry| half_edge(entry)));
-                self.crowded[start..].sort_unstable();
-                self.crowded_ends.push(self.crowded.len() as u32);
-                for &h in &self.crowded[start..] {
+                let start = self.non_manifold.len();
+                self.non_manifold.extend(up.iter().chain(down).map(|&entry| half_edge(entry)));
+                self.non_manifold[start..].sort_unstable();
+                self.non_manifold_ends.push(self.non_manifold.len() as u32);
+                for &h in &self.non_manifold[start..] {
                     self.raw[h as usize] = CROWDED;
                 }
             }
@@ -149,15 +157,16 @@ impl Twins {
     }
 }
 
-/// The half-edges sorted into one bucket a position, that of their lower end.
+/// The half-edges in one bucket per position, that of their lower end.
 ///
-/// An entry is the higher end in the upper 32 bits and the half-edge in the lower. A bucket is filled from the front
-/// with half-edges that run up, from lower to higher end, and from the back with those that run down.
-struct Buckets {
+/// An entry is the higher end in the upper 32 bits and the half-edge in the lower. A bucket is filled from
+/// the front with half-edges that run up, from lower to higher end, and from the back with those that run
+/// down.
+struct HalfEdgeBuckets {
     entries: Vec<u64>,
-    /// Where each bucket starts, and one more for the end of the last.
+    /// The start of each bucket, followed by the end of the last.
     start: Vec<u32>,
-    /// Where the half-edges that run down start in each bucket.
+    /// For each bucket the start of the half-edges that run down.
     middle: Vec<u32>,
 }
 
@@ -173,27 +182,27 @@ fn higher_end(entry: u64) -> u32 {
     (entry >> 32) as u32
 }
 
-impl Buckets {
+impl HalfEdgeBuckets {
     fn fill(faces: &[[u32; 3]], n_rows: usize, id: impl Fn(u32) -> u32) -> Self {
         let proper = |face: &[u32; 3]| {
             let [a, b, c] = face.map(&id);
             (a != b && b != c && c != a).then_some([a, b, c])
         };
-        // 1. How many half-edges each position is the lower end of.
+        // 1. Count the half-edges with each position as lower end.
         let mut start = vec![0_u32; n_rows + 1];
         for [a, b, c] in faces.iter().filter_map(proper) {
             for (from, to) in [(a, b), (b, c), (c, a)] {
                 start[if from < to { from } else { to } as usize] += 1;
             }
         }
-        // 2. From counts to places.
+        // 2. Turn counts into offsets.
         let mut end = 0;
         for count in &mut start {
             let begin = end;
             end += *count;
             *count = begin;
         }
-        // 3. Each half-edge to its place.
+        // 3. Write each half-edge to its bucket.
         let mut entries = vec![0_u64; end as usize];
         let mut front = start[..n_rows].to_vec();
         let mut back = start[1..].to_vec();
@@ -226,7 +235,7 @@ impl Buckets {
     }
 }
 
-/// Walks both sorted lists of a bucket at once, one edge at a time.
+/// Merges the two sorted lists of a bucket, one edge at a time.
 fn match_bucket(mut up: &[u64], mut down: &[u64], twins: &mut Twins) {
     while let Some(&first) = up.first().into_iter().chain(down.first()).min() {
         let edge = higher_end(first);
@@ -237,7 +246,7 @@ fn match_bucket(mut up: &[u64], mut down: &[u64], twins: &mut Twins) {
     }
 }
 
-/// Sorts a list that mostly has three entries.
+/// Sorts a list that usually has three entries.
 #[inline]
 fn sort(list: &mut [u64]) {
     // Longer lists are faster with the general sort; measured, flat between 12 and 24.

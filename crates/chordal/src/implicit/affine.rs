@@ -1,17 +1,17 @@
-//! `Affine`: from the indices of a lattice to points of space.
+//! `Affine3`: an affine map from the indices of a lattice to points of space.
 use crate::math::{Orientation, orient3d};
 use std::fmt;
 
-/// Where the sample of index (i, j, k) is: rows of `[a, b, c, d]` with `x = a·i + b·j + c·k + d` and so on. Sheared and
-/// mirrored lattices are fine; only those that are flat are refused.
+/// The position of the sample with index (i, j, k): rows of `[a, b, c, d]` with `x = a·i + b·j + c·k + d` and
+/// so on. Sheared and mirrored lattices are allowed; only flat ones are refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Affine([[f64; 4]; 3]);
+pub struct Affine3([[f64; 4]; 3]);
 
-impl Affine {
-    /// Index (i, j, k) is the point (i, j, k).
+impl Affine3 {
+    /// The index (i, j, k) is the point (i, j, k).
     pub const IDENTITY: Self = Self([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
 
-    /// The map of these rows.
+    /// The map with these rows.
     ///
     /// # Errors
     /// [`InvalidAffine`] when a number is not finite, or the map flattens space.
@@ -26,10 +26,10 @@ impl Affine {
         Ok(map)
     }
 
-    /// Cubes of side `step` whose first sample is at `origin`.
+    /// A lattice of cubes of side `step` with its first sample at `origin`.
     ///
     /// # Errors
-    /// As for [`Affine::new`].
+    /// As for [`Affine3::new`].
     pub fn cubes(origin: [f64; 3], step: f64) -> Result<Self, InvalidAffine> {
         let [x, y, z] = origin;
         Self::new([[step, 0.0, 0.0, x], [0.0, step, 0.0, y], [0.0, 0.0, step, z]])
@@ -41,20 +41,20 @@ impl Affine {
         self.0
     }
 
-    /// The point of an index, rounded; between indices too.
+    /// The point of an index, rounded. The index may be fractional.
     #[inline]
     #[must_use]
     pub fn at(&self, index: [f64; 3]) -> [f64; 3] {
         self.0.map(|[a, b, c, d]| ((a * index[0] + b * index[1]) + c * index[2]) + d)
     }
 
-    /// The three steps: by how much a point moves when one index grows by 1.
+    /// The three step vectors: how far a point moves when one index grows by 1.
     #[must_use]
     pub fn steps(&self) -> [[f64; 3]; 3] {
         [0, 1, 2].map(|k| [self.0[0][k], self.0[1][k], self.0[2][k]])
     }
 
-    /// 1 where it keeps right-handed right-handed, −1 where it mirrors, 0 where it flattens; exact.
+    /// 1 if the map keeps handedness, −1 if it mirrors, 0 if it flattens space; exact.
     #[must_use]
     pub fn orientation(&self) -> i8 {
         let [a, b, c] = self.steps();

@@ -1,47 +1,49 @@
-//! Blocks: as many values as fit well into the first cache, each component in a row of its own, so that loops over them
-//! become vector code.
-use super::number::Range;
-use super::slope::{Slope, each_axis};
-use super::sources::Source;
-use crate::math::{Ends, Interval};
+//! Blocks: as many values as fit well into the first-level cache, one row per component, so that loops over
+//! them become vector code.
+use super::dual::{Dual, each_axis};
+use super::inputs::LeafScalar;
+use super::number::TapeInterval;
+use crate::math::{BareInterval, Interval};
 
-/// A number of which blocks are made.
-pub(super) trait Lane: Source + 'static {
-    /// Where its components are kept, for [`Lane::LANES`] numbers.
+/// A number type that is stored in blocks.
+pub(super) trait BlockScalar: LeafScalar + 'static {
+    /// Storage for the components of [`BlockScalar::LANES`] numbers.
     type Block: Clone + 'static;
-    /// How many numbers a block has.
+    /// The number of values in a block.
     const LANES: usize;
-    /// Whether it claims to be defined, and so may lose that claim.
+    /// Whether it carries a decoration, which operations may clear.
     const CLAIMS: bool;
-    /// Whether constants are put into the loops themselves; else into a block first, which keeps the program small.
+    /// Whether constants are put into the loops themselves. Otherwise they go into a block first, which keeps
+    /// the program small.
     const IMMEDIATE: bool;
 
     fn block() -> Self::Block;
     fn load(block: &Self::Block, at: usize) -> Self;
     fn store(self, block: &mut Self::Block, at: usize);
 
-    /// What it claims: the bits of [`DEFINED`] and [`SOME`], and all others.
+    /// Its decoration: the bits of [`DEFINED`] and [`SOME`], with all other bits set.
     #[inline(always)]
-    fn claims(self) -> u64 {
+    fn decoration(self) -> u64 {
         u64::MAX
     }
 
-    /// The same with the claims that are left after all operations; NaN gets the same bits everywhere.
-    fn settled(self, claims: u64) -> Self;
+    /// The same number with the decoration that is left after all operations; NaN gets the same bits
+    /// everywhere.
+    fn with_decoration(self, claims: u64) -> Self;
 }
 
-/// The most numbers that a block has which makes claims.
+/// The size of the largest block of numbers with decorations.
 pub(super) const MOST_CLAIMS: usize = 128;
 
-/// The claim that everything before was defined and continuous.
+/// Decoration bit: every operation so far was defined and continuous.
 pub(super) const DEFINED: u64 = 1;
-/// The claim that no range before was empty.
+/// Decoration bit: no interval so far was empty.
 pub(super) const SOME: u64 = 2;
 
-/// What is left of the claims of a block's numbers.
-pub(super) type Claims = [u64; MOST_CLAIMS];
+/// The decorations of a block's numbers.
+pub(super) type Decorations = [u64; MOST_CLAIMS];
 
-impl Lane for f32 {
+impl BlockScalar for f32 {
     type Block = [f32; 512];
     const LANES: usize = 512;
     const CLAIMS: bool = false;
@@ -59,12 +61,12 @@ impl Lane for f32 {
         block[at] = self;
     }
     #[inline(always)]
-    fn settled(self, _: u64) -> Self {
+    fn with_decoration(self, _: u64) -> Self {
         Self::from_bits(if self.is_nan() { Self::NAN.to_bits() } else { self.to_bits() })
     }
 }
 
-impl Lane for f64 {
+impl BlockScalar for f64 {
     type Block = [f64; 256];
     const LANES: usize = 256;
     const CLAIMS: bool = false;
@@ -82,12 +84,12 @@ impl Lane for f64 {
         block[at] = self;
     }
     #[inline(always)]
-    fn settled(self, _: u64) -> Self {
+    fn with_decoration(self, _: u64) -> Self {
         Self::from_bits(if self.is_nan() { Self::NAN.to_bits() } else { self.to_bits() })
     }
 }
 
-impl Lane for Slope<f64> {
+impl BlockScalar for Dual<f64> {
     type Block = [[f64; 128]; 4];
     const LANES: usize = 128;
     const CLAIMS: bool = false;
@@ -108,12 +110,15 @@ impl Lane for Slope<f64> {
         block[3][at] = self.gradient[2];
     }
     #[inline(always)]
-    fn settled(self, claims: u64) -> Self {
-        Self { value: self.value.settled(claims), gradient: self.gradient.map(|d| d.settled(claims)) }
+    fn with_decoration(self, claims: u64) -> Self {
+        Self {
+            value: self.value.with_decoration(claims),
+            gradient: self.gradient.map(|d| d.with_decoration(claims)),
+        }
     }
 }
 
-impl Lane for Range {
+impl BlockScalar for TapeInterval {
     type Block = [[f64; 128]; 2];
     const LANES: usize = 128;
     const CLAIMS: bool = true;
@@ -124,7 +129,7 @@ impl Lane for Range {
     }
     #[inline(always)]
     fn load(block: &Self::Block, at: usize) -> Self {
-        Self { ends: Ends { lo: block[0][at], hi: block[1][at] }, defined: true, some: true }
+        Self { ends: BareInterval { lo: block[0][at], hi: block[1][at] }, defined: true, some: true }
     }
     #[inline(always)]
     fn store(self, block: &mut Self::Block, at: usize) {
@@ -132,16 +137,16 @@ impl Lane for Range {
         block[1][at] = self.ends.hi;
     }
     #[inline(always)]
-    fn claims(self) -> u64 {
+    fn decoration(self) -> u64 {
         (if self.defined { u64::MAX } else { !DEFINED }) & (if self.some { u64::MAX } else { !SOME })
     }
     #[inline(always)]
-    fn settled(self, claims: u64) -> Self {
+    fn with_decoration(self, claims: u64) -> Self {
         Self { defined: claims & DEFINED != 0, some: claims & SOME != 0, ..self }
     }
 }
 
-impl Lane for Slope<Interval> {
+impl BlockScalar for Dual<Interval> {
     type Block = [[f64; 64]; 8];
     const LANES: usize = 64;
     const CLAIMS: bool = true;
@@ -152,10 +157,10 @@ impl Lane for Slope<Interval> {
     }
     #[inline(always)]
     fn load(block: &Self::Block, at: usize) -> Self {
-        let value = Interval::from_parts(block[0][at], block[1][at]);
+        let value = Interval::from_endpoints(block[0][at], block[1][at]);
         Self {
             value,
-            gradient: each_axis!(k => Interval::from_parts(block[2 * k + 2][at], block[2 * k + 3][at])),
+            gradient: each_axis!(k => Interval::from_endpoints(block[2 * k + 2][at], block[2 * k + 3][at])),
         }
     }
     #[inline(always)]
@@ -166,11 +171,11 @@ impl Lane for Slope<Interval> {
         put_ends(self.gradient[2], block, 6, at);
     }
     #[inline(always)]
-    fn claims(self) -> u64 {
+    fn decoration(self) -> u64 {
         if self.value.is_defined() { u64::MAX } else { !DEFINED }
     }
     #[inline(always)]
-    fn settled(self, claims: u64) -> Self {
+    fn with_decoration(self, claims: u64) -> Self {
         if claims & DEFINED != 0 {
             return self;
         }
@@ -178,25 +183,25 @@ impl Lane for Slope<Interval> {
     }
 }
 
-/// Puts the ends of a range into the rows `row` and `row + 1`.
+/// Stores the ends of an interval in the rows `row` and `row + 1`.
 #[inline(always)]
 fn put_ends(range: Interval, block: &mut [[f64; 64]; 8], row: usize, at: usize) {
     block[row][at] = range.lo();
     block[row + 1][at] = range.hi();
 }
 
-/// Stores a value, and what that leaves of its claim.
+/// Stores a value, and clears the decoration bits that it lacks.
 #[inline(always)]
-pub(super) fn put<N: Lane>(value: N, out: &mut N::Block, claims: &mut Claims, at: usize) {
+pub(super) fn put<N: BlockScalar>(value: N, out: &mut N::Block, claims: &mut Decorations, at: usize) {
     value.store(out, at);
     if N::CLAIMS {
-        claims[at] &= value.claims();
+        claims[at] &= value.decoration();
     }
 }
 
-/// Whether all of the first `n` are where sines need no reduction by integers.
+/// Whether the sines of the first `n` numbers need no argument reduction in integers.
 #[inline(always)]
-pub(super) fn all_near<N: Lane>(n: usize, a: &N::Block) -> bool {
+pub(super) fn all_near<N: BlockScalar>(n: usize, a: &N::Block) -> bool {
     let mut all = true;
     for at in 0..at_most::<N>(n) {
         all &= N::is_near(N::load(a, at));
@@ -204,8 +209,8 @@ pub(super) fn all_near<N: Lane>(n: usize, a: &N::Block) -> bool {
     all
 }
 
-/// `n`, known to be no more than a block has.
+/// `n`, clamped so that the compiler knows it is at most the block size.
 #[inline(always)]
-pub(super) fn at_most<N: Lane>(n: usize) -> usize {
+pub(super) fn at_most<N: BlockScalar>(n: usize) -> usize {
     if n < N::LANES { n } else { N::LANES }
 }

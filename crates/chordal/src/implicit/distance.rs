@@ -1,18 +1,18 @@
 //! `Distance`: what the value of a field is worth as a distance.
 
-/// What the absolute value of a field says of the distance to its surface.
+/// What the absolute value of a field says about the distance to its surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Quality {
-    /// Nothing: only the sign means something.
+pub enum DistanceQuality {
+    /// Nothing: only the sign has a meaning.
     Sign,
-    /// It changes by no more than one moves, and is 0 on the surface. So it is never more than the distance: a step of
-    /// that length hits nothing.
+    /// Its Lipschitz constant is at most 1, and it is 0 on the surface. So it is never more than the
+    /// distance: a step of that length hits nothing.
     Bound,
     /// It is the distance.
     Exact,
 }
 
-impl Quality {
+impl DistanceQuality {
     /// The name in a report.
     #[must_use]
     pub fn as_str(self) -> &'static str {
@@ -24,56 +24,56 @@ impl Quality {
     }
 }
 
-/// What a field's value is worth outside of the shape and inside of it.
+/// What a field's value is worth outside and inside the shape.
 ///
 /// ```
-/// use chordal::implicit::{Distance, Quality};
+/// use chordal::implicit::{Distance, DistanceQuality};
 /// let both = Distance::EXACT.union(Distance::EXACT);
-/// assert_eq!((both.outside, both.inside), (Quality::Exact, Quality::Bound));
-/// assert_eq!(Distance::EXACT.intersection(Distance::EXACT).outside, Quality::Bound);
+/// assert_eq!((both.outside, both.inside), (DistanceQuality::Exact, DistanceQuality::Bound));
+/// assert_eq!(Distance::EXACT.intersection(Distance::EXACT).outside, DistanceQuality::Bound);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Distance {
     /// Where the value is not negative.
-    pub outside: Quality,
+    pub outside: DistanceQuality,
     /// Where it is negative.
-    pub inside: Quality,
+    pub inside: DistanceQuality,
 }
 
 impl Distance {
     /// The distance to the surface, everywhere.
-    pub const EXACT: Self = Self { outside: Quality::Exact, inside: Quality::Exact };
+    pub const EXACT: Self = Self { outside: DistanceQuality::Exact, inside: DistanceQuality::Exact };
     /// Never more than the distance, everywhere.
-    pub const BOUND: Self = Self { outside: Quality::Bound, inside: Quality::Bound };
-    /// A sign.
-    pub const SIGN: Self = Self { outside: Quality::Sign, inside: Quality::Sign };
+    pub const BOUND: Self = Self { outside: DistanceQuality::Bound, inside: DistanceQuality::Bound };
+    /// Only the sign has a meaning, everywhere.
+    pub const SIGN: Self = Self { outside: DistanceQuality::Sign, inside: DistanceQuality::Sign };
 
-    /// That of `min(a, b)`. Outside of both the nearer surface is the nearest of the union. Inside, the other shape may
-    /// cover that surface, so only a bound is left.
+    /// The quality of `min(a, b)`. Outside both shapes, the nearer surface is the nearest of the union.
+    /// Inside, the other shape may cover that surface, so only a bound is left.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         let inside = if self.inside < other.inside { self.inside } else { other.inside };
         Self {
             outside: if self.outside < other.outside { self.outside } else { other.outside },
-            inside: if inside < Quality::Bound { inside } else { Quality::Bound },
+            inside: if inside < DistanceQuality::Bound { inside } else { DistanceQuality::Bound },
         }
     }
 
-    /// That of `max(a, b)`: as [`Distance::union`], the other way round.
+    /// The quality of `max(a, b)`: [`Distance::union`] with inside and outside exchanged.
     #[must_use]
     pub fn intersection(self, other: Self) -> Self {
         self.complement().union(other.complement()).complement()
     }
 
-    /// That of `−a`.
+    /// The quality of `−a`.
     #[must_use]
     pub fn complement(self) -> Self {
         Self { outside: self.inside, inside: self.outside }
     }
 
-    /// The weaker of both sides.
+    /// The weaker of the two sides.
     #[must_use]
-    pub fn weakest(self) -> Quality {
+    pub fn weakest(self) -> DistanceQuality {
         if self.outside < self.inside { self.outside } else { self.inside }
     }
 }

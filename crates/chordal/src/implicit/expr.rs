@@ -1,4 +1,4 @@
-//! `Expr`: a number for every point of space, as an expression that shares its parts.
+//! `Expr`: a number for every point of space, as an expression with shared subexpressions.
 use super::leaf::{Leaf, LeafError};
 use super::op::{Binary, Unary};
 use super::tape::Tape;
@@ -6,8 +6,8 @@ use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc;
 
-/// An expression in the coordinates x, y and z. Copies share everything, so an expression that is used twice is
-/// one part of the whole, evaluated once; neither depth nor sharing has a limit but memory.
+/// An expression in the coordinates x, y and z. Copies share their nodes, so an expression that is used twice
+/// is one node and is evaluated once. Only memory limits depth and sharing.
 ///
 /// ```
 /// use chordal::implicit::Expr;
@@ -17,25 +17,25 @@ use std::sync::Arc;
 /// # Ok::<(), chordal::implicit::LeafError>(())
 /// ```
 #[derive(Clone)]
-pub struct Expr(Arc<Node>);
+pub struct Expr(Arc<ExprNode>);
 
-/// What an expression is at its top.
+/// The root node of an expression.
 #[derive(Clone)]
-pub(super) enum Kind {
+pub(super) enum ExprKind {
     Const(f64),
     /// x, y or z.
     Axis(u8),
     Unary(Unary, Expr),
     Binary(Binary, Expr, Expr),
-    /// An expression whose x, y and z are other expressions.
+    /// An expression with x, y and z replaced by other expressions.
     At(Expr, [Expr; 3]),
     Leaf(Arc<dyn Leaf>, [Expr; 3]),
 }
 
-struct Node(Kind);
+struct ExprNode(ExprKind);
 
-impl Drop for Node {
-    /// Takes the parts apart in a loop: a chain of a million nodes would overflow the stack.
+impl Drop for ExprNode {
+    /// Drops the nodes in a loop: recursion over a chain of a million nodes would overflow the stack.
     fn drop(&mut self) {
         let mut rest = Vec::new();
         take_parts(&mut self.0, &mut rest);
@@ -47,58 +47,58 @@ impl Drop for Node {
     }
 }
 
-fn take_parts(kind: &mut Kind, rest: &mut Vec<Expr>) {
-    match std::mem::replace(kind, Kind::Const(0.0)) {
-        Kind::Const(_) | Kind::Axis(_) => {}
-        Kind::Unary(_, a) => rest.push(a),
-        Kind::Binary(_, a, b) => rest.extend([a, b]),
-        Kind::At(a, at) => {
+fn take_parts(kind: &mut ExprKind, rest: &mut Vec<Expr>) {
+    match std::mem::replace(kind, ExprKind::Const(0.0)) {
+        ExprKind::Const(_) | ExprKind::Axis(_) => {}
+        ExprKind::Unary(_, a) => rest.push(a),
+        ExprKind::Binary(_, a, b) => rest.extend([a, b]),
+        ExprKind::At(a, at) => {
             rest.push(a);
             rest.extend(at);
         }
-        Kind::Leaf(_, at) => rest.extend(at),
+        ExprKind::Leaf(_, at) => rest.extend(at),
     }
 }
 
 impl Expr {
-    fn new(kind: Kind) -> Self {
-        Self(Arc::new(Node(kind)))
+    fn new(kind: ExprKind) -> Self {
+        Self(Arc::new(ExprNode(kind)))
     }
 
-    /// The same number everywhere.
+    /// A constant.
     #[must_use]
     pub fn constant(value: f64) -> Self {
-        Self::new(Kind::Const(value))
+        Self::new(ExprKind::Const(value))
     }
 
     /// The coordinates x, y and z.
     #[must_use]
     pub fn axes() -> [Self; 3] {
-        [0, 1, 2].map(|k| Self::new(Kind::Axis(k)))
+        [0, 1, 2].map(|k| Self::new(ExprKind::Axis(k)))
     }
 
     /// An operation on one number.
     #[must_use]
     pub fn unary(op: Unary, a: &Self) -> Self {
-        Self::new(Kind::Unary(op, a.clone()))
+        Self::new(ExprKind::Unary(op, a.clone()))
     }
 
     /// An operation on two numbers.
     #[must_use]
     pub fn binary(op: Binary, a: &Self, b: &Self) -> Self {
-        Self::new(Kind::Binary(op, a.clone(), b.clone()))
+        Self::new(ExprKind::Binary(op, a.clone(), b.clone()))
     }
 
-    /// The value that a leaf has at the point of these three coordinates.
+    /// The value of a leaf at the point with these three coordinates.
     #[must_use]
     pub fn leaf(leaf: Arc<dyn Leaf>, at: [Self; 3]) -> Self {
-        Self::new(Kind::Leaf(leaf, at))
+        Self::new(ExprKind::Leaf(leaf, at))
     }
 
-    /// The expression with its x, y and z replaced by others, all at once.
+    /// The expression with x, y and z replaced by other expressions, all at once.
     #[must_use]
     pub fn with_axes(&self, at: [Self; 3]) -> Self {
-        Self::new(Kind::At(self.clone(), at))
+        Self::new(ExprKind::At(self.clone(), at))
     }
 
     /// The smaller of both.
@@ -107,8 +107,9 @@ impl Expr {
         Self::binary(Binary::Min, self, other)
     }
 
-    /// The smaller of both with its kink rounded off over a width: `min(a, b) − h²/(4·width)` with
-    /// `h = max(width − |a − b|, 0)`, for a width above 0. Its range is as exact as theirs, however deep such terms are nested.
+    /// The smaller of both, with its kink rounded off over a width above 0: `min(a, b) − h²/(4·width)` with
+    /// `h = max(width − |a − b|, 0)`. Its interval is as tight as those of the operands, however deeply such
+    /// terms are nested.
     ///
     /// Source: I. Quilez, *Smooth minimum*.
     #[must_use]
@@ -152,28 +153,31 @@ impl Expr {
         Self::unary(Unary::Cos, self)
     }
 
-    /// The number at one point. Makes a tape each time: for many points make one, see [`Tape::at`](super::Tape::at).
+    /// The value at one point. This compiles a tape each time; for many points make one, see
+    /// [`Tape::at`](super::Tape::at).
     ///
     /// # Errors
-    /// What a leaf says.
+    /// Fails if a leaf fails.
     pub fn at(&self, point: [f64; 3]) -> Result<f64, LeafError> {
         let mut value = [0.0];
-        Tape::of(self).at(&[point], &mut value)?;
+        Tape::new(self).at(&[point], &mut value)?;
         Ok(value[0])
     }
 
-    /// Whether its zero set is made of those of other expressions: below signs and constants it is a minimum, a
-    /// maximum or an absolute value.
+    /// Whether the zero set consists of zero sets of other expressions: below signs and constants there is a
+    /// minimum, a maximum or an absolute value.
     pub(super) fn is_choice(&self) -> bool {
         let mut at = self;
         loop {
             at = match at.kind() {
-                Kind::Binary(Binary::Min | Binary::Max, ..) | Kind::Unary(Unary::Abs, _) => return true,
-                Kind::Unary(Unary::Neg, below) | Kind::At(below, _) => below,
-                Kind::Binary(Binary::Add | Binary::Sub | Binary::Mul | Binary::Div, a, b) => {
+                ExprKind::Binary(Binary::Min | Binary::Max, ..) | ExprKind::Unary(Unary::Abs, _) => {
+                    return true;
+                }
+                ExprKind::Unary(Unary::Neg, below) | ExprKind::At(below, _) => below,
+                ExprKind::Binary(Binary::Add | Binary::Sub | Binary::Mul | Binary::Div, a, b) => {
                     match (a.kind(), b.kind()) {
-                        (Kind::Const(_), _) => b,
-                        (_, Kind::Const(_)) => a,
+                        (ExprKind::Const(_), _) => b,
+                        (_, ExprKind::Const(_)) => a,
                         _ => return false,
                     }
                 }
@@ -182,26 +186,26 @@ impl Expr {
         }
     }
 
-    pub(super) fn kind(&self) -> &Kind {
+    pub(super) fn kind(&self) -> &ExprKind {
         &self.0.0
     }
 
-    /// A name for this very part, as long as it lives.
+    /// An identifier of this node, valid as long as it lives.
     pub(super) fn address(&self) -> usize {
         Arc::as_ptr(&self.0) as usize
     }
 }
 
 impl fmt::Debug for Expr {
-    /// The top alone: below it there may be a million parts.
+    /// Prints the root alone: there may be a million nodes below it.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.kind() {
-            Kind::Const(value) => write!(f, "{value:?}"),
-            Kind::Axis(k) => f.write_str(["x", "y", "z"][usize::from(*k)]),
-            Kind::Unary(op, _) => write!(f, "{op:?}(…)"),
-            Kind::Binary(op, ..) => write!(f, "{op:?}(…, …)"),
-            Kind::At(..) => f.write_str("At(…)"),
-            Kind::Leaf(leaf, _) => leaf.fmt(f),
+            ExprKind::Const(value) => write!(f, "{value:?}"),
+            ExprKind::Axis(k) => f.write_str(["x", "y", "z"][usize::from(*k)]),
+            ExprKind::Unary(op, _) => write!(f, "{op:?}(…)"),
+            ExprKind::Binary(op, ..) => write!(f, "{op:?}(…, …)"),
+            ExprKind::At(..) => f.write_str("At(…)"),
+            ExprKind::Leaf(leaf, _) => leaf.fmt(f),
         }
     }
 }

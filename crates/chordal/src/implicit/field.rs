@@ -1,5 +1,5 @@
-//! `Field`: a signed number for every point, negative inside, with what is known of it.
-use super::combine::Pattern;
+//! `Field`: a signed number for every point, negative inside, with what is known about it.
+use super::combine::PeriodicPattern;
 use super::distance::Distance;
 use super::expr::Expr;
 use super::outside::is_empty_outside;
@@ -9,11 +9,11 @@ use crate::budget::Evidence;
 use crate::math::{Box3, add_up, sub_down};
 use std::sync::Arc;
 
-/// A shape as a rule: the points where its expression is negative.
+/// An implicit shape: the set of points where an expression is negative.
 ///
-/// Beside the expression it carries what proofs and queries need to know: what the value is worth as a
-/// distance, and a box outside of which nothing is inside. What of that rests on the word of whoever made the
-/// field and could not be checked is kept as well, in sentences, and [`Field::evidence`] lists it.
+/// Besides the expression, a field carries what proofs and queries need: what the value is worth as a
+/// distance, and a box that contains the shape. Statements of the caller that could not be checked are kept
+/// as sentences; [`Field::evidence`] lists them.
 ///
 /// ```
 /// use chordal::implicit::{Distance, Expr, Field};
@@ -31,23 +31,23 @@ use std::sync::Arc;
 pub struct Field {
     expr: Expr,
     sign: Option<Expr>,
-    /// Whether the sign of a part is another expression that has creases where the value does not show them.
+    /// Whether a part has a sign expression of its own, with creases that the value does not show.
     has_creases: bool,
-    /// Where it is a shape repeated without end, or all but that.
-    pattern: Option<Arc<Pattern>>,
+    /// Set for a shape that is repeated without end, or nearly so.
+    pattern: Option<Arc<PeriodicPattern>>,
     distance: Distance,
     bounds: Box3,
     promises: Promises,
-    /// Promises about what the value is worth as a distance: nothing rests on them until an operation uses
-    /// the distance.
+    /// Promises about the value as a distance. Proofs depend on them only once an operation uses the
+    /// distance.
     distance_promises: Promises,
 }
 
 impl Field {
-    /// All of space, as far as [`Field::bounds`] is concerned.
+    /// All of space: the [`Field::bounds`] of a field without a known box.
     pub const EVERYWHERE: Box3 = Box3 { min: [f64::NEG_INFINITY; 3], max: [f64::INFINITY; 3] };
 
-    /// The field of an expression of which nothing is known.
+    /// The field of an expression about which nothing else is known.
     #[must_use]
     pub fn new(expr: Expr) -> Self {
         Self {
@@ -62,8 +62,8 @@ impl Field {
         }
     }
 
-    /// The field of an expression made of other fields, with what was promised of them.
-    pub(super) fn of_parts(expr: Expr, parts: &[&Self]) -> Self {
+    /// The field of an expression made of other fields. It inherits their promises and creases.
+    pub(super) fn from_parts(expr: Expr, parts: &[&Self]) -> Self {
         let mut field = Self::new(expr);
         for part in parts {
             field.has_creases |= part.has_creases;
@@ -73,8 +73,8 @@ impl Field {
         field
     }
 
-    /// The same, with the caller's word for what the value is worth as a distance. Proofs rest on it once an
-    /// operation uses the distance, such as [`Field::offset`].
+    /// Returns the field with the caller's promise of what the value is worth as a distance. Proofs depend on
+    /// it once an operation uses the distance, such as [`Field::offset`].
     #[must_use]
     pub fn with_distance(mut self, distance: Distance) -> Self {
         if distance != Distance::SIGN {
@@ -87,19 +87,18 @@ impl Field {
         self.known_distance(distance)
     }
 
-    /// The same, with the caller's word that nothing outside of the box is inside the shape.
+    /// Returns the field with the caller's promise that no point outside the box is inside the shape.
     ///
-    /// Where ranges show that the word holds nothing rests on it any more: they are asked for the sides of
-    /// the box, and for those of one that is larger by a 2⁻⁴⁰th of its size, which then is the box, since
-    /// ranges are rounded outward. Otherwise it is a promise that [`Field::evidence`] lists. Cost: ranges in
-    /// a thousand boxes at most.
+    /// If interval arithmetic proves this, it is no promise any more. Intervals are rounded outward, so a box
+    /// larger by 2⁻⁴⁰ of its largest coordinate is tried as well; if only that one holds, it becomes the box.
+    /// Otherwise [`Field::evidence`] lists the promise. Cost: intervals in a thousand boxes at most.
     #[must_use]
     pub fn with_bounds(mut self, bounds: Box3) -> Self {
-        let tape = Tape::of(self.sign());
+        let tape = Tape::new(self.sign());
         if is_empty_outside(&tape, &bounds) {
             return self.known_bounds(bounds);
         }
-        let roomy = with_room(&bounds);
+        let roomy = with_margin(&bounds);
         if is_empty_outside(&tape, &roomy) {
             return self.known_bounds(roomy);
         }
@@ -108,54 +107,54 @@ impl Field {
         self.known_bounds(bounds)
     }
 
-    /// The same, with the caller's word that `sign` is negative exactly where the value is, and positive
-    /// exactly where that is: a promise that [`Field::evidence`] lists.
+    /// Returns the field with the caller's promise that `sign` is negative exactly where the value is, and
+    /// positive exactly where the value is. [`Field::evidence`] lists the promise.
     ///
-    /// A distance often has kinks on the surface itself (that of a box is made of an outer and an inner part
-    /// which meet there), where ranges of its gradient say little. An expression that runs smoothly through
-    /// 0, such as a maximum of planes, has the same shape, and lets proofs through.
+    /// A distance often has kinks on the surface itself, where intervals of its gradient say little: the
+    /// distance to a box consists of an outer and an inner part that meet there. An expression that passes
+    /// smoothly through 0, such as a maximum of planes, has the same shape and allows proofs.
     #[must_use]
     pub fn with_sign(mut self, sign: Expr) -> Self {
         self.promise("the second expression of a given field has the sign of its value everywhere".into());
         self.known_sign(sign)
     }
 
-    /// One more thing that is taken at somebody's word.
+    /// Adds a promise.
     pub(super) fn promise(&mut self, sentence: String) {
         self.promises.add(sentence.into());
     }
 
-    /// The same, for an operation that uses what the value is worth as a distance: from now on proofs rest on
-    /// that too.
+    /// Returns the field for an operation that uses the value as a distance. Proofs then depend on the
+    /// promises about the distance too.
     pub(super) fn as_distance(&self) -> Self {
         let mut field = self.clone();
         field.promises.extend(&self.distance_promises);
         field
     }
 
-    /// What the value is worth as a distance, where that is known and not promised.
+    /// Sets what the value is worth as a distance, where this is known and not promised.
     pub(crate) fn known_distance(self, distance: Distance) -> Self {
         Self { distance, ..self }
     }
 
-    /// A box that holds the shape, where that is known and not promised.
+    /// Sets a box that contains the shape, where it is known and not promised.
     pub(crate) fn known_bounds(self, bounds: Box3) -> Self {
         Self { bounds, ..self }
     }
 
-    /// Another expression of the same sign, where that is known and not promised.
+    /// Sets another expression of the same sign, where this is known and not promised.
     pub(crate) fn known_sign(self, sign: Expr) -> Self {
         let has_creases = self.has_creases || sign.is_choice();
-        Self { has_creases, ..self.of_sign(sign) }
+        Self { has_creases, ..self.replace_sign(sign) }
     }
 
-    /// The same with an expression made of those of the parts, or of the value.
-    pub(super) fn of_sign(self, sign: Expr) -> Self {
+    /// Sets a sign expression that is made of those of the parts, or of the value.
+    pub(super) fn replace_sign(self, sign: Expr) -> Self {
         Self { sign: Some(sign), ..self }
     }
 
-    /// What a proof about the surface is worth: the weakest of the leaves of [`Field::sign`], and of what was
-    /// promised where the field was made. Cost: linear in the distinct parts of the expression.
+    /// What a proof about the surface is worth: the weakest evidence among the leaves of [`Field::sign`] and
+    /// the promises made for the field. Cost: linear in the distinct subexpressions.
     ///
     /// ```
     /// use chordal::budget::Evidence;
@@ -169,48 +168,48 @@ impl Field {
     /// ```
     #[must_use]
     pub fn evidence(&self) -> Evidence {
-        Tape::of(self.sign()).evidence().weaker(&self.promises.evidence())
+        Tape::new(self.sign()).evidence().weaker(&self.promises.evidence())
     }
 
-    /// An expression that is negative exactly where the value is, for what needs the surface and not the distance:
-    /// that of [`Field::with_sign`], else the value's own.
+    /// An expression that is negative exactly where the value is, for uses that need the surface and not the
+    /// distance: that of [`Field::with_sign`], else the value's own.
     #[must_use]
     pub fn sign(&self) -> &Expr {
         self.sign.as_ref().unwrap_or(&self.expr)
     }
 
-    /// What it repeats without end, if it does.
-    pub(super) fn pattern(&self) -> Option<&Pattern> {
+    /// The pattern that it repeats without end, if it does.
+    pub(super) fn pattern(&self) -> Option<&PeriodicPattern> {
         self.pattern.as_deref()
     }
 
-    pub(super) fn of_pattern(self, pattern: Pattern) -> Self {
+    pub(super) fn with_pattern(self, pattern: PeriodicPattern) -> Self {
         Self { pattern: Some(Arc::new(pattern)), ..self }
     }
 
-    /// An expression with the sign in a box.
+    /// An expression with the same sign inside the box.
     pub(super) fn sign_within(&self, bounds: &Box3) -> Expr {
         let listed = self.pattern().and_then(|pattern| pattern.sign_within(bounds));
         listed.unwrap_or_else(|| self.sign().clone())
     }
 
-    /// Whether [`Field::sign`] is an expression of its own.
+    /// Whether [`Field::sign`] has been set.
     #[must_use]
     pub fn has_sign(&self) -> bool {
         self.sign.is_some()
     }
 
-    /// Whether [`Field::sign`] is another expression than the value.
+    /// Whether [`Field::sign`] is an expression other than the value.
     pub(super) fn has_own_sign(&self) -> bool {
         self.sign.as_ref().is_some_and(|sign| sign.address() != self.expr.address())
     }
 
-    /// Whether the sign is that of several primitives, which may meet in creases.
+    /// Whether the sign combines several primitives, which may meet in creases.
     pub(super) fn has_creases(&self) -> bool {
         self.has_own_sign() && self.has_creases
     }
 
-    /// The number of every point.
+    /// The expression that gives the value at each point.
     #[must_use]
     pub fn expr(&self) -> &Expr {
         &self.expr
@@ -222,22 +221,22 @@ impl Field {
         self.distance
     }
 
-    /// A closed box that holds every point of the shape; infinite in directions where none is known.
+    /// A closed box that contains the shape; infinite in directions without a known bound.
     #[must_use]
     pub fn bounds(&self) -> Box3 {
         self.bounds
     }
 
-    /// The field made ready for evaluation. Cost: linear in the distinct parts of the expression; keep it.
+    /// The field compiled for evaluation. Cost: linear in the distinct subexpressions; keep the result.
     #[must_use]
     pub fn tape(&self) -> Tape {
-        Tape::of(&self.expr)
+        Tape::new(&self.expr)
     }
 }
 
-/// The box with room for the rounding of ranges at its sides.
-fn with_room(bounds: &Box3) -> Box3 {
-    /// Derived: a range of some thousand steps is off by less than 2⁻⁴⁰ of its numbers.
+/// The box, enlarged by a margin for the rounding of intervals at its sides.
+fn with_margin(bounds: &Box3) -> Box3 {
+    /// Derived: an interval of some thousand steps is off by less than 2⁻⁴⁰ of its numbers.
     const ROOM: f64 = 1.0 / (1_u64 << 40) as f64;
     let ends = bounds.min.iter().chain(&bounds.max).map(|x| x.abs()).filter(|x| x.is_finite());
     let room = ROOM * ends.fold(0.0, |most, x| if x > most { x } else { most });

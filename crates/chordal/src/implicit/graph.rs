@@ -1,11 +1,11 @@
-//! `Graph`: an expression as a list of distinct terms, each made of earlier ones.
-use super::expr::{Expr, Kind};
+//! `ExprGraph`: an expression as a list of distinct terms, each made of earlier ones.
+use super::expr::{Expr, ExprKind};
 use super::leaf::Leaf;
 use super::op::{Binary, Unary};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// One term; numbers name earlier terms of the list.
+/// One term. Operands are indices of earlier terms in the list.
 #[derive(Clone, Debug)]
 pub enum Term {
     /// A number.
@@ -16,34 +16,35 @@ pub enum Term {
     Unary(Unary, u32),
     /// An operation on two terms.
     Binary(Binary, u32, u32),
-    /// What a leaf has at the point of three terms.
+    /// The value of a leaf at the point given by three terms.
     Leaf(Arc<dyn Leaf>, [u32; 3]),
 }
 
-/// The distinct terms of an expression in an order in which they can be evaluated; the last is its value.
+/// The distinct terms of an expression in evaluation order; the last is its value.
 ///
-/// Equal terms are one, whether they were shared or written twice. An operation on constants is carried out,
-/// rounded as f64 is: the true shape has the result, as a number in a text has its value. What is left out
-/// otherwise changes no value where the expression has one: `a + 0`, `1 · a`, `−(−a)`, `| |a| |`, `min(a, a)`;
-/// and `a · a` is `a²`, whose range is known to be positive. The logarithm of a sum of exponentials is
-/// [`Binary::LogSumExp`], the same number but for its rounding: its exponentials do not overflow, and the range
-/// of its slope is that of a mean.
+/// Equal terms are merged (common subexpressions), whether they were shared or written twice. Operations on
+/// constants are carried out in f64, and the rounded result defines the true shape, as a number in a text
+/// does. Other simplifications change no value where the expression has one: `a + 0`, `1 · a`, `−(−a)`,
+/// `| |a| |`, `min(a, a)`; and `a · a` becomes `a²`, whose interval is known to be positive. The logarithm of
+/// a sum of exponentials becomes [`Binary::LogSumExp`], the same number up to rounding: its exponentials do
+/// not overflow, and the interval of its slope is that of a mean.
 #[derive(Clone, Debug)]
-pub struct Graph {
+pub struct ExprGraph {
     terms: Vec<Term>,
 }
 
-impl Graph {
-    /// The terms of an expression. Time and memory grow with its distinct parts, not with how often they are used.
+impl ExprGraph {
+    /// The terms of an expression. Time and memory grow with the distinct subexpressions, not with how often
+    /// they are used.
     #[must_use]
-    pub fn of(expr: &Expr) -> Self {
-        let mut builder = Builder::default();
+    pub fn from_expr(expr: &Expr) -> Self {
+        let mut builder = GraphBuilder::default();
         let root = builder.lower(expr);
         Self { terms: reachable(builder.terms, root) }
     }
 
     /// A graph from its terms, the last of which is the value.
-    pub(super) fn of_terms(terms: Vec<Term>) -> Self {
+    pub(super) fn from_terms(terms: Vec<Term>) -> Self {
         Self { terms }
     }
 
@@ -61,12 +62,12 @@ impl Graph {
     }
 }
 
-/// Exponentials that a sum whose logarithm is one term has at most. Chosen: learned fields have some hundred.
+/// The most exponentials in a sum whose logarithm becomes one term. Chosen: learned fields have some hundred.
 const MOST_EXPONENTIALS: usize = 1024;
 
-/// What makes two terms one. A leaf is itself alone.
+/// The key by which equal terms are found. A leaf equals only itself.
 #[derive(PartialEq, Eq, Hash)]
-enum Key {
+enum TermKey {
     Const(u64),
     Axis(u8),
     Unary(Unary, u32),
@@ -74,51 +75,51 @@ enum Key {
     Leaf(usize, [u32; 3]),
 }
 
-/// What is left to do: look at an expression where x, y and z are the terms of a frame; or finish it, its
-/// parts being known.
-enum Task<'a> {
+/// A pending step: visit an expression in a frame (the terms that stand for x, y and z), or finish it once
+/// its operands are known.
+enum LoweringTask<'a> {
     Visit(&'a Expr, u32),
     Finish(&'a Expr, u32),
-    /// The child of an `At`, whose frame is known once its three terms are.
+    /// Visit the child of an `At`, whose frame is known once its three terms are.
     Enter(&'a Expr, u32),
-    /// The `At` itself is what its child was in the new frame.
+    /// Give the `At` the term of its child in the new frame.
     Leave(&'a Expr, u32),
 }
 
 #[derive(Default)]
-struct Builder {
+struct GraphBuilder {
     terms: Vec<Term>,
-    // Maps are only looked up, never walked through.
-    numbers: HashMap<Key, u32>,            // No order depends on it.
+    // The maps are only looked up, never iterated.
+    numbers: HashMap<TermKey, u32>,        // No order depends on it.
     known: HashMap<(usize, u32), u32>,     // No order depends on it.
     frame_numbers: HashMap<[u32; 3], u32>, // No order depends on it.
     frames: Vec<[u32; 3]>,
 }
 
-impl Builder {
+impl GraphBuilder {
     fn lower(&mut self, expr: &Expr) -> u32 {
-        let axes = [0, 1, 2].map(|k| self.term(Key::Axis(k), || Term::Axis(k)));
+        let axes = [0, 1, 2].map(|k| self.term(TermKey::Axis(k), || Term::Axis(k)));
         let world = self.frame(axes);
-        let mut tasks = vec![Task::Visit(expr, world)];
+        let mut tasks = vec![LoweringTask::Visit(expr, world)];
         while let Some(task) = tasks.pop() {
             match task {
-                Task::Visit(expr, frame) => {
+                LoweringTask::Visit(expr, frame) => {
                     if !self.known.contains_key(&(expr.address(), frame)) {
                         self.visit(expr, frame, &mut tasks);
                     }
                 }
-                Task::Finish(expr, frame) => {
+                LoweringTask::Finish(expr, frame) => {
                     let number = self.finish(expr, frame);
                     self.known.insert((expr.address(), frame), number);
                 }
-                Task::Enter(expr, frame) => {
-                    let Kind::At(child, at) = expr.kind() else { continue };
+                LoweringTask::Enter(expr, frame) => {
+                    let ExprKind::At(child, at) = expr.kind() else { continue };
                     let inner = self.inner_frame(at, frame);
-                    tasks.push(Task::Leave(expr, frame));
-                    tasks.push(Task::Visit(child, inner));
+                    tasks.push(LoweringTask::Leave(expr, frame));
+                    tasks.push(LoweringTask::Visit(child, inner));
                 }
-                Task::Leave(expr, frame) => {
-                    let Kind::At(child, at) = expr.kind() else { continue };
+                LoweringTask::Leave(expr, frame) => {
+                    let ExprKind::At(child, at) = expr.kind() else { continue };
                     let inner = self.inner_frame(at, frame);
                     let number = self.known[&(child.address(), inner)];
                     self.known.insert((expr.address(), frame), number);
@@ -128,19 +129,21 @@ impl Builder {
         self.known[&(expr.address(), world)]
     }
 
-    fn visit<'a>(&mut self, expr: &'a Expr, frame: u32, tasks: &mut Vec<Task<'a>>) {
-        tasks.push(if matches!(expr.kind(), Kind::At(..)) {
-            Task::Enter(expr, frame)
+    fn visit<'a>(&mut self, expr: &'a Expr, frame: u32, tasks: &mut Vec<LoweringTask<'a>>) {
+        tasks.push(if matches!(expr.kind(), ExprKind::At(..)) {
+            LoweringTask::Enter(expr, frame)
         } else {
-            Task::Finish(expr, frame)
+            LoweringTask::Finish(expr, frame)
         });
         match expr.kind() {
-            Kind::Const(_) | Kind::Axis(_) => {}
-            Kind::Unary(_, a) => tasks.push(Task::Visit(a, frame)),
-            // The first operand is on top, so it is done first.
-            Kind::Binary(_, a, b) => tasks.extend([Task::Visit(b, frame), Task::Visit(a, frame)]),
-            Kind::At(_, at) | Kind::Leaf(_, at) => {
-                tasks.extend(at.iter().rev().map(|a| Task::Visit(a, frame)));
+            ExprKind::Const(_) | ExprKind::Axis(_) => {}
+            ExprKind::Unary(_, a) => tasks.push(LoweringTask::Visit(a, frame)),
+            // The first operand is on top of the stack, so it is done first.
+            ExprKind::Binary(_, a, b) => {
+                tasks.extend([LoweringTask::Visit(b, frame), LoweringTask::Visit(a, frame)])
+            }
+            ExprKind::At(_, at) | ExprKind::Leaf(_, at) => {
+                tasks.extend(at.iter().rev().map(|a| LoweringTask::Visit(a, frame)));
             }
         }
     }
@@ -148,21 +151,21 @@ impl Builder {
     fn finish(&mut self, expr: &Expr, frame: u32) -> u32 {
         let known = |e: &Expr| self.known[&(e.address(), frame)];
         match expr.kind() {
-            Kind::Const(value) => self.constant(*value),
-            Kind::Axis(k) => self.frames[frame as usize][usize::from(*k)],
-            Kind::Unary(op, a) => {
+            ExprKind::Const(value) => self.constant(*value),
+            ExprKind::Axis(k) => self.frames[frame as usize][usize::from(*k)],
+            ExprKind::Unary(op, a) => {
                 let a = known(a);
                 self.unary(*op, a)
             }
-            Kind::Binary(op, a, b) => {
+            ExprKind::Binary(op, a, b) => {
                 let (a, b) = (known(a), known(b));
                 self.binary(*op, a, b)
             }
-            Kind::At(..) => unreachable!("an At is entered and left"),
-            Kind::Leaf(leaf, at) => {
+            ExprKind::At(..) => unreachable!("an At is entered and left"),
+            ExprKind::Leaf(leaf, at) => {
                 let at = at.each_ref().map(known);
                 let address = Arc::as_ptr(leaf).cast::<()>() as usize;
-                self.term(Key::Leaf(address, at), || Term::Leaf(Arc::clone(leaf), at))
+                self.term(TermKey::Leaf(address, at), || Term::Leaf(Arc::clone(leaf), at))
             }
         }
     }
@@ -181,7 +184,7 @@ impl Builder {
         number
     }
 
-    fn term(&mut self, key: Key, make: impl FnOnce() -> Term) -> u32 {
+    fn term(&mut self, key: TermKey, make: impl FnOnce() -> Term) -> u32 {
         let next = self.terms.len() as u32;
         let number = *self.numbers.entry(key).or_insert(next);
         if number == next {
@@ -191,7 +194,7 @@ impl Builder {
     }
 
     fn constant(&mut self, value: f64) -> u32 {
-        self.term(Key::Const(value.to_bits()), || Term::Const(value))
+        self.term(TermKey::Const(value.to_bits()), || Term::Const(value))
     }
 
     fn value_of(&self, number: u32) -> Option<f64> {
@@ -200,7 +203,7 @@ impl Builder {
 
     fn unary(&mut self, op: Unary, a: u32) -> u32 {
         if let Some(value) = self.value_of(a) {
-            return self.constant(op.of(value));
+            return self.constant(op.apply(value));
         }
         if let (Unary::Ln, Some(log)) = (op, self.log_of(a)) {
             return log;
@@ -212,11 +215,11 @@ impl Builder {
                 let inner = *inner;
                 self.unary(op, inner)
             }
-            _ => self.term(Key::Unary(op, a), || Term::Unary(op, a)),
+            _ => self.term(TermKey::Unary(op, a), || Term::Unary(op, a)),
         }
     }
 
-    /// The logarithm of a sum of exponentials.
+    /// The logarithm of `sum`, if that is a sum of exponentials.
     fn log_of(&mut self, sum: u32) -> Option<u32> {
         let mut open = vec![sum];
         let mut logs = Vec::new();
@@ -226,7 +229,7 @@ impl Builder {
                 Term::Binary(Binary::Add, a, b) => open.extend([*b, *a]),
                 _ => return None,
             }
-            // Sums that share their parts would have no end.
+            // Sums of shared parts could have exponentially many exponentials.
             if logs.len() + open.len() > MOST_EXPONENTIALS {
                 return None;
             }
@@ -237,7 +240,7 @@ impl Builder {
     fn binary(&mut self, op: Binary, a: u32, b: u32) -> u32 {
         let (left, right) = (self.value_of(a), self.value_of(b));
         if let (Some(left), Some(right)) = (left, right) {
-            return self.constant(op.of(left, right));
+            return self.constant(op.apply(left, right));
         }
         match op {
             Binary::Add if left == Some(0.0) => return b,
@@ -248,15 +251,14 @@ impl Builder {
             Binary::Mul if a == b => return self.unary(Unary::Square, a),
             _ => {}
         }
-        // Sums and products are the same the other way round. Minima and maxima are not where an operand has
-        // no value.
+        // Sums and products are commutative. Minima and maxima are not where an operand is undefined.
         let either = matches!(op, Binary::Add | Binary::Mul);
         let (a, b) = if either && b < a { (b, a) } else { (a, b) };
-        self.term(Key::Binary(op, a, b), || Term::Binary(op, a, b))
+        self.term(TermKey::Binary(op, a, b), || Term::Binary(op, a, b))
     }
 }
 
-/// The terms that the root needs, with the root last.
+/// The terms that the root depends on, with the root last.
 pub(super) fn reachable(terms: Vec<Term>, root: u32) -> Vec<Term> {
     let mut used = vec![false; terms.len()];
     used[root as usize] = true;
@@ -303,17 +305,17 @@ mod tests {
         let [x, y, z] = Expr::axes();
         let exp = |a: &Expr| Expr::unary(Exp, a);
         let sum = Expr::unary(Ln, &(exp(&x) + exp(&y) + exp(&(&z * 2.0))));
-        let graph = Graph::of(&sum);
+        let graph = ExprGraph::from_expr(&sum);
         let is_exp = |term: &Term| matches!(term, Term::Unary(Exp | Ln, _));
         assert!(!graph.terms().iter().any(is_exp), "{graph:?}");
-        let ([a, b, c], tape) = ([0.3_f64, -0.7, 0.2], Tape::of(&sum));
+        let ([a, b, c], tape) = ([0.3_f64, -0.7, 0.2], Tape::new(&sum));
         let mut found = [0.0; 2];
         tape.at(&[[a, b, c], [1000.0, 3.0, 500.0]], &mut found).unwrap();
         let expected = (a.exp() + b.exp() + (2.0 * c).exp()).ln();
         assert!((found[0] - expected).abs() < 4.0 * f64::EPSILON, "{found:?}");
         assert!((found[1] - (1000.0 + 2.0_f64.ln())).abs() < 1e-12, "{found:?}");
-        // What is no exponential stays.
-        let other = Graph::of(&Expr::unary(Ln, &(exp(&x) + &y)));
+        // A sum with another term stays as it is.
+        let other = ExprGraph::from_expr(&Expr::unary(Ln, &(exp(&x) + &y)));
         assert_eq!(other.terms().iter().filter(|term| is_exp(term)).count(), 2);
     }
 }

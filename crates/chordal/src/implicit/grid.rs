@@ -1,5 +1,5 @@
 //! `Grid`: samples of a number on a lattice in space.
-use super::affine::Affine;
+use super::affine::Affine3;
 use std::fmt;
 
 /// The samples of a [`Grid`], in the type that they came in.
@@ -94,12 +94,12 @@ fn tally(value: f64, [unknown, infinite]: &mut [u64; 2]) {
     *infinite += u64::from(value.is_infinite());
 }
 
-/// Samples on a lattice, the first index running fastest, with the map from indices to space. Between samples the value
-/// is their trilinear interpolant, taken exactly: of the samples and of the map as they are in f64.
+/// Samples on a lattice, the first index running fastest, with the map from indices to space. Between samples
+/// the value is their trilinear interpolant, taken exactly: of the samples and of the map as they are in f64.
 ///
 /// ```
-/// use chordal::implicit::{Affine, Grid, Samples};
-/// let grid = Grid::new([2, 2, 2], Samples::U8(vec![0, 1, 0, 1, 0, 1, 0, 1]), Affine::IDENTITY)?;
+/// use chordal::implicit::{Affine3, Grid, Samples};
+/// let grid = Grid::new([2, 2, 2], Samples::U8(vec![0, 1, 0, 1, 0, 1, 0, 1]), Affine3::IDENTITY)?;
 /// assert_eq!(grid.sample([1, 0, 1]), 1.0);
 /// # Ok::<(), chordal::implicit::InvalidGrid>(())
 /// ```
@@ -107,7 +107,7 @@ fn tally(value: f64, [unknown, infinite]: &mut [u64; 2]) {
 pub struct Grid {
     size: [usize; 3],
     samples: Samples,
-    affine: Affine,
+    affine: Affine3,
 }
 
 impl Grid {
@@ -115,7 +115,7 @@ impl Grid {
     ///
     /// # Errors
     /// [`InvalidGrid`] when a size is 0, or the number of samples is not their product.
-    pub fn new(size: [usize; 3], samples: Samples, affine: Affine) -> Result<Self, InvalidGrid> {
+    pub fn new(size: [usize; 3], samples: Samples, affine: Affine3) -> Result<Self, InvalidGrid> {
         let count = size.iter().try_fold(1_usize, |all, n| all.checked_mul(*n));
         if size.contains(&0) || count != Some(samples.len()) {
             let [x, y, z] = size;
@@ -138,13 +138,13 @@ impl Grid {
 
     /// From indices to space.
     #[must_use]
-    pub fn affine(&self) -> &Affine {
+    pub fn affine(&self) -> &Affine3 {
         &self.affine
     }
 
     /// The same samples somewhere else.
     #[must_use]
-    pub fn with_affine(self, affine: Affine) -> Self {
+    pub fn with_affine(self, affine: Affine3) -> Self {
         Self { affine, ..self }
     }
 

@@ -1,21 +1,21 @@
-//! `Number`: what an expression can be evaluated to, and what each operation does there.
+//! `Scalar`: the types that expressions evaluate to, and their operations.
 use super::op::{Binary, Unary};
 use crate::math::elementary::{self, NEAR, sin_cos_near, single};
-use crate::math::{Ends, Interval};
+use crate::math::{BareInterval, Interval};
 
-/// A value of a term: f64, f32, a range, or one of these with its slopes.
+/// A value of a term: f64, f32, an interval, or one of these with its derivatives.
 ///
-/// Everything here is inlined, and so compiled for each instruction set where it is used in a loop.
-pub(super) trait Number: Copy {
+/// Everything here is inlined, and so compiled for each instruction set in the loops that use it.
+pub(super) trait Scalar: Copy {
     fn constant(value: f64) -> Self;
 
-    /// An operation on one number where that [`Number::is_near`]; without a branch.
+    /// An operation on one number for which [`Scalar::is_near`] holds; without a branch.
     fn near(op: Unary, a: Self) -> Self;
 
-    /// Whether sine, cosine and tangent of it need no reduction by integers.
+    /// Whether its sine, cosine and tangent need no argument reduction in integers.
     fn is_near(self) -> bool;
 
-    /// An operation on one number, wherever it is.
+    /// An operation on one number of any size.
     fn unary(op: Unary, a: Self) -> Self;
 
     /// An operation on two numbers.
@@ -27,7 +27,7 @@ pub(super) trait Number: Copy {
         Self::near(Unary::Sqrt, squares(&parts))
     }
 
-    /// The distance from a box by the distances from its sides: `|max(v, 0)| + min(max of v, 0)`.
+    /// The distance to a box, from the signed distances to its sides: `|max(v, 0)| + min(max of v, 0)`.
     #[inline(always)]
     fn box_distance<const N: usize>(mut sides: [Self; N]) -> Self {
         let zero = Self::constant(0.0);
@@ -42,7 +42,7 @@ pub(super) trait Number: Copy {
 
 /// The sum of the squares, added from the first on.
 #[inline(always)]
-pub(super) fn squares<N: Number>(parts: &[N]) -> N {
+pub(super) fn squares<N: Scalar>(parts: &[N]) -> N {
     let mut sum = N::near(Unary::Square, parts[0]);
     for part in &parts[1..] {
         sum = N::binary(Binary::Add, sum, N::near(Unary::Square, *part));
@@ -50,13 +50,13 @@ pub(super) fn squares<N: Number>(parts: &[N]) -> N {
     sum
 }
 
-/// Whether the operation turns its operand into an angle's rest, which needs more where that is large.
+/// Whether the operation is periodic, and so needs more argument reduction for large operands.
 #[inline(always)]
 pub(super) fn is_periodic(op: Unary) -> bool {
     matches!(op, Unary::Sin | Unary::Cos | Unary::Tan)
 }
 
-impl Number for f64 {
+impl Scalar for f64 {
     #[inline(always)]
     fn constant(value: f64) -> Self {
         value
@@ -71,7 +71,7 @@ impl Number for f64 {
                 let (sine, cosine) = sin_cos_near(a);
                 sine / cosine
             }
-            _ => op.of(a),
+            _ => op.apply(a),
         }
     }
 
@@ -82,16 +82,16 @@ impl Number for f64 {
 
     #[inline(always)]
     fn unary(op: Unary, a: Self) -> Self {
-        op.of(a)
+        op.apply(a)
     }
 
     #[inline(always)]
     fn binary(op: Binary, a: Self, b: Self) -> Self {
-        op.of(a, b)
+        op.apply(a, b)
     }
 }
 
-impl Number for f32 {
+impl Scalar for f32 {
     #[inline(always)]
     fn constant(value: f64) -> Self {
         value as f32
@@ -106,7 +106,7 @@ impl Number for f32 {
                 let (sine, cosine) = single::sin_cos_near(a);
                 sine / cosine
             }
-            _ => op.of_f32(a),
+            _ => op.apply_f32(a),
         }
     }
 
@@ -117,16 +117,16 @@ impl Number for f32 {
 
     #[inline(always)]
     fn unary(op: Unary, a: Self) -> Self {
-        op.of_f32(a)
+        op.apply_f32(a)
     }
 
     #[inline(always)]
     fn binary(op: Binary, a: Self, b: Self) -> Self {
-        op.of_f32(a, b)
+        op.apply_f32(a, b)
     }
 }
 
-impl Number for Interval {
+impl Scalar for Interval {
     #[inline(always)]
     fn constant(value: f64) -> Self {
         Self::point(value)
@@ -190,28 +190,28 @@ fn range(op: Unary, a: Interval, sin_cos: impl Fn(f64) -> (f64, f64)) -> Interva
     }
 }
 
-/// A range while a tape runs: what [`Interval`] is, but that nothing (a range without a number) is remembered
-/// beside the ends, which may then be anything. Every operation on nothing gives nothing, so it is enough to
-/// know that there was one, and the operations themselves need not look.
+/// An interval while a tape runs. Unlike [`Interval`] it marks an empty interval by a flag, and its ends may
+/// then be anything. Every operation on an empty interval gives an empty one, so the flag is enough and the
+/// operations need not check.
 #[derive(Clone, Copy)]
-pub(super) struct Range {
-    pub(super) ends: Ends,
+pub(super) struct TapeInterval {
+    pub(super) ends: BareInterval,
     pub(super) defined: bool,
     pub(super) some: bool,
 }
 
-impl Range {
+impl TapeInterval {
     #[inline(always)]
-    pub(super) fn of(range: Interval) -> Self {
-        Self { ends: range.ends(), defined: range.is_defined(), some: !range.is_empty() }
+    pub(super) fn from_interval(range: Interval) -> Self {
+        Self { ends: range.bare(), defined: range.is_defined(), some: !range.is_empty() }
     }
 
-    /// The side of a box; what is no range is unknown.
+    /// The side of a box; unknown where the ends form no interval.
     #[inline(always)]
     pub(super) fn side(lo: f64, hi: f64) -> Self {
         let valid = (lo <= hi) & (lo < f64::INFINITY) & (hi > f64::NEG_INFINITY);
         Self {
-            ends: Ends {
+            ends: BareInterval {
                 lo: if valid { lo } else { f64::NEG_INFINITY },
                 hi: if valid { hi } else { f64::INFINITY },
             },
@@ -222,12 +222,12 @@ impl Range {
 
     #[inline(always)]
     pub(super) fn interval(self) -> Interval {
-        Interval::from_ends(self.ends.or_nothing(!self.some), self.defined)
+        Interval::from_bare(self.ends.empty_if(!self.some), self.defined)
     }
 
-    /// The range that an operation made, where that is defined, and whether it is anything at all.
+    /// The result of an operation: its interval, whether it is defined, and whether it is not empty.
     #[inline(always)]
-    fn to(self, ends: Ends, defined: bool, some: bool) -> Self {
+    fn to(self, ends: BareInterval, defined: bool, some: bool) -> Self {
         Self { ends, defined: self.defined & defined, some: self.some & some }
     }
 
@@ -237,38 +237,38 @@ impl Range {
         match op {
             Unary::Neg => x.to(a.neg(), true, true),
             Unary::Abs => x.to(a.abs(), true, true),
-            Unary::Recip => x.to(Ends { lo: 1.0, hi: 1.0 }.div(a), !a.has_zero(), true),
+            Unary::Recip => x.to(BareInterval { lo: 1.0, hi: 1.0 }.div(a), !a.has_zero(), true),
             Unary::Sqrt => x.to(a.sqrt(), a.lo >= 0.0, a.hi >= 0.0),
             Unary::Square => x.to(a.square(), true, true),
             Unary::Floor => x.flat(a.floor()),
             Unary::Ceil => x.flat(a.ceil()),
             Unary::Round => x.flat(a.round()),
             Unary::Not => x.flat(a.not()),
-            Unary::Sin => x.to(a.wave(0.5, sin_cos(a.lo).0, sin_cos(a.hi).0), true, true),
-            Unary::Cos => x.to(a.wave(0.0, sin_cos(a.lo).1, sin_cos(a.hi).1), true, true),
+            Unary::Sin => x.to(a.sinusoid(0.5, sin_cos(a.lo).0, sin_cos(a.hi).0), true, true),
+            Unary::Cos => x.to(a.sinusoid(0.0, sin_cos(a.lo).1, sin_cos(a.hi).1), true, true),
             Unary::Tan => {
                 let (low, high) = (sin_cos(a.lo), sin_cos(a.hi));
-                x.to(Ends::tan(a, low.0 / low.1, high.0 / high.1), a.is_without_pole(), true)
+                x.to(BareInterval::tan(a, low.0 / low.1, high.0 / high.1), a.is_without_pole(), true)
             }
-            Unary::Asin => x.to(Ends::asin(a), a.is_within_one(), a.meets_one()),
-            Unary::Acos => x.to(Ends::acos(a), a.is_within_one(), a.meets_one()),
-            Unary::Atan => x.to(Ends::atan(a), true, true),
-            Unary::Exp => x.to(Ends::exp(a), true, true),
-            Unary::Ln => x.to(Ends::ln(a), a.lo > 0.0, a.hi > 0.0),
+            Unary::Asin => x.to(BareInterval::asin(a), a.is_within_one(), a.intersects_one()),
+            Unary::Acos => x.to(BareInterval::acos(a), a.is_within_one(), a.intersects_one()),
+            Unary::Atan => x.to(BareInterval::atan(a), true, true),
+            Unary::Exp => x.to(BareInterval::exp(a), true, true),
+            Unary::Ln => x.to(BareInterval::ln(a), a.lo > 0.0, a.hi > 0.0),
         }
     }
 
-    /// For what has steps.
+    /// The result of a step function, which is continuous only where it is constant.
     #[inline(always)]
-    fn flat(self, ends: Ends) -> Self {
+    fn flat(self, ends: BareInterval) -> Self {
         self.to(ends, ends.lo == ends.hi, true)
     }
 }
 
-impl Number for Range {
+impl Scalar for TapeInterval {
     #[inline(always)]
     fn constant(value: f64) -> Self {
-        Self::of(Interval::point(value))
+        Self::from_interval(Interval::point(value))
     }
 
     #[inline(always)]
@@ -299,8 +299,8 @@ impl Number for Range {
             Binary::Max => both.to(a.max(b), true, true),
             Binary::SmoothMin => both.to(a.smooth_min(b), true, true),
             Binary::LogSumExp => both.to(a.log_sum_exp(b), true, true),
-            Binary::Atan2 => both.to(Ends::atan2(a, b), a.is_off_cut(b), true),
-            Binary::Mod => both.to(a.rem(b), !a.whole_quotient(b).is_nan(), true),
+            Binary::Atan2 => both.to(BareInterval::atan2(a, b), a.is_off_cut(b), true),
+            Binary::Mod => both.to(a.rem(b), !a.integer_quotient(b).is_nan(), true),
             Binary::Compare => both.flat(a.compare(b)),
             Binary::And => both.to(a.and(b), a.is_decided(), true),
             Binary::Or => both.to(a.or_else(b), a.is_decided(), true),

@@ -1,4 +1,4 @@
-//! The operations that expressions are made of: their names, and what they do to numbers.
+//! The operations of expressions: their names, and their effect on numbers.
 use crate::math::elementary::{self, single};
 
 /// An operation on one number.
@@ -8,35 +8,35 @@ pub enum Unary {
     Neg,
     /// `|a|`.
     Abs,
-    /// `1/a`; nothing at 0.
+    /// `1/a`; undefined at 0.
     Recip,
-    /// `√a`; nothing below 0.
+    /// `√a`; undefined below 0.
     Sqrt,
     /// `a²`.
     Square,
-    /// The largest whole number that is not above `a`; jumps.
+    /// The largest integer that is not above `a`; has jumps.
     Floor,
-    /// The smallest whole number that is not below `a`; jumps.
+    /// The smallest integer that is not below `a`; has jumps.
     Ceil,
-    /// The nearest whole number, halves away from 0; jumps.
+    /// The nearest integer, halves away from 0; has jumps.
     Round,
     /// The sine of `a` radians.
     Sin,
     /// The cosine of `a` radians.
     Cos,
-    /// The tangent of `a` radians; nothing at its poles.
+    /// The tangent of `a` radians; undefined at its poles.
     Tan,
-    /// The angle whose sine is `a`; nothing outside [−1, 1].
+    /// The angle whose sine is `a`; undefined outside [−1, 1].
     Asin,
-    /// The angle whose cosine is `a`; nothing outside [−1, 1].
+    /// The angle whose cosine is `a`; undefined outside [−1, 1].
     Acos,
     /// The angle whose tangent is `a`.
     Atan,
     /// `eᵃ`.
     Exp,
-    /// The natural logarithm; nothing at 0 and below.
+    /// The natural logarithm; undefined at 0 and below.
     Ln,
-    /// 1 where `a` is 0, else 0; jumps.
+    /// 1 where `a` is 0, else 0; has jumps.
     Not,
 }
 
@@ -49,31 +49,32 @@ pub enum Binary {
     Sub,
     /// `a · b`.
     Mul,
-    /// `a / b`; nothing where `b` is 0.
+    /// `a / b`; undefined where `b` is 0.
     Div,
     /// `a` where `a < b`, else `b`.
     Min,
     /// `a` where `a > b`, else `b`.
     Max,
-    /// The smaller of both with its kink rounded off, `min(a, b) − h²/4` with `h = max(1 − |a − b|, 0)`: nowhere above
-    /// the minimum, and it where they are 1 apart.
+    /// The smaller of both with its kink rounded off: `min(a, b) − h²/4` with `h = max(1 − |a − b|, 0)`. It
+    /// is nowhere above the minimum, and equal to it where the operands are at least 1 apart.
     SmoothMin,
-    /// `ln(eᵃ + eᵇ)`, which is the maximum with its kink rounded off; it overflows only where that does.
+    /// `ln(eᵃ + eᵇ)`: the maximum with its kink rounded off. It overflows only where the maximum does.
     LogSumExp,
-    /// The angle of the point `(b, a)` from the first axis, in (−π, π]; nothing at the origin, a jump at the negative axis.
+    /// The angle of the point `(b, a)` from the first axis, in (−π, π]. Undefined at the origin; jumps at the
+    /// negative axis.
     Atan2,
-    /// What is left of `a` when whole `|b|`s are taken away: in [0, |b|); jumps. Nothing where `b` is 0.
+    /// The remainder of `a` divided by `|b|`, in [0, |b|); has jumps. Undefined where `b` is 0.
     Mod,
-    /// −1, 0 or 1 as `a` is below, at or above `b`; jumps.
+    /// −1, 0 or 1 as `a` is below, at or above `b`; has jumps.
     Compare,
-    /// `b`, or 0 where `a` is 0; jumps.
+    /// `b`, or 0 where `a` is 0; has jumps.
     And,
-    /// `a`, or `b` where `a` is 0; jumps.
+    /// `a`, or `b` where `a` is 0; has jumps.
     Or,
 }
 
 impl Unary {
-    /// Every one with its name in an op list.
+    /// All operations, with their names in an op list.
     pub const ALL: [(Self, &'static str); 17] = [
         (Self::Neg, "neg"),
         (Self::Abs, "abs"),
@@ -94,10 +95,10 @@ impl Unary {
         (Self::Not, "not"),
     ];
 
-    /// The operation on f64, rounded; NaN where there is nothing.
+    /// The operation in f64, rounded; NaN where it is undefined.
     #[inline(always)]
     #[must_use]
-    pub fn of(self, a: f64) -> f64 {
+    pub fn apply(self, a: f64) -> f64 {
         match self {
             Self::Neg => -a,
             Self::Abs => a.abs(),
@@ -119,10 +120,10 @@ impl Unary {
         }
     }
 
-    /// The operation on f32, rounded; NaN where there is nothing.
+    /// The operation in f32, rounded; NaN where it is undefined.
     #[inline(always)]
     #[must_use]
-    pub fn of_f32(self, a: f32) -> f32 {
+    pub fn apply_f32(self, a: f32) -> f32 {
         match self {
             Self::Neg => -a,
             Self::Abs => a.abs(),
@@ -146,7 +147,7 @@ impl Unary {
 }
 
 impl Binary {
-    /// Every one with its name in an op list.
+    /// All operations, with their names in an op list.
     pub const ALL: [(Self, &'static str); 13] = [
         (Self::Add, "add"),
         (Self::Sub, "sub"),
@@ -163,10 +164,10 @@ impl Binary {
         (Self::Or, "or"),
     ];
 
-    /// The operation on f64, rounded; NaN where there is nothing.
+    /// The operation in f64, rounded; NaN where it is undefined.
     #[inline(always)]
     #[must_use]
-    pub fn of(self, a: f64, b: f64) -> f64 {
+    pub fn apply(self, a: f64, b: f64) -> f64 {
         match self {
             Self::Add => a + b,
             Self::Sub => a - b,
@@ -178,7 +179,7 @@ impl Binary {
             Self::SmoothMin => {
                 let near = 1.0 - (a - b).abs();
                 let near = if near > 0.0 { near } else { 0.0 };
-                // Not by the minimum of this function: what calls itself is not inlined.
+                // Not by `Self::Min` of this function: a function that calls itself is not inlined.
                 let least = if a < b { a } else { b };
                 least - 0.25 * (near * near)
             }
@@ -210,10 +211,10 @@ impl Binary {
         }
     }
 
-    /// The operation on f32, rounded; NaN where there is nothing.
+    /// The operation in f32, rounded; NaN where it is undefined.
     #[inline(always)]
     #[must_use]
-    pub fn of_f32(self, a: f32, b: f32) -> f32 {
+    pub fn apply_f32(self, a: f32, b: f32) -> f32 {
         match self {
             Self::Add => a + b,
             Self::Sub => a - b,

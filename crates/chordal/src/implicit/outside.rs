@@ -1,15 +1,18 @@
-//! Whether ranges show that an expression is nowhere negative outside of a box.
+//! The test whether interval arithmetic proves that an expression is nowhere negative outside a box.
 use super::leaf::LeafError;
 use super::tape::Tape;
 use crate::math::{Box3, Interval};
 
-/// Boxes that are looked at, at most. Chosen: a question that some dozen do not answer is seldom answered at all.
+/// The most boxes that are evaluated. Chosen: a question that some dozen do not answer is seldom answered at
+/// all.
 const MOST_BOXES: usize = 1 << 10;
-/// Steps of ranges, at most. Chosen: as many as ranges of a hundred terms take in ten thousand boxes, far less than a mesh takes.
+/// The most interval steps. Chosen: as many as a hundred terms take in ten thousand boxes, far less than a
+/// mesh takes.
 const MOST_STEPS: usize = 1 << 20;
 
-/// Whether the value is shown to be defined and nowhere negative outside of `bounds`. `false` says nothing. Cost: at most
-/// so many steps; leaves are not asked, for they may be a user's functions and know no endless boxes.
+/// Whether the value is proved to be defined and nowhere negative outside `bounds`. `false` proves nothing.
+/// Cost: at most so many steps. Leaves are not evaluated: they may be user functions that cannot handle
+/// unbounded boxes.
 pub(super) fn is_empty_outside(tape: &Tape, bounds: &Box3) -> bool {
     let mut waiting = slabs(bounds);
     if bounds.is_empty() || tape.has_leaves() && !waiting.is_empty() {
@@ -30,7 +33,7 @@ pub(super) fn is_empty_outside(tape: &Tape, bounds: &Box3) -> bool {
     true
 }
 
-/// The lowest value that ranges show anywhere, where the expression has one everywhere and asks no leaf.
+/// The lowest value that interval arithmetic proves, if the expression is defined everywhere and has no leaf.
 pub(super) fn lowest(tape: &Tape) -> Option<f64> {
     if tape.has_leaves() {
         return None;
@@ -46,12 +49,12 @@ fn over(tape: &Tape, boxes: &[Box3]) -> Result<Vec<Interval>, LeafError> {
     Ok(ranges)
 }
 
-/// Where a value is not defined, a choice between it and a number may be any of both.
+/// An undefined value proves nothing: a choice between it and a number may give either.
 fn holds(range: Interval) -> bool {
     range.is_defined() && range.lo() >= 0.0
 }
 
-/// What is outside of a box: on each side what the sides before do not hold.
+/// The outside of a box: on each side the part that the slabs before it do not contain.
 fn slabs(bounds: &Box3) -> Vec<Box3> {
     let mut slabs = Vec::new();
     let mut rest = Box3 { min: [f64::NEG_INFINITY; 3], max: [f64::INFINITY; 3] };
@@ -72,11 +75,11 @@ fn slabs(bounds: &Box3) -> Vec<Box3> {
     slabs
 }
 
-/// Two parts of a box: across a side without an end, if there is one, else across the longest.
+/// Two parts of a box: cut across an unbounded side, if there is one, else across the longest.
 fn halves(part: &Box3, bounds: &Box3) -> [Box3; 2] {
     let cuts: [f64; 3] =
         std::array::from_fn(|k| cut([part.min[k], part.max[k]], [bounds.min[k], bounds.max[k]]));
-    // Sides without an end take turns: the one that is cut nearest goes first.
+    // Unbounded sides take turns: the one with the nearest cut goes first.
     let rank = |k: usize| {
         let length = part.max[k] - part.min[k];
         if length.is_finite() { (1, -length) } else { (0, (cuts[k] - cuts_from(bounds, k)).abs()) }
@@ -88,7 +91,8 @@ fn halves(part: &Box3, bounds: &Box3) -> [Box3; 2] {
     [low, high]
 }
 
-/// Where a side is cut: in the middle, or as far again from the box as it begins, so that the next ones double.
+/// Where a side is cut: in the middle, or, if it is unbounded, as far beyond its end as that is from the box,
+/// so that the next cuts double.
 fn cut([low, high]: [f64; 2], bounds: [f64; 2]) -> f64 {
     let (centre, size) = middle_and_size(bounds);
     match (low.is_finite(), high.is_finite()) {
@@ -103,7 +107,7 @@ fn cuts_from(bounds: &Box3, k: usize) -> f64 {
     middle_and_size([bounds.min[k], bounds.max[k]]).0
 }
 
-/// The middle of a side and its length; 0 and 1 for one without ends.
+/// The middle and length of a side; 0 and 1 for an unbounded one.
 fn middle_and_size([low, high]: [f64; 2]) -> (f64, f64) {
     let size = high - low;
     if size.is_finite() { (low + 0.5 * size, size) } else { (0.0, 1.0) }
@@ -121,7 +125,7 @@ mod tests {
     #[test]
     fn a_ball_is_within_any_box_around_it_and_no_smaller_one() {
         let [x, y, z] = Expr::axes();
-        let ball = Tape::of(&(x.square() + y.square() + z.square() - 1.0));
+        let ball = Tape::new(&(x.square() + y.square() + z.square() - 1.0));
         assert!(is_empty_outside(&ball, &cube(1.0 + 1e-12)));
         assert!(!is_empty_outside(&ball, &cube(1.0 - 1e-12)));
         assert!(!is_empty_outside(&ball, &Box3::EMPTY));
@@ -131,21 +135,21 @@ mod tests {
 
     #[test]
     fn what_only_smaller_boxes_show_is_found() {
-        // The range of the sum over an endless side says nothing; over halves it does.
+        // The interval of the sum over an unbounded side says nothing; over halves it does.
         let [x, y, z] = Expr::axes();
         let waves = (x.clone() * 3.0).sin() + (x.clone() * 3.0).cos() * 0.5;
         let bump = x.square() + y.square() + z.square() - 1.0 - waves * 0.25;
-        assert!(is_empty_outside(&Tape::of(&bump), &cube(1.25)));
-        assert!(!is_empty_outside(&Tape::of(&(bump - 2.0)), &cube(1.25)));
+        assert!(is_empty_outside(&Tape::new(&bump), &cube(1.25)));
+        assert!(!is_empty_outside(&Tape::new(&(bump - 2.0)), &cube(1.25)));
     }
 
     #[test]
     fn what_has_no_value_is_not_shown_to_be_empty() {
         let [x, ..] = Expr::axes();
-        assert!(!is_empty_outside(&Tape::of(&(x.sqrt() + 1.0)), &cube(1.0)));
-        assert_eq!(lowest(&Tape::of(&x.sqrt())), None);
-        assert_eq!(lowest(&Tape::of(&x)), None);
-        let low = lowest(&Tape::of(&(x.sin() * 0.5))).expect("a sine has ends");
+        assert!(!is_empty_outside(&Tape::new(&(x.sqrt() + 1.0)), &cube(1.0)));
+        assert_eq!(lowest(&Tape::new(&x.sqrt())), None);
+        assert_eq!(lowest(&Tape::new(&x)), None);
+        let low = lowest(&Tape::new(&(x.sin() * 0.5))).expect("a sine has ends");
         assert!(low <= -0.5 && low > -0.5 - 1e-12);
     }
 }

@@ -1,11 +1,11 @@
-//! `Program`: terms as steps over registers.
+//! `Program`: terms compiled to steps over registers.
 use super::graph::Term;
 use super::op::{Binary, Unary};
 
 /// What a step does.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Code {
-    /// The number.
+pub(super) enum Opcode {
+    /// Loads the number.
     Const,
     Unary(Unary),
     Binary(Binary),
@@ -13,26 +13,26 @@ pub(super) enum Code {
     WithConst(Binary),
     /// An operation on the number and `a`, in this order.
     ConstWith(Binary),
-    /// An operation on the vector of two operands.
+    /// An operation on a vector of two operands.
     Vector2(VectorOp),
-    /// An operation on the vector of three operands.
+    /// An operation on a vector of three operands.
     Vector3(VectorOp),
 }
 
-/// What is several terms of an expression and one step, since what is known of the whole gives tighter ranges
-/// of its slope.
+/// Several terms of an expression that run as one step: the whole has tighter intervals of its slope than its
+/// parts.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum VectorOp {
-    /// The length: a root of a sum of squares.
+    /// The length of a vector: a root of a sum of squares.
     Length,
-    /// The distance from the box whose sides the coordinates are distances from: `|max(v, 0)| + min(max of v, 0)`.
+    /// The distance to a box, from the signed distances to its sides: `|max(v, 0)| + min(max of v, 0)`.
     BoxDistance,
 }
 
-/// One step. Operands below the number of inputs are inputs, the others registers.
+/// One step. Operands below the number of inputs are inputs, the others are registers.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Step {
-    pub(super) code: Code,
+pub(super) struct Instruction {
+    pub(super) code: Opcode,
     /// The register for the result.
     pub(super) out: u32,
     pub(super) a: u32,
@@ -44,32 +44,32 @@ pub(super) struct Step {
 /// Steps that compute some terms from inputs: x, y, z and the values of leaves.
 #[derive(Clone, Debug)]
 pub(super) struct Program {
-    pub(super) steps: Vec<Step>,
+    pub(super) steps: Vec<Instruction>,
     pub(super) n_inputs: usize,
     pub(super) n_registers: usize,
-    /// Which inputs are read at all.
+    /// Which inputs are read.
     pub(super) reads: Vec<bool>,
     /// Operands that hold the results.
     pub(super) outputs: Vec<u32>,
 }
 
-/// Where a term's value is while the program is made.
+/// Marks a term without a register or input, or without a use.
 const NOWHERE: u32 = u32::MAX;
 
-struct Maker<'a> {
+struct ProgramBuilder<'a> {
     terms: &'a [Term],
-    /// The last term that needs each one; the number of terms for outputs.
+    /// The last term that uses each one; the number of terms for outputs.
     last_use: Vec<u32>,
     place: Vec<u32>,
-    /// Registers that nobody needs any more; the one that was used last is taken first.
+    /// Registers that are free again; the one used last is taken first.
     free: Vec<u32>,
     program: Program,
 }
 
 impl Program {
-    /// The program for the terms `outputs`. `leaf_input` says which input holds the value of a leaf's term.
-    /// Every register is given to the next result after its last use (linear scan). Time and memory: linear.
-    pub(super) fn of(
+    /// Compiles the terms `outputs`. `leaf_input` says which input holds the value of a leaf's term. A
+    /// register is reused after the last use of its value (linear scan). Time and memory: linear.
+    pub(super) fn compile(
         terms: &[Term],
         outputs: &[u32],
         leaf_input: &dyn Fn(u32) -> u32,
@@ -84,7 +84,7 @@ impl Program {
             outputs: Vec::new(),
         };
         let mut maker =
-            Maker { terms, last_use, place: vec![NOWHERE; terms.len()], free: Vec::new(), program };
+            ProgramBuilder { terms, last_use, place: vec![NOWHERE; terms.len()], free: Vec::new(), program };
         for (k, term) in terms.iter().enumerate() {
             if maker.last_use[k] != NOWHERE {
                 maker.term(k as u32, term, leaf_input);
@@ -98,7 +98,7 @@ impl Program {
     }
 }
 
-/// For each term the last one that needs it: [`NOWHERE`] when none does, the number of terms when it is an output.
+/// For each term the last one that uses it: [`NOWHERE`] if none does, the number of terms for an output.
 fn last_uses(terms: &[Term], outputs: &[u32]) -> Vec<u32> {
     let mut last = vec![NOWHERE; terms.len()];
     for output in outputs {
@@ -118,13 +118,13 @@ fn last_uses(terms: &[Term], outputs: &[u32]) -> Vec<u32> {
     last
 }
 
-/// What the step of a term reads.
+/// The terms that the step of a term reads.
 fn operands(terms: &[Term], term: &Term) -> Operands {
     match term {
-        Term::Unary(_, a) => vector(terms, term).unwrap_or(Operands::of([*a])),
-        Term::Binary(_, a, b) => from_sides(terms, term).unwrap_or(Operands::of([*a, *b])),
+        Term::Unary(_, a) => length_operands(terms, term).unwrap_or(Operands::new([*a])),
+        Term::Binary(_, a, b) => box_distance_operands(terms, term).unwrap_or(Operands::new([*a, *b])),
         // A leaf's value is an input.
-        Term::Const(_) | Term::Axis(_) | Term::Leaf(..) => Operands::of([]),
+        Term::Const(_) | Term::Axis(_) | Term::Leaf(..) => Operands::new([]),
     }
 }
 
@@ -136,7 +136,7 @@ struct Operands {
 }
 
 impl Operands {
-    fn of<const N: usize>(some: [u32; N]) -> Self {
+    fn new<const N: usize>(some: [u32; N]) -> Self {
         Self { terms: std::array::from_fn(|k| some.get(k).copied().unwrap_or(NOWHERE)), n: N }
     }
 }
@@ -150,8 +150,8 @@ impl IntoIterator for Operands {
     }
 }
 
-/// The coordinates of a vector whose length a term is: a root of a sum of two or three squares.
-fn vector(terms: &[Term], term: &Term) -> Option<Operands> {
+/// The coordinates of a vector, if the term is its length: a root of a sum of two or three squares.
+fn length_operands(terms: &[Term], term: &Term) -> Option<Operands> {
     let Term::Unary(Unary::Sqrt, sum) = term else { return None };
     let sum_of = |term: u32| match terms[term as usize] {
         Term::Binary(Binary::Add, a, b) => Some([a, b]),
@@ -163,17 +163,17 @@ fn vector(terms: &[Term], term: &Term) -> Option<Operands> {
     };
     let [a, b] = sum_of(*sum)?;
     match (square_of(a), square_of(b)) {
-        (Some(a), Some(b)) => Some(Operands::of([a, b])),
+        (Some(a), Some(b)) => Some(Operands::new([a, b])),
         (Some(one), None) | (None, Some(one)) => {
             let [p, q] = sum_of(if square_of(a).is_some() { b } else { a })?;
-            Some(Operands::of([square_of(p)?, square_of(q)?, one]))
+            Some(Operands::new([square_of(p)?, square_of(q)?, one]))
         }
         (None, None) => None,
     }
 }
 
-/// The distances from sides whose box a term is the distance from.
-fn from_sides(terms: &[Term], term: &Term) -> Option<Operands> {
+/// The signed distances to the sides of a box, if the term is the distance to the box.
+fn box_distance_operands(terms: &[Term], term: &Term) -> Option<Operands> {
     let Term::Binary(Binary::Add, a, b) = term else { return None };
     let (outside, inside) = match (&terms[*a as usize], &terms[*b as usize]) {
         (root @ Term::Unary(Unary::Sqrt, _), inside) => (root, inside),
@@ -181,7 +181,7 @@ fn from_sides(terms: &[Term], term: &Term) -> Option<Operands> {
         _ => return None,
     };
     let is_zero = |term: u32| matches!(terms[term as usize], Term::Const(k) if k == 0.0);
-    let mut sides = vector(terms, outside)?;
+    let mut sides = length_operands(terms, outside)?;
     for side in &mut sides.terms[..sides.n] {
         match terms[*side as usize] {
             Term::Binary(Binary::Max, a, zero) if is_zero(zero) => *side = a,
@@ -211,10 +211,12 @@ fn from_sides(terms: &[Term], term: &Term) -> Option<Operands> {
     (found == wanted).then_some(sides)
 }
 
-/// The terms between the distance from a box and the distances from its sides, which are one step as long as
-/// none of them changes.
-pub(super) fn within_box_step(terms: &[Term], term: &Term) -> Vec<u32> {
-    let (Some(sides), Term::Binary(_, a, b)) = (from_sides(terms, term), term) else { return Vec::new() };
+/// The terms between the distance to a box and the distances to its sides. They are one step as long as none
+/// of them changes.
+pub(super) fn box_distance_terms(terms: &[Term], term: &Term) -> Vec<u32> {
+    let (Some(sides), Term::Binary(_, a, b)) = (box_distance_operands(terms, term), term) else {
+        return Vec::new();
+    };
     let mut found = Vec::new();
     let mut open = vec![*a, *b];
     while let Some(part) = open.pop() {
@@ -226,27 +228,27 @@ pub(super) fn within_box_step(terms: &[Term], term: &Term) -> Vec<u32> {
     found
 }
 
-impl Maker<'_> {
+impl ProgramBuilder<'_> {
     fn term(&mut self, k: u32, term: &Term, leaf_input: &dyn Fn(u32) -> u32) {
-        let step = |code, a, b, number| Step { code, out: 0, a, b, c: 0, number };
+        let step = |code, a, b, number| Instruction { code, out: 0, a, b, c: 0, number };
         let made = match term {
             Term::Const(_) => return,
             Term::Axis(axis) => return self.input(k, u32::from(*axis)),
             Term::Leaf(..) => return self.input(k, leaf_input(k)),
-            Term::Unary(op, a) => match vector(self.terms, term) {
-                Some(parts) => self.fused(VectorOp::Length, parts),
-                None => step(Code::Unary(*op), self.place(*a), 0, 0.0),
+            Term::Unary(op, a) => match length_operands(self.terms, term) {
+                Some(parts) => self.vector_instruction(VectorOp::Length, parts),
+                None => step(Opcode::Unary(*op), self.place(*a), 0, 0.0),
             },
             Term::Binary(op, a, b) => match (&self.terms[*a as usize], &self.terms[*b as usize]) {
-                _ if let Some(sides) = from_sides(self.terms, term) => {
-                    self.fused(VectorOp::BoxDistance, sides)
+                _ if let Some(sides) = box_distance_operands(self.terms, term) => {
+                    self.vector_instruction(VectorOp::BoxDistance, sides)
                 }
                 (Term::Const(number), Term::Const(_)) => {
-                    step(Code::ConstWith(*op), self.place(*b), 0, *number)
+                    step(Opcode::ConstWith(*op), self.place(*b), 0, *number)
                 }
-                (_, Term::Const(number)) => step(Code::WithConst(*op), self.place(*a), 0, *number),
-                (Term::Const(number), _) => step(Code::ConstWith(*op), self.place(*b), 0, *number),
-                _ => step(Code::Binary(*op), self.place(*a), self.place(*b), 0.0),
+                (_, Term::Const(number)) => step(Opcode::WithConst(*op), self.place(*a), 0, *number),
+                (Term::Const(number), _) => step(Opcode::ConstWith(*op), self.place(*b), 0, *number),
+                _ => step(Opcode::Binary(*op), self.place(*a), self.place(*b), 0.0),
             },
         };
         for part in operands(self.terms, term) {
@@ -254,17 +256,17 @@ impl Maker<'_> {
         }
         let out = self.register();
         self.place[k as usize] = out + self.program.n_inputs as u32;
-        self.program.steps.push(Step { out, ..made });
+        self.program.steps.push(Instruction { out, ..made });
     }
 
-    /// The step of two operands, or of three.
-    fn fused(&mut self, op: VectorOp, Operands { terms, n }: Operands) -> Step {
+    /// A step with two or three operands.
+    fn vector_instruction(&mut self, op: VectorOp, Operands { terms, n }: Operands) -> Instruction {
         let [a, b] = [terms[0], terms[1]].map(|part| self.place(part));
         let (code, c) = match n {
-            3 => (Code::Vector3(op), self.place(terms[2])),
-            _ => (Code::Vector2(op), 0),
+            3 => (Opcode::Vector3(op), self.place(terms[2])),
+            _ => (Opcode::Vector2(op), 0),
         };
-        Step { code, out: 0, a, b, c, number: 0.0 }
+        Instruction { code, out: 0, a, b, c, number: 0.0 }
     }
 
     fn input(&mut self, k: u32, input: u32) {
@@ -279,17 +281,25 @@ impl Maker<'_> {
         })
     }
 
-    /// Where a term's value is. A constant that is needed as one comes into a register of its own.
+    /// The operand that holds a term's value. A constant that is needed as an operand gets a register of its
+    /// own.
     fn place(&mut self, term: u32) -> u32 {
         if let (NOWHERE, Term::Const(number)) = (self.place[term as usize], &self.terms[term as usize]) {
             let out = self.register();
             self.place[term as usize] = out + self.program.n_inputs as u32;
-            self.program.steps.push(Step { code: Code::Const, out, a: 0, b: 0, c: 0, number: *number });
+            self.program.steps.push(Instruction {
+                code: Opcode::Const,
+                out,
+                a: 0,
+                b: 0,
+                c: 0,
+                number: *number,
+            });
         }
         self.place[term as usize]
     }
 
-    /// Gives a register back after its last use, which is at term `k`.
+    /// Frees a register after its last use, which is at term `k`.
     fn release(&mut self, term: u32, k: u32) {
         let place = self.place[term as usize];
         if self.last_use[term as usize] == k && place != NOWHERE && place >= self.program.n_inputs as u32 {

@@ -1,19 +1,19 @@
-//! `Promises`: what a field's maker said of it and nobody checked.
+//! `Promises`: unchecked statements of a field's maker.
 use crate::budget::Evidence;
 use std::sync::Arc;
 
-/// Sentences that are kept of one field, at most. Chosen: more than anybody reads, and few enough to be copied with every
-/// operation on the field.
+/// The most sentences kept for one field. Chosen: more than anybody reads, and few enough to be copied with
+/// every operation on the field.
 const MOST: usize = 32;
-/// What stands for those that are left out.
+/// Stands for the sentences that are left out.
 const FURTHER: &str = "further promises about parts of the field hold, which are too many to be listed";
 
-/// The sentences that proofs about a field rest on, each once, in the order of the alphabet.
+/// The sentences that proofs about a field depend on, without duplicates, in alphabetical order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Promises(Vec<Arc<str>>);
 
 impl Promises {
-    /// One more.
+    /// Adds a sentence.
     pub fn add(&mut self, sentence: Arc<str>) {
         if let Err(place) = self.0.binary_search(&sentence) {
             self.0.insert(place, sentence);
@@ -21,12 +21,12 @@ impl Promises {
         }
     }
 
-    /// Those of another field too.
+    /// Adds the sentences of another field.
     pub fn extend(&mut self, other: &Self) {
         other.0.iter().for_each(|sentence| self.add(Arc::clone(sentence)));
     }
 
-    /// Leaves out the last ones where there are too many, and says so.
+    /// Drops the last sentences where there are too many, and says so.
     fn limit(&mut self) {
         if self.0.len() > MOST {
             self.0.retain(|sentence| **sentence != *FURTHER);
@@ -36,7 +36,7 @@ impl Promises {
         }
     }
 
-    /// What a proof that rests on them is worth.
+    /// What a proof that depends on them is worth.
     pub fn evidence(&self) -> Evidence {
         if self.0.is_empty() {
             return Evidence::Proved;

@@ -1,5 +1,5 @@
 //! `SparseGrid`: samples on a lattice, in bricks of 8³, of which those that are all background are not there.
-use super::affine::Affine;
+use super::affine::Affine3;
 use super::grid::{Grid, InvalidGrid, Samples};
 
 /// Samples along each side of a brick.
@@ -12,29 +12,32 @@ const OUTSIDE: u32 = u32::MAX;
 /// … or the background with a minus sign, inside.
 const INSIDE: u32 = u32::MAX - 1;
 
-/// Samples in f64 on a lattice, as those of a narrow band of distances are: a directory with a number for each brick of 8³ samples, and
-/// dense values for those bricks that hold anything but the background value, or all of it with a minus sign.
+/// Samples in f64 on a lattice, as those of a narrow band of distances are: a directory with a number for
+/// each brick of 8³ samples, and dense values for those bricks that hold anything but the background value,
+/// or all of it with a minus sign.
 ///
-/// A sample is found in O(1) through the directory; [`SparseGrid::to_dense`] has the same numbers bit for bit. Memory: 4 KiB for a brick that is
-/// there and 4 bytes for one that is not, 1/1024 of the dense samples' bytes ([`SparseGrid::bytes`]).
+/// A sample is found in O(1) through the directory; [`SparseGrid::to_dense`] has the same numbers bit for
+/// bit. Memory: 4 KiB for a brick that is there and 4 bytes for one that is not, 1/1024 of the dense samples'
+/// bytes ([`SparseGrid::bytes`]).
 ///
 /// ```
-/// use chordal::implicit::{Affine, Grid, Samples, SparseGrid};
+/// use chordal::implicit::{Affine3, Grid, Samples, SparseGrid};
 /// // A band of width 1 around a plane.
 /// let values = (0..16 * 16 * 64).map(|n| ((n / 256) as f64 - 20.5).clamp(-1.0, 1.0)).collect();
-/// let dense = Grid::new([16, 16, 64], Samples::F64(values), Affine::IDENTITY)?;
-/// let sparse = SparseGrid::of(&dense, 1.0);
+/// let dense = Grid::new([16, 16, 64], Samples::F64(values), Affine3::IDENTITY)?;
+/// let sparse = SparseGrid::from_grid(&dense, 1.0);
 /// assert_eq!(sparse.n_bricks(), [4, 32]);
 /// assert_eq!((sparse.sample([3, 4, 0]), sparse.sample([3, 4, 21]), sparse.sample([3, 4, 63])), (-1.0, 0.5, 1.0));
 /// assert_eq!(sparse.to_dense(), dense);
 /// # Ok::<(), chordal::implicit::InvalidGrid>(())
 /// ```
 ///
-/// Source: K. Museth, *VDB: high-resolution sparse volumes with dynamic topology*, 2013, of which this is the lowest level.
+/// Source: K. Museth, *VDB: high-resolution sparse volumes with dynamic topology*, 2013, of which this is the
+/// lowest level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SparseGrid {
     size: [usize; 3],
-    affine: Affine,
+    affine: Affine3,
     background: f64,
     /// For each brick of the lattice, the first index running fastest, its place among the values.
     directory: Vec<u32>,
@@ -43,12 +46,13 @@ pub struct SparseGrid {
 }
 
 impl SparseGrid {
-    /// A dense grid without the bricks that are all `background`, or all minus that. Cost: one look at every sample.
+    /// A dense grid without the bricks that are all `background`, or all minus that. Cost: one look at every
+    /// sample.
     ///
     /// # Panics
     /// When the lattice has 2³² − 2 bricks or more.
     #[must_use]
-    pub fn of(grid: &Grid, background: f64) -> Self {
+    pub fn from_grid(grid: &Grid, background: f64) -> Self {
         let size = grid.size();
         let mut made = Self::empty(size, *grid.affine(), background);
         let [nx, ny, nz] = size;
@@ -57,19 +61,19 @@ impl SparseGrid {
             let start = nx * ny * layer * BRICK;
             let samples: Vec<f64> =
                 (start..start + nx * ny * planes).map(|n| grid.samples().get(n)).collect();
-            let layer = Layer::of(&samples, size, background);
+            let layer = BrickSlab::from_samples(&samples, size, background);
             made.push(layer);
         }
         made
     }
 
     /// No layer yet.
-    pub(crate) fn empty(size: [usize; 3], affine: Affine, background: f64) -> Self {
+    pub(crate) fn empty(size: [usize; 3], affine: Affine3, background: f64) -> Self {
         Self { size, affine, background, directory: Vec::new(), values: Vec::new() }
     }
 
     /// The next eight planes.
-    pub(crate) fn push(&mut self, layer: Layer) {
+    pub(crate) fn push(&mut self, layer: BrickSlab) {
         let first = (self.values.len() / VOLUME) as u32;
         let placed = layer.directory.iter().map(|brick| if *brick < INSIDE { first + brick } else { *brick });
         self.directory.extend(placed);
@@ -85,7 +89,7 @@ impl SparseGrid {
 
     /// From indices to space.
     #[must_use]
-    pub fn affine(&self) -> &Affine {
+    pub fn affine(&self) -> &Affine3 {
         &self.affine
     }
 
@@ -149,15 +153,15 @@ impl SparseGrid {
 }
 
 /// Eight planes of samples, or what is left of them at the end, in bricks.
-pub(crate) struct Layer {
+pub(crate) struct BrickSlab {
     /// Places counted from the layer's own first brick.
     directory: Vec<u32>,
     values: Vec<f64>,
 }
 
-impl Layer {
+impl BrickSlab {
     /// The bricks of some planes of a lattice.
-    pub(crate) fn of(samples: &[f64], size: [usize; 3], background: f64) -> Self {
+    pub(crate) fn from_samples(samples: &[f64], size: [usize; 3], background: f64) -> Self {
         let [nx, ny, _] = size;
         let planes = samples.len() / (nx * ny);
         let mut layer = Self { directory: Vec::new(), values: Vec::new() };

@@ -1,24 +1,26 @@
 //! `Trilinear`: a grid as a function of every point.
-use super::affine::Affine;
+use super::affine::Affine3;
 use super::grid::Grid;
-use super::leaf::{Answer, Leaf, LeafError};
+use super::leaf::{Leaf, LeafAnswer, LeafError};
 use super::sparse::SparseGrid;
 use crate::budget::Evidence;
 use crate::math::{Box3, Interval, add_up, mul_up};
 use std::sync::Arc;
 
-/// The trilinear interpolant of a grid, dense or in bricks, as a leaf of expressions: the same bits for the same samples.
+/// The trilinear interpolant of a grid, dense or in bricks, as a leaf of expressions: the same bits for the
+/// same samples.
 ///
-/// Outside of the lattice the value is that of the nearest index: each index is kept between the first and the last sample, so
-/// the function is continuous everywhere. The values are the samples' own: a density is made a field by
-/// `level − grid`. Where a sample of the cell is NaN so is the value, which is outside.
+/// Outside of the lattice the value is that of the nearest index: each index is kept between the first and
+/// the last sample, so the function is continuous everywhere. The values are the samples' own: a density is
+/// made a field by `level − grid`. Where a sample of the cell is NaN so is the value, which is outside.
 ///
-/// Ranges are outward rounded, hold the values that are computed, and take the inverse of the lattice's transform as intervals. In boxes of up to 64 cells the range is
-/// that of the corners of the box's part of each cell, else that of the samples of blocks of cells.
+/// Ranges are outward rounded, hold the values that are computed, and take the inverse of the lattice's
+/// transform as intervals. In boxes of up to 64 cells the range is that of the corners of the box's part of
+/// each cell, else that of the samples of blocks of cells.
 ///
 /// ```
-/// use chordal::implicit::{Affine, Grid, Leaf, Samples, Trilinear};
-/// let grid = Grid::new([2, 2, 2], Samples::U8(vec![0, 1, 0, 1, 0, 1, 0, 1]), Affine::IDENTITY)?;
+/// use chordal::implicit::{Affine3, Grid, Leaf, Samples, Trilinear};
+/// let grid = Grid::new([2, 2, 2], Samples::U8(vec![0, 1, 0, 1, 0, 1, 0, 1]), Affine3::IDENTITY)?;
 /// let mut values = [0.0; 2];
 /// Trilinear::new(grid).at(&[[0.25, 0.5, 0.5], [9.0, 0.0, 0.0]], &mut values).unwrap();
 /// assert_eq!(values, [0.25, 1.0]);
@@ -29,28 +31,29 @@ pub struct Trilinear<G = Grid> {
     grid: Arc<G>,
     /// From space to indices: three rows of `[a, b, c]` for a point minus the first sample's.
     inverse: [[Interval; 3]; 3],
-    /// The least and the largest sample of blocks of cells, from blocks of 4³ cells on, each level of 4³ of the one before.
-    levels: Vec<Level>,
+    /// The least and the largest sample of blocks of cells, from blocks of 4³ cells on, each level of 4³ of
+    /// the one before.
+    levels: Vec<MinMaxLevel>,
 }
 
 /// Samples on a lattice, dense or in bricks.
-pub trait Sampled: Send + Sync + std::fmt::Debug {
+pub trait SampleGrid: Send + Sync + std::fmt::Debug {
     /// How many samples there are along each index.
     fn size(&self) -> [usize; 3];
 
     /// From indices to space.
-    fn affine(&self) -> &Affine;
+    fn affine(&self) -> &Affine3;
 
     /// One sample.
     fn sample(&self, index: [usize; 3]) -> f64;
 }
 
-impl Sampled for Grid {
+impl SampleGrid for Grid {
     fn size(&self) -> [usize; 3] {
         self.size()
     }
 
-    fn affine(&self) -> &Affine {
+    fn affine(&self) -> &Affine3 {
         self.affine()
     }
 
@@ -60,12 +63,12 @@ impl Sampled for Grid {
     }
 }
 
-impl Sampled for SparseGrid {
+impl SampleGrid for SparseGrid {
     fn size(&self) -> [usize; 3] {
         self.size()
     }
 
-    fn affine(&self) -> &Affine {
+    fn affine(&self) -> &Affine3 {
         self.affine()
     }
 
@@ -77,7 +80,7 @@ impl Sampled for SparseGrid {
 
 /// Ranges of the samples of blocks of cells.
 #[derive(Clone, Debug)]
-struct Level {
+struct MinMaxLevel {
     /// Blocks along each index.
     size: [usize; 3],
     /// The least and the largest; [`Interval::UNKNOWN`] where one is not finite.
@@ -89,7 +92,7 @@ const MOST_BLOCKS: usize = 64;
 /// Cells a side of a block, and blocks of one level in one of the next.
 const BLOCK: usize = 4;
 
-impl<G: Sampled> Trilinear<G> {
+impl<G: SampleGrid> Trilinear<G> {
     /// The leaf of a grid. Cost: one look at every sample; a twentieth of the bytes of an f64 grid.
     #[must_use]
     pub fn new(grid: G) -> Self {
@@ -105,7 +108,7 @@ impl<G: Sampled> Trilinear<G> {
     }
 
     /// The place of a point between indices, not kept inside.
-    fn place(&self, point: [f64; 3]) -> [f64; 3] {
+    fn to_index(&self, point: [f64; 3]) -> [f64; 3] {
         let rows = self.grid.affine().rows();
         let from: [f64; 3] = std::array::from_fn(|k| point[k] - rows[k][3]);
         self.inverse.map(|row| {
@@ -157,19 +160,19 @@ impl<G: Sampled> Trilinear<G> {
         }
         let cells = self.cells(&places);
         if count(&cells) > MOST_BLOCKS {
-            return self.coarse(&cells);
+            return self.coarse_range(&cells);
         }
         each(&cells)
             .map(|low| {
                 let corners = self.corners(low);
-                with_rounding(value_over(&corners, &parts(&places, low)), &corners)
+                with_rounding(value_over(&corners, &cell_fractions(&places, low)), &corners)
             })
             .reduce(Interval::hull)
             .unwrap_or(Interval::UNKNOWN)
     }
 
     /// The range of the samples of all blocks at the cells, on the first level that has few of them.
-    fn coarse(&self, cells: &[[usize; 2]; 3]) -> Interval {
+    fn coarse_range(&self, cells: &[[usize; 2]; 3]) -> Interval {
         let mut blocks = *cells;
         for level in &self.levels {
             blocks = blocks.map(|[low, high]| [low / BLOCK, high / BLOCK]);
@@ -191,7 +194,7 @@ impl<G: Sampled> Trilinear<G> {
         let size = self.grid.size();
         let mut slopes = if count(&cells) > MOST_BLOCKS {
             // No difference of two samples is larger than that of the largest and the least.
-            let range = self.coarse(&cells);
+            let range = self.coarse_range(&cells);
             {
                 let most = range.width();
                 let slope = Interval::new(-most, most).unwrap_or(Interval::UNKNOWN);
@@ -208,7 +211,8 @@ impl<G: Sampled> Trilinear<G> {
                 })
             };
             let cells = grow(cells);
-            let slopes = each(&cells).map(|low| slopes_over(&self.corners(low), &parts(&places, low)));
+            let slopes =
+                each(&cells).map(|low| slopes_over(&self.corners(low), &cell_fractions(&places, low)));
             slopes.reduce(|a, b| std::array::from_fn(|k| a[k].hull(b[k]))).unwrap_or([Interval::UNKNOWN; 3])
         };
         for k in 0..3 {
@@ -223,10 +227,10 @@ impl<G: Sampled> Trilinear<G> {
     }
 }
 
-impl<G: Sampled> Leaf for Trilinear<G> {
+impl<G: SampleGrid> Leaf for Trilinear<G> {
     fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
         for (point, out) in points.iter().zip(out) {
-            let place = self.place(*point);
+            let place = self.to_index(*point);
             let split: [(usize, f64); 3] = std::array::from_fn(|k| self.split(k, place[k]));
             let v = self.corners(split.map(|s| s.0));
             let [x, y, z] = split.map(|s| s.1);
@@ -239,9 +243,9 @@ impl<G: Sampled> Leaf for Trilinear<G> {
         Ok(())
     }
 
-    fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<Answer, LeafError> {
+    fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<LeafAnswer, LeafError> {
         for (point, out) in points.iter().zip(out) {
-            let place = self.place(*point);
+            let place = self.to_index(*point);
             let split: [(usize, f64); 3] = std::array::from_fn(|k| self.split(k, place[k]));
             let v = self.corners(split.map(|s| s.0));
             let part = split.map(|s| s.1);
@@ -265,21 +269,21 @@ impl<G: Sampled> Leaf for Trilinear<G> {
                 (term(0) + term(1)) + term(2)
             });
         }
-        Ok(Answer::Given)
+        Ok(LeafAnswer::Given)
     }
 
-    fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<Answer, LeafError> {
+    fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<LeafAnswer, LeafError> {
         for (bounds, out) in boxes.iter().zip(out) {
             *out = self.range(bounds);
         }
-        Ok(Answer::Given)
+        Ok(LeafAnswer::Given)
     }
 
-    fn gradient_over(&self, boxes: &[Box3], out: &mut [[Interval; 3]]) -> Result<Answer, LeafError> {
+    fn gradient_over(&self, boxes: &[Box3], out: &mut [[Interval; 3]]) -> Result<LeafAnswer, LeafError> {
         for (bounds, out) in boxes.iter().zip(out) {
             *out = self.gradient_range(bounds);
         }
-        Ok(Answer::Given)
+        Ok(LeafAnswer::Given)
     }
 
     fn evidence(&self) -> Evidence {
@@ -298,7 +302,7 @@ fn each(ranges: &[[usize; 2]; 3]) -> impl Iterator<Item = [usize; 3]> + '_ {
 }
 
 /// The part of a cell that a range of indices covers, from 0 to 1 along each axis.
-fn parts(places: &[Interval; 3], low: [usize; 3]) -> [Interval; 3] {
+fn cell_fractions(places: &[Interval; 3], low: [usize; 3]) -> [Interval; 3] {
     let whole = Interval::new(0.0, 1.0).unwrap_or(Interval::UNKNOWN);
     std::array::from_fn(|k| {
         let part = (places[k] - Interval::point(low[k] as f64)).intersection(whole);
@@ -313,22 +317,23 @@ fn parts(places: &[Interval; 3], low: [usize; 3]) -> [Interval; 3] {
 }
 
 /// The range of a mean of two ranges with a weight: attained at the ends of the weight.
-fn mixed(a: Interval, b: Interval, part: Interval) -> Interval {
+fn lerp_range(a: Interval, b: Interval, part: Interval) -> Interval {
     let at = |t: f64| a * (Interval::point(1.0) - Interval::point(t)) + b * Interval::point(t);
     let either = at(part.lo()).hull(at(part.hi()));
     // A mean is never outside of what it is of.
     either.intersection(a.hull(b))
 }
 
-/// The range of the interpolant over a part of a cell. It is linear along each axis, so nothing is lost by going axis by axis.
+/// The range of the interpolant over a part of a cell. It is linear along each axis, so nothing is lost by
+/// going axis by axis.
 fn value_over(v: &[f64; 8], [x, y, z]: &[Interval; 3]) -> Interval {
     let v = v.map(Interval::point);
     let corner = |x: f64, y: f64, z: f64| {
         let at = Interval::point;
-        let along = |c: usize| mixed(v[c], v[c + 1], at(x));
-        let low = mixed(along(0), along(2), at(y));
-        let high = mixed(along(4), along(6), at(y));
-        mixed(low, high, at(z))
+        let along = |c: usize| lerp_range(v[c], v[c + 1], at(x));
+        let low = lerp_range(along(0), along(2), at(y));
+        let high = lerp_range(along(4), along(6), at(y));
+        lerp_range(low, high, at(z))
     };
     let mut range = corner(x.lo(), y.lo(), z.lo());
     for c in 1..8 {
@@ -338,11 +343,13 @@ fn value_over(v: &[f64; 8], [x, y, z]: &[Interval; 3]) -> Interval {
     if v.iter().all(|v| v.is_defined()) { range } else { Interval::UNKNOWN }
 }
 
-/// A range of the interpolant widened to hold what [`Leaf::at`] computes: a mean of two equal samples can be off by its last place. A mean
-/// of numbers that are not negative is not negative either, rounded or not, and likewise of numbers that are not positive.
+/// A range of the interpolant widened to hold what [`Leaf::at`] computes: a mean of two equal samples can be
+/// off by its last place. A mean of numbers that are not negative is not negative either, rounded or not, and
+/// likewise of numbers that are not positive.
 fn with_rounding(range: Interval, samples: &[f64]) -> Interval {
     let largest = samples.iter().fold(0.0, |most: f64, v| if v.abs() > most { v.abs() } else { most });
-    // Three means of three roundings each, of numbers no larger than the largest; the smallest number stands for what underflows.
+    // Three means of three roundings each, of numbers no larger than the largest; the smallest number stands
+    // for what underflows.
     let off = add_up(mul_up(8.0 * f64::EPSILON, largest), f64::MIN_POSITIVE);
     let around = Interval::new(-off, off).unwrap_or(Interval::UNKNOWN);
     let end = |lo: f64, hi: f64| Interval::new(lo, hi).unwrap_or(Interval::UNKNOWN);
@@ -360,14 +367,14 @@ fn slopes_over(v: &[f64; 8], parts: &[Interval; 3]) -> [Interval; 3] {
             let low = a << p | b << q;
             Interval::point(v[low | 1 << k]) - Interval::point(v[low])
         };
-        let near = mixed(difference(0, 0), difference(1, 0), parts[p]);
-        let far = mixed(difference(0, 1), difference(1, 1), parts[p]);
-        mixed(near, far, parts[q])
+        let near = lerp_range(difference(0, 0), difference(1, 0), parts[p]);
+        let far = lerp_range(difference(0, 1), difference(1, 1), parts[p]);
+        lerp_range(near, far, parts[q])
     })
 }
 
 /// The inverse of the linear part, as intervals that hold it.
-fn inverse(affine: &Affine) -> [[Interval; 3]; 3] {
+fn inverse(affine: &Affine3) -> [[Interval; 3]; 3] {
     let m = affine.rows().map(|row| [row[0], row[1], row[2]].map(Interval::point));
     let minor = |r: usize, c: usize| {
         let (r1, r2, c1, c2) = ((r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3);
@@ -378,7 +385,7 @@ fn inverse(affine: &Affine) -> [[Interval; 3]; 3] {
 }
 
 /// The ranges of blocks, level by level until one block holds all.
-fn levels<G: Sampled>(grid: &G) -> Vec<Level> {
+fn levels<G: SampleGrid>(grid: &G) -> Vec<MinMaxLevel> {
     let size = grid.size();
     let mut blocks = size.map(|n| (n - 1).max(1).div_ceil(BLOCK));
     let first = all(blocks).map(|block| {
@@ -398,7 +405,7 @@ fn levels<G: Sampled>(grid: &G) -> Vec<Level> {
         if known { whole() } else { Interval::UNKNOWN }
     });
     let first = first.collect();
-    let mut levels = vec![Level { size: blocks, ranges: first }];
+    let mut levels = vec![MinMaxLevel { size: blocks, ranges: first }];
     while blocks.iter().any(|n| *n > 1) {
         let below = &levels[levels.len() - 1];
         let fine = below.size;
@@ -410,7 +417,7 @@ fn levels<G: Sampled>(grid: &G) -> Vec<Level> {
             each(&span).map(at).reduce(Interval::hull).unwrap_or(Interval::UNKNOWN)
         });
         let ranges = ranges.collect();
-        levels.push(Level { size: blocks, ranges });
+        levels.push(MinMaxLevel { size: blocks, ranges });
     }
     levels
 }

@@ -1,23 +1,23 @@
 //! `chain`: a shape as levels with ever larger errors and ever fewer triangles, each with its own bound.
-use super::reduction::Kept;
-use super::simplify::{Asked, Progress, Simplified};
-use crate::budget::{Allowed, Bound, Bounded, Code, Job, Reference, Refusal, Stopped, Tolerance};
+use super::reduction::ReductionStats;
+use super::simplify::{ProgressiveSimplifier, SimplifiedMesh, SimplifyInput};
+use crate::budget::{Bound, Bounded, ErrorLimit, Job, JobError, Reference, Refusal, RefusalCode, Tolerance};
 use crate::explicit::{Mesh, Topology};
 use crate::math::sub_down;
 use std::borrow::Cow;
 
 /// One level of detail.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Level {
+pub struct LodLevel {
     /// The triangles.
     pub mesh: Mesh,
     /// How far they are from the true shape: proved.
     pub bound: Bound,
     /// What could not shrink, and what went altogether.
-    pub kept: Kept,
+    pub stats: ReductionStats,
 }
 
-impl Level {
+impl LodLevel {
     /// The error that is proved.
     #[must_use]
     pub fn error(&self) -> f64 {
@@ -26,16 +26,16 @@ impl Level {
 }
 
 /// A shape from which levels are made.
-pub enum Source<'a> {
+pub enum LodSource<'a> {
     /// Triangles, which are the truth.
     Triangles(&'a Mesh, Topology),
     /// Something smooth: makes triangles within a length of it, with a proof.
-    Smooth(&'a mut dyn FnMut(Tolerance) -> Result<Bounded<Mesh>, Stopped>),
+    Smooth(&'a mut dyn FnMut(Tolerance) -> Result<Bounded<Mesh>, JobError>),
 }
 
 /// Which levels to make.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Steps {
+pub struct LodSteps {
     /// What the finest level may lose.
     pub finest: Tolerance,
     /// By how much each level may lose more than the one before, > 1. 2 halves the triangles of a smooth surface.
@@ -50,11 +50,11 @@ pub struct Steps {
     pub share: f64,
 }
 
-impl Steps {
+impl LodSteps {
     /// Levels from `finest` on, each twice as coarse, until 64 triangles or fewer; none is too large. Triangles of something smooth have
     /// half of the finest error.
     #[must_use]
-    pub fn from(finest: Tolerance) -> Self {
+    pub fn from_finest(finest: Tolerance) -> Self {
         Self { finest, factor: 2.0, enough: 64, whole: usize::MAX, share: 0.5 }
     }
 }
@@ -76,47 +76,50 @@ const MOST_STEPS: u32 = 48;
 /// something smooth its own triangles as well.
 ///
 /// # Errors
-/// As for [`simplify`](super::simplify()), and those of the source; [`Code::Budget`] for a factor that is not larger than
-/// 1 and a share that is none; [`Code::Unsupported`] where a source gives triangles without a bound from above; [`Code::BelowPrecision`] where a
+/// As for [`simplify`](super::simplify()), and those of the source; [`RefusalCode::Budget`] for a factor that is not larger than
+/// 1 and a share that is none; [`RefusalCode::Unsupported`] where a source gives triangles without a bound from above; [`RefusalCode::BelowPrecision`] where a
 /// source does not come as near as `steps.finest`.
 ///
 /// ```
-/// use chordal::{Job, Mesh, Tolerance, explicit::Topology, lod::{Source, Steps, chain}};
+/// use chordal::{Job, Mesh, Tolerance, explicit::Topology, lod::{LodSource, LodSteps, chain}};
 /// // A roof over a square of 32 × 32 cells.
 /// let at = |i: u32, j: u32| [f64::from(i), f64::from(j), 16.0 - (f64::from(i) - 16.0).powi(2) / 16.0];
 /// let positions = (0..33).flat_map(|i| (0..33).map(move |j| at(i, j))).collect();
 /// let cell = |i: u32, j: u32| { let a = 33 * i + j; [[a, a + 33, a + 34], [a, a + 34, a + 1]] };
 /// let roof = Mesh::new(positions, (0..32).flat_map(|i| (0..32).flat_map(move |j| cell(i, j))).collect())?;
-/// let source = Source::Triangles(&roof, Topology::Indices);
-/// let steps = Steps { enough: 4, ..Steps::from(Tolerance::new(0.1)?) };
+/// let source = LodSource::Triangles(&roof, Topology::Indices);
+/// let steps = LodSteps { enough: 4, ..LodSteps::from_finest(Tolerance::new(0.1)?) };
 /// let levels = chain(source, &steps, &Job::default()).expect("proved");
 /// assert!(levels.len() > 3 && levels[0].error() <= 0.1);
 /// assert!(levels.windows(2).all(|w| w[0].error() < w[1].error()));
 /// assert!(levels.windows(2).all(|w| w[0].mesh.faces().len() > w[1].mesh.faces().len()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn chain(mut source: Source<'_>, steps: &Steps, job: &Job) -> Result<Vec<Level>, Stopped> {
+pub fn chain(mut source: LodSource<'_>, steps: &LodSteps, job: &Job) -> Result<Vec<LodLevel>, JobError> {
     if steps.factor.is_nan() || steps.factor <= 1.0 {
-        return refused(Code::Budget, format!("errors grow by a factor larger than 1, not {}", steps.factor));
+        return refuse(
+            RefusalCode::Budget,
+            format!("errors grow by a factor larger than 1, not {}", steps.factor),
+        );
     }
     if !(steps.share > 0.0 && steps.share < 1.0) {
         let message =
             format!("triangles of something smooth have a share between 0 and 1, not {}", steps.share);
-        return refused(Code::Budget, message);
+        return refuse(RefusalCode::Budget, message);
     }
     let (made, topology): (Bounded<Cow<'_, Mesh>>, Topology) = match &mut source {
-        Source::Triangles(mesh, topology) => {
+        LodSource::Triangles(mesh, topology) => {
             let bound = Bound::proved(0.0, 0.0, Reference::InputTriangles);
             (Bounded { shape: Cow::Borrowed(*mesh), bound }, *topology)
         }
-        Source::Smooth(make) => {
+        LodSource::Smooth(make) => {
             let share = Tolerance::new(steps.finest.get() * steps.share).unwrap_or(steps.finest);
             (make(share)?.map(Cow::Owned), Topology::Indices)
         }
     };
     if made.bound.at_most().is_none() {
-        return refused(
-            Code::Unsupported,
+        return refuse(
+            RefusalCode::Unsupported,
             "levels need a bound that is proved, and this shape has none at that error",
         );
     }
@@ -126,35 +129,41 @@ pub fn chain(mut source: Source<'_>, steps: &Steps, job: &Job) -> Result<Vec<Lev
             "the finest level is to be within {}, and the triangles that could be made are only proved to be within {used}",
             steps.finest.get()
         );
-        return refused(Code::BelowPrecision, message);
+        return refuse(RefusalCode::BelowPrecision, message);
     }
     let mesh: &Mesh = &made.shape;
-    let is_smooth = matches!(source, Source::Smooth(_));
+    let is_smooth = matches!(source, LodSource::Smooth(_));
     if mesh.faces().is_empty() {
-        return refused(Code::Empty, "there is no triangle to simplify");
+        return refuse(RefusalCode::Empty, "there is no triangle to simplify");
     }
     job.run(|| {
-        let asked =
-            Asked { mesh, topology, stays: &[], allowed: Allowed::everywhere(steps.finest.get()), job };
-        let mut progress = Progress::of(&asked)?;
-        let mut levels: Vec<Level> = Vec::new();
+        let asked = SimplifyInput {
+            mesh,
+            topology,
+            fixed_rows: &[],
+            limit: ErrorLimit::uniform(steps.finest.get()),
+            job,
+        };
+        let mut progress = ProgressiveSimplifier::new(&asked)?;
+        let mut levels: Vec<LodLevel> = Vec::new();
         let mut error = steps.finest;
         let extent = mesh.bounds().diagonal();
         for _ in 0..MOST_STEPS {
             // What the source's own bound leaves.
             let left = if used == 0.0 { error.get() } else { sub_down(error.get(), used) };
-            let fewer = if left > 0.0 { progress.within(&Allowed::everywhere(left), job)? } else { None };
+            let fewer =
+                if left > 0.0 { progress.simplify_within(&ErrorLimit::uniform(left), job)? } else { None };
             // The finest level is there even if nothing could go.
             let fewer = fewer.or_else(|| levels.is_empty().then(|| progress.unchanged()));
             let level = fewer.map(|fewer| level_of(fewer, is_smooth.then_some(&made.bound)));
-            let is_new = |level: &Level| {
+            let is_new = |level: &LodLevel| {
                 levels.last().is_none_or(|finer| {
                     let fewer = level.mesh.faces().len() as f64 <= WORTH_IT * finer.mesh.faces().len() as f64;
                     fewer && level.error() > finer.error()
                 })
             };
             levels.extend(level.filter(is_new));
-            let is_last = |level: &Level| {
+            let is_last = |level: &LodLevel| {
                 let n = level.mesh.faces().len();
                 n <= steps.enough || (n > steps.whole && levels.len() == 1)
             };
@@ -169,11 +178,11 @@ pub fn chain(mut source: Source<'_>, steps: &Steps, job: &Job) -> Result<Vec<Lev
 }
 
 /// A level, whose triangles were made of something smooth within a bound of their own, and then simplified.
-fn level_of(fewer: Bounded<Simplified>, made: Option<&Bound>) -> Level {
+fn level_of(fewer: Bounded<SimplifiedMesh>, made: Option<&Bound>) -> LodLevel {
     let bound = made.map_or(fewer.bound.clone(), |made| made.then(&fewer.bound));
-    Level { mesh: fewer.shape.mesh, bound, kept: fewer.shape.kept }
+    LodLevel { mesh: fewer.shape.mesh, bound, stats: fewer.shape.stats }
 }
 
-fn refused<T>(code: Code, message: impl Into<String>) -> Result<T, Stopped> {
-    Err(Stopped::Refused(Refusal { code, message: message.into() }))
+fn refuse<T>(code: RefusalCode, message: impl Into<String>) -> Result<T, JobError> {
+    Err(JobError::Refused(Refusal { code, message: message.into() }))
 }

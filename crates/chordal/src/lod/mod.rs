@@ -1,22 +1,22 @@
 //! Fewer triangles: lossy, same kind, and the loss is bounded.
+mod bucket_queue;
 mod chain;
-mod engine;
-mod flat;
-mod part;
+mod edge_collapse;
+mod error_monitor;
+mod flat_normals;
+mod local_tolerance;
 mod quadric;
-mod queue;
 mod reduction;
-mod room;
+mod region_tree;
 mod samples;
 mod select;
 mod simplify;
 mod surface;
 mod tree;
-mod watch;
 mod wedges;
 
-pub use chain::{Level, Source, Steps, chain};
-pub use reduction::Kept;
-pub use select::{HYSTERESIS, Shown, Switches};
-pub use simplify::{Simplified, simplify};
-pub use tree::{Cuts, Tile, Tree, tree};
+pub use chain::{LodLevel, LodSource, LodSteps, chain};
+pub use reduction::ReductionStats;
+pub use select::{HYSTERESIS, LevelChoice, SwitchDistances};
+pub use simplify::{SimplifiedMesh, simplify};
+pub use tree::{LodTile, LodTileTree, TilingOptions, tree};

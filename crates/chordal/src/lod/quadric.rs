@@ -22,7 +22,7 @@ const PULL: f64 = 1e-6;
 impl Quadric {
     /// That of one plane through `p` with a unit `normal`.
     #[inline]
-    pub fn of_plane(normal: [f64; 3], p: [f64; 3], weight: f64) -> Self {
+    pub fn from_plane(normal: [f64; 3], p: [f64; 3], weight: f64) -> Self {
         let [x, y, z] = normal;
         let d = -dot(normal, p);
         let w = normal.map(|n| n * weight);
@@ -59,7 +59,7 @@ impl Quadric {
 
     /// Half the gradient at a point.
     #[inline]
-    fn slope(&self, p: [f64; 3]) -> [f64; 3] {
+    fn half_gradient(&self, p: [f64; 3]) -> [f64; 3] {
         let [xx, yy, zz, xy, xz, yz] = self.a;
         [
             xx * p[0] + xy * p[1] + xz * p[2] + self.b[0],
@@ -71,7 +71,7 @@ impl Quadric {
     /// The value at a point, never below 0.
     #[inline]
     pub fn at(&self, p: [f64; 3]) -> f64 {
-        let g = self.slope(p);
+        let g = self.half_gradient(p);
         let value = dot(g, p) + dot(self.b, p) + self.c;
         if value > 0.0 { value } else { 0.0 }
     }
@@ -79,7 +79,7 @@ impl Quadric {
     /// The point near `middle` with the least value, and the value there. Where the planes leave it open it stays close
     /// to `middle`.
     #[inline]
-    pub fn least(&self, middle: [f64; 3]) -> ([f64; 3], f64) {
+    pub fn minimizer(&self, middle: [f64; 3]) -> ([f64; 3], f64) {
         let [xx, yy, zz, xy, xz, yz] = self.a;
         let pull = PULL * (xx + yy + zz);
         let (x, y, z) = (xx + pull, yy + pull, zz + pull);
@@ -92,7 +92,7 @@ impl Quadric {
         }
         let over = -1.0 / det;
         let step = |from: [f64; 3]| -> [f64; 3] {
-            let g = self.slope(from);
+            let g = self.half_gradient(from);
             [
                 from[0] + (m00 * g[0] + m01 * g[1] + m02 * g[2]) * over,
                 from[1] + (m01 * g[0] + m11 * g[1] + m12 * g[2]) * over,
@@ -117,9 +117,9 @@ mod tests {
         let corner = [0.25, -0.5, 2.0];
         let mut q = Quadric::default();
         for n in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.6, 0.8]] {
-            q.add(&Quadric::of_plane(n, corner, 2.0));
+            q.add(&Quadric::from_plane(n, corner, 2.0));
         }
-        let (p, least) = q.least([0.25, -0.5, 2.001]);
+        let (p, least) = q.minimizer([0.25, -0.5, 2.001]);
         assert!((0..3).all(|k| (p[k] - corner[k]).abs() < 1e-5), "{p:?}");
         assert!(least < 1e-9);
         // One unit off the first plane costs its weight.
@@ -128,10 +128,10 @@ mod tests {
 
     #[test]
     fn one_plane_leaves_the_middle_where_it_is_beside_it() {
-        let q = Quadric::of_plane([0.0, 0.0, 1.0], [0.0; 3], 3.0);
-        let (p, least) = q.least([5.0, 7.0, 0.5]);
+        let q = Quadric::from_plane([0.0, 0.0, 1.0], [0.0; 3], 3.0);
+        let (p, least) = q.minimizer([5.0, 7.0, 0.5]);
         assert_eq!((p[0], p[1]), (5.0, 7.0));
         assert!(p[2].abs() < 1e-3 && least < 1e-5);
-        assert_eq!(Quadric::default().least([1.0; 3]), ([1.0; 3], 0.0));
+        assert_eq!(Quadric::default().minimizer([1.0; 3]), ([1.0; 3], 0.0));
     }
 }

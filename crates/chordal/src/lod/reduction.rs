@@ -1,26 +1,26 @@
-//! `Reduction`: a mesh on its way to fewer triangles, from the first look at it to each mesh that is taken out.
-use super::engine::{Engine, Kind, Until};
-use super::flat::{is_flat, normal_now};
-use super::room::Room;
-use super::surface::{NONE, Surface, Taken};
-use super::watch::{Care, Watch};
+//! `MeshReduction`: a mesh on its way to fewer triangles, from the first look at it to each mesh that is taken out.
+use super::edge_collapse::{CollapseVertexKind, EdgeCollapser, StopCriterion};
+use super::error_monitor::{CheckLevel, ErrorMonitor};
+use super::flat_normals::{is_flat, updated_normal};
+use super::local_tolerance::LocalTolerance;
+use super::surface::{HalfEdgeSurface, ManifoldSplit, NONE};
 use super::wedges::{Wedges, is_carried};
-use crate::budget::{Allowed, Job, Stopped};
-use crate::check::{Judge, Places};
-use crate::explicit::{Attribute, Domain, InvalidMesh, Mesh, Sets, Topology};
+use crate::budget::{ErrorLimit, Job, JobError};
+use crate::check::{ProximityChecker, ViolationReport};
+use crate::explicit::{Attribute, DisjointSets, Domain, InvalidMesh, Mesh, Topology};
 use crate::math::{Box3, difference, exponent, length, power_of_two};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// World → local: minus the middle of the mesh, times a power of two that brings the extent to 1 or less.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(super) struct ReductionFrame {
     origin: [f64; 3],
     scale: f64,
 }
 
-impl Frame {
-    fn of(bounds: &Box3) -> Self {
+impl ReductionFrame {
+    fn from_bounds(bounds: &Box3) -> Self {
         // Halved before the difference, which might overflow.
         let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
         let half = half.fold(0.0, |most, x| if x > most { x } else { most });
@@ -28,17 +28,17 @@ impl Frame {
         Self { origin: bounds.centre(), scale: power_of_two(-exponent(half).clamp(-1000, 1000)) }
     }
 
-    fn local(&self, p: [f64; 3]) -> [f64; 3] {
+    fn to_local(&self, p: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|k| (p[k] - self.origin[k]) * self.scale)
     }
 
-    fn world(&self, p: [f64; 3]) -> [f64; 3] {
+    fn to_world(&self, p: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|k| p[k] / self.scale + self.origin[k])
     }
 
     /// A box in the world, rounded.
     pub fn world_box(&self, local: &Box3) -> Box3 {
-        Box3 { min: self.world(local.min), max: self.world(local.max) }
+        Box3 { min: self.to_world(local.min), max: self.to_world(local.max) }
     }
 
     /// A length of the world in this frame.
@@ -49,50 +49,56 @@ impl Frame {
 
 /// What was found where the mesh is not a surface that shrinks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Kept {
+pub struct ReductionStats {
     /// Vertices that stayed where they are, because edges with three faces, faces wound against each other or several fans meet there.
-    pub tied_vertices: u64,
+    pub locked_vertices: u64,
     /// Faces with two corners at one position, which are left out.
     pub collapsed_faces: u64,
     /// Separate pieces that were so small or so close to others that the budget covers their absence.
-    pub vanished_components: u64,
+    pub dropped_components: u64,
 }
 
 #[derive(Clone)]
-pub(super) struct Reduction<'a> {
+pub(super) struct MeshReduction<'a> {
     mesh: &'a Mesh,
-    frame: Frame,
-    engine: Engine,
+    frame: ReductionFrame,
+    engine: EdgeCollapser,
     row: Vec<u32>,
     /// Whether it is a part of a larger mesh: where it is tied, something else may hang on it.
-    is_part: bool,
-    pub kept: Kept,
+    is_region: bool,
+    pub stats: ReductionStats,
 }
 
-impl<'a> Reduction<'a> {
-    pub fn of(mesh: &'a Mesh, topology: Topology) -> Self {
-        Self::of_part(mesh, topology, &[])
+impl<'a> MeshReduction<'a> {
+    pub fn new(mesh: &'a Mesh, topology: Topology) -> Self {
+        Self::from_region(mesh, topology, &[])
     }
 
     /// A part of a larger mesh, whose rows that `stays` says stay where they are, with all edges and values between
     /// them. Rows of one position stay together; an empty list is a whole mesh.
-    pub fn of_part(mesh: &'a Mesh, topology: Topology, stays: &[bool]) -> Self {
+    pub fn from_region(mesh: &'a Mesh, topology: Topology, stays: &[bool]) -> Self {
         let is_part = !stays.is_empty();
         let ids = topology.ids(mesh);
-        let Taken { surface, place, mut is_tied, row, collapsed } = Surface::of(mesh, ids.as_deref());
+        let ManifoldSplit { surface, first_fan: place, is_locked: mut is_tied, row, n_collapsed: collapsed } =
+            HalfEdgeSurface::from_mesh(mesh, ids.as_deref());
         let used = mesh.faces().as_flattened().iter().map(|row| &mesh.positions()[*row as usize]);
-        let frame = Frame::of(&Box3::around(used));
-        let at: Vec<[f64; 3]> = row.iter().map(|row| frame.local(mesh.positions()[*row as usize])).collect();
+        let frame = ReductionFrame::from_bounds(&Box3::from_points(used));
+        let at: Vec<[f64; 3]> =
+            row.iter().map(|row| frame.to_local(mesh.positions()[*row as usize])).collect();
         let tied_vertices = is_tied.iter().filter(|tied| **tied).count() as u64;
         let stays = |row: u32| stays.get(row as usize).copied().unwrap_or(false);
         is_tied.iter_mut().zip(&row).for_each(|(tied, row)| *tied |= stays(*row));
-        let (wedges, is_line) = Wedges::of(mesh, &surface, stays);
-        let kind = kinds(&surface, &is_line, &is_tied);
-        let mut engine = Engine::new(surface, at, kind, is_line);
+        let (wedges, is_line) = Wedges::from_mesh(mesh, &surface, stays);
+        let kind = vertex_kinds(&surface, &is_line, &is_tied);
+        let mut engine = EdgeCollapser::new(surface, at, kind, is_line);
         engine.wedges = wedges;
-        engine.place = place;
-        let kept = Kept { tied_vertices, collapsed_faces: collapsed as u64, ..Kept::default() };
-        Self { mesh, frame, engine, row, is_part, kept }
+        engine.first_fan = place;
+        let kept = ReductionStats {
+            locked_vertices: tied_vertices,
+            collapsed_faces: collapsed as u64,
+            ..ReductionStats::default()
+        };
+        Self { mesh, frame, engine, row, is_region: is_part, stats: kept }
     }
 
     /// Faces that are there.
@@ -106,7 +112,7 @@ impl<'a> Reduction<'a> {
     }
 
     /// Watches the distance from now on: before anything shrinks.
-    pub fn watch(&mut self, job: &Job) -> Result<(), Stopped> {
+    pub fn start_monitor(&mut self, job: &Job) -> Result<(), JobError> {
         let surface = &self.engine.surface;
         let edges = || {
             (0..surface.start.len() as u32)
@@ -125,28 +131,33 @@ impl<'a> Reduction<'a> {
                 points.push((std::array::from_fn(|k| p[k] + t * (q[k] - p[k])), h / 3));
             }
         }
-        self.engine.watch = Some(Watch::new(surface, &self.engine.at, &points, job)?);
+        self.engine.monitor = Some(ErrorMonitor::new(surface, &self.engine.at, &points, job)?);
         Ok(())
     }
 
     /// Looks at all places alike again: for a larger length.
-    pub fn forget_care(&mut self) {
-        if let Some(watch) = &mut self.engine.watch {
-            watch.care.fill(Care::Quick);
+    pub fn reset_check_levels(&mut self) {
+        if let Some(watch) = &mut self.engine.monitor {
+            watch.check_levels.fill(CheckLevel::Sampled);
         }
     }
 
     /// Takes more care from now on where the mesh that was taken out of `tried`, an earlier attempt, was too far from
     /// the original: `more` says how much, after a change of some cost.
-    pub fn take_care(&mut self, tried: &Self, places: &Places, more: impl Fn(Care, f32) -> Care) {
-        let (Some(watch), Some(then)) = (&mut self.engine.watch, &tried.engine.watch) else { return };
-        let mut care = then.care.clone();
+    pub fn raise_check_levels(
+        &mut self,
+        tried: &Self,
+        places: &ViolationReport,
+        more: impl Fn(CheckLevel, f32) -> CheckLevel,
+    ) {
+        let (Some(watch), Some(then)) = (&mut self.engine.monitor, &tried.engine.monitor) else { return };
+        let mut care = then.check_levels.clone();
         let mut mark = |sample: u32, cost: f32| {
             let known = &mut care[sample as usize];
-            *known = known.or(more(then.care[sample as usize], cost));
+            *known = known.stricter(more(then.check_levels[sample as usize], cost));
         };
-        let made_at = |face: u32| tried.engine.made_at[face as usize];
-        for far in &places.beyond[0] {
+        let made_at = |face: u32| tried.engine.face_cost[face as usize];
+        for far in &places.violations[0] {
             let corners = self.engine.surface.corners(far.face);
             // A face that was left out from the start has no vertices here.
             if corners[0] != NONE {
@@ -158,104 +169,108 @@ impl<'a> Reduction<'a> {
         }
         let surface = &tried.engine.surface;
         let faces = tried.faces();
-        for far in &places.beyond[1] {
+        for far in &places.violations[1] {
             let face = faces[far.face as usize];
-            let mut here: Vec<u32> = then.samples.of(face).collect();
+            let mut here: Vec<u32> = then.samples.of_face(face).collect();
             if here.is_empty() {
-                let around = surface.corners(face).into_iter().flat_map(|v| surface.around(v));
-                here = around.flat_map(|h| then.samples.of(h / 3)).collect();
+                let around = surface.corners(face).into_iter().flat_map(|v| surface.one_ring(v));
+                here = around.flat_map(|h| then.samples.of_face(h / 3)).collect();
             }
             here.into_iter().for_each(|sample| mark(sample, made_at(face)));
         }
-        watch.care = care;
+        watch.check_levels = care;
     }
 
     /// A share of what is allowed in the world.
-    pub fn room(&self, allowed: &Allowed, share: f64) -> Room {
-        match (allowed.constant(), &self.engine.watch) {
-            (Some(length), _) => Room::everywhere(self.frame.local_length(share * length)),
-            (None, Some(watch)) => Room::by_place(allowed, (self.frame, share), &watch.samples.at),
-            (None, None) => Room::by_place(allowed, (self.frame, share), &self.engine.at),
+    pub fn local_tolerance(&self, allowed: &ErrorLimit, share: f64) -> LocalTolerance {
+        match (allowed.constant(), &self.engine.monitor) {
+            (Some(length), _) => LocalTolerance::uniform(self.frame.local_length(share * length)),
+            (None, Some(watch)) => LocalTolerance::varying(allowed, (self.frame, share), &watch.samples.at),
+            (None, None) => LocalTolerance::varying(allowed, (self.frame, share), &self.engine.at),
         }
     }
 
     /// Lets nothing change around faces whose place the eye is too close to: no proof would let it pass.
-    pub fn shut(&mut self, room: &Room) {
+    pub fn freeze_too_close(&mut self, room: &LocalTolerance) {
         if room.is_constant() {
             return;
         }
-        let Engine { surface, at, watch: Some(watch), .. } = &mut self.engine else { return };
+        let EdgeCollapser { surface, at, monitor: Some(watch), .. } = &mut self.engine else { return };
         for face in 0..(surface.start.len() / 3) as u32 {
             let corners = surface.corners(face);
-            if corners[0] != NONE && room.is_shut(&Box3::around(&corners.map(|v| at[v as usize]))) {
-                corners.into_iter().for_each(|v| watch.care[v as usize] = Care::Frozen);
+            if corners[0] != NONE && room.is_too_close(&Box3::from_points(&corners.map(|v| at[v as usize]))) {
+                corners.into_iter().for_each(|v| watch.check_levels[v as usize] = CheckLevel::Frozen);
             }
         }
     }
 
     /// Shrinks until there are so many faces, or nothing more fits into the room.
-    pub fn run(&mut self, faces: usize, room: &Room, job: &Job) -> Result<(), Stopped> {
-        let until = Until { faces, room };
-        if self.engine.run(&until, job) { Ok(()) } else { Err(Stopped::Cancelled) }
+    pub fn run(&mut self, faces: usize, room: &LocalTolerance, job: &Job) -> Result<(), JobError> {
+        let until = StopCriterion { faces, tolerance: room };
+        if self.engine.run(&until, job) { Ok(()) } else { Err(JobError::Cancelled) }
     }
 
     /// Leaves out small pieces that are separate from all others and near enough to what is left: their absence is
     /// no larger loss than that.
-    pub fn let_vanish(&mut self, room: &Room, job: &Job) -> Result<(), Stopped> {
+    pub fn drop_small_components(&mut self, room: &LocalTolerance, job: &Job) -> Result<(), JobError> {
         let faces = self.faces();
         let engine = &self.engine;
-        let mut sets = Sets::new(engine.at.len());
+        let mut sets = DisjointSets::new(engine.at.len());
         for face in &faces {
             let [a, b, c] = engine.surface.corners(*face);
-            sets.join(a, b);
-            sets.join(b, c);
+            sets.union(a, b);
+            sets.union(b, c);
         }
         // What is tied together in the mesh is one piece.
-        for (v, place) in self.engine.place.iter().enumerate() {
-            sets.join(v as u32, *place);
+        for (v, place) in self.engine.first_fan.iter().enumerate() {
+            sets.union(v as u32, *place);
         }
         let mut bounds: BTreeMap<u32, Box3> = BTreeMap::new();
         for face in &faces {
             let [a, b, c] = engine.surface.corners(*face);
-            let corners = Box3::around(&[a, b, c].map(|v| engine.at[v as usize]));
-            let known = bounds.entry(sets.root(a)).or_insert(Box3::EMPTY);
+            let corners = Box3::from_points(&[a, b, c].map(|v| engine.at[v as usize]));
+            let known = bounds.entry(sets.find(a)).or_insert(Box3::EMPTY);
             *known = known.union(corners);
         }
         // No piece is within a length of another one unless it is that thin, and a thin one that is long is no dust.
-        let small = |b: &Box3| b.diagonal() <= SMALL * room.around(b);
+        let small = |b: &Box3| b.diagonal() <= SMALL * room.for_box(b);
         let mut dust: BTreeSet<u32> =
             bounds.iter().filter(|(_, b)| small(b)).map(|(root, _)| *root).collect();
         // Nor is what goes on outside of this part.
-        let tied = |v: &u32| self.is_part && engine.kind[*v as usize] == Kind::Tied;
+        let tied = |v: &u32| self.is_region && engine.kind[*v as usize] == CollapseVertexKind::Locked;
         for v in faces.iter().flat_map(|face| engine.surface.corners(*face)).filter(tied) {
-            dust.remove(&sets.root(v));
+            dust.remove(&sets.find(v));
         }
         if dust.is_empty() || dust.len() == bounds.len() {
             return Ok(());
         }
-        let is_dust = |sets: &mut Sets, face: u32| dust.contains(&sets.root(engine.surface.corners(face)[0]));
+        let is_dust =
+            |sets: &mut DisjointSets, face: u32| dust.contains(&sets.find(engine.surface.corners(face)[0]));
         let (small, rest): (Vec<u32>, Vec<u32>) =
             faces.into_iter().partition(|face| is_dust(&mut sets, *face));
         let rest = rest.iter().map(|face| engine.surface.corners(*face)).collect();
-        let rest = Judge::new(Cow::Owned(Mesh::by_construction(engine.at.clone(), rest)), job)?;
+        let rest = ProximityChecker::new(Cow::Owned(Mesh::by_construction(engine.at.clone(), rest)), job)?;
         let mut near: BTreeMap<u32, bool> = BTreeMap::new();
         for face in &small {
             let corners = engine.surface.corners(*face);
-            let is_near = near.entry(sets.root(corners[0])).or_insert(true);
+            let is_near = near.entry(sets.find(corners[0])).or_insert(true);
             let samples = engine
-                .watch
+                .monitor
                 .iter()
-                .flat_map(|watch| watch.samples.of(*face).map(|s| watch.samples.at[s as usize]));
+                .flat_map(|watch| watch.samples.of_face(*face).map(|s| watch.samples.at[s as usize]));
             let mut points = samples.chain(corners.map(|v| engine.at[v as usize]));
             // Where an earlier attempt was too far, nothing vanishes.
-            let closely = engine.watch.as_ref().is_some_and(|watch| watch.care_of(&[*face]) != Care::Quick);
+            let closely = engine
+                .monitor
+                .as_ref()
+                .is_some_and(|watch| watch.check_level(&[*face]) != CheckLevel::Sampled);
             *is_near = *is_near && !closely && points.all(|p| room.holds(p, rest.distance_sq(p)));
-            *is_near = *is_near && rest.has_near(corners.map(|v| engine.at[v as usize]), room);
+            *is_near = *is_near && rest.is_within(corners.map(|v| engine.at[v as usize]), room);
         }
-        self.kept.vanished_components += near.values().filter(|near| **near).count() as u64;
+        self.stats.dropped_components += near.values().filter(|near| **near).count() as u64;
         for face in small {
-            if near.get(&sets.root(self.engine.surface.corners(face)[0])) == Some(&true) {
-                self.engine.surface.remove(face);
+            if near.get(&sets.find(self.engine.surface.corners(face)[0])) == Some(&true) {
+                self.engine.surface.remove_face(face);
             }
         }
         Ok(())
@@ -270,55 +285,56 @@ impl<'a> Reduction<'a> {
     /// The mesh as it is now.
     pub fn mesh(&self) -> Mesh {
         let surface = &self.engine.surface;
-        let mut rows = Rows::new(self);
+        let mut rows = ReducedRows::new(self);
         let (mut faces, mut origin) = (Vec::with_capacity(surface.n_faces), Vec::new());
         for face in self.faces() {
             let normal = rows.flat.map_or([0.0; 3], |flat| self.normal(flat, face));
-            faces.push([0, 1, 2].map(|k| rows.of(self, 3 * face + k, normal)));
+            faces.push([0, 1, 2].map(|k| rows.row_of_corner(self, 3 * face + k, normal)));
             origin.push(face);
         }
         let mut mesh = Mesh::by_construction(rows.positions, faces);
         if rows.id.iter().enumerate().any(|(row, id)| row as u32 != *id) {
-            mesh = mesh.with_position_id(rows.id).unwrap_or_else(broken);
+            mesh = mesh.with_position_id(rows.id).unwrap_or_else(empty_on_error);
         }
-        for (attribute, column) in self.mesh.attributes().iter().zip(self.columns()) {
+        for (attribute, column) in self.mesh.attributes().iter().zip(self.reduced_values()) {
             let values = match (column, attribute.domain) {
-                (Column::Made, Domain::Vertex) => rows.normal.as_flattened().to_vec(),
-                (Column::Made, domain) => {
+                (ReducedValues::FlatNormals, Domain::Vertex) => rows.normal.as_flattened().to_vec(),
+                (ReducedValues::FlatNormals, domain) => {
                     let n = if domain == Domain::Corner { 3 } else { 1 };
                     let normals = origin.iter().flat_map(|f| [self.normal(attribute, *f)].repeat(n));
                     normals.flatten().collect()
                 }
-                (Column::OfFaces, _) => {
+                (ReducedValues::Faces, _) => {
                     origin.iter().flat_map(|face| attribute.row(*face as usize)).copied().collect()
                 }
-                (Column::From(from), Domain::Vertex) => {
-                    self.taken(rows.wedge.iter().copied(), (from, attribute.width))
+                (ReducedValues::Wedges(from), Domain::Vertex) => {
+                    self.wedge_values(rows.wedge.iter().copied(), (from, attribute.width))
                 }
-                (Column::From(from), _) => {
+                (ReducedValues::Wedges(from), _) => {
                     let wedges = self.engine.wedges.as_ref();
-                    let of =
-                        |face: &u32| [0, 1, 2].map(|k| wedges.map_or(0, |w| w.of[3 * *face as usize + k]));
-                    self.taken(origin.iter().flat_map(of), (from, attribute.width))
+                    let of = |face: &u32| {
+                        [0, 1, 2].map(|k| wedges.map_or(0, |w| w.corner_row[3 * *face as usize + k]))
+                    };
+                    self.wedge_values(origin.iter().flat_map(of), (from, attribute.width))
                 }
             };
             let same = Attribute { values, ..clone_without_values(attribute) };
-            mesh = mesh.with_attribute(same).unwrap_or_else(broken);
+            mesh = mesh.with_attribute(same).unwrap_or_else(empty_on_error);
         }
         mesh
     }
 
     /// By attribute: where its values come from.
-    fn columns(&self) -> Vec<Column> {
+    fn reduced_values(&self) -> Vec<ReducedValues> {
         let mut next = 0;
         let mut column = |attribute: &Attribute| {
             if is_carried(self.mesh, attribute) {
                 next += attribute.width;
-                Column::From(next - attribute.width)
+                ReducedValues::Wedges(next - attribute.width)
             } else if is_flat(self.mesh, attribute) {
-                Column::Made
+                ReducedValues::FlatNormals
             } else {
-                Column::OfFaces
+                ReducedValues::Faces
             }
         };
         self.mesh.attributes().iter().map(&mut column).collect()
@@ -327,30 +343,30 @@ impl<'a> Reduction<'a> {
     /// The normal of a face as it is now, for flat shading.
     fn normal(&self, attribute: &Attribute, face: u32) -> [f64; 3] {
         let corners = self.engine.surface.corners(face).map(|v| self.engine.at[v as usize]);
-        normal_now(corners, (self.mesh, attribute), face)
+        updated_normal(corners, (self.mesh, attribute), face)
     }
 
-    fn taken(&self, wedges: impl Iterator<Item = u32>, (from, width): (usize, usize)) -> Vec<f64> {
+    fn wedge_values(&self, wedges: impl Iterator<Item = u32>, (from, width): (usize, usize)) -> Vec<f64> {
         let Some(all) = &self.engine.wedges else { return Vec::new() };
         wedges.flat_map(|wedge| all.row(wedge)[from..from + width].iter().copied()).collect()
     }
 }
 
 /// What cannot be: rows and values are counted by the same lists.
-fn broken(error: InvalidMesh) -> Mesh {
+fn empty_on_error(error: InvalidMesh) -> Mesh {
     debug_assert!(false, "{error}");
     Mesh::default()
 }
 
 /// Where the values of an attribute come from.
 #[derive(Clone, Copy, Debug)]
-enum Column {
+enum ReducedValues {
     /// The rows of the wedges, from that column on.
-    From(usize),
+    Wedges(usize),
     /// The faces of the mesh.
-    OfFaces,
+    Faces,
     /// The faces as they are now: normals of flat shading.
-    Made,
+    FlatNormals,
 }
 
 fn clone_without_values(attribute: &Attribute) -> Attribute {
@@ -368,26 +384,26 @@ const SMALL: f64 = 4.0;
 /// Points on a long edge, at most: a mesh of few large faces gets 7 to 49 on each.
 const MOST_ON_EDGE: u32 = 7;
 
-fn kinds(surface: &Surface, is_line: &[bool], is_tied: &[bool]) -> Vec<Kind> {
+fn vertex_kinds(surface: &HalfEdgeSurface, is_line: &[bool], is_tied: &[bool]) -> Vec<CollapseVertexKind> {
     let of = |(v, tied): (usize, &bool)| {
         if *tied {
-            return Kind::Tied;
+            return CollapseVertexKind::Locked;
         }
         let v = v as u32;
         let lines =
-            surface.around(v).filter(|h| surface.twin[*h as usize] != NONE && is_line[*h as usize]).count();
+            surface.one_ring(v).filter(|h| surface.twin[*h as usize] != NONE && is_line[*h as usize]).count();
         let borders = if surface.is_border(v) { 2 } else { 0 };
         match lines + borders {
-            0 => Kind::Smooth,
-            2 => Kind::Line,
-            _ => Kind::Fixed,
+            0 => CollapseVertexKind::Smooth,
+            2 => CollapseVertexKind::Feature,
+            _ => CollapseVertexKind::Corner,
         }
     };
     is_tied.iter().enumerate().map(of).collect()
 }
 
 /// The rows of the mesh that is taken out: one for each vertex, or for each row of values around it.
-struct Rows<'a> {
+struct ReducedRows<'a> {
     positions: Vec<[f64; 3]>,
     /// By row: the first of the same position.
     id: Vec<u32>,
@@ -401,8 +417,8 @@ struct Rows<'a> {
     normal: Vec<[f64; 3]>,
 }
 
-impl<'a> Rows<'a> {
-    fn new(reduction: &Reduction<'a>) -> Self {
+impl<'a> ReducedRows<'a> {
+    fn new(reduction: &MeshReduction<'a>) -> Self {
         let mesh = reduction.mesh;
         let mut of_vertices = mesh.attributes().iter().filter(|a| a.domain == Domain::Vertex);
         let by_wedge = of_vertices.clone().any(|a| is_carried(mesh, a));
@@ -420,12 +436,13 @@ impl<'a> Rows<'a> {
     }
 
     /// The row of a corner, which is made where there is none yet.
-    fn of(&mut self, reduction: &Reduction<'_>, corner: u32, normal: [f64; 3]) -> u32 {
+    fn row_of_corner(&mut self, reduction: &MeshReduction<'_>, corner: u32, normal: [f64; 3]) -> u32 {
         let engine = &reduction.engine;
         let v = engine.surface.start[corner as usize];
         // Fans of one position are put together again: only what stays has more than one.
-        let key = reduction.engine.place[engine.name[v as usize] as usize] as usize;
-        let wedge = engine.wedges.as_ref().filter(|_| self.by_wedge).map_or(0, |w| w.of[corner as usize]);
+        let key = reduction.engine.first_fan[engine.source_vertex[v as usize] as usize] as usize;
+        let wedge =
+            engine.wedges.as_ref().filter(|_| self.by_wedge).map_or(0, |w| w.corner_row[corner as usize]);
         let mut row = self.first[key];
         let is_other = |this: &Self, row: usize| this.wedge[row] != wedge || this.normal[row] != normal;
         while row != NONE && is_other(self, row as usize) {
@@ -437,7 +454,7 @@ impl<'a> Rows<'a> {
         let row = self.positions.len() as u32;
         let head = self.first[key];
         self.id.push(if head == NONE { row } else { self.id[head as usize] });
-        self.positions.push(reduction.place(v));
+        self.positions.push(reduction.world_position(v));
         self.wedge.push(wedge);
         self.normal.push(normal);
         self.next.push(head);
@@ -446,15 +463,15 @@ impl<'a> Rows<'a> {
     }
 }
 
-impl Reduction<'_> {
+impl MeshReduction<'_> {
     /// Where a vertex is in the world: bit for bit where it was, unless it moved.
-    fn place(&self, v: u32) -> [f64; 3] {
+    fn world_position(&self, v: u32) -> [f64; 3] {
         if self.engine.is_original[v as usize] {
             // One row for all fans of a position: zeros may differ in their signs.
-            let first = self.engine.place[self.engine.name[v as usize] as usize];
+            let first = self.engine.first_fan[self.engine.source_vertex[v as usize] as usize];
             self.mesh.positions()[self.row[first as usize] as usize]
         } else {
-            self.frame.world(self.engine.at[v as usize])
+            self.frame.to_world(self.engine.at[v as usize])
         }
     }
 }

@@ -1,13 +1,13 @@
-//! `Samples`: points of the original surface, each held by the face that answers for it.
-use super::room::Room;
+//! `SamplesByFace`: points of the original surface, each held by the face that answers for it.
+use super::local_tolerance::LocalTolerance;
 use super::surface::NONE;
-use crate::explicit::nearest_with_distance;
+use crate::explicit::distance_sq_to_triangle;
 
 /// Points that have to stay within the tolerance of the surface, in lists by face.
 ///
 /// They watch the way, and prove nothing: what is between them is proved at the end, by `check::deviation`.
 #[derive(Clone)]
-pub(super) struct Samples {
+pub(super) struct SamplesByFace {
     pub at: Vec<[f64; 3]>,
     /// By sample: the next one of its face.
     next: Vec<u32>,
@@ -16,13 +16,13 @@ pub(super) struct Samples {
     /// By sample: the face that holds it.
     holder: Vec<u32>,
     /// By sample: the round of questions in which it was asked last, and the face that would hold it then.
-    asked: Vec<(u32, u32)>,
+    last_query: Vec<(u32, u32)>,
     round: u32,
     /// What an edge in question would change, until it is carried out: samples with their new faces.
-    moves: Vec<(u32, u32)>,
+    reassignments: Vec<(u32, u32)>,
 }
 
-impl Samples {
+impl SamplesByFace {
     /// Without any yet.
     pub fn new(n_faces: usize) -> Self {
         Self {
@@ -30,9 +30,9 @@ impl Samples {
             next: Vec::new(),
             first: vec![NONE; n_faces],
             holder: Vec::new(),
-            asked: Vec::new(),
+            last_query: Vec::new(),
             round: 0,
-            moves: Vec::new(),
+            reassignments: Vec::new(),
         }
     }
 
@@ -40,13 +40,13 @@ impl Samples {
         let sample = self.at.len() as u32;
         self.at.push(at);
         self.holder.push(face);
-        self.asked.push((0, NONE));
+        self.last_query.push((0, NONE));
         self.next.push(self.first[face as usize]);
         self.first[face as usize] = sample;
     }
 
     /// The samples of a face.
-    pub fn of(&self, face: u32) -> impl Iterator<Item = u32> + '_ {
+    pub fn of_face(&self, face: u32) -> impl Iterator<Item = u32> + '_ {
         let first = self.first[face as usize];
         std::iter::successors((first != NONE).then_some(first), |s| {
             let next = self.next[*s as usize];
@@ -55,8 +55,8 @@ impl Samples {
     }
 
     /// Whether all samples of `old` faces are near enough to the `new` triangles; remembers which is nearest.
-    pub fn fit(&mut self, old: &[u32], new: &[(u32, [[f64; 3]; 3])], room: &Room) -> bool {
-        self.moves.clear();
+    pub fn try_reassign(&mut self, old: &[u32], new: &[(u32, [[f64; 3]; 3])], room: &LocalTolerance) -> bool {
+        self.reassignments.clear();
         self.round += 1;
         for &face in old {
             let mut sample = self.first[face as usize];
@@ -64,7 +64,7 @@ impl Samples {
                 let p = self.at[sample as usize];
                 let mut best = (f64::INFINITY, NONE);
                 for (face, corners) in new {
-                    let d = nearest_with_distance(p, *corners);
+                    let d = distance_sq_to_triangle(p, *corners);
                     if d < best.0 {
                         best = (d, *face);
                     }
@@ -72,29 +72,29 @@ impl Samples {
                 if !room.holds_sample(sample, best.0) {
                     return false;
                 }
-                self.moves.push((sample, best.1));
-                self.asked[sample as usize] = (self.round, best.1);
+                self.reassignments.push((sample, best.1));
+                self.last_query[sample as usize] = (self.round, best.1);
                 sample = self.next[sample as usize];
             }
         }
         true
     }
 
-    /// Carries out what [`Samples::fit`] found, for the same old faces.
-    pub fn settle(&mut self, old: &[u32]) {
+    /// Carries out what [`SamplesByFace::try_reassign`] found, for the same old faces.
+    pub fn commit(&mut self, old: &[u32]) {
         for face in old {
             self.first[*face as usize] = NONE;
         }
-        for &(sample, face) in &self.moves {
+        for &(sample, face) in &self.reassignments {
             self.next[sample as usize] = self.first[face as usize];
             self.first[face as usize] = sample;
             self.holder[sample as usize] = face;
         }
     }
 
-    /// The samples that [`Samples::fit`] looked at, with the faces that would hold them.
-    pub fn moves(&self) -> &[(u32, u32)] {
-        &self.moves
+    /// The samples that [`SamplesByFace::try_reassign`] looked at, with the faces that would hold them.
+    pub fn reassignments(&self) -> &[(u32, u32)] {
+        &self.reassignments
     }
 
     /// The face that holds a sample.
@@ -104,7 +104,7 @@ impl Samples {
 
     /// The face that would hold a sample.
     pub fn holder_after(&self, sample: u32) -> u32 {
-        let (round, face) = self.asked[sample as usize];
+        let (round, face) = self.last_query[sample as usize];
         if round == self.round { face } else { self.holder[sample as usize] }
     }
 }

@@ -1,15 +1,15 @@
 //! `select`: which level is fine enough at a distance.
-use crate::budget::{Closest, Pixels, View};
+use crate::budget::{MinDistanceView, Pixels, View};
 use crate::math::Box3;
 
 /// Levels by their errors, the finest first, seen through one kind of lens with so many pixels to lose.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Switches {
+pub struct SwitchDistances {
     /// By level: the nearest distance at which it may be shown. The finest may be shown from its own on; nearer than that
     /// nothing is fine enough.
     nearest: Vec<f64>,
     errors: Vec<f64>,
-    lens: Closest,
+    lens: MinDistanceView,
     pixels: Pixels,
 }
 
@@ -19,7 +19,7 @@ pub const HYSTERESIS: f64 = 1.1;
 
 /// What is shown at a distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shown {
+pub struct LevelChoice {
     /// The level, 0 the finest.
     pub level: usize,
     /// No point is farther off on the screen than this, wherever on it; `None` where the eye is too close for a bound.
@@ -28,16 +28,16 @@ pub struct Shown {
     pub is_enough: bool,
 }
 
-impl Switches {
+impl SwitchDistances {
     /// The distances for levels with these proved errors, ascending. Of `lens` the projection and the screen count.
     ///
     /// Conservative: a level's distance is one from which its error is at most `pixels` everywhere on the screen,
     /// corners included, by the full form of [`View::pixels_of`], for any direction of view.
     ///
     /// ```
-    /// use chordal::{View, budget::View::Closest, lod::Switches};
-    /// let Closest(lens) = "1920x1080 fov=45 dist=1".parse::<View>()? else { panic!() };
-    /// let switches = Switches::new(&[0.001, 0.002, 0.004], lens, "1px".parse()?);
+    /// use chordal::{View, budget::View::MinDistance, lod::SwitchDistances};
+    /// let MinDistance(lens) = "1920x1080 fov=45 dist=1".parse::<View>()? else { panic!() };
+    /// let switches = SwitchDistances::new(&[0.001, 0.002, 0.004], lens, "1px".parse()?);
     /// let [a, b, c] = [0, 1, 2].map(|level| switches.distance(level).unwrap());
     /// assert!(a > 0.001 * 935.0 && b > 1.9 * a && c > 1.9 * b);
     /// assert_eq!(switches.at(1.01 * b, None).level, 1);
@@ -46,8 +46,8 @@ impl Switches {
     /// # Ok::<(), chordal::budget::InvalidView>(())
     /// ```
     #[must_use]
-    pub fn new(errors: &[f64], lens: Closest, pixels: Pixels) -> Self {
-        let nearest = errors.iter().map(|error| nearest(*error, lens, pixels)).collect();
+    pub fn new(errors: &[f64], lens: MinDistanceView, pixels: Pixels) -> Self {
+        let nearest = errors.iter().map(|error| switch_distance(*error, lens, pixels)).collect();
         Self { nearest, errors: errors.to_vec(), lens, pixels }
     }
 
@@ -60,7 +60,7 @@ impl Switches {
     /// What to show at a distance from the box, when `before` was shown: a coarser level takes over [`HYSTERESIS`] times
     /// farther out than it could, a finer one at once. Without levels, level 0.
     #[must_use]
-    pub fn at(&self, distance: f64, before: Option<usize>) -> Shown {
+    pub fn at(&self, distance: f64, before: Option<usize>) -> LevelChoice {
         let coarsest =
             |distance: f64| self.nearest.iter().rposition(|nearest| *nearest <= distance).unwrap_or(0);
         let now = coarsest(distance);
@@ -72,21 +72,21 @@ impl Switches {
             _ => now,
         };
         let pixels = self.errors.get(level).and_then(|error| pixels_at(*error, self.lens, distance));
-        Shown { level, pixels, is_enough: pixels.is_some_and(|px| px <= self.pixels.get()) }
+        LevelChoice { level, pixels, is_enough: pixels.is_some_and(|px| px <= self.pixels.get()) }
     }
 }
 
-fn pixels_at(error: f64, lens: Closest, distance: f64) -> Option<f64> {
+fn pixels_at(error: f64, lens: MinDistanceView, distance: f64) -> Option<f64> {
     // Any place will do: only the distance counts.
     let anywhere = Box3 { min: [0.0; 3], max: [0.0; 3] };
-    View::Closest(Closest { distance, ..lens }).pixels_of(error, &anywhere)
+    View::MinDistance(MinDistanceView { distance, ..lens }).pixels_of(error, &anywhere)
 }
 
 /// How closely a distance is found. Chosen: nobody sees where exactly a level changes, as long as it is not too near.
 const CLOSE: f64 = 1e-6;
 
 /// Up to a millionth the nearest distance from which an error is at most so many pixels.
-fn nearest(error: f64, lens: Closest, pixels: Pixels) -> f64 {
+fn switch_distance(error: f64, lens: MinDistanceView, pixels: Pixels) -> f64 {
     if error <= 0.0 {
         return 0.0;
     }

@@ -1,24 +1,26 @@
 //! `simplify`: a mesh with fewer triangles, within a budget.
-use super::reduction::{Kept, Reduction};
-use super::room::Room;
-use super::watch::Care;
-use crate::budget::{Allowed, Bound, Bounded, Budget, Code, Failure, Job, PixelBudget, Reference, Stopped};
-use crate::check::{Deviation, Goal, OneSided, Places, deviation, places_beyond};
+use super::error_monitor::CheckLevel;
+use super::local_tolerance::LocalTolerance;
+use super::reduction::{MeshReduction, ReductionStats};
+use crate::budget::{
+    Bound, Bounded, Budget, ErrorLimit, Failure, Job, JobError, PixelBudget, Reference, RefusalCode,
+};
+use crate::check::{Deviation, Goal, OneSidedDistance, ViolationReport, deviation, tolerance_violations};
 use crate::explicit::{Mesh, Topology};
 use crate::math::Box3;
 
 /// A mesh with fewer triangles, and what is known of it beside the bound.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Simplified {
+pub struct SimplifiedMesh {
     /// The triangles.
     pub mesh: Mesh,
     /// The worst pair of points: on one surface, and the nearest on the other. `None` where nothing was lost.
-    pub worst: Option<OneSided>,
+    pub worst: Option<OneSidedDistance>,
     /// What could not shrink, and what went altogether.
-    pub kept: Kept,
+    pub stats: ReductionStats,
 }
 
-type Failed = Failure<Simplified>;
+type SimplifyFailure = Failure<SimplifiedMesh>;
 
 /// The same surface with as few triangles as a budget allows.
 ///
@@ -30,7 +32,7 @@ type Failed = Failure<Simplified>;
 /// included, by [`check::deviation`](crate::check::deviation) on the triangles that are returned. Not covered: the
 /// angles of normals, and what values of attributes do between the points of a line.
 ///
-/// *Pixels.* For an eye anywhere ([`View::Closest`](crate::View::Closest)) they are one length. For a camera each place
+/// *Pixels.* For an eye anywhere ([`View::MinDistance`](crate::View::MinDistance)) they are one length. For a camera each place
 /// has its own: far away, behind the eye and off the axis a pixel is more of a length. The proof goes piece by piece: of
 /// a piece of a face of either surface, with the box `B` around it, every point has a point of the other within a
 /// proved length `l`, so that on the screen the two are at most [`View::pixels_of`](crate::View::pixels_of)`(l, B)`
@@ -42,7 +44,7 @@ type Failed = Failure<Simplified>;
 /// condition) and no face turns over. Borders, and lines at which texture coordinates, colours, materials or normals (by
 /// more than 30°) jump, stay lines, within the length where there is one; points move along them, with the values on
 /// either side. Normals of flat shading are made again from the new faces. Where the mesh is not a
-/// manifold or wound against itself it stays as it is, and [`Kept`] says how many vertices that holds. A piece
+/// manifold or wound against itself it stays as it is, and [`ReductionStats`] says how many vertices that holds. A piece
 /// that is separate goes only where a length covers its absence, never for a count.
 ///
 /// *Inputs.* n × 3 positions, m × 3 indices; two rows are one position where `topology` says so. Attributes come along.
@@ -52,8 +54,8 @@ type Failed = Failure<Simplified>;
 /// triangles. 300 bytes a triangle, 900 with a length.
 ///
 /// # Errors
-/// [`Failure::Unmet`] with the best when a count cannot be reached; [`Code::Budget`] without a limit or with an angle;
-/// [`Code::Empty`] without a triangle; [`Code::TooClose`] when all faces come so close to the eye that no pixel bound
+/// [`Failure::Unmet`] with the best when a count cannot be reached; [`RefusalCode::Budget`] without a limit or with an angle;
+/// [`RefusalCode::Empty`] without a triangle; [`RefusalCode::TooClose`] when all faces come so close to the eye that no pixel bound
 /// exists; the refusals of [`check::deviation`](crate::check::deviation).
 ///
 /// ```
@@ -79,31 +81,33 @@ pub fn simplify(
     budget: &Budget,
     topology: Topology,
     job: &Job,
-) -> Result<Bounded<Simplified>, Failed> {
+) -> Result<Bounded<SimplifiedMesh>, SimplifyFailure> {
     if budget.angle_deg.is_some() {
         let message = "simplification has no budget for angles: it bounds the distance between two surfaces";
-        return Err(Failure::refused(Code::Budget, message));
+        return Err(Failure::refused(RefusalCode::Budget, message));
     }
     if mesh.faces().is_empty() {
-        return Err(Failure::refused(Code::Empty, "there is no triangle to simplify"));
+        return Err(Failure::refused(RefusalCode::Empty, "there is no triangle to simplify"));
     }
     let bounds = mesh.bounds();
-    let Some(allowed) = Allowed::of(budget, &bounds).filter(|allowed| is_anywhere(allowed, mesh)) else {
+    let Some(allowed) =
+        ErrorLimit::from_budget(budget, &bounds).filter(|allowed| has_bounded_face(allowed, mesh))
+    else {
         let message = "the mesh comes so close to the eye that there is no bound in pixels";
-        return Err(Failure::refused(Code::TooClose, message));
+        return Err(Failure::refused(RefusalCode::TooClose, message));
     };
     let mut made = if allowed.constant() == Some(f64::INFINITY) {
         match budget.triangles {
-            Some(most) => by_count(mesh, (most, topology), job)?,
+            Some(most) => simplify_to_count(mesh, (most, topology), job)?,
             None => {
                 return Err(Failure::refused(
-                    Code::Budget,
+                    RefusalCode::Budget,
                     "the budget has no limit: no length, no pixels, no triangles",
                 ));
             }
         }
     } else {
-        within(&Asked { mesh, topology, stays: &[], allowed, job })?
+        simplify_within(&SimplifyInput { mesh, topology, fixed_rows: &[], limit: allowed, job })?
     };
     if let Some(PixelBudget { view, .. }) = &budget.pixels {
         // Each is proved: that of every piece in its place, and that of the longest way in all of it.
@@ -120,23 +124,27 @@ pub fn simplify(
 }
 
 /// Whether there is a face whose place may lose anything.
-fn is_anywhere(allowed: &Allowed, mesh: &Mesh) -> bool {
-    let face = |face: usize| allowed.at(&Box3::around(&mesh.corners(face))).is_some();
+fn has_bounded_face(allowed: &ErrorLimit, mesh: &Mesh) -> bool {
+    let face = |face: usize| allowed.at(&Box3::from_points(&mesh.corners(face))).is_some();
     allowed.at(&mesh.bounds()).is_some() || (0..mesh.faces().len()).any(face)
 }
 
 /// As few triangles as a count says, each step the one that costs least.
-fn by_count(
+fn simplify_to_count(
     mesh: &Mesh,
     (most, topology): (u64, Topology),
     job: &Job,
-) -> Result<Bounded<Simplified>, Failed> {
-    let mut reduction = Reduction::of(mesh, topology);
+) -> Result<Bounded<SimplifiedMesh>, SimplifyFailure> {
+    let mut reduction = MeshReduction::new(mesh, topology);
     if reduction.is_empty() {
-        return Ok(unchanged(mesh, Kept::default()));
+        return Ok(unchanged(mesh, ReductionStats::default()));
     }
-    reduction.run(usize::try_from(most).unwrap_or(usize::MAX), &Room::everywhere(f64::INFINITY), job)?;
-    let (made, kept) = (reduction.mesh(), reduction.kept);
+    reduction.run(
+        usize::try_from(most).unwrap_or(usize::MAX),
+        &LocalTolerance::uniform(f64::INFINITY),
+        job,
+    )?;
+    let (made, kept) = (reduction.mesh(), reduction.stats);
     // The proof needs as much room again.
     drop(reduction);
     let found = deviation(mesh, &made, &Goal::default(), job)?;
@@ -144,12 +152,12 @@ fn by_count(
 }
 
 /// A mesh, and the length within which it becomes one of fewer triangles.
-pub(super) struct Asked<'a> {
+pub(super) struct SimplifyInput<'a> {
     pub mesh: &'a Mesh,
     pub topology: Topology,
     /// By row, for a part of a larger mesh: whether it stays, since other parts have it too. Empty for a whole mesh.
-    pub stays: &'a [bool],
-    pub allowed: Allowed,
+    pub fixed_rows: &'a [bool],
+    pub limit: ErrorLimit,
     pub job: &'a Job,
 }
 
@@ -161,67 +169,71 @@ const ATTEMPTS: u32 = 14;
 const LAST_LOOK: u32 = 8;
 
 /// As few triangles as fit within a length.
-pub(super) fn within(asked: &Asked<'_>) -> Result<Bounded<Simplified>, Stopped> {
-    let mut progress = Progress::of(asked)?;
-    let found = progress.within(&asked.allowed, asked.job)?;
+pub(super) fn simplify_within(asked: &SimplifyInput<'_>) -> Result<Bounded<SimplifiedMesh>, JobError> {
+    let mut progress = ProgressiveSimplifier::new(asked)?;
+    let found = progress.simplify_within(&asked.limit, asked.job)?;
     Ok(found.unwrap_or_else(|| progress.unchanged()))
 }
 
 /// A mesh on its way to ever fewer triangles, within ever larger lengths. Each is proved against the mesh itself.
-pub(super) struct Progress<'a> {
+pub(super) struct ProgressiveSimplifier<'a> {
     mesh: &'a Mesh,
     /// As it was when it was last proved to be near.
-    proved: Reduction<'a>,
+    proved: MeshReduction<'a>,
     /// Whether it ever was.
     is_proved: bool,
 }
 
-impl<'a> Progress<'a> {
-    pub fn of(asked: &Asked<'a>) -> Result<Self, Stopped> {
-        let Asked { mesh, topology, stays, job, .. } = *asked;
-        let mut proved = Reduction::of_part(mesh, topology, stays);
+impl<'a> ProgressiveSimplifier<'a> {
+    pub fn new(asked: &SimplifyInput<'a>) -> Result<Self, JobError> {
+        let SimplifyInput { mesh, topology, fixed_rows: stays, job, .. } = *asked;
+        let mut proved = MeshReduction::from_region(mesh, topology, stays);
         if !proved.is_empty() {
-            proved.watch(job)?;
+            proved.start_monitor(job)?;
         }
         Ok(Self { mesh, proved, is_proved: false })
     }
 
     /// The mesh as it was given.
-    pub fn unchanged(&self) -> Bounded<Simplified> {
-        unchanged(self.mesh, Kept { collapsed_faces: 0, ..self.proved.kept })
+    pub fn unchanged(&self) -> Bounded<SimplifiedMesh> {
+        unchanged(self.mesh, ReductionStats { collapsed_faces: 0, ..self.proved.stats })
     }
 
     /// As few triangles as fit within what is allowed, nowhere less than before; `None` where none were found, or no
     /// fewer than the last time.
-    pub fn within(&mut self, allowed: &Allowed, job: &Job) -> Result<Option<Bounded<Simplified>>, Stopped> {
+    pub fn simplify_within(
+        &mut self,
+        allowed: &ErrorLimit,
+        job: &Job,
+    ) -> Result<Option<Bounded<SimplifiedMesh>>, JobError> {
         if self.proved.is_empty() {
             return Ok(None);
         }
         let mesh = self.mesh;
-        let room = self.proved.room(allowed, SHARE);
-        let mut tried: Option<(Reduction<'_>, Places)> = None;
+        let room = self.proved.local_tolerance(allowed, SHARE);
+        let mut tried: Option<(MeshReduction<'_>, ViolationReport)> = None;
         for attempt in 1..=ATTEMPTS {
             let mut reduction = self.proved.clone();
             match &tried {
                 None => {
-                    reduction.forget_care();
-                    reduction.shut(&room);
+                    reduction.reset_check_levels();
+                    reduction.freeze_too_close(&room);
                 }
                 Some((tried, places)) => {
-                    let more = if attempt < LAST_LOOK { Care::more } else { Care::most };
-                    reduction.take_care(tried, places, more);
+                    let more = if attempt < LAST_LOOK { CheckLevel::escalate } else { CheckLevel::freeze };
+                    reduction.raise_check_levels(tried, places, more);
                 }
             }
             reduction.run(0, &room, job)?;
-            reduction.let_vanish(&room, job)?;
+            reduction.drop_small_components(&room, job)?;
             if self.is_proved && reduction.n_faces() == self.proved.n_faces() {
                 return Ok(None);
             }
             let made = reduction.mesh();
-            let places = places_beyond(mesh, &made, allowed, job)?;
+            let places = tolerance_violations(mesh, &made, allowed, job)?;
             if places.is_empty() {
                 let found = deviation(mesh, &made, &Goal::default(), job)?;
-                let mut found = bounded(made, (&found, places.at_most), reduction.kept);
+                let mut found = bounded(made, (&found, places.at_most), reduction.stats);
                 let by_place = allowed.constant().is_none() && places.pixels.is_finite();
                 found.bound.pixels = by_place.then_some(places.pixels);
                 (self.proved, self.is_proved) = (reduction, true);
@@ -233,19 +245,19 @@ impl<'a> Progress<'a> {
     }
 }
 
-fn unchanged(mesh: &Mesh, kept: Kept) -> Bounded<Simplified> {
+fn unchanged(mesh: &Mesh, kept: ReductionStats) -> Bounded<SimplifiedMesh> {
     let bound = Bound::proved(0.0, 0.0, Reference::InputTriangles);
-    Bounded { shape: Simplified { mesh: mesh.clone(), worst: None, kept }, bound }
+    Bounded { shape: SimplifiedMesh { mesh: mesh.clone(), worst: None, stats: kept }, bound }
 }
 
 /// The bound by [`deviation`], whose greater end another proof of the same distance may lower. Two proofs that contradict each other
 /// prove nothing of the kind, so that one below what is certainly lost is not taken.
-fn bounded(mesh: Mesh, (found, at_most): (&Deviation, f64), kept: Kept) -> Bounded<Simplified> {
+fn bounded(mesh: Mesh, (found, at_most): (&Deviation, f64), kept: ReductionStats) -> Bounded<SimplifiedMesh> {
     let worst = (found.bound.at_least() > 0.0).then(|| *found.worst());
     let least = found.bound.at_least();
     let most = found.bound.at_most().unwrap_or(f64::INFINITY);
     let most = if least <= at_most && at_most < most { at_most } else { most };
     let mut bound = Bound::proved(least, most, Reference::InputTriangles);
     bound.at = found.bound.at;
-    Bounded { shape: Simplified { mesh, worst, kept }, bound }
+    Bounded { shape: SimplifiedMesh { mesh, worst, stats: kept }, bound }
 }

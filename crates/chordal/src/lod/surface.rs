@@ -1,5 +1,5 @@
-//! `Surface`: triangles as fans around vertices, made for edges that shrink to points.
-use crate::explicit::{Mesh, Sets, Twin, Twins, next_in_face, previous_in_face};
+//! `HalfEdgeSurface`: triangles as fans around vertices, made for edges that shrink to points.
+use crate::explicit::{DisjointSets, Mesh, Twin, Twins, next_in_face, previous_in_face};
 
 /// No half-edge, no vertex.
 pub(super) const NONE: u32 = u32::MAX;
@@ -9,33 +9,33 @@ pub(super) const NONE: u32 = u32::MAX;
 /// Where the mesh is not like that, vertices are taken apart: one for each fan. Those stay where they are and stay there,
 /// so that the mesh is put together again as it was.
 #[derive(Clone)]
-pub(super) struct Surface {
+pub(super) struct HalfEdgeSurface {
     /// By half-edge: the vertex that it starts from; [`NONE`] for the three of a face that is gone.
     pub start: Vec<u32>,
     /// By half-edge: the other one of its edge, [`NONE`] where the surface ends.
     pub twin: Vec<u32>,
     /// By vertex: a half-edge that starts there, at a border the one whose own edge is the border; [`NONE`] for a vertex
     /// that is gone.
-    pub out: Vec<u32>,
+    pub outgoing: Vec<u32>,
     /// Faces that are there.
     pub n_faces: usize,
 }
 
 /// What a mesh became.
-pub(super) struct Taken {
-    pub surface: Surface,
+pub(super) struct ManifoldSplit {
+    pub surface: HalfEdgeSurface,
     /// By vertex: the first one at the same position of the mesh.
-    pub place: Vec<u32>,
+    pub first_fan: Vec<u32>,
     /// By vertex: whether it has to stay, because the mesh is not a manifold there.
-    pub is_tied: Vec<bool>,
+    pub is_locked: Vec<bool>,
     /// By vertex: the row of one of its corners.
     pub row: Vec<u32>,
     /// Faces that have two corners at one position, and were left out.
-    pub collapsed: usize,
+    pub n_collapsed: usize,
 }
 
-impl Surface {
-    pub fn of(mesh: &Mesh, ids: Option<&[u32]>) -> Taken {
+impl HalfEdgeSurface {
+    pub fn from_mesh(mesh: &Mesh, ids: Option<&[u32]>) -> ManifoldSplit {
         let twins = Twins::with_ids(mesh, ids);
         let n = 3 * mesh.faces().len();
         let id = |row: u32| ids.map_or(row, |ids| ids[row as usize]);
@@ -52,7 +52,7 @@ impl Surface {
                     continue;
                 }
                 // The two ends of an edge that is none of a manifold.
-                Twin::Flipped(_) | Twin::Crowded => {
+                Twin::Flipped(_) | Twin::NonManifold => {
                     tied[id(rows[h as usize]) as usize] = true;
                     tied[id(rows[next_in_face(h) as usize]) as usize] = true;
                 }
@@ -60,13 +60,13 @@ impl Surface {
             start[h as usize] = h;
         }
         // One vertex for each fan: corners joined across the half-edges that leave them.
-        let mut fans = Sets::new(n);
+        let mut fans = DisjointSets::new(n);
         for h in 0..n as u32 {
             if start[h as usize] != NONE && twin[h as usize] != NONE {
-                fans.join(h, next_in_face(twin[h as usize]));
+                fans.union(h, next_in_face(twin[h as usize]));
             }
         }
-        let mut surface = Self { start, twin, out: Vec::new(), n_faces: mesh.faces().len() - collapsed };
+        let mut surface = Self { start, twin, outgoing: Vec::new(), n_faces: mesh.faces().len() - collapsed };
         let (mut position, mut place, mut row) = (Vec::new(), Vec::new(), Vec::new());
         let mut vertex_of = vec![NONE; n];
         let mut fan_of = vec![NONE; mesh.positions().len()];
@@ -74,7 +74,7 @@ impl Surface {
             if surface.start[h as usize] == NONE {
                 continue;
             }
-            let root = fans.root(h) as usize;
+            let root = fans.find(h) as usize;
             if vertex_of[root] == NONE {
                 vertex_of[root] = position.len() as u32;
                 let at = id(rows[h as usize]);
@@ -87,16 +87,16 @@ impl Surface {
                 place.push(fan_of[at as usize]);
                 position.push(at);
                 row.push(rows[h as usize]);
-                surface.out.push(h);
+                surface.outgoing.push(h);
             }
             let v = vertex_of[root];
             surface.start[h as usize] = v;
             if surface.twin[h as usize] == NONE {
-                surface.out[v as usize] = h;
+                surface.outgoing[v as usize] = h;
             }
         }
         let is_tied = position.iter().map(|at: &u32| tied[*at as usize]).collect();
-        Taken { surface, place, is_tied, row, collapsed }
+        ManifoldSplit { surface, first_fan: place, is_locked: is_tied, row, n_collapsed: collapsed }
     }
 
     #[inline]
@@ -106,14 +106,14 @@ impl Surface {
 
     #[inline]
     pub fn is_border(&self, v: u32) -> bool {
-        self.twin[self.out[v as usize] as usize] == NONE
+        self.twin[self.outgoing[v as usize] as usize] == NONE
     }
 
     /// The half-edges that start at a vertex, counter-clockwise, one for each face of its fan.
     #[inline]
-    pub fn around(&self, v: u32) -> Around<'_> {
-        let first = self.out[v as usize];
-        Around { surface: self, first, next: first }
+    pub fn one_ring(&self, v: u32) -> OneRingHalfEdges<'_> {
+        let first = self.outgoing[v as usize];
+        OneRingHalfEdges { surface: self, first, next: first }
     }
 
     /// The vertices of a face.
@@ -132,8 +132,8 @@ impl Surface {
         // The half-edge that b keeps: where the border leaves, or any. One in a face that goes has a neighbour which
         // takes its place.
         let mut keep = match (self.is_border(a), self.is_border(b)) {
-            (_, true) => self.out[b as usize],
-            (true, false) => self.out[a as usize],
+            (_, true) => self.outgoing[b as usize],
+            (true, false) => self.outgoing[a as usize],
             (false, false) => left,
         };
         if keep / 3 == h / 3 {
@@ -141,7 +141,7 @@ impl Surface {
         } else if across != NONE && keep / 3 == across / 3 {
             keep = self.twin[previous_in_face(across) as usize];
         }
-        let first = self.out[a as usize];
+        let first = self.outgoing[a as usize];
         let mut fan = first;
         while fan != NONE {
             self.start[fan as usize] = b;
@@ -150,17 +150,17 @@ impl Surface {
         }
         for side in [h, across] {
             if side != NONE {
-                self.drop_face(side);
+                self.collapse_face(side);
             }
         }
-        self.out[a as usize] = NONE;
-        self.out[b as usize] = keep;
+        self.outgoing[a as usize] = NONE;
+        self.outgoing[b as usize] = keep;
     }
 
     /// Takes away a face of a piece that goes altogether.
-    pub fn remove(&mut self, face: u32) {
+    pub fn remove_face(&mut self, face: u32) {
         for h in 3 * face as usize..3 * face as usize + 3 {
-            self.out[self.start[h] as usize] = NONE;
+            self.outgoing[self.start[h] as usize] = NONE;
         }
         for h in 3 * face as usize..3 * face as usize + 3 {
             self.start[h] = NONE;
@@ -170,7 +170,7 @@ impl Surface {
     }
 
     /// Takes away the face of `side`, whose ends are one vertex now, and joins what was on its other two edges.
-    fn drop_face(&mut self, side: u32) {
+    fn collapse_face(&mut self, side: u32) {
         let (next, previous) = (next_in_face(side), previous_in_face(side));
         let apex = self.start[previous as usize];
         let (x, y) = (self.twin[next as usize], self.twin[previous as usize]);
@@ -182,8 +182,8 @@ impl Surface {
             self.twin[y as usize] = x;
         }
         // What starts at the apex inside of this face is its third edge; if that is its border, x is now.
-        if self.out[apex as usize] == previous {
-            self.out[apex as usize] = x;
+        if self.outgoing[apex as usize] == previous {
+            self.outgoing[apex as usize] = x;
         }
         let first = 3 * (side / 3);
         for h in first..first + 3 {
@@ -194,14 +194,14 @@ impl Surface {
     }
 }
 
-/// See [`Surface::around`].
-pub(super) struct Around<'a> {
-    surface: &'a Surface,
+/// See [`HalfEdgeSurface::one_ring`].
+pub(super) struct OneRingHalfEdges<'a> {
+    surface: &'a HalfEdgeSurface,
     first: u32,
     next: u32,
 }
 
-impl Iterator for Around<'_> {
+impl Iterator for OneRingHalfEdges<'_> {
     type Item = u32;
 
     #[inline]

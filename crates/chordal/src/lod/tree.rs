@@ -1,28 +1,28 @@
 //! `tree`: a large mesh as tiles that take each other's place, region by region, without a crack.
-use super::part::Parts;
-use super::reduction::Kept;
-use super::simplify::{Asked, Simplified, within};
-use crate::budget::{Allowed, Bound, Bounded, Code, Job, Refusal, Stopped, Tolerance, par_map};
+use super::reduction::ReductionStats;
+use super::region_tree::RegionTree;
+use super::simplify::{SimplifiedMesh, SimplifyInput, simplify_within};
+use crate::budget::{Bound, Bounded, ErrorLimit, Job, JobError, Refusal, RefusalCode, Tolerance, par_map};
 use crate::explicit::{Mesh, Topology};
 use std::collections::BTreeMap;
 
 /// Triangles for one region of a surface, shown in place of those of its children.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tile {
+pub struct LodTile {
     /// The triangles, with all attributes.
     pub mesh: Mesh,
     /// How far they are from the true shape.
     pub bound: Bound,
     /// What could not shrink there, and what went altogether.
-    pub kept: Kept,
+    pub stats: ReductionStats,
     /// How many tiles are above it.
     pub depth: u32,
-    /// The tiles that show the same region finer, by their places in [`Tree::tiles`], which come after this one; none
+    /// The tiles that show the same region finer, by their places in [`LodTileTree::tiles`], which come after this one; none
     /// for a leaf.
     pub children: Vec<usize>,
 }
 
-impl Tile {
+impl LodTile {
     /// The error that is proved.
     #[must_use]
     pub fn error(&self) -> f64 {
@@ -32,16 +32,16 @@ impl Tile {
 
 /// Tiles over the regions of a surface. See [`tree`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tree {
+pub struct LodTileTree {
     /// All tiles, by depth.
-    pub tiles: Vec<Tile>,
+    pub tiles: Vec<LodTile>,
     /// The tiles that together are the coarsest picture: the first one alone, unless the surface does not shrink into one.
     pub roots: Vec<usize>,
 }
 
 /// Into which tiles to cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cuts {
+pub struct TilingOptions {
     /// What the tiles above the finest may lose beside what those lost.
     pub step: Tolerance,
     /// By how much those of each further step may lose more, > 1.
@@ -52,10 +52,10 @@ pub struct Cuts {
     pub enough: usize,
 }
 
-impl Cuts {
+impl TilingOptions {
     /// Tiles of up to 65,536 triangles, losses from `step` on that double, until 64 triangles or fewer.
     #[must_use]
-    pub fn from(step: Tolerance) -> Self {
+    pub fn from_step(step: Tolerance) -> Self {
         Self { step, factor: 2.0, most: 1 << 16, enough: 64 }
     }
 }
@@ -89,114 +89,135 @@ const MOST_STEPS: u32 = 48;
 /// triangles and 64 at the root.
 ///
 /// # Errors
-/// [`Code::Budget`] for a factor that is not larger than 1 and for tiles of no triangle; [`Code::Empty`] without a
-/// triangle; [`Code::Unsupported`] where `finest` has no bound from above; the refusals of
+/// [`RefusalCode::Budget`] for a factor that is not larger than 1 and for tiles of no triangle; [`RefusalCode::Empty`] without a
+/// triangle; [`RefusalCode::Unsupported`] where `finest` has no bound from above; the refusals of
 /// [`check::deviation`](crate::check::deviation).
 ///
 /// ```
-/// use chordal::{Bounded, Bound, Job, Mesh, Tolerance, budget::Reference, explicit::Topology, lod::{Cuts, tree}};
+/// use chordal::{Bounded, Bound, Job, Mesh, Tolerance, budget::Reference, explicit::Topology, lod::{TilingOptions, tree}};
 /// // A roof over a square of 32 × 32 cells.
 /// let at = |i: u32, j: u32| [f64::from(i), f64::from(j), 16.0 - (f64::from(i) - 16.0).powi(2) / 16.0];
 /// let positions = (0..33).flat_map(|i| (0..33).map(move |j| at(i, j))).collect();
 /// let cell = |i: u32, j: u32| { let a = 33 * i + j; [[a, a + 33, a + 34], [a, a + 34, a + 1]] };
 /// let roof = Mesh::new(positions, (0..32).flat_map(|i| (0..32).flat_map(move |j| cell(i, j))).collect())?;
 /// let roof = Bounded { shape: roof, bound: Bound::exact(Reference::InputTriangles) };
-/// let cuts = Cuts { most: 600, ..Cuts::from(Tolerance::new(0.1)?) };
+/// let cuts = TilingOptions { most: 600, ..TilingOptions::from_step(Tolerance::new(0.1)?) };
 /// let made = tree(&roof, Topology::Indices, &cuts, &Job::default())?;
 /// let leaves = made.tiles.iter().filter(|tile| tile.children.is_empty());
 /// assert_eq!(leaves.map(|tile| tile.mesh.faces().len()).sum::<usize>(), 2048);
 /// assert!(made.roots == [0] && made.tiles[0].mesh.faces().len() <= 64);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn tree(finest: &Bounded<Mesh>, topology: Topology, cuts: &Cuts, job: &Job) -> Result<Tree, Stopped> {
+pub fn tree(
+    finest: &Bounded<Mesh>,
+    topology: Topology,
+    cuts: &TilingOptions,
+    job: &Job,
+) -> Result<LodTileTree, JobError> {
     if cuts.factor.is_nan() || cuts.factor <= 1.0 {
-        return refused(Code::Budget, format!("errors grow by a factor larger than 1, not {}", cuts.factor));
+        return refuse(
+            RefusalCode::Budget,
+            format!("errors grow by a factor larger than 1, not {}", cuts.factor),
+        );
     }
     if cuts.most == 0 {
-        return refused(Code::Budget, "a tile holds at least one triangle");
+        return refuse(RefusalCode::Budget, "a tile holds at least one triangle");
     }
     if finest.shape.faces().is_empty() {
-        return refused(Code::Empty, "there is no triangle to put into tiles");
+        return refuse(RefusalCode::Empty, "there is no triangle to put into tiles");
     }
     if finest.bound.at_most().is_none() {
-        return refused(Code::Unsupported, "tiles need a bound that is proved, and the finest mesh has none");
+        return refuse(
+            RefusalCode::Unsupported,
+            "tiles need a bound that is proved, and the finest mesh has none",
+        );
     }
     job.run(|| {
-        let parts = Parts::of(&finest.shape, topology, cuts.most);
-        let mut growing = Growing::new(Given { parts, bound: &finest.bound, topology, cuts, job })?;
+        let parts = RegionTree::new(&finest.shape, topology, cuts.most);
+        let mut growing = TileTreeBuilder::new(TileTreeInput {
+            regions: parts,
+            bound: &finest.bound,
+            topology,
+            cuts,
+            job,
+        })?;
         growing.run()?;
-        Ok(growing.tree())
+        Ok(growing.finish())
     })
 }
 
 /// What does not change while a tree grows.
-struct Given<'a> {
-    parts: Parts<'a>,
+struct TileTreeInput<'a> {
+    regions: RegionTree<'a>,
     bound: &'a Bound,
     topology: Topology,
-    cuts: &'a Cuts,
+    cuts: &'a TilingOptions,
     job: &'a Job,
 }
 
 /// Fewer triangles for a region, and how far they are from those of the finest mesh.
-type Fewer = Option<Bounded<Simplified>>;
+type SimplifiedRegion = Option<Bounded<SimplifiedMesh>>;
 
-impl Given<'_> {
+impl TileTreeInput<'_> {
     /// Regions made fewer within a length.
-    fn fewer(&self, regions: &[usize], length: Tolerance) -> Result<Vec<Fewer>, Stopped> {
-        par_map(self.job, regions, |_, region| self.fewer_of(*region, length)).into_iter().collect()
+    fn simplify_regions(
+        &self,
+        regions: &[usize],
+        length: Tolerance,
+    ) -> Result<Vec<SimplifiedRegion>, JobError> {
+        par_map(self.job, regions, |_, region| self.simplify_region(*region, length)).into_iter().collect()
     }
 
-    fn fewer_of(&self, region: usize, length: Tolerance) -> Result<Fewer, Stopped> {
+    fn simplify_region(&self, region: usize, length: Tolerance) -> Result<SimplifiedRegion, JobError> {
         // Of triangles that have lost their area altogether nothing can be left out.
-        if !self.parts.has_surface(region) {
+        if !self.regions.has_surface(region) {
             return Ok(None);
         }
-        let (mesh, stays) = self.parts.mesh(region);
-        let asked = Asked {
+        let (mesh, stays) = self.regions.mesh(region);
+        let asked = SimplifyInput {
             mesh: &mesh,
             topology: self.topology,
-            stays: &stays,
-            allowed: Allowed::everywhere(length.get()),
+            fixed_rows: &stays,
+            limit: ErrorLimit::uniform(length.get()),
             job: self.job,
         };
-        within(&asked).map(Some)
+        simplify_within(&asked).map(Some)
     }
 }
 
 /// A tree from its leaves upwards.
-struct Growing<'a> {
-    given: Given<'a>,
+struct TileTreeBuilder<'a> {
+    input: TileTreeInput<'a>,
     /// All tiles, those that were left out again included; children before parents.
-    tiles: Vec<Tile>,
+    tiles: Vec<LodTile>,
     /// By region that nothing above was made of so far: the coarsest tiles for it.
-    tops: BTreeMap<usize, Vec<usize>>,
+    coarsest: BTreeMap<usize, Vec<usize>>,
 }
 
-impl<'a> Growing<'a> {
-    fn new(given: Given<'a>) -> Result<Self, Stopped> {
-        let regions = given.parts.regions.iter().enumerate();
+impl<'a> TileTreeBuilder<'a> {
+    fn new(given: TileTreeInput<'a>) -> Result<Self, JobError> {
+        let regions = given.regions.regions.iter().enumerate();
         let leaves: Vec<usize> =
             regions.filter(|(_, region)| region.halves.is_none()).map(|(at, _)| at).collect();
-        let meshes = par_map(given.job, &leaves, |_, region| given.parts.mesh(*region).0);
+        let meshes = par_map(given.job, &leaves, |_, region| given.regions.mesh(*region).0);
         let leaf = |mesh| {
             let bound = given.bound.clone();
-            Tile { mesh, bound, kept: Kept::default(), depth: 0, children: Vec::new() }
+            LodTile { mesh, bound, stats: ReductionStats::default(), depth: 0, children: Vec::new() }
         };
         let tiles = meshes.into_iter().map(leaf).collect();
         let tops = leaves.into_iter().enumerate().map(|(tile, region)| (region, vec![tile])).collect();
         if given.job.is_cancelled() {
-            return Err(Stopped::Cancelled);
+            return Err(JobError::Cancelled);
         }
-        Ok(Self { given, tiles, tops })
+        Ok(Self { input: given, tiles, coarsest: tops })
     }
 
-    fn run(&mut self) -> Result<(), Stopped> {
-        let Cuts { step, factor, enough, .. } = *self.given.cuts;
+    fn run(&mut self) -> Result<(), JobError> {
+        let TilingOptions { step, factor, enough, .. } = *self.input.cuts;
         let mut length = step;
-        let extent = self.given.parts.extent();
+        let extent = self.input.regions.extent();
         for _ in 0..MOST_STEPS {
-            if self.tops.len() == 1 && self.count(0) <= enough {
+            if self.coarsest.len() == 1 && self.count(0) <= enough {
                 break;
             }
             self.step(length)?;
@@ -209,74 +230,75 @@ impl<'a> Growing<'a> {
         Ok(())
     }
 
-    /// The triangles that show a region of [`Self::tops`].
+    /// The triangles that show a region of [`Self::coarsest`].
     fn count(&self, region: usize) -> usize {
-        let tiles = self.tops.get(&region).into_iter().flatten();
+        let tiles = self.coarsest.get(&region).into_iter().flatten();
         tiles.map(|tile| self.tiles[*tile].mesh.faces().len()).sum()
     }
 
     /// Puts a tile above what there is, wherever a length brings fewer triangles.
-    fn step(&mut self, length: Tolerance) -> Result<(), Stopped> {
-        let most = self.given.cuts.most;
+    fn step(&mut self, length: Tolerance) -> Result<(), JobError> {
+        let most = self.input.cuts.most;
         // Two halves that are likely to fit into one tile, since each step leaves about half.
-        let halves = |region: &usize| self.given.parts.regions[*region].halves;
+        let halves = |region: &usize| self.input.regions.regions[*region].halves;
         let fit = |[a, b]: [usize; 2]| {
-            let there = self.tops.contains_key(&a) && self.tops.contains_key(&b);
+            let there = self.coarsest.contains_key(&a) && self.coarsest.contains_key(&b);
             there && self.count(a).saturating_add(self.count(b)) <= most.saturating_mul(2)
         };
-        let parents = self.tops.keys().map(|region| self.given.parts.regions[*region].parent);
+        let parents = self.coarsest.keys().map(|region| self.input.regions.regions[*region].parent);
         let mut parents: Vec<usize> =
             parents.filter(|parent| halves(parent).is_some_and(|first| fit([first, first + 1]))).collect();
         parents.sort_unstable();
         parents.dedup();
-        let mut tried: Vec<usize> = self.tops.keys().copied().collect();
-        for (parent, fewer) in parents.iter().zip(self.given.fewer(&parents, length)?) {
-            let Some(first) = self.given.parts.regions[*parent].halves else { continue };
+        let mut tried: Vec<usize> = self.coarsest.keys().copied().collect();
+        for (parent, fewer) in parents.iter().zip(self.input.simplify_regions(&parents, length)?) {
+            let Some(first) = self.input.regions.regions[*parent].halves else { continue };
             let n = fewer.as_ref().map_or(usize::MAX, |fewer| fewer.shape.mesh.faces().len());
             if n > most {
                 continue;
             }
             let is_fewer = n <= self.count(first) + self.count(first + 1);
-            let below = [first, first + 1].into_iter().filter_map(|half| self.tops.remove(&half)).flatten();
+            let below =
+                [first, first + 1].into_iter().filter_map(|half| self.coarsest.remove(&half)).flatten();
             let below = below.collect();
-            self.tops.insert(*parent, below);
+            self.coarsest.insert(*parent, below);
             tried.retain(|region| *region != first && *region != first + 1);
             // Otherwise the region is one from now on, and longer lengths will tell.
             if is_fewer && let Some(fewer) = fewer {
-                self.put(*parent, fewer);
+                self.add_tile(*parent, fewer);
             }
         }
-        for (region, fewer) in tried.iter().zip(self.given.fewer(&tried, length)?) {
+        for (region, fewer) in tried.iter().zip(self.input.simplify_regions(&tried, length)?) {
             let Some(fewer) = fewer else { continue };
             if fewer.shape.mesh.faces().len() as f64 <= WORTH_IT * self.count(*region) as f64 {
-                self.put(*region, fewer);
+                self.add_tile(*region, fewer);
             }
         }
         Ok(())
     }
 
     /// A tile above those that show a region. Its error is larger than theirs, or those that it beats go.
-    fn put(&mut self, region: usize, fewer: Bounded<Simplified>) {
-        let bound = self.given.bound.then(&fewer.bound);
+    fn add_tile(&mut self, region: usize, fewer: Bounded<SimplifiedMesh>) {
+        let bound = self.input.bound.then(&fewer.bound);
         let Some(error) = bound.at_most() else { return };
         let is_same = fewer.bound.at_most() == Some(0.0);
-        let mut below = if is_same { Vec::new() } else { self.tops.remove(&region).unwrap_or_default() };
+        let mut below = if is_same { Vec::new() } else { self.coarsest.remove(&region).unwrap_or_default() };
         // A leaf has the error of the finest mesh, and this one more, or it would be a leaf itself.
         while let Some(at) = below.iter().position(|tile| self.tiles[*tile].error() >= error) {
             let finer = self.tiles[below[at]].children.clone();
             below.splice(at..=at, finer);
         }
-        self.tops.insert(region, vec![self.tiles.len()]);
-        let Simplified { mesh, kept, .. } = fewer.shape;
-        self.tiles.push(Tile { mesh, bound, kept, depth: 0, children: below });
+        self.coarsest.insert(region, vec![self.tiles.len()]);
+        let SimplifiedMesh { mesh, stats: kept, .. } = fewer.shape;
+        self.tiles.push(LodTile { mesh, bound, stats: kept, depth: 0, children: below });
     }
 
     /// The tiles that are left, by depth.
-    fn tree(self) -> Tree {
-        let mut order: Vec<usize> = self.tops.into_values().flatten().collect();
+    fn finish(self) -> LodTileTree {
+        let mut order: Vec<usize> = self.coarsest.into_values().flatten().collect();
         let roots = (0..order.len()).collect();
-        let mut from: Vec<Option<Tile>> = self.tiles.into_iter().map(Some).collect();
-        let mut tiles: Vec<Tile> = Vec::new();
+        let mut from: Vec<Option<LodTile>> = self.tiles.into_iter().map(Some).collect();
+        let mut tiles: Vec<LodTile> = Vec::new();
         let mut depths = vec![0; order.len()];
         while let Some(at) = order.get(tiles.len()) {
             // A tile has one parent.
@@ -288,10 +310,10 @@ impl<'a> Growing<'a> {
             depths.resize(order.len(), tile.depth + 1);
             tiles.push(tile);
         }
-        Tree { tiles, roots }
+        LodTileTree { tiles, roots }
     }
 }
 
-fn refused<T>(code: Code, message: impl Into<String>) -> Result<T, Stopped> {
-    Err(Stopped::Refused(Refusal { code, message: message.into() }))
+fn refuse<T>(code: RefusalCode, message: impl Into<String>) -> Result<T, JobError> {
+    Err(JobError::Refused(Refusal { code, message: message.into() }))
 }

@@ -1,7 +1,7 @@
 //! `Wedges`: the values at the corners of triangles, shared as long as no line parts them.
-use super::flat::is_flat;
-use super::surface::{NONE, Surface};
-use crate::explicit::{Attribute, Domain, Mesh, Semantic, Sets, next_in_face, previous_in_face};
+use super::flat_normals::is_flat;
+use super::surface::{HalfEdgeSurface, NONE};
+use crate::explicit::{Attribute, DisjointSets, Domain, Mesh, Semantic, next_in_face, previous_in_face};
 use crate::math::dot;
 
 /// One row of values for all corners around a vertex between two lines.
@@ -11,25 +11,25 @@ use crate::math::dot;
 #[derive(Clone)]
 pub(super) struct Wedges {
     /// By half-edge: the row of the corner that it starts from.
-    pub of: Vec<u32>,
+    pub corner_row: Vec<u32>,
     values: Vec<f64>,
     width: usize,
-    spans: Vec<Span>,
+    spans: Vec<WedgeColumns>,
 }
 
 /// The columns of one attribute.
 #[derive(Clone, Copy, Debug)]
-struct Span {
+struct WedgeColumns {
     from: usize,
     width: usize,
-    how: How,
+    blending: WedgeBlending,
 }
 
 /// How values come together.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum How {
+enum WedgeBlending {
     /// By weights.
-    Blend,
+    Weighted,
     /// By weights, and then the first three numbers are a direction of length 1.
     Direction,
     /// Those of the heaviest: numbers that name something.
@@ -41,11 +41,11 @@ const CREASE_COSINE: f64 = 0.866_025_403_784_438_6;
 /// Colours that are no farther apart are one: two steps of eight bits.
 const COLOR_STEP: f64 = 2.0 / 255.0;
 
-fn how(semantic: &Semantic) -> How {
+fn blending(semantic: &Semantic) -> WedgeBlending {
     match semantic {
-        Semantic::Normal | Semantic::Tangent => How::Direction,
-        Semantic::TexCoord(_) | Semantic::Color(_) => How::Blend,
-        Semantic::Group(_) | Semantic::Custom(_) => How::Heaviest,
+        Semantic::Normal | Semantic::Tangent => WedgeBlending::Direction,
+        Semantic::TexCoord(_) | Semantic::Color(_) => WedgeBlending::Weighted,
+        Semantic::Group(_) | Semantic::Custom(_) => WedgeBlending::Heaviest,
     }
 }
 
@@ -57,21 +57,25 @@ pub(super) fn is_carried(mesh: &Mesh, attribute: &Attribute) -> bool {
 impl Wedges {
     /// The values of a mesh, and for each half-edge whether its edge is a line; `None` where there are no values and
     /// only attributes of faces make lines. Rows of the mesh that `stays` says keep their values: a neighbour has them too.
-    pub fn of(mesh: &Mesh, surface: &Surface, stays: impl Fn(u32) -> bool) -> (Option<Self>, Vec<bool>) {
+    pub fn from_mesh(
+        mesh: &Mesh,
+        surface: &HalfEdgeSurface,
+        stays: impl Fn(u32) -> bool,
+    ) -> (Option<Self>, Vec<bool>) {
         let mut is_line = lines_of_faces(mesh, surface);
         let carried: Vec<&Attribute> = mesh.attributes().iter().filter(|a| is_carried(mesh, a)).collect();
         if carried.is_empty() {
             return (None, is_line);
         }
-        let mut wedges = Self::of_corners(mesh, &carried);
-        let mut joined = Sets::new(wedges.values.len() / wedges.width);
+        let mut wedges = Self::from_corners(mesh, &carried);
+        let mut joined = DisjointSets::new(wedges.values.len() / wedges.width);
         for h in 0..surface.start.len() as u32 {
             let t = surface.twin[h as usize];
             if t == NONE || t < h {
                 continue;
             }
             let [a, b, c, d] =
-                [h, next_in_face(t), next_in_face(h), t].map(|corner| wedges.of[corner as usize]);
+                [h, next_in_face(t), next_in_face(h), t].map(|corner| wedges.corner_row[corner as usize]);
             if wedges.jumps(a, b) || wedges.jumps(c, d) {
                 is_line[h as usize] = true;
                 is_line[t as usize] = true;
@@ -81,7 +85,7 @@ impl Wedges {
         for h in 0..surface.start.len() as u32 {
             let t = surface.twin[h as usize];
             if t != NONE && !is_line[h as usize] && !stays(rows[h as usize]) {
-                joined.join(wedges.of[h as usize], wedges.of[next_in_face(t) as usize]);
+                joined.union(wedges.corner_row[h as usize], wedges.corner_row[next_in_face(t) as usize]);
             }
         }
         wedges.join(joined);
@@ -89,11 +93,11 @@ impl Wedges {
     }
 
     /// A row for every vertex, or for every corner where some attribute belongs to corners.
-    fn of_corners(mesh: &Mesh, carried: &[&Attribute]) -> Self {
+    fn from_corners(mesh: &Mesh, carried: &[&Attribute]) -> Self {
         let mut spans = Vec::new();
         let mut width = 0;
         for a in carried {
-            spans.push(Span { from: width, width: a.width, how: how(&a.semantic) });
+            spans.push(WedgeColumns { from: width, width: a.width, blending: blending(&a.semantic) });
             width += a.width;
         }
         let rows = mesh.faces().as_flattened();
@@ -114,7 +118,7 @@ impl Wedges {
             }
         }
         let of = if by_vertex { rows.to_vec() } else { (0..rows.len() as u32).collect() };
-        Self { of, values, width, spans }
+        Self { corner_row: of, values, width, spans }
     }
 
     pub fn row(&self, wedge: u32) -> &[f64] {
@@ -130,9 +134,9 @@ impl Wedges {
         self.spans.iter().any(|span| {
             let columns = span.from..span.from + span.width;
             let (a, b) = (&a[columns.clone()], &b[columns]);
-            match span.how {
-                How::Heaviest => a != b,
-                How::Direction if span.width >= 3 => {
+            match span.blending {
+                WedgeBlending::Heaviest => a != b,
+                WedgeBlending::Direction if span.width >= 3 => {
                     let [p, q] = [a, b].map(|v| [v[0], v[1], v[2]]);
                     let turned = dot(p, q) < CREASE_COSINE * (dot(p, p) * dot(q, q)).sqrt();
                     turned || (span.width == 4 && a[3] != b[3])
@@ -145,14 +149,14 @@ impl Wedges {
     }
 
     /// Rows that no line parts become one: their first, with the sum of directions.
-    fn join(&mut self, mut sets: Sets) {
+    fn join(&mut self, mut sets: DisjointSets) {
         for wedge in 0..(self.values.len() / self.width) as u32 {
-            let root = sets.root(wedge);
+            let root = sets.find(wedge);
             if root == wedge {
                 continue;
             }
             for span in self.spans.clone() {
-                if span.how == How::Direction {
+                if span.blending == WedgeBlending::Direction {
                     for k in 0..if span.width < 3 { span.width } else { 3 } {
                         let more = self.values[wedge as usize * self.width + span.from + k];
                         self.values[root as usize * self.width + span.from + k] += more;
@@ -160,20 +164,22 @@ impl Wedges {
                 }
             }
         }
-        for wedge in &mut self.of {
-            *wedge = sets.root(*wedge);
+        for wedge in &mut self.corner_row {
+            *wedge = sets.find(*wedge);
         }
         for wedge in 0..(self.values.len() / self.width) as u32 {
-            if sets.root(wedge) == wedge {
-                self.straighten(wedge);
+            if sets.find(wedge) == wedge {
+                self.normalize_directions(wedge);
             }
         }
     }
 
     /// Directions of length 1 again; what has none stays as it is.
-    fn straighten(&mut self, wedge: u32) {
+    fn normalize_directions(&mut self, wedge: u32) {
         let row = &mut self.values[wedge as usize * self.width..][..self.width];
-        for span in self.spans.iter().filter(|span| span.how == How::Direction && span.width >= 3) {
+        for span in
+            self.spans.iter().filter(|span| span.blending == WedgeBlending::Direction && span.width >= 3)
+        {
             let v = &mut row[span.from..span.from + 3];
             let size = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
             if size > 0.0 && size.is_finite() {
@@ -190,9 +196,9 @@ impl Wedges {
         });
         for span in &self.spans {
             for (k, out) in out.iter_mut().enumerate().skip(span.from).take(span.width) {
-                *out = match (span.how, heaviest) {
-                    (How::Heaviest, Some((wedge, _))) => self.row(*wedge)[k],
-                    (How::Direction, Some((wedge, _))) if k == span.from + 3 => self.row(*wedge)[k],
+                *out = match (span.blending, heaviest) {
+                    (WedgeBlending::Heaviest, Some((wedge, _))) => self.row(*wedge)[k],
+                    (WedgeBlending::Direction, Some((wedge, _))) if k == span.from + 3 => self.row(*wedge)[k],
                     _ => parts.iter().fold(0.0, |sum, (wedge, weight)| sum + weight * self.row(*wedge)[k]),
                 };
             }
@@ -201,29 +207,34 @@ impl Wedges {
     }
 
     /// Sets a row.
-    pub fn put(&mut self, wedge: u32, values: &[f64]) {
+    pub fn set_row(&mut self, wedge: u32, values: &[f64]) {
         self.values[wedge as usize * self.width..][..self.width].copy_from_slice(values);
-        self.straighten(wedge);
+        self.normalize_directions(wedge);
     }
 
     /// Gives the corners at one end of an edge that shrinks the rows of the other end: those left of the edge the row of
     /// the corner `left`, those right of it that of `right`. Lines part left from right.
-    pub fn hand_over(&mut self, surface: &Surface, is_line: &[bool], end: &Handed) {
-        let Handed { h, at_start, left, right } = *end;
+    pub fn transfer(&mut self, surface: &HalfEdgeSurface, is_line: &[bool], end: &WedgeTransfer) {
+        let WedgeTransfer { h, at_start, left, right } = *end;
         let across = surface.twin[h as usize];
         // Left of the edge, away from it, until the next line; then right of it.
         let first_left = if at_start { h } else { next_in_face(h) };
-        self.sweep(surface, is_line, (first_left, at_start, left));
+        self.sweep_fan(surface, is_line, (first_left, at_start, left));
         if across != NONE {
             let first_right = if at_start { next_in_face(across) } else { across };
-            self.sweep(surface, is_line, (first_right, !at_start, right));
+            self.sweep_fan(surface, is_line, (first_right, !at_start, right));
         }
     }
 
-    fn sweep(&mut self, surface: &Surface, is_line: &[bool], (first, ccw, row): (u32, bool, u32)) {
+    fn sweep_fan(
+        &mut self,
+        surface: &HalfEdgeSurface,
+        is_line: &[bool],
+        (first, ccw, row): (u32, bool, u32),
+    ) {
         let mut g = first;
         loop {
-            self.of[g as usize] = row;
+            self.corner_row[g as usize] = row;
             // Around the vertex: counter-clockwise across the edge that arrives, clockwise across the one that leaves.
             let edge = if ccw { previous_in_face(g) } else { g };
             let t = surface.twin[edge as usize];
@@ -238,9 +249,9 @@ impl Wedges {
     }
 }
 
-/// See [`Wedges::hand_over`].
+/// See [`Wedges::transfer`].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Handed {
+pub(super) struct WedgeTransfer {
     pub h: u32,
     /// Whether it is the start of the half-edge whose corners change.
     pub at_start: bool,
@@ -249,9 +260,10 @@ pub(super) struct Handed {
 }
 
 /// Lines between faces with different attributes of their own. Normals of faces say nothing that the faces do not.
-fn lines_of_faces(mesh: &Mesh, surface: &Surface) -> Vec<bool> {
+fn lines_of_faces(mesh: &Mesh, surface: &HalfEdgeSurface) -> Vec<bool> {
     let mut is_line = vec![false; surface.start.len()];
-    let of_faces = |a: &&Attribute| a.domain == Domain::Face && how(&a.semantic) != How::Direction;
+    let of_faces =
+        |a: &&Attribute| a.domain == Domain::Face && blending(&a.semantic) != WedgeBlending::Direction;
     for attribute in mesh.attributes().iter().filter(of_faces) {
         for (h, (is_line, t)) in is_line.iter_mut().zip(&surface.twin).enumerate() {
             *is_line |= *t != NONE && attribute.row(h / 3) != attribute.row(*t as usize / 3);

@@ -1,7 +1,7 @@
 //! `Box3`: an axis-aligned box.
 use super::{add_up, div_up, mul_up, sqrt_up, sub_up};
 
-/// An axis-aligned box; empty when a low end is above the high end.
+/// An axis-aligned box; it is empty when an end of `min` is above that of `max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Box3 {
     /// The lowest coordinates.
@@ -11,12 +11,12 @@ pub struct Box3 {
 }
 
 impl Box3 {
-    /// The box of no points.
+    /// The empty box.
     pub const EMPTY: Self = Self { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
 
     /// The smallest box around `points`.
     #[must_use]
-    pub fn around<'a>(points: impl IntoIterator<Item = &'a [f64; 3]>) -> Self {
+    pub fn from_points<'a>(points: impl IntoIterator<Item = &'a [f64; 3]>) -> Self {
         points.into_iter().fold(Self::EMPTY, |b, p| b.with(*p))
     }
 
@@ -35,26 +35,26 @@ impl Box3 {
         Self { min: pick(self.min, other.min, |a, b| a < b), max: pick(self.max, other.max, |a, b| a > b) }
     }
 
-    /// Whether it holds no point.
+    /// Whether it contains no point.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         (0..3).any(|k| self.min[k] > self.max[k])
     }
 
-    /// Whether `point` lies in it, the faces included.
+    /// Whether it contains `point`, faces included.
     #[must_use]
     pub fn contains(&self, point: [f64; 3]) -> bool {
         (0..3).all(|k| self.min[k] <= point[k] && point[k] <= self.max[k])
     }
 
-    /// The middle, rounded.
+    /// The centre, rounded.
     #[must_use]
     pub fn centre(&self) -> [f64; 3] {
         std::array::from_fn(|k| 0.5 * self.min[k] + 0.5 * self.max[k])
     }
 
-    /// The length of the diagonal, bounded from above; 0 for the empty box, ∞ when a side is longer than the largest
-    /// number.
+    /// The length of the diagonal, bounded from above; 0 for the empty box, ∞ when a side is longer than the
+    /// largest number.
     #[must_use]
     pub fn diagonal(&self) -> f64 {
         if self.is_empty() {
@@ -65,7 +65,7 @@ impl Box3 {
         if longest == f64::INFINITY {
             return longest;
         }
-        // Scaled by the longest side, so that squares neither overflow nor vanish.
+        // Scaled by the longest side, so that squares neither overflow nor underflow.
         let scaled = |side: f64| mul_up(div_up(side, longest), div_up(side, longest));
         mul_up(longest, sqrt_up(add_up(add_up(scaled(x), scaled(y)), scaled(z))))
     }

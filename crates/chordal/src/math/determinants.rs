@@ -1,21 +1,21 @@
-//! Exact signs of small determinants of whole numbers, and which sign a determinant that is 0 has after a
-//! symbolic perturbation.
+//! Exact signs of small integer determinants, and the sign of a zero determinant after a symbolic
+//! perturbation.
 //!
-//! Entries are below 2⁵³ in absolute value, so that they are doubles too. Signs come from doubles where their
-//! rounding cannot change them, and from whole numbers of 256 bits otherwise.
+//! Entries are below 2⁵³ in absolute value, so they are exact as doubles. A floating-point filter decides the
+//! sign where rounding cannot change it; 256-bit integers decide otherwise.
 use std::cmp::Ordering;
 
 /// Half the distance from 1 to the next double.
 const U: f64 = f64::EPSILON / 2.0;
-/// The relative error of a determinant of rank 3, to the sum of its absolute terms. Derived: each term has 2
-/// products, 1 difference and 2 sums, so 5 roundings, and as many in the sum that it is compared with; 12 is
-/// more than both together.
+/// The relative error of a determinant of rank 3, with respect to the sum of its absolute terms. Derived:
+/// each term has 2 products, 1 difference and 2 sums, so 5 roundings, and as many in the sum that it is
+/// compared with; 12 is more than both together.
 const ERROR_3: f64 = 12.0 * U;
 /// The same for rank 4. Derived: by pairs of rows a term has 2 roundings in either factor, a product and 5
 /// sums, so 10; 24 is more than those and as many in the sum that it is compared with.
 const ERROR_4: f64 = 24.0 * U;
 
-/// A whole number of 256 bits in two's complement.
+/// An integer of 256 bits in two's complement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Int256 {
     high: i128,
@@ -51,7 +51,7 @@ impl Int256 {
         if self.high == 0 { self.low.cmp(&0) } else { self.high.cmp(&0) }
     }
 
-    /// The double that is near it: two roundings.
+    /// The nearest double up to two roundings.
     fn to_f64(self) -> f64 {
         /// 2¹²⁸.
         const RADIX: f64 = 340_282_366_920_938_463_463_374_607_431_768_211_456.0;
@@ -106,7 +106,7 @@ pub(crate) fn sign3(rows: [[i64; 3]; 3]) -> Ordering {
         sum += a[k] * (p - q);
         size += a[k].abs() * (p.abs() + q.abs());
     }
-    clear(sum, ERROR_3 * size).unwrap_or_else(|| determinant3(rows).sign())
+    filtered_sign(sum, ERROR_3 * size).unwrap_or_else(|| determinant3(rows).sign())
 }
 
 /// The sign of a determinant of rank 4.
@@ -125,11 +125,11 @@ pub(crate) fn sign4(rows: [[i64; 4]; 4]) -> Ordering {
     add([1, 2], [0, 3], 1.0);
     add([1, 3], [0, 2], -1.0);
     add([2, 3], [0, 1], 1.0);
-    clear(sum, ERROR_4 * size).unwrap_or_else(|| determinant4(rows).sign())
+    filtered_sign(sum, ERROR_4 * size).unwrap_or_else(|| determinant4(rows).sign())
 }
 
-/// The sign of a number that is off by no more than `error`, if that is clear.
-fn clear(sum: f64, error: f64) -> Option<Ordering> {
+/// The sign of a number whose error is at most `error`, if that decides it.
+fn filtered_sign(sum: f64, error: f64) -> Option<Ordering> {
     if sum > error {
         Some(Ordering::Greater)
     } else if sum < -error {
@@ -140,8 +140,8 @@ fn clear(sum: f64, error: f64) -> Option<Ordering> {
 }
 
 /// The barycentric coordinates at which two functions that are linear on a triangle vanish, from their values
-/// at its corners; each off by some roundings. None where they do not meet in one point.
-pub(crate) fn meeting3([a, b]: [[i64; 3]; 2]) -> Option<[f64; 3]> {
+/// at its corners, up to a few roundings. `None` where they do not meet in one point.
+pub(crate) fn common_zero3([a, b]: [[i64; 3]; 2]) -> Option<[f64; 3]> {
     let minor = |i: usize, j: usize| determinant2([a[i], a[j]], [b[i], b[j]]);
     let weights = [minor(1, 2), minor(2, 0), minor(0, 1)];
     // Six products below 2¹⁰⁶ cannot overflow.
@@ -149,8 +149,8 @@ pub(crate) fn meeting3([a, b]: [[i64; 3]; 2]) -> Option<[f64; 3]> {
     (sum != 0).then(|| weights.map(|w| w as f64 / sum as f64))
 }
 
-/// The same for three functions on a tetrahedron.
-pub(crate) fn meeting4(rows: [[i64; 4]; 3]) -> Option<[f64; 4]> {
+/// [`common_zero3`] for three functions on a tetrahedron.
+pub(crate) fn common_zero4(rows: [[i64; 4]; 3]) -> Option<[f64; 4]> {
     const OTHERS: [[usize; 3]; 4] = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
     let weights: [Int256; 4] = std::array::from_fn(|k| {
         let minor = determinant3(rows.map(|row| OTHERS[k].map(|i| row[i])));
@@ -160,13 +160,13 @@ pub(crate) fn meeting4(rows: [[i64; 4]; 3]) -> Option<[f64; 4]> {
     (sum != Int256::ZERO).then(|| weights.map(|w| w.to_f64() / sum.to_f64()))
 }
 
-/// The sign of a determinant whose rows are moved by constants: row `k` by `sense[k]`·ε`[order[k]]`, with 1 ≫
-/// ε₀ ≫ ε₁ ≫ … > 0.
+/// The sign of a determinant whose rows are perturbed by constants: row `k` by `sense[k]`·ε`[order[k]]`, with
+/// 1 ≫ ε₀ ≫ ε₁ ≫ … > 0.
 ///
 /// Terms with two of the constants vanish, since their rows are equal. So where the determinant is 0, the
-/// first in the order decides whose replacement by its sense gives another one. It is 0 only where the
-/// functions have no directions enough to meet in one point.
-pub(crate) fn perturbed<const N: usize>(
+/// sign is that of the first row in the order whose replacement by its sense gives a nonzero determinant. It
+/// is 0 only where the functions have too few independent directions to meet in one point.
+pub(crate) fn perturbed_sign<const N: usize>(
     rows: [[i64; N]; N],
     order: [u32; N],
     sense: [i64; N],
@@ -192,7 +192,7 @@ pub(crate) fn perturbed<const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::wide::Wide;
+    use crate::math::big_int::BigInt;
 
     /// Entries are below 2 to this power.
     const ENTRY_BITS: u32 = 53;
@@ -204,18 +204,18 @@ mod tests {
         *state
     }
 
-    /// By Laplace's rule on whole numbers of any size.
-    fn determinant(rows: &[Vec<i64>]) -> Wide {
+    /// By Laplace expansion on integers of any size.
+    fn determinant(rows: &[Vec<i64>]) -> BigInt {
         if rows.len() == 1 {
-            return Wide::of(rows[0][0] as f64);
+            return BigInt::from_f64(rows[0][0] as f64);
         }
-        let mut sum = Wide::of(0.0);
+        let mut sum = BigInt::from_f64(0.0);
         for k in 0..rows.len() {
             let rest: Vec<Vec<i64>> = rows[1..]
                 .iter()
                 .map(|row| row.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, x)| *x).collect())
                 .collect();
-            let term = &Wide::of(rows[0][k] as f64) * &determinant(&rest);
+            let term = &BigInt::from_f64(rows[0][k] as f64) * &determinant(&rest);
             sum = if k % 2 == 0 { &sum - &-term } else { &sum - &term };
         }
         sum
@@ -225,7 +225,7 @@ mod tests {
         determinant(&rows.iter().map(|row| row.to_vec()).collect::<Vec<_>>()).sign()
     }
 
-    /// Rows of which the last nearly, or exactly, depends on the others.
+    /// Rows of which the last depends on the others, nearly or exactly.
     fn nearly_singular<const N: usize>(state: &mut u64) -> [[i64; N]; N] {
         let bits = 1 + random(state) % u64::from(ENTRY_BITS - 4);
         let mut rows = [[0_i64; N]; N];
@@ -292,7 +292,7 @@ mod tests {
                 rows[k].map(|x| (x << 36) + sense[k] * (1 << (24 - 12 * place)))
             });
             assert_eq!(
-                perturbed(rows, order, sense, sign3),
+                perturbed_sign(rows, order, sense, sign3),
                 expected(&scaled),
                 "{rows:?} {order:?} {sense:?}"
             );
@@ -305,13 +305,15 @@ mod tests {
         for _ in 0..10_000 {
             let rows: [[i64; 4]; 3] =
                 [[0; 4]; 3].map(|row| row.map(|_: i64| (random(&mut state) % (1 << 20)) as i64 - (1 << 19)));
-            let Some(at) = meeting4(rows) else { continue };
+            let Some(at) = common_zero4(rows) else { continue };
             let size: f64 = at.iter().map(|w| w.abs()).sum();
             for row in rows {
                 let value: f64 = row.iter().zip(at).map(|(x, w)| *x as f64 * w).sum();
                 assert!(value.abs() <= 1e-8 * size, "{value}");
             }
-            let Some(at) = meeting3([0, 1].map(|k| [rows[k][0], rows[k][1], rows[k][2]])) else { continue };
+            let Some(at) = common_zero3([0, 1].map(|k| [rows[k][0], rows[k][1], rows[k][2]])) else {
+                continue;
+            };
             let size: f64 = at.iter().map(|w| w.abs()).sum();
             for row in &rows[..2] {
                 let value: f64 = row.iter().zip(at).map(|(x, w)| *x as f64 * w).sum();

@@ -1,30 +1,31 @@
-//! `Interval`: a range of real numbers that is sure to hold every value, with the claim *defined and continuous*.
+//! `Interval`: a range of real numbers that encloses every value, with the claim *defined and continuous*.
 //!
-//! Each operation returns a range that holds the exact result for all real numbers of its operands: the ends are
-//! rounded outward by one step (see [`super::add_up`]), so an exactly representable end may be widened by one unit
-//! in the last place. What keeps its exact end: 0 where a factor, a dividend or a root is exactly 0 or where a sum
-//! cancels to 0, and everything that only picks or flips ends (`neg`, `abs`, `min`, `max`, `hull`, `intersection`).
-//! A product or quotient that underflows keeps its sign: `[1e-200, 1] · [1e-200, 1]` starts at 0, not below.
+//! Each operation returns a range that contains the exact result for all real numbers of its operands: the
+//! ends are rounded outward by one step (see [`super::add_up`]), so an exactly representable end may be
+//! widened by one unit in the last place. Exact ends are kept in two cases: 0 where a factor, a dividend or a
+//! root is exactly 0 or where a sum cancels to 0, and every end that is only selected or negated (`neg`,
+//! `abs`, `min`, `max`, `hull`, `intersection`). A product or quotient that underflows keeps its sign:
+//! `[1e-200, 1] · [1e-200, 1]` starts at 0, not below.
 //!
-//! Ends are never NaN. An infinite end means that nothing bounds the values there, not that ∞ is one of them, hence
-//! `[0, 0] · [−∞, ∞]` is `[0, 0]`.
+//! Ends are never NaN. An infinite end means that the values are unbounded there, not that ∞ is one of them,
+//! hence `[0, 0] · [−∞, ∞]` is `[0, 0]`.
 //!
-//! Operations are isotone: from smaller operands comes a range inside the one from larger operands, and the
-//! claim [`Interval::is_defined`] is lost only when growing. The smooth minimum is the one exception: its
-//! ends are padded by what they are, so that a smaller range may reach beyond a larger one by some units in
-//! the last place; both hold.
+//! Operations are isotone: smaller operands give a range inside that of larger operands, and the claim
+//! [`Interval::is_defined`] is lost only when operands grow. The smooth minimum is the one exception: its
+//! ends are padded in proportion to their values, so a smaller range may extend beyond a larger one by some
+//! units in the last place; both are valid.
 //!
 //! Source: IEEE Std 1788-2015, set-based flavour; the flag is its decoration `dac`.
 use super::sub_up;
-use ends::{Ends, lower, step_down, step_up, upper};
+use bare::{BareInterval, lower, step_down, step_up, upper};
 use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+pub(crate) mod bare;
 mod elementary;
-pub(crate) mod ends;
 
-/// All real numbers from `lo` to `hi`, or none, and whether the expression that made it is defined and continuous
-/// for all points of the box that it was evaluated over.
+/// All real numbers from `lo` to `hi`, or none, and whether the expression that produced it is defined and
+/// continuous at all points of the box that it was evaluated over.
 ///
 /// ```
 /// use chordal::math::Interval;
@@ -43,19 +44,21 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// No number.
+    /// The empty interval.
     pub const EMPTY: Self = Self { lo: f64::INFINITY, hi: f64::NEG_INFINITY, defined: false };
 
-    /// Every real number, as a variable without limits.
+    /// Every real number, as of an unbounded variable.
     pub const ENTIRE: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY, defined: true };
 
-    /// Any number, or none: the result of what is not defined everywhere and has no useful range.
+    /// Any number, or none: the result of an operation that is not defined everywhere and has no useful
+    /// range.
     pub const UNKNOWN: Self = Self { defined: false, ..Self::ENTIRE };
 
     /// The numbers from `lo` to `hi`; an infinite end leaves that side open.
     ///
     /// # Errors
-    /// [`InvalidInterval`] when an end is NaN, `lo > hi`, or no real number lies between (`lo = ∞` or `hi = −∞`).
+    /// [`InvalidInterval`] when an end is NaN, `lo > hi`, or the interval contains no real number (`lo = ∞`
+    /// or `hi = −∞`).
     pub fn new(lo: f64, hi: f64) -> Result<Self, InvalidInterval> {
         if lo <= hi && lo < f64::INFINITY && hi > f64::NEG_INFINITY {
             Ok(Self { lo, hi, defined: true })
@@ -85,48 +88,48 @@ impl Interval {
         self.hi
     }
 
-    /// Whether the expression is defined and continuous for every point of the box: only then does a change of sign
-    /// between two points prove a zero between them.
+    /// Whether the expression is defined and continuous at every point of the box: only then does a change of
+    /// sign between two points prove a zero between them.
     #[inline(always)]
     #[must_use]
     pub fn is_defined(self) -> bool {
         self.defined
     }
 
-    /// The same numbers without the claim: for an operation that jumps or has no value somewhere.
+    /// The same numbers without the claim, for an operation that jumps or has no value somewhere.
     #[inline(always)]
     #[must_use]
     pub fn undefined(self) -> Self {
         Self { defined: false, ..self }
     }
 
-    /// Whether it holds no number.
+    /// Whether it contains no number.
     #[inline(always)]
     #[must_use]
     pub fn is_empty(self) -> bool {
         self.lo > self.hi
     }
 
-    /// Whether it holds every real number.
+    /// Whether it contains every real number.
     #[must_use]
     pub fn is_entire(self) -> bool {
         self.lo == f64::NEG_INFINITY && self.hi == f64::INFINITY
     }
 
-    /// Whether the real number `x` is in it; never for NaN or an infinity.
+    /// Whether it contains the real number `x`; false for NaN and infinities.
     #[inline]
     #[must_use]
     pub fn contains(self, x: f64) -> bool {
         x.is_finite() && self.lo <= x && x <= self.hi
     }
 
-    /// Whether each of its numbers is in `other`.
+    /// Whether all its numbers are in `other`.
     #[must_use]
     pub fn is_subset_of(self, other: Self) -> bool {
         self.is_empty() || (other.lo <= self.lo && self.hi <= other.hi)
     }
 
-    /// The smallest interval around both; defined where both are.
+    /// The smallest interval around both; defined where both operands are.
     #[inline(always)]
     #[must_use]
     pub fn hull(self, other: Self) -> Self {
@@ -134,7 +137,8 @@ impl Interval {
         Self { lo, hi, defined: self.defined & other.defined }
     }
 
-    /// The numbers that are in both; defined where both are, [`Interval::EMPTY`] when there are none.
+    /// The numbers that are in both; defined where both operands are, [`Interval::EMPTY`] when there are
+    /// none.
     #[must_use]
     pub fn intersection(self, other: Self) -> Self {
         let (lo, hi) = (upper(self.lo, other.lo), lower(self.hi, other.hi));
@@ -147,8 +151,8 @@ impl Interval {
         if self.lo < self.hi { sub_up(self.hi, self.lo) } else { 0.0 }
     }
 
-    /// A finite number in it, the middle up to rounding; 0 for [`Interval::ENTIRE`], the largest (smallest) number
-    /// when only the high (low) end is open. `None` when empty.
+    /// A finite number in it, the middle up to rounding; 0 for [`Interval::ENTIRE`], the largest (smallest)
+    /// number when only the high (low) end is open. `None` when empty.
     #[must_use]
     pub fn midpoint(self) -> Option<f64> {
         if self.is_empty() {
@@ -171,17 +175,17 @@ impl Interval {
     }
 
     #[inline(always)]
-    pub(crate) fn ends(self) -> Ends {
-        Ends { lo: self.lo, hi: self.hi }
+    pub(crate) fn bare(self) -> BareInterval {
+        BareInterval { lo: self.lo, hi: self.hi }
     }
 
-    /// A defined range from its ends, which are those of a range.
+    /// A defined range with these ends, which must be valid.
     #[inline(always)]
-    pub(crate) fn from_parts(lo: f64, hi: f64) -> Self {
+    pub(crate) fn from_endpoints(lo: f64, hi: f64) -> Self {
         Self { lo, hi, defined: true }
     }
 
-    /// This where the condition holds, else the other, without a branch.
+    /// `self` where the condition holds, else `other`, without a branch.
     #[inline(always)]
     pub(crate) fn choose(self, condition: bool, other: Self) -> Self {
         Self {
@@ -191,15 +195,15 @@ impl Interval {
         }
     }
 
-    /// A range from what an operation with another made, which is nothing where one of them is.
+    /// The result of an operation on `self` and `other`; empty where an operand is.
     #[inline(always)]
-    fn with(self, other: Self, ends: Ends) -> Self {
-        Self::from_ends(ends.unless_either_empty(self.ends(), other.ends()), self.defined & other.defined)
+    fn combine(self, other: Self, ends: BareInterval) -> Self {
+        Self::from_bare(ends.unless_either_empty(self.bare(), other.bare()), self.defined & other.defined)
     }
 
-    /// A range from what an operation made; what leaves nothing is not defined.
+    /// The result of an operation; the caller sets `defined` to false where the operation has no value.
     #[inline(always)]
-    pub(crate) fn from_ends(ends: Ends, defined: bool) -> Self {
+    pub(crate) fn from_bare(ends: BareInterval, defined: bool) -> Self {
         Self { lo: ends.lo, hi: ends.hi, defined }
     }
 
@@ -207,79 +211,82 @@ impl Interval {
     #[inline(always)]
     #[must_use]
     pub fn abs(self) -> Self {
-        Self::from_ends(self.ends().abs().unless_empty(self.ends()), self.defined)
+        Self::from_bare(self.bare().abs().unless_empty(self.bare()), self.defined)
     }
 
-    /// The smaller of a number of each, exactly.
+    /// The minimum of a number of each, exactly.
     #[inline(always)]
     #[must_use]
     pub fn min(self, other: Self) -> Self {
-        self.with(other, self.ends().min(other.ends()))
+        self.combine(other, self.bare().min(other.bare()))
     }
 
-    /// The minimum of a number of each with its kink rounded off, which grows with both.
+    /// The smooth minimum of a number of each; monotone in both.
     #[inline(always)]
     #[must_use]
     pub(crate) fn smooth_min(self, other: Self) -> Self {
-        self.with(other, self.ends().smooth_min(other.ends()))
+        self.combine(other, self.bare().smooth_min(other.bare()))
     }
 
-    /// `ln(eᵃ + eᵇ)`, which grows with both.
+    /// `ln(eᵃ + eᵇ)`; monotone in both.
     #[inline(always)]
     #[must_use]
     pub(crate) fn log_sum_exp(self, other: Self) -> Self {
-        self.with(other, self.ends().log_sum_exp(other.ends()))
+        self.combine(other, self.bare().log_sum_exp(other.bare()))
     }
 
-    /// The larger of a number of each, exactly.
+    /// The maximum of a number of each, exactly.
     #[inline(always)]
     #[must_use]
     pub fn max(self, other: Self) -> Self {
-        self.with(other, self.ends().max(other.ends()))
+        self.combine(other, self.bare().max(other.bare()))
     }
 
     /// `x²`, never below 0.
     #[inline(always)]
     #[must_use]
     pub fn square(self) -> Self {
-        Self::from_ends(self.ends().square().unless_empty(self.ends()), self.defined)
+        Self::from_bare(self.bare().square().unless_empty(self.bare()), self.defined)
     }
 
     /// `x / √(x² + y²)` where y² is in `rest`: the sine of an angle, which grows with x and is nearer to 0
-    /// the larger y² is. Where x and y are 0 it is any number that it may be beside them.
+    /// the larger y² is. Where x and y are both 0 it takes any value that it may have nearby.
     #[inline(always)]
     #[must_use]
-    pub(crate) fn share_beside(self, rest: Self) -> Self {
-        let ends = self.ends().share_beside(rest.ends());
-        self.with(rest, ends)
+    pub(crate) fn direction_cosine(self, rest: Self) -> Self {
+        let ends = self.bare().direction_cosine(rest.bare());
+        self.combine(rest, ends)
     }
 
-    /// The derivative of the distance from a box by the distance from one of its sides: `x / |v|` where some
-    /// side is passed, v being what is above 0 of all; else 1 where x is the largest and 0 where it is not.
-    /// `rest` has the sum of squares of the others in v, `largest` has the largest of the others.
+    /// The derivative of the distance from a box by the distance from one of its sides. Outside the box it is
+    /// `x / |v|`, v being the positive parts of all side distances; inside it is 1 where x is the largest and
+    /// 0 where it is not. `rest` is the sum of squares of the others in v, `largest` the largest of the
+    /// others.
     #[inline(always)]
     #[must_use]
-    pub(crate) fn box_share(self, rest: Self, largest: Ends) -> Self {
-        let outside = self.ends().max(Ends { lo: 0.0, hi: 0.0 }).share_beside(rest.ends());
+    pub(crate) fn box_derivative(self, rest: Self, largest: BareInterval) -> Self {
+        let outside = self.bare().max(BareInterval { lo: 0.0, hi: 0.0 }).direction_cosine(rest.bare());
         let (is_first, may_be_first) =
             ((largest.hi <= 0.0) & (largest.hi < self.lo), (largest.lo <= 0.0) & (largest.lo <= self.hi));
-        let inside = Ends { lo: if is_first { 1.0 } else { 0.0 }, hi: if may_be_first { 1.0 } else { 0.0 } };
-        let ends = Ends {
+        let inside =
+            BareInterval { lo: if is_first { 1.0 } else { 0.0 }, hi: if may_be_first { 1.0 } else { 0.0 } };
+        let ends = BareInterval {
             lo: if self.lo > 0.0 { outside.lo } else { inside.lo },
             hi: if self.hi > 0.0 { outside.hi } else { inside.hi },
         };
-        self.with(rest, ends)
+        self.combine(rest, ends)
     }
 
-    /// `√x` over the part that is not negative: defined only where there is no other part, empty when there is
+    /// `√x` of the non-negative part: defined only where there is no negative part, empty when there is
     /// nothing else.
     #[inline(always)]
     #[must_use]
     pub fn sqrt(self) -> Self {
-        Self::from_ends(self.ends().sqrt().unless_empty(self.ends()), self.defined & (self.lo >= 0.0))
+        Self::from_bare(self.bare().sqrt().unless_empty(self.bare()), self.defined & (self.lo >= 0.0))
     }
 
-    /// `xⁿ`; `x⁰` is 1 for every `x`. A negative power of an interval with 0 is [`Interval::UNKNOWN`].
+    /// `xⁿ`; `x⁰` is 1 for every `x`. A negative power of an interval that contains 0 is
+    /// [`Interval::UNKNOWN`].
     #[must_use]
     pub fn powi(self, n: i32) -> Self {
         if self.is_empty() {
@@ -297,7 +304,7 @@ impl Interval {
         if n < 0 { Self::point(1.0) / raised } else { raised }
     }
 
-    /// An odd power grows with its base, so each end belongs to one end.
+    /// An odd power is monotone, so each end depends on one end of the base.
     fn odd_power(self, count: u32) -> Self {
         let low = |x: f64| {
             if x < 0.0 { -power(-x, count, product_up) } else { power(x, count, product_down) }
@@ -323,7 +330,7 @@ impl Add for Interval {
 
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        self.with(other, self.ends().add(other.ends()))
+        self.combine(other, self.bare().add(other.bare()))
     }
 }
 
@@ -341,24 +348,24 @@ impl Mul for Interval {
 
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        self.with(other, self.ends().mul(other.ends()))
+        self.combine(other, self.bare().mul(other.bare()))
     }
 }
 
 impl Div for Interval {
     type Output = Self;
 
-    /// `x / y`; [`Interval::UNKNOWN`] when `other` holds 0.
+    /// `x / y`; [`Interval::UNKNOWN`] when `other` contains 0.
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        let quotient = self.with(other, self.ends().div(other.ends()));
-        quotient.choose(!other.ends().has_zero(), quotient.undefined())
+        let quotient = self.combine(other, self.bare().div(other.bare()));
+        quotient.choose(!other.bare().has_zero(), quotient.undefined())
     }
 }
 
 impl fmt::Display for Interval {
-    /// `[1, 2]`, with a `?` behind it where it is not defined everywhere, or `empty`. Reading the numbers
-    /// back gives the same f64 ends.
+    /// `[1, 2]`, followed by `?` where it is not defined everywhere, or `empty`. Reading the numbers back
+    /// gives the same f64 ends.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.is_empty() {
             return f.write_str("empty");
@@ -367,7 +374,7 @@ impl fmt::Display for Interval {
     }
 }
 
-/// Two numbers that are not the ends of an interval.
+/// The error for two numbers that are not the ends of an interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InvalidInterval {
     lo: f64,
@@ -392,13 +399,13 @@ fn product_up(a: f64, b: f64) -> f64 {
     if a == 0.0 || b == 0.0 { 0.0 } else { step_up(a * b) }
 }
 
-/// A bound from below on a product of positive numbers: one that underflows is not below 0.
+/// A lower bound of a product of positive numbers; it is 0 where the product underflows.
 #[inline]
 fn below(rounded: f64) -> f64 {
     if rounded == 0.0 { 0.0 } else { step_down(rounded) }
 }
 
-/// `x^count` for `x ≥ 0` and `count ≥ 1` by squaring; a bound in the direction of `times`.
+/// `x^count` for `x ≥ 0` and `count ≥ 1` by squaring; an upper or lower bound, as `times` rounds.
 fn power(x: f64, count: u32, times: fn(f64, f64) -> f64) -> f64 {
     let (mut square, mut rest) = (x, count);
     while rest.is_multiple_of(2) {

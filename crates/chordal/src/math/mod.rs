@@ -1,4 +1,5 @@
-//! Numbers that know no shape: outward rounding, [`Interval`], [`Box3`], exact predicates, SIMD dispatch.
+//! Arithmetic without shapes: outward rounding, [`Interval`], [`Box3`], exact predicates, SIMD dispatch.
+mod big_int;
 mod box3;
 #[cfg_attr(not(test), allow(dead_code))]
 pub(crate) mod determinants;
@@ -7,22 +8,21 @@ pub mod elementary;
 mod exponent;
 mod interval;
 mod predicates;
+mod priority_item;
 mod probe;
-mod ranked;
 mod rounding;
 pub mod simd;
 mod vector;
-mod wide;
 
 pub use box3::Box3;
 pub(crate) use double_double::DoubleDouble;
 pub(crate) use exponent::{exponent, power_of_two};
-pub(crate) use interval::ends::Ends;
+pub(crate) use interval::bare::BareInterval;
 pub use interval::{Interval, InvalidInterval};
 pub(crate) use predicates::dot_sign;
-pub use predicates::{Orientation, Position, orient2d, orient3d, triangle_contains};
+pub use predicates::{Orientation, PointInTriangle, orient2d, orient3d, triangle_contains};
+pub(crate) use priority_item::PriorityItem;
 pub use probe::flushes_subnormals;
-pub(crate) use ranked::Ranked;
 pub(crate) use rounding::length_up;
 pub use rounding::{
     add_down, add_up, div_down, div_up, mul_down, mul_up, sqrt_down, sqrt_up, sub_down, sub_up,

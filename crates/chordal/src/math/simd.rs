@@ -1,13 +1,14 @@
 //! One kernel in plain Rust, compiled once for each instruction set, and the choice between them at run time.
 //!
-//! A kernel is written once, as loops over plain `f64` slices; the compiler vectorises it for each set. Only
-//! additions, subtractions, multiplications, divisions, square roots and comparisons in the order as written are
-//! used, and never a fused multiply-add: Rust contracts nothing by itself. So the results are bit-identical on every
-//! set, and [`Isa::Plain`] is the oracle of the others.
+//! A kernel is written once, as loops over plain `f64` slices; the compiler vectorises it for each set. It
+//! uses only additions, subtractions, multiplications, divisions, square roots and comparisons, in the order
+//! as written, and never a fused multiply-add: Rust contracts nothing by itself. So the results are
+//! bit-identical on every set, and [`Isa::Plain`] is the reference for the others.
 //!
-//! The environment variable `CHORDAL_ISA` = `plain`, `avx2` or `avx512` asks for a set, for tests and comparisons. A
-//! value that is unknown, or that this processor does not have, means `plain`: always there, and the same results.
-//! (A shell that wants to complain parses the value as [`Isa`] and asks [`Isa::is_available`].)
+//! The environment variable `CHORDAL_ISA` = `plain`, `avx2` or `avx512` selects a set, for tests and
+//! comparisons. A value that is unknown, or that this processor does not have, means `plain`, which is always
+//! available and gives the same results. (A caller that wants to report this parses the value as [`Isa`] and
+//! checks [`Isa::is_available`].)
 use std::fmt;
 use std::str::FromStr;
 use std::sync::OnceLock;
@@ -16,8 +17,8 @@ use std::sync::OnceLock;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Isa {
-    /// What the whole program was compiled for; this includes SSE2 on x86-64, NEON on 64-bit ARM and, when it was
-    /// switched on at compile time, simd128 on WebAssembly, which has no choice at run time.
+    /// The instruction set that the whole program was compiled for. This includes SSE2 on x86-64, NEON on
+    /// 64-bit ARM and, when enabled at compile time, simd128 on WebAssembly, which has no choice at run time.
     Plain,
     /// AVX2: four f64 at once.
     Avx2,
@@ -29,7 +30,7 @@ impl Isa {
     /// All sets, the widest last.
     pub const ALL: [Self; 3] = [Self::Plain, Self::Avx2, Self::Avx512];
 
-    /// Whether this processor has it.
+    /// Whether this processor supports it.
     #[must_use]
     pub fn is_available(self) -> bool {
         match self {
@@ -47,8 +48,8 @@ impl Isa {
         }
     }
 
-    /// The set that is used where `request` is the value of `CHORDAL_ISA`.
-    fn chosen(request: Option<&str>) -> Self {
+    /// The set that is used when `CHORDAL_ISA` has the value `request`.
+    fn choose(request: Option<&str>) -> Self {
         let available = |isa: &Self| isa.is_available();
         match request {
             None | Some("") => Self::ALL.into_iter().rfind(available).unwrap_or(Self::Plain),
@@ -67,17 +68,17 @@ impl Isa {
     }
 }
 
-/// The set that kernels run on unless told otherwise: chosen at the first call, the same ever after.
+/// The set that kernels run on by default: chosen at the first call and constant afterwards.
 #[must_use]
 pub fn isa() -> Isa {
     static CHOSEN: OnceLock<Isa> = OnceLock::new();
-    *CHOSEN.get_or_init(|| Isa::chosen(std::env::var("CHORDAL_ISA").ok().as_deref()))
+    *CHOSEN.get_or_init(|| Isa::choose(std::env::var("CHORDAL_ISA").ok().as_deref()))
 }
 
 /// Work that is compiled for every instruction set.
 ///
-/// `run` and everything that it calls in its inner loops must be `#[inline(always)]`: only code that is inlined is
-/// compiled for the set.
+/// `run` and everything that it calls in its inner loops must be `#[inline(always)]`: only code that is
+/// inlined is compiled for the set.
 ///
 /// ```
 /// use chordal::math::simd::{self, Isa, Kernel};
@@ -95,7 +96,7 @@ pub fn isa() -> Isa {
 /// assert_eq!(numbers, [0.25, 0.5, 0.75]);
 /// ```
 pub trait Kernel {
-    /// What it returns.
+    /// The result of the work.
     type Output;
 
     /// Does the work.
@@ -142,7 +143,7 @@ impl FromStr for Isa {
     }
 }
 
-/// A text that names no instruction set.
+/// The error for a text that names no instruction set.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownIsa(String);
 
@@ -160,19 +161,19 @@ mod tests {
 
     #[test]
     fn takes_the_widest_set_unless_asked() {
-        let widest = Isa::chosen(None);
+        let widest = Isa::choose(None);
         assert!(widest.is_available());
         assert!(Isa::ALL.into_iter().skip_while(|isa| *isa != widest).skip(1).all(|isa| !isa.is_available()));
-        assert_eq!(Isa::chosen(Some("")), widest);
+        assert_eq!(Isa::choose(Some("")), widest);
     }
 
     #[test]
     fn takes_what_is_asked_for_and_there_and_else_plain() {
         for isa in Isa::ALL {
             let expected = if isa.is_available() { isa } else { Isa::Plain };
-            assert_eq!(Isa::chosen(Some(isa.as_str())), expected);
+            assert_eq!(Isa::choose(Some(isa.as_str())), expected);
         }
-        assert_eq!(Isa::chosen(Some("mmx")), Isa::Plain);
-        assert_eq!(Isa::chosen(Some("AVX2")), Isa::Plain);
+        assert_eq!(Isa::choose(Some("mmx")), Isa::Plain);
+        assert_eq!(Isa::choose(Some("AVX2")), Isa::Plain);
     }
 }

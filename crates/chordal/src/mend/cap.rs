@@ -48,9 +48,9 @@ fn is_flat(points: &[[f64; 3]]) -> bool {
 }
 
 /// What a triangulation costs: triangles without area, then how often it folds back on itself, then its area.
-type Cost = (u32, u32, f64);
+type TriangulationCost = (u32, u32, f64);
 
-fn plus(a: Cost, b: Cost) -> Cost {
+fn plus(a: TriangulationCost, b: TriangulationCost) -> TriangulationCost {
     (a.0 + b.0, a.1 + b.1, a.2 + b.2)
 }
 
@@ -59,14 +59,14 @@ fn least_area(points: &[[f64; 3]], is_free: &dyn Fn(usize, usize) -> bool) -> Op
     let n = points.len();
     // A triangle folds where it faces against the loop as a whole.
     let up = loop_normal(points);
-    let cost = |t: [usize; 3]| -> Cost {
+    let cost = |t: [usize; 3]| -> TriangulationCost {
         let [a, b, c] = t.map(|i| points[i]);
         let folds = face_normal([a, b, c]).is_some_and(|normal| dot(normal, up) < 0.0);
         let flat = has_zero_area([a, b, c]);
         (u32::from(flat), u32::from(folds), length(cross(difference(b, a), difference(c, a))))
     };
     // The best of the part from corner i to corner j, which ends with the chord between them, and its third corner.
-    let mut best: Vec<Option<(Cost, usize)>> = vec![None; n * n];
+    let mut best: Vec<Option<(TriangulationCost, usize)>> = vec![None; n * n];
     for i in 0..n - 1 {
         best[i * n + i + 1] = Some(((0, 0, 0.0), i));
     }

@@ -1,10 +1,10 @@
 //! Drops faces without area, so that what was closed stays closed.
-use super::draft::{Draft, Face};
-use super::insert::{Cutter, Insertion};
-use super::mended::{Mended, begin};
+use super::cut_faces::{FaceCutter, VertexInsertion};
+use super::mend_builder::{MendBuilder, MendFace};
+use super::mended_mesh::{MendedMesh, check_limits};
 use super::weld::distance_up;
 use crate::Mesh;
-use crate::budget::{Bound, Evidence, Job, Reference, Stopped};
+use crate::budget::{Bound, Evidence, Job, JobError, Reference};
 use crate::check::{Finding, Witness, has_zero_area};
 use crate::explicit::{Bvh, Topology, Twin, Twins, previous_in_face};
 use crate::math::{add_up, mul_up};
@@ -32,7 +32,7 @@ const ROUNDS: usize = 64;
 /// O(n log n).
 ///
 /// # Errors
-/// [`Stopped`] by a cancel or the memory limit.
+/// [`JobError`] by a cancel or the memory limit.
 ///
 /// ```
 /// use chordal::{Job, Mesh, check, explicit::Topology, mend};
@@ -44,21 +44,21 @@ const ROUNDS: usize = 64;
 /// assert_eq!(mended.bound.at_most(), Some(0.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn drop_degenerate(mesh: &Mesh, topology: Topology, job: &Job) -> Result<Mended, Stopped> {
-    begin(mesh, job)?;
+pub fn drop_degenerate(mesh: &Mesh, topology: Topology, job: &Job) -> Result<MendedMesh, JobError> {
+    check_limits(mesh, job)?;
     let mut dropped = Finding::default();
     for face in (0..mesh.faces().len() as u32).filter(|&face| has_zero_area(mesh.corners(face as usize))) {
         dropped.add(|| Witness::face(mesh, face));
     }
     if dropped.is_none() {
-        return Ok(Mended::unchanged(mesh));
+        return Ok(MendedMesh::unchanged(mesh));
     }
     let mut made = None;
     for _ in 0..ROUNDS {
         if job.is_cancelled() {
-            return Err(Stopped::Cancelled);
+            return Err(JobError::Cancelled);
         }
-        let Some(next) = round(made.as_ref().unwrap_or(mesh), topology)? else { break };
+        let Some(next) = drop_pass(made.as_ref().unwrap_or(mesh), topology)? else { break };
         made = Some(next);
     }
     let made = made.unwrap_or_else(|| mesh.clone());
@@ -68,13 +68,13 @@ pub fn drop_degenerate(mesh: &Mesh, topology: Topology, job: &Job) -> Result<Men
     }
     // No round makes more faces without area than it drops.
     dropped.count = dropped.count.saturating_sub(left.count);
-    let bound = bound(mesh, &made, job)?;
+    let bound = coverage_bound(mesh, &made, job)?;
     let changes = [("dropped_faces", dropped), ("left_faces", left)];
-    Ok(Mended { bound, ..Mended::exact(made, changes) })
+    Ok(MendedMesh { bound, ..MendedMesh::exact(made, changes) })
 }
 
 /// The mesh with the faces dropped that can be at once; `None` when none can.
-fn round(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, Stopped> {
+fn drop_pass(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, JobError> {
     let ids = topology.ids(mesh);
     let id = |row: u32| ids.as_ref().map_or(row, |ids| ids[row as usize]);
     let twins = Twins::with_ids(mesh, ids.as_deref());
@@ -84,7 +84,7 @@ fn round(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, Stopped> {
         .map(|face| if is_flat[face as usize] { longest_edge(mesh, face) } else { None })
         .collect();
     // 1. What goes, and what is inserted for it across its longest edge.
-    let mut insertions: Vec<Insertion> = Vec::new();
+    let mut insertions: Vec<VertexInsertion> = Vec::new();
     let mut goes = vec![false; mesh.faces().len()];
     for face in (0..n_faces).filter(|&face| is_flat[face as usize]) {
         goes[face as usize] = twins.get(3 * face) == Twin::Collapsed;
@@ -96,17 +96,17 @@ fn round(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, Stopped> {
                 let is_mutual = longest[t as usize / 3] == Some(t) && face < t / 3;
                 if !is_flat[t as usize / 3] || is_mutual {
                     goes[face as usize] = true;
-                    insertions.push(Insertion { half_edge: t, row: middle(mesh, h) });
+                    insertions.push(VertexInsertion { half_edge: t, row: opposite_row(mesh, h) });
                 }
             }
-            Twin::Crowded | Twin::Collapsed => {}
+            Twin::NonManifold | Twin::Collapsed => {}
         }
     }
     insertions.sort_unstable_by_key(|insertion| (insertion.half_edge, insertion.row));
     // 2. The faces across are cut; where one cannot be, those that asked for it stay.
-    let mut draft = Draft::without_faces(mesh);
-    let mut cutter = Cutter::new(mesh, &id, &insertions, |face| goes[face as usize]);
-    let mut cut: BTreeMap<u32, Vec<Face>> = BTreeMap::new();
+    let mut draft = MendBuilder::without_faces(mesh);
+    let mut cutter = FaceCutter::new(mesh, &id, &insertions, |face| goes[face as usize]);
+    let mut cut: BTreeMap<u32, Vec<MendFace>> = BTreeMap::new();
     for of_face in insertions.chunk_by(|a, b| a.half_edge / 3 == b.half_edge / 3) {
         let face = of_face[0].half_edge / 3;
         if cutter.cut(face, of_face, &mut draft) {
@@ -127,7 +127,7 @@ fn round(mesh: &Mesh, topology: Topology) -> Result<Option<Mesh>, Stopped> {
     for face in (0..n_faces).filter(|&face| !goes[face as usize]) {
         match cut.remove(&face) {
             Some(faces) => draft.faces.extend(faces),
-            None => draft.faces.push(Face::kept(mesh, face)),
+            None => draft.faces.push(MendFace::from_mesh(mesh, face)),
         }
     }
     draft.finish().map(Some)
@@ -151,28 +151,28 @@ fn longest_side(corners: [[f64; 3]; 3]) -> Option<usize> {
 }
 
 /// The row across the face from a half-edge.
-fn middle(mesh: &Mesh, half_edge: u32) -> u32 {
+fn opposite_row(mesh: &Mesh, half_edge: u32) -> u32 {
     let h = previous_in_face(half_edge);
     mesh.faces()[h as usize / 3][h as usize % 3]
 }
 
 /// A point by which equal coordinates are found.
-type Key = [u64; 3];
+type PointBits = [u64; 3];
 
-fn key(p: [f64; 3]) -> Key {
+fn point_bits(p: [f64; 3]) -> PointBits {
     p.map(|x| (x + 0.0).to_bits())
 }
 
 /// How far what the flat faces of `mesh` covered is from what is left. Faces that were cut cover what they did.
-fn bound(mesh: &Mesh, made: &Mesh, job: &Job) -> Result<Bound, Stopped> {
+fn coverage_bound(mesh: &Mesh, made: &Mesh, job: &Job) -> Result<Bound, JobError> {
     let flat = || {
         let corners = (0..mesh.faces().len()).map(|face| mesh.corners(face));
         corners.filter(|corners| has_zero_area(*corners))
     };
-    let ends: BTreeSet<Key> = flat().flatten().map(key).collect();
-    let mut edges: BTreeSet<[Key; 2]> = BTreeSet::new();
+    let ends: BTreeSet<PointBits> = flat().flatten().map(point_bits).collect();
+    let mut edges: BTreeSet<[PointBits; 2]> = BTreeSet::new();
     for face in 0..made.faces().len() {
-        let corners = made.corners(face).map(key);
+        let corners = made.corners(face).map(point_bits);
         for [p, q] in [[0, 1], [1, 2], [2, 0], [0, 0]].map(|edge| edge.map(|k| corners[k])) {
             if ends.contains(&p) && ends.contains(&q) {
                 edges.extend([[p, q], [q, p], [p, p], [q, q]]);
@@ -182,7 +182,7 @@ fn bound(mesh: &Mesh, made: &Mesh, job: &Job) -> Result<Bound, Stopped> {
         }
     }
     let is_covered = |corners: [[f64; 3]; 3]| {
-        let [a, b, c] = corners.map(key);
+        let [a, b, c] = corners.map(point_bits);
         let sides = [[a, b], [b, c], [c, a]].map(|edge| edges.contains(&edge));
         // The longest side covers all of it, and so do the two others. Rounded lengths cannot tell which it is. Where no
         // corner is between the others, some are equal, and a side between two that are not is as long as any.

@@ -1,8 +1,8 @@
 //! Drops faces that have the three positions of an earlier one.
-use super::draft::{Draft, Face};
-use super::mended::{Mended, begin};
+use super::mend_builder::{MendBuilder, MendFace};
+use super::mended_mesh::{MendedMesh, check_limits};
 use crate::Mesh;
-use crate::budget::{Job, Stopped};
+use crate::budget::{Job, JobError};
 use crate::check::{Finding, Witness};
 use crate::explicit::Topology;
 
@@ -22,7 +22,7 @@ pub enum Duplicates {
 /// O(n log n) at worst; about 0.2 s for 1,000,000 triangles.
 ///
 /// # Errors
-/// [`Stopped`] by a cancel or the memory limit.
+/// [`JobError`] by a cancel or the memory limit.
 ///
 /// ```
 /// use chordal::{Job, Mesh, explicit::Topology, mend};
@@ -38,8 +38,8 @@ pub fn drop_duplicates(
     topology: Topology,
     which: Duplicates,
     job: &Job,
-) -> Result<Mended, Stopped> {
-    begin(mesh, job)?;
+) -> Result<MendedMesh, JobError> {
+    check_limits(mesh, job)?;
     let ids = topology.ids(mesh);
     let id = |row: u32| ids.as_ref().map_or(row, |ids| ids[row as usize]);
     let mut keys: Vec<([u32; 3], bool, u32)> = Vec::with_capacity(mesh.faces().len());
@@ -56,18 +56,18 @@ pub fn drop_duplicates(
     }
     repeats.sort_unstable();
     if repeats.is_empty() {
-        return Ok(Mended::unchanged(mesh));
+        return Ok(MendedMesh::unchanged(mesh));
     }
-    let mut draft = Draft::without_faces(mesh);
+    let mut draft = MendBuilder::without_faces(mesh);
     let mut found = Finding::default();
     let mut next = repeats.iter().peekable();
     for face in 0..mesh.faces().len() as u32 {
         match next.next_if(|repeat| repeat.0 == face) {
             Some(&(face, of)) => found.add(|| Witness::repeated(mesh, face, of)),
-            None => draft.faces.push(Face::kept(mesh, face)),
+            None => draft.faces.push(MendFace::from_mesh(mesh, face)),
         }
     }
-    Ok(Mended::exact(draft.finish()?, [("dropped_faces", found)]))
+    Ok(MendedMesh::exact(draft.finish()?, [("dropped_faces", found)]))
 }
 
 /// In ascending order, and whether that is an odd permutation.

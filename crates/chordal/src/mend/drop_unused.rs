@@ -1,15 +1,15 @@
 //! Drops vertices that no face names.
-use super::draft::Draft;
-use super::mended::{Mended, begin};
+use super::mend_builder::MendBuilder;
+use super::mended_mesh::{MendedMesh, check_limits};
 use crate::Mesh;
-use crate::budget::{Job, Stopped};
+use crate::budget::{Job, JobError};
 use crate::check::{Finding, Witness};
 
 /// Drops every row of the positions that no face names, and numbers the others anew in their order. The surface stays:
 /// bound 0. The change is `dropped_vertices`.
 ///
 /// # Errors
-/// [`Stopped`] by a cancel or the memory limit.
+/// [`JobError`] by a cancel or the memory limit.
 ///
 /// ```
 /// use chordal::{Job, Mesh, mend};
@@ -18,8 +18,8 @@ use crate::check::{Finding, Witness};
 /// assert_eq!((mended.mesh.faces()[0], mended.count("dropped_vertices")), ([0, 1, 2], 1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn drop_unused(mesh: &Mesh, job: &Job) -> Result<Mended, Stopped> {
-    begin(mesh, job)?;
+pub fn drop_unused(mesh: &Mesh, job: &Job) -> Result<MendedMesh, JobError> {
+    check_limits(mesh, job)?;
     let mut used = vec![false; mesh.positions().len()];
     mesh.faces().as_flattened().iter().for_each(|&row| used[row as usize] = true);
     let mut dropped = Finding::default();
@@ -27,14 +27,14 @@ pub fn drop_unused(mesh: &Mesh, job: &Job) -> Result<Mended, Stopped> {
         dropped.add(|| Witness::vertex(mesh, row));
     }
     if dropped.is_none() {
-        return Ok(Mended::unchanged(mesh));
+        return Ok(MendedMesh::unchanged(mesh));
     }
-    Ok(Mended::exact(with_rows(mesh, &used)?, [("dropped_vertices", dropped)]))
+    Ok(MendedMesh::exact(with_rows(mesh, &used)?, [("dropped_vertices", dropped)]))
 }
 
 /// The mesh with those rows only, which are all that its faces name.
-fn with_rows(mesh: &Mesh, keep: &[bool]) -> Result<Mesh, Stopped> {
-    let mut draft = Draft::without_faces(mesh);
+fn with_rows(mesh: &Mesh, keep: &[bool]) -> Result<Mesh, JobError> {
+    let mut draft = MendBuilder::without_faces(mesh);
     let mut number = Vec::with_capacity(keep.len());
     let mut next = 0;
     for &keep in keep {
@@ -43,7 +43,7 @@ fn with_rows(mesh: &Mesh, keep: &[bool]) -> Result<Mesh, Stopped> {
     }
     let mut kept = keep.iter();
     draft.rows.retain(|_| kept.next().copied().unwrap_or(false));
-    draft.keep_all();
+    draft.add_all_faces();
     draft.faces.iter_mut().for_each(|face| face.rows = face.rows.map(|row| number[row as usize]));
     draft.finish()
 }

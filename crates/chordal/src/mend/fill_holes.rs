@@ -1,17 +1,17 @@
 //! Fills what boundary loops leave open.
 use super::cap::{cap, loop_normal};
-use super::draft::{Blend, Draft, Face, Row};
-use super::mended::{Mended, begin};
+use super::mend_builder::{AttributeSource, MendBuilder, MendFace, MendRow};
+use super::mended_mesh::{MendedMesh, check_limits};
 use crate::Mesh;
-use crate::budget::{Job, Metric, Stopped};
-use crate::check::{Finding, Witness, boundary_string, has_zero_area};
-use crate::explicit::{Sets, Topology, Twin, Twins, face_normal, next_in_face};
+use crate::budget::{Job, JobError, Metric};
+use crate::check::{Finding, Witness, boundary_path, has_zero_area};
+use crate::explicit::{DisjointSets, Topology, Twin, Twins, face_normal, next_in_face};
 use crate::math::{Orientation, dot, orient3d};
 use std::collections::BTreeSet;
 
 /// Which holes are filled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Holes {
+pub enum HoleSelection {
     /// All. Of an open sheet the rim is a hole as well, unless the sheet is flat.
     All,
     /// Those with at most so many edges.
@@ -41,48 +41,56 @@ pub enum Holes {
 /// Linear in the mesh; n³ for a loop of n ≤ 64 edges, n log n for a longer one.
 ///
 /// # Errors
-/// [`Stopped`] by a cancel or the memory limit.
+/// [`JobError`] by a cancel or the memory limit.
 ///
 /// ```
 /// use chordal::{Job, Mesh, check, explicit::Topology, mend};
 /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 /// let open = Mesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3]])?;
-/// let mended = mend::fill_holes(&open, Topology::Indices, mend::Holes::UpTo(3), &Job::default())?;
+/// let mended = mend::fill_holes(&open, Topology::Indices, mend::HoleSelection::UpTo(3), &Job::default())?;
 /// assert_eq!(mended.mesh.faces()[3], [3, 2, 0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn fill_holes(mesh: &Mesh, topology: Topology, holes: Holes, job: &Job) -> Result<Mended, Stopped> {
-    begin(mesh, job)?;
+pub fn fill_holes(
+    mesh: &Mesh,
+    topology: Topology,
+    holes: HoleSelection,
+    job: &Job,
+) -> Result<MendedMesh, JobError> {
+    check_limits(mesh, job)?;
     let ids = topology.ids(mesh);
     let id = |row: u32| ids.as_ref().map_or(row, |ids| ids[row as usize]);
     let twins = Twins::with_ids(mesh, ids.as_deref());
-    let rim = Rim { mesh, twins: &twins, id: &id };
+    let rim = MeshBoundary { mesh, twins: &twins, id: &id };
     let (loops, mut kept) = rim.loops();
-    let sheets = Sheets::of(mesh, &twins);
+    let sheets = FlatComponents::new(mesh, &twins);
     let most = match holes {
-        Holes::All => usize::MAX,
-        Holes::UpTo(most) => most,
+        HoleSelection::All => usize::MAX,
+        HoleSelection::UpTo(most) => most,
     };
-    let mut edges = rim.edges_between_rows_of(&loops);
-    let mut draft = Draft::without_faces(mesh);
-    draft.keep_all();
+    let mut edges = rim.edges_on_loops(&loops);
+    let mut draft = MendBuilder::without_faces(mesh);
+    draft.add_all_faces();
     let (n_faces, n_rows) = (draft.faces.len(), draft.rows.len());
     let mut filled = Finding::default();
     let (mut added_faces, mut added_vertices) = (Finding::default(), Finding::default());
     for hole in loops {
         if job.is_cancelled() {
-            return Err(Stopped::Cancelled);
+            return Err(JobError::Cancelled);
         }
         let first = hole[0];
-        if hole.len() > most || sheets.has_as_rim(&hole, mesh) || !rim.fill(&hole, &mut edges, &mut draft) {
+        if hole.len() > most
+            || sheets.has_as_outer_boundary(&hole, mesh)
+            || !rim.fill(&hole, &mut edges, &mut draft)
+        {
             kept.push(first);
             continue;
         }
         filled.add(|| Witness::edge(mesh, &[first]));
     }
-    let left = rim.strings_of(&kept);
+    let left = rim.chains_of(&kept);
     if filled.is_none() {
-        return Ok(Mended::exact(mesh.clone(), [("left_holes", left)]));
+        return Ok(MendedMesh::exact(mesh.clone(), [("left_holes", left)]));
     }
     let (new_faces, new_rows) = (n_faces..draft.faces.len(), n_rows..draft.rows.len());
     let made = draft.finish()?;
@@ -94,28 +102,28 @@ pub fn fill_holes(mesh: &Mesh, topology: Topology, holes: Holes, job: &Job) -> R
         ("added_vertices", added_vertices),
         ("left_holes", left),
     ];
-    let mut mended = Mended::exact(made, changes);
+    let mut mended = MendedMesh::exact(made, changes);
     mended.bound.metric = Metric::OneSided;
     Ok(mended)
 }
 
 /// Which pieces of a mesh are flat: those that hang together by edges, and lie in one plane exactly.
-struct Sheets {
+struct FlatComponents {
     /// The first face of each face's piece, or another one that stands for it.
     root: Vec<u32>,
     is_flat: Vec<bool>,
 }
 
-impl Sheets {
-    fn of(mesh: &Mesh, twins: &Twins) -> Self {
+impl FlatComponents {
+    fn new(mesh: &Mesh, twins: &Twins) -> Self {
         let n = mesh.faces().len();
-        let mut pieces = Sets::new(n);
+        let mut pieces = DisjointSets::new(n);
         for h in 0..twins.len() as u32 {
             if let Twin::Pair(t) | Twin::Flipped(t) = twins.get(h) {
-                pieces.join(h / 3, t / 3);
+                pieces.union(h / 3, t / 3);
             }
         }
-        let root: Vec<u32> = (0..n as u32).map(|face| pieces.root(face)).collect();
+        let root: Vec<u32> = (0..n as u32).map(|face| pieces.find(face)).collect();
         let corners = |face: usize| mesh.faces()[face].map(|row| mesh.positions()[row as usize]);
         let (mut plane, mut is_flat) = (vec![None; n], vec![true; n]);
         for face in (0..n).filter(|face| !has_zero_area(corners(*face))) {
@@ -132,7 +140,7 @@ impl Sheets {
 
     /// Whether the loop is the outer rim of a flat piece: it runs around it the same way as the faces do, and a hole in
     /// it the other way. What fills a rim lies on the faces.
-    fn has_as_rim(&self, hole: &[u32], mesh: &Mesh) -> bool {
+    fn has_as_outer_boundary(&self, hole: &[u32], mesh: &Mesh) -> bool {
         let face = hole[0] / 3;
         if !self.is_flat[self.root[face as usize] as usize] {
             return false;
@@ -145,13 +153,13 @@ impl Sheets {
 }
 
 /// The boundary of a mesh.
-struct Rim<'a> {
+struct MeshBoundary<'a> {
     mesh: &'a Mesh,
     twins: &'a Twins,
     id: &'a dyn Fn(u32) -> u32,
 }
 
-impl Rim<'_> {
+impl MeshBoundary<'_> {
     fn row(&self, h: u32) -> u32 {
         self.mesh.faces()[h as usize / 3][h as usize % 3]
     }
@@ -162,13 +170,13 @@ impl Rim<'_> {
 
     /// The boundary half-edge that goes on where this one ends, around the fan there; `None` where the fan does not end
     /// at the boundary, or its faces do not agree.
-    fn after(&self, h: u32) -> Option<u32> {
+    fn next_boundary(&self, h: u32) -> Option<u32> {
         let mut next = next_in_face(h);
         loop {
             match self.twins.get(next) {
                 Twin::Boundary => return Some(next),
                 Twin::Pair(t) => next = next_in_face(t),
-                Twin::Flipped(_) | Twin::Crowded | Twin::Collapsed => return None,
+                Twin::Flipped(_) | Twin::NonManifold | Twin::Collapsed => return None,
             }
         }
     }
@@ -184,14 +192,14 @@ impl Rim<'_> {
             }
             let mut string = vec![start];
             seen[start as usize] = true;
-            let mut next = self.after(start);
+            let mut next = self.next_boundary(start);
             while let Some(h) = next.filter(|&h| !seen[h as usize]) {
                 seen[h as usize] = true;
                 string.push(h);
-                next = self.after(h);
+                next = self.next_boundary(h);
             }
             if next == Some(start) {
-                self.split(&string, &mut place, &mut loops);
+                self.split_at_repeats(&string, &mut place, &mut loops);
             } else {
                 broken.push(start);
             }
@@ -200,20 +208,20 @@ impl Rim<'_> {
     }
 
     /// The strings that hold one of these half-edges at least, each once.
-    fn strings_of(&self, some: &[u32]) -> Finding {
+    fn chains_of(&self, some: &[u32]) -> Finding {
         let mut found = Finding::default();
         let mut seen = vec![false; if some.is_empty() { 0 } else { self.twins.len() }];
         for &h in some {
             if !seen[h as usize] {
                 found.add(|| Witness::edge(self.mesh, &[h]));
-                boundary_string(self.twins, h).into_iter().for_each(|h| seen[h as usize] = true);
+                boundary_path(self.twins, h).into_iter().for_each(|h| seen[h as usize] = true);
             }
         }
         found
     }
 
     /// Cuts a loop where it comes back to a position. `place` is all `u32::MAX`, before and after.
-    fn split(&self, string: &[u32], place: &mut [u32], loops: &mut Vec<Vec<u32>>) {
+    fn split_at_repeats(&self, string: &[u32], place: &mut [u32], loops: &mut Vec<Vec<u32>>) {
         let mut open: Vec<u32> = Vec::new();
         for &h in string {
             let here = self.origin(h);
@@ -231,7 +239,7 @@ impl Rim<'_> {
     }
 
     /// All edges with both ends on a loop.
-    fn edges_between_rows_of(&self, loops: &[Vec<u32>]) -> BTreeSet<[u32; 2]> {
+    fn edges_on_loops(&self, loops: &[Vec<u32>]) -> BTreeSet<[u32; 2]> {
         let mut on_loop = vec![false; self.mesh.positions().len()];
         loops.iter().flatten().for_each(|&h| on_loop[self.origin(h) as usize] = true);
         let mut edges = BTreeSet::new();
@@ -247,7 +255,7 @@ impl Rim<'_> {
     }
 
     /// Adds the faces of one hole and remembers their edges; false where it cannot be filled.
-    fn fill(&self, hole: &[u32], edges: &mut BTreeSet<[u32; 2]>, draft: &mut Draft) -> bool {
+    fn fill(&self, hole: &[u32], edges: &mut BTreeSet<[u32; 2]>, draft: &mut MendBuilder) -> bool {
         if hole.len() < 3 {
             return false;
         }
@@ -258,10 +266,10 @@ impl Rim<'_> {
             around.iter().map(|&h| self.mesh.positions()[self.row(h) as usize]).collect();
         let edge = |i: usize, j: usize| if ids[i] < ids[j] { [ids[i], ids[j]] } else { [ids[j], ids[i]] };
         let source = hole[0] / 3;
-        let corner = |i: usize| (self.row(around[i]), Blend::of(around[i]));
-        let mut push = |corners: [(u32, Blend); 3]| {
+        let corner = |i: usize| (self.row(around[i]), AttributeSource::from_row(around[i]));
+        let mut push = |corners: [(u32, AttributeSource); 3]| {
             let (rows, corners) = (corners.map(|c| c.0), corners.map(|c| c.1));
-            draft.faces.push(Face { rows, source, corners });
+            draft.faces.push(MendFace { rows, source, corners });
         };
         if let Some(triangles) = cap(&points, &|i, j| !edges.contains(&edge(i, j))) {
             for t in triangles {
@@ -280,15 +288,15 @@ impl Rim<'_> {
         let number = draft.rows.len() as u32;
         let middle = (number, corner(0).1);
         for i in 0..points.len() {
-            let (rows, corners): (Vec<u32>, Vec<Blend>) =
+            let (rows, corners): (Vec<u32>, Vec<AttributeSource>) =
                 [corner(i), corner((i + 1) % points.len()), middle].into_iter().unzip();
-            draft.faces.push(Face {
+            draft.faces.push(MendFace {
                 rows: [rows[0], rows[1], rows[2]],
                 source,
                 corners: [corners[0], corners[1], corners[2]],
             });
         }
-        draft.add_row(Row { at, label: number, source: Blend::of(self.row(around[0])) });
+        draft.add_row(MendRow { at, label: number, source: AttributeSource::from_row(self.row(around[0])) });
         true
     }
 }

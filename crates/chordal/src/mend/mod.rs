@@ -7,19 +7,19 @@
 //! use chordal::{Job, Mesh, check, explicit::Topology, mend};
 //! let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 //! let open = Mesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3]])?;
-//! let mended = mend::fill_holes(&open, Topology::Indices, mend::Holes::All, &Job::default())?;
+//! let mended = mend::fill_holes(&open, Topology::Indices, mend::HoleSelection::All, &Job::default())?;
 //! assert_eq!((mended.count("filled_holes"), mended.count("added_faces")), (1, 1));
 //! assert!(check::validity(&mended.mesh, Topology::Indices).closed);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 mod cap;
-mod draft;
+mod cut_faces;
 mod drop_degenerate;
 mod drop_duplicates;
 mod drop_unused;
 mod fill_holes;
-mod insert;
-mod mended;
+mod mend_builder;
+mod mended_mesh;
 mod orient;
 mod radial;
 mod resolve_t_junctions;
@@ -29,8 +29,8 @@ mod weld;
 pub use drop_degenerate::drop_degenerate;
 pub use drop_duplicates::{Duplicates, drop_duplicates};
 pub use drop_unused::drop_unused;
-pub use fill_holes::{Holes, fill_holes};
-pub use mended::{Change, Mended};
+pub use fill_holes::{HoleSelection, fill_holes};
+pub use mended_mesh::{MendChange, MendedMesh};
 pub use orient::orient;
 pub use resolve_t_junctions::resolve_t_junctions;
 pub use split_non_manifold::split_non_manifold;

@@ -1,10 +1,10 @@
 //! Turns faces so that neighbours agree on which side is out, and closed pieces have their outside out.
-use super::draft::{Draft, Face};
-use super::mended::{Mended, begin, refused};
+use super::mend_builder::{MendBuilder, MendFace};
+use super::mended_mesh::{MendedMesh, check_limits, refusal};
 use crate::Mesh;
-use crate::budget::{Code, Job, Stopped};
-use crate::check::{Facing, Finding, Surface, Witness};
-use crate::explicit::{Sets, Topology, Twin, Twins};
+use crate::budget::{Job, JobError, RefusalCode};
+use crate::check::{Facing, Finding, MeshConnectivity, Witness};
+use crate::explicit::{DisjointSets, Topology, Twin, Twins};
 
 /// Turns faces, piece by piece: a *piece* hangs together by edges with exactly two faces.
 ///
@@ -20,7 +20,7 @@ use crate::explicit::{Sets, Topology, Twin, Twins};
 /// Linear; with several closed components that enclose each other, a tree of boxes and some microseconds each.
 ///
 /// # Errors
-/// [`Stopped`] by a cancel or the memory limit.
+/// [`JobError`] by a cancel or the memory limit.
 ///
 /// ```
 /// use chordal::{Job, Mesh, check, explicit::Topology, mend};
@@ -31,87 +31,87 @@ use crate::explicit::{Sets, Topology, Twin, Twins};
 /// assert!(check::measure(&mended.mesh).signed_volume > 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn orient(mesh: &Mesh, topology: Topology, job: &Job) -> Result<Mended, Stopped> {
-    begin(mesh, job)?;
+pub fn orient(mesh: &Mesh, topology: Topology, job: &Job) -> Result<MendedMesh, JobError> {
+    check_limits(mesh, job)?;
     let ids = topology.ids(mesh);
     let twins = Twins::with_ids(mesh, ids.as_deref());
-    let mut sides = Sides { turned: vec![false; mesh.faces().len()], pieces: Vec::new() };
-    sides.agree(&twins);
+    let mut sides = FaceFlips { flipped: vec![false; mesh.faces().len()], components: Vec::new() };
+    sides.make_consistent(&twins);
     if job.is_cancelled() {
-        return Err(Stopped::Cancelled);
+        return Err(JobError::Cancelled);
     }
     sides.face_outwards(mesh, topology, (&twins, job))?;
     let mut unorientable = Finding::default();
-    for piece in sides.pieces.iter().filter(|piece| !piece.is_orientable) {
+    for piece in sides.components.iter().filter(|piece| !piece.is_orientable) {
         unorientable.add(|| Witness::face(mesh, piece.faces[0]));
     }
     let mut turned = Finding::default();
-    for (face, _) in (0..).zip(&sides.turned).filter(|(_, turned)| **turned) {
+    for (face, _) in (0..).zip(&sides.flipped).filter(|(_, turned)| **turned) {
         turned.add(|| Witness::face(mesh, face));
     }
     let changes = [("left_unorientable", unorientable), ("turned_faces", turned)];
     if changes[1].1.is_none() {
-        return Ok(Mended::exact(mesh.clone(), changes));
+        return Ok(MendedMesh::exact(mesh.clone(), changes));
     }
-    let mut draft = Draft::without_faces(mesh);
-    for (face, &turned) in (0..).zip(&sides.turned) {
-        let kept = Face::kept(mesh, face);
-        draft.faces.push(if turned { kept.turned() } else { kept });
+    let mut draft = MendBuilder::without_faces(mesh);
+    for (face, &turned) in (0..).zip(&sides.flipped) {
+        let kept = MendFace::from_mesh(mesh, face);
+        draft.faces.push(if turned { kept.flipped() } else { kept });
     }
-    Ok(Mended::exact(draft.finish()?, changes))
+    Ok(MendedMesh::exact(draft.finish()?, changes))
 }
 
 /// Faces that hang together by edges with two faces.
-struct Piece {
+struct OrientableComponent {
     /// Ascending.
     faces: Vec<u32>,
     is_orientable: bool,
 }
 
 /// Which faces are to be turned.
-struct Sides {
-    turned: Vec<bool>,
-    pieces: Vec<Piece>,
+struct FaceFlips {
+    flipped: Vec<bool>,
+    components: Vec<OrientableComponent>,
 }
 
-impl Sides {
+impl FaceFlips {
     /// Finds the pieces, and makes the faces of each agree.
-    fn agree(&mut self, twins: &Twins) {
-        let mut seen = vec![false; self.turned.len()];
-        for start in 0..self.turned.len() as u32 {
+    fn make_consistent(&mut self, twins: &Twins) {
+        let mut seen = vec![false; self.flipped.len()];
+        for start in 0..self.flipped.len() as u32 {
             if seen[start as usize] || twins.get(3 * start) == Twin::Collapsed {
                 continue;
             }
-            let piece = self.walk(start, twins, &mut seen);
-            let n_turned = piece.faces.iter().filter(|&&face| self.turned[face as usize]).count();
+            let piece = self.collect_component(start, twins, &mut seen);
+            let n_turned = piece.faces.iter().filter(|&&face| self.flipped[face as usize]).count();
             let all_back = !piece.is_orientable;
             let other_side = 2 * n_turned > piece.faces.len();
             for &face in piece.faces.iter().filter(|_| all_back || other_side) {
-                let turned = &mut self.turned[face as usize];
+                let turned = &mut self.flipped[face as usize];
                 *turned = !all_back && !*turned;
             }
-            self.pieces.push(piece);
+            self.components.push(piece);
         }
     }
 
     /// The piece of a face, with the faces turned that do not agree with it.
-    fn walk(&mut self, start: u32, twins: &Twins, seen: &mut [bool]) -> Piece {
-        let mut piece = Piece { faces: vec![start], is_orientable: true };
+    fn collect_component(&mut self, start: u32, twins: &Twins, seen: &mut [bool]) -> OrientableComponent {
+        let mut piece = OrientableComponent { faces: vec![start], is_orientable: true };
         seen[start as usize] = true;
         let mut next = 0;
         while let Some(&face) = piece.faces.get(next) {
             next += 1;
-            let turned = self.turned[face as usize];
+            let turned = self.flipped[face as usize];
             for h in 3 * face..3 * face + 3 {
                 let (neighbour, wanted) = match twins.get(h) {
                     Twin::Pair(t) => (t / 3, turned),
                     Twin::Flipped(t) => (t / 3, !turned),
-                    Twin::Boundary | Twin::Crowded | Twin::Collapsed => continue,
+                    Twin::Boundary | Twin::NonManifold | Twin::Collapsed => continue,
                 };
                 if !std::mem::replace(&mut seen[neighbour as usize], true) {
-                    self.turned[neighbour as usize] = wanted;
+                    self.flipped[neighbour as usize] = wanted;
                     piece.faces.push(neighbour);
-                } else if self.turned[neighbour as usize] != wanted {
+                } else if self.flipped[neighbour as usize] != wanted {
                     piece.is_orientable = false;
                 }
             }
@@ -126,33 +126,35 @@ impl Sides {
         mesh: &Mesh,
         topology: Topology,
         (twins, job): (&Twins, &Job),
-    ) -> Result<(), Stopped> {
+    ) -> Result<(), JobError> {
         let side =
             |(face, turned): (&[u32; 3], &bool)| if *turned { [face[0], face[2], face[1]] } else { *face };
-        let faces = mesh.faces().iter().zip(&self.turned).map(side).collect();
+        let faces = mesh.faces().iter().zip(&self.flipped).map(side).collect();
         let mut agreed = Mesh::new(mesh.positions().to_vec(), faces);
         if let Some(ids) = mesh.position_id() {
             agreed = agreed.and_then(|agreed| agreed.with_position_id(ids.to_vec()));
         }
         // The same rows and as many faces as those of a mesh that is one.
-        let agreed = agreed.map_err(|error| refused(Code::TooManyTriangles, error.to_string()))?;
-        let seen = Surface::new(&agreed, topology).components_under(job)?;
+        let agreed = agreed.map_err(|error| refusal(RefusalCode::TooManyTriangles, error.to_string()))?;
+        let seen = MeshConnectivity::new(&agreed, topology).components_under(job)?;
         let wrong = seen.into_iter().filter(|c| c.facing == Facing::InsideOut);
         let wrong: Vec<u32> = wrong.map(|component| component.first_face).collect();
         if wrong.is_empty() {
             return Ok(());
         }
         // A component may hold several pieces, which meet at edges with more than two faces.
-        let mut sets = Sets::new(self.turned.len());
+        let mut sets = DisjointSets::new(self.flipped.len());
         for h in 0..twins.len() as u32 {
             if let Twin::Pair(t) | Twin::Flipped(t) = twins.get(h) {
-                sets.join(h / 3, t / 3);
+                sets.union(h / 3, t / 3);
             }
         }
-        twins.crowded_edges().for_each(|edge| edge.windows(2).for_each(|h| sets.join(h[0] / 3, h[1] / 3)));
-        for (face, turned) in (0..).zip(&mut self.turned) {
+        twins
+            .non_manifold_edges()
+            .for_each(|edge| edge.windows(2).for_each(|h| sets.union(h[0] / 3, h[1] / 3)));
+        for (face, turned) in (0..).zip(&mut self.flipped) {
             // Components come in the order of their first faces.
-            *turned ^= wrong.binary_search(&sets.root(face)).is_ok();
+            *turned ^= wrong.binary_search(&sets.find(face)).is_ok();
         }
         Ok(())
     }

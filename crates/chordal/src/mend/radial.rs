@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 
 /// A face along an edge from `a` to `b`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Leaf {
+pub(super) struct RadialFace {
     pub half_edge: u32,
     /// Its third corner.
     pub apex: [f64; 3],
@@ -15,8 +15,8 @@ pub(super) struct Leaf {
 
 /// Pairs of half-edges whose faces have a wedge of inside between them, with no other face in it that could be paired.
 /// So of two solids that touch along the edge, each gets its own two faces.
-pub(super) fn pairs(edge: [[f64; 3]; 2], leaves: &mut [Leaf]) -> Vec<[u32; 2]> {
-    sort(edge, leaves);
+pub(super) fn pair_faces(edge: [[f64; 3]; 2], leaves: &mut [RadialFace]) -> Vec<[u32; 2]> {
+    sort_by_angle(edge, leaves);
     let mut made = Vec::new();
     // Going round by growing angle, inside starts at a face that runs down and ends at one that runs up, as brackets do.
     let mut open: Vec<u32> = Vec::new();
@@ -37,7 +37,7 @@ pub(super) fn pairs(edge: [[f64; 3]; 2], leaves: &mut [Leaf]) -> Vec<[u32; 2]> {
 }
 
 /// Sorts by the angle around the edge, starting at the first leaf that has one; leaves at one angle stay as they are.
-fn sort([a, b]: [[f64; 3]; 2], leaves: &mut [Leaf]) {
+fn sort_by_angle([a, b]: [[f64; 3]; 2], leaves: &mut [RadialFace]) {
     let Some(first) = leaves.iter().map(|leaf| leaf.apex).find(|&apex| !is_collinear(a, b, apex)) else {
         return;
     };
@@ -75,7 +75,7 @@ mod tests {
     fn of_two_wedges_each_gets_its_own_faces_wherever_the_order_starts() {
         // Around the z axis: inside from 0° to 90° and from 180° to 270°.
         let edge = [[0.0; 3], [0.0, 0.0, 1.0]];
-        let leaf = |half_edge, x: f64, y: f64, is_up| Leaf { half_edge, apex: [x, y, 0.5], is_up };
+        let leaf = |half_edge, x: f64, y: f64, is_up| RadialFace { half_edge, apex: [x, y, 0.5], is_up };
         let all = [
             leaf(1, 1.0, 0.0, false),
             leaf(2, 0.0, 1.0, true),
@@ -85,11 +85,11 @@ mod tests {
         for shift in 0..4 {
             let mut leaves = all;
             leaves.rotate_left(shift);
-            let mut found = pairs(edge, &mut leaves);
+            let mut found = pair_faces(edge, &mut leaves);
             found.sort_unstable();
             assert_eq!(found, [[1, 2], [3, 4]], "shift {shift}");
         }
         let mut fin = [all[0], all[1], leaf(5, 1.0, 1.0, true)];
-        assert_eq!(pairs(edge, &mut fin), [[1, 5]]);
+        assert_eq!(pair_faces(edge, &mut fin), [[1, 5]]);
     }
 }

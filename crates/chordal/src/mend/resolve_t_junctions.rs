@@ -1,10 +1,10 @@
 //! Makes vertices in the middle of an edge corners of the face there.
-use super::draft::{Draft, Face};
-use super::insert::{Cutter, Insertion};
-use super::mended::{Mended, begin};
+use super::cut_faces::{FaceCutter, VertexInsertion};
+use super::mend_builder::{MendBuilder, MendFace};
+use super::mended_mesh::{MendedMesh, check_limits};
 use crate::Mesh;
-use crate::budget::{Job, Stopped, Tolerance};
-use crate::check::{Finding, Place, Surface, Witness, has_zero_area, vertices_in_edges};
+use crate::budget::{Job, JobError, Tolerance};
+use crate::check::{Finding, MeshConnectivity, MeshLocation, Witness, has_zero_area, vertices_in_edges};
 use crate::explicit::{Topology, next_in_face};
 use crate::math::{add_up, mul_up};
 
@@ -21,7 +21,7 @@ use crate::math::{add_up, mul_up};
 /// O(n log n) for n boundary edges that do not all pass through one small place.
 ///
 /// # Errors
-/// [`Stopped`] by a cancel or the memory limit.
+/// [`JobError`] by a cancel or the memory limit.
 ///
 /// ```
 /// use chordal::{Job, Mesh, check, explicit::Topology, mend};
@@ -37,31 +37,31 @@ pub fn resolve_t_junctions(
     topology: Topology,
     within: Option<Tolerance>,
     job: &Job,
-) -> Result<Mended, Stopped> {
-    begin(mesh, job)?;
+) -> Result<MendedMesh, JobError> {
+    check_limits(mesh, job)?;
     let ids = topology.ids(mesh);
     let id = |row: u32| ids.as_ref().map_or(row, |ids| ids[row as usize]);
-    let mut found: Vec<Insertion> = Vec::new();
-    vertices_in_edges(&Surface::new(mesh, topology), within, |row, half_edge| {
-        found.push(Insertion { half_edge, row })
+    let mut found: Vec<VertexInsertion> = Vec::new();
+    vertices_in_edges(&MeshConnectivity::new(mesh, topology), within, |row, half_edge| {
+        found.push(VertexInsertion { half_edge, row })
     });
     if found.is_empty() {
-        return Ok(Mended::unchanged(mesh));
+        return Ok(MendedMesh::unchanged(mesh));
     }
     found.sort_unstable_by_key(|insertion| (insertion.half_edge, insertion.row));
-    let mut cutter = Cutter::new(mesh, &id, &found, |_| false);
-    let mut draft = Draft::without_faces(mesh);
+    let mut cutter = FaceCutter::new(mesh, &id, &found, |_| false);
+    let mut draft = MendBuilder::without_faces(mesh);
     let (mut resolved, mut left) = (Finding::default(), Finding::default());
     let mut most = 0.0;
     let mut by_face = found.chunk_by(|a, b| a.half_edge / 3 == b.half_edge / 3).peekable();
     for face in 0..mesh.faces().len() as u32 {
         let Some(insertions) = by_face.next_if(|of_face| of_face[0].half_edge / 3 == face) else {
-            draft.faces.push(Face::kept(mesh, face));
+            draft.faces.push(MendFace::from_mesh(mesh, face));
             continue;
         };
         // A face without area would become several of them.
         let is_cut = if has_zero_area(mesh.corners(face as usize)) {
-            draft.faces.push(Face::kept(mesh, face));
+            draft.faces.push(MendFace::from_mesh(mesh, face));
             false
         } else {
             cutter.cut(face, insertions, &mut draft)
@@ -77,23 +77,23 @@ pub fn resolve_t_junctions(
     }
     let changes = [("resolved_t_junctions", resolved), ("left_t_junctions", left)];
     if changes[0].1.is_none() {
-        return Ok(Mended::exact(mesh.clone(), changes));
+        return Ok(MendedMesh::exact(mesh.clone(), changes));
     }
-    Mended::moved(draft.finish()?, changes, most)
+    MendedMesh::moved(draft.finish()?, changes, most)
 }
 
 fn ends(mesh: &Mesh, half_edge: u32) -> [u32; 2] {
     [half_edge, next_in_face(half_edge)].map(|h| mesh.faces()[h as usize / 3][h as usize % 3])
 }
 
-fn witness(mesh: &Mesh, &Insertion { half_edge, row }: &Insertion) -> Witness {
-    let place = Place::OnEdge { vertex: row, edge: ends(mesh, half_edge), face: half_edge / 3 };
+fn witness(mesh: &Mesh, &VertexInsertion { half_edge, row }: &VertexInsertion) -> Witness {
+    let place = MeshLocation::OnEdge { vertex: row, edge: ends(mesh, half_edge), face: half_edge / 3 };
     Witness { place, at: mesh.positions()[row as usize] }
 }
 
 /// How far a vertex is from its edge, from above: the distance to a point that is on the edge but for rounding, and
 /// what the rounding may be.
-fn distance_up(mesh: &Mesh, &Insertion { half_edge, row }: &Insertion) -> f64 {
+fn distance_up(mesh: &Mesh, &VertexInsertion { half_edge, row }: &VertexInsertion) -> f64 {
     let [a, b] = ends(mesh, half_edge).map(|row| mesh.positions()[row as usize]);
     let p = mesh.positions()[row as usize];
     let along: [f64; 3] = std::array::from_fn(|k| 0.5 * b[k] - 0.5 * a[k]);

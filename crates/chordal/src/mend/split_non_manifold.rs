@@ -1,11 +1,11 @@
 //! Takes a surface apart where more of it meets than can: at edges with three faces or more, at positions with several fans.
-use super::draft::{Blend, Draft, Face, Row};
-use super::mended::{Mended, begin};
-use super::radial::{Leaf, pairs};
+use super::mend_builder::{AttributeSource, MendBuilder, MendFace, MendRow};
+use super::mended_mesh::{MendedMesh, check_limits};
+use super::radial::{RadialFace, pair_faces};
 use crate::Mesh;
-use crate::budget::{Job, Stopped};
+use crate::budget::{Job, JobError};
 use crate::check::{Finding, Witness};
-use crate::explicit::{Sets, Topology, Twin, Twins, next_in_face, previous_in_face};
+use crate::explicit::{DisjointSets, Topology, Twin, Twins, next_in_face, previous_in_face};
 use std::collections::BTreeMap;
 
 /// Takes the surface apart where it is not manifold: afterwards no edge has more than two faces, and the faces at each
@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 /// Linear, but for a sort of the faces along each such edge.
 ///
 /// # Errors
-/// [`Stopped`] by a cancel or the memory limit.
+/// [`JobError`] by a cancel or the memory limit.
 ///
 /// ```
 /// use chordal::{Job, Mesh, check, explicit::Topology, mend};
@@ -34,18 +34,18 @@ use std::collections::BTreeMap;
 /// assert!(check::validity(&mended.mesh, Topology::Indices).manifold());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn split_non_manifold(mesh: &Mesh, topology: Topology, job: &Job) -> Result<Mended, Stopped> {
-    begin(mesh, job)?;
+pub fn split_non_manifold(mesh: &Mesh, topology: Topology, job: &Job) -> Result<MendedMesh, JobError> {
+    check_limits(mesh, job)?;
     let ids = topology.ids(mesh);
     let id = |row: u32| ids.as_ref().map_or(row, |ids| ids[row as usize]);
     let twins = Twins::with_ids(mesh, ids.as_deref());
     let corner_row = |h: u32| mesh.faces()[h as usize / 3][h as usize % 3];
-    let seams = Seams { mesh, twins: &twins, id: &|h| id(corner_row(h)) };
+    let seams = CornerFans { mesh, twins: &twins, id: &|h| id(corner_row(h)) };
     let fans = seams.fans(job)?;
 
     let mut split_edges = Finding::default();
-    twins.crowded_edges().for_each(|edge| split_edges.add(|| Witness::edge(mesh, edge)));
-    let mut draft = Draft::without_faces(mesh);
+    twins.non_manifold_edges().for_each(|edge| split_edges.add(|| Witness::edge(mesh, edge)));
+    let mut draft = MendBuilder::without_faces(mesh);
     draft.rows.iter_mut().zip(0..).for_each(|(row, i)| row.label = id(i));
     // 1. A label for each fan: the first at a position keeps that of the position.
     let n = mesh.positions().len() as u32;
@@ -57,7 +57,7 @@ pub fn split_non_manifold(mesh: &Mesh, topology: Topology, job: &Job) -> Result<
     let mut owner = vec![u32::MAX; n as usize];
     let mut copies: BTreeMap<(u32, u32), u32> = BTreeMap::new();
     for face in 0..mesh.faces().len() as u32 {
-        let mut made = Face::kept(mesh, face);
+        let mut made = MendFace::from_mesh(mesh, face);
         for k in 0..3 {
             let h = 3 * face + k as u32;
             if twins.get(h) == Twin::Collapsed {
@@ -80,21 +80,21 @@ pub fn split_non_manifold(mesh: &Mesh, topology: Topology, job: &Job) -> Result<
                 draft.rows[row as usize].label = *label;
             } else if *owner != fan {
                 let at = mesh.positions()[row as usize];
-                let copy = Row { at, label: *label, source: Blend::of(row) };
+                let copy = MendRow { at, label: *label, source: AttributeSource::from_row(row) };
                 made.rows[k] = *copies.entry((row, fan)).or_insert_with(|| draft.add_row(copy));
             }
         }
         draft.faces.push(made);
     }
     if split_vertices.is_none() && split_edges.is_none() {
-        return Ok(Mended::unchanged(mesh));
+        return Ok(MendedMesh::unchanged(mesh));
     }
     // 3. A face with two corners at one position belongs to no fan, and stays at the first.
     for face in draft.faces.iter_mut().filter(|face| twins.get(3 * face.source) == Twin::Collapsed) {
         for row in &mut face.rows {
             let (label, source) = (id(*row), *row);
             if draft.rows[source as usize].label != label {
-                let copy = Row { label, ..draft.rows[source as usize] };
+                let copy = MendRow { label, ..draft.rows[source as usize] };
                 *row = *copies.entry((source, u32::MAX)).or_insert_with(|| {
                     draft.rows.push(copy);
                     draft.rows.len() as u32 - 1
@@ -103,27 +103,27 @@ pub fn split_non_manifold(mesh: &Mesh, topology: Topology, job: &Job) -> Result<
         }
     }
     let changes = [("split_edges", split_edges), ("split_vertices", split_vertices)];
-    Ok(Mended::exact(draft.finish()?, changes))
+    Ok(MendedMesh::exact(draft.finish()?, changes))
 }
 
 /// What is needed to see which corners hang together.
-struct Seams<'a> {
+struct CornerFans<'a> {
     mesh: &'a Mesh,
     twins: &'a Twins,
     /// The position at which a half-edge starts.
     id: &'a dyn Fn(u32) -> u32,
 }
 
-impl Seams<'_> {
+impl CornerFans<'_> {
     /// For every corner, by the number of its half-edge, the first corner of its fan.
-    fn fans(&self, job: &Job) -> Result<Vec<u32>, Stopped> {
-        let crowded: Vec<&[u32]> = self.twins.crowded_edges().collect();
-        let mut partners: Vec<Vec<[u32; 2]>> = crowded.iter().map(|edge| self.partners(edge)).collect();
+    fn fans(&self, job: &Job) -> Result<Vec<u32>, JobError> {
+        let crowded: Vec<&[u32]> = self.twins.non_manifold_edges().collect();
+        let mut partners: Vec<Vec<[u32; 2]>> = crowded.iter().map(|edge| self.radial_pairs(edge)).collect();
         loop {
             if job.is_cancelled() {
-                return Err(Stopped::Cancelled);
+                return Err(JobError::Cancelled);
             }
-            let mut sets = Sets::new(self.twins.len());
+            let mut sets = DisjointSets::new(self.twins.len());
             for h in 0..self.twins.len() as u32 {
                 match self.twins.get(h) {
                     Twin::Pair(t) | Twin::Flipped(t) if t > h => self.join(&mut sets, h, t),
@@ -135,47 +135,47 @@ impl Seams<'_> {
             // apart along that edge: then each end has one fan for two of them at most.
             let mut is_done = true;
             for (edge, partners) in crowded.iter().zip(&mut partners) {
-                if !partners.is_empty() && self.is_crowded_still(edge, &mut sets) {
+                if !partners.is_empty() && self.is_still_non_manifold(edge, &mut sets) {
                     partners.clear();
                     is_done = false;
                 }
             }
             if is_done {
-                return Ok((0..self.twins.len() as u32).map(|h| sets.root(h)).collect());
+                return Ok((0..self.twins.len() as u32).map(|h| sets.find(h)).collect());
             }
         }
     }
 
-    fn join(&self, sets: &mut Sets, h: u32, t: u32) {
+    fn join(&self, sets: &mut DisjointSets, h: u32, t: u32) {
         let (h_end, t_end) = (next_in_face(h), next_in_face(t));
         if (self.id)(h) == (self.id)(t) {
-            sets.join(h, t);
-            sets.join(h_end, t_end);
+            sets.union(h, t);
+            sets.union(h_end, t_end);
         } else {
-            sets.join(h, t_end);
-            sets.join(h_end, t);
+            sets.union(h, t_end);
+            sets.union(h_end, t);
         }
     }
 
     /// The half-edges of a crowded edge that stay together.
-    fn partners(&self, edge: &[u32]) -> Vec<[u32; 2]> {
+    fn radial_pairs(&self, edge: &[u32]) -> Vec<[u32; 2]> {
         let [a, b] = [edge[0], next_in_face(edge[0])];
         let at = |h: u32| self.mesh.corners(h as usize / 3)[h as usize % 3];
-        let leaf = |&h: &u32| Leaf {
+        let leaf = |&h: &u32| RadialFace {
             half_edge: h,
             apex: at(previous_in_face(h)),
             is_up: (self.id)(h) == (self.id)(a),
         };
-        let mut leaves: Vec<Leaf> = edge.iter().map(leaf).collect();
-        pairs([at(a), at(b)], &mut leaves)
+        let mut leaves: Vec<RadialFace> = edge.iter().map(leaf).collect();
+        pair_faces([at(a), at(b)], &mut leaves)
     }
 
     /// Whether three of the half-edges still run between the same two fans.
-    fn is_crowded_still(&self, edge: &[u32], sets: &mut Sets) -> bool {
+    fn is_still_non_manifold(&self, edge: &[u32], sets: &mut DisjointSets) -> bool {
         let mut ends: Vec<[u32; 2]> = edge
             .iter()
             .map(|&h| {
-                let [a, b] = [h, next_in_face(h)].map(|corner| sets.root(corner));
+                let [a, b] = [h, next_in_face(h)].map(|corner| sets.find(corner));
                 if a < b { [a, b] } else { [b, a] }
             })
             .collect();

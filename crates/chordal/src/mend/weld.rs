@@ -1,7 +1,7 @@
 //! Makes vertices at one place one position.
-use super::mended::{Mended, begin, refused};
+use super::mended_mesh::{MendedMesh, check_limits, refusal};
 use crate::Mesh;
-use crate::budget::{Code, Job, Stopped, Tolerance};
+use crate::budget::{Job, JobError, RefusalCode, Tolerance};
 use crate::check::{Finding, PointTree, Witness};
 use crate::explicit::{Attribute, Domain, position_id_by_bits};
 use crate::math::Box3;
@@ -32,7 +32,7 @@ pub enum Weld {
 /// Linear when exact: 3,000,000 rows of 1,000,000 triangles in about 0.1 s on one core. O(n log n) within a tolerance.
 ///
 /// # Errors
-/// [`Stopped`] by a cancel or the memory limit.
+/// [`JobError`] by a cancel or the memory limit.
 ///
 /// ```
 /// use chordal::{Job, Mesh, Tolerance, mend::{Weld, weld}};
@@ -45,11 +45,11 @@ pub enum Weld {
 /// assert!(close.bound.at_most().is_some_and(|moved| (0.01..0.0101).contains(&moved)));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn weld(mesh: &Mesh, how: Weld, job: &Job) -> Result<Mended, Stopped> {
-    begin(mesh, job)?;
+pub fn weld(mesh: &Mesh, how: Weld, job: &Job) -> Result<MendedMesh, JobError> {
+    check_limits(mesh, job)?;
     let exact = position_id_by_bits(mesh.positions());
     let (ids, moved) = match how {
-        Weld::Exact => (exact, Moved { most: 0.0, at: None }),
+        Weld::Exact => (exact, LongestMove { most: 0.0, at: None }),
         Weld::Within(tolerance) => nearest_centres(mesh.positions(), exact, tolerance, job)?,
     };
     // A centre may come after the rows that are moved to it; from here the first row stands for a position.
@@ -65,24 +65,24 @@ pub fn weld(mesh: &Mesh, how: Weld, job: &Job) -> Result<Mended, Stopped> {
         }
     }
     let collapsed = collapsed_faces(mesh, &ids);
-    let look = first_of_look(mesh, first_of);
+    let look = first_with_attributes(mesh, first_of);
     let first_of_look = look.as_deref().unwrap_or(first_of);
     let mut merged = Finding::default();
     for (row, _) in (0..).zip(first_of_look).filter(|(row, first)| row != *first) {
         merged.add(|| Witness::vertex(mesh, row));
     }
     if welded.is_none() && merged.is_none() {
-        return Ok(Mended::unchanged(mesh));
+        return Ok(MendedMesh::unchanged(mesh));
     }
-    let made = rebuilt(mesh, &ids, [first_of, first_of_look])?;
+    let made = rebuild(mesh, &ids, [first_of, first_of_look])?;
     let changes = [("welded_vertices", welded), ("merged_rows", merged), ("collapsed_faces", collapsed)];
-    let mut mended = Mended::moved(made, changes, moved.most)?;
+    let mut mended = MendedMesh::moved(made, changes, moved.most)?;
     mended.bound.at = moved.at;
     Ok(mended)
 }
 
 /// The longest move, rounded up, and from where.
-struct Moved {
+struct LongestMove {
     most: f64,
     at: Option<[f64; 3]>,
 }
@@ -93,7 +93,7 @@ fn nearest_centres(
     exact: Vec<u32>,
     tolerance: Tolerance,
     job: &Job,
-) -> Result<(Vec<u32>, Moved), Stopped> {
+) -> Result<(Vec<u32>, LongestMove), JobError> {
     let firsts: Vec<u32> = (0..).zip(&exact).filter(|(row, id)| row == *id).map(|(row, _)| row).collect();
     let points: Vec<[f64; 3]> = firsts.iter().map(|&row| positions[row as usize].map(|x| x + 0.0)).collect();
     let mut order: Vec<u32> = (0..points.len() as u32).collect();
@@ -106,7 +106,7 @@ fn nearest_centres(
     let mut centre: Vec<Option<(f64, u32)>> = vec![None; points.len()];
     for (n, &i) in order.iter().enumerate() {
         if n % 4096 == 0 && job.is_cancelled() {
-            return Err(Stopped::Cancelled);
+            return Err(JobError::Cancelled);
         }
         if centre[i as usize].is_some() {
             continue;
@@ -121,12 +121,12 @@ fn nearest_centres(
         });
         centre[i as usize] = Some((0.0, i));
     }
-    let mut moved = Moved { most: 0.0, at: None };
+    let mut moved = LongestMove { most: 0.0, at: None };
     let mut id_of = vec![0; positions.len()];
     for (i, found) in centre.iter().enumerate() {
         let (distance, centre) = found.unwrap_or((0.0, i as u32));
         if distance > moved.most {
-            moved = Moved { most: distance, at: Some(points[i]) };
+            moved = LongestMove { most: distance, at: Some(points[i]) };
         }
         id_of[firsts[i] as usize] = firsts[centre as usize];
     }
@@ -138,7 +138,7 @@ pub(super) fn distance_up(a: [f64; 3], b: [f64; 3]) -> f64 {
     if a == b {
         return 0.0;
     }
-    Box3::around([&a, &b]).diagonal()
+    Box3::from_points([&a, &b]).diagonal()
 }
 
 /// Faces with two corners at one position that had three.
@@ -165,7 +165,7 @@ fn first_rows(ids: &[u32]) -> Vec<u32> {
 }
 
 /// For every row the first at its position with the same vertex attributes; `None` where there are none.
-fn first_of_look(mesh: &Mesh, first_of: &[u32]) -> Option<Vec<u32>> {
+fn first_with_attributes(mesh: &Mesh, first_of: &[u32]) -> Option<Vec<u32>> {
     let streams: Vec<&Attribute> =
         mesh.attributes().iter().filter(|attribute| attribute.domain == Domain::Vertex).collect();
     (!streams.is_empty()).then(|| same_rows(first_of, &streams))
@@ -173,7 +173,7 @@ fn first_of_look(mesh: &Mesh, first_of: &[u32]) -> Option<Vec<u32>> {
 
 /// The mesh with one row for each position and look, in the order of the first of each. A row's coordinates are those
 /// of its row in `ids`.
-fn rebuilt(mesh: &Mesh, ids: &[u32], [first_of, first_of_look]: [&[u32]; 2]) -> Result<Mesh, Stopped> {
+fn rebuild(mesh: &Mesh, ids: &[u32], [first_of, first_of_look]: [&[u32]; 2]) -> Result<Mesh, JobError> {
     // 1. Numbers for the rows that stay.
     let mut number = Vec::with_capacity(ids.len());
     let mut kept: Vec<u32> = Vec::new();
@@ -207,7 +207,7 @@ fn rebuilt(mesh: &Mesh, ids: &[u32], [first_of, first_of_look]: [&[u32]; 2]) -> 
         made = made.and_then(|made| made.with_attribute(Attribute { values, ..attribute.clone() }));
     }
     // Fewer rows than before, of valid ones.
-    made.map_err(|error| refused(Code::TooMuchMemory, error.to_string()))
+    made.map_err(|error| refusal(RefusalCode::TooMuchMemory, error.to_string()))
 }
 
 /// For every row the first with the same id and, bit for bit, the same attributes.

@@ -1,11 +1,12 @@
-//! A field in the plane as a drawing: tiles that are all one side by ranges, and pixels only along the outline.
-use super::color::light;
-use super::eye::Eye;
-use super::field::{FieldPicture, NotDrawn, Tile, assemble, each_tile, refused};
-use super::options::{Background, Options, Show, Viewpoint};
-use super::trace::{Sample, backdrop, ready};
+//! A field in the plane as a drawing: tiles that are all one side by ranges, and pixels only along the
+//! outline.
+use super::camera::RayGenerator;
+use super::color::srgb_to_linear;
+use super::field::{FieldPicture, FieldRenderError, ImageTile, assemble, each_tile, refusal};
+use super::options::{Background, RenderOptions, RenderStyle, Viewpoint};
+use super::trace::{PremultipliedColor, backdrop, ray_generator};
 use crate::budget::{Camera, Job, Projection, Screen};
-use crate::implicit::query::{Counts, contains, normals};
+use crate::implicit::query::{BeamCounts, contains, normals};
 use crate::implicit::{Field, LeafError, Tape};
 use crate::math::{Box3, Interval};
 use glam::DVec3;
@@ -23,12 +24,16 @@ const FRAMED: f64 = 0.92;
 /// The drawing of a field without z.
 ///
 /// Source: M. Keeter, *Massively parallel rendering of complex closed-form implicit surfaces*, 2020.
-pub(super) fn draw(field: &Field, options: &Options, job: &Job) -> Result<FieldPicture, NotDrawn> {
+pub(super) fn draw(
+    field: &Field,
+    options: &RenderOptions,
+    job: &Job,
+) -> Result<FieldPicture, FieldRenderError> {
     let camera = match options.viewpoint {
         Viewpoint::Camera(camera) => camera,
-        Viewpoint::Automatic(screen) => above(&field.bounds(), screen)?,
+        Viewpoint::Automatic(screen) => top_view_camera(&field.bounds(), screen)?,
     };
-    let eye = ready(&camera, options, job)?;
+    let eye = ray_generator(&camera, options, job)?;
     let straight = matches!(camera.projection, Projection::Orthographic { .. });
     let level = |at: [f64; 2]| {
         let d = eye.ray(at).direction;
@@ -36,17 +41,17 @@ pub(super) fn draw(field: &Field, options: &Options, job: &Job) -> Result<FieldP
     };
     if !straight || !level([0.0, 0.0]) {
         let message = "a field in the plane is drawn from straight above: give an orthographic view along z";
-        return Err(refused(message.to_owned()));
+        return Err(refusal(message.to_owned()));
     }
-    let sheet = Sheet { eye, options, screen: camera.screen };
-    let tiles = Tile::all(camera.screen, FIRST);
-    let tape = Tape::of(field.sign());
+    let sheet = DrawingRenderer { eye, options, screen: camera.screen };
+    let tiles = ImageTile::all(camera.screen, FIRST);
+    let tape = Tape::new(field.sign());
     let (bytes, counts) = each_tile(&tiles, job, |tile| sheet.tile(&tape, tile))?;
     Ok(FieldPicture { picture: assemble(camera.screen, &tiles, &bytes), camera, counts })
 }
 
 /// Parallel rays along −z onto the whole box.
-fn above(place: &Box3, screen: Screen) -> Result<Camera, NotDrawn> {
+fn top_view_camera(place: &Box3, screen: Screen) -> Result<Camera, FieldRenderError> {
     let finite = (0..2).all(|k| place.min[k].is_finite() && place.max[k].is_finite());
     // Drawings by rule are commonly made for this square where they do not say.
     let (min, max) = if finite { (place.min, place.max) } else { ([-1.0; 3], [1.0; 3]) };
@@ -56,7 +61,7 @@ fn above(place: &Box3, screen: Screen) -> Result<Camera, NotDrawn> {
     let by_width = size(0) * aspect;
     let height = if by_width > size(1) { by_width } else { size(1) } / framed;
     if !(height > 0.0 && height.is_finite()) {
-        return Err(refused(format!("the field's box {min:?} to {max:?} has no extent to show")));
+        return Err(refusal(format!("the field's box {min:?} to {max:?} has no extent to show")));
     }
     let middle = |k: usize| min[k] / 2.0 + max[k] / 2.0;
     Ok(Camera {
@@ -69,31 +74,31 @@ fn above(place: &Box3, screen: Screen) -> Result<Camera, NotDrawn> {
     })
 }
 
-struct Sheet<'a> {
-    eye: Eye,
-    options: &'a Options,
+struct DrawingRenderer<'a> {
+    eye: RayGenerator,
+    options: &'a RenderOptions,
     screen: Screen,
 }
 
 /// What a tile is, before it is drawn.
-struct Inked<'a> {
+struct TileCoverage<'a> {
     /// How much of each pixel is inside, row by row of the first tile.
     cover: &'a mut [f64],
     /// The gradient's direction where the inside is coloured by it.
     slopes: &'a mut [[f64; 2]],
-    first: Tile,
-    counts: Counts,
+    first: ImageTile,
+    counts: BeamCounts,
 }
 
-impl Sheet<'_> {
-    fn tile(&self, tape: &Tape, tile: Tile) -> Result<(Vec<u8>, Counts), LeafError> {
+impl DrawingRenderer<'_> {
+    fn tile(&self, tape: &Tape, tile: ImageTile) -> Result<(Vec<u8>, BeamCounts), LeafError> {
         let n = (tile.size[0] * tile.size[1]) as usize;
         let (mut cover, mut slopes) = (vec![0.0; n], vec![[0.0; 2]; n]);
-        let mut inked = Inked {
+        let mut inked = TileCoverage {
             cover: &mut cover,
             slopes: &mut slopes,
             first: tile,
-            counts: Counts { beams: n as u64, ..Counts::default() },
+            counts: BeamCounts { beams: n as u64, ..BeamCounts::default() },
         };
         self.divide(tape, tile, &mut inked)?;
         let counts = inked.counts;
@@ -105,20 +110,20 @@ impl Sheet<'_> {
     }
 
     /// The part of the plane that a tile shows.
-    fn bounds(&self, tile: Tile) -> Box3 {
+    fn bounds(&self, tile: ImageTile) -> Box3 {
         let [x, y] = tile.at.map(f64::from);
         let [w, h] = tile.size.map(f64::from);
         let corners = [[x, y], [x + w, y + h], [x, y + h], [x + w, y]];
-        Box3::around(&corners.map(|at| self.place(at)))
+        Box3::from_points(&corners.map(|at| self.place(at)))
     }
 
-    fn divide(&self, tape: &Tape, tile: Tile, inked: &mut Inked) -> Result<(), LeafError> {
+    fn divide(&self, tape: &Tape, tile: ImageTile, inked: &mut TileCoverage) -> Result<(), LeafError> {
         let bounds = self.bounds(tile);
-        let (range, shorter) = tape.shortened(&bounds)?;
-        match side_of(&range) {
+        let (range, shorter) = tape.prune(&bounds)?;
+        match certain_side(&range) {
             Some(false) => return Ok(()),
-            Some(true) if self.options.show != Show::Normals => {
-                each(tile, inked.first, |k| inked.cover[k] = 1.0);
+            Some(true) if self.options.show != RenderStyle::Normals => {
+                for_each_pixel(tile, inked.first, |k| inked.cover[k] = 1.0);
                 inked.counts.hits += u64::from(tile.size[0] * tile.size[1]);
                 return Ok(());
             }
@@ -134,22 +139,24 @@ impl Sheet<'_> {
         Ok(())
     }
 
-    /// The last tiles: pixels that are all one side by their range, and signs at several points of the others.
+    /// The last tiles: pixels that are all one side by their range, and signs at several points of the
+    /// others.
     ///
-    /// A ramp from value and gradient would be cheaper, but where two parts of a drawing touch the value is 0 inside of
-    /// it, and such a ramp shows seams.
-    fn pixels(&self, tape: &Tape, tile: Tile, inked: &mut Inked) -> Result<(), LeafError> {
+    /// A ramp from value and gradient would be cheaper, but where two parts of a drawing touch the value is 0
+    /// inside of it, and such a ramp shows seams.
+    fn pixels(&self, tape: &Tape, tile: ImageTile, inked: &mut TileCoverage) -> Result<(), LeafError> {
         let pixels: Vec<[u32; 2]> = tile.pixels().collect();
-        let boxes: Vec<Box3> = pixels.iter().map(|at| self.bounds(Tile { at: *at, size: [1, 1] })).collect();
+        let boxes: Vec<Box3> =
+            pixels.iter().map(|at| self.bounds(ImageTile { at: *at, size: [1, 1] })).collect();
         let mut ranges = vec![Interval::UNKNOWN; boxes.len()];
         tape.over(&boxes, &mut ranges)?;
         let side = (PARTS * self.options.samples) as usize;
         let part = |i: usize| (i as f64 + 0.5) / side as f64;
         let mut index = Vec::with_capacity(pixels.len());
-        each(tile, inked.first, |k| index.push(k));
+        for_each_pixel(tile, inked.first, |k| index.push(k));
         let (mut open, mut points) = (Vec::new(), Vec::new());
         for (i, [x, y]) in pixels.iter().enumerate() {
-            match side_of(&ranges[i]) {
+            match certain_side(&ranges[i]) {
                 Some(inside) => inked.cover[index[i]] = f64::from(u8::from(inside)),
                 None => {
                     inked.counts.uncertain += u64::from(ranges[i].is_entire());
@@ -164,7 +171,7 @@ impl Sheet<'_> {
             inked.cover[k] = n as f64 / inside.len() as f64;
         }
         inked.counts.hits += index.iter().filter(|k| inked.cover[**k] > 0.0).count() as u64;
-        if self.options.show == Show::Normals {
+        if self.options.show == RenderStyle::Normals {
             let middles: Vec<[f64; 3]> =
                 pixels.iter().map(|[x, y]| self.place([f64::from(*x) + 0.5, f64::from(*y) + 0.5])).collect();
             for (k, normal) in index.into_iter().zip(normals(tape, &middles)?) {
@@ -181,40 +188,44 @@ impl Sheet<'_> {
     }
 
     fn pixel(&self, y: u32, cover: f64, slope: [f64; 2]) -> [u8; 4] {
-        let normals = self.options.show == Show::Normals;
-        let ink =
-            if normals { DVec3::new(slope[0], slope[1], 0.0) * 0.5 + DVec3::splat(0.5) } else { light(INK) };
+        let normals = self.options.show == RenderStyle::Normals;
+        let ink = if normals {
+            DVec3::new(slope[0], slope[1], 0.0) * 0.5 + DVec3::splat(0.5)
+        } else {
+            srgb_to_linear(INK)
+        };
         let sample = if self.options.background == Background::Studio {
             let paper = if normals { DVec3::ONE } else { backdrop(y, self.screen.height_px) };
-            Sample { color: paper.lerp(ink, cover), alpha: 1.0 }
+            PremultipliedColor { color: paper.lerp(ink, cover), alpha: 1.0 }
         } else {
-            Sample { color: ink * cover, alpha: cover }
+            PremultipliedColor { color: ink * cover, alpha: cover }
         };
         sample.bytes(1, self.options.show)
     }
 }
 
 /// Whether all is inside, or nothing is; `None` where the range does not say.
-fn side_of(range: &Interval) -> Option<bool> {
+fn certain_side(range: &Interval) -> Option<bool> {
     if range.is_empty() || range.lo() >= 0.0 {
         return Some(false);
     }
     (range.hi() < 0.0 && range.is_defined()).then_some(true)
 }
 
-fn each(tile: Tile, first: Tile, mut f: impl FnMut(usize)) {
+fn for_each_pixel(tile: ImageTile, first: ImageTile, mut f: impl FnMut(usize)) {
     for [x, y] in tile.pixels() {
         f(((y - first.at[1]) * first.size[0] + (x - first.at[0])) as usize);
     }
 }
 
-fn quarters(tile: Tile) -> Vec<Tile> {
+fn quarters(tile: ImageTile) -> Vec<ImageTile> {
     let ([x, y], [w, h]) = (tile.at, tile.size);
     let halves = |at: u32, size: u32| {
         let first = size.div_ceil(2);
         [[at, first], [at + first, size - first]]
     };
     let (across, down) = (halves(x, w), halves(y, h));
-    let pairs = down.into_iter().flat_map(|[y, h]| across.map(|[x, w]| Tile { at: [x, y], size: [w, h] }));
+    let pairs =
+        down.into_iter().flat_map(|[y, h]| across.map(|[x, w]| ImageTile { at: [x, y], size: [w, h] }));
     pairs.filter(|tile| tile.size[0] > 0 && tile.size[1] > 0).collect()
 }

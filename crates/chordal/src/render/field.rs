@@ -1,29 +1,31 @@
-//! A picture straight from a field: rays meet the surface where the field changes its sign, and no triangle is made.
+//! A picture straight from a field: rays meet the surface where the field changes its sign, and no triangle
+//! is made.
 use super::Picture;
+use super::camera::{RayGenerator, frame_points};
 use super::drawing::draw;
-use super::eye::{Eye, frame_points};
-use super::light::{Material, Rays, Shadows, Studio};
-use super::options::{Cull, Options, Show, Up, Viewpoint};
-use super::pattern::Pattern;
-use super::surface::{Spot, towards};
-use super::trace::{Look, Sample, backdrop, behind, ready};
-use super::zebra::stripe;
-use crate::budget::{Camera, Code, Job, Progress, Projection, Refusal, Screen, Stopped, par_map};
+use super::light::{Material, OcclusionTest, PixelRay, StudioLights};
+use super::options::{CullMode, RenderOptions, RenderStyle, UpAxis, Viewpoint};
+use super::render_mesh::{ShadingPoint, facing_normal};
+use super::sample_pattern::SamplePattern;
+use super::trace::{CameraRay, PremultipliedColor, backdrop, ray_generator, shade_background};
+use super::zebra::zebra_color;
+use crate::budget::{Camera, Job, JobError, Progress, Projection, Refusal, RefusalCode, Screen, par_map};
 use crate::explicit::Ray;
-use crate::implicit::query::{Beam, Cells, Counts, Record, Tracer, Unbounded};
+use crate::implicit::query::{Beam, BeamCounts, BeamRecord, FieldOctree, FieldOctreeError, FieldTracer};
 use crate::implicit::{Field, LeafError, Tape};
 use glam::DVec3;
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Pixels along a tile's side, whose rays go together: enough for long batches, few enough for caches and threads; and
-/// more for leaves that want larger batches.
+/// Pixels along a tile's side, whose rays go together: enough for long batches, few enough for caches and
+/// threads; and more for leaves that want larger batches.
 const TILE: u32 = 16;
 const LEAF_TILE: u32 = 64;
-/// The radius of rays to the lights at their start as a share of the size, and its growth: far below the lamp's.
+/// The radius of rays to the lights at their start as a share of the size, and its growth: far below the
+/// lamp's.
 const SHADOW_CONE: [f64; 2] = [2e-3, 1e-2]; // measured: a tenth of it takes five times as long, and looks the same
-/// By how much such rays start off the surface, as a share of the size: far above the rounding of hits (2⁻⁴²) and far
-/// below a pixel.
+/// By how much such rays start off the surface, as a share of the size: far above the rounding of hits (2⁻⁴²)
+/// and far below a pixel.
 const LIFT: f64 = 1e-6; // derived: see above
 
 /// A picture of a field, from where it was taken, and what became of its rays.
@@ -34,19 +36,19 @@ pub struct FieldPicture {
     /// From where.
     pub camera: Camera,
     /// The rays from the eye; pixels, for a field in the plane.
-    pub counts: Counts,
+    pub counts: BeamCounts,
 }
 
 /// Why there is no picture of a field.
 #[derive(Clone, Debug)]
-pub enum NotDrawn {
+pub enum FieldRenderError {
     /// It was refused or cancelled.
-    Stopped(Stopped),
+    Stopped(JobError),
     /// A leaf failed.
     Leaf(LeafError),
 }
 
-impl fmt::Display for NotDrawn {
+impl fmt::Display for FieldRenderError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Stopped(stopped) => stopped.fmt(f),
@@ -55,88 +57,94 @@ impl fmt::Display for NotDrawn {
     }
 }
 
-impl std::error::Error for NotDrawn {}
+impl std::error::Error for FieldRenderError {}
 
-impl From<Stopped> for NotDrawn {
-    fn from(stopped: Stopped) -> Self {
+impl From<JobError> for FieldRenderError {
+    fn from(stopped: JobError) -> Self {
         Self::Stopped(stopped)
     }
 }
 
-impl From<LeafError> for NotDrawn {
+impl From<LeafError> for FieldRenderError {
     fn from(error: LeafError) -> Self {
         Self::Leaf(error)
     }
 }
 
-impl From<Unbounded> for NotDrawn {
-    fn from(unbounded: Unbounded) -> Self {
+impl From<FieldOctreeError> for FieldRenderError {
+    fn from(unbounded: FieldOctreeError) -> Self {
         match unbounded {
-            Unbounded::Region(_) => refused(
+            FieldOctreeError::Region(_) => refusal(
                 "the field has no finite box; give a region to look in, as in -1,-1,-1 to 1,1,1".to_owned(),
             ),
-            Unbounded::Leaf(error) => Self::Leaf(error),
+            FieldOctreeError::Leaf(error) => Self::Leaf(error),
         }
     }
 }
 
-pub(super) fn refused(message: String) -> NotDrawn {
-    NotDrawn::Stopped(Stopped::Refused(Refusal { code: Code::Unsupported, message }))
+pub(super) fn refusal(message: String) -> FieldRenderError {
+    FieldRenderError::Stopped(JobError::Refused(Refusal { code: RefusalCode::Unsupported, message }))
 }
 
 /// Renders a field.
 ///
-/// The light is that of [`super::render`]. The surface is where the sign of the field changes, found on each ray to
-/// 2⁻⁴² of the size, and its normal is the gradient. A field that does not depend on z is drawn as a drawing in the plane:
-/// dark inside, seen from straight above unless a camera is given. Of what [`Show`] offers, edges of triangles and
-/// lanes launched for them are refused, and flat is what shaded is.
+/// The light is that of [`super::render`]. The surface is where the sign of the field changes, found on each
+/// ray to 2⁻⁴² of the size, and its normal is the gradient. A field that does not depend on z is drawn as a
+/// drawing in the plane: dark inside, seen from straight above unless a camera is given. Of what
+/// [`RenderStyle`] offers, edges of triangles and lanes launched for them are refused, and flat is what
+/// shaded is.
 ///
 /// The bytes are the same on any number of threads and every target.
 ///
 /// Cost: cells around the surface once; then as for a mesh, with some 5 values of the field a ray.
 ///
 /// # Errors
-/// [`NotDrawn`]: as for [`super::render`]; when the field has no finite box; for edges and lanes; and when a leaf fails.
+/// [`FieldRenderError`]: as for [`super::render`]; when the field has no finite box; for edges and lanes; and
+/// when a leaf fails.
 ///
 /// ```
 /// use chordal::implicit::{Distance, Expr, Field};
-/// use chordal::{Job, math::Box3, render::{Background, Options, render_field}};
+/// use chordal::{Job, math::Box3, render::{Background, RenderOptions, render_field}};
 /// let [x, y, z] = Expr::axes();
 /// let ball = Field::new((x.square() + y.square() + z.square()).sqrt() - 1.0)
 ///     .with_distance(Distance::EXACT)
 ///     .with_bounds(Box3 { min: [-1.0; 3], max: [1.0; 3] });
-/// let options = Options { background: Background::Transparent, ..Options::sized(40, 30) };
+/// let options = RenderOptions { background: Background::Transparent, ..RenderOptions::sized(40, 30) };
 /// let drawn = render_field(&ball, &options, &Job::default())?;
 /// assert_eq!(drawn.picture.pixel(20, 15)[3], 255);
 /// // A few rays graze the outline.
 /// assert!(drawn.counts.certified_share() > 0.99);
-/// # Ok::<(), chordal::render::NotDrawn>(())
+/// # Ok::<(), chordal::render::FieldRenderError>(())
 /// ```
-pub fn render_field(field: &Field, options: &Options, job: &Job) -> Result<FieldPicture, NotDrawn> {
-    if options.show == Show::Wire {
-        return Err(refused("a field has no edges to show; wire is for meshes".to_owned()));
+pub fn render_field(
+    field: &Field,
+    options: &RenderOptions,
+    job: &Job,
+) -> Result<FieldPicture, FieldRenderError> {
+    if options.show == RenderStyle::Wire {
+        return Err(refusal("a field has no edges to show; wire is for meshes".to_owned()));
     }
-    if options.show == Show::Overshade {
-        return Err(refused("a field has no triangles to shade: mesh it first".to_owned()));
+    if options.show == RenderStyle::Overshade {
+        return Err(refusal("a field has no triangles to shade: mesh it first".to_owned()));
     }
-    if !Tape::of(field.sign()).axes()[2] {
+    if !Tape::new(field.sign()).axes()[2] {
         return draw(field, options, job);
     }
-    let mut cells = Cells::of(field, job)?;
-    cells.look_around(job)?;
+    let mut cells = FieldOctree::build(field, job)?;
+    cells.sample_gradients(job)?;
     let camera = match options.viewpoint {
         Viewpoint::Automatic(screen) => frame_field(&cells, options.up, screen),
         Viewpoint::Camera(camera) => camera,
     };
-    let eye = ready(&camera, options, job)?;
-    let studio = Studio::new(&cells.occupied(), &camera, options.up, Material::Clay);
-    let shot = Shot {
-        tracer: Tracer::new(&cells),
+    let eye = ray_generator(&camera, options, job)?;
+    let studio = StudioLights::new(&cells.occupied(), &camera, options.up, Material::Clay);
+    let shot = FieldRenderer {
+        tracer: FieldTracer::new(&cells),
         size: cells.size(),
         studio,
         cone: pixel_cone(&camera),
         eye,
-        pattern: Pattern::new(options.samples),
+        pattern: SamplePattern::new(options.samples),
         options,
         screen: camera.screen,
     };
@@ -146,7 +154,7 @@ pub fn render_field(field: &Field, options: &Options, job: &Job) -> Result<Field
 
 /// The camera of the automatic viewpoint for the cells of a field: as [`super::frame`] for a mesh.
 #[must_use]
-pub fn frame_field(cells: &Cells, up: Up, screen: Screen) -> Camera {
+pub fn frame_field(cells: &FieldOctree, up: UpAxis, screen: Screen) -> Camera {
     frame_points(|| cells.corners().map(DVec3::from), up, screen)
 }
 
@@ -159,25 +167,25 @@ fn pixel_cone(camera: &Camera) -> [f64; 2] {
     }
 }
 
-struct Shot<'a> {
-    tracer: Tracer<'a>,
+struct FieldRenderer<'a> {
+    tracer: FieldTracer<'a>,
     size: f64,
-    studio: Studio,
+    studio: StudioLights,
     cone: [f64; 2],
-    eye: Eye,
-    pattern: Pattern,
-    options: &'a Options,
+    eye: RayGenerator,
+    pattern: SamplePattern,
+    options: &'a RenderOptions,
     screen: Screen,
 }
 
 /// A part of the picture: its first column and row, and how many there are.
 #[derive(Clone, Copy)]
-pub(super) struct Tile {
+pub(super) struct ImageTile {
     pub at: [u32; 2],
     pub size: [u32; 2],
 }
 
-impl Tile {
+impl ImageTile {
     /// All tiles of a picture, row by row.
     pub fn all(screen: Screen, side: u32) -> Vec<Self> {
         let Screen { width_px, height_px } = screen;
@@ -194,7 +202,7 @@ impl Tile {
 }
 
 /// Puts the bytes of tiles where they belong.
-pub(super) fn assemble(screen: Screen, tiles: &[Tile], bytes: &[Vec<u8>]) -> Picture {
+pub(super) fn assemble(screen: Screen, tiles: &[ImageTile], bytes: &[Vec<u8>]) -> Picture {
     let Screen { width_px: width, height_px: height } = screen;
     let mut rgba = vec![0; 4 * width as usize * height as usize];
     for (tile, bytes) in tiles.iter().zip(bytes) {
@@ -209,14 +217,14 @@ pub(super) fn assemble(screen: Screen, tiles: &[Tile], bytes: &[Vec<u8>]) -> Pic
 
 /// Does `work` for each tile, with progress; what it returns is the tile's bytes and counts.
 pub(super) fn each_tile(
-    tiles: &[Tile],
+    tiles: &[ImageTile],
     job: &Job,
-    work: impl Fn(Tile) -> Result<(Vec<u8>, Counts), LeafError> + Sync,
-) -> Result<(Vec<Vec<u8>>, Counts), NotDrawn> {
+    work: impl Fn(ImageTile) -> Result<(Vec<u8>, BeamCounts), LeafError> + Sync,
+) -> Result<(Vec<Vec<u8>>, BeamCounts), FieldRenderError> {
     let done = AtomicU64::new(0);
     let found = par_map(job, tiles, |_, tile| {
         if job.is_cancelled() {
-            return Ok((Vec::new(), Counts::default()));
+            return Ok((Vec::new(), BeamCounts::default()));
         }
         let found = work(*tile);
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
@@ -224,76 +232,76 @@ pub(super) fn each_tile(
         found
     });
     if job.is_cancelled() {
-        return Err(NotDrawn::Stopped(Stopped::Cancelled));
+        return Err(FieldRenderError::Stopped(JobError::Cancelled));
     }
-    let mut counts = Counts::default();
+    let mut counts = BeamCounts::default();
     let mut bytes = Vec::with_capacity(tiles.len());
     for found in found {
         let (one, count) = found?;
         bytes.push(one);
-        counts = counts.and(count);
+        counts = counts.merge(count);
     }
     Ok((bytes, counts))
 }
 
 /// Collects the rays to the lights.
-struct Ask {
+struct ShadowRayCollector {
     beams: Vec<Beam>,
     size: f64,
 }
 
 /// Tells what became of them, in the order in which they were asked for.
-struct Told {
+struct ShadowRayResults {
     answers: std::vec::IntoIter<bool>,
     size: f64,
 }
 
-impl Shadows for Ask {
-    fn hides(&mut self, origin: DVec3, direction: DVec3) -> bool {
+impl OcclusionTest for ShadowRayCollector {
+    fn is_occluded(&mut self, origin: DVec3, direction: DVec3) -> bool {
         let cone = [SHADOW_CONE[0] * self.size, SHADOW_CONE[1]];
         let (origin, direction) = (origin.to_array(), direction.to_array());
         self.beams.push(Beam { origin, direction, from: 0.0, to: f64::INFINITY, cone });
         false
     }
 
-    fn lift(&self) -> f64 {
+    fn ray_offset(&self) -> f64 {
         LIFT * self.size
     }
 }
 
-impl Shadows for Told {
-    fn hides(&mut self, _: DVec3, _: DVec3) -> bool {
+impl OcclusionTest for ShadowRayResults {
+    fn is_occluded(&mut self, _: DVec3, _: DVec3) -> bool {
         self.answers.next().unwrap_or(false)
     }
 
-    fn lift(&self) -> f64 {
+    fn ray_offset(&self) -> f64 {
         LIFT * self.size
     }
 }
 
-impl Shot<'_> {
-    fn picture(&self, job: &Job) -> Result<(Picture, Counts), NotDrawn> {
+impl FieldRenderer<'_> {
+    fn picture(&self, job: &Job) -> Result<(Picture, BeamCounts), FieldRenderError> {
         let side = if self.tracer.batch() > 1 << 12 { LEAF_TILE } else { TILE };
-        let tiles = Tile::all(self.screen, side);
+        let tiles = ImageTile::all(self.screen, side);
         let (bytes, counts) = each_tile(&tiles, job, |tile| self.tile(tile))?;
         Ok((assemble(self.screen, &tiles, &bytes), counts))
     }
 
-    fn rays(&self, tile: Tile) -> Vec<Look<'_>> {
+    fn camera_rays(&self, tile: ImageTile) -> Vec<CameraRay<'_>> {
         let one = |[x, y]: [u32; 2]| {
-            let pattern = self.pattern.of_pixel(x, y);
+            let pattern = self.pattern.for_pixel(x, y);
             let backdrop = backdrop(y, self.screen.height_px);
-            self.pattern.places.iter().enumerate().map(move |(index, [dx, dy])| Look {
+            self.pattern.pixel_offsets.iter().enumerate().map(move |(index, [dx, dy])| CameraRay {
                 ray: self.eye.ray([f64::from(x) + dx, f64::from(y) + dy]),
-                rays: Rays { pattern, ray: index },
+                pixel_ray: PixelRay { pattern, ray: index },
                 backdrop,
             })
         };
         tile.pixels().flat_map(one).collect()
     }
 
-    fn tile(&self, tile: Tile) -> Result<(Vec<u8>, Counts), LeafError> {
-        let looks = self.rays(tile);
+    fn tile(&self, tile: ImageTile) -> Result<(Vec<u8>, BeamCounts), LeafError> {
+        let looks = self.camera_rays(tile);
         let beam = |ray: &Ray| Beam {
             origin: ray.origin,
             direction: ray.direction,
@@ -302,19 +310,19 @@ impl Shot<'_> {
             cone: self.cone,
         };
         let beams: Vec<Beam> = looks.iter().map(|look| beam(&look.ray)).collect();
-        let records = self.meet(&beams)?;
-        let counts = records.iter().fold(Counts::default(), Counts::with);
-        let spots = self.spots(&beams, &records)?;
-        let mut ask = Ask { beams: Vec::new(), size: self.size };
+        let records = self.visible_hits(&beams)?;
+        let counts = records.iter().fold(BeamCounts::default(), BeamCounts::add_record);
+        let spots = self.shading_points(&beams, &records)?;
+        let mut ask = ShadowRayCollector { beams: Vec::new(), size: self.size };
         for (look, spot) in looks.iter().zip(&spots) {
             self.sample(&mut ask, look, spot.as_ref());
         }
-        let answers = self.tracer.hidden(&ask.beams)?.into_iter();
-        let mut told = Told { answers, size: self.size };
-        let n = self.pattern.places.len();
+        let answers = self.tracer.occluded(&ask.beams)?.into_iter();
+        let mut told = ShadowRayResults { answers, size: self.size };
+        let n = self.pattern.pixel_offsets.len();
         let mut bytes = Vec::with_capacity(4 * looks.len() / n);
         for (looks, spots) in looks.chunks_exact(n).zip(spots.chunks_exact(n)) {
-            let mut sum = Sample::NOTHING;
+            let mut sum = PremultipliedColor::NOTHING;
             for (look, spot) in looks.iter().zip(spots) {
                 sum.add(self.sample(&mut told, look, spot.as_ref()));
             }
@@ -324,16 +332,16 @@ impl Shot<'_> {
     }
 
     /// The first hits that are not culled.
-    fn meet(&self, beams: &[Beam]) -> Result<Vec<Record>, LeafError> {
-        let mut records = self.tracer.meet(beams)?;
+    fn visible_hits(&self, beams: &[Beam]) -> Result<Vec<BeamRecord>, LeafError> {
+        let mut records = self.tracer.intersect(beams)?;
         let culled = match self.options.cull {
-            Cull::None => return Ok(records),
-            Cull::Back => false,
-            Cull::Front => true,
+            CullMode::None => return Ok(records),
+            CullMode::Back => false,
+            CullMode::Front => true,
         };
         loop {
             let again: Vec<usize> = (0..records.len())
-                .filter(|k| records[*k].met.is_some_and(|met| met.entering == culled))
+                .filter(|k| records[*k].hit.is_some_and(|met| met.entering == culled))
                 .collect();
             if again.is_empty() {
                 return Ok(records);
@@ -341,44 +349,55 @@ impl Shot<'_> {
             let rest: Vec<Beam> = again
                 .iter()
                 .map(|k| {
-                    let from = records[*k].met.map_or(f64::INFINITY, |met| met.t);
+                    let from = records[*k].hit.map_or(f64::INFINITY, |met| met.t);
                     let length = DVec3::from(beams[*k].direction).length();
                     Beam { from: from + LIFT * self.size / length, ..beams[*k] }
                 })
                 .collect();
-            for (k, record) in again.iter().zip(self.tracer.meet(&rest)?) {
+            for (k, record) in again.iter().zip(self.tracer.intersect(&rest)?) {
                 let uncertain = records[*k].uncertain || record.uncertain;
-                records[*k] = Record { uncertain, ..record };
+                records[*k] = BeamRecord { uncertain, ..record };
             }
         }
     }
 
-    fn spots(&self, beams: &[Beam], records: &[Record]) -> Result<Vec<Option<Spot>>, LeafError> {
+    fn shading_points(
+        &self,
+        beams: &[Beam],
+        records: &[BeamRecord],
+    ) -> Result<Vec<Option<ShadingPoint>>, LeafError> {
         let points: Vec<[f64; 3]> =
-            records.iter().filter_map(|record| record.met.map(|met| met.point)).collect();
+            records.iter().filter_map(|record| record.hit.map(|met| met.point)).collect();
         let mut normals = self.tracer.normals(&points)?.into_iter();
-        let spot = |(beam, record): (&Beam, &Record)| {
-            let met = record.met?;
+        let spot = |(beam, record): (&Beam, &BeamRecord)| {
+            let met = record.hit?;
             let direction = DVec3::from(beam.direction);
             // Where there is no gradient the surface faces the eye.
             let outward = normals.next().flatten().map(DVec3::from);
             let away = if met.entering { 1.0 } else { -1.0 };
             let facing = outward.map_or(-direction.normalize(), |n| n * away);
-            let normal = towards(facing, -direction.normalize(), direction);
+            let normal = facing_normal(facing, -direction.normalize(), direction);
             let origin = DVec3::from(met.point) + normal * (LIFT * self.size);
-            Some(Spot { face: 0, origin, flat: normal, normal, front: met.entering })
+            Some(ShadingPoint { face: 0, origin, flat: normal, normal, front: met.entering })
         };
         Ok(beams.iter().zip(records).map(spot).collect())
     }
 
-    fn sample(&self, shadows: &mut impl Shadows, look: &Look, spot: Option<&Spot>) -> Sample {
-        let Some(spot) = spot else { return behind(&self.studio, self.options, shadows, look) };
+    fn sample(
+        &self,
+        shadows: &mut impl OcclusionTest,
+        look: &CameraRay,
+        spot: Option<&ShadingPoint>,
+    ) -> PremultipliedColor {
+        let Some(spot) = spot else { return shade_background(&self.studio, self.options, shadows, look) };
         let direction = DVec3::from(look.ray.direction);
         let color = match self.options.show {
-            Show::Normals => spot.normal_as_color(),
-            Show::Zebra => stripe(spot.normal, direction, DVec3::from(self.options.up.direction())),
-            _ => self.studio.shade(shadows, spot, direction, look.rays),
+            RenderStyle::Normals => spot.normal_as_color(),
+            RenderStyle::Zebra => {
+                zebra_color(spot.normal, direction, DVec3::from(self.options.up.direction()))
+            }
+            _ => self.studio.shade(shadows, spot, direction, look.pixel_ray),
         };
-        Sample { color, alpha: 1.0 }
+        PremultipliedColor { color, alpha: 1.0 }
     }
 }

@@ -1,8 +1,8 @@
-//! `Studio`: the lights around a mesh, and what they make of its surface.
-use super::color::light;
-use super::options::Up;
-use super::pattern::{PixelPattern, tangents};
-use super::surface::Spot;
+//! `StudioLights`: the lights around a mesh, and what they make of its surface.
+use super::color::srgb_to_linear;
+use super::options::UpAxis;
+use super::render_mesh::ShadingPoint;
+use super::sample_pattern::{PixelPattern, tangents};
 use crate::budget::Camera;
 use crate::math::Box3;
 use glam::DVec3;
@@ -38,7 +38,7 @@ pub(super) enum Material {
 }
 
 /// A lamp over the viewer's left shoulder, a sky, and the ground.
-pub(super) struct Studio {
+pub(super) struct StudioLights {
     up: DVec3,
     lamp: DVec3,
     lamp_axes: [DVec3; 2],
@@ -53,15 +53,15 @@ pub(super) struct Studio {
 }
 
 /// `t` as it runs smoothly from 0 at `low` to 1 at `high`.
-fn ramp([low, high]: [f64; 2], t: f64) -> f64 {
+fn smoothstep([low, high]: [f64; 2], t: f64) -> f64 {
     let x = (t - low) / (high - low);
     let x = if x > 0.0 { if x < 1.0 { x } else { 1.0 } } else { 0.0 };
     x * x * (3.0 - 2.0 * x)
 }
 
-impl Studio {
+impl StudioLights {
     /// The studio as the camera's light stands: `axes` are its right, up and forward.
-    pub fn new(bounds: &Box3, camera: &Camera, up: Up, material: Material) -> Self {
+    pub fn new(bounds: &Box3, camera: &Camera, up: UpAxis, material: Material) -> Self {
         let top = DVec3::from(up.direction());
         let [right, above, forward] =
             camera.axes().unwrap_or([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]);
@@ -83,18 +83,19 @@ impl Studio {
             up: top,
             lamp,
             lamp_axes: tangents(lamp),
-            // A thousandth of the size below the lowest point: contact is seen, and flat meshes are not hidden.
+            // A thousandth of the size below the lowest point: contact is seen, and flat meshes are not
+            // hidden.
             ground: low.dot(top) - 1e-3 * size,
             middle: low * 0.5 + high * 0.5,
             reach: 4.0 * size,
-            front: light(front),
-            back: light(back),
+            front: srgb_to_linear(front),
+            back: srgb_to_linear(back),
             material,
         }
     }
 
     /// The light of the sky in a direction.
-    fn sky(&self, direction: DVec3) -> f64 {
+    fn sky_radiance(&self, direction: DVec3) -> f64 {
         let height = direction.dot(self.up);
         let [zenith, horizon, ground] = SKY_LIGHT;
         if height < 0.0 {
@@ -105,16 +106,22 @@ impl Studio {
     }
 
     /// The light on a surface with a normal to shade by and one of its own.
-    fn light_on(&self, shadows: &mut impl Shadows, origin: DVec3, normals: [DVec3; 2], rays: Rays) -> Light {
+    fn irradiance(
+        &self,
+        shadows: &mut impl OcclusionTest,
+        origin: DVec3,
+        normals: [DVec3; 2],
+        rays: PixelRay,
+    ) -> Irradiance {
         let [normal, flat] = normals;
-        let mut found = Light { sky: 0.0, lamp: 0.0, open_sky: 0.0, open_lamp: 0.0 };
+        let mut found = Irradiance { sky: 0.0, lamp: 0.0, open_sky: 0.0, open_lamp: 0.0 };
         let directions = rays.pattern.sky(rays.ray, normal);
         let share = 1.0 / directions.len() as f64;
         for direction in directions {
-            let light = self.sky(direction) * share;
+            let light = self.sky_radiance(direction) * share;
             found.open_sky += light;
             // Below the triangle's own plane there is no sky.
-            let hidden = direction.dot(flat) <= 0.0 || shadows.hides(origin, direction);
+            let hidden = direction.dot(flat) <= 0.0 || shadows.is_occluded(origin, direction);
             found.sky += if hidden { HIDDEN_LIGHT * share } else { light };
         }
         let points = rays.pattern.lamp(rays.ray);
@@ -124,7 +131,7 @@ impl Studio {
             let light = normal.dot(direction.normalize()) * share;
             if light > 0.0 {
                 found.open_lamp += light;
-                if direction.dot(flat) > 0.0 && !shadows.hides(origin, direction) {
+                if direction.dot(flat) > 0.0 && !shadows.is_occluded(origin, direction) {
                     found.lamp += light;
                 }
             }
@@ -133,9 +140,15 @@ impl Studio {
     }
 
     /// The light that a spot sends along a ray.
-    pub fn shade(&self, shadows: &mut impl Shadows, spot: &Spot, direction: DVec3, rays: Rays) -> DVec3 {
+    pub fn shade(
+        &self,
+        shadows: &mut impl OcclusionTest,
+        spot: &ShadingPoint,
+        direction: DVec3,
+        rays: PixelRay,
+    ) -> DVec3 {
         let albedo = if spot.front { self.front } else { self.back };
-        let found = self.light_on(shadows, spot.origin, [spot.normal, spot.flat], rays);
+        let found = self.irradiance(shadows, spot.origin, [spot.normal, spot.flat], rays);
         let diffuse = albedo * (found.sky + found.lamp);
         if self.material == Material::Paper {
             return diffuse;
@@ -143,14 +156,18 @@ impl Studio {
         let toward = direction.normalize();
         let cos = -toward.dot(spot.normal);
         let mirrored = toward + spot.normal * (2.0 * cos);
-        // Near outlines a smooth normal mirrors into the triangle; the curved surface that it stands for does not.
+        // Near outlines a smooth normal mirrors into the triangle; the curved surface that it stands for does
+        // not.
         let into = mirrored.dot(spot.flat);
         let mirrored = if into < 0.0 { mirrored - spot.flat * (2.0 * into) } else { mirrored };
-        let seen = if shadows.hides(spot.origin, mirrored) {
-            // The shape itself, in about the same light; as dark as where no light comes it would look like a slit.
+        let seen = if shadows.is_occluded(spot.origin, mirrored) {
+            // The shape itself, in about the same light; as dark as where no light comes it would look like a
+            // slit.
             diffuse
         } else {
-            DVec3::splat(self.sky(mirrored) + GLINT_LIGHT * ramp(GLINT_COS, mirrored.dot(self.lamp)))
+            DVec3::splat(
+                self.sky_radiance(mirrored) + GLINT_LIGHT * smoothstep(GLINT_COS, mirrored.dot(self.lamp)),
+            )
         };
         // Source: C. Schlick, *An inexpensive BRDF model for physically-based rendering*, 1994.
         let off = 1.0 - if cos > 0.0 { cos } else { 0.0 };
@@ -159,51 +176,52 @@ impl Studio {
     }
 
     /// The light that a spot of the studio's own colour sends, as one of another colour would send it.
-    pub fn tinted(&self, lit: DVec3, spot: &Spot, color: DVec3) -> DVec3 {
+    pub fn recolor(&self, lit: DVec3, spot: &ShadingPoint, color: DVec3) -> DVec3 {
         lit / if spot.front { self.front } else { self.back } * color
     }
 
     /// Where a ray meets the ground from above: the share of light that the mesh leaves there.
     pub fn ground(
         &self,
-        shadows: &mut impl Shadows,
+        shadows: &mut impl OcclusionTest,
         origin: DVec3,
         direction: DVec3,
-        rays: Rays,
+        rays: PixelRay,
     ) -> Option<f64> {
         let (height, slope) = (origin.dot(self.up) - self.ground, direction.dot(self.up));
         if height <= 0.0 || slope >= 0.0 {
             return None;
         }
         let at = origin + direction * (-height / slope);
-        let fade = ramp([0.5 * self.reach, self.reach], (at - self.middle).length());
+        let fade = smoothstep([0.5 * self.reach, self.reach], (at - self.middle).length());
         if fade >= 1.0 {
             return None;
         }
-        let found = self.light_on(shadows, at + self.up * shadows.lift(), [self.up, self.up], rays);
+        let found = self.irradiance(shadows, at + self.up * shadows.ray_offset(), [self.up, self.up], rays);
         let share = (found.sky + found.lamp) / (found.open_sky + found.open_lamp);
         Some(share + (1.0 - share) * fade)
     }
 }
 
-/// What stands in the light. The rays that are asked for never depend on the answers, so they may be collected first and
-/// answered together: shading once with answers made up gives all the rays, and once more with the answers the light.
-pub(super) trait Shadows {
+/// What stands in the light. The rays that are asked for never depend on the answers, so they may be
+/// collected first and answered together: shading once with answers made up gives all the rays, and once more
+/// with the answers the light.
+pub(super) trait OcclusionTest {
     /// Whether something stands between a place and the light in a direction.
-    fn hides(&mut self, origin: DVec3, direction: DVec3) -> bool;
+    fn is_occluded(&mut self, origin: DVec3, direction: DVec3) -> bool;
     /// By how much rays start off the ground.
-    fn lift(&self) -> f64;
+    fn ray_offset(&self) -> f64;
 }
 
 /// Which of a pixel's rays asks.
 #[derive(Clone, Copy)]
-pub(super) struct Rays<'a> {
+pub(super) struct PixelRay<'a> {
     pub pattern: PixelPattern<'a>,
     pub ray: usize,
 }
 
 /// Light from the sky and from the lamp, and the same where nothing stands in between.
-struct Light {
+struct Irradiance {
     sky: f64,
     lamp: f64,
     open_sky: f64,

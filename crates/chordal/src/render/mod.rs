@@ -1,23 +1,23 @@
 //! Pictures of shapes, ray-traced and the same on every machine.
+mod camera;
 mod color;
 mod drawing;
-mod eye;
 mod field;
-mod heat;
+mod heat_map;
 mod light;
 mod normals;
 mod options;
 mod overshade;
-mod pattern;
 mod picture;
-mod surface;
+mod render_mesh;
+mod sample_pattern;
 mod trace;
 mod zebra;
 
-pub use eye::frame;
-pub use field::{FieldPicture, NotDrawn, frame_field, render_field};
-pub use heat::Against;
-pub use options::{Background, Cull, Options, Show, Up, Viewpoint};
+pub use camera::frame;
+pub use field::{FieldPicture, FieldRenderError, frame_field, render_field};
+pub use heat_map::ReferenceSurface;
+pub use options::{Background, CullMode, RenderOptions, RenderStyle, UpAxis, Viewpoint};
 pub use overshade::{DARKEST_LANES, render_overshade};
 pub use picture::Picture;
 pub use trace::{render, render_against};

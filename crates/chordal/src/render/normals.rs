@@ -6,7 +6,7 @@ use glam::DVec3;
 const CREASE_COS: f64 = 0.866_025_403_784_438_6;
 
 /// Where the normals at a face's corners come from.
-pub(super) enum Normals<'a> {
+pub(super) enum ShadingNormals<'a> {
     /// The mesh's own.
     Given(&'a Attribute),
     /// One a corner, smooth across edges that are not sharp.
@@ -15,9 +15,9 @@ pub(super) enum Normals<'a> {
     Flat,
 }
 
-impl<'a> Normals<'a> {
+impl<'a> ShadingNormals<'a> {
     /// The mesh's own normals, or smooth ones.
-    pub fn of(mesh: &'a Mesh) -> Self {
+    pub fn from_mesh(mesh: &'a Mesh) -> Self {
         match mesh.attribute(&Semantic::Normal) {
             Some(own) if own.width == 3 => Self::Given(own),
             _ => Self::Smooth(smooth(mesh)),
@@ -41,8 +41,8 @@ impl<'a> Normals<'a> {
     }
 }
 
-/// For each corner, the sum of the normals, weighted by angle, of those faces around its position that are within the
-/// crease angle of its own.
+/// For each corner, the sum of the normals, weighted by angle, of those faces around its position that are
+/// within the crease angle of its own.
 fn smooth(mesh: &Mesh) -> Vec<[f32; 3]> {
     let n_faces = mesh.faces().len();
     let normals: Vec<DVec3> =
@@ -88,8 +88,8 @@ fn smooth(mesh: &Mesh) -> Vec<[f32; 3]> {
     rows
 }
 
-/// Faces around a position up to which each is compared with each, which costs their square. In larger fans (the
-/// poles of spheres) each is compared with the mean.
+/// Faces around a position up to which each is compared with each, which costs their square. In larger fans
+/// (the poles of spheres) each is compared with the mean.
 const MOST_COMPARED: usize = 256;
 
 fn corner_angles(corners: [[f64; 3]; 3]) -> [f64; 3] {

@@ -1,20 +1,23 @@
-//! `Options`: what a picture shows, from where, and how finely.
+//! `RenderOptions`: what a picture shows, from where, and how finely.
 use crate::budget::{Camera, Screen};
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Show {
-    /// Light on the surface, smooth by the mesh's own normals; without any, smooth across edges of less than 30°.
+pub enum RenderStyle {
+    /// Light on the surface, smooth by the mesh's own normals; without any, smooth across edges of less than
+    /// 30°.
     #[default]
     Shaded,
     /// Light on the triangles as they are.
     Flat,
     /// The triangles' edges over a light surface, hidden lines removed.
     Wire,
-    /// The direction of the normal as a colour: −1 … 1 of x, y, z as 0 … 255 of red, green, blue, not gamma-corrected.
+    /// The direction of the normal as a colour: −1 … 1 of x, y, z as 0 … 255 of red, green, blue, not
+    /// gamma-corrected.
     Normals,
-    /// Stripes of a room as the surface mirrors them: they jump at edges, bend where only tangent planes agree, and run on smoothly where
-    /// curvatures agree. By the mesh's own normals, as [`Show::Shaded`].
+    /// Stripes of a room as the surface mirrors them: they jump at edges, bend where only tangent planes
+    /// agree, and run on smoothly where curvatures agree. By the mesh's own normals, as
+    /// [`RenderStyle::Shaded`].
     Zebra,
     /// How many lanes a graphics processor launches for each pixel: see [`super::render_overshade`].
     Overshade,
@@ -22,7 +25,7 @@ pub enum Show {
 
 /// Which sides of triangles are left out of a picture, as graphics processors do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Cull {
+pub enum CullMode {
     /// None: both sides are shown, in different colours.
     #[default]
     None,
@@ -34,7 +37,7 @@ pub enum Cull {
 
 /// The axis that points up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Up {
+pub enum UpAxis {
     /// The second axis, as in glTF; the front looks along z.
     Y,
     /// The third axis, as in most CAD; the front looks against y.
@@ -42,7 +45,7 @@ pub enum Up {
     Z,
 }
 
-impl Up {
+impl UpAxis {
     /// The unit vector up.
     #[must_use]
     pub fn direction(self) -> [f64; 3] {
@@ -65,7 +68,8 @@ impl Up {
 /// From where.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Viewpoint {
-    /// From the front, a little from the right and from above, so that the mesh fills the picture: see [`super::frame`].
+    /// From the front, a little from the right and from above, so that the mesh fills the picture: see
+    /// [`super::frame`].
     Automatic(Screen),
     /// As told.
     Camera(Camera),
@@ -86,42 +90,42 @@ pub enum Background {
 /// How a picture is made.
 ///
 /// ```
-/// use chordal::render::{Options, Show};
-/// let options = Options { show: Show::Wire, ..Options::sized(640, 480) };
+/// use chordal::render::{RenderOptions, RenderStyle};
+/// let options = RenderOptions { show: RenderStyle::Wire, ..RenderOptions::sized(640, 480) };
 /// assert_eq!(options.samples, 3);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
+pub struct RenderOptions {
     /// What is shown.
-    pub show: Show,
+    pub show: RenderStyle,
     /// What is left out. What is left out still casts shadows.
-    pub cull: Cull,
+    pub cull: CullMode,
     /// From where.
     pub viewpoint: Viewpoint,
     /// Which way is up: for the light, the ground and the automatic viewpoint.
-    pub up: Up,
+    pub up: UpAxis,
     /// What is behind the mesh.
     pub background: Background,
     /// `samples²` rays a pixel, 1 to 16.
     pub samples: u32,
 }
 
-impl Options {
+impl RenderOptions {
     /// The defaults at a size in pixels.
     #[must_use]
     pub fn sized(width_px: u32, height_px: u32) -> Self {
         Self {
-            show: Show::default(),
-            cull: Cull::default(),
+            show: RenderStyle::default(),
+            cull: CullMode::default(),
             viewpoint: Viewpoint::Automatic(Screen { width_px, height_px }),
-            up: Up::default(),
+            up: UpAxis::default(),
             background: Background::default(),
             samples: 3,
         }
     }
 }
 
-impl Default for Options {
+impl Default for RenderOptions {
     fn default() -> Self {
         Self::sized(1280, 960)
     }

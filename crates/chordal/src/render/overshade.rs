@@ -1,42 +1,46 @@
 //! The picture of what a graphics processor shades: how many lanes are launched for each pixel.
-use super::color::srgb;
+use super::color::linear_to_srgb;
 use super::frame;
-use super::heat::Ramp;
-use super::options::{Background, Cull, Options, Viewpoint};
+use super::heat_map::ColorRamp;
+use super::options::{Background, CullMode, RenderOptions, Viewpoint};
 use super::picture::Picture;
 use super::trace::backdrop;
-use crate::budget::{Camera, Job, Stopped};
+use crate::budget::{Camera, Job, JobError};
 use crate::check::{Overshade, overshade};
-use crate::explicit::{Mesh, Sides};
+use crate::explicit::{HitSides, Mesh};
 
 /// Lanes a pixel at which the last colour is reached.
 pub const DARKEST_LANES: u32 = 16;
 
-/// The figures of a mesh at the camera of the options, and a picture of them: light where one lane is launched for a
-/// pixel, over yellow for two, orange for four and red for eight to dark violet for 16 and more. All lanes count, those
-/// of hidden triangles too; `options.cull` says which sides are left out. Pixels without a lane show the background.
-/// One sample a pixel: what else the options say is left out.
+/// The figures of a mesh at the camera of the options, and a picture of them: light where one lane is
+/// launched for a pixel, over yellow for two, orange for four and red for eight to dark violet for 16 and
+/// more. All lanes count, those of hidden triangles too; `options.cull` says which sides are left out. Pixels
+/// without a lane show the background. One sample a pixel: what else the options say is left out.
 ///
 /// # Errors
 /// As for [`overshade`].
 ///
 /// ```
-/// use chordal::{Job, Mesh, render::{Options, render_overshade}};
+/// use chordal::{Job, Mesh, render::{RenderOptions, render_overshade}};
 /// let mesh = Mesh::new(vec![[0., 0., 0.], [1., 0., 0.], [0., 0., 1.]], vec![[0, 1, 2]]).unwrap();
-/// let (picture, found) = render_overshade(&mesh, &Options::sized(40, 30), &Job::default())?;
+/// let (picture, found) = render_overshade(&mesh, &RenderOptions::sized(40, 30), &Job::default())?;
 /// assert_eq!((picture.width, picture.height), (40, 30));
 /// assert!(found.ratio() > 1.0 && found.ratio() < 2.0);
-/// # Ok::<(), chordal::budget::Stopped>(())
+/// # Ok::<(), chordal::budget::JobError>(())
 /// ```
-pub fn render_overshade(mesh: &Mesh, options: &Options, job: &Job) -> Result<(Picture, Overshade), Stopped> {
+pub fn render_overshade(
+    mesh: &Mesh,
+    options: &RenderOptions,
+    job: &Job,
+) -> Result<(Picture, Overshade), JobError> {
     let camera = match options.viewpoint {
         Viewpoint::Automatic(screen) => frame(mesh, options.up, screen),
         Viewpoint::Camera(camera) => camera,
     };
     let sides = match options.cull {
-        Cull::None => Sides::Both,
-        Cull::Back => Sides::Front,
-        Cull::Front => Sides::Back,
+        CullMode::None => HitSides::Both,
+        CullMode::Back => HitSides::Front,
+        CullMode::Front => HitSides::Back,
     };
     let found = overshade(mesh, &camera, sides, job)?;
     let picture = picture(&found, &camera, options.background);
@@ -46,14 +50,14 @@ pub fn render_overshade(mesh: &Mesh, options: &Options, job: &Job) -> Result<(Pi
 fn picture(found: &Overshade, camera: &Camera, background: Background) -> Picture {
     let [width, height] = [camera.screen.width_px, camera.screen.height_px];
     let columns = found.quad_columns as usize;
-    let ramp = Ramp::new();
+    let ramp = ColorRamp::new();
     let doublings = f64::from(DARKEST_LANES.ilog2());
     // The scale doubles; between two doublings it is straight.
     let colors: Vec<[u8; 4]> = (0..=DARKEST_LANES)
         .map(|lanes| {
             let whole = lanes.max(1).ilog2();
             let rest = f64::from(lanes.max(1)) / f64::from(1_u32 << whole) - 1.0;
-            let [r, g, b] = ramp.at((f64::from(whole) + rest) / doublings).to_array().map(srgb);
+            let [r, g, b] = ramp.at((f64::from(whole) + rest) / doublings).to_array().map(linear_to_srgb);
             [r, g, b, 255]
         })
         .collect();
@@ -61,7 +65,7 @@ fn picture(found: &Overshade, camera: &Camera, background: Background) -> Pictur
     for y in 0..height {
         let empty = match background {
             Background::Studio => {
-                let [r, g, b] = backdrop(y, height).to_array().map(srgb);
+                let [r, g, b] = backdrop(y, height).to_array().map(linear_to_srgb);
                 [r, g, b, 255]
             }
             Background::Shadow | Background::Transparent => [0; 4],
@@ -81,7 +85,8 @@ mod tests {
 
     #[test]
     fn each_quad_has_the_colour_of_its_launches() {
-        // Two triangles over the upper left corner of the screen, of which the second lies over one quad alone.
+        // Two triangles over the upper left corner of the screen, of which the second lies over one quad
+        // alone.
         let mesh = Mesh::new(
             vec![
                 [0.0, 0.0, 0.0],
@@ -102,14 +107,14 @@ mod tests {
             projection: Projection::Orthographic { height: 12.0 },
             screen,
         };
-        let options = Options {
+        let options = RenderOptions {
             viewpoint: Viewpoint::Camera(camera),
             background: Background::Transparent,
-            ..Options::default()
+            ..RenderOptions::default()
         };
         let (picture, found) = render_overshade(&mesh.unwrap(), &options, &Job::default()).unwrap();
         let color = |share: f64| {
-            let [r, g, b] = Ramp::new().at(share).to_array().map(srgb);
+            let [r, g, b] = ColorRamp::new().at(share).to_array().map(linear_to_srgb);
             [r, g, b, 255]
         };
         for (x, y) in (0..12).flat_map(|y| (0..12).map(move |x| (x, y))) {

@@ -1,6 +1,6 @@
 //! Cages that once had a limit surface other than the one their rounds converge to.
 use chordal::check;
-use chordal::explicit::{Boundary, Cage, Creasing, INFINITELY_SHARP, InvalidCage};
+use chordal::explicit::{Boundary, Cage, CreasingMethod, INFINITELY_SHARP, InvalidCage};
 use chordal::{Budget, Job, Tolerance, convert};
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -46,7 +46,7 @@ fn off(cage: &Cage, rounds: u32) -> f64 {
 fn sheet() -> Cage {
     let point = |k: u32| [f64::from(k % 4), f64::from(k / 4), f64::from(k * k % 7) * 0.2];
     let quads = (0..9).map(|k| k / 3 * 4 + k % 3).map(|k| [k, k + 1, k + 5, k + 4]);
-    Cage::new((0..16).map(point).collect(), quads).unwrap().with_creasing(Creasing::Chaikin)
+    Cage::new((0..16).map(point).collect(), quads).unwrap().with_creasing(CreasingMethod::Chaikin)
 }
 
 /// A half of a crease that is 0.9 sharp stays sharp for the sake of the sharper ones at both its ends, of which one is no vertex
@@ -74,7 +74,7 @@ fn by_chaikin_creases_beyond_a_corner_count() {
         [a[0] + b[0], a[1] + b[1], f64::from(k * k % 3) * 0.3]
     }));
     let quads = (0..8).map(|k| [0, 1 + k, 9 + k, 1 + (k + 1) % 8]);
-    let cage = Cage::new(points, quads).unwrap().with_creasing(Creasing::Chaikin);
+    let cage = Cage::new(points, quads).unwrap().with_creasing(CreasingMethod::Chaikin);
     let sharpness =
         [INFINITELY_SHARP, 0.9, INFINITELY_SHARP, 4.0, INFINITELY_SHARP, 2.0, INFINITELY_SHARP, 0.5];
     let creases: Vec<_> = (1..9).zip(sharpness).map(|(k, sharp)| ([0, k], sharp)).collect();

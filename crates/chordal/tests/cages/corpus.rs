@@ -1,5 +1,5 @@
 //! Cages of the corpus: `v`, `f` and `t` lines of OBJ.
-use chordal::explicit::{Boundary, Cage, Creasing, InvalidCage, Scheme};
+use chordal::explicit::{Boundary, Cage, CreasingMethod, InvalidCage, Scheme};
 use std::path::PathBuf;
 
 pub fn folder() -> Option<PathBuf> {
@@ -48,7 +48,7 @@ pub fn cage(name: &str, text: &str) -> Result<Cage, InvalidCage> {
             "corner" => corners.extend(ints.iter().map(|v| (*v, floats[0]))),
             "hole" => holes.extend(ints),
             "creasemethod" if words.last() == Some(&"chaikin") => {
-                cage = cage.with_creasing(Creasing::Chaikin)
+                cage = cage.with_creasing(CreasingMethod::Chaikin)
             }
             "interpolateboundary" => {
                 cage = cage.with_boundary(match ints[0] {

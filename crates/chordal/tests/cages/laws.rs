@@ -85,8 +85,8 @@ fn every_cage_of_the_corpus_is_refined() {
             assert_eq!(next.n_faces(), expected, "{name}");
             // No affine combination with weights from 0 to 1 leaves the hull.
             let (was, is) = (
-                chordal::math::Box3::around(cage.positions()),
-                chordal::math::Box3::around(next.positions()),
+                chordal::math::Box3::from_points(cage.positions()),
+                chordal::math::Box3::from_points(next.positions()),
             );
             // Of some hundred sums around a pole.
             let room = 1e-12 * was.diagonal();

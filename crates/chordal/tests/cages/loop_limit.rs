@@ -1,9 +1,9 @@
 //! The limit surface of Loop's scheme: what rounds converge to, and the same whether a round was done before or not; and its meshes, as a
 //! referee sees them that has only plain rounds and the masks of smooth vertices, creases and corners.
 use super::corpus::cages;
-use chordal::budget::Code;
+use chordal::budget::RefusalCode;
 use chordal::check::{self, Goal};
-use chordal::explicit::{Boundary, Cage, Creasing, INFINITELY_SHARP, Jet, Scheme, Topology};
+use chordal::explicit::{Boundary, Cage, CreasingMethod, INFINITELY_SHARP, Jet, Scheme, Topology};
 use chordal::{Bounded, Budget, Failure, Job, Mesh, Tolerance, convert};
 use std::collections::BTreeMap;
 
@@ -86,7 +86,7 @@ fn random(seed: u64) -> Cage {
         .collect();
     let corners: Vec<(u32, f64)> = (0..pick(3)).map(|_| (pick(n), sharps[pick(4) as usize])).collect();
     let boundary = [Boundary::None, Boundary::EdgeOnly, Boundary::EdgeAndCorner][pick(3) as usize];
-    let creasing = [Creasing::Uniform, Creasing::Chaikin][pick(2) as usize];
+    let creasing = [CreasingMethod::Uniform, CreasingMethod::Chaikin][pick(2) as usize];
     let cage = Cage::new(points, faces).unwrap().with_scheme(Scheme::Loop).unwrap();
     let cage = cage.with_boundary(boundary).with_creasing(creasing);
     cage.with_creases(&creases).unwrap().with_sharp_vertices(&corners).unwrap()
@@ -511,9 +511,9 @@ fn what_cannot_be_met_is_refused() {
     let mut few = Job::default();
     few.triangle_limit = 1000;
     let Failure::Refused(refusal) = by(1e-6, &few) else { panic!() };
-    assert_eq!(refusal.code, Code::TooManyTriangles);
+    assert_eq!(refusal.code, RefusalCode::TooManyTriangles);
     let Failure::Refused(refusal) = by(1e-14, &Job::default()) else { panic!() };
-    assert_eq!(refusal.code, Code::BelowPrecision);
+    assert_eq!(refusal.code, RefusalCode::BelowPrecision);
 }
 
 #[test]

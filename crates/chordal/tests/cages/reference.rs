@@ -33,7 +33,7 @@ fn counted(faces: impl Iterator<Item = Vec<u32>>) -> BTreeMap<Vec<u32>, usize> {
 /// Whether they have the same points and faces, up to a share of the extent.
 fn compare(what: &str, ours: &Cage, (points, faces): (Vec<[f64; 3]>, Vec<Vec<u32>>), share: f64) {
     assert_eq!((ours.positions().len(), ours.n_faces()), (points.len(), faces.len()), "{what}");
-    let bounds = chordal::math::Box3::around(&points);
+    let bounds = chordal::math::Box3::from_points(&points);
     let near = share * bounds.diagonal();
     let (of_ours, of_theirs) = (matched(ours.positions(), &points, near), matched(&points, &points, near));
     let renamed =

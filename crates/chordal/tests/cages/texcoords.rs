@@ -438,7 +438,7 @@ fn faces_without_rows_stay_without() {
         assert!(of.values.iter().flatten().all(|x| (0.0..=1.0).contains(x)));
     }
     let chart = cage.chart().unwrap();
-    assert!(chart.has(0) && !chart.has(1));
+    assert!(chart.has_face(0) && !chart.has_face(1));
     assert_eq!(rows_of(&meshed(&cage, 0.1)).iter().filter(|row| row.iter().any(|x| *x > 1.0)).count(), 0);
 }
 

@@ -3,7 +3,7 @@ use super::families::shape;
 use super::measure::{Look, distance, measure, witnessed};
 use super::truth::{Part, Path};
 use super::{cases, flatten, for_all, length, quantile};
-use chordal::budget::Code;
+use chordal::budget::RefusalCode;
 use chordal::convert::{BezierCutter, Spacing};
 use chordal::explicit::Polyline;
 use chordal::{Bezier, Failure, Tolerance};
@@ -94,7 +94,9 @@ pub fn judge<const D: usize>(name: String, path: &Path<D>, tolerance: f64, spaci
     }
     let made = match flatten(path, &length(budget), spacing) {
         Ok(made) => made,
-        Err(Failure::Refused(why)) if why.code == Code::BelowPrecision && budget < 1e3 * path.slack() => {
+        Err(Failure::Refused(why))
+            if why.code == RefusalCode::BelowPrecision && budget < 1e3 * path.slack() =>
+        {
             return None;
         }
         Err(failure) => panic!("{name} at {tolerance:e} of {:e}: {failure}", path.size()),

@@ -5,7 +5,7 @@ use super::measure::distance;
 use super::random::Random;
 use super::truth::Path;
 use super::{cases, flatten, for_all, quantile};
-use chordal::budget::{Camera, Closest, Code, Pixels, Projection, Screen};
+use chordal::budget::{Camera, MinDistanceView, Pixels, Projection, RefusalCode, Screen};
 use chordal::convert::Spacing;
 use chordal::{Bounded, Budget, Failure, View};
 
@@ -120,7 +120,8 @@ fn to_pixels(path: &Path<3>, pixels: f64, view: View) -> Option<Bounded<chordal:
     match flatten(path, &budget, Spacing::Fewest) {
         Ok(made) => Some(made),
         Err(Failure::Refused(why))
-            if [Code::TooClose, Code::TooManyTriangles, Code::BelowPrecision].contains(&why.code) =>
+            if [RefusalCode::TooClose, RefusalCode::TooManyTriangles, RefusalCode::BelowPrecision]
+                .contains(&why.code) =>
         {
             None
         }
@@ -184,8 +185,8 @@ fn no_eye_that_keeps_its_distance_sees_more_pixels_than_promised() {
         let r = &mut Random::new(seed as u64 + 6);
         let ((projection, screen), away) = (lens(r, size), size * r.power(-0.5, 1.5));
         let pixels = [0.25, 1.0, 4.0][r.below(3)];
-        let closest = Closest { distance: away, projection, screen };
-        let Some(made) = to_pixels(&path, pixels, View::Closest(closest)) else { return Vec::new() };
+        let closest = MinDistanceView { distance: away, projection, screen };
+        let Some(made) = to_pixels(&path, pixels, View::MinDistance(closest)) else { return Vec::new() };
         let promised = made.bound.pixels.expect("a view was given");
         assert!(promised <= pixels, "{promised} for {pixels} px");
         let pairs = pairs(&path, &made.shape);

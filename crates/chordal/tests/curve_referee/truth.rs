@@ -1,7 +1,7 @@
 //! Paths as the referee knows them: control points, centres and angles, evaluated by its own arithmetic.
 use super::double::Double;
 use chordal::Bezier;
-use chordal::explicit::{Arc, Curve, Piece};
+use chordal::explicit::{Arc, Curve, CurveSegment};
 
 /// The control points of a cubic.
 pub type Control<const D: usize> = [[f64; D]; 4];
@@ -93,13 +93,13 @@ impl<const D: usize> Part<D> {
         }
     }
 
-    fn library(&self) -> Piece<D> {
+    fn library(&self) -> CurveSegment<D> {
         match self {
-            Self::Line(ends) => Piece::Line(*ends),
-            Self::Cubic(control) => Piece::Cubic(Bezier { control: *control }),
+            Self::Line(ends) => CurveSegment::Line(*ends),
+            Self::Cubic(control) => CurveSegment::Cubic(Bezier { control: *control }),
             Self::Arc(round) => {
                 let arc = Arc::new(round.centre, round.axes, round.start, round.sweep).expect("an arc");
-                Piece::Arc(round.ends.map_or(arc, |ends| arc.with_ends(ends)))
+                CurveSegment::Arc(round.ends.map_or(arc, |ends| arc.with_ends(ends)))
             }
         }
     }

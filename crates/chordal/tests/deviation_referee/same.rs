@@ -2,7 +2,7 @@
 use super::families::{KINDS, moved, pair};
 use super::measured;
 use super::random::Random;
-use chordal::budget::{Code, Stopped, Tolerance};
+use chordal::budget::{JobError, RefusalCode, Tolerance};
 use chordal::check::{Goal, deviation};
 use chordal::{Job, Mesh};
 
@@ -114,15 +114,15 @@ fn what_has_no_surface_or_no_extent_is_refused() {
     let points = Mesh::new(vec![[0.0; 3]], Vec::new()).unwrap();
     let huge = Mesh::new(vec![[-1.7e308; 3], [1.7e308, 0.0, 0.0], [0.0; 3]], vec![[0, 1, 2]]).unwrap();
     let code = |a: &Mesh, b: &Mesh| match deviation(a, b, &Goal::default(), &Job::default()) {
-        Err(Stopped::Refused(refusal)) => Some(refusal.code),
+        Err(JobError::Refused(refusal)) => Some(refusal.code),
         _ => None,
     };
-    assert_eq!(code(&triangle, &points), Some(Code::Empty));
-    assert_eq!(code(&points, &triangle), Some(Code::Empty));
-    assert_eq!(code(&huge, &triangle), Some(Code::NotFinite));
+    assert_eq!(code(&triangle, &points), Some(RefusalCode::Empty));
+    assert_eq!(code(&points, &triangle), Some(RefusalCode::Empty));
+    assert_eq!(code(&huge, &triangle), Some(RefusalCode::NotFinite));
     let job = Job::default();
     job.cancel();
-    assert_eq!(deviation(&triangle, &triangle, &Goal::default(), &job), Err(Stopped::Cancelled));
+    assert_eq!(deviation(&triangle, &triangle, &Goal::default(), &job), Err(JobError::Cancelled));
 }
 
 #[test]

@@ -26,7 +26,7 @@ fn no_cage_of_the_corpus_breaks_an_enclosure() {
     for (name, cage) in cages().into_iter().filter(|(_, cage)| cage.scheme() != Scheme::Loop) {
         let limit = cage.limit().unwrap();
         let samples = samples(&limit, if limit.n_sheets() > 100 { 4 } else { 12 });
-        let tree = SurfaceTree::of_limit(&limit, &Job::default()).unwrap();
+        let tree = SurfaceTree::from_limit(&limit, &Job::default()).unwrap();
         let size = extent(&samples);
         // Vertices of hundreds of quads take long when they are first met.
         let (count, tolerance) = if name.contains("pole") { (10, 1e-2) } else { (cases(50), 1e-9) };
@@ -58,7 +58,7 @@ fn the_vertices_of_a_cube() {
     let sides: [&[u32]; 6] =
         [&[0, 2, 3, 1], &[4, 5, 7, 6], &[0, 1, 5, 4], &[2, 6, 7, 3], &[0, 4, 6, 2], &[1, 3, 7, 5]];
     let cube = Cage::new((0..8).map(corner).collect(), sides).unwrap();
-    let tree = SurfaceTree::of_limit(&cube.limit().unwrap(), &Job::default()).unwrap();
+    let tree = SurfaceTree::from_limit(&cube.limit().unwrap(), &Job::default()).unwrap();
     for share in [0.5, 0.5001, 0.6, 1.0, 5.0] {
         let found = tree.closest_point([share; 3], None).unwrap();
         let truth = (share - 0.5) * 3.0_f64.sqrt();
@@ -84,7 +84,7 @@ fn what_was_asked_before_changes_no_answer() {
         let limit = cage.limit().unwrap();
         let mut numbers = Random(22);
         let points: Vec<Point> = (0..60).map(|_| numbers.point(1.5)).collect();
-        let tree = || SurfaceTree::of_limit(&limit, &Job::default()).unwrap();
+        let tree = || SurfaceTree::from_limit(&limit, &Job::default()).unwrap();
         let all = tree().closest_points(&points, None, &Job::default());
         for (p, known) in points.iter().zip(&all).rev() {
             assert_eq!(tree().closest_point(*p, None), *known, "{name}");

@@ -4,7 +4,7 @@ use chordal::explicit::{Cage, SurfaceTree};
 use chordal::{Job, Patch};
 
 fn tree(patch: Patch) -> SurfaceTree {
-    SurfaceTree::of_patches(&[patch], &Job::default()).unwrap()
+    SurfaceTree::from_patches(&[patch], &Job::default()).unwrap()
 }
 
 fn holds(tree: &SurfaceTree, p: Point, truth: f64) {
@@ -75,7 +75,7 @@ fn a_cage_whose_limit_is_a_plane_and_one_that_is_itself() {
         .map(|k| (k / 6, k % 6))
         .map(|(i, j)| [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)]);
     let flat = Cage::new(points, faces).unwrap().with_boundary(chordal::explicit::Boundary::None);
-    let tree = SurfaceTree::of_limit(&flat.limit().unwrap(), &Job::default()).unwrap();
+    let tree = SurfaceTree::from_limit(&flat.limit().unwrap(), &Job::default()).unwrap();
     let mut numbers = Random(13);
     for _ in 0..200 {
         let p = numbers.point(8.0);

@@ -161,8 +161,8 @@ fn what_has_no_surface_is_refused() {
     let empty = Mesh::new(vec![], vec![]).unwrap();
     let flat = Patch::flat([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
     let (goal, job) = (Goal::default(), Job::default());
-    let code = |result: Result<Deviation, chordal::budget::Stopped>| match result {
-        Err(chordal::budget::Stopped::Refused(refusal)) => refusal.code.as_str(),
+    let code = |result: Result<Deviation, chordal::budget::JobError>| match result {
+        Err(chordal::budget::JobError::Refused(refusal)) => refusal.code.as_str(),
         other => panic!("{other:?}"),
     };
     assert_eq!(code(check::patch_deviation(&mesh, &[], &goal, &job)), "empty");

@@ -6,7 +6,7 @@ mod deviation;
 mod patches;
 
 use crate::cages::corpus;
-use chordal::explicit::Foot;
+use chordal::explicit::SurfaceClosestPoint;
 
 pub(crate) type Point = [f64; 3];
 
@@ -32,7 +32,7 @@ impl Random {
 
 /// A foot is right where its own place is as near as it says, and no sample is nearer than it says. `rounding` is what the
 /// referee's own points may be off.
-pub(crate) fn judge(foot: &Foot, p: Point, at: Point, samples: &[Point], rounding: f64) {
+pub(crate) fn judge(foot: &SurfaceClosestPoint, p: Point, at: Point, samples: &[Point], rounding: f64) {
     let said = format!("{foot:?} of {p:?}");
     assert!(0.0 <= foot.at_least && foot.at_least <= foot.at_most, "{said}");
     assert!(distance(at, p) <= foot.at_most + rounding, "{} at its place: {said}", distance(at, p));

@@ -1,6 +1,6 @@
 //! Random patches, and those with nothing to hold on to, beside samples by the plain sum of Bernstein's polynomials.
 use super::{Point, Random, distance, judge};
-use chordal::explicit::{Foot, SurfaceTree};
+use chordal::explicit::{SurfaceClosestPoint, SurfaceTree};
 use chordal::{Job, Patch, Tolerance};
 
 pub fn at(patch: &Patch, u: f64, v: f64) -> Point {
@@ -29,7 +29,7 @@ fn random(numbers: &mut Random, rough: f64) -> Patch {
     patch
 }
 
-fn foot(tree: &SurfaceTree, p: Point) -> Foot {
+fn foot(tree: &SurfaceTree, p: Point) -> SurfaceClosestPoint {
     tree.closest_point(p, None).unwrap()
 }
 
@@ -40,7 +40,7 @@ fn no_enclosure_of_ten_thousand_is_broken() {
     for round in 0..250 {
         let patches: Vec<Patch> =
             (0..1 + round % 3).map(|_| random(&mut numbers, [0.2, 1.0, 3.0][round % 3])).collect();
-        let tree = SurfaceTree::of_patches(&patches, &Job::default()).unwrap();
+        let tree = SurfaceTree::from_patches(&patches, &Job::default()).unwrap();
         let samples: Vec<Point> = patches.iter().flat_map(|patch| samples(patch, 24)).collect();
         for query in 0..40 {
             // Near, farther, far, and on the surface.
@@ -68,7 +68,7 @@ fn a_tolerance_is_met_and_holds() {
     let mut numbers = Random(2);
     for _ in 0..100 {
         let patch = random(&mut numbers, 1.0);
-        let tree = SurfaceTree::of_patches(&[patch], &Job::default()).unwrap();
+        let tree = SurfaceTree::from_patches(&[patch], &Job::default()).unwrap();
         let samples = samples(&patch, 24);
         for tolerance in [1e-1, 1e-3, 1e-6] {
             let p = numbers.point(3.0);
@@ -102,7 +102,7 @@ fn degenerate() -> Vec<Patch> {
 fn degenerate_patches_have_feet() {
     let mut numbers = Random(3);
     for (which, patch) in degenerate().into_iter().enumerate() {
-        let tree = SurfaceTree::of_patches(&[patch], &Job::default()).unwrap();
+        let tree = SurfaceTree::from_patches(&[patch], &Job::default()).unwrap();
         let samples = samples(&patch, 40);
         for query in 0..200 {
             let p = match query % 4 {
@@ -123,11 +123,11 @@ fn a_power_of_two_changes_no_digit() {
     for _ in 0..50 {
         let patch = random(&mut numbers, 1.0);
         let p = numbers.point(3.0);
-        let plain = foot(&SurfaceTree::of_patches(&[patch], &Job::default()).unwrap(), p);
+        let plain = foot(&SurfaceTree::from_patches(&[patch], &Job::default()).unwrap(), p);
         for exponent in [-300, -900, 300, 900] {
             let scale = f64::powi(2.0, exponent);
             let scaled = Patch { control: patch.control.map(|row| row.map(|p| p.map(|x| x * scale))) };
-            let tree = SurfaceTree::of_patches(&[scaled], &Job::default()).unwrap();
+            let tree = SurfaceTree::from_patches(&[scaled], &Job::default()).unwrap();
             let found = foot(&tree, p.map(|x| x * scale));
             assert_eq!((found.sheet, found.u, found.v), (plain.sheet, plain.u, plain.v));
             assert_eq!([found.at_least, found.at_most], [plain.at_least * scale, plain.at_most * scale]);
@@ -139,7 +139,7 @@ fn a_power_of_two_changes_no_digit() {
 #[test]
 fn queries_that_dwarf_the_surface_or_are_none() {
     let patch = random(&mut Random(5), 1.0);
-    let tree = SurfaceTree::of_patches(&[patch], &Job::default()).unwrap();
+    let tree = SurfaceTree::from_patches(&[patch], &Job::default()).unwrap();
     for far in [1e12, 1e18, 1e20, 1e100, 1e200, 1e300] {
         for p in [[far, 0.0, 0.0], [-far, far, 0.5 * far]] {
             let found = foot(&tree, p);
@@ -161,12 +161,13 @@ fn queries_that_dwarf_the_surface_or_are_none() {
     for p in [[f64::NAN, 0.0, 0.0], [0.0, f64::INFINITY, 0.0]] {
         assert_eq!(tree.closest_point(p, None), None);
     }
-    let none = SurfaceTree::of_patches(&[], &Job::default()).unwrap();
+    let none = SurfaceTree::from_patches(&[], &Job::default()).unwrap();
     assert_eq!(none.closest_point([0.0; 3], None), None);
     let mut broken = patch;
     broken.control[1][2][0] = f64::NAN;
-    assert!(SurfaceTree::of_patches(&[broken], &Job::default()).is_err());
-    let origin = SurfaceTree::of_patches(&[Patch { control: [[[0.0; 3]; 4]; 4] }], &Job::default()).unwrap();
+    assert!(SurfaceTree::from_patches(&[broken], &Job::default()).is_err());
+    let origin =
+        SurfaceTree::from_patches(&[Patch { control: [[[0.0; 3]; 4]; 4] }], &Job::default()).unwrap();
     let found = foot(&origin, [3.0, 4.0, 0.0]);
     assert!(found.at_least <= 5.0 && found.at_most >= 5.0 && found.at_most - found.at_least < 1e-14);
 }
@@ -175,7 +176,7 @@ fn queries_that_dwarf_the_surface_or_are_none() {
 fn many_queries_are_answered_like_each_on_any_number_of_threads() {
     let mut numbers = Random(6);
     let patches: Vec<Patch> = (0..5).map(|_| random(&mut numbers, 1.0)).collect();
-    let tree = SurfaceTree::of_patches(&patches, &Job::default()).unwrap();
+    let tree = SurfaceTree::from_patches(&patches, &Job::default()).unwrap();
     let points: Vec<Point> = (0..1000).map(|_| numbers.point(3.0)).collect();
     let each: Vec<_> = points.iter().map(|p| tree.closest_point(*p, None)).collect();
     for threads in [1, 2, 5] {

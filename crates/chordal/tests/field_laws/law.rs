@@ -1,6 +1,6 @@
 //! What a field has to obey, judged by values at points alone.
-use chordal::implicit::Slope;
-use chordal::implicit::{Field, Quality};
+use chordal::implicit::Dual;
+use chordal::implicit::{DistanceQuality, Field};
 use chordal::math::{Box3, Interval};
 
 /// Numbers by SplitMix64 (S. Vigna, 2015).
@@ -72,9 +72,9 @@ pub fn obey(name: &str, field: &Field) {
     }
     for (k, w) in values(field, &around).into_iter().enumerate() {
         let (p, v) = (points[k / 8], at[k / 8]);
-        if quality(v) >= Quality::Bound {
+        if quality(v) >= DistanceQuality::Bound {
             assert!(w * v >= 0.0 || w.abs() < ROUNDING, "{name}: {v} at {p:?}, but {w} at {:?}", around[k]);
-            if quality(w) >= Quality::Bound {
+            if quality(w) >= DistanceQuality::Bound {
                 let far = distance(p, around[k]);
                 assert!(
                     (v - w).abs() <= far + ROUNDING,
@@ -101,7 +101,7 @@ fn exact(name: &str, field: &Field, points: &[[f64; 3]], at: &[f64]) {
     let chosen: Vec<usize> = (0..points.len())
         .filter(|k| {
             let side = if at[*k] >= 0.0 { field.distance().outside } else { field.distance().inside };
-            side == Quality::Exact && at[*k].abs() > 1e-3
+            side == DistanceQuality::Exact && at[*k].abs() > 1e-3
         })
         .collect();
     let mut around = Vec::new();
@@ -141,7 +141,7 @@ fn ranges(name: &str, field: &Field, random: &mut Random) {
                 Box3 { min: p, max: p.map(|x| x + size * random.unit()) }
             })
             .collect();
-        let unknown = Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
+        let unknown = Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
         let mut over = vec![unknown; boxes.len()];
         tape.gradient_over(&boxes, &mut over).expect("no leaf fails");
         for (bounds, range) in boxes.iter().zip(over) {
@@ -150,7 +150,7 @@ fn ranges(name: &str, field: &Field, random: &mut Random) {
                     std::array::from_fn(|k| bounds.min[k] + (bounds.max[k] - bounds.min[k]) * random.unit())
                 })
                 .collect();
-            let mut at = vec![Slope { value: 0.0, gradient: [0.0; 3] }; points.len()];
+            let mut at = vec![Dual { value: 0.0, gradient: [0.0; 3] }; points.len()];
             tape.gradient_at(&points, &mut at).expect("no leaf fails");
             for (p, slope) in points.iter().zip(at) {
                 let holds = |range: Interval, x: f64| {

@@ -4,7 +4,7 @@ mod law;
 mod trees;
 
 use chordal::implicit::shapes::*;
-use chordal::implicit::{Affine, Distance, Field, Quality, Repeat};
+use chordal::implicit::{Affine3, Distance, DistanceQuality, Field, Repeat};
 use law::{Random, obey};
 
 /// One test for each shape: its name and how it is made.
@@ -92,8 +92,8 @@ field_laws! {
     bumps: sphere(1.0)?.displaced(&gyroid(0.7, 0.0)?.expr().clone(), 0.3);
 }
 
-fn shear() -> Affine {
-    Affine::new([[1.0, 0.5, 0.0, 0.1], [0.0, 1.0, 0.2, 0.0], [0.0, 0.0, 0.7, 0.3]]).expect("regular")
+fn shear() -> Affine3 {
+    Affine3::new([[1.0, 0.5, 0.0, 0.1], [0.0, 1.0, 0.2, 0.0], [0.0, 0.0, 0.7, 0.3]]).expect("regular")
 }
 
 fn scattered() -> Result<Vec<Field>, InvalidShape> {
@@ -192,7 +192,7 @@ fn a_million_shapes_unite() {
     let all = Field::union_of(&many);
     let end = all.bounds().max[0];
     assert!((999_999.4..999_999.400_001).contains(&end), "{end}");
-    assert_eq!(all.distance().outside, Quality::Exact);
+    assert_eq!(all.distance().outside, DistanceQuality::Exact);
 }
 
 #[test]

@@ -3,7 +3,7 @@ use super::law::{Random, obey};
 use chordal::implicit::shapes::{
     InvalidShape, capped_cone, capsule, cuboid, cylinder, ellipsoid, sphere, torus,
 };
-use chordal::implicit::{Field, Quality};
+use chordal::implicit::{DistanceQuality, Field};
 
 fn leaf(random: &mut Random) -> Result<Field, InvalidShape> {
     let size = 0.4 + 0.8 * random.unit();
@@ -29,7 +29,7 @@ fn tree(random: &mut Random, depth: u32) -> Result<Field, InvalidShape> {
         3 => a.difference(&b),
         4 => a.xor(&b),
         5 => a.smooth_union(&b, 0.2)?,
-        6 if a.distance().inside >= Quality::Bound => a.smooth_difference(&b, 0.2)?,
+        6 if a.distance().inside >= DistanceQuality::Bound => a.smooth_difference(&b, 0.2)?,
         _ => a.offset(0.1)?.union(&b.scaled([0.7; 3])?),
     })
 }

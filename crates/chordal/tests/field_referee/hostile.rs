@@ -1,7 +1,7 @@
 //! Fields without a surface, leaves without ranges, leaves that lie, numbers without end, and tiny and huge worlds.
 use super::budget;
 use super::shapes::cube;
-use chordal::budget::{Evidence, Require};
+use chordal::budget::{Evidence, RequiredEvidence};
 use chordal::check::{Goal, field_deviation};
 use chordal::convert::field_to_mesh;
 use chordal::implicit::{Expr, Field, Leaf, LeafError, Lipschitz, Unary};
@@ -121,9 +121,9 @@ impl Leaf for Ball {
         Ok(())
     }
 
-    fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<chordal::implicit::Answer, LeafError> {
+    fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<chordal::implicit::LeafAnswer, LeafError> {
         if matches!(self.0, Word::Nothing) {
-            return Ok(chordal::implicit::Answer::None);
+            return Ok(chordal::implicit::LeafAnswer::None);
         }
         for (range, b) in out.iter_mut().zip(boxes) {
             let c = b.centre();
@@ -136,7 +136,7 @@ impl Leaf for Ball {
                 Interval::new(d - reach, d + reach).expect("in order")
             };
         }
-        Ok(chordal::implicit::Answer::Given)
+        Ok(chordal::implicit::LeafAnswer::Given)
     }
 
     fn lipschitz(&self) -> Option<Lipschitz> {
@@ -157,12 +157,13 @@ fn leaf(word: Word, budget: &Budget) -> Result<Bounded<Mesh>, Failure<Mesh>> {
 
 #[test]
 fn an_occupancy_is_measured_and_never_proved() {
-    let made = leaf(Word::Nothing, &Budget { require: Require::Measured, ..budget(0.02) }).expect("a mesh");
+    let made =
+        leaf(Word::Nothing, &Budget { require: RequiredEvidence::Measured, ..budget(0.02) }).expect("a mesh");
     assert!(matches!(made.bound.evidence(), Evidence::Measured { .. }), "{:?}", made.bound);
     assert_eq!(made.bound.at_most(), None);
     super::measure::is_good(&made.shape).expect("closed");
     // Nobody who asks for a proof gets it for one.
-    assert!(leaf(Word::Nothing, &Budget { require: Require::Proved, ..budget(0.02) }).is_err());
+    assert!(leaf(Word::Nothing, &Budget { require: RequiredEvidence::Proved, ..budget(0.02) }).is_err());
 }
 
 #[test]

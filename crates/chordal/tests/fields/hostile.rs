@@ -1,5 +1,5 @@
 //! Rows 68 and 69 of the hostile inputs: expressions of any depth and sharing, and operations without a value.
-use chordal::implicit::{Binary, Expr, Graph, Slope, Tape, Unary};
+use chordal::implicit::{Binary, Dual, Expr, ExprGraph, Tape, Unary};
 use chordal::math::{Box3, Interval};
 
 fn unit() -> Box3 {
@@ -8,13 +8,13 @@ fn unit() -> Box3 {
 
 fn over(expr: &Expr, bounds: Box3) -> Interval {
     let mut range = [Interval::EMPTY];
-    Tape::of(expr).over(&[bounds], &mut range).expect("no leaf");
+    Tape::new(expr).over(&[bounds], &mut range).expect("no leaf");
     range[0]
 }
 
 fn at(expr: &Expr, p: [f64; 3]) -> f64 {
     let mut value = [0.0];
-    Tape::of(expr).at(&[p], &mut value).expect("no leaf");
+    Tape::new(expr).at(&[p], &mut value).expect("no leaf");
     value[0]
 }
 
@@ -25,15 +25,15 @@ fn h68_a_chain_of_a_million_parts_is_evaluated_and_dropped_without_a_deep_stack(
     for k in 0..1_000_000_u32 {
         chain = if k % 2 == 0 { chain.min(&(&x + f64::from(k))) } else { -chain };
     }
-    let tape = Tape::of(&chain);
+    let tape = Tape::new(&chain);
     assert!(tape.len() > 1_000_000);
     let mut values = [0.0; 2];
     tape.at(&[[0.25, 0.0, 0.0], [-3.0, 0.0, 0.0]], &mut values).unwrap();
     assert!(values.iter().all(|value| value.is_finite()));
-    let mut slopes = [Slope { value: 0.0, gradient: [0.0; 3] }];
+    let mut slopes = [Dual { value: 0.0, gradient: [0.0; 3] }];
     tape.gradient_at(&[[0.25, 0.0, 0.0]], &mut slopes).unwrap();
     assert_eq!((slopes[0].value, slopes[0].gradient[0].abs()), (values[0], 1.0));
-    let (range, shorter) = tape.shortened(&unit()).unwrap();
+    let (range, shorter) = tape.prune(&unit()).unwrap();
     assert!(range.contains(values[0]));
     assert!(shorter.is_some_and(|shorter| shorter.len() * 2 < tape.len()));
     drop(chain);
@@ -56,14 +56,14 @@ fn h68_a_union_of_a_million_parts_and_a_tree_of_shared_halves() {
     for _ in 0..40 {
         shared = &shared + &shared;
     }
-    assert!(Graph::of(&shared).terms().len() < 60);
+    assert!(ExprGraph::from_expr(&shared).terms().len() < 60);
     assert_eq!(at(&shared, [1.0, 1.0, 1.0]), 0.875 * 2.0_f64.powi(40));
     let mut copies = x;
     for _ in 0..40 {
         let [a, b, c] = Expr::axes();
         copies = copies.with_axes([a.clone() + 1.0, b, c]).max(&copies);
     }
-    assert!(Graph::of(&copies).terms().len() < 4000);
+    assert!(ExprGraph::from_expr(&copies).terms().len() < 4000);
     assert_eq!(at(&copies, [2.0, 0.0, 0.0]), 42.0);
 }
 
@@ -129,7 +129,7 @@ fn h69_a_range_across_a_pole_or_a_jump_holds_all_values_without_the_claim() {
     }
     // Away from the jump the claim is kept.
     let beside = Box3 { min: [1.1, 0.6, 0.0], max: [1.3, 0.9, 0.0] };
-    for expr in jumps.iter().filter(|expr| !format!("{:?}", Graph::of(expr)).contains("Mod")) {
+    for expr in jumps.iter().filter(|expr| !format!("{:?}", ExprGraph::from_expr(expr)).contains("Mod")) {
         assert!(over(expr, beside).is_defined(), "{expr:?}");
     }
 }

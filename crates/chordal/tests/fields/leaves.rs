@@ -1,6 +1,6 @@
 //! Leaves are asked breadth-first: once for a whole batch, at what was computed for them.
 use chordal::Evidence;
-use chordal::implicit::{Expr, Leaf, LeafError, Lipschitz, Slope, Tape};
+use chordal::implicit::{Dual, Expr, Leaf, LeafError, Lipschitz, Tape};
 use chordal::math::{Box3, Interval};
 use std::sync::{Arc, Mutex};
 
@@ -38,7 +38,7 @@ fn nested() -> (Tape, [Arc<Plane>; 2]) {
     let planes = [Arc::new(Plane::default()), Arc::new(Plane::default())];
     let inner = Expr::leaf(planes[0].clone(), [&x - 1.0, y.clone(), z.square()]);
     let outer = Expr::leaf(planes[1].clone(), [inner.clone(), x.sin(), inner.abs()]);
-    (Tape::of(&(outer + inner * y)), planes)
+    (Tape::new(&(outer + inner * y)), planes)
 }
 
 #[test]
@@ -62,7 +62,7 @@ fn a_leaf_is_asked_once_for_all_points() {
 #[test]
 fn gradients_without_the_leaf_s_help_come_from_differences() {
     let (tape, _) = nested();
-    let mut slopes = [Slope { value: 0.0, gradient: [0.0; 3] }];
+    let mut slopes = [Dual { value: 0.0, gradient: [0.0; 3] }];
     tape.gradient_at(&[[3.0, 2.0, 1.0]], &mut slopes).unwrap();
     // inner = x − 1 + 2y + 3z² = 9; outer = inner + 2 sin x + 3 |inner|; the value is outer + inner y.
     let expected = [4.0 + 2.0 * 3.0_f64.cos() + 2.0, 8.0 + 9.0 + 4.0, 24.0 + 12.0];
@@ -85,7 +85,7 @@ fn ranges_hold_what_the_leaf_has_and_keep_its_evidence() {
         tape.at(&[p], &mut value).unwrap();
         assert!(range[0].contains(value[0]) && range[0].is_defined(), "{} {}", range[0], value[0]);
     }
-    let (again, _) = tape.shortened(&bounds).unwrap();
+    let (again, _) = tape.prune(&bounds).unwrap();
     assert_eq!(again, range[0]);
 }
 
@@ -93,6 +93,6 @@ fn ranges_hold_what_the_leaf_has_and_keep_its_evidence() {
 fn what_a_leaf_complains_of_comes_through() {
     let [x, y, z] = Expr::axes();
     let leaf = Expr::leaf(Arc::new(Plane { fails: true, ..Plane::default() }), [x, y, z]);
-    let error = Tape::of(&(leaf + 1.0)).at(&[[0.0; 3]], &mut [0.0]).unwrap_err();
+    let error = Tape::new(&(leaf + 1.0)).at(&[[0.0; 3]], &mut [0.0]).unwrap_err();
     assert_eq!(error.to_string(), "the plane is closed on Sundays");
 }

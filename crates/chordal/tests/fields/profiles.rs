@@ -17,7 +17,7 @@ fn cube_around(bounds: &Box3) -> Box3 {
 
 /// How many boxes of the last level may hold the surface, and how many of them the axis.
 fn undecided(field: &Field) -> [usize; 2] {
-    let tape = Tape::of(field.sign());
+    let tape = Tape::new(field.sign());
     let mut boxes = vec![cube_around(&field.bounds())];
     for _ in 0..LEVELS {
         boxes = boxes.iter().flat_map(eighths).collect();
@@ -95,14 +95,14 @@ fn the_axis_is_inside_of_what_is_around_it() {
 fn tips_of_cones_have_a_direction_for_ranges() {
     for (bottom, top) in [(1.0, 0.0), (0.0, 1.0), (1.0, 0.5)] {
         let cone = capped_cone(bottom, top, 2.0).expect("a shape");
-        let tape = Tape::of(cone.sign());
+        let tape = Tape::new(cone.sign());
         let end = if top < bottom { 1.0 } else { -1.0 };
         let radius = if end > 0.0 { top } else { bottom };
         let room = 1.0 / 64.0;
         let at = [radius, 0.0, end];
         let tip = Box3 { min: at.map(|x| x - room), max: at.map(|x| x + room) };
         let mut slope =
-            [chordal::implicit::Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] }];
+            [chordal::implicit::Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] }];
         tape.gradient_over(&[tip], &mut slope).expect("no leaf fails");
         let along = slope[0].gradient[2];
         assert!(along.is_defined(), "{bottom} {top}");

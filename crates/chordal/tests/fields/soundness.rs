@@ -1,6 +1,6 @@
 //! Ranges hold every value, and ranges of gradients every gradient and every difference quotient.
 use super::models::Random;
-use chordal::implicit::{Binary, Expr, Slope, Tape, Unary};
+use chordal::implicit::{Binary, Dual, Expr, Tape, Unary};
 use chordal::math::{Box3, Interval};
 use dashu_float::FBig;
 
@@ -38,7 +38,7 @@ fn tells(range: Interval, value: f64) -> bool {
 
 /// Tries `n` boxes of an expression; the number of points that were tried.
 fn try_boxes(random: &mut Random, expr: &Expr, n: usize, bounds: fn(&mut Random) -> Box3) -> usize {
-    let tape = Tape::of(expr);
+    let tape = Tape::new(expr);
     let boxes: Vec<Box3> = (0..n).map(|_| bounds(random)).collect();
     let mut ranges = vec![Interval::UNKNOWN; n];
     tape.over(&boxes, &mut ranges).unwrap();
@@ -104,7 +104,7 @@ fn ranges_of_functions_hold_the_true_values_of_200_bits() {
         (Unary::Ln, FBig::ln, |x| x > 0.0),
     ];
     for (op, truth, has) in functions {
-        let tape = Tape::of(&Expr::unary(op, &Expr::axes()[0]));
+        let tape = Tape::new(&Expr::unary(op, &Expr::axes()[0]));
         for _ in 0..150 {
             let (low, high) = operand(&mut random);
             let bounds = Box3 { min: [low; 3], max: [high; 3] };
@@ -128,7 +128,7 @@ fn ranges_are_tight_where_the_truth_is_known() {
     let [x, y, _] = Expr::axes();
     let over = |expr: &Expr, x: [f64; 2], y: [f64; 2]| {
         let mut range = [Interval::UNKNOWN];
-        Tape::of(expr).over(&[Box3 { min: [x[0], y[0], 0.0], max: [x[1], y[1], 0.0] }], &mut range).unwrap();
+        Tape::new(expr).over(&[Box3 { min: [x[0], y[0], 0.0], max: [x[1], y[1], 0.0] }], &mut range).unwrap();
         range[0]
     };
     let unary = |op, x0: f64, x1: f64| over(&Expr::unary(op, &x), [x0, x1], [0.0; 2]);
@@ -155,14 +155,14 @@ fn ranges_are_tight_where_the_truth_is_known() {
 
 /// The claims that gradients have to keep, on boxes of one expression; how many quotients were tried.
 fn try_gradients(random: &mut Random, expr: &Expr) -> usize {
-    let tape = Tape::of(expr);
+    let tape = Tape::new(expr);
     let boxes: Vec<Box3> = (0..30).map(|_| random.bounds()).collect();
-    let mut slopes = vec![Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] }; boxes.len()];
+    let mut slopes = vec![Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] }; boxes.len()];
     tape.gradient_over(&boxes, &mut slopes).unwrap();
     let mut tried = 0;
     for (bounds, range) in boxes.iter().zip(&slopes).filter(|(_, range)| range.value.is_defined()) {
         let points: Vec<[f64; 3]> = (0..12).map(|_| random.within(bounds)).collect();
-        let mut found = vec![Slope { value: 0.0, gradient: [0.0; 3] }; points.len()];
+        let mut found = vec![Dual { value: 0.0, gradient: [0.0; 3] }; points.len()];
         tape.gradient_at(&points, &mut found).unwrap();
         for (p, slope) in points.iter().zip(&found) {
             assert!(tells(range.value, slope.value));

@@ -1,7 +1,7 @@
 //! The tape has the plain evaluator's values bit for bit, on whatever instruction set it runs; gradients are those of
 //! differences; a shortened tape has the same values in its region.
 use super::models::Random;
-use chordal::implicit::{Graph, Slope, Tape, plain};
+use chordal::implicit::{Dual, ExprGraph, Tape, reference};
 use chordal::math::{Box3, Interval};
 
 /// The bits of a number; NaN is NaN.
@@ -13,19 +13,19 @@ fn parts(x: Interval) -> (u64, u64, bool) {
     (bits(x.lo()), bits(x.hi()), x.is_defined())
 }
 
-const NOWHERE: Slope<f64> = Slope { value: 0.0, gradient: [0.0; 3] };
-const UNKNOWN: Slope<Interval> = Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
+const NOWHERE: Dual<f64> = Dual { value: 0.0, gradient: [0.0; 3] };
+const UNKNOWN: Dual<Interval> = Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
 
 /// All five kinds of evaluation of an expression, against the plain ones. `CHORDAL_ISA` asks for an instruction set.
 fn compare(random: &mut Random, size: usize, rows: usize) {
     let expr = random.expression(size);
-    let (graph, tape) = (Graph::of(&expr), Tape::of(&expr));
+    let (graph, tape) = (ExprGraph::from_expr(&expr), Tape::new(&expr));
     let points: Vec<[f64; 3]> = (0..rows)
         .map(|k| if k % 7 == 0 { [0, 1, 2].map(|_| random.number()) } else { random.point() })
         .collect();
     let mut values = vec![0.0; rows];
     tape.at(&points, &mut values).unwrap();
-    let expected = plain::at(&graph, &points).unwrap();
+    let expected = reference::at(&graph, &points).unwrap();
     assert!(values.iter().zip(&expected).all(|(a, b)| bits(*a) == bits(*b)), "{graph:?}");
     let columns = [0, 1, 2].map(|k| points.iter().map(|p| p[k]).collect::<Vec<f64>>());
     tape.at_columns(columns.each_ref().map(Vec::as_slice), &mut values).unwrap();
@@ -34,14 +34,14 @@ fn compare(random: &mut Random, size: usize, rows: usize) {
     let short: Vec<[f32; 3]> = points.iter().map(|p| p.map(|c| c as f32)).collect();
     let mut values = vec![0.0; rows];
     tape.at_f32(&short, &mut values).unwrap();
-    let expected = plain::at_f32(&graph, &short).unwrap();
+    let expected = reference::at_f32(&graph, &short).unwrap();
     let same = |a: f32, b: f32| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
     assert!(values.iter().zip(&expected).all(|(a, b)| same(*a, *b)), "{graph:?}");
 
     let mut slopes = vec![NOWHERE; rows];
     tape.gradient_at(&points, &mut slopes).unwrap();
-    let expected = plain::gradient_at(&graph, &points).unwrap();
-    let same = |a: &Slope<f64>, b: &Slope<f64>| {
+    let expected = reference::gradient_at(&graph, &points).unwrap();
+    let same = |a: &Dual<f64>, b: &Dual<f64>| {
         bits(a.value) == bits(b.value) && a.gradient.map(bits) == b.gradient.map(bits)
     };
     assert!(slopes.iter().zip(&expected).all(|(a, b)| same(a, b)), "{graph:?}");
@@ -57,14 +57,14 @@ fn compare(random: &mut Random, size: usize, rows: usize) {
         .collect();
     let mut ranges = vec![Interval::UNKNOWN; rows];
     tape.over(&boxes, &mut ranges).unwrap();
-    let expected = plain::over(&graph, &boxes).unwrap();
+    let expected = reference::over(&graph, &boxes).unwrap();
     for (k, (a, b)) in ranges.iter().zip(&expected).enumerate() {
         assert_eq!(parts(*a), parts(*b), "{a} {b} over {:?} of {graph:?}", boxes[k]);
     }
 
     let mut slopes = vec![UNKNOWN; rows];
     tape.gradient_over(&boxes, &mut slopes).unwrap();
-    let expected = plain::gradient_over(&graph, &boxes).unwrap();
+    let expected = reference::gradient_over(&graph, &boxes).unwrap();
     for (k, (a, b)) in slopes.iter().zip(&expected).enumerate() {
         let same = parts(a.value) == parts(b.value) && a.gradient.map(parts) == b.gradient.map(parts);
         assert!(same, "{a:?} {b:?} over {:?} of {graph:?}", boxes[k]);
@@ -104,7 +104,7 @@ fn gradients_are_those_of_differences() {
     let mut n_checked = 0;
     for _ in 0..400 {
         let expr = random.expression(6);
-        let tape = Tape::of(&expr);
+        let tape = Tape::new(&expr);
         let points: Vec<[f64; 3]> = (0..20).map(|_| random.point()).collect();
         let mut slopes = vec![NOWHERE; points.len()];
         tape.gradient_at(&points, &mut slopes).unwrap();
@@ -152,9 +152,9 @@ fn a_shortened_tape_has_the_same_values_in_its_region() {
     let mut n_shorter = 0;
     for case in 0..400 {
         let expr = if case % 2 == 0 { random.solids(12) } else { random.expression(40) };
-        let tape = Tape::of(&expr);
+        let tape = Tape::new(&expr);
         let bounds = random.bounds();
-        let (range, shorter) = tape.shortened(&bounds).unwrap();
+        let (range, shorter) = tape.prune(&bounds).unwrap();
         let mut expected = [Interval::UNKNOWN];
         tape.over(&[bounds], &mut expected).unwrap();
         assert_eq!(parts(range), parts(expected[0]));
@@ -168,7 +168,7 @@ fn a_shortened_tape_has_the_same_values_in_its_region() {
         for (a, b) in whole.iter().zip(&part) {
             assert_eq!((bits(a.value), a.gradient.map(bits)), (bits(b.value), b.gradient.map(bits)));
         }
-        let (again, _) = shorter.shortened(&bounds).unwrap();
+        let (again, _) = shorter.prune(&bounds).unwrap();
         assert!(again.is_subset_of(range), "{again} {range}");
     }
     assert!(n_shorter > 100, "{n_shorter}");
@@ -177,9 +177,9 @@ fn a_shortened_tape_has_the_same_values_in_its_region() {
 #[test]
 fn a_region_of_one_solid_needs_that_one_alone() {
     let mut random = Random(14);
-    let tape = Tape::of(&random.solids(60));
+    let tape = Tape::new(&random.solids(60));
     let bounds = Box3 { min: [1.0; 3], max: [1.01; 3] };
-    let (_, shorter) = tape.shortened(&bounds).unwrap();
+    let (_, shorter) = tape.prune(&bounds).unwrap();
     let shorter = shorter.expect("most solids are far away");
     assert!(shorter.len() * 4 < tape.len(), "{} of {}", shorter.len(), tape.len());
 }
@@ -189,7 +189,7 @@ fn nan_comes_through_to_the_value_and_is_no_range() {
     use chordal::implicit::{Expr, Unary};
     let [x, ..] = Expr::axes();
     let expr = Expr::unary(Unary::Ln, &x);
-    let tape = Tape::of(&expr);
+    let tape = Tape::new(&expr);
     let mut values = [0.0; 4];
     tape.at(&[[-1.0, 0.0, 0.0], [f64::NAN, 0.0, 0.0], [0.0; 3], [1.0, 0.0, 0.0]], &mut values).unwrap();
     assert!(values[0].is_nan() && values[1].is_nan() && values[2] == f64::NEG_INFINITY && values[3] == 0.0);

@@ -8,6 +8,8 @@ mod determinism;
 mod gates;
 #[path = "../layers.rs"]
 mod layers;
+#[path = "../names.rs"]
+mod names;
 #[path = "../test_programs.rs"]
 mod test_programs;
 #[path = "../tidy.rs"]

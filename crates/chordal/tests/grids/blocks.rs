@@ -2,15 +2,15 @@
 use super::shapes::sampled;
 use chordal::Job;
 use chordal::convert::{Border, Polygonize, VertexKey, grid_to_triangles, vertex_keys};
-use chordal::implicit::{Affine, Grid, Samples};
+use chordal::implicit::{Affine3, Grid, Samples};
 use std::collections::BTreeMap;
 
 fn waves([x, y, z]: [f64; 3]) -> f64 {
     libm::sin(7.0 * x) + libm::sin(5.0 * y) * libm::cos(3.0 * z) + 0.1
 }
 
-fn affine() -> Affine {
-    Affine::new([[0.07, 0.01, 0.0, -1.0], [0.0, 0.06, 0.005, -1.0], [0.002, 0.0, -0.05, 1.0]]).unwrap()
+fn affine() -> Affine3 {
+    Affine3::new([[0.07, 0.01, 0.0, -1.0], [0.0, 0.06, 0.005, -1.0], [0.002, 0.0, -0.05, 1.0]]).unwrap()
 }
 
 #[test]

@@ -1,5 +1,5 @@
 //! Level curves of fields of the plane: closed, with inside on the left, and within a bound that an independent count agrees with.
-use chordal::budget::Code;
+use chordal::budget::RefusalCode;
 use chordal::convert::field_to_polyline;
 use chordal::explicit::Polyline;
 use chordal::implicit::{Binary, Expr, Field, Unary};
@@ -196,9 +196,9 @@ fn what_cannot_be_is_refused_with_the_reason() {
         other => panic!("{other:?}"),
     };
     let disc = x.square() + y.square() - 0.25;
-    assert_eq!(code(&Field::new(disc.clone()), &budget), Code::Unsupported);
-    assert_eq!(code(&within(disc.clone() + 1.0, 1.0), &budget), Code::Empty);
-    assert_eq!(code(&within(disc.clone(), 1.0), &Budget::default()), Code::Budget);
+    assert_eq!(code(&Field::new(disc.clone()), &budget), RefusalCode::Unsupported);
+    assert_eq!(code(&within(disc.clone() + 1.0, 1.0), &budget), RefusalCode::Empty);
+    assert_eq!(code(&within(disc.clone(), 1.0), &Budget::default()), RefusalCode::Budget);
     let few = Budget { segments: Some(40), ..Budget::default() };
     let made = field_to_polyline(&within(disc.clone(), 1.0), &few, &Job::default()).unwrap();
     assert!(made.shape[0].n_segments() <= 40 && made.bound.at_most().unwrap() < 0.05);

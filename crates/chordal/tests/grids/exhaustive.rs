@@ -3,7 +3,7 @@ use super::solid::{flat, flaw, volume6};
 use crate::long::is_long;
 use chordal::Job;
 use chordal::convert::{Polygonize, grid_to_triangles};
-use chordal::implicit::{Affine, Grid, Samples};
+use chordal::implicit::{Affine3, Grid, Samples};
 
 #[test]
 fn two_cells_are_closed_and_manifold_in_every_pattern() {
@@ -16,7 +16,7 @@ fn two_cells_are_closed_and_manifold_in_every_pattern() {
             let samples: Vec<i8> =
                 (0..12).map(|corner| (pattern / 3_u32.pow(corner) % 3) as i8 - 1).collect();
             let inside = samples.iter().filter(|v| **v < 0).count();
-            let grid = Grid::new(size, Samples::I8(samples), Affine::IDENTITY).unwrap();
+            let grid = Grid::new(size, Samples::I8(samples), Affine3::IDENTITY).unwrap();
             let made = grid_to_triangles::<f64>(&grid, &Polygonize::below(0.0), &job).unwrap();
             let (n, faces) = (made.positions.len(), &made.faces);
             assert_eq!(n == 0, inside == 0, "{pattern} along {axis}");
@@ -36,7 +36,7 @@ fn two_cells_end_at_the_border_only() {
         size[axis] = 3;
         for pattern in 0..1_u32 << 12 {
             let samples: Vec<u8> = (0..12).map(|corner| (pattern >> corner & 1) as u8).collect();
-            let grid = Grid::new(size, Samples::U8(samples), Affine::IDENTITY).unwrap();
+            let grid = Grid::new(size, Samples::U8(samples), Affine3::IDENTITY).unwrap();
             let made = grid_to_triangles::<f64>(&grid, &Polygonize::above(0.5).open(), &job).unwrap();
             let on = |v: u32, k: usize| {
                 let x = made.positions[v as usize][k];

@@ -1,14 +1,14 @@
 //! HOSTILE.md, rows 63 to 66 and 70: what volumes of other people look like.
 use super::shapes::sampled;
 use super::solid::{Random, flat, flaw, volume6};
-use chordal::budget::Code;
-use chordal::convert::{Labels, Polygonize, grid_to_mesh, grid_to_triangles, labels_to_meshes};
-use chordal::implicit::{Affine, Grid, Samples};
+use chordal::budget::RefusalCode;
+use chordal::convert::{LabelOptions, Polygonize, grid_to_mesh, grid_to_triangles, labels_to_meshes};
+use chordal::implicit::{Affine3, Grid, Samples};
 use chordal::{Budget, Evidence, Failure, Job, Tolerance};
 use std::collections::BTreeSet;
 
 fn grid(size: [usize; 3], samples: Samples) -> Grid {
-    Grid::new(size, samples, Affine::IDENTITY).unwrap()
+    Grid::new(size, samples, Affine3::IDENTITY).unwrap()
 }
 
 fn ball([x, y, z]: [f64; 3]) -> f64 {
@@ -18,7 +18,7 @@ fn ball([x, y, z]: [f64; 3]) -> f64 {
 #[test]
 fn h63_samples_that_are_no_numbers_are_outside_and_leave_it_closed() {
     let mut random = Random(0x5EED_0063);
-    let clean = sampled(ball, 12, &Affine::cubes([-1.0; 3], 2.0 / 11.0).unwrap());
+    let clean = sampled(ball, 12, &Affine3::cubes([-1.0; 3], 2.0 / 11.0).unwrap());
     let mut values: Vec<f64> = (0..12 * 12 * 12).map(|at| clean.samples().get(at)).collect();
     for _ in 0..300 {
         values[random.below(1728) as usize] =
@@ -68,22 +68,22 @@ fn h64_ties_and_flat_regions_are_closed_without_flat_faces() {
 
 #[test]
 fn h65_singular_transforms_are_refused_and_mirrored_ones_turned() {
-    assert!(Affine::new([[1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 1.0, 0.0]]).is_err());
+    assert!(Affine3::new([[1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 1.0, 0.0]]).is_err());
     let mut mask = vec![0_u8; 27];
     mask[13] = 1;
     for rows in [
         [[-1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],
         [[0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.5, 1.0, 0.0]],
     ] {
-        let grid = Grid::new([3; 3], Samples::U8(mask.clone()), Affine::new(rows).unwrap()).unwrap();
+        let grid = Grid::new([3; 3], Samples::U8(mask.clone()), Affine3::new(rows).unwrap()).unwrap();
         let made = grid_to_triangles::<f64>(&grid, &Polygonize::above(0.5), &Job::default()).unwrap();
         assert!(volume6(&made.positions, &made.faces) > 0.9);
     }
     // Steps that are lost beside the coordinates.
-    let far = Affine::cubes([1e15; 3], 1.0).unwrap();
+    let far = Affine3::cubes([1e15; 3], 1.0).unwrap();
     let grid = Grid::new([3; 3], Samples::U8(mask), far).unwrap();
     let refused = grid_to_mesh(&grid, &Polygonize::above(0.5), None, &Job::default());
-    assert!(matches!(refused, Err(Failure::Refused(r)) if r.code == Code::BelowPrecision));
+    assert!(matches!(refused, Err(Failure::Refused(r)) if r.code == RefusalCode::BelowPrecision));
 }
 
 #[test]
@@ -100,7 +100,8 @@ fn h66_thousands_of_labels_are_closed_each_and_share_their_vertices() {
     let distinct: BTreeSet<u32> = samples.iter().copied().filter(|l| *l != 0).collect();
     assert!(distinct.len() > 2_400);
     let meshes =
-        labels_to_meshes(&grid([n; 3], Samples::U32(samples)), &Labels::default(), &Job::default()).unwrap();
+        labels_to_meshes(&grid([n; 3], Samples::U32(samples)), &LabelOptions::default(), &Job::default())
+            .unwrap();
     assert!(meshes.iter().map(|(label, _)| *label).eq(distinct.iter().copied()));
     let mut shared: BTreeSet<[u64; 3]> = BTreeSet::new();
     let mut twice = 0;
@@ -115,7 +116,7 @@ fn h66_thousands_of_labels_are_closed_each_and_share_their_vertices() {
     // Noise has all neighbours that there are.
     let noise: Vec<u8> = (0..9 * 8 * 7).map(|_| random.below(4) as u8).collect();
     let noise = grid([9, 8, 7], Samples::U8(noise));
-    for (label, made) in labels_to_meshes(&noise, &Labels::default(), &Job::default()).unwrap() {
+    for (label, made) in labels_to_meshes(&noise, &LabelOptions::default(), &Job::default()).unwrap() {
         let mesh = &made.shape;
         assert_eq!(flaw(mesh.positions().len(), mesh.faces(), |_, _| false), None);
         let mask: Vec<u8> =
@@ -129,13 +130,14 @@ fn h66_thousands_of_labels_are_closed_each_and_share_their_vertices() {
         assert_eq!(mesh.faces().len(), alone.faces.len());
         assert_eq!(volume6(mesh.positions(), mesh.faces()), volume6(&alone.positions, &alone.faces));
     }
-    let only = labels_to_meshes(&grid([2; 3], Samples::U8(vec![0; 8])), &Labels::default(), &Job::default());
+    let only =
+        labels_to_meshes(&grid([2; 3], Samples::U8(vec![0; 8])), &LabelOptions::default(), &Job::default());
     assert!(
-        matches!(only, Err(Failure::Refused(r)) if r.code == Code::Empty && r.message.contains("background"))
+        matches!(only, Err(Failure::Refused(r)) if r.code == RefusalCode::Empty && r.message.contains("background"))
     );
     let negative =
-        labels_to_meshes(&grid([2; 3], Samples::I8(vec![-1; 8])), &Labels::default(), &Job::default());
-    assert!(matches!(negative, Err(Failure::Refused(r)) if r.code == Code::Unsupported));
+        labels_to_meshes(&grid([2; 3], Samples::I8(vec![-1; 8])), &LabelOptions::default(), &Job::default());
+    assert!(matches!(negative, Err(Failure::Refused(r)) if r.code == RefusalCode::Unsupported));
 }
 
 #[test]
@@ -148,7 +150,7 @@ fn h70_a_shape_that_is_not_there_is_refused_with_the_reason() {
         }
     };
     let below = refused(Samples::U8(vec![3; 8]), Polygonize::below(1.0));
-    assert_eq!(below.code, Code::Empty);
+    assert_eq!(below.code, RefusalCode::Empty);
     assert!(below.message.contains("between 3 and 3"), "{}", below.message);
     let full = refused(Samples::U8(vec![3; 8]), Polygonize::above(1.0).open());
     assert!(full.message.contains("every sample"), "{}", full.message);
@@ -165,9 +167,9 @@ fn h70_a_shape_that_is_not_there_is_refused_with_the_reason() {
 
 #[test]
 fn a_length_halves_cells_until_the_bound_holds() {
-    let smooth = sampled(ball, 16, &Affine::cubes([-1.0; 3], 2.0 / 15.0).unwrap());
+    let smooth = sampled(ball, 16, &Affine3::cubes([-1.0; 3], 2.0 / 15.0).unwrap());
     let whole = |p: [f64; 3]| (1000.0 * ball(p)).floor();
-    let rough = sampled(whole, 16, &Affine::cubes([-1.0; 3], 2.0 / 15.0).unwrap());
+    let rough = sampled(whole, 16, &Affine3::cubes([-1.0; 3], 2.0 / 15.0).unwrap());
     let values = (0..4096).map(|at| rough.samples().get(at) as i16).collect();
     let rough = Grid::new([16; 3], Samples::I16(values), *rough.affine()).unwrap();
     for (grid, exact) in [(smooth, false), (rough, true)] {
@@ -188,7 +190,7 @@ fn a_length_halves_cells_until_the_bound_holds() {
 
 #[test]
 fn limits_and_cancelling_are_heard() {
-    let grid = sampled(ball, 30, &Affine::cubes([-1.0; 3], 2.0 / 29.0).unwrap());
+    let grid = sampled(ball, 30, &Affine3::cubes([-1.0; 3], 2.0 / 29.0).unwrap());
     let rule = Polygonize::below(0.0);
     let refused = |limit: fn(&mut Job)| {
         let mut job = Job::default();
@@ -198,8 +200,8 @@ fn limits_and_cancelling_are_heard() {
             other => panic!("{other:?}"),
         }
     };
-    assert_eq!(refused(|job| job.triangle_limit = 100), Code::TooManyTriangles);
-    assert_eq!(refused(|job| job.memory_limit = 10_000), Code::TooMuchMemory);
+    assert_eq!(refused(|job| job.triangle_limit = 100), RefusalCode::TooManyTriangles);
+    assert_eq!(refused(|job| job.memory_limit = 10_000), RefusalCode::TooMuchMemory);
     let job = Job::default();
     job.cancel();
     assert!(matches!(grid_to_mesh(&grid, &rule, None, &job), Err(Failure::Cancelled)));

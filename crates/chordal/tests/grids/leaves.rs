@@ -1,12 +1,12 @@
 //! The interpolant of a grid as a leaf: against its definition, and its ranges against points.
 use super::solid::Random;
-use chordal::implicit::{Affine, Grid, Leaf, Samples, Trilinear};
+use chordal::implicit::{Affine3, Grid, Leaf, Samples, Trilinear};
 use chordal::math::{Box3, Interval};
 
 fn leaf(random: &mut Random, rows: [[f64; 4]; 3]) -> Trilinear {
     let size = [7, 20, 9];
     let values = (0..size.iter().product()).map(|_| random.below(1000) as f32 / 100.0 - 5.0).collect();
-    Trilinear::new(Grid::new(size, Samples::F32(values), Affine::new(rows).unwrap()).unwrap())
+    Trilinear::new(Grid::new(size, Samples::F32(values), Affine3::new(rows).unwrap()).unwrap())
 }
 
 #[test]
@@ -51,7 +51,7 @@ fn ranges_hold_values_and_gradients_of_points() {
 #[test]
 fn ranges_of_equal_samples_hold_their_rounded_means() {
     let samples = Samples::F64(vec![5.3; 27]);
-    let leaf = Trilinear::new(Grid::new([3; 3], samples, Affine::IDENTITY).unwrap());
+    let leaf = Trilinear::new(Grid::new([3; 3], samples, Affine3::IDENTITY).unwrap());
     let mut random = Random(0x5EED_0011);
     let mut off = 0;
     for _ in 0..1000 {
@@ -67,7 +67,7 @@ fn ranges_of_equal_samples_hold_their_rounded_means() {
 
 #[test]
 fn a_range_in_one_cell_is_that_of_its_corners() {
-    let grid = Grid::new([2; 3], Samples::U8((0..8).collect()), Affine::IDENTITY).unwrap();
+    let grid = Grid::new([2; 3], Samples::U8((0..8).collect()), Affine3::IDENTITY).unwrap();
     let leaf = Trilinear::new(grid);
     let mut range = [Interval::UNKNOWN];
     leaf.over(&[Box3 { min: [0.25; 3], max: [0.5; 3] }], &mut range).unwrap();
@@ -81,9 +81,9 @@ fn outside_of_the_lattice_the_nearest_index_counts_and_unknown_samples_are_said(
     let grid = Grid::new(
         [2, 2, 2],
         Samples::F32(vec![0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, f32::NAN]),
-        Affine::IDENTITY,
+        Affine3::IDENTITY,
     );
-    let known = Grid::new([2, 2, 2], Samples::U8(vec![0, 1, 0, 1, 0, 1, 0, 1]), Affine::IDENTITY);
+    let known = Grid::new([2, 2, 2], Samples::U8(vec![0, 1, 0, 1, 0, 1, 0, 1]), Affine3::IDENTITY);
     let mut values = [0.0; 2];
     Trilinear::new(known.unwrap()).at(&[[-4.0, 0.0, 0.0], [7.0, 0.0, 9.0]], &mut values).unwrap();
     assert_eq!(values, [0.0, 1.0]);

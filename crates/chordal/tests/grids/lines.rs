@@ -2,7 +2,7 @@
 use super::solid::Random;
 use chordal::Job;
 use chordal::convert::{Polygonize, grid_to_polyline};
-use chordal::implicit::{Affine, Grid, Samples};
+use chordal::implicit::{Affine3, Grid, Samples};
 use std::collections::BTreeSet;
 
 #[test]
@@ -19,7 +19,7 @@ fn random_planes_have_lines_that_are_closed_or_end_at_the_border() {
                 crossed += usize::from(j + 1 < size[1] && side(i, j) != side(i, j + 1));
             }
         }
-        let grid = Grid::new(size, Samples::I8(values.clone()), Affine::IDENTITY).unwrap();
+        let grid = Grid::new(size, Samples::I8(values.clone()), Affine3::IDENTITY).unwrap();
         let Ok(made) = grid_to_polyline(&grid, &Polygonize::below(0.0), &Job::default()) else {
             assert_eq!(crossed, 0, "case {case}");
             continue;

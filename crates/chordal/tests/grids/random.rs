@@ -3,7 +3,7 @@ use super::solid::{Random, flat, flaw, volume6};
 use crate::long::cases;
 use chordal::Job;
 use chordal::convert::{Inside, Polygonize, grid_to_triangles};
-use chordal::implicit::{Affine, Grid, Samples};
+use chordal::implicit::{Affine3, Grid, Samples};
 
 fn samples(random: &mut Random, n: usize) -> Samples {
     let kind = random.below(7);
@@ -37,7 +37,7 @@ fn random_volumes_are_closed_and_manifold() {
     for case in 0..n_cases {
         let size = [0; 3].map(|_: i32| 2 + random.below(3) as usize);
         let samples = samples(&mut random, size.iter().product());
-        let grid = Grid::new(size, samples, Affine::IDENTITY).unwrap();
+        let grid = Grid::new(size, samples, Affine3::IDENTITY).unwrap();
         let inside = if random.below(2) == 0 { Inside::Low } else { Inside::High };
         let level = [0.0, 0.5, 1.0, -1e-310][random.below(4) as usize];
         let rule = Polygonize { inside, ..Polygonize::above(level) };

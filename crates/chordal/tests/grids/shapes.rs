@@ -2,7 +2,7 @@
 use super::solid::{Random, flaw, volume6};
 use chordal::convert::{Border, Normals, Polygonize, grid_to_mesh};
 use chordal::explicit::Semantic;
-use chordal::implicit::{Affine, Grid, Samples};
+use chordal::implicit::{Affine3, Grid, Samples};
 use chordal::{Job, Mesh};
 
 type Function = fn([f64; 3]) -> f64;
@@ -22,7 +22,7 @@ fn gyroid(p: [f64; 3]) -> f64 {
 }
 
 /// Samples in the cube from −1 to 1, in a lattice that is sheared or mirrored as asked.
-pub fn sampled(f: Function, n: usize, affine: &Affine) -> Grid {
+pub fn sampled(f: Function, n: usize, affine: &Affine3) -> Grid {
     let mut values = Vec::with_capacity(n * n * n);
     for k in 0..n {
         for j in 0..n {
@@ -34,8 +34,8 @@ pub fn sampled(f: Function, n: usize, affine: &Affine) -> Grid {
     Grid::new([n; 3], Samples::F64(values), *affine).unwrap()
 }
 
-fn cube(n: usize) -> Affine {
-    Affine::cubes([-1.0; 3], 2.0 / (n - 1) as f64).unwrap()
+fn cube(n: usize) -> Affine3 {
+    Affine3::cubes([-1.0; 3], 2.0 / (n - 1) as f64).unwrap()
 }
 
 /// The trilinear interpolant by its definition, at a place between indices.
@@ -226,7 +226,7 @@ fn sheared_and_mirrored_lattices_keep_the_front_outside_and_the_bound() {
         [[0.0, 0.1, 0.0, -1.0], [-0.1, 0.02, 0.0, 1.0], [0.0, 0.0, 0.08, -0.8]],
     ];
     for rows in shapes {
-        let affine = Affine::new(rows).unwrap();
+        let affine = Affine3::new(rows).unwrap();
         let grid = sampled(sphere, 22, &affine);
         let rule = Polygonize { normals: Normals::Gradient, ..Polygonize::below(0.0) };
         check(&grid, &rule);
@@ -251,7 +251,7 @@ fn the_bound_holds_on_noise() {
     for _ in 0..40 {
         let n = 3 + random.below(4) as usize;
         let values = (0..n * n * n).map(|_| random.below(9) as f32 - 4.0).collect();
-        let grid = Grid::new([n; 3], Samples::F32(values), Affine::IDENTITY).unwrap();
+        let grid = Grid::new([n; 3], Samples::F32(values), Affine3::IDENTITY).unwrap();
         let rule = Polygonize::below(0.0);
         check_surface(&grid, &rule);
         check_surface(&grid, &rule.open());
@@ -265,7 +265,7 @@ fn a_mask_is_within_less_than_a_diagonal() {
     let inside =
         |i: usize| (0..3).map(|k| (i / [1, n, n * n][k] % n) as i32 - 11).map(|d| d * d).sum::<i32>() < 80;
     let values = (0..n * n * n).map(|i| u8::from(inside(i))).collect();
-    let grid = Grid::new([n; 3], Samples::U8(values), Affine::IDENTITY).unwrap();
+    let grid = Grid::new([n; 3], Samples::U8(values), Affine3::IDENTITY).unwrap();
     let (_, most) = check_surface(&grid, &Polygonize::above(0.5));
     assert!(most < 0.7 * 3.0_f64.sqrt(), "{most}");
     let made = grid_to_mesh(&grid, &Polygonize::above(0.5), None, &Job::default()).unwrap();

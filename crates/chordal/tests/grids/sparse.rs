@@ -5,7 +5,7 @@ use chordal::convert::{
     Lattice, Polygonize, field_to_grid, field_to_sparse_grid, grid_to_mesh, sparse_grid_to_mesh,
 };
 use chordal::implicit::shapes::torus;
-use chordal::implicit::{Affine, Grid, Leaf, Samples, SparseGrid, Trilinear};
+use chordal::implicit::{Affine3, Grid, Leaf, Samples, SparseGrid, Trilinear};
 use chordal::math::{Box3, Interval};
 use chordal::{Budget, Job, Tolerance};
 
@@ -18,8 +18,8 @@ fn bricks_hold_any_samples_bit_for_bit() {
         let kinds = 1 + random.below(7);
         let values: Vec<f64> =
             (0..size.iter().product()).map(|_| some[random.below(kinds) as usize]).collect();
-        let grid = Grid::new(size, Samples::F64(values.clone()), Affine::IDENTITY).unwrap();
-        let sparse = SparseGrid::of(&grid, 1.0);
+        let grid = Grid::new(size, Samples::F64(values.clone()), Affine3::IDENTITY).unwrap();
+        let sparse = SparseGrid::from_grid(&grid, 1.0);
         let Samples::F64(back) = sparse.to_dense().samples().clone() else { panic!("f64 in, f64 out") };
         assert!(values.iter().zip(&back).all(|(a, b)| a.to_bits() == b.to_bits()));
         let [there, all] = sparse.n_bricks();
@@ -38,7 +38,7 @@ fn a_band_of_a_field_is_sampled_meshed_and_evaluated_as_in_one_array() {
     let dense = field_to_grid(&shape, &lattice, Some(band), &job).unwrap();
     let sparse = field_to_sparse_grid(&shape, &lattice, band, &job).unwrap();
     assert_eq!(sparse.to_dense(), dense);
-    assert_eq!(sparse, SparseGrid::of(&dense, band));
+    assert_eq!(sparse, SparseGrid::from_grid(&dense, band));
     assert!(sparse.n_bricks()[0] < sparse.n_bricks()[1], "{:?}", sparse.n_bricks());
     let rule = Polygonize::below(0.0);
     let budget = Budget::length(Tolerance::new(0.001).unwrap());
@@ -65,8 +65,8 @@ fn a_band_of_a_field_is_sampled_meshed_and_evaluated_as_in_one_array() {
 
 #[test]
 fn without_a_band_all_bricks_are_there() {
-    let grid = sampled(|[x, y, z]| x + y + z + 0.1, 17, &Affine::cubes([-1.0; 3], 0.125).unwrap());
-    let sparse = SparseGrid::of(&grid, 1.0);
+    let grid = sampled(|[x, y, z]| x + y + z + 0.1, 17, &Affine3::cubes([-1.0; 3], 0.125).unwrap());
+    let sparse = SparseGrid::from_grid(&grid, 1.0);
     assert_eq!(sparse.n_bricks(), [27, 27]);
     assert_eq!(sparse.to_dense(), grid);
 }

@@ -3,14 +3,14 @@ use super::random::Random;
 use super::sampler::{Tree, apart, norm, sub};
 use super::{data, length, made, n_faces, shapes};
 use chordal::budget::Evidence;
-use chordal::lod::Simplified;
+use chordal::lod::SimplifiedMesh;
 use chordal::{Bounded, Budget, Mesh};
 
 /// What the arithmetic of the sampler may be off by, as a share of the coordinates: a thousand roundings, since needles have no good normal.
 const SLACK: f64 = 1e-12;
 
 /// Holds what came out against the mesh.
-pub fn holds(name: &str, mesh: &Mesh, made: &Bounded<Simplified>, random: &mut Random) {
+pub fn holds(name: &str, mesh: &Mesh, made: &Bounded<SimplifiedMesh>, random: &mut Random) {
     let out = &made.shape.mesh;
     let reach = mesh.positions().as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     let slack = SLACK * reach;

@@ -2,9 +2,9 @@
 use super::random::Random;
 use super::sampler::{FIXED, Point, Tree, cross, dot, nearest, norm, on, sub, weights};
 use super::{length, made, n_faces, shapes};
-use chordal::budget::{Camera, Code, Projection, View};
+use chordal::budget::{Camera, Projection, RefusalCode, View};
 use chordal::explicit::Topology;
-use chordal::lod::{Simplified, simplify};
+use chordal::lod::{SimplifiedMesh, simplify};
 use chordal::{Bounded, Budget, Failure, Job, Mesh};
 
 fn pixels(pixels: &str, view: &str) -> Budget {
@@ -14,7 +14,7 @@ fn pixels(pixels: &str, view: &str) -> Budget {
 fn camera(budget: &Budget) -> Camera {
     match budget.pixels.expect("pixels").view {
         View::Camera(camera) => camera,
-        View::Closest(_) => panic!("a camera"),
+        View::MinDistance(_) => panic!("a camera"),
     }
 }
 
@@ -105,7 +105,7 @@ fn one_way(from: &Mesh, to: &Mesh, (screen, random): (&Screen, &mut Random)) -> 
 const SLACK: f64 = 1e-12;
 
 /// Holds what came out against the mesh; how much of the promise is used.
-fn holds(name: &str, mesh: &Mesh, budget: &Budget, made: &Bounded<Simplified>) -> f64 {
+fn holds(name: &str, mesh: &Mesh, budget: &Budget, made: &Bounded<SimplifiedMesh>) -> f64 {
     let screen = Screen::new(camera(budget));
     let most = budget.pixels.expect("pixels").pixels.get();
     let proved = made.bound.pixels.expect("proved");
@@ -189,7 +189,7 @@ fn refuses_where_the_eye_is_too_close_to_everything() {
         Mesh::new(vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).unwrap();
     let budget = pixels("1px", "640x480 fov=60 eye=0,0,0 target=1,0,0");
     let refused = simplify(&mesh, &budget, Topology::Positions, &Job::default());
-    assert!(matches!(refused, Err(Failure::Refused(refusal)) if refusal.code == Code::TooClose));
+    assert!(matches!(refused, Err(Failure::Refused(refusal)) if refusal.code == RefusalCode::TooClose));
 }
 
 #[test]

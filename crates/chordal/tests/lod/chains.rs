@@ -4,7 +4,7 @@ use super::sampler::farthest;
 use super::{data, shapes};
 use chordal::budget::Evidence;
 use chordal::explicit::Topology;
-use chordal::lod::{Source, Steps, chain};
+use chordal::lod::{LodSource, LodSteps, chain};
 use chordal::{Job, Mesh, Tolerance};
 
 /// The bound holds up to this share, and up to roundings of the coordinates: of points, and of their feet on needles.
@@ -19,8 +19,9 @@ fn levels_hold(meshes: Vec<(&str, Mesh)>) {
     let mut random = Random::new(31);
     for (name, mesh) in meshes {
         let finest = Tolerance::new(5e-4 * mesh.bounds().diagonal()).expect("a length");
-        let source = Source::Triangles(&mesh, Topology::Positions);
-        let levels = chain(source, &Steps::from(finest), &Job::default().with_threads(2)).expect("levels");
+        let source = LodSource::Triangles(&mesh, Topology::Positions);
+        let levels =
+            chain(source, &LodSteps::from_finest(finest), &Job::default().with_threads(2)).expect("levels");
         assert!(!levels.is_empty(), "{name}");
         let reach = mesh.positions().as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let rounded = ROUNDED * reach;

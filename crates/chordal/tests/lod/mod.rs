@@ -16,7 +16,7 @@ mod wild;
 use crate::curve_referee::random;
 use crate::solids::shapes;
 use chordal::explicit::Topology;
-use chordal::lod::{Simplified, simplify};
+use chordal::lod::{SimplifiedMesh, simplify};
 use chordal::{Bounded, Budget, Failure, Job, Mesh, Tolerance};
 
 fn length(length: f64) -> Budget {
@@ -24,11 +24,11 @@ fn length(length: f64) -> Budget {
 }
 
 /// A mesh within a budget; where a count cannot be reached, the best.
-fn made(mesh: &Mesh, budget: &Budget) -> Bounded<Simplified> {
+fn made(mesh: &Mesh, budget: &Budget) -> Bounded<SimplifiedMesh> {
     made_on(mesh, budget, &Job::default().with_threads(2))
 }
 
-fn made_on(mesh: &Mesh, budget: &Budget, job: &Job) -> Bounded<Simplified> {
+fn made_on(mesh: &Mesh, budget: &Budget, job: &Job) -> Bounded<SimplifiedMesh> {
     match simplify(mesh, budget, Topology::Positions, job) {
         Ok(made) => made,
         Err(Failure::Unmet(best)) => *best,
@@ -36,6 +36,6 @@ fn made_on(mesh: &Mesh, budget: &Budget, job: &Job) -> Bounded<Simplified> {
     }
 }
 
-fn n_faces(made: &Bounded<Simplified>) -> usize {
+fn n_faces(made: &Bounded<SimplifiedMesh>) -> usize {
     made.shape.mesh.faces().len()
 }

@@ -2,9 +2,9 @@
 use super::random::Random;
 use super::sampler::Tree;
 use super::{bounds, length, made, n_faces, shapes};
-use chordal::budget::Code;
+use chordal::budget::RefusalCode;
 use chordal::explicit::Topology;
-use chordal::lod::{Simplified, simplify};
+use chordal::lod::{SimplifiedMesh, simplify};
 use chordal::{Bounded, Budget, Failure, Job, Mesh};
 use std::time::Duration;
 
@@ -12,11 +12,11 @@ fn mesh(positions: &[[f64; 3]], faces: &[[u32; 3]]) -> Mesh {
     Mesh::new(positions.to_vec(), faces.to_vec()).expect("valid")
 }
 
-fn tried(mesh: &Mesh, budget: &Budget) -> Result<Bounded<Simplified>, Failure<Simplified>> {
+fn tried(mesh: &Mesh, budget: &Budget) -> Result<Bounded<SimplifiedMesh>, Failure<SimplifiedMesh>> {
     simplify(mesh, budget, Topology::Positions, &Job::default().with_threads(1))
 }
 
-fn code(mesh: &Mesh, budget: &Budget) -> Code {
+fn code(mesh: &Mesh, budget: &Budget) -> RefusalCode {
     match tried(mesh, budget) {
         Err(Failure::Refused(refusal)) => refusal.code,
         other => panic!("{other:?}"),
@@ -64,9 +64,9 @@ fn survives(name: &str, mesh: &Mesh) {
 
 #[test]
 fn what_has_no_triangle_is_refused() {
-    assert_eq!(code(&mesh(&[], &[]), &length(1.0)), Code::Empty);
-    assert_eq!(code(&mesh(&[[0.0; 3]], &[]), &Budget::triangles(1)), Code::Empty);
-    assert_eq!(code(&tetrahedron(), &Budget { angle_deg: Some(1.0), ..length(1.0) }), Code::Budget);
+    assert_eq!(code(&mesh(&[], &[]), &length(1.0)), RefusalCode::Empty);
+    assert_eq!(code(&mesh(&[[0.0; 3]], &[]), &Budget::triangles(1)), RefusalCode::Empty);
+    assert_eq!(code(&tetrahedron(), &Budget { angle_deg: Some(1.0), ..length(1.0) }), RefusalCode::Budget);
 }
 
 #[test]
@@ -156,7 +156,7 @@ fn huge_and_tiny_coordinates_survive() {
         &mesh(&[[0.0; 3], [1e150, 0.0, 0.0], [0.0, 1e-150, 0.0], [1.0, 1.0, 1.0]], &[[0, 1, 2], [1, 3, 2]]),
     );
     let far = mesh(&[[-1.7e308, 0.0, 0.0], [1.7e308, 0.0, 0.0], [0.0, 1e308, 0.0]], &[[0, 1, 2]]);
-    assert_eq!(code(&far, &length(1.0)), Code::NotFinite);
+    assert_eq!(code(&far, &length(1.0)), RefusalCode::NotFinite);
 }
 
 #[test]

@@ -33,7 +33,7 @@ fn debris_goes_where_the_length_covers_it() {
     let mesh = debris();
     assert_eq!(components(&mesh), 41);
     let made = made(&mesh, &length(0.05));
-    assert_eq!((components(&made.shape.mesh), made.shape.kept.vanished_components), (1, 40));
+    assert_eq!((components(&made.shape.mesh), made.shape.stats.dropped_components), (1, 40));
     bounds::holds("debris", &mesh, &made, &mut Random::new(1));
 }
 
@@ -41,7 +41,7 @@ fn debris_goes_where_the_length_covers_it() {
 fn debris_stays_where_the_length_does_not_cover_it() {
     let mesh = debris();
     let made = made(&mesh, &length(0.008));
-    assert_eq!((components(&made.shape.mesh), made.shape.kept.vanished_components), (41, 0));
+    assert_eq!((components(&made.shape.mesh), made.shape.stats.dropped_components), (41, 0));
     assert!(n_faces(&made) < mesh.faces().len() / 2);
     bounds::holds("debris", &mesh, &made, &mut Random::new(1));
 }
@@ -51,7 +51,7 @@ fn no_piece_goes_for_a_count() {
     let mesh = debris();
     for most in [1, 100, 400] {
         let made = made(&mesh, &Budget::triangles(most));
-        assert_eq!((components(&made.shape.mesh), made.shape.kept.vanished_components), (41, 0), "{most}");
+        assert_eq!((components(&made.shape.mesh), made.shape.stats.dropped_components), (41, 0), "{most}");
     }
 }
 

@@ -128,7 +128,7 @@ fn three_sheets_at_one_line_keep_the_line() {
             |mesh: &Mesh| sorted(mesh.positions().iter().copied().filter(|p| p[0] == 8.0 && p[2] == 0.0));
         assert_eq!(line(&mesh), line(out));
         // By fan: floor left, floor right and wall have each their own vertex there.
-        assert!(made.shape.kept.tied_vertices >= 17, "{:?}", made.shape.kept);
+        assert!(made.shape.stats.locked_vertices >= 17, "{:?}", made.shape.stats);
         assert!(n_faces(&made) <= 16 * 3 + 60, "{} triangles", n_faces(&made));
     }
 }
@@ -142,7 +142,7 @@ fn two_fans_at_one_vertex_stay_together() {
     for budget in [Budget::triangles(60), length(0.05)] {
         let made = made(&mesh, &budget);
         assert!(n_faces(&made) <= 512);
-        assert_eq!(made.shape.kept.tied_vertices, 2);
+        assert_eq!(made.shape.stats.locked_vertices, 2);
         assert!(made.shape.mesh.positions().contains(&[1.0, 0.0, 0.0]));
         assert_eq!(of(&made.shape.mesh).components, of(&mesh).components);
         assert!(!of(&made.shape.mesh).manifold());
@@ -160,9 +160,9 @@ fn faces_wound_against_each_other_keep_their_line() {
     let made = made(&mesh, &length(0.1));
     assert_eq!(of(&made.shape.mesh).inconsistent_edges.count, 8);
     assert!(
-        made.shape.kept.tied_vertices >= 9 && n_faces(&made) < 40,
+        made.shape.stats.locked_vertices >= 9 && n_faces(&made) < 40,
         "{:?} {}",
-        made.shape.kept,
+        made.shape.stats,
         n_faces(&made)
     );
 }

@@ -105,7 +105,7 @@ fn held(seed: u64, mesh: &Mesh, random: &mut Random) {
         "{name}"
     );
     // Pieces that went, and faces without a surface that were left out, take away what they had.
-    if made.shape.kept.vanished_components + before.collapsed_faces.count == 0 {
+    if made.shape.stats.dropped_components + before.collapsed_faces.count == 0 {
         assert_eq!(before.non_manifold_edges.count, after.non_manifold_edges.count, "{name}");
         assert_eq!(before.inconsistent_edges.count, after.inconsistent_edges.count, "{name}");
         assert_eq!(before.components, after.components, "{name}");

@@ -5,9 +5,9 @@ mod picture;
 use crate::curve_referee::random;
 use crate::lod::data;
 use crate::solids::shapes;
-use chordal::budget::{Closest, Pixels};
+use chordal::budget::{MinDistanceView, Pixels};
 use chordal::explicit::Topology;
-use chordal::lod::{Level, Source, Steps, Switches, chain};
+use chordal::lod::{LodLevel, LodSource, LodSteps, SwitchDistances, chain};
 use chordal::{Job, Mesh, Tolerance, View};
 use picture::{Camera, Picture, dot};
 use random::Random;
@@ -19,21 +19,21 @@ const SLACK: f64 = 1e-6;
 struct Shape {
     name: String,
     mesh: Mesh,
-    levels: Vec<Level>,
+    levels: Vec<LodLevel>,
 }
 
 impl Shape {
     fn new(name: &str, mesh: Mesh) -> Self {
         let finest = Tolerance::new(0.002 * mesh.bounds().diagonal()).expect("a length");
-        let steps = Steps { enough: 24, ..Steps::from(finest) };
-        let source = Source::Triangles(&mesh, Topology::Positions);
+        let steps = LodSteps { enough: 24, ..LodSteps::from_finest(finest) };
+        let source = LodSource::Triangles(&mesh, Topology::Positions);
         let levels = chain(source, &steps, &Job::default().with_threads(2)).expect("levels");
         Self { name: name.to_owned(), mesh, levels }
     }
 
-    fn switches(&self, lens: Closest, pixels: f64) -> Switches {
-        let errors: Vec<f64> = self.levels.iter().map(Level::error).collect();
-        Switches::new(&errors, lens, Pixels::new(pixels).expect("pixels"))
+    fn switches(&self, lens: MinDistanceView, pixels: f64) -> SwitchDistances {
+        let errors: Vec<f64> = self.levels.iter().map(LodLevel::error).collect();
+        SwitchDistances::new(&errors, lens, Pixels::new(pixels).expect("pixels"))
     }
 }
 
@@ -59,9 +59,11 @@ fn made() -> Vec<Shape> {
 }
 
 /// A square screen of so many pixels; its distance is of no interest.
-fn lens(size_px: u32, fov_deg: f64) -> Closest {
+fn lens(size_px: u32, fov_deg: f64) -> MinDistanceView {
     let text = format!("{size_px}x{size_px} fov={fov_deg} dist=1");
-    let View::Closest(lens) = text.parse().expect("a view") else { panic!("one that keeps its distance") };
+    let View::MinDistance(lens) = text.parse().expect("a view") else {
+        panic!("one that keeps its distance")
+    };
     lens
 }
 

@@ -2,24 +2,27 @@
 
 use crate::solids::random;
 use crate::solids::shapes;
-use chordal::budget::{Code, Evidence, Reference, Stopped};
+use chordal::budget::{Evidence, JobError, Reference, RefusalCode};
 use chordal::check::{Goal, Validity, deviation, validity};
 use chordal::explicit::{Attribute, Domain, Semantic, Topology};
-use chordal::lod::{Cuts, Tile, Tree, tree};
+use chordal::lod::{LodTile, LodTileTree, TilingOptions, tree};
 use chordal::{Bound, Bounded, Job, Mesh, Tolerance};
 use random::Random;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Tiles of so many triangles, the first above the leaves within a share of the diagonal.
-fn cuts(mesh: &Mesh, most: usize, share: f64) -> Cuts {
-    Cuts { most, ..Cuts::from(Tolerance::new(share * mesh.bounds().diagonal()).expect("a length")) }
+fn cuts(mesh: &Mesh, most: usize, share: f64) -> TilingOptions {
+    TilingOptions {
+        most,
+        ..TilingOptions::from_step(Tolerance::new(share * mesh.bounds().diagonal()).expect("a length"))
+    }
 }
 
 fn exact(mesh: &Mesh) -> Bounded<Mesh> {
     Bounded { shape: mesh.clone(), bound: Bound::exact(Reference::InputTriangles) }
 }
 
-fn made(mesh: &Mesh, most: usize, share: f64) -> Tree {
+fn made(mesh: &Mesh, most: usize, share: f64) -> LodTileTree {
     let made = tree(&exact(mesh), Topology::Positions, &cuts(mesh, most, share), &Job::default());
     let made = made.expect("a tree");
     well_formed(&made, most);
@@ -27,14 +30,14 @@ fn made(mesh: &Mesh, most: usize, share: f64) -> Tree {
 }
 
 /// What holds of every tree.
-fn well_formed(made: &Tree, most: usize) {
+fn well_formed(made: &LodTileTree, most: usize) {
     let mut parents = vec![0; made.tiles.len()];
     made.roots.iter().for_each(|root| parents[*root] += 1);
     assert!(made.roots.iter().all(|root| made.tiles[*root].depth == 0));
     for (at, tile) in made.tiles.iter().enumerate() {
         assert!(tile.mesh.faces().len() <= most && !tile.mesh.faces().is_empty());
         assert_eq!(*tile.bound.evidence(), Evidence::Proved);
-        let below: Vec<&Tile> = tile.children.iter().map(|child| &made.tiles[*child]).collect();
+        let below: Vec<&LodTile> = tile.children.iter().map(|child| &made.tiles[*child]).collect();
         assert!(tile.children.iter().all(|child| *child > at));
         assert!(below.iter().all(|child| child.depth == tile.depth + 1 && child.error() < tile.error()));
         let n: usize = below.iter().map(|child| child.mesh.faces().len()).sum();
@@ -69,13 +72,13 @@ fn all_corners<'a>(meshes: impl Iterator<Item = &'a Mesh>) -> Vec<Corners> {
     all
 }
 
-fn leaves_are(made: &Tree, mesh: &Mesh) {
+fn leaves_are(made: &LodTileTree, mesh: &Mesh) {
     let leaves = made.tiles.iter().filter(|tile| tile.children.is_empty()).map(|tile| &tile.mesh);
     assert!(all_corners(leaves) == all_corners(std::iter::once(mesh)), "the leaves are not the mesh");
 }
 
 /// Some tiles that may be shown together.
-fn mixture<'a>(made: &'a Tree, random: &mut Random) -> Vec<&'a Tile> {
+fn mixture<'a>(made: &'a LodTileTree, random: &mut Random) -> Vec<&'a LodTile> {
     let mut open = made.roots.clone();
     let mut shown = Vec::new();
     let go_on = random.signed();
@@ -91,7 +94,7 @@ fn mixture<'a>(made: &'a Tree, random: &mut Random) -> Vec<&'a Tile> {
 }
 
 /// The triangles of tiles as one mesh, without values.
-fn together(tiles: &[&Tile]) -> Mesh {
+fn together(tiles: &[&LodTile]) -> Mesh {
     let (mut positions, mut faces) = (Vec::new(), Vec::new());
     for tile in tiles {
         let first = positions.len() as u32;
@@ -105,7 +108,7 @@ fn together(tiles: &[&Tile]) -> Mesh {
 const TRIES: u64 = 12;
 
 /// Every mixture is a surface like the mesh, and near it.
-fn mixes(made: &Tree, mesh: &Mesh, alike: impl Fn(&Validity, &Validity)) {
+fn mixes(made: &LodTileTree, mesh: &Mesh, alike: impl Fn(&Validity, &Validity)) {
     let whole = validity(mesh, Topology::Positions);
     let mut depths = BTreeSet::new();
     for seed in 0..TRIES {
@@ -150,7 +153,7 @@ fn hills_keep_their_one_border() {
     assert!(made.tiles[0].mesh.faces().len() <= 64);
     // The border of the whole shrinks in tiles as well.
     let on_border = |mesh: &Mesh| mesh.positions().iter().filter(|p| p[0] == 0.0).count();
-    let shown: Vec<&Tile> = made.tiles.iter().filter(|tile| tile.depth == 1).collect();
+    let shown: Vec<&LodTile> = made.tiles.iter().filter(|tile| tile.depth == 1).collect();
     assert!(on_border(&together(&shown)) < on_border(&mesh) / 2);
 }
 
@@ -335,7 +338,7 @@ fn what_does_not_shrink_stays_in_several_roots() {
     let found = found.expect("a tree");
     well_formed(&found, 2);
     assert!(found.roots.len() > 1);
-    let roots: Vec<&Tile> = found.roots.iter().map(|root| &found.tiles[*root]).collect();
+    let roots: Vec<&LodTile> = found.roots.iter().map(|root| &found.tiles[*root]).collect();
     let far = deviation(&mesh, &together(&roots), &Goal::default(), &Job::default()).expect("judged");
     let error = roots.iter().fold(0.0, |most: f64, tile| most.max(tile.error()));
     assert!(far.bound.at_least() <= error);
@@ -375,19 +378,23 @@ fn triangles_without_area_are_tiles_too() {
 fn refuses_what_it_cannot_do() {
     let mesh = shapes::sphere(2);
     let good = cuts(&mesh, 100, 0.01);
-    let code =
-        |finest: &Bounded<Mesh>, cuts: &Cuts| match tree(finest, Topology::Indices, cuts, &Job::default()) {
-            Err(Stopped::Refused(refusal)) => refusal.code,
-            other => panic!("{other:?}"),
-        };
+    let code = |finest: &Bounded<Mesh>, cuts: &TilingOptions| match tree(
+        finest,
+        Topology::Indices,
+        cuts,
+        &Job::default(),
+    ) {
+        Err(JobError::Refused(refusal)) => refusal.code,
+        other => panic!("{other:?}"),
+    };
     for factor in [1.0, 0.5, -2.0, f64::NAN] {
-        assert_eq!(code(&exact(&mesh), &Cuts { factor, ..good }), Code::Budget);
+        assert_eq!(code(&exact(&mesh), &TilingOptions { factor, ..good }), RefusalCode::Budget);
     }
-    assert_eq!(code(&exact(&mesh), &Cuts { most: 0, ..good }), Code::Budget);
-    assert_eq!(code(&exact(&Mesh::default()), &good), Code::Empty);
+    assert_eq!(code(&exact(&mesh), &TilingOptions { most: 0, ..good }), RefusalCode::Budget);
+    assert_eq!(code(&exact(&Mesh::default()), &good), RefusalCode::Empty);
     let guess = Bound::with_evidence(0.0, None, Evidence::Estimated, Reference::InputTriangles);
-    assert_eq!(code(&Bounded { shape: mesh.clone(), bound: guess }, &good), Code::Unsupported);
+    assert_eq!(code(&Bounded { shape: mesh.clone(), bound: guess }, &good), RefusalCode::Unsupported);
     let job = Job::default();
     job.cancel();
-    assert!(matches!(tree(&exact(&mesh), Topology::Indices, &good, &job), Err(Stopped::Cancelled)));
+    assert!(matches!(tree(&exact(&mesh), Topology::Indices, &good, &job), Err(JobError::Cancelled)));
 }

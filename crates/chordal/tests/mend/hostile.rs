@@ -119,7 +119,7 @@ fn a_cancelled_job_and_a_small_limit_end_before_the_work() {
         let stopped = [
             weld(&cube(), Weld::Exact, &job),
             orient(&cube(), Topology::Indices, &job),
-            fill_holes(&cube(), Topology::Indices, Holes::All, &job),
+            fill_holes(&cube(), Topology::Indices, HoleSelection::All, &job),
             split_non_manifold(&cube(), Topology::Indices, &job),
             drop_degenerate(&cube(), Topology::Indices, &job),
             drop_duplicates(&cube(), Topology::Indices, Duplicates::EitherWay, &job),
@@ -128,8 +128,8 @@ fn a_cancelled_job_and_a_small_limit_end_before_the_work() {
         ];
         for result in stopped {
             let found = match result {
-                Err(chordal::budget::Stopped::Refused(refusal)) => Some(refusal.code.as_str()),
-                Err(chordal::budget::Stopped::Cancelled) => None,
+                Err(chordal::budget::JobError::Refused(refusal)) => Some(refusal.code.as_str()),
+                Err(chordal::budget::JobError::Cancelled) => None,
                 Ok(_) => panic!("it went on"),
             };
             assert_eq!(found, code);

@@ -9,8 +9,8 @@ mod welding;
 use chordal::check::{Validity, t_junctions, validity};
 use chordal::explicit::Topology;
 use chordal::mend::{
-    Duplicates, Holes, Mended, Weld, drop_degenerate, drop_duplicates, drop_unused, fill_holes, orient,
-    resolve_t_junctions, split_non_manifold, weld,
+    Duplicates, HoleSelection, MendedMesh, Weld, drop_degenerate, drop_duplicates, drop_unused, fill_holes,
+    orient, resolve_t_junctions, split_non_manifold, weld,
 };
 use chordal::{Job, Mesh};
 
@@ -31,7 +31,7 @@ impl Random {
 }
 
 /// A cure that needs no number.
-type Cure = fn(&Mesh) -> Mended;
+type Cure = fn(&Mesh) -> MendedMesh;
 
 /// Every cure that needs no number, by its name.
 pub const CURES: [(&str, Cure); 9] = [
@@ -44,16 +44,16 @@ pub const CURES: [(&str, Cure); 9] = [
     }),
     ("split_non_manifold", |mesh| split_non_manifold(mesh, Topology::Indices, &Job::default()).unwrap()),
     ("orient", |mesh| orient(mesh, Topology::Indices, &Job::default()).unwrap()),
-    ("fill_holes", |mesh| fill_holes(mesh, Topology::Indices, Holes::All, &Job::default()).unwrap()),
+    ("fill_holes", |mesh| fill_holes(mesh, Topology::Indices, HoleSelection::All, &Job::default()).unwrap()),
     ("drop_unused", |mesh| drop_unused(mesh, &Job::default()).unwrap()),
 ];
 
-fn duplicates(mesh: &Mesh, which: Duplicates) -> Mended {
+fn duplicates(mesh: &Mesh, which: Duplicates) -> MendedMesh {
     drop_duplicates(mesh, Topology::Indices, which, &Job::default()).unwrap()
 }
 
 /// The mesh after the cure of that name.
-pub fn cure(name: &str, mesh: &Mesh) -> Mended {
+pub fn cure(name: &str, mesh: &Mesh) -> MendedMesh {
     CURES.iter().find(|cure| cure.0 == name).unwrap().1(mesh)
 }
 

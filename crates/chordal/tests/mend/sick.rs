@@ -2,7 +2,7 @@
 use super::*;
 
 /// Cures and checks: the finding was there, is gone, and no other has come.
-fn is_cured_by(name: &str, finding: &str, mesh: &Mesh) -> Mended {
+fn is_cured_by(name: &str, finding: &str, mesh: &Mesh) -> MendedMesh {
     let before = findings(mesh);
     assert!(before.iter().any(|&(of, n)| of == finding && n > 0), "{finding} is not there: {before:?}");
     let mended = cure(name, mesh);

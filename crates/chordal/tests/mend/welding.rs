@@ -3,7 +3,7 @@ use super::sampler::one_sided;
 use super::*;
 use chordal::Tolerance;
 
-fn within(mesh: &Mesh, tolerance: f64) -> Mended {
+fn within(mesh: &Mesh, tolerance: f64) -> MendedMesh {
     weld(mesh, Weld::Within(Tolerance::new(tolerance).unwrap()), &Job::default()).unwrap()
 }
 

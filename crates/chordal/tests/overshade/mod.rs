@@ -2,9 +2,9 @@
 mod naive;
 
 use crate::solids::random;
-use chordal::budget::{Camera, Code, Projection, Screen, Stopped};
+use chordal::budget::{Camera, JobError, Projection, RefusalCode, Screen};
 use chordal::check::{Overshade, flicker, micro_triangles, overshade};
-use chordal::explicit::Sides;
+use chordal::explicit::HitSides;
 use chordal::{Job, Mesh, View};
 use naive::{Naive, naive};
 use random::Random;
@@ -22,7 +22,7 @@ fn by_pixels([width, height]: [u32; 2]) -> Camera {
 const FOV: Projection = Projection::Perspective { fov_y_deg: 50.0 };
 
 fn seen(mesh: &Mesh, camera: &Camera) -> Overshade {
-    overshade(mesh, camera, Sides::Both, &Job::default()).expect("rasterizes")
+    overshade(mesh, camera, HitSides::Both, &Job::default()).expect("rasterizes")
 }
 
 fn mesh(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Mesh {
@@ -71,7 +71,7 @@ fn soup(n: u32, random: &mut Random) -> Mesh {
 }
 
 fn same(found: &Overshade, expected: &Naive) {
-    let of = |shaded: chordal::check::Shaded| [shaded.fragments, shaded.quads];
+    let of = |shaded: chordal::check::ShadingCounts| [shaded.fragments, shaded.quads];
     let found = Naive {
         in_view: found.in_view,
         missed: found.missed,
@@ -230,12 +230,12 @@ fn a_turned_camera_sees_the_same_turned() {
 fn scale_changes_nothing() {
     let mesh = soup(200, &mut Random(5));
     let near = Camera { near: 0.5, ..camera(FOV, [60, 40]) };
-    let at_one = (seen(&mesh, &near), flicker(&mesh, &near, Sides::Both, &Job::default()));
+    let at_one = (seen(&mesh, &near), flicker(&mesh, &near, HitSides::Both, &Job::default()));
     for scale in [2.0_f64.powi(-100), 2.0_f64.powi(-20), 2.0_f64.powi(20), 2.0_f64.powi(400)] {
         let larger =
             mesh.with_positions(mesh.positions().iter().map(|p| p.map(|x| x * scale)).collect()).unwrap();
         let camera = Camera { eye: near.eye.map(|x| x * scale), near: near.near * scale, ..near };
-        let found = (seen(&larger, &camera), flicker(&larger, &camera, Sides::Both, &Job::default()));
+        let found = (seen(&larger, &camera), flicker(&larger, &camera, HitSides::Both, &Job::default()));
         assert!(found == at_one, "scale {scale}");
     }
 }
@@ -246,8 +246,8 @@ fn any_number_of_threads_finds_the_same() {
     let camera = Camera { eye: [0.0, 0.0, 3.0], ..camera(FOV, [700, 500]) };
     let on = |threads: usize| {
         let job = Job::default().with_threads(threads);
-        let found = flicker(&mesh, &camera, Sides::Both, &job).unwrap();
-        (overshade(&mesh, &camera, Sides::Both, &job).unwrap(), found.rms.to_bits(), found.n_pixels)
+        let found = flicker(&mesh, &camera, HitSides::Both, &job).unwrap();
+        (overshade(&mesh, &camera, HitSides::Both, &job).unwrap(), found.rms.to_bits(), found.n_pixels)
     };
     let one = on(1);
     assert!(one.0.covered_px > 100_000 && one.2 > 100_000);
@@ -275,7 +275,7 @@ fn hidden_triangles_are_shaded_only_without_a_depth_test() {
 fn fronts_and_backs_are_all() {
     let mesh = sphere(40);
     let camera = Camera { eye: [0.0, 0.0, 3.0], ..camera(FOV, [200, 200]) };
-    let [both, front, back] = [Sides::Both, Sides::Front, Sides::Back]
+    let [both, front, back] = [HitSides::Both, HitSides::Front, HitSides::Back]
         .map(|sides| overshade(&mesh, &camera, sides, &Job::default()).unwrap());
     assert_eq!(both.every.quads, front.every.quads + back.every.quads);
     assert_eq!(both.every.fragments, 2 * both.covered_px, "each ray enters and leaves");
@@ -321,7 +321,7 @@ fn what_is_behind_or_beside_costs_nothing() {
     }
     let empty = mesh(vec![], vec![]);
     assert_eq!((seen(&empty, &front).n_triangles, seen(&empty, &front).launches.len()), (0, 32 * 24));
-    assert_eq!(flicker(&empty, &front, Sides::Both, &Job::default()).unwrap().n_pixels, 0);
+    assert_eq!(flicker(&empty, &front, HitSides::Both, &Job::default()).unwrap().n_pixels, 0);
 }
 
 #[test]
@@ -354,7 +354,7 @@ fn no_finite_mesh_breaks_it() {
             assert!(found.covered_px <= 63 && found.visible.fragments == found.covered_px);
             assert!(found.visible.quads <= found.every.quads && found.missed <= found.in_view);
             covered += found.covered_px;
-            let flickers = flicker(&mesh, &camera, Sides::Both, &Job::default()).unwrap();
+            let flickers = flicker(&mesh, &camera, HitSides::Both, &Job::default()).unwrap();
             assert!((0.0..=0.5).contains(&flickers.rms), "{flickers:?}");
         }
     }
@@ -364,18 +364,18 @@ fn no_finite_mesh_breaks_it() {
 #[test]
 fn refusals_are_typed_and_a_cancel_is_obeyed() {
     let mesh = sphere(4);
-    let refused = |camera: &Camera, job: &Job| match overshade(&mesh, camera, Sides::Both, job) {
-        Err(Stopped::Refused(refusal)) => refusal.code,
+    let refused = |camera: &Camera, job: &Job| match overshade(&mesh, camera, HitSides::Both, job) {
+        Err(JobError::Refused(refusal)) => refusal.code,
         other => panic!("{other:?}"),
     };
     let job = Job::default();
-    assert_eq!(refused(&camera(FOV, [u32::MAX; 2]), &job), Code::TooMuchMemory);
-    assert_eq!(refused(&camera(FOV, [1 << 21, 1]), &job), Code::Unsupported);
-    assert_eq!(refused(&Camera { eye: [0.0; 3], ..camera(FOV, [4, 4]) }, &job), Code::Unsupported);
-    assert_eq!(refused(&Camera { near: f64::NAN, ..camera(FOV, [4, 4]) }, &job), Code::Unsupported);
+    assert_eq!(refused(&camera(FOV, [u32::MAX; 2]), &job), RefusalCode::TooMuchMemory);
+    assert_eq!(refused(&camera(FOV, [1 << 21, 1]), &job), RefusalCode::Unsupported);
+    assert_eq!(refused(&Camera { eye: [0.0; 3], ..camera(FOV, [4, 4]) }, &job), RefusalCode::Unsupported);
+    assert_eq!(refused(&Camera { near: f64::NAN, ..camera(FOV, [4, 4]) }, &job), RefusalCode::Unsupported);
     assert_eq!(
         refused(&camera(Projection::Orthographic { height: 1e-320 }, [4, 4]), &job),
-        Code::Unsupported
+        RefusalCode::Unsupported
     );
     let limited = |bytes: u64| {
         let mut job = Job::default();
@@ -383,26 +383,26 @@ fn refusals_are_typed_and_a_cancel_is_obeyed() {
         job
     };
     let small = limited(100_000);
-    assert_eq!(refused(&camera(FOV, [100, 100]), &small), Code::TooMuchMemory);
-    assert!(overshade(&mesh, &camera(FOV, [20, 20]), Sides::Both, &small).is_ok());
+    assert_eq!(refused(&camera(FOV, [100, 100]), &small), RefusalCode::TooMuchMemory);
+    assert!(overshade(&mesh, &camera(FOV, [20, 20]), HitSides::Both, &small).is_ok());
     // The list of which triangle is where does not fit.
     let many = many();
-    assert!(overshade(&many, &by_pixels([64, 64]), Sides::Both, &limited(12_000_000)).is_ok());
+    assert!(overshade(&many, &by_pixels([64, 64]), HitSides::Both, &limited(12_000_000)).is_ok());
     assert_eq!(
-        overshade(&many, &by_pixels([64, 64]), Sides::Both, &limited(6_000_000)).err().map(|stopped| {
+        overshade(&many, &by_pixels([64, 64]), HitSides::Both, &limited(6_000_000)).err().map(|stopped| {
             match stopped {
-                Stopped::Refused(refusal) => refusal.code,
-                Stopped::Cancelled => Code::Empty,
+                JobError::Refused(refusal) => refusal.code,
+                JobError::Cancelled => RefusalCode::Empty,
             }
         }),
-        Some(Code::TooMuchMemory)
+        Some(RefusalCode::TooMuchMemory)
     );
     job.cancel();
     for cancelled in [
-        overshade(&mesh, &camera(FOV, [64, 64]), Sides::Both, &job).err(),
-        flicker(&mesh, &camera(FOV, [64, 64]), Sides::Both, &job).err(),
+        overshade(&mesh, &camera(FOV, [64, 64]), HitSides::Both, &job).err(),
+        flicker(&mesh, &camera(FOV, [64, 64]), HitSides::Both, &job).err(),
     ] {
-        assert_eq!(cancelled, Some(Stopped::Cancelled));
+        assert_eq!(cancelled, Some(JobError::Cancelled));
     }
 }
 
@@ -427,7 +427,7 @@ fn the_edge_of_a_roof_flickers_by_half_of_its_contrast_along_its_line() {
         vec![[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2]],
     );
     let size = [31, 20];
-    let found = flicker(&roof, &by_pixels(size), Sides::Both, &Job::default()).unwrap();
+    let found = flicker(&roof, &by_pixels(size), HitSides::Both, &Job::default()).unwrap();
     let shade = |x: f64| {
         let normal = [x * slope, 0.0, 1.0].map(|n: f64| n / (1.0 + slope * slope).sqrt());
         0.5 + 0.5 * (-normal[0] + normal[1] + 2.0 * normal[2]) / 6.0_f64.sqrt()
@@ -437,7 +437,7 @@ fn the_edge_of_a_roof_flickers_by_half_of_its_contrast_along_its_line() {
     assert!((found.rms - expected).abs() < 1e-7, "{} and not {expected}", found.rms);
     // From behind the normal is turned: the same contrast.
     let behind = Camera { eye: [0.0, 0.0, -90.0], ..by_pixels(size) };
-    let from_behind = flicker(&roof, &behind, Sides::Both, &Job::default()).unwrap();
+    let from_behind = flicker(&roof, &behind, HitSides::Both, &Job::default()).unwrap();
     assert!((from_behind.rms - expected).abs() < 1e-7, "{}", from_behind.rms);
 }
 
@@ -451,7 +451,7 @@ fn detail_below_the_pixel_flickers_as_chance_would_and_a_smooth_surface_hardly()
         let lift = |p: &[f64; 3]| [p[0], p[1], high * random.signed()];
         mesh(flat.positions().iter().map(lift).collect(), flat.faces().to_vec())
     };
-    let rms = |mesh: &Mesh| flicker(mesh, &by_pixels([60, 60]), Sides::Both, &Job::default()).unwrap().rms;
+    let rms = |mesh: &Mesh| flicker(mesh, &by_pixels([60, 60]), HitSides::Both, &Job::default()).unwrap().rms;
     let [coarse, fine, finest] = [8, 64, 512].map(rough);
     assert!(rms(&fine) > 2.0 * rms(&coarse));
     // In an eighth of a pixel, no two of a pixel's sixteen samples share a corner: their shades are independent, and
@@ -470,7 +470,7 @@ fn detail_below_the_pixel_flickers_as_chance_would_and_a_smooth_surface_hardly()
     assert!((rms(&finest) / expected - 1.0).abs() < 0.015, "{} and not {expected}", rms(&finest));
     let smooth = Camera { eye: [0.0, 0.0, 3.0], ..camera(FOV, [200, 200]) };
     let [coarse, fine] =
-        [20, 200].map(|n| flicker(&sphere(n), &smooth, Sides::Both, &Job::default()).unwrap().rms);
+        [20, 200].map(|n| flicker(&sphere(n), &smooth, HitSides::Both, &Job::default()).unwrap().rms);
     assert!(fine < 0.4 * coarse, "{coarse} {fine}");
 }
 
@@ -498,7 +498,7 @@ fn the_estimate_for_any_eye_so_near_counts_what_a_camera_there_sees() {
             let closest = micro_triangles(&mesh, &view, &Job::default()).unwrap();
             assert_eq!((closest.n_micro, closest.n_triangles), (micro, 1800));
             let projection = match view {
-                View::Closest(closest) => closest.projection,
+                View::MinDistance(closest) => closest.projection,
                 View::Camera(_) => unreachable!(),
             };
             let there = View::Camera(Camera { eye: [0.0, 0.0, at], ..camera(projection, [100, 100]) });

@@ -6,7 +6,7 @@ use super::sampler::{
 };
 use super::shapes::{Shape, shape};
 use super::{for_all, is_long, library_patches, quantile};
-use chordal::budget::{Camera, Closest, Code, Failure, Pixels, Projection};
+use chordal::budget::{Camera, Failure, MinDistanceView, Pixels, Projection, RefusalCode};
 use chordal::{Bounded, Budget, Job, Mesh, View, convert};
 
 /// A point of one shape and the nearest one of the other, the furthest apart first.
@@ -114,8 +114,11 @@ fn no_eye_that_keeps_its_distance_sees_more_pixels_than_promised() {
         let r = &mut Random::new(seed as u64 + 7);
         let (lens, pixels) = (Lens::pinhole(r), [0.5, 1.0, 4.0][r.below(3)]);
         let away = shape.size * 10_f64.powf(r.between(-0.5, 1.0));
-        let view =
-            View::Closest(Closest { distance: away, projection: lens.projection, screen: lens.screen });
+        let view = View::MinDistance(MinDistanceView {
+            distance: away,
+            projection: lens.projection,
+            screen: lens.screen,
+        });
         let made = mesh_to_pixels(&shape, pixels, view).expect("a distance is enough");
         assert!(made.bound.pixels.is_some_and(|p| p <= pixels), "{:?} for {pixels} px", made.bound);
         worst_of_eyes(&shape, &made, lens, away)
@@ -155,7 +158,7 @@ fn no_camera_sees_more_pixels_than_promised() {
         let ((camera, eye), pixels) = (camera(&shape, r), [0.5, 1.0, 4.0][r.below(3)]);
         let made = match mesh_to_pixels(&shape, pixels, View::Camera(camera)) {
             Ok(made) => made,
-            Err(Failure::Refused(why)) if why.code == Code::TooClose => return None,
+            Err(Failure::Refused(why)) if why.code == RefusalCode::TooClose => return None,
             Err(other) => panic!("{other}"),
         };
         let promised = made.bound.pixels.expect("a view was given");

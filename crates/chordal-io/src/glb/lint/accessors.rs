@@ -1,16 +1,16 @@
 //! Accessors: what they say of themselves, and whether they fit their views.
-use super::buffers::{Use, Uses};
-use super::extensions::At;
-use super::{ANY, Lint, Whole};
-use crate::glb::format::{Component, Kind};
-use crate::glb::json::Json;
-use crate::glb::model::{Accessor, Model, Sparse, View, item};
+use super::buffers::{BufferViewUse, UseTable};
+use super::extensions::ExtensionHost;
+use super::{ANY, GltfLint, IntegerRule};
+use crate::glb::format::{AccessorType, ComponentType};
+use crate::glb::json::JsonValue;
+use crate::glb::model::{GltfAccessor, GltfBufferView, GltfModel, GltfSparse, item};
 
 /// The codes of component types.
 const COMPONENTS: &[u64] = &[5120, 5121, 5122, 5123, 5125, 5126];
 
 /// A run of rows that has to lie inside a view.
-struct Run {
+struct ViewRange {
     view: usize,
     offset: u64,
     /// Bytes a component, to which offsets are aligned.
@@ -18,22 +18,27 @@ struct Run {
     length: u64,
 }
 
-impl<'a> Lint<'a> {
-    pub(super) fn accessor(&mut self, map: &'a Json) -> Accessor {
+impl<'a> GltfLint<'a> {
+    pub(super) fn accessor(&mut self, map: &'a JsonValue) -> GltfAccessor {
         let view = self.index(map, "bufferView", false);
         let offset = if view.is_none() {
             if map.get("byteOffset").is_some() {
-                self.at("UNSATISFIED_DEPENDENCY", "byteOffset", "bufferView is missing");
+                self.issue_below("UNSATISFIED_DEPENDENCY", "byteOffset", "bufferView is missing");
             }
             Some(0)
         } else {
-            self.whole(map, "byteOffset", Whole::default()).or(0)
+            self.integer(map, "byteOffset", IntegerRule::default()).or(0)
         };
-        let component =
-            self.whole(map, "componentType", Whole { list: COMPONENTS, required: true, ..Whole::default() });
-        let component = component.value().and_then(Component::from_code);
-        let count = self.whole(map, "count", Whole { min: 1, required: true, ..Whole::default() }).value();
-        let kind = self.text(map, "type", true).and_then(Kind::from_name);
+        let component = self.integer(
+            map,
+            "componentType",
+            IntegerRule { list: COMPONENTS, required: true, ..IntegerRule::default() },
+        );
+        let component = component.value().and_then(ComponentType::from_code);
+        let count = self
+            .integer(map, "count", IntegerRule { min: 1, required: true, ..IntegerRule::default() })
+            .value();
+        let kind = self.text(map, "type", true).and_then(AccessorType::from_name);
         let normalized = self.flag(map, "normalized");
         let (mut min, mut max) = (None, None);
         if let (Some(kind), Some(component)) = (kind, component) {
@@ -43,28 +48,36 @@ impl<'a> Lint<'a> {
         let sparse = self.object(map, "sparse", false);
         let sparse =
             sparse.and_then(|sparse| self.within("sparse", |lint| lint.sparse(sparse))).map(Box::new);
-        if normalized && matches!(component, Some(Component::F32 | Component::U32)) {
-            self.at("ACCESSOR_NORMALIZED_INVALID", "normalized", "only bytes and shorts can be normalized");
+        if normalized && matches!(component, Some(ComponentType::F32 | ComponentType::U32)) {
+            self.issue_below(
+                "ACCESSOR_NORMALIZED_INVALID",
+                "normalized",
+                "only bytes and shorts can be normalized",
+            );
         }
-        if kind.is_some_and(Kind::is_matrix) && offset.is_some_and(|offset| offset % 4 != 0) {
-            self.at("ACCESSOR_MATRIX_ALIGNMENT", "byteOffset", "matrices begin at multiples of 4 bytes");
+        if kind.is_some_and(AccessorType::is_matrix) && offset.is_some_and(|offset| offset % 4 != 0) {
+            self.issue_below(
+                "ACCESSOR_MATRIX_ALIGNMENT",
+                "byteOffset",
+                "matrices begin at multiples of 4 bytes",
+            );
         }
         self.name(map);
-        self.extensions(map, At::Other);
-        Accessor { view, offset, count, component, kind, normalized, min, max, sparse }
+        self.extensions(map, ExtensionHost::Other);
+        GltfAccessor { view, offset, count, component, kind, normalized, min, max, sparse }
     }
 
     /// The least or greatest values: single-precision numbers, or integers that the type can hold.
     #[allow(clippy::cast_possible_truncation)]
     fn bounds(
         &mut self,
-        map: &'a Json,
+        map: &'a JsonValue,
         key: &'a str,
-        (kind, component): (Kind, Component),
+        (kind, component): (AccessorType, ComponentType),
     ) -> Option<Box<[f64]>> {
         let length = kind.n_components();
-        if component == Component::F32 {
-            let bounds = self.reals(map, key, length, ANY)?;
+        if component == ComponentType::F32 {
+            let bounds = self.numbers(map, key, length, ANY)?;
             return Some(bounds.into_iter().map(|x| f64::from(x as f32)).collect());
         }
         let value = self.value(map, key, "array")?;
@@ -88,39 +101,48 @@ impl<'a> Lint<'a> {
                         format!("{component:?} cannot hold {x}")
                     });
                 }
-                (None, _) => self.at("ARRAY_TYPE_MISMATCH", key, "an item is no integer"),
+                (None, _) => self.issue_below("ARRAY_TYPE_MISMATCH", key, "an item is no integer"),
             }
         }
         (out.len() == length).then(|| out.into())
     }
 
-    fn sparse(&mut self, map: &'a Json) -> Option<Sparse> {
-        let count = self.whole(map, "count", Whole { min: 1, required: true, ..Whole::default() }).value();
+    fn sparse(&mut self, map: &'a JsonValue) -> Option<GltfSparse> {
+        let count = self
+            .integer(map, "count", IntegerRule { min: 1, required: true, ..IntegerRule::default() })
+            .value();
         let indices = self.object(map, "indices", true);
         let indices = indices.map(|indices| self.within("indices", |lint| lint.sparse_indices(indices)));
         let values = self.object(map, "values", true);
         let values = values.map(|values| {
             self.within("values", |lint| {
-                lint.extensions(values, At::Other);
+                lint.extensions(values, ExtensionHost::Other);
                 let view = lint.index(values, "bufferView", true);
-                (view, lint.whole(values, "byteOffset", Whole::default()).or(0))
+                (view, lint.integer(values, "byteOffset", IntegerRule::default()).or(0))
             })
         });
-        self.extensions(map, At::Other);
+        self.extensions(map, ExtensionHost::Other);
         let (index_view, index_offset, index_component) = indices?;
         let (value_view, value_offset) = values?;
-        Some(Sparse { count: count?, index_view, index_offset, index_component, value_view, value_offset })
+        Some(GltfSparse {
+            count: count?,
+            index_view,
+            index_offset,
+            index_component,
+            value_view,
+            value_offset,
+        })
     }
 
-    fn sparse_indices(&mut self, map: &'a Json) -> (Option<usize>, Option<u64>, Option<Component>) {
-        self.extensions(map, At::Other);
+    fn sparse_indices(&mut self, map: &'a JsonValue) -> (Option<usize>, Option<u64>, Option<ComponentType>) {
+        self.extensions(map, ExtensionHost::Other);
         let view = self.index(map, "bufferView", true);
-        let offset = self.whole(map, "byteOffset", Whole::default()).or(0);
-        let rule = Whole { list: &[5121, 5123, 5125], required: true, ..Whole::default() };
-        (view, offset, self.whole(map, "componentType", rule).value().and_then(Component::from_code))
+        let offset = self.integer(map, "byteOffset", IntegerRule::default()).or(0);
+        let rule = IntegerRule { list: &[5121, 5123, 5125], required: true, ..IntegerRule::default() };
+        (view, offset, self.integer(map, "componentType", rule).value().and_then(ComponentType::from_code))
     }
 
-    pub(super) fn link_accessors(&mut self, model: &Model<'_>, uses: &mut Uses) {
+    pub(super) fn link_accessors(&mut self, model: &GltfModel<'_>, uses: &mut UseTable) {
         for (i, accessor) in model.accessors.iter().enumerate() {
             let Some(accessor) = accessor else { continue };
             self.within("accessors", |lint| {
@@ -134,7 +156,7 @@ impl<'a> Lint<'a> {
         }
     }
 
-    fn link_rows(&mut self, model: &Model<'_>, accessor: &Accessor) {
+    fn link_rows(&mut self, model: &GltfModel<'_>, accessor: &GltfAccessor) {
         let (Some(view), Some(count), Some(format)) = (accessor.view, accessor.count, accessor.format())
         else {
             return;
@@ -152,10 +174,15 @@ impl<'a> Lint<'a> {
         let stride = declared.unwrap_or(format.natural_stride());
         let length = stride.saturating_mul(count - 1).saturating_add(format.row_length());
         let Some(offset) = accessor.offset else { return };
-        self.fits(model, &Run { view, offset, align: format.component.size(), length });
+        self.fits(model, &ViewRange { view, offset, align: format.component.size(), length });
     }
 
-    fn link_sparse(&mut self, model: &Model<'_>, accessor: &Accessor, (sparse, uses): (&Sparse, &mut Uses)) {
+    fn link_sparse(
+        &mut self,
+        model: &GltfModel<'_>,
+        accessor: &GltfAccessor,
+        (sparse, uses): (&GltfSparse, &mut UseTable),
+    ) {
         let (Some(count), Some(format)) = (accessor.count, accessor.format()) else { return };
         if sparse.count > count {
             let what = format!("{} rows are replaced of {count}", sparse.count);
@@ -174,25 +201,30 @@ impl<'a> Lint<'a> {
                 if !lint.resolved("bufferViews", view, "bufferView".into()) {
                     return;
                 }
-                lint.use_view(uses, Some(view), Use::Other, "bufferView");
+                lint.use_view(uses, Some(view), BufferViewUse::Other, "bufferView");
                 if item(&model.views, Some(view)).is_some_and(|view| view.stride.is_some()) {
-                    lint.at(
+                    lint.issue_below(
                         "BUFFER_VIEW_INVALID_BYTE_STRIDE",
                         "bufferView",
                         "sparse data have no byteStride",
                     );
                 }
                 if let (Some((align, row)), Some(offset)) = (sizes, offset) {
-                    lint.fits(model, &Run { view, offset, align, length: row.saturating_mul(sparse.count) });
+                    lint.fits(
+                        model,
+                        &ViewRange { view, offset, align, length: row.saturating_mul(sparse.count) },
+                    );
                 }
             });
         }
     }
 
     /// Whether a run is aligned and lies inside its view.
-    fn fits(&mut self, model: &Model<'_>, run: &Run) {
-        let Some(View { offset: start, length, .. }) = item(&model.views, Some(run.view)) else { return };
-        let Run { view, offset, align, .. } = *run;
+    fn fits(&mut self, model: &GltfModel<'_>, run: &ViewRange) {
+        let Some(GltfBufferView { offset: start, length, .. }) = item(&model.views, Some(run.view)) else {
+            return;
+        };
+        let ViewRange { view, offset, align, .. } = *run;
         if offset % align != 0 {
             self.issue("ACCESSOR_OFFSET_ALIGNMENT", Some("byteOffset".into()), || {
                 format!("byteOffset {offset} is no multiple of {align}")

@@ -1,16 +1,18 @@
 //! Animations.
-use super::Lint;
-use super::buffers::{Demand, Role, Use, Uses};
-use super::extensions::At;
-use crate::glb::format::{Component, Format, Kind};
-use crate::glb::json::Json;
-use crate::glb::model::{Animation, Channel, Model, Node, Sampler, Target, item};
+use super::GltfLint;
+use super::buffers::{AccessorConstraint, AccessorUse, BufferViewUse, UseTable};
+use super::extensions::ExtensionHost;
+use crate::glb::format::{AccessorFormat, AccessorType, ComponentType};
+use crate::glb::json::JsonValue;
+use crate::glb::model::{
+    GltfAnimation, GltfAnimationSampler, GltfChannel, GltfChannelTarget, GltfModel, GltfNode, item,
+};
 use std::collections::BTreeMap;
 
-const TIMES: Format = Format::plain(Kind::Scalar, Component::F32);
+const TIMES: AccessorFormat = AccessorFormat::plain(AccessorType::Scalar, ComponentType::F32);
 
-impl<'a> Lint<'a> {
-    pub(super) fn animation(&mut self, map: &'a Json) -> Animation<'a> {
+impl<'a> GltfLint<'a> {
+    pub(super) fn animation(&mut self, map: &'a JsonValue) -> GltfAnimation<'a> {
         let channels = self.objects(map, "channels").map(|items| {
             let one = |lint: &mut Self, item| lint.channel(item);
             self.all_of("channels", items, one)
@@ -20,74 +22,74 @@ impl<'a> Lint<'a> {
             self.all_of("samplers", items, one)
         });
         self.name(map);
-        self.extensions(map, At::Other);
-        Animation { channels, samplers }
+        self.extensions(map, ExtensionHost::Other);
+        GltfAnimation { channels, samplers }
     }
 
     fn all_of<T>(
         &mut self,
         list: &'static str,
-        items: &'a [Json],
-        look: impl Fn(&mut Self, &'a Json) -> T,
+        items: &'a [JsonValue],
+        look: impl Fn(&mut Self, &'a JsonValue) -> T,
     ) -> Vec<T> {
         self.within(list, |lint| {
             items.iter().enumerate().map(|(i, item)| lint.within(i, |lint| look(lint, item))).collect()
         })
     }
 
-    fn channel(&mut self, map: &'a Json) -> Channel<'a> {
+    fn channel(&mut self, map: &'a JsonValue) -> GltfChannel<'a> {
         let sampler = self.index(map, "sampler", true);
         let target = self.object(map, "target", true);
         let target = target.map(|target| self.within("target", |lint| lint.target(target)));
-        self.extensions(map, At::Other);
-        Channel { sampler, target }
+        self.extensions(map, ExtensionHost::Other);
+        GltfChannel { sampler, target }
     }
 
-    fn target(&mut self, map: &'a Json) -> Target<'a> {
+    fn target(&mut self, map: &'a JsonValue) -> GltfChannelTarget<'a> {
         let node = self.index(map, "node", false);
         let path = self.text(map, "path", true);
-        let found = self.extensions(map, At::ChannelTarget);
+        let found = self.extensions(map, ExtensionHost::ChannelTarget);
         self.each_extension(found, |lint, _, value| {
             if let Some(text) = lint.text(value, "pointer", true)
                 && !is_pointer(text)
             {
-                lint.at("PATTERN_MISMATCH", "pointer", "the text is no JSON pointer");
+                lint.issue_below("PATTERN_MISMATCH", "pointer", "the text is no JSON pointer");
             }
             if node.is_some_and(|node| lint.exists("nodes", node)) {
                 let what = "the target has a node beside its pointer";
-                lint.here("KHR_ANIMATION_POINTER_ANIMATION_CHANNEL_TARGET_NODE", what);
+                lint.issue_here("KHR_ANIMATION_POINTER_ANIMATION_CHANNEL_TARGET_NODE", what);
             }
             if path != Some("pointer") {
                 let what = "the target's path is not \"pointer\"";
-                lint.here("KHR_ANIMATION_POINTER_ANIMATION_CHANNEL_TARGET_PATH", what);
+                lint.issue_here("KHR_ANIMATION_POINTER_ANIMATION_CHANNEL_TARGET_PATH", what);
             }
         });
-        Target { node, path }
+        GltfChannelTarget { node, path }
     }
 
-    fn animation_sampler(&mut self, map: &'a Json) -> Sampler<'a> {
+    fn animation_sampler(&mut self, map: &'a JsonValue) -> GltfAnimationSampler<'a> {
         let input = self.index(map, "input", true);
         let interpolation = self.text(map, "interpolation", false).unwrap_or("LINEAR");
         let output = self.index(map, "output", true);
-        self.extensions(map, At::Other);
-        Sampler { input, output, interpolation }
+        self.extensions(map, ExtensionHost::Other);
+        GltfAnimationSampler { input, output, interpolation }
     }
 
-    pub(super) fn link_animations(&mut self, model: &Model<'a>, uses: &mut Uses) {
+    pub(super) fn link_animations(&mut self, model: &GltfModel<'a>, uses: &mut UseTable) {
         for (i, animation) in model.animations.iter().enumerate() {
-            let Some(Animation { channels: Some(channels), samplers: Some(samplers) }) = animation else {
+            let Some(GltfAnimation { channels: Some(channels), samplers: Some(samplers) }) = animation else {
                 continue;
             };
-            self.below(&["animations".into(), i.into()], |lint| {
+            self.within_path(&["animations".into(), i.into()], |lint| {
                 for (s, sampler) in samplers.iter().enumerate() {
-                    lint.below(&["samplers".into(), s.into()], |lint| {
+                    lint.within_path(&["samplers".into(), s.into()], |lint| {
                         lint.link_sampler(model, sampler, uses)
                     });
                 }
                 let mut last = BTreeMap::new();
                 let mut twins = Vec::new();
                 for (c, channel) in channels.iter().enumerate() {
-                    lint.below(&["channels".into(), c.into()], |lint| {
+                    lint.within_path(&["channels".into(), c.into()], |lint| {
                         if let Some(target) = &channel.target {
                             lint.within("target", |lint| lint.link_target(model, target));
                             let key = target.node.map(|node| (node, target.path));
@@ -97,7 +99,7 @@ impl<'a> Lint<'a> {
                     });
                 }
                 for (first, second) in twins {
-                    lint.below(&["channels".into(), first.into()], |lint| {
+                    lint.within_path(&["channels".into(), first.into()], |lint| {
                         let what = format!("channel {second} has the same target");
                         lint.issue("ANIMATION_DUPLICATE_TARGETS", Some("target".into()), || what);
                     });
@@ -106,9 +108,14 @@ impl<'a> Lint<'a> {
         }
     }
 
-    fn link_sampler(&mut self, model: &Model<'a>, sampler: &Sampler<'a>, uses: &mut Uses) {
+    fn link_sampler(
+        &mut self,
+        model: &GltfModel<'a>,
+        sampler: &GltfAnimationSampler<'a>,
+        uses: &mut UseTable,
+    ) {
         for (key, index, role) in
-            [("input", sampler.input, Role::Input), ("output", sampler.output, Role::Output)]
+            [("input", sampler.input, AccessorUse::Input), ("output", sampler.output, AccessorUse::Output)]
         {
             let Some(index) = index else { continue };
             if !self.resolved("accessors", index, key.into()) {
@@ -116,31 +123,41 @@ impl<'a> Lint<'a> {
             }
             let Some(accessor) = item(&model.accessors, Some(index)) else { continue };
             self.use_accessor(uses, index, role, key);
-            self.use_view(uses, accessor.view, Use::Other, key);
+            self.use_view(uses, accessor.view, BufferViewUse::Other, key);
             if item(&model.views, accessor.view).is_some_and(|view| view.stride.is_some()) {
-                self.at("ANIMATION_SAMPLER_ACCESSOR_WITH_BYTESTRIDE", key, "animations have no byteStride");
+                self.issue_below(
+                    "ANIMATION_SAMPLER_ACCESSOR_WITH_BYTESTRIDE",
+                    key,
+                    "animations have no byteStride",
+                );
             }
-            if role == Role::Output {
+            if role == AccessorUse::Output {
                 continue;
             }
             self.within(key, |lint| {
                 if accessor.format() == Some(TIMES) {
-                    uses.demand(index, Demand::Times, lint.pointer(None));
+                    uses.demand(index, AccessorConstraint::Times, lint.pointer(None));
                 } else {
-                    lint.here("ANIMATION_SAMPLER_INPUT_ACCESSOR_INVALID_FORMAT", "times are single floats");
+                    lint.issue_here(
+                        "ANIMATION_SAMPLER_INPUT_ACCESSOR_INVALID_FORMAT",
+                        "times are single floats",
+                    );
                 }
                 if accessor.min.is_none() || accessor.max.is_none() {
-                    lint.here("ANIMATION_SAMPLER_INPUT_ACCESSOR_WITHOUT_BOUNDS", "times need min and max");
+                    lint.issue_here(
+                        "ANIMATION_SAMPLER_INPUT_ACCESSOR_WITHOUT_BOUNDS",
+                        "times need min and max",
+                    );
                 }
                 if sampler.interpolation == "CUBICSPLINE" && accessor.count.is_some_and(|count| count < 2) {
                     let what = "a cubic spline needs two times";
-                    lint.here("ANIMATION_SAMPLER_INPUT_ACCESSOR_TOO_FEW_ELEMENTS", what);
+                    lint.issue_here("ANIMATION_SAMPLER_INPUT_ACCESSOR_TOO_FEW_ELEMENTS", what);
                 }
             });
         }
     }
 
-    fn link_target(&mut self, model: &Model<'a>, target: &Target<'a>) {
+    fn link_target(&mut self, model: &GltfModel<'a>, target: &GltfChannelTarget<'a>) {
         let Some(index) = target.node else { return };
         if !self.resolved("nodes", index, "node".into()) {
             return;
@@ -148,11 +165,14 @@ impl<'a> Lint<'a> {
         let Some(node) = item(&model.nodes, Some(index)) else { return };
         match target.path {
             Some("translation" | "rotation" | "scale") if node.matrix.is_some() => {
-                self.here("ANIMATION_CHANNEL_TARGET_NODE_MATRIX", "the node has a matrix, which cannot move");
+                self.issue_here(
+                    "ANIMATION_CHANNEL_TARGET_NODE_MATRIX",
+                    "the node has a matrix, which cannot move",
+                );
             }
             Some("weights") if n_targets(model, node).is_none() => {
                 let what = "the node's mesh has no morph targets";
-                self.here("ANIMATION_CHANNEL_TARGET_NODE_WEIGHTS_NO_MORPHS", what);
+                self.issue_here("ANIMATION_CHANNEL_TARGET_NODE_WEIGHTS_NO_MORPHS", what);
             }
             _ => {}
         }
@@ -160,9 +180,9 @@ impl<'a> Lint<'a> {
 
     fn link_channel(
         &mut self,
-        model: &Model<'a>,
-        (samplers, channel): (&[Sampler<'a>], &Channel<'a>),
-        uses: &mut Uses,
+        model: &GltfModel<'a>,
+        (samplers, channel): (&[GltfAnimationSampler<'a>], &GltfChannel<'a>),
+        uses: &mut UseTable,
     ) {
         let Some(index) = channel.sampler else { return };
         let Some(sampler) = samplers.get(index) else {
@@ -176,7 +196,11 @@ impl<'a> Lint<'a> {
         let Some(accessor) = item(&model.accessors, Some(output)) else { return };
         let cubic = sampler.interpolation == "CUBICSPLINE";
         if path == "rotation" && accessor.kind.is_some_and(|kind| kind.n_components() == 4) {
-            uses.demand(output, Demand::Quaternions { cubic }, self.pointer(Some("sampler".into())));
+            uses.demand(
+                output,
+                AccessorConstraint::Quaternions { cubic },
+                self.pointer(Some("sampler".into())),
+            );
         }
         let is_known = ["translation", "rotation", "scale", "weights"].contains(&path);
         if is_known && !accessor.format().is_some_and(|format| moves(path, format)) {
@@ -200,21 +224,21 @@ impl<'a> Lint<'a> {
     }
 }
 
-fn n_targets(model: &Model<'_>, node: &Node<'_>) -> Option<usize> {
+fn n_targets(model: &GltfModel<'_>, node: &GltfNode<'_>) -> Option<usize> {
     Some(item(&model.meshes, node.mesh)?.primitives.first()?.targets.as_ref()?.len())
 }
 
 /// Whether values of this format may move a property.
-fn moves(path: &str, format: Format) -> bool {
+fn moves(path: &str, format: AccessorFormat) -> bool {
     let kind = match path {
-        "rotation" => Kind::Vec4,
-        "weights" => Kind::Scalar,
-        _ => return format == Format::plain(Kind::Vec3, Component::F32),
+        "rotation" => AccessorType::Vec4,
+        "weights" => AccessorType::Scalar,
+        _ => return format == AccessorFormat::plain(AccessorType::Vec3, ComponentType::F32),
     };
     format.kind == kind
         && match format.component {
-            Component::F32 => !format.normalized,
-            Component::U32 => false,
+            ComponentType::F32 => !format.normalized,
+            ComponentType::U32 => false,
             _ => format.normalized,
         }
 }

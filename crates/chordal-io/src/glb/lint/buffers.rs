@@ -1,13 +1,13 @@
 //! Buffers and their views.
-use super::extensions::At;
-use super::{Lint, Whole, uri};
-use crate::glb::json::Json;
-use crate::glb::model::{Buffer, Model, View, item};
+use super::extensions::ExtensionHost;
+use super::{GltfLint, IntegerRule, uri};
+use crate::glb::json::JsonValue;
+use crate::glb::model::{GltfBuffer, GltfBufferView, GltfModel, item};
 use std::borrow::Cow;
 
 /// What a view is used for; a view has one use only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Use {
+pub(super) enum BufferViewUse {
     Vertices,
     Indices,
     Image,
@@ -17,7 +17,7 @@ pub(super) enum Use {
 
 /// What an accessor is used for; an accessor has one use only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Role {
+pub(super) enum AccessorUse {
     Attribute,
     Indices,
     Input,
@@ -27,7 +27,7 @@ pub(super) enum Role {
 
 /// What the values of an accessor have to be, because of a use.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Demand {
+pub(super) enum AccessorConstraint {
     UnitVectors,
     UnitVectorsWithSign,
     Clamped,
@@ -42,20 +42,20 @@ pub(super) enum Demand {
 }
 
 /// The uses of views and accessors so far.
-pub(super) struct Uses {
-    views: Vec<Option<Use>>,
-    accessors: Vec<Option<Role>>,
+pub(super) struct UseTable {
+    views: Vec<Option<BufferViewUse>>,
+    accessors: Vec<Option<AccessorUse>>,
     /// For a view without stride the vertex attribute that reads it.
     sole_reader: Vec<Option<usize>>,
     /// Demands on accessors, each with its pointer.
-    pub demands: Vec<(usize, Demand, String)>,
+    pub demands: Vec<(usize, AccessorConstraint, String)>,
 }
 
-impl Uses {
-    pub fn of(model: &Model<'_>) -> Self {
-        let by_target = |view: &Option<View>| match view.as_ref()?.target? {
-            34962 => Some(Use::Vertices),
-            _ => Some(Use::Indices),
+impl UseTable {
+    pub fn from_model(model: &GltfModel<'_>) -> Self {
+        let by_target = |view: &Option<GltfBufferView>| match view.as_ref()?.target? {
+            34962 => Some(BufferViewUse::Vertices),
+            _ => Some(BufferViewUse::Indices),
         };
         Self {
             views: model.views.iter().map(by_target).collect(),
@@ -66,15 +66,16 @@ impl Uses {
     }
 
     /// Notes a demand on an accessor, once.
-    pub fn demand(&mut self, accessor: usize, demand: Demand, pointer: String) {
+    pub fn demand(&mut self, accessor: usize, demand: AccessorConstraint, pointer: String) {
         self.demands.push((accessor, demand, pointer));
     }
 }
 
-impl<'a> Lint<'a> {
-    pub(super) fn buffer(&mut self, map: &'a Json) -> Buffer<'a> {
-        let byte_length =
-            self.whole(map, "byteLength", Whole { min: 1, required: true, ..Whole::default() }).value();
+impl<'a> GltfLint<'a> {
+    pub(super) fn buffer(&mut self, map: &'a JsonValue) -> GltfBuffer<'a> {
+        let byte_length = self
+            .integer(map, "byteLength", IntegerRule { min: 1, required: true, ..IntegerRule::default() })
+            .value();
         let uri = self.text(map, "uri", false);
         let mut data = None;
         match uri.and_then(uri::data_uri) {
@@ -88,32 +89,38 @@ impl<'a> Lint<'a> {
                     format!("data of type {} make no buffer", found.mime)
                 });
             }
-            Some(Err(what)) => self.at("INVALID_URI", "uri", what),
-            None if uri.is_some_and(uri::is_invalid) => self.at("INVALID_URI", "uri", "the URI is invalid"),
+            Some(Err(what)) => self.issue_below("INVALID_URI", "uri", what),
+            None if uri.is_some_and(uri::is_invalid) => {
+                self.issue_below("INVALID_URI", "uri", "the URI is invalid")
+            }
             None => {}
         }
         self.name(map);
-        self.extensions(map, At::Other);
+        self.extensions(map, ExtensionHost::Other);
         // A uri of another type than string still means that the BIN chunk is not meant.
         let uri = uri.or_else(|| map.get("uri").map(|_| ""));
-        Buffer { byte_length, uri, data }
+        GltfBuffer { byte_length, uri, data }
     }
 
     /// The first buffer of a GLB file is its BIN chunk, unless it has a URI.
-    pub(super) fn glb_buffer(&mut self, buffer: &mut Buffer<'a>, bin: Option<&'a [u8]>) {
+    pub(super) fn glb_buffer(&mut self, buffer: &mut GltfBuffer<'a>, bin: Option<&'a [u8]>) {
         if buffer.uri.is_some() || buffer.byte_length.is_none() {
             return;
         }
         match bin {
             Some(bin) => buffer.data = Some(Cow::Borrowed(bin)),
-            None => self.here("BUFFER_MISSING_GLB_DATA", "the buffer means a BIN chunk, and there is none"),
+            None => {
+                self.issue_here("BUFFER_MISSING_GLB_DATA", "the buffer means a BIN chunk, and there is none")
+            }
         }
     }
 
     /// Whether the bytes of buffers are as many as said.
-    pub(super) fn look_at_buffers(&mut self, model: &Model<'_>) {
+    pub(super) fn check_buffers(&mut self, model: &GltfModel<'_>) {
         for (i, buffer) in model.buffers.iter().enumerate() {
-            let Some(Buffer { byte_length: Some(length), data: Some(data), .. }) = buffer else { continue };
+            let Some(GltfBuffer { byte_length: Some(length), data: Some(data), .. }) = buffer else {
+                continue;
+            };
             if (data.len() as u64) < *length {
                 self.within("buffers", |lint| {
                     lint.within(i, |lint| {
@@ -126,35 +133,47 @@ impl<'a> Lint<'a> {
         }
     }
 
-    pub(super) fn view(&mut self, map: &'a Json) -> View {
-        let length =
-            self.whole(map, "byteLength", Whole { min: 1, required: true, ..Whole::default() }).value();
-        let stride =
-            self.whole(map, "byteStride", Whole { min: 4, max: Some(252), ..Whole::default() }).value();
-        let target = self.whole(map, "target", Whole { list: &[34962, 34963], ..Whole::default() }).value();
+    pub(super) fn view(&mut self, map: &'a JsonValue) -> GltfBufferView {
+        let length = self
+            .integer(map, "byteLength", IntegerRule { min: 1, required: true, ..IntegerRule::default() })
+            .value();
+        let stride = self
+            .integer(map, "byteStride", IntegerRule { min: 4, max: Some(252), ..IntegerRule::default() })
+            .value();
+        let target = self
+            .integer(map, "target", IntegerRule { list: &[34962, 34963], ..IntegerRule::default() })
+            .value();
         if let Some(stride) = stride {
             if length.is_some_and(|length| stride > length) {
-                self.at("BUFFER_VIEW_TOO_BIG_BYTE_STRIDE", "byteStride", "byteStride passes byteLength");
+                self.issue_below(
+                    "BUFFER_VIEW_TOO_BIG_BYTE_STRIDE",
+                    "byteStride",
+                    "byteStride passes byteLength",
+                );
             }
             if stride % 4 != 0 {
-                self.at("VALUE_MULTIPLE_OF", "byteStride", "byteStride is no multiple of 4");
+                self.issue_below("VALUE_MULTIPLE_OF", "byteStride", "byteStride is no multiple of 4");
             }
             if target == Some(34963) {
-                self.at("BUFFER_VIEW_INVALID_BYTE_STRIDE", "byteStride", "indices have no byteStride");
+                self.issue_below(
+                    "BUFFER_VIEW_INVALID_BYTE_STRIDE",
+                    "byteStride",
+                    "indices have no byteStride",
+                );
             }
         }
         let buffer = self.index(map, "buffer", true);
-        let offset = self.whole(map, "byteOffset", Whole::default()).or(0);
+        let offset = self.integer(map, "byteOffset", IntegerRule::default()).or(0);
         self.name(map);
-        self.extensions(map, At::Other);
+        self.extensions(map, ExtensionHost::Other);
         let extensions = map.get("extensions");
         let compressed = extensions.and_then(|all| all.get("EXT_meshopt_compression")).is_some();
-        View { buffer, offset, length, stride, target, compressed }
+        GltfBufferView { buffer, offset, length, stride, target, compressed }
     }
 
-    pub(super) fn link_views(&mut self, model: &Model<'_>) {
+    pub(super) fn link_views(&mut self, model: &GltfModel<'_>) {
         for (i, view) in model.views.iter().enumerate() {
-            let Some(View { buffer: Some(index), offset, length, .. }) = view else { continue };
+            let Some(GltfBufferView { buffer: Some(index), offset, length, .. }) = view else { continue };
             self.within("bufferViews", |lint| {
                 lint.within(i, |lint| {
                     if !lint.resolved("buffers", *index, "buffer".into()) {
@@ -177,7 +196,13 @@ impl<'a> Lint<'a> {
     }
 
     /// Notes that a view is used, and complains when it was used for something else.
-    pub(super) fn use_view(&mut self, uses: &mut Uses, view: Option<usize>, kind: Use, below: &'a str) {
+    pub(super) fn use_view(
+        &mut self,
+        uses: &mut UseTable,
+        view: Option<usize>,
+        kind: BufferViewUse,
+        below: &'a str,
+    ) {
         let Some(slot) = view.and_then(|v| uses.views.get_mut(v)) else { return };
         let known = *slot.get_or_insert(kind);
         if known != kind {
@@ -188,7 +213,13 @@ impl<'a> Lint<'a> {
     }
 
     /// Notes that an accessor is used, and complains when it was used for something else.
-    pub(super) fn use_accessor(&mut self, uses: &mut Uses, accessor: usize, role: Role, below: &'a str) {
+    pub(super) fn use_accessor(
+        &mut self,
+        uses: &mut UseTable,
+        accessor: usize,
+        role: AccessorUse,
+        below: &'a str,
+    ) {
         let Some(slot) = uses.accessors.get_mut(accessor) else { return };
         let known = *slot.get_or_insert(role);
         if known != role {
@@ -199,10 +230,16 @@ impl<'a> Lint<'a> {
     }
 
     /// Two accessors may read vertices from one view only when it says how far apart they are.
-    pub(super) fn read_vertices(&mut self, uses: &mut Uses, view: usize, accessor: usize, below: &'a str) {
+    pub(super) fn read_vertices(
+        &mut self,
+        uses: &mut UseTable,
+        view: usize,
+        accessor: usize,
+        below: &'a str,
+    ) {
         let Some(slot) = uses.sole_reader.get_mut(view) else { return };
         if *slot.get_or_insert(accessor) != accessor {
-            self.at(
+            self.issue_below(
                 "MESH_PRIMITIVE_ACCESSOR_WITHOUT_BYTESTRIDE",
                 below,
                 "the view is read twice without byteStride",

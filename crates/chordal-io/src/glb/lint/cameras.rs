@@ -1,12 +1,12 @@
 //! Cameras and texture samplers: objects that no other rule needs.
-use super::extensions::At;
-use super::{Lint, Real, Whole};
-use crate::glb::json::Json;
+use super::extensions::ExtensionHost;
+use super::{GltfLint, IntegerRule, NumberRule};
+use crate::glb::json::JsonValue;
 
-impl<'a> Lint<'a> {
-    pub(super) fn camera(&mut self, camera: &'a Json) {
+impl<'a> GltfLint<'a> {
+    pub(super) fn camera(&mut self, camera: &'a JsonValue) {
         if camera.get("orthographic").is_some() && camera.get("perspective").is_some() {
-            self.here("ONE_OF_MISMATCH", "a camera is either orthographic or perspective");
+            self.issue_here("ONE_OF_MISMATCH", "a camera is either orthographic or perspective");
         }
         match self.text(camera, "type", true) {
             Some("orthographic") => {
@@ -22,28 +22,28 @@ impl<'a> Lint<'a> {
             _ => {}
         }
         self.name(camera);
-        self.extensions(camera, At::Other);
+        self.extensions(camera, ExtensionHost::Other);
     }
 
-    fn orthographic(&mut self, map: &'a Json) {
+    fn orthographic(&mut self, map: &'a JsonValue) {
         for key in ["xmag", "ymag"] {
-            if self.real(map, key, Real::ANY.required()).value() == Some(0.0) {
-                self.at("CAMERA_XMAG_YMAG_ZERO", key, "a magnification of zero");
+            if self.number(map, key, NumberRule::ANY.required()).value() == Some(0.0) {
+                self.issue_below("CAMERA_XMAG_YMAG_ZERO", key, "a magnification of zero");
             }
         }
-        let far = self.real(map, "zfar", Real::ABOVE_0.required()).value();
-        let near = self.real(map, "znear", Real::AT_LEAST_0.required()).value();
+        let far = self.number(map, "zfar", NumberRule::ABOVE_0.required()).value();
+        let near = self.number(map, "znear", NumberRule::AT_LEAST_0.required()).value();
         self.depth(near, far);
-        self.extensions(map, At::Other);
+        self.extensions(map, ExtensionHost::Other);
     }
 
-    fn perspective(&mut self, map: &'a Json) {
-        self.real(map, "yfov", Real::ABOVE_0.required());
-        let far = self.real(map, "zfar", Real::ABOVE_0).value();
-        let near = self.real(map, "znear", Real::ABOVE_0.required()).value();
+    fn perspective(&mut self, map: &'a JsonValue) {
+        self.number(map, "yfov", NumberRule::ABOVE_0.required());
+        let far = self.number(map, "zfar", NumberRule::ABOVE_0).value();
+        let near = self.number(map, "znear", NumberRule::ABOVE_0.required()).value();
         self.depth(near, far);
-        self.real(map, "aspectRatio", Real::ABOVE_0);
-        self.extensions(map, At::Other);
+        self.number(map, "aspectRatio", NumberRule::ABOVE_0);
+        self.extensions(map, ExtensionHost::Other);
     }
 
     fn depth(&mut self, near: Option<f64>, far: Option<f64>) {
@@ -54,13 +54,13 @@ impl<'a> Lint<'a> {
         }
     }
 
-    pub(super) fn sampler(&mut self, sampler: &'a Json) {
+    pub(super) fn sampler(&mut self, sampler: &'a JsonValue) {
         // Values outside the lists are no errors for the validator, wrong types are.
-        const NAMED: Whole = Whole { min: 0, max: None, list: &[0], required: false };
+        const NAMED: IntegerRule = IntegerRule { min: 0, max: None, list: &[0], required: false };
         for key in ["magFilter", "minFilter", "wrapS", "wrapT"] {
-            self.whole(sampler, key, NAMED);
+            self.integer(sampler, key, NAMED);
         }
         self.name(sampler);
-        self.extensions(sampler, At::Other);
+        self.extensions(sampler, ExtensionHost::Other);
     }
 }

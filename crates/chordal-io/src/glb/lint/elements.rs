@@ -1,10 +1,10 @@
 //! What accessors hold: bounds, unit vectors, indices, times.
-use super::Lint;
-use super::buffers::{Demand, Uses};
-use super::nodes::{is_unit, single};
-use crate::glb::format::Component;
-use crate::glb::model::{Accessor, Model, Primitive, item};
-use crate::glb::rows::Rows;
+use super::GltfLint;
+use super::buffers::{AccessorConstraint, UseTable};
+use super::nodes::{is_unit, to_single};
+use crate::glb::accessor_rows::AccessorRows;
+use crate::glb::format::ComponentType;
+use crate::glb::model::{GltfAccessor, GltfModel, GltfPrimitive, item};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How far from one the length of a vector may be: the validator's figure, for vectors of bytes.
@@ -14,10 +14,10 @@ const UNIT_QUATERNION: f64 = 0.00769;
 /// How far from one the sum of weights may be, for each of them: the validator's figure.
 const WEIGHT_STEP: f64 = 2e-7;
 
-impl<'a> Lint<'a> {
+impl<'a> GltfLint<'a> {
     /// Decodes each accessor once and holds it against what was said of it.
-    pub(super) fn look_at_elements(&mut self, model: &Model<'a>, uses: &Uses) {
-        let mut demands: Vec<&(usize, Demand, String)> = uses.demands.iter().collect();
+    pub(super) fn check_elements(&mut self, model: &GltfModel<'a>, uses: &UseTable) {
+        let mut demands: Vec<&(usize, AccessorConstraint, String)> = uses.demands.iter().collect();
         demands.sort_by_key(|(accessor, ..)| *accessor);
         for (i, accessor) in model.accessors.iter().enumerate() {
             let Some(accessor) = accessor else { continue };
@@ -28,26 +28,26 @@ impl<'a> Lint<'a> {
                 continue;
             }
             let asks = accessor.min.is_some() || accessor.max.is_some() || !own.is_empty();
-            if !asks && accessor.component != Some(Component::F32) && accessor.sparse.is_none() {
+            if !asks && accessor.component != Some(ComponentType::F32) && accessor.sparse.is_none() {
                 continue;
             }
-            let Ok(rows) = Rows::of(model, i) else { continue };
+            let Ok(rows) = AccessorRows::new(model, i) else { continue };
             let mut is_seen = false;
-            self.below(&["accessors".into(), i.into()], |lint| {
-                is_seen = lint.works(rows.n_bytes());
+            self.within_path(&["accessors".into(), i.into()], |lint| {
+                is_seen = lint.charge(rows.n_bytes());
                 if !is_seen {
                     return;
                 }
-                lint.look_at_sparse(&rows);
-                lint.look_at_numbers(accessor, &rows);
+                lint.check_sparse_rows(&rows);
+                lint.check_numbers(accessor, &rows);
             });
             if is_seen {
-                self.look_at_demands(own, &rows);
+                self.check_constraints(own, &rows);
             }
         }
     }
 
-    fn look_at_sparse(&mut self, rows: &Rows<'_>) {
+    fn check_sparse_rows(&mut self, rows: &AccessorRows<'_>) {
         let mut last = None;
         for (i, index) in rows.sparse_indices().enumerate() {
             if last.is_some_and(|last| index <= last) {
@@ -62,7 +62,7 @@ impl<'a> Lint<'a> {
         }
     }
 
-    fn look_at_numbers(&mut self, accessor: &Accessor, rows: &Rows<'_>) {
+    fn check_numbers(&mut self, accessor: &GltfAccessor, rows: &AccessorRows<'_>) {
         let n = rows.format.kind.n_components();
         let mut least = vec![f64::INFINITY; n];
         let mut greatest = vec![f64::NEG_INFINITY; n];
@@ -94,74 +94,78 @@ impl<'a> Lint<'a> {
         }
     }
 
-    fn look_at_demands(&mut self, demands: &[&(usize, Demand, String)], rows: &Rows<'_>) {
-        let mut seen: Vec<&Demand> = Vec::new();
+    fn check_constraints(
+        &mut self,
+        demands: &[&(usize, AccessorConstraint, String)],
+        rows: &AccessorRows<'_>,
+    ) {
+        let mut seen: Vec<&AccessorConstraint> = Vec::new();
         // Of many limits on indices the lowest decides.
         let lowest = demands
             .iter()
             .filter_map(|(_, demand, pointer)| match demand {
-                Demand::IndicesBelow(limit) => Some((*limit, pointer)),
+                AccessorConstraint::IndicesBelow(limit) => Some((*limit, pointer)),
                 _ => None,
             })
             .min_by_key(|(limit, _)| *limit);
         if let Some((limit, pointer)) = lowest {
-            self.look_at_indices(rows, limit, pointer);
+            self.check_indices(rows, limit, pointer);
         }
         for (_, demand, pointer) in demands {
-            if matches!(demand, Demand::IndicesBelow(_)) || seen.contains(&demand) {
+            if matches!(demand, AccessorConstraint::IndicesBelow(_)) || seen.contains(&demand) {
                 continue;
             }
             seen.push(demand);
             let mut meaning = [0.0; 16];
             rows.each(|i, row| {
-                meaning.iter_mut().zip(row).for_each(|(x, raw)| *x = rows.meaning(*raw));
-                self.look_at_row(demand, (i, &meaning[..row.len()]), pointer);
+                meaning.iter_mut().zip(row).for_each(|(x, raw)| *x = rows.decode(*raw));
+                self.check_row(demand, (i, &meaning[..row.len()]), pointer);
             });
-            if *demand == Demand::Times {
-                self.look_at_times(rows, pointer);
+            if *demand == AccessorConstraint::Times {
+                self.check_times(rows, pointer);
             }
         }
     }
 
-    fn look_at_row(&mut self, demand: &Demand, (i, row): (u64, &[f64]), pointer: &str) {
+    fn check_row(&mut self, demand: &AccessorConstraint, (i, row): (u64, &[f64]), pointer: &str) {
         match demand {
-            Demand::UnitVectors | Demand::UnitVectorsWithSign => {
+            AccessorConstraint::UnitVectors | AccessorConstraint::UnitVectorsWithSign => {
                 let (vector, sign) = row.split_at(row.len().min(3));
                 if !is_unit(vector, UNIT_VECTOR) {
                     self.issue_at("ACCESSOR_VECTOR3_NON_UNIT", pointer, || {
                         format!("row {i} is not of unit length")
                     });
                 }
-                if *demand == Demand::UnitVectorsWithSign && sign.iter().any(|w| w.abs() != 1.0) {
+                if *demand == AccessorConstraint::UnitVectorsWithSign && sign.iter().any(|w| w.abs() != 1.0) {
                     self.issue_at("ACCESSOR_INVALID_SIGN", pointer, || {
                         format!("the sign of row {i} is not 1 or -1")
                     });
                 }
             }
-            Demand::Clamped => {
+            AccessorConstraint::Clamped => {
                 if row.iter().any(|x| *x < 0.0 || *x > 1.0) {
                     self.issue_at("ACCESSOR_NON_CLAMPED", pointer, || format!("row {i} is outside 0 to 1"));
                 }
             }
-            Demand::Quaternions { cubic } => {
+            AccessorConstraint::Quaternions { cubic } => {
                 // Of a cubic spline only the second of three rows is a value.
                 if (!cubic || i % 3 == 1) && !is_unit(row, UNIT_QUATERNION) {
                     let code = "ACCESSOR_ANIMATION_SAMPLER_OUTPUT_NON_NORMALIZED_QUATERNION";
                     self.issue_at(code, pointer, || format!("row {i} is no unit quaternion"));
                 }
             }
-            Demand::BindMatrices => {
+            AccessorConstraint::BindMatrices => {
                 if [row[3], row[7], row[11], row[15]] != [0.0, 0.0, 0.0, 1.0] {
                     self.issue_at("ACCESSOR_INVALID_IBM", pointer, || {
                         format!("matrix {i} has a perspective row")
                     });
                 }
             }
-            Demand::IndicesBelow(_) | Demand::Times => {}
+            AccessorConstraint::IndicesBelow(_) | AccessorConstraint::Times => {}
         }
     }
 
-    fn look_at_times(&mut self, rows: &Rows<'_>, pointer: &str) {
+    fn check_times(&mut self, rows: &AccessorRows<'_>, pointer: &str) {
         let mut last = 0.0;
         rows.each(|i, row| {
             if row[0] < 0.0 {
@@ -178,7 +182,7 @@ impl<'a> Lint<'a> {
         });
     }
 
-    fn look_at_indices(&mut self, rows: &Rows<'_>, limit: u64, pointer: &str) {
+    fn check_indices(&mut self, rows: &AccessorRows<'_>, limit: u64, pointer: &str) {
         let restart = rows.format.component.range().1;
         let highest = limit as f64;
         rows.each(|i, row| {
@@ -196,7 +200,7 @@ impl<'a> Lint<'a> {
     }
 
     /// Joints and weights of skinned meshes.
-    pub(super) fn look_at_influences(&mut self, model: &Model<'a>) {
+    pub(super) fn check_influences(&mut self, model: &GltfModel<'a>) {
         let mut n_joints = vec![None::<u64>; model.meshes.len()];
         let mut seen = BTreeSet::new();
         for node in model.nodes.iter().flatten() {
@@ -219,18 +223,18 @@ impl<'a> Lint<'a> {
                     continue;
                 }
                 let path = ["meshes".into(), m.into(), "primitives".into(), p.into(), "attributes".into()];
-                self.below(&path, |lint| lint.look_at_joints((model, primitive), limit));
+                self.within_path(&path, |lint| lint.check_joints((model, primitive), limit));
             }
         }
     }
 
-    fn look_at_joints(&mut self, (model, primitive): (&Model<'a>, &Primitive<'a>), limit: u64) {
+    fn check_joints(&mut self, (model, primitive): (&GltfModel<'a>, &GltfPrimitive<'a>), limit: u64) {
         let named: BTreeMap<&str, Option<usize>> = primitive.attributes.iter().copied().collect();
         let count = primitive.attributes.iter().find_map(|(_, a)| item(&model.accessors, *a));
         let count = count.and_then(|accessor| accessor.count);
         let mut sets = Vec::new();
         for set in 0..primitive.n_joints {
-            let rows = |name: String| Rows::of(model, named.get(&*name).copied().flatten()?).ok();
+            let rows = |name: String| AccessorRows::new(model, named.get(&*name).copied().flatten()?).ok();
             let (Some(joints), Some(weights)) =
                 (rows(format!("JOINTS_{set}")), rows(format!("WEIGHTS_{set}")))
             else {
@@ -247,15 +251,15 @@ impl<'a> Lint<'a> {
         }
         let Some(count) = count.filter(|_| !sets.is_empty()) else { return };
         let n_bytes = sets.iter().map(|(joints, weights)| joints.n_bytes().saturating_add(weights.n_bytes()));
-        if !self.works(n_bytes.fold(0, u64::saturating_add)) {
+        if !self.charge(n_bytes.fold(0, u64::saturating_add)) {
             return;
         }
         for vertex in 0..count {
-            self.look_at_vertex(&sets, vertex, limit);
+            self.check_vertex(&sets, vertex, limit);
         }
     }
 
-    fn look_at_vertex(&mut self, sets: &[(Rows<'_>, Rows<'_>)], vertex: u64, limit: u64) {
+    fn check_vertex(&mut self, sets: &[(AccessorRows<'_>, AccessorRows<'_>)], vertex: u64, limit: u64) {
         let mut used = Vec::with_capacity(4 * sets.len());
         let (mut sum, mut tolerance) = (0.0, 0.0);
         for k in 0..4 {
@@ -263,7 +267,7 @@ impl<'a> Lint<'a> {
                 let (joint, weight) = (joints.number(vertex, k), weights.normalized(vertex, k));
                 if joint >= limit as f64 {
                     let what = format!("vertex {vertex} names joint {joint} of {limit}");
-                    self.at_set("ACCESSOR_JOINTS_INDEX_OOB", ("JOINTS", set), what);
+                    self.issue_at_set("ACCESSOR_JOINTS_INDEX_OOB", ("JOINTS", set), what);
                     continue;
                 }
                 if weight == 0.0 {
@@ -272,26 +276,26 @@ impl<'a> Lint<'a> {
                 let is_new = !used.contains(&joint);
                 if !is_new {
                     let what = format!("vertex {vertex} names joint {joint} twice");
-                    self.at_set("ACCESSOR_JOINTS_INDEX_DUPLICATE", ("JOINTS", set), what);
+                    self.issue_at_set("ACCESSOR_JOINTS_INDEX_DUPLICATE", ("JOINTS", set), what);
                 }
                 used.push(joint);
                 if weight < 0.0 {
                     let what = format!("vertex {vertex} has weight {weight}");
-                    self.at_set("ACCESSOR_WEIGHTS_NEGATIVE", ("WEIGHTS", set), what);
+                    self.issue_at_set("ACCESSOR_WEIGHTS_NEGATIVE", ("WEIGHTS", set), what);
                 } else if is_new {
-                    sum = single(sum + weight);
+                    sum = to_single(sum + weight);
                     tolerance += WEIGHT_STEP;
                 }
             }
         }
         if (sum - 1.0).abs() > tolerance {
             let what = format!("vertex {vertex} has weights of sum {sum}");
-            self.at_set("ACCESSOR_WEIGHTS_NON_NORMALIZED", ("WEIGHTS", 0), what);
+            self.issue_at_set("ACCESSOR_WEIGHTS_NON_NORMALIZED", ("WEIGHTS", 0), what);
         }
     }
 
     /// Notes an issue with a set of joints or weights.
-    fn at_set(&mut self, code: &'static str, (family, set): (&str, usize), what: String) {
+    fn issue_at_set(&mut self, code: &'static str, (family, set): (&str, usize), what: String) {
         self.issue(code, Some(format!("{family}_{set}").as_str().into()), || what);
     }
 }

@@ -1,11 +1,11 @@
 //! Extensions that the validator knows, and where they may stand.
-use super::{Lint, Real, Step, Whole};
-use crate::glb::json::Json;
+use super::{GltfLint, IntegerRule, NumberRule, PointerToken};
+use crate::glb::json::JsonValue;
 use std::collections::BTreeSet;
 
 /// An object that may carry extensions.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum At {
+pub(super) enum ExtensionHost {
     Root,
     Node,
     Material,
@@ -18,31 +18,31 @@ pub(super) enum At {
 }
 
 /// The extensions that the validator knows, and their places.
-const KNOWN: [(&str, &[At]); 18] = [
-    ("EXT_texture_webp", &[At::Texture]),
-    ("KHR_animation_pointer", &[At::ChannelTarget]),
-    ("KHR_lights_punctual", &[At::Root, At::Node]),
-    ("KHR_materials_anisotropy", &[At::Material]),
-    ("KHR_materials_clearcoat", &[At::Material]),
-    ("KHR_materials_dispersion", &[At::Material]),
-    ("KHR_materials_emissive_strength", &[At::Material]),
-    ("KHR_materials_ior", &[At::Material]),
-    ("KHR_materials_iridescence", &[At::Material]),
-    ("KHR_materials_pbrSpecularGlossiness", &[At::Material]),
-    ("KHR_materials_sheen", &[At::Material]),
-    ("KHR_materials_specular", &[At::Material]),
-    ("KHR_materials_transmission", &[At::Material]),
-    ("KHR_materials_unlit", &[At::Material]),
-    ("KHR_materials_variants", &[At::Root, At::Primitive]),
-    ("KHR_materials_volume", &[At::Material]),
+const KNOWN: [(&str, &[ExtensionHost]); 18] = [
+    ("EXT_texture_webp", &[ExtensionHost::Texture]),
+    ("KHR_animation_pointer", &[ExtensionHost::ChannelTarget]),
+    ("KHR_lights_punctual", &[ExtensionHost::Root, ExtensionHost::Node]),
+    ("KHR_materials_anisotropy", &[ExtensionHost::Material]),
+    ("KHR_materials_clearcoat", &[ExtensionHost::Material]),
+    ("KHR_materials_dispersion", &[ExtensionHost::Material]),
+    ("KHR_materials_emissive_strength", &[ExtensionHost::Material]),
+    ("KHR_materials_ior", &[ExtensionHost::Material]),
+    ("KHR_materials_iridescence", &[ExtensionHost::Material]),
+    ("KHR_materials_pbrSpecularGlossiness", &[ExtensionHost::Material]),
+    ("KHR_materials_sheen", &[ExtensionHost::Material]),
+    ("KHR_materials_specular", &[ExtensionHost::Material]),
+    ("KHR_materials_transmission", &[ExtensionHost::Material]),
+    ("KHR_materials_unlit", &[ExtensionHost::Material]),
+    ("KHR_materials_variants", &[ExtensionHost::Root, ExtensionHost::Primitive]),
+    ("KHR_materials_volume", &[ExtensionHost::Material]),
     (QUANTIZATION, &[]),
-    ("KHR_texture_transform", &[At::TextureInfo]),
+    ("KHR_texture_transform", &[ExtensionHost::TextureInfo]),
 ];
 
 /// The only known extension that changes what a file without it means, so that it cannot be optional.
 pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
 
-impl<'a> Lint<'a> {
+impl<'a> GltfLint<'a> {
     /// Notes the extensions that a document names.
     pub(super) fn declare(&mut self, used: &[&'a str], required: &[&'a str]) {
         self.declared = used.iter().copied().collect();
@@ -51,7 +51,7 @@ impl<'a> Lint<'a> {
             && !needed.contains(QUANTIZATION)
         {
             self.within("extensionsUsed", |lint| {
-                lint.at("NON_REQUIRED_EXTENSION", i, "KHR_mesh_quantization cannot be optional");
+                lint.issue_below("NON_REQUIRED_EXTENSION", i, "KHR_mesh_quantization cannot be optional");
             });
         }
         for (i, name) in required.iter().enumerate() {
@@ -72,23 +72,35 @@ impl<'a> Lint<'a> {
     }
 
     /// The extensions of an object that are known and may stand there. Extras may be anything.
-    pub(super) fn extensions(&mut self, map: &'a Json, at: At) -> Vec<(&'static str, &'a Json)> {
+    pub(super) fn extensions(
+        &mut self,
+        map: &'a JsonValue,
+        at: ExtensionHost,
+    ) -> Vec<(&'static str, &'a JsonValue)> {
         let mut out = Vec::new();
         let Some(all) = self.object(map, "extensions", false) else { return out };
         self.within("extensions", |lint| {
             for (name, value) in all.entries() {
-                let value = matches!(value, Json::Object(_)).then_some(value);
+                let value = matches!(value, JsonValue::Object(_)).then_some(value);
                 if value.is_none() {
                     lint.mismatch(name, "object");
                 }
                 let known = KNOWN.iter().find(|(known, _)| **known == **name);
                 match known.filter(|_| lint.declares(name)) {
                     None if !lint.declares(name) => {
-                        lint.at("UNDECLARED_EXTENSION", &**name, "the extension is not in extensionsUsed");
+                        lint.issue_below(
+                            "UNDECLARED_EXTENSION",
+                            &**name,
+                            "the extension is not in extensionsUsed",
+                        );
                     }
                     None => {}
                     Some((_, places)) if !places.contains(&at) => {
-                        lint.at("UNEXPECTED_EXTENSION_OBJECT", &**name, "the extension has no place here");
+                        lint.issue_below(
+                            "UNEXPECTED_EXTENSION_OBJECT",
+                            &**name,
+                            "the extension has no place here",
+                        );
                     }
                     Some((known, _)) => out.extend(value.map(|value| (*known, value))),
                 }
@@ -100,13 +112,13 @@ impl<'a> Lint<'a> {
     /// Looks into extensions, each with its own pointer.
     pub(super) fn each_extension(
         &mut self,
-        found: Vec<(&'static str, &'a Json)>,
-        mut look: impl FnMut(&mut Self, &'static str, &'a Json),
+        found: Vec<(&'static str, &'a JsonValue)>,
+        mut look: impl FnMut(&mut Self, &'static str, &'a JsonValue),
     ) {
         self.within("extensions", |lint| {
             for (name, value) in found {
                 lint.within(name, |lint| {
-                    lint.extensions(value, At::Other);
+                    lint.extensions(value, ExtensionHost::Other);
                     look(lint, name, value);
                 });
             }
@@ -114,42 +126,48 @@ impl<'a> Lint<'a> {
     }
 
     /// Lights and variants, which stand at the root.
-    pub(super) fn root_extensions(&mut self, root: &'a Json) {
-        let found = self.extensions(root, At::Root);
+    pub(super) fn root_extensions(&mut self, root: &'a JsonValue) {
+        let found = self.extensions(root, ExtensionHost::Root);
         self.each_extension(found, |lint, name, value| match name {
             "KHR_lights_punctual" => lint.items_of(value, "lights", Self::light),
             _ => lint.items_of(value, "variants", |lint, variant| {
                 lint.text(variant, "name", true);
-                lint.extensions(variant, At::Other);
+                lint.extensions(variant, ExtensionHost::Other);
             }),
         });
     }
 
-    pub(super) fn items_of(&mut self, map: &'a Json, key: &'a str, look: impl Fn(&mut Self, &'a Json)) {
+    pub(super) fn items_of(
+        &mut self,
+        map: &'a JsonValue,
+        key: &'a str,
+        look: impl Fn(&mut Self, &'a JsonValue),
+    ) {
         for (i, item) in self.objects(map, key).unwrap_or_default().iter().enumerate() {
             self.within(key, |lint| lint.within(i, |lint| look(lint, item)));
         }
     }
 
-    fn light(&mut self, light: &'a Json) {
-        self.reals(light, "color", 3, (0.0, 1.0));
-        self.real(light, "intensity", Real::AT_LEAST_0);
-        self.real(light, "range", Real::ABOVE_0);
+    fn light(&mut self, light: &'a JsonValue) {
+        self.numbers(light, "color", 3, (0.0, 1.0));
+        self.number(light, "intensity", NumberRule::AT_LEAST_0);
+        self.number(light, "range", NumberRule::ABOVE_0);
         self.name(light);
         if self.text(light, "type", true) == Some("spot")
             && let Some(spot) = self.object(light, "spot", true)
         {
             self.within("spot", |lint| lint.spot(spot));
         }
-        self.extensions(light, At::Other);
+        self.extensions(light, ExtensionHost::Other);
     }
 
-    fn spot(&mut self, spot: &'a Json) {
+    fn spot(&mut self, spot: &'a JsonValue) {
         use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
         // The inner angle stays below the right angle by the step that separates two numbers there.
-        let inner = Real { min: 0.0, max: FRAC_PI_2.next_down(), ..Real::ANY };
-        let inner = self.real(spot, "innerConeAngle", inner).or(0.0);
-        let outer = self.real(spot, "outerConeAngle", Real { above: 0.0, max: FRAC_PI_2, ..Real::ANY });
+        let inner = NumberRule { min: 0.0, max: FRAC_PI_2.next_down(), ..NumberRule::ANY };
+        let inner = self.number(spot, "innerConeAngle", inner).or(0.0);
+        let outer =
+            self.number(spot, "outerConeAngle", NumberRule { above: 0.0, max: FRAC_PI_2, ..NumberRule::ANY });
         if let (Some(inner), Some(outer)) = (inner, outer.or(FRAC_PI_4))
             && outer <= inner
         {
@@ -158,11 +176,16 @@ impl<'a> Lint<'a> {
                 format!("{outer} is not above {inner}")
             });
         }
-        self.extensions(spot, At::Other);
+        self.extensions(spot, ExtensionHost::Other);
     }
 
     /// An index into a list of a root extension.
-    pub(super) fn extension_reference(&mut self, path: [&'a str; 2], index: Option<usize>, below: Step<'a>) {
+    pub(super) fn extension_reference(
+        &mut self,
+        path: [&'a str; 2],
+        index: Option<usize>,
+        below: PointerToken<'a>,
+    ) {
         let [name, list] = path;
         let extension = self.root_extensions.and_then(|all| all.get(name)).filter(|_| self.declares(name));
         let Some(extension) = extension else {
@@ -170,42 +193,42 @@ impl<'a> Lint<'a> {
             return;
         };
         let Some(index) = index else { return };
-        let items = extension.get(list).and_then(Json::items);
-        if !matches!(items.and_then(|items| items.get(index)), Some(Json::Object(_))) {
+        let items = extension.get(list).and_then(JsonValue::items);
+        if !matches!(items.and_then(|items| items.get(index)), Some(JsonValue::Object(_))) {
             self.issue("UNRESOLVED_REFERENCE", Some(below), || format!("{list} has no object {index}"));
         }
     }
 
     /// The numbers and colours of a material extension. Textures are looked at by the caller.
-    pub(super) fn material_extension(&mut self, name: &str, map: &'a Json) {
-        let above_1 = Real { min: 1.0, ..Real::ANY };
-        let reals: &[(&str, Real)] = match name {
+    pub(super) fn material_extension(&mut self, name: &str, map: &'a JsonValue) {
+        let above_1 = NumberRule { min: 1.0, ..NumberRule::ANY };
+        let reals: &[(&str, NumberRule)] = match name {
             "KHR_materials_anisotropy" => {
-                &[("anisotropyStrength", Real::UNIT), ("anisotropyRotation", Real::ANY)]
+                &[("anisotropyStrength", NumberRule::UNIT), ("anisotropyRotation", NumberRule::ANY)]
             }
             "KHR_materials_clearcoat" => {
-                &[("clearcoatFactor", Real::UNIT), ("clearcoatRoughnessFactor", Real::UNIT)]
+                &[("clearcoatFactor", NumberRule::UNIT), ("clearcoatRoughnessFactor", NumberRule::UNIT)]
             }
-            "KHR_materials_dispersion" => &[("dispersion", Real::AT_LEAST_0)],
-            "KHR_materials_emissive_strength" => &[("emissiveStrength", Real::AT_LEAST_0)],
-            "KHR_materials_ior" => &[("ior", Real { except: Some(0.0), ..above_1 })],
+            "KHR_materials_dispersion" => &[("dispersion", NumberRule::AT_LEAST_0)],
+            "KHR_materials_emissive_strength" => &[("emissiveStrength", NumberRule::AT_LEAST_0)],
+            "KHR_materials_ior" => &[("ior", NumberRule { except: Some(0.0), ..above_1 })],
             "KHR_materials_iridescence" => &[
-                ("iridescenceFactor", Real::UNIT),
+                ("iridescenceFactor", NumberRule::UNIT),
                 ("iridescenceIor", above_1),
-                ("iridescenceThicknessMinimum", Real::AT_LEAST_0),
-                ("iridescenceThicknessMaximum", Real::AT_LEAST_0),
+                ("iridescenceThicknessMinimum", NumberRule::AT_LEAST_0),
+                ("iridescenceThicknessMaximum", NumberRule::AT_LEAST_0),
             ],
-            "KHR_materials_pbrSpecularGlossiness" => &[("glossinessFactor", Real::UNIT)],
-            "KHR_materials_sheen" => &[("sheenRoughnessFactor", Real::UNIT)],
-            "KHR_materials_specular" => &[("specularFactor", Real::UNIT)],
-            "KHR_materials_transmission" => &[("transmissionFactor", Real::UNIT)],
+            "KHR_materials_pbrSpecularGlossiness" => &[("glossinessFactor", NumberRule::UNIT)],
+            "KHR_materials_sheen" => &[("sheenRoughnessFactor", NumberRule::UNIT)],
+            "KHR_materials_specular" => &[("specularFactor", NumberRule::UNIT)],
+            "KHR_materials_transmission" => &[("transmissionFactor", NumberRule::UNIT)],
             "KHR_materials_volume" => {
-                &[("attenuationDistance", Real::ABOVE_0), ("thicknessFactor", Real::AT_LEAST_0)]
+                &[("attenuationDistance", NumberRule::ABOVE_0), ("thicknessFactor", NumberRule::AT_LEAST_0)]
             }
             _ => &[],
         };
         for (key, rule) in reals {
-            self.real(map, key, *rule);
+            self.number(map, key, *rule);
         }
         let colours: &[(&str, usize, f64)] = match name {
             "KHR_materials_pbrSpecularGlossiness" => &[("diffuseFactor", 4, 1.0), ("specularFactor", 3, 1.0)],
@@ -215,16 +238,16 @@ impl<'a> Lint<'a> {
             _ => &[],
         };
         for (key, length, max) in colours {
-            self.reals(map, key, *length, (0.0, *max));
+            self.numbers(map, key, *length, (0.0, *max));
         }
     }
 
     /// Another coordinate set by `KHR_texture_transform`.
-    pub(super) fn texture_transform(&mut self, map: &'a Json) -> Option<u64> {
-        self.any_reals::<2>(map, "offset");
-        self.real(map, "rotation", Real::ANY);
-        self.any_reals::<2>(map, "scale");
-        self.whole(map, "texCoord", Whole::default()).value()
+    pub(super) fn texture_transform(&mut self, map: &'a JsonValue) -> Option<u64> {
+        self.any_numbers::<2>(map, "offset");
+        self.number(map, "rotation", NumberRule::ANY);
+        self.any_numbers::<2>(map, "scale");
+        self.integer(map, "texCoord", IntegerRule::default()).value()
     }
 }
 

@@ -1,31 +1,31 @@
 //! Materials and textures.
-use super::extensions::{At, textures_of};
-use super::{Lint, Real, Step, Whole};
-use crate::glb::json::Json;
-use crate::glb::model::{Image, Material, Model, Texture, item};
+use super::extensions::{ExtensionHost, textures_of};
+use super::{GltfLint, IntegerRule, NumberRule, PointerToken};
+use crate::glb::json::JsonValue;
+use crate::glb::model::{GltfImage, GltfMaterial, GltfModel, GltfTexture, item};
 
-impl<'a> Lint<'a> {
-    pub(super) fn material(&mut self, map: &'a Json) -> Material {
-        let mut material = Material::default();
+impl<'a> GltfLint<'a> {
+    pub(super) fn material(&mut self, map: &'a JsonValue) -> GltfMaterial {
+        let mut material = GltfMaterial::default();
         if let Some(pbr) = self.object(map, "pbrMetallicRoughness", false) {
             self.within("pbrMetallicRoughness", |lint| {
-                lint.reals(pbr, "baseColorFactor", 4, (0.0, 1.0));
+                lint.numbers(pbr, "baseColorFactor", 4, (0.0, 1.0));
                 lint.texture_info(pbr, "baseColorTexture", &mut material);
-                lint.real(pbr, "metallicFactor", Real::UNIT);
-                lint.real(pbr, "roughnessFactor", Real::UNIT);
+                lint.number(pbr, "metallicFactor", NumberRule::UNIT);
+                lint.number(pbr, "roughnessFactor", NumberRule::UNIT);
                 lint.texture_info(pbr, "metallicRoughnessTexture", &mut material);
-                lint.extensions(pbr, At::Other);
+                lint.extensions(pbr, ExtensionHost::Other);
             });
         }
         material.has_normal_texture = self.texture_info(map, "normalTexture", &mut material);
         material.needs_tangents = material.has_normal_texture;
         self.texture_info(map, "occlusionTexture", &mut material);
         self.texture_info(map, "emissiveTexture", &mut material);
-        self.reals(map, "emissiveFactor", 3, (0.0, 1.0));
+        self.numbers(map, "emissiveFactor", 3, (0.0, 1.0));
         self.text(map, "alphaMode", false);
-        self.real(map, "alphaCutoff", Real::AT_LEAST_0);
+        self.number(map, "alphaCutoff", NumberRule::AT_LEAST_0);
         self.flag(map, "doubleSided");
-        let found = self.extensions(map, At::Material);
+        let found = self.extensions(map, ExtensionHost::Material);
         self.each_extension(found, |lint, name, value| {
             lint.material_extension(name, value);
             for texture in textures_of(name) {
@@ -38,23 +38,23 @@ impl<'a> Lint<'a> {
     }
 
     /// A reference to a texture; whether there is one.
-    fn texture_info(&mut self, map: &'a Json, key: &'a str, material: &mut Material) -> bool {
+    fn texture_info(&mut self, map: &'a JsonValue, key: &'a str, material: &mut GltfMaterial) -> bool {
         let Some(info) = self.object(map, key, false) else { return false };
         self.within(key, |lint| {
             if let Some(index) = lint.index(info, "index", true) {
                 lint.resolved("textures", index, "index".into());
             }
-            let mut sets = vec![lint.whole(info, "texCoord", Whole::default()).or(0)];
+            let mut sets = vec![lint.integer(info, "texCoord", IntegerRule::default()).or(0)];
             match key {
                 "normalTexture" | "clearcoatNormalTexture" => {
-                    lint.real(info, "scale", Real::ANY);
+                    lint.number(info, "scale", NumberRule::ANY);
                 }
                 "occlusionTexture" => {
-                    lint.real(info, "strength", Real::UNIT);
+                    lint.number(info, "strength", NumberRule::UNIT);
                 }
                 _ => {}
             }
-            let found = lint.extensions(info, At::TextureInfo);
+            let found = lint.extensions(info, ExtensionHost::TextureInfo);
             lint.each_extension(found, |lint, _, value| sets.push(lint.texture_transform(value)));
             for set in sets.into_iter().flatten() {
                 if material.texcoord.as_ref().is_none_or(|(highest, _)| set > *highest) {
@@ -65,28 +65,32 @@ impl<'a> Lint<'a> {
         true
     }
 
-    pub(super) fn texture(&mut self, map: &'a Json) -> Texture {
+    pub(super) fn texture(&mut self, map: &'a JsonValue) -> GltfTexture {
         self.reference(map, "sampler", "samplers");
         let source = self.reference(map, "source", "images");
         self.name(map);
         let mut webp = None;
-        let found = self.extensions(map, At::Texture);
+        let found = self.extensions(map, ExtensionHost::Texture);
         self.each_extension(found, |lint, _, value| webp = lint.reference(value, "source", "images"));
-        Texture { source, webp }
+        GltfTexture { source, webp }
     }
 
     /// Whether the images of textures have types that every viewer reads.
-    pub(super) fn link_textures(&mut self, model: &Model<'a>) {
+    pub(super) fn link_textures(&mut self, model: &GltfModel<'a>) {
         for (i, texture) in model.textures.iter().enumerate() {
             let Some(texture) = texture else { continue };
             let plain = [(None, texture.source, &["image/jpeg", "image/png"][..])];
             let webp = [(Some("EXT_texture_webp"), texture.webp, &["image/webp"][..])];
             for (extension, source, types) in plain.into_iter().chain(webp) {
-                let mime = item(&model.images, source).and_then(Image::mime);
+                let mime = item(&model.images, source).and_then(GltfImage::mime);
                 let Some(mime) = mime.filter(|mime| !types.contains(mime)) else { continue };
-                let mut path = vec![Step::Key("textures"), i.into()];
-                path.extend(extension.iter().flat_map(|name| [Step::Key("extensions"), Step::Key(name)]));
-                self.below(&path, |lint| {
+                let mut path = vec![PointerToken::Key("textures"), i.into()];
+                path.extend(
+                    extension
+                        .iter()
+                        .flat_map(|name| [PointerToken::Key("extensions"), PointerToken::Key(name)]),
+                );
+                self.within_path(&path, |lint| {
                     let what = format!("the image is {mime}");
                     lint.issue("TEXTURE_INVALID_IMAGE_MIME_TYPE", Some("source".into()), || what);
                 });

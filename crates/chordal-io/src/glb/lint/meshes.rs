@@ -1,30 +1,33 @@
 //! Meshes and their primitives.
-use super::buffers::{Demand, Role, Use, Uses};
-use super::extensions::At;
-use super::{ANY, Lint, Step, Whole};
-use crate::glb::format::{Component, Format, Kind};
-use crate::glb::json::Json;
-use crate::glb::model::{Accessor, Attributes, Mesh, Model, Primitive, item};
-use Component::{F32, I8, I16, U8, U16, U32};
-use Kind::{Scalar, Vec2, Vec3, Vec4};
+use super::buffers::{AccessorConstraint, AccessorUse, BufferViewUse, UseTable};
+use super::extensions::ExtensionHost;
+use super::{ANY, GltfLint, IntegerRule, PointerToken};
+use crate::glb::format::{AccessorFormat, AccessorType, ComponentType};
+use crate::glb::json::JsonValue;
+use crate::glb::model::{GltfAccessor, GltfAttributes, GltfMesh, GltfModel, GltfPrimitive, item};
+use AccessorType::{Scalar, Vec2, Vec3, Vec4};
+use ComponentType::{F32, I8, I16, U8, U16, U32};
 use std::collections::{BTreeMap, BTreeSet};
 
-const FLOAT3: Format = Format::plain(Vec3, F32);
+const FLOAT3: AccessorFormat = AccessorFormat::plain(Vec3, F32);
 
 /// Formats of the indices of a primitive.
-const INDICES: [Format; 3] =
-    [Format::plain(Scalar, U8), Format::plain(Scalar, U16), Format::plain(Scalar, U32)];
+const INDICES: [AccessorFormat; 3] = [
+    AccessorFormat::plain(Scalar, U8),
+    AccessorFormat::plain(Scalar, U16),
+    AccessorFormat::plain(Scalar, U32),
+];
 
 /// The numbered attributes of a primitive: how many there are, and the highest number.
 #[derive(Default)]
-struct Numbered {
+struct SetIndices {
     count: u64,
     highest: Option<u64>,
 }
 
-impl<'a> Lint<'a> {
-    pub(super) fn mesh(&mut self, map: &'a Json) -> Mesh<'a> {
-        let weights = self.reals(map, "weights", 0, ANY);
+impl<'a> GltfLint<'a> {
+    pub(super) fn mesh(&mut self, map: &'a JsonValue) -> GltfMesh<'a> {
+        let weights = self.numbers(map, "weights", 0, ANY);
         let items = self.objects(map, "primitives").unwrap_or_default();
         let mut primitives = Vec::with_capacity(items.len());
         let mut n_targets = None;
@@ -35,7 +38,7 @@ impl<'a> Lint<'a> {
                     let n = primitive.targets.as_ref().map_or(0, Vec::len);
                     if *n_targets.get_or_insert(n) != n {
                         let what = "primitives have different numbers of morph targets";
-                        lint.here("MESH_PRIMITIVES_UNEQUAL_TARGETS_COUNT", what);
+                        lint.issue_here("MESH_PRIMITIVES_UNEQUAL_TARGETS_COUNT", what);
                     }
                     primitives.push(primitive);
                 });
@@ -48,39 +51,39 @@ impl<'a> Lint<'a> {
             self.issue("MESH_INVALID_WEIGHTS_COUNT", Some("weights".into()), || what);
         }
         let name = self.name(map);
-        self.extensions(map, At::Other);
-        Mesh { name, primitives }
+        self.extensions(map, ExtensionHost::Other);
+        GltfMesh { name, primitives }
     }
 
-    fn primitive(&mut self, map: &'a Json) -> Primitive<'a> {
-        let mode = self.whole(map, "mode", Whole { max: Some(6), ..Whole::default() }).or(4);
+    fn primitive(&mut self, map: &'a JsonValue) -> GltfPrimitive<'a> {
+        let mode = self.integer(map, "mode", IntegerRule { max: Some(6), ..IntegerRule::default() }).or(4);
         let indices = self.index(map, "indices", false);
         let material = self.index(map, "material", false);
         let attributes = self.attributes(map);
         let counts = self.within("attributes", |lint| lint.attribute_names(&attributes));
         let targets = self.targets(map);
-        let found = self.extensions(map, At::Primitive);
+        let found = self.extensions(map, ExtensionHost::Primitive);
         let mut variants = Vec::new();
         self.each_extension(found, |lint, _, value| lint.variants(value, &mut variants));
         let draco = map.get("extensions").and_then(|all| all.get("KHR_draco_mesh_compression")).is_some();
         let [n_joints, n_texcoords] = counts;
-        Primitive { attributes, indices, material, mode, targets, variants, n_joints, n_texcoords, draco }
+        GltfPrimitive { attributes, indices, material, mode, targets, variants, n_joints, n_texcoords, draco }
     }
 
-    fn attributes(&mut self, map: &'a Json) -> Attributes<'a> {
+    fn attributes(&mut self, map: &'a JsonValue) -> GltfAttributes<'a> {
         let Some(all) = self.object(map, "attributes", true) else { return Vec::new() };
         if all.entries().is_empty() {
-            self.at("EMPTY_ENTITY", "attributes", "no attribute");
+            self.issue_below("EMPTY_ENTITY", "attributes", "no attribute");
         }
         self.within("attributes", |lint| lint.named_accessors(all))
     }
 
-    fn named_accessors(&mut self, all: &'a Json) -> Attributes<'a> {
+    fn named_accessors(&mut self, all: &'a JsonValue) -> GltfAttributes<'a> {
         let mut out = Vec::with_capacity(all.entries().len());
         for (name, value) in all.entries() {
             let index = value.integer().and_then(|i| usize::try_from(i).ok());
             if index.is_none() {
-                self.at("INVALID_INDEX", &**name, "the value is no index");
+                self.issue_below("INVALID_INDEX", &**name, "the value is no index");
             }
             out.push((&**name, index));
         }
@@ -88,9 +91,9 @@ impl<'a> Lint<'a> {
     }
 
     /// Checks names, and returns the numbers of joint sets and of texture coordinate sets.
-    fn attribute_names(&mut self, attributes: &Attributes<'a>) -> [u64; 2] {
+    fn attribute_names(&mut self, attributes: &GltfAttributes<'a>) -> [u64; 2] {
         const FAMILIES: [&str; 4] = ["COLOR", "JOINTS", "TEXCOORD", "WEIGHTS"];
-        let mut sets: [Numbered; 4] = Default::default();
+        let mut sets: [SetIndices; 4] = Default::default();
         for (name, _) in attributes {
             if name.starts_with('_') || ["POSITION", "NORMAL", "TANGENT"].contains(name) {
                 continue;
@@ -103,7 +106,7 @@ impl<'a> Lint<'a> {
                     sets[family].count += 1;
                     sets[family].highest = sets[family].highest.max(Some(number));
                 }
-                None => self.at("MESH_PRIMITIVE_INVALID_ATTRIBUTE", *name, "the name is unknown"),
+                None => self.issue_below("MESH_PRIMITIVE_INVALID_ATTRIBUTE", *name, "the name is unknown"),
             }
         }
         let counts = [0, 1, 2, 3].map(|i| {
@@ -124,41 +127,47 @@ impl<'a> Lint<'a> {
         [counts[1], counts[2]]
     }
 
-    fn targets(&mut self, map: &'a Json) -> Option<Vec<Attributes<'a>>> {
+    fn targets(&mut self, map: &'a JsonValue) -> Option<Vec<GltfAttributes<'a>>> {
         let items = self.list(map, "targets")?;
         self.within("targets", |lint| {
             let mut out = Vec::with_capacity(items.len());
             for (i, item) in items.iter().enumerate() {
                 match item {
-                    Json::Object(entries) if entries.is_empty() => lint.at("EMPTY_ENTITY", i, "no attribute"),
-                    Json::Object(_) => out.push(lint.within(i, |lint| {
+                    JsonValue::Object(entries) if entries.is_empty() => {
+                        lint.issue_below("EMPTY_ENTITY", i, "no attribute")
+                    }
+                    JsonValue::Object(_) => out.push(lint.within(i, |lint| {
                         let target = lint.named_accessors(item);
                         for (name, _) in &target {
                             if !is_target_name(name) {
-                                lint.at("MESH_PRIMITIVE_INVALID_ATTRIBUTE", *name, "the name is unknown");
+                                lint.issue_below(
+                                    "MESH_PRIMITIVE_INVALID_ATTRIBUTE",
+                                    *name,
+                                    "the name is unknown",
+                                );
                             }
                         }
                         target
                     })),
-                    _ => lint.here("ARRAY_TYPE_MISMATCH", "an item is no object"),
+                    _ => lint.issue_here("ARRAY_TYPE_MISMATCH", "an item is no object"),
                 }
             }
             (out.len() == items.len()).then_some(out)
         })
     }
 
-    fn variants(&mut self, map: &'a Json, out: &mut Vec<(usize, String)>) {
+    fn variants(&mut self, map: &'a JsonValue, out: &mut Vec<(usize, String)>) {
         let mut seen = BTreeSet::new();
         for (i, mapping) in self.objects(map, "mappings").unwrap_or_default().iter().enumerate() {
-            self.below(&["mappings".into(), i.into()], |lint| {
-                lint.extensions(mapping, At::Other);
+            self.within_path(&["mappings".into(), i.into()], |lint| {
+                lint.extensions(mapping, ExtensionHost::Other);
                 lint.name(mapping);
                 let variants = lint.indices(mapping, "variants", true).unwrap_or_default();
                 lint.within("variants", |lint| {
                     for (k, index) in variants.into_iter().enumerate().filter(|(_, index)| index.is_some()) {
                         lint.extension_reference(["KHR_materials_variants", "variants"], index, k.into());
                         if !seen.insert(index) {
-                            lint.at(
+                            lint.issue_below(
                                 "KHR_MATERIALS_VARIANTS_NON_UNIQUE_VARIANT",
                                 k,
                                 "the variant is used twice",
@@ -175,32 +184,37 @@ impl<'a> Lint<'a> {
         }
     }
 
-    pub(super) fn link_meshes(&mut self, model: &Model<'a>, uses: &mut Uses) {
+    pub(super) fn link_meshes(&mut self, model: &GltfModel<'a>, uses: &mut UseTable) {
         for (m, mesh) in model.meshes.iter().enumerate() {
             for (p, primitive) in mesh.iter().flat_map(|mesh| mesh.primitives.iter().enumerate()) {
                 let path = ["meshes".into(), m.into(), "primitives".into(), p.into()];
-                self.below(&path, |lint| lint.link_primitive((model, primitive), uses));
+                self.within_path(&path, |lint| lint.link_primitive((model, primitive), uses));
             }
         }
     }
 
-    pub(super) fn below(&mut self, path: &[Step<'a>], look: impl FnOnce(&mut Self)) {
+    pub(super) fn within_path(&mut self, path: &[PointerToken<'a>], look: impl FnOnce(&mut Self)) {
         let n = self.path.len();
         self.path.extend_from_slice(path);
         look(self);
         self.path.truncate(n);
     }
 
-    fn link_primitive(&mut self, (model, primitive): (&Model<'a>, &Primitive<'a>), uses: &mut Uses) {
+    fn link_primitive(
+        &mut self,
+        (model, primitive): (&GltfModel<'a>, &GltfPrimitive<'a>),
+        uses: &mut UseTable,
+    ) {
         let mut n_vertices = None;
         for (name, index) in &primitive.attributes {
             let Some(index) = *index else { continue };
             self.within("attributes", |lint| {
-                let Some(accessor) = lint.link_attribute(model, (name, index), (uses, Allowed::Base)) else {
+                let Some(accessor) = lint.link_attribute(model, (name, index), (uses, AttributeOwner::Base))
+                else {
                     return;
                 };
                 if *n_vertices.get_or_insert(accessor.count) != accessor.count {
-                    lint.at(
+                    lint.issue_below(
                         "MESH_PRIMITIVE_UNEQUAL_ACCESSOR_COUNT",
                         *name,
                         "attributes have different counts",
@@ -222,20 +236,20 @@ impl<'a> Lint<'a> {
             for (name, index) in target {
                 let Some(index) = *index else { continue };
                 let base = bases.get(name);
-                self.below(&["targets".into(), t.into()], |lint| {
+                self.within_path(&["targets".into(), t.into()], |lint| {
                     let Some(accessor) =
-                        lint.link_attribute(model, (name, index), (&mut *uses, Allowed::Target))
+                        lint.link_attribute(model, (name, index), (&mut *uses, AttributeOwner::Target))
                     else {
                         return;
                     };
                     match base.and_then(|base| item(&model.accessors, *base)) {
                         None => {
                             let code = "MESH_PRIMITIVE_MORPH_TARGET_NO_BASE_ACCESSOR";
-                            lint.at(code, *name, "the primitive has no such attribute");
+                            lint.issue_below(code, *name, "the primitive has no such attribute");
                         }
                         Some(base) if base.count != accessor.count => {
                             let code = "MESH_PRIMITIVE_MORPH_TARGET_INVALID_ATTRIBUTE_COUNT";
-                            lint.at(code, *name, "the primitive's attribute has another count");
+                            lint.issue_below(code, *name, "the primitive's attribute has another count");
                         }
                         Some(_) => {}
                     }
@@ -246,19 +260,19 @@ impl<'a> Lint<'a> {
 
     fn link_attribute<'m>(
         &mut self,
-        model: &'m Model<'a>,
+        model: &'m GltfModel<'a>,
         (name, index): (&'a str, usize),
-        (uses, allowed): (&mut Uses, Allowed),
-    ) -> Option<&'m Accessor> {
+        (uses, allowed): (&mut UseTable, AttributeOwner),
+    ) -> Option<&'m GltfAccessor> {
         if !self.resolved("accessors", index, name.into()) {
             return None;
         }
         let accessor = item(&model.accessors, Some(index))?;
-        self.use_accessor(uses, index, Role::Attribute, name);
-        self.use_view(uses, accessor.view, Use::Vertices, name);
+        self.use_accessor(uses, index, AccessorUse::Attribute, name);
+        self.use_view(uses, accessor.view, BufferViewUse::Vertices, name);
         if name == "POSITION" && (accessor.min.is_none() || accessor.max.is_none()) {
             let code = "MESH_PRIMITIVE_POSITION_ACCESSOR_WITHOUT_BOUNDS";
-            self.at(code, "POSITION", "positions need min and max");
+            self.issue_below(code, "POSITION", "positions need min and max");
         }
         let quantized = self.declares(super::extensions::QUANTIZATION);
         let family = name.split('_').next().unwrap_or_default();
@@ -270,21 +284,25 @@ impl<'a> Lint<'a> {
             }
             // An unknown type is in no list.
             (Some(_), None) => {
-                self.at("MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_INVALID_FORMAT", name, "the format is unknown");
+                self.issue_below(
+                    "MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_INVALID_FORMAT",
+                    name,
+                    "the format is unknown",
+                );
             }
-            (Some(_), Some(format)) if allowed == Allowed::Base => {
+            (Some(_), Some(format)) if allowed == AttributeOwner::Base => {
                 let demand = match name {
-                    "NORMAL" => Some(Demand::UnitVectors),
-                    "TANGENT" => Some(Demand::UnitVectorsWithSign),
-                    "COLOR_0" if format.component == F32 => Some(Demand::Clamped),
+                    "NORMAL" => Some(AccessorConstraint::UnitVectors),
+                    "TANGENT" => Some(AccessorConstraint::UnitVectorsWithSign),
+                    "COLOR_0" if format.component == F32 => Some(AccessorConstraint::Clamped),
                     _ => None,
                 };
                 if let Some(demand) = demand {
                     uses.demand(index, demand, self.pointer(Some(name.into())));
                 }
             }
-            (None, Some(format)) if format.component == U32 && allowed == Allowed::Base => {
-                self.at(
+            (None, Some(format)) if format.component == U32 && allowed == AttributeOwner::Base => {
+                self.issue_below(
                     "MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_UNSIGNED_INT",
                     name,
                     "attributes are not UNSIGNED_INT",
@@ -296,7 +314,11 @@ impl<'a> Lint<'a> {
         let loose = view.is_some_and(|view| view.stride.is_none());
         let ragged = accessor.format().is_some_and(|format| format.row_length() % 4 != 0);
         if accessor.offset.is_some_and(|offset| offset % 4 != 0) || (ragged && loose) {
-            self.at("MESH_PRIMITIVE_ACCESSOR_UNALIGNED", name, "vertices begin at multiples of 4 bytes");
+            self.issue_below(
+                "MESH_PRIMITIVE_ACCESSOR_UNALIGNED",
+                name,
+                "vertices begin at multiples of 4 bytes",
+            );
         }
         if let (true, Some(view)) = (loose, accessor.view) {
             self.read_vertices(uses, view, index, name);
@@ -306,24 +328,31 @@ impl<'a> Lint<'a> {
 
     fn link_indices(
         &mut self,
-        (model, primitive): (&Model<'a>, &Primitive<'a>),
-        (n_vertices, uses): (Option<u64>, &mut Uses),
+        (model, primitive): (&GltfModel<'a>, &GltfPrimitive<'a>),
+        (n_vertices, uses): (Option<u64>, &mut UseTable),
     ) {
         let Some(index) = primitive.indices else { return };
         if !self.resolved("accessors", index, "indices".into()) {
             return;
         }
         let Some(accessor) = item(&model.accessors, Some(index)) else { return };
-        self.use_accessor(uses, index, Role::Indices, "indices");
-        self.use_view(uses, accessor.view, Use::Indices, "indices");
+        self.use_accessor(uses, index, AccessorUse::Indices, "indices");
+        self.use_view(uses, accessor.view, BufferViewUse::Indices, "indices");
         self.within("indices", |lint| {
             if item(&model.views, accessor.view).is_some_and(|view| view.stride.is_some()) {
-                lint.here("MESH_PRIMITIVE_INDICES_ACCESSOR_WITH_BYTESTRIDE", "indices have no byteStride");
+                lint.issue_here(
+                    "MESH_PRIMITIVE_INDICES_ACCESSOR_WITH_BYTESTRIDE",
+                    "indices have no byteStride",
+                );
             }
             match accessor.format() {
                 Some(format) if INDICES.contains(&format) => {
                     if primitive.mode.is_some() {
-                        uses.demand(index, Demand::IndicesBelow(n_vertices.unwrap_or(0)), lint.pointer(None));
+                        uses.demand(
+                            index,
+                            AccessorConstraint::IndicesBelow(n_vertices.unwrap_or(0)),
+                            lint.pointer(None),
+                        );
                     }
                 }
                 format => {
@@ -336,7 +365,12 @@ impl<'a> Lint<'a> {
         });
     }
 
-    fn link_material(&mut self, (model, primitive): (&Model<'a>, &Primitive<'a>), index: usize, place: &str) {
+    fn link_material(
+        &mut self,
+        (model, primitive): (&GltfModel<'a>, &GltfPrimitive<'a>),
+        index: usize,
+        place: &str,
+    ) {
         let Some(material) = item(&model.materials, Some(index)) else { return };
         let has = |name: &str| primitive.attributes.iter().any(|(n, _)| *n == name);
         let is_main = place == "/material";
@@ -346,7 +380,7 @@ impl<'a> Lint<'a> {
             && !(has("NORMAL") && has("TANGENT"))
         {
             let what = "the material needs tangents, and there are none";
-            self.at("MESH_PRIMITIVE_NO_TANGENT_SPACE", "material", what);
+            self.issue_below("MESH_PRIMITIVE_NO_TANGENT_SPACE", "material", what);
         }
         if let Some((set, texture)) = &material.texcoord
             && *set >= primitive.n_texcoords
@@ -360,22 +394,25 @@ impl<'a> Lint<'a> {
 
 /// Whose formats are asked for.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Allowed {
+enum AttributeOwner {
     Base,
     Target,
 }
 
 /// The formats of an attribute; `None` when it may be anything.
-fn formats(family: &str, allowed: Allowed, quantized: bool) -> Option<Vec<Format>> {
-    let both = |kind, components: &[Component], out: &mut Vec<Format>| {
+fn formats(family: &str, allowed: AttributeOwner, quantized: bool) -> Option<Vec<AccessorFormat>> {
+    let both = |kind, components: &[ComponentType], out: &mut Vec<AccessorFormat>| {
         for component in components {
-            out.extend([Format::plain(kind, *component), Format::normalized(kind, *component)]);
+            out.extend([
+                AccessorFormat::plain(kind, *component),
+                AccessorFormat::normalized(kind, *component),
+            ]);
         }
     };
-    let normalized = |kind, components: &[Component], out: &mut Vec<Format>| {
-        out.extend(components.iter().map(|component| Format::normalized(kind, *component)));
+    let normalized = |kind, components: &[ComponentType], out: &mut Vec<AccessorFormat>| {
+        out.extend(components.iter().map(|component| AccessorFormat::normalized(kind, *component)));
     };
-    let base = allowed == Allowed::Base;
+    let base = allowed == AttributeOwner::Base;
     let mut out = Vec::new();
     match family {
         "POSITION" => {
@@ -392,17 +429,17 @@ fn formats(family: &str, allowed: Allowed, quantized: bool) -> Option<Vec<Format
         }
         "TANGENT" => {
             let kind = if base { Vec4 } else { Vec3 };
-            out.push(Format::plain(kind, F32));
+            out.push(AccessorFormat::plain(kind, F32));
             if quantized {
                 normalized(kind, &[I8, I16], &mut out);
             }
         }
         "TEXCOORD" => {
-            out.push(Format::plain(Vec2, F32));
+            out.push(AccessorFormat::plain(Vec2, F32));
             normalized(Vec2, if base { &[U8, U16] } else { &[I8, U8, I16, U16] }, &mut out);
             if quantized {
-                let plain: &[Component] = if base { &[I8, U8, I16, U16] } else { &[I8, I16] };
-                out.extend(plain.iter().map(|component| Format::plain(Vec2, *component)));
+                let plain: &[ComponentType] = if base { &[I8, U8, I16, U16] } else { &[I8, I16] };
+                out.extend(plain.iter().map(|component| AccessorFormat::plain(Vec2, *component)));
                 if base {
                     normalized(Vec2, &[I8, I16], &mut out);
                 }
@@ -410,13 +447,13 @@ fn formats(family: &str, allowed: Allowed, quantized: bool) -> Option<Vec<Format
         }
         "COLOR" => {
             for kind in [Vec3, Vec4] {
-                out.push(Format::plain(kind, F32));
+                out.push(AccessorFormat::plain(kind, F32));
                 normalized(kind, if base { &[U8, U16] } else { &[I8, U8, I16, U16] }, &mut out);
             }
         }
-        "JOINTS" if base => out.extend([Format::plain(Vec4, U8), Format::plain(Vec4, U16)]),
+        "JOINTS" if base => out.extend([AccessorFormat::plain(Vec4, U8), AccessorFormat::plain(Vec4, U16)]),
         "WEIGHTS" if base => {
-            out.push(Format::plain(Vec4, F32));
+            out.push(AccessorFormat::plain(Vec4, F32));
             normalized(Vec4, &[U8, U16], &mut out);
         }
         _ => return None,

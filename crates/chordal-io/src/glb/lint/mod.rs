@@ -1,9 +1,9 @@
-//! `Lint`: what the Khronos validator calls an error, found here with the same code and JSON pointer.
+//! `GltfLint`: what the Khronos validator calls an error, found here with the same code and JSON pointer.
 //!
 //! The rules are those of gltf-validator 2.0.0-dev.3.10, one file for each kind of object. Parsing fills the
-//! [`Model`](super::model::Model), with `None` where a field errs, then links and data are looked at.
-use super::json::Json;
-use crate::{Place, Warning};
+//! [`GltfModel`](super::model::GltfModel), with `None` where a field errs, then links and data are looked at.
+use super::json::JsonValue;
+use crate::{FileLocation, Warning};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
@@ -25,40 +25,40 @@ pub(super) use root::{link, parse};
 
 /// One step of a JSON pointer.
 #[derive(Clone, Copy)]
-pub(super) enum Step<'a> {
+pub(super) enum PointerToken<'a> {
     Key(&'a str),
     Index(usize),
 }
 
-impl<'a> From<&'a str> for Step<'a> {
+impl<'a> From<&'a str> for PointerToken<'a> {
     fn from(key: &'a str) -> Self {
         Self::Key(key)
     }
 }
 
-impl From<usize> for Step<'_> {
+impl From<usize> for PointerToken<'_> {
     fn from(index: usize) -> Self {
         Self::Index(index)
     }
 }
 
 /// The issues of a file, counted by their code, and the place that is looked at.
-pub(super) struct Lint<'a> {
-    path: Vec<Step<'a>>,
+pub(super) struct GltfLint<'a> {
+    path: Vec<PointerToken<'a>>,
     /// Each code once, in the order of their first place.
     pub issues: Vec<Warning>,
     declared: BTreeSet<&'a str>,
     /// The lists of the document, for references.
-    lists: BTreeMap<&'a str, &'a [Json]>,
+    lists: BTreeMap<&'a str, &'a [JsonValue]>,
     /// The extensions of the document itself.
-    root_extensions: Option<&'a Json>,
+    root_extensions: Option<&'a JsonValue>,
     /// Bytes of data that may still be looked at: many objects may name the same ones.
     work: u64,
 }
 
 /// A whole number.
 #[derive(Clone, Copy, Default)]
-struct Whole {
+struct IntegerRule {
     min: u64,
     max: Option<u64>,
     /// The only values that are not just warned about; all when empty.
@@ -68,7 +68,7 @@ struct Whole {
 
 /// A real number: `min ≤ x ≤ max`, `above < x`, or `x` is the exception.
 #[derive(Clone, Copy)]
-struct Real {
+struct NumberRule {
     min: f64,
     above: f64,
     max: f64,
@@ -76,7 +76,7 @@ struct Real {
     required: bool,
 }
 
-impl Real {
+impl NumberRule {
     const ANY: Self = Self {
         min: f64::NEG_INFINITY,
         above: f64::NEG_INFINITY,
@@ -95,14 +95,14 @@ impl Real {
 
 /// A field that may be left out.
 #[derive(Clone, Copy, PartialEq)]
-enum Field<T> {
+enum JsonMember<T> {
     Absent,
     /// There, and not what it has to be.
     Bad,
     Is(T),
 }
 
-impl<T> Field<T> {
+impl<T> JsonMember<T> {
     fn or(self, default: T) -> Option<T> {
         match self {
             Self::Absent => Some(default),
@@ -116,9 +116,9 @@ impl<T> Field<T> {
     }
 }
 
-impl<'a> Lint<'a> {
+impl<'a> GltfLint<'a> {
     /// For a document, of whose data so many bytes may be looked at.
-    pub fn new(root: &'a Json, work: u64) -> Self {
+    pub fn new(root: &'a JsonValue, work: u64) -> Self {
         let lists = root.entries().iter().filter_map(|(key, value)| Some((&**key, value.items()?))).collect();
         Self {
             path: Vec::new(),
@@ -131,60 +131,68 @@ impl<'a> Lint<'a> {
     }
 
     /// Counts bytes that are about to be looked at; false when there are more than may be.
-    fn works(&mut self, bytes: u64) -> bool {
+    fn charge(&mut self, bytes: u64) -> bool {
         let left = self.work.checked_sub(bytes);
         self.work = left.unwrap_or(0);
         if left.is_none() {
-            self.here("too-large", "objects name the same bytes so often that they were not all looked at");
+            self.issue_here(
+                "too-large",
+                "objects name the same bytes so often that they were not all looked at",
+            );
         }
         left.is_some()
     }
 
     /// Notes an issue at the place that is looked at, or below it.
-    fn issue(&mut self, code: &'static str, below: Option<Step<'_>>, message: impl FnOnce() -> String) {
-        if !self.counted(code) {
-            let place = Place::Pointer(self.pointer(below));
+    fn issue(
+        &mut self,
+        code: &'static str,
+        below: Option<PointerToken<'_>>,
+        message: impl FnOnce() -> String,
+    ) {
+        if !self.count_repeat(code) {
+            let place = FileLocation::Pointer(self.pointer(below));
             self.issues.push(Warning { code, count: 1, place, message: message() });
         }
     }
 
     /// Notes an issue at a pointer that was kept.
     fn issue_at(&mut self, code: &'static str, pointer: &str, message: impl FnOnce() -> String) {
-        if !self.counted(code) {
-            let place = Place::Pointer(pointer.to_owned());
+        if !self.count_repeat(code) {
+            let place = FileLocation::Pointer(pointer.to_owned());
             self.issues.push(Warning { code, count: 1, place, message: message() });
         }
     }
 
     /// Counts an issue of a kind that was there before.
-    fn counted(&mut self, code: &'static str) -> bool {
+    fn count_repeat(&mut self, code: &'static str) -> bool {
         let known = self.issues.iter_mut().find(|issue| issue.code == code);
         known.map(|issue| issue.count += 1).is_some()
     }
 
-    fn at(&mut self, code: &'static str, below: impl Into<Step<'a>>, message: &str) {
+    fn issue_below(&mut self, code: &'static str, below: impl Into<PointerToken<'a>>, message: &str) {
         self.issue(code, Some(below.into()), || message.to_owned());
     }
 
-    fn here(&mut self, code: &'static str, message: &str) {
+    fn issue_here(&mut self, code: &'static str, message: &str) {
         self.issue(code, None, || message.to_owned());
     }
 
     /// Looks one step down.
-    fn within<R>(&mut self, step: impl Into<Step<'a>>, look: impl FnOnce(&mut Self) -> R) -> R {
+    fn within<R>(&mut self, step: impl Into<PointerToken<'a>>, look: impl FnOnce(&mut Self) -> R) -> R {
         self.path.push(step.into());
         let result = look(self);
         self.path.pop();
         result
     }
 
-    fn pointer(&self, below: Option<Step<'_>>) -> String {
+    fn pointer(&self, below: Option<PointerToken<'_>>) -> String {
         let mut out = String::new();
         for step in self.path.iter().copied().chain(below) {
             // Writing to a string cannot fail.
             let _ = match step {
-                Step::Key(key) => write!(out, "/{}", key.replace('~', "~0").replace('/', "~1")),
-                Step::Index(index) => write!(out, "/{index}"),
+                PointerToken::Key(key) => write!(out, "/{}", key.replace('~', "~0").replace('/', "~1")),
+                PointerToken::Index(index) => write!(out, "/{index}"),
             };
         }
         if out.is_empty() { "/".to_owned() } else { out }
@@ -192,18 +200,18 @@ impl<'a> Lint<'a> {
 
     /// Whether a list of the document has an object there.
     fn exists(&self, list: &str, index: usize) -> bool {
-        matches!(self.lists.get(list).and_then(|items| items.get(index)), Some(Json::Object(_)))
+        matches!(self.lists.get(list).and_then(|items| items.get(index)), Some(JsonValue::Object(_)))
     }
 
     /// A reference into a list; `None` when it is absent or no index.
-    fn reference(&mut self, map: &'a Json, key: &'a str, list: &str) -> Option<usize> {
+    fn reference(&mut self, map: &'a JsonValue, key: &'a str, list: &str) -> Option<usize> {
         let index = self.index(map, key, false)?;
         self.resolved(list, index, key.into());
         Some(index)
     }
 
     /// Notes a reference to something that is not there.
-    fn resolved(&mut self, list: &str, index: usize, below: Step<'a>) -> bool {
+    fn resolved(&mut self, list: &str, index: usize, below: PointerToken<'a>) -> bool {
         let found = self.exists(list, index);
         if !found {
             self.issue("UNRESOLVED_REFERENCE", Some(below), || format!("{list} has no object {index}"));
@@ -211,9 +219,9 @@ impl<'a> Lint<'a> {
         found
     }
 
-    fn value(&mut self, map: &'a Json, key: &'a str, expected: &str) -> Option<&'a Json> {
+    fn value(&mut self, map: &'a JsonValue, key: &'a str, expected: &str) -> Option<&'a JsonValue> {
         match map.get(key)? {
-            Json::Null => {
+            JsonValue::Null => {
                 self.mismatch(key, expected);
                 None
             }
@@ -229,7 +237,7 @@ impl<'a> Lint<'a> {
         self.issue("UNDEFINED_PROPERTY", None, || format!("property {key} is missing"));
     }
 
-    fn index(&mut self, map: &'a Json, key: &'a str, required: bool) -> Option<usize> {
+    fn index(&mut self, map: &'a JsonValue, key: &'a str, required: bool) -> Option<usize> {
         let Some(value) = self.value(map, key, "integer") else {
             if required {
                 self.missing(key);
@@ -249,54 +257,54 @@ impl<'a> Lint<'a> {
         }
     }
 
-    fn whole(&mut self, map: &'a Json, key: &'a str, rule: Whole) -> Field<u64> {
+    fn integer(&mut self, map: &'a JsonValue, key: &'a str, rule: IntegerRule) -> JsonMember<u64> {
         let Some(value) = self.value(map, key, "integer") else {
             if rule.required {
                 self.missing(key);
-                return Field::Bad;
+                return JsonMember::Bad;
             }
-            return Field::Absent;
+            return JsonMember::Absent;
         };
         let Some(i) = value.integer() else {
             self.mismatch(key, "integer");
-            return Field::Bad;
+            return JsonMember::Bad;
         };
         let found = u64::try_from(i).ok();
         if !rule.list.is_empty() {
             // The validator only warns of values outside a list, and goes on without them.
-            return found.filter(|x| rule.list.contains(x)).map_or(Field::Bad, Field::Is);
+            return found.filter(|x| rule.list.contains(x)).map_or(JsonMember::Bad, JsonMember::Is);
         }
         match found.filter(|x| *x >= rule.min && rule.max.is_none_or(|max| *x <= max)) {
-            Some(x) => Field::Is(x),
+            Some(x) => JsonMember::Is(x),
             None => {
                 self.issue("VALUE_NOT_IN_RANGE", Some(key.into()), || format!("{key} {i} is out of range"));
-                Field::Bad
+                JsonMember::Bad
             }
         }
     }
 
-    fn real(&mut self, map: &'a Json, key: &'a str, rule: Real) -> Field<f64> {
+    fn number(&mut self, map: &'a JsonValue, key: &'a str, rule: NumberRule) -> JsonMember<f64> {
         let Some(value) = self.value(map, key, "number") else {
             if rule.required {
                 self.missing(key);
-                return Field::Bad;
+                return JsonMember::Bad;
             }
-            return Field::Absent;
+            return JsonMember::Absent;
         };
         let Some(x) = value.number() else {
             self.mismatch(key, "number");
-            return Field::Bad;
+            return JsonMember::Bad;
         };
         if rule.except == Some(x) || (x >= rule.min && x > rule.above && x <= rule.max) {
-            return Field::Is(x);
+            return JsonMember::Is(x);
         }
         self.issue("VALUE_NOT_IN_RANGE", Some(key.into()), || format!("{key} {x} is out of range"));
-        Field::Bad
+        JsonMember::Bad
     }
 
-    fn flag(&mut self, map: &'a Json, key: &'a str) -> bool {
+    fn flag(&mut self, map: &'a JsonValue, key: &'a str) -> bool {
         match self.value(map, key, "boolean") {
-            Some(Json::Bool(flag)) => *flag,
+            Some(JsonValue::Bool(flag)) => *flag,
             Some(_) => {
                 self.mismatch(key, "boolean");
                 false
@@ -305,7 +313,7 @@ impl<'a> Lint<'a> {
         }
     }
 
-    fn text(&mut self, map: &'a Json, key: &'a str, required: bool) -> Option<&'a str> {
+    fn text(&mut self, map: &'a JsonValue, key: &'a str, required: bool) -> Option<&'a str> {
         let Some(value) = self.value(map, key, "string") else {
             if required {
                 self.missing(key);
@@ -318,19 +326,19 @@ impl<'a> Lint<'a> {
         value.text()
     }
 
-    fn name(&mut self, map: &'a Json) -> &'a str {
+    fn name(&mut self, map: &'a JsonValue) -> &'a str {
         self.text(map, "name", false).unwrap_or_default()
     }
 
     /// An object; absent, or no object, is `None`.
-    fn object(&mut self, map: &'a Json, key: &'a str, required: bool) -> Option<&'a Json> {
+    fn object(&mut self, map: &'a JsonValue, key: &'a str, required: bool) -> Option<&'a JsonValue> {
         let Some(value) = self.value(map, key, "object") else {
             if required {
                 self.missing(key);
             }
             return None;
         };
-        if !matches!(value, Json::Object(_)) {
+        if !matches!(value, JsonValue::Object(_)) {
             self.mismatch(key, "object");
             return None;
         }
@@ -338,11 +346,11 @@ impl<'a> Lint<'a> {
     }
 
     /// A list that is there, is a list and is not empty.
-    fn list(&mut self, map: &'a Json, key: &'a str) -> Option<&'a [Json]> {
+    fn list(&mut self, map: &'a JsonValue, key: &'a str) -> Option<&'a [JsonValue]> {
         let value = self.value(map, key, "array")?;
         match value.items() {
             Some([]) => {
-                self.at("EMPTY_ENTITY", key, "an empty list");
+                self.issue_below("EMPTY_ENTITY", key, "an empty list");
                 None
             }
             Some(items) => Some(items),
@@ -354,23 +362,23 @@ impl<'a> Lint<'a> {
     }
 
     /// A list of objects that has to be there.
-    fn objects(&mut self, map: &'a Json, key: &'a str) -> Option<&'a [Json]> {
-        if matches!(map.get(key), None | Some(Json::Null)) {
+    fn objects(&mut self, map: &'a JsonValue, key: &'a str) -> Option<&'a [JsonValue]> {
+        if matches!(map.get(key), None | Some(JsonValue::Null)) {
             self.value(map, key, "array");
             self.missing(key);
             return None;
         }
         let items = self.list(map, key)?;
-        let wrong = items.iter().filter(|item| !matches!(item, Json::Object(_))).count();
+        let wrong = items.iter().filter(|item| !matches!(item, JsonValue::Object(_))).count();
         for _ in 0..wrong {
-            self.at("ARRAY_TYPE_MISMATCH", key, "an item is no object");
+            self.issue_below("ARRAY_TYPE_MISMATCH", key, "an item is no object");
         }
         (wrong == 0).then_some(items)
     }
 
     /// A list of different indices; an item that is none is `None`.
-    fn indices(&mut self, map: &'a Json, key: &'a str, required: bool) -> Option<Vec<Option<usize>>> {
-        if required && matches!(map.get(key), None | Some(Json::Null)) {
+    fn indices(&mut self, map: &'a JsonValue, key: &'a str, required: bool) -> Option<Vec<Option<usize>>> {
+        if required && matches!(map.get(key), None | Some(JsonValue::Null)) {
             self.missing(key);
         }
         let items = self.list(map, key)?;
@@ -379,14 +387,14 @@ impl<'a> Lint<'a> {
             for (i, item) in items.iter().enumerate() {
                 let index = item.integer().and_then(|x| usize::try_from(x).ok());
                 if index.is_none() {
-                    lint.at("INVALID_INDEX", i, "the item is no index");
+                    lint.issue_below("INVALID_INDEX", i, "the item is no index");
                 }
                 out.push(index);
             }
             let mut sorted: Vec<_> = out.iter().copied().enumerate().filter(|(_, x)| x.is_some()).collect();
             sorted.sort_unstable_by_key(|(i, x)| (*x, *i));
             for pair in sorted.windows(2).filter(|pair| pair[0].1 == pair[1].1) {
-                lint.at("DUPLICATE_ELEMENTS", pair[1].0, "the item is there twice");
+                lint.issue_below("DUPLICATE_ELEMENTS", pair[1].0, "the item is there twice");
                 out[pair[1].0] = None;
             }
             Some(out)
@@ -394,7 +402,13 @@ impl<'a> Lint<'a> {
     }
 
     /// A list of numbers within a range, of a length if that is not 0.
-    fn reals(&mut self, map: &'a Json, key: &'a str, length: usize, range: (f64, f64)) -> Option<Vec<f64>> {
+    fn numbers(
+        &mut self,
+        map: &'a JsonValue,
+        key: &'a str,
+        length: usize,
+        range: (f64, f64),
+    ) -> Option<Vec<f64>> {
         let items = self.list(map, key)?;
         if length != 0 && items.len() != length {
             self.issue("ARRAY_LENGTH_NOT_IN_LIST", Some(key.into()), || {
@@ -415,7 +429,7 @@ impl<'a> Lint<'a> {
                 }
                 None => {
                     all_good = false;
-                    self.at("ARRAY_TYPE_MISMATCH", key, "an item is no number");
+                    self.issue_below("ARRAY_TYPE_MISMATCH", key, "an item is no number");
                 }
             }
         }
@@ -423,19 +437,19 @@ impl<'a> Lint<'a> {
     }
 
     /// A list of numbers of any size.
-    fn any_reals<const N: usize>(&mut self, map: &'a Json, key: &'a str) -> Option<[f64; N]> {
-        self.reals(map, key, N, ANY)?.try_into().ok()
+    fn any_numbers<const N: usize>(&mut self, map: &'a JsonValue, key: &'a str) -> Option<[f64; N]> {
+        self.numbers(map, key, N, ANY)?.try_into().ok()
     }
 
     /// A list of different strings.
-    fn texts(&mut self, map: &'a Json, key: &'a str) -> Vec<&'a str> {
+    fn texts(&mut self, map: &'a JsonValue, key: &'a str) -> Vec<&'a str> {
         let Some(items) = self.list(map, key) else { return Vec::new() };
         self.within(key, |lint| {
             let mut out: Vec<&str> = Vec::with_capacity(items.len());
             for (i, item) in items.iter().enumerate() {
                 match item.text() {
                     Some(text) => out.push(text),
-                    None => lint.at("ARRAY_TYPE_MISMATCH", i, "the item is no string"),
+                    None => lint.issue_below("ARRAY_TYPE_MISMATCH", i, "the item is no string"),
                 }
             }
             let n = out.len();
@@ -443,7 +457,7 @@ impl<'a> Lint<'a> {
             sorted.sort_unstable();
             if let Some(twice) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
                 let second = items.iter().rposition(|item| item.text() == Some(twice[0]));
-                lint.at("DUPLICATE_ELEMENTS", second.unwrap_or_default(), "the item is there twice");
+                lint.issue_below("DUPLICATE_ELEMENTS", second.unwrap_or_default(), "the item is there twice");
             }
             if n < items.len() { Vec::new() } else { out }
         })

@@ -1,69 +1,73 @@
 //! Nodes and scenes.
-use super::extensions::At;
-use super::{ANY, Lint};
-use crate::glb::json::Json;
-use crate::glb::model::{Model, Node, Scene, item};
+use super::extensions::ExtensionHost;
+use super::{ANY, GltfLint};
+use crate::glb::json::JsonValue;
+use crate::glb::model::{GltfModel, GltfNode, GltfScene, item};
 use crate::glb::transform::{is_identity, is_trs};
 
 /// How far from one the length of a quaternion may be: the validator's figure, for quaternions of bytes.
 const UNIT_QUATERNION: f64 = 0.00769;
 
-impl<'a> Lint<'a> {
-    pub(super) fn node(&mut self, map: &'a Json) -> Node<'a> {
-        let matrix = self.any_reals::<16>(map, "matrix").map(Box::new);
-        let translation = self.any_reals::<3>(map, "translation");
+impl<'a> GltfLint<'a> {
+    pub(super) fn node(&mut self, map: &'a JsonValue) -> GltfNode<'a> {
+        let matrix = self.any_numbers::<16>(map, "matrix").map(Box::new);
+        let translation = self.any_numbers::<3>(map, "translation");
         let rotation: Option<[f64; 4]> =
-            self.reals(map, "rotation", 4, (-1.0, 1.0)).and_then(|rotation| rotation.try_into().ok());
+            self.numbers(map, "rotation", 4, (-1.0, 1.0)).and_then(|rotation| rotation.try_into().ok());
         if let Some(q) = rotation
-            && !is_unit(&q.map(single), UNIT_QUATERNION)
+            && !is_unit(&q.map(to_single), UNIT_QUATERNION)
         {
-            self.at("ROTATION_NON_UNIT", "rotation", "the quaternion is not normalized");
+            self.issue_below("ROTATION_NON_UNIT", "rotation", "the quaternion is not normalized");
         }
-        let scale = self.any_reals::<3>(map, "scale");
+        let scale = self.any_numbers::<3>(map, "scale");
         self.reference(map, "camera", "cameras");
         let children = self.indices(map, "children", false).unwrap_or_default();
         let mesh = self.reference(map, "mesh", "meshes");
         let skin = self.reference(map, "skin", "skins");
-        let weights = self.reals(map, "weights", 0, ANY);
+        let weights = self.numbers(map, "weights", 0, ANY);
         if mesh.is_none() && skin.is_some() {
-            self.at("UNSATISFIED_DEPENDENCY", "skin", "mesh is missing");
+            self.issue_below("UNSATISFIED_DEPENDENCY", "skin", "mesh is missing");
         }
         if mesh.is_none() && weights.is_some() {
-            self.at("UNSATISFIED_DEPENDENCY", "weights", "mesh is missing");
+            self.issue_below("UNSATISFIED_DEPENDENCY", "weights", "mesh is missing");
         }
         if let Some(matrix) = &matrix {
             if translation.is_some() || rotation.is_some() || scale.is_some() {
-                self.at(
+                self.issue_below(
                     "NODE_MATRIX_TRS",
                     "matrix",
                     "a node has either a matrix or translation, rotation, scale",
                 );
             }
             if !is_identity(matrix) && !is_trs(matrix) {
-                self.at("NODE_MATRIX_NON_TRS", "matrix", "the matrix is no translation, rotation and scale");
+                self.issue_below(
+                    "NODE_MATRIX_NON_TRS",
+                    "matrix",
+                    "the matrix is no translation, rotation and scale",
+                );
             }
         }
         let name = self.name(map);
-        let found = self.extensions(map, At::Node);
+        let found = self.extensions(map, ExtensionHost::Node);
         self.each_extension(found, |lint, _, value| {
             let light = lint.index(value, "light", true);
             lint.extension_reference(["KHR_lights_punctual", "lights"], light, "light".into());
         });
-        Node { name, children, mesh, skin, matrix, translation, rotation, scale, weights }
+        GltfNode { name, children, mesh, skin, matrix, translation, rotation, scale, weights }
     }
 
-    pub(super) fn scene(&mut self, map: &'a Json) -> Scene {
+    pub(super) fn scene(&mut self, map: &'a JsonValue) -> GltfScene {
         let nodes = self.indices(map, "nodes", false);
         self.name(map);
-        self.extensions(map, At::Other);
-        Scene { nodes }
+        self.extensions(map, ExtensionHost::Other);
+        GltfScene { nodes }
     }
 
-    pub(super) fn link_nodes(&mut self, model: &Model<'a>) {
+    pub(super) fn link_nodes(&mut self, model: &GltfModel<'a>) {
         let mut parent = vec![None; model.nodes.len()];
         for (i, node) in model.nodes.iter().enumerate() {
             let Some(node) = node else { continue };
-            self.below(&["nodes".into(), i.into()], |lint| {
+            self.within_path(&["nodes".into(), i.into()], |lint| {
                 lint.link_node(model, node);
                 lint.within("children", |lint| {
                     for (c, child) in node.children.iter().enumerate() {
@@ -79,14 +83,14 @@ impl<'a> Lint<'a> {
                 });
             });
         }
-        for i in on_loops(&parent) {
-            self.within("nodes", |lint| lint.at("NODE_LOOP", i, "the node is its own ancestor"));
+        for i in nodes_on_cycles(&parent) {
+            self.within("nodes", |lint| lint.issue_below("NODE_LOOP", i, "the node is its own ancestor"));
         }
         for (s, scene) in model.scenes.iter().enumerate() {
             let nodes = scene.iter().flat_map(|scene| scene.nodes.iter().flatten());
             for (k, node) in nodes.enumerate() {
                 let Some(node) = *node else { continue };
-                self.below(&["scenes".into(), s.into(), "nodes".into()], |lint| {
+                self.within_path(&["scenes".into(), s.into(), "nodes".into()], |lint| {
                     if lint.resolved("nodes", node, k.into()) && parent[node].is_some() {
                         let what = format!("node {node} is no root");
                         lint.issue("SCENE_NON_ROOT_NODE", Some(k.into()), || what);
@@ -96,7 +100,7 @@ impl<'a> Lint<'a> {
         }
     }
 
-    fn link_node(&mut self, model: &Model<'a>, node: &Node<'a>) {
+    fn link_node(&mut self, model: &GltfModel<'a>, node: &GltfNode<'a>) {
         let Some(mesh) = item(&model.meshes, node.mesh) else { return };
         let Some(first) = mesh.primitives.first() else { return };
         let n_targets = first.targets.as_ref().map(Vec::len);
@@ -105,14 +109,14 @@ impl<'a> Lint<'a> {
             self.issue("NODE_WEIGHTS_INVALID", Some("weights".into()), || what);
         }
         if item(&model.skins, node.skin).is_some() && mesh.primitives.iter().all(|p| p.n_joints == 0) {
-            self.here("NODE_SKIN_WITH_NON_SKINNED_MESH", "the node has a skin, its mesh no joints");
+            self.issue_here("NODE_SKIN_WITH_NON_SKINNED_MESH", "the node has a skin, its mesh no joints");
         }
     }
 }
 
 /// The number that single precision makes of it.
 #[allow(clippy::cast_possible_truncation)]
-pub(super) fn single(x: f64) -> f64 {
+pub(super) fn to_single(x: f64) -> f64 {
     f64::from(x as f32)
 }
 
@@ -123,8 +127,9 @@ pub(super) fn is_unit(vector: &[f64], tolerance: f64) -> bool {
     off.is_nan() || off <= tolerance
 }
 
-/// The nodes that are their own ancestors. Each has one parent at most, so that walking up meets each loop once.
-fn on_loops(parent: &[Option<usize>]) -> Vec<usize> {
+/// The nodes that are their own ancestors. Each has one parent at most, so that walking up meets each loop
+/// once.
+fn nodes_on_cycles(parent: &[Option<usize>]) -> Vec<usize> {
     // The walk that came by first; 0 for none.
     let mut walk = vec![0; parent.len()];
     let mut out = Vec::new();
@@ -155,14 +160,14 @@ fn on_loops(parent: &[Option<usize>]) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::on_loops;
+    use super::nodes_on_cycles;
 
     #[test]
     fn finds_the_members_of_loops_and_not_what_hangs_on_them() {
-        assert_eq!(on_loops(&[None, Some(0), Some(1)]), Vec::<usize>::new());
-        assert_eq!(on_loops(&[Some(0)]), vec![0]);
-        assert_eq!(on_loops(&[Some(1), Some(2), Some(1), Some(0), None]), vec![1, 2]);
+        assert_eq!(nodes_on_cycles(&[None, Some(0), Some(1)]), Vec::<usize>::new());
+        assert_eq!(nodes_on_cycles(&[Some(0)]), vec![0]);
+        assert_eq!(nodes_on_cycles(&[Some(1), Some(2), Some(1), Some(0), None]), vec![1, 2]);
         let chain: Vec<_> = (0..100_000).map(|i: usize| i.checked_sub(1)).collect();
-        assert_eq!(on_loops(&chain), Vec::<usize>::new());
+        assert_eq!(nodes_on_cycles(&chain), Vec::<usize>::new());
     }
 }

@@ -1,48 +1,49 @@
 //! The document: its lists, in the order in which the validator looks at them.
-use super::Lint;
-use super::extensions::At;
-use crate::glb::json::Json;
-use crate::glb::model::Model;
+use super::GltfLint;
+use super::extensions::ExtensionHost;
+use crate::glb::json::JsonValue;
+use crate::glb::model::GltfModel;
 
 /// Parses a document; `bin` is the BIN chunk. `None` when it is no glTF 2.x that could be looked into.
 pub(in crate::glb) fn parse<'a>(
-    lint: &mut Lint<'a>,
-    root: &'a Json,
+    lint: &mut GltfLint<'a>,
+    root: &'a JsonValue,
     bin: Option<&'a [u8]>,
-) -> Option<Model<'a>> {
+) -> Option<GltfModel<'a>> {
     let required = lint.texts(root, "extensionsRequired");
     if root.get("extensionsRequired").is_some() && root.get("extensionsUsed").is_none() {
-        lint.at("UNSATISFIED_DEPENDENCY", "extensionsRequired", "extensionsUsed is missing");
+        lint.issue_below("UNSATISFIED_DEPENDENCY", "extensionsRequired", "extensionsUsed is missing");
     }
     let used = lint.texts(root, "extensionsUsed");
     lint.declare(&used, &required);
     let asset = lint.object(root, "asset", true)?;
     lint.within("asset", |lint| asset_version(lint, asset))?;
-    let mut model = Model { extensions_used: used, extensions_required: required, ..Model::default() };
-    model.accessors = lint.each(root, "accessors", Lint::accessor);
-    model.animations = lint.each(root, "animations", Lint::animation);
-    model.buffers = lint.each(root, "buffers", Lint::buffer);
+    let mut model =
+        GltfModel { extensions_used: used, extensions_required: required, ..GltfModel::default() };
+    model.accessors = lint.each_object(root, "accessors", GltfLint::accessor);
+    model.animations = lint.each_object(root, "animations", GltfLint::animation);
+    model.buffers = lint.each_object(root, "buffers", GltfLint::buffer);
     if let Some(Some(first)) = model.buffers.first_mut() {
         lint.within("buffers", |lint| lint.within(0, |lint| lint.glb_buffer(first, bin)));
     }
-    model.views = lint.each(root, "bufferViews", Lint::view);
-    lint.each(root, "cameras", Lint::camera);
-    model.images = lint.each(root, "images", Lint::image);
-    model.materials = lint.each(root, "materials", Lint::material);
-    model.meshes = lint.each(root, "meshes", Lint::mesh);
-    model.nodes = lint.each(root, "nodes", Lint::node);
-    lint.each(root, "samplers", Lint::sampler);
-    model.scenes = lint.each(root, "scenes", Lint::scene);
+    model.views = lint.each_object(root, "bufferViews", GltfLint::view);
+    lint.each_object(root, "cameras", GltfLint::camera);
+    model.images = lint.each_object(root, "images", GltfLint::image);
+    model.materials = lint.each_object(root, "materials", GltfLint::material);
+    model.meshes = lint.each_object(root, "meshes", GltfLint::mesh);
+    model.nodes = lint.each_object(root, "nodes", GltfLint::node);
+    lint.each_object(root, "samplers", GltfLint::sampler);
+    model.scenes = lint.each_object(root, "scenes", GltfLint::scene);
     model.scene = lint.reference(root, "scene", "scenes");
-    model.skins = lint.each(root, "skins", Lint::skin);
-    model.textures = lint.each(root, "textures", Lint::texture);
+    model.skins = lint.each_object(root, "skins", GltfLint::skin);
+    model.textures = lint.each_object(root, "textures", GltfLint::texture);
     lint.root_extensions(root);
     Some(model)
 }
 
 /// Checks how the objects refer to one another, and what their data say.
-pub(in crate::glb) fn link<'a>(lint: &mut Lint<'a>, model: &mut Model<'a>) {
-    let mut uses = super::buffers::Uses::of(model);
+pub(in crate::glb) fn link<'a>(lint: &mut GltfLint<'a>, model: &mut GltfModel<'a>) {
+    let mut uses = super::buffers::UseTable::from_model(model);
     lint.link_views(model);
     lint.link_accessors(model, &mut uses);
     lint.link_images(model, &mut uses);
@@ -50,29 +51,29 @@ pub(in crate::glb) fn link<'a>(lint: &mut Lint<'a>, model: &mut Model<'a>) {
     lint.link_nodes(model);
     lint.link_skins(model, &mut uses);
     lint.link_animations(model, &mut uses);
-    lint.look_at_buffers(model);
-    lint.look_at_images(model);
-    lint.look_at_elements(model, &uses);
-    lint.look_at_influences(model);
+    lint.check_buffers(model);
+    lint.check_images(model);
+    lint.check_elements(model, &uses);
+    lint.check_influences(model);
     lint.link_textures(model);
 }
 
-impl<'a> Lint<'a> {
+impl<'a> GltfLint<'a> {
     /// Looks at each object of a root list.
-    fn each<T>(
+    fn each_object<T>(
         &mut self,
-        root: &'a Json,
+        root: &'a JsonValue,
         list: &'static str,
-        look: impl Fn(&mut Self, &'a Json) -> T,
+        look: impl Fn(&mut Self, &'a JsonValue) -> T,
     ) -> Vec<Option<T>> {
         let Some(items) = self.list(root, list) else { return Vec::new() };
         self.within(list, |lint| {
             let mut out = Vec::with_capacity(items.len());
             for (i, item) in items.iter().enumerate() {
-                if matches!(item, Json::Object(_)) {
+                if matches!(item, JsonValue::Object(_)) {
                     out.push(Some(lint.within(i, |lint| look(lint, item))));
                 } else {
-                    lint.at("TYPE_MISMATCH", i, "the item is no object");
+                    lint.issue_below("TYPE_MISMATCH", i, "the item is no object");
                     out.push(None);
                 }
             }
@@ -82,16 +83,20 @@ impl<'a> Lint<'a> {
 }
 
 /// The version, which has to be 2.x and not below the least one that the file asks for.
-fn asset_version<'a>(lint: &mut Lint<'a>, asset: &'a Json) -> Option<()> {
+fn asset_version<'a>(lint: &mut GltfLint<'a>, asset: &'a JsonValue) -> Option<()> {
     lint.text(asset, "copyright", false);
     lint.text(asset, "generator", false);
     let version = version_of(lint, asset, "version", true);
     let least = version_of(lint, asset, "minVersion", false);
-    lint.extensions(asset, At::Other);
+    lint.extensions(asset, ExtensionHost::Other);
     if let (Some(version), Some(least)) = (version, least)
         && least > version
     {
-        lint.at("ASSET_MIN_VERSION_GREATER_THAN_VERSION", "minVersion", "minVersion is above version");
+        lint.issue_below(
+            "ASSET_MIN_VERSION_GREATER_THAN_VERSION",
+            "minVersion",
+            "minVersion is above version",
+        );
     }
     let (major, _) = version?;
     if major != 2 {
@@ -103,7 +108,12 @@ fn asset_version<'a>(lint: &mut Lint<'a>, asset: &'a Json) -> Option<()> {
     Some(())
 }
 
-fn version_of<'a>(lint: &mut Lint<'a>, asset: &'a Json, key: &'a str, required: bool) -> Option<(u64, u64)> {
+fn version_of<'a>(
+    lint: &mut GltfLint<'a>,
+    asset: &'a JsonValue,
+    key: &'a str,
+    required: bool,
+) -> Option<(u64, u64)> {
     let text = lint.text(asset, key, required)?;
     let digits = |part: &str| {
         if part.is_empty() || !part.bytes().all(|b| b.is_ascii_digit()) { None } else { part.parse().ok() }

@@ -1,14 +1,14 @@
 //! Skins.
-use super::Lint;
-use super::buffers::{Demand, Role, Use, Uses};
-use super::extensions::At;
-use crate::glb::format::{Component, Format, Kind};
-use crate::glb::json::Json;
-use crate::glb::model::{Model, Skin, item};
+use super::GltfLint;
+use super::buffers::{AccessorConstraint, AccessorUse, BufferViewUse, UseTable};
+use super::extensions::ExtensionHost;
+use crate::glb::format::{AccessorFormat, AccessorType, ComponentType};
+use crate::glb::json::JsonValue;
+use crate::glb::model::{GltfModel, GltfSkin, item};
 use std::collections::BTreeSet;
 
 /// The forest of nodes, numbered so that ancestors are told in one comparison.
-struct Forest {
+struct NodeForest {
     parent: Vec<Option<usize>>,
     root: Vec<usize>,
     /// The numbers of a node's first and last descendant, itself included.
@@ -17,9 +17,9 @@ struct Forest {
     up: Vec<Vec<usize>>,
 }
 
-impl Forest {
+impl NodeForest {
     /// `None` when nodes form loops.
-    fn of(model: &Model<'_>) -> Option<Self> {
+    fn from_model(model: &GltfModel<'_>) -> Option<Self> {
         let n = model.nodes.len();
         let mut parent = vec![None; n];
         let children = |i: usize| model.nodes[i].iter().flat_map(|node| node.children.iter().flatten());
@@ -66,7 +66,7 @@ impl Forest {
     }
 
     /// The lowest node that is an ancestor of both, or one of them.
-    fn common(&self, a: usize, b: usize) -> Option<usize> {
+    fn lowest_common_ancestor(&self, a: usize, b: usize) -> Option<usize> {
         if self.root[a] != self.root[b] {
             return None;
         }
@@ -84,25 +84,25 @@ impl Forest {
     }
 }
 
-impl<'a> Lint<'a> {
-    pub(super) fn skin(&mut self, map: &'a Json) -> Skin {
+impl<'a> GltfLint<'a> {
+    pub(super) fn skin(&mut self, map: &'a JsonValue) -> GltfSkin {
         let matrices = self.index(map, "inverseBindMatrices", false);
         let skeleton = self.index(map, "skeleton", false);
         let joints = self.indices(map, "joints", true);
         self.name(map);
-        self.extensions(map, At::Other);
-        Skin { matrices, skeleton, joints }
+        self.extensions(map, ExtensionHost::Other);
+        GltfSkin { matrices, skeleton, joints }
     }
 
-    pub(super) fn link_skins(&mut self, model: &Model<'a>, uses: &mut Uses) {
+    pub(super) fn link_skins(&mut self, model: &GltfModel<'a>, uses: &mut UseTable) {
         if model.skins.is_empty() {
             return;
         }
-        let forest = Forest::of(model);
+        let forest = NodeForest::from_model(model);
         let mut common = vec![None; model.skins.len()];
         for (i, skin) in model.skins.iter().enumerate() {
             let Some(skin) = skin else { continue };
-            self.below(&["skins".into(), i.into()], |lint| {
+            self.within_path(&["skins".into(), i.into()], |lint| {
                 lint.link_matrices(model, skin, uses);
                 common[i] = lint.link_joints(skin, forest.as_ref());
             });
@@ -113,7 +113,7 @@ impl<'a> Lint<'a> {
     }
 
     /// The common root of the joints.
-    fn link_joints(&mut self, skin: &Skin, forest: Option<&Forest>) -> Option<usize> {
+    fn link_joints(&mut self, skin: &GltfSkin, forest: Option<&NodeForest>) -> Option<usize> {
         let mut common = None;
         let mut n_found = 0;
         for (k, joint) in skin.joints.iter().flatten().enumerate() {
@@ -121,42 +121,46 @@ impl<'a> Lint<'a> {
             let found = self.within("joints", |lint| lint.resolved("nodes", joint, k.into()));
             let (Some(forest), true) = (forest, found) else { continue };
             n_found += 1;
-            // A joint of another tree takes the common root away, and the next one begins anew. That is how the
-            // validator has it, so that the last joints decide.
+            // A joint of another tree takes the common root away, and the next one begins anew. That is how
+            // the validator has it, so that the last joints decide.
             common = match common {
                 None => Some(joint),
-                Some(above) => forest.common(above, joint),
+                Some(above) => forest.lowest_common_ancestor(above, joint),
             };
         }
         if n_found > 0 && common.is_none() {
-            self.at("SKIN_NO_COMMON_ROOT", "joints", "the joints have no common root");
+            self.issue_below("SKIN_NO_COMMON_ROOT", "joints", "the joints have no common root");
         }
         if let Some(skeleton) = skin.skeleton
             && self.resolved("nodes", skeleton, "skeleton".into())
             && let (Some(forest), Some(common)) = (forest, common)
             && !forest.is_ancestor(skeleton, common)
         {
-            self.at("SKIN_SKELETON_INVALID", "skeleton", "the skeleton is no common root of the joints");
+            self.issue_below(
+                "SKIN_SKELETON_INVALID",
+                "skeleton",
+                "the skeleton is no common root of the joints",
+            );
         }
         common
     }
 
-    fn link_matrices(&mut self, model: &Model<'a>, skin: &Skin, uses: &mut Uses) {
+    fn link_matrices(&mut self, model: &GltfModel<'a>, skin: &GltfSkin, uses: &mut UseTable) {
         let Some(index) = skin.matrices else { return };
         if !self.resolved("accessors", index, "inverseBindMatrices".into()) {
             return;
         }
         let Some(accessor) = item(&model.accessors, Some(index)) else { return };
-        self.use_accessor(uses, index, Role::InverseBindMatrices, "inverseBindMatrices");
-        self.use_view(uses, accessor.view, Use::InverseBindMatrices, "inverseBindMatrices");
+        self.use_accessor(uses, index, AccessorUse::InverseBindMatrices, "inverseBindMatrices");
+        self.use_view(uses, accessor.view, BufferViewUse::InverseBindMatrices, "inverseBindMatrices");
         self.within("inverseBindMatrices", |lint| {
             if item(&model.views, accessor.view).is_some_and(|view| view.stride.is_some()) {
-                lint.here("SKIN_IBM_ACCESSOR_WITH_BYTESTRIDE", "bind matrices have no byteStride");
+                lint.issue_here("SKIN_IBM_ACCESSOR_WITH_BYTESTRIDE", "bind matrices have no byteStride");
             }
-            if accessor.format() == Some(Format::plain(Kind::Mat4, Component::F32)) {
-                uses.demand(index, Demand::BindMatrices, lint.pointer(None));
+            if accessor.format() == Some(AccessorFormat::plain(AccessorType::Mat4, ComponentType::F32)) {
+                uses.demand(index, AccessorConstraint::BindMatrices, lint.pointer(None));
             } else {
-                lint.here("SKIN_IBM_INVALID_FORMAT", "bind matrices are 4 x 4 floats");
+                lint.issue_here("SKIN_IBM_INVALID_FORMAT", "bind matrices are 4 x 4 floats");
             }
             let n_joints = skin.joints.as_ref().map_or(0, Vec::len) as u64;
             if let Some(count) = accessor.count.filter(|count| *count < n_joints) {
@@ -167,7 +171,7 @@ impl<'a> Lint<'a> {
     }
 
     /// Whether the joints of a node's skin are in each scene that shows the node.
-    fn scenes_of_skins(&mut self, model: &Model<'a>, forest: &Forest, common: &[Option<usize>]) {
+    fn scenes_of_skins(&mut self, model: &GltfModel<'a>, forest: &NodeForest, common: &[Option<usize>]) {
         let mut shown = vec![BTreeSet::new(); model.nodes.len()];
         for (s, scene) in model.scenes.iter().enumerate() {
             for node in scene.iter().flat_map(|scene| scene.nodes.iter().flatten()).flatten() {
@@ -184,7 +188,7 @@ impl<'a> Lint<'a> {
             let (own, joints) = (forest.root[i], forest.root[joint]);
             if !*known.entry((own, joints)).or_insert_with(|| shown[own].is_subset(&shown[joints])) {
                 let what = "a scene shows the node and not its joints";
-                self.within("nodes", |lint| lint.at("NODE_SKIN_NO_SCENE", i, what));
+                self.within("nodes", |lint| lint.issue_below("NODE_SKIN_NO_SCENE", i, what));
             }
         }
     }
@@ -193,7 +197,7 @@ impl<'a> Lint<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::glb::model::Node;
+    use crate::glb::model::GltfNode;
 
     #[test]
     fn common_ancestors_are_those_that_walking_up_finds() {
@@ -204,20 +208,20 @@ mod tests {
             _ if i.is_multiple_of(3) => Some(if i > 150 { 150 + (i - 150) / 2 } else { i / 2 }),
             _ => Some(i - 1),
         };
-        let mut nodes: Vec<Node<'_>> = (0..n).map(|_| Node::default()).collect();
+        let mut nodes: Vec<GltfNode<'_>> = (0..n).map(|_| GltfNode::default()).collect();
         for i in 0..n {
             if let Some(above) = parent(i) {
                 nodes[above].children.push(Some(i));
             }
         }
-        let model = Model { nodes: nodes.into_iter().map(Some).collect(), ..Model::default() };
-        let forest = Forest::of(&model).expect("no loops");
+        let model = GltfModel { nodes: nodes.into_iter().map(Some).collect(), ..GltfModel::default() };
+        let forest = NodeForest::from_model(&model).expect("no loops");
         let chain = |i: usize| std::iter::successors(Some(i), |i| parent(*i)).collect::<Vec<_>>();
         for a in 0..n {
             let above = chain(a);
             for b in (0..n).step_by(7) {
                 let expected = chain(b).into_iter().find(|i| above.contains(i));
-                assert_eq!(forest.common(a, b), expected, "{a} and {b}");
+                assert_eq!(forest.lowest_common_ancestor(a, b), expected, "{a} and {b}");
             }
         }
     }

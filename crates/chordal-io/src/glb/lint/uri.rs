@@ -88,8 +88,8 @@ fn base64(text: &[u8]) -> Result<Vec<u8>, &'static str> {
     Ok(out)
 }
 
-/// Whether a text cannot be a URI, in the eyes of the validator's parser: it begins with the colon of an empty
-/// scheme, its host is a broken IPv6 address, or its port is no number.
+/// Whether a text cannot be a URI, in the eyes of the validator's parser: it begins with the colon of an
+/// empty scheme, its host is a broken IPv6 address, or its port is no number.
 pub(super) fn is_invalid(text: &str) -> bool {
     if text.starts_with(':') {
         return true;

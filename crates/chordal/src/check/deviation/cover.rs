@@ -18,11 +18,11 @@
 //!
 //! So every point of the piece is in the part over some face: the points whose image is in that face's image, a convex
 //! polygon on the piece. Its distance to the face is at most that of its farthest corner. How far image and truth are
-//! apart does not matter to the proof, only to how sharp it is. The polygon is cut in rounded numbers, outwards: see [`Cutter`].
-use super::cutter::Cutter;
-use super::piece::{Piece, larger};
-use super::side::Side;
-use super::view::View;
+//! apart does not matter to the proof, only to how sharp it is. The polygon is cut in rounded numbers, outwards: see [`ConvexClipper`].
+use super::clipper::ConvexClipper;
+use super::distance_surface::DistanceSurface;
+use super::projection::SubtriangleProjection;
+use super::subtriangle::{MeshSubtriangle, larger};
 use crate::explicit::{Twin, Twins};
 use crate::math::{Orientation, orient2d};
 
@@ -39,16 +39,16 @@ pub(super) enum Cover {
 
 /// Which faces were met for which piece, kept from piece to piece.
 #[derive(Default)]
-pub(super) struct Scratch {
+pub(super) struct CoverScratch {
     met: Vec<u32>,
     round: u32,
     faces: Vec<u32>,
 }
 
-impl Scratch {
+impl CoverScratch {
     /// Forgets what was met. The table is made when it is first needed, of pages that the system hands out as they are
     /// touched.
-    fn start(&mut self, other: &Side) {
+    fn start(&mut self, other: &DistanceSurface) {
         if self.met.is_empty() {
             self.met = vec![0; other.mesh().faces().len()];
         }
@@ -67,18 +67,23 @@ impl Scratch {
 
 /// The most faces under one piece and the distance that is good enough.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Terms {
-    pub enough: f64,
+pub(super) struct CoverLimits {
+    pub tolerance: f64,
     pub most_faces: usize,
     /// The largest coordinate of both surfaces.
     pub reach: f64,
 }
 
 /// Looks for a cover of `piece` by faces of `other` around the faces nearest to its corners.
-pub(super) fn cover(piece: &Piece, other: &Side, terms: Terms, scratch: &mut Scratch) -> Cover {
-    let Some(view) = View::of(piece) else { return Cover::None };
+pub(super) fn cover(
+    piece: &MeshSubtriangle,
+    other: &DistanceSurface,
+    terms: CoverLimits,
+    scratch: &mut CoverScratch,
+) -> Cover {
+    let Some(view) = SubtriangleProjection::along_normal(piece) else { return Cover::None };
     let mesh = other.mesh();
-    let seen = |face: u32| mesh.corners(face as usize).map(|p| view.flat(p));
+    let seen = |face: u32| mesh.corners(face as usize).map(|p| view.project(p));
     // 1. A face that overlaps the inside of the piece.
     let mut first = None;
     for corner in &piece.corners {
@@ -93,7 +98,7 @@ pub(super) fn cover(piece: &Piece, other: &Side, terms: Terms, scratch: &mut Scr
     // 2. All faces that are reached from it across edges inside the piece.
     scratch.start(other);
     scratch.meet(first);
-    let cutter = Cutter::new(&view, piece);
+    let cutter = ConvexClipper::new(&view, piece);
     let (mut n_faces, mut most, mut trim) = (0, 0.0, 0.0);
     while n_faces < scratch.faces.len() {
         let face = scratch.faces[n_faces];
@@ -121,8 +126,8 @@ pub(super) fn cover(piece: &Piece, other: &Side, terms: Terms, scratch: &mut Scr
             let corners = mesh.corners(face as usize);
             let flat = if turn == Orientation::Front { flat } else { [flat[0], flat[2], flat[1]] };
             let (far, at) = cutter.farthest(piece, flat, &corners);
-            let far = piece.widened(far);
-            if far > terms.enough {
+            let far = piece.with_slack(far);
+            if far > terms.tolerance {
                 return Cover::TooFar(at);
             }
             most = larger(most, far);

@@ -1,5 +1,5 @@
 //! How far a point is from one triangle, from above: the innermost step of everything here.
-use crate::explicit::nearest_on_triangle;
+use crate::explicit::closest_on_triangle;
 use crate::math::{difference, length};
 
 /// Twice the unit roundoff: `|x ∘ y rounded − x ∘ y| ≤ ε/2 · |x ∘ y|`.
@@ -21,7 +21,7 @@ pub(crate) fn distance_up(q: [f64; 3], corners: &[[f64; 3]; 3]) -> f64 {
     if corners.contains(&q) {
         return 0.0;
     }
-    let w = nearest_on_triangle(q, *corners);
+    let w = closest_on_triangle(q, *corners);
     let whole = w[0] + w[1] + w[2];
     let (mut square, mut size) = (0.0, 0.0);
     for k in 0..3 {

@@ -1,12 +1,12 @@
-//! `Frame`: coordinates in which two meshes lie around zero with an extent near 1, and what bringing them there costs.
-use super::piece::smaller;
+//! `DeviationFrame`: coordinates in which two meshes lie around zero with an extent near 1, and what bringing them there costs.
+use super::subtriangle::smaller;
 use crate::explicit::Mesh;
 use crate::math::{Box3, DoubleDouble, add_down, add_up, div_down, div_up, mul_up, sqrt_up, sub_down};
 use std::borrow::Cow;
 
 /// World → local: minus the origin, times a power of two.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(super) struct DeviationFrame {
     origin: [f64; 3],
     scale: f64,
 }
@@ -17,9 +17,9 @@ const EXPONENTS: std::ops::RangeInclusive<i32> = -100..=100;
 /// Coordinates this many times larger than the extent lose digits by their place alone.
 const FAR: f64 = 4.0;
 
-impl Frame {
+impl DeviationFrame {
     /// A frame for what lies in `bounds`, which is not empty: the world's own wherever that will do.
-    pub fn of(bounds: &Box3) -> Self {
+    pub fn around(bounds: &Box3) -> Self {
         // Halved before the difference, which might overflow.
         let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
         let half = half.fold(0.0, |most, x| if x > most { x } else { most });
@@ -51,7 +51,7 @@ impl Frame {
         for p in mesh.positions() {
             let shifted: [f64; 3] = std::array::from_fn(|k| p[k] - self.origin[k]);
             let square = (0..3).fold(0.0, |sum, k| {
-                let lost = DoubleDouble::sum(p[k], -self.origin[k]).lo;
+                let lost = DoubleDouble::two_sum(p[k], -self.origin[k]).lo;
                 if lost == 0.0 { sum } else { add_up(sum, mul_up(lost, lost)) }
             });
             moved = if square > moved { square } else { moved };
@@ -88,7 +88,7 @@ impl Frame {
 
     /// A box of the world around all that is within `off` of the box of some points of this frame, from outside.
     pub fn world_box(&self, points: &[[f64; 3]], off: f64) -> Box3 {
-        let local = Box3::around(points);
+        let local = Box3::from_points(points);
         if self.is_world() && off == 0.0 {
             return local;
         }

@@ -1,24 +1,26 @@
 //! `deviation`: how far two surfaces of triangles are apart, certified from both sides.
-mod beyond;
-mod common;
+mod clipper;
 mod cover;
-mod cutter;
 pub(super) mod distance;
+mod distance_surface;
 mod frame;
-mod piece;
-mod rounds;
-mod side;
-mod view;
+mod hausdorff;
+mod projection;
+mod shared;
+mod subtriangle;
+mod violations;
 
-use crate::budget::{Bound, Code, Job, Reference, Refusal, Stopped, Tolerance, par_map};
+use crate::budget::{Bound, Job, JobError, Reference, Refusal, RefusalCode, Tolerance, par_map};
 use crate::explicit::{Bvh, Mesh};
 use crate::math::{Box3, add_up, flushes_subnormals, sub_down};
-pub(crate) use beyond::{Here, Judge, Near, Places, places_beyond};
-use common::{Common, Vertices};
-use frame::Frame;
-pub(super) use piece::larger;
-use rounds::{Asked, Direction, Limit, Wanted, search};
-use side::Side;
+use distance_surface::DistanceSurface;
+use frame::DeviationFrame;
+use hausdorff::{HausdorffGoal, HausdorffQuery, LimitInterval, OneSidedSearch, search};
+use shared::{SharedPositionIds, VertexDistances};
+pub(super) use subtriangle::larger;
+pub(crate) use violations::{
+    ProximityChecker, RegionTolerance, ToleranceField, ViolationReport, tolerance_violations,
+};
 
 /// How close together the two ends of a deviation are to come.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,7 +41,7 @@ impl Default for Goal {
 
 /// How far the points of one surface are from another, at most: the one-sided Hausdorff distance, enclosed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OneSided {
+pub struct OneSidedDistance {
     /// Some point is at least this far.
     pub at_least: f64,
     /// No point is farther than this.
@@ -56,9 +58,9 @@ pub struct Deviation {
     /// The Hausdorff distance, proved, with the worst point on either surface.
     pub bound: Bound,
     /// From the points of the first surface to the second.
-    pub forward: OneSided,
+    pub forward: OneSidedDistance,
     /// From the points of the second surface to the first.
-    pub backward: OneSided,
+    pub backward: OneSidedDistance,
     /// Whether the goal was reached. Where it was not, the ends hold all the same.
     pub reached: bool,
 }
@@ -66,7 +68,7 @@ pub struct Deviation {
 impl Deviation {
     /// The direction in which the worst pair was found.
     #[must_use]
-    pub fn worst(&self) -> &OneSided {
+    pub fn worst(&self) -> &OneSidedDistance {
         if self.backward.at_least > self.forward.at_least { &self.backward } else { &self.forward }
     }
 }
@@ -85,8 +87,8 @@ const FLOOR: f64 = 14.0 * f64::EPSILON; // measured: covers cut in rounded numbe
 /// more where they are far apart and bend. Memory: 300 bytes a triangle. The result does not depend on the threads.
 ///
 /// # Errors
-/// [`Stopped::Refused`] with [`Code::Empty`] when a mesh has no face, [`Code::NotFinite`] when an extent overflows, the
-/// refusals of [`Bvh::build`], and where subnormals are flushed; [`Stopped::Cancelled`].
+/// [`JobError::Refused`] with [`RefusalCode::Empty`] when a mesh has no face, [`RefusalCode::NotFinite`] when an extent overflows, the
+/// refusals of [`Bvh::build`], and where subnormals are flushed; [`JobError::Cancelled`].
 ///
 /// ```
 /// use chordal::{Job, Mesh, check::{Goal, deviation}};
@@ -102,21 +104,21 @@ const FLOOR: f64 = 14.0 * f64::EPSILON; // measured: covers cut in rounded numbe
 /// Sources: R. Straub, *Exact computation of the Hausdorff distance between triangular meshes*, 2007, and L. Kang, G.
 /// Bai, *Fast and accurate Hausdorff distance computation between triangle meshes*, 2018, for bounds by branching;
 /// covers by projection are of our own, derived in `check/deviation/cover.rs`.
-pub fn deviation(a: &Mesh, b: &Mesh, goal: &Goal, job: &Job) -> Result<Deviation, Stopped> {
+pub fn deviation(a: &Mesh, b: &Mesh, goal: &Goal, job: &Job) -> Result<Deviation, JobError> {
     job.run(|| {
-        let pair = Pair::of([a, b], job)?;
-        let Pair { frame, sides: [a, b], moved, reach, .. } = &pair;
-        let wanted = Wanted {
+        let pair = SurfacePair::from_meshes([a, b], job)?;
+        let SurfacePair { frame, sides: [a, b], moved, reach, .. } = &pair;
+        let wanted = HausdorffGoal {
             relative: if goal.relative > 0.0 { goal.relative } else { 0.0 },
             absolute: goal.absolute.map_or(0.0, |length| frame.local_length(length.get())),
-            floor: FLOOR * used(a.mesh()).union(used(b.mesh())).diagonal(),
+            floor: FLOOR * used_bounds(a.mesh()).union(used_bounds(b.mesh())).diagonal(),
             max: goal.max.map(|length| pair.limit(length.get())),
         };
-        let vertices = [0, 1].map(|which| pair.ask(which, job));
-        let mut both = [Direction::new(a, b, &vertices[0]), Direction::new(b, a, &vertices[1])];
-        let reached = search(&mut both, &vertices, &Asked { wanted, reach: *reach }, job);
+        let vertices = [0, 1].map(|which| pair.vertex_distances(which, job));
+        let mut both = [OneSidedSearch::new(a, b, &vertices[0]), OneSidedSearch::new(b, a, &vertices[1])];
+        let reached = search(&mut both, &vertices, &HausdorffQuery { goal: wanted, reach: *reach }, job);
         if job.is_cancelled() {
-            return Err(Stopped::Cancelled);
+            return Err(JobError::Cancelled);
         }
         let [forward, backward] = [(0, b), (1, a)].map(|(k, other)| {
             let moved = if vertices[k].faces.is_empty() { 0.0 } else { *moved };
@@ -132,10 +134,10 @@ pub fn deviation(a: &Mesh, b: &Mesh, goal: &Goal, job: &Job) -> Result<Deviation
 }
 
 /// Two surfaces in one frame, ready to be held against each other.
-struct Pair<'a> {
-    frame: Frame,
-    common: Common,
-    sides: [Side<'a>; 2],
+struct SurfacePair<'a> {
+    frame: DeviationFrame,
+    common: SharedPositionIds,
+    sides: [DistanceSurface<'a>; 2],
     /// How far both surfaces together stand from where they belong, at most, in the frame. Faces that both have stand where they
     /// belong to each other.
     moved: f64,
@@ -143,47 +145,47 @@ struct Pair<'a> {
     reach: f64,
 }
 
-impl<'a> Pair<'a> {
-    fn of(meshes: [&'a Mesh; 2], job: &Job) -> Result<Self, Stopped> {
+impl<'a> SurfacePair<'a> {
+    fn from_meshes(meshes: [&'a Mesh; 2], job: &Job) -> Result<Self, JobError> {
         if flushes_subnormals() {
             let message =
                 "the floating-point environment flushes subnormal numbers, so that nothing can be proved";
-            return refused(Code::FlushesSubnormals, message);
+            return refused(RefusalCode::FlushesSubnormals, message);
         }
         for (which, mesh) in ["first", "second"].iter().zip(meshes) {
             if mesh.faces().is_empty() {
                 let message = format!("the {which} mesh has no triangle, so nothing is near it");
-                return refused(Code::Empty, message);
+                return refused(RefusalCode::Empty, message);
             }
         }
         let [a, b] = meshes;
-        let overflows = || refused(Code::NotFinite, "the extent of the two meshes overflows");
-        let bounds = used(a).union(used(b));
+        let overflows = || refused(RefusalCode::NotFinite, "the extent of the two meshes overflows");
+        let bounds = used_bounds(a).union(used_bounds(b));
         if bounds.diagonal() == f64::INFINITY {
             return overflows();
         }
-        let frame = Frame::of(&bounds);
+        let frame = DeviationFrame::around(&bounds);
         // Of the meshes as they are: what a frame rounds to the same number need not be the same.
-        let common = Common::of(meshes);
+        let common = SharedPositionIds::from_meshes(meshes);
         let (Some((local_a, a_moved)), Some((local_b, b_moved))) = (frame.local(a), frame.local(b)) else {
             return overflows();
         };
         let moved = if a_moved + b_moved == 0.0 { 0.0 } else { add_up(a_moved, b_moved) };
-        let reach = Box3::around(a.positions().iter().chain(b.positions()));
+        let reach = Box3::from_points(a.positions().iter().chain(b.positions()));
         let reach = reach.min.iter().chain(&reach.max).fold(0.0, |most, x| larger(most, x.abs()));
-        let sides = [Side::new(local_a, job)?, Side::new(local_b, job)?];
+        let sides = [DistanceSurface::new(local_a, job)?, DistanceSurface::new(local_b, job)?];
         Ok(Self { frame, common, sides, moved, reach })
     }
 
     /// A length of the world as a limit in the frame.
-    fn limit(&self, length: f64) -> Limit {
-        Limit::around(self.frame.local_length(length), self.moved)
+    fn limit(&self, length: f64) -> LimitInterval {
+        LimitInterval::around(self.frame.local_length(length), self.moved)
     }
 
     /// The vertices of a side, each with its distance to the other.
-    fn ask(&self, which: usize, job: &Job) -> Vertices {
+    fn vertex_distances(&self, which: usize, job: &Job) -> VertexDistances {
         let [a, b] = &self.sides;
-        Vertices::ask(&self.common, [a, b], which, job)
+        VertexDistances::measure(&self.common, [a, b], which, job)
     }
 }
 
@@ -203,35 +205,40 @@ impl<'a> Pair<'a> {
 /// assert!((off[0] - 0.5).abs() < 1e-12 && off[1] < 1e-12 && off[2] < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn vertex_deviation(mesh: &Mesh, against: &Mesh, job: &Job) -> Result<Vec<f64>, Stopped> {
+pub fn vertex_deviation(mesh: &Mesh, against: &Mesh, job: &Job) -> Result<Vec<f64>, JobError> {
     if against.faces().is_empty() {
-        return refused(Code::Empty, "the mesh has no triangle, so nothing is near it");
+        return refused(RefusalCode::Empty, "the mesh has no triangle, so nothing is near it");
     }
     let bvh = Bvh::build(against, job)?;
-    let chunks: Vec<&[[f64; 3]]> = mesh.positions().chunks(common::CHUNK).collect();
+    let chunks: Vec<&[[f64; 3]]> = mesh.positions().chunks(shared::CHUNK).collect();
     let parts = par_map(job, &chunks, |_, points| {
         let up = |p: &[f64; 3]| bvh.closest_distance_up(*p).unwrap_or(f64::INFINITY);
         if job.is_cancelled() { Vec::new() } else { points.iter().map(up).collect::<Vec<_>>() }
     });
-    if job.is_cancelled() { Err(Stopped::Cancelled) } else { Ok(parts.concat()) }
+    if job.is_cancelled() { Err(JobError::Cancelled) } else { Ok(parts.concat()) }
 }
 
-pub(super) fn refused<T>(code: Code, message: impl Into<String>) -> Result<T, Stopped> {
-    Err(Stopped::Refused(Refusal { code, message: message.into() }))
+pub(super) fn refused<T>(code: RefusalCode, message: impl Into<String>) -> Result<T, JobError> {
+    Err(JobError::Refused(Refusal { code, message: message.into() }))
 }
 
 /// The box of the vertices that faces use.
-fn used(mesh: &Mesh) -> Box3 {
-    Box3::around(mesh.faces().as_flattened().iter().map(|&row| &mesh.positions()[row as usize]))
+fn used_bounds(mesh: &Mesh) -> Box3 {
+    Box3::from_points(mesh.faces().as_flattened().iter().map(|&row| &mesh.positions()[row as usize]))
 }
 
 /// What a direction found, in the world. Both surfaces together stand at most `moved` from where they belong.
-fn one_sided(direction: &Direction, other: &Side, frame: &Frame, moved: f64) -> OneSided {
+fn one_sided(
+    direction: &OneSidedSearch,
+    other: &DistanceSurface,
+    frame: &DeviationFrame,
+    moved: f64,
+) -> OneSidedDistance {
     let far = direction.farthest;
     let least = if moved == 0.0 { far.at_least } else { sub_down(far.at_least, moved) };
     let most = larger(direction.at_most(), far.at_least);
     let most = if moved == 0.0 { most } else { add_up(most, moved) };
-    OneSided {
+    OneSidedDistance {
         at_least: frame.length_down(if least > 0.0 { least } else { 0.0 }),
         at_most: frame.length_up(most),
         from: frame.world(far.at),
@@ -239,7 +246,7 @@ fn one_sided(direction: &Direction, other: &Side, frame: &Frame, moved: f64) -> 
     }
 }
 
-pub(super) fn two_sided(forward: &OneSided, backward: &OneSided) -> Bound {
+pub(super) fn two_sided(forward: &OneSidedDistance, backward: &OneSidedDistance) -> Bound {
     let at_least = larger(forward.at_least, backward.at_least);
     let at_most = larger(forward.at_most, backward.at_most);
     let mut bound = Bound::proved(at_least, at_most, Reference::InputTriangles);

@@ -3,16 +3,16 @@
 //! Every box has an upper end at once, its middle's distance and half its diagonal. As in the other direction, boxes that seem to be
 //! the farthest come first, those in which the field surely changes its sign raise the lower end, and when the work allowed is
 //! used up the answer is the largest upper end of what is left.
-use super::forward::Forward;
-use super::from_field::{self, Found, Target, crossed};
-use super::{LEAF_CHUNK, Search, cube, failed, larger, parts_of, smaller};
-use crate::budget::{Stopped, par_map};
+use super::forward::ForwardDistance;
+use super::from_field::{self, BoxVerdict, TargetMesh, may_cross};
+use super::{FieldDeviationSearch, LEAF_CHUNK, cube, larger, leaf_failure, smaller, sub_boxes};
+use crate::budget::{JobError, par_map};
 use crate::implicit::{LeafError, Tape};
 use crate::math::{Box3, Interval};
 use std::sync::Arc;
 
 /// What is known of all points of the field's surface.
-pub(super) struct Backward {
+pub(super) struct BackwardDistance {
     /// Some point is this far.
     pub least: f64,
     pub most: f64,
@@ -35,7 +35,7 @@ const UPPER_PART: f64 = 0.5;
 
 /// A box that the surface may run through.
 #[derive(Clone)]
-struct Open {
+struct OpenBox {
     tape: Arc<Tape>,
     bounds: Box3,
     /// No point of the surface in it is farther.
@@ -43,36 +43,40 @@ struct Open {
     cuts: usize,
 }
 
-impl Search<'_> {
-    pub fn backward(&self, forward: &Forward, target: &mut Target) -> Result<Backward, Stopped> {
+impl FieldDeviationSearch<'_> {
+    pub fn backward(
+        &self,
+        forward: &ForwardDistance,
+        target: &mut TargetMesh,
+    ) -> Result<BackwardDistance, JobError> {
         let faces = self.mesh.faces().len();
         let relative = self.goal.max.is_none();
         let mut left = BOXES_A_FACE * faces + FEW_BOXES;
-        let mut out = Backward { least: 0.0, most: 0.0, at: self.bounds.centre() };
+        let mut out = BackwardDistance { least: 0.0, most: 0.0, at: self.bounds.centre() };
         let whole = cube(&self.bounds);
         let tape = Arc::new(self.tape.clone());
         let mut open =
-            vec![Open { tape, bounds: whole, most: from_field::distance_of(&whole, target), cuts: 0 }];
+            vec![OpenBox { tape, bounds: whole, most: from_field::distance_of(&whole, target), cuts: 0 }];
         loop {
-            self.cancelled()?;
+            self.check_cancelled()?;
             out.least = larger(out.least, self.farthest(&open, larger(out.least, forward.least), target)?);
             let least = larger(out.least, forward.least);
-            target.enough = self.enough(least);
+            target.tolerance = self.sufficient_distance(least);
             if relative && forward.most > self.aim(least, super::FORWARD_SHARE) {
                 // What the other direction leaves open is not closed here; and what the mesh strays, by which columns are
                 // measured, is no less for the surface.
                 let room = 1.0 + (1.0 - super::FORWARD_SHARE) * larger(self.goal.relative, 0.0);
-                target.enough = larger(target.enough, room * forward.most);
+                target.tolerance = larger(target.tolerance, room * forward.most);
             }
             let beyond = self.goal.max.is_some_and(|max| least > max.get());
-            let tiny = |open: &Open| {
-                let share = if relative { SMALL * open.most } else { SMALL_FOR_LIMIT * target.enough };
+            let tiny = |open: &OpenBox| {
+                let share = if relative { SMALL * open.most } else { SMALL_FOR_LIMIT * target.tolerance };
                 open.cuts >= ROUNDS || open.bounds.diagonal() < share
             };
-            let level = upper_part(&open, target.enough);
+            let level = round_threshold(&open, target.tolerance);
             let exhausted = left == 0 || beyond;
             let (next, done): (Vec<_>, Vec<_>) =
-                open.into_iter().partition(|b| b.most > target.enough && !exhausted && !tiny(b));
+                open.into_iter().partition(|b| b.most > target.tolerance && !exhausted && !tiny(b));
             done.iter().for_each(|b| out.settle(b.most, &b.bounds));
             let (mut now, mut later): (Vec<_>, Vec<_>) = next.into_iter().partition(|b| b.most > level);
             if now.is_empty() {
@@ -84,7 +88,7 @@ impl Search<'_> {
             let results = par_map(self.job, &tasks, |_, task| task.run(target));
             open = later;
             for result in results {
-                let result = result.map_err(failed)?;
+                let result = result.map_err(leaf_failure)?;
                 left = left.saturating_sub(result.looked_at);
                 if let Some((most, bounds)) = result.settled {
                     out.settle(most, &bounds);
@@ -96,9 +100,9 @@ impl Search<'_> {
 
     /// How far some point of the field's surface is from the mesh, from below: among the boxes that seem to be the farthest,
     /// the distance of one where the field surely changes its sign.
-    fn farthest(&self, open: &[Open], least: f64, target: &Target) -> Result<f64, Stopped> {
+    fn farthest(&self, open: &[OpenBox], least: f64, target: &TargetMesh) -> Result<f64, JobError> {
         // About what it will be; the sure number is looked up for a few.
-        let about = |b: &Open| b.most - b.bounds.diagonal();
+        let about = |b: &OpenBox| b.most - b.bounds.diagonal();
         let mut far: Vec<(f64, usize)> = open
             .iter()
             .enumerate()
@@ -116,7 +120,7 @@ impl Search<'_> {
             .map(|p| Box3 { min: p, max: p })
             .collect();
         let mut values = vec![Interval::UNKNOWN; points.len()];
-        self.tape.over(&points, &mut values).map_err(failed)?;
+        self.tape.over(&points, &mut values).map_err(leaf_failure)?;
         let changes = |values: &[Interval]| {
             let sure = |sign: fn(&Interval) -> bool| values.iter().any(|v| v.is_defined() && sign(v));
             sure(|v| v.hi() < 0.0) && sure(|v| v.lo() >= 0.0)
@@ -127,28 +131,29 @@ impl Search<'_> {
     }
 
     /// The boxes of a round, with shorter tapes where that pays.
-    fn tasks(&self, open: Vec<Open>) -> Result<Vec<Task>, Stopped> {
+    fn tasks(&self, open: Vec<OpenBox>) -> Result<Vec<BoxBatch>, JobError> {
         if self.tape.has_leaves() {
             let tape = Arc::new(self.tape.clone());
             return Ok(open
                 .chunks(LEAF_CHUNK / 64)
-                .map(|boxes| Task { tape: Arc::clone(&tape), boxes: boxes.to_vec() })
+                .map(|boxes| BoxBatch { tape: Arc::clone(&tape), boxes: boxes.to_vec() })
                 .collect());
         }
         // Neighbours in the list are neighbours in space: a tape for a few of them is nearly as short as one for each.
-        let groups: Vec<&[Open]> =
+        let groups: Vec<&[OpenBox]> =
             open.chunk_by(|a, b| Arc::ptr_eq(&a.tape, &b.tape)).flat_map(|run| run.chunks(8)).collect();
-        let tasks = par_map(self.job, &groups, |_, group| -> Result<Task, LeafError> {
-            let about = group.iter().fold(Box3::EMPTY, |all, b| all.union(from_field::roomy(&b.bounds)));
+        let tasks = par_map(self.job, &groups, |_, group| -> Result<BoxBatch, LeafError> {
+            let about =
+                group.iter().fold(Box3::EMPTY, |all, b| all.union(from_field::tape_domain(&b.bounds)));
             let tape = &group[0].tape;
-            let short = if tape.len() < 16 { None } else { tape.shortened(&about)?.1 };
-            Ok(Task { tape: short.map_or_else(|| Arc::clone(tape), Arc::new), boxes: group.to_vec() })
+            let short = if tape.len() < 16 { None } else { tape.prune(&about)?.1 };
+            Ok(BoxBatch { tape: short.map_or_else(|| Arc::clone(tape), Arc::new), boxes: group.to_vec() })
         });
-        tasks.into_iter().collect::<Result<_, _>>().map_err(failed)
+        tasks.into_iter().collect::<Result<_, _>>().map_err(leaf_failure)
     }
 }
 
-impl Backward {
+impl BackwardDistance {
     fn settle(&mut self, most: f64, bounds: &Box3) {
         if most > self.most {
             (self.most, self.at) = (most, bounds.centre());
@@ -157,37 +162,37 @@ impl Backward {
 }
 
 /// Boxes to be cut into 64 and looked at with one tape.
-struct Task {
+struct BoxBatch {
     tape: Arc<Tape>,
-    boxes: Vec<Open>,
+    boxes: Vec<OpenBox>,
 }
 
 #[derive(Default)]
-struct Looked {
+struct BoxBatchResult {
     /// The farthest of what is done with.
     settled: Option<(f64, Box3)>,
-    open: Vec<Open>,
+    open: Vec<OpenBox>,
     looked_at: usize,
 }
 
-impl Task {
-    fn run(&self, target: &Target) -> Result<Looked, LeafError> {
-        let parts: Vec<Box3> = self.boxes.iter().flat_map(|b| parts_of(&b.bounds)).collect();
-        let crossed = crossed(&self.tape, &parts)?;
+impl BoxBatch {
+    fn run(&self, target: &TargetMesh) -> Result<BoxBatchResult, LeafError> {
+        let parts: Vec<Box3> = self.boxes.iter().flat_map(|b| sub_boxes(&b.bounds)).collect();
+        let crossed = may_cross(&self.tape, &parts)?;
         let left: Vec<usize> = (0..parts.len()).filter(|k| crossed[*k]).collect();
         let boxes: Vec<Box3> = left.iter().map(|k| parts[*k]).collect();
-        let found = from_field::look(&self.tape, &boxes, target)?;
-        let mut out = Looked { looked_at: parts.len(), ..Looked::default() };
+        let found = from_field::bound_boxes(&self.tape, &boxes, target)?;
+        let mut out = BoxBatchResult { looked_at: parts.len(), ..BoxBatchResult::default() };
         for ((k, bounds), found) in left.iter().zip(boxes).zip(found) {
             let whole = &self.boxes[k / 64];
             let most = match found {
-                Found::Nothing => continue,
+                BoxVerdict::Nothing => continue,
                 // It holds for a part what holds for the whole.
-                Found::Near(far) | Found::Open(far) => smaller(far, whole.most),
+                BoxVerdict::Near(far) | BoxVerdict::Open(far) => smaller(far, whole.most),
             };
-            if most > target.enough {
+            if most > target.tolerance {
                 let tape = Arc::clone(&self.tape);
-                out.open.push(Open { tape, bounds, most, cuts: whole.cuts + 1 });
+                out.open.push(OpenBox { tape, bounds, most, cuts: whole.cuts + 1 });
             } else if out.settled.is_none_or(|(far, _)| most > far) {
                 out.settled = Some((most, bounds));
             }
@@ -197,7 +202,7 @@ impl Task {
 }
 
 /// Above which bound from above a box is cut now.
-fn upper_part(open: &[Open], enough: f64) -> f64 {
+fn round_threshold(open: &[OpenBox], enough: f64) -> f64 {
     let most = open.iter().map(|b| b.most).filter(|most| *most < f64::INFINITY).fold(enough, larger);
     enough + UPPER_PART * (most - enough)
 }

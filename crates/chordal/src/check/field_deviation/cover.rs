@@ -5,7 +5,7 @@
 //! - *decided*: F < 0 on all of it but for cracks, or F ≥ 0 on all of it,
 //! - *growing*: with a direction n and a rate g > 0 so that n·γ ≥ g for every generalized gradient γ, in a box that holds the cell in its
 //!   interior, of every literal that can have the value of F there; the literals are Lipschitz in that box, or
-//! - *terminal*: known to be seen in another way ([`super::walls`], [`super::judge`]).
+//! - *terminal*: known to be seen in another way ([`super::walls`], [`super::prover`]).
 //!
 //! Then each component of A* (the interior of the closure of {F < 0}) meets a decided inner or a terminal cell, and each component of B*
 //! (the interior of {F ≥ 0}) a decided outer or a terminal one.
@@ -42,7 +42,7 @@ use super::growth::direction;
 use super::local_trees::{LiteralSides, LocalTree, LocalTrees, MOST_CASES, by_value, has_thin_zeros};
 use super::regions::SignRegions;
 use super::walls;
-use crate::implicit::{LeafError, Membership, PrimitiveEvaluator, SlopeRange};
+use crate::implicit::{DualRange, LeafError, Membership, PrimitiveEvaluator};
 use crate::math::{Box3, Interval, add_down, add_up, mul_up, sub_up};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,7 +72,7 @@ pub(super) struct CoverCell {
 
 /// A point of a set that the mesh has to wind around in the right way.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SeenPoint {
+pub(crate) struct WindingProbe {
     pub at: [f64; 3],
     pub side: Membership,
 }
@@ -87,7 +87,7 @@ pub(super) struct FieldCover {
     trees: LocalTrees,
     pub open: Vec<u32>,
     /// Points of the parts of cells that are seen through walls.
-    wall_points: Vec<SeenPoint>,
+    wall_points: Vec<WindingProbe>,
     /// What it may take in memory.
     most_bytes: u64,
 }
@@ -119,7 +119,7 @@ const WALLS_AT_ONCE: usize = 1 << 11;
 /// What is known of a cell that is looked at.
 struct CellRanges {
     bounds: Box3,
-    slopes: Vec<SlopeRange>,
+    slopes: Vec<DualRange>,
 }
 
 /// A tree that has the value in a cell, with what is known of its primitives there.
@@ -129,7 +129,7 @@ struct CellGrowth<'a, S> {
     slope: S,
 }
 
-impl<'a, S: Fn(u32) -> &'a SlopeRange> CellGrowth<'a, S> {
+impl<'a, S: Fn(u32) -> &'a DualRange> CellGrowth<'a, S> {
     /// Whether there is a direction in which all literals of a tree grow.
     fn has_direction(&self, tree: &LocalTree) -> bool {
         let gradient = |(p, falls): (u32, bool)| {
@@ -255,12 +255,12 @@ impl FieldCover {
                     self.open.extend(now);
                     break;
                 }
-                let rest = now.split_off(self.n_asked_at_once(&now));
+                let rest = now.split_off(self.batch_len(&now));
                 let parts: Vec<u32> = now.iter().flat_map(|cell| self.divide(*cell)).collect();
-                self.look(evaluator, &parts)?;
+                self.classify_cells(evaluator, &parts)?;
                 now = rest;
             }
-            self.look_through(evaluator, regions, first_open)?;
+            self.resolve_walls(evaluator, regions, first_open)?;
         }
     }
 
@@ -272,7 +272,7 @@ impl FieldCover {
     }
 
     /// How many of some cells are divided at once, at least one.
-    fn n_asked_at_once(&self, cells: &[u32]) -> usize {
+    fn batch_len(&self, cells: &[u32]) -> usize {
         let mut n_asked = 0;
         let fits = |cell: &&u32| {
             n_asked += 8 * self.trees.get(self.cells[**cell as usize].tree).primitives.len();
@@ -296,7 +296,7 @@ impl FieldCover {
     }
 
     /// Looks at cells. What stays open is added to the list.
-    fn look(&mut self, evaluator: &mut PrimitiveEvaluator, cells: &[u32]) -> Result<(), LeafError> {
+    fn classify_cells(&mut self, evaluator: &mut PrimitiveEvaluator, cells: &[u32]) -> Result<(), LeafError> {
         let mut asked = Vec::with_capacity(cells.len());
         for cell in cells {
             let bounds = self.bounds_of(&self.cells[*cell as usize]);
@@ -316,7 +316,7 @@ impl FieldCover {
             .iter()
             .flat_map(|(cell, bounds)| primitives(self, *cell).into_iter().map(|p| (p, *bounds)))
             .collect();
-        let slopes = evaluator.slope_ranges(&questions)?;
+        let slopes = evaluator.dual_ranges(&questions)?;
         let mut rest = slopes.as_slice();
         let mut left: Vec<(u32, CellRanges)> = Vec::new();
         for (cell, bounds) in asked {
@@ -330,7 +330,7 @@ impl FieldCover {
         self.sharpen(evaluator, &mut left)?;
         for (cell, ranges) in left {
             if !self.decide(cell, &ranges) {
-                self.direct(cell, &ranges);
+                self.find_growth(cell, &ranges);
                 if self.cells[cell as usize].state == CellState::Open {
                     self.open.push(cell);
                 }
@@ -340,7 +340,7 @@ impl FieldCover {
     }
 
     /// Looks for walls in cells that were just left open.
-    fn look_through(
+    fn resolve_walls(
         &mut self,
         evaluator: &mut PrimitiveEvaluator,
         regions: &mut SignRegions,
@@ -358,7 +358,7 @@ impl FieldCover {
         for part in cells.chunks(WALLS_AT_ONCE) {
             let along: Vec<(u32, usize)> =
                 part.iter().flat_map(|cell| (0..3).map(|axis| (*cell, axis))).collect();
-            for (cell, points) in walls::seen(self, regions, evaluator, &along)? {
+            for (cell, points) in walls::cells_with_walls(self, regions, evaluator, &along)? {
                 let state = &mut self.cells[cell as usize].state;
                 if *state == CellState::Open {
                     *state = CellState::Walls;
@@ -375,7 +375,7 @@ impl FieldCover {
     fn decide(&mut self, cell: u32, ranges: &CellRanges) -> bool {
         let local = self.trees.get(self.cells[cell as usize].tree);
         let sides: Vec<LiteralSides> =
-            ranges.slopes.iter().map(|slope| LiteralSides::of_range(&slope.value)).collect();
+            ranges.slopes.iter().map(|slope| LiteralSides::from_range(&slope.value)).collect();
         let side = local.membership(&sides, &ranges.slopes);
         if side != Membership::Unknown {
             self.cells[cell as usize].state = CellState::Decided(side);
@@ -419,7 +419,7 @@ impl FieldCover {
 
     /// Leaves out the literals that never have the value, and looks for a direction in which all others grow, or for
     /// one in each part of the cell.
-    fn direct(&mut self, cell: u32, ranges: &CellRanges) {
+    fn find_growth(&mut self, cell: u32, ranges: &CellRanges) {
         let before = self.cells[cell as usize].tree;
         let values: Vec<[f64; 2]> = ranges.slopes.iter().map(|slope| slope.value).collect();
         let tree = self.trees.by_value(before, &values);
@@ -449,14 +449,14 @@ impl FieldCover {
 
     /// The points that a mesh has to wind around in the right way: one of each set of decided cells of one side that are joined across sides,
     /// and those of the parts of cells with walls.
-    pub fn seen_points(&self) -> Vec<SeenPoint> {
-        let mut points = self.decided_sets();
+    pub fn winding_probes(&self) -> Vec<WindingProbe> {
+        let mut points = self.component_probes();
         points.extend(&self.wall_points);
         points
     }
 
     /// The middle of the largest cell of each set.
-    fn decided_sets(&self) -> Vec<SeenPoint> {
+    fn component_probes(&self) -> Vec<WindingProbe> {
         let n = self.cells.len();
         let mut sets: Vec<u32> = (0..n as u32).collect();
         for (number, cell) in self.cells.iter().enumerate() {
@@ -491,7 +491,7 @@ impl FieldCover {
         let point = |number: u32| {
             let cell = &self.cells[number as usize];
             let CellState::Decided(side) = cell.state else { unreachable!("only decided cells are in sets") };
-            SeenPoint { at: self.bounds_of(cell).centre(), side }
+            WindingProbe { at: self.bounds_of(cell).centre(), side }
         };
         largest.into_iter().flatten().map(point).collect()
     }

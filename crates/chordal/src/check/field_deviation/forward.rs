@@ -3,20 +3,20 @@
 //! What is near enough hangs on the farthest point that is known, so pieces that seem to be the farthest come first: a
 //! round takes those in the upper part of what is left, and asks of the farthest how far they surely are ([`super::probe`]).
 //! Every end is valid at any time; when the work allowed is used up, the answer is the largest upper end of what is left.
-use super::from_mesh::{self, Known, MOST_CUTS, Piece};
-use super::probe::{Probed, probed};
-use super::witness::{Witness, Witnesses, found};
-use super::{CHUNK, LEAF_CHUNK, Search, failed, larger, on_some};
-use crate::budget::{Stopped, par_map};
-use crate::implicit::{LeafError, Slope, Tape};
+use super::from_mesh::{self, FieldSubtriangle, MOST_CUTS, SubtriangleBounds};
+use super::probe::{DistanceProbe, probe_distances};
+use super::surface_ball::{SurfaceBall, SurfaceBalls, project_to_surface};
+use super::{CHUNK, FieldDeviationSearch, LEAF_CHUNK, larger, leaf_failure, refine_some};
+use crate::budget::{JobError, par_map};
+use crate::implicit::{Dual, LeafError, Tape};
 use crate::math::{Box3, length, sub_down};
 
 /// What is known of all points of the mesh.
-pub(super) struct Forward {
+pub(super) struct ForwardDistance {
     /// Some point is this far.
     pub least: f64,
     /// The largest |F| on each face.
-    pub strays: Vec<f64>,
+    pub residuals: Vec<f64>,
     pub most: f64,
     pub at: [f64; 3],
     pub unresolved: u64,
@@ -42,37 +42,38 @@ const PROBED_AT_ONCE: usize = 4;
 /// A round takes what is above this share of the way from what is near enough to the farthest.
 const UPPER_PART: f64 = 0.5;
 
-type Open = Vec<(Piece, Known)>;
+type OpenSubtriangles = Vec<(FieldSubtriangle, SubtriangleBounds)>;
 
-impl Search<'_> {
+impl FieldDeviationSearch<'_> {
     /// `least` is how far some point of either side is known to be, and `share` of what the goal leaves may be taken.
-    pub fn forward(&self, least: f64, share: f64) -> Result<Forward, Stopped> {
-        let aim = |out: &Forward| self.aim(larger(least, out.least), share);
+    pub fn forward(&self, least: f64, share: f64) -> Result<ForwardDistance, JobError> {
+        let aim = |out: &ForwardDistance| self.aim(larger(least, out.least), share);
         let faces = self.mesh.faces();
         let relative = self.goal.max.is_none();
-        let mut out = Forward {
+        let mut out = ForwardDistance {
             least: 0.0,
-            strays: vec![0.0; faces.len()],
+            residuals: vec![0.0; faces.len()],
             most: 0.0,
             at: self.mesh.corners(0)[0],
             unresolved: 0,
         };
         let mut left = faces.len() + (PIECES_A_FACE * faces.len() + FEW_PIECES).min(MOST_PIECES);
         let reserve = left / 2;
-        let mut batch: Vec<Piece> =
-            (0..faces.len()).map(|face| Piece::whole(self.mesh.corners(face), face as u32)).collect();
-        let mut open: Open = Vec::new();
+        let mut batch: Vec<FieldSubtriangle> = (0..faces.len())
+            .map(|face| FieldSubtriangle::from_face(self.mesh.corners(face), face as u32))
+            .collect();
+        let mut open: OpenSubtriangles = Vec::new();
         let mut witnesses = None;
         loop {
-            self.cancelled()?;
-            let mut known = self.look(&batch, aim(&out))?;
+            self.check_cancelled()?;
+            let mut known = self.bound_batch(&batch, aim(&out))?;
             left = left.saturating_sub(batch.len());
             for known in &known {
                 if known.at_least > out.least {
                     (out.least, out.at) = (known.at_least, known.at);
                 }
             }
-            self.lend(&batch, &mut known, &mut witnesses)?;
+            self.assign_balls(&batch, &mut known, &mut witnesses)?;
             open.extend(batch.drain(..).zip(known));
             let enough = aim(&out);
             self.probe(&mut open, &mut out, enough)?;
@@ -80,13 +81,14 @@ impl Search<'_> {
             let beyond = self.goal.max.is_some_and(|max| out.least > max.get());
             let enough = aim(&out);
             let tight = if relative { enough } else { larger(1.15 * out.least, TIGHT * enough) };
-            let eager = |piece: &Piece| piece.cuts() < EAGER && left > reserve;
-            let wanted = |piece: &Piece| if eager(piece) { tight } else { enough };
-            let (next, done): (Open, Open) = open.into_iter().partition(|(piece, known)| {
-                let lost = known.at_most == f64::INFINITY && piece.cuts() >= LOST;
-                let goes_on = piece.cuts() < MOST_CUTS && left > 0 && !beyond && !lost;
-                known.at_most > wanted(piece) && goes_on
-            });
+            let eager = |piece: &FieldSubtriangle| piece.cuts() < EAGER && left > reserve;
+            let wanted = |piece: &FieldSubtriangle| if eager(piece) { tight } else { enough };
+            let (next, done): (OpenSubtriangles, OpenSubtriangles) =
+                open.into_iter().partition(|(piece, known)| {
+                    let lost = known.at_most == f64::INFINITY && piece.cuts() >= LOST;
+                    let goes_on = piece.cuts() < MOST_CUTS && left > 0 && !beyond && !lost;
+                    known.at_most > wanted(piece) && goes_on
+                });
             let mut done = done;
             self.tighten(&mut done, enough)?;
             done.iter().for_each(|(piece, known)| out.settle(piece, known));
@@ -94,54 +96,55 @@ impl Search<'_> {
             if open.is_empty() {
                 return Ok(out);
             }
-            let level = upper_part(&open, enough);
-            let (now, later): (Open, Open) =
+            let level = round_threshold(&open, enough);
+            let (now, later): (OpenSubtriangles, OpenSubtriangles) =
                 open.into_iter().partition(|(_, known)| known.at_most > level || known.at_most <= enough);
-            now.into_iter().for_each(|(piece, known)| piece.parts(&known, &mut batch));
+            now.into_iter().for_each(|(piece, known)| piece.subdivide(&known, &mut batch));
             open = later;
         }
     }
 
     /// What the field is at the most on pieces that are done with: in the room around them, where the surface was looked for,
     /// it may be much more, and the other direction measures its columns by it.
-    fn tighten(&self, done: &mut Open, enough: f64) -> Result<(), Stopped> {
+    fn tighten(&self, done: &mut OpenSubtriangles, enough: f64) -> Result<(), JobError> {
         let chunk = if self.tape.has_leaves() { LEAF_CHUNK } else { CHUNK };
         let all: Vec<usize> = (0..done.len()).collect();
         let chunks: Vec<&[usize]> = all.chunks(chunk).collect();
         let parts = par_map(self.job, &chunks, |_, some| -> Result<Vec<f64>, LeafError> {
-            let some: Vec<(Piece, f64)> =
-                some.iter().map(|k| (done[*k].0.clone().bare(), done[*k].1.strays)).collect();
-            self.strays_of(&some, enough)
+            let some: Vec<(FieldSubtriangle, f64)> =
+                some.iter().map(|k| (done[*k].0.clone().without_margin(), done[*k].1.residual)).collect();
+            self.residuals_of(&some, enough)
         });
         let parts: Result<Vec<Vec<f64>>, LeafError> = parts.into_iter().collect();
-        for ((_, known), strays) in done.iter_mut().zip(parts.map_err(failed)?.concat()) {
+        for ((_, known), strays) in done.iter_mut().zip(parts.map_err(leaf_failure)?.concat()) {
             // NaN is no bound.
-            known.strays = if known.strays < strays { known.strays } else { strays };
+            known.residual = if known.residual < strays { known.residual } else { strays };
         }
         Ok(())
     }
 
     /// The largest |F| on each of some pieces without room around them, of which this much is known.
-    fn strays_of(&self, some: &[(Piece, f64)], enough: f64) -> Result<Vec<f64>, LeafError> {
-        let tape = self.local(some.iter().fold(Box3::EMPTY, |all, (piece, _)| all.union(piece.about())))?;
+    fn residuals_of(&self, some: &[(FieldSubtriangle, f64)], enough: f64) -> Result<Vec<f64>, LeafError> {
+        let tape =
+            self.local_tape(some.iter().fold(Box3::EMPTY, |all, (piece, _)| all.union(piece.search_box())))?;
         let middles: Vec<[f64; 3]> = some.iter().map(|(piece, _)| piece.middle()).collect();
-        let mut slopes = vec![Slope { value: 0.0, gradient: [0.0; 3] }; some.len()];
+        let mut slopes = vec![Dual { value: 0.0, gradient: [0.0; 3] }; some.len()];
         tape.gradient_at(&middles, &mut slopes)?;
         let wanted = |n: usize| LOOSE * enough * length(slopes[n].gradient);
         let is_loose = |n: &usize| some[*n].1 > wanted(*n);
         let mut most: Vec<f64> = some.iter().map(|(_, known)| *known).collect();
-        let mut open: Vec<(usize, Piece)> =
+        let mut open: Vec<(usize, FieldSubtriangle)> =
             (0..some.len()).filter(is_loose).map(|n| (n, some[n].0.clone())).collect();
         open.iter().for_each(|(n, _)| most[*n] = 0.0);
         for round in 0..=EAGER {
-            let pieces: Vec<Piece> = open.iter().map(|(_, piece)| piece.clone()).collect();
-            let known = from_mesh::look(&tape, &pieces)?;
+            let pieces: Vec<FieldSubtriangle> = open.iter().map(|(_, piece)| piece.clone()).collect();
+            let known = from_mesh::bound_all(&tape, &pieces)?;
             let mut next = Vec::new();
             for ((n, piece), known) in open.into_iter().zip(known) {
-                if known.strays > wanted(n) && round < EAGER {
+                if known.residual > wanted(n) && round < EAGER {
                     next.extend(piece.halves().map(|half| (n, half)));
                 } else {
-                    let strays = if known.strays.is_nan() { f64::INFINITY } else { known.strays };
+                    let strays = if known.residual.is_nan() { f64::INFINITY } else { known.residual };
                     most[n] = larger(most[n], strays);
                 }
             }
@@ -151,28 +154,33 @@ impl Search<'_> {
     }
 
     /// For pieces of which nothing is known from above: any point of the surface.
-    fn lend(
+    fn assign_balls(
         &self,
-        pieces: &[Piece],
-        known: &mut [Known],
-        witnesses: &mut Option<Witnesses>,
-    ) -> Result<(), Stopped> {
+        pieces: &[FieldSubtriangle],
+        known: &mut [SubtriangleBounds],
+        witnesses: &mut Option<SurfaceBalls>,
+    ) -> Result<(), JobError> {
         for (piece, known) in pieces.iter().zip(known) {
             let lost = known.at_most == f64::INFINITY;
             if lost && (self.goal.max.is_none() || piece.cuts() > 3) {
                 if witnesses.is_none() {
-                    let all = Witnesses::about(&self.tape, &self.bounds).map_err(failed)?;
+                    let all = SurfaceBalls::sample_box(&self.tape, &self.bounds).map_err(leaf_failure)?;
                     *witnesses = Some(all);
                 }
                 let nearest = witnesses.as_ref().and_then(|all| all.nearest(&piece.corners));
-                known.witnessed(piece, nearest);
+                known.tighten(piece, nearest);
             }
         }
         Ok(())
     }
 
     /// Looks at the middles of the pieces that may be the farthest: what the slope says of them may be far from tight.
-    fn probe(&self, open: &mut Open, out: &mut Forward, enough: f64) -> Result<(), Stopped> {
+    fn probe(
+        &self,
+        open: &mut OpenSubtriangles,
+        out: &mut ForwardDistance,
+        enough: f64,
+    ) -> Result<(), JobError> {
         let early = if self.goal.max.is_none() { 0 } else { 4 };
         let mut far: Vec<usize> = (0..open.len())
             .filter(|k| {
@@ -194,14 +202,14 @@ impl Search<'_> {
         let parts = par_map(self.job, &chunks, |_, some| -> Result<_, LeafError> {
             let points: Vec<[f64; 3]> = some.iter().map(|k| open[*k].0.middle()).collect();
             let most: Vec<f64> = some.iter().map(|k| open[*k].1.at_most).collect();
-            let probed = probed(&self.tape, &points, &most)?;
+            let probed = probe_distances(&self.tape, &points, &most)?;
             let towards: Vec<[f64; 3]> = probed.iter().map(|probed| probed.towards).collect();
             let sizes: Vec<f64> = probed.iter().map(|probed| 0.1 * probed.at_least).collect();
-            Ok((probed, found(&self.tape, &towards, &sizes)?))
+            Ok((probed, project_to_surface(&self.tape, &towards, &sizes)?))
         });
-        let mut all: Vec<(Probed, Option<Witness>)> = Vec::new();
+        let mut all: Vec<(DistanceProbe, Option<SurfaceBall>)> = Vec::new();
         for part in parts {
-            let (probed, found) = part.map_err(failed)?;
+            let (probed, found) = part.map_err(leaf_failure)?;
             all.extend(probed.into_iter().zip(found));
         }
         for (k, (probed, witness)) in far.into_iter().zip(all) {
@@ -214,69 +222,81 @@ impl Search<'_> {
             if least > out.least {
                 (out.least, out.at) = (least, known.at);
             }
-            known.witnessed(piece, witness);
+            known.tighten(piece, witness);
         }
         Ok(())
     }
 
-    fn look(&self, pieces: &[Piece], enough: f64) -> Result<Vec<Known>, Stopped> {
+    fn bound_batch(
+        &self,
+        pieces: &[FieldSubtriangle],
+        enough: f64,
+    ) -> Result<Vec<SubtriangleBounds>, JobError> {
         let chunk = if self.tape.has_leaves() { LEAF_CHUNK } else { CHUNK };
-        let chunks: Vec<&[Piece]> = pieces.chunks(chunk).collect();
-        let look = |_: usize, pieces: &&[Piece]| -> Result<Vec<Known>, LeafError> {
-            let tape = self.local(pieces.iter().fold(Box3::EMPTY, |all, piece| all.union(piece.about())))?;
-            let mut known = from_mesh::look(&tape, pieces)?;
-            self.look_further(pieces, &mut known, enough)?;
+        let chunks: Vec<&[FieldSubtriangle]> = pieces.chunks(chunk).collect();
+        let look = |_: usize, pieces: &&[FieldSubtriangle]| -> Result<Vec<SubtriangleBounds>, LeafError> {
+            let tape =
+                self.local_tape(pieces.iter().fold(Box3::EMPTY, |all, piece| all.union(piece.search_box())))?;
+            let mut known = from_mesh::bound_all(&tape, pieces)?;
+            self.refine_bounds(pieces, &mut known, enough)?;
             Ok(known)
         };
         let parts = par_map(self.job, &chunks, look);
-        let parts: Result<Vec<Vec<Known>>, LeafError> = parts.into_iter().collect();
-        Ok(parts.map_err(failed)?.concat())
+        let parts: Result<Vec<Vec<SubtriangleBounds>>, LeafError> = parts.into_iter().collect();
+        Ok(parts.map_err(leaf_failure)?.concat())
     }
 
     /// Not with the short tape: what is looked at here lies outside of its box.
-    fn look_further(&self, pieces: &[Piece], known: &mut [Known], enough: f64) -> Result<(), LeafError> {
+    fn refine_bounds(
+        &self,
+        pieces: &[FieldSubtriangle],
+        known: &mut [SubtriangleBounds],
+        enough: f64,
+    ) -> Result<(), LeafError> {
         let tape = &self.tape;
         let relative = self.goal.max.is_none();
         let mut lost: Vec<usize> = (0..pieces.len()).filter(|k| known[*k].at_most > enough).collect();
-        on_some(&lost, pieces, known, |of, known| from_mesh::look_ahead(tape, of, known))?;
+        refine_some(&lost, pieces, known, |of, known| from_mesh::bound_along_gradient(tape, of, known))?;
         lost.retain(|k| known[*k].at_most > enough);
-        on_some(&lost, pieces, known, |of, known| from_mesh::look_across(tape, of, known, enough))?;
+        refine_some(&lost, pieces, known, |of, known| from_mesh::bound_by_shift(tape, of, known, enough))?;
         lost.retain(|k| known[*k].at_most > enough && (relative || pieces[*k].cuts() > 3));
         let near: Vec<usize> =
             lost.iter().copied().filter(|k| pieces[*k].cuts() > 3 && pieces[*k].is_within(enough)).collect();
-        on_some(&near, pieces, known, |of, known| from_mesh::look_around(tape, of, known, enough))?;
+        refine_some(&near, pieces, known, |of, known| from_mesh::bound_by_samples(tape, of, known, enough))?;
         // What is near beside its size is not settled by a point.
         lost.retain(|k| known[*k].at_most > larger(enough, 0.5 * pieces[*k].extent()));
-        on_some(&lost, pieces, known, |of, known| {
+        refine_some(&lost, pieces, known, |of, known| {
             let points: Vec<[f64; 3]> = of.iter().map(|piece| piece.middle()).collect();
             let sizes: Vec<f64> = of.iter().map(|piece| piece.extent()).collect();
-            for ((piece, known), witness) in of.iter().zip(known).zip(found(tape, &points, &sizes)?) {
-                known.witnessed(piece, witness);
+            for ((piece, known), witness) in
+                of.iter().zip(known).zip(project_to_surface(tape, &points, &sizes)?)
+            {
+                known.tighten(piece, witness);
             }
             Ok(())
         })
     }
 
     /// The tape for a box: shorter where that pays.
-    fn local(&self, bounds: Box3) -> Result<Tape, LeafError> {
+    fn local_tape(&self, bounds: Box3) -> Result<Tape, LeafError> {
         if self.tape.has_leaves() || self.tape.len() < 16 {
             return Ok(self.tape.clone());
         }
-        Ok(self.tape.shortened(&bounds)?.1.unwrap_or_else(|| self.tape.clone()))
+        Ok(self.tape.prune(&bounds)?.1.unwrap_or_else(|| self.tape.clone()))
     }
 }
 
-impl Forward {
-    fn settle(&mut self, piece: &Piece, known: &Known) {
-        let strays = &mut self.strays[piece.face as usize];
-        *strays = larger(*strays, if known.strays.is_nan() { f64::INFINITY } else { known.strays });
+impl ForwardDistance {
+    fn settle(&mut self, piece: &FieldSubtriangle, known: &SubtriangleBounds) {
+        let strays = &mut self.residuals[piece.face as usize];
+        *strays = larger(*strays, if known.residual.is_nan() { f64::INFINITY } else { known.residual });
         self.most = larger(self.most, known.at_most);
         self.unresolved += u64::from(known.at_most == f64::INFINITY);
     }
 }
 
 /// Above which bound from above a piece is looked at now.
-fn upper_part(open: &Open, enough: f64) -> f64 {
+fn round_threshold(open: &OpenSubtriangles, enough: f64) -> f64 {
     let finite = open.iter().map(|(_, known)| known.at_most).filter(|most| *most < f64::INFINITY);
     let most = finite.fold(enough, larger);
     enough + UPPER_PART * (most - enough)

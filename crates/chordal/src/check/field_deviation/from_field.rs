@@ -18,28 +18,28 @@
 //!
 //! Where that fails (edges of opposite turn, places where the field stands still, meshes that are not closed) a box is
 //! settled by the distance of its middle to the mesh, plus its half diagonal; or it is cut.
-use super::slope::{Growth, dot, exactly, is_lipschitz, step};
-use super::{larger, parts_of};
+use super::slope::{GrowthRate, dot, exactly, is_lipschitz, step};
+use super::{larger, sub_boxes};
 use crate::explicit::{Bvh, Enclosure};
-use crate::implicit::{LeafError, Slope, Tape};
+use crate::implicit::{Dual, LeafError, Tape};
 use crate::math::{Box3, Interval, add_up, div_up, mul_up, sub_down};
 
 /// The mesh as the search sees it.
-pub(super) struct Target<'a> {
+pub(super) struct TargetMesh<'a> {
     pub bvh: &'a Bvh,
     pub enclosure: &'a Enclosure<'a>,
     /// The largest |F| on each face, ∞ where it is not known.
-    pub strays: &'a [f64],
+    pub residuals: &'a [f64],
     /// What is near enough.
-    pub enough: f64,
+    pub tolerance: f64,
 }
 
-impl Target<'_> {
+impl TargetMesh<'_> {
     /// The largest |F| on the faces that may meet a box; none where there is no face.
-    fn strays_in(&self, bounds: &Box3) -> Option<f64> {
+    fn residual_in(&self, bounds: &Box3) -> Option<f64> {
         let mut most = None;
-        self.bvh.about(bounds, |face| {
-            let of_face = self.strays[face as usize];
+        self.bvh.faces_in_box(bounds, |face| {
+            let of_face = self.residuals[face as usize];
             if most.is_none_or(|most| of_face > most) {
                 most = Some(of_face);
             }
@@ -50,7 +50,7 @@ impl Target<'_> {
 
 /// What was found out about a box.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Found {
+pub(super) enum BoxVerdict {
     /// The surface does not come here.
     Nothing,
     /// Every point of the surface in it is this close to the mesh, by a column.
@@ -79,7 +79,7 @@ const ASIDE: f64 = 1e-9;
 const CROOKED: f64 = 1e-12;
 
 /// Which boxes the surface may come to.
-pub(super) fn crossed(tape: &Tape, boxes: &[Box3]) -> Result<Vec<bool>, LeafError> {
+pub(super) fn may_cross(tape: &Tape, boxes: &[Box3]) -> Result<Vec<bool>, LeafError> {
     let mut ranges = vec![Interval::UNKNOWN; boxes.len()];
     tape.over(boxes, &mut ranges)?;
     // Where a part of the expression has no value the range says nothing, and no value counts as outside.
@@ -87,23 +87,27 @@ pub(super) fn crossed(tape: &Tape, boxes: &[Box3]) -> Result<Vec<bool>, LeafErro
 }
 
 /// Looks at every box.
-pub(super) fn look(tape: &Tape, boxes: &[Box3], target: &Target) -> Result<Vec<Found>, LeafError> {
+pub(super) fn bound_boxes(
+    tape: &Tape,
+    boxes: &[Box3],
+    target: &TargetMesh,
+) -> Result<Vec<BoxVerdict>, LeafError> {
     let mut found = vec![None; boxes.len()];
     let middles: Vec<[f64; 3]> = boxes.iter().map(Box3::centre).collect();
-    let mut at = vec![Slope { value: 0.0, gradient: [0.0; 3] }; boxes.len()];
+    let mut at = vec![Dual { value: 0.0, gradient: [0.0; 3] }; boxes.len()];
     tape.gradient_at(&middles, &mut at)?;
     by_slopes(tape, boxes, &at, &mut found)?;
     if target.enclosure.is_closed() {
         by_columns(tape, boxes, (&at, target), &mut found)?;
     }
-    let far = |(found, bounds): (Option<Found>, &Box3)| {
-        found.unwrap_or_else(|| Found::Open(distance_of(bounds, target)))
+    let far = |(found, bounds): (Option<BoxVerdict>, &Box3)| {
+        found.unwrap_or_else(|| BoxVerdict::Open(distance_of(bounds, target)))
     };
     Ok(found.into_iter().zip(boxes).map(far).collect())
 }
 
 /// Whether the field seems to have no zero in the box, by what it is at the middle.
-fn seems_off(bounds: &Box3, slope: &Slope<f64>) -> bool {
+fn seems_off(bounds: &Box3, slope: &Dual<f64>) -> bool {
     let steep = crate::math::length(slope.gradient);
     slope.value.abs() > SEEMS_OFF * 0.5 * bounds.diagonal() * steep
 }
@@ -113,12 +117,12 @@ fn seems_off(bounds: &Box3, slope: &Slope<f64>) -> bool {
 fn by_slopes(
     tape: &Tape,
     boxes: &[Box3],
-    at: &[Slope<f64>],
-    found: &mut [Option<Found>],
+    at: &[Dual<f64>],
+    found: &mut [Option<BoxVerdict>],
 ) -> Result<(), LeafError> {
     let off: Vec<usize> = (0..boxes.len()).filter(|k| seems_off(&boxes[*k], &at[*k])).collect();
     let about: Vec<Box3> = off.iter().map(|k| boxes[*k]).collect();
-    let mut slopes = vec![Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] }; off.len()];
+    let mut slopes = vec![Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] }; off.len()];
     tape.gradient_over(&about, &mut slopes)?;
     let middles: Vec<Box3> = about.iter().map(Box3::centre).map(|c| Box3 { min: c, max: c }).collect();
     let mut values = vec![Interval::UNKNOWN; off.len()];
@@ -128,7 +132,7 @@ fn by_slopes(
         let steps = [0, 1, 2].map(|i| step(bounds.min, c)[i].hull(step(bounds.max, c)[i]));
         let range = value + dot(slope.gradient, steps);
         if is_lipschitz(slope) && value.is_defined() && !range.contains(0.0) {
-            found[k] = Some(Found::Nothing);
+            found[k] = Some(BoxVerdict::Nothing);
         }
     }
     Ok(())
@@ -137,51 +141,51 @@ fn by_slopes(
 fn by_columns(
     tape: &Tape,
     boxes: &[Box3],
-    (at, target): (&[Slope<f64>], &Target),
-    found: &mut [Option<Found>],
+    (at, target): (&[Dual<f64>], &TargetMesh),
+    found: &mut [Option<BoxVerdict>],
 ) -> Result<(), LeafError> {
     // A column crosses the mesh, so where there is none about there is no column.
     let near: Vec<(usize, f64)> = boxes
         .iter()
         .enumerate()
         .filter(|(k, _)| found[*k].is_none())
-        .filter_map(|(k, bounds)| target.strays_in(&roomy(bounds)).map(|strays| (k, strays)))
+        .filter_map(|(k, bounds)| target.residual_in(&tape_domain(bounds)).map(|strays| (k, strays)))
         .collect();
-    let columns: Vec<(usize, Column)> = near
+    let columns: Vec<(usize, FieldColumn)> = near
         .iter()
-        .filter_map(|(k, strays)| Some((*k, Column::over(&boxes[*k], &at[*k], *strays)?)))
+        .filter_map(|(k, strays)| Some((*k, FieldColumn::over(&boxes[*k], &at[*k], *strays)?)))
         .collect();
     let about: Vec<Box3> = columns.iter().map(|(_, column)| column.about).collect();
-    let unknown = Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
+    let unknown = Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
     let mut slopes = vec![unknown; columns.len()];
     tape.gradient_over(&about, &mut slopes)?;
     let centres: Vec<Box3> =
         columns.iter().map(|(_, column)| Box3 { min: column.centre, max: column.centre }).collect();
     let mut values = vec![Interval::UNKNOWN; columns.len()];
     tape.over(&centres, &mut values)?;
-    let mut sights: Vec<(usize, Box<Sight>)> = Vec::new();
+    let mut sights: Vec<(usize, Box<MonotoneColumn>)> = Vec::new();
     for ((k, column), (slope, value)) in columns.into_iter().zip(slopes.into_iter().zip(values)) {
-        match column.look(slope, value, target) {
-            Seen::Nothing => found[k] = Some(Found::Nothing),
-            Seen::Blocked => {}
-            Seen::Clear(sight) => sights.push((k, sight)),
+        match column.classify(slope, value, target) {
+            ColumnVerdict::Nothing => found[k] = Some(BoxVerdict::Nothing),
+            ColumnVerdict::Blocked => {}
+            ColumnVerdict::Monotone(sight) => sights.push((k, sight)),
         }
     }
-    sharpen(tape, &mut sights, target.enough)?;
+    sharpen(tape, &mut sights, target.tolerance)?;
     for (k, sight) in sights {
-        found[k] = sight.found(target);
+        found[k] = sight.verdict(target);
     }
     Ok(())
 }
 
 /// The gradient over the parts of E, where the one over all of it gives slightly too slow a growth: its range is a box, and so
 /// it is as wide as it is across where nothing much changes along n.
-fn sharpen(tape: &Tape, sights: &mut [(usize, Box<Sight>)], enough: f64) -> Result<(), LeafError> {
+fn sharpen(tape: &Tape, sights: &mut [(usize, Box<MonotoneColumn>)], enough: f64) -> Result<(), LeafError> {
     let some: Vec<usize> = (0..sights.len()).filter(|k| sights[*k].1.near > enough).collect();
     // So many at once that there is no need for much memory.
     for some in some.chunks(64) {
-        let parts: Vec<Box3> = some.iter().flat_map(|k| parts_of(&sights[*k].1.column.about)).collect();
-        let unknown = Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
+        let parts: Vec<Box3> = some.iter().flat_map(|k| sub_boxes(&sights[*k].1.column.about)).collect();
+        let unknown = Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
         let mut slopes = vec![unknown; parts.len()];
         tape.gradient_over(&parts, &mut slopes)?;
         for (k, slopes) in some.iter().zip(slopes.chunks_exact(64)) {
@@ -192,14 +196,14 @@ fn sharpen(tape: &Tape, sights: &mut [(usize, Box<Sight>)], enough: f64) -> Resu
 }
 
 /// How far a point of the box is from the mesh at most: its middle, and half its diagonal.
-pub(super) fn distance_of(bounds: &Box3, target: &Target) -> f64 {
+pub(super) fn distance_of(bounds: &Box3, target: &TargetMesh) -> f64 {
     let middle = target.bvh.closest_distance_up(bounds.centre()).unwrap_or(f64::INFINITY);
     // The middle is rounded: it is off by less than two steps of the largest coordinate in each direction.
     add_up(middle, add_up(mul_up(0.5, bounds.diagonal()), mul_up(4.0 * f64::EPSILON, reach(bounds))))
 }
 
 /// How far every point of the box is from the mesh at least.
-pub(super) fn at_least(bounds: &Box3, target: &Target) -> f64 {
+pub(super) fn at_least(bounds: &Box3, target: &TargetMesh) -> f64 {
     let middle = target.bvh.closest_distance_down(bounds.centre()).unwrap_or(0.0);
     // The middle is rounded: it is off by less than two steps of the largest coordinate in each direction.
     sub_down(middle, add_up(mul_up(0.5, bounds.diagonal()), mul_up(4.0 * f64::EPSILON, reach(bounds))))
@@ -210,18 +214,18 @@ fn reach(bounds: &Box3) -> f64 {
 }
 
 /// A box around which the tape of a box and its parts is right.
-pub(super) fn roomy(bounds: &Box3) -> Box3 {
-    swollen(bounds, ROOM)
+pub(super) fn tape_domain(bounds: &Box3) -> Box3 {
+    scaled_about_centre(bounds, ROOM)
 }
 
-fn swollen(bounds: &Box3, times: f64) -> Box3 {
+fn scaled_about_centre(bounds: &Box3, times: f64) -> Box3 {
     let c = bounds.centre();
     let half = |k: usize| times * 0.5 * (bounds.max[k] - bounds.min[k]);
     Box3 { min: std::array::from_fn(|k| c[k] - half(k)), max: std::array::from_fn(|k| c[k] + half(k)) }
 }
 
 /// A column with its box.
-struct Column {
+struct FieldColumn {
     centre: [f64; 3],
     /// n, u and v.
     axes: [[f64; 3]; 3],
@@ -233,9 +237,9 @@ struct Column {
     about: Box3,
 }
 
-impl Column {
+impl FieldColumn {
     /// Chosen by what the field seems to be at the middle of B; none where nothing is to be expected of it.
-    fn over(of: &Box3, slope: &Slope<f64>, strays: f64) -> Option<Self> {
+    fn over(of: &Box3, slope: &Dual<f64>, strays: f64) -> Option<Self> {
         let c = of.centre();
         let steep = crate::math::length(slope.gradient);
         let shift = -slope.value / steep;
@@ -266,55 +270,64 @@ impl Column {
             max: std::array::from_fn(|k| centre[k] + reach(k)),
         };
         let about = of.union(column);
-        let most = swollen(of, MOST_ROOM);
+        let most = scaled_about_centre(of, MOST_ROOM);
         let fits = most.contains(about.min) && most.contains(about.max);
         fits.then_some(Self { centre, axes: [n, u, v], halves, size, about })
     }
 
-    fn look(self, slope: Slope<Interval>, value: Interval, target: &Target) -> Seen {
+    fn classify(self, slope: Dual<Interval>, value: Interval, target: &TargetMesh) -> ColumnVerdict {
         let range = slope.value;
         if range.is_defined() && (range.lo() >= 0.0 || range.hi() < 0.0) {
-            return Seen::Nothing;
+            return ColumnVerdict::Nothing;
         }
         if !is_lipschitz(&slope) || !value.is_defined() {
-            return Seen::Blocked;
+            return ColumnVerdict::Blocked;
         }
-        let Some(growth) = Growth::along(&slope, self.axes[0]) else { return Seen::Blocked };
+        let Some(growth) = GrowthRate::along_direction(&slope, self.axes[0]) else {
+            return ColumnVerdict::Blocked;
+        };
         // Of all faces that meet E, which may be more than those that it was chosen by.
-        let Some(strays) = target.strays_in(&self.about) else { return Seen::Blocked };
+        let Some(strays) = target.residual_in(&self.about) else { return ColumnVerdict::Blocked };
         let near = mul_up(growth.steps_for(strays), growth.length);
-        if near > WORTH * target.enough || near.is_nan() {
-            return Seen::Blocked;
+        if near > WORTH * target.tolerance || near.is_nan() {
+            return ColumnVerdict::Blocked;
         }
-        Seen::Clear(Box::new(Sight { column: self, slope, value, growth, strays, near }))
+        ColumnVerdict::Monotone(Box::new(MonotoneColumn {
+            column: self,
+            slope,
+            value,
+            growth,
+            residual: strays,
+            near,
+        }))
     }
 }
 
 /// What is seen from a box along its column.
-enum Seen {
+enum ColumnVerdict {
     /// The surface does not come here.
     Nothing,
     /// The field may stand still, or the mesh strays too far.
     Blocked,
-    Clear(Box<Sight>),
+    Monotone(Box<MonotoneColumn>),
 }
 
 /// A column in which the field grows.
-struct Sight {
-    column: Column,
-    slope: Slope<Interval>,
+struct MonotoneColumn {
+    column: FieldColumn,
+    slope: Dual<Interval>,
     /// F(c).
     value: Interval,
-    growth: Growth,
+    growth: GrowthRate,
     /// δ.
-    strays: f64,
+    residual: f64,
     /// t, as a length.
     near: f64,
 }
 
-impl Sight {
+impl MonotoneColumn {
     /// Takes the slowest growth of the parts of E.
-    fn sharpen(&mut self, slopes: &[Slope<Interval>]) {
+    fn sharpen(&mut self, slopes: &[Dual<Interval>]) {
         let axis = exactly(self.column.axes[0]);
         let slowest = slopes.iter().fold(f64::INFINITY, |least, slope| {
             let rate = if is_lipschitz(slope) { dot(slope.gradient, axis).lo() } else { 0.0 };
@@ -322,23 +335,23 @@ impl Sight {
         });
         if slowest > self.growth.rate && slowest < f64::INFINITY {
             self.growth.rate = slowest;
-            self.near = mul_up(self.growth.steps_for(self.strays), self.growth.length);
+            self.near = mul_up(self.growth.steps_for(self.residual), self.growth.length);
         }
     }
 
-    fn found(&self, target: &Target) -> Option<Found> {
+    fn verdict(&self, target: &TargetMesh) -> Option<BoxVerdict> {
         let height = self.height()?;
-        self.separated(height, target).then_some(Found::Near(self.near))
+        self.separated(height, target).then_some(BoxVerdict::Near(self.near))
     }
 
     /// H, if the column lies in E with it.
     fn height(&self) -> Option<f64> {
-        let Column { centre: c, axes: [n, u, v], halves: [a, b], size, about } = &self.column;
+        let FieldColumn { centre: c, axes: [n, u, v], halves: [a, b], size, about } = &self.column;
         let (a, b) = (*a, *b);
         let tilt = |d: &[f64; 3]| dot(self.slope.gradient, exactly(*d)).magnitude();
         let sideways = add_up(mul_up(a, tilt(u)), mul_up(b, tilt(v)));
         let base = div_up(add_up(self.value.magnitude(), sideways), self.growth.rate);
-        let steps = self.growth.steps_for(self.strays);
+        let steps = self.growth.steps_for(self.residual);
         // A little more, so that the rounded middles of top and bottom mostly are beyond δ, which is looked at.
         let height = mul_up(add_up(base, steps), 1.0 + CROOKED);
         // δ > 0 is needed for the strict side.
@@ -352,15 +365,15 @@ impl Sight {
     }
 
     /// Whether the mesh winds differently around the middles of top and bottom, which are beyond δ.
-    fn separated(&self, height: f64, target: &Target) -> bool {
-        let Column { centre: c, axes, about, .. } = &self.column;
+    fn separated(&self, height: f64, target: &TargetMesh) -> bool {
+        let FieldColumn { centre: c, axes, about, .. } = &self.column;
         let at = |s: f64| -> [f64; 3] { std::array::from_fn(|k| c[k] + s * axes[0][k]) };
         let (top, bottom) = (at(height), at(-height));
         let value = |p: [f64; 3]| self.value + dot(self.slope.gradient, step(p, *c));
         if !(about.contains(top) && about.contains(bottom)) {
             return false;
         }
-        if !(value(top).lo() > self.strays && value(bottom).hi() < -self.strays) {
+        if !(value(top).lo() > self.residual && value(bottom).hi() < -self.residual) {
             return false;
         }
         let winding = |p: [f64; 3]| target.enclosure.inside(p).winding.value;

@@ -14,57 +14,57 @@
 //!
 //! Where a whole piece lies on one side, say F ≥ 0 on it, one way is enough: along n with `∂F/∂n ≤ −g` in a box that holds the piece
 //! and the piece moved by t·n, F is negative from δ/g on, if δ/g < t. So ridges of the field on the other side of the piece do not
-//! matter ([`look_ahead`]).
+//! matter ([`bound_along_gradient`]).
 //!
-//! What is known of a piece holds for its parts, and so does a [`Witness`], a point of the surface that was found somewhere.
+//! What is known of a piece holds for its parts, and so does a [`SurfaceBall`], a point of the surface that was found somewhere.
 //!
 //! The other way round, F has no zero within |F(c)| / max|G| of the middle c, as far as E reaches: so far the surface is at
 //! least.
-use super::slope::{Growth, distance_up, dot, exactly, inflated, is_lipschitz, steepest, step};
+use super::slope::{GrowthRate, distance_up, dot, exactly, inflated, is_lipschitz, steepest, step};
 use super::smaller;
-use super::witness::{Witness, at_most};
-use crate::implicit::{LeafError, Slope, Tape};
+use super::surface_ball::{SurfaceBall, min_with_ball};
+use crate::implicit::{Dual, LeafError, Tape};
 use crate::math::{Box3, Interval, add_up, div_down, div_up, length_up, mul_up, sub_down};
 
 /// A piece of a face that is still open.
 #[derive(Clone, Debug)]
-pub(super) struct Piece {
+pub(super) struct FieldSubtriangle {
     pub corners: [[f64; 3]; 3],
     pub face: u32,
     /// Room around it in which the surface is looked for.
     reach: f64,
     cuts: u32,
     /// What is known of the piece that it is a part of.
-    most: f64,
-    witness: Option<Witness>,
+    parent_at_most: f64,
+    witness: Option<SurfaceBall>,
 }
 
 /// What is known of a piece.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Known {
+pub(super) struct SubtriangleBounds {
     /// Some point of it is at least this far from the surface.
     pub at_least: f64,
     /// No point of it is farther; ∞ where that is not known.
     pub at_most: f64,
     /// The largest |F| on it.
-    pub strays: f64,
+    pub residual: f64,
     /// Its middle.
     pub at: [f64; 3],
     /// How far the surface seems to be.
-    seems: f64,
+    estimate: f64,
     /// A longer reach might settle it.
-    wants: Option<f64>,
+    retry_reach: Option<f64>,
     /// A point of the surface, the nearest that was found.
-    witness: Option<Witness>,
+    witness: Option<SurfaceBall>,
     /// Whether its middle was looked at closely.
     pub probed: bool,
 }
 
-impl Known {
+impl SubtriangleBounds {
     /// Takes a witness where it says more.
-    pub fn witnessed(&mut self, piece: &Piece, witness: Option<Witness>) {
-        let far = at_most(f64::INFINITY, witness, &piece.corners, piece.slack());
-        if far < at_most(f64::INFINITY, self.witness, &piece.corners, piece.slack()) {
+    pub fn tighten(&mut self, piece: &FieldSubtriangle, witness: Option<SurfaceBall>) {
+        let far = min_with_ball(f64::INFINITY, witness, &piece.corners, piece.slack());
+        if far < min_with_ball(f64::INFINITY, self.witness, &piece.corners, piece.slack()) {
             self.witness = witness;
         }
         self.at_most = smaller(self.at_most, far);
@@ -77,7 +77,7 @@ const SLACK: f64 = 32.0 * f64::EPSILON;
 /// So often a piece is cut at most.
 pub(super) const MOST_CUTS: u32 = 24;
 
-impl Piece {
+impl FieldSubtriangle {
     /// By how much its points may be off.
     pub fn slack(&self) -> f64 {
         let reach = self
@@ -88,11 +88,11 @@ impl Piece {
         mul_up(SLACK, reach)
     }
 
-    pub fn whole(corners: [[f64; 3]; 3], face: u32) -> Self {
-        let bounds = Box3::around(&corners);
+    pub fn from_face(corners: [[f64; 3]; 3], face: u32) -> Self {
+        let bounds = Box3::from_points(&corners);
         // A guess; what is wrong with it is mended by asking again.
         let reach = extent(&bounds) / 4.0;
-        let mut piece = Self { corners, face, reach, cuts: 0, most: f64::INFINITY, witness: None };
+        let mut piece = Self { corners, face, reach, cuts: 0, parent_at_most: f64::INFINITY, witness: None };
         let least = 2.0 * piece.slack();
         if piece.reach < least {
             piece.reach = least;
@@ -105,24 +105,24 @@ impl Piece {
     }
 
     /// The box E.
-    pub fn about(&self) -> Box3 {
-        inflated(&Box3::around(&self.corners), self.reach)
+    pub fn search_box(&self) -> Box3 {
+        inflated(&Box3::from_points(&self.corners), self.reach)
     }
 
     /// With no more room around it than rounding needs.
-    pub fn bare(self) -> Self {
+    pub fn without_margin(self) -> Self {
         Self { reach: 2.0 * self.slack(), ..self }
     }
 
     /// Cut at the middle of the longest side, or asked again with a longer reach.
-    pub fn parts(mut self, known: &Known, into: &mut Vec<Self>) {
-        (self.most, self.witness) = (known.at_most, known.witness);
-        if let Some(reach) = known.wants {
+    pub fn subdivide(mut self, known: &SubtriangleBounds, into: &mut Vec<Self>) {
+        (self.parent_at_most, self.witness) = (known.at_most, known.witness);
+        if let Some(reach) = known.retry_reach {
             into.push(Self { reach, cuts: self.cuts + 1, ..self });
             return;
         }
-        let span = extent(&Box3::around(&self.corners)) / 8.0;
-        let reach = if 1.5 * known.seems > span { 1.5 * known.seems } else { span };
+        let span = extent(&Box3::from_points(&self.corners)) / 8.0;
+        let reach = if 1.5 * known.estimate > span { 1.5 * known.estimate } else { span };
         let reach = if reach > 2.0 * self.slack() { reach } else { 2.0 * self.slack() };
         into.extend(self.halves().map(|half| Self { reach, ..half }));
     }
@@ -141,12 +141,12 @@ impl Piece {
 
     /// Whether it is small beside a length.
     pub fn is_within(&self, length: f64) -> bool {
-        extent(&Box3::around(&self.corners)) < 0.5 * length
+        extent(&Box3::from_points(&self.corners)) < 0.5 * length
     }
 
     /// Its longest side along an axis.
     pub fn extent(&self) -> f64 {
-        extent(&Box3::around(&self.corners))
+        extent(&Box3::from_points(&self.corners))
     }
 
     /// How often it was cut.
@@ -162,31 +162,35 @@ fn extent(bounds: &Box3) -> f64 {
 }
 
 /// Looks at every piece.
-pub(super) fn look(tape: &Tape, pieces: &[Piece]) -> Result<Vec<Known>, LeafError> {
-    let unknown = Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
-    let boxes: Vec<Box3> = pieces.iter().map(Piece::about).collect();
+pub(super) fn bound_all(
+    tape: &Tape,
+    pieces: &[FieldSubtriangle],
+) -> Result<Vec<SubtriangleBounds>, LeafError> {
+    let unknown = Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
+    let boxes: Vec<Box3> = pieces.iter().map(FieldSubtriangle::search_box).collect();
     let mut slopes = vec![unknown; pieces.len()];
     tape.gradient_over(&boxes, &mut slopes)?;
-    let middles: Vec<Box3> = pieces.iter().map(Piece::middle).map(|c| Box3 { min: c, max: c }).collect();
+    let middles: Vec<Box3> =
+        pieces.iter().map(FieldSubtriangle::middle).map(|c| Box3 { min: c, max: c }).collect();
     let mut values = vec![Interval::UNKNOWN; pieces.len()];
     tape.over(&middles, &mut values)?;
-    Ok((0..pieces.len()).map(|k| judge(&pieces[k], &slopes[k], values[k])).collect())
+    Ok((0..pieces.len()).map(|k| bound_one(&pieces[k], &slopes[k], values[k])).collect())
 }
 
-fn judge(piece: &Piece, slope: &Slope<Interval>, value: Interval) -> Known {
+fn bound_one(piece: &FieldSubtriangle, slope: &Dual<Interval>, value: Interval) -> SubtriangleBounds {
     let at = piece.middle();
     let whole = slope.value.magnitude();
-    let mut known = Known {
+    let mut known = SubtriangleBounds {
         at_least: 0.0,
-        at_most: piece.most,
-        strays: whole,
+        at_most: piece.parent_at_most,
+        residual: whole,
         at,
-        seems: 0.0,
-        wants: None,
+        estimate: 0.0,
+        retry_reach: None,
         witness: None,
         probed: false,
     };
-    known.witnessed(piece, piece.witness);
+    known.tighten(piece, piece.witness);
     if !is_lipschitz(slope) || !value.is_defined() {
         return known;
     }
@@ -195,24 +199,28 @@ fn judge(piece: &Piece, slope: &Slope<Interval>, value: Interval) -> Known {
     let slack = piece.slack();
     let far = sub_down(smaller(far, piece.reach), slack);
     known.at_least = if far > 0.0 { far } else { 0.0 };
-    known.strays = smaller(over_corners(piece, slope, value).magnitude(), whole);
-    let Some(growth) = Growth::of(slope) else { return known };
-    let steps = growth.steps_for(known.strays);
+    known.residual = smaller(over_corners(piece, slope, value).magnitude(), whole);
+    let Some(growth) = GrowthRate::along_gradient(slope) else { return known };
+    let steps = growth.steps_for(known.residual);
     let far = mul_up(steps, growth.length);
-    known.seems = far;
+    known.estimate = far;
     // The points of the triangle are off those of the piece by the slack, and so is the end of the way.
     if add_up(far, slack) <= piece.reach {
         known.at_most = smaller(known.at_most, far);
     } else if far < 4.0 * piece.reach && piece.cuts < 4 {
-        known.wants = Some(1.25 * far);
+        known.retry_reach = Some(1.25 * far);
     }
     known
 }
 
 /// For pieces on one side of the surface: whether the field falls, or rises, all along the way to it.
-pub(super) fn look_ahead(tape: &Tape, pieces: &[&Piece], known: &mut [Known]) -> Result<(), LeafError> {
+pub(super) fn bound_along_gradient(
+    tape: &Tape,
+    pieces: &[&FieldSubtriangle],
+    known: &mut [SubtriangleBounds],
+) -> Result<(), LeafError> {
     let middles: Vec<[f64; 3]> = pieces.iter().map(|piece| piece.middle()).collect();
-    let mut slopes = vec![Slope { value: 0.0, gradient: [0.0; 3] }; pieces.len()];
+    let mut slopes = vec![Dual { value: 0.0, gradient: [0.0; 3] }; pieces.len()];
     tape.gradient_at(&middles, &mut slopes)?;
     let ways: Vec<([f64; 3], f64)> = pieces
         .iter()
@@ -228,11 +236,11 @@ pub(super) fn look_ahead(tape: &Tape, pieces: &[&Piece], known: &mut [Known]) ->
         .iter()
         .zip(&ways)
         .map(|(piece, (way, by))| {
-            let here = inflated(&Box3::around(&piece.corners), piece.slack());
+            let here = inflated(&Box3::from_points(&piece.corners), piece.slack());
             here.union(moved(&here, *way, *by))
         })
         .collect();
-    let mut about = vec![Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] }; boxes.len()];
+    let mut about = vec![Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] }; boxes.len()];
     tape.gradient_over(&boxes, &mut about)?;
     let points: Vec<Box3> = middles.iter().map(|c| Box3 { min: *c, max: *c }).collect();
     let mut values = vec![Interval::UNKNOWN; points.len()];
@@ -255,7 +263,7 @@ pub(super) fn look_ahead(tape: &Tape, pieces: &[&Piece], known: &mut [Known]) ->
         let steps = div_up(strays, rate);
         if rate > 0.0 && steps < by {
             known[k].at_most = smaller(known[k].at_most, mul_up(steps, length_up(way.map(f64::abs))));
-            known[k].strays = smaller(known[k].strays, strays);
+            known[k].residual = smaller(known[k].residual, strays);
         }
     }
     Ok(())
@@ -270,12 +278,12 @@ fn moved(bounds: &Box3, way: [f64; 3], by: f64) -> Box3 {
 }
 
 /// All values on a piece, and on the part of the triangle that it stands for.
-fn over_corners(piece: &Piece, slope: &Slope<Interval>, value: Interval) -> Interval {
+fn over_corners(piece: &FieldSubtriangle, slope: &Dual<Interval>, value: Interval) -> Interval {
     let at = piece.middle();
     let strays = piece.corners.map(|corner| dot(slope.gradient, step(corner, at)));
     let all = value + strays[0].hull(strays[1]).hull(strays[2]);
     let off = mul_up(steepest(slope), piece.slack());
-    Interval::from_parts(sub_down(all.lo(), off), add_up(all.hi(), off))
+    Interval::from_endpoints(sub_down(all.lo(), off), add_up(all.hi(), off))
 }
 
 /// Directions in which a second sign is looked for: axes and diagonals.
@@ -300,26 +308,26 @@ const AROUND: [[f64; 3]; 14] = [
 /// Where one is outside and the other inside, every point of the piece has the boundary between.
 ///
 /// The step is what is near enough or, where the surface seems to be farther, a little more than that.
-pub(super) fn look_across(
+pub(super) fn bound_by_shift(
     tape: &Tape,
-    pieces: &[&Piece],
-    known: &mut [Known],
+    pieces: &[&FieldSubtriangle],
+    known: &mut [SubtriangleBounds],
     enough: f64,
 ) -> Result<(), LeafError> {
     let middles: Vec<[f64; 3]> = pieces.iter().map(|piece| piece.middle()).collect();
-    let mut slopes = vec![Slope { value: 0.0, gradient: [0.0; 3] }; pieces.len()];
+    let mut slopes = vec![Dual { value: 0.0, gradient: [0.0; 3] }; pieces.len()];
     tape.gradient_at(&middles, &mut slopes)?;
     let ways: Vec<[f64; 3]> = slopes.iter().map(|slope| unit(slope.gradient)).collect();
     let steps = pieces.iter().zip(&slopes).map(|(piece, slope)| {
         let seems = slope.value.abs() / crate::math::length(slope.gradient);
         // Half the piece, which may reach nearer to the surface on one side than on the other.
-        let far = 1.02 * seems + 0.5 * extent(&Box3::around(&piece.corners));
+        let far = 1.02 * seems + 0.5 * extent(&Box3::from_points(&piece.corners));
         if far.is_finite() && far > enough { far } else { 0.999 * enough }
     });
     let steps: Vec<f64> = steps.collect();
     let mut boxes = Vec::with_capacity(2 * pieces.len());
     for (piece, (way, by)) in pieces.iter().zip(ways.iter().zip(&steps)) {
-        let here = inflated(&Box3::around(&piece.corners), piece.slack());
+        let here = inflated(&Box3::from_points(&piece.corners), piece.slack());
         boxes.extend([moved(&here, *way, *by), moved(&here, *way, -by)]);
     }
     let mut values = vec![Interval::UNKNOWN; boxes.len()];
@@ -331,8 +339,8 @@ pub(super) fn look_across(
             let far = add_up(mul_up(steps[k], length_up(ways[k].map(f64::abs))), pieces[k].slack());
             known[k].at_most = smaller(known[k].at_most, far);
         }
-        if known[k].seems == 0.0 {
-            known[k].seems = steps[k];
+        if known[k].estimate == 0.0 {
+            known[k].estimate = steps[k];
         }
     }
     Ok(())
@@ -354,10 +362,10 @@ fn unit(v: [f64; 3]) -> [f64; 3] {
 }
 
 /// For pieces without a direction: two points of opposite signs, about `within` from their middles.
-pub(super) fn look_around(
+pub(super) fn bound_by_samples(
     tape: &Tape,
-    pieces: &[&Piece],
-    known: &mut [Known],
+    pieces: &[&FieldSubtriangle],
+    known: &mut [SubtriangleBounds],
     within: f64,
 ) -> Result<(), LeafError> {
     let mut points = Vec::with_capacity(pieces.len() * (2 * AROUND.len() + 3));

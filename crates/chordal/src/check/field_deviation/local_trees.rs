@@ -5,7 +5,7 @@
 //! *inside* with p taken as outside. Then X without {f = 0} is inside, and if {f = 0} has no interior, X lies in the closure of {F < 0}.
 //! If the tree says *outside* with either, X is outside, {f = 0} included: a tree is monotone in its literals, and where f = 0 both
 //! p and its complement are outside. So for a few such primitives all cases are gone through.
-use crate::implicit::{CsgNode, CsgTree, Membership, Restricted, SlopeRange};
+use crate::implicit::{CsgNode, CsgRestriction, CsgTree, DualRange, Membership};
 use std::collections::HashMap;
 
 /// On which sides of a primitive and of its complement a set is. Where the primitive is 0, both are outside; what is
@@ -22,7 +22,7 @@ impl LiteralSides {
     pub const UNKNOWN: Self = Self { plain: Membership::Unknown, complement: Membership::Unknown };
 
     /// From the range of all values.
-    pub fn of_range([low, high]: &[f64; 2]) -> Self {
+    pub fn from_range([low, high]: &[f64; 2]) -> Self {
         let side = |is_inside, is_outside| match (is_inside, is_outside) {
             (true, _) => Membership::Inside,
             (_, true) => Membership::Outside,
@@ -31,7 +31,7 @@ impl LiteralSides {
         Self { plain: side(*high < 0.0, *low >= 0.0), complement: side(*low > 0.0, *high <= 0.0) }
     }
 
-    pub fn of(&self, falls: bool) -> Membership {
+    pub fn membership_of(&self, falls: bool) -> Membership {
         if falls { self.complement } else { self.plain }
     }
 
@@ -100,7 +100,7 @@ impl LocalTree {
     }
 
     /// On which side a set is, up to closed cracks, from the sides of the primitives in the order of the list.
-    pub fn membership(&self, sides: &[LiteralSides], slopes: &[SlopeRange]) -> Membership {
+    pub fn membership(&self, sides: &[LiteralSides], slopes: &[DualRange]) -> Membership {
         let plain = self.membership_without_cracks(sides);
         if plain != Membership::Unknown || self.mixed.is_empty() {
             return plain;
@@ -134,12 +134,12 @@ impl LocalTree {
 
     /// The same where nothing is closed.
     pub fn membership_without_cracks(&self, sides: &[LiteralSides]) -> Membership {
-        self.tree.membership(|p, falls| sides[self.place(p)].of(falls))
+        self.tree.membership(|p, falls| sides[self.place(p)].membership_of(falls))
     }
 }
 
 /// Whether the zero set has no interior: along some axis the function grows everywhere, or falls.
-pub(super) fn has_thin_zeros(slope: &SlopeRange) -> bool {
+pub(super) fn has_thin_zeros(slope: &DualRange) -> bool {
     slope.gradient.is_some_and(|g| g.iter().any(|d| d.lo() > 0.0 || d.hi() < 0.0))
 }
 
@@ -175,9 +175,9 @@ impl LocalTrees {
             return Ok(number);
         }
         let local = self.get(number);
-        match local.tree.restricted(|p, falls| sides[local.place(p)].of(falls)) {
-            Restricted::Decided(side) => Err(side),
-            Restricted::Open(tree) => Ok(self.push(tree)),
+        match local.tree.restrict(|p, falls| sides[local.place(p)].membership_of(falls)) {
+            CsgRestriction::Decided(side) => Err(side),
+            CsgRestriction::Open(tree) => Ok(self.push(tree)),
         }
     }
 

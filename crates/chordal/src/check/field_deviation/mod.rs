@@ -1,36 +1,36 @@
 //! `field_deviation`: how far a mesh is from the surface of a field, certified from both sides.
-mod apart;
 mod backward;
 mod cover;
+mod displacement;
+mod face_sides;
 mod forward;
 mod from_field;
 mod from_mesh;
+mod from_sandwich;
 mod growth;
-mod judge;
-mod judged;
-mod lift;
 mod local_trees;
-mod measured;
-mod pieces;
 mod probe;
+mod prover;
 mod regions;
+mod sampled;
 mod sandwich;
+mod separation;
 mod slope;
+mod surface_ball;
 mod walls;
-mod witness;
 
-use super::deviation::{Goal, OneSided};
-use crate::budget::{Bound, Code, Evidence, Job, Reference, Refusal, Stopped};
+use super::deviation::{Goal, OneSidedDistance};
+use crate::budget::{Bound, Evidence, Job, JobError, Reference, Refusal, RefusalCode};
 use crate::explicit::{Bvh, Enclosure, Mesh};
 use crate::implicit::{Field, LeafError, Tape};
 use crate::math::{Box3, flushes_subnormals};
-pub(crate) use judge::{FieldJudge, Verdict};
+pub(crate) use prover::{SandwichProver, SandwichVerdict};
 pub(crate) use sandwich::{SandwichGoal, is_hopeless};
 
-use backward::Backward;
-use forward::Forward;
-use from_field::Target;
-use from_mesh::{Known, Piece};
+use backward::BackwardDistance;
+use forward::ForwardDistance;
+use from_field::TargetMesh;
+use from_mesh::{FieldSubtriangle, SubtriangleBounds};
 
 /// How far a mesh and the surface of a field are apart.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,9 +38,9 @@ pub struct FieldDeviation {
     /// The Hausdorff distance between the two.
     pub bound: Bound,
     /// From the points of the mesh to the surface of the field.
-    pub forward: OneSided,
+    pub forward: OneSidedDistance,
     /// From the points of the field's surface to the mesh.
-    pub backward: OneSided,
+    pub backward: OneSidedDistance,
     /// Whether the goal was reached. Where it was not, the bound holds all the same.
     pub reached: bool,
     /// Pieces of triangles for which no point of the surface was proved to be anywhere: with any, there is no bound from above.
@@ -72,8 +72,8 @@ const FLOOR: f64 = 64.0 * f64::EPSILON;
 /// shape has details, at any bound. The result does not depend on the threads.
 ///
 /// # Errors
-/// [`Stopped::Refused`] with [`Code::Unsupported`] for a field without finite bounds, [`Code::Empty`] for a mesh without faces,
-/// [`Code::LeafFailed`] when a leaf does, and as for [`crate::check::deviation`]; [`Stopped::Cancelled`].
+/// [`JobError::Refused`] with [`RefusalCode::Unsupported`] for a field without finite bounds, [`RefusalCode::Empty`] for a mesh without faces,
+/// [`RefusalCode::LeafFailed`] when a leaf does, and as for [`crate::check::deviation`]; [`JobError::Cancelled`].
 ///
 /// ```
 /// use chordal::check::{Goal, field_deviation};
@@ -100,36 +100,38 @@ pub fn field_deviation(
     field: &Field,
     goal: &Goal,
     job: &Job,
-) -> Result<FieldDeviation, Stopped> {
+) -> Result<FieldDeviation, JobError> {
     job.run(|| {
         if flushes_subnormals() {
             let message =
                 "the floating-point environment flushes subnormal numbers, so that nothing can be proved";
-            return refused(Code::FlushesSubnormals, message);
+            return refused(RefusalCode::FlushesSubnormals, message);
         }
         if mesh.faces().is_empty() {
-            return refused(Code::Empty, "the mesh has no triangle, so nothing is near it");
+            return refused(RefusalCode::Empty, "the mesh has no triangle, so nothing is near it");
         }
         let bounds = field.bounds();
         if bounds.is_empty() || !bounds.diagonal().is_finite() {
             let message = "the field has no finite bounds to look for its surface in";
-            return refused(Code::Unsupported, message);
+            return refused(RefusalCode::Unsupported, message);
         }
-        let tape = Tape::of(field.sign());
+        let tape = Tape::new(field.sign());
         if !field.evidence().bounds_above() {
-            return measured::measured(mesh, field, &tape, job);
+            return sampled::measured(mesh, field, &tape, job);
         }
         let bvh = Bvh::build(mesh, job)?;
         let floor = FLOOR * reach(mesh, &bounds);
-        let search = Search { mesh, tape, evidence: field.evidence(), bounds, goal, job, floor };
+        let search =
+            FieldDeviationSearch { mesh, tape, evidence: field.evidence(), bounds, goal, job, floor };
         let enclosure = Enclosure::new(mesh, &bvh);
-        let judged = if enclosure.is_closed() { judged::judged(&search, &bvh)? } else { None };
+        let judged =
+            if enclosure.is_closed() { from_sandwich::sandwich_deviation(&search, &bvh)? } else { None };
         if let Some(found) = &judged
             && found.reached
         {
             return Ok(found.clone());
         }
-        let (forward, backward) = search.both(&bvh, &enclosure)?;
+        let (forward, backward) = search.both_directions(&bvh, &enclosure)?;
         let compared = search.conclusion(&forward, &backward, &bvh);
         Ok(judged.map_or_else(|| compared.clone(), |judged| search.better_of(&judged, &compared)))
     })
@@ -137,18 +139,22 @@ pub fn field_deviation(
 
 /// The bound of a mesh from its verdict, which is proved, with a lower end from a few of the worst faces; none
 /// where the lower end contradicts the verdict.
-pub(crate) fn judged_bound(
+pub(crate) fn sandwich_bound(
     mesh: &Mesh,
     field: &Field,
-    verdict: &Verdict,
+    verdict: &SandwichVerdict,
     job: &Job,
-) -> Result<Option<Bound>, Stopped> {
-    let (tape, bounds) = (Tape::of(field.sign()), field.bounds());
+) -> Result<Option<Bound>, JobError> {
+    let (tape, bounds) = (Tape::new(field.sign()), field.bounds());
     let goal = Goal::default();
     let bvh = Bvh::build(mesh, job)?;
     let floor = FLOOR * reach(mesh, &bounds);
     let evidence = field.evidence();
-    judged::bound_of(&Search { mesh, tape, bounds, goal: &goal, job, floor, evidence }, verdict, &bvh)
+    from_sandwich::bound_from_verdict(
+        &FieldDeviationSearch { mesh, tape, bounds, goal: &goal, job, floor, evidence },
+        verdict,
+        &bvh,
+    )
 }
 
 /// How far a mesh is from the surface of a field by samples alone, whatever there is to prove with.
@@ -156,30 +162,30 @@ pub(crate) fn measured_field_deviation(
     mesh: &Mesh,
     field: &Field,
     job: &Job,
-) -> Result<FieldDeviation, Stopped> {
-    measured::measured(mesh, field, &Tape::of(field.sign()), job)
+) -> Result<FieldDeviation, JobError> {
+    sampled::measured(mesh, field, &Tape::new(field.sign()), job)
 }
 
-fn refused<T>(code: Code, message: impl Into<String>) -> Result<T, Stopped> {
-    Err(Stopped::Refused(Refusal { code, message: message.into() }))
+fn refused<T>(code: RefusalCode, message: impl Into<String>) -> Result<T, JobError> {
+    Err(JobError::Refused(Refusal { code, message: message.into() }))
 }
 
-fn failed(error: LeafError) -> Stopped {
-    Stopped::Refused(Refusal { code: Code::LeafFailed, message: error.message })
+fn leaf_failure(error: LeafError) -> JobError {
+    JobError::Refused(Refusal { code: RefusalCode::LeafFailed, message: error.message })
 }
 
 /// Looks once more at some of the pieces.
-fn on_some(
+fn refine_some(
     which: &[usize],
-    pieces: &[Piece],
-    known: &mut [Known],
-    look: impl FnOnce(&[&Piece], &mut [Known]) -> Result<(), LeafError>,
+    pieces: &[FieldSubtriangle],
+    known: &mut [SubtriangleBounds],
+    look: impl FnOnce(&[&FieldSubtriangle], &mut [SubtriangleBounds]) -> Result<(), LeafError>,
 ) -> Result<(), LeafError> {
     if which.is_empty() {
         return Ok(());
     }
-    let of: Vec<&Piece> = which.iter().map(|k| &pieces[*k]).collect();
-    let mut theirs: Vec<Known> = which.iter().map(|k| known[*k]).collect();
+    let of: Vec<&FieldSubtriangle> = which.iter().map(|k| &pieces[*k]).collect();
+    let mut theirs: Vec<SubtriangleBounds> = which.iter().map(|k| known[*k]).collect();
     look(&of, &mut theirs)?;
     which.iter().zip(theirs).for_each(|(k, theirs)| known[*k] = theirs);
     Ok(())
@@ -204,7 +210,7 @@ const FORWARD_SHARE: f64 = 0.6;
 /// That of a first rough look: with a goal of a tenth, twice as far as at least.
 const ROUGH_SHARE: f64 = 10.0;
 
-struct Search<'a> {
+struct FieldDeviationSearch<'a> {
     mesh: &'a Mesh,
     tape: Tape,
     evidence: Evidence,
@@ -214,9 +220,9 @@ struct Search<'a> {
     floor: f64,
 }
 
-impl Search<'_> {
+impl FieldDeviationSearch<'_> {
     /// The distance that is good enough for every point where some point is as far as `least`.
-    fn enough(&self, least: f64) -> f64 {
+    fn sufficient_distance(&self, least: f64) -> f64 {
         let wanted = match self.goal.max {
             Some(max) => max.get(),
             None => {
@@ -227,13 +233,17 @@ impl Search<'_> {
         larger(wanted, self.floor)
     }
 
-    fn both(&self, bvh: &Bvh, enclosure: &Enclosure) -> Result<(Forward, Backward), Stopped> {
-        let from_field = |forward: &Forward| {
+    fn both_directions(
+        &self,
+        bvh: &Bvh,
+        enclosure: &Enclosure,
+    ) -> Result<(ForwardDistance, BackwardDistance), JobError> {
+        let from_field = |forward: &ForwardDistance| {
             // Without a bound from above for the mesh there is none for both.
             if forward.unresolved > 0 {
-                return Ok(Backward { least: 0.0, most: f64::INFINITY, at: forward.at });
+                return Ok(BackwardDistance { least: 0.0, most: f64::INFINITY, at: forward.at });
             }
-            let mut target = Target { bvh, enclosure, strays: &forward.strays, enough: 0.0 };
+            let mut target = TargetMesh { bvh, enclosure, residuals: &forward.residuals, tolerance: 0.0 };
             self.backward(forward, &mut target)
         };
         if self.goal.max.is_some() {
@@ -256,7 +266,7 @@ impl Search<'_> {
         }
         let again = from_field(&closer)?;
         // Both hold, and so does the better one of each end.
-        let backward = Backward {
+        let backward = BackwardDistance {
             least: larger(again.least, backward.least),
             most: smaller(again.most, backward.most),
             at: again.at,
@@ -266,20 +276,25 @@ impl Search<'_> {
 
     /// What the points of the mesh are asked for: a little less, so that the other direction has room.
     fn aim(&self, least: f64, share: f64) -> f64 {
-        let enough = self.enough(least);
+        let enough = self.sufficient_distance(least);
         if self.goal.max.is_some() {
             return enough;
         }
         larger(least + share * (enough - least), self.floor)
     }
 
-    fn cancelled(&self) -> Result<(), Stopped> {
-        if self.job.is_cancelled() { Err(Stopped::Cancelled) } else { Ok(()) }
+    fn check_cancelled(&self) -> Result<(), JobError> {
+        if self.job.is_cancelled() { Err(JobError::Cancelled) } else { Ok(()) }
     }
 
-    fn conclusion(&self, forward: &Forward, backward: &Backward, bvh: &Bvh) -> FieldDeviation {
+    fn conclusion(
+        &self,
+        forward: &ForwardDistance,
+        backward: &BackwardDistance,
+        bvh: &Bvh,
+    ) -> FieldDeviation {
         let nearest = |p: [f64; 3]| bvh.closest_point(p).map_or(p, |closest| closest.point);
-        let one_sided = |at_least: f64, most: f64, from: [f64; 3], to: [f64; 3]| OneSided {
+        let one_sided = |at_least: f64, most: f64, from: [f64; 3], to: [f64; 3]| OneSidedDistance {
             at_least,
             at_most: larger(most, at_least),
             from,
@@ -299,24 +314,24 @@ impl Search<'_> {
         bound.at = Some(if backward.most > forward.most { backward.at } else { forward.at });
         // With a limit it is decided on either side of it.
         let beyond = self.goal.max.is_some_and(|max| least > max.get());
-        let reached = known && most <= self.enough(least) || beyond;
+        let reached = known && most <= self.sufficient_distance(least) || beyond;
         FieldDeviation { bound, forward: ahead, backward: back, reached, unresolved: forward.unresolved }
     }
 }
 
-impl Search<'_> {
+impl FieldDeviationSearch<'_> {
     /// Both hold, and so does the better one of each end.
     fn better_of(&self, a: &FieldDeviation, b: &FieldDeviation) -> FieldDeviation {
-        let one_sided = |a: OneSided, b: OneSided| {
+        let one_sided = |a: OneSidedDistance, b: OneSidedDistance| {
             let farther = if b.at_least > a.at_least { b } else { a };
-            OneSided { at_most: larger(smaller(a.at_most, b.at_most), farther.at_least), ..farther }
+            OneSidedDistance { at_most: larger(smaller(a.at_most, b.at_most), farther.at_least), ..farther }
         };
         let (forward, backward) = (one_sided(a.forward, b.forward), one_sided(a.backward, b.backward));
         let least = larger(forward.at_least, backward.at_least);
         let most = larger(forward.at_most, backward.at_most);
         let mut bound = Bound::with_evidence(least, Some(most), a.bound.evidence().clone(), Reference::Field);
         bound.at = if b.bound.at_least() > a.bound.at_least() { b.bound.at } else { a.bound.at };
-        let reached = b.reached || most <= self.enough(least);
+        let reached = b.reached || most <= self.sufficient_distance(least);
         FieldDeviation { bound, forward, backward, reached, unresolved: 0 }
     }
 }
@@ -332,7 +347,7 @@ fn cube(bounds: &Box3) -> Box3 {
 }
 
 /// The box in 4 × 4 × 4 parts that share their faces bit for bit.
-fn parts_of(bounds: &Box3) -> impl Iterator<Item = Box3> + use<> {
+fn sub_boxes(bounds: &Box3) -> impl Iterator<Item = Box3> + use<> {
     let bounds = *bounds;
     let at = move |k: usize, i: usize| match i {
         0 => bounds.min[k],

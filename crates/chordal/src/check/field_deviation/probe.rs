@@ -5,7 +5,7 @@
 //! same one, since they share the point, and they cover a neighbourhood of it. So the surface is no nearer to c than the
 //! nearest box that is left, or the sides of the cube. The nearest box is cut again and again, until it is small beside how far it is.
 use super::slope::step;
-use super::{larger, parts_of, smaller};
+use super::{larger, smaller, sub_boxes};
 use crate::implicit::{LeafError, Tape};
 use crate::math::{Box3, Interval, add_down, mul_down, sqrt_down};
 use std::cmp::Ordering;
@@ -20,7 +20,7 @@ const SMALL: f64 = 0.03;
 
 /// What was found out about a point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Probed {
+pub(super) struct DistanceProbe {
     /// The surface is no nearer.
     pub at_least: f64,
     /// Where it may be the nearest.
@@ -28,53 +28,53 @@ pub(super) struct Probed {
 }
 
 /// A box that may hold a part of the surface, by its distance: the nearest is the greatest.
-struct Near {
+struct ProbeBox {
     far: f64,
     number: usize,
     bounds: Box3,
 }
 
-impl PartialEq for Near {
+impl PartialEq for ProbeBox {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
-impl Eq for Near {}
-impl PartialOrd for Near {
+impl Eq for ProbeBox {}
+impl PartialOrd for ProbeBox {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
-impl Ord for Near {
+impl Ord for ProbeBox {
     fn cmp(&self, other: &Self) -> Ordering {
         other.far.total_cmp(&self.far).then(other.number.cmp(&self.number))
     }
 }
 
-struct Walk {
+struct ProbeSearch {
     from: [f64; 3],
     /// The surface is surely this near, or nobody asks.
     most: f64,
     /// No part of the surface outside of the cube is nearer than this.
     side: f64,
-    open: BinaryHeap<Near>,
+    open: BinaryHeap<ProbeBox>,
     cut: usize,
     done: bool,
 }
 
-impl Walk {
+impl ProbeSearch {
     fn new(from: [f64; 3], most: f64) -> Self {
         let half = 1.01 * most;
         let cube =
             Box3 { min: from.map(|x| (x - half).next_down()), max: from.map(|x| (x + half).next_up()) };
-        let open = BinaryHeap::from([Near { far: 0.0, number: 0, bounds: cube }]);
+        let open = BinaryHeap::from([ProbeBox { far: 0.0, number: 0, bounds: cube }]);
         Self { from, most, side: most, open, cut: 0, done: !half.is_finite() }
     }
 
     /// The next box to be cut.
     fn next(&mut self) -> Option<Box3> {
-        let small = |near: &Near| near.bounds.diagonal() < SMALL * larger(near.far, 0.1 * self.most);
-        let enough = |near: &Near| near.far >= ENOUGH * self.most || small(near);
+        let small = |near: &ProbeBox| near.bounds.diagonal() < SMALL * larger(near.far, 0.1 * self.most);
+        let enough = |near: &ProbeBox| near.far >= ENOUGH * self.most || small(near);
         if self.done || self.cut >= CUTS || self.open.peek().is_none_or(enough) {
             self.done = true;
             return None;
@@ -84,38 +84,45 @@ impl Walk {
     }
 
     fn keep(&mut self, part: Box3) {
-        let far = self.down(&part);
+        let far = self.distance_down(&part);
         if far < self.most {
-            self.open.push(Near { far, number: self.cut * 64 + self.open.len(), bounds: part });
+            self.open.push(ProbeBox { far, number: self.cut * 64 + self.open.len(), bounds: part });
         }
     }
 
     /// The distance of a box, from below.
-    fn down(&self, bounds: &Box3) -> f64 {
+    fn distance_down(&self, bounds: &Box3) -> f64 {
         let (low, high) = (step(bounds.min, self.from), step(self.from, bounds.max));
         let beside = |k: usize| larger(larger(low[k].lo(), high[k].lo()), 0.0);
         let sum = (0..3).fold(0.0, |sum, k| add_down(sum, mul_down(beside(k), beside(k))));
         larger(sqrt_down(larger(sum, 0.0)), 0.0)
     }
 
-    fn probed(&self) -> Probed {
+    fn result(&self) -> DistanceProbe {
         match self.open.peek() {
-            Some(near) => Probed { at_least: smaller(near.far, self.side), towards: near.bounds.centre() },
-            None => Probed { at_least: self.side, towards: self.from },
+            Some(near) => {
+                DistanceProbe { at_least: smaller(near.far, self.side), towards: near.bounds.centre() }
+            }
+            None => DistanceProbe { at_least: self.side, towards: self.from },
         }
     }
 }
 
 /// For each point, of which the surface is known to be within `most`, how far it is at least.
-pub(super) fn probed(tape: &Tape, points: &[[f64; 3]], most: &[f64]) -> Result<Vec<Probed>, LeafError> {
-    let mut walks: Vec<Walk> = points.iter().zip(most).map(|(p, most)| Walk::new(*p, *most)).collect();
+pub(super) fn probe_distances(
+    tape: &Tape,
+    points: &[[f64; 3]],
+    most: &[f64],
+) -> Result<Vec<DistanceProbe>, LeafError> {
+    let mut walks: Vec<ProbeSearch> =
+        points.iter().zip(most).map(|(p, most)| ProbeSearch::new(*p, *most)).collect();
     loop {
         let cut: Vec<(usize, Box3)> =
             walks.iter_mut().enumerate().filter_map(|(k, walk)| walk.next().map(|b| (k, b))).collect();
         if cut.is_empty() {
             break;
         }
-        let parts: Vec<Box3> = cut.iter().flat_map(|(_, b)| parts_of(b)).collect();
+        let parts: Vec<Box3> = cut.iter().flat_map(|(_, b)| sub_boxes(b)).collect();
         let mut ranges = vec![Interval::UNKNOWN; parts.len()];
         tape.over(&parts, &mut ranges)?;
         for (n, (part, range)) in parts.iter().zip(&ranges).enumerate() {
@@ -125,5 +132,5 @@ pub(super) fn probed(tape: &Tape, points: &[[f64; 3]], most: &[f64]) -> Result<V
             }
         }
     }
-    Ok(walks.iter().map(Walk::probed).collect())
+    Ok(walks.iter().map(ProbeSearch::result).collect())
 }

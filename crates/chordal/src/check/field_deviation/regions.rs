@@ -3,8 +3,8 @@
 //! A region is a cell with half of its size around it, so a box that is smaller than a cell lies in the
 //! region of the cell that holds its middle. Regions are made when enough boxes ask for them; each knows the
 //! tree of what its primitives' signs leave open.
+use super::face_sides::FaceSideCache;
 use super::local_trees::{LiteralSides, LocalTrees};
-use super::pieces::KnownSides;
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
 use crate::math::Box3;
 
@@ -22,7 +22,7 @@ struct SignRegion {
 pub(super) struct SignRegions {
     regions: Vec<SignRegion>,
     pub trees: LocalTrees,
-    pub known: KnownSides,
+    pub known: FaceSideCache,
     /// What regions and trees may take in memory.
     most_bytes: u64,
 }
@@ -42,7 +42,7 @@ impl SignRegions {
     pub fn new(evaluator: &PrimitiveEvaluator, domain: &Box3, memory_limit: u64) -> Self {
         let root = SignRegion { cell: *domain, level: 0, tree: Ok(0), children: [None; 8] };
         let trees = LocalTrees::new(evaluator.csg().tree());
-        let known = KnownSides::new(memory_limit);
+        let known = FaceSideCache::new(memory_limit);
         Self { regions: vec![root], trees, known, most_bytes: memory_limit / MEMORY_SHARE }
     }
 
@@ -115,7 +115,7 @@ impl SignRegions {
         for (parent, octant, cell, tree) in new {
             let (own, after) = rest.split_at(self.trees.get(tree).primitives.len());
             rest = after;
-            let sides: Vec<LiteralSides> = own.iter().map(LiteralSides::of_range).collect();
+            let sides: Vec<LiteralSides> = own.iter().map(LiteralSides::from_range).collect();
             let tree = self.trees.restricted(tree, &sides);
             let level = self.regions[parent as usize].level + 1;
             self.regions[parent as usize].children[octant] = Some(self.regions.len() as u32);

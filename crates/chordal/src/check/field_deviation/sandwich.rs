@@ -19,11 +19,14 @@
 //! A*, so its winding number is constant on components of A*, and w = 1; likewise M⁻ misses B*, and w = 0. ∎
 //!
 //! M need not be embedded, nor need its copies. Where the first condition holds is proved by
-//! [`super::pieces`]. Vertices of the copies are f64 numbers, taken exactly; lengths of displacements are
-//! rounded up. How vertices are displaced is a guess ([`super::lift`]): as little as the samples ask for plus
+//! [`super::face_sides`]. Vertices of the copies are f64 numbers, taken exactly; lengths of displacements are
+//! rounded up. How vertices are displaced is a guess ([`super::displacement`]): as little as the samples ask for plus
 //! a margin, which grows where the proof needs it.
-use super::lift::{Demand, Demands, HalfSpace, Reach, Ways, demands, deviations, shortest};
-use super::pieces::{FaceSide, MOST_CUTS, SideQuestion, sides};
+use super::displacement::{
+    DisplacementNormals, DisplacementReach, FaceConstraint, FaceConstraints, HalfSpace, deviations,
+    face_constraints, shortest_displacement,
+};
+use super::face_sides::{FaceSide, MOST_CUTS, SideQuery, classify_sides};
 use super::regions::SignRegions;
 use crate::explicit::{Mesh, Topology};
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
@@ -120,7 +123,7 @@ struct VertexMargin {
     is_at_limit: bool,
 }
 
-struct Displacement {
+struct VertexDisplacement {
     by: [f64; 3],
     /// No longer one is possible.
     is_at_limit: bool,
@@ -130,16 +133,16 @@ struct Displacement {
 
 /// A closed mesh, and which of its vertices go together.
 #[derive(Clone, Debug)]
-pub(super) struct TiedMesh<'a> {
+pub(super) struct ClosedMesh<'a> {
     mesh: &'a Mesh,
     /// By vertex the first one that it is tied to.
     ids: Vec<u32>,
 }
 
-impl<'a> TiedMesh<'a> {
+impl<'a> ClosedMesh<'a> {
     /// By index if the mesh is closed so, since vertices of two parts that touch need not go the same way;
     /// else by position. None where it is closed in neither way.
-    pub fn closed(mesh: &'a Mesh) -> Option<Self> {
+    pub fn from_mesh(mesh: &'a Mesh) -> Option<Self> {
         let n = mesh.positions().len() as u32;
         let by_index = || Some((0..n).collect::<Vec<u32>>());
         let by_position = || Topology::Positions.ids(mesh).map(|ids| ids.to_vec());
@@ -164,14 +167,14 @@ impl<'a> TiedMesh<'a> {
 }
 
 impl Sandwich {
-    pub fn of(
+    pub fn build(
         regions: &mut SignRegions,
         evaluator: &mut PrimitiveEvaluator,
-        tied: &TiedMesh,
+        tied: &ClosedMesh,
         goal: &SandwichGoal,
     ) -> Result<Self, LeafError> {
-        let TiedMesh { mesh, ids } = tied;
-        let around = Incidence::new(mesh, ids);
+        let ClosedMesh { mesh, ids } = tied;
+        let around = VertexFaceIncidence::new(mesh, ids);
         let mut reaches = around.reaches(mesh, ids, &deviations(regions, evaluator, mesh)?);
         let mut builder = SandwichBuilder {
             mesh,
@@ -187,8 +190,9 @@ impl Sandwich {
             let is_limited = |reach: f64| goal.limit.is_some_and(|limit| reach >= limit);
             let most = goal.limit.unwrap_or(f64::MAX);
             reaches.iter_mut().for_each(|reach| reach.now = if reach.now < most { reach.now } else { most });
-            let ways = if attempt == 0 { Ways::OfCorners } else { Ways::OfFacesToo };
-            builder.demands = demands(regions, evaluator, mesh, &reaches, ways)?;
+            let ways =
+                if attempt == 0 { DisplacementNormals::Vertex } else { DisplacementNormals::VertexAndFace };
+            builder.demands = face_constraints(regions, evaluator, mesh, &reaches, ways)?;
             builder.start(&open);
             for (side, open) in open.iter_mut().enumerate() {
                 *open = builder.close(side, open, regions, evaluator)?;
@@ -209,8 +213,8 @@ impl Sandwich {
 struct SandwichBuilder<'a> {
     mesh: &'a Mesh,
     ids: &'a [u32],
-    demands: [Demands; 2],
-    around: &'a Incidence,
+    demands: [FaceConstraints; 2],
+    around: &'a VertexFaceIncidence,
     goal: &'a SandwichGoal,
     copies: [Vec<[f64; 3]>; 2],
     margins: [Vec<VertexMargin>; 2],
@@ -230,8 +234,8 @@ impl SandwichBuilder<'_> {
     }
 
     fn first_allowance(&self, vertex: u32) -> f64 {
-        let all = (0..2).flat_map(|side| self.asked(vertex, side));
-        let lacks = all.map(|(demand, corner)| demand.lacks[corner]);
+        let all = (0..2).flat_map(|side| self.constraints_on(vertex, side));
+        let lacks = all.map(|(demand, corner)| demand.deficits[corner]);
         let lack = lacks.fold(0.0, |most: f64, lack| if lack > most { lack } else { most });
         let p = self.mesh.positions()[vertex as usize];
         let reach = p.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
@@ -250,10 +254,10 @@ impl SandwichBuilder<'_> {
     }
 
     /// What the faces around a vertex ask for, and of which of their corners.
-    fn asked(&self, vertex: u32, side: usize) -> impl Iterator<Item = (&Demand, usize)> {
+    fn constraints_on(&self, vertex: u32, side: usize) -> impl Iterator<Item = (&FaceConstraint, usize)> {
         let demands = &self.demands[side];
         self.around
-            .of(vertex)
+            .faces_around(vertex)
             .flat_map(|(face, corner)| demands.of_face(face).iter().map(move |demand| (demand, corner)))
     }
 
@@ -261,11 +265,11 @@ impl SandwichBuilder<'_> {
     /// cannot be, they are asked for the primitives alone that they are on: beyond those, others take over.
     fn displace(&mut self, vertex: u32, side: usize) {
         let allowance = self.margins[side][vertex as usize].allowance;
-        let all = self.asked(vertex, side);
+        let all = self.constraints_on(vertex, side);
         let all: Vec<HalfSpace> = all.map(|(demand, corner)| demand.of_corner(corner)).collect();
         let mut chosen = self.displacement(&all, allowance);
         if !chosen.has_margin {
-            let own = self.asked(vertex, side).filter(|(demand, _)| demand.is_on);
+            let own = self.constraints_on(vertex, side).filter(|(demand, _)| demand.is_on);
             let own: Vec<HalfSpace> = own.map(|(demand, corner)| demand.of_corner(corner)).collect();
             let of_own = self.displacement(&own, allowance);
             chosen = if of_own.has_margin { of_own } else { chosen };
@@ -276,12 +280,14 @@ impl SandwichBuilder<'_> {
         self.copies[side][vertex as usize] = if q.iter().all(|x| x.is_finite()) { q } else { p };
     }
 
-    fn displacement(&self, base: &[HalfSpace], allowance: f64) -> Displacement {
+    fn displacement(&self, base: &[HalfSpace], allowance: f64) -> VertexDisplacement {
         // First what samples ask for, a share of it at least, then a share of the margin.
         let with = |lack: f64, margin: f64| {
             let raised = |c: &HalfSpace| if c.least > 0.0 { lack * c.least } else { c.least };
             let least = |c: &HalfSpace| raised(c) + c.share * margin;
-            shortest(&base.iter().map(|c| HalfSpace { least: least(c), ..*c }).collect::<Vec<_>>())
+            shortest_displacement(
+                &base.iter().map(|c| HalfSpace { least: least(c), ..*c }).collect::<Vec<_>>(),
+            )
         };
         let limit = self.goal.limit.map_or(f64::INFINITY, |limit| REACH * limit);
         let asked = with(1.0, 0.0).filter(|d| length(*d) <= limit);
@@ -304,7 +310,7 @@ impl SandwichBuilder<'_> {
         };
         let with_margin = asked.and_then(|_| largest(&|share| with(1.0, share * allowance)));
         let by = with_margin.or(asked).or_else(|| largest(&|share| with(share, 0.0)));
-        Displacement { by: by.unwrap_or([0.0; 3]), is_at_limit, has_margin: with_margin.is_some() }
+        VertexDisplacement { by: by.unwrap_or([0.0; 3]), is_at_limit, has_margin: with_margin.is_some() }
     }
 
     /// Displaces until all faces are on a side, or nothing helps; the faces that are not.
@@ -322,14 +328,14 @@ impl SandwichBuilder<'_> {
             todo.iter().for_each(|v| self.displace(*v, side));
             self.spread(side);
             let mut look: Vec<u32> =
-                todo.iter().flat_map(|v| self.around.of(*v).map(|(face, _)| face)).collect();
+                todo.iter().flat_map(|v| self.around.faces_around(*v).map(|(face, _)| face)).collect();
             look.sort_unstable();
             look.dedup();
             let faces: Vec<[u32; 3]> = look.iter().map(|face| self.mesh.faces()[*face as usize]).collect();
             let cuts = CUTS[usize::from(round > 0)];
             let question =
-                SideQuestion { positions: &self.copies[side], faces: &faces, side: SIDES[side], cuts };
-            let found = sides(regions, evaluator, &question)?;
+                SideQuery { positions: &self.copies[side], faces: &faces, side: SIDES[side], cuts };
+            let found = classify_sides(regions, evaluator, &question)?;
             look.iter()
                 .zip(found)
                 .for_each(|(face, found)| is_open[*face as usize] = found != FaceSide::Proved);
@@ -350,7 +356,7 @@ impl SandwichBuilder<'_> {
         let mut todo: Vec<u32> = Vec::new();
         for face in open {
             let corners = self.mesh.corners(*face as usize);
-            let size = crate::math::Box3::around(&corners).diagonal();
+            let size = crate::math::Box3::from_points(&corners).diagonal();
             for v in self.mesh.faces()[*face as usize] {
                 let v = self.ids[v as usize];
                 let of = &mut self.margins[side][v as usize];
@@ -393,12 +399,12 @@ impl SandwichBuilder<'_> {
 }
 
 /// The faces around each position.
-struct Incidence {
+struct VertexFaceIncidence {
     corners: Vec<(u32, u8)>,
     starts: Vec<u32>,
 }
 
-impl Incidence {
+impl VertexFaceIncidence {
     fn new(mesh: &Mesh, ids: &[u32]) -> Self {
         let mut starts = vec![0_u32; mesh.positions().len() + 1];
         let corners =
@@ -415,24 +421,26 @@ impl Incidence {
         Self { corners: all, starts }
     }
 
-    fn of(&self, position: u32) -> impl Iterator<Item = (u32, usize)> + use<'_> {
+    fn faces_around(&self, position: u32) -> impl Iterator<Item = (u32, usize)> + use<'_> {
         let range = self.starts[position as usize] as usize..self.starts[position as usize + 1] as usize;
         self.corners[range].iter().map(|(face, corner)| (*face, *corner as usize))
     }
 
     /// By face, about how far its corners have to be displaced: twice as far as any face about them is from
     /// the surface.
-    fn reaches(&self, mesh: &Mesh, ids: &[u32], deviations: &[f64]) -> Vec<Reach> {
+    fn reaches(&self, mesh: &Mesh, ids: &[u32], deviations: &[f64]) -> Vec<DisplacementReach> {
         let larger = |a: f64, b: f64| if b > a { b } else { a };
         let n = mesh.positions().len() as u32;
         let of_vertex: Vec<f64> = (0..n)
-            .map(|v| self.of(v).fold(0.0, |most, (face, _)| larger(most, deviations[face as usize])))
+            .map(|v| {
+                self.faces_around(v).fold(0.0, |most, (face, _)| larger(most, deviations[face as usize]))
+            })
             .collect();
         let of_face = |(number, face): (usize, &[u32; 3])| {
-            let least = FACE_SHARE * crate::math::Box3::around(&mesh.corners(number)).diagonal();
+            let least = FACE_SHARE * crate::math::Box3::from_points(&mesh.corners(number)).diagonal();
             let far =
                 face.iter().fold(least, |most, v| larger(most, 2.0 * of_vertex[ids[*v as usize] as usize]));
-            Reach { at_first: far, now: far }
+            DisplacementReach { at_first: far, now: far }
         };
         mesh.faces().iter().enumerate().map(of_face).collect()
     }

@@ -1,5 +1,5 @@
 //! What the range of a gradient says of a field about a point: how it grows along a direction, and how far it can stray.
-use crate::implicit::Slope;
+use crate::implicit::Dual;
 use crate::math::{Box3, Interval, div_up, length_up};
 
 /// `v · w`, enclosed.
@@ -28,19 +28,19 @@ pub(super) fn inflated(bounds: &Box3, by: f64) -> Box3 {
 }
 
 /// The direction in which a field surely grows within a box.
-pub(super) struct Growth {
+pub(super) struct GrowthRate {
     /// The length of the direction, from above.
     pub length: f64,
     /// Over a step of `s` times the direction the field grows by `s · rate` at least; > 0.
     pub rate: f64,
 }
 
-impl Growth {
+impl GrowthRate {
     /// Along the middle of the range of the gradient; `None` where the field may stand still along it, or jumps.
     ///
     /// For a function that is Lipschitz in the box (defined, with bounded generalized gradients) the mean value theorem
     /// holds with them: G. Lebourg, *Valeur moyenne pour gradient généralisé*, 1975.
-    pub fn of(slope: &Slope<Interval>) -> Option<Self> {
+    pub fn along_gradient(slope: &Dual<Interval>) -> Option<Self> {
         if !is_lipschitz(slope) {
             return None;
         }
@@ -51,11 +51,11 @@ impl Growth {
         }
         let scaled = middle.map(|x| x / size);
         let norm = (scaled[0] * scaled[0] + scaled[1] * scaled[1] + scaled[2] * scaled[2]).sqrt();
-        Self::along(slope, scaled.map(|x| x / norm))
+        Self::along_direction(slope, scaled.map(|x| x / norm))
     }
 
     /// Along a direction of length 1 up to rounding.
-    pub fn along(slope: &Slope<Interval>, along: [f64; 3]) -> Option<Self> {
+    pub fn along_direction(slope: &Dual<Interval>, along: [f64; 3]) -> Option<Self> {
         let rate = dot(slope.gradient, exactly(along)).lo();
         (rate > 0.0).then(|| Self { length: length_up(along.map(f64::abs)), rate })
     }
@@ -67,12 +67,12 @@ impl Growth {
 }
 
 /// Whether the field is defined, continuous, and of bounded slope all over the box.
-pub(super) fn is_lipschitz(slope: &Slope<Interval>) -> bool {
+pub(super) fn is_lipschitz(slope: &Dual<Interval>) -> bool {
     let bounded = |d: &Interval| d.is_defined() && d.lo() > f64::NEG_INFINITY && d.hi() < f64::INFINITY;
     slope.value.is_defined() && slope.gradient.iter().all(bounded)
 }
 
 /// The largest slope, from above.
-pub(super) fn steepest(slope: &Slope<Interval>) -> f64 {
+pub(super) fn steepest(slope: &Dual<Interval>) -> f64 {
     length_up(slope.gradient.map(Interval::magnitude))
 }

@@ -1,5 +1,5 @@
 //! The judge against meshes whose truth is known, and against planted faults.
-use super::judge::{FieldJudge, Verdict};
+use super::prover::{SandwichProver, SandwichVerdict};
 use super::sandwich::SandwichGoal;
 use crate::budget::Job;
 use crate::explicit::{Bvh, Mesh};
@@ -62,15 +62,15 @@ fn moved(field: &Field, by: [f64; 3]) -> Field {
     field.moved(by).unwrap()
 }
 
-fn look(field: &Field, mesh: &Mesh, limit: Option<f64>) -> Verdict {
+fn look(field: &Field, mesh: &Mesh, limit: Option<f64>) -> SandwichVerdict {
     on_threads(field, mesh, limit, 1)
 }
 
-fn on_threads(field: &Field, mesh: &Mesh, limit: Option<f64>, threads: usize) -> Verdict {
+fn on_threads(field: &Field, mesh: &Mesh, limit: Option<f64>, threads: usize) -> SandwichVerdict {
     let job = Job::default().with_threads(threads);
-    let csg = Csg::of(field.sign());
-    let mut judge = FieldJudge::new(&csg, &field.bounds(), &job).unwrap();
-    judge.look(mesh, &SandwichGoal::new(limit, 0.25)).unwrap()
+    let csg = Csg::from_expr(field.sign());
+    let mut judge = SandwichProver::new(&csg, &field.bounds(), &job).unwrap();
+    judge.prove(mesh, &SandwichGoal::new(limit, 0.25)).unwrap()
 }
 
 /// How far the flattest point of any face is below a sphere, exactly but for rounding.
@@ -110,10 +110,10 @@ fn work_follows_the_faces() {
     let job = Job::default().with_threads(1);
     let mesh = ball([0.0; 3], 1.0, 4);
     let field = sphere(1.0);
-    let csg = Csg::of(field.sign());
-    let mut judge = FieldJudge::new(&csg, &field.bounds(), &job).unwrap();
+    let csg = Csg::from_expr(field.sign());
+    let mut judge = SandwichProver::new(&csg, &field.bounds(), &job).unwrap();
     let limit = Some(1.25 * sagitta(&mesh, 1.0));
-    judge.look(&mesh, &SandwichGoal::new(limit, 0.5)).unwrap();
+    judge.prove(&mesh, &SandwichGoal::new(limit, 0.5)).unwrap();
     let first = judge.n_boxes();
     assert!(first <= 90 * mesh.faces().len() as u64, "{first}");
 }
@@ -283,13 +283,13 @@ fn a_thin_wall_takes_few_cells() {
     let bounds = Box3 { min: [-1.0; 3], max: [1.0; 3] };
     let field = Field::new((&norm - 1.0).max(&(-&norm + 0.999_023_437_5))).with_bounds(bounds);
     let job = Job::default().with_threads(1);
-    let csg = Csg::of(field.sign());
-    let mut judge = FieldJudge::new(&csg, &bounds, &job).unwrap();
+    let csg = Csg::from_expr(field.sign());
+    let mut judge = SandwichProver::new(&csg, &bounds, &job).unwrap();
     // Cells as small as the wall would be a million and more.
     assert!(judge.n_boxes() < 30_000, "{}", judge.n_boxes());
     // Both sheets are needed: a cover that looked past the wall would be content with none.
     let outer = ball([0.0; 3], 1.0, 3);
-    let found = judge.look(&outer, &SandwichGoal::new(None, 0.25)).unwrap();
+    let found = judge.prove(&outer, &SandwichGoal::new(None, 0.25)).unwrap();
     assert!(found.unresolved.is_empty() && !found.wrong.is_empty());
 }
 

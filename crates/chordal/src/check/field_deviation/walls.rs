@@ -13,7 +13,7 @@
 //! over the base of P, which is connected, and no primitive changes its sign there. ∎
 //!
 //! So a flow that ends in the cell ends in a part, and a point of each part is one that the mesh has to wind around in the right way.
-use super::cover::{FieldCover, SeenPoint, padded};
+use super::cover::{FieldCover, WindingProbe, padded};
 use super::local_trees::LiteralSides;
 use super::regions::SignRegions;
 use crate::implicit::{LeafError, Membership, PrimitiveEvaluator};
@@ -38,12 +38,12 @@ struct WallPrism {
 }
 
 /// Cells of a list that are seen through walls, with the points of their parts.
-pub(super) fn seen(
+pub(super) fn cells_with_walls(
     cover: &FieldCover,
     regions: &mut SignRegions,
     evaluator: &mut PrimitiveEvaluator,
     cells: &[(u32, usize)],
-) -> Result<Vec<(u32, Vec<SeenPoint>)>, LeafError> {
+) -> Result<Vec<(u32, Vec<WindingProbe>)>, LeafError> {
     let boxes: Vec<Box3> = cells.iter().map(|(cell, axis)| long_box(cover, *cell, *axis)).collect();
     let trees = regions.trees_of(evaluator, &boxes)?;
     let mut prisms = Vec::new();
@@ -75,14 +75,14 @@ fn monotone(
     let list = |prism: &WallPrism| regions.trees.get(prism.tree).primitives.iter();
     let questions: Vec<(u32, Box3)> =
         prisms.iter().flat_map(|prism| list(prism).map(|p| (*p, prism.bounds))).collect();
-    let slopes = evaluator.slope_ranges(&questions)?;
+    let slopes = evaluator.dual_ranges(&questions)?;
     let primitives = evaluator.csg().primitives();
     let mut rest = slopes.as_slice();
     prisms.retain_mut(|prism| {
         let local = regions.trees.get(prism.tree);
         let (own, after) = rest.split_at(local.primitives.len());
         rest = after;
-        prism.sides = own.iter().map(|slope| LiteralSides::of_range(&slope.value)).collect();
+        prism.sides = own.iter().map(|slope| LiteralSides::from_range(&slope.value)).collect();
         for ((p, slope), sides) in local.primitives.iter().zip(own).zip(&prism.sides) {
             if !sides.is_open() {
                 continue;
@@ -131,7 +131,7 @@ fn points(
     regions: &SignRegions,
     evaluator: &mut PrimitiveEvaluator,
     prisms: &[WallPrism],
-) -> Result<Vec<(u32, Vec<SeenPoint>)>, LeafError> {
+) -> Result<Vec<(u32, Vec<WindingProbe>)>, LeafError> {
     let at = |prism: &WallPrism, along: f64| {
         let mut p = prism.bounds.centre();
         p[prism.axis] = along;
@@ -202,14 +202,14 @@ fn parts(
     prism: &WallPrism,
     points: &[[f64; 3]],
     ranges: &[[f64; 2]],
-) -> Option<Vec<SeenPoint>> {
+) -> Option<Vec<WindingProbe>> {
     let local = regions.trees.get(prism.tree);
     let mut before: Option<Vec<LiteralSides>> = None;
     let mut seen = Vec::with_capacity(points.len());
     for (at, ranges) in points.iter().zip(ranges.chunks_exact(prism.levels.len())) {
         let mut sides = prism.sides.clone();
         for ((p, _), range) in prism.levels.iter().zip(ranges) {
-            let of_level = LiteralSides::of_range(range);
+            let of_level = LiteralSides::from_range(range);
             // A part is where no level is 0.
             if of_level.is_open() || *range == [0.0; 2] {
                 return None;
@@ -220,7 +220,7 @@ fn parts(
         if side == Membership::Unknown || before.as_ref() == Some(&sides) {
             return None;
         }
-        seen.push(SeenPoint { at: *at, side });
+        seen.push(WindingProbe { at: *at, side });
         before = Some(sides);
     }
     Some(seen)

@@ -1,52 +1,53 @@
 //! `Flicker`: how much the picture changes when the view moves by less than a pixel.
-use super::banded::{Band, Banded, MOST_SHIFT, NOBODY};
+use super::binning::{BinnedMesh, MOST_SHIFT, NOBODY, ScreenBand};
 use super::over_bands;
-use super::projected::{CHUNK, Projected};
-use crate::budget::{Camera, Job, Stopped, par_map};
-use crate::explicit::{Mesh, Sides, face_normal};
+use super::projection::{CHUNK, ScreenMesh};
+use crate::budget::{Camera, Job, JobError, par_map};
+use crate::explicit::{HitSides, Mesh, face_normal};
 use glam::DVec3;
 
 /// Shifts along an axis, in steps of 1/256 of a pixel: a quarter of a pixel apart, about the pixel's centre.
 const SHIFTS: [i64; 4] = [-96, -32, 32, 96];
 const _: () = assert!(SHIFTS[3] <= MOST_SHIFT);
-/// Shifts in all.
+/// The number of shifts.
 const N: usize = SHIFTS.len() * SHIFTS.len();
-/// Where the light comes from: the viewer's left shoulder, in the directions of the screen and of the eye.
+/// The direction to the light, over the viewer's left shoulder: right, up and towards the eye.
 const LIGHT: [f64; 3] = [-1.0, 1.0, 2.0];
 
 /// How much the picture of a mesh changes when the view moves by less than a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Flicker {
-    /// The root of the mean square of how far a pixel's shade is from its own mean over the shifts, 0 to 1/2, where 1 is
-    /// the way from black to white; 0 when no pixel is looked at.
+    /// The root mean square of the difference between a pixel's shade and its mean over the shifts, 0 to 1/2,
+    /// where 1 is the difference between black and white; 0 when no pixel is compared.
     pub rms: f64,
-    /// The pixels that are looked at: those that are covered at every shift, so that outlines do not count.
+    /// The pixels that are compared: those covered at every shift, so that outlines do not count.
     pub n_pixels: u64,
 }
 
-/// Draws the mesh with a depth test at 16 shifts of the view, ±1/8 and ±3/8 of a pixel along both axes, and compares.
+/// Draws the mesh with a depth test at 16 shifts of the view, ±1/8 and ±3/8 of a pixel along both axes, and
+/// compares.
 ///
-/// The shade of a triangle is `½ + ½·n·l`: `n` is its unit normal on the side that is seen (0 for one without area), and `l`
-/// the unit vector in the direction of (−1, 1, 2) to the right of the screen, up on it and towards the eye. So a smooth
-/// surface that is cut finely has the little that its shade changes within a pixel, and a mesh that hides detail
-/// smaller than a pixel has all of that detail. The rest is as for [`super::overshade`]; so are errors. Cost: 16 times
-/// as much.
+/// The shade of a triangle is `½ + ½·n·l`: `n` is its unit normal on the visible side (0 for one without
+/// area), and `l` the unit vector in the direction of (−1, 1, 2) to the right of the screen, up on it and
+/// towards the eye. So a finely tessellated smooth surface flickers only as much as its shade changes within
+/// a pixel, and a mesh that hides detail smaller than a pixel flickers with all of that detail. Rasterization
+/// is as for [`super::overshade`]. Cost: 16 times as much.
 ///
 /// # Errors
 /// As for [`super::overshade`].
 ///
 /// ```
-/// use chordal::{Job, Mesh, View, check::flicker, explicit::Sides};
+/// use chordal::{Job, Mesh, View, check::flicker, explicit::HitSides};
 /// let flat = Mesh::new(vec![[-4., -4., 0.], [4., -4., 0.], [-4., 4., 0.]], vec![[0, 1, 2]]).unwrap();
 /// let View::Camera(camera) = "8x8 height=8 eye=0,0,1 target=0,0,0".parse()? else { unreachable!() };
-/// let found = flicker(&flat, &camera, Sides::Both, &Job::default()).unwrap();
+/// let found = flicker(&flat, &camera, HitSides::Both, &Job::default()).unwrap();
 /// assert_eq!((found.rms, found.n_pixels), (0.0, 28)); // one shade, wherever it is seen
 /// # Ok::<(), chordal::budget::InvalidView>(())
 /// ```
-pub fn flicker(mesh: &Mesh, camera: &Camera, sides: Sides, job: &Job) -> Result<Flicker, Stopped> {
-    let banded = Banded::new(mesh, camera, sides, job)?;
+pub fn flicker(mesh: &Mesh, camera: &Camera, sides: HitSides, job: &Job) -> Result<Flicker, JobError> {
+    let banded = BinnedMesh::new(mesh, camera, sides, job)?;
     let shades = shades(&banded.projected, job);
-    let bands = over_bands(&banded, job, |band| of_band(&banded, band, &shades, job))?;
+    let bands = over_bands(&banded, job, |band| band_flicker(&banded, band, &shades, job))?;
     let (mut sum, mut n_pixels) = (0.0, 0);
     for (changed, n) in bands {
         sum += changed;
@@ -57,7 +58,7 @@ pub fn flicker(mesh: &Mesh, camera: &Camera, sides: Sides, job: &Job) -> Result<
 }
 
 /// The shade of every triangle.
-fn shades(projected: &Projected, job: &Job) -> Vec<f32> {
+fn shades(projected: &ScreenMesh, job: &Job) -> Vec<f32> {
     let [right, up, back] = projected.axes();
     let light = (right * LIGHT[0] + up * LIGHT[1] + back * LIGHT[2]).normalize_or_zero();
     let n_faces = projected.mesh.faces().len();
@@ -74,8 +75,8 @@ fn shades(projected: &Projected, job: &Job) -> Vec<f32> {
     chunks.concat()
 }
 
-/// The sum of the squares of all changes in a band, and how many pixels were looked at.
-fn of_band(banded: &Banded, band: &Band, shades: &[f32], job: &Job) -> (f64, u64) {
+/// The sum of the squares of all changes in a band, and the number of pixels compared.
+fn band_flicker(banded: &BinnedMesh, band: &ScreenBand, shades: &[f32], job: &Job) -> (f64, u64) {
     let n = (banded.projected.size[0] * (band.rows[1] - band.rows[0])) as usize;
     let (mut sums, mut squares, mut hits) = (vec![0.0; n], vec![0.0; n], vec![0_u8; n]);
     for shift in SHIFTS.iter().flat_map(|y| SHIFTS.map(|x| [x, *y])) {
@@ -84,7 +85,8 @@ fn of_band(banded: &Banded, band: &Band, shades: &[f32], job: &Job) -> (f64, u64
         }
         for (at, face) in banded.nearest(band, shift).into_iter().enumerate() {
             if face != NOBODY {
-                // Single precision: 16 equal shades and their squares add up without rounding, so they change by 0.
+                // Single precision: 16 equal shades and their squares add up without rounding, so they change
+                // by 0.
                 let shade = f64::from(shades[face as usize]);
                 sums[at] += shade;
                 squares[at] += shade * shade;

@@ -1,27 +1,28 @@
-//! `MicroTriangles`: how many triangles are smaller than a pixel at a view.
-use super::banded::Banded;
-use crate::budget::{Closest, Job, Projection, Stopped, View};
+//! `MicroTriangles`: the number of triangles that are smaller than a pixel at a view.
+use super::binning::BinnedMesh;
+use crate::budget::{Job, JobError, MinDistanceView, Projection, View};
 use crate::check::parallel::over_chunks;
-use crate::explicit::{Mesh, Sides};
+use crate::explicit::{HitSides, Mesh};
 use glam::DVec3;
 
 /// Triangles smaller than a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MicroTriangles {
-    /// How many have less than a pixel's area.
+    /// Triangles with less than a pixel's area.
     pub n_micro: u64,
-    /// Of how many: those in view of a camera, or all for a view that is only so close.
+    /// All triangles considered: those in view of a camera, or all for a view that only gives a distance.
     pub n_triangles: u64,
 }
 
-/// Triangles a chunk, of which each takes some 5 ns (measured): a task takes longer than it costs.
+/// Triangles a chunk, each taking some 5 ns (measured): a task takes longer than its overhead.
 const CHUNK: usize = 16_384;
 
-/// How many triangles are smaller than a pixel at a view.
+/// Counts the triangles that are smaller than a pixel at a view.
 ///
-/// At a camera these are the triangles in view whose area there is less than a pixel's, as [`super::overshade`] counts them.
-/// At a [`View::Closest`] it is an estimate in favour of the triangles: each is taken to face the eye, in the middle of the
-/// picture and as near as that may come. (In the corner of the picture areas are larger, by 1/cos³ of the angle.)
+/// At a camera these are the triangles in view whose area there is less than a pixel's, as
+/// [`super::overshade`] counts them. At a [`View::MinDistance`] it is an estimate in favour of the triangles:
+/// each is assumed to face the eye, in the middle of the picture and at the least distance. (In the corner of
+/// the picture areas are larger, by 1/cos³ of the angle.)
 ///
 /// # Errors
 /// As for [`super::overshade`].
@@ -35,13 +36,13 @@ const CHUNK: usize = 16_384;
 /// assert_eq!((n_micro(0.028), n_micro(0.03)), (1, 0));
 /// # Ok::<(), chordal::budget::InvalidView>(())
 /// ```
-pub fn micro_triangles(mesh: &Mesh, view: &View, job: &Job) -> Result<MicroTriangles, Stopped> {
+pub fn micro_triangles(mesh: &Mesh, view: &View, job: &Job) -> Result<MicroTriangles, JobError> {
     match view {
         View::Camera(camera) => {
-            let tally = Banded::new(mesh, camera, Sides::Both, job)?.tally;
+            let tally = BinnedMesh::new(mesh, camera, HitSides::Both, job)?.tally;
             Ok(MicroTriangles { n_micro: tally.micro, n_triangles: tally.in_view })
         }
-        View::Closest(closest) => {
+        View::MinDistance(closest) => {
             let pixel = pixel(closest);
             let small = |face: &[u32; 3]| {
                 let [a, b, c] = face.map(|row| DVec3::from(mesh.positions()[row as usize]) / pixel);
@@ -55,7 +56,7 @@ pub fn micro_triangles(mesh: &Mesh, view: &View, job: &Job) -> Result<MicroTrian
 }
 
 /// The side of a pixel in the middle of the picture, at the nearest distance.
-fn pixel(closest: &Closest) -> f64 {
+fn pixel(closest: &MinDistanceView) -> f64 {
     let height = f64::from(closest.screen.height_px);
     match closest.projection {
         Projection::Perspective { fov_y_deg } => {

@@ -3,4 +3,4 @@ mod prove;
 mod search;
 mod trace;
 
-pub(super) use search::{Wanted, search};
+pub(super) use search::{ContourGoal, search};

@@ -5,14 +5,14 @@
 //! its diagonal; boxes are quartered until that is small enough. **From the lines:** a piece of a segment is within half of its length
 //! of its middle q. Between two points of which one is surely inside and one surely outside, by the range of F at each, there is a
 //! point of S, no farther from q than the farther of the two. No property of F is used, not even that it is continuous.
-use super::trace::{Block, Traced};
+use super::trace::{ContourBlock, TracedContours};
 use crate::budget::{Job, par_map};
 use crate::implicit::LeafError;
 use crate::math::{Box3, Interval, add_up, div_up, length, length_up, sub_down};
 
 /// What is known of the distance, and where it is largest.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Far {
+pub(super) struct ContourDistance {
     pub most: f64,
     pub at: [f64; 2],
     /// From below.
@@ -32,12 +32,12 @@ const PIECES: f64 = 4096.0;
 const RINGS: i64 = 2;
 const MOST_RINGS: i64 = 512;
 
-type Segment = [[f64; 2]; 2];
+type ContourSegment = [[f64; 2]; 2];
 
-struct Prover<'a> {
-    traced: &'a Traced,
+struct ContourProver<'a> {
+    traced: &'a TracedContours,
     /// Segments by the square that they are in, row by row.
-    segments: Vec<([i64; 2], Segment)>,
+    segments: Vec<([i64; 2], ContourSegment)>,
     aim: f64,
     /// What is said where nothing is known.
     all: f64,
@@ -46,8 +46,13 @@ struct Prover<'a> {
 }
 
 /// The distance between the lines and the curve; more than `aim` where that is not shown.
-pub(super) fn prove(traced: &Traced, bounds: &Box3, aim: f64, job: &Job) -> Result<Far, LeafError> {
-    let mut segments: Vec<([i64; 2], Segment)> = traced
+pub(super) fn prove(
+    traced: &TracedContours,
+    bounds: &Box3,
+    aim: f64,
+    job: &Job,
+) -> Result<ContourDistance, LeafError> {
+    let mut segments: Vec<([i64; 2], ContourSegment)> = traced
         .blocks
         .iter()
         .flat_map(|block| &block.segments)
@@ -65,9 +70,9 @@ pub(super) fn prove(traced: &Traced, bounds: &Box3, aim: f64, job: &Job) -> Resu
     // A dozen roundings of coordinates up to four times the largest, and what underflow leaves.
     let rounding = 32.0 * f64::EPSILON * reach + f64::MIN_POSITIVE;
     let all = 2.0 * bounds.diagonal() + 8.0 * traced.lattice.step;
-    let prover = Prover { traced, segments, aim, all, rounding };
+    let prover = ContourProver { traced, segments, aim, all, rounding };
     let found = par_map(job, &traced.blocks, |_, block| prover.block(block, job));
-    let mut far = Far { most: 0.0, at: traced.points[0], least: 0.0, met: false };
+    let mut far = ContourDistance { most: 0.0, at: traced.points[0], least: 0.0, met: false };
     for one in found {
         let one = one?;
         far.met |= one.met;
@@ -81,8 +86,8 @@ pub(super) fn prove(traced: &Traced, bounds: &Box3, aim: f64, job: &Job) -> Resu
     Ok(far)
 }
 
-impl Far {
-    fn take(&mut self, most: f64, at: [f64; 2], all: f64) {
+impl ContourDistance {
+    fn include(&mut self, most: f64, at: [f64; 2], all: f64) {
         let most = if most < all { most } else { all };
         if most > self.most {
             (self.most, self.at) = (most, at);
@@ -90,15 +95,20 @@ impl Far {
     }
 }
 
-impl Prover<'_> {
-    fn block(&self, block: &Block, job: &Job) -> Result<Far, LeafError> {
-        let mut far = Far { most: 0.0, at: [0.0; 2], least: 0.0, met: false };
+impl ContourProver<'_> {
+    fn block(&self, block: &ContourBlock, job: &Job) -> Result<ContourDistance, LeafError> {
+        let mut far = ContourDistance { most: 0.0, at: [0.0; 2], least: 0.0, met: false };
         self.curve_to_lines(block, &mut far, job)?;
         self.lines_to_curve(block, &mut far)?;
         Ok(far)
     }
 
-    fn curve_to_lines(&self, block: &Block, far: &mut Far, job: &Job) -> Result<(), LeafError> {
+    fn curve_to_lines(
+        &self,
+        block: &ContourBlock,
+        far: &mut ContourDistance,
+        job: &Job,
+    ) -> Result<(), LeafError> {
         let whole = self.traced.lattice.bounds(block.place, 1, 0.0);
         let centre = [0, 1].map(|k| 0.5 * (whole.min[k] + whole.max[k]));
         let mut beside = None;
@@ -120,7 +130,7 @@ impl Prover<'_> {
                 }
                 let middle = [0, 1].map(|k| 0.5 * (low[k] + high[k]));
                 let half = add_up(length_up([middle[0] - low[0], middle[1] - low[1]]), self.rounding);
-                let most = add_up(self.near(middle), half);
+                let most = add_up(self.distance_to_lines(middle), half);
                 let enough = if self.aim > far.most { self.aim } else { far.most };
                 let finest = FINEST * enough;
                 let least = ROUNDINGS * self.rounding;
@@ -135,12 +145,12 @@ impl Prover<'_> {
                     continue;
                 }
                 if most > enough {
-                    let from_centre = *beside.get_or_insert_with(|| self.nearest(centre));
+                    let from_centre = *beside.get_or_insert_with(|| self.distance_to_any_line(centre));
                     let aside = length_up([middle[0] - centre[0], middle[1] - centre[1]]);
                     let by_centre = add_up(from_centre, add_up(aside, half));
-                    far.take(if by_centre < most { by_centre } else { most }, middle, self.all);
+                    far.include(if by_centre < most { by_centre } else { most }, middle, self.all);
                 } else {
-                    far.take(most, middle, self.all);
+                    far.include(most, middle, self.all);
                 }
             }
         }
@@ -149,29 +159,33 @@ impl Prover<'_> {
 
     /// The distance of a point to the nearest segment around, rounded up, where it is near enough; else one that is no less,
     /// infinite where nothing is near.
-    fn near(&self, p: [f64; 2]) -> f64 {
-        let near = self.nearest_in(p, RINGS);
+    fn distance_to_lines(&self, p: [f64; 2]) -> f64 {
+        let near = self.distance_in_rings(p, RINGS);
         // As many squares as hold all that is near enough.
         let all = (self.aim / self.traced.lattice.step).ceil() as i64 + 1;
-        let far = if near > self.aim && all > RINGS { self.nearest_in(p, all.min(MOST_RINGS)) } else { near };
+        let far = if near > self.aim && all > RINGS {
+            self.distance_in_rings(p, all.min(MOST_RINGS))
+        } else {
+            near
+        };
         add_up(far, self.rounding)
     }
 
     /// The distance of a point to some segment, the nearest but for what squares hide, rounded up.
-    fn nearest(&self, p: [f64; 2]) -> f64 {
+    fn distance_to_any_line(&self, p: [f64; 2]) -> f64 {
         let mut rings = RINGS;
-        let mut near = self.nearest_in(p, rings);
+        let mut near = self.distance_in_rings(p, rings);
         while near > rings as f64 * self.traced.lattice.step && rings < MOST_RINGS {
             rings *= 4;
-            near = self.nearest_in(p, rings);
+            near = self.distance_in_rings(p, rings);
         }
         add_up(near, self.rounding)
     }
 
     /// That in so many squares around.
-    fn nearest_in(&self, p: [f64; 2], rings: i64) -> f64 {
+    fn distance_in_rings(&self, p: [f64; 2], rings: i64) -> f64 {
         let [i, j] = self.traced.lattice.square(p);
-        let key = |entry: &([i64; 2], Segment)| [entry.0[1], entry.0[0]];
+        let key = |entry: &([i64; 2], ContourSegment)| [entry.0[1], entry.0[0]];
         let mut best = f64::INFINITY;
         for row in j - rings..=j + rings {
             let start = self.segments.partition_point(|entry| key(entry) < [row, i - rings]);
@@ -188,7 +202,7 @@ impl Prover<'_> {
         best
     }
 
-    fn lines_to_curve(&self, block: &Block, far: &mut Far) -> Result<(), LeafError> {
+    fn lines_to_curve(&self, block: &ContourBlock, far: &mut ContourDistance) -> Result<(), LeafError> {
         // The middle of each piece, across it, and half of its length.
         let mut pieces: Vec<([f64; 2], [f64; 2], f64)> = Vec::new();
         for [a, b] in block.segments.iter().map(|ends| ends.map(|row| self.traced.points[row as usize])) {
@@ -254,17 +268,17 @@ impl Prover<'_> {
             }
         }
         for ((q, _, _), sure) in pieces.iter().zip(&sure) {
-            far.take(if sure[0] > sure[1] { sure[0] } else { sure[1] }, *q, self.all);
+            far.include(if sure[0] > sure[1] { sure[0] } else { sure[1] }, *q, self.all);
         }
-        self.seen(block, &pieces, far)
+        self.lower_bound(block, &pieces, far)
     }
 
     /// What is seen from below: boxes around middles of segments that are on one side.
-    fn seen(
+    fn lower_bound(
         &self,
-        block: &Block,
+        block: &ContourBlock,
         pieces: &[([f64; 2], [f64; 2], f64)],
-        far: &mut Far,
+        far: &mut ContourDistance,
     ) -> Result<(), LeafError> {
         let mut ranges = vec![Interval::UNKNOWN; pieces.len()];
         for part in [0.0625, 0.125, 0.25, 0.5] {
@@ -293,13 +307,13 @@ impl Prover<'_> {
 }
 
 /// The number of segments.
-pub(super) fn count(traced: &Traced) -> u64 {
+pub(super) fn count_segments(traced: &TracedContours) -> u64 {
     traced.lines.iter().map(|line| line.len() as u64).sum()
 }
 
 /// How far the middles of segments seem to be from the curve.
-pub(super) fn estimate(traced: &Traced, job: &Job) -> Result<f64, LeafError> {
-    use crate::implicit::Slope;
+pub(super) fn estimate(traced: &TracedContours, job: &Job) -> Result<f64, LeafError> {
+    use crate::implicit::Dual;
     let found = par_map(job, &traced.blocks, |_, block| -> Result<f64, LeafError> {
         let points: Vec<[f64; 3]> = block
             .segments
@@ -309,7 +323,7 @@ pub(super) fn estimate(traced: &Traced, job: &Job) -> Result<f64, LeafError> {
                 [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]), 0.0]
             })
             .collect();
-        let mut slopes = vec![Slope { value: 0.0, gradient: [0.0; 3] }; points.len()];
+        let mut slopes = vec![Dual { value: 0.0, gradient: [0.0; 3] }; points.len()];
         block.tape.gradient_at(&points, &mut slopes)?;
         Ok(slopes.iter().fold(0.0, |most, slope| {
             let far = slope.value.abs() / length([slope.gradient[0], slope.gradient[1]]);

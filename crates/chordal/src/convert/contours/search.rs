@@ -1,21 +1,21 @@
 //! The size of squares at which a curve is within what is wanted.
-use super::prove::{count, estimate, prove};
-use super::trace::{Lattice, Traced, trace};
-use crate::budget::{Bound, Bounded, Code, Evidence, Failure, Job, Progress, Reference};
+use super::prove::{count_segments, estimate, prove};
+use super::trace::{ContourLattice, TracedContours, trace};
+use crate::budget::{Bound, Bounded, Evidence, Failure, Job, Progress, Reference, RefusalCode};
 use crate::explicit::Polyline;
 use crate::implicit::{Field, Tape};
 use crate::math::Box3;
 
 /// What is wanted of polylines.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::convert) struct Wanted {
+pub(in crate::convert) struct ContourGoal {
     pub length: Option<f64>,
     pub segments: Option<u64>,
     /// Whether it is enough to measure where nothing can be proved.
     pub measured: bool,
 }
 
-type Lines = Vec<Polyline<2>>;
+type ContourPolylines = Vec<Polyline<2>>;
 
 /// Squares along the longest side to begin with, and as many as are tried where none is crossed.
 const FIRST: f64 = 64.0;
@@ -33,22 +33,22 @@ const MOST: u64 = 1 << 24;
 /// Lines within what is wanted, or the best.
 pub(in crate::convert) fn search(
     field: &Field,
-    wanted: &Wanted,
+    wanted: &ContourGoal,
     job: &Job,
-) -> Result<Bounded<Lines>, Failure<Lines>> {
-    let tape = Tape::of(field.sign());
+) -> Result<Bounded<ContourPolylines>, Failure<ContourPolylines>> {
+    let tape = Tape::new(field.sign());
     let bounds = field.bounds();
     let sides = [0, 1].map(|k| bounds.max[k] - bounds.min[k]);
     let longest = if sides[0] > sides[1] { sides[0] } else { sides[1] };
-    let search = Search { tape, evidence: field.evidence(), bounds, wanted, job };
+    let search = ContourSearch { tape, evidence: field.evidence(), bounds, wanted, job };
     let mut step = longest / FIRST;
-    let mut best: Option<Bounded<Lines>> = None;
+    let mut best: Option<Bounded<ContourPolylines>> = None;
     // With a count alone lines are as fine as it allows, and what they are worth is found afterwards.
     let Some(length) = wanted.length else { return search.by_count(step) };
     let (mut stuck, mut last) = (0, f64::INFINITY);
     for round in 0..TRIALS {
         job.report(Progress { stage: "contours", done: round as u64, total: TRIALS as u64 });
-        let traced = match search.traced(step, length) {
+        let traced = match search.trace_at_step(step, length) {
             // What was found is worth more than that there is nothing better.
             Err(Failure::Refused(_)) if best.is_some() => break,
             traced => traced?,
@@ -56,27 +56,31 @@ pub(in crate::convert) fn search(
         if traced.points.is_empty() {
             step *= 0.5;
             if longest / step > MOST_EMPTY {
-                return Err(search.nothing());
+                return Err(search.no_curve());
             }
             continue;
         }
-        let seen = estimate(&traced, job).map_err(failed)?;
+        let seen = estimate(&traced, job).map_err(leaf_failure)?;
         if seen > 0.9 * length {
             let part = (0.7 * length / seen).sqrt();
             step *= if part < 0.25 { 0.25 } else { part };
             continue;
         }
         if !search.evidence.bounds_above() {
-            let made = search.made(&traced, None, seen);
-            return if wanted.measured { search.counted(made) } else { Err(Failure::Unmet(Box::new(made))) };
+            let made = search.polylines(&traced, None, seen);
+            return if wanted.measured {
+                search.check_segments(made)
+            } else {
+                Err(Failure::Unmet(Box::new(made)))
+            };
         }
-        let far = prove(&traced, &bounds, length, job).map_err(failed)?;
+        let far = prove(&traced, &bounds, length, job).map_err(leaf_failure)?;
         if job.is_cancelled() {
             return Err(Failure::Cancelled);
         }
-        let made = search.made(&traced, Some(far.most), far.least);
+        let made = search.polylines(&traced, Some(far.most), far.least);
         if far.most <= length {
-            return search.counted(with_place(made, far.at));
+            return search.check_segments(with_place(made, far.at));
         }
         if best.as_ref().and_then(|best| best.bound.at_most()).is_none_or(|most| far.most < most) {
             best = Some(with_place(made, far.at));
@@ -84,7 +88,7 @@ pub(in crate::convert) fn search(
         // Places that smaller squares do not settle either are not waited for.
         stuck += usize::from(far.most > STUCK_SHARE * last);
         last = far.most;
-        if count(&traced) > MOST / 4 || stuck >= STUCK && count(&traced) > STUCK_SEGMENTS {
+        if count_segments(&traced) > MOST / 4 || stuck >= STUCK && count_segments(&traced) > STUCK_SEGMENTS {
             break;
         }
         step *= 0.6;
@@ -92,51 +96,52 @@ pub(in crate::convert) fn search(
     match best {
         Some(best) => Err(Failure::Unmet(Box::new(best))),
         None => Err(Failure::refused(
-            Code::Budget,
+            RefusalCode::Budget,
             "the budget is too small for the squares that can be told apart",
         )),
     }
 }
 
-fn with_place(mut made: Bounded<Lines>, at: [f64; 2]) -> Bounded<Lines> {
+fn with_place(mut made: Bounded<ContourPolylines>, at: [f64; 2]) -> Bounded<ContourPolylines> {
     made.bound.at = Some([at[0], at[1], 0.0]);
     made
 }
 
-fn failed(error: crate::implicit::LeafError) -> Failure<Lines> {
-    Failure::refused(Code::LeafFailed, error.message)
+fn leaf_failure(error: crate::implicit::LeafError) -> Failure<ContourPolylines> {
+    Failure::refused(RefusalCode::LeafFailed, error.message)
 }
 
-struct Search<'a> {
+struct ContourSearch<'a> {
     tape: Tape,
     evidence: Evidence,
     bounds: Box3,
-    wanted: &'a Wanted,
+    wanted: &'a ContourGoal,
     job: &'a Job,
 }
 
-impl Search<'_> {
-    fn traced(&self, step: f64, pad: f64) -> Result<Traced, Failure<Lines>> {
-        let Some(lattice) = Lattice::over(&self.bounds, step) else {
+impl ContourSearch<'_> {
+    fn trace_at_step(&self, step: f64, pad: f64) -> Result<TracedContours, Failure<ContourPolylines>> {
+        let Some(lattice) = ContourLattice::covering(&self.bounds, step) else {
             let message =
                 format!("squares of {step:e} are too many in the region, or too small for its coordinates");
-            return Err(Failure::refused(Code::Budget, message));
+            return Err(Failure::refused(RefusalCode::Budget, message));
         };
-        let traced = trace(&self.tape, lattice, pad, self.job).map_err(failed)?.ok_or(Failure::Cancelled)?;
-        let n = count(&traced);
+        let traced =
+            trace(&self.tape, lattice, pad, self.job).map_err(leaf_failure)?.ok_or(Failure::Cancelled)?;
+        let n = count_segments(&traced);
         if n > MOST || 256 * n > self.job.memory_limit {
             return Err(Failure::refused(
-                Code::TooMuchMemory,
+                RefusalCode::TooMuchMemory,
                 format!("the curve has {n} segments, which is too many"),
             ));
         }
         Ok(traced)
     }
 
-    fn nothing(&self) -> Failure<Lines> {
+    fn no_curve(&self) -> Failure<ContourPolylines> {
         let [low, high] = [self.bounds.min, self.bounds.max];
         Failure::refused(
-            Code::Empty,
+            RefusalCode::Empty,
             format!(
                 "there is no curve: the field is nowhere negative on {MOST_EMPTY} points along the longest side of the \
                  region from {:?} to {:?}",
@@ -146,7 +151,7 @@ impl Search<'_> {
         )
     }
 
-    fn made(&self, traced: &Traced, most: Option<f64>, least: f64) -> Bounded<Lines> {
+    fn polylines(&self, traced: &TracedContours, most: Option<f64>, least: f64) -> Bounded<ContourPolylines> {
         let line = |line: &Vec<u32>| Polyline {
             points: line.iter().map(|row| traced.points[*row as usize]).collect(),
             places: Vec::new(),
@@ -155,26 +160,29 @@ impl Search<'_> {
         let most = most.filter(|most| *most < f64::INFINITY);
         let evidence = match most {
             Some(_) => self.evidence.clone(),
-            None => Evidence::Measured { samples: count(traced) },
+            None => Evidence::Measured { samples: count_segments(traced) },
         };
         let least = if most.is_some_and(|most| least > most) { 0.0 } else { least };
         let bound = Bound::with_evidence(least, most, evidence, Reference::Field);
         Bounded { shape: traced.lines.iter().map(line).collect(), bound }
     }
 
-    fn counted(&self, made: Bounded<Lines>) -> Result<Bounded<Lines>, Failure<Lines>> {
+    fn check_segments(
+        &self,
+        made: Bounded<ContourPolylines>,
+    ) -> Result<Bounded<ContourPolylines>, Failure<ContourPolylines>> {
         let n: u64 = made.shape.iter().map(|line| line.n_segments() as u64).sum();
         let fits = self.wanted.segments.is_none_or(|most| n <= most);
         if fits { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) }
     }
 
     /// The finest lattice found whose segments are no more than wanted.
-    fn by_count(&self, first: f64) -> Result<Bounded<Lines>, Failure<Lines>> {
+    fn by_count(&self, first: f64) -> Result<Bounded<ContourPolylines>, Failure<ContourPolylines>> {
         let most = self.wanted.segments.unwrap_or(0);
         let mut step = first;
         let mut fits: Option<f64> = None;
         for _ in 0..TRIALS {
-            let n = count(&self.traced(step, step)?);
+            let n = count_segments(&self.trace_at_step(step, step)?);
             if n > most {
                 if fits.is_some() {
                     break;
@@ -189,23 +197,23 @@ impl Search<'_> {
         }
         let Some(step) = fits else {
             let message = format!("{most} segments are too few for any lattice that shows the curve");
-            return Err(Failure::refused(Code::Budget, message));
+            return Err(Failure::refused(RefusalCode::Budget, message));
         };
         let mut aim = 0.25 * step;
         loop {
-            let traced = self.traced(step, aim)?;
-            let seen = estimate(&traced, self.job).map_err(failed)?;
+            let traced = self.trace_at_step(step, aim)?;
+            let seen = estimate(&traced, self.job).map_err(leaf_failure)?;
             if !self.evidence.bounds_above() {
-                return Ok(self.made(&traced, None, seen));
+                return Ok(self.polylines(&traced, None, seen));
             }
-            let far = prove(&traced, &self.bounds, aim, self.job).map_err(failed)?;
+            let far = prove(&traced, &self.bounds, aim, self.job).map_err(leaf_failure)?;
             if self.job.is_cancelled() {
                 return Err(Failure::Cancelled);
             }
             if far.most <= aim || aim > 4.0 * step || !far.met {
-                let made = with_place(self.made(&traced, Some(far.most), far.least), far.at);
+                let made = with_place(self.polylines(&traced, Some(far.most), far.least), far.at);
                 let known = far.met || self.wanted.measured;
-                return if known { self.counted(made) } else { Err(Failure::Unmet(Box::new(made))) };
+                return if known { self.check_segments(made) } else { Err(Failure::Unmet(Box::new(made))) };
             }
             aim *= 2.0;
         }

@@ -1,6 +1,6 @@
 //! Marching squares on blocks of a lattice that a field's curve can run through.
 use crate::budget::{Job, par_map};
-use crate::convert::cubes::squares::ends;
+use crate::convert::cubes::marching_squares::square_segments;
 use crate::implicit::{LeafError, Tape};
 use crate::math::Box3;
 use std::sync::Arc;
@@ -18,17 +18,17 @@ const HALVINGS: usize = 32;
 
 /// Squares of one size over a rectangle of the plane z = 0.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lattice {
+pub(super) struct ContourLattice {
     origin: [f64; 2],
     pub step: f64,
     /// Blocks along each axis.
     blocks: [u32; 2],
 }
 
-impl Lattice {
+impl ContourLattice {
     /// Squares of side `step` that cover a box with one more all around; `None` where they are too many, or coordinates cannot
     /// tell them apart.
-    pub fn over(bounds: &Box3, step: f64) -> Option<Self> {
+    pub fn covering(bounds: &Box3, step: f64) -> Option<Self> {
         let reach =
             bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
         // Exactly 2¹² steps of the largest coordinate.
@@ -76,7 +76,7 @@ impl Lattice {
 }
 
 /// A block that the curve may pass.
-pub(super) struct Block {
+pub(super) struct ContourBlock {
     pub place: [u32; 2],
     /// The field about the block.
     pub tape: Arc<Tape>,
@@ -89,33 +89,42 @@ pub(super) struct Block {
 }
 
 /// The curves of a field on a lattice.
-pub(super) struct Traced {
-    pub lattice: Lattice,
-    pub blocks: Vec<Block>,
+pub(super) struct TracedContours {
+    pub lattice: ContourLattice,
+    pub blocks: Vec<ContourBlock>,
     pub points: Vec<[f64; 2]>,
     /// Closed lines, as rows of points.
     pub lines: Vec<Vec<u32>>,
 }
 
 /// Traces the curves of a field. Ranges are taken over blocks widened by `pad`, in which tapes are then good.
-pub(super) fn trace(tape: &Tape, lattice: Lattice, pad: f64, job: &Job) -> Result<Option<Traced>, LeafError> {
+pub(super) fn trace(
+    tape: &Tape,
+    lattice: ContourLattice,
+    pad: f64,
+    job: &Job,
+) -> Result<Option<TracedContours>, LeafError> {
     let longest = lattice.blocks.iter().fold(1, |m, n| if *n > m { *n } else { m });
     let mut size = longest.next_power_of_two();
     let mut blocks = vec![([0; 2], Arc::new(tape.clone()))];
     while size > 1 && !blocks.is_empty() {
         size /= 2;
         let parts = par_map(job, &blocks, |_, (place, tape)| {
-            if job.is_cancelled() { Ok(Vec::new()) } else { split((*place, tape), &lattice, size, pad) }
+            if job.is_cancelled() {
+                Ok(Vec::new())
+            } else {
+                subdivide_blocks((*place, tape), &lattice, size, pad)
+            }
         });
         blocks = parts.into_iter().collect::<Result<Vec<_>, _>>()?.concat();
     }
     let made = par_map(job, &blocks, |_, (place, tape)| {
-        if job.is_cancelled() { Ok(None) } else { sampled((*place, tape), &lattice).map(Some) }
+        if job.is_cancelled() { Ok(None) } else { sample_block((*place, tape), &lattice).map(Some) }
     });
     if job.is_cancelled() {
         return Ok(None);
     }
-    let mut blocks: Vec<Block> =
+    let mut blocks: Vec<ContourBlock> =
         made.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
     let mut crossings: Vec<(u64, [f64; 2])> =
         blocks.iter_mut().flat_map(|block| std::mem::take(&mut block.crossings)).collect();
@@ -146,7 +155,7 @@ pub(super) fn trace(tape: &Tape, lattice: Lattice, pad: f64, job: &Job) -> Resul
             lines.push(line);
         }
     }
-    Ok(Some(Traced {
+    Ok(Some(TracedContours {
         lattice,
         blocks,
         points: crossings.into_iter().map(|crossing| crossing.1).collect(),
@@ -160,22 +169,22 @@ fn contradiction() -> LeafError {
     )
 }
 
-type Place = ([u32; 2], Arc<Tape>);
+type BlockTape = ([u32; 2], Arc<Tape>);
 
 /// The quarters of some blocks that the curve can run through.
-fn split(
+fn subdivide_blocks(
     (place, tape): ([u32; 2], &Arc<Tape>),
-    lattice: &Lattice,
+    lattice: &ContourLattice,
     size: u32,
     pad: f64,
-) -> Result<Vec<Place>, LeafError> {
+) -> Result<Vec<BlockTape>, LeafError> {
     let mut found = Vec::new();
     for n in 0..4 {
         let quarter = [place[0] + (n & 1) * size, place[1] + (n >> 1) * size];
         if (0..2).any(|k| quarter[k] >= lattice.blocks[k]) {
             continue;
         }
-        let (range, short) = tape.shortened(&lattice.bounds(quarter, size, pad))?;
+        let (range, short) = tape.prune(&lattice.bounds(quarter, size, pad))?;
         let at_border = (0..2).any(|k| quarter[k] == 0 || quarter[k] + size >= lattice.blocks[k]);
         // Where a part of the expression has no value the range says nothing. The border of the lattice is outside.
         if range.is_defined() && (range.lo() >= 0.0 || range.hi() < 0.0 && !at_border) {
@@ -187,7 +196,10 @@ fn split(
 }
 
 /// The signs of a block, and where its edges are crossed.
-fn sampled((place, tape): ([u32; 2], &Arc<Tape>), lattice: &Lattice) -> Result<Block, LeafError> {
+fn sample_block(
+    (place, tape): ([u32; 2], &Arc<Tape>),
+    lattice: &ContourLattice,
+) -> Result<ContourBlock, LeafError> {
     let first = place.map(|n| n * BLOCK);
     let last = lattice.blocks.map(|n| n * BLOCK);
     let mut points = Vec::with_capacity(POINTS * POINTS);
@@ -215,18 +227,18 @@ fn sampled((place, tape): ([u32; 2], &Arc<Tape>), lattice: &Lattice) -> Result<B
             }
             let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]].map(inside);
             let sides = [(0, [i, j]), (1, [i + 1, j]), (0, [i, j + 1]), (1, [i, j])];
-            ends(corners, |from, to| links.push((number(sides[from]), number(sides[to]))));
+            square_segments(corners, |from, to| links.push((number(sides[from]), number(sides[to]))));
         }
     }
-    let crossings = crossed(tape, lattice, first, &edges)?;
+    let crossings = find_crossings(tape, lattice, first, &edges)?;
     let crossings = edges.iter().map(|(axis, at, _)| number((*axis, *at))).zip(crossings).collect();
-    Ok(Block { place, tape: Arc::clone(tape), crossings, links, segments: Vec::new() })
+    Ok(ContourBlock { place, tape: Arc::clone(tape), crossings, links, segments: Vec::new() })
 }
 
 /// Where edges are crossed, by halving all at once.
-fn crossed(
+fn find_crossings(
     tape: &Tape,
-    lattice: &Lattice,
+    lattice: &ContourLattice,
     first: [u32; 2],
     edges: &[(usize, [u32; 2], bool)],
 ) -> Result<Vec<[f64; 2]>, LeafError> {

@@ -37,13 +37,13 @@
 //!
 //! **The rest**, cells where no row does and those that have the largest bounds, are cut up (`local.rs`), with the aim of
 //! what is seen of the distance from below and an eighth more. So it hangs on what is there, and not on the worst case of a formula.
-use super::local::Local;
-use super::march::Plan;
+use super::cell_prover::CellProver;
+use super::marching_cubes::MarchingPlan;
 use super::rule::Polygonize;
-use super::slopes::{LANES, LOW, Lane, Shift, Slowest, run, shift};
-use super::source::Source;
+use super::slopes::{CellLanes, LANES, LOW, MinSlopeKernel, ShiftKernel, run, shift};
+use super::source::SampleSource;
 use crate::budget::{Job, par_map};
-use crate::implicit::Affine;
+use crate::implicit::Affine3;
 use crate::math::{Box3, add_up, div_up, mul_up};
 
 /// Half a unit in the last place of 1: the relative error of one rounding.
@@ -51,16 +51,16 @@ const ROUNDING: f64 = f64::EPSILON / 2.0;
 
 /// A bound on the distance from above, and where it is largest; one from below, and where that is seen.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Farthest {
+pub(crate) struct IsosurfaceDistance {
     pub most: f64,
     pub at: [usize; 3],
     pub least: f64,
-    pub seen: Option<[f64; 3]>,
+    pub witness: Option<[f64; 3]>,
 }
 
 /// What the proof needs of the lattice.
-pub(crate) struct Proof<'a> {
-    local: Local<'a>,
+pub(crate) struct IsosurfaceProof<'a> {
+    local: CellProver<'a>,
     size: [usize; 3],
     /// The lengths of the three steps in space, rounded up.
     lengths: [f64; 3],
@@ -85,7 +85,7 @@ const SOME: usize = 4096;
 
 /// A cell with its bound, as a part of the diagonal.
 #[derive(Clone, Copy)]
-struct Bounded {
+struct CellBound {
     most: f32,
     at: [u32; 3],
     /// Where that stands.
@@ -93,22 +93,22 @@ struct Bounded {
     number: u32,
 }
 
-impl<'a> Proof<'a> {
+impl<'a> IsosurfaceProof<'a> {
     pub fn new(
-        source: &'a dyn Source,
-        affine: &'a Affine,
+        source: &'a dyn SampleSource,
+        affine: &'a Affine3,
         rule: &'a Polygonize,
         (moved, rounding): (f64, f64),
     ) -> Self {
         let diagonal = diagonal(affine);
         let lengths = affine.steps().map(|step| length_up(step.map(f64::abs)));
-        let local = Local { source, rule, affine, diagonal, moved, rounding, slack: 0.0 };
+        let local = CellProver { source, rule, affine, diagonal, moved, rounding, slack: 0.0 };
         Self { local, size: source.size(), lengths, enough: 0.0 }
     }
 
     /// The same where values are those of another function up to `slack`, on the same sides of the level.
     pub fn with_slack(self, slack: f64) -> Self {
-        Self { local: Local { slack, ..self.local }, ..self }
+        Self { local: CellProver { slack, ..self.local }, ..self }
     }
 
     /// The same where nobody asks for less than `enough`.
@@ -117,10 +117,10 @@ impl<'a> Proof<'a> {
     }
 
     /// A bound for all cells, without the rounding of vertices.
-    pub fn farthest(&self, plan: &Plan, job: &Job) -> Farthest {
+    pub fn max_distance(&self, plan: &MarchingPlan, job: &Job) -> IsosurfaceDistance {
         // 1. A bound for each cell.
         let mut slabs = plan.for_each_slab(job, |_, walk| {
-            let mut rows = Rows::new(self);
+            let mut rows = CellBatch::new(self);
             walk(&mut |at, _| {
                 if !job.is_cancelled() {
                     rows.add(at);
@@ -129,14 +129,14 @@ impl<'a> Proof<'a> {
             rows.finish()
         });
         let all = slabs.iter().map(Vec::len).sum::<usize>();
-        let top = self.whole(highest(&slabs));
-        let none = Farthest { most: top, at: [0; 3], least: 0.0, seen: None };
+        let top = self.from_diagonals(largest_bound(&slabs));
+        let none = IsosurfaceDistance { most: top, at: [0; 3], least: 0.0, witness: None };
         if job.is_cancelled() || all == 0 {
             return none;
         }
         // 2. What is seen from below.
         let candidates = plan.for_each_slab(job, |number, walk| {
-            let picked = picked(&slabs[number]);
+            let picked = select_cells(&slabs[number]);
             let mut cells = Vec::new();
             let mut n = 0;
             walk(&mut |at, _| {
@@ -163,7 +163,7 @@ impl<'a> Proof<'a> {
                 break;
             }
             let goal = STORED * larger(aim, FALL * worst.most);
-            let mut cells = above(plan, &slabs, self.part(goal), job);
+            let mut cells = cells_above(plan, &slabs, self.to_diagonals(goal), job);
             // Those that have no bound yet get one, however many they are.
             let is_open = round == 0 && worst.most >= 0.75 * self.local.diagonal;
             if cells.len() > all / SHARE + SOME && !is_open {
@@ -173,7 +173,7 @@ impl<'a> Proof<'a> {
                 par_map(
                     job,
                     &cells,
-                    |_, cell| if job.is_cancelled() { *cell } else { self.better(*cell, goal) },
+                    |_, cell| if job.is_cancelled() { *cell } else { self.tighten(*cell, goal) },
                 );
             better.iter().for_each(|cell| slabs[cell.slab as usize][cell.number as usize] = cell.most);
             cells = better;
@@ -184,21 +184,21 @@ impl<'a> Proof<'a> {
             });
             seen = farther(seen, more);
             let before = worst.most;
-            worst.most = self.whole(highest(&slabs));
+            worst.most = self.from_diagonals(largest_bound(&slabs));
             worst.at = cells.first().map_or([0; 3], |cell| cell.at.map(|i| i as usize));
             // Nothing comes of another round.
             if worst.most > 0.97 * before {
                 break;
             }
         }
-        Farthest { least: seen.map_or(0.0, |s| s.0), seen: seen.map(|s| s.1), ..worst }
+        IsosurfaceDistance { least: seen.map_or(0.0, |s| s.0), witness: seen.map(|s| s.1), ..worst }
     }
 
     /// A better bound for a cell, aiming at `aim`.
-    fn better(&self, cell: Bounded, aim: f64) -> Bounded {
+    fn tighten(&self, cell: CellBound, aim: f64) -> CellBound {
         let at = cell.at.map(|i| i as usize);
         let corners = self.corners(at);
-        let mut most = self.whole(cell.most);
+        let mut most = self.from_diagonals(cell.most);
         for axis in 0..3 {
             if most > aim {
                 let planes = self.planes(at, axis, &corners);
@@ -208,25 +208,25 @@ impl<'a> Proof<'a> {
         // What is aimed at may be out of reach: then a quarter more.
         let mut goal = aim;
         while most > goal {
-            most = smaller(most, self.local.refined(at, goal));
+            most = smaller(most, self.local.cell_distance(at, goal));
             goal *= 1.25;
         }
-        Bounded { most: self.part(most), ..cell }
+        CellBound { most: self.to_diagonals(most), ..cell }
     }
 
     /// A length as a part of the diagonal, rounded up.
-    fn part(&self, length: f64) -> f32 {
+    fn to_diagonals(&self, length: f64) -> f32 {
         let part = div_up(length, self.local.diagonal);
         f32_up(if part < 1.0 { part } else { 1.0 })
     }
 
     /// The length of a part of the diagonal, rounded up.
-    fn whole(&self, part: f32) -> f64 {
+    fn from_diagonals(&self, part: f32) -> f64 {
         smaller(mul_up(f64::from(part), self.local.diagonal), self.local.diagonal)
     }
 
     fn sample(&self, [i, j, k]: [usize; 3]) -> f64 {
-        self.local.rule.counted(self.local.source.at([i, j, k])) - self.local.rule.level
+        self.local.rule.finite_sample(self.local.source.at([i, j, k])) - self.local.rule.level
     }
 
     fn corners(&self, [i, j, k]: [usize; 3]) -> [f64; 8] {
@@ -252,16 +252,16 @@ impl<'a> Proof<'a> {
 }
 
 /// The cells of a slab, a few at a time.
-struct Rows<'a> {
-    proof: &'a Proof<'a>,
+struct CellBatch<'a> {
+    proof: &'a IsosurfaceProof<'a>,
     at: Vec<[usize; 3]>,
-    corners: Box<[Lane; 8]>,
-    planes: Box<[[Lane; 4]; 4]>,
+    corners: Box<[CellLanes; 8]>,
+    planes: Box<[[CellLanes; 4]; 4]>,
     out: Vec<f32>,
 }
 
-impl<'a> Rows<'a> {
-    fn new(proof: &'a Proof<'a>) -> Self {
+impl<'a> CellBatch<'a> {
+    fn new(proof: &'a IsosurfaceProof<'a>) -> Self {
         let at = Vec::with_capacity(LANES);
         Self {
             proof,
@@ -286,7 +286,7 @@ impl<'a> Rows<'a> {
 
     fn flush(&mut self) {
         let mut slowest = [[0.0; LANES]; 3];
-        run(Slowest { corners: &self.corners, out: &mut slowest });
+        run(MinSlopeKernel { corners: &self.corners, out: &mut slowest });
         let mut axes = [3; LANES];
         for (lane, at) in self.at.iter().enumerate() {
             // The axis with the steepest slowest edge, one with three cells if there is any.
@@ -310,13 +310,13 @@ impl<'a> Rows<'a> {
             }
         }
         let mut shifts = [0.0; LANES];
-        run(Shift { planes: &self.planes, slack: self.proof.local.slack, out: &mut shifts });
+        run(ShiftKernel { planes: &self.planes, slack: self.proof.local.slack, out: &mut shifts });
         for lane in 0..self.at.len() {
             let most = match axes[lane] {
                 3 => self.proof.local.diagonal,
                 axis => smaller(mul_up(shifts[lane], self.proof.lengths[axis]), self.proof.local.diagonal),
             };
-            self.out.push(self.proof.part(most));
+            self.out.push(self.proof.to_diagonals(most));
         }
         self.at.clear();
     }
@@ -349,7 +349,7 @@ fn farther(first: Option<(f64, [f64; 3])>, rest: Vec<Option<(f64, [f64; 3])>>) -
 }
 
 /// The numbers of cells to look at: those with the largest bounds, and as many among those that have the largest of all.
-fn picked(bounds: &[f32]) -> Vec<usize> {
+fn select_cells(bounds: &[f32]) -> Vec<usize> {
     let top = bounds.iter().fold(0.0, |m: f32, x| if *x > m { *x } else { m });
     let equal: Vec<usize> = (0..bounds.len()).filter(|i| bounds[*i] == top).collect();
     let mut picked: Vec<usize> =
@@ -366,7 +366,7 @@ fn picked(bounds: &[f32]) -> Vec<usize> {
 }
 
 /// Cells whose bounds are above `aim`.
-fn above(plan: &Plan, slabs: &[Vec<f32>], aim: f32, job: &Job) -> Vec<Bounded> {
+fn cells_above(plan: &MarchingPlan, slabs: &[Vec<f32>], aim: f32, job: &Job) -> Vec<CellBound> {
     let cells = plan.for_each_slab(job, |slab, walk| {
         let bounds = &slabs[slab];
         let mut cells = Vec::new();
@@ -374,7 +374,7 @@ fn above(plan: &Plan, slabs: &[Vec<f32>], aim: f32, job: &Job) -> Vec<Bounded> {
             let mut n = 0;
             walk(&mut |at, _| {
                 if bounds[n] > aim {
-                    cells.push(Bounded {
+                    cells.push(CellBound {
                         most: bounds[n],
                         at: at.map(|i| i as u32),
                         slab: slab as u32,
@@ -389,12 +389,12 @@ fn above(plan: &Plan, slabs: &[Vec<f32>], aim: f32, job: &Job) -> Vec<Bounded> {
     cells.concat()
 }
 
-fn highest(slabs: &[Vec<f32>]) -> f32 {
+fn largest_bound(slabs: &[Vec<f32>]) -> f32 {
     slabs.iter().flatten().fold(0.0, |m: f32, x| if *x > m { *x } else { m })
 }
 
 /// The longest diagonal of a cell, rounded up.
-pub(crate) fn diagonal(affine: &Affine) -> f64 {
+pub(crate) fn diagonal(affine: &Affine3) -> f64 {
     let steps = affine.steps();
     let diagonals = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|[y, z]| {
         length_up([0, 1, 2].map(|k| {

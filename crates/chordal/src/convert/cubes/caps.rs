@@ -6,16 +6,16 @@
 //! is shared by the two squares at it, around the edges of the lattice too. Around a corner the squares make a disc: four
 //! in a face of the lattice, four along an edge of it, three at its corner. No polygon has a diagonal between two crossings,
 //! so none of its inner edges is one of a cell. Hence the whole stays a closed manifold.
-use super::bits::Bits;
-use super::march::Plan;
+use super::marching_cubes::MarchingPlan;
 use super::rule::Border;
-use crate::implicit::Affine;
+use super::sign_bits::SignBits;
+use crate::implicit::Affine3;
 
 /// A square of the border: its corners counter-clockwise as seen from outside.
-pub(super) type Square = [[usize; 3]; 4];
+pub(super) type CapSquare = [[usize; 3]; 4];
 
 /// How many triangles the caps have.
-pub(super) fn count(bits: &Bits) -> u64 {
+pub(super) fn count(bits: &SignBits) -> u64 {
     let mut count = 0;
     for_each_square(bits, |square| {
         let inside = square.map(|at| bits.is_inside(at));
@@ -33,7 +33,7 @@ pub(super) fn count(bits: &Bits) -> u64 {
 
 /// A corner of a polygon of a square.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::convert) enum Spot {
+pub(in crate::convert) enum CapVertex {
     /// The square's corner of that number.
     Corner(usize),
     /// The crossing on the side from that corner to the next.
@@ -41,16 +41,16 @@ pub(in crate::convert) enum Spot {
 }
 
 /// The polygons of a square with these corners inside, to be cut into fans from their first corners.
-fn polygons(inside: [bool; 4]) -> Vec<Vec<Spot>> {
+fn polygons(inside: [bool; 4]) -> Vec<Vec<CapVertex>> {
     if inside == [true; 4] {
-        return vec![(0..4).map(Spot::Corner).collect()];
+        return vec![(0..4).map(CapVertex::Corner).collect()];
     }
     // A run of inside corners begins where the corner before is outside.
     let firsts = (0..4).filter(|&i| inside[i] && !inside[(i + 3) % 4]);
     let polygon = |first: usize| {
         let run = (1..4).find(|n| !inside[(first + n) % 4]).unwrap_or(1);
-        let mut polygon: Vec<Spot> = (first..first + run).map(|i| Spot::Corner(i % 4)).collect();
-        polygon.extend([Spot::Side((first + run - 1) % 4), Spot::Side((first + 3) % 4)]);
+        let mut polygon: Vec<CapVertex> = (first..first + run).map(|i| CapVertex::Corner(i % 4)).collect();
+        polygon.extend([CapVertex::Side((first + run - 1) % 4), CapVertex::Side((first + 3) % 4)]);
         polygon
     };
     firsts.map(polygon).collect()
@@ -59,7 +59,7 @@ fn polygons(inside: [bool; 4]) -> Vec<Vec<Spot>> {
 /// The triangles of the polygons of a square, counter-clockwise from outside.
 pub(in crate::convert) fn triangles(
     inside: [bool; 4],
-    mut number: impl FnMut(Spot) -> u32,
+    mut number: impl FnMut(CapVertex) -> u32,
     mut each: impl FnMut([u32; 3]),
 ) {
     for polygon in polygons(inside) {
@@ -71,14 +71,14 @@ pub(in crate::convert) fn triangles(
 }
 
 /// Writes the triangles of the caps.
-pub(super) fn write(plan: &Plan, affine: &Affine, faces: &mut [[u32; 3]]) {
+pub(super) fn write(plan: &MarchingPlan, affine: &Affine3, faces: &mut [[u32; 3]]) {
     let upright = affine.orientation() > 0;
     let mut out = faces.iter_mut();
     for_each_square(&plan.bits, |square| {
         let inside = square.map(|at| plan.bits.is_inside(at));
-        let number = |spot: Spot| match spot {
-            Spot::Corner(i) => plan.vertex(3, square[i]),
-            Spot::Side(i) => crossing(plan, square[i], square[(i + 1) % 4]),
+        let number = |spot: CapVertex| match spot {
+            CapVertex::Corner(i) => plan.vertex(3, square[i]),
+            CapVertex::Side(i) => crossing(plan, square[i], square[(i + 1) % 4]),
         };
         triangles(inside, number, |[a, b, c]| {
             if let Some(out) = out.next() {
@@ -89,13 +89,13 @@ pub(super) fn write(plan: &Plan, affine: &Affine, faces: &mut [[u32; 3]]) {
 }
 
 /// The vertex between two neighbouring samples of different sides.
-fn crossing(plan: &Plan, a: [usize; 3], b: [usize; 3]) -> u32 {
+fn crossing(plan: &MarchingPlan, a: [usize; 3], b: [usize; 3]) -> u32 {
     let axis = (0..3).find(|&k| a[k] != b[k]).unwrap_or(0);
     plan.vertex(axis, if a[axis] < b[axis] { a } else { b })
 }
 
 /// The squares of capped borders that a cell has.
-pub(super) fn squares_of(cell: [usize; 3], size: [usize; 3], border: [[Border; 2]; 3]) -> Vec<Square> {
+pub(super) fn squares_of(cell: [usize; 3], size: [usize; 3], border: [[Border; 2]; 3]) -> Vec<CapSquare> {
     let mut squares = Vec::new();
     for axis in 0..3 {
         let ends = [cell[axis] == 0, cell[axis] + 2 == size[axis]];
@@ -107,7 +107,7 @@ pub(super) fn squares_of(cell: [usize; 3], size: [usize; 3], border: [[Border; 2
 }
 
 /// A square in the low or the high border of an axis, by its first corner along the next two axes.
-fn square(axis: usize, end: usize, [p, q]: [usize; 2], size: [usize; 3]) -> Square {
+fn square(axis: usize, end: usize, [p, q]: [usize; 2], size: [usize; 3]) -> CapSquare {
     let corner = |a: usize, b: usize| {
         let mut at = [0; 3];
         at[axis] = if end == 0 { 0 } else { size[axis] - 1 };
@@ -123,7 +123,7 @@ fn square(axis: usize, end: usize, [p, q]: [usize; 2], size: [usize; 3]) -> Squa
 }
 
 /// All squares of capped borders that hold an inside sample, in an order of their own.
-fn for_each_square(bits: &Bits, mut each: impl FnMut(Square)) {
+fn for_each_square(bits: &SignBits, mut each: impl FnMut(CapSquare)) {
     let size = bits.size;
     for axis in 0..3 {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);

@@ -1,18 +1,18 @@
 //! Normals of vertices along the gradient of the samples.
-use super::march::Plan;
+use super::marching_cubes::MarchingPlan;
 use super::rule::{Inside, Polygonize};
-use super::source::Source;
+use super::source::SampleSource;
 use crate::budget::Job;
-use crate::implicit::Affine;
+use crate::implicit::Affine3;
 use crate::math::{cross, dot};
 
 /// Unit normals outwards: differences of the samples to both sides (at the border to one), between two samples as far along
 /// as the vertex, carried to space. Where they vanish the normal is along the vertex's edge.
-pub(crate) fn gradient_normals<S: Source>(
+pub(crate) fn gradient_normals<S: SampleSource>(
     source: &S,
-    affine: &Affine,
+    affine: &Affine3,
     rule: &Polygonize,
-    (plan, job): (&Plan, &Job),
+    (plan, job): (&MarchingPlan, &Job),
 ) -> Vec<[f64; 3]> {
     let size = source.size();
     let [a, b, c] = affine.steps();
@@ -27,7 +27,7 @@ pub(crate) fn gradient_normals<S: Source>(
             let (mut low, mut high) = (at, at);
             low[k] = at[k].saturating_sub(1);
             high[k] = if at[k] + 1 < size[k] { at[k] + 1 } else { at[k] };
-            let rise = rule.counted(source.at(high)) - rule.counted(source.at(low));
+            let rise = rule.finite_sample(source.at(high)) - rule.finite_sample(source.at(low));
             rise / (high[k] - low[k]) as f64
         })
     };
@@ -39,7 +39,7 @@ pub(crate) fn gradient_normals<S: Source>(
             next[kind] += 1;
             let part = rule.crossing(source.at(at), source.at(next));
             let there = gradient(next);
-            along[kind] = rule.counted(source.at(next)) - rule.counted(source.at(at));
+            along[kind] = rule.finite_sample(source.at(next)) - rule.finite_sample(source.at(at));
             std::array::from_fn(|k| here[k] + part * (there[k] - here[k]))
         } else {
             here

@@ -1,5 +1,5 @@
 //! What a polygonizer is asked for, and where on an edge of the lattice the surface crosses it.
-use crate::implicit::Affine;
+use crate::implicit::Affine3;
 
 /// Which samples are inside.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -95,7 +95,7 @@ impl Polygonize {
 
     /// A sample as the number that it counts as.
     #[inline]
-    pub(crate) fn counted(&self, sample: f64) -> f64 {
+    pub(crate) fn finite_sample(&self, sample: f64) -> f64 {
         if sample.is_nan() { self.level } else { sample.clamp(f64::MIN, f64::MAX) }
     }
 
@@ -104,13 +104,13 @@ impl Polygonize {
     #[inline(always)]
     pub(crate) fn crossing(&self, from: f64, to: f64) -> f64 {
         let part = (self.level - from) / (to - from);
-        if part >= self.margin && part <= 1.0 - self.margin { part } else { self.rare_crossing(from, to) }
+        if part >= self.margin && part <= 1.0 - self.margin { part } else { self.robust_crossing(from, to) }
     }
 
     /// [`Polygonize::crossing`] near a sample, or with numbers that have no difference.
     #[cold]
-    fn rare_crossing(&self, from: f64, to: f64) -> f64 {
-        let (from, to) = (0.25 * self.counted(from), 0.25 * self.counted(to));
+    fn robust_crossing(&self, from: f64, to: f64) -> f64 {
+        let (from, to) = (0.25 * self.finite_sample(from), 0.25 * self.finite_sample(to));
         let part = (0.25 * self.level - from) / (to - from);
         if part < self.margin {
             self.margin
@@ -127,13 +127,13 @@ impl Polygonize {
 
 /// From indices of a lattice to space: one formula for every block, so that blocks agree in every bit.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
+pub(crate) struct LatticeTransform {
     rows: [[f64; 4]; 3],
     offset: [i64; 3],
 }
 
-impl Place {
-    pub(crate) fn new(affine: &Affine, offset: [i64; 3]) -> Self {
+impl LatticeTransform {
+    pub(crate) fn new(affine: &Affine3, offset: [i64; 3]) -> Self {
         Self { rows: affine.rows(), offset }
     }
 

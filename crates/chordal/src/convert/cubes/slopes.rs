@@ -11,18 +11,18 @@ pub(super) const LANES: usize = 64;
 const ROUNDING: f64 = f64::EPSILON / 2.0;
 
 /// Numbers of some cells.
-pub(super) type Lane = [f64; LANES];
+pub(super) type CellLanes = [f64; LANES];
 
 /// For each axis the corners at its low end.
 pub(super) const LOW: [[usize; 4]; 3] = [[0, 2, 4, 6], [0, 1, 4, 5], [0, 1, 2, 3]];
 
 /// The slowest difference along each axis over a cell; not above 0 where their signs differ.
-pub(super) struct Slowest<'a> {
-    pub corners: &'a [Lane; 8],
-    pub out: &'a mut [Lane; 3],
+pub(super) struct MinSlopeKernel<'a> {
+    pub corners: &'a [CellLanes; 8],
+    pub out: &'a mut [CellLanes; 3],
 }
 
-impl Kernel for Slowest<'_> {
+impl Kernel for MinSlopeKernel<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -42,16 +42,16 @@ impl Kernel for Slowest<'_> {
 }
 
 /// e/m over three cells in a row, rounded up: a number above 1, or none, where nothing is proved.
-pub(super) struct Shift<'a> {
+pub(super) struct ShiftKernel<'a> {
     /// g on the planes from low to high along the axis, four corners in each, in the order of those of a face; a plane that is not there is the
     /// same as its neighbour.
-    pub planes: &'a [[Lane; 4]; 4],
+    pub planes: &'a [[CellLanes; 4]; 4],
     /// By how much every value may be off.
     pub slack: f64,
-    pub out: &'a mut Lane,
+    pub out: &'a mut CellLanes,
 }
 
-impl Kernel for Shift<'_> {
+impl Kernel for ShiftKernel<'_> {
     type Output = ();
 
     #[inline(always)]

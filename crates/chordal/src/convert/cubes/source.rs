@@ -1,10 +1,10 @@
-//! `Source`: where a polygonizer gets its samples from.
+//! `SampleSource`: where a polygonizer gets its samples from.
 use super::rule::Polygonize;
 use crate::implicit::SparseGrid;
 use crate::math::simd::{self, Kernel};
 
 /// Samples on a lattice, asked row by row for their sides and one by one for their values.
-pub(crate) trait Source: Sync {
+pub(crate) trait SampleSource: Sync {
     /// How many samples there are along each index.
     fn size(&self) -> [usize; 3];
 
@@ -16,13 +16,13 @@ pub(crate) trait Source: Sync {
 }
 
 /// Samples in one slice, the first index running fastest.
-pub(crate) struct Dense<'a, T> {
+pub(crate) struct DenseSamples<'a, T> {
     pub values: &'a [T],
     pub size: [usize; 3],
     pub rule: Polygonize,
 }
 
-impl<T: Copy + Into<f64> + Sync> Source for Dense<'_, T> {
+impl<T: Copy + Into<f64> + Sync> SampleSource for DenseSamples<'_, T> {
     fn size(&self) -> [usize; 3] {
         self.size
     }
@@ -30,7 +30,7 @@ impl<T: Copy + Into<f64> + Sync> Source for Dense<'_, T> {
     fn sides(&self, [j, k]: [usize; 2], words: &mut [u64]) {
         let start = self.size[0] * (j + self.size[1] * k);
         let row = &self.values[start..start + self.size[0]];
-        simd::dispatch(simd::isa(), Sides { row, rule: self.rule, words });
+        simd::dispatch(simd::isa(), CompareKernel { row, rule: self.rule, words });
     }
 
     #[inline(always)]
@@ -40,12 +40,12 @@ impl<T: Copy + Into<f64> + Sync> Source for Dense<'_, T> {
 }
 
 /// Samples in bricks.
-pub(crate) struct Bricks<'a> {
+pub(crate) struct BrickSamples<'a> {
     pub grid: &'a SparseGrid,
     pub rule: Polygonize,
 }
 
-impl Source for Bricks<'_> {
+impl SampleSource for BrickSamples<'_> {
     fn size(&self) -> [usize; 3] {
         self.grid.size()
     }
@@ -64,13 +64,13 @@ impl Source for Bricks<'_> {
 }
 
 /// Compares a row of samples with the level.
-struct Sides<'a, T> {
+struct CompareKernel<'a, T> {
     row: &'a [T],
     rule: Polygonize,
     words: &'a mut [u64],
 }
 
-impl<T: Copy + Into<f64>> Kernel for Sides<'_, T> {
+impl<T: Copy + Into<f64>> Kernel for CompareKernel<'_, T> {
     type Output = ();
 
     #[inline(always)]

@@ -1,9 +1,9 @@
 //! Many cubic Bézier curves at one tolerance, with no more than that: for inner loops.
-use super::chord::{CubicChords, reach, rounding_at, wang};
-use super::fast::{Scratch, spread};
+use super::chord::{CubicChords, coordinate_reach, rounding_at, wang_steps};
+use super::density::{FlattenScratch, spread_by_density};
 use super::flatten::{LARGEST, Spacing};
 use super::greedy;
-use crate::budget::{Bound, Bounded, Code, Failure, Job, Reference, Tolerance, par_map};
+use crate::budget::{Bound, Bounded, Failure, Job, Reference, RefusalCode, Tolerance, par_map};
 use crate::explicit::Bezier;
 use crate::math::simd::{self, Isa, Kernel};
 use crate::math::{add_up, flushes_subnormals, sub_down};
@@ -27,7 +27,7 @@ pub struct BezierCutter<const D: usize> {
     tolerance: f64,
     spacing: Spacing,
     isa: Isa,
-    work: Scratch<D>,
+    work: FlattenScratch<D>,
 }
 
 /// A list of polylines in one list of points.
@@ -56,9 +56,9 @@ impl<const D: usize> BezierCutter<D> {
     pub fn new(tolerance: Tolerance, spacing: Spacing) -> Result<Self, Failure<()>> {
         if flushes_subnormals() {
             let message = "this process flushes subnormal numbers to zero, so nothing can be proved in it";
-            return Err(Failure::refused(Code::FlushesSubnormals, message));
+            return Err(Failure::refused(RefusalCode::FlushesSubnormals, message));
         }
-        Ok(Self { tolerance: tolerance.get(), spacing, isa: simd::isa(), work: Scratch::default() })
+        Ok(Self { tolerance: tolerance.get(), spacing, isa: simd::isa(), work: FlattenScratch::default() })
     }
 
     /// Appends all points of the polyline but its first one, which is the curve's, and returns a proved bound on the
@@ -69,12 +69,12 @@ impl<const D: usize> BezierCutter<D> {
     /// # Errors
     /// Coordinates that are not finite or beyond 1e150, a tolerance below rounding, more than 1e8 chords.
     pub fn append(&mut self, curve: &Bezier<D>, points: &mut Vec<[f64; D]>) -> Result<f64, Failure<()>> {
-        simd::dispatch(self.isa, Append { cutter: self, curve, points })
+        simd::dispatch(self.isa, AppendKernel { cutter: self, curve, points })
     }
 
     #[inline(always)]
     fn cut(&mut self, curve: &Bezier<D>, points: &mut Vec<[f64; D]>) -> Result<f64, Failure<()>> {
-        let size = reach(&curve.control);
+        let size = coordinate_reach(&curve.control);
         let sane = curve.control.as_flattened().iter().all(|x| x.abs() < LARGEST);
         if !sane {
             return Err(out_of_range(size));
@@ -87,9 +87,9 @@ impl<const D: usize> BezierCutter<D> {
         }
         let chords = CubicChords::new(curve);
         let loss = match self.spacing {
-            Spacing::Even => even(&chords, length, points)?,
+            Spacing::Even => append_evenly(&chords, length, points)?,
             Spacing::Fewest => {
-                let loss = match spread(&chords, length, MOST as usize, &mut self.work) {
+                let loss = match spread_by_density(&chords, length, MOST as usize, &mut self.work) {
                     Some(loss) => loss,
                     None => self.greedy(&chords, length)?,
                 };
@@ -108,8 +108,8 @@ impl<const D: usize> BezierCutter<D> {
         if steps > MOST {
             return Err(too_many(steps));
         }
-        let loss = |a: f64, b: f64| chords.loss(a, b).at_most;
-        let places = greedy::places(loss, 0.999 / steps, length); // 0.999: see `Chords::fewest`
+        let loss = |a: f64, b: f64| chords.deviation(a, b).at_most;
+        let places = greedy::parameters(loss, 0.999 / steps, length); // 0.999: see `Chords::fewest`
         let worst =
             places.windows(2).map(|ends| loss(ends[0], ends[1])).fold(0.0, |a, b| if b > a { b } else { a });
         self.work.set_places(chords.cubic(), &places);
@@ -119,13 +119,13 @@ impl<const D: usize> BezierCutter<D> {
 
 /// Appends the points of equal steps, and returns what the formula says that they lose.
 #[inline(always)]
-fn even<const D: usize>(
+fn append_evenly<const D: usize>(
     chords: &CubicChords<'_, D>,
     length: f64,
     points: &mut Vec<[f64; D]>,
 ) -> Result<f64, Failure<()>> {
-    let bend = chords.largest_bend();
-    let steps = wang(bend, length);
+    let bend = chords.largest_second_difference();
+    let steps = wang_steps(bend, length);
     if steps > MOST {
         return Err(too_many(steps));
     }
@@ -136,13 +136,13 @@ fn even<const D: usize>(
     Ok(0.75 * bend / (steps * steps) * (1.0 + f64::EPSILON * (64.0 + 8.0 * steps)))
 }
 
-struct Append<'a, 'b, const D: usize> {
+struct AppendKernel<'a, 'b, const D: usize> {
     cutter: &'a mut BezierCutter<D>,
     curve: &'b Bezier<D>,
     points: &'a mut Vec<[f64; D]>,
 }
 
-impl<const D: usize> Kernel for Append<'_, '_, D> {
+impl<const D: usize> Kernel for AppendKernel<'_, '_, D> {
     type Output = Result<f64, Failure<()>>;
 
     #[inline(always)]
@@ -154,20 +154,20 @@ impl<const D: usize> Kernel for Append<'_, '_, D> {
 #[cold]
 fn below_rounding<T>(tolerance: f64, rounding: f64) -> Failure<T> {
     let message = format!("the tolerance {tolerance:.3e} is below what rounding may cost, {rounding:.3e}");
-    Failure::refused(Code::BelowPrecision, message)
+    Failure::refused(RefusalCode::BelowPrecision, message)
 }
 
 #[cold]
 fn out_of_range<T>(size: f64) -> Failure<T> {
     let message =
         format!("the curve has a coordinate that is not finite or beyond {LARGEST:e}: its size is {size:e}");
-    Failure::refused(Code::NotFinite, message)
+    Failure::refused(RefusalCode::NotFinite, message)
 }
 
 #[cold]
 fn too_many<T>(steps: f64) -> Failure<T> {
     let message = format!("the tolerance needs about {steps:.1e} segments; the limit is {MOST:.1e}");
-    Failure::refused(Code::TooManyTriangles, message)
+    Failure::refused(RefusalCode::TooManyTriangles, message)
 }
 
 /// Curves that a thread takes at once.

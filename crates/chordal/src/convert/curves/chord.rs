@@ -26,18 +26,18 @@
 use crate::explicit::{Arc, Bezier};
 use crate::math::{difference, dot, length};
 
-/// What rounding may add to a certificate, in units of ε times [`reach`]: derived above.
+/// What rounding may add to a certificate, in units of ε times [`coordinate_reach`]: derived above.
 const ROUNDING: f64 = 1024.0;
 
 /// The bound on the loss of a chord, and the fraction of the piece where the curve is farthest.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Loss {
+pub(crate) struct ChordDeviation {
     pub(crate) at_most: f64,
     pub(crate) fraction: f64,
 }
 
 /// The sum over the axes of the largest coordinates of `points`.
-pub(crate) fn reach<const D: usize>(points: &[[f64; D]]) -> f64 {
+pub(crate) fn coordinate_reach<const D: usize>(points: &[[f64; D]]) -> f64 {
     (0..D)
         .map(|k| points.iter().fold(0.0, |most: f64, p| if p[k].abs() > most { p[k].abs() } else { most }))
         .fold(0.0, |sum, x| sum + x)
@@ -54,7 +54,7 @@ fn across<const D: usize>(a: [f64; D], c: [f64; D], c_sq: f64) -> [f64; D] {
 pub(crate) struct CubicChords<'a, const D: usize> {
     cubic: &'a Bezier<D>,
     /// A sixth of the second derivative at both ends.
-    bend: [[f64; D]; 2],
+    second_differences: [[f64; D]; 2],
 }
 
 impl<'a, const D: usize> CubicChords<'a, D> {
@@ -62,7 +62,7 @@ impl<'a, const D: usize> CubicChords<'a, D> {
         let p = &cubic.control;
         let second =
             |i: usize| std::array::from_fn(|k| (p[i][k] - p[i + 1][k]) - (p[i + 1][k] - p[i + 2][k]));
-        Self { cubic, bend: [second(0), second(1)] }
+        Self { cubic, second_differences: [second(0), second(1)] }
     }
 
     pub(crate) fn cubic(&self) -> &'a Bezier<D> {
@@ -70,36 +70,38 @@ impl<'a, const D: usize> CubicChords<'a, D> {
     }
 
     /// A sixth of the second derivative at both ends.
-    pub(crate) fn bend(&self) -> [[f64; D]; 2] {
-        self.bend
+    pub(crate) fn second_differences(&self) -> [[f64; D]; 2] {
+        self.second_differences
     }
 
     /// The largest second difference, as a length.
-    pub(crate) fn largest_bend(&self) -> f64 {
-        let [a, b] = self.bend.map(|d| dot(d, d));
+    pub(crate) fn largest_second_difference(&self) -> f64 {
+        let [a, b] = self.second_differences.map(|d| dot(d, d));
         if a > b { a.sqrt() } else { b.sqrt() }
     }
 
     /// Into how many equal steps the curve is cut at most, as a float: it may be huge.
     pub(crate) fn even_steps(&self, tolerance: f64) -> f64 {
-        wang(self.largest_bend(), tolerance)
+        wang_steps(self.largest_second_difference(), tolerance)
     }
 
     /// The loss of the chord between the points at `a` and `b`, in exact arithmetic.
-    pub(crate) fn loss(&self, a: f64, b: f64) -> Loss {
+    pub(crate) fn deviation(&self, a: f64, b: f64) -> ChordDeviation {
         let (start, end) = (self.cubic.at(a), self.cubic.at(b));
         let chord = difference(end, start);
         let h = b - a;
         let bend_at = |t: f64| -> [f64; D] {
-            std::array::from_fn(|k| (h * h) * ((1.0 - t) * self.bend[0][k] + t * self.bend[1][k]))
+            std::array::from_fn(|k| {
+                (h * h) * ((1.0 - t) * self.second_differences[0][k] + t * self.second_differences[1][k])
+            })
         };
-        chord_loss(chord, bend_at(a), bend_at(b))
+        chord_deviation(chord, bend_at(a), bend_at(b))
     }
 }
 
 /// How many equal steps keep the tolerance when the largest second difference is `bend` (G. Wang, 1984).
 #[inline(always)]
-pub(crate) fn wang(bend: f64, tolerance: f64) -> f64 {
+pub(crate) fn wang_steps(bend: f64, tolerance: f64) -> f64 {
     whole_steps((0.75 * bend / tolerance).sqrt())
 }
 
@@ -119,7 +121,7 @@ pub(crate) fn whole_steps(steps: f64) -> f64 {
     }
 }
 
-/// What rounding may add to a certificate of a curve of this [`reach`].
+/// What rounding may add to a certificate of a curve of this [`coordinate_reach`].
 #[inline(always)]
 pub(crate) fn rounding_at(reach: f64) -> f64 {
     if reach == 0.0 {
@@ -132,10 +134,10 @@ pub(crate) fn rounding_at(reach: f64) -> f64 {
 }
 
 /// The loss of a chord, from the chord, `D0` and `D1`.
-fn chord_loss<const D: usize>(chord: [f64; D], d0: [f64; D], d1: [f64; D]) -> Loss {
+fn chord_deviation<const D: usize>(chord: [f64; D], d0: [f64; D], d1: [f64; D]) -> ChordDeviation {
     let s: [f64; D] = std::array::from_fn(|k| d0[k] + d1[k]);
     let q = difference(d1, d0);
-    let pointwise = largest_gap(s, q);
+    let pointwise = largest_deviation(s, q);
     let length_sq = dot(chord, chord);
     let (n0, n1) = (dot(d0, d0), dot(d1, d1));
     let longest_sq = if n0 > n1 { n0 } else { n1 };
@@ -143,7 +145,7 @@ fn chord_loss<const D: usize>(chord: [f64; D], d0: [f64; D], d1: [f64; D]) -> Lo
     if !(longest_sq <= 64.0 * length_sq && length_sq > 0.0) {
         return pointwise;
     }
-    let aside = largest_gap(across(s, chord, length_sq), across(q, chord, length_sq));
+    let aside = largest_deviation(across(s, chord, length_sq), across(q, chord, length_sq));
     // The inner control points along the chord, from its start, in units of its square length.
     let (x0, x1) = (dot(d0, chord), dot(d1, chord));
     let first = (length_sq - 2.0 * x0 - x1) / 3.0;
@@ -154,28 +156,28 @@ fn chord_loss<const D: usize>(chord: [f64; D], d0: [f64; D], d1: [f64; D]) -> Lo
         / length_sq.sqrt();
     let at_most =
         if beyond > 0.0 { (aside.at_most * aside.at_most + beyond * beyond).sqrt() } else { aside.at_most };
-    if at_most < pointwise.at_most { Loss { at_most, ..aside } } else { pointwise }
+    if at_most < pointwise.at_most { ChordDeviation { at_most, ..aside } } else { pointwise }
 }
 
 /// The largest `(1−u²)(3|s| + |u||q|)/8` and where on the piece it is.
-fn largest_gap<const D: usize>(s: [f64; D], q: [f64; D]) -> Loss {
+fn largest_deviation<const D: usize>(s: [f64; D], q: [f64; D]) -> ChordDeviation {
     let (s_len, q_len) = (length(s), length(q));
     if q_len == 0.0 {
-        return Loss { at_most: 0.375 * s_len, fraction: 0.5 };
+        return ChordDeviation { at_most: 0.375 * s_len, fraction: 0.5 };
     }
     let r = s_len / q_len;
     // √(r² + 1/3) − r without cancellation; a ratio beyond the range of squares means that q does not count.
     let u = if r < 1e100 { 1.0 / (3.0 * ((r * r + 1.0 / 3.0).sqrt() + r)) } else { 0.0 };
     let at_most = (1.0 - u * u) * (3.0 * s_len + u * q_len) / 8.0;
     let signed = if dot(s, q) < 0.0 { -u } else { u };
-    Loss { at_most, fraction: 0.5 + 0.5 * signed }
+    ChordDeviation { at_most, fraction: 0.5 + 0.5 * signed }
 }
 
 /// The loss of the chord of an arc between the parameters `a` and `b`, in exact arithmetic.
-pub(crate) fn arc_loss<const D: usize>(arc: &Arc<D>, a: f64, b: f64) -> Loss {
+pub(crate) fn arc_deviation<const D: usize>(arc: &Arc<D>, a: f64, b: f64) -> ChordDeviation {
     let half = 0.5 * (arc.sweep_rad() * (b - a)).abs();
     if half > std::f64::consts::FRAC_PI_2 {
-        return Loss { at_most: f64::INFINITY, fraction: 0.5 };
+        return ChordDeviation { at_most: f64::INFINITY, fraction: 0.5 };
     }
     let middle = arc.angle(0.5 * (a + b));
     let w = arc.direction(middle);
@@ -193,7 +195,7 @@ pub(crate) fn arc_loss<const D: usize>(arc: &Arc<D>, a: f64, b: f64) -> Loss {
     } else {
         w_sq
     };
-    Loss { at_most: sagitta * off.sqrt(), fraction: 0.5 }
+    ChordDeviation { at_most: sagitta * off.sqrt(), fraction: 0.5 }
 }
 
 #[cfg(test)]
@@ -217,10 +219,10 @@ mod tests {
     #[test]
     fn a_parabola_loses_three_quarters_of_its_second_difference() {
         let cubic = Bezier { control: [[0.0, 0.0], [1.0, 1.0], [2.0, 1.0], [3.0, 0.0]] };
-        let loss = CubicChords::new(&cubic).loss(0.0, 1.0);
-        assert_eq!(loss, Loss { at_most: 0.75, fraction: 0.5 });
+        let loss = CubicChords::new(&cubic).deviation(0.0, 1.0);
+        assert_eq!(loss, ChordDeviation { at_most: 0.75, fraction: 0.5 });
         // A quarter of the length, a sixteenth of the loss, times the cosine of the chord's slope of 3/16 · 4 in 3.
-        let part = CubicChords::new(&cubic).loss(0.25, 0.5).at_most;
+        let part = CubicChords::new(&cubic).deviation(0.25, 0.5).at_most;
         let (x, y) = (0.75, cubic.at(0.5)[1] - cubic.at(0.25)[1]);
         let true_loss = 0.75 / 16.0 * x / f64::hypot(x, y);
         assert!((part / true_loss - 1.0).abs() < 1e-15, "{part} {true_loss}");
@@ -238,7 +240,7 @@ mod tests {
             let cubic = Bezier { control: std::array::from_fn(|_| [random(), random()]) };
             let (x, y) = (random(), random());
             let (a, b) = if x < y { (x, y) } else { (y, x) };
-            let (bound, truth) = (CubicChords::new(&cubic).loss(a, b).at_most, sampled(&cubic, a, b));
+            let (bound, truth) = (CubicChords::new(&cubic).deviation(a, b).at_most, sampled(&cubic, a, b));
             assert!(truth <= bound + ROUNDING * f64::EPSILON * 2.0, "{cubic:?} {a} {b}: {truth} > {bound}");
             ratios.push(bound / truth);
         }
@@ -251,9 +253,9 @@ mod tests {
         let circle = Arc::new([5.0, 5.0], [[2.0, 0.0], [0.0, 2.0]], 0.3, 6.0).unwrap();
         for n in [3, 7, 64, 1000] {
             let sagitta = 2.0 * (1.0 - libm::cos(3.0 / f64::from(n)));
-            let loss = arc_loss(&circle, 1.0 / f64::from(n), 2.0 / f64::from(n)).at_most;
+            let loss = arc_deviation(&circle, 1.0 / f64::from(n), 2.0 / f64::from(n)).at_most;
             assert!((loss / sagitta - 1.0).abs() < 1e-9, "{n}: {loss} {sagitta}");
         }
-        assert_eq!(arc_loss(&circle, 0.0, 1.0).at_most, f64::INFINITY);
+        assert_eq!(arc_deviation(&circle, 0.0, 1.0).at_most, f64::INFINITY);
     }
 }

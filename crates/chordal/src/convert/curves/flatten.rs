@@ -1,7 +1,7 @@
 //! Many paths under one budget: a length for each piece, its cuts, their bound.
 use super::piece::{Chords, rounding};
-use crate::budget::{Bound, Bounded, Budget, Code, Failure, Job, Lens, Pixels, Reference, par_map};
-use crate::explicit::{Curve, Piece, Polyline};
+use crate::budget::{Bound, Bounded, Budget, Failure, Job, Lens, Pixels, Reference, RefusalCode, par_map};
+use crate::explicit::{Curve, CurveSegment, Polyline};
 use crate::math::{Box3, add_up, flushes_subnormals, mul_up, sub_down};
 
 /// How the ends of segments are placed on each piece of a path.
@@ -15,25 +15,25 @@ pub enum Spacing {
 }
 
 /// Why there are no polylines.
-pub(crate) type Failed<const D: usize> = Failure<Vec<Polyline<D>>>;
+pub(crate) type FlatteningFailure<const D: usize> = Failure<Vec<Polyline<D>>>;
 
 /// What each piece may lose.
 #[derive(Clone, Copy)]
-struct Allowance {
+struct CurveAllowance {
     length: Option<f64>,
     pixels: Option<(Pixels, Lens)>,
 }
 
 /// A piece of one of the paths.
-struct Part<'a, const D: usize> {
+struct PathPiece<'a, const D: usize> {
     chords: Chords<'a, D>,
     place: Box3,
     /// What is lost without any chord: rounding, and what was lost before the path got here.
-    lost: f64,
+    rounding_error: f64,
 }
 
 /// A piece cut into chords.
-struct Cut {
+struct FlattenedPiece {
     places: Vec<f64>,
     /// The loss of the worst chord, everything counted.
     at_most: f64,
@@ -46,7 +46,7 @@ pub(crate) struct Flattener<'a, const D: usize> {
     curves: &'a [Curve<D>],
     job: &'a Job,
     spacing: Spacing,
-    parts: Vec<Part<'a, D>>,
+    parts: Vec<PathPiece<'a, D>>,
 }
 
 /// Squares of differences must stay below 1e308.
@@ -63,16 +63,20 @@ const MOST_RUNGS: u32 = 120 * RUNGS;
 impl<'a, const D: usize> Flattener<'a, D> {
     /// # Errors
     /// When a number is not finite or too large, or nothing can be proved here.
-    pub(crate) fn new(curves: &'a [Curve<D>], job: &'a Job, spacing: Spacing) -> Result<Self, Failed<D>> {
+    pub(crate) fn new(
+        curves: &'a [Curve<D>],
+        job: &'a Job,
+        spacing: Spacing,
+    ) -> Result<Self, FlatteningFailure<D>> {
         let mut parts = Vec::new();
         for (index, curve) in curves.iter().enumerate() {
-            for piece in curve.pieces() {
-                let [low, high] = piece.hull();
+            for piece in curve.segments() {
+                let [low, high] = piece.bounds();
                 let sane = |p: &[f64; D]| p.iter().all(|x| x.abs() < LARGEST);
                 // A short arc may be near and its centre far.
-                let sane_inside = |piece: &Piece<D>| match piece {
-                    Piece::Arc(arc) => sane(&arc.centre()) && arc.axes().iter().all(sane),
-                    Piece::Line(_) | Piece::Cubic(_) => true,
+                let sane_inside = |piece: &CurveSegment<D>| match piece {
+                    CurveSegment::Arc(arc) => sane(&arc.centre()) && arc.axes().iter().all(sane),
+                    CurveSegment::Line(_) | CurveSegment::Cubic(_) => true,
                 };
                 if !(piece.is_finite()
                     && sane(&low)
@@ -82,50 +86,50 @@ impl<'a, const D: usize> Flattener<'a, D> {
                 {
                     let message =
                         format!("path {index} has a coordinate that is not finite or beyond {LARGEST:e}");
-                    return Err(Failure::refused(Code::NotFinite, message));
+                    return Err(Failure::refused(RefusalCode::NotFinite, message));
                 }
                 let own = match piece {
-                    Piece::Line(_) => 0.0,
-                    Piece::Cubic(_) => rounding(piece),
-                    Piece::Arc(arc) => add_up(rounding(piece), arc.slack()),
+                    CurveSegment::Line(_) => 0.0,
+                    CurveSegment::Cubic(_) => rounding(piece),
+                    CurveSegment::Arc(arc) => add_up(rounding(piece), arc.slack()),
                 };
                 let lost = if curve.slack() > 0.0 { add_up(own, curve.slack()) } else { own };
-                let place = Box3 { min: in_space(low), max: in_space(high) };
-                parts.push(Part { chords: Chords::new(piece), place, lost });
+                let place = Box3 { min: to_3d(low), max: to_3d(high) };
+                parts.push(PathPiece { chords: Chords::new(piece), place, rounding_error: lost });
             }
         }
         if flushes_subnormals() {
             let message = "this process flushes subnormal numbers to zero, so nothing can be proved in it";
-            return Err(Failure::refused(Code::FlushesSubnormals, message));
+            return Err(Failure::refused(RefusalCode::FlushesSubnormals, message));
         }
         Ok(Self { curves, job, spacing, parts })
     }
 
     /// The polylines within a budget.
-    pub(crate) fn flatten(&self, budget: &Budget) -> Result<Bounded<Vec<Polyline<D>>>, Failed<D>> {
+    pub(crate) fn flatten(&self, budget: &Budget) -> Result<Bounded<Vec<Polyline<D>>>, FlatteningFailure<D>> {
         if !budget.limits_polylines() {
             let message = "a budget for curves needs a length, pixels at a view, or a number of segments";
-            return Err(Failure::refused(Code::Budget, message));
+            return Err(Failure::refused(RefusalCode::Budget, message));
         }
         if budget.angle_deg.is_some() {
             let message = "curves cannot be cut to an angle yet; give a length or pixels";
-            return Err(Failure::refused(Code::Unsupported, message));
+            return Err(Failure::refused(RefusalCode::Unsupported, message));
         }
-        let asked = Allowance {
+        let asked = CurveAllowance {
             length: budget.length.map(|length| length.get()),
             pixels: budget.pixels.map(|px| (px.pixels, px.view.lens())),
         };
         let most = budget.segments.unwrap_or(u64::MAX);
         if asked.length.is_none() && asked.pixels.is_none() {
-            return self.by_count(most, &asked);
+            return self.within_count(most, &asked);
         }
         if most > self.limit() {
-            self.check_size(&asked)?;
+            self.check_limits(&asked)?;
         }
         if let Some(cuts) = self.cut(&asked, most)? {
             return Ok(self.finish(&cuts, &asked));
         }
-        match self.by_count(most, &asked) {
+        match self.within_count(most, &asked) {
             Ok(best) if self.meets(&best, budget) => Ok(best),
             Ok(best) => Err(Failure::Unmet(Box::new(best))),
             Err(other) => Err(other),
@@ -146,63 +150,71 @@ impl<'a, const D: usize> Flattener<'a, D> {
     }
 
     /// What the chords of a part may lose.
-    fn allowed(&self, part: &Part<'_, D>, asked: &Allowance) -> Result<f64, Failed<D>> {
+    fn chord_tolerance(
+        &self,
+        part: &PathPiece<'_, D>,
+        asked: &CurveAllowance,
+    ) -> Result<f64, FlatteningFailure<D>> {
         let mut length = asked.length.unwrap_or(f64::INFINITY);
         if let Some((pixels, lens)) = asked.pixels {
-            let by_pixels = lens.sight(&part.place).length_of(pixels).ok_or_else(|| {
+            let by_pixels = lens.scale_at(&part.place).length_of(pixels).ok_or_else(|| {
                 Failure::refused(
-                    Code::TooClose,
+                    RefusalCode::TooClose,
                     "the curve comes so close to the eye that there is no bound in pixels",
                 )
             })?;
             length = if by_pixels < length { by_pixels } else { length };
         }
-        if part.lost == 0.0 {
+        if part.rounding_error == 0.0 {
             return Ok(length);
         }
         // One step less, because the sum of what is left and what was lost is rounded up again.
-        let left = sub_down(length.next_down(), part.lost);
+        let left = sub_down(length.next_down(), part.rounding_error);
         if left > 0.0 {
             return Ok(left);
         }
         let message = format!(
             "the budget of {length:.3e} is less than what rounding may cost at this distance from the origin, {:.3e}",
-            part.lost
+            part.rounding_error
         );
-        Err(Failure::refused(Code::BelowPrecision, message))
+        Err(Failure::refused(RefusalCode::BelowPrecision, message))
     }
 
     /// Says before the work that a budget needs more than the job allows.
-    fn check_size(&self, asked: &Allowance) -> Result<(), Failed<D>> {
+    fn check_limits(&self, asked: &CurveAllowance) -> Result<(), FlatteningFailure<D>> {
         let mut needed = 0.0;
         for part in &self.parts {
-            needed += part.chords.even_steps(self.allowed(part, asked)?);
+            needed += part.chords.even_steps(self.chord_tolerance(part, asked)?);
         }
         let segments = self.job.triangle_limit as f64;
         let memory = self.job.memory_limit as f64;
         if needed > segments {
             let message =
                 format!("the budget needs about {needed:.1e} segments; the limit is {segments:.1e}");
-            return Err(Failure::refused(Code::TooManyTriangles, message));
+            return Err(Failure::refused(RefusalCode::TooManyTriangles, message));
         }
         if needed * BYTES_PER_POINT > memory {
             let bytes = needed * BYTES_PER_POINT;
             let message =
                 format!("the budget needs about {bytes:.1e} bytes of memory; the limit is {memory:.1e}");
-            return Err(Failure::refused(Code::TooMuchMemory, message));
+            return Err(Failure::refused(RefusalCode::TooMuchMemory, message));
         }
         Ok(())
     }
 
     /// The cuts of all parts; none when they have more than `most` segments.
-    fn cut(&self, asked: &Allowance, most: u64) -> Result<Option<Vec<Cut>>, Failed<D>> {
+    fn cut(
+        &self,
+        asked: &CurveAllowance,
+        most: u64,
+    ) -> Result<Option<Vec<FlattenedPiece>>, FlatteningFailure<D>> {
         let lengths: Vec<f64> =
-            self.parts.iter().map(|part| self.allowed(part, asked)).collect::<Result<_, _>>()?;
+            self.parts.iter().map(|part| self.chord_tolerance(part, asked)).collect::<Result<_, _>>()?;
         // Far more than there may be, or than there is memory for: no need to place them.
         let room = self.job.memory_limit as f64 / BYTES_PER_POINT;
         let far_more = 64.0 * most as f64 + 64.0;
         let far_more = if far_more < room { far_more } else { room };
-        let few = |length: f64, part: &Part<'_, D>| part.chords.even_steps(length) <= far_more;
+        let few = |length: f64, part: &PathPiece<'_, D>| part.chords.even_steps(length) <= far_more;
         if most < u64::MAX && !self.parts.iter().zip(&lengths).all(|(part, length)| few(*length, part)) {
             return Ok(None);
         }
@@ -216,35 +228,42 @@ impl<'a, const D: usize> Flattener<'a, D> {
                 Spacing::Fewest => part.chords.fewest(length),
                 Spacing::Even => part.chords.even(part.chords.even_steps(length) as u64),
             };
-            Some(Cut::of(part, places))
+            Some(FlattenedPiece::new(part, places))
         });
         let cuts = cuts.into_iter().collect::<Option<Vec<_>>>().ok_or(Failure::Cancelled)?;
-        let count: u64 = cuts.iter().map(Cut::n_segments).sum();
+        let count: u64 = cuts.iter().map(FlattenedPiece::n_segments).sum();
         Ok((count <= most).then_some(cuts))
     }
 
     /// The polylines with the smallest bound on the ladder with at most `most` segments.
-    fn by_count(&self, most: u64, asked: &Allowance) -> Result<Bounded<Vec<Polyline<D>>>, Failed<D>> {
+    fn within_count(
+        &self,
+        most: u64,
+        asked: &CurveAllowance,
+    ) -> Result<Bounded<Vec<Polyline<D>>>, FlatteningFailure<D>> {
         let most = most.min(self.limit());
         if let ([part], Spacing::Even) = (self.parts.as_slice(), self.spacing) {
             let places = part.chords.even(most.max(1));
-            return Ok(self.finish(&[Cut::of(part, places)], asked));
+            return Ok(self.finish(&[FlattenedPiece::new(part, places)], asked));
         }
         let size = self.parts.iter().fold(0.0, |size: f64, part| {
-            let diagonal = add_up(part.place.diagonal(), part.lost);
+            let diagonal = add_up(part.place.diagonal(), part.rounding_error);
             if diagonal > size { diagonal } else { size }
         });
         let rung = |k: u32| {
             let step = libm::exp2(-f64::from(k % RUNGS) / f64::from(RUNGS));
-            Allowance { length: Some(4.0 * size * step * libm::exp2(-f64::from(k / RUNGS))), pixels: None }
+            CurveAllowance {
+                length: Some(4.0 * size * step * libm::exp2(-f64::from(k / RUNGS))),
+                pixels: None,
+            }
         };
         let cut = |k: u32| match self.cut(&rung(k), most) {
-            Err(Failure::Refused(refusal)) if refusal.code == Code::BelowPrecision => Ok(None),
+            Err(Failure::Refused(refusal)) if refusal.code == RefusalCode::BelowPrecision => Ok(None),
             other => other,
         };
         let Some(mut best) = cut(0)? else {
-            let cuts: Vec<Cut> =
-                self.parts.iter().map(|part| Cut::of(part, part.chords.coarsest())).collect();
+            let cuts: Vec<FlattenedPiece> =
+                self.parts.iter().map(|part| FlattenedPiece::new(part, part.chords.coarsest())).collect();
             return Err(Failure::Unmet(Box::new(self.finish(&cuts, asked))));
         };
         // 1. Finer by octaves, then by halves of what is left, to the finest rung that fits.
@@ -253,7 +272,7 @@ impl<'a, const D: usize> Flattener<'a, D> {
         while fits + 1 < fails {
             let k = if fits + step < fails { fits + step } else { fits + (fails - fits) / 2 };
             match cut(k)? {
-                Some(cuts) => (fits, best) = (k, better(best, cuts)),
+                Some(cuts) => (fits, best) = (k, tighter(best, cuts)),
                 None => {
                     fails = k;
                     step = (step / 2).max(1);
@@ -264,24 +283,24 @@ impl<'a, const D: usize> Flattener<'a, D> {
     }
 
     /// The polylines of the cuts, and their bound.
-    fn finish(&self, cuts: &[Cut], asked: &Allowance) -> Bounded<Vec<Polyline<D>>> {
+    fn finish(&self, cuts: &[FlattenedPiece], asked: &CurveAllowance) -> Bounded<Vec<Polyline<D>>> {
         let mut rest = cuts;
         let mut polylines = Vec::with_capacity(self.curves.len());
         for curve in self.curves {
-            let (own, others) = rest.split_at(curve.pieces().len());
+            let (own, others) = rest.split_at(curve.segments().len());
             polylines.push(polyline(curve, own));
             rest = others;
         }
         let slack = self.curves.iter().fold(0.0, |a: f64, c| if c.slack() > a { c.slack() } else { a });
         let at_most =
             cuts.iter().fold(slack, |most, cut| if cut.at_most > most { cut.at_most } else { most });
-        let (at_least, at) = self.found(cuts, &polylines);
+        let (at_least, at) = self.measured_deviation(cuts, &polylines);
         let mut bound =
             Bound::proved(if at_least < at_most { at_least } else { at_most }, at_most, Reference::Curves);
         bound.at = at;
         bound.pixels = asked.pixels.and_then(|(_, lens)| {
             self.parts.iter().zip(cuts).try_fold(0.0, |most: f64, (part, cut)| {
-                let pixels = lens.sight(&part.place).pixels_of(cut.at_most)?;
+                let pixels = lens.scale_at(&part.place).pixels_of(cut.at_most)?;
                 Some(if pixels > most { pixels } else { most })
             })
         });
@@ -289,38 +308,44 @@ impl<'a, const D: usize> Flattener<'a, D> {
     }
 
     /// A distance that was found: that of the worst cut's farthest point to its polyline, from below.
-    fn found(&self, cuts: &[Cut], polylines: &[Polyline<D>]) -> (f64, Option<[f64; 3]>) {
+    fn measured_deviation(
+        &self,
+        cuts: &[FlattenedPiece],
+        polylines: &[Polyline<D>],
+    ) -> (f64, Option<[f64; 3]>) {
         let worst =
-            cuts.iter().enumerate().fold(None, |worst: Option<(usize, &Cut)>, (index, cut)| match worst {
-                Some((_, before)) if before.at_most >= cut.at_most => worst,
-                _ => Some((index, cut)),
+            cuts.iter().enumerate().fold(None, |worst: Option<(usize, &FlattenedPiece)>, (index, cut)| {
+                match worst {
+                    Some((_, before)) if before.at_most >= cut.at_most => worst,
+                    _ => Some((index, cut)),
+                }
             });
         let Some((index, cut)) = worst else { return (0.0, None) };
         let mut first = 0;
         for (curve, polyline) in self.curves.iter().zip(polylines) {
-            if index < first + curve.pieces().len() {
-                let point = curve.pieces()[index - first].at(cut.worst);
+            if index < first + curve.segments().len() {
+                let point = curve.segments()[index - first].at(cut.worst);
                 let far = crate::check::distance_to_polyline(point, polyline);
-                let lost = mul_up(2.0, self.parts[index].lost);
+                let lost = mul_up(2.0, self.parts[index].rounding_error);
                 let at_least = sub_down(far * (1.0 - 1e-15), lost); // the square root's and the sums' rounding is below 4 ε
-                return (if at_least > 0.0 { at_least } else { 0.0 }, Some(in_space(point)));
+                return (if at_least > 0.0 { at_least } else { 0.0 }, Some(to_3d(point)));
             }
-            first += curve.pieces().len();
+            first += curve.segments().len();
         }
         (0.0, None)
     }
 }
 
-impl Cut {
-    fn of<const D: usize>(part: &Part<'_, D>, places: Vec<f64>) -> Self {
+impl FlattenedPiece {
+    fn new<const D: usize>(part: &PathPiece<'_, D>, places: Vec<f64>) -> Self {
         let mut worst = (0.0, 0.5);
         for pair in places.windows(2) {
-            let loss = part.chords.loss(pair[0], pair[1]);
+            let loss = part.chords.deviation(pair[0], pair[1]);
             if loss.at_most > worst.0 {
                 worst = (loss.at_most, pair[0] + loss.fraction * (pair[1] - pair[0]));
             }
         }
-        let at_most = if part.lost > 0.0 { add_up(worst.0, part.lost) } else { worst.0 };
+        let at_most = if part.rounding_error > 0.0 { add_up(worst.0, part.rounding_error) } else { worst.0 };
         Self { places, at_most, worst: worst.1 }
     }
 
@@ -329,15 +354,15 @@ impl Cut {
     }
 }
 
-fn better(a: Vec<Cut>, b: Vec<Cut>) -> Vec<Cut> {
-    let most = |cuts: &[Cut]| {
+fn tighter(a: Vec<FlattenedPiece>, b: Vec<FlattenedPiece>) -> Vec<FlattenedPiece> {
+    let most = |cuts: &[FlattenedPiece]| {
         cuts.iter().fold(0.0, |most: f64, cut| if cut.at_most > most { cut.at_most } else { most })
     };
     if most(&b) < most(&a) { b } else { a }
 }
 
 /// The points of a path at its cuts.
-fn polyline<const D: usize>(curve: &Curve<D>, cuts: &[Cut]) -> Polyline<D> {
+fn polyline<const D: usize>(curve: &Curve<D>, cuts: &[FlattenedPiece]) -> Polyline<D> {
     let n: usize = cuts.iter().map(|cut| cut.places.len()).sum();
     let mut made = Polyline {
         points: Vec::with_capacity(n + 1),
@@ -346,7 +371,7 @@ fn polyline<const D: usize>(curve: &Curve<D>, cuts: &[Cut]) -> Polyline<D> {
     };
     made.points.push(curve.start());
     made.places.push(0.0);
-    for (index, (piece, cut)) in curve.pieces().iter().zip(cuts).enumerate() {
+    for (index, (piece, cut)) in curve.segments().iter().zip(cuts).enumerate() {
         for t in &cut.places[1..] {
             let point = piece.at(*t);
             if made.points.last() != Some(&point) {
@@ -363,6 +388,6 @@ fn polyline<const D: usize>(curve: &Curve<D>, cuts: &[Cut]) -> Polyline<D> {
 }
 
 /// A point of the plane or of space, in space.
-fn in_space<const D: usize>(p: [f64; D]) -> [f64; 3] {
+fn to_3d<const D: usize>(p: [f64; D]) -> [f64; 3] {
     std::array::from_fn(|k| p.get(k).copied().unwrap_or(0.0))
 }

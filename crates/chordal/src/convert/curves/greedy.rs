@@ -10,7 +10,7 @@ const CLOSE: f64 = 1e-3;
 /// Parameters from 0 to 1, both included, such that `loss` of each step is at most `tolerance`.
 ///
 /// `sure` is a step that always keeps the tolerance.
-pub(crate) fn places(loss: impl Fn(f64, f64) -> f64, sure: f64, tolerance: f64) -> Vec<f64> {
+pub(crate) fn parameters(loss: impl Fn(f64, f64) -> f64, sure: f64, tolerance: f64) -> Vec<f64> {
     let mut places = vec![0.0];
     let mut a = 0.0;
     let mut step = 1.0;

@@ -1,8 +1,8 @@
 //! One piece of a path cut into chords: how many at most, where, and with what loss.
-use super::chord::{CubicChords, Loss, arc_loss, reach, rounding_at, whole_steps};
-use super::fast::{Scratch, spread};
+use super::chord::{ChordDeviation, CubicChords, arc_deviation, coordinate_reach, rounding_at, whole_steps};
+use super::density::{FlattenScratch, spread_by_density};
 use super::greedy;
-use crate::explicit::Piece;
+use crate::explicit::CurveSegment;
 use crate::math::simd::{self, Kernel};
 
 /// A piece with what its certificates share.
@@ -15,22 +15,22 @@ pub(crate) enum Chords<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Chords<'a, D> {
-    pub(crate) fn new(piece: &'a Piece<D>) -> Self {
+    pub(crate) fn new(piece: &'a CurveSegment<D>) -> Self {
         match piece {
-            Piece::Cubic(cubic) if cubic.is_point() => Self::Point,
-            Piece::Line([a, b]) if a == b => Self::Point,
-            Piece::Line(_) => Self::Line,
-            Piece::Cubic(cubic) => Self::Cubic(CubicChords::new(cubic)),
-            Piece::Arc(arc) => Self::Arc(arc),
+            CurveSegment::Cubic(cubic) if cubic.is_point() => Self::Point,
+            CurveSegment::Line([a, b]) if a == b => Self::Point,
+            CurveSegment::Line(_) => Self::Line,
+            CurveSegment::Cubic(cubic) => Self::Cubic(CubicChords::new(cubic)),
+            CurveSegment::Arc(arc) => Self::Arc(arc),
         }
     }
 
     /// The loss of the chord from `a` to `b`, in exact arithmetic.
-    pub(crate) fn loss(&self, a: f64, b: f64) -> Loss {
+    pub(crate) fn deviation(&self, a: f64, b: f64) -> ChordDeviation {
         match self {
-            Self::Point | Self::Line => Loss { at_most: 0.0, fraction: 0.5 },
-            Self::Cubic(chords) => chords.loss(a, b),
-            Self::Arc(arc) => arc_loss(arc, a, b),
+            Self::Point | Self::Line => ChordDeviation { at_most: 0.0, fraction: 0.5 },
+            Self::Cubic(chords) => chords.deviation(a, b),
+            Self::Arc(arc) => arc_deviation(arc, a, b),
         }
     }
 
@@ -53,8 +53,8 @@ impl<'a, const D: usize> Chords<'a, D> {
     /// Parameters from 0 to 1, both included, with chords of at most `tolerance`, and nearly as few as can be.
     pub(crate) fn fewest(&self, tolerance: f64) -> Vec<f64> {
         if let Self::Cubic(chords) = self {
-            let mut work = Scratch::default();
-            if simd::dispatch(simd::isa(), Spread { chords, tolerance, work: &mut work }) {
+            let mut work = FlattenScratch::default();
+            if simd::dispatch(simd::isa(), SpreadKernel { chords, tolerance, work: &mut work }) {
                 return work.places().to_vec();
             }
         }
@@ -65,7 +65,7 @@ impl<'a, const D: usize> Chords<'a, D> {
     pub(crate) fn greedy(&self, tolerance: f64) -> Vec<f64> {
         // A little less than what the formula allows, for its own rounding.
         let sure = 0.999 / self.even_steps(tolerance);
-        greedy::places(|a, b| self.loss(a, b).at_most, sure, tolerance)
+        greedy::parameters(|a, b| self.deviation(a, b).at_most, sure, tolerance)
     }
 
     /// The fewest segments that have a finite bound.
@@ -84,29 +84,29 @@ impl<'a, const D: usize> Chords<'a, D> {
     }
 }
 
-struct Spread<'a, 'b, const D: usize> {
+struct SpreadKernel<'a, 'b, const D: usize> {
     chords: &'a CubicChords<'b, D>,
     tolerance: f64,
-    work: &'a mut Scratch<D>,
+    work: &'a mut FlattenScratch<D>,
 }
 
-impl<const D: usize> Kernel for Spread<'_, '_, D> {
+impl<const D: usize> Kernel for SpreadKernel<'_, '_, D> {
     type Output = bool;
 
     #[inline(always)]
     fn run(self) -> bool {
-        spread(self.chords, self.tolerance, usize::MAX, self.work).is_some()
+        spread_by_density(self.chords, self.tolerance, usize::MAX, self.work).is_some()
     }
 }
 
 /// What rounding may add to the loss of any chord of the piece.
-pub(crate) fn rounding<const D: usize>(piece: &Piece<D>) -> f64 {
+pub(crate) fn rounding<const D: usize>(piece: &CurveSegment<D>) -> f64 {
     let size = match piece {
-        Piece::Line(points) => reach(points),
-        Piece::Cubic(cubic) => reach(&cubic.control),
-        Piece::Arc(arc) => {
+        CurveSegment::Line(points) => coordinate_reach(points),
+        CurveSegment::Cubic(cubic) => coordinate_reach(&cubic.control),
+        CurveSegment::Arc(arc) => {
             let [u, v] = arc.axes();
-            reach(&[arc.centre()]) + reach(&[u]) + reach(&[v])
+            coordinate_reach(&[arc.centre()]) + coordinate_reach(&[u]) + coordinate_reach(&[v])
         }
     };
     rounding_at(size)
@@ -130,11 +130,12 @@ mod tests {
             let (mut fast, mut greedy) = (0, 0);
             for _ in 0..500 {
                 let control = std::array::from_fn(|_| [random(&mut seed), random(&mut seed)]);
-                let piece = Piece::Cubic(Bezier { control });
+                let piece = CurveSegment::Cubic(Bezier { control });
                 let chords = Chords::new(&piece);
                 let places = chords.fewest(tolerance);
                 assert!(places.windows(2).all(|ends| ends[0] < ends[1]));
-                let lossy = |ends: &[f64]| chords.loss(ends[0], ends[1]).at_most > tolerance * (1.0 + 1e-12);
+                let lossy =
+                    |ends: &[f64]| chords.deviation(ends[0], ends[1]).at_most > tolerance * (1.0 + 1e-12);
                 assert!(!places.windows(2).any(lossy), "{control:?} at {tolerance}");
                 fast += places.len() - 1;
                 greedy += chords.greedy(tolerance).len() - 1;
@@ -147,7 +148,7 @@ mod tests {
     #[test]
     fn an_arc_of_a_circle_takes_the_fewest_equal_chords() {
         let arc = crate::explicit::Arc::new([1.0, 2.0], [[3.0, 0.0], [0.0, 3.0]], 0.5, 5.0).unwrap();
-        let (piece, tolerance) = (Piece::Arc(arc), 1e-3);
+        let (piece, tolerance) = (CurveSegment::Arc(arc), 1e-3);
         let fewest = Chords::new(&piece).fewest(tolerance).len() - 1;
         let true_fewest = (5.0 / (2.0 * libm::acos(1.0 - tolerance / 3.0))).ceil() as usize;
         assert_eq!(fewest, true_fewest);

@@ -12,9 +12,9 @@
 //!
 //! Source of the idea: X. Du, Q. Zhou, N. Carr, T. Ju, *Robust Computation of Implicit Surface Networks for
 //! Piecewise Linear Functions*, 2022.
-use super::tetrahedra::FewNumbersMap;
-use crate::implicit::{CsgTree, Membership, Restricted};
-use crate::math::determinants::{perturbed, sign2, sign3, sign4};
+use super::tetrahedra::IntegerMap;
+use crate::implicit::{CsgRestriction, CsgTree, Membership};
+use crate::math::determinants::{perturbed_sign, sign2, sign3, sign4};
 use std::cell::RefCell;
 use std::cmp::Ordering;
 
@@ -42,7 +42,7 @@ pub(super) const NONE: u32 = u32::MAX;
 
 /// What a vertex of the boundary lies on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct VertexKey {
+pub(super) struct ArrangementVertex {
     /// The corners of the smallest simplex that it is in, ascending, and none after them.
     pub simplex: [u32; 4],
     /// The primitives that are 0 there, ascending, and none after them.
@@ -55,8 +55,8 @@ pub(super) struct VertexKey {
 
 /// Parts of the boundary in some cells, each in one plane.
 #[derive(Debug, Default)]
-pub(super) struct Patches {
-    pub corners: Vec<VertexKey>,
+pub(super) struct BoundaryPatches {
+    pub corners: Vec<ArrangementVertex>,
     /// Where each loop ends in `corners`. They run counter-clockwise as seen from outside of the solid.
     pub loop_ends: Vec<u32>,
     /// By patch: its label, and where its loops end in `loop_ends`.
@@ -70,13 +70,13 @@ pub(super) fn label_of(primitive: u32, is_complemented: bool) -> u32 {
 
 /// Sides by place in the live primitives: whether they are negative.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-struct Signs {
+struct SignVector {
     first: u128,
     /// Those after the first 128; nearly always none.
     rest: Vec<u128>,
 }
 
-impl Signs {
+impl SignVector {
     fn with(mut self, k: usize, is_negative: bool) -> Self {
         let word = match k / 128 {
             0 => &mut self.first,
@@ -102,30 +102,30 @@ impl Signs {
 const TABLE: usize = 6;
 
 /// Membership from sides.
-enum Truth {
+enum MembershipTable {
     Table(u64),
     /// With what was found so far.
-    Tree(CsgTree, RefCell<FewNumbersMap<u128, bool>>), // No order depends on it.
+    Tree(CsgTree, RefCell<IntegerMap<u128, bool>>), // No order depends on it.
 }
 
 /// A side of a piece: on the facet across a corner, or on the plane of a live primitive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Side {
+enum ArrangementEdge {
     Facet(u8),
     Plane(u32),
 }
 
 /// A convex part of a plane. Corner `t` is between side `t − 1` and side `t`.
 #[derive(Clone, Debug)]
-struct Piece {
-    sides: Vec<Side>,
+struct ArrangementFace {
+    sides: Vec<ArrangementEdge>,
     /// Of the other planes.
-    negative: Signs,
+    negative: SignVector,
 }
 
 /// What a corner lies on, in the cell's own numbers: facets that it is not on have their bits, planes ascend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct LocalCorner {
+struct ArrangementCorner {
     simplex: u8,
     planes: [u32; 3],
     sheet: u32,
@@ -135,15 +135,16 @@ struct LocalCorner {
 impl LinearCell<'_> {
     /// Adds the boundary in this cell. The others of the tree's primitives have the same side throughout:
     /// `is_negative` says which.
-    pub fn boundary(&self, is_negative: impl Fn(u32) -> bool, into: &mut Patches) {
-        let Some(truth) = self.truth(is_negative) else { return };
+    pub fn boundary(&self, is_negative: impl Fn(u32) -> bool, into: &mut BoundaryPatches) {
+        let Some(truth) = self.membership_table(is_negative) else { return };
         for i in 0..self.live.len() as u32 {
             if self.live.len() == 1 {
-                let piece = Piece { sides: self.section(i), negative: Signs::default() };
+                let piece = ArrangementFace { sides: self.section(i), negative: SignVector::default() };
                 self.emit(&truth, i, vec![piece], into);
                 continue;
             }
-            let mut pieces = vec![Piece { sides: self.section(i), negative: Signs::default() }];
+            let mut pieces =
+                vec![ArrangementFace { sides: self.section(i), negative: SignVector::default() }];
             for j in (0..self.live.len() as u32).filter(|j| *j != i) {
                 let mut parts = Vec::with_capacity(pieces.len() + 1);
                 pieces.into_iter().for_each(|piece| self.cut(i, j, piece, &mut parts));
@@ -154,7 +155,7 @@ impl LinearCell<'_> {
     }
 
     /// None where membership is the same throughout.
-    fn truth(&self, is_negative: impl Fn(u32) -> bool) -> Option<Truth> {
+    fn membership_table(&self, is_negative: impl Fn(u32) -> bool) -> Option<MembershipTable> {
         let place = |p: u32| self.live.binary_search_by_key(&p, |one| one.primitive).ok();
         if self.live.len() <= TABLE {
             let inside = |sides: u64| {
@@ -163,23 +164,23 @@ impl LinearCell<'_> {
             let n = 1 << self.live.len();
             let table = (0..n).fold(0, |all, sides| all | u64::from(inside(sides)) << sides);
             let all = if n == 64 { u64::MAX } else { (1 << n) - 1 };
-            return (table != 0 && table != all).then_some(Truth::Table(table));
+            return (table != 0 && table != all).then_some(MembershipTable::Table(table));
         }
         let side = |p: u32| match (place(p), is_negative(p)) {
             (Some(_), _) => Membership::Unknown,
             (None, true) => Membership::Inside,
             (None, false) => Membership::Outside,
         };
-        match self.tree.restricted(|p, falls| side(p).of_literal(falls)) {
-            Restricted::Decided(_) => None,
-            Restricted::Open(tree) => Some(Truth::Tree(tree, RefCell::default())),
+        match self.tree.restrict(|p, falls| side(p).complement_if(falls)) {
+            CsgRestriction::Decided(_) => None,
+            CsgRestriction::Open(tree) => Some(MembershipTable::Tree(tree, RefCell::default())),
         }
     }
 
-    fn is_inside(&self, truth: &Truth, signs: &Signs) -> bool {
+    fn is_inside(&self, truth: &MembershipTable, signs: &SignVector) -> bool {
         match truth {
-            Truth::Table(table) => table >> (signs.first as u64) & 1 == 1,
-            Truth::Tree(tree, known) => {
+            MembershipTable::Table(table) => table >> (signs.first as u64) & 1 == 1,
+            MembershipTable::Tree(tree, known) => {
                 let place = |p: u32| self.live.binary_search_by_key(&p, |one| one.primitive);
                 let contains = || tree.contains(|p| signs.get(place(p).expect("only live ones are left")));
                 if !signs.rest.is_empty() {
@@ -191,19 +192,22 @@ impl LinearCell<'_> {
     }
 
     /// The part of a plane in the cell, seen from where the primitive is positive.
-    fn section(&self, i: u32) -> Vec<Side> {
+    fn section(&self, i: u32) -> Vec<ArrangementEdge> {
         let negative = self.live[i as usize].values.map(|x| x < 0);
         let code = (0..4).fold(0, |code, k| code | usize::from(negative[k]) << k);
-        SECTIONS[code].iter().filter(|f| **f < 4).map(|f| Side::Facet(*f)).collect()
+        SECTIONS[code].iter().filter(|f| **f < 4).map(|f| ArrangementEdge::Facet(*f)).collect()
     }
 
     /// Cuts a piece of plane `i` by plane `j`.
-    fn cut(&self, i: u32, j: u32, piece: Piece, into: &mut Vec<Piece>) {
+    fn cut(&self, i: u32, j: u32, piece: ArrangementFace, into: &mut Vec<ArrangementFace>) {
         let n = piece.sides.len();
         let negative: Vec<bool> =
             (0..n).map(|t| self.is_negative([piece.sides[(t + n - 1) % n], piece.sides[t]], i, j)).collect();
         if negative.iter().all(|x| *x == negative[0]) {
-            into.push(Piece { negative: piece.negative.with(j as usize, negative[0]), sides: piece.sides });
+            into.push(ArrangementFace {
+                negative: piece.negative.with(j as usize, negative[0]),
+                sides: piece.sides,
+            });
             return;
         }
         for wanted in [true, false] {
@@ -214,43 +218,50 @@ impl LinearCell<'_> {
                     sides.push(piece.sides[t]);
                 }
                 if here && !there {
-                    sides.push(Side::Plane(j));
+                    sides.push(ArrangementEdge::Plane(j));
                 }
             }
-            into.push(Piece { sides, negative: piece.negative.clone().with(j as usize, wanted) });
+            into.push(ArrangementFace { sides, negative: piece.negative.clone().with(j as usize, wanted) });
         }
     }
 
     /// Whether primitive `j` is negative at the corner of plane `i` between two sides.
-    fn is_negative(&self, sides: [Side; 2], i: u32, j: u32) -> bool {
+    fn is_negative(&self, sides: [ArrangementEdge; 2], i: u32, j: u32) -> bool {
         let row = |k: u32| &self.live[k as usize].values;
         let sense = |k: u32| self.live[k as usize].sense;
         let sign = match sides {
-            [Side::Facet(f), Side::Facet(g)] => {
-                let [a, b] = rest([f, g]);
+            [ArrangementEdge::Facet(f), ArrangementEdge::Facet(g)] => {
+                let [a, b] = other_corners([f, g]);
                 let pick = |k: u32| [row(k)[a], row(k)[b]];
-                let sign = perturbed([pick(i), pick(j)], [i, j], [sense(i), sense(j)], sign2);
+                let sign = perturbed_sign([pick(i), pick(j)], [i, j], [sense(i), sense(j)], sign2);
                 if row(i)[a] < 0 { sign.reverse() } else { sign }
             }
-            [Side::Facet(f), Side::Plane(k)] | [Side::Plane(k), Side::Facet(f)] => {
-                let corners = rest([f]);
+            [ArrangementEdge::Facet(f), ArrangementEdge::Plane(k)]
+            | [ArrangementEdge::Plane(k), ArrangementEdge::Facet(f)] => {
+                let corners = other_corners([f]);
                 let pick = |k: u32| corners.map(|c: usize| row(k)[c]);
                 let rows = [pick(i), pick(k), pick(j)];
-                let sign = perturbed(rows, [i, k, j], [i, k, j].map(sense), sign3);
-                by(sign, sign3([rows[0], rows[1], [1; 3]]))
+                let sign = perturbed_sign(rows, [i, k, j], [i, k, j].map(sense), sign3);
+                divided_sign(sign, sign3([rows[0], rows[1], [1; 3]]))
             }
-            [Side::Plane(k), Side::Plane(l)] => {
+            [ArrangementEdge::Plane(k), ArrangementEdge::Plane(l)] => {
                 let rows = [i, k, l, j].map(|k| *row(k));
-                let sign = perturbed(rows, [i, k, l, j], [i, k, l, j].map(sense), sign4);
-                by(sign, sign4([rows[0], rows[1], rows[2], [1; 4]]))
+                let sign = perturbed_sign(rows, [i, k, l, j], [i, k, l, j].map(sense), sign4);
+                divided_sign(sign, sign4([rows[0], rows[1], rows[2], [1; 4]]))
             }
         };
         sign == Ordering::Less
     }
 
     /// Adds the pieces of plane `i` that are boundary, those that hang together as one.
-    fn emit(&self, truth: &Truth, i: u32, pieces: Vec<Piece>, into: &mut Patches) {
-        let mut kept: [Vec<Piece>; 2] = Default::default();
+    fn emit(
+        &self,
+        truth: &MembershipTable,
+        i: u32,
+        pieces: Vec<ArrangementFace>,
+        into: &mut BoundaryPatches,
+    ) {
+        let mut kept: [Vec<ArrangementFace>; 2] = Default::default();
         for piece in pieces {
             let inside =
                 |is_negative| self.is_inside(truth, &piece.negative.clone().with(i as usize, is_negative));
@@ -260,9 +271,9 @@ impl LinearCell<'_> {
             }
         }
         for (above, kept) in kept.into_iter().enumerate() {
-            let corners: Vec<Vec<LocalCorner>> =
+            let corners: Vec<Vec<ArrangementCorner>> =
                 kept.iter().map(|piece| self.corners(truth, i, piece, above == 1)).collect();
-            for loops in joined(&corners) {
+            for loops in merge_faces(&corners) {
                 for mut ring in loops {
                     ring.retain(|corner| corner.is_seen);
                     if above == 1 {
@@ -277,7 +288,14 @@ impl LinearCell<'_> {
         }
     }
 
-    fn push_ring(&self, truth: &Truth, i: u32, ring: &[LocalCorner], kept: &[Piece], into: &mut Patches) {
+    fn push_ring(
+        &self,
+        truth: &MembershipTable,
+        i: u32,
+        ring: &[ArrangementCorner],
+        kept: &[ArrangementFace],
+        into: &mut BoundaryPatches,
+    ) {
         for (t, corner) in ring.iter().enumerate() {
             into.corners.push(self.key(corner));
             let next = &ring[(t + 1) % ring.len()];
@@ -288,15 +306,21 @@ impl LinearCell<'_> {
     }
 
     /// The corners of a piece.
-    fn corners(&self, truth: &Truth, i: u32, piece: &Piece, is_complemented: bool) -> Vec<LocalCorner> {
+    fn corners(
+        &self,
+        truth: &MembershipTable,
+        i: u32,
+        piece: &ArrangementFace,
+        is_complemented: bool,
+    ) -> Vec<ArrangementCorner> {
         let n = piece.sides.len();
         let corner = |t: usize| {
             let (mut simplex, mut planes) = (15_u8, [i, NONE, NONE]);
             let mut n_planes = 1;
             for side in [piece.sides[(t + n - 1) % n], piece.sides[t]] {
                 match side {
-                    Side::Facet(f) => simplex &= !(1 << f),
-                    Side::Plane(k) => {
+                    ArrangementEdge::Facet(f) => simplex &= !(1 << f),
+                    ArrangementEdge::Plane(k) => {
                         planes[n_planes] = k;
                         n_planes += 1;
                     }
@@ -304,7 +328,7 @@ impl LinearCell<'_> {
             }
             planes[..n_planes].sort_unstable();
             let (sheet, is_seen) = self.sheet(truth, &planes[..n_planes], i, piece, is_complemented);
-            LocalCorner { simplex, planes, sheet, is_seen }
+            ArrangementCorner { simplex, planes, sheet, is_seen }
         };
         (0..n).map(corner).collect()
     }
@@ -312,16 +336,16 @@ impl LinearCell<'_> {
     /// Which of the sheets around a corner the piece belongs to, and whether all planes have a say there.
     fn sheet(
         &self,
-        truth: &Truth,
+        truth: &MembershipTable,
         planes: &[u32],
         i: u32,
-        piece: &Piece,
+        piece: &ArrangementFace,
         is_complemented: bool,
     ) -> (u32, bool) {
         if planes.len() == 1 {
             return (0, true);
         }
-        let pattern = self.pattern(truth, planes, &piece.negative);
+        let pattern = self.octant_mask(truth, planes, &piece.negative);
         let has_say = |r: usize| (0..1 << planes.len()).any(|o| pattern.at(o) != pattern.at(o ^ 1 << r));
         let is_seen = (0..planes.len()).all(has_say);
         let plane = planes.iter().position(|k| *k == i).expect("it is on its own plane");
@@ -337,7 +361,7 @@ impl LinearCell<'_> {
     }
 
     /// Membership around a point where planes cross.
-    fn pattern(&self, truth: &Truth, planes: &[u32], signs: &Signs) -> Pattern {
+    fn octant_mask(&self, truth: &MembershipTable, planes: &[u32], signs: &SignVector) -> OctantMask {
         let inside = |octant: usize| {
             let signs = planes
                 .iter()
@@ -345,12 +369,18 @@ impl LinearCell<'_> {
                 .fold(signs.clone(), |signs, (r, k)| signs.with(*k as usize, octant >> r & 1 == 1));
             self.is_inside(truth, &signs)
         };
-        Pattern((0..1 << planes.len()).fold(0, |all, octant| all | u8::from(inside(octant)) << octant))
+        OctantMask((0..1 << planes.len()).fold(0, |all, octant| all | u8::from(inside(octant)) << octant))
     }
 
     /// A vertex between two corners of a crease along which the solid touches itself, since both wedges may
     /// have the same ends.
-    fn middle(&self, truth: &Truth, i: u32, ends: [&LocalCorner; 2], kept: &[Piece]) -> Option<VertexKey> {
+    fn middle(
+        &self,
+        truth: &MembershipTable,
+        i: u32,
+        ends: [&ArrangementCorner; 2],
+        kept: &[ArrangementFace],
+    ) -> Option<ArrangementVertex> {
         let [a, b] = ends.map(|end| end.planes);
         let common: Vec<u32> = a.into_iter().filter(|k| b.contains(k)).collect();
         let [p, q] = common[..] else { return None };
@@ -359,16 +389,16 @@ impl LinearCell<'_> {
             |planes: [u32; 3]| planes.into_iter().find(|k| !common.contains(k)).expect("three differ");
         let (a, b) = (third(a), third(b));
         // The piece with that side.
-        let has_side = |piece: &&Piece| {
+        let has_side = |piece: &&ArrangementFace| {
             let n = piece.sides.len();
-            let is_end = |t: usize, k: u32| piece.sides[t % n] == Side::Plane(k);
+            let is_end = |t: usize, k: u32| piece.sides[t % n] == ArrangementEdge::Plane(k);
             (0..n).any(|t| {
-                piece.sides[t] == Side::Plane(j)
+                piece.sides[t] == ArrangementEdge::Plane(j)
                     && (is_end(t + 1, b) && is_end(t + n - 1, a) || is_end(t + 1, a) && is_end(t + n - 1, b))
             })
         };
         let piece = kept.iter().find(has_side)?;
-        let pattern = self.pattern(truth, &[p, q], &piece.negative);
+        let pattern = self.octant_mask(truth, &[p, q], &piece.negative);
         if !pattern.is_crossed() {
             return None;
         }
@@ -378,25 +408,30 @@ impl LinearCell<'_> {
         let [p, q, a, b] = [p, q, a.min(b), a.max(b)].map(|k| self.live[k as usize].primitive);
         let mut simplex = self.corners;
         simplex.sort_unstable();
-        Some(VertexKey { simplex, primitives: [p, q, a], sheet: 1 + u32::from(first_negative), other: b })
+        Some(ArrangementVertex {
+            simplex,
+            primitives: [p, q, a],
+            sheet: 1 + u32::from(first_negative),
+            other: b,
+        })
     }
 
-    fn key(&self, corner: &LocalCorner) -> VertexKey {
+    fn key(&self, corner: &ArrangementCorner) -> ArrangementVertex {
         let mut simplex: [u32; 4] =
             std::array::from_fn(|k| if corner.simplex >> k & 1 == 1 { self.corners[k] } else { NONE });
         simplex.sort_unstable();
         let primitives =
             corner.planes.map(|k| if k == NONE { NONE } else { self.live[k as usize].primitive });
-        VertexKey { simplex, primitives, sheet: corner.sheet, other: NONE }
+        ArrangementVertex { simplex, primitives, sheet: corner.sheet, other: NONE }
     }
 }
 
 /// Membership by octant around a point where two or three planes cross: bit `r` of an octant is set where
 /// plane `r` is negative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Pattern(u8);
+struct OctantMask(u8);
 
-impl Pattern {
+impl OctantMask {
     fn at(self, octant: usize) -> bool {
         self.0 >> octant & 1 == 1
     }
@@ -439,28 +474,28 @@ impl Pattern {
 }
 
 /// The other corners of a tetrahedron.
-fn rest<const F: usize, const N: usize>(facets: [u8; F]) -> [usize; N] {
+fn other_corners<const F: usize, const N: usize>(facets: [u8; F]) -> [usize; N] {
     let mut all = (0..4).filter(|k| !facets.contains(&(*k as u8)));
     std::array::from_fn(|_| all.next().expect("facets differ"))
 }
 
-fn by(sign: Ordering, denominator: Ordering) -> Ordering {
+fn divided_sign(sign: Ordering, denominator: Ordering) -> Ordering {
     if denominator == Ordering::Less { sign.reverse() } else { sign }
 }
 
 /// The loops around pieces of one plane, by what hangs together.
-fn joined(pieces: &[Vec<LocalCorner>]) -> Vec<Vec<Vec<LocalCorner>>> {
+fn merge_faces(pieces: &[Vec<ArrangementCorner>]) -> Vec<Vec<Vec<ArrangementCorner>>> {
     if let [] | [_] = pieces {
         return pieces.iter().map(|ring| vec![ring.clone()]).collect();
     }
-    let mut edges: Vec<(LocalCorner, LocalCorner, u32, u32)> = Vec::new();
+    let mut edges: Vec<(ArrangementCorner, ArrangementCorner, u32, u32)> = Vec::new();
     for (number, ring) in pieces.iter().enumerate() {
         for t in 0..ring.len() {
             edges.push((ring[t], ring[(t + 1) % ring.len()], number as u32, t as u32));
         }
     }
     edges.sort_unstable();
-    let find = |a: &LocalCorner, b: &LocalCorner| {
+    let find = |a: &ArrangementCorner, b: &ArrangementCorner| {
         edges.binary_search_by(|edge| (edge.0, edge.1).cmp(&(*a, *b))).ok()
     };
     // The same edge of the piece on its other side.
@@ -483,7 +518,7 @@ fn joined(pieces: &[Vec<LocalCorner>]) -> Vec<Vec<Vec<LocalCorner>>> {
             groups[a.max(b)] = a.min(b);
         }
     }
-    let mut loops: Vec<Vec<Vec<LocalCorner>>> = vec![Vec::new(); pieces.len()];
+    let mut loops: Vec<Vec<Vec<ArrangementCorner>>> = vec![Vec::new(); pieces.len()];
     let mut is_done = vec![false; edges.len()];
     for (piece, ring) in pieces.iter().enumerate() {
         for t in 0..ring.len() {

@@ -1,6 +1,6 @@
 //! The test of one cell: whether its part of the solid's boundary is that of linear functions.
 use super::growth::{GradientBox, grow_together};
-use crate::implicit::{Csg, CsgNode, CsgTree, Membership, Primitive, Restricted, SlopeRange};
+use crate::implicit::{Csg, CsgNode, CsgRestriction, CsgTree, DualRange, Membership, Primitive};
 use crate::math::{cross, dot};
 use std::collections::HashMap;
 use std::collections::hash_map;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 /// A CSG tree restricted to a region, with its primitives.
 #[derive(Debug)]
-pub(super) struct OpenTree {
+pub(super) struct PrunedTree {
     pub tree: CsgTree,
     /// Ascending.
     pub primitives: Vec<u32>,
@@ -23,14 +23,14 @@ pub(super) struct Polarity {
     pub complemented: bool,
 }
 
-impl OpenTree {
-    pub fn of(tree: CsgTree) -> Self {
+impl PrunedTree {
+    pub fn new(tree: CsgTree) -> Self {
         let primitives = tree.primitives();
         let mut polarity = vec![Polarity::default(); primitives.len()];
         for node in tree.nodes() {
             match node {
-                CsgNode::Primitive(p) => polarity[place(&primitives, *p)].plain = true,
-                CsgNode::Complement(p) => polarity[place(&primitives, *p)].complemented = true,
+                CsgNode::Primitive(p) => polarity[index_of(&primitives, *p)].plain = true,
+                CsgNode::Complement(p) => polarity[index_of(&primitives, *p)].complemented = true,
                 CsgNode::Union(_) | CsgNode::Intersection(_) => {}
             }
         }
@@ -51,11 +51,11 @@ impl OpenTree {
         let mixed = self.primitives.iter().zip(&self.polarity).filter(|(_, polarity)| is_mixed(polarity));
         mixed.map(|(p, _)| *p).any(|p| {
             let with = |side: Membership| {
-                let of = |q, falls| if q == p { side.of_literal(falls) } else { Membership::Unknown };
-                self.tree.restricted(of)
+                let of = |q, falls| if q == p { side.complement_if(falls) } else { Membership::Unknown };
+                self.tree.restrict(of)
             };
             match (with(Membership::Inside), with(Membership::Outside)) {
-                (Restricted::Decided(a), Restricted::Decided(b)) => a == b,
+                (CsgRestriction::Decided(a), CsgRestriction::Decided(b)) => a == b,
                 _ => false,
             }
         })
@@ -64,15 +64,15 @@ impl OpenTree {
 
 /// The trees of all cells, each kept once.
 #[derive(Debug, Default)]
-pub(super) struct OpenTrees {
+pub(super) struct PrunedTreeCache {
     /// By a tree's fingerprint, one of those that have it.
-    known: HashMap<u64, Arc<OpenTree>>, // No order depends on it.
+    known: HashMap<u64, Arc<PrunedTree>>, // No order depends on it.
     bytes: u64,
 }
 
-impl OpenTrees {
+impl PrunedTreeCache {
     /// The tree as it is kept.
-    pub fn shared(&mut self, open: Arc<OpenTree>) -> Arc<OpenTree> {
+    pub fn intern(&mut self, open: Arc<PrunedTree>) -> Arc<PrunedTree> {
         match self.known.entry(open.tree.fingerprint()) {
             hash_map::Entry::Occupied(known) if known.get().tree == open.tree => Arc::clone(known.get()),
             hash_map::Entry::Occupied(_) => open,
@@ -85,7 +85,7 @@ impl OpenTrees {
     }
 
     /// Drops those that no cell has.
-    pub fn forget_unused(&mut self) {
+    pub fn remove_unused(&mut self) {
         let bytes = &mut self.bytes;
         self.known.retain(|_, open| {
             let is_used = Arc::strong_count(open) > 1;
@@ -101,7 +101,7 @@ impl OpenTrees {
 }
 
 /// Where a primitive is in an ascending list that has it.
-pub(super) fn place(primitives: &[u32], p: u32) -> usize {
+pub(super) fn index_of(primitives: &[u32], p: u32) -> usize {
     if primitives.len() == 1 {
         0
     } else {
@@ -111,43 +111,45 @@ pub(super) fn place(primitives: &[u32], p: u32) -> usize {
 
 /// On which side a value of 0 is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Zero {
+pub(super) enum ZeroSide {
     Outside,
     /// The primitive stands in the tree as its complement only, and 0 is outside of that.
     Inside,
 }
 
 /// On which side of a primitive all values are.
-pub(super) fn side([low, high]: [f64; 2], zero: Zero) -> Membership {
+pub(super) fn range_side([low, high]: [f64; 2], zero: ZeroSide) -> Membership {
     match zero {
-        Zero::Outside if low >= 0.0 => Membership::Outside,
-        Zero::Outside if high < 0.0 => Membership::Inside,
-        Zero::Inside if low > 0.0 => Membership::Outside,
-        Zero::Inside if high <= 0.0 => Membership::Inside,
-        Zero::Outside | Zero::Inside => Membership::Unknown,
+        ZeroSide::Outside if low >= 0.0 => Membership::Outside,
+        ZeroSide::Outside if high < 0.0 => Membership::Inside,
+        ZeroSide::Inside if low > 0.0 => Membership::Outside,
+        ZeroSide::Inside if high <= 0.0 => Membership::Inside,
+        ZeroSide::Outside | ZeroSide::Inside => Membership::Unknown,
     }
 }
 
 /// What is left of a tree when primitives have sides; none where it is decided.
-pub(super) fn restricted(open: &Arc<OpenTree>, sides: &[Membership]) -> Option<Arc<OpenTree>> {
+pub(super) fn prune(open: &Arc<PrunedTree>, sides: &[Membership]) -> Option<Arc<PrunedTree>> {
     if sides.iter().all(|side| *side == Membership::Unknown) {
         return (!open.is_cancelled()).then(|| Arc::clone(open));
     }
     if open.primitives.len() == 1 {
         return None;
     }
-    match open.tree.restricted(|p, falls| sides[place(&open.primitives, p)].of_literal(falls)) {
-        Restricted::Decided(_) => None,
-        Restricted::Open(tree) => Some(Arc::new(OpenTree::of(tree))).filter(|left| !left.is_cancelled()),
+    match open.tree.restrict(|p, falls| sides[index_of(&open.primitives, p)].complement_if(falls)) {
+        CsgRestriction::Decided(_) => None,
+        CsgRestriction::Open(tree) => {
+            Some(Arc::new(PrunedTree::new(tree))).filter(|left| !left.is_cancelled())
+        }
     }
 }
 
 /// What is known of a cell.
-pub(super) struct CellFacts<'a> {
+pub(super) struct CellTest<'a> {
     pub csg: &'a Csg,
-    pub open: &'a OpenTree,
+    pub open: &'a PrunedTree,
     /// By place in the tree's primitives.
-    pub ranges: &'a [SlopeRange],
+    pub ranges: &'a [DualRange],
     /// Values at the cell's corners.
     pub values: &'a [[f64; 4]],
     /// How far rounding may have moved these.
@@ -184,11 +186,11 @@ const SLACK: f64 = 1e-13;
 /// decided cell whose neighbour finds the other sign on their common face would leave a hole.
 const NOISE: f64 = 16.0;
 
-impl CellFacts<'_> {
+impl CellTest<'_> {
     /// How far values in the cell are from the linear interpolant of those at its corners, by the mean value
     /// theorem with gradients in a box: off from its middle by no more than half its diagonal in length, and
     /// half its sides by axis.
-    pub fn stray(&self, at: usize) -> f64 {
+    pub fn interpolation_error(&self, at: usize) -> f64 {
         let Some(gradient) = &self.ranges[at].gradient else { return f64::INFINITY };
         let half = gradient.each_ref().map(|d| 0.5 * (d.hi() - d.lo()));
         let by_axis = 0.5 * dot(half, self.widths);
@@ -198,11 +200,11 @@ impl CellFacts<'_> {
     }
 
     /// A range of values in the cell, tighter by those at the corners.
-    pub fn tightened(&self, at: usize) -> [f64; 2] {
+    pub fn value_range(&self, at: usize) -> [f64; 2] {
         let [low, high] = self.ranges[at].value;
-        let [a, b] = ends(&self.values[at]);
+        let [a, b] = min_max(&self.values[at]);
         let size = if -a > b { -a } else { b };
-        let stray = self.stray(at);
+        let stray = self.interpolation_error(at);
         let stray = stray + SLACK * (stray + size) + NOISE * self.noise[at];
         if stray.is_nan() || stray.is_infinite() {
             return [low, high];
@@ -212,22 +214,24 @@ impl CellFacts<'_> {
     }
 
     /// Whether all undecided primitives that can vanish together grow along a common direction.
-    pub fn is_done(&self) -> bool {
-        let mut entries: Vec<Entry> = Vec::with_capacity(self.open.primitives.len());
+    pub fn is_resolved(&self) -> bool {
+        let mut entries: Vec<ActivePrimitive> = Vec::with_capacity(self.open.primitives.len());
         for (at, range) in self.ranges.iter().enumerate() {
             if self.idle.get(at) == Some(&true) {
                 continue;
             }
-            let Some(gradient) = range.gradient.as_ref().and_then(GradientBox::of) else { return false };
+            let Some(gradient) = range.gradient.as_ref().and_then(GradientBox::from_range) else {
+                return false;
+            };
             if gradient.growth() < GROWTH {
                 return false;
             }
             let polarity = self.open.polarity[at];
             if polarity.plain {
-                entries.push(Entry { at, gradient });
+                entries.push(ActivePrimitive { at, gradient });
             }
             if polarity.complemented {
-                entries.push(Entry { at, gradient: gradient.negated() });
+                entries.push(ActivePrimitive { at, gradient: gradient.negated() });
             }
         }
         if entries.len() <= 1 {
@@ -240,10 +244,10 @@ impl CellFacts<'_> {
         if self.open.primitives.len() > MOST {
             return false;
         }
-        self.pairs_and_triples_are_done(&entries)
+        self.pairs_and_triples_are_resolved(&entries)
     }
 
-    fn pairs_and_triples_are_done(&self, entries: &[Entry]) -> bool {
+    fn pairs_and_triples_are_resolved(&self, entries: &[ActivePrimitive]) -> bool {
         // Pairs that never meet, or have no say together.
         let n = entries.len();
         let mut apart = vec![false; n * n];
@@ -276,20 +280,20 @@ impl CellFacts<'_> {
         true
     }
 
-    fn primitive(&self, entry: &Entry) -> &Primitive {
+    fn primitive(&self, entry: &ActivePrimitive) -> &Primitive {
         &self.csg.primitives()[self.open.primitives[entry.at] as usize]
     }
 
     /// Whether one of them is above the other, or above its negation, in all of the cell, both scaled to
     /// gradients of one length.
-    fn is_separated(&self, x: &Entry, y: &Entry) -> bool {
-        let size = |e: &Entry| {
+    fn is_separated(&self, x: &ActivePrimitive, y: &ActivePrimitive) -> bool {
+        let size = |e: &ActivePrimitive| {
             let gradient = self.ranges[e.at].gradient.as_ref().expect("entries have gradients");
             let middle = gradient.each_ref().map(|d| 0.5 * (d.lo() + d.hi()));
             dot(middle, middle).sqrt()
         };
         // Signs as functions, whatever the polarity: their zero sets are to be apart.
-        let sign = |e: &Entry| {
+        let sign = |e: &ActivePrimitive| {
             let gradient = self.ranges[e.at].gradient.as_ref().expect("entries have gradients");
             if dot(e.gradient.middle, gradient.each_ref().map(|d| 0.5 * (d.lo() + d.hi()))) < 0.0 {
                 -1.0
@@ -301,8 +305,8 @@ impl CellFacts<'_> {
             sign(x) * sign(y) * if dot(x.gradient.middle, y.gradient.middle) > 0.0 { 1.0 } else { -1.0 };
         let scale = size(x) / size(y);
         let (p, q) = (&self.values[x.at], &self.values[y.at]);
-        let reach = (1.0 + SLACK) * (self.stray(x.at) + scale * self.stray(y.at));
-        let [low, high] = ends(&std::array::from_fn(|k| p[k] - same * scale * q[k]));
+        let reach = (1.0 + SLACK) * (self.interpolation_error(x.at) + scale * self.interpolation_error(y.at));
+        let [low, high] = min_max(&std::array::from_fn(|k| p[k] - same * scale * q[k]));
         low > reach || high < -reach
     }
 
@@ -316,7 +320,7 @@ impl CellFacts<'_> {
         (0..1_u32 << others.len()).any(|sides| {
             let inside = |in_x: bool, in_y: bool| {
                 self.open.tree.contains(|p| {
-                    let at = place(primitives, p);
+                    let at = index_of(primitives, p);
                     if at == x {
                         in_x
                     } else if at == y {
@@ -333,7 +337,7 @@ impl CellFacts<'_> {
     }
 
     /// Whether the linear functions meet in a point far outside of the cell.
-    fn meet_outside(&self, triple: &[Entry; 3]) -> bool {
+    fn meet_outside(&self, triple: &[ActivePrimitive; 3]) -> bool {
         let [p, q, r] = triple.map(|e| self.values[e.at]);
         let without = |v: &[f64; 4], k: usize| -> [f64; 3] {
             std::array::from_fn(|i| v[if i < k { i } else { i + 1 }])
@@ -349,7 +353,7 @@ impl CellFacts<'_> {
 
 /// A primitive, or its complement, that has a say.
 #[derive(Clone, Copy)]
-struct Entry {
+struct ActivePrimitive {
     at: usize,
     gradient: GradientBox,
 }
@@ -358,7 +362,7 @@ fn place_of(all: &[usize], one: usize) -> usize {
     all.iter().position(|k| *k == one).expect("it is one of the others")
 }
 
-fn ends(values: &[f64; 4]) -> [f64; 2] {
+fn min_max(values: &[f64; 4]) -> [f64; 2] {
     values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
         [if *v < low { *v } else { low }, if *v > high { *v } else { high }]
     })

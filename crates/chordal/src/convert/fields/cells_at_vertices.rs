@@ -19,7 +19,7 @@ impl CellsAtVertices {
         self.first[vertex] = self.nodes.len() as u32 - 1;
     }
 
-    pub fn of(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
+    pub fn cells_at(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
         let mut node = self.first.get(vertex as usize).copied().unwrap_or(NONE);
         std::iter::from_fn(move || {
             let (cell, next) = *self.nodes.get(node as usize)?;

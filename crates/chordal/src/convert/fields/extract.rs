@@ -4,18 +4,19 @@
 //! Values at vertices become whole numbers, so that signs are exact; each primitive is moved outward by a
 //! small odd number, so that none is 0 at a vertex and sheets with equal values stay apart. The result is
 //! closed, oriented and manifold whatever the values are, and embedded up to the rounding of coordinates.
-use super::arrangement::{LinearCell, LivePrimitive, NONE, Patches, VertexKey};
-use super::cells::Zero;
-use super::fan::triangulate;
-use super::grid::{FieldGrid, GridCell, Place};
-use super::tetrahedra::FewNumbersMap;
+use super::arrangement::{ArrangementVertex, BoundaryPatches, LinearCell, LivePrimitive, NONE};
+use super::cells::ZeroSide;
+use super::grid::{FieldGrid, GridCell};
+use super::polygon_triangulation::triangulate;
+use super::sizing::SizingPoint;
+use super::tetrahedra::IntegerMap;
 use crate::budget::{Job, par_map};
-use crate::math::determinants::{meeting3, meeting4};
+use crate::math::determinants::{common_zero3, common_zero4};
 
 /// A closed oriented manifold that the boundary of a solid is near to: exact for functions that are linear in
 /// each cell.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(in crate::convert) struct RawSurface {
+pub(in crate::convert) struct ExtractedSurface {
     pub positions: Vec<[f64; 3]>,
     /// Counter-clockwise as seen from outside.
     pub faces: Vec<[u32; 3]>,
@@ -28,7 +29,7 @@ pub(in crate::convert) struct RawSurface {
     /// By vertex: the longest edge of the largest cell that it is in.
     pub cell_sizes: Vec<f64>,
     /// Cells that would have to be smaller: what is there may have another shape.
-    pub unresolved: Vec<Place>,
+    pub unresolved: Vec<SizingPoint>,
 }
 
 /// Bits of a value. Chosen: rounding is far below any tolerance, and together with [`SHIFT_BITS`] entries of
@@ -46,7 +47,7 @@ const LARGE_CHUNK: usize = 2048;
 const TRIALS: u64 = 4;
 
 /// The boundary in all cells of a grid.
-pub(in crate::convert) fn extract(grid: &FieldGrid, job: &Job) -> RawSurface {
+pub(in crate::convert) fn extract(grid: &FieldGrid, job: &Job) -> ExtractedSurface {
     let cells: Vec<&GridCell> = grid.cells().collect();
     let first = extract_shifted(grid, &cells, 0, job);
     if !has_collapsed(&first) {
@@ -60,7 +61,7 @@ pub(in crate::convert) fn extract(grid: &FieldGrid, job: &Job) -> RawSurface {
 
 /// Whether some face has two corners in one place: sheets are nearer to each other there than coordinates are
 /// exact.
-fn has_collapsed(surface: &RawSurface) -> bool {
+fn has_collapsed(surface: &ExtractedSurface) -> bool {
     surface.faces.iter().any(|face| {
         let [a, b, c] = face.map(|v| surface.positions[v as usize]);
         a == b || b == c || a == c
@@ -68,16 +69,17 @@ fn has_collapsed(surface: &RawSurface) -> bool {
 }
 
 /// With the shifts of one trial.
-fn extract_shifted(grid: &FieldGrid, cells: &[&GridCell], trial: u64, job: &Job) -> RawSurface {
-    let whole = WholeValues::of(grid, cells, trial);
+fn extract_shifted(grid: &FieldGrid, cells: &[&GridCell], trial: u64, job: &Job) -> ExtractedSurface {
+    let whole = IntegerValues::new(grid, cells, trial);
     let chunks: Vec<&[&GridCell]> = cells.chunks(CHUNK).collect();
-    let parts: Vec<(Patches, Vec<f64>)> = par_map(job, &chunks, |_, cells| boundary(grid, &whole, cells));
-    let mut joined = Joined::default();
+    let parts: Vec<(BoundaryPatches, Vec<f64>)> =
+        par_map(job, &chunks, |_, cells| boundary(grid, &whole, cells));
+    let mut joined = PatchMerger::default();
     parts.iter().for_each(|(patches, sizes)| joined.push(patches, sizes));
     let positions = positions(&whole, &joined.keys, job);
     let (faces, labels) = faces(&joined, &positions, job);
-    let vertex_primitives = joined.keys.iter().map(VertexKey::lies_on).collect();
-    RawSurface {
+    let vertex_primitives = joined.keys.iter().map(ArrangementVertex::lies_on).collect();
+    ExtractedSurface {
         positions,
         faces,
         labels,
@@ -88,14 +90,14 @@ fn extract_shifted(grid: &FieldGrid, cells: &[&GridCell], trial: u64, job: &Job)
 }
 
 /// Values as whole numbers.
-struct WholeValues<'a> {
+struct IntegerValues<'a> {
     grid: &'a FieldGrid<'a>,
     /// As the grid has its values.
     whole: Vec<i64>,
 }
 
-impl<'a> WholeValues<'a> {
-    fn of(grid: &'a FieldGrid<'a>, cells: &[&GridCell], trial: u64) -> Self {
+impl<'a> IntegerValues<'a> {
+    fn new(grid: &'a FieldGrid<'a>, cells: &[&GridCell], trial: u64) -> Self {
         let mut largest = vec![0.0_f64; grid.csg().primitives().len()];
         for cell in cells {
             for p in &cell.open.primitives {
@@ -117,8 +119,8 @@ impl<'a> WholeValues<'a> {
         let whole = |(p, value): (u32, f64)| {
             let shift = shift(p, trial);
             match grid.zero[p as usize] {
-                Zero::Outside => whole(value, scales[p as usize], shift),
-                Zero::Inside => -whole(-value, scales[p as usize], shift),
+                ZeroSide::Outside => to_integer(value, scales[p as usize], shift),
+                ZeroSide::Inside => -to_integer(-value, scales[p as usize], shift),
             }
         };
         Self { grid, whole: grid.values.all().map(whole).collect() }
@@ -131,15 +133,15 @@ impl<'a> WholeValues<'a> {
     /// Where infinitesimals move a primitive: outward.
     fn sense(&self, primitive: u32) -> i64 {
         match self.grid.zero[primitive as usize] {
-            Zero::Outside => 1,
-            Zero::Inside => -1,
+            ZeroSide::Outside => 1,
+            ZeroSide::Inside => -1,
         }
     }
 }
 
 /// The value with the sign that it has, 0 and what is no value taken as positive, and away from 0 by the
 /// shift.
-fn whole(value: f64, scale: f64, shift: i64) -> i64 {
+fn to_integer(value: f64, scale: f64, shift: i64) -> i64 {
     /// 2 to the power of [`VALUE_BITS`].
     const MOST: f64 = (1_u64 << VALUE_BITS) as f64;
     // Rounded down, so that below 0 stays below, even if it is so little that the product is 0.
@@ -181,8 +183,8 @@ fn shift(primitive: u32, trial: u64) -> i64 {
 }
 
 /// The boundary in some cells; for each of its corners the longest edge of the cell.
-fn boundary(grid: &FieldGrid, whole: &WholeValues, cells: &[&GridCell]) -> (Patches, Vec<f64>) {
-    let (mut patches, mut sizes) = (Patches::default(), Vec::new());
+fn boundary(grid: &FieldGrid, whole: &IntegerValues, cells: &[&GridCell]) -> (BoundaryPatches, Vec<f64>) {
+    let (mut patches, mut sizes) = (BoundaryPatches::default(), Vec::new());
     let mut live = Vec::new();
     for cell in cells {
         let mut corners = cell.tetrahedron.corners;
@@ -206,7 +208,7 @@ fn boundary(grid: &FieldGrid, whole: &WholeValues, cells: &[&GridCell]) -> (Patc
     (patches, sizes)
 }
 
-impl VertexKey {
+impl ArrangementVertex {
     /// The primitives that the vertex is on.
     fn lies_on(&self) -> [u32; 3] {
         if self.other == NONE { self.primitives } else { [self.primitives[0], self.primitives[1], NONE] }
@@ -219,9 +221,9 @@ impl VertexKey {
 
 /// Patches of all cells with their common vertices.
 #[derive(Default)]
-struct Joined {
-    ids: FewNumbersMap<VertexKey, u32>, // No order depends on it.
-    keys: Vec<VertexKey>,
+struct PatchMerger {
+    ids: IntegerMap<ArrangementVertex, u32>, // No order depends on it.
+    keys: Vec<ArrangementVertex>,
     sizes: Vec<f64>,
     /// By corner.
     vertices: Vec<u32>,
@@ -229,8 +231,8 @@ struct Joined {
     patches: Vec<(u32, u32)>,
 }
 
-impl Joined {
-    fn push(&mut self, patches: &Patches, sizes: &[f64]) {
+impl PatchMerger {
+    fn push(&mut self, patches: &BoundaryPatches, sizes: &[f64]) {
         let (n_corners, n_loops) = (self.vertices.len() as u32, self.loop_ends.len() as u32);
         for (key, size) in patches.corners.iter().zip(sizes) {
             let new = self.keys.len() as u32;
@@ -249,18 +251,18 @@ impl Joined {
 }
 
 /// Where the linear functions vanish.
-fn positions(whole: &WholeValues, keys: &[VertexKey], job: &Job) -> Vec<[f64; 3]> {
-    let chunks: Vec<&[VertexKey]> = keys.chunks(LARGE_CHUNK).collect();
+fn positions(whole: &IntegerValues, keys: &[ArrangementVertex], job: &Job) -> Vec<[f64; 3]> {
+    let chunks: Vec<&[ArrangementVertex]> = keys.chunks(LARGE_CHUNK).collect();
     par_map(job, &chunks, |_, keys| keys.iter().map(|key| position(whole, key)).collect::<Vec<_>>()).concat()
 }
 
-fn position(whole: &WholeValues, key: &VertexKey) -> [f64; 3] {
+fn position(whole: &IntegerValues, key: &ArrangementVertex) -> [f64; 3] {
     if key.other != NONE {
         let [p, q, a] = key.primitives;
         let end = |third: u32| {
             let mut primitives = [p, q, third];
             primitives.sort_unstable();
-            position(whole, &VertexKey { primitives, other: NONE, ..*key })
+            position(whole, &ArrangementVertex { primitives, other: NONE, ..*key })
         };
         let (a, b) = (end(a), end(key.other));
         return std::array::from_fn(|k| 0.5 * (a[k] + b[k]));
@@ -278,12 +280,13 @@ fn position(whole: &WholeValues, key: &VertexKey) -> [f64; 3] {
         }
         3 => {
             let corners = [a, b, c];
-            let weights = meeting3([p, q].map(|p| corners.map(|v| value(v, p)))).unwrap_or([1.0 / 3.0; 3]);
+            let weights =
+                common_zero3([p, q].map(|p| corners.map(|v| value(v, p)))).unwrap_or([1.0 / 3.0; 3]);
             weighted(corners.map(at), weights)
         }
         _ => {
             let corners = [a, b, c, d];
-            let weights = meeting4([p, q, r].map(|p| corners.map(|v| value(v, p)))).unwrap_or([0.25; 4]);
+            let weights = common_zero4([p, q, r].map(|p| corners.map(|v| value(v, p)))).unwrap_or([0.25; 4]);
             weighted(corners.map(at), weights)
         }
     }
@@ -297,7 +300,7 @@ fn weighted<const N: usize>(corners: [[f64; 3]; N], weights: [f64; N]) -> [f64; 
 }
 
 /// Triangles and their labels.
-fn faces(joined: &Joined, positions: &[[f64; 3]], job: &Job) -> (Vec<[u32; 3]>, Vec<u32>) {
+fn faces(joined: &PatchMerger, positions: &[[f64; 3]], job: &Job) -> (Vec<[u32; 3]>, Vec<u32>) {
     let numbers: Vec<usize> = (0..joined.patches.len()).collect();
     let chunks: Vec<&[usize]> = numbers.chunks(LARGE_CHUNK).collect();
     let parts = par_map(job, &chunks, |_, part| {
@@ -314,7 +317,7 @@ fn faces(joined: &Joined, positions: &[[f64; 3]], job: &Job) -> (Vec<[u32; 3]>, 
 }
 
 fn patch_faces(
-    joined: &Joined,
+    joined: &PatchMerger,
     positions: &[[f64; 3]],
     number: usize,
     (faces, labels): (&mut Vec<[u32; 3]>, &mut Vec<u32>),

@@ -3,13 +3,13 @@
 //! A cube around the solid is bisected until in each tetrahedron either membership is decided, or the
 //! primitives that still decide have a common direction in which they grow. Decided ones are forgotten:
 //! nothing of the boundary is in them, whatever their neighbours look like. All others conform.
-use super::cells::{CellFacts, OpenTree, OpenTrees, Zero, place, restricted, side};
+use super::cells::{CellTest, PrunedTree, PrunedTreeCache, ZeroSide, index_of, prune, range_side};
 use super::cells_at_vertices::CellsAtVertices;
-use super::tetrahedra::{FewNumbersMap, Tetrahedra, Tetrahedron, WholeBox};
+use super::sizing::{SizingField, SizingPoint};
+use super::tetrahedra::{IntegerBox, IntegerMap, Tetrahedra, Tetrahedron};
 use super::vertex_values::VertexValues;
 use crate::budget::{Job, par_map};
-use crate::check::PointTree;
-use crate::implicit::{Csg, CsgNode, LeafError, Membership, PrimitiveEvaluator, SlopeRange};
+use crate::implicit::{Csg, CsgNode, DualRange, LeafError, Membership, PrimitiveEvaluator};
 use crate::math::Box3;
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ pub(in crate::convert) struct GridOptions {
 
 /// How far a grid came.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(in crate::convert) enum GridExtent {
+pub(in crate::convert) enum FieldGridStatus {
     Whole,
     /// Cells without slopes were left as they are, or there was no memory for more.
     CutShort,
@@ -36,32 +36,16 @@ pub(in crate::convert) enum GridExtent {
     Exhausted,
 }
 
-/// A place where cells are to be smaller.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::convert) struct Place {
-    /// Where.
-    pub at: [f64; 3],
-    /// The longest edge of the cell there before it is stretched; a cell whose longest edge is longer is cut.
-    pub size: f64,
-}
-
-/// Places where cells are to be small.
-struct AskedPlaces<'p> {
-    places: &'p [Place],
-    /// Of their points.
-    tree: PointTree<'p>,
-}
-
 /// Why there is no grid.
 #[derive(Clone, Debug)]
-pub(in crate::convert) enum GridHalt {
+pub(in crate::convert) enum FieldGridError {
     /// A leaf could not be evaluated.
     Leaf(LeafError),
     /// The job was asked to stop.
     Cancelled,
 }
 
-impl From<LeafError> for GridHalt {
+impl From<LeafError> for FieldGridError {
     fn from(error: LeafError) -> Self {
         Self::Leaf(error)
     }
@@ -71,7 +55,7 @@ impl From<LeafError> for GridHalt {
 #[derive(Clone, Debug)]
 pub(super) struct GridCell {
     pub tetrahedron: Tetrahedron,
-    pub open: Arc<OpenTree>,
+    pub open: Arc<PrunedTree>,
     pub is_resolved: bool,
     is_alive: bool,
 }
@@ -85,27 +69,27 @@ pub(in crate::convert) struct FieldGrid<'a> {
     pub(super) tetrahedra: Tetrahedra,
     pub(super) values: VertexValues,
     /// By primitive.
-    pub(super) zero: Vec<Zero>,
+    pub(super) zero: Vec<ZeroSide>,
     /// By primitive: whether functions of the user are in it, whose gradients may be known at points only.
     pub(super) has_leaves: Vec<bool>,
     cells: Vec<GridCell>,
     /// Those of all cells.
-    trees: OpenTrees,
+    trees: PrunedTreeCache,
     /// Whether slopes at corners decide, as ranges say too little.
     pub(super) goes_by_samples: bool,
-    extent: GridExtent,
+    extent: FieldGridStatus,
     n_alive: usize,
-    around: CellsAtVertices,
+    cells_at_vertices: CellsAtVertices,
 }
 
 /// What is to be done with a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum CellVerdict {
+pub(super) enum CellAction {
     Done,
     Cut,
-    /// As [`CellVerdict::Cut`], whatever is in it: it is larger than the coarsest, or asked for.
+    /// As [`CellAction::Cut`], whatever is in it: it is larger than the coarsest, or asked for.
     CutAnyway,
-    /// As [`CellVerdict::Cut`], but no slope is known of some function in it: at steps and poles, and without
+    /// As [`CellAction::Cut`], but no slope is known of some function in it: at steps and poles, and without
     /// values.
     CutBlindly,
     /// It would be cut if it were not too small.
@@ -113,20 +97,20 @@ pub(super) enum CellVerdict {
 }
 
 /// A cell that was not looked at yet.
-pub(super) struct Pending {
+pub(super) struct PendingCell {
     pub tetrahedron: Tetrahedron,
-    pub open: Arc<OpenTree>,
+    pub open: Arc<PrunedTree>,
 }
 
 /// The pending cells of one level, by their boxes, with the answers for these.
-struct Level {
-    boxes: Vec<WholeBox>,
+struct PendingLevel {
+    boxes: Vec<IntegerBox>,
     /// By cell: its box.
     box_of: Vec<u32>,
     /// By box: which questions are about it.
-    asked: Vec<[u32; 2]>,
+    queries: Vec<[u32; 2]>,
     primitives: Vec<u32>,
-    ranges: Vec<SlopeRange>,
+    ranges: Vec<DualRange>,
 }
 
 /// The cube is larger than the bounds by this. Chosen: cells at the rim see the boundary from outside.
@@ -161,7 +145,7 @@ impl<'a> FieldGrid<'a> {
         evaluator: &mut PrimitiveEvaluator<'a>,
         options: GridOptions,
         job: &'a Job,
-    ) -> Result<Self, GridHalt> {
+    ) -> Result<Self, FieldGridError> {
         let (centre, sides) = (options.bounds.centre(), options.bounds);
         let longest = (0..3).map(|k| sides.max[k] - sides.min[k]).fold(0.0, |a, b| if b > a { b } else { a });
         let side = MARGIN * longest;
@@ -178,17 +162,17 @@ impl<'a> FieldGrid<'a> {
             zero: zeros(csg),
             has_leaves: csg.primitives().iter().map(|p| p.tape().has_leaves()).collect(),
             cells: Vec::new(),
-            trees: OpenTrees::default(),
+            trees: PrunedTreeCache::default(),
             goes_by_samples: false,
-            extent: GridExtent::Whole,
+            extent: FieldGridStatus::Whole,
             n_alive: 0,
-            around: CellsAtVertices::default(),
+            cells_at_vertices: CellsAtVertices::default(),
         };
         (0..grid.tetrahedra.n_vertices()).for_each(|_| grid.values.push_vertex());
-        let open = Arc::new(OpenTree::of(csg.tree().clone()));
-        let pending = all.into_iter().map(|tetrahedron| Pending { tetrahedron, open: Arc::clone(&open) });
-        let nowhere = AskedPlaces { places: &[], tree: PointTree::new(&[]) };
-        grid.settle(evaluator, pending.collect(), &nowhere)?;
+        let open = Arc::new(PrunedTree::new(csg.tree().clone()));
+        let pending = all.into_iter().map(|tetrahedron| PendingCell { tetrahedron, open: Arc::clone(&open) });
+        let nowhere = SizingField::new(&[], &[]);
+        grid.refine_levels(evaluator, pending.collect(), &nowhere)?;
         Ok(grid)
     }
 
@@ -200,18 +184,18 @@ impl<'a> FieldGrid<'a> {
     pub fn refine(
         &mut self,
         evaluator: &mut PrimitiveEvaluator<'a>,
-        places: &[Place],
-    ) -> Result<(), GridHalt> {
+        places: &[SizingPoint],
+    ) -> Result<(), FieldGridError> {
         let points: Vec<[f64; 3]> = places.iter().map(|place| place.at).collect();
-        let asked = AskedPlaces { places, tree: PointTree::new(&points) };
+        let asked = SizingField::new(places, &points);
         let pending: Vec<u32> = (0..self.cells.len() as u32)
             .filter(|c| {
                 let cell = &self.cells[*c as usize];
-                cell.is_alive && self.is_asked_for(&cell.tetrahedron, &asked)
+                cell.is_alive && self.is_requested(&cell.tetrahedron, &asked)
             })
             .collect();
-        let pending = pending.into_iter().map(|c| self.take(c)).collect();
-        self.settle(evaluator, pending, &asked)
+        let pending = pending.into_iter().map(|c| self.remove_cell(c)).collect();
+        self.refine_levels(evaluator, pending, &asked)
     }
 
     /// The solid.
@@ -231,102 +215,103 @@ impl<'a> FieldGrid<'a> {
     }
 
     /// How far it came.
-    pub fn extent(&self) -> GridExtent {
+    pub fn extent(&self) -> FieldGridStatus {
         self.extent
     }
 
     /// Where cells are that would have to be smaller than the floor.
-    pub fn unresolved(&self) -> Vec<Place> {
-        self.cells().filter(|cell| !cell.is_resolved).map(|cell| self.place_of(&cell.tetrahedron)).collect()
+    pub fn unresolved(&self) -> Vec<SizingPoint> {
+        self.cells()
+            .filter(|cell| !cell.is_resolved)
+            .map(|cell| self.sizing_point(&cell.tetrahedron))
+            .collect()
     }
 
-    fn place_of(&self, one: &Tetrahedron) -> Place {
+    fn sizing_point(&self, one: &Tetrahedron) -> SizingPoint {
         let corners = one.corners.map(|v| self.tetrahedra.position(v));
         let at = std::array::from_fn(|k| 0.25 * corners.iter().map(|p| p[k]).sum::<f64>());
-        Place { at, size: self.tetrahedra.longest(one.corners) }
+        SizingPoint { at, size: self.tetrahedra.longest(one.corners) }
     }
 
-    fn is_asked_for(&self, one: &Tetrahedron, asked: &AskedPlaces) -> bool {
-        if asked.places.is_empty() {
-            return false;
-        }
-        let bounds = self.space(self.tetrahedra.box_of(one.corners));
-        let longest = self.tetrahedra.longest(one.corners);
-        asked.tree.any_in(&bounds, |place| longest > asked.places[place as usize].size)
+    fn is_requested(&self, one: &Tetrahedron, asked: &SizingField) -> bool {
+        let bounds = || self.space(self.tetrahedra.box_of(one.corners));
+        !asked.is_empty() && asked.is_smaller_in(&bounds(), self.tetrahedra.longest(one.corners))
     }
 
-    fn space(&self, [min, max]: WholeBox) -> Box3 {
+    fn space(&self, [min, max]: IntegerBox) -> Box3 {
         Box3 { min: self.tetrahedra.position_of(min), max: self.tetrahedra.position_of(max) }
     }
 
-    fn take(&mut self, cell: u32) -> Pending {
+    fn remove_cell(&mut self, cell: u32) -> PendingCell {
         let cell = &mut self.cells[cell as usize];
         cell.is_alive = false;
         self.n_alive -= 1;
-        Pending { tetrahedron: cell.tetrahedron, open: Arc::clone(&cell.open) }
+        PendingCell { tetrahedron: cell.tetrahedron, open: Arc::clone(&cell.open) }
     }
 
     /// Cuts level by level until all cells are done, too small or gone.
-    fn settle(
+    fn refine_levels(
         &mut self,
         evaluator: &mut PrimitiveEvaluator<'a>,
-        mut pending: Vec<Pending>,
-        asked: &AskedPlaces,
-    ) -> Result<(), GridHalt> {
+        mut pending: Vec<PendingCell>,
+        asked: &SizingField,
+    ) -> Result<(), FieldGridError> {
         let most = self.job.memory_limit / SHARE;
         while !pending.is_empty() {
             if self.job.is_cancelled() {
-                return Err(GridHalt::Cancelled);
+                return Err(FieldGridError::Cancelled);
             }
             // Every cut makes one cell more, and others by conforming.
             let of_cells = BYTES_A_CELL * (self.n_alive + 2 * pending.len()) as u64;
             let is_full = of_cells + self.trees.bytes() > most;
-            let mut judged = self.judge(evaluator, pending, asked)?;
-            self.settle_by_samples(evaluator, &mut judged)?;
-            let count = |of: CellVerdict| judged.iter().filter(|(_, verdict)| *verdict == of).count();
-            let (n_cut, n_blind) = (count(CellVerdict::Cut), count(CellVerdict::CutBlindly));
+            let mut judged = self.classify_cells(evaluator, pending, asked)?;
+            self.refine_by_samples(evaluator, &mut judged)?;
+            let count = |of: CellAction| judged.iter().filter(|(_, verdict)| *verdict == of).count();
+            let (n_cut, n_blind) = (count(CellAction::Cut), count(CellAction::CutBlindly));
             if n_cut > MOST_CUT {
-                self.extent = GridExtent::Exhausted;
+                self.extent = FieldGridStatus::Exhausted;
             } else if n_blind > MOST_BLIND || is_full && n_cut + n_blind > 0 {
-                self.extent = self.extent.max(GridExtent::CutShort);
+                self.extent = self.extent.max(FieldGridStatus::CutShort);
             }
             let mut cut = Vec::new();
             for (one, verdict) in judged {
-                let may_be_cut = !is_full && self.tetrahedra.next_edge(&one.tetrahedron).is_some();
+                let may_be_cut = !is_full && self.tetrahedra.refinement_edge(&one.tetrahedron).is_some();
                 let is_cut = match verdict {
-                    CellVerdict::CutAnyway => may_be_cut,
-                    CellVerdict::Cut => may_be_cut && n_cut <= MOST_CUT,
-                    CellVerdict::CutBlindly => may_be_cut && n_blind <= MOST_BLIND,
-                    CellVerdict::Done | CellVerdict::TooSmall => false,
+                    CellAction::CutAnyway => may_be_cut,
+                    CellAction::Cut => may_be_cut && n_cut <= MOST_CUT,
+                    CellAction::CutBlindly => may_be_cut && n_blind <= MOST_BLIND,
+                    CellAction::Done | CellAction::TooSmall => false,
                 };
                 if is_cut || self.tetrahedra.has_middle(one.tetrahedron.corners) {
                     cut.push(one);
                 } else {
-                    self.keep(one, verdict == CellVerdict::Done);
+                    self.add_cell(one, verdict == CellAction::Done);
                 }
             }
             pending = self.bisect(cut);
-            self.trees.forget_unused();
+            self.trees.remove_unused();
         }
         Ok(())
     }
 
-    fn keep(&mut self, Pending { tetrahedron, open }: Pending, is_resolved: bool) {
+    fn add_cell(&mut self, PendingCell { tetrahedron, open }: PendingCell, is_resolved: bool) {
         let number = self.cells.len() as u32;
-        tetrahedron.corners.iter().for_each(|v| self.around.push(*v, number));
+        tetrahedron.corners.iter().for_each(|v| self.cells_at_vertices.push(*v, number));
         self.cells.push(GridCell { tetrahedron, open, is_resolved, is_alive: true });
         self.n_alive += 1;
     }
 
     /// Bisects cells, and those around the edges that were cut for them.
-    fn bisect(&mut self, cut: Vec<Pending>) -> Vec<Pending> {
+    fn bisect(&mut self, cut: Vec<PendingCell>) -> Vec<PendingCell> {
         let mut halves = Vec::with_capacity(2 * cut.len());
         let mut open = cut;
         while !open.is_empty() {
             let mut edges = Vec::new();
             for one in open {
                 let (parts, edge) = self.tetrahedra.bisect(&one.tetrahedron);
-                halves.extend(parts.map(|tetrahedron| Pending { tetrahedron, open: Arc::clone(&one.open) }));
+                halves.extend(
+                    parts.map(|tetrahedron| PendingCell { tetrahedron, open: Arc::clone(&one.open) }),
+                );
                 if let Some(edge) = edge {
                     self.values.push_vertex();
                     edges.push(edge);
@@ -341,21 +326,21 @@ impl<'a> FieldGrid<'a> {
                     cell.is_alive && cell.tetrahedron.corners.contains(&a)
                 };
                 // The younger end has fewer cells around it.
-                let found: Vec<u32> = self.around.of(b).filter(has_both).collect();
-                open.extend(found.into_iter().map(|c| self.take(c)));
+                let found: Vec<u32> = self.cells_at_vertices.cells_at(b).filter(has_both).collect();
+                open.extend(found.into_iter().map(|c| self.remove_cell(c)));
             }
         }
         halves
     }
 
     /// Drops cells that are decided, and says what becomes of the others.
-    fn judge(
+    fn classify_cells(
         &mut self,
         evaluator: &mut PrimitiveEvaluator<'a>,
-        pending: Vec<Pending>,
-        asked: &AskedPlaces,
-    ) -> Result<Vec<(Pending, CellVerdict)>, GridHalt> {
-        let level = self.ask_ranges(evaluator, &pending)?;
+        pending: Vec<PendingCell>,
+        asked: &SizingField,
+    ) -> Result<Vec<(PendingCell, CellAction)>, FieldGridError> {
+        let level = self.query_ranges(evaluator, &pending)?;
         let numbers: Vec<u32> = (0..pending.len() as u32).collect();
         let chunks: Vec<&[u32]> = numbers.chunks(CELLS_A_TASK).collect();
         let sift = |part: &[u32]| {
@@ -365,83 +350,84 @@ impl<'a> FieldGrid<'a> {
                 let ranges = level.ranges_of(*n, &one.open);
                 let zeros = one.open.primitives.iter().map(|p| self.zero[*p as usize]);
                 sides.clear();
-                sides.extend(ranges.zip(zeros).map(|(range, zero)| side(range.value, zero)));
-                restricted(&one.open, &sides)
+                sides.extend(ranges.zip(zeros).map(|(range, zero)| range_side(range.value, zero)));
+                prune(&one.open, &sides)
             };
             part.iter().map(sift).collect::<Vec<_>>()
         };
-        let sifted: Vec<Option<Arc<OpenTree>>> = par_map(self.job, &chunks, |_, part| sift(part)).concat();
-        self.ask_values(evaluator, &pending, &sifted)?;
+        let sifted: Vec<Option<Arc<PrunedTree>>> = par_map(self.job, &chunks, |_, part| sift(part)).concat();
+        self.query_values(evaluator, &pending, &sifted)?;
         let view = &*self;
         let decide = |part: &[u32]| {
-            let mut buffers = Buffers::default();
+            let mut buffers = CellBuffers::default();
             let decide = |n: &u32| {
                 let open = sifted[*n as usize].as_ref()?;
-                let cell = CellAsked { level: &level, number: *n, one: pending[*n as usize].tetrahedron };
-                view.verdict(&cell, open, asked, &mut buffers)
+                let cell = CellQuery { level: &level, number: *n, one: pending[*n as usize].tetrahedron };
+                view.cell_action(&cell, open, asked, &mut buffers)
             };
             part.iter().map(decide).collect::<Vec<_>>()
         };
-        let verdicts: Vec<Option<(Arc<OpenTree>, CellVerdict)>> =
+        let verdicts: Vec<Option<(Arc<PrunedTree>, CellAction)>> =
             par_map(self.job, &chunks, |_, part| decide(part)).concat();
         let trees = &mut self.trees;
         let judged = pending.into_iter().zip(verdicts).filter_map(|(one, verdict)| {
             verdict.map(|(open, verdict)| {
-                (Pending { open: trees.shared(open), tetrahedron: one.tetrahedron }, verdict)
+                (PendingCell { open: trees.intern(open), tetrahedron: one.tetrahedron }, verdict)
             })
         });
         Ok(judged.collect())
     }
 
     /// None for a cell that is decided.
-    fn verdict(
+    fn cell_action(
         &self,
-        cell: &CellAsked,
-        open: &Arc<OpenTree>,
-        asked: &AskedPlaces,
-        buffers: &mut Buffers,
-    ) -> Option<(Arc<OpenTree>, CellVerdict)> {
+        cell: &CellQuery,
+        open: &Arc<PrunedTree>,
+        asked: &SizingField,
+        buffers: &mut CellBuffers,
+    ) -> Option<(Arc<PrunedTree>, CellAction)> {
         let whole = cell.level.boxes[cell.level.box_of[cell.number as usize] as usize];
         let (widths, stretch) = (self.tetrahedra.sides_of(whole), self.tetrahedra.stretch());
         let longest = self.tetrahedra.longest(cell.one.corners);
-        self.fill(cell, open, buffers);
-        let Buffers { ranges, values, noise, sides, .. } = buffers;
+        self.gather(cell, open, buffers);
+        let CellBuffers { ranges, values, noise, sides, .. } = buffers;
         let facts =
-            CellFacts { csg: self.csg, open, ranges, values, noise, idle: &[], widths, longest, stretch };
+            CellTest { csg: self.csg, open, ranges, values, noise, idle: &[], widths, longest, stretch };
         sides.clear();
         sides.extend(
-            (0..values.len()).map(|k| side(facts.tightened(k), self.zero[open.primitives[k] as usize])),
+            (0..values.len())
+                .map(|k| range_side(facts.value_range(k), self.zero[open.primitives[k] as usize])),
         );
-        let left = restricted(open, sides)?;
-        if longest > self.options.coarsest || self.is_asked_for(&cell.one, asked) {
-            return Some((left, CellVerdict::CutAnyway));
+        let left = prune(open, sides)?;
+        if longest > self.options.coarsest || self.is_requested(&cell.one, asked) {
+            return Some((left, CellAction::CutAnyway));
         }
         if !Arc::ptr_eq(&left, open) {
-            self.fill(cell, &left, buffers);
+            self.gather(cell, &left, buffers);
         }
-        self.sample(cell, &left, buffers);
-        let Buffers { ranges, values, noise, idle, .. } = buffers;
+        self.gather_corner_gradients(cell, &left, buffers);
+        let CellBuffers { ranges, values, noise, idle, .. } = buffers;
         let facts =
-            CellFacts { csg: self.csg, open: &left, ranges, values, noise, idle, widths, longest, stretch };
-        let verdict = match (facts.is_done(), longest <= self.options.floor) {
-            (true, _) => CellVerdict::Done,
-            (false, true) => CellVerdict::TooSmall,
-            (false, false) if self.extent == GridExtent::Exhausted => CellVerdict::TooSmall,
-            (false, false) if self.is_blind(&left, ranges) => CellVerdict::CutBlindly,
-            (false, false) => CellVerdict::Cut,
+            CellTest { csg: self.csg, open: &left, ranges, values, noise, idle, widths, longest, stretch };
+        let verdict = match (facts.is_resolved(), longest <= self.options.floor) {
+            (true, _) => CellAction::Done,
+            (false, true) => CellAction::TooSmall,
+            (false, false) if self.extent == FieldGridStatus::Exhausted => CellAction::TooSmall,
+            (false, false) if self.lacks_gradient(&left, ranges) => CellAction::CutBlindly,
+            (false, false) => CellAction::Cut,
         };
         Some((left, verdict))
     }
 
     /// Whether no slope is known of a function that is no leaf.
-    fn is_blind(&self, open: &OpenTree, ranges: &[SlopeRange]) -> bool {
+    fn lacks_gradient(&self, open: &PrunedTree, ranges: &[DualRange]) -> bool {
         let is_unknown =
-            |(p, range): (&u32, &SlopeRange)| !self.has_leaves[*p as usize] && range.gradient.is_none();
+            |(p, range): (&u32, &DualRange)| !self.has_leaves[*p as usize] && range.gradient.is_none();
         open.primitives.iter().zip(ranges).any(is_unknown)
     }
 
     /// Collects the answers about a cell.
-    fn fill(&self, cell: &CellAsked, open: &OpenTree, buffers: &mut Buffers) {
+    fn gather(&self, cell: &CellQuery, open: &PrunedTree, buffers: &mut CellBuffers) {
         buffers.ranges.clear();
         buffers.ranges.extend(cell.level.ranges_of(cell.number, open));
         buffers.values.clear();
@@ -456,13 +442,13 @@ impl<'a> FieldGrid<'a> {
     }
 
     /// Asks for ranges, once for each box: several tetrahedra have the same.
-    fn ask_ranges(
+    fn query_ranges(
         &self,
         evaluator: &mut PrimitiveEvaluator<'a>,
-        pending: &[Pending],
-    ) -> Result<Level, GridHalt> {
-        let mut boxes: Vec<WholeBox> = Vec::new();
-        let mut numbers: FewNumbersMap<WholeBox, u32> = FewNumbersMap::default(); // No order depends on it.
+        pending: &[PendingCell],
+    ) -> Result<PendingLevel, FieldGridError> {
+        let mut boxes: Vec<IntegerBox> = Vec::new();
+        let mut numbers: IntegerMap<IntegerBox, u32> = IntegerMap::default(); // No order depends on it.
         let box_of: Vec<u32> = pending
             .iter()
             .map(|one| {
@@ -474,7 +460,7 @@ impl<'a> FieldGrid<'a> {
             })
             .collect();
         // The first tree of each box, and whether another one is about it too.
-        let mut first: Vec<Option<&Arc<OpenTree>>> = vec![None; boxes.len()];
+        let mut first: Vec<Option<&Arc<PrunedTree>>> = vec![None; boxes.len()];
         let mut others: Vec<(u32, u32)> = Vec::new();
         for (one, number) in pending.iter().zip(&box_of) {
             match first[*number as usize] {
@@ -505,17 +491,17 @@ impl<'a> FieldGrid<'a> {
             let bounds = self.space(*whole);
             questions.extend(primitives[*start as usize..*end as usize].iter().map(|p| (*p, bounds)));
         }
-        let ranges = evaluator.slope_ranges(&questions)?;
-        Ok(Level { boxes, box_of, asked, primitives, ranges })
+        let ranges = evaluator.dual_ranges(&questions)?;
+        Ok(PendingLevel { boxes, box_of, queries: asked, primitives, ranges })
     }
 
     /// Asks for values at the corners of cells that are not decided, where they are not known yet.
-    fn ask_values(
+    fn query_values(
         &mut self,
         evaluator: &mut PrimitiveEvaluator<'a>,
-        pending: &[Pending],
-        sifted: &[Option<Arc<OpenTree>>],
-    ) -> Result<(), GridHalt> {
+        pending: &[PendingCell],
+        sifted: &[Option<Arc<PrunedTree>>],
+    ) -> Result<(), FieldGridError> {
         let mut wanted: Vec<(u32, u32)> = Vec::new();
         for (one, open) in pending.iter().zip(sifted) {
             let Some(open) = open else { continue };
@@ -532,7 +518,7 @@ impl<'a> FieldGrid<'a> {
             questions.iter().map(|(p, at)| (*p, Box3 { min: *at, max: *at })).collect();
         let noise: Vec<f64> = evaluator.ranges(&points)?.iter().map(width).collect();
         if self.has_leaves.contains(&true) {
-            self.values.extend_slopes(&wanted, &evaluator.slopes(&questions)?, &noise);
+            self.values.extend_slopes(&wanted, &evaluator.duals(&questions)?, &noise);
         } else {
             self.values.extend(&wanted, &evaluator.values(&questions)?, &noise);
         }
@@ -540,29 +526,29 @@ impl<'a> FieldGrid<'a> {
     }
 }
 
-impl Level {
+impl PendingLevel {
     /// The ranges of a tree's primitives in the box of a cell.
-    fn ranges_of<'l>(&'l self, cell: u32, open: &'l OpenTree) -> impl Iterator<Item = SlopeRange> + 'l {
-        let [start, end] = self.asked[self.box_of[cell as usize] as usize];
+    fn ranges_of<'l>(&'l self, cell: u32, open: &'l PrunedTree) -> impl Iterator<Item = DualRange> + 'l {
+        let [start, end] = self.queries[self.box_of[cell as usize] as usize];
         let part = start as usize..end as usize;
         let (primitives, ranges) = (&self.primitives[part.clone()], &self.ranges[part]);
         let is_same = primitives.len() == open.primitives.len();
-        let of = move |(k, p): (usize, &u32)| ranges[if is_same { k } else { place(primitives, *p) }];
+        let of = move |(k, p): (usize, &u32)| ranges[if is_same { k } else { index_of(primitives, *p) }];
         open.primitives.iter().enumerate().map(of)
     }
 }
 
 /// A cell with the answers for its level.
-pub(super) struct CellAsked<'l> {
-    level: &'l Level,
+pub(super) struct CellQuery<'l> {
+    level: &'l PendingLevel,
     number: u32,
     pub one: Tetrahedron,
 }
 
 /// What is filled for one cell after the other.
 #[derive(Default)]
-pub(super) struct Buffers {
-    pub ranges: Vec<SlopeRange>,
+pub(super) struct CellBuffers {
+    pub ranges: Vec<DualRange>,
     pub values: Vec<[f64; 4]>,
     pub noise: Vec<f64>,
     pub sides: Vec<Membership>,
@@ -588,11 +574,11 @@ fn separate_axes(csg: &Csg) -> [bool; 3] {
 }
 
 /// On which side 0 is, by primitive.
-fn zeros(csg: &Csg) -> Vec<Zero> {
-    let mut all = vec![Zero::Inside; csg.primitives().len()];
+fn zeros(csg: &Csg) -> Vec<ZeroSide> {
+    let mut all = vec![ZeroSide::Inside; csg.primitives().len()];
     for node in csg.tree().nodes() {
         if let CsgNode::Primitive(p) = node {
-            all[*p as usize] = Zero::Outside;
+            all[*p as usize] = ZeroSide::Outside;
         }
     }
     all

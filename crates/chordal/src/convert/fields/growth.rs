@@ -18,7 +18,7 @@ const LEAST: f64 = 1e-7;
 
 impl GradientBox {
     /// None where the range is so wide that its middle is no direction.
-    pub fn of(gradient: &[Interval; 3]) -> Option<Self> {
+    pub fn from_range(gradient: &[Interval; 3]) -> Option<Self> {
         let middle = gradient.each_ref().map(|d| 0.5 * (d.lo() + d.hi()));
         let size = length(middle);
         if size.is_nan() || size <= 0.0 || size.is_infinite() {

@@ -1,9 +1,10 @@
 //! `FieldMesher`: from a field to triangles, step by step: adaptive cells, their boundary, its improvement,
 //! its proof.
 use super::extract::extract;
-use super::grid::{FieldGrid, GridExtent, GridHalt, GridOptions, Place};
-use super::improve::{RawSurface, SurfaceImprover, Unimproved};
-use crate::budget::{Code, Failure, Job, Progress, Tolerance};
+use super::grid::{FieldGrid, FieldGridError, FieldGridStatus, GridOptions};
+use super::improve::{ImproveError, LabelledSurface, SurfaceImprover};
+use super::sizing::SizingPoint;
+use crate::budget::{Failure, Job, Progress, RefusalCode, Tolerance};
 use crate::explicit::Mesh;
 use crate::implicit::{Expr, Field, LeafError, PrimitiveEvaluator};
 use crate::math::Box3;
@@ -45,7 +46,7 @@ const BYTES_A_FACE: u64 = 800;
 
 /// What a mesh of a field is to be.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::convert) struct Wanted {
+pub(in crate::convert) struct FieldMeshGoal {
     /// No farther from the surface than this.
     pub length: Option<Tolerance>,
     /// No more triangles than these.
@@ -62,35 +63,37 @@ pub(super) struct FieldMesher<'a> {
     pub job: &'a Job,
 }
 
-/// What [`FieldMesher::improved`] makes.
+/// What [`FieldMesher::improved_surface`] makes.
 pub(super) struct ImprovedSurface<'a> {
     pub surface: SurfaceImprover<'a>,
     /// How far the cells came that it is from.
-    pub extent: GridExtent,
+    pub extent: FieldGridStatus,
 }
 
-impl From<GridHalt> for Failure<Mesh> {
-    fn from(halt: GridHalt) -> Self {
+impl From<FieldGridError> for Failure<Mesh> {
+    fn from(halt: FieldGridError) -> Self {
         match halt {
-            GridHalt::Leaf(error) => leaf_failed(error),
-            GridHalt::Cancelled => Self::Cancelled,
+            FieldGridError::Leaf(error) => leaf_failure(error),
+            FieldGridError::Cancelled => Self::Cancelled,
         }
     }
 }
 
-impl From<Unimproved> for Failure<Mesh> {
-    fn from(error: Unimproved) -> Self {
+impl From<ImproveError> for Failure<Mesh> {
+    fn from(error: ImproveError) -> Self {
         match error {
-            Unimproved::Leaf(error) => leaf_failed(error),
-            Unimproved::Cancelled => Self::Cancelled,
-            Unimproved::TooMany(most) => {
+            ImproveError::Leaf(error) => leaf_failure(error),
+            ImproveError::Cancelled => Self::Cancelled,
+            ImproveError::TooMany(most) => {
                 let message = format!("the budget needs more than {most} triangles, which is the limit");
-                Self::refused(Code::TooManyTriangles, message)
+                Self::refused(RefusalCode::TooManyTriangles, message)
             }
-            Unimproved::TooLarge(bytes) => Self::refused(Code::TooMuchMemory, too_large(bytes as f64)),
+            ImproveError::TooLarge(bytes) => {
+                Self::refused(RefusalCode::TooMuchMemory, too_large(bytes as f64))
+            }
             // The extraction makes manifolds, but for coordinates with too few digits to tell its vertices apart.
-            Unimproved::NotManifold => Self::refused(
-                Code::BelowPrecision,
+            ImproveError::NotManifold => Self::refused(
+                RefusalCode::BelowPrecision,
                 "the shape changes within less than its coordinates have digits for: move it to the origin if it is far \
                  from there; twist and repeat it less often",
             ),
@@ -116,12 +119,12 @@ fn too_large(bytes: f64) -> String {
     )
 }
 
-pub(super) fn leaf_failed(error: LeafError) -> Failure<Mesh> {
-    Failure::refused(Code::LeafFailed, error.message)
+pub(super) fn leaf_failure(error: LeafError) -> Failure<Mesh> {
+    Failure::refused(RefusalCode::LeafFailed, error.message)
 }
 
 /// The solid of a field within a box somewhat larger than its bounds: where these are not kept, it is cut off.
-pub(super) fn closed(field: &Field) -> Expr {
+pub(super) fn clip_to_bounds(field: &Field) -> Expr {
     let Box3 { min, max } = field.bounds();
     let mut sign = field.sign().clone();
     for (k, axis) in Expr::axes().iter().enumerate() {
@@ -133,7 +136,10 @@ pub(super) fn closed(field: &Field) -> Expr {
 }
 
 /// Whether functions of the user have ranges of slopes at some spot; expressions have.
-pub(super) fn knows_slopes(evaluator: &mut PrimitiveEvaluator, bounds: &Box3) -> Result<bool, Failure<Mesh>> {
+pub(super) fn has_gradient_ranges(
+    evaluator: &mut PrimitiveEvaluator,
+    bounds: &Box3,
+) -> Result<bool, Failure<Mesh>> {
     let primitives = evaluator.csg().primitives();
     let mut left: Vec<u32> =
         (0..primitives.len() as u32).filter(|p| primitives[*p as usize].tape().has_leaves()).collect();
@@ -143,7 +149,7 @@ pub(super) fn knows_slopes(evaluator: &mut PrimitiveEvaluator, bounds: &Box3) ->
         let corner: [f64; 3] = std::array::from_fn(|k| min[k] + shares[k] * (max[k] - min[k]));
         let spot = Box3 { min: corner, max: corner.map(|x| x + size) };
         let questions: Vec<(u32, Box3)> = left.iter().map(|p| (*p, spot)).collect();
-        let mut ranges = evaluator.slope_ranges(&questions).map_err(leaf_failed)?.into_iter();
+        let mut ranges = evaluator.dual_ranges(&questions).map_err(leaf_failure)?.into_iter();
         left.retain(|_| ranges.next().is_some_and(|range| range.gradient.is_none()));
     }
     Ok(left.is_empty())
@@ -158,7 +164,7 @@ impl<'a> FieldMesher<'a> {
     /// Cells, their boundary and its improvement: a surface of few triangles near that of the field, by
     /// samples. Cells are cut again where other sheets hold vertices off their places, and where edges cannot be
     /// split.
-    pub fn improved(
+    pub fn improved_surface(
         &self,
         mut evaluator: PrimitiveEvaluator<'a>,
         tol: f64,
@@ -169,31 +175,31 @@ impl<'a> FieldMesher<'a> {
         report("cells", 0);
         let options = self.grid_options(tol);
         let mut grid = FieldGrid::build(&mut evaluator, options, self.job)?;
-        let mut cuts = if grid.extent() == GridExtent::Exhausted { MOST_CUTS } else { 0 };
+        let mut cuts = if grid.extent() == FieldGridStatus::Exhausted { MOST_CUTS } else { 0 };
         let mut surface = loop {
             report("surface", cuts);
             let raw = extract(&grid, self.job);
             if raw.faces.is_empty() {
                 let message = match grid.extent() {
-                    GridExtent::Whole => {
+                    FieldGridStatus::Whole => {
                         "there is no surface to mesh: nothing is inside, the field is nowhere negative within the \
                          box of the shape"
                     }
-                    GridExtent::CutShort | GridExtent::Exhausted => {
+                    FieldGridStatus::CutShort | FieldGridStatus::Exhausted => {
                         "no surface was found in as many cells as this job may have: more memory, or tighter bounds, \
                          may show one"
                     }
                 };
-                return Err(Failure::refused(Code::Empty, message));
+                return Err(Failure::refused(RefusalCode::Empty, message));
             }
-            let start = RawSurface { positions: raw.positions, faces: raw.faces, labels: raw.labels };
+            let start = LabelledSurface { positions: raw.positions, faces: raw.faces, labels: raw.labels };
             let has_leaves = evaluator.csg().primitives().iter().any(|p| p.tape().has_leaves());
             let mut surface = match SurfaceImprover::new(&start, evaluator, tol, self.job) {
-                Err(Unimproved::NotManifold) if has_leaves => return Err(leaf_failed(contradiction())),
+                Err(ImproveError::NotManifold) if has_leaves => return Err(leaf_failure(contradiction())),
                 made_or_failed => made_or_failed?,
             };
             drop(start);
-            let mut tight = surface.held().to_vec();
+            let mut tight = surface.blocked().to_vec();
             // Smaller cells would not help where so many vertices cannot go to their places.
             let is_last = cuts == MOST_CUTS || tight.len() > MOST_TIGHT;
             if tight.is_empty() || is_last {
@@ -205,8 +211,8 @@ impl<'a> FieldMesher<'a> {
             if tight.is_empty() || tight.len() > MOST_TIGHT || is_last {
                 break surface;
             }
-            let places: Vec<Place> =
-                tight.iter().map(|place| Place { at: place.at, size: 0.5 * place.size }).collect();
+            let places: Vec<SizingPoint> =
+                tight.iter().map(|place| SizingPoint { at: place.at, size: 0.5 * place.size }).collect();
             cuts += 1;
             report("cells", cuts);
             evaluator = surface.into_evaluator();
@@ -249,7 +255,7 @@ impl<'a> FieldMesher<'a> {
             "{length:e} is too little beside coordinates of {largest:e}, which have 16 digits: move the shape to the origin, \
              or allow a larger length"
         );
-        Err(Failure::refused(Code::BelowPrecision, message))
+        Err(Failure::refused(RefusalCode::BelowPrecision, message))
     }
 
     /// Whether there is room for so many faces.
@@ -257,12 +263,12 @@ impl<'a> FieldMesher<'a> {
         let limit = self.job.triangle_limit as f64;
         if needs > limit {
             let message = format!("the budget needs about {needs:.1e} triangles; the limit is {limit:.1e}");
-            return Err(Failure::refused(Code::TooManyTriangles, message));
+            return Err(Failure::refused(RefusalCode::TooManyTriangles, message));
         }
         let bytes = BYTES_A_FACE as f64 * needs;
         if bytes > self.job.memory_limit as f64 {
             let message = format!("about {needs:.1e} triangles: {}", too_large(bytes));
-            return Err(Failure::refused(Code::TooMuchMemory, message));
+            return Err(Failure::refused(RefusalCode::TooMuchMemory, message));
         }
         Ok(())
     }

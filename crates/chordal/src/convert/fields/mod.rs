@@ -1,23 +1,24 @@
 //! How a field becomes triangles: adaptive cells, the boundary of a CSG tree in them, its improvement, and
 //! the proof.
 mod arrangement;
-mod ask;
 mod cells;
 mod cells_at_vertices;
-mod corner_slopes;
+mod corner_gradients;
 mod extract;
-mod fan;
+mod field_sampler;
 mod grid;
 mod growth;
 mod improve;
 mod mesher;
+mod polygon_triangulation;
 mod search;
+mod sizing;
 mod tetrahedra;
 mod vertex_values;
 
 #[cfg(test)]
 mod tests;
 
-pub(super) use ask::Ask;
-pub(super) use mesher::Wanted;
+pub(super) use field_sampler::FieldSampler;
+pub(super) use mesher::FieldMeshGoal;
 pub(super) use search::search;

@@ -1,10 +1,13 @@
 //! From a budget to a mesh of a field: by a length, by a number of triangles, proved or measured.
-use super::grid::GridExtent;
+use super::grid::FieldGridStatus;
 use super::improve::SurfaceImprover;
-use super::mesher::{FieldMesher, ImprovedSurface, Wanted, closed, knows_slopes, leaf_failed};
-use crate::budget::{Bounded, Code, Failure, Job, Progress, Tolerance};
+use super::mesher::{
+    FieldMeshGoal, FieldMesher, ImprovedSurface, clip_to_bounds, has_gradient_ranges, leaf_failure,
+};
+use crate::budget::{Bounded, Failure, Job, Progress, RefusalCode, Tolerance};
 use crate::check::{
-    FieldJudge, Goal, SandwichGoal, field_deviation, is_hopeless, judged_bound, measured_field_deviation,
+    Goal, SandwichGoal, SandwichProver, field_deviation, is_hopeless, measured_field_deviation,
+    sandwich_bound,
 };
 use crate::explicit::Mesh;
 use crate::implicit::{Csg, Field, PrimitiveEvaluator};
@@ -35,30 +38,30 @@ const GOOD_COUNT: f64 = 0.97;
 /// The first tolerance for a number of triangles, as a share of the longest side of the bounds.
 const FIRST: f64 = 1.0 / 64.0;
 
-type Outcome = Result<Bounded<Mesh>, Failure<Mesh>>;
+type FieldMeshResult = Result<Bounded<Mesh>, Failure<Mesh>>;
 
 /// A mesh within what is wanted, or the best.
-pub(in crate::convert) fn search(field: &Field, wanted: &Wanted, job: &Job) -> Outcome {
-    let solid = Csg::of(&closed(field));
+pub(in crate::convert) fn search(field: &Field, wanted: &FieldMeshGoal, job: &Job) -> FieldMeshResult {
+    let solid = Csg::from_expr(&clip_to_bounds(field));
     let mut evaluator = PrimitiveEvaluator::new(&solid, &field.bounds(), job);
-    let is_sampled = !knows_slopes(&mut evaluator, &field.bounds())?;
+    let is_sampled = !has_gradient_ranges(&mut evaluator, &field.bounds())?;
     let mesher = FieldMesher { bounds: field.bounds(), is_sampled, job };
     let is_measured = wanted.measured || !field.evidence().bounds_above();
-    let search = Search { field, mesher: &mesher, wanted, is_measured, job };
+    let search = FieldMeshSearch { field, mesher: &mesher, wanted, is_measured, job };
     match (wanted.length, wanted.triangles) {
         (None, Some(most)) => search.by_count(evaluator, most),
         (Some(length), most) => {
-            search.by_length(evaluator, length).and_then(|made| search.counted(made, most))
+            search.by_length(evaluator, length).and_then(|made| search.check_triangles(made, most))
         }
-        (None, None) => Err(Failure::refused(Code::Budget, "the budget has no length and no count")),
+        (None, None) => Err(Failure::refused(RefusalCode::Budget, "the budget has no length and no count")),
     }
 }
 
-enum Attempt<'s> {
+enum MeshAttempt<'s> {
     Proved(Bounded<Mesh>),
     Open {
         mesh: Mesh,
-        outlook: Outlook,
+        strategy: ProofStrategy,
         /// Where it is not proved, if that is known.
         place: Option<[f64; 3]>,
         evaluator: PrimitiveEvaluator<'s>,
@@ -67,7 +70,7 @@ enum Attempt<'s> {
 
 /// What may still prove a mesh that is open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Outlook {
+enum ProofStrategy {
     /// A finer mesh: few faces are not proved, and another one does not take long.
     FinerMesh,
     /// Boxes about it.
@@ -75,38 +78,39 @@ enum Outlook {
     Nothing,
 }
 
-struct Search<'s> {
+struct FieldMeshSearch<'s> {
     field: &'s Field,
     mesher: &'s FieldMesher<'s>,
-    wanted: &'s Wanted,
+    wanted: &'s FieldMeshGoal,
     /// Whether there is nothing to prove with, or nobody asks for it.
     is_measured: bool,
     job: &'s Job,
 }
 
-impl<'s> Search<'s> {
-    fn by_length(&self, evaluator: PrimitiveEvaluator<'s>, length: Tolerance) -> Outcome {
+impl<'s> FieldMeshSearch<'s> {
+    fn by_length(&self, evaluator: PrimitiveEvaluator<'s>, length: Tolerance) -> FieldMeshResult {
         self.mesher.check_precision(length.get())?;
         if self.is_measured {
-            let made = self.measured(mesh_of(&self.mesher.improved(evaluator, length.get())?.surface).0)?;
+            let made =
+                self.measure(mesh_of(&self.mesher.improved_surface(evaluator, length.get())?.surface).0)?;
             return if self.wanted.measured { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) };
         }
         // Without slopes signs are proved by values alone, on pieces as small as what is left of the length.
         let share = if self.mesher.is_sampled { SAMPLED } else { 1.0 };
         let attempt = match self.attempt(evaluator, length, share)? {
-            Attempt::Open { outlook: Outlook::FinerMesh, evaluator, .. } => {
+            MeshAttempt::Open { strategy: ProofStrategy::FinerMesh, evaluator, .. } => {
                 self.attempt(evaluator, length, NEARER * share)?
             }
             proved_or_far => proved_or_far,
         };
         let mesh = match attempt {
-            Attempt::Proved(made) => return Ok(made),
-            Attempt::Open { mesh, outlook: Outlook::Nothing, place, .. } => {
-                let mut made = self.measured(mesh)?;
+            MeshAttempt::Proved(made) => return Ok(made),
+            MeshAttempt::Open { mesh, strategy: ProofStrategy::Nothing, place, .. } => {
+                let mut made = self.measure(mesh)?;
                 made.bound.at = place.or(made.bound.at);
                 return Err(Failure::Unmet(Box::new(made)));
             }
-            Attempt::Open { mesh, .. } => mesh,
+            MeshAttempt::Open { mesh, .. } => mesh,
         };
         // What two copies of the mesh do not prove, boxes about it may: solids that touch, and lengths beyond
         // the one that is wanted.
@@ -123,33 +127,34 @@ impl<'s> Search<'s> {
         evaluator: PrimitiveEvaluator<'s>,
         length: Tolerance,
         share: f64,
-    ) -> Result<Attempt<'s>, Failure<Mesh>> {
+    ) -> Result<MeshAttempt<'s>, Failure<Mesh>> {
         let ImprovedSurface { surface: mut improved, extent } =
-            self.mesher.improved(evaluator, share * length.get())?;
-        if extent == GridExtent::Exhausted || is_hopeless(improved.n_unsettled(), improved.n_faces() / 2) {
+            self.mesher.improved_surface(evaluator, share * length.get())?;
+        if extent == FieldGridStatus::Exhausted || is_hopeless(improved.n_unsettled(), improved.n_faces() / 2)
+        {
             let (mesh, _) = mesh_of(&improved);
             let place = improved.first_unsettled();
             let evaluator = improved.into_evaluator();
-            return Ok(Attempt::Open { mesh, outlook: Outlook::Nothing, place, evaluator });
+            return Ok(MeshAttempt::Open { mesh, strategy: ProofStrategy::Nothing, place, evaluator });
         }
-        let csg = Csg::of(self.field.sign());
-        let mut judge = FieldJudge::new(&csg, &self.field.bounds(), self.job).map_err(leaf_failed)?;
+        let csg = Csg::from_expr(self.field.sign());
+        let mut judge = SandwichProver::new(&csg, &self.field.bounds(), self.job).map_err(leaf_failure)?;
         let goal = SandwichGoal::new(Some(length.get()), MARGIN).faces_first();
         let (mut n_open, mut n_worse, mut is_contradicted) = (usize::MAX, 0, false);
         let mut place = None;
         for round in 0..MOST_ROUNDS {
             self.job.report(Progress { stage: "prove", done: round as u64, total: MOST_ROUNDS as u64 });
             let (mesh, numbers) = mesh_of(&improved);
-            let verdict = judge.look(&mesh, &goal)?;
+            let verdict = judge.prove(&mesh, &goal)?;
             if verdict.is_proved() {
-                if let Some(bound) = judged_bound(&mesh, self.field, &verdict, self.job)? {
-                    return Ok(Attempt::Proved(Bounded { shape: mesh, bound }));
+                if let Some(bound) = sandwich_bound(&mesh, self.field, &verdict, self.job)? {
+                    return Ok(MeshAttempt::Proved(Bounded { shape: mesh, bound }));
                 }
                 // A lower end is above the bound, as where a promise does not hold.
                 is_contradicted = true;
                 break;
             }
-            place = verdict.first_place(&mesh);
+            place = verdict.first_unproved_point(&mesh);
             let mut open: Vec<u32> = verdict.open.iter().flatten().map(|f| numbers[*f as usize]).collect();
             open.sort_unstable();
             open.dedup();
@@ -165,23 +170,23 @@ impl<'s> Search<'s> {
         let (mesh, _) = mesh_of(&improved);
         let is_cheap = improved.counts.collapses < MOST_COLLAPSES;
         let outlook = if is_contradicted {
-            Outlook::Boxes
+            ProofStrategy::Boxes
         } else if is_cheap && n_open > 0 && FEW * n_open < improved.n_faces() {
-            Outlook::FinerMesh
+            ProofStrategy::FinerMesh
         } else if is_hopeless(n_open, improved.n_faces()) {
-            Outlook::Nothing
+            ProofStrategy::Nothing
         } else {
-            Outlook::Boxes
+            ProofStrategy::Boxes
         };
-        Ok(Attempt::Open { mesh, outlook, place, evaluator: improved.into_evaluator() })
+        Ok(MeshAttempt::Open { mesh, strategy: outlook, place, evaluator: improved.into_evaluator() })
     }
 
-    fn measured(&self, mesh: Mesh) -> Outcome {
+    fn measure(&self, mesh: Mesh) -> FieldMeshResult {
         let found = measured_field_deviation(&mesh, self.field, self.job)?;
         Ok(Bounded { shape: mesh, bound: found.bound })
     }
 
-    fn counted(&self, made: Bounded<Mesh>, most: Option<u64>) -> Outcome {
+    fn check_triangles(&self, made: Bounded<Mesh>, most: Option<u64>) -> FieldMeshResult {
         if most.is_none_or(|most| made.shape.faces().len() as u64 <= most) {
             Ok(made)
         } else {
@@ -190,7 +195,7 @@ impl<'s> Search<'s> {
     }
 
     /// The finest mesh found whose triangles are no more than that: their number is as 1 over the tolerance.
-    fn by_count(&self, mut evaluator: PrimitiveEvaluator<'s>, most: u64) -> Outcome {
+    fn by_count(&self, mut evaluator: PrimitiveEvaluator<'s>, most: u64) -> FieldMeshResult {
         let most = most.min(self.mesher.most_faces());
         let mut best: Option<(f64, Mesh)> = None;
         // Too many triangles at this tolerance, and few enough at that.
@@ -198,7 +203,7 @@ impl<'s> Search<'s> {
         let mut tol = FIRST * self.mesher.longest();
         let mut fewest = u64::MAX;
         for _ in 0..MOST_TRIALS {
-            let improved = self.mesher.improved(evaluator, tol)?.surface;
+            let improved = self.mesher.improved_surface(evaluator, tol)?.surface;
             let (mesh, _) = mesh_of(&improved);
             evaluator = improved.into_evaluator();
             let count = mesh.faces().len() as f64;
@@ -227,21 +232,21 @@ impl<'s> Search<'s> {
         let Some((_, mesh)) = best else {
             let message =
                 format!("{most} triangles are too few: the coarsest mesh that was found has {fewest}");
-            return Err(Failure::refused(Code::Budget, message));
+            return Err(Failure::refused(RefusalCode::Budget, message));
         };
         if self.is_measured {
-            let made = self.measured(mesh)?;
+            let made = self.measure(mesh)?;
             return if self.wanted.measured { Ok(made) } else { Err(Failure::Unmet(Box::new(made))) };
         }
-        let csg = Csg::of(self.field.sign());
-        let mut judge = FieldJudge::new(&csg, &self.field.bounds(), self.job).map_err(leaf_failed)?;
-        let verdict = judge.look(&mesh, &SandwichGoal::new(None, MARGIN))?;
+        let csg = Csg::from_expr(self.field.sign());
+        let mut judge = SandwichProver::new(&csg, &self.field.bounds(), self.job).map_err(leaf_failure)?;
+        let verdict = judge.prove(&mesh, &SandwichGoal::new(None, MARGIN))?;
         if verdict.is_proved()
-            && let Some(bound) = judged_bound(&mesh, self.field, &verdict, self.job)?
+            && let Some(bound) = sandwich_bound(&mesh, self.field, &verdict, self.job)?
         {
             return Ok(Bounded { shape: mesh, bound });
         }
-        let made = self.measured(mesh)?;
+        let made = self.measure(mesh)?;
         Err(Failure::Unmet(Box::new(made)))
     }
 }

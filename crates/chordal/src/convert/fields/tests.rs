@@ -1,7 +1,8 @@
 //! Grids and extracted surfaces of models whose truth is known, and of random ones that are as degenerate as
 //! can be.
-use super::extract::{RawSurface, extract};
-use super::grid::{FieldGrid, GridOptions, Place};
+use super::extract::{ExtractedSurface, extract};
+use super::grid::{FieldGrid, GridOptions};
+use super::sizing::SizingPoint;
 use crate::budget::{Evidence, Job};
 use crate::check::{self_intersections, validity};
 use crate::explicit::{Mesh, Topology};
@@ -70,29 +71,29 @@ fn blobs() -> Expr {
     (0..100).map(blob).reduce(|a, b| a.smooth_min(&b, 0.05)).expect("there are blobs")
 }
 
-struct Made {
+struct ExtractedModel {
     csg: Csg,
-    surface: RawSurface,
+    surface: ExtractedSurface,
     n_cells: usize,
 }
 
-fn make(sign: &Expr, half: f64, [floor, coarsest]: [f64; 2], threads: usize) -> Made {
-    let csg = Csg::of(sign);
+fn make(sign: &Expr, half: f64, [floor, coarsest]: [f64; 2], threads: usize) -> ExtractedModel {
+    let csg = Csg::from_expr(sign);
     let job = Job::default().with_threads(threads);
     let bounds = Box3 { min: [-half; 3], max: [half; 3] };
     let mut evaluator = PrimitiveEvaluator::new(&csg, &bounds, &job);
     let grid = FieldGrid::build(&mut evaluator, GridOptions { bounds, floor, coarsest }, &job).unwrap();
     let surface = extract(&grid, &job);
     let n_cells = grid.n_cells();
-    Made { csg, surface, n_cells }
+    ExtractedModel { csg, surface, n_cells }
 }
 
-fn mesh(surface: &RawSurface) -> Mesh {
+fn mesh(surface: &ExtractedSurface) -> Mesh {
     Mesh::new(surface.positions.clone(), surface.faces.clone()).unwrap()
 }
 
 /// Closed, manifold and oriented; pairs of faces that cross are counted.
-fn sound(surface: &RawSurface, name: &str) -> u64 {
+fn sound(surface: &ExtractedSurface, name: &str) -> u64 {
     let mesh = mesh(surface);
     let found = validity(&mesh, Topology::Indices);
     assert!(found.closed && found.manifold() && found.oriented, "{name}");
@@ -102,8 +103,8 @@ fn sound(surface: &RawSurface, name: &str) -> u64 {
 
 /// Vertices are on what they are said to be on, as near as cells are small, and faces look where their
 /// primitive grows.
-fn labelled(made: &Made, name: &str) {
-    let Made { csg, surface, .. } = made;
+fn labelled(made: &ExtractedModel, name: &str) {
+    let ExtractedModel { csg, surface, .. } = made;
     let job = Job::default();
     let mut evaluator = PrimitiveEvaluator::new(csg, &Box3 { min: [-3.0; 3], max: [3.0; 3] }, &job);
     let mut questions = Vec::new();
@@ -114,7 +115,7 @@ fn labelled(made: &Made, name: &str) {
             questions.push((label >> 1, surface.positions[*vertex as usize]));
         }
     }
-    let slopes = evaluator.slopes(&questions).unwrap();
+    let slopes = evaluator.duals(&questions).unwrap();
     for (k, (face, label)) in surface.faces.iter().zip(&surface.labels).enumerate() {
         let [a, b, c] = face.map(|v| surface.positions[v as usize]);
         let normal = cross(difference(b, a), difference(c, a));
@@ -140,7 +141,7 @@ fn labelled(made: &Made, name: &str) {
     }
 }
 
-fn volume(surface: &RawSurface) -> f64 {
+fn volume(surface: &ExtractedSurface) -> f64 {
     validity(&mesh(surface), Topology::Indices).measure.signed_volume
 }
 
@@ -243,14 +244,14 @@ fn blends_at_a_coarse_floor_are_closed_and_say_where_they_are_unresolved() {
 
 #[test]
 fn refining_makes_cells_small_where_it_is_asked_for() {
-    let csg = Csg::of(&ball([0.0; 3], 0.6));
+    let csg = Csg::from_expr(&ball([0.0; 3], 0.6));
     let job = Job::default();
     let bounds = Box3 { min: [-1.25; 3], max: [1.25; 3] };
     let mut evaluator = PrimitiveEvaluator::new(&csg, &bounds, &job);
     let options = GridOptions { bounds, floor: 1e-3, coarsest: f64::INFINITY };
     let mut grid = FieldGrid::build(&mut evaluator, options, &job).unwrap();
     let before = grid.n_cells();
-    grid.refine(&mut evaluator, &[Place { at: [0.6, 0.0, 0.0], size: 0.02 }]).unwrap();
+    grid.refine(&mut evaluator, &[SizingPoint { at: [0.6, 0.0, 0.0], size: 0.02 }]).unwrap();
     assert!(grid.n_cells() > before && grid.n_cells() < 8 * before);
     let surface = extract(&grid, &job);
     assert_eq!(sound(&surface, "refined ball"), 0);
@@ -262,7 +263,7 @@ fn refining_makes_cells_small_where_it_is_asked_for() {
 
 #[test]
 fn little_memory_ends_in_a_closed_mesh_all_the_same() {
-    let csg = Csg::of(&gyroid_in_ball());
+    let csg = Csg::from_expr(&gyroid_in_ball());
     let mut job = Job::default();
     job.memory_limit = 4_000_000;
     let bounds = Box3 { min: [-1.25; 3], max: [1.25; 3] };
@@ -275,11 +276,11 @@ fn little_memory_ends_in_a_closed_mesh_all_the_same() {
 
 /// A torus that is known at points only, or by its slope besides.
 #[derive(Debug)]
-struct Opaque {
+struct OpaqueTorus {
     lipschitz: Option<Lipschitz>,
 }
 
-impl Leaf for Opaque {
+impl Leaf for OpaqueTorus {
     fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
         for ([x, y, z], value) in points.iter().zip(out) {
             let around = (x * x + y * y).sqrt() - 0.7;
@@ -301,7 +302,7 @@ impl Leaf for Opaque {
 fn functions_known_at_points_are_meshed_by_samples() {
     let slope = Lipschitz { constant: 1.0, error: 0.0 };
     for (lipschitz, coarsest) in [(None, 0.3), (Some(slope), f64::INFINITY)] {
-        let torus = Expr::leaf(Arc::new(Opaque { lipschitz }), Expr::axes());
+        let torus = Expr::leaf(Arc::new(OpaqueTorus { lipschitz }), Expr::axes());
         let [_, _, z] = Expr::axes();
         let made = make(&torus.max(&(z - 0.1)), 1.0, [1e-2, coarsest], 1);
         assert_eq!(sound(&made.surface, "half a torus"), 0);

@@ -16,9 +16,9 @@ const SHORTEST: i64 = 4;
 
 /// Hashes a few whole numbers by multiplication; what it is fed with is not chosen by anybody.
 #[derive(Default)]
-pub(super) struct FewNumbers(u64);
+pub(super) struct IntegerHasher(u64);
 
-impl Hasher for FewNumbers {
+impl Hasher for IntegerHasher {
     fn finish(&self) -> u64 {
         self.0 ^ self.0 >> 32
     }
@@ -49,7 +49,7 @@ impl Hasher for FewNumbers {
     }
 }
 
-pub(super) type FewNumbersMap<K, V> = HashMap<K, V, BuildHasherDefault<FewNumbers>>; // No order depends on it.
+pub(super) type IntegerMap<K, V> = HashMap<K, V, BuildHasherDefault<IntegerHasher>>; // No order depends on it.
 
 /// A tetrahedron: its corners in the order of Maubach's rule, and its tag, from 1 to 3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,7 +59,7 @@ pub(super) struct Tetrahedron {
 }
 
 /// Whole coordinates of the box of a tetrahedron: the lower corner, then the upper one.
-pub(super) type WholeBox = [[i64; 3]; 2];
+pub(super) type IntegerBox = [[i64; 3]; 2];
 
 /// The vertices, and which edges were cut.
 #[derive(Debug)]
@@ -68,7 +68,7 @@ pub(super) struct Tetrahedra {
     unit: f64,
     stretch: [f64; 3],
     coordinates: Vec<[i64; 3]>,
-    middles: FewNumbersMap<[u32; 2], u32>, // No order depends on it.
+    middles: IntegerMap<[u32; 2], u32>, // No order depends on it.
 }
 
 impl Tetrahedra {
@@ -80,7 +80,7 @@ impl Tetrahedra {
             unit: side / TOP as f64,
             stretch,
             coordinates: (0..8).map(corner).collect(),
-            middles: FewNumbersMap::default(),
+            middles: IntegerMap::default(),
         };
         // Along the axes in each of their orders.
         let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
@@ -109,11 +109,11 @@ impl Tetrahedra {
     }
 
     /// The sides of a box in space.
-    pub fn sides_of(&self, [min, max]: WholeBox) -> [f64; 3] {
+    pub fn sides_of(&self, [min, max]: IntegerBox) -> [f64; 3] {
         std::array::from_fn(|k| self.stretch[k] * self.unit * (max[k] - min[k]) as f64)
     }
 
-    pub fn box_of(&self, corners: [u32; 4]) -> WholeBox {
+    pub fn box_of(&self, corners: [u32; 4]) -> IntegerBox {
         let [a, b, c, d] = corners.map(|v| self.coordinates[v as usize]);
         [
             std::array::from_fn(|k| a[k].min(b[k]).min(c[k]).min(d[k])),
@@ -144,7 +144,7 @@ impl Tetrahedra {
     }
 
     /// The edge that is cut next; none where it is too short.
-    pub fn next_edge(&self, one: &Tetrahedron) -> Option<[u32; 2]> {
+    pub fn refinement_edge(&self, one: &Tetrahedron) -> Option<[u32; 2]> {
         let [a, b] = [one.corners[0], one.corners[one.tag as usize]];
         let [p, q] = [a, b].map(|v| self.coordinates[v as usize]);
         (0..3).any(|k| (p[k] - q[k]).abs() >= SHORTEST).then_some([a.min(b), a.max(b)])

@@ -1,13 +1,13 @@
 //! Values of primitives at vertices, each asked for once.
 
-use crate::implicit::Slope;
+use crate::implicit::Dual;
 
 /// No segment.
 const NONE: u32 = u32::MAX;
 
 /// Some primitives' values at one vertex.
 #[derive(Clone, Copy, Debug)]
-struct Segment {
+struct ValueRun {
     start: u32,
     len: u32,
     next: u32,
@@ -18,7 +18,7 @@ struct Segment {
 pub(super) struct VertexValues {
     /// By vertex: its newest segment.
     first: Vec<u32>,
-    segments: Vec<Segment>,
+    segments: Vec<ValueRun>,
     /// Ascending in each segment.
     primitives: Vec<u32>,
     values: Vec<f64>,
@@ -37,7 +37,7 @@ impl VertexValues {
     pub fn index(&self, vertex: u32, primitive: u32) -> Option<usize> {
         let mut segment = self.first[vertex as usize];
         while segment != NONE {
-            let Segment { start, len, next } = self.segments[segment as usize];
+            let ValueRun { start, len, next } = self.segments[segment as usize];
             let part = start as usize..(start + len) as usize;
             let found = match &self.primitives[part.clone()] {
                 [one] => (*one == primitive).then_some(0),
@@ -71,7 +71,7 @@ impl VertexValues {
     }
 
     /// As [`VertexValues::extend`], with gradients; a table has them for all of its values or for none.
-    pub fn extend_slopes(&mut self, questions: &[(u32, u32)], slopes: &[Slope<f64>], noise: &[f64]) {
+    pub fn extend_slopes(&mut self, questions: &[(u32, u32)], slopes: &[Dual<f64>], noise: &[f64]) {
         let values: Vec<f64> = slopes.iter().map(|slope| slope.value).collect();
         self.extend(questions, &values, noise);
         self.gradients.extend(slopes.iter().map(|slope| slope.gradient));
@@ -83,7 +83,7 @@ impl VertexValues {
             let start = self.primitives.len() as u32;
             self.primitives.extend(same.iter().map(|(_, primitive)| *primitive));
             let first = &mut self.first[same[0].0 as usize];
-            self.segments.push(Segment { start, len: same.len() as u32, next: *first });
+            self.segments.push(ValueRun { start, len: same.len() as u32, next: *first });
             *first = self.segments.len() as u32 - 1;
         }
         self.values.extend_from_slice(values);

@@ -1,10 +1,10 @@
 //! From finished tiles to one mesh: vertex numbers, and normals that are shared where the surface is smooth.
-use super::ground::Ground;
-use super::plan::Tile;
-use super::quilt::{Quilt, Seam};
-use super::seams::Seams;
-use super::tile::{self, Done};
-use crate::explicit::{Attribute, Mesh, Side, face_normal};
+use super::adjacency::{PatchAdjacency, SideBoundary};
+use super::plan::PatchTile;
+use super::seams::TileSeams;
+use super::subpatch::Subpatch;
+use super::tile::{self, PatchTileMesh};
+use crate::explicit::{Attribute, Mesh, PatchSide, face_normal};
 use glam::DVec3;
 
 /// Normals of two patches at one vertex that differ by less than this are one: 1°, far above the rounding of a
@@ -13,22 +13,27 @@ pub(crate) const COS_SAME_NORMAL: f64 = 0.999_847_695_156_391;
 
 /// A vertex on the border of a sheet as one of its sides sees it.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
-struct Seen {
+struct BorderNormal {
     vertex: u32,
     sheet: u32,
-    side: Side,
+    side: PatchSide,
     normal: [f64; 3],
 }
 
 /// The mesh of all tiles. Vertices on shared curves are one vertex, except where the patches' normals part: there
 /// each smooth group gets its own, tied by `position_id`.
-pub(crate) fn assemble(grounds: &[Ground<'_>], quilt: &Quilt, seams: &Seams, tiles: &[(Tile, Done)]) -> Mesh {
+pub(crate) fn assemble(
+    grounds: &[Subpatch<'_>],
+    quilt: &PatchAdjacency,
+    seams: &TileSeams,
+    tiles: &[(PatchTile, PatchTileMesh)],
+) -> Mesh {
     let mut positions = seams.positions.clone();
     let mut normals = vec![[0.0; 3]; positions.len()];
-    let seen = seen_from_tiles(grounds, (quilt, seams), tiles, &mut normals);
-    let mut splits = Splits::default();
+    let seen = border_normals(grounds, (quilt, seams), tiles, &mut normals);
+    let mut splits = NormalSplits::default();
     let mut ids: Vec<u32> = Vec::new();
-    splits.find(seen, &mut positions, &mut normals, &mut ids);
+    splits.group_normals(seen, &mut positions, &mut normals, &mut ids);
     let n_border = positions.len();
     let n_inner: usize = tiles.iter().map(|t| t.1.inner.len()).sum();
     positions.reserve(n_inner);
@@ -44,27 +49,27 @@ pub(crate) fn assemble(grounds: &[Ground<'_>], quilt: &Quilt, seams: &Seams, til
         positions.extend_from_slice(&tile.inner);
         normals.extend_from_slice(&tile.inner_normals);
     }
-    fill_missing(&positions, &faces, &mut normals);
+    fill_missing_normals(&positions, &faces, &mut normals);
     let split_ids = (!ids.is_empty()).then(|| {
         let base = (n_border - ids.len()) as u32;
         (0..base).chain(ids).chain(n_border as u32..positions.len() as u32).collect::<Vec<u32>>()
     });
-    drop_unused(positions, faces, normals, split_ids)
+    drop_unreferenced(positions, faces, normals, split_ids)
 }
 
 /// Every vertex on a sheet's border with the normal that the sheet has there; those of the other vertices on borders of tiles go to
 /// `normals`.
-fn seen_from_tiles(
-    grounds: &[Ground<'_>],
-    (quilt, seams): (&Quilt, &Seams),
-    tiles: &[(Tile, Done)],
+fn border_normals(
+    grounds: &[Subpatch<'_>],
+    (quilt, seams): (&PatchAdjacency, &TileSeams),
+    tiles: &[(PatchTile, PatchTileMesh)],
     normals: &mut [[f64; 3]],
-) -> Vec<Seen> {
+) -> Vec<BorderNormal> {
     let mut seen = Vec::new();
     for (index, (tile, _)) in tiles.iter().enumerate() {
-        let ground = &grounds[tile.ground as usize];
+        let ground = &grounds[tile.subpatch as usize];
         let within = |x: f64, [from, to]: [f64; 2]| from + (to - from) * x;
-        for at in Side::ALL {
+        for at in PatchSide::ALL {
             tile::walk_side(index, tile, (at, seams), |u, v, vertex| {
                 let (u, v) = (within(u, tile.u), within(v, tile.v));
                 let Some(side) = vertex.side else {
@@ -75,18 +80,19 @@ fn seen_from_tiles(
                     return;
                 };
                 let is_corner = (u == 0.0 || u == 1.0) && (v == 0.0 || v == 1.0);
-                let is_point =
-                    |side: Side| matches!(quilt.seams[tile.sheet as usize][side as usize], Seam::Point);
-                let before = Side::ALL[(side as usize + 3) % 4];
+                let is_point = |side: PatchSide| {
+                    matches!(quilt.sides[tile.sheet as usize][side as usize], SideBoundary::Point)
+                };
+                let before = PatchSide::ALL[(side as usize + 3) % 4];
                 // At a pole every direction meets; the middle of the collapsed side stands for all.
                 let (u, v) = match (is_corner && is_point(side), is_corner && is_point(before)) {
-                    (true, _) => place_on(side, 0.5),
-                    (_, true) => place_on(before, 0.5),
+                    (true, _) => side_parameters(side, 0.5),
+                    (_, true) => side_parameters(before, 0.5),
                     _ if vertex.pole => return,
                     _ => (u, v),
                 };
                 let normal = ground.normal(u, v).unwrap_or_default();
-                seen.push(Seen { vertex: vertex.id, sheet: tile.sheet, side, normal });
+                seen.push(BorderNormal { vertex: vertex.id, sheet: tile.sheet, side, normal });
             });
         }
     }
@@ -98,29 +104,29 @@ fn seen_from_tiles(
 }
 
 /// The parameters at `along` of a side, in its counter-clockwise direction.
-fn place_on(side: Side, along: f64) -> (f64, f64) {
+fn side_parameters(side: PatchSide, along: f64) -> (f64, f64) {
     match side {
-        Side::Bottom => (along, 0.0),
-        Side::Right => (1.0, along),
-        Side::Top => (1.0 - along, 1.0),
-        Side::Left => (0.0, 1.0 - along),
+        PatchSide::Bottom => (along, 0.0),
+        PatchSide::Right => (1.0, along),
+        PatchSide::Top => (1.0 - along, 1.0),
+        PatchSide::Left => (0.0, 1.0 - along),
     }
 }
 
 /// Vertices that were split because the normals around them part.
 #[derive(Default)]
-struct Splits {
+struct NormalSplits {
     /// Sorted by (vertex, sheet, side).
-    moved: Vec<((u32, u32, Side), u32)>,
+    moved: Vec<((u32, u32, PatchSide), u32)>,
     is_split: Vec<bool>,
 }
 
-impl Splits {
+impl NormalSplits {
     /// Groups the normals at every vertex; the first group keeps the vertex, every other gets a new one, whose
     /// original goes to `ids`.
-    fn find(
+    fn group_normals(
         &mut self,
-        seen: Vec<Seen>,
+        seen: Vec<BorderNormal>,
         positions: &mut Vec<[f64; 3]>,
         normals: &mut Vec<[f64; 3]>,
         ids: &mut Vec<u32>,
@@ -160,7 +166,7 @@ impl Splits {
         self.moved.sort_by_key(|m| m.0);
     }
 
-    fn vertex(&self, id: u32, sheet: u32, side: Option<Side>) -> u32 {
+    fn vertex(&self, id: u32, sheet: u32, side: Option<PatchSide>) -> u32 {
         let Some(side) = side.filter(|_| self.is_split[id as usize]) else { return id };
         let key = (id, sheet, side);
         self.moved.binary_search_by_key(&key, |m| m.0).map_or(id, |found| self.moved[found].1)
@@ -168,7 +174,7 @@ impl Splits {
 }
 
 /// Gives vertices where the surface has no normal the sum of their faces' normals, or up where that vanishes too.
-pub(crate) fn fill_missing(positions: &[[f64; 3]], faces: &[[u32; 3]], normals: &mut [[f64; 3]]) {
+pub(crate) fn fill_missing_normals(positions: &[[f64; 3]], faces: &[[u32; 3]], normals: &mut [[f64; 3]]) {
     if normals.iter().all(|n| *n != [0.0; 3]) {
         return;
     }
@@ -184,7 +190,7 @@ pub(crate) fn fill_missing(positions: &[[f64; 3]], faces: &[[u32; 3]], normals: 
 }
 
 /// The mesh without the vertices that no triangle names (a pole's own side leaves some).
-fn drop_unused(
+fn drop_unreferenced(
     positions: Vec<[f64; 3]>,
     mut faces: Vec<[u32; 3]>,
     normals: Vec<[f64; 3]>,
@@ -193,7 +199,7 @@ fn drop_unused(
     let mut used = vec![false; positions.len()];
     faces.as_flattened().iter().for_each(|i| used[*i as usize] = true);
     if used.iter().all(|u| *u) {
-        return finish(positions, faces, normals, ids);
+        return mesh_with_normals(positions, faces, normals, ids);
     }
     let mut number = vec![u32::MAX; positions.len()];
     for (next, (slot, _)) in number.iter_mut().zip(&used).filter(|(_, used)| **used).enumerate() {
@@ -215,11 +221,11 @@ fn drop_unused(
             })
             .collect()
     });
-    finish(kept(positions), faces, kept(normals), ids)
+    mesh_with_normals(kept(positions), faces, kept(normals), ids)
 }
 
 /// The mesh with its normals and what ties its vertices.
-pub(crate) fn finish(
+pub(crate) fn mesh_with_normals(
     positions: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
     normals: Vec<[f64; 3]>,

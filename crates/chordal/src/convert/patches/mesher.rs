@@ -1,44 +1,44 @@
-//! `Mesher`: plans tiles for an allowance, proves them, and asks for more cells until all hold.
+//! `PatchMesher`: plans tiles for an allowance, proves them, and asks for more cells until all hold.
+use super::adjacency::{PatchAdjacency, PatchCorner, SideBoundary};
 use super::assemble;
-use super::demand::{Kind, ask_for_more, over_turn, strained};
-use super::ground::{Ground, Shape, Sheets};
-use super::plan::{self, Allowance, Obstacle, Tile};
-use super::probe::Probe;
-use super::quilt::{Corner, Quilt, Seam};
-use super::seams::{Line, Piece, Seams};
+use super::cell_estimate::CellEstimator;
+use super::extraordinary_tile;
+use super::plan::{self, Allowance, InfeasibleTolerance, PatchTile};
+use super::refine::{SubpatchKind, normal_deviation_ratio, raised_safety_factors, refine_missed};
+use super::seams::{SeamLine, SeamSpan, TileSeams};
+use super::subpatch::{PatchSurface, Subpatch, SubpatchShape};
 use super::texcoords;
-use super::tile::{self, Done};
-use super::tip;
-use crate::budget::{Bound, Bounded, Code, Failure, Job, Progress, par_map};
+use super::tile::{self, PatchTileMesh};
+use crate::budget::{Bound, Bounded, Failure, Job, Progress, RefusalCode, par_map};
 use crate::check;
-use crate::explicit::{Mesh, Side};
+use crate::explicit::{Mesh, PatchSide};
 use crate::math::{Box3, sub_down};
 
-pub(crate) type Failed = Failure<Mesh>;
+pub(crate) type TessellationFailure = Failure<Mesh>;
 
 /// A surface with what is needed to mesh it to any allowance.
-pub(crate) struct Mesher<'a> {
-    sheets: &'a dyn Sheets,
-    quilt: Quilt,
+pub(crate) struct PatchMesher<'a> {
+    sheets: &'a dyn PatchSurface,
+    adjacency: PatchAdjacency,
     job: &'a Job,
 }
 
 /// Tiles with their seams, not yet proved.
-pub(crate) struct Planned<'a> {
-    pub(crate) grounds: Vec<Ground<'a>>,
-    pub(crate) tiles: Vec<Tile>,
-    pub(crate) seams: Seams,
+pub(crate) struct TilePlan<'a> {
+    pub(crate) subpatches: Vec<Subpatch<'a>>,
+    pub(crate) tiles: Vec<PatchTile>,
+    pub(crate) seams: TileSeams,
     /// Fewest cells each way, by sheet, that keep edges of different curves apart.
-    pub(crate) least: Vec<u32>,
+    pub(crate) min_cells: Vec<u32>,
     /// By how much the proof of rough grounds came out worse than expected, by sheet, 1 at first.
-    pub(crate) strains: Vec<f64>,
+    pub(crate) safety_factors: Vec<f64>,
 }
 
 /// Tiles that are proved to be within their tolerance.
-pub(crate) struct Proved<'a> {
-    grounds: Vec<Ground<'a>>,
-    tiles: Vec<(Tile, Done)>,
-    seams: Seams,
+pub(crate) struct CertifiedTiles<'a> {
+    subpatches: Vec<Subpatch<'a>>,
+    tiles: Vec<(PatchTile, PatchTileMesh)>,
+    seams: TileSeams,
 }
 
 /// Rounds of asking for more cells; three are usual, and every round adds cells where they lack.
@@ -51,9 +51,9 @@ const MOST_STRAIN: f64 = 1e6;
 /// Tiles at which the distance is measured from below, at two places each: 20 ns a triangle.
 const SAMPLED_TILES: usize = 12;
 
-impl<'a> Mesher<'a> {
-    pub(crate) fn new(sheets: &'a dyn Sheets, job: &'a Job) -> Self {
-        Self { sheets, quilt: sheets.quilt(), job }
+impl<'a> PatchMesher<'a> {
+    pub(crate) fn new(sheets: &'a dyn PatchSurface, job: &'a Job) -> Self {
+        Self { sheets, adjacency: sheets.adjacency(), job }
     }
 
     /// The longest diagonal of a sheet's hull; 1 where all sheets are points.
@@ -63,27 +63,27 @@ impl<'a> Mesher<'a> {
     }
 
     /// Whether a side of a tile is on a side of its sheet that is one point.
-    fn has_pole(&self, tile: &Tile, side: Side) -> bool {
+    fn has_pole(&self, tile: &PatchTile, side: PatchSide) -> bool {
         let ends = [(tile.v[0], 0.0), (tile.u[1], 1.0), (tile.v[1], 1.0), (tile.u[0], 0.0)];
         let (at, end) = ends[side as usize];
-        at == end && matches!(self.quilt.seams[tile.sheet as usize][side as usize], Seam::Point)
+        at == end && matches!(self.adjacency.sides[tile.sheet as usize][side as usize], SideBoundary::Point)
     }
 
     /// About how many triangles an allowance needs; cheap where that is fewer than `enough`.
-    pub(crate) fn estimate(&self, allowance: &Allowance, enough: f64) -> Result<f64, Failed> {
+    pub(crate) fn estimate(&self, allowance: &Allowance, enough: f64) -> Result<f64, TessellationFailure> {
         let numbers: Vec<usize> = (0..self.sheets.count()).collect();
-        let over = |one: &(dyn Fn(&Ground<'_>) -> Result<f64, Obstacle> + Sync)| {
+        let over = |one: &(dyn Fn(&Subpatch<'_>) -> Result<f64, InfeasibleTolerance> + Sync)| {
             total(par_map(self.job, &numbers, |_, &sheet| {
                 self.sheets
-                    .grounds(sheet, (allowance, 1.0))?
+                    .subpatches(sheet, (allowance, 1.0))?
                     .iter()
                     .try_fold(0.0, |sum, ground| Ok(sum + one(ground)?))
             }))
         };
         let rough = over(&|ground| {
-            let Shape::Bezier(patch) = &ground.shape else { return Ok(2.0) };
-            let tolerance = plan::tolerance(patch.hull(), (allowance, ground.lost()))?;
-            Ok(2.0 * Probe::new(patch).need(tolerance).cells)
+            let SubpatchShape::Bezier(patch) = &ground.shape else { return Ok(2.0) };
+            let tolerance = plan::tolerance(patch.bounds(), (allowance, ground.rounding_error()))?;
+            Ok(2.0 * CellEstimator::new(patch).estimate(tolerance).cells)
         })?;
         if rough < enough {
             return Ok(rough);
@@ -92,24 +92,24 @@ impl<'a> Mesher<'a> {
     }
 
     /// Tiles and rates for an allowance.
-    pub(crate) fn plan(&self, allowance: &Allowance) -> Result<Planned<'a>, Failed> {
-        self.plan_strained(allowance, vec![1.0; self.sheets.count()], None)
+    pub(crate) fn plan(&self, allowance: &Allowance) -> Result<TilePlan<'a>, TessellationFailure> {
+        self.plan_with_safety_factors(allowance, vec![1.0; self.sheets.count()], None)
     }
 
     /// Sheets of the plan before that are strained as much as they were are taken from it.
-    fn plan_strained(
+    fn plan_with_safety_factors(
         &self,
         allowance: &Allowance,
         strains: Vec<f64>,
-        before: Option<Planned<'a>>,
-    ) -> Result<Planned<'a>, Failed> {
-        type Cut<'a> = (Vec<Ground<'a>>, Vec<Tile>);
-        let mut cut: Vec<Cut<'a>> = (0..strains.len()).map(|_| Default::default()).collect();
+        before: Option<TilePlan<'a>>,
+    ) -> Result<TilePlan<'a>, TessellationFailure> {
+        type SheetTiles<'a> = (Vec<Subpatch<'a>>, Vec<PatchTile>);
+        let mut cut: Vec<SheetTiles<'a>> = (0..strains.len()).map(|_| Default::default()).collect();
         if let Some(before) = before {
-            let is_kept = |sheet: u32| before.strains[sheet as usize] == strains[sheet as usize];
+            let is_kept = |sheet: u32| before.safety_factors[sheet as usize] == strains[sheet as usize];
             // Their grounds follow each other, sheet by sheet.
             let mut begin = vec![0; strains.len()];
-            for (index, ground) in before.grounds.into_iter().enumerate() {
+            for (index, ground) in before.subpatches.into_iter().enumerate() {
                 let own = &mut cut[ground.sheet as usize].0;
                 if own.is_empty() {
                     begin[ground.sheet as usize] = index as u32;
@@ -119,8 +119,8 @@ impl<'a> Mesher<'a> {
                 }
             }
             for tile in before.tiles.into_iter().filter(|tile| is_kept(tile.sheet)) {
-                let ground = tile.ground - begin[tile.sheet as usize];
-                cut[tile.sheet as usize].1.push(Tile { ground, ..tile });
+                let ground = tile.subpatch - begin[tile.sheet as usize];
+                cut[tile.sheet as usize].1.push(PatchTile { subpatch: ground, ..tile });
             }
         }
         let open: Vec<usize> = (0..strains.len()).filter(|sheet| cut[*sheet].0.is_empty()).collect();
@@ -128,12 +128,12 @@ impl<'a> Mesher<'a> {
             if self.job.is_cancelled() {
                 return Ok((Vec::new(), Vec::new()));
             }
-            let grounds = self.sheets.grounds(sheet, (allowance, strains[sheet]))?;
+            let grounds = self.sheets.subpatches(sheet, (allowance, strains[sheet]))?;
             let mut tiles = Vec::new();
             for (index, ground) in grounds.iter().enumerate() {
                 let begin = tiles.len();
-                tiles.extend(plan::cut(ground, allowance)?);
-                tiles[begin..].iter_mut().for_each(|tile| tile.ground = index as u32);
+                tiles.extend(plan::split_into_tiles(ground, allowance)?);
+                tiles[begin..].iter_mut().for_each(|tile| tile.subpatch = index as u32);
             }
             Ok((grounds, tiles))
         });
@@ -141,52 +141,59 @@ impl<'a> Mesher<'a> {
             return Err(Failure::Cancelled);
         }
         for (sheet, made) in open.into_iter().zip(made) {
-            cut[sheet] = made.map_err(refuse)?;
+            cut[sheet] = made.map_err(refuse_tolerance)?;
         }
         let (mut grounds, mut tiles) = (Vec::new(), Vec::new());
         for (own, cut) in cut {
             let begin = grounds.len() as u32;
             grounds.extend(own);
-            tiles.extend(cut.into_iter().map(|tile| Tile { ground: begin + tile.ground, ..tile }));
+            tiles.extend(cut.into_iter().map(|tile| PatchTile { subpatch: begin + tile.subpatch, ..tile }));
         }
-        Ok(self.lay(grounds, tiles, strains))
+        Ok(self.lay_seams(grounds, tiles, strains))
     }
 
     /// Tiles with the seams between them.
-    fn lay(&self, grounds: Vec<Ground<'a>>, mut tiles: Vec<Tile>, strains: Vec<f64>) -> Planned<'a> {
+    fn lay_seams(
+        &self,
+        grounds: Vec<Subpatch<'a>>,
+        mut tiles: Vec<PatchTile>,
+        strains: Vec<f64>,
+    ) -> TilePlan<'a> {
         for tile in &mut tiles {
             let ends = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| (tile.u[i], tile.v[j]));
-            let known = self.quilt.meetings[tile.sheet as usize];
+            let known = self.adjacency.corner_kinds[tile.sheet as usize];
             let places = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
-            let poles = Side::ALL.map(|side| self.has_pole(tile, side));
+            let poles = PatchSide::ALL.map(|side| self.has_pole(tile, side));
             tile.corners = std::array::from_fn(|k| match known[k] {
-                kind if kind != Corner::Plain && ends[k] == places[k] => kind,
+                kind if kind != PatchCorner::Plain && ends[k] == places[k] => kind,
                 // All vertices of a pole are one: an edge from any of them is one edge.
-                _ if poles[k] || poles[(k + 3) % 4] => Corner::Whole,
-                _ => Corner::Plain,
+                _ if poles[k] || poles[(k + 3) % 4] => PatchCorner::Whole,
+                _ => PatchCorner::Plain,
             });
         }
-        let mut seams = Seams::new(&self.quilt, &tiles);
-        seams.set_rates(&tiles, &grounds, &self.quilt);
+        let mut seams = TileSeams::new(&self.adjacency, &tiles);
+        seams.set_rates(&tiles, &grounds, &self.adjacency);
         let least = vec![1; self.sheets.count()];
-        Planned { grounds, tiles, seams, least, strains }
+        TilePlan { subpatches: grounds, tiles, seams, min_cells: least, safety_factors: strains }
     }
 
     /// The tiles, those cut whose normals still miss what is allowed although they have many cells: they turn in one place of it. `None` where there is
     /// none.
-    fn cut_where_normals_turn(
+    fn split_where_normals_deviate(
         &self,
-        planned: &Planned<'a>,
-        done: &[Option<Done>],
+        planned: &TilePlan<'a>,
+        done: &[Option<PatchTileMesh>],
         allowance: &Allowance,
-    ) -> Option<Vec<Tile>> {
-        let is_odd = |(tile, done): (&Tile, &Option<Done>)| {
-            let misses = done.as_ref().is_some_and(|done| over_turn(done, allowance) > 0.0);
-            misses && plan::parts(tile).len() > 1
+    ) -> Option<Vec<PatchTile>> {
+        let is_odd = |(tile, done): (&PatchTile, &Option<PatchTileMesh>)| {
+            let misses = done.as_ref().is_some_and(|done| normal_deviation_ratio(done, allowance) > 0.0);
+            misses && plan::split_tile(tile).len() > 1
         };
         let odd: Vec<bool> = planned.tiles.iter().zip(done).map(is_odd).collect();
         odd.contains(&true).then(|| {
-            let cut = |(tile, is_odd): (&Tile, bool)| if is_odd { plan::parts(tile) } else { vec![*tile] };
+            let cut = |(tile, is_odd): (&PatchTile, bool)| {
+                if is_odd { plan::split_tile(tile) } else { vec![*tile] }
+            };
             planned.tiles.iter().zip(odd).flat_map(cut).collect()
         })
     }
@@ -196,31 +203,32 @@ impl<'a> Mesher<'a> {
     /// when cells are very few) get more cells too.
     pub(crate) fn prove(
         &self,
-        mut planned: Planned<'a>,
+        mut planned: TilePlan<'a>,
         allowance: &Allowance,
-    ) -> Result<Proved<'a>, Failed> {
-        let mut done: Vec<Option<Done>> = vec![None; planned.tiles.len()];
+    ) -> Result<CertifiedTiles<'a>, TessellationFailure> {
+        let mut done: Vec<Option<PatchTileMesh>> = vec![None; planned.tiles.len()];
         for round in 0..MOST_ROUNDS {
             self.check_cells(&planned.tiles)?;
             // Those that are no patches first: while one of them has to be divided, the others would be built for nothing.
-            self.build_open(&planned, &mut done, (allowance, Kind::Rough))?;
-            if let Some(strains) = strained(&planned, &done, allowance) {
-                planned = self.plan_strained(allowance, strains, Some(planned))?;
+            self.build_pending(&planned, &mut done, (allowance, SubpatchKind::Extraordinary))?;
+            if let Some(strains) = raised_safety_factors(&planned, &done, allowance) {
+                planned = self.plan_with_safety_factors(allowance, strains, Some(planned))?;
                 done = vec![None; planned.tiles.len()];
                 continue;
             }
-            self.build_open(&planned, &mut done, (allowance, Kind::Bezier))?;
-            if let Some(tiles) = self.cut_where_normals_turn(&planned, &done, allowance) {
-                planned = self.lay(planned.grounds, tiles, planned.strains);
+            self.build_pending(&planned, &mut done, (allowance, SubpatchKind::Bezier))?;
+            if let Some(tiles) = self.split_where_normals_deviate(&planned, &done, allowance) {
+                planned = self.lay_seams(planned.subpatches, tiles, planned.safety_factors);
                 done = vec![None; planned.tiles.len()];
                 continue;
             }
-            let missed = ask_for_more(&mut planned, &mut done, (round, allowance));
-            let most = if allowance.turn.is_some() { MOST_STRAIN * MOST_STRAIN } else { MOST_STRAIN };
-            if let Some(tile) = planned.tiles.iter().find(|tile| tile.strain > most) {
-                let ground = &planned.grounds[tile.ground as usize];
-                if allowance.turn.is_some() {
-                    return Err(refuse(Obstacle::Endless(ground.hull(tile))));
+            let missed = refine_missed(&mut planned, &mut done, (round, allowance));
+            let most =
+                if allowance.normal_deviation.is_some() { MOST_STRAIN * MOST_STRAIN } else { MOST_STRAIN };
+            if let Some(tile) = planned.tiles.iter().find(|tile| tile.safety_factor > most) {
+                let ground = &planned.subpatches[tile.subpatch as usize];
+                if allowance.normal_deviation.is_some() {
+                    return Err(refuse_tolerance(InfeasibleTolerance::NoConvergence(ground.hull(tile))));
                 }
                 break;
             }
@@ -230,54 +238,57 @@ impl<'a> Mesher<'a> {
                     "the budget needs more than {:.1e} triangles, the limit",
                     self.job.triangle_limit
                 );
-                return Err(Failure::refused(Code::TooManyTriangles, message));
+                return Err(Failure::refused(RefusalCode::TooManyTriangles, message));
             }
-            if !missed && !self.part_edges(&mut planned, &mut done) {
+            if !missed && !self.separate_edges(&mut planned, &mut done) {
                 let tiles = planned
                     .tiles
                     .into_iter()
                     .zip(done)
                     .filter_map(|(tile, done)| Some((tile, done?)))
                     .collect();
-                return Ok(Proved { grounds: planned.grounds, tiles, seams: planned.seams });
+                return Ok(CertifiedTiles { subpatches: planned.subpatches, tiles, seams: planned.seams });
             }
-            let changed = planned.seams.set_rates(&planned.tiles, &planned.grounds, &self.quilt);
+            let changed = planned.seams.set_rates(&planned.tiles, &planned.subpatches, &self.adjacency);
             done.iter_mut().zip(changed).filter(|(_, changed)| *changed).for_each(|(done, _)| *done = None);
         }
         Err(Failure::refused(
-            Code::BelowPrecision,
+            RefusalCode::BelowPrecision,
             "the budget is so small that rounding hides whether it is met",
         ))
     }
 
     /// That no guess of a rate, however wrong, lets the work run away.
-    fn check_cells(&self, tiles: &[Tile]) -> Result<(), Failed> {
+    fn check_cells(&self, tiles: &[PatchTile]) -> Result<(), TessellationFailure> {
         let triangles: f64 = tiles.iter().map(|tile| 2.0 * f64::from(tile.n) * f64::from(tile.m)).sum();
         let limit = self.job.triangle_limit as f64;
         // Twice, since strips between tiles of unlike rates have more or fewer triangles than the cells there.
         if triangles > 2.0 * limit {
             let message =
                 format!("the budget needs about {triangles:.1e} triangles; the limit is {limit:.1e}");
-            return Err(Failure::refused(Code::TooManyTriangles, message));
+            return Err(Failure::refused(RefusalCode::TooManyTriangles, message));
         }
         Ok(())
     }
 
-    fn build_open(
+    fn build_pending(
         &self,
-        planned: &Planned<'_>,
-        done: &mut [Option<Done>],
-        (allowance, kind): (&Allowance, Kind),
-    ) -> Result<(), Failed> {
-        let Planned { grounds, tiles, seams, .. } = planned;
-        let is_open = |i: &usize| done[*i].is_none() && Kind::of(&grounds[tiles[*i].ground as usize]) == kind;
+        planned: &TilePlan<'_>,
+        done: &mut [Option<PatchTileMesh>],
+        (allowance, kind): (&Allowance, SubpatchKind),
+    ) -> Result<(), TessellationFailure> {
+        let TilePlan { subpatches: grounds, tiles, seams, .. } = planned;
+        let is_open =
+            |i: &usize| done[*i].is_none() && SubpatchKind::of(&grounds[tiles[*i].subpatch as usize]) == kind;
         let open: Vec<usize> = (0..tiles.len()).filter(is_open).collect();
         let built = par_map(self.job, &open, |_, &i| {
-            let ground = &grounds[tiles[i].ground as usize];
+            let ground = &grounds[tiles[i].subpatch as usize];
             (!self.job.is_cancelled()).then(|| {
                 let done = tile::build(i, &tiles[i], ground, seams);
-                let turn = allowance.turn.map(|_| tile::turn((i, &tiles[i]), ground, seams, &done));
-                Done { turn, ..done }
+                let turn = allowance
+                    .normal_deviation
+                    .map(|_| tile::normal_deviation((i, &tiles[i]), ground, seams, &done));
+                PatchTileMesh { normal_deviation: turn, ..done }
             })
         });
         for (i, built) in open.iter().zip(built) {
@@ -294,7 +305,7 @@ impl<'a> Mesher<'a> {
     /// More cells for sheets with a triangle that has a vertex twice, a segment that no triangle has, or an edge that
     /// is not only its own. Whether there was any. Three cells each way with their corners whole are always enough, so
     /// few are looked at.
-    fn part_edges(&self, planned: &mut Planned<'_>, done: &mut [Option<Done>]) -> bool {
+    fn separate_edges(&self, planned: &mut TilePlan<'_>, done: &mut [Option<PatchTileMesh>]) -> bool {
         let tiles = planned.tiles.iter().zip(done.iter());
         let too_few = tiles.filter(|(_, done)| done.as_ref().is_some_and(|done| done.too_few));
         let mut again: Vec<u32> = too_few.map(|(tile, _)| tile.sheet).collect();
@@ -314,9 +325,9 @@ impl<'a> Mesher<'a> {
         }
         again.sort_unstable();
         again.dedup();
-        again.iter().for_each(|sheet| planned.least[*sheet as usize] += 1);
+        again.iter().for_each(|sheet| planned.min_cells[*sheet as usize] += 1);
         for (tile, done) in planned.tiles.iter_mut().zip(done) {
-            let least = planned.least[tile.sheet as usize];
+            let least = planned.min_cells[tile.sheet as usize];
             if tile.n < least || tile.m < least {
                 (tile.n, tile.m) = (tile.n.max(least), tile.m.max(least));
                 *done = None;
@@ -326,11 +337,11 @@ impl<'a> Mesher<'a> {
     }
 
     /// Segments on shared curves, sorted by their two vertices, with the number of sheets that meet there.
-    fn shared_segments(&self, seams: &Seams) -> Vec<(u32, u32, usize)> {
+    fn shared_segments(&self, seams: &TileSeams) -> Vec<(u32, u32, usize)> {
         let mut list = Vec::new();
         for piece in &seams.pieces {
-            let Line::Edge(edge) = piece.line else { continue };
-            let uses = self.quilt.edges[edge as usize].uses.len();
+            let SeamLine::Edge(edge) = piece.line else { continue };
+            let uses = self.adjacency.edges[edge as usize].uses.len();
             list.extend(segments(piece).map(|(a, b)| (a, b, uses)));
         }
         list.sort_unstable();
@@ -338,28 +349,29 @@ impl<'a> Mesher<'a> {
     }
 
     /// The mesh with its bound; pixels at the view of the allowance.
-    pub(crate) fn finish(&self, proved: &Proved<'_>, allowance: &Allowance) -> Bounded<Mesh> {
-        let Proved { grounds, tiles, seams } = proved;
+    pub(crate) fn finish(&self, proved: &CertifiedTiles<'_>, allowance: &Allowance) -> Bounded<Mesh> {
+        let CertifiedTiles { subpatches: grounds, tiles, seams } = proved;
         let most =
             tiles.iter().fold(0.0, |most, (_, done)| if done.bound > most { done.bound } else { most });
-        let mesh = assemble::assemble(grounds, &self.quilt, seams, tiles);
+        let mesh = assemble::assemble(grounds, &self.adjacency, seams, tiles);
         let mesh = texcoords::with_texcoords(mesh, self.sheets, (grounds, seams, tiles), self.job);
-        let (least, at) = measure(grounds, tiles, &mesh);
+        let (least, at) = measure_lower_bound(grounds, tiles, &mesh);
         let least = if least < most { least } else { most };
         let mut bound = Bound::proved(least, most, self.sheets.reference());
         bound.at = at;
-        bound.angle_deg = allowance.turn.map(|_| {
+        bound.angle_deg = allowance.normal_deviation.map(|_| {
             let turns = tiles.iter().enumerate().map(|(i, (tile, done))| {
-                let ground = &grounds[tile.ground as usize];
-                done.turn.unwrap_or_else(|| tile::turn((i, tile), ground, seams, done))
+                let ground = &grounds[tile.subpatch as usize];
+                done.normal_deviation
+                    .unwrap_or_else(|| tile::normal_deviation((i, tile), ground, seams, done))
             });
             let most = turns.fold(0.0, |most, turn| if turn > most { turn } else { most });
             2.0 * libm::asin(if most < 2.0 { 0.5 * most } else { 1.0 }).to_degrees()
         });
         bound.pixels = allowance.pixels.and_then(|(_, lens)| {
             tiles.iter().try_fold(0.0, |worst, (tile, done)| {
-                let place = grounds[tile.ground as usize].hull(tile);
-                let pixels = lens.sight(&place).pixels_of(done.bound)?;
+                let place = grounds[tile.subpatch as usize].hull(tile);
+                let pixels = lens.scale_at(&place).pixels_of(done.bound)?;
                 Some(if pixels > worst { pixels } else { worst })
             })
         });
@@ -367,20 +379,25 @@ impl<'a> Mesher<'a> {
     }
 }
 
-impl Planned<'_> {
+impl TilePlan<'_> {
     /// The number of triangles that it will have, unless a proof asks for more.
-    pub(crate) fn count(&self, mesher: &Mesher<'_>) -> u64 {
+    pub(crate) fn count(&self, mesher: &PatchMesher<'_>) -> u64 {
         let per_tile = self.tiles.iter().enumerate().map(|(i, tile)| {
-            let counts = Side::ALL.map(|side| self.seams.count(i, side));
-            let poles = Side::ALL.map(|side| mesher.has_pole(tile, side));
-            let is_rough = matches!(self.grounds[tile.ground as usize].shape, Shape::Rough(_));
-            if is_rough { tip::count_triangles(counts) } else { tile::count_triangles(tile, counts, poles) }
+            let counts = PatchSide::ALL.map(|side| self.seams.count(i, side));
+            let poles = PatchSide::ALL.map(|side| mesher.has_pole(tile, side));
+            let is_rough =
+                matches!(self.subpatches[tile.subpatch as usize].shape, SubpatchShape::Extraordinary(_));
+            if is_rough {
+                extraordinary_tile::count_triangles(counts)
+            } else {
+                tile::count_triangles(tile, counts, poles)
+            }
         });
         per_tile.sum()
     }
 }
 
-impl Proved<'_> {
+impl CertifiedTiles<'_> {
     /// The number of its triangles.
     pub(crate) fn count(&self) -> u64 {
         self.tiles.iter().map(|(_, done)| done.triangles.len() as u64).sum()
@@ -393,15 +410,19 @@ impl Proved<'_> {
 }
 
 /// The distance from below and its place: at the middles of the worst triangles and of their sides.
-fn measure(grounds: &[Ground<'_>], tiles: &[(Tile, Done)], mesh: &Mesh) -> (f64, Option<[f64; 3]>) {
+fn measure_lower_bound(
+    grounds: &[Subpatch<'_>],
+    tiles: &[(PatchTile, PatchTileMesh)],
+    mesh: &Mesh,
+) -> (f64, Option<[f64; 3]>) {
     let mut order: Vec<usize> = (0..tiles.len()).collect();
     order.sort_by(|a, b| tiles[*b].1.bound.total_cmp(&tiles[*a].1.bound).then(a.cmp(b)));
     let mut samples = Vec::new();
     let mut off = 0.0;
     for &i in order.iter().take(SAMPLED_TILES) {
         let (tile, done) = &tiles[i];
-        let ground = &grounds[tile.ground as usize];
-        let slack = ground.lost();
+        let ground = &grounds[tile.subpatch as usize];
+        let slack = ground.rounding_error();
         off = if slack > off { slack } else { off };
         let [a, b, c] = done.worst;
         // The bound is reached in the middle of a triangle or of the side that is longest in parameters.
@@ -424,13 +445,13 @@ fn measure(grounds: &[Ground<'_>], tiles: &[(Tile, Done)], mesh: &Mesh) -> (f64,
 }
 
 /// Whether a tile has so few cells that its edges may fall together.
-fn is_coarse(tile: &Tile) -> bool {
+fn is_coarse(tile: &PatchTile) -> bool {
     tile.n < 3 || tile.m < 3
 }
 
 /// The edges in coarse tiles that may fall together with others, sorted, with their patch, and those of other tiles that
 /// have the same two vertices.
-fn coarse_edges(planned: &Planned<'_>, done: &[Option<Done>]) -> Vec<(u32, u32, u32)> {
+fn coarse_edges(planned: &TilePlan<'_>, done: &[Option<PatchTileMesh>]) -> Vec<(u32, u32, u32)> {
     let mut edges: Vec<(u32, u32, u32)> = Vec::new();
     let mut first_inner = planned.seams.positions.len() as u32;
     for (index, (tile, done)) in planned.tiles.iter().zip(done).enumerate() {
@@ -438,7 +459,7 @@ fn coarse_edges(planned: &Planned<'_>, done: &[Option<Done>]) -> Vec<(u32, u32, 
         let border: Vec<u32> =
             tile::border(index, tile, &planned.seams).iter().map(|vertex| vertex.id).collect();
         // Inner vertices belong to this tile alone: their edges fall together only where its border meets itself.
-        let inner = if has_twice(border.clone()) { done.inner.len() } else { 0 };
+        let inner = if has_duplicate(border.clone()) { done.inner.len() } else { 0 };
         let ids: Vec<u32> = border.into_iter().chain((first_inner..).take(inner)).collect();
         first_inner += inner as u32;
         for t in &done.triangles {
@@ -453,7 +474,7 @@ fn coarse_edges(planned: &Planned<'_>, done: &[Option<Done>]) -> Vec<(u32, u32, 
     // Other tiles have edges with both ends on their border only on it.
     let known = edges.len();
     for (index, tile) in planned.tiles.iter().enumerate().filter(|(_, tile)| known > 0 && !is_coarse(tile)) {
-        let pieces = Side::ALL.iter().flat_map(|side| planned.seams.chain(index, *side));
+        let pieces = PatchSide::ALL.iter().flat_map(|side| planned.seams.chain(index, *side));
         for (a, b) in pieces.flat_map(|(piece, _)| segments(piece)) {
             if edges[..known].binary_search_by_key(&(a, b), |edge| (edge.0, edge.1)).is_ok() {
                 edges.push((a, b, tile.sheet));
@@ -464,44 +485,44 @@ fn coarse_edges(planned: &Planned<'_>, done: &[Option<Done>]) -> Vec<(u32, u32, 
     edges
 }
 
-fn has_twice(mut ids: Vec<u32>) -> bool {
+fn has_duplicate(mut ids: Vec<u32>) -> bool {
     ids.sort_unstable();
     ids.windows(2).any(|pair| pair[0] == pair[1])
 }
 
 /// The pairs of neighbouring vertices on a piece, the smaller first; none on one that is a point.
-fn segments(piece: &Piece) -> impl Iterator<Item = (u32, u32)> {
+fn segments(piece: &SeamSpan) -> impl Iterator<Item = (u32, u32)> {
     let pair = |k: u32| (piece.vertex(k), piece.vertex(k + 1));
     (0..piece.n).map(pair).filter(|(a, b)| a != b).map(|(a, b)| (a.min(b), a.max(b)))
 }
 
-fn total(parts: Vec<Result<f64, Obstacle>>) -> Result<f64, Failed> {
-    parts.into_iter().try_fold(0.0, |sum, part| Ok(sum + part.map_err(refuse)?))
+fn total(parts: Vec<Result<f64, InfeasibleTolerance>>) -> Result<f64, TessellationFailure> {
+    parts.into_iter().try_fold(0.0, |sum, part| Ok(sum + part.map_err(refuse_tolerance)?))
 }
 
-pub(crate) fn refuse(obstacle: Obstacle) -> Failed {
+pub(crate) fn refuse_tolerance(obstacle: InfeasibleTolerance) -> TessellationFailure {
     let centre = |place: Box3| place.centre().map(|x| format!("{x:.4}")).join(", ");
     match obstacle {
-        Obstacle::TooClose(place) => {
+        InfeasibleTolerance::TooClose(place) => {
             let place = centre(place);
             let message = format!(
                 "the eye is too close to the shape near ({place}) for any bound in pixels; a camera can be given near=LENGTH"
             );
-            Failure::refused(Code::TooClose, message)
+            Failure::refused(RefusalCode::TooClose, message)
         }
-        Obstacle::Endless(place) => {
+        InfeasibleTolerance::NoConvergence(place) => {
             let place = centre(place);
             let message = format!(
                 "near ({place}) no number of triangles seems to do: the angle is too small for how the surface turns there"
             );
-            Failure::refused(Code::BelowPrecision, message)
+            Failure::refused(RefusalCode::BelowPrecision, message)
         }
-        Obstacle::BelowRounding(place, rounding) => {
+        InfeasibleTolerance::BelowRounding(place, rounding) => {
             let place = centre(place);
             let message = format!(
                 "rounding near ({place}) alone can lose {rounding:.1e}, so no mesh in double precision can be proved to meet the budget"
             );
-            Failure::refused(Code::BelowPrecision, message)
+            Failure::refused(RefusalCode::BelowPrecision, message)
         }
     }
 }

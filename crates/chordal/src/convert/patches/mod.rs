@@ -1,18 +1,18 @@
 //! The parts of `patches_to_mesh`, in the order in which they run:
-//! [`quilt`] finds shared curves, [`plan`] cuts patches into tiles and chooses their rates by the bound of
-//! [`bend`], [`seams`] gives every tile's sides their shared points, [`tile`] triangulates and proves one tile, [`demand`] asks for more where one misses,
+//! [`adjacency`] finds shared curves, [`plan`] cuts patches into tiles and chooses their rates by the bound of
+//! [`derivative_bound`], [`seams`] gives every tile's sides their shared points, [`tile`] triangulates and proves one tile, [`refine`] asks for more where one misses,
 //! [`assemble`] numbers the vertices and computes normals.
+pub(super) mod adjacency;
 pub(super) mod assemble;
-pub(super) mod bend;
-pub(super) mod demand;
-pub(super) mod ground;
+pub(super) mod budget;
+pub(super) mod cell_estimate;
+pub(super) mod derivative_bound;
+pub(super) mod extraordinary;
+pub(super) mod extraordinary_tile;
 pub(super) mod mesher;
 pub(super) mod plan;
-pub(super) mod probe;
-pub(super) mod quilt;
-pub(super) mod rough;
+pub(super) mod refine;
 pub(super) mod seams;
+pub(super) mod subpatch;
 pub(super) mod texcoords;
 pub(super) mod tile;
-pub(super) mod tip;
-pub(super) mod within;

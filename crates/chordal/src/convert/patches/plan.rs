@@ -3,11 +3,11 @@
 //! A tile is a rectangle of one patch's parameter plane with `n × m` equal cells. The number of cells that a
 //! rectangle needs is about `bound/tolerance`, so a rectangle is halved where its halves together need fewer. None
 //! of this has to be right: [`super::tile`] proves each tile afterwards and asks for more cells where they lack.
-use super::ground::{Ground, Shape};
-use super::probe::{Need, Probe, Rates};
-use super::quilt::Corner;
+use super::adjacency::PatchCorner;
+use super::cell_estimate::{CellEstimate, CellEstimator, TessellationRates};
+use super::subpatch::{Subpatch, SubpatchShape};
 use crate::budget::{Lens, Pixels};
-use crate::explicit::{Patch, Side};
+use crate::explicit::{Patch, PatchSide};
 use crate::math::{Box3, sub_down};
 
 /// What a place of the shape may lose.
@@ -16,7 +16,7 @@ pub(crate) struct Allowance {
     pub(crate) length: Option<f64>,
     pub(crate) pixels: Option<(Pixels, Lens)>,
     /// How far the triangles' unit normals may be from the shape's.
-    pub(crate) turn: Option<f64>,
+    pub(crate) normal_deviation: Option<f64>,
 }
 
 impl Allowance {
@@ -25,13 +25,13 @@ impl Allowance {
     pub(crate) fn rung(size: f64, (k, an_octave): (u32, u32)) -> Self {
         let step = libm::exp2(-f64::from(k % an_octave) / f64::from(an_octave));
         let length = 4.0 * size * step * libm::exp2(-f64::from(k / an_octave));
-        Self { length: Some(length), pixels: None, turn: None }
+        Self { length: Some(length), pixels: None, normal_deviation: None }
     }
 
     /// The length that may be lost in `place`; `None` where the eye is too close for any.
     pub(crate) fn at(&self, place: &Box3) -> Option<f64> {
         let by_view = match &self.pixels {
-            Some((pixels, lens)) => lens.sight(place).length_of(*pixels)?,
+            Some((pixels, lens)) => lens.scale_at(place).length_of(*pixels)?,
             None => f64::MAX,
         };
         let by_length = self.length.unwrap_or(f64::MAX);
@@ -41,21 +41,21 @@ impl Allowance {
 
 /// Why no mesh can meet an allowance, and near where.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Obstacle {
+pub(crate) enum InfeasibleTolerance {
     /// The eye is so near that no length is small enough.
     TooClose(Box3),
     /// More and more cells bring no end.
-    Endless(Box3),
+    NoConvergence(Box3),
     /// Rounding alone loses this length.
     BelowRounding(Box3, f64),
 }
 
 /// A rectangle of one ground with its cells, in the parameters of the sheet.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Tile {
+pub(crate) struct PatchTile {
     pub(crate) sheet: u32,
     /// The ground that it is on, by its number.
-    pub(crate) ground: u32,
+    pub(crate) subpatch: u32,
     /// Start and end, dyadic numbers.
     pub(crate) u: [f64; 2],
     pub(crate) v: [f64; 2],
@@ -65,36 +65,36 @@ pub(crate) struct Tile {
     /// Whether cells are cut from their first corner to the opposite one (or between the other two).
     pub(crate) rising: bool,
     /// How its corners are, in the order of the sides that start there.
-    pub(crate) corners: [Corner; 4],
+    pub(crate) corners: [PatchCorner; 4],
     /// The length that this place may lose, rounding taken off.
     pub(crate) tolerance: f64,
     /// By how much its proof came out worse than its probe, 1 at first.
-    pub(crate) strain: f64,
+    pub(crate) safety_factor: f64,
 }
 
-impl Tile {
+impl PatchTile {
     /// All of a ground as one cell.
-    fn one(ground: &Ground<'_>, tolerance: f64) -> Self {
-        let (u, v, corners) = (ground.u, ground.v, [Corner::Plain; 4]);
+    fn single_cell(ground: &Subpatch<'_>, tolerance: f64) -> Self {
+        let (u, v, corners) = (ground.u, ground.v, [PatchCorner::Plain; 4]);
         let (n, m, rising) = (1, 1, true);
-        Self { sheet: ground.sheet, ground: 0, u, v, n, m, rising, corners, tolerance, strain: 1.0 }
+        Self { sheet: ground.sheet, subpatch: 0, u, v, n, m, rising, corners, tolerance, safety_factor: 1.0 }
     }
 }
 
-impl Tile {
+impl PatchTile {
     /// Whether a side of it is on the border of its sheet.
-    pub(crate) fn is_on_border(&self, side: Side) -> bool {
+    pub(crate) fn is_on_border(&self, side: PatchSide) -> bool {
         match side {
-            Side::Bottom => self.v[0] == 0.0,
-            Side::Right => self.u[1] == 1.0,
-            Side::Top => self.v[1] == 1.0,
-            Side::Left => self.u[0] == 0.0,
+            PatchSide::Bottom => self.v[0] == 0.0,
+            PatchSide::Right => self.u[1] == 1.0,
+            PatchSide::Top => self.v[1] == 1.0,
+            PatchSide::Left => self.u[0] == 0.0,
         }
     }
 
     /// In which half of a side of its sheet it is, by rising parameter.
-    pub(crate) fn half(&self, side: Side) -> usize {
-        let span = if matches!(side, Side::Bottom | Side::Top) { self.u } else { self.v };
+    pub(crate) fn half(&self, side: PatchSide) -> usize {
+        let span = if matches!(side, PatchSide::Bottom | PatchSide::Top) { self.u } else { self.v };
         usize::from(span[0] >= 0.5)
     }
 }
@@ -120,7 +120,7 @@ fn is_broad([from, to]: [f64; 2]) -> bool {
 const CELLS_TO_HALVE: u32 = 8;
 
 /// The parts of a tile that is halved each way in which it has many cells.
-pub(crate) fn parts(tile: &Tile) -> Vec<Tile> {
+pub(crate) fn split_tile(tile: &PatchTile) -> Vec<PatchTile> {
     let halves = |[from, to]: [f64; 2], n: u32| {
         let middle = 0.5 * (from + to);
         match n >= CELLS_TO_HALVE && is_broad([from, to]) {
@@ -130,36 +130,46 @@ pub(crate) fn parts(tile: &Tile) -> Vec<Tile> {
     };
     let mut parts = Vec::new();
     for (v, m) in halves(tile.v, tile.m) {
-        parts.extend(halves(tile.u, tile.n).into_iter().map(|(u, n)| Tile { u, v, n, m, ..*tile }));
+        parts.extend(halves(tile.u, tile.n).into_iter().map(|(u, n)| PatchTile { u, v, n, m, ..*tile }));
     }
     parts
 }
 
 /// What a part may lose, rounding taken off.
-pub(crate) fn tolerance(place: Box3, (allowance, rounding): (&Allowance, f64)) -> Result<f64, Obstacle> {
+pub(crate) fn tolerance(
+    place: Box3,
+    (allowance, rounding): (&Allowance, f64),
+) -> Result<f64, InfeasibleTolerance> {
     // From below, so that tolerance and rounding together never exceed what is allowed.
-    let tolerance = sub_down(allowance.at(&place).ok_or(Obstacle::TooClose(place))?, rounding);
+    let tolerance = sub_down(allowance.at(&place).ok_or(InfeasibleTolerance::TooClose(place))?, rounding);
     // Where the allowance for rounding is most of the budget, noise would decide how many cells are enough.
-    if tolerance < rounding { Err(Obstacle::BelowRounding(place, rounding)) } else { Ok(tolerance) }
+    if tolerance < rounding {
+        Err(InfeasibleTolerance::BelowRounding(place, rounding))
+    } else {
+        Ok(tolerance)
+    }
 }
 
 /// The tiles of one ground, in the order of a depth-first walk.
-pub(crate) fn cut(ground: &Ground<'_>, allowance: &Allowance) -> Result<Vec<Tile>, Obstacle> {
+pub(crate) fn split_into_tiles(
+    ground: &Subpatch<'_>,
+    allowance: &Allowance,
+) -> Result<Vec<PatchTile>, InfeasibleTolerance> {
     let mut tiles = Vec::new();
-    let context = (allowance, ground.lost());
+    let context = (allowance, ground.rounding_error());
     let patch = match &ground.shape {
-        Shape::Bezier(patch) => **patch,
-        Shape::Rough(rough) => {
-            let tolerance = tolerance(Box3::around(rough.ring().hull()), context)?;
-            return Ok(vec![Tile::one(ground, tolerance)]);
+        SubpatchShape::Bezier(patch) => **patch,
+        SubpatchShape::Extraordinary(rough) => {
+            let tolerance = tolerance(Box3::from_points(rough.ring().hull()), context)?;
+            return Ok(vec![PatchTile::single_cell(ground, tolerance)]);
         }
     };
-    let mut open = vec![Open::new(patch, ground.u, ground.v, context)?];
+    let mut open = vec![TileCandidate::new(patch, ground.u, ground.v, context)?];
     while let Some(rectangle) = open.pop() {
         if let Some(half) = rectangle.better_half().or_else(|| rectangle.longer_half()) {
-            let halves = rectangle.halved(half, context)?;
+            let halves = rectangle.halve(half, context)?;
             // Guesses on noise need not fall; then halving would go on to the narrowest tiles everywhere.
-            if halves[0].need.cells + halves[1].need.cells < 1.2 * rectangle.need.cells {
+            if halves[0].estimate.cells + halves[1].estimate.cells < 1.2 * rectangle.estimate.cells {
                 open.extend(halves);
                 continue;
             }
@@ -170,16 +180,16 @@ pub(crate) fn cut(ground: &Ground<'_>, allowance: &Allowance) -> Result<Vec<Tile
 }
 
 /// About how many triangles a ground needs, without laying them: rectangles are halved only while that pays.
-pub(crate) fn estimate(ground: &Ground<'_>, allowance: &Allowance) -> Result<f64, Obstacle> {
-    let context = (allowance, ground.lost());
-    let Shape::Bezier(patch) = &ground.shape else { return Ok(2.0) };
-    let mut open = vec![Open::new(**patch, ground.u, ground.v, context)?];
+pub(crate) fn estimate(ground: &Subpatch<'_>, allowance: &Allowance) -> Result<f64, InfeasibleTolerance> {
+    let context = (allowance, ground.rounding_error());
+    let SubpatchShape::Bezier(patch) = &ground.shape else { return Ok(2.0) };
+    let mut open = vec![TileCandidate::new(**patch, ground.u, ground.v, context)?];
     let (mut cells, mut looked_at) = (0.0, 0);
     while let Some(rectangle) = open.pop() {
         looked_at += 1;
         match rectangle.better_half().filter(|_| looked_at < MOST_LOOKS) {
-            Some(half) => open.extend(rectangle.halved(half, context)?),
-            None => cells += rectangle.need.cells,
+            Some(half) => open.extend(rectangle.halve(half, context)?),
+            None => cells += rectangle.estimate.cells,
         }
     }
     Ok(2.0 * cells)
@@ -190,54 +200,63 @@ const MOST_LOOKS: usize = 256;
 
 /// In which direction a rectangle is halved.
 #[derive(Clone, Copy, PartialEq)]
-enum Half {
-    OfU,
-    OfV,
+enum ParameterAxis {
+    U,
+    V,
 }
 
 /// A rectangle that may still be halved.
-struct Open {
+struct TileCandidate {
     part: Patch,
     u: [f64; 2],
     v: [f64; 2],
     tolerance: f64,
-    probe: Probe,
-    need: Need,
+    estimator: CellEstimator,
+    estimate: CellEstimate,
 }
 
-impl Open {
-    fn new(part: Patch, u: [f64; 2], v: [f64; 2], context: (&Allowance, f64)) -> Result<Self, Obstacle> {
-        let tolerance = tolerance(part.hull(), context)?;
-        let probe = Probe::new(&part);
-        let need = probe.need(tolerance);
-        Ok(Self { part, u, v, tolerance, probe, need })
+impl TileCandidate {
+    fn new(
+        part: Patch,
+        u: [f64; 2],
+        v: [f64; 2],
+        context: (&Allowance, f64),
+    ) -> Result<Self, InfeasibleTolerance> {
+        let tolerance = tolerance(part.bounds(), context)?;
+        let probe = CellEstimator::new(&part);
+        let need = probe.estimate(tolerance);
+        Ok(Self { part, u, v, tolerance, estimator: probe, estimate: need })
     }
 
     /// The halves that need fewer cells, where that is worth it. A direction with one cell has one in each half as
     /// well, and so twice as many in both, whatever the bound says.
-    fn better_half(&self) -> Option<Half> {
-        let [wide, tall] = self.need.after_halving;
-        let [n, m] = self.need.each_way();
+    fn better_half(&self) -> Option<ParameterAxis> {
+        let [wide, tall] = self.estimate.after_halving;
+        let [n, m] = self.estimate.each_way();
         let share = |share: f64, cells: f64, span: [f64; 2]| {
             if cells > FEWEST_EACH_WAY && is_broad(span) { share } else { 1.0 }
         };
         let (wide, tall) = (share(wide, n, self.u), share(tall, m, self.v));
-        let (half, share) = if wide <= tall { (Half::OfU, wide) } else { (Half::OfV, tall) };
-        (self.need.cells > FEWEST_CELLS_TO_HALVE && share < WORTH_HALVING).then_some(half)
+        let (half, share) = if wide <= tall { (ParameterAxis::U, wide) } else { (ParameterAxis::V, tall) };
+        (self.estimate.cells > FEWEST_CELLS_TO_HALVE && share < WORTH_HALVING).then_some(half)
     }
 
     /// The halves along the longer row of cells, where there are too many cells for one thread.
-    fn longer_half(&self) -> Option<Half> {
-        let [n, m] = self.need.each_way();
-        let (half, span) = if n >= m { (Half::OfU, self.u) } else { (Half::OfV, self.v) };
-        (self.need.cells > MOST_CELLS && is_broad(span)).then_some(half)
+    fn longer_half(&self) -> Option<ParameterAxis> {
+        let [n, m] = self.estimate.each_way();
+        let (half, span) = if n >= m { (ParameterAxis::U, self.u) } else { (ParameterAxis::V, self.v) };
+        (self.estimate.cells > MOST_CELLS && is_broad(span)).then_some(half)
     }
 
     /// The second half, then the first, which is looked at next.
-    fn halved(&self, half: Half, context: (&Allowance, f64)) -> Result<[Self; 2], Obstacle> {
+    fn halve(
+        &self,
+        half: ParameterAxis,
+        context: (&Allowance, f64),
+    ) -> Result<[Self; 2], InfeasibleTolerance> {
         let middle = |[a, b]: [f64; 2]| 0.5 * (a + b);
         let (u, v) = (self.u, self.v);
-        if half == Half::OfU {
+        if half == ParameterAxis::U {
             let [left, right] = self.part.halves_u();
             let cut = middle(u);
             Ok([Self::new(right, [cut, u[1]], v, context)?, Self::new(left, [u[0], cut], v, context)?])
@@ -248,8 +267,8 @@ impl Open {
         }
     }
 
-    fn tile(&self, ground: &Ground<'_>) -> Tile {
-        let Rates { n, m, rising } = self.probe.rates(&self.need, self.tolerance);
-        Tile { u: self.u, v: self.v, n, m, rising, ..Tile::one(ground, self.tolerance) }
+    fn tile(&self, ground: &Subpatch<'_>) -> PatchTile {
+        let TessellationRates { n, m, rising } = self.estimator.rates(&self.estimate, self.tolerance);
+        PatchTile { u: self.u, v: self.v, n, m, rising, ..PatchTile::single_cell(ground, self.tolerance) }
     }
 }

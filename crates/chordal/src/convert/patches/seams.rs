@@ -1,16 +1,16 @@
-//! `Seams`: the lines between tiles, cut where any tile has a corner, each piece with one rate for both its sides.
+//! `TileSeams`: the lines between tiles, cut where any tile has a corner, each piece with one rate for both its sides.
 //!
 //! Because both neighbours take their boundary points from the same piece, there is nothing to crack: no T-junction
 //! can arise, whatever the rates.
-use super::ground::{Ground, Shape};
-use super::plan::Tile;
-use super::quilt::{Quilt, Seam};
-use crate::explicit::Side;
+use super::adjacency::{PatchAdjacency, SideBoundary};
+use super::plan::PatchTile;
+use super::subpatch::{Subpatch, SubpatchShape};
+use crate::explicit::PatchSide;
 use std::ops::Range;
 
 /// On what a piece lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Line {
+pub(crate) enum SeamLine {
     /// A curve of the quilt, by its own parameter.
     Edge(u32),
     /// Inside a patch at the `v` with these bits, by `u`.
@@ -18,13 +18,13 @@ pub(crate) enum Line {
     /// Inside a patch at the `u` with these bits, by `v`.
     AlongV(u32, u64),
     /// A side of a patch that is one point: patch, side, vertex.
-    Point(u32, Side, u32),
+    Point(u32, PatchSide, u32),
 }
 
 /// A stretch of a line with equally spaced points.
 #[derive(Clone, Debug)]
-pub(crate) struct Piece {
-    pub(crate) line: Line,
+pub(crate) struct SeamSpan {
+    pub(crate) line: SeamLine,
     /// Where it starts and ends on the line.
     pub(crate) span: [f64; 2],
     /// The vertices at its start and end.
@@ -36,36 +36,36 @@ pub(crate) struct Piece {
 }
 
 /// One side of a tile, in its counter-clockwise direction, as pieces; `true` where a piece is run backwards.
-type Chain = Range<usize>;
+type SeamChain = Range<usize>;
 
 /// All pieces, and which make up the sides of each tile.
-pub(crate) struct Seams {
-    pub(crate) pieces: Vec<Piece>,
-    chains: Vec<[Chain; 4]>,
+pub(crate) struct TileSeams {
+    pub(crate) pieces: Vec<SeamSpan>,
+    chains: Vec<[SeamChain; 4]>,
     links: Vec<(u32, bool)>,
     /// Positions of nodes (first) and of the points between (after them).
     pub(crate) positions: Vec<[f64; 3]>,
     n_nodes: usize,
     /// Tiles on either side of each piece with the share of the tile's side that it covers.
     demands: Vec<(u32, u32, f64)>,
-    least: Vec<(Range<usize>, u32)>,
+    min_segments: Vec<(Range<usize>, u32)>,
 }
 
 /// One tile side on its line.
-struct Entry {
-    line: Line,
+struct TileSide {
+    line: SeamLine,
     span: [f64; 2],
     tile: u32,
-    side: Side,
+    side: PatchSide,
     backwards: bool,
 }
 
-impl Seams {
-    /// Lays the pieces for `tiles`, which lie patch by patch; rates and positions come with [`Seams::set_rates`].
-    pub(crate) fn new(quilt: &Quilt, tiles: &[Tile]) -> Self {
-        let mut entries: Vec<Entry> = Vec::with_capacity(4 * tiles.len());
+impl TileSeams {
+    /// Lays the pieces for `tiles`, which lie patch by patch; rates and positions come with [`TileSeams::set_rates`].
+    pub(crate) fn new(quilt: &PatchAdjacency, tiles: &[PatchTile]) -> Self {
+        let mut entries: Vec<TileSide> = Vec::with_capacity(4 * tiles.len());
         for (index, tile) in tiles.iter().enumerate() {
-            entries.extend(Side::ALL.map(|side| Entry::new(quilt, tile, (index as u32, side))));
+            entries.extend(PatchSide::ALL.map(|side| TileSide::new(quilt, tile, (index as u32, side))));
         }
         entries.sort_by(|a, b| a.line.cmp(&b.line).then(a.span[0].total_cmp(&b.span[0])));
         let mut seams = Self {
@@ -75,20 +75,20 @@ impl Seams {
             positions: Vec::new(),
             n_nodes: 0,
             demands: Vec::with_capacity(2 * entries.len()),
-            least: Vec::new(),
+            min_segments: Vec::new(),
         };
-        let mut nodes = Nodes::new(quilt, &entries, tiles);
+        let mut nodes = SeamNodes::new(quilt, &entries, tiles);
         for run in entries.chunk_by(|a, b| a.line == b.line) {
-            seams.lay(run, &mut nodes);
+            seams.split_line(run, &mut nodes);
         }
         seams.n_nodes = nodes.count as usize;
         seams
     }
 
     /// Cuts one line at all its entries' ends and links the pieces to the entries.
-    fn lay(&mut self, run: &[Entry], nodes: &mut Nodes<'_>) {
+    fn split_line(&mut self, run: &[TileSide], nodes: &mut SeamNodes<'_>) {
         let line = run[0].line;
-        let breaks = breaks_of(run);
+        let breaks = breakpoints(run);
         let index = |at: f64| breaks.partition_point(|b| *b < at);
         let mut covered = vec![false; breaks.len()];
         for entry in run {
@@ -100,10 +100,11 @@ impl Seams {
             number[k] = self.pieces.len() as u32;
             let span = [breaks[k], breaks[k + 1]];
             let ends = span.map(|at| nodes.on(line, at));
-            self.pieces.push(Piece { line, span, nodes: ends, n: 0, first: 0 });
+            self.pieces.push(SeamSpan { line, span, nodes: ends, n: 0, first: 0 });
         }
-        if let Line::Edge(edge) = line {
-            self.least.push((start..self.pieces.len(), nodes.quilt.edges[edge as usize].least));
+        if let SeamLine::Edge(edge) = line {
+            self.min_segments
+                .push((start..self.pieces.len(), nodes.adjacency.edges[edge as usize].min_segments));
         }
         for entry in run {
             let length = entry.span[1] - entry.span[0];
@@ -127,7 +128,12 @@ impl Seams {
 
     /// Gives every piece the larger rate that its two sides ask for, numbers the points and computes their positions.
     /// Returns for every tile whether a piece of its border changed.
-    pub(crate) fn set_rates(&mut self, tiles: &[Tile], grounds: &[Ground<'_>], quilt: &Quilt) -> Vec<bool> {
+    pub(crate) fn set_rates(
+        &mut self,
+        tiles: &[PatchTile],
+        grounds: &[Subpatch<'_>],
+        quilt: &PatchAdjacency,
+    ) -> Vec<bool> {
         let before: Vec<u32> =
             self.pieces.iter_mut().map(|piece| std::mem::replace(&mut piece.n, 1)).collect();
         for &(piece, demand, share) in &self.demands {
@@ -136,7 +142,7 @@ impl Seams {
             let n = &mut self.pieces[piece as usize].n;
             *n = (*n).max(rate);
         }
-        for (range, least) in &self.least {
+        for (range, least) in &self.min_segments {
             let pieces = &mut self.pieces[range.clone()];
             let each = least.div_ceil(pieces.len() as u32);
             pieces.iter_mut().for_each(|piece| piece.n = piece.n.max(each));
@@ -144,13 +150,13 @@ impl Seams {
         let mut next = self.n_nodes as u32;
         for piece in &mut self.pieces {
             piece.first = next;
-            if !matches!(piece.line, Line::Point(..)) {
+            if !matches!(piece.line, SeamLine::Point(..)) {
                 next += piece.n - 1;
             }
         }
         self.positions.clear();
         self.positions.resize(next as usize, [0.0; 3]);
-        self.place(tiles, grounds, quilt);
+        self.set_positions(tiles, grounds, quilt);
         let mut changed = vec![false; tiles.len()];
         for &(piece, demand, _) in &self.demands {
             changed[(demand / 2) as usize] |= self.pieces[piece as usize].n != before[piece as usize];
@@ -158,7 +164,7 @@ impl Seams {
         changed
     }
 
-    fn place(&mut self, tiles: &[Tile], grounds: &[Ground<'_>], quilt: &Quilt) {
+    fn set_positions(&mut self, tiles: &[PatchTile], grounds: &[Subpatch<'_>], quilt: &PatchAdjacency) {
         self.positions[..quilt.corner_positions.len()].copy_from_slice(&quilt.corner_positions);
         let n_corners = quilt.corner_positions.len() as u32;
         // Any tile on a piece knows where its points are.
@@ -168,47 +174,47 @@ impl Seams {
         }
         for (piece, tile) in self.pieces.iter().zip(beside) {
             let Some(tile) = tile else { continue };
-            let ground = &grounds[tile.ground as usize];
+            let ground = &grounds[tile.subpatch as usize];
             let places: Box<dyn Fn(f64) -> [f64; 3]> = match piece.line {
-                Line::Edge(edge) => along_edge(quilt, (tile, ground), edge),
-                Line::AlongU(_, v) => Box::new(move |at| ground.at(at, f64::from_bits(v))),
-                Line::AlongV(_, u) => Box::new(move |at| ground.at(f64::from_bits(u), at)),
-                Line::Point(..) => continue,
+                SeamLine::Edge(edge) => along_edge(quilt, (tile, ground), edge),
+                SeamLine::AlongU(_, v) => Box::new(move |at| ground.at(at, f64::from_bits(v))),
+                SeamLine::AlongV(_, u) => Box::new(move |at| ground.at(f64::from_bits(u), at)),
+                SeamLine::Point(..) => continue,
             };
             for (node, k) in [(piece.nodes[0], 0), (piece.nodes[1], piece.n)] {
                 if node >= n_corners {
-                    self.positions[node as usize] = places(piece.at(k));
+                    self.positions[node as usize] = places(piece.parameter(k));
                 }
             }
             for k in 1..piece.n {
-                self.positions[(piece.first + k - 1) as usize] = places(piece.at(k));
+                self.positions[(piece.first + k - 1) as usize] = places(piece.parameter(k));
             }
         }
     }
 
     /// The pieces of one side of a tile, in its counter-clockwise direction.
-    pub(crate) fn chain(&self, tile: usize, side: Side) -> impl Iterator<Item = (&Piece, bool)> {
+    pub(crate) fn chain(&self, tile: usize, side: PatchSide) -> impl Iterator<Item = (&SeamSpan, bool)> {
         self.links[self.chains[tile][side as usize].clone()]
             .iter()
             .map(|(p, back)| (&self.pieces[*p as usize], *back))
     }
 
     /// The segments on the side of a tile.
-    pub(crate) fn count(&self, tile: usize, side: Side) -> u32 {
+    pub(crate) fn count(&self, tile: usize, side: PatchSide) -> u32 {
         self.chain(tile, side).map(|(piece, _)| piece.n).sum()
     }
 }
 
-impl Piece {
+impl SeamSpan {
     /// The line's parameter at the `k`-th point.
-    pub(crate) fn at(&self, k: u32) -> f64 {
+    pub(crate) fn parameter(&self, k: u32) -> f64 {
         let [a, b] = self.span;
         if k == self.n { b } else { a + (b - a) * (f64::from(k) / f64::from(self.n)) }
     }
 
     /// The vertex at the `k`-th point.
     pub(crate) fn vertex(&self, k: u32) -> u32 {
-        if k == 0 || matches!(self.line, Line::Point(..)) {
+        if k == 0 || matches!(self.line, SeamLine::Point(..)) {
             self.nodes[0]
         } else if k == self.n {
             self.nodes[1]
@@ -220,17 +226,18 @@ impl Piece {
 
 /// The points of an edge by its parameter, as a tile on it sees them.
 fn along_edge<'a>(
-    quilt: &Quilt,
-    (tile, ground): (&Tile, &'a Ground<'_>),
+    quilt: &PatchAdjacency,
+    (tile, ground): (&PatchTile, &'a Subpatch<'_>),
     edge: u32,
 ) -> Box<dyn Fn(f64) -> [f64; 3] + 'a> {
-    let found = Side::ALL.into_iter().find_map(|side| {
-        let (is_border, against) = (tile.is_on_border(side), matches!(side, Side::Top | Side::Left));
-        match quilt.seams[tile.sheet as usize][side as usize] {
-            Seam::Edge { edge: own, reversed } if own == edge && is_border => {
+    let found = PatchSide::ALL.into_iter().find_map(|side| {
+        let (is_border, against) =
+            (tile.is_on_border(side), matches!(side, PatchSide::Top | PatchSide::Left));
+        match quilt.sides[tile.sheet as usize][side as usize] {
+            SideBoundary::Edge { edge: own, reversed } if own == edge && is_border => {
                 Some((side, against != reversed, [0.0, 1.0], reversed))
             }
-            Seam::Halves(halves) if is_border => {
+            SideBoundary::Halves(halves) if is_border => {
                 let half = tile.half(side);
                 let (own, reversed) = halves[half];
                 let begin = 0.5 * half as f64;
@@ -242,7 +249,7 @@ fn along_edge<'a>(
     let Some((side, is_flipped, [from, to], reversed)) = found else {
         return Box::new(|_| [0.0; 3]);
     };
-    if let Shape::Bezier(patch) = &ground.shape
+    if let SubpatchShape::Bezier(patch) = &ground.shape
         && (ground.u, ground.v) == ([0.0, 1.0], [0.0, 1.0])
         && from == 0.0
         && to == 1.0
@@ -254,56 +261,58 @@ fn along_edge<'a>(
     Box::new(move |at| {
         let along = from + (to - from) * if is_flipped { 1.0 - at } else { at };
         let (u, v) = match side {
-            Side::Bottom => (along, 0.0),
-            Side::Right => (1.0, along),
-            Side::Top => (along, 1.0),
-            Side::Left => (0.0, along),
+            PatchSide::Bottom => (along, 0.0),
+            PatchSide::Right => (1.0, along),
+            PatchSide::Top => (along, 1.0),
+            PatchSide::Left => (0.0, along),
         };
         ground.at(u, v)
     })
 }
 
-fn is_along_v(side: Side) -> bool {
-    matches!(side, Side::Left | Side::Right)
+fn is_along_v(side: PatchSide) -> bool {
+    matches!(side, PatchSide::Left | PatchSide::Right)
 }
 
-fn breaks_of(run: &[Entry]) -> Vec<f64> {
+fn breakpoints(run: &[TileSide]) -> Vec<f64> {
     let mut breaks: Vec<f64> = run.iter().flat_map(|entry| entry.span).collect();
     breaks.sort_by(f64::total_cmp);
     breaks.dedup();
     breaks
 }
 
-impl Entry {
-    fn new(quilt: &Quilt, tile: &Tile, (index, side): (u32, Side)) -> Self {
+impl TileSide {
+    fn new(quilt: &PatchAdjacency, tile: &PatchTile, (index, side): (u32, PatchSide)) -> Self {
         let (at, span) = match side {
-            Side::Bottom => (tile.v[0], tile.u),
-            Side::Top => (tile.v[1], tile.u),
-            Side::Left => (tile.u[0], tile.v),
-            Side::Right => (tile.u[1], tile.v),
+            PatchSide::Bottom => (tile.v[0], tile.u),
+            PatchSide::Top => (tile.v[1], tile.u),
+            PatchSide::Left => (tile.u[0], tile.v),
+            PatchSide::Right => (tile.u[1], tile.v),
         };
-        let against = matches!(side, Side::Top | Side::Left);
+        let against = matches!(side, PatchSide::Top | PatchSide::Left);
         // The side's own direction is `against` the rising parameter for top and left; dyadic, so exact.
         let turned = |span: [f64; 2], flipped: bool| match flipped {
             true => [1.0 - span[1], 1.0 - span[0]],
             false => span,
         };
-        let (line, span, backwards) = match quilt.seams[tile.sheet as usize][side as usize] {
+        let (line, span, backwards) = match quilt.sides[tile.sheet as usize][side as usize] {
             _ if !tile.is_on_border(side) && is_along_v(side) => {
-                (Line::AlongV(tile.sheet, at.to_bits()), span, against)
+                (SeamLine::AlongV(tile.sheet, at.to_bits()), span, against)
             }
-            _ if !tile.is_on_border(side) => (Line::AlongU(tile.sheet, at.to_bits()), span, against),
-            Seam::Point => (
-                Line::Point(tile.sheet, side, quilt.corners[tile.sheet as usize][side as usize]),
+            _ if !tile.is_on_border(side) => (SeamLine::AlongU(tile.sheet, at.to_bits()), span, against),
+            SideBoundary::Point => (
+                SeamLine::Point(tile.sheet, side, quilt.corners[tile.sheet as usize][side as usize]),
                 span,
                 against,
             ),
-            Seam::Edge { edge, reversed } => (Line::Edge(edge), turned(span, against != reversed), reversed),
-            Seam::Halves(halves) => {
+            SideBoundary::Edge { edge, reversed } => {
+                (SeamLine::Edge(edge), turned(span, against != reversed), reversed)
+            }
+            SideBoundary::Halves(halves) => {
                 let half = tile.half(side);
                 let (edge, reversed) = halves[half];
                 let span = span.map(|x| 2.0 * x - half as f64);
-                (Line::Edge(edge), turned(span, against != reversed), reversed)
+                (SeamLine::Edge(edge), turned(span, against != reversed), reversed)
             }
         };
         Self { line, span, tile: index, side, backwards }
@@ -311,8 +320,8 @@ impl Entry {
 }
 
 /// The vertices where pieces meet.
-struct Nodes<'a> {
-    quilt: &'a Quilt,
+struct SeamNodes<'a> {
+    adjacency: &'a PatchAdjacency,
     /// By edge: the places strictly between its ends where tiles have corners, with their vertices.
     on_edges: Vec<Vec<(f64, u32)>>,
     /// Corners of tiles inside patches, sorted, with their vertices.
@@ -320,13 +329,13 @@ struct Nodes<'a> {
     count: u32,
 }
 
-impl<'a> Nodes<'a> {
-    fn new(quilt: &'a Quilt, entries: &[Entry], tiles: &[Tile]) -> Self {
+impl<'a> SeamNodes<'a> {
+    fn new(quilt: &'a PatchAdjacency, entries: &[TileSide], tiles: &[PatchTile]) -> Self {
         let mut count = quilt.corner_positions.len() as u32;
         let mut on_edges = vec![Vec::new(); quilt.edges.len()];
         for run in entries.chunk_by(|a, b| a.line == b.line) {
-            let Line::Edge(edge) = run[0].line else { continue };
-            for at in breaks_of(run).into_iter().filter(|at| *at > 0.0 && *at < 1.0) {
+            let SeamLine::Edge(edge) = run[0].line else { continue };
+            for at in breakpoints(run).into_iter().filter(|at| *at > 0.0 && *at < 1.0) {
                 on_edges[edge as usize].push((at, count));
                 count += 1;
             }
@@ -344,21 +353,21 @@ impl<'a> Nodes<'a> {
         keys.dedup();
         let inside: Vec<_> = keys.into_iter().zip(count..).collect();
         count += inside.len() as u32;
-        Self { quilt, on_edges, inside, count }
+        Self { adjacency: quilt, on_edges, inside, count }
     }
 
     /// The vertex at a break of a line.
-    fn on(&self, line: Line, at: f64) -> u32 {
+    fn on(&self, line: SeamLine, at: f64) -> u32 {
         match line {
-            Line::Edge(edge) => self.on_edge(edge, at),
-            Line::AlongU(patch, v) => self.in_patch(patch, at, f64::from_bits(v)),
-            Line::AlongV(patch, u) => self.in_patch(patch, f64::from_bits(u), at),
-            Line::Point(_, _, vertex) => vertex,
+            SeamLine::Edge(edge) => self.on_edge(edge, at),
+            SeamLine::AlongU(patch, v) => self.in_patch(patch, at, f64::from_bits(v)),
+            SeamLine::AlongV(patch, u) => self.in_patch(patch, f64::from_bits(u), at),
+            SeamLine::Point(_, _, vertex) => vertex,
         }
     }
 
     fn on_edge(&self, edge: u32, at: f64) -> u32 {
-        let ends = self.quilt.edges[edge as usize].ends;
+        let ends = self.adjacency.edges[edge as usize].ends;
         if at == 0.0 {
             return ends[0];
         }
@@ -372,23 +381,25 @@ impl<'a> Nodes<'a> {
     fn in_patch(&self, patch: u32, u: f64, v: f64) -> u32 {
         // A line inside a patch never runs along its border, so at most one of the two is an end.
         let (side, along) = if v == 0.0 {
-            (Side::Bottom, u)
+            (PatchSide::Bottom, u)
         } else if u == 1.0 {
-            (Side::Right, v)
+            (PatchSide::Right, v)
         } else if v == 1.0 {
-            (Side::Top, 1.0 - u)
+            (PatchSide::Top, 1.0 - u)
         } else if u == 0.0 {
-            (Side::Left, 1.0 - v)
+            (PatchSide::Left, 1.0 - v)
         } else {
             let key = (patch, u.to_bits(), v.to_bits());
             return self.inside[self.inside.partition_point(|(k, _)| *k < key)].1;
         };
-        match self.quilt.seams[patch as usize][side as usize] {
-            Seam::Point => self.quilt.corners[patch as usize][side as usize],
-            Seam::Edge { edge, reversed } => self.on_edge(edge, if reversed { 1.0 - along } else { along }),
-            Seam::Halves(halves) => {
+        match self.adjacency.sides[patch as usize][side as usize] {
+            SideBoundary::Point => self.adjacency.corners[patch as usize][side as usize],
+            SideBoundary::Edge { edge, reversed } => {
+                self.on_edge(edge, if reversed { 1.0 - along } else { along })
+            }
+            SideBoundary::Halves(halves) => {
                 // `along` is the side's own; halves go by the rising parameter.
-                let against = matches!(side, Side::Top | Side::Left);
+                let against = matches!(side, PatchSide::Top | PatchSide::Left);
                 let rising = if against { 1.0 - along } else { along };
                 let half = usize::from(rising >= 0.5);
                 let (edge, reversed) = halves[half];

@@ -1,10 +1,10 @@
 //! Texture coordinates of a finished mesh: of each vertex those of its place on its sheet, and a row for each side of a seam.
-use super::ground::{Ground, Shape, Sheets};
-use super::plan::Tile;
-use super::seams::Seams;
-use super::tile::{self, Done};
+use super::plan::PatchTile;
+use super::seams::TileSeams;
+use super::subpatch::{PatchSurface, Subpatch, SubpatchShape};
+use super::tile::{self, PatchTileMesh};
 use crate::budget::{Job, par_map};
-use crate::explicit::{Attribute, Chart, Domain, LimitSurface, Mesh, Semantic, Sheet, Side};
+use crate::explicit::{Attribute, Chart, Domain, LimitSheet, LimitSurface, Mesh, PatchSide, Semantic};
 use std::collections::BTreeMap;
 
 /// Texture coordinates at one vertex that differ by no more than this share of the largest are one: chosen, far above the rounding of two
@@ -12,33 +12,33 @@ use std::collections::BTreeMap;
 const SAME: f64 = 1e-10;
 
 /// The sheets of a surface in the plane of textures.
-pub(crate) struct Texcoords<'a> {
+pub(crate) struct SheetTexcoords<'a> {
     chart: &'a Chart,
     limit: LimitSurface<'a>,
 }
 
-impl<'a> Texcoords<'a> {
+impl<'a> SheetTexcoords<'a> {
     /// Those of a cage with that chart: it has the cage's sheets.
-    pub(crate) fn of(chart: &'a Chart) -> Option<Self> {
+    pub(crate) fn from_chart(chart: &'a Chart) -> Option<Self> {
         Some(Self { chart, limit: chart.cage().limit().ok()? })
     }
 
     /// One sheet; `None` where coordinates overflow or the face has none.
-    pub(crate) fn sheet(&self, sheet: usize) -> Option<Sheet> {
-        self.chart.has(self.limit.face_of(sheet).0).then(|| self.limit.sheet(sheet).ok()).flatten()
+    pub(crate) fn sheet(&self, sheet: usize) -> Option<LimitSheet> {
+        self.chart.has_face(self.limit.face_of(sheet).0).then(|| self.limit.sheet(sheet).ok()).flatten()
     }
 }
 
 /// The texture coordinates at a place of a sheet.
-pub(crate) fn at(sheet: Option<&Sheet>, [u, v]: [f64; 2]) -> [f64; 2] {
+pub(crate) fn at(sheet: Option<&LimitSheet>, [u, v]: [f64; 2]) -> [f64; 2] {
     sheet.and_then(|sheet| sheet.point(u, v).ok()).map_or([0.0; 2], |[x, y, _]| [x, y])
 }
 
 /// The mesh of all tiles, in their order, with the texture coordinates of its sheets.
 pub(crate) fn with_texcoords(
     mesh: Mesh,
-    sheets: &dyn Sheets,
-    (grounds, seams, tiles): (&[Ground<'_>], &Seams, &[(Tile, Done)]),
+    sheets: &dyn PatchSurface,
+    (grounds, seams, tiles): (&[Subpatch<'_>], &TileSeams, &[(PatchTile, PatchTileMesh)]),
     job: &Job,
 ) -> Mesh {
     if !sheets.has_texcoords() {
@@ -50,7 +50,7 @@ pub(crate) fn with_texcoords(
         first += run.len();
         (first - run.len(), run)
     });
-    let runs: Vec<(usize, &[(Tile, Done)])> = runs.collect();
+    let runs: Vec<(usize, &[(PatchTile, PatchTileMesh)])> = runs.collect();
     let corners = par_map(job, &runs, |_, (first, run)| {
         let mut out = Vec::new();
         let sheet = run.first().and_then(|(tile, _)| sheets.texcoords(tile.sheet as usize));
@@ -60,26 +60,26 @@ pub(crate) fn with_texcoords(
                 at(sheet.as_ref(), [within(u, tile.u), within(v, tile.v)])
             };
             let mut local = Vec::new();
-            for side in Side::ALL {
+            for side in PatchSide::ALL {
                 tile::walk_side(first + k, tile, (side, seams), |u, v, _| local.push(point([u, v])));
             }
-            match grounds[tile.ground as usize].shape {
-                Shape::Bezier(_) => {
-                    let counts = Side::ALL.map(|side| seams.count(first + k, side));
+            match grounds[tile.subpatch as usize].shape {
+                SubpatchShape::Bezier(_) => {
+                    let counts = PatchSide::ALL.map(|side| seams.count(first + k, side));
                     local.extend(tile::inner_places(tile, counts).map(point));
                 }
-                Shape::Rough(_) => local.extend(done.inner.iter().map(|_| point([0.5, 0.5]))),
+                SubpatchShape::Extraordinary(_) => local.extend(done.inner.iter().map(|_| point([0.5, 0.5]))),
             }
             out.extend(done.triangles.as_flattened().iter().map(|vertex| local[*vertex as usize]));
         }
         out
     });
-    split(mesh, &corners.concat())
+    split_by_texcoords(mesh, &corners.concat())
 }
 
 /// The mesh with a row for each of the texture coordinates that its corners have at a vertex, three a triangle: the first keep the vertex,
 /// others get one of their own, tied by `position_id`.
-pub(crate) fn split(mesh: Mesh, corners: &[[f64; 2]]) -> Mesh {
+pub(crate) fn split_by_texcoords(mesh: Mesh, corners: &[[f64; 2]]) -> Mesh {
     let largest =
         corners.as_flattened().iter().fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
     let is_same = |a: [f64; 2], b: [f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() <= SAME * largest);

@@ -1,16 +1,16 @@
 //! One tile: its triangles, and the proof of their distance.
-use super::bend::{Bend, Jet, across, worst_mix};
-use super::ground::{Ground, Shape};
-use super::plan::Tile;
-use super::quilt::Corner;
-use super::seams::{Line, Seams};
-use super::tip;
-use crate::explicit::{Patch, Side, bernstein, face_normal};
+use super::adjacency::PatchCorner;
+use super::derivative_bound::{PatchDerivatives, ThirdOrderJet, across, max_barycentric_quadratic};
+use super::extraordinary_tile;
+use super::plan::PatchTile;
+use super::seams::{SeamLine, TileSeams};
+use super::subpatch::{Subpatch, SubpatchShape};
+use crate::explicit::{Patch, PatchSide, bernstein, face_normal};
 use glam::DVec3;
 
 /// A vertex of a tile: where it is in the tile's unit square and in space.
 #[derive(Clone, Copy)]
-struct Knot {
+struct TileVertex {
     u: f64,
     v: f64,
     at: DVec3,
@@ -18,7 +18,7 @@ struct Knot {
 
 /// A finished tile. Local vertices: those on the border first, counter-clockwise from the corner (0, 0), then the inner ones row by row.
 #[derive(Clone)]
-pub(crate) struct Done {
+pub(crate) struct PatchTileMesh {
     /// Triangles by local vertices; those that a pole makes degenerate are left out.
     pub(crate) triangles: Vec<[u32; 3]>,
     /// Positions and unit normals of the inner vertices; a zero normal where the patch has none.
@@ -29,7 +29,7 @@ pub(crate) struct Done {
     /// The triangle with the largest bound: the patch's parameters at its corners.
     pub(crate) worst: [[f64; 2]; 3],
     /// How far the triangles' unit normals are from the surface's, if that is asked: the most that was found.
-    pub(crate) turn: Option<f64>,
+    pub(crate) normal_deviation: Option<f64>,
     /// Whether there are too few cells: a triangle has the same vertex twice although no pole explains it, or one that
     /// a pole makes a segment is left out and no other has that segment.
     pub(crate) too_few: bool,
@@ -40,40 +40,45 @@ pub(crate) struct Done {
 pub(crate) struct BorderVertex {
     pub(crate) id: u32,
     /// The side of the *patch* that it lies on, or the one that starts at it where it is a corner; `None` inside.
-    pub(crate) side: Option<Side>,
+    pub(crate) side: Option<PatchSide>,
     /// On a side of no length.
     pub(crate) pole: bool,
 }
 
-struct Work<'a> {
-    bend: Bend,
-    border: Vec<Knot>,
+struct TileTriangulator<'a> {
+    derivatives: PatchDerivatives,
+    border: Vec<TileVertex>,
     /// Start of each side in `border`, and its end.
     sides: [usize; 5],
     /// The vertex of each knot on the border.
     shared: Vec<BorderVertex>,
-    inner: Vec<Knot>,
+    inner: Vec<TileVertex>,
     normals: Vec<[f64; 3]>,
-    tile: &'a Tile,
+    tile: &'a PatchTile,
     /// Cells each way; inner knots are `(n−1) × (m−1)`.
     n: usize,
     m: usize,
     triangles: Vec<[u32; 3]>,
     /// Triangles that a pole makes a segment or a point.
-    flat: Vec<[u32; 3]>,
+    degenerate: Vec<[u32; 3]>,
     collides: bool,
     bound: f64,
     worst: [[f64; 2]; 3],
 }
 
 /// Triangulates and proves the tile with the given index.
-pub(crate) fn build(index: usize, tile: &Tile, ground: &Ground<'_>, seams: &Seams) -> Done {
+pub(crate) fn build(
+    index: usize,
+    tile: &PatchTile,
+    ground: &Subpatch<'_>,
+    seams: &TileSeams,
+) -> PatchTileMesh {
     let part = match &ground.shape {
-        Shape::Bezier(patch) => ground.part(patch, tile),
-        Shape::Rough(rough) => return tip::build(index, tile, rough, seams),
+        SubpatchShape::Bezier(patch) => ground.tile_patch(patch, tile),
+        SubpatchShape::Extraordinary(rough) => return extraordinary_tile::build(index, tile, rough, seams),
     };
-    let mut work = Work {
-        bend: Bend::new(&part),
+    let mut work = TileTriangulator {
+        derivatives: PatchDerivatives::new(&part),
         border: Vec::new(),
         sides: [0; 5],
         shared: Vec::new(),
@@ -83,41 +88,47 @@ pub(crate) fn build(index: usize, tile: &Tile, ground: &Ground<'_>, seams: &Seam
         n: tile.n as usize,
         m: tile.m as usize,
         triangles: Vec::new(),
-        flat: Vec::new(),
+        degenerate: Vec::new(),
         collides: false,
         bound: 0.0,
         worst: [[0.0; 2]; 3],
     };
     work.walk_border(index, seams);
-    let counts = Side::ALL.map(|side| (work.sides[side as usize + 1] - work.sides[side as usize]) as u32);
+    let counts =
+        PatchSide::ALL.map(|side| (work.sides[side as usize + 1] - work.sides[side as usize]) as u32);
     work.triangulate(counts, &part);
-    let too_few = work.collides || work.is_torn();
-    Done {
+    let too_few = work.collides || work.has_gap();
+    PatchTileMesh {
         triangles: work.triangles,
         inner: work.inner.iter().map(|knot| knot.at.into()).collect(),
         inner_normals: work.normals,
-        bound: (work.bound + ground.lost()).next_up(),
+        bound: (work.bound + ground.rounding_error()).next_up(),
         worst: work.worst,
-        turn: None,
+        normal_deviation: None,
         too_few,
     }
 }
 
 /// The largest distance between the unit normal of a triangle of a finished tile and that of the surface at one of its corners or in its middle. Triangles
 /// no longer than what the place may lose are left out: nothing of them is seen, and where a surface folds or comes to a point normals never settle.
-pub(crate) fn turn((index, tile): (usize, &Tile), ground: &Ground<'_>, seams: &Seams, done: &Done) -> f64 {
-    let mut knots: Vec<Knot> = Vec::new();
-    for side in Side::ALL {
+pub(crate) fn normal_deviation(
+    (index, tile): (usize, &PatchTile),
+    ground: &Subpatch<'_>,
+    seams: &TileSeams,
+    done: &PatchTileMesh,
+) -> f64 {
+    let mut knots: Vec<TileVertex> = Vec::new();
+    for side in PatchSide::ALL {
         walk_side(index, tile, (side, seams), |u, v, vertex| {
-            knots.push(Knot { u, v, at: DVec3::from(seams.positions[vertex.id as usize]) });
+            knots.push(TileVertex { u, v, at: DVec3::from(seams.positions[vertex.id as usize]) });
         });
     }
     let [n, m] = match &ground.shape {
-        Shape::Rough(_) => [2, 2],
-        Shape::Bezier(_) => cells(tile, Side::ALL.map(|side| seams.count(index, side))),
+        SubpatchShape::Extraordinary(_) => [2, 2],
+        SubpatchShape::Bezier(_) => cell_counts(tile, PatchSide::ALL.map(|side| seams.count(index, side))),
     };
     let places = (1..m).flat_map(|j| (1..n).map(move |i| (i, j)));
-    knots.extend(places.zip(&done.inner).map(|((i, j), at)| Knot {
+    knots.extend(places.zip(&done.inner).map(|((i, j), at)| TileVertex {
         u: f64::from(i) / f64::from(n),
         v: f64::from(j) / f64::from(m),
         at: DVec3::from(*at),
@@ -141,15 +152,15 @@ pub(crate) fn turn((index, tile): (usize, &Tile), ground: &Ground<'_>, seams: &S
 
 /// The number of triangles of a tile with `counts` segments on its sides, of which `poles` have no length:
 /// by Euler, 2·inner + border − 2, less the degenerate ones.
-pub(crate) fn count_triangles(tile: &Tile, counts: [u32; 4], poles: [bool; 4]) -> u64 {
-    let [n, m] = cells(tile, counts).map(u64::from);
+pub(crate) fn count_triangles(tile: &PatchTile, counts: [u32; 4], poles: [bool; 4]) -> u64 {
+    let [n, m] = cell_counts(tile, counts).map(u64::from);
     let border: u64 = counts.iter().map(|c| u64::from(*c)).sum();
     let flat: u64 = counts.iter().zip(poles).filter(|c| c.1).map(|c| u64::from(*c.0)).sum();
     (2 * (n - 1) * (m - 1) + border - 2).saturating_sub(flat)
 }
 
 /// Cells each way, given the segments on the sides: a tile without inner vertices can only join two opposite sides.
-fn cells(tile: &Tile, [bottom, right, top, left]: [u32; 4]) -> [u32; 2] {
+fn cell_counts(tile: &PatchTile, [bottom, right, top, left]: [u32; 4]) -> [u32; 2] {
     if tile.m == 1 && left == 1 && right == 1 {
         [tile.n, 1]
     } else if tile.n == 1 && bottom == 1 && top == 1 {
@@ -160,16 +171,16 @@ fn cells(tile: &Tile, [bottom, right, top, left]: [u32; 4]) -> [u32; 2] {
 }
 
 /// Where the inner vertices are in the tile's unit square, with so many segments on its sides.
-pub(super) fn inner_places(tile: &Tile, counts: [u32; 4]) -> impl Iterator<Item = [f64; 2]> {
-    let [n, m] = cells(tile, counts);
+pub(super) fn inner_places(tile: &PatchTile, counts: [u32; 4]) -> impl Iterator<Item = [f64; 2]> {
+    let [n, m] = cell_counts(tile, counts);
     let at = |k: u32, n: u32| f64::from(k) / f64::from(n);
     (1..m).flat_map(move |j| (1..n).map(move |i| [at(i, n), at(j, m)]))
 }
 
 /// The vertices on the border of a tile, counter-clockwise from its corner (0, 0).
-pub(crate) fn border(index: usize, tile: &Tile, seams: &Seams) -> Vec<BorderVertex> {
+pub(crate) fn border(index: usize, tile: &PatchTile, seams: &TileSeams) -> Vec<BorderVertex> {
     let mut list = Vec::new();
-    for side in Side::ALL {
+    for side in PatchSide::ALL {
         walk_side(index, tile, (side, seams), |_, _, vertex| list.push(vertex));
     }
     list
@@ -178,8 +189,8 @@ pub(crate) fn border(index: usize, tile: &Tile, seams: &Seams) -> Vec<BorderVert
 /// Tells `visit` the place in the tile and the vertex of every point on one side but the last.
 pub(super) fn walk_side(
     index: usize,
-    tile: &Tile,
-    (side, seams): (Side, &Seams),
+    tile: &PatchTile,
+    (side, seams): (PatchSide, &TileSeams),
     mut visit: impl FnMut(f64, f64, BorderVertex),
 ) {
     // Where the tile's side begins and ends on its line, by the rising parameter of the tile.
@@ -188,43 +199,44 @@ pub(super) fn walk_side(
         let [from, to] = if backwards { [piece.span[1], piece.span[0]] } else { piece.span };
         ends = [if ends[0].is_nan() { from } else { ends[0] }, to];
     }
-    let [low, high] = if matches!(side, Side::Top | Side::Left) { [ends[1], ends[0]] } else { ends };
+    let [low, high] =
+        if matches!(side, PatchSide::Top | PatchSide::Left) { [ends[1], ends[0]] } else { ends };
     for (piece, backwards) in seams.chain(index, side) {
         for step in 0..piece.n {
             let k = if backwards { piece.n - step } else { step };
-            let at = (piece.at(k) - low) / (high - low);
+            let at = (piece.parameter(k) - low) / (high - low);
             let (u, v) = match side {
-                Side::Bottom => (at, 0.0),
-                Side::Right => (1.0, at),
-                Side::Top => (at, 1.0),
-                Side::Left => (0.0, at),
+                PatchSide::Bottom => (at, 0.0),
+                PatchSide::Right => (1.0, at),
+                PatchSide::Top => (at, 1.0),
+                PatchSide::Left => (0.0, at),
             };
-            let pole = matches!(piece.line, Line::Point(..));
+            let pole = matches!(piece.line, SeamLine::Point(..));
             visit(u, v, BorderVertex { id: piece.vertex(k), side: side_of_patch(tile, u, v), pole });
         }
     }
 }
 
 /// The side of the patch on which a place on the tile's border lies; a corner counts to the side that starts there.
-fn side_of_patch(tile: &Tile, u: f64, v: f64) -> Option<Side> {
+fn side_of_patch(tile: &PatchTile, u: f64, v: f64) -> Option<PatchSide> {
     let ends = |x: f64, [a, b]: [f64; 2]| (x == 0.0 && a == 0.0, x == 1.0 && b == 1.0);
     let ((left, right), (bottom, top)) = (ends(u, tile.u), ends(v, tile.v));
     if bottom && !right {
-        Some(Side::Bottom)
+        Some(PatchSide::Bottom)
     } else if right && !top {
-        Some(Side::Right)
+        Some(PatchSide::Right)
     } else if top && !left {
-        Some(Side::Top)
+        Some(PatchSide::Top)
     } else {
-        left.then_some(Side::Left)
+        left.then_some(PatchSide::Left)
     }
 }
 
-impl Work<'_> {
-    fn walk_border(&mut self, index: usize, seams: &Seams) {
-        for side in Side::ALL {
+impl TileTriangulator<'_> {
+    fn walk_border(&mut self, index: usize, seams: &TileSeams) {
+        for side in PatchSide::ALL {
             walk_side(index, self.tile, (side, seams), |u, v, vertex| {
-                self.border.push(Knot { u, v, at: DVec3::from(seams.positions[vertex.id as usize]) });
+                self.border.push(TileVertex { u, v, at: DVec3::from(seams.positions[vertex.id as usize]) });
                 self.shared.push(vertex);
             });
             self.sides[side as usize + 1] = self.border.len();
@@ -232,29 +244,31 @@ impl Work<'_> {
     }
 
     fn triangulate(&mut self, counts: [u32; 4], part: &Patch) {
-        let [n, m] = cells(self.tile, counts).map(|c| c as usize);
+        let [n, m] = cell_counts(self.tile, counts).map(|c| c as usize);
         (self.n, self.m) = (n, m);
         self.triangles.reserve(2 * (n - 1) * (m - 1) + self.border.len());
-        self.lay_inner(part);
+        self.add_inner_vertices(part);
         // Folded corners need the freedom of a strip on the side that ends there.
-        let folded =
-            |side: Side| n > 2 && m > 2 && self.tile.corners[(side as usize + 1) % 4] == Corner::Folded;
-        let open =
-            |side: Side| folded(side) || counts[side as usize] as usize != if is_row(side) { n } else { m };
-        if m == 1 && open(Side::Bottom) && open(Side::Top) {
-            self.strip(&self.side(Side::Bottom), &turned(self.side(Side::Top)));
-        } else if n == 1 && open(Side::Left) && open(Side::Right) {
-            self.strip(&self.side(Side::Left), &turned(self.side(Side::Right)));
+        let folded = |side: PatchSide| {
+            n > 2 && m > 2 && self.tile.corners[(side as usize + 1) % 4] == PatchCorner::Folded
+        };
+        let open = |side: PatchSide| {
+            folded(side) || counts[side as usize] as usize != if is_row(side) { n } else { m }
+        };
+        if m == 1 && open(PatchSide::Bottom) && open(PatchSide::Top) {
+            self.strip(&self.side(PatchSide::Bottom), &reversed(self.side(PatchSide::Top)));
+        } else if n == 1 && open(PatchSide::Left) && open(PatchSide::Right) {
+            self.strip(&self.side(PatchSide::Left), &reversed(self.side(PatchSide::Right)));
         } else {
-            let ends = |low: Side, high: Side, count: usize| {
+            let ends = |low: PatchSide, high: PatchSide, count: usize| {
                 [usize::from(open(low)), count - usize::from(open(high))]
             };
-            self.grid(ends(Side::Left, Side::Right, n), ends(Side::Bottom, Side::Top, m));
+            self.grid(ends(PatchSide::Left, PatchSide::Right, n), ends(PatchSide::Bottom, PatchSide::Top, m));
         }
     }
 
     /// The inner knots with their normals, row by row.
-    fn lay_inner(&mut self, part: &Patch) {
+    fn add_inner_vertices(&mut self, part: &Patch) {
         let (n, m) = (self.n, self.m);
         let q = part.control.map(|row| row.map(DVec3::from));
         let size = part.size();
@@ -290,14 +304,14 @@ impl Work<'_> {
                 } else {
                     part.normal(u, v).unwrap_or([0.0; 3])
                 };
-                self.inner.push(Knot { u, v, at });
+                self.inner.push(TileVertex { u, v, at });
                 self.normals.push(normal);
             }
         }
     }
 
     /// The local vertices of a side including both corners, counter-clockwise.
-    fn side(&self, side: Side) -> Vec<u32> {
+    fn side(&self, side: PatchSide) -> Vec<u32> {
         let (start, end) = (self.sides[side as usize], self.sides[side as usize + 1]);
         let mut list: Vec<u32> = (start as u32..end as u32).collect();
         list.push((end % self.border.len()) as u32);
@@ -308,7 +322,7 @@ impl Work<'_> {
         (self.border.len() + (j - 1) * (self.n - 1) + (i - 1)) as u32
     }
 
-    fn knot(&self, id: u32) -> Knot {
+    fn vertex(&self, id: u32) -> TileVertex {
         let id = id as usize;
         if id < self.border.len() { self.border[id] } else { self.inner[id - self.border.len()] }
     }
@@ -337,24 +351,24 @@ impl Work<'_> {
         let (n, m) = (self.n, self.m);
         let (du, dv) = (1.0 / n as f64, 1.0 / m as f64);
         // A parameter is off by at most an ulp of 1; the box of a cell is that much larger.
-        let remainder = self.bend.remainder(du + 4.0 * f64::EPSILON, dv + 4.0 * f64::EPSILON);
+        let remainder = self.derivatives.remainder(du + 4.0 * f64::EPSILON, dv + 4.0 * f64::EPSILON);
         let mut low: Vec<u32> = (i[0]..=i[1]).map(|i| self.grid_id(i, j[0])).collect();
         for row in j[0]..j[1] {
             let high: Vec<u32> = (i[0]..=i[1]).map(|i| self.grid_id(i, row + 1)).collect();
-            let bend = self.bend.row((row as f64 + 0.5) * dv);
+            let bend = self.derivatives.row((row as f64 + 0.5) * dv);
             for k in 0..i[1] - i[0] {
                 let jet = bend.at(((i[0] + k) as f64 + 0.5) * du);
                 let rising = self.is_rising(i[0] + k, row);
                 let corners = [low[k], low[k + 1], high[k + 1], high[k]];
-                self.cell(corners, &CellBend { jet, remainder, rising });
+                self.cell(corners, &CellJet { jet, remainder, rising });
             }
             low = high;
         }
         let row = |at: usize| -> Vec<u32> { (i[0]..=i[1]).map(|i| self.grid_id(i, at)).collect() };
         let column = |at: usize| -> Vec<u32> { (j[0]..=j[1]).map(|j| self.grid_id(at, j)).collect() };
-        let inner = [row(j[0]), column(i[1]), turned(row(j[1])), turned(column(i[0]))];
+        let inner = [row(j[0]), column(i[1]), reversed(row(j[1])), reversed(column(i[0]))];
         let open = [j[0] > 0, i[1] < n, j[1] < m, i[0] > 0];
-        let mut outer = Side::ALL.map(|side| self.side(side));
+        let mut outer = PatchSide::ALL.map(|side| self.side(side));
         for side in 0..4 {
             let next = (side + 1) % 4;
             if open[side] && open[next] {
@@ -371,13 +385,13 @@ impl Work<'_> {
     fn cut_corner(&mut self, outer: &mut [Vec<u32>; 4], side: usize, inner: u32) {
         let next = (side + 1) % 4;
         let (count, count_next) = (outer[side].len(), outer[next].len());
-        if count < 3 || count_next < 3 || self.tile.corners[next] != Corner::Plain {
+        if count < 3 || count_next < 3 || self.tile.corners[next] != PatchCorner::Plain {
             return;
         }
         let (before, corner, after) = (outer[side][count - 2], outer[next][0], outer[next][1]);
-        if self.cross_edge(before, after) < self.cross_edge(corner, inner) {
+        if self.bend_across_edge(before, after) < self.bend_across_edge(corner, inner) {
             let triangle = [before, corner, after];
-            let bound = self.prove(triangle);
+            let bound = self.triangle_bound(triangle);
             self.emit(triangle, bound);
             outer[side][count - 1] = after;
             outer[next].remove(0);
@@ -387,7 +401,7 @@ impl Work<'_> {
     /// Whether the cell is cut from its first corner to the opposite one.
     fn is_rising(&self, i: usize, j: usize) -> bool {
         let (right, top) = (i + 1 == self.n, j + 1 == self.m);
-        let [first, second, third, fourth] = self.tile.corners.map(|corner| corner != Corner::Plain);
+        let [first, second, third, fourth] = self.tile.corners.map(|corner| corner != PatchCorner::Plain);
         if first && i == 0 && j == 0 || third && right && top {
             true
         } else if second && right && j == 0 || fourth && i == 0 && top {
@@ -398,14 +412,14 @@ impl Work<'_> {
     }
 
     /// How the sides meet at a local vertex, if it is a corner.
-    fn corner(&self, id: u32) -> Corner {
+    fn corner(&self, id: u32) -> PatchCorner {
         let corner = (0..4).find(|corner| self.sides[*corner] == id as usize);
-        corner.map_or(Corner::Plain, |corner| self.tile.corners[corner])
+        corner.map_or(PatchCorner::Plain, |corner| self.tile.corners[corner])
     }
 
     /// The two triangles of one cell, corners counter-clockwise.
-    fn cell(&mut self, corners: [u32; 4], CellBend { jet, remainder, rising }: &CellBend) {
-        let [a, b, c, d] = corners.map(|id| self.knot(id));
+    fn cell(&mut self, corners: [u32; 4], CellJet { jet, remainder, rising }: &CellJet) {
+        let [a, b, c, d] = corners.map(|id| self.vertex(id));
         let (du, dv) = (b.u - a.u, d.v - a.v);
         let (u, v) = (0.5 * du, 0.5 * dv);
         let bottom = across(jet.half_along([du, 0.0], [0.0, -v]), b.at - a.at);
@@ -416,15 +430,21 @@ impl Work<'_> {
         let [pa, pb, pc, pd] = [[-u, -v], [u, -v], [u, v], [-u, v]];
         let (first, second, bounds, twists) = if *rising {
             let diagonal = across(jet.second.half_along(du, dv), c.at - a.at);
-            let bounds = [worst_mix(bottom, right, diagonal), worst_mix(top, left, diagonal)];
+            let bounds = [
+                max_barycentric_quadratic(bottom, right, diagonal),
+                max_barycentric_quadratic(top, left, diagonal),
+            ];
             ([ia, ib, ic], [ia, ic, id], bounds, [[pa, pb, pc], [pa, pc, pd]])
         } else {
             let diagonal = across(jet.second.half_along(du, -dv), d.at - b.at);
-            let bounds = [worst_mix(bottom, left, diagonal), worst_mix(top, right, diagonal)];
+            let bounds = [
+                max_barycentric_quadratic(bottom, left, diagonal),
+                max_barycentric_quadratic(top, right, diagonal),
+            ];
             ([ia, ib, id], [ib, ic, id], bounds, [[pa, pb, pd], [pb, pc, pd]])
         };
-        self.emit(first, bounds[0] + jet.twist(twists[0]) + remainder);
-        self.emit(second, bounds[1] + jet.twist(twists[1]) + remainder);
+        self.emit(first, bounds[0] + jet.third_order_bound(twists[0]) + remainder);
+        self.emit(second, bounds[1] + jet.third_order_bound(twists[1]) + remainder);
     }
 
     /// Triangles between two chains that run the same way, the second on the left of the first: at every step the
@@ -434,12 +454,12 @@ impl Work<'_> {
         let (mut i, mut j) = (0, 0);
         let last = inner.len() - 1;
         let on_border = |k: usize| usize::from((inner[k] as usize) < self.border.len());
-        let meeting = |id: u32| if self.n > 1 && self.m > 1 { self.corner(id) } else { Corner::Plain };
-        let from_corner = meeting(outer[0]) != Corner::Plain && on_border(0) == 1;
+        let meeting = |id: u32| if self.n > 1 && self.m > 1 { self.corner(id) } else { PatchCorner::Plain };
+        let from_corner = meeting(outer[0]) != PatchCorner::Plain && on_border(0) == 1;
         let to_corner = match meeting(outer[outer.len() - 1]) {
-            Corner::Plain => 0,
-            Corner::Whole => on_border(last),
-            Corner::Folded => on_border(last) + 1,
+            PatchCorner::Plain => 0,
+            PatchCorner::Whole => on_border(last),
+            PatchCorner::Folded => on_border(last) + 1,
         };
         while i + 1 < outer.len() || j + 1 < inner.len() {
             let forward = if i + 1 == outer.len() {
@@ -451,8 +471,8 @@ impl Work<'_> {
             } else if to_corner > 0 && j + to_corner >= last {
                 true
             } else {
-                let by_outer = self.cross_edge(outer[i + 1], inner[j]);
-                let by_inner = self.cross_edge(outer[i], inner[j + 1]);
+                let by_outer = self.bend_across_edge(outer[i + 1], inner[j]);
+                let by_inner = self.bend_across_edge(outer[i], inner[j + 1]);
                 by_outer <= by_inner
             };
             let triangle =
@@ -462,22 +482,22 @@ impl Work<'_> {
             } else {
                 j += 1
             }
-            let bound = self.prove(triangle);
+            let bound = self.triangle_bound(triangle);
             self.emit(triangle, bound);
         }
     }
 
     /// How much an edge between two knots bends; where nothing bends, how long it is: only its order counts.
-    fn cross_edge(&self, a: u32, b: u32) -> (f64, f64) {
-        let (a, b) = (self.knot(a), self.knot(b));
+    fn bend_across_edge(&self, a: u32, b: u32) -> (f64, f64) {
+        let (a, b) = (self.vertex(a), self.vertex(b));
         let (du, dv) = (b.u - a.u, b.v - a.v);
-        let jet = self.bend.at(0.5 * (a.u + b.u), 0.5 * (a.v + b.v));
+        let jet = self.derivatives.at(0.5 * (a.u + b.u), 0.5 * (a.v + b.v));
         (across(jet.second.half_along(du, dv), b.at - a.at), du * du + dv * dv)
     }
 
     /// The bound of one triangle by the derivatives at the middle of its box.
-    fn prove(&self, triangle: [u32; 3]) -> f64 {
-        let knots = triangle.map(|id| self.knot(id));
+    fn triangle_bound(&self, triangle: [u32; 3]) -> f64 {
+        let knots = triangle.map(|id| self.vertex(id));
         let [a, b, c] = knots;
         let range = |x: f64, y: f64, z: f64| {
             let (low, high) = if x < y { (x, y) } else { (y, x) };
@@ -485,7 +505,7 @@ impl Work<'_> {
         };
         let (u, v) = (range(a.u, b.u, c.u), range(a.v, b.v, c.v));
         let middle = [0.5 * (u.0 + u.1), 0.5 * (v.0 + v.1)];
-        let jet = self.bend.at(middle[0], middle[1]);
+        let jet = self.derivatives.at(middle[0], middle[1]);
         let corners = knots.map(|knot| [knot.u - middle[0], knot.v - middle[1]]);
         let side = |i: usize, j: usize| {
             let ([pu, pv], [qu, qv]) = (corners[i], corners[j]);
@@ -493,9 +513,9 @@ impl Work<'_> {
             across(bend, knots[j].at - knots[i].at)
         };
         let slack = 4.0 * f64::EPSILON; // a parameter is off by at most an ulp of 1 at each end
-        worst_mix(side(0, 1), side(1, 2), side(2, 0))
-            + jet.twist(corners)
-            + self.bend.remainder(u.1 - u.0 + slack, v.1 - v.0 + slack)
+        max_barycentric_quadratic(side(0, 1), side(1, 2), side(2, 0))
+            + jet.third_order_bound(corners)
+            + self.derivatives.remainder(u.1 - u.0 + slack, v.1 - v.0 + slack)
     }
 
     fn emit(&mut self, triangle: [u32; 3], bound: f64) {
@@ -503,14 +523,14 @@ impl Work<'_> {
             self.bound = bound;
             let place = |x: f64, [from, to]: [f64; 2]| from + (to - from) * x;
             let (u, v) = (self.tile.u, self.tile.v);
-            self.worst = triangle.map(|id| self.knot(id)).map(|knot| [place(knot.u, u), place(knot.v, v)]);
+            self.worst = triangle.map(|id| self.vertex(id)).map(|knot| [place(knot.u, u), place(knot.v, v)]);
         }
         let [a, b, c] = triangle;
-        let twins = [self.meet(a, b), self.meet(b, c), self.meet(c, a)];
-        if twins.contains(&Meeting::Collision) {
+        let twins = [self.coincidence(a, b), self.coincidence(b, c), self.coincidence(c, a)];
+        if twins.contains(&VertexCoincidence::Collision) {
             self.collides = true;
-        } else if twins.contains(&Meeting::Pole) {
-            self.flat.push(triangle);
+        } else if twins.contains(&VertexCoincidence::Pole) {
+            self.degenerate.push(triangle);
         } else {
             self.triangles.push(triangle);
         }
@@ -518,8 +538,8 @@ impl Work<'_> {
 
     /// Whether the image of a triangle that was left out is no side of one that is there. With three cells each way
     /// no row of cells lies between two poles and every pole has an inner vertex in sight, so this cannot happen.
-    fn is_torn(&self) -> bool {
-        if self.flat.is_empty() || self.n > 2 && self.m > 2 {
+    fn has_gap(&self) -> bool {
+        if self.degenerate.is_empty() || self.n > 2 && self.m > 2 {
             return false;
         }
         let key = |local: u32| match self.shared.get(local as usize) {
@@ -535,38 +555,38 @@ impl Work<'_> {
         seen.extend(self.triangles.as_flattened().iter().map(|&local| [key(local); 2]));
         seen.sort_unstable();
         let has = |side: &[(bool, u32); 2]| seen.binary_search(side).is_ok();
-        !self.flat.iter().all(|t| sides(t).iter().all(has))
+        !self.degenerate.iter().all(|t| sides(t).iter().all(has))
     }
 
-    fn meet(&self, a: u32, b: u32) -> Meeting {
+    fn coincidence(&self, a: u32, b: u32) -> VertexCoincidence {
         match (self.shared.get(a as usize), self.shared.get(b as usize)) {
-            (Some(a), Some(b)) if a.id == b.id && (a.pole || b.pole) => Meeting::Pole,
-            (Some(a), Some(b)) if a.id == b.id => Meeting::Collision,
-            _ => Meeting::Apart,
+            (Some(a), Some(b)) if a.id == b.id && (a.pole || b.pole) => VertexCoincidence::Pole,
+            (Some(a), Some(b)) if a.id == b.id => VertexCoincidence::Collision,
+            _ => VertexCoincidence::Apart,
         }
     }
 }
 
 /// How one cell is cut, and the derivatives at its middle.
-struct CellBend {
-    jet: Jet,
+struct CellJet {
+    jet: ThirdOrderJet,
     remainder: f64,
     rising: bool,
 }
 
 /// How two local vertices relate in space.
 #[derive(PartialEq)]
-enum Meeting {
+enum VertexCoincidence {
     Apart,
     Pole,
     Collision,
 }
 
-fn turned(mut chain: Vec<u32>) -> Vec<u32> {
+fn reversed(mut chain: Vec<u32>) -> Vec<u32> {
     chain.reverse();
     chain
 }
 
-fn is_row(side: Side) -> bool {
-    matches!(side, Side::Bottom | Side::Top)
+fn is_row(side: PatchSide) -> bool {
+    matches!(side, PatchSide::Bottom | PatchSide::Top)
 }

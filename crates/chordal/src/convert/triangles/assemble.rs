@@ -1,19 +1,19 @@
 //! From proved leaves to one mesh: normals that are shared where the surface is smooth.
-use super::mesher::Proved;
+use super::mesher::CertifiedLeaves;
 use crate::budget::{Job, par_map};
-use crate::convert::patches::assemble::{COS_SAME_NORMAL, fill_missing, finish};
+use crate::convert::patches::assemble::{COS_SAME_NORMAL, fill_missing_normals, mesh_with_normals};
 use crate::convert::patches::texcoords;
 use crate::explicit::Mesh;
 use glam::DVec3;
 
 /// A vertex as a sheet sees it, and the corner of the leaf that it is there.
-type Seen = (u32, u32, u32);
+type SheetVertex = (u32, u32, u32);
 
 /// The mesh of all leaves. Where the normals of sheets part at a vertex each smooth group gets its own, tied by `position_id`.
-pub(crate) fn assemble(proved: &Proved<'_>, job: &Job) -> Mesh {
-    let Proved { cells, vertices, leaves, texcoords } = proved;
+pub(crate) fn assemble(proved: &CertifiedLeaves<'_>, job: &Job) -> Mesh {
+    let CertifiedLeaves { cells, vertices, leaves, texcoords } = proved;
     let sheet_of = |leaf: usize| cells[leaves[leaf].0.cell as usize].sheet;
-    let mut seen: Vec<Seen> = Vec::with_capacity(3 * leaves.len());
+    let mut seen: Vec<SheetVertex> = Vec::with_capacity(3 * leaves.len());
     for (index, (leaf, _)) in leaves.iter().enumerate() {
         let corners = leaf.vertices.iter().enumerate();
         seen.extend(corners.map(|(k, vertex)| (*vertex, sheet_of(index), (3 * index + k) as u32)));
@@ -65,9 +65,9 @@ pub(crate) fn assemble(proved: &Proved<'_>, job: &Job) -> Mesh {
         })
         .collect();
     let mut normals: Vec<[f64; 3]> = sums.into_iter().map(|sum| sum.normalize_or_zero().into()).collect();
-    fill_missing(&positions, &faces, &mut normals);
+    fill_missing_normals(&positions, &faces, &mut normals);
     let is_split = positions.len() > vertices.len();
-    let mesh = finish(positions, faces, normals, is_split.then_some(ids));
+    let mesh = mesh_with_normals(positions, faces, normals, is_split.then_some(ids));
     let Some(texcoords) = texcoords else { return mesh };
     let mut order: Vec<u32> = (0..leaves.len() as u32).collect();
     order.sort_by_key(|leaf| sheet_of(*leaf as usize));
@@ -76,11 +76,11 @@ pub(crate) fn assemble(proved: &Proved<'_>, job: &Job) -> Mesh {
         let sheet = run.first().and_then(|leaf| texcoords.sheet(sheet_of(*leaf as usize) as usize));
         let of_leaf = |leaf: &u32| {
             let leaf = &leaves[*leaf as usize].0;
-            leaf.places.map(|place| texcoords::at(sheet.as_ref(), cells[leaf.cell as usize].on_sheet(place)))
+            leaf.places.map(|place| texcoords::at(sheet.as_ref(), cells[leaf.cell as usize].to_sheet(place)))
         };
         run.iter().map(of_leaf).collect::<Vec<_>>()
     });
     let mut corners = vec![[[0.0; 2]; 3]; leaves.len()];
     order.into_iter().zip(found.into_iter().flatten()).for_each(|(leaf, own)| corners[leaf as usize] = own);
-    texcoords::split(mesh, corners.as_flattened())
+    texcoords::split_by_texcoords(mesh, corners.as_flattened())
 }

@@ -1,12 +1,12 @@
-//! `Cell`: a triangle of a sheet on which the surface is one polynomial, or none yet.
-use crate::convert::patches::bend::UNDERFLOW;
-use crate::explicit::cage::limit::{Polynomial, RoughTriangle, Triangle};
+//! `LoopCell`: a triangle of a sheet on which the surface is one polynomial, or none yet.
+use crate::convert::patches::derivative_bound::UNDERFLOW;
+use crate::explicit::cage::limit::{ExtraordinaryTriangle, LimitQuartic, TrianglePatchTree};
 use crate::math::Box3;
 
 #[derive(Clone, Copy)]
-pub(crate) struct Cell<'a> {
+pub(crate) struct LoopCell<'a> {
     pub(crate) sheet: u32,
-    pub(crate) shape: Shape<'a>,
+    pub(crate) shape: LoopCellShape<'a>,
     /// Where it begins on its sheet.
     pub(crate) begin: [f64; 2],
     /// Its width as a share of the sheet's; negative where it is turned by half.
@@ -14,21 +14,21 @@ pub(crate) struct Cell<'a> {
 }
 
 #[derive(Clone, Copy)]
-pub(crate) enum Shape<'a> {
-    Polynomial(&'a Polynomial),
-    Rough(&'a RoughTriangle),
+pub(crate) enum LoopCellShape<'a> {
+    Polynomial(&'a LimitQuartic),
+    Extraordinary(&'a ExtraordinaryTriangle),
 }
 
-/// Rounding of what is computed from a polynomial, as a share of its largest coordinate; derived in [`super::bend`].
+/// Rounding of what is computed from a polynomial, as a share of its largest coordinate; derived in [`super::derivative_bound`].
 const ROUNDING: f64 = 4096.0 * f64::EPSILON;
 /// And what each point of a ring adds where a limit is reached by ninety rounds, of two roundings a point each.
 const ROUNDING_BY_POINT: f64 = 256.0 * f64::EPSILON;
 
-impl<'a> Shape<'a> {
-    pub(crate) fn of(triangle: &'a Triangle) -> Self {
+impl<'a> LoopCellShape<'a> {
+    pub(crate) fn from_triangle(triangle: &'a TrianglePatchTree) -> Self {
         match triangle {
-            Triangle::Polynomial(polynomial) => Self::Polynomial(polynomial),
-            Triangle::Rough(rough) => Self::Rough(rough),
+            TrianglePatchTree::Regular(polynomial) => Self::Polynomial(polynomial),
+            TrianglePatchTree::Extraordinary(rough) => Self::Extraordinary(rough),
         }
     }
 
@@ -36,20 +36,20 @@ impl<'a> Shape<'a> {
     pub(crate) fn hull(&self) -> &'a [[f64; 3]] {
         match self {
             Self::Polynomial(polynomial) => &polynomial.quartic.control,
-            Self::Rough(rough) => rough.ring().hull(),
+            Self::Extraordinary(rough) => rough.ring().hull(),
         }
     }
 
     /// What rounding may add to a bound, and by how much a vertex may be off.
-    pub(crate) fn lost(&self) -> f64 {
+    pub(crate) fn rounding_error(&self) -> f64 {
         let points = self.hull();
         let larger = |most: f64, x: &f64| if x.abs() > most { x.abs() } else { most };
         let size = points.as_flattened().iter().fold(0.0, larger);
         match self {
             Self::Polynomial(polynomial) => ROUNDING * size + UNDERFLOW + polynomial.off,
-            Self::Rough(rough) => {
+            Self::Extraordinary(rough) => {
                 let share = ROUNDING + ROUNDING_BY_POINT * points.len() as f64;
-                share * size + UNDERFLOW + 36.0 * rough.ring().off()
+                share * size + UNDERFLOW + 36.0 * rough.ring().rounding()
             }
         }
     }
@@ -58,38 +58,38 @@ impl<'a> Shape<'a> {
     pub(crate) fn point(&self, [u, v]: [f64; 2]) -> [f64; 3] {
         match self {
             Self::Polynomial(polynomial) => polynomial.quartic.point([u, v]),
-            Self::Rough(rough) => rough.at(u, v).map(|jet| jet.point).unwrap_or_default(),
+            Self::Extraordinary(rough) => rough.at(u, v).map(|jet| jet.point).unwrap_or_default(),
         }
     }
 
     pub(crate) fn normal(&self, [u, v]: [f64; 2]) -> Option<[f64; 3]> {
         match self {
             Self::Polynomial(polynomial) => polynomial.at([u, v], 1.0).normal,
-            Self::Rough(rough) => rough.at(u, v).ok()?.normal,
+            Self::Extraordinary(rough) => rough.at(u, v).ok()?.normal,
         }
     }
 }
 
-impl<'a> Cell<'a> {
-    pub(crate) fn place(&self) -> Box3 {
-        Box3::around(self.shape.hull())
+impl<'a> LoopCell<'a> {
+    pub(crate) fn bounding_box(&self) -> Box3 {
+        Box3::from_points(self.shape.hull())
     }
 
     /// The quarters of one that is no polynomial; empty where coordinates overflow.
     pub(crate) fn quarters(&self) -> Vec<Self> {
-        let Shape::Rough(rough) = self.shape else { return Vec::new() };
+        let LoopCellShape::Extraordinary(rough) = self.shape else { return Vec::new() };
         let Ok(quarters) = rough.quarters() else { return Vec::new() };
         let half = 0.5 * self.scale;
         let begins = [([0.0, 0.0], half), ([half, 0.0], half), ([0.0, half], half), ([half, half], -half)];
-        let part = |(quarter, (begin, scale)): (&'a Triangle, ([f64; 2], f64))| {
+        let part = |(quarter, (begin, scale)): (&'a TrianglePatchTree, ([f64; 2], f64))| {
             let begin = [self.begin[0] + begin[0], self.begin[1] + begin[1]];
-            Self { shape: Shape::of(quarter), begin, scale, ..*self }
+            Self { shape: LoopCellShape::from_triangle(quarter), begin, scale, ..*self }
         };
         quarters.iter().zip(begins).map(part).collect()
     }
 
     /// Where a place of it is on its sheet.
-    pub(crate) fn on_sheet(&self, place: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn to_sheet(&self, place: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|k| self.begin[k] + self.scale * place[k])
     }
 }

@@ -1,20 +1,20 @@
-//! `Leaf`: a triangle of the mesh, the part of a cell that it stands for, and the proof of how far both are apart.
-use super::bend::Bend;
-use super::cell::{Cell, Shape};
-use super::height::{Flat, Piece};
-use crate::convert::patches::plan::{Allowance, Obstacle, tolerance};
+//! `LoopLeaf`: a triangle of the mesh, the part of a cell that it stands for, and the proof of how far both are apart.
+use super::cell::{LoopCell, LoopCellShape};
+use super::derivative_bound::SecondDerivativeBound;
+use super::hull_distance::{FlatTriangle, LoopPiece};
+use crate::convert::patches::plan::{Allowance, InfeasibleTolerance, tolerance};
 use crate::math::Box3;
 
 /// A vertex of the mesh.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Vertex {
+pub(crate) struct LoopVertex {
     pub(crate) at: [f64; 3],
     /// How far it may be from its place of the surface.
     pub(crate) off: f64,
 }
 
 #[derive(Clone, Copy)]
-pub(crate) struct Leaf {
+pub(crate) struct LoopLeaf {
     /// Its number.
     pub(crate) cell: u32,
     /// Its corners in the cell.
@@ -27,7 +27,7 @@ pub(crate) struct Leaf {
 
 /// What is found out about a leaf.
 #[derive(Clone, Copy)]
-pub(crate) struct Found {
+pub(crate) struct LeafBound {
     /// How far the surface and the triangle are apart at most; where the tolerance is not met, perhaps only what made that sure.
     pub(crate) bound: f64,
     pub(crate) is_met: bool,
@@ -40,9 +40,9 @@ pub(crate) struct Found {
 /// A bound by second derivatives that is missed by more than this factor will hardly be met by heights; chosen.
 const WORTH_A_LOOK: f64 = 4.0;
 
-impl Leaf {
+impl LoopLeaf {
     /// All of a cell.
-    pub(crate) fn whole(cell: u32, vertices: [u32; 3], lines: [u32; 3]) -> Self {
+    pub(crate) fn whole_cell(cell: u32, vertices: [u32; 3], lines: [u32; 3]) -> Self {
         Self { cell, places: [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], vertices, lines }
     }
 
@@ -59,7 +59,7 @@ impl Leaf {
     }
 
     /// How wide it is in its sheet, by its longer extent.
-    pub(crate) fn width(&self, cell: &Cell<'_>) -> f64 {
+    pub(crate) fn width(&self, cell: &LoopCell<'_>) -> f64 {
         let extent = |k: usize| {
             let all = self.places.map(|place| place[k]);
             all.iter().fold(0.0_f64, |most, x| most.max((x - all[0]).abs()))
@@ -68,51 +68,53 @@ impl Leaf {
     }
 
     /// How far it is from its part of a polynomial by second derivatives, without rounding.
-    pub(crate) fn bend(&self, cell: &Cell<'_>, vertices: &[Vertex]) -> f64 {
-        let Shape::Polynomial(polynomial) = cell.shape else { return 0.0 };
+    pub(crate) fn second_derivative_bound(&self, cell: &LoopCell<'_>, vertices: &[LoopVertex]) -> f64 {
+        let LoopCellShape::Polynomial(polynomial) = cell.shape else { return 0.0 };
         let corners = self.vertices.map(|vertex| vertices[vertex as usize].at);
-        Bend::of(&polynomial.quartic.part(self.places), &corners).bound
+        SecondDerivativeBound::from_quartic(&polynomial.quartic.part(self.places), &corners).bound
     }
 
     /// How far it is from its part of the surface, and whether that is within an allowance; where no mesh can be, what is known all the same.
-    pub(crate) fn prove(
+    pub(crate) fn certify(
         &self,
-        cell: &Cell<'_>,
-        vertices: &[Vertex],
+        cell: &LoopCell<'_>,
+        vertices: &[LoopVertex],
         allowance: &Allowance,
-    ) -> Result<Found, Box<(Obstacle, Found)>> {
+    ) -> Result<LeafBound, Box<(InfeasibleTolerance, LeafBound)>> {
         let own = self.vertices.map(|vertex| vertices[vertex as usize]);
         let off = own.iter().fold(0.0_f64, |most, vertex| most.max(vertex.off));
         // The proofs say where each of these comes from.
-        let lost = 2.0 * cell.shape.lost() + 4.0 * off;
+        let lost = 2.0 * cell.shape.rounding_error() + 4.0 * off;
         let corners = own.map(|vertex| vertex.at);
         match cell.shape {
-            Shape::Polynomial(polynomial) => {
+            LoopCellShape::Polynomial(polynomial) => {
                 let part = polynomial.quartic.part(self.places);
-                let place = Box3::around(part.control.iter().chain(&corners));
-                let bend = Bend::of(&part, &corners);
-                let mut found = Found { bound: bend.bound + lost, is_met: false, sides: bend.sides, place };
+                let place = Box3::from_points(part.control.iter().chain(&corners));
+                let bend = SecondDerivativeBound::from_quartic(&part, &corners);
+                let mut found =
+                    LeafBound { bound: bend.bound + lost, is_met: false, sides: bend.sides, place };
                 let tolerance =
                     tolerance(place, (allowance, lost)).map_err(|obstacle| Box::new((obstacle, found)))?;
                 found.is_met = bend.bound <= tolerance;
                 if !found.is_met && bend.bound <= WORTH_A_LOOK * tolerance {
-                    let flat = Flat::new(corners, tolerance);
-                    let bound = flat.bound(Piece::Quartic(Box::new(part), polynomial.off));
+                    let flat = FlatTriangle::new(corners, tolerance);
+                    let bound = flat.bound(LoopPiece::Quartic(Box::new(part), polynomial.off));
                     found.is_met = bound <= tolerance;
                     found.bound = if bound < bend.bound { bound + lost } else { found.bound };
                 }
                 Ok(found)
             }
-            Shape::Rough(_) => {
-                let place = cell.place();
+            LoopCellShape::Extraordinary(_) => {
+                let place = cell.bounding_box();
                 let reach = place.diagonal();
-                let mut found = Found { bound: reach + lost, is_met: false, sides: [1.0; 3], place };
+                let mut found = LeafBound { bound: reach + lost, is_met: false, sides: [1.0; 3], place };
                 let tolerance =
                     tolerance(place, (allowance, lost)).map_err(|obstacle| Box::new((obstacle, found)))?;
                 // The surface and its vertices are in the hull.
                 found.is_met = reach <= tolerance;
                 if !found.is_met {
-                    let bound = Flat::new(corners, tolerance).bound(Piece::Rough(cell.shape));
+                    let bound =
+                        FlatTriangle::new(corners, tolerance).bound(LoopPiece::Extraordinary(cell.shape));
                     // Before rounding is added: a bound above the tolerance need not cover all.
                     found.is_met = bound <= tolerance;
                     found.bound = if bound < reach { bound + lost } else { found.bound };

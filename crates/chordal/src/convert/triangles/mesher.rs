@@ -1,32 +1,32 @@
-//! `Mesher`: splits sides until every leaf is within its allowance.
-use super::cell::{Cell, Shape};
-use super::leaf::{Found, Leaf, Vertex};
-use crate::budget::{Code, Failure, Job, Progress, par_map};
-use crate::convert::patches::mesher::{Failed, refuse};
-use crate::convert::patches::plan::{Allowance, Obstacle};
-use crate::convert::patches::texcoords::Texcoords;
-use crate::explicit::{LimitSurface, Sheet};
+//! `LoopMesher`: splits sides until every leaf is within its allowance.
+use super::cell::{LoopCell, LoopCellShape};
+use super::leaf::{LeafBound, LoopLeaf, LoopVertex};
+use crate::budget::{Failure, Job, Progress, RefusalCode, par_map};
+use crate::convert::patches::mesher::{TessellationFailure, refuse_tolerance};
+use crate::convert::patches::plan::{Allowance, InfeasibleTolerance};
+use crate::convert::patches::texcoords::SheetTexcoords;
+use crate::explicit::{LimitSheet, LimitSurface};
 use crate::math::{Orientation, orient2d};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A limit surface over triangles, with the leaves that are one for each sheet.
-pub(crate) struct Mesher<'a> {
-    cells: Vec<Cell<'a>>,
-    leaves: Vec<Leaf>,
-    vertices: Vec<Vertex>,
+pub(crate) struct LoopMesher<'a> {
+    cells: Vec<LoopCell<'a>>,
+    leaves: Vec<LoopLeaf>,
+    vertices: Vec<LoopVertex>,
     /// Lines up to this one are edges of the cage.
     pub(crate) n_edges: u32,
     job: &'a Job,
     /// The same sheets in the plane of textures.
-    pub(crate) texcoords: Option<&'a Texcoords<'a>>,
+    pub(crate) texcoords: Option<&'a SheetTexcoords<'a>>,
 }
 
 /// Leaves that are proved to be within their allowance.
-pub(crate) struct Proved<'a> {
-    pub(crate) cells: Vec<Cell<'a>>,
-    pub(crate) vertices: Vec<Vertex>,
-    pub(crate) leaves: Vec<(Leaf, Found)>,
-    pub(crate) texcoords: Option<&'a Texcoords<'a>>,
+pub(crate) struct CertifiedLeaves<'a> {
+    pub(crate) cells: Vec<LoopCell<'a>>,
+    pub(crate) vertices: Vec<LoopVertex>,
+    pub(crate) leaves: Vec<(LoopLeaf, LeafBound)>,
+    pub(crate) texcoords: Option<&'a SheetTexcoords<'a>>,
 }
 
 /// Passes after which nothing more will come; each makes the worst leaf half as wide, one way or the other.
@@ -44,8 +44,8 @@ const ALSO_BENT: f64 = 0.6;
 /// A side that is also that of a leaf that is no polynomial counts for so much less: all of that leaf's sides would be split; chosen.
 const UNWANTED: f64 = 0.5;
 
-impl<'a> Mesher<'a> {
-    pub(crate) fn new(limit: &LimitSurface<'_>, sheets: &'a [Sheet], job: &'a Job) -> Self {
+impl<'a> LoopMesher<'a> {
+    pub(crate) fn new(limit: &LimitSurface<'_>, sheets: &'a [LimitSheet], job: &'a Job) -> Self {
         let (cage, table) = (limit.cage(), limit.edges());
         let n_edges = table.ends.len() as u32;
         let mut number = vec![u32::MAX; cage.positions().len()];
@@ -53,19 +53,25 @@ impl<'a> Mesher<'a> {
         for (index, sheet) in sheets.iter().enumerate() {
             let Some(triangle) = sheet.triangle() else { continue };
             let (face, _) = limit.face_of(index);
-            let cell = Cell { sheet: index as u32, shape: Shape::of(triangle), begin: [0.0; 2], scale: 1.0 };
+            let cell = LoopCell {
+                sheet: index as u32,
+                shape: LoopCellShape::from_triangle(triangle),
+                begin: [0.0; 2],
+                scale: 1.0,
+            };
             let mut own = [0; 3];
             for (k, vertex) in cage.face(face).iter().enumerate() {
                 let number = &mut number[*vertex as usize];
                 if *number == u32::MAX {
                     *number = vertices.len() as u32;
                     let place = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]][k];
-                    vertices.push(Vertex { at: cell.shape.point(place), off: cell.shape.lost() });
+                    vertices
+                        .push(LoopVertex { at: cell.shape.point(place), off: cell.shape.rounding_error() });
                 }
                 own[k] = *number;
             }
             let lines = [0, 1, 2].map(|k| table.of_corner[cage.begin(face) + k]);
-            leaves.push(Leaf::whole(cells.len() as u32, own, lines));
+            leaves.push(LoopLeaf::whole_cell(cells.len() as u32, own, lines));
             cells.push(cell);
         }
         Self { cells, leaves, vertices, texcoords: None, n_edges, job }
@@ -73,26 +79,25 @@ impl<'a> Mesher<'a> {
 
     /// The longest diagonal of a sheet's hull, and no less than what rounding may lose; 1 where all sheets are points.
     pub(crate) fn longest_diagonal(&self) -> f64 {
-        let longest = self
-            .cells
-            .iter()
-            .fold(0.0_f64, |most, cell| most.max(cell.place().diagonal()).max(cell.shape.lost()));
+        let longest = self.cells.iter().fold(0.0_f64, |most, cell| {
+            most.max(cell.bounding_box().diagonal()).max(cell.shape.rounding_error())
+        });
         if longest > 0.0 { longest } else { 1.0 }
     }
 
     /// About how many triangles an allowance needs at least, as far as that is seen from the sheets as wholes.
-    pub(crate) fn estimate(&self, allowance: &Allowance) -> Result<f64, Failed> {
-        let of_leaf = |leaf: &Leaf| -> Result<f64, Obstacle> {
+    pub(crate) fn estimate(&self, allowance: &Allowance) -> Result<f64, TessellationFailure> {
+        let of_leaf = |leaf: &LoopLeaf| -> Result<f64, InfeasibleTolerance> {
             let cell = &self.cells[leaf.cell as usize];
-            let (found, sides) = match leaf.prove(cell, &self.vertices, allowance) {
+            let (found, sides) = match leaf.certify(cell, &self.vertices, allowance) {
                 Ok(found) => (found, found.sides),
                 Err(refused) => match refused.0 {
-                    Obstacle::TooClose(_) => return Ok(1.0),
+                    InfeasibleTolerance::TooClose(_) => return Ok(1.0),
                     obstacle => return Err(obstacle),
                 },
             };
             let Some(allowed) = allowance.at(&found.place).filter(|_| !found.is_met) else { return Ok(1.0) };
-            if matches!(cell.shape, Shape::Rough(_)) {
+            if matches!(cell.shape, LoopCellShape::Extraordinary(_)) {
                 return Ok(1.0);
             }
             // A side that bends by w is cut into √(w / 4 tolerances); two ways are enough to count.
@@ -105,12 +110,16 @@ impl<'a> Mesher<'a> {
             Ok(most * least)
         };
         let parts = par_map(self.job, &self.leaves, |_, leaf| of_leaf(leaf));
-        parts.into_iter().try_fold(0.0, |sum, part| Ok(sum + part.map_err(refuse)?))
+        parts.into_iter().try_fold(0.0, |sum, part| Ok(sum + part.map_err(refuse_tolerance)?))
     }
 
     /// Splits sides until every leaf is within its allowance; `None` where that takes more than `most` triangles.
-    pub(crate) fn prove(&self, allowance: &Allowance, most: u64) -> Result<Option<Proved<'a>>, Failed> {
-        let mut work = Work {
+    pub(crate) fn refine(
+        &self,
+        allowance: &Allowance,
+        most: u64,
+    ) -> Result<Option<CertifiedLeaves<'a>>, TessellationFailure> {
+        let mut work = LoopRefinement {
             cells: self.cells.clone(),
             vertices: self.vertices.clone(),
             leaves: self.leaves.iter().map(|leaf| (*leaf, None)).collect(),
@@ -123,18 +132,18 @@ impl<'a> Mesher<'a> {
             if work.leaves.len() as u64 > most {
                 return Ok(None);
             }
-            work.prove(allowance, self.job)?;
+            work.certify_new(allowance, self.job)?;
             self.job.report(Progress {
                 stage: "tessellate",
                 done: work.leaves.iter().filter(|(_, found)| found.is_some_and(|found| found.is_met)).count()
                     as u64,
                 total: work.leaves.len() as u64,
             });
-            let marked = work.marked(allowance);
+            let marked = work.sides_to_split(allowance);
             if marked.is_empty() {
                 let leaves = work.leaves.into_iter().filter_map(|(leaf, found)| Some((leaf, found?)));
                 let (cells, vertices) = (work.cells, work.vertices);
-                return Ok(Some(Proved {
+                return Ok(Some(CertifiedLeaves {
                     cells,
                     vertices,
                     leaves: leaves.collect(),
@@ -150,41 +159,41 @@ impl<'a> Mesher<'a> {
     }
 }
 
-impl Proved<'_> {
+impl CertifiedLeaves<'_> {
     pub(crate) fn bound(&self) -> f64 {
         self.leaves.iter().fold(0.0, |most, (_, found)| if found.bound > most { found.bound } else { most })
     }
 }
 
-fn too_small() -> Failed {
+fn too_small() -> TessellationFailure {
     let message = "the budget is so small that rounding hides whether it is met";
-    Failure::refused(Code::BelowPrecision, message)
+    Failure::refused(RefusalCode::BelowPrecision, message)
 }
 
 /// Sides that are to be split, by line and vertices, and the vertex that comes there.
-type Marked = BTreeMap<[u32; 3], u32>;
+type SideSplits = BTreeMap<[u32; 3], u32>;
 
-struct Work<'a> {
-    cells: Vec<Cell<'a>>,
-    vertices: Vec<Vertex>,
-    leaves: Vec<(Leaf, Option<Found>)>,
+struct LoopRefinement<'a> {
+    cells: Vec<LoopCell<'a>>,
+    vertices: Vec<LoopVertex>,
+    leaves: Vec<(LoopLeaf, Option<LeafBound>)>,
     n_edges: u32,
 }
 
-impl<'a> Work<'a> {
+impl<'a> LoopRefinement<'a> {
     /// Finds out about leaves that are new.
-    fn prove(&mut self, allowance: &Allowance, job: &Job) -> Result<(), Failed> {
+    fn certify_new(&mut self, allowance: &Allowance, job: &Job) -> Result<(), TessellationFailure> {
         let open: Vec<usize> = (0..self.leaves.len()).filter(|i| self.leaves[*i].1.is_none()).collect();
         let found = par_map(job, &open, |_, i| {
             let leaf = &self.leaves[*i].0;
             let cell = &self.cells[leaf.cell as usize];
             let is_narrow = leaf.width(cell) < NARROWEST;
-            match leaf.prove(cell, &self.vertices, allowance) {
+            match leaf.certify(cell, &self.vertices, allowance) {
                 Ok(found) if !found.is_met && is_narrow => Err(too_small()),
                 Err(refused) => match *refused {
                     // Smaller ones may be farther from the eye.
-                    (Obstacle::TooClose(_), found) if !is_narrow => Ok(found),
-                    (obstacle, _) => Err(refuse(obstacle)),
+                    (InfeasibleTolerance::TooClose(_), found) if !is_narrow => Ok(found),
+                    (obstacle, _) => Err(refuse_tolerance(obstacle)),
                 },
                 Ok(found) => Ok(found),
             }
@@ -197,10 +206,11 @@ impl<'a> Work<'a> {
 
     /// The sides to be split. Of leaves that are no polynomial all or none; of others that are far from near enough those that bend most. Of the rest
     /// one side each, the worst first, and no other side of its neighbour's in the same pass: that may be enough for both.
-    fn marked(&self, allowance: &Allowance) -> Marked {
-        let mut marked = Marked::new();
-        let is_rough = |leaf: &Leaf| matches!(self.cells[leaf.cell as usize].shape, Shape::Rough(_));
-        let rough: Vec<&Leaf> =
+    fn sides_to_split(&self, allowance: &Allowance) -> SideSplits {
+        let mut marked = SideSplits::new();
+        let is_rough =
+            |leaf: &LoopLeaf| matches!(self.cells[leaf.cell as usize].shape, LoopCellShape::Extraordinary(_));
+        let rough: Vec<&LoopLeaf> =
             self.leaves.iter().map(|(leaf, _)| leaf).filter(|leaf| is_rough(leaf)).collect();
         let rough_sides: BTreeSet<[u32; 3]> =
             rough.iter().flat_map(|leaf| [0, 1, 2].map(|side| leaf.side(side))).collect();
@@ -258,7 +268,7 @@ impl<'a> Work<'a> {
     }
 
     /// Splits these sides in the middle.
-    fn split(&mut self, mut marked: Marked, job: &Job) {
+    fn split(&mut self, mut marked: SideSplits, job: &Job) {
         // Each vertex from the first leaf that has its side.
         let mut made: Vec<(usize, usize)> = Vec::with_capacity(marked.len());
         for (index, (leaf, _)) in self.leaves.iter().enumerate() {
@@ -272,7 +282,7 @@ impl<'a> Work<'a> {
         let made = par_map(job, &made, |_, (index, side)| {
             let leaf = &self.leaves[*index].0;
             let shape = &self.cells[leaf.cell as usize].shape;
-            Vertex { at: shape.point(leaf.middle(*side)), off: shape.lost() }
+            LoopVertex { at: shape.point(leaf.middle(*side)), off: shape.rounding_error() }
         });
         self.vertices.extend(made);
         let leaves = std::mem::take(&mut self.leaves);
@@ -282,7 +292,7 @@ impl<'a> Work<'a> {
             match (new, found) {
                 ([None, None, None], _) => self.leaves.push((leaf, found)),
                 ([Some(a), Some(b), Some(c)], _)
-                    if matches!(self.cells[leaf.cell as usize].shape, Shape::Rough(_)) =>
+                    if matches!(self.cells[leaf.cell as usize].shape, LoopCellShape::Extraordinary(_)) =>
                 {
                     self.quarter(&leaf, [a, b, c]);
                 }
@@ -298,8 +308,9 @@ impl<'a> Work<'a> {
     fn flip(&mut self, job: &Job) {
         let mut owners: BTreeMap<[u32; 3], Vec<(usize, usize)>> = BTreeMap::new();
         for (index, (leaf, found)) in self.leaves.iter().enumerate() {
-            if found.is_none() && matches!(self.cells[leaf.cell as usize].shape, Shape::Polynomial(_)) {
-                let inside = self.inside(leaf);
+            if found.is_none() && matches!(self.cells[leaf.cell as usize].shape, LoopCellShape::Polynomial(_))
+            {
+                let inside = self.interior_line(leaf);
                 for side in (0..3).filter(|side| leaf.lines[*side] == inside) {
                     owners.entry(leaf.side(side)).or_default().push((index, side));
                 }
@@ -310,8 +321,8 @@ impl<'a> Work<'a> {
             .filter_map(|owners| <[_; 2]>::try_from(owners).ok())
             .filter(|[a, b]| self.leaves[a.0].0.cell == self.leaves[b.0].0.cell)
             .collect();
-        let flipped = par_map(job, &pairs, |_, pair| self.flipped(*pair));
-        let mut better: Vec<(f64, usize, [Leaf; 2])> = Vec::new();
+        let flipped = par_map(job, &pairs, |_, pair| self.flip_if_better(*pair));
+        let mut better: Vec<(f64, usize, [LoopLeaf; 2])> = Vec::new();
         for (k, flipped) in flipped.into_iter().enumerate() {
             better.extend(flipped.map(|(gain, leaves)| (gain, k, leaves)));
         }
@@ -327,12 +338,12 @@ impl<'a> Work<'a> {
     }
 
     /// Two leaves with the other diagonal between them, where that is better, and by which factor.
-    fn flipped(&self, [(first, s), (second, t)]: [(usize, usize); 2]) -> Option<(f64, [Leaf; 2])> {
+    fn flip_if_better(&self, [(first, s), (second, t)]: [(usize, usize); 2]) -> Option<(f64, [LoopLeaf; 2])> {
         let (one, two) = (&self.leaves[first].0, &self.leaves[second].0);
-        let inside = self.inside(one);
+        let inside = self.interior_line(one);
         // Counter-clockwise a, d, b, c, with the diagonal from a to b.
         let [(a, b), (c, d)] = [(s, (s + 1) % 3), ((s + 2) % 3, (t + 2) % 3)];
-        let part = |places: [[f64; 2]; 3], vertices: [u32; 3], lines: [u32; 3]| Leaf {
+        let part = |places: [[f64; 2]; 3], vertices: [u32; 3], lines: [u32; 3]| LoopLeaf {
             cell: one.cell,
             places,
             vertices,
@@ -352,29 +363,30 @@ impl<'a> Work<'a> {
                 [two.lines[(t + 2) % 3], one.lines[(s + 1) % 3], inside],
             ),
         ];
-        let is_turned = |leaf: &Leaf| {
+        let is_turned = |leaf: &LoopLeaf| {
             let [p, q, r] = leaf.places;
             orient2d(p, q, r) == Orientation::Front
         };
         if !made.iter().all(is_turned) {
             return None;
         }
-        let worse = |leaves: [&Leaf; 2]| {
-            let [a, b] = leaves.map(|leaf| leaf.bend(&self.cells[leaf.cell as usize], &self.vertices));
+        let worse = |leaves: [&LoopLeaf; 2]| {
+            let [a, b] = leaves
+                .map(|leaf| leaf.second_derivative_bound(&self.cells[leaf.cell as usize], &self.vertices));
             if a > b { a } else { b }
         };
         let (before, after) = (worse([one, two]), worse([&made[0], &made[1]]));
         (after < WORTH_A_FLIP * before).then_some((after / before, made))
     }
 
-    fn inside(&self, leaf: &Leaf) -> u32 {
+    fn interior_line(&self, leaf: &LoopLeaf) -> u32 {
         self.n_edges + self.cells[leaf.cell as usize].sheet
     }
 
     /// The quarters of a leaf that is all of a cell that is no polynomial.
-    fn quarter(&mut self, leaf: &Leaf, [ab, bc, ca]: [u32; 3]) {
+    fn quarter(&mut self, leaf: &LoopLeaf, [ab, bc, ca]: [u32; 3]) {
         let ([a, b, c], [l, m, n]) = (leaf.vertices, leaf.lines);
-        let i = self.inside(leaf);
+        let i = self.interior_line(leaf);
         let parts = [
             ([a, ab, ca], [l, i, n]),
             ([ab, b, bc], [l, m, i]),
@@ -383,13 +395,13 @@ impl<'a> Work<'a> {
         ];
         let cells = self.cells[leaf.cell as usize].quarters();
         for (cell, (vertices, lines)) in cells.into_iter().zip(parts) {
-            self.leaves.push((Leaf::whole(self.cells.len() as u32, vertices, lines), None));
+            self.leaves.push((LoopLeaf::whole_cell(self.cells.len() as u32, vertices, lines), None));
             self.cells.push(cell);
         }
     }
 
     /// Halves a leaf at the middle of the side that bends most, and its halves where they have to be.
-    fn halve(&mut self, leaf: Leaf, new: [Option<u32>; 3], bends: [f64; 3]) {
+    fn halve(&mut self, leaf: LoopLeaf, new: [Option<u32>; 3], bends: [f64; 3]) {
         let worst =
             (0..3).filter(|side| new[*side].is_some()).reduce(|a, b| if bends[b] > bends[a] { b } else { a });
         let Some((side, vertex)) = worst.and_then(|side| Some((side, new[side]?))) else {
@@ -397,7 +409,7 @@ impl<'a> Work<'a> {
             return;
         };
         let (next, last) = ((side + 1) % 3, (side + 2) % 3);
-        let (place, inside) = (leaf.middle(side), self.inside(&leaf));
+        let (place, inside) = (leaf.middle(side), self.interior_line(&leaf));
         let (mut first, mut second) = (leaf, leaf);
         (first.vertices[next], first.places[next], first.lines[next]) = (vertex, place, inside);
         (second.vertices[side], second.places[side], second.lines[last]) = (vertex, place, inside);

@@ -1,16 +1,16 @@
 //! Building the tree: top down, each node cut where the surface area heuristic is least over bins.
-use super::cut::{Extent, Prim, cut};
-use super::frame::{Frame, down, up};
-use super::{Bvh, LAST, LEAF, NONE, Node, Triangle, WIDTH};
+use super::frame::{BvhFrame, down, up};
+use super::sah_split::{BvhPrimitive, PrimitiveBounds, cut};
+use super::{Bvh, BvhNode, BvhTriangle, LAST, LEAF, NONE, WIDTH};
 use crate::budget::{Job, par_map, par_map_owned};
 use crate::explicit::Mesh;
 use crate::math::{Box3, sub_down, sub_up};
 
-/// Triangles in a leaf, at most. Measured on 1 M triangles: from 2 to 8 queries differ by less than the machine's noise,
-/// and 4 needs a quarter less memory than 2.
+/// Triangles in a leaf, at most. Measured on 1 M triangles: from 2 to 8 queries differ by less than the
+/// machine's noise, and 4 needs a quarter less memory than 2.
 pub(super) const LEAF_SIZE: usize = 4;
-/// Depth in nodes to which the heuristic decides; below, nodes are cut in equal quarters, 16 levels of which are
-/// enough for 2³² triangles.
+/// Depth in nodes to which the heuristic decides; below, nodes are cut in equal quarters, 16 levels of which
+/// are enough for 2³² triangles.
 pub(super) const DEEPEST_BY_COST: u32 = 24;
 /// Subtrees above this size are worth a task of their own.
 const TASK: usize = 1 << 14;
@@ -19,7 +19,7 @@ const TASK: usize = 1 << 14;
 pub(super) fn build(mesh: &Mesh, job: &Job) -> Option<Bvh> {
     let bounds = used_bounds(mesh);
     if bounds.is_empty() {
-        let frame = Frame { scale: 1.0, middle: [0.0; 3] };
+        let frame = BvhFrame { scale: 1.0, middle: [0.0; 3] };
         let local = bounds;
         return Some(Bvh {
             frame,
@@ -30,11 +30,11 @@ pub(super) fn build(mesh: &Mesh, job: &Job) -> Option<Bvh> {
             corners: Vec::new(),
         });
     }
-    let frame = Frame::of(&bounds);
+    let frame = BvhFrame::from_bounds(&bounds);
     let chunks: Vec<usize> = (0..mesh.faces().len()).step_by(TASK).collect();
     let mut prims = par_map(job, &chunks, |_, from| prims(mesh, &frame, *from)).concat();
-    let extent = Extent::of(&prims);
-    let mut nodes = job.run(|| subtree(&mut prims, Place { extent, first: 0, depth: 0 }, job));
+    let extent = PrimitiveBounds::new(&prims);
+    let mut nodes = job.run(|| subtree(&mut prims, BuildRange { extent, first: 0, depth: 0 }, job));
     nodes.shrink_to_fit();
     if job.is_cancelled() {
         return None;
@@ -55,13 +55,13 @@ fn used_bounds(mesh: &Mesh) -> Box3 {
 }
 
 /// The boxes of the chunk of faces that begins with `from`.
-fn prims(mesh: &Mesh, frame: &Frame, from: usize) -> Vec<Prim> {
+fn prims(mesh: &Mesh, frame: &BvhFrame, from: usize) -> Vec<BvhPrimitive> {
     let to = mesh.faces().len().min(from + TASK);
     (from..to).map(|face| prim(mesh, frame, face)).collect()
 }
 
 /// The box of one face in local coordinates, rounded outward twice: by the shift to the middle and to f32.
-fn prim(mesh: &Mesh, frame: &Frame, face: usize) -> Prim {
+fn prim(mesh: &Mesh, frame: &BvhFrame, face: usize) -> BvhPrimitive {
     let [a, b, c] = mesh.corners(face).map(|p| frame.scaled(p));
     let least = |k: usize| {
         let ab = if a[k] < b[k] { a[k] } else { b[k] };
@@ -71,7 +71,7 @@ fn prim(mesh: &Mesh, frame: &Frame, face: usize) -> Prim {
         let ab = if a[k] > b[k] { a[k] } else { b[k] };
         if ab > c[k] { ab } else { c[k] }
     };
-    Prim::new(
+    BvhPrimitive::new(
         std::array::from_fn(|k| down(sub_down(least(k), frame.middle[k]))),
         std::array::from_fn(|k| up(sub_up(most(k), frame.middle[k]))),
         face as u32,
@@ -80,20 +80,20 @@ fn prim(mesh: &Mesh, frame: &Frame, face: usize) -> Prim {
 
 /// A run of triangles in the tree: what it holds, where it starts in the order of the leaves, how deep it is.
 #[derive(Clone, Copy)]
-struct Place {
-    extent: Extent,
+struct BuildRange {
+    extent: PrimitiveBounds,
     first: u32,
     depth: u32,
 }
 
 /// A part of a node's triangles.
-struct Part<'a> {
-    prims: &'a mut [Prim],
-    place: Place,
+struct BuildRecord<'a> {
+    prims: &'a mut [BvhPrimitive],
+    place: BuildRange,
 }
 
 /// The nodes over `prims`, the root first; large parts are built as tasks and appended in order.
-fn subtree(prims: &mut [Prim], place: Place, job: &Job) -> Vec<Node> {
+fn subtree(prims: &mut [BvhPrimitive], place: BuildRange, job: &Job) -> Vec<BvhNode> {
     if prims.len() <= TASK {
         let mut nodes = Vec::with_capacity(prims.len() / 5 + 1);
         emit(prims, place, &mut nodes);
@@ -124,7 +124,7 @@ fn subtree(prims: &mut [Prim], place: Place, job: &Job) -> Vec<Node> {
 }
 
 /// Appends the nodes over `prims`, the root first; its index.
-fn emit(prims: &mut [Prim], place: Place, nodes: &mut Vec<Node>) -> u32 {
+fn emit(prims: &mut [BvhPrimitive], place: BuildRange, nodes: &mut Vec<BvhNode>) -> u32 {
     let index = nodes.len();
     let parts = quarter(prims, place);
     nodes.push(node(&parts));
@@ -137,9 +137,9 @@ fn emit(prims: &mut [Prim], place: Place, nodes: &mut Vec<Node>) -> u32 {
 }
 
 /// The node over `parts`, each as if it were a leaf.
-fn node(parts: &[Part]) -> Node {
+fn node(parts: &[BuildRecord]) -> BvhNode {
     let mut node =
-        Node { bounds: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3], child: [NONE; WIDTH] };
+        BvhNode { bounds: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3], child: [NONE; WIDTH] };
     for (lane, part) in parts.iter().enumerate() {
         let bounds = &part.place.extent.bounds;
         for k in 0..3 {
@@ -151,29 +151,29 @@ fn node(parts: &[Part]) -> Node {
     node
 }
 
-/// Cuts `prims` into up to four parts, always the part with the largest surface next: a box more in a node costs
-/// nothing, so even leaves are cut while there is room.
-fn quarter(prims: &mut [Prim], place: Place) -> Vec<Part<'_>> {
+/// Cuts `prims` into up to four parts, always the part with the largest surface next: a box more in a node
+/// costs nothing, so even leaves are cut while there is room.
+fn quarter(prims: &mut [BvhPrimitive], place: BuildRange) -> Vec<BuildRecord<'_>> {
     let mut parts = Vec::with_capacity(WIDTH);
-    parts.push(Part { prims, place: Place { depth: place.depth + 1, ..place } });
+    parts.push(BuildRecord { prims, place: BuildRange { depth: place.depth + 1, ..place } });
     while parts.len() < WIDTH {
         let Some(which) = largest(&parts, place.depth) else { break };
-        let Part { prims, place } = parts.swap_remove(which);
+        let BuildRecord { prims, place } = parts.swap_remove(which);
         let by_cost = place.depth <= DEEPEST_BY_COST;
         let (middle, [left, right]) = cut(prims, by_cost.then_some(&place.extent));
         let (a, b) = prims.split_at_mut(middle);
-        parts.push(Part { prims: a, place: Place { extent: left, ..place } });
-        parts.push(Part {
+        parts.push(BuildRecord { prims: a, place: BuildRange { extent: left, ..place } });
+        parts.push(BuildRecord {
             prims: b,
-            place: Place { extent: right, first: place.first + middle as u32, ..place },
+            place: BuildRange { extent: right, first: place.first + middle as u32, ..place },
         });
     }
     parts.sort_by_key(|part| part.place.first);
     parts
 }
 
-fn largest(parts: &[Part], depth: u32) -> Option<usize> {
-    let size = |part: &Part| {
+fn largest(parts: &[BuildRecord], depth: u32) -> Option<usize> {
+    let size = |part: &BuildRecord| {
         let n = part.prims.len();
         if depth >= DEEPEST_BY_COST { n as f32 } else { part.place.extent.bounds.area() }
     };
@@ -188,14 +188,14 @@ fn largest(parts: &[Part], depth: u32) -> Option<usize> {
 /// Triangles and scaled positions in the order of the leaves.
 fn in_leaf_order(
     mesh: &Mesh,
-    frame: &Frame,
-    prims: &[Prim],
-    nodes: &[Node],
-) -> (Vec<Triangle>, Vec<[f64; 3]>) {
+    frame: &BvhFrame,
+    prims: &[BvhPrimitive],
+    nodes: &[BvhNode],
+) -> (Vec<BvhTriangle>, Vec<[f64; 3]>) {
     const UNSEEN: u32 = u32::MAX;
     let mut row = vec![UNSEEN; mesh.positions().len()];
     let mut corners = Vec::new();
-    let mut triangles: Vec<Triangle> = Vec::with_capacity(prims.len());
+    let mut triangles: Vec<BvhTriangle> = Vec::with_capacity(prims.len());
     for prim in prims {
         let indices = mesh.faces()[prim.face() as usize].map(|i| {
             let known = &mut row[i as usize];
@@ -205,7 +205,7 @@ fn in_leaf_order(
             }
             *known
         });
-        triangles.push(Triangle { corners: indices, face: prim.face() });
+        triangles.push(BvhTriangle { corners: indices, face: prim.face() });
     }
     // A run ends where the next begins.
     for child in nodes.iter().flat_map(|n| n.child).filter(|c| c & LEAF != 0 && *c != NONE) {

@@ -1,12 +1,12 @@
 //! The nearest triangle to a point.
-use super::frame::{Frame, down, up};
+use super::frame::{BvhFrame, down, up};
 use super::triangle;
-use super::{Bvh, LAST, LEAF, Node, STACK, Triangle, WIDTH};
+use super::{Bvh, BvhNode, BvhTriangle, LAST, LEAF, STACK, WIDTH};
 use crate::math::{add_up, div_down, div_up, exponent, power_of_two, sub_down};
 
 /// The point of a mesh that is nearest to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Closest {
+pub struct MeshClosestPoint {
     /// The nearest point, rounded.
     pub point: [f64; 3],
     /// The face that it lies on; the lowest of those that are equally near.
@@ -17,33 +17,34 @@ pub struct Closest {
     pub distance_sq: f64,
 }
 
-/// Local extents from the middle of the mesh up to which f32 decides between boxes; further out, where they would
-/// look all the same to it, f64 does.
+/// Local extents from the middle of the mesh up to which f32 decides between boxes; further out, where they
+/// would look all the same to it, f64 does.
 const FAR: f64 = 64.0;
 
-/// How far off boxes are to a query, in local units squared: never too far by more than its `limit` allows for.
-trait Sight {
+/// How far off boxes are to a query, in local units squared: never too far by more than its `limit` allows
+/// for.
+trait BoxDistance {
     /// A square of a distance.
     type Square: Copy + PartialOrd;
     /// Larger than any distance, so that every box is looked into.
     const ALL: Self::Square;
-    fn squares(&self, node: &Node) -> [Self::Square; WIDTH];
+    fn squares(&self, node: &BvhNode) -> [Self::Square; WIDTH];
     /// Boxes further off than this hold no triangle that is computed to be as near as `best_sq`.
     fn limit(&self, best_sq: f64) -> Self::Square;
 }
 
 /// A query near the mesh, local, rounded down and up to f32.
-struct Near {
+struct NearQuery {
     low: [f32; 3],
     high: [f32; 3],
 }
 
-impl Sight for Near {
+impl BoxDistance for NearQuery {
     type Square = f32;
     const ALL: f32 = f32::MAX;
 
     #[inline]
-    fn squares(&self, node: &Node) -> [f32; WIDTH] {
+    fn squares(&self, node: &BvhNode) -> [f32; WIDTH] {
         let mut squares = [0.0; WIDTH];
         for k in 0..3 {
             let [low, high] = &node.bounds[k];
@@ -58,10 +59,10 @@ impl Sight for Near {
         squares
     }
 
-    /// Seven roundings of 2⁻²⁴ make a square of f32 at most 2⁻²¹ too large; below the normal numbers it is too
-    /// large by less than 2⁻¹²⁶. The triangles' own arithmetic computes a distance that is too small by at most
-    /// 2⁻⁴⁶ (16 roundings of values up to 130): `(d + 2⁻⁴⁶)² ≤ d²(1 + 2⁻²⁰) + 2⁻⁷¹`. All this is less than the
-    /// slack here.
+    /// Seven roundings of 2⁻²⁴ make a square of f32 at most 2⁻²¹ too large; below the normal numbers it is
+    /// too large by less than 2⁻¹²⁶. The triangles' own arithmetic computes a distance that is too small by
+    /// at most 2⁻⁴⁶ (16 roundings of values up to 130): `(d + 2⁻⁴⁶)² ≤ d²(1 + 2⁻²⁰) + 2⁻⁷¹`. All this is less
+    /// than the slack here.
     #[inline]
     fn limit(&self, best_sq: f64) -> f32 {
         const RELATIVE: f64 = 1.0 + 1.0 / (1 << 18) as f64;
@@ -72,18 +73,18 @@ impl Sight for Near {
 }
 
 /// A query far from the mesh, in coordinates in which its own distance is about 1.
-struct Far {
+struct FarQuery {
     q: [f64; 3],
     middle: [f64; 3],
     shrink: f64,
 }
 
-impl Sight for Far {
+impl BoxDistance for FarQuery {
     type Square = f64;
     const ALL: f64 = f64::MAX;
 
     #[inline]
-    fn squares(&self, node: &Node) -> [f64; WIDTH] {
+    fn squares(&self, node: &BvhNode) -> [f64; WIDTH] {
         let mut squares = [0.0; WIDTH];
         for k in 0..3 {
             let [low, high] = &node.bounds[k];
@@ -109,7 +110,7 @@ impl Sight for Far {
 }
 
 /// A query in the coordinates that suit its distance: scaled, and shrunk where it is far.
-struct Query {
+struct ClosestQuery {
     q: [f64; 3],
     /// From the world to these coordinates: a power of two.
     scale: f64,
@@ -117,9 +118,9 @@ struct Query {
     shrink: f64,
 }
 
-impl Query {
+impl ClosestQuery {
     /// `None` when `p` is not finite.
-    fn new(frame: &Frame, p: [f64; 3]) -> Option<Self> {
+    fn new(frame: &BvhFrame, p: [f64; 3]) -> Option<Self> {
         let largest = |v: [f64; 3]| v.iter().fold(0.0, |m, x| if x.abs() > m { x.abs() } else { m });
         if !p.iter().all(|x| x.is_finite()) {
             return None;
@@ -141,7 +142,7 @@ impl Query {
 
     /// The corners of a triangle in these coordinates.
     #[inline]
-    fn corners(&self, bvh: &Bvh, triangle: &Triangle) -> [[f64; 3]; 3] {
+    fn corners(&self, bvh: &Bvh, triangle: &BvhTriangle) -> [[f64; 3]; 3] {
         let corners = bvh.corners_of(triangle);
         if self.is_near() {
             return corners;
@@ -152,7 +153,7 @@ impl Query {
 
 /// The squared distance from `q` to the box of a triangle.
 #[inline]
-fn box_square(q: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> f64 {
+fn box_distance_sq(q: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> f64 {
     let mut square = 0.0;
     for k in 0..3 {
         let (low, high) = if a[k] < b[k] { (a[k], b[k]) } else { (b[k], a[k]) };
@@ -167,7 +168,7 @@ fn box_square(q: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> f64 {
 
 /// The triangle with the least value so far.
 #[derive(Clone, Copy)]
-struct Least {
+struct ClosestTriangle {
     row: u32,
     face: u32,
     square: f64,
@@ -176,15 +177,15 @@ struct Least {
 impl Bvh {
     /// The point of the mesh that is nearest to `p`; `None` without faces or when `p` is not finite.
     ///
-    /// The distance is off by a few units in the last place of the larger of the distance and the extent of the mesh
-    /// around the nearest face, whatever the shape of the triangles. Of equally near faces (rounded distances
-    /// compared exactly) it is the lowest.
+    /// The distance is off by a few units in the last place of the larger of the distance and the extent of
+    /// the mesh around the nearest face, whatever the shape of the triangles. Of equally near faces (rounded
+    /// distances compared exactly) it is the lowest.
     ///
-    /// Cost: O(log n) for points near the mesh; the farther away, the more triangles are equally near, and from about
-    /// 10¹² extents on all are.
+    /// Cost: O(log n) for points near the mesh; the farther away, the more triangles are equally near, and
+    /// from about 10¹² extents on all are.
     #[must_use]
-    pub fn closest_point(&self, p: [f64; 3]) -> Option<Closest> {
-        let query = Query::new(&self.frame, p)?;
+    pub fn closest_point(&self, p: [f64; 3]) -> Option<MeshClosestPoint> {
+        let query = ClosestQuery::new(&self.frame, p)?;
         let (least, near) = self.nearest_triangle(&query)?;
         let triangle = &self.triangles[least.row as usize];
         let corners = self.corners_of(triangle);
@@ -193,19 +194,19 @@ impl Bvh {
             (u * corners[0][k] + v * corners[1][k] + w * corners[2][k]) / self.frame.scale
         });
         let distance_sq = near.distance_sq / query.scale / query.scale;
-        Some(Closest { point, face: least.face, barycentric: near.barycentric, distance_sq })
+        Some(MeshClosestPoint { point, face: least.face, barycentric: near.barycentric, distance_sq })
     }
 
-    /// A bound from below on the distance from `p` to the mesh that no rounding can break: every triangle is at
-    /// least this far. `None` as for [`Bvh::closest_point`].
+    /// A bound from below on the distance from `p` to the mesh that no rounding can break: every triangle is
+    /// at least this far. `None` as for [`Bvh::closest_point`].
     ///
-    /// It is below the true distance by a few units in the last place of the distance to the farthest corner of the
-    /// nearest face.
+    /// It is below the true distance by a few units in the last place of the distance to the farthest corner
+    /// of the nearest face.
     #[must_use]
     pub fn closest_distance_down(&self, p: [f64; 3]) -> Option<f64> {
-        let query = Query::new(&self.frame, p)?;
+        let query = ClosestQuery::new(&self.frame, p)?;
         let mut lowest = f64::INFINITY;
-        self.least(&query, |triangle| {
+        self.closest_row(&query, |triangle| {
             let corners = query.corners(self, triangle);
             let down = triangle::distance_down(query.q, corners, lowest);
             lowest = if down < lowest { down } else { lowest };
@@ -217,46 +218,56 @@ impl Bvh {
         Some(if down > 0.0 { down } else { 0.0 })
     }
 
-    /// A bound from above on the distance from `p` to the mesh that no rounding can break: there is a point of the
-    /// mesh that is at most this far. `None` as for [`Bvh::closest_point`].
+    /// A bound from above on the distance from `p` to the mesh that no rounding can break: there is a point
+    /// of the mesh that is at most this far. `None` as for [`Bvh::closest_point`].
     #[must_use]
     pub fn closest_distance_up(&self, p: [f64; 3]) -> Option<f64> {
-        let query = Query::new(&self.frame, p)?;
+        let query = ClosestQuery::new(&self.frame, p)?;
         let (least, near) = self.nearest_triangle(&query)?;
         let corners = query.corners(self, &self.triangles[least.row as usize]);
         let local = add_up(triangle::distance_up(query.q, corners, near.barycentric), f64::MIN_POSITIVE);
         Some(div_up(local, query.scale))
     }
 
-    fn nearest_triangle(&self, query: &Query) -> Option<(Least, triangle::Nearest)> {
-        let square =
-            |triangle: &Triangle| triangle::nearest(query.q, query.corners(self, triangle)).distance_sq;
-        let least = self.least(query, square)?;
+    fn nearest_triangle(
+        &self,
+        query: &ClosestQuery,
+    ) -> Option<(ClosestTriangle, triangle::TriangleClosestPoint)> {
+        let square = |triangle: &BvhTriangle| {
+            triangle::closest_point(query.q, query.corners(self, triangle)).distance_sq
+        };
+        let least = self.closest_row(query, square)?;
         let corners = query.corners(self, &self.triangles[least.row as usize]);
-        Some((least, triangle::nearest(query.q, corners)))
+        Some((least, triangle::closest_point(query.q, corners)))
     }
 
     /// The triangle of least `square` (of the triangle), and of those the lowest face.
-    fn least(&self, query: &Query, square: impl FnMut(&Triangle) -> f64) -> Option<Least> {
-        let unknown = Least { row: 0, face: u32::MAX, square: f64::INFINITY };
-        self.least_from(query, unknown, square)
+    fn closest_row(
+        &self,
+        query: &ClosestQuery,
+        square: impl FnMut(&BvhTriangle) -> f64,
+    ) -> Option<ClosestTriangle> {
+        let unknown = ClosestTriangle { row: 0, face: u32::MAX, square: f64::INFINITY };
+        self.closest_row_from(query, unknown, square)
     }
 
-    /// The distance from `p` to the mesh, rounded as in [`Bvh::closest_point`], and the row of the triangle that has it.
-    /// A row that may be near saves time and changes nothing: the search leaves out only what is certainly farther.
-    pub(crate) fn distance_near(&self, p: [f64; 3], row: u32) -> Option<(f64, u32)> {
-        let query = Query::new(&self.frame, p)?;
-        let square =
-            |triangle: &Triangle| triangle::nearest(query.q, query.corners(self, triangle)).distance_sq;
+    /// The distance from `p` to the mesh, rounded as in [`Bvh::closest_point`], and the row of the triangle
+    /// that has it. A row that may be near saves time and changes nothing: the search leaves out only what is
+    /// certainly farther.
+    pub(crate) fn distance_with_hint(&self, p: [f64; 3], row: u32) -> Option<(f64, u32)> {
+        let query = ClosestQuery::new(&self.frame, p)?;
+        let square = |triangle: &BvhTriangle| {
+            triangle::closest_point(query.q, query.corners(self, triangle)).distance_sq
+        };
         let first = self.triangles.get(row as usize)?;
-        let start = Least { row, face: first.face & !LAST, square: square(first) };
+        let start = ClosestTriangle { row, face: first.face & !LAST, square: square(first) };
         // The box of one triangle is smaller than that of its leaf, and quicker than the triangle.
         let mut best = start.square;
-        let least = self.least_from(&query, start, |triangle| {
-            // As in [`Near::limit`], with the same slack, which is more than f64 needs, near and far.
+        let least = self.closest_row_from(&query, start, |triangle| {
+            // As in [`NearQuery::limit`], with the same slack, which is more than f64 needs, near and far.
             const RELATIVE: f64 = 1.0 + 1.0 / (1 << 18) as f64;
             const ABSOLUTE: f64 = 1.0 / (1_u64 << 62) as f64;
-            if box_square(query.q, query.corners(self, triangle)) > best * RELATIVE + ABSOLUTE {
+            if box_distance_sq(query.q, query.corners(self, triangle)) > best * RELATIVE + ABSOLUTE {
                 return f64::INFINITY;
             }
             let value = square(triangle);
@@ -266,11 +277,12 @@ impl Bvh {
         Some((least.square.sqrt() / query.scale, least.row))
     }
 
-    /// Bounds from below and above on the distance from `p` to the triangle of a row that no rounding can break.
-    pub(crate) fn distance_between(&self, p: [f64; 3], row: u32) -> Option<[f64; 2]> {
-        let query = Query::new(&self.frame, p)?;
+    /// Bounds from below and above on the distance from `p` to the triangle of a row that no rounding can
+    /// break.
+    pub(crate) fn distance_bounds(&self, p: [f64; 3], row: u32) -> Option<[f64; 2]> {
+        let query = ClosestQuery::new(&self.frame, p)?;
         let corners = query.corners(self, &self.triangles[row as usize]);
-        let near = triangle::nearest(query.q, corners);
+        let near = triangle::closest_point(query.q, corners);
         // As in the two functions above.
         let down = sub_down(triangle::distance_down(query.q, corners, f64::INFINITY), f64::MIN_POSITIVE);
         let up = add_up(triangle::distance_up(query.q, corners, near.barycentric), f64::MIN_POSITIVE);
@@ -285,22 +297,27 @@ impl Bvh {
         (corners, triangle.face & !LAST)
     }
 
-    fn least_from(&self, query: &Query, start: Least, square: impl FnMut(&Triangle) -> f64) -> Option<Least> {
+    fn closest_row_from(
+        &self,
+        query: &ClosestQuery,
+        start: ClosestTriangle,
+        square: impl FnMut(&BvhTriangle) -> f64,
+    ) -> Option<ClosestTriangle> {
         if query.is_near() {
             let [low, high] = self.frame.local(query.q);
-            self.descend(&Near { low: low.map(down), high: high.map(up) }, start, square)
+            self.descend(&NearQuery { low: low.map(down), high: high.map(up) }, start, square)
         } else {
             let middle = self.frame.middle.map(|x| x * query.shrink);
-            self.descend(&Far { q: query.q, middle, shrink: query.shrink }, start, square)
+            self.descend(&FarQuery { q: query.q, middle, shrink: query.shrink }, start, square)
         }
     }
 
-    fn descend<S: Sight>(
+    fn descend<S: BoxDistance>(
         &self,
         sight: &S,
-        start: Least,
-        mut square: impl FnMut(&Triangle) -> f64,
-    ) -> Option<Least> {
+        start: ClosestTriangle,
+        mut square: impl FnMut(&BvhTriangle) -> f64,
+    ) -> Option<ClosestTriangle> {
         if self.nodes.is_empty() {
             return None;
         }
@@ -322,7 +339,7 @@ impl Bvh {
                     let face = triangle.face & !LAST;
                     let value = square(triangle);
                     if value < best.square || (value == best.square && face < best.face) {
-                        best = Least { row, face, square: value };
+                        best = ClosestTriangle { row, face, square: value };
                         limit = sight.limit(value);
                     }
                     if triangle.face & LAST != 0 {

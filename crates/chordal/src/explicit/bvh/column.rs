@@ -1,15 +1,15 @@
 //! The triangles above a point, and those about a box.
 use super::frame::{down, up};
-use super::{Bvh, LAST, LEAF, NONE, Node, STACK, WIDTH};
+use super::{Bvh, BvhNode, LAST, LEAF, NONE, STACK, WIDTH};
 use crate::math::Box3;
 
 impl Bvh {
-    /// Calls `visit` with every face that the half-line from `p` along +z may meet, and some others, in the order of
-    /// the tree.
-    pub(crate) fn above(&self, p: [f64; 3], visit: impl FnMut(u32)) {
+    /// Calls `visit` with every face that the half-line from `p` along +z may meet, and some others, in the
+    /// order of the tree.
+    pub(crate) fn faces_above(&self, p: [f64; 3], visit: impl FnMut(u32)) {
         let [low, high] = self.frame.local(self.frame.scaled(p));
         let (low, high) = (low.map(down), high.map(up));
-        let meets = |node: &Node, lane: usize| {
+        let meets = |node: &BvhNode, lane: usize| {
             let [x, y, z] = &node.bounds;
             x[0][lane] <= high[0]
                 && x[1][lane] >= low[0]
@@ -17,22 +17,22 @@ impl Bvh {
                 && y[1][lane] >= low[1]
                 && z[1][lane] >= low[2]
         };
-        self.enter(meets, visit);
+        self.visit_faces(meets, visit);
     }
 
-    /// Calls `visit` with every face that may have a point in common with `bounds`, and some others, in the order of
-    /// the tree.
-    pub(crate) fn about(&self, bounds: &Box3, visit: impl FnMut(u32)) {
+    /// Calls `visit` with every face that may have a point in common with `bounds`, and some others, in the
+    /// order of the tree.
+    pub(crate) fn faces_in_box(&self, bounds: &Box3, visit: impl FnMut(u32)) {
         let low = self.frame.local(self.frame.scaled(bounds.min))[0].map(down);
         let high = self.frame.local(self.frame.scaled(bounds.max))[1].map(up);
-        let meets = |node: &Node, lane: usize| {
+        let meets = |node: &BvhNode, lane: usize| {
             (0..3).all(|k| node.bounds[k][0][lane] <= high[k] && node.bounds[k][1][lane] >= low[k])
         };
-        self.enter(meets, visit);
+        self.visit_faces(meets, visit);
     }
 
     /// Calls `visit` with the faces below every box that `meets` lets in.
-    fn enter(&self, meets: impl Fn(&Node, usize) -> bool, mut visit: impl FnMut(u32)) {
+    fn visit_faces(&self, meets: impl Fn(&BvhNode, usize) -> bool, mut visit: impl FnMut(u32)) {
         if self.nodes.is_empty() {
             return;
         }

@@ -1,26 +1,28 @@
-//! `Frame`: the coordinates in which a [`Bvh`](super::Bvh) keeps its boxes.
+//! `BvhFrame`: the coordinates in which a [`Bvh`](super::Bvh) keeps its boxes.
 use crate::math::{Box3, exponent, power_of_two, sub_down, sub_up};
 
-/// World → scaled: times a power of two, which changes no digit. Scaled → local: minus the middle of the mesh.
-/// In local coordinates the mesh lies within `[−1, 1]³`, wherever and however large it is.
+/// World → scaled: times a power of two, which changes no digit. Scaled → local: minus the middle of the
+/// mesh. In local coordinates the mesh lies within `[−1, 1]³`, wherever and however large it is.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(super) struct BvhFrame {
     /// A power of two.
     pub scale: f64,
     /// The middle of the mesh in scaled coordinates.
     pub middle: [f64; 3],
 }
 
-impl Frame {
+impl BvhFrame {
     /// The frame of what lies in `bounds`, which is not empty.
-    pub fn of(bounds: &Box3) -> Self {
+    pub fn from_bounds(bounds: &Box3) -> Self {
         // Halved before the difference, which might overflow.
         let half = (0..3).map(|k| 0.5 * bounds.max[k] - 0.5 * bounds.min[k]);
         let centre = bounds.centre();
-        // A mesh without extent is given that of the rounding of its place, so that scaled coordinates stay finite.
+        // A mesh without extent is given that of the rounding of its place, so that scaled coordinates stay
+        // finite.
         let rounding = centre.iter().map(|c| c.abs() * f64::EPSILON);
         let extent = half.chain(rounding).fold(0.0, |most, x| if x > most { x } else { most });
-        // Beyond 2^±900 a scale and its inverse leave no room for distances that are larger or smaller than the mesh.
+        // Beyond 2^±900 a scale and its inverse leave no room for distances that are larger or smaller than
+        // the mesh.
         let scale = power_of_two(-(exponent(extent) + 1).clamp(-900, 900));
         Self { scale, middle: centre.map(|c| c * scale) }
     }

@@ -1,15 +1,15 @@
 //! `Enclosure`: whether points are inside a mesh, closed, open or broken, and how sure that is.
-use super::packet::each;
-use super::winding::{Moment, Winding, moments, run};
+use super::batch::each;
+use super::winding::{ClusterMoments, WindingNumber, leaf_rows, moments};
 use super::{Bvh, LEAF, NONE, STACK, WIDTH};
 use crate::budget::Job;
 use crate::explicit::{Mesh, Topology, Twin, Twins};
-use crate::math::{Orientation, Position, orient2d, orient3d, triangle_contains};
+use crate::math::{Orientation, PointInTriangle, orient2d, orient3d, triangle_contains};
 use std::borrow::Cow;
 
 /// On which side of a mesh a point is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Whereabouts {
+pub enum PointLocation {
     /// The mesh winds around it, counter-clockwise being outward.
     Inside,
     /// The mesh does not.
@@ -24,64 +24,66 @@ pub enum Whereabouts {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Containment {
     /// The side.
-    pub side: Whereabouts,
+    pub side: PointLocation,
     /// A whole number without error for closed meshes; NaN on the surface, where there is none.
-    pub winding: Winding,
+    pub winding: WindingNumber,
 }
 
 /// A mesh that points can be inside of.
 ///
-/// *Closed* means that at every edge, by position, as many triangles run one way as the other: then the winding number is
-/// a whole number, the same all over each cell of space, whatever else is wrong with the mesh (self-intersections, doubled
-/// walls, more than two triangles at an edge). It is counted along a vertical ray by exact predicates, with a symbolic
-/// shift where the ray meets an edge or a corner. So for closed meshes every answer is exact (but for coordinates so much
-/// smaller than the mesh that a power of two makes them subnormal). For all others the generalized winding number decides.
+/// *Closed* means that at every edge, by position, as many triangles run one way as the other: then the
+/// winding number is a whole number, the same all over each cell of space, whatever else is wrong with the
+/// mesh (self-intersections, doubled walls, more than two triangles at an edge). It is counted along a
+/// vertical ray by exact predicates, with a symbolic shift where the ray meets an edge or a corner. So for
+/// closed meshes every answer is exact (but for coordinates so much smaller than the mesh that a power of two
+/// makes them subnormal). For all others the generalized winding number decides.
 ///
-/// The winding number counts with the direction of triangles: a closed mesh that is inside out winds −1 times around what
-/// it encloses, which is [`Whereabouts::Outside`]. Two walls around a point, both outward, are 2, which is [`Whereabouts::Inside`].
+/// The winding number counts with the direction of triangles: a closed mesh that is inside out winds −1 times
+/// around what it encloses, which is [`PointLocation::Outside`]. Two walls around a point, both outward, are
+/// 2, which is [`PointLocation::Inside`].
 ///
 /// Cost: 120 bytes for each of four children of each node, about 80 bytes a triangle; O(n) time.
 ///
 /// ```
-/// use chordal::{Job, Mesh, explicit::{Bvh, Enclosure, Whereabouts}};
+/// use chordal::{Job, Mesh, explicit::{Bvh, Enclosure, PointLocation}};
 /// let corners = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
 /// let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 /// let mesh = Mesh::new(corners.clone(), faces.clone()).unwrap();
 /// let bvh = Bvh::build(&mesh, &Job::default())?;
 /// let enclosure = Enclosure::new(&mesh, &bvh);
-/// assert_eq!(enclosure.inside([0.1, 0.1, 0.1]).side, Whereabouts::Inside);
-/// assert_eq!(enclosure.inside([0.0, 0.25, 0.25]).side, Whereabouts::On);
+/// assert_eq!(enclosure.inside([0.1, 0.1, 0.1]).side, PointLocation::Inside);
+/// assert_eq!(enclosure.inside([0.0, 0.25, 0.25]).side, PointLocation::On);
 ///
 /// // Without its floor it hides less than all.
 /// let open = Mesh::new(corners, faces[1..].to_vec()).unwrap();
 /// let bvh = Bvh::build(&open, &Job::default())?;
 /// let found = Enclosure::new(&open, &bvh).inside([0.2, 0.2, 0.5]);
-/// assert_eq!(found.side, Whereabouts::Inside);
+/// assert_eq!(found.side, PointLocation::Inside);
 /// assert!(found.winding.value > 0.8 && found.winding.value < 1.0);
-/// # Ok::<(), chordal::budget::Stopped>(())
+/// # Ok::<(), chordal::budget::JobError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Enclosure<'a> {
     bvh: &'a Bvh,
-    sides: Cow<'a, Soundings>,
+    moments: Cow<'a, WindingMoments>,
 }
 
 /// What an [`Enclosure`] knows beside the tree: for who keeps both.
 #[derive(Clone, Debug)]
-pub(crate) struct Soundings {
-    moments: Vec<[Moment; WIDTH]>,
+pub(crate) struct WindingMoments {
+    moments: Vec<[ClusterMoments; WIDTH]>,
     is_closed: bool,
 }
 
-impl Soundings {
+impl WindingMoments {
     /// As [`Enclosure::new`].
     pub(crate) fn new(mesh: &Mesh, bvh: &Bvh) -> Self {
         Self { moments: moments(bvh), is_closed: is_closed(mesh) }
     }
 
     /// The enclosure; `bvh` is the tree that this was made with.
-    pub(crate) fn on<'a>(&'a self, bvh: &'a Bvh) -> Enclosure<'a> {
-        Enclosure { bvh, sides: Cow::Borrowed(self) }
+    pub(crate) fn enclosure<'a>(&'a self, bvh: &'a Bvh) -> Enclosure<'a> {
+        Enclosure { bvh, moments: Cow::Borrowed(self) }
     }
 }
 
@@ -92,52 +94,58 @@ impl<'a> Enclosure<'a> {
     /// The moments of the tree over `mesh`, and whether it is closed. Time O(n).
     #[must_use]
     pub fn new(mesh: &Mesh, bvh: &'a Bvh) -> Self {
-        Self { bvh, sides: Cow::Owned(Soundings::new(mesh, bvh)) }
+        Self { bvh, moments: Cow::Owned(WindingMoments::new(mesh, bvh)) }
     }
 
     /// Whether at every edge as many triangles run one way as the other, so that every answer is exact.
     #[must_use]
     pub fn is_closed(&self) -> bool {
-        self.sides.is_closed
+        self.moments.is_closed
     }
 
-    /// How often the mesh winds around `p`, off by `within` at most; by more only where rounding alone costs more, as
-    /// it does within some roundings of an edge. `None` without faces, and when `p` is not finite.
+    /// How often the mesh winds around `p`, off by `within` at most; by more only where rounding alone costs
+    /// more, as it does within some roundings of an edge. `None` without faces, and when `p` is not finite.
     ///
-    /// Far clusters are summed by two moments each, with a bound on the rest; clusters are opened until the bound is
-    /// below `within`. Time: about 30 µs for 1/16 on a million triangles, 250 for 1/100; in the end it is that of
-    /// [`Bvh::winding_number_plain`].
+    /// Far clusters are summed by two moments each, with a bound on the rest; clusters are opened until the
+    /// bound is below `within`. Time: about 30 µs for 1/16 on a million triangles, 250 for 1/100; in the end
+    /// it is that of [`Bvh::winding_number_plain`].
     #[must_use]
-    pub fn winding_number(&self, p: [f64; 3], within: f64) -> Option<Winding> {
-        let q = self.bvh.seen(p)?;
-        Some(self.bvh.winding_by(&self.sides.moments, q, within))
+    pub fn winding_number(&self, p: [f64; 3], within: f64) -> Option<WindingNumber> {
+        let q = self.bvh.scaled_query(p)?;
+        Some(self.bvh.winding_by(&self.moments.moments, q, within))
     }
 
     /// On which side `p` is; outside without faces, and when `p` is not finite.
     ///
-    /// Exact for closed meshes, in O(√n) time as a rule: one vertical ray, 1 to 3 µs on a million triangles. For open
-    /// ones inside is a winding number above 3/4, outside one below 1/4, and between them is ambiguous.
+    /// Exact for closed meshes, in O(√n) time as a rule: one vertical ray, 1 to 3 µs on a million triangles.
+    /// For open ones inside is a winding number above 3/4, outside one below 1/4, and between them is
+    /// ambiguous.
     #[must_use]
     pub fn inside(&self, p: [f64; 3]) -> Containment {
-        let nowhere =
-            Containment { side: Whereabouts::Outside, winding: Winding { value: 0.0, off_at_most: 0.0 } };
-        let Some(q) = self.bvh.seen(p) else { return nowhere };
-        let Some(number) = self.bvh.winding_above(q) else {
-            let winding = Winding { value: f64::NAN, off_at_most: f64::NAN };
-            return Containment { side: Whereabouts::On, winding };
+        let nowhere = Containment {
+            side: PointLocation::Outside,
+            winding: WindingNumber { value: 0.0, off_at_most: 0.0 },
         };
-        if self.sides.is_closed {
-            let side = if number > 0 { Whereabouts::Inside } else { Whereabouts::Outside };
-            return Containment { side, winding: Winding { value: f64::from(number), off_at_most: 0.0 } };
+        let Some(q) = self.bvh.scaled_query(p) else { return nowhere };
+        let Some(number) = self.bvh.winding_above(q) else {
+            let winding = WindingNumber { value: f64::NAN, off_at_most: f64::NAN };
+            return Containment { side: PointLocation::On, winding };
+        };
+        if self.moments.is_closed {
+            let side = if number > 0 { PointLocation::Inside } else { PointLocation::Outside };
+            return Containment {
+                side,
+                winding: WindingNumber { value: f64::from(number), off_at_most: 0.0 },
+            };
         }
-        let winding = self.bvh.winding_by(&self.sides.moments, q, DECIDES);
-        let Winding { value, off_at_most: off } = winding;
+        let winding = self.bvh.winding_by(&self.moments.moments, q, DECIDES);
+        let WindingNumber { value, off_at_most: off } = winding;
         let side = if value - off > 0.75 {
-            Whereabouts::Inside
+            PointLocation::Inside
         } else if value + off < 0.25 {
-            Whereabouts::Outside
+            PointLocation::Outside
         } else {
-            Whereabouts::Ambiguous
+            PointLocation::Ambiguous
         };
         Containment { side, winding }
     }
@@ -160,12 +168,12 @@ fn is_closed(mesh: &Mesh) -> bool {
     };
     let pairs = (0..twins.len() as u32)
         .all(|half_edge| !matches!(twins.get(half_edge), Twin::Boundary | Twin::Flipped(_)));
-    pairs && twins.crowded_edges().all(is_balanced)
+    pairs && twins.non_manifold_edges().all(is_balanced)
 }
 
 impl Bvh {
-    /// How often triangles above `q` wind around it: those that are met from behind count 1, from the front −1. `None`
-    /// where `q` is on one. Scaled coordinates.
+    /// How often triangles above `q` wind around it: those that are met from behind count 1, from the front
+    /// −1. `None` where `q` is on one. Scaled coordinates.
     fn winding_above(&self, q: [f64; 3]) -> Option<i32> {
         let [low, high] = self.frame.local(q);
         let mut stack = [0_u32; STACK];
@@ -186,9 +194,9 @@ impl Bvh {
                     height += 1;
                     continue;
                 }
-                for row in run(self, child) {
+                for row in leaf_rows(self, child) {
                     let corners = self.corners_of(&self.triangles[row as usize]);
-                    winding += above(corners, q)?;
+                    winding += ray_crossing(corners, q)?;
                 }
             }
         }
@@ -196,9 +204,9 @@ impl Bvh {
     }
 }
 
-/// 1 where the vertical ray from `q` leaves through the triangle's front, −1 where it comes in, 0 where it misses; `None`
-/// where `q` is on it.
-fn above(corners: [[f64; 3]; 3], q: [f64; 3]) -> Option<i32> {
+/// 1 where the vertical ray from `q` leaves through the triangle's front, −1 where it comes in, 0 where it
+/// misses; `None` where `q` is on it.
+fn ray_crossing(corners: [[f64; 3]; 3], q: [f64; 3]) -> Option<i32> {
     let [a, b, c] = corners;
     let spans = |k: usize| {
         let (low, high) =
@@ -247,6 +255,6 @@ fn is_on(corners: [[f64; 3]; 3], q: [f64; 3]) -> bool {
     orient3d(a, b, c, q) == Orientation::Flat
         && (0..3).all(|k| {
             let flat = |p: [f64; 3]| [p[(k + 1) % 3], p[(k + 2) % 3]];
-            triangle_contains(corners.map(flat), flat(q)) != Position::Outside
+            triangle_contains(corners.map(flat), flat(q)) != PointInTriangle::Outside
         })
 }

@@ -1,38 +1,38 @@
 //! `Bvh`: a tree of boxes over the triangles of a mesh, for nearest points and rays.
+mod batch;
 mod build;
 mod closest;
 mod column;
-mod cut;
 mod frame;
 mod inside;
-mod near;
-mod packet;
+mod neighbours;
 mod pairs;
 mod ray;
+mod sah_split;
 mod triangle;
 mod winding;
 
-use crate::budget::{Code, Job, Refusal, Stopped};
+use crate::budget::{Job, JobError, Refusal, RefusalCode};
 use crate::explicit::Mesh;
 use crate::math::Box3;
-use frame::Frame;
+use frame::BvhFrame;
 
-pub use closest::Closest;
-pub(crate) use inside::Soundings;
-pub use inside::{Containment, Enclosure, Whereabouts};
-pub use ray::{Hit, Ray, Sides};
-pub use winding::Winding;
+pub use closest::MeshClosestPoint;
+pub(crate) use inside::WindingMoments;
+pub use inside::{Containment, Enclosure, PointLocation};
+pub use ray::{Hit, HitSides, Ray};
+pub use winding::WindingNumber;
 
 /// The weights of the point of a triangle that is nearest to `q`: ≥ 0, together 1 up to rounding.
 #[inline]
-pub(crate) fn nearest_on_triangle(q: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 3] {
-    triangle::nearest(q, corners).barycentric
+pub(crate) fn closest_on_triangle(q: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 3] {
+    triangle::closest_point(q, corners).barycentric
 }
 
 /// The square of the distance from a point to a triangle, up to rounding.
 #[inline]
-pub(crate) fn nearest_with_distance(q: [f64; 3], corners: [[f64; 3]; 3]) -> f64 {
-    triangle::nearest(q, corners).distance_sq
+pub(crate) fn distance_sq_to_triangle(q: [f64; 3], corners: [[f64; 3]; 3]) -> f64 {
+    triangle::closest_point(q, corners).distance_sq
 }
 
 /// Children of a node. Four f32 fill one SSE, NEON or WASM register.
@@ -43,14 +43,15 @@ const LEAF: u32 = 1 << 31;
 const LAST: u32 = 1 << 31;
 /// No child; its box is inverted, so that nothing meets it.
 const NONE: u32 = u32::MAX;
-/// Places on a traversal's stack. The build stops splitting by cost at [`build::DEEPEST_BY_COST`] and from there on
-/// cuts in equal quarters, so no path is longer than 24 + 16 nodes, each of which leaves at most 3 waiting.
+/// Places on a traversal's stack. The build stops splitting by cost at [`build::DEEPEST_BY_COST`] and from
+/// there on cuts in equal quarters, so no path is longer than 24 + 16 nodes, each of which leaves at most 3
+/// waiting.
 const STACK: usize = 128;
 
 /// Two cache lines: four boxes in local f32 coordinates, rounded outward, and what they hold.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-struct Node {
+struct BvhNode {
     /// By axis and end (low, high): one number a child.
     bounds: [[[f32; WIDTH]; 2]; 3],
     /// A node, or with [`LEAF`] the first of a run of triangles, or [`NONE`].
@@ -59,20 +60,21 @@ struct Node {
 
 /// One triangle: rows of [`Bvh::corners`], and the face of the mesh, with [`LAST`] at the end of a run.
 #[derive(Clone, Copy, Debug)]
-struct Triangle {
+struct BvhTriangle {
     corners: [u32; 3],
     face: u32,
 }
 
 /// A tree of boxes over the triangles of a mesh: the one that every query shares.
 ///
-/// Nodes have four children with boxes in f32, rounded outward, relative to the mesh's middle and extent, so that
-/// neither a far offset nor a strange scale costs precision. Coordinates stay f64 and queries compute in f64: what
-/// they return is the minimum over all triangles of the same arithmetic on each, as a plain loop would find it.
-/// Triangles without area count as segments or points for distances, and are never hit by rays.
+/// Nodes have four children with boxes in f32, rounded outward, relative to the mesh's middle and extent, so
+/// that neither a far offset nor a strange scale costs precision. Coordinates stay f64 and queries compute in
+/// f64: what they return is the minimum over all triangles of the same arithmetic on each, as a plain loop
+/// would find it. Triangles without area count as segments or points for distances, and are never hit by
+/// rays.
 ///
-/// The tree is the same on any number of threads. Cost: O(n log n) time; in memory about 18 bytes a triangle for
-/// nodes, 16 for the triangles and 24 for each position; while building, about 90 more a triangle.
+/// The tree is the same on any number of threads. Cost: O(n log n) time; in memory about 18 bytes a triangle
+/// for nodes, 16 for the triangles and 24 for each position; while building, about 90 more a triangle.
 ///
 /// ```
 /// use chordal::{Job, Mesh, explicit::{Bvh, Ray}};
@@ -82,21 +84,22 @@ struct Triangle {
 /// assert_eq!((closest.point, closest.distance_sq), ([0.25, 0.25, 0.0], 4.0));
 /// let hit = bvh.first_hit(&Ray::new([0.25, 0.25, 2.0], [0.0, 0.0, -1.0])).unwrap();
 /// assert_eq!((hit.face, hit.t), (0, 2.0));
-/// # Ok::<(), chordal::budget::Stopped>(())
+/// # Ok::<(), chordal::budget::JobError>(())
 /// ```
 ///
-/// Sources: I. Wald, *On fast construction of SAH-based bounding volume hierarchies*, 2007; H. Dammertz, J. Hanika,
-/// A. Keller, *Shallow bounding volume hierarchies for fast SIMD ray tracing of incoherent rays*, 2008.
+/// Sources: I. Wald, *On fast construction of SAH-based bounding volume hierarchies*, 2007; H. Dammertz, J.
+/// Hanika, A. Keller, *Shallow bounding volume hierarchies for fast SIMD ray tracing of incoherent
+/// rays*, 2008.
 #[derive(Clone, Debug)]
 pub struct Bvh {
-    frame: Frame,
+    frame: BvhFrame,
     bounds: Box3,
     /// `bounds` in local coordinates, rounded outward.
     local: Box3,
     /// The root is the first; empty for a mesh without faces.
-    nodes: Vec<Node>,
+    nodes: Vec<BvhNode>,
     /// In the order of the leaves.
-    triangles: Vec<Triangle>,
+    triangles: Vec<BvhTriangle>,
     /// Scaled positions, in the order in which the leaves first use them.
     corners: Vec<[f64; 3]>,
 }
@@ -105,14 +108,14 @@ impl Bvh {
     /// The tree over all faces of `mesh`.
     ///
     /// # Errors
-    /// [`Stopped::Refused`] for 2³¹ faces and more, or where about 130 bytes a face and 28 a position exceed the job's
-    /// memory limit; [`Stopped::Cancelled`] when the job was.
-    pub fn build(mesh: &Mesh, job: &Job) -> Result<Self, Stopped> {
+    /// [`JobError::Refused`] for 2³¹ faces and more, or where about 130 bytes a face and 28 a position exceed
+    /// the job's memory limit; [`JobError::Cancelled`] when the job was.
+    pub fn build(mesh: &Mesh, job: &Job) -> Result<Self, JobError> {
         let n = mesh.faces().len();
-        let refused = |code, message| Err(Stopped::Refused(Refusal { code, message }));
+        let refused = |code, message| Err(JobError::Refused(Refusal { code, message }));
         if n >= LAST as usize {
             let message = format!("{n} faces are more than the {} that a tree of boxes can name", LAST - 1);
-            return refused(Code::TooManyTriangles, message);
+            return refused(RefusalCode::TooManyTriangles, message);
         }
         let bytes = 130 * n as u64 + 28 * mesh.positions().len() as u64;
         if bytes > job.memory_limit {
@@ -120,9 +123,9 @@ impl Bvh {
                 "the tree over {n} faces needs about {bytes} bytes; the limit is {}",
                 job.memory_limit
             );
-            return refused(Code::TooMuchMemory, message);
+            return refused(RefusalCode::TooMuchMemory, message);
         }
-        build::build(mesh, job).ok_or(Stopped::Cancelled)
+        build::build(mesh, job).ok_or(JobError::Cancelled)
     }
 
     /// The box of the triangles (of all positions that a face uses); empty without faces.
@@ -140,14 +143,14 @@ impl Bvh {
     /// The bytes that the tree holds.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        self.nodes.capacity() * size_of::<Node>()
-            + self.triangles.capacity() * size_of::<Triangle>()
+        self.nodes.capacity() * size_of::<BvhNode>()
+            + self.triangles.capacity() * size_of::<BvhTriangle>()
             + self.corners.capacity() * size_of::<[f64; 3]>()
     }
 
     /// The scaled corners of a triangle.
     #[inline]
-    fn corners_of(&self, triangle: &Triangle) -> [[f64; 3]; 3] {
+    fn corners_of(&self, triangle: &BvhTriangle) -> [[f64; 3]; 3] {
         // Spelled out: `map` is not always inlined, and this is the innermost loop of every query.
         let [a, b, c] = triangle.corners;
         [self.corners[a as usize], self.corners[b as usize], self.corners[c as usize]]
@@ -160,7 +163,7 @@ mod tests {
     use crate::math::{sub_down, sub_up};
 
     /// Checks everything below a child and adds up what its leaves hold: faces, and the deepest path.
-    fn check(bvh: &Bvh, node: &Node, lane: usize, faces: &mut Vec<u32>) -> usize {
+    fn check(bvh: &Bvh, node: &BvhNode, lane: usize, faces: &mut Vec<u32>) -> usize {
         let child = node.child[lane];
         let mut first = child & !LEAF;
         if child & LEAF == 0 {
@@ -203,7 +206,7 @@ mod tests {
             let faces = (0..n - 2).map(|i| [i, i + 1, i + 2]).collect();
             let mesh = Mesh::new(positions, faces).expect("finite");
             let bvh = Bvh::build(&mesh, &Job::default()).expect("small");
-            let root = Node { bounds: [[[-2.0; WIDTH], [2.0; WIDTH]]; 3], child: [0; WIDTH] };
+            let root = BvhNode { bounds: [[[-2.0; WIDTH], [2.0; WIDTH]]; 3], child: [0; WIDTH] };
             let mut held = Vec::new();
             let depth = check(&bvh, &root, 0, &mut held);
             held.sort_unstable();

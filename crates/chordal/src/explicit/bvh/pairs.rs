@@ -1,23 +1,23 @@
 //! All pairs of triangles whose boxes meet: the tree against itself.
-use super::{Bvh, LAST, LEAF, NONE, Node, WIDTH};
+use super::{Bvh, BvhNode, LAST, LEAF, NONE, WIDTH};
 use crate::budget::{Job, par_map};
 
 /// A child of a node, by the node and the lane: its box stands there.
-type Child = (u32, u8);
+type BvhChild = (u32, u8);
 
-/// From so many pairs of children on each is a task of its own. Enough for the tasks to even out on many threads;
-/// a constant, so that the work is cut alike on any number of them.
+/// From so many pairs of children on each is a task of its own. Enough for the tasks to even out on many
+/// threads; a constant, so that the work is cut alike on any number of them.
 const TASKS: usize = 256;
 /// Pairs of nodes between two looks at whether the job is cancelled: some hundred microseconds.
 const PATIENCE: u32 = 1 << 12;
 
 /// The box of a triangle in scaled coordinates: low, high.
-type Bounds = [[f64; 3]; 2];
+type TriangleBox = [[f64; 3]; 2];
 
 impl Bvh {
-    /// Every triangle in the order of the leaves: rows of its corners, below [`Bvh::n_corners`], and its face. Rows
-    /// stand for rows of the mesh's positions.
-    pub(crate) fn slots(&self) -> impl ExactSizeIterator<Item = ([u32; 3], u32)> {
+    /// Every triangle in the order of the leaves: rows of its corners, below [`Bvh::n_corners`], and its
+    /// face. Rows stand for rows of the mesh's positions.
+    pub(crate) fn leaf_triangles(&self) -> impl ExactSizeIterator<Item = ([u32; 3], u32)> {
         self.triangles.iter().map(|triangle| (triangle.corners, triangle.face & !LAST))
     }
 
@@ -26,14 +26,15 @@ impl Bvh {
         self.corners.len()
     }
 
-    /// Calls `meet` with the slots of every two triangles whose boxes have a point in common, each pair once. The
-    /// results of the tasks come in an order that does not depend on threads; `None` when the job is cancelled.
+    /// Calls `meet` with the slots of every two triangles whose boxes have a point in common, each pair once.
+    /// The results of the tasks come in an order that does not depend on threads; `None` when the job is
+    /// cancelled.
     pub(crate) fn pairs<R: Default + Send>(
         &self,
         job: &Job,
         meet: impl Fn(&mut R, [u32; 2]) + Sync,
     ) -> Option<Vec<R>> {
-        let work = |_, pair: &[Child; 2]| {
+        let work = |_, pair: &[BvhChild; 2]| {
             let mut result = R::default();
             let mut waiting = vec![*pair];
             let mut patience = 0;
@@ -54,7 +55,7 @@ impl Bvh {
     }
 
     /// Pairs of children that together cover all pairs of triangles.
-    fn tasks(&self) -> Vec<[Child; 2]> {
+    fn tasks(&self) -> Vec<[BvhChild; 2]> {
         let mut tasks = Vec::new();
         if !self.nodes.is_empty() {
             self.within(0, &mut tasks);
@@ -75,17 +76,18 @@ impl Bvh {
         tasks
     }
 
-    fn child(&self, (node, lane): Child) -> u32 {
+    fn child(&self, (node, lane): BvhChild) -> u32 {
         self.nodes[node as usize].child[lane as usize]
     }
 
-    fn is_leaf(&self, child: Child) -> bool {
+    fn is_leaf(&self, child: BvhChild) -> bool {
         self.child(child) & LEAF != 0
     }
 
-    /// Goes one level down: appends the pairs of children to `below`, or calls `meet` for the triangles of leaves.
+    /// Goes one level down: appends the pairs of children to `below`, or calls `meet` for the triangles of
+    /// leaves.
     #[inline]
-    fn open(&self, [a, b]: [Child; 2], below: &mut Vec<[Child; 2]>, mut meet: impl FnMut([u32; 2])) {
+    fn open(&self, [a, b]: [BvhChild; 2], below: &mut Vec<[BvhChild; 2]>, mut meet: impl FnMut([u32; 2])) {
         let (first, second) = (self.child(a), self.child(b));
         match (first & LEAF != 0, second & LEAF != 0) {
             (true, true) if a == b => self.within_leaf(first & !LEAF, &mut meet),
@@ -103,11 +105,11 @@ impl Bvh {
     }
 
     /// The pairs among the children of one node.
-    fn within(&self, node: u32, below: &mut Vec<[Child; 2]>) {
+    fn within(&self, node: u32, below: &mut Vec<[BvhChild; 2]>) {
         let children = &self.nodes[node as usize];
         for lane in (0..WIDTH as u8).filter(|lane| children.child[*lane as usize] != NONE) {
             below.push([(node, lane); 2]);
-            let meets = meeting(children, lane as usize, children);
+            let meets = overlapping_lanes(children, lane as usize, children);
             let after = (lane + 1..WIDTH as u8).filter(|other| meets[*other as usize]);
             below.extend(after.map(|other| [(node, lane), (node, other)]));
         }
@@ -115,8 +117,9 @@ impl Bvh {
 
     /// The pairs of one child with those of a node.
     #[inline]
-    fn across(&self, child: Child, node: u32, below: &mut Vec<[Child; 2]>) {
-        let meets = meeting(&self.nodes[child.0 as usize], child.1 as usize, &self.nodes[node as usize]);
+    fn across(&self, child: BvhChild, node: u32, below: &mut Vec<[BvhChild; 2]>) {
+        let meets =
+            overlapping_lanes(&self.nodes[child.0 as usize], child.1 as usize, &self.nodes[node as usize]);
         for lane in 0..WIDTH as u8 {
             if meets[lane as usize] {
                 below.push([child, (node, lane)]);
@@ -148,8 +151,8 @@ impl Bvh {
 
     /// The boxes of the run of triangles that begins there.
     #[inline]
-    fn boxes(&self, start: u32) -> Boxes {
-        let mut boxes = Boxes { n: 0, bounds: [[[0.0; 3]; 2]; super::build::LEAF_SIZE] };
+    fn boxes(&self, start: u32) -> LeafBoxes {
+        let mut boxes = LeafBoxes { n: 0, bounds: [[[0.0; 3]; 2]; super::build::LEAF_SIZE] };
         for triangle in &self.triangles[start as usize..] {
             let [a, b, c] = self.corners_of(triangle);
             for k in 0..3 {
@@ -167,20 +170,20 @@ impl Bvh {
 }
 
 /// The boxes of a leaf.
-struct Boxes {
+struct LeafBoxes {
     n: usize,
-    bounds: [Bounds; super::build::LEAF_SIZE],
+    bounds: [TriangleBox; super::build::LEAF_SIZE],
 }
 
 #[inline(always)]
-fn overlap(a: &Bounds, b: &Bounds) -> bool {
+fn overlap(a: &TriangleBox, b: &TriangleBox) -> bool {
     let along = |k: usize| (a[0][k] <= b[1][k]) & (b[0][k] <= a[1][k]);
     along(0) & along(1) & along(2)
 }
 
 /// Which boxes of `other` meet that of one lane of `node`. The box of no child meets none.
 #[inline(always)]
-fn meeting(node: &Node, lane: usize, other: &Node) -> [bool; WIDTH] {
+fn overlapping_lanes(node: &BvhNode, lane: usize, other: &BvhNode) -> [bool; WIDTH] {
     let mut meets = [true; WIDTH];
     for k in 0..3 {
         let (low, high) = (node.bounds[k][0][lane], node.bounds[k][1][lane]);
@@ -198,7 +201,7 @@ mod tests {
 
     /// The pairs of faces whose boxes meet, found by looking at all.
     fn all_pairs(mesh: &Mesh) -> Vec<[u32; 2]> {
-        let bounds = |face: usize| crate::math::Box3::around(&mesh.corners(face));
+        let bounds = |face: usize| crate::math::Box3::from_points(&mesh.corners(face));
         let n = mesh.faces().len();
         let meets = |f: usize, g: usize| {
             let (a, b) = (bounds(f), bounds(g));
@@ -211,7 +214,7 @@ mod tests {
 
     fn tree_pairs(mesh: &Mesh, job: &Job) -> Option<Vec<[u32; 2]>> {
         let bvh = Bvh::build(mesh, &Job::default()).expect("small");
-        let faces: Vec<u32> = bvh.slots().map(|(_, face)| face).collect();
+        let faces: Vec<u32> = bvh.leaf_triangles().map(|(_, face)| face).collect();
         let found = bvh.pairs(job, |found: &mut Vec<[u32; 2]>, slots| found.push(slots));
         let mut found = found?.concat();
         for pair in &mut found {

@@ -1,6 +1,6 @@
 //! The first triangle that a ray meets, without gaps between triangles that share an edge or a corner.
 use super::frame::{down, up};
-use super::{Bvh, LAST, LEAF, Node, STACK, Triangle, WIDTH};
+use super::{Bvh, BvhNode, BvhTriangle, LAST, LEAF, STACK, WIDTH};
 use crate::math::{Box3, exponent, power_of_two};
 
 /// The points `origin + t · direction` for `t_min ≤ t ≤ t_max`.
@@ -45,7 +45,7 @@ pub struct Hit {
 
 /// Which sides of triangles a ray meets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Sides {
+pub enum HitSides {
     /// Both.
     #[default]
     Both,
@@ -55,9 +55,9 @@ pub enum Sides {
     Back,
 }
 
-impl Sides {
+impl HitSides {
     #[inline]
-    pub(crate) fn has(self, front: bool) -> bool {
+    pub(crate) fn accepts(self, front: bool) -> bool {
         match self {
             Self::Both => true,
             Self::Front => front,
@@ -69,7 +69,7 @@ impl Sides {
 /// What of a ray the test with a triangle needs: the axes permuted and sheared so that the ray is the z axis.
 ///
 /// Source: S. Woop, C. Benthin, I. Wald, *Watertight ray/triangle intersection*, 2013.
-struct Sheared {
+struct ShearedRay {
     origin: [f64; 3],
     axes: [usize; 3],
     shear: [f64; 3],
@@ -77,13 +77,13 @@ struct Sheared {
 
 /// A ray's place and weights on a triangle, in scaled coordinates.
 #[derive(Clone, Copy)]
-struct Meeting {
+struct TriangleHit {
     t: f64,
     barycentric: [f64; 3],
     front: bool,
 }
 
-impl Sheared {
+impl ShearedRay {
     fn new(origin: [f64; 3], direction: [f64; 3]) -> Self {
         let z = (1..3).fold(0, |z, k| if direction[k].abs() > direction[z].abs() { k } else { z });
         let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
@@ -97,11 +97,11 @@ impl Sheared {
 
     /// The meeting with a triangle for `least ≤ t ≤ most`.
     ///
-    /// Each corner is projected by itself, and the edge functions compare two rounded products each: since rounding
-    /// is monotonic they never have the wrong sign, at worst they are 0, and then exact arithmetic decides. So
-    /// triangles that share projected corners leave no gap between them.
+    /// Each corner is projected by itself, and the edge functions compare two rounded products each: since
+    /// rounding is monotonic they never have the wrong sign, at worst they are 0, and then exact arithmetic
+    /// decides. So triangles that share projected corners leave no gap between them.
     #[inline]
-    fn meet(&self, corners: [[f64; 3]; 3], least: f64, most: f64) -> Option<Meeting> {
+    fn intersect(&self, corners: [[f64; 3]; 3], least: f64, most: f64) -> Option<TriangleHit> {
         let [ix, iy, iz] = self.axes;
         let project = |p: [f64; 3]| {
             let z = p[iz] - self.origin[iz];
@@ -126,7 +126,7 @@ impl Sheared {
         let barycentric = [u / whole, v / whole, w / whole];
         let depth = barycentric[0] * a[2] + barycentric[1] * b[2] + barycentric[2] * c[2];
         let t = depth * self.shear[2];
-        (t >= least && t <= most).then_some(Meeting { t, barycentric, front: whole > 0.0 })
+        (t >= least && t <= most).then_some(TriangleHit { t, barycentric, front: whole > 0.0 })
     }
 }
 
@@ -138,7 +138,7 @@ fn exact_cross(p: [f64; 3], q: [f64; 3]) -> f64 {
 }
 
 /// What of a ray the test with boxes needs, local, in f32 and rounded so that no box is missed.
-struct Slabs {
+struct RaySlabs {
     /// By axis: the end of the box (low 0, high 1) where the ray goes in.
     enter: [usize; 3],
     /// The origin, towards the ray's end and against it.
@@ -149,12 +149,13 @@ struct Slabs {
     inverse_up: [f32; 3],
 }
 
-/// Relative slack of the four roundings of 2⁻²⁴ (difference, inverse, product, `t` of the origin) of each end.
+/// Relative slack of the four roundings of 2⁻²⁴ (difference, inverse, product, `t` of the origin) of each
+/// end.
 const SLACK: f32 = 1.0 + 1.0 / (1 << 20) as f32;
 
-impl Slabs {
-    /// `origin` is local and exact to `error`; `inverse` is that of a direction whose largest component is between 1
-    /// and 2, without negative zeros.
+impl RaySlabs {
+    /// `origin` is local and exact to `error`; `inverse` is that of a direction whose largest component is
+    /// between 1 and 2, without negative zeros.
     #[inline]
     fn new(origin: [f64; 3], inverse: [f64; 3], error: f64) -> Self {
         let mut slabs = Self {
@@ -181,7 +182,7 @@ impl Slabs {
 
     /// Where the ray goes into each box, at most `limit`; ∞ where it misses.
     #[inline]
-    fn enter(&self, node: &Node, limit: f32) -> [f32; WIDTH] {
+    fn enter(&self, node: &BvhNode, limit: f32) -> [f32; WIDTH] {
         let mut enter = [0.0_f32; WIDTH];
         let mut leave = [limit; WIDTH];
         for k in 0..3 {
@@ -200,9 +201,9 @@ impl Slabs {
 }
 
 /// A ray in the coordinates of the tree.
-struct Cast {
-    sheared: Sheared,
-    slabs: Slabs,
+struct LocalRay {
+    sheared: ShearedRay,
+    slabs: RaySlabs,
     /// Scaled `t` at which the ray comes near the mesh: where the slabs' own `t` starts.
     start: f64,
     /// World `t` per scaled `t`.
@@ -212,30 +213,33 @@ struct Cast {
 }
 
 impl Bvh {
-    /// The first triangle that the ray meets; `None` when there is none, for a direction that is 0 or not finite,
-    /// and for an origin that is not finite or beyond 10³⁰⁰ extents.
+    /// The first triangle that the ray meets; `None` when there is none, for a direction that is 0 or not
+    /// finite, and for an origin that is not finite or beyond 10³⁰⁰ extents.
     ///
-    /// It is watertight: a ray through an edge or a corner that triangles share meets one of them, unless the mesh
-    /// has its outline there. Front and back count alike; see [`Hit::front`]. Triangles without area are never met.
+    /// It is watertight: a ray through an edge or a corner that triangles share meets one of them, unless the
+    /// mesh has its outline there. Front and back count alike; see [`Hit::front`]. Triangles without area are
+    /// never met.
     ///
     /// Source: S. Woop, C. Benthin, I. Wald, *Watertight ray/triangle intersection*, 2013, in f64, with exact
     /// signs in place of a wider fallback.
     #[must_use]
     pub fn first_hit(&self, ray: &Ray) -> Option<Hit> {
-        self.first_hit_on(ray, Sides::Both)
+        self.first_hit_on(ray, HitSides::Both)
     }
 
-    /// [`Bvh::first_hit`] among the triangles that the ray meets on one of `sides`; it goes through all others.
+    /// [`Bvh::first_hit`] among the triangles that the ray meets on one of `sides`; it goes through all
+    /// others.
     #[must_use]
-    pub fn first_hit_on(&self, ray: &Ray, sides: Sides) -> Option<Hit> {
+    pub fn first_hit_on(&self, ray: &Ray, sides: HitSides) -> Option<Hit> {
         let mut cast = self.cast(ray)?;
-        let mut best: Option<(Meeting, u32)> = None;
-        self.along(&mut cast, |cast, triangle| {
-            let Some(meeting) = cast.sheared.meet(self.corners_of(triangle), cast.least, cast.most) else {
+        let mut best: Option<(TriangleHit, u32)> = None;
+        self.traverse(&mut cast, |cast, triangle| {
+            let Some(meeting) = cast.sheared.intersect(self.corners_of(triangle), cast.least, cast.most)
+            else {
                 return false;
             };
             let face = triangle.face & !LAST;
-            if !sides.has(meeting.front) {
+            if !sides.accepts(meeting.front) {
                 return false;
             }
             if best.is_none_or(|(known, known_face)| meeting.t < known.t || face < known_face) {
@@ -257,23 +261,23 @@ impl Bvh {
     pub fn any_hit(&self, ray: &Ray) -> bool {
         let Some(mut cast) = self.cast(ray) else { return false };
         let mut met = false;
-        self.along(&mut cast, |cast, triangle| {
-            met = cast.sheared.meet(self.corners_of(triangle), cast.least, cast.most).is_some();
+        self.traverse(&mut cast, |cast, triangle| {
+            met = cast.sheared.intersect(self.corners_of(triangle), cast.least, cast.most).is_some();
             met
         });
         met
     }
 
     #[inline]
-    fn cast(&self, ray: &Ray) -> Option<Cast> {
+    fn cast(&self, ray: &Ray) -> Option<LocalRay> {
         let largest = |v: [f64; 3]| v.iter().fold(0.0, |m, x| if x.abs() > m { x.abs() } else { m });
         let size = largest(ray.direction);
         let usable = size > 0.0 && ray.direction.iter().all(|x| x.is_finite());
         if self.nodes.is_empty() || !usable {
             return None;
         }
-        // Powers of two bring the direction to a size between 1 and 2; two steps, since one may overflow. A zero
-        // loses its sign.
+        // Powers of two bring the direction to a size between 1 and 2; two steps, since one may overflow. A
+        // zero loses its sign.
         let shift = 1 - exponent(size);
         let [half, rest] = [shift / 2, shift - shift / 2].map(power_of_two);
         let direction = ray.direction.map(|x| x * half * rest + 0.0);
@@ -284,14 +288,14 @@ impl Bvh {
             return None;
         }
         let inverse = direction.map(|x| 1.0 / x);
-        // The projected corners of triangles, the origin and where it comes near are off by a few units of 2⁻⁵³ of the
-        // way between them.
+        // The projected corners of triangles, the origin and where it comes near are off by a few units of
+        // 2⁻⁵³ of the way between them.
         let error = (largest(local) + 4.0) * (1.0 / (1_u64 << 46) as f64);
         let start = start(&self.local, error, local, inverse)?;
         let nearer: [f64; 3] = std::array::from_fn(|k| local[k] + start * direction[k]);
-        Some(Cast {
-            sheared: Sheared::new(origin, direction),
-            slabs: Slabs::new(nearer, inverse, error),
+        Some(LocalRay {
+            sheared: ShearedRay::new(origin, direction),
+            slabs: RaySlabs::new(nearer, inverse, error),
             start,
             unit,
             least: ray.t_min / unit,
@@ -299,10 +303,11 @@ impl Bvh {
         })
     }
 
-    /// Visits triangles whose boxes the ray meets before `cast.most`, nearest boxes first, until `visit` says true.
+    /// Visits triangles whose boxes the ray meets before `cast.most`, nearest boxes first, until `visit` says
+    /// true.
     #[inline]
-    fn along(&self, cast: &mut Cast, mut visit: impl FnMut(&mut Cast, &Triangle) -> bool) {
-        let limit_of = |cast: &Cast| {
+    fn traverse(&self, cast: &mut LocalRay, mut visit: impl FnMut(&mut LocalRay, &BvhTriangle) -> bool) {
+        let limit_of = |cast: &LocalRay| {
             let limit = (cast.most - cast.start) as f32;
             // Both ends of the slack: `t` was rounded, and so is where a box begins.
             if limit < f32::MAX { limit * (SLACK * SLACK) + f32::EPSILON } else { f32::MAX }

@@ -1,4 +1,5 @@
-//! The point of one triangle that is nearest to a query, and bounds on its distance that hold whatever the rounding.
+//! The point of one triangle that is nearest to a query, and bounds on its distance that hold whatever the
+//! rounding.
 use crate::math::{
     add_down, add_up, div_down, div_up, exponent, mul_down, mul_up, power_of_two, sqrt_up, sub_down, sub_up,
 };
@@ -6,23 +7,24 @@ use glam::DVec3;
 
 /// Nearest point of a triangle.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Nearest {
+pub(super) struct TriangleClosestPoint {
     /// Weights of the corners: ≥ 0, together 1 up to rounding.
     pub barycentric: [f64; 3],
     pub distance_sq: f64,
 }
 
-/// A triangle is thin when its doubled area squared is below this share of its longest edge to the fourth: the
-/// areas by which the closed form decides lose up to the inverse of that in precision. 1/64 is an aspect of 1:8.
+/// A triangle is thin when its doubled area squared is below this share of its longest edge to the fourth:
+/// the areas by which the closed form decides lose up to the inverse of that in precision. 1/64 is an aspect
+/// of 1:8.
 const THIN: f64 = 1.0 / 64.0;
 
 /// The point of the triangle nearest to `q`, any triangle.
 ///
-/// The error of the distance is a few units in the last place of the distance to the farthest corner.
-/// Source of the regions: C. Ericson, *Real-Time Collision Detection*, 2005, 5.1.5; the corners first, then thin
+/// The error of the distance is a few units in the last place of the distance to the farthest corner. Source
+/// of the regions: C. Ericson, *Real-Time Collision Detection*, 2005, 5.1.5; the corners first, then thin
 /// triangles and those without area in a frame of their own.
 #[inline]
-pub(super) fn nearest(q: [f64; 3], corners: [[f64; 3]; 3]) -> Nearest {
+pub(super) fn closest_point(q: [f64; 3], corners: [[f64; 3]; 3]) -> TriangleClosestPoint {
     let [a, b, c] = [DVec3::from(corners[0]), DVec3::from(corners[1]), DVec3::from(corners[2])];
     let q = DVec3::from(q);
     // Edges from the corners themselves: from differences to a far `q` they would carry its rounding.
@@ -30,15 +32,15 @@ pub(super) fn nearest(q: [f64; 3], corners: [[f64; 3]; 3]) -> Nearest {
     let (aq, bq, cq) = (q - a, q - b, q - c);
     let (d1, d2) = (ab.dot(aq), ac.dot(aq));
     if d1 <= 0.0 && d2 <= 0.0 {
-        return Nearest { barycentric: [1.0, 0.0, 0.0], distance_sq: aq.length_squared() };
+        return TriangleClosestPoint { barycentric: [1.0, 0.0, 0.0], distance_sq: aq.length_squared() };
     }
     let (d3, d4) = (ab.dot(bq), ac.dot(bq));
     if d3 >= 0.0 && d4 <= d3 {
-        return Nearest { barycentric: [0.0, 1.0, 0.0], distance_sq: bq.length_squared() };
+        return TriangleClosestPoint { barycentric: [0.0, 1.0, 0.0], distance_sq: bq.length_squared() };
     }
     let (d5, d6) = (ab.dot(cq), ac.dot(cq));
     if d6 >= 0.0 && d5 <= d6 {
-        return Nearest { barycentric: [0.0, 0.0, 1.0], distance_sq: cq.length_squared() };
+        return TriangleClosestPoint { barycentric: [0.0, 0.0, 1.0], distance_sq: cq.length_squared() };
     }
     let (e, f, g) = (ab.length_squared(), ac.length_squared(), (c - b).length_squared());
     let ef = if e > f { e } else { f };
@@ -48,13 +50,13 @@ pub(super) fn nearest(q: [f64; 3], corners: [[f64; 3]; 3]) -> Nearest {
     } else {
         None
     };
-    let barycentric = closed.unwrap_or_else(|| Thin::new([a, b, c]).nearest(q));
+    let barycentric = closed.unwrap_or_else(|| ThinTriangle::new([a, b, c]).closest_point(q));
     let [u, v, w] = barycentric;
-    Nearest { barycentric, distance_sq: (aq * u + bq * v + cq * w).length_squared() }
+    TriangleClosestPoint { barycentric, distance_sq: (aq * u + bq * v + cq * w).length_squared() }
 }
 
-/// The weights of the nearest point from the dot products of `ab` and `ac` with the offsets of `q` from the three
-/// corners, none of which is nearest; `None` where the areas contradict each other.
+/// The weights of the nearest point from the dot products of `ab` and `ac` with the offsets of `q` from the
+/// three corners, none of which is nearest; `None` where the areas contradict each other.
 #[inline]
 fn by_areas([[d1, d2], [d3, d4], [d5, d6]]: [[f64; 2]; 3]) -> Option<[f64; 3]> {
     let vc = d1 * d4 - d3 * d2;
@@ -80,8 +82,9 @@ fn by_areas([[d1, d2], [d3, d4], [d5, d6]]: [[f64; 2]; 3]) -> Option<[f64; 3]> {
 }
 
 /// A triangle in a frame of its own: the longest edge along x. However thin it is, the triangle with corners
-/// `(0, 0)`, `(length, 0)` and `apex` is within a few units in the last place of the longest edge of the true one.
-struct Thin {
+/// `(0, 0)`, `(length, 0)` and `apex` is within a few units in the last place of the longest edge of the true
+/// one.
+struct ThinTriangle {
     /// The corners: start and end of the longest edge, apex.
     order: [usize; 3],
     start: DVec3,
@@ -92,7 +95,7 @@ struct Thin {
 }
 
 /// `v` less what of it lies along the unit vectors `axes`; twice, since the first time leaves its rounding.
-fn across(v: DVec3, axes: &[DVec3]) -> DVec3 {
+fn reject(v: DVec3, axes: &[DVec3]) -> DVec3 {
     let once = |v: DVec3| axes.iter().fold(v, |v, axis| v - *axis * axis.dot(v));
     once(once(v))
 }
@@ -102,14 +105,14 @@ fn unit(v: DVec3) -> DVec3 {
     if longest > 0.0 { (v / longest).normalize() } else { DVec3::ZERO }
 }
 
-impl Thin {
+impl ThinTriangle {
     fn new(p: [DVec3; 3]) -> Self {
         let squares: [f64; 3] = std::array::from_fn(|k| (p[(k + 1) % 3] - p[k]).length_squared());
         let k = (1..3).fold(0, |most, k| if squares[k] > squares[most] { k } else { most });
         let order = [k, (k + 1) % 3, (k + 2) % 3];
         let [start, end, apex] = order.map(|i| p[i]);
         let x = unit(end - start);
-        let height = across(apex - start, &[x]);
+        let height = reject(apex - start, &[x]);
         let y = unit(height);
         Self {
             order,
@@ -122,7 +125,7 @@ impl Thin {
     }
 
     /// The barycentric weights of the nearest point.
-    fn nearest(&self, q: DVec3) -> [f64; 3] {
+    fn closest_point(&self, q: DVec3) -> [f64; 3] {
         let to = q - self.start;
         let at = [to.dot(self.x), to.dot(self.y)];
         let apex = self.apex;
@@ -157,37 +160,40 @@ impl Thin {
     }
 }
 
-/// A bound from below on the distance between `q` and the triangle: true whatever was rounded on the way. Where it
-/// is sure to be at least `enough`, some bound that is at least that.
+/// A bound from below on the distance between `q` and the triangle: true whatever was rounded on the way.
+/// Where it is sure to be at least `enough`, some bound that is at least that.
 ///
-/// For any direction `u`, the whole triangle is at least `min (q − corner)·u / |u|` away: it lies beyond that plane.
-/// The directions are from the nearest point to `q`, and `q`'s part across the edge or face on which that lies;
-/// they only decide how sharp the bound is, and the arithmetic after them is rounded downwards.
+/// For any direction `u`, the whole triangle is at least `min (q − corner)·u / |u|` away: it lies beyond that
+/// plane. The directions are from the nearest point to `q`, and `q`'s part across the edge or face on which
+/// that lies; they only decide how sharp the bound is, and the arithmetic after them is rounded downwards.
 pub(super) fn distance_down(q: [f64; 3], corners: [[f64; 3]; 3], enough: f64) -> f64 {
-    let barycentric = nearest(q, corners).barycentric;
+    let barycentric = closest_point(q, corners).barycentric;
     let p = [DVec3::from(corners[0]), DVec3::from(corners[1]), DVec3::from(corners[2])];
     let to = DVec3::from(q);
     let offsets = [to - p[0], to - p[1], to - p[2]];
     let nearest = offsets[0] * barycentric[0] + offsets[1] * barycentric[1] + offsets[2] * barycentric[2];
-    let roughly = beyond_roughly(offsets, nearest);
+    let roughly = plane_separation_estimate(offsets, nearest);
     if roughly >= enough {
         return roughly;
     }
-    let on = span(p, barycentric);
-    let across = across(to - p[on.from], &on.axes[..on.n]);
-    let [a, b] = [nearest, across].map(|u| beyond(q, corners, u));
+    let on = closest_feature(p, barycentric);
+    let across = reject(to - p[on.from], &on.axes[..on.n]);
+    let [a, b] = [nearest, across].map(|u| plane_separation(q, corners, u));
     if a > b { a } else { b }
 }
 
-/// [`beyond`] in a third of its time and with a wider margin, for `offsets` that are each off by one rounding.
-fn beyond_roughly(offsets: [DVec3; 3], u: DVec3) -> f64 {
-    // Each of the three terms has seen at most five roundings of 2⁻⁵³, and their sizes' sum is low by as many: 2⁻⁵⁰.
+/// [`plane_separation`] in a third of its time and with a wider margin, for `offsets` that are each off by
+/// one rounding.
+fn plane_separation_estimate(offsets: [DVec3; 3], u: DVec3) -> f64 {
+    // Each of the three terms has seen at most five roundings of 2⁻⁵³, and their sizes' sum is low by as
+    // many: 2⁻⁵⁰.
     const SHARE: f64 = 4.0 * f64::EPSILON;
     let along = |offset: DVec3| offset.dot(u) - offset.abs().dot(u.abs()) * SHARE;
     let [a, b, c] = [along(offsets[0]), along(offsets[1]), along(offsets[2])];
     let ab = if a < b { a } else { b };
     let least = if ab < c { ab } else { c };
-    // Products that underflow lose less than the smallest normal number; the length and the quotient four roundings.
+    // Products that underflow lose less than the smallest normal number; the length and the quotient four
+    // roundings.
     let far = (least - f64::MIN_POSITIVE) / (u.length() * (1.0 + SHARE));
     if far > 0.0 && u.length_squared() > MIN_SQUARE { far * (1.0 - SHARE) } else { 0.0 }
 }
@@ -196,27 +202,27 @@ fn beyond_roughly(offsets: [DVec3; 3], u: DVec3) -> f64 {
 const MIN_SQUARE: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
 /// Unit vectors that span the edge or face in whose inside a point lies, and a corner of it.
-struct Span {
+struct ClosestFeature {
     from: usize,
     axes: [DVec3; 2],
     n: usize,
 }
 
-fn span(p: [DVec3; 3], barycentric: [f64; 3]) -> Span {
+fn closest_feature(p: [DVec3; 3], barycentric: [f64; 3]) -> ClosestFeature {
     let mut used = (0..3).filter(|k| barycentric[*k] > 0.0);
     let from = used.next().unwrap_or(0);
     match (used.next(), used.next()) {
         (Some(_), Some(_)) => {
-            let thin = Thin::new(p);
-            Span { from: thin.order[0], axes: [thin.x, thin.y], n: 2 }
+            let thin = ThinTriangle::new(p);
+            ClosestFeature { from: thin.order[0], axes: [thin.x, thin.y], n: 2 }
         }
-        (Some(to), None) => Span { from, axes: [unit(p[to] - p[from]), DVec3::ZERO], n: 1 },
-        _ => Span { from, axes: [DVec3::ZERO; 2], n: 0 },
+        (Some(to), None) => ClosestFeature { from, axes: [unit(p[to] - p[from]), DVec3::ZERO], n: 1 },
+        _ => ClosestFeature { from, axes: [DVec3::ZERO; 2], n: 0 },
     }
 }
 
 /// How far the triangle lies from `q` beyond the plane across `u`, from below; 0 when it does not.
-fn beyond(q: [f64; 3], corners: [[f64; 3]; 3], u: DVec3) -> f64 {
+fn plane_separation(q: [f64; 3], corners: [[f64; 3]; 3], u: DVec3) -> f64 {
     // A power of two keeps squares in range and changes no direction.
     let u = (u * power_of_two(-exponent(u.abs().max_element()))).to_array();
     let along = |corner: [f64; 3]| {

@@ -1,22 +1,24 @@
 //! The generalized winding number: how often a mesh, open or broken as it may be, winds around a point.
 //!
-//! A triangle winds around a point by the share of directions that it covers. Clusters of triangles far away are summed by
-//! their first two moments; what that leaves out is bounded, cluster by cluster, by the third derivative of `1/r`:
-//! for all x of a cluster around `c` with `|x − c| ≤ r`, seen from a distance `R`, Taylor's remainder is at most
-//! `½·|x − c|²·6/(R − r)⁴`, and the solid angle has a factor of `1/4π`. (For a harmonic function the third derivative as
-//! a form is largest along one direction, where it is `3!·P₃(cos)/r⁴ ≤ 6/r⁴`.)
+//! A triangle winds around a point by the share of directions that it covers. Clusters of triangles far away
+//! are summed by their first two moments; what that leaves out is bounded, cluster by cluster, by the third
+//! derivative of `1/r`: for all x of a cluster around `c` with `|x − c| ≤ r`, seen from a distance `R`,
+//! Taylor's remainder is at most `½·|x − c|²·6/(R − r)⁴`, and the solid angle has a factor of `1/4π`. (For a
+//! harmonic function the third derivative as a form is largest along one direction, where it is
+//! `3!·P₃(cos)/r⁴ ≤ 6/r⁴`.)
 //!
-//! Sources: A. Jacobson, L. Kavan, O. Sorkine-Hornung, *Robust inside-outside segmentation using generalized winding
-//! numbers*, 2013; G. Barill, N. Dickson, R. Schmidt, D. Levin, A. Jacobson, *Fast winding numbers for soups and
-//! clouds*, 2018, for the sum by clusters; the bound is our own. A. Van Oosterom, J. Strackee, *The solid angle of a
-//! plane triangle*, 1983.
+//! Sources: A. Jacobson, L. Kavan, O. Sorkine-Hornung, *Robust inside-outside segmentation using generalized
+//! winding numbers*, 2013; G. Barill, N. Dickson, R. Schmidt, D. Levin, A. Jacobson, *Fast winding numbers
+//! for soups and clouds*, 2018, for the sum by clusters; the bound is our own. A. Van Oosterom, J. Strackee,
+//! *The solid angle of a plane triangle*, 1983.
 use super::{Bvh, LAST, LEAF, NONE, STACK, WIDTH};
 use crate::math::{difference, dot, length};
 use std::f64::consts::PI;
 
-/// How often a surface winds around a point: 1 inside a closed outward one, 0 outside, anything between where it is open.
+/// How often a surface winds around a point: 1 inside a closed outward one, 0 outside, anything between where
+/// it is open.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Winding {
+pub struct WindingNumber {
     /// The number.
     pub value: f64,
     /// How far it is off at most: what clusters leave out, and an allowance for every rounding.
@@ -25,7 +27,7 @@ pub struct Winding {
 
 /// What a cluster of triangles looks like from far away, in scaled coordinates.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Moment {
+pub(super) struct ClusterMoments {
     /// The centroid of the area.
     centre: [f64; 3],
     area: f64,
@@ -39,8 +41,8 @@ pub(super) struct Moment {
     radius: f64,
 }
 
-impl Moment {
-    fn of_triangle([a, b, c]: [[f64; 3]; 3]) -> Self {
+impl ClusterMoments {
+    fn from_triangle([a, b, c]: [[f64; 3]; 3]) -> Self {
         let centre = std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0);
         let (e, f) = (difference(b, a), difference(c, a));
         let normal = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
@@ -48,12 +50,13 @@ impl Moment {
         let squares = [a, b, c].map(|p| dot(difference(p, centre), difference(p, centre)));
         let most = squares.into_iter().fold(0.0, |m, s| if s > m { s } else { m });
         let area = length(normal);
-        // ∫|x − centre|² over a triangle is a twelfth of its area times the squares of its corners' distances.
+        // ∫|x − centre|² over a triangle is a twelfth of its area times the squares of its corners'
+        // distances.
         let second = area * (squares[0] + squares[1] + squares[2]) / 12.0;
         Self { centre, area, normal, tensor: [0.0; 6], second, radius: grown(most.sqrt()) }
     }
 
-    fn of_parts(parts: &[Self]) -> Self {
+    fn from_children(parts: &[Self]) -> Self {
         let mut whole = Self::default();
         for part in parts {
             whole.area += part.area;
@@ -86,7 +89,7 @@ impl Moment {
 
     /// The winding number of a cluster that is far enough for an opening of `1 / closeness`, and its error.
     #[inline]
-    fn seen_from(&self, q: [f64; 3], closeness: f64) -> Option<[f64; 2]> {
+    fn winding_from(&self, q: [f64; 3], closeness: f64) -> Option<[f64; 2]> {
         let d = difference(self.centre, q);
         let square = dot(d, d);
         let away = square.sqrt();
@@ -105,7 +108,8 @@ impl Moment {
         let cube = square * away;
         let value = (dot(self.normal, d) + trace - 3.0 * along / square) / cube;
         let remainder = 3.0 * self.second / (gap * gap) / (gap * gap);
-        // A few dozen roundings of sums over the cluster, none of whose terms is above its area over the gap squared.
+        // A few dozen roundings of sums over the cluster, none of whose terms is above its area over the gap
+        // squared.
         const ROUNDING: f64 = 256.0 * f64::EPSILON;
         let rounding = ROUNDING * self.area / (gap * gap);
         Some([value / (4.0 * PI), (remainder * (1.0 + ROUNDING) + rounding) / (4.0 * PI)])
@@ -120,7 +124,7 @@ fn grown(x: f64) -> f64 {
 
 /// The share of directions that a triangle covers, negative from behind, and how far it may be off.
 #[inline]
-fn of_triangle(q: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 2] {
+fn triangle_winding(q: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 2] {
     let [a, b, c] = corners.map(|p| difference(p, q));
     let (la, lb, lc) = (length(a), length(b), length(c));
     let det = a[0] * (b[1] * c[2] - b[2] * c[1])
@@ -128,8 +132,8 @@ fn of_triangle(q: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 2] {
         + a[2] * (b[0] * c[1] - b[1] * c[0]);
     let size = la * lb * lc;
     let base = size + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-    // Some 16 roundings of half a unit in each of the two, of terms that are at most 4 · size together, turn the angle by
-    // that over their length; beyond a full turn nothing is known.
+    // Some 16 roundings of half a unit in each of the two, of terms that are at most 4 · size together, turn
+    // the angle by that over their length; beyond a full turn nothing is known.
     const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
     let reach = (det * det + base * base).sqrt();
     let off = ROUNDINGS * size / reach;
@@ -139,8 +143,8 @@ fn of_triangle(q: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 2] {
 }
 
 /// The moments of everything below each child of each node.
-pub(super) fn moments(bvh: &Bvh) -> Vec<[Moment; WIDTH]> {
-    let mut all = vec![[Moment::default(); WIDTH]; bvh.nodes.len()];
+pub(super) fn moments(bvh: &Bvh) -> Vec<[ClusterMoments; WIDTH]> {
+    let mut all = vec![[ClusterMoments::default(); WIDTH]; bvh.nodes.len()];
     // Children come after their parents.
     for (index, node) in bvh.nodes.iter().enumerate().rev() {
         for lane in 0..WIDTH {
@@ -149,16 +153,17 @@ pub(super) fn moments(bvh: &Bvh) -> Vec<[Moment; WIDTH]> {
                 continue;
             }
             all[index][lane] = if child & LEAF != 0 {
-                let of = |row: u32| Moment::of_triangle(bvh.corners_of(&bvh.triangles[row as usize]));
-                Moment::of_parts(&run(bvh, child).map(of).collect::<Vec<_>>())
+                let of =
+                    |row: u32| ClusterMoments::from_triangle(bvh.corners_of(&bvh.triangles[row as usize]));
+                ClusterMoments::from_children(&leaf_rows(bvh, child).map(of).collect::<Vec<_>>())
             } else {
                 let below = &bvh.nodes[child as usize];
                 let n = below.child.iter().filter(|child| **child != NONE).count();
                 let parts = all[child as usize];
-                let mut kept = [Moment::default(); WIDTH];
+                let mut kept = [ClusterMoments::default(); WIDTH];
                 let lanes = (0..WIDTH).filter(|k| below.child[*k] != NONE);
                 kept.iter_mut().zip(lanes).for_each(|(to, k)| *to = parts[k]);
-                Moment::of_parts(&kept[..n])
+                ClusterMoments::from_children(&kept[..n])
             };
         }
     }
@@ -166,7 +171,7 @@ pub(super) fn moments(bvh: &Bvh) -> Vec<[Moment; WIDTH]> {
 }
 
 /// The rows of a leaf's triangles.
-pub(super) fn run(bvh: &Bvh, child: u32) -> impl Iterator<Item = u32> + '_ {
+pub(super) fn leaf_rows(bvh: &Bvh, child: u32) -> impl Iterator<Item = u32> + '_ {
     let first = child & !LEAF;
     let n = bvh.triangles[first as usize..].iter().position(|triangle| triangle.face & LAST != 0);
     first..=first + n.unwrap_or(0) as u32
@@ -174,29 +179,36 @@ pub(super) fn run(bvh: &Bvh, child: u32) -> impl Iterator<Item = u32> + '_ {
 
 /// Errors are summed up to 2³² at a time, each sum rounded by half a unit of 2⁻⁵²: less than 2⁻²⁰ of it.
 const SUMMED: f64 = 1.0 + 1.0 / (1 << 20) as f64;
-/// Clusters are summed from four radii away at first, and from twice as far each time that this is not enough.
+/// Clusters are summed from four radii away at first, and from twice as far each time that this is not
+/// enough.
 const CLOSENESS: f64 = 4.0;
 /// From here on all triangles are summed one by one.
 const CLOSEST: f64 = 128.0;
 
 impl Bvh {
-    /// The winding number of all triangles around `p`, one by one: the oracle of [`super::Enclosure::winding_number`].
-    /// `None` without faces, and when `p` is not finite. Time O(n), about 50 ns a triangle.
+    /// The winding number of all triangles around `p`, one by one: the oracle of
+    /// [`super::Enclosure::winding_number`]. `None` without faces, and when `p` is not finite. Time O(n),
+    /// about 50 ns a triangle.
     #[must_use]
-    pub fn winding_number_plain(&self, p: [f64; 3]) -> Option<Winding> {
-        let q = self.seen(p)?;
-        let sum = self.triangles.iter().map(|triangle| of_triangle(q, self.corners_of(triangle)));
+    pub fn winding_number_plain(&self, p: [f64; 3]) -> Option<WindingNumber> {
+        let q = self.scaled_query(p)?;
+        let sum = self.triangles.iter().map(|triangle| triangle_winding(q, self.corners_of(triangle)));
         Some(total(sum))
     }
 
     /// `p` in scaled coordinates, if that says anything.
-    pub(super) fn seen(&self, p: [f64; 3]) -> Option<[f64; 3]> {
+    pub(super) fn scaled_query(&self, p: [f64; 3]) -> Option<[f64; 3]> {
         let q = self.frame.scaled(p);
         (!self.nodes.is_empty() && q.iter().all(|x| x.is_finite())).then_some(q)
     }
 
     /// The winding number, off by `within` at most unless roundings alone are more.
-    pub(super) fn winding_by(&self, moments: &[[Moment; WIDTH]], q: [f64; 3], within: f64) -> Winding {
+    pub(super) fn winding_by(
+        &self,
+        moments: &[[ClusterMoments; WIDTH]],
+        q: [f64; 3],
+        within: f64,
+    ) -> WindingNumber {
         let mut closeness = CLOSENESS;
         loop {
             let found = self.sum(moments, q, closeness);
@@ -207,7 +219,7 @@ impl Bvh {
         }
     }
 
-    fn sum(&self, moments: &[[Moment; WIDTH]], q: [f64; 3], closeness: f64) -> Winding {
+    fn sum(&self, moments: &[[ClusterMoments; WIDTH]], q: [f64; 3], closeness: f64) -> WindingNumber {
         let mut stack = [0_u32; STACK];
         let mut height = 1;
         let (mut value, mut off) = (0.0, 0.0);
@@ -224,11 +236,11 @@ impl Bvh {
                 if child == NONE {
                     continue;
                 }
-                if let Some(seen) = moment.seen_from(q, closeness) {
+                if let Some(seen) = moment.winding_from(q, closeness) {
                     add(seen);
                 } else if child & LEAF != 0 {
-                    for row in run(self, child) {
-                        add(of_triangle(q, self.corners_of(&self.triangles[row as usize])));
+                    for row in leaf_rows(self, child) {
+                        add(triangle_winding(q, self.corners_of(&self.triangles[row as usize])));
                     }
                 } else {
                     stack[height] = child;
@@ -236,17 +248,17 @@ impl Bvh {
                 }
             }
         }
-        Winding { value, off_at_most: off * SUMMED }
+        WindingNumber { value, off_at_most: off * SUMMED }
     }
 }
 
 /// A sum of many terms, each with its own error; what summing them rounds is added.
-fn total(terms: impl Iterator<Item = [f64; 2]>) -> Winding {
+fn total(terms: impl Iterator<Item = [f64; 2]>) -> WindingNumber {
     let (mut value, mut off) = (0.0_f64, 0.0);
     for [v, o] in terms {
         value += v;
         // Half a unit of the partial sum, which is below a whole one.
         off += o + f64::EPSILON * value.abs();
     }
-    Winding { value, off_at_most: off * SUMMED }
+    WindingNumber { value, off_at_most: off * SUMMED }
 }

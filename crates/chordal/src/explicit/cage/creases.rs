@@ -1,23 +1,24 @@
-//! Sharpness over the rounds of grids: which points follow which rule, with which shares. Nothing here has a position.
-use super::edges::{listed, part};
+//! Sharpness over the rounds of grids: which points follow which rule, with which shares. Nothing here has a
+//! position.
+use super::edges::{csr_lists, csr_row};
 use super::quads::NONE;
-use super::round::Shares;
-use super::rules::{Mix, halves_left, less, less_at};
-use super::{Creasing, INFINITELY_SHARP};
+use super::stencils::StencilWeights;
+use super::vertex_rule::{RuleBlend, crease_weight, decrement_sharpness, subdivide_sharpness};
+use super::{CreasingMethod, INFINITELY_SHARP};
 use std::collections::BTreeMap;
 
 /// The shares of one round.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Rules {
+pub(super) struct StencilTable {
     /// Vertices of quads that are not smooth throughout, in ascending order.
-    pub vertices: Vec<(u32, Shares)>,
+    pub vertices: Vec<(u32, StencilWeights)>,
     /// Edges of quads of which some point is not, in ascending order.
-    pub edges: Vec<(u32, Along)>,
+    pub edges: Vec<(u32, EdgeStencil)>,
 }
 
 /// The share of the crease in what comes to lie along an edge.
 #[derive(Clone, Debug)]
-pub(super) enum Along {
+pub(super) enum EdgeStencil {
     /// In points between parts, and in the middles of parts.
     Even { points: f64, middles: f64 },
     /// In one after the other: a middle first.
@@ -25,12 +26,12 @@ pub(super) enum Along {
 }
 
 /// The sharpness of the parts of an edge.
-enum Parts {
+enum EdgeSharpness {
     Even(f64),
     Each(Vec<f64>),
 }
 
-impl Parts {
+impl EdgeSharpness {
     fn at(&self, part: usize) -> f64 {
         match self {
             Self::Even(sharp) => *sharp,
@@ -40,24 +41,24 @@ impl Parts {
 }
 
 /// How sharp everything is, at some round.
-pub(super) struct Creases<'a> {
+pub(super) struct GridSharpness<'a> {
     /// Of edges of the first round, or, for Loop, of the cage: where they begin and end.
     ends: &'a [[u32; 2]],
-    creasing: Creasing,
+    creasing: CreasingMethod,
     /// Parts of an edge.
     n: usize,
-    edges: BTreeMap<u32, Parts>,
+    edges: BTreeMap<u32, EdgeSharpness>,
     vertices: BTreeMap<u32, f64>,
     /// Vertices without faces, on sharp edges or sharp themselves, ascending; and the edges of each.
     special: Vec<u32>,
-    around_ends: Vec<u32>,
-    around: Vec<u32>,
+    vertex_edge_ends: Vec<u32>,
+    vertex_edges: Vec<u32>,
 }
 
-impl<'a> Creases<'a> {
+impl<'a> GridSharpness<'a> {
     /// From edges and vertices with a sharpness above 0, of so many vertices and edges with these ends.
     pub fn new(
-        creasing: Creasing,
+        creasing: CreasingMethod,
         (n_vertices, all_ends): (usize, &'a [[u32; 2]]),
         edges: &[(u32, f64)],
         vertices: &[(u32, f64)],
@@ -73,80 +74,85 @@ impl<'a> Creases<'a> {
         special.iter().enumerate().for_each(|(place, v)| places[*v as usize] = place as u32);
         let at_ends = all_ends.iter().enumerate().flat_map(|(e, ends)| ends.map(|v| (v, e as u32)));
         let places = at_ends.map(|(v, e)| (places[v as usize], e)).filter(|(place, _)| *place != NONE);
-        let (around_ends, around) = listed(special.len(), places);
+        let (around_ends, around) = csr_lists(special.len(), places);
         Self {
             ends: all_ends,
             creasing,
             n: 1,
-            edges: edges.iter().map(|(e, sharp)| (*e, Parts::Even(*sharp))).collect(),
+            edges: edges.iter().map(|(e, sharp)| (*e, EdgeSharpness::Even(*sharp))).collect(),
             vertices: vertices.iter().copied().collect(),
             special,
-            around_ends,
-            around,
+            vertex_edge_ends: around_ends,
+            vertex_edges: around,
         }
     }
 
     /// The edges of a vertex with the sharpness of their parts there.
-    fn around(&self, place: usize) -> impl Iterator<Item = (u32, f64)> + Clone {
+    fn edges_around(&self, place: usize) -> impl Iterator<Item = (u32, f64)> + Clone {
         let vertex = self.special[place];
-        part(&self.around_ends, &self.around, place).iter().map(move |e| {
+        csr_row(&self.vertex_edge_ends, &self.vertex_edges, place).iter().map(move |e| {
             let at = if self.ends[*e as usize][0] == vertex { 0 } else { self.n - 1 };
             (*e, self.edges.get(e).map_or(0.0, |parts| parts.at(at)))
         })
     }
 
     /// The shares of the next round, after which all is as sharp as it is left.
-    pub fn next(&mut self) -> Rules {
-        let mut rules = Rules::default();
+    pub fn next(&mut self) -> StencilTable {
+        let mut rules = StencilTable::default();
         for (place, vertex) in self.special.iter().enumerate() {
-            let of = self.around(place);
+            let of = self.edges_around(place);
             let own = self.vertices.get(vertex).copied().unwrap_or(0.0);
-            let is_bare = part(&self.around_ends, &self.around, place).is_empty();
-            let shares = if is_bare { Shares::CORNER } else { Shares::of(Mix::of(self.creasing, own, of)) };
+            let is_bare = csr_row(&self.vertex_edge_ends, &self.vertex_edges, place).is_empty();
+            let shares = if is_bare {
+                StencilWeights::CORNER
+            } else {
+                StencilWeights::from_blend(RuleBlend::new(self.creasing, own, of))
+            };
             if shares.smooth < 1.0 {
                 rules.vertices.push((*vertex, shares));
             }
         }
         let mut left = BTreeMap::new();
         for (edge, parts) in &self.edges {
-            let (along, halves) = self.along(*edge, parts);
+            let (along, halves) = self.subdivide_edge(*edge, parts);
             rules.edges.push((*edge, along));
             let is_sharp = match &halves {
-                Parts::Even(sharp) => *sharp > 0.0,
-                Parts::Each(all) => all.iter().any(|sharp| *sharp > 0.0),
+                EdgeSharpness::Even(sharp) => *sharp > 0.0,
+                EdgeSharpness::Each(all) => all.iter().any(|sharp| *sharp > 0.0),
             };
             if is_sharp {
                 left.insert(*edge, halves);
             }
         }
         self.edges = left;
-        self.vertices.values_mut().for_each(|sharp| *sharp = less(*sharp));
+        self.vertices.values_mut().for_each(|sharp| *sharp = decrement_sharpness(*sharp));
         self.vertices.retain(|_, sharp| *sharp > 0.0);
         self.n *= 2;
         rules
     }
 
-    fn along(&self, edge: u32, parts: &Parts) -> (Along, Parts) {
+    fn subdivide_edge(&self, edge: u32, parts: &EdgeSharpness) -> (EdgeStencil, EdgeSharpness) {
         let point = |sharp: [f64; 2]| {
             let two = [(0, sharp[0]), (1, sharp[1])];
-            Shares::of(Mix::of(self.creasing, 0.0, two.into_iter())).crease
+            StencilWeights::from_blend(RuleBlend::new(self.creasing, 0.0, two.into_iter())).crease
         };
-        let is_stable = |sharp: f64| self.creasing == Creasing::Uniform || sharp >= INFINITELY_SHARP;
-        if let Parts::Even(sharp) = parts
+        let is_stable = |sharp: f64| self.creasing == CreasingMethod::Uniform || sharp >= INFINITELY_SHARP;
+        if let EdgeSharpness::Even(sharp) = parts
             && is_stable(*sharp)
         {
-            let left = less(*sharp);
-            let along = Along::Even { points: point([*sharp; 2]), middles: halves_left(*sharp, [left; 2]) };
-            return (along, Parts::Even(left));
+            let left = decrement_sharpness(*sharp);
+            let along =
+                EdgeStencil::Even { points: point([*sharp; 2]), middles: crease_weight(*sharp, [left; 2]) };
+            return (along, EdgeSharpness::Even(left));
         }
         let left = |part: usize, place: usize| {
             let sharp = parts.at(part);
             if place == 0 || place == self.n {
                 let vertex = self.ends[edge as usize][place / self.n];
                 let place = self.special.binary_search(&vertex).unwrap_or(0);
-                less_at(self.creasing, sharp, self.around(place).map(|(_, sharp)| sharp))
+                subdivide_sharpness(self.creasing, sharp, self.edges_around(place).map(|(_, sharp)| sharp))
             } else {
-                less_at(self.creasing, sharp, [parts.at(place - 1), parts.at(place)].into_iter())
+                subdivide_sharpness(self.creasing, sharp, [parts.at(place - 1), parts.at(place)].into_iter())
             }
         };
         let halves: Vec<f64> =
@@ -156,13 +162,13 @@ impl<'a> Creases<'a> {
             if part > 0 {
                 shares.push(point([parts.at(part - 1), parts.at(part)]));
             }
-            shares.push(halves_left(parts.at(part), [halves[2 * part], halves[2 * part + 1]]));
+            shares.push(crease_weight(parts.at(part), [halves[2 * part], halves[2 * part + 1]]));
         }
-        (Along::Each(shares), Parts::Each(halves))
+        (EdgeStencil::Each(shares), EdgeSharpness::Each(halves))
     }
 
     /// The sharpness of a part of an edge.
-    pub fn of_part(&self, edge: u32, part: usize) -> f64 {
+    pub fn part_sharpness(&self, edge: u32, part: usize) -> f64 {
         self.edges.get(&edge).map_or(0.0, |parts| parts.at(part))
     }
 

@@ -3,7 +3,7 @@ use super::Cage;
 
 /// Edges, with the faces on them.
 #[derive(Clone, Debug)]
-pub(crate) struct Edges {
+pub(crate) struct CageEdges {
     /// The lower vertex first.
     pub ends: Vec<[u32; 2]>,
     /// The edge from each corner to the next of its face.
@@ -13,20 +13,20 @@ pub(crate) struct Edges {
     /// Faces, in ascending order within an edge.
     faces: Vec<u32>,
     /// Edges that other than two faces use, or two that are wound against each other there.
-    pub crowded: Vec<bool>,
+    pub non_manifold: Vec<bool>,
     /// Edges by their ends, for those who look for one.
     sorted: Vec<([u32; 2], u32)>,
 }
 
-impl Edges {
-    pub fn of(cage: &Cage) -> Self {
-        Self::apart(cage, |_| 0)
+impl CageEdges {
+    pub fn new(cage: &Cage) -> Self {
+        Self::with_classes(cage, |_| 0)
     }
 
-    /// Where sides with the same ends are one edge only when what is said of their corners is the same: in a round of Loop's scheme
-    /// two edges may end alike.
-    pub fn apart(cage: &Cage, class: impl Fn(u32) -> u32 + Copy) -> Self {
-        let halves = Halves::of(cage, class);
+    /// Where sides with the same ends are one edge only when what is said of their corners is the same: in a
+    /// round of Loop's scheme two edges may end alike.
+    pub fn with_classes(cage: &Cage, class: impl Fn(u32) -> u32 + Copy) -> Self {
+        let halves = CageHalfEdges::new(cage, class);
         // Numbers in the order of the first corner.
         let mut counts = vec![0_u32; cage.corners.len()];
         halves.runs(class).for_each(|(_, run)| counts[run[0].1 as usize] = run.len() as u32);
@@ -44,7 +44,7 @@ impl Edges {
             of_corner: vec![0; cage.corners.len()],
             face_ends,
             faces: vec![0; cage.corners.len()],
-            crowded: vec![false; n],
+            non_manifold: vec![false; n],
             sorted: Vec::with_capacity(n),
         };
         let face_of = face_of_corners(cage);
@@ -57,7 +57,7 @@ impl Edges {
                 edges.faces[first + k] = face_of[*corner as usize];
                 up += usize::from(*runs_up);
             }
-            edges.crowded[number as usize] = run.len() > 2 || run.len() == 2 && up != 1;
+            edges.non_manifold[number as usize] = run.len() > 2 || run.len() == 2 && up != 1;
             edges.ends[number as usize] = [low, run[0].0];
             edges.sorted.push(([low, run[0].0], number));
         }
@@ -77,21 +77,21 @@ impl Edges {
     }
 
     /// The sharp ones by their ends, from the sharpness of each.
-    pub fn sharp(&self, sharpness: &[f64]) -> Vec<([u32; 2], f64)> {
+    pub fn sharp_edges(&self, sharpness: &[f64]) -> Vec<([u32; 2], f64)> {
         let all = self.sorted.iter().map(|(ends, edge)| (*ends, sharpness[*edge as usize]));
         all.filter(|(_, sharp)| *sharp > 0.0).collect()
     }
 }
 
-/// Half-edges by the lower of their vertices: where those of each vertex end, and of each the other vertex, its corner, and
-/// whether it runs upwards; in that order.
-struct Halves {
+/// Half-edges by the lower of their vertices: where those of each vertex end, and of each the other vertex,
+/// its corner, and whether it runs upwards; in that order.
+struct CageHalfEdges {
     ends: Vec<u32>,
     all: Vec<(u32, u32, bool)>,
 }
 
-impl Halves {
-    fn of(cage: &Cage, class: impl Fn(u32) -> u32) -> Self {
+impl CageHalfEdges {
+    fn new(cage: &Cage, class: impl Fn(u32) -> u32) -> Self {
         let corners = || cage.faces().flat_map(|face| (0..face.len()).map(move |k| (face, k)));
         let ends_of =
             |(face, k): (&[u32], usize)| (face[k], face[if k + 1 < face.len() { k + 1 } else { 0 }]);
@@ -100,7 +100,7 @@ impl Halves {
             if a < b { (a, (b, true)) } else { (b, (a, false)) }
         });
         let pairs = low.enumerate().map(|(corner, (low, (high, up)))| (low, (high, corner as u32, up)));
-        let (ends, mut all) = listed(cage.positions.len(), pairs);
+        let (ends, mut all) = csr_lists(cage.positions.len(), pairs);
         let mut start = 0;
         for end in &ends {
             let order = |(high, corner, _): &(u32, u32, bool)| (*high, class(*corner), *corner);
@@ -113,7 +113,7 @@ impl Halves {
     /// Halves of one edge, with the lower of its ends, in ascending order.
     fn runs(&self, class: impl Fn(u32) -> u32 + Copy) -> impl Iterator<Item = (u32, &[(u32, u32, bool)])> {
         let of = move |low: usize| {
-            part(&self.ends, &self.all, low).chunk_by(move |a, b| a.0 == b.0 && class(a.1) == class(b.1))
+            csr_row(&self.ends, &self.all, low).chunk_by(move |a, b| a.0 == b.0 && class(a.1) == class(b.1))
         };
         (0..self.ends.len()).flat_map(move |low| of(low).map(move |run| (low as u32, run)))
     }
@@ -130,39 +130,39 @@ fn face_of_corners(cage: &Cage) -> Vec<u32> {
 
 /// Edges around each vertex, and faces around it.
 #[derive(Clone, Debug)]
-pub(super) struct Around {
+pub(super) struct VertexIncidence {
     edge_ends: Vec<u32>,
     edges: Vec<u32>,
     face_ends: Vec<u32>,
     faces: Vec<u32>,
 }
 
-impl Around {
-    pub fn of(cage: &Cage, edges: &Edges) -> Self {
+impl VertexIncidence {
+    pub fn new(cage: &Cage, edges: &CageEdges) -> Self {
         let n = cage.positions.len();
         let of_edges = edges.ends.iter().enumerate().flat_map(|(e, ends)| ends.map(|v| (v, e as u32)));
         let of_faces = cage.faces().enumerate().flat_map(|(f, of)| of.iter().map(move |v| (*v, f as u32)));
-        let (edge_ends, edges) = listed(n, of_edges);
-        let (face_ends, faces) = listed(n, of_faces);
+        let (edge_ends, edges) = csr_lists(n, of_edges);
+        let (face_ends, faces) = csr_lists(n, of_faces);
         Self { edge_ends, edges, face_ends, faces }
     }
 
     pub fn edges(&self, vertex: usize) -> &[u32] {
-        part(&self.edge_ends, &self.edges, vertex)
+        csr_row(&self.edge_ends, &self.edges, vertex)
     }
 
     pub fn faces(&self, vertex: usize) -> &[u32] {
-        part(&self.face_ends, &self.faces, vertex)
+        csr_row(&self.face_ends, &self.faces, vertex)
     }
 }
 
-pub(super) fn part<'a, T>(ends: &[u32], all: &'a [T], which: usize) -> &'a [T] {
+pub(super) fn csr_row<'a, T>(ends: &[u32], all: &'a [T], which: usize) -> &'a [T] {
     let start = if which == 0 { 0 } else { ends[which - 1] };
     &all[start as usize..ends[which] as usize]
 }
 
 /// Lists of what belongs to each of `n`, in the order in which it comes: where each ends, and all.
-pub(super) fn listed<T: Copy + Default>(
+pub(super) fn csr_lists<T: Copy + Default>(
     n: usize,
     pairs: impl Iterator<Item = (u32, T)> + Clone,
 ) -> (Vec<u32>, Vec<T>) {

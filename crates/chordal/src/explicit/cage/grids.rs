@@ -1,29 +1,31 @@
-//! Rounds over quads as grids: after the first round each face is a quad, and later rounds make a grid of each, with all that is
-//! sharp or irregular on the borders of grids. So inside of a grid there is nothing to look up.
-use super::creases::{Along, Rules};
-use super::quads::{NONE, Quads};
-use super::rows::{Borders, Weights, between, divide, moved, spread};
-use super::values::{Real, Sum, add, chunks, scaled};
+//! Rounds over quads as grids: after the first round each face is a quad, and later rounds make a grid of
+//! each, with all that is sharp or irregular on the borders of grids. So inside of a grid there is nothing to
+//! look up.
+use super::creases::{EdgeStencil, StencilTable};
+use super::quads::{NONE, QuadTopology};
+use super::rows::{GridBorders, LineStencil, between, divide, moved, spread};
+use super::values::{Real, WideSum, add, chunks, scaled};
 use crate::budget::{Job, par_map_owned};
 use crate::math::simd::{Kernel, dispatch, isa};
 
-/// Points that one task of a thread makes, about: enough to be worth one, few enough to share out evenly. Chosen.
+/// Points that one task of a thread makes, about: enough to be worth one, few enough to share out evenly.
+/// Chosen.
 const TASK: usize = 1 << 14;
 
 /// What stands at the points of grids: vertices, n − 1 points along each edge, (n − 1)² inside of each quad.
-pub(super) struct Level<'a, T, const K: usize> {
-    pub quads: &'a Quads,
+pub(super) struct QuadGridLevel<'a, T, const K: usize> {
+    pub quads: &'a QuadTopology,
     /// Parts of an edge.
     pub n: usize,
     pub values: &'a [[T; K]],
 }
 
 /// How many points there are.
-pub(super) fn n_points(quads: &Quads, n: usize) -> usize {
+pub(super) fn n_points(quads: &QuadTopology, n: usize) -> usize {
     quads.n_vertices + quads.ends.len() * (n - 1) + quads.edges.len() * (n - 1) * (n - 1)
 }
 
-impl<T: Real, const K: usize> Level<'_, T, K> {
+impl<T: Real, const K: usize> QuadGridLevel<'_, T, K> {
     #[inline(always)]
     fn vertex(&self, vertex: u32) -> [T; K] {
         self.values[vertex as usize]
@@ -83,7 +85,8 @@ impl<T: Real, const K: usize> Level<'_, T, K> {
         out.push(self.vertex(ends[1]));
     }
 
-    /// The row of a grid beside one of its sides, the way in which the edge runs: its ends, and the rest, gathered where it is a column.
+    /// The row of a grid beside one of its sides, the way in which the edge runs: its ends, and the rest,
+    /// gathered where it is a column.
     #[inline(always)]
     fn beside<'b>(&'b self, side: u32, gathered: &'b mut Vec<[T; K]>) -> ([[T; K]; 2], &'b [[T; K]]) {
         let (quad, k, n) = (side as usize / 4, side as usize % 4, self.n);
@@ -110,7 +113,7 @@ impl<T: Real, const K: usize> Level<'_, T, K> {
     }
 
     /// The points after a round: twice as many parts along each edge.
-    pub fn divide(&self, rules: &Rules, weights: Weights<T>, job: &Job, out: &mut [[T; K]]) {
+    pub fn divide(&self, rules: &StencilTable, weights: LineStencil<T>, job: &Job, out: &mut [[T; K]]) {
         let (vertices, rest) = out.split_at_mut(self.quads.n_vertices);
         let wide = 2 * self.n - 1;
         let (along, inside) = rest.split_at_mut(self.quads.ends.len() * wide);
@@ -122,22 +125,22 @@ impl<T: Real, const K: usize> Level<'_, T, K> {
             par_map_owned(job, chunks(vertices, TASK / 4), |(first, out)| self.vertices(rules, first, out));
         }
         par_map_owned(job, chunks(along, few * wide), |(first, out)| {
-            dispatch(isa(), Edges { level: self, rules, weights, first: first / wide, out });
+            dispatch(isa(), GridEdgeKernel { level: self, rules, weights, first: first / wide, out });
         });
         let few = TASK.div_ceil(wide * wide);
         par_map_owned(job, chunks(inside, few * wide * wide), |(first, out)| {
-            dispatch(isa(), Faces { level: self, weights, first: first / (wide * wide), out });
+            dispatch(isa(), GridFaceKernel { level: self, weights, first: first / (wide * wide), out });
         });
     }
 
-    fn vertices(&self, rules: &Rules, first: usize, out: &mut [[T; K]]) {
+    fn vertices(&self, rules: &StencilTable, first: usize, out: &mut [[T; K]]) {
         let all = &rules.vertices;
         let mut special = all[all.partition_point(|(v, _)| (*v as usize) < first)..].iter().peekable();
         for (k, out) in out.iter_mut().enumerate() {
             let vertex = first + k;
             *out = match special.next_if(|(v, _)| *v as usize == vertex) {
                 None => self.smooth(vertex),
-                Some((_, shares)) => shares.mixed(
+                Some((_, shares)) => shares.apply(
                     self.values[vertex],
                     |edge| self.next_to(vertex, edge),
                     || self.smooth(vertex),
@@ -146,32 +149,32 @@ impl<T: Real, const K: usize> Level<'_, T, K> {
         }
     }
 
-    /// A vertex with quads all around it, by the smooth rule: of n corners, 1 − 7/(4n) of itself, 3/(2n²) of its edges' next points
-    /// and 1/(4n²) of the points across. Each edge is that of two corners.
+    /// A vertex with quads all around it, by the smooth rule: of n corners, 1 − 7/(4n) of itself, 3/(2n²) of
+    /// its edges' next points and 1/(4n²) of the points across. Each edge is that of two corners.
     fn smooth(&self, vertex: usize) -> [T; K] {
-        let around = self.quads.around(vertex);
-        let (mut edges, mut across) = (Sum::ZERO, Sum::ZERO);
+        let around = self.quads.corners_at(vertex);
+        let (mut edges, mut across) = (WideSum::ZERO, WideSum::ZERO);
         for corner in around {
-            let [edge, _] = self.quads.at_corner(*corner);
+            let [edge, _] = self.quads.edges_at_corner(*corner);
             edges = edges.plus(1.0, self.next_to(vertex, edge));
             across = across.plus(1.0, self.diagonal(*corner));
         }
         let n = around.len() as f64;
-        let sum = Sum::ZERO.plus(1.0 - 1.75 / n, self.values[vertex]);
+        let sum = WideSum::ZERO.plus(1.0 - 1.75 / n, self.values[vertex]);
         sum.plus(1.5 / (n * n), edges.0).plus(0.25 / (n * n), across.0).value()
     }
 }
 
 /// The points along some edges.
-struct Edges<'a, T, const K: usize> {
-    level: &'a Level<'a, T, K>,
-    rules: &'a Rules,
-    weights: Weights<T>,
+struct GridEdgeKernel<'a, T, const K: usize> {
+    level: &'a QuadGridLevel<'a, T, K>,
+    rules: &'a StencilTable,
+    weights: LineStencil<T>,
     first: usize,
     out: &'a mut [[T; K]],
 }
 
-impl<T: Real, const K: usize> Kernel for Edges<'_, T, K> {
+impl<T: Real, const K: usize> Kernel for GridEdgeKernel<'_, T, K> {
     type Output = ();
 
     #[inline(always)]
@@ -192,7 +195,7 @@ impl<T: Real, const K: usize> Kernel for Edges<'_, T, K> {
             }
             let sides = level.quads.sides[edge];
             // Where there are not two it is sharp throughout.
-            if matches!(along, Some(Along::Even { points, middles }) if *points >= 1.0 && *middles >= 1.0)
+            if matches!(along, Some(EdgeStencil::Even { points, middles }) if *points >= 1.0 && *middles >= 1.0)
                 || sides[1] == NONE
             {
                 continue;
@@ -211,24 +214,24 @@ impl<T: Real, const K: usize> Kernel for Edges<'_, T, K> {
             spread(weights, &line, &mut smooth);
             for (place, (out, smooth)) in out.iter_mut().zip(&smooth).enumerate() {
                 let share = match along {
-                    Along::Even { points, middles } => *(if place % 2 == 0 { middles } else { points }),
-                    Along::Each(shares) => shares[place],
+                    EdgeStencil::Even { points, middles } => *(if place % 2 == 0 { middles } else { points }),
+                    EdgeStencil::Each(shares) => shares[place],
                 };
-                *out = add(scaled(T::of(share), *out), T::of(1.0 - share), *smooth);
+                *out = add(scaled(T::from_f64(share), *out), T::from_f64(1.0 - share), *smooth);
             }
         }
     }
 }
 
 /// The points inside of some quads.
-struct Faces<'a, T, const K: usize> {
-    level: &'a Level<'a, T, K>,
-    weights: Weights<T>,
+struct GridFaceKernel<'a, T, const K: usize> {
+    level: &'a QuadGridLevel<'a, T, K>,
+    weights: LineStencil<T>,
     first: usize,
     out: &'a mut [[T; K]],
 }
 
-impl<T: Real, const K: usize> Kernel for Faces<'_, T, K> {
+impl<T: Real, const K: usize> Kernel for GridFaceKernel<'_, T, K> {
     type Output = ();
 
     #[inline(always)]
@@ -240,13 +243,13 @@ impl<T: Real, const K: usize> Kernel for Faces<'_, T, K> {
             let quads = level.quads;
             let sides = quads.edges[first + k].map(|edge| level.along(edge));
             let corners = quads.corners[first + k].map(|v| level.vertex(v));
-            divide(weights, &Borders { sides, corners }, level.inside(first + k), (&mut line, out));
+            divide(weights, &GridBorders { sides, corners }, level.inside(first + k), (&mut line, out));
         }
     }
 }
 
 /// The corners of the faces of some quads: rows of grids, row by row.
-pub(super) fn corners(quads: &Quads, n: usize, (first, out): (usize, &mut [u32])) {
+pub(super) fn corners(quads: &QuadTopology, n: usize, (first, out): (usize, &mut [u32])) {
     let inside = quads.n_vertices + quads.ends.len() * (n - 1);
     let (mut low, mut high) = (vec![0; n + 1], vec![0; n + 1]);
     let on_edge = |edge: u32, place: usize| {

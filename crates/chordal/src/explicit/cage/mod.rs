@@ -1,22 +1,22 @@
 //! `Cage`: a polygon mesh with what subdivision asks of it.
 mod creases;
 pub(crate) mod edges;
+mod face_sizes;
 mod grids;
 pub(crate) mod limit;
 mod quads;
-mod refine;
 mod refinement;
-mod round;
+mod refinement_step;
 mod rows;
-mod rules;
-mod sizes;
+mod stencils;
 mod texcoords;
 mod triangles;
 mod values;
+mod vertex_rule;
 
-use edges::Edges;
+use edges::CageEdges;
+use face_sizes::FaceSizes;
 pub use refinement::Refinement;
-use sizes::Sizes;
 use std::fmt;
 pub use texcoords::{Chart, CornerTexcoords, LinearTexcoords};
 pub use values::Real;
@@ -24,7 +24,8 @@ pub use values::Real;
 /// By which rules a cage is refined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scheme {
-    /// Any polygons; every round makes quads. The limit is a bicubic B-spline where four quads meet at each vertex.
+    /// Any polygons; every round makes quads. The limit is a bicubic B-spline where four quads meet at each
+    /// vertex.
     #[default]
     CatmullClark,
     /// Triangles; every round cuts each into four. The limit is a quartic box spline where six meet.
@@ -47,11 +48,12 @@ pub enum Boundary {
 
 /// How the sharpness of an edge that is no longer than some rounds falls.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Creasing {
+pub enum CreasingMethod {
     /// By 1 a round, on each edge by itself.
     #[default]
     Uniform,
-    /// By 1 a round, with a quarter of the others' around the same vertex: it changes smoothly along a crease.
+    /// By 1 a round, with a quarter of the others' around the same vertex: it changes smoothly along a
+    /// crease.
     Chaikin,
 }
 
@@ -60,8 +62,9 @@ pub const INFINITELY_SHARP: f64 = 10.0;
 
 /// A polygon mesh that stands for the smooth surface to which its refinement converges.
 ///
-/// Faces are lists of three vertices or more, counter-clockwise from their front. Edges and vertices may be sharp: for as many
-/// rounds as their sharpness says, a fraction counting as part of a round, and for ever from [`INFINITELY_SHARP`] on.
+/// Faces are lists of three vertices or more, counter-clockwise from their front. Edges and vertices may be
+/// sharp: for as many rounds as their sharpness says, a fraction counting as part of a round, and for ever
+/// from [`INFINITELY_SHARP`] on.
 ///
 /// ```
 /// use chordal::explicit::Cage;
@@ -75,18 +78,19 @@ pub const INFINITELY_SHARP: f64 = 10.0;
 /// # Ok::<(), chordal::explicit::InvalidCage>(())
 /// ```
 ///
-/// Sources: E. Catmull, J. Clark, *Recursively generated B-spline surfaces on arbitrary topological meshes*, 1978; C. Loop,
-/// *Smooth subdivision surfaces based on triangles*, 1987; T. DeRose, M. Kass, T. Truong, *Subdivision surfaces in character
-/// animation*, 1998, for sharpness; the rules where those leave a choice are OpenSubdiv's (its `sdc` and `far`).
+/// Sources: E. Catmull, J. Clark, *Recursively generated B-spline surfaces on arbitrary topological meshes*,
+/// 1978; C. Loop, *Smooth subdivision surfaces based on triangles*, 1987; T. DeRose, M. Kass, T. Truong,
+/// *Subdivision surfaces in character animation*, 1998, for sharpness; the rules where those leave a choice
+/// are OpenSubdiv's (its `sdc` and `far`).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cage {
     positions: Vec<[f64; 3]>,
     /// How many corners each face has.
-    sizes: Sizes,
+    sizes: FaceSizes,
     corners: Vec<u32>,
     scheme: Scheme,
     boundary: Boundary,
-    creasing: Creasing,
+    creasing: CreasingMethod,
     /// Edges with their sharpness, above 0: the lower vertex first, in ascending order.
     creases: Vec<([u32; 2], f64)>,
     /// Vertices with theirs, in ascending order.
@@ -102,8 +106,8 @@ impl Cage {
     /// A Catmull–Clark cage without creases.
     ///
     /// # Errors
-    /// [`InvalidCage`] when a coordinate is not finite, an index out of range, a face has fewer than three vertices or one
-    /// twice, or there are too many to count in 31 bits.
+    /// [`InvalidCage`] when a coordinate is not finite, an index out of range, a face has fewer than three
+    /// vertices or one twice, or there are too many to count in 31 bits.
     pub fn new<F: AsRef<[u32]>>(
         positions: Vec<[f64; 3]>,
         faces: impl IntoIterator<Item = F>,
@@ -122,7 +126,7 @@ impl Cage {
         if let Some(row) = positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
             return Err(InvalidCage::NotFinite { row });
         }
-        let cage = Self { positions, sizes: Sizes::of(ends), corners, ..Self::default() };
+        let cage = Self { positions, sizes: FaceSizes::from_ends(ends), corners, ..Self::default() };
         let mut last = vec![u32::MAX; cage.positions.len()];
         for (face, of) in cage.faces().enumerate() {
             if of.len() < 3 {
@@ -167,27 +171,30 @@ impl Cage {
 
     /// The same cage with another rule for sharpness.
     #[must_use]
-    pub fn with_creasing(mut self, creasing: Creasing) -> Self {
+    pub fn with_creasing(mut self, creasing: CreasingMethod) -> Self {
         self.creasing = creasing;
         self
     }
 
-    /// The same cage with these edges as sharp as said, and no others. Of an edge that comes twice the last counts.
+    /// The same cage with these edges as sharp as said, and no others. Of an edge that comes twice the last
+    /// counts.
     ///
     /// # Errors
-    /// [`InvalidCage::NoSuchEdge`] where no face has it, and [`InvalidCage::Sharpness`] where it is negative or NaN.
+    /// [`InvalidCage::NoSuchEdge`] where no face has it, and [`InvalidCage::Sharpness`] where it is negative
+    /// or NaN.
     pub fn with_creases(mut self, creases: &[([u32; 2], f64)]) -> Result<Self, InvalidCage> {
-        let edges = Edges::of(&self);
+        let edges = CageEdges::new(&self);
         let mut sharpness = vec![0.0; edges.ends.len()];
         for &([a, b], sharp) in creases {
             let edge = edges.between(a, b).ok_or(InvalidCage::NoSuchEdge { ends: [a, b] })?;
             sharpness[edge as usize] = checked(sharp)?;
         }
-        self.creases = edges.sharp(&sharpness);
+        self.creases = edges.sharp_edges(&sharpness);
         Ok(self)
     }
 
-    /// The same cage with these vertices as sharp as said, and no others. Of one that comes twice the last counts.
+    /// The same cage with these vertices as sharp as said, and no others. Of one that comes twice the last
+    /// counts.
     ///
     /// # Errors
     /// [`InvalidCage::NoSuchVertex`], and [`InvalidCage::Sharpness`] where it is negative or NaN.
@@ -217,14 +224,16 @@ impl Cage {
         Ok(self)
     }
 
-    /// The same cage as one that came from a round: what is a corner by nature is one where it is listed, and only there.
+    /// The same cage as one that came from a round: what is a corner by nature is one where it is listed, and
+    /// only there.
     #[must_use]
     pub fn with_corners_listed(mut self) -> Self {
         self.is_refined = true;
         self
     }
 
-    /// Whether what is a corner by nature is one only where it is listed, as in a cage that came from a round.
+    /// Whether what is a corner by nature is one only where it is listed, as in a cage that came from a
+    /// round.
     #[must_use]
     pub fn lists_corners(&self) -> bool {
         self.is_refined
@@ -261,7 +270,8 @@ impl Cage {
         (0..self.n_faces()).map(|face| self.face(face))
     }
 
-    /// Edges with their sharpness: the lower vertex first, in ascending order. The border is not listed: it always is sharp.
+    /// Edges with their sharpness: the lower vertex first, in ascending order. The border is not listed: it
+    /// always is sharp.
     #[must_use]
     pub fn creases(&self) -> &[([u32; 2], f64)] {
         &self.creases
@@ -293,7 +303,7 @@ impl Cage {
 
     /// How sharpness falls.
     #[must_use]
-    pub fn creasing(&self) -> Creasing {
+    pub fn creasing(&self) -> CreasingMethod {
         self.creasing
     }
 }

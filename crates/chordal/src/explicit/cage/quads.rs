@@ -1,15 +1,16 @@
-//! The quads of the first round by their edges, made from the cage without looking at them: each begins at its vertex of the cage, so
-//! that all edges run the way in which rows and columns of the grids on both their sides count.
+//! The quads of the first round by their edges, made from the cage without looking at them: each begins at
+//! its vertex of the cage, so that all edges run the way in which rows and columns of the grids on both their
+//! sides count.
 use super::Cage;
-use super::edges::{Edges, listed, part};
+use super::edges::{CageEdges, csr_lists, csr_row};
 
 /// No side.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Quads. Row 0 of a grid runs from a vertex of the cage to the middle of an edge, its column 0 to that of the edge before it, and
-/// the last point of its last row is the middle of the face.
+/// Quads. Row 0 of a grid runs from a vertex of the cage to the middle of an edge, its column 0 to that of
+/// the edge before it, and the last point of its last row is the middle of the face.
 #[derive(Clone, Debug)]
-pub(super) struct Quads {
+pub(super) struct QuadTopology {
     pub n_vertices: usize,
     /// The vertices of each, counter-clockwise from that of the cage.
     pub corners: Vec<[u32; 4]>,
@@ -20,15 +21,15 @@ pub(super) struct Quads {
     /// Of each edge the first two sides that it is, as 4 × quad + side.
     pub sides: Vec<[u32; 2]>,
     /// Corners of quads at each vertex, as 4 × quad + corner.
-    around_ends: Vec<u32>,
-    around: Vec<u32>,
+    vertex_corner_ends: Vec<u32>,
+    vertex_corners: Vec<u32>,
     /// The two halves of each edge of the cage.
     pub halves: Vec<[u32; 2]>,
 }
 
-impl Quads {
+impl QuadTopology {
     /// Edges are numbered in the order in which the quads come to them.
-    pub fn of(cage: &Cage, edges: &Edges) -> Self {
+    pub fn new(cage: &Cage, edges: &CageEdges) -> Self {
         let (n_vertices, n_edges) = (cage.positions.len() as u32, edges.ends.len() as u32);
         let n = cage.corners.len();
         let mut quads = Self {
@@ -37,8 +38,8 @@ impl Quads {
             edges: Vec::with_capacity(n),
             ends: Vec::with_capacity(2 * n_edges as usize + n),
             sides: Vec::with_capacity(2 * n_edges as usize + n),
-            around_ends: Vec::new(),
-            around: Vec::new(),
+            vertex_corner_ends: Vec::new(),
+            vertex_corners: Vec::new(),
             halves: vec![[NONE; 2]; n_edges as usize],
         };
         let mut inner = vec![NONE; n];
@@ -71,7 +72,7 @@ impl Quads {
             first += of.len();
         }
         let corners = quads.corners.as_flattened().iter().enumerate().map(|(c, v)| (*v, c as u32));
-        (quads.around_ends, quads.around) = listed(quads.n_vertices, corners);
+        (quads.vertex_corner_ends, quads.vertex_corners) = csr_lists(quads.n_vertices, corners);
         quads
     }
 
@@ -86,12 +87,12 @@ impl Quads {
     }
 
     /// Corners at a vertex.
-    pub fn around(&self, vertex: usize) -> &[u32] {
-        part(&self.around_ends, &self.around, vertex)
+    pub fn corners_at(&self, vertex: usize) -> &[u32] {
+        csr_row(&self.vertex_corner_ends, &self.vertex_corners, vertex)
     }
 
     /// The edges of a quad at one of its corners.
-    pub fn at_corner(&self, corner: u32) -> [u32; 2] {
+    pub fn edges_at_corner(&self, corner: u32) -> [u32; 2] {
         let of = &self.edges[corner as usize / 4];
         let k = corner as usize % 4;
         [of[k], of[(k + 3) % 4]]

@@ -1,13 +1,13 @@
 //! `Refinement`: some rounds of a cage made ready, for positions that move.
-use super::creases::{Creases, Rules};
-use super::edges::{Around, Edges};
-use super::grids::{Level, corners, n_points};
-use super::quads::Quads;
-use super::refine::{Sharp, of_texcoords};
-use super::round::Round;
-use super::triangles::{self, Triangles};
+use super::creases::{GridSharpness, StencilTable};
+use super::edges::{CageEdges, VertexIncidence};
+use super::grids::{QuadGridLevel, corners, n_points};
+use super::quads::QuadTopology;
+use super::refinement_step::{CageSharpness, as_texcoord_error};
+use super::stencils::RefinementStencils;
+use super::triangles::{self, TriangleTopology};
 use super::values::{Real, chunks};
-use super::{Cage, Chart, CornerTexcoords, InvalidCage, MOST, Scheme, Sizes};
+use super::{Cage, Chart, CornerTexcoords, FaceSizes, InvalidCage, MOST, Scheme};
 use crate::budget::{Job, par_map_owned};
 
 /// Faces of the result that one task of a thread numbers, about. Chosen.
@@ -16,14 +16,16 @@ const TASK: usize = 1 << 14;
 impl Cage {
     /// The cage after some rounds; none gives the cage itself.
     ///
-    /// The faces are the same as by [`Cage::refined`] so many times, and so are the vertices, but for rounding and the order after
-    /// the second round: first the vertices of the first round, under their numbers; then for each of its edges the points along it, from its
-    /// lower vertex; then for each of its faces the points inside, row by row, rows running from its first vertex to its
-    /// second. Faces follow those of the first round, row by row as well. Loop's scheme has the vertices, edges and faces of the cage
-    /// itself instead of the first round's; in rows of triangles those that stand on a row take turns with those that hang from the next.
+    /// The faces are the same as by [`Cage::refined`] so many times, and so are the vertices, but for
+    /// rounding and the order after the second round: first the vertices of the first round, under their
+    /// numbers; then for each of its edges the points along it, from its lower vertex; then for each of its
+    /// faces the points inside, row by row, rows running from its first vertex to its second. Faces follow
+    /// those of the first round, row by row as well. Loop's scheme has the vertices, edges and faces of the
+    /// cage itself instead of the first round's; in rows of triangles those that stand on a row take turns
+    /// with those that hang from the next.
     ///
-    /// Where an interior vertex has two triangles alone, the edges across from it stay two here, as they are; by [`Cage::refined`] again
-    /// and again they become one after the first round, since they end alike.
+    /// Where an interior vertex has two triangles alone, the edges across from it stay two here, as they are;
+    /// by [`Cage::refined`] again and again they become one after the first round, since they end alike.
     ///
     /// It runs on all threads; [`Cage::refinement`] and [`Refinement::refined`] take a job.
     ///
@@ -42,14 +44,15 @@ impl Cage {
     /// # Errors
     /// [`InvalidCage::TooMany`] when the result could not be counted.
     pub fn refinement(&self, rounds: u32) -> Result<Refinement, InvalidCage> {
-        Refinement::of(self, rounds)
+        Refinement::new(self, rounds)
     }
 }
 
 /// Some rounds of a cage made ready: for positions that move, and whatever else stands at its vertices.
 ///
-/// Faces, creases and the rules of all points are worked out once, on the cage and its first round alone: nothing here grows
-/// with the number of rounds but the sharpness along creases that end in between. About 200 bytes a corner of the cage.
+/// Faces, creases and the rules of all points are worked out once, on the cage and its first round alone:
+/// nothing here grows with the number of rounds but the sharpness along creases that end in between. About
+/// 200 bytes a corner of the cage.
 ///
 /// ```
 /// use chordal::budget::Job;
@@ -72,7 +75,7 @@ impl Cage {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Refinement {
-    rounds: Rounds,
+    rounds: RefinementRounds,
     /// The result, without positions, and without faces where there are grids; of no round, the cage.
     result: Cage,
     /// The chart of the cage with rounds of its own, and how many.
@@ -81,17 +84,17 @@ pub struct Refinement {
 
 /// What is ready, by what comes after the other.
 #[derive(Clone, Debug)]
-enum Rounds {
+enum RefinementRounds {
     None,
-    One(Round),
+    One(RefinementStencils),
     /// After the first round grids over its quads.
-    Quads(Round, Quads, Vec<Rules>),
+    Quads(RefinementStencils, QuadTopology, Vec<StencilTable>),
     /// Loop's: grids over the triangles of the cage.
-    Triangles(Triangles, Vec<Rules>),
+    Triangles(TriangleTopology, Vec<StencilTable>),
 }
 
 impl Refinement {
-    fn of(cage: &Cage, rounds: u32) -> Result<Self, InvalidCage> {
+    fn new(cage: &Cage, rounds: u32) -> Result<Self, InvalidCage> {
         // Where there are no faces vertices stay, and what sharpness falls is gone after ten rounds.
         let rounds = if cage.corners.is_empty() && rounds > 12 { 12 } else { rounds };
         // Every round makes four corners of one.
@@ -100,77 +103,91 @@ impl Refinement {
             return Err(InvalidCage::TooMany { what: "corners", most: MOST });
         }
         if rounds == 0 {
-            return Ok(Self { rounds: Rounds::None, result: cage.clone(), chart: None });
+            return Ok(Self { rounds: RefinementRounds::None, result: cage.clone(), chart: None });
         }
-        let edges = Edges::of(cage);
-        let around = Around::of(cage, &edges);
-        let sharp = Sharp::of(cage, &edges, &around);
+        let edges = CageEdges::new(cage);
+        let around = VertexIncidence::new(cage, &edges);
+        let sharp = CageSharpness::new(cage, &edges, &around);
         let chart = cage.texcoords.as_ref().map(|texcoords| {
-            let chart = Chart::of(cage, texcoords, (&edges, &around, &sharp));
-            let own = Self::of(chart.cage(), rounds)?;
+            let chart = Chart::from_texcoords(cage, texcoords, (&edges, &around, &sharp));
+            let own = Self::new(chart.cage(), rounds)?;
             Ok(Box::new((chart, own, rounds)))
         });
         let chart = chart.transpose()?;
-        let of_cage = Self::of_cage(cage, rounds, (edges, around), &sharp);
+        let of_cage = Self::for_positions(cage, rounds, (edges, around), &sharp);
         Ok(Self { chart, ..of_cage })
     }
 
     /// Without texture coordinates.
-    fn of_cage(cage: &Cage, rounds: u32, (edges, around): (Edges, Around), sharp: &Sharp) -> Self {
+    fn for_positions(
+        cage: &Cage,
+        rounds: u32,
+        (edges, around): (CageEdges, VertexIncidence),
+        sharp: &CageSharpness,
+    ) -> Self {
         if cage.scheme == Scheme::Loop {
-            return Self::of_triangles(cage, rounds, (edges, around), sharp);
+            return Self::for_triangles(cage, rounds, (edges, around), sharp);
         }
         if rounds == 1 {
             let mut result = cage.next_topology(&edges, &around, sharp);
             result.positions = Vec::new();
-            return Self { rounds: Rounds::One(Round::of(cage, edges, around, sharp)), result, chart: None };
+            return Self {
+                rounds: RefinementRounds::One(RefinementStencils::new(cage, edges, around, sharp)),
+                result,
+                chart: None,
+            };
         }
-        let quads = Quads::of(cage, &edges);
+        let quads = QuadTopology::new(cage, &edges);
         let tags = cage.next_tags(&edges, &around, sharp);
         let mut of_edges: Vec<(u32, f64)> = Vec::new();
         for (e, halves) in quads.halves.iter().enumerate().filter(|(e, _)| sharp.edges[*e] > 0.0) {
-            let left = edges.ends[e].map(|v| sharp.left(cage.creasing, &around, (e, v as usize)));
+            let left = edges.ends[e].map(|v| sharp.subdivided(cage.creasing, &around, (e, v as usize)));
             of_edges.extend(halves.iter().copied().zip(left).filter(|(_, left)| *left > 0.0));
         }
         let listed: Vec<u32> = cage.creases.iter().filter_map(|([a, b], _)| edges.between(*a, *b)).collect();
-        let first = Round::of(cage, edges, around, sharp);
+        let first = RefinementStencils::new(cage, edges, around, sharp);
         let all = (quads.n_vertices, &*quads.ends);
-        let mut creases = Creases::new(cage.creasing, all, &of_edges, &tags.sharp_vertices);
+        let mut creases = GridSharpness::new(cage.creasing, all, &of_edges, &tags.sharp_vertices);
         let rules = (1..rounds).map(|_| creases.next()).collect();
         let n = 1_usize << (rounds - 1);
         let halves = listed.iter().flat_map(|e| quads.halves[*e as usize]);
-        let creased = creased(&creases, n, all, halves);
+        let creased = part_creases(&creases, n, all, halves);
         let holes = tags.holes.iter().flat_map(|face| parts(*face, n)).collect();
         let result = Cage { creases: creased, sharp_vertices: creases.vertices(), holes, ..tags };
-        Self { rounds: Rounds::Quads(first, quads, rules), result, chart: None }
+        Self { rounds: RefinementRounds::Quads(first, quads, rules), result, chart: None }
     }
 
-    fn of_triangles(cage: &Cage, rounds: u32, (edges, around): (Edges, Around), sharp: &Sharp) -> Self {
+    fn for_triangles(
+        cage: &Cage,
+        rounds: u32,
+        (edges, around): (CageEdges, VertexIncidence),
+        sharp: &CageSharpness,
+    ) -> Self {
         let tags = cage.next_tags(&edges, &around, sharp);
         let listed: Vec<u32> = cage.creases.iter().filter_map(|([a, b], _)| edges.between(*a, *b)).collect();
         let some = |all: &[f64]| -> Vec<(u32, f64)> {
             let all = all.iter().enumerate().filter(|(_, sharp)| **sharp > 0.0);
             all.map(|(k, sharp)| (k as u32, *sharp)).collect()
         };
-        let triangles = Triangles::of(&cage.corners, cage.positions.len(), edges, around);
+        let triangles = TriangleTopology::new(&cage.corners, cage.positions.len(), edges, around);
         let all = (triangles.n_vertices, &*triangles.ends);
-        let mut creases = Creases::new(cage.creasing, all, &some(&sharp.edges), &some(&sharp.vertices));
+        let mut creases = GridSharpness::new(cage.creasing, all, &some(&sharp.edges), &some(&sharp.vertices));
         let rules = (0..rounds).map(|_| creases.next()).collect();
         let n = 1_usize << rounds;
-        let creased = creased(&creases, n, all, listed.into_iter());
+        let creased = part_creases(&creases, n, all, listed.into_iter());
         // Of the next round there are four parts of each hole.
         let holes = tags.holes.iter().step_by(4).flat_map(|part| parts(part / 4, n)).collect();
         let result = Cage { creases: creased, sharp_vertices: creases.vertices(), holes, ..tags };
-        Self { rounds: Rounds::Triangles(triangles, rules), result, chart: None }
+        Self { rounds: RefinementRounds::Triangles(triangles, rules), result, chart: None }
     }
 
     /// How many vertices the cage has.
     #[must_use]
     pub fn n_controls(&self) -> usize {
         match &self.rounds {
-            Rounds::None => self.result.positions.len(),
-            Rounds::One(round) | Rounds::Quads(round, ..) => round.n_before(),
-            Rounds::Triangles(triangles, _) => triangles.n_vertices,
+            RefinementRounds::None => self.result.positions.len(),
+            RefinementRounds::One(round) | RefinementRounds::Quads(round, ..) => round.n_before(),
+            RefinementRounds::Triangles(triangles, _) => triangles.n_vertices,
         }
     }
 
@@ -178,10 +195,10 @@ impl Refinement {
     #[must_use]
     pub fn n_points(&self) -> usize {
         match &self.rounds {
-            Rounds::None => self.result.positions.len(),
-            Rounds::One(round) => round.n_after(),
-            Rounds::Quads(_, quads, rules) => n_points(quads, 1 << rules.len()),
-            Rounds::Triangles(triangles, rules) => triangles.n_points(1 << rules.len()),
+            RefinementRounds::None => self.result.positions.len(),
+            RefinementRounds::One(round) => round.n_after(),
+            RefinementRounds::Quads(_, quads, rules) => n_points(quads, 1 << rules.len()),
+            RefinementRounds::Triangles(triangles, rules) => triangles.n_points(1 << rules.len()),
         }
     }
 
@@ -189,44 +206,46 @@ impl Refinement {
     #[must_use]
     pub fn n_faces(&self) -> usize {
         match &self.rounds {
-            Rounds::None | Rounds::One(_) => self.result.n_faces(),
-            Rounds::Quads(_, quads, rules) => quads.edges.len() << (2 * rules.len()),
-            Rounds::Triangles(triangles, rules) => triangles.n_faces() << (2 * rules.len()),
+            RefinementRounds::None | RefinementRounds::One(_) => self.result.n_faces(),
+            RefinementRounds::Quads(_, quads, rules) => quads.edges.len() << (2 * rules.len()),
+            RefinementRounds::Triangles(triangles, rules) => triangles.n_faces() << (2 * rules.len()),
         }
     }
 
-    /// The corners of all faces of the result, one after the other: four each, but three for Loop, and those of the cage itself
-    /// after no round. They do not change as the cage moves.
+    /// The corners of all faces of the result, one after the other: four each, but three for Loop, and those
+    /// of the cage itself after no round. They do not change as the cage moves.
     #[must_use]
     pub fn corners(&self, job: &Job) -> Vec<u32> {
         let (size, n) = match &self.rounds {
-            Rounds::None | Rounds::One(_) => return self.result.corners.clone(),
-            Rounds::Quads(_, _, rules) => (4, 1 << rules.len()),
-            Rounds::Triangles(_, rules) => (3, 1 << rules.len()),
+            RefinementRounds::None | RefinementRounds::One(_) => return self.result.corners.clone(),
+            RefinementRounds::Quads(_, _, rules) => (4, 1 << rules.len()),
+            RefinementRounds::Triangles(_, rules) => (3, 1 << rules.len()),
         };
         let mut out = vec![0; size * self.n_faces()];
         let each = size * n * n;
         par_map_owned(job, chunks(&mut out, TASK.div_ceil(n * n) * each), |(first, out)| {
             match &self.rounds {
-                Rounds::Quads(_, quads, _) => corners(quads, n, (first / each, out)),
-                Rounds::Triangles(triangles, _) => triangles.faces(n, (first / each, out)),
-                Rounds::None | Rounds::One(_) => {}
+                RefinementRounds::Quads(_, quads, _) => corners(quads, n, (first / each, out)),
+                RefinementRounds::Triangles(triangles, _) => triangles.faces(n, (first / each, out)),
+                RefinementRounds::None | RefinementRounds::One(_) => {}
             }
         });
         out
     }
 
-    /// What stands at the vertices of the result, in their order, from what stands at those of the cage: K numbers each.
+    /// What stands at the vertices of the result, in their order, from what stands at those of the cage: K
+    /// numbers each.
     ///
-    /// Of the positions of a cage in f64 it makes, bit for bit, those of its [`Cage::refined_times`], on any number of threads. The
-    /// job says how many; it is not asked whether it is cancelled.
+    /// Of the positions of a cage in f64 it makes, bit for bit, those of its [`Cage::refined_times`], on any
+    /// number of threads. The job says how many; it is not asked whether it is cancelled.
     ///
-    /// *Cost.* 8 K bytes a point of the result (4 K in f32), and a third as much again while it runs, for the rounds before: a
-    /// level of n quads holds 24 bytes a point in f64 and 12 in f32, and there are about as many points as quads. Its indices are
-    /// 16 bytes a quad.
+    /// *Cost.* 8 K bytes a point of the result (4 K in f32), and a third as much again while it runs, for the
+    /// rounds before: a level of n quads holds 24 bytes a point in f64 and 12 in f32, and there are about as
+    /// many points as quads. Its indices are 16 bytes a quad.
     ///
     /// # Errors
-    /// [`InvalidCage::WrongCount`], and [`InvalidCage::NotFinite`] where a number is NaN or infinite, or grows so on the way.
+    /// [`InvalidCage::WrongCount`], and [`InvalidCage::NotFinite`] where a number is NaN or infinite, or
+    /// grows so on the way.
     pub fn evaluate<T: Real, const K: usize>(
         &self,
         values: &[[T; K]],
@@ -258,11 +277,11 @@ impl Refinement {
         }
         // A pool is entered once for all rounds, but not for one thread, which needs none.
         match job.threads {
-            1 => self.rounds_of(values, job, out),
-            _ => job.run(|| self.rounds_of(values, job, out)),
+            1 => self.apply_rounds(values, job, out),
+            _ => job.run(|| self.apply_rounds(values, job, out)),
         }
         // Shares are from 0 to 1 and add up to 1, so that what is far from the largest number stays so.
-        if !values.iter().all(|p| p.iter().all(|x| x.is_calm()))
+        if !values.iter().all(|p| p.iter().all(|x| x.is_safe_to_sum()))
             && let Some(row) = out.iter().position(|p| !is_finite(p))
         {
             return Err(InvalidCage::NotFinite { row });
@@ -270,26 +289,26 @@ impl Refinement {
         Ok(())
     }
 
-    fn rounds_of<T: Real, const K: usize>(&self, values: &[[T; K]], job: &Job, out: &mut [[T; K]]) {
+    fn apply_rounds<T: Real, const K: usize>(&self, values: &[[T; K]], job: &Job, out: &mut [[T; K]]) {
         match &self.rounds {
-            Rounds::None => out.copy_from_slice(values),
-            Rounds::One(round) => round.apply(values, job, out),
-            Rounds::Triangles(triangles, rules) => {
-                let round = |n, values: &[[T; K]], rules: &Rules, out: &mut [[T; K]]| {
-                    triangles::Level { triangles, n, values }.divide(rules, job, out);
+            RefinementRounds::None => out.copy_from_slice(values),
+            RefinementRounds::One(round) => round.apply(values, job, out),
+            RefinementRounds::Triangles(triangles, rules) => {
+                let round = |n, values: &[[T; K]], rules: &StencilTable, out: &mut [[T; K]]| {
+                    triangles::TriangleGridLevel { triangles, n, values }.divide(rules, job, out);
                 };
                 let size = |n| triangles.n_points(n);
-                one_by_one(rules, (values, out), size, round);
+                apply_grid_rounds(rules, (values, out), size, round);
             }
-            Rounds::Quads(first, quads, rules) => {
+            RefinementRounds::Quads(first, quads, rules) => {
                 let mut points = vec![[T::default(); K]; first.n_after()];
                 first.apply(values, job, &mut points);
                 let is_bilinear = self.result.scheme == Scheme::Bilinear;
-                let weights = if is_bilinear { [1.0, 0.0] } else { [0.75, 0.125] }.map(T::of);
-                let round = |n, values: &[[T; K]], rules: &Rules, out: &mut [[T; K]]| {
-                    Level { quads, n, values }.divide(rules, weights, job, out);
+                let weights = if is_bilinear { [1.0, 0.0] } else { [0.75, 0.125] }.map(T::from_f64);
+                let round = |n, values: &[[T; K]], rules: &StencilTable, out: &mut [[T; K]]| {
+                    QuadGridLevel { quads, n, values }.divide(rules, weights, job, out);
                 };
-                one_by_one(rules, (&points, out), |n| n_points(quads, n), round);
+                apply_grid_rounds(rules, (&points, out), |n| n_points(quads, n), round);
             }
         }
     }
@@ -303,7 +322,7 @@ impl Refinement {
     pub fn texcoords(&self, job: &Job) -> Result<Option<CornerTexcoords>, InvalidCage> {
         let Some(chart) = &self.chart else { return Ok(self.result.texcoords.clone()) };
         let (chart, own, rounds) = &**chart;
-        let values = own.evaluate(&chart.values(), job).map_err(of_texcoords)?;
+        let values = own.evaluate(&chart.values(), job).map_err(as_texcoord_error)?;
         Ok(Some(chart.texcoords(*rounds, values, own.corners(job))))
     }
 
@@ -315,21 +334,24 @@ impl Refinement {
         let positions = self.evaluate(positions, job)?;
         let texcoords = self.texcoords(job)?;
         let size = match &self.rounds {
-            Rounds::None | Rounds::One(_) => return Ok(Cage { positions, texcoords, ..self.result.clone() }),
-            Rounds::Quads(..) => 4,
-            Rounds::Triangles(..) => 3,
+            RefinementRounds::None | RefinementRounds::One(_) => {
+                return Ok(Cage { positions, texcoords, ..self.result.clone() });
+            }
+            RefinementRounds::Quads(..) => 4,
+            RefinementRounds::Triangles(..) => 3,
         };
-        let sizes = Sizes::even(size, self.n_faces());
+        let sizes = FaceSizes::uniform(size, self.n_faces());
         Ok(Cage { positions, sizes, corners: self.corners(job), texcoords, ..self.result.clone() })
     }
 }
 
-/// Rounds over grids, the last one into `out`: of the parts along an edge and the values before, with its rules.
-fn one_by_one<T: Real, const K: usize>(
-    rules: &[Rules],
+/// Rounds over grids, the last one into `out`: of the parts along an edge and the values before, with its
+/// rules.
+fn apply_grid_rounds<T: Real, const K: usize>(
+    rules: &[StencilTable],
     (values, out): (&[[T; K]], &mut [[T; K]]),
     size: impl Fn(usize) -> usize,
-    round: impl Fn(usize, &[[T; K]], &Rules, &mut [[T; K]]),
+    round: impl Fn(usize, &[[T; K]], &StencilTable, &mut [[T; K]]),
 ) {
     let Some((last, before)) = rules.split_last() else { return };
     let (mut n, mut points) = (1, Vec::new());
@@ -348,8 +370,8 @@ fn parts(face: u32, n: usize) -> std::ops::Range<u32> {
 }
 
 /// The parts of these edges that are sharp, where each has n of them.
-fn creased(
-    creases: &Creases,
+fn part_creases(
+    creases: &GridSharpness,
     n: usize,
     (n_vertices, ends): (usize, &[[u32; 2]]),
     edges: impl Iterator<Item = u32>,
@@ -361,7 +383,7 @@ fn creased(
             _ if place == n => ends[edge as usize][1],
             _ => (n_vertices + edge as usize * (n - 1) + place - 1) as u32,
         };
-        let parts = (0..n).map(|part| (part, creases.of_part(edge, part)));
+        let parts = (0..n).map(|part| (part, creases.part_sharpness(edge, part)));
         all.extend(parts.filter(|(_, sharp)| *sharp > 0.0).map(|(part, sharp)| {
             let (a, b) = (index(part), index(part + 1));
             (if a < b { [a, b] } else { [b, a] }, sharp)

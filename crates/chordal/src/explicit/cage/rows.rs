@@ -1,14 +1,14 @@
-//! Rows of grids: loops without branches over what lies in a row in memory. The cubic B-spline's rules are taken along columns and
-//! then along rows, which is the same surface for a quarter of the sums.
+//! Rows of grids: loops without branches over what lies in a row in memory. The cubic B-spline's rules are
+//! taken along columns and then along rows, which is the same surface for a quarter of the sums.
 use super::values::{Real, mid};
 
 /// The shares of a point itself and of each of its two neighbours along a line.
-pub(super) type Weights<T> = [T; 2];
+pub(super) type LineStencil<T> = [T; 2];
 
 /// The middles between two rows.
 #[inline(always)]
 pub(super) fn middles<T: Real, const K: usize>(a: &[[T; K]], b: &[[T; K]], out: &mut [[T; K]]) {
-    let half = T::of(0.5);
+    let half = T::from_f64(0.5);
     let (a, b) = (a.as_flattened(), b.as_flattened());
     for ((out, a), b) in out.as_flattened_mut().iter_mut().zip(a).zip(b) {
         *out = half * (*a + *b);
@@ -18,7 +18,7 @@ pub(super) fn middles<T: Real, const K: usize>(a: &[[T; K]], b: &[[T; K]], out: 
 /// A row between two others, after a round.
 #[inline(always)]
 pub(super) fn between<T: Real, const K: usize>(
-    [own, side]: Weights<T>,
+    [own, side]: LineStencil<T>,
     row: &[[T; K]],
     others: [&[[T; K]]; 2],
     out: &mut [[T; K]],
@@ -31,7 +31,7 @@ pub(super) fn between<T: Real, const K: usize>(
 
 /// What is between the ends of a row after a round: a middle first.
 #[inline(always)]
-pub(super) fn spread<T: Real, const K: usize>(weights: Weights<T>, row: &[[T; K]], out: &mut [[T; K]]) {
+pub(super) fn spread<T: Real, const K: usize>(weights: LineStencil<T>, row: &[[T; K]], out: &mut [[T; K]]) {
     let Some((first, out)) = out.split_first_mut() else { return };
     *first = mid(row[0], row[1]);
     for (out, row) in out.chunks_exact_mut(2).zip(row.windows(3)) {
@@ -43,15 +43,16 @@ pub(super) fn spread<T: Real, const K: usize>(weights: Weights<T>, row: &[[T; K]
 /// A point between two others, after a round.
 #[inline(always)]
 pub(super) fn moved<T: Real, const K: usize>(
-    [own, side]: Weights<T>,
+    [own, side]: LineStencil<T>,
     p: [T; K],
     [a, b]: [[T; K]; 2],
 ) -> [T; K] {
     std::array::from_fn(|k| own * p[k] + side * (a[k] + b[k]))
 }
 
-/// The borders of a grid without its corners: row 0, the last column, the last row, column 0; and the corners in the same order.
-pub(super) struct Borders<'a, T, const K: usize> {
+/// The borders of a grid without its corners: row 0, the last column, the last row, column 0; and the corners
+/// in the same order.
+pub(super) struct GridBorders<'a, T, const K: usize> {
     pub sides: [&'a [[T; K]]; 4],
     pub corners: [[T; K]; 4],
 }
@@ -59,8 +60,8 @@ pub(super) struct Borders<'a, T, const K: usize> {
 /// The points inside of a grid after a round, row by row, from those before and its borders before.
 #[inline(always)]
 pub(super) fn divide<T: Real, const K: usize>(
-    weights: Weights<T>,
-    borders: &Borders<T, K>,
+    weights: LineStencil<T>,
+    borders: &GridBorders<T, K>,
     inside: &[[T; K]],
     (line, out): (&mut [[T; K]], &mut [[T; K]]),
 ) {

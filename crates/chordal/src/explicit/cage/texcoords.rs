@@ -1,18 +1,20 @@
-//! `CornerTexcoords`: texture coordinates at the corners of a cage's faces, and `Chart`: the same as a cage of their own.
+//! `CornerTexcoords`: texture coordinates at the corners of a cage's faces, and `Chart`: the same as a cage
+//! of their own.
 //!
-//! Their topology is their own: two faces hang together across an edge where their corners name the same rows at both ends of it, and are
-//! parted by a seam elsewhere. So they are a second cage, flat, with the faces of the first over other vertices: one for each pair of a vertex and
-//! a row that a corner there names. Its border is the border of the first and the seams. What is sharp in the first is so in the second
-//! where they agree, and a rule says which vertices of the second's border stay where they are.
+//! Their topology is their own: two faces hang together across an edge where their corners name the same rows
+//! at both ends of it, and are parted by a seam elsewhere. So they are a second cage, flat, with the faces of
+//! the first over other vertices: one for each pair of a vertex and a row that a corner there names. Its
+//! border is the border of the first and the seams. What is sharp in the first is so in the second where they
+//! agree, and a rule says which vertices of the second's border stay where they are.
 //!
-//! Source: the rules are those of OpenSubdiv for face-varying data (its `Sdc::Options::FVarLinearInterpolation`, and
-//! `vtr/fvarLevel.cpp` for what they mean).
-use super::edges::{Around, Edges, listed, part};
-use super::refine::{Sharp, is_hole, n_fans};
+//! Source: the rules are those of OpenSubdiv for face-varying data (its
+//! `Sdc::Options::FVarLinearInterpolation`, and `vtr/fvarLevel.cpp` for what they mean).
+use super::edges::{CageEdges, VertexIncidence, csr_lists, csr_row};
+use super::refinement_step::{CageSharpness, is_hole, n_fans};
 use super::{Boundary, Cage, INFINITELY_SHARP, InvalidCage, Scheme};
 
-/// Texture coordinates with a topology of their own: corners of neighbouring faces that name the same row hang together there,
-/// others are parted by a seam.
+/// Texture coordinates with a topology of their own: corners of neighbouring faces that name the same row
+/// hang together there, others are parted by a seam.
 ///
 /// ```
 /// use chordal::explicit::{Cage, CornerTexcoords, LinearTexcoords};
@@ -39,7 +41,8 @@ pub struct CornerTexcoords {
 }
 
 impl CornerTexcoords {
-    /// The row of a corner that names none. A face with such a corner has no texture coordinates after a round.
+    /// The row of a corner that names none. A face with such a corner has no texture coordinates after a
+    /// round.
     pub const NONE: u32 = u32::MAX;
 
     fn check(&self, n_corners: usize) -> Result<(), InvalidCage> {
@@ -57,8 +60,9 @@ impl CornerTexcoords {
     }
 }
 
-/// Where refinement interpolates texture coordinates linearly, so that they stay where they are: the rules of OpenSubdiv's
-/// `Sdc::Options::FVarLinearInterpolation`, in the numbers of the tag `facevaryinginterpolateboundary`.
+/// Where refinement interpolates texture coordinates linearly, so that they stay where they are: the rules of
+/// OpenSubdiv's `Sdc::Options::FVarLinearInterpolation`, in the numbers of the tag
+/// `facevaryinginterpolateboundary`.
 ///
 /// The *border* is that of the texture coordinates: seams and the border of the cage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -86,7 +90,8 @@ impl LinearTexcoords {
 
 /// The texture coordinates of a cage as a cage of their own in the plane z = 0, with the same faces.
 ///
-/// Its limit surface has a sheet for each of the cage's, in the same order, whose points are the texture coordinates there.
+/// Its limit surface has a sheet for each of the cage's, in the same order, whose points are the texture
+/// coordinates there.
 ///
 /// ```
 /// use chordal::explicit::{Cage, CornerTexcoords, LinearTexcoords};
@@ -127,20 +132,22 @@ impl Cage {
 
     /// Its texture coordinates as a cage of their own, if it has any.
     ///
-    /// Edges and vertices of the chart are as sharp as those of the cage where the two have the same; seams and the border are sharp for
-    /// ever, as a border is; a vertex that the cage keeps where it is, is kept by the chart. Which others are, the rule says.
-    /// It is as OpenSubdiv does it, but for what would not outlive a round (of two pieces that keep each other, where both are
-    /// creased) and for what is no surface there: where edges of more than two faces are cut, or pieces come back to a vertex, the chart decides. By
-    /// [`Creasing::Chaikin`](super::Creasing::Chaikin) sharpness evens out within the chart.
+    /// Edges and vertices of the chart are as sharp as those of the cage where the two have the same; seams
+    /// and the border are sharp for ever, as a border is; a vertex that the cage keeps where it is, is kept
+    /// by the chart. Which others are, the rule says. It is as OpenSubdiv does it, but for what would not
+    /// outlive a round (of two pieces that keep each other, where both are creased) and for what is no
+    /// surface there: where edges of more than two faces are cut, or pieces come back to a vertex, the chart
+    /// decides. By [`CreasingMethod::Chaikin`](super::CreasingMethod::Chaikin) sharpness evens out within the
+    /// chart.
     ///
     /// *Cost.* As for [`Cage::refined`].
     #[must_use]
     pub fn chart(&self) -> Option<Chart> {
         let texcoords = self.texcoords.as_ref()?;
-        let edges = Edges::of(self);
-        let around = Around::of(self, &edges);
-        let sharp = Sharp::of(self, &edges, &around);
-        Some(Chart::of(self, texcoords, (&edges, &around, &sharp)))
+        let edges = CageEdges::new(self);
+        let around = VertexIncidence::new(self, &edges);
+        let sharp = CageSharpness::new(self, &edges, &around);
+        Some(Chart::from_texcoords(self, texcoords, (&edges, &around, &sharp)))
     }
 }
 
@@ -151,16 +158,17 @@ impl Chart {
         &self.cage
     }
 
-    /// Whether a face has texture coordinates, at all of its corners: where not, what stands in the chart means nothing.
+    /// Whether a face has texture coordinates, at all of its corners: where not, what stands in the chart
+    /// means nothing.
     #[must_use]
-    pub fn has(&self, face: usize) -> bool {
+    pub fn has_face(&self, face: usize) -> bool {
         self.bare.binary_search(&(face as u32)).is_err()
     }
 
-    pub(super) fn of(
+    pub(super) fn from_texcoords(
         cage: &Cage,
         texcoords: &CornerTexcoords,
-        (edges, around, sharp): (&Edges, &Around, &Sharp),
+        (edges, around, sharp): (&CageEdges, &VertexIncidence, &CageSharpness),
     ) -> Self {
         let mut rows = texcoords.corners.clone();
         let mut bare = Vec::new();
@@ -201,20 +209,28 @@ impl Chart {
             (LinearTexcoords::All, Scheme::CatmullClark) => flat.scheme = Scheme::Bilinear,
             (_, Scheme::Bilinear) => {}
             _ => {
-                let own = Edges::of(&flat);
-                let around_own = Around::of(&flat, &own);
-                let both =
-                    Both { cage, edges, around, sharp, flat: &flat, own: &own, around_own: &around_own };
+                let own = CageEdges::new(&flat);
+                let around_own = VertexIncidence::new(&flat, &own);
+                let both = ChartSharpness {
+                    cage,
+                    edges,
+                    incidence: around,
+                    sharp,
+                    flat: &flat,
+                    own: &own,
+                    own_incidence: &around_own,
+                };
                 let sharp_edges = both.edges();
                 let sharp_vertices = both.vertices(linear, &sharp_edges);
-                flat.creases = own.sharp(&both.creases(linear, sharp_edges));
+                flat.creases = own.sharp_edges(&both.creases(linear, sharp_edges));
                 flat.sharp_vertices = sharp_vertices;
             }
         }
         Self { cage: flat, linear, bare }
     }
 
-    /// As texture coordinates again, after some rounds: from what stands at the vertices of the refined chart and from its corners.
+    /// As texture coordinates again, after some rounds: from what stands at the vertices of the refined chart
+    /// and from its corners.
     pub(super) fn texcoords(
         &self,
         rounds: u32,
@@ -228,7 +244,7 @@ impl Chart {
                 let of = self.cage.sizes.range(*face as usize);
                 corners[grown(of.start)..grown(of.end)].fill(CornerTexcoords::NONE);
             }
-            keep_named(&mut values, &mut corners);
+            drop_unused_rows(&mut values, &mut corners);
         }
         CornerTexcoords { values, corners, linear: self.linear }
     }
@@ -240,7 +256,7 @@ impl Chart {
 }
 
 /// Drops rows that no corner names.
-fn keep_named(values: &mut Vec<[f64; 2]>, corners: &mut [u32]) {
+fn drop_unused_rows(values: &mut Vec<[f64; 2]>, corners: &mut [u32]) {
     let mut is_named = vec![false; values.len()];
     for row in corners.iter() {
         if let Some(is_named) = is_named.get_mut(*row as usize) {
@@ -257,18 +273,18 @@ fn keep_named(values: &mut Vec<[f64; 2]>, corners: &mut [u32]) {
 }
 
 /// A cage and its chart.
-struct Both<'a> {
+struct ChartSharpness<'a> {
     cage: &'a Cage,
-    edges: &'a Edges,
-    around: &'a Around,
-    sharp: &'a Sharp,
+    edges: &'a CageEdges,
+    incidence: &'a VertexIncidence,
+    sharp: &'a CageSharpness,
     flat: &'a Cage,
-    own: &'a Edges,
-    around_own: &'a Around,
+    own: &'a CageEdges,
+    own_incidence: &'a VertexIncidence,
 }
 
 /// What is around a vertex of the chart.
-struct Span {
+struct ChartSpan {
     vertex: u32,
     n_faces: usize,
     /// It has faces that do not hang together, or are parted by an edge that is sharp for ever.
@@ -279,7 +295,7 @@ struct Span {
     rounds: f64,
 }
 
-impl Both<'_> {
+impl ChartSharpness<'_> {
     /// How sharp the edges of the chart are that are no border of it: as sharp as those of the cage.
     fn edges(&self) -> Vec<f64> {
         let mut sharp = vec![0.0; self.own.ends.len()];
@@ -317,44 +333,44 @@ impl Both<'_> {
         }
         let is_seam = self.seams();
         let pairs = self.cage.corners.iter().copied().zip(self.flat.corners.iter().copied());
-        let (ends, all) = listed(self.cage.positions.len(), pairs);
+        let (ends, all) = csr_lists(self.cage.positions.len(), pairs);
         let mut found = Vec::new();
-        let (mut here, mut spans): (Vec<u32>, Vec<Span>) = (Vec::new(), Vec::new());
+        let (mut here, mut spans): (Vec<u32>, Vec<ChartSpan>) = (Vec::new(), Vec::new());
         for vertex in 0..self.cage.positions.len() {
             here.clear();
-            here.extend_from_slice(part(&ends, &all, vertex));
+            here.extend_from_slice(csr_row(&ends, &all, vertex));
             here.sort_unstable();
             here.dedup();
             spans.clear();
             spans.extend(here.iter().map(|own| self.span(*own, sharp_edges)));
-            self.keep(vertex, (linear, &is_seam), &spans, &mut found);
+            self.add_sharp_vertices(vertex, (linear, &is_seam), &spans, &mut found);
         }
         found.sort_unstable_by_key(|(vertex, _)| *vertex);
         found
     }
 
-    fn span(&self, vertex: u32, sharp_edges: &[f64]) -> Span {
-        let of_edges = self.around_own.edges(vertex as usize);
+    fn span(&self, vertex: u32, sharp_edges: &[f64]) -> ChartSpan {
+        let of_edges = self.own_incidence.edges(vertex as usize);
         let sharp = of_edges.iter().map(|edge| sharp_edges[*edge as usize]);
-        let is_many = n_fans(self.own, self.around_own, vertex as usize) > 1;
-        Span {
+        let is_many = n_fans(self.own, self.own_incidence, vertex as usize) > 1;
+        ChartSpan {
             vertex,
-            n_faces: self.around_own.faces(vertex as usize).len(),
+            n_faces: self.own_incidence.faces(vertex as usize).len(),
             is_parted: is_many || sharp.clone().any(|sharp| sharp >= INFINITELY_SHARP),
             is_many,
-            rounds: lasting(sharp),
+            rounds: lasting_sharpness(sharp),
         }
     }
 
     /// Adds those of a vertex of the cage that stay where they are.
-    fn keep(
+    fn add_sharp_vertices(
         &self,
         vertex: usize,
         (linear, is_seam): (LinearTexcoords, &[bool]),
-        spans: &[Span],
+        spans: &[ChartSpan],
         found: &mut Vec<(u32, f64)>,
     ) {
-        let of_edges = self.around.edges(vertex);
+        let of_edges = self.incidence.edges(vertex);
         let has_seam = of_edges.iter().any(|edge| is_seam[*edge as usize]);
         let is_border = of_edges.iter().any(|edge| self.edges.faces(*edge as usize).len() == 1);
         let on_border = has_seam || is_border;
@@ -395,9 +411,9 @@ impl Both<'_> {
     }
 }
 
-/// The sharpness of a vertex that stays for as long as some edges of these sharpnesses are left: the rounds before the last, and
-/// the mean of what is left for that one.
-fn lasting(sharp: impl Iterator<Item = f64> + Clone) -> f64 {
+/// The sharpness of a vertex that stays for as long as some edges of these sharpnesses are left: the rounds
+/// before the last, and the mean of what is left for that one.
+fn lasting_sharpness(sharp: impl Iterator<Item = f64> + Clone) -> f64 {
     let ends = sharp.filter(|sharp| *sharp > 0.0 && *sharp < INFINITELY_SHARP);
     let most = ends.clone().fold(0.0, |most, sharp| if sharp > most { sharp } else { most });
     if most <= 0.0 {

@@ -1,11 +1,13 @@
-//! Rounds of Loop's scheme over triangles as grids: all that is sharp or irregular lies on their borders, as for quads.
-use super::creases::{Along, Rules};
-use super::edges::{Around, Edges};
-use super::refine::loop_share;
-use super::values::{Real, Sum, add, chunks, mid, scaled};
+//! Rounds of Loop's scheme over triangles as grids: all that is sharp or irregular lies on their borders, as
+//! for quads.
+use super::creases::{EdgeStencil, StencilTable};
+use super::edges::{CageEdges, VertexIncidence};
+use super::refinement_step::loop_weight;
+use super::values::{Real, WideSum, add, chunks, mid, scaled};
 use crate::budget::{Job, par_map_owned};
 
-/// Points that one task of a thread makes, about: enough to be worth one, few enough to share out evenly. Chosen.
+/// Points that one task of a thread makes, about: enough to be worth one, few enough to share out evenly.
+/// Chosen.
 const TASK: usize = 1 << 14;
 
 /// No face.
@@ -13,7 +15,7 @@ const NONE: u32 = u32::MAX;
 
 /// Triangles by their edges.
 #[derive(Clone, Debug)]
-pub(super) struct Triangles {
+pub(super) struct TriangleTopology {
     pub n_vertices: usize,
     corners: Vec<[u32; 3]>,
     /// From each corner to the next.
@@ -22,13 +24,13 @@ pub(super) struct Triangles {
     pub ends: Vec<[u32; 2]>,
     /// Of each edge the first two sides that it is, as 3 × triangle + side.
     sides: Vec<[u32; 2]>,
-    around: Around,
+    incidence: VertexIncidence,
     /// The share of a neighbour by the number of neighbours.
-    shares: Vec<f64>,
+    loop_weights: Vec<f64>,
 }
 
-impl Triangles {
-    pub fn of(corners: &[u32], n_vertices: usize, edges: Edges, around: Around) -> Self {
+impl TriangleTopology {
+    pub fn new(corners: &[u32], n_vertices: usize, edges: CageEdges, around: VertexIncidence) -> Self {
         let mut sides = vec![[NONE; 2]; edges.ends.len()];
         for (side, edge) in edges.of_corner.iter().enumerate() {
             let of = &mut sides[*edge as usize];
@@ -44,9 +46,9 @@ impl Triangles {
             edges: edges.of_corner.as_chunks().0.to_vec(),
             ends: edges.ends,
             sides,
-            around,
+            incidence: around,
             // One edge alone is never smooth; none has no share.
-            shares: (0..=most).map(|n| if n == 0 { 0.0 } else { loop_share(n) }).collect(),
+            loop_weights: (0..=most).map(|n| if n == 0 { 0.0 } else { loop_weight(n) }).collect(),
         }
     }
 
@@ -87,7 +89,8 @@ impl Triangles {
         }
     }
 
-    /// The corners of the faces of some triangles: row by row, those that stand on a row in turn with those that hang between them.
+    /// The corners of the faces of some triangles: row by row, those that stand on a row in turn with those
+    /// that hang between them.
     pub fn faces(&self, n: usize, (first, out): (usize, &mut [u32])) {
         let (mut low, mut high) = (vec![0; n + 1], vec![0; n + 1]);
         for (k, mut out) in out.chunks_exact_mut(3 * n * n).enumerate() {
@@ -127,15 +130,15 @@ fn n_inside(n: usize) -> usize {
 }
 
 /// What stands at the points: vertices, n − 1 along each edge, and those inside of each triangle, row by row.
-pub(super) struct Level<'a, T, const K: usize> {
-    pub triangles: &'a Triangles,
+pub(super) struct TriangleGridLevel<'a, T, const K: usize> {
+    pub triangles: &'a TriangleTopology,
     pub n: usize,
     pub values: &'a [[T; K]],
 }
 
-impl<T: Real, const K: usize> Level<'_, T, K> {
+impl<T: Real, const K: usize> TriangleGridLevel<'_, T, K> {
     /// The points after a round: twice as many parts along each edge.
-    pub fn divide(&self, rules: &Rules, job: &Job, out: &mut [[T; K]]) {
+    pub fn divide(&self, rules: &StencilTable, job: &Job, out: &mut [[T; K]]) {
         let (vertices, rest) = out.split_at_mut(self.triangles.n_vertices);
         let wide = 2 * self.n - 1;
         let (along, inside) = rest.split_at_mut(self.triangles.ends.len() * wide);
@@ -160,7 +163,7 @@ impl<T: Real, const K: usize> Level<'_, T, K> {
         }]
     }
 
-    fn vertices(&self, rules: &Rules, first: usize, out: &mut [[T; K]]) {
+    fn vertices(&self, rules: &StencilTable, first: usize, out: &mut [[T; K]]) {
         let all = &rules.vertices;
         let mut special = all[all.partition_point(|(v, _)| (*v as usize) < first)..].iter().peekable();
         for (k, out) in out.iter_mut().enumerate() {
@@ -169,21 +172,21 @@ impl<T: Real, const K: usize> Level<'_, T, K> {
             *out = match special.next_if(|(v, _)| *v as usize == vertex) {
                 None => self.smooth(vertex),
                 Some((_, shares)) => {
-                    shares.mixed(here, |edge| self.next_to(vertex, edge), || self.smooth(vertex))
+                    shares.apply(here, |edge| self.next_to(vertex, edge), || self.smooth(vertex))
                 }
             };
         }
     }
 
     fn smooth(&self, vertex: usize) -> [T; K] {
-        let edges = self.triangles.around.edges(vertex);
-        let share = self.triangles.shares[edges.len()];
-        let sum = edges.iter().fold(Sum::ZERO, |sum, edge| sum.plus(1.0, self.next_to(vertex, *edge)));
-        Sum::ZERO.plus(1.0 - edges.len() as f64 * share, self.values[vertex]).plus(share, sum.0).value()
+        let edges = self.triangles.incidence.edges(vertex);
+        let share = self.triangles.loop_weights[edges.len()];
+        let sum = edges.iter().fold(WideSum::ZERO, |sum, edge| sum.plus(1.0, self.next_to(vertex, *edge)));
+        WideSum::ZERO.plus(1.0 - edges.len() as f64 * share, self.values[vertex]).plus(share, sum.0).value()
     }
 
     /// The points along some edges.
-    fn edges(&self, rules: &Rules, first: usize, out: &mut [[T; K]]) {
+    fn edges(&self, rules: &StencilTable, first: usize, out: &mut [[T; K]]) {
         let (n, triangles) = (self.n, self.triangles);
         let all = &rules.edges;
         let mut special = all[all.partition_point(|(e, _)| (*e as usize) < first)..].iter().peekable();
@@ -209,24 +212,28 @@ impl<T: Real, const K: usize> Level<'_, T, K> {
                 let share = match along {
                     None => 0.0,
                     Some(_) if is_alone => 1.0,
-                    Some(Along::Even { middles, .. }) if place % 2 == 0 => *middles,
-                    Some(Along::Even { points, .. }) => *points,
-                    Some(Along::Each(shares)) => shares[place],
+                    Some(EdgeStencil::Even { middles, .. }) if place % 2 == 0 => *middles,
+                    Some(EdgeStencil::Even { points, .. }) => *points,
+                    Some(EdgeStencil::Each(shares)) => shares[place],
                 };
                 let crease = || match place % 2 {
                     0 => mid(line[i], line[i + 1]),
-                    _ => add(scaled(T::of(0.75), line[i]), T::of(0.25), mid(line[i - 1], line[i + 1])),
+                    _ => add(
+                        scaled(T::from_f64(0.75), line[i]),
+                        T::from_f64(0.25),
+                        mid(line[i - 1], line[i + 1]),
+                    ),
                 };
                 if share >= 1.0 {
                     *out = crease();
                     continue;
                 }
                 let smooth = match place % 2 {
-                    0 => middle([line[i], line[i + 1]], [a[i], b[i]]),
-                    _ => point(line[i], [line[i - 1], line[i + 1], a[i - 1], a[i], b[i - 1], b[i]]),
+                    0 => edge_point([line[i], line[i + 1]], [a[i], b[i]]),
+                    _ => vertex_point(line[i], [line[i - 1], line[i + 1], a[i - 1], a[i], b[i - 1], b[i]]),
                 };
                 *out = match share > 0.0 {
-                    true => add(scaled(T::of(share), crease()), T::of(1.0 - share), smooth),
+                    true => add(scaled(T::from_f64(share), crease()), T::from_f64(1.0 - share), smooth),
                     false => smooth,
                 };
             }
@@ -285,8 +292,8 @@ impl<T: Real, const K: usize> Level<'_, T, K> {
                     for (k, out) in of_row.iter_mut().enumerate() {
                         let c = k / 2 + k % 2;
                         *out = match k % 2 {
-                            0 => middle([low[c], low[c + 1]], [high[c], below[c + 1]]),
-                            _ => point(
+                            0 => edge_point([low[c], low[c + 1]], [high[c], below[c + 1]]),
+                            _ => vertex_point(
                                 low[c],
                                 [low[c - 1], low[c + 1], high[c - 1], high[c], below[c], below[c + 1]],
                             ),
@@ -297,8 +304,8 @@ impl<T: Real, const K: usize> Level<'_, T, K> {
                     for (k, out) in of_row.iter_mut().enumerate() {
                         let c = k / 2 + k % 2;
                         *out = match k % 2 {
-                            0 => middle([low[c + 1], high[c]], [low[c], high[c + 1]]),
-                            _ => middle([low[c], high[c]], [low[c + 1], high[c - 1]]),
+                            0 => edge_point([low[c + 1], high[c]], [low[c], high[c + 1]]),
+                            _ => edge_point([low[c], high[c]], [low[c + 1], high[c - 1]]),
                         };
                     }
                 }
@@ -309,13 +316,13 @@ impl<T: Real, const K: usize> Level<'_, T, K> {
 
 /// The new point on an edge between two, with those across.
 #[inline(always)]
-fn middle<T: Real, const K: usize>(ends: [[T; K]; 2], across: [[T; K]; 2]) -> [T; K] {
-    add(scaled(T::of(0.75), mid(ends[0], ends[1])), T::of(0.25), mid(across[0], across[1]))
+fn edge_point<T: Real, const K: usize>(ends: [[T; K]; 2], across: [[T; K]; 2]) -> [T; K] {
+    add(scaled(T::from_f64(0.75), mid(ends[0], ends[1])), T::from_f64(0.25), mid(across[0], across[1]))
 }
 
 /// A point with six around it after a round.
 #[inline(always)]
-fn point<T: Real, const K: usize>(here: [T; K], [a, b, c, d, e, f]: [[T; K]; 6]) -> [T; K] {
+fn vertex_point<T: Real, const K: usize>(here: [T; K], [a, b, c, d, e, f]: [[T; K]; 6]) -> [T; K] {
     let sum = std::array::from_fn(|k| (a[k] + b[k]) + (c[k] + d[k]) + (e[k] + f[k]));
-    add(scaled(T::of(0.625), here), T::of(0.0625), sum)
+    add(scaled(T::from_f64(0.625), here), T::from_f64(0.0625), sum)
 }

@@ -8,13 +8,13 @@ pub trait Real:
 {
     /// A weight, rounded.
     #[doc(hidden)]
-    fn of(weight: f64) -> Self;
+    fn from_f64(weight: f64) -> Self;
     /// The same number.
     #[doc(hidden)]
-    fn wide(self) -> f64;
+    fn to_f64(self) -> f64;
     /// Whether neither it nor sums of as many as there can be overflow.
     #[doc(hidden)]
-    fn is_calm(self) -> bool;
+    fn is_safe_to_sum(self) -> bool;
     /// Whether it is neither NaN nor infinite.
     #[doc(hidden)]
     fn is_finite(self) -> bool;
@@ -26,24 +26,25 @@ mod sealed {
     impl Sealed for f64 {}
 }
 
-/// A share of the largest number: there are fewer than 2^31 vertices, and so no more around one. Some room is left.
+/// A share of the largest number: there are fewer than 2^31 vertices, and so no more around one. Some room is
+/// left.
 const CALM: f64 = 1.0 / (1_u64 << 40) as f64;
 
 macro_rules! real {
     ($($T:ty),*) => {$(
         impl Real for $T {
             #[inline(always)]
-            fn of(weight: f64) -> Self {
+            fn from_f64(weight: f64) -> Self {
                 weight as Self
             }
 
             #[inline(always)]
-            fn wide(self) -> f64 {
+            fn to_f64(self) -> f64 {
                 f64::from(self)
             }
 
             #[inline(always)]
-            fn is_calm(self) -> bool {
+            fn is_safe_to_sum(self) -> bool {
                 self.abs() < Self::MAX * CALM as Self
             }
 
@@ -67,29 +68,30 @@ pub(super) fn scaled<T: Real, const K: usize>(share: T, p: [T; K]) -> [T; K] {
     p.map(|x| share * x)
 }
 
-/// A sum over as many as there are, in f64 also for f32: around a pole of hundreds of faces its roundings would add up to 2e-5.
+/// A sum over as many as there are, in f64 also for f32: around a pole of hundreds of faces its roundings
+/// would add up to 2e-5.
 #[derive(Clone, Copy)]
-pub(super) struct Sum<const K: usize>(pub [f64; K]);
+pub(super) struct WideSum<const K: usize>(pub [f64; K]);
 
-impl<const K: usize> Sum<K> {
+impl<const K: usize> WideSum<K> {
     pub const ZERO: Self = Self([0.0; K]);
 
     #[inline(always)]
     pub fn plus<T: Real>(self, share: f64, p: [T; K]) -> Self {
-        Self(std::array::from_fn(|k| self.0[k] + share * p[k].wide()))
+        Self(std::array::from_fn(|k| self.0[k] + share * p[k].to_f64()))
     }
 
     /// Rounded.
     #[inline(always)]
     pub fn value<T: Real>(self) -> [T; K] {
-        self.0.map(T::of)
+        self.0.map(T::from_f64)
     }
 }
 
 /// The mean of two.
 #[inline(always)]
 pub(super) fn mid<T: Real, const K: usize>(a: [T; K], b: [T; K]) -> [T; K] {
-    let half = T::of(0.5);
+    let half = T::from_f64(0.5);
     std::array::from_fn(|k| half * (a[k] + b[k]))
 }
 

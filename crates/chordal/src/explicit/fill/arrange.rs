@@ -1,60 +1,61 @@
-//! `arrange`: contours led through the cells of the grid where they meet, so that they meet only at its points.
+//! `arrange`: contours led through the cells of the grid where they meet, so that they meet only at its
+//! points.
 //!
-//! A cell is hot when a corner lies in it or two segments cross in it. Each segment becomes the chain of the middles of
-//! the hot cells that it passes, in order. Then no two segments cross any more, and each contour can be deformed into
-//! its chain without any point of it leaving its cell.
+//! A cell is hot when a corner lies in it or two segments cross in it. Each segment becomes the chain of the
+//! middles of the hot cells that it passes, in order. Then no two segments cross any more, and each contour
+//! can be deformed into its chain without any point of it leaving its cell.
 //!
 //! Source: J. D. Hobby, *Practical segment intersection with finite precision output*, 1999.
-use super::grid::{Point, side, turn};
-use super::sweep::Winding;
-use super::tree::{Box2, Tree};
+use super::grid_box_tree::{GridBox, GridBoxTree};
+use super::snap_grid::{GridPoint, side, turn};
+use super::sweep::WindingPair;
 use crate::budget::Job;
 
 /// An edge of the arrangement, from its lower end (by x, then y) to its upper one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct GridEdge {
-    pub from: Point,
-    pub to: Point,
+    pub from: GridPoint,
+    pub to: GridPoint,
     /// How often contours of each kind run along it, those that run back taken off. Not 0.
-    pub winding: Winding,
+    pub winding: WindingPair,
 }
 
 /// A closed contour of the first kind (0) or the second (1).
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Contour {
-    pub points: Vec<Point>,
+pub(crate) struct GridContour {
+    pub points: Vec<GridPoint>,
     pub kind: usize,
 }
 
 /// Why there is no arrangement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Stop {
+pub(crate) enum ArrangeError {
     /// More pairs of segments lie close together than are looked at.
     TooManyPairs,
     /// The job was asked to stop.
     Cancelled,
 }
 
-/// Pairs of close segments that are looked at for each segment, and for all at least. Outlines of glyphs and maps have
-/// fewer than 10 each; at 20 ns a pair the least is about a second.
+/// Pairs of close segments that are looked at for each segment, and for all at least. Outlines of glyphs and
+/// maps have fewer than 10 each; at 20 ns a pair the least is about a second.
 const PAIRS_EACH: u64 = 2_000;
 const PAIRS_ALL: u64 = 50_000_000;
 
 /// The edges of closed contours that meet only at their ends, in order.
-pub(crate) fn arrange(contours: &[Contour], job: &Job) -> Result<Vec<GridEdge>, Stop> {
+pub(crate) fn arrange(contours: &[GridContour], job: &Job) -> Result<Vec<GridEdge>, ArrangeError> {
     // Sides on each other count once, however many there are.
     let sides = summed(sides_of(contours));
-    let segments: Vec<[Point; 2]> = sides.iter().map(|side| [side.from, side.to]).collect();
+    let segments: Vec<[GridPoint; 2]> = sides.iter().map(|side| [side.from, side.to]).collect();
     let mut hot = crossings(&segments, job)?;
     hot.extend(segments.iter().flatten());
     hot.sort_unstable();
     hot.dedup();
-    let cells = Tree::new(hot.iter().map(|cell| around(*cell)).collect());
+    let cells = GridBoxTree::new(hot.iter().map(|cell| around(*cell)).collect());
     let mut edges = Vec::with_capacity(segments.len());
     let mut chain = Vec::new();
     for (i, [a, b]) in segments.iter().enumerate() {
         if i % 4096 == 0 && job.is_cancelled() {
-            return Err(Stop::Cancelled);
+            return Err(ArrangeError::Cancelled);
         }
         chain.clear();
         // In half steps, so that the borders of cells are whole numbers.
@@ -71,8 +72,8 @@ pub(crate) fn arrange(contours: &[Contour], job: &Job) -> Result<Vec<GridEdge>, 
     Ok(summed(edges))
 }
 
-fn sides_of(contours: &[Contour]) -> Vec<GridEdge> {
-    let sides = |Contour { points, kind }: &Contour| -> Vec<GridEdge> {
+fn sides_of(contours: &[GridContour]) -> Vec<GridEdge> {
+    let sides = |GridContour { points, kind }: &GridContour| -> Vec<GridEdge> {
         let mut once = [0; 2];
         once[*kind] = 1;
         let next = points.iter().cycle().skip(1);
@@ -81,28 +82,28 @@ fn sides_of(contours: &[Contour]) -> Vec<GridEdge> {
     contours.iter().flat_map(sides).collect()
 }
 
-fn doubled(p: Point) -> Point {
+fn doubled(p: GridPoint) -> GridPoint {
     p.map(|x| 2 * x)
 }
 
 /// The box of a cell in half steps.
-fn around(cell: Point) -> Box2 {
+fn around(cell: GridPoint) -> GridBox {
     let middle = doubled(cell);
-    Box2 { min: middle.map(|x| x - 1), max: middle.map(|x| x + 1) }
+    GridBox { min: middle.map(|x| x - 1), max: middle.map(|x| x + 1) }
 }
 
 /// The cells in which the insides of two segments cross.
-fn crossings(segments: &[[Point; 2]], job: &Job) -> Result<Vec<Point>, Stop> {
-    let tree = Tree::new(segments.iter().map(|[a, b]| Box2::of(*a, *b)).collect());
+fn crossings(segments: &[[GridPoint; 2]], job: &Job) -> Result<Vec<GridPoint>, ArrangeError> {
+    let tree = GridBoxTree::new(segments.iter().map(|[a, b]| GridBox::around(*a, *b)).collect());
     let most = PAIRS_ALL.max(PAIRS_EACH.saturating_mul(segments.len() as u64));
     let (mut looked, mut stop) = (0_u64, None);
     let mut found = Vec::new();
     tree.pairs(|one, other| {
         looked += 1;
         if looked.is_multiple_of(1 << 16) && job.is_cancelled() {
-            stop = Some(Stop::Cancelled);
+            stop = Some(ArrangeError::Cancelled);
         } else if looked > most {
-            stop = Some(Stop::TooManyPairs);
+            stop = Some(ArrangeError::TooManyPairs);
         }
         found.extend(crossing(segments[one as usize], segments[other as usize]));
         stop.is_none()
@@ -111,8 +112,8 @@ fn crossings(segments: &[[Point; 2]], job: &Job) -> Result<Vec<Point>, Stop> {
 }
 
 /// The cell in which two segments cross, where each has the other's ends strictly on both sides.
-fn crossing([a, b]: [Point; 2], [c, d]: [Point; 2]) -> Option<Point> {
-    let parts = |[a, b]: [Point; 2], [c, d]: [Point; 2]| {
+fn crossing([a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]) -> Option<GridPoint> {
+    let parts = |[a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]| {
         let sides = (side(a, b, c), side(a, b, d));
         sides.0.is_ne() && sides.0 == sides.1.reverse()
     };
@@ -131,27 +132,29 @@ fn crossing([a, b]: [Point; 2], [c, d]: [Point; 2]) -> Option<Point> {
 }
 
 /// Whether a segment, in half steps, passes a cell, which has its left and lower border and not the others.
-fn passes([a, b]: [Point; 2], cell: Point) -> bool {
+fn passes([a, b]: [GridPoint; 2], cell: GridPoint) -> bool {
     let square = around(cell);
-    let Box2 { min, max } = square;
-    if !square.meets(&Box2::of(a, b)) {
+    let GridBox { min, max } = square;
+    if !square.meets(&GridBox::around(a, b)) {
         return false;
     }
-    // Ends lie on even numbers and borders on odd ones, so that where boxes meet their insides do. Then the segment
-    // passes the inside unless all corners are on one side; and of the border, it can only touch a corner.
+    // Ends lie on even numbers and borders on odd ones, so that where boxes meet their insides do. Then the
+    // segment passes the inside unless all corners are on one side; and of the border, it can only touch a
+    // corner.
     let at_lower = side(a, b, min);
     let sides = [at_lower, side(a, b, [max[0], min[1]]), side(a, b, [min[0], max[1]]), side(a, b, max)];
     let (left, right) = (sides.iter().any(|side| side.is_gt()), sides.iter().any(|side| side.is_lt()));
     left && right || at_lower.is_eq()
 }
 
-/// How far along a segment a cell is, in no unit. Cells that a segment passes lie in both coordinates in its direction.
-fn along([a, b]: [Point; 2], cell: Point) -> i128 {
+/// How far along a segment a cell is, in no unit. Cells that a segment passes lie in both coordinates in its
+/// direction.
+fn along([a, b]: [GridPoint; 2], cell: GridPoint) -> i128 {
     (0..2).map(|k| i128::from(b[k] - a[k]) * i128::from(cell[k] - a[k])).sum()
 }
 
 /// An edge on which contours run so often from the first point to the second.
-fn directed([a, b]: [Point; 2], winding: Winding) -> GridEdge {
+fn directed([a, b]: [GridPoint; 2], winding: WindingPair) -> GridEdge {
     if a < b {
         GridEdge { from: a, to: b, winding }
     } else {
@@ -177,16 +180,16 @@ fn summed(mut edges: Vec<GridEdge>) -> Vec<GridEdge> {
 mod tests {
     use super::*;
 
-    fn arranged(contours: &[Vec<Point>]) -> Result<Vec<GridEdge>, Stop> {
-        let first = |points: &Vec<Point>| Contour { points: points.clone(), kind: 0 };
+    fn arranged(contours: &[Vec<GridPoint>]) -> Result<Vec<GridEdge>, ArrangeError> {
+        let first = |points: &Vec<GridPoint>| GridContour { points: points.clone(), kind: 0 };
         arrange(&contours.iter().map(first).collect::<Vec<_>>(), &Job::default())
     }
 
     /// Whether two edges meet anywhere but at common ends.
     fn collide(one: &GridEdge, other: &GridEdge) -> bool {
         let (a, b, c, d) = (one.from, one.to, other.from, other.to);
-        let inside = |p: Point, [a, b]: [Point; 2]| {
-            turn(a, b, p) == 0 && p != a && p != b && Box2::of(a, b).meets(&Box2::of(p, p))
+        let inside = |p: GridPoint, [a, b]: [GridPoint; 2]| {
+            turn(a, b, p) == 0 && p != a && p != b && GridBox::around(a, b).meets(&GridBox::around(p, p))
         };
         crossing([a, b], [c, d]).is_some()
             || inside(c, [a, b])
@@ -210,7 +213,7 @@ mod tests {
             // Small grids have many points on lines and crossings close to each other.
             let size = [4, 9, 30, 1000, 1 << 35][round % 5];
             let n = 3 + below(12);
-            let contour: Vec<Point> =
+            let contour: Vec<GridPoint> =
                 (0..n).map(|_| [below(size) - size / 2, below(size) - size / 2]).collect();
             let edges = arranged(std::slice::from_ref(&contour)).unwrap();
             for (i, one) in edges.iter().enumerate() {

@@ -1,18 +1,19 @@
-//! `Chains`: rows of points from low to high, that are joined and split anywhere without being copied.
+//! `MonotoneChains`: rows of points from low to high, that are joined and split anywhere without being
+//! copied.
 
 /// No link.
 const NONE: u32 = u32::MAX;
 
 /// A row of one point or more, by the ends of a linked list, and which of its points is the rightmost.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Chain {
+pub(super) struct MonotoneChain {
     lowest: u32,
     highest: u32,
     rightmost: u32,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Link {
+struct ChainNode {
     point: u32,
     below: u32,
     above: u32,
@@ -20,13 +21,13 @@ struct Link {
 
 /// The links of all chains. Those that are dropped are used again.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Chains {
-    links: Vec<Link>,
+pub(super) struct MonotoneChains {
+    links: Vec<ChainNode>,
     free: Vec<u32>,
 }
 
-impl Chains {
-    fn link(&mut self, link: Link) -> u32 {
+impl MonotoneChains {
+    fn link(&mut self, link: ChainNode) -> u32 {
         if let Some(index) = self.free.pop() {
             self.links[index as usize] = link;
             return index;
@@ -36,75 +37,78 @@ impl Chains {
     }
 
     /// The chain of one point.
-    pub fn one(&mut self, point: u32) -> Chain {
-        let link = self.link(Link { point, below: NONE, above: NONE });
-        Chain { lowest: link, highest: link, rightmost: link }
+    pub fn one(&mut self, point: u32) -> MonotoneChain {
+        let link = self.link(ChainNode { point, below: NONE, above: NONE });
+        MonotoneChain { lowest: link, highest: link, rightmost: link }
     }
 
     /// The lowest point and the one above it.
-    pub fn lowest(&self, chain: &Chain) -> Option<[u32; 2]> {
-        let Link { point, above, .. } = self.links[chain.lowest as usize];
+    pub fn lowest(&self, chain: &MonotoneChain) -> Option<[u32; 2]> {
+        let ChainNode { point, above, .. } = self.links[chain.lowest as usize];
         (above != NONE).then(|| [point, self.links[above as usize].point])
     }
 
     /// The highest point and the one below it.
-    pub fn highest(&self, chain: &Chain) -> Option<[u32; 2]> {
-        let Link { point, below, .. } = self.links[chain.highest as usize];
+    pub fn highest(&self, chain: &MonotoneChain) -> Option<[u32; 2]> {
+        let ChainNode { point, below, .. } = self.links[chain.highest as usize];
         (below != NONE).then(|| [point, self.links[below as usize].point])
     }
 
     /// Takes the lowest of several points away.
-    pub fn drop_lowest(&mut self, chain: &mut Chain) {
+    pub fn drop_lowest(&mut self, chain: &mut MonotoneChain) {
         self.free.push(chain.lowest);
         chain.lowest = self.links[chain.lowest as usize].above;
         self.links[chain.lowest as usize].below = NONE;
     }
 
     /// Takes the highest of several points away.
-    pub fn drop_highest(&mut self, chain: &mut Chain) {
+    pub fn drop_highest(&mut self, chain: &mut MonotoneChain) {
         self.free.push(chain.highest);
         chain.highest = self.links[chain.highest as usize].below;
         self.links[chain.highest as usize].above = NONE;
     }
 
     /// Adds the new rightmost point below all others.
-    pub fn add_lowest(&mut self, chain: &mut Chain, point: u32) {
-        let link = self.link(Link { point, below: NONE, above: chain.lowest });
+    pub fn add_lowest(&mut self, chain: &mut MonotoneChain, point: u32) {
+        let link = self.link(ChainNode { point, below: NONE, above: chain.lowest });
         self.links[chain.lowest as usize].below = link;
         (chain.lowest, chain.rightmost) = (link, link);
     }
 
     /// Adds the new rightmost point above all others.
-    pub fn add_highest(&mut self, chain: &mut Chain, point: u32) {
-        let link = self.link(Link { point, below: chain.highest, above: NONE });
+    pub fn add_highest(&mut self, chain: &mut MonotoneChain, point: u32) {
+        let link = self.link(ChainNode { point, below: chain.highest, above: NONE });
         self.links[chain.highest as usize].above = link;
         (chain.highest, chain.rightmost) = (link, link);
     }
 
     /// What is below and what is above the rightmost point, which both parts have.
-    pub fn split(&mut self, chain: Chain) -> (Chain, Chain) {
-        let Chain { lowest, highest, rightmost } = chain;
-        let Link { point, above, .. } = self.links[rightmost as usize];
-        let twin = self.link(Link { point, below: NONE, above });
+    pub fn split(&mut self, chain: MonotoneChain) -> (MonotoneChain, MonotoneChain) {
+        let MonotoneChain { lowest, highest, rightmost } = chain;
+        let ChainNode { point, above, .. } = self.links[rightmost as usize];
+        let twin = self.link(ChainNode { point, below: NONE, above });
         if above != NONE {
             self.links[above as usize].below = twin;
         }
         self.links[rightmost as usize].above = NONE;
-        let upper =
-            Chain { lowest: twin, highest: if above == NONE { twin } else { highest }, rightmost: twin };
-        (Chain { lowest, highest: rightmost, rightmost }, upper)
+        let upper = MonotoneChain {
+            lowest: twin,
+            highest: if above == NONE { twin } else { highest },
+            rightmost: twin,
+        };
+        (MonotoneChain { lowest, highest: rightmost, rightmost }, upper)
     }
 
     /// One chain of two that share the point between them, which is the rightmost.
-    pub fn merge(&mut self, lower: Chain, upper: Chain) -> Chain {
+    pub fn merge(&mut self, lower: MonotoneChain, upper: MonotoneChain) -> MonotoneChain {
         let above = self.links[upper.lowest as usize].above;
         self.free.push(upper.lowest);
         let rightmost = lower.highest;
         if above == NONE {
-            return Chain { rightmost, ..lower };
+            return MonotoneChain { rightmost, ..lower };
         }
         self.links[rightmost as usize].above = above;
         self.links[above as usize].below = rightmost;
-        Chain { lowest: lower.lowest, highest: upper.highest, rightmost }
+        MonotoneChain { lowest: lower.lowest, highest: upper.highest, rightmost }
     }
 }

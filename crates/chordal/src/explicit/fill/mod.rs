@@ -1,59 +1,64 @@
-//! Filling contours: a grid of exact numbers, contours made to meet only at its points, and a sweep that triangulates.
+//! Filling contours: a grid of exact numbers, contours made to meet only at its points, and a sweep that
+//! triangulates.
 pub(crate) mod arrange;
 mod chains;
-pub(crate) mod grid;
+mod grid_box_tree;
+pub(crate) mod snap_grid;
 mod status;
 pub(crate) mod sweep;
-mod tree;
 
 use arrange::GridEdge;
-use grid::{Point, turn};
+use snap_grid::{GridPoint, turn};
 use std::cmp::Ordering;
-use sweep::{Edge, Rule, Site, sweep};
+use sweep::{InsideRule, SweepEdge, SweepPoint, sweep};
 
 /// Triangles whose corners are points in a list.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Filled {
+pub(crate) struct FillTriangles {
     /// Corners; each is one of the ends of edges.
-    pub points: Vec<Point>,
+    pub points: Vec<GridPoint>,
     /// Counter-clockwise, all with area.
     pub triangles: Vec<[u32; 3]>,
 }
 
-impl Site for Point {
+impl SweepPoint for GridPoint {
     #[inline]
     fn turn(a: Self, b: Self, c: Self) -> Ordering {
-        grid::side(a, b, c)
+        snap_grid::side(a, b, c)
     }
 }
 
 /// The triangles of what edges enclose by a rule. Edges are in order and meet only at their ends.
 ///
-/// None if edges crossed or the triangles' area were not exactly that of what the edges enclose, which would be a fault
-/// of this folder.
-pub(crate) fn fill(edges: &[GridEdge], rule: Rule) -> Option<Filled> {
-    let mut points: Vec<Point> = edges.iter().flat_map(|edge| [edge.from, edge.to]).collect();
+/// None if edges crossed or the triangles' area were not exactly that of what the edges enclose, which would
+/// be a fault of this folder.
+pub(crate) fn fill(edges: &[GridEdge], rule: InsideRule) -> Option<FillTriangles> {
+    let mut points: Vec<GridPoint> = edges.iter().flat_map(|edge| [edge.from, edge.to]).collect();
     points.sort_unstable();
     points.dedup();
-    let index = |p: Point| points.binary_search(&p).map_or(u32::MAX, |i| i as u32);
-    let indexed =
-        edges.iter().map(|edge| Edge { from: index(edge.from), to: index(edge.to), winding: edge.winding });
+    let index = |p: GridPoint| points.binary_search(&p).map_or(u32::MAX, |i| i as u32);
+    let indexed = edges.iter().map(|edge| SweepEdge {
+        from: index(edge.from),
+        to: index(edge.to),
+        winding: edge.winding,
+    });
     let swept = sweep(&points, indexed.collect(), rule).ok()?;
     let within = twice_area_within(&points, &swept.border);
-    let filled = Filled { points, triangles: swept.triangles };
+    let filled = FillTriangles { points, triangles: swept.triangles };
     (twice_area_of(&filled) == within).then_some(filled)
 }
 
-fn twice_area_of(filled: &Filled) -> i128 {
+fn twice_area_of(filled: &FillTriangles) -> i128 {
     let corners = |t: &[u32; 3]| t.map(|i| filled.points[i as usize]);
     filled.triangles.iter().map(corners).map(|[a, b, c]| turn(a, b, c)).sum()
 }
 
 /// Of a border with its inside on the left of edges whose winding is 1.
-fn twice_area_within(points: &[Point], border: &[Edge]) -> i128 {
-    let cross =
-        |a: Point, b: Point| i128::from(a[0]) * i128::from(b[1]) - i128::from(a[1]) * i128::from(b[0]);
-    let ends = |edge: &Edge| [edge.from, edge.to].map(|i| points[i as usize]);
+fn twice_area_within(points: &[GridPoint], border: &[SweepEdge]) -> i128 {
+    let cross = |a: GridPoint, b: GridPoint| {
+        i128::from(a[0]) * i128::from(b[1]) - i128::from(a[1]) * i128::from(b[0])
+    };
+    let ends = |edge: &SweepEdge| [edge.from, edge.to].map(|i| points[i as usize]);
     border
         .iter()
         .map(|edge| (i128::from(edge.winding[0]), ends(edge)))
@@ -63,22 +68,22 @@ fn twice_area_within(points: &[Point], border: &[Edge]) -> i128 {
 
 #[cfg(test)]
 mod tests {
-    use super::arrange::{Contour, arrange};
+    use super::arrange::{GridContour, arrange};
     use super::*;
     use crate::budget::Job;
     use crate::explicit::FillRule;
 
-    fn filled(contours: &[Vec<Point>], rule: FillRule) -> Filled {
-        let contours: Vec<Contour> =
-            contours.iter().map(|points| Contour { points: points.clone(), kind: 0 }).collect();
-        fill(&arrange(&contours, &Job::default()).unwrap(), Rule::Fill(rule)).unwrap()
+    fn filled(contours: &[Vec<GridPoint>], rule: FillRule) -> FillTriangles {
+        let contours: Vec<GridContour> =
+            contours.iter().map(|points| GridContour { points: points.clone(), kind: 0 }).collect();
+        fill(&arrange(&contours, &Job::default()).unwrap(), InsideRule::Fill(rule)).unwrap()
     }
 
-    fn area(contours: &[Vec<Point>], rule: FillRule) -> i128 {
+    fn area(contours: &[Vec<GridPoint>], rule: FillRule) -> i128 {
         twice_area_of(&filled(contours, rule)) / 2
     }
 
-    fn square(x: i64, y: i64, size: i64) -> Vec<Point> {
+    fn square(x: i64, y: i64, size: i64) -> Vec<GridPoint> {
         vec![[x, y], [x + size, y], [x + size, y + size], [x, y + size]]
     }
 
@@ -103,7 +108,7 @@ mod tests {
 
     #[test]
     fn a_polygon_of_n_corners_gives_two_triangles_fewer() {
-        let star: Vec<Point> = (0..24)
+        let star: Vec<GridPoint> = (0..24)
             .map(|i| {
                 let angle = f64::from(i) * std::f64::consts::PI / 12.0;
                 let r = if i % 2 == 0 { 1000.0 } else { 300.0 };
@@ -112,11 +117,11 @@ mod tests {
             .collect();
         let made = filled(&[star], FillRule::NonZero);
         assert_eq!((made.points.len(), made.triangles.len()), (24, 22));
-        assert_eq!(filled(&[vec![[0, 0], [1, 0]]], FillRule::NonZero), Filled::default());
+        assert_eq!(filled(&[vec![[0, 0], [1, 0]]], FillRule::NonZero), FillTriangles::default());
     }
 
     /// How often contours wind around a point that is on none of them.
-    fn winding(contours: &[Vec<Point>], p: Point) -> i32 {
+    fn winding(contours: &[Vec<GridPoint>], p: GridPoint) -> i32 {
         let sides = contours.iter().flat_map(|c| c.iter().zip(c.iter().cycle().skip(1)));
         sides.fold(0, |sum, (a, b)| {
             if (a[1] <= p[1]) == (b[1] <= p[1]) {
@@ -143,15 +148,15 @@ mod tests {
             let mut contours = Vec::new();
             for _ in 0..1 + below(3) {
                 let n = 3 + below(20);
-                contours.push((0..n).map(|_| [below(size), below(size)]).collect::<Vec<Point>>());
+                contours.push((0..n).map(|_| [below(size), below(size)]).collect::<Vec<GridPoint>>());
             }
             for rule in [FillRule::NonZero, FillRule::EvenOdd] {
                 let made = filled(&contours, rule);
                 for _ in 0..50 {
                     // Odd places of a grid twice as fine lie on no point of it.
                     let p = [2 * below(size) + 1, 2 * below(size) + 1];
-                    let double = |q: Point| q.map(|x| 2 * x);
-                    let doubled: Vec<Vec<Point>> =
+                    let double = |q: GridPoint| q.map(|x| 2 * x);
+                    let doubled: Vec<Vec<GridPoint>> =
                         contours.iter().map(|c| c.iter().map(|q| double(*q)).collect()).collect();
                     let near = doubled.iter().flat_map(|c| c.iter().zip(c.iter().cycle().skip(1)));
                     // Chains leave their segments by at most half a diagonal of a cell.
@@ -173,7 +178,7 @@ mod tests {
         }
     }
 
-    fn distance_sq(a: Point, b: Point, p: Point) -> f64 {
+    fn distance_sq(a: GridPoint, b: GridPoint, p: GridPoint) -> f64 {
         let d = [(b[0] - a[0]) as f64, (b[1] - a[1]) as f64];
         let q = [(p[0] - a[0]) as f64, (p[1] - a[1]) as f64];
         let t = ((q[0] * d[0] + q[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])).clamp(0.0, 1.0);

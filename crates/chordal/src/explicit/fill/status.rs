@@ -1,34 +1,34 @@
-//! `Status`: the edges that a sweep line crosses, from the lowest to the highest.
+//! `SweepStatus`: the edges that a sweep line crosses, from the lowest to the highest.
 use std::cmp::Ordering;
 
 /// Edges in one block, at most. Measured: from 64 to 512 make no difference; one memory page moves at once.
 const MOST: usize = 256;
 
-/// A list in order, in blocks none of which is empty: a search takes O(log n) steps, and a change moves one block, and
-/// the list of blocks when one is cut or taken out, which is n / 256² moves a change in the mean.
+/// A list in order, in blocks none of which is empty: a search takes O(log n) steps, and a change moves one
+/// block, and the list of blocks when one is cut or taken out, which is n / 256² moves a change in the mean.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Status {
+pub(super) struct SweepStatus {
     blocks: Vec<Vec<u32>>,
     spare: Vec<Vec<u32>>,
 }
 
 /// Between two edges, or at an end: before edge `row` of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Place {
+pub(super) struct StatusPosition {
     block: usize,
     row: usize,
 }
 
-impl Status {
-    /// Takes out the edges on which the point lies, in order, and says where they were. `side` is on which side of an
-    /// edge the point lies; greater is above.
-    pub fn take(&mut self, side: impl Fn(u32) -> Ordering, taken: &mut Vec<u32>) -> Place {
+impl SweepStatus {
+    /// Takes out the edges on which the point lies, in order, and says where they were. `side` is on which
+    /// side of an edge the point lies; greater is above.
+    pub fn take(&mut self, side: impl Fn(u32) -> Ordering, taken: &mut Vec<u32>) -> StatusPosition {
         taken.clear();
         let is_below = |edge: &u32| side(*edge) == Ordering::Greater;
         // The block before the first one that begins at the point or above.
         let block = self.blocks.partition_point(|block| is_below(&block[0])).saturating_sub(1);
         let row = self.blocks.get(block).map_or(0, |rows| rows.partition_point(is_below));
-        let mut place = Place { block, row };
+        let mut place = StatusPosition { block, row };
         loop {
             place = self.settled(place);
             let Some(rows) = self.blocks.get_mut(place.block) else { break };
@@ -45,15 +45,15 @@ impl Status {
     }
 
     /// The same place, named by the edge after it where there is one.
-    fn settled(&self, place: Place) -> Place {
+    fn settled(&self, place: StatusPosition) -> StatusPosition {
         match self.blocks.get(place.block) {
-            Some(rows) if place.row == rows.len() => Place { block: place.block + 1, row: 0 },
+            Some(rows) if place.row == rows.len() => StatusPosition { block: place.block + 1, row: 0 },
             _ => place,
         }
     }
 
     /// The edge below a place.
-    pub fn before(&self, place: Place) -> Option<u32> {
+    pub fn before(&self, place: StatusPosition) -> Option<u32> {
         if place.row > 0 {
             return Some(self.blocks[place.block][place.row - 1]);
         }
@@ -61,13 +61,13 @@ impl Status {
     }
 
     /// The edge above a place.
-    pub fn at(&self, place: Place) -> Option<u32> {
+    pub fn at(&self, place: StatusPosition) -> Option<u32> {
         self.blocks.get(place.block).map(|rows| rows[place.row])
     }
 
     /// Puts edges in at a place, in order.
-    pub fn insert(&mut self, place: Place, edges: &[u32]) {
-        let Place { mut block, mut row } = place;
+    pub fn insert(&mut self, place: StatusPosition, edges: &[u32]) {
+        let StatusPosition { mut block, mut row } = place;
         if row == 0 && block > 0 {
             // At the end of the block before: the last place of all is in no block.
             block -= 1;
@@ -93,7 +93,7 @@ mod tests {
 
     #[test]
     fn is_a_sorted_list_through_any_changes() {
-        let mut status = Status::default();
+        let mut status = SweepStatus::default();
         let mut plain: Vec<u32> = Vec::new();
         let mut state = 9_u64;
         let mut taken = Vec::new();

@@ -1,49 +1,50 @@
 //! `sweep`: triangles of what edges enclose, from left to right. Every decision is exact.
 //!
-//! Between two neighbouring edges that the sweep line crosses lies an interval, inside or outside. Each one inside keeps
-//! the chain of points to its left up to which it is triangulated; a point that the line comes to is joined with all
-//! points of its chains that it sees.
+//! Between two neighbouring edges that the sweep line crosses lies an interval, inside or outside. Each one
+//! inside keeps the chain of points to its left up to which it is triangulated; a point that the line comes
+//! to is joined with all points of its chains that it sees.
 //!
-//! Edges are given as pairs of points. Where a point lies on an edge that does not end there, or edges lie on each other,
-//! they are cut at that point, which moves nothing. Neighbours are tested for crossing whenever two edges become
-//! neighbours (Shamos and Hoey): so what comes back without an error was made of edges that do not cross.
+//! Edges are given as pairs of points. Where a point lies on an edge that does not end there, or edges lie on
+//! each other, they are cut at that point, which moves nothing. Neighbours are tested for crossing whenever
+//! two edges become neighbours (Shamos and Hoey): so what comes back without an error was made of edges that
+//! do not cross.
 //!
-//! Sources: S. Hertel, K. Mehlhorn, *Fast triangulation of simple polygons*, 1983; M. Shamos, D. Hoey, *Geometric
-//! intersection problems*, 1976.
-use super::chains::{Chain, Chains};
-use super::status::Status;
+//! Sources: S. Hertel, K. Mehlhorn, *Fast triangulation of simple polygons*, 1983; M. Shamos, D. Hoey,
+//! *Geometric intersection problems*, 1976.
+use super::chains::{MonotoneChain, MonotoneChains};
+use super::status::SweepStatus;
 use crate::explicit::FillRule;
 use std::cmp::Ordering;
 
 /// What the sweep asks of points.
-pub(crate) trait Site: Copy {
+pub(crate) trait SweepPoint: Copy {
     /// On which side of the line from `a` to `b` lies `c`: left is greater. Exact.
     fn turn(a: Self, b: Self, c: Self) -> Ordering;
 }
 
 /// An edge between two of the points, which are in order: from the earlier one to the later one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Edge {
+pub(crate) struct SweepEdge {
     pub from: u32,
     pub to: u32,
     /// How often contours of the first and of the second kind run along it, those that run back taken off.
-    pub winding: Winding,
+    pub winding: WindingPair,
 }
 
 /// How often contours of two kinds wind around something.
-pub(crate) type Winding = [i32; 2];
+pub(crate) type WindingPair = [i32; 2];
 
 /// What is inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Rule {
+pub(crate) enum InsideRule {
     /// By the contours of the first kind.
     Fill(FillRule),
     /// What contours of the first kind wind around and those of the second kind, the holes, do not.
     LessHoles,
 }
 
-impl Rule {
-    fn holds(self, winding: Winding) -> bool {
+impl InsideRule {
+    fn holds(self, winding: WindingPair) -> bool {
         match self {
             Self::Fill(rule) => rule.holds(winding[0]),
             Self::LessHoles => winding[0] != 0 && winding[1] == 0,
@@ -53,16 +54,16 @@ impl Rule {
 
 /// Two edges cross in a point that is no end of either.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Crossing;
+pub(crate) struct EdgeCrossing;
 
 /// What a sweep found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Swept {
+pub(crate) struct SweepResult {
     /// Indices of points; counter-clockwise, all with area.
     pub triangles: Vec<[u32; 3]>,
-    /// The edges between inside and outside; the winding of the first kind is 1 where inside is on their left, −1 where
-    /// it is on their right.
-    pub border: Vec<Edge>,
+    /// The edges between inside and outside; the winding of the first kind is 1 where inside is on their
+    /// left, −1 where it is on their right.
+    pub border: Vec<SweepEdge>,
     /// Points where more than two edges meet, or that lie inside one.
     pub touching: usize,
     /// Edges, or parts, that lie on others.
@@ -76,8 +77,12 @@ pub(crate) struct Swept {
 /// The triangles of what `edges` enclose. `points` differ and are in order, by x and then y.
 ///
 /// # Errors
-/// [`Crossing`], as soon as one is seen.
-pub(crate) fn sweep<P: Site>(points: &[P], edges: Vec<Edge>, rule: Rule) -> Result<Swept, Crossing> {
+/// [`EdgeCrossing`], as soon as one is seen.
+pub(crate) fn sweep<P: SweepPoint>(
+    points: &[P],
+    edges: Vec<SweepEdge>,
+    rule: InsideRule,
+) -> Result<SweepResult, EdgeCrossing> {
     let mut first = Sweep::new(points, edges, rule);
     first.run()?;
     let border = first.border();
@@ -86,14 +91,14 @@ pub(crate) fn sweep<P: Site>(points: &[P], edges: Vec<Edge>, rule: Rule) -> Resu
         first.triangles
     } else {
         // Edges with the same on both sides would only cost triangles.
-        let mut again = Sweep::new(points, border.clone(), Rule::Fill(FillRule::NonZero));
+        let mut again = Sweep::new(points, border.clone(), InsideRule::Fill(FillRule::NonZero));
         again.run()?;
         again.triangles
     };
     let (touching, overlapping) = (first.touching, first.overlapping);
-    let is_backwards = |sides: &&[Winding; 2]| sides.as_flattened().iter().any(|winding| *winding < 0);
+    let is_backwards = |sides: &&[WindingPair; 2]| sides.as_flattened().iter().any(|winding| *winding < 0);
     let backwards = first.sides.iter().flatten().filter(is_backwards).count();
-    Ok(Swept { triangles, border, touching, overlapping, useless, backwards })
+    Ok(SweepResult { triangles, border, touching, overlapping, useless, backwards })
 }
 
 /// No edge.
@@ -101,18 +106,18 @@ const NONE: u32 = u32::MAX;
 
 struct Sweep<'a, P> {
     points: &'a [P],
-    edges: Vec<Edge>,
-    rule: Rule,
+    edges: Vec<SweepEdge>,
+    rule: InsideRule,
     /// For each point the first of the edges that start there, and for each edge the next one.
     first: Vec<u32>,
     next: Vec<u32>,
     /// The edges that the line crosses, from the lowest to the highest.
-    active: Status,
+    active: SweepStatus,
     /// For each edge the winding numbers below and above it; `None` while it has not been reached.
-    sides: Vec<Option<[Winding; 2]>>,
+    sides: Vec<Option<[WindingPair; 2]>>,
     /// For each active edge the chain of the interval above it, where that is inside.
-    above: Vec<Option<Chain>>,
-    chains: Chains,
+    above: Vec<Option<MonotoneChain>>,
+    chains: MonotoneChains,
     left: Vec<u32>,
     right: Vec<u32>,
     triangles: Vec<[u32; 3]>,
@@ -122,18 +127,18 @@ struct Sweep<'a, P> {
     overlapping: usize,
 }
 
-impl<'a, P: Site> Sweep<'a, P> {
-    fn new(points: &'a [P], edges: Vec<Edge>, rule: Rule) -> Self {
+impl<'a, P: SweepPoint> Sweep<'a, P> {
+    fn new(points: &'a [P], edges: Vec<SweepEdge>, rule: InsideRule) -> Self {
         let n = edges.len();
         let mut sweep = Self {
             points,
             rule,
             first: vec![NONE; points.len()],
             next: vec![NONE; n],
-            active: Status::default(),
+            active: SweepStatus::default(),
             sides: vec![None; n],
             above: vec![None; n],
-            chains: Chains::default(),
+            chains: MonotoneChains::default(),
             left: Vec::new(),
             right: Vec::new(),
             triangles: Vec::with_capacity(n),
@@ -152,15 +157,15 @@ impl<'a, P: Site> Sweep<'a, P> {
         self.next[edge as usize] = std::mem::replace(&mut self.first[from], edge);
     }
 
-    fn run(&mut self) -> Result<(), Crossing> {
-        (0..self.points.len() as u32).try_for_each(|at| self.point(at))
+    fn run(&mut self) -> Result<(), EdgeCrossing> {
+        (0..self.points.len() as u32).try_for_each(|at| self.process_point(at))
     }
 
-    fn border(&self) -> Vec<Edge> {
-        let inside = |winding: Winding| i32::from(self.rule.holds(winding));
+    fn border(&self) -> Vec<SweepEdge> {
+        let inside = |winding: WindingPair| i32::from(self.rule.holds(winding));
         let reached = self.edges.iter().zip(&self.sides).filter_map(|(edge, sides)| Some((edge, (*sides)?)));
         let all = reached
-            .map(|(edge, [below, above])| Edge { winding: [inside(above) - inside(below), 0], ..*edge });
+            .map(|(edge, [below, above])| SweepEdge { winding: [inside(above) - inside(below), 0], ..*edge });
         all.filter(|edge| edge.winding[0] != 0).collect()
     }
 
@@ -169,16 +174,16 @@ impl<'a, P: Site> Sweep<'a, P> {
     }
 
     /// Moves the line over a point: edges that end there leave, those that start there come.
-    fn point(&mut self, at: u32) -> Result<(), Crossing> {
+    fn process_point(&mut self, at: u32) -> Result<(), EdgeCrossing> {
         // 1. What ends here, or passes and is cut here.
         let (points, edges) = (self.points, &self.edges);
         let here = points[at as usize];
         let side = |edge: u32| {
-            let Edge { from, to, .. } = edges[edge as usize];
+            let SweepEdge { from, to, .. } = edges[edge as usize];
             if to == at { Ordering::Equal } else { P::turn(points[from as usize], points[to as usize], here) }
         };
         let place = self.active.take(side, &mut self.left);
-        self.come(at);
+        self.gather_starting(at);
         let mut is_passed = false;
         for k in 0..self.left.len() {
             let edge = self.left[k];
@@ -236,7 +241,7 @@ impl<'a, P: Site> Sweep<'a, P> {
     }
 
     /// Gathers the edges that start at a point.
-    fn come(&mut self, at: u32) {
+    fn gather_starting(&mut self, at: u32) {
         self.right.clear();
         let mut edge = self.first[at as usize];
         while edge != NONE {
@@ -249,11 +254,11 @@ impl<'a, P: Site> Sweep<'a, P> {
     fn cut_edge(&mut self, edge: u32, at: u32) {
         let whole = self.edges[edge as usize];
         self.edges[edge as usize].to = at;
-        let rest = self.add(Edge { from: at, ..whole });
+        let rest = self.add(SweepEdge { from: at, ..whole });
         self.right.push(rest);
     }
 
-    fn add(&mut self, edge: Edge) -> u32 {
+    fn add(&mut self, edge: SweepEdge) -> u32 {
         let index = self.edges.len() as u32;
         self.edges.push(edge);
         self.next.push(NONE);
@@ -262,7 +267,8 @@ impl<'a, P: Site> Sweep<'a, P> {
         index
     }
 
-    /// Puts the edges that start at a point in order from the lowest to the highest, and those on each other into one.
+    /// Puts the edges that start at a point in order from the lowest to the highest, and those on each other
+    /// into one.
     fn sort_right(&mut self, at: u32) {
         if self.right.len() < 2 {
             return;
@@ -284,14 +290,14 @@ impl<'a, P: Site> Sweep<'a, P> {
     fn merge_ties(&mut self, at: u32, right: &mut Vec<u32>) {
         let mut kept: Vec<u32> = Vec::with_capacity(right.len());
         for &edge in right.iter() {
-            let Edge { to, winding, .. } = self.edges[edge as usize];
+            let SweepEdge { to, winding, .. } = self.edges[edge as usize];
             let known = kept.last().copied().map(|known| (known, self.edges[known as usize].to));
             match known {
                 Some((known, end)) if self.turn(at, end, to) == Ordering::Equal => {
                     self.overlapping += 1;
                     (0..2).for_each(|k| self.edges[known as usize].winding[k] += winding[k]);
                     if to != end {
-                        let rest = self.add(Edge { from: end, to, winding });
+                        let rest = self.add(SweepEdge { from: end, to, winding });
                         self.start(rest);
                     }
                 }
@@ -303,7 +309,7 @@ impl<'a, P: Site> Sweep<'a, P> {
     }
 
     /// Gives the edges that start at a point their winding numbers and chains.
-    fn begin(&mut self, at: u32, low: Option<u32>, above: Option<Chain>) {
+    fn begin(&mut self, at: u32, low: Option<u32>, above: Option<MonotoneChain>) {
         let known = low.and_then(|low| self.sides[low as usize]);
         let mut winding = known.map_or([0; 2], |[_, above]| above);
         let last = self.right.len() - 1;
@@ -320,20 +326,20 @@ impl<'a, P: Site> Sweep<'a, P> {
         }
     }
 
-    /// Refuses two neighbours that cross further to the right. Where one only touches the other, the line will come to
-    /// the point.
-    fn expect_apart(&self, low: u32, high: u32) -> Result<(), Crossing> {
+    /// Refuses two neighbours that cross further to the right. Where one only touches the other, the line
+    /// will come to the point.
+    fn expect_apart(&self, low: u32, high: u32) -> Result<(), EdgeCrossing> {
         let (low, high) = (self.edges[low as usize], self.edges[high as usize]);
         let crosses = match low.to.cmp(&high.to) {
             Ordering::Equal => false,
             Ordering::Less => self.turn(high.from, high.to, low.to) == Ordering::Greater,
             Ordering::Greater => self.turn(low.from, low.to, high.to) == Ordering::Less,
         };
-        if crosses { Err(Crossing) } else { Ok(()) }
+        if crosses { Err(EdgeCrossing) } else { Ok(()) }
     }
 
     /// Cuts a triangle off if it has area.
-    fn cut(&mut self, [a, b, c]: [u32; 3]) -> bool {
+    fn cut_triangle(&mut self, [a, b, c]: [u32; 3]) -> bool {
         let has_area = self.turn(a, b, c) == Ordering::Greater;
         if has_area {
             self.triangles.push([a, b, c]);
@@ -341,10 +347,11 @@ impl<'a, P: Site> Sweep<'a, P> {
         has_area
     }
 
-    /// The lower edge of an interval ends at a point. Where the upper one ends there too, it sees all of the chain.
-    fn join_at_bottom(&mut self, mut chain: Chain, at: u32) -> Chain {
+    /// The lower edge of an interval ends at a point. Where the upper one ends there too, it sees all of the
+    /// chain.
+    fn join_at_bottom(&mut self, mut chain: MonotoneChain, at: u32) -> MonotoneChain {
         while let Some([a, b]) = self.chains.lowest(&chain) {
-            if !self.cut([at, b, a]) {
+            if !self.cut_triangle([at, b, a]) {
                 break;
             }
             self.chains.drop_lowest(&mut chain);
@@ -354,9 +361,9 @@ impl<'a, P: Site> Sweep<'a, P> {
     }
 
     /// The upper edge of an interval ends at a point.
-    fn join_at_top(&mut self, mut chain: Chain, at: u32) -> Chain {
+    fn join_at_top(&mut self, mut chain: MonotoneChain, at: u32) -> MonotoneChain {
         while let Some([a, b]) = self.chains.highest(&chain) {
-            if !self.cut([at, a, b]) {
+            if !self.cut_triangle([at, a, b]) {
                 break;
             }
             self.chains.drop_highest(&mut chain);
@@ -366,7 +373,11 @@ impl<'a, P: Site> Sweep<'a, P> {
     }
 
     /// A point inside an interval, where edges start: it is joined with the rightmost point to its left.
-    fn split(&mut self, chain: Option<Chain>, at: u32) -> (Option<Chain>, Option<Chain>) {
+    fn split(
+        &mut self,
+        chain: Option<MonotoneChain>,
+        at: u32,
+    ) -> (Option<MonotoneChain>, Option<MonotoneChain>) {
         let Some(chain) = chain else { return (None, None) };
         let (lower, upper) = self.chains.split(chain);
         (Some(self.join_at_top(lower, at)), Some(self.join_at_bottom(upper, at)))

@@ -1,8 +1,8 @@
-//! The angle of a direction without a call of `atan2`: as good as a weight needs it, and without a branch.
+//! The angle of a direction without a call of `atan2`: as precise as a weight needs it, and without a branch.
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// The polynomial in r² next to atan(r)/r for 0 ≤ r ≤ 1, with the largest error as small as can be: derived by Remez'
-/// exchange, with a relative error of 3.4e-10 at most.
+/// The minimax polynomial in r² for atan(r)/r with 0 ≤ r ≤ 1, derived by the Remez exchange, with a relative
+/// error of 3.4e-10 at most.
 const ATAN: [f64; 11] = [
     0.999_999_999_667_198_7,
     -0.333_333_247_188_107_9,
@@ -14,19 +14,20 @@ const ATAN: [f64; 11] = [
     -0.044_618_518_068_870_63,
     0.022_496_557_967_333_71,
     -0.007_304_087_810_824_867,
-    0.001_112_075_934_014_951_2, // the last, and the smallest
+    0.001_112_075_934_014_951_2, // the last and smallest
 ];
 
-/// The angles between the x axis and (x, y) for each of some x and one y ≥ 0, in [0, π], to 3.4e-10; π/2 for (0, 0).
+/// The angles between the x axis and (x, y) for several x and one y ≥ 0, in [0, π], to 3.4e-10; π/2 for (0,
+/// 0).
 ///
-/// Step by step for all of them, so that the compiler can take them side by side.
+/// Each step is done for all of them, so that the compiler can vectorise it.
 #[inline(always)]
 pub(super) fn angles_of<const N: usize>(x: [f64; N], y: f64) -> [f64; N] {
     let of = |f: &dyn Fn(usize) -> f64| -> [f64; N] { std::array::from_fn(f) };
     let width = x.map(f64::abs);
     let long = of(&|k| if y > width[k] { y } else { width[k] });
     let short = of(&|k| if y > width[k] { width[k] } else { y });
-    // The smallest normal number changes none that a square can be taken of.
+    // Adding the smallest normal number changes no number whose square does not underflow.
     let r = of(&|k| short[k] / (long[k] + f64::MIN_POSITIVE));
     let q = of(&|k| r[k] * r[k]);
     let q2 = of(&|k| q[k] * q[k]);
@@ -34,12 +35,12 @@ pub(super) fn angles_of<const N: usize>(x: [f64; N], y: f64) -> [f64; N] {
     let pair = |k: usize, i: usize| ATAN[i] + q[k] * ATAN[i + 1];
     let low = of(&|k| (pair(k, 0) + q2[k] * pair(k, 2)) + q4[k] * (pair(k, 4) + q2[k] * pair(k, 6)));
     let steep = of(&|k| r[k] * (low[k] + (q4[k] * q4[k]) * (pair(k, 8) + q2[k] * ATAN[10])));
-    // Past 45° and past 90° the angle is mirrored; written with signs, since neither can be foreseen.
+    // Past 45° and past 90° the angle is mirrored; written with signs, since branches would be unpredictable.
     let upright = of(&|k| FRAC_PI_4 + (FRAC_PI_4 - steep[k]).copysign(y - width[k]));
     of(&|k| FRAC_PI_2 - (FRAC_PI_2 - upright[k]).copysign(x[k]))
 }
 
-/// The same for one.
+/// The same for one angle.
 #[inline]
 pub(super) fn angle_of(x: f64, y: f64) -> f64 {
     let [angle] = angles_of([x], y);
@@ -61,7 +62,7 @@ mod tests {
         }
         assert!(worst < 3.4e-10, "{worst:e}");
         for tiny in [1e-3, 1e-9, 1e-15] {
-            // Mirroring it forth and back costs roundings of a quarter turn.
+            // Mirroring it back and forth costs roundings of a quarter turn.
             let off = (angle_of(1.0, tiny) - libm::atan2(tiny, 1.0)).abs();
             assert!(off < 3.4e-10 * tiny + 4.0 * f64::EPSILON, "{tiny:e}");
         }

@@ -7,18 +7,18 @@ const LEAF: usize = 8;
 const NONE: u32 = u32::MAX;
 
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct BlockerNode {
     min: [f64; 2],
     max: [f64; 2],
     alive: u32,
 }
 
-/// A balanced tree over the corners that were reflex or straight at the start. Its shape never changes; corners
-/// only leave it.
+/// A balanced tree over the corners that were reflex or straight at the start. Its shape never changes;
+/// corners only leave it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Blockers {
     items: Vec<u32>,
-    nodes: Vec<Node>,
+    nodes: Vec<BlockerNode>,
     /// For every corner of the polygon its leaf, or `NONE`.
     leaf_of: Vec<u32>,
     stack: Vec<(u32, u32, u32)>,
@@ -33,7 +33,7 @@ impl Blockers {
         self.leaf_of.resize(points.len(), NONE);
         let leaves = self.items.len().div_ceil(LEAF).next_power_of_two();
         self.nodes.clear();
-        self.nodes.resize(2 * leaves - 1, Node { min: [0.0; 2], max: [0.0; 2], alive: 0 });
+        self.nodes.resize(2 * leaves - 1, BlockerNode { min: [0.0; 2], max: [0.0; 2], alive: 0 });
         self.fill(points, 0, 0, self.items.len());
     }
 
@@ -48,7 +48,7 @@ impl Blockers {
                 max[k] = if p[k] > max[k] { p[k] } else { max[k] };
             }
         }
-        self.nodes[node] = Node { min, max, alive: items.len() as u32 };
+        self.nodes[node] = BlockerNode { min, max, alive: items.len() as u32 };
         if is_leaf {
             items.iter().for_each(|item| self.leaf_of[*item as usize] = node as u32);
             return;
@@ -83,8 +83,8 @@ impl Blockers {
         }
     }
 
-    /// Whether `blocks` holds for any corner that is still in and may lie in the closed triangle; `work` counts
-    /// down with every step, and at zero the answer is no.
+    /// Whether `blocks` holds for any corner that is still in and may lie in the closed triangle; `work`
+    /// counts down with every step, and at zero the answer is no.
     pub(super) fn any(
         &mut self,
         points: &[[f64; 2]],
@@ -100,7 +100,7 @@ impl Blockers {
                 return false;
             }
             *work -= 1;
-            let Node { min, max, alive } = self.nodes[node as usize];
+            let BlockerNode { min, max, alive } = self.nodes[node as usize];
             if alive == 0 || apart([min, max], bounds) || beside([min, max], triangle) {
                 continue;
             }

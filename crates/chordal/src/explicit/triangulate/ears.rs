@@ -1,43 +1,44 @@
-//! `Ears`: cuts the ears off one flat polygon until a triangle is left.
+//! `EarClipper`: cuts the ears off one flat polygon until a triangle is left.
 use super::blockers::Blockers;
 use super::turn;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
 /// Steps a corner may cost in the search for blocked ears. Outlines from the field take 20 to 60; at 1,024 a
-/// hostile polygon still costs only some microseconds a corner. Beyond, ears are cut unseen and the folds counted.
+/// hostile polygon still costs only some microseconds a corner. Beyond, ears are cut unseen and the folds
+/// counted.
 const WORK_PER_CORNER: u64 = 1024;
 
 /// Which ears may be cut.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Rule {
+enum EarRule {
     /// No corner in the closed ear, those that coincide with its ends excepted.
     Strict,
     /// No corner in the open ear: for polygons that touch themselves.
     Touching,
 }
 
-/// A corner with the number of times that its neighbours had changed when it was queued; a newer number makes the
-/// entry stale.
+/// A corner with the number of times that its neighbours had changed when it was queued; a newer number makes
+/// the entry stale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Entry {
+struct QueuedEar {
     corner: u32,
     version: u32,
 }
 
 /// The remaining ring of corners, and what waits to be looked at.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Ears {
+pub(super) struct EarClipper {
     prev: Vec<u32>,
     next: Vec<u32>,
     version: Vec<u32>,
-    /// Where the outline turns back on itself. These go first: while they stand, the corners at their foot look
-    /// like ears and are none.
-    spikes: Vec<Entry>,
-    strict: VecDeque<Entry>,
-    touching: VecDeque<Entry>,
+    /// Where the outline turns back on itself. These go first: while they stand, the corners at their foot
+    /// look like ears and are none.
+    spikes: Vec<QueuedEar>,
+    strict: VecDeque<QueuedEar>,
+    touching: VecDeque<QueuedEar>,
     /// By area, smallest first: what is cut when nothing is an ear.
-    forced: BinaryHeap<Reverse<(u64, Entry)>>,
+    forced: BinaryHeap<Reverse<(u64, QueuedEar)>>,
     stuck: bool,
     /// A corner of the ring.
     anchor: u32,
@@ -45,8 +46,9 @@ pub(super) struct Ears {
     work: u64,
 }
 
-impl Ears {
-    /// Appends the n − 2 triangles of the counter-clockwise polygon and returns how many of them lie face down.
+impl EarClipper {
+    /// Appends the n − 2 triangles of the counter-clockwise polygon and returns how many of them lie face
+    /// down.
     pub(super) fn cut(&mut self, points: &[[f64; 2]], out: &mut Vec<[u32; 3]>) -> usize {
         self.start(points);
         let (mut left, mut folded) = (points.len(), 0);
@@ -80,7 +82,7 @@ impl Ears {
         self.forced.clear();
         self.strict.clear();
         self.spikes.clear();
-        self.strict.extend((0..n).map(|corner| Entry { corner, version: 0 }));
+        self.strict.extend((0..n).map(|corner| QueuedEar { corner, version: 0 }));
         let mut blockers = std::mem::take(&mut self.blockers);
         let mut spikes = std::mem::take(&mut self.spikes);
         blockers.build(
@@ -88,7 +90,7 @@ impl Ears {
             (0..n).filter(|corner| {
                 let turn = self.turn_at(points, *corner);
                 if turn == 0.0 && self.is_spike(points, *corner) {
-                    spikes.push(Entry { corner: *corner, version: 0 });
+                    spikes.push(QueuedEar { corner: *corner, version: 0 });
                 }
                 turn <= 0.0
             }),
@@ -109,7 +111,8 @@ impl Ears {
         (0..2).any(|k| (b[k] >= a[k] && c[k] < b[k]) || (b[k] <= a[k] && c[k] > b[k])) || a == b || b == c
     }
 
-    /// The next corner to cut: a spike, an ear, else one that only touches, else the smallest that is not face down.
+    /// The next corner to cut: a spike, an ear, else one that only touches, else the smallest that is not
+    /// face down.
     fn pop(&mut self, points: &[[f64; 2]]) -> u32 {
         while let Some(entry) = self.spikes.pop() {
             if self.is_current(entry) {
@@ -117,7 +120,7 @@ impl Ears {
             }
         }
         while let Some(entry) = self.strict.pop_front() {
-            if self.is_current(entry) && self.is_ear(points, entry.corner, Rule::Strict) {
+            if self.is_current(entry) && self.is_ear(points, entry.corner, EarRule::Strict) {
                 return entry.corner;
             }
         }
@@ -128,7 +131,7 @@ impl Ears {
             }
         }
         while let Some(entry) = self.touching.pop_front() {
-            if self.is_current(entry) && self.is_ear(points, entry.corner, Rule::Touching) {
+            if self.is_current(entry) && self.is_ear(points, entry.corner, EarRule::Touching) {
                 return entry.corner;
             }
         }
@@ -141,7 +144,7 @@ impl Ears {
         self.anchor
     }
 
-    fn is_current(&self, entry: Entry) -> bool {
+    fn is_current(&self, entry: QueuedEar) -> bool {
         self.version[entry.corner as usize] == entry.version
     }
 
@@ -150,7 +153,7 @@ impl Ears {
         if version == u32::MAX {
             return;
         }
-        let entry = Entry { corner, version };
+        let entry = QueuedEar { corner, version };
         let area = self.turn_at(points, corner);
         self.touching.push_back(entry);
         // Positive numbers order like their bits; those that are face down come after all others.
@@ -158,7 +161,7 @@ impl Ears {
         self.forced.push(Reverse((rank, entry)));
     }
 
-    fn is_ear(&mut self, points: &[[f64; 2]], corner: u32, rule: Rule) -> bool {
+    fn is_ear(&mut self, points: &[[f64; 2]], corner: u32, rule: EarRule) -> bool {
         let at = |i: u32| points[i as usize];
         let (ia, ic) = (self.prev[corner as usize], self.next[corner as usize]);
         let [a, b, c] = [at(ia), at(corner), at(ic)];
@@ -175,11 +178,11 @@ impl Ears {
             if sides.iter().any(|s| *s < 0.0) {
                 return false;
             }
-            if rule == Rule::Strict && p != a && p != b && p != c {
+            if rule == EarRule::Strict && p != a && p != b && p != c {
                 return true;
             }
-            // On the border of the ear it blocks if one of its own edges runs into the ear. Inside there is no
-            // side to test, and it always blocks.
+            // On the border of the ear it blocks if one of its own edges runs into the ear. Inside there is
+            // no side to test, and it always blocks.
             let enters =
                 |q: [f64; 2]| (0..3).all(|k| sides[k] > 0.0 || turn([a, b, c][k], [b, c, a][k], q) > 0.0);
             enters(at(prev[i as usize])) || enters(at(next[i as usize]))
@@ -201,7 +204,7 @@ impl Ears {
             if turn > 0.0 {
                 self.blockers.remove(corner);
             }
-            let entry = Entry { corner, version: self.version[corner as usize] };
+            let entry = QueuedEar { corner, version: self.version[corner as usize] };
             if turn == 0.0 && self.is_spike(points, corner) {
                 self.spikes.push(entry);
             }

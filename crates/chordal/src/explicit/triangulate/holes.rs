@@ -1,10 +1,10 @@
 //! Polygons with holes into triangles: exact decisions, a check, and a word on every repair.
 use super::{along_axis, along_normal, newell, scale_of, seen_axes};
 use crate::budget::Job;
-use crate::explicit::fill::arrange::{Contour, Stop, arrange};
-use crate::explicit::fill::grid::Grid;
-use crate::explicit::fill::sweep::{Edge, Rule, Site, sweep};
-use crate::explicit::fill::{Filled, fill};
+use crate::explicit::fill::arrange::{ArrangeError, GridContour, arrange};
+use crate::explicit::fill::snap_grid::SnapGrid;
+use crate::explicit::fill::sweep::{InsideRule, SweepEdge, SweepPoint, sweep};
+use crate::explicit::fill::{FillTriangles, fill};
 use crate::math::{Orientation, difference, dot, length, orient2d};
 use std::borrow::Cow;
 use std::cmp::Ordering;
@@ -12,49 +12,50 @@ use std::fmt;
 
 /// The triangles of a polygon with holes.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Cut<P> {
-    /// Counter-clockwise as the outer contour's normal sees them. Indices of corners: those of the outer contour first,
-    /// then those of the holes one after the other, then `added`.
+pub struct PolygonTriangles<P> {
+    /// Counter-clockwise as the outer contour's normal sees them. Indices of corners: those of the outer
+    /// contour first, then those of the holes one after the other, then `added`.
     pub triangles: Vec<[u32; 3]>,
     /// Points that no contour has: where sides cross.
     pub added: Vec<P>,
     /// What had to be done to the contours; nothing for simple ones that keep apart.
-    pub repairs: Vec<Repair>,
-    /// How far corners are from the plane that was fitted to the outer contour, at most, rounded; 0 in the plane.
+    pub repairs: Vec<ContourRepair>,
+    /// How far corners are from the plane that was fitted to the outer contour, at most, rounded; 0 in the
+    /// plane.
     pub warp: f64,
 }
 
-impl<P> Cut<P> {
-    /// Whether the contours were simple, apart, and the holes inside. Then there are n + 2h − 2 triangles, all with area,
-    /// that cover what the contours enclose once.
+impl<P> PolygonTriangles<P> {
+    /// Whether the contours were simple, apart, and the holes inside. Then there are n + 2h − 2 triangles,
+    /// all with area, that cover what the contours enclose once.
     #[must_use]
     pub fn is_clean(&self) -> bool {
         self.repairs.is_empty()
     }
 }
 
-/// What was wrong with contours, and was done about it. All but the last keep every corner where it is, and all but the
-/// last three keep the area: that of the outer contour less those of the holes.
+/// What was wrong with contours, and was done about it. All but the last keep every corner where it is, and
+/// all but the last three keep the area: that of the outer contour less those of the holes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Repair {
+pub enum ContourRepair {
     /// So many contours have fewer than three different corners. They enclose nothing and were left out.
     Empty(usize),
-    /// So many corners have the position of an earlier one, which stands for them; those that only close their contour
-    /// are not counted.
+    /// So many corners have the position of an earlier one, which stands for them; those that only close
+    /// their contour are not counted.
     Repeated(usize),
     /// At so many points contours touch themselves or each other. Sides were cut there.
     Touching(usize),
-    /// So many sides, or parts, lie on others: spikes, and contours that share sides. They count as one, or as none where
-    /// they run against each other. What a contour runs around twice counts once.
+    /// So many sides, or parts, lie on others: spikes, and contours that share sides. They count as one, or
+    /// as none where they run against each other. What a contour runs around twice counts once.
     Overlapping(usize),
-    /// So many sides, or parts, do not part inside from outside: those of holes outside or in another hole, and those that
-    /// a hole shares with what is around it. They were left out.
+    /// So many sides, or parts, do not part inside from outside: those of holes outside or in another hole,
+    /// and those that a hole shares with what is around it. They were left out.
     Outside(usize),
-    /// So many sides, or parts, run backwards around what they enclose: a contour crosses itself at a corner. What they
-    /// enclose counts as well.
+    /// So many sides, or parts, run backwards around what they enclose: a contour crosses itself at a corner.
+    /// What they enclose counts as well.
     Backwards(usize),
-    /// Sides cross. They were led through the crossings, rounded to a grid of 2⁻³⁶ of the polygon's size, and what contours
-    /// wind around less what holes wind around was filled.
+    /// Sides cross. They were led through the crossings, rounded to a grid of 2⁻³⁶ of the polygon's size, and
+    /// what contours wind around less what holes wind around was filled.
     Crossing {
         /// How far a side may have moved.
         moved_at_most: f64,
@@ -104,10 +105,10 @@ impl std::error::Error for InvalidPolygon {}
 const MOST: usize = 1 << 30;
 
 /// A corner in the plane (`[f64; 2]`) or in space (`[f64; 3]`).
-pub trait Corner: Copy + sealed::Flatten {}
+pub trait ContourCorner: Copy + sealed::Flatten {}
 
-impl Corner for [f64; 2] {}
-impl Corner for [f64; 3] {}
+impl ContourCorner for [f64; 2] {}
+impl ContourCorner for [f64; 3] {}
 
 mod sealed {
     use std::borrow::Cow;
@@ -121,9 +122,9 @@ mod sealed {
         /// Of all corners, `outer` of which belong to the outer contour.
         fn frame(all: &[Self], outer: usize) -> Self::Frame;
         /// All corners as seen without changing a coordinate, but for a power of two.
-        fn exactly<'a>(all: &'a [Self], frame: &Self::Frame) -> Cow<'a, [[f64; 2]]>;
+        fn along_axis<'a>(all: &'a [Self], frame: &Self::Frame) -> Cow<'a, [[f64; 2]]>;
         /// As seen from straight above, where that is something else.
-        fn from_above(all: &[Self], frame: &Self::Frame) -> Option<Vec<[f64; 2]>>;
+        fn along_normal(all: &[Self], frame: &Self::Frame) -> Option<Vec<[f64; 2]>>;
         /// The point of the polygon's plane that is seen exactly at `p`.
         fn lift(p: [f64; 2], frame: &Self::Frame) -> Self;
         /// The power of two, and how far corners are from the plane.
@@ -140,11 +141,11 @@ impl sealed::Flatten for [f64; 2] {
 
     fn frame(_: &[Self], _: usize) {}
 
-    fn exactly<'a>(all: &'a [Self], (): &()) -> Cow<'a, [[f64; 2]]> {
+    fn along_axis<'a>(all: &'a [Self], (): &()) -> Cow<'a, [[f64; 2]]> {
         Cow::Borrowed(all)
     }
 
-    fn from_above(_: &[Self], (): &()) -> Option<Vec<[f64; 2]>> {
+    fn along_normal(_: &[Self], (): &()) -> Option<Vec<[f64; 2]>> {
         None
     }
 
@@ -158,45 +159,45 @@ impl sealed::Flatten for [f64; 2] {
 }
 
 impl sealed::Flatten for [f64; 3] {
-    type Frame = Plane;
+    type Frame = FittedPlane;
 
     fn is_finite(&self) -> bool {
         self.iter().all(|x| x.is_finite())
     }
 
-    fn frame(all: &[Self], outer: usize) -> Plane {
+    fn frame(all: &[Self], outer: usize) -> FittedPlane {
         let scale = scale_of(all);
         let newell = newell(&all[..outer], scale);
-        let mut plane = Plane::of(&all[..outer], scale, newell);
+        let mut plane = FittedPlane::fit(&all[..outer], scale, newell);
         plane.axes = seen_axes(all, newell);
         let warp = all.iter().map(|p| plane.height(p.map(|x| x * scale)).abs());
         plane.warp = warp.fold(0.0, |most, h| if h > most { h } else { most }) / scale;
         plane
     }
 
-    fn exactly<'a>(all: &'a [Self], plane: &Plane) -> Cow<'a, [[f64; 2]]> {
+    fn along_axis<'a>(all: &'a [Self], plane: &FittedPlane) -> Cow<'a, [[f64; 2]]> {
         let mut flat = Vec::with_capacity(all.len());
         along_axis(all, plane.scale, plane.newell, &mut flat);
         Cow::Owned(flat)
     }
 
-    fn from_above(all: &[Self], plane: &Plane) -> Option<Vec<[f64; 2]>> {
+    fn along_normal(all: &[Self], plane: &FittedPlane) -> Option<Vec<[f64; 2]>> {
         let mut flat = Vec::with_capacity(all.len());
         along_normal(all, plane.scale, plane.newell, &mut flat).then_some(flat)
     }
 
-    fn lift(p: [f64; 2], plane: &Plane) -> Self {
+    fn lift(p: [f64; 2], plane: &FittedPlane) -> Self {
         plane.lift(p).map(|x| x / plane.scale)
     }
 
-    fn scale_and_warp(plane: &Plane) -> [f64; 2] {
+    fn scale_and_warp(plane: &FittedPlane) -> [f64; 2] {
         [plane.scale, plane.warp]
     }
 }
 
 /// The plane through the middle of an outer contour, in scaled coordinates.
 #[derive(Clone, Copy)]
-pub struct Plane {
+pub struct FittedPlane {
     scale: f64,
     /// Twice the vector area of the outer contour.
     newell: [f64; 3],
@@ -209,8 +210,8 @@ pub struct Plane {
     warp: f64,
 }
 
-impl Plane {
-    fn of(points: &[[f64; 3]], scale: f64, newell: [f64; 3]) -> Self {
+impl FittedPlane {
+    fn fit(points: &[[f64; 3]], scale: f64, newell: [f64; 3]) -> Self {
         let n = points.len() as f64;
         let mut middle = [0.0; 3];
         points.iter().for_each(|p| (0..3).for_each(|k| middle[k] += p[k] * scale / n));
@@ -240,10 +241,11 @@ impl Plane {
     }
 }
 
-impl Site for [f64; 2] {
+impl SweepPoint for [f64; 2] {
     #[inline]
     fn turn(a: Self, b: Self, c: Self) -> Ordering {
-        // Shewchuk's first filter with 4·2⁻⁵³ for his (3 + 16·2⁻⁵³)·2⁻⁵³. Above 2⁻⁹⁰⁰ what underflows is below that.
+        // Shewchuk's first filter with 4·2⁻⁵³ for his (3 + 16·2⁻⁵³)·2⁻⁵³. Above 2⁻⁹⁰⁰ what underflows is
+        // below that.
         const SHARE: f64 = 2.0 * f64::EPSILON;
         const LEAST: f64 = f64::from_bits((1023 - 900) << 52);
         let (left, right) = ((a[0] - c[0]) * (b[1] - c[1]), (a[1] - c[1]) * (b[0] - c[0]));
@@ -259,25 +261,29 @@ impl Site for [f64; 2] {
     }
 }
 
-/// The triangles of a polygon with holes, in the plane or in space, however its contours run and whatever they do.
+/// The triangles of a polygon with holes, in the plane or in space, however its contours run and whatever
+/// they do.
 ///
-/// Every decision is exact. Contours that are simple, apart and properly nested give n + 2h − 2 triangles on their n
-/// corners, that cover what lies inside `outer` and outside all `holes` once: the sweep proves that no two sides cross,
-/// every triangle has area and is counter-clockwise, and their number and the sum of their areas are checked. Anything
-/// else still gives triangles that cover, once, what the contours enclose, and is told in [`Cut::repairs`].
+/// Every decision is exact. Contours that are simple, apart and properly nested give n + 2h − 2 triangles on
+/// their n corners, that cover what lies inside `outer` and outside all `holes` once: the sweep proves that
+/// no two sides cross, every triangle has area and is counter-clockwise, and their number and the sum of
+/// their areas are checked. Anything else still gives triangles that cover, once, what the contours enclose,
+/// and is told in [`PolygonTriangles::repairs`].
 ///
-/// A polygon in space is seen along the largest axis of its normal, which changes no coordinate; where its sides cross in
-/// that view, also along its normal (rounded). [`Cut::warp`] says how far it is from flat.
+/// A polygon in space is seen along the largest axis of its normal, which changes no coordinate; where its
+/// sides cross in that view, also along its normal (rounded). [`PolygonTriangles::warp`] says how far it is
+/// from flat.
 ///
-/// `outer` and `holes`: corners in order, in either direction, the last one joined to the first. A contour may also end
-/// with its first corner once more, as some files have it; n does not count that one, and no triangle has it. Time O(n log n) and about
-/// 0.5 µs a corner as long as nothing crosses, O((n + k) log n) for k crossings; memory about 150 bytes a corner.
+/// `outer` and `holes`: corners in order, in either direction, the last one joined to the first. A contour
+/// may also end with its first corner once more, as some files have it; n does not count that one, and no
+/// triangle has it. Time O(n log n) and about 0.5 µs a corner as long as nothing crosses, O((n + k) log n)
+/// for k crossings; memory about 150 bytes a corner.
 ///
 /// # Errors
 /// [`InvalidPolygon`]: a coordinate that is not finite, more than 2³⁰ corners, too many crossings to count.
 ///
 /// ```
-/// use chordal::explicit::triangulate::{Repair, polygon_with_holes};
+/// use chordal::explicit::triangulate::{ContourRepair, polygon_with_holes};
 ///
 /// let outer = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
 /// let hole = [[1.0, 1.0], [2.0, 1.0], [2.0, 2.0], [1.0, 2.0]];
@@ -287,16 +293,17 @@ impl Site for [f64; 2] {
 /// let bow_tie = [[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]];
 /// let cut = polygon_with_holes(&bow_tie, &[[[0.0; 2]; 0]; 0])?;
 /// assert_eq!((cut.triangles.len(), &cut.added[..]), (2, &[[1.0, 1.0]][..]));
-/// assert!(matches!(cut.repairs[..], [Repair::Crossing { folded: 0, .. }]));
+/// assert!(matches!(cut.repairs[..], [ContourRepair::Crossing { folded: 0, .. }]));
 /// # Ok::<(), chordal::explicit::triangulate::InvalidPolygon>(())
 /// ```
 ///
-/// Sources: S. Hertel, K. Mehlhorn, *Fast triangulation of simple polygons*, 1983; M. Shamos, D. Hoey, *Geometric
-/// intersection problems*, 1976; J. D. Hobby, *Practical segment intersection with finite precision output*, 1999.
-pub fn polygon_with_holes<P: Corner, H: AsRef<[P]>>(
+/// Sources: S. Hertel, K. Mehlhorn, *Fast triangulation of simple polygons*, 1983; M. Shamos, D. Hoey,
+/// *Geometric intersection problems*, 1976; J. D. Hobby, *Practical segment intersection with finite
+/// precision output*, 1999.
+pub fn polygon_with_holes<P: ContourCorner, H: AsRef<[P]>>(
     outer: &[P],
     holes: &[H],
-) -> Result<Cut<P>, InvalidPolygon> {
+) -> Result<PolygonTriangles<P>, InvalidPolygon> {
     let mut all = outer.to_vec();
     let mut ends = vec![outer.len()];
     for hole in holes {
@@ -313,31 +320,31 @@ pub fn polygon_with_holes<P: Corner, H: AsRef<[P]>>(
     }
     let frame = P::frame(&all, outer.len());
     let [scale, warp] = P::scale_and_warp(&frame);
-    let done = |flat: Flat| Cut {
+    let done = |flat: PlaneTriangles| PolygonTriangles {
         triangles: flat.triangles,
         added: flat.added.into_iter().map(|p| P::lift(p, &frame)).collect(),
         repairs: flat.repairs,
         warp,
     };
-    let seen = P::exactly(&all, &frame);
-    if let Some(flat) = within(&seen, &ends)? {
+    let seen = P::along_axis(&all, &frame);
+    if let Some(flat) = triangulate_exactly(&seen, &ends)? {
         return Ok(done(flat));
     }
     // A bent polygon may cross itself in one view and not in the other.
-    if let Some(above) = P::from_above(&all, &frame)
-        && let Some(flat) = within(&above, &ends)?
+    if let Some(above) = P::along_normal(&all, &frame)
+        && let Some(flat) = triangulate_exactly(&above, &ends)?
     {
         return Ok(done(flat));
     }
-    across(&seen, &ends, scale).map(done)
+    triangulate_snapped(&seen, &ends, scale).map(done)
 }
 
 /// What is found in the plane.
 #[derive(Default)]
-struct Flat {
+struct PlaneTriangles {
     triangles: Vec<[u32; 3]>,
     added: Vec<[f64; 2]>,
-    repairs: Vec<Repair>,
+    repairs: Vec<ContourRepair>,
 }
 
 /// The contour that ends at place `k` of the list of ends.
@@ -346,7 +353,7 @@ fn contour(ends: &[usize], k: usize) -> std::ops::Range<usize> {
 }
 
 /// Corners that differ, in the order of the sweep.
-struct Sites {
+struct SortedCorners {
     points: Vec<[f64; 2]>,
     /// The first corner at each of them.
     corner: Vec<u32>,
@@ -354,8 +361,8 @@ struct Sites {
     rank: Vec<u32>,
 }
 
-impl Sites {
-    fn of(corners: &[[f64; 2]]) -> Self {
+impl SortedCorners {
+    fn new(corners: &[[f64; 2]]) -> Self {
         // Bits that order like the numbers do; 0 and −0 are one number.
         let key = |x: f64| {
             let bits = (x + 0.0).to_bits();
@@ -382,7 +389,7 @@ impl Sites {
     }
 
     /// The sides of all contours; those of no length are left out.
-    fn edges(&self, ends: &[usize], turned: &[bool]) -> Vec<Edge> {
+    fn edges(&self, ends: &[usize], turned: &[bool]) -> Vec<SweepEdge> {
         let mut edges = Vec::with_capacity(self.rank.len());
         for (k, &turned) in turned.iter().enumerate() {
             let ranks = &self.rank[contour(ends, k)];
@@ -393,7 +400,7 @@ impl Sites {
                     let mut winding = [0; 2];
                     winding[usize::from(k > 0)] = if forwards { 1 } else { -1 };
                     let (from, to) = if before < rank { (before, rank) } else { (rank, before) };
-                    edges.push(Edge { from, to, winding });
+                    edges.push(SweepEdge { from, to, winding });
                 }
                 before = rank;
             }
@@ -422,8 +429,8 @@ impl Sites {
     }
 }
 
-/// Whether each contour runs clockwise: by its area, and where that may be all rounding, by its turn at the leftmost
-/// corner, which is right for simple contours.
+/// Whether each contour runs clockwise: by its area, and where that may be all rounding, by its turn at the
+/// leftmost corner, which is right for simple contours.
 fn clockwise(corners: &[[f64; 2]], ends: &[usize]) -> Vec<bool> {
     let scale = super::unit_scale(corners);
     let of = |k: usize| {
@@ -460,19 +467,22 @@ fn turns_right(points: &[[f64; 2]]) -> bool {
 }
 
 /// The triangles on the corners themselves; `None` when sides cross.
-fn within(corners: &[[f64; 2]], ends: &[usize]) -> Result<Option<Flat>, InvalidPolygon> {
-    let sites = Sites::of(corners);
+fn triangulate_exactly(
+    corners: &[[f64; 2]],
+    ends: &[usize],
+) -> Result<Option<PlaneTriangles>, InvalidPolygon> {
+    let sites = SortedCorners::new(corners);
     let edges = sites.edges(ends, &clockwise(corners, ends));
-    let Ok(swept) = sweep(&sites.points, edges, Rule::LessHoles) else { return Ok(None) };
+    let Ok(swept) = sweep(&sites.points, edges, InsideRule::LessHoles) else { return Ok(None) };
     let n_corners = corners.len() - sites.n_closing(ends);
-    let n = |count: usize, repair: fn(usize) -> Repair| (count > 0).then(|| repair(count));
-    let repairs: Vec<Repair> = [
-        n(sites.n_empty(ends), Repair::Empty),
-        n(n_corners - sites.points.len(), Repair::Repeated),
-        n(swept.touching, Repair::Touching),
-        n(swept.overlapping, Repair::Overlapping),
-        n(swept.useless, Repair::Outside),
-        n(swept.backwards, Repair::Backwards),
+    let n = |count: usize, repair: fn(usize) -> ContourRepair| (count > 0).then(|| repair(count));
+    let repairs: Vec<ContourRepair> = [
+        n(sites.n_empty(ends), ContourRepair::Empty),
+        n(n_corners - sites.points.len(), ContourRepair::Repeated),
+        n(swept.touching, ContourRepair::Touching),
+        n(swept.overlapping, ContourRepair::Overlapping),
+        n(swept.useless, ContourRepair::Outside),
+        n(swept.backwards, ContourRepair::Backwards),
     ]
     .into_iter()
     .flatten()
@@ -485,11 +495,11 @@ fn within(corners: &[[f64; 2]], ends: &[usize]) -> Result<Option<Flat>, InvalidP
     }
     let named = |t: [u32; 3]| t.map(|site| sites.corner[site as usize]);
     let triangles = swept.triangles.into_iter().map(named).collect();
-    Ok(Some(Flat { triangles, added: Vec::new(), repairs }))
+    Ok(Some(PlaneTriangles { triangles, added: Vec::new(), repairs }))
 }
 
 /// Whether the areas of the triangles add up to what the border encloses, but for rounding.
-fn areas_agree(points: &[[f64; 2]], triangles: &[[u32; 3]], border: &[Edge]) -> bool {
+fn areas_agree(points: &[[f64; 2]], triangles: &[[u32; 3]], border: &[SweepEdge]) -> bool {
     let Some(origin) = border.first().map(|edge| points[edge.from as usize]) else {
         return triangles.is_empty();
     };
@@ -511,14 +521,19 @@ fn areas_agree(points: &[[f64; 2]], triangles: &[[u32; 3]], border: &[Edge]) -> 
         covered += s - t;
         size += s.abs() + t.abs();
     }
-    // Five roundings a term, and one a sum; sums of n terms lose at most n units of 2⁻⁵³ of the sum of their sizes.
+    // Five roundings a term, and one a sum; sums of n terms lose at most n units of 2⁻⁵³ of the sum of their
+    // sizes.
     let n = (border.len() + triangles.len() + 8) as f64;
     // Areas beyond the range of f64 are not compared.
     !size.is_finite() || (inside - covered).abs() <= n * f64::EPSILON * size + f64::MIN_POSITIVE
 }
 
 /// The triangles on a grid through all crossings.
-fn across(corners: &[[f64; 2]], ends: &[usize], scale: f64) -> Result<Flat, InvalidPolygon> {
+fn triangulate_snapped(
+    corners: &[[f64; 2]],
+    ends: &[usize],
+    scale: f64,
+) -> Result<PlaneTriangles, InvalidPolygon> {
     // The grid takes numbers up to 1e150.
     let shrink = super::unit_scale(corners);
     let small: Vec<[f64; 2]> = corners.iter().map(|p| p.map(|x| x * shrink)).collect();
@@ -526,22 +541,23 @@ fn across(corners: &[[f64; 2]], ends: &[usize], scale: f64) -> Result<Flat, Inva
     let more = |a: f64, b: f64| if a > b { a } else { b };
     let low = small.iter().fold([f64::INFINITY; 2], |m, p| [less(m[0], p[0]), less(m[1], p[1])]);
     let high = small.iter().fold([f64::NEG_INFINITY; 2], |m, p| [more(m[0], p[0]), more(m[1], p[1])]);
-    let grid = Grid::new([low, high]);
+    let grid = SnapGrid::new([low, high]);
     let snapped: Vec<_> = small.iter().map(|p| grid.snap(*p)).collect();
     let turned = clockwise(&small, ends);
-    let contours: Vec<Contour> = (0..ends.len())
+    let contours: Vec<GridContour> = (0..ends.len())
         .map(|k| {
             let mut points = snapped[contour(ends, k)].to_vec();
             if turned[k] {
                 points.reverse();
             }
-            Contour { points, kind: usize::from(k > 0) }
+            GridContour { points, kind: usize::from(k > 0) }
         })
         .collect();
     let edges = arrange(&contours, &Job::default()).map_err(|stop| match stop {
-        Stop::TooManyPairs | Stop::Cancelled => InvalidPolygon::TooManyCrossings,
+        ArrangeError::TooManyPairs | ArrangeError::Cancelled => InvalidPolygon::TooManyCrossings,
     })?;
-    let Filled { points, triangles } = fill(&edges, Rule::LessHoles).ok_or(InvalidPolygon::Fault)?;
+    let FillTriangles { points, triangles } =
+        fill(&edges, InsideRule::LessHoles).ok_or(InvalidPolygon::Fault)?;
     // Points of the grid where corners lie are the first of these, all others are new.
     let mut known: Vec<_> = snapped.iter().copied().zip(0_u32..).collect();
     known.sort_unstable();
@@ -566,5 +582,5 @@ fn across(corners: &[[f64; 2]], ends: &[usize], scale: f64) -> Result<Flat, Inva
     };
     let folded = triangles.iter().filter(is_folded).count();
     let moved_at_most = grid.moved_at_most() / shrink / scale;
-    Ok(Flat { triangles, added, repairs: vec![Repair::Crossing { moved_at_most, folded }] })
+    Ok(PlaneTriangles { triangles, added, repairs: vec![ContourRepair::Crossing { moved_at_most, folded }] })
 }

@@ -1,8 +1,8 @@
 //! Unions, intersections and differences with rounded seams.
+use super::distribute_blend::distribute_blend;
 use super::grown;
-use super::pieces::blended;
 use crate::implicit::shapes::{InvalidShape, positive};
-use crate::implicit::{Distance, Expr, Field, Quality};
+use crate::implicit::{Distance, DistanceQuality, Expr, Field};
 
 const BLEND: &str = "a blend";
 
@@ -11,8 +11,8 @@ impl Field {
     /// holds both shapes, reaches at most a quarter of `radius` further, and is their union where they are
     /// `radius` apart.
     ///
-    /// The value is a bound: the gradient is a weighted mean of both gradients. That needs both to be distances or
-    /// bounds outside.
+    /// The value is a bound: the gradient is a weighted mean of both gradients. That needs both to be
+    /// distances or bounds outside.
     ///
     /// # Errors
     /// When the radius is not a finite number above 0, or a field has only a sign outside.
@@ -20,31 +20,32 @@ impl Field {
     /// Source: I. Quilez, *Smooth minimum*; the sign is derived here.
     pub fn smooth_union(&self, other: &Self, radius: f64) -> Result<Self, InvalidShape> {
         let radius = positive("a blend's radius", radius)?;
-        let [first, second] = [self, other].map(|field| field.held(BLEND));
+        let [first, second] = [self, other].map(|field| field.with_box_bound(BLEND));
         let (first, second) = (first?, second?);
         let (a, b) = (first.expr(), second.expr());
         let value = a.smooth_min(b, radius);
         let inside = self.distance().union(other.distance()).inside;
         let bounds = first.bounds().union(second.bounds());
-        let blend = Self::of_parts(value, &[&first, &second]);
-        // Where a and b are `radius` apart the blend is one of them, with its kinks on the surface. Where these are
-        // creases, there are signs without them, and the blend's own surface is kept away from there: by a half of
-        // what they are farther apart, with a smooth start. Its slope is below theirs, so the sum grows with both.
+        let blend = Self::from_parts(value, &[&first, &second]);
+        // Where a and b are `radius` apart the blend is one of them, with its kinks on the surface. Where
+        // these are creases, there are signs without them, and the blend's own surface is kept away from
+        // there: by a half of what they are farther apart, with a smooth start. Its slope is below theirs, so
+        // the sum grows with both.
         let start = 0.25 * radius;
         let away = |a: &Expr, b: &Expr| {
             let beyond = (a - b).abs() - (radius + start);
             a.smooth_min(b, radius) - (-beyond).smooth_min(&0.0.into(), start) * 0.5
         };
-        let own = match blended(a, b, &away) {
+        let own = match distribute_blend(a, b, &away) {
             None if self.has_creases() || other.has_creases() => Some(away(a, b)),
             pieces_or_none => pieces_or_none,
         };
         let blend = match own {
-            Some(own) => blend.of_sign(self.sign().min(other.sign()).min(&own)),
+            Some(own) => blend.replace_sign(self.sign().min(other.sign()).min(&own)),
             None => blend,
         };
         Ok(blend
-            .known_distance(Distance { outside: Quality::Bound, inside })
+            .known_distance(Distance { outside: DistanceQuality::Bound, inside })
             .known_bounds(grown(bounds, 0.25 * radius)))
     }
 
@@ -54,7 +55,11 @@ impl Field {
     /// # Errors
     /// As for [`Field::smooth_union`], with the inside.
     pub fn smooth_intersection(&self, other: &Self, radius: f64) -> Result<Self, InvalidShape> {
-        let both = self.complement().smooth_union(&other.complement(), radius).map_err(turned)?.complement();
+        let both = self
+            .complement()
+            .smooth_union(&other.complement(), radius)
+            .map_err(complement_error)?
+            .complement();
         // It only takes away.
         Ok(both.known_bounds(self.intersection(other).bounds()))
     }
@@ -69,7 +74,7 @@ impl Field {
 }
 
 /// The error of a complement.
-fn turned(error: InvalidShape) -> InvalidShape {
+fn complement_error(error: InvalidShape) -> InvalidShape {
     match error {
         InvalidShape::NeedsDistance { operation, .. } => {
             InvalidShape::NeedsDistance { operation, side: "inside" }

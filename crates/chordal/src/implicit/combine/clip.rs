@@ -4,8 +4,8 @@ use crate::implicit::{Expr, Field};
 use crate::math::Box3;
 
 impl Field {
-    /// The part of the shape within a box, closed by the sides of the box that it may reach. What is left of the value is a sign.
-    /// With a box that has no end the shape stays as it is there.
+    /// The part of the shape within a box, closed by the sides of the box that it may reach. What is left of
+    /// the value is a sign. With a box that has no end the shape stays as it is there.
     ///
     /// ```
     /// use chordal::implicit::{Expr, Field};
@@ -22,7 +22,8 @@ impl Field {
         self.within(region, 3)
     }
 
-    /// [`Field::clipped`] along x and y alone: for a shape of the plane, which stays one. Its box ends along z as the region does.
+    /// [`Field::clipped`] along x and y alone: for a shape of the plane, which stays one. Its box ends along
+    /// z as the region does.
     #[must_use]
     pub fn cropped(&self, region: Box3) -> Self {
         self.within(region, 2)
@@ -42,6 +43,6 @@ impl Field {
             }
         }
         // What the value was worth as a distance is not asked of it any more.
-        Self::of_parts(sign, &[self]).known_bounds(common(known, region))
+        Self::from_parts(sign, &[self]).known_bounds(common(known, region))
     }
 }

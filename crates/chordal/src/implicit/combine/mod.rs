@@ -1,19 +1,19 @@
 //! Shapes made of shapes: union, intersection, difference; blends; transforms; offsets; repetition.
 //!
-//! Every operation carries five things through: the value, the expression for the sign, what the value is worth as a
-//! distance, the box, and what was promised of the parts. What needs a distance refuses a field that has only a sign
-//! ([`InvalidShape::NeedsDistance`](super::shapes::InvalidShape)).
+//! Every operation carries five things through: the value, the expression for the sign, what the value is
+//! worth as a distance, the box, and what was promised of the parts. What needs a distance refuses a field
+//! that has only a sign ([`InvalidShape::NeedsDistance`](super::shapes::InvalidShape)).
 mod bend;
 mod blend;
 mod clip;
-mod lift;
+mod distribute_blend;
 mod offset;
-mod pieces;
-mod place;
 mod profile;
 mod repeat;
+mod sweep;
+mod transform;
 
-pub(super) use repeat::Pattern;
+pub(super) use repeat::PeriodicPattern;
 pub use repeat::Repeat;
 
 use super::expr::Expr;
@@ -32,23 +32,27 @@ impl Field {
     /// ```
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
-        let both = Self::of_parts(self.expr().min(other.expr()), &[self, other])
+        let both = Self::from_parts(self.expr().min(other.expr()), &[self, other])
             .known_distance(self.distance().union(other.distance()))
             .known_bounds(self.bounds().union(other.bounds()));
-        if self.has_sign() || other.has_sign() { both.of_sign(self.sign().min(other.sign())) } else { both }
+        if self.has_sign() || other.has_sign() {
+            both.replace_sign(self.sign().min(other.sign()))
+        } else {
+            both
+        }
     }
 
     /// All points of both at once: `max(a, b)`. Inside it is as good a distance as both are, outside a bound.
     #[must_use]
     pub fn intersection(&self, other: &Self) -> Self {
-        let both = Self::of_parts(self.expr().max(other.expr()), &[self, other])
+        let both = Self::from_parts(self.expr().max(other.expr()), &[self, other])
             .known_distance(self.distance().intersection(other.distance()))
             .known_bounds(common(self.bounds(), other.bounds()));
         // Beyond the bounds one of both is not inside, whatever the sign of the other.
         let sign = |field: &Self| field.sign_within(&both.bounds());
         if [self, other].iter().any(|field| field.has_sign() || field.pattern().is_some()) {
             let sign = sign(self).max(&sign(other));
-            both.of_sign(sign)
+            both.replace_sign(sign)
         } else {
             both
         }
@@ -63,10 +67,10 @@ impl Field {
     /// All other points: `−a`. (A point of the surface itself belongs to neither.)
     #[must_use]
     pub fn complement(&self) -> Self {
-        let other = Self::of_parts(-self.expr(), &[self]).known_distance(self.distance().complement());
+        let other = Self::from_parts(-self.expr(), &[self]).known_distance(self.distance().complement());
         let other = other.map_sign(self, |sign| -sign);
         match self.pattern() {
-            Some(pattern) => other.of_pattern(pattern.complement()),
+            Some(pattern) => other.with_pattern(pattern.complement()),
             None => other,
         }
     }
@@ -77,8 +81,8 @@ impl Field {
         self.union(other).difference(&self.intersection(other))
     }
 
-    /// The union of many, as a balanced tree: time and memory are linear, and the depth is logarithmic. Nothing, when
-    /// there are none.
+    /// The union of many, as a balanced tree: time and memory are linear, and the depth is logarithmic.
+    /// Nothing, when there are none.
     #[must_use]
     pub fn union_of(fields: &[Self]) -> Self {
         balanced(fields, Self::union).unwrap_or_else(Self::nothing)
@@ -99,7 +103,7 @@ impl Field {
 
     /// The same value and everything else with another expression of a sign, if there was one.
     fn map_sign(self, from: &Self, map: impl FnOnce(&Expr) -> Expr) -> Self {
-        if from.has_sign() { self.of_sign(map(from.sign())) } else { self }
+        if from.has_sign() { self.replace_sign(map(from.sign())) } else { self }
     }
 }
 

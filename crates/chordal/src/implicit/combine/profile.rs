@@ -1,34 +1,35 @@
 //! Profiles that are revolved: what ends them at the axis alone ends nothing of the solid.
 //!
-//! A rectangle from x = 0 to 2 is `max(x − 2, −x)`, and the polygon of a vase has a side on the axis. In the plane that is a
-//! boundary. Of the solid it would make the axis a surface of its own, all along its inside: an infinitely thin hole, on which
-//! no box of any size is decided. So where a maximum or a minimum is taken with a number that changes its sign at the axis
-//! alone, the other operand is what is left, and a polygon goes on as its own mirror image.
+//! A rectangle from x = 0 to 2 is `max(x − 2, −x)`, and the polygon of a vase has a side on the axis. In the
+//! plane that is a boundary. Of the solid it would make the axis a surface of its own, all along its inside:
+//! an infinitely thin hole, on which no box of any size is decided. So where a maximum or a minimum is taken
+//! with a number that changes its sign at the axis alone, the other operand is what is left, and a polygon
+//! goes on as its own mirror image.
 use crate::implicit::op::{Binary, Unary};
-use crate::implicit::{Expr, Graph, Term};
+use crate::implicit::{Expr, ExprGraph, Term};
 
 /// An expression with the sign of a profile's for x > 0, that on the axis has the sign of what is beside it.
 pub(super) fn without_axis(sign: &Expr) -> Expr {
-    let graph = Graph::of(sign);
-    let mut terms: Vec<Known> = Vec::with_capacity(graph.terms().len());
+    let graph = ExprGraph::from_expr(sign);
+    let mut terms: Vec<ProfileTerm> = Vec::with_capacity(graph.terms().len());
     for term in graph.terms() {
-        let known = Known::of(term, &terms);
+        let known = ProfileTerm::new(term, &terms);
         terms.push(known);
     }
     match terms.pop() {
-        Some(Known { sign: Some(changed), .. }) => changed,
+        Some(ProfileTerm { sign: Some(changed), .. }) => changed,
         _ => sign.clone(),
     }
 }
 
 /// `slope · x + offset`, exactly.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Line {
+struct LinearFunction {
     slope: f64,
     offset: f64,
 }
 
-impl Line {
+impl LinearFunction {
     fn plus(self, other: Self) -> Option<Self> {
         Some(Self {
             slope: exact_sum(self.slope, other.slope)?,
@@ -59,27 +60,27 @@ impl Line {
 }
 
 /// What is known of a term.
-struct Known {
+struct ProfileTerm {
     /// The term.
     value: Expr,
     /// It as a line in x, if it is one.
-    line: Option<Line>,
+    line: Option<LinearFunction>,
     /// Another expression of its sign off the axis, where there is a better one.
     sign: Option<Expr>,
     /// The operand, of an absolute value.
-    inside: Option<(Expr, Option<Line>)>,
+    inside: Option<(Expr, Option<LinearFunction>)>,
 }
 
-impl Known {
-    fn of(term: &Term, terms: &[Self]) -> Self {
+impl ProfileTerm {
+    fn new(term: &Term, terms: &[Self]) -> Self {
         let at = |k: &u32| &terms[*k as usize];
         let plain = |value: Expr| Self { value, line: None, sign: None, inside: None };
         match term {
             Term::Const(c) => {
-                Self { line: Some(Line { slope: 0.0, offset: *c }), ..plain(Expr::constant(*c)) }
+                Self { line: Some(LinearFunction { slope: 0.0, offset: *c }), ..plain(Expr::constant(*c)) }
             }
             Term::Axis(k) => {
-                let line = (*k == 0).then_some(Line { slope: 1.0, offset: 0.0 });
+                let line = (*k == 0).then_some(LinearFunction { slope: 1.0, offset: 0.0 });
                 Self { line, ..plain(Expr::axes()[usize::from(*k)].clone()) }
             }
             Term::Unary(op, a) => {
@@ -87,7 +88,7 @@ impl Known {
                 let value = Expr::unary(*op, &a.value);
                 match op {
                     Unary::Neg => Self {
-                        line: a.line.map(Line::negated),
+                        line: a.line.map(LinearFunction::negated),
                         sign: a.sign.as_ref().map(|s| -s),
                         ..plain(value)
                     },
@@ -99,8 +100,8 @@ impl Known {
                 let (a, b) = (at(a), at(b));
                 let value = Expr::binary(*op, &a.value, &b.value);
                 let sign = match op {
-                    Binary::Max => Self::chosen(Binary::Max, a, b, Line::is_below),
-                    Binary::Min => Self::chosen(Binary::Min, a, b, Line::is_above),
+                    Binary::Max => Self::chosen(Binary::Max, a, b, LinearFunction::is_below),
+                    Binary::Min => Self::chosen(Binary::Min, a, b, LinearFunction::is_above),
                     Binary::Sub => Self::slab(a, b),
                     Binary::Mul | Binary::Div => Self::scaled(*op, a, b),
                     _ => None,
@@ -119,7 +120,7 @@ impl Known {
         }
     }
 
-    fn line(op: Binary, a: &Self, b: &Self) -> Option<Line> {
+    fn line(op: Binary, a: &Self, b: &Self) -> Option<LinearFunction> {
         let (first, second) = (a.line?, b.line?);
         match op {
             Binary::Add => first.plus(second),
@@ -135,7 +136,7 @@ impl Known {
     }
 
     /// The operand of a maximum or minimum that is left where the other one `never` has a say off the axis.
-    fn chosen(op: Binary, a: &Self, b: &Self, never: fn(Line) -> bool) -> Option<Expr> {
+    fn chosen(op: Binary, a: &Self, b: &Self, never: fn(LinearFunction) -> bool) -> Option<Expr> {
         let has_none = |part: &Self| part.line.is_some_and(never);
         let own = |part: &Self| part.sign.as_ref().unwrap_or(&part.value).clone();
         match (has_none(a), has_none(b)) {
@@ -154,7 +155,9 @@ impl Known {
             _ => return None,
         };
         let (u, line) = (&inside.0, inside.1?);
-        let side = |line: Line| line.plus(Line { slope: 0.0, offset: -half }).is_some_and(Line::is_below);
+        let side = |line: LinearFunction| {
+            line.plus(LinearFunction { slope: 0.0, offset: -half }).is_some_and(LinearFunction::is_below)
+        };
         let left = match (side(line), side(line.negated())) {
             (true, false) => -u - half,
             (false, true) => u - half,
@@ -165,8 +168,9 @@ impl Known {
 
     /// The same sign, or the opposite one.
     fn scaled(op: Binary, a: &Self, b: &Self) -> Option<Expr> {
-        let factor =
-            |part: &Self| part.line.and_then(Line::constant).is_some_and(|c| c != 0.0 && c.is_finite());
+        let factor = |part: &Self| {
+            part.line.and_then(LinearFunction::constant).is_some_and(|c| c != 0.0 && c.is_finite())
+        };
         match (&a.sign, &b.sign) {
             (Some(sign), _) if factor(b) => Some(Expr::binary(op, sign, &b.value)),
             (_, Some(sign)) if op == Binary::Mul && factor(a) => Some(Expr::binary(op, &a.value, sign)),

@@ -2,7 +2,7 @@
 use super::common;
 use crate::implicit::op::Unary;
 use crate::implicit::shapes::InvalidShape;
-use crate::implicit::{Csg, Distance, Expr, Field, Quality, Tape};
+use crate::implicit::{Csg, Distance, DistanceQuality, Expr, Field, Tape};
 use crate::math::{Box3, Interval, add_up, mul_up};
 
 /// Copies of one cell's neighbourhood, at most: each is an expression of its own.
@@ -41,9 +41,9 @@ impl Field {
         }
         let mut windows = Vec::new();
         for (k, repeat) in along.into_iter().enumerate() {
-            windows.push(Window::new(repeat, self.bounds().min[k], self.bounds().max[k])?);
+            windows.push(RepeatWindow::new(repeat, self.bounds().min[k], self.bounds().max[k])?);
         }
-        let n: u64 = windows.iter().map(Window::len).fold(1, u64::saturating_mul);
+        let n: u64 = windows.iter().map(RepeatWindow::len).fold(1, u64::saturating_mul);
         if n > MOST {
             let reach = format!(
                 "the shape reaches so far across its period that {n} copies may be nearest to a point"
@@ -51,16 +51,16 @@ impl Field {
             return Err(InvalidShape::Number(format!("{reach}, and must be at most {MOST}")));
         }
         let axes = Expr::axes();
-        let places = |of: &dyn Fn(&Window, &Expr) -> Vec<Expr>| -> Vec<[Expr; 3]> {
+        let places = |of: &dyn Fn(&RepeatWindow, &Expr) -> Vec<Expr>| -> Vec<[Expr; 3]> {
             let [xs, ys, zs]: [Vec<Expr>; 3] = std::array::from_fn(|k| of(&windows[k], &axes[k]));
             let along_x = |y: &Expr, z: &Expr| xs.iter().map(|x| [x.clone(), y.clone(), z.clone()]).collect();
             let plane = |z: &Expr| ys.iter().flat_map(|y| -> Vec<[Expr; 3]> { along_x(y, z) }).collect();
             zs.iter().flat_map(|z| -> Vec<[Expr; 3]> { plane(z) }).collect()
         };
-        let copies: Vec<Self> = places(&Window::places).iter().map(|at| self.at(at)).collect();
+        let copies: Vec<Self> = places(&RepeatWindow::places).iter().map(|at| self.at(at)).collect();
         let distance = self.distance().union(self.distance());
-        let jumps = self.distance().outside != Quality::Exact && windows.iter().any(|w| w.len() > 1);
-        let outside = if jumps { Quality::Sign } else { distance.outside };
+        let jumps = self.distance().outside != DistanceQuality::Exact && windows.iter().any(|w| w.len() > 1);
+        let outside = if jumps { DistanceQuality::Sign } else { distance.outside };
         let mut bounds = Field::EVERYWHERE;
         for (k, window) in windows.iter().enumerate() {
             (bounds.min[k], bounds.max[k]) = window.bounds(self.bounds().min[k], self.bounds().max[k]);
@@ -68,9 +68,9 @@ impl Field {
         let all = Self::union_of(&copies).known_distance(Distance { outside, ..distance });
         let n_copies =
             windows.iter().map(|w| w.count.map_or(u64::MAX, u64::from)).fold(1, u64::saturating_mul);
-        let n_primitives = Csg::of(self.sign()).primitives().len() as u64;
+        let n_primitives = Csg::from_expr(self.sign()).primitives().len() as u64;
         let all = if n < n_copies && n_copies.saturating_mul(n_primitives) <= MOST_LISTED {
-            let listed: Vec<Self> = places(&Window::all).iter().map(|at| self.at(at)).collect();
+            let listed: Vec<Self> = places(&RepeatWindow::all).iter().map(|at| self.at(at)).collect();
             all.known_sign(Self::union_of(&listed).sign().clone())
         } else {
             all
@@ -78,7 +78,12 @@ impl Field {
         let all = all.known_bounds(common(bounds, Field::EVERYWHERE));
         let is_endless = along.iter().any(|repeat| matches!(repeat, Repeat::Every(_)));
         Ok(if is_endless {
-            all.of_pattern(Pattern { copy: self.clone(), along, is_complement: false, at: Vec::new() })
+            all.with_pattern(PeriodicPattern {
+                copy: self.clone(),
+                along,
+                is_complement: false,
+                at: Vec::new(),
+            })
         } else {
             all
         })
@@ -87,16 +92,17 @@ impl Field {
 
 /// Copies without end, for what is cut out of them.
 #[derive(Clone, Debug)]
-pub(in crate::implicit) struct Pattern {
+pub(in crate::implicit) struct PeriodicPattern {
     copy: Field,
     along: [Repeat; 3],
     /// Whether it is all but the copies.
     is_complement: bool,
-    /// Where it was placed: which of its points, or of those before, each point of space is; the last one last.
+    /// Where it was placed: which of its points, or of those before, each point of space is; the last one
+    /// last.
     at: Vec<[Expr; 3]>,
 }
 
-impl Pattern {
+impl PeriodicPattern {
     pub fn complement(&self) -> Self {
         Self { is_complement: !self.is_complement, ..self.clone() }
     }
@@ -107,8 +113,8 @@ impl Pattern {
         Self { at, ..self.clone() }
     }
 
-    /// An expression with the sign in a box, which lists the copies that reach into it: no steps then. None where
-    /// these are too many.
+    /// An expression with the sign in a box, which lists the copies that reach into it: no steps then. None
+    /// where these are too many.
     pub fn sign_within(&self, bounds: &Box3) -> Option<Expr> {
         let own = self.at.iter().rev().try_fold(*bounds, |bounds, at| image(at, &bounds))?;
         let sign = self.own_sign_within(&own)?;
@@ -119,7 +125,7 @@ impl Pattern {
     fn own_sign_within(&self, bounds: &Box3) -> Option<Expr> {
         let (axes, own) = (Expr::axes(), self.copy.bounds());
         let mut places: Vec<[Expr; 3]> = vec![axes.clone()];
-        let n_primitives = Csg::of(self.copy.sign()).primitives().len() as u64;
+        let n_primitives = Csg::from_expr(self.copy.sign()).primitives().len() as u64;
         for (k, repeat) in self.along.into_iter().enumerate() {
             let (first, last, period) = match repeat {
                 Repeat::Once => continue,
@@ -155,7 +161,7 @@ impl Pattern {
 fn image(map: &[Expr; 3], bounds: &Box3) -> Option<Box3> {
     let range = |expr: &Expr| {
         let mut range = [Interval::point(0.0)];
-        Tape::of(expr).over(&[*bounds], &mut range).ok()?;
+        Tape::new(expr).over(&[*bounds], &mut range).ok()?;
         let [range] = range;
         (range.lo().is_finite() && range.hi().is_finite()).then_some(range)
     };
@@ -164,7 +170,7 @@ fn image(map: &[Expr; 3], bounds: &Box3) -> Option<Box3> {
 }
 
 /// The copies along one axis that can be nearest from a cell, counted from the cell's own.
-struct Window {
+struct RepeatWindow {
     period: f64,
     /// How many copies there are, if that is limited.
     count: Option<u32>,
@@ -172,7 +178,7 @@ struct Window {
     last: i64,
 }
 
-impl Window {
+impl RepeatWindow {
     /// The nearest copy's nearest point is at most half a period away along the axis: else the next copy
     /// would be nearer. From a cell's own middle, points are within half a period, so only copies that reach
     /// into a period to each side matter.
@@ -248,12 +254,12 @@ mod tests {
 
     #[test]
     fn windows_hold_the_neighbours_that_a_shape_reaches() {
-        let small = Window::new(Repeat::Every(1.0), -0.25, 0.25).expect("fine");
+        let small = RepeatWindow::new(Repeat::Every(1.0), -0.25, 0.25).expect("fine");
         assert_eq!((small.first, small.last), (-1, 1));
-        let long = Window::new(Repeat::Every(1.0), -0.25, 2.5).expect("fine");
+        let long = RepeatWindow::new(Repeat::Every(1.0), -0.25, 2.5).expect("fine");
         assert_eq!((long.first, long.last), (-3, 1));
-        let far = Window::new(Repeat::Every(1.0), 10.0, 10.5).expect("fine");
+        let far = RepeatWindow::new(Repeat::Every(1.0), 10.0, 10.5).expect("fine");
         assert_eq!((far.first, far.last), (-11, -9));
-        assert!(Window::new(Repeat::Every(0.0), 0.0, 1.0).is_err());
+        assert!(RepeatWindow::new(Repeat::Every(0.0), 0.0, 1.0).is_err());
     }
 }

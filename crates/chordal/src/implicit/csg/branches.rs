@@ -1,4 +1,4 @@
-//! `Branches`: a primitive with steps as one without for each of the values that its steps have.
+//! `ContinuousBranches`: a primitive with steps as one without for each of the values that its steps have.
 //!
 //! In a box that a step runs through, `round(x)` has two values, k and k + 1, and each of both makes a
 //! function without a step. The primitive has the values of one or the other, so both ranges together hold
@@ -7,7 +7,7 @@
 //! the primitive is one of these functions, with its gradient.
 use crate::implicit::graph::{parts, reachable};
 use crate::implicit::op::{Binary, Unary};
-use crate::implicit::{Graph, LeafError, Tape, Term};
+use crate::implicit::{ExprGraph, LeafError, Tape, Term};
 use crate::math::{Box3, Interval};
 use std::collections::HashMap;
 
@@ -23,7 +23,7 @@ const LEAST_INEXACT: f64 = (1_u64 << 53) as f64;
 
 /// A primitive's steps.
 #[derive(Clone, Debug)]
-pub(super) struct Branches {
+pub(super) struct ContinuousBranches {
     terms: Vec<Term>,
     steps: Vec<StepTerm>,
     /// The functions that were made so far.
@@ -37,30 +37,32 @@ pub(super) struct Branches {
 struct StepTerm {
     term: u32,
     rounded: Tape,
-    how: Rounding,
+    how: RoundingMode,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Rounding {
+enum RoundingMode {
     Down,
     Up,
     Nearest,
     /// Down; the term is what is left of the operand when the number is taken away so often.
-    Rest(f64),
+    Remainder(f64),
 }
 
-impl Branches {
+impl ContinuousBranches {
     /// None where it has no steps, or others than whole parts and rests that do not depend on each other.
-    pub fn of(terms: &[Term]) -> Option<Self> {
+    pub fn from_terms(terms: &[Term]) -> Option<Self> {
         let mut steps = Vec::new();
         let mut depends = vec![false; terms.len()];
         for (k, term) in terms.iter().enumerate() {
             let how = match term {
-                Term::Unary(Unary::Floor, _) => Some(Rounding::Down),
-                Term::Unary(Unary::Ceil, _) => Some(Rounding::Up),
-                Term::Unary(Unary::Round, _) => Some(Rounding::Nearest),
+                Term::Unary(Unary::Floor, _) => Some(RoundingMode::Down),
+                Term::Unary(Unary::Ceil, _) => Some(RoundingMode::Up),
+                Term::Unary(Unary::Round, _) => Some(RoundingMode::Nearest),
                 Term::Binary(Binary::Mod, _, b) => match terms[*b as usize] {
-                    Term::Const(period) if period > 0.0 && period.is_finite() => Some(Rounding::Rest(period)),
+                    Term::Const(period) if period > 0.0 && period.is_finite() => {
+                        Some(RoundingMode::Remainder(period))
+                    }
                     _ => return None,
                 },
                 Term::Unary(Unary::Not, _) | Term::Binary(Binary::Compare | Binary::And | Binary::Or, ..) => {
@@ -122,14 +124,14 @@ impl Branches {
             return None;
         }
         let number = self.functions.len() as u32;
-        self.functions.push(Tape::of_graph(self.graph(at)));
+        self.functions.push(Tape::from_graph(self.graph(at)));
         self.numbers.insert(at.to_vec(), number);
         Some(number)
     }
 
     /// The terms with these values of the steps. Only what is exact is carried out, so that ranges hold what
     /// the primitive has.
-    fn graph(&self, at: &[i64]) -> Graph {
+    fn graph(&self, at: &[i64]) -> ExprGraph {
         let mut terms: Vec<Term> = Vec::with_capacity(self.terms.len());
         let mut place: Vec<u32> = Vec::with_capacity(self.terms.len());
         let mut steps = self.steps.iter().zip(at).peekable();
@@ -137,7 +139,7 @@ impl Branches {
             let new = |old: &u32| place[*old as usize];
             let step = steps.next_if(|(step, _)| step.term == k as u32);
             let made = match (step.map(|(step, value)| (step.how, *value as f64)), term) {
-                (Some((Rounding::Rest(period), times)), Term::Binary(_, a, _)) => {
+                (Some((RoundingMode::Remainder(period), times)), Term::Binary(_, a, _)) => {
                     let first = terms.len() as u32;
                     terms.extend([Term::Const(times), Term::Const(period)]);
                     terms.push(Term::Binary(Binary::Mul, first, first + 1));
@@ -153,23 +155,23 @@ impl Branches {
             place.push(terms.len() as u32 - 1);
         }
         let root = terms.len() as u32 - 1;
-        Graph::of_terms(reachable(terms, root))
+        ExprGraph::from_terms(reachable(terms, root))
     }
 }
 
 fn unary(terms: &[Term], op: Unary, a: u32) -> Term {
     match (op, &terms[a as usize]) {
-        (Unary::Neg | Unary::Abs, Term::Const(value)) => Term::Const(op.of(*value)),
+        (Unary::Neg | Unary::Abs, Term::Const(value)) => Term::Const(op.apply(*value)),
         _ => Term::Unary(op, a),
     }
 }
 
 fn binary(terms: &[Term], op: Binary, a: u32, b: u32) -> Term {
     match (op, &terms[a as usize], &terms[b as usize]) {
-        (Binary::Min | Binary::Max, Term::Const(x), Term::Const(y)) => Term::Const(op.of(*x, *y)),
+        (Binary::Min | Binary::Max, Term::Const(x), Term::Const(y)) => Term::Const(op.apply(*x, *y)),
         // Whole numbers below 2⁵³.
         (Binary::Add | Binary::Sub, Term::Const(x), Term::Const(y)) if is_small(*x) && is_small(*y) => {
-            Term::Const(op.of(*x, *y))
+            Term::Const(op.apply(*x, *y))
         }
         _ => Term::Binary(op, a, b),
     }
@@ -179,16 +181,16 @@ fn is_small(x: f64) -> bool {
     x.fract() == 0.0 && x.abs() < f64::from(1_u32 << 31)
 }
 
-impl Rounding {
+impl RoundingMode {
     /// What is rounded to a whole number.
     fn tape(self, terms: &[Term], operand: u32) -> Tape {
         let mut terms = terms[..=operand as usize].to_vec();
         let mut root = operand;
-        if let Self::Rest(period) = self {
+        if let Self::Remainder(period) = self {
             terms.extend([Term::Const(period), Term::Binary(Binary::Div, operand, operand + 1)]);
             root = operand + 2;
         }
-        Tape::of_graph(Graph::of_terms(reachable(terms, root)))
+        Tape::from_graph(ExprGraph::from_terms(reachable(terms, root)))
     }
 
     /// The first and last whole number over a range; all where that is not known.
@@ -197,7 +199,7 @@ impl Rounding {
             return [i64::MIN, i64::MAX];
         }
         let whole = |x: f64| match self {
-            Self::Down | Self::Rest(_) => x.floor(),
+            Self::Down | Self::Remainder(_) => x.floor(),
             Self::Up => x.ceil(),
             Self::Nearest => x.round(),
         };

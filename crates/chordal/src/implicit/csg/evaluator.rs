@@ -1,14 +1,14 @@
 //! `PrimitiveEvaluator`: the primitives of a CSG tree, asked for many points or boxes at once.
-use super::branches::Branches;
+use super::branches::ContinuousBranches;
 use super::{Csg, Primitive};
 use crate::budget::{Job, par_map};
 use crate::implicit::op::Binary;
-use crate::implicit::{LeafError, Slope, Tape, Term};
+use crate::implicit::{Dual, LeafError, Tape, Term};
 use crate::math::{Box3, Interval};
 
 /// What is known of a primitive in a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SlopeRange {
+pub struct DualRange {
     /// All values lie from the first to the second, which are infinite where nothing is known. Where a point
     /// has no value, nothing is.
     pub value: [f64; 2],
@@ -17,11 +17,11 @@ pub struct SlopeRange {
     pub gradient: Option<[Interval; 3]>,
 }
 
-impl SlopeRange {
+impl DualRange {
     /// Nothing is known.
     pub const UNKNOWN: Self = Self { value: [f64::NEG_INFINITY, f64::INFINITY], gradient: None };
 
-    fn of(primitive: &Primitive, slope: &Slope<Interval>) -> Self {
+    fn new(primitive: &Primitive, slope: &Dual<Interval>) -> Self {
         let bounded = |d: &Interval| d.is_defined() && d.lo() > f64::NEG_INFINITY && d.hi() < f64::INFINITY;
         let is_lipschitz = slope.value.is_defined() && slope.gradient.iter().all(bounded);
         let gradient = is_lipschitz.then_some(slope.gradient);
@@ -32,7 +32,7 @@ impl SlopeRange {
 /// The ends of a range of values, if it holds them all.
 fn values(primitive: &Primitive, range: Interval) -> [f64; 2] {
     let holds_all = range.is_defined() || primitive.is_total && !range.is_empty();
-    if holds_all { [range.lo(), range.hi()] } else { SlopeRange::UNKNOWN.value }
+    if holds_all { [range.lo(), range.hi()] } else { DualRange::UNKNOWN.value }
 }
 
 /// Rows in one call of a primitive: several blocks of registers, and small enough to share among threads.
@@ -52,7 +52,7 @@ const BYTES_A_STEP: u64 = 160;
 
 /// A region of the domain with the steps of a primitive that matter in it and around it.
 #[derive(Debug)]
-pub(super) struct Region {
+pub(super) struct TapeRegion {
     /// The cell itself; the tape holds for half a cell around it too.
     cell: Box3,
     level: u32,
@@ -69,9 +69,9 @@ pub struct PrimitiveEvaluator<'a> {
     csg: &'a Csg,
     job: &'a Job,
     /// By primitive: its regions, the first of which is all of the domain.
-    pub(super) regions: Vec<Vec<Region>>,
+    pub(super) regions: Vec<Vec<TapeRegion>>,
     /// By primitive: its steps, if it has any.
-    branches: Vec<Option<Branches>>,
+    branches: Vec<Option<ContinuousBranches>>,
     has_leaves: bool,
     steps_left: u64,
     n_points: u64,
@@ -79,32 +79,32 @@ pub struct PrimitiveEvaluator<'a> {
 }
 
 /// What can be answered.
-trait Hull: Copy + Send + Sync {
+trait IntervalHull: Copy + Send + Sync {
     /// What holds where one of both answers does.
     fn hull(self, other: Self) -> Self;
 }
 
-impl Hull for [f64; 2] {
+impl IntervalHull for [f64; 2] {
     fn hull(self, [low, high]: Self) -> Self {
         [if low < self[0] { low } else { self[0] }, if high > self[1] { high } else { self[1] }]
     }
 }
 
-impl Hull for SlopeRange {
+impl IntervalHull for DualRange {
     /// It may step from one to the other.
     fn hull(self, other: Self) -> Self {
         Self { value: self.value.hull(other.value), gradient: None }
     }
 }
 
-impl Hull for f64 {
+impl IntervalHull for f64 {
     /// A point is asked for once.
     fn hull(self, _: Self) -> Self {
         self
     }
 }
 
-impl Hull for Slope<f64> {
+impl IntervalHull for Dual<f64> {
     /// A point is asked for once.
     fn hull(self, _: Self) -> Self {
         self
@@ -112,13 +112,13 @@ impl Hull for Slope<f64> {
 }
 
 /// Questions for one tape.
-struct Batch {
+struct TapeBatch {
     primitive: u32,
     tape: Tape,
     rows: Vec<u32>,
 }
 
-impl Batch {
+impl TapeBatch {
     /// A tape's questions, in chunks. A leaf is asked for everything at once, by chunks of its own.
     fn push_all(primitive: u32, tape: &Tape, rows: &[u32], batches: &mut Vec<Self>) {
         let size = if tape.has_leaves() { rows.len().max(1) } else { CHUNK };
@@ -128,13 +128,13 @@ impl Batch {
 }
 
 /// What can be asked for: where it is, and what it is asked for by tapes.
-trait Question: Copy + Sync {
+trait QueryRegion: Copy + Sync {
     /// Whether steps are looked at by branches: in boxes.
     const BRANCHES: bool;
     fn bounds(&self) -> Box3;
 }
 
-impl Question for [f64; 3] {
+impl QueryRegion for [f64; 3] {
     const BRANCHES: bool = false;
 
     fn bounds(&self) -> Box3 {
@@ -142,7 +142,7 @@ impl Question for [f64; 3] {
     }
 }
 
-impl Question for Box3 {
+impl QueryRegion for Box3 {
     const BRANCHES: bool = true;
 
     fn bounds(&self) -> Box3 {
@@ -158,13 +158,17 @@ impl<'a> PrimitiveEvaluator<'a> {
         let half = 0.5 * domain.diagonal();
         let cell = Box3 { min: centre.map(|x| x - half), max: centre.map(|x| x + half) };
         let root = |primitive: &Primitive| {
-            vec![Region { cell, level: 0, tape: primitive.tape.clone(), children: [None; 8] }]
+            vec![TapeRegion { cell, level: 0, tape: primitive.tape.clone(), children: [None; 8] }]
         };
         Self {
             csg,
             job,
             regions: csg.primitives.iter().map(root).collect(),
-            branches: csg.primitives.iter().map(|p| Branches::of(p.tape.graph().terms())).collect(),
+            branches: csg
+                .primitives
+                .iter()
+                .map(|p| ContinuousBranches::from_terms(p.tape.graph().terms()))
+                .collect(),
             has_leaves: csg.primitives.iter().any(|p| p.tape.has_leaves()),
             steps_left: job.memory_limit / 8 / BYTES_A_STEP,
             n_points: 0,
@@ -193,7 +197,7 @@ impl<'a> PrimitiveEvaluator<'a> {
     /// The value of a primitive at a point, for each question.
     ///
     /// # Errors
-    /// What a leaf says.
+    /// Fails if a leaf fails.
     pub fn values(&mut self, questions: &[(u32, [f64; 3])]) -> Result<Vec<f64>, LeafError> {
         self.n_points += questions.len() as u64;
         self.answer(questions, 0.0, |batch, at, out: &mut [f64]| batch.tape.at(at, out))
@@ -202,22 +206,22 @@ impl<'a> PrimitiveEvaluator<'a> {
     /// The value and gradient of a primitive at a point, for each question.
     ///
     /// # Errors
-    /// What a leaf says.
-    pub fn slopes(&mut self, questions: &[(u32, [f64; 3])]) -> Result<Vec<Slope<f64>>, LeafError> {
+    /// Fails if a leaf fails.
+    pub fn duals(&mut self, questions: &[(u32, [f64; 3])]) -> Result<Vec<Dual<f64>>, LeafError> {
         self.n_points += questions.len() as u64;
-        let none = Slope { value: 0.0, gradient: [0.0; 3] };
-        self.answer(questions, none, |batch, at, out: &mut [Slope<f64>]| batch.tape.gradient_at(at, out))
+        let none = Dual { value: 0.0, gradient: [0.0; 3] };
+        self.answer(questions, none, |batch, at, out: &mut [Dual<f64>]| batch.tape.gradient_at(at, out))
     }
 
     /// A range `[low, high]` of all values of a primitive in a box, rounded outward, for each question; see
-    /// [`SlopeRange::value`].
+    /// [`DualRange::value`].
     ///
     /// # Errors
-    /// What a leaf says.
+    /// Fails if a leaf fails.
     pub fn ranges(&mut self, questions: &[(u32, Box3)]) -> Result<Vec<[f64; 2]>, LeafError> {
         self.n_boxes += questions.len() as u64;
         let primitives = &self.csg.primitives;
-        self.answer(questions, SlopeRange::UNKNOWN.value, |batch, at, out: &mut [[f64; 2]]| {
+        self.answer(questions, DualRange::UNKNOWN.value, |batch, at, out: &mut [[f64; 2]]| {
             let mut found = vec![Interval::UNKNOWN; at.len()];
             batch.tape.over(at, &mut found)?;
             let primitive = &primitives[batch.primitive as usize];
@@ -229,26 +233,26 @@ impl<'a> PrimitiveEvaluator<'a> {
     /// Ranges of the values and of the gradient of a primitive in a box, for each question.
     ///
     /// # Errors
-    /// What a leaf says.
-    pub fn slope_ranges(&mut self, questions: &[(u32, Box3)]) -> Result<Vec<SlopeRange>, LeafError> {
+    /// Fails if a leaf fails.
+    pub fn dual_ranges(&mut self, questions: &[(u32, Box3)]) -> Result<Vec<DualRange>, LeafError> {
         self.n_boxes += questions.len() as u64;
         let primitives = &self.csg.primitives;
-        self.answer(questions, SlopeRange::UNKNOWN, |batch, at, out: &mut [SlopeRange]| {
-            let unknown = Slope { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
+        self.answer(questions, DualRange::UNKNOWN, |batch, at, out: &mut [DualRange]| {
+            let unknown = Dual { value: Interval::UNKNOWN, gradient: [Interval::UNKNOWN; 3] };
             let mut found = vec![unknown; at.len()];
             batch.tape.gradient_over(at, &mut found)?;
             let primitive = &primitives[batch.primitive as usize];
-            out.iter_mut().zip(found).for_each(|(out, slope)| *out = SlopeRange::of(primitive, &slope));
+            out.iter_mut().zip(found).for_each(|(out, slope)| *out = DualRange::new(primitive, &slope));
             Ok(())
         })
     }
 
     /// Answers in the order of the questions, whatever the batches.
-    fn answer<Q: Question, R: Hull>(
+    fn answer<Q: QueryRegion, R: IntervalHull>(
         &mut self,
         questions: &[(u32, Q)],
         none: R,
-        ask: impl Fn(&Batch, &[Q], &mut [R]) -> Result<(), LeafError> + Sync,
+        ask: impl Fn(&TapeBatch, &[Q], &mut [R]) -> Result<(), LeafError> + Sync,
     ) -> Result<Vec<R>, LeafError> {
         let most = if self.has_leaves { questions.len().max(1) } else { AT_ONCE };
         let mut answers = Vec::with_capacity(questions.len());
@@ -258,11 +262,11 @@ impl<'a> PrimitiveEvaluator<'a> {
         Ok(answers)
     }
 
-    fn answer_part<Q: Question, R: Hull>(
+    fn answer_part<Q: QueryRegion, R: IntervalHull>(
         &mut self,
         questions: &[(u32, Q)],
         none: R,
-        ask: &(impl Fn(&Batch, &[Q], &mut [R]) -> Result<(), LeafError> + Sync),
+        ask: &(impl Fn(&TapeBatch, &[Q], &mut [R]) -> Result<(), LeafError> + Sync),
         answers: &mut Vec<R>,
     ) -> Result<(), LeafError> {
         let batches = self.batches(questions)?;
@@ -285,7 +289,7 @@ impl<'a> PrimitiveEvaluator<'a> {
     }
 
     /// The questions by tape.
-    fn batches<Q: Question>(&mut self, questions: &[(u32, Q)]) -> Result<Vec<Batch>, LeafError> {
+    fn batches<Q: QueryRegion>(&mut self, questions: &[(u32, Q)]) -> Result<Vec<TapeBatch>, LeafError> {
         let mut by_primitive: Vec<Vec<u32>> = vec![Vec::new(); self.regions.len()];
         questions.iter().enumerate().for_each(|(row, (p, _))| by_primitive[*p as usize].push(row as u32));
         let mut batches = Vec::new();
@@ -296,8 +300,8 @@ impl<'a> PrimitiveEvaluator<'a> {
                 continue;
             }
             let tape = &self.regions[primitive][0].tape;
-            if !is_shortened(tape) || rows.len() < WORTH && self.regions[primitive].len() == 1 {
-                Batch::push_all(number, tape, &rows, &mut batches);
+            if !is_pruned(tape) || rows.len() < WORTH && self.regions[primitive].len() == 1 {
+                TapeBatch::push_all(number, tape, &rows, &mut batches);
                 continue;
             }
             self.route(number, questions, rows, &mut batches)?;
@@ -306,12 +310,12 @@ impl<'a> PrimitiveEvaluator<'a> {
     }
 
     /// Asks the functions that a primitive with steps is made of; what is left is to be asked for as a whole.
-    fn branch<Q: Question>(
+    fn branch<Q: QueryRegion>(
         &mut self,
         primitive: u32,
         questions: &[(u32, Q)],
         rows: Vec<u32>,
-        batches: &mut Vec<Batch>,
+        batches: &mut Vec<TapeBatch>,
     ) -> Result<Vec<u32>, LeafError> {
         let Some(branches) = &mut self.branches[primitive as usize] else { return Ok(rows) };
         let boxes: Vec<Box3> = rows.iter().map(|row| questions[*row as usize].1.bounds()).collect();
@@ -325,18 +329,18 @@ impl<'a> PrimitiveEvaluator<'a> {
             }
         }
         for (tape, rows) in branches.functions.iter().zip(&by_function) {
-            Batch::push_all(primitive, tape, rows, batches);
+            TapeBatch::push_all(primitive, tape, rows, batches);
         }
         Ok(left)
     }
 
     /// Sends questions down the regions of a primitive, level by level, making those that are worth it.
-    fn route<Q: Question>(
+    fn route<Q: QueryRegion>(
         &mut self,
         primitive: u32,
         questions: &[(u32, Q)],
         rows: Vec<u32>,
-        batches: &mut Vec<Batch>,
+        batches: &mut Vec<TapeBatch>,
     ) -> Result<(), LeafError> {
         let mut open = vec![(0_u32, rows)];
         while !open.is_empty() {
@@ -345,7 +349,7 @@ impl<'a> PrimitiveEvaluator<'a> {
                 let region = &self.regions[primitive as usize][number as usize];
                 let mut here = Vec::new();
                 let mut parts: [Vec<u32>; 8] = Default::default();
-                let ends = region.level == DEEPEST || !is_shortened(&region.tape);
+                let ends = region.level == DEEPEST || !is_pruned(&region.tape);
                 for row in rows {
                     let octant = if ends { None } else { region.octant(&questions[row as usize].1.bounds()) };
                     octant.map_or(&mut here, |octant| &mut parts[octant]).push(row);
@@ -358,7 +362,7 @@ impl<'a> PrimitiveEvaluator<'a> {
                         here.extend(rows);
                     }
                 }
-                Batch::push_all(primitive, &region.tape, &here, batches);
+                TapeBatch::push_all(primitive, &region.tape, &here, batches);
             }
             let children = self.children(primitive, &below)?;
             open = children.into_iter().zip(below).map(|(child, (_, _, rows))| (child, rows)).collect();
@@ -392,7 +396,7 @@ impl<'a> PrimitiveEvaluator<'a> {
 
 /// Whether a region may have fewer steps: there are many, and some of them choose. Leaves want to be asked
 /// for much at once.
-fn is_shortened(tape: &Tape) -> bool {
+fn is_pruned(tape: &Tape) -> bool {
     let chooses = |term: &Term| {
         matches!(
             term,
@@ -402,7 +406,7 @@ fn is_shortened(tape: &Tape) -> bool {
     tape.len() >= LONG && !tape.has_leaves() && tape.graph().terms().iter().any(chooses)
 }
 
-impl Region {
+impl TapeRegion {
     /// The octant whose region holds a box, which is the one of its middle, if any.
     fn octant(&self, bounds: &Box3) -> Option<usize> {
         let (centre, middle) = (bounds.centre(), self.cell.centre());
@@ -423,7 +427,7 @@ impl Region {
 
     fn child(&self, octant: usize) -> Result<Self, LeafError> {
         let cell = self.octant_cell(octant);
-        let (_, shorter) = self.tape.shortened(&around(&cell))?;
+        let (_, shorter) = self.tape.prune(&around(&cell))?;
         let tape = shorter.unwrap_or_else(|| self.tape.clone());
         Ok(Self { cell, level: self.level + 1, tape, children: [None; 8] })
     }

@@ -9,10 +9,10 @@ mod branches;
 mod evaluator;
 mod tree;
 
-pub use evaluator::{PrimitiveEvaluator, SlopeRange};
-pub use tree::{CsgNode, CsgTree, Membership, Restricted};
+pub use evaluator::{DualRange, PrimitiveEvaluator};
+pub use tree::{CsgNode, CsgRestriction, CsgTree, Membership};
 
-use super::graph::{Graph, Term};
+use super::graph::{ExprGraph, Term};
 use super::op::{Binary, Unary};
 use super::tape::Tape;
 use crate::budget::Evidence;
@@ -27,7 +27,7 @@ use std::collections::HashMap;
 /// ```
 /// use chordal::implicit::{Csg, CsgNode, shapes};
 /// let block = shapes::cuboid([2.0, 2.0, 1.0])?.difference(&shapes::cylinder(0.4, 2.0)?);
-/// let csg = Csg::of(block.sign());
+/// let csg = Csg::from_expr(block.sign());
 /// // Six planes of the box; the side of the cylinder and its two ends.
 /// assert_eq!(csg.primitives().len(), 9);
 /// # Ok::<(), chordal::implicit::shapes::InvalidShape>(())
@@ -44,7 +44,7 @@ pub struct Primitive {
     tape: Tape,
     is_total: bool,
     /// The level of a term of the whole that it vanishes at.
-    level: Option<Level>,
+    level: Option<LevelSet>,
 }
 
 impl Primitive {
@@ -54,7 +54,8 @@ impl Primitive {
         &self.tape
     }
 
-    /// Whether it has a value at every point. Then a range is one of all values even where it is not continuous.
+    /// Whether it has a value at every point. Then a range is one of all values even where it is not
+    /// continuous.
     #[must_use]
     pub fn is_total(&self) -> bool {
         self.is_total
@@ -73,7 +74,7 @@ impl Primitive {
 
 /// Where a primitive vanishes: where a term of the whole has a value.
 #[derive(Clone, Copy, Debug)]
-struct Level {
+struct LevelSet {
     base: u32,
     at: f64,
     /// The largest number that it was computed from.
@@ -99,20 +100,20 @@ const MOST_COPIES: usize = 32;
 impl Csg {
     /// The tree of an expression. Cost: linear in its terms, and in their copies where primitives share them.
     #[must_use]
-    pub fn of(sign: &super::Expr) -> Self {
-        Self::of_graph(&Graph::of(sign))
+    pub fn from_expr(sign: &super::Expr) -> Self {
+        Self::from_graph(&ExprGraph::from_expr(sign))
     }
 
     /// The tree of the terms of an expression.
     #[must_use]
-    pub fn of_graph(graph: &Graph) -> Self {
-        Opener::new(graph.terms()).open().unwrap_or_else(|| Self::single(graph))
+    pub fn from_graph(graph: &ExprGraph) -> Self {
+        CsgBuilder::new(graph.terms()).build().unwrap_or_else(|| Self::single(graph))
     }
 
     /// The whole as one primitive.
-    fn single(graph: &Graph) -> Self {
+    fn single(graph: &ExprGraph) -> Self {
         let is_total = is_total(graph.terms());
-        let tape = Tape::of_graph(graph.clone());
+        let tape = Tape::from_graph(graph.clone());
         let primitives = vec![Primitive { tape, is_total, level: None }];
         Self { primitives, tree: CsgTree::new(vec![CsgNode::Primitive(0)]) }
     }
@@ -138,7 +139,7 @@ impl Csg {
 
 /// An operation with a constant above a term; its result grows or falls with the term.
 #[derive(Clone, Copy, Debug)]
-enum Monotone {
+enum MonotoneOp {
     Neg,
     Add(f64),
     /// `constant − a`.
@@ -147,7 +148,7 @@ enum Monotone {
     Div(f64),
 }
 
-impl Monotone {
+impl MonotoneOp {
     fn falls(self) -> bool {
         match self {
             Self::Neg | Self::From(_) => true,
@@ -160,7 +161,7 @@ impl Monotone {
 /// The operations above a term, innermost first when followed to the root: a list that shares its tails.
 #[derive(Clone, Copy, Debug)]
 struct ChainLink {
-    op: Monotone,
+    op: MonotoneOp,
     /// The rest; [`NOTHING`] at the root.
     next: u32,
 }
@@ -169,14 +170,14 @@ const NOTHING: u32 = u32::MAX;
 
 /// A term with the operations above it.
 #[derive(Clone, Copy, Debug)]
-struct Operand {
+struct CsgOperand {
     term: u32,
     above: u32,
     falls: bool,
 }
 
-enum OpenStep {
-    Visit(Operand),
+enum CsgBuildStep {
+    Visit(CsgOperand),
     Emit(CsgNode),
 }
 
@@ -189,7 +190,7 @@ enum PrimitiveKey {
     Chain(u32, u32),
 }
 
-struct Opener<'a> {
+struct CsgBuilder<'a> {
     terms: &'a [Term],
     above: Vec<ChainLink>,
     chains: HashMap<(u8, u64, u32), u32>,      // No order depends on it.
@@ -201,7 +202,7 @@ struct Opener<'a> {
     n_copied: usize,
 }
 
-impl<'a> Opener<'a> {
+impl<'a> CsgBuilder<'a> {
     fn new(terms: &'a [Term]) -> Self {
         let difference = |(number, term): (usize, &Term)| match *term {
             Term::Binary(Binary::Sub, a, b) if a < b => Some(((a, b), number as u32)),
@@ -220,9 +221,9 @@ impl<'a> Opener<'a> {
     }
 
     /// None where the tree or its primitives would be too large.
-    fn open(mut self) -> Option<Csg> {
-        let root = Operand { term: self.terms.len() as u32 - 1, above: NOTHING, falls: false };
-        let mut steps = vec![OpenStep::Visit(root)];
+    fn build(mut self) -> Option<Csg> {
+        let root = CsgOperand { term: self.terms.len() as u32 - 1, above: NOTHING, falls: false };
+        let mut steps = vec![CsgBuildStep::Visit(root)];
         while let Some(step) = steps.pop() {
             if self.nodes.len() + steps.len() > MOST_NODES
                 || self.n_copied > MOST_NODES + MOST_COPIES * self.terms.len()
@@ -230,13 +231,13 @@ impl<'a> Opener<'a> {
                 return None;
             }
             match step {
-                OpenStep::Emit(node) => self.nodes.push(node),
-                OpenStep::Visit(place) => match self.operands(place) {
+                CsgBuildStep::Emit(node) => self.nodes.push(node),
+                CsgBuildStep::Visit(place) => match self.operands(place) {
                     Some((operands, is_union)) => {
                         let n = operands.len() as u32;
                         let node = if is_union { CsgNode::Union(n) } else { CsgNode::Intersection(n) };
-                        steps.push(OpenStep::Emit(node));
-                        steps.extend(operands.into_iter().rev().map(OpenStep::Visit));
+                        steps.push(CsgBuildStep::Emit(node));
+                        steps.extend(operands.into_iter().rev().map(CsgBuildStep::Visit));
                     }
                     None => {
                         let node = self.literal(place);
@@ -250,7 +251,7 @@ impl<'a> Opener<'a> {
 
     /// What a place is the union or intersection of, operators of one kind below each other taken together;
     /// none for a primitive.
-    fn operands(&mut self, place: Operand) -> Option<(Vec<Operand>, bool)> {
+    fn operands(&mut self, place: CsgOperand) -> Option<(Vec<CsgOperand>, bool)> {
         let ([a, b], is_union) = self.split(place)?;
         let mut open = vec![b, a];
         let mut operands = Vec::new();
@@ -266,55 +267,55 @@ impl<'a> Opener<'a> {
     }
 
     /// The two operands of a minimum or maximum below operations with constants.
-    fn split(&mut self, mut place: Operand) -> Option<([Operand; 2], bool)> {
+    fn split(&mut self, mut place: CsgOperand) -> Option<([CsgOperand; 2], bool)> {
         loop {
             let (op, term) = match self.terms[place.term as usize] {
                 Term::Binary(op @ (Binary::Min | Binary::Max), a, b) => {
                     let is_union = (op == Binary::Min) != place.falls;
-                    return Some(([a, b].map(|term| Operand { term, ..place }), is_union));
+                    return Some(([a, b].map(|term| CsgOperand { term, ..place }), is_union));
                 }
                 Term::Unary(Unary::Abs, a) => {
-                    let mirrored = Operand {
-                        above: self.push(Monotone::Neg, place.above),
+                    let mirrored = CsgOperand {
+                        above: self.push(MonotoneOp::Neg, place.above),
                         falls: !place.falls,
                         term: a,
                     };
-                    return Some(([Operand { term: a, ..place }, mirrored], place.falls));
+                    return Some(([CsgOperand { term: a, ..place }, mirrored], place.falls));
                 }
-                Term::Unary(Unary::Neg, a) => (Monotone::Neg, a),
+                Term::Unary(Unary::Neg, a) => (MonotoneOp::Neg, a),
                 Term::Binary(op, a, b) => self.with_constant(op, a, b)?,
                 _ => return None,
             };
-            place = Operand { term, above: self.push(op, place.above), falls: place.falls != op.falls() };
+            place = CsgOperand { term, above: self.push(op, place.above), falls: place.falls != op.falls() };
         }
     }
 
     /// An operation of which one operand is a constant that keeps it monotone.
-    fn with_constant(&self, op: Binary, a: u32, b: u32) -> Option<(Monotone, u32)> {
+    fn with_constant(&self, op: Binary, a: u32, b: u32) -> Option<(MonotoneOp, u32)> {
         let constant = |term: u32| match self.terms[term as usize] {
             Term::Const(value) if value.is_finite() => Some(value),
             _ => None,
         };
         match (op, constant(a), constant(b)) {
-            (Binary::Add, Some(k), None) => Some((Monotone::Add(k), b)),
-            (Binary::Add, None, Some(k)) => Some((Monotone::Add(k), a)),
-            (Binary::Sub, Some(k), None) => Some((Monotone::From(k), b)),
-            (Binary::Sub, None, Some(k)) => Some((Monotone::Add(-k), a)),
-            (Binary::Mul, Some(k), None) if k != 0.0 => Some((Monotone::Mul(k), b)),
-            (Binary::Mul, None, Some(k)) if k != 0.0 => Some((Monotone::Mul(k), a)),
-            (Binary::Div, None, Some(k)) if k != 0.0 => Some((Monotone::Div(k), a)),
+            (Binary::Add, Some(k), None) => Some((MonotoneOp::Add(k), b)),
+            (Binary::Add, None, Some(k)) => Some((MonotoneOp::Add(k), a)),
+            (Binary::Sub, Some(k), None) => Some((MonotoneOp::From(k), b)),
+            (Binary::Sub, None, Some(k)) => Some((MonotoneOp::Add(-k), a)),
+            (Binary::Mul, Some(k), None) if k != 0.0 => Some((MonotoneOp::Mul(k), b)),
+            (Binary::Mul, None, Some(k)) if k != 0.0 => Some((MonotoneOp::Mul(k), a)),
+            (Binary::Div, None, Some(k)) if k != 0.0 => Some((MonotoneOp::Div(k), a)),
             _ => None,
         }
     }
 
     /// The chain with one more operation at its inner end; equal chains are one.
-    fn push(&mut self, op: Monotone, next: u32) -> u32 {
+    fn push(&mut self, op: MonotoneOp, next: u32) -> u32 {
         let (kind, constant) = match op {
-            Monotone::Neg => (0, 0.0),
-            Monotone::Add(k) => (1, k),
-            Monotone::From(k) => (2, k),
-            Monotone::Mul(k) => (3, k),
-            Monotone::Div(k) => (4, k),
+            MonotoneOp::Neg => (0, 0.0),
+            MonotoneOp::Add(k) => (1, k),
+            MonotoneOp::From(k) => (2, k),
+            MonotoneOp::Mul(k) => (3, k),
+            MonotoneOp::Div(k) => (4, k),
         };
         let number = self.above.len() as u32;
         let number = *self.chains.entry((kind, constant.to_bits(), next)).or_insert(number);
@@ -325,7 +326,7 @@ impl<'a> Opener<'a> {
     }
 
     /// The node of a primitive: a new one, a known one or the complement of one.
-    fn literal(&mut self, place: Operand) -> CsgNode {
+    fn literal(&mut self, place: CsgOperand) -> CsgNode {
         let (base, ops) = self.chain(place);
         let level = level(base, &ops);
         let (key, falls) = match level.filter(|level| level.is_exact) {
@@ -340,24 +341,24 @@ impl<'a> Opener<'a> {
         self.n_copied += graph.terms().len();
         let number = self.primitives.len() as u32;
         let is_total = is_total(graph.terms());
-        self.primitives.push(Primitive { tape: Tape::of_graph(graph), is_total, level });
+        self.primitives.push(Primitive { tape: Tape::from_graph(graph), is_total, level });
         self.known.insert(key, (number, falls));
         CsgNode::Primitive(number)
     }
 
     /// A term and the operations above it, up to their sign: what rounds is symmetric, so `k − a` is the
     /// negative of `a − k` to the last bit, whatever follows. And whether that sign is a minus.
-    fn chain_key(&mut self, base: u32, ops: &[Monotone]) -> (PrimitiveKey, bool) {
+    fn chain_key(&mut self, base: u32, ops: &[MonotoneOp]) -> (PrimitiveKey, bool) {
         let mut falls = false;
         let mut plain = Vec::with_capacity(ops.len());
         for op in ops {
             let sign = if falls { -1.0 } else { 1.0 };
             plain.extend(match *op {
-                Monotone::Neg => None,
-                Monotone::Add(k) => Some(Monotone::Add(sign * k)),
-                Monotone::From(k) => Some(Monotone::Add(-sign * k)),
-                Monotone::Mul(k) => Some(Monotone::Mul(k.abs())),
-                Monotone::Div(k) => Some(Monotone::Div(k.abs())),
+                MonotoneOp::Neg => None,
+                MonotoneOp::Add(k) => Some(MonotoneOp::Add(sign * k)),
+                MonotoneOp::From(k) => Some(MonotoneOp::Add(-sign * k)),
+                MonotoneOp::Mul(k) => Some(MonotoneOp::Mul(k.abs())),
+                MonotoneOp::Div(k) => Some(MonotoneOp::Div(k.abs())),
             });
             falls ^= op.falls();
         }
@@ -366,7 +367,7 @@ impl<'a> Opener<'a> {
     }
 
     /// The term below all operations with constants, and these, from it on.
-    fn chain(&self, place: Operand) -> (u32, Vec<Monotone>) {
+    fn chain(&self, place: CsgOperand) -> (u32, Vec<MonotoneOp>) {
         let (mut base, mut ops) = (place.term, Vec::new());
         while let Some((op, term)) = self.below(base) {
             ops.push(op);
@@ -383,9 +384,9 @@ impl<'a> Opener<'a> {
     }
 
     /// The operation with a constant that a term is, and the term that it is of.
-    fn below(&self, term: u32) -> Option<(Monotone, u32)> {
+    fn below(&self, term: u32) -> Option<(MonotoneOp, u32)> {
         match (self.negated(term), &self.terms[term as usize]) {
-            (Some(negated), _) => Some((Monotone::Neg, negated)),
+            (Some(negated), _) => Some((MonotoneOp::Neg, negated)),
             (None, Term::Binary(op, a, b)) => self.with_constant(*op, *a, *b),
             _ => None,
         }
@@ -401,29 +402,29 @@ impl<'a> Opener<'a> {
     }
 
     /// The terms of a primitive.
-    fn graph_of(&self, place: Operand) -> Graph {
-        let mut terms = self.part(place.term);
+    fn graph_of(&self, place: CsgOperand) -> ExprGraph {
+        let mut terms = self.subgraph_terms(place.term);
         let mut above = place.above;
         while above != NOTHING {
             let ChainLink { op, next } = self.above[above as usize];
             let last = terms.len() as u32 - 1;
             let (constant, term): (Option<f64>, fn(u32, u32) -> Term) = match op {
-                Monotone::Neg => (None, |a, _| Term::Unary(Unary::Neg, a)),
-                Monotone::Add(k) => (Some(k), |a, k| Term::Binary(Binary::Add, a, k)),
-                Monotone::From(k) => (Some(k), |a, k| Term::Binary(Binary::Sub, k, a)),
-                Monotone::Mul(k) => (Some(k), |a, k| Term::Binary(Binary::Mul, a, k)),
-                Monotone::Div(k) => (Some(k), |a, k| Term::Binary(Binary::Div, a, k)),
+                MonotoneOp::Neg => (None, |a, _| Term::Unary(Unary::Neg, a)),
+                MonotoneOp::Add(k) => (Some(k), |a, k| Term::Binary(Binary::Add, a, k)),
+                MonotoneOp::From(k) => (Some(k), |a, k| Term::Binary(Binary::Sub, k, a)),
+                MonotoneOp::Mul(k) => (Some(k), |a, k| Term::Binary(Binary::Mul, a, k)),
+                MonotoneOp::Div(k) => (Some(k), |a, k| Term::Binary(Binary::Div, a, k)),
             };
             terms.extend(constant.map(Term::Const));
             let number = terms.len() as u32 - 1;
             terms.push(term(last, number));
             above = next;
         }
-        Graph::of_terms(terms)
+        ExprGraph::from_terms(terms)
     }
 
     /// The terms that one needs, itself last.
-    fn part(&self, root: u32) -> Vec<Term> {
+    fn subgraph_terms(&self, root: u32) -> Vec<Term> {
         let mut number: HashMap<u32, u32> = HashMap::new(); // No order depends on it.
         let mut needed = vec![root];
         let mut open = vec![root];
@@ -453,12 +454,12 @@ impl<'a> Opener<'a> {
 }
 
 /// Operations above a term as a level of it.
-fn level(base: u32, ops: &[Monotone]) -> Option<Level> {
+fn level(base: u32, ops: &[MonotoneOp]) -> Option<LevelSet> {
     // The chain applied to `base` is `scale · base + offset`, with a scale that is a power of 2 or its
     // negative.
-    let mut shift = Shift { scale: 1.0, offset: 0.0, size: 0.0, is_exact: true };
+    let mut shift = ScaleOffset { scale: 1.0, offset: 0.0, size: 0.0, is_exact: true };
     ops.iter().for_each(|op| shift.apply(*op));
-    let Shift { scale, offset, size, is_exact } = shift;
+    let ScaleOffset { scale, offset, size, is_exact } = shift;
     // One zero: −0 and 0 are one level.
     let at = -offset / scale + 0.0;
     let is_sound = at.is_finite()
@@ -466,11 +467,11 @@ fn level(base: u32, ops: &[Monotone]) -> Option<Level> {
         && scale.is_normal()
         && (at.is_normal() || offset == 0.0)
         && ops.len() <= MOST_ROUNDINGS;
-    is_sound.then_some(Level { base, at, size, is_exact, falls: scale < 0.0 })
+    is_sound.then_some(LevelSet { base, at, size, is_exact, falls: scale < 0.0 })
 }
 
 /// A chain of operations applied to a term `t`: `scale · t + offset`.
-struct Shift {
+struct ScaleOffset {
     scale: f64,
     offset: f64,
     /// The largest offset so far, over the scale.
@@ -478,20 +479,20 @@ struct Shift {
     is_exact: bool,
 }
 
-impl Shift {
-    fn apply(&mut self, op: Monotone) {
+impl ScaleOffset {
+    fn apply(&mut self, op: MonotoneOp) {
         match op {
-            Monotone::Neg => (self.scale, self.offset) = (-self.scale, -self.offset),
-            Monotone::Add(k) => self.add(k),
-            Monotone::From(k) => {
+            MonotoneOp::Neg => (self.scale, self.offset) = (-self.scale, -self.offset),
+            MonotoneOp::Add(k) => self.add(k),
+            MonotoneOp::From(k) => {
                 (self.scale, self.offset) = (-self.scale, -self.offset);
                 self.add(k);
             }
-            Monotone::Mul(k) => {
+            MonotoneOp::Mul(k) => {
                 self.scale_by(self.scale * k, self.offset * k);
                 self.is_exact &= is_power_of_two(k);
             }
-            Monotone::Div(k) => {
+            MonotoneOp::Div(k) => {
                 self.scale_by(self.scale / k, self.offset / k);
                 self.is_exact &= is_power_of_two(k);
             }

@@ -11,8 +11,8 @@ fn random(state: &mut u64) -> f64 {
 
 /// The tree has the sign of the expression at random points.
 fn agrees(field: &Field, half: f64) {
-    let csg = Csg::of(field.sign());
-    let tape = Tape::of(field.sign());
+    let csg = Csg::from_expr(field.sign());
+    let tape = Tape::new(field.sign());
     let domain = Box3 { min: [-half; 3], max: [half; 3] };
     let job = Job::default();
     let mut evaluator = PrimitiveEvaluator::new(&csg, &domain, &job);
@@ -35,7 +35,7 @@ fn opens_boxes_and_cylinders_into_planes_and_sides() {
     let block = shapes::cuboid([2.0, 2.0, 1.0]).unwrap();
     let hole = shapes::cylinder(0.4, 2.0).unwrap();
     let drilled = block.difference(&hole);
-    assert_eq!(Csg::of(drilled.sign()).primitives().len(), 9);
+    assert_eq!(Csg::from_expr(drilled.sign()).primitives().len(), 9);
     agrees(&drilled, 1.5);
 }
 
@@ -43,8 +43,9 @@ fn opens_boxes_and_cylinders_into_planes_and_sides() {
 fn a_plane_from_both_sides_is_one_primitive() {
     let below = shapes::cuboid([2.0, 2.0, 2.0]).unwrap();
     let above = below.moved([0.0, 0.0, 2.0]).unwrap();
-    let csg = Csg::of(below.union(&above).sign());
-    // Four sides are shared, the common face is one plane seen from both sides, and there are a floor and a roof.
+    let csg = Csg::from_expr(below.union(&above).sign());
+    // Four sides are shared, the common face is one plane seen from both sides, and there are a floor and a
+    // roof.
     assert_eq!(csg.primitives().len(), 7);
     let all = csg.primitives();
     let parallel = |a: usize, b: usize| all[a].is_parallel_to(&all[b]);
@@ -64,7 +65,7 @@ fn keeps_signs_through_scales_shells_and_differences() {
 
 #[test]
 fn the_two_sides_of_a_shell_are_parallel() {
-    let csg = Csg::of(shapes::sphere(1.0).unwrap().shell(0.125).unwrap().sign());
+    let csg = Csg::from_expr(shapes::sphere(1.0).unwrap().shell(0.125).unwrap().sign());
     let [a, b] = csg.primitives() else { panic!("two primitives") };
     assert!(a.is_parallel_to(b));
 }
@@ -72,7 +73,7 @@ fn the_two_sides_of_a_shell_are_parallel() {
 #[test]
 fn levels_that_were_rounded_are_parallel_where_they_are_clearly_apart() {
     let parallel = |thickness: f64| {
-        let csg = Csg::of(shapes::sphere(1.0).unwrap().shell(thickness).unwrap().sign());
+        let csg = Csg::from_expr(shapes::sphere(1.0).unwrap().shell(thickness).unwrap().sign());
         let [a, b] = csg.primitives() else { panic!("two primitives") };
         a.is_parallel_to(b)
     };
@@ -85,11 +86,11 @@ fn levels_that_underflow_are_not_one() {
     let t = &Expr::axes()[0] * &(&Expr::axes()[1] * 0.0).cos();
     let primitives = |scale: f64| {
         let moved = &(&t + 1e-300) * scale;
-        Csg::of(&t.max(&-&moved)).primitives().len()
+        Csg::from_expr(&t.max(&-&moved)).primitives().len()
     };
     // 2 to the power of −20, and of −1000.
     assert_eq!([2.0_f64.powi(-20), 2.0_f64.powi(-1000)].map(primitives), [2, 2]);
-    let same = |scale: f64| Csg::of(&t.max(&(&t * -scale))).primitives().len();
+    let same = |scale: f64| Csg::from_expr(&t.max(&(&t * -scale))).primitives().len();
     assert_eq!(same(2.0_f64.powi(-1000)), 1);
 }
 
@@ -101,7 +102,7 @@ fn regions_change_no_value_and_hold_every_value() {
         let ball = shapes::sphere(0.2).unwrap().moved(at).unwrap();
         whole = whole.smooth_union(&ball, 0.1).unwrap();
     }
-    let csg = Csg::of(whole.sign());
+    let csg = Csg::from_expr(whole.sign());
     let domain = Box3 { min: [-1.5; 3], max: [1.5; 3] };
     let job = Job::default();
     let mut evaluator = PrimitiveEvaluator::new(&csg, &domain, &job);
@@ -120,7 +121,7 @@ fn regions_change_no_value_and_hold_every_value() {
         .iter()
         .map(|p| (number as u32, Box3 { min: p.map(|x| x - 0.01), max: p.map(|x| x + 0.01) }))
         .collect();
-    for (range, value) in evaluator.slope_ranges(&boxes).unwrap().iter().zip(&values) {
+    for (range, value) in evaluator.dual_ranges(&boxes).unwrap().iter().zip(&values) {
         assert!(range.value[0] <= *value && *value <= range.value[1] && range.gradient.is_some());
     }
 }
@@ -128,7 +129,7 @@ fn regions_change_no_value_and_hold_every_value() {
 #[test]
 fn what_may_have_no_value_is_not_total() {
     let [x, y, _] = Expr::axes();
-    let total = |e: &Expr| Csg::of(e).primitives().iter().all(Primitive::is_total);
+    let total = |e: &Expr| Csg::from_expr(e).primitives().iter().all(Primitive::is_total);
     assert!(total(&(x.square() + y.square()).sqrt()));
     assert!(total(&Expr::unary(Unary::Round, &x)));
     assert!(!total(&x.sqrt()));
@@ -142,7 +143,7 @@ fn a_tree_that_doubles_stays_small() {
     for k in 0..60 {
         whole = (&whole + f64::from(k)).min(&(&whole * 2.0));
     }
-    let csg = Csg::of(&whole);
+    let csg = Csg::from_expr(&whole);
     assert_eq!(csg.primitives().len(), 1);
 }
 
@@ -152,7 +153,7 @@ const ROOM: f64 = 64.0 * f64::EPSILON;
 /// Pairs of points in random boxes, of which many have 0 in a coordinate: values differ by what the range of
 /// gradients allows.
 fn obeys_mean_value_theorem(expr: &Expr, state: &mut u64) {
-    let tape = Tape::of(expr);
+    let tape = Tape::new(expr);
     for _ in 0..400 {
         let mut pick = || {
             let at = 2.0 * random(state) - 1.0;
@@ -162,7 +163,7 @@ fn obeys_mean_value_theorem(expr: &Expr, state: &mut u64) {
             (std::array::from_fn(|_| pick()), std::array::from_fn(|_| pick().abs()));
         let bounds = Box3 { min: from, max: std::array::from_fn(|k| from[k] + size[k]) };
         let unknown = crate::math::Interval::UNKNOWN;
-        let mut range = [crate::implicit::Slope { value: unknown, gradient: [unknown; 3] }];
+        let mut range = [crate::implicit::Dual { value: unknown, gradient: [unknown; 3] }];
         tape.gradient_over(&[bounds], &mut range).unwrap();
         assert!(range[0].value.is_defined());
         let points: Vec<[f64; 3]> = (0..16)
@@ -221,8 +222,8 @@ fn ranges_of_slopes_are_tight_where_coordinates_have_one_sign() {
     let [x, y, z] = Expr::axes();
     let over = |expr: &Expr, bounds: Box3| {
         let unknown = crate::math::Interval::UNKNOWN;
-        let mut range = [crate::implicit::Slope { value: unknown, gradient: [unknown; 3] }];
-        Tape::of(expr).gradient_over(&[bounds], &mut range).unwrap();
+        let mut range = [crate::implicit::Dual { value: unknown, gradient: [unknown; 3] }];
+        Tape::new(expr).gradient_over(&[bounds], &mut range).unwrap();
         range[0].gradient
     };
     // Beside a face of a box its plane alone counts, also where that is 0.
@@ -253,7 +254,7 @@ fn steps_are_looked_at_one_by_one() {
         sum([cut(&x, Unary::Floor), cut(&y, Unary::Ceil), cut(&z, Unary::Round)]),
         sum([rest(&x), rest(&y), z.clone()]),
     ] {
-        let csg = Csg::of(&sign);
+        let csg = Csg::from_expr(&sign);
         let domain = Box3 { min: [-2.0; 3], max: [2.0; 3] };
         let job = Job::default();
         let mut evaluator = PrimitiveEvaluator::new(&csg, &domain, &job);
@@ -265,7 +266,7 @@ fn steps_are_looked_at_one_by_one() {
             let bounds = Box3 { min: from, max: from.map(|x| x + size) };
             let questions: Vec<(u32, Box3)> =
                 (0..csg.primitives().len() as u32).map(|p| (p, bounds)).collect();
-            let ranges = evaluator.slope_ranges(&questions).unwrap();
+            let ranges = evaluator.dual_ranges(&questions).unwrap();
             let values = evaluator.ranges(&questions).unwrap();
             for ((p, _), (slopes, range)) in questions.iter().zip(ranges.iter().zip(&values)) {
                 assert_eq!(slopes.value, *range);
@@ -281,12 +282,12 @@ fn steps_are_looked_at_one_by_one() {
     }
     // Where the steps are not in it, a box has a gradient; where they are, the value is far from 0 on either
     // side of them.
-    let csg = Csg::of(balls.sign());
+    let csg = Csg::from_expr(balls.sign());
     let job = Job::default();
     let mut evaluator = PrimitiveEvaluator::new(&csg, &Box3 { min: [-2.0; 3], max: [2.0; 3] }, &job);
     let one = |from: [f64; 3]| vec![(0, Box3 { min: from, max: from.map(|x| x + 0.02) })];
-    assert!(evaluator.slope_ranges(&one([0.2, 0.1, 0.0])).unwrap()[0].gradient.is_some());
-    let on_step = evaluator.slope_ranges(&one([0.49, 0.1, 0.0])).unwrap()[0];
+    assert!(evaluator.dual_ranges(&one([0.2, 0.1, 0.0])).unwrap()[0].gradient.is_some());
+    let on_step = evaluator.dual_ranges(&one([0.49, 0.1, 0.0])).unwrap()[0];
     assert!(on_step.gradient.is_none() && on_step.value[0] > 0.2);
 }
 
@@ -294,7 +295,7 @@ fn steps_are_looked_at_one_by_one() {
 fn steps_beyond_what_integers_hold_are_one_range() {
     let [x, y, z] = Expr::axes();
     let sign = Expr::unary(Unary::Floor, &(x * 1e20)) - 1e19 + y.square() + z.square();
-    let (csg, job) = (Csg::of(&sign), Job::default());
+    let (csg, job) = (Csg::from_expr(&sign), Job::default());
     let bounds = Box3 { min: [0.5, 0.0, 0.0], max: [0.6, 0.1, 0.1] };
     let mut evaluator = PrimitiveEvaluator::new(&csg, &bounds, &job);
     let [low, high] = evaluator.ranges(&[(0, bounds)]).unwrap()[0];
@@ -317,8 +318,8 @@ fn copies_without_end_are_listed_where_they_are_cut_off() {
         (bars.scaled([1.5, -0.8, 1.0]).unwrap().moved([0.1, 0.2, 0.3]).unwrap().intersection(&ball), 1.0),
     ] {
         let has_steps = |term: &Term| matches!(term, Term::Unary(Unary::Round, _));
-        assert!(!Tape::of(field.sign()).graph().terms().iter().any(has_steps));
-        let (value, sign) = (Tape::of(field.expr()), Tape::of(field.sign()));
+        assert!(!Tape::new(field.sign()).graph().terms().iter().any(has_steps));
+        let (value, sign) = (Tape::new(field.expr()), Tape::new(field.sign()));
         let mut state = 3;
         let at: Vec<[f64; 3]> =
             (0..2000).map(|_| [0; 3].map(|_| half * (2.0 * random(&mut state) - 1.0))).collect();
@@ -337,16 +338,16 @@ fn what_differs_by_its_sign_alone_is_one_primitive() {
     let rises = x.clone() * 8.13 - 0.7;
     let falls = Expr::constant(0.7) - x.clone() * 8.13;
     let scaled = (Expr::constant(0.7) - x.clone() * 8.13) * -0.3;
-    let one = Csg::of(&rises.min(&falls.max(&y)));
+    let one = Csg::from_expr(&rises.min(&falls.max(&y)));
     assert_eq!(one.primitives().len(), 2);
     assert!(one.tree().nodes().contains(&CsgNode::Complement(0)));
-    assert_eq!(Csg::of(&(rises.clone() * 0.3).min(&scaled)).primitives().len(), 1);
+    assert_eq!(Csg::from_expr(&(rises.clone() * 0.3).min(&scaled)).primitives().len(), 1);
     // Another constant is another primitive.
-    assert_eq!(Csg::of(&rises.min(&(Expr::constant(0.8) - x.clone() * 8.13))).primitives().len(), 2);
+    assert_eq!(Csg::from_expr(&rises.min(&(Expr::constant(0.8) - x.clone() * 8.13))).primitives().len(), 2);
     // Differences of two terms, either way round, below other operations.
     let [a, b] = [x.square() * 0.3, y.square() * 0.7];
-    assert_eq!(Csg::of(&(a.clone() - b.clone()).max(&(b.clone() - a.clone()))).primitives().len(), 1);
+    assert_eq!(Csg::from_expr(&(a.clone() - b.clone()).max(&(b.clone() - a.clone()))).primitives().len(), 1);
     let both = ((a.clone() - b.clone()) + 0.1).min(&(((b - a) - 0.1) * 0.6));
-    assert_eq!(Csg::of(&both).primitives().len(), 2);
+    assert_eq!(Csg::from_expr(&both).primitives().len(), 2);
     agrees(&Field::new(both), 1.0);
 }

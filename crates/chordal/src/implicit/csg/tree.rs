@@ -1,4 +1,5 @@
-//! `CsgTree`: unions and intersections of primitives and their complements, as a list of nodes in postfix order.
+//! `CsgTree`: unions and intersections of primitives and their complements, as a list of nodes in postfix
+//! order.
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// Whether all points of a region are inside a solid, as far as is known.
@@ -18,7 +19,7 @@ impl Membership {
     /// That of a literal of a primitive that is 0 nowhere in the region: of the complement, where it `falls`.
     #[inline]
     #[must_use]
-    pub fn of_literal(self, falls: bool) -> Self {
+    pub fn complement_if(self, falls: bool) -> Self {
         match (self, falls) {
             (Self::Inside, true) => Self::Outside,
             (Self::Outside, true) => Self::Inside,
@@ -29,7 +30,7 @@ impl Membership {
     /// That of a point with this value.
     #[inline]
     #[must_use]
-    pub fn of(value: f64) -> Self {
+    pub fn from_value(value: f64) -> Self {
         if value < 0.0 { Self::Inside } else { Self::Outside }
     }
 }
@@ -49,9 +50,9 @@ pub enum CsgNode {
 
 /// Unions and intersections of primitives and their complements.
 ///
-/// The nodes are in postfix order: operands come before their operator, and the last node is the whole. Trees of any depth are walked
-/// without recursion. As a value a union is the minimum of its operands, an intersection the maximum, and a
-/// complement the negation.
+/// The nodes are in postfix order: operands come before their operator, and the last node is the whole. Trees
+/// of any depth are walked without recursion. As a value a union is the minimum of its operands, an
+/// intersection the maximum, and a complement the negation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CsgTree {
     nodes: Vec<CsgNode>,
@@ -59,7 +60,7 @@ pub struct CsgTree {
 
 /// What is left of a tree in a region.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Restricted {
+pub enum CsgRestriction {
     /// All of the region is inside, or all of it outside.
     Decided(Membership),
     /// The primitives that still decide there.
@@ -157,7 +158,7 @@ impl CsgTree {
     /// The tree without what is decided: `of` classifies a region against each literal, a primitive and
     /// whether it stands as its complement.
     #[must_use]
-    pub fn restricted(&self, mut of: impl FnMut(u32, bool) -> Membership) -> Restricted {
+    pub fn restrict(&self, mut of: impl FnMut(u32, bool) -> Membership) -> CsgRestriction {
         // The stack holds, for each result, its side and where its nodes begin in `kept`.
         let mut kept: Vec<CsgNode> = Vec::with_capacity(self.nodes.len());
         let mut stack: Vec<(Membership, usize)> = Vec::new();
@@ -190,13 +191,14 @@ impl CsgTree {
             }
         }
         match stack.first() {
-            Some((Membership::Unknown, _)) | None => Restricted::Open(Self { nodes: kept }),
-            Some((side, _)) => Restricted::Decided(*side),
+            Some((Membership::Unknown, _)) | None => CsgRestriction::Open(Self { nodes: kept }),
+            Some((side, _)) => CsgRestriction::Decided(*side),
         }
     }
 
-    /// The primitives that can have the value of the whole somewhere in a region, from ranges of all, each with whether it stands there as
-    /// its complement: where `min(a, b)` has `a < b` throughout, `b` never has the value.
+    /// The primitives that can have the value of the whole somewhere in a region, from ranges of all, each
+    /// with whether it stands there as its complement: where `min(a, b)` has `a < b` throughout, `b` never
+    /// has the value.
     #[must_use]
     pub fn active(&self, mut of: impl FnMut(u32) -> [f64; 2]) -> Vec<(u32, bool)> {
         let mut stack: Vec<ActiveResult> = Vec::new();
@@ -298,8 +300,8 @@ mod tests {
         for bits in 0..8_u32 {
             let value = |p: u32| if bits >> p & 1 == 1 { -1.0 - f64::from(p) } else { 1.0 + f64::from(p) };
             let expected = tree.value(value);
-            let side = |p, falls| Membership::of(value(p)).of_literal(falls);
-            assert_eq!(tree.membership(side), Membership::of(expected));
+            let side = |p, falls| Membership::from_value(value(p)).complement_if(falls);
+            assert_eq!(tree.membership(side), Membership::from_value(expected));
             assert_eq!(tree.contains(|p| value(p) < 0.0), expected < 0.0);
             assert_eq!(tree.range(|p| [value(p); 2]), [expected; 2]);
             let active = tree.active(|p| [value(p); 2]);
@@ -310,15 +312,15 @@ mod tests {
     #[test]
     fn restricting_keeps_what_still_decides() {
         let tree = sample();
-        let restricted = |of: fn(u32) -> Membership| tree.restricted(|p, falls| of(p).of_literal(falls));
+        let restricted = |of: fn(u32) -> Membership| tree.restrict(|p, falls| of(p).complement_if(falls));
         let unknown = |_| Membership::Unknown;
-        assert_eq!(restricted(unknown), Restricted::Open(tree.clone()));
+        assert_eq!(restricted(unknown), CsgRestriction::Open(tree.clone()));
         let c_outside = |p| if p == 2 { Membership::Outside } else { Membership::Unknown };
-        assert_eq!(restricted(c_outside), Restricted::Decided(Membership::Outside));
+        assert_eq!(restricted(c_outside), CsgRestriction::Decided(Membership::Outside));
         let b_inside = |p| if p == 1 { Membership::Inside } else { Membership::Unknown };
         let left = CsgTree::new(vec![CsgNode::Primitive(0), CsgNode::Primitive(2), CsgNode::Intersection(2)]);
-        assert_eq!(restricted(b_inside), Restricted::Open(left));
+        assert_eq!(restricted(b_inside), CsgRestriction::Open(left));
         let b_outside = |p| if p == 1 { Membership::Outside } else { Membership::Unknown };
-        assert_eq!(restricted(b_outside), Restricted::Open(CsgTree::new(vec![CsgNode::Primitive(2)])));
+        assert_eq!(restricted(b_outside), CsgRestriction::Open(CsgTree::new(vec![CsgNode::Primitive(2)])));
     }
 }

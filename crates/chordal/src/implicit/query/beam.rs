@@ -11,15 +11,16 @@ pub struct Beam {
     pub from: f64,
     /// The end of that part; may be infinite.
     pub to: f64,
-    /// Its radius at its origin, and by how much that grows for each length travelled: half a pixel, as a rule. What is
-    /// thinner may be missed where no range of slopes rules it out, and that is counted.
+    /// Its radius at its origin, and by how much that grows for each length travelled: half a pixel, as a
+    /// rule. What is thinner may be missed where no range of slopes rules it out, and that is counted.
     pub cone: [f64; 2],
 }
 
 /// Where a beam met the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Met {
-    /// How far along, in multiples of the direction: the far end of a bracket between a point outside and one inside.
+pub struct BeamHit {
+    /// How far along, in multiples of the direction: the far end of a bracket between a point outside and one
+    /// inside.
     pub t: f64,
     /// The point there.
     pub point: [f64; 3],
@@ -29,12 +30,12 @@ pub struct Met {
 
 /// What became of one beam.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Record {
+pub struct BeamRecord {
     /// Where it met the surface, if it did.
-    pub met: Option<Met>,
-    /// Whether more than its radius before that, or anywhere if it met nothing, a stretch was passed that no range of
-    /// slopes and no word for a distance clears. Such stretches are a quarter of its radius long, and longer where nothing
-    /// bounds the slope.
+    pub hit: Option<BeamHit>,
+    /// Whether more than its radius before that, or anywhere if it met nothing, a stretch was passed that no
+    /// range of slopes and no word for a distance clears. Such stretches are a quarter of its radius long,
+    /// and longer where nothing bounds the slope.
     pub uncertain: bool,
     /// Whether it was given up at the most steps. Then it met nothing, and that is uncertain.
     pub capped: bool,
@@ -42,7 +43,7 @@ pub struct Record {
 
 /// What became of many beams.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
+pub struct BeamCounts {
     /// All of them.
     pub beams: u64,
     /// Those that met the surface; each hit is bracketed by a point outside and one inside.
@@ -53,13 +54,13 @@ pub struct Counts {
     pub capped: u64,
 }
 
-impl Counts {
+impl BeamCounts {
     /// One more.
     #[must_use]
-    pub fn with(self, record: &Record) -> Self {
+    pub fn add_record(self, record: &BeamRecord) -> Self {
         Self {
             beams: self.beams + 1,
-            hits: self.hits + u64::from(record.met.is_some()),
+            hits: self.hits + u64::from(record.hit.is_some()),
             uncertain: self.uncertain + u64::from(record.uncertain || record.capped),
             capped: self.capped + u64::from(record.capped),
         }
@@ -67,7 +68,7 @@ impl Counts {
 
     /// Both together.
     #[must_use]
-    pub fn and(self, other: Self) -> Self {
+    pub fn merge(self, other: Self) -> Self {
         Self {
             beams: self.beams + other.beams,
             hits: self.hits + other.hits,

@@ -1,7 +1,7 @@
 //! The nearest place of the surface, with a distance that is enclosed from both sides.
-use super::super::{LeafError, Slope};
-use super::cells::{Cells, Unbounded};
-use super::sides::{dot, unit};
+use super::super::{Dual, LeafError};
+use super::octree::{FieldOctree, FieldOctreeError};
+use super::point_queries::{dot, unit};
 use crate::budget::{Job, par_map};
 use crate::math::{Box3, Interval};
 use std::cmp::{Ordering, Reverse};
@@ -9,7 +9,7 @@ use std::collections::BinaryHeap;
 
 /// The nearest place of the surface to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Nearest {
+pub struct FieldClosestPoint {
     /// A place within a bracket of the surface: a point outside and one inside are that close to each other.
     pub place: [f64; 3],
     /// The distance is at least this: closer parts of space are proved to be on one side, by ranges.
@@ -25,63 +25,63 @@ const MOST_PARTS: usize = 4096;
 /// Halvings of a bracket: as many as a number has digits.
 const HALVINGS: usize = 60;
 
-/// The nearest place to each point, its distance enclosed to `within` of itself where that is possible. `None` where no
-/// place was found: there is no surface in the cells, or none that a step across it shows.
+/// The nearest place to each point, its distance enclosed to `within` of itself where that is possible.
+/// `None` where no place was found: there is no surface in the cells, or none that a step across it shows.
 ///
-/// A place is found by steps along the gradient from the point and from the nearest cells, and bracketed; then parts of
-/// space are divided, the nearest first, until none that may hold surface is closer.
+/// A place is found by steps along the gradient from the point and from the nearest cells, and bracketed;
+/// then parts of space are divided, the nearest first, until none that may hold surface is closer.
 ///
 /// # Errors
-/// What a leaf says.
-pub fn closest(
-    cells: &Cells,
+/// Fails if a leaf fails.
+pub fn closest_points(
+    cells: &FieldOctree,
     points: &[[f64; 3]],
     within: f64,
     job: &Job,
-) -> Result<Vec<Option<Nearest>>, Unbounded> {
-    let found = par_map(job, points, |_, p| Search { cells, point: *p, within }.run());
-    found.into_iter().map(|found| found.map_err(Unbounded::from)).collect()
+) -> Result<Vec<Option<FieldClosestPoint>>, FieldOctreeError> {
+    let found = par_map(job, points, |_, p| FieldClosestSearch { cells, point: *p, within }.run());
+    found.into_iter().map(|found| found.map_err(FieldOctreeError::from)).collect()
 }
 
-struct Search<'a> {
-    cells: &'a Cells,
+struct FieldClosestSearch<'a> {
+    cells: &'a FieldOctree,
     point: [f64; 3],
     within: f64,
 }
 
 /// A part of space that may hold surface, ordered by its distance; equal ones by age.
-struct Candidate {
+struct CandidateBox {
     distance: f64,
     age: usize,
     bounds: Box3,
     tape: u32,
 }
 
-impl PartialEq for Candidate {
+impl PartialEq for CandidateBox {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
-impl Eq for Candidate {}
-impl PartialOrd for Candidate {
+impl Eq for CandidateBox {}
+impl PartialOrd for CandidateBox {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
-impl Ord for Candidate {
+impl Ord for CandidateBox {
     fn cmp(&self, other: &Self) -> Ordering {
         self.distance.total_cmp(&other.distance).then(self.age.cmp(&other.age))
     }
 }
 
-impl Search<'_> {
-    fn run(&self) -> Result<Option<Nearest>, LeafError> {
-        let mut best: Option<Nearest> = None;
-        self.offer(self.point, &mut best)?;
-        let mut open: BinaryHeap<Reverse<Candidate>> = (self.cells.cells.iter().enumerate())
+impl FieldClosestSearch<'_> {
+    fn run(&self) -> Result<Option<FieldClosestPoint>, LeafError> {
+        let mut best: Option<FieldClosestPoint> = None;
+        self.try_start(self.point, &mut best)?;
+        let mut open: BinaryHeap<Reverse<CandidateBox>> = (self.cells.cells.iter().enumerate())
             .map(|(age, cell)| {
                 let (bounds, tape) = (cell.bounds, cell.tape);
-                Reverse(Candidate { distance: self.distance_to(&bounds), age, bounds, tape })
+                Reverse(CandidateBox { distance: self.distance_to(&bounds), age, bounds, tape })
             })
             .collect();
         let mut age = open.len();
@@ -94,19 +94,19 @@ impl Search<'_> {
                 break;
             }
             // A place in here would be the nearest so far.
-            self.offer(part.bounds.centre(), &mut best)?;
+            self.try_start(part.bounds.centre(), &mut best)?;
             age = self.divide(&part, &mut open, age)?;
         }
         Ok(best.map(|best| {
             let at_least = if at_least < best.at_most { at_least } else { best.at_most };
-            Nearest { at_least, ..best }
+            FieldClosestPoint { at_least, ..best }
         }))
     }
 
     fn divide(
         &self,
-        part: &Candidate,
-        open: &mut BinaryHeap<Reverse<Candidate>>,
+        part: &CandidateBox,
+        open: &mut BinaryHeap<Reverse<CandidateBox>>,
         mut age: usize,
     ) -> Result<usize, LeafError> {
         let tape = &self.cells.tapes[part.tape as usize];
@@ -128,7 +128,7 @@ impl Search<'_> {
             if !clear {
                 age += 1;
                 let distance = self.distance_to(&bounds);
-                open.push(Reverse(Candidate { distance, age, bounds, tape: part.tape }));
+                open.push(Reverse(CandidateBox { distance, age, bounds, tape: part.tape }));
             }
         }
         Ok(age)
@@ -144,19 +144,24 @@ impl Search<'_> {
         dot(off, off).sqrt() * (1.0 - 8.0 * f64::EPSILON)
     }
 
-    /// Walks from a place to the surface and towards the point along it, and keeps what it brackets if that is nearer.
-    /// Where that leads over an edge, the surface below the place itself.
-    fn offer(&self, from: [f64; 3], best: &mut Option<Nearest>) -> Result<(), LeafError> {
-        if !self.walk(from, 0.5, best)? {
-            self.walk(from, 0.0, best)?;
+    /// Walks from a place to the surface and towards the point along it, and keeps what it brackets if that
+    /// is nearer. Where that leads over an edge, the surface below the place itself.
+    fn try_start(&self, from: [f64; 3], best: &mut Option<FieldClosestPoint>) -> Result<(), LeafError> {
+        if !self.descend(from, 0.5, best)? {
+            self.descend(from, 0.0, best)?;
         }
         Ok(())
     }
 
     /// Whether a walk found the surface, by steps this share of the way to under the point.
-    fn walk(&self, from: [f64; 3], share: f64, best: &mut Option<Nearest>) -> Result<bool, LeafError> {
+    fn descend(
+        &self,
+        from: [f64; 3],
+        share: f64,
+        best: &mut Option<FieldClosestPoint>,
+    ) -> Result<bool, LeafError> {
         let tape = self.cells.tape();
-        let mut slope = [Slope { value: 0.0, gradient: [0.0; 3] }];
+        let mut slope = [Dual { value: 0.0, gradient: [0.0; 3] }];
         let mut x = from;
         for _ in 0..STEPS {
             tape.gradient_at(&[x], &mut slope)?;
@@ -189,7 +194,7 @@ impl Search<'_> {
             tape.at(&ends, &mut values)?;
             let inside = [values[0] < 0.0, values[1] < 0.0];
             if inside == [true, false] {
-                self.keep(ends, best)?;
+                self.bisect(ends, best)?;
                 return Ok(true);
             }
             width *= 4.0;
@@ -197,7 +202,11 @@ impl Search<'_> {
         Ok(false)
     }
 
-    fn keep(&self, [inside, outside]: [[f64; 3]; 2], best: &mut Option<Nearest>) -> Result<(), LeafError> {
+    fn bisect(
+        &self,
+        [inside, outside]: [[f64; 3]; 2],
+        best: &mut Option<FieldClosestPoint>,
+    ) -> Result<(), LeafError> {
         let (mut a, mut b) = (inside, outside);
         for _ in 0..HALVINGS {
             let middle: [f64; 3] = std::array::from_fn(|k| a[k] + 0.5 * (b[k] - a[k]));
@@ -216,7 +225,7 @@ impl Search<'_> {
         let (to_a, to_b) = (far(a), far(b));
         let at_most = if to_a > to_b { to_a } else { to_b };
         if best.is_none_or(|best| at_most < best.at_most) {
-            *best = Some(Nearest { place: a, at_least: 0.0, at_most });
+            *best = Some(FieldClosestPoint { place: a, at_least: 0.0, at_most });
         }
         Ok(())
     }

@@ -1,55 +1,56 @@
-//! `Tracer`: many beams at once, each as far as one more value takes it, until all are done.
+//! `FieldTracer`: many beams at once, each as far as one more value takes it, until all are done.
 use super::super::LeafError;
-use super::beam::{Beam, Record};
-use super::cells::Cells;
-use super::sides::normals;
-use super::step::{Asked, Walker};
+use super::beam::{Beam, BeamRecord};
+use super::octree::FieldOctree;
+use super::point_queries::normals;
+use super::ray_march::{BeamMarcher, HitQuery};
 
 /// Meets beams with the surface of a field.
 ///
-/// All beams that are under way are evaluated together, so that a leaf is asked for as many points at once as there are
-/// beams. A hit is a bracket of 2⁻⁴² of the size, with a point outside at one end and one inside at the other. What lies
-/// before it is free by ranges of slopes in each cell or by the field's word for its distance, up to the rounding of
-/// values; where neither says so, steps of a quarter of the beam's radius are taken, and the record says *uncertain*.
+/// All beams that are under way are evaluated together, so that a leaf is asked for as many points at once as
+/// there are beams. A hit is a bracket of 2⁻⁴² of the size, with a point outside at one end and one inside at
+/// the other. What lies before it is free by ranges of slopes in each cell or by the field's word for its
+/// distance, up to the rounding of values; where neither says so, steps of a quarter of the beam's radius are
+/// taken, and the record says *uncertain*.
 ///
 /// ```
-/// use chordal::implicit::{Expr, Field, query::{Beam, Cells, Tracer}};
+/// use chordal::implicit::{Expr, Field, query::{Beam, FieldOctree, FieldTracer}};
 /// use chordal::{Job, math::Box3};
 /// let [x, y, z] = Expr::axes();
 /// let ball = Field::new(x.square() + y.square() + z.square() - 1.0)
 ///     .with_bounds(Box3 { min: [-1.0; 3], max: [1.0; 3] });
-/// let cells = Cells::of(&ball, &Job::default())?;
+/// let cells = FieldOctree::build(&ball, &Job::default())?;
 /// let beam = Beam { origin: [3.0, 0.0, 0.0], direction: [-1.0, 0.0, 0.0], from: 0.0, to: 9.0, cone: [0.001, 0.0] };
-/// let record = Tracer::new(&cells).meet(&[beam])?[0];
-/// assert!((record.met.unwrap().t - 2.0).abs() < 1e-11 && !record.uncertain);
+/// let record = FieldTracer::new(&cells).intersect(&[beam])?[0];
+/// assert!((record.hit.unwrap().t - 2.0).abs() < 1e-11 && !record.uncertain);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct Tracer<'a> {
-    cells: &'a Cells,
+pub struct FieldTracer<'a> {
+    cells: &'a FieldOctree,
 }
 
-impl<'a> Tracer<'a> {
+impl<'a> FieldTracer<'a> {
     /// One for these cells.
     #[must_use]
-    pub fn new(cells: &'a Cells) -> Self {
+    pub fn new(cells: &'a FieldOctree) -> Self {
         Self { cells }
     }
 
     /// Where each beam meets the surface first, from whichever side it starts on.
     ///
     /// # Errors
-    /// What a leaf says.
-    pub fn meet(&self, beams: &[Beam]) -> Result<Vec<Record>, LeafError> {
-        self.run(beams, Asked::First)
+    /// Fails if a leaf fails.
+    pub fn intersect(&self, beams: &[Beam]) -> Result<Vec<BeamRecord>, LeafError> {
+        self.run(beams, HitQuery::First)
     }
 
     /// Whether each beam meets anything; one that starts inside does.
     ///
     /// # Errors
-    /// What a leaf says.
-    pub fn hidden(&self, beams: &[Beam]) -> Result<Vec<bool>, LeafError> {
-        Ok(self.run(beams, Asked::Any)?.iter().map(|record| record.met.is_some()).collect())
+    /// Fails if a leaf fails.
+    pub fn occluded(&self, beams: &[Beam]) -> Result<Vec<bool>, LeafError> {
+        Ok(self.run(beams, HitQuery::Any)?.iter().map(|record| record.hit.is_some()).collect())
     }
 
     /// How many points a call of the field should have, at least.
@@ -61,7 +62,7 @@ impl<'a> Tracer<'a> {
     /// The unit gradient at each point, outward on the surface; `None` where it vanishes or is not finite.
     ///
     /// # Errors
-    /// What a leaf says.
+    /// Fails if a leaf fails.
     pub fn normals(&self, points: &[[f64; 3]]) -> Result<Vec<Option<[f64; 3]>>, LeafError> {
         let mut order: Vec<(u32, u32)> =
             (points.iter().enumerate()).map(|(k, point)| (self.cells.tape_at(*point), k as u32)).collect();
@@ -79,11 +80,11 @@ impl<'a> Tracer<'a> {
         Ok(out)
     }
 
-    fn run(&self, beams: &[Beam], asked: Asked) -> Result<Vec<Record>, LeafError> {
-        let mut records = vec![Record::default(); beams.len()];
-        let mut walkers: Vec<Walker> = Vec::new();
+    fn run(&self, beams: &[Beam], asked: HitQuery) -> Result<Vec<BeamRecord>, LeafError> {
+        let mut records = vec![BeamRecord::default(); beams.len()];
+        let mut walkers: Vec<BeamMarcher> = Vec::new();
         for (k, (beam, record)) in beams.iter().zip(&mut records).enumerate() {
-            let Some(mut walker) = Walker::new(self.cells, beam, asked) else { continue };
+            let Some(mut walker) = BeamMarcher::new(self.cells, beam, asked) else { continue };
             walker.start(self.cells);
             if walker.is_done() {
                 *record = walker.record();
@@ -109,7 +110,7 @@ impl<'a> Tracer<'a> {
                     values.resize(points.len(), f64::NAN);
                     tape.at(&points, &mut values)?;
                     for ([_, k], value) in part.iter().zip(&values) {
-                        walkers[*k as usize].take(self.cells, *value);
+                        walkers[*k as usize].advance(self.cells, *value);
                     }
                 }
             }

@@ -1,23 +1,23 @@
 //! `Contours`: the exact signed distance to closed contours of straight edges in the plane, as a leaf.
 use super::contours_build;
-use super::flat::endless;
 use super::half_planes;
+use super::planar::endless;
 use super::{InvalidShape, finite_point};
 use crate::budget::Evidence;
-use crate::implicit::{Answer, Distance, Expr, Field, Leaf, LeafError, Lipschitz};
+use crate::implicit::{Distance, Expr, Field, Leaf, LeafAnswer, LeafError, Lipschitz};
 use crate::math::{Box3, Interval, Orientation, add_up, orient2d};
 use std::sync::Arc;
 
 /// Which points contours enclose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Fill {
+pub enum ContourFill {
     /// Those that they surround an odd number of times.
     EvenOdd,
     /// Those around which they wind, in either direction, more often than they unwind.
     NonZero,
 }
 
-impl Fill {
+impl ContourFill {
     /// Whether a point with that winding number is inside.
     pub(super) fn holds(self, winding: i32) -> bool {
         match self {
@@ -29,20 +29,21 @@ impl Fill {
 
 /// One side of a contour, directed.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Edge {
+pub(super) struct ContourEdge {
     pub a: [f64; 2],
     pub b: [f64; 2],
     /// The contour, and the rows of the edges before and after it there.
     pub contour: u32,
     pub before: u32,
     pub after: u32,
-    /// 1 where the outside is to the right of the direction, −1 where it is to the left, 0 where that is not known.
+    /// 1 where the outside is to the right of the direction, −1 where it is to the left, 0 where that is not
+    /// known.
     pub outside: i8,
 }
 
 /// A box over a run of edges, or over two nodes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
+pub(super) struct ContourBvhNode {
     pub min: [f64; 2],
     pub max: [f64; 2],
     /// Rows of the order, where it has no children.
@@ -51,32 +52,33 @@ pub(super) struct Node {
     pub second: u32,
 }
 
-/// Closed contours in the plane, with a tree over their edges. The value is the signed distance to the edges, negative
-/// inside, for the plane that x and y span; z plays no part.
+/// Closed contours in the plane, with a tree over their edges. The value is the signed distance to the edges,
+/// negative inside, for the plane that x and y span; z plays no part.
 ///
-/// Which side a point is on is decided by exact predicates. The distance is rounded: it is off by 64 units of rounding
-/// of the largest coordinate at most, which ranges allow for.
+/// Which side a point is on is decided by exact predicates. The distance is rounded: it is off by 64 units of
+/// rounding of the largest coordinate at most, which ranges allow for.
 ///
 /// Cost: O(log n) for a point.
 #[derive(Clone, Debug)]
 pub struct Contours {
-    pub(super) edges: Vec<Edge>,
-    pub(super) nodes: Vec<Node>,
+    pub(super) edges: Vec<ContourEdge>,
+    pub(super) nodes: Vec<ContourBvhNode>,
     pub(super) order: Vec<u32>,
     pub(super) largest: f64,
-    pub(super) fill: Fill,
+    pub(super) fill: ContourFill,
     pub(super) distance: Distance,
     pub(super) bounds: [[f64; 2]; 2],
 }
 
 impl Contours {
-    /// The contours through these points, each joined back to its first. Contours that do not bound what is filled (one
-    /// within another of the same direction, say) are left out, if no two edges meet but at corners that they share; the
-    /// value is then the exact distance. Otherwise it is a bound: an edge may run inside of the shape.
+    /// The contours through these points, each joined back to its first. Contours that do not bound what is
+    /// filled (one within another of the same direction, say) are left out, if no two edges meet but at
+    /// corners that they share; the value is then the exact distance. Otherwise it is a bound: an edge may
+    /// run inside of the shape.
     ///
     /// # Errors
     /// When a coordinate is not a finite number below 1e150, or no contour has three corners.
-    pub fn new(contours: &[Vec<[f64; 2]>], fill: Fill) -> Result<Self, InvalidShape> {
+    pub fn new(contours: &[Vec<[f64; 2]>], fill: ContourFill) -> Result<Self, InvalidShape> {
         let mut largest = 0.0;
         for x in contours.iter().flatten().flatten() {
             finite_point("a contour's coordinate", [*x])?;
@@ -92,7 +94,7 @@ impl Contours {
         if edges.is_empty() {
             return Err(InvalidShape::Number("no contour has three different corners in a row".into()));
         }
-        let (edges, is_simple) = contours_build::sorted_out(edges, fill);
+        let (edges, is_simple) = contours_build::orient_edges(edges, fill);
         if edges.is_empty() {
             return Err(InvalidShape::Number("the contours enclose nothing".into()));
         }
@@ -120,14 +122,14 @@ impl Contours {
     pub fn into_field(self) -> Field {
         let (distance, [min, max]) = (self.distance, self.bounds);
         let [x, y, _] = Expr::axes();
-        let sign = half_planes::inside(&self.edges, [&x, &y]);
+        let sign = half_planes::half_plane_formula(&self.edges, [&x, &y]);
         let field = Field::new(self.expr([x, y])).known_distance(distance).known_bounds(endless(min, max));
         sign.map_or(field.clone(), |sign| field.known_sign(sign))
     }
 
-    /// How often the contours wind around `p`, counter-clockwise; those for which `counts` says no are left out. Exact,
-    /// for points that are on none of them.
-    pub(super) fn winding(&self, p: [f64; 2], counts: impl Fn(&Edge) -> bool) -> i32 {
+    /// How often the contours wind around `p`, counter-clockwise; those for which `counts` says no are left
+    /// out. Exact, for points that are on none of them.
+    pub(super) fn winding(&self, p: [f64; 2], counts: impl Fn(&ContourEdge) -> bool) -> i32 {
         let mut winding = 0;
         self.descend(
             |node| node.max[0] >= p[0] && node.min[1] <= p[1] && node.max[1] >= p[1],
@@ -150,7 +152,11 @@ impl Contours {
     }
 
     /// Calls `visit` for every edge below nodes that are wanted.
-    pub(super) fn descend(&self, mut wanted: impl FnMut(&Node) -> bool, mut visit: impl FnMut(u32)) {
+    pub(super) fn descend(
+        &self,
+        mut wanted: impl FnMut(&ContourBvhNode) -> bool,
+        mut visit: impl FnMut(u32),
+    ) {
         let mut waiting = vec![0_u32];
         while let Some(at) = waiting.pop() {
             let Some(node) = self.nodes.get(at as usize).filter(|node| wanted(node)) else { continue };
@@ -164,7 +170,8 @@ impl Contours {
 
     /// The least squared distance to an edge, and the lowest edge that has it.
     fn nearest(&self, p: [f64; 2], start: u32) -> (f64, u32) {
-        // Boxes and edges round differently, by less than this share: whatever is searched first, the least is found.
+        // Boxes and edges round differently, by less than this share: whatever is searched first, the least
+        // is found.
         const SLACK: f64 = 1.0 + 1.0 / (1_u64 << 40) as f64;
         let mut best = (self.square(p, start), start);
         let mut waiting = [(0.0, 0_u32); 64];
@@ -196,7 +203,7 @@ impl Contours {
     }
 
     fn off(&self, p: [f64; 2], node: u32) -> f64 {
-        let Node { min, max, .. } = &self.nodes[node as usize];
+        let ContourBvhNode { min, max, .. } = &self.nodes[node as usize];
         let gap = |k: usize| {
             let (below, above) = (min[k] - p[k], p[k] - max[k]);
             let gap = if below > above { below } else { above };
@@ -211,7 +218,8 @@ impl Contours {
     }
 
     /// A bound on the rounding of distances around `p`: the dots that place the foot are off by 8 units of
-    /// `|p − a| · |b − a|`, which moves the foot by 8 units of `|p − a|`; differences, the foot and the length add a few.
+    /// `|p − a| · |b − a|`, which moves the foot by 8 units of `|p − a|`; differences, the foot and the
+    /// length add a few.
     pub(super) fn rounding(&self, p: [f64; 2]) -> f64 {
         const UNITS: f64 = 64.0 * f64::EPSILON;
         let size = if p[0].abs() > p[1].abs() { p[0].abs() } else { p[1].abs() };
@@ -231,7 +239,7 @@ impl Contours {
     }
 }
 
-impl Edge {
+impl ContourEdge {
     /// `p` minus the point of the edge that is nearest to it, and where on the edge that is, from 0 to 1.
     pub fn offset(&self, p: [f64; 2]) -> ([f64; 2], f64) {
         let along = [self.b[0] - self.a[0], self.b[1] - self.a[1]];
@@ -261,7 +269,7 @@ impl Leaf for Contours {
         Ok(())
     }
 
-    fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<Answer, LeafError> {
+    fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<LeafAnswer, LeafError> {
         for ([x, y, _], gradient) in points.iter().zip(out) {
             let (value, row, inside) = self.signed([*x, *y], 0);
             let edge = &self.edges[row as usize];
@@ -278,10 +286,10 @@ impl Leaf for Contours {
                 [offset[0] / value, offset[1] / value, 0.0]
             };
         }
-        Ok(Answer::Given)
+        Ok(LeafAnswer::Given)
     }
 
-    fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<Answer, LeafError> {
+    fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<LeafAnswer, LeafError> {
         for (bounds, range) in boxes.iter().zip(out) {
             let flat =
                 Box3 { min: [bounds.min[0], bounds.min[1], 0.0], max: [bounds.max[0], bounds.max[1], 0.0] };
@@ -299,14 +307,14 @@ impl Leaf for Contours {
                 Interval::ENTIRE
             };
         }
-        Ok(Answer::Given)
+        Ok(LeafAnswer::Given)
     }
 
-    fn gradient_over(&self, boxes: &[Box3], out: &mut [[Interval; 3]]) -> Result<Answer, LeafError> {
+    fn gradient_over(&self, boxes: &[Box3], out: &mut [[Interval; 3]]) -> Result<LeafAnswer, LeafError> {
         for (bounds, gradient) in boxes.iter().zip(out) {
             *gradient = self.slope_over(bounds);
         }
-        Ok(Answer::Given)
+        Ok(LeafAnswer::Given)
     }
 
     fn without_axis(&self, axis: f64) -> Option<Arc<dyn Leaf>> {

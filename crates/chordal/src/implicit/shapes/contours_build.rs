@@ -1,5 +1,5 @@
 //! How [`Contours`](super::Contours) are made: edges, which of them bound the shape, and the tree over them.
-use super::contours::{Contours, Edge, Fill, Node};
+use super::contours::{ContourBvhNode, ContourEdge, ContourFill, Contours};
 use crate::implicit::Distance;
 use crate::math::{Orientation, orient2d};
 
@@ -7,7 +7,7 @@ use crate::math::{Orientation, orient2d};
 const LEAF: usize = 4;
 
 /// The edges of all contours with three different corners in a row at least.
-pub(super) fn edges(contours: &[Vec<[f64; 2]>]) -> Vec<Edge> {
+pub(super) fn edges(contours: &[Vec<[f64; 2]>]) -> Vec<ContourEdge> {
     let mut edges = Vec::new();
     for (contour, points) in contours.iter().enumerate() {
         let mut corners = points.clone();
@@ -21,7 +21,7 @@ pub(super) fn edges(contours: &[Vec<[f64; 2]>]) -> Vec<Edge> {
         }
         let first = edges.len();
         let row = |k: usize| (first + k % n) as u32;
-        edges.extend((0..n).map(|k| Edge {
+        edges.extend((0..n).map(|k| ContourEdge {
             a: corners[k],
             b: corners[(k + 1) % n],
             contour: contour as u32,
@@ -34,7 +34,7 @@ pub(super) fn edges(contours: &[Vec<[f64; 2]>]) -> Vec<Edge> {
 }
 
 /// A tree over the edges: nodes, and the order of the edges in their runs.
-pub(super) fn tree(edges: &[Edge]) -> (Vec<Node>, Vec<u32>) {
+pub(super) fn tree(edges: &[ContourEdge]) -> (Vec<ContourBvhNode>, Vec<u32>) {
     let mut order: Vec<u32> = (0..edges.len() as u32).collect();
     let mut nodes = Vec::new();
     // A part of the order, and the node whose second child it is.
@@ -42,7 +42,7 @@ pub(super) fn tree(edges: &[Edge]) -> (Vec<Node>, Vec<u32>) {
     while let Some((run, parent)) = waiting.pop() {
         let at = nodes.len();
         if let Some(parent) = parent {
-            let parent: &mut Node = &mut nodes[parent];
+            let parent: &mut ContourBvhNode = &mut nodes[parent];
             parent.second = at as u32;
         }
         let (mut min, mut max) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
@@ -53,7 +53,7 @@ pub(super) fn tree(edges: &[Edge]) -> (Vec<Node>, Vec<u32>) {
                 max[k] = if p[k] > max[k] { p[k] } else { max[k] };
             }
         }
-        nodes.push(Node { min, max, run: [run.start as u32, run.end as u32], second: 0 });
+        nodes.push(ContourBvhNode { min, max, run: [run.start as u32, run.end as u32], second: 0 });
         if run.len() > LEAF {
             let axis = usize::from(max[1] - min[1] > max[0] - min[0]);
             let middle = |row: &u32| edges[*row as usize].a[axis] + edges[*row as usize].b[axis];
@@ -67,11 +67,11 @@ pub(super) fn tree(edges: &[Edge]) -> (Vec<Node>, Vec<u32>) {
     (nodes, order)
 }
 
-/// Only the contours that bound what is filled, each edge with the side of its outside; and whether this could be done:
-/// not where edges meet elsewhere than at corners that they share.
-pub(super) fn sorted_out(mut edges: Vec<Edge>, fill: Fill) -> (Vec<Edge>, bool) {
+/// Only the contours that bound what is filled, each edge with the side of its outside; and whether this
+/// could be done: not where edges meet elsewhere than at corners that they share.
+pub(super) fn orient_edges(mut edges: Vec<ContourEdge>, fill: ContourFill) -> (Vec<ContourEdge>, bool) {
     let (nodes, order) = tree(&edges);
-    let all = Contours::of_parts((edges.clone(), nodes, order), fill);
+    let all = Contours::from_parts((edges.clone(), nodes, order), fill);
     if !is_simple(&all) {
         return (edges, false);
     }
@@ -99,7 +99,7 @@ pub(super) fn sorted_out(mut edges: Vec<Edge>, fill: Fill) -> (Vec<Edge>, bool) 
 }
 
 /// Whether a simple contour runs counter-clockwise: by the turn at its lowest corner.
-fn turns_left(edges: &[Edge], run: std::ops::Range<usize>) -> bool {
+fn turns_left(edges: &[ContourEdge], run: std::ops::Range<usize>) -> bool {
     let least = run.reduce(|l, r| if edges[r].a < edges[l].a { r } else { l }).unwrap_or(0);
     let edge = &edges[least];
     orient2d(edges[edge.before as usize].a, edge.a, edge.b) == Orientation::Front
@@ -111,7 +111,7 @@ fn is_simple(contours: &Contours) -> bool {
         let edge = &contours.edges[row as usize];
         let low = |k: usize| if edge.a[k] < edge.b[k] { edge.a[k] } else { edge.b[k] };
         let high = |k: usize| if edge.a[k] > edge.b[k] { edge.a[k] } else { edge.b[k] };
-        let near = |node: &Node| (0..2).all(|k| node.min[k] <= high(k) && node.max[k] >= low(k));
+        let near = |node: &ContourBvhNode| (0..2).all(|k| node.min[k] <= high(k) && node.max[k] >= low(k));
         let mut clear = true;
         contours.descend(near, |other| {
             // Each pair once.
@@ -138,11 +138,11 @@ fn meet(contours: &Contours, row: u32, other: u32) -> bool {
         return folds(f.a, f.b, e.b);
     }
     let apart = |k: usize| {
-        let low = |e: &Edge| if e.a[k] < e.b[k] { e.a[k] } else { e.b[k] };
-        let high = |e: &Edge| if e.a[k] > e.b[k] { e.a[k] } else { e.b[k] };
+        let low = |e: &ContourEdge| if e.a[k] < e.b[k] { e.a[k] } else { e.b[k] };
+        let high = |e: &ContourEdge| if e.a[k] > e.b[k] { e.a[k] } else { e.b[k] };
         low(e) > high(f) || low(f) > high(e)
     };
-    let beside = |e: &Edge, f: &Edge| {
+    let beside = |e: &ContourEdge, f: &ContourEdge| {
         let side = orient2d(e.a, e.b, f.a);
         side != Orientation::Flat && side == orient2d(e.a, e.b, f.b)
     };
@@ -150,14 +150,15 @@ fn meet(contours: &Contours, row: u32, other: u32) -> bool {
     !(apart(0) || apart(1) || beside(e, f) || beside(f, e))
 }
 
-/// The contours and their mirror image in `x = axis` as one, without the edges on that line; none where there are no such edges,
-/// or contours reach beyond it.
+/// The contours and their mirror image in `x = axis` as one, without the edges on that line; none where there
+/// are no such edges, or contours reach beyond it.
 ///
-/// Each run of edges from the line back to it becomes a contour with its own mirror image: as chains of edges those are all edges and
-/// their images, less the ones on the line, which cancel. So points off the line are wound around as before.
+/// Each run of edges from the line back to it becomes a contour with its own mirror image: as chains of edges
+/// those are all edges and their images, less the ones on the line, which cancel. So points off the line are
+/// wound around as before.
 pub(super) fn with_mirror_image(contours: &Contours, axis: f64) -> Option<Contours> {
     let edges = &contours.edges;
-    let is_on = |edge: &Edge| edge.a[0] == axis && edge.b[0] == axis;
+    let is_on = |edge: &ContourEdge| edge.a[0] == axis && edge.b[0] == axis;
     if contours.bounds[0][0] != axis || !edges.iter().any(is_on) {
         return None;
     }
@@ -175,7 +176,7 @@ pub(super) fn with_mirror_image(contours: &Contours, axis: f64) -> Option<Contou
             whole.push(points);
             continue;
         };
-        let turned: Vec<&Edge> = run[first..].iter().chain(&run[..first]).collect();
+        let turned: Vec<&ContourEdge> = run[first..].iter().chain(&run[..first]).collect();
         for path in turned.split(|edge| is_on(edge)).filter(|path| !path.is_empty()) {
             let mut points = vec![path[0].a];
             points.extend(path.iter().map(|edge| edge.b));
@@ -189,7 +190,10 @@ pub(super) fn with_mirror_image(contours: &Contours, axis: f64) -> Option<Contou
 
 impl Contours {
     /// Contours to ask for windings only.
-    fn of_parts((edges, nodes, order): (Vec<Edge>, Vec<Node>, Vec<u32>), fill: Fill) -> Self {
+    fn from_parts(
+        (edges, nodes, order): (Vec<ContourEdge>, Vec<ContourBvhNode>, Vec<u32>),
+        fill: ContourFill,
+    ) -> Self {
         Self { edges, nodes, order, largest: 0.0, fill, distance: Distance::BOUND, bounds: [[0.0; 2]; 2] }
     }
 }

@@ -1,44 +1,49 @@
 //! The inside of simple contours as unions and intersections of half-planes, one for each edge.
 //!
-//! A distance to contours has kinks where the nearest edge changes, also on the contours' corners. As a sign it can be written without any: a
-//! simple chain of edges whose first and last are rays is split at a corner `v` of its convex hull. Both parts, with the edges at `v`
-//! made rays, are simple chains again, since these rays leave the hull. What is left of the chain is the intersection of what is left of
-//! the parts where the chain turns left at `v`, else the union. So every edge stands in the formula once.
+//! A distance to contours has kinks where the nearest edge changes, also on the contours' corners. As a sign
+//! it can be written without any: a simple chain of edges whose first and last are rays is split at a corner
+//! `v` of its convex hull. Both parts, with the edges at `v` made rays, are simple chains again, since these
+//! rays leave the hull. What is left of the chain is the intersection of what is left of the parts where the
+//! chain turns left at `v`, else the union. So every edge stands in the formula once.
 //!
-//! Source: D. Dobkin, L. Guibas, J. Hershberger, J. Snoeyink, *An efficient algorithm for finding the CSG representation of a simple
-//! polygon*, 1988. How the corner is found is derived here: in a direction that both rays leave in, the lowest one.
-use super::contours::Edge;
+//! Source: D. Dobkin, L. Guibas, J. Hershberger, J. Snoeyink, *An efficient algorithm for finding the CSG
+//! representation of a simple polygon*, 1988. How the corner is found is derived here: in a direction that
+//! both rays leave in, the lowest one.
+use super::contours::ContourEdge;
 use crate::implicit::Expr;
 use crate::math::{Orientation, dot_sign, orient2d};
 use std::cmp::Ordering;
 
 /// Edges of a contour at most. Defined: finding the corners takes the square of their number at worst.
 const MOST_EDGES: usize = 1024;
-/// Edges have one line where they are off it by no more than this share of their size. Derived: some hundred roundings of coordinates.
-/// Two half-planes with one line from both sides are complements then, and leave no crack between them that no edge is on.
+/// Edges have one line where they are off it by no more than this share of their size. Derived: some hundred
+/// roundings of coordinates. Two half-planes with one line from both sides are complements then, and leave no
+/// crack between them that no edge is on.
 const SAME: f64 = 1.0 / (1_u64 << 45) as f64;
-/// Edges that are off by more than that and less than this would leave such a crack. Defined: far above rounding.
+/// Edges that are off by more than that and less than this would leave such a crack. Defined: far above
+/// rounding.
 const NEAR: f64 = 1.0 / (1_u64 << 30) as f64;
 
-type Point = [f64; 2];
+type PlanarPoint = [f64; 2];
 
-/// An expression in two coordinates that is negative where the contours of these edges enclose a point, with the inside of each edge on the
-/// side opposite to [`Edge::outside`]. None where that cannot be written within the limits, or not without cracks.
-pub(super) fn inside(edges: &[Edge], [x, y]: [&Expr; 2]) -> Option<Expr> {
+/// An expression in two coordinates that is negative where the contours of these edges enclose a point, with
+/// the inside of each edge on the side opposite to [`ContourEdge::outside`]. None where that cannot be
+/// written within the limits, or not without cracks.
+pub(super) fn half_plane_formula(edges: &[ContourEdge], [x, y]: [&Expr; 2]) -> Option<Expr> {
     if edges.len() > MOST_EDGES || edges.iter().any(|edge| edge.outside == 0) {
         return None;
     }
-    let mut loops: Vec<Loop> = Vec::new();
+    let mut loops: Vec<PolygonLoop> = Vec::new();
     let mut start = 0;
     while start < edges.len() {
         let n = edges[start..].iter().take_while(|edge| edge.contour == edges[start].contour).count();
-        loops.push(Loop::of(&edges[start..start + n]));
+        loops.push(PolygonLoop::from_edges(&edges[start..start + n]));
         start += n;
     }
-    let mut lines = Lines { at: [x, y], known: Vec::new() };
+    let mut lines = HalfPlaneCache { at: [x, y], known: Vec::new() };
     let inside: Vec<Expr> = loops.iter().map(|one| one.inside(&mut lines)).collect::<Option<_>>()?;
     // A loop that runs clockwise is a hole in the smallest one around it.
-    let outer_of = |hole: &Loop| {
+    let outer_of = |hole: &PolygonLoop| {
         let around = |k: &usize| loops[*k].is_outer && loops[*k].encloses(hole.corners[0]);
         (0..loops.len()).filter(around).min_by(|a, b| loops[*a].area().total_cmp(&loops[*b].area()))
     };
@@ -54,14 +59,14 @@ pub(super) fn inside(edges: &[Edge], [x, y]: [&Expr; 2]) -> Option<Expr> {
 }
 
 /// A closed contour with the inside on its left.
-struct Loop {
-    corners: Vec<Point>,
+struct PolygonLoop {
+    corners: Vec<PlanarPoint>,
     is_outer: bool,
 }
 
-impl Loop {
-    fn of(edges: &[Edge]) -> Self {
-        let mut corners: Vec<Point> = edges.iter().map(|edge| edge.a).collect();
+impl PolygonLoop {
+    fn from_edges(edges: &[ContourEdge]) -> Self {
+        let mut corners: Vec<PlanarPoint> = edges.iter().map(|edge| edge.a).collect();
         if edges.iter().any(|edge| edge.outside < 0) {
             corners.reverse();
         }
@@ -70,12 +75,12 @@ impl Loop {
         let bends: Vec<bool> = (0..n).map(|k| turn_at(&corners, k) != Orientation::Flat).collect();
         let mut bends = bends.into_iter();
         corners.retain(|_| bends.next() == Some(true));
-        let is_outer = turn_at(&corners, least(&corners)) == Orientation::Front;
+        let is_outer = turn_at(&corners, lowest_corner(&corners)) == Orientation::Front;
         Self { corners, is_outer }
     }
 
     /// Whether a point off the contour is within it, whichever way it runs.
-    fn encloses(&self, p: Point) -> bool {
+    fn encloses(&self, p: PlanarPoint) -> bool {
         let n = self.corners.len();
         let crosses = |k: &usize| {
             let (a, b) = (self.corners[*k], self.corners[(*k + 1) % n]);
@@ -96,36 +101,37 @@ impl Loop {
     }
 
     /// Split at its least and its greatest corner, which are on the hull.
-    fn inside(&self, lines: &mut Lines) -> Option<Expr> {
+    fn inside(&self, lines: &mut HalfPlaneCache) -> Option<Expr> {
         let n = self.corners.len();
-        let from = least(&self.corners);
-        let corners: Vec<Point> = (0..=n).map(|k| self.corners[(from + k) % n]).collect();
+        let from = lowest_corner(&self.corners);
+        let corners: Vec<PlanarPoint> = (0..=n).map(|k| self.corners[(from + k) % n]).collect();
         let far = (1..n).reduce(|best, k| if corners[k] > corners[best] { k } else { best })?;
-        let chain = Chain { corners: &corners };
+        let chain = PolygonChain { corners: &corners };
         let (there, back) = (chain.left([0, far], lines)?, chain.left([far, n], lines)?);
         Some(if self.is_outer { there.max(&back) } else { there.min(&back) })
     }
 }
 
 /// The lexicographically least corner.
-fn least(corners: &[Point]) -> usize {
+fn lowest_corner(corners: &[PlanarPoint]) -> usize {
     (1..corners.len()).fold(0, |best, k| if corners[k] < corners[best] { k } else { best })
 }
 
-fn turn_at(corners: &[Point], k: usize) -> Orientation {
+fn turn_at(corners: &[PlanarPoint], k: usize) -> Orientation {
     let n = corners.len();
     orient2d(corners[(k + n - 1) % n], corners[k], corners[(k + 1) % n])
 }
 
-struct Chain<'a> {
-    corners: &'a [Point],
+struct PolygonChain<'a> {
+    corners: &'a [PlanarPoint],
 }
 
-impl Chain<'_> {
+impl PolygonChain<'_> {
     /// What is left of the edges from one corner to another, the first and last taken as rays.
-    fn left(&self, [first, last]: [usize; 2], lines: &mut Lines) -> Option<Expr> {
+    fn left(&self, [first, last]: [usize; 2], lines: &mut HalfPlaneCache) -> Option<Expr> {
         let mut parts = vec![(first, last)];
-        // Where each part is split, in the order in which a formula is read, without recursion; none for an edge.
+        // Where each part is split, in the order in which a formula is read, without recursion; none for an
+        // edge.
         let mut splits: Vec<Option<Orientation>> = Vec::new();
         while let Some((from, to)) = parts.pop() {
             if to - from == 1 {
@@ -169,7 +175,8 @@ impl Chain<'_> {
             along.map(|x| x / length)
         };
         let (first, last) = (edge(from), edge(to - 1));
-        // Both rays run upward, seen along this; the tie goes to the first along `first`, which is a corner of the hull.
+        // Both rays run upward, seen along this; the tie goes to the first along `first`, which is a corner
+        // of the hull.
         let up = [last[0] - first[0], last[1] - first[1]];
         let rises = |k: usize, sign: f64| {
             dot_sign(up.map(|x| sign * x), self.corners[k], self.corners[k + 1]) == Ordering::Greater
@@ -189,7 +196,7 @@ impl Chain<'_> {
     }
 
     /// The lowest inner corner along `up`; of those that are equally low the first along `then`.
-    fn lowest(&self, (from, to): (usize, usize), up: Point, then: Point) -> usize {
+    fn lowest(&self, (from, to): (usize, usize), up: PlanarPoint, then: PlanarPoint) -> usize {
         (from + 2..to).fold(from + 1, |best, k| {
             let (a, b) = (self.corners[best], self.corners[k]);
             let order = dot_sign(up, a, b).then_with(|| dot_sign(then, a, b));
@@ -199,22 +206,22 @@ impl Chain<'_> {
 }
 
 /// The lines of edges that have been asked for.
-struct Lines<'a> {
+struct HalfPlaneCache<'a> {
     /// The two coordinates.
     at: [&'a Expr; 2],
-    known: Vec<([Point; 2], Expr)>,
+    known: Vec<([PlanarPoint; 2], Expr)>,
 }
 
-impl Lines<'_> {
-    /// Negative on the left of the line from `a` to `b`. Edges on one line have one expression, or its negation. None where
-    /// an edge is nearly on the line of another.
-    fn half_plane(&mut self, edge: [Point; 2]) -> Option<Expr> {
+impl HalfPlaneCache<'_> {
+    /// Negative on the left of the line from `a` to `b`. Edges on one line have one expression, or its
+    /// negation. None where an edge is nearly on the line of another.
+    fn half_plane(&mut self, edge: [PlanarPoint; 2]) -> Option<Expr> {
         for (other, expr) in &self.known {
-            match meeting(edge, *other) {
-                Meeting::Other => {}
-                Meeting::Near => return None,
-                Meeting::Same => return Some(expr.clone()),
-                Meeting::Opposite => return Some(-expr),
+            match line_relation(edge, *other) {
+                LineRelation::Other => {}
+                LineRelation::Near => return None,
+                LineRelation::Same => return Some(expr.clone()),
+                LineRelation::Opposite => return Some(-expr),
             }
         }
         let expr = half_plane(edge, self.at);
@@ -224,7 +231,7 @@ impl Lines<'_> {
 }
 
 /// How the lines of two edges lie to each other.
-enum Meeting {
+enum LineRelation {
     Other,
     /// Nearly one line, but not within rounding.
     Near,
@@ -232,11 +239,11 @@ enum Meeting {
     Opposite,
 }
 
-fn meeting([a, b]: [Point; 2], [p, q]: [Point; 2]) -> Meeting {
+fn line_relation([a, b]: [PlanarPoint; 2], [p, q]: [PlanarPoint; 2]) -> LineRelation {
     let (along, line) = ([b[0] - a[0], b[1] - a[1]], [q[0] - p[0], q[1] - p[1]]);
     let size = line[0].abs() + line[1].abs();
     // Distances of both ends from the line, as shares of what they are computed from.
-    let share = |c: Point| {
+    let share = |c: PlanarPoint| {
         let from = [c[0] - p[0], c[1] - p[1]];
         let off = (line[0] * from[1] - line[1] * from[0]).abs();
         let coordinates =
@@ -246,18 +253,18 @@ fn meeting([a, b]: [Point; 2], [p, q]: [Point; 2]) -> Meeting {
     let (first, second) = (share(a), share(b));
     let most = if first > second { first } else { second };
     if most > NEAR {
-        Meeting::Other
+        LineRelation::Other
     } else if most > SAME {
-        Meeting::Near
+        LineRelation::Near
     } else if along[0] * line[0] + along[1] * line[1] > 0.0 {
-        Meeting::Same
+        LineRelation::Same
     } else {
-        Meeting::Opposite
+        LineRelation::Opposite
     }
 }
 
 /// Negative on the left of the line from `a` to `b`; the distance to it, but for rounding.
-fn half_plane([a, b]: [Point; 2], [x, y]: [&Expr; 2]) -> Expr {
+fn half_plane([a, b]: [PlanarPoint; 2], [x, y]: [&Expr; 2]) -> Expr {
     let along = [b[0] - a[0], b[1] - a[1]];
     if along[0] == 0.0 {
         return if along[1] > 0.0 { x - a[0] } else { Expr::constant(a[0]) - x };
@@ -272,12 +279,12 @@ fn half_plane([a, b]: [Point; 2], [x, y]: [&Expr; 2]) -> Expr {
 
 #[cfg(test)]
 mod tests {
-    use crate::implicit::shapes::{Contours, Fill};
+    use crate::implicit::shapes::{ContourFill, Contours};
     use crate::implicit::{Csg, Tape};
 
-    struct Random(u64);
+    struct PolygonRng(u64);
 
-    impl Random {
+    impl PolygonRng {
         fn below(&mut self, n: u64) -> u64 {
             self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (self.0 >> 33) % n
@@ -288,16 +295,17 @@ mod tests {
         }
     }
 
-    /// Points are on the same side by half-planes as by the distance, off the contour. Says whether there are half-planes.
-    fn agrees(contours: &[Vec<[f64; 2]>], random: &mut Random) -> bool {
-        let Ok(made) = Contours::new(contours, Fill::EvenOdd) else { return false };
+    /// Points are on the same side by half-planes as by the distance, off the contour. Says whether there are
+    /// half-planes.
+    fn agrees(contours: &[Vec<[f64; 2]>], random: &mut PolygonRng) -> bool {
+        let Ok(made) = Contours::new(contours, ContourFill::EvenOdd) else { return false };
         let n_edges = made.edges.len();
         let [min, max] = made.bounds;
         let field = made.into_field();
         if !field.has_sign() {
             return false;
         }
-        let csg = Csg::of(field.sign());
+        let csg = Csg::from_expr(field.sign());
         assert!(csg.primitives().len() <= n_edges, "each edge stands in the formula once at most");
         let points: Vec<[f64; 3]> = (0..400)
             .map(|_| {
@@ -307,15 +315,16 @@ mod tests {
             .collect();
         let (mut distances, mut signs) = (vec![0.0; 400], vec![0.0; 400]);
         field.tape().at(&points, &mut distances).unwrap();
-        Tape::of(field.sign()).at(&points, &mut signs).unwrap();
+        Tape::new(field.sign()).at(&points, &mut signs).unwrap();
         for ((distance, sign), p) in distances.iter().zip(&signs).zip(&points) {
             assert!(distance.abs() < 1e-9 || (*distance < 0.0) == (*sign < 0.0), "{p:?} of {contours:?}");
         }
         true
     }
 
-    /// Cells of a square lattice that hang together, as one contour: many collinear edges and equal coordinates.
-    fn staircase(random: &mut Random, n: usize) -> Vec<[f64; 2]> {
+    /// Cells of a square lattice that hang together, as one contour: many collinear edges and equal
+    /// coordinates.
+    fn staircase(random: &mut PolygonRng, n: usize) -> Vec<[f64; 2]> {
         let (mut low, mut high) = (Vec::new(), Vec::new());
         for k in 0..n {
             let (a, b) = (random.below(4) as f64, 5.0 + random.below(4) as f64);
@@ -329,7 +338,7 @@ mod tests {
 
     #[test]
     fn stars_combs_and_staircases_are_formulas_of_half_planes() {
-        let mut random = Random(11);
+        let mut random = PolygonRng(11);
         let mut n_made = 0;
         for case in 0..300_usize {
             let n = 3 + random.below(40) as usize;
@@ -359,7 +368,7 @@ mod tests {
 
     #[test]
     fn a_spiral_is_a_formula_of_half_planes() {
-        let mut random = Random(3);
+        let mut random = PolygonRng(3);
         let arm = |r: f64| {
             move |k: u32| {
                 let angle = 0.4 * f64::from(k);
@@ -374,7 +383,7 @@ mod tests {
 
     #[test]
     fn holes_and_islands_are_in_the_formula() {
-        let mut random = Random(4);
+        let mut random = PolygonRng(4);
         let square = |half: f64, x: f64| {
             vec![[x - half, -half], [x + half, -half], [x + half, half], [x - half, half]]
         };

@@ -1,31 +1,28 @@
 //! Shapes as fields: what each constructor makes, and what its value is worth as a distance.
 //!
-//! | shape | value |
-//! |---|---|
-//! | [`sphere`], [`cuboid`], [`rounded_cuboid`], [`cylinder`], [`capped_cone`], [`capsule`], [`plane`], [`triangle`] | exact |
-//! | [`torus`] | exact; a bound inside where it meets itself |
-//! | [`tetrahedron`], [`octahedron`] | exact inside, a bound outside |
-//! | [`ellipsoid`] | a bound |
-//! | [`gyroid`], [`schwarz_p`], [`diamond`] | a bound |
-//! | [`circle`], [`rectangle`], [`rounded_rectangle`], [`segment`], [`regular_polygon`], [`polygon`] | exact, endless along z |
-//! | [`prism`] | exact |
+//! | shape | value | |---|---| | [`sphere`], [`cuboid`], [`rounded_cuboid`], [`cylinder`], [`capped_cone`],
+//! [`capsule`], [`plane`], [`triangle`] | exact | | [`torus`] | exact; a bound inside where it meets itself |
+//! | [`tetrahedron`], [`octahedron`] | exact inside, a bound outside | | [`ellipsoid`] | a bound | |
+//! [`gyroid`], [`schwarz_p`], [`diamond`] | a bound | | [`circle`], [`rectangle`], [`rounded_rectangle`],
+//! [`segment`], [`regular_polygon`], [`polygon`] | exact, endless along z | | [`prism`] | exact |
 //!
-//! Shapes are centred on the origin unless they are given by points. The numbers that a constructor derives from its
-//! arguments (half sizes, unit normals, sines) are rounded to f64, and it is those numbers that define the shape; a
-//! value is *exact* for that shape but for rounding.
+//! Shapes are centred on the origin unless they are given by points. The numbers that a constructor derives
+//! from its arguments (half sizes, unit normals, sines) are rounded to f64, and it is those numbers that
+//! define the shape; a value is *exact* for that shape but for rounding.
 //!
-//! A *bound* here always changes by no more than one moves (it is 1-Lipschitz), so offsets and blends of it are bounds
-//! again.
+//! A *bound* here always changes by no more than one moves (it is 1-Lipschitz), so offsets and blends of it
+//! are bounds again.
 //!
-//! Source: I. Quilez, *Distance functions* and *2D distance functions*, iquilezles.org; the formulas are derived anew.
+//! Source: I. Quilez, *Distance functions* and *2D distance functions*, iquilezles.org; the formulas are
+//! derived anew.
+mod axis_distance;
 mod contours;
 mod contours_build;
-mod contours_slope;
-mod flat;
+mod contours_gradient;
 mod half_planes;
 mod periodic;
+mod planar;
 mod platonic;
-mod radius;
 mod round;
 mod solid;
 mod triangle;
@@ -34,11 +31,11 @@ use super::expr::Expr;
 use crate::math::Box3;
 use std::fmt;
 
-pub use contours::{Contours, Fill};
-pub use flat::{circle, polygon, prism, rectangle, regular_polygon, rounded_rectangle, segment};
+pub(super) use axis_distance::axis_distance;
+pub use contours::{ContourFill, Contours};
 pub use periodic::{diamond, gyroid, schwarz_p};
+pub use planar::{circle, polygon, prism, rectangle, regular_polygon, rounded_rectangle, segment};
 pub use platonic::{octahedron, tetrahedron};
-pub(super) use radius::radius;
 pub use round::{capsule, ellipsoid, sphere, torus};
 pub(super) use solid::unit;
 pub use solid::{capped_cone, cuboid, cylinder, plane, rounded_cuboid};
@@ -123,8 +120,8 @@ pub(super) fn largest(parts: &[Expr]) -> Expr {
     parts.iter().cloned().reduce(|a, b| a.max(&b)).unwrap_or_else(|| Expr::constant(f64::NEG_INFINITY))
 }
 
-/// The distance to where all of `parts` are below 0, when each is the distance to one of several perpendicular slabs:
-/// outside the parts above 0 add up as squares, inside the largest is nearest.
+/// The distance to where all of `parts` are below 0, when each is the distance to one of several
+/// perpendicular slabs: outside the parts above 0 add up as squares, inside the largest is nearest.
 pub(super) fn slabs(parts: &[Expr]) -> Expr {
     let zero = Expr::constant(0.0);
     let above: Vec<Expr> = parts.iter().map(|q| q.max(&zero)).collect();

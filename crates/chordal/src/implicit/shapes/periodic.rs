@@ -6,16 +6,18 @@
 //!   `k² (cos² y + sin² z)`, and the three add up to `3k²`.
 //! - P: each derivative is a sine times `k`.
 //! - D, as `cos z sin A + sin z cos B` with `A = x + y`, `B = x − y`: the squared gradient is `k²` times
-//!   `(cos z cos B − sin z sin A)² + 2 cos² z cos² A + 2 sin² z sin² B`, a quadratic form in `(cos z, sin z)`. With
-//!   `u = sin² A`, `v = cos² B` its largest eigenvalue is at most 3, for `1 + u + v − 2(u − v)² ≥ 0` on `[0, 1]²`.
+//!   `(cos z cos B − sin z sin A)² + 2 cos² z cos² A + 2 sin² z sin² B`, a quadratic form in
+//!   `(cos z, sin z)`. With `u = sin² A`, `v = cos² B` its largest eigenvalue is at most 3, for
+//!   `1 + u + v − 2(u − v)² ≥ 0` on `[0, 1]²`.
 //!
 //! All three reach `√3·k`.
 use super::{InvalidShape, finite, positive};
 use crate::implicit::{Distance, Expr, Field};
 use crate::math::{div_down, mul_up, sqrt_up};
 
-/// The half of space on one side of the gyroid: where `sin x cos y + sin y cos z + sin z cos x < level`, with one period
-/// every `period`. The value is a bound: the sum over its largest slope. A [`Field::shell`] of it is a wall.
+/// The half of space on one side of the gyroid: where `sin x cos y + sin y cos z + sin z cos x < level`, with
+/// one period every `period`. The value is a bound: the sum over its largest slope. A [`Field::shell`] of it
+/// is a wall.
 ///
 /// # Errors
 /// When the period is not a finite number above 0, or the level not a finite number.
@@ -26,7 +28,8 @@ pub fn gyroid(period: f64, level: f64) -> Result<Field, InvalidShape> {
     scaled(sx * &cy + sy * &cz + sz * &cx, period, level)
 }
 
-/// The half of space where `cos x + cos y + cos z < level`, with one period every `period`. The value is a bound.
+/// The half of space where `cos x + cos y + cos z < level`, with one period every `period`. The value is a
+/// bound.
 ///
 /// # Errors
 /// As for [`gyroid`].
@@ -35,8 +38,9 @@ pub fn schwarz_p(period: f64, level: f64) -> Result<Field, InvalidShape> {
     scaled(cx + cy + cz, period, level)
 }
 
-/// The half of space where `sin x sin y sin z + sin x cos y cos z + cos x sin y cos z + cos x cos y sin z < level`, with
-/// one period every `period`. The value is a bound.
+/// The half of space where
+/// `sin x sin y sin z + sin x cos y cos z + cos x sin y cos z + cos x cos y sin z < level`, with one period
+/// every `period`. The value is a bound.
 ///
 /// # Errors
 /// As for [`gyroid`].

@@ -1,16 +1,17 @@
 //! Solids of planes at equal distances from the origin.
 use super::{InvalidShape, centred, largest, positive};
-use crate::implicit::{Distance, Expr, Field, Quality};
+use crate::implicit::{Distance, DistanceQuality, Expr, Field};
 use crate::math::{div_up, sqrt_down};
 
-/// The value of a convex solid made of planes: the largest distance to one of them. That is the distance inside, and
-/// outside where a side is nearest, hence a bound there.
-const PLANES: Distance = Distance { outside: Quality::Bound, inside: Quality::Exact };
+/// The value of a convex solid made of planes: the largest distance to one of them. That is the distance
+/// inside, and outside where a side is nearest, hence a bound there.
+const PLANES: Distance = Distance { outside: DistanceQuality::Bound, inside: DistanceQuality::Exact };
 
 /// 1/√3, rounded.
 const THIRD: f64 = 0.577_350_269_189_625_8;
 
-/// The regular octahedron with its corners on the axes at `radius` from the origin. Exact inside, a bound outside.
+/// The regular octahedron with its corners on the axes at `radius` from the origin. Exact inside, a bound
+/// outside.
 ///
 /// # Errors
 /// When the radius is not a finite number above 0.
@@ -23,8 +24,8 @@ pub fn octahedron(radius: f64) -> Result<Field, InvalidShape> {
     Ok(Field::new(value).known_distance(PLANES).known_bounds(centred([radius; 3])))
 }
 
-/// The regular tetrahedron with its corners at `radius` from the origin, in the directions (1, 1, 1), (1, −1, −1),
-/// (−1, 1, −1) and (−1, −1, 1). Exact inside, a bound outside.
+/// The regular tetrahedron with its corners at `radius` from the origin, in the directions (1, 1, 1), (1, −1,
+/// −1), (−1, 1, −1) and (−1, −1, 1). Exact inside, a bound outside.
 ///
 /// # Errors
 /// When the radius is not a finite number above 0.

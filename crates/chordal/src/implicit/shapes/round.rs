@@ -1,6 +1,6 @@
 //! Round shapes: sphere, capsule, torus, ellipsoid.
 use super::{InvalidShape, centred, finite_point, length_of, positive, sum};
-use crate::implicit::{Distance, Expr, Field, Quality};
+use crate::implicit::{Distance, DistanceQuality, Expr, Field};
 use crate::math::{Box3, add_up, sub_down};
 
 /// The ball of a radius around the origin. The value is the exact distance.
@@ -43,7 +43,8 @@ pub fn capsule(a: [f64; 3], b: [f64; 3], radius: f64) -> Result<Field, InvalidSh
         from
     };
     let field = Field::new(length_of(&[&from[0], &from[1], &from[2]]) - radius);
-    // The other end is `a + along`, rounded once each: a unit in the last place of the larger is more than enough.
+    // The other end is `a + along`, rounded once each: a unit in the last place of the larger is more than
+    // enough.
     let mut bounds = Box3 { min: a, max: a };
     for k in 0..3 {
         let slack = (a[k].abs() + b[k].abs()) * f64::EPSILON;
@@ -53,8 +54,8 @@ pub fn capsule(a: [f64; 3], b: [f64; 3], radius: f64) -> Result<Field, InvalidSh
     Ok(field.known_distance(Distance::EXACT).known_bounds(bounds))
 }
 
-/// All points that are nearer than `minor` to the circle of radius `major` around the z axis. The value is the exact
-/// distance; inside it is a bound where `minor` is above `major`, for then the tube meets itself.
+/// All points that are nearer than `minor` to the circle of radius `major` around the z axis. The value is
+/// the exact distance; inside it is a bound where `minor` is above `major`, for then the tube meets itself.
 ///
 /// # Errors
 /// When a radius is not a finite number above 0.
@@ -64,15 +65,15 @@ pub fn torus(major: f64, minor: f64) -> Result<Field, InvalidShape> {
     let [x, y, z] = Expr::axes();
     let off = length_of(&[&x, &y]) - major;
     let field = Field::new(length_of(&[&off, &z]) - minor);
-    let inside = if minor <= major { Quality::Exact } else { Quality::Bound };
+    let inside = if minor <= major { DistanceQuality::Exact } else { DistanceQuality::Bound };
     let reach = add_up(major, minor);
-    let distance = Distance { outside: Quality::Exact, inside };
+    let distance = Distance { outside: DistanceQuality::Exact, inside };
     Ok(field.known_distance(distance).known_bounds(centred([reach, reach, minor])))
 }
 
-/// The ellipsoid of three radii. The value is a bound: with `s = √(Σ (x/r)²)` it is the larger one of `(s − 1)` times
-/// the least radius, whose slope is at most 1, and of the distance to the ball around it, which helps far away. The exact
-/// distance would be the root of a polynomial of degree 6.
+/// The ellipsoid of three radii. The value is a bound: with `s = √(Σ (x/r)²)` it is the larger one of
+/// `(s − 1)` times the least radius, whose slope is at most 1, and of the distance to the ball around it,
+/// which helps far away. The exact distance would be the root of a polynomial of degree 6.
 ///
 /// # Errors
 /// When a radius is not a finite number above 0.

@@ -1,13 +1,14 @@
 //! Solids with flat sides: plane, box, cylinder, cone.
 use super::{
-    Contours, Fill, InvalidShape, centred, finite, finite_point, largest, length_of, not_negative, positive,
+    ContourFill, Contours, InvalidShape, centred, finite, finite_point, largest, length_of, not_negative,
+    positive,
 };
-use super::{radius, slabs, sum};
+use super::{axis_distance, slabs, sum};
 use crate::implicit::{Distance, Expr, Field};
 use crate::math::{Box3, add_up};
 
-/// The half-space of all points with `normal · p < offset`, where `normal` is made a unit vector (rounded) first. The
-/// value is the exact distance to the plane.
+/// The half-space of all points with `normal · p < offset`, where `normal` is made a unit vector (rounded)
+/// first. The value is the exact distance to the plane.
 ///
 /// # Errors
 /// When a number is not finite, or the normal has no length.
@@ -58,7 +59,8 @@ pub fn cuboid(sizes: [f64; 3]) -> Result<Field, InvalidShape> {
     Ok(field.known_distance(Distance::EXACT).known_bounds(centred(half)))
 }
 
-/// The box of these full sizes with its edges and corners rounded to `radius`. The value is the exact distance.
+/// The box of these full sizes with its edges and corners rounded to `radius`. The value is the exact
+/// distance.
 ///
 /// # Errors
 /// When a size is not a finite number above 0, or the radius is negative or more than half of a size.
@@ -87,11 +89,12 @@ pub fn cylinder(radius: f64, height: f64) -> Result<Field, InvalidShape> {
     Ok(field.known_distance(Distance::EXACT).known_bounds(centred([radius, radius, half])))
 }
 
-/// The cone of a full height centred along z, with the radius `bottom` at its low end and `top` at its high end; one of
-/// them may be 0. The value is the exact distance.
+/// The cone of a full height centred along z, with the radius `bottom` at its low end and `top` at its high
+/// end; one of them may be 0. The value is the exact distance.
 ///
 /// # Errors
-/// When a radius is not a finite number, 0 or above, both are 0, or the height is not a finite number above 0.
+/// When a radius is not a finite number, 0 or above, both are 0, or the height is not a finite number
+/// above 0.
 pub fn capped_cone(bottom: f64, top: f64, height: f64) -> Result<Field, InvalidShape> {
     let (bottom, top) = (not_negative("a cone's radius", bottom)?, not_negative("a cone's radius", top)?);
     let half = halved(positive("a cone's height", height)?);
@@ -103,14 +106,14 @@ pub fn capped_cone(bottom: f64, top: f64, height: f64) -> Result<Field, InvalidS
         (_, true) => vec![[-bottom, -half], [bottom, -half], [0.0, half]],
         _ => vec![[-bottom, -half], [bottom, -half], [top, half], [-top, half]],
     };
-    let profile = Contours::new(&[outline], Fill::EvenOdd)?;
+    let profile = Contours::new(&[outline], ContourFill::EvenOdd)?;
     let [x, y, z] = Expr::axes();
     let distance = profile.distance();
     let value = profile.expr([length_of(&[&x, &y]), z.clone()]);
     let widest = if bottom > top { bottom } else { top };
-    // The side runs through (bottom, -half) and (top, half), in exact arithmetic: nothing is divided. Its slope is known on the
-    // axis too, where a tip is.
-    let side = radius() * (2.0 * half) - (Expr::constant(half) - &z) * bottom - (&z + half) * top;
+    // The side runs through (bottom, -half) and (top, half), in exact arithmetic: nothing is divided. Its
+    // slope is known on the axis too, where a tip is.
+    let side = axis_distance() * (2.0 * half) - (Expr::constant(half) - &z) * bottom - (&z + half) * top;
     let field = Field::new(value).known_sign(side.max(&(z.abs() - half))).known_distance(distance);
     Ok(field.known_bounds(Box3 { min: [-widest, -widest, -half], max: [widest, widest, half] }))
 }

@@ -1,12 +1,13 @@
 //! A thickened triangle: all points near it.
 use super::{InvalidShape, finite_point, positive};
 use crate::budget::Evidence;
-use crate::implicit::{Answer, Distance, Expr, Field, Leaf, LeafError, Lipschitz};
+use crate::implicit::{Distance, Expr, Field, Leaf, LeafAnswer, LeafError, Lipschitz};
 use crate::math::{Box3, Interval, add_up, cross, difference, dot, length, sub_down};
 use std::sync::Arc;
 
-/// All points nearer than half of `thickness` to the triangle of these corners. The value is the exact distance, but
-/// for rounding: for triangles whose corners are nearly in line, that is as good as their area is.
+/// All points nearer than half of `thickness` to the triangle of these corners. The value is the exact
+/// distance, but for rounding: for triangles whose corners are nearly in line, that is as good as their area
+/// is.
 ///
 /// # Errors
 /// When a coordinate is not a finite number below 1e100, or the thickness not a finite number above 0.
@@ -21,26 +22,27 @@ pub fn triangle(corners: [[f64; 3]; 3], thickness: f64) -> Result<Field, Invalid
         }
     }
     let radius = 0.5 * positive("a triangle's thickness", thickness)?;
-    let around = Box3::around(&corners);
+    let around = Box3::from_points(&corners);
     let bounds = Box3 {
         min: around.min.map(|x| sub_down(x, add_up(radius, f64::EPSILON * x.abs()))),
         max: around.max.map(|x| add_up(x, add_up(radius, f64::EPSILON * x.abs()))),
     };
     let largest = corners.iter().flatten().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
-    let leaf = Arc::new(Flat { corners, largest });
+    let leaf = Arc::new(TriangleDistance { corners, largest });
     let field = Field::new(Expr::leaf(leaf, Expr::axes()) - radius);
     Ok(field.known_distance(Distance::EXACT).known_bounds(bounds))
 }
 
 /// The distance to a triangle.
 #[derive(Clone, Copy, Debug)]
-struct Flat {
+struct TriangleDistance {
     corners: [[f64; 3]; 3],
     largest: f64,
 }
 
-impl Flat {
-    /// `p` minus its nearest point: the one in the plane if that is in the triangle, else the nearest of the edges.
+impl TriangleDistance {
+    /// `p` minus its nearest point: the one in the plane if that is in the triangle, else the nearest of the
+    /// edges.
     fn offset(&self, p: [f64; 3]) -> [f64; 3] {
         let [a, b, c] = self.corners;
         let normal = cross(difference(b, a), difference(c, a));
@@ -62,8 +64,9 @@ impl Flat {
         edges.into_iter().reduce(|l, r| if r.0 < l.0 { r } else { l }).map_or(p, |least| least.1)
     }
 
-    /// How far a distance around `p` may be off. The nearest point is a point of an edge or, by signs that are off by
-    /// some roundings, one in the plane: near the edge then, and off by as much as the area is uncertain.
+    /// How far a distance around `p` may be off. The nearest point is a point of an edge or, by signs that
+    /// are off by some roundings, one in the plane: near the edge then, and off by as much as the area is
+    /// uncertain.
     fn rounding(&self, p: [f64; 3]) -> f64 {
         let [a, b, c] = self.corners;
         let (e, f) = (difference(b, a), difference(c, a));
@@ -75,32 +78,32 @@ impl Flat {
     }
 }
 
-impl Leaf for Flat {
+impl Leaf for TriangleDistance {
     fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
         points.iter().zip(out).for_each(|(p, value)| *value = length(self.offset(*p)));
         Ok(())
     }
 
-    fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<Answer, LeafError> {
+    fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<LeafAnswer, LeafError> {
         for (p, gradient) in points.iter().zip(out) {
             let offset = self.offset(*p);
             let length = length(offset);
             *gradient = offset.map(|x| if length > 0.0 { x / length } else { 0.0 });
         }
-        Ok(Answer::Given)
+        Ok(LeafAnswer::Given)
     }
 
-    fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<Answer, LeafError> {
+    fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<LeafAnswer, LeafError> {
         for (bounds, range) in boxes.iter().zip(out) {
             let (middle, reach) = self.reach(bounds);
             let value = length(self.offset(middle));
             *range = Interval::new(sub_down(value, reach), add_up(value, reach)).unwrap_or(Interval::ENTIRE);
         }
-        Ok(Answer::Given)
+        Ok(LeafAnswer::Given)
     }
 
     /// The offset from the nearest point of a convex set changes by no more than one moves.
-    fn gradient_over(&self, boxes: &[Box3], out: &mut [[Interval; 3]]) -> Result<Answer, LeafError> {
+    fn gradient_over(&self, boxes: &[Box3], out: &mut [[Interval; 3]]) -> Result<LeafAnswer, LeafError> {
         for (bounds, gradient) in boxes.iter().zip(out) {
             let (middle, reach) = self.reach(bounds);
             let offset = self.offset(middle);
@@ -111,7 +114,7 @@ impl Leaf for Flat {
             *gradient =
                 offset.map(|x| if size.lo() > 0.0 { (around(x) / size).intersection(unit) } else { unit });
         }
-        Ok(Answer::Given)
+        Ok(LeafAnswer::Given)
     }
 
     fn lipschitz(&self) -> Option<Lipschitz> {
@@ -123,7 +126,7 @@ impl Leaf for Flat {
     }
 }
 
-impl Flat {
+impl TriangleDistance {
     /// The middle of a box, and how far the offsets of its points may be from that of the middle as computed.
     fn reach(&self, bounds: &Box3) -> ([f64; 3], f64) {
         let middle = bounds.centre();

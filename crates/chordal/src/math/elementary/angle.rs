@@ -1,6 +1,6 @@
 //! The functions that return an angle: all are `atan2` of something.
 
-/// arctan of 1/4, 1/2, 3/4 and 1, each as a number and the rest. Derived with 300 bits.
+/// arctan of 1/4, 1/2, 3/4 and 1, each as a double and the remainder. Derived with 300 bits.
 const STEPS: [(f64, f64); 4] = [
     (f64::from_bits(0x3fcf_5b75_f92c_80dd), f64::from_bits(0x3c68_ab6e_3cf7_afbd)),
     (f64::from_bits(0x3fdd_ac67_0561_bb4f), f64::from_bits(0x3c7a_2b7f_222f_65e2)),
@@ -8,18 +8,19 @@ const STEPS: [(f64, f64); 4] = [
     (f64::from_bits(0x3fe9_21fb_5444_2d18), f64::from_bits(0x3c81_a626_3314_5c07)),
 ];
 
-/// What π/2 is more than its f64; π's own rest is twice that. Derived.
+/// The excess of π/2 over its f64; that of π is twice as much. Derived.
 const HALF_PI_REST: f64 = f64::from_bits(0x3c91_a626_3314_5c07);
 
-/// The angle of the point `(x, y)` from the first axis, in [−π, π], within 10 u of itself; signs of zeros and infinities
-/// as IEEE 754 says.
+/// The angle of the point `(x, y)` from the first axis, in [−π, π], within 10 u of itself; signs of zeros and
+/// infinities as IEEE 754 says.
 ///
-/// With a the smaller and b the larger of |x| and |y|, arctan(a/b) = arctan(c) + arctan((a − c b)/(b + c a)) for the c
-/// among 0, ¼, ½, ¾, 1 that is nearest to a/b. The difference is exact, or rounds by ¾ u b for c = ¾; the sum and the
-/// quotient make it 2.4 u of the argument t, |t| ≤ 1/8. The series beyond its first term is below 0.0053 t, and the term
-/// left out 2⁻⁵⁸. Beside arctan(a/b) ≥ 0.124 (where c ≥ ¼) that and three more roundings are 4.5 u, and for c = 0 they
-/// are 2.2 u. Taking it from π/2 adds 1.1 u at most (the result is not smaller than what was taken away), and from π as
-/// much again: 7 u. Both operands are scaled where b leaves no room; what underflows then is below the smallest number.
+/// With a the smaller and b the larger of |x| and |y|, arctan(a/b) = arctan(c) + arctan((a − c b)/(b + c a))
+/// for the c among 0, ¼, ½, ¾, 1 that is nearest to a/b. The difference is exact, or rounds by ¾ u b for c =
+/// ¾; the sum and the quotient make it 2.4 u of the argument t, |t| ≤ 1/8. The series beyond its first term
+/// is below 0.0053 t, and the omitted term is 2⁻⁵⁸. Relative to arctan(a/b) ≥ 0.124 (where c ≥ ¼) that and
+/// three more roundings are 4.5 u, and for c = 0 they are 2.2 u. Subtracting it from π/2 adds at most 1.1 u
+/// (the result is not smaller than what was subtracted), and from π as much again: 7 u. Both operands are
+/// scaled where b is too small or too large; what underflows then is below the smallest number.
 ///
 /// ```
 /// use chordal::math::elementary::atan2;
@@ -32,7 +33,7 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     let (along, across) = (x.abs(), y.abs());
     let steep = across > along;
     let (a, b) = if steep { (along, across) } else { (across, along) };
-    // The ratio is what counts. 2¹²⁰ and 2⁻⁶⁰, exactly; 1 in place of two infinities.
+    // Only the ratio matters. 2¹²⁰ and 2⁻⁶⁰, exactly; 1 in place of two infinities.
     let small = f64::from_bits(0x0430_0000_0000_0000); // 2⁻⁹⁵⁶: products with ¼ stay exact above it.
     let large = f64::from_bits(0x7e70_0000_0000_0000); // 2¹⁰⁰⁰: sums stay finite below it.
     let scale = if b < small { f64::from_bits(0x4770_0000_0000_0000) } else { 1.0 };
@@ -77,22 +78,23 @@ pub fn atan(x: f64) -> f64 {
 
 /// √(1 − x²) within 2.5 u: two roundings and a half of one each, and the root's own.
 #[inline(always)]
-fn other_side(x: f64) -> f64 {
+fn pythagorean_complement(x: f64) -> f64 {
     ((1.0 - x) * (1.0 + x)).sqrt()
 }
 
 /// The angle whose sine is `x`, in [−π/2, π/2], within 10 u of itself; NaN outside [−1, 1].
 ///
-/// The cosine is known to 2.5 u; its error turns the angle by sin · cos times that, which is at most as much of the angle.
+/// The cosine is known to 2.5 u; its error turns the angle by sin · cos times that, which is at most as much
+/// of the angle.
 #[must_use]
 #[inline(always)]
 pub fn asin(x: f64) -> f64 {
-    atan2(x, other_side(x))
+    atan2(x, pythagorean_complement(x))
 }
 
 /// The angle whose cosine is `x`, in [0, π], within 10 u of itself; NaN outside [−1, 1].
 #[must_use]
 #[inline(always)]
 pub fn acos(x: f64) -> f64 {
-    atan2(other_side(x), x)
+    atan2(pythagorean_complement(x), x)
 }

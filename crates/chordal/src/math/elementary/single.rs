@@ -1,10 +1,11 @@
-//! The elementary functions in f32, for pictures and previews: the same bits on every platform, no claim of proof.
+//! The elementary functions in f32, for pictures and previews: the same bits on every platform, without a
+//! proved error.
 //!
-//! The methods are those of the f64 functions with shorter series. Measured over 10⁷ arguments against f64: sine and
-//! cosine are within 2⁻²³ absolutely, the others within 2⁻²¹ of themselves. Sines and cosines beyond [`NEAR`] are
-//! those of f64, rounded.
+//! The methods are those of the f64 functions with shorter series. Measured over 10⁷ arguments against f64:
+//! sine and cosine are within 2⁻²³ absolutely, the others within 2⁻²¹ of themselves. Sines and cosines beyond
+//! [`NEAR`] are those of f64, rounded.
 
-/// Up to this absolute value arguments are reduced in f32.
+/// The largest absolute value for which arguments are reduced in f32.
 pub const NEAR: f32 = 6_400.0;
 
 /// π/2 as a sum: three parts of 12 bits and the next 24. Derived with 300 bits.
@@ -36,12 +37,12 @@ pub(crate) fn sin_cos_near(x: f32) -> (f32, f32) {
     c = -1.0 / 720.0 + z * c;
     c = 1.0 / 24.0 + z * c;
     let cosine = (1.0 - 0.5 * z) + z * (z * c);
-    (turned(sine, cosine, turns), turned(sine, cosine, turns.wrapping_add(1)))
+    (rotate_quarters(sine, cosine, turns), rotate_quarters(sine, cosine, turns.wrapping_add(1)))
 }
 
-/// The sine or cosine `turns` quarter turns on.
+/// The sine or cosine after `turns` more quarter turns.
 #[inline(always)]
-fn turned(sine: f32, cosine: f32, turns: u32) -> f32 {
+fn rotate_quarters(sine: f32, cosine: f32, turns: u32) -> f32 {
     let value = if turns & 1 == 0 { sine } else { cosine };
     f32::from_bits(value.to_bits() ^ ((turns & 2) << 30))
 }

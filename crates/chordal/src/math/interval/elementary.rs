@@ -1,12 +1,12 @@
-//! What ranges become under sine and its kin, under rounding to whole numbers, and under decisions.
+//! Elementary functions of ranges, rounding to integers, and Boolean operations.
 //!
-//! Source of the errors that are allowed for: [`super::super::elementary`]. Unlike the arithmetic, these are isotone only up to
-//! that error: the rounded value at one end may be on either side of the true one.
+//! Source of the errors that are allowed for: [`super::super::elementary`]. Unlike the arithmetic, these are
+//! isotone only up to that error: the rounded value at one end may be on either side of the true one.
 use super::Interval;
-use super::ends::Ends;
+use super::bare::BareInterval;
 use crate::math::elementary;
 
-/// What an operation with one operand is called, and how it is done.
+/// Defines operations with one operand by name, value and condition.
 macro_rules! unary {
     ($($(#[$doc:meta])* $name:ident: $a:ident => $value:expr, |$v:ident| $defined:expr;)*) => {
         impl Interval {
@@ -14,37 +14,37 @@ macro_rules! unary {
             #[inline(always)]
             #[must_use]
             pub fn $name(self) -> Self {
-                let $a = self.ends();
-                let $v: Ends = $value;
-                Self::from_ends($v.unless_empty($a), self.is_defined() & ($defined))
+                let $a = self.bare();
+                let $v: BareInterval = $value;
+                Self::from_bare($v.unless_empty($a), self.is_defined() & ($defined))
             })*
         }
     };
 }
 
-/// For what has steps: continuous only where it is constant.
+/// The condition for step functions: continuous only where constant.
 #[inline(always)]
-fn is_flat(value: Ends) -> bool {
+fn is_flat(value: BareInterval) -> bool {
     value.lo == value.hi
 }
 
 unary! {
-    /// The largest whole number that is not above; defined where that is one number.
+    /// The largest integer that is not above; defined where that is one number.
     floor: a => a.floor(), |value| is_flat(value);
-    /// The smallest whole number that is not below; defined where that is one number.
+    /// The smallest integer that is not below; defined where that is one number.
     ceil: a => a.ceil(), |value| is_flat(value);
-    /// The nearest whole number, halves away from 0; defined where that is one number.
+    /// The nearest integer, halves away from 0; defined where that is one number.
     round: a => a.round(), |value| is_flat(value);
-    /// The angle whose sine it is, for the part in [−1, 1].
-    asin: a => Ends::asin(a).or_nothing(!a.meets_one()), |value| a.is_within_one();
-    /// The angle whose cosine it is, for the part in [−1, 1].
-    acos: a => Ends::acos(a).or_nothing(!a.meets_one()), |value| a.is_within_one();
-    /// The angle whose tangent it is.
-    atan: a => Ends::atan(a), |value| true;
+    /// The arcsine of the part in [−1, 1].
+    asin: a => BareInterval::asin(a).empty_if(!a.intersects_one()), |value| a.is_within_one();
+    /// The arccosine of the part in [−1, 1].
+    acos: a => BareInterval::acos(a).empty_if(!a.intersects_one()), |value| a.is_within_one();
+    /// The arctangent.
+    atan: a => BareInterval::atan(a), |value| true;
     /// `eˣ`.
-    exp: a => Ends::exp(a), |value| true;
+    exp: a => BareInterval::exp(a), |value| true;
     /// The natural logarithm of the part above 0.
-    ln: a => Ends::ln(a), |value| a.lo > 0.0;
+    ln: a => BareInterval::ln(a), |value| a.lo > 0.0;
     /// 1 where it is 0, else 0; defined where that is one number.
     one_at_zero: a => a.not(), |value| is_flat(value);
 }
@@ -68,27 +68,27 @@ impl Interval {
         self.tan_by(elementary::sin_cos)
     }
 
-    /// The sine, by a function that knows both ends' sines and cosines.
+    /// The sine, with `at` giving the sine and cosine of each end.
     #[inline(always)]
     pub(crate) fn sin_by(self, at: impl Fn(f64) -> (f64, f64)) -> Self {
-        let a = self.ends();
-        Self::from_ends(a.wave(0.5, at(a.lo).0, at(a.hi).0).unless_empty(a), self.is_defined())
+        let a = self.bare();
+        Self::from_bare(a.sinusoid(0.5, at(a.lo).0, at(a.hi).0).unless_empty(a), self.is_defined())
     }
 
     /// The cosine, as [`Interval::sin_by`].
     #[inline(always)]
     pub(crate) fn cos_by(self, at: impl Fn(f64) -> (f64, f64)) -> Self {
-        let a = self.ends();
-        Self::from_ends(a.wave(0.0, at(a.lo).1, at(a.hi).1).unless_empty(a), self.is_defined())
+        let a = self.bare();
+        Self::from_bare(a.sinusoid(0.0, at(a.lo).1, at(a.hi).1).unless_empty(a), self.is_defined())
     }
 
     /// The tangent, as [`Interval::sin_by`].
     #[inline(always)]
     pub(crate) fn tan_by(self, at: impl Fn(f64) -> (f64, f64)) -> Self {
-        let a = self.ends();
+        let a = self.bare();
         let (low, high) = (at(a.lo), at(a.hi));
-        let value = Ends::tan(a, low.0 / low.1, high.0 / high.1);
-        Self::from_ends(value.unless_empty(a), self.is_defined() & a.is_without_pole())
+        let value = BareInterval::tan(a, low.0 / low.1, high.0 / high.1);
+        Self::from_bare(value.unless_empty(a), self.is_defined() & a.is_without_pole())
     }
 }
 
@@ -100,26 +100,26 @@ macro_rules! binary {
             #[inline(always)]
             #[must_use]
             pub fn $name(self, other: Self) -> Self {
-                let ($a, $b) = (self.ends(), other.ends());
-                let $v: Ends = $value;
+                let ($a, $b) = (self.bare(), other.bare());
+                let $v: BareInterval = $value;
                 let operands = self.is_defined() & other.is_defined();
-                Self::from_ends($v.unless_either_empty($a, $b), operands & ($defined))
+                Self::from_bare($v.unless_either_empty($a, $b), operands & ($defined))
             })*
         }
     };
 }
 
 binary! {
-    /// The angle of the points `(other, self)` from the first axis; not defined where the box of these points touches the
-    /// negative axis or the origin.
-    atan2: a, b => Ends::atan2(a, b), |value| a.is_off_cut(b);
-    /// What is left when whole |other|s are taken away, from 0 to |other|; [`Interval::UNKNOWN`] when `other` holds 0,
-    /// and not defined where it may jump.
-    rem_euclid: a, b => a.rem(b), |value| !a.whole_quotient(b).is_nan();
+    /// The angle of the points `(other, self)` from the first axis; not defined where the box of these points
+    /// touches the negative axis or the origin.
+    atan2: a, b => BareInterval::atan2(a, b), |value| a.is_off_cut(b);
+    /// The remainder by |other|, from 0 to |other|; [`Interval::UNKNOWN`] when `other` contains 0, and not
+    /// defined where it may jump.
+    rem_euclid: a, b => a.rem(b), |value| !a.integer_quotient(b).is_nan();
     /// −1, 0 or 1 as it is below, at or above `other`; defined where that is one number.
     compare: a, b => a.compare(b), |value| is_flat(value);
-    /// `other`, or 0 where it is 0 itself; not defined where that is open.
+    /// `other`, or 0 where `self` is 0; not defined where that is undecided.
     and: a, b => a.and(b), |value| a.is_decided();
-    /// Itself, or `other` where it is 0; not defined where that is open.
+    /// `self`, or `other` where it is 0; not defined where that is undecided.
     or: a, b => a.or_else(b), |value| a.is_decided();
 }

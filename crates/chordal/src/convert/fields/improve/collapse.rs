@@ -1,6 +1,6 @@
 //! Rounds of edge collapses: vertices go into neighbours as long as all that changes stays within the aim.
-use super::sample::Sample;
-use super::{FaceLabel, SurfaceImprover, Unimproved, area_normal};
+use super::sample::PrimitiveSample;
+use super::{FaceLabel, ImproveError, SurfaceImprover, area_normal};
 use crate::explicit::{next_in_face, previous_in_face};
 use glam::DVec3;
 
@@ -17,7 +17,7 @@ const ALIKE: f64 = 0.05;
 
 /// A vertex with the half-edge into which it goes.
 #[derive(Clone, Copy, Debug)]
-struct Collapse {
+struct CollapseEstimate {
     h: u32,
     cost: f64,
     length: f64,
@@ -26,16 +26,16 @@ struct Collapse {
 /// What is around a vertex that goes along a half-edge: the other ends of its edges from that on, and its
 /// half-edges.
 #[derive(Default)]
-pub(super) struct Star {
+pub(super) struct VertexStar {
     pub sides: Vec<u32>,
     pub ring: Vec<u32>,
 }
 
 impl SurfaceImprover<'_> {
     /// Collapses until no vertex can go.
-    pub(super) fn collapse_all(&mut self) -> Result<(), Unimproved> {
-        let mut star = Star::default();
-        let mut list: Vec<Collapse> = Vec::new();
+    pub(super) fn collapse_all(&mut self) -> Result<(), ImproveError> {
+        let mut star = VertexStar::default();
+        let mut list: Vec<CollapseEstimate> = Vec::new();
         for _ in 0..MOST_ROUNDS {
             self.next_round()?;
             // Those of the last round about which nothing has changed stay what they are.
@@ -54,8 +54,8 @@ impl SurfaceImprover<'_> {
             let (mut chosen, mut rest) = (Vec::new(), Vec::new());
             for one in list.drain(..) {
                 faces.clear();
-                faces.extend(self.surface.around(self.surface.start(one.h)).map(|h| h / 3));
-                if self.take(&faces) { chosen.push(one) } else { rest.push(one) }
+                faces.extend(self.surface.one_ring(self.surface.start(one.h)).map(|h| h / 3));
+                if self.claim_faces(&faces) { chosen.push(one) } else { rest.push(one) }
             }
             if chosen.is_empty() {
                 break;
@@ -66,7 +66,7 @@ impl SurfaceImprover<'_> {
         Ok(())
     }
 
-    pub(super) fn fill(&self, h: u32, star: &mut Star) {
+    pub(super) fn gather_star(&self, h: u32, star: &mut VertexStar) {
         star.sides.clear();
         star.ring.clear();
         let mut side = h;
@@ -81,49 +81,49 @@ impl SurfaceImprover<'_> {
     }
 
     /// The edge into which a vertex goes best, by estimates.
-    fn best_collapse(&self, v: u32, star: &mut Star) -> Option<Collapse> {
-        let labels = self.labels_of(v);
+    fn best_collapse(&self, v: u32, star: &mut VertexStar) -> Option<CollapseEstimate> {
+        let labels = self.constraints_of(v);
         if labels.len() > 2 {
             return None;
         }
         let mut n_creases = 0;
         let mut n_faces = 0;
-        for h in self.surface.around(v) {
+        for h in self.surface.one_ring(v) {
             n_creases += usize::from(self.is_crease(h));
             n_faces += 1;
         }
         if n_faces > MOST_FACES || n_creases != if labels.len() == 2 { 2 } else { 0 } {
             return None;
         }
-        let mut best: Option<Collapse> = None;
-        for h in self.surface.around(v) {
+        let mut best: Option<CollapseEstimate> = None;
+        for h in self.surface.one_ring(v) {
             if n_creases == 2 && !self.is_crease(h) {
                 continue;
             }
-            self.fill(h, star);
+            self.gather_star(h, star);
             let most = best.as_ref().map_or(self.limit, |one| one.cost);
             let Some(cost) = self.estimated_cost(star, most) else { continue };
             let length = (self.at(star.ring[0]) - self.at(v)).length_squared();
             let is_better =
                 best.as_ref().is_none_or(|one| cost < one.cost || cost == one.cost && length < one.length);
             if is_better {
-                best = Some(Collapse { h, cost, length });
+                best = Some(CollapseEstimate { h, cost, length });
             }
         }
         best
     }
 
     /// What the faces that come are off by estimates, over what they may be; nothing if that is more than `most`.
-    fn estimated_cost(&self, star: &Star, most: f64) -> Option<f64> {
+    fn estimated_cost(&self, star: &VertexStar, most: f64) -> Option<f64> {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = ring[0];
         let mut cost = ALIKE;
         for i in 1..n - 1 {
             let label = self.label_of(star.sides[i]);
             let points = [b, ring[i], ring[i + 1]].map(|v| self.at(v));
-            let normal = self.on(b, label)?.normal
-                + self.on(ring[i], label)?.normal
-                + self.on(ring[i + 1], label)?.normal;
+            let normal = self.constraint(b, label)?.normal
+                + self.constraint(ring[i], label)?.normal
+                + self.constraint(ring[i + 1], label)?.normal;
             if !self.faces_along(points, normal.normalize_or_zero()) {
                 return None;
             }
@@ -146,24 +146,28 @@ impl SurfaceImprover<'_> {
     }
 
     /// Samples collapses, and makes those that stay within the aim.
-    fn collapse_edges(&mut self, list: &[Collapse], star: &mut Star) -> Result<(), Unimproved> {
+    fn collapse_edges(
+        &mut self,
+        list: &[CollapseEstimate],
+        star: &mut VertexStar,
+    ) -> Result<(), ImproveError> {
         let mut asks: Vec<(FaceLabel, DVec3)> = Vec::new();
         for one in list {
-            self.fill(one.h, star);
-            self.each_ask(star, |label, at| asks.push((label, at)));
+            self.gather_star(one.h, star);
+            self.for_each_sample_point(star, |label, at| asks.push((label, at)));
         }
         let samples = self.sample(&asks)?;
         let mut from = 0;
         for one in list {
-            self.fill(one.h, star);
+            self.gather_star(one.h, star);
             let mut n = 0;
-            self.each_ask(star, |_, _| n += 1);
+            self.for_each_sample_point(star, |_, _| n += 1);
             let samples = &samples[from..from + n];
             from += n;
-            if self.surface.may_collapse(one.h)
-                && self.stays_near(star, samples)
-                && !self.shuts(star)
-                && !self.meets_others(star)
+            if self.surface.can_collapse(one.h)
+                && self.is_within_aim(star, samples)
+                && !self.closes_crease(star)
+                && !self.would_intersect(star)
             {
                 self.collapse(star, samples);
             }
@@ -173,7 +177,7 @@ impl SurfaceImprover<'_> {
 
     /// The samples of a collapse: by face that stays its centroid, then the middles of new edges, for both
     /// sides of a crease.
-    fn each_ask(&self, star: &Star, mut ask: impl FnMut(FaceLabel, DVec3)) {
+    fn for_each_sample_point(&self, star: &VertexStar, mut ask: impl FnMut(FaceLabel, DVec3)) {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = self.at(ring[0]);
         for i in 1..n - 1 {
@@ -196,7 +200,7 @@ impl SurfaceImprover<'_> {
     /// The first and the last of the ring are joined to the end already; where the face that goes there
     /// belongs to another primitive than the one that takes its place, the edge becomes a crease or ceases to
     /// be one: the position in the ring, and the new label.
-    fn sides_that_change(&self, star: &Star) -> [Option<(usize, FaceLabel)>; 2] {
+    fn sides_that_change(&self, star: &VertexStar) -> [Option<(usize, FaceLabel)>; 2] {
         let n = star.ring.len();
         let label = |i: usize| self.label_of(star.sides[i]);
         [
@@ -206,14 +210,14 @@ impl SurfaceImprover<'_> {
     }
 
     /// The half-edges outside of the two faces that go, across from the vertex that goes.
-    fn outer(&self, star: &Star) -> [u32; 2] {
+    fn outer(&self, star: &VertexStar) -> [u32; 2] {
         let t = self.surface.twin(star.sides[0]);
         [next_in_face(star.sides[0]), previous_in_face(t)].map(|h| self.surface.twin(h))
     }
 
     /// The signed distances of the new edges' middles from the primitives before and after them, by position
     /// in the ring.
-    fn spokes(&self, star: &Star, samples: &[Sample]) -> Vec<[f64; 2]> {
+    fn spoke_distances(&self, star: &VertexStar, samples: &[PrimitiveSample]) -> Vec<[f64; 2]> {
         let n = star.ring.len();
         let mut spokes = vec![[f64::NAN; 2]; n];
         let t = self.surface.twin(star.sides[0]);
@@ -236,17 +240,17 @@ impl SurfaceImprover<'_> {
     }
 
     /// Whether all that comes is within the aim and faces along its primitive.
-    fn stays_near(&self, star: &Star, samples: &[Sample]) -> bool {
+    fn is_within_aim(&self, star: &VertexStar, samples: &[PrimitiveSample]) -> bool {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = ring[0];
-        let spokes = self.spokes(star, samples);
+        let spokes = self.spoke_distances(star, samples);
         for i in 1..n - 1 {
             let label = self.label_of(star.sides[i]);
             let corners = [b, ring[i], ring[i + 1]];
             let sample = samples[i - 1];
             let middles = [spokes[i][1], self.middle_of(next_in_face(star.sides[i])), spokes[i + 1][0]];
-            let off = self.off(corners, label, middles, sample.distance);
-            if !(off.most() <= self.limit * self.aim_of(corners))
+            let off = self.distances(corners, label, middles, sample.distance);
+            if !(off.largest() <= self.limit * self.aim_of(corners))
                 || !self.faces_along(corners.map(|v| self.at(v)), sample.normal)
             {
                 return false;
@@ -267,7 +271,7 @@ impl SurfaceImprover<'_> {
 
     /// Whether faces would lie on each other at a crease: a part of the solid that is thinner than the length
     /// there.
-    fn shuts(&self, star: &Star) -> bool {
+    fn closes_crease(&self, star: &VertexStar) -> bool {
         let (ring, n) = (&star.ring, star.ring.len());
         let b = ring[0];
         let new = |i: usize| {
@@ -276,7 +280,7 @@ impl SurfaceImprover<'_> {
         };
         let old = |h: u32| (self.label_of(h), area_normal(self.points(h / 3)).normalize_or_zero());
         let is_shut = |x: (FaceLabel, DVec3), y: (FaceLabel, DVec3), v: u32| {
-            let (Some(p), Some(q)) = (self.on(v, x.0), self.on(v, y.0)) else { return false };
+            let (Some(p), Some(q)) = (self.constraint(v, x.0), self.constraint(v, y.0)) else { return false };
             x.0 != y.0 && 1.0 + x.1.dot(y.1) < SHUT * (1.0 + p.normal.dot(q.normal))
         };
         let outer = self.outer(star);
@@ -287,7 +291,7 @@ impl SurfaceImprover<'_> {
             || is_shut(new(n - 2), old(outer[1]), b)
     }
 
-    pub(super) fn meets_others(&mut self, star: &Star) -> bool {
+    pub(super) fn would_intersect(&mut self, star: &VertexStar) -> bool {
         let (ring, n) = (&star.ring, star.ring.len());
         let new: Vec<([u32; 3], [DVec3; 3])> = (1..n - 1)
             .map(|i| [ring[0], ring[i], ring[i + 1]])
@@ -297,10 +301,10 @@ impl SurfaceImprover<'_> {
         self.crosses(&new, &gone)
     }
 
-    fn collapse(&mut self, star: &Star, samples: &[Sample]) {
+    fn collapse(&mut self, star: &VertexStar, samples: &[PrimitiveSample]) {
         let n = star.ring.len();
         let t = self.surface.twin(star.sides[0]);
-        let mut spokes = self.spokes(star, samples);
+        let mut spokes = self.spoke_distances(star, samples);
         // What was not sampled stays so.
         let changes = self.sides_that_change(star);
         if changes[0].is_none() {

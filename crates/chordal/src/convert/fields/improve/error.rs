@@ -1,6 +1,6 @@
 //! How far edges and faces are from their primitives: by samples where there are some, else from the normals
 //! at their ends.
-use super::{FaceLabel, SurfaceImprover, VertexLabel, area_normal, sides};
+use super::{FaceLabel, SurfaceImprover, VertexConstraint, area_normal, sides};
 use glam::DVec3;
 
 /// A crease may be off by this share of what a face may, times the sine of half its angle. Measured in proofs.
@@ -34,17 +34,17 @@ const CHECKED_TOGETHER: usize = 1 << 14;
 
 /// Signed distances over an edge or a face.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Off {
+pub(super) struct SignedDistanceRange {
     pub low: f64,
     pub high: f64,
 }
 
-impl Off {
+impl SignedDistanceRange {
     pub const NONE: Self = Self { low: 0.0, high: 0.0 };
 
     /// With one more; NaN counts as infinitely far.
     #[inline]
-    pub fn with(self, distance: f64) -> Self {
+    pub fn including(self, distance: f64) -> Self {
         if distance.is_nan() {
             return Self { low: f64::NEG_INFINITY, high: f64::INFINITY };
         }
@@ -55,7 +55,7 @@ impl Off {
     }
 
     #[inline]
-    pub fn most(self) -> f64 {
+    pub fn largest(self) -> f64 {
         if -self.low > self.high { -self.low } else { self.high }
     }
 }
@@ -63,15 +63,17 @@ impl Off {
 impl SurfaceImprover<'_> {
     /// A vertex on one of its primitives.
     #[inline]
-    pub(super) fn on(&self, v: u32, label: FaceLabel) -> Option<&VertexLabel> {
-        self.labels_of(v).iter().find(|on| on.label == label)
+    pub(super) fn constraint(&self, v: u32, label: FaceLabel) -> Option<&VertexConstraint> {
+        self.constraints_of(v).iter().find(|on| on.label == label)
     }
 
     /// The distance of the middle of two vertices from a primitive, from its normals there: off by their
     /// fourth derivatives.
     #[inline]
     pub(super) fn estimate(&self, a: u32, b: u32, label: FaceLabel) -> f64 {
-        let (Some(p), Some(q)) = (self.on(a, label), self.on(b, label)) else { return f64::NAN };
+        let (Some(p), Some(q)) = (self.constraint(a, label), self.constraint(b, label)) else {
+            return f64::NAN;
+        };
         0.5 * (p.distance + q.distance) + 0.125 * (p.normal - q.normal).dot(self.at(b) - self.at(a))
     }
 
@@ -83,7 +85,7 @@ impl SurfaceImprover<'_> {
             return known;
         }
         let (a, b, label) = (self.surface.start(h), self.surface.end(h), self.label_of(h));
-        match (self.on(a, label), self.on(b, label)) {
+        match (self.constraint(a, label), self.constraint(b, label)) {
             (Some(p), Some(q)) if p.normal.dot(q.normal) > ALIKE => self.estimate(a, b, label),
             _ => f64::NAN,
         }
@@ -112,10 +114,10 @@ impl SurfaceImprover<'_> {
     /// The same for an edge between two primitives, from the distances of its middle from both.
     pub(super) fn crease_excess(&self, [a, b]: [u32; 2], labels: [FaceLabel; 2], distances: [f64; 2]) -> f64 {
         let normal = |label: FaceLabel| {
-            let at = |v: u32| self.on(v, label).map_or(DVec3::ZERO, |on| on.normal);
+            let at = |v: u32| self.constraint(v, label).map_or(DVec3::ZERO, |on| on.normal);
             (at(a) + at(b)).normalize_or_zero()
         };
-        let on: [VertexLabel; 2] = std::array::from_fn(|k| VertexLabel {
+        let on: [VertexConstraint; 2] = std::array::from_fn(|k| VertexConstraint {
             label: labels[k],
             distance: distances[k],
             normal: normal(labels[k]),
@@ -129,28 +131,42 @@ impl SurfaceImprover<'_> {
     }
 
     /// The distances over a face, from those at corners, middles and centroid.
-    pub(super) fn face_off(&self, face: u32) -> Off {
+    pub(super) fn face_distances(&self, face: u32) -> SignedDistanceRange {
         let [u, v, w] = sides(3 * face);
         let middles = [self.middle_of(u), self.middle_of(v), self.middle_of(w)];
-        self.off(self.surface.corners(face), self.label[face as usize], middles, self.centre[face as usize])
+        self.distances(
+            self.surface.corners(face),
+            self.label[face as usize],
+            middles,
+            self.centre[face as usize],
+        )
     }
 
     /// What a face is off, over what it may be.
     pub(super) fn face_excess(&self, face: u32) -> f64 {
-        self.face_off(face).most() / self.aim_of(self.surface.corners(face))
+        self.face_distances(face).largest() / self.aim_of(self.surface.corners(face))
     }
 
     /// The same for a face that may come: `middles` by edge from the first corner on; a centroid that is NaN
     /// is estimated.
-    pub(super) fn off(&self, corners: [u32; 3], label: FaceLabel, middles: [f64; 3], centre: f64) -> Off {
-        let corner = corners.map(|v| self.on(v, label).map_or(f64::NAN, |on| on.distance));
+    pub(super) fn distances(
+        &self,
+        corners: [u32; 3],
+        label: FaceLabel,
+        middles: [f64; 3],
+        centre: f64,
+    ) -> SignedDistanceRange {
+        let corner = corners.map(|v| self.constraint(v, label).map_or(f64::NAN, |on| on.distance));
         let centre = if centre.is_nan() {
             // Of the quadratic through corners and middles.
             (4.0 * (middles[0] + middles[1] + middles[2]) - (corner[0] + corner[1] + corner[2])) / 9.0
         } else {
             centre
         };
-        corner.into_iter().chain(middles).fold(Off::NONE.with(centre), Off::with)
+        corner
+            .into_iter()
+            .chain(middles)
+            .fold(SignedDistanceRange::NONE.including(centre), SignedDistanceRange::including)
     }
 
     /// Whether a triangle has an area and does not turn away from a normal: within 60°.
@@ -185,7 +201,7 @@ impl SurfaceImprover<'_> {
 
     /// About how many faces the aim takes: errors fall with the square of edges, so a face is cut into as
     /// many as its error is over the aim, and a crease into the root of that.
-    pub fn estimated_faces(&mut self) -> Result<f64, super::Unimproved> {
+    pub fn estimated_faces(&mut self) -> Result<f64, super::ImproveError> {
         let edges: Vec<u32> = self.edges().collect();
         self.sample_middles(&edges)?;
         let mut parts = vec![1.0_f64; self.surface.face_slots()];
@@ -209,7 +225,7 @@ impl SurfaceImprover<'_> {
     }
 
     /// Samples the middles of edges that are not known.
-    pub(super) fn sample_middles(&mut self, edges: &[u32]) -> Result<(), super::Unimproved> {
+    pub(super) fn sample_middles(&mut self, edges: &[u32]) -> Result<(), super::ImproveError> {
         let (mut asks, mut of) = (Vec::new(), Vec::new());
         for h in edges {
             if !self.middle[*h as usize].is_nan() {
@@ -236,7 +252,7 @@ impl SurfaceImprover<'_> {
     }
 
     /// Samples the centroids of faces that are not known.
-    pub(super) fn sample_centres(&mut self, faces: &[u32]) -> Result<(), super::Unimproved> {
+    pub(super) fn sample_centres(&mut self, faces: &[u32]) -> Result<(), super::ImproveError> {
         let unknown: Vec<u32> = faces.iter().copied().filter(|f| self.centre[*f as usize].is_nan()).collect();
         let at = |f: &u32| {
             let [a, b, c] = self.points(*f);
@@ -249,7 +265,7 @@ impl SurfaceImprover<'_> {
     }
 
     /// The faces of a list that are off somewhere by more than the aim, by all samples; the others are verified.
-    pub(super) fn refuted(&mut self, faces: &[u32]) -> Result<Vec<u32>, super::Unimproved> {
+    pub(super) fn find_refuted(&mut self, faces: &[u32]) -> Result<Vec<u32>, super::ImproveError> {
         let edges: Vec<u32> = faces.iter().flat_map(|f| sides(3 * *f)).collect();
         self.sample_middles(&edges)?;
         self.sample_centres(faces)?;
@@ -262,8 +278,10 @@ impl SurfaceImprover<'_> {
             }
             let samples = self.sample(&asks)?;
             for (f, samples) in part.iter().zip(samples.chunks(INSIDE.len())) {
-                let off = samples.iter().fold(self.face_off(*f), |off, sample| off.with(sample.distance));
-                let is_near = off.most() <= self.aim_of(self.surface.corners(*f));
+                let off = samples
+                    .iter()
+                    .fold(self.face_distances(*f), |off, sample| off.including(sample.distance));
+                let is_near = off.largest() <= self.aim_of(self.surface.corners(*f));
                 self.is_verified[*f as usize] = is_near;
                 if !is_near {
                     refuted.push(*f);

@@ -10,16 +10,16 @@ const WIDE: usize = 8;
 
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bounds {
+pub(super) struct FaceBox {
     pub min: DVec3,
     pub max: DVec3,
 }
 
-impl Bounds {
+impl FaceBox {
     pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
 
     #[inline]
-    pub fn of(points: &[DVec3; 3]) -> Self {
+    pub fn from_points(points: &[DVec3; 3]) -> Self {
         let [a, b, c] = *points;
         Self { min: a.min(b).min(c), max: a.max(b).max(c) }
     }
@@ -37,12 +37,12 @@ impl Bounds {
 
 /// A box in the frame of the tree, rounded outward. Its ends stand as `[min x, min y, min z, −max x, −max y, −max z]`, so that all of them
 /// grow downward.
-type Ends = [f32; 6];
+type PackedBox = [f32; 6];
 
-const NOTHING: Ends = [f32::INFINITY; 6];
+const NOTHING: PackedBox = [f32::INFINITY; 6];
 
 #[derive(Clone, Debug)]
-struct Node {
+struct FaceTreeNode {
     /// By end, then by child.
     ends: [[f32; WIDE]; 6],
     children: [u32; WIDE],
@@ -50,17 +50,17 @@ struct Node {
     parent: (u32, u32),
 }
 
-impl Node {
+impl FaceTreeNode {
     fn new(parent: (u32, u32)) -> Self {
         Self { ends: [[f32::INFINITY; WIDE]; 6], children: [NONE; WIDE], parent }
     }
 
-    fn set(&mut self, k: usize, ends: &Ends) {
+    fn set(&mut self, k: usize, ends: &PackedBox) {
         (0..6).for_each(|e| self.ends[e][k] = ends[e]);
     }
 
     /// Whether the box of a child had to grow.
-    fn grow(&mut self, k: usize, ends: &Ends) -> bool {
+    fn grow(&mut self, k: usize, ends: &PackedBox) -> bool {
         let mut grew = false;
         for e in 0..6 {
             if ends[e] < self.ends[e][k] {
@@ -75,7 +75,7 @@ impl Node {
 /// See the [module](self). Boxes of nodes only grow until the tree is built again.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FaceTree {
-    nodes: Vec<Node>,
+    nodes: Vec<FaceTreeNode>,
     /// By face: its node, and which child of it.
     place: Vec<(u32, u32)>,
     origin: DVec3,
@@ -85,8 +85,8 @@ pub(super) struct FaceTree {
 
 impl FaceTree {
     /// Of faces with their boxes; others up to `n_slots` are not there.
-    pub fn build(faces: &mut [(u32, Bounds)], n_slots: usize) -> Self {
-        let whole = faces.iter().fold(Bounds::EMPTY, |all, (_, one)| all.union(*one));
+    pub fn build(faces: &mut [(u32, FaceBox)], n_slots: usize) -> Self {
+        let whole = faces.iter().fold(FaceBox::EMPTY, |all, (_, one)| all.union(*one));
         let size = (whole.max - whole.min).max_element();
         let mut tree = Self {
             nodes: Vec::with_capacity(faces.len() / 4 + 1),
@@ -95,7 +95,7 @@ impl FaceTree {
             scale: if size > 0.0 { 1.0 / size } else { 1.0 },
             n_built: faces.len(),
         };
-        tree.nodes.push(Node::new((NONE, 0)));
+        tree.nodes.push(FaceTreeNode::new((NONE, 0)));
         let mut open = vec![(0_u32, 0_usize, faces.len())];
         while let Some((node, from, to)) = open.pop() {
             if to - from <= WIDE {
@@ -117,8 +117,8 @@ impl FaceTree {
             for k in 0..WIDE {
                 let (from, to) = (cuts[k], cuts[k + 1]);
                 let child = tree.nodes.len() as u32;
-                tree.nodes.push(Node::new((node, k as u32)));
-                let bounds = faces[from..to].iter().fold(Bounds::EMPTY, |all, (_, one)| all.union(*one));
+                tree.nodes.push(FaceTreeNode::new((node, k as u32)));
+                let bounds = faces[from..to].iter().fold(FaceBox::EMPTY, |all, (_, one)| all.union(*one));
                 let ends = tree.ends(&bounds);
                 let at = &mut tree.nodes[node as usize];
                 at.set(k, &ends);
@@ -135,7 +135,7 @@ impl FaceTree {
     }
 
     #[inline]
-    fn ends(&self, bounds: &Bounds) -> Ends {
+    fn ends(&self, bounds: &FaceBox) -> PackedBox {
         // Coordinates in the frame are about 1 and less: moved by more than their rounding to f32, 2⁻²⁴, and that of the frame.
         const OUTWARD: f64 = 1.0 / (1 << 22) as f64;
         let low = (bounds.min - self.origin) * self.scale;
@@ -145,7 +145,7 @@ impl FaceTree {
     }
 
     /// After a face has changed.
-    pub fn update(&mut self, face: u32, bounds: &Bounds) {
+    pub fn update(&mut self, face: u32, bounds: &FaceBox) {
         let (node, k) = self.place[face as usize];
         let ends = self.ends(bounds);
         let at = &mut self.nodes[node as usize];
@@ -153,7 +153,7 @@ impl FaceTree {
         self.grow(at_parent(&self.nodes, node), &ends);
     }
 
-    fn grow(&mut self, mut at: (u32, u32), ends: &Ends) {
+    fn grow(&mut self, mut at: (u32, u32), ends: &PackedBox) {
         while at.0 != NONE && self.nodes[at.0 as usize].grow(at.1 as usize, ends) {
             at = self.nodes[at.0 as usize].parent;
         }
@@ -166,7 +166,7 @@ impl FaceTree {
     }
 
     /// Adds the face of the next number beside another.
-    pub fn add(&mut self, beside: u32, bounds: &Bounds) {
+    pub fn add(&mut self, beside: u32, bounds: &FaceBox) {
         let face = self.place.len() as u32;
         let (node, k) = self.place[beside as usize];
         let ends = self.ends(bounds);
@@ -176,7 +176,7 @@ impl FaceTree {
         } else {
             // Both go into a new node at the place of the other.
             let child = self.nodes.len() as u32;
-            let mut new = Node::new((node, k));
+            let mut new = FaceTreeNode::new((node, k));
             let at = &mut self.nodes[node as usize];
             (0..6).for_each(|e| new.ends[e][0] = at.ends[e][k as usize]);
             new.children[0] = beside;
@@ -194,7 +194,7 @@ impl FaceTree {
 
     /// Faces whose boxes may meet a box.
     #[inline]
-    pub fn each_near(&self, bounds: &Bounds, mut near: impl FnMut(u32)) {
+    pub fn for_each_near(&self, bounds: &FaceBox, mut near: impl FnMut(u32)) {
         let [a, b, c, d, e, f] = self.ends(bounds);
         // Each low end against the other's high end.
         let against = [-d, -e, -f, -a, -b, -c];
@@ -222,20 +222,20 @@ impl FaceTree {
     }
 }
 
-fn at_parent(nodes: &[Node], node: u32) -> (u32, u32) {
+fn at_parent(nodes: &[FaceTreeNode], node: u32) -> (u32, u32) {
     nodes[node as usize].parent
 }
 
 /// Parts boxes at the middle of their longest axis; gives where.
-fn halve(faces: &mut [(u32, Bounds)]) -> usize {
+fn halve(faces: &mut [(u32, FaceBox)]) -> usize {
     let middle = faces.len() / 2;
     if faces.len() < 2 {
         return middle;
     }
-    let empty = Bounds::EMPTY;
+    let empty = FaceBox::EMPTY;
     let centres = faces.iter().fold(empty, |all, (_, b)| {
         let centre = 0.5 * b.min + 0.5 * b.max;
-        all.union(Bounds { min: centre, max: centre })
+        all.union(FaceBox { min: centre, max: centre })
     });
     let size = centres.max - centres.min;
     let axis = (1..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
@@ -258,10 +258,10 @@ mod tests {
         };
         let mut any = |size: f64| {
             let corner = DVec3::new(unit(), unit(), unit()) * 1e6;
-            Bounds { min: corner, max: corner + size * 1e6 * DVec3::new(unit(), unit(), unit()) }
+            FaceBox { min: corner, max: corner + size * 1e6 * DVec3::new(unit(), unit(), unit()) }
         };
-        let mut boxes: Vec<Option<Bounds>> = (0..500).map(|_| Some(any(0.05))).collect();
-        let mut faces: Vec<(u32, Bounds)> = (0..500).map(|f| (f, boxes[f as usize].unwrap())).collect();
+        let mut boxes: Vec<Option<FaceBox>> = (0..500).map(|_| Some(any(0.05))).collect();
+        let mut faces: Vec<(u32, FaceBox)> = (0..500).map(|f| (f, boxes[f as usize].unwrap())).collect();
         let mut tree = FaceTree::build(&mut faces, 500);
         for step in 0..3000_usize {
             let face = step * 7919 % boxes.len();
@@ -282,7 +282,7 @@ mod tests {
                 _ => {
                     let query = any(0.3);
                     let mut found = Vec::new();
-                    tree.each_near(&query, |f| {
+                    tree.for_each_near(&query, |f| {
                         if boxes[f as usize].is_some_and(|b| b.meets(&query)) {
                             found.push(f as usize);
                         }

@@ -1,5 +1,5 @@
 //! Rounds of edge flips: for smaller errors, and where those are small for better angles.
-use super::{SurfaceImprover, Unimproved, area_normal, sides};
+use super::{ImproveError, SurfaceImprover, area_normal, sides};
 use crate::explicit::{next_in_face, previous_in_face};
 use glam::DVec3;
 
@@ -7,7 +7,7 @@ use glam::DVec3;
 const MOST_ROUNDS: usize = 6;
 
 /// An edge with what is gained by turning it.
-struct Flip {
+struct FlipEstimate {
     h: u32,
     gain: f64,
     /// Whether one of its triangles stands on the surface and those that come do not, or much is gained: then
@@ -16,17 +16,17 @@ struct Flip {
 }
 
 impl SurfaceImprover<'_> {
-    pub(super) fn flip_all(&mut self) -> Result<(), Unimproved> {
+    pub(super) fn flip_all(&mut self) -> Result<(), ImproveError> {
         for _ in 0..MOST_ROUNDS {
             let open = self.changed_edges();
             if open.is_empty() {
                 break;
             }
             self.next_round()?;
-            let mut flips: Vec<Flip> = open.iter().filter_map(|h| self.flip_of(*h)).collect();
+            let mut flips: Vec<FlipEstimate> = open.iter().filter_map(|h| self.estimate_flip(*h)).collect();
             flips.sort_unstable_by(|x, y| y.gain.total_cmp(&x.gain).then(x.h.cmp(&y.h)));
             flips.retain(|flip| {
-                let takes = self.take(&[flip.h / 3, self.surface.twin(flip.h) / 3]);
+                let takes = self.claim_faces(&[flip.h / 3, self.surface.twin(flip.h) / 3]);
                 if !takes {
                     // In the next round, whatever comes of those that were first.
                     self.changed.push(flip.h / 3);
@@ -56,7 +56,7 @@ impl SurfaceImprover<'_> {
     }
 
     /// The flip of an edge, if by estimates it is one to make.
-    fn flip_of(&self, h: u32) -> Option<Flip> {
+    fn estimate_flip(&self, h: u32) -> Option<FlipEstimate> {
         let t = self.surface.twin(h);
         let label = self.label_of(h);
         if label != self.label_of(t) {
@@ -70,7 +70,7 @@ impl SurfaceImprover<'_> {
         let new = self.estimate(c, d, label).abs();
         let before = worse(quality([pa, pb, pc]), quality([pb, pa, pd]));
         let after = worse(quality([pa, pd, pc]), quality([pd, pb, pc]));
-        let normal = self.on(a, label)?.normal + self.on(b, label)?.normal;
+        let normal = self.constraint(a, label)?.normal + self.constraint(b, label)?.normal;
         let normal = normal.normalize_or_zero();
         let fits = |points: [[DVec3; 3]; 2]| points.iter().all(|one| self.faces_along(*one, normal));
         let aim = self.aim_of([a, b, c, d]);
@@ -92,19 +92,23 @@ impl SurfaceImprover<'_> {
             0.1 * (after - before)
         };
         let fits = fits([[pa, pd, pc], [pd, pb, pc]]);
-        (fits && self.surface.may_flip(h)).then_some(Flip { h, gain, is_urgent: rights || gain > 1.0 })
+        (fits && self.surface.can_flip(h)).then_some(FlipEstimate {
+            h,
+            gain,
+            is_urgent: rights || gain > 1.0,
+        })
     }
 
     /// Samples flips, and makes those that are as good as they looked.
-    fn flip_edges(&mut self, flips: &[Flip]) -> Result<(), Unimproved> {
+    fn flip_edges(&mut self, flips: &[FlipEstimate]) -> Result<(), ImproveError> {
         let mut asks = Vec::with_capacity(3 * flips.len());
-        for Flip { h, .. } in flips {
+        for FlipEstimate { h, .. } in flips {
             let label = self.label_of(*h);
             let [a, b, c, d] = self.diamond(*h).map(|v| self.at(v));
             asks.extend([(label, 0.5 * (c + d)), (label, (a + d + c) / 3.0), (label, (d + b + c) / 3.0)]);
         }
         let samples = self.sample(&asks)?;
-        for (Flip { h, is_urgent, .. }, samples) in flips.iter().zip(samples.chunks(3)) {
+        for (FlipEstimate { h, is_urgent, .. }, samples) in flips.iter().zip(samples.chunks(3)) {
             let t = self.surface.twin(*h);
             let label = self.label_of(*h);
             let [a, b, c, d] = self.diamond(*h);
@@ -112,18 +116,20 @@ impl SurfaceImprover<'_> {
                 .map(|side| self.middle_of(side));
             let [bc, ca, ad, db] = middles;
             let middle = samples[0].distance;
-            let new = self.flipped(*h);
+            let new = self.flipped_triangles(*h);
             let faces = new.map(|(face, _)| face);
             let off = [
-                self.off(faces[0], label, [ad, middle, ca], samples[1].distance).most(),
-                self.off(faces[1], label, [db, bc, middle], samples[2].distance).most(),
+                self.distances(faces[0], label, [ad, middle, ca], samples[1].distance).largest(),
+                self.distances(faces[1], label, [db, bc, middle], samples[2].distance).largest(),
             ];
-            let (before, after) =
-                (greater(self.face_off(*h / 3).most(), self.face_off(t / 3).most()), greater(off[0], off[1]));
+            let (before, after) = (
+                greater(self.face_distances(*h / 3).largest(), self.face_distances(t / 3).largest()),
+                greater(off[0], off[1]),
+            );
             let improves = *is_urgent || after <= 0.25 * self.aim_of([a, b, c, d]) || after < before;
             let fits = self.faces_along(new[0].1, samples[1].normal)
                 && self.faces_along(new[1].1, samples[2].normal);
-            if !(improves && fits && self.surface.may_flip(*h)) {
+            if !(improves && fits && self.surface.can_flip(*h)) {
                 continue;
             }
             if self.crosses(&new, &[*h / 3, t / 3]) {
@@ -154,7 +160,7 @@ impl SurfaceImprover<'_> {
     }
 
     /// The faces that come of a flip.
-    pub(super) fn flipped(&self, h: u32) -> [([u32; 3], [DVec3; 3]); 2] {
+    pub(super) fn flipped_triangles(&self, h: u32) -> [([u32; 3], [DVec3; 3]); 2] {
         let [a, b, c, d] = self.diamond(h);
         [[a, d, c], [d, b, c]].map(|face| (face, face.map(|v| self.at(v))))
     }

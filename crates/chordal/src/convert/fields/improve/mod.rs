@@ -10,11 +10,11 @@ mod collapse;
 mod error;
 mod face_tree;
 mod flip;
+mod intersections;
 mod newton;
 mod sample;
-mod sheets;
 mod split;
-mod walls;
+mod thin_walls;
 mod weld;
 
 use crate::budget::{Job, Progress};
@@ -22,7 +22,7 @@ use crate::explicit::{HalfEdges, next_in_face, previous_in_face};
 use crate::implicit::{LeafError, PrimitiveEvaluator};
 use face_tree::FaceTree;
 use glam::DVec3;
-use sample::Sample;
+use sample::PrimitiveSample;
 use split::MOST_REPAIRS;
 
 /// A primitive and the side of it that is outside: twice its number, plus one where it stands as its complement.
@@ -30,7 +30,7 @@ pub(crate) type FaceLabel = u32;
 
 /// A closed, oriented, embedded 2-manifold whose faces each belong to a primitive.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct RawSurface {
+pub(crate) struct LabelledSurface {
     pub positions: Vec<[f64; 3]>,
     pub faces: Vec<[u32; 3]>,
     /// By face.
@@ -39,7 +39,7 @@ pub(crate) struct RawSurface {
 
 /// Why a surface was not improved.
 #[derive(Debug)]
-pub(crate) enum Unimproved {
+pub(crate) enum ImproveError {
     /// It is no closed, oriented 2-manifold.
     NotManifold,
     Leaf(LeafError),
@@ -50,7 +50,7 @@ pub(crate) enum Unimproved {
     Cancelled,
 }
 
-impl From<LeafError> for Unimproved {
+impl From<LeafError> for ImproveError {
     fn from(error: LeafError) -> Self {
         Self::Leaf(error)
     }
@@ -58,7 +58,7 @@ impl From<LeafError> for Unimproved {
 
 /// Where the surface has no room: a vertex that could not go to its place, or an edge that could not be split.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct TightPlace {
+pub(crate) struct BlockedPlace {
     pub at: [f64; 3],
     /// The longest edge about the vertex, or the length of the edge.
     pub size: f64,
@@ -66,7 +66,7 @@ pub(crate) struct TightPlace {
 
 /// A vertex on one of its primitives.
 #[derive(Clone, Copy, Debug)]
-struct VertexLabel {
+struct VertexConstraint {
     label: FaceLabel,
     /// The signed distance from it, positive outside, to first order.
     distance: f64,
@@ -76,7 +76,7 @@ struct VertexLabel {
 
 /// What was done, for reports.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Counts {
+pub(crate) struct ImproveCounts {
     pub splits: usize,
     pub flips: usize,
     pub collapses: usize,
@@ -100,7 +100,7 @@ pub(crate) struct SurfaceImprover<'a> {
     aim_at: Vec<f64>,
     /// By vertex: where its labels begin, and how many there are.
     place: Vec<(u32, u32)>,
-    vertex_label: Vec<VertexLabel>,
+    constraints: Vec<VertexConstraint>,
     /// By half-edge: the signed distance of its middle from the primitive of its face; NaN where it was not
     /// sampled.
     middle: Vec<f64>,
@@ -115,7 +115,7 @@ pub(crate) struct SurfaceImprover<'a> {
     /// Faces whose edges may want to be flipped.
     changed: Vec<u32>,
     /// By face: the round in which it was taken.
-    taken: Vec<u32>,
+    claimed_in: Vec<u32>,
     round: u32,
     tree: FaceTree,
     /// The limit of the job, or what there is at first, of which collapses leave few.
@@ -123,10 +123,10 @@ pub(crate) struct SurfaceImprover<'a> {
     /// Whether vertices that others are in the way of may stop before.
     goes_by_parts: bool,
     /// Vertices that could not go to their places at first.
-    held: Vec<TightPlace>,
+    blocked: Vec<BlockedPlace>,
     /// By half-edge: those that the last round of splits was for.
     stuck: Vec<u32>,
-    pub counts: Counts,
+    pub counts: ImproveCounts,
 }
 
 /// What edges and faces may be off, as a share of the tolerance: the rest is for what samples miss. Measured:
@@ -135,12 +135,13 @@ const AIM: f64 = 0.85;
 
 impl<'a> SurfaceImprover<'a> {
     pub fn new(
-        raw: &RawSurface,
+        raw: &LabelledSurface,
         evaluator: PrimitiveEvaluator<'a>,
         tol: f64,
         job: &'a Job,
-    ) -> Result<Self, Unimproved> {
-        let surface = HalfEdges::of(&raw.faces, raw.positions.len()).ok_or(Unimproved::NotManifold)?;
+    ) -> Result<Self, ImproveError> {
+        let surface =
+            HalfEdges::from_faces(&raw.faces, raw.positions.len()).ok_or(ImproveError::NotManifold)?;
         let n_faces = raw.faces.len();
         let mut this = Self {
             evaluator,
@@ -152,14 +153,14 @@ impl<'a> SurfaceImprover<'a> {
             position: raw.positions.iter().map(|p| DVec3::from(*p)).collect(),
             aim_at: vec![AIM * tol; raw.positions.len()],
             place: Vec::with_capacity(raw.positions.len()),
-            vertex_label: Vec::with_capacity(raw.positions.len() + raw.positions.len() / 2),
+            constraints: Vec::with_capacity(raw.positions.len() + raw.positions.len() / 2),
             middle: vec![f64::NAN; 3 * n_faces],
             centre: vec![f64::NAN; n_faces],
             is_open: vec![true; raw.positions.len()],
             limit: 1.0,
             is_verified: vec![false; n_faces],
             changed: (0..n_faces as u32).collect(),
-            taken: vec![0; n_faces],
+            claimed_in: vec![0; n_faces],
             round: 0,
             tree: FaceTree::default(),
             goes_by_parts: false,
@@ -168,14 +169,14 @@ impl<'a> SurfaceImprover<'a> {
             } else {
                 job.triangle_limit
             },
-            held: Vec::new(),
+            blocked: Vec::new(),
             stuck: Vec::new(),
-            counts: Counts::default(),
+            counts: ImproveCounts::default(),
         };
         let mut labels = Vec::new();
         for v in 0..raw.positions.len() as u32 {
             labels.clear();
-            labels.extend(this.surface.around(v).map(|h| this.label[h as usize / 3]));
+            labels.extend(this.surface.one_ring(v).map(|h| this.label[h as usize / 3]));
             let place = this.new_place(&mut labels);
             this.place.push(place);
         }
@@ -190,21 +191,21 @@ impl<'a> SurfaceImprover<'a> {
     }
 
     /// Splits until every edge and face is within the aim, but for those without room: where these are.
-    pub fn refine(&mut self) -> Result<Vec<TightPlace>, Unimproved> {
+    pub fn refine(&mut self) -> Result<Vec<BlockedPlace>, ImproveError> {
         self.aim_at_walls()?;
         self.split_far(MOST_REPAIRS)?;
         let is_far = |h: u32| self.edge_excess(h) > 1.0 || !(self.face_excess(h / 3) <= 1.0);
         let there = self.stuck.iter().filter(|h| self.surface.has_face(**h / 3) && is_far(**h));
         let place = |h: &u32| {
             let [a, b] = [self.surface.start(*h), self.surface.end(*h)];
-            TightPlace { at: self.middle_point(a, b).to_array(), size: (self.at(b) - self.at(a)).length() }
+            BlockedPlace { at: self.middle_point(a, b).to_array(), size: (self.at(b) - self.at(a)).length() }
         };
         Ok(there.map(place).collect())
     }
 
     /// Splits, flips and collapses what [`Self::refine`] made until every edge and face is within the aim and few
     /// are left.
-    pub fn improve(&mut self) -> Result<(), Unimproved> {
+    pub fn improve(&mut self) -> Result<(), ImproveError> {
         let mut last = self.surface.n_faces();
         for cycle in 0..MOST_CYCLES {
             self.job.report(Progress { stage: "improve", done: cycle as u64, total: MOST_CYCLES as u64 });
@@ -231,7 +232,7 @@ impl<'a> SurfaceImprover<'a> {
     /// Splits faces, by the numbers that [`Self::mesh`] gives with them, and puts right what is around them.
     /// Gives how many were split: none where their edges are as short as any may be, or where other sheets
     /// are in the way.
-    pub fn split_faces(&mut self, faces: &[u32]) -> Result<usize, Unimproved> {
+    pub fn split_faces(&mut self, faces: &[u32]) -> Result<usize, ImproveError> {
         self.next_round()?;
         let there: Vec<u32> = faces.iter().copied().filter(|f| self.surface.has_face(*f)).collect();
         let edges: Vec<u32> = there.iter().flat_map(|f| sides(3 * *f)).collect();
@@ -249,8 +250,8 @@ impl<'a> SurfaceImprover<'a> {
     }
 
     /// Vertices that could not go to their place, at first.
-    pub fn held(&self) -> &[TightPlace] {
-        &self.held
+    pub fn blocked(&self) -> &[BlockedPlace] {
+        &self.blocked
     }
 
     /// How many vertices are off their primitives, since others are in the way or steps to them do not end.
@@ -269,7 +270,7 @@ impl<'a> SurfaceImprover<'a> {
 
     /// The surface with vertices and faces in the order in which they were made, and the face's number here
     /// of each.
-    pub fn mesh(&self) -> (RawSurface, Vec<u32>) {
+    pub fn mesh(&self) -> (LabelledSurface, Vec<u32>) {
         let mut number = vec![u32::MAX; self.position.len()];
         let mut positions = Vec::new();
         for (v, (number, at)) in number.iter_mut().zip(&self.position).enumerate() {
@@ -282,29 +283,30 @@ impl<'a> SurfaceImprover<'a> {
             (0..self.surface.face_slots() as u32).filter(|f| self.surface.has_face(*f)).collect();
         let faces = there.iter().map(|f| self.surface.corners(*f).map(|v| number[v as usize])).collect();
         let labels = there.iter().map(|f| self.label[*f as usize]).collect();
-        (RawSurface { positions, faces, labels }, there)
+        (LabelledSurface { positions, faces, labels }, there)
     }
 
     /// A place for a vertex on these primitives, which is not measured yet.
     fn new_place(&mut self, labels: &mut Vec<FaceLabel>) -> (u32, u32) {
         labels.sort_unstable();
         labels.dedup();
-        let place = (self.vertex_label.len() as u32, labels.len() as u32);
-        let at = |label: &FaceLabel| VertexLabel { label: *label, distance: f64::NAN, normal: DVec3::ZERO };
-        self.vertex_label.extend(labels.iter().map(at));
+        let place = (self.constraints.len() as u32, labels.len() as u32);
+        let at =
+            |label: &FaceLabel| VertexConstraint { label: *label, distance: f64::NAN, normal: DVec3::ZERO };
+        self.constraints.extend(labels.iter().map(at));
         place
     }
 
     /// A vertex on each of its primitives.
     #[inline]
-    fn labels_of(&self, v: u32) -> &[VertexLabel] {
+    fn constraints_of(&self, v: u32) -> &[VertexConstraint] {
         let (first, n) = self.place[v as usize];
-        &self.vertex_label[first as usize..(first + n) as usize]
+        &self.constraints[first as usize..(first + n) as usize]
     }
 
-    fn labels_of_mut(&mut self, v: u32) -> &mut [VertexLabel] {
+    fn constraints_of_mut(&mut self, v: u32) -> &mut [VertexConstraint] {
         let (first, n) = self.place[v as usize];
-        &mut self.vertex_label[first as usize..(first + n) as usize]
+        &mut self.constraints[first as usize..(first + n) as usize]
     }
 
     #[inline]
@@ -335,26 +337,26 @@ impl<'a> SurfaceImprover<'a> {
     }
 
     /// A new round, in which no face is taken.
-    fn next_round(&mut self) -> Result<(), Unimproved> {
+    fn next_round(&mut self) -> Result<(), ImproveError> {
         self.round += 1;
         self.refresh_tree();
         let n_slots = self.surface.face_slots() as u64;
         if self.job.is_cancelled() {
-            Err(Unimproved::Cancelled)
+            Err(ImproveError::Cancelled)
         } else if self.surface.n_faces() as u64 > self.most_faces {
-            Err(Unimproved::TooMany(self.most_faces))
+            Err(ImproveError::TooMany(self.most_faces))
         } else if n_slots > self.job.memory_limit / BYTES_A_FACE {
-            Err(Unimproved::TooLarge(n_slots * BYTES_A_FACE))
+            Err(ImproveError::TooLarge(n_slots * BYTES_A_FACE))
         } else {
             Ok(())
         }
     }
 
     /// Whether no face of a list is taken in this round; then it takes them.
-    fn take(&mut self, faces: &[u32]) -> bool {
-        let free = faces.iter().all(|f| self.taken[*f as usize] != self.round);
+    fn claim_faces(&mut self, faces: &[u32]) -> bool {
+        let free = faces.iter().all(|f| self.claimed_in[*f as usize] != self.round);
         if free {
-            faces.iter().for_each(|f| self.taken[*f as usize] = self.round);
+            faces.iter().for_each(|f| self.claimed_in[*f as usize] = self.round);
         }
         free
     }
@@ -369,7 +371,7 @@ impl<'a> SurfaceImprover<'a> {
     }
 
     /// Samples of the primitives with these labels.
-    fn sample(&mut self, asks: &[(FaceLabel, DVec3)]) -> Result<Vec<Sample>, LeafError> {
+    fn sample(&mut self, asks: &[(FaceLabel, DVec3)]) -> Result<Vec<PrimitiveSample>, LeafError> {
         sample::sample(&mut self.evaluator, asks)
     }
 }

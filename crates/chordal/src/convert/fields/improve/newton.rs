@@ -1,5 +1,5 @@
 //! Newton steps of points onto the surfaces, creases and corners of their primitives.
-use super::{FaceLabel, SurfaceImprover, TightPlace, Unimproved, VertexLabel, sample};
+use super::{BlockedPlace, FaceLabel, ImproveError, SurfaceImprover, VertexConstraint, sample};
 use crate::implicit::{LeafError, PrimitiveEvaluator};
 use glam::DVec3;
 
@@ -14,23 +14,23 @@ const DAMPING: f64 = 1e-9;
 
 /// Points with the labels of the primitives onto which they go.
 #[derive(Debug, Default)]
-pub(super) struct Targets {
+pub(super) struct ProjectionBatch {
     pub at: Vec<DVec3>,
     /// By point: where its labels begin, and how many there are.
     pub place: Vec<(u32, u32)>,
-    pub on: Vec<VertexLabel>,
+    pub on: Vec<VertexConstraint>,
 }
 
-impl Targets {
+impl ProjectionBatch {
     pub fn push(&mut self, at: DVec3, labels: impl Iterator<Item = FaceLabel>) {
         let first = self.on.len() as u32;
-        let none = |label| VertexLabel { label, distance: f64::NAN, normal: DVec3::ZERO };
+        let none = |label| VertexConstraint { label, distance: f64::NAN, normal: DVec3::ZERO };
         self.on.extend(labels.map(none));
         self.at.push(at);
         self.place.push((first, self.on.len() as u32 - first));
     }
 
-    pub fn labels_of(&self, k: usize) -> &[VertexLabel] {
+    pub fn constraints_of(&self, k: usize) -> &[VertexConstraint] {
         let (first, n) = self.place[k];
         &self.on[first as usize..(first + n) as usize]
     }
@@ -45,7 +45,7 @@ impl Targets {
                 break;
             }
             open.retain(|k| {
-                let move_by = shortest_step(self.labels_of(*k as usize));
+                let move_by = shortest_step(self.constraints_of(*k as usize));
                 let at = self.at[*k as usize] + move_by;
                 let moves = move_by.length_squared() > (AT_REST * tol) * (AT_REST * tol) && at.is_finite();
                 if moves {
@@ -63,7 +63,7 @@ impl Targets {
     fn measure(&mut self, evaluator: &mut PrimitiveEvaluator, open: &[u32]) -> Result<(), LeafError> {
         let mut asks = Vec::with_capacity(open.len());
         for k in open {
-            asks.extend(self.labels_of(*k as usize).iter().map(|on| (on.label, self.at[*k as usize])));
+            asks.extend(self.constraints_of(*k as usize).iter().map(|on| (on.label, self.at[*k as usize])));
         }
         let mut samples = sample::sample(evaluator, &asks)?.into_iter();
         for k in open {
@@ -77,7 +77,7 @@ impl Targets {
 }
 
 /// The shortest vector that takes a point onto the tangent planes of all: `−Nᵀ (N Nᵀ)⁻¹ r`.
-pub(super) fn shortest_step(on: &[VertexLabel]) -> DVec3 {
+pub(super) fn shortest_step(on: &[VertexConstraint]) -> DVec3 {
     match on {
         [] => DVec3::ZERO,
         [one] => -one.distance * one.normal,
@@ -109,17 +109,17 @@ pub(super) fn shortest_step(on: &[VertexLabel]) -> DVec3 {
 impl SurfaceImprover<'_> {
     /// Moves all vertices to their places: together first; those in crossings go back, and then one by one as
     /// far as they can.
-    pub(super) fn place_vertices(&mut self) -> Result<(), Unimproved> {
-        let mut targets = Targets {
+    pub(super) fn place_vertices(&mut self) -> Result<(), ImproveError> {
+        let mut targets = ProjectionBatch {
             at: self.position.clone(),
             place: self.place.clone(),
-            on: std::mem::take(&mut self.vertex_label),
+            on: std::mem::take(&mut self.constraints),
         };
         let before = targets.on.clone();
         targets.project(&mut self.evaluator, self.tol)?;
         let mut is_away = vec![false; self.position.len()];
         let raw = self.position.clone();
-        self.vertex_label = before;
+        self.constraints = before;
         for v in 0..raw.len() as u32 {
             let (from, to) = (raw[v as usize], targets.at[v as usize]);
             let reach = self.size_around(v, &raw);
@@ -130,14 +130,14 @@ impl SurfaceImprover<'_> {
                 is_away[v as usize] = true;
             }
         }
-        self.vertex_label = targets.on;
+        self.constraints = targets.on;
         let away: Vec<u32> = (0..raw.len() as u32).filter(|v| is_away[*v as usize]).collect();
         self.measure_vertices(&away)?;
         self.rebuild_tree();
         self.untangle(&raw, &mut is_away)?;
         let held = (0..raw.len() as u32).filter(|v| is_away[*v as usize]);
-        self.held = held
-            .map(|v| TightPlace { at: raw[v as usize].to_array(), size: self.size_around(v, &raw) })
+        self.blocked = held
+            .map(|v| BlockedPlace { at: raw[v as usize].to_array(), size: self.size_around(v, &raw) })
             .collect();
         Ok(())
     }
@@ -145,18 +145,18 @@ impl SurfaceImprover<'_> {
     /// The longest edge about a vertex.
     pub(super) fn size_around(&self, v: u32, at: &[DVec3]) -> f64 {
         let length = |h: u32| (at[self.surface.end(h) as usize] - at[v as usize]).length();
-        self.surface.around(v).map(length).fold(0.0, |m, x| if x > m { x } else { m })
+        self.surface.one_ring(v).map(length).fold(0.0, |m, x| if x > m { x } else { m })
     }
 
     /// Samples vertices where they are.
     pub(super) fn measure_vertices(&mut self, vertices: &[u32]) -> Result<(), LeafError> {
         let mut asks = Vec::new();
         for v in vertices {
-            asks.extend(self.labels_of(*v).iter().map(|on| (on.label, self.at(*v))));
+            asks.extend(self.constraints_of(*v).iter().map(|on| (on.label, self.at(*v))));
         }
         let mut samples = self.sample(&asks)?.into_iter();
         for v in vertices {
-            for (on, sample) in self.labels_of_mut(*v).iter_mut().zip(&mut samples) {
+            for (on, sample) in self.constraints_of_mut(*v).iter_mut().zip(&mut samples) {
                 (on.distance, on.normal) = (sample.distance, sample.normal);
             }
         }
@@ -164,12 +164,12 @@ impl SurfaceImprover<'_> {
     }
 
     /// Sends vertices in crossings back until there are none, then moves those as far as they can go.
-    fn untangle(&mut self, raw: &[DVec3], is_away: &mut [bool]) -> Result<(), Unimproved> {
+    fn untangle(&mut self, raw: &[DVec3], is_away: &mut [bool]) -> Result<(), ImproveError> {
         let mut suspects: Vec<u32> = (0..self.surface.face_slots() as u32).collect();
         let mut back: Vec<u32> = Vec::new();
         while !suspects.is_empty() {
             self.next_round()?;
-            let crossing = self.crossing(&suspects);
+            let crossing = self.find_crossing(&suspects);
             let mut moved: Vec<u32> = crossing.iter().flat_map(|f| self.surface.corners(*f)).collect();
             moved.sort_unstable();
             moved.dedup();
@@ -180,7 +180,7 @@ impl SurfaceImprover<'_> {
                 is_away[*v as usize] = true;
             }
             for v in &moved {
-                suspects.extend(self.surface.around(*v).map(|h| h / 3));
+                suspects.extend(self.surface.one_ring(*v).map(|h| h / 3));
             }
             suspects.sort_unstable();
             suspects.dedup();
@@ -192,21 +192,22 @@ impl SurfaceImprover<'_> {
         self.measure_vertices(&back)?;
         self.settle(&back)?;
         for v in back {
-            let off = self.labels_of(v).iter().any(|on| !(on.distance.abs() <= SETTLED * self.aim));
+            let off = self.constraints_of(v).iter().any(|on| !(on.distance.abs() <= SETTLED * self.aim));
             is_away[v as usize] = off;
         }
         Ok(())
     }
 
     /// Moves vertices to their places one by one, all the way or by parts, as long as no sheet is in the way.
-    pub(super) fn settle(&mut self, vertices: &[u32]) -> Result<(), Unimproved> {
+    pub(super) fn settle(&mut self, vertices: &[u32]) -> Result<(), ImproveError> {
         let mut left = vertices.to_vec();
         for _ in 0..3 {
             if left.is_empty() {
                 break;
             }
-            let mut targets = Targets::default();
-            left.iter().for_each(|v| targets.push(self.at(*v), self.labels_of(*v).iter().map(|on| on.label)));
+            let mut targets = ProjectionBatch::default();
+            left.iter()
+                .for_each(|v| targets.push(self.at(*v), self.constraints_of(*v).iter().map(|on| on.label)));
             targets.project(&mut self.evaluator, self.tol)?;
             let mut moved = Vec::new();
             let mut next = Vec::new();
@@ -239,25 +240,26 @@ impl SurfaceImprover<'_> {
 
     /// Vertices that are not at their places.
     pub(super) fn unsettled(&self) -> Vec<u32> {
-        let is_off = |v: &u32| self.labels_of(*v).iter().any(|on| !(on.distance.abs() <= SETTLED * self.aim));
+        let is_off =
+            |v: &u32| self.constraints_of(*v).iter().any(|on| !(on.distance.abs() <= SETTLED * self.aim));
         (0..self.surface.vertex_slots() as u32).filter(|v| self.surface.has_vertex(*v) && is_off(v)).collect()
     }
 
     fn may_move(&mut self, v: u32, to: DVec3) -> bool {
         let mut new = Vec::new();
-        for h in self.surface.around(v) {
+        for h in self.surface.one_ring(v) {
             let corners = self.surface.corners(h / 3);
             let points = corners.map(|w| if w == v { to } else { self.at(w) });
             new.push((corners, points));
         }
-        let gone: Vec<u32> = self.surface.around(v).map(|h| h / 3).collect();
+        let gone: Vec<u32> = self.surface.one_ring(v).map(|h| h / 3).collect();
         !self.crosses(&new, &gone)
     }
 
     /// Moves a vertex; what was known of its faces is forgotten.
     pub(super) fn move_vertex(&mut self, v: u32, to: DVec3) {
         self.position[v as usize] = to;
-        let faces: Vec<u32> = self.surface.around(v).map(|h| h / 3).collect();
+        let faces: Vec<u32> = self.surface.one_ring(v).map(|h| h / 3).collect();
         for face in faces {
             self.forget(face);
             self.grow_tree(face);

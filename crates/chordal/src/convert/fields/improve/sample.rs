@@ -5,7 +5,7 @@ use glam::DVec3;
 
 /// A primitive at a point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sample {
+pub(super) struct PrimitiveSample {
     /// Value over length of the gradient, positive outside; NaN where that is no number.
     pub distance: f64,
     /// Outward; zero where there is none.
@@ -15,19 +15,19 @@ pub(super) struct Sample {
 pub(super) fn sample(
     evaluator: &mut PrimitiveEvaluator,
     asks: &[(FaceLabel, DVec3)],
-) -> Result<Vec<Sample>, LeafError> {
+) -> Result<Vec<PrimitiveSample>, LeafError> {
     let questions: Vec<(u32, [f64; 3])> = asks.iter().map(|(label, at)| (label / 2, at.to_array())).collect();
-    let slopes = evaluator.slopes(&questions)?;
-    let of = |((label, _), slope): (&(FaceLabel, DVec3), &crate::implicit::Slope<f64>)| {
+    let slopes = evaluator.duals(&questions)?;
+    let of = |((label, _), slope): (&(FaceLabel, DVec3), &crate::implicit::Dual<f64>)| {
         let sign = if label % 2 == 1 { -1.0 } else { 1.0 };
         let gradient = sign * DVec3::from(slope.gradient);
         let size = gradient.length();
         let value = sign * slope.value;
         if size > 0.0 && size.is_finite() {
-            Sample { distance: value / size, normal: gradient / size }
+            PrimitiveSample { distance: value / size, normal: gradient / size }
         } else {
             // No gradient: on the surface it is, or nobody knows how far from it.
-            Sample { distance: if value == 0.0 { 0.0 } else { f64::NAN }, normal: DVec3::ZERO }
+            PrimitiveSample { distance: if value == 0.0 { 0.0 } else { f64::NAN }, normal: DVec3::ZERO }
         }
     };
     Ok(asks.iter().zip(&slopes).map(of).collect())

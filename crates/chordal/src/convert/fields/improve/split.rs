@@ -1,6 +1,6 @@
 //! Rounds of edge splits: new vertices on the primitives where edges or faces are too far from them.
-use super::newton::{SETTLED, Targets};
-use super::{FaceLabel, SurfaceImprover, Unimproved, VertexLabel, area_normal, sides};
+use super::newton::{ProjectionBatch, SETTLED};
+use super::{FaceLabel, ImproveError, SurfaceImprover, VertexConstraint, area_normal, sides};
 use crate::explicit::{next_in_face, previous_in_face};
 use glam::DVec3;
 
@@ -21,7 +21,7 @@ const SHORTEST: f64 = 0.25;
 impl SurfaceImprover<'_> {
     /// Splits edges, then faces, until none is off by more than the aim.
     /// Where there is no room for splits, repairs make some, so often.
-    pub(super) fn split_far(&mut self, most_repairs: usize) -> Result<(), Unimproved> {
+    pub(super) fn split_far(&mut self, most_repairs: usize) -> Result<(), ImproveError> {
         let mut n_repairs = 0;
         for _ in 0..MOST_ROUNDS {
             self.next_round()?;
@@ -49,7 +49,7 @@ impl SurfaceImprover<'_> {
 
     /// Where splits would fold the surface its triangles stand on edge: flips and collapses that make it
     /// better, if not good, take them away.
-    fn repair(&mut self, far: &[u32]) -> Result<(), Unimproved> {
+    fn repair(&mut self, far: &[u32]) -> Result<(), ImproveError> {
         let excess = far.iter().fold(1.0, |most, h| {
             let one = self.edge_excess(*h);
             if one > most && one.is_finite() { one } else { most }
@@ -76,7 +76,7 @@ impl SurfaceImprover<'_> {
     }
 
     /// Edges that are too far off, worst first. What is near the limit by its estimate is sampled.
-    fn far_edges(&mut self) -> Result<Vec<u32>, Unimproved> {
+    fn far_edges(&mut self) -> Result<Vec<u32>, ImproveError> {
         let close: Vec<u32> = self.edges().filter(|h| self.edge_excess(*h) > 0.5).collect();
         self.sample_middles(&close)?;
         let mut far: Vec<(f64, u32)> =
@@ -86,7 +86,7 @@ impl SurfaceImprover<'_> {
     }
 
     /// The longest edges of faces that are too far off.
-    fn edges_of_far_faces(&mut self) -> Result<Vec<u32>, Unimproved> {
+    fn edges_of_far_faces(&mut self) -> Result<Vec<u32>, ImproveError> {
         let faces = (0..self.surface.face_slots() as u32).filter(|f| self.surface.has_face(*f));
         let close: Vec<u32> = faces.filter(|f| !(self.face_excess(*f) <= 0.5)).collect();
         self.sample_centres(&close)?;
@@ -100,12 +100,12 @@ impl SurfaceImprover<'_> {
     }
 
     /// Splits faces that are off at one of the samples inside of them.
-    pub(super) fn split_edges_of_refuted(&mut self) -> Result<usize, Unimproved> {
+    pub(super) fn split_edges_of_refuted(&mut self) -> Result<usize, ImproveError> {
         self.next_round()?;
         let open: Vec<u32> = (0..self.surface.face_slots() as u32)
             .filter(|f| self.surface.has_face(*f) && !self.is_verified[*f as usize])
             .collect();
-        let refuted = self.refuted(&open)?;
+        let refuted = self.find_refuted(&open)?;
         let edges: Vec<u32> = refuted.into_iter().map(|f| self.longest_side(f)).collect();
         self.split_edges(&edges)
     }
@@ -128,14 +128,14 @@ impl SurfaceImprover<'_> {
     }
 
     /// Splits those of a list whose faces do not overlap, and for which there is a place.
-    pub(super) fn split_edges(&mut self, list: &[u32]) -> Result<usize, Unimproved> {
-        let mut targets = Targets::default();
+    pub(super) fn split_edges(&mut self, list: &[u32]) -> Result<usize, ImproveError> {
+        let mut targets = ProjectionBatch::default();
         let mut chosen = Vec::new();
         for h in list.iter().copied() {
             let t = self.surface.twin(h);
             let (a, b) = (self.surface.start(h), self.surface.end(h));
             let too_short = (self.at(b) - self.at(a)).length() < SHORTEST * self.aim_of([a, b]);
-            if too_short || !self.take(&[h / 3, t / 3]) {
+            if too_short || !self.claim_faces(&[h / 3, t / 3]) {
                 continue;
             }
             let labels = [self.label_of(h), self.label_of(t)];
@@ -148,7 +148,7 @@ impl SurfaceImprover<'_> {
         self.round += 1;
         let (mut n, mut on_the_way) = (0, Vec::new());
         for (k, h) in chosen.into_iter().enumerate() {
-            if !self.take(&[h / 3, self.surface.twin(h) / 3]) {
+            if !self.claim_faces(&[h / 3, self.surface.twin(h) / 3]) {
                 continue;
             }
             let (a, b) = (self.surface.start(h), self.surface.end(h));
@@ -157,15 +157,15 @@ impl SurfaceImprover<'_> {
             let reach = 0.7 * (self.at(b) - self.at(a)).length();
             // Where there is no such place a split brings nothing.
             let aim = self.aim_of([a, b]);
-            let is_placed = targets.labels_of(k).iter().all(|on| on.distance.abs() <= SETTLED * aim);
+            let is_placed = targets.constraints_of(k).iter().all(|on| on.distance.abs() <= SETTLED * aim);
             if !is_placed || (to - middle).length() > reach {
                 continue;
             }
-            let on = targets.labels_of(k);
-            if let Some(flips) = self.fan(h, to, on) {
+            let on = targets.constraints_of(k);
+            if let Some(flips) = self.split_flips(h, to, on) {
                 self.split(h, (to, &targets, k), &flips);
                 n += 1;
-            } else if let Some((to, flips)) = self.on_the_way(h, [middle, to], on) {
+            } else if let Some((to, flips)) = self.partial_split(h, [middle, to], on) {
                 self.split(h, (to, &targets, k), &flips);
                 on_the_way.push(self.surface.vertex_slots() as u32 - 1);
                 n += 1;
@@ -180,7 +180,7 @@ impl SurfaceImprover<'_> {
     ///
     /// The new vertex is joined to all sides of the edge's two faces. Where such a face would be folded, because
     /// the place is beyond the side, the face there goes as well, and its other sides come instead.
-    fn fan(&mut self, h: u32, to: DVec3, on: &[VertexLabel]) -> Option<Vec<[u32; 2]>> {
+    fn split_flips(&mut self, h: u32, to: DVec3, on: &[VertexConstraint]) -> Option<Vec<[u32; 2]>> {
         // The new vertex has the next number.
         let (z, t) = (self.surface.vertex_slots() as u32, self.surface.twin(h));
         let ends = [self.surface.start(h), self.surface.end(h)];
@@ -190,13 +190,13 @@ impl SurfaceImprover<'_> {
         while let Some(side) = sides.pop() {
             let (x, y) = (self.surface.start(side), self.surface.end(side));
             let points = [self.at(x), self.at(y), to];
-            if self.stands(points, side, on) {
+            if self.keeps_orientation(points, side, on) {
                 new.push(([x, y, z], points));
                 continue;
             }
             let across = self.surface.twin(side);
             let (beyond, apex) = (across / 3, self.surface.apex(across));
-            let is_shut = self.is_crease(side) || self.taken[beyond as usize] == self.round;
+            let is_shut = self.is_crease(side) || self.claimed_in[beyond as usize] == self.round;
             if is_shut || flips.len() == MOST_FLIPS || rim.contains(&apex) {
                 return None;
             }
@@ -205,13 +205,13 @@ impl SurfaceImprover<'_> {
             flips.push([x, y]);
             sides.extend([previous_in_face(across), next_in_face(across)]);
         }
-        let is_free = !self.crosses(&new, &gone) && self.take(&gone[2..]);
+        let is_free = !self.crosses(&new, &gone) && self.claim_faces(&gone[2..]);
         is_free.then_some(flips)
     }
 
     /// Whether a face that comes at a side lies as its primitive does at the new vertex; what was turned over
     /// before, or is too coarse for that, is to stay as it is at least.
-    fn stands(&self, points: [DVec3; 3], side: u32, on: &[VertexLabel]) -> bool {
+    fn keeps_orientation(&self, points: [DVec3; 3], side: u32, on: &[VertexConstraint]) -> bool {
         let (area, old) = (area_normal(points), area_normal(self.points(side / 3)));
         let label = self.label_of(side);
         let normal = on.iter().find(|on| on.label == label).map_or(DVec3::ZERO, |on| on.normal);
@@ -220,17 +220,19 @@ impl SurfaceImprover<'_> {
 
     /// How far a new vertex can go where another sheet is in the way, which may have to go the same way: the
     /// rest comes when that has gone.
-    fn on_the_way(
+    fn partial_split(
         &mut self,
         h: u32,
         [from, to]: [DVec3; 2],
-        on: &[VertexLabel],
+        on: &[VertexConstraint],
     ) -> Option<(DVec3, Vec<[u32; 2]>)> {
         if !self.goes_by_parts {
             return None;
         }
         let at = |part: f64| from + part * (to - from);
-        [0.5, 0.25, 0.0].into_iter().find_map(|part| self.fan(h, at(part), on).map(|flips| (at(part), flips)))
+        [0.5, 0.25, 0.0]
+            .into_iter()
+            .find_map(|part| self.split_flips(h, at(part), on).map(|flips| (at(part), flips)))
     }
 
     /// Flips the edge between two vertices, whatever comes of it.
@@ -246,14 +248,14 @@ impl SurfaceImprover<'_> {
         self.counts.flips += 1;
     }
 
-    fn split(&mut self, h: u32, (to, targets, k): (DVec3, &Targets, usize), flips: &[[u32; 2]]) {
+    fn split(&mut self, h: u32, (to, targets, k): (DVec3, &ProjectionBatch, usize), flips: &[[u32; 2]]) {
         let t = self.surface.twin(h);
         let (f, g) = (h / 3, t / 3);
         self.surface.split(h);
         self.position.push(to);
-        let on = targets.labels_of(k);
-        self.place.push((self.vertex_label.len() as u32, on.len() as u32));
-        self.vertex_label.extend_from_slice(on);
+        let on = targets.constraints_of(k);
+        self.place.push((self.constraints.len() as u32, on.len() as u32));
+        self.constraints.extend_from_slice(on);
         self.is_open.push(true);
         let aim = self.aim_of([self.surface.start(h), self.surface.start(t)]);
         self.aim_at.push(aim);
@@ -261,7 +263,7 @@ impl SurfaceImprover<'_> {
         let labels: [FaceLabel; 2] = [self.label[f as usize], self.label[g as usize]];
         self.label.extend(labels);
         self.centre.extend([f64::NAN; 2]);
-        self.taken.extend([self.round; 2]);
+        self.claimed_in.extend([self.round; 2]);
         self.is_verified.extend([false; 2]);
         // The sides away from the edge stay what they are.
         let (hn, tn) = (next_in_face(h), next_in_face(t));

@@ -1,10 +1,10 @@
 //! Small closed surfaces near those of fields: what comes of them is closed, embedded, within the tolerance,
 //! and of few triangles.
-use super::{FaceLabel, RawSurface, SurfaceImprover, Unimproved};
+use super::{FaceLabel, ImproveError, LabelledSurface, SurfaceImprover};
 use crate::budget::Job;
 use crate::check::self_intersections;
 use crate::explicit::{HalfEdges, Mesh};
-use crate::implicit::{Csg, Expr, PrimitiveEvaluator, Slope, shapes};
+use crate::implicit::{Csg, Dual, Expr, PrimitiveEvaluator, shapes};
 use crate::math::Box3;
 use glam::DVec3;
 
@@ -63,13 +63,13 @@ fn cuboid(half: DVec3, n: i32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
 
 /// The label of each face: the primitive whose value at its middle is nearest to 0 in distance among those
 /// whose gradient runs along it.
-fn labelled(csg: &Csg, (positions, faces): (Vec<[f64; 3]>, Vec<[u32; 3]>)) -> RawSurface {
+fn labelled(csg: &Csg, (positions, faces): (Vec<[f64; 3]>, Vec<[u32; 3]>)) -> LabelledSurface {
     let label = |face: &[u32; 3]| -> FaceLabel {
         let [a, b, c] = face.map(|v| DVec3::from(positions[v as usize]));
         let normal = (b - a).cross(c - a).normalize();
         let mut best = (f64::INFINITY, 0);
         for (number, primitive) in csg.primitives().iter().enumerate() {
-            let mut slope = [Slope { value: 0.0, gradient: [0.0; 3] }];
+            let mut slope = [Dual { value: 0.0, gradient: [0.0; 3] }];
             primitive.tape().gradient_at(&[((a + b + c) / 3.0).to_array()], &mut slope).unwrap();
             let gradient = DVec3::from(slope[0].gradient);
             let along = gradient.normalize().dot(normal);
@@ -81,30 +81,30 @@ fn labelled(csg: &Csg, (positions, faces): (Vec<[f64; 3]>, Vec<[u32; 3]>)) -> Ra
         best.1
     };
     let labels = faces.iter().map(label).collect();
-    RawSurface { positions, faces, labels }
+    LabelledSurface { positions, faces, labels }
 }
 
-struct Improved {
-    surface: RawSurface,
+struct ImprovedModel {
+    surface: LabelledSurface,
     n_points: u64,
 }
 
-fn improved(csg: &Csg, raw: &RawSurface, (tol, threads): (f64, usize)) -> Improved {
+fn improved(csg: &Csg, raw: &LabelledSurface, (tol, threads): (f64, usize)) -> ImprovedModel {
     let job = Job::default().with_threads(threads);
-    let evaluator = PrimitiveEvaluator::new(csg, &Box3::around(&raw.positions), &job);
+    let evaluator = PrimitiveEvaluator::new(csg, &Box3::from_points(&raw.positions), &job);
     let mut improver = SurfaceImprover::new(raw, evaluator, tol, &job).unwrap();
-    assert!(improver.held().is_empty());
+    assert!(improver.blocked().is_empty());
     improver.refine().unwrap();
     improver.improve().unwrap();
     assert_eq!(improver.count_wrong_samples(), 0);
     let (surface, numbers) = improver.mesh();
     assert_eq!(numbers.len(), surface.faces.len());
-    Improved { surface, n_points: improver.into_evaluator().n_points() }
+    ImprovedModel { surface, n_points: improver.into_evaluator().n_points() }
 }
 
 /// Closed, a manifold, embedded, each face along its primitive and within the tolerance of it at many points.
-fn check(csg: &Csg, surface: &RawSurface, tol: f64) {
-    assert!(HalfEdges::of(&surface.faces, surface.positions.len()).is_some(), "a closed manifold");
+fn check(csg: &Csg, surface: &LabelledSurface, tol: f64) {
+    assert!(HalfEdges::from_faces(&surface.faces, surface.positions.len()).is_some(), "a closed manifold");
     let mesh = Mesh::new(surface.positions.clone(), surface.faces.clone()).unwrap();
     assert_eq!(self_intersections(&mesh, &Job::default()).unwrap().count, 0);
     for (face, label) in surface.faces.iter().zip(&surface.labels) {
@@ -116,7 +116,7 @@ fn check(csg: &Csg, surface: &RawSurface, tol: f64) {
                 points.push((a + u * (b - a) + v * (c - a)).to_array());
             }
         }
-        let mut slopes = vec![Slope { value: 0.0, gradient: [0.0; 3] }; points.len()];
+        let mut slopes = vec![Dual { value: 0.0, gradient: [0.0; 3] }; points.len()];
         csg.primitives()[*label as usize / 2].tape().gradient_at(&points, &mut slopes).unwrap();
         for slope in slopes {
             let gradient = DVec3::from(slope.gradient) * if label % 2 == 1 { -1.0 } else { 1.0 };
@@ -131,7 +131,7 @@ fn check(csg: &Csg, surface: &RawSurface, tol: f64) {
 }
 
 fn ball(radius: f64) -> Csg {
-    Csg::of(shapes::sphere(radius).unwrap().sign())
+    Csg::from_expr(shapes::sphere(radius).unwrap().sign())
 }
 
 #[test]
@@ -156,7 +156,7 @@ fn a_ball_is_within_the_tolerance_at_any_scale() {
 
 #[test]
 fn flat_faces_are_free() {
-    let csg = Csg::of(shapes::cuboid([2.0, 4.0, 6.0]).unwrap().sign());
+    let csg = Csg::from_expr(shapes::cuboid([2.0, 4.0, 6.0]).unwrap().sign());
     let raw = labelled(&csg, cuboid(DVec3::new(1.01, 1.98, 3.02), 8));
     let found = improved(&csg, &raw, (1e-3, 1));
     check(&csg, &found.surface, 1e-9);
@@ -179,7 +179,7 @@ fn prism((n, radius, half): (u32, f64, f64)) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
 
 #[test]
 fn ruled_faces_are_strips() {
-    let csg = Csg::of(shapes::cylinder(5.0, 50.0).unwrap().sign());
+    let csg = Csg::from_expr(shapes::cylinder(5.0, 50.0).unwrap().sign());
     for n in [8, 200] {
         let raw = labelled(&csg, prism((n, 5.0, 25.0)));
         let found = improved(&csg, &raw, (0.1, 1));
@@ -196,7 +196,8 @@ fn threads_change_nothing() {
     for other in &found[1..] {
         assert_eq!(found[0].faces, other.faces);
         assert_eq!(found[0].labels, other.labels);
-        let bits = |s: &RawSurface| s.positions.iter().flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
+        let bits =
+            |s: &LabelledSurface| s.positions.iter().flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
         assert_eq!(bits(&found[0]), bits(other));
     }
 }
@@ -204,7 +205,7 @@ fn threads_change_nothing() {
 #[test]
 fn random_labels_end_in_a_closed_surface() {
     // Nonsense in: the surface stays what it is, whatever primitives its faces are said to lie on.
-    let csg = Csg::of(shapes::cuboid([1.0; 3]).unwrap().sign());
+    let csg = Csg::from_expr(shapes::cuboid([1.0; 3]).unwrap().sign());
     let mut state = 3_u64;
     for round in 0..5 {
         let (positions, faces) = octahedron(3, on_sphere(0.7));
@@ -214,16 +215,16 @@ fn random_labels_end_in_a_closed_surface() {
         };
         let n_labels = 2 * csg.primitives().len() as u32;
         let labels = faces.iter().map(|_| random() % n_labels).collect();
-        let raw = RawSurface { positions, faces, labels };
+        let raw = LabelledSurface { positions, faces, labels };
         let mut job = Job::default().with_threads(1);
         job.triangle_limit = 4000;
-        let evaluator = PrimitiveEvaluator::new(&csg, &Box3::around(&raw.positions), &job);
+        let evaluator = PrimitiveEvaluator::new(&csg, &Box3::from_points(&raw.positions), &job);
         let mut improver = SurfaceImprover::new(&raw, evaluator, 0.05, &job).unwrap();
         // It may ask for more triangles than are allowed.
         let improved = improver.refine().and_then(|_| improver.improve());
-        assert!(matches!(improved, Ok(()) | Err(Unimproved::TooMany(_))));
+        assert!(matches!(improved, Ok(()) | Err(ImproveError::TooMany(_))));
         let (surface, _) = improver.mesh();
-        let closed = HalfEdges::of(&surface.faces, surface.positions.len()).is_some();
+        let closed = HalfEdges::from_faces(&surface.faces, surface.positions.len()).is_some();
         assert!(closed && !surface.faces.is_empty(), "round {round}");
         let mesh = Mesh::new(surface.positions, surface.faces).unwrap();
         assert_eq!(self_intersections(&mesh, &Job::default()).unwrap().count, 0, "round {round}");
@@ -234,7 +235,7 @@ fn random_labels_end_in_a_closed_surface() {
 fn a_wall_thinner_than_the_tolerance_keeps_its_sheets_apart() {
     // A hollow ball whose wall is a fifth of the tolerance.
     let (outer, inner) = (shapes::sphere(1.0).unwrap(), shapes::sphere(0.99).unwrap());
-    let csg = Csg::of(outer.difference(&inner).sign());
+    let csg = Csg::from_expr(outer.difference(&inner).sign());
     let (mut positions, mut faces) = octahedron(4, on_sphere(1.001));
     let n = positions.len() as u32;
     let (within, turned) = octahedron(4, on_sphere(0.989));
@@ -251,7 +252,7 @@ fn named_faces_are_split() {
     let csg = ball(1.0);
     let raw = labelled(&csg, octahedron(3, on_sphere(1.0)));
     let job = Job::default().with_threads(1);
-    let evaluator = PrimitiveEvaluator::new(&csg, &Box3::around(&raw.positions), &job);
+    let evaluator = PrimitiveEvaluator::new(&csg, &Box3::from_points(&raw.positions), &job);
     let mut improver = SurfaceImprover::new(&raw, evaluator, 0.02, &job).unwrap();
     improver.refine().unwrap();
     improver.improve().unwrap();
@@ -268,13 +269,14 @@ fn a_cancelled_job_and_an_open_surface_are_told() {
     let csg = ball(1.0);
     let raw = labelled(&csg, octahedron(2, on_sphere(1.0)));
     let job = Job::default();
-    let evaluator = || PrimitiveEvaluator::new(&csg, &Box3::around(&raw.positions), &job);
-    let open = RawSurface { faces: raw.faces[1..].to_vec(), labels: raw.labels[1..].to_vec(), ..raw.clone() };
+    let evaluator = || PrimitiveEvaluator::new(&csg, &Box3::from_points(&raw.positions), &job);
+    let open =
+        LabelledSurface { faces: raw.faces[1..].to_vec(), labels: raw.labels[1..].to_vec(), ..raw.clone() };
     let made = SurfaceImprover::new(&open, evaluator(), 0.1, &job);
-    assert!(matches!(made.err(), Some(Unimproved::NotManifold)));
+    assert!(matches!(made.err(), Some(ImproveError::NotManifold)));
     job.cancel();
     let made = SurfaceImprover::new(&raw, evaluator(), 0.1, &job);
-    assert!(matches!(made.err(), Some(Unimproved::Cancelled)));
+    assert!(matches!(made.err(), Some(ImproveError::Cancelled)));
 }
 
 #[test]
@@ -283,13 +285,13 @@ fn a_field_without_gradients_ends() {
     let [x, y, z] = Expr::axes();
     let steps =
         Expr::unary(crate::implicit::Unary::Floor, &((x.square() + y.square() + z.square()) * 4.0)) - 3.5;
-    let csg = Csg::of(&steps);
+    let csg = Csg::from_expr(&steps);
     let raw = labelled(&csg, octahedron(3, on_sphere(1.0)));
     let job = Job::default().with_threads(1);
-    let evaluator = PrimitiveEvaluator::new(&csg, &Box3::around(&raw.positions), &job);
+    let evaluator = PrimitiveEvaluator::new(&csg, &Box3::from_points(&raw.positions), &job);
     let mut improver = SurfaceImprover::new(&raw, evaluator, 0.02, &job).unwrap();
     improver.refine().unwrap();
     improver.improve().unwrap();
     let (surface, _) = improver.mesh();
-    assert!(HalfEdges::of(&surface.faces, surface.positions.len()).is_some());
+    assert!(HalfEdges::from_faces(&surface.faces, surface.positions.len()).is_some());
 }

@@ -1,7 +1,7 @@
 //! Edges without length go: where primitives abut or touch, cells have ledges between them, of which Newton
 //! steps leave faces without a width.
-use super::collapse::Star;
-use super::{SurfaceImprover, Unimproved, area_normal};
+use super::collapse::VertexStar;
+use super::{ImproveError, SurfaceImprover, area_normal};
 use glam::DVec3;
 
 /// Edges of this share of the tolerance have no length. Chosen: far above what Newton steps leave, far below
@@ -12,8 +12,8 @@ const MOST_ROUNDS: usize = 8;
 
 impl SurfaceImprover<'_> {
     /// Collapses edges without length, whatever their ends are on, where nothing turns or crosses for it.
-    pub(super) fn weld(&mut self) -> Result<(), Unimproved> {
-        let mut star = Star::default();
+    pub(super) fn weld(&mut self) -> Result<(), ImproveError> {
+        let mut star = VertexStar::default();
         for _ in 0..MOST_ROUNDS {
             self.next_round()?;
             let short: Vec<u32> = self.edges().filter(|h| self.has_no_length(*h)).collect();
@@ -24,7 +24,7 @@ impl SurfaceImprover<'_> {
                 }
                 // What goes should be on fewer primitives.
                 let both = [h, self.surface.twin(h)];
-                let n_labels = both.map(|h| self.labels_of(self.surface.start(h)).len());
+                let n_labels = both.map(|h| self.constraints_of(self.surface.start(h)).len());
                 let order = if n_labels[0] > n_labels[1] { [1, 0] } else { [0, 1] };
                 welded.extend(order.into_iter().find_map(|k| self.weld_edge(both[k], &mut star)));
             }
@@ -46,19 +46,19 @@ impl SurfaceImprover<'_> {
 
     /// Takes a half-edge's start into its end: that, if it may be. The end is then on the primitives of all
     /// faces around it, and to be measured.
-    fn weld_edge(&mut self, h: u32, star: &mut Star) -> Option<u32> {
-        if !self.has_no_length(h) || !self.surface.may_collapse(h) {
+    fn weld_edge(&mut self, h: u32, star: &mut VertexStar) -> Option<u32> {
+        if !self.has_no_length(h) || !self.surface.can_collapse(h) {
             return None;
         }
-        self.fill(h, star);
-        if !self.keeps_directions(star) || self.meets_others(star) {
+        self.gather_star(h, star);
+        if !self.keeps_directions(star) || self.would_intersect(star) {
             return None;
         }
         let [v, t] = [star.ring[0], self.surface.twin(h)];
         [h, t].iter().for_each(|h| self.tree.remove(*h / 3));
         self.surface.collapse(h);
         let mut labels = Vec::new();
-        let faces: Vec<u32> = self.surface.around(v).map(|h| h / 3).collect();
+        let faces: Vec<u32> = self.surface.one_ring(v).map(|h| h / 3).collect();
         for face in faces {
             labels.push(self.label[face as usize]);
             self.forget(face);
@@ -71,7 +71,7 @@ impl SurfaceImprover<'_> {
     }
 
     /// Whether no face that has a width turns by more than 60°.
-    fn keeps_directions(&self, star: &Star) -> bool {
+    fn keeps_directions(&self, star: &VertexStar) -> bool {
         (1..star.ring.len() - 1).all(|i| {
             let before = self.points(star.sides[i] / 3);
             let after = [star.ring[0], star.ring[i], star.ring[i + 1]].map(|v| self.at(v));

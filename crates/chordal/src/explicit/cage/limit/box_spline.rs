@@ -1,16 +1,18 @@
-//! Triangles whose limit surface is one polynomial: six triangles around each corner, or fewer where a border or an infinitely sharp line
-//! cuts the rest off.
+//! Triangles whose limit surface is one polynomial: six triangles around each corner, or fewer where a border
+//! or an infinitely sharp line cuts the rest off.
 //!
-//! Loop's rules for six triangles around a vertex are those of the quartic box spline. Along a border they are as well, with points beyond it that
-//! complete parallelograms: with `p = a + b − c` for each triangle `a, b, c` whose side `a, b` is on the border, the rules for smooth
-//! vertices and edges are those for creases. So they are at a corner of one triangle, with the points opposite to its neighbours.
+//! Loop's rules for six triangles around a vertex are those of the quartic box spline. Along a border they
+//! are as well, with points beyond it that complete parallelograms: with `p = a + b − c` for each triangle
+//! `a, b, c` whose side `a, b` is on the border, the rules for smooth vertices and edges are those for
+//! creases. So they are at a corner of one triangle, with the points opposite to its neighbours.
 //!
-//! Source: M.-J. Lai, *Fortran subroutines for B-nets of box splines on three- and four-directional meshes*, 1992, for the control points; J.
-//! Schweitzer, *Analysis and application of subdivision surfaces*, 1996, for the points beyond borders.
+//! Source: M.-J. Lai, *Fortran subroutines for B-nets of box splines on three- and four-directional meshes*,
+//! 1992, for the control points; J. Schweitzer, *Analysis and application of subdivision surfaces*, 1996, for
+//! the points beyond borders.
 use super::super::INFINITELY_SHARP;
-use super::super::rules::{Point, plus};
+use super::super::vertex_rule::{CagePoint, plus};
+use super::face_one_ring::{CageTopology, FaceOneRing};
 use super::quartic::Quartic;
-use super::ring::{Parts, Ring};
 
 /// The points of the lattice that shape a triangle between `(0, 0)`, `(1, 0)` and `(0, 1)`.
 const LATTICE: [[i32; 2]; 12] =
@@ -55,10 +57,10 @@ fn beyond(corner: usize, third: usize) -> f64 {
     }
 }
 
-impl Ring {
+impl FaceOneRing {
     /// The polynomial that the limit surface of its triangle is, where it is one.
     pub(super) fn quartic(&self) -> Option<Quartic> {
-        let p = self.lattice(&self.parts())?;
+        let p = self.lattice(&self.topology())?;
         let mut control = [[0.0; 3]; 15];
         let mut place = 0;
         for k in 0..5_usize {
@@ -87,11 +89,11 @@ impl Ring {
     }
 
     /// The points of the lattice, those beyond cuts made up.
-    fn lattice(&self, parts: &Parts) -> Option<[Point; 12]> {
-        let mut points: [Option<Point>; 12] = [None; 12];
+    fn lattice(&self, parts: &CageTopology) -> Option<[CagePoint; 12]> {
+        let mut points: [Option<CagePoint>; 12] = [None; 12];
         // The vertices of the triangle, and in which direction the first edge of it leaves each.
         for (k, direction) in [0, 2, 4].into_iter().enumerate() {
-            let around = self.six(parts, k)?;
+            let around = self.one_ring_of_six(parts, k)?;
             let own = &mut points[k];
             *own = own.or(Some(self.cage().positions[self.cage().corners[k] as usize]));
             for (turn, point) in around.into_iter().enumerate() {
@@ -108,12 +110,13 @@ impl Ring {
         Some(all)
     }
 
-    /// The six points around a corner of its triangle, counter-clockwise from the end of the edge that begins there.
-    fn six(&self, parts: &Parts, corner: usize) -> Option<[Point; 6]> {
+    /// The six points around a corner of its triangle, counter-clockwise from the end of the edge that begins
+    /// there.
+    fn one_ring_of_six(&self, parts: &CageTopology, corner: usize) -> Option<[CagePoint; 6]> {
         let cage = self.cage();
         let vertex = cage.corners[corner];
         let own = parts.sharp.vertices[vertex as usize];
-        let around = parts.around.edges(vertex as usize);
+        let around = parts.incidence.edges(vertex as usize);
         let sharpness = |edge: u32| parts.sharp.edges[edge as usize];
         let is_cut = |edge: u32| sharpness(edge) >= INFINITELY_SHARP;
         let ends = |x: f64| x > 0.0 && x < INFINITELY_SHARP;
@@ -135,7 +138,7 @@ impl Ring {
         };
         let at = |v: u32| cage.positions[v as usize];
         // Forth until it closes or is cut, then back.
-        let mut known: [Option<Point>; 6] = [None; 6];
+        let mut known: [Option<CagePoint>; 6] = [None; 6];
         let (edges, neighbours) = sides(0)?;
         (known[0], known[1]) = (Some(at(neighbours[0])), Some(at(neighbours[1])));
         let (mut face, mut edge, mut last) = (0, edges[1], 1);
@@ -181,8 +184,8 @@ impl Ring {
         let is_corner = own >= INFINITELY_SHARP || n_cut > 2;
         let point = |k: usize| known[(k + 6 - first) % 6];
         // Completes a parallelogram, or goes as far to the other side.
-        let mirror = |a: Point, b: Point| [0, 1, 2].map(|k| (here[k] + a[k]) - b[k]);
-        let made: Vec<Point> = match (last + first, is_corner) {
+        let mirror = |a: CagePoint, b: CagePoint| [0, 1, 2].map(|k| (here[k] + a[k]) - b[k]);
+        let made: Vec<CagePoint> = match (last + first, is_corner) {
             // From one cut to the other; around a cut to itself the vertex is on a crease to somewhere else.
             (3, false) if n_cut == 2 && edge != end => {
                 vec![mirror(point(3)?, point(2)?), mirror(point(0)?, point(1)?)]
@@ -201,7 +204,7 @@ impl Ring {
     }
 }
 
-fn all_of(points: [Option<Point>; 6]) -> Option<[Point; 6]> {
+fn all_of(points: [Option<CagePoint>; 6]) -> Option<[CagePoint; 6]> {
     let mut all = [[0.0; 3]; 6];
     for (all, point) in all.iter_mut().zip(points) {
         *all = point?;

@@ -1,28 +1,30 @@
 //! The limit surface of a cage, evaluated exactly anywhere.
 mod box_spline;
-mod fan;
+mod creased_spline;
+mod face_one_ring;
+mod loop_one_ring;
+mod one_ring;
+mod quad_patch_tree;
 mod quartic;
-mod ring;
-mod spline;
-mod square;
-mod star;
-mod triangle;
+mod triangle_patch_tree;
 
-use super::rules::Point;
+use super::vertex_rule::CagePoint;
 use super::{Cage, InvalidCage, Scheme};
-use fan::Fan;
+pub(super) use face_one_ring::CageTopology;
+pub(crate) use face_one_ring::FaceOneRing;
+use one_ring::OneRing;
+pub(crate) use quad_patch_tree::{ExtraordinaryQuad, LimitPatches, QuadPatchTree};
 pub(crate) use quartic::{QUARTERS, Quartic};
-pub(super) use ring::Parts;
-pub(crate) use ring::Ring;
-pub(crate) use square::{Patches, Rough, Square};
-pub(crate) use triangle::{Polynomial, RoughTriangle, Triangle};
+pub(crate) use triangle_patch_tree::{ExtraordinaryTriangle, LimitQuartic, TrianglePatchTree};
 
-/// The smooth surface to which refining a cage converges, as sheets over unit squares, or over triangles for Loop's scheme.
+/// The smooth surface to which refining a cage converges, as sheets over unit squares, or over triangles for
+/// Loop's scheme.
 ///
-/// A quad is one sheet: u runs from its first vertex to its second, v from its first to its last. Another polygon is as many
-/// as it has vertices, each with its origin at one of them and the polygon's middle across. By Loop's scheme a triangle is one sheet, over u ≥ 0, v ≥ 0, u + v ≤ 1: u runs from its first vertex to
-/// its second, v to its third. Sheets follow faces. Holes have none, nor
-/// has a face on the border under [`Boundary::None`](super::Boundary::None).
+/// A quad is one sheet: u runs from its first vertex to its second, v from its first to its last. Another
+/// polygon is as many as it has vertices, each with its origin at one of them and the polygon's middle
+/// across. By Loop's scheme a triangle is one sheet, over u ≥ 0, v ≥ 0, u + v ≤ 1: u runs from its first
+/// vertex to its second, v to its third. Sheets follow faces. Holes have none, nor has a face on the border
+/// under [`Boundary::None`](super::Boundary::None).
 ///
 /// ```
 /// use chordal::explicit::Cage;
@@ -42,27 +44,28 @@ pub(crate) use triangle::{Polynomial, RoughTriangle, Triangle};
 #[derive(Clone)]
 pub struct LimitSurface<'a> {
     cage: &'a Cage,
-    parts: std::sync::Arc<Parts>,
+    topology: std::sync::Arc<CageTopology>,
     /// Face and part of it.
     sheets: Vec<(u32, u32)>,
 }
 
 impl Cage {
-    /// The limit surface. By Loop's scheme edges of a round that end alike stay two, as for [`Cage::refined_times`].
+    /// The limit surface. By Loop's scheme edges of a round that end alike stay two, as for
+    /// [`Cage::refined_times`].
     ///
     /// *Cost.* A table of edges: some hundred bytes a corner.
     ///
     /// # Errors
     /// None yet: every scheme has one.
     pub fn limit(&self) -> Result<LimitSurface<'_>, InvalidCage> {
-        let parts = Parts::of(self);
+        let parts = CageTopology::new(self);
         let with_surface = (0..self.n_faces()).filter(|face| !parts.is_hole(self, *face));
         let sheets = with_surface.flat_map(|face| {
             let n = self.face(face).len();
             let is_one = n == 4 || self.scheme == Scheme::Loop;
             (0..if is_one { 1 } else { n }).map(move |part| (face as u32, part as u32))
         });
-        Ok(LimitSurface { cage: self, sheets: sheets.collect(), parts: std::sync::Arc::new(parts) })
+        Ok(LimitSurface { cage: self, sheets: sheets.collect(), topology: std::sync::Arc::new(parts) })
     }
 }
 
@@ -90,38 +93,38 @@ impl LimitSurface<'_> {
     ///
     /// # Panics
     /// When there is no such sheet.
-    pub fn sheet(&self, sheet: usize) -> Result<Sheet, InvalidCage> {
+    pub fn sheet(&self, sheet: usize) -> Result<LimitSheet, InvalidCage> {
         let (face, corner) = self.face_of(sheet);
-        let ring = Ring::of(self.cage, &self.parts, face);
+        let ring = FaceOneRing::new(self.cage, &self.topology, face);
         if self.cage.scheme == Scheme::Loop {
-            return Ok(Sheet { domain: Domain::Triangle(Triangle::of(ring)) });
+            return Ok(LimitSheet { domain: SheetDomain::Triangle(TrianglePatchTree::from_ring(ring)) });
         }
         if ring.n_corners() == 4 {
-            return Ok(Sheet { domain: Domain::Square(Square::of(ring)) });
+            return Ok(LimitSheet { domain: SheetDomain::Square(QuadPatchTree::from_ring(ring)) });
         }
-        let mut rings = ring.divided()?;
-        Ok(Sheet { domain: Domain::Square(Square::of(rings.swap_remove(corner))) })
+        let mut rings = ring.subdivided()?;
+        Ok(LimitSheet { domain: SheetDomain::Square(QuadPatchTree::from_ring(rings.swap_remove(corner))) })
     }
 
     pub(crate) fn cage(&self) -> &Cage {
         self.cage
     }
 
-    pub(crate) fn edges(&self) -> &super::edges::Edges {
-        &self.parts.edges
+    pub(crate) fn edges(&self) -> &super::edges::CageEdges {
+        &self.topology.edges
     }
 }
 
 /// One sheet of a limit surface.
 #[derive(Clone, Debug)]
-pub struct Sheet {
-    domain: Domain,
+pub struct LimitSheet {
+    domain: SheetDomain,
 }
 
 #[derive(Clone, Debug)]
-enum Domain {
-    Square(Square),
-    Triangle(Triangle),
+enum SheetDomain {
+    Square(QuadPatchTree),
+    Triangle(TrianglePatchTree),
 }
 
 /// What is known of a surface at one place of it.
@@ -129,7 +132,8 @@ enum Domain {
 pub struct Jet {
     /// The place.
     pub point: [f64; 3],
-    /// The derivatives by u and by v; `None` at vertices where the parametrization has none or only those of value 0.
+    /// The derivatives by u and by v; `None` at vertices where the parametrization has none or only those of
+    /// value 0.
     pub first: Option<[[f64; 3]; 2]>,
     /// The second derivatives: by u twice, by u and v, by v twice.
     pub second: Option<[[f64; 3]; 3]>,
@@ -137,15 +141,16 @@ pub struct Jet {
     pub normal: Option<[f64; 3]>,
 }
 
-impl Sheet {
-    /// The limit surface at a place of the unit square, or of the triangle u + v ≤ 1 for Loop's scheme, its derivatives and its normal. A
-    /// place outside counts as one on the border.
+impl LimitSheet {
+    /// The limit surface at a place of the unit square, or of the triangle u + v ≤ 1 for Loop's scheme, its
+    /// derivatives and its normal. A place outside counts as one on the border.
     ///
-    /// On an infinitely sharp edge, whose two sides differ, everything is as seen from this sheet; where the surface is made of
-    /// pieces, as from the one after u and v, or the last.
+    /// On an infinitely sharp edge, whose two sides differ, everything is as seen from this sheet; where the
+    /// surface is made of pieces, as from the one after u and v, or the last.
     ///
-    /// *Cost.* Under a microsecond where the faces around are regular; else, the first time, some ten microseconds for every halving of the
-    /// distance to the irregular vertex, which are kept. *Error.* Rounding: a few ulps of the largest coordinate around, a few more for each halving. At the end of a
+    /// *Cost.* Under a microsecond where the faces around are regular; else, the first time, some ten
+    /// microseconds for every halving of the distance to the irregular vertex, which are kept. *Error.*
+    /// Rounding: a few ulps of the largest coordinate around, a few more for each halving. At the end of a
     /// crease, and at corners of several quads, the normal has about six digits.
     ///
     /// # Errors
@@ -154,37 +159,37 @@ impl Sheet {
         let clamp = |x: f64| if x > 0.0 { if x < 1.0 { x } else { 1.0 } } else { 0.0 };
         let (u, v) = (clamp(u), clamp(v));
         match &self.domain {
-            Domain::Square(square) => square.at(u, v),
-            Domain::Triangle(triangle) => triangle.at(u, if u + v > 1.0 { 1.0 - u } else { v }),
+            SheetDomain::Square(square) => square.at(u, v),
+            SheetDomain::Triangle(triangle) => triangle.at(u, if u + v > 1.0 { 1.0 - u } else { v }),
         }
     }
 
     /// The point alone, for less.
     pub(crate) fn point(&self, u: f64, v: f64) -> Result<[f64; 3], InvalidCage> {
         match &self.domain {
-            Domain::Square(square) => square.point(u, v),
-            Domain::Triangle(_) => self.at(u, v).map(|jet| jet.point),
+            SheetDomain::Square(square) => square.point(u, v),
+            SheetDomain::Triangle(_) => self.at(u, v).map(|jet| jet.point),
         }
     }
 
     /// Its square; `None` for Loop's scheme.
-    pub(crate) fn square(&self) -> Option<&Square> {
+    pub(crate) fn square(&self) -> Option<&QuadPatchTree> {
         match &self.domain {
-            Domain::Square(square) => Some(square),
-            Domain::Triangle(_) => None,
+            SheetDomain::Square(square) => Some(square),
+            SheetDomain::Triangle(_) => None,
         }
     }
 
     /// Its triangle, for Loop's scheme.
-    pub(crate) fn triangle(&self) -> Option<&Triangle> {
+    pub(crate) fn triangle(&self) -> Option<&TrianglePatchTree> {
         match &self.domain {
-            Domain::Square(_) => None,
-            Domain::Triangle(triangle) => Some(triangle),
+            SheetDomain::Square(_) => None,
+            SheetDomain::Triangle(triangle) => Some(triangle),
         }
     }
 }
 
-fn middle(points: &[Point]) -> Point {
+fn middle(points: &[CagePoint]) -> CagePoint {
     let share = 1.0 / points.len() as f64;
-    points.iter().fold([0.0; 3], |sum, p| super::rules::plus(sum, share, *p))
+    points.iter().fold([0.0; 3], |sum, p| super::vertex_rule::plus(sum, share, *p))
 }

@@ -1,25 +1,26 @@
 //! `Quartic`: a polynomial of degree four over a triangle, by its Bézier control points.
-use super::super::rules::Point;
+use super::super::vertex_rule::CagePoint;
 
-/// Control points by rows, along u: those of row k stand at `(j/4, k/4)`, so that 0, 4 and 14 are the corners.
+/// Control points by rows, along u: those of row k stand at `(j/4, k/4)`, so that 0, 4 and 14 are the
+/// corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Quartic {
-    pub control: [Point; 15],
+    pub control: [CagePoint; 15],
 }
 
 /// Weights of the three corners of a triangle.
-pub(crate) type Weights = [f64; 3];
+pub(crate) type QuarticBarycentric = [f64; 3];
 
 /// Position, first derivatives and second derivatives.
-pub(crate) type Derivatives = (Point, [Point; 2], [Point; 3]);
+pub(crate) type QuarticJet = (CagePoint, [CagePoint; 2], [CagePoint; 3]);
 
 impl Quartic {
-    pub fn at(&self, u: f64, v: f64) -> Derivatives {
+    pub fn at(&self, u: f64, v: f64) -> QuarticJet {
         let w = [1.0 - u - v, u, v];
-        let cubic: [Point; 10] = lower(&self.control, 4, w);
-        let q: [Point; 6] = lower(&cubic, 3, w);
-        let p: [Point; 3] = lower(&q, 2, w);
-        let [point]: [Point; 1] = lower(&p, 1, w);
+        let cubic: [CagePoint; 10] = lower(&self.control, 4, w);
+        let q: [CagePoint; 6] = lower(&cubic, 3, w);
+        let p: [CagePoint; 3] = lower(&q, 2, w);
+        let [point]: [CagePoint; 1] = lower(&p, 1, w);
         let first = [1, 2].map(|i| [0, 1, 2].map(|k| 4.0 * (p[i][k] - p[0][k])));
         let second = |a: usize, b: usize, c: usize, d: usize| {
             [0, 1, 2].map(|k| 12.0 * ((q[a][k] - q[b][k]) - (q[c][k] - q[d][k])))
@@ -27,7 +28,7 @@ impl Quartic {
         (point, first, [second(2, 1, 1, 0), second(4, 1, 3, 0), second(5, 3, 3, 0)])
     }
 
-    pub fn point(&self, [u, v]: [f64; 2]) -> Point {
+    pub fn point(&self, [u, v]: [f64; 2]) -> CagePoint {
         self.at(u, v).0
     }
 
@@ -35,13 +36,13 @@ impl Quartic {
     pub fn part(&self, corners: [[f64; 2]; 3]) -> Self {
         let [a, b, c] = corners.map(|[u, v]| [1.0 - u - v, u, v]);
         // The control point of `aⁱbʲcᵏ` is the blossom there.
-        let cubic = |w: Weights| -> [Point; 10] { lower(&self.control, 4, w) };
+        let cubic = |w: QuarticBarycentric| -> [CagePoint; 10] { lower(&self.control, 4, w) };
         let (of_a, of_b, of_c) = (cubic(a), cubic(b), cubic(c));
-        let square = |net: &[Point; 10], w: Weights| -> [Point; 6] { lower(net, 3, w) };
+        let square = |net: &[CagePoint; 10], w: QuarticBarycentric| -> [CagePoint; 6] { lower(net, 3, w) };
         let (aa, ab, ac) = (square(&of_a, a), square(&of_a, b), square(&of_a, c));
         let (bb, bc, cc) = (square(&of_b, b), square(&of_b, c), square(&of_c, c));
-        let line = |net: &[Point; 6], w: Weights| -> [Point; 3] { lower(net, 2, w) };
-        let one = |net: [Point; 3], w: Weights| lower::<3, 1>(&net, 1, w)[0];
+        let line = |net: &[CagePoint; 6], w: QuarticBarycentric| -> [CagePoint; 3] { lower(net, 2, w) };
+        let one = |net: [CagePoint; 3], w: QuarticBarycentric| lower::<3, 1>(&net, 1, w)[0];
         let (aaa, aab, aac) = (line(&aa, a), line(&aa, b), line(&aa, c));
         let (abb, abc, acc) = (line(&ab, b), line(&ab, c), line(&ac, c));
         let (bbb, bbc, bcc, ccc) = (line(&bb, b), line(&bb, c), line(&bc, c), line(&cc, c));
@@ -65,20 +66,23 @@ impl Quartic {
         Self { control }
     }
 
-    /// The four parts between its corners and the middles of its sides: at the corners, and then that between, which is turned by half.
+    /// The four parts between its corners and the middles of its sides: at the corners, and then that
+    /// between, which is turned by half.
     pub fn quarters(&self) -> [Self; 4] {
         QUARTERS.map(|corners| self.part(corners))
     }
 
-    /// The control points of a side: from its first corner to its second, or from the second to the third, or from the third.
-    pub fn side(&self, side: usize) -> [Point; 5] {
+    /// The control points of a side: from its first corner to its second, or from the second to the third, or
+    /// from the third.
+    pub fn side(&self, side: usize) -> [CagePoint; 5] {
         SIDES[side].map(|k| self.control[k])
     }
 }
 
 const SIDES: [[usize; 5]; 3] = [[0, 1, 2, 3, 4], [4, 8, 11, 13, 14], [14, 12, 9, 5, 0]];
 
-/// The corners of the quarters of a triangle: those at its corners run as it does, the last one is turned by half.
+/// The corners of the quarters of a triangle: those at its corners run as it does, the last one is turned by
+/// half.
 pub(crate) const QUARTERS: [[[f64; 2]; 3]; 4] = [
     [[0.0, 0.0], [0.5, 0.0], [0.0, 0.5]],
     [[0.5, 0.0], [1.0, 0.0], [0.5, 0.5]],
@@ -87,7 +91,11 @@ pub(crate) const QUARTERS: [[[f64; 2]; 3]; 4] = [
 ];
 
 /// A step of de Casteljau's scheme from `N` control points of that degree to `M` of the next lower one.
-fn lower<const N: usize, const M: usize>(net: &[Point; N], degree: usize, w: Weights) -> [Point; M] {
+fn lower<const N: usize, const M: usize>(
+    net: &[CagePoint; N],
+    degree: usize,
+    w: QuarticBarycentric,
+) -> [CagePoint; M] {
     let mut out = [[0.0; 3]; M];
     let (mut from, mut to) = (0, 0);
     for row in 0..degree {

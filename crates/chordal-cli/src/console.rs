@@ -1,0 +1,118 @@
+//! What is said while working and afterwards: messages and progress on stderr, reports on stdout.
+use crate::args::ConsoleArgs;
+use crate::fault::{Fault, plainly};
+use chordal::Job;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::Value;
+use std::io::{self, IsTerminal, Write};
+
+/// How much is said, and in which form.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Console {
+    json: bool,
+    level: Verbosity,
+}
+
+/// How much is said.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Verbosity {
+    Errors,
+    Usual,
+    More,
+}
+
+/// The most warning lines of one kind that are shown.
+const MOST_LINES: usize = 10;
+
+impl Console {
+    /// As the command line says.
+    pub fn new(args: &ConsoleArgs) -> Self {
+        let level = match (args.quiet, args.verbose) {
+            (true, _) => Verbosity::Errors,
+            (_, true) => Verbosity::More,
+            _ => Verbosity::Usual,
+        };
+        Self { json: args.json, level }
+    }
+
+    /// Warnings, unless quiet; the first ten, or all when more is to be said.
+    pub fn warn(&self, name: &str, warnings: &[impl ToString]) {
+        let shown = if self.level == Verbosity::More { warnings.len() } else { MOST_LINES };
+        for warning in warnings.iter().take(shown) {
+            self.message(Verbosity::Usual, &format!("{name}: warning: {}", warning.to_string()));
+        }
+        if warnings.len() > shown {
+            self.message(
+                Verbosity::Usual,
+                &format!("{name}: warning: and {} more; -v lists them", warnings.len() - shown),
+            );
+        }
+    }
+
+    /// Something that only those who asked for more want to know.
+    pub fn detail(&self, text: &str) {
+        self.message(Verbosity::More, text);
+    }
+
+    /// To stderr. When that is closed there is nobody to tell.
+    fn message(&self, from: Verbosity, text: &str) {
+        if self.level >= from {
+            let _ = writeln!(io::stderr(), "chordal: {text}");
+        }
+    }
+
+    /// The result: the report as JSON, or its summary for people, on stdout; the summary goes to stderr where the
+    /// data itself is on stdout.
+    ///
+    /// # Errors
+    /// When stdout cannot be written.
+    pub fn result(&self, report: &Value, summary: &str, stdout: StdoutUse) -> Result<(), Fault> {
+        match (self.json, stdout) {
+            (true, _) => print(&format!("{report:#}\n")),
+            (false, _) if self.level == Verbosity::Errors => Ok(()),
+            (false, StdoutUse::Free) => print(summary),
+            (false, StdoutUse::HoldsData) => {
+                let _ = io::stderr().write_all(summary.as_bytes());
+                Ok(())
+            }
+        }
+    }
+
+    /// The job with a bar on stderr, when that is a terminal and something may be said.
+    pub fn progress(&self, job: Job) -> Job {
+        if self.level == Verbosity::Errors || !io::stderr().is_terminal() {
+            return job;
+        }
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+        // The template is a constant; should it ever be wrong, the bar looks plainer.
+        if let Ok(style) = ProgressStyle::with_template("{msg:12} {wide_bar} {percent:>3} %") {
+            bar.set_style(style);
+        }
+        job.with_progress(move |progress| {
+            bar.set_length(progress.total);
+            bar.set_message(progress.stage);
+            bar.set_position(progress.done);
+            if progress.done >= progress.total {
+                bar.finish_and_clear();
+            }
+        })
+    }
+}
+
+/// Whether stdout is free for a summary.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StdoutUse {
+    /// Nothing else goes there.
+    Free,
+    /// The output goes there.
+    HoldsData,
+}
+
+/// Writes to stdout; a pipe that closed early is a fault like any other.
+pub fn print(text: &str) -> Result<(), Fault> {
+    let mut stdout = io::stdout().lock();
+    stdout
+        .write_all(text.as_bytes())
+        .and_then(|()| stdout.flush())
+        .map_err(|error| Fault::output("unwritable", format!("stdout: {}", plainly(&error))))
+}

@@ -1,0 +1,396 @@
+//! The letter of `inspect`: what a file holds, what holds of it, and what was found, where, how often, and what mends it.
+use crate::numbers::{RoundingDirection, grouped, point, short, size};
+use crate::summary::{SummaryLines, add_output, one_way_note, plural};
+use chordal_verbs::report::{
+    CageFacts, ComponentFacts, DrawingFacts, EmbeddedCertificate, FieldFacts, FindingFacts, Inspection,
+    KinkFacts, Report, SharpnessFacts, SurfaceFacts, ValidityFacts, WitnessFacts, cures_of_all,
+};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// What `inspect` found. `argument` is the input as the command line names it.
+pub fn inspect(report: &Report, argument: &str) -> String {
+    let (certificate, run) = (&report.certificate, &report.run);
+    let input = &certificate.input;
+    let name = run.input.clone().unwrap_or_default();
+    let mut lines = SummaryLines::titled(&format!("{name}: {}, {}", input.kind, input.format));
+    let frame = &certificate.frame;
+    lines.add_if("up", frame.up.map(str::to_owned));
+    lines.add_if("unit", frame.metres_per_unit.map(|metres| format!("{metres} m")));
+    if let Some(inspection) = &report.inspection {
+        add_contents(&mut lines, inspection);
+    }
+    if let Some(output) = &certificate.output {
+        add_output(&mut lines, output);
+    }
+    let valid = certificate.valid.as_ref();
+    let has_triangles = valid.is_some_and(ValidityFacts::has_triangles);
+    let sizes = report.inspection.as_ref().and_then(|inspection| inspection.sizes);
+    if let Some(sizes) = sizes.filter(|_| has_triangles) {
+        let (indexed, unindexed) = (size(sizes.indexed_bytes), size(sizes.unindexed_bytes));
+        lines.add("geometry", format!("{indexed} indexed, {unindexed} unindexed"));
+        let (now, ordered) = (sizes.acmr, sizes.acmr_ordered);
+        lines.add("drawing", format!("{now:.2} vertices a triangle, {ordered:.2} in the best order found"));
+    }
+    if let Some(found) = report.inspection.as_ref().and_then(|inspection| inspection.found.as_ref()) {
+        lines.add("certificate", certificate_text(found));
+    }
+    let findings = report.inspection.as_ref().and_then(|inspection| inspection.findings.as_ref());
+    if valid.is_some() && !has_triangles {
+        lines.add("surface", "no triangles: points only");
+    } else if let (Some(valid), Some(findings)) = (valid, findings) {
+        surface(&mut lines, valid);
+        add_diagnosis(&mut lines, valid, findings);
+        for finding in findings {
+            add_finding(&mut lines, finding, valid);
+        }
+        add_repair_command(&mut lines, argument, findings);
+    }
+    lines.0
+}
+
+fn add_contents(lines: &mut SummaryLines, inspection: &Inspection) {
+    lines.add("size", size(inspection.bytes));
+    lines.add_if("patches", inspection.patches.map(grouped));
+    if let Some(drawing) = &inspection.drawing {
+        curves(lines, drawing);
+    }
+    if let Some(facts) = &inspection.cage {
+        cage(lines, facts);
+    }
+    if let Some(volume) = &inspection.volume {
+        crate::volume_text::samples(lines, volume);
+    }
+    if let Some(facts) = &inspection.field {
+        field(lines, facts);
+    }
+    if let Some(parts) = inspection.parts.as_ref().filter(|parts| parts.len() != 1) {
+        let instances: u64 = parts.iter().map(|part| part.instances).sum();
+        lines.add("parts", format!("{} in {} places", grouped(parts.len() as u64), grouped(instances)));
+    }
+    lines.add_if("box", inspection.bounds.map(|[low, high]| format!("{} to {}", point(low), point(high))));
+}
+
+/// What a cage is.
+fn cage(lines: &mut SummaryLines, facts: &CageFacts) {
+    lines.add("scheme", facts.scheme);
+    lines.add("border", format!("{}, {}", facts.boundary, plural(facts.border_edges, "edge")));
+    let names = |n: u64| match n {
+        3 => "triangle".to_owned(),
+        4 => "quad".to_owned(),
+        n => format!("{n}-gon"),
+    };
+    let faces = facts.faces_by_corners.iter().map(|(corners, n)| plural(*n, &names(*corners)));
+    lines.add("polygons", listed(faces, "none"));
+    let valences = |n: &BTreeMap<u64, u64>| {
+        listed(n.iter().map(|(valence, n)| format!("{} of {valence}", grouped(*n))), "")
+    };
+    let (inner, border) = (valences(&facts.irregular), valences(&facts.irregular_border));
+    lines.add_if("valences", (!inner.is_empty()).then(|| format!("irregular within: {inner} edges")));
+    let name = if inner.is_empty() { "valences" } else { "" };
+    lines.add_if(name, (!border.is_empty()).then(|| format!("irregular on the border: {border} edges")));
+    lines.add_if("creases", sharp(&facts.creases, "edge").map(|text| format!("{text}, {}", facts.creasing)));
+    lines.add_if("corners", sharp(&facts.corners, "vertex"));
+    lines.add_if("holes", (facts.holes > 0).then(|| plural(facts.holes, "face")));
+    lines.add_if(
+        "crowded",
+        (facts.crowded_edges > 0)
+            .then(|| plural(facts.crowded_edges, "edge of other than two faces that agree")),
+    );
+    lines
+        .add_if("isolated", (facts.isolated_vertices > 0).then(|| plural(facts.isolated_vertices, "vertex")));
+    let linear = facts.texcoords_linear.unwrap_or_default();
+    lines.add_if("texcoords", facts.texcoords.map(|n| format!("{}, linear: {linear}", grouped(n))));
+}
+
+fn listed(items: impl Iterator<Item = String>, none: &str) -> String {
+    let all = items.collect::<Vec<_>>().join(", ");
+    if all.is_empty() { none.to_owned() } else { all }
+}
+
+/// `12 edges: 4 for ever, 8 from 0.5 to 3`
+fn sharp(facts: &SharpnessFacts, what: &str) -> Option<String> {
+    let forever = (facts.infinite > 0).then(|| format!("{} for ever", grouped(facts.infinite)));
+    let fading = facts.range.map(|[low, high]| {
+        let range = if low == high { format!("{low}") } else { format!("{low} to {high}") };
+        format!("{} of sharpness {range}", grouped(facts.count - facts.infinite))
+    });
+    let parts = listed(forever.into_iter().chain(fading), "");
+    (facts.count > 0).then(|| format!("{}: {parts}", plural(facts.count, what)))
+}
+
+/// What a field is, and what can be set of it.
+fn field(lines: &mut SummaryLines, facts: &FieldFacts) {
+    lines.add("dimensions", facts.dimensions.to_string());
+    lines.add("terms", grouped(facts.terms));
+    lines.add("value", format!("outside {}, inside {}", facts.outside, facts.inside));
+    lines.add_if("evidence", (facts.evidence != "proved").then(|| facts.evidence.to_owned()));
+    facts.assumptions.iter().for_each(|sentence| lines.add("if", sentence));
+    lines.add_if("region", facts.region.map(|[low, high]| format!("{} to {}", point(low), point(high))));
+    for parameter in &facts.parameters {
+        let set = parameter.value.to_bits() != parameter.default.to_bits();
+        let default = if set { format!(" (default {})", parameter.default) } else { String::new() };
+        lines.add("parameter", format!("{} = {}{default}", parameter.name, parameter.value));
+    }
+}
+
+/// How many kinks are told one by one; the report has more.
+const KINKS: usize = 8;
+
+fn curves(lines: &mut SummaryLines, drawing: &DrawingFacts) {
+    let filled =
+        if drawing.filled > 0 { format!(", {} filled", grouped(drawing.filled)) } else { String::new() };
+    lines.add("elements", format!("{}{filled}", grouped(drawing.elements)));
+    let (closed, open) = (grouped(drawing.closed), grouped(drawing.open));
+    lines.add("subpaths", format!("{}: {closed} closed, {open} open", grouped(drawing.subpaths)));
+    let pieces = drawing.pieces;
+    let all = [(pieces.lines, "line"), (pieces.cubics, "cubic"), (pieces.arcs, "arc")];
+    let all: Vec<_> = all.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| plural(n, what)).collect();
+    lines.add("pieces", if all.is_empty() { "none".to_owned() } else { all.join(", ") });
+    lines.add("length", format!("about {}", short(drawing.length_estimate, RoundingDirection::Down)));
+    let joins = drawing.joins;
+    if joins.g0 + joins.g1 + joins.g2 > 0 {
+        let smooth = format!("{} G1, {} G2", grouped(joins.g1), grouped(joins.g2));
+        lines.add("joins", format!("{}, {smooth}", plural(joins.g0, "kink")));
+    }
+    for kink in drawing.kinks.iter().take(KINKS) {
+        lines.add("", kink_text(kink));
+    }
+    let told = drawing.kinks.len().min(KINKS) as u64;
+    if joins.g0 > told {
+        lines.add("", format!("and {} more", grouped(joins.g0 - told)));
+    }
+}
+
+/// `path 3 'leaf', piece 2: 90° at (1, 2, 0)`
+fn kink_text(kink: &KinkFacts) -> String {
+    let name = if kink.name.is_empty() { String::new() } else { format!(" '{}'", kink.name.escape_debug()) };
+    let angle = kink.angle_deg.map_or_else(|| "no direction".to_owned(), |deg| format!("{deg:.1}°"));
+    format!("{} {}{name}, piece {}: {angle} at {}", kink.kind, kink.element, kink.piece, point(kink.at))
+}
+
+/// What the surface measures and what holds of it.
+fn surface(lines: &mut SummaryLines, valid: &ValidityFacts) {
+    let (counts, Some(anatomy)) = (&valid.counts, &valid.anatomy) else { return };
+    let mut facts = vec![format!("area {}", short(anatomy.area, RoundingDirection::Nearest))];
+    facts
+        .extend(anatomy.volume.map(|volume| format!("volume {}", short(volume, RoundingDirection::Nearest))));
+    facts.extend(counts.genus.map(|genus| format!("genus {genus}")));
+    facts.push(format!("Euler number {}", counts.euler));
+    let mean = anatomy.triangles_per_vertex;
+    facts.extend(mean.map(|mean| {
+        let mean = short(mean, RoundingDirection::Nearest);
+        format!("{mean} triangle{} a vertex", if mean == "1" { "" } else { "s" })
+    }));
+    lines.add("surface", facts.join(", "));
+    if !anatomy.in_place {
+        lines.add("", "areas, volumes and places below in the parts' own coordinates");
+    }
+    // Of collapsed triangles alone nothing holds, and nothing fails to.
+    if counts.components > 0 {
+        let (is, is_not) = properties(valid, anatomy);
+        lines.add_if("is", (!is.is_empty()).then(|| is.join(", ")));
+        lines.add_if("is not", (!is_not.is_empty()).then(|| is_not.join(", ")));
+    }
+    if counts.components > 1 {
+        components(lines, counts.components, &anatomy.component_list);
+    }
+}
+
+/// What holds and what does not; of what is not known, nothing.
+fn properties(valid: &ValidityFacts, anatomy: &SurfaceFacts) -> (Vec<&'static str>, Vec<&'static str>) {
+    let counts = &valid.counts;
+    let sides = if counts.oriented || counts.orientable { "oriented" } else { "orientable" };
+    let all = [
+        ("closed", Some(counts.closed)),
+        ("manifold", Some(counts.manifold)),
+        (sides, Some(counts.oriented)),
+        ("outward", anatomy.outward),
+        ("free of self-intersections", anatomy.self_intersections.map(|count| count == 0)),
+    ];
+    let those =
+        |wanted: bool| all.iter().filter(|(_, is)| *is == Some(wanted)).map(|(what, _)| *what).collect();
+    (those(true), those(false))
+}
+
+/// How many components are shown one by one; the report has more.
+const ROWS: usize = 6;
+
+fn components(lines: &mut SummaryLines, all: u64, listed: &[ComponentFacts]) {
+    let shown = &listed[..listed.len().min(ROWS)];
+    let most = if all > shown.len() as u64 { ", the largest are" } else { "" };
+    lines.add("components", format!("{}{most}", grouped(all)));
+    let several_parts = listed.iter().any(|component| component.part != listed[0].part);
+    let mut table =
+        vec![["triangles", "first face", "closed", "front", "genus", "area", "volume"].map(str::to_owned)];
+    for component in shown {
+        let first = if several_parts {
+            format!("{}:{}", component.part, component.first_face)
+        } else {
+            component.first_face.to_string()
+        };
+        table.push([
+            grouped(component.triangles),
+            first,
+            if component.closed { "yes".to_owned() } else { plural(component.boundary_loops, "loop") },
+            component.facing.replace('-', " "),
+            component.genus.map_or_else(|| "-".to_owned(), |genus| genus.to_string()),
+            short(component.area, RoundingDirection::Nearest),
+            component
+                .volume
+                .map_or_else(|| "-".to_owned(), |volume| short(volume, RoundingDirection::Nearest)),
+        ]);
+    }
+    let widths: [usize; 7] =
+        std::array::from_fn(|k| table.iter().map(|row| row[k].chars().count()).max().unwrap_or(0));
+    for row in table {
+        let cells: Vec<String> =
+            row.iter().zip(widths).map(|(cell, width)| format!("{cell:>width$}")).collect();
+        lines.add("", cells.join("  "));
+    }
+}
+
+/// How many findings there are, in one line.
+fn add_diagnosis(lines: &mut SummaryLines, valid: &ValidityFacts, findings: &[FindingFacts]) {
+    let weighing = |weight: &str| findings.iter().filter(|finding| finding.weight == weight).count() as u64;
+    let (faults, remarks) = (weighing("fault"), weighing("remark"));
+    let counted: Vec<String> = [(faults, "fault"), (remarks, "remark")]
+        .into_iter()
+        .filter(|(n, _)| *n > 0)
+        .map(|(n, what)| plural(n, what))
+        .collect();
+    lines.add("found", if counted.is_empty() { "nothing to mend".to_owned() } else { counted.join(", ") });
+    let (counts, other) = (&valid.counts, &valid.other);
+    if counts.boundary_edges != other.counts.boundary_edges {
+        let edges = match other.counts.boundary_edges {
+            0 => "no boundary edges".to_owned(),
+            n => plural(n, "boundary edge"),
+        };
+        lines.add("", format!("{edges} where vertices meet by {}", other.topology));
+    }
+}
+
+/// How many places are named; the report has more.
+const PLACES: usize = 2;
+
+fn add_finding(lines: &mut SummaryLines, finding: &FindingFacts, valid: &ValidityFacts) {
+    let FindingFacts { count, words, means, cures, advice, .. } = finding;
+    let more = finding_detail(finding.of, valid);
+    // Writing to a text does not fail.
+    let _ = writeln!(lines.0, "\n  {} {words}{more}: {means}", grouped(*count));
+    let places: Vec<String> = witness_texts(finding.of, valid).take(PLACES).collect();
+    let mut line = |name: &str, text: &str| {
+        let _ = writeln!(lines.0, "    {name:<9} {text}");
+    };
+    for (i, place) in places.iter().enumerate() {
+        line(if i == 0 { "where" } else { "" }, place);
+    }
+    let rest = count.saturating_sub(places.len() as u64);
+    if rest > 0 && !places.is_empty() {
+        line("", &format!("and {} more", grouped(rest)));
+    }
+    if let Some(advice) = advice {
+        line("advice", advice);
+    } else {
+        line("cure", &cures.join(" "));
+    }
+}
+
+/// What else is known of a finding.
+fn finding_detail(of: &str, valid: &ValidityFacts) -> String {
+    let counts = &valid.counts;
+    match of {
+        "boundary_edges" if counts.boundary_loops > 0 => {
+            format!(" in {}", plural(counts.boundary_loops, "loop"))
+        }
+        "boundary_edges" if counts.boundary_chains > 0 => {
+            format!(" in {}", plural(counts.boundary_chains, "open chain"))
+        }
+        "duplicate_faces" if counts.opposite_faces > 0 => {
+            format!(", {} back to back", grouped(counts.opposite_faces))
+        }
+        _ => String::new(),
+    }
+}
+
+/// The places of a finding that are known.
+pub(crate) fn witness_texts<'a>(of: &'a str, valid: &'a ValidityFacts) -> impl Iterator<Item = String> + 'a {
+    let several_parts = valid.parts.len() > 1;
+    let named = valid.witnesses.iter().flatten().filter(move |witness| witness.of == of);
+    named.map(move |witness| {
+        if let (Some(other), [f, g]) = (witness.other_part, &witness.faces[..]) {
+            let part = witness.part;
+            let at = point(witness.at);
+            return format!(
+                "triangle {f} of part {part} and triangle {g} of part {other} at {at} in the scene"
+            );
+        }
+        let part = if several_parts { format!("part {}, ", witness.part) } else { String::new() };
+        format!("{part}{} at {}", witness_text(witness), point(witness.at))
+    })
+}
+
+/// `edge 3-7 of triangles 12, 14`; numbers count from 0.
+fn witness_text(witness: &WitnessFacts) -> String {
+    let list = |numbers: &[u32]| numbers.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
+    let triangles =
+        |faces: &[u32]| format!("triangle{} {}", if faces.len() == 1 { "" } else { "s" }, list(faces));
+    match (&witness.vertices[..], &witness.faces[..]) {
+        ([vertex], []) => format!("vertex {vertex}"),
+        ([vertex, of], []) => format!("vertex {vertex}, equal to {of},"),
+        ([a, b], faces) => format!("edge {a}-{b} of {}", triangles(faces)),
+        ([vertex, a, b], faces) => format!("vertex {vertex} on edge {a}-{b} of {}", triangles(faces)),
+        (_, faces) => triangles(faces),
+    }
+}
+
+/// A name as a shell takes it.
+fn quoted(name: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./+:@,=".contains(c);
+    if name.chars().all(plain) { name.to_owned() } else { format!("'{}'", name.replace('\'', r"'\''")) }
+}
+
+/// All cures in one command.
+fn add_repair_command(lines: &mut SummaryLines, name: &str, findings: &[FindingFacts]) {
+    let cures = cures_of_all(findings);
+    if !cures.is_empty() {
+        let _ = writeln!(
+            lines.0,
+            "\n  {:<11} chordal mend {} {} -o OUT",
+            "to mend",
+            quoted(name),
+            cures.join(" ")
+        );
+    }
+}
+
+fn certificate_text(found: &EmbeddedCertificate) -> String {
+    let number = |pointer: &str| found.certificate.pointer(pointer).and_then(serde_json::Value::as_f64);
+    let text = |pointer: &str| found.certificate.pointer(pointer).and_then(serde_json::Value::as_str);
+    let bound = match (number("/bound/at_least"), number("/bound/at_most"), text("/bound/evidence")) {
+        (Some(least), Some(most), Some(evidence)) => {
+            let one_way = one_way_note(text("/bound/metric").unwrap_or_default());
+            let (least, most) = (short(least, RoundingDirection::Down), short(most, RoundingDirection::Up));
+            format!("between {least} and {most} ({evidence}{one_way})")
+        }
+        _ => "says no bound".to_owned(),
+    };
+    if found.differs.is_empty() {
+        bound
+    } else {
+        format!("{bound}, but of another shape: {}", found.differs.join(", "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_quoted_where_a_shell_would_part_them() {
+        assert_eq!(quoted("a/b-c.obj"), "a/b-c.obj");
+        assert_eq!(quoted("my part.obj"), "'my part.obj'");
+        assert_eq!(quoted("it's.obj"), r"'it'\''s.obj'");
+        assert_eq!(quoted("$(x).obj"), "'$(x).obj'");
+    }
+}

@@ -1,0 +1,220 @@
+//! `AccessorRows`: the numbers of an accessor, read from their bytes.
+use super::format::{AccessorFormat, ComponentType};
+use super::model::{GltfModel, item};
+
+/// An accessor whose bytes are all there.
+pub(super) struct AccessorRows<'m> {
+    pub format: AccessorFormat,
+    pub count: u64,
+    /// The first byte of the first row and what follows, and the bytes from row to row. Zeros when absent.
+    base: Option<(&'m [u8], usize)>,
+    sparse: Option<SparseRows<'m>>,
+    places: [usize; 16],
+}
+
+struct SparseRows<'m> {
+    count: usize,
+    index_component: ComponentType,
+    indices: &'m [u8],
+    values: &'m [u8],
+}
+
+/// Why an accessor cannot be read: a code, and a sentence that ends "bufferView 3 has no byteLength".
+pub(super) struct AccessorError {
+    pub code: &'static str,
+    pub what: String,
+}
+
+fn unreadable<T>(code: &'static str, what: String) -> Result<T, AccessorError> {
+    Err(AccessorError { code, what })
+}
+
+impl<'m> AccessorRows<'m> {
+    /// The rows of an accessor; nothing is copied.
+    ///
+    /// # Errors
+    /// When a field is missing or wrong, or bytes are not there.
+    pub fn new(model: &'m GltfModel<'_>, accessor: usize) -> Result<Self, AccessorError> {
+        let Some(found) = item(&model.accessors, Some(accessor)) else {
+            return unreadable("UNRESOLVED_REFERENCE", format!("there is no accessor {accessor}"));
+        };
+        let (Some(format), Some(count), Some(offset)) = (found.format(), found.count, found.offset) else {
+            let what = format!("accessor {accessor} has no valid type, componentType, count and byteOffset");
+            return unreadable("UNDEFINED_PROPERTY", what);
+        };
+        let mut base = None;
+        if let Some(view) = found.view {
+            let stride = item(&model.views, Some(view)).and_then(|view| view.stride);
+            let stride = stride.unwrap_or(format.natural_stride());
+            if stride < format.row_length() {
+                let what = format!("byteStride {stride} of bufferView {view} is below a row's length");
+                return unreadable("ACCESSOR_SMALL_BYTESTRIDE", what);
+            }
+            let length = stride.saturating_mul(count - 1).saturating_add(format.row_length());
+            // Strides are 252 at most, or 64 by nature.
+            base = Some((bytes(model, view, offset, length)?, stride as usize));
+        }
+        let mut sparse = None;
+        if let Some(rows) = &found.sparse {
+            let (Some(index_component), Some(index_view), Some(value_view)) =
+                (rows.index_component, rows.index_view, rows.value_view)
+            else {
+                return unreadable(
+                    "UNDEFINED_PROPERTY",
+                    format!("accessor {accessor} has no valid sparse data"),
+                );
+            };
+            let row = format.component.size() * format.kind.n_components() as u64;
+            let n_index = rows.count.saturating_mul(index_component.size());
+            let n_value = rows.count.saturating_mul(row);
+            sparse = Some(SparseRows {
+                indices: bytes(model, index_view, rows.index_offset.unwrap_or(0), n_index)?,
+                values: bytes(model, value_view, rows.value_offset.unwrap_or(0), n_value)?,
+                // So many values lie in memory.
+                count: rows.count as usize,
+                index_component,
+            });
+        }
+        let mut places = [0; 16];
+        for (k, place) in places.iter_mut().take(format.kind.n_components()).enumerate() {
+            *place = format.place_of(k) as usize;
+        }
+        Ok(Self { format, count, base, sparse, places })
+    }
+
+    /// The bytes that all rows take.
+    pub fn n_bytes(&self) -> u64 {
+        self.count.saturating_mul(self.format.row_length())
+    }
+
+    /// Whether any number comes from the file.
+    pub fn has_data(&self) -> bool {
+        self.base.is_some() || self.sparse.is_some()
+    }
+
+    /// The rows that are replaced.
+    pub fn sparse_indices(&self) -> impl Iterator<Item = u64> {
+        let n = self.sparse.as_ref().map_or(0, |sparse| sparse.count);
+        (0..n).map(|i| self.sparse.as_ref().map_or(0, |sparse| sparse.index(i)))
+    }
+
+    /// Visits rows in order, with their raw numbers.
+    pub fn each(&self, mut visit: impl FnMut(u64, &[f64])) {
+        let n = self.format.kind.n_components();
+        let mut row = [0.0; 16];
+        let mut next = 0;
+        for i in 0..self.count {
+            if let Some(sparse) = &self.sparse
+                && next < sparse.count
+                && sparse.index(next) == i
+            {
+                (0..n).for_each(|k| row[k] = sparse.value(self.format, next, k));
+                // Indices increase, or the file was refused; equal ones are passed over.
+                while next < sparse.count && sparse.index(next) <= i {
+                    next += 1;
+                }
+            } else {
+                (0..n).for_each(|k| row[k] = self.base_number(i, k));
+            }
+            visit(i, &row[..n]);
+        }
+    }
+
+    /// One raw number.
+    pub fn number(&self, row: u64, k: usize) -> f64 {
+        if let Some(sparse) = &self.sparse
+            && let Some(i) = sparse.find(row)
+        {
+            return sparse.value(self.format, i, k);
+        }
+        self.base_number(row, k)
+    }
+
+    /// One number, normalized where the accessor is.
+    pub fn normalized(&self, row: u64, k: usize) -> f64 {
+        self.decode(self.number(row, k))
+    }
+
+    /// What a raw number stands for.
+    pub fn decode(&self, x: f64) -> f64 {
+        if self.format.normalized { self.format.component.normalize(x) } else { x }
+    }
+
+    fn base_number(&self, row: u64, k: usize) -> f64 {
+        let Some((bytes, stride)) = self.base else { return 0.0 };
+        // Rows that passed the check in `of` lie in memory.
+        self.format.component.read(bytes.get(row as usize * stride + self.places[k]..).unwrap_or_default())
+    }
+}
+
+impl SparseRows<'_> {
+    fn index(&self, i: usize) -> u64 {
+        let size = self.index_component.size() as usize;
+        self.index_component.read(self.indices.get(i * size..).unwrap_or_default()) as u64
+    }
+
+    fn value(&self, format: AccessorFormat, i: usize, k: usize) -> f64 {
+        let at = (i * format.kind.n_components() + k) * format.component.size() as usize;
+        format.component.read(self.values.get(at..).unwrap_or_default())
+    }
+
+    fn find(&self, row: u64) -> Option<usize> {
+        let (mut low, mut high) = (0, self.count);
+        while low < high {
+            let middle = low + (high - low) / 2;
+            if self.index(middle) < row { low = middle + 1 } else { high = middle }
+        }
+        (low < self.count && self.index(low) == row).then_some(low)
+    }
+}
+
+/// The bytes of a view from an offset on, at least as many as asked for.
+fn bytes<'m>(
+    model: &'m GltfModel<'_>,
+    view: usize,
+    offset: u64,
+    length: u64,
+) -> Result<&'m [u8], AccessorError> {
+    let Some(found) = item(&model.views, Some(view)) else {
+        return unreadable("UNRESOLVED_REFERENCE", format!("there is no bufferView {view}"));
+    };
+    let (Some(start), Some(n_view), Some(buffer)) = (found.offset, found.length, found.buffer) else {
+        let what = format!("bufferView {view} has no valid buffer, byteOffset and byteLength");
+        return unreadable("UNDEFINED_PROPERTY", what);
+    };
+    if found.compressed {
+        let what = format!("bufferView {view} is compressed by EXT_meshopt_compression, which is not read");
+        return unreadable("unsupported-extension", what);
+    }
+    let end = offset.saturating_add(length);
+    if end > n_view {
+        let what = format!("the rows end at byte {end} of bufferView {view}, which has {n_view}");
+        return unreadable("ACCESSOR_TOO_LONG", what);
+    }
+    let Some(source) = item(&model.buffers, Some(buffer)) else {
+        return unreadable("UNRESOLVED_REFERENCE", format!("there is no buffer {buffer}"));
+    };
+    let Some(data) = source.data.as_deref() else {
+        return unreadable(
+            "external-buffer",
+            match source.uri {
+                Some(uri) if uri.contains("://") => format!("buffer {buffer} is {uri:?}: no network"),
+                Some(uri) => {
+                    format!("buffer {buffer} is in another file, {uri:?}, and only the GLB itself is read")
+                }
+                None => format!("buffer {buffer} has no data"),
+            },
+        );
+    };
+    let range = usize::try_from(start.saturating_add(offset)).ok().and_then(|start| {
+        let rest = data.get(start..)?;
+        (rest.len() as u64 >= length).then_some(rest)
+    });
+    match range {
+        Some(rest) => Ok(rest),
+        None => {
+            let what = format!("bufferView {view} passes the {} bytes of buffer {buffer}", data.len());
+            unreadable("BUFFER_VIEW_TOO_LONG", what)
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! `AttributePlan`: which attributes the part of a mesh gets, decided before anything is read.
+use super::format::AccessorType;
+use super::model::{GltfAttributes, GltfMesh, GltfModel, GltfPrimitive, item};
+use chordal::explicit::Semantic;
+use std::collections::BTreeMap;
+
+/// The attributes of a part, in the order in which the file names them first.
+#[derive(Default)]
+pub(super) struct AttributePlan<'m> {
+    pub streams: Vec<PlannedAttribute<'m>>,
+}
+
+/// One attribute.
+pub(super) struct PlannedAttribute<'m> {
+    pub name: &'m str,
+    pub semantic: Semantic,
+    pub width: usize,
+}
+
+/// Texture and colour sets that a part has even where only some primitives have them.
+const COMMON_SETS: u32 = 8;
+
+impl<'m> AttributePlan<'m> {
+    /// Of the primitives with triangles a part gets all common attributes, and of others those that each
+    /// primitive has: so a part takes no more than a few times what its primitives say.
+    pub fn from_mesh(model: &GltfModel<'_>, mesh: &'m GltfMesh<'_>) -> Self {
+        let mut found: BTreeMap<&str, (usize, usize, usize)> = BTreeMap::new();
+        let mut order = Vec::new();
+        let mut n_drawn = 0;
+        for primitive in mesh.primitives.iter().filter(|primitive| is_drawn(primitive)) {
+            n_drawn += 1;
+            for (name, accessor) in &primitive.attributes {
+                let width = item(&model.accessors, *accessor)
+                    .and_then(|a| a.kind)
+                    .map_or(0, AccessorType::n_components);
+                let (count, first, widest) = found.entry(*name).or_insert_with(|| {
+                    order.push(*name);
+                    (0, width, 0)
+                });
+                *count += 1;
+                *first = if *first == 0 { width } else { *first };
+                *widest = width.max(*widest);
+            }
+        }
+        let mut streams = Vec::new();
+        for name in order {
+            let Some((semantic, (count, first, widest))) = semantic_of(name).zip(found.get(name).copied())
+            else {
+                continue;
+            };
+            let (is_common, width) = match semantic {
+                Semantic::Normal => (true, 3),
+                Semantic::Tangent => (true, 4),
+                Semantic::TexCoord(set) => (set < COMMON_SETS, 2),
+                // Four numbers when any primitive has alpha.
+                Semantic::Color(set) => (set < COMMON_SETS, if widest == 4 { 4 } else { 3 }),
+                Semantic::Group(_) | Semantic::Custom(_) => (false, first),
+            };
+            if width > 0 && (is_common || count == n_drawn) {
+                streams.push(PlannedAttribute { name, semantic, width });
+            }
+        }
+        Self { streams }
+    }
+}
+
+impl PlannedAttribute<'_> {
+    /// What a vertex has that says nothing: white, or zeros.
+    pub fn default_value(&self) -> f64 {
+        if matches!(self.semantic, Semantic::Color(_)) { 1.0 } else { 0.0 }
+    }
+
+    /// Whether rows of so many numbers can be taken.
+    pub fn accepts_width(&self, width: usize) -> bool {
+        width == self.width || (matches!(self.semantic, Semantic::Color(_)) && width == 3)
+    }
+}
+
+/// Whether a primitive has triangles.
+fn is_drawn(primitive: &GltfPrimitive<'_>) -> bool {
+    primitive.mode.is_some_and(|mode| mode >= 4) && position_of(&primitive.attributes).is_some()
+}
+
+/// The accessor of the positions.
+pub(super) fn position_of(attributes: &GltfAttributes<'_>) -> Option<usize> {
+    attributes.iter().find(|(name, _)| *name == "POSITION").and_then(|(_, accessor)| *accessor)
+}
+
+/// What an attribute means; `None` for positions, and for what only skins need.
+fn semantic_of(name: &str) -> Option<Semantic> {
+    let set = |family: &str| name.strip_prefix(family)?.parse::<u32>().ok();
+    match name {
+        "POSITION" => None,
+        "NORMAL" => Some(Semantic::Normal),
+        "TANGENT" => Some(Semantic::Tangent),
+        _ if is_skinning(name) => None,
+        _ => Some(
+            set("TEXCOORD_")
+                .map(Semantic::TexCoord)
+                .or_else(|| set("COLOR_").map(Semantic::Color))
+                .unwrap_or_else(|| Semantic::Custom(name.to_owned())),
+        ),
+    }
+}
+
+/// Whether only skins need an attribute.
+pub(super) fn is_skinning(name: &str) -> bool {
+    name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_")
+}

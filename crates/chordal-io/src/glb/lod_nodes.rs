@@ -1,0 +1,119 @@
+//! `LodNodes`: which nodes of a file are lower levels of detail, by `MSFT_lod`, and so not part of what it
+//! shows.
+use super::LOD;
+use super::json::JsonValue;
+use super::model::{GltfModel, item};
+use crate::{FileLocation, ReadError};
+
+/// The nodes that a level of detail can be: themselves, their children, and the lower levels of any of them.
+#[derive(Default)]
+pub(super) struct LodNodes {
+    /// For each node the lower levels that it names.
+    ids: Vec<Vec<usize>>,
+    /// Whether a node is a lower level of some node.
+    is_named: Vec<bool>,
+    /// Pairs of a node and one lower level.
+    pub n_levels: u64,
+    /// The first node that names some.
+    pub first: Option<usize>,
+}
+
+impl LodNodes {
+    /// What the nodes of a document say.
+    ///
+    /// # Errors
+    /// With the pointer, where there is no such node, or a level leads back to itself: by its levels, its
+    /// children or both.
+    pub fn new(json: &JsonValue, model: &GltfModel<'_>) -> Result<Self, ReadError> {
+        let mut lower = Self {
+            ids: vec![Vec::new(); model.nodes.len()],
+            is_named: vec![false; model.nodes.len()],
+            ..Self::default()
+        };
+        let nodes = json.get("nodes").and_then(JsonValue::items).unwrap_or_default();
+        for (i, node) in nodes.iter().enumerate() {
+            let Some(lod) = node.get("extensions").and_then(|all| all.get(LOD)) else { continue };
+            let pointer = format!("/nodes/{i}/extensions/{LOD}/ids");
+            let wrong = |code, pointer, what| ReadError::new(code, FileLocation::Pointer(pointer), what);
+            let Some(ids) = lod.get("ids").and_then(JsonValue::items).filter(|ids| !ids.is_empty()) else {
+                let what = "MSFT_lod has no list of lower levels".to_owned();
+                return Err(wrong("UNDEFINED_PROPERTY", pointer, what));
+            };
+            for (k, id) in ids.iter().enumerate() {
+                let index = id.integer().and_then(|id| usize::try_from(id).ok());
+                let Some(index) = index.filter(|index| item(&model.nodes, Some(*index)).is_some()) else {
+                    let what = format!("level {} is no node of the file", k + 1);
+                    return Err(wrong("UNRESOLVED_REFERENCE", format!("{pointer}/{k}"), what));
+                };
+                lower.ids[i].push(index);
+                lower.is_named[index] = true;
+                lower.n_levels += 1;
+            }
+            lower.first = lower.first.or(Some(i));
+        }
+        match lower.cycle(model) {
+            Some(node) => {
+                let place = FileLocation::Pointer(format!("/nodes/{node}/extensions/{LOD}/ids"));
+                Err(ReadError::new("lod-cycle", place, "levels of detail go in a circle from here"))
+            }
+            None => Ok(lower),
+        }
+    }
+
+    /// Parts, then lower levels.
+    fn next<'a>(&'a self, model: &'a GltfModel<'_>, node: usize) -> impl Iterator<Item = usize> + 'a {
+        let n = self.ids.len();
+        let children = item(&model.nodes, Some(node)).map_or(&[][..], |node| &node.children);
+        let children = children.iter().flatten().copied().filter(move |child| *child < n);
+        children.chain(self.ids.get(node).into_iter().flatten().copied())
+    }
+
+    /// A node with levels that is on a circle of levels and children, or behind one.
+    fn cycle(&self, model: &GltfModel<'_>) -> Option<usize> {
+        self.first?;
+        // Nodes that none leads to are taken away until none is left, or all that are left lie on cycles or
+        // behind them.
+        let mut n_before = vec![0_usize; self.ids.len()];
+        for node in 0..self.ids.len() {
+            self.next(model, node).for_each(|next| n_before[next] += 1);
+        }
+        let mut open: Vec<usize> = (0..self.ids.len()).filter(|node| n_before[*node] == 0).collect();
+        while let Some(node) = open.pop() {
+            for next in self.next(model, node) {
+                n_before[next] -= 1;
+                if n_before[next] == 0 {
+                    open.push(next);
+                }
+            }
+        }
+        // Parts alone make no circle, which was looked at before.
+        let left = |node: &usize| n_before[*node] > 0;
+        (0..self.ids.len()).filter(left).find(|node| !self.ids[*node].is_empty())
+    }
+
+    /// Whether a node is a lower level of another one.
+    pub fn is_named(&self, node: usize) -> bool {
+        self.is_named[node]
+    }
+
+    /// For each node whether it is only a lower level of something, and so left out of a scene with such
+    /// roots.
+    pub fn hidden_nodes(&self, model: &GltfModel<'_>, roots: &[usize]) -> Vec<bool> {
+        let n = self.ids.len();
+        let mut hidden = vec![false; n];
+        let mut open: Vec<usize> = self.ids.iter().flatten().copied().collect();
+        while let Some(node) = open.pop() {
+            if !std::mem::replace(&mut hidden[node], true) {
+                open.extend(self.next(model, node));
+            }
+        }
+        let mut open = roots.to_vec();
+        while let Some(node) = open.pop() {
+            // Parts have one parent, so that each node comes up once.
+            hidden[node] = false;
+            let children = item(&model.nodes, Some(node)).map_or(&[][..], |node| &node.children);
+            open.extend(children.iter().flatten().copied().filter(|child| *child < n));
+        }
+        hidden
+    }
+}

@@ -1,0 +1,147 @@
+//! Where parts stand: the nodes of a GLB.
+use super::transform;
+use crate::{Axis, Frame, Node, Scene, WriteError};
+use serde_json::{Map, Value, json};
+
+/// What a part became: its mesh, unless it is empty, and its origin.
+pub(super) type PartMesh = (Option<usize>, [f64; 3]);
+
+/// The nodes of a file, and those of them without a parent.
+pub(super) struct NodeList {
+    pub list: Vec<Value>,
+    pub roots: Vec<usize>,
+}
+
+/// One node a node of the scene in the same order, after the nodes that turn and scale the scene's frame, and
+/// before those that place a mesh about its origin where its node cannot. In the file they come after
+/// `n_before` others.
+pub(super) fn nodes(scene: &Scene, shown: &[PartMesh], n_before: usize) -> Result<NodeList, WriteError> {
+    check_forest(scene)?;
+    let mut frame = frame_nodes(scene.frame)?;
+    // A frame around nothing would be an empty node.
+    if scene.roots.is_empty() {
+        frame.clear();
+    }
+    let first = n_before + frame.len();
+    let mut extra = Vec::new();
+    let mut list = Vec::with_capacity(scene.nodes.len());
+    for (i, node) in scene.nodes.iter().enumerate() {
+        let place = node.part.and_then(|p| shown.get(p));
+        let links = chain(node, place)
+            .ok_or_else(|| WriteError::Unsupported(format!("glTF cannot hold the transform of node {i}")))?;
+        let next = first + scene.nodes.len() + extra.len();
+        let mut links = links.into_iter().enumerate().map(|(k, link)| link.object(k + next, first));
+        list.extend(links.next().map(|object| with_name(&node.name, object)));
+        extra.extend(links);
+    }
+    let mut roots = scene.roots.iter().map(|r| first + r).collect();
+    for (i, node) in frame.iter_mut().enumerate().rev() {
+        node["children"] = json!(std::mem::replace(&mut roots, vec![n_before + i]));
+    }
+    Ok(NodeList { list: [frame, list, extra].concat(), roots })
+}
+
+/// The nodes that turn the scene's frame into glTF's, outermost first.
+fn frame_nodes(frame: Frame) -> Result<Vec<Value>, WriteError> {
+    let mut nodes = Vec::new();
+    if frame.up == Some(Axis::Z) {
+        nodes.push(json!({ "name": "z up", "matrix": transform::Z_UP_TO_Y_UP }));
+    }
+    match frame.metres_per_unit {
+        None | Some(1.0) => {}
+        Some(unit) if unit.is_normal() && unit > 0.0 => {
+            nodes.push(json!({ "name": "metres per unit", "scale": [unit, unit, unit] }));
+        }
+        Some(unit) => return Err(WriteError::Unsupported(format!("a unit of {unit} m is no length"))),
+    }
+    Ok(nodes)
+}
+
+/// One glTF node of those that a node of the scene needs.
+struct NodeLink<'a> {
+    properties: Map<String, Value>,
+    /// The scene's children of it.
+    children: &'a [usize],
+    /// Whether the next link is a child too.
+    goes_on: bool,
+}
+
+impl NodeLink<'_> {
+    fn object(mut self, next: usize, first: usize) -> Value {
+        let mut children: Vec<usize> = self.children.iter().map(|c| first + c).collect();
+        children.extend(self.goes_on.then_some(next));
+        if !children.is_empty() {
+            self.properties.insert("children".to_owned(), json!(children));
+        }
+        Value::Object(self.properties)
+    }
+}
+
+/// What glTF needs for a node, outermost first; `None` when its transform has shear.
+fn chain<'a>(node: &'a Node, place: Option<&PartMesh>) -> Option<Vec<NodeLink<'a>>> {
+    let mut links: Vec<_> = transform::node_properties(&node.matrix)?
+        .into_iter()
+        .map(|properties| NodeLink { properties, children: &[], goes_on: false })
+        .collect();
+    let inner = links.last_mut()?;
+    inner.children = &node.children;
+    if let Some((Some(mesh), origin)) = place {
+        // An origin must not move the node's children, nor come before its own transform.
+        let own = *origin != [0.0; 3] && !(inner.properties.is_empty() && node.children.is_empty());
+        if own {
+            links.push(NodeLink { properties: Map::new(), children: &[], goes_on: false });
+        }
+        let properties = &mut links.last_mut()?.properties;
+        if *origin != [0.0; 3] {
+            properties.insert("translation".to_owned(), json!(origin));
+        }
+        properties.insert("mesh".to_owned(), json!(mesh));
+    }
+    let n_links = links.len();
+    links.iter_mut().take(n_links - 1).for_each(|link| link.goes_on = true);
+    Some(links)
+}
+
+/// The object with its name first, unless that is empty.
+pub(super) fn with_name(name: &str, object: Value) -> Value {
+    let mut all = Map::new();
+    if !name.is_empty() {
+        all.insert("name".to_owned(), json!(name));
+    }
+    if let Value::Object(object) = object {
+        all.extend(object);
+    }
+    Value::Object(all)
+}
+
+/// Whether each index is in range and each node has at most one parent, and roots none.
+fn check_forest(scene: &Scene) -> Result<(), WriteError> {
+    let broken = |what: String| Err(WriteError::Unsupported(format!("the scene is no forest: {what}")));
+    let n = scene.nodes.len();
+    let mut has_parent = vec![false; n];
+    for (i, node) in scene.nodes.iter().enumerate() {
+        if node.part.is_some_and(|p| p >= scene.parts.len()) {
+            return broken(format!("node {i} shows a part that is not there"));
+        }
+        for &child in &node.children {
+            match has_parent.get_mut(child) {
+                Some(seen) if !*seen => *seen = true,
+                _ => return broken(format!("child {child} of node {i} is not there or has another parent")),
+            }
+        }
+    }
+    let mut is_root = vec![false; n];
+    for &root in &scene.roots {
+        if root >= n || has_parent[root] || std::mem::replace(&mut is_root[root], true) {
+            return broken(format!("root {root} is not there, is listed twice or has a parent"));
+        }
+    }
+    // With one parent at most, a node that no parentless node reaches lies on a cycle.
+    let mut open: Vec<usize> = (0..n).filter(|i| !has_parent[*i]).collect();
+    let mut n_reached = 0;
+    while let Some(i) = open.pop() {
+        n_reached += 1;
+        open.extend(&scene.nodes[i].children);
+    }
+    if n_reached < n { broken("nodes are their own ancestors".to_owned()) } else { Ok(()) }
+}

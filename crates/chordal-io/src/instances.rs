@@ -1,0 +1,325 @@
+//! `PartInstance`: the parts of a scene under the transforms of their nodes, for formats without nodes.
+use crate::scene::IDENTITY;
+use crate::{Part, Scene, WriteError};
+use chordal::Mesh;
+use chordal::explicit::{Attribute, Domain, Semantic};
+use std::borrow::Cow;
+
+/// A part as a node shows it.
+#[derive(Clone, Debug)]
+pub(crate) struct PartInstance<'a> {
+    pub(crate) part: &'a Part,
+    /// The node's name, or else the part's.
+    pub(crate) name: &'a str,
+    transform: Option<InstanceTransform>,
+}
+
+/// An affine map other than the identity.
+#[derive(Clone, Debug)]
+struct InstanceTransform {
+    columns: [[f64; 3]; 3],
+    origin: [f64; 3],
+    /// The cofactor matrix, with the sign of the determinant, which transforms normals.
+    normals: [[f64; 3]; 3],
+    is_mirror: bool,
+}
+
+impl Scene {
+    /// Every part with the transforms of its node applied, in scene coordinates. Each has the name of the
+    /// node, or else of the part. They come in the order of the tree: a part that two nodes show comes twice,
+    /// one that no node shows never.
+    ///
+    /// Positions are rounded once for each transform. Normals and tangents are transformed and stay of unit
+    /// length. Mirrored parts are wound the other way round, so that the front stays the front. Parts without
+    /// a transform are borrowed and cost nothing.
+    ///
+    /// # Errors
+    /// [`WriteError::Unsupported`] for nodes that are no tree, matrices that are not affine, and positions
+    /// that overflow.
+    ///
+    /// ```
+    /// use chordal::Mesh;
+    /// use chordal_io::{Frame, Scene};
+    /// let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+    /// let mut scene = Scene::from_mesh("triangle", mesh, true, Frame::default());
+    /// scene.nodes[0].matrix[0] = -2.0;
+    /// let (name, placed) = &scene.world_meshes()?[0];
+    /// assert_eq!((*name, placed.positions()[1], placed.faces()[0]), ("triangle", [-2.0, 0.0, 0.0], [0, 2, 1]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn world_meshes(&self) -> Result<Vec<(&str, Cow<'_, Mesh>)>, WriteError> {
+        part_instances(self)?.into_iter().map(|placed| Ok((placed.name, placed.mesh()?))).collect()
+    }
+}
+
+/// The most triangles and vertices of parts, counted once for each instance: a small file can show one large
+/// mesh a million times. About 4 GB.
+const MOST_PLACED_ROWS: usize = 100_000_000;
+
+/// Every instance of a part, in the order of the tree.
+///
+/// # Errors
+/// [`WriteError::Unsupported`] for nodes that are no tree, and matrices that are not affine.
+pub(crate) fn part_instances(scene: &Scene) -> Result<Vec<PartInstance<'_>>, WriteError> {
+    let mut seen = vec![false; scene.nodes.len()];
+    let mut open: Vec<(usize, [f64; 16])> = scene.roots.iter().rev().map(|root| (*root, IDENTITY)).collect();
+    let mut found = Vec::new();
+    let mut rows = 0_usize;
+    while let Some((index, parent)) = open.pop() {
+        let unsupported = |what: &str| WriteError::Unsupported(format!("node {index} {what}"));
+        let node = scene.nodes.get(index).ok_or_else(|| unsupported("is not there"))?;
+        if std::mem::replace(&mut seen[index], true) {
+            return Err(unsupported("is reached twice: nodes must be a tree"));
+        }
+        let matrix = product(&parent, &node.matrix);
+        if [matrix[3], matrix[7], matrix[11], matrix[15]] != [0.0, 0.0, 0.0, 1.0] {
+            return Err(unsupported("has a matrix that is not affine"));
+        }
+        if let Some(part) = node.part {
+            let part = scene.parts.get(part).ok_or_else(|| unsupported("shows a part that is not there"))?;
+            rows = rows.saturating_add(part.mesh.faces().len().saturating_add(part.mesh.positions().len()));
+            if rows > MOST_PLACED_ROWS {
+                return Err(unsupported(
+                    "shows one part too many: written out they have more than 100,000,000 rows",
+                ));
+            }
+            let name = if node.name.is_empty() { &part.name } else { &node.name };
+            found.push(PartInstance { part, name, transform: InstanceTransform::from_matrix(&matrix) });
+        }
+        open.extend(node.children.iter().rev().map(|child| (*child, matrix)));
+    }
+    Ok(found)
+}
+
+/// `a · b`, column-major. If one is the identity, the result is exactly the other, also for −0.
+fn product(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {
+    if *a == IDENTITY {
+        return *b;
+    }
+    if *b == IDENTITY {
+        return *a;
+    }
+    std::array::from_fn(|i| {
+        let (column, row) = (i / 4, i % 4);
+        let term = |k: usize| a[4 * k + row] * b[4 * column + k];
+        (term(0) + term(1)) + (term(2) + term(3))
+    })
+}
+
+impl InstanceTransform {
+    fn from_matrix(matrix: &[f64; 16]) -> Option<Self> {
+        if *matrix == IDENTITY {
+            return None;
+        }
+        let column = |k: usize| [matrix[4 * k], matrix[4 * k + 1], matrix[4 * k + 2]];
+        let columns = [column(0), column(1), column(2)];
+        let cross = |a: [f64; 3], b: [f64; 3]| {
+            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+        };
+        let cofactors =
+            [cross(columns[1], columns[2]), cross(columns[2], columns[0]), cross(columns[0], columns[1])];
+        let determinant: f64 = (0..3).map(|k| columns[0][k] * cofactors[0][k]).sum();
+        let is_mirror = determinant < 0.0;
+        let sign = if is_mirror { -1.0 } else { 1.0 };
+        let normals = cofactors.map(|column| column.map(|x| sign * x));
+        Some(Self { columns, origin: column(3), normals, is_mirror })
+    }
+}
+
+/// The vector normalized, or zero where it has no direction.
+fn unit(vector: [f64; 3]) -> [f64; 3] {
+    let largest = vector.iter().fold(0.0_f64, |m, x| if x.abs() > m { x.abs() } else { m });
+    if !(largest > 0.0 && largest.is_finite()) {
+        return [0.0; 3];
+    }
+    // Scaling first keeps the squares from overflowing or vanishing.
+    let scaled = vector.map(|x| x / largest);
+    let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
+    scaled.map(|x| x / length)
+}
+
+fn combine(columns: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| (columns[0][k] * v[0] + columns[1][k] * v[1]) + columns[2][k] * v[2])
+}
+
+impl<'a> PartInstance<'a> {
+    /// The mesh in scene coordinates.
+    fn mesh(&self) -> Result<Cow<'a, Mesh>, WriteError> {
+        let mesh = &self.part.mesh;
+        let Some(transform) = &self.transform else { return Ok(Cow::Borrowed(mesh)) };
+        let positions = (0..mesh.positions().len()).map(|i| self.position(i)).collect::<Result<_, _>>()?;
+        let order = self.order();
+        let faces = mesh.faces().iter().map(|face| order.map(|corner| face[corner])).collect();
+        let mut moved = Mesh::new(positions, faces);
+        if let Some(id) = mesh.position_id() {
+            moved = moved.and_then(|moved| moved.with_position_id(id.to_vec()));
+        }
+        for attribute in mesh.attributes() {
+            let values = self.transform_attribute(attribute, transform);
+            moved = moved.and_then(|moved| moved.with_attribute(Attribute { values, ..attribute.clone() }));
+        }
+        // The rows are those of a valid mesh, and equal positions stay equal.
+        moved.map(Cow::Owned).map_err(|error| WriteError::Unsupported(error.to_string()))
+    }
+
+    /// The values of an attribute in scene coordinates, in the order of the instance's corners.
+    fn transform_attribute(&self, attribute: &Attribute, transform: &InstanceTransform) -> Vec<f64> {
+        let rows = attribute.values.len() / attribute.width;
+        let order = self.order();
+        let source = |row: usize| match attribute.domain {
+            Domain::Corner => 3 * (row / 3) + order[row % 3],
+            Domain::Vertex | Domain::Face => row,
+        };
+        let turn = |row: usize| -> Vec<f64> {
+            let row = attribute.row(source(row));
+            match (&attribute.semantic, row) {
+                (Semantic::Normal, [_, _, _, rest @ ..]) => [&self.normal(row)[..], rest].concat(),
+                (Semantic::Tangent, [x, y, z, sign, rest @ ..]) => {
+                    let sign = if transform.is_mirror { -sign } else { *sign };
+                    let tangent = unit(combine(&transform.columns, [*x, *y, *z]));
+                    [&tangent[..], &[sign], rest].concat()
+                }
+                _ => row.to_vec(),
+            }
+        };
+        (0..rows).flat_map(turn).collect()
+    }
+
+    /// The position of a vertex in scene coordinates.
+    ///
+    /// # Errors
+    /// [`WriteError::Unsupported`] when it overflows.
+    pub(crate) fn position(&self, vertex: usize) -> Result<[f64; 3], WriteError> {
+        let position = self.part.mesh.positions()[vertex];
+        let Some(transform) = &self.transform else { return Ok(position) };
+        let moved = combine(&transform.columns, position);
+        let moved: [f64; 3] = std::array::from_fn(|k| moved[k] + transform.origin[k]);
+        if moved.iter().all(|x| x.is_finite()) {
+            return Ok(moved);
+        }
+        Err(WriteError::Unsupported(format!(
+            "vertex {vertex} of part '{}' is not finite in space",
+            self.part.name
+        )))
+    }
+
+    /// The normal of a row in scene coordinates: of unit length, or zero where there is none.
+    pub(crate) fn normal(&self, row: &[f64]) -> [f64; 3] {
+        let normal = [row[0], row[1], row[2]];
+        let Some(transform) = &self.transform else { return normal };
+        unit(combine(&transform.normals, normal))
+    }
+
+    /// The corners of a face, numbered 0 to 2, ordered so that its front is counter-clockwise.
+    pub(crate) fn order(&self) -> [usize; 3] {
+        if self.transform.as_ref().is_some_and(|t| t.is_mirror) { [0, 2, 1] } else { [0, 1, 2] }
+    }
+
+    /// The attribute of a semantic, if it is on vertices and its rows are at least that wide.
+    pub(crate) fn vertex_attribute(&self, semantic: &Semantic, width: usize) -> Option<&Attribute> {
+        let attribute = self.part.mesh.attribute(semantic)?;
+        (attribute.domain == Domain::Vertex && attribute.width >= width).then_some(attribute)
+    }
+
+    /// For each vertex the first vertex at the same position.
+    pub(crate) fn first_rows(&self) -> Vec<u32> {
+        let mesh = &self.part.mesh;
+        let n = mesh.positions().len() as u32;
+        let Some(id) = mesh.position_id() else { return (0..n).collect() };
+        let mut first = vec![u32::MAX; id.len()];
+        (0..n)
+            .zip(id)
+            .map(|(row, id)| {
+                let known = &mut first[*id as usize];
+                *known = if *known == u32::MAX { row } else { *known };
+                *known
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Frame, Node};
+
+    #[test]
+    fn refuses_to_write_out_a_small_mesh_shown_without_end() {
+        let n = 20_000;
+        let positions = (0..n).map(|i| [f64::from(i), 0.0, 0.0]).collect();
+        let mesh = Mesh::new(positions, vec![[0, 1, 2]; 10_000]).expect("valid");
+        let mut scene = Scene::from_mesh("", mesh, true, Frame::default());
+        let node = scene.nodes[0].clone();
+        scene.nodes = vec![node; 4000];
+        scene.roots = (0..4000).collect();
+        assert!(matches!(scene.world_meshes(), Err(WriteError::Unsupported(_))));
+    }
+
+    /// A corner of a cube with a normal and a tangent on each vertex and a number on each corner. It is shown
+    /// as it is and, one node further, mirrored in x and twice as long in y.
+    fn scene() -> Scene {
+        let stream = |semantic, domain, width, values: &[f64]| Attribute {
+            semantic,
+            domain,
+            width,
+            values: values.repeat(if domain == Domain::Vertex { 3 } else { 1 }),
+        };
+        let mesh = Mesh::new(vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], vec![[0, 1, 2]])
+            .and_then(|mesh| {
+                mesh.with_attribute(stream(Semantic::Normal, Domain::Vertex, 3, &[0.6, 0.8, 0.0]))
+            })
+            .and_then(|mesh| {
+                mesh.with_attribute(stream(Semantic::Tangent, Domain::Vertex, 4, &[-0.8, 0.6, 0.0, 1.0]))
+            })
+            .and_then(|mesh| {
+                mesh.with_attribute(stream(
+                    Semantic::Custom("n".into()),
+                    Domain::Corner,
+                    1,
+                    &[10.0, 11.0, 12.0],
+                ))
+            })
+            .unwrap();
+        let mut scene = Scene::from_mesh("part", mesh, true, Frame::default());
+        let mut matrix = IDENTITY;
+        (matrix[0], matrix[5], matrix[14]) = (-1.0, 2.0, 5.0);
+        scene.nodes.push(Node { name: "there".into(), matrix, children: Vec::new(), part: Some(0) });
+        scene.nodes[0].children.push(1);
+        scene
+    }
+
+    #[test]
+    fn a_part_comes_once_for_each_place_with_everything_turned_along() {
+        let scene = scene();
+        let meshes = scene.world_meshes().unwrap();
+        let [(first, plain), (second, mirrored)] = &meshes[..] else { panic!("two places") };
+        assert_eq!((*first, *second), ("part", "there"));
+        assert!(matches!(plain, Cow::Borrowed(mesh) if *mesh == &scene.parts[0].mesh));
+        assert_eq!(mirrored.positions(), [[-1.0, 0.0, 5.0], [0.0, 2.0, 5.0], [0.0, 0.0, 6.0]]);
+        // One mirror flips the winding once: the front stays the front, and corner values stay with their
+        // corners.
+        assert_eq!(mirrored.faces(), [[0, 2, 1]]);
+        let row = |semantic: &Semantic, i: usize| mirrored.attribute(semantic).unwrap().row(i).to_vec();
+        assert_eq!([0, 1, 2].map(|i| row(&Semantic::Custom("n".into()), i)[0]), [10.0, 12.0, 11.0]);
+        let (normal, tangent) = (row(&Semantic::Normal, 0), row(&Semantic::Tangent, 0));
+        // Normals shrink where lengths grow: (−0.6, 0.4) and (0.8, 1.2), at length 1.
+        let close = |a: &[f64], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 4.0 * f64::EPSILON);
+        assert!(close(&normal, [-0.6, 0.4, 0.0].map(|x| x / 0.52_f64.sqrt())), "{normal:?}");
+        assert!(close(&tangent[..3], [0.8, 1.2, 0.0].map(|x| x / 2.08_f64.sqrt())), "{tangent:?}");
+        assert_eq!(tangent[3], -1.0, "the bitangent is on the other side of a mirrored pair");
+    }
+
+    #[test]
+    fn a_scene_that_is_no_tree_or_leaves_the_numbers_has_no_world() {
+        let mut twice = scene();
+        twice.roots.push(1);
+        let mut huge = scene();
+        huge.nodes[1].matrix[0] = 1e308;
+        huge.nodes[0].matrix[0] = 1e308;
+        let mut lost = scene();
+        lost.nodes[1].part = Some(7);
+        for scene in [twice, huge, lost] {
+            assert!(matches!(scene.world_meshes(), Err(WriteError::Unsupported(_))));
+        }
+    }
+}

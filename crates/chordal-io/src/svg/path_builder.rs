@@ -1,0 +1,286 @@
+//! `PathBuilder`: draws subpaths piece by piece, and counts what rounding loses on the way.
+use super::cursor::SvgSyntaxError;
+use crate::ReadError;
+use crate::grow::{push, push_large};
+use chordal::explicit::{Arc, Bezier, Curve, CurveSegment, InvalidArc, SvgArcShape};
+use chordal::math::{add_up, mul_up};
+use std::f64::consts::PI;
+
+/// Why nothing more can be drawn.
+#[derive(Debug)]
+pub(super) enum PathError {
+    /// Of the text, which ends the element there.
+    Text(SvgSyntaxError),
+    /// Of the reader.
+    Read(ReadError),
+}
+
+impl From<SvgSyntaxError> for PathError {
+    fn from(trouble: SvgSyntaxError) -> Self {
+        Self::Text(trouble)
+    }
+}
+
+impl From<ReadError> for PathError {
+    fn from(error: ReadError) -> Self {
+        Self::Read(error)
+    }
+}
+
+/// An elliptical arc as in path data: half axes, direction in degrees, and whether it is the large one and
+/// turns from x to y.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ArcParameters {
+    pub radii: [f64; 2],
+    pub deg: f64,
+    pub flags: [bool; 2],
+}
+
+/// What an element draws: one curve a subpath.
+#[derive(Debug, Default)]
+pub(super) struct PathBuilder {
+    /// The subpaths that are done.
+    pub curves: Vec<Curve<2>>,
+    /// Subpaths that were one point and drew nothing.
+    pub lone_points: u64,
+    pieces: Vec<CurveSegment<2>>,
+    start: [f64; 2],
+    current: [f64; 2],
+    /// Whether a subpath is open: a move was made or implied.
+    is_down: bool,
+    /// What sums of relative coordinates have lost so far in this subpath, and the worst that one piece adds
+    /// to it.
+    drift: f64,
+    worst: f64,
+    /// How far the last control point that was mirrored may be off.
+    mirror: f64,
+}
+
+/// The sum of two numbers and the size of what rounding took from it, exactly.
+fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    // D. Knuth, The Art of Computer Programming 2, 4.2.2.
+    let sum = a + b;
+    let from_b = sum - a;
+    let lost = (a - (sum - from_b)) + (b - from_b);
+    (sum, lost.abs())
+}
+
+impl PathBuilder {
+    /// Where the pen is.
+    pub fn at(&self) -> [f64; 2] {
+        self.current
+    }
+
+    /// A point given relative to the pen; what the sum loses is counted.
+    pub fn relative(&mut self, by: [f64; 2]) -> [f64; 2] {
+        let (x, lost_x) = two_sum(self.current[0], by[0]);
+        let (y, lost_y) = two_sum(self.current[1], by[1]);
+        self.add_error(lost_x);
+        self.add_error(lost_y);
+        [x, y]
+    }
+
+    /// The point on the other side of the pen. It is off by twice as much as the pen, and by as much as the
+    /// point.
+    pub fn mirrored(&mut self, point: [f64; 2]) -> [f64; 2] {
+        if self.drift > 0.0 {
+            let point_off = if self.mirror > self.drift { self.mirror } else { self.drift };
+            self.mirror = add_up(add_up(self.drift, self.drift), point_off);
+            self.at_worst(self.mirror);
+        }
+        let (x, lost_x) = two_sum(2.0 * self.current[0], -point[0]);
+        let (y, lost_y) = two_sum(2.0 * self.current[1], -point[1]);
+        self.add_error(lost_x);
+        self.add_error(lost_y);
+        [x, y]
+    }
+
+    /// A sum, whose rounding is counted.
+    pub fn sum(&mut self, a: f64, b: f64) -> f64 {
+        let (sum, lost) = two_sum(a, b);
+        self.add_error(lost);
+        sum
+    }
+
+    /// Counts a rounding of this size.
+    pub fn add_error(&mut self, lost: f64) {
+        if lost > 0.0 {
+            self.drift = add_up(self.drift, lost);
+        }
+    }
+
+    /// Counts a rounding of this size against everything that was drawn.
+    pub fn add_error_everywhere(&mut self, lost: f64) {
+        if lost > 0.0 {
+            let all = std::mem::take(&mut self.curves).into_iter();
+            self.curves = all
+                .map(|curve| {
+                    let slack = add_up(curve.slack(), lost);
+                    curve.with_slack(slack)
+                })
+                .collect();
+        }
+    }
+
+    /// Starts a subpath.
+    pub fn move_to(&mut self, to: [f64; 2]) -> Result<(), ReadError> {
+        self.lone_points += u64::from(self.is_down && self.pieces.is_empty());
+        self.finish(false)?;
+        (self.start, self.current, self.is_down) = (to, to, true);
+        Ok(())
+    }
+
+    /// A straight line.
+    pub fn line_to(&mut self, to: [f64; 2]) -> Result<(), ReadError> {
+        self.piece(CurveSegment::Line([self.current, to]))
+    }
+
+    /// A cubic Bézier curve.
+    pub fn cubic_to(&mut self, [b, c, d]: [[f64; 2]; 3]) -> Result<(), ReadError> {
+        self.piece(CurveSegment::Cubic(Bezier { control: [self.current, b, c, d] }))
+    }
+
+    /// A quadratic Bézier curve.
+    pub fn quadratic_to(&mut self, [b, c]: [[f64; 2]; 2]) -> Result<(), ReadError> {
+        let all = [self.current, b, c];
+        let reach =
+            all.iter().flatten().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+        // Two units in the last place, as the constructor says.
+        self.at_worst(2.0 * f64::EPSILON * reach);
+        self.piece(CurveSegment::quadratic(all))
+    }
+
+    /// An elliptical arc to a point. False where its numbers are beyond what an arc can be made of.
+    pub fn arc_to(&mut self, shape: &ArcParameters, to: [f64; 2]) -> Result<bool, ReadError> {
+        if to == self.current {
+            return Ok(true);
+        }
+        // The pen may stand beside where the file says, and the end does not: the arc spans another way than
+        // it should.
+        let off_by = self.drift;
+        self.span(shape, off_by, to, |from, shape| Arc::through(from, to, shape))
+    }
+
+    /// An elliptical arc by a step from the pen, which its shape depends on alone.
+    pub fn arc_by(&mut self, shape: &ArcParameters, step: [f64; 2]) -> Result<bool, ReadError> {
+        if step == [0.0; 2] {
+            return Ok(true);
+        }
+        let to = self.relative(step);
+        self.span(shape, 0.0, to, |from, shape| Arc::through_step(from, step, shape))
+    }
+
+    fn span(
+        &mut self,
+        shape: &ArcParameters,
+        off_by: f64,
+        to: [f64; 2],
+        made: impl FnOnce([f64; 2], &SvgArcShape) -> Result<Arc<2>, InvalidArc>,
+    ) -> Result<bool, ReadError> {
+        let radii = shape.radii.map(f64::abs);
+        if radii.contains(&0.0) {
+            return self.line_to(to).map(|()| true);
+        }
+        // An ellipse is itself after half a turn, and after a quarter with its axes swapped: both exactly.
+        let half_turned = shape.deg % 180.0;
+        let (radii, deg) =
+            if half_turned.abs() == 90.0 { ([radii[1], radii[0]], 0.0) } else { (radii, half_turned) };
+        let [large, positive] = shape.flags;
+        let rotation_rad = deg * (PI / 180.0);
+        let Ok(arc) = made(self.current, &SvgArcShape { radii, rotation_rad, large, positive }) else {
+            return Ok(false);
+        };
+        let turned = rotation_rad != 0.0 && radii[0] != radii[1];
+        if turned || off_by > 0.0 {
+            let rotation_rad = if turned { rotation_rad } else { 0.0 };
+            self.at_worst(span_error([self.current, to], radii, rotation_rad, off_by));
+        }
+        self.arc(arc)?;
+        Ok(true)
+    }
+
+    /// An arc that starts at the pen.
+    pub fn arc(&mut self, arc: Arc<2>) -> Result<(), ReadError> {
+        self.piece(CurveSegment::Arc(arc))
+    }
+
+    /// Says that the pen stands where the file says in absolute numbers.
+    pub fn reset_drift(&mut self) {
+        self.drift = 0.0;
+    }
+
+    fn at_worst(&mut self, lost: f64) {
+        self.worst = if lost > self.worst { lost } else { self.worst };
+    }
+
+    fn piece(&mut self, piece: CurveSegment<2>) -> Result<(), ReadError> {
+        self.current = piece.end();
+        self.is_down = true;
+        push_large(&mut self.pieces, piece)
+    }
+
+    /// Closes the subpath with a straight line, if it needs one; the next piece starts where this subpath
+    /// did.
+    pub fn close(&mut self) -> Result<(), ReadError> {
+        if self.current != self.start {
+            self.line_to(self.start)?;
+        }
+        if self.pieces.is_empty() && self.is_down {
+            if let Ok(point) = Curve::point(self.start) {
+                push(&mut self.curves, point.with_slack(self.drift))?;
+            }
+            self.is_down = false;
+        }
+        let start = self.start;
+        self.finish(true)?;
+        self.current = start;
+        Ok(())
+    }
+
+    /// Ends the last subpath.
+    pub fn end(&mut self) -> Result<(), ReadError> {
+        self.lone_points += u64::from(self.is_down && self.pieces.is_empty());
+        self.finish(false)
+    }
+
+    fn finish(&mut self, closed: bool) -> Result<(), ReadError> {
+        let mut pieces = std::mem::take(&mut self.pieces);
+        pieces.shrink_to_fit();
+        self.is_down = false;
+        let slack = add_up(self.drift, self.worst);
+        let slack = if self.drift == 0.0 && self.worst == 0.0 { 0.0 } else { slack };
+        (self.worst, self.mirror) = (0.0, 0.0);
+        // Pieces join by construction; those that are not finite were refused with their numbers.
+        if let Ok(curve) = Curve::new(pieces, closed) {
+            push(&mut self.curves, curve.with_slack(slack))?;
+        }
+        Ok(())
+    }
+}
+
+/// How far an arc may be off because the direction of its axes was rounded from degrees to radians and its
+/// sine and cosine once more, and because the way from its start to its end is off by `off_by`.
+fn span_error([from, to]: [[f64; 2]; 2], [rx, ry]: [f64; 2], rotation_rad: f64, off_by: f64) -> f64 {
+    let (sin, cos) = libm::sincos(rotation_rad);
+    let half = [(from[0] - to[0]) / 2.0, (from[1] - to[1]) / 2.0];
+    let turned = [(half[0] * cos + half[1] * sin) / rx, (half[1] * cos - half[0] * sin) / ry];
+    let square = turned[0] * turned[0] + turned[1] * turned[1];
+    let (long, short) = if rx > ry { (rx, ry) } else { (ry, rx) };
+    // 1. The angle, at most a quarter turn after whole ones, is off by less than 2 ε, sine and cosine by one
+    //    more. In units of the radii that moves the half chord by the ratio of the radii times its length, at
+    //    most 1 (or grown to it), and its square by twice that: 8 ε with the sums' own rounding. A way that
+    //    is off by some length moves the half chord by half of it, in units of the shorter radius, and its
+    //    square, of a length of at most 1 and a bit, by no more than three times that.
+    let by_way = mul_up(1.5, off_by / short);
+    let known = add_up(mul_up(8.0 * f64::EPSILON, long / short), mul_up(by_way, add_up(1.0, by_way)));
+    // 2. The centre's height over the chord is the root of what the square leaves of 1.
+    let left = (1.0 - square).abs();
+    let of_height = if left > 4.0 * known {
+        if square > 1.0 { known } else { known / left.sqrt() }
+    } else {
+        // Its root moves by no more than the root of all that it may be.
+        (5.0 * known).sqrt()
+    };
+    let grown = if square > 1.0 { long * square.sqrt() } else { long };
+    mul_up(grown, mul_up(2.0, add_up(of_height, known)))
+}

@@ -1,0 +1,98 @@
+//! `PythonLeaf`: a Python function as a part of a field.
+use chordal::budget::Evidence;
+use chordal::implicit::{Leaf, LeafAnswer, LeafError, Lipschitz};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use std::fmt;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
+
+/// What is kept of the calls of a function.
+#[derive(Debug, Default)]
+pub(crate) struct CallLog {
+    /// What it raised, until somebody passes it on.
+    raised: Mutex<Option<PyErr>>,
+    /// Points that it was asked for.
+    points: AtomicU64,
+}
+
+impl CallLog {
+    /// The exception, once.
+    pub fn take(&self) -> Option<PyErr> {
+        self.raised.lock().ok().and_then(|mut slot| slot.take())
+    }
+
+    /// How many points it was asked for so far.
+    pub fn points(&self) -> u64 {
+        self.points.load(Ordering::Relaxed)
+    }
+}
+
+/// A function from the bytes of points to the bytes of values. It is called from threads of our own, with Python's lock.
+pub(crate) struct PythonLeaf {
+    pub call: Py<PyAny>,
+    /// The same for the bytes of gradients.
+    pub gradient: Option<Py<PyAny>>,
+    pub lipschitz: Option<f64>,
+    pub calls: Arc<CallLog>,
+}
+
+impl PythonLeaf {
+    /// Calls one of the functions, for so many numbers.
+    fn ask(&self, call: &Py<PyAny>, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
+        if points.is_empty() {
+            return Ok(());
+        }
+        self.calls.points.fetch_add(points.len() as u64, Ordering::Relaxed);
+        let asked: Vec<u8> = points.as_flattened().iter().flat_map(|x| x.to_ne_bytes()).collect();
+        let values = Python::attach(|py| -> PyResult<Vec<u8>> {
+            call.bind(py).call1((PyBytes::new(py, &asked),))?.extract()
+        });
+        match values {
+            Ok(values) if values.len() == 8 * out.len() => {
+                for (value, bytes) in out.iter_mut().zip(values.chunks_exact(8)) {
+                    *value = f64::from_ne_bytes(std::array::from_fn(|i| bytes[i]));
+                }
+                Ok(())
+            }
+            Ok(_) => Err(LeafError::new("the function gave back another number of values than points")),
+            Err(error) => {
+                let message = format!("the function raised {error}");
+                if let Ok(mut slot) = self.calls.raised.lock() {
+                    slot.get_or_insert(error);
+                }
+                Err(LeafError::new(message))
+            }
+        }
+    }
+}
+
+impl fmt::Debug for PythonLeaf {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a Python function")
+    }
+}
+
+impl Leaf for PythonLeaf {
+    fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
+        self.ask(&self.call, points, out)
+    }
+
+    fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<LeafAnswer, LeafError> {
+        let Some(gradient) = &self.gradient else { return Ok(LeafAnswer::None) };
+        self.ask(gradient, points, out.as_flattened_mut()).map(|()| LeafAnswer::Given)
+    }
+
+    fn lipschitz(&self) -> Option<Lipschitz> {
+        self.lipschitz.map(|constant| Lipschitz { constant, error: 0.0 })
+    }
+
+    fn evidence(&self) -> Evidence {
+        match self.lipschitz {
+            Some(slope) => Evidence::ProvedIf(vec![format!(
+                "the Python function changes by no more than {slope} times the distance between points"
+            )]),
+            None => Evidence::Measured { samples: 0 },
+        }
+    }
+}

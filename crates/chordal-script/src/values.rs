@@ -1,0 +1,157 @@
+//! Values of the language within Starlark: shapes, formulas and functions.
+use crate::language::{Arg, CallError, Function, operate};
+use crate::meter::Meter;
+use allocative::Allocative;
+use starlark::eval::{Arguments, Evaluator};
+use starlark::values::float::UnpackFloat;
+use starlark::values::list::ListRef;
+use starlark::values::tuple::TupleRef;
+use starlark::values::{
+    Heap, NoSerialize, ProvidesStaticType, StarlarkPagablePanic, StarlarkValue, UnpackValue, Value,
+    ValueLike, starlark_value,
+};
+use std::fmt;
+
+/// A shape or a formula.
+#[derive(Debug, ProvidesStaticType, NoSerialize, StarlarkPagablePanic, Allocative)]
+pub(crate) struct StarlarkShape(#[allocative(skip)] pub Arg);
+starlark::starlark_simple_value!(StarlarkShape);
+
+impl fmt::Display for StarlarkShape {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0.kind())
+    }
+}
+
+#[starlark_value(type = "shape")]
+impl<'v> StarlarkValue<'v> for StarlarkShape {
+    fn minus(&self, heap: Heap<'v>) -> starlark::Result<Value<'v>> {
+        // One more term is weighed when it is used next, and there are only so many turns of loops.
+        match operate("neg", &self.0, &self.0) {
+            Some(made) => Ok(heap.alloc(Self(made.map_err(fault)?))),
+            None => Err(undefined_operator("neg", &self.0, &self.0)),
+        }
+    }
+}
+
+/// The error of an operator between these values.
+pub(crate) fn undefined_operator(operator: &str, a: &Arg, b: &Arg) -> starlark::Error {
+    let hint = match (operator, a, b) {
+        ("+", Arg::Shape(_), Arg::Shape(_)) => ": shapes are joined by |",
+        (_, Arg::Shape(_), Arg::Number(_)) | (_, Arg::Number(_), Arg::Shape(_)) => {
+            ": see scale, offset and move for what numbers do to shapes"
+        }
+        _ => "",
+    };
+    let what = match operator {
+        "neg" => format!("'-' has no meaning for {}", a.kind()),
+        _ => format!("'{operator}' has no meaning between {} and {}{hint}", a.kind(), b.kind()),
+    };
+    fault(CallError(what))
+}
+
+pub(crate) fn fault(fault: CallError) -> starlark::Error {
+    starlark::Error::new_other(fault)
+}
+
+/// A function of the language.
+#[derive(Debug, ProvidesStaticType, NoSerialize, StarlarkPagablePanic, Allocative)]
+pub(crate) struct StarlarkFunction(#[allocative(skip)] pub &'static Function);
+starlark::starlark_simple_value!(StarlarkFunction);
+
+impl fmt::Display for StarlarkFunction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0.name)
+    }
+}
+
+#[starlark_value(type = "function")]
+impl<'v> StarlarkValue<'v> for StarlarkFunction {
+    fn invoke(
+        &self,
+        _me: Value<'v>,
+        args: &Arguments<'v, '_>,
+        eval: &mut Evaluator<'v, '_, '_>,
+    ) -> starlark::Result<Value<'v>> {
+        Meter::charge(eval, args.len()?)?;
+        let mut by_position = Vec::new();
+        for value in args.positions(eval.heap())? {
+            by_position.push(charged_arg(value, eval)?);
+        }
+        let mut by_name = Vec::new();
+        for (name, value) in args.names_map()? {
+            by_name.push((name.as_str().to_owned(), charged_arg(value, eval)?));
+        }
+        let made = self.0.call(by_position, by_name).map_err(fault)?;
+        to_starlark(made, eval)
+    }
+}
+
+/// What the language made, as a value of Starlark.
+pub(crate) fn to_starlark<'v>(made: Arg, eval: &mut Evaluator<'v, '_, '_>) -> starlark::Result<Value<'v>> {
+    match made {
+        Arg::Number(value) => Ok(eval.heap().alloc(value)),
+        made => {
+            Meter::from_eval(eval).charge_arg(&made)?;
+            Ok(eval.heap().alloc(StarlarkShape(made)))
+        }
+    }
+}
+
+/// A value for the language, where looking at lists counts as work.
+fn charged_arg<'v>(value: Value<'v>, eval: &mut Evaluator<'v, '_, '_>) -> starlark::Result<Arg> {
+    if let Some(list) = elements(value) {
+        Meter::charge(eval, list.len())?;
+        for inner in list.iter().filter_map(|inner| elements(*inner)) {
+            Meter::charge(eval, inner.len())?;
+        }
+    }
+    let arg = arg_of(value);
+    // What a minus sign made has not been weighed yet.
+    if arg.weight() > Meter::from_eval(eval).limits.terms {
+        Meter::from_eval(eval).charge_arg(&arg)?;
+    }
+    Ok(arg)
+}
+
+/// The elements of a list or a tuple.
+pub(crate) fn elements<'v>(value: Value<'v>) -> Option<&'v [Value<'v>]> {
+    ListRef::from_value(value)
+        .map(ListRef::content)
+        .or_else(|| TupleRef::from_value(value).map(TupleRef::content))
+}
+
+/// A value for the language. No function takes lists of lists of lists.
+pub(crate) fn arg_of(value: Value) -> Arg {
+    arg_within(value, 2)
+}
+
+fn arg_within(value: Value, lists: u32) -> Arg {
+    if let Some(held) = value.downcast_ref::<StarlarkShape>() {
+        held.0.clone()
+    } else if let Some(number) = number(value) {
+        Arg::Number(number)
+    } else if let Some(text) = value.unpack_str() {
+        Arg::Text(text.chars().take(LONGEST_NAME).collect())
+    } else if let Some(list) = elements(value).filter(|_| lists > 0) {
+        Arg::List(list.iter().map(|value| arg_within(*value, lists - 1)).collect())
+    } else {
+        Arg::Other(match value.get_type() {
+            "NoneType" => "nothing".to_owned(),
+            "bool" => "True or False".to_owned(),
+            "list" | "tuple" => "a list of lists of lists".to_owned(),
+            other => format!("a {other}"),
+        })
+    }
+}
+
+/// A number, whole or not; True is none.
+pub(crate) fn number(value: Value) -> Option<f64> {
+    if value.unpack_bool().is_some() {
+        return None;
+    }
+    UnpackFloat::unpack_value(value).ok().flatten().map(|number| number.0)
+}
+
+/// Characters of a text that are looked at.
+const LONGEST_NAME: usize = 200;

@@ -1,0 +1,109 @@
+//! Triangles in the rows that a format gives them, so that what is counted is what a reader of the file will count.
+use chordal::Mesh;
+use chordal::explicit::InvalidMesh;
+use chordal_io::{Format, Scene, WriteError, glb};
+use std::borrow::Cow;
+
+/// The scene in the rows that its file will have: vertices of their own for each look of a corner in GLB, and for each
+/// corner in STL, which also knows one part only and no attributes.
+///
+/// # Errors
+/// When there are more rows than one mesh can hold.
+pub(crate) fn to_file_rows(mut scene: Scene, to: Format) -> Result<Scene, WriteError> {
+    match to {
+        Format::Stl => {
+            let soup = soup(&scene)?;
+            return Ok(Scene::from_mesh("", soup, false, scene.frame));
+        }
+        Format::Glb => {
+            for part in &mut scene.parts {
+                let split = match glb::split(&part.mesh).map_err(unsupported)? {
+                    Cow::Borrowed(_) => continue,
+                    Cow::Owned(split) => split,
+                };
+                part.mesh = split;
+            }
+        }
+        Format::Obj
+        | Format::Ply
+        | Format::Bpt
+        | Format::Teaset
+        | Format::Json
+        | Format::Svg
+        | Format::Vm
+        | Format::Npy
+        | Format::Nrrd
+        | Format::Nii
+        | Format::Star => {}
+    }
+    Ok(scene)
+}
+
+/// The rows of positions that a file of that format has for a mesh: OBJ has one for those that are tied, and its
+/// attributes have rows of their own.
+pub(crate) fn rows_of(mesh: &Mesh, format: Format) -> Result<Cow<'_, Mesh>, WriteError> {
+    match mesh.position_id() {
+        Some(id) if format == Format::Obj => merged(mesh, id).map(Cow::Owned).map_err(unsupported),
+        _ => Ok(Cow::Borrowed(mesh)),
+    }
+}
+
+pub(crate) fn unsupported(error: InvalidMesh) -> WriteError {
+    WriteError::Unsupported(error.to_string())
+}
+
+fn merged(mesh: &Mesh, id: &[u32]) -> Result<Mesh, InvalidMesh> {
+    let mut number = vec![u32::MAX; id.len()];
+    let mut positions = Vec::new();
+    for (row, id) in id.iter().enumerate() {
+        let number = &mut number[*id as usize];
+        if *number == u32::MAX {
+            *number = positions.len() as u32;
+            positions.push(mesh.positions()[row]);
+        }
+    }
+    let faces = mesh.faces().iter().map(|face| face.map(|i| number[id[i as usize] as usize])).collect();
+    Mesh::new(positions, faces)
+}
+
+fn soup(scene: &Scene) -> Result<Mesh, WriteError> {
+    let meshes = || scene.parts.iter().map(|part| &part.mesh);
+    let n_faces: usize = meshes().map(|mesh| mesh.faces().len()).sum();
+    // Numbers that wrap belong to more positions than a mesh may have, which it then refuses.
+    let faces = (0..n_faces as u32).map(|face| [0, 1, 2].map(|k| face.wrapping_mul(3).wrapping_add(k)));
+    let corners = meshes().flat_map(|mesh| (0..mesh.faces().len()).flat_map(|face| mesh.corners(face)));
+    Mesh::new(corners.collect(), faces.collect()).map_err(unsupported)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chordal_io::Frame;
+
+    /// Two triangles of one edge, whose rows are doubled and tied, and a row that no face names.
+    fn tied() -> Mesh {
+        let [a, b, c, d] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+        Mesh::new(vec![a, b, c, b, c, d, d], vec![[0, 1, 2], [4, 3, 5]])
+            .and_then(|mesh| mesh.with_position_id(vec![0, 1, 2, 1, 2, 5, 6]))
+            .unwrap()
+    }
+
+    #[test]
+    fn obj_has_one_row_for_rows_that_are_tied() {
+        let mesh = tied();
+        let rows = rows_of(&mesh, Format::Obj).unwrap();
+        assert_eq!(rows.positions().len(), 5);
+        assert_eq!(rows.faces(), [[0, 1, 2], [2, 1, 3]]);
+        assert!(matches!(rows_of(&mesh, Format::Ply).unwrap(), Cow::Borrowed(_)));
+    }
+
+    #[test]
+    fn stl_has_three_rows_a_triangle_and_one_part() {
+        let mut scene = Scene::from_mesh("a", tied(), true, Frame::default());
+        scene.parts.extend(Scene::from_mesh("b", tied(), true, Frame::default()).parts);
+        let soup = to_file_rows(scene, Format::Stl).unwrap();
+        let mesh = &soup.parts[0].mesh;
+        assert_eq!((soup.parts.len(), mesh.positions().len()), (1, 12));
+        assert_eq!(mesh.corners(3), tied().corners(1));
+    }
+}

@@ -1,0 +1,97 @@
+//! Drawings filled with triangles, in the plane z = 0 with y up.
+use crate::failure::best_of;
+use crate::mesh::{refusal, reserve_rounding, snap_to_format, widen_box};
+use crate::polylines::MeshRequest;
+use crate::report::Certificate;
+use crate::{MeshFailure, report::FrameFacts};
+use chordal::budget::{Bounded, RefusalCode};
+use chordal::explicit::{AffineMap, Curve, Outline};
+use chordal::math::Box3;
+use chordal::{Bound, Job, Mesh, convert};
+use chordal_io::{Axis, Drawing, Frame, Scene, worst_snap};
+
+const TURNED: &str = "y grows downwards in the drawing and upwards in space: every y is negated";
+const MEANING: &str = "the bound is that of each outline and its polyline; a point that is inside on one side only, the \
+                       drawing or the triangles, is no farther than that from an outline";
+
+const VANISHED: &str = "no triangles are left: all that the drawing fills is thinner than the bound";
+
+/// The outlines that a drawing fills, with y up, in their order.
+pub(crate) struct FilledRegions {
+    pub outlines: Vec<Outline>,
+    pub frame: Frame,
+    /// A box around them.
+    pub place: Box3,
+}
+
+impl FilledRegions {
+    /// # Errors
+    /// When nothing is filled.
+    pub fn from_drawing(drawing: &Drawing, notes: &mut Vec<String>) -> Result<Self, MeshFailure> {
+        let mut outlines: Vec<Outline> = drawing.filled().collect();
+        if outlines.iter().all(|outline| outline.contours.is_empty()) {
+            let message =
+                "the drawing fills nothing: its lines can be written as polylines, to .json or .svg";
+            return Err(refusal(RefusalCode::Empty, message));
+        }
+        let mut frame = drawing.frame;
+        if drawing.y_down {
+            notes.push(TURNED.to_owned());
+            frame.up = frame.up.or(Some(Axis::Y));
+            outlines.iter_mut().flat_map(|outline| &mut outline.contours).for_each(flip_y);
+        }
+        let left_out = drawing.elements.iter().filter(|element| !element.filled).count();
+        if left_out > 0 {
+            notes.push(format!("elements that are not filled were left out ({left_out}x)"));
+        }
+        let open = outlines
+            .iter()
+            .flat_map(|outline| &outline.contours)
+            .filter(|contour| !contour.is_closed())
+            .count();
+        if open > 0 {
+            notes.push(format!("open subpaths were closed by a straight line, as SVG fills them ({open}x)"));
+        }
+        notes.push(MEANING.to_owned());
+        let contours = outlines.iter().flat_map(|outline| &outline.contours);
+        let place = contours.fold(Box3::EMPTY, |all, contour| {
+            let [[x, y], [right, top]] = contour.bounds();
+            all.union(Box3 { min: [x, y, 0.0], max: [right, top, 0.0] })
+        });
+        Ok(Self { outlines, frame, place })
+    }
+}
+
+/// Negates every y, which is exact.
+fn flip_y(contour: &mut Curve<2>) {
+    let mirror = AffineMap { columns: [[1.0, 0.0], [0.0, -1.0]], offset: [0.0; 2] };
+    let pieces: Vec<_> = contour.segments().iter().map(|piece| piece.transformed(&mirror)).collect();
+    let turned = if pieces.is_empty() {
+        Curve::point(mirror.point(contour.start()))
+    } else {
+        Curve::new(pieces, contour.is_closed())
+    };
+    // Numbers stay finite and joints stay joints.
+    if let Ok(turned) = turned {
+        *contour = turned.with_slack(contour.slack());
+    }
+}
+
+/// The triangles of a drawing at the precision of the format, their bound, and the box that they lie in.
+pub(crate) fn fill(
+    drawing: &Drawing,
+    asked: &MeshRequest,
+    certificate: &mut Certificate,
+    job: &Job,
+) -> Result<(Scene, Bound, Box3), MeshFailure> {
+    let filling = FilledRegions::from_drawing(drawing, &mut certificate.notes)?;
+    certificate.frame = FrameFacts::new(&filling.frame);
+    let lost = worst_snap(&widen_box(&filling.place), asked.to);
+    let inner = reserve_rounding(&asked.budget, lost, &filling.place, asked.to)?;
+    let Bounded { shape, bound } = best_of(convert::outlines_to_mesh(&filling.outlines, &inner, job))?;
+    if shape.faces().is_empty() {
+        certificate.notes.push(VANISHED.to_owned());
+    }
+    let (mesh, bound): (Mesh, Bound) = snap_to_format(&shape, bound, &asked.budget, asked.to, job)?;
+    Ok((Scene::from_mesh("drawing", mesh, true, filling.frame), bound, filling.place))
+}

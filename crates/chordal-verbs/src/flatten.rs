@@ -1,0 +1,306 @@
+//! What the places of parts do to lengths: how far transforms stretch them, and what rounding in them costs.
+use crate::file_rows::unsupported;
+use chordal::Mesh;
+use chordal::explicit::{Attribute, Domain, Semantic, Topology, position_id_by_bits};
+use chordal::math::{Box3, add_up, mul_up, sqrt_up, sub_down};
+use chordal_io::{Node, Part, Scene, WriteError};
+use std::borrow::Cow;
+
+/// A scene whose parts stand where their coordinates say, with what rounding moved its vertices.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct TransformedScene {
+    /// The scene.
+    pub scene: Scene,
+    /// No vertex is further than this from where exact arithmetic would put it.
+    pub moved_at_most: f64,
+    /// Parts that stood nowhere, and so are not there any more.
+    pub left_out: usize,
+}
+
+/// A column-major 4 × 4 matrix.
+type Matrix4 = [f64; 16];
+
+impl TransformedScene {
+    /// A scene with its transforms, which nothing has applied yet.
+    pub fn unchanged(scene: Scene) -> Self {
+        Self { scene, moved_at_most: 0.0, left_out: 0 }
+    }
+}
+
+/// The scene for formats without nodes: one part for each place of a part, in the scene's coordinates.
+///
+/// A scene without transforms, in which every part stands in one place, is left as it is.
+///
+/// # Errors
+/// When the nodes are no tree, or take coordinates out of range.
+pub(crate) fn flatten(scene: Scene) -> Result<TransformedScene, WriteError> {
+    let places = part_placements(&scene);
+    let mut times = vec![0; scene.parts.len()];
+    places.iter().for_each(|place| times[place.part] += 1);
+    if places.iter().all(|place| place.is_identity) && times.iter().all(|times| *times == 1) {
+        return Ok(TransformedScene::unchanged(scene));
+    }
+    let moved_at_most = places.iter().filter(|place| !place.is_identity).fold(0.0, |most, place| {
+        let moved = place.rounding(&scene.parts[place.part]);
+        if moved > most { moved } else { most }
+    });
+    let indexed = scene.parts.iter().all(|part| part.indexed);
+    let mut flat = Scene { frame: scene.frame, groups: scene.groups.clone(), ..Scene::default() };
+    for (name, mesh) in scene.world_meshes()? {
+        let one = Scene::from_mesh(name, mesh.into_owned(), indexed, scene.frame);
+        let at = flat.parts.len();
+        flat.parts.extend(one.parts);
+        flat.nodes.extend(one.nodes.into_iter().map(|node| Node { part: Some(at), ..node }));
+        flat.roots.push(at);
+    }
+    let left_out = times.iter().filter(|times| **times == 0).count();
+    Ok(TransformedScene { scene: flat, moved_at_most, left_out })
+}
+
+/// Everything that a scene shows as one mesh in its coordinates, for a picture: with normals of its own where every
+/// part has some, and without any other attribute.
+///
+/// # Errors
+/// When the nodes are no tree, take coordinates out of range, or show more than one mesh can hold.
+pub(crate) fn one_mesh(scene: &Scene) -> Result<Cow<'_, Mesh>, WriteError> {
+    let mut all = scene.world_meshes()?;
+    if all.len() == 1 {
+        return Ok(all.remove(0).1);
+    }
+    let meshes: Vec<&Mesh> = all.iter().map(|(_, mesh)| mesh.as_ref()).collect();
+    let mesh = concatenated(&meshes)?;
+    let normals: Option<Vec<_>> = meshes.iter().map(|mesh| corner_normals(mesh)).collect();
+    let Some(normals) = normals else { return Ok(Cow::Owned(mesh)) };
+    let attribute =
+        Attribute { semantic: Semantic::Normal, domain: Domain::Corner, width: 3, values: normals.concat() };
+    mesh.with_attribute(attribute).map(Cow::Owned).map_err(unsupported)
+}
+
+/// All places of parts as one mesh in the scene's coordinates, and which faces are whose.
+pub(crate) struct MergedParts {
+    /// Its indices tie the positions that are one in a part alone.
+    pub mesh: Mesh,
+    /// The part at each place, with the first of its faces, in the order of the faces.
+    pub places: Vec<(usize, u32)>,
+}
+
+impl MergedParts {
+    /// All places of parts in one mesh.
+    ///
+    /// # Errors
+    /// As [`one_mesh`].
+    pub fn from_scene(scene: &Scene, topology: Topology) -> Result<Self, WriteError> {
+        let mut meshes = Vec::new();
+        let (mut places, mut first) = (Vec::new(), 0);
+        for ((_, mesh), part) in scene.world_meshes()?.into_iter().zip(parts_in_order(scene)) {
+            places.push((part, first));
+            first += mesh.faces().len() as u32;
+            let mesh = mesh.into_owned();
+            let tied = match topology {
+                Topology::Indices => mesh,
+                Topology::Positions => weld_exact(&mesh)?,
+            };
+            meshes.push(tied);
+        }
+        let mesh = concatenated(&meshes.iter().collect::<Vec<_>>())?;
+        Ok(Self { mesh, places })
+    }
+
+    /// Which place a face is of.
+    pub fn place_of(&self, face: u32) -> usize {
+        self.places.partition_point(|(_, first)| *first <= face) - 1
+    }
+
+    /// The part of a face, and its number there.
+    pub fn in_part(&self, face: u32) -> (usize, u32) {
+        let (part, first) = self.places[self.place_of(face)];
+        (part, face - first)
+    }
+}
+
+/// How many places of parts a scene has.
+pub(crate) fn n_places(scene: &Scene) -> usize {
+    parts_in_order(scene).len()
+}
+
+/// The part at each place, in the order of [`Scene::world_meshes`].
+fn parts_in_order(scene: &Scene) -> Vec<usize> {
+    let mut found = Vec::new();
+    let mut open: Vec<usize> = scene.roots.iter().rev().copied().collect();
+    while let Some(node) = open.pop() {
+        let node = &scene.nodes[node];
+        found.extend(node.part);
+        open.extend(node.children.iter().rev());
+    }
+    found
+}
+
+/// The same faces between the first rows of equal coordinates, as indices would name them.
+fn weld_exact(mesh: &Mesh) -> Result<Mesh, WriteError> {
+    let ids = position_id_by_bits(mesh.positions());
+    let faces = mesh.faces().iter().map(|face| face.map(|row| ids[row as usize])).collect();
+    Mesh::new(mesh.positions().to_vec(), faces).map_err(unsupported)
+}
+
+/// The normals at the corners of every face, if the mesh has any.
+fn corner_normals(mesh: &Mesh) -> Option<Vec<f64>> {
+    let own = mesh.attribute(&Semantic::Normal).filter(|own| own.width == 3)?;
+    let row = |face: usize, k: usize| match own.domain {
+        Domain::Vertex => mesh.faces()[face][k] as usize,
+        Domain::Corner => 3 * face + k,
+        Domain::Face => face,
+    };
+    let corners = (0..mesh.faces().len()).flat_map(|face| [0, 1, 2].map(|k| row(face, k)));
+    Some(corners.flat_map(|row| own.row(row).iter().copied()).collect())
+}
+
+/// The positions and faces of all meshes, one after the other, tied as they are in each.
+fn concatenated(meshes: &[&Mesh]) -> Result<Mesh, WriteError> {
+    let (mut positions, mut faces, mut ids) = (Vec::new(), Vec::new(), Vec::new());
+    for mesh in meshes {
+        // Saturated numbers belong to more positions than a mesh may have, which it then refuses.
+        let first = u32::try_from(positions.len()).unwrap_or(u32::MAX);
+        faces.extend(mesh.faces().iter().map(|face| face.map(|i| first.saturating_add(i))));
+        let n = mesh.positions().len() as u32;
+        ids.extend((0..n).map(|i| first.saturating_add(mesh.position_of(i))));
+        positions.extend_from_slice(mesh.positions());
+    }
+    Mesh::new(positions, faces).and_then(|mesh| mesh.with_position_id(ids)).map_err(unsupported)
+}
+
+/// By how much a length in each part's coordinates can grow in the scene's, over all places of the part; 0 for a
+/// part that stands nowhere.
+pub(crate) fn part_scales(scene: &Scene) -> Vec<f64> {
+    let mut stretch = vec![0.0; scene.parts.len()];
+    for place in part_placements(scene) {
+        let most: &mut f64 = &mut stretch[place.part];
+        *most = if place.stretch > *most { place.stretch } else { *most };
+    }
+    stretch
+}
+
+/// By part: around each of its places in the scene's coordinates, rounding included, and whether that is one place
+/// where its own coordinates are the scene's.
+///
+/// # Errors
+/// As [`one_mesh`].
+pub(crate) fn boxes_of_parts(scene: &Scene) -> Result<Vec<(Vec<Box3>, bool)>, WriteError> {
+    let mut found = vec![(Vec::new(), true); scene.parts.len()];
+    for ((_, mesh), part) in scene.world_meshes()?.into_iter().zip(parts_in_order(scene)) {
+        found[part].0.push(mesh.bounds());
+    }
+    for place in part_placements(scene) {
+        let (boxes, is_as_it_is) = &mut found[place.part];
+        *is_as_it_is &= place.is_identity && boxes.len() == 1;
+        if !place.is_identity {
+            // All places of a part, since they come in another order; a box may only be too large.
+            let off = place.rounding(&scene.parts[place.part]);
+            boxes.iter_mut().for_each(|place| *place = pad_box(place, off));
+        }
+    }
+    Ok(found)
+}
+
+/// A box around all that is within a length of another, from outside.
+pub(crate) fn pad_box(place: &Box3, off: f64) -> Box3 {
+    if off == 0.0 {
+        return *place;
+    }
+    Box3 { min: place.min.map(|x| sub_down(x, off)), max: place.max.map(|x| add_up(x, off)) }
+}
+
+/// A length times a stretch, from above; a length of 0 stays 0 and a stretch of 1 changes nothing.
+pub(crate) fn scaled_up(length: f64, stretch: f64) -> f64 {
+    if length == 0.0 || stretch == 0.0 {
+        0.0
+    } else if stretch == 1.0 {
+        length
+    } else {
+        mul_up(length, stretch)
+    }
+}
+
+/// One place of a part.
+struct PartPlacement {
+    part: usize,
+    is_identity: bool,
+    /// Transforms on the way from the part to the scene.
+    depth: u32,
+    /// The product of the transforms' absolute values: what their exact product of anything is at most.
+    magnitude: Matrix4,
+    /// The largest factor by which the transforms together lengthen, from above.
+    stretch: f64,
+}
+
+impl PartPlacement {
+    /// A place inside another.
+    fn compose(&self, matrix: &Matrix4, part: usize) -> Self {
+        if *matrix == IDENTITY {
+            return Self { part, magnitude: self.magnitude, ..*self };
+        }
+        Self {
+            part,
+            is_identity: false,
+            depth: self.depth + 1,
+            magnitude: product(&self.magnitude, &matrix.map(f64::abs)),
+            stretch: scaled_up(frobenius_norm(matrix), self.stretch),
+        }
+    }
+
+    /// How far the rounding of its transforms can take a vertex of the part.
+    ///
+    /// A product of a matrix with a vector or a matrix has four products and three sums an entry, so d transforms
+    /// are off by less than `7d` half steps, relative to the product of the absolute values. `8d` whole steps cover
+    /// that and the rounding of the estimate, which has as many operations.
+    fn rounding(&self, part: &Part) -> f64 {
+        let bounds = part.mesh.bounds();
+        if bounds.is_empty() {
+            return 0.0;
+        }
+        let reach: [f64; 3] = std::array::from_fn(|k| {
+            let (low, high) = (bounds.min[k].abs(), bounds.max[k].abs());
+            if low > high { low } else { high }
+        });
+        let m = &self.magnitude;
+        let steps = 8.0 * f64::from(self.depth) * f64::EPSILON;
+        let squares = (0..3).fold(0.0, |sum, row| {
+            let largest = m[row] * reach[0] + m[4 + row] * reach[1] + m[8 + row] * reach[2] + m[12 + row];
+            let off = mul_up(largest, steps);
+            add_up(sum, mul_up(off, off))
+        });
+        sqrt_up(squares)
+    }
+}
+
+pub(crate) const IDENTITY: Matrix4 =
+    [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+
+/// All places of parts, by walking the scene from its roots with a stack of its own. Readers make sure that nodes
+/// are a forest.
+fn part_placements(scene: &Scene) -> Vec<PartPlacement> {
+    let outside = PartPlacement { part: 0, is_identity: true, depth: 0, magnitude: IDENTITY, stretch: 1.0 };
+    let mut found = Vec::new();
+    let mut open: Vec<(usize, std::rc::Rc<PartPlacement>)> = Vec::new();
+    let outside = std::rc::Rc::new(outside);
+    open.extend(scene.roots.iter().map(|root| (*root, outside.clone())));
+    while let Some((node, parent)) = open.pop() {
+        let node = &scene.nodes[node];
+        let here = std::rc::Rc::new(parent.compose(&node.matrix, 0));
+        if let Some(part) = node.part {
+            found.push(PartPlacement { part, ..parent.compose(&node.matrix, part) });
+        }
+        open.extend(node.children.iter().map(|child| (*child, here.clone())));
+    }
+    found
+}
+
+fn product(a: &Matrix4, b: &Matrix4) -> Matrix4 {
+    std::array::from_fn(|i| (0..4).map(|k| a[4 * k + i % 4] * b[i / 4 * 4 + k]).sum())
+}
+
+/// The root of the sum of the squares of the linear part: never less than the largest factor by which it lengthens.
+fn frobenius_norm(m: &Matrix4) -> f64 {
+    let squares =
+        [0, 1, 2, 4, 5, 6, 8, 9, 10].into_iter().fold(0.0, |sum, i| add_up(sum, mul_up(m[i], m[i])));
+    sqrt_up(squares)
+}

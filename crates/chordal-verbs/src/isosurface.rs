@@ -1,0 +1,291 @@
+//! Surfaces of volumes: one at a level, or one for each label, at the lattice's own resolution or within a budget.
+use crate::failure::best_of;
+use crate::mesh::{refusal, reserve_rounding, snap_to_format};
+use crate::polylines::MeshRequest;
+use crate::volume::{LabelSelection, SuggestedLevel, ValueRange, VolumeShape};
+use crate::{MeshFailure, SurfaceSpec};
+use chordal::budget::{Bound, Budget, Failure, RefusalCode};
+use chordal::convert::{self, Border, Inside, Polygonize};
+use chordal::implicit::{Grid, Samples};
+use chordal::{Bounded, Job, Mesh};
+use chordal_io::{Node, Scene, worst_snap};
+
+/// The surface of a volume as the format will hold it, with its bound against the trilinear interpolant.
+///
+/// # Errors
+/// When nobody says which surface and the samples do not either; when there is none; as for [`convert::grid_to_mesh`].
+pub(crate) fn mesh_volume(
+    sampled: &VolumeShape,
+    asked: &MeshRequest,
+    notes: &mut Vec<String>,
+    job: &Job,
+) -> Result<(Scene, Bound), MeshFailure> {
+    let grid = &sampled.volume.grid;
+    let range = ValueRange::from_samples(grid.samples());
+    if let Some(space) = &sampled.volume.space {
+        notes.push(format!("coordinates are those of the file, in its space {space}: nothing was turned"));
+    }
+    if range.nan > 0 {
+        notes.push(format!("{} samples are NaN and count as outside", range.nan));
+    }
+    if range.infinite > 0 {
+        notes.push(format!("{} samples are infinite and count as the largest numbers", range.infinite));
+    }
+    if let Some(labels) = &sampled.surface.labels {
+        return mesh_labels(sampled, &selected_labels(labels, sampled, &range)?, asked, (notes, job));
+    }
+    let rule = polygonize_rule(sampled, &range, notes)?;
+    note_border(grid, &rule, notes);
+    let made = SurfaceMesher { sampled, asked, job }.make(grid, &rule)?;
+    let mut scene = Scene::from_mesh("surface", made.shape, true, sampled.volume.frame);
+    set_names(&mut scene, &sampled.volume.name);
+    Ok((scene, made.bound))
+}
+
+/// A part that has a name in the file has it in the mesh.
+fn set_names(scene: &mut Scene, name: &str) {
+    if !name.is_empty() {
+        scene.parts.iter_mut().for_each(|part| part.name = name.to_owned());
+        scene.nodes.iter_mut().for_each(|node| node.name = name.to_owned());
+    }
+}
+
+/// What makes meshes, and under which conditions.
+struct SurfaceMesher<'a> {
+    sampled: &'a VolumeShape,
+    asked: &'a MeshRequest<'a>,
+    job: &'a Job,
+}
+
+impl SurfaceMesher<'_> {
+    /// One mesh at the precision of the format.
+    fn make(&self, grid: &Grid, rule: &Polygonize) -> Result<Bounded<Mesh>, MeshFailure> {
+        let MeshRequest { budget, to, place, .. } = self.asked;
+        let lost = worst_snap(place, *to);
+        let inner = reserve_rounding(budget, lost, place, *to)?;
+        let rule = Polygonize { margin: margin(&self.sampled.volume.grid, lost), ..*rule };
+        let inner = (*budget != Budget::default()).then_some(&inner);
+        let made = best_of(convert::grid_to_mesh(grid, &rule, inner, self.job))?;
+        let Bounded { shape, bound } = made;
+        let (shape, bound) = snap_to_format(&shape, bound, budget, *to, self.job)?;
+        Ok(Bounded { shape, bound })
+    }
+}
+
+/// How near to a sample a vertex may come: so far that rounding to the format keeps vertices apart.
+fn margin(grid: &Grid, lost: f64) -> f64 {
+    if lost == 0.0 {
+        return Polygonize::MARGIN;
+    }
+    let squares = grid.affine().steps().map(|[x, y, z]| x * x + y * y + z * z);
+    let shortest =
+        squares.into_iter().fold(f64::INFINITY, |least, s| if s < least { s } else { least }).sqrt();
+    let mut margin = Polygonize::MARGIN_F32;
+    // Two vertices at a sample are a margin from it each, so that half of it for each is left for rounding; beyond an eighth
+    // of an edge the surface would be another one.
+    while margin * shortest < 4.0 * lost && margin < 0.125 {
+        margin *= 2.0;
+    }
+    margin
+}
+
+/// The level and the side, from what was asked for and what the samples are.
+fn polygonize_rule(
+    sampled: &VolumeShape,
+    range: &ValueRange,
+    notes: &mut Vec<String>,
+) -> Result<Polygonize, MeshFailure> {
+    let SurfaceSpec { level, inside, border, .. } = &sampled.surface;
+    let suggested = range.suggest(&sampled.volume);
+    let Some([low, high]) = range.ends else {
+        return Err(refusal(RefusalCode::Empty, "no sample is a finite number, so that there is no surface"));
+    };
+    let level = match (level, &suggested) {
+        (Some(level), _) => *level,
+        (None, Some(found)) if found.follows() => found.level,
+        (None, Some(found)) => {
+            let message = format!(
+                "samples lie between {low} and {high}, and nothing says where the surface is: --iso LEVEL does; \
+                 {} parts them best{}",
+                found.level,
+                if range.may_be_labels() {
+                    "; where they are labels, --labels gives a surface of each"
+                } else {
+                    ""
+                }
+            );
+            return Err(MeshFailure::Usage(message));
+        }
+        (None, None) => {
+            return Err(refusal(
+                RefusalCode::Empty,
+                format!("all samples are {low}, so that there is no surface at any level"),
+            ));
+        }
+    };
+    let side = inside.unwrap_or_else(|| default_side(level, suggested.as_ref()));
+    let taken = match (suggested, side) {
+        (Some(found), _) if sampled.surface.level.is_none() => {
+            let article = if found.kind.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
+            format!(" (taken for {article} {})", found.kind)
+        }
+        _ => String::new(),
+    };
+    let words = if side == Inside::High { "above" } else { "below" };
+    notes.push(format!(
+        "the surface is where samples are {level}, with what is {words} inside{taken}; samples lie between {low} and {high}"
+    ));
+    let rule = if side == Inside::High { Polygonize::above(level) } else { Polygonize::below(level) };
+    if suggested.is_some_and(|found| found.kind == "signed distance" && found.level == level) && low >= 0.0 {
+        let message = format!(
+            "no distance is below 0, they lie between {low} and {high}: what they were taken from has no inside, and so there \
+             is no surface; --iso {} gives one that far away",
+            0.5 * high
+        );
+        return Err(refusal(RefusalCode::Empty, message));
+    }
+    if !(level >= low && level <= high) {
+        let message = format!(
+            "level {level} is not among the samples, which lie between {low} and {high}: there is no surface"
+        );
+        return Err(refusal(RefusalCode::Empty, message));
+    }
+    Ok(if *border == Border::Open { rule.open() } else { rule })
+}
+
+/// Distances are low inside, everything else is high.
+fn default_side(level: f64, suggested: Option<&SuggestedLevel>) -> Inside {
+    match suggested {
+        Some(found) if found.level == level => found.inside,
+        _ => Inside::High,
+    }
+}
+
+/// Says where the shape reaches the border of the volume.
+fn note_border(grid: &Grid, rule: &Polygonize, notes: &mut Vec<String>) {
+    let is_inside = |x: f64| match rule.inside {
+        Inside::Low => x < rule.level,
+        Inside::High => x > rule.level,
+    };
+    let [nx, ny, nz] = grid.size();
+    let mut n = 0_u64;
+    for z in 0..nz {
+        for y in 0..ny {
+            let is_border = z == 0 || z + 1 == nz || y == 0 || y + 1 == ny;
+            let step = if is_border { 1 } else { nx - 1 };
+            n += (0..nx).step_by(step).filter(|x| is_inside(grid.sample([*x, y, z]))).count() as u64;
+        }
+    }
+    if n > 0 && rule.border == [[Border::Capped; 2]; 3] {
+        notes.push(format!(
+            "the shape reaches the border of the volume ({n} samples) and is closed there by flat faces; --open leaves \
+             it open"
+        ));
+    } else if n > 0 {
+        notes.push(format!("the shape reaches the border of the volume ({n} samples) and ends there"));
+    }
+}
+
+/// The labels that get a surface, in their order.
+fn selected_labels(
+    labels: &LabelSelection,
+    sampled: &VolumeShape,
+    range: &ValueRange,
+) -> Result<Vec<i64>, MeshFailure> {
+    if sampled.surface.level.is_some() || sampled.surface.inside.is_some() {
+        let message = "labels have no level and no side: give --labels alone, or --iso";
+        return Err(MeshFailure::Usage(message.to_owned()));
+    }
+    let Some(known) = &range.labels else {
+        let message = "labels are whole numbers, and at most 65,536 different ones; these samples are not";
+        return Err(MeshFailure::Usage(message.to_owned()));
+    };
+    match labels {
+        LabelSelection::All => {
+            let all: Vec<i64> = known.keys().copied().filter(|label| *label != 0).collect();
+            if all.is_empty() {
+                let message = "every sample is label 0, which stands for nothing: there is no surface";
+                return Err(refusal(RefusalCode::Empty, message));
+            }
+            Ok(all)
+        }
+        LabelSelection::Listed(listed) => {
+            let mut all = listed.clone();
+            all.sort_unstable();
+            all.dedup();
+            if let Some(missing) = all.iter().find(|label| !known.contains_key(label)) {
+                let (first, last) = (known.keys().next(), known.keys().next_back());
+                let ends = first.zip(last).map_or_else(String::new, |(a, b)| format!(" between {a} and {b}"));
+                let message =
+                    format!("no sample has label {missing}; there are {} labels{ends}", known.len());
+                return Err(refusal(RefusalCode::Empty, message));
+            }
+            Ok(all)
+        }
+    }
+}
+
+/// One part for each label, halfway between its samples and others; where two meet their vertices are the same.
+fn mesh_labels(
+    sampled: &VolumeShape,
+    labels: &[i64],
+    asked: &MeshRequest,
+    (notes, job): (&mut Vec<String>, &Job),
+) -> Result<(Scene, Bound), MeshFailure> {
+    let MeshRequest { budget, to, place, .. } = asked;
+    // Refuses a budget that rounding to the format alone would break.
+    reserve_rounding(budget, worst_snap(place, *to), place, *to)?;
+    let rule = convert::LabelOptions {
+        border: [[sampled.surface.border; 2]; 3],
+        ..convert::LabelOptions::default()
+    };
+    let numbered = label_indices(&sampled.volume.grid, labels, job)?;
+    let meshes = convert::labels_to_meshes(&numbered, &rule, job).map_err(|failure| match failure {
+        Failure::Refused(refusal) => MeshFailure::Refused(refusal),
+        Failure::Cancelled => MeshFailure::Cancelled,
+        Failure::Unmet(best) => refusal(RefusalCode::Budget, best.bound.to_string()),
+    })?;
+    let mut scene = Scene { frame: sampled.volume.frame, ..Scene::default() };
+    let mut worst: Option<Bound> = None;
+    for (number, Bounded { shape, bound }) in meshes {
+        let (shape, bound) = snap_to_format(&shape, bound, budget, *to, job)?;
+        let label = labels[number as usize - 1];
+        let one = Scene::from_mesh(&format!("label {label}"), shape, true, scene.frame);
+        let at = scene.parts.len();
+        scene.parts.extend(one.parts);
+        scene.nodes.extend(one.nodes.into_iter().map(|node| Node { part: Some(at), ..node }));
+        scene.roots.push(at);
+        let is_worse = worst.as_ref().is_none_or(|worst| bound.at_most() > worst.at_most());
+        worst = if is_worse { Some(bound) } else { worst };
+    }
+    notes.push(format!(
+        "each of {} labels has a surface of its own, halfway between its samples and others",
+        labels.len()
+    ));
+    let worst = worst.ok_or_else(|| refusal(RefusalCode::Empty, "no label was asked for"))?;
+    Ok((scene, worst))
+}
+
+/// The place of each sample's label in the list, counted from 1; 0 for labels that are not in it.
+fn label_indices(grid: &Grid, labels: &[i64], job: &Job) -> Result<Grid, MeshFailure> {
+    let samples = grid.samples();
+    let bytes = 4 * samples.len() as u64;
+    if bytes > job.memory_limit {
+        let message =
+            format!("{} labels need {bytes} bytes; the limit is {}", samples.len(), job.memory_limit);
+        return Err(refusal(RefusalCode::TooMuchMemory, message));
+    }
+    // A run of equal samples is looked up once.
+    let mut last: Option<(i64, u32)> = None;
+    let values = (0..samples.len()).map(|at| {
+        let label = samples.get(at) as i64;
+        let number = match last {
+            Some((known, number)) if known == label => number,
+            _ => labels.binary_search(&label).map_or(0, |found| found as u32 + 1),
+        };
+        last = Some((label, number));
+        number
+    });
+    let values = Samples::U32(values.collect());
+    Ok(Grid::new(grid.size(), values, *grid.affine()).expect("as many values as the lattice had"))
+}

@@ -1,0 +1,143 @@
+//! What `inspect` prescribes: cures that were tried on the very triangles, and helped.
+use crate::formats::topology;
+use crate::mend::{RepairStep, trial_steps};
+use chordal::Job;
+use chordal::check::{CURES, Defect, MeshConnectivity};
+use chordal::explicit::Topology;
+use chordal_io::{Format, Scene};
+
+/// The options of `chordal mend` that help a scene as it was read from a file of that format, in the order in which they
+/// are applied; `None` where the job was stopped.
+///
+/// Each is tried on what the ones before it left, and prescribed if it changes something, leaves triangles, and makes no
+/// kind of fault more frequent but those that it is known to lay bare ([`may_expose`]) and that later ones mend. So what is
+/// prescribed changes something, and following it ends.
+///
+/// Taking a surface apart is not prescribed where the format ties equal positions again.
+///
+/// Cost: that of the cures that are tried, and two validity checks each; nothing for sound triangles.
+pub(crate) fn recommend_repairs(scene: &Scene, format: Format, job: &Job) -> Option<Vec<&'static str>> {
+    let mut trial = RepairTrial {
+        scene: scene.clone(),
+        topologies: vec![topology(format); scene.parts.len()],
+        faults: Vec::new(),
+        cures: Vec::new(),
+    };
+    trial.faults = trial.count_faults();
+    let ties = topology(format) == Topology::Positions;
+    for cure in trial_steps() {
+        let skipped = match cure {
+            // Such a format has nothing to weld, and ties what is split.
+            RepairStep::Weld(_) | RepairStep::SplitNonManifold => ties,
+            // A crack along T-junctions is no hole, and a piece of one side has no inside to close.
+            RepairStep::FillHoles(_) => trial.count(Defect::TJunctions) > 0 || !trial.is_orientable(),
+            _ => false,
+        };
+        if !skipped {
+            trial.attempt(cure, job)?;
+        }
+    }
+    Some(CURES.into_iter().filter(|cure| trial.cures.contains(cure)).collect())
+}
+
+/// Triangles on the way from cure to cure.
+struct RepairTrial {
+    scene: Scene,
+    topologies: Vec<Topology>,
+    /// How often each of [`FAULTS`] was found.
+    faults: Vec<u64>,
+    /// What helped.
+    cures: Vec<&'static str>,
+}
+
+/// What no cure may make more frequent. Duplicate vertices and slivers are remarks, and the others take a search.
+const FAULTS: [Defect; 9] = [
+    Defect::BoundaryEdges,
+    Defect::NonManifoldEdges,
+    Defect::NonManifoldVertices,
+    Defect::TJunctions,
+    Defect::InconsistentEdges,
+    Defect::DuplicateFaces,
+    Defect::CollapsedFaces,
+    Defect::ZeroAreaFaces,
+    Defect::UnusedVertices,
+];
+
+/// What a cure may lay bare: it was there before, hidden by what the cure takes away.
+fn may_expose(cure: RepairStep, defect: Defect) -> bool {
+    match defect {
+        // Copies of an edge with three faces are rims; a face that is gone, or cut, leaves its edges.
+        Defect::BoundaryEdges => {
+            !matches!(cure, RepairStep::Weld(_) | RepairStep::Orient | RepairStep::FillHoles(_))
+        }
+        // At an edge with three faces nobody could tell.
+        Defect::InconsistentEdges => {
+            matches!(
+                cure,
+                RepairStep::SplitNonManifold
+                    | RepairStep::DropDuplicates(_)
+                    | RepairStep::ResolveTJunctions(_)
+            )
+        }
+        // A face between equal points has no area before as after, and by indices no name for it.
+        Defect::CollapsedFaces => matches!(cure, RepairStep::Weld(_)),
+        Defect::UnusedVertices => matches!(cure, RepairStep::DropDuplicates(_) | RepairStep::DropDegenerate),
+        _ => false,
+    }
+}
+
+impl RepairTrial {
+    /// Applies a cure, and takes it back where it does not help. `None` where the job was stopped.
+    fn attempt(&mut self, cure: RepairStep, job: &Job) -> Option<()> {
+        let (mut scene, mut topologies) = (self.scene.clone(), self.topologies.clone());
+        let (facts, _) = cure.apply(&mut scene, &mut topologies, job).ok()?;
+        let changed = facts.changes.iter().any(|change| !change.what.starts_with("left_"));
+        if !changed || scene.parts.iter().all(|part| part.mesh.faces().is_empty()) {
+            return Some(());
+        }
+        let before =
+            (std::mem::replace(&mut self.scene, scene), std::mem::replace(&mut self.topologies, topologies));
+        let faults = self.count_faults();
+        let is_worse = FAULTS
+            .iter()
+            .zip(self.faults.iter().zip(&faults))
+            .any(|(defect, (was, is))| is > was && !may_expose(cure, *defect));
+        if is_worse {
+            (self.scene, self.topologies) = before;
+            return Some(());
+        }
+        self.faults = faults;
+        self.cures.extend(CURES.iter().find(|option| &option[2..] == cure.name()));
+        Some(())
+    }
+
+    fn count(&self, defect: Defect) -> u64 {
+        FAULTS.iter().zip(&self.faults).find(|(of, _)| **of == defect).map_or(0, |(_, count)| *count)
+    }
+
+    fn count_faults(&self) -> Vec<u64> {
+        let mut all = vec![0; FAULTS.len()];
+        for (part, topology) in self.scene.parts.iter().zip(&self.topologies) {
+            let surface = MeshConnectivity::new(&part.mesh, *topology);
+            let found = surface.validity();
+            let counts = [
+                found.boundary_edges.count,
+                found.non_manifold_edges.count,
+                found.non_manifold_vertices.count,
+                surface.t_junctions(None).count,
+                found.inconsistent_edges.count,
+                found.duplicate_faces.count,
+                found.collapsed_faces.count,
+                found.zero_area_faces.count,
+                found.unused_vertices.count,
+            ];
+            all.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
+        }
+        all
+    }
+
+    fn is_orientable(&self) -> bool {
+        let mut parts = self.scene.parts.iter().zip(&self.topologies);
+        parts.all(|(part, topology)| MeshConnectivity::new(&part.mesh, *topology).validity().orientable)
+    }
+}

@@ -1,0 +1,156 @@
+//! All that was found of one part of a scene, by both meanings of "the same position".
+use super::WitnessFacts;
+use super::validity::{CheckDepth, CountError};
+use crate::file_rows::rows_of;
+use crate::formats::topology;
+use chordal::Mesh;
+use chordal::check::{
+    Component, Defect, Finding, MeshConnectivity, MeshLocation, Validity, Witness, inside_out,
+    self_intersections,
+};
+use chordal::explicit::Topology;
+use chordal_io::{Format, WriteError};
+use std::convert::Infallible;
+
+/// All that was found of one part by one meaning.
+#[derive(Clone)]
+pub(super) struct PartCheck {
+    pub found: Validity,
+    pub t_junctions: Finding,
+    pub duplicate_vertices: Finding,
+    pub components: Vec<Component>,
+    pub inside_out: Finding,
+    /// None where it was not looked for.
+    pub self_intersections: Option<Finding>,
+}
+
+/// What was found by the format's own meaning of a position, and by the other one.
+pub(super) struct TopologyChecks {
+    pub own: PartCheck,
+    pub other: PartCheck,
+}
+
+impl TopologyChecks {
+    /// What can be counted without a search.
+    pub fn quick(mesh: &Mesh, format: Format) -> Result<Self, WriteError> {
+        let mesh = rows_of(mesh, format)?;
+        let Ok(both) = Self::new(&mesh, topology(format), |_, _| Ok::<(), Infallible>(()));
+        Ok(both)
+    }
+
+    /// The components as well, and self-intersections where they are asked for.
+    pub fn thorough(mesh: &Mesh, format: Format, look: CheckDepth) -> Result<Self, CountError> {
+        let mesh = rows_of(mesh, format).map_err(|_| CountError::Unwritten)?;
+        let mut both = Self::new(&mesh, topology(format), |surface, checked| {
+            checked.components = match look {
+                CheckDepth::Full => surface.components(),
+                CheckDepth::Deep(job) => surface.components_under(job).map_err(CountError::Stopped)?,
+            };
+            checked.inside_out = inside_out(&mesh, &checked.components);
+            Ok(())
+        })?;
+        if let CheckDepth::Deep(job) = look {
+            both.own.self_intersections = Some(self_intersections(&mesh, job).map_err(CountError::Stopped)?);
+        }
+        Ok(both)
+    }
+
+    /// `examine` looks closer at the format's own way.
+    fn new<E>(
+        mesh: &Mesh,
+        own: Topology,
+        examine: impl Fn(&MeshConnectivity, &mut PartCheck) -> Result<(), E>,
+    ) -> Result<Self, E> {
+        let seen = MeshConnectivity::by_indices_and_positions(mesh);
+        let check = |surface: &MeshConnectivity, topology| {
+            let mut checked = PartCheck::from_surface(surface);
+            if topology == own {
+                examine(surface, &mut checked)?;
+            }
+            Ok(checked)
+        };
+        let mut by_indices = check(&seen.by_indices, Topology::Indices)?;
+        by_indices.duplicate_vertices = seen.duplicate_vertices;
+        let by_positions = match &seen.by_positions {
+            Some(surface) => check(surface, Topology::Positions)?,
+            // The same, at the cost of nothing but the closer look.
+            None => {
+                let mut same = by_indices.clone();
+                same.found.topology = Topology::Positions;
+                if own == Topology::Positions {
+                    examine(&seen.by_indices, &mut same)?;
+                }
+                same
+            }
+        };
+        Ok(match own {
+            Topology::Indices => Self { own: by_indices, other: by_positions },
+            Topology::Positions => Self { own: by_positions, other: by_indices },
+        })
+    }
+}
+
+impl PartCheck {
+    fn from_surface(surface: &MeshConnectivity) -> Self {
+        Self {
+            found: surface.validity(),
+            t_junctions: surface.t_junctions(None),
+            duplicate_vertices: Finding::default(),
+            components: Vec::new(),
+            inside_out: Finding::default(),
+            self_intersections: None,
+        }
+    }
+
+    fn finding(&self, defect: Defect) -> Option<&Finding> {
+        let found = &self.found;
+        match defect {
+            Defect::BoundaryEdges => Some(&found.boundary_edges),
+            Defect::NonManifoldEdges => Some(&found.non_manifold_edges),
+            Defect::NonManifoldVertices => Some(&found.non_manifold_vertices),
+            Defect::TJunctions => Some(&self.t_junctions),
+            Defect::InconsistentEdges => Some(&found.inconsistent_edges),
+            Defect::InsideOut => Some(&self.inside_out),
+            Defect::SelfIntersections => self.self_intersections.as_ref(),
+            Defect::DuplicateFaces => Some(&found.duplicate_faces),
+            Defect::DuplicateVertices => Some(&self.duplicate_vertices),
+            Defect::CollapsedFaces => Some(&found.collapsed_faces),
+            Defect::ZeroAreaFaces => Some(&found.zero_area_faces),
+            Defect::Slivers => Some(&found.slivers),
+            Defect::UnusedVertices => Some(&found.unused_vertices),
+        }
+    }
+
+    /// The first places of everything, defect by defect.
+    pub fn witnesses(&self, part: usize) -> Vec<WitnessFacts> {
+        let named = Defect::ALL.iter().map(|defect| (defect.name(), self.finding(*defect)));
+        let opposite = ("opposite_faces", Some(&self.found.opposite_faces));
+        let mut facts = Vec::new();
+        for (of, finding) in named.chain([opposite]) {
+            for witness in finding.into_iter().flat_map(|finding| &finding.witnesses) {
+                facts.push(witness_facts(of, part, witness));
+            }
+        }
+        facts
+    }
+}
+
+/// A witness of what is called `of`, in that part.
+pub(super) fn witness_facts(of: &'static str, part: usize, witness: &Witness) -> WitnessFacts {
+    let (vertices, faces) = rows(&witness.place);
+    WitnessFacts { of, part: part as u64, other_part: None, vertices, faces, at: witness.at }
+}
+
+fn rows(place: &MeshLocation) -> (Vec<u32>, Vec<u32>) {
+    match place {
+        MeshLocation::Vertex(vertex) => (vec![*vertex], Vec::new()),
+        MeshLocation::RepeatedVertex { vertex, of } => (vec![*vertex, *of], Vec::new()),
+        MeshLocation::Edge { vertices, faces } => (vertices.to_vec(), faces.clone()),
+        MeshLocation::Face(face) => (Vec::new(), vec![*face]),
+        MeshLocation::Repeated { face, of } => (Vec::new(), vec![*face, *of]),
+        MeshLocation::Faces(faces) => (Vec::new(), faces.to_vec()),
+        MeshLocation::OnEdge { vertex, edge, face } => (vec![*vertex, edge[0], edge[1]], vec![*face]),
+        // A kind of place that is newer than this list has its point and its name.
+        _ => (Vec::new(), Vec::new()),
+    }
+}

@@ -1,0 +1,48 @@
+//! What cures changed, as a report says it.
+use super::{BoundFacts, WitnessFacts, witness_facts};
+use chordal::check::MAX_WITNESSES;
+use chordal::mend::MendedMesh;
+use serde::Serialize;
+
+/// What one cure did, over all parts.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RepairFacts {
+    /// The name of the cure, as in "weld".
+    pub cure: &'static str,
+    /// The length that it was given, in the units of the scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub within: Option<f64>,
+    /// What was changed, and what was met and left: names with `left_`.
+    pub changes: Vec<ChangeFacts>,
+    /// How far the surface moved by this alone.
+    pub bound: BoundFacts,
+}
+
+/// One kind of change.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ChangeFacts {
+    /// Stable, for programs.
+    pub what: &'static str,
+    /// How often.
+    pub count: u64,
+    /// The first places, in the rows that the part had before this cure; of what was added, in those it had after.
+    pub witnesses: Vec<WitnessFacts>,
+}
+
+impl RepairFacts {
+    /// Adds what was done to one more part.
+    pub(crate) fn add(&mut self, part: usize, mended: &MendedMesh) {
+        for change in &mended.changes {
+            let at = self.changes.iter().position(|known| known.what == change.what).unwrap_or_else(|| {
+                self.changes.push(ChangeFacts { what: change.what, count: 0, witnesses: Vec::new() });
+                self.changes.len() - 1
+            });
+            let known = &mut self.changes[at];
+            known.count += change.finding.count;
+            let room = MAX_WITNESSES - known.witnesses.len();
+            let facts =
+                change.finding.witnesses.iter().map(|witness| witness_facts(change.what, part, witness));
+            known.witnesses.extend(facts.take(room));
+        }
+    }
+}

@@ -1,0 +1,347 @@
+//! Triangles into fewer triangles: what `mesh` does with a scene, part by part.
+use crate::MeshFailure;
+use crate::failure::best_of;
+use crate::file_rows::unsupported;
+use crate::flatten::{self, MergedParts, TransformedScene};
+use crate::mesh::{refusal, reserve_rounding};
+use crate::polylines::MeshRequest;
+use crate::report::{AttributeFacts, Certificate};
+use chordal::budget::{Bound, Budget, Failure, JobError, Reference, RefusalCode, Tolerance, View};
+use chordal::check::attribute_deviation;
+use chordal::explicit::{Attribute, Domain, Semantic, Topology};
+use chordal::lod::{ReductionStats, SimplifiedMesh, simplify};
+use chordal::math::{Box3, add_up, div_down};
+use chordal::{Bounded, Job, Mesh};
+use chordal_io::{CoordinateOverflow, Format, Part, Scene, snap, worst_snap};
+
+/// The scene with fewer triangles within the budget, as it will be written, and the bound for all of it. What else is known
+/// goes to the certificate.
+pub(crate) fn simplify_scene(
+    scene: Scene,
+    asked: &MeshRequest,
+    certificate: &mut Certificate,
+    job: &Job,
+) -> Result<(Scene, Bound), MeshFailure> {
+    let Certificate { notes, attributes, .. } = certificate;
+    let MeshRequest { budget, to, .. } = asked;
+    let TransformedScene { mut scene, moved_at_most: placed, left_out } =
+        if *to == Format::Glb { TransformedScene::unchanged(scene) } else { flatten::flatten(scene)? };
+    if left_out > 0 {
+        notes.push(format!("parts that stand nowhere in the scene were left out ({left_out}x)"));
+    }
+    if scene.parts.iter().all(|part| part.mesh.faces().is_empty()) {
+        return Err(refusal(RefusalCode::Empty, "there is no triangle to simplify"));
+    }
+    for part in &scene.parts {
+        let bounds = part.mesh.bounds();
+        if worst_snap(&bounds, *to) == f64::INFINITY {
+            let farthest = |most: f64, x: &f64| if x.abs() > most.abs() { *x } else { most };
+            let value = bounds.min.iter().chain(&bounds.max).fold(0.0, farthest);
+            return Err(MeshFailure::TooWide(CoordinateOverflow { value }));
+        }
+    }
+    let stretch = flatten::part_scales(&scene);
+    // 1. What each part may lose, in its own coordinates: what is left when places and rounding took theirs.
+    let eye = budget.pixels.filter(|pixels| matches!(pixels.view, View::Camera(_)));
+    let shares: Vec<PartBudget> = match &eye {
+        Some(_) => view_budgets(&scene, &stretch, (asked, placed))?,
+        None => uniform_budgets(&scene, &stretch, (asked, placed), job)?,
+    };
+    // 2. Part by part.
+    let before: usize = scene.parts.iter().map(|part| part.mesh.faces().len()).sum();
+    let is_alone = flatten::n_places(&scene) == 1;
+    let mut all = ReductionStats::default();
+    let mut worst: Option<Bound> = None;
+    let mut pixels = eye.map(|_| 0.0);
+    for ((part, stretch), share) in scene.parts.iter_mut().zip(&stretch).zip(&shares) {
+        let Some(made) = simplify_part(part, &share.budget, job)? else { continue };
+        add(&mut all, made.shape.stats);
+        let snapped = snap(&made.shape.mesh, *to).map_err(MeshFailure::TooWide)?;
+        let step = Bound::proved(0.0, snapped.moved_at_most, Reference::InputTriangles);
+        let before = std::mem::replace(&mut part.mesh, snapped.mesh);
+        let snapped = flatten::scaled_up(snapped.moved_at_most, *stretch);
+        let seen = eye.and_then(|eye| share.pixels_of(&made, (snapped, placed), &eye.view));
+        let bound = made.bound.then(&step);
+        if part.mesh.faces().len() < before.faces().len() {
+            notes.extend(measure_attributes(attributes, [&before, &part.mesh], &bound, job)?);
+        }
+        let most = flatten::scaled_up(bound.at_most().unwrap_or(f64::INFINITY), *stretch);
+        let most = if placed == 0.0 { most } else { add_up(most, placed) };
+        if !most.is_finite() {
+            let message = "the transforms of the scene take its coordinates out of range";
+            return Err(refusal(RefusalCode::NotFinite, message));
+        }
+        let seen = seen.or_else(|| eye.and_then(|eye| pixels_at(&share.boxes, most, &eye.view)));
+        pixels = pixels.zip(seen).map(|(most, seen)| if seen > most { seen } else { most });
+        if worst.as_ref().is_none_or(|worst| worst.at_most() < Some(most)) {
+            // What one part is off may be made up for by another, so that only one alone is known from below.
+            let alone = is_alone && *stretch == 1.0 && placed == 0.0;
+            let least = if alone { bound.at_least() } else { 0.0 };
+            let mut of_all =
+                Bound::proved(if least < most { least } else { most }, most, Reference::InputTriangles);
+            of_all.at = bound.at.filter(|_| alone);
+            worst = Some(of_all);
+        }
+    }
+    let after: usize = scene.parts.iter().map(|part| part.mesh.faces().len()).sum();
+    notes.push(format!("{before} triangles were simplified to {after}"));
+    notes.extend(summary_notes(&all));
+    let mut worst = worst.unwrap_or_else(|| Bound::proved(0.0, 0.0, Reference::InputTriangles));
+    worst.pixels = pixels;
+    Ok((scene, worst))
+}
+
+/// What one part may lose.
+struct PartBudget {
+    /// In its own coordinates: without any limit it stays as it is.
+    budget: Budget,
+    /// Where an eye sees it: around its places in the scene.
+    boxes: Vec<Box3>,
+}
+
+impl PartBudget {
+    /// How far a part is off on the screen that was simplified by place, or not at all: by that, and by rounding to the format
+    /// and in its place.
+    fn pixels_of(
+        &self,
+        made: &Bounded<SimplifiedMesh>,
+        (snapped, placed): (f64, f64),
+        view: &View,
+    ) -> Option<f64> {
+        let simplified = made.bound.pixels?;
+        // What was made may reach out of where the part was.
+        let own = [made.shape.mesh.bounds()];
+        let now = if self.budget.pixels.is_some() { &own } else { self.boxes.as_slice() };
+        let rounded =
+            if snapped == 0.0 || placed == 0.0 { snapped + placed } else { add_up(snapped, placed) };
+        view.pixels_of_two_steps(simplified, pixels_at(now, rounded, view)?)
+    }
+}
+
+/// How much a length of the scene is on the screen, in all of some places.
+fn pixels_at(places: &[Box3], length: f64, view: &View) -> Option<f64> {
+    let mut most = 0.0;
+    for place in places {
+        let seen = view.pixels_of(length, place)?;
+        most = if seen > most { seen } else { most };
+    }
+    Some(most)
+}
+
+/// Shares where all places are alike: the same length for all parts, or a number of triangles for each.
+fn uniform_budgets(
+    scene: &Scene,
+    stretch: &[f64],
+    (asked, placed): (&MeshRequest, f64),
+    job: &Job,
+) -> Result<Vec<PartBudget>, MeshFailure> {
+    let MeshRequest { budget, to, place, .. } = asked;
+    let length = length_for_all(budget, place)?;
+    let lost = scene.parts.iter().zip(stretch).fold(0.0, |most, (part, stretch)| {
+        let lost = flatten::scaled_up(worst_snap(&part.mesh.bounds(), *to), *stretch);
+        if lost > most { lost } else { most }
+    });
+    let lost = if placed == 0.0 || lost == 0.0 { lost + placed } else { add_up(lost, placed) };
+    let left = match length {
+        Some(length) => {
+            reserve_rounding(&Budget::length(length), lost, place, *to)?.length.map(Tolerance::get)
+        }
+        None => None,
+    };
+    let counts = match budget.triangles {
+        Some(most) if length.is_none() => Some(triangle_shares(scene, most, job)?),
+        _ => None,
+    };
+    let share = |(part, stretch): (usize, &f64)| {
+        let triangles = counts.as_ref().map(|counts| counts[part]);
+        PartBudget { budget: Budget { triangles, ..part_budget(left, *stretch) }, boxes: Vec::new() }
+    };
+    Ok(stretch.iter().enumerate().map(share).collect())
+}
+
+/// Shares where one eye sees the scene: each part what its own places allow. In a part whose coordinates are the
+/// scene's, each place of it for itself.
+fn view_budgets(
+    scene: &Scene,
+    stretch: &[f64],
+    (asked, placed): (&MeshRequest, f64),
+) -> Result<Vec<PartBudget>, MeshFailure> {
+    let MeshRequest { budget, to, .. } = asked;
+    let limits = Budget { length: budget.length, pixels: budget.pixels, ..Budget::default() };
+    let boxes = flatten::boxes_of_parts(scene)?;
+    let mut shares = Vec::with_capacity(boxes.len());
+    for ((part, stretch), (boxes, is_as_it_is)) in scene.parts.iter().zip(stretch).zip(boxes) {
+        let boxes: Vec<Box3> = boxes.iter().map(|place| flatten::pad_box(place, placed)).collect();
+        let lost = flatten::scaled_up(worst_snap(&part.mesh.bounds(), *to), *stretch);
+        let lost = if placed == 0.0 || lost == 0.0 { lost + placed } else { add_up(lost, placed) };
+        let mut left = Budget::default();
+        for place in boxes.iter().filter(|place| !place.is_empty()) {
+            let here = reserve_rounding(&limits, ROOM_TO_THE_EYE * lost, place, *to)?;
+            if is_as_it_is {
+                left = here;
+                continue;
+            }
+            // A part that comes too close in one of its places stays as it is.
+            let length = here.length_in(place).unwrap_or(0.0);
+            let least = left.length.map_or(f64::INFINITY, Tolerance::get);
+            left = part_budget(Some(if length < least { length } else { least }), 1.0);
+            if left.length.is_none() {
+                break;
+            }
+        }
+        if !is_as_it_is {
+            left = part_budget(left.length.map(Tolerance::get), *stretch);
+        }
+        shares.push(PartBudget { budget: left, boxes });
+    }
+    Ok(shares)
+}
+
+/// What is set aside for rounding where an eye sees it, as a multiple: what is made may stand nearer to the eye than
+/// what was given, by the pixels' share of half the picture. Chosen: enough for 8 % of it.
+const ROOM_TO_THE_EYE: f64 = 1.125;
+
+/// A length of the scene as a budget of a part that is stretched there; none where nothing is left of it.
+fn part_budget(length: Option<f64>, stretch: f64) -> Budget {
+    let own = length.filter(|_| stretch > 0.0).map(|length| div_down(length, stretch));
+    let length = own.filter(|own| *own > 0.0).and_then(|own| Tolerance::new(own).ok());
+    Budget { length, ..Budget::default() }
+}
+
+/// The scene without the normals that it has, which will be computed anew: they are no reason to keep an edge.
+pub(crate) fn without_normals(scene: &mut Scene) -> Result<(), MeshFailure> {
+    for part in &mut scene.parts {
+        let mesh = &part.mesh;
+        let mut bare = Mesh::new(mesh.positions().to_vec(), mesh.faces().to_vec()).map_err(unsupported)?;
+        if let Some(id) = mesh.position_id() {
+            bare = bare.with_position_id(id.to_vec()).map_err(unsupported)?;
+        }
+        let stays = |a: &&Attribute| !matches!(a.semantic, Semantic::Normal | Semantic::Tangent);
+        for attribute in mesh.attributes().iter().filter(stays) {
+            bare = bare.with_attribute(attribute.clone()).map_err(unsupported)?;
+        }
+        part.mesh = bare;
+    }
+    Ok(())
+}
+
+/// Adds how far attributes went off on the way from one mesh to the other; a note where that is not known. Lines between
+/// charts are within the bound of where they were.
+fn measure_attributes(
+    attributes: &mut Vec<AttributeFacts>,
+    [before, after]: [&Mesh; 2],
+    bound: &Bound,
+    job: &Job,
+) -> Result<Option<String>, MeshFailure> {
+    let moved = bound.at_most().and_then(|most| Tolerance::new(most).ok());
+    match attribute_deviation(before, after, moved, job) {
+        Ok(found) => {
+            found.iter().for_each(|found| AttributeFacts::add(attributes, found));
+            Ok(None)
+        }
+        Err(JobError::Cancelled) => Err(MeshFailure::Cancelled),
+        Err(JobError::Refused(refusal)) => {
+            Ok(Some(format!("how far attributes went off was not measured: {}", refusal.message)))
+        }
+    }
+}
+
+/// The length that the budget allows everywhere.
+fn length_for_all(budget: &Budget, place: &Box3) -> Result<Option<Tolerance>, MeshFailure> {
+    let close = || {
+        refusal(RefusalCode::TooClose, "the shape comes so close to the eye that there is no bound in pixels")
+    };
+    let length = budget.length_in(place).ok_or_else(close)?;
+    if length == f64::INFINITY {
+        return Ok(None);
+    }
+    Tolerance::new(length).map(Some).map_err(|_| close())
+}
+
+/// One part with fewer triangles, or `None` where there is nothing to do.
+fn simplify_part(
+    part: &Part,
+    budget: &Budget,
+    job: &Job,
+) -> Result<Option<Bounded<SimplifiedMesh>>, MeshFailure> {
+    let n_faces = part.mesh.faces().len() as u64;
+    let unchanged = || {
+        let mut bound = Bound::proved(0.0, 0.0, Reference::InputTriangles);
+        bound.pixels = Some(0.0);
+        let shape = SimplifiedMesh { mesh: part.mesh.clone(), worst: None, stats: ReductionStats::default() };
+        (n_faces > 0).then_some(Bounded { shape, bound })
+    };
+    let enough = budget.triangles.is_none_or(|count| count >= n_faces);
+    if n_faces == 0 || (budget.length.is_none() && budget.pixels.is_none() && enough) {
+        return Ok(unchanged());
+    }
+    let topology = if part.indexed { Topology::Indices } else { Topology::Positions };
+    match simplify(&part.mesh, budget, topology, job) {
+        // The eye is close to all of this part, and perhaps not to others.
+        Err(Failure::Refused(refusal)) if refusal.code == RefusalCode::TooClose => Ok(unchanged()),
+        made => best_of(made).map(Some),
+    }
+}
+
+/// How many triangles each part may have of `most` for all: as if all of them were one mesh, so that triangles stay where
+/// they are worth most.
+fn triangle_shares(scene: &Scene, most: u64, job: &Job) -> Result<Vec<u64>, MeshFailure> {
+    let n_parts = scene.parts.len();
+    if flatten::n_places(scene) == 1 {
+        return Ok(vec![most; n_parts]);
+    }
+    let MergedParts { mesh, places } = MergedParts::from_scene(scene, Topology::Positions)?;
+    let ends = places.iter().skip(1).map(|(_, first)| *first).chain([mesh.faces().len() as u32]);
+    let mut of_face = Vec::with_capacity(mesh.faces().len());
+    for (place, ((_, first), end)) in places.iter().zip(ends).enumerate() {
+        of_face.extend((*first..end).map(|_| place as f64));
+    }
+    let place_of = Attribute {
+        semantic: Semantic::Group(PLACE.to_owned()),
+        domain: Domain::Face,
+        width: 1,
+        values: of_face,
+    };
+    let mesh = mesh.with_attribute(place_of.clone()).map_err(unsupported)?;
+    let made = best_of(simplify(&mesh, &Budget::triangles(most), Topology::Indices, job))?.shape.mesh;
+    // A part that stands in several places has one number of triangles: the least that one of them got.
+    let mut got = vec![0_u64; places.len()];
+    if let Some(of_faces) = made.attribute(&place_of.semantic) {
+        of_faces.values.iter().for_each(|place| got[*place as usize] += 1);
+    }
+    let mut counts = vec![u64::MAX; n_parts];
+    for ((part, _), got) in places.iter().zip(got) {
+        counts[*part] = counts[*part].min(got);
+    }
+    Ok(counts)
+}
+
+/// The name of the attribute that says of which place a triangle is.
+const PLACE: &str = "place";
+
+pub(crate) fn add(all: &mut ReductionStats, one: ReductionStats) {
+    all.locked_vertices += one.locked_vertices;
+    all.collapsed_faces += one.collapsed_faces;
+    all.dropped_components += one.dropped_components;
+}
+
+/// What a reader should know of how it went.
+pub(crate) fn summary_notes(kept: &ReductionStats) -> Vec<String> {
+    let mut notes = Vec::new();
+    if kept.locked_vertices > 0 {
+        notes.push(format!(
+            "where the mesh is not a manifold or wound against itself it stays as it is: {} vertices; mend takes such \
+             places apart",
+            kept.locked_vertices
+        ));
+    }
+    if kept.collapsed_faces > 0 {
+        let n = kept.collapsed_faces;
+        notes.push(format!("triangles with two corners at one position were left out ({n}x)"));
+    }
+    if kept.dropped_components > 0 {
+        let n = kept.dropped_components;
+        notes.push(format!("separate pieces that the budget covers were left out ({n}x)"));
+    }
+    notes
+}

@@ -1,0 +1,278 @@
+//! `VolumeShape`: a volume with the surface of it that is meant, and what its numbers say of where that is.
+use chordal::convert::{Border, Inside};
+use chordal::implicit::Samples;
+use chordal::math::Box3;
+use chordal_io::Volume;
+use std::collections::BTreeMap;
+
+/// A volume with the surface of it that is meant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VolumeShape {
+    /// The samples.
+    pub volume: Volume,
+    /// The surface.
+    pub surface: SurfaceSpec,
+}
+
+impl VolumeShape {
+    /// The box of all samples.
+    #[must_use]
+    pub fn place(&self) -> Box3 {
+        let last = self.volume.grid.size().map(|n| (n - 1) as f64);
+        (0..8).fold(Box3::EMPTY, |all, corner| {
+            let index = std::array::from_fn(|k| if corner >> k & 1 == 1 { last[k] } else { 0.0 });
+            all.with(self.volume.grid.affine().at(index))
+        })
+    }
+}
+
+/// Which surface of a volume is meant; what is not said follows from the samples.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SurfaceSpec {
+    /// The level.
+    pub level: Option<f64>,
+    /// Which samples are inside.
+    pub inside: Option<Inside>,
+    /// What happens at the border.
+    pub border: Border,
+    /// Samples are labels, each of which has a surface of its own.
+    pub labels: Option<LabelSelection>,
+}
+
+/// Labels that get a surface.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum LabelSelection {
+    /// All but 0, which stands for nothing.
+    All,
+    /// These.
+    Listed(Vec<i64>),
+}
+
+/// What the samples are, taken together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ValueRange {
+    /// The lowest and highest finite sample; none where there is none.
+    pub ends: Option<[f64; 2]>,
+    /// Samples that are NaN.
+    pub nan: u64,
+    /// Samples that are infinite.
+    pub infinite: u64,
+    /// How often each value occurs, where all are whole numbers by their type and different ones are not too many.
+    pub labels: Option<BTreeMap<i64, u64>>,
+}
+
+/// A level that suits the samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SuggestedLevel {
+    /// The level.
+    pub level: f64,
+    /// Which samples are inside.
+    pub inside: Inside,
+    /// What the samples are taken for: "mask", "occupancy", "signed distance" or "intensity".
+    pub kind: &'static str,
+}
+
+impl SuggestedLevel {
+    /// Whether the level follows from what the samples are; else it is a guess.
+    #[must_use]
+    pub fn follows(&self) -> bool {
+        self.kind != "intensity"
+    }
+}
+
+/// Floating point that comes as near as this to 0 is an occupancy where it comes as near as that to 1: chosen, so that
+/// what is neither is asked for instead of guessed.
+const FROM_0: f64 = 0.05;
+const NEARLY_1: f64 = 0.9;
+/// So few different values may be labels.
+const FEW_LABELS: usize = 128;
+
+/// Whether its file says that the samples are distances that were baked.
+fn is_baked(volume: &Volume) -> bool {
+    volume
+        .certificate
+        .as_ref()
+        .and_then(|certificate| certificate.get("baked"))
+        .is_some_and(|of| !of.is_null())
+}
+
+/// More values than these are no labels.
+const MOST_LABELS: usize = 1 << 16;
+
+/// Whether samples of that type are whole numbers.
+fn is_whole(samples: &Samples) -> bool {
+    !matches!(samples, Samples::F32(_) | Samples::F64(_))
+}
+
+impl ValueRange {
+    /// One pass over the samples.
+    #[must_use]
+    pub fn from_samples(samples: &Samples) -> Self {
+        let mut range =
+            Self { ends: None, nan: 0, infinite: 0, labels: is_whole(samples).then(BTreeMap::new) };
+        // A run of equal samples is looked up once.
+        let (mut last, mut times) = (0, 0);
+        for i in 0..samples.len() {
+            let x = samples.get(i);
+            if !x.is_finite() {
+                range.nan += u64::from(x.is_nan());
+                range.infinite += u64::from(x.is_infinite());
+                continue;
+            }
+            let [low, high] = range.ends.unwrap_or([x, x]);
+            range.ends = Some([if x < low { x } else { low }, if x > high { x } else { high }]);
+            if range.labels.is_some() {
+                if x as i64 != last {
+                    range.count(last, times);
+                    (last, times) = (x as i64, 0);
+                }
+                times += 1;
+            }
+        }
+        range.count(last, times);
+        range
+    }
+
+    /// Whether the samples may be labels: few different whole numbers, 0 among them.
+    pub(crate) fn may_be_labels(&self) -> bool {
+        let few = |labels: &BTreeMap<i64, u64>| labels.len() <= FEW_LABELS && labels.contains_key(&0);
+        self.labels.as_ref().is_some_and(few)
+    }
+
+    fn count(&mut self, label: i64, times: u64) {
+        let Some(labels) = self.labels.as_mut().filter(|_| times > 0) else { return };
+        *labels.entry(label).or_insert(0) += times;
+        if labels.len() > MOST_LABELS {
+            self.labels = None;
+        }
+    }
+
+    /// A level that suits the samples of a volume, which are in this range; none where all are equal.
+    #[must_use]
+    pub fn suggest(&self, volume: &Volume) -> Option<SuggestedLevel> {
+        let samples = volume.grid.samples();
+        let [low, high] = self.ends.filter(|[low, high]| low < high)?;
+        let is_float = !is_whole(samples);
+        let found = |level, inside, kind| Some(SuggestedLevel { level, inside, kind });
+        if is_baked(volume) || is_float && low < 0.0 && high > 0.0 {
+            return found(0.0, Inside::Low, "signed distance");
+        }
+        if !is_float && self.labels.as_ref().is_some_and(|values| values.len() == 2) {
+            return found(0.5 * low + 0.5 * high, Inside::High, "mask");
+        }
+        // From 0 to less than nearly 1 they may as well be distances from a sheet.
+        let is_sheet = low < FROM_0 && high < NEARLY_1;
+        if is_float && low >= 0.0 && high <= 1.0 && low < 0.5 && high > 0.5 && !is_sheet {
+            return found(0.5, Inside::High, "occupancy");
+        }
+        let level = otsu_threshold(samples, [low, high]);
+        // Between whole numbers no sample equals the level.
+        found(if is_float { level } else { level.floor() + 0.5 }, Inside::High, "intensity")
+    }
+}
+
+/// Boxes of a histogram.
+const BOXES: usize = 256;
+
+/// The level that parts samples into two sets that are as different as can be, by their histogram.
+///
+/// Source: N. Otsu, *A threshold selection method from gray-level histograms*, 1979.
+fn otsu_threshold(samples: &Samples, [low, high]: [f64; 2]) -> f64 {
+    let mut counts = [0_u64; BOXES];
+    // Halves, so that the width of the range does not overflow.
+    let width = high / 2.0 - low / 2.0;
+    for i in 0..samples.len() {
+        let x = samples.get(i);
+        if x.is_finite() {
+            let part = (x / 2.0 - low / 2.0) / width * BOXES as f64;
+            counts[(part as usize).min(BOXES - 1)] += 1;
+        }
+    }
+    let all: u64 = counts.iter().sum();
+    let total: f64 = counts.iter().enumerate().map(|(k, n)| k as f64 * *n as f64).sum();
+    let (mut below, mut sum, mut most) = (0_u64, 0.0, -1.0);
+    // Between heaps that are far apart many levels are as good: the first and the last of them.
+    let (mut best, mut last) = (0, 0);
+    for (k, n) in counts.iter().enumerate().take(BOXES - 1) {
+        below += n;
+        sum += k as f64 * *n as f64;
+        let above = all - below;
+        if below == 0 || above == 0 {
+            continue;
+        }
+        let apart = sum / below as f64 - (total - sum) / above as f64;
+        let between = below as f64 * above as f64 * apart * apart;
+        if between > most {
+            (best, most) = (k, between);
+        }
+        if between == most {
+            last = k;
+        }
+    }
+    low + 2.0 * width * (0.5 * (best + last + 2) as f64 / BOXES as f64)
+}
+
+/// The type of samples as a report names it.
+pub(crate) fn type_name(samples: &Samples) -> &'static str {
+    match samples {
+        Samples::U8(_) => "u8",
+        Samples::I8(_) => "i8",
+        Samples::U16(_) => "u16",
+        Samples::I16(_) => "i16",
+        Samples::U32(_) => "u32",
+        Samples::I32(_) => "i32",
+        Samples::F32(_) => "f32",
+        Samples::F64(_) => "f64",
+        _ => "other",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chordal::implicit::{Affine3, Grid};
+
+    fn suggested(samples: &Samples) -> Option<SuggestedLevel> {
+        let grid = Grid::new([samples.len(), 1, 1], samples.clone(), Affine3::IDENTITY).unwrap();
+        ValueRange::from_samples(samples).suggest(&Volume::from_grid(grid))
+    }
+
+    #[test]
+    fn the_level_follows_from_what_samples_are() {
+        let mask = suggested(&Samples::U8(vec![0, 1, 1, 0])).unwrap();
+        assert_eq!((mask.level, mask.inside, mask.kind), (0.5, Inside::High, "mask"));
+        let eight = suggested(&Samples::U8(vec![0, 255, 255, 0])).unwrap();
+        assert_eq!((eight.level, eight.inside, eight.kind), (127.5, Inside::High, "mask"));
+        for soft in [vec![0.0, 0.25, 0.95], vec![0.3, 0.4, 0.6]] {
+            let soft = suggested(&Samples::F32(soft)).unwrap();
+            assert_eq!((soft.level, soft.inside, soft.kind), (0.5, Inside::High, "occupancy"));
+        }
+        // Distances from a sheet.
+        assert!(!suggested(&Samples::F32(vec![0.0, 0.25, 0.52])).unwrap().follows());
+        let distance = suggested(&Samples::F64(vec![-1.0, f64::NAN, 3.0])).unwrap();
+        assert_eq!((distance.level, distance.inside, distance.kind), (0.0, Inside::Low, "signed distance"));
+        assert!(suggested(&Samples::U8(vec![3; 9])).is_none());
+        assert!(suggested(&Samples::F32(vec![f32::NAN; 9])).is_none());
+    }
+
+    #[test]
+    fn intensities_are_parted_between_their_two_heaps() {
+        let guess = suggested(&Samples::I16(vec![-1000, -990, -1000, 40, 60, 50])).unwrap();
+        assert!(!guess.follows() && guess.level > -990.0 && guess.level < 40.0, "{guess:?}");
+        assert_eq!(guess.level.fract().abs(), 0.5, "no sample equals it");
+        let wide = suggested(&Samples::F64(vec![1.0, f64::MAX])).unwrap();
+        assert!(wide.level > 1.0 && wide.level < f64::MAX);
+    }
+
+    #[test]
+    fn a_range_counts_what_is_there() {
+        let range =
+            ValueRange::from_samples(&Samples::F32(vec![f32::NAN, 2.0, f32::INFINITY, -1.0, f32::NAN]));
+        assert_eq!(range, ValueRange { ends: Some([-1.0, 2.0]), nan: 2, infinite: 1, labels: None });
+        let range = ValueRange::from_samples(&Samples::U32(vec![5, 5, 0, 5, u32::MAX]));
+        let labels: Vec<_> = range.labels.unwrap().into_iter().collect();
+        assert_eq!(labels, [(0, 1), (5, 3), (i64::from(u32::MAX), 1)]);
+        let many = Samples::I32((0..70_000).collect());
+        assert!(ValueRange::from_samples(&many).labels.is_none(), "these are no labels");
+    }
+}

@@ -1,0 +1,55 @@
+//! `DistanceSurface`: one of two surfaces, with all that is asked of it.
+use super::subtriangle::DistanceSample;
+use crate::budget::{Job, JobError};
+use crate::explicit::{Bvh, Mesh, Topology, Twins};
+use std::borrow::Cow;
+
+/// A surface in the common frame, its tree, and who is whose neighbour by bit-identical positions.
+pub(super) struct DistanceSurface<'a> {
+    mesh: Cow<'a, Mesh>,
+    bvh: Bvh,
+    twins: Twins,
+}
+
+impl<'a> DistanceSurface<'a> {
+    pub fn new(mesh: Cow<'a, Mesh>, job: &Job) -> Result<Self, JobError> {
+        let bvh = Bvh::build(&mesh, job)?;
+        let twins = Twins::new(&mesh, Topology::Positions);
+        Ok(Self { mesh, bvh, twins })
+    }
+
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    pub fn twins(&self) -> &Twins {
+        &self.twins
+    }
+
+    /// The distance of a point to this surface, from above, and the face that it is measured to.
+    pub fn sample(&self, at: [f64; 3]) -> DistanceSample {
+        match self.bvh.closest_point(at) {
+            Some(closest) => {
+                let up = super::distance::distance_up(at, &self.mesh.corners(closest.face as usize));
+                DistanceSample { at, up, face: closest.face }
+            }
+            // A surface without faces, or a point that is none: nothing is known.
+            None => DistanceSample { at, up: f64::INFINITY, face: 0 },
+        }
+    }
+
+    /// The square of the distance of a point to this surface, up to rounding.
+    pub fn distance_sq(&self, at: [f64; 3]) -> f64 {
+        self.bvh.closest_point(at).map_or(f64::INFINITY, |closest| closest.distance_sq)
+    }
+
+    /// The distance of a point to this surface, from below.
+    pub fn distance_down(&self, at: [f64; 3]) -> f64 {
+        self.bvh.closest_distance_down(at).unwrap_or(0.0)
+    }
+
+    /// The nearest point of this surface, rounded.
+    pub fn nearest(&self, at: [f64; 3]) -> [f64; 3] {
+        self.bvh.closest_point(at).map_or(at, |closest| closest.point)
+    }
+}

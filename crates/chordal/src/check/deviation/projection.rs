@@ -1,0 +1,117 @@
+//! `SubtriangleProjection`: a piece as it is seen along its normal, and the images of points beside it.
+use super::subtriangle::{MeshSubtriangle, larger};
+use crate::math::{Orientation, cross, difference, dot, length, orient2d};
+
+/// The images of points, and that of the piece, counter-clockwise.
+pub(super) struct SubtriangleProjection {
+    origin: [f64; 3],
+    axes: [[f64; 3]; 2],
+    pub piece: [[f64; 2]; 3],
+}
+
+impl SubtriangleProjection {
+    /// `None` for a piece whose image has no inside.
+    pub fn along_normal(piece: &MeshSubtriangle) -> Option<Self> {
+        let [a, b, c] = piece.corners.map(|corner| corner.at);
+        let x = unit(difference(b, a))?;
+        let normal = unit(cross(x, difference(c, a)))?;
+        let axes = [x, cross(normal, x)];
+        let mut view = Self { origin: a, axes, piece: [[0.0; 2]; 3] };
+        let [a, b, c] = [a, b, c].map(|p| view.project(p));
+        match orient2d(a, b, c) {
+            Orientation::Front => view.piece = [a, b, c],
+            Orientation::Back => view.piece = [a, c, b],
+            Orientation::Flat => return None,
+        }
+        Some(view)
+    }
+
+    /// The image of a point: it depends on the point alone.
+    #[inline]
+    pub fn project(&self, p: [f64; 3]) -> [f64; 2] {
+        let from = difference(p, self.origin);
+        [dot(self.axes[0], from), dot(self.axes[1], from)]
+    }
+
+    /// Whether a segment may meet the inside of the piece: not when one side of the piece has it all beyond, or the
+    /// line through it has the whole piece on one side. One of these holds wherever it does not meet it.
+    pub fn crosses(&self, [p, q]: [[f64; 2]; 2]) -> bool {
+        let t = &self.piece;
+        let outside = |point: [f64; 2], k: usize| orient2d(t[k], t[(k + 1) % 3], point) != Orientation::Front;
+        if (0..3).any(|k| outside(p, k) && outside(q, k)) {
+            return false;
+        }
+        let sides = t.map(|corner| orient2d(p, q, corner));
+        sides.contains(&Orientation::Front) && sides.contains(&Orientation::Back)
+    }
+
+    /// How deep inside the piece a segment gets, from above: the least over the sides of the piece of how far its ends
+    /// are beyond that side. Two products and differences, off by less than 4 ε of what the largest of them may be.
+    pub fn depth(&self, segment: [[f64; 2]; 2]) -> f64 {
+        let t = &self.piece;
+        (0..3).fold(f64::INFINITY, |least, k| {
+            let (a, e) = (t[k], difference(t[(k + 1) % 3], t[k]));
+            // Rounded up, as said.
+            let beyond = |p: [f64; 2]| {
+                let [x, y] = difference(p, a);
+                (e[0] * y - e[1] * x) + 4.0 * f64::EPSILON * (e[0].abs() + e[1].abs()) * (x.abs() + y.abs())
+            };
+            let ends = larger(beyond(segment[0]), beyond(segment[1]));
+            // The length of the side, from below.
+            let depth = ends / (length(e) * (1.0 - 4.0 * f64::EPSILON)) * (1.0 + f64::EPSILON); // roundings: 4 and 2
+            let depth = if depth > f64::MIN_POSITIVE { depth } else { f64::MIN_POSITIVE };
+            if depth < least { depth } else { least }
+        })
+    }
+
+    /// How far any point of the piece is from what is deeper than `trim`, from above, where one of the images `flat`
+    /// covers the centre; `None` where none does, or nothing is that deep for certain.
+    pub fn trimmed(
+        &self,
+        trim: f64,
+        piece: &MeshSubtriangle,
+        mut flat: impl Iterator<Item = [[f64; 2]; 3]>,
+    ) -> Option<f64> {
+        let t = &self.piece;
+        let sides: [f64; 3] = std::array::from_fn(|k| length(difference(t[(k + 2) % 3], t[(k + 1) % 3])));
+        let around = sides[0] + sides[1] + sides[2];
+        let centre: [f64; 2] =
+            std::array::from_fn(|k| (sides[0] * t[0][k] + sides[1] * t[1][k] + sides[2] * t[2][k]) / around);
+        // The radius from below: the centre's own distance to each side is at least this, whatever it was rounded to,
+        // and the true centre's is at least as large as the least of any point.
+        let radius = (0..3).fold(f64::INFINITY, |least, k| {
+            let (a, e) = (t[k], difference(t[(k + 1) % 3], t[k]));
+            let [x, y] = difference(centre, a);
+            let s =
+                (e[0] * y - e[1] * x) - 4.0 * f64::EPSILON * (e[0].abs() + e[1].abs()) * (x.abs() + y.abs());
+            let deep = s / (length(e) * (1.0 + 4.0 * f64::EPSILON)) * (1.0 - f64::EPSILON);
+            if deep < least { deep } else { least }
+        });
+        // The centre itself must be inside of what is left.
+        if radius.is_nan() || radius <= trim {
+            return None;
+        }
+        let covered = flat.any(|flat| {
+            let turn = orient2d(flat[0], flat[1], flat[2]);
+            turn != Orientation::Flat
+                && (0..3).all(|k| orient2d(flat[k], flat[(k + 1) % 3], centre) != turn.flipped())
+        });
+        let (longest, _) = piece.longest();
+        covered.then(|| trim / radius * longest * (1.0 + 4.0 * f64::EPSILON)) // three roundings
+    }
+
+    /// Whether the inside of a triangle meets the inside of the piece.
+    pub fn overlaps(&self, face: [[f64; 2]; 3]) -> bool {
+        let apart = |a: &[[f64; 2]; 3], b: &[[f64; 2]; 3], front: Orientation| {
+            (0..3).any(|k| b.iter().all(|p| orient2d(a[k], a[(k + 1) % 3], *p) != front))
+        };
+        let front = orient2d(face[0], face[1], face[2]);
+        !apart(&self.piece, &face, Orientation::Front) && !apart(&face, &self.piece, front)
+    }
+}
+
+/// A vector of length 1, about; `None` for one that has no direction.
+fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
+    let length = length(v);
+    (length > 0.0 && length.is_finite()).then(|| v.map(|x| x / length))
+}

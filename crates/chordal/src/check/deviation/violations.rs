@@ -1,0 +1,343 @@
+//! `places_beyond`: where two surfaces are farther apart than a length, face by face.
+use super::SurfacePair;
+use super::cover::{Cover, CoverLimits, CoverScratch, cover};
+use super::distance_surface::DistanceSurface;
+use super::shared::VertexDistances;
+use super::subtriangle::{MeshSubtriangle, larger};
+use crate::budget::{ErrorLimit, Job, JobError, PixelScale, par_map};
+use crate::explicit::Mesh;
+use crate::math::add_up;
+use std::borrow::Cow;
+use std::cell::RefCell;
+
+/// A point of a face that is farther from the other surface than was asked, or may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToleranceViolation {
+    /// The face of its own mesh.
+    pub face: u32,
+    /// The point, rounded.
+    pub at: [f64; 3],
+    /// How far it is, rounded up.
+    pub distance: f64,
+}
+
+/// Faces in one task.
+const CHUNK: usize = 512;
+/// Halvings of one face before it counts as too far where that is not known.
+const MOST_CUTS: u32 = 64;
+/// The same where no point was seen that is too far: large faces along edges of the other surface need more than a hundred.
+const MOST_CUTS_UNSEEN: u32 = 1 << 12; // chosen
+/// Faces of the other surface under one piece.
+const MOST_FACES: usize = 1 << 14;
+
+/// What a look at every face of two surfaces found.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ViolationReport {
+    /// Faces of the first surface, and of the second, with a point that is too far, in the order of the faces.
+    pub violations: [Vec<ToleranceViolation>; 2],
+    /// Where there are none: no point of either surface is farther than this from the other, proved.
+    pub at_most: f64,
+    /// Where there are none and an eye sees them: nor than so many pixels on the screen, proved; infinite where no
+    /// number is.
+    pub pixels: f64,
+}
+
+impl ViolationReport {
+    /// Nothing is apart.
+    const NONE: Self = Self { violations: [Vec::new(), Vec::new()], at_most: 0.0, pixels: 0.0 };
+
+    /// Whether no face is too far.
+    pub fn is_empty(&self) -> bool {
+        self.violations.iter().all(Vec::is_empty)
+    }
+}
+
+/// How near is near enough, by place.
+pub(crate) trait ToleranceField {
+    /// For all points at most `off` from a triangle.
+    fn over_triangle(&self, triangle: [[f64; 3]; 3], off: f64) -> RegionTolerance;
+
+    /// For one point.
+    fn at(&self, point: [f64; 3]) -> f64 {
+        self.over_triangle([point; 3], 0.0).tolerance
+    }
+
+    /// How many pixels a distance is on the screen there, where there is one; rounded up.
+    fn pixels_of(&self, _here: &RegionTolerance, _distance: f64) -> f64 {
+        0.0
+    }
+}
+
+/// How near is near enough at one place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RegionTolerance {
+    /// What is at most this far.
+    pub tolerance: f64,
+    /// The place as it is seen, where there is an eye.
+    pub sight: Option<PixelScale>,
+}
+
+/// The same everywhere.
+impl ToleranceField for f64 {
+    fn over_triangle(&self, _: [[f64; 3]; 3], _: f64) -> RegionTolerance {
+        RegionTolerance { tolerance: *self, sight: None }
+    }
+
+    fn at(&self, _: [f64; 3]) -> f64 {
+        *self
+    }
+}
+
+/// What is allowed in the world, for two surfaces in their common frame.
+struct WorldTolerance<'a> {
+    allowed: &'a ErrorLimit,
+    pair: &'a SurfacePair<'a>,
+}
+
+impl ToleranceField for WorldTolerance<'_> {
+    /// Points of the world are where the frame has them but for what it moved. Where the eye is too close for any length
+    /// only what has not moved at all is near enough.
+    fn over_triangle(&self, triangle: [[f64; 3]; 3], off: f64) -> RegionTolerance {
+        let SurfacePair { frame, moved, .. } = self.pair;
+        let off = if off == 0.0 || *moved == 0.0 { off + *moved } else { add_up(off, *moved) };
+        let (length, sight) = self.allowed.at_with_scale(&frame.world_box(&triangle, off));
+        RegionTolerance { tolerance: self.pair.limit(length.unwrap_or(0.0)).within(), sight }
+    }
+
+    fn pixels_of(&self, here: &RegionTolerance, distance: f64) -> f64 {
+        let SurfacePair { frame, moved, .. } = self.pair;
+        let distance = if *moved == 0.0 { distance } else { add_up(distance, *moved) };
+        let seen = here.sight.and_then(|sight| sight.pixels_of(frame.length_up(distance)));
+        seen.unwrap_or(f64::INFINITY)
+    }
+}
+
+/// For each face of `a` that has a point farther from `b` than is allowed the farthest such point that was seen, and
+/// the same from `b` to `a`, each in the order of the faces. Where both lists are empty every point is as near as is
+/// allowed at its own place, proved as by [`super::deviation`]; a face that could not be decided is in its list.
+///
+/// What is allowed by place is asked for every piece of a face that is looked at, around all of it: a face that is near
+/// the eye and reaches far away is cut until its pieces are either near enough where they are, or found too far.
+///
+/// Cost: less than [`super::deviation`], since nothing is sought that is nearer.
+///
+/// # Errors
+/// As for [`super::deviation`].
+pub(crate) fn tolerance_violations(
+    a: &Mesh,
+    b: &Mesh,
+    allowed: &ErrorLimit,
+    job: &Job,
+) -> Result<ViolationReport, JobError> {
+    job.run(|| {
+        let pair = SurfacePair::from_meshes([a, b], job)?;
+        let places = match allowed.constant() {
+            Some(length) => find_violations(&pair, &pair.limit(length).within(), job),
+            None => find_violations(&pair, &WorldTolerance { allowed, pair: &pair }, job),
+        };
+        if job.is_cancelled() { Err(JobError::Cancelled) } else { Ok(places) }
+    })
+}
+
+fn find_violations(
+    pair: &SurfacePair<'_>,
+    near: &(impl ToleranceField + Sync),
+    job: &Job,
+) -> ViolationReport {
+    let SurfacePair { frame, sides: [a, b], moved, .. } = pair;
+    let (mut at_most, mut pixels) = (0.0, 0.0);
+    let beyond = [(a, b, 0), (b, a, 1)].map(|(own, other, which)| {
+        let vertices = pair.vertex_distances(which, job);
+        let chunks: Vec<&[u32]> = vertices.faces.chunks(CHUNK).collect();
+        let found = par_map(job, &chunks, |_, faces| {
+            let asked = FaceComparison { pair, own, other, vertices: &vertices };
+            if job.is_cancelled() { ViolationReport::NONE } else { asked.find_in_faces(faces, which, near) }
+        });
+        let most = found.iter().fold(0.0, |most, found| larger(most, found.at_most));
+        pixels = found.iter().fold(pixels, |most, found| larger(most, found.pixels));
+        // Faces that both surfaces have were not asked, and nothing of them was rounded.
+        let rounded = !vertices.faces.is_empty() && *moved > 0.0;
+        at_most = larger(at_most, if rounded { add_up(most, *moved) } else { most });
+        found.into_iter().flat_map(|found| found.violations).flatten().collect()
+    });
+    ViolationReport { violations: beyond, at_most: frame.length_up(at_most), pixels }
+}
+
+/// Some faces of one surface against the other.
+struct FaceComparison<'a> {
+    pair: &'a SurfacePair<'a>,
+    own: &'a DistanceSurface<'a>,
+    other: &'a DistanceSurface<'a>,
+    vertices: &'a VertexDistances,
+}
+
+impl FaceComparison<'_> {
+    /// What is too far, as side `which`; distances at most are of the frame.
+    fn find_in_faces(&self, faces: &[u32], which: usize, near: &impl ToleranceField) -> ViolationReport {
+        let frame = &self.pair.frame;
+        let terms = CoverLimits { tolerance: 0.0, most_faces: MOST_FACES, reach: self.pair.reach };
+        let mut scratch = CoverScratch::default();
+        let mut found = ViolationReport::NONE;
+        for face in faces {
+            let corners = self.own.mesh().faces()[*face as usize].map(|row| self.vertices.corner(row));
+            let piece = MeshSubtriangle { corners, off: 0.0, known: f64::INFINITY };
+            match classify(piece, self.other, (terms, ViolationSearch::Farthest, near), &mut scratch) {
+                SubtriangleVerdict::Within { up, pixels } => {
+                    found.at_most = larger(found.at_most, up);
+                    found.pixels = larger(found.pixels, pixels);
+                }
+                SubtriangleVerdict::TooFar(at, up) => {
+                    let (at, distance) = (frame.world(at), frame.length_up(up));
+                    found.violations[which].push(ToleranceViolation { face: *face, at, distance });
+                }
+            }
+        }
+        found
+    }
+}
+
+/// Faces of the other surface under one piece where a quick answer is worth more.
+const FEW_FACES: usize = 512;
+
+/// Which point beyond the length is wanted.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum ViolationSearch {
+    /// The first.
+    Any,
+    Farthest,
+}
+
+/// What is known of a piece.
+enum SubtriangleVerdict {
+    /// No point is farther than this, which is near enough, nor so many pixels away.
+    Within { up: f64, pixels: f64 },
+    /// A point that is too far, or may be, and how far that may be.
+    TooFar([f64; 3], f64),
+}
+
+/// The point that is too far and farthest.
+#[derive(Default)]
+struct WorstViolation(Option<([f64; 3], f64)>);
+
+impl WorstViolation {
+    /// Takes note of a point of a place `here`, where that is too far.
+    fn consider(&mut self, (at, up): ([f64; 3], f64), here: &RegionTolerance, near: &impl ToleranceField) {
+        if up > here.tolerance && up > near.at(at) {
+            self.take(at, up);
+        }
+    }
+
+    fn take(&mut self, at: [f64; 3], up: f64) {
+        if self.0.is_none_or(|worst| up > worst.1) {
+            self.0 = Some((at, up));
+        }
+    }
+}
+
+/// Whether all of a piece is proved to be near enough.
+fn classify(
+    piece: MeshSubtriangle,
+    other: &DistanceSurface,
+    (terms, find, near): (CoverLimits, ViolationSearch, &impl ToleranceField),
+    scratch: &mut CoverScratch,
+) -> SubtriangleVerdict {
+    let mut worst = WorstViolation::default();
+    let place =
+        |piece: &MeshSubtriangle| near.over_triangle(piece.corners.map(|corner| corner.at), piece.off);
+    let here = place(&piece);
+    piece.corners.iter().for_each(|corner| worst.consider((corner.at, corner.up), &here, near));
+    let mut open = vec![(piece, here)];
+    let (mut cuts, mut most, mut pixels) = (0, 0.0, 0.0);
+    while let Some((mut piece, here)) = open.pop() {
+        if find == ViolationSearch::Any && worst.0.is_some() {
+            break;
+        }
+        let terms = CoverLimits { tolerance: here.tolerance, ..terms };
+        piece.known = piece.bound_by_corners(other, terms.tolerance);
+        if piece.known <= terms.tolerance {
+            most = larger(most, piece.known);
+            pixels = larger(pixels, near.pixels_of(&here, piece.known));
+            continue;
+        }
+        match cover(&piece, other, terms, scratch) {
+            Cover::Within(up) if up <= terms.tolerance => {
+                most = larger(most, up);
+                pixels = larger(pixels, near.pixels_of(&here, up));
+                continue;
+            }
+            // What a border of the other surface leaves open adds to it: halves are nearer.
+            Cover::Within(_) => {}
+            Cover::TooFar(at) => {
+                let corner = other.sample(at);
+                worst.consider((at, corner.up), &here, near);
+            }
+            Cover::None => {}
+        }
+        // As long as nothing was seen that is too far, it may well be near.
+        let most_cuts =
+            if find == ViolationSearch::Farthest && worst.0.is_none() { MOST_CUTS_UNSEEN } else { MOST_CUTS };
+        let halves = if cuts < most_cuts { piece.halves(|at| other.sample(at)) } else { None };
+        match halves {
+            Some(halves) => {
+                cuts += 1;
+                let middle = halves[0].corners[1];
+                worst.consider((middle.at, middle.up), &here, near);
+                open.extend(halves.map(|half| {
+                    let here = place(&half);
+                    (half, here)
+                }));
+            }
+            // Too small, or too many: undecided, so it counts.
+            None => {
+                let far = piece
+                    .corners
+                    .iter()
+                    .fold(piece.corners[0], |far, c| if c.up > far.up { *c } else { far });
+                worst.take(far.at, piece.known);
+            }
+        }
+    }
+    worst.0.map_or(SubtriangleVerdict::Within { up: most, pixels }, |(at, up)| {
+        SubtriangleVerdict::TooFar(at, up)
+    })
+}
+
+/// A surface against which others are held, many times: one piece of them after the other.
+pub(crate) struct ProximityChecker<'a> {
+    side: DistanceSurface<'a>,
+    scratch: RefCell<CoverScratch>,
+    reach: f64,
+}
+
+impl<'a> ProximityChecker<'a> {
+    /// A judge by a surface.
+    ///
+    /// # Errors
+    /// As for [`crate::explicit::Bvh::build`].
+    pub fn new(mesh: Cow<'a, Mesh>, job: &Job) -> Result<Self, JobError> {
+        let reach = mesh.positions().as_flattened().iter().fold(0.0, |most, x| larger(most, x.abs()));
+        Ok(Self { side: DistanceSurface::new(mesh, job)?, scratch: RefCell::default(), reach })
+    }
+
+    /// A judge by a surface of a few faces, which nothing can stop.
+    pub fn from_small_mesh(mesh: Mesh) -> Option<Self> {
+        let job = Job::default().with_threads(1);
+        Self::new(Cow::Owned(mesh), &job).ok()
+    }
+
+    /// The square of the distance of a point to the surface, up to rounding.
+    pub fn distance_sq(&self, at: [f64; 3]) -> f64 {
+        self.side.distance_sq(at)
+    }
+
+    /// Whether all points of a triangle are near enough to the surface, proved; `false` where it is not known.
+    pub fn is_within(&self, triangle: [[f64; 3]; 3], near: &impl ToleranceField) -> bool {
+        let corners = triangle.map(|at| self.side.sample(at));
+        let reach = triangle.as_flattened().iter().fold(self.reach, |most, x| larger(most, x.abs()));
+        let terms = CoverLimits { tolerance: 0.0, most_faces: FEW_FACES, reach };
+        let piece = MeshSubtriangle { corners, off: 0.0, known: f64::INFINITY };
+        let look =
+            classify(piece, &self.side, (terms, ViolationSearch::Any, near), &mut self.scratch.borrow_mut());
+        matches!(look, SubtriangleVerdict::Within { .. })
+    }
+}

@@ -1,0 +1,531 @@
+//! How far the vertices of a mesh are to be displaced so that it lies on one side of a field's surface: a
+//! guess from samples.
+//!
+//! On a face each primitive that decides is taken as a distance, value by gradient, at some points. The CSG
+//! tree says at each point which of them have to be on a side so that the whole is: of an intersection that
+//! is to be outside the one that is nearest to it, of a union all. A primitive that has to be raised is asked
+//! to be above 0 at the three corners, by what it lacks there and by how much its samples lie below the plane
+//! through the corners. Displacements are linear over a face, so then it is above 0 at all samples.
+//!
+//! Nothing here is proved, nor has to be: whatever the displacements are, signs on the displaced faces are.
+use super::local_trees::{LocalTree, LocalTrees, MOST_CASES};
+use super::regions::SignRegions;
+use crate::explicit::Mesh;
+use crate::implicit::{CsgNode, Dual, LeafError, PrimitiveEvaluator};
+use crate::math::{Box3, cross, difference, dot, length};
+use std::ops::Range;
+
+/// About how far the corners of a face are displaced.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DisplacementReach {
+    /// As far as samples ask for; the face is on the primitives that are as near throughout.
+    pub at_first: f64,
+    /// In this attempt.
+    pub now: f64,
+}
+
+/// What a face asks of its corners: `direction · displacement ≥ lack + share · margin` at each.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FaceConstraint {
+    pub directions: [[f64; 3]; 3],
+    pub deficits: [f64; 3],
+    /// 1 where the primitive is near, 0 where it is as far as a displacement is long.
+    pub shares: [f64; 3],
+    /// Whether the face is on the primitive; else it is only near it.
+    pub is_on: bool,
+}
+
+impl FaceConstraint {
+    /// What is asked of one corner.
+    pub fn of_corner(&self, corner: usize) -> HalfSpace {
+        HalfSpace {
+            direction: self.directions[corner],
+            least: self.deficits[corner],
+            share: self.shares[corner],
+        }
+    }
+}
+
+/// The demands of all faces for one side.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FaceConstraints {
+    all: Vec<FaceConstraint>,
+    /// Where those of a face begin; one more than there are faces.
+    starts: Vec<u32>,
+}
+
+impl FaceConstraints {
+    pub fn of_face(&self, face: u32) -> &[FaceConstraint] {
+        &self.all[self.starts[face as usize] as usize..self.starts[face as usize + 1] as usize]
+    }
+}
+
+/// Barycentric coordinates of the samples: the corners; beside them, for gradients, since primitives may have
+/// a kink at a vertex; beside the middles of the sides; and the middle.
+const BESIDE: f64 = 1.0 / 16.0;
+const SAMPLES: [[f64; 3]; 10] = [
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [1.0 - 2.0 * BESIDE, BESIDE, BESIDE],
+    [BESIDE, 1.0 - 2.0 * BESIDE, BESIDE],
+    [BESIDE, BESIDE, 1.0 - 2.0 * BESIDE],
+    [0.5 - BESIDE, 0.5 - BESIDE, 2.0 * BESIDE],
+    [2.0 * BESIDE, 0.5 - BESIDE, 0.5 - BESIDE],
+    [0.5 - BESIDE, 2.0 * BESIDE, 0.5 - BESIDE],
+    [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
+];
+
+/// Faces that are sampled at once: some megabytes for each primitive that decides about them.
+const FACES_AT_ONCE: usize = 1 << 12;
+
+/// The faces of a mesh in parts, in order.
+fn parts(mesh: &Mesh) -> impl Iterator<Item = Range<usize>> {
+    let n = mesh.faces().len();
+    (0..n).step_by(FACES_AT_ONCE).map(move |first| first..(first + FACES_AT_ONCE).min(n))
+}
+
+/// Primitives at the samples of some faces.
+struct FaceSamples {
+    first: usize,
+    /// By face, the number of its tree; none for faces that the sign of no primitive decides.
+    trees: Vec<Option<u32>>,
+    slopes: Vec<Dual<f64>>,
+    /// Where those of a face begin.
+    starts: Vec<usize>,
+}
+
+impl FaceSamples {
+    /// Of some faces, each with the primitives that decide within a distance of it.
+    fn from_faces(
+        regions: &mut SignRegions,
+        evaluator: &mut PrimitiveEvaluator,
+        mesh: &Mesh,
+        faces: Range<usize>,
+        band: impl Fn(usize) -> f64,
+    ) -> Result<Self, LeafError> {
+        let first = faces.start;
+        let boxes: Vec<Box3> = faces.map(|face| inflated(&mesh.corners(face), band(face))).collect();
+        let trees: Vec<Option<u32>> =
+            regions.trees_of(evaluator, &boxes)?.into_iter().map(Result::ok).collect();
+        let mut questions = Vec::new();
+        let mut starts = Vec::with_capacity(trees.len());
+        for (place, tree) in trees.iter().enumerate() {
+            starts.push(questions.len());
+            let Some(tree) = tree else { continue };
+            let corners = mesh.corners(first + place);
+            for p in &regions.trees.get(*tree).primitives {
+                questions.extend(SAMPLES.map(|weights| (*p, mixed(&corners, &weights))));
+            }
+        }
+        let slopes = evaluator.duals(&questions)?;
+        Ok(Self { first, trees, slopes, starts })
+    }
+
+    /// The faces, each with what is known of it.
+    fn faces<'s>(&'s self, trees: &'s LocalTrees) -> impl Iterator<Item = (usize, Option<SampledFace<'s>>)> {
+        self.trees.iter().zip(&self.starts).enumerate().map(move |(place, (tree, start))| {
+            let sampled = |tree: &u32| {
+                let local = trees.get(*tree);
+                let slopes = &self.slopes[*start..][..local.primitives.len() * SAMPLES.len()];
+                SampledFace { local, slopes }
+            };
+            (self.first + place, tree.as_ref().map(sampled))
+        })
+    }
+}
+
+/// The primitives that decide about a face, at its samples.
+struct SampledFace<'s> {
+    local: &'s LocalTree,
+    slopes: &'s [Dual<f64>],
+}
+
+/// By face, about how far it is from the surface.
+pub(super) fn deviations(
+    regions: &mut SignRegions,
+    evaluator: &mut PrimitiveEvaluator,
+    mesh: &Mesh,
+) -> Result<Vec<f64>, LeafError> {
+    let mut found = Vec::with_capacity(mesh.faces().len());
+    for part in parts(mesh) {
+        let samples = FaceSamples::from_faces(regions, evaluator, mesh, part, |_| 0.0)?;
+        for (face, sampled) in samples.faces(&regions.trees) {
+            let Some(SampledFace { local, slopes }) = sampled else {
+                found.push(longest(&mesh.corners(face)));
+                continue;
+            };
+            let value = |p: u32, sample: usize| distance(&slopes[local.place(p) * SAMPLES.len() + sample]);
+            let far = (0..SAMPLES.len()).map(|sample| local.tree.value(|p| value(p, sample)).abs());
+            found.push(far.fold(0.0, |most: f64, far| if far > most { far } else { most }));
+        }
+    }
+    Ok(found)
+}
+
+/// Which ways a mesh is taken to be displaced: a primitive that is raised across all of them is avoided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum DisplacementNormals {
+    /// By the normals about a face's corners.
+    Vertex,
+    /// Also by its own, which is another where these turn back about a narrow notch.
+    VertexAndFace,
+}
+
+/// The demands of the faces of a mesh, by face with its reach: to be outside, and to be inside. Primitives that
+/// are farther than twice as far are taken to stay on their side.
+pub(super) fn face_constraints(
+    regions: &mut SignRegions,
+    evaluator: &mut PrimitiveEvaluator,
+    mesh: &Mesh,
+    reaches: &[DisplacementReach],
+    ways: DisplacementNormals,
+) -> Result<[FaceConstraints; 2], LeafError> {
+    let band = |face: usize| 2.0 * reaches[face].now;
+    let normals = normals(mesh);
+    let mut found = [FaceConstraints::default(), FaceConstraints::default()];
+    for part in parts(mesh) {
+        let samples = FaceSamples::from_faces(regions, evaluator, mesh, part, band)?;
+        for (face, sampled) in samples.faces(&regions.trees) {
+            found.iter_mut().for_each(|demands| demands.starts.push(demands.all.len() as u32));
+            let Some(SampledFace { local, slopes }) = sampled else { continue };
+            let distances: Vec<f64> = slopes.iter().map(distance).collect();
+            let of_corners = sum(mesh.faces()[face].map(|v| normals[v as usize]));
+            let ways = match ways {
+                DisplacementNormals::Vertex => [of_corners; 2],
+                DisplacementNormals::VertexAndFace => [of_corners, normal(&mesh.corners(face))],
+            };
+            for (side, demands) in found.iter_mut().enumerate() {
+                let outward = ways.map(|way| if side == 1 { way.map(|x| -x) } else { way });
+                let of_face =
+                    FaceDistances { local, slopes, distances: &distances, outward, band: band(face) };
+                let raised = of_face.raised_literals(side == 1);
+                let demand = |literal| face_constraint(slopes, &distances, literal, &reaches[face]);
+                demands.all.extend(raised.iter().filter_map(demand));
+            }
+        }
+    }
+    found.iter_mut().for_each(|demands| demands.starts.push(demands.all.len() as u32));
+    Ok(found)
+}
+
+fn distance(slope: &Dual<f64>) -> f64 {
+    let far = slope.value / length(slope.gradient);
+    if far.is_finite() { far } else { f64::INFINITY.copysign(slope.value) }
+}
+
+/// A primitive that has to be raised, or lowered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct RaisedLiteral {
+    place: u32,
+    falls: bool,
+    /// At which samples, by bit.
+    samples: u16,
+}
+
+/// What a node has at the samples, and what has to be raised for it.
+struct NodeSamples {
+    values: [f64; SAMPLES.len()],
+    literals: Vec<RaisedLiteral>,
+    /// Whether some of them is raised across the way that the mesh is displaced anyway.
+    is_across: bool,
+}
+
+/// Primitives whose gradients have a smaller cosine with the normal of the mesh are raised across it.
+const ACROSS: f64 = 0.3;
+/// By this share of a band a primitive that is raised across is taken to lack more than it does: what is
+/// asked of one face may be the opposite of what is asked of the next, as on both sides of a face that two
+/// solids share. Chosen.
+const DETOUR: f64 = 0.25;
+
+impl NodeSamples {
+    /// The least value but for the corners, where several primitives may be equal of which most have nothing
+    /// to do with the face.
+    fn least(&self) -> f64 {
+        self.values[3..].iter().fold(f64::INFINITY, |a, b| if *b < a { *b } else { a })
+    }
+
+    /// Of what is on the side that is asked for everywhere, or nowhere.
+    fn constant(is_there: bool) -> Self {
+        let value = if is_there { f64::INFINITY } else { f64::NEG_INFINITY };
+        Self { values: [value; SAMPLES.len()], literals: Vec::new(), is_across: false }
+    }
+
+    /// Both.
+    fn and(mut self, other: Self) -> Self {
+        self.values.iter_mut().zip(other.values).for_each(|(a, b)| *a = if b < *a { b } else { *a });
+        self.literals.extend(other.literals);
+        self.is_across |= other.is_across;
+        self
+    }
+
+    /// Of several the one that lacks the least; where that lacks more than can be raised, the largest one at
+    /// each sample.
+    fn any_of(mut operands: Vec<Self>, band: f64) -> Self {
+        let rank = |one: &Self| if one.is_across { one.least() - DETOUR * band } else { one.least() };
+        let best = (0..operands.len())
+            .reduce(|a, b| if rank(&operands[b]) > rank(&operands[a]) { b } else { a })
+            .expect("an operator has operands");
+        if operands[best].least() >= -band {
+            return operands.swap_remove(best);
+        }
+        let largest: [usize; SAMPLES.len()] = std::array::from_fn(|k| {
+            let value = |i: usize| operands[i].values[k];
+            (0..operands.len()).fold(0, |a, b| if value(b) > value(a) { b } else { a })
+        });
+        let values = std::array::from_fn(|k| operands[largest[k]].values[k]);
+        let is_across = operands.iter().any(|one| one.is_across);
+        let mut literals = Vec::new();
+        for (number, operand) in operands.into_iter().enumerate() {
+            let its = (0..SAMPLES.len()).filter(|k| largest[*k] == number).fold(0, |all, k| all | 1 << k);
+            let kept =
+                operand.literals.into_iter().map(|of| RaisedLiteral { samples: of.samples & its, ..of });
+            literals.extend(kept.filter(|of| of.samples != 0));
+        }
+        Self { values, literals, is_across }
+    }
+}
+
+/// The primitives about a face at its samples.
+struct FaceDistances<'a> {
+    local: &'a LocalTree,
+    slopes: &'a [Dual<f64>],
+    distances: &'a [f64],
+    /// The ways that the mesh is displaced here; of any length.
+    outward: [[f64; 3]; 2],
+    band: f64,
+}
+
+impl FaceDistances<'_> {
+    /// The literals that have to be on a side for the whole face. To be inside is for the complement to be
+    /// outside, so with `inward` all signs are turned, and so are unions and intersections. Of an
+    /// intersection that is to be outside it is the operand that lacks the least.
+    ///
+    /// About a face that two solids share each of them would ask to stay on its own side of it. What is on the
+    /// side that is asked for in all cases of such a primitive need not ([`LocalTree`]).
+    fn raised_literals(&self, inward: bool) -> Vec<RaisedLiteral> {
+        let shared: Vec<u32> = self.local.mixed().filter(|p| self.is_near(*p)).collect();
+        let plain = self.of_tree(|p, falls| self.literal(p, falls), inward);
+        let whole = if shared.is_empty() || shared.len() > MOST_CASES {
+            plain
+        } else {
+            let of_case = |case: u32| {
+                let literal = |p: u32, falls: bool| match shared.iter().position(|q| *q == p) {
+                    Some(bit) => NodeSamples::constant((case >> bit & 1 == 1) != falls),
+                    None => self.literal(p, falls),
+                };
+                self.of_tree(literal, inward)
+            };
+            let in_all =
+                (0..1 << shared.len()).map(of_case).reduce(NodeSamples::and).expect("there is a case");
+            let least = in_all.least();
+            if least >= -self.band && least + DETOUR * self.band >= plain.least() {
+                in_all
+            } else {
+                NodeSamples::any_of(vec![in_all, plain], self.band)
+            }
+        };
+        let mut all = whole.literals;
+        all.sort_unstable();
+        all.dedup_by(|next, kept| {
+            let is_same = next.place == kept.place && next.falls == kept.falls;
+            kept.samples |= if is_same { next.samples } else { 0 };
+            is_same
+        });
+        all
+    }
+
+    fn of_tree(&self, literal: impl Fn(u32, bool) -> NodeSamples, inward: bool) -> NodeSamples {
+        let mut stack: Vec<NodeSamples> = Vec::new();
+        for node in self.local.tree.nodes() {
+            let result = match *node {
+                CsgNode::Primitive(p) | CsgNode::Complement(p) => {
+                    literal(p, matches!(node, CsgNode::Complement(_)) != inward)
+                }
+                CsgNode::Union(n) | CsgNode::Intersection(n) => {
+                    let operands = stack.split_off(stack.len() - n as usize);
+                    let needs_all = matches!(node, CsgNode::Union(_)) != inward;
+                    if needs_all {
+                        operands.into_iter().reduce(NodeSamples::and).expect("an operator has operands")
+                    } else {
+                        NodeSamples::any_of(operands, self.band)
+                    }
+                }
+            };
+            stack.push(result);
+        }
+        stack.pop().expect("a tree has one result")
+    }
+
+    /// Whether a primitive may change its sign within the band.
+    fn is_near(&self, primitive: u32) -> bool {
+        let first = self.local.place(primitive) * SAMPLES.len();
+        self.distances[first..first + SAMPLES.len()].iter().any(|far| far.abs() < self.band)
+    }
+
+    fn literal(&self, primitive: u32, falls: bool) -> NodeSamples {
+        let place = self.local.place(primitive);
+        let first = place * SAMPLES.len();
+        let values: [f64; SAMPLES.len()] = std::array::from_fn(|sample| {
+            let value = self.distances[first + sample];
+            if falls { -value } else { value }
+        });
+        let near = (3..SAMPLES.len()).filter(|k| values[*k] < self.band);
+        let samples = near.fold(0, |all, k| all | 1 << k);
+        if samples == 0 {
+            return NodeSamples { values, literals: Vec::new(), is_across: false };
+        }
+        let gradient = self.slopes[first + SAMPLES.len() - 1].gradient;
+        let is_across = self.outward.iter().all(|outward| {
+            let along = dot(gradient, *outward) * if falls { -1.0 } else { 1.0 };
+            let cosine = along / (length(gradient) * length(*outward));
+            cosine.is_nan() || cosine < ACROSS
+        });
+        let literals = vec![RaisedLiteral { place: place as u32, falls, samples }];
+        NodeSamples { values, literals, is_across }
+    }
+}
+
+/// By vertex the sum of the normals of the faces around it, each as long as twice its area.
+fn normals(mesh: &Mesh) -> Vec<[f64; 3]> {
+    let mut normals = vec![[0.0; 3]; mesh.positions().len()];
+    for (face, corners) in mesh.faces().iter().enumerate() {
+        let normal = normal(&mesh.corners(face));
+        for v in corners {
+            let of = &mut normals[*v as usize];
+            *of = sum([*of, normal, [0.0; 3]]);
+        }
+    }
+    normals
+}
+
+/// Of a triangle, as long as twice its area.
+fn normal([a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
+    cross(difference(*b, *a), difference(*c, *a))
+}
+
+fn sum(vectors: [[f64; 3]; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| vectors[0][k] + vectors[1][k] + vectors[2][k])
+}
+
+/// What a literal asks of the corners of a face; nothing where its gradient says nothing.
+fn face_constraint(
+    slopes: &[Dual<f64>],
+    distances: &[f64],
+    literal: &RaisedLiteral,
+    reach: &DisplacementReach,
+) -> Option<FaceConstraint> {
+    let first = literal.place as usize * SAMPLES.len();
+    let sign = if literal.falls { -1.0 } else { 1.0 };
+    let far: [f64; SAMPLES.len()] = std::array::from_fn(|k| sign * distances[first + k]);
+    let beside: [[f64; 3]; 3] = std::array::from_fn(|k| slopes[first + 3 + k].gradient);
+    // A corner that is farther than it can be displaced does not help the others more than one at that distance.
+    let at_corners: [f64; 3] = std::array::from_fn(|k| {
+        let far = sign * slopes[first + k].value / length(beside[k]);
+        if far > reach.now { reach.now } else { far }
+    });
+    let mut bulge = 0.0;
+    for (k, weights) in SAMPLES.iter().enumerate().filter(|(k, _)| literal.samples >> k & 1 == 1) {
+        let below = dot(at_corners, *weights) - far[k];
+        bulge = if below > bulge { below } else { bulge };
+    }
+    let lacks = at_corners.map(|far| bulge - far);
+    let directions: [[f64; 3]; 3] = std::array::from_fn(|k| beside[k].map(|x| sign * x / length(beside[k])));
+    let is_finite = lacks.iter().chain(directions.as_flattened()).all(|x| x.is_finite());
+    let shares = at_corners.map(|far| if far > 0.0 { 1.0 - far / reach.now } else { 1.0 });
+    let is_on = far.iter().all(|far| far.abs() <= reach.at_first);
+    is_finite.then_some(FaceConstraint { directions, deficits: lacks, shares, is_on })
+}
+
+fn longest(corners: &[[f64; 3]; 3]) -> f64 {
+    let box_of = Box3::from_points(corners);
+    box_of.diagonal()
+}
+
+fn inflated(corners: &[[f64; 3]; 3], by: f64) -> Box3 {
+    let bare = Box3::from_points(corners);
+    Box3 { min: bare.min.map(|x| x - by), max: bare.max.map(|x| x + by) }
+}
+
+fn mixed(corners: &[[f64; 3]; 3], weights: &[f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| (0..3).fold(0.0, |sum, i| sum + weights[i] * corners[i][k]))
+}
+
+/// A constraint on a displacement: `direction · displacement ≥ least`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HalfSpace {
+    pub direction: [f64; 3],
+    pub least: f64,
+    /// How much of a margin is added to `least`.
+    pub share: f64,
+}
+
+/// What rounding leaves of a constraint that holds, as a share of the displacement: chosen, it only decides
+/// which guess is tried.
+const ROUNDING: f64 = 1e-11;
+
+impl HalfSpace {
+    fn holds(&self, d: [f64; 3]) -> bool {
+        dot(self.direction, d) >= self.least - ROUNDING * (self.least.abs() + length(d))
+    }
+}
+
+/// The shortest displacement that meets all constraints, if any does.
+///
+/// Source: R. Seidel, *Small-dimensional linear programming and convex hulls made easy*, 1991, here for the norm.
+pub(super) fn shortest_displacement(constraints: &[HalfSpace]) -> Option<[f64; 3]> {
+    let mut d = [0.0; 3];
+    for (i, first) in constraints.iter().enumerate() {
+        if first.holds(d) {
+            continue;
+        }
+        d = first.direction.map(|x| x * first.least);
+        for (j, second) in constraints[..i].iter().enumerate() {
+            if !second.holds(d) {
+                d = on_line([first, second], &constraints[..j])?;
+            }
+        }
+    }
+    Some(d)
+}
+
+/// The shortest displacement on the line where two constraints hold exactly, that meets some others.
+fn on_line([a, b]: [&HalfSpace; 2], others: &[HalfSpace]) -> Option<[f64; 3]> {
+    let cosine = dot(a.direction, b.direction);
+    let det = 1.0 - cosine * cosine;
+    let along = crate::math::cross(a.direction, b.direction);
+    // Parallel but for rounding: nothing is between, or one of both is not needed.
+    if det < ROUNDING {
+        return None;
+    }
+    let (x, y) = ((a.least - cosine * b.least) / det, (b.least - cosine * a.least) / det);
+    let foot: [f64; 3] = std::array::from_fn(|k| x * a.direction[k] + y * b.direction[k]);
+    let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+    for other in others {
+        let (rate, lack) = (dot(other.direction, along), other.least - dot(other.direction, foot));
+        if rate.abs() < ROUNDING {
+            if other.holds(foot) {
+                continue;
+            }
+            return None;
+        }
+        let end = lack / rate;
+        if rate > 0.0 {
+            low = if end > low { end } else { low };
+        } else {
+            high = if end < high { end } else { high };
+        }
+    }
+    let is_empty = low > high + ROUNDING * (low.abs() + high.abs());
+    if is_empty {
+        return None;
+    }
+    let t = if low > 0.0 {
+        low
+    } else if high < 0.0 {
+        high
+    } else {
+        0.0
+    };
+    Some(std::array::from_fn(|k| foot[k] + t * along[k]))
+}

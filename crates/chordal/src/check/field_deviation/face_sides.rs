@@ -1,0 +1,427 @@
+//! Whether whole triangles are on one side of a field's surface.
+//!
+//! **Signs on a piece.** Let f be a primitive that is Lipschitz in a box E with generalized gradients in the
+//! box G, let T be a triangle in E with corners vᵢ, and L the linear function with f's values there. For x =
+//! Σλᵢvᵢ in T `f(x) − L(x) = Σλᵢ(f(x) − f(vᵢ)) = Σλᵢ γᵢ·(x − vᵢ)` with γᵢ in G (Lebourg's mean value
+//! theorem), and since Σλᵢ(x − vᵢ) = 0 the middle of G may be taken off each γᵢ. With r the half widths of G,
+//! |f − L| is so at most `Σλᵢ Σₖ rₖ|x − vᵢ|ₖ`, and that is
+//! - at most ‖r‖·R, where R is the radius of any ball that holds T: `Σλᵢ|x − vᵢ|² = Σλᵢ|vᵢ − o|² − |x − o|² ≤
+//!   R²` for its centre o,
+//! - at most ½Σ rₖwₖ, where wₖ are the sides of the box around T: a mean absolute deviation is at most half
+//!   of the range.
+//!
+//! The values at the corners are ranges over points. Every piece is cut at rounded middles, so that a point
+//! of the triangle that is asked about may be off the nearest point of its piece, along each axis, by [`OFF`]
+//! of the largest coordinate of the triangle. E has that much room, and f is given `Σₖ |G|ₖ·off` more. So a sign that is
+//! proved holds in a neighbourhood of the triangle: by the range over E, which holds the piece in its
+//! interior, or strictly, for a function that is continuous there.
+//!
+//! The sides of the primitives give the side of the whole ([`LocalTree::membership`](super::local_trees::LocalTree::membership)); halves of a piece
+//! inherit what is decided.
+//!
+//! Source: G. Lebourg, *Valeur moyenne pour gradient généralisé*, 1975.
+use super::local_trees::LiteralSides;
+use super::regions::SignRegions;
+use crate::implicit::{DualRange, LeafError, Membership, PrimitiveEvaluator};
+use crate::math::{Box3, add_down, add_up, difference, dot, length, length_up, mul_up, sub_down, sub_up};
+use std::collections::HashMap;
+
+/// How far a point of a triangle may be off its piece, as a share of its largest coordinate: derived, each of
+/// up to [`MOST_CUTS`] middles is rounded by half of ε at most; taken three times, so that E holds the piece
+/// in its interior.
+const OFF: f64 = 32.0 * f64::EPSILON;
+/// So often a triangle is cut at most: OFF rests on it.
+pub(super) const MOST_CUTS: u32 = 18;
+
+/// Triangles that are to be on one side.
+pub(super) struct SideQuery<'a> {
+    pub positions: &'a [[f64; 3]],
+    pub faces: &'a [[u32; 3]],
+    pub side: Membership,
+    /// Cuts at most.
+    pub cuts: u32,
+}
+
+/// What was found out about a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FaceSide {
+    /// All of it is on the side that was asked for.
+    Proved,
+    /// Not proved.
+    Open,
+    /// A part of it is surely on the other side.
+    Wrong,
+}
+
+/// Pieces at a time at most, for each face, and beside them: with more of them, the faces that have most are
+/// open. Measured on a twisted bolt, whose ranges are wide: with 16 a face the proof is lost, with 128 it is not.
+const PIECES_A_FACE: usize = 128;
+const MOST_PIECES: usize = 1 << 14;
+
+struct SignTriangle {
+    corners: [[f64; 3]; 3],
+    /// How far points of the triangle may be off it.
+    off: f64,
+    face: u32,
+    tree: u32,
+    /// Where its values at the corners begin, by primitive of the tree.
+    values: usize,
+}
+
+/// A piece that is to be cut.
+struct TriangleSplit {
+    piece: usize,
+    /// What is left of its tree.
+    tree: u32,
+    /// The side whose middle becomes a corner.
+    side: usize,
+}
+
+type CornerValues = [[f64; 2]; 3];
+
+/// Triangles that were looked at before: from one mesh to the next most of them stay.
+#[derive(Clone, Debug)]
+pub(super) struct FaceSideCache {
+    // Only looked up, never walked through.
+    known: HashMap<[u64; 10], (FaceSide, u32)>, // No order depends on it.
+    /// Triangles that are remembered at most.
+    most: usize,
+}
+
+/// Triangles that are remembered at most, whatever the memory: some hundred megabytes.
+const MOST_KNOWN: usize = 1 << 20;
+/// Bytes that one takes, about: twice its entry, as tables grow by doubling.
+const BYTES_KNOWN: u64 = 200;
+/// The share of the job's memory that they may take.
+const KNOWN_SHARE: u64 = 16;
+
+impl FaceSideCache {
+    pub fn new(memory_limit: u64) -> Self {
+        let most = memory_limit / KNOWN_SHARE / BYTES_KNOWN;
+        let most = usize::try_from(most).unwrap_or(MOST_KNOWN).min(MOST_KNOWN);
+        Self { known: HashMap::new(), most } // No order depends on it.
+    }
+
+    /// A triangle by the bits of its corners, and by the side that is asked for.
+    fn key(question: &SideQuery, face: &[u32; 3]) -> [u64; 10] {
+        let corners = face.map(|v| question.positions[v as usize]);
+        let mut key = [0; 10];
+        for (bits, x) in key.iter_mut().zip(corners.as_flattened()) {
+            *bits = x.to_bits();
+        }
+        key[9] = u64::from(question.side == Membership::Inside);
+        key
+    }
+
+    /// What is known with as many cuts.
+    fn get(&self, key: &[u64; 10], cuts: u32) -> Option<FaceSide> {
+        let (side, with) = self.known.get(key)?;
+        (*side != FaceSide::Open || *with >= cuts).then_some(*side)
+    }
+}
+
+/// Looks at every triangle.
+pub(super) fn classify_sides(
+    regions: &mut SignRegions,
+    evaluator: &mut PrimitiveEvaluator,
+    question: &SideQuery,
+) -> Result<Vec<FaceSide>, LeafError> {
+    let keys: Vec<[u64; 10]> = question.faces.iter().map(|face| FaceSideCache::key(question, face)).collect();
+    let known: Vec<Option<FaceSide>> = keys.iter().map(|key| regions.known.get(key, question.cuts)).collect();
+    let unknown: Vec<usize> = (0..known.len()).filter(|k| known[*k].is_none()).collect();
+    let faces: Vec<[u32; 3]> = unknown.iter().map(|k| question.faces[*k]).collect();
+    let mut looked =
+        classify_uncached(regions, evaluator, &SideQuery { faces: &faces, ..*question })?.into_iter();
+    if regions.known.known.len() + unknown.len() > regions.known.most {
+        regions.known.known.clear();
+    }
+    let mut found = Vec::with_capacity(known.len());
+    for (key, known) in keys.into_iter().zip(known) {
+        found.push(known.or_else(|| looked.next()).expect("what is not known was looked at"));
+        if known.is_none() {
+            regions.known.known.insert(key, (found[found.len() - 1], question.cuts));
+        }
+    }
+    Ok(found)
+}
+
+fn classify_uncached(
+    regions: &mut SignRegions,
+    evaluator: &mut PrimitiveEvaluator,
+    question: &SideQuery,
+) -> Result<Vec<FaceSide>, LeafError> {
+    debug_assert!(question.cuts <= MOST_CUTS);
+    let mut found = vec![FaceSide::Proved; question.faces.len()];
+    let (mut pieces, mut values) = initial_triangles(regions, evaluator, question, &mut found)?;
+    let n_kept = regions.trees.len();
+    for cuts in 0..=question.cuts {
+        if pieces.is_empty() {
+            break;
+        }
+        let boxes: Vec<Box3> = pieces.iter().map(|piece| piece.bounds()).collect();
+        let questions: Vec<(u32, Box3)> = pieces
+            .iter()
+            .zip(&boxes)
+            .flat_map(|(piece, bounds)| {
+                regions.trees.get(piece.tree).primitives.iter().map(|p| (*p, *bounds))
+            })
+            .collect();
+        let slopes = evaluator.dual_ranges(&questions)?;
+        let mut rest = slopes.as_slice();
+        let mut split: Vec<TriangleSplit> = Vec::new();
+        for (k, piece) in pieces.iter().enumerate() {
+            let local = regions.trees.get(piece.tree);
+            let (own, after) = rest.split_at(local.primitives.len());
+            rest = after;
+            let face = &mut found[piece.face as usize];
+            if *face != FaceSide::Proved {
+                continue;
+            }
+            let shape = SignTriangleExtent::from_triangle(piece);
+            let at_corners = &values[piece.values..];
+            let sides: Vec<LiteralSides> = own
+                .iter()
+                .zip(at_corners)
+                .map(|(slope, at_corners)| shape.sides(slope, at_corners))
+                .collect();
+            let side = local.membership(&sides, own);
+            if side == question.side {
+                continue;
+            }
+            if side != Membership::Unknown {
+                *face = FaceSide::Wrong;
+            } else if cuts == question.cuts {
+                *face = FaceSide::Open;
+            } else {
+                match regions.trees.restricted(piece.tree, &sides) {
+                    Ok(tree) => {
+                        let side = side_to_cut(&piece.corners, &sides, own);
+                        split.push(TriangleSplit { piece: k, tree, side });
+                    }
+                    Err(_) => *face = FaceSide::Wrong,
+                }
+            }
+        }
+        split.retain(|one| found[pieces[one.piece].face as usize] == FaceSide::Proved);
+        if split.len() > PIECES_A_FACE * question.faces.len() + MOST_PIECES {
+            abandon_most_split(&pieces, &mut split, &mut found);
+        }
+        (pieces, values) = halves(regions, evaluator, (&pieces, &values), &split)?;
+    }
+    regions.trees.truncate(n_kept);
+    Ok(found)
+}
+
+/// Leaves faces open that have their share of the pieces or more.
+fn abandon_most_split(pieces: &[SignTriangle], split: &mut Vec<TriangleSplit>, found: &mut [FaceSide]) {
+    let faces = split.chunk_by(|a, b| pieces[a.piece].face == pieces[b.piece].face);
+    let share = split.len() / faces.clone().count();
+    for of_face in faces.filter(|of_face| of_face.len() >= share) {
+        found[pieces[of_face[0].piece].face as usize] = FaceSide::Open;
+    }
+    split.retain(|one| found[pieces[one.piece].face as usize] == FaceSide::Proved);
+}
+
+/// The triangles as pieces, and the values at their corners; those that are decided as a whole are not among them.
+fn initial_triangles(
+    regions: &mut SignRegions,
+    evaluator: &mut PrimitiveEvaluator,
+    question: &SideQuery,
+    found: &mut [FaceSide],
+) -> Result<(Vec<SignTriangle>, Vec<CornerValues>), LeafError> {
+    let corners_of = |face: &[u32; 3]| face.map(|v| question.positions[v as usize]);
+    let boxes: Vec<Box3> = question
+        .faces
+        .iter()
+        .map(corners_of)
+        .map(|corners| padded_bounds(&corners, rounding_slack(&corners)))
+        .collect();
+    let trees = regions.trees_of(evaluator, &boxes)?;
+    let mut pairs: Vec<(u32, u32)> = Vec::new();
+    let mut pieces = Vec::new();
+    let mut n_values = 0;
+    for (number, (face, tree)) in question.faces.iter().zip(trees).enumerate() {
+        let tree = match tree {
+            Ok(tree) => tree,
+            Err(side) => {
+                if side != question.side {
+                    found[number] = FaceSide::Wrong;
+                }
+                continue;
+            }
+        };
+        let primitives = &regions.trees.get(tree).primitives;
+        pairs.extend(primitives.iter().flat_map(|p| face.map(|v| (*p, v))));
+        let corners = corners_of(face);
+        let off = rounding_slack(&corners);
+        pieces.push(SignTriangle { corners, off, face: number as u32, tree, values: n_values });
+        n_values += primitives.len();
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    let point = |p: [f64; 3]| Box3 { min: p, max: p };
+    let questions: Vec<(u32, Box3)> =
+        pairs.iter().map(|(p, v)| (*p, point(question.positions[*v as usize]))).collect();
+    let answers = evaluator.ranges(&questions)?;
+    let value = |p: u32, v: u32| answers[pairs.binary_search(&(p, v)).expect("all were asked for")];
+    let mut values = Vec::with_capacity(n_values);
+    for piece in &pieces {
+        let face = question.faces[piece.face as usize];
+        values.extend(regions.trees.get(piece.tree).primitives.iter().map(|p| face.map(|v| value(*p, v))));
+    }
+    Ok((pieces, values))
+}
+
+/// Both halves of some pieces, each with a tree, and the values at their corners.
+fn halves(
+    regions: &SignRegions,
+    evaluator: &mut PrimitiveEvaluator,
+    (pieces, values): (&[SignTriangle], &[CornerValues]),
+    split: &[TriangleSplit],
+) -> Result<(Vec<SignTriangle>, Vec<CornerValues>), LeafError> {
+    let mut questions = Vec::new();
+    let mut middles = Vec::with_capacity(split.len());
+    for TriangleSplit { piece, tree, side } in split {
+        let [a, b] = [0, 1].map(|i| pieces[*piece].corners[(side + i) % 3]);
+        let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * a[i] + 0.5 * b[i]);
+        let point = Box3 { min: middle, max: middle };
+        questions.extend(regions.trees.get(*tree).primitives.iter().map(|p| (*p, point)));
+        middles.push(middle);
+    }
+    let answers = evaluator.ranges(&questions)?;
+    let (mut parts, mut part_values) = (Vec::with_capacity(2 * split.len()), Vec::new());
+    let mut rest = answers.as_slice();
+    for (TriangleSplit { piece, tree, side }, middle) in split.iter().zip(middles) {
+        let piece = &pieces[*piece];
+        let (old, new) = (regions.trees.get(piece.tree), regions.trees.get(*tree));
+        let (at_middle, after) = rest.split_at(new.primitives.len());
+        rest = after;
+        // The first half has the middle in the place of the side's second end, the other in that of the first.
+        for replaced in [(side + 1) % 3, *side] {
+            let mut corners = piece.corners;
+            corners[replaced] = middle;
+            parts.push(SignTriangle { corners, tree: *tree, values: part_values.len(), ..*piece });
+            for (p, at_middle) in new.primitives.iter().zip(at_middle) {
+                let mut at_corners = values[piece.values + old.place(*p)];
+                at_corners[replaced] = *at_middle;
+                part_values.push(at_corners);
+            }
+        }
+    }
+    Ok((parts, part_values))
+}
+
+/// The side along which the primitives that leave a piece open change most, each beside its steepest change:
+/// along the axis of an extrusion they do not change.
+fn side_to_cut(corners: &[[f64; 3]; 3], sides: &[LiteralSides], slopes: &[DualRange]) -> usize {
+    let along = |k: usize| {
+        let d = difference(corners[(k + 1) % 3], corners[k]);
+        let is_open = |(sides, _): &(&LiteralSides, &DualRange)| sides.is_open();
+        let of_one = |(_, slope): (&LiteralSides, &DualRange)| {
+            let Some(gradient) = slope.gradient else { return length(d) };
+            let [low, high] = gradient.iter().zip(d).fold([0.0; 2], |[low, high], (g, x)| {
+                let (a, b) = (g.lo() * x, g.hi() * x);
+                if a < b { [low + a, high + b] } else { [low + b, high + a] }
+            });
+            let most = if -low > high { -low } else { high };
+            most / length(gradient.map(|g| g.magnitude()))
+        };
+        let open = sides.iter().zip(slopes).filter(is_open).map(of_one);
+        open.fold(0.0, |most: f64, one| if one > most { one } else { most })
+    };
+    let changes = [0, 1, 2].map(along);
+    let best = (0..3).fold(0, |best, k| if changes[k] > changes[best] { k } else { best });
+    if changes[best] > 0.0 { best } else { longest_side(corners) }
+}
+
+fn longest_side(corners: &[[f64; 3]; 3]) -> usize {
+    let side = |k: usize| {
+        let d = difference(corners[k], corners[(k + 1) % 3]);
+        dot(d, d)
+    };
+    (0..3).fold(0, |best, k| if side(k) > side(best) { k } else { best })
+}
+
+/// How far points of a triangle with these corners may be off its pieces.
+fn rounding_slack(corners: &[[f64; 3]; 3]) -> f64 {
+    let most =
+        corners.as_flattened().iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+    mul_up(OFF, most)
+}
+
+/// E.
+fn padded_bounds(corners: &[[f64; 3]; 3], off: f64) -> Box3 {
+    let bare = Box3::from_points(corners);
+    Box3 { min: bare.min.map(|x| sub_down(x, off)), max: bare.max.map(|x| add_up(x, off)) }
+}
+
+impl SignTriangle {
+    fn bounds(&self) -> Box3 {
+        padded_bounds(&self.corners, self.off)
+    }
+}
+
+/// What the bound on strays needs of a piece.
+struct SignTriangleExtent {
+    /// R.
+    radius: f64,
+    /// wₖ.
+    widths: [f64; 3],
+    off: f64,
+}
+
+impl SignTriangleExtent {
+    fn from_triangle(piece: &SignTriangle) -> Self {
+        let corners = &piece.corners;
+        let centre = centre(corners);
+        let radius = corners.iter().fold(0.0, |most, corner| {
+            let far =
+                length_up(std::array::from_fn::<_, 3, _>(|k| sub_up(corner[k], centre[k]).abs().next_up()));
+            if far > most { far } else { most }
+        });
+        let bare = Box3::from_points(corners);
+        let widths = std::array::from_fn(|k| sub_up(bare.max[k], bare.min[k]));
+        Self { radius, widths, off: piece.off }
+    }
+
+    /// On which sides of a primitive and of its complement the piece is.
+    fn sides(&self, slope: &DualRange, at_corners: &CornerValues) -> LiteralSides {
+        let by_range = LiteralSides::from_range(&slope.value);
+        let Some(gradient) = slope.gradient.filter(|_| by_range.is_open()) else { return by_range };
+        let half_widths = gradient.map(|d| mul_up(0.5, sub_up(d.hi(), d.lo())));
+        let by_radius = mul_up(length_up(half_widths), self.radius);
+        let sum = (0..3).fold(0.0, |sum, k| add_up(sum, mul_up(half_widths[k], self.widths[k])));
+        let by_widths = mul_up(0.5, sum);
+        let stray = if by_widths < by_radius { by_widths } else { by_radius };
+        let steep = gradient.iter().fold(0.0, |sum, d| add_up(sum, d.magnitude()));
+        let stray = add_up(stray, mul_up(steep, self.off));
+        let low = at_corners.iter().fold(f64::INFINITY, |low, [a, _]| if *a < low { *a } else { low });
+        let high =
+            at_corners.iter().fold(f64::NEG_INFINITY, |high, [_, b]| if *b > high { *b } else { high });
+        if add_down(low, -stray) > 0.0 {
+            LiteralSides::OUTSIDE
+        } else if add_up(high, stray) < 0.0 {
+            LiteralSides::INSIDE
+        } else {
+            by_range
+        }
+    }
+}
+
+/// About the centre of the smallest ball around a triangle.
+fn centre(corners: &[[f64; 3]; 3]) -> [f64; 3] {
+    let squares: [f64; 3] = std::array::from_fn(|k| {
+        let d = difference(corners[(k + 1) % 3], corners[(k + 2) % 3]);
+        dot(d, d)
+    });
+    // Barycentric coordinates of the circumcentre; one is negative where the angle is obtuse.
+    let weights: [f64; 3] =
+        std::array::from_fn(|k| squares[k] * (squares[(k + 1) % 3] + squares[(k + 2) % 3] - squares[k]));
+    let sum = weights[0] + weights[1] + weights[2];
+    if weights.iter().all(|w| *w > 0.0) && sum.is_normal() {
+        let weights = weights.map(|w| w / sum);
+        return std::array::from_fn(|k| (0..3).fold(0.0, |x, i| x + weights[i] * corners[i][k]));
+    }
+    let cut = longest_side(corners);
+    std::array::from_fn(|k| 0.5 * corners[cut][k] + 0.5 * corners[(cut + 1) % 3][k])
+}

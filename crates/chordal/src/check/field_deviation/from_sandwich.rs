@@ -1,0 +1,162 @@
+//! The deviation of a closed mesh by its judge: the bound from the sandwich, the lower ends from points.
+use super::probe::probe_distances;
+use super::prover::{SandwichProver, SandwichVerdict};
+use super::sandwich::SandwichGoal;
+use super::surface_ball::project_to_surface;
+use super::{FieldDeviation, FieldDeviationSearch, larger, leaf_failure};
+use crate::budget::{Bound, JobError, Reference};
+use crate::check::deviation::OneSidedDistance;
+use crate::explicit::Bvh;
+use crate::implicit::Csg;
+use crate::math::sub_down;
+
+/// First margins of a sandwich, as shares of what samples ask for: with a limit, where a looser proof is
+/// quicker; and without, each smaller than the one before, until the goal is reached. Measured on a ball and
+/// a torus within a limit: 29 and 68 ranges a face with 1, 42 and 109 with a half, 63 and 182 with a quarter.
+const WITH_LIMIT: f64 = 1.0;
+const WITHOUT: [f64; 3] = [0.25, 1.0 / 16.0, 1.0 / 64.0];
+/// Faces at which lower ends are looked for: the worst ones; with a limit that is kept only a few, as nothing
+/// depends on it.
+const PROBED: [usize; 2] = [4, 32];
+
+/// The lower ends.
+#[derive(Clone, Copy)]
+struct LowerBounds {
+    forward: f64,
+    from_mesh: [f64; 3],
+    backward: f64,
+    from_field: [f64; 3],
+}
+
+/// The deviation of a closed mesh; none where it was not proved.
+pub(super) fn sandwich_deviation(
+    search: &FieldDeviationSearch,
+    bvh: &Bvh,
+) -> Result<Option<FieldDeviation>, JobError> {
+    let csg = Csg::from_graph(search.tape.graph());
+    let mut judge = SandwichProver::new(&csg, &search.bounds, search.job).map_err(leaf_failure)?;
+    let mut look = |limit: Option<f64>, margin: f64| -> Result<Option<SandwichVerdict>, JobError> {
+        search.check_cancelled()?;
+        let verdict = judge.prove(search.mesh, &SandwichGoal::new(limit, margin))?;
+        Ok(verdict.is_proved().then_some(verdict))
+    };
+    if let Some(max) = search.goal.max
+        && let Some(verdict) = look(Some(max.get()), WITH_LIMIT)?
+    {
+        let ends = lower_ends(search, &verdict, bvh, PROBED[0])?;
+        return Ok(conclusion(search, &csg, &verdict, &ends, bvh));
+    }
+    let mut best: Option<(SandwichVerdict, LowerBounds)> = None;
+    for margin in WITHOUT {
+        let Some(verdict) = look(None, margin)? else { break };
+        let ends = match &best {
+            Some((_, ends)) => *ends,
+            None => lower_ends(search, &verdict, bvh, PROBED[1])?,
+        };
+        let is_better = best.as_ref().is_none_or(|(best, _)| verdict.bound < best.bound);
+        if is_better {
+            best = Some((verdict, ends));
+        }
+        let bound = best.as_ref().map_or(f64::INFINITY, |(best, _)| best.bound);
+        let least = larger(ends.forward, ends.backward);
+        if bound <= search.sufficient_distance(least) || search.goal.max.is_some() || !is_better {
+            break;
+        }
+    }
+    Ok(best.and_then(|(verdict, ends)| conclusion(search, &csg, &verdict, &ends, bvh)))
+}
+
+/// The bound of a mesh that is proved; none where a lower end contradicts it.
+pub(super) fn bound_from_verdict(
+    search: &FieldDeviationSearch,
+    verdict: &SandwichVerdict,
+    bvh: &Bvh,
+) -> Result<Option<Bound>, JobError> {
+    let csg = Csg::from_graph(search.tape.graph());
+    let ends = lower_ends(search, verdict, bvh, PROBED[0])?;
+    Ok(conclusion(search, &csg, verdict, &ends, bvh).map(|found| found.bound))
+}
+
+/// How far points of the worst faces are from the surface at least, and points of the surface beside them
+/// from the mesh.
+fn lower_ends(
+    search: &FieldDeviationSearch,
+    verdict: &SandwichVerdict,
+    bvh: &Bvh,
+    n: usize,
+) -> Result<LowerBounds, JobError> {
+    let mut worst: Vec<usize> = (0..verdict.bounds.len()).collect();
+    let order = |a: &usize, b: &usize| verdict.bounds[*b].total_cmp(&verdict.bounds[*a]).then(a.cmp(b));
+    if worst.len() > n {
+        worst.select_nth_unstable_by(n, order);
+        worst.truncate(n);
+    }
+    worst.sort_unstable_by(order);
+    let centre = search.bounds.centre();
+    let mut ends = LowerBounds { forward: 0.0, from_mesh: centre, backward: 0.0, from_field: centre };
+    let middles: Vec<[f64; 3]> = worst.iter().map(|face| middle(&search.mesh.corners(*face))).collect();
+    let most: Vec<f64> = worst.iter().map(|face| verdict.bounds[*face]).collect();
+    for (p, probed) in
+        middles.iter().zip(probe_distances(&search.tape, &middles, &most).map_err(leaf_failure)?)
+    {
+        // A rounded middle is off the triangle by less than the floor.
+        let least = sub_down(probed.at_least, search.floor);
+        if least > ends.forward {
+            (ends.forward, ends.from_mesh) = (least, *p);
+        }
+    }
+    let mut starts = Vec::new();
+    let mut sizes = Vec::new();
+    for face in &worst {
+        let corners = search.mesh.corners(*face);
+        let side = |k: usize| -> [f64; 3] {
+            std::array::from_fn(|i| 0.5 * corners[k][i] + 0.5 * corners[(k + 1) % 3][i])
+        };
+        starts.extend([middle(&corners), side(0), side(1), side(2)]);
+        sizes.extend([verdict.bounds[*face]; 4]);
+    }
+    for witness in
+        project_to_surface(&search.tape, &starts, &sizes).map_err(leaf_failure)?.into_iter().flatten()
+    {
+        let Some(far) = bvh.closest_distance_down(witness.at) else { continue };
+        let least = sub_down(far, witness.within);
+        if least > ends.backward {
+            (ends.backward, ends.from_field) = (least, witness.at);
+        }
+    }
+    Ok(ends)
+}
+
+fn middle(corners: &[[f64; 3]; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| (corners[0][k] + corners[1][k] + corners[2][k]) / 3.0)
+}
+
+/// None where a lower end is above the verdict's bound: a promise of the field's was false then.
+fn conclusion(
+    search: &FieldDeviationSearch,
+    csg: &Csg,
+    verdict: &SandwichVerdict,
+    ends: &LowerBounds,
+    bvh: &Bvh,
+) -> Option<FieldDeviation> {
+    let least = larger(ends.forward, ends.backward);
+    if least > verdict.bound {
+        return None;
+    }
+    let nearest = |p: [f64; 3]| bvh.closest_point(p).map_or(p, |closest| closest.point);
+    let one_sided = |at_least: f64, from: [f64; 3], to: [f64; 3]| OneSidedDistance {
+        at_least,
+        at_most: verdict.bound,
+        from,
+        to,
+    };
+    let forward = one_sided(ends.forward, ends.from_mesh, ends.from_mesh);
+    let backward = one_sided(ends.backward, ends.from_field, nearest(ends.from_field));
+    let most = verdict.bound;
+    let evidence = search.evidence.weaker(&csg.evidence());
+    let mut bound = Bound::with_evidence(least, Some(most), evidence, Reference::Field);
+    bound.at = Some(if ends.backward > ends.forward { ends.from_field } else { ends.from_mesh });
+    let beyond = search.goal.max.is_some_and(|max| least > max.get());
+    let reached = most <= search.sufficient_distance(least) || beyond;
+    Some(FieldDeviation { bound, forward, backward, reached, unresolved: 0 })
+}

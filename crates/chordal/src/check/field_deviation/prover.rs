@@ -1,0 +1,192 @@
+//! `SandwichProver`: judges meshes against one field, from both sides at once.
+//!
+//! A [`Sandwich`] of two displaced copies of the mesh bounds both directions, provided that each component of
+//! the inside and of the outside is seen: that the outer copy winds once around a point of each inner one,
+//! and the inner copy not at all around one of each outer one. The cells of a [`FieldCover`] list such
+//! points.
+//!
+//! **Open cells.** A cell that the cover leaves open is as good as decided where the outer copy misses it and
+//! winds once around it, and the inner copy misses it and does not wind around it: a flow that ends in the
+//! cell ends in a component of A* around which the outer copy winds once, since it misses A*; likewise for
+//! B*. So where solids touch, cells between both copies settle it.
+use super::cover::{FieldCover, WindingProbe};
+use super::leaf_failure;
+use super::regions::SignRegions;
+use super::sandwich::{ClosedMesh, Sandwich, SandwichGoal};
+use super::separation::is_separated;
+use crate::budget::{Job, JobError};
+use crate::explicit::{Bvh, Enclosure, Mesh};
+use crate::implicit::{Csg, LeafError, Membership, PrimitiveEvaluator};
+use crate::math::Box3;
+
+/// What was found out about a mesh.
+#[derive(Clone, Debug)]
+pub(crate) struct SandwichVerdict {
+    /// Faces that were not proved to be within the limit, or any, for want of a copy of them outside, and
+    /// inside; ascending.
+    pub open: [Vec<u32>; 2],
+    /// By face, how far its points are from the surface at most, where it is not open.
+    pub bounds: Vec<f64>,
+    /// The largest of them.
+    pub bound: f64,
+    /// Points inside that the mesh does not wind around once, and points outside that it winds around.
+    pub wrong: Vec<WindingProbe>,
+    /// Places where a part of the surface could be hidden from the mesh.
+    pub unresolved: Vec<Box3>,
+}
+
+impl SandwichVerdict {
+    /// Of faces alone: nothing was looked at between copies.
+    fn from_faces(open: [Vec<u32>; 2], bounds: Vec<f64>) -> Self {
+        let bound = largest(&bounds);
+        Self { open, bounds, bound, wrong: Vec::new(), unresolved: Vec::new() }
+    }
+
+    /// A place where something is not proved, if anything is.
+    pub fn first_unproved_point(&self, mesh: &Mesh) -> Option<[f64; 3]> {
+        let face = self
+            .open
+            .iter()
+            .flatten()
+            .min()
+            .map(|face| Box3::from_points(&mesh.corners(*face as usize)).centre());
+        let unresolved = || self.unresolved.first().map(Box3::centre);
+        face.or_else(|| self.wrong.first().map(|point| point.at)).or_else(unresolved)
+    }
+
+    /// Whether the mesh and the surface are within the bound of each other.
+    pub fn is_proved(&self) -> bool {
+        self.open.iter().all(Vec::is_empty) && self.wrong.is_empty() && self.unresolved.is_empty()
+    }
+}
+
+/// Judges meshes against one field; the more, the cheaper each.
+pub(crate) struct SandwichProver<'a> {
+    evaluator: PrimitiveEvaluator<'a>,
+    cover: FieldCover,
+    regions: SignRegions,
+    job: &'a Job,
+}
+
+/// The first cover's cells are no smaller than this share of its cube: what is still open is looked at with
+/// the mesh. Chosen.
+const FIRST_FLOOR: f64 = 1.0 / 128.0;
+/// Cells between both copies are this share of their distance, which is up to twice the bound. Chosen: a cell of
+/// a quarter fits if it is not unlucky.
+const CELL_SHARE: f64 = 0.125;
+/// Where few are left, as about points where surfaces nearly touch, smaller ones show more.
+const LEAST_CELL_SHARE: f64 = 1.0 / 256.0;
+/// These are few. Chosen.
+const FEW_CELLS: usize = 4096;
+
+impl<'a> SandwichProver<'a> {
+    /// Ranges of primitives that were asked for so far.
+    #[cfg(test)]
+    pub fn n_boxes(&self) -> u64 {
+        self.evaluator.n_boxes()
+    }
+
+    /// Looks at the field.
+    pub fn new(csg: &'a Csg, bounds: &Box3, job: &'a Job) -> Result<Self, LeafError> {
+        let evaluator = PrimitiveEvaluator::new(csg, bounds, job);
+        let mut cover = FieldCover::new(&evaluator, bounds, job.memory_limit);
+        let domain = cover.domain();
+        let mut evaluator = PrimitiveEvaluator::new(csg, &domain, job);
+        let floor = FIRST_FLOOR * (domain.max[0] - domain.min[0]);
+        let mut regions = SignRegions::new(&evaluator, &domain, job.memory_limit);
+        cover.refine(&mut evaluator, &mut regions, |_, size| size > floor)?;
+        Ok(Self { evaluator, cover, regions, job })
+    }
+
+    /// Judges a mesh. All faces of one that is not closed are open: at each edge, by index or by position, as
+    /// many half-edges have to run one way as the other.
+    pub fn prove(&mut self, mesh: &Mesh, goal: &SandwichGoal) -> Result<SandwichVerdict, JobError> {
+        let verdict = self.prove_once(mesh, goal)?;
+        let is_hidden = verdict.open.iter().all(Vec::is_empty) && !verdict.unresolved.is_empty();
+        match goal.wider().filter(|_| is_hidden) {
+            Some(wider) => {
+                let wide = self.prove_once(mesh, &wider)?;
+                // Who splits faces may split those in the way of copies that are farther from each other.
+                let is_worth = goal.faces_first && !wide.open.iter().all(Vec::is_empty);
+                Ok(if wide.is_proved() || is_worth { wide } else { verdict })
+            }
+            None => Ok(verdict),
+        }
+    }
+
+    fn prove_once(&mut self, mesh: &Mesh, goal: &SandwichGoal) -> Result<SandwichVerdict, JobError> {
+        let Some(tied) = ClosedMesh::from_mesh(mesh) else {
+            let all: Vec<u32> = (0..mesh.faces().len() as u32).collect();
+            let bounds = vec![f64::INFINITY; all.len()];
+            let open = [all.clone(), all];
+            return Ok(SandwichVerdict::from_faces(open, bounds));
+        };
+        let sandwich =
+            Sandwich::build(&mut self.regions, &mut self.evaluator, &tied, goal).map_err(leaf_failure)?;
+        let is_closed = sandwich.open.iter().all(Vec::is_empty);
+        if !is_closed && goal.faces_first {
+            return Ok(SandwichVerdict::from_faces(sandwich.open, sandwich.bounds));
+        }
+        let bound = largest(&sandwich.bounds);
+        let copies: Vec<Mesh> = sandwich
+            .copies
+            .into_iter()
+            .map(|positions| Mesh::new(positions, mesh.faces().to_vec()).expect("displacements are finite"))
+            .collect();
+        let bvhs = [Bvh::build(&copies[0], self.job)?, Bvh::build(&copies[1], self.job)?];
+        let seen = SandwichCopies {
+            meshes: [&copies[0], &copies[1]],
+            bvhs: [&bvhs[0], &bvhs[1]],
+            enclosures: [Enclosure::new(&copies[0], &bvhs[0]), Enclosure::new(&copies[1], &bvhs[1])],
+        };
+        let mut refine = |share: f64| {
+            let is_worth = |bounds: &Box3, size: f64| size > share * bound && !seen.proves_cell(bounds);
+            self.cover.refine(&mut self.evaluator, &mut self.regions, is_worth).map_err(leaf_failure)?;
+            Ok::<usize, JobError>(self.cover.open.len())
+        };
+        if is_closed && refine(CELL_SHARE)? <= FEW_CELLS {
+            refine(LEAST_CELL_SHARE)?;
+        }
+        let open = self.cover.open.iter().map(|cell| self.cover.bounds_of(&self.cover.cells[*cell as usize]));
+        let unresolved = open.filter(|bounds| !seen.proves_cell(bounds)).collect();
+        let wrong = self.cover.winding_probes().into_iter().filter(|point| !seen.is_right(point)).collect();
+        Ok(SandwichVerdict { open: sandwich.open, bounds: sandwich.bounds, bound, wrong, unresolved })
+    }
+}
+
+fn largest(bounds: &[f64]) -> f64 {
+    bounds.iter().fold(0.0, |most, x| if *x > most { *x } else { most })
+}
+
+/// The outer and the inner copy.
+struct SandwichCopies<'a> {
+    meshes: [&'a Mesh; 2],
+    bvhs: [&'a Bvh; 2],
+    enclosures: [Enclosure<'a>; 2],
+}
+
+/// How often the outer copy winds around what is inside, and the inner one around what is outside.
+const WINDINGS: [f64; 2] = [1.0, 0.0];
+
+impl SandwichCopies<'_> {
+    fn winding(&self, copy: usize, at: [f64; 3]) -> f64 {
+        self.enclosures[copy].inside(at).winding.value
+    }
+
+    fn is_right(&self, point: &WindingProbe) -> bool {
+        let copy = usize::from(point.side == Membership::Outside);
+        self.winding(copy, point.at) == WINDINGS[copy]
+    }
+
+    /// Whether a cell is between both copies.
+    fn proves_cell(&self, bounds: &Box3) -> bool {
+        let centre = bounds.centre();
+        (0..2).all(|copy| {
+            let mut is_free = true;
+            self.bvhs[copy].faces_in_box(bounds, |face| {
+                is_free = is_free && is_separated(bounds, &self.meshes[copy].corners(face as usize));
+            });
+            is_free && self.winding(copy, centre) == WINDINGS[copy]
+        })
+    }
+}

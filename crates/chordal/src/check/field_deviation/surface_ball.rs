@@ -1,0 +1,188 @@
+//! Points that are surely on the surface of a field, to within a little.
+//!
+//! Between a point inside and a point outside the straight way meets the boundary of {F < 0}, whatever F does there: no
+//! slope and no continuity is asked for. So two such points, each with a sign that a range proves, make a ball around the middle
+//! of the way between them that holds a point of the surface; and no point of a triangle is farther from the surface than
+//! its farthest corner is from the middle of that ball, and then across it, because the distance to one point is convex.
+use super::from_mesh::{is_inside, is_outside};
+use super::slope::distance_up;
+use super::{larger, smaller};
+use crate::implicit::{Dual, LeafError, Tape};
+use crate::math::{Box3, Interval, add_up, mul_up};
+
+/// A ball with a point of the surface in it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SurfaceBall {
+    pub at: [f64; 3],
+    pub within: f64,
+}
+
+impl SurfaceBall {
+    /// How far a point of the surface is from `p` at most.
+    pub fn distance_up(&self, p: [f64; 3]) -> f64 {
+        add_up(distance_up(p, self.at), self.within)
+    }
+
+    /// No point of the triangle is farther from the surface.
+    pub fn farthest_of(&self, corners: &[[f64; 3]; 3]) -> f64 {
+        corners.iter().fold(0.0, |most, corner| larger(most, self.distance_up(*corner)))
+    }
+}
+
+/// Steps along the gradient.
+const STEPS: usize = 8;
+/// Each step goes this share too far, so that it ends on the other side of a surface that is nearly flat.
+const BEYOND: f64 = 1.05;
+/// Halvings of the way that was found.
+const HALVINGS: usize = 8;
+
+/// From each of some points to the surface along the gradient, step by step; none where that leads nowhere. `sizes` says for
+/// each point how long a step is worth while.
+pub(super) fn project_to_surface(
+    tape: &Tape,
+    points: &[[f64; 3]],
+    sizes: &[f64],
+) -> Result<Vec<Option<SurfaceBall>>, LeafError> {
+    let mut at: Vec<[f64; 3]> = points.to_vec();
+    let mut ways: Vec<Option<[[f64; 3]; 2]>> = vec![None; points.len()];
+    let mut open: Vec<usize> = (0..points.len()).collect();
+    let mut inside = vec![false; points.len()];
+    let mut before = at.clone();
+    let (mut here, mut slopes) = (Vec::new(), Vec::new());
+    for step in 0..STEPS {
+        if open.is_empty() {
+            break;
+        }
+        here.clear();
+        here.extend(open.iter().map(|k| at[*k]));
+        slopes.clear();
+        slopes.resize(here.len(), Dual { value: 0.0, gradient: [0.0; 3] });
+        tape.gradient_at(&here, &mut slopes)?;
+        let mut left = Vec::new();
+        for (k, slope) in open.iter().copied().zip(&slopes) {
+            let is_in = slope.value < 0.0;
+            if step == 0 {
+                inside[k] = is_in;
+            } else if is_in != inside[k] {
+                ways[k] = Some([before[k], at[k]]);
+                continue;
+            }
+            let steep = crate::math::length(slope.gradient);
+            let least = sizes[k] / 64.0;
+            let far = larger(BEYOND * slope.value.abs() / steep, least);
+            if far.is_finite() && steep > 0.0 {
+                let along = if is_in { far / steep } else { -far / steep };
+                before[k] = at[k];
+                at[k] = std::array::from_fn(|i| at[k][i] + along * slope.gradient[i]);
+                left.push(k);
+            }
+        }
+        open = left;
+    }
+    let some: Vec<usize> = (0..points.len()).filter(|k| ways[*k].is_some()).collect();
+    let some_ways: Vec<[[f64; 3]; 2]> = some.iter().filter_map(|k| ways[*k]).collect();
+    let mut out = vec![None; points.len()];
+    for (k, witness) in some.into_iter().zip(certify_brackets(tape, some_ways)?) {
+        out[k] = witness;
+    }
+    Ok(out)
+}
+
+/// Halves ways between opposite signs, and proves the signs of what is left.
+pub(super) fn certify_brackets(
+    tape: &Tape,
+    mut ways: Vec<[[f64; 3]; 2]>,
+) -> Result<Vec<Option<SurfaceBall>>, LeafError> {
+    let mut values = vec![0.0; ways.len()];
+    let starts: Vec<[f64; 3]> = ways.iter().map(|way| way[0]).collect();
+    tape.at(&starts, &mut values)?;
+    let first: Vec<bool> = values.iter().map(|value| *value < 0.0).collect();
+    for _ in 0..HALVINGS {
+        let middles: Vec<[f64; 3]> = ways.iter().map(middle).collect();
+        tape.at(&middles, &mut values)?;
+        for (k, value) in values.iter().enumerate() {
+            ways[k][usize::from((*value < 0.0) != first[k])] = middles[k];
+        }
+    }
+    let ends: Vec<Box3> = ways.iter().flatten().map(|p| Box3 { min: *p, max: *p }).collect();
+    let mut signs = vec![Interval::UNKNOWN; ends.len()];
+    tape.over(&ends, &mut signs)?;
+    // A point where F is 0 may be in a closed crack, with nothing of the surface about it.
+    let is_above = |sign: Interval| is_outside(sign) && sign.lo() > 0.0;
+    let sure = |signs: &[Interval]| {
+        is_inside(signs[0]) && is_above(signs[1]) || is_above(signs[0]) && is_inside(signs[1])
+    };
+    let ball = |way: &[[f64; 3]; 2]| {
+        let at = middle(way);
+        // The middle is rounded; the way lies within the farther of its ends.
+        SurfaceBall { at, within: larger(distance_up(at, way[0]), distance_up(at, way[1])) }
+    };
+    Ok(ways.iter().zip(signs.chunks_exact(2)).map(|(way, signs)| sure(signs).then(|| ball(way))).collect())
+}
+
+fn middle([a, b]: &[[f64; 3]; 2]) -> [f64; 3] {
+    std::array::from_fn(|k| 0.5 * a[k] + 0.5 * b[k])
+}
+
+/// Witnesses from all over the box, for what has none near.
+pub(super) struct SurfaceBalls(Vec<SurfaceBall>);
+
+/// Points along a side of the two lattices that signs are looked at on.
+const SIDES: [usize; 2] = [17, 65];
+/// Witnesses that are kept.
+const KEPT: usize = 512;
+
+impl SurfaceBalls {
+    /// Where neighbours on a lattice over the box have opposite signs.
+    pub fn sample_box(tape: &Tape, bounds: &Box3) -> Result<Self, LeafError> {
+        let mut all = Vec::new();
+        for n in SIDES {
+            let at = |k: usize, i: usize| {
+                let share = i as f64 / (n - 1) as f64;
+                (1.0 - share) * bounds.min[k] + share * bounds.max[k]
+            };
+            let points: Vec<[f64; 3]> =
+                (0..n * n * n).map(|i| [at(0, i % n), at(1, i / n % n), at(2, i / (n * n))]).collect();
+            let mut values = vec![0.0; points.len()];
+            tape.at(&points, &mut values)?;
+            let mut ways = Vec::new();
+            for i in 0..points.len() {
+                for (axis, stride) in [1, n, n * n].into_iter().enumerate() {
+                    if i / stride % n + 1 < n && (values[i] < 0.0) != (values[i + stride] < 0.0) {
+                        debug_assert!(points[i][axis] <= points[i + stride][axis]);
+                        ways.push([points[i], points[i + stride]]);
+                    }
+                }
+            }
+            let stride = ways.len().div_ceil(KEPT).max(1);
+            let ways = ways.into_iter().step_by(stride).collect();
+            all = certify_brackets(tape, ways)?.into_iter().flatten().collect();
+            if !all.is_empty() {
+                break;
+            }
+        }
+        Ok(Self(all))
+    }
+
+    /// The best one for a triangle.
+    pub fn nearest(&self, corners: &[[f64; 3]; 3]) -> Option<SurfaceBall> {
+        let mut best = (f64::INFINITY, None);
+        for witness in &self.0 {
+            let far = witness.farthest_of(corners);
+            if far < best.0 {
+                best = (far, Some(*witness));
+            }
+        }
+        best.1
+    }
+}
+
+/// The smaller of what is known and what a witness says.
+pub(super) fn min_with_ball(
+    known: f64,
+    witness: Option<SurfaceBall>,
+    corners: &[[f64; 3]; 3],
+    slack: f64,
+) -> f64 {
+    witness.map_or(known, |witness| smaller(known, add_up(witness.farthest_of(corners), mul_up(2.0, slack))))
+}

@@ -1,0 +1,114 @@
+//! The deviation of a triangle of a Loop cage from its limit surface.
+use super::limit_deviation::{DEEPEST, MOST_PIECES, NEAR, ROUNDINGS};
+use crate::explicit::InvalidCage;
+use crate::explicit::cage::limit::{ExtraordinaryTriangle, QUARTERS, Quartic, TrianglePatchTree};
+use crate::math::PriorityItem;
+use glam::DVec3;
+use std::collections::BinaryHeap;
+
+/// A subpatch of the surface and the corresponding part of the triangle.
+struct LoopSubpatch<'a> {
+    /// The part of its bound that is due to rounding.
+    off: f64,
+    depth: usize,
+    piece: LoopSubpatchKind<'a>,
+}
+
+enum LoopSubpatchKind<'a> {
+    /// The polynomial minus the triangle.
+    Difference(Box<Quartic>),
+    Extraordinary(&'a ExtraordinaryTriangle, [DVec3; 3]),
+}
+
+/// The largest distance between points of both with the same parameters: an upper bound, close to the least
+/// one known.
+pub(super) fn parametric_distance(
+    triangle: &TrianglePatchTree,
+    corners: [DVec3; 3],
+) -> Result<f64, InvalidCage> {
+    let mut open = BinaryHeap::new();
+    let mut least = 0.0_f64;
+    push(&mut open, triangle, (corners, 0), &mut least);
+    for _ in 0..MOST_PIECES {
+        let Some(worst) = open.pop() else { return Ok(0.0) };
+        let PriorityItem { bound, item: worst } = worst;
+        if bound <= NEAR * least + ROUNDINGS * worst.off || worst.depth > DEEPEST {
+            return Ok(bound);
+        }
+        let depth = worst.depth + 1;
+        match worst.piece {
+            LoopSubpatchKind::Difference(quartic) => {
+                for quarter in quartic.quarters() {
+                    open.push(difference(quarter, worst.off, (depth, &mut least)));
+                }
+            }
+            LoopSubpatchKind::Extraordinary(rough, [a, b, c]) => {
+                let at = |[u, v]: [f64; 2]| a + u * (b - a) + v * (c - a);
+                for (quarter, places) in rough.quarters()?.iter().zip(QUARTERS) {
+                    push(&mut open, quarter, (places.map(at), depth), &mut least);
+                }
+            }
+        }
+    }
+    Ok(open.pop().map_or(0.0, |worst| worst.bound))
+}
+
+fn push<'a>(
+    open: &mut BinaryHeap<PriorityItem<LoopSubpatch<'a>>>,
+    triangle: &'a TrianglePatchTree,
+    (corners, depth): ([DVec3; 3], usize),
+    least: &mut f64,
+) {
+    // The triangle's points are off by a dozen roundings of the largest coordinate.
+    let largest = corners.iter().fold(0.0_f64, |most, c| most.max(c.abs().max_element()));
+    let rounding = 64.0 * f64::EPSILON * largest;
+    match triangle {
+        TrianglePatchTree::Regular(polynomial) => {
+            let [a, b, c] = corners;
+            let mut quartic = polynomial.quartic;
+            let mut place = 0;
+            for k in 0..5 {
+                for j in 0..5 - k {
+                    let flat = a + 0.25 * (f64::from(j) * (b - a) + f64::from(k) * (c - a));
+                    quartic.control[place] = (DVec3::from(quartic.control[place]) - flat).into();
+                    place += 1;
+                }
+            }
+            open.push(difference(quartic, polynomial.off + rounding, (depth, least)));
+        }
+        TrianglePatchTree::Extraordinary(rough) => {
+            let far = |point: &[f64; 3]| {
+                let point = DVec3::from(*point);
+                corners.iter().fold(0.0_f64, |most, corner| most.max((point - *corner).length()))
+            };
+            let ring = rough.ring();
+            let off = 2.0 * ring.rounding() + rounding + 64.0 * f64::EPSILON * ring.size();
+            let bound = ring.hull().iter().fold(0.0_f64, |most, point| most.max(far(point))) + off;
+            for (place, corner) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].into_iter().zip(corners) {
+                if let Ok(jet) = rough.at(place.0, place.1) {
+                    *least = least.max((DVec3::from(jet.point) - corner).length());
+                }
+            }
+            open.push(PriorityItem {
+                bound,
+                item: LoopSubpatch { off, depth, piece: LoopSubpatchKind::Extraordinary(rough, corners) },
+            });
+        }
+    }
+}
+
+fn difference<'a>(
+    quartic: Quartic,
+    off: f64,
+    (depth, least): (usize, &mut f64),
+) -> PriorityItem<LoopSubpatch<'a>> {
+    let long = |at: &[f64; 3]| DVec3::from(*at).length();
+    let most = quartic.control.iter().fold(0.0_f64, |most, at| most.max(long(at)));
+    for at in [quartic.control[0], quartic.control[4], quartic.control[14], quartic.point([1.0 / 3.0; 2])] {
+        *least = least.max(long(&at));
+    }
+    PriorityItem {
+        bound: most + off,
+        item: LoopSubpatch { off, depth, piece: LoopSubpatchKind::Difference(Box::new(quartic)) },
+    }
+}

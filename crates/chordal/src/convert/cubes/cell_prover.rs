@@ -1,0 +1,488 @@
+//! `CellProver`: one cell at a time, how far its triangles and the interpolant's surface are from each other, by cutting both up.
+//!
+//! As in `bound.rs`, g is the interpolant minus the level, negative inside, and S the boundary of {g < 0} in the box of the lattice:
+//! where g is 0 in the box's inside, and where it is negative in a capped border. Beyond a capped border all is outside.
+//!
+//! **From S.** A box in a cell holds points of S only if the values of g at its corners are not all on one side, for g is a mean
+//! of them. The distance from such a box to the mesh is no more than that of its middle to some triangles and half of its
+//! diagonal. Boxes are halved until that is within what is aimed at. Squares in capped borders likewise.
+//!
+//! **From the mesh.** A piece of a triangle is within its radius of its middle q. Vertices are points of S, but for their margin and
+//! rounding. A point q' whose side is sure and another
+//! than that of q has a point of S between q and itself. Pieces are quartered until one is found that is near enough.
+//!
+//! **From below.** Two points whose sides are sure and different have a point of S between them; the distance of one of them to the
+//! triangles around, less that between the two, is a bound from below for the Hausdorff distance. Triangles of other cells than the
+//! 27 around are farther away than the width of a cell.
+//!
+//! A value of g is a mean of eight corners with at most a dozen roundings, each of at most half a unit in the last place of the
+//! largest corner: it is sure of its side beyond 64 of those units.
+use super::caps::{CapVertex, squares_of, triangles};
+use super::case_table::{EDGES, TABLE};
+use super::marching_cubes::vertex_at;
+use super::rule::{Border, Inside, LatticeTransform, Polygonize};
+use super::source::SampleSource;
+use crate::check::{distance_up, triangle_at_least};
+use crate::implicit::Affine3;
+use crate::math::{add_up, cross, dot, length, mul_up, sub_down};
+
+type TriangleCoords = [[f64; 3]; 3];
+
+/// The lattice, its surface and its mesh, by cells.
+pub(super) struct CellProver<'a> {
+    /// Without a type: this and the proof, compiled for each type of samples and for the finer lattice of each, were a sixth
+    /// of the crate's functions.
+    pub source: &'a dyn SampleSource,
+    pub rule: &'a Polygonize,
+    pub affine: &'a Affine3,
+    /// The longest diagonal of a cell, rounded up.
+    pub diagonal: f64,
+    /// How far vertices are from the interpolant's own zeros.
+    pub moved: f64,
+    /// How far rounding moves a point of space.
+    pub rounding: f64,
+    /// By how much every value may be off.
+    pub slack: f64,
+}
+
+/// g at the corners of a cell, and how large a value in it must be for its side to be sure.
+struct CellInterpolant {
+    g: [f64; 8],
+    off: f64,
+}
+
+/// A triangle of the mesh in indices and in space.
+struct CellTriangle {
+    index: TriangleCoords,
+    space: TriangleCoords,
+}
+
+/// More boxes or pieces than these are not looked at in one cell.
+const MOST: usize = 4096;
+/// Of a length rounded down or up: far more than its dozen roundings.
+const ABOVE: f64 = 1.0 + 64.0 * f64::EPSILON;
+
+impl CellInterpolant {
+    fn at(&self, [x, y, z]: [f64; 3]) -> f64 {
+        let g = &self.g;
+        let along = |c: usize| g[c] * (1.0 - x) + g[c + 1] * x;
+        let low = along(0) * (1.0 - y) + along(2) * y;
+        let high = along(4) * (1.0 - y) + along(6) * y;
+        low * (1.0 - z) + high * z
+    }
+
+    /// g at the corners of a box in the cell: [`CellInterpolant::at`] at each, with what they share computed once.
+    fn over(&self, low: [f64; 3], high: [f64; 3]) -> [f64; 8] {
+        let mixed = |a: f64, b: f64, t: f64| a * (1.0 - t) + b * t;
+        let g = &self.g;
+        let along: [f64; 8] =
+            std::array::from_fn(|c| mixed(g[c & 6], g[c | 1], if c & 1 == 0 { low[0] } else { high[0] }));
+        let across: [f64; 8] = std::array::from_fn(|c| {
+            mixed(along[c & 5], along[c | 2], if c & 2 == 0 { low[1] } else { high[1] })
+        });
+        std::array::from_fn(|c| {
+            mixed(across[c & 3], across[c | 4], if c & 4 == 0 { low[2] } else { high[2] })
+        })
+    }
+
+    fn gradient(&self, t: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|k| {
+            let (mut low, mut high) = (t, t);
+            (low[k], high[k]) = (0.0, 1.0);
+            self.at(high) - self.at(low)
+        })
+    }
+}
+
+impl CellProver<'_> {
+    fn corners(&self, [i, j, k]: [usize; 3]) -> CellInterpolant {
+        let flip = if self.rule.inside == Inside::High { -1.0 } else { 1.0 };
+        let g: [f64; 8] = std::array::from_fn(|c| {
+            let sample = self.source.at([i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)]);
+            flip * (self.rule.finite_sample(sample) - self.rule.level)
+        });
+        let most = g.iter().fold(0.0, |m: f64, x| if x.abs() > m { x.abs() } else { m });
+        // Of the roundings of a value, derived above; the smallest number stands for what underflows.
+        let off = add_up(mul_up(32.0 * f64::EPSILON, most), add_up(self.slack, f64::MIN_POSITIVE));
+        CellInterpolant { g, off }
+    }
+
+    /// The cell of a place between indices, and where in it that is.
+    fn locate(&self, p: [f64; 3]) -> ([usize; 3], [f64; 3]) {
+        let size = self.source.size();
+        let cell = [0, 1, 2].map(|k| (p[k] as usize).min(size[k] - 2));
+        (cell, [0, 1, 2].map(|k| p[k] - cell[k] as f64))
+    }
+
+    /// Whether a place is inside, where that is sure.
+    fn sure_side(&self, p: [f64; 3]) -> Option<bool> {
+        let size = self.source.size();
+        let mut beyond = false;
+        for k in 0..3 {
+            let ends = [p[k] < 0.0, p[k] > (size[k] - 1) as f64];
+            for end in (0..2).filter(|end| ends[*end]) {
+                if self.rule.border[k][end] == Border::Open {
+                    return None;
+                }
+                beyond = true;
+            }
+        }
+        if beyond {
+            return Some(false);
+        }
+        let (cell, t) = self.locate(p);
+        let corners = self.corners(cell);
+        let g = corners.at(t);
+        if g > corners.off {
+            Some(false)
+        } else if g < -corners.off {
+            Some(true)
+        } else {
+            None
+        }
+    }
+
+    /// The point of a place between indices.
+    fn point(&self, p: [f64; 3]) -> [f64; 3] {
+        let place = LatticeTransform::new(self.affine, self.rule.offset);
+        place.at([0, 1, 2].map(|k| place.global(k, 0) + p[k]))
+    }
+
+    /// How long a difference of places is in space, rounded up.
+    fn space_length(&self, d: [f64; 3]) -> f64 {
+        let steps = self.affine.steps();
+        let along = [0, 1, 2].map(|k| steps[0][k] * d[0] + steps[1][k] * d[1] + steps[2][k] * d[2]);
+        let size =
+            |k: usize| (steps[0][k] * d[0]).abs() + (steps[1][k] * d[1]).abs() + (steps[2][k] * d[2]).abs();
+        // Five roundings a coordinate, of no more than the sum of sizes.
+        let off = 8.0 * f64::EPSILON * (size(0) + size(1) + size(2));
+        (length(along) + off) * ABOVE
+    }
+
+    /// The triangles of a cell, those of its squares in capped borders included.
+    fn triangles(&self, cell: [usize; 3]) -> Vec<CellTriangle> {
+        let place = LatticeTransform::new(self.affine, self.rule.offset);
+        let mut signs = 0;
+        let corner = |c: usize| [cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)];
+        for c in 0..8 {
+            signs |= usize::from(self.rule.is_inside(self.source.at(corner(c)))) << c;
+        }
+        let vertex = |kind: usize, at: [usize; 3]| {
+            let mut index = at.map(|i| i as f64);
+            if kind < 3 {
+                let mut ahead = at;
+                ahead[kind] += 1;
+                index[kind] += self.rule.crossing(self.source.at(at), self.source.at(ahead));
+            }
+            (index, vertex_at(self.source, self.rule, &place, (kind, at)))
+        };
+        let piece =
+            |v: [([f64; 3], [f64; 3]); 3]| CellTriangle { index: v.map(|v| v.0), space: v.map(|v| v.1) };
+        let case = &TABLE.upright[signs];
+        let edge = |edge: u8| vertex(usize::from(edge / 4), corner(usize::from(EDGES[usize::from(edge)][0])));
+        let mut pieces: Vec<CellTriangle> =
+            case.corners[..usize::from(case.triangles)].iter().map(|t| piece(t.map(edge))).collect();
+        for square in squares_of(cell, self.source.size(), self.rule.border) {
+            let mut vertices = Vec::new();
+            let number = |spot: CapVertex| {
+                vertices.push(match spot {
+                    CapVertex::Corner(i) => vertex(3, square[i]),
+                    CapVertex::Side(i) => {
+                        let (a, b) = (square[i], square[(i + 1) % 4]);
+                        let axis = (0..3).find(|&k| a[k] != b[k]).unwrap_or(0);
+                        vertex(axis, if a[axis] < b[axis] { a } else { b })
+                    }
+                });
+                vertices.len() as u32 - 1
+            };
+            let mut faces = Vec::new();
+            triangles(square.map(|at| self.rule.is_inside(self.source.at(at))), number, |face| {
+                faces.push(face)
+            });
+            pieces.extend(faces.iter().map(|face| piece(face.map(|v| vertices[v as usize]))));
+        }
+        pieces
+    }
+
+    /// The triangles of a cell and of those around it.
+    fn neighbour_triangles(&self, cell: [usize; 3]) -> Vec<TriangleCoords> {
+        let size = self.source.size();
+        let span = |k: usize| cell[k].saturating_sub(1)..(cell[k] + 2).min(size[k] - 1);
+        let mut all = Vec::new();
+        for k in span(2) {
+            for j in span(1) {
+                all.extend(
+                    span(0).flat_map(|i| self.triangles([i, j, k]).into_iter().map(|piece| piece.space)),
+                );
+            }
+        }
+        all
+    }
+
+    /// How far the mesh and S are from each other where they pass a cell, rounding included: no more than `target` if that can be
+    /// shown, else what was reached, and never more than the diagonal.
+    pub fn cell_distance(&self, cell: [usize; 3], target: f64) -> f64 {
+        let own = self.triangles(cell);
+        let target = sub_down(target, mul_up(4.0, self.rounding));
+        let there = self.surface_to_mesh(cell, &own, target);
+        // Derived: points of a triangle are within 1/√3 of its longest side of a corner (Jung), which is a point of S.
+        let always = add_up(mul_up(0.577_351, self.diagonal), self.moved);
+        let back = if always <= target || there >= self.diagonal {
+            always
+        } else {
+            self.mesh_to_surface(cell, &own, target)
+        };
+        let most = add_up(if there > back { there } else { back }, mul_up(4.0, self.rounding));
+        if most < self.diagonal { most } else { self.diagonal }
+    }
+
+    fn surface_to_mesh(&self, cell: [usize; 3], own: &[CellTriangle], target: f64) -> f64 {
+        let corners = self.corners(cell);
+        let mut boxes = vec![([0.0; 3], 1.0, None)];
+        for square in squares_of(cell, self.source.size(), self.rule.border) {
+            let axis = (0..3).find(|&k| square.iter().all(|at| at[k] == square[0][k])).unwrap_or(0);
+            let mut low = [0.0; 3];
+            low[axis] = (square[0][axis] - cell[axis]) as f64;
+            boxes.push((low, 1.0, Some(axis)));
+        }
+        let mut around: Option<Vec<TriangleCoords>> = None;
+        let mut most = 0.0;
+        let mut looked_at = 0;
+        while let Some((low, side, flat)) = boxes.pop() {
+            looked_at += 1;
+            if looked_at > MOST || most >= self.diagonal {
+                return self.diagonal;
+            }
+            let high = [0, 1, 2].map(|k| if flat == Some(k) { low[k] } else { low[k] + side });
+            let values = corners.over(low, high);
+            let has_inside = !values.iter().all(|g| *g > corners.off);
+            let has_outside = flat.is_some() || !values.iter().all(|g| *g < -corners.off);
+            if !(has_inside && has_outside) {
+                continue;
+            }
+            let half = mul_up(0.5 * side, self.diagonal);
+            let middle = [0, 1, 2]
+                .map(|k| cell[k] as f64 + if flat == Some(k) { low[k] } else { low[k] + 0.5 * side });
+            let middle = self.point(middle);
+            let nearest = |least: f64, t: &TriangleCoords| {
+                let far = distance_up(middle, t);
+                if far < least { far } else { least }
+            };
+            let mut far = own.iter().map(|piece| &piece.space).fold(f64::INFINITY, nearest);
+            if add_up(far, half) > target && side <= 0.5 {
+                far = around.get_or_insert_with(|| self.neighbour_triangles(cell)).iter().fold(far, nearest);
+            }
+            let far = add_up(far, half);
+            // Boxes whose halves are far below the target, or a sixty-fourth of a cell, are not cut.
+            if far <= target || half < 0.125 * target || side < 1.0 / 32.0 {
+                most = if far > most { far } else { most };
+            } else {
+                let n = if flat.is_some() { 4 } else { 8 };
+                for c in 0..n {
+                    let mut next = low;
+                    let mut bit = c;
+                    for k in (0..3).filter(|k| flat != Some(*k)) {
+                        next[k] += 0.5 * side * (bit & 1) as f64;
+                        bit >>= 1;
+                    }
+                    boxes.push((next, 0.5 * side, flat));
+                }
+            }
+        }
+        most
+    }
+
+    fn mesh_to_surface(&self, cell: [usize; 3], own: &[CellTriangle], target: f64) -> f64 {
+        let mut most = 0.0;
+        let mut looked_at = 0;
+        let mut pieces: Vec<(TriangleCoords, u32)> = own.iter().map(|piece| (piece.index, 0)).collect();
+        while let Some((piece, depth)) = pieces.pop() {
+            looked_at += 1;
+            if looked_at > MOST || most >= self.diagonal {
+                return self.diagonal;
+            }
+            let [a, b, c] = piece;
+            let middle = [0, 1, 2].map(|k| (a[k] + b[k] + c[k]) / 3.0);
+            let radius = piece
+                .map(|v| self.space_length([0, 1, 2].map(|k| v[k] - middle[k])))
+                .into_iter()
+                .fold(0.0, |m, r| if r > m { r } else { m });
+            let reach = sub_down(target, radius);
+            let vertices = own.iter().flat_map(|piece| piece.index);
+            let nearest = vertices
+                .map(|v| self.space_length([0, 1, 2].map(|k| v[k] - middle[k])))
+                .fold(f64::INFINITY, least);
+            let nearest = add_up(nearest, self.moved);
+            let found = match reach > 0.0 {
+                true if nearest <= reach => Some(nearest),
+                true => self.distance_within(cell, middle, reach),
+                false => None,
+            };
+            if let Some(far) = found {
+                let far = add_up(far, radius);
+                most = if far > most { far } else { most };
+            } else if depth < 5 {
+                let half = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|k| 0.5 * (a[k] + b[k]));
+                let (ab, bc, ca) = (half(a, b), half(b, c), half(c, a));
+                for part in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
+                    pieces.push((part, depth + 1));
+                }
+            } else {
+                return self.diagonal;
+            }
+        }
+        most
+    }
+
+    /// How far S is from a place, if it is found within `reach`.
+    fn distance_within(&self, cell: [usize; 3], from: [f64; 3], reach: f64) -> Option<f64> {
+        let here = self.sure_side(from);
+        let mut most = 0.0;
+        for inside in [true, false].into_iter().filter(|inside| here != Some(*inside)) {
+            let far = self.distance_to_side(cell, from, (inside, reach))?;
+            most = if far > most { far } else { most };
+        }
+        Some(most)
+    }
+
+    /// How far a place on one side is from another, if that is within `reach`.
+    fn distance_to_side(
+        &self,
+        cell: [usize; 3],
+        from: [f64; 3],
+        (inside, reach): (bool, f64),
+    ) -> Option<f64> {
+        let corners = self.corners(cell);
+        let t = [0, 1, 2].map(|k| from[k] - cell[k] as f64);
+        let slope = corners.gradient(t);
+        let sign = if inside { -1.0 } else { 1.0 };
+        let at = |d: [f64; 3], long: f64| -> Option<f64> {
+            let unit = self.space_length(d);
+            let scale = long / unit;
+            let d = d.map(|x| x * scale);
+            let there = [0, 1, 2].map(|k| from[k] + d[k]);
+            (scale.is_finite() && self.sure_side(there) == Some(inside)).then(|| self.space_length(d) * ABOVE)
+        };
+        let uphill = slope.map(|x| sign * x);
+        // A step of Newton's, and a little more.
+        let square = dot(slope, slope);
+        let newton = self.space_length(uphill) * corners.at(t).abs() / square * 1.0625;
+        // Inside by far more than what rounding adds to a length.
+        let share = |part: f64| part * reach * (1.0 - 1024.0 * f64::EPSILON);
+        if newton <= share(1.0)
+            && let Some(far) = at(uphill, newton)
+        {
+            return Some(far);
+        }
+        for part in [1.0, 0.5, 0.25] {
+            if let Some(far) = at(uphill, share(part)) {
+                return Some(far);
+            }
+            for k in 0..3 {
+                for way in [1.0, -1.0] {
+                    let mut d = [0.0; 3];
+                    d[k] = way;
+                    if let Some(far) = at(d, share(part)) {
+                        return Some(far);
+                    }
+                }
+            }
+        }
+        None
+    }
+
+    /// A point of S that is far from the mesh: how far at least, and the point. `None` when none is found that is farther than
+    /// `known`.
+    pub fn witness(&self, cell: [usize; 3], known: f64) -> Option<(f64, [f64; 3])> {
+        const PARTS: usize = 4;
+        let corners = self.corners(cell);
+        let own = self.triangles(cell);
+        let mut found: Vec<(f64, [f64; 3])> = Vec::new();
+        for n in 0..PARTS * PARTS * PARTS {
+            let part = [n % PARTS, n / PARTS % PARTS, n / (PARTS * PARTS)];
+            let mut t = part.map(|i| (i as f64 + 0.5) / PARTS as f64);
+            for _ in 0..3 {
+                let (g, slope) = (corners.at(t), corners.gradient(t));
+                let step = g / dot(slope, slope);
+                // Not out of the part by more than itself: the same point is found from elsewhere.
+                t = [0, 1, 2].map(|k| {
+                    let (low, high) = (part[k] as f64 - 0.5, part[k] as f64 + 1.5);
+                    let x = t[k] - step * slope[k];
+                    let x = if x > low / PARTS as f64 { x } else { low / PARTS as f64 };
+                    let x = if x < high / PARTS as f64 { x } else { high / PARTS as f64 };
+                    x.clamp(0.0, 1.0)
+                });
+            }
+            let slope = corners.gradient(t);
+            // Not a root, measured: a millionth of what the slope would make of a cell.
+            let is_root = corners.at(t).abs() <= 1e-6 * dot(slope, slope).sqrt();
+            if !is_root {
+                continue;
+            }
+            let at = [0, 1, 2].map(|k| cell[k] as f64 + t[k]);
+            let p = self.point(at);
+            let far = own.iter().map(|piece| distance_up(p, &piece.space)).fold(f64::INFINITY, least);
+            if far > known {
+                found.push((far, at));
+            }
+        }
+        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut best: Option<(f64, [f64; 3])> = None;
+        let mut around: Option<Vec<TriangleCoords>> = None;
+        for (far, at) in found.into_iter().take(8) {
+            let known = best.map_or(known, |best| best.0);
+            if far <= known {
+                break;
+            }
+            let around = around.get_or_insert_with(|| self.neighbour_triangles(cell));
+            let p = self.point(at);
+            let far = around.iter().map(|t| triangle_at_least(p, *t)).fold(self.narrowest(), least);
+            let Some(apart) = (far > known).then(|| self.bracket(cell, at)).flatten() else { continue };
+            let far = sub_down(far, add_up(apart, mul_up(4.0, self.rounding)));
+            if far > known {
+                best = Some((far, p));
+            }
+        }
+        best
+    }
+
+    /// How far from a place there is a point of S, by two points of different sides; for places that are all but on it.
+    fn bracket(&self, cell: [usize; 3], at: [f64; 3]) -> Option<f64> {
+        let slope = self.corners(cell).gradient([0, 1, 2].map(|k| at[k] - cell[k] as f64));
+        let size = self.source.size();
+        let along = dot(slope, slope).sqrt();
+        // Exact powers of two, from a trillionth of a cell to a thousandth.
+        let mut step = 1.0 / 1_099_511_627_776.0;
+        while step < 1.0 / 1024.0 {
+            let ends = [1.0, -1.0].map(|way| [0, 1, 2].map(|k| at[k] + way * step * (slope[k] / along)));
+            let within = |p: &[f64; 3]| (0..3).all(|k| p[k] >= 0.0 && p[k] <= (size[k] - 1) as f64);
+            if ends.iter().all(within)
+                && self.sure_side(ends[0]) == Some(false)
+                && self.sure_side(ends[1]) == Some(true)
+            {
+                let d = [0, 1, 2].map(|k| ends[0][k] - ends[1][k]);
+                return Some(self.space_length(d));
+            }
+            step *= 8.0;
+        }
+        None
+    }
+
+    /// The smallest distance between opposite faces of a cell, rounded down.
+    fn narrowest(&self) -> f64 {
+        let [a, b, c] = self.affine.steps();
+        let volume = dot(a, cross(b, c)).abs();
+        let widest = [cross(b, c), cross(c, a), cross(a, b)]
+            .map(length)
+            .into_iter()
+            .fold(0.0, |m, l| if l > m { l } else { m });
+        // A determinant loses what cancels in it: of the size of all its products.
+        let size = length(a) * length(b) * length(c);
+        let width = (volume - 32.0 * f64::EPSILON * size) / (widest * ABOVE);
+        if width > 0.0 { width } else { 0.0 }
+    }
+}
+
+fn least(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}

@@ -1,0 +1,85 @@
+//! Whether faces that come would meet others: exact tests of triangles whose boxes meet.
+use super::SurfaceImprover;
+use super::face_tree::{FaceBox, FaceTree};
+use crate::budget::par_map;
+use crate::check::triangles_intersect;
+use glam::DVec3;
+
+/// Faces in one task.
+const CHUNK: usize = 1024;
+
+/// Triangles with the vertices of their corners.
+pub(super) type IndexedTriangles = [([u32; 3], [DVec3; 3])];
+
+impl SurfaceImprover<'_> {
+    pub(super) fn rebuild_tree(&mut self) {
+        let mut faces: Vec<(u32, FaceBox)> = (0..self.surface.face_slots() as u32)
+            .filter(|f| self.surface.has_face(*f))
+            .map(|f| (f, FaceBox::from_points(&self.points(f))))
+            .collect();
+        self.tree = FaceTree::build(&mut faces, self.surface.face_slots());
+    }
+
+    /// Builds the tree again where many of its faces are gone or new: its boxes say little then.
+    pub(super) fn refresh_tree(&mut self) {
+        let (now, then) = (self.surface.n_faces(), self.tree.n_built());
+        if 4 * now < 3 * then || now > 2 * then {
+            self.rebuild_tree();
+        }
+    }
+
+    /// After a face has moved.
+    pub(super) fn grow_tree(&mut self, face: u32) {
+        let bounds = FaceBox::from_points(&self.points(face));
+        self.tree.update(face, &bounds);
+    }
+
+    /// After the next face was made.
+    pub(super) fn add_to_tree(&mut self, face: u32, beside: u32) {
+        let bounds = FaceBox::from_points(&self.points(face));
+        self.tree.add(beside, &bounds);
+    }
+
+    /// The faces of a list that meet others.
+    pub(super) fn find_crossing(&self, faces: &[u32]) -> Vec<u32> {
+        let chunks: Vec<&[u32]> = faces.chunks(CHUNK).collect();
+        let crosses = |face: &u32| {
+            let own = [(self.surface.corners(*face), self.points(*face))];
+            self.meets_any(&own, &[*face])
+        };
+        let of_chunk = |_, part: &&[u32]| part.iter().copied().filter(crosses).collect::<Vec<u32>>();
+        par_map(self.job, &chunks, of_chunk).concat()
+    }
+
+    /// Whether triangles that come would meet faces that stay, or each other. Exact.
+    pub(super) fn crosses(&mut self, new: &IndexedTriangles, gone: &[u32]) -> bool {
+        self.counts.sheet_tests += 1;
+        let refused = self.meets_any(new, gone);
+        self.counts.sheet_refusals += usize::from(refused);
+        refused
+    }
+
+    fn meets_any(&self, new: &IndexedTriangles, gone: &[u32]) -> bool {
+        let boxes: Vec<FaceBox> = new.iter().map(|(_, points)| FaceBox::from_points(points)).collect();
+        let whole = boxes.iter().fold(FaceBox::EMPTY, |all, one| all.union(*one));
+        let mut found = false;
+        self.tree.for_each_near(&whole, |face| {
+            if found || !self.surface.has_face(face) || gone.contains(&face) {
+                return;
+            }
+            let (ids, points) = (self.surface.corners(face), self.points(face));
+            let bounds = FaceBox::from_points(&points);
+            for ((new_ids, new_points), new_bounds) in new.iter().zip(&boxes) {
+                found |= new_bounds.meets(&bounds) && faces_intersect([*new_ids, ids], [new_points, &points]);
+            }
+        });
+        found
+            || new.iter().enumerate().any(|(k, (ids, points))| {
+                new[..k].iter().any(|(other_ids, other)| faces_intersect([*ids, *other_ids], [points, other]))
+            })
+    }
+}
+
+fn faces_intersect(ids: [[u32; 3]; 2], [a, b]: [&[DVec3; 3]; 2]) -> bool {
+    triangles_intersect(ids, [a.map(|p| p.to_array()), b.map(|p| p.to_array())])
+}

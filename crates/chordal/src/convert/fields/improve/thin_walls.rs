@@ -1,0 +1,197 @@
+//! Where another sheet is nearer than the tolerance: there the aim is a share of that distance.
+use super::face_tree::FaceBox;
+use super::{FaceLabel, SurfaceImprover, area_normal};
+use crate::budget::par_map;
+use crate::implicit::LeafError;
+use glam::DVec3;
+use std::collections::HashMap;
+
+/// The aim as a share of the distance to the other sheet: copies of a surface displaced by as much must not meet.
+const OF_WALL: f64 = 0.4;
+/// Walls are left alone where the aim would be a smaller share of what it is elsewhere: sheets that touch
+/// would be split without end.
+const LEAST: f64 = 1.0 / 256.0;
+/// Walls are looked for within this share of the reach first, where the faces around a vertex are smaller. Chosen.
+const FIRST: f64 = 1.0 / 64.0;
+/// Beyond more faces than these no walls are looked for. Chosen: within a coarse tolerance there may be most of the
+/// surface.
+const CROWD: usize = 1024;
+/// Vertices in one task.
+const CHUNK: usize = 1024;
+/// The cosine of normals that face away from each other.
+const OPPOSITE: f64 = -0.5;
+/// A face in more cubes than this is taken to be near everywhere. Chosen: such faces are few.
+const MANY: i64 = 64;
+
+impl SurfaceImprover<'_> {
+    /// Lowers the aim at vertices where a sheet that faces the other way is near. Sheets that join in a
+    /// crease are none: they come as near as one likes.
+    pub(super) fn aim_at_walls(&mut self) -> Result<(), LeafError> {
+        let joined = self.joined_labels();
+        let reach = self.aim / OF_WALL;
+        let vertices: Vec<u32> =
+            (0..self.surface.vertex_slots() as u32).filter(|v| self.surface.has_vertex(*v)).collect();
+        let chunks: Vec<&[u32]> = vertices.chunks(CHUNK).collect();
+        let near = self.labels_by_cube(reach);
+        let open = par_map(self.job, &chunks, |_, part| {
+            let is_alone = |v: u32| near.around(self.at(v)).all(|label| self.joins(v, label, &joined));
+            let first = |v: &u32| {
+                let size = self.size_around(*v, &self.position);
+                (*v, if size > FIRST * reach { size } else { FIRST * reach })
+            };
+            part.iter().filter(|v| !is_alone(**v)).map(first).collect::<Vec<(u32, f64)>>()
+        });
+        // First about as far as the faces around a vertex reach, then farther, until something is found.
+        let mut open = open.concat();
+        while !open.is_empty() {
+            let chunks: Vec<&[(u32, f64)]> = open.chunks(CHUNK).collect();
+            let found = par_map(self.job, &chunks, |_, part| {
+                let look = |(v, size): &(u32, f64)| {
+                    self.labels_across(*v, if *size < reach { *size } else { reach }, &joined)
+                };
+                part.iter().map(look).collect::<Vec<OpposingFaces>>()
+            })
+            .concat();
+            let by_vertex = open.iter().zip(&found);
+            let across: Vec<(u32, FaceLabel)> =
+                by_vertex.flat_map(|((v, _), found)| found.labels.iter().map(|label| (*v, *label))).collect();
+            self.aim_below(&across)?;
+            let left =
+                open.into_iter().zip(found).filter(|((_, size), found)| *size < reach && !found.is_enough());
+            open = left.map(|((v, size), _)| (v, 2.0 * size)).collect();
+        }
+        Ok(())
+    }
+
+    /// Lowers the aim at vertices to a share of their distance from primitives, where these face away.
+    fn aim_below(&mut self, across: &[(u32, FaceLabel)]) -> Result<(), LeafError> {
+        let asks: Vec<_> = across.iter().map(|(v, label)| (*label, self.at(*v))).collect();
+        let samples = self.sample(&asks)?;
+        for ((v, _), sample) in across.iter().zip(samples) {
+            let faces_away = self.constraints_of(*v).iter().any(|on| on.normal.dot(sample.normal) < OPPOSITE);
+            let aim = OF_WALL * sample.distance.abs();
+            if faces_away && aim > LEAST * self.aim && aim < self.aim_at[*v as usize] {
+                self.aim_at[*v as usize] = aim;
+            }
+        }
+        Ok(())
+    }
+
+    /// Pairs of labels that meet in creases, sorted.
+    fn joined_labels(&self) -> Vec<[FaceLabel; 2]> {
+        let pair = |h: u32| {
+            let (a, b) = (self.label_of(h), self.label_of(self.surface.twin(h)));
+            if a < b { [a, b] } else { [b, a] }
+        };
+        let mut pairs: Vec<[FaceLabel; 2]> = self.edges().filter(|h| self.is_crease(*h)).map(pair).collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs
+    }
+
+    /// Whether a label is one of a vertex, or joins one in a crease.
+    fn joins(&self, v: u32, label: FaceLabel, joined: &[[FaceLabel; 2]]) -> bool {
+        let joins = |other: FaceLabel| {
+            let pair = if label < other { [label, other] } else { [other, label] };
+            label == other || joined.binary_search(&pair).is_ok()
+        };
+        self.constraints_of(v).iter().any(|on| joins(on.label))
+    }
+
+    /// The labels of the faces in each cube of a lattice with this step.
+    fn labels_by_cube(&self, step: f64) -> CubeLabels {
+        let mut all = CubeLabels { step, cubes: HashMap::new(), everywhere: Vec::new() }; // No order depends on it.
+        for face in (0..self.surface.face_slots() as u32).filter(|f| self.surface.has_face(*f)) {
+            let points = self.points(face);
+            let low = all.cube(points[0].min(points[1]).min(points[2]));
+            let high = all.cube(points[0].max(points[1]).max(points[2]));
+            all.add(self.label[face as usize], low, high);
+        }
+        all
+    }
+
+    /// The primitives of faces within reach of a vertex that face the other way, and do not join its own in
+    /// creases.
+    fn labels_across(&self, v: u32, reach: f64, joined: &[[FaceLabel; 2]]) -> OpposingFaces {
+        let mut across = OpposingFaces { labels: Vec::new(), n_faces: 0 };
+        let at = self.at(v);
+        let on = self.constraints_of(v);
+        // Labels that join its own, and need not be looked at again.
+        let mut beside: Vec<FaceLabel> = on.iter().map(|on| on.label).collect();
+        self.tree.for_each_near(&FaceBox { min: at - reach, max: at + reach }, |face| {
+            across.n_faces += 1;
+            let label = self.label[face as usize];
+            if beside.contains(&label) || across.labels.contains(&label) {
+                return;
+            }
+            if self.joins(v, label, joined) {
+                beside.push(label);
+                return;
+            }
+            let normal = area_normal(self.points(face));
+            if on.iter().any(|on| on.normal.dot(normal) < OPPOSITE * normal.length()) {
+                across.labels.push(label);
+            }
+        });
+        across
+    }
+}
+
+/// What is near a vertex.
+#[derive(Clone)]
+struct OpposingFaces {
+    /// The labels of sheets that face the other way.
+    labels: Vec<FaceLabel>,
+    /// All faces.
+    n_faces: usize,
+}
+
+impl OpposingFaces {
+    /// Whether what is farther away is no wall of the vertex.
+    fn is_enough(&self) -> bool {
+        !self.labels.is_empty() || self.n_faces > CROWD
+    }
+}
+
+/// The labels of faces by cubes.
+struct CubeLabels {
+    step: f64,
+    // Only looked up, never walked through.
+    cubes: HashMap<[i64; 3], Vec<FaceLabel>>, // No order depends on it.
+    /// Of faces that are in many.
+    everywhere: Vec<FaceLabel>,
+}
+
+impl CubeLabels {
+    fn cube(&self, at: DVec3) -> [i64; 3] {
+        at.to_array().map(|x| (x / self.step).floor() as i64)
+    }
+
+    fn add(&mut self, label: FaceLabel, low: [i64; 3], high: [i64; 3]) {
+        let n = (0..3).map(|k| high[k].saturating_sub(low[k]).saturating_add(1)).fold(1, i64::saturating_mul);
+        if n > MANY {
+            if !self.everywhere.contains(&label) {
+                self.everywhere.push(label);
+            }
+            return;
+        }
+        for z in low[2]..=high[2] {
+            for y in low[1]..=high[1] {
+                for x in low[0]..=high[0] {
+                    let labels = self.cubes.entry([x, y, z]).or_default();
+                    if !labels.contains(&label) {
+                        labels.push(label);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The labels of all faces that come as near to a point as a step.
+    fn around(&self, at: DVec3) -> impl Iterator<Item = FaceLabel> + '_ {
+        let [x, y, z] = self.cube(at);
+        let beside = (0..27).map(move |k| [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1]);
+        let labels = beside.filter_map(|cube| self.cubes.get(&cube)).flatten();
+        labels.chain(&self.everywhere).copied()
+    }
+}

@@ -1,0 +1,196 @@
+//! `PatchAdjacency`: which sides of which patches are the same curve, and which corners are therefore the same vertex.
+//!
+//! Two sides are the same curve when their four control points are equal, run forwards or backwards. Corners are
+//! joined only along shared curves (and along sides that are one point): patches that merely touch in a point stay
+//! apart, so that no vertex becomes non-manifold.
+use crate::explicit::{Bezier, DisjointSets, Patch, PatchSide};
+use std::cmp::Ordering;
+
+/// One boundary curve, in one of its directions.
+pub(crate) struct PatchEdge {
+    /// Corner vertices at its start and end.
+    pub(crate) ends: [u32; 2],
+    /// Patch sides that are this curve.
+    pub(crate) uses: Vec<PatchEdgeUse>,
+    /// Fewest segments that keep its vertices apart from those of other curves.
+    pub(crate) min_segments: u32,
+}
+
+/// A side of a sheet that is a shared curve, or has it in it.
+#[derive(Clone, Copy)]
+pub(crate) struct PatchEdgeUse {
+    pub(crate) sheet: u32,
+    pub(crate) side: PatchSide,
+    /// Whether the side runs against the curve.
+    pub(crate) reversed: bool,
+}
+
+/// What a sheet finds on one of its sides.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum SideBoundary {
+    /// All control points are equal: the side is its corner vertex.
+    Point,
+    /// An edge of the quilt.
+    Edge { edge: u32, reversed: bool },
+    /// Two edges, each over half of the side, by rising parameter; no tile reaches over its middle.
+    Halves([(u32, bool); 2]),
+}
+
+/// How the two curves meet that meet at the corner of a patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum PatchCorner {
+    /// Nowhere else.
+    Plain,
+    /// At the corner of another patch as well: the chord across the corner would be one edge for both patches.
+    Whole,
+    /// They are one curve, folded around the corner: the vertex next to the corner is one for both sides.
+    Folded,
+}
+
+/// The patches' sides and corners, identified.
+pub(crate) struct PatchAdjacency {
+    pub(crate) edges: Vec<PatchEdge>,
+    /// By patch and side.
+    pub(crate) sides: Vec<[SideBoundary; 4]>,
+    /// By patch and corner (0,0), (1,0), (1,1), (0,1): the corner vertex.
+    pub(crate) corners: Vec<[u32; 4]>,
+    /// By patch and corner: how the two curves meet there.
+    pub(crate) corner_kinds: Vec<[PatchCorner; 4]>,
+    /// The positions of the corner vertices.
+    pub(crate) corner_positions: Vec<[f64; 3]>,
+}
+
+impl PatchAdjacency {
+    /// Finds shared curves by sorting: O(n log n) for n patches.
+    pub(crate) fn new(patches: &[Patch]) -> Self {
+        let mut edges = collect_edges(patches);
+        let mut seams = vec![[SideBoundary::Point; 4]; patches.len()];
+        let mut classes = DisjointSets::new(4 * patches.len());
+        for (index, edge) in edges.iter().enumerate() {
+            let first = use_ends(edge.uses[0]);
+            for &used in &edge.uses {
+                seams[used.sheet as usize][used.side as usize] =
+                    SideBoundary::Edge { edge: index as u32, reversed: used.reversed };
+                let ends = use_ends(used);
+                classes.union(first[0], ends[0]);
+                classes.union(first[1], ends[1]);
+            }
+        }
+        for (patch, seam) in seams.iter().enumerate() {
+            for side in PatchSide::ALL {
+                if matches!(seam[side as usize], SideBoundary::Point) {
+                    let [a, b] = side_corners(patch as u32, side);
+                    classes.union(a, b);
+                }
+            }
+        }
+        let (number, count) = classes.labels();
+        let mut corner_positions = vec![[0.0; 3]; count];
+        let corners: Vec<[u32; 4]> =
+            (0..patches.len()).map(|p| std::array::from_fn(|k| number[4 * p + k])).collect();
+        for (patch, ids) in patches.iter().zip(&corners) {
+            for (side, id) in PatchSide::ALL.into_iter().zip(ids) {
+                corner_positions[*id as usize] = patch.side(side).control[0];
+            }
+        }
+        for edge in &mut edges {
+            edge.ends = use_ends(edge.uses[0]).map(|corner| number[corner as usize]);
+        }
+        let meetings = classify_corners(&seams);
+        let mut quilt = Self { edges, sides: seams, corners, corner_kinds: meetings, corner_positions };
+        quilt.set_least_segments();
+        quilt
+    }
+
+    /// A curve that returns to its start needs three segments to be a loop; two curves between the same two
+    /// vertices need two each, or their chords would be one.
+    pub(crate) fn set_least_segments(&mut self) {
+        let pair = |[a, b]: [u32; 2]| if a < b { [a, b] } else { [b, a] };
+        let mut order: Vec<([u32; 2], usize)> = self.edges.iter().map(|e| pair(e.ends)).zip(0..).collect();
+        order.sort_unstable();
+        for run in order.chunk_by(|a, b| a.0 == b.0) {
+            for &([start, end], i) in run {
+                self.edges[i].min_segments = if start == end { 3 } else { 1 + u32::from(run.len() > 1) };
+            }
+        }
+    }
+}
+
+/// How the curves meet at every corner of every patch.
+pub(crate) fn classify_corners(seams: &[[SideBoundary; 4]]) -> Vec<[PatchCorner; 4]> {
+    // An end of a curve, numbered; sides run counter-clockwise, so that one starts where the one before it ends.
+    let end = |seam: SideBoundary, side: PatchSide, starts: bool| match seam {
+        SideBoundary::Edge { edge, reversed } => Some(2 * edge + u32::from(starts == reversed)),
+        SideBoundary::Halves(halves) => {
+            // By rising parameter, which top and left run against.
+            let against = !matches!(side, PatchSide::Bottom | PatchSide::Right);
+            let (edge, reversed) = halves[usize::from(starts == against)];
+            Some(2 * edge + u32::from(starts == reversed))
+        }
+        SideBoundary::Point => None,
+    };
+    let mut found: Vec<([u32; 2], usize)> = Vec::new();
+    for (patch, sides) in seams.iter().enumerate() {
+        for corner in 0..4 {
+            let before = (corner + 3) % 4;
+            let (first, last) = (
+                end(sides[corner], PatchSide::ALL[corner], true),
+                end(sides[before], PatchSide::ALL[before], false),
+            );
+            if let (Some(a), Some(b)) = (first, last) {
+                found.push((if a < b { [a, b] } else { [b, a] }, 4 * patch + corner));
+            }
+        }
+    }
+    found.sort_unstable();
+    let mut meetings = vec![[PatchCorner::Plain; 4]; seams.len()];
+    for run in found.chunk_by(|a, b| a.0 == b.0) {
+        let [a, b] = run[0].0;
+        if run.len() > 1 || a == b {
+            let kind = if a == b { PatchCorner::Folded } else { PatchCorner::Whole };
+            run.iter().for_each(|(_, corner)| meetings[corner / 4][corner % 4] = kind);
+        }
+    }
+    meetings
+}
+
+fn collect_edges(patches: &[Patch]) -> Vec<PatchEdge> {
+    let mut found: Vec<(Bezier<3>, PatchEdgeUse)> = Vec::with_capacity(4 * patches.len());
+    for (patch, shape) in patches.iter().enumerate() {
+        for side in PatchSide::ALL {
+            let curve = shape.side(side);
+            if curve.is_point() {
+                continue;
+            }
+            let back = curve.reversed();
+            let reversed = compare(&back, &curve) == Ordering::Less;
+            let used = PatchEdgeUse { sheet: patch as u32, side, reversed };
+            found.push((if reversed { back } else { curve }, used));
+        }
+    }
+    found.sort_by(|a, b| compare(&a.0, &b.0).then((a.1.sheet, a.1.side).cmp(&(b.1.sheet, b.1.side))));
+    let runs = found.chunk_by(|a, b| compare(&a.0, &b.0) == Ordering::Equal);
+    let mut edges: Vec<PatchEdge> = runs
+        .map(|run| PatchEdge { ends: [0; 2], uses: run.iter().map(|f| f.1).collect(), min_segments: 1 })
+        .collect();
+    // In the order of the input, so that vertices are numbered as the file goes.
+    edges.sort_by_key(|edge| (edge.uses[0].sheet, edge.uses[0].side));
+    edges
+}
+
+fn compare(a: &Bezier<3>, b: &Bezier<3>) -> Ordering {
+    let (a, b) = (a.control.as_flattened(), b.control.as_flattened());
+    a.iter().zip(b).map(|(x, y)| x.total_cmp(y)).find(|o| o.is_ne()).unwrap_or(Ordering::Equal)
+}
+
+/// The flat corner indices at the start and end of a side.
+pub(crate) fn side_corners(sheet: u32, side: PatchSide) -> [u32; 2] {
+    let start = side as u32;
+    [4 * sheet + start, 4 * sheet + (start + 1) % 4]
+}
+
+/// The flat corner indices at the start and end of the curve that a side uses.
+fn use_ends(used: PatchEdgeUse) -> [u32; 2] {
+    let [a, b] = side_corners(used.sheet, used.side);
+    if used.reversed { [b, a] } else { [a, b] }
+}

@@ -1,0 +1,125 @@
+//! What tiles need that miss what is allowed: more cells, or a finer division of their sheet.
+use super::cell_estimate::CellEstimator;
+use super::mesher::TilePlan;
+use super::plan::{Allowance, PatchTile};
+use super::subpatch::{Subpatch, SubpatchShape};
+use super::tile::PatchTileMesh;
+use crate::explicit::Patch;
+use glam::DVec3;
+
+/// More cells for every tile that misses its tolerance: as many as would have met it if the probe had been
+/// wrong by as much everywhere, and at least one row or column. Whether there was any.
+pub(crate) fn refine_missed(
+    planned: &mut TilePlan<'_>,
+    done: &mut [Option<PatchTileMesh>],
+    (round, allowance): (usize, &Allowance),
+) -> bool {
+    let TilePlan { subpatches: grounds, tiles, .. } = planned;
+    let mut missed = false;
+    for (tile, slot) in tiles.iter_mut().zip(done) {
+        let ground = &grounds[tile.subpatch as usize];
+        let SubpatchShape::Bezier(patch) = &ground.shape else { continue };
+        let rounding = ground.rounding_error();
+        let Some(done) = slot else { continue };
+        let by_bound = match done.bound > tile.tolerance + rounding {
+            true => (done.bound - rounding) / tile.tolerance,
+            false => 0.0,
+        };
+        let by_turn = normal_deviation_ratio(done, allowance);
+        let ratio = if by_bound > by_turn { by_bound } else { by_turn };
+        if ratio == 0.0 {
+            continue;
+        }
+        missed = true;
+        *slot = None;
+        let part = ground.tile_patch(patch, tile);
+        if by_turn > 0.0 && tile.safety_factor > LARGEST_STRAIN_BY_TURN {
+            let [long, tall] = cell(&part, tile);
+            // The longer side of cells twice as fine, or both.
+            tile.n *= if tall > 2.0 * long { 1 } else { 2 };
+            tile.m *= if long > 2.0 * tall { 1 } else { 2 };
+            continue;
+        }
+        tile.safety_factor *= ratio * if round < 3 { 1.01 } else { 1.1 };
+        let probe = CellEstimator::new(&part);
+        let wanted = tile.tolerance / tile.safety_factor;
+        let rates = probe.rates(&probe.estimate(wanted), wanted);
+        let before = (tile.n, tile.m);
+        (tile.n, tile.m, tile.rising) = (rates.n.max(tile.n), rates.m.max(tile.m), rates.rising);
+        if (tile.n, tile.m) == before {
+            *(if tile.n < tile.m { &mut tile.m } else { &mut tile.n }) += 1;
+        }
+    }
+    missed
+}
+
+/// Where a tile strained so much still misses the angle, its cells are of the wrong shape for it: the probe only knows of distances. Chosen.
+const LARGEST_STRAIN_BY_TURN: f64 = 16.0;
+
+/// How long and how tall the cells of a tile are, from its corners.
+fn cell(part: &Patch, tile: &PatchTile) -> [f64; 2] {
+    let corner = |i: usize, j: usize| DVec3::from(part.control[j][i]);
+    let [a, b, c, d] = [corner(0, 0), corner(3, 0), corner(3, 3), corner(0, 3)];
+    let along = |x: f64, y: f64, n: u32| (x + y) / f64::from(n);
+    [along((b - a).length(), (c - d).length(), tile.n), along((d - a).length(), (c - b).length(), tile.m)]
+}
+
+/// By how much less a tile whose normals miss what is allowed has to lose; 0 where they do not. A triangle's distance falls with the square of its
+/// normal's; not more than twice as many cells each way at once, since in folds normals do not settle.
+pub(crate) fn normal_deviation_ratio(done: &PatchTileMesh, allowance: &Allowance) -> f64 {
+    match (done.normal_deviation, allowance.normal_deviation) {
+        (Some(turn), Some(allowed)) if turn > allowed => {
+            let ratio = turn / allowed;
+            if ratio < 2.0 { ratio * ratio } else { 4.0 }
+        }
+        _ => 0.0,
+    }
+}
+
+/// What a tile lies on.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum SubpatchKind {
+    Bezier,
+    Extraordinary,
+}
+
+impl SubpatchKind {
+    pub(crate) fn of(ground: &Subpatch<'_>) -> Self {
+        match ground.shape {
+            SubpatchShape::Bezier(_) => Self::Bezier,
+            SubpatchShape::Extraordinary(_) => Self::Extraordinary,
+        }
+    }
+}
+
+/// The strains, more for sheets with rough grounds that miss their tolerance, so that those are divided; `None` where there are none.
+pub(crate) fn raised_safety_factors(
+    planned: &TilePlan<'_>,
+    done: &[Option<PatchTileMesh>],
+    allowance: &Allowance,
+) -> Option<Vec<f64>> {
+    let TilePlan { subpatches: grounds, tiles, safety_factors: strains, .. } = planned;
+    let (mut strains, mut missed) = (strains.clone(), false);
+    for (tile, done) in tiles.iter().zip(done) {
+        let ground = &grounds[tile.subpatch as usize];
+        let Some(done) = done.as_ref().filter(|_| SubpatchKind::of(ground) == SubpatchKind::Extraordinary)
+        else {
+            continue;
+        };
+        let (rounding, bound) = (ground.rounding_error(), done.bound);
+        let by_turn = normal_deviation_ratio(done, allowance);
+        if bound > tile.tolerance + rounding || by_turn > 0.0 {
+            missed = true;
+            let by_bound = (bound - rounding) / tile.tolerance;
+            let ratio = if by_bound > by_turn { by_bound } else { by_turn };
+            // Not by much at once: a corner that is cut off is off by far more than the next smaller one.
+            strains[tile.sheet as usize] *=
+                if ratio < LEAST_STRAIN { LEAST_STRAIN } else { MOST_STRAIN_AT_ONCE };
+        }
+    }
+    missed.then_some(strains)
+}
+
+/// By how much a sheet is strained whose rough ground missed by little, and otherwise; chosen: a halving brings a factor of 4.
+const LEAST_STRAIN: f64 = 1.25;
+const MOST_STRAIN_AT_ONCE: f64 = 2.0;

@@ -1,0 +1,142 @@
+//! `Subpatch`: what a surface is over a rectangle of one of its sheets.
+use super::adjacency::PatchAdjacency;
+use super::derivative_bound::rounding;
+use super::extraordinary::ExtraordinaryQuad;
+use super::plan::{Allowance, InfeasibleTolerance, PatchTile};
+use crate::budget::Reference;
+use crate::explicit::{LimitSheet, Patch};
+use crate::math::Box3;
+
+/// A surface as sheets over unit squares that meet along their sides.
+pub(crate) trait PatchSurface: Sync {
+    /// How many there are.
+    fn count(&self) -> usize;
+
+    /// The grounds that a sheet is cut into: no larger than an allowance has use for, by `strain` times where they are no patches.
+    fn subpatches(
+        &self,
+        sheet: usize,
+        need: (&Allowance, f64),
+    ) -> Result<Vec<Subpatch<'_>>, InfeasibleTolerance>;
+
+    /// Which sides are the same curve.
+    fn adjacency(&self) -> PatchAdjacency;
+
+    /// The longest diagonal of a box around a sheet, and no less than what rounding may lose.
+    fn longest_diagonal(&self) -> f64;
+
+    /// What a bound is against.
+    fn reference(&self) -> Reference;
+
+    /// Whether some sheets have texture coordinates.
+    fn has_texcoords(&self) -> bool {
+        false
+    }
+
+    /// The texture coordinates of a sheet, as x and y over the same square.
+    fn texcoords(&self, _sheet: usize) -> Option<LimitSheet> {
+        None
+    }
+}
+
+/// A rectangle of a sheet and the surface over it.
+pub(crate) struct Subpatch<'a> {
+    pub(crate) sheet: u32,
+    pub(crate) u: [f64; 2],
+    pub(crate) v: [f64; 2],
+    pub(crate) shape: SubpatchShape<'a>,
+    /// By how much the shape may be off the surface, a length.
+    pub(crate) off: f64,
+}
+
+pub(crate) enum SubpatchShape<'a> {
+    Bezier(Box<Patch>),
+    Extraordinary(&'a ExtraordinaryQuad),
+}
+
+impl Subpatch<'_> {
+    /// Where a place of the sheet is in the shape's unit square. Exact at the corners of tiles: those are where halving gets.
+    fn local(&self, u: f64, v: f64) -> (f64, f64) {
+        let within = |x: f64, [from, to]: [f64; 2]| (x - from) / (to - from);
+        (within(u, self.u), within(v, self.v))
+    }
+
+    pub(crate) fn at(&self, u: f64, v: f64) -> [f64; 3] {
+        let (u, v) = self.local(u, v);
+        match &self.shape {
+            SubpatchShape::Bezier(patch) => patch.at(u, v),
+            SubpatchShape::Extraordinary(rough) => rough.point(u, v),
+        }
+    }
+
+    pub(crate) fn normal(&self, u: f64, v: f64) -> Option<[f64; 3]> {
+        let (u, v) = self.local(u, v);
+        match &self.shape {
+            SubpatchShape::Bezier(patch) => patch.normal(u, v),
+            SubpatchShape::Extraordinary(rough) => rough.normal(u, v),
+        }
+    }
+
+    /// The patch over a tile.
+    pub(crate) fn tile_patch(&self, patch: &Patch, tile: &PatchTile) -> Patch {
+        let ((u0, v0), (u1, v1)) = (self.local(tile.u[0], tile.v[0]), self.local(tile.u[1], tile.v[1]));
+        patch.part([u0, u1], [v0, v1])
+    }
+
+    /// A box around a tile.
+    pub(crate) fn hull(&self, tile: &PatchTile) -> Box3 {
+        match &self.shape {
+            SubpatchShape::Bezier(patch) => self.tile_patch(patch, tile).bounds(),
+            SubpatchShape::Extraordinary(rough) => Box3::from_points(rough.ring().hull()),
+        }
+    }
+
+    /// What rounding may add to a bound.
+    pub(crate) fn rounding_error(&self) -> f64 {
+        match &self.shape {
+            SubpatchShape::Bezier(patch) => rounding(patch) + self.off,
+            SubpatchShape::Extraordinary(rough) => rough.rounding_error(),
+        }
+    }
+}
+
+/// Bézier patches, a sheet each.
+pub(crate) struct BezierPatches<'a>(pub(crate) &'a [Patch]);
+
+impl PatchSurface for BezierPatches<'_> {
+    fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    fn subpatches(
+        &self,
+        sheet: usize,
+        _: (&Allowance, f64),
+    ) -> Result<Vec<Subpatch<'_>>, InfeasibleTolerance> {
+        let (u, v) = ([0.0, 1.0], [0.0, 1.0]);
+        Ok(vec![Subpatch {
+            sheet: sheet as u32,
+            u,
+            v,
+            shape: SubpatchShape::Bezier(Box::new(self.0[sheet])),
+            off: 0.0,
+        }])
+    }
+
+    fn adjacency(&self) -> PatchAdjacency {
+        PatchAdjacency::new(self.0)
+    }
+
+    fn longest_diagonal(&self) -> f64 {
+        // No shorter than what rounding may lose, so that patches that are all but points meet the first rung.
+        let own = |patch: &Patch| {
+            let (diagonal, lost) = (patch.bounds().diagonal(), rounding(patch));
+            if diagonal > lost { diagonal } else { lost }
+        };
+        self.0.iter().map(own).fold(0.0, |longest, d| if d > longest { d } else { longest })
+    }
+
+    fn reference(&self) -> Reference {
+        Reference::BezierPatches
+    }
+}

@@ -1,0 +1,161 @@
+//! A mesh of a limit surface over triangles within a budget: by a length or pixels, or the best with so many triangles.
+use super::assemble::assemble;
+use super::mesher::{CertifiedLeaves, LoopMesher};
+use crate::budget::{Bound, Bounded, Budget, Failure, Job, Reference, RefusalCode, Tolerance};
+use crate::check;
+use crate::convert::patches::budget::meets;
+use crate::convert::patches::mesher::TessellationFailure;
+use crate::convert::patches::plan::Allowance;
+use crate::explicit::Mesh;
+use crate::math::sub_down;
+
+/// Bytes a triangle, everything counted, at the peak: 500 were measured on a torus at 5e5 triangles.
+const BYTES_PER_TRIANGLE: f64 = 700.0;
+/// Leaves at which the distance is measured from below, at two places each.
+const SAMPLED_LEAVES: usize = 12;
+
+/// The mesh that a budget asks for.
+pub(crate) fn mesh_within(
+    mesher: &LoopMesher<'_>,
+    budget: &Budget,
+    job: &Job,
+) -> Result<Bounded<Mesh>, TessellationFailure> {
+    let allowance = Allowance {
+        length: budget.length.map(Tolerance::get),
+        pixels: budget.pixels.map(|p| (p.pixels, p.view.lens())),
+        normal_deviation: None,
+    };
+    let asked = budget.triangles.unwrap_or(u64::MAX);
+    if allowance.length.is_none() && allowance.pixels.is_none() {
+        return within_count(mesher, &allowance, asked, job);
+    }
+    let (triangles, memory) = (job.triangle_limit as f64, job.memory_limit as f64);
+    let needed = mesher.estimate(&allowance)?;
+    if needed > triangles {
+        return Err(too_many(needed, triangles));
+    }
+    if needed * BYTES_PER_TRIANGLE > memory {
+        let bytes = needed * BYTES_PER_TRIANGLE;
+        let message =
+            format!("the budget needs about {bytes:.1e} bytes of memory; the limit is {memory:.1e}");
+        return Err(Failure::refused(RefusalCode::TooMuchMemory, message));
+    }
+    let most = triangle_limit(job);
+    if let Some(proved) = mesher.refine(&allowance, if asked < most { asked } else { most })? {
+        return Ok(finish(&proved, &allowance, job));
+    }
+    if asked > most {
+        return Err(too_many(most as f64 + 1.0, triangles));
+    }
+    let best = within_count(mesher, &allowance, asked, job).or_else(|failure| match failure {
+        Failure::Unmet(best) => Ok(*best),
+        other => Err(other),
+    })?;
+    if best.shape.faces().len() as u64 <= asked && meets(&best, budget) {
+        return Ok(best);
+    }
+    Err(Failure::Unmet(Box::new(best)))
+}
+
+/// Triangles that a job allows.
+fn triangle_limit(job: &Job) -> u64 {
+    job.triangle_limit.min((job.memory_limit as f64 / BYTES_PER_TRIANGLE) as u64)
+}
+
+fn too_many(needed: f64, limit: f64) -> TessellationFailure {
+    let message = format!("the budget needs more than {needed:.1e} triangles; the limit is {limit:.1e}");
+    Failure::refused(RefusalCode::TooManyTriangles, message)
+}
+
+/// Rungs an octave of the ladder of lengths: neighbours differ by 4.4 %.
+const RUNGS: u32 = 16;
+/// A ladder of 100 octaves reaches below the rounding of any shape.
+const MOST_RUNGS: u32 = 100 * RUNGS;
+
+/// The finest mesh of the ladder with at most `most` triangles.
+fn within_count(
+    mesher: &LoopMesher<'_>,
+    asked: &Allowance,
+    most: u64,
+    job: &Job,
+) -> Result<Bounded<Mesh>, TessellationFailure> {
+    let most = most.min(triangle_limit(job));
+    let size = mesher.longest_diagonal();
+    let rung = |k: u32| Allowance::rung(size, (k, RUNGS));
+    let on = |k: u32| match mesher.refine(&rung(k), most) {
+        Err(Failure::Refused(refusal)) if refusal.code == RefusalCode::BelowPrecision => Ok(None),
+        other => other,
+    };
+    let Some(mut best) = on(0)? else {
+        let Some(proved) = mesher.refine(&rung(0), u64::MAX)? else {
+            return Err(Failure::refused(
+                RefusalCode::Budget,
+                "no mesh of this surface has so few triangles",
+            ));
+        };
+        return Err(Failure::Unmet(Box::new(finish(&proved, asked, job))));
+    };
+    // By octaves until there are too many, then between, as if counts rose with every rung.
+    let (mut low, mut high) = (0, MOST_RUNGS);
+    for k in (RUNGS..MOST_RUNGS).step_by(RUNGS as usize) {
+        match on(k)? {
+            Some(proved) => (best, low) = (tighter(best, proved), k),
+            None => {
+                high = k;
+                break;
+            }
+        }
+    }
+    while high - low > 1 && high - low <= RUNGS {
+        let middle = low.midpoint(high);
+        match on(middle)? {
+            Some(proved) => (best, low) = (tighter(best, proved), middle),
+            None => high = middle,
+        }
+    }
+    Ok(finish(&best, asked, job))
+}
+
+fn tighter<'a>(before: CertifiedLeaves<'a>, after: CertifiedLeaves<'a>) -> CertifiedLeaves<'a> {
+    if after.bound() <= before.bound() { after } else { before }
+}
+
+/// The mesh with its bound; pixels at the view of the allowance.
+fn finish(proved: &CertifiedLeaves<'_>, allowance: &Allowance, job: &Job) -> Bounded<Mesh> {
+    let mesh = assemble(proved, job);
+    let most = proved.bound();
+    let (least, at) = measure_lower_bound(proved, &mesh);
+    let mut bound = Bound::proved(if least < most { least } else { most }, most, Reference::LimitSurface);
+    bound.at = at;
+    bound.pixels = allowance.pixels.and_then(|(_, lens)| {
+        proved.leaves.iter().try_fold(0.0, |worst, (_, found)| {
+            let pixels = lens.scale_at(&found.place).pixels_of(found.bound)?;
+            Some(if pixels > worst { pixels } else { worst })
+        })
+    });
+    Bounded { shape: mesh, bound }
+}
+
+/// The distance from below and its place: at the middles of the worst triangles and of their sides that bend most.
+fn measure_lower_bound(proved: &CertifiedLeaves<'_>, mesh: &Mesh) -> (f64, Option<[f64; 3]>) {
+    let mut order: Vec<usize> = (0..proved.leaves.len()).collect();
+    order.sort_by(|a, b| proved.leaves[*b].1.bound.total_cmp(&proved.leaves[*a].1.bound).then(a.cmp(b)));
+    let (mut samples, mut off) = (Vec::new(), 0.0);
+    for &i in order.iter().take(SAMPLED_LEAVES) {
+        let (leaf, found) = &proved.leaves[i];
+        let shape = &proved.cells[leaf.cell as usize].shape;
+        let lost = 2.0 * shape.rounding_error();
+        off = if lost > off { lost } else { off };
+        let side = (1..3).fold(0, |worst, k| if found.sides[k] > found.sides[worst] { k } else { worst });
+        samples.push(shape.point(leaf.middle(side)));
+        let third = |k: usize| leaf.places.iter().map(|place| place[k]).sum::<f64>() / 3.0;
+        samples.push(shape.point([third(0), third(1)]));
+    }
+    match check::surface_at_least(&samples, mesh) {
+        Some((least, at)) => {
+            let least = sub_down(least, off);
+            (if least > 0.0 { least } else { 0.0 }, Some(samples[at]))
+        }
+        None => (0.0, samples.first().copied()),
+    }
+}

@@ -1,0 +1,270 @@
+//! How far a surface over a triangle is from the flat triangle between three vertices: by distances of control points.
+//!
+//! Let `S` be the surface, a disc with its border in three curves, `M` the triangle between its corners, `π` the projection into the plane of `M`.
+//!
+//! *Surface to mesh.* The distance from the convex `M` is a convex function, so over a piece of `S` in the hull of control points it is no more than the
+//! largest distance of these: `V` over all pieces.
+//!
+//! *Mesh to surface.* Let a side of `M` be within `ε` of its curve in space and within `δ` in the plane, both by pairing a point of the
+//! curve with the nearest of the side, which is continuous and covers the side. Moving `π(∂S)` to `∂M` along these pairs moves nothing by more than
+//! `δ`. So around a point `x` of `M` that is farther than `δ` from each side the curve `π(∂S)` winds once, as `∂M` does: `x` is the projection of a
+//! point of `S`, whose distance from `M` is its height over `x`, at most `V`. Any other `x` is within `δ` of a side's point, and that within `ε` of `S`.
+//!
+//! So the distance both ways is at most the larger of `V` and the largest `ε + δ` of a side. Pieces and curves are divided, the worst first, until that is within
+//! a tolerance or some point of the surface shows that it is not.
+//!
+//! **Rounding.** Vertices off by `e` move the ends of curves by as much, which adds `e` to each of `V`, `ε`, `δ` and leaves `e` of a side's ends
+//! uncovered: [`LoopLeaf`](super::leaf::LoopLeaf) adds `4 e`. The distance from `M` is rounded up; those from sides are sums of three products about a corner, off by
+//! some roundings of the distance from there, [`NEAR_SIDE`]. The unit normal is off by some roundings times the square of the longest side over twice the area.
+use super::cell::LoopCellShape;
+use crate::check::distance_up;
+use crate::explicit::cage::limit::Quartic;
+use crate::math::PriorityItem;
+use glam::DVec3;
+use std::collections::BinaryHeap;
+
+/// Pieces after which a bound is what it is; chosen.
+const MOST_PIECES: usize = 300;
+/// Divisions after which a piece is taken as it is: 2⁻⁴⁵ of a face is below rounding.
+const DEEPEST: usize = 45;
+/// A triangle with less area than this share of its longest side's square has no plane for the proof; chosen.
+const LEAST_SHAPE: f64 = 1e-6;
+/// Roundings in a unit normal, with room: six products and differences of lengths up to a side, and the quotient.
+const TILT: f64 = 32.0 * f64::EPSILON;
+/// Roundings of a distance from a side, of the distance from the corner: two dot products, a quotient, a length; with room.
+const NEAR_SIDE: f64 = 64.0 * f64::EPSILON;
+
+/// A piece of the surface: a polynomial and by how much it is off, or none yet.
+pub(crate) enum LoopPiece<'a> {
+    Quartic(Box<Quartic>, f64),
+    Extraordinary(LoopCellShape<'a>),
+}
+
+/// A flat triangle.
+pub(crate) struct FlatTriangle {
+    corners: [[f64; 3]; 3],
+    /// Its unit normal and by how much that may be off.
+    normal: Option<(DVec3, f64)>,
+    /// That a bound is to be within.
+    tolerance: f64,
+}
+
+/// A piece with how often it was divided.
+struct LoopQueueEntry<T> {
+    piece: T,
+    depth: usize,
+    /// No bound can be less.
+    least: f64,
+}
+
+/// A side's curve, or a piece of the surface that it is on.
+enum LoopSideCurve<'a> {
+    Quartic([[f64; 3]; 5], f64),
+    Extraordinary(LoopCellShape<'a>),
+}
+
+impl FlatTriangle {
+    pub(crate) fn new(corners: [[f64; 3]; 3], tolerance: f64) -> Self {
+        let [a, b, c] = corners.map(DVec3::from);
+        let area = (b - a).cross(c - a);
+        let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+        let is_sound = area.length() > LEAST_SHAPE * longest && area.length() >= f64::MIN_POSITIVE;
+        let normal = is_sound.then(|| (area / area.length(), TILT * longest / area.length()));
+        Self { corners, normal, tolerance }
+    }
+
+    /// A bound both ways; above the tolerance it only says that this was not shown.
+    pub(crate) fn bound(&self, piece: LoopPiece<'_>) -> f64 {
+        let mut most = 0.0_f64;
+        for side in 0..3 {
+            most = most.max(match &piece {
+                LoopPiece::Quartic(quartic, off) => {
+                    self.side_distance(side, LoopSideCurve::Quartic(quartic.side(side), *off))
+                }
+                LoopPiece::Extraordinary(shape) => {
+                    self.side_distance(side, LoopSideCurve::Extraordinary(*shape))
+                }
+            });
+            if most > self.tolerance {
+                return most;
+            }
+        }
+        most.max(self.interior_distance(piece))
+    }
+
+    fn interior_distance(&self, piece: LoopPiece<'_>) -> f64 {
+        let mut open = BinaryHeap::new();
+        open.push(self.queue_piece(piece, 0));
+        for _ in 0..MOST_PIECES {
+            let Some(PriorityItem { bound, item }) = open.pop() else { return 0.0 };
+            if bound <= self.tolerance || item.least > self.tolerance || item.depth > DEEPEST {
+                return bound;
+            }
+            let depth = item.depth + 1;
+            match item.piece {
+                LoopPiece::Quartic(quartic, off) => {
+                    for quarter in quartic.quarters() {
+                        open.push(self.queue_piece(LoopPiece::Quartic(Box::new(quarter), off), depth));
+                    }
+                }
+                LoopPiece::Extraordinary(LoopCellShape::Extraordinary(rough)) => {
+                    let Ok(quarters) = rough.quarters() else { return f64::INFINITY };
+                    for quarter in quarters {
+                        open.push(self.queue_piece(
+                            LoopPiece::Extraordinary(LoopCellShape::from_triangle(quarter)),
+                            depth,
+                        ));
+                    }
+                }
+                LoopPiece::Extraordinary(LoopCellShape::Polynomial(polynomial)) => {
+                    let quartic = Box::new(polynomial.quartic);
+                    open.push(self.queue_piece(LoopPiece::Quartic(quartic, polynomial.off), depth));
+                }
+            }
+        }
+        open.pop().map_or(0.0, |worst| worst.bound)
+    }
+
+    fn queue_piece<'a>(
+        &self,
+        piece: LoopPiece<'a>,
+        depth: usize,
+    ) -> PriorityItem<LoopQueueEntry<LoopPiece<'a>>> {
+        let far = |points: &[[f64; 3]]| {
+            points.iter().fold(0.0_f64, |most, point| most.max(distance_up(*point, &self.corners)))
+        };
+        let (bound, least) = match &piece {
+            LoopPiece::Quartic(quartic, off) => {
+                let ends = [0, 4, 14].map(|k| quartic.control[k]);
+                (far(&quartic.control) + off, ALMOST * far(&ends) - off)
+            }
+            LoopPiece::Extraordinary(shape) => (far(shape.hull()) + piece_error(*shape), 0.0),
+        };
+        PriorityItem { bound, item: LoopQueueEntry { piece, depth, least } }
+    }
+
+    /// How far a side's curve is from its chord, in space and in the plane together.
+    fn side_distance(&self, side: usize, curve: LoopSideCurve<'_>) -> f64 {
+        let mut open = BinaryHeap::new();
+        open.push(self.queue_curve(side, curve, 0));
+        let (mut space, mut plane) = (0.0_f64, 0.0_f64);
+        // The sum of what is largest in space and what is largest in the plane may be of two pieces; all that are left are taken in then.
+        let take =
+            |item: &LoopQueueEntry<(LoopSideCurve<'_>, [f64; 2])>, space: &mut f64, plane: &mut f64| {
+                (*space, *plane) = (space.max(item.piece.1[0]), plane.max(item.piece.1[1]));
+            };
+        for _ in 0..MOST_PIECES {
+            let Some(PriorityItem { bound, item }) = open.pop() else { break };
+            let known = (space + plane).max(FINE * self.tolerance);
+            if bound <= known || item.least > self.tolerance || item.depth > DEEPEST {
+                take(&item, &mut space, &mut plane);
+                break;
+            }
+            let depth = item.depth + 1;
+            match item.piece.0 {
+                LoopSideCurve::Quartic(points, off) => {
+                    // Divided until little is left to gain.
+                    if depth > HALVINGS {
+                        take(
+                            &LoopQueueEntry {
+                                piece: (LoopSideCurve::Quartic(points, off), item.piece.1),
+                                ..item
+                            },
+                            &mut space,
+                            &mut plane,
+                        );
+                        continue;
+                    }
+                    for half in halve_curve(&points) {
+                        open.push(self.queue_curve(side, LoopSideCurve::Quartic(half, off), depth));
+                    }
+                }
+                LoopSideCurve::Extraordinary(LoopCellShape::Extraordinary(rough)) => {
+                    let Ok(quarters) = rough.quarters() else { return f64::INFINITY };
+                    for k in [side, (side + 1) % 3] {
+                        open.push(self.queue_curve(
+                            side,
+                            LoopSideCurve::Extraordinary(LoopCellShape::from_triangle(&quarters[k])),
+                            depth,
+                        ));
+                    }
+                }
+                LoopSideCurve::Extraordinary(LoopCellShape::Polynomial(polynomial)) => {
+                    let curve = LoopSideCurve::Quartic(polynomial.quartic.side(side), polynomial.off);
+                    open.push(self.queue_curve(side, curve, 0));
+                }
+            }
+        }
+        open.iter().for_each(|left| take(&left.item, &mut space, &mut plane));
+        space + plane
+    }
+
+    fn queue_curve<'a>(
+        &self,
+        side: usize,
+        curve: LoopSideCurve<'a>,
+        depth: usize,
+    ) -> PriorityItem<LoopQueueEntry<(LoopSideCurve<'a>, [f64; 2])>> {
+        let (far, off, least) = match &curve {
+            LoopSideCurve::Quartic(points, off) => {
+                let ends = self.distances_from_side(side, &[points[0], points[4]]);
+                (self.distances_from_side(side, points), *off, ALMOST * ends[0] - off)
+            }
+            LoopSideCurve::Extraordinary(shape) => {
+                (self.distances_from_side(side, shape.hull()), piece_error(*shape), 0.0)
+            }
+        };
+        let far = far.map(|far| far + off);
+        PriorityItem { bound: far[0] + far[1], item: LoopQueueEntry { piece: (curve, far), depth, least } }
+    }
+
+    /// The largest distance of points from a side, in space and in the plane.
+    fn distances_from_side(&self, side: usize, points: &[[f64; 3]]) -> [f64; 2] {
+        let [a, b] = [side, (side + 1) % 3].map(|k| DVec3::from(self.corners[k]));
+        let to_segment = |p: DVec3, along: DVec3| {
+            let length_sq = along.length_squared();
+            let share = p.dot(along) / length_sq;
+            let share = if share > 0.0 { if share < 1.0 { share } else { 1.0 } } else { 0.0 };
+            (p - along * share).length()
+        };
+        let mut most = [0.0_f64; 2];
+        for point in points {
+            let from = DVec3::from(*point) - a;
+            let slack = NEAR_SIDE * (from.length() + (b - a).length());
+            let space = to_segment(from, b - a) + slack;
+            let plane = self.normal.map_or(space, |(normal, tilt)| {
+                let flat = from - normal * from.dot(normal);
+                to_segment(flat, b - a) + slack + 3.0 * tilt * from.length()
+            });
+            // A projection onto a plane with the side moves nothing away from it.
+            most = [most[0].max(space), most[1].max(if plane < space { plane } else { space })];
+        }
+        most
+    }
+}
+
+/// Less than a distance that was computed is the distance; chosen far above rounding.
+const ALMOST: f64 = 1.0 - 1e-9;
+/// A curve may be off its side by this share of a tolerance before it is divided; chosen.
+const FINE: f64 = 0.1;
+/// Halvings of a quartic, after which it is within a percent or so of its control points; chosen.
+const HALVINGS: usize = 3;
+
+fn piece_error(shape: LoopCellShape<'_>) -> f64 {
+    match shape {
+        LoopCellShape::Polynomial(polynomial) => polynomial.off,
+        LoopCellShape::Extraordinary(rough) => 2.0 * rough.ring().rounding(),
+    }
+}
+
+fn halve_curve(points: &[[f64; 3]; 5]) -> [[[f64; 3]; 5]; 2] {
+    let (mut low, mut high) = (*points, *points);
+    let mut row = *points;
+    for step in 0..5 {
+        (low[step], high[4 - step]) = (row[0], row[4 - step]);
+        for k in 0..4 - step {
+            row[k] = [0, 1, 2].map(|i| 0.5 * (row[k][i] + row[k + 1][i]));
+        }
+    }
+    [low, high]
+}

@@ -1,0 +1,287 @@
+//! `FaceOneRing`: a face of a cage with all that its limit surface hangs on, and how it is divided.
+use super::super::edges::{CageEdges, VertexIncidence};
+use super::super::refinement_step::{CageSharpness, is_hole};
+use super::super::vertex_rule::CagePoint;
+use super::super::{Boundary, Cage, CreasingMethod, FaceSizes, INFINITELY_SHARP, InvalidCage, Scheme};
+
+/// A cage with what is found out about it once.
+pub(in super::super) struct CageTopology {
+    pub edges: CageEdges,
+    pub incidence: VertexIncidence,
+    pub sharp: CageSharpness,
+}
+
+impl CageTopology {
+    pub fn new(cage: &Cage) -> Self {
+        Self::with_edges(cage, CageEdges::new(cage))
+    }
+
+    fn with_edges(cage: &Cage, edges: CageEdges) -> Self {
+        let around = VertexIncidence::new(cage, &edges);
+        let sharp = CageSharpness::new(cage, &edges, &around);
+        Self { edges, incidence: around, sharp }
+    }
+
+    pub fn is_hole(&self, cage: &Cage, face: usize) -> bool {
+        is_hole(cage, (&self.edges, &self.incidence), face)
+    }
+}
+
+/// A face and the faces around its vertices, as a cage of their own whose first face it is.
+///
+/// Faces beyond an infinitely sharp edge are left out: they do not shape this one, and would only widen the
+/// hull. So the limit surface of the face lies in the convex hull of the vertices here: all rules are means
+/// with weights that are not negative.
+#[derive(Clone, Debug)]
+pub(crate) struct FaceOneRing {
+    cage: Cage,
+    /// Of Loop's scheme: which edge the one from each corner is, where some end alike; else empty.
+    classes: Vec<u32>,
+    /// By how much its positions may be off by rounding, each coordinate.
+    off: f64,
+}
+
+impl FaceOneRing {
+    pub(in super::super) fn new(cage: &Cage, parts: &CageTopology, face: usize) -> Self {
+        Self::rotated((cage, &[]), parts, (face, 0))
+    }
+
+    /// What is found out about it.
+    pub(super) fn topology(&self) -> CageTopology {
+        CageTopology::with_edges(&self.cage, edges_with_classes(&self.cage, &self.classes))
+    }
+
+    /// The ring of a face that begins so many corners later.
+    fn rotated((cage, all): (&Cage, &[u32]), parts: &CageTopology, (face, turn): (usize, usize)) -> Self {
+        let middle = cage.face(face);
+        let mut sectors: Vec<CreaseSector> = middle
+            .iter()
+            .map(|vertex| CreaseSector::new((parts, cage.creasing), *vertex, face as u32))
+            .collect();
+        let mut faces: Vec<u32> = Vec::with_capacity(16);
+        // A vertex that has some of the faces beyond a cut, for the sake of another vertex, needs all of
+        // them.
+        loop {
+            faces.clear();
+            sectors.iter().for_each(|sector| faces.extend_from_slice(&sector.faces));
+            if cage.creasing == CreasingMethod::Chaikin {
+                sectors.iter().zip(middle).for_each(|(sector, vertex)| {
+                    faces.extend(sector.faces_at_far_ends(parts, *vertex));
+                });
+            }
+            faces.sort_unstable();
+            faces.dedup();
+            let is_torn = |sector: &&mut CreaseSector, vertex: u32| {
+                let around = parts.incidence.faces(vertex as usize);
+                let here = around.iter().filter(|face| faces.binary_search(face).is_ok()).count();
+                sector.sharpness < INFINITELY_SHARP && here > sector.faces.len()
+            };
+            let pairs = sectors.iter_mut().zip(middle);
+            let torn = pairs.filter(|(sector, vertex)| is_torn(sector, **vertex)).map(|(sector, vertex)| {
+                sector.faces = parts.incidence.faces(*vertex as usize).to_vec();
+            });
+            if torn.count() == 0 {
+                break;
+            }
+        }
+        let sharp = sectors.iter().zip(middle).map(|(sector, vertex)| (*vertex, sector.sharpness));
+        let sharp_vertices: Vec<(u32, f64)> = sharp.filter(|(_, sharpness)| *sharpness > 0.0).collect();
+        faces.retain(|other| *other != face as u32);
+        let mut vertices: Vec<u32> = middle.to_vec();
+        faces.iter().for_each(|face| vertices.extend_from_slice(cage.face(*face as usize)));
+        vertices.sort_unstable();
+        vertices.dedup();
+        let local = |vertex: u32| vertices.partition_point(|v| *v < vertex) as u32;
+        let mut corners: Vec<u32> = Vec::with_capacity(4 * faces.len() + middle.len());
+        corners.extend((0..middle.len()).map(|k| local(middle[(k + turn) % middle.len()])));
+        let mut ends = vec![corners.len() as u32];
+        let mut classes: Vec<u32> = Vec::new();
+        if !all.is_empty() {
+            let n = middle.len();
+            classes.extend((0..n).map(|k| all[cage.begin(face) + (k + turn) % n]));
+            faces.iter().for_each(|face| classes.extend_from_slice(&all[cage.sizes.range(*face as usize)]));
+        }
+        let mut creases: Vec<([u32; 2], f64)> = Vec::new();
+        for &of in std::iter::once(&(face as u32)).chain(&faces) {
+            let (begin, face) = (cage.begin(of as usize), cage.face(of as usize));
+            for k in 0..face.len() {
+                let edge = parts.edges.of_corner[begin + k] as usize;
+                if parts.sharp.edges[edge] > 0.0 {
+                    creases.push((parts.edges.ends[edge].map(local), parts.sharp.edges[edge]));
+                }
+            }
+        }
+        for &of in &faces {
+            corners.extend(cage.face(of as usize).iter().map(|v| local(*v)));
+            ends.push(corners.len() as u32);
+        }
+        creases.sort_by_key(|(ends, _)| *ends);
+        creases.dedup_by_key(|(ends, _)| *ends);
+        let mut sharp_vertices: Vec<_> = sharp_vertices.into_iter().map(|(v, s)| (local(v), s)).collect();
+        sharp_vertices.sort_by_key(|(vertex, _)| *vertex);
+        let positions = vertices.iter().map(|v| cage.positions[*v as usize]).collect();
+        let cage = Cage {
+            positions,
+            sizes: FaceSizes::from_ends(ends),
+            corners,
+            scheme: cage.scheme,
+            boundary: Boundary::EdgeOnly,
+            creasing: cage.creasing,
+            creases,
+            sharp_vertices,
+            holes: Vec::new(),
+            is_refined: true,
+            texcoords: None,
+        };
+        Self { cage, classes, off: 0.0 }
+    }
+
+    /// The rings of the parts of its face: one for each corner. Those of a quad begin where it does, at its
+    /// lower left, so that all have their sides in the same directions; those of another face begin at their
+    /// corner of it. By Loop's scheme they have their sides in the directions of the triangle as well, and
+    /// the last one is that between, turned by half.
+    pub(crate) fn subdivided(&self) -> Result<Vec<Self>, InvalidCage> {
+        let before = self.topology();
+        let refined = self.cage.refined_by(&before.edges, &before.incidence, &before.sharp)?;
+        let classes = self.classes_after(&before.edges);
+        let parts = CageTopology::with_edges(&refined, edges_with_classes(&refined, &classes));
+        let n = self.n_corners();
+        // A mean of k points in a row is off by k roundings, weights included; means do not widen what was
+        // off before.
+        let most =
+            (0..n).map(|k| parts.incidence.edges(self.cage.corners[k] as usize).len()).fold(0, usize::max);
+        let round = (4 * most + 4 * n + 16) as f64 * f64::EPSILON * self.size();
+        let is_loop = self.cage.scheme == Scheme::Loop;
+        let n_parts = if is_loop { 4 } else { n };
+        let turn = |part: usize| match (is_loop, n) {
+            (true, _) => [0, 2, 1, 1][part],
+            (_, 4) => (4 - part) % 4,
+            _ => 0,
+        };
+        let part = |part: usize| Self {
+            off: self.off + round,
+            ..Self::rotated((&refined, &classes), &parts, (part, turn(part)))
+        };
+        Ok((0..n_parts).map(part).collect())
+    }
+
+    /// Which edge is which after a round of Loop's scheme: halves by their edge, those inside of triangles by
+    /// their corner.
+    fn classes_after(&self, edges: &CageEdges) -> Vec<u32> {
+        if self.cage.scheme != Scheme::Loop {
+            return Vec::new();
+        }
+        let mut classes = Vec::with_capacity(4 * self.cage.corners.len());
+        for (face, of) in self.cage.faces().enumerate() {
+            let inside = |k: usize| (2 * edges.ends.len() + 3 * face + k) as u32;
+            let half = |k: usize, vertex: u32| {
+                let edge = edges.of_corner[3 * face + k];
+                2 * edge + u32::from(edges.ends[edge as usize][0] != vertex)
+            };
+            for (k, vertex) in of.iter().enumerate() {
+                classes.extend([half(k, *vertex), inside(k), half((k + 2) % 3, *vertex)]);
+            }
+            classes.extend([inside(1), inside(2), inside(0)]);
+        }
+        classes
+    }
+
+    /// The corners of its face.
+    pub(crate) fn n_corners(&self) -> usize {
+        self.cage.sizes.range(0).end
+    }
+
+    pub(super) fn cage(&self) -> &Cage {
+        &self.cage
+    }
+
+    /// Points whose convex hull has all of the face's limit surface in it.
+    pub(crate) fn hull(&self) -> &[CagePoint] {
+        &self.cage.positions
+    }
+
+    /// The largest coordinate.
+    pub(crate) fn size(&self) -> f64 {
+        let larger = |most: f64, x: &f64| if x.abs() > most { x.abs() } else { most };
+        self.cage.positions.as_flattened().iter().fold(0.0, larger)
+    }
+
+    /// By how much each coordinate may be off by rounding.
+    pub(crate) fn rounding(&self) -> f64 {
+        self.off
+    }
+}
+
+fn edges_with_classes(cage: &Cage, classes: &[u32]) -> CageEdges {
+    if classes.is_empty() {
+        CageEdges::new(cage)
+    } else {
+        CageEdges::with_classes(cage, |corner| classes[corner as usize])
+    }
+}
+
+/// The faces around a vertex that shape a face there, and how sharp the vertex is for them.
+struct CreaseSector {
+    faces: Vec<u32>,
+    sharpness: f64,
+}
+
+impl CreaseSector {
+    fn new((parts, creasing): (&CageTopology, CreasingMethod), vertex: u32, face: u32) -> Self {
+        let own = parts.sharp.vertices[vertex as usize];
+        let around = parts.incidence.edges(vertex as usize);
+        let sharpness = |edge: u32| parts.sharp.edges[edge as usize];
+        let n_infinite = around.iter().filter(|edge| sharpness(**edge) >= INFINITELY_SHARP).count();
+        let all = || parts.incidence.faces(vertex as usize).to_vec();
+        if n_infinite == 0 {
+            return Self { faces: all(), sharpness: own };
+        }
+        let mut faces = vec![face];
+        let mut next = 0;
+        while next < faces.len() {
+            let here = faces[next];
+            next += 1;
+            for &edge in around.iter().filter(|edge| sharpness(**edge) < INFINITELY_SHARP) {
+                let on = parts.edges.faces(edge as usize);
+                if on.contains(&here) {
+                    for other in on {
+                        if !faces.contains(other) {
+                            faces.push(*other);
+                        }
+                    }
+                }
+            }
+        }
+        let is_beyond = |edge: &u32| parts.edges.faces(*edge as usize).iter().all(|f| !faces.contains(f));
+        let is_corner = own >= INFINITELY_SHARP || n_infinite > 2;
+        let shapes = |sharpness: f64| match creasing {
+            // By Chaikin's rule creases beyond shape how those on this side end.
+            CreasingMethod::Chaikin if is_corner => sharpness > 0.0 && sharpness < INFINITELY_SHARP,
+            _ if is_corner => false,
+            // A crease that ends there makes a corner of the vertex for some rounds; one that does not end is
+            // that of the vertex.
+            _ => sharpness > 0.0,
+        };
+        let is_shaped = around.iter().any(|edge| is_beyond(edge) && shapes(sharpness(*edge)));
+        Self {
+            faces: if is_shaped { all() } else { faces },
+            sharpness: if is_corner { INFINITELY_SHARP } else { own },
+        }
+    }
+
+    /// The faces around the other ends of the vertex's creases: by Chaikin's rule the sharpness there shapes
+    /// how these end.
+    fn faces_at_far_ends(&self, parts: &CageTopology, vertex: u32) -> Vec<u32> {
+        let is_crease = |edge: &&u32| {
+            let sharpness = parts.sharp.edges[**edge as usize];
+            let is_near = || parts.edges.faces(**edge as usize).iter().any(|face| self.faces.contains(face));
+            sharpness > 0.0 && sharpness < INFINITELY_SHARP && is_near()
+        };
+        let creases = parts.incidence.edges(vertex as usize).iter().filter(is_crease);
+        let far = creases.map(move |edge| {
+            let [a, b] = parts.edges.ends[*edge as usize];
+            if a == vertex { b } else { a }
+        });
+        far.flat_map(|end| parts.incidence.faces(end as usize).iter().copied()).collect()
+    }
+}

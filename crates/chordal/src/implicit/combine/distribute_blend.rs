@@ -1,0 +1,250 @@
+//! Blends of minima and maxima as minima and maxima of blends.
+//!
+//! A smooth minimum grows with both of its operands, so `smin(max(p, q), b) = max(smin(p, b), smin(q, b))`,
+//! and so for minima. What is left below is smooth, and its creases are where the pieces meet: a fillet along
+//! a polyhedron has some of its own.
+use crate::implicit::Expr;
+use crate::implicit::expr::ExprKind;
+use crate::implicit::op::{Binary, Unary};
+
+/// Pieces of one expression at most; what would have more stays as it is. Chosen: a blend of two polyhedra.
+const MOST_PIECES: usize = 128;
+/// Parts of an expression that are looked at for one choice at most. Chosen: chains of blends grow by one at
+/// a time, and each is looked at again.
+const MOST_LOOKS: usize = 256;
+
+/// Which values are to stay what they are; of the others the sign is enough.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum ExactSign {
+    Positive,
+    Negative,
+    All,
+}
+
+impl ExactSign {
+    fn mirrored(self) -> Self {
+        match self {
+            Self::Positive => Self::Negative,
+            Self::Negative => Self::Positive,
+            same => same,
+        }
+    }
+
+    /// For an operand with the same sign.
+    fn times(self, k: f64) -> Self {
+        if k < 0.0 { self.mirrored() } else { self }
+    }
+}
+
+/// The smaller or the larger of two.
+struct Extremum {
+    is_min: bool,
+    parts: [Expr; 2],
+}
+
+impl Extremum {
+    fn map(self, map: impl Fn(&Expr) -> Expr) -> Self {
+        let [a, b] = &self.parts;
+        Self { parts: [map(a), map(b)], ..self }
+    }
+
+    /// The same below an operation that falls where its operand grows.
+    fn flipped(self) -> Self {
+        Self { is_min: !self.is_min, ..self }
+    }
+}
+
+/// A blend of two expressions as minima and maxima of blends of their pieces. It is to grow with both
+/// operands, and its sign is that of the whole wherever both are above 0; where one is below, the signs of
+/// pieces say no more than that. None where both are one piece.
+pub(super) fn distribute_blend(a: &Expr, b: &Expr, blend: &dyn Fn(&Expr, &Expr) -> Expr) -> Option<Expr> {
+    let mut left = MOST_PIECES;
+    let whole = distribute([a, b], blend, &mut left);
+    (left < MOST_PIECES).then_some(whole)
+}
+
+fn distribute([a, b]: [&Expr; 2], blend: &dyn Fn(&Expr, &Expr) -> Expr, left: &mut usize) -> Expr {
+    if *left == 0 {
+        return blend(a, b);
+    }
+    let of = |expr: &Expr| {
+        let mut looks = MOST_LOOKS;
+        find_extremum(expr, ExactSign::Positive, &mut looks)
+    };
+    let (choice, is_first) = match of(a) {
+        Some(choice) => (choice, true),
+        None => match of(b) {
+            Some(choice) => (choice, false),
+            None => return blend(a, b),
+        },
+    };
+    *left -= 1;
+    let [p, q] = choice
+        .parts
+        .each_ref()
+        .map(|part| distribute(if is_first { [part, b] } else { [a, part] }, blend, left));
+    if choice.is_min { p.min(&q) } else { p.max(&q) }
+}
+
+/// An expression as a choice whose value it has where that is kept, and whose sign everywhere.
+fn find_extremum(expr: &Expr, kept: ExactSign, looks: &mut usize) -> Option<Extremum> {
+    *looks = looks.checked_sub(1)?;
+    match expr.kind() {
+        // The box or the ball that a bound is held to is beyond its surface, and not worth pieces of its own.
+        ExprKind::Binary(Binary::Max, a, b) if is_bounding_term(b) => {
+            Some(find_extremum(a, kept, looks)?.map(|part| part.max(b)))
+        }
+        ExprKind::Binary(op @ (Binary::Min | Binary::Max), a, b) => {
+            Some(Extremum { is_min: *op == Binary::Min, parts: [a.clone(), b.clone()] })
+        }
+        ExprKind::Unary(Unary::Abs, a) => Some(Extremum { is_min: false, parts: [a.clone(), -a] }),
+        ExprKind::Unary(Unary::Neg, a) => {
+            Some(find_extremum(a, kept.mirrored(), looks)?.flipped().map(|part| -part))
+        }
+        ExprKind::At(below, at) => {
+            Some(find_extremum(below, kept, looks)?.map(|part| part.with_axes(at.clone())))
+        }
+        ExprKind::Binary(Binary::SmoothMin, a, b) => {
+            // It is not above either: where it is above 0 both are.
+            let of_parts = if kept == ExactSign::Positive { ExactSign::Positive } else { ExactSign::All };
+            let blend = |part: &Expr, other: &Expr| Expr::binary(Binary::SmoothMin, part, other);
+            match find_extremum(a, of_parts, looks) {
+                Some(of_a) => Some(of_a.map(|part| blend(part, b))),
+                None => Some(find_extremum(b, of_parts, looks)?.map(|part| blend(a, part))),
+            }
+        }
+        ExprKind::Binary(Binary::Add, root, inside) if kept == ExactSign::Negative => {
+            match largest_side(root, inside) {
+                Some(largest) => find_extremum(largest, kept, looks),
+                None => with_constant(expr, kept, looks),
+            }
+        }
+        _ => with_constant(expr, kept, looks),
+    }
+}
+
+/// Whether it is a coordinate or a length less a number, or a number less a coordinate.
+fn is_bounding_term(expr: &Expr) -> bool {
+    let ExprKind::Binary(Binary::Sub, a, b) = expr.kind() else { return false };
+    matches!(
+        (a.kind(), b.kind()),
+        (ExprKind::Axis(_) | ExprKind::Unary(Unary::Sqrt, _), ExprKind::Const(_))
+            | (ExprKind::Const(_), ExprKind::Axis(_))
+    )
+}
+
+/// A choice below an operation with a constant.
+fn with_constant(expr: &Expr, kept: ExactSign, looks: &mut usize) -> Option<Extremum> {
+    let ExprKind::Binary(op, a, b) = expr.kind() else { return None };
+    let (op, constant, below, is_first) = match (a.kind(), b.kind()) {
+        (_, ExprKind::Const(k)) => (*op, *k, a, false),
+        (ExprKind::Const(k), _) => (*op, *k, b, true),
+        _ => return None,
+    };
+    let (kept, falls) = match op {
+        Binary::Mul if constant != 0.0 => (kept.times(constant), constant < 0.0),
+        Binary::Div if constant != 0.0 && !is_first => (kept.times(constant), constant < 0.0),
+        Binary::Add => (ExactSign::All, false),
+        Binary::Sub => (ExactSign::All, is_first),
+        _ => return None,
+    };
+    let again = |part: &Expr| {
+        let constant = Expr::constant(constant);
+        if is_first { Expr::binary(op, &constant, part) } else { Expr::binary(op, part, &constant) }
+    };
+    let below = find_extremum(below, kept, looks)?.map(again);
+    Some(if falls { below.flipped() } else { below })
+}
+
+/// The largest of the distances from sides, if two terms are the parts of the distance from their box: the
+/// length of those above 0, and the largest where none is. It is the whole where that is not above 0, and has
+/// its sign.
+fn largest_side<'a>(root: &'a Expr, inside: &'a Expr) -> Option<&'a Expr> {
+    let is_zero = |expr: &Expr| matches!(expr.kind(), ExprKind::Const(k) if *k == 0.0);
+    let (ExprKind::Unary(Unary::Sqrt, sum), ExprKind::Binary(Binary::Min, largest, zero)) =
+        (root.kind(), inside.kind())
+    else {
+        return None;
+    };
+    let mut above = Vec::new();
+    let mut open = vec![sum];
+    while let Some(part) = open.pop() {
+        match part.kind() {
+            ExprKind::Binary(Binary::Add, a, b) => open.extend([a, b]),
+            ExprKind::Unary(Unary::Square, side) => match side.kind() {
+                ExprKind::Binary(Binary::Max, side, zero) if is_zero(zero) => above.push(side.address()),
+                _ => return None,
+            },
+            _ => return None,
+        }
+    }
+    let mut sides = Vec::new();
+    let mut open = vec![largest];
+    while let Some(part) = open.pop() {
+        match part.kind() {
+            _ if above.contains(&part.address()) => sides.push(part.address()),
+            ExprKind::Binary(Binary::Max, a, b) => open.extend([a, b]),
+            _ => return None,
+        }
+    }
+    above.sort_unstable();
+    sides.sort_unstable();
+    (is_zero(zero) && above == sides).then_some(largest)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::implicit::shapes::{cuboid, cylinder, ellipsoid, octahedron, sphere, tetrahedron};
+    use crate::implicit::{Csg, Field};
+
+    fn random(state: &mut u64) -> f64 {
+        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (*state >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    #[test]
+    fn blends_in_pieces_have_the_sign_of_their_value() {
+        let turned = |field: Field, by: f64| field.rotated_deg([1.0, 2.0, 3.0], by).unwrap();
+        let solids = [
+            turned(octahedron(0.7).unwrap(), 20.0),
+            turned(tetrahedron(0.8).unwrap(), 50.0).moved([0.2, 0.1, 0.0]).unwrap(),
+            turned(cuboid([1.0, 0.8, 0.6]).unwrap(), 75.0).moved([-0.2, 0.0, 0.1]).unwrap(),
+            turned(cylinder(0.4, 1.1).unwrap(), 33.0),
+            ellipsoid([0.3, 0.5, 0.9]).unwrap().moved([0.0, 0.3, 0.0]).unwrap(),
+            sphere(0.5).unwrap().moved([0.4, 0.0, 0.3]).unwrap(),
+        ];
+        let mut state = 5;
+        for (k, a) in solids.iter().enumerate() {
+            for b in &solids[..k] {
+                let both = a.smooth_union(b, 0.4).unwrap();
+                let less = a.smooth_difference(b, 0.3).unwrap();
+                let more =
+                    both.smooth_union(&solids[5], 0.2).unwrap().smooth_difference(&solids[4], 0.1).unwrap();
+                for blend in [both, less, more] {
+                    for _ in 0..400 {
+                        let at = [0; 3].map(|_| 2.0 * random(&mut state) - 1.0);
+                        let [value, sign] = [blend.expr(), blend.sign()].map(|expr| expr.at(at).unwrap());
+                        // A hundred roundings.
+                        assert!(
+                            (value < 0.0) == (sign < 0.0) || value.abs() < 2e-14,
+                            "{k} {at:?} {value} {sign}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn polyhedra_are_blended_plane_by_plane() {
+        let blend = octahedron(0.7).unwrap().smooth_union(&sphere(0.5).unwrap(), 0.2).unwrap();
+        // Eight planes and the ball, and a blend of it with each plane.
+        assert_eq!(Csg::from_expr(blend.sign()).primitives().len(), 17);
+        // Where a box is cut, in its inside, its sides are one piece each.
+        let cut = cuboid([1.0; 3]).unwrap().smooth_difference(&sphere(0.5).unwrap(), 0.2).unwrap();
+        assert_eq!(Csg::from_expr(cut.sign()).primitives().len(), 13);
+        // The distance from a box is smooth outside.
+        let grown = cuboid([1.0; 3]).unwrap().smooth_union(&sphere(0.5).unwrap(), 0.2).unwrap();
+        assert_eq!(Csg::from_expr(grown.sign()).primitives().len(), 8);
+    }
+}

@@ -1,0 +1,87 @@
+//! From the plane into space: extrusion and revolution.
+use super::common;
+use super::profile::without_axis;
+use super::transform::bounds_at_most;
+use crate::implicit::shapes::{InvalidShape, axis_distance, positive, slabs};
+use crate::implicit::{Distance, DistanceQuality, Expr, Field};
+use crate::math::{Box3, Interval, add_up, sqrt_up};
+
+impl Field {
+    /// The part of a shape of the plane (one that does not depend on z) within half of `height` above and
+    /// below 0, as a distance as good as it was. Of a solid it takes the part of z = 0 and extrudes that.
+    ///
+    /// # Errors
+    /// When the height is not a finite number above 0.
+    ///
+    /// ```
+    /// use chordal::implicit::shapes::rectangle;
+    /// let block = rectangle([2.0, 4.0])?.extruded(6.0)?;
+    /// assert_eq!(block.expr().at([4.0, 0.0, 7.0]).unwrap(), 5.0);
+    /// # Ok::<(), chordal::implicit::shapes::InvalidShape>(())
+    /// ```
+    pub fn extruded(&self, height: f64) -> Result<Self, InvalidShape> {
+        let half = 0.5 * positive("a height", height)?;
+        let [x, y, z] = Expr::axes();
+        let flat = self.at(&[x, y, Expr::constant(0.0)]);
+        let cap = z.abs() - half;
+        let value = slabs(&[flat.expr().clone(), cap.clone()]);
+        let slab = Box3 {
+            min: [f64::NEG_INFINITY, f64::NEG_INFINITY, -half],
+            max: [f64::INFINITY, f64::INFINITY, half],
+        };
+        let Box3 { min, max } = self.bounds();
+        let endless = Box3 { min: [min[0], min[1], f64::NEG_INFINITY], max: [max[0], max[1], f64::INFINITY] };
+        Ok(Self::from_parts(value, &[self])
+            .known_sign(flat.sign().max(&cap))
+            .known_distance(slice_distance(self))
+            .known_bounds(common(endless, slab)))
+    }
+
+    /// A shape of the plane turned about its y axis, which then stands along z: the point (x, y) becomes the
+    /// circle of radius x at the height y. What lies at negative x plays no part.
+    ///
+    /// Where the profile ends at the axis alone, by a side of a polygon or of a rectangle on it, the solid
+    /// goes on there: it holds the axis, which a profile with a side on it does not.
+    ///
+    /// Exact distances stay exact for shapes that keep off the axis by their box; one that touches it is
+    /// exact outside only; one that crosses it is a bound.
+    #[must_use]
+    pub fn revolved(&self) -> Self {
+        let [x, y, z] = Expr::axes();
+        let zero = Expr::constant(0.0);
+        let profile = without_axis(self.sign());
+        // The leaf of a profile without an expression of its own for the sign serves for both.
+        let value = if self.has_own_sign() { self.expr() } else { &profile };
+        let value = value.with_axes([(x.square() + y.square()).sqrt(), z.clone(), zero.clone()]);
+        let sign = profile.with_axes([axis_distance(), z, zero]);
+        let Box3 { min, max } = self.bounds();
+        let weak = |q: DistanceQuality| if q < DistanceQuality::Bound { q } else { DistanceQuality::Bound };
+        let Distance { outside, inside } = slice_distance(self);
+        let distance = Distance {
+            outside: if min[0] >= 0.0 { outside } else { weak(outside) },
+            inside: if min[0] > 0.0 { inside } else { weak(inside) },
+        };
+        let bounds = if self.bounds().is_empty() || max[0] < 0.0 {
+            Box3::EMPTY
+        } else {
+            Box3 { min: [-max[0], -max[0], min[1]], max: [max[0], max[0], max[1]] }
+        };
+        let turned = Self::from_parts(value, &[self]);
+        turned.known_sign(sign).known_distance(distance).known_bounds(bounds)
+    }
+}
+
+/// What the value is worth as a distance in the plane z = 0: that of a solid is a bound there.
+fn slice_distance(field: &Field) -> Distance {
+    if field.tape().axes()[2] { bounds_at_most(field.distance()) } else { field.distance() }
+}
+
+/// The farthest that a box reaches from the z axis, from above.
+pub(super) fn farthest(bounds: &Box3) -> f64 {
+    let side = |k: usize| {
+        let (low, high) = (bounds.min[k].abs(), bounds.max[k].abs());
+        if low > high { low } else { high }
+    };
+    let [x, y] = [side(0), side(1)].map(|s| Interval::new(0.0, s).unwrap_or(Interval::ENTIRE));
+    add_up(sqrt_up((x.square() + y.square()).hi()), 0.0)
+}

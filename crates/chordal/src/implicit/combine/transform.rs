@@ -1,0 +1,225 @@
+//! Shapes moved, turned, scaled and mirrored.
+use crate::implicit::shapes::{InvalidShape, finite_point, sum, unit};
+use crate::implicit::{Affine3, Distance, DistanceQuality, Expr, Field};
+use crate::math::{Box3, Interval, add_down, add_up, elementary, mul_up, sqrt_up};
+
+impl Field {
+    /// The shape moved by a vector.
+    ///
+    /// # Errors
+    /// When a number is not finite.
+    pub fn moved(&self, by: [f64; 3]) -> Result<Self, InvalidShape> {
+        let by = finite_point("a move", by)?;
+        let axes = Expr::axes();
+        let at = std::array::from_fn(|k| if by[k] == 0.0 { axes[k].clone() } else { &axes[k] - by[k] });
+        let bounds = self.bounds();
+        let shift = |x: f64, by: f64, add: fn(f64, f64) -> f64| {
+            if by == 0.0 || x.is_infinite() { x } else { add(x, by) }
+        };
+        let bounds = Box3 {
+            min: std::array::from_fn(|k| shift(bounds.min[k], by[k], add_down)),
+            max: std::array::from_fn(|k| shift(bounds.max[k], by[k], add_up)),
+        };
+        let moved = self.at(&at).known_distance(self.distance()).known_bounds(bounds);
+        Ok(moved.with_pattern_at(self, &at))
+    }
+
+    /// The shape turned counter-clockwise around an axis through the origin, seen from its tip. The rounded
+    /// sine and cosine define the turn.
+    ///
+    /// # Errors
+    /// When a number is not finite, or the axis has no length.
+    pub fn rotated_deg(&self, axis: [f64; 3], angle_deg: f64) -> Result<Self, InvalidShape> {
+        let n = unit("an axis of rotation", axis)?;
+        let [angle_deg] = finite_point("an angle", [angle_deg])?;
+        let (sin, cos) = sine_cosine_deg(angle_deg);
+        let rest = 1.0 - cos;
+        // The inverse turn, which takes points back into the shape's own space.
+        let rows = std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                let (next, last) = ((i + 1) % 3, (i + 2) % 3);
+                let cross = if j == next {
+                    sin * n[last]
+                } else if j == last {
+                    -sin * n[next]
+                } else {
+                    cos
+                };
+                if i == j { n[i] * n[j] * rest + cos } else { n[i] * n[j] * rest + cross }
+            })
+        });
+        Ok(self.map_linear(rows, [0.0; 3]))
+    }
+
+    /// The shape scaled about the origin, by one factor along each axis; a negative factor mirrors. With
+    /// equal factors the value stays what it was; else an exact distance becomes a bound.
+    ///
+    /// # Errors
+    /// When a factor is not finite, or 0.
+    pub fn scaled(&self, by: [f64; 3]) -> Result<Self, InvalidShape> {
+        let by = finite_point("a scale", by)?;
+        let sizes = by.map(f64::abs);
+        let least = sizes.iter().fold(f64::INFINITY, |m, s| if *s < m { *s } else { m });
+        if least < f64::MIN_POSITIVE {
+            return Err(InvalidShape::Number(format!("a scale is {least}, and must not be 0")));
+        }
+        let axes = Expr::axes();
+        let at = std::array::from_fn(|k| &axes[k] / by[k]);
+        let even = sizes.iter().all(|s| *s == least);
+        let distance = if even { self.distance() } else { bounds_at_most(self.distance()) };
+        let scaled = self.at(&at);
+        let value = scaled.expr() * least;
+        let field = Self::from_parts(value, &[self]).map_sign(&scaled, |sign| sign * least);
+        let (min, max) = (self.bounds().min, self.bounds().max);
+        let ends = |k: usize| side(min[k], max[k]) * Interval::point(by[k]);
+        let bounds = Box3 { min: [0, 1, 2].map(|k| ends(k).lo()), max: [0, 1, 2].map(|k| ends(k).hi()) };
+        let bounds = if self.bounds().is_empty() { Box3::EMPTY } else { bounds };
+        Ok(field.known_distance(distance).known_bounds(bounds).with_pattern_at(self, &at))
+    }
+
+    /// The mirror image in the plane through the origin across `normal`.
+    ///
+    /// # Errors
+    /// When a number is not finite, or the normal has no length.
+    pub fn mirrored(&self, normal: [f64; 3]) -> Result<Self, InvalidShape> {
+        let n = unit("a mirror's normal", normal)?;
+        let rows = std::array::from_fn(|i| {
+            std::array::from_fn(|j| if i == j { 1.0 - 2.0 * n[i] * n[j] } else { -2.0 * n[i] * n[j] })
+        });
+        Ok(self.map_linear(rows, [0.0; 3]))
+    }
+
+    /// The shape carried by an affine map: a point `p` of it goes to `map.at(p)`. The rounded inverse of the
+    /// map defines the result. A map that turns, mirrors, moves and scales evenly keeps what the value is
+    /// worth; else an exact distance becomes a bound.
+    ///
+    /// # Errors
+    /// When the map's inverse is not finite.
+    pub fn transformed(&self, map: &Affine3) -> Result<Self, InvalidShape> {
+        let rows = map.rows();
+        let linear = rows.map(|[a, b, c, _]| [a, b, c]);
+        let flat = || InvalidShape::Number("a transform's inverse is not finite".into());
+        let inverse = inverse(linear).ok_or_else(flat)?.map(|row| row.map(middle));
+        let shift = inverse.map(|row| -((row[0] * rows[0][3] + row[1] * rows[1][3]) + row[2] * rows[2][3]));
+        if !inverse.as_flattened().iter().chain(&shift).all(|x| x.is_finite()) {
+            return Err(flat());
+        }
+        Ok(self.map_linear(inverse, shift))
+    }
+
+    /// The shape of all points that `rows` and `shift` take into this one, with the value divided by the
+    /// largest stretch.
+    fn map_linear(&self, rows: [[f64; 3]; 3], shift: [f64; 3]) -> Self {
+        let axes = Expr::axes();
+        let at: [Expr; 3] = std::array::from_fn(|i| {
+            let terms = (0..3).filter(|j| rows[i][*j] != 0.0).map(|j| &axes[j] * rows[i][j]);
+            sum(terms) + shift[i]
+        });
+        let placed = self.at(&at);
+        let (stretch, rigid) = stretch(rows);
+        let distance = if rigid { self.distance() } else { bounds_at_most(self.distance()) };
+        let field = if stretch == 1.0 {
+            placed
+        } else {
+            let value = placed.expr() / stretch;
+            Self::from_parts(value, &[self]).map_sign(&placed, |sign| sign / stretch)
+        };
+        let field = field.known_distance(distance).known_bounds(preimage(self.bounds(), rows, shift));
+        field.with_pattern_at(self, &at)
+    }
+
+    /// The same with the pattern that another has at other points, if it has one.
+    pub(super) fn with_pattern_at(self, other: &Self, at: &[Expr; 3]) -> Self {
+        match other.pattern() {
+            Some(pattern) => self.with_pattern(pattern.placed(at)),
+            None => self,
+        }
+    }
+
+    /// The value and the sign of other points.
+    pub(super) fn at(&self, at: &[Expr; 3]) -> Self {
+        let value = self.expr().with_axes(at.clone());
+        Self::from_parts(value, &[self]).map_sign(self, |sign| sign.with_axes(at.clone()))
+    }
+}
+
+/// What is left of it when slopes are uneven.
+pub(super) fn bounds_at_most(distance: Distance) -> Distance {
+    let weaker = |q: DistanceQuality| if q < DistanceQuality::Bound { q } else { DistanceQuality::Bound };
+    Distance { outside: weaker(distance.outside), inside: weaker(distance.inside) }
+}
+
+/// Exact at whole quarters of a turn.
+fn sine_cosine_deg(angle: f64) -> (f64, f64) {
+    let turned = angle.rem_euclid(360.0);
+    let quarter = (turned / 90.0).round();
+    let rest = (turned - 90.0 * quarter).to_radians();
+    let (sin, cos) = (elementary::sin(rest), elementary::cos(rest));
+    match quarter as i32 % 4 {
+        0 => (sin, cos),
+        1 => (cos, -sin),
+        2 => (-sin, -cos),
+        _ => (-cos, sin),
+    }
+}
+
+/// The most that a map lengthens a vector, from above, and whether it lengthens all alike (but for rounding).
+fn stretch(rows: [[f64; 3]; 3]) -> (f64, bool) {
+    // Mᵀ M, whose largest eigenvalue is at most the largest sum of a row.
+    let product =
+        |i: usize, j: usize| rows[0][i] * rows[0][j] + rows[1][i] * rows[1][j] + rows[2][i] * rows[2][j];
+    let size = (product(0, 0) + product(1, 1) + product(2, 2)) / 3.0;
+    // Derived: matrices made of rounded sines and unit vectors are off by some 20 roundings.
+    let slack = 64.0 * f64::EPSILON * size;
+    let rigid =
+        (0..3).all(|i| (0..3).all(|j| (product(i, j) - if i == j { size } else { 0.0 }).abs() <= slack));
+    if rigid {
+        let length = size.sqrt();
+        return (if (length - 1.0).abs() <= 64.0 * f64::EPSILON { 1.0 } else { length }, true);
+    }
+    let row = |i: usize| {
+        (0..3).fold(0.0, |sum, j| {
+            let terms = (0..3).fold(0.0, |sum, k| add_up(sum, mul_up(rows[k][i].abs(), rows[k][j].abs())));
+            // The product itself, with twice the rounding of its three terms.
+            add_up(sum, add_up(product(i, j).abs(), 8.0 * f64::EPSILON * terms))
+        })
+    };
+    let most = [0, 1, 2].map(row).into_iter().fold(0.0, |m, x| if x > m { x } else { m });
+    (sqrt_up(most), false)
+}
+
+fn side(low: f64, high: f64) -> Interval {
+    Interval::new(low, high).unwrap_or(Interval::UNKNOWN)
+}
+
+fn middle(range: Interval) -> f64 {
+    range.midpoint().unwrap_or(f64::NAN)
+}
+
+/// Where the inverse's numbers are; `None` where the determinant may be 0.
+fn inverse(rows: [[f64; 3]; 3]) -> Option<[[Interval; 3]; 3]> {
+    let m = rows.map(|row| row.map(Interval::point));
+    let minor = |i: usize, j: usize| {
+        let [a, b] = [(i + 1) % 3, (i + 2) % 3];
+        let [c, d] = [(j + 1) % 3, (j + 2) % 3];
+        m[a][c] * m[b][d] - m[a][d] * m[b][c]
+    };
+    let det = m[0][0] * minor(0, 0) + m[0][1] * minor(0, 1) + m[0][2] * minor(0, 2);
+    if det.lo() <= 0.0 && det.hi() >= 0.0 {
+        return None;
+    }
+    Some(std::array::from_fn(|i| std::array::from_fn(|j| minor(j, i) / det)))
+}
+
+/// A box around all points that go into another box.
+fn preimage(bounds: Box3, rows: [[f64; 3]; 3], shift: [f64; 3]) -> Box3 {
+    if bounds.is_empty() {
+        return bounds;
+    }
+    let Some(back) = inverse(rows) else { return Field::EVERYWHERE };
+    let from: [Interval; 3] =
+        std::array::from_fn(|k| side(bounds.min[k], bounds.max[k]) - Interval::point(shift[k]));
+    let to: [Interval; 3] =
+        std::array::from_fn(|k| (back[k][0] * from[0] + back[k][1] * from[1]) + back[k][2] * from[2]);
+    Box3 { min: to.map(Interval::lo), max: to.map(Interval::hi) }
+}

@@ -1,0 +1,58 @@
+//! Inside or outside, and the way out: for many points at once.
+use super::super::{Dual, LeafError, Tape};
+
+/// Whether each point is inside: where the value is negative. A tie is outside, and so is NaN.
+///
+/// # Errors
+/// Fails if a leaf fails.
+///
+/// ```
+/// use chordal::implicit::{Expr, Tape, query::contains};
+/// let [x, y, _] = Expr::axes();
+/// let disc = Tape::new(&(x.square() + y.square() - 1.0));
+/// assert_eq!(contains(&disc, &[[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]])?, [true, false, false]);
+/// # Ok::<(), chordal::implicit::LeafError>(())
+/// ```
+pub fn contains(tape: &Tape, points: &[[f64; 3]]) -> Result<Vec<bool>, LeafError> {
+    let mut values = vec![0.0; points.len()];
+    tape.at(points, &mut values)?;
+    Ok(values.into_iter().map(|value| value < 0.0).collect())
+}
+
+/// The unit vector in which the value grows fastest, at each point: outward on the surface. `None` where the
+/// gradient vanishes or is not finite.
+///
+/// # Errors
+/// Fails if a leaf fails.
+///
+/// ```
+/// use chordal::implicit::{Expr, Tape, query::normals};
+/// let [x, y, z] = Expr::axes();
+/// let ball = Tape::new(&(x.square() + y.square() + z.square() - 1.0));
+/// assert_eq!(normals(&ball, &[[0.0, 0.0, 1.0], [0.0; 3]])?, [Some([0.0, 0.0, 1.0]), None]);
+/// # Ok::<(), chordal::implicit::LeafError>(())
+/// ```
+pub fn normals(tape: &Tape, points: &[[f64; 3]]) -> Result<Vec<Option<[f64; 3]>>, LeafError> {
+    let mut slopes = vec![Dual { value: 0.0, gradient: [0.0; 3] }; points.len()];
+    tape.gradient_at(points, &mut slopes)?;
+    Ok(slopes.iter().map(|slope| unit(slope.gradient)).collect())
+}
+
+/// A vector at length 1. Scaled by its largest part first, so that squares neither overflow nor vanish.
+pub(super) fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
+    let most = v.iter().fold(0.0, |most: f64, x| if x.abs() > most { x.abs() } else { most });
+    if !(v.iter().all(|x| x.is_finite()) && most > 0.0) {
+        return None;
+    }
+    let scaled = v.map(|x| x / most);
+    let length = dot(scaled, scaled).sqrt();
+    Some(scaled.map(|x| x / length))
+}
+
+pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+}
+
+pub(super) fn along(origin: [f64; 3], direction: [f64; 3], t: f64) -> [f64; 3] {
+    std::array::from_fn(|k| origin[k] + direction[k] * t)
+}

@@ -1,0 +1,153 @@
+//! `VoxelGrid`: the octree of the cells as a lattice, from a place to its cell in one look, and far over what
+//! is empty.
+use super::octree::FieldOctreeNode;
+
+/// The cube in equal parts as small as its smallest cells.
+#[derive(Clone, Debug, Default)]
+pub(super) struct VoxelGrid {
+    /// Rooms along a side.
+    pub across: u32,
+    /// By z, y and x.
+    voxels: Vec<u32>,
+}
+
+/// What is in one of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Voxel {
+    /// All of it is on one side (1 outside, −1 inside), as are so many rooms around it in every direction.
+    Side(i8, u32),
+    /// A part of a cell.
+    Cell(u32),
+}
+
+const CELL: u32 = 1 << 31;
+const INSIDE: u32 = 1 << 30;
+
+impl VoxelGrid {
+    /// The rooms of an octree with so many levels below its root.
+    pub fn from_octree(parts: &[FieldOctreeNode], levels: u32) -> Self {
+        let across = 1 << levels;
+        let n = across as usize;
+        let mut rooms = vec![0; n * n * n];
+        let mut open = vec![(0, [0, 0, 0], across)];
+        while let Some((part, at, width)) = open.pop() {
+            let value = match parts[part as usize] {
+                FieldOctreeNode::Children(first) => {
+                    let half = width / 2;
+                    for i in 0..8 {
+                        open.push((first + i, [0, 1, 2].map(|k| at[k] + half * (i >> k & 1)), half));
+                    }
+                    continue;
+                }
+                FieldOctreeNode::Outside => 0,
+                FieldOctreeNode::Inside => INSIDE,
+                FieldOctreeNode::Cell(cell) => CELL | cell,
+            };
+            for z in at[2]..at[2] + width {
+                for y in at[1]..at[1] + width {
+                    let row = (z as usize * n + y as usize) * n + at[0] as usize;
+                    rooms[row..row + width as usize].fill(value);
+                }
+            }
+        }
+        for side in [0, INSIDE] {
+            let far = chessboard_distances(&rooms, side, n);
+            for (room, far) in rooms.iter_mut().zip(far) {
+                if *room == side && far > 0 {
+                    *room |= u32::from(far) - 1;
+                }
+            }
+        }
+        Self { across, voxels: rooms }
+    }
+
+    /// The room of a place in rooms; beyond the cube it is the nearest one.
+    #[inline]
+    pub fn at(&self, at: [f64; 3]) -> ([u32; 3], Voxel) {
+        // A negative number becomes 0.
+        let at = at.map(|x| (x as u32).min(self.across - 1));
+        let n = self.across as usize;
+        let room = self.voxels[(at[2] as usize * n + at[1] as usize) * n + at[0] as usize];
+        let what = if room & CELL != 0 {
+            Voxel::Cell(room & !CELL)
+        } else {
+            Voxel::Side(if room & INSIDE == 0 { 1 } else { -1 }, room & !INSIDE)
+        };
+        (at, what)
+    }
+}
+
+/// How far each room is from the nearest one that is not all on `side`, in rooms along the axis that is
+/// longest; 0 for such rooms themselves, and 255 where none is nearer. One pass up and one down, each with
+/// the neighbours that it has seen.
+///
+/// Source: A. Rosenfeld, J. Pfaltz, *Sequential operations in digital picture processing*, 1966.
+fn chessboard_distances(rooms: &[u32], side: u32, n: usize) -> Vec<u8> {
+    let mut far: Vec<u8> = rooms.iter().map(|room| if *room == side { 255 } else { 0 }).collect();
+    let least = |a: u8, b: u8| if a < b { a } else { b };
+    let mut near = vec![255; n];
+    for up in [true, false] {
+        for line in 0..n * n {
+            let line = if up { line } else { n * n - 1 - line };
+            let (z, y) = (line / n, line % n);
+            // The lines before this one: three of the layer before, and one of its own.
+            let step =
+                |x: usize, by: isize| x.checked_add_signed(if up { -by } else { by }).filter(|x| *x < n);
+            let before = [(1, 1), (1, 0), (1, -1), (0, 1)];
+            near.fill(255);
+            for line in before.iter().filter_map(|(dz, dy)| Some(step(z, *dz)? * n + step(y, *dy)?)) {
+                for (near, far) in near.iter_mut().zip(&far[line * n..line * n + n]) {
+                    *near = least(*near, *far);
+                }
+            }
+            let own = &mut far[line * n..line * n + n];
+            let mut last = 255;
+            for i in 0..n {
+                let x = if up { i } else { n - 1 - i };
+                let beside =
+                    least(if x > 0 { near[x - 1] } else { 255 }, if x + 1 < n { near[x + 1] } else { 255 });
+                last = least(own[x], least(least(near[x], beside), last).saturating_add(1));
+                own[x] = last;
+            }
+        }
+    }
+    far
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rooms_know_how_far_their_side_goes() {
+        // A cube of 8³ rooms, outside but for a cell of one room, a cell of 2³ and one of 2³ that is inside.
+        let mut parts = vec![FieldOctreeNode::Children(1)];
+        parts.resize(9, FieldOctreeNode::Outside);
+        let divide = |parts: &mut Vec<FieldOctreeNode>, part: usize| {
+            let first = parts.len();
+            parts[part] = FieldOctreeNode::Children(first as u32);
+            parts.resize(first + 8, FieldOctreeNode::Outside);
+            first
+        };
+        let low = divide(&mut parts, 1);
+        parts[low + 7] = FieldOctreeNode::Cell(5);
+        let lower = divide(&mut parts, low);
+        parts[lower + 7] = FieldOctreeNode::Cell(6);
+        let high = divide(&mut parts, 8);
+        parts[high + 7] = FieldOctreeNode::Inside;
+        let rooms = VoxelGrid::from_octree(&parts, 3);
+        let all = (0..512).map(|i| [i % 8, i / 8 % 8, i / 64]);
+        let kind = |p: [i32; 3]| match rooms.at(p.map(f64::from)).1 {
+            Voxel::Side(side, _) => i32::from(side),
+            Voxel::Cell(cell) => 10 + cell as i32,
+        };
+        assert_eq!((kind([1; 3]), kind([3; 3]), kind([7; 3]), kind([0; 3])), (16, 15, -1, 1));
+        for p in all.clone() {
+            let Voxel::Side(_, clear) = rooms.at(p.map(f64::from)).1 else { continue };
+            let apart = |q: [i32; 3]| (0..3).map(|k| (p[k] - q[k]).abs()).max().unwrap_or(0);
+            let truth =
+                all.clone().filter(|q| kind(*q) != kind(p)).map(apart).min().expect("there are others");
+            assert_eq!(clear as i32 + 1, truth, "{p:?}");
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! The distance from the z axis, with ranges of its slope on the axis too.
+use crate::budget::Evidence;
+use crate::implicit::{Expr, Leaf, LeafAnswer, LeafError, Lipschitz};
+use crate::math::{Box3, Interval, sqrt_down, sqrt_up};
+use std::sync::Arc;
+
+/// `√(x² + y²)`. The root's slope is unknown to ranges on the axis, where a surface may well be; the leaf
+/// knows it.
+pub(in crate::implicit) fn axis_distance() -> Expr {
+    let [x, y, _] = Expr::axes();
+    Expr::leaf(Arc::new(AxisDistance), [x, y, Expr::constant(0.0)])
+}
+
+#[derive(Clone, Copy, Debug)]
+struct AxisDistance;
+
+impl Leaf for AxisDistance {
+    fn at(&self, points: &[[f64; 3]], out: &mut [f64]) -> Result<(), LeafError> {
+        points.iter().zip(out).for_each(|([x, y, _], value)| *value = (x * x + y * y).sqrt());
+        Ok(())
+    }
+
+    fn gradient_at(&self, points: &[[f64; 3]], out: &mut [[f64; 3]]) -> Result<LeafAnswer, LeafError> {
+        for ([x, y, _], gradient) in points.iter().zip(out) {
+            let r = (x * x + y * y).sqrt();
+            *gradient = if r > 0.0 { [x / r, y / r, 0.0] } else { [0.0; 3] };
+        }
+        Ok(LeafAnswer::Given)
+    }
+
+    fn over(&self, boxes: &[Box3], out: &mut [Interval]) -> Result<LeafAnswer, LeafError> {
+        for (bounds, range) in boxes.iter().zip(out) {
+            let [x, y] = sides(bounds);
+            let square = x.square() + y.square();
+            let low = if square.lo() > 0.0 { sqrt_down(square.lo()) } else { 0.0 };
+            *range = Interval::new(low, sqrt_up(square.hi())).unwrap_or(Interval::ENTIRE);
+        }
+        Ok(LeafAnswer::Given)
+    }
+
+    fn gradient_over(&self, boxes: &[Box3], out: &mut [[Interval; 3]]) -> Result<LeafAnswer, LeafError> {
+        for (bounds, gradient) in boxes.iter().zip(out) {
+            let [x, y] = sides(bounds);
+            *gradient = [cosine(x, y), cosine(y, x), Interval::point(0.0)];
+        }
+        Ok(LeafAnswer::Given)
+    }
+
+    fn lipschitz(&self) -> Option<Lipschitz> {
+        None
+    }
+
+    fn evidence(&self) -> Evidence {
+        Evidence::Proved
+    }
+}
+
+/// The range of `x / √(x² + y²)`, of all generalized gradients on the axis. Off it, it grows with `x`, and
+/// goes towards 0 as `|y|` grows: so each end is that of one corner.
+fn cosine(x: Interval, y: Interval) -> Interval {
+    let unit = Interval::new(-1.0, 1.0).unwrap_or(Interval::ENTIRE);
+    if x.contains(0.0) && y.contains(0.0) {
+        return unit;
+    }
+    let beside = y.abs();
+    let at = |x: f64, outer: bool| {
+        // Towards 0 with the largest |y|, away from it with the least.
+        let y = if outer { beside.lo() } else { beside.hi() };
+        let (x, y) = (Interval::point(x), Interval::point(y));
+        let length = (x.square() + y.square()).sqrt();
+        if length.lo() > 0.0 { (x / length).intersection(unit) } else { unit }
+    };
+    let (low, high) = (at(x.lo(), x.lo() < 0.0), at(x.hi(), x.hi() > 0.0));
+    low.hull(high)
+}
+
+fn sides(bounds: &Box3) -> [Interval; 2] {
+    [0, 1].map(|k| Interval::new(bounds.min[k], bounds.max[k]).unwrap_or(Interval::ENTIRE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slopes_beside_the_axis_are_as_tight_as_their_corners() {
+        let range = |x: [f64; 2], y: [f64; 2]| {
+            let [x, y] = [x, y].map(|[low, high]| Interval::new(low, high).expect("a side"));
+            let found = cosine(x, y);
+            [found.lo(), found.hi()]
+        };
+        let near = |found: [f64; 2], truth: [f64; 2]| {
+            // A few roundings; and never inside of the truth.
+            assert!(found[0] <= truth[0] && found[0] >= truth[0] - 1e-14, "{found:?} {truth:?}");
+            assert!(found[1] >= truth[1] && found[1] <= truth[1] + 1e-14, "{found:?} {truth:?}");
+        };
+        near(range([3.0, 4.0], [3.0, 4.0]), [0.6, 0.8]);
+        near(range([-4.0, -3.0], [3.0, 4.0]), [-0.8, -0.6]);
+        near(range([-3.0, 4.0], [-4.0, -3.0]), [-0.5_f64.sqrt(), 0.8]);
+        near(range([3.0, 4.0], [-3.0, 4.0]), [0.6, 1.0]);
+        near(range([-1.0, 1.0], [-1.0, 1.0]), [-1.0, 1.0]);
+        near(range([0.0, 0.0], [-1.0, 1.0]), [-1.0, 1.0]);
+        near(range([0.0, 1.0], [1.0, 2.0]), [0.0, 0.5_f64.sqrt()]);
+        assert_eq!(range([0.0, f64::INFINITY], [f64::NEG_INFINITY, f64::INFINITY]), [-1.0, 1.0]);
+    }
+}

@@ -1,0 +1,149 @@
+//! Ranges of the gradient of the distance to [`Contours`] in a box: from the edges that may be nearest there.
+use super::contours::{ContourEdge, Contours};
+use crate::math::{Box3, Interval, add_up};
+
+const UNIT: [f64; 2] = [-1.0, 1.0];
+/// Edges whose turn has a smaller sine run straight on. Chosen: far above rounding, and the arc between their
+/// normals is as short.
+const STRAIGHT: f64 = 1e-9;
+
+impl Contours {
+    /// A range of each partial derivative, of all of Clarke's generalized gradients.
+    ///
+    /// The gradient is `±(p − q)/|p − q|` with the nearest point `q`: the normal of an edge where `q` is
+    /// inside of it, and between the normals of two edges where it is their corner. An edge that is nearest
+    /// for some point of the box is no farther from its middle than the nearest one there and the box's
+    /// diameter.
+    pub(super) fn slope_over(&self, bounds: &Box3) -> [Interval; 3] {
+        let flat =
+            Box3 { min: [bounds.min[0], bounds.min[1], 0.0], max: [bounds.max[0], bounds.max[1], 0.0] };
+        let [x, y, _] = flat.centre();
+        let middle = [x, y];
+        // With the rounding of the middle.
+        let rounding = add_up(self.rounding(middle), f64::EPSILON * (x.abs() + y.abs()));
+        let radius = add_up(0.5 * flat.diagonal(), rounding);
+        let zero = Interval::point(0.0);
+        let unit = range(UNIT);
+        if !radius.is_finite() {
+            return [unit, unit, zero];
+        }
+        let reach = add_up(self.value(middle).abs(), add_up(2.0 * radius, rounding));
+        let mut hull: Option<[Interval; 2]> = None;
+        let wanted = |node: &super::contours::ContourBvhNode| {
+            (0..2)
+                .all(|k| node.min[k] <= add_up(middle[k], reach) && node.max[k] >= -add_up(-middle[k], reach))
+        };
+        self.descend(wanted, |row| {
+            let edge = &self.edges[row as usize];
+            let ([dx, dy], _) = edge.offset(middle);
+            if (dx * dx + dy * dy).sqrt() > reach {
+                return;
+            }
+            for part in self.slopes(edge, &flat, (middle, radius)) {
+                let joined = hull.map_or(part, |all| [all[0].hull(part[0]), all[1].hull(part[1])]);
+                hull = Some(joined);
+            }
+        });
+        let [dx, dy] = hull.unwrap_or([unit; 2]);
+        [dx, dy, zero]
+    }
+
+    /// The gradients where points around `middle` have their nearest point on an edge.
+    fn slopes(
+        &self,
+        edge: &ContourEdge,
+        flat: &Box3,
+        (middle, radius): ([f64; 2], f64),
+    ) -> Vec<[Interval; 2]> {
+        let along = [edge.b[0] - edge.a[0], edge.b[1] - edge.a[1]];
+        let length = (along[0] * along[0] + along[1] * along[1]).sqrt();
+        let from = [middle[0] - edge.a[0], middle[1] - edge.a[1]];
+        let foot = (from[0] * along[0] + from[1] * along[1]) / length;
+        // Rounding of the foot is 8 units of `|p − a|`, and allowed for many times over.
+        let play = radius * (1.0 + 1e-9) + 64.0 * f64::EPSILON * (from[0].abs() + from[1].abs() + length);
+        let normal = normal(edge);
+        let mut parts = Vec::new();
+        if edge.outside == 0 {
+            parts.push([range(UNIT), range(UNIT)]);
+            return parts;
+        }
+        if foot + play > 0.0 && foot - play < length {
+            parts.push(normal.map(near));
+        }
+        if foot - play <= 0.0 {
+            parts.extend(about_corner([&self.edges[edge.before as usize], edge], flat));
+        }
+        if foot + play >= length {
+            parts.extend(about_corner([edge, &self.edges[edge.after as usize]], flat));
+        }
+        parts
+    }
+}
+
+/// The gradients at points of a box whose nearest point is the corner of two edges: between the normals of
+/// these, and the direction from the corner, or to it where it is reentrant. None where no point of the box
+/// is such a one.
+fn about_corner(edges: [&ContourEdge; 2], flat: &Box3) -> Option<[Interval; 2]> {
+    let arc = between(normal(edges[0]), normal(edges[1]));
+    let along = edges.map(|edge| [edge.b[0] - edge.a[0], edge.b[1] - edge.a[1]]);
+    let turn = along[0][0] * along[1][1] - along[0][1] * along[1][0];
+    let size = (along[0][0].abs() + along[0][1].abs()) * (along[1][0].abs() + along[1][1].abs());
+    // Where the edges run straight on, or differ about the side, the arc is all that is known.
+    let is_straight = turn.abs() <= STRAIGHT * size || turn.is_nan();
+    if is_straight || edges[0].outside != edges[1].outside {
+        return Some(arc);
+    }
+    let sign = if (turn > 0.0) == (edges[0].outside > 0) { 1.0 } else { -1.0 };
+    let corner = edges[1].a;
+    let from: [Interval; 2] =
+        std::array::from_fn(|k| range([flat.min[k], flat.max[k]]) - Interval::point(corner[k]));
+    let direction = [from[0].direction_cosine(from[1].square()), from[1].direction_cosine(from[0].square())];
+    let both: [Interval; 2] =
+        std::array::from_fn(|k| arc[k].intersection(Interval::point(sign) * direction[k]));
+    both.iter().all(|range| !range.is_empty()).then_some(both)
+}
+
+/// The outward normal of an edge, rounded; components that are exactly 0 stay so.
+fn normal(edge: &ContourEdge) -> [f64; 2] {
+    let sign = f64::from(edge.outside);
+    let n = [sign * (edge.b[1] - edge.a[1]), sign * (edge.a[0] - edge.b[0])];
+    let length = (n[0] * n[0] + n[1] * n[1]).sqrt();
+    n.map(|x| x / length)
+}
+
+fn range([low, high]: [f64; 2]) -> Interval {
+    Interval::new(low, high).unwrap_or(Interval::UNKNOWN)
+}
+
+/// A rounded component of a unit vector: it has seen six roundings of half a unit.
+fn near(x: f64) -> Interval {
+    let off = 8.0 * f64::EPSILON * x.abs();
+    let (low, high) = (x - off, x + off);
+    range([if low > -1.0 { low } else { -1.0 }, if high < 1.0 { high } else { 1.0 }])
+}
+
+/// All unit vectors on the shorter arc between two: a component reaches ±1 only if that direction is on the
+/// arc.
+fn between(a: [f64; 2], b: [f64; 2]) -> [Interval; 2] {
+    let cross = a[0] * b[1] - a[1] * b[0];
+    // Nearly opposite vectors may have either arc, and this is far more than their rounding.
+    let opposite = a[0] * b[0] + a[1] * b[1] < -1.0 + 1e-12;
+    let on_arc = |d: [f64; 2]| {
+        let (from, to) = ((a[0] * d[1] - a[1] * d[0]) * cross, (d[0] * b[1] - d[1] * b[0]) * cross);
+        let ahead = (a[0] + b[0]) * d[0] + (a[1] + b[1]) * d[1] > -1e-12;
+        // Derived: the products are rounded by less than 1e-15, and an arc may be that much longer.
+        opposite || (from >= -1e-14 && to >= -1e-14 && ahead && cross != 0.0)
+    };
+    std::array::from_fn(|k| {
+        let mut axis = [0.0; 2];
+        axis[k] = 1.0;
+        let mut part = near(a[k]).hull(near(b[k]));
+        if on_arc(axis) {
+            part = part.hull(Interval::point(1.0));
+        }
+        if on_arc(axis.map(|x: f64| -x)) {
+            part = part.hull(Interval::point(-1.0));
+        }
+        part
+    })
+}

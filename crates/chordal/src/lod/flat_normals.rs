@@ -1,0 +1,64 @@
+//! Flat shading: normals that are those of the faces, made again for the faces that are left.
+use crate::explicit::{Attribute, Domain, Mesh, Semantic};
+use crate::math::{cross, difference, dot};
+
+/// How far a normal may be from that of its face and still be that: 5°. Chosen: of normals in eight bits a component
+/// and positions in f32.
+const SAME_COSINE: f64 = 0.996_194_698_091_745_5;
+/// Twice the area of a face whose normal is known, as a share of the square of its longest side. Chosen: a needle in f32
+/// may be turned by its rounding.
+const NEEDLE: f64 = 1e-3;
+/// A normal that is no farther from the one before stays that: 0.06°. Chosen: nobody sees that, and flat sides are tilted by up to 1e-4 where
+/// points moved in them.
+const ONE: f64 = 1e-3;
+
+/// Whether each face has one normal at all corners, its own.
+pub(super) fn is_flat(mesh: &Mesh, attribute: &Attribute) -> bool {
+    let is_normal = attribute.semantic == Semantic::Normal && attribute.width == 3;
+    is_normal && (0..mesh.faces().len() as u32).all(|face| is_flat_at(mesh, attribute, face))
+}
+
+fn is_flat_at(mesh: &Mesh, attribute: &Attribute, face: u32) -> bool {
+    let [n, m, o] = corner_normals(mesh, attribute, face);
+    if n != m || n != o {
+        return false;
+    }
+    // Halved, so that no difference overflows, and brought to an extent of 1.
+    let corners = mesh.corners(face as usize).map(|p| p.map(|x| 0.5 * x));
+    let sides = [difference(corners[1], corners[0]), difference(corners[2], corners[0])];
+    let most = sides.as_flattened().iter().fold(0.0, |most, x| if x.abs() > most { x.abs() } else { most });
+    let [u, v] = sides.map(|side| side.map(|x| x / most));
+    let own = cross(u, v);
+    let longest = dot(u, u) + dot(v, v);
+    // A needle, or all corners at one point, where this is no number.
+    let is_wide = dot(own, own) > NEEDLE * NEEDLE * longest * longest;
+    if !is_wide {
+        return true;
+    }
+    dot(own, n) >= SAME_COSINE * (dot(own, own) * dot(n, n)).sqrt() && dot(n, n) > 0.0
+}
+
+/// The normals that an attribute has at the corners of a face.
+fn corner_normals(mesh: &Mesh, attribute: &Attribute, face: u32) -> [[f64; 3]; 3] {
+    let at = |k: usize| match attribute.domain {
+        Domain::Face => face as usize,
+        Domain::Corner => 3 * face as usize + k,
+        Domain::Vertex => mesh.faces()[face as usize][k] as usize,
+    };
+    [0, 1, 2].map(|k| std::array::from_fn(|i| attribute.row(at(k))[i]))
+}
+
+/// The normal of a face by where its corners are now: the one that it had where that is the same.
+pub(super) fn updated_normal(
+    corners: [[f64; 3]; 3],
+    (mesh, attribute): (&Mesh, &Attribute),
+    face: u32,
+) -> [f64; 3] {
+    let [had, ..] = corner_normals(mesh, attribute, face);
+    let own = cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]));
+    let size = dot(own, own).sqrt();
+    let now = own.map(|x| x / size);
+    // Where it has no area this is no number.
+    let turned = size > 0.0 && (0..3).any(|k| (now[k] - had[k]).abs() > ONE);
+    if turned { now } else { had }
+}

@@ -1,0 +1,108 @@
+//! `LocalTolerance`: how far from the original a surface may be while it shrinks, everywhere alike or by place.
+use super::reduction::ReductionFrame;
+use crate::budget::ErrorLimit;
+use crate::check::{RegionTolerance, ToleranceField};
+use crate::math::Box3;
+
+/// How far what shrinks may be from the original, in the coordinates of the engine.
+///
+/// By place every point has a length of its own. That is for the way only; at the end the proof takes the least of all
+/// points of a piece.
+#[derive(Clone, Debug)]
+pub(super) struct LocalTolerance {
+    /// Everywhere at least this.
+    least: f64,
+    least_sq: f64,
+    varying: Option<VaryingTolerance>,
+}
+
+#[derive(Clone, Debug)]
+struct VaryingTolerance {
+    limit: ErrorLimit,
+    frame: ReductionFrame,
+    /// Of what is allowed so much is used on the way.
+    share: f64,
+    /// By sample: the square of its length.
+    samples: Vec<f64>,
+}
+
+impl LocalTolerance {
+    /// The same everywhere.
+    pub fn uniform(length: f64) -> Self {
+        Self { least: length, least_sq: length * length, varying: None }
+    }
+
+    /// A share of what is allowed by place, for samples at some points.
+    pub fn varying(
+        allowed: &ErrorLimit,
+        (frame, share): (ReductionFrame, f64),
+        samples: &[[f64; 3]],
+    ) -> Self {
+        let mut by_place = VaryingTolerance { limit: *allowed, frame, share, samples: Vec::new() };
+        let square = |p: &[f64; 3]| {
+            let length = by_place.length(&Box3 { min: *p, max: *p });
+            length * length
+        };
+        by_place.samples = samples.iter().map(square).collect();
+        let least = by_place.length(&Box3::from_points(samples));
+        Self { least, least_sq: least * least, varying: Some(by_place) }
+    }
+
+    /// The length for all points of a box.
+    pub fn for_box(&self, place: &Box3) -> f64 {
+        self.varying.as_ref().map_or(self.least, |by_place| by_place.length(place))
+    }
+
+    /// Whether a point may be so far from the original; its distance squared.
+    #[inline]
+    pub fn holds(&self, point: [f64; 3], distance_sq: f64) -> bool {
+        distance_sq <= self.least_sq
+            || self.varying.as_ref().is_some_and(|by_place| {
+                let length = by_place.length(&Box3 { min: point, max: point });
+                distance_sq <= length * length
+            })
+    }
+
+    /// The same for a sample.
+    #[inline]
+    pub fn holds_sample(&self, sample: u32, distance_sq: f64) -> bool {
+        distance_sq <= self.least_sq
+            || self.varying.as_ref().is_some_and(|by_place| distance_sq <= by_place.samples[sample as usize])
+    }
+
+    /// Whether all points of a box may be so far from the original; the box is made only where that is asked.
+    #[inline]
+    pub fn holds_in_box(&self, place: impl FnOnce() -> Box3, distance: f64) -> bool {
+        distance <= self.least
+            || self.varying.as_ref().is_some_and(|by_place| distance <= by_place.length(&place()))
+    }
+
+    /// Whether nothing there may move, since the eye is too close.
+    pub fn is_too_close(&self, place: &Box3) -> bool {
+        let by_place = self.varying.as_ref();
+        by_place.is_some_and(|by_place| by_place.limit.at(&by_place.frame.world_box(place)).is_none())
+    }
+
+    /// Whether every place is alike.
+    pub fn is_constant(&self) -> bool {
+        self.varying.is_none()
+    }
+}
+
+impl VaryingTolerance {
+    fn length(&self, place: &Box3) -> f64 {
+        let length = self.limit.at(&self.frame.world_box(place));
+        length.map_or(0.0, |length| self.frame.local_length(self.share * length))
+    }
+}
+
+impl ToleranceField for LocalTolerance {
+    #[inline]
+    fn over_triangle(&self, triangle: [[f64; 3]; 3], _: f64) -> RegionTolerance {
+        let enough = match &self.varying {
+            Some(by_place) => by_place.length(&Box3::from_points(&triangle)),
+            None => self.least,
+        };
+        RegionTolerance { tolerance: enough, sight: None }
+    }
+}

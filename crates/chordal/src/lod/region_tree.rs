@@ -1,0 +1,147 @@
+//! `RegionTree`: the triangles of a mesh cut into regions by position, and each region as a mesh.
+use crate::explicit::{Attribute, Domain, Mesh, Topology};
+use crate::math::Box3;
+use std::borrow::Cow;
+use std::ops::Range;
+
+/// The regions of a mesh: the whole, its halves, their halves, until each has few triangles.
+///
+/// A region is cut in the middle of its triangles, along the longest side of the box of their centres. No triangle is
+/// cut. The regions depend on the mesh alone.
+pub(super) struct RegionTree<'a> {
+    mesh: &'a Mesh,
+    ids: Option<Cow<'a, [u32]>>,
+    /// The triangles, so that those of a region stand together.
+    order: Vec<u32>,
+    /// The whole, then region by region the two halves of those before.
+    pub regions: Vec<MeshRegion>,
+    /// By position, the first and the last place in `order` of a triangle there.
+    face_span: Vec<[u32; 2]>,
+}
+
+/// A range of the triangles in the order of their regions.
+pub(super) struct MeshRegion {
+    range: Range<usize>,
+    /// The region that it is half of.
+    pub parent: usize,
+    /// The first of its halves, which the second follows.
+    pub halves: Option<usize>,
+}
+
+impl<'a> RegionTree<'a> {
+    pub fn new(mesh: &'a Mesh, topology: Topology, most: usize) -> Self {
+        // Thirds first: a sum might overflow.
+        let centre = |face: usize| {
+            let [a, b, c] = mesh.corners(face);
+            std::array::from_fn(|k| a[k] / 3.0 + b[k] / 3.0 + c[k] / 3.0)
+        };
+        let centres: Vec<[f64; 3]> = (0..mesh.faces().len()).map(centre).collect();
+        let mut order: Vec<u32> = (0..mesh.faces().len() as u32).collect();
+        let mut regions = vec![MeshRegion { range: 0..order.len(), parent: 0, halves: None }];
+        let mut next = 0;
+        while let Some(MeshRegion { range, .. }) = regions.get(next) {
+            let range = range.clone();
+            // One triangle has no halves.
+            if range.len() > most.max(1) {
+                let middle = range.len() / 2;
+                let order = &mut order[range.clone()];
+                let axis = longest(&Box3::from_points(order.iter().map(|face| &centres[*face as usize])));
+                let along = |face: &u32| centres[*face as usize][axis];
+                // No two are alike, so that the halves do not depend on how they are found.
+                order.select_nth_unstable_by(middle, |a, b| along(a).total_cmp(&along(b)).then(a.cmp(b)));
+                regions[next].halves = Some(regions.len());
+                let middle = range.start + middle;
+                for range in [range.start..middle, middle..range.end] {
+                    regions.push(MeshRegion { range, parent: next, halves: None });
+                }
+            }
+            next += 1;
+        }
+        let ids = topology.ids(mesh);
+        let mut parts =
+            Self { mesh, ids, order, regions, face_span: vec![[u32::MAX, 0]; mesh.positions().len()] };
+        for (place, face) in parts.order.iter().enumerate() {
+            for row in mesh.faces()[*face as usize] {
+                let id = parts.ids.as_ref().map_or(row, |ids| ids[row as usize]);
+                let [first, last] = &mut parts.face_span[id as usize];
+                *first = (*first).min(place as u32);
+                *last = (*last).max(place as u32);
+            }
+        }
+        parts
+    }
+
+    fn id(&self, row: u32) -> u32 {
+        self.ids.as_ref().map_or(row, |ids| ids[row as usize])
+    }
+
+    /// The diagonal of the box around everything.
+    pub fn extent(&self) -> f64 {
+        self.mesh.bounds().diagonal()
+    }
+
+    /// A region as a mesh, its triangles in the order of the whole, with all attributes; and by row, whether another
+    /// region has a triangle at its position. Empty where none has.
+    pub fn mesh(&self, region: usize) -> (Mesh, Vec<bool>) {
+        let range = &self.regions[region].range;
+        let mut faces = self.order[range.clone()].to_vec();
+        faces.sort_unstable();
+        let mut rows: Vec<u32> = faces.iter().flat_map(|face| self.mesh.faces()[*face as usize]).collect();
+        rows.sort_unstable();
+        rows.dedup();
+        let elsewhere = |row: &u32| {
+            let [first, last] = self.face_span[self.id(*row) as usize];
+            (first as usize) < range.start || last as usize >= range.end
+        };
+        let mut stays: Vec<bool> = rows.iter().map(elsewhere).collect();
+        if !stays.contains(&true) {
+            stays.clear();
+        }
+        (submesh(self.mesh, &faces, &rows), stays)
+    }
+
+    /// Whether a region has a triangle with three corners.
+    pub fn has_surface(&self, region: usize) -> bool {
+        self.order[self.regions[region].range.clone()].iter().any(|face| {
+            let [a, b, c] = self.mesh.faces()[*face as usize].map(|row| self.id(row));
+            a != b && b != c && c != a
+        })
+    }
+}
+
+fn longest(bounds: &Box3) -> usize {
+    // Halved before the difference, which might overflow.
+    let side = |k: usize| 0.5 * bounds.max[k] - 0.5 * bounds.min[k];
+    (1..3).fold(0, |best, k| if side(k) > side(best) { k } else { best })
+}
+
+/// Some faces of a mesh and the rows that they use, both ascending, as a mesh.
+fn submesh(mesh: &Mesh, faces: &[u32], rows: &[u32]) -> Mesh {
+    let new = |row: u32| rows.binary_search(&row).unwrap_or(0) as u32;
+    let positions = rows.iter().map(|row| mesh.positions()[*row as usize]).collect();
+    let corners = faces.iter().map(|face| mesh.faces()[*face as usize].map(new)).collect();
+    let mut part = Mesh::by_construction(positions, corners);
+    if let Some(ids) = mesh.position_id() {
+        // A position is named by the first of its rows.
+        let mut named: Vec<[u32; 2]> = (0..).zip(rows).map(|(at, row)| [ids[*row as usize], at]).collect();
+        named.sort_unstable();
+        let mut of = vec![0; rows.len()];
+        for together in named.chunk_by(|a, b| a[0] == b[0]) {
+            together.iter().for_each(|[_, at]| of[*at as usize] = together[0][1]);
+        }
+        part = part.with_position_id(of).unwrap_or_default();
+    }
+    for attribute in mesh.attributes() {
+        let values: Vec<f64> = match attribute.domain {
+            Domain::Vertex => rows.iter().flat_map(|row| attribute.row(*row as usize)).copied().collect(),
+            Domain::Face => faces.iter().flat_map(|face| attribute.row(*face as usize)).copied().collect(),
+            Domain::Corner => {
+                let corners = faces.iter().flat_map(|face| (0..3).map(move |k| 3 * *face as usize + k));
+                corners.flat_map(|corner| attribute.row(corner)).copied().collect()
+            }
+        };
+        let same = Attribute { semantic: attribute.semantic.clone(), values, ..*attribute };
+        part = part.with_attribute(same).unwrap_or_default();
+    }
+    part
+}

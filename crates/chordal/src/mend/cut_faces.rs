@@ -1,0 +1,205 @@
+//! Vertices into the edges of faces: the face is cut, and its neighbours are left to themselves.
+use super::mend_builder::{AttributeSource, MendBuilder, MendFace, MendRow};
+use crate::Mesh;
+use crate::check::has_zero_area;
+use crate::explicit::Domain;
+use glam::DVec3;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A vertex that is to become a corner in the middle of a half-edge.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct VertexInsertion {
+    pub half_edge: u32,
+    pub row: u32,
+}
+
+/// Which insertions a face can take, and the faces that it becomes.
+pub(super) struct FaceCutter<'a> {
+    mesh: &'a Mesh,
+    id: &'a dyn Fn(u32) -> u32,
+    /// How many faces each edge between two positions has, of which an end is to be inserted somewhere.
+    edges: BTreeMap<[u32; 2], u32>,
+    has_vertex_streams: bool,
+    /// Rows that were made for a vertex between two others.
+    made: BTreeMap<(u32, [u32; 2]), u32>,
+}
+
+impl<'a> FaceCutter<'a> {
+    /// For these insertions, into a mesh where the face `is_left_out` does not count.
+    pub fn new(
+        mesh: &'a Mesh,
+        id: &'a dyn Fn(u32) -> u32,
+        insertions: &[VertexInsertion],
+        is_left_out: impl Fn(u32) -> bool,
+    ) -> Self {
+        let inserted: BTreeSet<u32> = insertions.iter().map(|insertion| id(insertion.row)).collect();
+        let mut edges = BTreeMap::new();
+        for (_, face) in (0..).zip(mesh.faces()).filter(|(face, _)| !is_left_out(*face)) {
+            let [a, b, c] = face.map(id);
+            for edge in [[a, b], [b, c], [c, a]] {
+                if edge.iter().any(|end| inserted.contains(end)) {
+                    *edges.entry(sorted(edge)).or_insert(0) += 1;
+                }
+            }
+        }
+        let has_vertex_streams = mesh.attributes().iter().any(|stream| stream.domain == Domain::Vertex);
+        Self { mesh, id, edges, has_vertex_streams, made: BTreeMap::new() }
+    }
+
+    /// Cuts one face, whose insertions these are, all different. False, and the face as it is, where an edge would get a
+    /// third face by that, or have two equal ends, or a face with area would give one without.
+    pub fn cut(&mut self, face: u32, insertions: &[VertexInsertion], draft: &mut MendBuilder) -> bool {
+        let corners = self.mesh.faces()[face as usize];
+        // 1. The vertices along each side, from its start to its end, with their places on it.
+        let mut sides: [Vec<(f64, u32)>; 3] = Default::default();
+        for insertion in insertions {
+            let k = insertion.half_edge as usize % 3;
+            let ends = [corners[k], corners[(k + 1) % 3]];
+            sides[k].push((self.parameter_on_edge(insertion.row, ends), insertion.row));
+        }
+        sides.iter_mut().for_each(|side| side.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))));
+        // 2. The polygon: corners and what lies between them, as old rows.
+        let mut around: Vec<CutCorner> = Vec::new();
+        for k in 0..3 {
+            around.push(CutCorner { row: corners[k], side: k, t: 0.0 });
+            around.extend(sides[k].iter().map(|&(t, row)| CutCorner { row, side: k, t }));
+        }
+        let triangles = triangulate([sides[0].len(), sides[1].len(), sides[2].len()]);
+        let has_area =
+            |corners: [u32; 3]| !has_zero_area(corners.map(|row| self.mesh.positions()[row as usize]));
+        let keeps_area = !has_area(corners) || triangles.iter().all(|t| has_area(t.map(|i| around[i].row)));
+        if !(keeps_area && self.keeps_manifold(&around, &triangles)) {
+            draft.faces.push(MendFace::from_mesh(self.mesh, face));
+            return false;
+        }
+        // 3. The faces.
+        let rows: Vec<u32> = around.iter().map(|stop| self.corner_row(stop, corners, draft)).collect();
+        let corner = |stop: &CutCorner| {
+            let ends = [stop.side, (stop.side + 1) % 3].map(|k| 3 * face + k as u32);
+            if stop.t == 0.0 {
+                AttributeSource::from_row(ends[0])
+            } else {
+                AttributeSource::between(ends, stop.t)
+            }
+        };
+        for triangle in &triangles {
+            draft.faces.push(MendFace {
+                rows: triangle.map(|i| rows[i]),
+                source: face,
+                corners: triangle.map(|i| corner(&around[i])),
+            });
+        }
+        true
+    }
+
+    /// Where on the way between two rows a vertex stands, from 0 to 1.
+    fn parameter_on_edge(&self, row: u32, ends: [u32; 2]) -> f64 {
+        let at = |row: u32| DVec3::from(self.mesh.positions()[row as usize]);
+        let [a, b] = ends.map(at);
+        let along = b - a;
+        let size = along.abs().max_element();
+        let (along, from_a) = (along / size, (at(row) - a) / size);
+        let t = from_a.dot(along) / along.dot(along);
+        // Strictly inside, so that a stop with 0 is a corner; only rounding can bring it to an end.
+        if t > f64::MIN_POSITIVE { if t < 1.0 { t } else { 1.0 } } else { f64::MIN_POSITIVE }
+    }
+
+    /// Whether no edge gets a third face. Counts the edges of the new faces where it does.
+    fn keeps_manifold(&mut self, around: &[CutCorner], triangles: &[[usize; 3]]) -> bool {
+        let ids: Vec<u32> = around.iter().map(|stop| (self.id)(stop.row)).collect();
+        if (0..ids.len()).any(|i| ids[..i].contains(&ids[i])) {
+            return false;
+        }
+        let n = around.len();
+        // The sides that were there count already; an edge inside belongs to two of the new faces.
+        let was_there = |i: usize, j: usize| around[i].t == 0.0 && around[j].t == 0.0;
+        let mut added: BTreeMap<[u32; 2], u32> = BTreeMap::new();
+        for triangle in triangles {
+            for k in 0..3 {
+                let (i, j) = (triangle[k], triangle[(k + 1) % 3]);
+                let is_side = (i + 1) % n == j || (j + 1) % n == i;
+                if !(is_side && was_there(i, j)) {
+                    *added.entry(sorted([ids[i], ids[j]])).or_insert(0) += 1;
+                }
+            }
+        }
+        if added.iter().any(|(edge, n)| self.edges.get(edge).unwrap_or(&0) + n > 2) {
+            return false;
+        }
+        for (edge, n) in added {
+            *self.edges.entry(edge).or_insert(0) += n;
+        }
+        true
+    }
+
+    /// The row of a stop: its own where rows carry nothing, else one with what the side has there.
+    fn corner_row(&mut self, stop: &CutCorner, corners: [u32; 3], draft: &mut MendBuilder) -> u32 {
+        if stop.t == 0.0 || !self.has_vertex_streams {
+            return stop.row;
+        }
+        let ends = [corners[stop.side], corners[(stop.side + 1) % 3]];
+        let source = AttributeSource::between(ends, stop.t);
+        let MendRow { at, label, .. } = draft.rows[stop.row as usize];
+        *self.made.entry((stop.row, ends)).or_insert_with(|| draft.add_row(MendRow { at, label, source }))
+    }
+}
+
+/// A corner of the polygon: an old row, on which side, and where there; 0 at the side's start.
+struct CutCorner {
+    row: u32,
+    side: usize,
+    t: f64,
+}
+
+fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
+    if a < b { [a, b] } else { [b, a] }
+}
+
+/// A triangle with that many vertices inside each side as triangles of which none lies along a side, by the numbers of
+/// the corners on the way around.
+fn triangulate(inside: [usize; 3]) -> Vec<[usize; 3]> {
+    let n = 3 + inside.iter().sum::<usize>();
+    // The first side that has some, and the corners of the polygon from there on: a … b … c … .
+    let Some(first) = (0..3).find(|&k| inside[k] > 0) else { return vec![[0, 1, 2]] };
+    let start = first + inside[..first].iter().sum::<usize>();
+    let on = |k: usize| inside[(first + k) % 3];
+    let at = |i: usize| (start + i) % n;
+    let b = on(0) + 1;
+    let c = b + on(1) + 1;
+    let mut made = Vec::with_capacity(n - 2);
+    // 1. Between the vertices inside the first side, to the corner across.
+    made.extend((1..on(0)).map(|i| [at(i), at(i + 1), at(c)]));
+    // 2. The last of them to what lies on the second side, the first of them to what lies on the third.
+    made.extend((b..c).map(|i| [at(on(0)), at(i), at(i + 1)]));
+    made.extend((c..n).map(|i| [at(1), at(i), at(i + 1)]));
+    made
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cut_triangle_is_a_disc_without_triangles_along_its_sides() {
+        for inside in (0..64).map(|code| [code % 4, code / 4 % 4, code / 16]) {
+            let n = 3 + inside.iter().sum::<usize>();
+            let made = triangulate(inside);
+            assert_eq!(made.len(), n - 2, "{inside:?}");
+            let mut edges: Vec<(usize, usize)> =
+                made.iter().flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]).collect();
+            let all = edges.clone();
+            edges.retain(|&(i, j)| !all.contains(&(j, i)));
+            edges.sort_unstable();
+            let around: Vec<_> = (0..n).map(|i| (i, (i + 1) % n)).collect();
+            assert_eq!(edges, around, "{inside:?}");
+            let mut side = Vec::new();
+            for (k, count) in inside.into_iter().enumerate() {
+                side.extend(vec![1 << k; count + 1]);
+            }
+            // The sides that a vertex lies on, as bits: a corner lies on two.
+            let corner = |i: usize| if i == 0 || side[i] != side[i - 1] { side[(i + n - 1) % n] } else { 0 };
+            let on = |i: usize| side[i] | corner(i);
+            assert!(made.iter().all(|t| on(t[0]) & on(t[1]) & on(t[2]) == 0), "{inside:?}: {made:?}");
+        }
+    }
+}

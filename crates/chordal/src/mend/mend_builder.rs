@@ -1,0 +1,151 @@
+//! `MendBuilder`: the rows and faces of a mesh to be, each with the place in the old one that its attributes come from.
+use super::mended_mesh::refusal;
+use crate::Mesh;
+use crate::budget::{JobError, RefusalCode};
+use crate::explicit::{Attribute, Domain, Semantic};
+
+/// The attributes of one old row, or of a place between two.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct AttributeSource {
+    from: u32,
+    to: u32,
+    /// 0 at `from`, 1 at `to`.
+    t: f64,
+}
+
+impl AttributeSource {
+    pub fn from_row(row: u32) -> Self {
+        Self { from: row, to: row, t: 0.0 }
+    }
+
+    /// The place `t` of the way from one to the other.
+    pub fn between([from, to]: [u32; 2], t: f64) -> Self {
+        Self { from, to, t }
+    }
+}
+
+/// A row to be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MendRow {
+    pub at: [f64; 3],
+    /// Rows of one label are one position.
+    pub label: u32,
+    pub source: AttributeSource,
+}
+
+/// A face to be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MendFace {
+    pub rows: [u32; 3],
+    /// The old face that it has the attributes of.
+    pub source: u32,
+    /// The same for its corners, in the numbering of half-edges.
+    pub corners: [AttributeSource; 3],
+}
+
+impl MendFace {
+    /// An old face as it is.
+    pub fn from_mesh(mesh: &Mesh, face: u32) -> Self {
+        let corners = [0, 1, 2].map(|k| AttributeSource::from_row(3 * face + k));
+        Self { rows: mesh.faces()[face as usize], source: face, corners }
+    }
+
+    /// The other way round; the first corner stays the first.
+    pub fn flipped(self) -> Self {
+        let ([a, b, c], [p, q, r]) = (self.rows, self.corners);
+        Self { rows: [a, c, b], corners: [p, r, q], ..self }
+    }
+}
+
+/// A mesh to be.
+pub(super) struct MendBuilder<'a> {
+    mesh: &'a Mesh,
+    pub rows: Vec<MendRow>,
+    pub faces: Vec<MendFace>,
+}
+
+impl<'a> MendBuilder<'a> {
+    /// All rows of `mesh`, tied as they are, and no face.
+    pub fn without_faces(mesh: &'a Mesh) -> Self {
+        let row = |(i, at): (u32, &[f64; 3])| MendRow {
+            at: *at,
+            label: mesh.position_of(i),
+            source: AttributeSource::from_row(i),
+        };
+        let rows = (0..).zip(mesh.positions()).map(row).collect();
+        Self { mesh, rows, faces: Vec::with_capacity(mesh.faces().len()) }
+    }
+
+    /// All old faces as they are.
+    pub fn add_all_faces(&mut self) {
+        let mesh = self.mesh;
+        self.faces.extend((0..mesh.faces().len() as u32).map(|face| MendFace::from_mesh(mesh, face)));
+    }
+
+    /// One more row, of the label `label`.
+    pub fn add_row(&mut self, row: MendRow) -> u32 {
+        // More rows than u32 can number are refused at the end, by their count.
+        let number = u32::try_from(self.rows.len()).unwrap_or(u32::MAX);
+        self.rows.push(row);
+        number
+    }
+
+    /// The mesh. Rows of one label get the coordinates of the first of them, which differ at most in the sign of zero.
+    pub fn finish(self) -> Result<Mesh, JobError> {
+        let Self { mesh, rows, faces } = self;
+        let most = rows.iter().map(|row| row.label as usize + 1).max().unwrap_or(0);
+        let mut first = vec![u32::MAX; most];
+        let mut ids = Vec::with_capacity(rows.len());
+        for (number, row) in (0..).zip(&rows) {
+            let known = &mut first[row.label as usize];
+            *known = if *known == u32::MAX { number } else { *known };
+            ids.push(*known);
+        }
+        let positions = ids.iter().map(|&id| rows[id as usize].at).collect();
+        let is_tied = mesh.position_id().is_some() || (0..).zip(&ids).any(|(row, &id)| row != id);
+        let mut made = Mesh::new(positions, faces.iter().map(|face| face.rows).collect());
+        if is_tied {
+            made = made.and_then(|made| made.with_position_id(ids));
+        }
+        for attribute in mesh.attributes() {
+            let values = match attribute.domain {
+                Domain::Vertex => interpolate(attribute, rows.iter().map(|row| row.source)),
+                Domain::Corner => interpolate(attribute, faces.iter().flat_map(|face| face.corners)),
+                Domain::Face => {
+                    interpolate(attribute, faces.iter().map(|face| AttributeSource::from_row(face.source)))
+                }
+            };
+            made = made.and_then(|made| made.with_attribute(Attribute { values, ..attribute.clone() }));
+        }
+        // Rows and faces come from a valid mesh: only their number can be too large.
+        made.map_err(|error| refusal(RefusalCode::TooManyTriangles, error.to_string()))
+    }
+}
+
+fn interpolate(attribute: &Attribute, sources: impl Iterator<Item = AttributeSource>) -> Vec<f64> {
+    let mut values = Vec::with_capacity(attribute.values.len());
+    for AttributeSource { from, to, t } in sources {
+        let (a, b) = (attribute.row(from as usize), attribute.row(to as usize));
+        let is_number = matches!(attribute.semantic, Semantic::Group(_));
+        if t == 0.0 || a == b || (is_number && t < 0.5) {
+            values.extend_from_slice(a);
+        } else if is_number {
+            values.extend_from_slice(b);
+        } else {
+            let start = values.len();
+            values.extend(a.iter().zip(b).map(|(a, b)| (1.0 - t) * a + t * b));
+            if matches!(attribute.semantic, Semantic::Normal | Semantic::Tangent) {
+                normalize(&mut values[start..]);
+            }
+        }
+    }
+    values
+}
+
+/// Takes the first three numbers to length 1; leaves them where they have no direction.
+fn normalize(row: &mut [f64]) {
+    let length = row.iter().take(3).map(|x| x * x).sum::<f64>().sqrt();
+    if length > 0.0 && length.is_finite() {
+        row.iter_mut().take(3).for_each(|x| *x /= length);
+    }
+}

@@ -1,0 +1,91 @@
+//! `MendedMesh`: what a cure leaves behind: the mesh, what was changed, and how far the surface moved.
+use crate::Mesh;
+use crate::budget::{Bound, Job, JobError, Reference, Refusal, RefusalCode};
+use crate::check::Finding;
+
+/// The result of a cure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MendedMesh {
+    /// The mesh afterwards.
+    pub mesh: Mesh,
+    /// What was changed, and what was met and left; one entry for each kind that was met at all.
+    pub changes: Vec<MendChange>,
+    /// How far the surface moved: all faces, those without area included, against those of the input.
+    pub bound: Bound,
+}
+
+/// One kind of change, how often it was made, and where first. Rows in the witnesses are those of the input.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MendChange {
+    /// Stable, for programs: `turned_faces`, `filled_holes`, … What was met and not mended starts with `left_`.
+    pub what: &'static str,
+    /// How often, and the first places.
+    pub finding: Finding,
+}
+
+impl MendedMesh {
+    /// The mesh as it was.
+    pub(super) fn unchanged(mesh: &Mesh) -> Self {
+        Self::exact(mesh.clone(), [])
+    }
+
+    /// A surface that did not move.
+    pub(super) fn exact<const N: usize>(mesh: Mesh, changes: [(&'static str, Finding); N]) -> Self {
+        Self { mesh, changes: nonempty_changes(changes), bound: Bound::exact(Reference::InputTriangles) }
+    }
+
+    /// A surface whose points moved by no more than `at_most`, seen from either side.
+    pub(super) fn moved<const N: usize>(
+        mesh: Mesh,
+        changes: [(&'static str, Finding); N],
+        at_most: f64,
+    ) -> Result<Self, JobError> {
+        if !at_most.is_finite() {
+            return Err(refusal(
+                RefusalCode::NotFinite,
+                "the surface would move further than the largest number",
+            ));
+        }
+        let bound = Bound::proved(0.0, at_most, Reference::InputTriangles);
+        Ok(Self { mesh, changes: nonempty_changes(changes), bound })
+    }
+
+    /// How often something of that kind was changed or met.
+    #[must_use]
+    pub fn count(&self, what: &str) -> u64 {
+        self.changes.iter().find(|change| change.what == what).map_or(0, |change| change.finding.count)
+    }
+
+    /// Whether nothing was changed.
+    #[must_use]
+    pub fn is_unchanged(&self) -> bool {
+        self.changes.iter().all(|change| change.what.starts_with("left_"))
+    }
+}
+
+fn nonempty_changes<const N: usize>(changes: [(&'static str, Finding); N]) -> Vec<MendChange> {
+    let met = changes.into_iter().filter(|(_, found)| !found.is_none());
+    met.map(|(what, found)| MendChange { what, finding: found }).collect()
+}
+
+/// Whether a cure may start: not after a cancel, and not where it would hold more than the job allows.
+pub(super) fn check_limits(mesh: &Mesh, job: &Job) -> Result<(), JobError> {
+    if job.is_cancelled() {
+        return Err(JobError::Cancelled);
+    }
+    // Counted: a face and its sources 64 bytes, in and out 24, twins and sets 48; a row and its source 48, in and out 56.
+    let attributes: usize = mesh.attributes().iter().map(|attribute| attribute.values.len()).sum();
+    let bytes = 136 * mesh.faces().len() + 104 * mesh.positions().len() + 16 * attributes;
+    if bytes as u64 > job.memory_limit {
+        let limit = job.memory_limit;
+        return Err(refusal(
+            RefusalCode::TooMuchMemory,
+            format!("mending needs about {bytes} bytes; the limit is {limit}"),
+        ));
+    }
+    Ok(())
+}
+
+pub(super) fn refusal(code: RefusalCode, message: impl Into<String>) -> JobError {
+    JobError::Refused(Refusal { code, message: message.into() })
+}

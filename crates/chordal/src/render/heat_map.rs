@@ -1,0 +1,85 @@
+//! `ReferenceSurface`: another surface, and how far from it each place is, as a colour.
+use super::color::srgb_to_linear;
+use crate::budget::{Job, JobError};
+use crate::explicit::{Bvh, Mesh};
+use glam::DVec3;
+
+/// Another surface that the distance of each place is shown from.
+#[derive(Clone, Copy, Debug)]
+pub struct ReferenceSurface<'a> {
+    /// The other surface.
+    pub mesh: &'a Mesh,
+    /// The distance that has the last colour; what is farther has it too.
+    pub most: f64,
+}
+
+/// Colours from no distance to the most, in sRGB, each darker than the one before: grey paper also tells them
+/// apart.
+const COLORS: [[u8; 3]; 5] = [[240, 242, 243], [250, 213, 92], [237, 122, 46], [176, 42, 74], [62, 14, 92]];
+
+/// The tree over the other surface, and the scale.
+pub(super) struct HeatMap {
+    bvh: Bvh,
+    most: f64,
+    ramp: ColorRamp,
+}
+
+impl HeatMap {
+    pub fn new(against: ReferenceSurface, job: &Job) -> Result<Self, JobError> {
+        let bvh = Bvh::build(against.mesh, job)?;
+        Ok(Self { bvh, most: against.most, ramp: ColorRamp::new() })
+    }
+
+    /// The colour of a place.
+    pub fn at(&self, place: [f64; 3]) -> DVec3 {
+        let off = self.bvh.closest_point(place).map_or(f64::INFINITY, |closest| closest.distance_sq.sqrt());
+        let share = off / self.most;
+        // 0/0 is no distance on a scale without extent.
+        let share = if share < 1.0 || off == 0.0 { if share > 0.0 { share } else { 0.0 } } else { 1.0 };
+        self.ramp.at(share)
+    }
+}
+
+/// The colours as light.
+pub(super) struct ColorRamp([DVec3; COLORS.len()]);
+
+impl ColorRamp {
+    pub fn new() -> Self {
+        Self(COLORS.map(srgb_to_linear))
+    }
+
+    /// The colour at a share of the way from the first to the last, 0 to 1.
+    pub fn at(&self, share: f64) -> DVec3 {
+        let step = share * (COLORS.len() - 1) as f64;
+        let below = (step as usize).min(COLORS.len() - 2);
+        self.0[below].lerp(self.0[below + 1], step - below as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_run_from_the_first_to_the_last() {
+        let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).unwrap();
+        let heat = HeatMap::new(ReferenceSurface { mesh: &mesh, most: 2.0 }, &Job::default()).unwrap();
+        let at = |z: f64| heat.at([0.25, 0.25, z]);
+        assert_eq!(
+            (at(0.0), at(2.0), at(7.0)),
+            (srgb_to_linear(COLORS[0]), srgb_to_linear(COLORS[4]), srgb_to_linear(COLORS[4]))
+        );
+        assert_eq!(at(-1.0), srgb_to_linear(COLORS[2]));
+        let brightness: Vec<f64> =
+            (0..=20).map(|i| at(0.1 * f64::from(i)).dot(DVec3::new(0.2, 0.7, 0.1))).collect();
+        assert!(brightness.windows(2).all(|pair| pair[1] < pair[0]), "{brightness:?}");
+    }
+
+    #[test]
+    fn no_distance_is_the_first_colour_even_without_a_scale() {
+        let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).unwrap();
+        let heat = HeatMap::new(ReferenceSurface { mesh: &mesh, most: 0.0 }, &Job::default()).unwrap();
+        assert_eq!(heat.at([0.25, 0.25, 0.0]), srgb_to_linear(COLORS[0]));
+        assert_eq!(heat.at([0.25, 0.25, 1e-9]), srgb_to_linear(COLORS[4]));
+    }
+}

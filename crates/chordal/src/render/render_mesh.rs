@@ -1,0 +1,129 @@
+//! `RenderMesh`: the mesh as rays see it.
+use super::light::OcclusionTest;
+use super::normals::ShadingNormals;
+use super::options::{CullMode, RenderOptions, RenderStyle};
+use crate::budget::{Job, JobError};
+use crate::explicit::{Bvh, Hit, HitSides, Mesh, Ray, face_normal};
+use glam::DVec3;
+
+/// A mesh, its tree, and how its normals run.
+pub(super) struct RenderMesh<'a> {
+    mesh: &'a Mesh,
+    bvh: Bvh,
+    normals: ShadingNormals<'a>,
+    sides: HitSides,
+    /// By how much secondary rays start off the surface: a millionth of its extent, far above the rounding of
+    /// hits (10⁻¹⁵ of it) and far below a pixel.
+    ray_offset: f64,
+}
+
+/// A place on the surface as a ray sees it.
+pub(super) struct ShadingPoint {
+    pub face: usize,
+    /// Where rays to the lights start.
+    pub origin: DVec3,
+    /// The unit normal of the triangle, towards the viewer.
+    pub flat: DVec3,
+    /// The unit normal to shade by, on the same side.
+    pub normal: DVec3,
+    /// Whether its front is seen.
+    pub front: bool,
+}
+
+impl ShadingPoint {
+    /// The normal, −1 … 1 as 0 … 1.
+    pub fn normal_as_color(&self) -> DVec3 {
+        self.normal * 0.5 + DVec3::splat(0.5)
+    }
+}
+
+impl<'a> RenderMesh<'a> {
+    pub fn new(mesh: &'a Mesh, options: &RenderOptions, job: &Job) -> Result<Self, JobError> {
+        let bvh = Bvh::build(mesh, job)?;
+        let normals = match options.show {
+            RenderStyle::Flat | RenderStyle::Wire | RenderStyle::Overshade => ShadingNormals::Flat,
+            RenderStyle::Shaded | RenderStyle::Normals | RenderStyle::Zebra => {
+                ShadingNormals::from_mesh(mesh)
+            }
+        };
+        // Rays leave a surface this far out: above the rounding of hits, below what a picture of 10^5 pixels
+        // shows.
+        let lift = 1e-6 * bvh.bounds().diagonal();
+        let sides = match options.cull {
+            CullMode::None => HitSides::Both,
+            CullMode::Back => HitSides::Front,
+            CullMode::Front => HitSides::Back,
+        };
+        Ok(Self { mesh, bvh, normals, sides, ray_offset: lift })
+    }
+
+    pub fn bvh(&self) -> &Bvh {
+        &self.bvh
+    }
+
+    pub fn corners(&self, face: usize) -> [[f64; 3]; 3] {
+        self.mesh.corners(face)
+    }
+
+    /// The first triangle that the ray meets and that is not culled.
+    pub fn intersect(&self, ray: &Ray) -> Option<(Hit, ShadingPoint)> {
+        let hit = self.bvh.first_hit_on(ray, self.sides)?;
+        let face = hit.face as usize;
+        let corners = self.mesh.corners(face).map(DVec3::from);
+        let w = hit.barycentric;
+        let at = corners[0] * w[0] + corners[1] * w[1] + corners[2] * w[2];
+        let front = face_normal(self.mesh.corners(face)).map_or(DVec3::ZERO, DVec3::from);
+        let flat = if hit.front { front } else { -front };
+        let mut spot =
+            ShadingPoint { face, origin: at + flat * self.ray_offset, flat, normal: flat, front: hit.front };
+        if let Some(normals) = self.normals.corners(self.mesh, face) {
+            let sum = normals[0] * w[0] + normals[1] * w[1] + normals[2] * w[2];
+            let side = if sum.dot(flat) < 0.0 { -1.0 } else { 1.0 };
+            let normal = (sum * side).normalize_or_zero();
+            // Normals of length 0, or not finite, leave the triangle's own.
+            if normal.is_finite() && normal != DVec3::ZERO {
+                spot.normal = facing_normal(normal, flat, DVec3::from(ray.direction));
+                spot.origin =
+                    self.smooth_origin(at, corners, normals.map(|n| n * side), w) + flat * self.ray_offset;
+            }
+        }
+        Some((hit, spot))
+    }
+
+    /// The place moved outward on to the smooth surface that the normals mean, so that the facets behind them
+    /// cast no shadows on themselves.
+    ///
+    /// Source: J. Hanika, *Hacking the shadow terminator*, Ray Tracing Gems II, 2021.
+    fn smooth_origin(&self, at: DVec3, corners: [DVec3; 3], normals: [DVec3; 3], w: [f64; 3]) -> DVec3 {
+        let mut sum = DVec3::ZERO;
+        for k in 0..3 {
+            let normal = normals[k].normalize_or_zero();
+            let below = (at - corners[k]).dot(normal);
+            if below < 0.0 {
+                sum -= normal * (below * w[k]);
+            }
+        }
+        if sum.is_finite() { at + sum } else { at }
+    }
+}
+
+impl OcclusionTest for &RenderMesh<'_> {
+    fn is_occluded(&mut self, origin: DVec3, direction: DVec3) -> bool {
+        self.bvh.any_hit(&Ray::new(origin.into(), direction.into()))
+    }
+
+    fn ray_offset(&self) -> f64 {
+        self.ray_offset
+    }
+}
+
+/// The normal, turned towards the viewer where it points away although the triangle is seen: to just across
+/// the ray.
+pub(super) fn facing_normal(normal: DVec3, flat: DVec3, direction: DVec3) -> DVec3 {
+    let away = normal.dot(direction);
+    if away <= 0.0 {
+        return normal;
+    }
+    let turned = (normal - direction * (away / direction.length_squared())).normalize_or_zero();
+    if turned == DVec3::ZERO { flat } else { turned }
+}
